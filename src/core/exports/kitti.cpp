@@ -3,7 +3,8 @@
 //
 //   training/velodyne/000000.bin   float32 x, y, z, reflectance per point
 //   training/label_2/000000.txt    a line for each object: type, truncation, occlusion, alpha, box in the image (px),
-//                                  height, width, length, position in the camera frame (m), rotation about camera y
+//                                  height, width, length, position in the camera frame (m), rotation about camera y;
+//                                  without objects a line of the type DontCare, since OpenPCDet reads no empty file
 //   training/calib/000000.txt      P0 to P3, R0_rect, Tr_velo_to_cam, Tr_imu_to_velo
 //   training/image_2/000000.png    required by loaders; black, since there is no camera
 //   ImageSets/train.txt            the frames of each split; those of `test` are in testing/
@@ -36,6 +37,9 @@ constexpr double kFocal = 721.5377;
 constexpr double kCenterX = 609.5593;
 constexpr double kCenterY = 172.854;
 constexpr double kNear = 0.1;  // m, distance of the near clipping plane in front of the camera
+
+// A region of one pixel in which detections do not count.
+constexpr const char* kNoObject = "DontCare -1 -1 -10 0.00 0.00 1.00 1.00 -1 -1 -1 -1000 -1000 -1000 -10\n";
 
 constexpr std::size_t kMostFrames = 1'000'000;  // largest number of frames, because their numbers have six digits
 
@@ -158,6 +162,7 @@ class Kitti : public Layout {
     forSeen(plan, *sample.objects, [&](const std::string& type, const ObjectRecord& object, const ObjectView& view) {
       labels += labelOf(type, object, view);
     });
+    if (labels.empty()) labels = kNoObject;
     const std::vector<std::filesystem::path> files = filesOf(plan, sequence, frame);
     folder.write(files[0], velodynePoints(sample.scans.front(), velodyneOrder(sample.scans.front())));
     folder.write(files[1], labels);

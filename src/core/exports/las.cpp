@@ -26,6 +26,7 @@
 #include "exports/las_head.h"
 #include "exports/scan_files.h"
 #include "formats/little_endian.h"
+#include "formats/readers.h"
 
 namespace scanmill {
 
@@ -165,7 +166,7 @@ class Las : public ScanFiles {
     std::vector<LasExtra> extra;
     forEachColumn([&](auto key) {
       if (!extraColumns.has(key)) return;
-      extra.push_back({key.index == kIntensity.index ? "intensity_f" : key.row.name, key.row.type, key.row.unit});
+      extra.push_back({key.index == kIntensity.index ? kLasExactIntensity : key.row.name, key.row.type, key.row.unit});
     });
     return lasHead(points, extra, plan.classes.target()) + bytes;
   }

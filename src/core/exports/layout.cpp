@@ -40,8 +40,7 @@ const LayoutEntry& requireLayout(std::string_view name) {
     if (entry.name == name) return entry;
     names.emplace_back(entry.name);
   }
-  throw InputError(fmt::format("unknown layout '{}'{}: the layouts are {}", name, suggestion(std::string(name), names),
-                               fmt::join(names, ", ")));
+  throw InputError(fmt::format("unknown layout '{}'{}", name, suggestion(name, names)));
 }
 
 bool listsObjects(const ExportPlan& plan) {

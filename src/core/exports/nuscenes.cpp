@@ -12,7 +12,7 @@
 //
 // - Points are in the frame of the real LIDAR_TOP, x to the right, y forward, z up, so that models trained on nuScenes
 //   can be used; calibrated_sensor has the frame's pose on the vehicle. Rings are numbered from the lowest beam; they
-//   are all equal if the dataset has no ring numbers. Intensities are integers from 0 to 255, as from the real sensor:
+//   are all 0 if the dataset has no ring numbers. Intensities are integers from 0 to 255, as from the real sensor:
 //   intensities above the full scale become 255, and all are 0 without the column `intensity`.
 // - Every frame is a key frame with a sample, however close the frames are; sweeps/ is empty.
 // - Each sequence is a scene with a log. The first scene is on 2020-01-01, and each further scene one day later,
@@ -148,12 +148,10 @@ std::string pointsOf(const ExportScan& exported) {
     const float strength = unitIntensity(exported, i);
     const float intensity = strength > 0 ? std::round(std::min(strength, 1.0f) * kFullIntensity) : 0;
     std::size_t ring = 0;
-    if (!scan[kRing].empty()) {
-      ring = scan[kRing][i];
-    } else if (scan.organised) {
-      ring = i / scan.columns % scan.rings;
+    if (!scan[kRing].empty() || scan.organised) {
+      ring = !scan[kRing].empty() ? scan[kRing][i] : i / scan.columns % scan.rings;
+      if (ring < rings.size()) ring = rings[ring];
     }
-    if (ring < rings.size()) ring = rings[ring];
     for (const float value : {-p.y, p.x, p.z, intensity, static_cast<float>(ring)}) putNumber(value, bytes);
   }
   return bytes;

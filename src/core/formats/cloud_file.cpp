@@ -21,9 +21,18 @@ Vec3d cloudOrigin(const Vec3d& place) {
   return {rounded(place.x), rounded(place.y), rounded(place.z)};
 }
 
+namespace {
+
+// Kinds of clouds that are known, and not read.
+bool isOtherCloud(const std::string& suffix) {
+  return suffix == ".e57" || suffix == ".pts" || suffix == ".ptx";
+}
+
+}  // namespace
+
 bool isCloud(const std::filesystem::path& file) {
   const std::string suffix = lowerExtension(file);
-  if (suffix == ".las" || suffix == ".laz") return true;
+  if (suffix == ".las" || suffix == ".laz" || suffix == ".xyz" || isOtherCloud(suffix)) return true;
   if (suffix != ".ply") return !suffix.empty() && formatBySuffix(suffix.substr(1)) != nullptr;
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error) || std::filesystem::file_size(file, error) == 0) return false;
@@ -33,28 +42,32 @@ bool isCloud(const std::filesystem::path& file) {
 }
 
 bool isScan(const std::filesystem::path& file) {
-  return numbersOfRecord(file) > 0 || lowerExtension(file) == ".npz" || isCloud(file);
+  const std::string suffix = lowerExtension(file);
+  return numbersOfRecord(file) > 0 || suffix == ".npz" || (!isOtherCloud(suffix) && isCloud(file));
 }
 
 std::string scanSuffixes() {
   std::string list;
   for (const FormatEntry& f : formats()) list += fmt::format(".{}, ", f.suffix);
-  return list + ".las, .ply, .bin, .pcd.bin, .npz";
+  return list + ".xyz, .las, .ply, .bin, .pcd.bin, .npz";
 }
 
-Cloud readCloud(const std::filesystem::path& file) {
+Cloud readCloud(const std::filesystem::path& file, CloudUnit unit) {
   const std::string suffix = lowerExtension(file);
+  const std::string name = file.string();
   if (suffix == ".ply") return readPly(file);
-  const std::string bytes = readFile(file);
-  if (suffix == ".las" || suffix == ".laz") return readLas(bytes, file.string());
-  if (suffix == ".pcd") {
-    Cloud cloud;
-    cloud.scan = readPcd(bytes, file.string(), &cloud.origin);
-    return cloud;
+  if (isOtherCloud(suffix)) {
+    throw InputError({name}, fmt::format("is a cloud of the kind {}, which is not read: convert it, by `pdal translate "
+                                         "a{} a.las` or by CloudCompare into LAS, PLY or PCD",
+                                         suffix, suffix));
   }
-  if (suffix == ".npz") return {{}, readNpz(bytes, file.string())};
+  const std::string bytes = readFile(file);
+  if (suffix == ".las" || suffix == ".laz") return readLas(bytes, name, unit);
+  if (suffix == ".pcd") return readPcd(bytes, name);
+  if (suffix == ".csv" || suffix == ".xyz") return readCsv(bytes, name);
+  if (suffix == ".npz") return readNpz(bytes, name);
   if (const std::size_t numbers = numbersOfRecord(file); numbers > 0) {
-    Cloud cloud{{}, readPointRecords(bytes, numbers, file.string())};
+    Cloud cloud{{}, readPointRecords(bytes, numbers, name)};
     if (const auto labels = labelsBeside(file); !labels.empty()) {
       addSemanticKittiLabels(readFile(labels), labels.string(), cloud.scan);
     }
@@ -62,11 +75,16 @@ Cloud readCloud(const std::filesystem::path& file) {
   }
   const FormatEntry* const format = suffix.empty() ? nullptr : formatBySuffix(suffix.substr(1));
   if (format == nullptr) {
-    throw InputError({file.string()}, fmt::format("is no scan of a known kind: {} are read", scanSuffixes()));
+    throw InputError({name}, fmt::format("is no scan of a known kind: {} are read", scanSuffixes()));
   }
   const Value none;
   Fields options(none, "format");
-  return {{}, format->make(options)->decode(bytes, file.string())};
+  return {{}, format->make(options)->decode(bytes, name)};
+}
+
+Scan scanOf(Cloud cloud, const std::string& what) {
+  cloud.leftOut.tell(what);
+  return std::move(cloud.scan);
 }
 
 }  // namespace scanmill

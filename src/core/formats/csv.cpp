@@ -3,97 +3,213 @@
 //   x,y,z,intensity,label
 //   1.5,-2.25,0.125,37,4
 //
-// Numbers have the shortest digits that read back to the same bits, lines end with '\n' ("\r\n" is read as well), and
-// misses of an organised scan are "nan". The text does not describe the sensor: decode() returns one row per line, and
-// rings and columns are unknown. Columns that the table of columns lacks are kept as double-precision numbers.
+// Numbers have the shortest digits that read back to the same bits, lines end with '\n', and misses of an organised
+// scan are "nan". The text does not describe the sensor: decode() returns one row per line, and rings and columns are
+// unknown. Columns that the table of columns lacks are kept as double-precision numbers. readCsv() reads the text of
+// other programs, too.
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
+#include <charconv>
 #include <functional>
+#include <utility>
 #include <vector>
 
+#include "config/text.h"
+#include "formats/cloud_columns.h"
 #include "formats/makers.h"
+#include "formats/readers.h"
 #include "formats/text_rows.h"
 
 namespace scanmill {
 
 namespace {
 
-// Removes the text up to and including the next `separator` from `text`, and returns it without the separator. If there
-// is no separator, removes and returns all of the text.
-std::string_view cut(std::string_view& text, char separator) {
-  const std::size_t end = std::min(text.find(separator), text.size());
-  const std::string_view piece = text.substr(0, end);
-  text.remove_prefix(std::min(end + 1, text.size()));
-  return piece;
+// Returns the text without blanks at its ends.
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view kBlanks = " \t\r";
+  const std::size_t first = text.find_first_not_of(kBlanks);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
 }
 
-// Removes the first line from `text` and returns it without its end, "\n" or (from other programs) "\r\n".
-std::string_view cutLine(std::string_view& text) {
-  std::string_view line = cut(text, '\n');
-  if (line.ends_with('\r')) line.remove_suffix(1);
-  return line;
+// Returns the cells of a line without quotation marks. The separator ' ' stands for any number of blanks.
+void split(std::string_view line, char separator, std::vector<std::string_view>& cells) {
+  cells.clear();
+  for (bool more = true; more;) {
+    const std::size_t end = separator == ' ' ? line.find_first_of(" \t") : line.find(separator);
+    more = end != std::string_view::npos;
+    std::string_view cell = trimmed(line.substr(0, end));
+    if (cell.size() > 1 && cell.front() == '"' && cell.back() == '"') cell = trimmed(cell.substr(1, cell.size() - 2));
+    cells.push_back(cell);
+    if (more) line.remove_prefix(end + 1);
+    if (separator == ' ') line = trimmed(line);
+  }
 }
 
 // A function that stores a cell of the file as a value of the point that was added to the scan last.
 using ReadCell = std::function<void(std::string_view word, const Location& where)>;
 
-// Returns the function that stores the cells of the column with this name. A name that is not in the table of columns
-// becomes a foreign column; if it resembles a name of the table, throws InputError.
-ReadCell cellReader(Scan& scan, const std::string& name, const Location& at) {
-  for (const auto& [axis, member] : {std::pair{"x", &Vec3f::x}, {"y", &Vec3f::y}, {"z", &Vec3f::z}}) {
-    if (name != axis) continue;
-    return [&scan, axis = axis, member = member](std::string_view word, const Location& where) {
-      readNumber(word, scan.position.back().*member, axis, where);
-    };
-  }
-  ReadCell read;
-  visitTable(scan, [&](auto key, auto& values) {
-    if (key.row.name != name) return;
-    read = [&values, key](std::string_view word, const Location& where) {
-      readNumber(word, values.emplace_back(), key.row.name, where);
-    };
-  });
-  if (read) return read;
-  const std::string meant = nearest(name, scanColumnNames(ColumnSet::all()));
-  if (!meant.empty()) throw InputError(at, fmt::format("unknown column '{}' (did you mean '{}'?)", name, meant));
-  scan.foreign.push_back({name, std::vector<double>{}});
-  return [&scan, index = scan.foreign.size() - 1](std::string_view word, const Location& where) {
-    ForeignColumn& column = scan.foreign[index];
-    readNumber(word, std::get<std::vector<double>>(column.values).emplace_back(), column.name, where);
-  };
+bool isNumber(std::string_view word) {
+  double number = 0;
+  const char* const end = word.data() + word.size();
+  return std::from_chars(word.data(), end, number).ptr == end && !word.empty();
 }
 
-std::vector<ReadCell> readHeader(std::string_view line, Scan& scan, const Location& where) {
-  constexpr std::size_t kMostColumns = 256;
-  const auto columnCount = static_cast<std::size_t>(std::count(line.begin(), line.end(), ',')) + 1;
-  if (columnCount > kMostColumns) throw InputError(where, "the header names too many columns to be a scan's");
-  std::vector<std::string> names;
-  std::vector<ReadCell> cells;
-  for (std::size_t i = 0; i < columnCount; ++i) {
-    const std::string name(cut(line, ','));
-    const bool word = !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
-      return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
+class CsvReader {
+ public:
+  CsvReader(std::string_view bytes, const std::string& what, bool exact)
+      : rest_(bytes), where_{what, 0, 0}, exact_(exact) {}
+
+  Cloud read() {
+    constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+    if (rest_.starts_with(kByteOrderMark)) rest_.remove_prefix(kByteOrderMark.size());
+    if (!readHeader()) throw InputError({where_.file, 1}, "the file is empty");
+    while (nextLine()) {
+      split(line_, separator_, cells_);
+      if (cells_.size() != columns_.size()) {
+        throw InputError(
+            where_, fmt::format("{} values where the header names {} columns{}", cells_.size(), columns_.size(),
+                                cells_.size() > columns_.size() && separator_ == ',' ? ": decimals need a point" : ""));
+      }
+      addPoint();
+    }
+    if (exact_) setPositions(places_, cloud_);
+    adoptColumns(cloud_, {where_.file});
+    return std::move(cloud_);
+  }
+
+ private:
+  // Removes the next line from the rest of the file.
+  void cutLine() {
+    const std::size_t end = std::min(rest_.find('\n'), rest_.size());
+    line_ = trimmed(rest_.substr(0, end));
+    rest_.remove_prefix(std::min(end + 1, rest_.size()));
+    ++where_.line;
+  }
+
+  // Steps to the next line that is neither empty nor a comment. Returns false at the end of the file.
+  bool nextLine() {
+    while (!rest_.empty()) {
+      cutLine();
+      if (!line_.empty() && !line_.starts_with('#') && !line_.starts_with("//")) return true;
+    }
+    return false;
+  }
+
+  // Reads the first line of names, which may look like a comment, or else the first point.
+  bool readHeader() {
+    while (!rest_.empty()) {
+      cutLine();
+      const bool isComment = line_.starts_with('#') || line_.starts_with("//");
+      const std::size_t names = isComment ? line_.find_first_not_of("#/ \t") : 0;
+      if (line_.empty() || names == std::string_view::npos) continue;
+      line_.remove_prefix(names);
+      const std::size_t separator = line_.find_first_of(",;\t");
+      separator_ = separator == std::string_view::npos ? ' ' : line_[separator];
+      split(line_, separator_, cells_);
+      if (!isComment || namesPositions()) return readNames();
+    }
+    return false;
+  }
+
+  bool namesPositions() const {
+    return std::all_of(kAxes.begin(), kAxes.end(), [&](const auto& axis) {
+      return std::any_of(cells_.begin(), cells_.end(),
+                         [&](std::string_view cell) { return columnMeant(cell) == axis.first; });
     });
-    if (!word || std::isdigit(static_cast<unsigned char>(name.front())) != 0) {
-      throw InputError(where,
-                       fmt::format("'{}' is no name of a column: the first line names them", name.substr(0, 40)));
-    }
-    if (std::find(names.begin(), names.end(), name) != names.end()) {
-      throw InputError(where, fmt::format("column '{}' is named twice", name));
-    }
-    cells.push_back(cellReader(scan, name, where));
-    names.push_back(name);
   }
-  for (const char* axis : {"x", "y", "z"}) {
-    if (std::find(names.begin(), names.end(), axis) == names.end()) {
-      throw InputError(where, fmt::format("there is no column '{}'", axis));
+
+  bool readNames() {
+    if (cells_.size() == 3 && std::all_of(cells_.begin(), cells_.end(), isNumber)) {
+      for (const auto& [name, member] : kAxes) columns_.push_back(cellReader(std::string(name)));
+      addPoint();
+      return true;
     }
+    constexpr std::size_t kMostColumns = 256;
+    if (cells_.size() > kMostColumns) throw InputError(where_, "the header names too many columns to be a scan's");
+    std::vector<std::string> names;
+    for (const std::string_view cell : cells_) {
+      const bool word = !cell.empty() && std::all_of(cell.begin(), cell.end(), [](char c) {
+        return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
+      });
+      if (!word || std::isdigit(static_cast<unsigned char>(cell.front())) != 0) {
+        throw InputError(where_, fmt::format("'{}' is no name of a column: the first line names them, as x,y,z,label; "
+                                             "only files of x, y and z alone do without",
+                                             cell.substr(0, 40)));
+      }
+      const std::string lower = columnMeant(cell);
+      const bool isAxis = lower == "x" || lower == "y" || lower == "z";
+      names.push_back(isAxis ? lower : std::string(cell));
+      if (std::count(names.begin(), names.end(), names.back()) > 1) {
+        throw InputError(where_, fmt::format("column '{}' is named twice", names.back()));
+      }
+      columns_.push_back(cellReader(names.back()));
+    }
+    for (const auto& [axis, member] : kAxes) {
+      if (std::find(names.begin(), names.end(), axis) == names.end()) {
+        throw InputError(where_, fmt::format("there is no column '{}'", axis));
+      }
+    }
+    return true;
   }
-  return cells;
-}
+
+  // Returns the function that stores the cells of the column with this name. A name that is not in the table of columns
+  // becomes a foreign column; if it only resembles a name of the table, throws InputError.
+  ReadCell cellReader(const std::string& name) {
+    for (std::size_t axis = 0; axis < kAxes.size(); ++axis) {
+      if (name != kAxes[axis].first) continue;
+      return [this, axis](std::string_view word, const Location& where) {
+        if (exact_) {
+          readNumber(word, places_.back().*kAxes[axis].second, kAxes[axis].first, where);
+        } else {
+          readNumber(word, cloud_.scan.position.back().*kFloatAxes[axis], kAxes[axis].first, where);
+        }
+      };
+    }
+    ReadCell read;
+    visitTable(cloud_.scan, [&](auto key, auto& values) {
+      if (key.row.name != name) return;
+      cloud_.scan.columnsIfEmpty.add(key.index);
+      read = [&values, key](std::string_view word, const Location& where) {
+        readNumber(word, values.emplace_back(), key.row.name, where);
+      };
+    });
+    if (read) return read;
+    const std::string lower = lowerCase(name);
+    const std::string meant = columnMeant(name) != lower || cloudColumns().find(lower) != nullptr
+                                  ? ""
+                                  : nearest(name, scanColumnNames(ColumnSet::all()));
+    if (!meant.empty()) throw InputError(where_, fmt::format("unknown column '{}' (did you mean '{}'?)", name, meant));
+    cloud_.scan.foreign.push_back({name, std::vector<double>{}});
+    return [this, index = cloud_.scan.foreign.size() - 1](std::string_view word, const Location& where) {
+      ForeignColumn& column = cloud_.scan.foreign[index];
+      readNumber(word, std::get<std::vector<double>>(column.values).emplace_back(), column.name, where);
+    };
+  }
+
+  void addPoint() {
+    cloud_.scan.position.emplace_back();
+    if (exact_) places_.emplace_back();
+    for (std::size_t i = 0; i < columns_.size(); ++i) columns_[i](cells_[i], where_);
+  }
+
+  static constexpr std::array<std::pair<std::string_view, double Vec3d::*>, 3> kAxes{
+      {{"x", &Vec3d::x}, {"y", &Vec3d::y}, {"z", &Vec3d::z}}};
+  static constexpr std::array<float Vec3f::*, 3> kFloatAxes{&Vec3f::x, &Vec3f::y, &Vec3f::z};
+
+  std::string_view rest_, line_;
+  Location where_;
+  bool exact_;
+  char separator_ = ',';
+  std::vector<std::string_view> cells_;
+  std::vector<ReadCell> columns_;
+  std::vector<Vec3d> places_;  // m, positions before the origin is subtracted; empty unless exact_
+  Cloud cloud_;
+};
 
 class Csv : public Format {
  public:
@@ -115,25 +231,7 @@ class Csv : public Format {
   }
 
   Scan decode(std::string_view bytes, const std::string& what) const override {
-    Location where{what, 1, 0};
-    if (bytes.empty()) throw InputError(where, "the file is empty");
-    if (bytes.back() != '\n') {
-      where.line = static_cast<int>(std::count(bytes.begin(), bytes.end(), '\n')) + 1;
-      throw InputError(where, "the last line has no end: the file is truncated");
-    }
-    Scan scan;
-    const std::vector<ReadCell> columns = readHeader(cutLine(bytes), scan, where);
-    while (!bytes.empty()) {
-      ++where.line;
-      std::string_view line = cutLine(bytes);
-      const auto cells = static_cast<std::size_t>(std::count(line.begin(), line.end(), ',')) + 1;
-      if (cells != columns.size()) {
-        throw InputError(where, fmt::format("{} values where the header names {} columns", cells, columns.size()));
-      }
-      scan.position.emplace_back();
-      for (const ReadCell& read : columns) read(cut(line, ','), where);
-    }
-    return scan;
+    return scanOf(readCsv(bytes, what, false), what);
   }
 };
 
@@ -142,6 +240,21 @@ class Csv : public Format {
 std::unique_ptr<Format> makeCsv(Fields& options) {
   options.finish();
   return std::make_unique<Csv>();
+}
+
+const FormatSupport& csvFormat() {
+  using enum FormatElements::Use;
+  static const FormatSupport format{
+      "Text",
+      ".csv, .xyz",
+      {{Read, "x y z", "and the columns of point clouds, as the first line names them; without names: x y z"},
+       {Read, ", ;", "separators, as in the first line; tabs and blanks are, too"},
+       {Unused, "# //", "comments; the first of them may hold the names"}}};
+  return format;
+}
+
+Cloud readCsv(std::string_view bytes, const std::string& what, bool exact) {
+  return CsvReader(bytes, what, exact).read();
 }
 
 }  // namespace scanmill

@@ -141,7 +141,9 @@ class DracoFormat : public Format {
     return encodeDense(withoutMisses(scan));
   }
 
-  Scan decode(std::string_view bytes, const std::string& what) const override { return readDraco(bytes, what); }
+  Scan decode(std::string_view bytes, const std::string& what) const override {
+    return scanOf(readDraco(bytes, what), what);
+  }
 
  private:
   std::string encodeDense(const Scan& scan) const {
@@ -151,7 +153,7 @@ class DracoFormat : public Format {
     DracoWriter writer(static_cast<std::uint32_t>(scan.size()), 10 - options_.speed);
     writer.addEntry("rings", static_cast<std::int32_t>(scan.rings));
     writer.addEntry("columns", static_cast<std::int32_t>(scan.columns));
-    if (scan.size() == 0) return writer.finish();
+    if (scan.size() == 0) return encodeEmpty(scan, writer);
     addPosition(scan, writer);
     visitTable(scan, [&](auto key, const auto& values) {
       if (!values.empty() && keeps(key.row)) addColumn(key.row, values, writer);
@@ -159,6 +161,15 @@ class DracoFormat : public Format {
     for (const ForeignColumn& column : scan.foreign) {
       std::visit([&](const auto& values) { addForeign(column.name, values, writer); }, column.values);
     }
+    return writer.finish();
+  }
+
+  // Returns a file without points, which names the columns.
+  std::string encodeEmpty(const Scan& scan, DracoWriter& writer) const {
+    if (columnNames(scan).size() > 3) writer.addEmpty("position");
+    visitColumns(scan, [&](std::string_view name, const auto&) {
+      if (name != kTime.row.name || options_.time) writer.addEmpty(name);
+    });
     return writer.finish();
   }
 

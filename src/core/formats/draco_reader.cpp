@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "base/error.h"
+#include "formats/cloud_columns.h"
 #include "formats/column_value.h"
 #include "formats/readers.h"
 #include "scan/scan.h"
@@ -121,23 +122,25 @@ class CloudReader {
  public:
   CloudReader(const draco::PointCloud& cloud, const std::string& what) : cloud_(cloud), where_{what, 0, 0} {}
 
-  Scan read() const {
-    Scan scan;
+  Cloud read() {
+    Scan& scan = read_.scan;
     scan.rings = entry("rings");
     scan.columns = entry("columns");
     const draco::PointAttribute* position = cloud_.GetNamedAttribute(draco::GeometryAttribute::POSITION);
-    if (cloud_.num_points() == 0) return scan;
+    if (cloud_.num_points() == 0 && position == nullptr) return std::move(read_);
     if (!position || position->num_components() != 3) throw InputError(where_, "there are no positions x, y, z");
     scan.position.resize(cloud_.num_points());
-    readAttribute(*position, "position", &scan.position[0].x);
+    if (scan.size() > 0) readAttribute(*position, "position", &scan.position[0].x);
     visitTable(scan, [&](auto key, auto& values) {
       const draco::PointAttribute* attribute = find(key.row.name);
       if (!attribute) return;
+      scan.columnsIfEmpty.add(key.index);
       values.resize(cloud_.num_points());
       readAttribute(*attribute, key.row.name, values.data());
     });
-    readForeign(scan);
-    return scan;
+    readForeign(*position);
+    adoptColumns(read_, where_);
+    return std::move(read_);
   }
 
  private:
@@ -161,23 +164,36 @@ class CloudReader {
 
   // Returns the attribute's name; empty if it has none.
   std::string nameOf(int attribute) const {
-    const draco::AttributeMetadata* metadata = cloud_.GetAttributeMetadataByAttributeId(attribute);
     std::string name;
+    if (!cloud_.GetMetadata()) return name;
+    const draco::AttributeMetadata* metadata = cloud_.GetAttributeMetadataByAttributeId(attribute);
     if (metadata == nullptr || !metadata->GetEntryString("name", &name)) name.clear();
     return name;
   }
 
-  // Reads attributes with one value per point and a name that the table of columns does not have.
-  void readForeign(Scan& scan) const {
-    if (!cloud_.GetMetadata()) return;
+  // Reads attributes with one value per point and a name that the table of columns does not have, colours and normals.
+  void readForeign(const draco::PointAttribute& position) {
     for (int i = 0; i < cloud_.num_attributes(); ++i) {
       const draco::PointAttribute& attribute = *cloud_.attribute(i);
-      const std::string name = nameOf(i);
-      if (name.empty() || attribute.num_components() != 1 || columnIndex(name) < kColumnCount) continue;
-      visitStored(attribute, name, [&]<class Stored>(Stored) {
-        std::vector<Stored> values(cloud_.num_points());
-        convert<Stored>(attribute, name, values.data());
-        scan.foreign.push_back({name, std::move(values)});
+      if (&attribute == &position) continue;
+      const auto kind = attribute.attribute_type();
+      const auto components = static_cast<std::size_t>(attribute.num_components());
+      std::vector<std::string> names{nameOf(i)};
+      if (kind == draco::GeometryAttribute::COLOR && components >= 3) names = {"red", "green", "blue"};
+      if (kind == draco::GeometryAttribute::NORMAL && components == 3) names = {"nx", "ny", "nz"};
+      if (names[0].empty() || (names.size() == 1 && components != 1)) {
+        read_.leftOut.add(fmt::format("attributes '{}' of {} values", names[0], components));
+        continue;
+      }
+      if (names.size() == 1 && columnIndex(names[0]) < kColumnCount) continue;
+      visitStored(attribute, names[0], [&]<class Stored>(Stored) {
+        std::vector<Stored> values(cloud_.num_points() * components);
+        convert<Stored>(attribute, names[0], values.data());
+        for (std::size_t c = 0; c < names.size(); ++c) {
+          std::vector<Stored> own;
+          for (std::size_t at = c; at < values.size(); at += components) own.push_back(values[at]);
+          read_.scan.foreign.push_back({names[c], std::move(own)});
+        }
       });
     }
   }
@@ -239,11 +255,24 @@ class CloudReader {
 
   const draco::PointCloud& cloud_;
   Location where_;
+  Cloud read_;
 };
 
 }  // namespace
 
-Scan readDraco(std::string_view bytes, const std::string& what) {
+const FormatSupport& dracoFormat() {
+  using enum FormatElements::Use;
+  static const FormatSupport format{
+      "Draco",
+      ".drc",
+      {{Read, "POSITION", "positions"},
+       {Read, "COLOR NORMAL", "colours and normals"},
+       {Read, "GENERIC", "one value a point, with the metadata `name`: see the columns of point clouds"},
+       {LeftOut, "TEX_COORD", "attributes of several values or without a name"}}};
+  return format;
+}
+
+Cloud readDraco(std::string_view bytes, const std::string& what) {
   HeaderCheck(bytes, what).run();
   draco::DecoderBuffer buffer;
   buffer.Init(bytes.data(), bytes.size());

@@ -120,6 +120,12 @@ void DracoWriter::addFloats(std::string_view name, std::span<const float> values
   values_.append(reinterpret_cast<const char*>(values.data()), values.size_bytes());
 }
 
+void DracoWriter::addEmpty(std::string_view name) {
+  const bool isPosition = name == "position";
+  describe(name, isPosition ? draco::GeometryAttribute::POSITION : draco::GeometryAttribute::GENERIC, draco::DT_FLOAT32,
+           isPosition ? 3 : 1, draco::SEQUENTIAL_ATTRIBUTE_ENCODER_GENERIC);
+}
+
 std::string DracoWriter::finish() const {
   std::string out = "DRACO";
   out.push_back(static_cast<char>(draco::kDracoPointCloudBitstreamVersionMajor));

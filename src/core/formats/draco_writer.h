@@ -36,6 +36,8 @@ class DracoWriter {
   void addIntegers(std::string_view name, std::span<const std::uint16_t> values);  // stored as u8 if all values fit
   void addIntegers(std::string_view name, std::span<const std::uint32_t> values);  // stored as u8, u16 or u32
   void addFloats(std::string_view name, std::span<const float> values);            // stored unchanged
+  // Adds a column of a cloud without points; "position" is that of the points.
+  void addEmpty(std::string_view name);
 
   // Returns the bytes of the whole point cloud.
   [[nodiscard]] std::string finish() const;

@@ -4,16 +4,25 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <tuple>
 
 #include "base/error.h"
+#include "formats/cloud_columns.h"
+#include "formats/las_unit.h"
 #include "formats/readers.h"
 
 namespace scanmill {
 namespace {
 
 // Offsets (bytes) in the header, from table 1 of the specification.
-constexpr std::size_t kMinor = 25, kHeaderSize = 94, kPointsAt = 96, kFormat = 104, kRecordSize = 105,
-                      kLegacyPoints = 107, kScale = 131, kOffset = 155, kPoints = 247;
+constexpr std::size_t kEncoding = 6, kMinor = 25, kHeaderSize = 94, kPointsAt = 96, kRecords = 100, kFormat = 104,
+                      kRecordSize = 105, kLegacyPoints = 107, kScale = 131, kOffset = 155, kLaterRecordsAt = 235,
+                      kLaterRecords = 243, kPoints = 247;
+// Types of extra bytes, which the specification numbers from 1.
+using ExtraTypes = std::tuple<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::uint32_t, std::int32_t,
+                              std::uint64_t, std::int64_t, float, double>;
+constexpr std::uint16_t kWktBit = 1 << 4;  // of the global encoding: the coordinate system is well-known text
+constexpr ColumnKey<columnIndex("returns")> kReturns;
 constexpr std::size_t kLeastHeader = 227;  // size of the header of versions 1.0 to 1.2 (bytes)
 constexpr std::array<std::size_t, 11> kLeastRecord{20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
 constexpr std::array<std::size_t, 11> kGpsTimeAt{0,  20, 0,  20, 20, 20,
@@ -21,11 +30,38 @@ constexpr std::array<std::size_t, 11> kGpsTimeAt{0,  20, 0,  20, 20, 20,
 constexpr std::array<std::size_t, 11> kColorsAt{0, 0, 20, 28, 0, 28, 0, 30, 30, 0, 30};
 constexpr std::uint8_t kCompressed = 0x80;
 
-class Reader {
- public:
-  Reader(std::string_view bytes, const std::string& what) : bytes_(bytes), where_{what} {}
+// Names of classes, by number, from table 17 of the specification of LAS 1.4.
+constexpr std::array<const char*, 23> kClassNames{"never classified",
+                                                  "unclassified",
+                                                  "ground",
+                                                  "low vegetation",
+                                                  "medium vegetation",
+                                                  "high vegetation",
+                                                  "building",
+                                                  "low noise",
+                                                  "key point",
+                                                  "water",
+                                                  "rail",
+                                                  "road surface",
+                                                  "overlap",
+                                                  "wire guard",
+                                                  "wire conductor",
+                                                  "transmission tower",
+                                                  "wire connector",
+                                                  "bridge deck",
+                                                  "high noise",
+                                                  "overhead structure",
+                                                  "ignored ground",
+                                                  "snow",
+                                                  "temporal exclusion"};
 
-  Cloud read() {
+class LasReader {
+ public:
+  LasReader(std::string_view bytes, const std::string& what) : bytes_(bytes), where_{what} {
+    for (std::uint32_t k = 0; k < kClassNames.size(); ++k) cloud_.classNames[k] = kClassNames[k];
+  }
+
+  Cloud read(CloudUnit unit) {
     if (bytes_.size() < kLeastHeader || !bytes_.starts_with("LASF")) fail("is no LAS file");
     const auto minor = at<std::uint8_t>(kMinor);
     if (at<std::uint8_t>(kMinor - 1) != 1 || minor > 4) {
@@ -57,6 +93,8 @@ class Reader {
         fail("has scales or offsets of coordinates that are no numbers");
       }
     }
+    readRecords(first);
+    if (unit == CloudUnit::OfFile) applyUnit();
     readPoints(first, points);
     return std::move(cloud_);
   }
@@ -74,9 +112,80 @@ class Reader {
   Vec3d placeAt(std::uint64_t record) const {
     std::array<double, 3> place{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      place[axis] = at<std::int32_t>(record + 4 * axis) * scale_[axis] + offset_[axis];
+      place[axis] = (at<std::int32_t>(record + 4 * axis) * scale_[axis] + offset_[axis]) * metres_[axis];
     }
     return {place[0], place[1], place[2]};
+  }
+
+  // Reads the records between the header and the points, and those behind the points of LAS 1.4.
+  void readRecords(std::uint64_t points) {
+    std::uint64_t place = at<std::uint16_t>(kHeaderSize);
+    for (std::uint32_t left = at<std::uint32_t>(kRecords); left > 0 && place + 54 <= points; --left) {
+      const std::uint64_t length = at<std::uint16_t>(place + 20);
+      if (length > points - place - 54) break;
+      readRecord(place, bytes_.substr(place + 54, length));
+      place += 54 + length;
+    }
+    if (at<std::uint8_t>(kMinor) < 4 || bytes_.size() < kPoints || at<std::uint16_t>(kHeaderSize) < kPoints) {
+      return;
+    }
+    place = at<std::uint64_t>(kLaterRecordsAt);
+    for (std::uint32_t left = at<std::uint32_t>(kLaterRecords); left > 0; --left) {
+      if (place > bytes_.size() || bytes_.size() - place < 60) break;
+      const auto length = at<std::uint64_t>(place + 20);
+      if (length > bytes_.size() - place - 60) break;
+      readRecord(place, bytes_.substr(place + 60, length));
+      place += 60 + length;
+    }
+  }
+
+  void readRecord(std::uint64_t place, std::string_view data) {
+    const std::string_view user = textAt(bytes_, place + 2, 16);
+    const auto id = at<std::uint16_t>(place + 18);
+    if (user == "LASF_Projection" && id == 2112) wkt_ = data;
+    if (user == "LASF_Projection" && id == 34735) geoKeys_ = data;
+    if (user == "LASF_Projection" && id == 34736) geoNumbers_ = data;
+    if (user == "LASF_Spec" && id == 4) described_ = data;
+    if (user != "LASF_Spec" || id != 0) return;
+    for (std::size_t k = 0; k + 16 <= data.size(); k += 16) {
+      const std::string name(textAt(data, k + 1, 15));
+      if (!name.empty()) cloud_.classNames[static_cast<unsigned char>(data[k])] = name;
+    }
+  }
+
+  // Returns the text of a field of `length` bytes, which ends at its first zero.
+  static std::string_view textAt(std::string_view data, std::size_t place, std::size_t length) {
+    const std::string_view field = data.substr(place, length);
+    return field.substr(0, field.find('\0'));
+  }
+
+  void applyUnit() {
+    const bool byWkt = !wkt_.empty() && ((at<std::uint16_t>(kEncoding) & kWktBit) != 0 || geoKeys_.empty());
+    const LasUnit unit = byWkt ? unitOfWkt(wkt_) : unitOfGeoKeys(geoKeys_, geoNumbers_);
+    constexpr const char* kOtherwise = "or state the metres per unit by the key `unit`, which goes before the file";
+    if (unit.degrees) {
+      fail(
+          fmt::format("has coordinates in degrees: reproject it, by `pdal translate a.las b.las reprojection "
+                      "--filters.reprojection.out_srs=EPSG:32632` with the zone of the place, {}",
+                      kOtherwise));
+    }
+    if (unit.unknown != 0) {
+      fail(fmt::format("has coordinates in the unit EPSG:{}, which is not known: reproject it into metres, {}",
+                       unit.unknown, kOtherwise));
+    }
+    const double vertical = unit.vertical.value_or(unit.horizontal);
+    metres_ = {unit.horizontal, unit.horizontal, vertical};
+    if (unit.unstated != 0) {
+      warn(
+          fmt::format("{}: its coordinate system EPSG:{} is stated without a unit, and counts as in metres: give the "
+                      "key `unit` if it is not",
+                      where_.file, unit.unstated));
+    } else if (unit.horizontal != 1 || vertical != 1) {
+      warn(
+          fmt::format("{}: its coordinates, in units of {:.10g} m ({}), and heights, in units of {:.10g} m, become "
+                      "metres; the key `unit` would go before the file",
+                      where_.file, unit.horizontal, unit.name, vertical));
+    }
   }
 
   void readPoints(std::uint64_t first, std::uint64_t points) {
@@ -88,26 +197,104 @@ class Reader {
       const bool withheld = (at<std::uint8_t>(record + 15) & (modern ? 0x04 : 0x80)) != 0;
       if (!withheld) records.push_back(record);
     }
-    if (records.empty()) return;
-    cloud_.origin = cloudOrigin(placeAt(records.front()));
+    cloud_.leftOut.add("points marked as withheld", points - records.size());
+    if (!records.empty()) cloud_.origin = cloudOrigin(placeAt(records.front()));
     Scan& scan = cloud_.scan;
+    std::vector<std::uint16_t> labels;
+    std::vector<float> intensities;
     for (const std::uint64_t record : records) {
       scan.position.push_back(static_cast<Vec3f>(placeAt(record) - cloud_.origin));
-      scan[kIntensity].push_back(at<std::uint16_t>(record + 12));
+      intensities.push_back(at<std::uint16_t>(record + 12));
       const auto classified = at<std::uint8_t>(record + (modern ? 16 : 15));
-      scan[kLabel].push_back(modern ? classified : classified & 0x1F);
-      scan[kReturn].push_back(at<std::uint8_t>(record + 14) & (modern ? 0x0F : 0x07));
+      labels.push_back(modern ? classified : classified & 0x1F);
+      const auto returns = at<std::uint8_t>(record + 14);
+      scan[kReturn].push_back(returns & (modern ? 0x0F : 0x07));
+      scan[kReturns].push_back(modern ? returns >> 4 : returns >> 3 & 0x07);
     }
+    scan.columnsIfEmpty = ColumnSet(kReturn, kReturns);
     keep<double>(records, "gps_time", kGpsTimeAt[format_]);
     std::size_t offset = kColorsAt[format_];
     for (const char* name : {"red", "green", "blue"}) {
       keep<std::uint16_t>(records, name, offset);
       offset += offset == 0 ? 0 : 2;
     }
+    readExtraBytes(records);
+    // What is exported in LAS has the complete intensities, and classes that were never given make way for others.
+    const auto exact = std::find_if(scan.foreign.begin(), scan.foreign.end(),
+                                    [](const ForeignColumn& column) { return column.name == kLasExactIntensity; });
+    if (exact != scan.foreign.end()) {
+      exact->name = kIntensity.row.name;
+    } else {
+      scan[kIntensity] = std::move(intensities);
+      scan.columnsIfEmpty.add(kIntensity.index);
+    }
+    const bool classified = std::any_of(labels.begin(), labels.end(), [](std::uint16_t label) { return label != 0; });
+    if (classified) scan[kLabel] = std::move(labels);
+    adoptColumns(cloud_, {});  // columns of others that do not fit are told
+    if (!classified && scan.has(kLabel)) {
+      cloud_.classNames.clear();
+    } else if (!classified) {
+      scan[kLabel] = std::move(labels);
+      scan.columnsIfEmpty.add(kLabel.index);
+    }
+  }
+
+  void readExtraBytes(const std::vector<std::uint64_t>& records) {
+    constexpr std::array<std::uint64_t, 10> kBytes{1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
+    constexpr std::size_t kDescription = 192;
+    std::uint64_t place = kLeastRecord[format_];
+    for (; described_.size() >= kDescription; described_.remove_prefix(kDescription)) {
+      const std::string name(textAt(described_, 4, 32));
+      const std::size_t type = static_cast<unsigned char>(described_[2]);
+      const std::size_t options = static_cast<unsigned char>(described_[3]);
+      // Types from 11 on are pairs and triples of the first ten.
+      const std::uint64_t size = type == 0 ? options : kBytes[(type - 1) % kBytes.size()] * ((type - 1) / 10 + 1);
+      if (size > record_ - place) break;
+      if (type == 0 || type > kBytes.size()) {
+        cloud_.leftOut.add(fmt::format("extra bytes '{}' of several values", name));
+      } else {
+        keepExtraOf(ExtraTypes(), type, records, name, place, options);
+      }
+      place += size;
+    }
+    cloud_.leftOut.add("bytes of each point that nothing describes", record_ - place);
+  }
+
+  template <class... T>
+  void keepExtraOf(std::tuple<T...>, std::size_t type, const std::vector<std::uint64_t>& records,
+                   const std::string& name, std::uint64_t place, std::size_t options) {
+    std::size_t number = 0;
+    ((++number == type ? keepExtra<T>(records, name, place, options) : void()), ...);
   }
 
   template <class T>
-  void keep(const std::vector<std::uint64_t>& records, const char* name, std::size_t offset) {
+  T describedNumber(std::size_t at) const {
+    T value;
+    std::memcpy(&value, described_.data() + at, sizeof(value));
+    return value;
+  }
+
+  // Keeps the extra bytes at `place` of each record, whose description begins described_.
+  template <class T>
+  void keepExtra(const std::vector<std::uint64_t>& records, const std::string& name, std::uint64_t place,
+                 std::size_t options) {
+    constexpr std::size_t kHasNone = 1, kHasScale = 8, kHasOffset = 16;
+    keep<T>(records, name, place);
+    auto& values = std::get<std::vector<T>>(cloud_.scan.foreign.back().values);
+    if ((options & kHasNone) != 0 && columnIndex(columnMeant(name)) < kColumnCount) {
+      const T none = std::is_same_v<T, float> ? static_cast<T>(describedNumber<double>(40)) : describedNumber<T>(40);
+      std::replace(values.begin(), values.end(), none, T{});
+    }
+    if ((options & (kHasScale | kHasOffset)) == 0) return;
+    const double scale = (options & kHasScale) != 0 ? describedNumber<double>(112) : 1;
+    const double offset = (options & kHasOffset) != 0 ? describedNumber<double>(136) : 0;
+    std::vector<double> scaled;
+    for (const T value : values) scaled.push_back(static_cast<double>(value) * scale + offset);
+    cloud_.scan.foreign.back().values = std::move(scaled);
+  }
+
+  template <class T>
+  void keep(const std::vector<std::uint64_t>& records, const std::string& name, std::uint64_t offset) {
     if (offset == 0) return;
     std::vector<T> values;
     values.reserve(records.size());
@@ -119,14 +306,39 @@ class Reader {
   Location where_;
   std::uint8_t format_ = 0;
   std::uint64_t record_ = 0;  // size of a point (bytes)
-  std::array<double, 3> scale_{}, offset_{};
+  std::array<double, 3> scale_{}, offset_{}, metres_{1, 1, 1};
+  std::string_view wkt_, geoKeys_, geoNumbers_;  // records of the coordinate system
+  std::string_view described_;                   // descriptions of the extra bytes that are not read yet
   Cloud cloud_;
 };
 
 }  // namespace
 
-Cloud readLas(std::string_view bytes, const std::string& what) {
-  return Reader(bytes, what).read();
+const FormatSupport& lasFormat() {
+  using enum FormatElements::Use;
+  static const FormatSupport format{
+      "LAS",
+      ".las",
+      {{Read, "X Y Z", "coordinates, in double precision; feet of the coordinate system become metres"},
+       {Read, "intensity intensity_f", "intensities; the latter, of our own exports, goes before the former"},
+       {Read, "classification",
+        "classes, with the names of the specification or of the file; if all are 0, extra bytes can state classes"},
+       {Read, "return_number number_of_returns gps_time red green blue", "columns"},
+       {Read, "LASF_Spec/4", "extra bytes: see the columns of point clouds"},
+       {Read, "LASF_Spec/0", "names of classes"},
+       {Read, "LASF_Projection/2112 LASF_Projection/34735 LASF_Projection/34736", "units of the coordinate system"},
+       {Unused,
+        "synthetic key_point overlap scan_direction_flag edge_of_flight_line scanner_channel scan_angle "
+        "user_data point_source_id nir wave_packets",
+        "flags, angles, near infrared and waveforms"},
+       {LeftOut, "withheld", "points marked as withheld"},
+       {LeftOut, "", "points of classes of noise, unless `points.labels` is given"},
+       {LeftOut, "", "extra bytes of several values or without a description"}}};
+  return format;
+}
+
+Cloud readLas(std::string_view bytes, const std::string& what, CloudUnit unit) {
+  return LasReader(bytes, what).read(unit);
 }
 
 }  // namespace scanmill

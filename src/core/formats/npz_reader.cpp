@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "formats/cloud_columns.h"
 #include "formats/column_value.h"
 #include "formats/npy.h"
 #include "formats/readers.h"
@@ -37,38 +38,37 @@ void visitNumbers(const NpyArray& array, const std::string& what, const Visit& v
   throw InputError({what}, fmt::format("{} is of no type of numbers that is read", array.name));
 }
 
-void addColumn(const NpyArray& array, std::string_view name, const std::string& what, Scan& scan) {
-  visitNumbers(array, what, [&](auto values) {
-    const std::size_t index = columnIndex(name);
-    if (index == kColumnCount) {
-      scan.foreign.push_back({std::string(name), std::move(values)});
-      return;
-    }
-    visitTable(scan, [&](auto key, auto& column) {
-      if (key.index != index) return;
-      using Value = typename decltype(key)::Value;
-      column.clear();
-      column.reserve(values.size());
-      for (std::size_t i = 0; i < values.size(); ++i) column.push_back(columnValue<Value>(values[i], name, i, {what}));
-    });
-  });
-}
-
+// Reads the positions, and the fourth and fifth numbers as those of the columns intensity and ring that the scan lacks.
 void addPositions(const NpyArray& array, const std::string& what, Scan& scan) {
   const std::size_t wide = array.shape.back();
+  const bool intensity = wide > 3 && !scan.has(kIntensity);
+  const bool ring = wide == 5 && !scan.has(kRing);
   visitNumbers(array, what, [&](const auto& values) {
     for (std::size_t i = 0; i + wide <= values.size(); i += wide) {
       scan.position.push_back(
           {static_cast<float>(values[i]), static_cast<float>(values[i + 1]), static_cast<float>(values[i + 2])});
-      if (wide > 3) scan[kIntensity].push_back(static_cast<float>(values[i + 3]));
-      if (wide == 5) scan[kRing].push_back(columnValue<std::uint16_t>(values[i + 4], "ring", i / wide, {what}));
+      if (intensity) scan[kIntensity].push_back(static_cast<float>(values[i + 3]));
+      if (ring) scan[kRing].push_back(columnValue<std::uint16_t>(values[i + 4], "ring", i / wide, {what}));
     }
   });
 }
 
 }  // namespace
 
-Scan readNpz(std::string_view bytes, const std::string& what) {
+const FormatSupport& npzFormat() {
+  using enum FormatElements::Use;
+  static const FormatSupport format{
+      "NumPy",
+      ".npz",
+      {{Read, "xyz points", "positions, of shape (N, 3) to (N, 5) or (rings, columns, 3)"},
+       {Read, "", "arrays of one number a point: see the columns of point clouds"},
+       {Unused, "world_from_sensor boxes box_pose box_class box_instance box_velocity box_points box_visibility",
+        "poses and boxes, as `export --to npz` writes them"},
+       {LeftOut, "", "all other arrays, by their names"}}};
+  return format;
+}
+
+Cloud readNpz(std::string_view bytes, const std::string& what) {
   const std::vector<NpyArray> arrays = readNpzArrays(bytes, what);
   const auto positions = std::find_if(arrays.begin(), arrays.end(), [](const NpyArray& a) {
     return (a.name == "xyz" || a.name == "points") && (a.shape.size() == 2 || a.shape.size() == 3) &&
@@ -83,8 +83,8 @@ Scan readNpz(std::string_view bytes, const std::string& what) {
                                  "it has {}",
                                  names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
   }
-  Scan scan;
-  addPositions(*positions, what, scan);
+  Cloud cloud;
+  Scan& scan = cloud.scan;
   std::vector<std::size_t> shape = positions->shape;
   shape.pop_back();
   for (const NpyArray& array : arrays) {
@@ -93,10 +93,15 @@ Scan readNpz(std::string_view bytes, const std::string& what) {
       throw InputError({what}, fmt::format("{} has the shape ({}), the points ({})", array.name,
                                            fmt::join(array.shape, ", "), fmt::join(shape, ", ")));
     }
-    if (&array == &*positions || array.shape != shape || npyNumberBytes(array.type) == 0) continue;
-    const bool label = array.name == "labels" || array.name == "classes" || array.name == "semantic";
-    addColumn(array, label ? "label" : std::string_view(array.name), what, scan);
+    if (&array == &*positions) continue;
+    if (array.shape != shape || npyNumberBytes(array.type) == 0) {
+      cloud.leftOut.addKeyword(npzFormat(), array.name);
+      continue;
+    }
+    visitNumbers(array, what, [&](auto values) { scan.foreign.push_back({array.name, std::move(values)}); });
   }
+  adoptColumns(cloud, {what});
+  addPositions(*positions, what, scan);
   const auto most = [](const std::vector<std::uint16_t>& values) {
     return values.empty() ? 0u : *std::max_element(values.begin(), values.end()) + 1u;
   };
@@ -109,7 +114,7 @@ Scan readNpz(std::string_view bytes, const std::string& what) {
     scan.rings = scan.planes == 0 ? 0 : rows / scan.planes;
     scan.columns = static_cast<std::uint32_t>(shape[1]);
   }
-  return scan;
+  return cloud;
 }
 
 }  // namespace scanmill

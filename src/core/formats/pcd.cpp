@@ -186,7 +186,9 @@ class Pcd : public Format {
     return out;
   }
 
-  Scan decode(std::string_view bytes, const std::string& what) const override { return readPcd(bytes, what); }
+  Scan decode(std::string_view bytes, const std::string& what) const override {
+    return scanOf(readPcd(bytes, what, false), what);
+  }
 
  private:
   Encoding encoding_;

@@ -4,12 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <cstring>
 #include <memory>
 #include <optional>
 
 #include "base/error.h"
-#include "formats/cloud_file.h"
+#include "formats/cloud_columns.h"
 #include "formats/column_value.h"
 #include "formats/readers.h"
 #include "formats/text_rows.h"
@@ -40,6 +41,7 @@ struct PcdHeader {
   int bodyLine = 0;                                    // line where the body starts
   std::optional<std::array<std::uint64_t, 2>> sensor;  // rings and columns, if a comment states them
   bool organised = false;
+  Pose worldFromFile;
 };
 
 constexpr std::uint64_t kMostFields = 1024;
@@ -73,11 +75,11 @@ class HeaderReader {
 
   PcdHeader read() {
     while (header_.data.empty()) {
-      const std::size_t end = rest_.find('\n');
+      const std::size_t end = std::min(rest_.find('\n'), rest_.size());
       ++where_.line;
-      if (end == rest_.npos) throw InputError(where_, "not a PCD file, or its header is truncated");
+      if (rest_.empty()) throw InputError(where_, "not a PCD file, or its header is truncated");
       const std::string_view line = rest_.substr(0, end);
-      rest_.remove_prefix(end + 1);
+      rest_.remove_prefix(std::min(end + 1, rest_.size()));
       if (line.starts_with('#')) {
         readComment(line);
       } else {
@@ -103,8 +105,10 @@ class HeaderReader {
   void readLine(const Words& words) {
     if (words.empty()) return;
     const std::string_view key = words[0];
-    if (key == "VERSION" || key == "VIEWPOINT") return;
-    if (key == "FIELDS" || key == "COLUMNS") {
+    if (pcdFormat().has(FormatElements::Use::Unused, key)) return;
+    if (key == "VIEWPOINT") {
+      readViewpoint(words);
+    } else if (key == "FIELDS" || key == "COLUMNS") {
       if (words.size() - 1 > kMostFields) throw InputError(where_, fmt::format("more than {} fields", kMostFields));
       header_.fields.resize(words.size() - 1);
       perField(words, [&](PcdField& field, std::string_view word) { field.name = word; });
@@ -129,6 +133,22 @@ class HeaderReader {
     } else {
       throw InputError(where_, fmt::format("not a PCD header line: '{}'", key.substr(0, 40)));
     }
+  }
+
+  void readViewpoint(const Words& words) {
+    std::array<double, 7> numbers{};
+    if (words.size() != 8) throw InputError(where_, "VIEWPOINT must have seven values: tx ty tz qw qx qy qz");
+    for (std::size_t i = 0; i < 7; ++i) readNumber(words[i + 1], numbers[i], "VIEWPOINT", where_);
+    const auto [tx, ty, tz, w, x, y, z] = numbers;
+    const double size = std::sqrt(w * w + x * x + y * y + z * z);
+    if (size == 0 && tx == 0 && ty == 0 && tz == 0) return;
+    constexpr double kRounding = 0.01;  // largest deviation of the length that rounded numbers may have
+    if (!(std::fabs(size - 1) <= kRounding) || !isFinite(Vec3d{tx, ty, tz})) {
+      throw InputError(where_, fmt::format("VIEWPOINT has the quaternion {} {} {} {} (w x y z), of the length {:.4g}, "
+                                           "where a rotation has the length 1: write 0 0 0 1 0 0 0 for no pose",
+                                           w, x, y, z, size));
+    }
+    header_.worldFromFile = {{w / size, x / size, y / size, z / size}, {tx, ty, tz}};
   }
 
   template <class Set>
@@ -225,16 +245,20 @@ void readField(const PcdField& field, const char* first, std::size_t step, T* to
 
 class BodyReader {
  public:
-  BodyReader(const PcdHeader& header, const std::string& what, Vec3d* origin)
-      : header_(header), where_{what, 0, 0}, origin_(origin) {}
+  BodyReader(const PcdHeader& header, const std::string& what, bool exact)
+      : header_(header), where_{what, 0, 0}, exact_(exact) {}
 
-  Scan read() {
-    Scan scan = readBody();
-    if (origin_ == nullptr) return scan;
-    const auto known = std::find_if(exact_.begin(), exact_.end(), [](const Vec3d& p) { return isFinite(p); });
-    *origin_ = known == exact_.end() ? Vec3d{} : cloudOrigin(*known);
-    for (const Vec3d& p : exact_) scan.position.push_back(static_cast<Vec3f>(p - *origin_));
-    return scan;
+  Cloud read() {
+    Cloud cloud;
+    cloud.worldFromFile = header_.worldFromFile;
+    cloud.scan = readBody();
+    if (exact_) setPositions(places_, cloud);
+    for (const PcdField& field : header_.fields) {
+      if (field.count > 1 && field.name != "_")
+        cloud.leftOut.add(fmt::format("fields of several values '{}'", field.name));
+    }
+    adoptColumns(cloud, where_);
+    return cloud;
   }
 
  private:
@@ -297,6 +321,9 @@ class BodyReader {
                                               : scan.organised ? header_.width
                                                                : 0);
     if (scan.organised && scan.rings > 0) scan.planes = static_cast<std::uint32_t>(header_.height / scan.rings);
+    visitTable(scan, [&](auto key, auto&) {
+      if (findColumn(key.row.name) != nullptr) scan.columnsIfEmpty.add(key.index);
+    });
     for (const PcdField& field : header_.fields) {
       if (isForeign(field)) scan.foreign.push_back({std::string(field.name), newValues(field)});
     }
@@ -343,8 +370,8 @@ class BodyReader {
       fill(require("y"), &places[0].y, 3);
       fill(require("z"), &places[0].z, 3);
     };
-    if (origin_ != nullptr) {
-      fillPlaces(exact_);
+    if (exact_) {
+      fillPlaces(places_);
     } else {
       fillPlaces(scan.position);
     }
@@ -369,8 +396,8 @@ class BodyReader {
                        fmt::format("truncated: {} points do not fit in {} bytes", header_.points, header_.body.size()));
     }
     Scan scan = newScan();
-    if (origin_ != nullptr) {
-      exact_.resize(header_.points);
+    if (exact_) {
+      places_.resize(header_.points);
     } else {
       scan.position.resize(header_.points);
     }
@@ -380,13 +407,11 @@ class BodyReader {
     std::string_view rest = header_.body;
     Location where{where_.file, header_.bodyLine - 1, 0};
     for (std::size_t point = 0; point < header_.points;) {
-      const std::size_t end = rest.find('\n');
-      if (end == rest.npos) {
-        throw InputError(where, fmt::format("truncated after {} of {} points", point, header_.points));
-      }
+      if (rest.empty()) throw InputError(where, fmt::format("truncated after {} of {} points", point, header_.points));
+      const std::size_t end = std::min(rest.find('\n'), rest.size());
       ++where.line;
       const std::string_view line = rest.substr(0, end);
-      rest.remove_prefix(end + 1);
+      rest.remove_prefix(std::min(end + 1, rest.size()));
       if (line.find_first_not_of(" \t\r") == line.npos) continue;
       readAsciiRow(line, point++, where, scan);
     }
@@ -416,7 +441,7 @@ class BodyReader {
       readNumber(word, found == 0 ? place.x : found == 1 ? place.y : place.z, field.name, where);
       return true;
     };
-    if (origin_ != nullptr ? readPlace(exact_[point]) : readPlace(scan.position[point])) return;
+    if (exact_ ? readPlace(places_[point]) : readPlace(scan.position[point])) return;
     visitTable(scan, [&](auto key, auto& values) {
       if (findColumn(key.row.name) == &field) readNumber(word, values[point], key.row.name, where);
     });
@@ -428,15 +453,29 @@ class BodyReader {
 
   const PcdHeader& header_;
   Location where_;
-  Vec3d* origin_;
-  std::vector<Vec3d> exact_;  // m, positions before the origin is subtracted; empty if origin_ is null
+  bool exact_;
+  std::vector<Vec3d> places_;  // m, positions before the origin is subtracted; empty unless exact_
 };
 
 }  // namespace
 
-Scan readPcd(std::string_view bytes, const std::string& what, Vec3d* origin) {
+const FormatSupport& pcdFormat() {
+  using enum FormatElements::Use;
+  static const FormatSupport format{
+      "PCD",
+      ".pcd",
+      {{Read, "FIELDS COLUMNS SIZE TYPE COUNT WIDTH HEIGHT POINTS DATA",
+        "fields of one value a point: see the columns of point clouds; DATA is ascii, binary or binary_compressed"},
+       {Read, "VIEWPOINT",
+        "pose of the points, where the file is an object of a scene; recorded scans stay in the frame of the sensor"},
+       {Unused, "VERSION", "version"},
+       {LeftOut, "", "fields of several values"}}};
+  return format;
+}
+
+Cloud readPcd(std::string_view bytes, const std::string& what, bool exact) {
   const PcdHeader header = HeaderReader(bytes, what).read();
-  return BodyReader(header, what, origin).read();
+  return BodyReader(header, what, exact).read();
 }
 
 }  // namespace scanmill

@@ -4,8 +4,6 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <map>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,6 +11,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "config/text.h"
+#include "formats/cloud_columns.h"
 #include "formats/column_value.h"
 #include "formats/ply_header.h"
 #include "formats/readers.h"
@@ -21,90 +20,77 @@
 namespace scanmill {
 namespace {
 
-// Returns the name of a property's column: the property's name in lower case and without CloudCompare's prefix. A
-// synonym in kOthers is replaced by the usual name, which kOthers gives beside it.
-std::string columnNameOf(const std::string& property) {
-  static const std::map<std::string, std::string> kOthers{{"class", "label"},
-                                                          {"classification", "label"},
-                                                          {"semantic", "label"},
-                                                          {"semantics", "label"},
-                                                          {"sem_class", "label"},
-                                                          {"instance_id", "instance"},
-                                                          {"reflectance", "intensity"},
-                                                          {"reflectivity", "intensity"},
-                                                          {"r", "red"},
-                                                          {"g", "green"},
-                                                          {"b", "blue"},
-                                                          {"diffuse_red", "red"},
-                                                          {"diffuse_green", "green"},
-                                                          {"diffuse_blue", "blue"},
-                                                          {"normal_x", "nx"},
-                                                          {"normal_y", "ny"},
-                                                          {"normal_z", "nz"}};
-  constexpr std::string_view kPrefix = "scalar_";
-  std::string name = lowerCase(property);
-  if (name.starts_with(kPrefix)) name = name.substr(kPrefix.size());
-  const auto other = kOthers.find(name);
-  return other == kOthers.end() ? name : other->second;
-}
-
 // One property of all vertices.
 struct PlyColumn {
   std::string name;
   PlyType type;
-  std::vector<double> values;
+  PlyType count;               // of a list, whose values are skipped
+  std::vector<double> values;  // empty for a list
+
+  bool isList() const { return count.size > 0; }
 };
 
-class Reader {
+class PlyReader {
  public:
-  explicit Reader(const std::filesystem::path& file)
+  explicit PlyReader(const std::filesystem::path& file)
       : file_(file), where_{file.string()}, header_(readPlyHeader(file)), bytes_(readFile(file)) {}
 
   Cloud read() {
     const auto vertex = std::find_if(header_.elements.begin(), header_.elements.end(),
                                      [](const PlyElement& e) { return e.name == "vertex"; });
     if (vertex == header_.elements.end()) fail("has no element vertex: it holds no points");
-    for (auto e = header_.elements.begin(); e <= vertex; ++e) {
-      for (const PlyProperty& p : e->properties) {
-        if (p.isList())
-          fail(fmt::format("has the list '{}' of '{}', behind which no points are read", p.name, e->name));
-      }
-    }
     for (const PlyProperty& p : vertex->properties) {
-      columns_.push_back({columnNameOf(p.name), p.value, {}});
-      const auto twice = std::count_if(columns_.begin(), columns_.end(),
-                                       [&](const PlyColumn& c) { return c.name == columns_.back().name; });
-      if (twice > 1) fail(fmt::format("has two properties that mean {}", columns_.back().name));
+      const auto is = [&](const PlyColumn& c) { return c.name == p.name; };
+      if (std::any_of(columns_.begin(), columns_.end(), is)) fail(fmt::format("has two properties '{}'", p.name));
+      columns_.push_back({p.name, p.value, p.count, {}});
+      if (p.isList()) cloud_.leftOut.add(fmt::format("lists at vertices '{}'", p.name));
+    }
+    for (const PlyElement& e : header_.elements) {
+      if (e.name != "vertex") cloud_.leftOut.addKeyword(plyCloudFormat(), e.count == 0 ? "face" : e.name);
     }
     if (header_.format == PlyHeader::Format::Ascii) {
       readLines(vertex);
     } else {
       readBinary(vertex);
     }
-    return build(vertex->count);
+    build(vertex->count);
+    return std::move(cloud_);
   }
 
  private:
   using Element = std::vector<PlyElement>::const_iterator;
   [[noreturn]] void fail(const std::string& what) const { throw InputError(where_, what); }
 
-  static std::uint64_t rowBytes(const PlyElement& element) {
-    std::uint64_t bytes = 0;
-    for (const PlyProperty& p : element.properties) bytes += p.value.size;
-    return bytes;
+  // Reads the next number of a binary file.
+  double next(const PlyType& type) {
+    if (type.size > bytes_.size() - at_) failTruncated();
+    at_ += type.size;
+    return numberAt(at_ - type.size, type);
+  }
+
+  [[noreturn]] void failTruncated() const { fail("is truncated or damaged: it ends before its last vertex"); }
+
+  void skipList(const PlyType& count, const PlyType& value) {
+    const double length = next(count);
+    const double most = static_cast<double>(bytes_.size() - at_) / static_cast<double>(value.size);
+    if (!(length >= 0 && length <= most)) failTruncated();
+    at_ += static_cast<std::uint64_t>(length) * value.size;
   }
 
   void readBinary(Element vertex) {
-    std::uint64_t at = header_.size;
-    for (auto e = header_.elements.cbegin(); e != vertex; ++e) at += e->count * rowBytes(*e);
-    if (at > bytes_.size() || vertex->count * rowBytes(*vertex) > bytes_.size() - at) {
-      fail(fmt::format("is truncated: {} vertices of {} bytes do not fit into it", vertex->count, rowBytes(*vertex)));
+    at_ = header_.size;
+    for (auto e = header_.elements.cbegin(); e != vertex; ++e) {
+      for (std::uint64_t i = 0; i < e->count; ++i) {
+        for (const PlyProperty& p : e->properties) p.isList() ? skipList(p.count, p.value) : void(next(p.value));
+      }
     }
-    for (PlyColumn& column : columns_) column.values.reserve(vertex->count);
     for (std::uint64_t i = 0; i < vertex->count; ++i) {
       for (PlyColumn& column : columns_) {
-        column.values.push_back(numberAt(at, column.type));
-        at += column.type.size;
+        if (column.isList()) {
+          skipList(column.count, column.type);
+        } else {
+          column.values.push_back(next(column.type));
+        }
       }
     }
   }
@@ -140,51 +126,60 @@ class Reader {
       rest.remove_prefix(std::min(length + 1, rest.size()));
       ++where.line;
       if (i < skipped) continue;
+      const auto number = [&](std::string_view name) {
+        double value = 0;
+        readNumber(cutWord(line), value, name, where);
+        return value;
+      };
       for (PlyColumn& column : columns_) {
-        line.remove_prefix(std::min(line.find_first_not_of(" \t\r"), line.size()));
-        const std::string_view word = line.substr(0, line.find_first_of(" \t\r"));
-        line.remove_prefix(word.size());
-        double number = 0;
-        readNumber(word, number, column.name, where);
-        column.values.push_back(number);
+        const double first = number(column.name);
+        if (!column.isList()) {
+          column.values.push_back(first);
+          continue;
+        }
+        if (!(first >= 0)) throw InputError(where, fmt::format("the list '{}' has the length {}", column.name, first));
+        for (double left = first; left > 0; --left) number(column.name);
+      }
+      if (!cutWord(line).empty()) {
+        throw InputError(where, fmt::format("has more values than a vertex has properties ({})", columns_.size()));
       }
     }
   }
 
+  // Removes the first word from a line and returns it; empty at the end of the line.
+  static std::string_view cutWord(std::string_view& line) {
+    line.remove_prefix(std::min(line.find_first_not_of(" \t\r"), line.size()));
+    const std::string_view word = line.substr(0, line.find_first_of(" \t\r"));
+    line.remove_prefix(word.size());
+    return word;
+  }
+
   const PlyColumn& require(const char* name) const {
-    const auto found =
-        std::find_if(columns_.begin(), columns_.end(), [&](const PlyColumn& c) { return c.name == name; });
+    const auto found = std::find_if(columns_.begin(), columns_.end(),
+                                    [&](const PlyColumn& c) { return columnMeant(c.name) == name && !c.isList(); });
     if (found == columns_.end()) fail(fmt::format("has no property {}", name));
     return *found;
   }
 
-  Cloud build(std::uint64_t count) const {
-    Cloud cloud;
+  void build(std::uint64_t count) {
     const PlyColumn& x = require("x");
     const PlyColumn& y = require("y");
     const PlyColumn& z = require("z");
-    for (std::uint64_t i = 0; i < count; ++i) {
-      if (!std::isfinite(x.values[i] + y.values[i] + z.values[i])) continue;
-      cloud.origin = cloudOrigin({x.values[i], y.values[i], z.values[i]});
-      break;
-    }
-    for (std::uint64_t i = 0; i < count; ++i) {
-      cloud.scan.position.push_back(static_cast<Vec3f>(Vec3d{x.values[i], y.values[i], z.values[i]} - cloud.origin));
-    }
+    std::vector<Vec3d> places;
+    for (std::uint64_t i = 0; i < count; ++i) places.push_back({x.values[i], y.values[i], z.values[i]});
+    setPositions(places, cloud_);
+    std::vector<ForeignColumn>& foreign = cloud_.scan.foreign;
     for (const PlyColumn& column : columns_) {
-      if (column.name == "x" || column.name == "y" || column.name == "z") continue;
-      if (columnIndex(column.name) == kColumnCount) {
-        cloud.scan.foreign.push_back({column.name, valuesOf(column)});
-        continue;
-      }
-      visitTable(cloud.scan, [&]<class Key, class Values>(Key key, Values& values) {
-        if (key.row.name != column.name) return;
-        for (std::size_t i = 0; i < column.values.size(); ++i) {
-          values.push_back(columnValue<typename Values::value_type>(column.values[i], column.name, i, where_));
-        }
-      });
+      if (&column == &x || &column == &y || &column == &z || column.isList()) continue;
+      foreign.push_back({column.name, valuesOf(column)});
     }
-    return cloud;
+    adoptColumns(cloud_, where_);
+    for (ForeignColumn& column : foreign) {
+      std::string name = columnMeant(column.name);
+      const bool taken = columnIndex(name) < kColumnCount ||
+                         std::any_of(foreign.begin(), foreign.end(), [&](const auto& f) { return f.name == name; });
+      column.name = taken ? lowerCase(column.name) : std::move(name);
+    }
   }
 
   ForeignColumn::Values valuesOf(const PlyColumn& column) const {
@@ -213,13 +208,26 @@ class Reader {
   Location where_;
   PlyHeader header_;
   std::string bytes_;
+  std::uint64_t at_ = 0;  // offset of the next number of a binary file
   std::vector<PlyColumn> columns_;
+  Cloud cloud_;
 };
 
 }  // namespace
 
+const FormatSupport& plyCloudFormat() {
+  using enum FormatElements::Use;
+  static const FormatSupport format{"PLY of points",
+                                    ".ply without faces",
+                                    {{Read, "vertex", "points: their properties are the columns of point clouds"},
+                                     {Unused, "face tristrips camera", "empty elements, and the camera of MeshLab"},
+                                     {LeftOut, "edge", "elements 'edge'"},
+                                     {LeftOut, "", "lists at vertices"}}};
+  return format;
+}
+
 Cloud readPly(const std::filesystem::path& file) {
-  return Reader(file).read();
+  return PlyReader(file).read();
 }
 
 }  // namespace scanmill

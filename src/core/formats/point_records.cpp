@@ -10,6 +10,8 @@
 
 #include "base/error.h"
 #include "config/text.h"
+#include "formats/npy.h"
+#include "formats/readers.h"
 
 namespace scanmill {
 
@@ -82,6 +84,19 @@ void requireOneEach(std::size_t labels, const Scan& scan, const std::string& wha
 
 }  // namespace
 
+const FormatSupport& pointRecordsFormat() {
+  using enum FormatElements::Use;
+  static const FormatSupport format{
+      "KITTI, SemanticKITTI and nuScenes",
+      ".bin, .pcd.bin",
+      {{Read, "x y z intensity ring", "float32; four numbers in .bin, five in .pcd.bin"},
+       {Read, "labels/*.label", "classes and instances of SemanticKITTI, beside velodyne/"},
+       {Read, "lidarseg.json panoptic.json", "classes and instances of nuScenes, where the tables name their files"},
+       {Unused, "poses.txt calib.txt times.txt label_2 sample_annotation.json",
+        "poses, times and boxes: recorded scans stay in the frame of their sensor"}}};
+  return format;
+}
+
 std::size_t numbersOfRecord(const std::filesystem::path& file) {
   if (lowerExtension(file) != ".bin") return 0;
   return lowerExtension(file.stem()) == ".pcd" ? 5 : 4;
@@ -133,6 +148,20 @@ void addSemanticKittiLabels(std::string_view bytes, const std::string& what, Sca
 void addLidarsegLabels(std::string_view bytes, const std::string& what, Scan& scan) {
   requireOneEach(bytes.size(), scan, what);
   for (const char c : bytes) scan[kLabel].push_back(static_cast<unsigned char>(c));
+}
+
+void addPanopticLabels(std::string_view bytes, const std::string& what, Scan& scan) {
+  constexpr std::uint32_t kClassStep = 1000;
+  const std::vector<NpyArray> arrays = readNpzArrays(bytes, what);
+  const auto data = std::find_if(arrays.begin(), arrays.end(), [](const NpyArray& a) { return a.name == "data"; });
+  if (data == arrays.end() || data->type != "<u2") throw InputError({what}, "has no array `data` of uint16");
+  const auto values = valuesOf<std::uint16_t>(data->bytes);
+  requireOneEach(values.size(), scan, what);
+  const bool classes = scan[kLabel].empty();
+  for (const std::uint16_t value : values) {
+    if (classes) scan[kLabel].push_back(static_cast<std::uint16_t>(value / kClassStep));
+    scan[kInstance].push_back(value % kClassStep == 0 ? 0u : std::uint32_t{value});
+  }
 }
 
 std::filesystem::path labelsBeside(const std::filesystem::path& scan) {

@@ -30,6 +30,11 @@ void addSemanticKittiLabels(std::string_view bytes, const std::string& what, Sca
 // Adds the column `label` from a lidarseg file of nuScenes, one uint8 per point. Throws like addSemanticKittiLabels().
 void addLidarsegLabels(std::string_view bytes, const std::string& what, Scan& scan);
 
+// Adds the column `instance`, and `label` if the scan has none, from a file of Panoptic nuScenes: a NumPy archive with
+// the array `data` of one uint16 per point, 1000 * class + number of the instance. The instance is the complete number,
+// since its last digits count within a class; 0 if these are 0. Throws like addSemanticKittiLabels().
+void addPanopticLabels(std::string_view bytes, const std::string& what, Scan& scan);
+
 // Returns the label file of a scan of SemanticKITTI: for velodyne/000000.bin the file labels/000000.label beside the
 // folder velodyne; empty if there is none.
 std::filesystem::path labelsBeside(const std::filesystem::path& scan);

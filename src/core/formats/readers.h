@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "base/format_support.h"
 #include "formats/cloud_file.h"
 #include "scan/scan.h"
 
@@ -16,33 +17,53 @@ namespace scanmill {
 // rings and columns, and whether the scan is organised or dense. Other readers ignore it.
 constexpr std::string_view kPcdSensorComment = "# scanmill sensor:";
 
-// Reads any valid PCD. Fields may be in any order and of any numeric type whose values fit the column. Fields that are
-// not in the table of columns become foreign columns. If there is no field `intensity`, that column is read from
-// `reflectivity`. Throws an InputError that begins with `what`, the name of the bytes. If `origin` is not null, it is
-// set to cloudOrigin() of the first finite point (formats/cloud_file.h), and positions are relative to it.
-Scan readPcd(std::string_view bytes, const std::string& what, Vec3d* origin = nullptr);
+// The name of the extra bytes of LAS in which this program exports the complete intensities.
+constexpr std::string_view kLasExactIntensity = "intensity_f";
 
-// Reads any Draco point cloud that has positions. Its other attributes are recognised by their metadata entry "name".
-// Throws an InputError that begins with `what`, the name of the bytes.
-Scan readDraco(std::string_view bytes, const std::string& what);
+// What becomes of the parts of the files of each kind.
+const FormatSupport& pcdFormat();
+const FormatSupport& csvFormat();
+const FormatSupport& dracoFormat();
+const FormatSupport& npzFormat();
+const FormatSupport& lasFormat();
+const FormatSupport& plyCloudFormat();
+const FormatSupport& pointRecordsFormat();
+
+// Columns of the readers below are found by the names in cloudColumns(); others become foreign columns. All throw an
+// InputError that begins with `what`, the name of the bytes, and the line of a text file.
+//
+// `exact`: positions are read in double precision and made relative to cloudOrigin() of the first finite point
+// (cloud_file.h); false: they are the file's numbers in float32, and the origin is zero.
+
+// Reads any valid PCD. Fields may be in any order and of any numeric type whose values fit the column. If there is no
+// field `intensity`, that column is read from `reflectivity`, which stays a foreign column, too. Fields of several
+// values a point are left out. `worldFromFile` is the VIEWPOINT: a quaternion whose length is off by up to a hundredth
+// is normalised, others are refused, unless all seven numbers are 0, which states no pose.
+Cloud readPcd(std::string_view bytes, const std::string& what, bool exact = true);
+
+// Reads text with a line for each point, of values that commas, semicolons, tabs or blanks separate. The first line
+// names the columns; it may be absent if there are three columns: x, y and z. Lines that are empty or begin with # or
+// // are skipped, and the first line may begin so. Columns of the table are read in their types, others as doubles.
+Cloud readCsv(std::string_view bytes, const std::string& what, bool exact = true);
+
+// Reads any Draco point cloud that has positions. Its other attributes are recognised by their metadata entry "name";
+// colours and normals are recognised by their kind, too. The origin is zero.
+Cloud readDraco(std::string_view bytes, const std::string& what);
 
 // Reads a scan from a NumPy archive (formats/npy.h). Its positions are the array `xyz` or `points`, of shape (N, 3) or
 // (rings, columns, 3); misses of an array of the second shape are NaN. A fourth and a fifth number per point are
-// intensity and ring. Every other array with one number per point becomes the column of its name: `label` if its name
-// is `labels`, `classes` or `semantic`; a foreign column if the table of columns lacks the name. All other arrays are
-// left out. Throws an InputError that begins with `what` if the bytes are not a ZIP archive, if an array is damaged, in
-// Fortran's order or big-endian, if the positions are missing or not numbers, or if a column of the table has another
-// shape than the points.
-Scan readNpz(std::string_view bytes, const std::string& what);
+// intensity and ring. Every other array with one number per point becomes the column of its name. All other arrays are
+// left out. Refuses bytes that are not a ZIP archive, arrays that are damaged, in Fortran's order or big-endian,
+// positions that are missing or not numbers, and columns of the table of another shape than the points.
+Cloud readNpz(std::string_view bytes, const std::string& what);
 
 // Reads the points of LAS 1.0 to 1.4, point formats 0 to 10 ("LAS Specification 1.4 - R15", American Society for
-// Photogrammetry and Remote Sensing, 2019), except points marked as withheld. Coordinates are taken as metres, the unit
-// of nearly all files; a unit in the file's coordinate system is ignored. Throws an InputError that begins with `what`,
-// the name of the bytes, if they are not LAS, of another version, truncated, or compressed (LAZ).
-Cloud readLas(std::string_view bytes, const std::string& what);
+// Photogrammetry and Remote Sensing, 2019), except points marked as withheld; extra bytes are columns. Coordinates are
+// metres, unless `unit` is OfFile and the coordinate system (las_unit.h) states feet. Refuses bytes that are not LAS,
+// of another version, truncated, or compressed (LAZ), and coordinates in degrees or unknown units.
+Cloud readLas(std::string_view bytes, const std::string& what, CloudUnit unit = CloudUnit::OfFile);
 
-// Reads the points of a PLY file (the element `vertex`). For the names of columns see readCloud() in
-// formats/cloud_file.h. Throws an InputError with the file and line.
+// Reads the points of a PLY file (the element `vertex`). Properties that are lists are left out.
 Cloud readPly(const std::filesystem::path& file);
 
 }  // namespace scanmill

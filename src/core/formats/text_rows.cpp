@@ -67,12 +67,26 @@ void appendRows(const Scan& scan, char separator, std::string& out) {
 
 template <class T>
 void readNumber(std::string_view word, T& value, std::string_view column, const Location& where) {
-  const char* end = word.data() + word.size();
-  const auto [stop, error] = std::from_chars(word.data(), end, value);
-  if (error == std::errc() && stop == end && !word.empty()) return;
+  const char* const end = word.data() + word.size();
+  const char* const begin = word.size() > 1 && word[0] == '+' && word[1] != '-' ? word.data() + 1 : word.data();
+  const auto [stop, error] = std::from_chars(begin, end, value);
+  if (error == std::errc() && stop == end && begin != end) return;
+  if constexpr (std::is_integral_v<T>) {
+    // Other programs write whole numbers as 7.000000, too.
+    double number = 0;
+    if (const auto real = std::from_chars(begin, end, number); real.ec == std::errc() && real.ptr == end) {
+      constexpr double kExact = 9007199254740992.0;  // 2^53: up to here doubles hold all whole numbers
+      const bool fits = number >= static_cast<double>(std::numeric_limits<T>::min()) && std::fabs(number) <= kExact &&
+                        number <= static_cast<double>(std::numeric_limits<T>::max());
+      if (fits && number == std::floor(number)) {
+        value = static_cast<T>(number);
+        return;
+      }
+    }
+  }
   const std::string kind =
       std::is_floating_point_v<T>
-          ? std::string("a number")
+          ? std::string("a number such as 1234.5 or -1.2e-3")
           : fmt::format("an integer of {} to {}", std::numeric_limits<T>::min(), std::numeric_limits<T>::max());
   throw InputError(where, fmt::format("{} must be {}, not '{}'", column, kind, word.substr(0, 40)));
 }

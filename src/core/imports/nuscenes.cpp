@@ -1,8 +1,10 @@
-// Reads nuScenes (Caesar et al., CVPR 2020) with the labels of nuScenes-lidarseg, as its devkit reads them:
+// Reads nuScenes (Caesar et al., CVPR 2020) with the labels of nuScenes-lidarseg and Panoptic nuScenes, as its devkit
+// reads them:
 //
-//   v1.0-mini/sample_data.json, sample.json, scene.json, lidarseg.json
+//   v1.0-mini/sample_data.json, sample.json, scene.json, lidarseg.json, panoptic.json
 //   samples/LIDAR_TOP/*.pcd.bin      the key frames, which alone have labels
 //   lidarseg/v1.0-mini/*_lidarseg.bin
+//   panoptic/v1.0-mini/*_panoptic.npz
 //
 // The given folder may be the root or the folder of the tables.
 
@@ -84,25 +86,30 @@ std::optional<ScanFolder> readNuScenesFolder(const fs::path& folder) {
   readTable(tables / "sample.json", always, [&](const Json& row) {
     sceneOf[row.at("token").get<std::string>()] = row.at("scene_token").get<std::string>();
   });
-  std::map<std::string, fs::path> labelsOf;  // file of labels, by token of sample_data
-  if (isThere(tables / "lidarseg.json")) {
-    readTable(tables / "lidarseg.json", always, [&](const Json& row) {
-      labelsOf[row.at("sample_data_token").get<std::string>()] = root / row.at("filename").get<std::string>();
+  const auto labelFiles = [&](const char* name) {
+    std::map<std::string, fs::path> files;  // by token of sample_data
+    if (!isThere(tables / name)) return files;
+    readTable(tables / name, always, [&](const Json& row) {
+      files[row.at("sample_data_token").get<std::string>()] = root / row.at("filename").get<std::string>();
     });
-  }
+    return files;
+  };
+  std::map<std::string, fs::path> lidarseg = labelFiles("lidarseg.json");
+  std::map<std::string, fs::path> panoptic = labelFiles("panoptic.json");
+  const bool labelled = !lidarseg.empty() || !panoptic.empty();
   ScanFolder found{"nuscenes", "LIDAR_TOP", {}, {}};
   std::size_t absent = 0;
   readTable(tables / kRows, isLidarKeyFrame, [&](const Json& row) {
     const fs::path points = root / row.at("filename").get<std::string>();
     const std::string sample = row.at("sample_token").get<std::string>();
-    const auto labels = labelsOf.find(row.at("token").get<std::string>());
+    const std::string token = row.at("token").get<std::string>();
     if (!isThere(points)) {
       ++absent;
       return;
     }
     const std::uint64_t time = row.at("timestamp").get<std::uint64_t>();  // microseconds
-    found.scans.push_back({nameOf[sceneOf[sample]] + "-" + std::to_string(time), points,
-                           labels == labelsOf.end() ? fs::path() : labels->second});
+    found.scans.push_back(
+        {nameOf[sceneOf[sample]] + "-" + std::to_string(time), points, lidarseg[token], panoptic[token]});
   });
   if (found.scans.empty()) {
     throw InputError({root.string()}, absent == 0 ? "has tables of nuScenes, but they list no scan of a lidar"
@@ -110,7 +117,7 @@ std::optional<ScanFolder> readNuScenesFolder(const fs::path& folder) {
   }
   std::sort(found.scans.begin(), found.scans.end(),
             [](const FolderScan& a, const FolderScan& b) { return a.key < b.key; });
-  if (!labelsOf.empty()) found.ontology = readOntology(namedResource("nuscenes", "labels"));
+  if (labelled) found.ontology = readOntology(namedResource("nuscenes", "labels"));
   return found;
 }
 

@@ -1,6 +1,9 @@
 #include "imports/scan_folder.h"
 
 #include <algorithm>
+#include <mutex>
+#include <set>
+#include <utility>
 
 #include "base/file.h"
 #include "formats/cloud_file.h"
@@ -22,6 +25,14 @@ std::vector<fs::path> entriesIn(const fs::path& folder, const Wanted& wanted) {
   }
   std::sort(entries.begin(), entries.end());
   return entries;
+}
+
+// True for the first file of each folder for which the function is called.
+bool isFirstOfItsFolder(const fs::path& file) {
+  static std::mutex mutex;
+  static std::set<fs::path> folders;
+  const std::scoped_lock lock(mutex);
+  return folders.insert(file.parent_path()).second;
 }
 
 }  // namespace
@@ -62,8 +73,11 @@ std::optional<ScanFolder> scanFolderIn(const fs::path& folder) {
 }
 
 Scan readFolderScan(const FolderScan& scan) {
-  Scan read = readCloud(scan.points).scan;
+  Cloud cloud = readCloud(scan.points);
+  if (!cloud.leftOut.empty() && isFirstOfItsFolder(scan.points)) cloud.leftOut.tell(scan.points.string());
+  Scan read = std::move(cloud.scan);
   if (!scan.lidarseg.empty()) addLidarsegLabels(readFile(scan.lidarseg), scan.lidarseg.string(), read);
+  if (!scan.panoptic.empty()) addPanopticLabels(readFile(scan.panoptic), scan.panoptic.string(), read);
   return read;
 }
 

@@ -14,9 +14,10 @@
 namespace scanmill {
 
 struct FolderScan {
-  std::string key;                 // sequence and frame, such as "08-000010"
-  std::filesystem::path points;    // a file for readCloud() (formats/cloud_file.h)
-  std::filesystem::path lidarseg;  // file with the labels of nuScenes-lidarseg; empty: none
+  std::string key;                      // sequence and frame, such as "08-000010"
+  std::filesystem::path points;         // a file for readCloud() (formats/cloud_file.h)
+  std::filesystem::path lidarseg;       // file with the labels of nuScenes-lidarseg; empty: none
+  std::filesystem::path panoptic = {};  // file with the labels of Panoptic nuScenes; empty: none
 };
 
 struct ScanFolder {
@@ -30,7 +31,8 @@ struct ScanFolder {
 // dataset, such as one sequence. Returns nothing if the folder contains no scans. Throws InputError.
 std::optional<ScanFolder> scanFolderIn(const std::filesystem::path& folder);
 
-// Reads a scan with its labels, in the coordinate frame of its file. May be called from any thread. Throws InputError.
+// Reads a scan with its labels, in the coordinate frame of its file. Warns of what the reader leaves out of the first
+// file of each folder that is read. May be called from any thread. Throws InputError.
 Scan readFolderScan(const FolderScan& scan);
 
 // Returns the classes of the labels that readCloud() finds beside a scan; nothing if there are no labels.

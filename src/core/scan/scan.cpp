@@ -10,8 +10,8 @@ namespace scanmill {
 
 ColumnSet columnsOf(const Scan& scan) {
   ColumnSet held;
-  visitTable(scan, [&](auto key, const auto& values) {
-    if (!values.empty()) held.add(key.index);
+  visitTable(scan, [&](auto key, const auto&) {
+    if (scan.has(key)) held.add(key.index);
   });
   return held;
 }
@@ -48,6 +48,7 @@ Scan withoutMisses(const Scan& scan) {
   Scan dense;
   dense.rings = scan.rings;
   dense.columns = scan.columns;
+  dense.columnsIfEmpty = columnsOf(scan);
   dense.position = gathered(scan.position);
   visitTable(dense, [&](auto key, auto& values) { values = gathered(scan[key]); });
   for (const ForeignColumn& column : scan.foreign) {

@@ -47,6 +47,7 @@ class Scan {
 
   std::vector<Vec3f> position;         // m, sensor frame
   std::vector<ForeignColumn> foreign;  // each has one value per point
+  ColumnSet columnsIfEmpty;  // columns of a scan without points, whose vectors are all empty; else without a meaning
 
   // The reason of each beam of the sensor (values of Reason, scan/reasons.h), indexed by ring * columns + column; empty
   // if it was not asked for. It is not a column, since beams without a return have a reason too.
@@ -64,6 +65,12 @@ class Scan {
   template <std::size_t Index>
   const std::vector<typename ColumnKey<Index>::Value>& operator[](ColumnKey<Index>) const {
     return std::get<Index>(values_);
+  }
+
+  // True if the scan has a column of the table, also if the scan has no points.
+  template <std::size_t Index>
+  bool has(ColumnKey<Index> key) const {
+    return !(*this)[key].empty() || (position.empty() && columnsIfEmpty.has(key));
   }
 
  private:
@@ -86,7 +93,7 @@ void visitTable(ScanType& scan, Visit&& visit) {
 template <class ScanType, class Visit>
 void visitColumns(ScanType& scan, Visit&& visit) {
   visitTable(scan, [&](auto key, auto& values) {
-    if (!values.empty()) visit(key.row.name, values);
+    if (scan.has(key)) visit(key.row.name, values);
   });
   for (auto& column : scan.foreign) {
     std::visit([&](auto& values) { visit(std::string_view(column.name), values); }, column.values);

@@ -150,6 +150,7 @@ class Gathering {
     scan_.organised = layout_.organised;
     scan_.planes = layout_.organised ? order_.planes() : 1;
     scan_.foreign.clear();
+    scan_.columnsIfEmpty = {};
     std::size_t points = 0;
     for (const float range : returns_.range) points += range < kMiss ? 1u : 0u;
     const auto fit = [&](auto& values, bool wanted, auto none) {
@@ -164,9 +165,11 @@ class Gathering {
     constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
     fit(scan_.position, true, Vec3f{kNaN, kNaN, kNaN});
     visitTable(scan_, [&]<class T>(auto key, std::vector<T>& values) {
-      const bool known = (key.index != kIntensity.index || !returns_.intensity.empty()) &&
-                         (key.index != kPower.index || !returns_.power.empty());
-      fit(values, layout_.columns.has(key) && known, static_cast<T>(key.row.none));
+      const bool known = points == 0 || ((key.index != kIntensity.index || !returns_.intensity.empty()) &&
+                                         (key.index != kPower.index || !returns_.power.empty()));
+      const bool wanted = layout_.columns.has(key) && known;
+      if (wanted) scan_.columnsIfEmpty.add(key.index);
+      fit(values, wanted, static_cast<T>(key.row.none));
     });
   }
 

@@ -82,7 +82,9 @@ TEST_F(KittiLayout, WhatIsBehindOrUnseenIsNotListed) {
     own.objects->objects[0].views[0].sensorFromBox.translation.x *= -1;  // the car, behind
     own.objects->objects[1].views[0].points = 0;
   });
-  EXPECT_EQ(readFile(folder_.path() / "training/label_2/000000.txt"), "");
+  EXPECT_EQ(readFile(folder_.path() / "training/label_2/000000.txt"),
+            "DontCare -1 -1 -10 0.00 0.00 1.00 1.00 -1 -1 -1 -1000 -1000 -1000 -10\n")
+      << "OpenPCDet stops at an empty file";
 }
 
 // Of the boxes with points, how many are not listed is told.

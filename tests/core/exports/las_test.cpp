@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
+#include <set>
 #include <vector>
 
+#include "assets/asset.h"
 #include "formats/cloud_file.h"
 #include "tests/core/exports/export_world.h"
 
@@ -133,6 +135,20 @@ TEST_F(LasLayout, OurOwnReaderFindsTheSamePoints) {
     ASSERT_LT(length(place - pose * Vec3d(own.position[i])), 0.0005);
     ASSERT_EQ(cloud.scan[kLabel][i], own[kLabel][i]);
   }
+}
+
+// Two cars of an export are two things where the file is an object of a scene.
+TEST_F(LasLayout, InstancesComeBackToAScene) {
+  write(*layout_);
+  AssetOptions options;
+  for (const SemanticClass& c : plan_.manifest.ontology.classes) options.points.labels[c.id] = c.name;
+  const Asset asset = readAsset(folder_.path() / "train/street-s1-lane-000001.top.las", options);
+  std::set<std::pair<std::string, std::string>> found;
+  for (const AssetPart& part : asset.parts) found.emplace(part.node, part.ownClass);
+  EXPECT_THAT(found, testing::UnorderedElementsAre(std::pair{"instance 7", "car"},
+                                                   std::pair{"instance 9", "pedestrian"}, std::pair{"", "building"}));
+  const Cloud cloud = readCloud(folder_.path() / "train/street-s1-lane-000001.top.las");
+  EXPECT_EQ(cloud.classNames.at(classId("car")), "car") << "the file names its classes";
 }
 
 // The sensor drives 3 m and turns by 0.2 rad while it scans points of a helix; what it reports is in its own frame at

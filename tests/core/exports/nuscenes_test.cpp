@@ -234,6 +234,7 @@ TEST_F(NuScenesLayout, RefusesWhatNuScenesCannotTellApart) {
 }
 
 TEST_F(NuScenesLayout, WritesLabelsThatThereAre) {
+  plan_.manifest.sensors[0].beams.elevation = {0.2, 0.1, -0.3, 0.0};  // without a ring number all rings are 0
   std::erase(plan_.manifest.columns, "instance");
   writeChanged(*layout_, 0, 0, [](ExportSample& changed) { changed.scans[0].scan[kInstance].clear(); });
   EXPECT_EQ(layout_->filesOf(plan_, 0, 0).size(), 2u);

@@ -4,7 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstring>
+#include <optional>
+#include <tuple>
 
 #include "base/file.h"
 #include "tests/support/message_of.h"
@@ -104,6 +107,149 @@ TEST_F(CloudFiles, LasOfAllVersionsAndFormats) {
         EXPECT_THAT(std::get<std::vector<std::uint16_t>>(foreign(cloud.scan, "green")), ElementsAre(2000, 2002));
       }
     }
+  }
+}
+
+// A description of extra bytes: type and name; `none` is the value of points without one.
+std::string described(std::uint8_t type, const std::string& name, std::optional<std::uint64_t> none = {}) {
+  std::string text(192, '\0');
+  text[2] = static_cast<char>(type);
+  text[3] = none ? 1 : 0;
+  text.replace(4, name.size(), name);
+  put<std::uint64_t>(text, 40, none.value_or(0));
+  return text;
+}
+
+// Puts records between the header of a file of las() and its points.
+std::string withRecords(const std::string& bytes,
+                        const std::vector<std::tuple<std::string, std::uint16_t, std::string>>& records,
+                        std::uint16_t encoding = 0) {
+  std::string all;
+  for (const auto& [user, id, data] : records) {
+    std::string record(54, '\0');
+    record.replace(2, user.size(), user);
+    put(record, 18, id);
+    put(record, 20, static_cast<std::uint16_t>(data.size()));
+    all += record + data;
+  }
+  std::uint32_t points = 0;
+  std::uint16_t header = 0;
+  std::memcpy(&points, bytes.data() + 96, 4);
+  std::memcpy(&header, bytes.data() + 94, 2);
+  std::string out = bytes.substr(0, header) + all + bytes.substr(points);
+  put(out, 6, encoding);
+  put(out, 96, static_cast<std::uint32_t>(header + all.size()));
+  put(out, 100, static_cast<std::uint32_t>(records.size()));
+  return out;
+}
+
+// The last two bytes of the points are the extra bytes of las().
+std::string withExtraBytes(const std::string& description, const std::vector<std::uint16_t>& values,
+                           std::uint8_t format = 6) {
+  std::string bytes = withRecords(las(4, format), {{"LASF_Spec", 4, description}});
+  std::uint16_t record = 0;
+  std::memcpy(&record, bytes.data() + 105, 2);
+  for (std::size_t i = 0; i < 3; ++i) put(bytes, bytes.size() - (3 - i) * record + record - 2, values.at(i));
+  return bytes;
+}
+
+TEST_F(CloudFiles, ExtraBytesOfLasAreColumns) {
+  for (const char* name : {"instance", "treeID", "PredInstance", "instance_id", "object_id"}) {
+    const Cloud cloud = read("a.las", withExtraBytes(described(3, name), {7, 8, 9}));
+    EXPECT_THAT(cloud.scan[kInstance], ElementsAre(7, 9)) << name << ", without the point that is withheld";
+    EXPECT_EQ(cloud.leftOut.text(), "1 points marked as withheld");
+  }
+  // -1 is none: then 0 is a tree, too.
+  const auto none = static_cast<std::uint16_t>(-1);
+  EXPECT_THAT(read("a.las", withExtraBytes(described(4, "treeID"), {none, 8, 0})).scan[kInstance], ElementsAre(0, 1));
+  EXPECT_THAT(read("a.las", withExtraBytes(described(3, "treeID", none), {none, 8, 9})).scan[kInstance],
+              ElementsAre(0, 9));
+  const Cloud other = read("a.las", withExtraBytes(described(3, "Amplitude"), {7, 8, 9}));
+  EXPECT_THAT(std::get<std::vector<std::uint16_t>>(foreign(other.scan, "Amplitude")), ElementsAre(7, 9));
+  std::string scaled = described(4, "Reflectance");
+  scaled[3] = 8 | 16;
+  put(scaled, 112, 0.5);
+  put(scaled, 136, 10.0);
+  EXPECT_THAT(std::get<std::vector<double>>(foreign(
+                  read("a.las", withExtraBytes(scaled, {6, 0, static_cast<std::uint16_t>(-4)})).scan, "Reflectance")),
+              ElementsAre(13, 8));
+  EXPECT_THAT(read("a.las", withExtraBytes(described(4, "ring"), {none, 8, 9})).leftOut.text(),
+              HasSubstr("1 columns 'ring' (ring of point 0 is -1"));
+  // Those of several values, without a description or beyond the points are told.
+  EXPECT_EQ(read("a.las", las(4, 6)).leftOut.text(),
+            "2 bytes of each point that nothing describes, 1 points marked as withheld");
+  EXPECT_THAT(read("a.las", withExtraBytes(described(11, "pair"), {0, 0, 0})).leftOut.text(),
+              HasSubstr("1 extra bytes 'pair' of several values"));
+  EXPECT_THAT(read("a.las", withExtraBytes(described(10, "large"), {0, 0, 0})).leftOut.text(),
+              HasSubstr("2 bytes of each"));
+}
+
+TEST_F(CloudFiles, ClassesOfLasMayBeExtraBytesAndHaveNames) {
+  std::string bytes = withExtraBytes(described(3, "semantic"), {2, 2, 3});
+  for (std::size_t i = 0; i < 3; ++i) put<std::uint8_t>(bytes, bytes.size() - (3 - i) * 32 + 16, 0);
+  Cloud cloud = read("a.las", bytes);
+  EXPECT_THAT(cloud.scan[kLabel], ElementsAre(2, 3));
+  EXPECT_TRUE(cloud.classNames.empty()) << "numbers of others are not those of the specification";
+  std::string names(16 * 256, '\0');
+  names.replace(16 * 40, 6, "\x28tree\0", 6);
+  names.replace(16 * 41, 5, "\x06hut", 4);
+  cloud = read("a.las", withRecords(las(4, 6), {{"LASF_Spec", 0, names}}));
+  EXPECT_EQ(cloud.classNames.at(40), "tree");
+  EXPECT_EQ(cloud.classNames.at(6), "hut");
+  EXPECT_EQ(cloud.classNames.at(2), "ground");
+}
+
+std::string keysOf(const std::vector<std::array<std::uint16_t, 2>>& keys) {
+  std::string bytes;
+  const auto add = [&](std::initializer_list<std::uint16_t> numbers) {
+    for (const std::uint16_t number : numbers) put(bytes, bytes.size(), number);
+  };
+  add({1, 1, 0, static_cast<std::uint16_t>(keys.size())});
+  for (const auto& [key, value] : keys) add({key, 0, 1, value});
+  return bytes;
+}
+
+constexpr const char* kStatePlane =
+    R"(PROJCS["NAD83 / New York",GEOGCS["NAD83",DATUM["N",SPHEROID["G",6378137,298.2]],UNIT["degree",0.0174532925]],)"
+    R"(PROJECTION["L"],PARAMETER["false_easting",984250],UNIT["US survey foot",0.3048006096012192],AXIS["X",EAST]])";
+
+TEST_F(CloudFiles, FeetOfLasBecomeMetres) {
+  const auto records = [&](const std::string& wkt, std::vector<std::array<std::uint16_t, 2>> keys) {
+    return withRecords(las(4, 6), {{"LASF_Projection", 2112, wkt}, {"LASF_Projection", 34735, keysOf(keys)}},
+                       wkt.empty() ? 0 : 16);
+  };
+  constexpr double kSurvey = 1200.0 / 3937;
+  const std::string metres = "VERT_CS[\"NAVD88\",VERT_DATUM[\"N\",2005],UNIT[\"metre\",1]]";
+  const std::tuple<std::string, std::vector<std::array<std::uint16_t, 2>>, double, double> cases[] = {
+      {kStatePlane, {}, kSurvey, kSurvey},
+      {"COMPD_CS[\"both\"," + std::string(kStatePlane) + "," + metres + "]", {}, kSurvey, 1},
+      {R"(PROJCRS["N",BASEGEOGCRS["N",ANGLEUNIT["degree",0.017]],CONVERSION["c"],CS[Cartesian,2],AXIS["e",east,)"
+       R"(LENGTHUNIT["foot",0.3048]],AXIS["n",north,LENGTHUNIT["foot",0.3048]]])",
+       {},
+       0.3048,
+       0.3048},
+      {"", {{{1024, 1}, {3072, 2263}, {3076, 9003}}}, kSurvey, kSurvey},
+      {"", {{{1024, 1}, {3072, 25832}, {4096, 6360}}}, 1, kSurvey},
+      {"", {{{1024, 1}, {3076, 9001}, {4099, 9002}}}, 1, 0.3048},
+      {"", {{{1024, 1}, {3072, 2263}}}, 1, 1},
+      {R"(LOCAL_CS["scanmill world",LOCAL_DATUM["w",32767],UNIT["metre",1],AXIS["x",EAST],AXIS["y",NORTH]])", {}, 1, 1},
+      {"PROJCS[[[[\"", {{{3076, 9002}}}, 1, 1},
+  };
+  for (const auto& [wkt, keys, horizontal, vertical] : cases) {
+    const auto file = folder_.write("a.las", records(wkt, keys));
+    const Vec3d place{500002.001 * horizontal, 499998 * horizontal, 3.123 * vertical};
+    EXPECT_LT(length(placeOf(readCloud(file), 1) - place), 1e-4) << wkt;
+    EXPECT_LT(length(placeOf(readCloud(file, CloudUnit::Metre), 1) - Vec3d{500002.001, 499998, 3.123}), 1e-5) << wkt;
+  }
+  for (const auto& [wkt, keys, words] :
+       {std::tuple{std::string("GEOGCS[\"WGS 84\",DATUM[\"W\"],UNIT[\"degree\",0.01745]]"),
+                   std::vector<std::array<std::uint16_t, 2>>{}, "in degrees: reproject it"},
+        {"GEODCRS[\"WGS 84\",DATUM[\"W\"],CS[ellipsoidal,2],AXIS[\"lat\",north]]", {}, "in degrees"},
+        {"", {{{1024, 2}, {2048, 4326}}}, "the key `unit`"},
+        {"", {{{1024, 1}, {3076, 9005}}}, "EPSG:9005"}}) {
+    const auto file = folder_.write("a.las", records(wkt, keys));
+    EXPECT_THAT(messageOf([&] { readCloud(file); }), AllOf(HasSubstr("a.las"), HasSubstr(words)));
+    EXPECT_NO_THROW(readCloud(file, CloudUnit::Metre));
   }
 }
 
@@ -212,9 +358,62 @@ TEST_F(CloudFiles, PcdKeepsTheMillimetresOfAProjection) {
     EXPECT_EQ(cloud.scan.position[1].y, 12.5f);
     EXPECT_THAT(cloud.scan[kLabel], ElementsAre(7, 7));
   }
-  EXPECT_THAT(refused("a.xyz", "1 2 3"), HasSubstr("no scan of a known kind"));
+  EXPECT_THAT(refused("a.txt", "1 2 3"), HasSubstr("no scan of a known kind"));
+  EXPECT_THAT(refused("a.e57", "ASTM-E57"), AllOf(HasSubstr("a.e57"), HasSubstr("pdal translate a.e57 a.las")));
   EXPECT_FALSE(isCloud("a.glb"));
   EXPECT_TRUE(isCloud("a.LAS"));
+}
+
+TEST_F(CloudFiles, TextKeepsTheMillimetresOfAProjection) {
+  const Cloud cloud = read("a.xyz", "X Y Z Intensity\n5334567.123 12.5 -3.25 7\n5334568.456 12.5 -3.25 8");
+  EXPECT_LT(length(placeOf(cloud, 1) - Vec3d{5334568.456, 12.5, -3.25}), 1e-6);
+  EXPECT_THAT(cloud.scan[kIntensity], ElementsAre(7, 8));
+}
+
+std::string plyOf(const std::string& properties, const std::string& line, const std::string& format = "ascii") {
+  return "ply\nformat " + format + " 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n" +
+         properties + "end_header\n" + line;
+}
+
+TEST_F(CloudFiles, ListsOfPlyAreSkipped) {
+  const std::string weights = "property list uchar short weights\nproperty int label\n";
+  std::string binary;
+  for (const float c : {1.0f, 2.0f, 3.0f}) put(binary, binary.size(), c);
+  put<std::uint8_t>(binary, 12, 2), put<std::int16_t>(binary, 13, 8), put<std::int16_t>(binary, 15, 9);
+  put<std::int32_t>(binary, 17, 40);
+  for (const std::string& bytes : {plyOf(weights, "1 2 3 2 8 9 40"), plyOf(weights, binary, "binary_little_endian")}) {
+    const Cloud cloud = read("a.ply", bytes);
+    EXPECT_EQ(cloud.scan.position[0], (Vec3f{1, 2, 3}));
+    EXPECT_THAT(cloud.scan[kLabel], ElementsAre(40));
+    EXPECT_EQ(cloud.leftOut.text(), "1 lists at vertices 'weights'");
+  }
+  binary[12] = '\x7f';
+  EXPECT_THAT(refused("b.ply", plyOf(weights, binary, "binary_little_endian")), HasSubstr("truncated or damaged"));
+  EXPECT_THAT(refused("b.ply", plyOf(weights, "1 2 3 3 8 9 40")), HasSubstr("b.ply:10: label must be a number"));
+  EXPECT_THAT(refused("b.ply", plyOf(weights, "1 2 3 -1 40")), HasSubstr("b.ply:10"));
+  // Blanks within numbers make too many values.
+  EXPECT_THAT(refused("b.ply", plyOf("", "1 234.5 2 3")), HasSubstr("b.ply:8: has more values"));
+  EXPECT_THAT(refused("b.ply", plyOf("", "1,5 2 3")), HasSubstr("b.ply:8: x must be a number"));
+}
+
+TEST_F(CloudFiles, NamesOfOtherProgramsAreFound) {
+  // Of CARLA.
+  Cloud cloud = read(
+      "a.ply", plyOf("property float32 CosAngle\nproperty uint32 ObjIdx\nproperty uint32 ObjTag\n", "1 2 3 0.5 17 14"));
+  EXPECT_THAT(cloud.scan[kLabel], ElementsAre(14));
+  EXPECT_THAT(cloud.scan[kInstance], ElementsAre(17u));
+  EXPECT_EQ(cloud.scan.foreign.at(0).name, "cosangle");
+  // The column's own name goes before others, which stay what they are.
+  cloud =
+      read("a.ply", plyOf("property int class\nproperty int label\nproperty float scalar_Intensity\n", "1 2 3 8 9 5"));
+  EXPECT_THAT(cloud.scan[kLabel], ElementsAre(9));
+  EXPECT_THAT(cloud.scan[kIntensity], ElementsAre(5));
+  EXPECT_EQ(cloud.scan.foreign.at(0).name, "class");
+  // Other names whose numbers do not fit are told.
+  cloud = read("a.csv", "x,y,z,class,laser_id\n1,2,3,-1,5\n");
+  EXPECT_TRUE(cloud.scan[kLabel].empty());
+  EXPECT_THAT(cloud.scan[kRing], ElementsAre(5));
+  EXPECT_EQ(cloud.leftOut.text(), "1 columns 'class' (label of point 0 is -1: no integer of 0 to 65535)");
 }
 
 TEST_F(CloudFiles, ARealRecordingIsReadAsItsScan) {

@@ -64,11 +64,28 @@ TEST(Csv, ForeignColumnsAreKept) {
   EXPECT_EQ(makeFormat("csv")->encode(scan), text);
 }
 
+TEST(Csv, TextOfOtherProgramsIsRead) {
+  for (const char* text : {
+           "x,y,z,label\n1,2,3,7",
+           "//X;Y;Z;Classification\n1;2;3;7\n",
+           "# x y z class\n1  2 3 7.000000\n",
+           "\xEF\xBB\xBF\"x\"\t\"y\"\t\"z\"\t\"label\"\r\n1\t+2\t3.0e0\t7\r\n\r\n",
+           "# by hand\n\nx, y, z, scalar_Classification\n# the only point\n1, 2, 3, 7\n",
+       }) {
+    const Scan scan = decoded(text);
+    ASSERT_EQ(scan.size(), 1u) << text;
+    EXPECT_EQ(scan.position[0], (Vec3f{1, 2, 3})) << text;
+    EXPECT_EQ(scan[kLabel], std::vector<std::uint16_t>{7}) << text;
+    EXPECT_TRUE(scan.foreign.empty()) << text;
+  }
+  EXPECT_EQ(decoded("1 2 3\n4 5 6").position[1], (Vec3f{4, 5, 6}));
+}
+
 TEST(Csv, ErrorsNameTheLine) {
   const std::pair<const char*, const char*> bad[] = {
       {"", "test.csv:1"},
-      {"x,y,z", "test.csv:1: the last line has no end"},
-      {"x,y,z\n1,2,3\n4,5", "test.csv:3: the last line has no end"},
+      {"# nothing", "test.csv:1: the file is empty"},
+      {"x,y,z\n1,2,3\n4,5", "test.csv:3: 2 values"},
       {"x,y\n1,2\n", "test.csv:1: there is no column 'z'"},
       {"x,y,z,labl\n", "label"},
       {"x,y,z,x\n", "named twice"},
@@ -77,12 +94,24 @@ TEST(Csv, ErrorsNameTheLine) {
       {"x,y,z\n1,2,3\n1,2\n", "test.csv:3: 2 values"},
       {"x,y,z\n1,2,3,4\n", "test.csv:2: 4 values"},
       {"x,y,z\n1,2,\n", "test.csv:2: z"},
-      {"x,y,z\n1, 2,3\n", "test.csv:2: y"},
       {"x,y,z\n1,2,3\r4\n", "test.csv:2: z"},
-      {"x,y,z\n\n", "test.csv:2"},
+      {"x,y,z\n\n# empty\n1,2,x\n", "test.csv:4: z must be a number such as 1234.5"},
+      {"x;y;z\n1,5;2;3\n", "test.csv:2: x must be a number"},
+      {"x,y,z\n1,5,2,5,3,5\n", "test.csv:2: 6 values where the header names 3 columns: decimals need a point"},
+      {"x;y;z\n1.234,5;2;3\n", "test.csv:2: x"},
+      {"x;y;z\n1'234;2;3\n", "test.csv:2: x"},
+      {"x;y;z\n1 234;2;3\n", "test.csv:2: x"},
+      {"x y z\n1 234 2 3\n", "test.csv:2: 4 values"},
+      {"x,y,z\n1.0f,2,3\n", "test.csv:2: x must be a number such as 1234.5 or -1.2e-3, not '1.0f'"},
+      {"x,y,z\n1D3,2,3\n", "test.csv:2: x"},
+      {"x,y,z\n0x10,2,3\n", "test.csv:2: x"},
+      {"x,y,z\n+-1,2,3\n", "test.csv:2: x"},
+      {"1,2,3,4\n", "test.csv:1: '1' is no name of a column: the first line names them, as x,y,z,label"},
+      {"1,5 2,5 3,5\n", "test.csv:1: '1' is no name"},
       {"x,y,z,label\n1,2,3,65536\n", "65535"},
       {"x,y,z,label\n1,2,3,-1\n", "label"},
-      {"x,y,z,instance\n1,2,3,1.0\n", "instance"},
+      {"x,y,z,instance\n1,2,3,1.5\n", "instance"},
+      {"x,y,z,label\n1,2,3,65536.0\n", "65535"},
       {"x,y,z,instance\n1,2,3,4294967296\n", "4294967295"},
   };
   for (const auto& [text, message] : bad) {

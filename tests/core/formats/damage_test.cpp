@@ -52,7 +52,10 @@ TEST_P(Damage, TruncatedAnywhere) {
     const std::size_t size = good_.size() * i / 64;
     expectDecodesOrRefuses(good_.substr(0, size), fmt::format("truncated to {} of {}", size, good_.size()));
   }
-  EXPECT_THROW(format_->decode(good_.substr(0, good_.size() - 2), "damaged.file"), InputError);
+  // The last line of a text may lack its end; what lacks values is refused.
+  const bool text = good_.back() == '\n';
+  const std::size_t end = text ? good_.find_last_of(", ") : good_.size() - 2;
+  EXPECT_THROW(format_->decode(good_.substr(0, end), "damaged.file"), InputError);
   EXPECT_THROW(format_->decode(good_.substr(0, good_.size() / 2), "damaged.file"), InputError);
 }
 

@@ -93,6 +93,20 @@ TEST(Formats, NoScanIsLargerThanItsOutlineSays) {
   }
 }
 
+TEST(Formats, ScansWithoutPointsKeepTheirColumns) {
+  for (const auto& [name, options] : kEncodings) {
+    SCOPED_TRACE(fmt::format("{} {}", name, options));
+    const auto format = makeFormat(name, options);
+    Scan scan;
+    scan.columnsIfEmpty = ColumnSet(kIntensity, kLabel, kInstance, kRing);
+    scan.foreign.push_back({"near_ir", std::vector<std::uint16_t>{}});
+    const Scan back = format->decode(format->encode(scan), "empty.file");
+    EXPECT_EQ(back.size(), 0u);
+    EXPECT_EQ(columnNames(back), columnNames(scan));
+    EXPECT_EQ(columnNames(back).size(), 8u);
+  }
+}
+
 TEST(Formats, OutlinesGrowByWhatAPointTakes) {
   ScanOutline small = outlineOf(randomScan(1, 1, 1, kAllColumns), 100);
   ScanOutline large = small;

@@ -32,7 +32,7 @@ TEST_F(Npz, ColumnsAreReadInTheirTypes) {
       intensity=np.array([7, 8], np.uint8), labels=np.array([40, 252], np.int64), near_ir=np.array([1, 2], np.uint16),
       boxes=np.zeros((3, 7), np.float32), key=np.array('text'), ring=np.array([3, 1], '<u4')))");
     if (bytes.empty()) GTEST_SKIP() << "numpy is missing: apt-get install python3-numpy";
-    const Scan scan = readNpz(bytes, "a.npz");
+    const Scan scan = readNpz(bytes, "a.npz").scan;
     ASSERT_EQ(scan.size(), 2u);
     EXPECT_EQ(scan.position[1], (Vec3f{4, 5, 6.5f}));
     EXPECT_THAT(scan[kIntensity], ElementsAre(7.0f, 8.0f));
@@ -47,9 +47,9 @@ TEST_F(Npz, ColumnsAreReadInTheirTypes) {
 TEST_F(Npz, FourNumbersAPointHaveAnIntensityAndImagesKeepTheirRows) {
   std::string bytes = saved("np.savez(file, points=np.arange(8, dtype='f4').reshape(2, 4))");
   if (bytes.empty()) GTEST_SKIP() << "numpy is missing: apt-get install python3-numpy";
-  EXPECT_THAT(readNpz(bytes, "a.npz")[kIntensity], ElementsAre(3.0f, 7.0f));
+  EXPECT_THAT(readNpz(bytes, "a.npz").scan[kIntensity], ElementsAre(3.0f, 7.0f));
   bytes = saved("np.savez(file, xyz=np.full((2, 5, 3), np.nan, 'f4'), label=np.ones((2, 5), 'u1'))");
-  const Scan scan = readNpz(bytes, "a.npz");
+  const Scan scan = readNpz(bytes, "a.npz").scan;
   EXPECT_TRUE(scan.organised);
   EXPECT_EQ(scan.rings, 2u);
   EXPECT_EQ(scan.columns, 5u);

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "base/file.h"
+#include "formats/readers.h"
 #include "tests/core/formats/scans.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
@@ -288,6 +289,41 @@ TEST(Pcd, TextErrorsNameTheLine) {
   const std::string text = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA ascii\n1 2 3\n";
   EXPECT_THAT(messageOf([&] { decoded(text + "4 five 6\n"); }), HasSubstr("test.pcd:9: y"));
   EXPECT_THAT(messageOf([&] { decoded("FIELDS x y z\nNONSENSE 1\n"); }), HasSubstr("test.pcd:2"));
+  EXPECT_THAT(messageOf([&] { decoded(text + "4,5 5 6\n"); }), HasSubstr("test.pcd:9: x must be a number"));
+}
+
+TEST(Pcd, TheLastLineMayHaveNoEnd) {
+  const std::string head = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA ascii\n";
+  EXPECT_EQ(decoded(head + "1 2 3\n4 5 6").position[1], (Vec3f{4, 5, 6}));
+  EXPECT_THAT(messageOf([&] { decoded(head + "1 2 3\n4 5"); }), HasSubstr("test.pcd:9: there is no value of field z"));
+  EXPECT_THAT(messageOf([&] { decoded(head + "1 2 3"); }), HasSubstr("truncated"));
+}
+
+std::string withViewpoint(const std::string& numbers) {
+  return "VERSION .7\nFIELDS x y z Classification normal\nSIZE 4 4 4 1 4\nTYPE F F F U F\nCOUNT 1 1 1 1 3\nWIDTH 1\n"
+         "HEIGHT 1\nVIEWPOINT " +
+         numbers + "\nPOINTS 1\nDATA ascii\n1 2 3 40 0 0 1\n";
+}
+
+TEST(Pcd, TheViewpointIsThePoseAndTheScanKeepsItsFrame) {
+  const Cloud cloud = readPcd(withViewpoint("10 20 30 0.7071 0 0 0.7071"), "a.pcd");
+  EXPECT_EQ(cloud.scan.position[0], (Vec3f{1, 2, 3}));
+  EXPECT_LT(length(cloud.worldFromFile * Vec3d{1, 2, 3} - Vec3d{8, 21, 33}), 1e-12) << "the quaternion is normalised";
+  EXPECT_EQ(readPcd(withViewpoint("0 0 0 0 0 0 0"), "a.pcd").worldFromFile, Pose{});
+  const auto refused = [](const char* numbers) { return messageOf([&] { readPcd(withViewpoint(numbers), "a.pcd"); }); };
+  EXPECT_THAT(refused("1 0 0 0 0 0 0"),
+              HasSubstr("a.pcd:8: VIEWPOINT has the quaternion 0 0 0 0 (w x y z), of the length 0"));
+  EXPECT_THAT(refused("0 0 0 2 0 0 0"), HasSubstr("of the length 2, where a rotation has the length 1"));
+  EXPECT_THAT(refused("0 0 0 nan 0 0 0"), HasSubstr("a.pcd:8"));
+  EXPECT_THAT(refused("0 0 0 1"), HasSubstr("seven values"));
+  EXPECT_THAT(refused("0 0 0 one 0 0 0"), HasSubstr("a.pcd:8: VIEWPOINT must be a number"));
+}
+
+TEST(Pcd, NamesOfOtherProgramsAreFoundAndWhatIsLeftOutIsCounted) {
+  const Cloud cloud = readPcd(withViewpoint("0 0 0 1 0 0 0"), "a.pcd");
+  EXPECT_EQ(cloud.scan[kLabel], std::vector<std::uint16_t>{40});
+  EXPECT_TRUE(cloud.scan.foreign.empty());
+  EXPECT_EQ(cloud.leftOut.text(), "1 fields of several values 'normal'");
 }
 
 TEST(Pcd, RealRecordingIsReadAsPclReadsIt) {

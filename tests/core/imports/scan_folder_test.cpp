@@ -5,6 +5,8 @@
 #include <cstring>
 
 #include "base/error.h"
+#include "formats/npy.h"
+#include "formats/zip_file.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 
@@ -116,6 +118,25 @@ TEST_F(NuScenesFolder, KeyFramesOfTheLidarAreRead) {
   }
 }
 
+TEST_F(NuScenesFolder, InstancesArePanopticLabels) {
+  tables("panoptic", R"([{"token": "p", "sample_data_token": "d1", "filename": "panoptic/v1.0-mini/d1.npz"}])");
+  std::string labels;
+  for (const std::uint16_t label : std::vector<std::uint16_t>{17002, 24000})
+    labels.append(reinterpret_cast<const char*>(&label), 2);
+  std::pair<std::string, std::string> array{"data.npy", npyOf("<u2", {2}, labels)};
+  folder_.write("panoptic/v1.0-mini/d1.npz", zipOf({&array, 1}));
+  Scan scan = readFolderScan(scanFolderIn(folder_.path())->scans[0]);
+  EXPECT_THAT(scan[kLabel], ElementsAre(0x11, 0x18));
+  EXPECT_THAT(scan[kInstance], ElementsAre(17002, 0));
+  fs::remove(folder_.path() / "v1.0-mini/lidarseg.json");
+  scan = readFolderScan(scanFolderIn(folder_.path())->scans[0]);
+  EXPECT_THAT(scan[kLabel], ElementsAre(17, 24));
+  array.second = npyOf("<u2", {1}, labels.substr(0, 2));
+  folder_.write("panoptic/v1.0-mini/d1.npz", zipOf({&array, 1}));
+  EXPECT_THAT(messageOf([&] { readFolderScan(scanFolderIn(folder_.path())->scans[0]); }),
+              HasSubstr("d1.npz: has 1 labels; its scan has 2 points"));
+}
+
 TEST_F(NuScenesFolder, DamageIsToldWithTheFile) {
   tables("sample", R"([{"token": "a"}])");
   EXPECT_THAT(messageOf([&] { scanFolderIn(folder_.path()); }), HasSubstr("sample.json: is not a table of nuScenes"));
@@ -141,6 +162,25 @@ TEST(ScanFolder, FilesOfScansInOneFolderAreRead) {
   empty.write("notes.txt", "none");
   EXPECT_FALSE(scanFolderIn(empty.path()));
   EXPECT_FALSE(scanFolderIn(empty.path() / "absent"));
+}
+
+// Frames of one recording lack the same: one warning tells it.
+TEST(ScanFolder, WhatReadersLeaveOutIsToldOnceAFolder) {
+  const TemporaryFolder folder;
+  for (const char* name : {"1.pcd", "2.pcd"}) {
+    folder.write(
+        name,
+        "FIELDS x y z n\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 3\nWIDTH 1\nHEIGHT 1\nVIEWPOINT 5 0 0 1 0 0 0\n"
+        "DATA ascii\n1 2 3 0 0 1\n");
+  }
+  testing::internal::CaptureStderr();
+  const auto found = scanFolderIn(folder.path());
+  for (const FolderScan& scan : found->scans) {
+    EXPECT_EQ(readFolderScan(scan).position[0], (Vec3f{1, 2, 3})) << "in the frame of the sensor";
+  }
+  const std::string told = testing::internal::GetCapturedStderr();
+  EXPECT_THAT(told, HasSubstr("1.pcd: left out: 1 fields of several values 'n'"));
+  EXPECT_THAT(told, testing::Not(HasSubstr("2.pcd")));
 }
 
 TEST(ScanFolder, LabelsThatAreNotOneAPointAreRefused) {

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace scanmill {
 namespace {
 
@@ -30,6 +32,19 @@ TEST(Scan, OrganisedKeepsTheShapeOfTheSensor) {
   EXPECT_EQ(scan.width(), 8u);
   EXPECT_EQ(scan.height(), 4u);
   EXPECT_EQ(scan.width() * scan.height(), scan.size());
+}
+
+TEST(Scan, WithoutPointsItKeepsTheNamesOfItsColumns) {
+  Scan misses;
+  misses.organised = true;
+  misses.rings = misses.columns = 1;
+  misses.position = {{std::nanf(""), 0, 0}};
+  misses[kLabel] = {0};
+  const Scan none = withoutMisses(misses);
+  EXPECT_EQ(none.size(), 0u);
+  EXPECT_EQ(columnNames(none), (std::vector<std::string>{"x", "y", "z", "label"}));
+  EXPECT_TRUE(none.has(kLabel));
+  EXPECT_FALSE(none.has(kRing));
 }
 
 TEST(Scan, NamesTheColumnsItHolds) {

@@ -56,6 +56,13 @@ TEST(Gather, ABeamHasAsManyPointsAsReturns) {
   }
 }
 
+TEST(Gather, AScanWithoutPointsHasItsColumns) {
+  const ColumnSet columns(kIntensity, kLabel, kRing);
+  const Scan scan = senseOnce(makeSeveralReturns(1, 1), {"intensity: {}"}, {columns, false});
+  EXPECT_EQ(scan.size(), 0u);
+  EXPECT_EQ(columnsOf(scan), columns);
+}
+
 TEST(Gather, FurtherReturnsAreFurtherPlanes) {
   const World world = makeSeveralReturns(17, 65);
   const Scan dense = senseOnce(world, {"intensity: {}", "range_noise: {sigma_m: 0.02}"}, kDense);

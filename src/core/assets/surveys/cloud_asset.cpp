@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -7,6 +8,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "assets/asset_parts.h"
@@ -14,7 +16,9 @@
 #include "assets/surveys/surfels.h"
 #include "assets/surveys/surveys.h"
 #include "base/error.h"
+#include "base/grouped.h"
 #include "config/text.h"
+#include "formats/cloud_columns.h"
 #include "formats/cloud_file.h"
 #include "images/srgb.h"
 #include "scene/texture.h"
@@ -23,46 +27,21 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kMostPoints = 100'000'000;
-constexpr std::uint32_t kLowNoise = 7, kHighNoise = 18;  // LAS classes of noise
-
-// Returns the name of a class from table 17 of the specification of LAS 1.4; its number if it has no name.
-std::string lasClass(std::uint32_t label) {
-  static constexpr std::array<const char*, 23> kNames{"never classified",
-                                                      "unclassified",
-                                                      "ground",
-                                                      "low vegetation",
-                                                      "medium vegetation",
-                                                      "high vegetation",
-                                                      "building",
-                                                      "low noise",
-                                                      "key point",
-                                                      "water",
-                                                      "rail",
-                                                      "road surface",
-                                                      "overlap",
-                                                      "wire guard",
-                                                      "wire conductor",
-                                                      "transmission tower",
-                                                      "wire connector",
-                                                      "bridge deck",
-                                                      "high noise",
-                                                      "overhead structure",
-                                                      "ignored ground",
-                                                      "snow",
-                                                      "temporal exclusion"};
-  return label < kNames.size() ? kNames[label] : fmt::format("{}", label);
-}
 
 class CloudAsset {
  public:
   CloudAsset(const std::filesystem::path& file, const AssetOptions& options)
-      : file_(file), options_(options), cloud_(readCloud(file)), scan_(cloud_.scan) {}
+      : file_(file),
+        options_(options),
+        cloud_(readCloud(file, options.unitStated ? CloudUnit::Metre : CloudUnit::OfFile)),
+        scan_(cloud_.scan) {}
 
   Asset build() {
     asset_.up = options_.up.value_or('z');
     asset_.upDeclared = las_ || options_.up.has_value();
     const double unit = options_.metresPerUnit;
     const Mat3 assetFromFile = zUpFrom(asset_.up) * Mat3::scale({unit, unit, unit});
+    takePose();
     choosePoints();
     for (const std::size_t i : chosen_) {
       positions_.push_back(static_cast<Vec3f>(assetFromFile * Vec3d(scan_.position[i])));
@@ -74,25 +53,45 @@ class CloudAsset {
                                    positions_.size(), kMostPoints));
     }
     asset_.origin = assetFromFile * cloud_.origin;
-    readNormals(assetFromFile);
+    readNormals(assetFromFile * toMatrix(cloud_.worldFromFile.rotation));
     readColors();
     addParts();
+    tellUnused();
     return std::move(asset_);
   }
 
  private:
-  // Chooses the points with finite positions. Leaves out the noise of LAS files unless the option `labels` is set.
+  // Moves the points to the pose that the file states.
+  void takePose() {
+    if (cloud_.worldFromFile == Pose{}) return;
+    std::vector<Vec3d> places;
+    for (const Vec3f& p : scan_.position) places.push_back(cloud_.worldFromFile * (cloud_.origin + Vec3d(p)));
+    setPositions(places, cloud_);
+  }
+
+  // Chooses the points with finite positions. Leaves out points whose class is called noise unless the option `labels`
+  // is set.
   void choosePoints() {
     const auto& labels = scan_[kLabel];
     if (labels.empty() && !options_.points.labels.empty()) {
-      throw InputError({file_.string()}, "has no labels (a column `label`, or LAS classes): leave out `labels`");
+      throw InputError({file_.string()},
+                       fmt::format("has no labels (a column `label`, or LAS classes), but {}: leave out `labels`",
+                                   fmt::join(columnNames(scan_), ", ")));
     }
-    const bool noisy = las_ && options_.points.labels.empty();
+    std::set<std::uint32_t> noise;
+    for (const auto& [label, name] : cloud_.classNames) {
+      if (options_.points.labels.empty() && lowerCase(name).find("noise") != std::string::npos) noise.insert(label);
+    }
+    std::uint64_t noisy = 0;
     for (std::size_t i = 0; i < scan_.size(); ++i) {
       if (!isFinite(scan_.position[i])) continue;
-      if (noisy && (labels[i] == kLowNoise || labels[i] == kHighNoise)) continue;
-      chosen_.push_back(i);
+      if (!noise.empty() && noise.contains(labels[i])) {
+        ++noisy;
+      } else {
+        chosen_.push_back(i);
+      }
     }
+    cloud_.leftOut.add("points of classes of noise", noisy);
     if (chosen_.empty()) throw InputError({file_.string()}, "has no points");
   }
 
@@ -110,9 +109,35 @@ class CloudAsset {
 
   const ForeignColumn* foreign(std::string_view name) const {
     for (const ForeignColumn& column : scan_.foreign) {
-      if (column.name == name) return &column;
+      if (columnMeant(column.name) == name) return &column;
     }
     return nullptr;
+  }
+
+  // Warns of what the reader left out, and of columns that no surface is made from.
+  void tellUnused() {
+    constexpr std::size_t kMostNames = 8;
+    std::vector<std::string> names;
+    for (const ForeignColumn& column : scan_.foreign) {
+      const std::string meant = columnMeant(column.name);
+      const FormatElements* const row = cloudColumns().find(meant);
+      if (row == nullptr || (columnIndex(meant) < kColumnCount && meant != kIntensity.row.name)) {
+        names.push_back(column.name);
+      }
+    }
+    const std::size_t all = names.size();
+    if (all > kMostNames) {
+      names.resize(kMostNames);
+      names.emplace_back("...");
+    }
+    cloud_.leftOut.add(fmt::format("columns ({})", fmt::join(names, ", ")), all);
+    cloud_.leftOut.tell(file_.string());
+    if (foreign("cosangle") != nullptr) {
+      warn(
+          fmt::format("{}: if CARLA wrote it, its y axis points to the right, so that the place is mirrored: negate y "
+                      "in the file",
+                      file_.string()));
+    }
   }
 
   // Returns the values of the chosen points in a foreign column; nullopt if there is no column of this name.
@@ -129,25 +154,63 @@ class CloudAsset {
   }
 
   void readNormals(const Mat3& assetFromFile) {
-    for (const auto& names : {std::array{"nx", "ny", "nz"}, std::array{"normal_x", "normal_y", "normal_z"}}) {
-      const auto x = numbers(names[0]);
-      const auto y = numbers(names[1]);
-      const auto z = numbers(names[2]);
-      if (!x || !y || !z) continue;
-      for (std::size_t k = 0; k < chosen_.size(); ++k) {
-        const Vec3d n = assetFromFile * Vec3d{(*x)[k], (*y)[k], (*z)[k]};
-        normals_.push_back(length(n) > 0 ? static_cast<Vec3f>(normalized(n)) : Vec3f{});
-      }
-      return;
+    const auto x = numbers("nx");
+    const auto y = numbers("ny");
+    const auto z = numbers("nz");
+    if (!x || !y || !z) return;
+    for (std::size_t k = 0; k < chosen_.size(); ++k) {
+      const Vec3d n = assetFromFile * Vec3d{(*x)[k], (*y)[k], (*z)[k]};
+      normals_.push_back(length(n) > 0 ? static_cast<Vec3f>(normalized(n)) : Vec3f{});
     }
   }
 
-  // Guesses, from the greatest intensity, which intensity means a reflectance of 1.
-  static double fullOf(double greatest) {
-    for (const double full : {1.0, 255.0}) {
-      if (greatest <= full) return full;
+  // Returns the intensity that means a reflectance of 1: 1 or 255 if no intensity is larger, else the greatest.
+  // Outliers do not count: intensities above four times the 99.9th percentile.
+  double fullOf(double greatest) const {
+    if (greatest <= 1) return 1;
+    const auto& intensity = scan_[kIntensity];
+    constexpr std::size_t kSamples = 1'000'000;
+    constexpr double kUsual = 0.999, kOutlier = 4;
+    std::vector<float> sample;
+    bool whole = true;
+    for (std::size_t k = 0; k < chosen_.size(); k += 1 + chosen_.size() / kSamples) {
+      const float value = intensity[chosen_[k]];
+      if (!std::isfinite(value)) continue;
+      sample.push_back(value);
+      whole = whole && value == std::floor(value);
     }
-    return greatest;
+    if (sample.empty()) return 1;
+    const auto usual = sample.begin() + static_cast<std::ptrdiff_t>(kUsual * static_cast<double>(sample.size() - 1));
+    std::nth_element(sample.begin(), usual, sample.end());
+    if (*usual <= 1 && !whole) return 1;
+    double full = greatest;
+    if (const double most = kOutlier * double{*usual}; most > 0 && greatest > most) {
+      full = 0;
+      for (const std::size_t i : chosen_) {
+        if (double{intensity[i]} <= most) full = std::max(full, double{intensity[i]});
+      }
+    }
+    return std::max(full, 255.0);
+  }
+
+  // Warns if intensities are clipped, or if the guessed scale makes all of them dark.
+  void tellIntensities(double full, double greatest) const {
+    constexpr double kDark = 0.05;
+    std::size_t above = 0;
+    std::size_t below = 0;
+    std::size_t none = 0;
+    for (const std::size_t i : chosen_) {
+      const double value = double{scan_[kIntensity][i]};
+      above += value > full ? 1u : 0u;
+      below += value < 0 ? 1u : 0u;
+      none += std::isnan(value) ? 1u : 0u;
+    }
+    if (above + below + none == 0 && greatest >= kDark * full) return;
+    warn(fmt::format(
+        "{}: the intensity {} is taken as a reflectance of 1: {} of {} points are above it and are clipped "
+        "to it (the greatest is {}), {} are below 0 and {} are no numbers, which count as 0; state another "
+        "by `points: {{full: ...}}`",
+        file_.string(), full, grouped(above), grouped(chosen_.size()), greatest, grouped(below), grouped(none)));
   }
 
   // Makes a texture with one texel per point: the point's intensity as a grey, or its colour.
@@ -172,11 +235,18 @@ class CloudAsset {
     const auto& intensity = scan_[kIntensity];
     if ((wanted == Source::Auto || wanted == Source::Intensity) && !intensity.empty()) {
       double greatest = 0;
-      for (const std::size_t i : chosen_) greatest = std::max(greatest, double{intensity[i]});
+      double least = 0;
+      for (const std::size_t i : chosen_) {
+        greatest = std::max(greatest, double{intensity[i]});
+        least = std::min(least, double{intensity[i]});
+      }
+      if (greatest == 0 && least < 0) cloud_.leftOut.add("intensities, none of which is above 0", chosen_.size());
       if (greatest > 0) {
         const double full = options_.points.full > 0 ? options_.points.full : fullOf(greatest);
+        if (options_.points.full == 0) tellIntensities(full, greatest);
         for (std::size_t k = 0; k < chosen_.size(); ++k) {
-          const double value = std::clamp(double{intensity[chosen_[k]]} / full, 0.0, 1.0);
+          // The order of the comparisons makes 0 of NaN.
+          const double value = std::min(std::max(0.0, double{intensity[chosen_[k]]} / full), 1.0);
           const auto grey = static_cast<std::uint8_t>(std::lround(255 * srgbOf(value)));
           std::fill_n(image.rgba.begin() + static_cast<std::ptrdiff_t>(4 * k), 3, grey);
         }
@@ -197,7 +267,7 @@ class CloudAsset {
       image.rgba[4 * k + channel] = static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
     };
     // The Point Cloud Library packs red, green and blue into an integer, whose bits may be stored as a float.
-    if (const ForeignColumn* packed = foreign("rgb") != nullptr ? foreign("rgb") : foreign("rgba")) {
+    if (const ForeignColumn* packed = foreign("rgb")) {
       std::visit(
           [&]<class T>(const std::vector<T>& all) {
             for (std::size_t k = 0; k < chosen_.size(); ++k) {
@@ -228,9 +298,11 @@ class CloudAsset {
   }
 
   std::string nameOf(std::uint32_t label) const {
-    const auto own = options_.points.labels.find(label);
-    if (own != options_.points.labels.end()) return own->second;
-    return las_ ? lasClass(label) : fmt::format("{}", label);
+    for (const auto* names : {&options_.points.labels, &cloud_.classNames}) {
+      const auto found = names->find(label);
+      if (found != names->end()) return found->second;
+    }
+    return fmt::format("{}", label);
   }
 
   void addParts() {

@@ -8,11 +8,13 @@
 #include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "assets/base_color.h"
 #include "assets/surveys/surveys.h"
 #include "base/earth.h"
 #include "base/error.h"
+#include "base/grouped.h"
 #include "rasters/raster.h"
 
 namespace scanmill {
@@ -27,7 +29,7 @@ class HeightAsset {
       : file_(file),
         options_(options),
         wanted_(options.heights),
-        heights_(readRaster(file, {1, wanted_.every, true, wanted_.within, kMostSamples})) {}
+        heights_(readRaster(file, {RasterUse::Heights, 1, wanted_.every, wanted_.within, kMostSamples})) {}
 
   Asset build() {
     if (options_.up && *options_.up != 'z')
@@ -45,6 +47,10 @@ class HeightAsset {
       findPlaces(row + 1);
       for (int column = 0; column + 1 < heights_.width; ++column) addCell(column, row);
     }
+    if (beside_ > 0) {
+      warn(fmt::format("{}: does not cover {} of the vertices of {}, which have the colour of its edge",
+                       wanted_.image.string(), grouped(beside_), file_.string()));
+    }
     if (asset_.parts.empty()) throw InputError({file_.string()}, "has no cell whose four samples all have heights");
     return std::move(asset_);
   }
@@ -54,31 +60,50 @@ class HeightAsset {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(heights_.width) + static_cast<std::size_t>(column);
   }
 
+  Vec3d onEarth(double x, double y, double z) const {
+    return earthCentred(radians(x * heights_.perUnit), radians(y * heights_.perUnit), z);
+  }
+
   void place() {
+    checkValues();
     const auto [x, y] = heights_.place(heights_.width / 2, heights_.height / 2);
     const double unit = options_.metresPerUnit;
     if (heights_.geographic) {
-      localFromEarth_ = eastNorthUp(earthCentred(radians(x), radians(y), 0));
+      localFromEarth_ = eastNorthUp(onEarth(x, y, 0));
       return;
     }
-    refuseDegrees();
-    asset_.origin = {std::floor(x * heights_.metresPerUnit) * unit, std::floor(y * heights_.metresPerUnit) * unit, 0};
+    asset_.origin = {std::floor(x * heights_.perUnit) * unit, std::floor(y * heights_.perUnit) * unit, 0};
   }
 
-  // Throws InputError if a raster without a coordinate system seems to be in degrees: if degrees were read as metres,
-  // hills would become needles.
-  void refuseDegrees() const {
-    constexpr double kSteepest = 3;  // largest ratio of height range to horizontal extent of a raster in metres
-    if (!heights_.reference.empty() || options_.metresPerUnit != 1) return;
-    const auto [x, y] = heights_.place(0, 0);
-    const auto [x2, y2] = heights_.place(heights_.width - 1, heights_.height - 1);
-    if (std::max(std::fabs(x), std::fabs(x2)) > 360 || std::max(std::fabs(y), std::fabs(y2)) > 90) return;
+  // Throws InputError if heights cannot be on the earth, or if a raster without a coordinate system seems to be in
+  // degrees: if degrees were read as metres, hills would become needles.
+  void checkValues() const {
+    constexpr double kHighest = 30e3;  // m; no mountain or trench, and no marker of missing samples but -9999
+    constexpr double kSteepest = 3;    // largest ratio of height range to horizontal extent of a raster in metres
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (const float value : heights_.values) {
       if (!std::isfinite(value)) continue;
       low = std::min(low, double{value});
       high = std::max(high, double{value});
     }
+    const double farthest = -low > high ? low : high;
+    if (std::isfinite(farthest) && std::fabs(farthest) * options_.metresPerUnit > kHighest) {
+      throw InputError(
+          {file_.string()},
+          fmt::format("has a height of {:.9g} m: if this value marks missing samples, say so by gdal_edit.py "
+                      "-a_nodata; if heights are not in metres, by gdal_edit.py -units",
+                      farthest));
+    }
+    if (low == -9999) {
+      warn(
+          fmt::format("{}: has heights of -9999 m: if this value marks missing samples, say so by 'gdal_edit.py "
+                      "-a_nodata -9999'",
+                      file_.string()));
+    }
+    if (!heights_.reference.empty() || options_.metresPerUnit != 1) return;
+    const auto [x, y] = heights_.place(0, 0);
+    const auto [x2, y2] = heights_.place(heights_.width - 1, heights_.height - 1);
+    if (std::max(std::fabs(x), std::fabs(x2)) > 360 || std::max(std::fabs(y), std::fabs(y2)) > 90) return;
     const double extent = std::hypot(x2 - x, y2 - y);
     if (!(high - low > kSteepest * extent)) return;
     throw InputError(
@@ -102,8 +127,8 @@ class HeightAsset {
     const auto [x, y] = heights_.place(column, row);
     const double z = double{heights_.values[indexOf(column, row)]};
     const double unit = options_.metresPerUnit;
-    if (heights_.geographic) return localFromEarth_ * earthCentred(radians(x), radians(y), z) * unit;
-    return Vec3d{x * heights_.metresPerUnit, y * heights_.metresPerUnit, z} * unit - asset_.origin;
+    if (heights_.geographic) return localFromEarth_ * onEarth(x, y, z) * unit;
+    return Vec3d{x * heights_.perUnit, y * heights_.perUnit, z} * unit - asset_.origin;
   }
 
   void expectSame(const Raster& other, const std::filesystem::path& name) const {
@@ -114,7 +139,7 @@ class HeightAsset {
   }
 
   void readClasses() {
-    classes_ = readRaster(wanted_.classes, {1, 1, false, boundsOfHeights(), kMostSamples});
+    classes_ = readRaster(wanted_.classes, {RasterUse::Classes, 1, 1, boundsOfHeights(), kMostSamples});
     expectSame(*classes_, wanted_.classes);
   }
 
@@ -131,28 +156,50 @@ class HeightAsset {
   }
 
   void readImage() {
-    const int bands = bandsOf(wanted_.image);
-    auto image = std::make_shared<Texture>();
-    image->file = wanted_.image.string();
-    for (int channel = 0; channel < 3; ++channel) {
-      const int band = bands >= 3 ? channel + 1 : 1;
-      photo_ = readRaster(wanted_.image, {band, 1, true, boundsOfHeights(), kMostSamples});
-      image->width = static_cast<std::uint32_t>(photo_.width);
-      image->height = static_cast<std::uint32_t>(photo_.height);
-      image->rgba.resize(photo_.values.size() * 4, 255);
-      // Values above 255 mean an image of 16 bits.
-      const float most = *std::max_element(photo_.values.begin(), photo_.values.end());
-      if (most > 255) scale_ = 255.0 / 65535;
-      for (std::size_t i = 0; i < photo_.values.size(); ++i) {
-        // The first row of a texture is the image's bottom.
-        const std::size_t row = i / image->width;
-        const std::size_t to = (image->height - 1 - row) * image->width + i % image->width;
-        const double value = std::isfinite(photo_.values[i]) ? double{photo_.values[i]} * scale_ : 0;
-        image->rgba[4 * to + static_cast<std::size_t>(channel)] =
-            static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
+    const std::filesystem::path& file = wanted_.image;
+    const std::array<int, 3> bands = colorBands(file);
+    std::array<std::vector<float>, 3> channels;
+    double greatest = 0;
+    bool whole = true;  // all values are whole numbers
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (k > 0 && bands[k] == bands[0]) continue;
+      photo_ = readRaster(file, {RasterUse::Colors, bands[k], 1, boundsOfHeights(), kMostSamples});
+      channels[k] = std::move(photo_.values);
+      for (const float value : channels[k]) {
+        if (!std::isfinite(value)) continue;
+        greatest = std::max(greatest, double{value});
+        whole = whole && value == std::floor(value);
       }
     }
-    expectSame(photo_, wanted_.image);
+    expectSame(photo_, file);
+    // The greatest value of all bands shows which value is white.
+    const double white = greatest > 255 ? 65535 : greatest > 1 || whole ? 255 : 1;
+    if (greatest > 255 && (greatest < white / 4 || greatest > white)) {
+      warn(
+          fmt::format("{}: its brightest value is {:.6g}, but white is 65535 in an image of more than 8 bits: scale it "
+                      "by 'gdal_translate -ot Byte -scale'",
+                      file.string(), greatest));
+    }
+    auto image = std::make_shared<Texture>();
+    image->file = file.string();
+    image->width = static_cast<std::uint32_t>(photo_.width);
+    image->height = static_cast<std::uint32_t>(photo_.height);
+    image->rgba.resize(channels[0].size() * 4, 255);
+    std::size_t black = 0;
+    for (std::size_t i = 0; i < channels[0].size(); ++i) {
+      // The first row of a texture is the image's bottom.
+      const std::size_t row = i / image->width;
+      std::uint8_t* const to = &image->rgba[4 * ((image->height - 1 - row) * image->width + i % image->width)];
+      bool missing = true;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto value = double{channels[channels[k].empty() ? 0 : k][i]};
+        missing = missing && !std::isfinite(value);
+        to[k] = static_cast<std::uint8_t>(
+            std::lround(std::isfinite(value) ? std::clamp(value * 255 / white, 0.0, 255.0) : 0));
+      }
+      black += missing ? 1 : 0;
+    }
+    if (black > 0) warn(fmt::format("{}: {} samples have no colour and count as black", file.string(), grouped(black)));
     image_ = std::move(image);
   }
 
@@ -223,7 +270,12 @@ class HeightAsset {
     to.positions.push_back(static_cast<Vec3f>(place));
     if (image_ != nullptr) {
       const auto [x, y] = heights_.place(column, row);
-      const auto [c, r] = photo_.sample(x, y);
+      auto [c, r] = photo_.sample(x, y);
+      if (!(c >= 0 && c < photo_.width && r >= 0 && r < photo_.height)) {
+        c = std::clamp(c, 0.5, photo_.width - 0.5);
+        r = std::clamp(r, 0.5, photo_.height - 0.5);
+        ++beside_;
+      }
       to.uvs.push_back({static_cast<float>(c / photo_.width), static_cast<float>(1 - r / photo_.height)});
     }
     return known;
@@ -234,8 +286,8 @@ class HeightAsset {
   const HeightOptions& wanted_;
   Raster heights_;
   std::optional<Raster> classes_;
-  Raster photo_;  // the last channel read from the image, with the image's georeference
-  double scale_ = 1;
+  Raster photo_;            // georeference of the image, without values
+  std::size_t beside_ = 0;  // number of vertices that the image does not cover
   std::shared_ptr<const Texture> image_;
   ColorImages images_{file_, true};
   Affine localFromEarth_;

@@ -2,7 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <cstring>
 #include <set>
 
 #include "assets/asset_parts.h"
@@ -116,6 +118,125 @@ TEST_F(Clouds, IntensitiesAreReflectances) {
   EXPECT_THAT(messageOf([&] { read(text, options); }), HasSubstr("has no colours"));
 }
 
+class Intensities : public Clouds {
+ protected:
+  // Returns the reflectances of a wall whose points have `usual`, and of one more point. `warnings`: what it tells.
+  std::array<double, 2> reflectances(const std::string& usual, const std::string& last,
+                                     const AssetOptions& options = {}) {
+    std::vector<std::string> lines = lawn(usual);
+    lines.back() = "1.9 1.9 5 " + last;
+    testing::internal::CaptureStderr();
+    const Asset asset =
+        readAsset(folder_.write(fmt::format("{}.ply", ++files_), ply("property float intensity\n", lines)), options);
+    warnings_ = testing::internal::GetCapturedStderr();
+    std::array<double, 2> found{};
+    for (const std::size_t k : {0, 399}) {
+      const AssetPart& part = asset.parts.at(0);
+      const Vec2f uv = part.uvs.at(4 * k);
+      const Material& own = part.fileMaterial;
+      found[k == 0 ? 0 : 1] = own.reflectance * luminance(own.texture->texel(uv.x, uv.y)) / own.textureMean;
+    }
+    return found;
+  }
+  int files_ = 0;
+  std::string warnings_;
+};
+
+TEST_F(Intensities, OneSaturatedPointDoesNotDarkenTheOthers) {
+  std::array<double, 2> found = reflectances("300", "65535");
+  EXPECT_NEAR(found[0], 1, 0.01);
+  EXPECT_NEAR(found[1], 1, 0.01);
+  EXPECT_THAT(warnings_, AllOf(HasSubstr("the intensity 300 is taken as a reflectance of 1: 1 of 400 points are above"),
+                               HasSubstr("the greatest is 65535"), HasSubstr("points: {full: ...}")));
+  AssetOptions options;
+  options.points.full = 65535;
+  found = reflectances("300", "65535", options);
+  EXPECT_LT(found[0], 0.01) << "as it is stated";
+  EXPECT_EQ(warnings_, "");
+  EXPECT_NEAR(reflectances("100", "65535")[0], 100.0 / 255, 0.01) << "of bytes";
+}
+
+TEST_F(Intensities, OrdinaryScalesAreTakenInSilence) {
+  EXPECT_NEAR(reflectances("0.5", "1")[0], 0.5, 0.01);
+  EXPECT_NEAR(reflectances("51", "255")[0], 0.2, 0.01);
+  EXPECT_NEAR(reflectances("1000", "2000")[0], 0.5, 0.01);
+  EXPECT_EQ(warnings_, "");
+}
+
+TEST_F(Intensities, ThatAreNoReflectancesAreTold) {
+  EXPECT_NEAR(reflectances("0.5", "1.2")[0], 0.5, 0.01) << "a reflectance above 1 makes no bytes of the others";
+  EXPECT_THAT(warnings_, HasSubstr("the intensity 1 is taken"));
+  EXPECT_NEAR(reflectances("nan", "200")[0], 0, 0.01);
+  EXPECT_THAT(warnings_, HasSubstr("399 are no numbers"));
+  reflectances("-3.5", "2");
+  EXPECT_THAT(warnings_, HasSubstr("399 are below 0"));
+}
+
+TEST_F(Clouds, ColumnsWithoutAUseAreTold) {
+  testing::internal::CaptureStderr();
+  read(
+      ply("property int class\nproperty int label\nproperty float nir\nproperty double gps_time\nproperty list uchar "
+          "int w\n",
+          lawn("1 2 3 4 1 5")));
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              HasSubstr("a.ply: left out: 2 columns (class, nir), 1 lists at vertices 'w'"));
+}
+
+// A LAS of 400 points at 1 unit of the US survey foot from each other, of the classes 2 and 7 (noise).
+std::string lasInFeet() {
+  std::string bytes(227 + 54 + 16 + 400 * 20, '\0');
+  const auto put = [&](std::size_t at, auto value) { std::memcpy(bytes.data() + at, &value, sizeof value); };
+  bytes.replace(0, 4, "LASF");
+  bytes.replace(229, 15, "LASF_Projection");
+  bytes[24] = 1, bytes[25] = 2, bytes[100] = 1, bytes[105] = 20;
+  put(94, std::uint16_t{227}), put(96, std::uint32_t{297}), put(107, std::uint32_t{400});
+  for (std::size_t axis = 0; axis < 3; ++axis) put(131 + 8 * axis, 0.01);
+  put(245, std::uint16_t{34735}), put(247, std::uint16_t{16});
+  for (std::size_t k = 0; const int number : {1, 1, 0, 1, 3076, 0, 1, 9003}) {
+    put(281 + 2 * k++, static_cast<std::uint16_t>(number));
+  }
+  for (int i = 0; i < 400; ++i) {
+    const std::size_t at = 297 + 20 * static_cast<std::size_t>(i);
+    put(at, 100 * (i / 20)), put(at + 4, 100 * (i % 20));
+    bytes[at + 15] = i == 399 ? 7 : 2;
+  }
+  return bytes;
+}
+
+TEST_F(Clouds, AStatedUnitGoesBeforeThatOfLas) {
+  const auto file = folder_.write("a.las", lasInFeet());
+  const auto width = [&](const AssetOptions& options) {
+    Box box;
+    const Asset asset = readAsset(file, options);
+    for (const Vec3f& p : asset.parts.at(0).positions) box.add(Vec3d(p));
+    return box.high.x - box.low.x;
+  };
+  testing::internal::CaptureStderr();
+  EXPECT_NEAR(width({}), 19 * 0.3048, 0.5);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              AllOf(HasSubstr("a.las: its coordinates, in units of 0.3048006096 m (US survey foot)"),
+                    HasSubstr("a.las: left out: 1 points of classes of noise")));
+  EXPECT_NEAR(width({.unitStated = true}), 19, 0.5);
+  EXPECT_NEAR(width({.metresPerUnit = 2, .unitStated = true}), 38, 0.5);
+}
+
+// Points of a PCD stand where its VIEWPOINT puts them, with their normals.
+TEST_F(Clouds, ThePoseOfAPcdIsTaken) {
+  std::string text =
+      "FIELDS x y z normal_x normal_y normal_z\nSIZE 4 4 4 4 4 4\nTYPE F F F F F F\nWIDTH 400\nHEIGHT 1\n"
+      "VIEWPOINT 691000 20 30 0.70710678 0 0.70710678 0\nPOINTS 400\nDATA ascii\n";
+  for (const std::string& line : lawn("0 0 1")) text += line + "\n";
+  const Asset asset = readAsset(folder_.write("a.pcd", text), {});
+  Box box;
+  for (std::size_t k = 0; k < 400; ++k) {
+    Vec3d middle;
+    for (std::size_t c = 0; c < 4; ++c) middle = middle + Vec3d(asset.parts[0].positions[4 * k + c]) * 0.25;
+    box.add(asset.origin + middle);
+  }
+  EXPECT_LT(length(box.low - Vec3d{691005, 20, 28.1}), 1e-3) << "x of the file is down, z of the file is x";
+  EXPECT_LT(length(box.high - Vec3d{691005, 21.9, 30}), 1e-3);
+}
+
 TEST_F(Clouds, ColoursAreReflectancesWhereThereIsNoIntensity) {
   const std::string green = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
   const Asset asset = read(ply(green, lawn("0 255 0")));
@@ -138,7 +259,7 @@ TEST_F(Clouds, MistakesAreNamed) {
   EXPECT_THAT(messageOf([&] { scene(", points: {radius: [2, 1]}"); }), HasSubstr("[least, most]"));
   EXPECT_THAT(messageOf([&] { scene(", heights: {every: 2}"); }), HasSubstr("rasters, such as .tif"));
   EXPECT_THAT(messageOf([&] { scene(", points: {labels: scanmill}"); }),
-              AllOf(HasSubstr("a.ply"), HasSubstr("has no labels")));
+              AllOf(HasSubstr("a.ply"), HasSubstr("has no labels (a column `label`, or LAS classes), but x, y, z")));
   folder_.write("b.obj", "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   EXPECT_THAT(messageOf([&] {
                 readScene(folder_.write("t.yaml",

@@ -3,9 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <iterator>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
 
 #include "assets/asset_parts.h"
 #include "assets/surveys/surveys.h"
+#include "base/file.h"
 #include "tests/core/assets/read_assets.h"
 #include "tests/support/geo_tiff.h"
 #include "tests/support/message_of.h"
@@ -46,6 +53,41 @@ class Heights : public testing::Test {
   }
   std::string refused(const GeoTiff& tiff, const AssetOptions& options = {}) const {
     return messageOf([&] { read(tiff, options); });
+  }
+  std::string refusedGrid(const std::string& text) const {
+    const auto file = folder_.write("g.asc", text);
+    return messageOf([&] { readAsset(file, {}); });
+  }
+
+  // Returns a band of a mosaic that takes its samples from `file`. `states`: what the mosaic says of the band.
+  static std::string band(const std::string& file, const std::string& states = "", const char* type = "Float32") {
+    return std::string("<VRTRasterBand dataType=\"") + type + "\">" + states +
+           "<SimpleSource><SourceFilename relativeToVRT=\"1\">" + file +
+           "</SourceFilename><SourceBand>1</SourceBand></SimpleSource></VRTRasterBand>";
+  }
+  // Writes dem.vrt of 6 x 4 samples of 5 m, with these bands.
+  std::filesystem::path mosaic(const std::string& bands, const std::string& system = "EPSG:32633",
+                               const std::string& transform = "500000, 5, 0, 5400100, 0, -5") const {
+    return folder_.write("dem.vrt", "<VRTDataset rasterXSize=\"6\" rasterYSize=\"4\"><SRS>" + system +
+                                        "</SRS><GeoTransform>" + transform + "</GeoTransform>" + bands +
+                                        "</VRTDataset>");
+  }
+  // Returns what is warned of while the file is read, and its least and greatest height.
+  struct Reading {
+    Box box;
+    std::size_t triangles = 0;
+    std::string warnings;
+  };
+  static Reading reading(const std::filesystem::path& file, const AssetOptions& options = {}) {
+    testing::internal::CaptureStderr();
+    try {
+      const Asset asset = readAsset(file, options);
+      return {boundsOf(asset), trianglesOf(asset), testing::internal::GetCapturedStderr()};
+    } catch (const InputError& e) {
+      testing::internal::GetCapturedStderr();
+      ADD_FAILURE() << e.what();
+      return {};
+    }
   }
   TemporaryFolder folder_;
 };
@@ -89,6 +131,185 @@ TEST_F(Heights, WithoutAValueAreHoles) {
   tiff.values[5 * 30 + 7] = -9999;  // touches four cells
   tiff.values[0] = NAN;             // touches one
   EXPECT_EQ(trianglesOf(read(tiff)), 2u * (29 * 19 - 5));
+}
+
+// A flat place with a pit of two samples in the middle of the second row, which touch six cells.
+GeoTiff flat(float height, float pit) {
+  GeoTiff tiff{6, 4, std::vector<float>(24, height), 500000, 5400100, 5};
+  tiff.values[8] = tiff.values[9] = pit;
+  return tiff;
+}
+
+TEST_F(Heights, HolesAreWhatTheFileMarksInAnyWay) {
+  folder_.write("dem.tif", flat(30, 0).bytes());
+  folder_.write("mask.tif", flat(255, 0).bytes());
+  const std::string masked = "<MaskBand>" + band("mask.tif", "", "Byte") + "</MaskBand>";
+  const std::string none = "<NoDataValue>-9999</NoDataValue>";
+  for (const std::string& bands :
+       {band("dem.tif") + masked, band("dem.tif", none) + masked, band("dem.tif", "<NoDataValue>0</NoDataValue>"),
+        band("dem.tif") + band("mask.tif", "<ColorInterp>Alpha</ColorInterp>", "Byte"),
+        band("dem.tif", none) + band("dem.tif") + band("mask.tif", "<ColorInterp>Alpha</ColorInterp>")}) {
+    const Reading found = reading(mosaic(bands));
+    EXPECT_EQ(found.triangles, 2u * (15 - 6)) << bands;
+    EXPECT_EQ(found.box.low.z, 30) << bands;
+    AssetOptions options;
+    options.heights.every = 2;
+    EXPECT_EQ(reading(mosaic(bands), options).box.low.z, 30) << "means leave holes out: " << bands;
+  }
+  folder_.write("beside.tif", flat(30, 7).bytes());
+  folder_.write("beside.tif.aux.xml",
+                "<PAMDataset><PAMRasterBand band=\"1\"><NoDataValue>7</NoDataValue>"
+                "</PAMRasterBand></PAMDataset>");
+  EXPECT_EQ(reading(folder_.path() / "beside.tif").triangles, 2u * (15 - 6));
+  // Files round the value in their texts.
+  for (const auto& [value, text] : {std::pair{-9999.9f, "-9999.9"},
+                                    {-3.40282347e38f, "-3.40282e+38"},
+                                    {-3.40282347e38f, "-3.4028234663852886e+38"},
+                                    {1e20f, "1e+20"}}) {
+    GeoTiff tiff = flat(30, value);
+    tiff.none = text;
+    EXPECT_EQ(trianglesOf(read(tiff)), 2u * (15 - 6)) << text;
+  }
+}
+
+// Nothing lies in the western third of the mosaic.
+TEST_F(Heights, GapsOfMosaicsAreHolesAndFilesStayAsTheyAre) {
+  folder_.write("dem.tif", flat(30, 30).bytes());
+  for (const char* type : {"Float32", "Int16"}) {
+    std::string bands = band("dem.tif", "", type);
+    bands.insert(bands.find("</SimpleSource>"),
+                 R"(<DstRect xOff="2" yOff="0" xSize="4" ySize="4"/><SrcRect xOff="0" yOff="0" xSize="4" ySize="4"/>)");
+    const auto file = mosaic(bands);
+    const std::string before = readFile(file);
+    const Reading found = reading(file);
+    EXPECT_EQ(found.triangles, 2u * 3 * 3) << type;
+    EXPECT_EQ(found.box.low.z, 30) << type;
+    EXPECT_EQ(readFile(file), before);
+  }
+  const std::filesystem::directory_iterator files(folder_.path());
+  EXPECT_EQ(std::distance(begin(files), end(files)), 2);
+}
+
+TEST_F(Heights, ThatNoPlaceHasAreRefused) {
+  EXPECT_THAT(refused(flat(30, -32768)), AllOf(HasSubstr("height of -32768 m"), HasSubstr("gdal_edit.py -a_nodata")));
+  EXPECT_THAT(refused(flat(30, 3e38f)), HasSubstr("height of 3.00000001e+38"));
+  folder_.write("pit.tif", flat(30, -9999).bytes());
+  EXPECT_THAT(reading(folder_.path() / "pit.tif").warnings, HasSubstr("pit.tif: has heights of -9999 m"));
+}
+
+TEST_F(Heights, UnitsBecomeMetres) {
+  folder_.write("dem.tif", flat(30, 40).bytes());
+  constexpr double kSurveyFoot = 1200.0 / 3937;
+  struct Case {
+    const char* system;
+    std::string unit;
+    double horizontal, vertical;
+    const char* warning;
+  };
+  for (const Case& c : {Case{"EPSG:32633", "", 1, 1, ""},
+                        {"EPSG:32633", "ft", 1, 0.3048, ""},
+                        {"EPSG:32633", "US survey foot", 1, kSurveyFoot, ""},
+                        {"EPSG:32633", "cm", 1, 0.01, ""},
+                        {"EPSG:26910+6360", "", 1, kSurveyFoot, ""},
+                        {"EPSG:26910+5715", "", 1, -1, ""},  // depths
+                        {"EPSG:2263", "m", kSurveyFoot, 1, ""},
+                        {"EPSG:2263", "", kSurveyFoot, 1, "nothing states the unit of the heights"},
+                        {"EPSG:2222", "", 0.3048, 1, "gdal_edit.py -units \"ft\""}}) {
+    const Reading found = reading(mosaic(band("dem.tif", "<UnitType>" + c.unit + "</UnitType>"), c.system));
+    EXPECT_NEAR(found.box.high.x - found.box.low.x, 25 * c.horizontal, 1e-3) << c.system << c.unit;
+    EXPECT_NEAR(found.box.low.x, 500002.5 * c.horizontal, 1e-2) << c.system << c.unit;
+    EXPECT_NEAR(found.box.high.z - found.box.low.z, std::fabs(10 * c.vertical), 1e-5) << c.system << c.unit;
+    EXPECT_NEAR(c.vertical > 0 ? found.box.low.z : found.box.high.z, 30 * c.vertical, 1e-5) << c.system << c.unit;
+    EXPECT_EQ(found.warnings.empty(), *c.warning == '\0') << c.system << c.unit << found.warnings;
+    EXPECT_THAT(found.warnings, HasSubstr(c.warning)) << c.system;
+  }
+  const auto says = [&](const std::string& system, const std::string& states) {
+    const auto file = mosaic(band("dem.tif", states), system);
+    return messageOf([&] { readAsset(file, {}); });
+  };
+  EXPECT_THAT(says("EPSG:32633", "<UnitType>K</UnitType>"), AllOf(HasSubstr("values in 'K'"), HasSubstr("-units")));
+  EXPECT_THAT(says("EPSG:4978", ""), AllOf(HasSubstr("earth-centred"), HasSubstr("gdalwarp -t_srs")));
+  EXPECT_THAT(says("GEOGCS[\"Moon\",DATUM[\"D\",SPHEROID[\"S\",1737400,0]],PRIMEM[\"P\",0],UNIT[\"degree\","
+                   "0.0174532925199433]]",
+                   ""),
+              HasSubstr("another body"));
+  // 0.001 grads are 100 m of latitude.
+  const Reading grads = reading(mosaic(band("dem.tif"), "EPSG:4807", "2, 0.001, 0, 50, 0, -0.001"));
+  EXPECT_NEAR(grads.box.high.y - grads.box.low.y, 300, 1);
+}
+
+TEST_F(Heights, HaveTheScaleAndTheSignOfTheBand) {
+  folder_.write("dem.tif", flat(250, 100).bytes());
+  const Reading scaled = reading(mosaic(band("dem.tif", "<Offset>-100</Offset><Scale>0.1</Scale>")));
+  EXPECT_NEAR(scaled.box.high.z, -75, 1e-5);
+  EXPECT_NEAR(scaled.box.low.z, -90, 1e-5);
+  // The file of floats becomes one of signed bytes, whose samples are -6.
+  std::string bytes = flat(0, 0).bytes();
+  bytes.replace(8, 24, std::string(24, '\xfa'));
+  for (const auto& [tag, from, to] : {std::tuple{std::string("\x02\x01\x03\0\1\0\0\0", 8), 32, 8},
+                                      {std::string("\x53\x01\x03\0\1\0\0\0", 8), 3, 2}}) {
+    const std::size_t at = bytes.find(tag + static_cast<char>(from));
+    ASSERT_NE(at, std::string::npos);
+    bytes[at + tag.size()] = static_cast<char>(to);
+  }
+  EXPECT_EQ(reading(folder_.write("signed.tif", bytes)).box.low.z, -6);
+}
+
+// Rotated by 37 degrees, running north, and with a tie point at the centre of the first sample.
+TEST_F(Heights, AreWhereAnyTransformSays) {
+  folder_.write("dem.tif", flat(30, 40).bytes());
+  const auto centre = [](const Reading& r) { return (r.box.low + r.box.high) * 0.5; };
+  const Reading rotated = reading(mosaic(band("dem.tif"), "EPSG:32633", "500000, 4, 3, 5400100, 3, -4"));
+  EXPECT_NEAR(centre(rotated).x, 500000 + 3 * 4 + 2 * 3, 1e-3);
+  EXPECT_NEAR(centre(rotated).y, 5400100 + 3 * 3 - 2 * 4, 1e-3);
+  const Reading north = reading(mosaic(band("dem.tif"), "EPSG:32633", "500000, 5, 0, 5400100, 0, 5"));
+  EXPECT_NEAR(north.box.low.y, 5400102.5, 1e-3);
+  std::string point = flat(30, 40).bytes();
+  const std::string area("\x01\x04\0\0\1\0\1\0", 8);  // GTRasterTypeGeoKey
+  ASSERT_NE(point.find(area), std::string::npos);
+  point[point.find(area) + 6] = 2;
+  EXPECT_NEAR(reading(folder_.write("point.tif", point)).box.low.x, 500000, 1e-3);
+}
+
+TEST_F(Heights, ColoursAreNoHeightsAndFurtherBandsAreTold) {
+  folder_.write("dem.tif", flat(30, 40).bytes());
+  const auto says = [&](const std::string& bands) {
+    const auto file = mosaic(bands);
+    return messageOf([&] { readAsset(file, {}); });
+  };
+  for (const char* colour : {"Palette", "Red", "Cyan"}) {
+    EXPECT_THAT(says(band("dem.tif", std::string("<ColorInterp>") + colour + "</ColorInterp>", "Byte")),
+                AllOf(HasSubstr("dem.vrt: holds colours and no heights"), HasSubstr(colour)));
+  }
+  EXPECT_THAT(says(band("dem.tif", "", "CFloat32")), HasSubstr("complex numbers"));
+  EXPECT_THAT(reading(mosaic(band("dem.tif") + band("dem.tif") + band("dem.tif"))).warnings,
+              HasSubstr("dem.vrt: left out: 2 bands behind the first\n"));
+}
+
+TEST_F(Heights, TextGridsOfAllKindsAreRead) {
+  const std::string samples = "1 2.5 3\n4 -9999 6\n7 8 9\n";
+  const auto box = [&](const std::string& text) { return reading(folder_.write("g.asc", text)).box; };
+  const Box corner = box("NCOLS 3\nNROWS 3\nXLLCORNER 500000\nYLLCORNER 5400000\nCELLSIZE 10\n1 2.5 3\n4 5 6\n7 8 9\n");
+  EXPECT_NEAR(corner.low.x, 500005, 1e-3);
+  EXPECT_NEAR(corner.high.y, 5400025, 1e-3);
+  EXPECT_EQ(corner.high.z, 9);
+  const Box centre =
+      box("ncols 3\nnrows 3\nxllcenter 500000\nyllcenter 5400000\ndx 10\ndy 20\n1,5 2,5 3\n4 5 6\n7 8 9\n");
+  EXPECT_NEAR(centre.low.x, 500000, 1e-3);
+  EXPECT_NEAR(centre.high.y, 5400040, 1e-3);
+  EXPECT_EQ(centre.low.z, 1.5);
+  const std::string heading = "ncols 3\nnrows 3\nxllcorner 500000\nyllcorner 5400000\ncellsize 10\n";
+  EXPECT_THAT(refusedGrid(heading + samples), HasSubstr("no cell")) << "-9999 is the default of NODATA_value";
+  EXPECT_THAT(refusedGrid(heading + "nodata_VALUE 5\n1 2 3\n4 5 6\n7 8 9\n"), HasSubstr("no cell"));
+  EXPECT_THAT(refusedGrid(heading + "1 2 3\n4 5 6\n7 8\n"), HasSubstr("has 8 samples, but its heading promises 9"));
+  EXPECT_THAT(refusedGrid("ncols 3\nnrows 3\nxllcorner 5\nyllcenter 6\ncellsize 10\n1 2 3\n4 5 6\n7 8 9\n"),
+              HasSubstr("does not say where it lies"));
+  // GDAL guesses the type of the samples by the first ones.
+  std::string late = "ncols 600\nnrows 600\nxllcorner 0\nyllcorner 0\ncellsize 1\ndatum 3\n";
+  for (int i = 0; i < 600 * 600; ++i) late += i < 300 * 600 ? "-9999 " : "7.75 ";
+  const Reading found = reading(folder_.write("late.asc", late));
+  EXPECT_EQ(found.box.low.z, 7.75);
+  EXPECT_THAT(found.warnings, HasSubstr("late.asc: left out: 1 unknown 'datum'"));
 }
 
 // Edges of cliffs stay straight: the diagonal that is shorter is taken.
@@ -143,6 +364,53 @@ TEST_F(Heights, HaveClassesAndColoursOfOtherRasters) {
   EXPECT_THAT(refused(tilted(), options), AllOf(HasSubstr("other.tif"), HasSubstr("gdalwarp")));
 }
 
+TEST_F(Heights, ImagesOfAllKindsHaveTheirColours) {
+  folder_.write("dem.tif", GeoTiff{6, 4, std::vector<float>(24, 30), 500000, 5400100, 5}.bytes());
+  const auto image = [&](const std::string& bands, std::string& warnings) {
+    AssetOptions options;
+    options.heights.image = mosaic(bands);
+    testing::internal::CaptureStderr();
+    const Asset asset = readAsset(folder_.path() / "dem.tif", options);
+    warnings = testing::internal::GetCapturedStderr();
+    const std::vector<std::uint8_t>& rgba = asset.parts.at(0).fileMaterial.texture->rgba;
+    return std::vector<int>(rgba.begin(), rgba.begin() + 3);
+  };
+  const auto write = [&](const char* name, float value) {
+    folder_.write(name, GeoTiff{6, 4, std::vector<float>(24, value), 500000, 5400100, 5}.bytes());
+    return std::string(name);
+  };
+  std::string warnings;
+  const std::string dark = write("dark.tif", 128), bright = write("bright.tif", 65535), half = write("half.tif", 0.5f);
+  EXPECT_EQ(image(band(dark, "", "UInt16") + band(bright, "", "UInt16") + band(dark, "", "UInt16"), warnings),
+            (std::vector{0, 255, 0}))
+      << "one channel of 16 bits makes all have 16 bits";
+  EXPECT_EQ(warnings, "");
+  EXPECT_EQ(image(band(half), warnings), (std::vector{128, 128, 128}));
+  const auto called = [](const char* name) { return std::string("<ColorInterp>") + name + "</ColorInterp>"; };
+  EXPECT_EQ(image(band(half, called("Blue")) + band(dark, called("Red")) + band(bright, called("Alpha")) +
+                      band(write("grey.tif", 64), called("Green")),
+                  warnings),
+            (std::vector{128, 64, 1}));
+  image(band(write("dim.tif", 2047), "", "UInt16"), warnings);
+  EXPECT_THAT(warnings, HasSubstr("dem.vrt: its brightest value is 2047"));
+  EXPECT_THAT(messageOf([&] { image(band(dark, called("Palette"), "Byte"), warnings); }), HasSubstr("-expand rgb"));
+  testing::internal::GetCapturedStderr();
+  EXPECT_EQ(image(band(dark, "<NoDataValue>128</NoDataValue>"), warnings)[0], 0);
+  EXPECT_THAT(warnings, HasSubstr("24 samples have no colour"));
+  // The image ends in the middle of the heights, and does not repeat behind its edge.
+  AssetOptions options;
+  GeoTiff small{2, 1, {10, 20}, 500000, 5400100, 10};
+  options.heights.image = folder_.write("small.tif", small.bytes());
+  testing::internal::CaptureStderr();
+  const Asset asset = readAsset(folder_.path() / "dem.tif", options);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("small.tif: does not cover 16 of the vertices"));
+  const AssetPart& part = asset.parts.at(0);
+  for (std::size_t i = 0; i < part.uvs.size(); ++i) {
+    EXPECT_EQ(part.fileMaterial.texture->texel(part.uvs[i].x, part.uvs[i].y)[0],
+              part.positions[i].x + asset.origin.x < 500010 ? 10 : 20);
+  }
+}
+
 // A degree of latitude is 111.2 km at 48 degrees, one of longitude 74.6 km; level ground bends away as the earth does.
 TEST_F(Heights, OfLongitudeAndLatitudeLieAsOnTheEarth) {
   const GeoTiff flat{41, 41, std::vector<float>(41 * 41, 100.0f), 11, 48.5, 0.5 / 41, 4326};
@@ -179,13 +447,10 @@ TEST_F(Heights, MistakesAreNamed) {
   EXPECT_THAT(messageOf([&] { readAsset(folder_.path() / "dem.tif", {}); }),
               AllOf(HasSubstr("dem.tif"), HasSubstr("no raster that can be read")));
   const std::string grid = "ncols 2\nnrows 2\nxllcorner 11\nyllcorner 48\ncellsize 0.1\nNODATA_value -9999\n";
-  const auto asc = [&](const std::string& samples) {
-    const auto file = folder_.write("g.asc", grid + samples);
-    return messageOf([&] { readAsset(file, {}); });
-  };
+  const auto asc = [&](const std::string& samples) { return refusedGrid(grid + samples); };
   EXPECT_EQ(asc("0.01 0.02\n0.03 1e-2\n"), "accepted");
   EXPECT_THAT(asc("0.01 0.02\n0.03 none\n"), AllOf(HasSubstr("g.asc:8"), HasSubstr("'none' is no number")));
-  EXPECT_THAT(asc("1,5 2,5\n3 4\n"), AllOf(HasSubstr("g.asc:7"), HasSubstr("'1,5'")));
+  EXPECT_THAT(asc("1,5,2.5\n3 4\n"), AllOf(HasSubstr("g.asc:7"), HasSubstr("'1,5,2.5'")));
   EXPECT_THAT(asc("510 512\n530 521\n"), AllOf(HasSubstr("rises by 20 m within"), HasSubstr("EPSG:4326")));
   EXPECT_THAT(refused({1, 3, {1, 2, 3}, 0, 0, 1}), HasSubstr("at least two"));
   EXPECT_THAT(refused({2, 2, {NAN, 2, 3, 4}, 0, 0, 1}), HasSubstr("no cell whose four samples"));
@@ -200,6 +465,8 @@ TEST_F(Heights, MistakesAreNamed) {
   }
   folder_.write("u.tif", unplaced);
   EXPECT_THAT(messageOf([&] { readAsset(folder_.path() / "u.tif", {}); }), HasSubstr("gdal_edit.py"));
+  folder_.write("u.tfw", "5\n0\n0\n-5\n500002.5\n5400097.5\n");
+  EXPECT_NEAR(reading(folder_.path() / "u.tif").box.low.x, 500002.5, 1e-3) << "a world file names the first centre";
   std::string cut = tilted().bytes();
   EXPECT_THAT(refused(tilted(), {.up = 'y'}), HasSubstr("leave out `up`"));
   // Whatever is damaged, it is read or refused.

@@ -1,0 +1,107 @@
+#include "formats/cloud_columns.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "config/text.h"
+#include "formats/column_value.h"
+
+namespace scanmill {
+
+namespace {
+
+template <class Key, class Stored>
+std::vector<typename Key::Value> numbersFor(Key key, const std::vector<Stored>& stored, const Location& where) {
+  using Value = typename Key::Value;
+  std::vector<Value> values;
+  values.reserve(stored.size());
+  const auto isNone = [](Stored number) { return std::is_signed_v<Stored> && number < Stored{}; };
+  const bool shifted = key.index == kInstance.index && std::any_of(stored.begin(), stored.end(), isNone);
+  for (const Stored number : stored) {
+    if (shifted && isNone(number)) {
+      values.push_back(Value{});
+    } else {
+      values.push_back(columnValue<Value>(number, key.row.name, values.size(), where));
+      if (shifted) ++values.back();
+    }
+  }
+  return values;
+}
+
+}  // namespace
+
+const FormatSupport& cloudColumns() {
+  using enum FormatElements::Use;
+  static const FormatSupport format{
+      "Columns of point clouds",
+      ".las, .ply, .pcd, .csv, .xyz, .npz, .drc",
+      {{Read,
+        "label labels label_id class classes class_id class_label classification category category_id semantic "
+        "semantics semantic_label semantic_id sem_class sem_label objtag object_tag predsemantic pred_label",
+        "classes; points that no class was given to are those of the number 0"},
+       {Read,
+        "instance instances instance_id instanceid instance_label inst_id treeid tree_id predinstance "
+        "pred_instance objidx object_id objectid obj_id",
+        "instances; 0 means none, and so do numbers below 0, where the others are counted from 1 on"},
+       {Read, "intensity intensities reflectance reflectivity remission", "intensities"},
+       {Read, "ring ring_id ring_index laser_id laserid beam_id channel line", "rings, of recorded scans"},
+       {Read, "return return_number returnnumber", "numbers of returns, of recorded scans"},
+       {Read, "returns number_of_returns numberofreturns num_returns", "counts of returns, of recorded scans"},
+       {Read, "red r diffuse_red", "colours"},
+       {Read, "green g diffuse_green", "colours"},
+       {Read, "blue b diffuse_blue", "colours"},
+       {Read, "rgb rgba", "colours, packed as PCL does"},
+       {Read, "nx normal_x", "normals"},
+       {Read, "ny normal_y", "normals"},
+       {Read, "nz normal_z", "normals"},
+       {Unused, "alpha a curvature cosangle confidence range near_ir ambient noise signal", "measures of a sensor"},
+       {Unused,
+        "gps_time gpstime timestamp t time_offset offset_time scan_angle scan_angle_rank scan_direction_flag "
+        "edge_of_flight_line user_data point_source_id pointsourceid scanner_channel",
+        "times, angles and flight lines"}}};
+  return format;
+}
+
+std::string columnMeant(std::string_view name) {
+  constexpr std::string_view kPrefix = "scalar_";  // of CloudCompare
+  std::string own = lowerCase(name);
+  if (own.starts_with(kPrefix)) own.erase(0, kPrefix.size());
+  const FormatElements* const row = cloudColumns().find(own);
+  if (row == nullptr || row->use != FormatElements::Use::Read) return own;
+  return std::string(row->names.substr(0, row->names.find(' ')));
+}
+
+void adoptColumns(Cloud& cloud, const Location& where) {
+  Scan& scan = cloud.scan;
+  for (const bool ownName : {true, false}) {
+    std::erase_if(scan.foreign, [&](const ForeignColumn& column) {
+      const std::string meant = columnMeant(column.name);
+      if (ownName != (lowerCase(column.name) == meant)) return false;
+      bool adopted = false;
+      visitTable(scan, [&](auto key, auto& values) {
+        if (key.row.name != meant || scan.has(key)) return;
+        try {
+          std::visit([&](const auto& stored) { values = numbersFor(key, stored, ownName ? where : Location{}); },
+                     column.values);
+          scan.columnsIfEmpty.add(key.index);
+          adopted = true;
+        } catch (const InputError& error) {
+          if (ownName && !where.file.empty()) throw;
+          cloud.leftOut.add(fmt::format("columns '{}' ({})", column.name, error.what()));
+        }
+      });
+      return adopted;
+    });
+  }
+}
+
+void setPositions(const std::vector<Vec3d>& exact, Cloud& cloud) {
+  const auto known = std::find_if(exact.begin(), exact.end(), [](const Vec3d& p) { return isFinite(p); });
+  cloud.origin = known == exact.end() ? Vec3d{} : cloudOrigin(*known);
+  cloud.scan.position.clear();
+  cloud.scan.position.reserve(exact.size());
+  for (const Vec3d& p : exact) cloud.scan.position.push_back(static_cast<Vec3f>(p - cloud.origin));
+}
+
+}  // namespace scanmill
