@@ -3,11 +3,17 @@
 #include <filesystem>
 #include <string>
 
+#include "base/format_support.h"
+
 namespace scanmill {
 
-// Returns the text of an AC3D file with at most one texture per object, as assimp requires. Racing games write several
-// textures per object. The texture with the role `base`, or else the first texture, is the colour and is kept; the
-// others are shading and skid marks.
-std::string readAc3d(const std::filesystem::path& file);
+const FormatSupport& ac3dFormat();
+
+// Returns the text of an AC3D file (AC3Db or AC3Dc) as assimp reads it, and counts what is left out:
+// - at most one texture per object. Racing games write several. The texture with the role `base`, or else the first
+//   texture, is the colour and is kept; the others are shading and skid marks;
+// - materials in one line each (MATERIAL) in place of blocks (MAT to ENDMAT);
+// - hidden objects and those below them without vertices and surfaces.
+std::string readAc3d(const std::filesystem::path& file, LeftOut& leftOut);
 
 }  // namespace scanmill

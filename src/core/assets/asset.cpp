@@ -7,9 +7,11 @@
 #include <cctype>
 #include <cmath>
 #include <limits>
+#include <string_view>
 
 #include "assets/asset_parts.h"
 #include "assets/blend.h"
+#include "assets/content_kind.h"
 #include "assets/gltf/reader.h"
 #include "assets/imported_asset.h"
 #include "assets/surveys/surveys.h"
@@ -78,18 +80,9 @@ void warnOfSteps(const Asset& asset, const std::filesystem::path& file) {
                   static_cast<double>(std::nextafter(reached, std::numeric_limits<float>::infinity()) - reached)));
 }
 
-Asset withFile(Asset asset, const std::filesystem::path& file) {
-  asset.file = file;
-  return asset;
-}
-
-}  // namespace
-
-Asset readAsset(const std::filesystem::path& file, const AssetOptions& options) {
-  const std::string kind = lowerExtension(file);
-  checkRequest(file, kind, options);
-  if (isHeights(kind)) return withFile(readHeightAsset(file, options), file);
-  if (isCloud(file)) return withFile(readCloudAsset(file, options), file);
+Asset readByKind(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
+  if (isHeights(kind)) return readHeightAsset(file, options);
+  if (isCloud(file)) return readCloudAsset(file, options);
   const bool gltf = kind == ".gltf" || kind == ".glb" || kind == ".b3dm" || kind == ".blend";
   Asset asset = gltf            ? readGltf(file, kind, options)
                 : isWorld(kind) ? readWorld(file, kind, options)
@@ -104,7 +97,23 @@ Asset readAsset(const std::filesystem::path& file, const AssetOptions& options) 
   // Returns the importer's freed memory to the system. The importer allocates every face separately, 60 MiB for a
   // million triangles.
   ::malloc_trim(0);
-  return withFile(std::move(asset), file);
+  return asset;
+}
+
+}  // namespace
+
+Asset readAsset(const std::filesystem::path& file, const AssetOptions& options) {
+  const std::string kind = lowerExtension(file);
+  checkRequest(file, kind, options);
+  try {
+    Asset asset = readByKind(file, kind, options);
+    asset.file = file;
+    return asset;
+  } catch (const InputError& e) {
+    const std::string content = otherContent(file, kind);
+    if (content.empty() || std::string_view(e.what()).find(content) != std::string_view::npos) throw;
+    throw InputError(fmt::format("{}; its first bytes look like {}", e.what(), content));
+  }
 }
 
 }  // namespace scanmill

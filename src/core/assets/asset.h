@@ -63,7 +63,7 @@ struct PointOptions {
   SurfelOptions surfels = {};
   Reflectance reflectance = Reflectance::Auto;       // Auto: from intensities if the file has them, else from colours
   double full = 0;                                   // intensity that means a reflectance of 1; 0: it is guessed
-                                                     // from the greatest intensity
+                                                     // from the greatest intensities
   std::map<std::uint32_t, std::string> labels = {};  // class names by label; empty: names from the file format, if it
                                                      // has them
 };
@@ -81,6 +81,7 @@ struct AssetOptions {
   // Metres per unit of the file. If the file declares its unit (COLLADA, FBX), this is a factor on the declared unit,
   // like the <scale> of a mesh in SDF.
   double metresPerUnit = 1.0;
+  bool unitStated = false;  // true: metresPerUnit was given, so that the unit in a LAS file counts for nothing
   // The up axis of the file's coordinates, 'x', 'y' or 'z': (x, y, z) becomes (x, -z, y) from y-up and (-y, -z, x) from
   // x-up. It overrides the axis that the file declares. If not set, the file decides: COLLADA by up_axis and FBX by
   // UpAxis (y if absent); glTF and AC3D are y-up by their specifications, .blend is z-up; OBJ, PLY, STL and the other
@@ -91,8 +92,9 @@ struct AssetOptions {
   std::optional<ClipTime> clip = std::nullopt;  // animation time to load (only glTF and GLB)
   // True: files that an asset names may be outside of its folder. False: such names are refused.
   bool allowOutside = false;
-  PointOptions points = {};    // options for point clouds
-  HeightOptions heights = {};  // options for height rasters
+  std::vector<std::filesystem::path> textureFolders = {};  // searched last for images that are missing at their paths
+  PointOptions points = {};                                // options for point clouds
+  HeightOptions heights = {};                              // options for height rasters
 };
 
 // Parts that the file places several times: by EXT_mesh_gpu_instancing of glTF, or as models of a world.
@@ -105,6 +107,7 @@ struct Asset {
   std::filesystem::path file;
   char up = 'z';            // up axis of the file's coordinates: AssetOptions::up if set, else the file's axis
   bool upDeclared = false;  // true if the file or its kind states the up axis
+  double statedUnit = 0;    // metres per unit as the file states it; 0: it states none
   std::vector<AssetPart> parts;
   Vec3d origin;  // m, asset frame; `parts` are relative to it; zero unless coordinates are too large for float32
   std::vector<InstancedParts> instanced;
@@ -112,8 +115,8 @@ struct Asset {
 };
 
 // Reads the file. Throws an InputError that names the file and the problem: it is absent, empty, truncated, of an
-// unknown kind, or has no triangles. If a texture is missing, warns and gives its material a plain colour. Skips lines
-// and points of meshes without a warning.
+// unknown kind, or has no triangles. If a texture is missing, warns and gives its material a plain colour. Warns once
+// of what the file holds besides, such as lines and points, with counts.
 Asset readAsset(const std::filesystem::path& file, const AssetOptions& options);
 
 }  // namespace scanmill

@@ -15,10 +15,16 @@ namespace {
 class MaterialReader {
  public:
   MaterialReader(const ImportedFile& imported, const std::filesystem::path& file, const AssetOptions& options)
-      : imported_(imported), file_(file), options_(options), images_(file, options.allowOutside) {}
+      : imported_(imported),
+        file_(file),
+        options_(options),
+        images_(file, options.allowOutside, options.textureFolders) {}
 
-  AssetMaterial read(std::uint32_t index) {
-    const ImportedMaterial& from = imported_.materials[index];
+  AssetMaterial read(std::uint32_t index, LeftOut& leftOut) {
+    ImportedMaterial from = imported_.materials[index];
+    for (ImportedMap* const map : {&from.base, &from.opacityMap}) {
+      if (map->name == "(null)") *map = {};  // exporters print a missing name so
+    }
     AssetMaterial read;
     read.material.name = from.name;
     read.material.source = "base colour of " + file_.filename().string();
@@ -49,6 +55,9 @@ class MaterialReader {
         color.image = withOpacity(color.image.get(), *mask, opacity.inverted);
     }
     setColor(read.material, std::move(color), file_, options_, images_);
+    if (from.opacity < 1 && !read.material.alphaTested && options_.alpha != AlphaUse::Ignore) {
+      leftOut.add("opacities of materials (they are solid)");
+    }
     return read;
   }
 
@@ -82,10 +91,10 @@ class MaterialReader {
 }  // namespace
 
 std::vector<AssetMaterial> readMaterials(const ImportedFile& imported, const std::filesystem::path& file,
-                                         const AssetOptions& options) {
+                                         const AssetOptions& options, LeftOut& leftOut) {
   MaterialReader reader(imported, file, options);
   std::vector<AssetMaterial> materials;
-  for (std::uint32_t i = 0; i < imported.materials.size(); ++i) materials.push_back(reader.read(i));
+  for (std::uint32_t i = 0; i < imported.materials.size(); ++i) materials.push_back(reader.read(i, leftOut));
   return materials;
 }
 

@@ -19,8 +19,9 @@ struct AssetMaterial {
 };
 
 // Returns the materials of the imported file, in its order. Warns of missing and broken textures. Throws InputError for
-// a texture outside of the file's folder, unless AssetOptions::allowOutside is set.
+// a texture outside of the file's folder, unless AssetOptions::allowOutside is set. Adds what is not modelled to
+// `leftOut`.
 std::vector<AssetMaterial> readMaterials(const ImportedFile& imported, const std::filesystem::path& file,
-                                         const AssetOptions& options);
+                                         const AssetOptions& options, LeftOut& leftOut);
 
 }  // namespace scanmill

@@ -79,6 +79,21 @@ void move(AssetPart& part, const Affine& place) {
   for (Triangle& t : part.triangles) std::swap(t[1], t[2]);
 }
 
+void checkTexture(AssetPart& part, bool repeats, LeftOut& leftOut) {
+  Material& material = part.fileMaterial;
+  if (part.texture.empty() && material.texture == nullptr) return;
+  constexpr float kClose = 1e-3f;
+  const auto inside = [](float u) { return u > -kClose && u < 1 + kClose; };
+  if (part.uvs.empty()) {
+    leftOut.add("textures of parts without texture coordinates");
+    material.texture = nullptr;
+    material.textured = material.alphaTested = false;
+  } else if (!repeats && !std::all_of(part.uvs.begin(), part.uvs.end(),
+                                      [&](const Vec2f& uv) { return inside(uv.x) && inside(uv.y); })) {
+    leftOut.add("clamped or mirrored textures (they repeat)");
+  }
+}
+
 Box boundsOf(const Asset& asset) {
   Box box;
   const auto add = [&](const AssetPart& part, const Affine& place) {

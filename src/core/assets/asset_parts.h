@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "assets/asset.h"
+#include "base/format_support.h"
 
 namespace scanmill {
 
@@ -25,6 +26,11 @@ void weld(std::vector<Vec3f>& positions, std::vector<Vec2f>& uvs, std::vector<Tr
 
 // Transforms a part. The transform must not be singular; if it mirrors, triangles are flipped and still face outwards.
 void move(AssetPart& part, const Affine& place);
+
+// Takes the texture off a part without texture coordinates, since a single texel would colour all of it, and counts it.
+// The mean colour of the image remains. Also counts a part whose texture coordinates leave an image that the file does
+// not repeat (`repeats` is false), since images always repeat here.
+void checkTexture(AssetPart& part, bool repeats, LeftOut& leftOut);
 
 // Returns the bounds of all finite vertices in the asset's frame (m), including those of Asset::instanced.
 Box boundsOf(const Asset& asset);

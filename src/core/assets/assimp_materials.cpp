@@ -1,6 +1,7 @@
 #include <assimp/material.h>
 #include <assimp/scene.h>
 
+#include <cmath>
 #include <cstring>
 #include <initializer_list>
 
@@ -22,18 +23,28 @@ float number(const aiMaterial& material, const char* key, unsigned type, unsigne
   return material.Get(key, type, i, value) == aiReturn_SUCCESS ? value : fallback;
 }
 
-ImportedMap firstMap(const aiScene& scene, const aiMaterial& material, std::initializer_list<aiTextureType> types) {
+ImportedMap firstMap(const aiScene& scene, const aiMaterial& material, std::initializer_list<aiTextureType> types,
+                     UvPlacement& placement) {
   for (const aiTextureType type : types) {
     ImportedMap map;
     map.name = text(material, AI_MATKEY_TEXTURE(type, 0));
     if (map.name.empty()) continue;
     int channel = 0;
     if (material.Get(AI_MATKEY_UVWSRC(type, 0), channel) == aiReturn_SUCCESS && channel >= 0) {
-      map.uvChannel = static_cast<std::uint32_t>(channel);
+      placement.channel = static_cast<std::uint32_t>(channel);
+    }
+    if (aiUVTransform to; material.Get(AI_MATKEY_UVTRANSFORM(type, 0), to) == aiReturn_SUCCESS) {
+      placement.scale = {to.mScaling.x, to.mScaling.y};
+      placement.offset = {to.mTranslation.x, to.mTranslation.y};
+      placement.rotation = to.mRotation;
     }
     int flags = 0;
     if (material.Get(AI_MATKEY_TEXFLAGS(type, 0), flags) == aiReturn_SUCCESS) {
       map.inverted = (flags & aiTextureFlags_Invert) != 0;
+    }
+    for (const auto wrap : {material.Get(AI_MATKEY_MAPPINGMODE_U(type, 0), flags) == aiReturn_SUCCESS ? flags : 0,
+                            material.Get(AI_MATKEY_MAPPINGMODE_V(type, 0), flags) == aiReturn_SUCCESS ? flags : 0}) {
+      map.repeats = map.repeats && wrap == aiTextureMapMode_Wrap;
     }
     const auto [embedded, index] = scene.GetEmbeddedTextureAndIndex(map.name.c_str());
     if (embedded != nullptr) map.embedded = index;
@@ -45,7 +56,16 @@ ImportedMap firstMap(const aiScene& scene, const aiMaterial& material, std::init
 
 }  // namespace
 
-std::vector<ImportedMaterial> materialsOf(const aiScene& scene) {
+Vec2f UvPlacement::apply(const Vec2f& uv) const {
+  const float u = uv.x * scale.x - 0.5f;
+  const float v = uv.y * scale.y - 0.5f;
+  const float c = std::cos(rotation);
+  const float s = std::sin(rotation);
+  if (rotation == 0) return {uv.x * scale.x + offset.x, uv.y * scale.y + offset.y};
+  return {c * u - s * v + 0.5f + offset.x, s * u + c * v + 0.5f + offset.y};
+}
+
+std::vector<ImportedMaterial> materialsOf(const aiScene& scene, std::vector<UvPlacement>& placements) {
   std::vector<ImportedMaterial> materials;
   for (unsigned i = 0; i < scene.mNumMaterials; ++i) {
     const aiMaterial& from = *scene.mMaterials[i];
@@ -59,8 +79,11 @@ std::vector<ImportedMaterial> materialsOf(const aiScene& scene) {
     aiColor4D color(1, 1, 1, 1);
     if (from.Get(AI_MATKEY_COLOR_DIFFUSE, color) != aiReturn_SUCCESS) from.Get(AI_MATKEY_BASE_COLOR, color);
     to.color = {fraction(color.r, 1.0f), fraction(color.g, 1.0f), fraction(color.b, 1.0f)};
-    to.base = firstMap(scene, from, {aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE});
-    to.opacityMap = firstMap(scene, from, {aiTextureType_OPACITY});
+    UvPlacement placement;
+    to.opacityMap = firstMap(scene, from, {aiTextureType_OPACITY}, placement);
+    UvPlacement own;
+    to.base = firstMap(scene, from, {aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE}, own);
+    placements.push_back(to.base.name.empty() ? placement : own);
   }
   return materials;
 }

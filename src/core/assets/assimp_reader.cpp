@@ -12,7 +12,7 @@
 #include <cmath>
 #include <cstdint>
 #include <exception>
-#include <fstream>
+#include <map>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -20,6 +20,8 @@
 #include "assets/ac3d.h"
 #include "assets/asset_parts.h"
 #include "assets/assimp_parts.h"
+#include "assets/collada.h"
+#include "assets/fbx.h"
 #include "assets/imported_asset.h"
 #include "base/error.h"
 
@@ -38,10 +40,11 @@ Affine toAffine(const aiMatrix4x4& m) {
   return {{{m.a1, m.b1, m.c1}, {m.a2, m.b2, m.c2}, {m.a3, m.b3, m.c3}}, {m.a4, m.b4, m.c4}};
 }
 
+// Returns an entry of the metadata of a scene or a node.
 template <class T>
-T metadata(const aiScene& scene, const char* key, T fallback) {
+T metadataOf(const auto& owner, const char* key, T fallback) {
   T value{};
-  return scene.mMetaData != nullptr && scene.mMetaData->Get(key, value) ? value : fallback;
+  return owner.mMetaData != nullptr && owner.mMetaData->Get(key, value) ? value : fallback;
 }
 
 class Importer {
@@ -52,18 +55,23 @@ class Importer {
   }
 
   ImportedFile read() {
-    import();
     ImportedFile read;
+    import();
+    format_ = metadataOf(*scene_, AI_METADATA_SOURCE_FORMAT, aiString()).C_Str();
+    nameJointsById();
     const std::optional<char> declared = declaredUp();
     read.up = options_.up.value_or(declared.value_or('z'));
     read.upDeclared = declared.has_value();
+    read.statedUnit = statedUnit();
+    countRest();
     read.outOfRange = dropBadFaces();
     undoTurnOfFbx();
     triangulate();
-    read.materials = materialsOf(*scene_);
+    read.materials = materialsOf(*scene_, placements_);
     read.images = imagesOf(*scene_);
-    for (const ImportedMaterial& material : read.materials) uvChannels_.push_back(material.uvChannel());
     walk(read);
+    read.problems = log_.problems;
+    read.leftOut = std::move(leftOut_);
     return read;
   }
 
@@ -71,7 +79,7 @@ class Importer {
   [[noreturn]] static void fail(const std::string& what) { throw Error(what); }
 
   void import() {
-    configure();
+    configure(importer_);
     if (kind_.empty() || !importer_.IsExtensionSupported(kind_)) {
       fail(fmt::format("has an unknown kind ('{}'): convert it to glTF, GLB, OBJ, PLY, STL, DAE, FBX, AC or BLEND",
                        kind_));
@@ -93,20 +101,59 @@ class Importer {
   }
 
   const aiScene* open() {
-    if (!isAc3d(kind_)) return importer_.ReadFile(file_.string(), 0);
-    const std::string text = readAc3d(file_);
-    return importer_.ReadFileFromMemory(text.data(), text.size(), 0, "ac");
+    if (kind_ == ".dae") collada_ = colladaFacts(file_);
+    leftOut_.add(collada_.leftOut);
+    if (!isAc3d(kind_) && kind_ != ".fbx") return importer_.ReadFile(file_.string(), 0);
+    const std::string text = kind_ == ".fbx" ? readFbx(file_, leftOut_) : readAc3d(file_, leftOut_);
+    return importer_.ReadFileFromMemory(text.data(), text.size(), 0, kind_ == ".fbx" ? "fbx" : "ac");
   }
 
-  void configure() {
-    importer_.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, true);
-    importer_.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, options_.up.has_value());
-    importer_.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
-    importer_.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, false);
+  void configure(Assimp::Importer& importer) const {
+    importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, true);
+    importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, options_.up.has_value());
+    importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
+    importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, false);
     // Removes the importer's readers of glTF, which would skip this program's checks. The importer would choose them
     // for glTF content in files with any suffix.
     for (const char* kind : {"gltf", "glb"}) {
-      while (auto* loader = importer_.GetImporter(kind)) importer_.UnregisterLoader(loader);
+      while (auto* loader = importer.GetImporter(kind)) importer.UnregisterLoader(loader);
+    }
+  }
+
+  // Names the joints of a COLLADA file by the ids of their nodes. The importer names them by the nodes' names, which
+  // may be absent or not unique, unless it reads the file by ids.
+  void nameJointsById() const {
+    const auto hasBones = [](const aiMesh* mesh) { return mesh->mNumBones > 0; };
+    if (format_ != kCollada || std::none_of(scene_->mMeshes, scene_->mMeshes + scene_->mNumMeshes, hasBones)) return;
+    Assimp::Importer again;
+    std::string refused;
+    again.SetIOHandler(filesFor(file_, options_.allowOutside, refused).release());
+    configure(again);
+    again.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, false);
+    const aiScene* const byId = again.ReadFile(file_.string(), 0);
+    if (byId == nullptr || byId->mNumMeshes != scene_->mNumMeshes) return;
+    for (unsigned m = 0; m < scene_->mNumMeshes; ++m) {
+      const aiMesh& from = *byId->mMeshes[m];
+      for (unsigned b = 0; b < std::min(from.mNumBones, scene_->mMeshes[m]->mNumBones); ++b) {
+        scene_->mMeshes[m]->mBones[b]->mName = from.mBones[b]->mName;
+      }
+    }
+  }
+
+  // Counts what the importer has read and is not used.
+  void countRest() {
+    leftOut_.add("animations (the file's pose is taken)", scene_->mNumAnimations);
+    if (metadataOf(*scene_, "UpAxisSign", 1) < 0) leftOut_.add("negative signs of the up axis (UpAxisSign)");
+    for (unsigned m = 0; m < scene_->mNumMeshes; ++m) {
+      const aiMesh& mesh = *scene_->mMeshes[m];
+      if (mesh.HasBones() && !posesSkins()) leftOut_.add("skins (the shape without them is taken)");
+      if (mesh.HasVertexColors(0)) leftOut_.add("colours of vertices", mesh.mNumVertices);
+      // The importer sets the weights of FBX files to 1; readFbx() counts those that are not 0.
+      if (format_ != kFbx) leftOut_.add("morph targets", mesh.mNumAnimMeshes);
+      for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+        if (mesh.mFaces[f].mNumIndices == 1) leftOut_.add("points");
+        if (mesh.mFaces[f].mNumIndices == 2) leftOut_.add("lines");
+      }
     }
   }
 
@@ -139,11 +186,11 @@ class Importer {
   // versions of assimp, assetFromImported() rotates by the up axis and scales by the unit, so the root transform would
   // rotate a second time.
   void undoTurnOfFbx() const {
-    if (importedAs() == kFbx && scene_->mRootNode != nullptr) scene_->mRootNode->mTransformation = aiMatrix4x4();
+    if (format_ == kFbx && scene_->mRootNode != nullptr) scene_->mRootNode->mTransformation = aiMatrix4x4();
   }
 
   void triangulate() {
-    unsigned steps = aiProcess_TransformUVCoords;
+    unsigned steps = aiProcess_GenUVCoords;
     double squared = 0;
     unsigned most = 0;
     for (unsigned m = 0; m < scene_->mNumMeshes; ++m) {
@@ -169,79 +216,91 @@ class Importer {
   // Returns the transform from the importer's frame to metres and z up.
   Affine assetFromImported(char up) const {
     double scale = options_.metresPerUnit;
-    const std::string format = importedAs();
-    if (format == kCollada && !options_.up) up = 'y';  // the importer has rotated the declared axis to y
-    if (format == kFbx) {
-      scale *=
-          static_cast<double>(metadata(*scene_, "UnitScaleFactor", 1.0f)) * 0.01;  // FBX states its unit in centimetres
-    }
+    if (format_ == kCollada && !options_.up) up = 'y';  // the importer has rotated the declared axis to y
+    if (format_ == kFbx) scale *= statedUnit();
     if (!(scale > 0) || !std::isfinite(scale)) fail("declares a unit that is not above 0");
     // The importer rotates files of these kinds from z-up to y-up.
-    const bool turned = format == "Discreet 3DS Importer" || format == "ASE Importer" ||
-                        format == "Drawing Interchange Format (DXF) Importer";
+    const bool turned = format_ == "Discreet 3DS Importer" || format_ == "ASE Importer" ||
+                        format_ == "Drawing Interchange Format (DXF) Importer";
     const Mat3 fileFromImported = turned ? zUpFrom('y') : Mat3();
     return {zUpFrom(up) * fileFromImported * Mat3::scale({scale, scale, scale}), {}};
   }
 
+  // Returns the unit that the file states (m); 0 if it states none.
+  double statedUnit() const {
+    return format_ == kFbx ? static_cast<double>(metadataOf(*scene_, "UnitScaleFactor", 1.0f)) * 0.01 : collada_.unit;
+  }
+
   // Returns the up axis that the file states or its kind prescribes; nullopt if neither does.
   std::optional<char> declaredUp() const {
-    const std::string format = importedAs();
-    if (format == kFbx) {
-      const std::int32_t axis = metadata(*scene_, "UpAxis", std::int32_t{1});
+    if (format_ == kFbx) {
+      const std::int32_t axis = metadataOf(*scene_, "UpAxis", std::int32_t{1});
       return axis >= 0 && axis <= 2 ? "xyz"[axis] : 'y';
     }
-    if (format == kCollada) return colladaUp();
-    if (format == "AC3D Importer") return 'y';
+    if (format_ == kCollada) return collada_.up;
+    if (format_ == "AC3D Importer") return 'y';
     return std::nullopt;
   }
-
-  // Returns the up_axis of a COLLADA file from its first bytes, since the importer does not report it. By the schema,
-  // the element `asset` comes first.
-  char colladaUp() const {
-    std::string head(1 << 16, '\0');
-    std::ifstream in(file_, std::ios::binary);
-    in.read(head.data(), static_cast<std::streamsize>(head.size()));
-    head.resize(static_cast<std::size_t>(in.gcount()));
-    constexpr std::string_view kTag = "<up_axis>";
-    const std::size_t tag = head.find(kTag);
-    if (tag == std::string::npos) return 'y';
-    const std::size_t axis = head.find_first_not_of(" \t\r\n", tag + kTag.size());
-    if (axis == std::string::npos) return 'y';
-    return head[axis] == 'X' ? 'x' : head[axis] == 'Z' ? 'z' : 'y';
-  }
-
-  std::string importedAs() const { return metadata(*scene_, AI_METADATA_SOURCE_FORMAT, aiString()).C_Str(); }
 
   static std::string nodeName(const aiNode& node) {
     std::string name = node.mName.C_Str();
     if (const auto pivot = name.find("_$AssimpFbx$_"); pivot != std::string::npos) name.resize(pivot);
     // The importer invents this name for COLLADA nodes without a name.
     if (!name.starts_with("$ColladaAutoName$")) return name;
-    aiString id;
-    return node.mMetaData != nullptr && node.mMetaData->Get("Collada_id", id) ? id.C_Str() : "";
+    return metadataOf(node, "Collada_id", aiString()).C_Str();
   }
 
+  struct Placed {
+    const aiNode* node;
+    Affine assetFromNode;
+    std::string name;  // name of the node or of its nearest named ancestor; the root's children do not inherit its
+                       // name, which the importer often invents
+    bool shown;        // false: hidden, with all nodes below it
+  };
+
   void walk(ImportedFile& read) {
-    struct Item {
-      const aiNode* node;
-      Affine assetFromParent;
-      std::string name;  // name of the nearest named ancestor; never the root's name, which the importer often invents
-    };
-    std::vector<Item> open{{scene_->mRootNode, assetFromImported(read.up), {}}};
-    for (std::uint32_t index = 0; !open.empty(); ++index) {
-      const Item item = std::move(open.back());
+    std::vector<Placed> placed;  // in the order of the file, depth first
+    std::vector<Placed> open{{scene_->mRootNode, assetFromImported(read.up), {}, true}};
+    while (!open.empty()) {
+      Placed item = std::move(open.back());
       open.pop_back();
-      std::string name = nodeName(*item.node);
-      if (name.empty()) name = item.name;
-      const Affine assetFromNode = item.assetFromParent * toAffine(item.node->mTransformation);
-      addNode(read, *item.node, name, index, assetFromNode);
-      const std::string inherited = item.node == scene_->mRootNode ? std::string() : name;
+      if (std::string own = nodeName(*item.node); !own.empty()) item.name = std::move(own);
+      item.assetFromNode = item.assetFromNode * toAffine(item.node->mTransformation);
+      item.shown = item.shown && !hidesTree(*item.node);
+      const std::string inherited = item.node == scene_->mRootNode ? std::string() : item.name;
       for (unsigned i = item.node->mNumChildren; i-- > 0;) {
-        if (const aiNode* child = item.node->mChildren[i]) open.push_back({child, assetFromNode, inherited});
+        if (const aiNode* child = item.node->mChildren[i]) {
+          open.push_back({child, item.assetFromNode, inherited, item.shown});
+        }
+      }
+      joints_.emplace(jointName(*item.node), item.assetFromNode);
+      placed.push_back(std::move(item));
+    }
+    for (std::uint32_t index = 0; index < placed.size(); ++index) {
+      const Placed& item = placed[index];
+      if (item.shown && metadataOf(*item.node, "Show", true)) {
+        addNode(read, *item.node, item.name, index, item.assetFromNode);
+      } else if (item.node->mNumMeshes > 0) {
+        leftOut_.add("hidden nodes");
       }
     }
     for (ImportedPart& part : read.parts) weld(part.positions, part.uvs, part.triangles);
     std::erase_if(read.parts, [](const ImportedPart& part) { return part.triangles.empty(); });
+  }
+
+  // True if the importer's nodes are the joints of skins in their pose. Of other kinds (Half-Life's MDL, for example)
+  // it loses the hierarchy of the joints.
+  bool posesSkins() const { return format_ == kCollada || format_ == kFbx || format_ == "Direct3D XFile Importer"; }
+
+  // True if a node and all below it are hidden.
+  bool hidesTree(const aiNode& node) const {
+    return metadataOf(node, kFbxVisibility, 1.0f) <= 0 ||
+           collada_.hidden.contains(metadataOf(node, "Collada_id", aiString()).C_Str());
+  }
+
+  // Returns the name by which joints refer to a node: of COLLADA files see nameJointsById().
+  static std::string jointName(const aiNode& node) {
+    return metadataOf(node, "Collada_id", metadataOf(node, "Collada_sid", node.mName)).C_Str();
   }
 
   void addNode(ImportedFile& read, const aiNode& node, const std::string& name, std::uint32_t index,
@@ -268,17 +327,24 @@ class Importer {
     }
   }
 
-  void append(ImportedPart& part, const aiMesh& mesh, const Affine& assetFromNode) const {
+  void append(ImportedPart& part, const aiMesh& mesh, const Affine& assetFromNode) {
     const std::size_t base = part.positions.size();
     if (base + mesh.mNumVertices > UINT32_MAX) fail("has more vertices than 32-bit indices allow: split it");
     part.positions.resize(base + mesh.mNumVertices);
+    const auto assetFromMesh = [&](const aiBone& bone) -> std::optional<Affine> {
+      const auto joint = joints_.find(bone.mName.C_Str());
+      if (joint == joints_.end()) return std::nullopt;
+      return joint->second * toAffine(bone.mOffsetMatrix);
+    };
+    std::optional<SkinnedMesh> posed;
+    if (posesSkins()) posed = skinned(mesh, assetFromNode, assetFromMesh, leftOut_);
     for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
       const aiVector3D& v = mesh.mVertices[i];
-      part.positions[base + i] = static_cast<Vec3f>(assetFromNode * Vec3d{v.x, v.y, v.z});
+      part.positions[base + i] = static_cast<Vec3f>(posed ? posed->vertices[i] : assetFromNode * Vec3d{v.x, v.y, v.z});
     }
     appendUvs(part, mesh, base);
     // If the transform mirrors, swaps two corners, so that surfaces are not turned inside out.
-    const bool mirrored = determinant(assetFromNode.linear) < 0;
+    const bool mirrored = posed ? posed->mirrored : determinant(assetFromNode.linear) < 0;
     const auto offset = static_cast<std::uint32_t>(base);
     part.triangles.reserve(part.triangles.size() + mesh.mNumFaces);
     for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
@@ -290,27 +356,58 @@ class Importer {
   }
 
   void appendUvs(ImportedPart& part, const aiMesh& mesh, std::size_t base) const {
-    unsigned channel = mesh.mMaterialIndex < uvChannels_.size() ? uvChannels_[mesh.mMaterialIndex] : 0;
+    const UvPlacement placement =
+        mesh.mMaterialIndex < placements_.size() ? placements_[mesh.mMaterialIndex] : UvPlacement{};
+    unsigned channel = placement.channel;
     if (channel >= AI_MAX_NUMBER_OF_TEXTURECOORDS || !mesh.HasTextureCoords(channel)) channel = 0;
     const bool has = mesh.HasTextureCoords(channel);
     if (!has && part.uvs.empty()) return;
     part.uvs.resize(base + mesh.mNumVertices);  // zeros for meshes without texture coordinates
     for (unsigned i = 0; has && i < mesh.mNumVertices; ++i) {
-      part.uvs[base + i] = {mesh.mTextureCoords[channel][i].x, mesh.mTextureCoords[channel][i].y};
+      part.uvs[base + i] = placement.apply({mesh.mTextureCoords[channel][i].x, mesh.mTextureCoords[channel][i].y});
     }
   }
 
   const std::filesystem::path& file_;
   const AssetOptions& options_;
   const std::string& kind_;
+  ImporterLog log_;
   std::string refused_;  // message about the first file that was refused; empty: none
   Assimp::Importer importer_;
-  const aiScene* scene_ = nullptr;         // owned by importer_
-  std::vector<std::uint32_t> uvChannels_;  // index of the set of texture coordinates, by material
+  const aiScene* scene_ = nullptr;       // owned by importer_
+  std::string format_;                   // the importer's name for the kind of the file
+  std::vector<UvPlacement> placements_;  // by material
   std::uint64_t triangles_ = 0;
+  ColladaFacts collada_;
+  std::map<std::string, Affine> joints_;  // assetFromNode by jointName() of the node
+  LeftOut leftOut_;
 };
 
 }  // namespace
+
+const FormatSupport& importedFormat() {
+  using enum FormatElements::Use;
+  static const FormatSupport format{
+      "other files that the assimp library reads",
+      ".3ds, .amf, .ase, .b3d, .cob, .dxf, .lwo, .md2, .md5mesh, .ms3d, .nff, .off, .ply with texture coordinates, "
+      ".raw, .smd, .ter, .x, .xgl and others",
+      {{Read, "", "nodes with their names and transforms, polygons, texture coordinates"},
+       {Read, "", "skins of .x, in the pose in which the nodes stand"},
+       {Read, "", "colours, opacity and images of materials, with their scale, shift and rotation"},
+       {Unused, "", "cameras, lights, normals"},
+       {LeftOut, "", "animations (the file's pose is taken)"},
+       {LeftOut, "", "skins (the shape without them is taken)"},
+       {LeftOut, "", "morph targets"},
+       {LeftOut, "", "colours of vertices"},
+       {LeftOut, "", "lines"},
+       {LeftOut, "", "points"},
+       {LeftOut, "", "hidden nodes"},
+       {LeftOut, "", "joints of skins that no node has"},
+       {LeftOut, "", "opacities of materials (they are solid)"},
+       {LeftOut, "", "clamped or mirrored textures (they repeat)"},
+       {LeftOut, "", "textures of parts without texture coordinates"}}};
+  return format;
+}
 
 ImportedFile readByAssimp(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
   return Importer(file, kind, options).read();

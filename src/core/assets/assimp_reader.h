@@ -8,8 +8,12 @@
 
 #include "assets/asset.h"
 #include "assets/imported_file.h"
+#include "base/format_support.h"
 
 namespace scanmill {
+
+// Returns what is read of all kinds of files that have no table of their own.
+const FormatSupport& importedFormat();
 
 // Reads a file. `kind` is its extension in lower case, such as ".obj". Throws an Error that states the problem, but not
 // the file's name.

@@ -55,9 +55,11 @@ ColorImages::~ColorImages() {
     constexpr std::size_t kMost = 8;
     if (names.empty()) return;
     const std::vector<std::string> first(names.begin(), std::next(names.begin(), std::min(names.size(), kMost)));
-    warn(fmt::format("{}: missing textures: '{}'{}; plain colours replace them{}", asset_.string(),
-                     fmt::join(first, "', '"),
-                     names.size() > kMost ? fmt::format(" and {} more", names.size() - kMost) : "", alsoSolid));
+    warn(
+        fmt::format("{}: missing textures: '{}'{}; plain colours replace them{}; `textures` of the "
+                    "object names further folders",
+                    asset_.string(), fmt::join(first, "', '"),
+                    names.size() > kMost ? fmt::format(" and {} more", names.size() - kMost) : "", alsoSolid));
   };
   tell(missing_, "");
   tell(missingCutOuts_, ", and surfaces that their alpha would cut out are solid");
@@ -90,7 +92,7 @@ std::shared_ptr<const Texture> ColorImages::find(const std::string& name, bool o
     return broken(e);
   }
   if (texture == nullptr) {
-    const std::filesystem::path path = findTexture(asset_, name, allowOutside_);
+    const std::filesystem::path path = findTexture(asset_, name, allowOutside_, folders_);
     if (path.empty()) {
       (cutsOut && !isOpaqueKind(name) ? missingCutOuts_ : missing_).insert(name);
       return nullptr;

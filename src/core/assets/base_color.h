@@ -36,8 +36,9 @@ struct BaseColor {
 // many materials use it.
 class ColorImages {
  public:
-  // `allowOutside`: see findTexture().
-  ColorImages(std::filesystem::path asset, bool allowOutside) : asset_(std::move(asset)), allowOutside_(allowOutside) {}
+  // `allowOutside` and `folders`: see findTexture().
+  ColorImages(std::filesystem::path asset, bool allowOutside, std::vector<std::filesystem::path> folders = {})
+      : asset_(std::move(asset)), allowOutside_(allowOutside), folders_(std::move(folders)) {}
   // Warns of missing images: one line names images whose alpha would let beams pass, another line all other images.
   ~ColorImages();
   ColorImages(const ColorImages&) = delete;
@@ -59,6 +60,7 @@ class ColorImages {
 
   std::filesystem::path asset_;
   bool allowOutside_;
+  std::vector<std::filesystem::path> folders_;
   std::set<std::string> missing_;
   std::set<std::string> missingCutOuts_;  // missing images whose alpha may describe cut-outs
   std::map<std::pair<std::string, bool>, std::shared_ptr<const Texture>> images_;

@@ -10,12 +10,14 @@
 #include <vector>
 
 #include "assets/asset_material.h"
+#include "assets/asset_parts.h"
 #include "assets/assimp_reader.h"
 #include "assets/child_process.h"
 #include "assets/imported_file.h"
 #include "assets/obj/obj_mesh.h"
 #include "assets/ply_check.h"
 #include "assets/ply_mesh.h"
+#include "assets/stl_mesh.h"
 #include "base/error.h"
 #include "base/memory.h"
 
@@ -67,15 +69,21 @@ std::string remedyFor(const std::string& kind) {
 Asset readImported(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
   ImportedFile imported = kind == ".ply"   ? importPly(file, kind, options)
                           : kind == ".obj" ? readObjMesh(file, options)
+                          : kind == ".stl" ? readStlMesh(file, options)
                                            : importByAssimp(file, kind, options);
   if (!imported.missing.empty()) {
     warn(fmt::format("{}: names '{}', which is missing: its materials have plain colours", file.string(),
                      fmt::join(imported.missing, "', '")));
   }
-  const std::vector<AssetMaterial> materials = readMaterials(imported, file, options);
+  if (!imported.problems.empty()) {
+    warn(fmt::format("{}: may be incomplete, since the importer reports: {}", file.string(),
+                     fmt::join(imported.problems, "; ")));
+  }
+  const std::vector<AssetMaterial> materials = readMaterials(imported, file, options, imported.leftOut);
   Asset asset;
   asset.up = imported.up;
   asset.upDeclared = imported.upDeclared;
+  asset.statedUnit = imported.statedUnit;
   asset.origin = imported.origin;
   asset.dropped.outOfRange = imported.outOfRange;
   asset.parts.reserve(imported.parts.size());
@@ -93,7 +101,10 @@ Asset readImported(const std::filesystem::path& file, const std::string& kind, c
     part.positions = std::move(from.positions);
     part.uvs = std::move(from.uvs);
     part.triangles = std::move(from.triangles);
+    const bool known = from.material < materials.size();
+    checkTexture(part, !known || imported.materials[from.material].base.repeats, imported.leftOut);
   }
+  imported.leftOut.tell(file.string());
   return asset;
 }
 

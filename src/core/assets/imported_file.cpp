@@ -3,6 +3,7 @@
 #include <concepts>
 #include <cstring>
 #include <type_traits>
+#include <utility>
 
 #include "base/error.h"
 
@@ -14,7 +15,7 @@ concept MaybeConst = std::same_as<std::remove_const_t<T>, S>;
 
 template <class Visitor>
 void visit(Visitor& visitor, MaybeConst<ImportedMap> auto& map) {
-  visitor.each(map.name, map.label, map.uvChannel, map.inverted, map.embedded);
+  visitor.each(map.name, map.label, map.inverted, map.repeats, map.embedded);
 }
 
 template <class Visitor>
@@ -35,8 +36,8 @@ void visit(Visitor& visitor, MaybeConst<ImportedPart> auto& part) {
 
 template <class Visitor>
 void visit(Visitor& visitor, MaybeConst<ImportedFile> auto& file) {
-  visitor.each(file.up, file.upDeclared, file.origin, file.outOfRange, file.materials, file.images, file.parts,
-               file.missing);
+  visitor.each(file.up, file.upDeclared, file.statedUnit, file.origin, file.outOfRange, file.materials, file.images,
+               file.parts, file.missing, file.problems, file.leftOut);
 }
 
 class Writer {
@@ -59,6 +60,10 @@ class Writer {
   void write(const std::string& text) {
     write(text.size());
     raw(text.data(), text.size());
+  }
+  void write(const LeftOut& leftOut) {
+    write(leftOut.counts().size());
+    for (const auto& [what, count] : leftOut.counts()) each(what, count);
   }
   template <class T>
   void write(const std::vector<T>& list) {
@@ -106,6 +111,13 @@ class Reader {
   void read(std::string& text) {
     text.resize(count(1));
     raw(text.data(), text.size());
+  }
+  void read(LeftOut& leftOut) {
+    for (std::size_t left = count(1); left > 0; --left) {
+      std::pair<std::string, std::uint64_t> entry;
+      each(entry.first, entry.second);
+      leftOut.add(entry.first, entry.second);
+    }
   }
   template <class T>
   void read(std::vector<T>& list) {

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/format_support.h"
 #include "base/vec.h"
 #include "scene/scene.h"
 
@@ -15,10 +16,10 @@ namespace scanmill {
 
 // A reference of a material to an image.
 struct ImportedMap {
-  std::string name;             // name of the image in the file; empty: none
-  std::string label;            // name of the image for reports and rules
-  std::uint32_t uvChannel = 0;  // index of the set of texture coordinates
+  std::string name;   // name of the image in the file; empty: none
+  std::string label;  // name of the image for reports and rules
   bool inverted = false;
+  bool repeats = true;         // false: the file clamps or mirrors the image outside of 0 to 1
   std::int64_t embedded = -1;  // index into ImportedFile::images; -1: not embedded
 };
 
@@ -31,8 +32,6 @@ struct ImportedMaterial {
   std::array<float, 3> color{1, 1, 1};  // base colour, linear RGB
   ImportedMap base;                     // image of the base colour
   ImportedMap opacityMap;
-  // Returns the index of the set of texture coordinates to read for parts with this material.
-  std::uint32_t uvChannel() const { return base.name.empty() ? opacityMap.uvChannel : base.uvChannel; }
 };
 
 // An image that is embedded in the file.
@@ -55,12 +54,15 @@ struct ImportedPart {
 struct ImportedFile {
   char up = 'z';  // see Asset::up
   bool upDeclared = false;
+  double statedUnit = 0;         // see Asset::statedUnit
   Vec3d origin;                  // m; the positions of the parts are relative to it: see Asset::origin
   std::uint64_t outOfRange = 0;  // number of triangles that were dropped because of indices out of range
   std::vector<ImportedMaterial> materials;
   std::vector<ImportedImage> images;
   std::vector<ImportedPart> parts;
-  std::vector<std::string> missing;  // missing material libraries, as the file names them
+  std::vector<std::string> missing;   // missing material libraries, as the file names them
+  std::vector<std::string> problems;  // errors of the file in spite of which the importer went on
+  LeftOut leftOut;
 };
 
 // Serializes the file. The bytes are only valid on this machine and for this build of the program.

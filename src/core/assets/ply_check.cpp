@@ -121,7 +121,7 @@ std::string_view nextWord(std::string_view& line) {
 }
 
 // Throws InputError if a line of an ASCII file, which may be empty, lacks values of the element's row `row` (counted
-// from 0), or if a number has a comma. Additional words at the end of the line are ignored.
+// from 0), or if a word is not a number. Additional words at the end of the line are ignored.
 void checkRow(const PlyElement& element, std::uint64_t row, std::string_view line, const Location& where) {
   const auto word = [&] {
     const std::string_view found = nextWord(line);
@@ -129,8 +129,12 @@ void checkRow(const PlyElement& element, std::uint64_t row, std::string_view lin
       throw InputError(where, fmt::format("'{}' {} of {} lacks values: the file is truncated or damaged", element.name,
                                           row + 1, element.count));
     }
-    if (found.find(',') != std::string_view::npos) {
-      throw InputError(where, fmt::format("'{}' is not a number: write a decimal point", found));
+    double number = 0;
+    const std::string_view digits = found.substr(found[0] == '+' ? 1 : 0);
+    const auto read = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+    if (read.ptr != digits.data() + digits.size()) {
+      throw InputError(where,
+                       fmt::format("'{}' is not a number such as 1234.5 or -1.2e-3, with a decimal point", found));
     }
     return found;
   };
@@ -183,6 +187,32 @@ void requireMesh(const std::filesystem::path& file, const PlyHeader& header) {
 
 }  // namespace
 
+const FormatSupport& plyMeshFormat() {
+  using enum FormatElements::Use;
+  static const FormatSupport format{
+      "PLY of triangles",
+      ".ply with faces",
+      {{Read, "vertex face x y z vertex_indices vertex_index", "triangles"},
+       {Read, "s t u v texture_u texture_v texcoord", "texture coordinates"},
+       {Read, "material material_index material_indices", "materials"},
+       {Unused, "nx ny nz normal_x normal_y normal_z quality confidence curvature radius flags texnumber camera",
+        "normals and measures"},
+       {LeftOut, "red green blue alpha r g b a diffuse_red diffuse_green diffuse_blue", "channels of colours"},
+       {LeftOut, "edge", "elements 'edge'"},
+       {LeftOut, "", "all other properties of vertices and faces, such as labels, and all other elements"}}};
+  return format;
+}
+
+void tellLeftOut(const PlyHeader& header, const std::filesystem::path& file) {
+  LeftOut leftOut;
+  for (const PlyElement& element : header.elements) {
+    if (element.count > 0) leftOut.addKeyword(plyMeshFormat(), element.name);
+    if (element.name != "vertex" && element.name != "face") continue;
+    for (const PlyProperty& property : element.properties) leftOut.addKeyword(plyMeshFormat(), property.name);
+  }
+  leftOut.tell(file.string());
+}
+
 PlyHeader checkPly(const std::filesystem::path& file) {
   PlyHeader header = readPlyHeader(file);
   if (std::all_of(header.elements.begin(), header.elements.end(),
@@ -195,6 +225,7 @@ PlyHeader checkPly(const std::filesystem::path& file) {
   } else {
     checkBinary(file, header);
   }
+  tellLeftOut(header, file);
   return header;
 }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "assets/asset_parts.h"
+#include "assets/ply_check.h"
 #include "base/file.h"
 #include "formats/cloud_file.h"
 #include "formats/ply_header.h"
@@ -156,6 +157,7 @@ std::optional<ImportedFile> readPlyMesh(const std::filesystem::path& file, const
     part.positions[i] = static_cast<Vec3f>(place - read.origin);
   }
   weld(part.positions, part.uvs, part.triangles);
+  tellLeftOut(header, file);
   if (part.triangles.empty()) read.parts.clear();
   return read;
 }

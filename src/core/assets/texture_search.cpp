@@ -1,8 +1,6 @@
 #include "assets/texture_search.h"
 
 #include <algorithm>
-#include <array>
-#include <vector>
 
 #include "assets/references.h"
 #include "assets/worlds/model_search.h"
@@ -31,7 +29,8 @@ std::filesystem::path findIgnoringCase(const std::filesystem::path& folder, cons
 
 }  // namespace
 
-std::filesystem::path findTexture(const std::filesystem::path& asset, const std::string& name, bool allowOutside) {
+std::filesystem::path findTexture(const std::filesystem::path& asset, const std::string& name, bool allowOutside,
+                                  const std::vector<std::filesystem::path>& folders) {
   std::string plain = name;
   std::replace(plain.begin(), plain.end(), '\\', '/');
   const std::filesystem::path folder = asset.parent_path();
@@ -52,19 +51,20 @@ std::filesystem::path findTexture(const std::filesystem::path& asset, const std:
       outside = path;
     }
   }
-  const std::array<std::filesystem::path, 6> folders{folder,
-                                                     folder / "textures",
-                                                     folder / "Textures",
-                                                     folder / ".." / "materials" / "textures",
-                                                     folder / ".." / "textures",
-                                                     folder / "materials" / "textures"};
+  std::vector<std::filesystem::path> places{folder,
+                                            folder / "textures",
+                                            folder / "Textures",
+                                            folder / ".." / "materials" / "textures",
+                                            folder / ".." / "textures",
+                                            folder / "materials" / "textures"};
+  places.insert(places.end(), folders.begin(), folders.end());
   const std::string bare = std::filesystem::path(decodeUri(plain)).filename().string();
   if (bare.empty() || bare == "..") return {};
-  for (const auto& place : folders) candidates.push_back(place / bare);
+  for (const auto& place : places) candidates.push_back(place / bare);
   for (const auto& candidate : candidates) {
     if (isFile(candidate)) return candidate;
   }
-  for (const auto& place : folders) {
+  for (const auto& place : places) {
     if (auto found = findIgnoringCase(place.empty() ? "." : place, bare); !found.empty()) return found;
   }
   if (!outside.empty()) throw InputError({asset.string()}, refusalOf(name));

@@ -157,24 +157,14 @@ TEST_F(AssetFiles, AlphaThatNobodyDeclaresCountsWhereItLooksLikeCutOuts) {
   EXPECT_FALSE(tested(plain, squares(18, 0, 2))) << "a third of the surface is neither on nor off";
 }
 
-// A triangle wholly in the quarter without alpha: not how cut-outs look, so the declaration alone decides.
-TEST_F(AssetFiles, TransparencyOfColladaAndAc3dIsADeclaration) {
-  writeColours(folder_.path() / "holes.png", 0);
-  const auto replaced = [](std::string text, const std::string& mark, const std::string& by) {
-    const std::size_t at = text.find(mark);
-    EXPECT_NE(at, std::string::npos) << mark;
-    return text.replace(at, mark.size(), by);
-  };
-  const auto tested = [&](const std::string& name, const std::string& text) {
-    const Material material = read(name, text).parts.at(0).fileMaterial;
-    EXPECT_TRUE(material.texture) << name;
-    return material.alphaTested;
-  };
-  std::string ac = replaced(kAc, "colours.png", "holes.png");
-  ac = replaced(replaced(ac, "1 0.75 0.25", "1 0.4 0.25"), "2 0.25 0.75", "2 0.25 0.4");
-  EXPECT_FALSE(tested("a.ac", ac));
-  EXPECT_TRUE(tested("a.ac", replaced(ac, "trans 0", "trans 0.25")));
+std::string replaced(std::string text, const std::string& mark, const std::string& by) {
+  const std::size_t at = text.find(mark);
+  EXPECT_NE(at, std::string::npos) << mark;
+  return text.replace(at, mark.size(), by);
+}
 
+// dae() with an image; its texture coordinates are in the quarter without alpha.
+std::string texturedDae() {
   std::string collada = dae("Z_UP", "1");
   collada = replaced(collada, "<library_geometries>",
                      R"(<library_images><image id="i"><init_from>holes.png</init_from></image></library_images>
@@ -195,6 +185,23 @@ TEST_F(AssetFiles, TransparencyOfColladaAndAc3dIsADeclaration) {
   collada = replaced(collada, R"(<instance_geometry url="#g"/>)",
                      R"(<instance_geometry url="#g"><bind_material><technique_common>
 <instance_material symbol="p" target="#m"/></technique_common></bind_material></instance_geometry>)");
+  return collada;
+}
+
+// A triangle wholly in the quarter without alpha: not how cut-outs look, so the declaration alone decides.
+TEST_F(AssetFiles, TransparencyOfColladaAndAc3dIsADeclaration) {
+  writeColours(folder_.path() / "holes.png", 0);
+  const auto tested = [&](const std::string& name, const std::string& text) {
+    const Material material = read(name, text).parts.at(0).fileMaterial;
+    EXPECT_TRUE(material.texture) << name;
+    return material.alphaTested;
+  };
+  std::string ac = replaced(kAc, "colours.png", "holes.png");
+  ac = replaced(replaced(ac, "1 0.75 0.25", "1 0.4 0.25"), "2 0.25 0.75", "2 0.25 0.4");
+  EXPECT_FALSE(tested("a.ac", ac));
+  EXPECT_TRUE(tested("a.ac", replaced(ac, "trans 0", "trans 0.25")));
+
+  const std::string collada = texturedDae();
   const auto with = [&](const std::string& alpha) { return tested("a.dae", replaced(collada, "<!--alpha-->", alpha)); };
   EXPECT_FALSE(with(""));
   EXPECT_FALSE(with(R"(<transparent opaque="A_ONE"><color>1 1 1 1</color></transparent>
@@ -202,6 +209,39 @@ TEST_F(AssetFiles, TransparencyOfColladaAndAc3dIsADeclaration) {
   EXPECT_TRUE(with(R"(<transparent opaque="A_ONE"><color>1 1 1 1</color></transparent>
                       <transparency><float>0.5</float></transparency>)"));
   EXPECT_TRUE(with(R"(<transparent opaque="A_ONE"><texture texture="t" texcoord="UV"/></transparent>)"));
+}
+
+TEST_F(AssetFiles, ImagesOfColladaThatAreClampedAreCounted) {
+  writeColours(folder_.path() / "colours.png");
+  AssetPart part;
+  const auto warnings = [&](const std::string& extra, const std::string& uvs) {
+    const std::string text = replaced(replaced(replaced(texturedDae(), "holes.png", "colours.png"),
+                                               R"(texcoord="UV"/>)", R"(texcoord="UV">)" + extra + "</texture>"),
+                                      "0.1 0.1 0.4 0.1 0.1 0.4", uvs);
+    testing::internal::CaptureStderr();
+    part = read("a.dae", text).parts.at(0);
+    return testing::internal::GetCapturedStderr();
+  };
+  const auto extra = [](const std::string& keys) {
+    return R"(<extra><technique profile="MAYA">)" + keys + "</technique></extra>";
+  };
+  const std::string clamped = extra("<wrapU>0</wrapU><wrapV>0</wrapV>");
+  EXPECT_THAT(warnings(clamped, "0 0 2 0 0 2"), HasSubstr("left out: 1 clamped or mirrored textures (they repeat)\n"));
+  EXPECT_EQ(warnings(clamped, "0 0 1 0 0 1"), "");
+  EXPECT_EQ(warnings(extra("<wrapU>1</wrapU><wrapV>1</wrapV>"), "0 0 2 0 0 2"), "");
+  EXPECT_EQ(warnings(extra("<repeatU>3</repeatU><repeatV>3</repeatV>"), "0 0 1 0 0 1"), "");
+  EXPECT_EQ(part.uvs.at(1).x, 3);
+}
+
+TEST_F(AssetFiles, OpacitiesThatNoImageShowsAreCounted) {
+  const auto warnings = [&](const std::string& mtl) {
+    write("a.mtl", "newmtl paint\nKd 0.5 0.5 0.5\n" + mtl);
+    testing::internal::CaptureStderr();
+    read("pane.obj", kObj);
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_EQ(warnings("d 1\n"), "");
+  EXPECT_THAT(warnings("d 0.5\n"), HasSubstr("pane.obj: left out: 1 opacities of materials (they are solid)\n"));
 }
 
 TEST_F(AssetFiles, ScenesOverrideTheUpAxisAndTheAlpha) {
@@ -284,6 +324,9 @@ TEST_F(AssetFiles, TexturesAreFoundWherePeoplePutThem) {
   expectFound("wheels/materials/textures/a.png", "model://wheels/materials/textures/a.png");
   expectFound("car/meshes/A.PNG", "a.png");
   EXPECT_TRUE(findTexture(asset, "a.png", false).empty());
+  write("store/A.png", "image");
+  EXPECT_TRUE(std::filesystem::equivalent(findTexture(asset, "x/a.png", false, {folder_.path() / "store"}),
+                                          folder_.path() / "store/A.png"));
   EXPECT_TRUE(findTexture(asset, "", false).empty());
 }
 
@@ -319,7 +362,7 @@ TEST(AssetMaterials, MissingTexturesAreToldInOneLine) {
   const std::string shown = testing::internal::GetCapturedStderr();
   EXPECT_EQ(std::count(shown.begin(), shown.end(), '\n'), 1) << shown;
   EXPECT_THAT(shown, testing::HasSubstr("a.obj: missing textures: 'gone0.jpg', 'gone1.jpg'"));
-  EXPECT_THAT(shown, testing::HasSubstr("'gone7.jpg' and 2 more; plain colours replace them\n"));
+  EXPECT_THAT(shown, testing::HasSubstr("'gone7.jpg' and 2 more; plain colours replace them; "));
 }
 
 }  // namespace

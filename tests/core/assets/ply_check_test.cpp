@@ -185,5 +185,41 @@ TEST_F(PlyCheck, LongFilesAreWalkedToTheEnd) {
   EXPECT_THAT(failure(header + body.substr(0, body.size() - 1)), HasSubstr("'face' 50000 of 50000"));
 }
 
+TEST_F(PlyCheck, WhatNoSurfaceIsMadeFromIsTold) {
+  const TemporaryFolder folder;
+  const std::string head =
+      "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty uchar red\n"
+      "property int label\nelement face 1\nproperty list uchar int vertex_indices\nproperty int "
+      "object_id\nend_header\n";
+  std::string binary;
+  for (const float x : {0.0f, 1.0f, 2.0f}) {
+    for (const float c : {x, x * x, 0.0f, 0.0f}) binary.append(reinterpret_cast<const char*>(&c), 4);
+    binary.append(5, '\0');
+  }
+  binary += std::string("\3\0\0\0\0\1\0\0\0\2\0\0\0\7\0\0\0", 17);
+  for (const std::string& bytes :
+       {"ply\nformat binary_little_endian 1.0\n" + head + binary,
+        "ply\nformat ascii 1.0\n" + head + "0 0 0 0 0 0\n1 1 0 0 0 0\n2 4 0 0 0 0\n3 0 1 2 7\n"}) {
+    const auto file = folder.write(bytes.find("ascii") == std::string::npos ? "b.ply" : "a.ply", bytes);
+    testing::internal::CaptureStderr();
+    readAsset(file, {});
+    EXPECT_THAT(testing::internal::GetCapturedStderr(),
+                HasSubstr("left out: 1 channels of colours, 1 unknown 'label', 1 unknown 'object_id'"));
+  }
+}
+
+TEST_F(PlyCheck, SpellingsThatAreNoNumbersAreRefusedWithTheLine) {
+  const TemporaryFolder folder;
+  for (const std::string word : {"1,5", "1.0f", "1D3", "1'000", "0x1", "1.#QNAN"}) {
+    const auto file =
+        folder.write("a.ply",
+                     "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                     "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 +0\n1 1 " +
+                         word + "\n2 4 0\n3 0 1 2\n");
+    EXPECT_THAT(messageOf([&] { readAsset(file, {}); }),
+                AllOf(HasSubstr("a.ply:11: '" + word), HasSubstr("is not a number")));
+  }
+}
+
 }  // namespace
 }  // namespace scanmill

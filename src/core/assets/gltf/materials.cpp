@@ -41,7 +41,7 @@ AlphaTest alphaOf(const Material& m, const AssetOptions& options) {
 }
 
 ReadMaterial read(const Model& model, const Data& data, const Material* m, const AssetOptions& options,
-                  ColorImages& images) {
+                  ColorImages& images, LeftOut& leftOut) {
   static const Material kDefault;
   const Material& from = m == nullptr ? kDefault : *m;
   ReadMaterial to;
@@ -65,17 +65,22 @@ ReadMaterial read(const Model& model, const Data& data, const Material* m, const
     }
   }
   setColor(to.material, std::move(color), model.file, options, images);
+  const bool faded = from.alpha == Material::Alpha::Blend ? from.color[3] < 1
+                                                          : from.alpha == Material::Alpha::Mask &&
+                                                                from.color[3] < from.cutoff && !to.material.alphaTested;
+  if (faded && options.alpha != AlphaUse::Ignore) leftOut.add("opacities of materials (they are solid)");
   return to;
 }
 
 }  // namespace
 
-std::vector<ReadMaterial> readMaterials(const Model& model, const Data& data, const AssetOptions& options) {
-  ColorImages images(model.file, options.allowOutside);
+std::vector<ReadMaterial> readMaterials(const Model& model, const Data& data, const AssetOptions& options,
+                                        LeftOut& leftOut) {
+  ColorImages images(model.file, options.allowOutside, options.textureFolders);
   std::vector<ReadMaterial> materials;
   materials.reserve(model.materials.size() + 1);
-  for (const Material& m : model.materials) materials.push_back(read(model, data, &m, options, images));
-  materials.push_back(read(model, data, nullptr, options, images));
+  for (const Material& m : model.materials) materials.push_back(read(model, data, &m, options, images, leftOut));
+  materials.push_back(read(model, data, nullptr, options, images, leftOut));
   return materials;
 }
 

@@ -21,7 +21,8 @@ struct ReadMaterial {
 };
 
 // Returns the materials in the file's order, and after them the default material of primitives without a material.
-// Warns of missing and broken textures.
-std::vector<ReadMaterial> readMaterials(const Model& model, const Data& data, const AssetOptions& options);
+// Warns of missing and broken textures. Adds what is not modelled to `leftOut`.
+std::vector<ReadMaterial> readMaterials(const Model& model, const Data& data, const AssetOptions& options,
+                                        LeftOut& leftOut);
 
 }  // namespace scanmill::gltf

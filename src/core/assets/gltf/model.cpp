@@ -19,24 +19,8 @@ constexpr int kMaxDepth = 512;
 
 // True for extensions that are read here, and for extensions that only affect appearance.
 bool isKnown(std::string_view extension) {
-  static constexpr std::array<std::string_view, 15> kKnown{"KHR_mesh_quantization",
-                                                           "EXT_meshopt_compression",
-                                                           "KHR_meshopt_compression",
-                                                           "KHR_draco_mesh_compression",
-                                                           "KHR_texture_transform",
-                                                           "EXT_mesh_gpu_instancing",
-                                                           "KHR_node_visibility",
-                                                           "EXT_texture_webp",
-                                                           "EXT_texture_avif",
-                                                           "KHR_texture_basisu",
-                                                           "MSFT_texture_dds",
-                                                           "KHR_lights_punctual",
-                                                           "KHR_xmp_json_ld",
-                                                           "KHR_animation_pointer",
-                                                           "CESIUM_RTC"};
-  return std::find(kKnown.begin(), kKnown.end(), extension) != kKnown.end() ||
-         extension.starts_with("KHR_materials_") || extension.starts_with("KHR_technique") ||
-         extension.starts_with("EXT_lights_");
+  return gltfFormat().find(extension) != nullptr || extension.starts_with("KHR_materials_") ||
+         extension.starts_with("KHR_technique") || extension.starts_with("EXT_lights_");
 }
 
 class ModelReader : JsonReader {
@@ -57,6 +41,9 @@ class ModelReader : JsonReader {
       if (isKnown(name.get<std::string>())) continue;
       fail(fmt::format("requires the extension {}, which is not supported: export it without this extension",
                        name.get<std::string>()));
+    }
+    for (const Json& name : list("extensionsUsed")) {
+      if (!isKnown(name.get<std::string>())) m_.leftOut.addKeyword(gltfFormat(), name.get<std::string>());
     }
     if (const auto extensions = json_.find("extensions"); extensions != json_.end() && extensions->is_object()) {
       if (const auto rtc = extensions->find("CESIUM_RTC"); rtc != extensions->end()) {
@@ -105,6 +92,16 @@ class ModelReader : JsonReader {
     return std::nullopt;
   }
 
+  // False if the sampler of a texture clamps or mirrors it.
+  bool repeats(Index texture) const {
+    constexpr int kRepeat = 10497;
+    const MaybeIndex sampler =
+        maybe(list("textures")[texture], "sampler", list("samplers").size(), fmt::format("textures[{}]", texture));
+    if (!sampler) return true;
+    const Json& s = list("samplers")[*sampler];
+    return s.value("wrapS", kRepeat) == kRepeat && s.value("wrapT", kRepeat) == kRepeat;
+  }
+
   std::optional<TextureUse> textureUse(const Json& object, const char* key, const std::string& what) const {
     const auto found = object.find(key);
     if (found == object.end()) return std::nullopt;
@@ -113,6 +110,7 @@ class ModelReader : JsonReader {
     if (!image) return std::nullopt;
     TextureUse use;
     use.image = *image;
+    use.repeats = repeats(index(found->at("index"), list("textures").size(), place));
     use.coordinates = static_cast<unsigned>(std::min<std::uint64_t>(length(*found, "texCoord", 0, place), 1000));
     if (const Json* transform = extensionOf(*found, "KHR_texture_transform")) {
       numbers(*transform, "offset", place, use.offset);
@@ -138,6 +136,10 @@ class ModelReader : JsonReader {
       m.metallic = pbr->value("metallicFactor", 1.0);
       m.roughness = pbr->value("roughnessFactor", 1.0);
     }
+    const Json* const glass = extensionOf(j, "KHR_materials_transmission");
+    if (glass != nullptr && glass->value("transmissionFactor", 0.0) > 0) {
+      m_.leftOut.addKeyword(gltfFormat(), "KHR_materials_transmission");
+    }
     const std::string mode = j.value("alphaMode", std::string("OPAQUE"));
     m.alpha = mode == "MASK"    ? Material::Alpha::Mask
               : mode == "BLEND" ? Material::Alpha::Blend
@@ -148,6 +150,7 @@ class ModelReader : JsonReader {
 
   Mesh mesh(const Json& j, const std::string& what) const {
     Mesh m;
+    m.name = j.value("name", std::string());
     if (j.contains("weights")) m.weights = j["weights"].get<std::vector<double>>();
     const Json& primitives = j.at("primitives");
     if (!primitives.is_array()) fail(what + ".primitives is not a list");
@@ -155,10 +158,20 @@ class ModelReader : JsonReader {
       const std::string place = fmt::format("{}.primitives[{}]", what, i);
       const std::uint64_t mode = length(primitives[i], "mode", 4, place);
       if (mode > 6) fail(place + " has an unknown mode");
-      if (mode < 4) continue;  // skips points and lines
+      if (mode < 4) {
+        m_.leftOut.add(mode == 0 ? "primitives of points" : "primitives of lines");
+        continue;
+      }
       Primitive p = primitive(primitives[i], place);
       p.mode = static_cast<Primitive::Mode>(mode);
-      if (p.attributes.contains("POSITION")) m.primitives.push_back(std::move(p));
+      if (const auto colors = p.attributes.find("COLOR_0"); colors != p.attributes.end()) {
+        m_.leftOut.add("colours of vertices (COLOR_0)", m_.accessors[colors->second].count);
+      }
+      if (p.attributes.contains("POSITION")) {
+        m.primitives.push_back(std::move(p));
+      } else {
+        m_.leftOut.add("primitives without positions");
+      }
     }
     return m;
   }
@@ -294,13 +307,23 @@ class ModelReader : JsonReader {
     return true;
   }
 
-  // Reads the scene. Throws unless each of its nodes is reached only once, without cycles or shared children.
+  // Reads the scene; without one, all nodes that are nobody's children are its roots. Throws unless each of its nodes
+  // is reached only once, without cycles or shared children.
   void scene() {
     const Json& scenes = list("scenes");
-    if (scenes.empty()) fail("has no scene: export it with its nodes in a scene");
-    const MaybeIndex chosen = maybe(json_, "scene", scenes.size(), "the file");
-    for (const Json& root : listIn(scenes[chosen.value_or(0)], "nodes", "nodes of a scene")) {
-      m_.roots.push_back(index(root, m_.nodes.size(), "a node of the scene"));
+    if (scenes.empty()) {
+      std::vector<bool> isChild(m_.nodes.size(), false);
+      for (const Node& node : m_.nodes) {
+        for (const Index child : node.children) isChild[child] = true;
+      }
+      for (Index i = 0; i < m_.nodes.size(); ++i) {
+        if (!isChild[i]) m_.roots.push_back(i);
+      }
+    } else {
+      const MaybeIndex chosen = maybe(json_, "scene", scenes.size(), "the file");
+      for (const Json& root : listIn(scenes[chosen.value_or(0)], "nodes", "nodes of a scene")) {
+        m_.roots.push_back(index(root, m_.nodes.size(), "a node of the scene"));
+      }
     }
     std::vector<std::pair<Index, int>> open;
     for (const Index root : m_.roots) open.emplace_back(root, 1);
@@ -312,6 +335,9 @@ class ModelReader : JsonReader {
       if (depth > kMaxDepth) fail(fmt::format("has nodes that are nested more than {} levels deep", kMaxDepth));
       seen[at] = true;
       for (const Index child : m_.nodes[at].children) open.emplace_back(child, depth + 1);
+    }
+    for (Index i = 0; i < m_.nodes.size(); ++i) {
+      if (!seen[i] && m_.nodes[i].mesh) m_.leftOut.add("nodes outside of the scene");
     }
   }
 
@@ -333,6 +359,44 @@ std::size_t sizeOf(Component component) {
       break;
   }
   return 4;
+}
+
+const FormatSupport& gltfFormat() {
+  using enum FormatElements::Use;
+  static const FormatSupport format{
+      "glTF",
+      ".gltf, .glb, .b3dm",
+      {{Read, "scenes nodes",
+        "the default scene, else the first, else all nodes; a node without a name is named by its nearest ancestor "
+        "with "
+        "one, else by its mesh"},
+       {Read, "POSITION TEXCOORD_n indices mode", "triangles, strips and fans; plain, sparse or normalised accessors"},
+       {Read, "skins targets weights animations", "the file's pose, or the pose at a time of an animation"},
+       {Read, "pbrMetallicRoughness KHR_materials_pbrSpecularGlossiness KHR_materials_unlit", "colours and images"},
+       {Read, "alphaMode alphaCutoff", "where beams pass an image: see the key `alpha`"},
+       {Read, "KHR_mesh_quantization EXT_meshopt_compression KHR_meshopt_compression KHR_draco_mesh_compression",
+        "compressed meshes"},
+       {Read, "EXT_mesh_gpu_instancing KHR_node_visibility KHR_animation_pointer CESIUM_RTC", "copies and places"},
+       {Read, "KHR_texture_transform EXT_texture_webp EXT_texture_avif KHR_texture_basisu MSFT_texture_dds",
+        "places and kinds of images; an image that cannot be decoded is warned of"},
+       {Unused, "NORMAL TANGENT cameras extras KHR_lights_punctual KHR_xmp_json_ld KHR_xmp FB_ngon_encoding",
+        "shading and notes"},
+       {Unused, "CESIUM_primitive_outline GODOT_single_root MSFT_lod", "outlines and levels of detail"},
+       {Unused, "OMI_physics_body OMI_physics_shape KHR_physics_rigid_bodies KHR_implicit_shapes", "physics"},
+       {Unused,
+        "KHR_materials_emissive_strength KHR_materials_ior KHR_materials_volume KHR_materials_clearcoat "
+        "KHR_materials_sheen KHR_materials_specular KHR_materials_variants",
+        "and other KHR_materials_*: the default variant without coats"},
+       {LeftOut, "KHR_materials_transmission", "transmissions of materials (they are solid)"},
+       {LeftOut, "COLOR_n", "colours of vertices (COLOR_0)"},
+       {LeftOut, "", "primitives of points"},
+       {LeftOut, "", "primitives of lines"},
+       {LeftOut, "", "hidden nodes"},
+       {LeftOut, "", "nodes outside of the scene"},
+       {LeftOut, "", "opacities of materials (they are solid)"},
+       {LeftOut, "wrapS wrapT", "clamped or mirrored textures (they repeat)"},
+       {LeftOut, "", "textures of parts without texture coordinates"}}};
+  return format;
 }
 
 void Model::fail(const std::string& what) const {

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "base/format_support.h"
 #include "base/vec.h"
 
 namespace scanmill::gltf {
@@ -76,6 +77,7 @@ struct Primitive {
 };
 
 struct Mesh {
+  std::string name;
   std::vector<Primitive> primitives;
   std::vector<double> weights;
 };
@@ -125,6 +127,7 @@ struct TextureUse {
   unsigned coordinates = 0;                         // the n of attribute TEXCOORD_n
   std::array<double, 2> offset{0, 0}, scale{1, 1};  // KHR_texture_transform
   double rotation = 0;                              // rad, counter-clockwise when v points down
+  bool repeats = true;                              // false: the sampler clamps or mirrors the image outside of 0 to 1
 };
 
 struct Material {
@@ -151,15 +154,18 @@ struct Model {
   std::vector<Animation> animations;
   std::vector<Image> images;
   std::vector<Material> materials;
+  LeftOut leftOut;
 
   // Throws an InputError that names the file.
   [[noreturn]] void fail(const std::string& what) const;
 };
 
-// Reads a .gltf, .glb or .b3dm. Points and lines are skipped. In the result every index, range and length has been
-// checked against the files, and the nodes of the scene form a tree. Throws an InputError with the file and the
-// problem, such as an unknown extension that the file requires. Messages call the file `name`; other files are searched
-// for relative to the folder of `name`. `allowOutside`: see AssetOptions.
+const FormatSupport& gltfFormat();
+
+// Reads a .gltf, .glb or .b3dm. Points and lines are counted in Model::leftOut. In the result every index, range and
+// length has been checked against the files, and the nodes of the scene form a tree. Throws an InputError with the file
+// and the problem, such as an unknown extension that the file requires. Messages call the file `name`; other files are
+// searched for relative to the folder of `name`. `allowOutside`: see AssetOptions.
 Model readModel(const std::filesystem::path& file, const std::filesystem::path& name, bool allowOutside);
 
 }  // namespace scanmill::gltf

@@ -174,8 +174,9 @@ std::vector<PlacedNode> placeNodes(const Model& model) {
     const Item item = open.back();
     open.pop_back();
     const Node& node = model.nodes[item.node];
-    placed.push_back({item.node, item.sceneFromParent * localOf(node),
-                      node.name.empty() ? item.name : std::string_view(node.name), item.visible && node.visible});
+    std::string_view name = node.name.empty() ? item.name : std::string_view(node.name);
+    if (name.empty() && node.mesh) name = model.meshes[*node.mesh].name;
+    placed.push_back({item.node, item.sceneFromParent * localOf(node), name, item.visible && node.visible});
     const PlacedNode own = placed.back();
     add(node.children, own.sceneFromNode, own.name, own.visible);
   }

@@ -36,7 +36,8 @@ Affine localOf(const Node& node);
 struct PlacedNode {
   Index node = 0;
   Affine sceneFromNode;
-  std::string_view name;  // name of the node or of the nearest ancestor with a name; refers into the model
+  std::string_view name;  // name of the node or of the nearest ancestor with a name, else of its mesh; refers into the
+                          // model
   bool visible = true;
 };
 

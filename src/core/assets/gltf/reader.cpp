@@ -71,13 +71,14 @@ class Reader {
     poser_.emplace(model_, data_, placed_);
   }
 
-  Asset read() {
+  Asset read(LeftOut& leftOut) {
     checkCosts();
     tryDraco();
-    materials_ = readMaterials(model_, data_, options_);
+    materials_ = readMaterials(model_, data_, options_, model_.leftOut);
     for (std::uint32_t i = 0; i < placed_.size(); ++i) {
       const PlacedNode& placed = placed_[i];
       const Node& node = model_.nodes[placed.node];
+      if (node.mesh && !placed.visible) model_.leftOut.add("hidden nodes");
       if (!placed.visible || !node.mesh) continue;
       if (!node.instances) {
         append(asset_.parts, placed, i, assetFromFile_ * frameOf(placed));
@@ -85,6 +86,7 @@ class Reader {
         addInstances(placed, i, *node.instances);
       }
     }
+    leftOut.add(model_.leftOut);
     return std::move(asset_);
   }
 
@@ -183,7 +185,11 @@ class Reader {
       }
       append(parts[part], geometry, assetFromNode);
     }
-    for (std::size_t i = first; i < parts.size(); ++i) weld(parts[i].positions, parts[i].uvs, parts[i].triangles);
+    for (std::size_t i = first; i < parts.size(); ++i) {
+      weld(parts[i].positions, parts[i].uvs, parts[i].triangles);
+      const std::optional<TextureUse>& texture = materials_[materials[i - first]].placed;
+      if (!parts[i].triangles.empty()) checkTexture(parts[i], !texture || texture->repeats, model_.leftOut);
+    }
     const auto begin = parts.begin() + static_cast<std::ptrdiff_t>(first);
     parts.erase(std::remove_if(begin, parts.end(), [](const AssetPart& p) { return p.triangles.empty(); }),
                 parts.end());
@@ -401,14 +407,17 @@ Asset readAsset(const std::filesystem::path& file, const std::filesystem::path& 
       frame.translation = *model.center * options.metresPerUnit;
     }
   }
-  return Reader(std::move(model), frame, options).read();
+  LeftOut leftOut;
+  Asset asset = Reader(std::move(model), frame, options).read(leftOut);
+  leftOut.tell(name.string());
+  return asset;
 }
 
 Asset readTile(const std::filesystem::path& file, const Affine& assetFromTile, const Mat3& zUpFromGltf,
-               const AssetOptions& options) {
+               const AssetOptions& options, LeftOut& leftOut) {
   Model model = readModel(file, file, options.allowOutside);
   const Vec3d center = model.center.value_or(Vec3d{});
-  return Reader(std::move(model), assetFromTile * Affine{zUpFromGltf, center}, options).read();
+  return Reader(std::move(model), assetFromTile * Affine{zUpFromGltf, center}, options).read(leftOut);
 }
 
 std::vector<Clip> readClips(const std::filesystem::path& file) {

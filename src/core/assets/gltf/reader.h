@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "assets/asset.h"
+#include "base/format_support.h"
 
 namespace scanmill::gltf {
 
@@ -21,9 +22,9 @@ Asset readAsset(const std::filesystem::path& file, const std::filesystem::path& 
 
 // Reads the content of a tile of 3D Tiles as readAsset() reads a file. `assetFromTile` transforms the tile's
 // coordinates (m, z up, with RTC_CENTER added) to the asset's frame; `zUpFromGltf` rotates the up axis of the tile's
-// glTF to z.
+// glTF to z. Adds what the content holds besides to `leftOut`, in place of a warning.
 Asset readTile(const std::filesystem::path& file, const Affine& assetFromTile, const Mat3& zUpFromGltf,
-               const AssetOptions& options);
+               const AssetOptions& options, LeftOut& leftOut);
 
 // An animation of a file.
 struct Clip {

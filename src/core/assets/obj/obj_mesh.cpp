@@ -14,8 +14,8 @@
 
 #include "assets/asset_parts.h"
 #include "assets/obj/materials.h"
-#include "assets/obj/polygon.h"
 #include "assets/obj/statements.h"
+#include "assets/polygon.h"
 #include "assets/references.h"
 #include "base/error.h"
 #include "base/file.h"
@@ -32,9 +32,9 @@ using obj::Statements;
 // square of its corners, some seconds for 60,000 corners.
 constexpr double kMostCornersSquared = 4e9;
 
-class Reader {
+class ObjReader {
  public:
-  Reader(const fs::path& file, const AssetOptions& options)
+  ObjReader(const fs::path& file, const AssetOptions& options)
       : file_(file), options_(options), text_(readFile(file)), statements_(text_, file) {
     if (text_.starts_with("\xFE\xFF") || text_.starts_with("\xFF\xFE")) {
       fail("is UTF-16 text: save it as UTF-8, for example with 'iconv -f UTF-16 -t UTF-8'");
@@ -160,7 +160,7 @@ class Reader {
     polygon_.clear();
     for (const Corner& c : face_) polygon_.push_back(vertices_[c.vertex]);
     cut_.clear();
-    obj::triangulate(polygon_, cut_);
+    triangulate(polygon_, cut_);
     for (const auto& t : cut_) part.triangles.push_back({face_[t[0]], face_[t[1]], face_[t[2]]});
   }
 
@@ -319,7 +319,7 @@ const FormatSupport& objFormat() {
 }
 
 ImportedFile readObjMesh(const std::filesystem::path& file, const AssetOptions& options) {
-  return Reader(file, options).read();
+  return ObjReader(file, options).read();
 }
 
 }  // namespace scanmill

@@ -2,19 +2,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <cstdlib>
 #include <map>
 #include <memory>
 #include <optional>
 #include <set>
 #include <sstream>
+#include <utility>
 
+#include "assets/worlds/heightmap.h"
 #include "assets/worlds/model_search.h"
 #include "assets/worlds/ogre_material.h"
+#include "assets/worlds/polyline.h"
 #include "assets/worlds/solids.h"
 #include "assets/worlds/world.h"
 #include "assets/worlds/xml.h"
-#include "base/append_new.h"
-#include "scene/primitives.h"
+#include "base/format_support.h"
 
 namespace scanmill {
 namespace {
@@ -31,6 +35,7 @@ struct Scope {
     std::shared_ptr<const Scope> inside;  // frames inside a model; null: this frame is not a model
   };
   std::map<std::string, Frame> frames;
+  bool isWorld = false;
 
   // Returns the pose of a frame in the scope's own frame (that of the world or model). Errors are thrown at `from`.
   Pose resolve(const std::string& name, const XmlNode& from) const {
@@ -41,13 +46,14 @@ struct Scope {
  private:
   Pose resolve(const std::string& name, const XmlNode& from,
                std::set<std::pair<const Scope*, std::string>>& been) const {
-    if (name.empty() || name == "__model__" || name == "world" || name == "__root__") return {};
+    if (name.empty() || name == "__model__" || name == "__root__" || (isWorld && name == "world")) return {};
     if (!been.emplace(this, name).second) {
       from.fail(fmt::format("has a pose relative to '{}', which is relative to itself", name));
     }
     if (been.size() > kLongest)
       from.fail(fmt::format("has a pose relative to a chain of more than {} frames", kLongest));
-    const std::size_t colons = name.find("::");
+    // Files that sdformat 1.7 flattened have frames with colons in their names.
+    const std::size_t colons = frames.contains(name) ? std::string::npos : name.find("::");
     const auto found = frames.find(name.substr(0, colons));
     if (found == frames.end())
       from.fail(fmt::format("has a pose relative to '{}', but this frame does not exist", name));
@@ -63,10 +69,19 @@ struct PlacedModel;
 
 struct Model {
   std::string name;
+  std::string nameInFile;  // name that the file of an included model gives it; empty: it is not included
   std::filesystem::path definition;
   std::vector<WorldPart> parts;  // in the model's frame
   std::vector<PlacedModel> children;
-  Pose placement;  // pose of the placement frame in the model's frame
+  Pose placement;              // pose of the placement frame in the model's frame
+  std::optional<Pose> stated;  // pose in the parent's frame by the world's state
+  bool merged = false;         // its links and models are those of the model that includes it
+};
+
+// The world's state as far as it concerns the models of one world or one model.
+struct State {
+  const XmlNode* node = nullptr;  // a <state>, or the <model> in it; null: none
+  Pose worldFromModel;            // identity for the world
 };
 
 struct PlacedModel {
@@ -79,21 +94,33 @@ struct PoseElement {
   std::string relativeTo;
 };
 
+float fractionIn(const XmlNode& node) {
+  return static_cast<float>(std::clamp(numbersIn(node, node.text, 1).front(), 0.0, 1.0));
+}
+
+bool isTrue(const std::string& text) {
+  return text == "true" || text == "True" || text == "TRUE" || text == "1";
+}
+
 PoseElement readPose(const XmlNode& of) {
   const XmlNode* const element = of.child("pose");
   if (element == nullptr) return {};
   PoseElement read;
   read.relativeTo = element->attributeOr("relative_to", element->attributeOr("frame", ""));
   if (element->text.empty()) return read;
-  if (element->attributeOr("rotation_format", "euler_rpy") == "quat_xyzw") {
+  const std::string format = element->attributeOr("rotation_format", "euler_rpy");
+  if (format == "quat_xyzw") {
     const std::vector<double> n = numbersIn(*element, element->text, 7);
     const double norm = std::sqrt(n[3] * n[3] + n[4] * n[4] + n[5] * n[5] + n[6] * n[6]);
     if (!(norm > 0)) element->fail("has a quaternion of zeros");
     read.pose = {{n[6] / norm, n[3] / norm, n[4] / norm, n[5] / norm}, {n[0], n[1], n[2]}};
     return read;
   }
+  if (format != "euler_rpy") {
+    element->fail(fmt::format("has the rotation_format '{}', but it must be euler_rpy or quat_xyzw", format));
+  }
   const std::vector<double> n = numbersIn(*element, element->text, 6);
-  const double unit = element->attributeOr("degrees", "false") == "true" ? kPi / 180 : 1;
+  const double unit = isTrue(element->attributeOr("degrees", "false")) ? kPi / 180 : 1;
   read.pose = {fromYawPitchRoll(n[5] * unit, n[4] * unit, n[3] * unit), {n[0], n[1], n[2]}};
   return read;
 }
@@ -104,14 +131,20 @@ class SdfReader {
     const XmlNode root = readXml(file);
     if (root.name != "sdf" && root.name != "gazebo") root.fail("is not an SDF: its first element must be <sdf>");
     std::vector<PlacedModel> models;
-    bool any = false;
+    bool any = false, world = false;
     for (const XmlNode& child : root.children) {
+      if (child.name == "world" && std::exchange(world, true)) {
+        world_.leftOut.add("worlds after the first");
+        continue;
+      }
+      if (child.name == "actor") world_.leftOut.addKeyword(sdfFormat(), child.name);
       if (child.name != "world" && child.name != "model" && child.name != "include") continue;
       any = true;
+      survey(child);
       XmlNode alone;
       alone.where = child.where;
       alone.children = {child};
-      for (auto& placed : modelsOf(child.name == "world" ? child : alone, file, 0).first) {
+      for (auto& placed : modelsOf(child.name == "world" ? child : alone, file, 0, {}).first) {
         models.push_back(std::move(placed));
       }
     }
@@ -123,65 +156,154 @@ class SdfReader {
  private:
   using Placed = std::vector<PlacedModel>;
 
+  // Counts the elements of a file that are left out, and those that the table does not know.
+  void survey(const XmlNode& of) {
+    for (const XmlNode& child : of.children) {
+      if (child.name == "origin" && child.attribute("pose") != nullptr) {
+        child.fail("is of SDF 1.0: convert the file, by `gz sdf -c FILE`");
+      }
+      const double number = std::strtod(child.text.c_str(), nullptr);
+      if (child.name == "transparency" && number > 0 && number < 1)
+        world_.leftOut.add("transparencies between 0 and 1 (these visuals are solid)");
+      const bool usual = ((child.name == "laser_retro" || child.name == "initial_position") && number == 0) ||
+                         (child.name == "visibility_flags" && number == UINT32_MAX);
+      const bool known = sdfFormat().find(child.name) != nullptr;
+      const bool custom = child.name.find(':') != std::string::npos && !known;  // elements of other programs
+      if (!usual && !custom) world_.leftOut.addKeyword(sdfFormat(), child.name);
+      if (sdfFormat().has(FormatElements::Use::Read, child.name)) survey(child);
+    }
+  }
+
+  // Returns the child of a state that concerns a model or link; null if there is none.
+  const XmlNode* stateOf(const XmlNode* state, std::string_view kind, const std::string& name) {
+    if (state == nullptr) return nullptr;
+    for (const XmlNode& child : state->children) {
+      if (child.name != kind || child.attributeOr("name", "") != name) continue;
+      statesUsed_.insert(&child);
+      return &child;
+    }
+    return nullptr;
+  }
+
+  void countUnusedStates(const XmlNode& state) {
+    for (const XmlNode& child : state.children) {
+      if (child.name != "model" && child.name != "link") continue;
+      if (!statesUsed_.contains(&child)) world_.leftOut.add("states of models and links that the world lacks");
+      countUnusedStates(child);
+    }
+  }
+
   // Returns the models of a world, or the models nested in a model, and the frames to which their poses may be
-  // relative.
-  std::pair<Placed, std::shared_ptr<Scope>> modelsOf(const XmlNode& of, const std::filesystem::path& file, int depth) {
+  // relative. `state`: state of the model in which they are nested; the state of a world is in `of`.
+  std::pair<Placed, std::shared_ptr<Scope>> modelsOf(const XmlNode& of, const std::filesystem::path& file, int depth,
+                                                     State state) {
     if (depth > kDeepestModel)
       of.fail(fmt::format("is nested in more than {} models: does one include itself?", kDeepestModel));
     auto scope = std::make_shared<Scope>();
+    scope->isWorld = depth == 0;
     struct Found {
       PoseElement pose;
       Model model;
       const XmlNode* node;
     };
     std::vector<Found> found;
+    std::vector<const XmlNode*> children;
     for (const XmlNode& child : of.children) {
+      children.push_back(&child);
+      if (child.name != "state" || depth != 0) continue;
+      if (state.node != nullptr) world_.leftOut.add("states after the first");
+      if (state.node == nullptr) state.node = &child;  // Gazebo applies the first state alone
+    }
+    std::set<std::string> deleted;
+    if (depth == 0 && state.node != nullptr) {
+      for (const XmlNode& change : state.node->children) {
+        for (const XmlNode& child : change.children) {
+          if (change.name == "insertions") children.push_back(&child);
+          if (change.name == "deletions") deleted.insert(child.text);
+        }
+      }
+    }
+    for (const XmlNode* const node : children) {
+      const XmlNode& child = *node;
       if (child.name == "model" || child.name == "include") {
         PoseElement pose;
         std::shared_ptr<const Scope> inside;
-        std::optional<Model> model = child.name == "model" ? readModel(child, file, depth + 1, pose, inside)
-                                                           : readInclude(child, file, depth + 1, pose, inside);
+        std::optional<Model> model = child.name == "model" ? readModel(child, file, depth + 1, pose, inside, state,
+                                                                       child.attributeOr("name", "model"))
+                                                           : readInclude(child, file, depth + 1, pose, inside, state);
         if (!model) continue;
         pose.pose = pose.pose * inverse(model->placement);
-        scope->frames[model->name] = {&child, pose.pose, pose.relativeTo, inside};
-        if (child.attributeOr("merge", "false") == "true" && inside != nullptr) {
+        // The frame of a merged model has the name that libsdformat gives it, which no link of the model has.
+        model->merged = depth > 0 && inside != nullptr && isTrue(child.attributeOr("merge", "false"));
+        const std::string own = model->merged ? "_merged__" + model->name + "__model__" : model->name;
+        scope->frames[own] = {&child, pose.pose, pose.relativeTo, inside};
+        if (!model->merged && !model->nameInFile.empty()) {
+          scope->frames.try_emplace(model->nameInFile, scope->frames[own]);
+        }
+        if (model->merged) {
           for (const auto& [name, frame] : inside->frames) {
             Scope::Frame merged = frame;
-            if (merged.relativeTo.empty()) merged.relativeTo = model->name;
+            if (merged.relativeTo.empty() || merged.relativeTo == "__model__") merged.relativeTo = own;
             scope->frames.try_emplace(name, std::move(merged));
           }
         }
-        found.push_back({pose, std::move(*model), &child});
+        if (!deleted.contains(model->name)) found.push_back({pose, std::move(*model), &child});
       } else if (child.name == "frame" || child.name == "link" || child.name == "joint") {
         const PoseElement pose = readPose(child);
         std::string relativeTo = pose.relativeTo;
         if (relativeTo.empty() && child.name == "frame") relativeTo = child.attributeOr("attached_to", "");
         if (relativeTo.empty() && child.name == "joint") relativeTo = child.textOf("child", "");
         scope->frames[child.attributeOr("name", child.name)] = {&child, pose.pose, relativeTo, nullptr};
-      } else if (child.name == "actor" || child.name == "population" || child.name == "road") {
-        leftOut(child.name);
       }
     }
+    if (depth == 0 && state.node != nullptr) countUnusedStates(*state.node);
     Placed placed;
     for (Found& f : found) {
-      placed.push_back({scope->resolve(f.pose.relativeTo, *f.node) * f.pose.pose, std::move(f.model)});
+      const Pose pose = scope->resolve(f.pose.relativeTo, *f.node) * f.pose.pose;
+      placed.push_back({f.model.stated.value_or(pose), std::move(f.model)});
     }
     return {std::move(placed), scope};
   }
 
   Model readModel(const XmlNode& node, const std::filesystem::path& file, int depth, PoseElement& pose,
-                  std::shared_ptr<const Scope>& inside) {
+                  std::shared_ptr<const Scope>& inside, const State& around, const std::string& name) {
     Model model;
-    model.name = node.attributeOr("name", "model");
+    model.name = name;
     pose = readPose(node);
-    auto [children, scope] = modelsOf(node, file, depth);
-    model.children = std::move(children);
+    State state{stateOf(around.node, "model", name), {}};
+    Vec3d scale{1, 1, 1};
+    if (state.node != nullptr) {
+      state.worldFromModel = readPose(*state.node).pose;
+      model.stated = inverse(around.worldFromModel) * state.worldFromModel;
+      if (state.node->child("scale") != nullptr) scale = sizesOf(*state.node, "scale");
+    }
+    auto [children, scope] = modelsOf(node, file, depth, state);
+    for (PlacedModel& child : children) {
+      if (!child.model.merged) {
+        model.children.push_back(std::move(child));
+        continue;
+      }
+      for (WorldPart& part : child.model.parts) {
+        part.thingFromPart = toAffine(child.pose) * part.thingFromPart;
+        model.parts.push_back(std::move(part));
+      }
+      for (PlacedModel& inner : child.model.children) {
+        model.children.push_back({child.pose * inner.pose, std::move(inner.model)});
+      }
+    }
     for (const XmlNode& link : node.children) {
       if (link.name != "link") continue;
-      const std::string name = link.attributeOr("name", "link");
-      const Pose modelFromLink = scope->resolve(name, link);
+      const std::string linkName = link.attributeOr("name", "link");
+      const Pose modelFromLink = scope->resolve(linkName, link);
+      const std::size_t first = model.parts.size();
       for (const XmlNode& visual : link.children) {
-        if (visual.name == "visual") addVisual(visual, name, modelFromLink, *scope, file, model.parts);
+        if (visual.name == "visual") addVisual(visual, linkName, modelFromLink, *scope, file, scale, model.parts);
+      }
+      const XmlNode* const linkState = stateOf(state.node, "link", linkName);
+      if (linkState == nullptr) continue;
+      const Affine moved = toAffine(inverse(state.worldFromModel) * readPose(*linkState).pose * inverse(modelFromLink));
+      for (std::size_t i = first; i < model.parts.size(); ++i) {
+        model.parts[i].thingFromPart = moved * model.parts[i].thingFromPart;
       }
     }
     if (const std::string* frame = node.attribute("placement_frame")) model.placement = scope->resolve(*frame, node);
@@ -190,7 +312,7 @@ class SdfReader {
   }
 
   std::optional<Model> readInclude(const XmlNode& node, const std::filesystem::path& file, int depth, PoseElement& pose,
-                                   std::shared_ptr<const Scope>& inside) {
+                                   std::shared_ptr<const Scope>& inside, const State& around) {
     const std::string uri = node.textOf("uri", "");
     std::string plain = uri;
     while (plain.ends_with('/') && !plain.ends_with("//")) plain.pop_back();
@@ -202,24 +324,23 @@ class SdfReader {
       if (plain == "model://sun") return std::nullopt;  // sun is a light
       if (plain != "model://ground_plane") throw;
     }
-    Model model;
-    if (!definition) {
-      model = groundPlane(node);
-    } else {
-      const auto [known, isNew] = definitions_.try_emplace(*definition);
-      if (isNew) known->second = readXml(*definition);
-      const XmlNode& root = known->second;
-      const XmlNode* const child = root.child("model");
-      if (child == nullptr) {
-        if (root.child("actor") != nullptr) leftOut("actor");
-        if (root.child("light") != nullptr || root.child("actor") != nullptr) return std::nullopt;
-        root.fail(fmt::format("has no model, but {} includes it", node.where.text()));
-      }
-      model = readModel(*child, *definition, depth, pose, inside);
-      model.definition = *definition;
-      model.name = node.textOf("name", plain.ends_with(".sdf") ? child->attributeOr("name", name) : name);
-      if (const XmlNode* frame = node.child("placement_frame")) model.placement = inside->resolve(frame->text, node);
+    const std::filesystem::path place = definition.value_or(plain);
+    const auto [known, isNew] = definitions_.try_emplace(place);
+    if (isNew) known->second = definition ? readXml(place) : groundPlane(node.where);
+    const XmlNode& root = known->second;
+    const XmlNode* const child = root.child("model");
+    if (child == nullptr) {
+      if (root.child("actor") != nullptr) world_.leftOut.addKeyword(sdfFormat(), "actor");
+      if (root.child("light") != nullptr || root.child("actor") != nullptr) return std::nullopt;
+      root.fail(fmt::format("has no model, but {} includes it", node.where.text()));
     }
+    if (isNew) survey(*child);
+    const std::string nameInFile = child->attributeOr("name", name);
+    Model model = readModel(*child, place, depth, pose, inside, around,
+                            node.textOf("name", plain.ends_with(".sdf") ? nameInFile : name));
+    if (node.child("name") == nullptr) model.nameInFile = nameInFile;
+    if (definition && !model.stated) model.definition = place;  // its parts are those of all copies
+    if (const XmlNode* frame = node.child("placement_frame")) model.placement = inside->resolve(frame->text, node);
     if (node.child("pose") != nullptr) pose = readPose(node);
     return model;
   }
@@ -264,21 +385,17 @@ class SdfReader {
     return ignored ? found : canonical;
   }
 
-  static Model groundPlane(const XmlNode& node) {
-    constexpr double kSize = 100;  // m, side of the square plane, as in Gazebo's model ground_plane
-    Model model;
-    model.name = "ground_plane";
-    WorldPart part;
-    part.node = "link/visual";
-    part.where = node.where;
-    part.solid.emplace();
-    appendPlane(*part.solid, 0, {}, kSize, kSize);
-    model.parts.push_back(std::move(part));
-    return model;
+  // Returns the definition of Gazebo's model ground_plane, a square of 100 m.
+  static XmlNode groundPlane(const Location& where) {
+    XmlNode node{where, "size", "100 100", {}, {}};
+    for (const char* name : {"plane", "geometry", "visual", "link", "model", "sdf"}) {
+      node = XmlNode{where, name, "", {}, {node}};
+    }
+    return node;
   }
 
   void addVisual(const XmlNode& visual, const std::string& link, const Pose& modelFromLink, const Scope& scope,
-                 const std::filesystem::path& file, std::vector<WorldPart>& parts) {
+                 const std::filesystem::path& file, const Vec3d& stated, std::vector<WorldPart>& parts) {
     const XmlNode* const geometry = visual.child("geometry");
     if (geometry == nullptr) return;
     const std::string transparency = visual.textOf("transparency", "0");
@@ -300,18 +417,43 @@ class SdfReader {
         }
         if (const XmlNode* submesh = shape.child("submesh")) {
           part.submesh = submesh->textOf("name", "");
-          const std::string centre = submesh->textOf("center", "false");
-          part.centred = centre == "true" || centre == "1";
+          part.centred = isTrue(submesh->textOf("center", "false"));
         }
-      } else if (shape.name == "empty") {
-        return;
+      } else if (shape.name == "polyline") {
+        part.solid = extrudedPolylines(*geometry);
+      } else if (shape.name == "heightmap") {
+        const std::optional<std::filesystem::path> image = imageOf(shape, file);
+        if (!image) return;
+        part.solid = heightmapOf(shape, *image);
       } else {
         part.solid = solidOf(shape);
-        if (!part.solid) return leftOut(shape.name);
+        if (!part.solid) return;
       }
+      if (stated != Vec3d{1, 1, 1}) part.thingFromPart.linear = part.thingFromPart.linear * scaleOf(shape, stated);
       readLook(visual, file, part);
       parts.push_back(std::move(part));
       return;
+    }
+  }
+
+  // Returns how the scale of a model's state scales a shape in its own frame: round shapes stay round, as in Gazebo.
+  static Mat3 scaleOf(const XmlNode& shape, const Vec3d& scale) {
+    const double across = std::max(scale.x, scale.y);
+    if (shape.name == "sphere") return Mat3::scale(Vec3d{1, 1, 1} * std::max(across, scale.z));
+    if (shape.name == "cylinder") return Mat3::scale({across, across, scale.z});
+    return Mat3::scale(scale);
+  }
+
+  // Returns the image of a heightmap; nullopt if it is one of Gazebo's own that is not installed.
+  std::optional<std::filesystem::path> imageOf(const XmlNode& heightmap, const std::filesystem::path& file) {
+    const XmlNode* const uri = heightmap.child("uri");
+    if (uri == nullptr) heightmap.fail("has no <uri>");
+    try {
+      return findModel(*uri, file, uri->text);
+    } catch (const InputError&) {
+      if (!uri->text.starts_with("file://media")) throw;
+      world_.leftOut.add(fmt::format("heightmaps of Gazebo's own '{}'", uri->text));
+      return std::nullopt;
     }
   }
 
@@ -319,7 +461,10 @@ class SdfReader {
     const XmlNode* const material = visual.child("material");
     if (material == nullptr) return;
     const XmlNode* const diffuse = material->child("diffuse");
-    if (diffuse != nullptr) part.color = colorOf(*diffuse, diffuse->text);
+    if (diffuse != nullptr) {
+      const auto [r, g, b, alpha] = colorOf(*diffuse, diffuse->text);
+      part.color = {r, g, b};
+    }
     readAlbedo(*material, file, part);
     const XmlNode* const script = material->child("script");
     if (script == nullptr) return;
@@ -337,7 +482,7 @@ class SdfReader {
     }
     for (const std::filesystem::path& place : places) {
       const auto [known, isNew] = looks_.try_emplace(place);
-      if (isNew) known->second = readOgreMaterials(place);
+      if (isNew) known->second = readOgreMaterials(place, world_.leftOut);
       const auto look = known->second.find(part.material);
       if (look == known->second.end()) continue;
       if (look->second.color) part.color = look->second.color;
@@ -350,21 +495,25 @@ class SdfReader {
         part.texture = image;
         return;
       }
-      return leftOut(fmt::format("the missing image '{}' of the material '{}'", look->second.texture, part.material));
+      return world_.leftOut.add(
+          fmt::format("missing images '{}' of the material '{}'", look->second.texture, part.material));
     }
+    if (!part.color && part.texture.empty()) world_.leftOut.add("colours of scripts that are missing or Gazebo's own");
   }
 
-  // Reads the image of a physically based material.
+  // Reads the image, roughness and metalness of a physically based material.
   void readAlbedo(const XmlNode& material, const std::filesystem::path& file, WorldPart& part) {
     const XmlNode* const pbr = material.child("pbr");
     if (pbr == nullptr) return;
     for (const XmlNode& kind : pbr->children) {
+      if (const XmlNode* r = kind.child("roughness")) part.roughness = fractionIn(*r);
+      if (const XmlNode* m = kind.child("metalness")) part.metallic = fractionIn(*m);
       const XmlNode* const map = kind.child("albedo_map");
       if (map == nullptr || map->text.empty()) continue;
       try {
         part.texture = findModel(*map, file, map->text);
       } catch (const InputError&) {
-        leftOut(fmt::format("the missing albedo_map '{}'", map->text));
+        world_.leftOut.add(fmt::format("missing images '{}' (albedo_map)", map->text));
       }
       return;
     }
@@ -393,14 +542,68 @@ class SdfReader {
     }
   }
 
-  void leftOut(const std::string& what) { appendNew({what}, world_.leftOut); }
-
   World world_;
+  std::set<const XmlNode*> statesUsed_;
   std::map<std::filesystem::path, XmlNode> definitions_;
   std::map<std::filesystem::path, std::map<std::string, OgreMaterial>> looks_;  // by script or folder, then by name
 };
 
 }  // namespace
+
+const FormatSupport& sdfFormat() {
+  using enum FormatElements::Use;
+  static const FormatSupport format{
+      "SDF",
+      ".sdf, .world",
+      {{Read, "sdf gazebo world model link visual geometry name",
+        "things, and their parts by name; the first world of a file, and all models beside it"},
+       {Read, "include uri placement_frame", "models of other files"},
+       {Read, "pose frame joint parent child axis axis2",
+        "poses relative to links, joints, models and frames, in radians, degrees or as quaternions; joints are at 0"},
+       {Read, "state insertions deletions",
+        "the first state of a world, as Gazebo applies it: poses of models and links in the world, scales of their "
+        "visuals, models that were inserted and deleted"},
+       {Read, "mesh submesh center scale", "meshes; an up axis that they state counts for nothing, as in Gazebo"},
+       {Read, "box capsule cone cylinder ellipsoid plane sphere empty size radius radii length normal", "solids"},
+       {Read, "polyline point height",
+        "outlines, extruded from 0 to the height of the first; an outline within another is a hole"},
+       {Read, "heightmap pos sampling",
+        "terrain from band 1 of an image, whose greatest value has the height of <size>, or from a georeferenced "
+        "raster"},
+       {Read, "transparency", "visuals with 1 are not there for beams"},
+       {Read, "material diffuse pbr metal albedo_map roughness metalness", "look"},
+       {Read, "script", "image, colour and alpha cutoff of an OGRE material"},
+       {LeftOut, "", "transparencies between 0 and 1 (these visuals are solid)"},
+       {LeftOut, "", "colours of scripts that are missing or Gazebo's own"},
+       {LeftOut, "image", "extruded images (image)"},
+       {LeftOut, "texture", "textures of heightmaps"},
+       {LeftOut, "actor", "actors"},
+       {LeftOut, "population", "populations"},
+       {LeftOut, "road", "roads"},
+       {LeftOut, "particle_emitter", "particle emitters"},
+       {LeftOut, "laser_retro", "values of laser_retro"},
+       {LeftOut, "visibility_flags", "visibility flags of visuals that are read"},
+       {LeftOut, "initial_position", "initial positions of joints"},
+       {LeftOut, "model_state joint_state", "states of SDF 1.12 (model_state, joint_state)"},
+       {LeftOut, "experimental:params", "changes of included models (experimental:params)"},
+       {LeftOut, "", "worlds and states after the first, states of models and links that the world lacks"},
+       {Unused, "collision inertial surface self_collide static allow_auto_disable kinematic gravity velocity_decay",
+        "physics; beams meet visuals, not collisions"},
+       {Unused, "must_be_base_link enable_wind physics atmosphere magnetic_field wind gripper battery", "physics"},
+       {Unused, "xyz dynamics limit use_parent_model_frame mimic gearbox_ratio gearbox_reference_body thread_pitch",
+        "axes of joints, which are at 0"},
+       {Unused, "screw_thread_pitch angle", "axes of joints, which are at 0"},
+       {Unused, "sim_time wall_time real_time iterations time velocity acceleration wrench light_state",
+        "times and velocities of states"},
+       {Unused, "light projector sensor audio audio_sink audio_source plugin gui scene spherical_coordinates",
+        "light sources, sensors, programs, and where on the earth the world is"},
+       {Unused, "cast_shadows meta lighting shader render_order ambient specular emissive shininess double_sided",
+        "lighting; beams meet both sides"},
+       {Unused, "roughness_map metalness_map environment_map ambient_occlusion_map normal_map emissive_map light_map",
+        "images of lighting"},
+       {Unused, "blend use_terrain_paging convex_decomposition namespace", "physics and display"}}};
+  return format;
+}
 
 World readSdf(const std::filesystem::path& file) {
   return SdfReader().read(file);

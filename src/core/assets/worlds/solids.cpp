@@ -29,12 +29,6 @@ double lengthOf(const XmlNode& shape, std::string_view key) {
   return positive(shape, numbersIn(shape, sizeText(shape, key, ""), 1).front());
 }
 
-Vec3d sizesOf(const XmlNode& shape, std::string_view key) {
-  const Vec3d sizes = vectorIn(shape, sizeText(shape, key, ""));
-  for (const double size : {sizes.x, sizes.y, sizes.z}) positive(shape, size);
-  return sizes;
-}
-
 void addPlane(Mesh& mesh, const XmlNode& shape) {
   const std::vector<double> size = numbersIn(shape, sizeText(shape, "size", "1 1"), 2);
   const Vec3d normal = vectorIn(shape, sizeText(shape, "normal", "0 0 1"));
@@ -45,6 +39,12 @@ void addPlane(Mesh& mesh, const XmlNode& shape) {
 }
 
 }  // namespace
+
+Vec3d sizesOf(const XmlNode& shape, std::string_view key) {
+  const Vec3d sizes = vectorIn(shape, sizeText(shape, key, ""));
+  for (const double size : {sizes.x, sizes.y, sizes.z}) positive(shape, size);
+  return sizes;
+}
 
 std::optional<Mesh> solidOf(const XmlNode& shape) {
   Mesh mesh;
@@ -69,12 +69,12 @@ std::optional<Mesh> solidOf(const XmlNode& shape) {
   return mesh;
 }
 
-std::array<float, 3> colorOf(const XmlNode& node, std::string_view text) {
+std::array<float, 4> colorOf(const XmlNode& node, std::string_view text) {
   std::istringstream words{std::string(text)};
   const auto count = std::distance(std::istream_iterator<std::string>(words), {});
-  const std::vector<double> n = numbersIn(node, text, count == 3 ? 3 : 4);  // a fourth number is alpha
-  std::array<float, 3> color{};
-  for (std::size_t i = 0; i < 3; ++i) color[i] = static_cast<float>(std::clamp(n[i], 0.0, 1.0));
+  const std::vector<double> n = numbersIn(node, text, count == 3 ? 3 : 4);
+  std::array<float, 4> color{0, 0, 0, 1};
+  for (std::size_t i = 0; i < n.size(); ++i) color[i] = static_cast<float>(std::clamp(n[i], 0.0, 1.0));
   return color;
 }
 

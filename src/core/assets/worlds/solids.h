@@ -16,7 +16,10 @@ namespace scanmill {
 // missing, not a number or not above 0.
 std::optional<Mesh> solidOf(const XmlNode& shape);
 
-// Returns red, green and blue, clamped to 0 to 1, from a text of three or four numbers; the fourth, alpha, is ignored.
-std::array<float, 3> colorOf(const XmlNode& node, std::string_view text);
+// Returns three sizes above 0 (m) from an element or attribute of a shape. Throws InputError for others.
+Vec3d sizesOf(const XmlNode& shape, std::string_view key);
+
+// Returns red, green, blue and alpha, clamped to 0 to 1, from a text of four numbers, or of three if alpha is 1.
+std::array<float, 4> colorOf(const XmlNode& node, std::string_view text);
 
 }  // namespace scanmill

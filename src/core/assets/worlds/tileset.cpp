@@ -1,11 +1,9 @@
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
-#include <map>
+#include <cstring>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
@@ -18,6 +16,7 @@
 #include "base/earth.h"
 #include "base/error.h"
 #include "base/file.h"
+#include "base/format_support.h"
 #include "config/text.h"
 
 namespace scanmill {
@@ -34,11 +33,8 @@ class TilesetReader {
     if (options_.up) fail(file, "states its up axis: leave out `up`");
     asset_.upDeclared = true;
     readFileOf(file, {}, "REPLACE", 0);
-    if (!leftOut_.empty()) {
-      std::vector<std::string> kinds;
-      for (const auto& [kind, count] : leftOut_) kinds.push_back(fmt::format("{} {}", count, kind));
-      warn(fmt::format("{}: left out tiles that are not glTF, GLB or b3dm: {}", file.string(), fmt::join(kinds, ", ")));
-    }
+    leftOut_.tell(file.string());
+    inTiles_.tell(file.string());
     return std::move(asset_);
   }
 
@@ -66,6 +62,8 @@ class TilesetReader {
       const std::string up = asset->value("gltfUpAxis", std::string("Y"));
       if (up != "X" && up != "Y" && up != "Z")
         fail(file, fmt::format("has the gltfUpAxis '{}', but it must be X, Y or Z", up));
+      survey(json);
+      survey(*asset);
       const Context context{file, zUpFrom(static_cast<char>(up[0] + 32))};
       if (!assetFromEarth_) assetFromEarth_ = frameOf(json.at("root"));
       readTile(json.at("root"), context, earthFromParent, refine, depth);
@@ -73,6 +71,16 @@ class TilesetReader {
       fail(file, fmt::format("is not a tileset: {}", e.what()));
     }
     open_.erase(std::filesystem::weakly_canonical(file));
+  }
+
+  // Counts the keys and extensions of an object that are left out.
+  void survey(const Json& object) {
+    for (const auto& [key, value] : object.items()) {
+      if (key != "extensions") leftOut_.addKeyword(tilesetFormat(), key);
+    }
+    const auto extensions = object.find("extensions");
+    if (extensions == object.end()) return;
+    for (const auto& [name, value] : extensions->items()) leftOut_.addKeyword(tilesetFormat(), name);
   }
 
   static Affine transformOf(const Json& tile) {
@@ -108,20 +116,27 @@ class TilesetReader {
                 int depth) {
     if (depth > kDeepestTile)
       fail(context.file, fmt::format("has tiles that are nested more than {} levels deep", kDeepestTile));
-    if (tile.contains("implicitTiling")) {
+    const Json extensions = tile.value("extensions", Json::object());
+    if (tile.contains("implicitTiling") || extensions.contains("3DTILES_implicit_tiling")) {
       fail(context.file,
            "has implicit tiling, which is not supported: convert it to explicit tiles, for example by 3d-tiles-tools");
     }
     const Affine earthFromTile = earthFromParent * transformOf(tile);
     const std::string refine = tile.value("refine", before);
     std::vector<std::string> contents;
+    survey(tile);
     const auto note = [&](const Json& content) {
+      survey(content);
       contents.push_back(content.contains("uri") ? content.at("uri").get<std::string>()
                                                  : content.at("url").get<std::string>());
     };
     if (const auto content = tile.find("content"); content != tile.end()) note(*content);
     if (const auto several = tile.find("contents"); several != tile.end()) {
       for (const Json& content : *several) note(content);
+    }
+    const Json multiple = extensions.value("3DTILES_multiple_contents", Json::object());
+    for (const char* key : {"content", "contents"}) {  // the names in drafts and in the extension
+      for (const Json& content : multiple.value(key, Json::array())) note(content);
     }
     const auto children = tile.find("children");
     const bool leaf = children == tile.end() || children->empty();
@@ -147,10 +162,20 @@ class TilesetReader {
     const std::string kind = lowerExtension(file);
     if (kind == ".json") return readFileOf(file, earthFromTile, refine, depth + 1);
     if (kind != ".b3dm" && kind != ".glb" && kind != ".gltf") {
-      ++leftOut_[kind.empty() ? "of an unknown kind" : kind];
+      leftOut_.addKeyword(tilesetFormat(), kind);
       return;
     }
-    add(gltf::readTile(file, *assetFromEarth_ * earthFromTile, context.zUpFromGltf, options_), plain);
+    if (kind == ".b3dm") countBatches(readFile(file));
+    add(gltf::readTile(file, *assetFromEarth_ * earthFromTile, context.zUpFromGltf, options_, inTiles_), plain);
+  }
+
+  // Counts a b3dm whose batch table names properties. Its header has the length of the table at byte 20.
+  void countBatches(const std::string& bytes) {
+    constexpr std::size_t kHeader = 28, kEmptyTable = 8;  // "{}" and padding
+    if (bytes.size() < kHeader) return;
+    std::uint32_t length = 0;
+    std::memcpy(&length, bytes.data() + 20, sizeof length);
+    if (length > kEmptyTable) leftOut_.add("batch tables of b3dm");
   }
 
   void add(Asset tile, const std::string& name) {
@@ -173,12 +198,37 @@ class TilesetReader {
   std::optional<Affine> assetFromEarth_;
   Asset asset_;
   std::set<std::filesystem::path> open_;
-  std::map<std::string, int> leftOut_;
+  LeftOut leftOut_;
+  LeftOut inTiles_;  // of the tiles' contents
   std::uint32_t nodes_ = 0;
   std::uint64_t triangles_ = 0;
 };
 
 }  // namespace
+
+const FormatSupport& tilesetFormat() {
+  using enum FormatElements::Use;
+  static const FormatSupport format{
+      "3D Tiles",
+      "tileset.json",
+      {{Read, "asset version gltfUpAxis root boundingVolume transform children", "tiles and their places"},
+       {Read, "refine", "REPLACE: the finest tiles alone; ADD: coarser tiles too"},
+       {Read, "content contents 3DTILES_multiple_contents uri url", "files of a tile: nested tilesets and models"},
+       {Read, ".glb .gltf .b3dm 3DTILES_content_gltf", "models"},
+       {LeftOut, ".i3dm", "instanced models (.i3dm)"},
+       {LeftOut, ".pnts", "point clouds (.pnts)"},
+       {LeftOut, ".cmpt", "composite tiles (.cmpt)"},
+       {LeftOut, ".geom", "tiles of simple shapes (.geom)"},
+       {LeftOut, ".vctr", "vector tiles (.vctr)"},
+       {LeftOut, ".subtree implicitTiling 3DTILES_implicit_tiling", "implicit tilings, which are refused"},
+       {LeftOut, "", "batch tables of b3dm"},
+       {LeftOut, "metadata group groups schema schemaUri 3DTILES_metadata", "metadata"},
+       {Unused,
+        "geometricError viewerRequestVolume properties statistics tilesetVersion extras 3DTILES_bounding_volume_S2",
+        "what viewers need to load tiles by and by"},
+       {Unused, "extensionsUsed extensionsRequired", "names of extensions"}}};
+  return format;
+}
 
 Asset readTileset(const std::filesystem::path& file, const AssetOptions& options) {
   try {

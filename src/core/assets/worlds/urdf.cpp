@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <map>
 #include <set>
 
@@ -20,23 +21,29 @@ Affine readOrigin(const XmlNode& of) {
   return toAffine({fromYawPitchRoll(turned.z, turned.y, turned.x), at});
 }
 
+double numberOr0(const XmlNode& node, std::string_view attribute) {
+  return std::strtod(node.attributeOr(attribute, "0").c_str(), nullptr);
+}
+
 class UrdfReader {
  public:
   explicit UrdfReader(const std::filesystem::path& file) : file_(file), root_(readXml(file)) {}
 
   World read() {
     if (root_.name != "robot") root_.fail("is not a URDF: its first element must be <robot>");
+    survey(root_);
+    std::set<std::string> links;
     for (const XmlNode& child : root_.children) {
-      if (child.name.starts_with("xacro:")) {
-        child.fail("is a macro: expand the file first, by `xacro robot.urdf.xacro > robot.urdf`");
-      }
       if (child.name == "material") noteMaterial(child);
       if (child.name == "joint") noteJoint(child);
+      if (child.name == "link" && !links.insert(child.attributeOr("name", "link")).second) {
+        child.fail(fmt::format("has the name '{}', as another link: links need names of their own",
+                               child.attributeOr("name", "link")));
+      }
     }
     for (const auto& [child, joint] : joints_) {
       for (const std::string& link : {child, joint.parent}) {
-        const auto is = [&](const XmlNode& n) { return n.name == "link" && n.attributeOr("name", "link") == link; };
-        if (std::none_of(root_.children.begin(), root_.children.end(), is)) {
+        if (!links.contains(link)) {
           throw InputError(joint.where, fmt::format("<joint> names the link '{}', but this link does not exist", link));
         }
       }
@@ -65,6 +72,30 @@ class UrdfReader {
   }
 
  private:
+  // Counts the elements that are left out, and those that the table does not know. Throws InputError for macros.
+  void survey(const XmlNode& of) {
+    for (const XmlNode& child : of.children) {
+      const bool macro = std::any_of(child.attributes.begin(), child.attributes.end(), [](const auto& a) {
+        return a.second.find("${") != std::string::npos || a.second.find("$(") != std::string::npos;
+      });
+      if (macro || child.name.starts_with("xacro:")) {
+        child.fail("has a macro: expand the file first, by `xacro robot.urdf.xacro > robot.urdf`");
+      }
+      world_.leftOut.addKeyword(urdfFormat(), child.name);
+      if (child.name == "gazebo") {
+        for (const XmlNode& inside : child.children) {
+          if (inside.name == "material" || inside.name == "visual" || inside.name == "pose") {
+            world_.leftOut.add("materials, visuals and poses for Gazebo");
+          }
+        }
+      }
+      if (child.name == "mimic" && numberOr0(child, "offset") != 0) {
+        world_.leftOut.add("offsets of joints that mimic others");
+      }
+      if (urdfFormat().has(FormatElements::Use::Read, child.name)) survey(child);
+    }
+  }
+
   struct Joint {
     std::string parent;
     Affine parentFromChild;
@@ -78,6 +109,13 @@ class UrdfReader {
       if (link == nullptr) joint.fail(fmt::format("has no <{} link=\"...\">", end));
       return *link;
     };
+    if (const XmlNode* limit = joint.child("limit")) {
+      const double low = numberOr0(*limit, "lower"), high = numberOr0(*limit, "upper");
+      const std::string type = joint.attributeOr("type", "");
+      if ((type == "revolute" || type == "prismatic") && (low > 0 || high < 0)) {
+        world_.leftOut.add("limits that exclude 0, where all joints are");
+      }
+    }
     if (!joints_.try_emplace(linkOf("child"), Joint{linkOf("parent"), readOrigin(joint), joint.where}).second) {
       joint.fail(fmt::format("gives the link '{}' a second parent joint", linkOf("child")));
     }
@@ -85,25 +123,29 @@ class UrdfReader {
 
   struct Look {
     std::optional<std::array<float, 3>> color;
+    float opacity = 1;
     std::filesystem::path texture;
   };
 
-  // Returns the look of a material element. An element without a look refers by its name to an earlier element.
+  // Returns the look of a material element. The first element with a look gives it to all of its name.
   Look noteMaterial(const XmlNode& material) {
+    const std::string name = material.attributeOr("name", "");
+    if (const auto known = looks_.find(name); known != looks_.end()) return known->second;
     Look look;
-    if (const XmlNode* color = material.child("color")) look.color = colorOf(*color, color->attributeOr("rgba", ""));
+    if (const XmlNode* color = material.child("color")) {
+      const auto [r, g, b, alpha] = colorOf(*color, color->attributeOr("rgba", ""));
+      look.color = {r, g, b};
+      look.opacity = alpha;
+    }
     if (const XmlNode* texture = material.child("texture")) {
       try {
         look.texture = findModel(*texture, file_, texture->attributeOr("filename", ""));
       } catch (const InputError&) {
-        world_.leftOut.push_back(fmt::format("the missing texture '{}'", texture->attributeOr("filename", "")));
+        world_.leftOut.add(fmt::format("missing images '{}'", texture->attributeOr("filename", "")));
       }
     }
-    const std::string name = material.attributeOr("name", "");
-    if (name.empty()) return look;
-    if (look.color || !look.texture.empty()) looks_[name] = look;
-    const auto known = looks_.find(name);
-    return known == looks_.end() ? look : known->second;
+    if (!name.empty() && (look.color || !look.texture.empty())) looks_[name] = look;
+    return look;
   }
 
   // Returns robotFromLink. The robot's frame is the frame of its root link.
@@ -137,6 +179,10 @@ class UrdfReader {
     }
     if (const XmlNode* material = visual.child("material")) {
       const Look look = noteMaterial(*material);
+      if (look.opacity <= 0) return;  // invisible visuals are not scanned
+      if (look.opacity < 1) world_.leftOut.add("transparencies between 0 and 1 (these visuals are solid)");
+      const bool defines = material->child("color") != nullptr || material->child("texture") != nullptr;
+      if (!look.color && look.texture.empty() && !defines) world_.leftOut.add("materials that are defined nowhere");
       part.material = material->attributeOr("name", "");
       part.color = look.color;
       part.texture = look.texture;
@@ -152,6 +198,28 @@ class UrdfReader {
 };
 
 }  // namespace
+
+const FormatSupport& urdfFormat() {
+  using enum FormatElements::Use;
+  static const FormatSupport format{
+      "URDF",
+      ".urdf",
+      {{Read, "robot link visual geometry", "one thing, and its parts by name: robot/link/visual"},
+       {Read, "joint origin parent child", "places of links; all joints are at 0"},
+       {Read, "mesh box cylinder sphere capsule",
+        "shapes; an up axis that a mesh states counts for nothing, as in ROS"},
+       {Read, "material color texture", "look; the first definition of a name holds for all"},
+       {Read, "mimic", "joints that mimic others are at 0 too"},
+       {LeftOut, "", "transparencies between 0 and 1 (these visuals are solid)"},
+       {LeftOut, "", "materials that are defined nowhere"},
+       {LeftOut, "", "offsets of joints that mimic others"},
+       {LeftOut, "", "limits that exclude 0, where all joints are"},
+       {LeftOut, "", "materials, visuals and poses for Gazebo"},
+       {Unused, "collision inertial axis calibration dynamics limit safety_controller transmission contact",
+        "physics; beams meet visuals, not collisions"},
+       {Unused, "gazebo sensor", "sensors and programs"}}};
+  return format;
+}
 
 World readUrdf(const std::filesystem::path& file) {
   return UrdfReader(file).read();

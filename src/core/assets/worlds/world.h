@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/format_support.h"
 #include "base/vec.h"
 #include "scene/scene.h"
 
@@ -23,8 +24,9 @@ struct WorldPart {
   Affine thingFromPart;  // includes the part's scale
   std::string material;  // name of the material of a solid, or of a mesh whose file names no material
   std::optional<std::array<float, 3>> color;
-  std::filesystem::path texture;     // replaces the mesh's texture; empty: the mesh keeps its texture
-  std::optional<float> alphaCutoff;  // beams pass where the alpha of `texture` is below this
+  std::filesystem::path texture;             // replaces the mesh's texture; empty: the mesh keeps its texture
+  std::optional<float> alphaCutoff;          // beams pass where the alpha of `texture` is below this
+  std::optional<float> roughness, metallic;  // replace those of the mesh's materials
   Location where;
 };
 
@@ -38,14 +40,19 @@ struct WorldThing {
 
 struct World {
   std::vector<WorldThing> things;
-  std::vector<std::string> leftOut;  // descriptions of contents that cannot be converted
+  LeftOut leftOut;
 };
 
-// Reads the Simulation Description Format, versions 1.0 to 1.11 (sdformat.org/spec): .sdf and .world. Supports visuals
-// of links; poses that are relative to links, joints, models and frames; included and nested models; meshes, boxes,
-// cylinders, cones, spheres, capsules, ellipsoids and planes. COLLADA's up_axis is ignored, as in Gazebo. Throws
-// InputError with the file and its line, for example if a model is not found.
+// Returns what the reader of SDF reads and leaves out.
+const FormatSupport& sdfFormat();
+
+// Reads the Simulation Description Format, versions 1.3 to 1.12 (sdformat.org/spec): .sdf and .world. sdfFormat() says
+// what is read. COLLADA's up_axis is ignored, as in Gazebo. Throws InputError with the file and its line, for example
+// if a model is not found.
 World readSdf(const std::filesystem::path& file);
+
+// Returns what the reader of URDF reads and leaves out.
+const FormatSupport& urdfFormat();
 
 // Reads the Unified Robot Description Format (wiki.ros.org/urdf/XML): visuals of links, with all joints at zero.
 World readUrdf(const std::filesystem::path& file);

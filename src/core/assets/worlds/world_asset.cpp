@@ -33,9 +33,7 @@ class WorldAsset {
   }
 
   Asset build(const World& world) {
-    if (!world.leftOut.empty()) {
-      warn(fmt::format("{}: left out: {}", file_.string(), fmt::join(world.leftOut, ", ")));
-    }
+    world.leftOut.tell(file_.string());
     // Groups of things of the same model whose names differ only in the numbers at their ends.
     std::map<std::pair<std::filesystem::path, std::string>, std::vector<const WorldThing*>> same;
     for (const WorldThing& thing : world.things) {
@@ -64,12 +62,15 @@ class WorldAsset {
       const std::string node = fmt::format("{}/{}", name, from.node);
       const Affine own = place * from.thingFromPart;
       if (from.solid) {
-        add(parts, solid(from), node, own);
+        AssetPart part = solid(from);
+        setGloss(from, part);
+        add(parts, std::move(part), node, own);
         continue;
       }
       for (AssetPart& part : partsOf(from)) {
         const bool textured = !from.texture.empty() && !part.uvs.empty();
         if (textured || (from.color && part.texture.empty())) dress(from, part);
+        setGloss(from, part);
         if (part.material.empty()) part.fileMaterial.name = part.material = from.material;
         const std::string inMesh = part.node.empty() ? node : fmt::format("{}/{}", node, part.node);
         add(parts, std::move(part), inMesh, own);
@@ -96,6 +97,11 @@ class WorldAsset {
     part.triangles = from.solid->triangles;
     dress(from, part);
     return part;
+  }
+
+  static void setGloss(const WorldPart& from, AssetPart& part) {
+    part.fileMaterial.roughness = from.roughness.value_or(part.fileMaterial.roughness);
+    part.fileMaterial.metallic = from.metallic.value_or(part.fileMaterial.metallic);
   }
 
   // Gives a part the material of its visual.
@@ -153,6 +159,7 @@ class WorldAsset {
     options.alpha = options_.alpha;
     options.textures = options_.textures;
     options.allowOutside = options_.allowOutside;
+    options.textureFolders = options_.textureFolders;
     const std::string suffix = lowerExtension(from.mesh);
     if (isWorld(suffix)) throw InputError(from.where, fmt::format("'{}' is not a mesh", from.mesh.string()));
     // Gazebo and ROS ignore the up axis that a file declares, except for glTF.

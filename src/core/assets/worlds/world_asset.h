@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "assets/asset.h"
+#include "base/format_support.h"
 
 namespace scanmill {
 
@@ -19,6 +20,9 @@ bool isWorld(std::string_view suffix);
 // all models nested in it. A model without visuals is not a thing, but the models nested in it are. Throws InputError
 // with the place in the file, and warns of contents that are left out.
 Asset readWorld(const std::filesystem::path& file, std::string_view suffix, const AssetOptions& options);
+
+// Returns what the reader of 3D Tiles reads and leaves out.
+const FormatSupport& tilesetFormat();
 
 // Reads 3D Tiles 1.0 and 1.1 (OGC 22-025r4): the finest tiles that a tileset.json names, and coarser tiles whose
 // refinement is ADD, with transforms, relative centres and nested tilesets. Contents can be glTF, GLB and b3dm; other

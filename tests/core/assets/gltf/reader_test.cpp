@@ -50,6 +50,9 @@ class GltfReader : public testing::Test {
     return messageOf([&] { read(b); });
   }
 
+  // Returns what reading the file, whose triangle must come in, prints.
+  std::string warnings(const GltfBuilder& b);
+
   TemporaryFolder folder_;
 };
 
@@ -62,10 +65,16 @@ void expectWing(const Asset& asset, const Vec3d& moved = {}, double tolerance = 
   }
 }
 
+std::string GltfReader::warnings(const GltfBuilder& b) {
+  testing::internal::CaptureStderr();
+  expectWing(read(b));
+  return testing::internal::GetCapturedStderr();
+}
+
 TEST_F(GltfReader, ExtensionsThatAreRequiredAndUnknownAreRefused) {
   GltfBuilder b = wing();
   b.json["extensionsUsed"] = {"ACME_holes"};
-  expectWing(read(b));
+  EXPECT_THAT(warnings(b), HasSubstr("a.gltf: left out: 1 unknown 'ACME_holes'\n"));
   b.json["extensionsRequired"] = {"KHR_mesh_quantization", "KHR_materials_unlit", "ACME_holes"};
   EXPECT_THAT(refusal(b), AllOf(HasSubstr("a.gltf"), HasSubstr("ACME_holes"), HasSubstr("export")));
   b.json["extensionsRequired"] = {"KHR_mesh_quantization", "KHR_materials_unlit"};
@@ -347,7 +356,9 @@ TEST_F(GltfReader, WhatIsHiddenIsLeftOutWithWhatIsBelowIt) {
       {{"name", "hidden"}, {"children", {2}}, {"extensions", {{"KHR_node_visibility", {{"visible", false}}}}}},
       {{"name", "below"}, {"mesh", 0}}};
   b.json["scenes"][0]["nodes"] = {0, 1};
+  testing::internal::CaptureStderr();
   const Asset asset = read(b);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("a.gltf: left out: 1 hidden nodes\n"));
   EXPECT_EQ(asset.parts.at(0).node, "shown");
   expectWing(asset, {5, 0, 0});
   // A clip may show it.
@@ -431,6 +442,64 @@ TEST_F(GltfReader, SmallFilesAskForLittle) {
   beyond.json["accessors"][0]["count"] = 0;
   beyond.json["accessors"][0]["byteOffset"] = 1000;
   EXPECT_THAT(refusal(beyond), HasSubstr("beyond its bufferView"));
+}
+
+TEST_F(GltfReader, WithoutAScene) {
+  GltfBuilder b = wing();
+  b.json["nodes"] = {{{"children", {1}}}, {{"name", "wing"}, {"mesh", 0}}};
+  b.json.erase("scene");
+  b.json.erase("scenes");
+  EXPECT_EQ(warnings(b), "");
+  b.json["scenes"] = {{{"nodes", {0}}}, {{"nodes", {2}}}};
+  b.json["nodes"].push_back({{"name", "elsewhere"}, {"mesh", 0}});
+  EXPECT_THAT(warnings(b), HasSubstr("a.gltf: left out: 1 nodes outside of the scene\n"));
+}
+
+TEST_F(GltfReader, ANodeWithoutANameIsNamedByAnAncestorOrItsMesh) {
+  GltfBuilder b = wing();
+  b.json["meshes"][0]["name"] = "mesh";
+  EXPECT_EQ(read(b).parts.at(0).node, "wing");
+  b.json["nodes"][0].erase("name");
+  EXPECT_EQ(read(b).parts.at(0).node, "mesh");
+  b.json["nodes"].push_back({{"name", "above"}, {"children", {0}}});
+  b.json["scenes"] = {{{"nodes", {1}}}};
+  EXPECT_EQ(read(b).parts.at(0).node, "above");
+}
+
+TEST_F(GltfReader, WhatIsLeftOutIsCountedInOneWarning) {
+  GltfBuilder b;
+  const std::size_t positions = b.numbers<float>(kCorners, "VEC3", 3);
+  const std::size_t uvs = b.numbers<float>({0, 0, 2, 0, 0, 2}, "VEC2", 2);
+  GltfBuilder w = wing(b, {{"POSITION", positions}, {"TEXCOORD_0", uvs}, {"COLOR_0", positions}}, {{"material", 0}});
+  writeColours(folder_.path() / "colours.png");
+  w.json["images"] = {{{"uri", "colours.png"}}};
+  w.json["samplers"] = {{{"wrapS", 33071}}};
+  w.json["textures"] = {{{"source", 0}, {"sampler", 0}}};
+  w.json["materials"] = {
+      {{"alphaMode", "BLEND"},
+       {"extensions", {{"KHR_materials_transmission", {{"transmissionFactor", 1}}}}},
+       {"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 0.25}}, {"baseColorTexture", {{"index", 0}}}}}}};
+  for (const int mode : {0, 1, 3}) {
+    w.json["meshes"][0]["primitives"].push_back({{"attributes", {{"POSITION", positions}}}, {"mode", mode}});
+  }
+  EXPECT_THAT(warnings(w),
+              HasSubstr("a.gltf: left out: 1 clamped or mirrored textures (they repeat), 3 colours of vertices "
+                        "(COLOR_0), 1 opacities of materials (they are solid), 2 primitives of lines, 1 primitives of "
+                        "points, 1 transmissions of materials (they are solid)\n"));
+}
+
+// One texel would colour the whole part.
+TEST_F(GltfReader, TexturesNeedTextureCoordinates) {
+  GltfBuilder w = wing();
+  writeColours(folder_.path() / "colours.png");
+  w.json["images"] = {{{"uri", "colours.png"}}};
+  w.json["textures"] = {{{"source", 0}}};
+  w.json["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}, {"texCoord", 1}}}}}}};
+  w.json["meshes"][0]["primitives"][0]["material"] = 0;
+  EXPECT_THAT(warnings(w), HasSubstr("a.gltf: left out: 1 textures of parts without texture coordinates\n"));
+  const Material material = read(w).parts.at(0).fileMaterial;
+  EXPECT_FALSE(material.textured);
+  EXPECT_NEAR(material.reflectance, kColoursMean, 1e-5);
 }
 
 // Primitives often share one list of vertices, of which each needs some.

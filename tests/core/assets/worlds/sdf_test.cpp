@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "tests/support/shared_data.h"
@@ -147,12 +148,20 @@ TEST_F(IncludedSdf, TheSunIsALightAndTheGroundPlaneAPlane) {
   EXPECT_EQ(box.high, (Vec3d{50, 50, 0}));
 }
 
-// What is merged has its links and frames in the model that includes it.
+// A merged model has its links and frames in the model that includes it, whatever their names.
 TEST_F(IncludedSdf, MergedOnesLendTheirFrames) {
+  folder_.write(
+      "models/arm/model.sdf",
+      "<sdf version=\"1.9\"><model name=\"arm\"><frame name=\"f\" attached_to=\"arm\"><pose "
+      "relative_to=\"__model__\">0 0 4 0 0 0</pose></frame><link name=\"arm\"><pose>0 0 2 0 0 0</pose><visual "
+      "name=\"v\"><geometry><mesh><uri>model://post/mesh.obj</uri></mesh></geometry></visual></link></model></sdf>");
   const Asset asset =
-      sdf("<model name=\"m\"><include merge=\"true\"><uri>model://post</uri><pose>1 0 0 0 0 0</pose></include>" +
-          wing("own", "<pose relative_to=\"l\">0 1 0 0 0 0</pose>") + "</model>");
-  expectWing(corners(asset, "own/l/v/wing"), poseOf(1, 1, 0, 0, 0, 0));
+      sdf("<model name=\"m\"><include merge=\"true\"><uri>model://arm</uri><pose>1 0 0 0 0 0</pose></include>" +
+          wing("own", "<pose relative_to=\"arm\">0 1 0 0 0 0</pose>") +
+          wing("two", "<pose relative_to=\"f\">0 1 0 0 0 0</pose>") + "</model>");
+  expectWing(corners(asset, "m/arm/v/wing"), poseOf(1, 0, 2, 0, 0, 0));
+  expectWing(corners(asset, "m/own/l/v/wing"), poseOf(1, 1, 2, 0, 0, 0));
+  expectWing(corners(asset, "m/two/l/v/wing"), poseOf(1, 1, 4, 0, 0, 0));
   EXPECT_THAT(refusal("<world name=\"w\">" + include("", "model://") + "</world>"), HasSubstr("model://"));
   folder_.write("models/empty/readme.txt", "x");
   EXPECT_THAT(refusal("<world name=\"w\">" + include("", "model://empty") + "</world>"),
@@ -273,6 +282,167 @@ TEST_F(Sdf, ChainsOfFramesMayBeLong) {
                       "attached_to=\"a\"/>" +
                       wing("m", "<pose relative_to=\"a\"/>") + "</world>"),
               HasSubstr("is relative to itself"));
+}
+
+class StateSdf : public Sdf {
+ protected:
+  // A world with two wings, at x = 1 and 2, and a state.
+  std::string world(const std::string& state, const std::string& more = "") const {
+    return "<world name=\"w\">" + wing("a", "<pose>1 0 0 0 0 0</pose>") + wing("b", "<pose>2 0 0 0 0 0</pose>") + more +
+           state + "</world>";
+  }
+  static std::string state(const std::string& inside) {
+    return "<state world_name=\"w\"><sim_time>1 0</sim_time>" + inside + "</state>";
+  }
+  std::string toldOf(const std::string& inside) const {
+    testing::internal::CaptureStderr();
+    sdf(inside);
+    return testing::internal::GetCapturedStderr();
+  }
+};
+
+// Worlds that Gazebo saves have the models as they were inserted, and where they stood at last in a state: the poses of
+// models and links are those in the world.
+TEST_F(StateSdf, MovesModelsAndLinks) {
+  const Asset asset = sdf(world(state(R"(
+    <model name="a"><pose>5 6 7 0.1 0.2 0.3</pose><scale>1 1 1</scale>
+      <link name="l"><pose>8 9 10 0.4 0.5 0.6</pose><velocity>1 0 0 0 0 0</velocity></link></model>
+    <model name="b"><pose>3 0 0 0 0 1</pose></model><light name="sun"><pose>0 0 10 0 0 0</pose></light>)")));
+  expectWing(corners(asset, "a/l/v/wing"), poseOf(8, 9, 10, 0.4, 0.5, 0.6));
+  expectWing(corners(asset, "b/l/v/wing"), poseOf(3, 0, 0, 0, 0, 1));
+}
+
+TEST_F(StateSdf, MovesNestedModels) {
+  const std::string outer =
+      "<model name=\"outer\"><pose>1 1 0 0 0 0</pose>" + wing("in", "<pose>0 0 4 0 0 0</pose>") +
+      wing("still", "<pose>0 0 5 0 0 0</pose>") +
+      "<link name=\"l\"><pose>0 0 1 0 0 0</pose><visual name=\"v\"><pose>1 0 0 0 0 0</pose><geometry>"
+      "<mesh><uri>wing.obj</uri></mesh></geometry></visual></link></model>";
+  const Asset asset = sdf(world(state(R"(<model name="outer"><pose>10 0 0 0 0 1</pose>
+    <link name="l"><pose>10 0 3 0 0 2</pose></link>
+    <model name="in"><pose>20 1 0 0.3 0 0</pose><link name="l"><pose>20 1 2 0.3 0 0</pose></link></model></model>)"),
+                                outer));
+  expectWing(corners(asset, "outer/l/v/wing"), poseOf(10, 0, 3, 0, 0, 2) * poseOf(1, 0, 0, 0, 0, 0));
+  expectWing(corners(asset, "outer/in/l/v/wing"), poseOf(20, 1, 2, 0.3, 0, 0));
+  expectWing(corners(asset, "outer/still/l/v/wing"), poseOf(10, 0, 0, 0, 0, 1) * poseOf(0, 0, 5, 0, 0, 0));
+}
+
+// A state's scale enlarges shapes in their own frames, and leaves them where they are; round ones stay round.
+TEST_F(StateSdf, ScalesVisuals) {
+  const auto sizeOf = [&](const std::string& shape) {
+    const std::string at = "<pose>1 2 3 0 0 0</pose>";
+    const Box box = boundsOf(sdf("<world name=\"w\"><model name=\"m\"><link name=\"l\"><visual name=\"v\">" + at +
+                                 "<geometry>" + shape + "</geometry></visual></link></model>" +
+                                 state("<model name=\"m\"><scale>2 3 4</scale></model>") + "</world>"));
+    EXPECT_LT(length(box.center() - Vec3d{1, 2, 3}), 1e-5);
+    return box.high - box.low;
+  };
+  const auto near = [](const Vec3d& a, const Vec3d& b) { return length(a - b) < 0.2; };
+  EXPECT_TRUE(near(sizeOf("<box><size>1 1 2</size></box>"), {2, 3, 8}));
+  EXPECT_TRUE(near(sizeOf("<sphere><radius>1</radius></sphere>"), {8, 8, 8}));
+  EXPECT_TRUE(near(sizeOf("<cylinder><radius>1</radius><length>2</length></cylinder>"), {6, 6, 8}));
+  EXPECT_THAT(refusal(world(state("<model name=\"a\"><scale>0 1 1</scale></model>"))), HasSubstr("above 0"));
+}
+
+TEST_F(StateSdf, InsertsAndDeletesModels) {
+  const Asset asset =
+      sdf(world(state("<insertions>" + wing("c") + "</insertions><deletions><name>a</name></deletions>" +
+                      "<model name=\"c\"><pose>0 0 9 0 0 0</pose></model>")));
+  ASSERT_EQ(asset.parts.size(), 2u);
+  expectWing(corners(asset, "b/l/v/wing"), poseOf(2, 0, 0, 0, 0, 0));
+  expectWing(corners(asset, "c/l/v/wing"), poseOf(0, 0, 9, 0, 0, 0));
+}
+
+// Gazebo applies the first state alone.
+TEST_F(StateSdf, OthersThanTheFirstAndOfUnknownModelsAreTold) {
+  const std::string first =
+      state("<model name=\"a\"><pose>4 0 0 0 0 0</pose><link name=\"x\"/></model><model name=\"z\"/>");
+  const std::string told = toldOf(world(first + state("<model name=\"a\"><pose>5 0 0 0 0 0</pose></model>")));
+  EXPECT_THAT(told, AllOf(HasSubstr("1 states after the first"), HasSubstr("2 states of models and links that")));
+  expectWing(corners(sdf(world(first + state(""))), "a/l/v/wing"), poseOf(4, 0, 0, 0, 0, 0));
+  EXPECT_EQ(toldOf(world(state("<model name=\"a\"><pose>4 0 0 0 0 0</pose></model>"))), "");
+}
+
+TEST_F(StateSdf, MovesTheGroundPlaneThatNeedsNoFile) {
+  testing::internal::CaptureStderr();
+  const Asset asset =
+      sdf("<world name=\"w\"><include><uri>model://ground_plane</uri></include>" +
+          state("<model name=\"ground_plane\"><pose>1 2 3 0 0 0</pose><link name=\"link\"><pose>1 2 3 0 0 0</pose>"
+                "</link></model>") +
+          "</world>");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  EXPECT_EQ(asset.parts.at(0).node, "ground_plane/link/visual");
+  EXPECT_EQ(boundsOf(asset).low, (Vec3d{-49, -48, 3}));
+}
+
+// An included model whose links a state moves is no copy of the others.
+TEST_F(StateSdf, OfIncludedModelsIsTheirOwn) {
+  folder_.write("post/model.sdf", "<sdf version=\"1.6\">" + wing("Post") + "</sdf>");
+  const std::string include = "<include><uri>post</uri><name>p_";
+  const Asset asset =
+      sdf("<world name=\"w\">" + include + "1</name></include>" + include + "2</name></include>" + include +
+          "3</name></include>" + state("<model name=\"p_2\"><link name=\"l\"><pose>0 0 5 0 0 0</pose></link></model>") +
+          "</world>");
+  ASSERT_EQ(asset.instanced.size(), 1u);
+  EXPECT_EQ(asset.instanced[0].assetFromParts.size(), 2u);
+  expectWing(corners(asset, "p_2/l/v/wing"), poseOf(0, 0, 5, 0, 0, 0));
+}
+
+// One warning for a file with all that it includes, and none for elements that beams do not see.
+TEST_F(Sdf, ContentsThatAreLeftOutAreToldOnceWithTheirNumber) {
+  folder_.write("post/model.sdf", "<sdf version=\"1.6\">" +
+                                      wing("post", "", "<laser_retro>5</laser_retro><laser_retro>0</laser_retro>") +
+                                      "</sdf>");
+  const std::string include = "<include><uri>post</uri></include>";
+  testing::internal::CaptureStderr();
+  sdf("<world name=\"w\"><physics><ode/></physics><light name=\"sun\"/><plugin name=\"p\"><model/></plugin>" + include +
+      include +
+      "<actor "
+      "name=\"x\"><skin/></actor><road/><road/><drake:thing/><include><uri>post</uri><experimental:params/></include>" +
+      model("<image><uri>a.png</uri></image>", "<transparency>0.5</transparency><cast_shadows>1</cast_shadows>") +
+      model("<torus/>", "<transparency>1</transparency><visibility_flags>4294967295</visibility_flags>") +
+      "<joint name=\"j\"><axis><initial_position>1</initial_position></axis></joint></world><world name=\"v\"/>");
+  const std::string told = testing::internal::GetCapturedStderr();
+  EXPECT_THAT(
+      told,
+      HasSubstr(
+          "a.sdf: left out: 1 actors, 1 changes of included models (experimental:params), "
+          "1 extruded images (image), 1 initial positions of joints, 2 roads, "
+          "1 transparencies between 0 and 1 (these visuals are solid), 1 unknown 'torus', 1 values of laser_retro, "
+          "1 worlds after the first\n"));
+  EXPECT_EQ(std::count(told.begin(), told.end(), '\n'), 1);
+}
+
+TEST_F(Sdf, NumbersAndNamesOfPosesAreThoseOfTheSpecification) {
+  expectWing(corners(sdf(wing("m", "<pose degrees=\"1\">0 0 0 0 0 90</pose>")), "m/l/v/wing"),
+             poseOf(0, 0, 0, 0, 0, kPi / 2));
+  EXPECT_THAT(refusal(wing("m", "<pose rotation_format=\"wxyz\">0 0 0 1 0 0 0</pose>")),
+              AllOf(HasSubstr("a.sdf:3"), HasSubstr("'wxyz', but it must be")));
+  EXPECT_THAT(refusal("<model name=\"m\"><origin pose=\"0 0 1 0 0 0\"/></model>"), HasSubstr("gz sdf -c"));
+  // `world` is the frame of a world alone.
+  EXPECT_THAT(refusal(wing("m", "", "<pose relative_to=\"world\">0 0 0 0 0 0</pose>")),
+              HasSubstr("'world', but this frame"));
+  // Names with colons, as in models that were flattened.
+  const Asset flat =
+      sdf("<model name=\"m\"><frame name=\"in::__model__\"><pose>0 0 2 0 0 0</pose></frame><link name=\"in::l\">"
+          "<pose relative_to=\"in::__model__\">1 0 0 0 0 0</pose><visual name=\"v\"><geometry><mesh><uri>wing.obj"
+          "</uri></mesh></geometry></visual></link></model>");
+  expectWing(corners(flat, "m/in::l/v/wing"), poseOf(1, 0, 2, 0, 0, 0));
+}
+
+TEST_F(IncludedSdf, MayBeReferredToByTheNameInTheirFile) {
+  const Asset asset = sdf("<world name=\"w\">" + include("<pose>1 0 0 0 0 0</pose>") +
+                          wing("own", "<pose relative_to=\"Post\">0 1 0 0 0 0</pose>") + "</world>");
+  expectWing(corners(asset, "own/l/v/wing"), poseOf(1, 1, 0, 0, 0, 0));
+}
+
+TEST_F(Sdf, PhysicallyBasedMaterialsHaveTheirGloss) {
+  const std::string metal =
+      "<material><pbr><metal><roughness>0.25</roughness><metalness>0.75</metalness></metal></pbr></material>";
+  for (const Asset& asset : {sdf(model("<box><size>1 1 1</size></box>", metal)), sdf(wing("m", "", metal))}) {
+    EXPECT_EQ(asset.parts.at(0).fileMaterial.roughness, 0.25f);
+    EXPECT_EQ(asset.parts[0].fileMaterial.metallic, 0.75f);
+  }
 }
 
 TEST_F(Sdf, MistakesAreNamedWithTheirLine) {

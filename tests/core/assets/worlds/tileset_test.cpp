@@ -152,6 +152,36 @@ TEST_F(Tileset, TilesetsWithinTilesetsGoOnFromTheirTile) {
   for (int i = 0; i < 3; ++i) EXPECT_LT(length(found[i] - place * zUp[i]), 1e-5);
 }
 
+// Names of 3D Tiles 1.0's extension, and of its drafts.
+TEST_F(Tileset, SeveralContentsOfATileMayStandInAnExtension) {
+  folder_.write("a.gltf", upright().text());
+  folder_.write("b.gltf", upright().text());
+  for (const char* key : {"content", "contents"}) {
+    const Json contents = {{{"uri", "a.gltf"}}, {{"uri", "b.gltf"}}};
+    EXPECT_EQ(tileset({{"boundingVolume", local()}, {"extensions", {{"3DTILES_multiple_contents", {{key, contents}}}}}})
+                  .parts.size(),
+              2u);
+  }
+  EXPECT_THAT(refused({{"boundingVolume", local()}, {"extensions", {{"3DTILES_implicit_tiling", Json::object()}}}}),
+              HasSubstr("implicit tiling"));
+}
+
+TEST_F(Tileset, LeftOutContentsAreToldOnceWithTheirNumber) {
+  folder_.write("a.gltf", upright().text());
+  folder_.write("b.b3dm", b3dm(glb(upright().text()), R"({"BATCH_LENGTH":0})"));
+  for (const char* name : {"a.i3dm", "b.i3dm", "a.cmpt", "a.xyz"}) folder_.write(name, "tile");
+  Json contents;
+  for (const char* name : {"a.gltf", "b.b3dm", "a.i3dm", "b.i3dm", "a.cmpt", "a.xyz"}) {
+    contents.push_back({{"uri", name}, {"metadata", Json::object()}});
+  }
+  testing::internal::CaptureStderr();
+  tileset({{"boundingVolume", local()}, {"geometricError", 1}, {"shape", 2}, {"contents", contents}});
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              AllOf(HasSubstr("2 instanced models (.i3dm)"), HasSubstr("1 composite tiles (.cmpt)"),
+                    HasSubstr("1 unknown '.xyz'"), HasSubstr("1 batch tables of b3dm"), HasSubstr("6 metadata"),
+                    HasSubstr("1 unknown 'shape'"), testing::Not(HasSubstr("geometricError"))));
+}
+
 TEST_F(Tileset, MistakesAreNamed) {
   folder_.write("a.gltf", upright().text());
   const auto with = [&](const Json& more) {
@@ -180,7 +210,7 @@ TEST_F(Tileset, MistakesAreNamed) {
   EXPECT_EQ(
       tileset({{"boundingVolume", local()}, {"contents", {{{"uri", "a.gltf"}}, {{"uri", "a.pnts"}}}}}).parts.size(),
       1u);
-  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("1 .pnts"));
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("left out: 1 point clouds (.pnts)"));
 }
 
 }  // namespace

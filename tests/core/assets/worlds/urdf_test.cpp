@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "world_files.h"
 
 namespace scanmill {
@@ -50,10 +52,48 @@ TEST_F(Urdf, SolidsAndMeshesHaveTheirSizesAndColours) {
   for (const AssetPart& part : asset.parts) EXPECT_EQ(part.nodeIndex, 0u) << "a robot is one thing";
 }
 
+// The first definition of a name holds, as in urdfdom; alpha 0 is invisible, as in RViz.
+TEST_F(Urdf, MaterialsAreThoseOfTheFirstDefinition) {
+  const auto box = [](const std::string& material) {
+    return "<visual><geometry><box size=\"1 1 1\"/></geometry>" + material + "</visual>";
+  };
+  testing::internal::CaptureStderr();
+  const Asset asset =
+      urdf("<link name=\"a\">" + box("<material name=\"red\"><color rgba=\"0 0 1 1\"/></material>") +
+           box("<material name=\"own\"><color rgba=\"0 1 0 0.5\"/></material>") + box("<material name=\"own\"/>") +
+           box("<material name=\"gone\"/>") + box("<material name=\"\"><color rgba=\"1 1 1 0\"/></material>") +
+           "</link><material name=\"red\"><color rgba=\"1 0 0 1\"/></material>");
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              AllOf(HasSubstr("2 transparencies between 0 and 1 (these visuals are solid)"),
+                    HasSubstr("1 materials that are defined nowhere")));
+  ASSERT_EQ(asset.parts.size(), 4u);
+  EXPECT_EQ(asset.parts[0].color, (std::array<float, 3>{1, 0, 0}));
+  EXPECT_EQ(asset.parts[2].color, (std::array<float, 3>{0, 1, 0}));
+}
+
+TEST_F(Urdf, ContentsThatAreLeftOutAreToldOnceWithTheirNumber) {
+  testing::internal::CaptureStderr();
+  urdf(R"(<link name="a"><visual><geometry><box size="1 1 1"/></geometry></visual><collision/><inertial/></link>
+    <link name="b"/><joint name="j" type="revolute"><parent link="a"/><child link="b"/><axis xyz="1 0 0"/>
+      <limit lower="0.5" upper="1"/><mimic joint="k" offset="0.1"/></joint><transmission name="t"/>
+    <link name="c"/><joint name="k" type="continuous"><parent link="a"/><child link="c"/><limit upper="-1"/></joint>
+    <gazebo reference="a"><material>Gazebo/Red</material><kp>1</kp></gazebo><gazebo><plugin name="p"/></gazebo>
+    <sound/>)");
+  const std::string told = testing::internal::GetCapturedStderr();
+  EXPECT_THAT(
+      told, AllOf(HasSubstr("r.urdf: left out: "), HasSubstr("1 limits that exclude 0"), HasSubstr("1 unknown 'sound'"),
+                  HasSubstr("1 offsets of joints that mimic others"), HasSubstr("1 materials, visuals and poses for")));
+  EXPECT_EQ(std::count(told.begin(), told.end(), '\n'), 1);
+}
+
 TEST_F(Urdf, MistakesAreNamedWithTheirLine) {
   EXPECT_THAT(messageOf([&] { read("r.urdf", "<sdf/>"); }), HasSubstr("not a URDF"));
   EXPECT_THAT(refused("<xacro:property name=\"a\" value=\"1\"/>"),
               AllOf(HasSubstr("r.urdf:2"), HasSubstr("xacro robot")));
+  EXPECT_THAT(refused("<link name=\"a\">\n<xacro:wheel/></link>"), AllOf(HasSubstr("r.urdf:3"), HasSubstr("a macro")));
+  EXPECT_THAT(refused("<link name=\"${prefix}a\"/>"), HasSubstr("has a macro: expand the file first"));
+  EXPECT_THAT(refused("<link name=\"a\"/>\n<link name=\"a\"/>"),
+              AllOf(HasSubstr("r.urdf:3"), HasSubstr("'a', as another")));
   EXPECT_THAT(refused("<joint name=\"j\"><parent link=\"a\"/><child link=\"bb\"/></joint><link name=\"a\"/>"),
               AllOf(HasSubstr("r.urdf:2"), HasSubstr("'bb', but this link does not exist")));
   EXPECT_THAT(refused("<link name=\"a\"/>\n<link name=\"b\"/>"),

@@ -1,4 +1,4 @@
-#include "assets/obj/polygon.h"
+#include "assets/polygon.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <random>
 #include <set>
 
-namespace scanmill::obj {
+namespace scanmill {
 namespace {
 
 using Triangles = std::vector<std::array<std::uint32_t, 3>>;
@@ -87,4 +87,4 @@ TEST(Polygon, DegenerateOnesEnd) {
 }
 
 }  // namespace
-}  // namespace scanmill::obj
+}  // namespace scanmill

@@ -1,9 +1,9 @@
-#include "assets/obj/polygon.h"
+#include "assets/polygon.h"
 
 #include <cmath>
 #include <numeric>
 
-namespace scanmill::obj {
+namespace scanmill {
 
 namespace {
 
@@ -96,4 +96,4 @@ void triangulate(std::span<const Vec3d> corners, std::vector<std::array<std::uin
   }
 }
 
-}  // namespace scanmill::obj
+}  // namespace scanmill

@@ -9,7 +9,7 @@
 
 #include "base/vec.h"
 
-namespace scanmill::obj {
+namespace scanmill {
 
 // Appends the n - 2 triangles of a polygon with n corners, three at least, as indices of corners. The triangles have
 // the polygon's orientation. The polygon may be concave and only about planar: ears are cut off one by one (G. H.
@@ -18,4 +18,4 @@ namespace scanmill::obj {
 // its cube.
 void triangulate(std::span<const Vec3d> corners, std::vector<std::array<std::uint32_t, 3>>& triangles);
 
-}  // namespace scanmill::obj
+}  // namespace scanmill

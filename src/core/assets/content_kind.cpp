@@ -1,0 +1,73 @@
+#include "assets/content_kind.h"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <string_view>
+
+#include "config/text.h"
+
+namespace scanmill {
+
+namespace {
+
+struct Content {
+  std::string_view begin;  // first bytes, in lower case
+  std::string_view what;
+  std::string_view endings;  // endings of files that begin so
+};
+
+using namespace std::string_view_literals;
+
+// The first row that fits counts.
+constexpr std::array<Content, 26> kContents{{
+    {"version https://git-lfs", "a pointer of Git LFS, not the file itself: fetch it by 'git lfs pull'", ""},
+    {"\xff\xfe"sv, "UTF-16 text: save it as UTF-8, for example with 'iconv -f UTF-16 -t UTF-8'", ""},
+    {"\xfe\xff"sv, "UTF-16 text: save it as UTF-8, for example with 'iconv -f UTF-16 -t UTF-8'", ""},
+    {"gltf"sv, "a GLB (binary glTF)", ".glb .gltf"},
+    {"b3dm"sv, "a tile of 3D Tiles (b3dm)", ".b3dm"},
+    {"kaydara fbx binary", "FBX", ".fbx"},
+    {"; fbx", "FBX", ".fbx"},
+    {"blender", "a Blender file", ".blend"},
+    {"ac3d", "AC3D", ".ac .acc .ac3d"},
+    {"ply\n", "PLY", ".ply"},
+    {"ply\r", "PLY", ".ply"},
+    {"lasf", "a LAS or LAZ point cloud", ".las .laz"},
+    {"# .pcd", "a PCD point cloud", ".pcd"},
+    {"mtllib", "OBJ", ".obj"},
+    {"solid", "STL", ".stl"},
+    {"\x89png"sv, "a PNG image", ""},
+    {"\xff\xd8\xff"sv, "a JPEG image", ""},
+    {"%pdf", "a PDF", ""},
+    {"pk\x03\x04"sv, "a ZIP archive: unpack it", ".zae .3mf .amf .q3o .zgl"},
+    {"\x1f\x8b"sv, "compressed by gzip: unpack it", ".blend .zgl .x3db"},
+    {"7z\xbc\xaf"sv, "a 7z archive: unpack it", ""},
+    {"rar!", "a RAR archive: unpack it", ""},
+    {"<!doctype html", "a web page", ""},
+    {"<html", "a web page", ""},
+    {"<collada", "COLLADA", ".dae"},
+    {"{", "JSON", ".gltf .glb .json"},
+}};
+
+}  // namespace
+
+std::string otherContent(const std::filesystem::path& file, const std::string& kind) {
+  std::string head(4096, '\0');
+  std::ifstream in(file, std::ios::binary);
+  in.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(in.gcount()));
+  head = lowerCase(head);
+  std::string_view begin = head;
+  if (begin.starts_with("\xef\xbb\xbf")) begin.remove_prefix(3);
+  begin.remove_prefix(std::min(begin.find_first_not_of(" \t\r\n"), begin.size()));
+  const bool xml = begin.starts_with("<?xml");
+  const bool collada = xml && begin.find("<collada") != std::string_view::npos;
+  for (const Content& content : kContents) {
+    if (!begin.starts_with(content.begin) && !(collada && content.begin == "<collada")) continue;
+    return content.endings.find(kind) != std::string_view::npos && !kind.empty() ? "" : std::string(content.what);
+  }
+  constexpr std::string_view kXml = ".dae .sdf .world .urdf .xacro .xml .irr .irrmesh .x3d .xgl .amf .vrt .ogex";
+  return xml && kXml.find(kind) == std::string_view::npos ? "XML" : "";
+}
+
+}  // namespace scanmill

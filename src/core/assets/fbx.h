@@ -1,0 +1,21 @@
+#pragma once
+
+// What the assimp library does not report of FBX files.
+
+#include <filesystem>
+#include <string>
+
+#include "base/format_support.h"
+
+namespace scanmill {
+
+const FormatSupport& fbxFormat();
+
+// Name of the metadata in which assimp reports whether an object is visible, in files that readFbx() has changed.
+constexpr const char* kFbxVisibility = "VisibilityFlag";
+
+// Returns the bytes of an FBX file (7.x, text or binary). Its properties "Visibility", whose type assimp does not know,
+// are changed to numbers named kFbxVisibility. Counts animations and morph targets that are not at rest.
+std::string readFbx(const std::filesystem::path& file, LeftOut& leftOut);
+
+}  // namespace scanmill
