@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/terminal.h"
+#include "config/fields.h"
 #include "config/resources.h"
 #include "config/text.h"
 #include "dataset/folder_contents.h"
@@ -25,6 +26,13 @@ std::vector<std::string> Arguments::list(const std::string& option) const {
   return has(option) ? options[option].as<std::vector<std::string>>() : std::vector<std::string>{};
 }
 
+double Arguments::number(const std::string& option, double least, double most) const {
+  Value value;
+  value.kind = Value::Kind::Scalar;
+  value.text = options[option].as<std::string>();
+  return readNumber(value, "--" + option, {least, most});
+}
+
 std::string Arguments::positional(const std::string& what) const {
   const std::vector<std::string> values = inputs();
   if (values.size() == 1) return values.front();
@@ -36,12 +44,18 @@ std::filesystem::path Arguments::fileOrName(const std::string& what,
                                             std::initializer_list<std::string_view> folders) const {
   const std::string given = positional(what);
   std::error_code unknown;
-  if (std::filesystem::exists(given, unknown)) return given;
+  if (std::filesystem::is_directory(given, unknown)) return given;
+  if (!isPlainName(given) && std::filesystem::exists(given, unknown)) return given;
   for (const std::string_view folder : folders) {
     try {
       return namedResource(given, std::string(folder));
     } catch (const InputError&) {
       continue;  // opening the path will report that it does not exist
+    }
+  }
+  for (const std::string_view folder : folders) {
+    if (const std::string near = nearestResource(given, std::string(folder)); !near.empty()) {
+      throw InputError({given}, fmt::format("does not exist (did you mean '{}', which comes with the program?)", near));
     }
   }
   return given;
@@ -50,7 +64,8 @@ std::filesystem::path Arguments::fileOrName(const std::string& what,
 std::filesystem::path Arguments::pipeline() const {
   const std::string given = positional("PIPELINE");
   std::error_code unknown;
-  return std::filesystem::exists(given, unknown) ? std::filesystem::path(given) : namedResource(given, "pipelines");
+  return !isPlainName(given) && std::filesystem::exists(given, unknown) ? std::filesystem::path(given)
+                                                                        : namedResource(given, "pipelines");
 }
 
 namespace {

@@ -30,6 +30,9 @@ struct Arguments {
   // Return the value of an option, or all values of an option that may be repeated; empty if the option is not given.
   std::string text(const std::string& option) const;
   std::vector<std::string> list(const std::string& option) const;
+  // Returns the number that is the value or the default of an option, which must be a text option: cxxopts would read
+  // 1,5 as 1. Throws InputError for any other text, and for numbers beyond the limits.
+  double number(const std::string& option, double least, double most) const;
   // Returns all positional arguments.
   std::vector<std::string> inputs() const { return list("input"); }
   // Returns the only positional argument, which messages call `what`. Throws InputError for none or several.

@@ -64,18 +64,21 @@ void printFiles(const draft::Draft& made, const std::filesystem::path& out) {
   constexpr std::size_t kSeries = 4;
   std::map<std::pair<std::string, std::string>, std::vector<const draft::DraftedFile*>> series;
   const auto keyOf = [](const draft::DraftedFile& f) {
-    return std::pair(seriesOf(f.file), fmt::format("{} {} {} {} {}", f.unit, f.up, f.guessed == f.triangles,
-                                                   f.byFile == f.triangles, fmt::join(f.doubts, ", ")));
+    return std::pair(seriesOf(f.file),
+                     fmt::format("{} {} {} {} {} {}", f.unit, f.up, f.guessed == f.triangles, f.byFile == f.triangles,
+                                 f.byFolder == f.triangles, fmt::join(f.doubts, ", ")));
   };
   for (const draft::DraftedFile& f : made.files) series[keyOf(f)].push_back(&f);
   Rows rows{{"file", "unit", "up", "size", "triangles", "guessed", "by the file's name", "doubtful"}};
   std::uint64_t triangles = 0;
   std::uint64_t guessed = 0;
+  std::uint64_t byFolder = 0;
   std::set<double> units;
   bool doubts = false;
   for (const draft::DraftedFile& f : made.files) {
     triangles += f.triangles;
     guessed += f.guessed;
+    byFolder += f.byFolder;
     units.insert(f.unit);
     doubts = doubts || !f.doubts.empty();
     const auto& alike = series[keyOf(f)];
@@ -99,6 +102,10 @@ void printFiles(const draft::Draft& made, const std::filesystem::path& out) {
   printText("{}\nclasses are guessed for {} of {} triangles ({}), by the names that {} lists\n", formatTable(rows),
             grouped(guessed), grouped(triangles), percent(static_cast<double>(guessed), static_cast<double>(triangles)),
             out.string());
+  if (byFolder > 0) {
+    printText("{} more ({}) get the class that only the name of their folder states: check it\n", grouped(byFolder),
+              percent(static_cast<double>(byFolder), static_cast<double>(triangles)));
+  }
   if (made.files.size() > 1) {
     printText("{}\n",
               made.onePlace

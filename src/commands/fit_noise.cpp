@@ -68,8 +68,7 @@ int runFitNoise(const std::vector<std::string>& arguments) {
   add("o,out", "the sensor file to write, with the fitted effects; pipelines use them by `effects: sensor`",
       textValue(), "FILE");
   add("report", "a folder for a report with charts", textValue(), "DIR");
-  add("max-incidence", "the greatest incidence angle of patches to use (deg)",
-      cxxopts::value<double>()->default_value("60"), "DEG");
+  add("max-incidence", "the greatest incidence angle of patches to use (deg)", textValue()->default_value("60"), "DEG");
   add("overwrite", "replace the file and the report");
   add("threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"));
   const Arguments parsed = parseArguments(
@@ -84,8 +83,7 @@ int runFitNoise(const std::vector<std::string>& arguments) {
   const std::filesystem::path out = requiredFile(parsed, "name the sensor file to write, such as fitted.yaml");
   const std::string report = folderOption(parsed, "report");
   const bool overwrite = parsed.has("overwrite");
-  const double most = parsed.options["max-incidence"].as<double>();
-  if (!(most >= 1 && most <= 89)) throw InputError(fmt::format("--max-incidence must be from 1 to 89, not {}", most));
+  const double most = parsed.number("max-incidence", 1, 89);
   if (!report.empty()) prepareReportFolder(report, "index.html", overwrite);
   const ResourceLimits limits(parsed);
   const std::atomic<bool>& stop = stopSignal();

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <map>
+#include <regex>
 #include <set>
 
 #include "assets/asset.h"
@@ -15,6 +17,7 @@
 #include "base/terminal.h"
 #include "commands/arguments.h"
 #include "commands/info_recording.h"
+#include "commands/info_sensor.h"
 #include "commands/table.h"
 #include "config/file_kind.h"
 #include "dataset/manifest.h"
@@ -29,7 +32,7 @@
 #include "scene/scene.h"
 #include "scenefile/part_traits.h"
 #include "scenefile/scene_file.h"
-#include "sensors/sensor.h"
+#include "town/map.h"
 
 namespace scanmill {
 
@@ -240,28 +243,6 @@ void printScene(const std::filesystem::path& file, std::uint64_t seed) {
   for (const std::string& line : shareWarnings(scene)) warn(line);
 }
 
-void printSensor(const Value& value) {
-  const auto beams = makeBeams(value);
-  printText("sensor {}: {} rings x {} columns, {:.3g} revolutions/s, {}, ring 0 is the {} beam\nsource: {}\n",
-            beams->model, beams->rings, beams->columns, 1 / beams->period,
-            beams->clockwise ? "clockwise" : "counter-clockwise", beams->topDown ? "top" : "bottom", beams->source);
-  printText("range {:.3g} to {:.3g} m; column 0 at {:.2f} deg; beams start {:.2f} mm off the axis\n\n", beams->minRange,
-            beams->maxRange, degrees(beams->firstAzimuth), beams->originOffset * 1000);
-  Rows rows{{"ring", "elevation deg", "azimuth offset deg", "firing us"}};
-  const bool ownOrigins = !beams->originLeft.empty() || !beams->originUp.empty();
-  if (ownOrigins) rows.front().insert(rows.front().end(), {"origin left mm", "origin up mm"});
-  for (std::uint32_t r = 0; r < beams->rings; ++r) {
-    const auto at = [&](const std::vector<double>& column) { return r < column.size() ? column[r] : 0.0; };
-    rows.push_back({std::to_string(r), fmt::format("{:.3f}", degrees(at(beams->elevation))),
-                    fmt::format("{:.3f}", degrees(at(beams->azimuthOffset))),
-                    fmt::format("{:.3f}", at(beams->firingOffset) * 1e6)});
-    if (!ownOrigins) continue;
-    rows.back().push_back(fmt::format("{:.1f}", at(beams->originLeft) * 1000));
-    rows.back().push_back(fmt::format("{:.1f}", at(beams->originUp) * 1000));
-  }
-  printText("{}", formatTable(rows));
-}
-
 void printClips(const std::filesystem::path& file) {
   const std::vector<gltf::Clip> clips = gltf::readClips(file);
   if (clips.empty()) return;
@@ -315,20 +296,95 @@ void printColors(const Asset& asset) {
   printText("\n{}", formatTable(rows));
 }
 
-void printAsset(const std::filesystem::path& file, const AssetOptions& options) {
+// A part of a 3D file in the list of its names.
+struct ListedPart {
+  std::string node, material, texture;
+  std::uint64_t triangles = 0;  // as the file has them
+  std::uint64_t placed = 0;     // number of copies that the file places
+};
+
+// Prints the names that rules can match. If there are more than kMostParts parts, prints their sums by material and
+// texture, and only the parts with most triangles unless `all` is set.
+void printParts(std::vector<ListedPart> parts, bool instanced, bool all) {
+  constexpr std::size_t kMostParts = 30;
+  const auto most = [](const auto& a, const auto& b) { return a.triangles > b.triangles; };
+  const std::size_t listed = all ? parts.size() : std::min(parts.size(), kMostParts);
+  if (parts.size() > kMostParts) {
+    struct Sum {
+      std::uint64_t triangles = 0, parts = 0;
+    };
+    std::map<std::pair<std::string, std::string>, Sum> sums;  // by material and texture
+    for (const ListedPart& p : parts) {
+      Sum& sum = sums[{p.material, p.texture}];
+      sum.triangles += p.triangles * p.placed;
+      ++sum.parts;
+    }
+    std::vector<std::pair<std::pair<std::string, std::string>, Sum>> sorted(sums.begin(), sums.end());
+    std::stable_sort(sorted.begin(), sorted.end(),
+                     [&](const auto& a, const auto& b) { return most(a.second, b.second); });
+    Rows rows{{"material", "texture", "triangles", "parts"}};
+    for (const auto& [names, sum] : sorted) {
+      rows.push_back({names.first, names.second, grouped(sum.triangles), grouped(sum.parts)});
+    }
+    printText("{}\n", formatTable(rows));
+    std::stable_sort(parts.begin(), parts.end(), most);
+  }
+  Rows rows{{"node", "material", "texture", "triangles", "placed"}};
+  for (std::size_t i = 0; i < listed; ++i) {
+    const ListedPart& p = parts[i];
+    rows.push_back({p.node, p.material, p.texture, grouped(p.triangles), grouped(p.placed)});
+  }
+  for (std::vector<std::string>& row : rows) row.resize(instanced ? 5 : 4);
+  printText("{}\n", formatTable(rows));
+  if (listed < parts.size()) printText("... and {} more parts: --all lists them\n\n", grouped(parts.size() - listed));
+}
+
+// Throws InputError that says what a file is, if it has no name of a 3D file, and its beginning tells that it is XML or
+// text.
+void refuseText(const std::filesystem::path& file, const std::string& suffix) {
+  static const std::set<std::string> kNoneOf3D{"",    "xml", "txt",  "md",   "html", "log",
+                                               "ini", "cfg", "conf", "toml", "py"};
+  if (!kNoneOf3D.contains(suffix)) return;
+  std::string start(4096, '\0');
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(start.data(), static_cast<std::streamsize>(start.size()));
+  start.resize(static_cast<std::size_t>(stream.gcount()));
+  static const std::regex kRoot(R"(^(?:\xEF\xBB\xBF)?\s*(?:(?:<!--[\s\S]*?-->|<[?!][^>]*>)\s*)*<([A-Za-z][\w.:-]*))");
+  std::smatch root;
+  if (std::regex_search(start, root, kRoot)) {
+    const std::string name = root[1];
+    if (name == "mesh") return;  // Ogre's meshes in XML
+    static const std::map<std::string, std::string> kKnown{{"sdf", ".sdf"}, {"robot", ".urdf"}, {"COLLADA", ".dae"}};
+    const auto known = kKnown.find(name);
+    throw InputError({file.string()},
+                     fmt::format("is XML with the root element <{}>, {}", name,
+                                 known == kKnown.end() ? "and no 3D file, scene, dataset or scan"
+                                                       : "which is read if the file's name ends in " + known->second));
+  }
+  const bool isText = !start.empty() && std::none_of(start.begin(), start.end(), [](char c) {
+    return static_cast<unsigned char>(c) < 32 && std::string_view("\t\n\r\f").find(c) == std::string_view::npos;
+  });
+  if (isText) {
+    throw InputError(
+        {file.string()},
+        "is text, and no 3D file, scene, dataset or scan (a table of points is read if its name ends in .csv)");
+  }
+}
+
+void printAsset(const std::filesystem::path& file, const AssetOptions& options, bool all) {
   constexpr std::size_t kMostNodes = 20;
   const Asset asset = readAsset(file, options);
   struct Node {
     std::string name;
     Box box;
   };
-  Rows rows{{"node", "material", "texture", "triangles", "placed"}};
+  std::vector<ListedPart> parts;
   std::uint64_t triangles = 0;
   std::uint64_t notFinite = 0;
   Box whole;
   std::map<std::uint32_t, Node> byIndex;
   const auto add = [&](const AssetPart& part, const std::vector<Affine>& places) {
-    rows.push_back({part.node, part.material, part.texture, grouped(part.triangles.size()), grouped(places.size())});
+    parts.push_back({part.node, part.material, part.texture, part.triangles.size(), places.size()});
     triangles += part.triangles.size() * places.size();
     for (const Triangle& t : part.triangles) {
       const auto bad = [&](std::uint32_t corner) { return !isFinite(part.positions[corner]); };
@@ -348,11 +404,9 @@ void printAsset(const std::filesystem::path& file, const AssetOptions& options) 
   for (const InstancedParts& instanced : asset.instanced) {
     for (const AssetPart& part : instanced.parts) add(part, instanced.assetFromParts);
   }
-  if (asset.instanced.empty()) {
-    for (std::vector<std::string>& row : rows) row.pop_back();
-  }
-  printText("asset {}: {} triangles; labelling rules of a scene can match these names\n\n{}\n", file.string(),
-            grouped(triangles), formatTable(rows));
+  printText("asset {}: {} triangles; labelling rules of a scene can match these names\n\n", file.string(),
+            grouped(triangles));
+  printParts(std::move(parts), !asset.instanced.empty(), all);
   if (notFinite > 0 || asset.dropped.outOfRange > 0) {
     warn(fmt::format("{}: scenes leave out {} triangles with NaN or infinite corners and {} with indices out of range",
                      file.string(), grouped(notFinite), grouped(asset.dropped.outOfRange)));
@@ -365,9 +419,11 @@ void printAsset(const std::filesystem::path& file, const AssetOptions& options) 
   printText("from [{:.8g}, {:.8g}, {:.5g}] to [{:.8g}, {:.8g}, {:.5g}]: {} m\n", whole.low.x, whole.low.y, whole.low.z,
             whole.high.x, whole.high.y, whole.high.z, sizeText(whole));
   printText(
-      "read with unit: {:g} (m per unit) and up: {}; change them by --unit and --up here, and by the keys `unit` and "
+      "read with unit: {:g} ({}) and up: {}; change them by --unit and --up here, and by the keys `unit` and "
       "`up` of the object in a scene\n",
       options.metresPerUnit,
+      asset.statedUnit > 0 ? fmt::format("times {:g} m per unit, as stated by the file or its kind", asset.statedUnit)
+                           : "m per unit",
       options.up
           ? std::string(1, asset.up)
           : fmt::format("{} ({})", asset.up,
@@ -377,11 +433,12 @@ void printAsset(const std::filesystem::path& file, const AssetOptions& options) 
   const auto diagonal = [](const Node& n) { return length(n.box.high - n.box.low); };
   std::stable_sort(nodes.begin(), nodes.end(), [&](const Node& a, const Node& b) { return diagonal(a) > diagonal(b); });
   Rows sizes{{"node", "size x, y, z (m)", "lowest z (m)"}};
-  for (std::size_t i = 0; i < std::min(nodes.size(), kMostNodes); ++i) {
+  const std::size_t listed = all ? nodes.size() : std::min(nodes.size(), kMostNodes);
+  for (std::size_t i = 0; i < listed; ++i) {
     sizes.push_back({nodes[i].name, sizeText(nodes[i].box), fmt::format("{:.5g}", nodes[i].box.low.z)});
   }
   printText("\n{}", formatTable(sizes));
-  if (nodes.size() > kMostNodes) printText("and {} smaller nodes\n", nodes.size() - kMostNodes);
+  if (listed < nodes.size()) printText("... and {} smaller nodes\n", grouped(nodes.size() - listed));
 }
 
 void printOntology(const std::filesystem::path& file) {
@@ -405,6 +462,7 @@ void printMaterials(const std::filesystem::path& file) {
 
 void printYaml(const std::filesystem::path& file, std::uint64_t seed) {
   const Value value = readYaml(file);
+  if (value.find("lasers") != nullptr) return printCalibration(file);
   switch (fileKind(value)) {
     case FileKind::Pipeline: {
       runPlan({file.string()});
@@ -424,18 +482,30 @@ void printYaml(const std::filesystem::path& file, std::uint64_t seed) {
   throw InputError(
       {file.string()},
       "is of no known kind: a scene has the key `objects`, a sensor `elevation_deg`, a pipeline `sensors`, an ontology "
-      "`classes`, a material table `materials`" +
-          std::string(
-              value.find("lasers") == nullptr
-                  ? ""
-                  : "; it looks like the calibration of a sensor: name it by the key `calibration` of the sensor"));
+      "`classes`, a material table `materials`, a calibration `lasers`");
+}
+
+void printMap(const std::filesystem::path& file) {
+  const town::Map map = town::readMap(file, false, {});
+  Box box;
+  double length = 0;
+  for (const town::MapRoad& road : map.roads) {
+    length += road.length();
+    for (const town::Point2& p : road.line) box.add(Vec3d{p.x, p.y, 0});
+  }
+  const Vec3d size = box.high - box.low;
+  printText("map {}: {} roads ({:.4g} m), {} paths, {} buildings, {} areas of land, {} barriers, {} trees\n",
+            file.string(), map.roads.size(), length, map.paths.size(), map.buildings.size(), map.areas.size(),
+            map.barriers.size(), map.trees.size());
+  printText("the roads extend over {:.4g} x {:.4g} m (east, north) around latitude {:.6f}, longitude {:.6f}\n", size.x,
+            size.y, map.latitude, map.longitude);
 }
 
 AssetOptions assetOptions(const Arguments& parsed) {
   AssetOptions options;
   options.textures = parsed.has("colors");
-  options.metresPerUnit =
-      readNumber(parseYaml(parsed.options["unit"].as<std::string>(), "--unit"), "--unit", {1e-9, 1e9});
+  options.metresPerUnit = parsed.number("unit", 1e-9, 1e9);
+  options.unitStated = parsed.has("unit");
   if (parsed.has("up")) {
     const std::string up = parsed.text("up");
     if (up != "x" && up != "y" && up != "z") throw InputError(fmt::format("--up must be x, y or z, not '{}'", up));
@@ -454,6 +524,7 @@ int runInfo(const std::vector<std::string>& arguments) {
   add("up", "up axis of a 3D file: x, y or z (default: as the file or its kind says)", textValue());
   add("seed", "seed of a procedural scene", cxxopts::value<std::uint64_t>()->default_value("1"), "N");
   add("colors", "list the colours of a 3D file's triangles, which labelling rules can match");
+  add("all", "list all parts and nodes of a 3D file, however many");
   add("allow-outside", "allow a glTF or OBJ file to name files outside its folder");
   const Arguments parsed =
       parseArguments(options, arguments,
@@ -464,7 +535,9 @@ int runInfo(const std::vector<std::string>& arguments) {
                      "  scanmill info SemanticKITTI/sequences/08      # recorded scans: a folder or one file\n"
                      "  scanmill info out/passes      # a recording, or one of its EXR images\n"
                      "  scanmill info model.glb       # names that labelling rules can match, sizes, animations\n"
-                     "  scanmill info model.obj --unit 0.01 --up y\n");
+                     "  scanmill info model.obj --unit 0.01 --up y\n"
+                     "  scanmill info metadata.json   # a sensor's calibration: Ouster's, Velodyne's or Hesai's\n"
+                     "  scanmill info village.osm\n");
   if (parsed.help) return 0;
   const std::filesystem::path file =
       parsed.fileOrName("FILE|DIR", {"scenes", "pipelines/sensors", "pipelines", "labels"});
@@ -492,14 +565,19 @@ int runInfo(const std::vector<std::string>& arguments) {
     printDataset(file.parent_path());
   } else if (suffix == "tar") {
     printShard(file);
+  } else if (isCalibration(file)) {
+    printCalibration(file);
+  } else if (file.filename().string().find(".osm") != std::string::npos || suffix == "pbf") {
+    printMap(file);
   } else if (suffix == "yaml" || suffix == "yml") {
     printYaml(file, parsed.options["seed"].as<std::uint64_t>());
   } else if (formatBySuffix(suffix) != nullptr) {
     printScan(decodeMember(file.string(), readFile(file)), file.string());
   } else if (suffix == "bin" || suffix == "npz") {
-    printScan(readCloud(file).scan, file.string());
+    printScan(scanOf(readCloud(file), file.string()), file.string());
   } else {
-    printAsset(file, assetOptions(parsed));
+    refuseText(file, suffix);
+    printAsset(file, assetOptions(parsed), parsed.has("all"));
     if (suffix == "glb" || suffix == "gltf") printClips(file);
   }
   return 0;

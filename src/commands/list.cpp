@@ -3,7 +3,17 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "assets/ac3d.h"
+#include "assets/assimp_reader.h"
+#include "assets/collada.h"
+#include "assets/fbx.h"
+#include "assets/gltf/model.h"
 #include "assets/obj/obj_mesh.h"
+#include "assets/ply_check.h"
+#include "assets/stl_mesh.h"
+#include "assets/worlds/ogre_material.h"
+#include "assets/worlds/world.h"
+#include "assets/worlds/world_asset.h"
 #include "base/error.h"
 #include "base/format_support.h"
 #include "base/terminal.h"
@@ -11,16 +21,25 @@
 #include "commands/table.h"
 #include "config/fields.h"
 #include "config/resources.h"
+#include "formats/cloud_columns.h"
 #include "formats/format.h"
+#include "formats/readers.h"
 #include "gpu/compute.h"
 #include "gpu/device.h"
+#include "images/images.h"
 #include "methods/method.h"
 #include "pipeline/read/corruption.h"
+#include "rasters/raster.h"
 #include "scan/columns.h"
 #include "scene/material.h"
 #include "scene/ontology.h"
 #include "sense/effect.h"
+#include "sensors/beam_files.h"
+#include "sensors/calibration.h"
+#include "sensors/ouster_metadata.h"
+#include "sensors/pose_files.h"
 #include "sensors/sensor.h"
+#include "town/map.h"
 
 namespace scanmill {
 
@@ -74,7 +93,12 @@ void printCapabilities() {
 
 // Formats whose readers say what they read and what they leave out.
 std::vector<FormatSupport> inputFormats() {
-  return {objFormat()};
+  return {objFormat(),          velodyneFormat(),  ousterFormat(),  beamTableFormat(), poseFormat(),
+          gltf::gltfFormat(),   stlFormat(),       colladaFormat(), fbxFormat(),       ac3dFormat(),
+          importedFormat(),     rasterFormat(),    imageFormat(),   lasFormat(),       plyCloudFormat(),
+          plyMeshFormat(),      pcdFormat(),       csvFormat(),     npzFormat(),       dracoFormat(),
+          pointRecordsFormat(), town::osmFormat(), sdfFormat(),     ogreFormat(),      urdfFormat(),
+          tilesetFormat()};
 }
 
 Rows inputRows() {

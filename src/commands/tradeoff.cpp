@@ -184,8 +184,7 @@ int runTradeoff(const std::vector<std::string>& arguments) {
   cxxopts::OptionAdder add = options.add_options();
   add("o,out", "folder of the report; it is made if it does not exist", textValue(), "DIR");
   add("overwrite", "replace an existing report");
-  add("budget", "about how many minutes the study may take (default: the pipeline's, or 5)", cxxopts::value<double>(),
-      "MINUTES");
+  add("budget", "about how many minutes the study may take (default: the pipeline's, or 5)", textValue(), "MINUTES");
   add("q,quiet", "print one line instead of progress and tables");
   addPipelineOptions(options);
   const Arguments parsed =
@@ -209,7 +208,7 @@ int runTradeoff(const std::vector<std::string>& arguments) {
       .drawErrors = drawErrors};
   if (parsed.has("budget")) {
     constexpr double kMostMinutes = 1e5;
-    const double minutes = parsed.options["budget"].as<double>();
+    const double minutes = parsed.number("budget", -INFINITY, INFINITY);
     if (!(minutes > 0 && minutes <= kMostMinutes)) {
       throw InputError(fmt::format("--budget must be above 0 and at most {} minutes, not {}", kMostMinutes, minutes));
     }

@@ -96,7 +96,7 @@ std::optional<CloseUp> readCloseUp(const Arguments& parsed) {
     throw InputError("a close-up takes both --at X,Y,Z (where, in m) and --within R (so far around it, in m)");
   }
   if (!at) return {};
-  return CloseUp{readPlace(parsed.text("at")), numberWithin(parsed, "within", 0.01, kFarthestPlace)};
+  return CloseUp{readPlace(parsed.text("at")), parsed.number("within", 0.01, kFarthestPlace)};
 }
 
 Outputs readOutputs(const Arguments& parsed, const PictureSize& size) {
@@ -164,7 +164,7 @@ ViewOptions readViewOptions(const Arguments& parsed, bool window) {
     throw InputError(
         fmt::format("--at says where to look: beside it --camera is one of {}", fmt::join(kViewNames, ", ")));
   }
-  if (parsed.has("point-size")) view.pointSize = numberWithin(parsed, "point-size", 0.5, 50);
+  if (parsed.has("point-size")) view.pointSize = parsed.number("point-size", 0.5, 50);
   view.background = readBackground(parsed.options["background"].as<std::string>());
   view.sample = parsed.text("sample");
   view.depthEdges = !parsed.has("flat");
@@ -393,9 +393,9 @@ void addOptions(cxxopts::Options& options) {
       "NAME");
   add("at", "a close-up of this place, in m in the sensor's frame, from the direction of --camera NAME", textValue(),
       "X,Y,Z");
-  add("within", "only the points so near the place of --at, in m", cxxopts::value<double>(), "R");
+  add("within", "only the points so near the place of --at, in m", textValue(), "R");
   add("size", "width and height in pixels: of the window 1280x800, of pictures 1600x900", textValue(), "WxH");
-  add("point-size", "of the points, in pixels", cxxopts::value<double>(), "PX");
+  add("point-size", "of the points, in pixels", textValue(), "PX");
   add("background", "dark, grey, white, or R,G,B", textValue()->default_value("dark"), "COLOR");
   add("hide", "a class that is not shown: name or id (may be repeated)", listValue(), "CLASS");
   add("only", "a class that alone is shown (may be repeated)", listValue(), "CLASS");

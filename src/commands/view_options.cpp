@@ -34,14 +34,6 @@ std::size_t wordAmong(const std::string& word, const std::string& option, std::s
   throw InputError(fmt::format("--{} is one of {}, not '{}'", option, fmt::join(names, ", "), word));
 }
 
-double numberWithin(const Arguments& parsed, const std::string& option, double least, double most) {
-  const double value = parsed.options[option].as<double>();
-  if (!(value >= least && value <= most)) {
-    throw InputError(fmt::format("--{} must be from {} to {}, not {}", option, least, most, value));
-  }
-  return value;
-}
-
 PictureSize readPictureSize(const std::string& text) {
   const auto sides = readNumbers<int, 2>(text, 'x');
   const auto fits = [](int side) { return side >= kLeastPictureSide && side <= kMostPictureSide; };

@@ -40,9 +40,6 @@ std::optional<std::array<T, kCount>> readNumbers(std::string_view text, char sep
   return values;
 }
 
-// Returns the value of an option. Throws InputError if it is not from `least` to `most`.
-double numberWithin(const Arguments& parsed, const std::string& option, double least, double most);
-
 // The size of --size WxH (pixels).
 struct PictureSize {
   int width = 0;

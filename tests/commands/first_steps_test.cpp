@@ -46,7 +46,7 @@ TEST_F(FirstSteps, NamesOfTheProgramsFilesWorkFromAnywhere) {
   EXPECT_EQ(scanmill({"plan", "street"}).code, 0);
   const Outcome missing = scanmill({"plan", "streat"});
   EXPECT_EQ(missing.code, 2);
-  EXPECT_THAT(missing.error, HasSubstr("did you mean 'street.yaml', which comes with the program?"));
+  EXPECT_THAT(missing.error, HasSubstr("did you mean 'street', which comes with the program?"));
 }
 
 // The pipeline that docs/guide.md gives for one's own scene does as it stands there, with the commands below it.
@@ -73,7 +73,9 @@ TEST_F(FirstSteps, AbsentFilesAreNamedWhereTheyAreReferredTo) {
   expectRefused(scanmill({"plan", changed("scene: scene.yaml", "scene: scnee.yaml")}),
                 "changed.yaml:2:18: there is no file '" + at("scnee.yaml") + "' (did you mean 'scene.yaml'?)");
   expectRefused(scanmill({"plan", pipeline_, "--set", "sensors.0.preset=os1_182"}),
-                "did you mean 'os1_128.yaml', which comes with the program?");
+                "did you mean 'os1_128', which comes with the program?");
+  expectRefused(scanmill({"info", "vlp-17"}),
+                "vlp-17: does not exist (did you mean 'vlp_16', which comes with the program?)");
   folder_.write("lost.yaml", "ontology: scanmil\nmaterials: materials\nobjects: []\n");
   expectRefused(scanmill({"info", at("lost.yaml")}), "lost.yaml:1:11: there is no file");
 }
@@ -137,7 +139,7 @@ TEST_F(FirstSteps, GenerateWarnsOfWhatIsSeldomMeant) {
            {"info", at("huge.yaml")}, {"plan", pipeline_, "--check", "--set", "scenes.0.scene=huge.yaml"}}) {
     const Outcome o = scanmill(arguments);
     EXPECT_EQ(o.code, 0) << o.error;
-    EXPECT_THAT(o.error, AllOf(HasSubstr("the object 'van' measures 9.5e+03 m"), HasSubstr("'nut' measures 0.0001 m")));
+    EXPECT_THAT(o.error, AllOf(HasSubstr("the object 'van' measures 9.5 km"), HasSubstr("'nut' measures 0.0001 m")));
   }
 }
 
@@ -168,8 +170,27 @@ TEST_F(FirstSteps, InfoOfAnAssetTellsItsSizeAndHowItWasRead) {
               AllOf(HasSubstr("from [0, -2.5, 0] to [4, 0, 0.01]"), HasSubstr("unit: 0.01"), HasSubstr("up: y")));
   expectRefused(scanmill({"info", at("shed.obj"), "--up", "w"}), "--up must be x, y or z");
   expectRefused(scanmill({"info", at("shed.obj"), "--unit", "cm"}), "--unit");
-  folder_.write("shed.xyz", "no 3D file");
-  expectRefused(scanmill({"info", at("shed.xyz")}), "FBX, AC or BLEND");
+  folder_.write("shed.zzz", "no 3D file");
+  expectRefused(scanmill({"info", at("shed.zzz")}), "FBX, AC or BLEND");
+  folder_.write("track.xml", "<?xml version=\"1.0\"?>\n<!-- a <b> -->\n<!DOCTYPE params>\n<params name=\"x\"/>\n");
+  expectRefused(scanmill({"info", at("track.xml")}),
+                "track.xml: is XML with the root element <params>, and no 3D file");
+  folder_.write("arm.xml", "<robot name=\"x\"/>\n");
+  expectRefused(scanmill({"info", at("arm.xml")}), "<robot>, which is read if the file's name ends in .urdf");
+  folder_.write("README", "Read me.\n");
+  expectRefused(scanmill({"info", at("README")}), "README: is text, and no 3D file");
+}
+
+TEST_F(FirstSteps, InfoOfAnAssetOfManyPartsSumsThemUp) {
+  std::string obj = "v 0 0 0\nv 1 0 0\nv 0 0 1\n";
+  for (int i = 0; i < 50; ++i) obj += fmt::format("o part{0}\nusemtl m{1}\nf 1 2 3\n", i, i % 2);
+  folder_.write("many.obj", obj + "f 1 3 2\n");
+  const Outcome few = scanmill({"info", at("many.obj")});
+  EXPECT_THAT(few.out, AllOf(ContainsRegex("m1 +26 +25\n +m0 +25 +25\n"), HasSubstr("... and 20 more parts: --all"),
+                             HasSubstr("... and 30 smaller nodes"), ContainsRegex("triangles\n +part49 +m1 +2\n"),
+                             Not(HasSubstr("part48"))));
+  const Outcome all = scanmill({"info", at("many.obj"), "--all"});
+  EXPECT_THAT(all.out, AllOf(HasSubstr("part48"), Not(HasSubstr("..."))));
 }
 
 TEST_F(FirstSteps, InfoOfASceneTellsTheSizesOfItsObjects) {

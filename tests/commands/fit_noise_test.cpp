@@ -95,7 +95,7 @@ TEST_F(FitNoiseCommand, AFolderOfFramesStandsForThem) {
 
 TEST_F(FitNoiseCommand, NamesAnAbsentSensorOnce) {
   const Outcome refused = fit({"--sensor", "os1_12", "-o", at("a.yaml")});
-  expectRefused(refused, "did you mean 'os1_128.yaml', which comes with the program?");
+  expectRefused(refused, "did you mean 'os1_128', which comes with the program?");
   EXPECT_EQ(refused.error.find("os1_12'"), refused.error.rfind("os1_12'"));
 }
 

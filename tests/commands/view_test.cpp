@@ -174,7 +174,7 @@ TEST_F(View, BadInputIsRefusedWithAdvice) {
       {{at("a"), "--background", "1,2,300"}, "R,G,B"},
       {{at("a"), "--hide", "car", "--only", "car"}, "exclude each other"},
       {{at("a"), "--hide", "lorry"}, "lorry"},
-      {{at("a"), "--ontology", "semantic_kit"}, "did you mean 'semantic_kitti.yaml'"},
+      {{at("a"), "--ontology", "semantic_kit"}, "did you mean 'semantic_kitti'"},
       {{at("a"), "--sample", "17"}, "17"},
       {{at("a"), "--sample", "nowhere"}, "nowhere"},
       {{at("a"), "--sensor", "bottom"}, "bottom"},

@@ -48,7 +48,30 @@ bool isThere(const fs::path& path) {
   throw Error(fmt::format("{}: {}", path.string(), failure.message()));
 }
 
+// Returns the nearest folder above that has a dataset, complete or not; empty if there is none, or if the folder is in
+// a dataset's hidden folder, where regenerate() makes shards again.
+fs::path datasetAbove(const fs::path& folder) {
+  fs::path above = fs::absolute(folder).lexically_normal();
+  if (!above.has_filename()) above = above.parent_path();
+  while (above.has_relative_path()) {
+    above = above.parent_path();
+    if (above.filename() == kHiddenName) return {};
+    try {
+      if (isUnfinished(above) || !listedIn(above / kManifestName).empty()) return above;
+    } catch (const InputError&) {
+      continue;  // a manifest of another program
+    }
+  }
+  return {};
+}
+
 void checkUse(const fs::path& folder, FolderUse use) {
+  if (const fs::path above = datasetAbove(folder); !above.empty()) {
+    throw InputError({folder.string()},
+                     fmt::format("is in the dataset {}, to which no other files belong: choose another output folder "
+                                 "with -o",
+                                 above.string()));
+  }
   if (fs::exists(folder) && !fs::is_directory(folder)) {
     throw InputError({folder.string()}, "is a file: choose another output folder");
   }

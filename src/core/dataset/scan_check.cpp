@@ -91,8 +91,8 @@ class ScanCheck {
     if (scan_.size() > 0) checkColumns();
   }
 
-  // A format may leave out `time`, because it follows from ring, column and the beam table. An empty scan has no
-  // columns.
+  // A format may leave out `time`, because it follows from ring, column and the beam table. An empty scan of an
+  // earlier version has no columns.
   void checkColumns() {
     const std::vector<std::string> found = columnNames(scan_);
     const auto has = [](const std::vector<std::string>& names, const std::string& name) {

@@ -100,7 +100,7 @@ void ScanStore::openSingle() {
             suffix == ".yaml" ? "; for a picture of a scene: `scanmill view SCENE.yaml --screenshot FILE.png`" : ""));
   }
   single_ = formatBySuffix(suffix.substr(1)) != nullptr ? decodeMember(path_.string(), readFile(path_))
-                                                        : readCloud(path_).scan;
+                                                        : scanOf(readCloud(path_), path_.string());
   ontology_ = ontologyBeside(path_);
   keys_.push_back(path_.filename().string());
 }

@@ -1,5 +1,7 @@
 #include "scenefile/concepts.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -205,6 +207,19 @@ std::map<std::uint16_t, Between> usualSizes(const std::vector<Concept>& concepts
   }
   std::erase_if(sizes, [&](const auto& size) { return rest.contains(size.first); });
   return sizes;
+}
+
+const SemanticClass& requireClass(const Ontology& ontology, const std::string& name, const Location& where) {
+  if (ontology.find(name) == nullptr) {
+    for (const Concept& c : knownConcepts()) {
+      const bool meant = std::find(c.words.begin(), c.words.end(), foldedName(name)) != c.words.end();
+      const SemanticClass* const known = meant ? classOf(c, ontology) : nullptr;
+      if (known == nullptr) continue;
+      throw InputError(
+          where, fmt::format("ontology '{}' has no class '{}' (did you mean '{}'?)", ontology.name, name, known->name));
+    }
+  }
+  return ontology.require(name, where);
 }
 
 std::vector<Concept> knownConcepts() {

@@ -53,6 +53,10 @@ std::vector<const Concept*> conceptsIn(const std::vector<Concept>& concepts, std
 // things of such a class can have any size.
 std::map<std::uint16_t, Between> usualSizes(const std::vector<Concept>& concepts, const Ontology& ontology);
 
+// Returns the class with this name or alias. Throws InputError at `where` if there is none; if the name is a word of a
+// concept, such as "lorry", the message names the concept's class.
+const SemanticClass& requireClass(const Ontology& ontology, const std::string& name, const Location& where);
+
 // Returns the concepts of labels/words.yaml; an empty list if the file is missing. The program then works, but without
 // the warnings that need concepts.
 std::vector<Concept> knownConcepts();

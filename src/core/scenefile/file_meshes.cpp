@@ -22,12 +22,13 @@ constexpr double kMostMoments = 48;
 
 // Returns a key of a file with its options and rules. Objects with equal keys share their meshes.
 std::string meshKey(const std::filesystem::path& file, const AssetOptions& asset, const Labelling& labelling) {
-  std::error_code ignored;
-  const std::filesystem::path canonical = std::filesystem::weakly_canonical(file, ignored);
-  std::string key = fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}", (ignored ? file : canonical).string(), labelling.file,
-                                asset.metresPerUnit, asset.up.value_or('-'), static_cast<int>(asset.alpha),
+  // The path through symbolic links: two links to a file may have different textures beside them.
+  const std::filesystem::path path = std::filesystem::absolute(file).lexically_normal();
+  std::string key = fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", path.string(), labelling.file, asset.metresPerUnit,
+                                asset.unitStated, asset.up.value_or('-'), static_cast<int>(asset.alpha),
                                 asset.allowOutside, labelling.things.text());
   key += '\n' + keyOf(asset.points, asset.heights);
+  for (const std::filesystem::path& folder : asset.textureFolders) key += '\n' + folder.string();
   if (asset.clip) key += fmt::format("\n{}\n{}", asset.clip->clip, asset.clip->time);
   for (const Rule& r : labelling.rules) {
     for (const std::string& text : {describe(r), r.className, r.materialName}) {

@@ -100,10 +100,11 @@ bool matchesGlob(std::string_view pattern, std::string_view text) {
 
 constexpr std::size_t kMostAlternatives = 1000;
 
-// Appends the alternatives of a pattern: "a{b,c{d,e}}" gives "ab", "acd" and "ace". Braces that are never closed, or
-// that contain no comma, are ordinary characters.
-void expandBraces(const std::string& pattern, std::vector<std::string>& out, const Location& where) {
-  for (std::size_t open = pattern.find('{'); open != std::string::npos; open = pattern.find('{', open + 1)) {
+// Appends the alternatives of a pattern: "a{b,c{d,e}}" gives "ab", "acd" and "ace". Braces around a text without commas
+// may be ordinary characters of a name, too: "{a}" gives "a" and "{a}". Braces that are never closed are ordinary
+// characters, and so are those before the index `from`.
+void expandBraces(const std::string& pattern, std::size_t from, std::vector<std::string>& out, const Location& where) {
+  for (std::size_t open = pattern.find('{', from); open != std::string::npos; open = pattern.find('{', open + 1)) {
     std::vector<std::size_t> commas{open};
     int depth = 1;
     std::size_t close = open + 1;
@@ -112,12 +113,17 @@ void expandBraces(const std::string& pattern, std::vector<std::string>& out, con
       if (pattern[close] == '}' && --depth == 0) break;
       if (pattern[close] == ',' && depth == 1) commas.push_back(close);
     }
-    if (close == pattern.size() || commas.size() < 2) continue;
+    if (close == pattern.size() || close == open + 1) continue;
+    if (commas.size() < 2) {
+      expandBraces(pattern.substr(0, open) + pattern.substr(open + 1, close - open - 1) + pattern.substr(close + 1),
+                   open, out, where);
+      continue;
+    }
     commas.push_back(close);
     for (std::size_t k = 0; k + 1 < commas.size(); ++k) {
       expandBraces(pattern.substr(0, open) + pattern.substr(commas[k] + 1, commas[k + 1] - commas[k] - 1) +
                        pattern.substr(close + 1),
-                   out, where);
+                   open, out, where);
     }
     return;
   }
@@ -133,7 +139,7 @@ const std::vector<std::string>& alternatives(const std::string& pattern, const L
   const auto known = cache.find(pattern);
   if (known != cache.end()) return known->second;
   std::vector<std::string> expanded;
-  expandBraces(pattern, expanded, where);
+  expandBraces(pattern, 0, expanded, where);
   return cache.emplace(pattern, std::move(expanded)).first->second;
 }
 

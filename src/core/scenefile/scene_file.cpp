@@ -20,6 +20,7 @@
 //                                        # (yes), ignore (no: all is solid), auto (default: as the file's materials
 //                                        # declare; if they declare nothing, yes for textures that look like cut-outs:
 //                                        # see AlphaUse in assets/asset.h)
+//   textures: [images]                   # folders that are searched, too, for images that are missing at their paths
 //   instances: node                      # the triangles that form one thing. node: of a node with a thing class; part:
 //                                        # of a group of connected triangles; /chair_[0-9]+/: of all nodes with the
 //                                        # same match; object (default, except for point clouds): of the complete
@@ -67,6 +68,7 @@
 #include "formats/cloud_file.h"
 #include "scene/builder.h"
 #include "scene/primitives.h"
+#include "scenefile/concepts.h"
 #include "scenefile/file_meshes.h"
 #include "scenefile/labelling.h"
 #include "scenefile/object_placer.h"
@@ -128,7 +130,7 @@ class SceneReader {
               "pitch_deg", "roll_deg",  "rotation", "scale",         "copies",    "up",       "unit",
               "alpha",     "instances", "rules",    "class",         "material",  "size",     "cells",
               "radius",    "height",    "segments", "moving",        "animation", "vary",     "stand_on",
-              "points",    "heights",   "thing",    "allow_outside", "facing"})
+              "points",    "heights",   "thing",    "allow_outside", "facing",    "textures"})
           .finish();
       throw InputError(where,
                        "an object must have exactly one of the keys file, primitive, street and town (`town: {}` for a "
@@ -167,13 +169,14 @@ class SceneReader {
     return copies;
   }
 
+  static bool isFolder(const std::filesystem::path& path) {
+    std::error_code error;
+    return std::filesystem::is_directory(path, error);
+  }
+
   // Returns the path of the object's file and its name as the scene writes it. For {one_of: [...]}, returns both
   // for every listed file and for every file in a listed folder.
   std::vector<std::pair<std::filesystem::path, std::string>> filesOf(Fields& f, const Value& value) const {
-    const auto isFolder = [](const std::filesystem::path& path) {
-      std::error_code error;
-      return std::filesystem::is_directory(path, error);
-    };
     if (value.kind == Value::Kind::Sequence) {
       throw InputError(
           value.where,
@@ -224,10 +227,18 @@ class SceneReader {
     AssetOptions asset;
     asset.textures = options_.textures;
     asset.metresPerUnit = f.number("unit", {1e-9, 1e9}, 1.0);
+    asset.unitStated = f.has("unit");
     if (f.has("up")) asset.up = f.choice("up", {"x", "y", "z"}, "")[0];
     const std::string alpha = f.choice("alpha", {"auto", "ignore", "test"}, "auto");
     if (alpha != "auto") asset.alpha = alpha == "test" ? AlphaUse::Test : AlphaUse::Ignore;
     asset.allowOutside = f.boolean("allow_outside", false);
+    for (const std::string& name : f.texts("textures")) {
+      asset.textureFolders.push_back(assetPath(name, f.require("textures")));
+      if (!isFolder(asset.textureFolders.back())) {
+        throw InputError(f.require("textures").where,
+                         fmt::format("textures: '{}' is no folder", asset.textureFolders.back().string()));
+      }
+    }
     const std::vector<Rule> rules = rulesOf(f);
     const std::string name = f.text("name", files.front().first.stem().string());
     Copies copies = copiesOf(f);
@@ -327,7 +338,7 @@ class SceneReader {
   // matches nothing.
   void checkNames(const std::vector<Rule>& rules) const {
     for (const Rule& rule : rules) {
-      if (!rule.className.empty()) builder_.ontology().require(rule.className, rule.where);
+      if (!rule.className.empty()) requireClass(builder_.ontology(), rule.className, rule.where);
       if (!rule.materialName.empty()) builder_.library().require(rule.materialName, rule.where);
     }
   }
@@ -379,7 +390,7 @@ class SceneReader {
     const Value& className = f.require("class");
     const Value& materialName = f.require("material");
     Surface surface;
-    const SemanticClass& semantic = builder_.ontology().require(f.text("class"), className.where);
+    const SemanticClass& semantic = requireClass(builder_.ontology(), f.text("class"), className.where);
     surface.semantic = semantic.id;
     surface.object = semantic.thing ? 1 : 0;
     surface.material = builder_.material(f.text("material"), materialName.where);

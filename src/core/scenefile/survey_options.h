@@ -15,8 +15,9 @@ namespace scanmill {
 //     cover: 1.5                     # factor on the radius of the disc that replaces a point; larger: fewer holes
 //     radius: [0.005, 0.2]           # m, smallest and largest radius of a disc; or one radius for all
 //     reflectance: auto              # auto (from intensity, else color), intensity, color, none (a plain 0.3)
-//     full: 255                      # the intensity with reflectance 1; default: 1, 255 or the largest in the file
-//     labels: semantic_kitti         # the ontology of the points' labels. If the scene's ontology has a point's class,
+//     full: 255                      # the intensity with reflectance 1; default: 1, 255 or the greatest but for
+//     outliers labels: semantic_kitti         # the ontology of the points' labels. If the scene's ontology has a
+//     point's class,
 //                                    # by name or alias, the point keeps the class unless a rule sets another one
 PointOptions readPointOptions(const Value& value);
 

@@ -52,7 +52,7 @@ Draft draftScene(const std::vector<std::filesystem::path>& files, const std::vec
     const Model& model = models[i];
     draft.yaml += objectYaml(model, known, ontology, folder);
     draft.files.push_back({model.file, model.name, model.frame.unit, model.frame.up, model.triangles(), model.guessed(),
-                           model.byFile(), model.doubts(), model.box});
+                           model.byFile(), model.byFolder(), model.doubts(), model.box});
     const Box& box = model.box;
     if (files.size() == 1 || box.empty() || draft.onePlace) continue;
     if (i % perRow == 0) {

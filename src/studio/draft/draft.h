@@ -19,8 +19,11 @@ struct DraftedFile {
   double unit = 1;   // length of the file's unit (m)
   char up = 'z';
   std::uint64_t triangles = 0;
-  std::uint64_t guessed = 0;  // triangles whose class was guessed, or that are guessed to be superfluous
-  std::uint64_t byFile = 0;   // triangles of `guessed` with the class that the name of the file or its folder suggests
+  // Triangles whose class was guessed from names of node, material, texture or file, or that are guessed to be
+  // superfluous.
+  std::uint64_t guessed = 0;
+  std::uint64_t byFile = 0;         // triangles of `guessed` with the class that the name of the file suggests
+  std::uint64_t byFolder = 0;       // other triangles, whose class only the name of the file's folder states
   std::vector<std::string> doubts;  // guesses that a person should check, each in a few words
   Box box;                          // bounding box in the object's frame (m)
 };

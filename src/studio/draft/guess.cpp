@@ -10,6 +10,7 @@
 #include <set>
 
 #include "assets/asset_parts.h"
+#include "config/text.h"
 
 namespace scanmill::draft {
 namespace {
@@ -134,17 +135,22 @@ void guessUnit(FrameGuess& guess) {
 
 }  // namespace
 
-const Concept* conceptOfFile(const std::vector<Concept>& concepts, const std::filesystem::path& file) {
-  const Concept* found = conceptOf(concepts, file.stem().string());
+std::string folderName(const std::filesystem::path& file) {
+  static constexpr std::array<std::string_view, 16> kContents{
+      "mesh", "meshes", "model", "models", "visual", "visuals", "geometry", "source",
+      "obj",  "dae",    "gltf",  "glb",    "fbx",    "stl",     "ply",      "ac"};
   std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
-  for (int up = 0; up < 2 && found == nullptr; ++up, folder = folder.parent_path()) {
-    found = conceptOf(concepts, folder.filename().string());
-  }
-  return found;
+  const std::string own = lowerCase(folder.filename().string());
+  if (std::find(kContents.begin(), kContents.end(), own) != kContents.end()) folder = folder.parent_path();
+  return folder.filename().string();
 }
 
-std::vector<const Concept*> guessParts(const std::vector<Concept>& concepts, const Asset& asset) {
-  const Concept* const file = conceptOfFile(concepts, asset.file);
+const Concept* conceptOfFolder(const std::vector<Concept>& concepts, const Asset& asset) {
+  if (conceptOf(concepts, asset.file.stem().string()) != nullptr) return nullptr;
+  return isPlace(guessParts(concepts, asset, nullptr)) ? nullptr : conceptOf(concepts, folderName(asset.file));
+}
+
+std::vector<const Concept*> guessParts(const std::vector<Concept>& concepts, const Asset& asset, const Concept* file) {
   const auto guess = [&](const AssetPart& part) -> const Concept* {
     const Concept* node = conceptOf(concepts, part.node);
     // A concept of ground without classes, such as that of the name "World", says nothing about the part's class.

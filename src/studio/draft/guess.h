@@ -15,14 +15,20 @@
 namespace scanmill::draft {
 
 // Returns the concept of each part of an asset, in the order of the parts; null for a part if no name contains a known
-// word. A part belongs to the whole that its node's name states, otherwise to the whole that the name of the file or
-// its folders states: the glass of a car is part of the car. If there is no whole, the concept is found in the names of
-// material, texture, node and file, in this order.
-std::vector<const Concept*> guessParts(const std::vector<Concept>& concepts, const Asset& asset);
+// word. `file`: the concept that the name of the file, or its folder's name, states; null: none. A part belongs to the
+// whole that its node's name states, otherwise to the whole that `file` is: the glass of a car is part of the car. If
+// there is no whole, the concept is found in the names of material, texture and node, in this order; otherwise it is
+// `file`.
+std::vector<const Concept*> guessParts(const std::vector<Concept>& concepts, const Asset& asset, const Concept* file);
 
-// Returns the concept in the file's name; otherwise the concept in the name of its folder or of that folder's parent
-// folder. Null if no name contains a known word.
-const Concept* conceptOfFile(const std::vector<Concept>& concepts, const std::filesystem::path& file);
+// Returns the name of the file's folder or, if that name only says what kind of files the folder contains, such as
+// "meshes", the name of the folder above.
+std::string folderName(const std::filesystem::path& file);
+
+// Returns the concept in folderName(); null if there is none. A folder may have the name of the model that it contains,
+// but also of the place of which it contains all models. Null therefore also if the file's own name states a concept,
+// or if the names of the parts state three or more kinds of objects and grounds.
+const Concept* conceptOfFolder(const std::vector<Concept>& concepts, const Asset& asset);
 
 struct FrameGuess {
   char up = 'z';

@@ -34,15 +34,21 @@ Model readModel(const std::filesystem::path& file, const std::vector<Concept>& c
   Model model;
   model.file = file;
   model.allowOutside = allowOutside;
-  model.whole = conceptOfFile(concepts, file);
+  const Concept* const own = conceptOf(concepts, file.stem().string());
+  const Concept* const folder = conceptOfFolder(concepts, asset);
+  model.whole = own == nullptr ? folder : own;
+  model.wholeByFolder = folder != nullptr;
   model.measured = std::any_of(asset.parts.begin(), asset.parts.end(),
                                [](const AssetPart& part) { return part.texture == kPointIntensity; });
-  const std::vector<const Concept*> guesses = guessParts(concepts, asset);
+  const std::vector<const Concept*> guesses = guessParts(concepts, asset, model.whole);
+  const std::vector<const Concept*> ownGuesses = guessParts(concepts, asset, own);
   std::size_t next = 0;
   const auto add = [&](const AssetPart& part) {
+    const bool byFolder = guesses[next] != ownGuesses[next];
     const Concept* what = guesses[next++];
     if (what != nullptr && what->classes.empty() && what->kind != ConceptKind::Drop) what = nullptr;
-    model.parts.push_back({part.node, part.material, part.texture, what, part.triangles.size()});
+    model.parts.push_back(
+        {part.node, part.material, part.texture, what, what != nullptr && byFolder, part.triangles.size()});
   };
   for (const AssetPart& part : asset.parts) add(part);
   for (const InstancedParts& instanced : asset.instanced) {
@@ -64,7 +70,7 @@ void nameModels(std::vector<Model>& models) {
   std::set<std::string> taken;
   for (Model& m : models) {
     m.name = m.file.stem().string();
-    const std::string folder = std::filesystem::absolute(m.file).parent_path().filename().string();
+    const std::string folder = folderName(m.file);
     const bool nothing = std::find(kSayNothing.begin(), kSayNothing.end(), lowerCase(m.name)) != kSayNothing.end();
     if ((nothing || files[m.name] > 1) && !folder.empty()) m.name = folder;
     const std::string wanted = m.name;
@@ -87,11 +93,15 @@ std::uint64_t Model::triangles() const {
 }
 
 std::uint64_t Model::guessed() const {
-  return trianglesOf(parts, [](const KnownPart& p) { return p.what != nullptr; });
+  return trianglesOf(parts, [](const KnownPart& p) { return p.what != nullptr && !p.byFolder; });
 }
 
 std::uint64_t Model::byFile() const {
-  return trianglesOf(parts, [&](const KnownPart& p) { return p.what != nullptr && p.what == whole; });
+  return trianglesOf(parts, [&](const KnownPart& p) { return p.what != nullptr && p.what == whole && !wholeByFolder; });
+}
+
+std::uint64_t Model::byFolder() const {
+  return trianglesOf(parts, [](const KnownPart& p) { return p.byFolder; });
 }
 
 std::vector<std::string> Model::doubts() const {
@@ -101,7 +111,8 @@ std::vector<std::string> Model::doubts() const {
   std::set<std::string> materials;
   for (const KnownPart& p : parts) materials.insert(p.material + '\n' + p.texture);
   const bool ground = whole != nullptr && whole->kind == ConceptKind::Ground;
-  if (ground && byFile() > 0 && materials.size() > 1) doubts.emplace_back("one class for several materials");
+  if (ground && byFile() + byFolder() > 0 && materials.size() > 1)
+    doubts.emplace_back("one class for several materials");
   if (mixed && !plate && byFile() > 0) doubts.emplace_back("one class for two in its name");
   return doubts;
 }

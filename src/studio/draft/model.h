@@ -16,6 +16,7 @@ namespace scanmill::draft {
 struct KnownPart {
   std::string node, material, texture;
   const Concept* what = nullptr;  // guessed concept; null: unknown
+  bool byFolder = false;          // only the name of the file's folder states `what`
   std::uint64_t triangles = 0;
 };
 
@@ -23,7 +24,8 @@ struct Model {
   std::filesystem::path file;
   std::string name;  // unique within the list of models
   std::vector<KnownPart> parts;
-  const Concept* whole = nullptr;  // the concept that the name of the file or its folders states; null: none
+  const Concept* whole = nullptr;  // the concept that the name of the file or its folder states; null: none
+  bool wholeByFolder = false;      // the name of the folder states `whole`
   FrameGuess frame;
   Box box;                     // bounding box (m), computed with the guessed unit and up axis
   std::optional<Plate> plate;  // the ground of a tile; parts above this plate belong to `whole`
@@ -32,9 +34,13 @@ struct Model {
   bool allowOutside = false;   // see AssetOptions::allowOutside
 
   std::uint64_t triangles() const;
-  std::uint64_t guessed() const;  // triangles whose class was guessed, or that are guessed to be superfluous
-  // Number of the triangles counted by guessed() that have the class that the name of the file or its folder suggests.
+  // Number of triangles whose class was guessed from names of node, material, texture or file, or that are guessed to
+  // be superfluous.
+  std::uint64_t guessed() const;
+  // Number of the triangles counted by guessed() that have the class that the name of the file suggests.
   std::uint64_t byFile() const;
+  // Number of triangles whose class only the name of the file's folder states.
+  std::uint64_t byFolder() const;
   // Returns the guesses that a person should check, in a few words each.
   std::vector<std::string> doubts() const;
 };

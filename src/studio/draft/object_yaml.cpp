@@ -122,22 +122,19 @@ class Writer {
     const bool plate = model_.plate && model_.byFile() > 0;
     if (only != nullptr && only->kind != ConceptKind::Drop && isAll(only)) {
       if (plate) yaml += "    rules:\n" + plateRule();
-      writeRest(*only, "", yaml);
+      writeRest(*only, model_.byFolder() > 0 ? "   # by the name of the folder" : "", yaml);
       return;
     }
     // Numbers of triangles: by pattern for each concept and key; by patterns of several keys, with their concept; and
-    // by description for parts without a concept.
+    // names (node, material and texture) for parts whose own names state no concept.
     std::map<std::pair<const Concept*, std::size_t>, std::map<std::string, std::uint64_t>> single;
     std::map<Patterns, std::pair<const Concept*, std::uint64_t>> several;
-    std::map<std::string, std::uint64_t> unknown;
+    std::map<std::array<std::string, 3>, std::uint64_t> unknown;
     bool someLeft = false;  // some parts are matched by none of the rules
     for (const KnownPart& k : parts) {
       if (k.what == nullptr || k.what == file) someLeft = true;
-      if (k.what == nullptr) {
-        unknown[fmt::format("node {}, material {}, texture {}", quoted(k.node), quoted(k.material),
-                            quoted(k.texture))] += k.triangles;
-        continue;
-      }
+      if (k.what == nullptr || (k.byFolder && k.what == file)) unknown[{k.node, k.material, k.texture}] += k.triangles;
+      if (k.what == nullptr) continue;
       if (k.what == file) continue;  // parts with the file's own concept need no rule: writeRest() writes their class
       const Patterns patterns = patternsFor(k, parts, concepts_);
       const auto keys = std::count_if(patterns.begin(), patterns.end(), [](const auto& p) { return !p.empty(); });
@@ -155,7 +152,8 @@ class Writer {
     std::set<std::string> nodes;
     for (const KnownPart& k : parts) nodes.insert(k.node);
     const Vec3d size = box.high - box.low;
-    if (nodes.size() > 2 && std::max(size.x, size.y) > 30) yaml += "    instances: node\n";
+    if (nodes.size() > 2 && std::max(size.x, size.y) > 30)
+      yaml += "    instances: node   # or part, if one thing has several nodes, such as the walls of a building\n";
     if (!single.empty() || !several.empty() || plate) yaml += "    rules:\n";
     if (plate) yaml += plateRule();
     for (const auto& [patterns, rule] : several) {
@@ -167,9 +165,12 @@ class Writer {
     }
     for (const auto& [key, patterns] : single) writeAlternatives(kKeys[key.second], *key.first, patterns, yaml);
     if (someLeft && file != nullptr && file->kind != ConceptKind::Drop && !classFor(*file, ontology_).empty()) {
-      writeRest(*file, "   # for all triangles without a rule: by the name of the file or its folder", yaml);
+      writeRest(*file,
+                "   # for all triangles without a rule: by the name of the " +
+                    std::string(model_.wholeByFolder ? "folder" : "file"),
+                yaml);
     }
-    writeUnknown(unknown, yaml);
+    writeUnknown(std::move(unknown), yaml);
   }
 
   std::string plateRule() const {
@@ -213,16 +214,32 @@ class Writer {
     if (!c.material.empty() && !model_.measured) yaml += fmt::format("    material: {}\n", c.material);
   }
 
-  static void writeUnknown(const std::map<std::string, std::uint64_t>& unknown, std::string& yaml) {
+  // Lists the names of parts whose own names state no concept, with their triangles. If there are many, parts that
+  // differ only in the node's name share a line.
+  static void writeUnknown(std::map<std::array<std::string, 3>, std::uint64_t> unknown, std::string& yaml) {
     constexpr std::size_t kMost = 20;
     if (unknown.empty()) return;
-    std::vector<std::pair<std::string, std::uint64_t>> sorted(unknown.begin(), unknown.end());
+    if (unknown.size() > kMost) {
+      std::map<std::array<std::string, 3>, std::uint64_t> merged;
+      for (const auto& [names, triangles] : unknown) {
+        merged[{names[1].empty() && names[2].empty() ? names[0] : "", names[1], names[2]}] += triangles;
+      }
+      unknown = std::move(merged);
+    }
+    std::vector<std::pair<std::array<std::string, 3>, std::uint64_t>> sorted(unknown.begin(), unknown.end());
     std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
     yaml +=
         "    # No word shows the classes of these; rules by `color`, `box`, `height` and `size` may separate them "
         "(docs/keys.md):\n";
     for (std::size_t i = 0; i < std::min(sorted.size(), kMost); ++i) {
-      yaml += fmt::format("    #   {}: {} triangles\n", sorted[i].first, grouped(sorted[i].second));
+      std::vector<std::string> names;
+      for (std::size_t k = 0; k < kKeys.size(); ++k) {
+        if (!sorted[i].first[k].empty())
+          names.push_back(fmt::format("{} {}", kKeys[k], draft::quoted(sorted[i].first[k])));
+      }
+      yaml +=
+          fmt::format("    #   {}: {} triangles\n",
+                      names.empty() ? "no name" : fmt::format("{}", fmt::join(names, ", ")), grouped(sorted[i].second));
     }
     if (sorted.size() > kMost) yaml += fmt::format("    #   and {} more\n", sorted.size() - kMost);
   }
@@ -257,9 +274,15 @@ std::vector<Concept> conceptsFor(const std::vector<Concept>& concepts, const Ont
 
 std::string objectYaml(const Model& model, const std::vector<Concept>& concepts, const Ontology& ontology,
                        const std::filesystem::path& folder) {
+  // The path through symbolic links, since textures may be beside a link. If a link in `folder` makes that path another
+  // file's, the path without links.
   std::error_code error;
-  std::filesystem::path name = std::filesystem::proximate(model.file, folder.empty() ? "." : folder, error);
-  if (error) name = model.file;
+  const std::filesystem::path from = std::filesystem::absolute(folder.empty() ? "." : folder).lexically_normal();
+  std::filesystem::path name = std::filesystem::absolute(model.file).lexically_normal().lexically_proximate(from);
+  if (std::filesystem::exists(from, error) && !std::filesystem::equivalent(from / name, model.file, error)) {
+    name = std::filesystem::proximate(model.file, from, error);
+    if (error) name = model.file;
+  }
   std::string yaml = fmt::format("  - name: {}\n    file: {}\n", quoted(model.name), quoted(name.string()));
   if (model.allowOutside) yaml += "    allow_outside: true\n";
   const FrameGuess& frame = model.frame;

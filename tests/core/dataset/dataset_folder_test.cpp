@@ -60,6 +60,19 @@ TEST(DatasetFolder, AFolderThatIsNotEmptyIsLeftAlone) {
   EXPECT_THAT(refusal(file / "x", FolderUse::Replace), HasSubstr("Not a directory"));
 }
 
+TEST(DatasetFolder, LiesInNoOtherDataset) {
+  const TemporaryFolder folder;
+  folder.write("manifest.json", "{\"name\": \"a web page\"}");
+  EXPECT_NO_THROW(DatasetFolder(folder.path() / "site", FolderUse::New, kPlan));
+  fs::remove(folder.path() / "manifest.json");
+  writeTestDataset(folder.path());
+  for (const char* const inside : {"sub", "sub/sub/", "train"}) {
+    EXPECT_THAT(refusal(folder.path() / inside, FolderUse::New),
+                HasSubstr("is in the dataset " + folder.path().string() + ","));
+  }
+  EXPECT_FALSE(fs::exists(folder.path() / "sub"));
+}
+
 // The old dataset stays until the new one is whole; what is not ours stays for ever.
 TEST(DatasetFolder, ReplacesTheOldDatasetAtTheEndAndNothingElse) {
   const TemporaryFolder folder;

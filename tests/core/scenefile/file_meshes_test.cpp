@@ -5,10 +5,12 @@
 #include <map>
 #include <set>
 
+#include "images/images.h"
 #include "scene/scene.h"
 #include "scenefile/scene_file.h"
 #include "tests/core/assets/gltf/gltf_builder.h"
 #include "tests/support/labels.h"
+#include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 
 namespace scanmill {
@@ -47,6 +49,27 @@ TEST(FileMeshes, CopiesThatTheFileMakesShareTheirMesh) {
     EXPECT_LT(length(at - Vec3d{0, 7 + static_cast<double>(i), 0}), 1e-9) << i;
   }
   EXPECT_EQ(names, (std::set<std::string>{"fence", "fence/pane 1", "fence/pane 2", "fence/pane 3"}));
+}
+
+// The image lies in a folder that the object names, and beside one of two links to a file.
+TEST(FileMeshes, TexturesAreFoundInNamedFoldersAndBesideLinks) {
+  TemporaryFolder folder;
+  const std::string image = encodePng(std::vector<std::uint8_t>(3, 9).data(), 1, 1);
+  for (const char* const name : {"images/a.png", "links/a.png"}) folder.write(name, image);
+  folder.write("a.mtl", "newmtl m\nmap_Kd a.png\n");
+  folder.write("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n");
+  for (const char* const name : {"a.obj", "a.mtl"}) {
+    std::filesystem::create_symlink(folder.path() / name, folder.path() / "links" / name);
+  }
+  const auto textured = [&](const std::string& objects) {
+    const Scene scene = readScene(folder.write("scene.yaml", sceneYaml(objects)), {});
+    std::vector<bool> found;
+    for (const Mesh& mesh : scene.meshes) found.push_back(scene.materials[mesh.surfaces[0].material].textured);
+    return found;
+  };
+  EXPECT_EQ(textured("  - {file: a.obj}\n  - {file: links/a.obj}\n"), (std::vector{false, true}));
+  EXPECT_EQ(textured("  - {file: a.obj, textures: [images]}\n  - {file: a.obj}\n"), (std::vector{true, false}));
+  expectInputError([&] { textured("  - {file: a.obj, textures: [none]}\n"); }, {"scene.yaml:", "none", "is no folder"});
 }
 
 TEST(FileMeshes, RulesReachThem) {

@@ -70,7 +70,12 @@ TEST(Globs, BracesHoldAlternatives) {
   }
   EXPECT_FALSE(matches("{tree,bush}_?", "hedge_1", kWhere));
   EXPECT_TRUE(matches("{,big_}car", "car", kWhere));
-  EXPECT_TRUE(matches("{a}", "{a}", kWhere)) << "no comma: braces";
+  for (const char* const name : {"{a}", "a"}) EXPECT_TRUE(matches("{a}", name, kWhere)) << name << ": no comma";
+  EXPECT_TRUE(matches("{a}{b,c}", "{a}b", kWhere));
+  EXPECT_TRUE(matches("{a}{b,c}", "ac", kWhere));
+  EXPECT_FALSE(matches("{a}{b,c}", "a{b}", kWhere));
+  EXPECT_TRUE(matches("{}", "{}", kWhere));
+  EXPECT_FALSE(matches("{}", "", kWhere));
   EXPECT_TRUE(matches("{a,b", "{a,b", kWhere)) << "never closed: a brace";
   std::string many;
   for (int i = 0; i < 11; ++i) many += "{a,b}";

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/grouped.h"
+#include "base/short_text.h"
 #include "scenefile/concepts.h"
 #include "sensors/trajectory.h"
 
@@ -112,9 +113,9 @@ std::vector<std::string> sizeWarnings(const Scene& scene) {
     if (extent >= kSmallest && extent <= kLargest) continue;
     told.insert(instance.mesh);
     lines.push_back(
-        fmt::format("scene {}: the object '{}' measures {:.3g} m: is its `unit` right? (0.001 for millimetres, 0.01 "
+        fmt::format("scene {}: the object '{}' measures {}: is its `unit` right? (0.001 for millimetres, 0.01 "
                     "for centimetres, 1 for metres)",
-                    scene.name, instance.name, extent));
+                    scene.name, instance.name, shortLength(extent)));
   }
   return firstOf(std::move(lines), scene, "objects are larger than 5 km or smaller than 1 mm");
 }
@@ -141,10 +142,10 @@ std::vector<std::string> thingSizeWarnings(const Scene& scene) {
       const auto& [low, high] = size->second;
       if (extent >= low / kUnusual && extent <= high * kUnusual) continue;
       if (!told.emplace(instance.mesh, thing.semantic).second) continue;
-      lines.push_back(fmt::format(
-          "scene {}: '{}' is a {} of {:.3g} m, but {:g} to {:g} m are usual: is its `unit` right?{}", scene.name,
-          instance.name.substr(0, instance.name.find('#')), scene.ontology.find(thing.semantic)->name, extent, low,
-          high, extent > high ? " Or have several things one instance id (`instances`)?" : ""));
+      lines.push_back(fmt::format("scene {}: '{}' is a {} of {}, but {:g} to {:g} m are usual: is its `unit` right?{}",
+                                  scene.name, instance.name.substr(0, instance.name.find('#')),
+                                  scene.ontology.find(thing.semantic)->name, shortLength(extent), low, high,
+                                  extent > high ? " Or have several things one instance id (`instances`)?" : ""));
     }
   }
   return firstOf(std::move(lines), scene, "things have unusual sizes");
@@ -206,6 +207,7 @@ std::vector<std::string> ruleWarnings(const Scene& scene) {
                           "triangles that it matches",
                           rule.where.text(), rule.match, rule.matched));
   }
+  lines = firstOf(std::move(lines), scene, "rules match nothing or have no effect");
   for (const Mesh& mesh : scene.meshes) {
     if (mesh.objects != 1 || largestExtent(mesh.bounds(), {}) < kTown) continue;
     std::map<std::uint16_t, std::set<std::string>> nodes;
@@ -214,9 +216,11 @@ std::vector<std::string> ruleWarnings(const Scene& scene) {
     }
     for (const auto& [id, names] : nodes) {
       if (names.size() < kSeveral) continue;
-      lines.push_back(fmt::format(
-          "scene {}: {} nodes of the class {} in '{}' share one instance id: `instances: node` gives each its own",
-          scene.name, names.size(), scene.ontology.find(id)->name, mesh.name));
+      lines.push_back(
+          fmt::format("scene {}: {} nodes of the class {} in '{}' share one instance id: `instances: node` gives each "
+                      "its own, and `part` "
+                      "each group of connected triangles, if one thing has several nodes",
+                      scene.name, names.size(), scene.ontology.find(id)->name, mesh.name));
     }
   }
   return lines;

@@ -1,6 +1,7 @@
 #include "pipeline/checks/way_warnings.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -23,8 +24,9 @@ constexpr double kOnGround = 0.05;            // a sensor at most this far (m) f
 constexpr double kReach = 1e5;                // length of test rays (m)
 constexpr double kStep = 0.5;                 // maximum distance between the poses that are checked along a path (m)
 constexpr std::size_t kMostPlaces = 400'000;  // after this many poses the rest of a path is not checked
-// Height above the vehicle's origin (m) of a point that is tested for passing through walls.
-constexpr double kBody = 0.6;
+// Heights above the vehicle's origin (m) of points that are tested for passing through walls. Guard rails may be lower
+// than the first, or end above the second.
+constexpr double kBody[] = {0.6, 0.4};
 constexpr double kLowest = -0.3;    // least z component of the test directions around a sensor
 constexpr double kTouches = 1e-3;   // a surface at most this far (m) behind the end of a step counts as hit
 constexpr double kFlat = 0.7;       // a surface counts as a wall if |z| of its unit normal is at most this
@@ -91,11 +93,15 @@ class WayCheck {
                         off(p.z, bounds_.low.z, bounds_.high.z)});
   }
 
+  std::string className(std::uint16_t id) const {
+    const SemanticClass* const semantic = probe_.scene().ontology.find(id);
+    return semantic == nullptr ? "unlabeled" : semantic->name;
+  }
+
   // Returns the name and class of the object instance that was hit; only the class if the hit has no instance id.
   std::string nameOf(const SceneProbe::Met& met) const {
     const Scene& scene = probe_.scene();
-    const SemanticClass* const semantic = scene.ontology.find(met.semantic);
-    const std::string name = semantic == nullptr ? "unlabeled" : semantic->name;
+    const std::string name = className(met.semantic);
     for (const Instance& i : scene.instances) {
       const std::uint32_t objects = scene.meshes[i.mesh].objects;
       if (met.instance < i.firstInstanceId || met.instance >= i.firstInstanceId + objects) continue;
@@ -140,26 +146,26 @@ class WayCheck {
           where(low)));
     }
     if (!under.empty()) {
-      say(fmt::format("'{}' is below the ground {}: no surface is below it, and {} is {:.3g} m above it ({})", name,
-                      where(under), nameOf(*above[under.front()]), above[under.front()]->distance,
+      say(fmt::format("'{}' is below the ground {}: no surface is below it, and {} is {} above it ({})", name,
+                      where(under), nameOf(*above[under.front()]), shortLength(above[under.front()]->distance),
                       drive_->ground() != nullptr
                           ? "place its `mount` above the vehicle's origin, which is on the ground"
                           : "`ground: drop` in the trajectory puts the vehicle on the ground"));
     }
     if (!beside.empty()) {
-      say(fmt::format("'{}' is {:.4g} m away from the scene {}, which is beyond its range", name,
-                      farFromScene(down[beside.front()].from), where(beside)));
+      say(fmt::format("'{}' is {} away from the scene {}, which is beyond its range", name,
+                      shortLength(farFromScene(down[beside.front()].from)), where(beside)));
     }
     if (beside.empty() && 2 * high.size() > below.size()) {
-      say(fmt::format(
-          "'{}' is more than {:g} m above the surface below it {} ({:.4g} m): is the unit of the scene right?", name,
-          kFarAbove, where(high), below[high.front()]->distance));
+      say(fmt::format("'{}' is more than {:g} m above the surface below it {} ({}): is the unit of the scene right?",
+                      name, kFarAbove, where(high), shortLength(below[high.front()]->distance)));
     }
   }
 
   // Warns if a sensor is inside of an object: nearly all rays from the sensor hit the object's surfaces an odd number
   // of times. Also warns if all rays hit the same object first, since objects that are not watertight, such as a house
-  // with chimneys stuck into it, make the counts even.
+  // with chimneys stuck into it, make the counts even; and if all upward rays hit the same class first, since the walls
+  // of a building may be separate objects.
   void checkInside(std::size_t sensor) {
     static const std::vector<Vec3d> kDirections = directionsAround();
     for (const std::uint32_t frame : own_.spreadFrames(kFramesInside)) {
@@ -167,15 +173,20 @@ class WayCheck {
       std::map<std::pair<std::uint32_t, std::uint16_t>, std::pair<std::size_t, SceneProbe::Met>> odd;
       // For each instance id: the number of rays that hit this instance first, and one of these hits.
       std::map<std::uint32_t, std::pair<std::size_t, SceneProbe::Met>> seen;
+      std::set<std::uint16_t> above;  // classes that upward rays hit first
+      bool open = false;              // an upward ray hits nothing, or something that moves
       for (const Vec3d& direction : kDirections) {
         std::map<std::pair<std::uint32_t, std::uint16_t>, std::vector<SceneProbe::Met>> met;
         const std::vector<SceneProbe::Met> all = probe_.all({at, direction}, kReach);
         for (const SceneProbe::Met& m : all) {
           if (!moving_.contains(m.instance)) met[{m.instance, m.semantic}].push_back(m);
         }
-        if (!all.empty() && all.front().instance != 0 && !moving_.contains(all.front().instance)) {
+        const bool standing = !all.empty() && !moving_.contains(all.front().instance);
+        if (standing && all.front().instance != 0) {
           ++seen.try_emplace(all.front().instance, 0, all.front()).first->second.first;
         }
+        if (direction.z > 0 && standing) above.insert(all.front().semantic);
+        open = open || (direction.z > 0 && !standing);
         for (const auto& [key, hits] : met) {
           if (hits.size() % 2 == 1) odd.try_emplace(key, 0, hits.front()).first->second.first += 1;
         }
@@ -191,6 +202,12 @@ class WayCheck {
         return say(fmt::format("'{}' sees nothing but {} at {} (frame {}), which is right only in rooms and tunnels",
                                plan_.pipeline.sensors[sensor].name, nameOf(count.second), shortPlace(at), frame));
       }
+      const bool underGround = !probe_.first({at, {0, 0, -1}}, kReach);  // checkHeights() warns of it
+      if (open || above.size() != 1 || underGround) continue;
+      return say(
+          fmt::format("'{}' sees nothing beside and above it but surfaces of the class {} at {} (frame {}), which is "
+                      "right only in rooms and tunnels",
+                      plan_.pipeline.sensors[sensor].name, className(*above.begin()), shortPlace(at), frame));
     }
   }
 
@@ -216,7 +233,8 @@ class WayCheck {
 
   void checkWalls() {
     const std::vector<Pose> poses = posesOnWay();
-    std::vector<Vec3d> places{{0, 0, kBody}};  // points in the vehicle's frame (m) that must not pass through walls
+    std::vector<Vec3d> places;  // points in the vehicle's frame (m) that must not pass through walls
+    for (const double height : kBody) places.push_back({0, 0, height});
     for (const SensorSetting& s : settings_->sensors) places.push_back(s.vehicleFromSensor.translation);
     std::vector<SceneProbe::Ray> rays;
     std::vector<double> far;
@@ -243,10 +261,12 @@ class WayCheck {
       }
     }
     if (walls.empty()) return;
+    std::set<std::string> classes;
+    for (std::size_t i = 1; i < walls.size(); ++i) classes.insert(className(walls[i].semantic));
     say(fmt::format("its path goes through {} at {}{}", nameOf(walls.front()), shortPlace(walls.front().place),
-                    walls.size() > 1
-                        ? fmt::format(", and through {} more surface{}", walls.size() - 1, walls.size() > 2 ? "s" : "")
-                        : ""));
+                    walls.size() > 1 ? fmt::format(", and through {} more surface{} ({})", walls.size() - 1,
+                                                   walls.size() > 2 ? "s" : "", fmt::join(classes, ", "))
+                                     : ""));
   }
 
   const Plan& plan_;

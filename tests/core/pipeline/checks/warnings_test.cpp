@@ -62,6 +62,9 @@ TEST(RuleWarnings, NameRulesThatDecideNothing) {
   EXPECT_THAT(ruleWarnings(scene),
               ElementsAre(AllOf(HasSubstr("s.yaml:4"), HasSubstr("node: Wal"), HasSubstr("matches nothing")),
                           AllOf(HasSubstr("s.yaml:5"), HasSubstr("material: brick"), HasSubstr("7"))));
+  for (int line = 6; line < 40; ++line) add(line, "node: Wal", 0, 0);
+  ASSERT_EQ(ruleWarnings(scene).size(), 6u);
+  EXPECT_THAT(ruleWarnings(scene).back(), HasSubstr("31 more rules match nothing or have no effect"));
 }
 
 TEST(DriveWarnings, CountTheDrivesThatCannotTurn) {
@@ -107,7 +110,7 @@ TEST(ThingSizeWarnings, TellOfBusesOfCentimetresAndTreesOfKilometres) {
   EXPECT_THAT(
       thingSizeWarnings(scene),
       ElementsAre(AllOf(HasSubstr("depot"), HasSubstr("'toy' is a bus of 0.12 m"), HasSubstr("`unit`")),
-                  AllOf(HasSubstr("'oak' is a tree of 2e+03 m"), HasSubstr("1 to 45 m"), HasSubstr("`instances`"))));
+                  AllOf(HasSubstr("'oak' is a tree of 2 km"), HasSubstr("1 to 45 m"), HasSubstr("`instances`"))));
   for (int i = 0; i < 20; ++i) add("mite", "person", 0.01, 1);
   EXPECT_THAT(thingSizeWarnings(scene), testing::SizeIs(6));
   EXPECT_THAT(thingSizeWarnings(scene).back(), HasSubstr("17 more"));

@@ -4,6 +4,7 @@
 
 #include "pipeline/scenes/shot_source.h"
 #include "tests/core/pipeline/small_world.h"
+#include "tests/support/labels.h"
 
 namespace scanmill {
 namespace {
@@ -81,6 +82,32 @@ TEST_F(WayWarnings, TellOfSensorsThatSeeOneThingAlone) {
               testing::Contains(HasSubstr("'top' sees nothing but 'house' (building)")));
   EXPECT_THAT(warnings({"scenes.0.scene=" + scene, "trajectories=[{poses: [{position: [0, 7, -2]}]}]"}),
               testing::Not(testing::Contains(HasSubstr("nothing but"))));
+}
+
+// A tower whose walls and roof are objects of their own, and a rail that is lower than most of a car.
+TEST_F(WayWarnings, TellOfTowersOfSeveralPartsAndOfLowRails) {
+  const auto box = [](const std::string& name, const char* size, const char* at, const char* semantic) {
+    return fmt::format("  - {{name: {}, primitive: box, size: [{}], position: [{}], class: {}, material: concrete}}\n",
+                       name, size, at, semantic);
+  };
+  std::string objects = box("ground", "99, 99, 1", "0, 0, -0.5", "ground");
+  objects += box("roof", "6, 6, 0.2", "0, 0, 5", "building");
+  for (const auto& [size, at] : {std::pair{"6, 0.2, 5", "0, 3, 2.5"},
+                                 {"6, 0.2, 5", "0, -3, 2.5"},
+                                 {"0.2, 6, 5", "3, 0, 2.5"},
+                                 {"0.2, 6, 5", "-3, 0, 2.5"}}) {
+    objects += box("wall", size, at, "building");
+  }
+  objects += box("rail", "0.1, 20, 0.5", "10, 0, 0.25", "fence");
+  const std::string scene = folder_.write("tower.yaml", sceneYaml(objects)).string();
+  EXPECT_THAT(warnings({"scenes.0.scene=" + scene, "trajectories=[{poses: [{position: [0, 0, 0.5]}]}]"}),
+              ElementsAre(HasSubstr("'top' sees nothing beside and above it but surfaces of the class building")));
+  EXPECT_THAT(warnings({"scenes.0.scene=" + scene, "trajectories=[{poses: [{position: [0, 7, 0.5]}]}]"}), IsEmpty());
+  EXPECT_THAT(warnings({"scenes.0.scene=" + scene, drive("[[20, 0, 0], [5, 0, 0]]", ", ground: drop")}),
+              ElementsAre(HasSubstr("its path goes through something of the class fence at [10.05, 0.00, 0.40]")));
+  EXPECT_THAT(
+      warnings({"scenes.0.scene=" + scene, drive("[[20, 0, 0], [-8, 0, 0]]", ", ground: drop")}),
+      testing::Contains(HasSubstr("class fence at [10.05, 0.00, 0.40], and through 2 more surfaces (building)")));
 }
 
 TEST_F(WayWarnings, TellOfWaysThroughWallsAndLowThings) {

@@ -1,0 +1,99 @@
+#include "commands/info_sensor.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "base/terminal.h"
+#include "commands/table.h"
+#include "config/text.h"
+#include "sensors/calibration.h"
+#include "sensors/sensor.h"
+#include "sensors/text_table.h"
+
+namespace scanmill {
+
+namespace {
+
+void printBeams(const BeamTable& beams) {
+  Rows rows{{"ring", "elevation deg", "azimuth offset deg", "firing us"}};
+  const bool ownOrigins = !beams.originLeft.empty() || !beams.originUp.empty();
+  if (ownOrigins) rows.front().insert(rows.front().end(), {"origin left mm", "origin up mm"});
+  for (std::uint32_t r = 0; r < beams.rings; ++r) {
+    const auto at = [&](const std::vector<double>& column) { return r < column.size() ? column[r] : 0.0; };
+    rows.push_back({std::to_string(r), fmt::format("{:.3f}", degrees(at(beams.elevation))),
+                    fmt::format("{:.3f}", degrees(at(beams.azimuthOffset))),
+                    fmt::format("{:.3f}", at(beams.firingOffset) * 1e6)});
+    if (!ownOrigins) continue;
+    rows.back().push_back(fmt::format("{:.1f}", at(beams.originLeft) * 1000));
+    rows.back().push_back(fmt::format("{:.1f}", at(beams.originUp) * 1000));
+  }
+  printText("{}", formatTable(rows));
+}
+
+Value plain(const std::string& text) {
+  Value value;
+  value.kind = Value::Kind::Scalar;
+  value.text = text;
+  return value;
+}
+
+}  // namespace
+
+void printSensor(const Value& sensor) {
+  const auto beams = makeBeams(sensor);
+  printText("sensor {}: {} rings x {} columns, {:.3g} revolutions/s, {}, ring 0 is the {} beam\nsource: {}\n",
+            beams->model, beams->rings, beams->columns, 1 / beams->period,
+            beams->clockwise ? "clockwise" : "counter-clockwise", beams->topDown ? "top" : "bottom", beams->source);
+  printText("range {:.3g} to {:.3g} m; column 0 at {:.2f} deg; beams start {:.2f} mm off the axis\n\n", beams->minRange,
+            beams->maxRange, degrees(beams->firstAzimuth), beams->originOffset * 1000);
+  printBeams(*beams);
+}
+
+bool isCalibration(const std::filesystem::path& file) {
+  const std::string kind = lowerExtension(file);
+  if (kind != ".json" && kind != ".csv") return false;
+  std::string text(std::size_t{1} << 20, '\0');  // scans and tilesets may be large
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(text.data(), std::ssize(text));
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  if (kind == ".json") return text.find("\"beam_altitude_angles\"") != std::string::npos;
+  const std::string head = lowerCase(std::string_view(text).substr(0, text.find('\n')));
+  const std::vector<std::string_view> names = cellsOf(head);
+  const auto has = [&](std::string_view name) { return std::find(names.begin(), names.end(), name) != names.end(); };
+  // Scans have x; tables of single beams have azimuth_deg.
+  return (has("elevation") || has("elevation_deg")) && !has("x") && !has("azimuth_deg");
+}
+
+void printCalibration(const std::filesystem::path& file) {
+  // The keys that calibrations may lack, with values that are not printed.
+  static const Value kOthers = parseYaml("{columns: 1, rate_hz: 1, range_m: [0, 1]}", "");
+  Value sensor;
+  sensor.kind = Value::Kind::Map;
+  sensor.entries.push_back({"calibration", plain(file.string())});
+  sensor = withCalibration(sensor, &kOthers);
+  const auto has = [&](const char* key) { return sensor.find(key) != nullptr; };
+  const std::string columns = has("columns") ? sensor.valueOf("columns").text : "";
+  const std::string rate = has("rate_hz") ? sensor.valueOf("rate_hz").text : "";
+  for (const Value::Entry& other : kOthers.entries) {
+    if (!has(other.key.c_str())) sensor.entries.push_back(other);
+  }
+  const auto beams = makeBeams(sensor);
+  const auto [low, high] = std::minmax_element(beams->elevation.begin(), beams->elevation.end());
+  printText("calibration{}{}: {} rings from {:.2f} to {:.2f} deg", has("model") ? " of " : "",
+            has("model") ? beams->model : "", beams->rings, degrees(*low), degrees(*high));
+  if (!columns.empty()) printText(" x {} columns over {:.4g} deg", columns, degrees(beams->field));
+  if (!rate.empty()) printText(", {} revolutions/s", rate);
+  printText("\n{}a sensor names the file by the key `calibration`{}\n\n",
+            has("origin_offset_m")
+                ? fmt::format("column 0 at {:.2f} deg; beams start {:.2f} mm off the axis, {:.2f} mm "
+                              "above the sensor's origin\n",
+                              degrees(beams->firstAzimuth), beams->originOffset * 1000, beams->originHeight * 1000)
+                : "",
+            columns.empty() || rate.empty() ? " and states columns, rate_hz and range_m, or a preset"
+                                            : " and states range_m");
+  printBeams(*beams);
+}
+
+}  // namespace scanmill
