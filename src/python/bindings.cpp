@@ -93,8 +93,8 @@ const SampleRecord* recordOf(const ScanStore& store, std::size_t sample) {
   return found == all.end() ? nullptr : &*found;
 }
 
-// Adds missing columns as empty arrays. A dense scan without points has no columns; with empty arrays instead, callers
-// need no special case.
+// Adds missing columns as empty arrays. In datasets of earlier versions a scan without points has no columns; with
+// empty arrays instead, callers need no special case.
 void addEmptyColumns(const std::vector<std::string>& names, py::dict& arrays) {
   for (const std::string& name : names) {
     const std::size_t index = columnIndex(name);

@@ -292,6 +292,15 @@ class OnACluster(unittest.TestCase):
         for i in range(self.TASKS):
             self.assertEqual(job(f"{tasks}_{i}")["Restarts"], "0", self.logs())
 
+    def test_refusals_leave_no_folder_behind(self):
+        out = self.out / "deep" / "data"
+        done = submit(self.pipeline, "--out", out, "--array", 1002)
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertIn("at most 1001 tasks (MaxArraySize): give --array 1001 or less", done.stderr)
+        done = submit(self.pipeline, "--out", out, "--array", 2, "--partition=absent")
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertFalse(self.out.exists())
+
     def test_tasks_that_die_or_are_told_to_end_are_queued_again(self):
         tasks, merge = self.submit()
         self.wait_for_shards()

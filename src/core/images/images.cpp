@@ -17,6 +17,7 @@
 #include "base/memory.h"
 #include "config/text.h"
 #include "images/images_interface.h"
+#include "images/metadata.h"
 #include "images/readers.h"
 #include "images/reduction.h"
 
@@ -201,10 +202,34 @@ DecodedImage decode(ImageReader& image, const std::string& name) {
     }
   }
   decoded.hasAlpha = least < 255;
+  LeftOut leftOut;
+  for (const std::string& what : info.leftOut) leftOut.add(what);
+  const int used = (colors >= 3 ? 3 : std::min(colors, 1)) + (alpha >= 0 ? 1 : 0);
+  leftOut.add(kFurtherChannels, static_cast<std::uint64_t>(channels - used));
+  leftOut.tell(name);
   return decoded;
 }
 
 }  // namespace
+
+const FormatSupport& imageFormat() {
+  using enum FormatElements::Use;
+  static const FormatSupport format{
+      "Images of materials",
+      ".png, .jpg, .jpeg, .webp, .tga, .sgi, .rgb, .bmp, .tif, .exr, .hdr, .gif, .dds and what else OpenImageIO reads",
+      {{Read, "", "red, green and blue, grey, palettes, CMYK; 1 to 32 bits, which become 8"},
+       {Read, "", "alpha, also of palettes (tRNS); colours that are multiplied by it are divided"},
+       {Read, "",
+        "colours in floats, as linear light from 0 to 1 (EXR, HDR, TIFF); whole numbers and single channels as sRGB"},
+       {Read, "", "the first image of the file; more than 4096 pixels in a row or column are reduced"},
+       {Unused, "", "smaller previews, mipmaps, sizes in inches, texts"},
+       {LeftOut, "iCCP ICC_PROFILE", kProfiles},
+       {LeftOut, "gAMA", kGammas},
+       {LeftOut, "eXIf Exif Orientation", kOrientations},
+       {LeftOut, "", kFurtherImages},
+       {LeftOut, "", kFurtherChannels}}};
+  return format;
+}
 
 DecodedImage decodeImage(std::string_view bytes, const std::string& name) {
   if (bytes.empty()) throw InputError({name}, "the image is empty");

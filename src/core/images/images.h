@@ -11,9 +11,14 @@
 #include <string_view>
 #include <vector>
 
+#include "base/format_support.h"
+
 namespace scanmill {
 
-// 8-bit RGBA, top row first. Colours are not multiplied by alpha.
+// What is read of images, and what is left out.
+const FormatSupport& imageFormat();
+
+// 8-bit RGBA in sRGB, top row first. Colours are not multiplied by alpha.
 struct DecodedImage {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
@@ -24,9 +29,9 @@ struct DecodedImage {
 // Decodes PNG, JPEG, WebP, TGA, SGI, BMP, TIFF, EXR and all other kinds that OpenImageIO reads. `name` names the image
 // in messages; its ending gives the kind if the bytes do not show it. An image of more than 4096 pixels in a row or
 // column is reduced to at most 4096: each pixel becomes the mean of a square of pixels. On a wall of 40 m a pixel is
-// then 1 cm wide, about as wide as a beam. Throws an InputError that starts with the name if the bytes are not an
-// image, are damaged or are too few for the size in the header, if the image is wider or higher than 16384
-// pixels, or if it needs too much memory.
+// then 1 cm wide, about as wide as a beam. Warns of what imageFormat() says to be left out. Throws an InputError that
+// starts with the name if the bytes are not an image, are damaged or are too few for the size in the header, if the
+// image is wider or higher than 16384 pixels, or if it needs too much memory.
 DecodedImage decodeImage(std::string_view bytes, const std::string& name);
 
 // Reads and decodes a file as decodeImage() does. Throws InputError also if the file does not exist.

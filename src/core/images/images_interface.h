@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/module.h"
 
@@ -17,6 +18,7 @@ struct ImageHeader {
   int channels = 0;
   int alphaChannel = -1;  // index of the alpha channel; -1: none
   double alphaGamma = 0;  // above 0: (colour ^ alphaGamma) was multiplied by alpha; 0: colours were not multiplied
+  std::vector<std::string> leftOut = {};  // what would change the look (images/metadata.h)
 };
 
 // An image that is open for reading.
@@ -25,7 +27,7 @@ class ImageReader {
   virtual ~ImageReader() = default;
   virtual ImageHeader header() const = 0;
   // Reads the next `count` rows; the first call starts at the top row. Fills width * count * channels bytes: 8 bits per
-  // channel, interleaved.
+  // channel, interleaved; colours in sRGB.
   // Throws std::runtime_error with the library's message.
   virtual void rows(int count, std::uint8_t* pixels) = 0;
 };

@@ -1,5 +1,6 @@
 #include <cstdio>
 
+#include "images/metadata.h"
 #include "images/readers.h"
 // jpeglib.h does not include the headers that it needs.
 #include <jerror.h>
@@ -42,8 +43,19 @@ class JpegReader final : public ImageReader {
   bool isOfInks() const { return jpeg_.num_components == 4; }
 
   ImageHeader header() const override {
-    return {static_cast<int>(jpeg_.image_width), static_cast<int>(jpeg_.image_height), jpeg_.out_color_components, -1,
-            0};
+    ImageHeader header{static_cast<int>(jpeg_.image_width), static_cast<int>(jpeg_.image_height),
+                       jpeg_.out_color_components, -1, 0};
+    constexpr std::string_view kExif("Exif\0\0", 6);
+    constexpr std::string_view kProfile("ICC_PROFILE\0", 12);
+    bool profiled = false, srgb = false;  // a profile may be stored in several pieces
+    for (const jpeg_marker_struct* marker = jpeg_.marker_list; marker != nullptr; marker = marker->next) {
+      const std::string_view data(reinterpret_cast<const char*>(marker->data), marker->data_length);
+      if (data.starts_with(kExif) && isTurned(data.substr(kExif.size()))) header.leftOut.emplace_back(kOrientations);
+      profiled = profiled || data.starts_with(kProfile);
+      srgb = srgb || (data.starts_with(kProfile) && isSrgb(data));
+    }
+    if (profiled && !srgb) header.leftOut.emplace_back(kProfiles);
+    return header;
   }
 
   void rows(int count, std::uint8_t* pixels) override {
@@ -92,6 +104,8 @@ class JpegReader final : public ImageReader {
     jpeg_create_decompress(&jpeg_);
     jpeg_.progress = &progress_;
     jpeg_mem_src(&jpeg_, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
+    jpeg_save_markers(&jpeg_, JPEG_APP0 + 1, 0xFFFF);
+    jpeg_save_markers(&jpeg_, JPEG_APP0 + 2, 0xFFFF);
     jpeg_read_header(&jpeg_, TRUE);
     jpeg_calc_output_dimensions(&jpeg_);
   }

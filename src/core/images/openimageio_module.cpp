@@ -4,6 +4,8 @@
 #include <OpenImageIO/imageio.h>
 #include <dlfcn.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdarg>
 #include <cstdint>
 #include <cstring>
@@ -14,6 +16,8 @@
 #include <vector>
 
 #include "images/images_interface.h"
+#include "images/metadata.h"
+#include "images/srgb.h"
 
 namespace scanmill {
 
@@ -36,43 +40,93 @@ class OpenImageIoReader final : public ImageReader {
     if (memory != nullptr) config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &memory);
     input_ = OIIO::ImageInput::open(name, &config, memory);
     if (!input_) fail(nullptr);
+    describe();
   }
 
-  ImageHeader header() const override {
-    const OIIO::ImageSpec& spec = input_->spec();
-    const bool alpha = spec.alpha_channel >= 0 && spec.alpha_channel < spec.nchannels;
-    // Readers that multiply colours by alpha, although the configuration forbids it, do not set oiio:UnassociatedAlpha.
-    // The reader of WebP multiplies in linear light.
-    const bool multiplied = alpha && spec.get_int_attribute("oiio:UnassociatedAlpha", 0) == 0;
-    const double gamma = std::string_view(input_->format_name()) == "webp" ? 2.2 : 1.0;
-    return {spec.width, spec.height, spec.nchannels, alpha ? spec.alpha_channel : -1, multiplied ? gamma : 0.0};
-  }
+  ImageHeader header() const override { return header_; }
 
   void rows(int count, std::uint8_t* pixels) override {
     const OIIO::ImageSpec& spec = input_->spec();
-    const std::size_t rowBytes = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.nchannels);
-    const std::size_t bytes = static_cast<std::size_t>(count) * rowBytes;
+    const OIIO::TypeDesc type = isLinear() ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8;
+    const std::size_t rowValues = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.nchannels);
+    const std::size_t rowBytes = rowValues * type.size();
+    const std::size_t values = static_cast<std::size_t>(count) * rowValues;
+    light_.resize(isLinear() ? values : 0);
+    void* const to = isLinear() ? static_cast<void*>(light_.data()) : pixels;
     if (spec.tile_width == 0) {
       const int first = spec.y + next_;
-      if (!input_->read_scanlines(0, 0, first, first + count, spec.z, 0, spec.nchannels, OIIO::TypeDesc::UINT8,
-                                  pixels)) {
+      if (!input_->read_scanlines(0, 0, first, first + count, spec.z, 0, spec.nchannels, type, to)) {
         fail(input_.get());
       }
     } else {
       if (whole_.empty()) {
         whole_.resize(static_cast<std::size_t>(spec.height) * rowBytes);
-        if (!input_->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UINT8, whole_.data())) fail(input_.get());
+        if (!input_->read_image(0, 0, 0, spec.nchannels, type, whole_.data())) fail(input_.get());
       }
-      std::memcpy(pixels, whole_.data() + static_cast<std::size_t>(next_) * rowBytes, bytes);
+      std::memcpy(to, whole_.data() + static_cast<std::size_t>(next_) * rowBytes, values * type.size());
     }
     next_ += count;
+    if (isLinear()) encode(pixels);
   }
 
  private:
+  // Returns the index of the alpha channel; -1: none. The reader of GIF names the channel behind it.
+  int alphaChannel() const { return std::min(input_->spec().alpha_channel, input_->spec().nchannels - 1); }
+
+  void describe() {
+    const OIIO::ImageSpec spec = input_->spec();
+    const std::string_view format = input_->format_name();
+    // The reader of WebP multiplies in linear light. encode() divides linear colours.
+    const double gamma = !isMultiplied() || isLinear() ? 0.0 : format == "webp" ? 2.2 : 1.0;
+    header_ = {spec.width, spec.height, spec.nchannels, alphaChannel(), gamma};
+    if (spec.get_int_attribute("Orientation", 1) > 1) header_.leftOut.emplace_back(kOrientations);
+    const OIIO::ParamValue* const profile = spec.find_attribute("ICCProfile");
+    if (profile != nullptr &&
+        !isSrgb({static_cast<const char*>(profile->data()), static_cast<std::size_t>(profile->datasize())})) {
+      header_.leftOut.emplace_back(kProfiles);
+    }
+    if (format != "tiff" && format != "gif") return;
+    // Smaller images are previews of the first.
+    if (input_->seek_subimage(1, 0) && input_->spec().width >= spec.width) header_.leftOut.emplace_back(kFurtherImages);
+    input_->geterror();
+    if (!input_->seek_subimage(0, 0)) fail(input_.get());
+  }
+
+  // True if colours are multiplied by alpha.
+  bool isMultiplied() const {
+    if (alphaChannel() < 0 || input_->spec().get_int_attribute("oiio:UnassociatedAlpha", 0) != 0) return false;
+    const std::string_view format = input_->format_name();
+    const std::string compression = input_->spec().get_string_attribute("compression");
+    return format == "webp" || format == "openexr" || format == "tiff" || compression == "DXT2" ||
+           compression == "DXT4";
+  }
+
+  // True if the channels are linear light: by convention colours in floats are. One channel of floats holds measures,
+  // such as opacity.
+  bool isLinear() const { return input_->spec().format.is_floating_point() && input_->spec().nchannels >= 3; }
+
+  // Converts the rows in light_ to bytes.
+  void encode(std::uint8_t* pixels) const {
+    const auto channels = static_cast<std::size_t>(input_->spec().nchannels);
+    const auto alpha = static_cast<std::size_t>(alphaChannel());  // beyond all channels if there is none
+    const bool divide = isMultiplied();
+    const auto part = [](double value) { return value > 0 ? std::min(value, 1.0) : 0.0; };  // 0 for NaN
+    for (std::size_t i = 0; i < light_.size(); i += channels) {
+      for (std::size_t c = 0; c < channels; ++c) {
+        const double value = double{light_[i + c]};
+        const double whole = divide ? part(double{light_[i + alpha]}) : 1.0;
+        const double coded = c == alpha ? part(value) : srgbOf(part(value / whole));
+        pixels[i + c] = static_cast<std::uint8_t>(std::lround(255 * coded));
+      }
+    }
+  }
+
   OIIO::Filesystem::IOMemReader memory_;
   std::unique_ptr<OIIO::ImageInput> input_;  // uses memory_, and must be destroyed before memory_
-  std::vector<std::uint8_t> whole_;          // all rows of an image that is stored in tiles
-  int next_ = 0;                             // index of the next row
+  ImageHeader header_;
+  std::vector<std::uint8_t> whole_;  // all rows of an image that is stored in tiles
+  std::vector<float> light_;         // the latest rows, if colours are linear
+  int next_ = 0;                     // index of the next row
 };
 
 // Keeps libtiff from printing. OpenImageIO tries all its readers on a damaged file, and from 2.5 on (Debian 13) libtiff

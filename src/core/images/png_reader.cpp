@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "images/metadata.h"
 #include "images/readers.h"
 
 namespace scanmill {
@@ -24,6 +25,7 @@ class PngReader final : public ImageReader {
     if (info_ == nullptr) throw std::bad_alloc();
     try {
       guarded([this] { readHeader(); });
+      noteLook();
     } catch (...) {
       png_destroy_read_struct(&png_, &info_, nullptr);
       throw;
@@ -77,7 +79,9 @@ class PngReader final : public ImageReader {
   void readHeader() {
     png_set_read_fn(png_, this, take);
     png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);  // skips chunks that do not affect pixels
-    png_set_user_limits(png_, 1 << 30, 1 << 30);                             // checkSize() checks the size later
+    static constexpr char kStated[] = "gAMA\0iCCP\0sRGB\0eXIf";  // except these, which state how the pixels are to look
+    png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_AS_DEFAULT, reinterpret_cast<png_const_bytep>(kStated), 4);
+    png_set_user_limits(png_, 1 << 30, 1 << 30);  // checkSize() checks the size later
     png_read_info(png_, info_);
     png_set_expand(png_);
     png_set_scale_16(png_);
@@ -86,6 +90,23 @@ class PngReader final : public ImageReader {
     const int channels = png_get_channels(png_, info_);
     header_ = {static_cast<int>(png_get_image_width(png_, info_)), static_cast<int>(png_get_image_height(png_, info_)),
                channels, channels == 2 || channels == 4 ? channels - 1 : -1, 0};
+  }
+
+  // Notes what the file states of the look, which is not applied.
+  void noteLook() {
+    png_charp name = nullptr;
+    png_bytep bytes = nullptr;
+    png_uint_32 size = 0;
+    int compression = 0;
+    double gamma = 0;
+    if (png_get_iCCP(png_, info_, &name, &compression, &bytes, &size) != 0) {
+      if (!isSrgb({reinterpret_cast<const char*>(bytes), size})) header_.leftOut.emplace_back(kProfiles);
+    } else if (png_get_gAMA(png_, info_, &gamma) != 0 && (gamma < 0.4 || gamma > 0.51)) {
+      header_.leftOut.emplace_back(kGammas);  // that of sRGB is 0.45455
+    }
+    if (png_get_eXIf_1(png_, info_, &size, &bytes) != 0 && isTurned({reinterpret_cast<const char*>(bytes), size})) {
+      header_.leftOut.emplace_back(kOrientations);
+    }
   }
 
   void readInterlaced(std::size_t rowBytes) {

@@ -10,7 +10,7 @@
 namespace scanmill {
 
 // Opens a PNG and reads its header. Throws std::runtime_error with libpng's message if the file is damaged. Colours are
-// returned as stored: profiles and gamma are not applied.
+// returned as stored: profiles and gamma are not applied, as glTF demands.
 std::unique_ptr<ImageReader> openPng(std::string_view bytes);
 
 // Opens a JPEG and reads its header. Returns null for an image of four inks (CMYK), which OpenImageIO must convert.

@@ -2,13 +2,17 @@
 
 #include <cpl_conv.h>
 #include <cpl_error.h>
+#include <cpl_string.h>
 #include <gdal.h>
 #include <ogr_srs_api.h>
 
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "rasters/rasters_interface.h"
 
@@ -22,6 +26,8 @@ namespace {
   throw std::runtime_error(text.empty() ? otherwise : text);
 }
 
+constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
+
 // A coordinate system whose first axis is x (east) and whose second is y (north), as in the raster.
 class Reference {
  public:
@@ -34,11 +40,35 @@ class Reference {
   Reference& operator=(const Reference&) = delete;
 
   bool known() const { return known_; }
-  bool geographic() const { return known_ && OSRIsGeographic(handle_) != 0; }
-  double metresPerUnit() const {
-    return known_ && OSRIsProjected(handle_) != 0 ? OSRGetLinearUnits(handle_, nullptr) : 1;
+
+  void describe(RasterHeader& header) const {
+    if (!known_) return;
+    header.geographic = OSRIsGeographic(handle_) != 0;
+    if (header.geographic) {
+      constexpr double kRadiansPerDegree = 0.017453292519943295;
+      header.perUnit = OSRGetAngularUnits(handle_, nullptr) / kRadiansPerDegree;
+      if (std::fabs(header.perUnit - 1) < 1e-9) header.perUnit = 1;  // definitions round it
+      const double earth = OSRGetSemiMajor(handle_, nullptr) / 6378137;
+      if (OSRIsDerivedGeographic(handle_) != 0) header.foreign = "degrees of a sphere with another pole";
+      if (!(earth > 0.99 && earth < 1.01)) header.foreign = "degrees of another body than the earth";
+    } else {
+      header.perUnit = OSRGetLinearUnits(handle_, nullptr);
+      if (OSRIsGeocentric(handle_) != 0) header.foreign = "earth-centred coordinates";
+    }
+    if (OSRIsVertical(handle_) == 0) return;
+    char* name = nullptr;
+    header.metresPerHeight = OSRGetTargetLinearUnits(handle_, "VERT_CS", &name);
+    header.heightUnit = name == nullptr ? "unit" : name;
+    OGRAxisOrientation points = OAO_Up;
+    OSRGetAxis(handle_, "VERT_CS", 0, &points);
+    if (points == OAO_Down) header.metresPerHeight *= -1;
   }
-  bool same(const Reference& other) const { return OSRIsSame(handle_, other.handle_) != 0; }
+
+  bool same(const Reference& other) const {
+    OSRStripVertical(handle_);
+    OSRStripVertical(other.handle_);
+    return OSRIsSame(handle_, other.handle_) != 0;
+  }
 
  private:
   OGRSpatialReferenceH handle_;
@@ -49,6 +79,7 @@ class GdalReader final : public RasterReader {
  public:
   explicit GdalReader(const std::string& file) : set_(GDALOpen(file.c_str(), GA_ReadOnly)) {
     if (set_ == nullptr) fail("is no raster that GDAL knows");
+    driver_ = GDALGetDriverShortName(GDALGetDatasetDriver(set_));
   }
   ~GdalReader() override { GDALClose(set_); }
   GdalReader(const GdalReader&) = delete;
@@ -58,46 +89,77 @@ class GdalReader final : public RasterReader {
     RasterHeader header;
     header.width = GDALGetRasterXSize(set_);
     header.height = GDALGetRasterYSize(set_);
-    header.bands = GDALGetRasterCount(set_);
+    for (int i = 1; i <= GDALGetRasterCount(set_); ++i) {
+      GDALRasterBandH band = GDALGetRasterBand(set_, i);
+      header.bands.push_back({GDALGetDataTypeName(GDALGetRasterDataType(band)),
+                              GDALGetColorInterpretationName(GDALGetRasterColorInterpretation(band)),
+                              GDALGetRasterUnitType(band)});
+    }
+    // Each raster of a file has a name and a description here; a file with one raster has none.
+    const int named = CSLCount(GDALGetMetadata(set_, "SUBDATASETS")) / 2;
+    header.others = header.bands.empty() || named == 0 ? named : named - 1;
     header.placed = GDALGetGeoTransform(set_, header.transform.data()) == CE_None;
     const char* const reference = GDALGetProjectionRef(set_);
     header.reference = reference == nullptr ? "" : reference;
-    const Reference system(header.reference);
-    header.geographic = system.geographic();
-    header.metresPerUnit = system.metresPerUnit();
+    Reference(header.reference).describe(header);
     CPLErrorReset();
     return header;
   }
 
-  void read(int band, const std::array<int, 4>& xywh, int columns, int rows, bool mean, float* values) override {
+  void read(int band, const std::array<int, 4>& xywh, double* values) override {
     GDALRasterBandH handle = GDALGetRasterBand(set_, band);
     if (handle == nullptr) fail("has no such band");
-    GDALRasterIOExtraArg extra;
-    INIT_RASTERIO_EXTRA_ARG(extra);
-    extra.eResampleAlg = mean ? GRIORA_Average : GRIORA_NearestNeighbour;
-    if (GDALRasterIOEx(handle, GF_Read, xywh[0], xywh[1], xywh[2], xywh[3], values, columns, rows, GDT_Float32, 0, 0,
-                       &extra) != CE_None) {
-      fail("cannot be read");
+    if (driver_ == "VRT" && GDALGetMaskFlags(handle) == GMF_ALL_VALID) {
+      // Where no raster of a mosaic lies, GDAL returns the mosaic's value of missing samples, or else 0. Without its
+      // name the changed mosaic is not written to its file.
+      GDALSetDescription(set_, "");
+      GDALSetRasterNoDataValue(handle, kNoValue);
+    }
+    readSamples(handle, xywh, values);
+    const std::size_t count = static_cast<std::size_t>(xywh[2]) * static_cast<std::size_t>(xywh[3]);
+    // GDAL before 3.7 has no type for signed bytes.
+    const char* const type = GDALGetMetadataItem(handle, "PIXELTYPE", "IMAGE_STRUCTURE");
+    if (type != nullptr && EQUAL(type, "SIGNEDBYTE")) {
+      for (std::size_t i = 0; i < count; ++i) values[i] -= values[i] > 127 ? 256 : 0;
     }
     int has = 0;
-    const double none = GDALGetRasterNoDataValue(handle, &has);
+    double none = GDALGetRasterNoDataValue(handle, &has);
+    if (has == 0 && driver_ == "AAIGrid") none = -9999;  // the default of Esri's text grids
+    const bool marked = std::isfinite(none) && (has != 0 || driver_ == "AAIGrid");
+    // Files state this value in float32 or as a text: with six digits, if it is as large as -3.40282e+38.
+    const double rounded = std::fabs(none) * (std::fabs(none) > 1e6 ? 1e-5 : 1e-7);
     const double scale = GDALGetRasterScale(handle, nullptr);
     const double offset = GDALGetRasterOffset(handle, nullptr);
-    const std::string unit = GDALGetRasterUnitType(handle);
-    const double metres = unit == "ft" || unit == "feet" || unit == "foot" ? 0.3048
-                          : unit == "US survey foot"                       ? 1200.0 / 3937
-                                                                           : 1;
-    const auto noneHere = static_cast<float>(none);
-    const std::size_t count = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
+    if (GDALGetMaskFlags(handle) != GMF_ALL_VALID) dropWhereZero(GDALGetMaskBand(handle), xywh, values);
+    for (int i = 1; i <= GDALGetRasterCount(set_); ++i) {
+      GDALRasterBandH alpha = GDALGetRasterBand(set_, i);
+      if (GDALGetRasterColorInterpretation(alpha) == GCI_AlphaBand) dropWhereZero(alpha, xywh, values);
+    }
     for (std::size_t i = 0; i < count; ++i) {
-      const bool missing = has != 0 && (values[i] == noneHere || (std::isnan(none) && std::isnan(values[i])));
-      values[i] = missing ? std::numeric_limits<float>::quiet_NaN()
-                          : static_cast<float>((double{values[i]} * scale + offset) * metres);
+      const bool missing = marked && std::fabs(values[i] - none) <= rounded;
+      values[i] = missing ? kNoValue : values[i] * scale + offset;
     }
   }
 
  private:
+  static void readSamples(GDALRasterBandH band, const std::array<int, 4>& xywh, double* values) {
+    if (GDALRasterIO(band, GF_Read, xywh[0], xywh[1], xywh[2], xywh[3], values, xywh[2], xywh[3], GDT_Float64, 0, 0) !=
+        CE_None) {
+      fail("cannot be read");
+    }
+  }
+
+  void dropWhereZero(GDALRasterBandH mask, const std::array<int, 4>& xywh, double* values) {
+    mask_.resize(static_cast<std::size_t>(xywh[2]) * static_cast<std::size_t>(xywh[3]));
+    readSamples(mask, xywh, mask_.data());
+    for (std::size_t i = 0; i < mask_.size(); ++i) {
+      if (mask_[i] == 0) values[i] = kNoValue;
+    }
+  }
+
   GDALDatasetH set_;
+  std::string driver_;
+  std::vector<double> mask_;
 };
 
 class Gdal final : public RastersModule {
@@ -105,8 +167,8 @@ class Gdal final : public RastersModule {
   Gdal() {
     GDALAllRegister();
     CPLSetErrorHandler(CPLQuietErrorHandler);  // this handler prints nothing; fail() gets the messages
-    // GDAL must not write files of statistics beside the user's files.
-    CPLSetConfigOption("GDAL_PAM_ENABLED", "NO");
+    // GDAL guesses the type of a text grid by its first samples, and would drop the fractions of later ones.
+    CPLSetConfigOption("AAIGRID_DATATYPE", "Float64");
   }
   std::unique_ptr<RasterReader> open(const std::string& file) const override {
     return std::make_unique<GdalReader>(file);

@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <memory>
+#include <set>
 #include <stdexcept>
 #include <string_view>
 
@@ -34,30 +37,93 @@ std::unique_ptr<RasterReader> open(const std::filesystem::path& file) {
   }
 }
 
-// Throws InputError if a word below the heading of a text grid (Esri's .asc) is not a number, since GDAL reads it as 0.
-// Allowed characters are those of numbers, of "nan", "inf", "1.#IND" and "1.#QNAN", and "*", with which GRASS marks
-// missing samples.
-void refuseWords(const std::filesystem::path& file) {
+// Throws InputError if a text grid (Esri's .asc) does not say where it lies, has a word below its heading that is not a
+// number, or does not have `samples` of them: GDAL would place it at [0, 0], and would read 0 for such words and for
+// samples that are missing. Allowed characters are those of numbers, of "nan", "inf", "1.#IND" and "1.#QNAN", and "*",
+// with which GRASS marks missing samples.
+void checkTextGrid(const std::filesystem::path& file, std::size_t samples, LeftOut& leftOut) {
+  constexpr std::string_view kBlanks = " \t\r";
   const std::string text = readFile(file);
-  std::size_t line = 0;
-  bool heading = true;
+  std::set<std::string> heading;
+  std::size_t line = 0, found = 0;
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
-    const std::string_view row = std::string_view(text).substr(begin, end - begin);
+    std::string_view row = std::string_view(text).substr(begin, end - begin);
     begin = end + 1;
     ++line;
-    const std::size_t first = row.find_first_not_of(" \t\r");
-    if (first == std::string_view::npos) continue;
-    heading = heading && std::isalpha(static_cast<unsigned char>(row[first])) != 0;
-    const std::size_t wrong =
-        heading ? std::string_view::npos : row.find_first_not_of(" \t\r0123456789+-.eE*#nNaAiIfFdDqQ");
-    if (wrong == std::string_view::npos) continue;
-    const std::size_t from = row.find_last_of(" \t", wrong) + 1;  // 0 if no blank comes before the word
-    const std::string word(row.substr(from, row.find_first_of(" \t\r", wrong) - from));
-    throw InputError(
-        {file.string(), static_cast<int>(line)},
-        fmt::format("'{}' is no number: a sample that is not known has the value of NODATA_value", word.substr(0, 40)));
+    while (true) {
+      row.remove_prefix(std::min(row.find_first_not_of(kBlanks), row.size()));
+      if (row.empty()) break;
+      const std::string_view word = row.substr(0, row.find_first_of(kBlanks));
+      row.remove_prefix(word.size());
+      const bool isNumber = word.find_first_not_of("0123456789+-.,eE*#nNaAiIfFdDqQ") == std::string_view::npos &&
+                            std::count_if(word.begin(), word.end(), [](char c) { return c == '.' || c == ','; }) < 2;
+      if (!isNumber && found == 0 && std::isalpha(static_cast<unsigned char>(word[0])) != 0) {
+        const std::string key = lowerCase(word);
+        if (heading.insert(key).second) leftOut.addKeyword(rasterFormat(), key);
+        row.remove_prefix(std::min(row.find_first_not_of(kBlanks), row.size()));
+        row.remove_prefix(std::min(row.find_first_of(kBlanks), row.size()));
+        continue;
+      }
+      if (!isNumber) {
+        throw InputError({file.string(), static_cast<int>(line)},
+                         fmt::format("'{}' is no number: a sample that is not known has the value of NODATA_value",
+                                     word.substr(0, 40)));
+      }
+      ++found;
+    }
   }
+  const auto has = [&](const char* x, const char* y) { return heading.contains(x) && heading.contains(y); };
+  if (heading.contains("ncols") && !has("xllcorner", "yllcorner") && !has("xllcenter", "yllcenter")) {
+    fail(file, "does not say where it lies: its heading needs xllcorner and yllcorner, or xllcenter and yllcenter");
+  }
+  if (found != samples) fail(file, fmt::format("has {} samples, but its heading promises {}", found, samples));
+}
+
+// Returns the metres per unit of the heights, negative if they are depths.
+double metresPerHeight(const std::filesystem::path& file, const RasterHeader& header) {
+  struct Unit {
+    std::string_view names;
+    double metres;
+  };
+  static constexpr std::array<Unit, 6> kUnits{{{"|m|metre|metres|meter|meters|", 1},
+                                               {"|dm|", 0.1},
+                                               {"|cm|", 0.01},
+                                               {"|mm|", 0.001},
+                                               {"|ft|foot|feet|", 0.3048},
+                                               {"|us survey foot|us survey feet|ftus|", 1200.0 / 3937}}};
+  const std::string& unit = header.bands[0].unit;
+  if (!header.heightUnit.empty() && (unit.empty() || unit == header.heightUnit)) return header.metresPerHeight;
+  const double sign = header.metresPerHeight < 0 ? -1 : 1;
+  if (unit.empty()) {
+    if (!header.geographic && header.perUnit != 1) {
+      warn(fmt::format(
+          "{}: x and y are in units of {:.6g} m, but nothing states the unit of the heights, which count as "
+          "metres: if they are feet, say so by 'gdal_edit.py -units \"{}\" {}'",
+          file.string(), header.perUnit, header.perUnit == 0.3048 ? "ft" : "US survey foot", file.string()));
+    }
+    return sign;
+  }
+  const std::string word = "|" + lowerCase(unit) + "|";
+  const auto* const known =
+      std::find_if(kUnits.begin(), kUnits.end(), [&](const Unit& u) { return u.names.find(word) != u.names.npos; });
+  if (known == kUnits.end()) {
+    fail(file, fmt::format("has values in '{}', which is no known unit of heights: state it by gdal_edit.py -units "
+                           "with \"m\", \"ft\" or \"US survey foot\"",
+                           unit));
+  }
+  return known->metres * sign;
+}
+
+// Throws InputError if the bands are no heights.
+void expectHeights(const std::filesystem::path& file, const RasterHeader& header, bool placed) {
+  if (!header.foreign.empty()) fail(file, fmt::format("is in {}: convert it by gdalwarp -t_srs", header.foreign));
+  const std::string& means = header.bands[0].means;
+  // Heightmaps of games are often saved as RGB images of grey shades.
+  if (means == "Undefined" || means == "Gray" || (means == "Red" && !placed)) return;
+  fail(file, fmt::format("holds colours and no heights: GDAL calls its first band '{}'; if it holds heights, say so by "
+                         "gdal_translate -colorinterp_1 gray",
+                         means));
 }
 
 // Returns {first column, first row, end column, end row} of the samples whose centres lie in the bounds; the end column
@@ -78,6 +144,41 @@ std::array<int, 4> windowOf(const Raster& whole, const RasterBounds& within) {
   };
   return {clamped(left, whole.width), clamped(top, whole.height), clamped(right, whole.width),
           clamped(bottom, whole.height)};
+}
+
+// Fills the raster's values with the means of equal squares or rectangles of the window, times `factor`.
+void readMeans(RasterReader& reader, int band, const std::array<int, 4>& window, double factor, Raster& raster) {
+  constexpr int kSamplesAtATime = 4'000'000;
+  const int across = window[2] / raster.width;
+  const int down = window[3] / raster.height;
+  const int rowsAtATime = std::max(kSamplesAtATime / window[2], 1);
+  std::vector<double> rows;
+  std::vector<double> sums(static_cast<std::size_t>(raster.width));
+  std::vector<std::uint32_t> counts(sums.size());
+  raster.values.reserve(sums.size() * static_cast<std::size_t>(raster.height));
+  for (int first = 0; first < window[3]; first += rowsAtATime) {
+    const int count = std::min(rowsAtATime, window[3] - first);
+    rows.resize(static_cast<std::size_t>(count) * static_cast<std::size_t>(window[2]));
+    reader.read(band, {window[0], window[1] + first, window[2], count}, rows.data());
+    const double* sample = rows.data();
+    for (int row = first + 1; row <= first + count; ++row) {
+      for (std::size_t i = 0; i < sums.size(); ++i) {
+        for (int k = 0; k < across; ++k, ++sample) {
+          if (!std::isfinite(*sample)) continue;
+          sums[i] += *sample;
+          ++counts[i];
+        }
+      }
+      if (row % down != 0) continue;
+      for (std::size_t i = 0; i < sums.size(); ++i) {
+        const bool has = counts[i] > 0;
+        raster.values.push_back(has ? static_cast<float>(sums[i] / counts[i] * factor)
+                                    : std::numeric_limits<float>::quiet_NaN());
+      }
+      sums.assign(sums.size(), 0);
+      counts.assign(counts.size(), 0);
+    }
+  }
 }
 
 }  // namespace
@@ -101,20 +202,74 @@ float Raster::at(double x, double y) const {
   return values[static_cast<std::size_t>(r) * static_cast<std::size_t>(width) + static_cast<std::size_t>(c)];
 }
 
+const FormatSupport& rasterFormat() {
+  using enum FormatElements::Use;
+  static const FormatSupport format{
+      "Rasters of heights, classes and colours",
+      ".tif, .tiff, .asc, .hgt, .vrt, .img, .dem",
+      {{Read, "ncols nrows cellsize dx dy xllcorner yllcorner xllcenter yllcenter nodata_value",
+        "heading of Esri's text grids (.asc), in any case; NODATA_value is -9999 if it is absent; commas may stand for "
+        "decimal points"},
+       {Read, "north: south: east: west: rows: cols: null: type: multiplier:", "heading of the text grids of GRASS"},
+       {Read, "", "heights: the first band; values of 8 to 64 bits, with the scale and offset of the band"},
+       {Read, "",
+        "holes: the band's value for missing samples, NaN, masks (in the file or in .msk), alpha bands, gaps of "
+        "mosaics (.vrt)"},
+       {Read, "", "geotransforms, rotated ones and those that run north too, for areas and for points; world files"},
+       {Read, "",
+        "coordinate systems with x and y in metres, feet or other units of length, or in degrees or grads; .prj "
+        "and .aux.xml"},
+       {Read, "", "units of heights: the band's unit, else the vertical system's, else metres; depths become heights"},
+       {Read, "", "images on heights: the bands called red, green and blue, else the first three or the first"},
+       {Unused, "",
+        "overviews, statistics, histograms, names and colours of classes, bands of images that are no "
+        "colours"},
+       {LeftOut, "", "bands behind the first"},
+       {LeftOut, "", "further rasters of the file"}}};
+  return format;
+}
+
 Raster readRaster(const std::filesystem::path& file, const RasterRequest& request) {
   const std::unique_ptr<RasterReader> reader = open(file);
   const RasterHeader header = reader->header();
-  if (lowerExtension(file) == ".asc") refuseWords(file);
-  if (header.width <= 0 || header.height <= 0) fail(file, "has no samples");
-  if (!header.placed) fail(file, "does not say where it lies: it has no geotransform; set it by gdal_edit.py -a_ullr");
-  if (request.band > header.bands) fail(file, fmt::format("has {} bands, and no band {}", header.bands, request.band));
+  if (header.bands.empty() && header.others > 0) {
+    fail(file, fmt::format("holds {} rasters: take one of them by gdal_translate", header.others));
+  }
+  if (header.width <= 0 || header.height <= 0 || header.bands.empty()) fail(file, "has no samples");
+  LeftOut leftOut;
+  if (lowerExtension(file) == ".asc") {
+    checkTextGrid(file, static_cast<std::size_t>(header.width) * static_cast<std::size_t>(header.height), leftOut);
+  }
+  if (!header.placed && request.placed) {
+    fail(file,
+         "does not say where it lies: it has no geotransform; set it by gdal_edit.py -a_ullr, or by gdalwarp if it "
+         "has ground control points");
+  }
+  if (request.band > std::ssize(header.bands)) {
+    fail(file, fmt::format("has {} bands, and no band {}", header.bands.size(), request.band));
+  }
+  const RasterBand& band = header.bands.at(static_cast<std::size_t>(request.band - 1));
+  if (band.type.starts_with('C')) fail(file, fmt::format("has complex numbers ({}) and no heights", band.type));
+  double metres = 1;
+  if (request.use == RasterUse::Heights) {
+    expectHeights(file, header, request.placed);
+    metres = metresPerHeight(file, header);
+  }
+  if (request.use != RasterUse::Colors) {
+    leftOut.add("bands behind the first",
+                static_cast<std::uint64_t>(std::count_if(header.bands.begin() + 1, header.bands.end(),
+                                                         [](const RasterBand& b) { return b.means != "Alpha"; })));
+  }
+  leftOut.add("further rasters of the file", static_cast<std::uint64_t>(header.others));
+  leftOut.tell(file.string());
   Raster raster;
   raster.width = header.width;
   raster.height = header.height;
   raster.transform = header.transform;
   raster.geographic = header.geographic;
-  raster.metresPerUnit = header.metresPerUnit;
+  raster.perUnit = header.perUnit;
   raster.reference = header.reference;
+  raster.placed = header.placed;
   const auto& t = raster.transform;
   const double det = t[1] * t[5] - t[2] * t[4];
   if (!std::isfinite(det) || det == 0 || !std::isfinite(t[0] + t[3])) fail(file, "has a geotransform that is none");
@@ -131,7 +286,7 @@ Raster readRaster(const std::filesystem::path& file, const RasterRequest& reques
   raster.width = std::max(across / request.every, 1);
   raster.height = std::max(down / request.every, 1);
   const std::size_t samples = static_cast<std::size_t>(raster.width) * static_cast<std::size_t>(raster.height);
-  if (samples > request.mostSamples) {
+  if (std::max(samples, static_cast<std::size_t>(across)) > request.mostSamples) {
     fail(file, fmt::format("has {} x {} samples; at most {} are read: take fewer by `every` or `within`", raster.width,
                            raster.height, request.mostSamples));
   }
@@ -142,10 +297,8 @@ Raster readRaster(const std::filesystem::path& file, const RasterRequest& reques
   const double rowsEach = static_cast<double>(takenDown) / raster.height;
   raster.transform = {t[0] + window[0] * t[1] + window[1] * t[2], t[1] * columnsEach, t[2] * rowsEach,
                       t[3] + window[0] * t[4] + window[1] * t[5], t[4] * columnsEach, t[5] * rowsEach};
-  raster.values.resize(samples);
   try {
-    reader->read(request.band, {window[0], window[1], taken, takenDown}, raster.width, raster.height, request.mean,
-                 raster.values.data());
+    readMeans(*reader, request.band, {window[0], window[1], taken, takenDown}, metres, raster);
   } catch (const std::runtime_error& e) {
     fail(file, fmt::format("is damaged: {}", e.what()));
   }
@@ -156,8 +309,23 @@ bool sameReference(const Raster& a, const Raster& b) {
   return moduleOf<RastersModule>().same(a.reference, b.reference);
 }
 
-int bandsOf(const std::filesystem::path& file) {
-  return open(file)->header().bands;
+std::array<int, 3> colorBands(const std::filesystem::path& file) {
+  const std::vector<RasterBand> bands = open(file)->header().bands;
+  const auto called = [&](std::string_view means) {
+    const auto found = std::find_if(bands.begin(), bands.end(), [&](const RasterBand& b) { return b.means == means; });
+    return found == bands.end() ? 0 : static_cast<int>(found - bands.begin()) + 1;
+  };
+  if (called("Palette") != 0)
+    fail(file, "has a colour table: replace its numbers by colours with gdal_translate -expand rgb");
+  for (const char* other : {"Cyan", "Hue", "YCbCr_Y"}) {
+    if (called(other) != 0)
+      fail(file, fmt::format("has a band '{}': convert its colours to red, green and blue", other));
+  }
+  const std::array<int, 3> named{called("Red"), called("Green"), called("Blue")};
+  if (named[0] != 0 && named[1] != 0 && named[2] != 0) return named;
+  const int alpha = called("Alpha");
+  const auto others = static_cast<int>(bands.size()) - (alpha != 0 ? 1 : 0);
+  return others >= 3 ? std::array{1, 2, 3} : std::array{1, 1, 1};
 }
 
 }  // namespace scanmill

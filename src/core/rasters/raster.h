@@ -10,7 +10,12 @@
 #include <string>
 #include <vector>
 
+#include "base/format_support.h"
+
 namespace scanmill {
+
+// What is read of the files of rasters, with the words in the heading of a text grid (in lower case).
+const FormatSupport& rasterFormat();
 
 // A rectangle in a raster's coordinates: least x and y, greatest x and y.
 using RasterBounds = std::array<double, 4>;
@@ -19,9 +24,10 @@ struct Raster {
   int width = 0, height = 0;
   std::vector<float> values;        // row by row; NaN for a sample without a value
   std::array<double, 6> transform;  // GDAL's geotransform; column and row are 0 at the raster's outer edges
-  bool geographic = false;          // true: x and y are longitude and latitude in degrees
-  double metresPerUnit = 1;         // metres per unit of x and y, if not geographic
+  bool geographic = false;          // true: x and y are longitude and latitude
+  double perUnit = 1;               // metres per unit of x and y; degrees if geographic
   std::string reference;            // definition of the coordinate system (WKT); empty: unknown
+  bool placed = true;               // false: the file has no geotransform, x and y count columns and rows
 
   // Returns x and y of the centre of a sample.
   std::array<double, 2> place(int column, int row) const;
@@ -31,23 +37,29 @@ struct Raster {
   float at(double x, double y) const;
 };
 
+enum class RasterUse { Heights, Classes, Colors };
+
 struct RasterRequest {
+  RasterUse use = RasterUse::Heights;
   int band = 1;
-  int every = 1;     // a square of `every` x `every` samples becomes one sample
-  bool mean = true;  // true: the mean of the square; false: its middle sample, for class numbers
+  int every = 1;  // a square of `every` x `every` samples becomes one sample: the mean of those that have a value
   std::optional<RasterBounds> within;
   std::size_t mostSamples = 64'000'000;
+  bool placed = true;  // false: images without a geotransform are read too, of RGB images the red band
 };
 
-// Reads a raster. Throws an InputError that names the file and says what is wrong: it is absent, damaged or no raster,
-// has no geotransform, lacks the requested band, has more than `mostSamples` samples, or has no samples within the
-// bounds.
+// Reads a band of a raster; heights become metres, upwards. Samples without a value are those that the file marks by a
+// value (NaN too), a mask or an alpha band, or that no raster of a mosaic covers. Warns of what is left out. Throws an
+// InputError that names the file and says what is wrong: it is absent, damaged or no raster, has no geotransform
+// though RasterRequest::placed asks for it, lacks the requested band, has more than `mostSamples` samples, has no
+// samples within the bounds, or holds no heights but colours, or heights in an unknown unit.
 Raster readRaster(const std::filesystem::path& file, const RasterRequest& request);
 
 // True if the rasters have the same coordinate system, or if the system of one is unknown.
 bool sameReference(const Raster& a, const Raster& b);
 
-// Returns how many bands a raster has. Throws as readRaster() does.
-int bandsOf(const std::filesystem::path& file);
+// Returns the numbers of the bands that hold red, green and blue: those that the file calls so, else the first three,
+// or three times the first if there are fewer. Throws as readRaster() does.
+std::array<int, 3> colorBands(const std::filesystem::path& file);
 
 }  // namespace scanmill

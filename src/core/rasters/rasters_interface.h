@@ -5,21 +5,32 @@
 #include <array>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "base/module.h"
 
 namespace scanmill {
 
+struct RasterBand {
+  std::string type;   // GDAL's name of the type of the samples: "Byte", "Float32", "CFloat32"
+  std::string means;  // GDAL's name of what the band holds: "Gray", "Palette", "Red", "Alpha", "Undefined"
+  std::string unit;   // of the values; empty: not stated
+};
+
 struct RasterHeader {
   int width = 0;   // number of columns
   int height = 0;  // number of rows; the first row is usually the northernmost
-  int bands = 0;
+  std::vector<RasterBand> bands;
+  int others = 0;                                     // number of further rasters in the file
   bool placed = false;                                // true if the file states a geotransform
   std::array<double, 6> transform{0, 1, 0, 0, 0, 1};  // x = t0 + c t1 + r t2, y = t3 + c t4 + r t5; (c, r) = (0, 0)
                                                       // is the outer corner of the first sample
-  bool geographic = false;                            // true: x and y are longitude and latitude in degrees
-  double metresPerUnit = 1;                           // metres per unit of x and y, if not geographic
-  std::string reference;                              // the coordinate system's definition (WKT); empty: not stated
+  bool geographic = false;                            // true: x and y are longitude and latitude
+  double perUnit = 1;                                 // metres per unit of x and y; degrees if geographic
+  std::string heightUnit;      // unit of the vertical coordinate system; empty: no such system is stated
+  double metresPerHeight = 1;  // metres per unit of the vertical coordinate system; negative: its axis points down
+  std::string reference;       // the coordinate system's definition (WKT); empty: not stated
+  std::string foreign;         // says what the coordinates are if they cannot be used, in the plural; else empty
 };
 
 // A raster that is open for reading.
@@ -27,11 +38,10 @@ class RasterReader {
  public:
   virtual ~RasterReader() = default;
   virtual RasterHeader header() const = 0;
-  // Reads a window of a band into columns x rows floats. Bands are counted from 1; `xywh` is the window's first column
-  // and row, width and height (samples). Each float is the mean of the samples that it covers if `mean` is set, else
-  // the nearest sample; it is NaN if these samples have no value. Scale, offset and unit of the band are applied, so
-  // that heights are metres. Throws std::runtime_error with GDAL's message.
-  virtual void read(int band, const std::array<int, 4>& xywh, int columns, int rows, bool mean, float* values) = 0;
+  // Reads all samples in a window of a band. Bands are counted from 1; `xywh` is the window's first column and row,
+  // width and height. A sample is NaN if the file says in any way that it has no value. Scale and offset of the band
+  // are applied. Throws std::runtime_error with GDAL's message.
+  virtual void read(int band, const std::array<int, 4>& xywh, double* values) = 0;
 };
 
 class RastersModule {

@@ -65,13 +65,24 @@ bool isEmpty(const Scene& scene, const Instance& instance) {
   return std::all_of(instance.animation->meshes.begin(), instance.animation->meshes.end(), empty);
 }
 
-// Returns an instance's name up to the '#': copies of an object are called NAME#1, NAME#2 and so on.
+// Returns true if an instance belongs to the object or copy called `name`. Copies of an object are called NAME#1,
+// NAME#2 and so on; meshes that the object's file places several times are called NAME/NODE 1 or NAME#1/NODE 1.
+bool belongsTo(const Instance& instance, const std::string& name) {
+  if (!instance.name.starts_with(name)) return false;
+  const std::string_view rest = std::string_view(instance.name).substr(name.size());
+  if (rest.empty() || rest.front() == '#') return true;
+  const std::size_t blank = rest.rfind(' ');
+  return rest.front() == '/' && blank != std::string_view::npos && blank + 1 < rest.size() &&
+         rest.find_first_not_of("0123456789", blank + 1) == std::string_view::npos;
+}
+
+// Returns an instance's name up to the '#'.
 std::string objectOf(const Instance& instance) {
   return instance.name.substr(0, instance.name.find('#'));
 }
 
 bool takeOutNamed(Scene& scene, const std::string& name) {
-  return std::erase_if(scene.instances, [&](const Instance& i) { return i.name == name || objectOf(i) == name; }) > 0;
+  return std::erase_if(scene.instances, [&](const Instance& i) { return belongsTo(i, name); }) > 0;
 }
 
 // Returns the instance id if the item is a whole number without quotes, else nullopt.

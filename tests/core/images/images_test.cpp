@@ -211,46 +211,112 @@ TEST(Images, LargeOnesAreReducedToWhatIsNeeded) {
             (std::vector<std::uint8_t>{255, 0, 0, 128}));
 }
 
-// Adam7, 16 bit, with colour profiles and texts: the pixels count.
+struct PngKind {
+  int type = PNG_COLOR_TYPE_RGB;
+  int depth = 8;
+  bool interlaced = false;
+  double gamma = 0.5;
+  std::string profile{};  // ICC; empty: none
+};
+
+std::string png(const PngKind& kind, const std::vector<std::uint8_t>& rows, int width, int height) {
+  std::string bytes;
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_infop info = png_create_info_struct(png);
+  png_set_write_fn(
+      png, &bytes,
+      [](png_structp p, png_bytep data, std::size_t size) {
+        static_cast<std::string*>(png_get_io_ptr(p))->append(reinterpret_cast<char*>(data), size);
+      },
+      nullptr);
+  png_set_IHDR(png, info, static_cast<png_uint_32>(width), static_cast<png_uint_32>(height), kind.depth, kind.type,
+               kind.interlaced ? PNG_INTERLACE_ADAM7 : PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+               PNG_FILTER_TYPE_DEFAULT);
+  png_set_gAMA(png, info, kind.gamma);
+  if (!kind.profile.empty()) {
+    png_set_iCCP(png, info, "a", PNG_COMPRESSION_TYPE_BASE, reinterpret_cast<png_const_bytep>(kind.profile.data()),
+                 static_cast<png_uint_32>(kind.profile.size()));
+  }
+  std::vector<png_bytep> starts;
+  for (int i = 0; i < height; ++i) {
+    starts.push_back(const_cast<png_bytep>(rows.data()) +
+                     rows.size() / static_cast<std::size_t>(height) * static_cast<std::size_t>(i));
+  }
+  png_set_rows(png, info, starts.data());
+  png_write_png(png, info, PNG_TRANSFORM_IDENTITY, nullptr);
+  png_destroy_write_struct(&png, &info);
+  return bytes;
+}
+
+// Adam7, 16 bit, with gamma and texts: the pixels count.
 TEST(Images, PngOfEveryKindIsRead) {
-  const auto encoded = [](int type, int depth, bool interlaced, const std::vector<std::uint8_t>& rows, int width,
-                          int height) {
-    std::string bytes;
-    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
-    png_infop info = png_create_info_struct(png);
-    png_set_write_fn(
-        png, &bytes,
-        [](png_structp p, png_bytep data, std::size_t size) {
-          static_cast<std::string*>(png_get_io_ptr(p))->append(reinterpret_cast<char*>(data), size);
-        },
-        nullptr);
-    png_set_IHDR(png, info, static_cast<png_uint_32>(width), static_cast<png_uint_32>(height), depth, type,
-                 interlaced ? PNG_INTERLACE_ADAM7 : PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
-                 PNG_FILTER_TYPE_DEFAULT);
-    png_set_gAMA(png, info, 0.5);
-    std::vector<png_bytep> starts;
-    for (int i = 0; i < height; ++i) {
-      starts.push_back(const_cast<png_bytep>(rows.data()) +
-                       rows.size() / static_cast<std::size_t>(height) * static_cast<std::size_t>(i));
-    }
-    png_set_rows(png, info, starts.data());
-    png_write_png(png, info, PNG_TRANSFORM_IDENTITY, nullptr);
-    png_destroy_write_struct(&png, &info);
-    return bytes;
-  };
   const std::vector<std::uint8_t> rgb = noise(33, 17);
   for (const bool interlaced : {false, true}) {
-    EXPECT_EQ(withoutAlpha(decodeImage(encoded(PNG_COLOR_TYPE_RGB, 8, interlaced, rgb, 33, 17), "a")), rgb);
+    EXPECT_EQ(withoutAlpha(decodeImage(png({.interlaced = interlaced}, rgb, 33, 17), "a")), rgb);
     std::vector<std::uint8_t> deep;
     for (const std::uint8_t value : rgb) deep.insert(deep.end(), {value, value});
-    EXPECT_EQ(withoutAlpha(decodeImage(encoded(PNG_COLOR_TYPE_RGB, 16, interlaced, deep, 33, 17), "a")), rgb);
+    EXPECT_EQ(withoutAlpha(decodeImage(png({.depth = 16, .interlaced = interlaced}, deep, 33, 17), "a")), rgb);
   }
-  const DecodedImage gray = decodeImage(encoded(PNG_COLOR_TYPE_GRAY, 1, false, {0b10100000, 0b01000000}, 3, 2), "a");
+  const DecodedImage gray = decodeImage(png({PNG_COLOR_TYPE_GRAY, 1}, {0b10100000, 0b01000000}, 3, 2), "a");
   EXPECT_EQ(withoutAlpha(gray), (std::vector<std::uint8_t>{255, 255, 255, 0, 0, 0, 255, 255, 255,  //
                                                            0, 0, 0, 255, 255, 255, 0, 0, 0}));
-  const DecodedImage clear = decodeImage(encoded(PNG_COLOR_TYPE_GRAY_ALPHA, 8, false, {10, 0, 20, 255}, 2, 1), "a");
+  const DecodedImage clear = decodeImage(png({PNG_COLOR_TYPE_GRAY_ALPHA}, {10, 0, 20, 255}, 2, 1), "a");
   EXPECT_EQ(clear.rgba, (std::vector<std::uint8_t>{10, 10, 10, 0, 20, 20, 20, 255}));
   EXPECT_TRUE(clear.hasAlpha);
+}
+
+// Returns what is warned of while an image is decoded.
+std::string told(const std::string& bytes, const std::string& name) {
+  testing::internal::CaptureStderr();
+  decodeImage(bytes, name);
+  return testing::internal::GetCapturedStderr();
+}
+
+// An ICC profile for RGB with one tag, a text that begins with this one. libpng refuses very short profiles.
+std::string profileOf(const std::string& begin) {
+  const std::string text = begin + "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz";
+  const auto number = [](std::size_t value) { return std::string(3, '\0') + static_cast<char>(value); };
+  std::string bytes = number(144 + text.size()) + number(0) + "\4" + std::string(3, '\0') + "mntrRGB XYZ " +
+                      std::string(12, '\0') + "acsp" + std::string(28, '\0') +
+                      std::string("\0\0\xf6\xd6\0\1\0\0\0\0\xd3\x2d", 12);
+  return bytes + std::string(128 - bytes.size(), '\0') + number(1) + "desc" + number(144) + number(text.size()) + text;
+}
+
+TEST(Images, WhatWouldChangeTheirLookIsTold) {
+  const std::vector<std::uint8_t> rgb = noise(4, 4);
+  EXPECT_EQ(told(png({}, rgb, 4, 4), "sound.png"), "");
+  EXPECT_EQ(told(png({.gamma = 1}, rgb, 4, 4), "linear.png"),
+            "warning: linear.png: left out: 1 gammas other than that of sRGB (gAMA)\n");
+  EXPECT_EQ(told(png({.gamma = 1, .profile = profileOf("sRGB")}, rgb, 4, 4), "srgb.png"), "");
+  EXPECT_THAT(told(png({.profile = profileOf("wide")}, rgb, 4, 4), "wide.png"),
+              HasSubstr("wide.png: left out: 1 colour profiles other than sRGB"));
+  const auto withSegment = [&](char kind, const std::string& data) {
+    std::string bytes = jpeg(rgb, 4, 4, {});
+    const std::size_t size = data.size() + 2;
+    return bytes.insert(2, std::string("\xff") + kind + static_cast<char>(size >> 8) + static_cast<char>(size) + data);
+  };
+  const auto turned = [&](char orientation) {
+    return withSegment(
+        '\xe1', std::string("Exif\0\0II*\0\x08\0\0\0\1\0\x12\1\3\0\1\0\0\0", 24) + orientation + std::string(7, '\0'));
+  };
+  EXPECT_EQ(told(turned(1), "upright.jpg"), "");
+  EXPECT_THAT(told(turned(6), "turned.jpg"), HasSubstr("turned.jpg: left out: 1 orientations (Exif)"));
+  const std::string profile("ICC_PROFILE\0\1\1", 14);
+  EXPECT_EQ(told(withSegment('\xe2', profile + profileOf("sRGB")), "srgb.jpg"), "");
+  EXPECT_THAT(told(withSegment('\xe2', profile + profileOf("wide")), "wide.jpg"), HasSubstr("1 colour profiles"));
+  const std::string cut = turned(6);  // whatever its Exif data hold, the image is read
+  for (std::size_t i = 12; i < 36; ++i) {
+    std::string damaged = cut;
+    damaged[i] = static_cast<char>(~damaged[i]);
+    EXPECT_EQ(decodeImage(damaged, "damaged.jpg").width, 4u) << i;
+  }
+}
+
+// A palette of red and green, and the number of the colour that is clear.
+TEST(Images, GifIsClearWhereItSaysSo) {
+  const std::string gif(
+      "GIF89a\1\0\1\0\x80\0\0\xff\0\0\0\xff\0\x21\xf9\4\1\0\0\0\0\x2c\0\0\0\0\1\0\1\0\0\2\2\x44\1\0\x3b", 43);
+  EXPECT_TRUE(readImage(TemporaryFolder().write("a.gif", gif)).hasAlpha);
 }
 
 // A JPEG of equal pixels loses nothing but rounding.

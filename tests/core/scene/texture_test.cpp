@@ -21,16 +21,18 @@ namespace {
 
 using testing::HasSubstr;
 
-// `pixels` as files have them: the top row first.
+// `pixels` as files have them: the top row first. Floats are light from 0 to 1, multiplied by alpha.
+template <class Value>
 void writeImage(const std::filesystem::path& path, int width, int height, int channels,
-                const std::vector<std::uint8_t>& pixels) {
+                const std::vector<Value>& pixels, int tile = 0) {
   auto output = OIIO::ImageOutput::create(path.string());
   ASSERT_TRUE(output) << OIIO::geterror();
-  OIIO::ImageSpec spec(width, height, channels, OIIO::TypeDesc::UINT8);
-  spec.attribute("oiio:UnassociatedAlpha", 1);
+  OIIO::ImageSpec spec(width, height, channels, OIIO::BaseTypeFromC<Value>::value);
+  spec.tile_width = spec.tile_height = tile;
+  if (sizeof(Value) == 1) spec.attribute("oiio:UnassociatedAlpha", 1);
   spec.attribute("CompressionQuality", 100);
   ASSERT_TRUE(output->open(path.string(), spec)) << output->geterror();
-  ASSERT_TRUE(output->write_image(OIIO::TypeDesc::UINT8, pixels.data())) << output->geterror();
+  ASSERT_TRUE(output->write_image(OIIO::BaseTypeFromC<Value>::value, pixels.data())) << output->geterror();
   ASSERT_TRUE(output->close());
 }
 
@@ -39,12 +41,14 @@ std::vector<int> texel(const Texture& texture, float u, float v) {
   return {rgba[0], rgba[1], rgba[2], rgba[3]};
 }
 
+using Bytes = std::vector<std::uint8_t>;
+
 const std::vector<int> kRed{255, 0, 0, 255}, kGreen{0, 255, 0, 255}, kBlue{0, 0, 255, 255}, kGrey{128, 128, 128, 255};
 
 TEST(Texture, FirstRowIsTheBottomAndCoordinatesRepeat) {
   const TemporaryFolder folder;
   for (const char* name : {"a.png", "a.tga", "a.rgb", "a.bmp", "a.tif"}) {
-    writeImage(folder.path() / name, 2, 2, 3, {255, 0, 0, 0, 255, 0, 0, 0, 255, 128, 128, 128});
+    writeImage(folder.path() / name, 2, 2, 3, Bytes{255, 0, 0, 0, 255, 0, 0, 0, 255, 128, 128, 128});
     const auto texture = loadTexture(folder.path() / name);
     ASSERT_EQ(texture->width, 2u) << name;
     ASSERT_EQ(texture->height, 2u);
@@ -75,7 +79,7 @@ TEST(Texture, AnyCoordinateHasATexel) {
 
 TEST(Texture, AlphaIsKeptAndColourIsNotMultipliedByIt) {
   const TemporaryFolder folder;
-  for (const char* name : {"a.png", "a.tga", "a.webp"}) {
+  for (const char* name : {"a.png", "a.tga", "a.webp", "a.bmp", "a.sgi", "a.tif"}) {
     std::vector<std::uint8_t> pixels;
     for (int i = 0; i < 32 * 32; ++i) {
       pixels.insert(pixels.end(), {200, 100, 50, static_cast<std::uint8_t>(i % 32 < 16 ? 255 : 204)});
@@ -93,15 +97,51 @@ TEST(Texture, AlphaIsKeptAndColourIsNotMultipliedByIt) {
     }
     EXPECT_TRUE(mayHaveAlpha(folder.path() / name));
   }
-  writeImage(folder.path() / "opaque.png", 1, 1, 4, {1, 2, 3, 255});
+  writeImage(folder.path() / "opaque.png", 1, 1, 4, Bytes{1, 2, 3, 255});
   EXPECT_FALSE(loadTexture(folder.path() / "opaque.png")->hasAlpha);
-  writeImage(folder.path() / "plain.png", 1, 1, 3, {1, 2, 3});
+  writeImage(folder.path() / "plain.png", 1, 1, 3, Bytes{1, 2, 3});
   EXPECT_FALSE(mayHaveAlpha(folder.path() / "plain.png"));
+}
+
+// 0.5 of the light is 188 in sRGB (IEC 61966-2-1).
+TEST(Texture, FloatsAreLinearLight) {
+  const TemporaryFolder folder;
+  for (const char* name : {"a.exr", "a.hdr", "a.tif"}) {
+    writeImage(folder.path() / name, 1, 1, 3, std::vector{0.5f, 2.0f, 0.0f});
+    EXPECT_EQ(texel(*loadTexture(folder.path() / name), 0, 0), (std::vector{188, 255, 0, 255})) << name;
+  }
+  writeImage(folder.path() / "opacity.exr", 1, 1, 1, std::vector{0.5f});
+  EXPECT_EQ(texel(*loadTexture(folder.path() / "opacity.exr"), 0, 0)[0], 128);
+  for (const int tile : {0, 16}) {
+    std::vector<float> pixels;
+    for (int i = 0; i < 32 * 32; ++i) pixels.insert(pixels.end(), {0.25f, 0.5f, 0, 0.5f});
+    const auto path = folder.path() / (tile == 0 ? "rows.exr" : "tiles.exr");
+    writeImage(path, 32, 32, 4, pixels, tile);
+    EXPECT_EQ(texel(*loadTexture(path), 0.9f, 0.1f), (std::vector{188, 255, 0, 128})) << tile;
+  }
+}
+
+TEST(Texture, FurtherImagesAndChannelsAreTold) {
+  const TemporaryFolder folder;
+  const auto several = folder.path() / "several.tif";
+  const OIIO::ImageSpec spec(1, 1, 5, OIIO::TypeDesc::UINT8);
+  const std::vector<std::uint8_t> pixels{1, 2, 3, 255, 9};
+  const auto output = OIIO::ImageOutput::create(several.string());
+  for (const auto mode : {OIIO::ImageOutput::Create, OIIO::ImageOutput::AppendSubimage}) {
+    ASSERT_TRUE(output->open(several.string(), spec, mode)) << output->geterror();
+    ASSERT_TRUE(output->write_image(OIIO::TypeDesc::UINT8, pixels.data())) << output->geterror();
+  }
+  ASSERT_TRUE(output->close());
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(texel(*loadTexture(several), 0, 0), (std::vector{1, 2, 3, 255}));
+  EXPECT_THAT(
+      testing::internal::GetCapturedStderr(),
+      HasSubstr("several.tif: left out: 1 channels that are neither colour nor alpha, 1 further images of the file"));
 }
 
 TEST(Texture, GreyIsReadAsColour) {
   const TemporaryFolder folder;
-  writeImage(folder.path() / "a.png", 1, 1, 1, {77});
+  writeImage(folder.path() / "a.png", 1, 1, 1, Bytes{77});
   EXPECT_EQ(texel(*loadTexture(folder.path() / "a.png"), 0, 0), (std::vector<int>{77, 77, 77, 255}));
 }
 
@@ -121,10 +161,10 @@ TEST(Texture, MemoryGivesTheSameAsTheFile) {
 TEST(Texture, IsDecodedOnceWhileItIsHeld) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "a.png";
-  writeImage(path, 1, 1, 3, {1, 2, 3});
+  writeImage(path, 1, 1, 3, Bytes{1, 2, 3});
   const auto first = loadTexture(path);
   EXPECT_EQ(first, loadTexture(folder.path() / "." / "a.png"));
-  writeImage(path, 1, 1, 3, {4, 5, 6});
+  writeImage(path, 1, 1, 3, Bytes{4, 5, 6});
   std::filesystem::last_write_time(path, std::filesystem::last_write_time(path) + std::chrono::seconds(5));
   EXPECT_EQ(loadTexture(path)->rgba[0], 4);
 }

@@ -74,6 +74,24 @@ TEST(Without, ObjectsByTheirName) {
   EXPECT_TRUE(scene.instances.empty()) << "a number in quotes is a name";
 }
 
+// Meshes that a file places several times, of an object with two copies.
+TEST(Without, ObjectsOfSeveralMeshesByTheirName) {
+  const auto namesWithout = [](const std::string& item) {
+    SceneBuilder builder = testBuilder();
+    const std::uint32_t mesh = builder.addMesh(twoOnAPlate(builder));
+    for (const char* const name : {"a#1", "a#1/post 1", "a#2/post 1", "a#10/post 1", "a/b", "ab/post 1"}) {
+      builder.place(mesh, {}, name);
+    }
+    Scene scene = builder.finish();
+    takeOut(scene, items(item));
+    std::vector<std::string> names;
+    for (const Instance& i : scene.instances) names.push_back(i.name);
+    return names;
+  };
+  EXPECT_THAT(namesWithout("[a]"), testing::ElementsAre("a/b", "ab/post 1"));
+  EXPECT_THAT(namesWithout("['a#1']"), testing::ElementsAre("a#2/post 1", "a#10/post 1", "a/b", "ab/post 1"));
+}
+
 TEST(Without, AThingInEveryMomentOfItsAnimation) {
   SceneBuilder builder = testBuilder();
   const auto walk = std::make_shared<Animation>();
