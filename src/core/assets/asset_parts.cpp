@@ -35,12 +35,17 @@ Vec3d originNear(const std::vector<Vec3d>& places) {
 
 void weld(std::vector<Vec3f>& positions, std::vector<Vec2f>& uvs, std::vector<Triangle>& triangles) {
   const std::size_t count = positions.size();
-  if (count <= 2 * triangles.size()) return;
+  std::vector<bool> used(count, false);
+  for (const Triangle& triangle : triangles) {
+    for (const std::uint32_t corner : triangle) used[corner] = true;
+  }
+  if (count <= 2 * triangles.size() && std::find(used.begin(), used.end(), false) == used.end()) return;
   constexpr std::uint32_t kFree = UINT32_MAX;
   std::vector<std::uint32_t> table(std::bit_ceil(count * 2), kFree);
   std::vector<std::uint32_t> moved(count);
   std::uint32_t kept = 0;
   for (std::size_t i = 0; i < count; ++i) {
+    if (!used[i]) continue;
     const Vec3f p = positions[i];
     const Vec2f uv = uvs.empty() ? Vec2f{} : uvs[i];
     std::uint64_t hash = 0;

@@ -21,7 +21,8 @@ Mat3 zUpFrom(char up);
 // or 0 along axes on which it is small. Places that are not finite are ignored.
 Vec3d originNear(const std::vector<Vec3d>& places);
 
-// Merges bit-identical vertices, since some kinds of files have three separate vertices for every triangle.
+// Removes vertices that no triangle uses, and merges bit-identical ones, since some kinds of files have three separate
+// vertices for every triangle.
 void weld(std::vector<Vec3f>& positions, std::vector<Vec2f>& uvs, std::vector<Triangle>& triangles);
 
 // Transforms a part. The transform must not be singular; if it mirrors, triangles are flipped and still face outwards.

@@ -238,7 +238,7 @@ class Importer {
       return axis >= 0 && axis <= 2 ? "xyz"[axis] : 'y';
     }
     if (format_ == kCollada) return collada_.up;
-    if (format_ == "AC3D Importer") return 'y';
+    if (format_ == "AC3D Importer" || format_ == "LightWave/Modo Object Importer") return 'y';
     return std::nullopt;
   }
 

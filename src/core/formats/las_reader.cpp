@@ -229,7 +229,7 @@ class LasReader {
       scan.columnsIfEmpty.add(kIntensity.index);
     }
     const bool classified = std::any_of(labels.begin(), labels.end(), [](std::uint16_t label) { return label != 0; });
-    if (classified) scan[kLabel] = std::move(labels);
+    if (classified) scan[kLabel] = labels;
     adoptColumns(cloud_, {});  // columns of others that do not fit are told
     if (!classified && scan.has(kLabel)) {
       cloud_.classNames.clear();
@@ -288,8 +288,9 @@ class LasReader {
     if ((options & (kHasScale | kHasOffset)) == 0) return;
     const double scale = (options & kHasScale) != 0 ? describedNumber<double>(112) : 1;
     const double offset = (options & kHasOffset) != 0 ? describedNumber<double>(136) : 0;
-    std::vector<double> scaled;
-    for (const T value : values) scaled.push_back(static_cast<double>(value) * scale + offset);
+    std::vector<double> scaled(values.size());
+    std::transform(values.begin(), values.end(), scaled.begin(),
+                   [&](T value) { return static_cast<double>(value) * scale + offset; });
     cloud_.scan.foreign.back().values = std::move(scaled);
   }
 
