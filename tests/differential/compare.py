@@ -137,7 +137,7 @@ def main() -> int:
             compared += 1
             for what, text in differences(ours[file], theirs[file]).items():
                 different += 1
-                rows = [i for i, r in enumerate(reasons) if fnmatch.fnmatch(file, r[0]) and r[1] in ("*", reader) and r[2] == what]
+                rows = [i for i, r in enumerate(reasons) if fnmatch.fnmatch(file, r[0]) and r[1] in ("*", reader) and r[2] in ("*", what)]
                 used.update(rows)
                 if not rows:
                     bad += 1
