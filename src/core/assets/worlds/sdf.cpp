@@ -127,7 +127,7 @@ PoseElement readPose(const XmlNode& of) {
 
 class SdfReader {
  public:
-  World read(const std::filesystem::path& file) {
+  WorldFile read(const std::filesystem::path& file) {
     const XmlNode root = readXml(file);
     if (root.name != "sdf" && root.name != "gazebo") root.fail("is not an SDF: its first element must be <sdf>");
     std::vector<PlacedModel> models;
@@ -542,7 +542,7 @@ class SdfReader {
     }
   }
 
-  World world_;
+  WorldFile world_;
   std::set<const XmlNode*> statesUsed_;
   std::map<std::filesystem::path, XmlNode> definitions_;
   std::map<std::filesystem::path, std::map<std::string, OgreMaterial>> looks_;  // by script or folder, then by name
@@ -605,7 +605,7 @@ const FormatSupport& sdfFormat() {
   return format;
 }
 
-World readSdf(const std::filesystem::path& file) {
+WorldFile readSdf(const std::filesystem::path& file) {
   return SdfReader().read(file);
 }
 

@@ -29,7 +29,7 @@ class UrdfReader {
  public:
   explicit UrdfReader(const std::filesystem::path& file) : file_(file), root_(readXml(file)) {}
 
-  World read() {
+  WorldFile read() {
     if (root_.name != "robot") root_.fail("is not a URDF: its first element must be <robot>");
     survey(root_);
     std::set<std::string> links;
@@ -194,7 +194,7 @@ class UrdfReader {
   XmlNode root_;
   std::map<std::string, Joint> joints_;  // joints, by name of their child link
   std::map<std::string, Look> looks_;
-  World world_;
+  WorldFile world_;
 };
 
 }  // namespace
@@ -221,7 +221,7 @@ const FormatSupport& urdfFormat() {
   return format;
 }
 
-World readUrdf(const std::filesystem::path& file) {
+WorldFile readUrdf(const std::filesystem::path& file) {
   return UrdfReader(file).read();
 }
 

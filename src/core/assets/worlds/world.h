@@ -38,7 +38,7 @@ struct WorldThing {
   std::vector<WorldPart> parts;
 };
 
-struct World {
+struct WorldFile {
   std::vector<WorldThing> things;
   LeftOut leftOut;
 };
@@ -49,12 +49,12 @@ const FormatSupport& sdfFormat();
 // Reads the Simulation Description Format, versions 1.3 to 1.12 (sdformat.org/spec): .sdf and .world. sdfFormat() says
 // what is read. COLLADA's up_axis is ignored, as in Gazebo. Throws InputError with the file and its line, for example
 // if a model is not found.
-World readSdf(const std::filesystem::path& file);
+WorldFile readSdf(const std::filesystem::path& file);
 
 // Returns what the reader of URDF reads and leaves out.
 const FormatSupport& urdfFormat();
 
 // Reads the Unified Robot Description Format (wiki.ros.org/urdf/XML): visuals of links, with all joints at zero.
-World readUrdf(const std::filesystem::path& file);
+WorldFile readUrdf(const std::filesystem::path& file);
 
 }  // namespace scanmill

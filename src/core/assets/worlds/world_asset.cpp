@@ -32,7 +32,7 @@ class WorldAsset {
     assetFromWorld_ = {zUpFrom(asset_.up) * Mat3::scale({scale, scale, scale}), {}};
   }
 
-  Asset build(const World& world) {
+  Asset build(const WorldFile& world) {
     world.leftOut.tell(file_.string());
     // Groups of things of the same model whose names differ only in the numbers at their ends.
     std::map<std::pair<std::filesystem::path, std::string>, std::vector<const WorldThing*>> same;
