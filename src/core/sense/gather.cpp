@@ -165,8 +165,8 @@ class Gathering {
     constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
     fit(scan_.position, true, Vec3f{kNaN, kNaN, kNaN});
     visitTable(scan_, [&]<class T>(auto key, std::vector<T>& values) {
-      const bool known = points == 0 || ((key.index != kIntensity.index || !returns_.intensity.empty()) &&
-                                         (key.index != kPower.index || !returns_.power.empty()));
+      const bool known = returns_.size() == 0 || ((key.index != kIntensity.index || !returns_.intensity.empty()) &&
+                                                  (key.index != kPower.index || !returns_.power.empty()));
       const bool wanted = layout_.columns.has(key) && known;
       if (wanted) scan_.columnsIfEmpty.add(key.index);
       fit(values, wanted, static_cast<T>(key.row.none));

@@ -13,13 +13,15 @@ ShotSetup setupOf(const ShotSource& source, const Scene& scene, const Method& me
 ShotSetup setupOf(const Plan& plan, const FrameSettings& settings, const Scene& scene, const Method& method,
                   std::size_t sensor) {
   const SensorSetting& own = settings.sensors[sensor];
+  ScanLayout layout = plan.pipeline.output.layout;
+  layout.columns = plan.columns();
   return {method,
           plan.channels,
-          {*own.effects, scene.materials, plan.pipeline.output.layout},
+          {*own.effects, scene.materials, layout},
           plan.sensors[sensor].footprint.get(),
           own.vehicle.get(),
           own.paths,
-          ThingMotions::areToldOf(scene, plan.pipeline.output.layout) ? &scene : nullptr};
+          ThingMotions::areToldOf(scene, layout) ? &scene : nullptr};
 }
 
 TraceAccount traceShot(const ShotSetup& setup, const Shot& shot, Hits& hits) {
