@@ -10,7 +10,7 @@
 #include <set>
 
 #include "assets/asset.h"
-#include "assets/gltf/reader.h"
+#include "assets/meshes/gltf/reader.h"
 #include "base/file.h"
 #include "base/grouped.h"
 #include "base/short_text.h"

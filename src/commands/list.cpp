@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "assets/ac3d.h"
-#include "assets/assimp_reader.h"
-#include "assets/collada.h"
-#include "assets/fbx.h"
-#include "assets/gltf/model.h"
-#include "assets/obj/obj_mesh.h"
-#include "assets/ply_check.h"
-#include "assets/stl_mesh.h"
+#include "assets/meshes/assimp/ac3d.h"
+#include "assets/meshes/assimp/collada.h"
+#include "assets/meshes/assimp/fbx.h"
+#include "assets/meshes/assimp/reader.h"
+#include "assets/meshes/gltf/model.h"
+#include "assets/meshes/obj/obj_mesh.h"
+#include "assets/meshes/ply_check.h"
+#include "assets/meshes/stl_mesh.h"
 #include "assets/worlds/ogre_material.h"
 #include "assets/worlds/world.h"
 #include "assets/worlds/world_asset.h"

@@ -9,11 +9,11 @@
 #include <limits>
 #include <string_view>
 
-#include "assets/asset_parts.h"
-#include "assets/blend.h"
 #include "assets/content_kind.h"
-#include "assets/gltf/reader.h"
-#include "assets/imported_asset.h"
+#include "assets/meshes/asset_parts.h"
+#include "assets/meshes/blend.h"
+#include "assets/meshes/gltf/reader.h"
+#include "assets/meshes/imported_asset.h"
 #include "assets/surveys/surveys.h"
 #include "assets/worlds/world_asset.h"
 #include "base/error.h"

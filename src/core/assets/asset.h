@@ -4,115 +4,11 @@
 // the other kinds that assimp reads, .blend if Blender is installed, and world descriptions (SDF, URDF, 3D Tiles) with
 // all files that they name.
 
-#include <array>
-#include <cstdint>
 #include <filesystem>
-#include <map>
-#include <optional>
-#include <string>
-#include <vector>
 
-#include "scene/scene.h"
+#include "assets/meshes/asset_data.h"
 
 namespace scanmill {
-
-// Triangles that share a node and a material, in the asset's frame: metres, z up (after the conversion of units and
-// axes).
-struct AssetPart {
-  std::string node;             // name of its node, or of the nearest ancestor with a name; "" if no ancestor has one
-  std::uint32_t nodeIndex = 0;  // the node's number in file order (depth first); parts of the same node share it
-  std::string material;         // name of the material in the file
-  std::string texture;    // base colour image as the file names it ("textures/leaf.png", without URI escapes), or empty
-  Material fileMaterial;  // material in the file; reflectance: luminance of the base colour, or a default
-  std::array<float, 3> color{1, 1, 1};  // base colour, or the factor on the texture; linear
-  std::vector<Vec3f> positions;
-  std::vector<Vec2f> uvs;  // empty, or one per position; v = 0 is the image's bottom row
-  std::vector<Triangle> triangles;
-  std::string ownClass;  // class that the file states, as labelled point clouds do; empty: none
-};
-
-// How the alpha of a base colour decides whether beams pass through a surface.
-enum class AlphaUse {
-  // Beams pass where the file declares transparency. glTF: where alpha is below alphaCutoff (alphaMode MASK) or 0.5
-  // (BLEND). Other kinds: where alpha is below 0.5, if the material has an opacity map or an opacity between 0 and 1
-  // (MTL map_d, d and Tr; COLLADA transparent; FBX TransparentColor; AC3D trans). Many of these other files declare
-  // nothing, and their alpha can mean cut-outs (leaves) or, for example, which parts of a car are painted. Beams then
-  // pass where alpha is below 0.5 if alpha is distributed like cut-outs: see isCutOut() in assets/asset_alpha.h.
-  Auto,
-  Ignore,  // beams never pass, whatever the alpha
-  Test,    // beams pass where alpha is below 0.5, or below the cutoff in the file
-};
-
-// A time of an animation of a glTF file.
-struct ClipTime {
-  std::string clip;  // name of the animation, or its number, counted from 0
-  double time = 0;   // s, in the time of the key frames; clamped to the first and last key frame
-};
-
-// How the points of a cloud are turned into discs: see assets/surveys/surfels.h.
-struct SurfelOptions {
-  int neighbors = 12;  // number of neighbours from which normal and radius are estimated, 3 to 100
-  double cover = 1.5;  // ratio of a disc's radius to the radius that covers the point's share of the surface
-  std::array<double, 2> radius{0.005, 0.2};  // m, least and greatest radius
-};
-
-// How a point cloud is turned into surfaces.
-struct PointOptions {
-  enum class Reflectance { Auto, Intensity, Color, None };
-  double spacing = 0;  // m, edge of grid cubes, in each of which one point is kept; 0: all points are kept
-  SurfelOptions surfels = {};
-  Reflectance reflectance = Reflectance::Auto;       // Auto: from intensities if the file has them, else from colours
-  double full = 0;                                   // intensity that means a reflectance of 1; 0: it is guessed
-                                                     // from the greatest intensities
-  std::map<std::uint32_t, std::string> labels = {};  // class names by label; empty: names from the file format, if it
-                                                     // has them
-};
-
-// The part of a height raster that is read, and the classes and colours of its surface.
-struct HeightOptions {
-  int every = 1;  // a square of `every` x `every` samples becomes one sample
-  std::optional<std::array<double, 4>> within =
-      std::nullopt;                    // least x, least y, greatest x, greatest y, in the raster's coordinates
-  std::filesystem::path classes = {};  // a raster of class numbers; empty: none
-  std::filesystem::path image = {};    // a raster of colours; empty: none
-};
-
-struct AssetOptions {
-  // Metres per unit of the file. If the file declares its unit (COLLADA, FBX), this is a factor on the declared unit,
-  // like the <scale> of a mesh in SDF.
-  double metresPerUnit = 1.0;
-  bool unitStated = false;  // true: metresPerUnit was given, so that the unit in a LAS file counts for nothing
-  // The up axis of the file's coordinates, 'x', 'y' or 'z': (x, y, z) becomes (x, -z, y) from y-up and (-y, -z, x) from
-  // x-up. It overrides the axis that the file declares. If not set, the file decides: COLLADA by up_axis and FBX by
-  // UpAxis (y if absent); glTF and AC3D are y-up by their specifications, .blend is z-up; OBJ, PLY, STL and the other
-  // kinds, which cannot declare an axis, count as z-up.
-  std::optional<char> up = std::nullopt;
-  AlphaUse alpha = AlphaUse::Auto;
-  bool textures = true;                         // false: only textures with alpha are loaded, for alpha tests
-  std::optional<ClipTime> clip = std::nullopt;  // animation time to load (only glTF and GLB)
-  // True: files that an asset names may be outside of its folder. False: such names are refused.
-  bool allowOutside = false;
-  std::vector<std::filesystem::path> textureFolders = {};  // searched last for images that are missing at their paths
-  PointOptions points = {};                                // options for point clouds
-  HeightOptions heights = {};                              // options for height rasters
-};
-
-// Parts that the file places several times: by EXT_mesh_gpu_instancing of glTF, or as models of a world.
-struct InstancedParts {
-  std::vector<AssetPart> parts;  // in a frame of their own; assetFromParts places copies of them
-  std::vector<Affine> assetFromParts;
-};
-
-struct Asset {
-  std::filesystem::path file;
-  char up = 'z';            // up axis of the file's coordinates: AssetOptions::up if set, else the file's axis
-  bool upDeclared = false;  // true if the file or its kind states the up axis
-  double statedUnit = 0;    // metres per unit as the file states it; 0: it states none
-  std::vector<AssetPart> parts;
-  Vec3d origin;  // m, asset frame; `parts` are relative to it; zero unless coordinates are too large for float32
-  std::vector<InstancedParts> instanced;
-  Dropped dropped;  // triangles with indices out of range; clean() drops other broken triangles
-};
 
 // Reads the file. Throws an InputError that names the file and the problem: it is absent, empty, truncated, of an
 // unknown kind, or has no triangles. If a texture is missing, warns and gives its material a plain colour. Warns once

@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-#include "assets/gltf/reader.h"
+#include "assets/meshes/gltf/reader.h"
 #include "base/error.h"
 #include "formats/cloud_file.h"
 #include "scenefile/survey_options.h"

@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "assets/asset_parts.h"
+#include "assets/meshes/asset_parts.h"
 #include "scene/triangle_faults.h"
 #include "scenefile/part_traits.h"
 

@@ -9,7 +9,7 @@
 #include <map>
 #include <set>
 
-#include "assets/asset_parts.h"
+#include "assets/meshes/asset_parts.h"
 #include "config/text.h"
 
 namespace scanmill::draft {

@@ -8,7 +8,7 @@
 #include <set>
 #include <utility>
 
-#include "assets/asset_parts.h"
+#include "assets/meshes/asset_parts.h"
 #include "assets/surveys/surveys.h"
 #include "config/text.h"
 

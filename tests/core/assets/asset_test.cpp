@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/core/assets/meshes/triangle_files.h"
 #include "tests/core/assets/read_assets.h"
-#include "tests/core/assets/triangle_files.h"
 
 namespace scanmill {
 namespace {

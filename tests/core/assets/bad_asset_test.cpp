@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "assets/references.h"
+#include "assets/meshes/references.h"
 #include "base/error.h"
+#include "tests/core/assets/meshes/triangle_files.h"
 #include "tests/core/assets/read_assets.h"
-#include "tests/core/assets/triangle_files.h"
 
 namespace scanmill {
 namespace {

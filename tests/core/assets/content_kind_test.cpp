@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "tests/core/assets/triangle_files.h"
+#include "tests/core/assets/meshes/triangle_files.h"
 
 namespace scanmill {
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "assets/asset.h"
-#include "assets/asset_parts.h"
+#include "assets/meshes/asset_parts.h"
 #include "base/error.h"
 #include "base/file.h"
 #include "config/text.h"

@@ -8,7 +8,7 @@
 #include "images/images.h"
 #include "scene/scene.h"
 #include "scenefile/scene_file.h"
-#include "tests/core/assets/gltf/gltf_builder.h"
+#include "tests/core/assets/meshes/gltf/gltf_builder.h"
 #include "tests/support/labels.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"

@@ -11,7 +11,7 @@
 
 #include "scene/scene.h"
 #include "scenefile/placement.h"
-#include "tests/core/assets/gltf/gltf_builder.h"
+#include "tests/core/assets/meshes/gltf/gltf_builder.h"
 #include "tests/support/labels.h"
 #include "tests/support/message_of.h"
 #include "tests/support/shared_data.h"

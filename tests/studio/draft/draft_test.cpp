@@ -9,7 +9,7 @@
 
 #include "scene/scene.h"
 #include "scenefile/scene_file.h"
-#include "tests/core/assets/gltf/gltf_builder.h"
+#include "tests/core/assets/meshes/gltf/gltf_builder.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
 

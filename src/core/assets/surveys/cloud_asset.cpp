@@ -11,8 +11,8 @@
 #include <set>
 #include <utility>
 
-#include "assets/asset_parts.h"
-#include "assets/base_color.h"
+#include "assets/meshes/asset_parts.h"
+#include "assets/meshes/base_color.h"
 #include "assets/surveys/surfels.h"
 #include "assets/surveys/surveys.h"
 #include "base/error.h"

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "assets/base_color.h"
+#include "assets/meshes/base_color.h"
 #include "assets/surveys/surveys.h"
 #include "base/earth.h"
 #include "base/error.h"

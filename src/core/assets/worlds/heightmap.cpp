@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "assets/asset_parts.h"
+#include "assets/meshes/asset_parts.h"
 #include "assets/worlds/solids.h"
 #include "config/text.h"
 #include "rasters/raster.h"

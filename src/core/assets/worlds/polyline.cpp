@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "assets/polygon.h"
+#include "assets/meshes/polygon.h"
 #include "scene/primitives.h"
 
 namespace scanmill {

@@ -9,9 +9,9 @@
 #include <set>
 #include <utility>
 
-#include "assets/asset_parts.h"
-#include "assets/gltf/reader.h"
-#include "assets/references.h"
+#include "assets/meshes/asset_parts.h"
+#include "assets/meshes/gltf/reader.h"
+#include "assets/meshes/references.h"
 #include "assets/worlds/world_asset.h"
 #include "base/earth.h"
 #include "base/error.h"

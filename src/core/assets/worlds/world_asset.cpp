@@ -7,8 +7,8 @@
 #include <map>
 #include <utility>
 
-#include "assets/asset_parts.h"
-#include "assets/base_color.h"
+#include "assets/meshes/asset_parts.h"
+#include "assets/meshes/base_color.h"
 #include "assets/worlds/world.h"
 #include "base/error.h"
 #include "config/text.h"

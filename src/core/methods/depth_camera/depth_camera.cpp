@@ -16,7 +16,7 @@
 #include <tuple>
 #include <utility>
 
-#include "assets/blender.h"
+#include "assets/meshes/blender.h"
 #include "base/error.h"
 #include "base/stage_clock.h"
 #include "config/named_choice.h"

@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "assets/blender.h"
+#include "assets/meshes/blender.h"
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/scratch_folder.h"

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <set>
 
-#include "assets/asset_parts.h"
+#include "assets/meshes/asset_parts.h"
 #include "assets/surveys/surveys.h"
 #include "scene/texture.h"
 #include "tests/core/assets/read_assets.h"

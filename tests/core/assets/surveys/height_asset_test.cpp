@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "assets/asset_parts.h"
+#include "assets/meshes/asset_parts.h"
 #include "assets/surveys/surveys.h"
 #include "base/file.h"
 #include "tests/core/assets/read_assets.h"

@@ -2,7 +2,7 @@
 
 #include "assets/worlds/world_asset.h"
 #include "base/earth.h"
-#include "tests/core/assets/gltf/gltf_builder.h"
+#include "tests/core/assets/meshes/gltf/gltf_builder.h"
 #include "world_files.h"
 
 namespace scanmill {

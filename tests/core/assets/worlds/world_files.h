@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "assets/asset.h"
-#include "assets/asset_parts.h"
+#include "assets/meshes/asset_parts.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "assets/blender.h"
+#include "assets/meshes/blender.h"
 #include "base/parallel.h"
 #include "passes/blender/blender_scene.h"
 #include "passes/exr/exr_file.h"

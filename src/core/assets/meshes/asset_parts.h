@@ -1,0 +1,42 @@
+#pragma once
+
+// Helpers that the readers of assets share.
+
+#include <cstdint>
+#include <vector>
+
+#include "assets/meshes/asset_data.h"
+#include "base/format_support.h"
+
+namespace scanmill {
+
+// Largest number of triangles of an asset. Without it, a small file could place its meshes any number of times and so
+// require any amount of memory.
+constexpr std::uint64_t kMostTriangles = std::uint64_t{1} << 28;
+
+// Returns the rotation from an up axis ('x', 'y' or 'z') to z. x-up follows COLLADA: y becomes -x, z becomes -y.
+Mat3 zUpFrom(char up);
+
+// Returns an origin near most of the places (m): the median along each axis, which ignores outliers, in whole metres,
+// or 0 along axes on which it is small. Places that are not finite are ignored.
+Vec3d originNear(const std::vector<Vec3d>& places);
+
+// Removes vertices that no triangle uses, and merges bit-identical ones, since some kinds of files have three separate
+// vertices for every triangle.
+void weld(std::vector<Vec3f>& positions, std::vector<Vec2f>& uvs, std::vector<Triangle>& triangles);
+
+// Transforms a part. The transform must not be singular; if it mirrors, triangles are flipped and still face outwards.
+void move(AssetPart& part, const Affine& place);
+
+// Takes the texture off a part without texture coordinates, since a single texel would colour all of it, and counts it.
+// The mean colour of the image remains. Also counts a part whose texture coordinates leave an image that the file does
+// not repeat (`repeats` is false), since images always repeat here.
+void checkTexture(AssetPart& part, bool repeats, LeftOut& leftOut);
+
+// Returns the bounds of all finite vertices in the asset's frame (m), including those of Asset::instanced.
+Box boundsOf(const Asset& asset);
+
+// Replaces Asset::instanced by copies of its parts in Asset::parts. Each copy becomes a separate node.
+void flatten(Asset& asset);
+
+}  // namespace scanmill

@@ -1,0 +1,416 @@
+#include "assets/meshes/assimp/reader.h"
+
+#include <assimp/commonMetaData.h>
+#include <assimp/config.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <assimp/IOSystem.hpp>
+#include <assimp/Importer.hpp>
+#include <cmath>
+#include <cstdint>
+#include <exception>
+#include <map>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "assets/meshes/asset_parts.h"
+#include "assets/meshes/assimp/ac3d.h"
+#include "assets/meshes/assimp/collada.h"
+#include "assets/meshes/assimp/fbx.h"
+#include "assets/meshes/assimp/parts.h"
+#include "assets/meshes/imported_asset.h"
+#include "base/error.h"
+
+namespace scanmill {
+
+namespace {
+
+// Largest sum of squared corner counts over all polygons. The importer's time to triangulate a polygon grows with the
+// square of its corners: a second for 40,000 corners.
+constexpr double kMostCornersSquared = 4e9;
+
+constexpr std::string_view kCollada = "Collada Importer";
+constexpr std::string_view kFbx = "Autodesk FBX Importer";
+
+Affine toAffine(const aiMatrix4x4& m) {
+  return {{{m.a1, m.b1, m.c1}, {m.a2, m.b2, m.c2}, {m.a3, m.b3, m.c3}}, {m.a4, m.b4, m.c4}};
+}
+
+// Returns an entry of the metadata of a scene or a node.
+template <class T>
+T metadataOf(const auto& owner, const char* key, T fallback) {
+  T value{};
+  return owner.mMetaData != nullptr && owner.mMetaData->Get(key, value) ? value : fallback;
+}
+
+class Importer {
+ public:
+  Importer(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options)
+      : file_(file), options_(options), kind_(kind) {
+    importer_.SetIOHandler(filesFor(file, options.allowOutside, refused_).release());
+  }
+
+  ImportedFile read() {
+    ImportedFile read;
+    import();
+    format_ = metadataOf(*scene_, AI_METADATA_SOURCE_FORMAT, aiString()).C_Str();
+    nameJointsById();
+    const std::optional<char> declared = declaredUp();
+    read.up = options_.up.value_or(declared.value_or('z'));
+    read.upDeclared = declared.has_value();
+    read.statedUnit = statedUnit();
+    countRest();
+    read.outOfRange = dropBadFaces();
+    undoTurnOfFbx();
+    triangulate();
+    read.materials = materialsOf(*scene_, placements_);
+    read.images = imagesOf(*scene_);
+    walk(read);
+    read.problems = log_.problems;
+    read.leftOut = std::move(leftOut_);
+    return read;
+  }
+
+ private:
+  [[noreturn]] static void fail(const std::string& what) { throw Error(what); }
+
+  void import() {
+    configure(importer_);
+    if (kind_.empty() || !importer_.IsExtensionSupported(kind_)) {
+      fail(fmt::format("has an unknown kind ('{}'): convert it to glTF, GLB, OBJ, PLY, STL, DAE, FBX, AC or BLEND",
+                       kind_));
+    }
+    try {
+      scene_ = open();
+    } catch (const std::bad_alloc&) {
+      throw;
+    } catch (const std::exception& e) {
+      failReading(e.what());
+    }
+    if (!refused_.empty()) fail(refused_);
+    if (scene_ == nullptr) failReading(reason());
+    if (scene_->mRootNode == nullptr) failReading("it has no nodes");
+  }
+
+  [[noreturn]] void failReading(const std::string& why) const {
+    fail(fmt::format("cannot be read: {}; {}", why, remedyFor(kind_)));
+  }
+
+  const aiScene* open() {
+    if (kind_ == ".dae") collada_ = colladaFacts(file_);
+    leftOut_.add(collada_.leftOut);
+    if (!isAc3d(kind_) && kind_ != ".fbx") return importer_.ReadFile(file_.string(), 0);
+    const std::string text = kind_ == ".fbx" ? readFbx(file_, leftOut_) : readAc3d(file_, leftOut_);
+    return importer_.ReadFileFromMemory(text.data(), text.size(), 0, kind_ == ".fbx" ? "fbx" : "ac");
+  }
+
+  void configure(Assimp::Importer& importer) const {
+    importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, true);
+    importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, options_.up.has_value());
+    importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
+    importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, false);
+    // Removes the importer's readers of glTF, which would skip this program's checks. The importer would choose them
+    // for glTF content in files with any suffix.
+    for (const char* kind : {"gltf", "glb"}) {
+      while (auto* loader = importer.GetImporter(kind)) importer.UnregisterLoader(loader);
+    }
+  }
+
+  // Names the joints of a COLLADA file by the ids of their nodes. The importer names them by the nodes' names, which
+  // may be absent or not unique, unless it reads the file by ids.
+  void nameJointsById() const {
+    const auto hasBones = [](const aiMesh* mesh) { return mesh->mNumBones > 0; };
+    if (format_ != kCollada || std::none_of(scene_->mMeshes, scene_->mMeshes + scene_->mNumMeshes, hasBones)) return;
+    Assimp::Importer again;
+    std::string refused;
+    again.SetIOHandler(filesFor(file_, options_.allowOutside, refused).release());
+    configure(again);
+    again.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, false);
+    const aiScene* const byId = again.ReadFile(file_.string(), 0);
+    if (byId == nullptr || byId->mNumMeshes != scene_->mNumMeshes) return;
+    for (unsigned m = 0; m < scene_->mNumMeshes; ++m) {
+      const aiMesh& from = *byId->mMeshes[m];
+      for (unsigned b = 0; b < std::min(from.mNumBones, scene_->mMeshes[m]->mNumBones); ++b) {
+        scene_->mMeshes[m]->mBones[b]->mName = from.mBones[b]->mName;
+      }
+    }
+  }
+
+  // Counts what the importer has read and is not used.
+  void countRest() {
+    leftOut_.add("animations (the file's pose is taken)", scene_->mNumAnimations);
+    if (metadataOf(*scene_, "UpAxisSign", 1) < 0) leftOut_.add("negative signs of the up axis (UpAxisSign)");
+    for (unsigned m = 0; m < scene_->mNumMeshes; ++m) {
+      const aiMesh& mesh = *scene_->mMeshes[m];
+      if (mesh.HasBones() && !posesSkins()) leftOut_.add("skins (the shape without them is taken)");
+      if (mesh.HasVertexColors(0)) leftOut_.add("colours of vertices", mesh.mNumVertices);
+      // The importer sets the weights of FBX files to 1; readFbx() counts those that are not 0.
+      if (format_ != kFbx) leftOut_.add("morph targets", mesh.mNumAnimMeshes);
+      for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+        if (mesh.mFaces[f].mNumIndices == 1) leftOut_.add("points");
+        if (mesh.mFaces[f].mNumIndices == 2) leftOut_.add("lines");
+      }
+    }
+  }
+
+  std::string reason() const {
+    std::string text = importer_.GetErrorString();
+    while (!text.empty() && (text.back() == '\n' || text.back() == '.' || text.back() == ' ')) text.pop_back();
+    return text.empty() ? "the file is damaged" : text;
+  }
+
+  // Empties faces with an index out of range, since triangulation would read beyond the vertices. Returns the number of
+  // lost triangles.
+  std::uint64_t dropBadFaces() const {
+    std::uint64_t dropped = 0;
+    for (unsigned m = 0; m < scene_->mNumMeshes; ++m) {
+      aiMesh& mesh = *scene_->mMeshes[m];
+      const unsigned vertices = mesh.mVertices != nullptr ? mesh.mNumVertices : 0;
+      for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+        aiFace& face = mesh.mFaces[f];
+        if (std::all_of(face.mIndices, face.mIndices + face.mNumIndices, [&](unsigned i) { return i < vertices; })) {
+          continue;
+        }
+        dropped += face.mNumIndices > 2 ? face.mNumIndices - 2 : 0;
+        face.mNumIndices = 0;
+      }
+    }
+    return dropped;
+  }
+
+  // Resets the root transform of FBX files, in which assimp 5.4 stores the rotation to the declared axes. For all
+  // versions of assimp, assetFromImported() rotates by the up axis and scales by the unit, so the root transform would
+  // rotate a second time.
+  void undoTurnOfFbx() const {
+    if (format_ == kFbx && scene_->mRootNode != nullptr) scene_->mRootNode->mTransformation = aiMatrix4x4();
+  }
+
+  void triangulate() {
+    unsigned steps = aiProcess_GenUVCoords;
+    double squared = 0;
+    unsigned most = 0;
+    for (unsigned m = 0; m < scene_->mNumMeshes; ++m) {
+      const aiMesh& mesh = *scene_->mMeshes[m];
+      for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+        const unsigned corners = mesh.mFaces[f].mNumIndices;
+        if (corners <= 3) continue;
+        steps |= aiProcess_Triangulate;
+        squared += static_cast<double>(corners) * corners;
+        most = std::max(most, corners);
+      }
+    }
+    if (squared > kMostCornersSquared) {
+      fail(
+          fmt::format("has polygons of up to {} corners, which would take minutes to divide into triangles: export it "
+                      "with triangles",
+                      most));
+    }
+    scene_ = importer_.ApplyPostProcessing(steps);
+    if (scene_ == nullptr) fail(fmt::format("cannot be divided into triangles: {}; {}", reason(), remedyFor(kind_)));
+  }
+
+  // Returns the transform from the importer's frame to metres and z up.
+  Affine assetFromImported(char up) const {
+    double scale = options_.metresPerUnit;
+    if (format_ == kCollada && !options_.up) up = 'y';  // the importer has rotated the declared axis to y
+    if (format_ == kFbx) scale *= statedUnit();
+    if (!(scale > 0) || !std::isfinite(scale)) fail("declares a unit that is not above 0");
+    // The importer rotates files of these kinds from z-up to y-up.
+    const bool turned = format_ == "Discreet 3DS Importer" || format_ == "ASE Importer" ||
+                        format_ == "Drawing Interchange Format (DXF) Importer";
+    const Mat3 fileFromImported = turned ? zUpFrom('y') : Mat3();
+    return {zUpFrom(up) * fileFromImported * Mat3::scale({scale, scale, scale}), {}};
+  }
+
+  // Returns the unit that the file states (m); 0 if it states none.
+  double statedUnit() const {
+    return format_ == kFbx ? static_cast<double>(metadataOf(*scene_, "UnitScaleFactor", 1.0f)) * 0.01 : collada_.unit;
+  }
+
+  // Returns the up axis that the file states or its kind prescribes; nullopt if neither does.
+  std::optional<char> declaredUp() const {
+    if (format_ == kFbx) {
+      const std::int32_t axis = metadataOf(*scene_, "UpAxis", std::int32_t{1});
+      return axis >= 0 && axis <= 2 ? "xyz"[axis] : 'y';
+    }
+    if (format_ == kCollada) return collada_.up;
+    if (format_ == "AC3D Importer" || format_ == "LightWave/Modo Object Importer") return 'y';
+    return std::nullopt;
+  }
+
+  static std::string nodeName(const aiNode& node) {
+    std::string name = node.mName.C_Str();
+    if (const auto pivot = name.find("_$AssimpFbx$_"); pivot != std::string::npos) name.resize(pivot);
+    // The importer invents this name for COLLADA nodes without a name.
+    if (!name.starts_with("$ColladaAutoName$")) return name;
+    return metadataOf(node, "Collada_id", aiString()).C_Str();
+  }
+
+  struct Placed {
+    const aiNode* node;
+    Affine assetFromNode;
+    std::string name;  // name of the node or of its nearest named ancestor; the root's children do not inherit its
+                       // name, which the importer often invents
+    bool shown;        // false: hidden, with all nodes below it
+  };
+
+  void walk(ImportedFile& read) {
+    std::vector<Placed> placed;  // in the order of the file, depth first
+    std::vector<Placed> open{{scene_->mRootNode, assetFromImported(read.up), {}, true}};
+    while (!open.empty()) {
+      Placed item = std::move(open.back());
+      open.pop_back();
+      if (std::string own = nodeName(*item.node); !own.empty()) item.name = std::move(own);
+      item.assetFromNode = item.assetFromNode * toAffine(item.node->mTransformation);
+      item.shown = item.shown && !hidesTree(*item.node);
+      const std::string inherited = item.node == scene_->mRootNode ? std::string() : item.name;
+      for (unsigned i = item.node->mNumChildren; i-- > 0;) {
+        if (const aiNode* child = item.node->mChildren[i]) {
+          open.push_back({child, item.assetFromNode, inherited, item.shown});
+        }
+      }
+      joints_.emplace(jointName(*item.node), item.assetFromNode);
+      placed.push_back(std::move(item));
+    }
+    for (std::uint32_t index = 0; index < placed.size(); ++index) {
+      const Placed& item = placed[index];
+      if (item.shown && metadataOf(*item.node, "Show", true)) {
+        addNode(read, *item.node, item.name, index, item.assetFromNode);
+      } else if (item.node->mNumMeshes > 0) {
+        leftOut_.add("hidden nodes");
+      }
+    }
+    for (ImportedPart& part : read.parts) weld(part.positions, part.uvs, part.triangles);
+    std::erase_if(read.parts, [](const ImportedPart& part) { return part.triangles.empty(); });
+  }
+
+  // True if the importer's nodes are the joints of skins in their pose. Of other kinds (Half-Life's MDL, for example)
+  // it loses the hierarchy of the joints.
+  bool posesSkins() const { return format_ == kCollada || format_ == kFbx || format_ == "Direct3D XFile Importer"; }
+
+  // True if a node and all below it are hidden.
+  bool hidesTree(const aiNode& node) const {
+    return metadataOf(node, kFbxVisibility, 1.0f) <= 0 ||
+           collada_.hidden.contains(metadataOf(node, "Collada_id", aiString()).C_Str());
+  }
+
+  // Returns the name by which joints refer to a node: of COLLADA files see nameJointsById().
+  static std::string jointName(const aiNode& node) {
+    return metadataOf(node, "Collada_id", metadataOf(node, "Collada_sid", node.mName)).C_Str();
+  }
+
+  void addNode(ImportedFile& read, const aiNode& node, const std::string& name, std::uint32_t index,
+               const Affine& assetFromNode) {
+    const std::size_t first = read.parts.size();
+    std::vector<unsigned> materials;  // materials of this node's parts so far
+    for (unsigned i = 0; i < node.mNumMeshes; ++i) {
+      if (node.mMeshes[i] >= scene_->mNumMeshes) continue;
+      const aiMesh& mesh = *scene_->mMeshes[node.mMeshes[i]];
+      if (mesh.mNumVertices == 0 || mesh.mVertices == nullptr || mesh.mNumFaces == 0) continue;
+      triangles_ += mesh.mNumFaces;
+      if (triangles_ > kMostTriangles)
+        fail(fmt::format("has more than {} triangles, with all copies: split it", kMostTriangles));
+      const auto known = std::find(materials.begin(), materials.end(), mesh.mMaterialIndex);
+      const std::size_t part = first + static_cast<std::size_t>(known - materials.begin());
+      if (known == materials.end()) {
+        materials.push_back(mesh.mMaterialIndex);
+        read.parts.emplace_back();
+        read.parts.back().node = name;
+        read.parts.back().nodeIndex = index;
+        read.parts.back().material = mesh.mMaterialIndex;
+      }
+      append(read.parts[part], mesh, assetFromNode);
+    }
+  }
+
+  void append(ImportedPart& part, const aiMesh& mesh, const Affine& assetFromNode) {
+    const std::size_t base = part.positions.size();
+    if (base + mesh.mNumVertices > UINT32_MAX) fail("has more vertices than 32-bit indices allow: split it");
+    part.positions.resize(base + mesh.mNumVertices);
+    const auto assetFromMesh = [&](const aiBone& bone) -> std::optional<Affine> {
+      const auto joint = joints_.find(bone.mName.C_Str());
+      if (joint == joints_.end()) return std::nullopt;
+      return joint->second * toAffine(bone.mOffsetMatrix);
+    };
+    std::optional<SkinnedMesh> posed;
+    if (posesSkins()) posed = skinned(mesh, assetFromNode, assetFromMesh, leftOut_);
+    for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
+      const aiVector3D& v = mesh.mVertices[i];
+      part.positions[base + i] = static_cast<Vec3f>(posed ? posed->vertices[i] : assetFromNode * Vec3d{v.x, v.y, v.z});
+    }
+    appendUvs(part, mesh, base);
+    // If the transform mirrors, swaps two corners, so that surfaces are not turned inside out.
+    const bool mirrored = posed ? posed->mirrored : determinant(assetFromNode.linear) < 0;
+    const auto offset = static_cast<std::uint32_t>(base);
+    part.triangles.reserve(part.triangles.size() + mesh.mNumFaces);
+    for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+      const aiFace& face = mesh.mFaces[f];
+      if (face.mNumIndices != 3) continue;
+      const unsigned* at = face.mIndices;
+      part.triangles.push_back({offset + at[0], offset + at[mirrored ? 2 : 1], offset + at[mirrored ? 1 : 2]});
+    }
+  }
+
+  void appendUvs(ImportedPart& part, const aiMesh& mesh, std::size_t base) const {
+    const UvPlacement placement =
+        mesh.mMaterialIndex < placements_.size() ? placements_[mesh.mMaterialIndex] : UvPlacement{};
+    unsigned channel = placement.channel;
+    if (channel >= AI_MAX_NUMBER_OF_TEXTURECOORDS || !mesh.HasTextureCoords(channel)) channel = 0;
+    const bool has = mesh.HasTextureCoords(channel);
+    if (!has && part.uvs.empty()) return;
+    part.uvs.resize(base + mesh.mNumVertices);  // zeros for meshes without texture coordinates
+    for (unsigned i = 0; has && i < mesh.mNumVertices; ++i) {
+      part.uvs[base + i] = placement.apply({mesh.mTextureCoords[channel][i].x, mesh.mTextureCoords[channel][i].y});
+    }
+  }
+
+  const std::filesystem::path& file_;
+  const AssetOptions& options_;
+  const std::string& kind_;
+  ImporterLog log_;
+  std::string refused_;  // message about the first file that was refused; empty: none
+  Assimp::Importer importer_;
+  const aiScene* scene_ = nullptr;       // owned by importer_
+  std::string format_;                   // the importer's name for the kind of the file
+  std::vector<UvPlacement> placements_;  // by material
+  std::uint64_t triangles_ = 0;
+  ColladaFacts collada_;
+  std::map<std::string, Affine> joints_;  // assetFromNode by jointName() of the node
+  LeftOut leftOut_;
+};
+
+}  // namespace
+
+const FormatSupport& importedFormat() {
+  using enum FormatElements::Use;
+  static const FormatSupport format{
+      "other files that the assimp library reads",
+      ".3ds, .amf, .ase, .b3d, .cob, .dxf, .lwo, .md2, .md5mesh, .ms3d, .nff, .off, .ply with texture coordinates, "
+      ".raw, .smd, .ter, .x, .xgl and others",
+      {{Read, "", "nodes with their names and transforms, polygons, texture coordinates"},
+       {Read, "", "skins of .x, in the pose in which the nodes stand"},
+       {Read, "", "colours, opacity and images of materials, with their scale, shift and rotation"},
+       {Unused, "", "cameras, lights, normals"},
+       {LeftOut, "", "animations (the file's pose is taken)"},
+       {LeftOut, "", "skins (the shape without them is taken)"},
+       {LeftOut, "", "morph targets"},
+       {LeftOut, "", "colours of vertices"},
+       {LeftOut, "", "lines"},
+       {LeftOut, "", "points"},
+       {LeftOut, "", "hidden nodes"},
+       {LeftOut, "", "joints of skins that no node has"},
+       {LeftOut, "", "opacities of materials (they are solid)"},
+       {LeftOut, "", "clamped or mirrored textures (they repeat)"},
+       {LeftOut, "", "textures of parts without texture coordinates"}}};
+  return format;
+}
+
+ImportedFile readByAssimp(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
+  return Importer(file, kind, options).read();
+}
+
+}  // namespace scanmill

@@ -1,0 +1,129 @@
+#include "assets/meshes/child_process.h"
+
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <fstream>
+#include <new>
+
+namespace scanmill {
+
+namespace {
+
+constexpr int kPipeBytes = 1 << 18;
+
+void limit(int resource, std::uint64_t value) {
+  rlimit limits{};
+  if (::getrlimit(static_cast<__rlimit_resource>(resource), &limits) != 0) return;
+  limits.rlim_cur = std::min<rlim_t>(value, limits.rlim_max);
+  ::setrlimit(static_cast<__rlimit_resource>(resource), &limits);
+}
+
+std::uint64_t addressSpace() {
+  std::uint64_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+}
+
+void silence() {
+  const int nowhere = ::open("/dev/null", O_WRONLY);
+  if (nowhere < 0) return;
+  ::dup2(nowhere, STDOUT_FILENO);
+  ::dup2(nowhere, STDERR_FILENO);
+}
+
+// Exit codes of the child, if no signal ends it.
+enum ExitCode { Done = 0, Failed = 3, OutOfMemory = 4, NobodyListens = 5 };
+
+[[noreturn]] void runChild(const std::function<std::string()>& work, int answer) {
+  for (const int signal : {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGXCPU}) std::signal(signal, SIG_DFL);
+  std::string text;
+  int code = Done;
+  try {
+    text = work();
+  } catch (const std::bad_alloc&) {
+    code = OutOfMemory;
+  } catch (const std::exception& e) {
+    text = e.what();
+    code = Failed;
+  } catch (...) {
+    text = "it failed without a stated reason";
+    code = Failed;
+  }
+  for (std::size_t done = 0; done < text.size();) {
+    const ssize_t n = ::write(answer, text.data() + done, text.size() - done);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) ::_exit(NobodyListens);
+    done += static_cast<std::size_t>(n);
+  }
+  ::_exit(code);  // not exit(), which would flush the parent's buffers and run its destructors
+}
+
+std::string readAll(int descriptor) {
+  std::string text;
+  std::array<char, kPipeBytes> block;
+  for (;;) {
+    const ssize_t n = ::read(descriptor, block.data(), block.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return text;
+    text.append(block.data(), static_cast<std::size_t>(n));
+  }
+}
+
+}  // namespace
+
+std::string inChildProcess(const std::function<std::string()>& work, std::uint64_t memory, unsigned seconds) {
+  std::array<int, 2> pipe{};
+  if (::pipe2(pipe.data(), O_CLOEXEC) != 0) throw Error(fmt::format("a pipe cannot be made: {}", std::strerror(errno)));
+  ::fcntl(pipe[1], F_SETPIPE_SZ, kPipeBytes);  // may fail: a smaller pipe is only slower
+  const std::uint64_t space = addressSpace();
+  const pid_t child = ::fork();
+  if (child < 0) {
+    const int reason = errno;
+    ::close(pipe[0]);
+    ::close(pipe[1]);
+    throw Error(fmt::format("a child process cannot be started: {}", std::strerror(reason)));
+  }
+  if (child == 0) {
+    ::close(pipe[0]);
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    silence();
+    limit(RLIMIT_CORE, 0);
+    limit(RLIMIT_AS, space + memory);
+    limit(RLIMIT_CPU, seconds);
+    runChild(work, pipe[1]);
+  }
+  ::close(pipe[1]);
+  std::string text = readAll(pipe[0]);
+  ::close(pipe[0]);
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (WIFSIGNALED(status)) {
+    if (WTERMSIG(status) == SIGXCPU) throw ChildEnded(fmt::format("it takes more than {} s", seconds));
+    throw ChildEnded(fmt::format("it crashes the importer (signal {})", WTERMSIG(status)));
+  }
+  switch (WEXITSTATUS(status)) {
+    case Done:
+      return text;
+    case Failed:
+      throw Error(text);
+    case OutOfMemory:
+      throw ChildEnded(fmt::format("it takes more than {:.1f} GB of memory", static_cast<double>(memory) * 1e-9));
+    default:
+      throw ChildEnded("it makes the importer exit");
+  }
+}
+
+}  // namespace scanmill

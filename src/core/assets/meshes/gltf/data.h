@@ -1,0 +1,44 @@
+#pragma once
+
+// Reads the numbers of a glTF file.
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "assets/meshes/gltf/model.h"
+
+namespace scanmill::gltf {
+
+// Reads accessors. Buffers are loaded, and compressed views decoded, when they are first needed. If that fails, throws
+// an InputError that names the file. `what` says in the message to which part of the file the numbers belong.
+class Data {
+ public:
+  explicit Data(const Model& model);  // stores a reference to the model
+  ~Data();
+  Data(const Data&) = delete;
+  Data& operator=(const Data&) = delete;
+
+  // Returns all numbers of an accessor, element by element; zeroes if the accessor has no data. Normalized integers
+  // become 0 to 1, or -1 to 1 (glTF 2.0, 3.6.2.2); other integers keep their value. Floats may be infinite or NaN.
+  std::vector<float> floats(Index accessor, const std::string& what) const;
+  // Returns the same as floats(). Throws if a number is not finite.
+  std::vector<float> finiteFloats(Index accessor, const std::string& what) const;
+  // Returns the same as finiteFloats(). Throws if the numbers are integers that are not normalized.
+  std::vector<float> fractions(Index accessor, const std::string& what) const;
+  // Returns all numbers of an accessor of unsigned integers. Throws if they are of another type.
+  std::vector<std::uint32_t> integers(Index accessor, const std::string& what) const;
+
+  // Returns the bytes of a buffer view, decoded if they are compressed.
+  std::string_view view(Index view) const;
+  // Returns the decoded bytes of a data: URI.
+  std::string embedded(const std::string& uri, const std::string& what) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace scanmill::gltf

@@ -1,0 +1,87 @@
+#include "assets/meshes/gltf/materials.h"
+
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "assets/meshes/base_color.h"
+#include "assets/meshes/texture_search.h"
+#include "base/error.h"
+#include "scene/texture.h"
+
+namespace scanmill::gltf {
+namespace {
+
+// Returns the name of an image for rules: its file; for an embedded image its name, or "*" and its number.
+std::string labelOf(const Model& model, Index image) {
+  const Image& i = model.images[image];
+  if (!i.uri.empty() && !i.uri.starts_with("data:")) return i.uri;
+  return i.name.empty() ? fmt::format("*{}", image) : i.name;
+}
+
+std::shared_ptr<const Texture> load(const Model& model, const Data& data, Index image, bool onlyAlpha, bool cutsOut,
+                                    ColorImages& images) {
+  const Image& i = model.images[image];
+  const std::string label = labelOf(model, image);
+  return images.load(std::to_string(image), label, onlyAlpha, cutsOut, [&]() -> std::shared_ptr<const Texture> {
+    const std::string place = model.file.string() + ": " + label;
+    if (i.view) return decodeTexture(data.view(*i.view), place);
+    if (i.uri.starts_with("data:")) return decodeTexture(data.embedded(i.uri, label), place);
+    return nullptr;
+  });
+}
+
+AlphaTest alphaOf(const Material& m, const AssetOptions& options) {
+  if (options.alpha == AlphaUse::Ignore) return {};
+  const bool asked = options.alpha == AlphaUse::Test;
+  if (m.alpha != Material::Alpha::Mask) return {asked || m.alpha == Material::Alpha::Blend, 0.5f};
+  // glTF compares the cutoff with the product of the colour factor's alpha and the texture's alpha.
+  const double factor = fraction(m.color[3], 1.0);
+  return {true, factor > 0 && std::isfinite(m.cutoff) ? static_cast<float>(m.cutoff / factor) : 1.0f};
+}
+
+ReadMaterial read(const Model& model, const Data& data, const Material* m, const AssetOptions& options,
+                  ColorImages& images, LeftOut& leftOut) {
+  static const Material kDefault;
+  const Material& from = m == nullptr ? kDefault : *m;
+  ReadMaterial to;
+  to.material.name = from.name;
+  to.material.source = "base colour of " + model.file.filename().string();
+  to.material.roughness = static_cast<float>(fraction(from.roughness, 1.0));
+  to.material.metallic = static_cast<float>(fraction(from.metallic, 0.0));
+  BaseColor color;
+  for (std::size_t c = 0; c < 3; ++c) color.factor[c] = static_cast<float>(fraction(from.color[c], 1.0));
+  to.color = color.factor;
+  color.alpha = alphaOf(from, options);
+  color.tints = true;
+  color.stated = m != nullptr;
+  if (from.texture) {
+    to.placed = from.texture;
+    to.texture = labelOf(model, from.texture->image);
+    color.textured = true;
+    if (options.textures || color.alpha.wanted) {
+      color.image = load(model, data, from.texture->image, !options.textures, color.alpha.wanted, images);
+      color.colored = color.image != nullptr;
+    }
+  }
+  setColor(to.material, std::move(color), model.file, options, images);
+  const bool faded = from.alpha == Material::Alpha::Blend ? from.color[3] < 1
+                                                          : from.alpha == Material::Alpha::Mask &&
+                                                                from.color[3] < from.cutoff && !to.material.alphaTested;
+  if (faded && options.alpha != AlphaUse::Ignore) leftOut.add("opacities of materials (they are solid)");
+  return to;
+}
+
+}  // namespace
+
+std::vector<ReadMaterial> readMaterials(const Model& model, const Data& data, const AssetOptions& options,
+                                        LeftOut& leftOut) {
+  ColorImages images(model.file, options.allowOutside, options.textureFolders);
+  std::vector<ReadMaterial> materials;
+  materials.reserve(model.materials.size() + 1);
+  for (const Material& m : model.materials) materials.push_back(read(model, data, &m, options, images, leftOut));
+  materials.push_back(read(model, data, nullptr, options, images, leftOut));
+  return materials;
+}
+
+}  // namespace scanmill::gltf

@@ -1,0 +1,441 @@
+#include "assets/meshes/gltf/reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include "assets/meshes/asset_parts.h"
+#include "assets/meshes/child_process.h"
+#include "assets/meshes/gltf/data.h"
+#include "assets/meshes/gltf/draco.h"
+#include "assets/meshes/gltf/materials.h"
+#include "assets/meshes/gltf/model.h"
+#include "assets/meshes/gltf/pose.h"
+#include "base/earth.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "scene/builder.h"
+
+namespace scanmill::gltf {
+namespace {
+
+// Limits, since a small file can require any amount of memory and time. kTrialMemory (bytes) and kTrialSeconds limit
+// the child process of tryDraco(); the memory limit grows by 256 bytes for every compressed byte.
+constexpr std::uint64_t kTrialMemory = std::uint64_t{2} << 30;
+constexpr unsigned kTrialSeconds = 300;
+constexpr double kMostPrimitives = 1 << 22;                   // largest number of primitives of all nodes together
+constexpr double kMostRead = 4e9;                             // largest number of vertices that are read for all
+                                                              // primitives together
+constexpr std::size_t kMostInstances = std::size_t{1} << 22;  // largest number of instances of one node
+
+// The vertices and triangles of a primitive, in the mesh's frame.
+struct Geometry {
+  std::vector<Vec3d> points;
+  std::vector<Vec2f> uvs;  // empty, or one per point; v points down, as in the file
+  std::vector<Triangle> triangles;
+  std::uint64_t dropped = 0;  // number of triangles with indices out of range
+};
+
+std::vector<Triangle> trianglesOf(Primitive::Mode mode, const std::vector<std::uint32_t>& at) {
+  std::vector<Triangle> triangles;
+  const std::size_t count = at.size();
+  if (mode == Primitive::Mode::Triangles) {
+    triangles.reserve(count / 3);
+    for (std::size_t i = 0; i + 2 < count; i += 3) triangles.push_back({at[i], at[i + 1], at[i + 2]});
+    return triangles;
+  }
+  for (std::size_t i = 0; i + 2 < count; ++i) {
+    if (mode == Primitive::Mode::Fan) {
+      triangles.push_back({at[i + 1], at[i + 2], at[0]});
+    } else {
+      triangles.push_back({at[i], at[i + 1 + i % 2], at[i + 2 - i % 2]});
+    }
+  }
+  return triangles;
+}
+
+class Reader {
+ public:
+  Reader(Model model, const Affine& assetFromFile, const AssetOptions& options)
+      : model_(std::move(model)), data_(model_), assetFromFile_(assetFromFile), options_(options) {
+    if (options.clip) apply(*options.clip, data_, model_);
+    placed_ = placeNodes(model_);
+    uses_.resize(model_.meshes.size(), 0);
+    for (const PlacedNode& p : placed_) {
+      if (model_.nodes[p.node].mesh) ++uses_[*model_.nodes[p.node].mesh];
+    }
+    poser_.emplace(model_, data_, placed_);
+  }
+
+  Asset read(LeftOut& leftOut) {
+    checkCosts();
+    tryDraco();
+    materials_ = readMaterials(model_, data_, options_, model_.leftOut);
+    for (std::uint32_t i = 0; i < placed_.size(); ++i) {
+      const PlacedNode& placed = placed_[i];
+      const Node& node = model_.nodes[placed.node];
+      if (node.mesh && !placed.visible) model_.leftOut.add("hidden nodes");
+      if (!placed.visible || !node.mesh) continue;
+      if (!node.instances) {
+        append(asset_.parts, placed, i, assetFromFile_ * frameOf(placed));
+      } else {
+        addInstances(placed, i, *node.instances);
+      }
+    }
+    leftOut.add(model_.leftOut);
+    return std::move(asset_);
+  }
+
+ private:
+  // Returns the transform of posed vertices to the scene's frame. Skinned vertices are already in that frame.
+  Affine frameOf(const PlacedNode& placed) const {
+    return model_.nodes[placed.node].skin ? Affine{} : placed.sceneFromNode;
+  }
+
+  // Throws InputError if the file would take too much memory or time: a small file may place its meshes any number of
+  // times, and many primitives may share one long list of vertices.
+  void checkCosts() const {
+    double primitives = 0, triangles = 0, vertices = 0, read = 0;
+    for (const PlacedNode& placed : placed_) {
+      const Node& node = model_.nodes[placed.node];
+      if (!placed.visible || !node.mesh) continue;
+      double copies = 1;
+      if (node.instances && options_.clip && !node.instances->empty()) {
+        copies = static_cast<double>(model_.accessors[node.instances->begin()->second].count);
+      }
+      for (const Primitive& primitive : model_.meshes[*node.mesh].primitives) {
+        const double points = countOf(primitive.attributes.at("POSITION"));
+        const double corners = primitive.indices ? countOf(*primitive.indices) : points;
+        primitives += copies;
+        triangles += copies * (primitive.mode == Primitive::Mode::Triangles ? corners / 3 : corners);
+        vertices += copies * std::min(points, corners);
+        read += points / static_cast<double>(uses_[*node.mesh]);
+      }
+    }
+    if (primitives > kMostPrimitives) {
+      model_.fail(fmt::format(
+          "has {:.0f} primitives, with all copies, but at most {:.0f} are possible: join those of one material",
+          primitives, kMostPrimitives));
+    }
+    if (triangles > static_cast<double>(kMostTriangles)) {
+      model_.fail(fmt::format("has more than {} triangles, with all copies: split it", kMostTriangles));
+    }
+    if (read > kMostRead) {
+      model_.fail("has many primitives that share one long list of vertices: export each with separate vertices");
+    }
+    const double bytes = triangles * sizeof(Triangle) + vertices * (sizeof(Vec3f) + sizeof(Vec2f));
+    const auto limit = static_cast<double>(memoryLimitBytes());
+    if (bytes > limit) {
+      model_.fail(fmt::format(
+          "has {:.0f} triangles, with all copies, which take {:.1f} GB, but this process may take {:.1f} GB", triangles,
+          bytes * 1e-9, limit * 1e-9));
+    }
+  }
+
+  double countOf(Index accessor) const { return static_cast<double>(model_.accessors[accessor].count); }
+
+  // Decodes all Draco data in a child process first, since damaged data can require any amount of memory.
+  void tryDraco() const {
+    std::uint64_t bytes = 0;
+    forDraco([&](const Primitive& p) { bytes += model_.views[p.draco->view].length; });
+    if (bytes == 0) return;
+    const auto decodeAll = [&] {
+      forDraco([&](const Primitive& p) { decodeDraco(data_.view(p.draco->view), p.draco->attributes); });
+      return std::string();
+    };
+    try {
+      inChildProcess(decodeAll, kTrialMemory + 256 * bytes, kTrialSeconds);
+    } catch (const Error& e) {
+      model_.fail(fmt::format("has damaged meshes: {}; export it again", e.what()));
+    }
+  }
+
+  template <class Visit>
+  void forDraco(const Visit& visit) const {
+    for (const Mesh& mesh : model_.meshes) {
+      for (const Primitive& p : mesh.primitives) {
+        if (p.draco) visit(p);
+      }
+    }
+  }
+
+  // Appends the parts of a node, one part per material.
+  void append(std::vector<AssetPart>& parts, const PlacedNode& placed, std::uint32_t number,
+              const Affine& assetFromNode) {
+    const std::size_t first = parts.size();
+    std::vector<std::size_t> materials;  // materials of this node's parts so far
+    for (const Primitive& primitive : model_.meshes[*model_.nodes[placed.node].mesh].primitives) {
+      const std::size_t material = primitive.material.value_or(materials_.size() - 1);
+      const std::shared_ptr<const Geometry> shared = knownGeometry(primitive, placed, materials_[material].placed);
+      const Geometry& geometry = *shared;
+      asset_.dropped.outOfRange += geometry.dropped;
+      if (geometry.points.empty()) continue;
+      triangles_ += geometry.triangles.size();
+      if (triangles_ > kMostTriangles)
+        model_.fail(fmt::format("has more than {} triangles, with all copies: split it", kMostTriangles));
+      const auto known = std::find(materials.begin(), materials.end(), material);
+      const std::size_t part = first + static_cast<std::size_t>(known - materials.begin());
+      if (known == materials.end()) {
+        materials.push_back(material);
+        parts.push_back(newPart(placed, number, material));
+      }
+      append(parts[part], geometry, assetFromNode);
+    }
+    for (std::size_t i = first; i < parts.size(); ++i) {
+      weld(parts[i].positions, parts[i].uvs, parts[i].triangles);
+      const std::optional<TextureUse>& texture = materials_[materials[i - first]].placed;
+      if (!parts[i].triangles.empty()) checkTexture(parts[i], !texture || texture->repeats, model_.leftOut);
+    }
+    const auto begin = parts.begin() + static_cast<std::ptrdiff_t>(first);
+    parts.erase(std::remove_if(begin, parts.end(), [](const AssetPart& p) { return p.triangles.empty(); }),
+                parts.end());
+  }
+
+  AssetPart newPart(const PlacedNode& placed, std::uint32_t number, std::size_t material) const {
+    AssetPart part;
+    part.node = placed.name;
+    part.nodeIndex = number;
+    part.fileMaterial = materials_[material].material;
+    part.material = part.fileMaterial.name;
+    part.texture = materials_[material].texture;
+    part.color = materials_[material].color;
+    return part;
+  }
+
+  void append(AssetPart& part, const Geometry& geometry, const Affine& assetFromNode) const {
+    const std::size_t base = part.positions.size();
+    if (base + geometry.points.size() > UINT32_MAX)
+      model_.fail("has more vertices than 32-bit indices allow: split it");
+    for (const Vec3d& p : geometry.points) part.positions.push_back(static_cast<Vec3f>(assetFromNode * p));
+    if (!geometry.uvs.empty() || !part.uvs.empty()) {
+      part.uvs.resize(base);  // zeros for primitives without texture coordinates
+      for (const Vec2f& uv : geometry.uvs) part.uvs.push_back({uv.x, 1 - uv.y});
+      part.uvs.resize(part.positions.size());
+    }
+    // If the transform mirrors, swaps two corners, so that surfaces are not turned inside out.
+    const bool mirrored = determinant(assetFromNode.linear) < 0;
+    const auto offset = static_cast<std::uint32_t>(base);
+    for (const Triangle& t : geometry.triangles) {
+      part.triangles.push_back({offset + t[0], offset + t[mirrored ? 2 : 1], offset + t[mirrored ? 1 : 2]});
+    }
+  }
+
+  // Returns the geometry of a primitive. A mesh that is placed several times without skin or morphing is read only
+  // once.
+  std::shared_ptr<const Geometry> knownGeometry(const Primitive& primitive, const PlacedNode& placed,
+                                                const std::optional<TextureUse>& texture) {
+    const bool shares = poser_->isRigid(placed) && (uses_[*model_.nodes[placed.node].mesh] > 1 || copies_);
+    if (!shares) return std::make_shared<const Geometry>(geometryOf(primitive, placed, texture));
+    std::shared_ptr<const Geometry>& known = known_[&primitive];
+    if (known == nullptr) known = std::make_shared<const Geometry>(geometryOf(primitive, placed, texture));
+    return known;
+  }
+
+  Geometry geometryOf(const Primitive& primitive, const PlacedNode& placed, const std::optional<TextureUse>& texture) {
+    const std::string what = fmt::format("the mesh of '{}'", placed.name);
+    std::optional<DracoMesh> draco;
+    if (primitive.draco) draco = decodeDraco(data_.view(primitive.draco->view), primitive.draco->attributes);
+    const AttributeNumbers numbers = [&](const std::string& name) {
+      const auto found = primitive.attributes.find(name);
+      if (draco && draco->attributes.contains(name)) {
+        return found == primitive.attributes.end()
+                   ? draco->attributes.at(name).numbers
+                   : normalizedAs(model_.accessors[found->second], draco->attributes.at(name));
+      }
+      if (found == primitive.attributes.end()) return std::vector<float>();
+      if (name.starts_with("WEIGHTS_")) return data_.fractions(found->second, what);
+      if (!name.starts_with("JOINTS_")) return data_.floats(found->second, what);
+      const std::vector<std::uint32_t> whole = data_.integers(found->second, what);
+      return std::vector<float>(whole.begin(), whole.end());
+    };
+    Geometry g;
+    const std::vector<float> positions = numbers("POSITION");
+    g.points.reserve(positions.size() / 3);
+    for (std::size_t i = 0; i + 2 < positions.size(); i += 3) {
+      g.points.emplace_back(Vec3f{positions[i], positions[i + 1], positions[i + 2]});
+    }
+    if (!poser_->isRigid(placed)) poser_->pose(placed, primitive, numbers, what, g.points);
+    readUvs(numbers, texture, g);
+
+    std::vector<std::uint32_t> at;
+    if (draco) {
+      at = std::move(draco->indices);
+    } else if (primitive.indices) {
+      at = data_.integers(*primitive.indices, what);
+    } else {
+      for (std::uint32_t i = 0; i < g.points.size(); ++i) at.push_back(i);
+    }
+    g.triangles = trianglesOf(draco ? Primitive::Mode::Triangles : primitive.mode, at);
+    const auto reaches = [&](const Triangle& t) { return std::max({t[0], t[1], t[2]}) >= g.points.size(); };
+    g.dropped = static_cast<std::uint64_t>(std::erase_if(g.triangles, reaches));
+    dropUnused(g);
+    return g;
+  }
+
+  // Drops unused vertices, since primitives often share one long list of vertices.
+  static void dropUnused(Geometry& g) {
+    constexpr std::uint32_t kUnused = UINT32_MAX;
+    std::vector<std::uint32_t> moved(g.points.size(), kUnused);
+    for (const Triangle& t : g.triangles) {
+      for (const std::uint32_t corner : t) moved[corner] = 0;
+    }
+    std::uint32_t kept = 0;
+    for (std::size_t i = 0; i < moved.size(); ++i) {
+      if (moved[i] == kUnused) continue;
+      g.points[kept] = g.points[i];
+      if (!g.uvs.empty()) g.uvs[kept] = g.uvs[i];
+      moved[i] = kept++;
+    }
+    if (kept == g.points.size()) return;
+    g.points.resize(kept);
+    if (!g.uvs.empty()) g.uvs.resize(kept);
+    for (Triangle& t : g.triangles) {
+      for (std::uint32_t& corner : t) corner = moved[corner];
+    }
+  }
+
+  // Returns the decoded numbers, normalized if the accessor that they replace is normalized.
+  static std::vector<float> normalizedAs(const Accessor& accessor, DracoMesh::Values values) {
+    if (!accessor.normalized || values.normalized || accessor.component == Component::Float) {
+      return std::move(values.numbers);
+    }
+    const bool isSigned = accessor.component == Component::Int8 || accessor.component == Component::Int16;
+    const double most = std::pow(2.0, 8.0 * static_cast<double>(sizeOf(accessor.component)) - (isSigned ? 1 : 0)) - 1;
+    for (float& v : values.numbers) v = std::max(static_cast<float>(static_cast<double>(v) / most), -1.0f);
+    return std::move(values.numbers);
+  }
+
+  static void readUvs(const AttributeNumbers& numbers, const std::optional<TextureUse>& texture, Geometry& g) {
+    std::vector<float> values = numbers(fmt::format("TEXCOORD_{}", texture ? texture->coordinates : 0));
+    if (values.size() != 2 * g.points.size()) return;
+    const TextureUse use = texture.value_or(TextureUse{});
+    const double c = std::cos(use.rotation);
+    const double s = std::sin(use.rotation);
+    g.uvs.reserve(g.points.size());
+    for (std::size_t i = 0; i < g.points.size(); ++i) {
+      const double u = static_cast<double>(values[2 * i]) * use.scale[0];
+      const double v = static_cast<double>(values[2 * i + 1]) * use.scale[1];
+      // The rotation is counter-clockwise as seen with v pointing down (KHR_texture_transform).
+      g.uvs.push_back(
+          {static_cast<float>(use.offset[0] + c * u + s * v), static_cast<float>(use.offset[1] - s * u + c * v)});
+    }
+  }
+
+  // Adds the instances of EXT_mesh_gpu_instancing: as InstancedParts, or as separate parts if a clip is loaded or if
+  // fewer than two instances remain.
+  void addInstances(const PlacedNode& placed, std::uint32_t number, const Attributes& attributes) {
+    const std::string what = fmt::format("the instances of '{}'", placed.name);
+    const auto numbers = [&](const char* name, std::size_t width, const std::vector<float>& fallback) {
+      const auto found = attributes.find(name);
+      if (found == attributes.end()) return fallback;
+      std::vector<float> values = data_.fractions(found->second, what);
+      if (model_.accessors[found->second].width != width) {
+        model_.fail(fmt::format("is not valid glTF: each {} of {} must have {} numbers", name, what, width));
+      }
+      return values;
+    };
+    const std::vector<float> translations = numbers("TRANSLATION", 3, {});
+    const std::vector<float> rotations = numbers("ROTATION", 4, {});
+    const std::vector<float> scales = numbers("SCALE", 3, {});
+    const std::size_t count = std::max({translations.size() / 3, rotations.size() / 4, scales.size() / 3});
+    if (count > kMostInstances)
+      model_.fail(
+          fmt::format("has {} copies of '{}', but at most {} are possible", count, placed.name, kMostInstances));
+    const auto at = [](const std::vector<float>& values, std::size_t i, double fallback) {
+      return i < values.size() ? static_cast<double>(values[i]) : fallback;
+    };
+    const Affine frame = assetFromFile_ * frameOf(placed);
+    std::vector<Affine> nodeFromMesh;
+    for (std::size_t i = 0; i < count; ++i) {
+      Node node;
+      for (std::size_t k = 0; k < 3; ++k) {
+        node.translation[k] = at(translations, 3 * i + k, 0);
+        node.scale[k] = at(scales, 3 * i + k, 1);
+      }
+      for (std::size_t k = 0; k < 4; ++k) node.rotation[k] = at(rotations, 4 * i + k, k == 3 ? 1 : 0);
+      const Affine local = localOf(node);
+      // Skips singular transforms, which would flatten the mesh to a plane, a line or a point.
+      if (!isSingular((frame * local).linear)) nodeFromMesh.push_back(local);
+    }
+    if (options_.clip || nodeFromMesh.size() < 2) {
+      copies_ = true;
+      // Each copy gets a separate node index.
+      const auto nodes = static_cast<std::uint32_t>(placed_.size());
+      for (std::uint32_t i = 0; i < nodeFromMesh.size(); ++i) {
+        append(asset_.parts, placed, number + i * nodes, frame * nodeFromMesh[i]);
+      }
+      copies_ = false;
+      return;
+    }
+    InstancedParts instanced;
+    append(instanced.parts, placed, number, assetFromFile_);
+    if (instanced.parts.empty()) return;
+    const Affine fileFromAsset = inverse(assetFromFile_);
+    for (const Affine& local : nodeFromMesh) instanced.assetFromParts.push_back(frame * local * fileFromAsset);
+    asset_.instanced.push_back(std::move(instanced));
+  }
+
+  Model model_;
+  Data data_;
+  Affine assetFromFile_;
+  const AssetOptions& options_;
+  std::vector<PlacedNode> placed_;
+  std::optional<Poser> poser_;
+  std::vector<ReadMaterial> materials_;
+  std::vector<std::size_t> uses_;  // number of nodes that place a mesh, by mesh
+  bool copies_ = false;            // true while append() is called for the instances of a node
+  std::map<const Primitive*, std::shared_ptr<const Geometry>> known_;
+  Asset asset_;
+  std::uint64_t triangles_ = 0;
+};
+
+}  // namespace
+
+Asset readAsset(const std::filesystem::path& file, const std::filesystem::path& name, const Affine& assetFromFile,
+                const AssetOptions& options) {
+  Model model = readModel(file, name, options.allowOutside);
+  Affine frame = assetFromFile;
+  if (model.center) {
+    if (isOnEarth(*model.center)) {
+      // The file is earth-centred; loaded alone, it is rotated to east-north-up.
+      frame = {eastNorthUp(*model.center).linear * assetFromFile.linear, {}};
+    } else {
+      frame.translation = *model.center * options.metresPerUnit;
+    }
+  }
+  LeftOut leftOut;
+  Asset asset = Reader(std::move(model), frame, options).read(leftOut);
+  leftOut.tell(name.string());
+  return asset;
+}
+
+Asset readTile(const std::filesystem::path& file, const Affine& assetFromTile, const Mat3& zUpFromGltf,
+               const AssetOptions& options, LeftOut& leftOut) {
+  Model model = readModel(file, file, options.allowOutside);
+  const Vec3d center = model.center.value_or(Vec3d{});
+  return Reader(std::move(model), assetFromTile * Affine{zUpFromGltf, center}, options).read(leftOut);
+}
+
+std::vector<Clip> readClips(const std::filesystem::path& file) {
+  const Model model = readModel(file, file, true);  // true: references may lead outside; readAsset() checked them
+  const Data data(model);
+  std::vector<Clip> clips;
+  for (Index i = 0; i < model.animations.size(); ++i) {
+    if (const auto span = spanOf(model, data, i)) clips.push_back({nameOf(model, i), span->first, span->second});
+  }
+  return clips;
+}
+
+std::pair<double, double> clipSpan(const std::filesystem::path& file, const std::string& clip) {
+  const Model model = readModel(file, file, true);  // true: references may lead outside; readAsset() checked them
+  const Index animation = animationNamed(model, clip);
+  const auto span = spanOf(model, Data(model), animation);
+  if (!span) model.fail(fmt::format("is not valid glTF: animations[{}] has no key frames", animation));
+  return *span;
+}
+
+}  // namespace scanmill::gltf

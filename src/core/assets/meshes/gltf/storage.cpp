@@ -1,0 +1,185 @@
+#include "assets/meshes/gltf/storage.h"
+
+#include <algorithm>
+#include <string_view>
+
+#include "assets/meshes/references.h"
+
+namespace scanmill::gltf {
+namespace {
+
+constexpr std::uint64_t kMaxCount = std::uint64_t{1} << 31;
+
+class StorageReader : JsonReader {
+ public:
+  StorageReader(Model& model, const Json& json, bool allowOutside)
+      : JsonReader(model, json), allowOutside_(allowOutside) {}
+
+  void read() {
+    each("buffers", m_.buffers, [&](const Json& j, const std::string& what) { return buffer(j, what); });
+    each("bufferViews", m_.views, [&](const Json& j, const std::string& what) { return view(j, what); });
+    each("accessors", m_.accessors, [&](const Json& j, const std::string& what) { return accessor(j, what); });
+  }
+
+ private:
+  Buffer buffer(const Json& j, const std::string& what) const {
+    Buffer b;
+    b.length = length(j, "byteLength", 0, what);
+    std::uint64_t present = m_.bin.size();
+    std::string place = "the GLB's binary chunk";
+    if (j.contains("uri")) {
+      b.uri = j["uri"].get<std::string>();
+      if (b.uri.starts_with("data:")) {
+        const std::size_t comma = b.uri.find(',');
+        if (comma == std::string::npos || b.uri.find(";base64") > comma) fail(what + " is not base64 data");
+        std::size_t end = b.uri.size();
+        while (end > comma + 1 && b.uri[end - 1] == '=') --end;
+        present = (end - comma - 1) * 3 / 4;
+        place = "its data";
+      } else {
+        b.uri = decodeUri(b.uri);
+        const std::filesystem::path path = m_.file.parent_path() / b.uri;
+        std::error_code error;
+        if (!allowOutside_ && leadsOutside(b.uri) && std::filesystem::exists(path, error)) m_.fail(refusalOf(b.uri));
+        if (!std::filesystem::is_regular_file(path, error)) {
+          b.problem = fmt::format("names the buffer '{}', which is missing: put it beside the file", b.uri);
+          return b;
+        }
+        present = std::filesystem::file_size(path, error);
+        place = "'" + b.uri + "'";
+      }
+    }
+    if (b.length > present) {
+      b.problem = fmt::format("{} has {} bytes, but {} has {}: is it truncated?", what, b.length, place, present);
+    }
+    return b;
+  }
+
+  View view(const Json& j, const std::string& what) const {
+    View v;
+    v.buffer = index(j.at("buffer"), m_.buffers.size(), what + ".buffer");
+    v.offset = length(j, "byteOffset", 0, what);
+    v.length = length(j, "byteLength", 0, what);
+    v.stride = length(j, "byteStride", 0, what);
+    if (v.offset + v.length > m_.buffers[v.buffer].length) fail(what + " reaches beyond its buffer");
+    if (v.stride > 252) fail(what + " has a byteStride over 252");
+    for (const char* name : {"EXT_meshopt_compression", "KHR_meshopt_compression"}) {
+      if (const Json* extension = extensionOf(j, name)) {
+        v.compressed = meshopt(*extension, fmt::format("{}.{}", what, name));
+        if (v.compressed->problem.empty() && v.compressed->count * v.compressed->stride != v.length) {
+          fail(fmt::format("is not valid glTF: {} has a length that differs from its {} elements of {} bytes", what,
+                           v.compressed->count, v.compressed->stride));
+        }
+      }
+    }
+    return v;
+  }
+
+  Meshopt meshopt(const Json& j, const std::string& what) const {
+    Meshopt m;
+    m.buffer = index(j.at("buffer"), m_.buffers.size(), what + ".buffer");
+    m.offset = length(j, "byteOffset", 0, what);
+    m.length = length(j, "byteLength", 0, what);
+    m.stride = length(j, "byteStride", 0, what);
+    m.count = length(j, "count", 0, what);
+    if (m.offset + m.length > m_.buffers[m.buffer].length) fail(what + " reaches beyond its buffer");
+    const std::string mode = j.value("mode", std::string());
+    const std::string filter = j.value("filter", std::string("NONE"));
+    static const std::map<std::string, Meshopt::Mode> kModes{{"ATTRIBUTES", Meshopt::Mode::Attributes},
+                                                             {"TRIANGLES", Meshopt::Mode::Triangles},
+                                                             {"INDICES", Meshopt::Mode::Indices}};
+    static const std::map<std::string, Meshopt::Filter> kFilters{{"NONE", Meshopt::Filter::None},
+                                                                 {"OCTAHEDRAL", Meshopt::Filter::Octahedral},
+                                                                 {"QUATERNION", Meshopt::Filter::Quaternion},
+                                                                 {"EXPONENTIAL", Meshopt::Filter::Exponential}};
+    // An unknown mode or filter is an error only if the view is read.
+    if (!kModes.contains(mode) || !kFilters.contains(filter)) {
+      m.problem = fmt::format(
+          "has {} with the mode '{}' and the filter '{}', which are not supported: export it without compression", what,
+          mode, filter);
+      return m;
+    }
+    m.mode = kModes.at(mode);
+    m.filter = kFilters.at(filter);
+    const bool attributes = m.mode == Meshopt::Mode::Attributes;
+    const bool whole =
+        attributes ? m.stride % 4 == 0 && m.stride >= 4 && m.stride <= 256 : m.stride == 2 || m.stride == 4;
+    const bool filters = m.filter == Meshopt::Filter::None ||
+                         (attributes && (m.filter == Meshopt::Filter::Octahedral   ? m.stride == 4 || m.stride == 8
+                                         : m.filter == Meshopt::Filter::Quaternion ? m.stride == 8
+                                                                                   : true));
+    if (!whole || !filters || m.count > kMaxCount || (m.mode == Meshopt::Mode::Triangles && m.count % 3 != 0)) {
+      fail(fmt::format("is not valid glTF: {} has {} elements of {} bytes in the mode {}", what, m.count, m.stride,
+                       mode));
+    }
+    return m;
+  }
+
+  Component component(const Json& object, const std::string& what) const {
+    const auto value = object.find("componentType");
+    const int kind = value != object.end() && value->is_number_integer() ? value->get<int>() : 0;
+    for (const Component c : {Component::Int8, Component::UInt8, Component::Int16, Component::UInt16, Component::UInt32,
+                              Component::Float}) {
+      if (kind == static_cast<int>(c)) return c;
+    }
+    fail(what + " has an unknown type");
+  }
+
+  Accessor accessor(const Json& j, const std::string& what) const {
+    static const std::map<std::string, std::size_t> kWidths{{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4},
+                                                            {"MAT2", 4},   {"MAT3", 9}, {"MAT4", 16}};
+    Accessor a;
+    a.component = component(j, what);
+    const auto width = kWidths.find(j.value("type", std::string()));
+    if (width == kWidths.end()) fail(what + " has an unknown type");
+    a.width = width->second;
+    a.count = length(j, "count", 0, what);
+    a.offset = length(j, "byteOffset", 0, what);
+    a.normalized = j.value("normalized", false);
+    if (a.count > kMaxCount) fail(what + " has a count that is too large");
+    a.view = maybe(j, "bufferView", m_.views.size(), what);
+    if (a.view) expectInside(*a.view, a.offset, a.count, sizeOf(a.component) * a.width, true, what);
+    if (const auto sparse = j.find("sparse"); sparse != j.end()) a.sparse = sparseOf(*sparse, a, what + ".sparse");
+    return a;
+  }
+
+  void expectInside(Index view, std::uint64_t offset, std::uint64_t count, std::uint64_t size, bool strides,
+                    const std::string& what) const {
+    const View& v = m_.views[view];
+    const std::uint64_t stride = strides && v.stride > 0 ? v.stride : size;
+    if (stride < size) fail(what + " has elements that overlap");
+    if (offset > v.length) fail(what + " begins beyond its bufferView");
+    if (count > 0 && offset + (count - 1) * stride + size > v.length) {
+      fail(what + " reaches beyond its bufferView: is the file truncated?");
+    }
+  }
+
+  Accessor::Sparse sparseOf(const Json& j, const Accessor& a, const std::string& what) const {
+    Accessor::Sparse s;
+    s.count = length(j, "count", 0, what);
+    if (s.count > a.count) fail(fmt::format("is not valid glTF: {} has more elements than its accessor", what));
+    const Json& indices = j.at("indices");
+    const Json& values = j.at("values");
+    s.indices = component(indices, what + ".indices");
+    if (s.indices != Component::UInt8 && s.indices != Component::UInt16 && s.indices != Component::UInt32) {
+      fail(fmt::format("is not valid glTF: {}.indices are not unsigned whole numbers", what));
+    }
+    s.indicesView = index(indices.at("bufferView"), m_.views.size(), what + ".indices.bufferView");
+    s.indicesOffset = length(indices, "byteOffset", 0, what + ".indices");
+    s.valuesView = index(values.at("bufferView"), m_.views.size(), what + ".values.bufferView");
+    s.valuesOffset = length(values, "byteOffset", 0, what + ".values");
+    expectInside(s.indicesView, s.indicesOffset, s.count, sizeOf(s.indices), false, what + ".indices");
+    expectInside(s.valuesView, s.valuesOffset, s.count, sizeOf(a.component) * a.width, false, what + ".values");
+    return s;
+  }
+
+  bool allowOutside_;
+};
+
+}  // namespace
+
+void readStorage(Model& model, const Json& json, bool allowOutside) {
+  StorageReader(model, json, allowOutside).read();
+}
+
+}  // namespace scanmill::gltf

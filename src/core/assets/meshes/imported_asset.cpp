@@ -1,0 +1,111 @@
+#include "assets/meshes/imported_asset.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "assets/meshes/asset_material.h"
+#include "assets/meshes/asset_parts.h"
+#include "assets/meshes/assimp/reader.h"
+#include "assets/meshes/child_process.h"
+#include "assets/meshes/imported_file.h"
+#include "assets/meshes/obj/obj_mesh.h"
+#include "assets/meshes/ply_check.h"
+#include "assets/meshes/ply_mesh.h"
+#include "assets/meshes/stl_mesh.h"
+#include "base/error.h"
+#include "base/memory.h"
+
+namespace scanmill {
+
+namespace {
+
+// Memory limit of the child process (bytes) for an empty file. Each byte of the file adds 64 bytes to the limit.
+constexpr std::uint64_t kMemory = std::uint64_t{4} << 30;
+constexpr unsigned kSeconds = 300;
+
+ImportedFile importByAssimp(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
+  const std::uint64_t memory = std::min(kMemory + 64 * std::filesystem::file_size(file), memoryLimitBytes());
+  try {
+    return importedFrom(inChildProcess([&] { return bytesOf(readByAssimp(file, kind, options)); }, memory, kSeconds));
+  } catch (const ChildEnded& e) {
+    throw InputError({file.string()}, fmt::format("cannot be read: {}; {}", e.what(), remedyFor(kind)));
+  } catch (const Error& e) {
+    throw InputError({file.string()}, e.what());
+  }
+}
+
+ImportedFile importPly(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
+  if (std::optional<ImportedFile> mesh = readPlyMesh(file, options)) return std::move(*mesh);
+  const PlyHeader header = checkPly(file);
+  ImportedFile imported = importByAssimp(file, kind, options);
+  const bool stated = std::any_of(header.elements.begin(), header.elements.end(),
+                                  [](const PlyElement& element) { return element.name == "material"; });
+  if (stated) return imported;
+  // The file has no element `material`: the importer has invented a grey one, or a white one if vertices have colours.
+  for (ImportedMaterial& material : imported.materials) {
+    material.stated = false;
+    material.color = {1, 1, 1};
+  }
+  return imported;
+}
+
+}  // namespace
+
+bool isAc3d(const std::string& kind) {
+  return kind == ".ac" || kind == ".acc" || kind == ".ac3d";
+}
+
+std::string remedyFor(const std::string& kind) {
+  return isAc3d(kind) ? "remove objects without surfaces, or convert it to glTF or OBJ"
+                      : "check that the file is complete, or convert it to glTF or OBJ";
+}
+
+Asset readImported(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
+  ImportedFile imported = kind == ".ply"   ? importPly(file, kind, options)
+                          : kind == ".obj" ? readObjMesh(file, options)
+                          : kind == ".stl" ? readStlMesh(file, options)
+                                           : importByAssimp(file, kind, options);
+  if (!imported.missing.empty()) {
+    warn(fmt::format("{}: names '{}', which is missing: its materials have plain colours", file.string(),
+                     fmt::join(imported.missing, "', '")));
+  }
+  if (!imported.problems.empty()) {
+    warn(fmt::format("{}: may be incomplete, since the importer reports: {}", file.string(),
+                     fmt::join(imported.problems, "; ")));
+  }
+  const std::vector<AssetMaterial> materials = readMaterials(imported, file, options, imported.leftOut);
+  Asset asset;
+  asset.up = imported.up;
+  asset.upDeclared = imported.upDeclared;
+  asset.statedUnit = imported.statedUnit;
+  asset.origin = imported.origin;
+  asset.dropped.outOfRange = imported.outOfRange;
+  asset.parts.reserve(imported.parts.size());
+  for (ImportedPart& from : imported.parts) {
+    AssetPart& part = asset.parts.emplace_back();
+    part.node = std::move(from.node);
+    part.nodeIndex = from.nodeIndex;
+    if (from.material < materials.size()) {
+      const AssetMaterial& material = materials[from.material];
+      part.fileMaterial = material.material;
+      part.material = part.fileMaterial.name;
+      part.texture = material.texture;
+      part.color = material.color;
+    }
+    part.positions = std::move(from.positions);
+    part.uvs = std::move(from.uvs);
+    part.triangles = std::move(from.triangles);
+    const bool known = from.material < materials.size();
+    checkTexture(part, !known || imported.materials[from.material].base.repeats, imported.leftOut);
+  }
+  imported.leftOut.tell(file.string());
+  return asset;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,168 @@
+#include "assets/meshes/obj/materials.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <string_view>
+
+#include "assets/meshes/base_color.h"
+#include "assets/meshes/obj/obj_mesh.h"
+#include "assets/meshes/obj/statements.h"
+#include "base/file.h"
+#include "base/format_support.h"
+
+namespace scanmill::obj {
+
+namespace {
+
+// Options of images, and the greatest number of values that each takes.
+struct ImageOption {
+  std::string_view name;
+  int values;
+};
+constexpr std::array<ImageOption, 13> kImageOptions{{{"-blendu", 1},
+                                                     {"-blendv", 1},
+                                                     {"-boost", 1},
+                                                     {"-mm", 2},
+                                                     {"-o", 3},
+                                                     {"-s", 3},
+                                                     {"-t", 3},
+                                                     {"-texres", 1},
+                                                     {"-clamp", 1},
+                                                     {"-bm", 1},
+                                                     {"-imfchan", 1},
+                                                     {"-type", 1},
+                                                     {"-cc", 1}}};
+
+bool isNumber(std::string_view word) {
+  return !word.empty() && word.find_first_not_of("+-.0123456789eE") == std::string_view::npos;
+}
+
+// Takes the first word of a text off the text.
+std::string_view takeWord(std::string_view& text) {
+  const std::size_t end = std::min(text.find_first_of(" \t"), text.size());
+  const std::string_view word = text.substr(0, end);
+  text.remove_prefix(std::min(text.find_first_not_of(" \t", end), text.size()));
+  return word;
+}
+
+class Library {
+ public:
+  Library(std::string_view text, const std::filesystem::path& file, Materials& materials)
+      : statements_(text, file), to_(materials) {}
+
+  void read() {
+    while (statements_.next()) {
+      const std::string_view key = statements_.keyword();
+      if (key == "newmtl") {
+        begin();
+      } else if (!objFormat().has(FormatElements::Use::Unused, key)) {
+        if (index_ == kNone) statements_.fail("stands before the first newmtl");
+        if (!known_) readKey(key);
+      }
+    }
+  }
+
+ private:
+  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+
+  void begin() {
+    const auto [at, isNew] = to_.byName.try_emplace(std::string(statements_.rest()), to_.materials.size());
+    known_ = !isNew;
+    index_ = at->second;
+    if (known_) return;
+    to_.materials.emplace_back().name = at->first;
+    to_.uvs.emplace_back();
+  }
+
+  ImportedMaterial& material() { return to_.materials[index_]; }
+
+  void readKey(std::string_view key) {
+    if (key == "Kd") {
+      readColor();
+    } else if (key == "d") {
+      material().opacity = fraction(static_cast<float>(last()), 1.0f);
+    } else if (key == "Tr") {
+      material().opacity = 1 - fraction(static_cast<float>(last()), 0.0f);
+    } else if (key == "Pr") {
+      material().roughness = fraction(static_cast<float>(last()), 1.0f);
+    } else if (key == "Pm") {
+      material().metallic = fraction(static_cast<float>(last()), 0.0f);
+    } else if (key == "map_Kd" || key == "map_kd") {
+      material().base = readImage(true);
+    } else if (key == "map_d" || key == "map_opacity") {
+      material().opacityMap = readImage(material().base.name.empty());
+    } else {
+      to_.leftOut.add(fmt::format("{} of materials", key.substr(0, 40)));
+    }
+  }
+
+  double last() {
+    const auto& words = statements_.words();
+    if (words.empty()) statements_.fail("has no value");
+    return statements_.number(words.back());
+  }
+
+  void readColor() {
+    const auto& words = statements_.words();
+    if (!words.empty() && (words[0] == "spectral" || words[0] == "xyz")) {
+      to_.leftOut.add(fmt::format("Kd {} of materials", words[0]));
+      return;
+    }
+    if (words.size() != 1 && words.size() < 3) statements_.fail("give three numbers (red, green, blue)");
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double value = statements_.number(words[words.size() == 1 ? 0 : k]);
+      material().color[k] = fraction(static_cast<float>(value), 1.0f);
+    }
+  }
+
+  // Reads options and the name of an image. `places`: the options -s and -o place the material's texture coordinates.
+  ImportedMap readImage(bool places) {
+    std::string_view rest = statements_.rest();
+    ImportedMap map;
+    while (rest.starts_with('-')) {
+      std::string_view behind = rest;
+      const std::string_view name = takeWord(behind);
+      const auto option = std::find_if(kImageOptions.begin(), kImageOptions.end(),
+                                       [&](const ImageOption& each) { return each.name == name; });
+      if (option == kImageOptions.end()) break;
+      rest = behind;
+      std::array<std::optional<double>, 3> values;
+      for (int i = 0; i < option->values; ++i) {
+        std::string_view next = rest;
+        const std::string_view word = takeWord(next);
+        const bool number = isNumber(word);
+        if (option->values > 1 && (!number || next.empty())) break;
+        if (number) values[static_cast<std::size_t>(i)] = statements_.number(word);
+        if (name == "-clamp" && word == "on") to_.leftOut.add("-clamp on of textures, which repeat");
+        rest = next;
+      }
+      UvPlace& uv = to_.uvs[index_];
+      if (places && name == "-s") uv.scale = {floatOr(values[0], 1), floatOr(values[1], 1)};
+      if (places && name == "-o") uv.offset = {floatOr(values[0], 0), floatOr(values[1], 0)};
+    }
+    if (rest.empty()) statements_.fail("names no image");
+    map.name = map.label = std::string(rest);
+    return map;
+  }
+
+  static float floatOr(const std::optional<double>& value, float fallback) {
+    return value ? static_cast<float>(*value) : fallback;
+  }
+
+  Statements statements_;
+  Materials& to_;
+  std::size_t index_ = kNone;
+  bool known_ = false;  // true: the material was defined before, so that this definition is skipped
+};
+
+}  // namespace
+
+void readLibrary(const std::filesystem::path& file, Materials& materials) {
+  const std::string text = readFile(file);
+  Library(text, file, materials).read();
+}
+
+}  // namespace scanmill::obj

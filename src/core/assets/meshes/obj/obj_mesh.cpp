@@ -1,0 +1,325 @@
+#include "assets/meshes/obj/obj_mesh.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "assets/meshes/asset_parts.h"
+#include "assets/meshes/obj/materials.h"
+#include "assets/meshes/obj/statements.h"
+#include "assets/meshes/polygon.h"
+#include "assets/meshes/references.h"
+#include "base/error.h"
+#include "base/file.h"
+#include "base/format_support.h"
+
+namespace scanmill {
+
+namespace {
+
+namespace fs = std::filesystem;
+using obj::Statements;
+
+// Largest sum of squared corner counts over all polygons: triangulating a polygon takes a time that grows with the
+// square of its corners, some seconds for 60,000 corners.
+constexpr double kMostCornersSquared = 4e9;
+
+class ObjReader {
+ public:
+  ObjReader(const fs::path& file, const AssetOptions& options)
+      : file_(file), options_(options), text_(readFile(file)), statements_(text_, file) {
+    if (text_.starts_with("\xFE\xFF") || text_.starts_with("\xFF\xFE")) {
+      fail("is UTF-16 text: save it as UTF-8, for example with 'iconv -f UTF-16 -t UTF-8'");
+    }
+  }
+
+  ImportedFile read() {
+    while (statements_.next()) readStatement();
+    ImportedFile read;
+    read.up = options_.up.value_or('z');
+    assetFromFile_ = zUpFrom(read.up) * Mat3::scale(Vec3d{1, 1, 1} * options_.metresPerUnit);
+    read.origin = origin();
+    for (Part& part : parts_) addPart(read, part);
+    read.outOfRange = outOfRange_;
+    read.materials = std::move(library_.materials);
+    read.missing = std::move(missing_);
+    leftOut_.add(library_.leftOut);
+    leftOut_.add("colours of vertices", colored_);
+    leftOut_.tell(file_.string());
+    return read;
+  }
+
+ private:
+  // A corner of a face: indices of its vertex and its texture coordinates.
+  struct Corner {
+    std::uint32_t vertex = 0;
+    std::uint32_t uv = 0;  // kNone: none
+  };
+  static constexpr std::uint32_t kNone = UINT32_MAX;
+
+  // The triangles of one node and material.
+  struct Part {
+    std::string node;
+    std::uint32_t nodeIndex = 0;
+    std::size_t material = 0;
+    std::vector<std::array<Corner, 3>> triangles;
+  };
+
+  void readStatement() {
+    const std::string_view key = statements_.keyword();
+    if (key == "v") {
+      readVertex();
+    } else if (key == "vt") {
+      readUv();
+    } else if (key == "f" || key == "fo") {
+      readFace();
+    } else if (key == "o" || key == "g") {
+      if (key == "o") object_ = statements_.rest();
+      group_ = key == "g" ? statements_.rest() : std::string_view();
+      part_ = nullptr;
+    } else if (key == "usemtl") {
+      useMaterial();
+    } else if (key == "mtllib") {
+      readLibraries();
+    } else if (triangles_ == 0 && vertices_.empty() && objFormat().find(key) == nullptr && statements_.rest().empty()) {
+      statements_.fail("is no statement of an OBJ file: is it text?");
+    } else {
+      leftOut_.addKeyword(objFormat(), key);
+    }
+  }
+
+  void readVertex() {
+    const auto& words = statements_.words();
+    const std::size_t count = words.size();
+    if (count != 3 && count != 4 && count != 6 && count != 7 && count != 8) {
+      statements_.fail(
+          fmt::format("has {} numbers: give x y z, and then a weight, a colour or both if you like", count));
+    }
+    for (const std::string_view word : words) statements_.number(word);
+    vertices_.push_back({statements_.number(words[0]), statements_.number(words[1]), statements_.number(words[2])});
+    if (count > 4) ++colored_;
+  }
+
+  void readUv() {
+    const auto& words = statements_.words();
+    if (words.empty() || words.size() > 3) statements_.fail("give one to three numbers");
+    const double v = words.size() > 1 ? statements_.number(words[1]) : 0;
+    uvs_.push_back({static_cast<float>(statements_.number(words[0])), static_cast<float>(v)});
+  }
+
+  // Reads an index, which counts from 1, or from the end if it is negative. Returns kNone if it is out of range.
+  std::uint32_t index(std::string_view text, std::size_t count) const {
+    const double number = statements_.number(text);
+    if (number != std::floor(number)) statements_.fail(fmt::format("'{}' is not a whole number", text.substr(0, 40)));
+    const double from0 = number < 0 ? static_cast<double>(count) + number : number - 1;
+    return from0 >= 0 && from0 < static_cast<double>(count) && number != 0 ? static_cast<std::uint32_t>(from0) : kNone;
+  }
+
+  // Returns the corner that a word such as "7", "7/2", "7//3" or "7/2/3" names.
+  Corner corner(std::string_view word) const {
+    const std::size_t slash = std::min(word.find('/'), word.size());
+    Corner corner{index(word.substr(0, slash), vertices_.size()), kNone};
+    if (slash == word.size()) return corner;
+    const std::string_view behind = word.substr(slash + 1);
+    const std::string_view uv = behind.substr(0, behind.find('/'));
+    if (!uv.empty()) corner.uv = index(uv, uvs_.size());
+    return corner;
+  }
+
+  void readFace() {
+    const auto& words = statements_.words();
+    if (words.size() < 3) statements_.fail(fmt::format("has {} corners: a face needs three", words.size()));
+    face_.clear();
+    for (const std::string_view word : words) face_.push_back(corner(word));
+    if (std::any_of(face_.begin(), face_.end(), [](const Corner& c) { return c.vertex == kNone; })) {
+      outOfRange_ += face_.size() - 2;
+      return;
+    }
+    triangles_ += face_.size() - 2;
+    if (triangles_ > kMostTriangles) fail(fmt::format("has more than {} triangles: split it", kMostTriangles));
+    Part& part = currentPart();
+    if (face_.size() == 3) {
+      part.triangles.push_back({face_[0], face_[1], face_[2]});
+      return;
+    }
+    cornersSquared_ += static_cast<double>(face_.size()) * static_cast<double>(face_.size());
+    if (cornersSquared_ > kMostCornersSquared) {
+      fail(
+          fmt::format("has polygons of up to {} corners, which would take minutes to divide into triangles: export it "
+                      "with triangles",
+                      face_.size()));
+    }
+    polygon_.clear();
+    for (const Corner& c : face_) polygon_.push_back(vertices_[c.vertex]);
+    cut_.clear();
+    triangulate(polygon_, cut_);
+    for (const auto& t : cut_) part.triangles.push_back({face_[t[0]], face_[t[1]], face_[t[2]]});
+  }
+
+  Part& currentPart() {
+    if (part_ != nullptr) return *part_;
+    const std::pair<std::string, std::string> names{object_, group_};
+    const auto node = nodes_.try_emplace(names, static_cast<std::uint32_t>(nodes_.size() + 1)).first->second;
+    const std::pair<std::uint32_t, std::size_t> key{node, material()};
+    const auto [at, isNew] = partOf_.try_emplace(key, parts_.size());
+    if (isNew) parts_.push_back({group_.empty() ? object_ : group_, node, key.second, {}});
+    return *(part_ = &parts_[at->second]);
+  }
+
+  // Returns the index of the material of the faces that follow.
+  std::size_t material() {
+    const auto [at, isNew] = library_.byName.try_emplace(material_, library_.materials.size());
+    if (isNew) {
+      library_.materials.emplace_back().name = material_;
+      library_.materials.back().stated = !material_.empty();
+      library_.uvs.emplace_back();
+    }
+    return at->second;
+  }
+
+  void useMaterial() {
+    material_ = statements_.rest();
+    part_ = nullptr;
+  }
+
+  // The rest of the line is one name with spaces, or several names.
+  void readLibraries() {
+    const std::string whole(statements_.rest());
+    if (whole.empty()) statements_.fail("names no file");
+    std::error_code ignored;
+    if (statements_.words().size() == 1 || fs::exists(pathOf(whole), ignored)) return readLibrary(whole);
+    const std::vector<std::string_view> names = statements_.words();
+    if (std::none_of(names.begin(), names.end(),
+                     [&](std::string_view name) { return fs::exists(pathOf(std::string(name)), ignored); })) {
+      return readLibrary(whole);
+    }
+    for (const std::string_view name : names) readLibrary(std::string(name));
+  }
+
+  fs::path pathOf(std::string name) const {
+    std::replace(name.begin(), name.end(), '\\', '/');
+    return fs::absolute(file_).parent_path() / name;
+  }
+
+  void readLibrary(const std::string& name) {
+    std::error_code ignored;
+    fs::path path = pathOf(name);
+    if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored)) {
+      fail(fmt::format("names '{}', which is not a file", name));
+    }
+    if (fs::exists(path, ignored) && !options_.allowOutside &&
+        leadsOutside(path.lexically_relative(fs::absolute(file_).parent_path()).string())) {
+      fail(refusalOf(name));
+    }
+    if (!fs::exists(path, ignored)) {
+      // Exporters that rename the mesh leave the old name in it.
+      path = fs::absolute(file_).replace_extension(".mtl");
+      if (!fs::is_regular_file(path, ignored)) {
+        if (std::find(missing_.begin(), missing_.end(), name) == missing_.end()) missing_.push_back(name);
+        return;
+      }
+    }
+    obj::readLibrary(path, library_);
+  }
+
+  // Returns an origin near most vertices (m, along the asset's axes): the median of at most 2000 vertices.
+  Vec3d origin() const {
+    std::vector<Vec3d> places;
+    const std::size_t every = std::max<std::size_t>(vertices_.size() / 1000, 1);
+    for (std::size_t i = 0; i < vertices_.size(); i += every) places.push_back(assetFromFile_ * vertices_[i]);
+    return originNear(places);
+  }
+
+  void addPart(ImportedFile& read, Part& from) const {
+    ImportedPart& part = read.parts.emplace_back();
+    part.node = std::move(from.node);
+    part.nodeIndex = from.nodeIndex;
+    part.material = static_cast<std::uint32_t>(from.material);
+    const obj::UvPlace& place = library_.uvs[from.material];
+    const bool hasUvs = std::any_of(from.triangles.begin(), from.triangles.end(), [](const auto& t) {
+      return t[0].uv != kNone || t[1].uv != kNone || t[2].uv != kNone;
+    });
+    for (const std::array<Corner, 3>& triangle : from.triangles) {
+      const auto first = static_cast<std::uint32_t>(part.positions.size());
+      part.triangles.push_back({first, first + 1, first + 2});
+      for (const Corner& corner : triangle) {
+        part.positions.push_back(static_cast<Vec3f>(assetFromFile_ * vertices_[corner.vertex] - read.origin));
+        if (!hasUvs) continue;
+        const Vec2f uv = corner.uv == kNone ? Vec2f{} : uvs_[corner.uv];
+        part.uvs.push_back({uv.x * place.scale.x + place.offset.x, uv.y * place.scale.y + place.offset.y});
+      }
+    }
+    from.triangles = {};
+    weld(part.positions, part.uvs, part.triangles);
+  }
+
+  [[noreturn]] void fail(const std::string& what) const { throw InputError({file_.string()}, what); }
+
+  const fs::path& file_;
+  const AssetOptions& options_;
+  std::string text_;
+  Statements statements_;
+  Mat3 assetFromFile_;
+  std::vector<Vec3d> vertices_;  // in the file's units and axes
+  std::vector<Vec2f> uvs_;
+  std::string object_, group_, material_;                                // names that hold for the faces that follow
+  std::map<std::pair<std::string, std::string>, std::uint32_t> nodes_;   // index of the node of an object and a group
+  std::map<std::pair<std::uint32_t, std::size_t>, std::size_t> partOf_;  // index of the part of a node and a material
+  std::vector<Part> parts_;
+  Part* part_ = nullptr;  // part of the faces that follow; null: not looked up yet
+  obj::Materials library_;
+  std::vector<std::string> missing_;  // libraries that do not exist
+  LeftOut leftOut_;
+  std::uint64_t colored_ = 0;  // number of vertices with a colour
+  std::uint64_t triangles_ = 0;
+  std::uint64_t outOfRange_ = 0;
+  double cornersSquared_ = 0;
+  std::vector<Corner> face_;
+  std::vector<Vec3d> polygon_;
+  std::vector<std::array<std::uint32_t, 3>> cut_;
+};
+
+}  // namespace
+
+const FormatSupport& objFormat() {
+  using enum FormatElements::Use;
+  static const FormatSupport format{
+      "OBJ",
+      ".obj, .mtl",
+      {{Unused, "vn s mg lod bevel c_interp d_interp maplib usemap shadow_obj trace_obj call csh",
+        "normals, smoothing and display"},
+       {Read, "v", "three coordinates in double precision; a weight behind them counts for nothing"},
+       {Read, "vt", "texture coordinates"},
+       {Read, "f fo",
+        "faces of three corners and more, with negative indices too; polygons are divided into triangles"},
+       {Read, "o g", "names of nodes, with spaces; the faces of one object and group are one node"},
+       {Read, "usemtl mtllib", "materials"},
+       {Read, "newmtl Kd d Tr Pr Pm", "name, colour, opacity, roughness and metalness of a material"},
+       {Read, "map_Kd map_kd map_d map_opacity",
+        "images, with their options -s and -o; the other options count for nothing"},
+       {Unused, "vp deg bmat step cstype parm trim hole scrv sp con ctech stech res end",
+        "parts of free-form curves and surfaces, which surf, curv and curv2 count"},
+       {Unused, "Ka Ks Ke Ns Ni Tf illum sharpness Ps Pc Pcr aniso anisor", "lighting"},
+       {Unused, "map_Ka map_Ks map_Ke map_Ns map_bump map_Bump bump norm disp refl map_refl", "images of lighting"},
+       {Unused, "map_Pr map_Pm map_Ps map_aat map_Ni map_Tf", "images of lighting"},
+       {LeftOut, "l", "lines (l)"},
+       {LeftOut, "p", "points (p)"},
+       {LeftOut, "surf", "free-form surfaces (surf)"},
+       {LeftOut, "curv curv2", "free-form curves (curv, curv2)"},
+       {LeftOut, "", "colours of vertices"}}};
+  return format;
+}
+
+ImportedFile readObjMesh(const std::filesystem::path& file, const AssetOptions& options) {
+  return ObjReader(file, options).read();
+}
+
+}  // namespace scanmill

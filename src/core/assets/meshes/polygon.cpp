@@ -1,0 +1,99 @@
+#include "assets/meshes/polygon.h"
+
+#include <cmath>
+#include <numeric>
+
+namespace scanmill {
+
+namespace {
+
+struct Point {
+  double x = 0, y = 0;
+};
+
+double areaOf(const Point& a, const Point& b, const Point& c) {
+  return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+}
+
+// Projects the corners along the greatest component of the polygon's area vector, so that they turn counter-clockwise.
+std::vector<Point> flattened(std::span<const Vec3d> corners) {
+  Vec3d area;
+  for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
+    area = area + cross(corners[i] - corners[0], corners[i + 1] - corners[0]);
+  }
+  const double x = std::abs(area.x), y = std::abs(area.y), z = std::abs(area.z);
+  std::vector<Point> points;
+  points.reserve(corners.size());
+  for (const Vec3d& corner : corners) {
+    const Vec3d p = corner - corners[0];
+    if (z >= x && z >= y) {
+      points.push_back(area.z < 0 ? Point{p.y, p.x} : Point{p.x, p.y});
+    } else if (y >= x) {
+      points.push_back(area.y < 0 ? Point{p.x, p.z} : Point{p.z, p.x});
+    } else {
+      points.push_back(area.x < 0 ? Point{p.z, p.y} : Point{p.y, p.z});
+    }
+  }
+  return points;
+}
+
+class EarCutter {
+ public:
+  EarCutter(std::span<const Vec3d> corners, std::vector<std::array<std::uint32_t, 3>>& triangles)
+      : points_(flattened(corners)), left_(corners.size()), triangles_(triangles) {
+    std::iota(left_.begin(), left_.end(), 0u);
+  }
+
+  void cut() {
+    // The first ear is sought at corner 1: a convex polygon becomes the usual fan about corner 0.
+    for (std::size_t at = 1, tried = 0; left_.size() > 3 && tried < left_.size();) {
+      if (!isEar(at)) {
+        at = (at + 1) % left_.size();
+        ++tried;
+        continue;
+      }
+      add(at);
+      left_.erase(left_.begin() + static_cast<std::ptrdiff_t>(at));
+      at %= left_.size();
+      tried = 0;
+    }
+    for (std::size_t i = 1; i + 1 < left_.size(); ++i) triangles_.push_back({left_[0], left_[i], left_[i + 1]});
+  }
+
+ private:
+  std::uint32_t before(std::size_t at) const { return left_[(at + left_.size() - 1) % left_.size()]; }
+  std::uint32_t behind(std::size_t at) const { return left_[(at + 1) % left_.size()]; }
+
+  void add(std::size_t at) { triangles_.push_back({before(at), left_[at], behind(at)}); }
+
+  // True if the corner is convex and its triangle contains no other corner that is left.
+  bool isEar(std::size_t at) const {
+    const Point& a = points_[before(at)];
+    const Point& b = points_[left_[at]];
+    const Point& c = points_[behind(at)];
+    if (!(areaOf(a, b, c) > 0)) return false;
+    for (const std::uint32_t other : left_) {
+      if (other == before(at) || other == left_[at] || other == behind(at)) continue;
+      const Point& p = points_[other];
+      const bool isCorner = (p.x == a.x && p.y == a.y) || (p.x == b.x && p.y == b.y) || (p.x == c.x && p.y == c.y);
+      if (!isCorner && areaOf(a, b, p) >= 0 && areaOf(b, c, p) >= 0 && areaOf(c, a, p) >= 0) return false;
+    }
+    return true;
+  }
+
+  std::vector<Point> points_;
+  std::vector<std::uint32_t> left_;  // corners that have not been cut off, in order
+  std::vector<std::array<std::uint32_t, 3>>& triangles_;
+};
+
+}  // namespace
+
+void triangulate(std::span<const Vec3d> corners, std::vector<std::array<std::uint32_t, 3>>& triangles) {
+  if (corners.size() == 3) {
+    triangles.push_back({0, 1, 2});
+  } else {
+    EarCutter(corners, triangles).cut();
+  }
+}
+
+}  // namespace scanmill

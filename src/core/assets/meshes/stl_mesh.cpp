@@ -1,0 +1,226 @@
+#include "assets/meshes/stl_mesh.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstring>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "assets/meshes/asset_parts.h"
+#include "base/error.h"
+#include "base/file.h"
+#include "config/text.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr std::size_t kStlHeader = 80;  // size of a binary file's header without the number of triangles (bytes)
+constexpr std::size_t kStlFacet = 50;   // bytes of a triangle: normal, three corners, two attribute bytes
+
+class StlReader {
+ public:
+  StlReader(const std::filesystem::path& file, const AssetOptions& options)
+      : file_(file), options_(options), text_(readFile(file)) {}
+
+  ImportedFile read() {
+    if (isText()) {
+      readText();
+    } else {
+      readBinary();
+    }
+    return imported();
+  }
+
+ private:
+  struct Solid {
+    std::string name;
+    std::vector<Vec3d> corners;  // three per triangle, in the file's units and axes
+  };
+
+  [[noreturn]] void fail(const std::string& what) const { throw InputError({file_.string(), line_}, what); }
+
+  std::uint64_t statedTriangles() const {
+    std::uint32_t count = 0;
+    if (text_.size() >= kStlHeader + sizeof count) std::memcpy(&count, text_.data() + kStlHeader, sizeof count);
+    return count;
+  }
+
+  // Many binary files begin with "solid", too.
+  bool isText() const {
+    if (text_.size() == kStlHeader + 4 + kStlFacet * statedTriangles()) return false;
+    const std::string_view head = std::string_view(text_).substr(0, 1024);
+    const std::size_t first = head.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+    return first != std::string_view::npos && lowerCase(head.substr(first, 5)) == "solid" &&
+           head.find('\0') == std::string_view::npos;
+  }
+
+  void readBinary() {
+    const std::uint64_t stated = statedTriangles();
+    const std::size_t first = kStlHeader + 4;
+    const std::size_t held = text_.size() < first ? 0 : (text_.size() - first) / kStlFacet;
+    if (text_.size() < first || held < stated) {
+      fail(fmt::format("is truncated, or not an STL file: its header states {} triangles, {} follow", stated, held));
+    }
+    triangles_ = stated;
+    checkCount();
+    imported_.leftOut.add("bytes behind the triangles", text_.size() - first - stated * kStlFacet);
+    if (text_.substr(0, kStlHeader).find("COLOR=") != std::string::npos) {
+      imported_.leftOut.add("colours in the header (COLOR=)");
+    }
+    std::vector<Vec3d>& corners = solids_.emplace_back().corners;
+    corners.reserve(3 * stated);
+    std::uint64_t colored = 0;
+    for (std::size_t i = 0; i < stated; ++i) {
+      std::array<float, 12> numbers{};
+      const char* const facet = text_.data() + first + i * kStlFacet;
+      std::memcpy(numbers.data(), facet, sizeof numbers);
+      for (std::size_t k = 3; k < 12; k += 3) corners.emplace_back(Vec3f{numbers[k], numbers[k + 1], numbers[k + 2]});
+      if (facet[48] != 0 || facet[49] != 0) ++colored;
+    }
+    imported_.leftOut.add("colours of triangles (attribute bytes)", colored);
+  }
+
+  void readText() {
+    line_ = 1;
+    bool inSolid = false;
+    bool inFacet = false;
+    std::vector<Vec3d> loop;
+    for (std::string word = lowerCase(nextWord()); !word.empty(); word = lowerCase(nextWord())) {
+      if (word == "solid" || word.ends_with("\xBFsolid")) {
+        solids_.push_back({std::string(restOfLine()), {}});
+        inSolid = true;
+      } else if (word == "endsolid") {
+        restOfLine();
+        inSolid = false;
+      } else if (word == "facet" || word == "endfacet") {
+        inFacet = word == "facet";
+        if (inFacet) restOfNormal();
+      } else if (word == "vertex") {
+        Vec3d corner;
+        for (double* const value : {&corner.x, &corner.y, &corner.z}) *value = number(nextWord());
+        loop.push_back(corner);
+      } else if (word == "endloop") {
+        addLoop(loop);
+        loop.clear();
+      } else if (!stlFormat().has(FormatElements::Use::Unused, word)) {
+        imported_.leftOut.addKeyword(stlFormat(), word);
+        restOfLine();
+      }
+    }
+    if (inFacet) fail("ends within a facet: is it truncated?");
+    if (inSolid) imported_.problems.emplace_back("the last solid has no 'endsolid'");
+  }
+
+  // Skips "normal" and its three numbers.
+  void restOfNormal() {
+    for (int i = 0; i < 4; ++i) nextWord();
+  }
+
+  void addLoop(const std::vector<Vec3d>& loop) {
+    if (loop.size() < 3) imported_.leftOut.add("facets of fewer than three corners");
+    if (solids_.empty()) solids_.emplace_back();
+    std::vector<Vec3d>& corners = solids_.back().corners;
+    for (std::size_t i = 2; i < loop.size(); ++i) {
+      corners.insert(corners.end(), {loop[0], loop[i - 1], loop[i]});
+      ++triangles_;
+      checkCount();
+    }
+  }
+
+  void checkCount() const {
+    if (triangles_ > kMostTriangles) fail(fmt::format("has more than {} triangles: split it", kMostTriangles));
+  }
+
+  // Returns the next word of the text; empty at its end.
+  std::string_view nextWord() {
+    constexpr std::string_view kBlanks = " \t\r\n\v\f";
+    const std::size_t from = std::min(text_.find_first_not_of(kBlanks, at_), text_.size());
+    line_ += static_cast<int>(std::count(text_.begin() + static_cast<std::ptrdiff_t>(at_),
+                                         text_.begin() + static_cast<std::ptrdiff_t>(from), '\n'));
+    at_ = std::min(text_.find_first_of(kBlanks, from), text_.size());
+    return std::string_view(text_).substr(from, at_ - from);
+  }
+
+  std::string_view restOfLine() {
+    const std::size_t end = std::min(text_.find('\n', at_), text_.size());
+    const std::string_view rest = std::string_view(text_).substr(at_, end - at_);
+    at_ = end;
+    const std::size_t from = rest.find_first_not_of(" \t\r");
+    return from == std::string_view::npos ? std::string_view()
+                                          : rest.substr(from, rest.find_last_not_of(" \t\r") + 1 - from);
+  }
+
+  double number(std::string_view word) const {
+    double value = 0;
+    const char* const end = word.data() + word.size();
+    const auto [stop, error] = std::from_chars(word.data() + (word.starts_with('+') ? 1 : 0), end, value);
+    if (word.empty() || stop != end || error == std::errc::invalid_argument) {
+      fail(fmt::format("'{}' is not a number of a vertex", word.substr(0, 40)));
+    }
+    return value;
+  }
+
+  ImportedFile imported() {
+    imported_.up = options_.up.value_or('z');
+    imported_.materials.emplace_back().stated = false;
+    const Mat3 assetFromFile = zUpFrom(imported_.up) * Mat3::scale(Vec3d{1, 1, 1} * options_.metresPerUnit);
+    std::vector<Vec3d> places;
+    const std::size_t every = std::max<std::size_t>(3 * triangles_ / 1000, 1);
+    for (const Solid& solid : solids_) {
+      for (std::size_t i = 0; i < solid.corners.size(); i += every) places.push_back(assetFromFile * solid.corners[i]);
+    }
+    // Coordinates of binary files are in single precision, so that an origin would not refine them.
+    if (line_ > 0) imported_.origin = originNear(places);
+    for (Solid& solid : solids_) {
+      ImportedPart& part = imported_.parts.emplace_back();
+      part.node = std::move(solid.name);
+      part.nodeIndex = static_cast<std::uint32_t>(imported_.parts.size());
+      for (const Vec3d& corner : solid.corners) {
+        part.positions.push_back(static_cast<Vec3f>(assetFromFile * corner - imported_.origin));
+      }
+      solid.corners = {};
+      const auto corners = static_cast<std::uint32_t>(part.positions.size());
+      for (std::uint32_t i = 0; i < corners; i += 3) part.triangles.push_back({i, i + 1, i + 2});
+      weld(part.positions, part.uvs, part.triangles);
+    }
+    std::erase_if(imported_.parts, [](const ImportedPart& part) { return part.triangles.empty(); });
+    return std::move(imported_);
+  }
+
+  const std::filesystem::path& file_;
+  const AssetOptions& options_;
+  std::string text_;
+  std::size_t at_ = 0;  // index of the character behind the latest word
+  int line_ = 0;        // line of the latest word, counted from 1; 0: the file is binary
+  std::uint64_t triangles_ = 0;
+  std::vector<Solid> solids_;
+  ImportedFile imported_;
+};
+
+}  // namespace
+
+const FormatSupport& stlFormat() {
+  using enum FormatElements::Use;
+  static const FormatSupport format{"STL",
+                                    ".stl",
+                                    {{Read, "solid endsolid", "names of nodes, with spaces; a file may hold several"},
+                                     {Read, "facet vertex endloop endfacet",
+                                      "triangles, in double precision; longer loops are divided into triangles"},
+                                     {Unused, "normal outer loop", "a facet's normal follows from its corners"},
+                                     {Read, "", "binary files, those that begin with 'solid' too"},
+                                     {LeftOut, "", "colours of triangles (attribute bytes)"},
+                                     {LeftOut, "", "colours in the header (COLOR=)"}}};
+  return format;
+}
+
+ImportedFile readStlMesh(const std::filesystem::path& file, const AssetOptions& options) {
+  return StlReader(file, options).read();
+}
+
+}  // namespace scanmill

@@ -1,0 +1,337 @@
+// .blend files: made by a Blender script of this test, third-party ones, and broken ones.
+
+#include "assets/meshes/blend.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "assets/asset.h"
+#include "base/file.h"
+#include "base/process.h"
+#include "tests/core/assets/read_assets.h"
+#include "tests/support/blender.h"
+#include "tests/support/message_of.h"
+#include "tests/support/shared_data.h"
+#include "tests/support/temporary_folder.h"
+
+namespace scanmill {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr const char* kFile = "it's a 'thing' \xC3\xA4.blend";
+
+// Makes files in FOLDER: one with everything, one in centimetres, one with nothing. All carry a text that wants to run
+// when the file is opened, and a driver whose expression writes a file.
+constexpr const char* kScript = R"py(
+import math, os, sys
+import bpy
+import numpy as np
+from mathutils import Matrix
+
+folder, name = sys.argv[-2:]
+bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+scene = bpy.context.scene
+
+
+def box(name, size):
+    mesh = bpy.data.meshes.new(name)
+    h = size / 2
+    corners = [(x, y, z) for x in (-h, h) for y in (-h, h) for z in (-h, h)]
+    mesh.from_pydata(corners, [], [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)])
+    return mesh
+
+
+def put(name, data, collection=scene.collection, **settings):
+    made = bpy.data.objects.new(name, data)
+    collection.objects.link(made)
+    for key, value in settings.items():
+        setattr(made, key, value)
+    return made
+
+
+def material(name, color):
+    made = bpy.data.materials.new(name)
+    made.use_nodes = True
+    shader = made.node_tree.nodes["Principled BSDF"]
+    shader.inputs["Base Color"].default_value = (*color, 1)
+    shader.inputs["Roughness"].default_value = 0.25
+    return made
+
+
+unit = box("unit", 1)
+unit.materials.append(material("Red Paint", (0.8, 0.1, 0.1)))
+wall = put("Wall.a", unit, location=(0, 0, 1))
+wall.modifiers.new("array", "ARRAY").count = 3
+put("Hidden", box("hidden", 1), hide_viewport=True)
+put("Helper", box("helper", 1), hide_render=True)
+put("Mirrored", unit, location=(0, 5, 1), scale=(-1, 1, 2))
+parent = put("Frame", None, scale=(1, 3, 1))
+put("Sheared", unit, parent=parent, rotation_euler=(0, 0, math.pi / 4), location=(-20, 0, 0))
+tree = bpy.data.collections.new("tree")
+put("Crown", box("crown", 0.5), tree)
+put("Stem", box("stem", 0.25), tree, location=(0, 0, -1))
+for i in range(3):
+    put(f"Tree{i}", None, instance_type="COLLECTION", instance_collection=tree, location=(10, 3 * i, 2))
+text = bpy.data.curves.new("sign", "FONT")
+text.body = "Hi"
+put("Sign", text, location=(0, -9, 0))
+group = bpy.data.node_groups.new("scatter", "GeometryNodeTree")
+if bpy.app.version >= (4, 0):
+    group.interface.new_socket("in", in_out="INPUT", socket_type="NodeSocketGeometry")
+    group.interface.new_socket("out", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+else:
+    group.inputs.new("NodeSocketGeometry", "in")
+    group.outputs.new("NodeSocketGeometry", "out")
+nodes = [group.nodes.new(kind) for kind in
+         ("NodeGroupInput", "GeometryNodeInstanceOnPoints", "GeometryNodeMeshCube", "NodeGroupOutput")]
+group.links.new(nodes[0].outputs[0], nodes[1].inputs["Points"])
+group.links.new(nodes[2].outputs["Mesh"], nodes[1].inputs["Instance"])
+group.links.new(nodes[1].outputs[0], nodes[3].inputs[0])
+put("Scatter", box("points", 8), location=(30, 0, 0)).modifiers.new("scatter", "NODES").node_group = group
+
+pixels = np.ones((8, 8, 4), np.float32)
+pixels[:4, :, 3] = 0
+pixels[:, :, 0] = 0.2
+image = bpy.data.images.new("leaf picture", 8, 8, alpha=True)
+image.pixels.foreach_set(pixels.ravel())
+image.update()
+image.pack()
+leaf = material("Leaf", (1, 1, 1))
+leaf.blend_method = "CLIP"
+leaf.alpha_threshold = 0.4
+picture = leaf.node_tree.nodes.new("ShaderNodeTexImage")
+picture.image = image
+for output, name_in in (("Color", "Base Color"), ("Alpha", "Alpha")):
+    leaf.node_tree.links.new(picture.outputs[output], leaf.node_tree.nodes["Principled BSDF"].inputs[name_in])
+card = bpy.data.meshes.new("card")
+card.from_pydata([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [], [(0, 1, 2, 3)])
+card.uv_layers.new(name="map")
+card.materials.append(leaf)
+put("Card", card, location=(0, 0, 7))
+
+marker = os.path.join(folder, "ran_")
+evil = bpy.data.texts.new("evil.py")
+evil.write(f"open({marker + 'text'!r}, 'w').write('x')")
+evil.use_module = True
+driver = wall.driver_add("location", 0).driver
+driver.type = "SCRIPTED"
+driver.expression = f"[open({marker + 'driver'!r}, 'w').write('x'), 0.0][1]"
+
+bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, name), compress=False)
+scene.unit_settings.scale_length = 0.01
+bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, "cm.blend"), compress=True)
+for old in list(bpy.data.objects):
+    bpy.data.objects.remove(old)
+put("Only points", bpy.data.meshes.new("empty"))
+bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, "empty.blend"), compress=False)
+)py";
+
+std::string runBlender(const std::vector<std::string>& words) {
+  std::vector<std::string> command{"blender", "-b", "--factory-startup", "-noaudio", "--python-exit-code", "3"};
+  command.insert(command.end(), words.begin(), words.end());
+  Process blender(command);
+  while (blender.readLine(120)) {
+  }
+  const std::string end = blender.wait(120);
+  return end == "exit code 0" ? "" : end + "\n" + blender.lastLines();
+}
+
+struct Node {
+  Box bounds;
+  std::size_t triangles = 0;
+  std::vector<std::string> materials;
+};
+
+// By name and place among those of the same name.
+std::map<std::string, std::vector<Node>> nodesOf(const Asset& asset) {
+  std::map<std::string, std::map<std::uint32_t, Node>> byIndex;
+  for (const AssetPart& part : asset.parts) {
+    Node& node = byIndex[part.node][part.nodeIndex];
+    for (const Vec3f& p : part.positions) node.bounds.add(Vec3d(p));
+    node.triangles += part.triangles.size();
+    node.materials.push_back(part.material);
+  }
+  std::map<std::string, std::vector<Node>> nodes;
+  for (const auto& [name, all] : byIndex) {
+    for (const auto& [index, node] : all) nodes[name].push_back(node);
+  }
+  return nodes;
+}
+
+void expectBounds(const Node& node, const Vec3d& low, const Vec3d& high) {
+  EXPECT_LT(length(node.bounds.low - low), 1e-5);
+  EXPECT_LT(length(node.bounds.high - high), 1e-5);
+}
+
+class Blend : public testing::Test {
+ protected:
+  void make() {
+    const auto script = folder_.write("make.py", kScript);
+    ASSERT_EQ(runBlender({"--python", script.string(), "--", folder_.path().string(), kFile}), "");
+    made_ = folder_.path() / kFile;
+    for (const char* marker : {"ran_text", "ran_driver"}) std::filesystem::remove(folder_.path() / marker);
+  }
+
+  bool ran(const char* marker) const { return std::filesystem::exists(folder_.path() / marker); }
+
+  TemporaryFolder folder_;
+  std::filesystem::path made_;
+};
+
+TEST_F(Blend, ShowsWhatBlenderShowsAndRunsNothing) {
+  SKIP_WITHOUT_BLENDER();
+  make();
+  const Asset asset = readAsset(made_, {});
+  EXPECT_FALSE(ran("ran_text"));
+  EXPECT_FALSE(ran("ran_driver"));
+  EXPECT_EQ(asset.file, made_);
+  EXPECT_EQ(asset.up, 'z');
+
+  const auto nodes = nodesOf(asset);
+  EXPECT_FALSE(nodes.contains("Hidden"));
+  EXPECT_FALSE(nodes.contains("Helper"));
+  ASSERT_EQ(nodes.at("Wall.a").size(), 1u);
+  EXPECT_EQ(nodes.at("Wall.a")[0].triangles, 36u) << "the modifier's copies";
+  expectBounds(nodes.at("Wall.a")[0], {-0.5, -0.5, 0.5}, {2.5, 0.5, 1.5});
+  expectBounds(nodes.at("Mirrored").at(0), {-0.5, 4.5, 0}, {0.5, 5.5, 2});
+  const double half = std::sqrt(0.5);  // a unit square turned by 45 degrees, then stretched threefold along y
+  expectBounds(nodes.at("Sheared").at(0), {-20 - half, -3 * half, -0.5}, {-20 + half, 3 * half, 0.5});
+  ASSERT_EQ(nodes.at("Crown").size(), 3u);
+  ASSERT_EQ(nodes.at("Stem").size(), 3u);
+  expectBounds(nodes.at("Crown")[2], {9.75, 5.75, 1.75}, {10.25, 6.25, 2.25});
+  EXPECT_EQ(nodes.at("Scatter").size(), 8u) << "instances by nodes";
+  EXPECT_GT(nodes.at("Sign").at(0).triangles, 10u) << "a text has a surface";
+  EXPECT_EQ(nodes.at("Mirrored")[0].materials, std::vector<std::string>{"Red Paint"});
+
+  const auto materialOf = [&](const char* node) {
+    return std::find_if(asset.parts.begin(), asset.parts.end(), [&](const AssetPart& p) { return p.node == node; })
+        ->fileMaterial;
+  };
+  EXPECT_NEAR(materialOf("Wall.a").reflectance, 0.2126 * 0.8 + 0.7874 * 0.1, 1e-4);
+  EXPECT_NEAR(materialOf("Wall.a").roughness, 0.25, 1e-6);
+  EXPECT_THAT(materialOf("Wall.a").source, HasSubstr(kFile));
+  const Material card = materialOf("Card");
+  EXPECT_TRUE(card.alphaTested);
+  // Blender 4.2 and later has no threshold of a material: its exporter of glTF says a half.
+  EXPECT_THAT(card.alphaCutoff, testing::AnyOf(testing::FloatNear(0.4F, 1e-6F), testing::FloatEq(0.5F)));
+  ASSERT_TRUE(card.texture);
+  EXPECT_EQ(card.texture->width, 8u);
+  EXPECT_EQ(card.texture->texel(0.5f, 0.25f)[3], 0) << "the lower half is transparent";
+  EXPECT_EQ(card.texture->texel(0.5f, 0.75f)[3], 255);
+  EXPECT_THAT(card.texture->file, testing::StartsWith(made_.string()));
+
+  // Outward faces, mirrored or not: the volume of a closed surface is positive.
+  for (const AssetPart& part : asset.parts) {
+    if (part.node != "Mirrored" && part.node != "Sheared") continue;
+    double volume = 0;
+    for (const Triangle& t : part.triangles) {
+      volume += dot(Vec3d(part.positions[t[0]]), cross(Vec3d(part.positions[t[1]]), Vec3d(part.positions[t[2]]))) / 6;
+    }
+    EXPECT_NEAR(volume, part.node == "Mirrored" ? 2 : 3, 1e-3) << part.node;
+  }
+
+  // The files that must not run are ones that would.
+  runBlender({"--enable-autoexec", made_.string()});
+  EXPECT_TRUE(ran("ran_text"));
+  EXPECT_TRUE(ran("ran_driver"));
+}
+
+TEST_F(Blend, InASceneWithRulesByNodeAndMaterialAndItsUnit) {
+  SKIP_WITHOUT_BLENDER();
+  make();
+  const Scene scene = sceneOf(folder_,
+                              "objects:\n  - file: cm.blend\n    unit: 100\n    instances: node\n    rules:\n"
+                              "      - {match: {node: Crown}, class: tree}\n"
+                              "      - {match: {material: 'Red*'}, class: wall}\n"
+                              "      - {match: any, class: object}\n");
+  EXPECT_FALSE(ran("ran_text"));
+  EXPECT_FALSE(ran("ran_driver"));
+  // The file's unit is a centimetre, and `unit` undoes it.
+  EXPECT_NEAR(scene.bounds().high.x, 34.5, 1e-4);
+  std::map<std::string, std::size_t> triangles;
+  for (const Mesh& mesh : scene.meshes) {
+    for (const std::uint16_t s : mesh.surfaceOf) {
+      for (const SemanticClass& c : scene.ontology.classes) {
+        if (c.id == mesh.surfaces[s].semantic) ++triangles[c.name];
+      }
+    }
+  }
+  EXPECT_EQ(triangles["tree"], 36u);
+  EXPECT_EQ(triangles["wall"], 60u);
+  EXPECT_GT(triangles["object"], 100u);
+  EXPECT_GE(scene.things(), 3u + 3 + 8 + 2) << "a thing for each node of a thing class";
+
+  const auto nodes = nodesOf(readAsset(folder_.path() / "cm.blend", {}));
+  expectBounds(nodes.at("Wall.a").at(0), {-0.005, -0.005, 0.005}, {0.025, 0.005, 0.015});
+  expectBounds(nodes.at("Stem").at(0), Vec3d{9.875, -0.125, 0.875} * 0.01, Vec3d{10.125, 0.125, 1.125} * 0.01);
+}
+
+TEST_F(Blend, BadFilesAreNamed) {
+  SKIP_WITHOUT_BLENDER();
+  make();
+  const auto refuse = [&](const std::filesystem::path& file, std::vector<std::string> words) {
+    words.push_back(file.string());
+    expectInputError([&] { readAsset(file, {}); }, words);
+  };
+  refuse(folder_.path() / "empty.blend", {"shows no surface"});
+  const std::string bytes = readFile(made_);
+  refuse(folder_.write("cut.blend", bytes.substr(0, bytes.size() / 2)), {"cannot open it"});
+  std::string newer = bytes;
+  ASSERT_EQ(newer.substr(0, 7), "BLENDER");
+  newer.replace(9, 3, "799");
+  refuse(folder_.write("newer.blend", newer), {"saved by Blender 7.99", "SCANMILL_BLENDER", "GLB"});
+  refuse(folder_.write("noise.blend", "BLENDER-v304" + std::string(5000, '\x07')), {"cannot open it"});
+  EXPECT_FALSE(ran("ran_text"));
+  EXPECT_FALSE(ran("ran_driver"));
+}
+
+// Without starting Blender.
+TEST_F(Blend, OtherFilesAreNotGivenToBlender) {
+  const ScopedVariable named("SCANMILL_BLENDER", "/no/such/blender");
+  expectInputError([&] { readAsset(folder_.write("text.blend", "import os"), {}); },
+                   {"text.blend", "not a Blender file"});
+  expectInputError([&] { readAsset(folder_.write("none.blend", ""), {}); }, {"none.blend", "empty"});
+  expectInputError([&] { readAsset(folder_.path() / "absent.blend", {}); }, {"absent.blend"});
+  const auto whole = folder_.write("whole.blend", "BLENDER-v304");
+  EXPECT_THAT(messageOf<Error>([&] { readAsset(whole, {}); }),
+              testing::AllOf(HasSubstr("whole.blend"), HasSubstr("/no/such/blender")));
+  const ScopedVariable unset("SCANMILL_BLENDER", "");
+  const ScopedVariable path("PATH", "/no/such/folder");
+  EXPECT_THAT(messageOf<Error>([&] { readAsset(whole, {}); }), HasSubstr("apt-get install blender"));
+}
+
+TEST_F(Blend, TimeOutAndCrashNameTheFile) {
+  const auto whole = folder_.write("whole.blend", "BLENDER-v304");
+  const auto program = folder_.write("blender.sh", "#!/bin/sh\necho working >&2\nsleep 1000\n");
+  std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+  const ScopedVariable named("SCANMILL_BLENDER", program.string());
+  const ScopedVariable patience("SCANMILL_BLENDER_SECONDS", "0.3");
+  expectInputError([&] { readAsset(whole, {}); }, {"whole.blend", "0.3 s", "working"});
+  folder_.write("blender.sh", "#!/bin/sh\necho 'Segmentation of things' >&2\nkill -SEGV $$\n");
+  expectInputError([&] { readAsset(whole, {}); }, {"whole.blend", "signal 11", "Segmentation of things"});
+}
+
+TEST(BlendReal, ThirdPartyFilesHaveTriangles) {
+  SKIP_WITHOUT_BLENDER();
+  SKIP_WITHOUT_SHARED_DATA("scenes/blender");
+  const auto folder = sharedData() / "scenes" / "blender";
+  const auto glass = nodesOf(readAsset(folder / "glass.blend", {}));
+  EXPECT_EQ(glass.size(), 2u) << "the bare edges of the file show no surface";
+  EXPECT_EQ(glass.at("glass").at(0).triangles, 12u);
+  EXPECT_EQ(glass.at("target").at(0).materials, std::vector<std::string>{"Material.005"});
+  const auto mirror = nodesOf(readAsset(folder / "mirror.blend", {}));
+  EXPECT_EQ(mirror.size(), 4u);
+  EXPECT_TRUE(mirror.contains("Plane2"));
+  const auto textured = nodesOf(readAsset(folder / "texture_usage.blend", {}));
+  EXPECT_EQ(textured.at("Plane").at(0).triangles, 8u);
+  EXPECT_EQ(textured.at("Plane").at(0).materials.size(), 2u);
+}
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,90 @@
+#include "assets/meshes/polygon.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <set>
+
+namespace scanmill {
+namespace {
+
+using Triangles = std::vector<std::array<std::uint32_t, 3>>;
+
+Triangles divided(const std::vector<Vec3d>& corners) {
+  Triangles triangles;
+  triangulate(corners, triangles);
+  return triangles;
+}
+
+// Returns the area of each triangle along a direction: negative if the triangle is turned over.
+std::vector<double> areas(const std::vector<Vec3d>& corners, const Vec3d& normal) {
+  std::vector<double> areas;
+  for (const auto& t : divided(corners)) {
+    areas.push_back(dot(cross(corners[t[1]] - corners[t[0]], corners[t[2]] - corners[t[0]]), normal) / 2);
+  }
+  return areas;
+}
+
+double sum(const std::vector<double>& values) {
+  double total = 0;
+  for (const double value : values) total += value;
+  return total;
+}
+
+// Triangles that are all turned as the polygon, and whose areas add up to the polygon's, cover it once.
+TEST(Polygon, IsCoveredOnceInAnyPlane) {
+  std::mt19937 random(5);
+  const auto unit = [&] { return std::uniform_real_distribution<double>(-1, 1)(random); };
+  for (int round = 0; round < 300; ++round) {
+    const int corners = 4 + round % 17;
+    const Vec3d normal = normalized(Vec3d{unit(), unit(), unit()});
+    const Vec3d u = normalized(cross(normal, std::abs(normal.x) < 0.7 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}));
+    const Vec3d v = cross(normal, u);
+    std::vector<Vec3d> star;  // seen from its middle, each corner is in another direction: simple, but seldom convex
+    double area = 0;
+    std::vector<double> radii;
+    for (int i = 0; i < corners; ++i) radii.push_back(1.2 + unit());
+    const double step = 2 * std::acos(-1.0) / corners;
+    for (int i = 0; i < corners; ++i) {
+      const double r = radii[static_cast<std::size_t>(i)];
+      star.push_back(Vec3d{100, -50, 7} + u * (r * std::cos(i * step)) + v * (r * std::sin(i * step)));
+      area += r * radii[static_cast<std::size_t>((i + 1) % corners)] * std::sin(step) / 2;
+    }
+    const std::vector<double> parts = areas(star, normal);
+    EXPECT_EQ(parts.size(), star.size() - 2);
+    for (const double part : parts) EXPECT_GT(part, -1e-9);
+    EXPECT_NEAR(sum(parts), area, 1e-9);
+  }
+}
+
+TEST(Polygon, AConcaveQuadIsCutThroughItsConcaveCorner) {
+  const std::vector<Vec3d> arrow{{0, 0, 0}, {2, -1, 0}, {0.5, 0, 0}, {2, 1, 0}};
+  const std::vector<double> parts = areas({arrow[0], arrow[1], arrow[2], arrow[3]}, {0, 0, 1});
+  ASSERT_EQ(parts.size(), 2u);
+  EXPECT_NEAR(parts[0], 0.25, 1e-12);
+  EXPECT_NEAR(parts[1], 0.25, 1e-12);
+}
+
+// A hole that a bridge of two equal edges joins to the outline, as exporters write it.
+TEST(Polygon, ABridgeToAHoleIsCut) {
+  const std::vector<Vec3d> frame{{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}, {0, 0, 0},
+                                 {1, 1, 0}, {1, 3, 0}, {3, 3, 0}, {3, 1, 0}, {1, 1, 0}};
+  const std::vector<double> parts = areas(frame, {0, 0, 1});
+  EXPECT_EQ(parts.size(), frame.size() - 2);
+  for (const double part : parts) EXPECT_GE(part, 0);
+  EXPECT_NEAR(sum(parts), 12, 1e-12);
+}
+
+TEST(Polygon, DegenerateOnesEnd) {
+  const std::vector<Vec3d> line{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {1, 0, 0}};
+  EXPECT_EQ(divided(line).size(), 3u);
+  const std::vector<Vec3d> bow{{0, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}};
+  EXPECT_EQ(divided(bow).size(), 2u);
+  EXPECT_EQ(divided({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}).size(), 1u);
+  const double nan = std::nan("");
+  EXPECT_EQ(divided({{0, 0, 0}, {nan, 0, 0}, {1, 1, 0}, {0, 1, 0}}).size(), 2u);
+}
+
+}  // namespace
+}  // namespace scanmill
