@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
@@ -165,17 +164,7 @@ class TilesetReader {
       leftOut_.addKeyword(tilesetFormat(), kind);
       return;
     }
-    if (kind == ".b3dm") countBatches(readFile(file));
     add(gltf::readTile(file, *assetFromEarth_ * earthFromTile, context.zUpFromGltf, options_, inTiles_), plain);
-  }
-
-  // Counts a b3dm whose batch table names properties. Its header has the length of the table at byte 20.
-  void countBatches(const std::string& bytes) {
-    constexpr std::size_t kHeader = 28, kEmptyTable = 8;  // "{}" and padding
-    if (bytes.size() < kHeader) return;
-    std::uint32_t length = 0;
-    std::memcpy(&length, bytes.data() + 20, sizeof length);
-    if (length > kEmptyTable) leftOut_.add("batch tables of b3dm");
   }
 
   void add(Asset tile, const std::string& name) {
@@ -221,7 +210,6 @@ const FormatSupport& tilesetFormat() {
        {LeftOut, ".geom", "tiles of simple shapes (.geom)"},
        {LeftOut, ".vctr", "vector tiles (.vctr)"},
        {LeftOut, ".subtree implicitTiling 3DTILES_implicit_tiling", "implicit tilings, which are refused"},
-       {LeftOut, "", "batch tables of b3dm"},
        {LeftOut, "metadata group groups schema schemaUri 3DTILES_metadata", "metadata"},
        {Unused,
         "geometricError viewerRequestVolume properties statistics tilesetVersion extras 3DTILES_bounding_volume_S2",

@@ -22,7 +22,7 @@ bool upright(const CameraView& view) {
 }
 
 void placeRowHyperbola(std::span<const CameraView> views, const BeamTable& table, const std::uint32_t* beam,
-                       std::size_t count, Places places) {
+                       std::size_t count, ImagePositions places) {
   alignas(64) double x[kBlock] = {}, y[kBlock] = {}, z[kBlock] = {}, slope[kBlock];
   for (std::size_t i = 0; i < count; ++i) {
     const double azimuth = table.azimuth(beam[i] % table.columns);
@@ -42,7 +42,7 @@ void placeRowHyperbola(std::span<const CameraView> views, const BeamTable& table
   }
 }
 
-void placeEquirectangular(std::span<const CameraView> views, const BeamBlock& beams, Places places) {
+void placeEquirectangular(std::span<const CameraView> views, const BeamBlock& beams, ImagePositions places) {
   alignas(64) double x[kBlock] = {}, y[kBlock] = {}, z[kBlock] = {};
   const double pitch = views.empty() ? 1 : 1 / views.front().fx;  // rad per pixel of the panorama
   const auto centre = [&](double angle) { return (std::floor(angle / pitch) + 0.5) * pitch; };
@@ -57,7 +57,7 @@ void placeEquirectangular(std::span<const CameraView> views, const BeamBlock& be
 }
 
 void placePixelRow(std::span<const CameraView> views, const BeamTable& table, const std::uint32_t* beam,
-                   std::size_t count, Places places) {
+                   std::size_t count, ImagePositions places) {
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t ring = beam[i] / table.columns;
     const double rank = (table.topDown || table.elevation.front() >= table.elevation.back())
@@ -85,7 +85,7 @@ void placePixelRow(std::span<const CameraView> views, const BeamTable& table, co
 }  // namespace
 
 void placeNaive(Sampling sampling, std::span<const CameraView> views, const BeamTable& table, const BeamBlock& beams,
-                const std::uint32_t* beam, Places places) {
+                const std::uint32_t* beam, ImagePositions places) {
   if (sampling == Sampling::RowHyperbola) {
     placeRowHyperbola(views, table, beam, beams.count, places);
   } else if (sampling == Sampling::Equirectangular) {

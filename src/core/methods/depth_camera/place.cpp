@@ -13,7 +13,7 @@ constexpr double kNoViewYet = 1000;  // stands for kNoView while views' indices 
 }  // namespace
 
 void place(std::span<const CameraView> views, const double* x, const double* y, const double* z, std::size_t count,
-           bool points, Places places) {
+           bool points, ImagePositions places) {
   alignas(64) double u[kBlock], v[kBlock], depth[kBlock], seenBy[kBlock];
   for (std::size_t i = 0; i < count; ++i) {
     u[i] = v[i] = depth[i] = 0;

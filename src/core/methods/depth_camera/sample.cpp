@@ -42,7 +42,7 @@ struct Batch {
     v.resize(n);
     view.resize(n);
   }
-  Places at(std::size_t i) { return {&u[i], &v[i], &view[i]}; }
+  ImagePositions at(std::size_t i) { return {&u[i], &v[i], &view[i]}; }
 };
 
 class Sampler {

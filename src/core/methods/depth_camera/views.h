@@ -39,7 +39,7 @@ struct BeamBlock {
 };
 
 // Positions in images: u and v (px) in the image with the index `view`.
-struct Places {
+struct ImagePositions {
   double* u;
   double* v;
   std::uint8_t* view;  // kNoView: no image contains the point
@@ -48,11 +48,11 @@ struct Places {
 // Finds for each of at most kBlock points (directions, if `points` is false) the image in which the point's depth is
 // largest, among the images that contain the point.
 void place(std::span<const CameraView> views, const double* x, const double* y, const double* z, std::size_t count,
-           bool points, Places places);
+           bool points, ImagePositions places);
 
 // Finds the pixels that the sampling methods of naive.cpp read. `beam`: the beams' indices in the table.
 void placeNaive(Sampling sampling, std::span<const CameraView> views, const BeamTable& table, const BeamBlock& beams,
-                const std::uint32_t* beam, Places places);
+                const std::uint32_t* beam, ImagePositions places);
 
 constexpr bool isNaive(Sampling sampling) {
   return sampling == Sampling::RowHyperbola || sampling == Sampling::Equirectangular || sampling == Sampling::PixelRow;

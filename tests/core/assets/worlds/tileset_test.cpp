@@ -178,7 +178,7 @@ TEST_F(Tileset, LeftOutContentsAreToldOnceWithTheirNumber) {
   tileset({{"boundingVolume", local()}, {"geometricError", 1}, {"shape", 2}, {"contents", contents}});
   EXPECT_THAT(testing::internal::GetCapturedStderr(),
               AllOf(HasSubstr("2 instanced models (.i3dm)"), HasSubstr("1 composite tiles (.cmpt)"),
-                    HasSubstr("1 unknown '.xyz'"), HasSubstr("1 batch tables of b3dm"), HasSubstr("6 metadata"),
+                    HasSubstr("1 unknown '.xyz'"), HasSubstr("1 batch tables (.b3dm)"), HasSubstr("6 metadata"),
                     HasSubstr("1 unknown 'shape'"), testing::Not(HasSubstr("geometricError"))));
 }
 

@@ -29,13 +29,15 @@ std::uint32_t readWord(std::string_view bytes, std::size_t at) {
 }
 
 // Returns the glTF in a tile of 3D Tiles 1.0. A tile consists of a header, a feature table (JSON, then binary), a batch
-// table (JSON, then binary) and the glTF. `center` is set if the feature table has RTC_CENTER, as a list or as an
-// offset into the table's binary part.
-std::string glbOfTile(const std::string& tile, std::optional<Vec3d>& center) {
+// table (JSON, then binary) and the glTF. Sets `center` if the feature table has RTC_CENTER, as a list or as an offset
+// into the table's binary part, and `batchTable`.
+std::string glbOfTile(const std::string& tile, std::optional<Vec3d>& center, bool& batchTable) {
   if (tile.size() < kTileHeader) throw Error("is truncated within the header of the tile");
   std::size_t begin = kTileHeader;
   for (const std::size_t at : {12, 16, 20, 24}) begin += readWord(tile, at);
   if (begin > tile.size()) throw Error("is damaged: the tables of the tile are longer than the file");
+  constexpr std::size_t kEmptyTable = 8;  // size of "{}" with padding
+  batchTable = readWord(tile, 20) > kEmptyTable;
   const std::size_t features = readWord(tile, 12);
   if (features > 0) {
     const auto json = nlohmann::json::parse(tile.substr(kTileHeader, features));
@@ -64,23 +66,24 @@ std::string glbOfTile(const std::string& tile, std::optional<Vec3d>& center) {
 Container readContainer(const std::filesystem::path& file, const std::filesystem::path& name) {
   const auto fail = [&](const std::string& what) { throw InputError({name.string()}, what); };
   std::string bytes = readFile(file);
-  std::optional<Vec3d> center;
+  Container container;
   if (bytes.size() >= 4 && readWord(bytes, 0) == kTileMagic) {
     try {
-      bytes = glbOfTile(bytes, center);
+      bytes = glbOfTile(bytes, container.center, container.batchTable);
     } catch (const nlohmann::json::exception& e) {
       fail(fmt::format("is damaged: its feature table: {}", e.what()));
     } catch (const Error& e) {
       fail(e.what());
     }
   }
-  if (bytes.size() < 4 || readWord(bytes, 0) != kMagic) return {std::move(bytes), {}, center};
+  if (bytes.size() < 4 || readWord(bytes, 0) != kMagic) {
+    container.json = std::move(bytes);
+    return container;
+  }
   if (bytes.size() < 20) fail("is truncated within the GLB header");
   if (readWord(bytes, 4) != 2) fail("is glTF 1.0, which is obsolete: export it as glTF 2.0");
   const std::size_t total = readWord(bytes, 8);
   if (total > bytes.size()) fail(fmt::format("is truncated: has {} of {} bytes", bytes.size(), total));
-  Container container;
-  container.center = center;
   for (std::size_t at = 12; at + 8 <= total;) {
     const std::size_t size = readWord(bytes, at);
     const std::uint32_t kind = readWord(bytes, at + 4);

@@ -15,6 +15,7 @@ struct Container {
   std::string json;
   std::string bin;              // the GLB's binary chunk
   std::optional<Vec3d> center;  // m, RTC_CENTER of a .b3dm, z up
+  bool batchTable = false;      // true if a .b3dm has a batch table with properties
 };
 
 // Reads a file. Throws an InputError that calls the file `name` if the .b3dm or its GLB is damaged, or if the GLB is of

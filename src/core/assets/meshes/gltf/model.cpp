@@ -392,6 +392,7 @@ const FormatSupport& gltfFormat() {
        {LeftOut, "", "primitives of points"},
        {LeftOut, "", "primitives of lines"},
        {LeftOut, "", "hidden nodes"},
+       {LeftOut, "", "batch tables (.b3dm)"},
        {LeftOut, "", "nodes outside of the scene"},
        {LeftOut, "", "opacities of materials (they are solid)"},
        {LeftOut, "wrapS wrapT", "clamped or mirrored textures (they repeat)"},
@@ -409,6 +410,7 @@ Model readModel(const std::filesystem::path& file, const std::filesystem::path& 
   model.file = name;
   model.bin = std::move(container.bin);
   model.center = container.center;
+  if (container.batchTable) model.leftOut.add("batch tables (.b3dm)");
   try {
     const Json json = Json::parse(container.json);
     ModelReader(model, json, allowOutside).read();

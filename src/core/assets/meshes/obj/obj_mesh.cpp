@@ -53,7 +53,7 @@ class ObjReader {
     read.missing = std::move(missing_);
     leftOut_.add(library_.leftOut);
     leftOut_.add("colours of vertices", colored_);
-    leftOut_.tell(file_.string());
+    read.leftOut = std::move(leftOut_);
     return read;
   }
 

@@ -42,7 +42,7 @@ class ObjMesh : public AssetFiles {
   std::string told(const std::string& text) {
     const auto file = write(fmt::format("told_{}.obj", ++files_), text);
     testing::internal::CaptureStderr();
-    readObjMesh(file, {});
+    readObjMesh(file, {}).leftOut.tell(file.string());
     return testing::internal::GetCapturedStderr();
   }
 
