@@ -20,6 +20,7 @@
 #include "commands/info_sensor.h"
 #include "commands/table.h"
 #include "config/file_kind.h"
+#include "config/text.h"
 #include "dataset/manifest.h"
 #include "dataset/reader.h"
 #include "dataset/recording.h"
@@ -515,6 +516,14 @@ AssetOptions assetOptions(const Arguments& parsed) {
   return options;
 }
 
+// True if the file is named like an extract of OpenStreetMap, compressed or not.
+bool isMap(const std::filesystem::path& file) {
+  constexpr const char* kMapEndings[] = {".osm", ".osh", ".pbf", ".o5m", ".opl"};
+  const std::string name = lowerCase(file.filename().string());
+  return std::any_of(std::begin(kMapEndings), std::end(kMapEndings),
+                     [&](const char* ending) { return name.find(ending) != std::string::npos; });
+}
+
 }  // namespace
 
 int runInfo(const std::vector<std::string>& arguments) {
@@ -567,7 +576,7 @@ int runInfo(const std::vector<std::string>& arguments) {
     printShard(file);
   } else if (isCalibration(file)) {
     printCalibration(file);
-  } else if (file.filename().string().find(".osm") != std::string::npos || suffix == "pbf") {
+  } else if (isMap(file)) {
     printMap(file);
   } else if (suffix == "yaml" || suffix == "yml") {
     printYaml(file, parsed.options["seed"].as<std::uint64_t>());

@@ -230,6 +230,8 @@ TEST_F(Tell, InfoOfCalibrationsAndMaps) {
   EXPECT_THAT(told({"info", at("h.csv")}), HasSubstr("calibration: 2 rings from 1.00 to 2.00 deg"));
   EXPECT_THAT(scanmill({"info", SCANMILL_SOURCE_DIR "/scenes/village.osm"}).out,
               AllOf(HasSubstr("9 roads (1582 m)"), HasSubstr("33 buildings"), HasSubstr("around latitude 50.99")));
+  folder_.write("m.opl", "n1 v1 x0.5 y51\nn2 v1 x0.51 y51\nw1 v1 Thighway=residential Nn1,n2\n");
+  EXPECT_THAT(told({"info", at("m.opl")}), HasSubstr("1 roads (70"));
 }
 
 TEST_F(Tell, InfoNamesTheReturnsOfAnImage) {
