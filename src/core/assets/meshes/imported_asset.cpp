@@ -4,8 +4,10 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <optional>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -29,7 +31,18 @@ namespace {
 constexpr std::uint64_t kMemory = std::uint64_t{4} << 30;
 constexpr unsigned kSeconds = 300;
 
+// The kinds for which assimp is used. It reads more kinds, but loses without a word much of what these say, such as the
+// units of 3MF, AMF, DXF and X3D.
+constexpr std::array<std::string_view, 10> kByAssimp{".3ds", ".ac",  ".ac3d", ".acc", ".dae",
+                                                     ".fbx", ".lwo", ".off",  ".ply", ".x"};
+
 ImportedFile importByAssimp(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
+  if (std::find(kByAssimp.begin(), kByAssimp.end(), kind) == kByAssimp.end()) {
+    throw InputError({file.string()},
+                     fmt::format("has an unknown kind ('{}'): convert it to glTF, GLB, OBJ, PLY, STL, DAE, FBX, AC or "
+                                 "BLEND, for example with Blender or FreeCAD",
+                                 kind));
+  }
   const std::uint64_t memory = std::min(kMemory + 64 * std::filesystem::file_size(file), memoryLimitBytes());
   try {
     return importedFrom(inChildProcess([&] { return bytesOf(readByAssimp(file, kind, options)); }, memory, kSeconds));

@@ -1,7 +1,8 @@
 #pragma once
 
-// Reads all kinds of files that the assimp library supports. The library is made for trusted files. Therefore it runs
-// in a child process, which may crash or exceed its time or memory without harm to this process.
+// Reads meshes of OBJ, STL and PLY, and by the assimp library DAE, FBX, AC3D, 3DS, LWO, OFF and X. The library is made
+// for trusted files. Therefore it runs in a child process, which may crash or exceed its time or memory without harm to
+// this process.
 
 #include <filesystem>
 #include <string>

@@ -29,7 +29,7 @@ const FormatSupport& colladaFormat() {
   using enum FormatElements::Use;
   static const FormatSupport format{
       "COLLADA",
-      ".dae, .zae",
+      ".dae",
       {{Read, "unit up_axis", "the unit multiplies the key `unit`; the axis holds unless the key `up` is given"},
        {Read, "node instance_node matrix translate rotate scale lookat", "names and transforms of nodes"},
        {Read, "visibility", "nodes with 0 are left out with all below them"},

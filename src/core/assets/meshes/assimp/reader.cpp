@@ -80,10 +80,6 @@ class Importer {
 
   void import() {
     configure(importer_);
-    if (kind_.empty() || !importer_.IsExtensionSupported(kind_)) {
-      fail(fmt::format("has an unknown kind ('{}'): convert it to glTF, GLB, OBJ, PLY, STL, DAE, FBX, AC or BLEND",
-                       kind_));
-    }
     try {
       scene_ = open();
     } catch (const std::bad_alloc&) {
@@ -389,8 +385,7 @@ const FormatSupport& importedFormat() {
   using enum FormatElements::Use;
   static const FormatSupport format{
       "other files that the assimp library reads",
-      ".3ds, .amf, .ase, .b3d, .cob, .dxf, .lwo, .md2, .md5mesh, .ms3d, .nff, .off, .ply with texture coordinates, "
-      ".raw, .smd, .ter, .x, .xgl and others",
+      ".3ds, .lwo, .off, .ply with texture coordinates, .x",
       {{Read, "", "nodes with their names and transforms, polygons, texture coordinates"},
        {Read, "", "skins of .x, in the pose in which the nodes stand"},
        {Read, "", "colours, opacity and images of materials, with their scale, shift and rotation"},
