@@ -53,11 +53,12 @@ const Concept* mainConcept(const Asset& asset, const std::vector<const Concept*>
   return first == triangles.end() ? nullptr : first->first;
 }
 
-// True if the parts belong to at least three different objects and grounds. The file then contains a place, such as a
-// room, and not one object.
-bool isPlace(const std::vector<const Concept*>& parts) {
+// True if the parts, and the file's name if `file` is not null, state at least three different objects and grounds. The
+// file then contains a place, such as a room, and not one object.
+bool isPlace(const std::vector<const Concept*>& parts, const Concept* file = nullptr) {
   constexpr std::size_t kSeveral = 3;
   std::set<const Concept*> kinds;
+  if (file != nullptr) kinds.insert(file);
   for (const Concept* c : parts) {
     if (c != nullptr && (c->kind == ConceptKind::Whole || c->kind == ConceptKind::Ground)) kinds.insert(c);
   }
@@ -143,6 +144,12 @@ std::string folderName(const std::filesystem::path& file) {
   const std::string own = lowerCase(folder.filename().string());
   if (std::find(kContents.begin(), kContents.end(), own) != kContents.end()) folder = folder.parent_path();
   return folder.filename().string();
+}
+
+const Concept* conceptOfFile(const std::vector<Concept>& concepts, const Asset& asset) {
+  const Concept* const file = conceptOf(concepts, asset.file.stem().string());
+  const bool ofOneObject = file != nullptr && file->kind == ConceptKind::Whole;
+  return ofOneObject && isPlace(guessParts(concepts, asset, nullptr), file) ? nullptr : file;
 }
 
 const Concept* conceptOfFolder(const std::vector<Concept>& concepts, const Asset& asset) {

@@ -34,7 +34,7 @@ Model readModel(const std::filesystem::path& file, const std::vector<Concept>& c
   Model model;
   model.file = file;
   model.allowOutside = allowOutside;
-  const Concept* const own = conceptOf(concepts, file.stem().string());
+  const Concept* const own = conceptOfFile(concepts, asset);
   const Concept* const folder = conceptOfFolder(concepts, asset);
   model.whole = own == nullptr ? folder : own;
   model.wholeByFolder = folder != nullptr;

@@ -20,7 +20,7 @@ AssetPart part(const std::string& node, const std::string& material = {}, const 
 }
 
 std::vector<const Concept*> guesses(const Asset& asset) {
-  const Concept* const own = conceptOf(concepts(), asset.file.stem().string());
+  const Concept* const own = conceptOfFile(concepts(), asset);
   return guessParts(concepts(), asset, own == nullptr ? conceptOfFolder(concepts(), asset) : own);
 }
 
@@ -65,6 +65,18 @@ TEST(Guess, OnlyAModelsOwnFolderStatesItsConcept) {
   EXPECT_EQ(guesses(track).at(2)->name, "road");
   track.parts.push_back(part("OBJECT4", "", "oak.png"));
   EXPECT_EQ(guesses(track).at(2), nullptr);
+}
+
+// The name of a file states what the file shows, unless its parts are objects of several kinds.
+TEST(Guess, AFileNamedAfterOneOfItsObjectsIsAPlace) {
+  Asset yard;
+  yard.file = "/x/house.obj";
+  yard.parts = {part("Walls", "brick"), part("Box001", "paint"), part("Tree_1", "bark")};
+  EXPECT_EQ(guesses(yard).at(1)->name, "building");
+  yard.parts.push_back(part("Car", "paint"));
+  EXPECT_EQ(guesses(yard).at(1), nullptr);
+  EXPECT_EQ(guesses(yard).at(2)->name, "trunk");
+  EXPECT_EQ(guesses(yard).at(3)->name, "car");
 }
 
 // A box of this size in the file's units, its corner there.
