@@ -290,7 +290,8 @@ class SceneReader {
   static void readSurvey(Fields& f, const std::filesystem::path& file, bool cloud, AssetOptions& asset) {
     if (const Value* points = f.find("points")) {
       if (!cloud)
-        throw InputError(points->where, "points is only for files of points: .las, .pcd and .ply without faces");
+        throw InputError(points->where,
+                         "points is only for point clouds: .las, .pcd, .csv, .xyz, .npz, and .ply without faces");
       asset.points = readPointOptions(*points);
     }
     if (const Value* heights = f.find("heights")) {

@@ -38,6 +38,12 @@ constexpr std::array<std::string_view, 10> kByAssimp{".3ds", ".ac",  ".ac3d", ".
 
 ImportedFile importByAssimp(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
   if (std::find(kByAssimp.begin(), kByAssimp.end(), kind) == kByAssimp.end()) {
+    const std::string name = file.filename().string();
+    if (name.find(".osm") != std::string::npos || kind == ".pbf") {
+      throw InputError({file.string()},
+                       "is a map of OpenStreetMap, from which an object `town: {map: ...}` of a scene "
+                       "builds a town; docs/town.md says how");
+    }
     throw InputError({file.string()},
                      fmt::format("has an unknown kind ('{}'): convert it to glTF, GLB, OBJ, PLY, STL, DAE, FBX, AC or "
                                  "BLEND, for example with Blender or FreeCAD",
