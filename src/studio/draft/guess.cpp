@@ -134,6 +134,52 @@ void guessUnit(FrameGuess& guess) {
                               guess.longest, usual.low, usual.high);
 }
 
+// Sets the up axis, unless the file or its kind states it.
+void guessAxis(const std::array<double, 3>& low, const std::array<double, 3>& extent, bool place, FrameGuess& guess) {
+  const double y = scoreOf(low, extent, 1, guess.what, place);
+  const double z = scoreOf(low, extent, 2, guess.what, place);
+  guess.up = y > z ? 'y' : 'z';
+  guess.doubtfulUp = y == z;
+  guess.whyUp =
+      y == z ? "the file does not show which axis is up"
+             : fmt::format("{} measures {:.3g} x {:.3g} x {:.3g} units, and starts at {:.3g} along {}", nameOf(guess),
+                           extent[0], extent[1], extent[2], low[guess.up == 'y' ? 1 : 2], guess.up);
+}
+
+// Sets `what` and `longest` to an object of a place, by whose size the unit is then guessed; leaves them if an object
+// has a usual size in metres, or if no common unit gives most objects, of two kinds at least, usual sizes.
+void measureObjects(const Asset& asset, const std::vector<const Concept*>& parts, FrameGuess& guess) {
+  constexpr double kGreatest = 400;  // m; walls and fences, which may be longer, say little about the unit
+  std::map<std::uint32_t, std::pair<const Concept*, Box>> objects;  // by node
+  for (std::size_t i = 0; i < asset.parts.size(); ++i) {
+    if (parts[i] == nullptr || parts[i]->kind != ConceptKind::Whole || !parts[i]->size) continue;
+    if (parts[i]->size->high > kGreatest) continue;
+    auto& [what, box] = objects[asset.parts[i].nodeIndex];
+    what = parts[i];
+    for (const Vec3f& p : asset.parts[i].positions) box.add(Vec3d(p));
+  }
+  const auto fitting = [&](double unit) {
+    std::vector<FrameGuess> found;
+    for (const auto& [node, object] : objects) {
+      const Vec3d size = object.second.high - object.second.low;
+      FrameGuess one;
+      one.what = object.first;
+      one.longest = std::max({size.x, size.y, size.z});
+      if (fits(one, unit, 1)) found.push_back(one);
+    }
+    return found;
+  };
+  if (!fitting(1).empty()) return;
+  for (const double unit : kUnits) {
+    const std::vector<FrameGuess> found = fitting(unit);
+    const auto isOther = [&](const FrameGuess& one) { return one.what != found.front().what; };
+    if (2 * found.size() <= objects.size() || std::none_of(found.begin(), found.end(), isOther)) continue;
+    guess.what = found.front().what;
+    guess.longest = found.front().longest;
+    return;
+  }
+}
+
 }  // namespace
 
 std::string folderName(const std::filesystem::path& file) {
@@ -202,15 +248,8 @@ FrameGuess guessUp(const Asset& asset, const std::vector<const Concept*>& parts)
   guess.longest = std::max({extent[0], extent[1], extent[2]});
   guess.extent = extent;
   guess.read = asset.up;
-  if (asset.upDeclared) return guess;
-  const double y = scoreOf(low, extent, 1, guess.what, place);
-  const double z = scoreOf(low, extent, 2, guess.what, place);
-  guess.up = y > z ? 'y' : 'z';
-  guess.doubtfulUp = y == z;
-  guess.whyUp =
-      y == z ? "the file does not show which axis is up"
-             : fmt::format("{} measures {:.3g} x {:.3g} x {:.3g} units, and starts at {:.3g} along {}", nameOf(guess),
-                           extent[0], extent[1], extent[2], low[guess.up == 'y' ? 1 : 2], guess.up);
+  if (!asset.upDeclared) guessAxis(low, extent, place, guess);
+  if (place) measureObjects(asset, parts, guess);
   return guess;
 }
 

@@ -1,5 +1,6 @@
 #include "draft/guess.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace scanmill::draft {
@@ -107,6 +108,25 @@ TEST(Guess, UnitsByTheUsualSizeOfThings) {
   EXPECT_TRUE(metres.whyUnit.empty());
   EXPECT_NE(frameOf(box({-90, -35, 0}, {180, 70, 60}, "sedan")).whyUnit.find("4.57 m"), std::string::npos);
   EXPECT_EQ(frameOf(box({-90, -35, 0}, {180, 70, 60}, "thing")).unit, 1) << "no word says what it is";
+}
+
+// A place has any size, but its objects have not.
+TEST(Guess, UnitsOfPlacesByTheirObjects) {
+  const auto place = [](double scale) {
+    Asset asset;
+    asset.file = "/x/yard.obj";
+    const std::pair<const char*, double> objects[] = {{"Ground", 60}, {"sedan", 4.4}, {"person", 1.8}, {"Terrain", 9}};
+    for (const auto& [name, size] : objects) {
+      AssetPart p = box({}, Vec3d{size, size / 3, size / 3} * scale, name).parts.front();
+      p.nodeIndex = static_cast<std::uint32_t>(asset.parts.size());
+      asset.parts.push_back(p);
+    }
+    return asset;
+  };
+  EXPECT_EQ(frameOf(place(1)).unit, 1);
+  EXPECT_EQ(frameOf(place(1000)).unit, 0.001);
+  EXPECT_EQ(frameOf(place(100)).unit, 0.01);
+  EXPECT_THAT(frameOf(place(1000)).whyUnit, testing::HasSubstr("units is"));
 }
 
 // One unit for the files of a folder, where most fit their names with it; each its own where they do not.
