@@ -48,9 +48,10 @@ class MaterialReader {
     color.colored = color.image != nullptr;
     // If there is a texture, the colour factor is ignored: exporters leave arbitrary values in it, often black.
     if (!color.colored) read.color = color.factor;
-    // If the opacity map is the same file as the base colour, it means that file's alpha, which the image already has.
+    // If the opacity map is the same file as the base colour, it means that file's alpha, which the image already has,
+    // unless it is inverted.
     const ImportedMap& opacity = from.opacityMap;
-    if (color.alpha.wanted && !opacity.name.empty() && opacity.name != from.base.name) {
+    if (color.alpha.wanted && !opacity.name.empty() && (opacity.name != from.base.name || opacity.inverted)) {
       if (const auto mask = load(opacity, false, true))
         color.image = withOpacity(color.image.get(), *mask, opacity.inverted);
     }

@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "config/text.h"
 #include "images/images.h"
+#include "images/srgb.h"
 #include "scene/texture.h"
 
 namespace scanmill {
@@ -71,6 +72,21 @@ std::shared_ptr<const Texture> ColorImages::load(const std::string& key, const s
   const auto known = images_.find({key, onlyAlpha});
   if (known != images_.end()) return known->second;
   return images_[{key, onlyAlpha}] = find(name, onlyAlpha, cutsOut, embedded);
+}
+
+std::shared_ptr<const Texture> ColorImages::tinted(const std::shared_ptr<const Texture>& image,
+                                                   const std::array<float, 3>& factor) {
+  std::shared_ptr<const Texture>& known = tinted_[{image, factor}];
+  if (known != nullptr) return known;
+  auto texture = std::make_shared<Texture>(*image);
+  for (std::size_t channel = 0; channel < 3; ++channel) {
+    std::array<std::uint8_t, 256> bytes{};
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+      bytes[i] = static_cast<std::uint8_t>(std::lround(255 * srgbOf(double{linearOfBytes()[i] * factor[channel]})));
+    }
+    for (std::size_t i = channel; i < texture->rgba.size(); i += 4) texture->rgba[i] = bytes[texture->rgba[i]];
+  }
+  return known = std::move(texture);
 }
 
 float ColorImages::mean(const std::shared_ptr<const Texture>& image, float leastAlpha) {

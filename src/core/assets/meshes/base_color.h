@@ -51,6 +51,10 @@ class ColorImages {
   std::shared_ptr<const Texture> load(const std::string& key, const std::string& name, bool onlyAlpha, bool cutsOut,
                                       const std::function<std::shared_ptr<const Texture>()>& embedded);
 
+  // Returns the image with its linear red, green and blue multiplied by `factor`, of 0 to 1.
+  std::shared_ptr<const Texture> tinted(const std::shared_ptr<const Texture>& image,
+                                        const std::array<float, 3>& factor);
+
   // Returns meanLuminance(*image, leastAlpha).
   float mean(const std::shared_ptr<const Texture>& image, float leastAlpha);
 
@@ -64,6 +68,7 @@ class ColorImages {
   std::set<std::string> missing_;
   std::set<std::string> missingCutOuts_;  // missing images whose alpha may describe cut-outs
   std::map<std::pair<std::string, bool>, std::shared_ptr<const Texture>> images_;
+  std::map<std::pair<std::shared_ptr<const Texture>, std::array<float, 3>>, std::shared_ptr<const Texture>> tinted_;
   std::map<std::pair<std::shared_ptr<const Texture>, float>, float> means_;
 };
 

@@ -211,15 +211,72 @@ TEST_F(AssetFiles, TransparencyOfColladaAndAc3dIsADeclaration) {
   EXPECT_TRUE(with(R"(<transparent opaque="A_ONE"><texture texture="t" texcoord="UV"/></transparent>)"));
 }
 
+// COLLADA 1.4.1, 7-5: A_ZERO and RGB_ZERO are opaque where the image, times `transparency`, is 0.
+TEST_F(AssetFiles, ImagesOfTransparencyAreInvertedWhereTheFileSaysSo) {
+  writeColours(folder_.path() / "holes.png", 0);
+  const auto alphas = [&](const std::string& opaque, const std::string& number = "1") {
+    const std::string alpha = "<transparent opaque=\"" + opaque +
+                              R"("><texture texture="t" texcoord="UV"/></transparent>
+<transparency><float>)" + number +
+                              "</float></transparency>";
+    testing::internal::CaptureStderr();
+    const Material material = read("a.dae", replaced(texturedDae(), "<!--alpha-->", alpha)).parts.at(0).fileMaterial;
+    const std::string told = testing::internal::GetCapturedStderr();
+    EXPECT_EQ(told.find("1 numbers of `transparency` beside images") != std::string::npos, number == "0.5") << told;
+    if (!material.alphaTested) return std::string("solid");
+    return std::to_string(material.texture->texel(0.25f, 0.25f)[3]) + " " +
+           std::to_string(material.texture->texel(0.75f, 0.75f)[3]);
+  };
+  EXPECT_EQ(alphas("A_ONE"), "0 255");
+  EXPECT_EQ(alphas("A_ONE", "0.5"), "0 255");
+  EXPECT_EQ(alphas("A_ZERO"), "255 0");
+  EXPECT_EQ(alphas("RGB_ZERO"), "255 0");
+  EXPECT_EQ(alphas("RGB_ZERO", "0"), "solid");
+}
+
+TEST_F(AssetFiles, MaterialsOfColladaWithoutAPlainColourAreCounted) {
+  writeColours(folder_.path() / "holes.png");
+  const std::string image = R"(<diffuse><texture texture="t" texcoord="UV"/></diffuse>)";
+  for (const auto& [name, other] : {std::pair("param.dae", R"(<diffuse><param ref="c"/></diffuse>)"),
+                                    {"light.dae", "<emission><color>1 1 1 1</color></emission>"}}) {
+    testing::internal::CaptureStderr();
+    const Material material = read(name, replaced(texturedDae(), image, other)).parts.at(0).fileMaterial;
+    EXPECT_THAT(testing::internal::GetCapturedStderr(),
+                HasSubstr(std::string(name) + ": left out: 1 materials without a plain diffuse colour\n"));
+    EXPECT_EQ(material.reflectance, Material().reflectance);
+    EXPECT_THAT(material.source, HasSubstr("has no colour"));
+  }
+  const std::string grey = "<diffuse><color>0.5 0.5 0.5 1</color></diffuse>";
+  EXPECT_EQ(read("a.dae", replaced(texturedDae(), image, grey)).parts.at(0).fileMaterial.reflectance, 0.5f);
+}
+
+// The second triangle would have the texel at (0, 0).
+TEST_F(AssetFiles, FacesWithoutTextureCoordinatesAreAPartOfTheirOwn) {
+  writeColours(folder_.path() / "holes.png");
+  const std::string text = replaced(texturedDae(), "</mesh>", R"(<triangles count="1" material="p">
+<input semantic="VERTEX" source="#v" offset="0"/><p>2 1 0</p></triangles></mesh>)");
+  testing::internal::CaptureStderr();
+  const Asset asset = read("a.dae", text);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              HasSubstr("a.dae: left out: 1 textures of parts without texture coordinates\n"));
+  ASSERT_EQ(asset.parts.size(), 2u);
+  EXPECT_EQ(asset.parts[0].nodeIndex, asset.parts[1].nodeIndex);
+  EXPECT_TRUE(asset.parts[0].fileMaterial.textured);
+  EXPECT_FALSE(asset.parts[1].fileMaterial.textured);
+  EXPECT_NEAR(asset.parts[1].fileMaterial.reflectance, kColoursMean, 1e-5);
+}
+
 TEST_F(AssetFiles, ImagesOfColladaThatAreClampedAreCounted) {
   writeColours(folder_.path() / "colours.png");
   AssetPart part;
+  std::string sampler, name = "a.dae";  // a warning is printed once, so that each needs a name of its own
   const auto warnings = [&](const std::string& extra, const std::string& uvs) {
-    const std::string text = replaced(replaced(replaced(texturedDae(), "holes.png", "colours.png"),
-                                               R"(texcoord="UV"/>)", R"(texcoord="UV">)" + extra + "</texture>"),
-                                      "0.1 0.1 0.4 0.1 0.1 0.4", uvs);
+    std::string text = replaced(replaced(replaced(texturedDae(), "holes.png", "colours.png"), R"(texcoord="UV"/>)",
+                                         R"(texcoord="UV">)" + extra + "</texture>"),
+                                "0.1 0.1 0.4 0.1 0.1 0.4", uvs);
+    text = replaced(text, "<source>s</source>", "<source>s</source>" + sampler);
     testing::internal::CaptureStderr();
-    part = read("a.dae", text).parts.at(0);
+    part = read(name, text).parts.at(0);
     return testing::internal::GetCapturedStderr();
   };
   const auto extra = [](const std::string& keys) {
@@ -231,6 +288,15 @@ TEST_F(AssetFiles, ImagesOfColladaThatAreClampedAreCounted) {
   EXPECT_EQ(warnings(extra("<wrapU>1</wrapU><wrapV>1</wrapV>"), "0 0 2 0 0 2"), "");
   EXPECT_EQ(warnings(extra("<repeatU>3</repeatU><repeatV>3</repeatV>"), "0 0 1 0 0 1"), "");
   EXPECT_EQ(part.uvs.at(1).x, 3);
+  EXPECT_THAT(warnings(extra("<rotateUV>90</rotateUV>"), "0 0 1 0 0 1"),
+              HasSubstr("left out: 1 rotations of images (rotateUV)\n"));
+  EXPECT_EQ(part.uvs.at(1).x, 1);
+  for (const std::string mode : {"WRAP", "BORDER", "MIRROR"}) {
+    sampler = "<wrap_s> " + mode + " </wrap_s>";
+    name = mode + ".dae";
+    EXPECT_EQ(warnings("", "0 0 2 0 0 2").find("left out: 1 clamped or mirrored") != std::string::npos, mode != "WRAP");
+    EXPECT_EQ(warnings("", "0 0 1 0 0 1"), "");
+  }
 }
 
 TEST_F(AssetFiles, OpacitiesThatNoImageShowsAreCounted) {

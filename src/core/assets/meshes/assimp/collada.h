@@ -3,8 +3,10 @@
 // What the assimp library does not report of a COLLADA file (.dae; COLLADA 1.4.1 and 1.5).
 
 #include <filesystem>
+#include <optional>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "base/format_support.h"
 
@@ -12,14 +14,24 @@ namespace scanmill {
 
 const FormatSupport& colladaFormat();
 
+// A material, as its effect states it.
+struct ColladaMaterial {
+  bool colored = false;                // true: `diffuse` is a colour or an image
+  bool clamps = false;                 // true: a sampler clamps or mirrors its image
+  bool inverted = false;               // true: beams pass where the image of `transparent` is bright or opaque
+  std::optional<double> transparency;  // the number of `transparency`, if `transparent` is an image
+};
+
 struct ColladaFacts {
-  char up = 'y';                 // axis of `up_axis`
-  double unit = 0;               // metres per unit; 0: not stated
-  std::set<std::string> hidden;  // ids of nodes with `visibility` 0, which Maya and 3ds Max write
+  char up = 'y';                           // axis of `up_axis`
+  double unit = 0;                         // metres per unit; 0: not stated
+  std::set<std::string> hidden;            // ids of nodes with `visibility` 0, which Maya and 3ds Max write
+  std::vector<ColladaMaterial> materials;  // those that have an effect, sorted by their ids, as assimp sorts them
   LeftOut leftOut;
 };
 
 // Finds the facts in the file's text, without checking the file. They remain unknown in a compressed file (.zae).
+// Throws an Error that states the problem if the file has elements that assimp cannot read.
 ColladaFacts colladaFacts(const std::filesystem::path& file);
 
 }  // namespace scanmill

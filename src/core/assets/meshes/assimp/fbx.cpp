@@ -39,6 +39,58 @@ std::size_t behindProperty(std::string_view text, std::size_t at) {
   return std::min(at + 5 + length, text.size());
 }
 
+// Returns the number of the property whose quoted or binary name begins at `at`; 0 if it is damaged or no number.
+double numberOf(std::string_view text, std::size_t at, bool binary) {
+  if (!binary) {
+    const std::string_view line = text.substr(at, std::min(text.find('\n', at), text.size()) - at);
+    double value = 0;
+    const std::size_t from = std::min(line.find_first_not_of(" \t", line.rfind(',') + 1), line.size());
+    std::from_chars(line.data() + from, line.data() + line.size(), value);
+    return value;
+  }
+  while (at < text.size() && text[at] == 'S') at = behindProperty(text, at);
+  std::int32_t value = 0;
+  if (at + 1 + sizeof value > text.size() || text[at] != 'I') return 0;
+  std::memcpy(&value, text.data() + at + 1, sizeof value);
+  return value;
+}
+
+// Counts uses of images that assimp does not know, and collects the names of images that do not repeat.
+void readImageUses(const std::string& bytes, bool binary, LeftOut& leftOut, std::set<std::string>& clamped) {
+  const auto named = [&](const char* name) { return binary ? property(name) : fmt::format("\"{}\"", name); };
+  const std::string texture = binary ? std::string("\0\1Texture", 9) : "Texture: ";
+  for (std::size_t at = bytes.find(texture), end = 0; at != std::string::npos; at = end) {
+    end = bytes.find(texture, at + 1);
+    const std::string_view text = std::string_view(bytes).substr(at, end == std::string::npos ? end : end - at);
+    const auto isSet = [&](const char* name) {
+      const std::size_t found = text.find(named(name));
+      return found != std::string_view::npos && numberOf(text, found, binary) == 1;
+    };
+    if (isSet("UVSwap")) leftOut.add("images with swapped texture coordinates (UVSwap)");
+    if (!isSet("WrapModeU") && !isSet("WrapModeV")) continue;
+    constexpr std::string_view kName = "RelativeFilename";
+    const std::size_t name = std::min(text.find(kName), text.size() - kName.size()) + kName.size();
+    if (binary) {
+      const std::size_t behind = behindProperty(text, name);
+      if (behind > name + 5) clamped.emplace(text.substr(name + 5, behind - name - 5));
+    } else if (const std::size_t quote = text.find('"', name); quote != std::string_view::npos) {
+      clamped.emplace(text.substr(quote + 1, text.find('"', quote + 1) - quote - 1));
+    }
+  }
+  // A connection is a list such as "OP", the texture's number, the material's number, "DiffuseFactor".
+  const std::string factor = named("DiffuseFactor");
+  for (std::size_t at = bytes.find(factor); at != std::string::npos; at = bytes.find(factor, at + 1)) {
+    std::string id;
+    if (binary) {
+      if (at > 18 && bytes[at - 18] == 'L' && bytes[at - 9] == 'L') id = "Texture" + bytes.substr(at - 18, 9);
+    } else if (const std::size_t from = bytes.rfind("\"OP\"", at); from != std::string::npos) {
+      const std::string list = bytes.substr(from + 5, at - from - 5);
+      if (list.find('\n') == std::string::npos) id = "Texture: " + list.substr(0, list.find(',') + 1);
+    }
+    if (!id.empty() && bytes.find(id) != std::string::npos) leftOut.add("images of DiffuseFactor");
+  }
+}
+
 }  // namespace
 
 const FormatSupport& fbxFormat() {
@@ -46,21 +98,27 @@ const FormatSupport& fbxFormat() {
   static const FormatSupport format{
       "FBX",
       ".fbx",
-      {{Read, "UpAxis UnitScaleFactor", "the unit multiplies the key `unit`; the axis holds unless `up` is given"},
+      {{Read, "UpAxis FrontAxis CoordAxis UnitScaleFactor",
+        "the unit multiplies the key `unit`; the axes with their signs hold unless `up` is given"},
        {Read, "Model Lcl* *Pivot *Offset Geometric*", "names and transforms of objects"},
        {Read, "Show Visibility", "objects with `Show` 0 are left out; with `Visibility` 0, all below them too"},
        {Read, "Vertices PolygonVertexIndex LayerElementUV LayerElementMaterial", "surfaces"},
        {Read, "Skin Cluster", "skins, in the pose in which the objects stand"},
-       {Read, "Material Texture Video", "colours, opacity and images, with their scale, shift and rotation"},
+       {Read, "Material Texture Video", "colours, opacity and images, with their scale and shift"},
        {Unused, "NodeAttribute LayerElementNormal LayerElementSmoothing Pose", "cameras, lights, normals, shading"},
        {LeftOut, "AnimationStack", "animations (the file's pose is taken)"},
        {LeftOut, "DeformPercent", "morph targets with weights"},
        {LeftOut, "NurbsSurface", "curved surfaces (NURBS)"},
-       {LeftOut, "LayerElementColor", "colours of vertices"}}};
+       {LeftOut, "LayerElementColor", "colours of vertices"},
+       {LeftOut, "WrapModeU WrapModeV", "clamped or mirrored textures (they repeat)"},
+       {LeftOut, "Rotation", "rotations of images (Rotation)"},
+       {LeftOut, "UVSwap", "images with swapped texture coordinates (UVSwap)"},
+       {LeftOut, "DiffuseFactor", "images of DiffuseFactor"},
+       {LeftOut, "UpAxisSign", "negative signs of the up axis (UpAxisSign)"}}};
   return format;
 }
 
-std::string readFbx(const std::filesystem::path& file, LeftOut& leftOut) {
+std::string readFbx(const std::filesystem::path& file, LeftOut& leftOut, std::set<std::string>& clamped) {
   std::string bytes = readFile(file);
   const bool binary = bytes.starts_with("Kaydara FBX Binary");
   std::uint64_t weighted = 0;
@@ -99,6 +157,7 @@ std::string readFbx(const std::filesystem::path& file, LeftOut& leftOut) {
     });
   }
   leftOut.add("morph targets with weights", weighted);
+  readImageUses(bytes, binary, leftOut, clamped);
   return bytes;
 }
 

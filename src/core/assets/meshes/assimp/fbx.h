@@ -3,6 +3,7 @@
 // What the assimp library does not report of FBX files.
 
 #include <filesystem>
+#include <set>
 #include <string>
 
 #include "base/format_support.h"
@@ -15,7 +16,8 @@ const FormatSupport& fbxFormat();
 constexpr const char* kFbxVisibility = "VisibilityFlag";
 
 // Returns the bytes of an FBX file (7.x, text or binary). Its properties "Visibility", whose type assimp does not know,
-// are changed to numbers named kFbxVisibility. Counts animations and morph targets that are not at rest.
-std::string readFbx(const std::filesystem::path& file, LeftOut& leftOut);
+// are changed to numbers named kFbxVisibility. Counts animations, morph targets that are not at rest, and uses of
+// images that assimp does not know. `clamped` receives the names of images that do not repeat.
+std::string readFbx(const std::filesystem::path& file, LeftOut& leftOut, std::set<std::string>& clamped);
 
 }  // namespace scanmill

@@ -65,7 +65,8 @@ Vec2f UvPlacement::apply(const Vec2f& uv) const {
   return {c * u - s * v + 0.5f + offset.x, s * u + c * v + 0.5f + offset.y};
 }
 
-std::vector<ImportedMaterial> materialsOf(const aiScene& scene, std::vector<UvPlacement>& placements) {
+std::vector<ImportedMaterial> materialsOf(const aiScene& scene, bool alphaIsOpacity,
+                                          std::vector<UvPlacement>& placements) {
   std::vector<ImportedMaterial> materials;
   for (unsigned i = 0; i < scene.mNumMaterials; ++i) {
     const aiMaterial& from = *scene.mMaterials[i];
@@ -75,9 +76,11 @@ std::vector<ImportedMaterial> materialsOf(const aiScene& scene, std::vector<UvPl
     if (!to.stated) to.name.clear();
     to.roughness = fraction(number(from, AI_MATKEY_ROUGHNESS_FACTOR, 1.0f), 1.0f);
     to.metallic = fraction(number(from, AI_MATKEY_METALLIC_FACTOR, 0.0f), 0.0f);
-    to.opacity = number(from, AI_MATKEY_OPACITY, 1.0f);
     aiColor4D color(1, 1, 1, 1);
-    if (from.Get(AI_MATKEY_COLOR_DIFFUSE, color) != aiReturn_SUCCESS) from.Get(AI_MATKEY_BASE_COLOR, color);
+    const bool colored = from.Get(AI_MATKEY_COLOR_DIFFUSE, color) == aiReturn_SUCCESS ||
+                         from.Get(AI_MATKEY_BASE_COLOR, color) == aiReturn_SUCCESS;
+    to.stated = to.stated && colored;
+    to.opacity = number(from, AI_MATKEY_OPACITY, alphaIsOpacity ? color.a : 1.0f);
     to.color = {fraction(color.r, 1.0f), fraction(color.g, 1.0f), fraction(color.b, 1.0f)};
     UvPlacement placement;
     to.opacityMap = firstMap(scene, from, {aiTextureType_OPACITY}, placement);

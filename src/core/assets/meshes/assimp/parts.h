@@ -37,8 +37,9 @@ struct UvPlacement {
 };
 
 // Returns the materials of an assimp scene. Base colours count as linear, since most exporters write linear ones.
-// `placements` receives one entry per material.
-std::vector<ImportedMaterial> materialsOf(const aiScene& scene, std::vector<UvPlacement>& placements);
+// `alphaIsOpacity`: the alpha of a colour is the material's opacity. `placements` receives one entry per material.
+std::vector<ImportedMaterial> materialsOf(const aiScene& scene, bool alphaIsOpacity,
+                                          std::vector<UvPlacement>& placements);
 // Returns the embedded images of an assimp scene. Throws Error if an image has no usable size.
 std::vector<ImportedImage> imagesOf(const aiScene& scene);
 

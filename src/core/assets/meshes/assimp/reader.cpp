@@ -7,6 +7,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <assimp/IOSystem.hpp>
 #include <assimp/Importer.hpp>
 #include <cmath>
@@ -14,11 +15,13 @@
 #include <exception>
 #include <map>
 #include <optional>
+#include <set>
 #include <string_view>
 #include <utility>
 
 #include "assets/meshes/asset_parts.h"
 #include "assets/meshes/assimp/ac3d.h"
+#include "assets/meshes/assimp/chunks.h"
 #include "assets/meshes/assimp/collada.h"
 #include "assets/meshes/assimp/fbx.h"
 #include "assets/meshes/assimp/parts.h"
@@ -35,6 +38,7 @@ constexpr double kMostCornersSquared = 4e9;
 
 constexpr std::string_view kCollada = "Collada Importer";
 constexpr std::string_view kFbx = "Autodesk FBX Importer";
+constexpr std::string_view kXFile = "Direct3D XFile Importer";
 
 Affine toAffine(const aiMatrix4x4& m) {
   return {{{m.a1, m.b1, m.c1}, {m.a2, m.b2, m.c2}, {m.a3, m.b3, m.c3}}, {m.a4, m.b4, m.c4}};
@@ -67,7 +71,8 @@ class Importer {
     read.outOfRange = dropBadFaces();
     undoTurnOfFbx();
     triangulate();
-    read.materials = materialsOf(*scene_, placements_);
+    read.materials = materialsOf(*scene_, format_ == kXFile, placements_);
+    mendMaterials(read.materials);
     read.images = imagesOf(*scene_);
     walk(read);
     read.problems = log_.problems;
@@ -80,6 +85,8 @@ class Importer {
 
   void import() {
     configure(importer_);
+    if (kind_ == ".dae") collada_ = colladaFacts(file_);
+    leftOut_.add(collada_.leftOut);
     try {
       scene_ = open();
     } catch (const std::bad_alloc&) {
@@ -97,11 +104,13 @@ class Importer {
   }
 
   const aiScene* open() {
-    if (kind_ == ".dae") collada_ = colladaFacts(file_);
-    leftOut_.add(collada_.leftOut);
-    if (!isAc3d(kind_) && kind_ != ".fbx") return importer_.ReadFile(file_.string(), 0);
-    const std::string text = kind_ == ".fbx" ? readFbx(file_, leftOut_) : readAc3d(file_, leftOut_);
-    return importer_.ReadFileFromMemory(text.data(), text.size(), 0, kind_ == ".fbx" ? "fbx" : "ac");
+    const bool known = isAc3d(kind_) || kind_ == ".fbx" || kind_ == ".3ds" || kind_ == ".lwo";
+    if (!known) return importer_.ReadFile(file_.string(), 0);
+    const std::string text = kind_ == ".fbx"   ? readFbx(file_, leftOut_, clamped_)
+                             : kind_ == ".3ds" ? read3ds(file_, leftOut_)
+                             : kind_ == ".lwo" ? readLwo(file_, leftOut_)
+                                               : readAc3d(file_, leftOut_);
+    return importer_.ReadFileFromMemory(text.data(), text.size(), 0, isAc3d(kind_) ? "ac" : kind_.c_str() + 1);
   }
 
   void configure(Assimp::Importer& importer) const {
@@ -139,7 +148,9 @@ class Importer {
   // Counts what the importer has read and is not used.
   void countRest() {
     leftOut_.add("animations (the file's pose is taken)", scene_->mNumAnimations);
-    if (metadataOf(*scene_, "UpAxisSign", 1) < 0) leftOut_.add("negative signs of the up axis (UpAxisSign)");
+    if (metadataOf(*scene_, "UpAxisSign", 1) < 0 && !axesOfFbx()) {
+      leftOut_.add("negative signs of the up axis (UpAxisSign)");
+    }
     for (unsigned m = 0; m < scene_->mNumMeshes; ++m) {
       const aiMesh& mesh = *scene_->mMeshes[m];
       if (mesh.HasBones() && !posesSkins()) leftOut_.add("skins (the shape without them is taken)");
@@ -150,6 +161,37 @@ class Importer {
         if (mesh.mFaces[f].mNumIndices == 1) leftOut_.add("points");
         if (mesh.mFaces[f].mNumIndices == 2) leftOut_.add("lines");
       }
+    }
+  }
+
+  // Adds to the materials what the importer does not report, and takes from them what it reads wrong.
+  void mendMaterials(std::vector<ImportedMaterial>& materials) {
+    for (std::size_t i = 0; i < std::min(materials.size(), collada_.materials.size()); ++i) {
+      const ColladaMaterial& stated = collada_.materials[i];
+      ImportedMaterial& material = materials[i];
+      if (!stated.colored) {
+        leftOut_.add("materials without a plain diffuse colour");
+        material.stated = false;
+        material.color = {1, 1, 1};
+      }
+      material.base.repeats = material.base.repeats && !stated.clamps;
+      if (!stated.transparency) continue;
+      material.opacity = 1;
+      material.opacityMap.inverted = stated.inverted;
+      if (stated.inverted && *stated.transparency == 0) {
+        material.opacityMap = {};  // opaque everywhere
+      } else if (*stated.transparency != 1) {
+        leftOut_.add("numbers of `transparency` beside images (the images alone count)");
+      }
+    }
+    for (ImportedMaterial& material : materials) {
+      if (clamped_.contains(material.base.name)) material.base.repeats = false;
+    }
+    // The importer takes these angles, which are in degrees, for radians, and no specification states their sign.
+    for (UvPlacement& placement : placements_) {
+      if (placement.rotation == 0 || (format_ != kFbx && format_ != kCollada)) continue;
+      leftOut_.add(format_ == kFbx ? "rotations of images (Rotation)" : "rotations of images (rotateUV)");
+      placement.rotation = 0;
     }
   }
 
@@ -219,7 +261,22 @@ class Importer {
     const bool turned = format_ == "Discreet 3DS Importer" || format_ == "ASE Importer" ||
                         format_ == "Drawing Interchange Format (DXF) Importer";
     const Mat3 fileFromImported = turned ? zUpFrom('y') : Mat3();
-    return {zUpFrom(up) * fileFromImported * Mat3::scale({scale, scale, scale}), {}};
+    return {axesOfFbx().value_or(zUpFrom(up)) * fileFromImported * Mat3::scale({scale, scale, scale}), {}};
+  }
+
+  // Returns the transform from the axes that an FBX file states to x right, y back and z up; it mirrors if these are
+  // left-handed. Returns nullopt for other kinds, if the axes are not three different ones, and if the key `up` is
+  // given.
+  std::optional<Mat3> axesOfFbx() const {
+    if (format_ != kFbx || options_.up) return std::nullopt;
+    std::array<Vec3d, 3> columns{};
+    for (const auto& [name, to] :
+         {std::pair<std::string, Vec3d>{"CoordAxis", {1, 0, 0}}, {"FrontAxis", {0, -1, 0}}, {"UpAxis", {0, 0, 1}}}) {
+      const auto axis = static_cast<std::size_t>(metadataOf(*scene_, name.c_str(), std::int32_t{-1}));
+      if (axis > 2 || length(columns[axis]) > 0) return std::nullopt;
+      columns[axis] = to * (metadataOf(*scene_, (name + "Sign").c_str(), std::int32_t{1}) < 0 ? -1.0 : 1.0);
+    }
+    return Mat3{columns[0], columns[1], columns[2]};
   }
 
   // Returns the unit that the file states (m); 0 if it states none.
@@ -286,7 +343,7 @@ class Importer {
 
   // True if the importer's nodes are the joints of skins in their pose. Of other kinds (Half-Life's MDL, for example)
   // it loses the hierarchy of the joints.
-  bool posesSkins() const { return format_ == kCollada || format_ == kFbx || format_ == "Direct3D XFile Importer"; }
+  bool posesSkins() const { return format_ == kCollada || format_ == kFbx || format_ == kXFile; }
 
   // True if a node and all below it are hidden.
   bool hidesTree(const aiNode& node) const {
@@ -302,7 +359,8 @@ class Importer {
   void addNode(ImportedFile& read, const aiNode& node, const std::string& name, std::uint32_t index,
                const Affine& assetFromNode) {
     const std::size_t first = read.parts.size();
-    std::vector<unsigned> materials;  // materials of this node's parts so far
+    // The parts of this node so far: their material, and whether they lack the texture coordinates that it needs.
+    std::vector<std::pair<unsigned, bool>> known;
     for (unsigned i = 0; i < node.mNumMeshes; ++i) {
       if (node.mMeshes[i] >= scene_->mNumMeshes) continue;
       const aiMesh& mesh = *scene_->mMeshes[node.mMeshes[i]];
@@ -310,10 +368,12 @@ class Importer {
       triangles_ += mesh.mNumFaces;
       if (triangles_ > kMostTriangles)
         fail(fmt::format("has more than {} triangles, with all copies: split it", kMostTriangles));
-      const auto known = std::find(materials.begin(), materials.end(), mesh.mMaterialIndex);
-      const std::size_t part = first + static_cast<std::size_t>(known - materials.begin());
-      if (known == materials.end()) {
-        materials.push_back(mesh.mMaterialIndex);
+      const std::pair key(mesh.mMaterialIndex,
+                          !mesh.HasTextureCoords(0) && hasImage(read.materials, mesh.mMaterialIndex));
+      const auto found = std::find(known.begin(), known.end(), key);
+      const std::size_t part = first + static_cast<std::size_t>(found - known.begin());
+      if (found == known.end()) {
+        known.push_back(key);
         read.parts.emplace_back();
         read.parts.back().node = name;
         read.parts.back().nodeIndex = index;
@@ -321,6 +381,10 @@ class Importer {
       }
       append(read.parts[part], mesh, assetFromNode);
     }
+  }
+
+  static bool hasImage(const std::vector<ImportedMaterial>& materials, unsigned i) {
+    return i < materials.size() && !(materials[i].base.name.empty() && materials[i].opacityMap.name.empty());
   }
 
   void append(ImportedPart& part, const aiMesh& mesh, const Affine& assetFromNode) {
@@ -375,6 +439,7 @@ class Importer {
   std::vector<UvPlacement> placements_;  // by material
   std::uint64_t triangles_ = 0;
   ColladaFacts collada_;
+  std::set<std::string> clamped_;         // names of images that do not repeat (FBX)
   std::map<std::string, Affine> joints_;  // assetFromNode by jointName() of the node
   LeftOut leftOut_;
 };
@@ -396,7 +461,8 @@ const FormatSupport& importedFormat() {
        {LeftOut, "", "colours of vertices"},
        {LeftOut, "", "lines"},
        {LeftOut, "", "points"},
-       {LeftOut, "", "hidden nodes"},
+       {LeftOut, "", "hidden nodes (.3ds, .lwo)"},
+       {LeftOut, "", "master scales (.3ds; lengths are divided by them)"},
        {LeftOut, "", "joints of skins that no node has"},
        {LeftOut, "", "opacities of materials (they are solid)"},
        {LeftOut, "", "clamped or mirrored textures (they repeat)"},

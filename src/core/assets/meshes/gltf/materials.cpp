@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
 #include <memory>
 
 #include "assets/meshes/base_color.h"
@@ -37,7 +40,16 @@ AlphaTest alphaOf(const Material& m, const AssetOptions& options) {
   if (m.alpha != Material::Alpha::Mask) return {asked || m.alpha == Material::Alpha::Blend, 0.5f};
   // glTF compares the cutoff with the product of the colour factor's alpha and the texture's alpha.
   const double factor = fraction(m.color[3], 1.0);
-  return {true, factor > 0 && std::isfinite(m.cutoff) ? static_cast<float>(m.cutoff / factor) : 1.0f};
+  if (factor > 0 && std::isfinite(m.cutoff)) return {true, static_cast<float>(m.cutoff / factor)};
+  constexpr float kAboveAll = 2;
+  return {true, m.cutoff > 0 ? kAboveAll : 0.0f};
+}
+
+// True if most of the image's alpha is neither near 0 nor near 1, so that a test of alpha removes or keeps what fades.
+bool fades(const Texture& image) {
+  std::size_t graded = 0;
+  for (std::size_t i = 3; i < image.rgba.size(); i += 4) graded += image.rgba[i] >= 26 && image.rgba[i] < 230 ? 1 : 0;
+  return graded > image.rgba.size() / 8;
 }
 
 ReadMaterial read(const Model& model, const Data& data, const Material* m, const AssetOptions& options,
@@ -63,6 +75,19 @@ ReadMaterial read(const Model& model, const Data& data, const Material* m, const
       color.image = load(model, data, from.texture->image, !options.textures, color.alpha.wanted, images);
       color.colored = color.image != nullptr;
     }
+  }
+  if (color.colored && (color.factor[1] != color.factor[0] || color.factor[2] != color.factor[0])) {
+    // The image takes the factor's hue, and its largest channel remains: in 8 bits, dark factors would lose steps.
+    const float most = *std::max_element(color.factor.begin(), color.factor.end());
+    std::array<float, 3> hue = color.factor;
+    for (float& channel : hue) channel /= most;
+    color.image = images.tinted(color.image, hue);
+    color.factor = {most, most, most};
+    if (options.textures) to.color = color.factor;
+  }
+  const bool blends = from.alpha == Material::Alpha::Blend && options.alpha == AlphaUse::Auto;
+  if (blends && color.colored && color.image->hasAlpha && fades(*color.image)) {
+    leftOut.add("images that fade (beams pass where alpha is below 0.5)");
   }
   setColor(to.material, std::move(color), model.file, options, images);
   const bool faded = from.alpha == Material::Alpha::Blend ? from.color[3] < 1

@@ -395,6 +395,7 @@ const FormatSupport& gltfFormat() {
        {LeftOut, "", "batch tables (.b3dm)"},
        {LeftOut, "", "nodes outside of the scene"},
        {LeftOut, "", "opacities of materials (they are solid)"},
+       {LeftOut, "", "images that fade (beams pass where alpha is below 0.5)"},
        {LeftOut, "wrapS wrapT", "clamped or mirrored textures (they repeat)"},
        {LeftOut, "", "textures of parts without texture coordinates"}}};
   return format;

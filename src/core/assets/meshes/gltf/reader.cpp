@@ -167,7 +167,8 @@ class Reader {
   void append(std::vector<AssetPart>& parts, const PlacedNode& placed, std::uint32_t number,
               const Affine& assetFromNode) {
     const std::size_t first = parts.size();
-    std::vector<std::size_t> materials;  // materials of this node's parts so far
+    // The parts of this node so far: their material, and whether they lack the texture coordinates that it needs.
+    std::vector<std::pair<std::size_t, bool>> known;
     for (const Primitive& primitive : model_.meshes[*model_.nodes[placed.node].mesh].primitives) {
       const std::size_t material = primitive.material.value_or(materials_.size() - 1);
       const std::shared_ptr<const Geometry> shared = knownGeometry(primitive, placed, materials_[material].placed);
@@ -177,17 +178,18 @@ class Reader {
       triangles_ += geometry.triangles.size();
       if (triangles_ > kMostTriangles)
         model_.fail(fmt::format("has more than {} triangles, with all copies: split it", kMostTriangles));
-      const auto known = std::find(materials.begin(), materials.end(), material);
-      const std::size_t part = first + static_cast<std::size_t>(known - materials.begin());
-      if (known == materials.end()) {
-        materials.push_back(material);
+      const std::pair key(material, materials_[material].placed && geometry.uvs.empty());
+      const auto found = std::find(known.begin(), known.end(), key);
+      const std::size_t part = first + static_cast<std::size_t>(found - known.begin());
+      if (found == known.end()) {
+        known.push_back(key);
         parts.push_back(newPart(placed, number, material));
       }
       append(parts[part], geometry, assetFromNode);
     }
     for (std::size_t i = first; i < parts.size(); ++i) {
       weld(parts[i].positions, parts[i].uvs, parts[i].triangles);
-      const std::optional<TextureUse>& texture = materials_[materials[i - first]].placed;
+      const std::optional<TextureUse>& texture = materials_[known[i - first].first].placed;
       if (!parts[i].triangles.empty()) checkTexture(parts[i], !texture || texture->repeats, model_.leftOut);
     }
     const auto begin = parts.begin() + static_cast<std::ptrdiff_t>(first);

@@ -6,9 +6,11 @@
 #include <cstdint>
 #include <functional>
 #include <regex>
+#include <set>
 #include <string>
 #include <vector>
 
+#include "assets/meshes/assimp/fbx.h"
 #include "tests/core/assets/meshes/triangle_files.h"
 #include "tests/core/assets/read_assets.h"
 
@@ -209,6 +211,196 @@ TEST_F(Imported, MorphTargetsAndAnimationsOfFbxAreCounted) {
               HasSubstr("left out: 1 animations (the file's pose is taken), 1 morph targets with weights\n"));
   readQuietly("b.fbx", replaced(replaced(text, "Percent: 50", "Percent: 0"), "\"AnimCurve::", "\"Other::"));
   EXPECT_EQ(warnings_, "");
+}
+
+// FBX: the three axes with their signs are the right, the up and the front of the file's author.
+TEST_F(Imported, AxesOfFbxAreApplied) {
+  const auto with = [](int up, int upSign, int front, int frontSign, int right, int rightSign) {
+    std::string lines;
+    for (const auto& [name, value] : {std::pair("UpAxisSign", upSign),
+                                      {"FrontAxis", front},
+                                      {"FrontAxisSign", frontSign},
+                                      {"CoordAxis", right},
+                                      {"CoordAxisSign", rightSign}}) {
+      lines += "\t\tP: \"" + std::string(name) + "\", \"int\", \"Integer\", \"\"," + std::to_string(value) + "\n";
+    }
+    return replaced(fbx(up, 100), "\t\tP: \"UnitScaleFactor", lines + "\t\tP: \"UnitScaleFactor");
+  };
+  const auto expect = [&](const std::string& text, const std::vector<Vec3f>& wanted, const std::string& what) {
+    expectCorners(readQuietly("a.fbx", text), wanted, what);
+    EXPECT_EQ(warnings_, "") << what;
+  };
+  expect(with(2, 1, 1, -1, 0, 1), {{1, 0, 0}, {0, 2, 0}, {0, 0, 3}}, "3ds Max");
+  expect(with(1, 1, 2, 1, 0, 1), {{1, 0, 0}, {0, 0, 2}, {0, -3, 0}}, "Maya");
+  expect(with(2, 1, 1, 1, 0, -1), {{-1, 0, 0}, {0, -2, 0}, {0, 0, 3}}, "from behind");
+  expect(with(2, -1, 1, 1, 0, 1), {{1, 0, 0}, {0, -2, 0}, {0, 0, -3}}, "upside down");
+  expect(with(2, 1, 1, 1, 0, 1), {{1, 0, 0}, {0, 0, 3}, {0, -2, 0}}, "left-handed: the corners turn the other way");
+  expectCorners(readQuietly("a.fbx", with(1, -1, 1, 1, 0, 1)), {{1, 0, 0}, {0, 0, 2}, {0, -3, 0}}, "no frame");
+  EXPECT_THAT(warnings_, HasSubstr("left out: 1 negative signs of the up axis (UpAxisSign)\n"));
+  EXPECT_EQ(corners(read("a.fbx", with(2, 1, 1, 1, 0, -1), {.up = 'z'}))[0].x, 1) << "the key `up` prevails";
+}
+
+// fbx() with a material, and with an image that the material uses if `use` is not empty.
+std::string fbxWithMaterial(const std::string& use, const std::string& properties = "") {
+  std::string text = replaced(fbx(2, 100), "\tModel: 2", R"(	Material: 3, "Material::paint", "" {
+	}
+	Texture: 4, "Texture::t", "" {
+		TextureName: "Texture::t"
+		Properties70:  {
+)" + properties + R"(
+		}
+		RelativeFilename: "colours.png"
+	}
+	Model: 2)");
+  text = replaced(text, "\t\tPolygonVertexIndex", R"(		LayerElementUV: 0 {
+			Name: "UV"
+			MappingInformationType: "ByPolygonVertex"
+			ReferenceInformationType: "Direct"
+			UV: *6 {
+				a: 0,0,2,0,0,2
+			}
+		}
+		LayerElementMaterial: 0 {
+			MappingInformationType: "AllSame"
+			ReferenceInformationType: "IndexToDirect"
+			Materials: *1 {
+				a: 0
+			}
+		}
+		Layer: 0 {
+			LayerElement: {
+				Type: "LayerElementUV"
+				TypedIndex: 0
+			}
+			LayerElement: {
+				Type: "LayerElementMaterial"
+				TypedIndex: 0
+			}
+		}
+		PolygonVertexIndex)");
+  if (!use.empty()) text = replaced(text, "Connections:  {\n", "Connections:  {\n\tC: \"OP\",4,3, \"" + use + "\"\n");
+  return replaced(text, "Connections:  {\n", "Connections:  {\n\tC: \"OO\",3,2\n");
+}
+
+TEST_F(Imported, UsesOfImagesOfFbxThatAreNotReadAreCounted) {
+  writeColours(folder_.path() / "colours.png");
+  const auto told = [&](const std::string& text) {
+    const AssetPart part = readQuietly("a.fbx", text).parts.at(0);
+    EXPECT_EQ(part.uvs.at(1).x, 2) << text;
+    return warnings_;
+  };
+  const auto number = [](const std::string& name, const std::string& type, const std::string& value) {
+    return "\t\t\tP: \"" + name + "\", \"" + type + "\", \"\", \"\"," + value;
+  };
+  EXPECT_EQ(told(fbxWithMaterial("DiffuseColor", number("WrapModeU", "enum", "0"))), "");
+  EXPECT_THAT(told(fbxWithMaterial("DiffuseColor", number("WrapModeU", "enum", "1"))),
+              HasSubstr("a.fbx: left out: 1 clamped or mirrored textures (they repeat)\n"));
+  EXPECT_THAT(told(fbxWithMaterial("DiffuseColor", number("Rotation", "Vector", "0,0,90"))),
+              HasSubstr("a.fbx: left out: 1 rotations of images (Rotation)\n"));
+  EXPECT_THAT(told(fbxWithMaterial("DiffuseColor", number("UVSwap", "bool", "1"))),
+              HasSubstr("a.fbx: left out: 1 images with swapped texture coordinates (UVSwap)\n"));
+  EXPECT_THAT(told(fbxWithMaterial("DiffuseFactor")), HasSubstr("a.fbx: left out: 1 images of DiffuseFactor\n"));
+}
+
+TEST_F(Imported, UsesOfImagesOfBinaryFbxAreFound) {
+  using namespace std::string_literals;
+  const auto text = [](const std::string& value) {
+    return "S" + bytesOf<std::uint32_t>({static_cast<std::uint32_t>(value.size())}) + value;
+  };
+  const auto number = [&](const std::string& name, std::int32_t value) {
+    return text(name) + text("int") + text("") + text("") + "I" + bytesOf<std::int32_t>({value});
+  };
+  const auto id = [](std::int64_t value) { return "L" + bytesOf<std::int64_t>({value}); };
+  const auto image = [&](int which, std::int32_t wrap) {
+    return "Texture" + id(which) + text("t\0\1Texture"s) + number("UVSwap", wrap) + number("WrapModeV", wrap) +
+           "RelativeFilename" + text(std::to_string(which) + ".png");
+  };
+  const std::filesystem::path file =
+      write("a.fbx", "Kaydara FBX Binary  " + image(7, 0) + image(8, 1) + "C" + text("OP") + id(8) + id(9) +
+                         text("DiffuseFactor") + text("OP") + id(5) + id(9) + text("DiffuseFactor"));
+  LeftOut leftOut;
+  std::set<std::string> clamped;
+  readFbx(file, leftOut, clamped);
+  EXPECT_EQ(clamped, (std::set<std::string>{"8.png"}));
+  EXPECT_EQ(leftOut.text(), "1 images of DiffuseFactor, 1 images with swapped texture coordinates (UVSwap)");
+}
+
+TEST_F(Imported, MaterialsOfFbxWithoutAColourHaveNone) {
+  const AssetPart part = read("a.fbx", fbxWithMaterial("")).parts.at(0);
+  EXPECT_EQ(part.material, "paint");
+  EXPECT_EQ(part.fileMaterial.reflectance, Material().reflectance);
+}
+
+TEST_F(Imported, ElementsOfColladaThatTheImporterCannotReadAreRefused) {
+  const std::string text = dae("Z_UP", "1");
+  EXPECT_THAT(failure(write("a.dae", replaced(text, "<translate>", "<skew>45 0 1 0 1 0 0</skew><translate>"))),
+              AllOf(HasSubstr("a.dae: has <skew> in line 12"), HasSubstr("bake"), HasSubstr("glTF")));
+  const std::string sampler = "<!--\n<skew>--><sampler2D><instance_image url=\"#i\"/></sampler2D>";
+  EXPECT_THAT(failure(write("b.dae", replaced(text, "<library_geometries>", sampler + "<library_geometries>"))),
+              AllOf(HasSubstr("b.dae: has <instance_image> in line 5"), HasSubstr("COLLADA 1.4.1")));
+}
+
+std::string chunk3ds(std::uint16_t type, const std::string& data) {
+  return bytesOf<std::uint16_t>({type}) + bytesOf<std::uint32_t>({static_cast<std::uint32_t>(6 + data.size())}) + data;
+}
+
+// The triangle twice: the objects "wing" and "other", of which the latter has the chunk OBJ_HIDDEN.
+std::string studio3ds(const std::string& scale, const std::string& hidden) {
+  using namespace std::string_literals;
+  const std::string mesh = chunk3ds(0x4100, chunk3ds(0x4110, "\3\0"s + bytesOf<float>({1, 0, 0, 0, 2, 0, 0, 0, 3})) +
+                                                chunk3ds(0x4120, bytesOf<std::uint16_t>({1, 0, 1, 2, 7})));
+  return chunk3ds(0x4D4D, chunk3ds(0x3D3D, chunk3ds(0x3D3E, "\3\0\0\0"s) + scale + chunk3ds(0x4000, "wing\0"s + mesh) +
+                                               chunk3ds(0x4000, "other\0"s + hidden + mesh)));
+}
+
+TEST_F(Imported, HiddenObjectsAndMasterScalesOf3dsAreTold) {
+  EXPECT_EQ(readQuietly("a.3ds", studio3ds("", "")).parts.size(), 2u);
+  EXPECT_EQ(warnings_, "");
+  const std::string scale = chunk3ds(0x0100, bytesOf<float>({0.5f}));
+  expectCorners(readQuietly("a.3ds", studio3ds(scale, chunk3ds(0x4010, ""))), {{2, 0, 0}, {0, 4, 0}, {0, 0, 6}}, "3ds");
+  EXPECT_THAT(warnings_,
+              HasSubstr("a.3ds: left out: 1 hidden nodes, 1 master scales of 0.5 (lengths are divided by it: "
+                        "check the size)\n"));
+}
+
+std::string lwoChunk(const std::string& type, std::string data) {
+  if (data.size() % 2 == 1) data += '\0';
+  const auto size = static_cast<std::uint32_t>(data.size());
+  std::string length;
+  for (int shift = 24; shift >= 0; shift -= 8) length += static_cast<char>(size >> shift & 255);
+  return type + length + data;
+}
+
+TEST_F(Imported, HiddenLayersOfLwoAreLeftOut) {
+  using namespace std::string_literals;
+  std::string points;
+  for (const float value : {1.0f, 0.0f, 0.0f, 0.0f, 2.0f, 0.0f, 0.0f, 0.0f, 3.0f}) {
+    const std::string word = bytesOf<float>({value});
+    points.append(word.rbegin(), word.rend());
+  }
+  const auto file = [&](char flags) {
+    const auto layer = [&](char number, char flag, const std::string& name) {
+      return lwoChunk("LAYR", "\0"s + number + "\0"s + flag + std::string(12, '\0') + name + '\0') +
+             lwoChunk("PNTS", points) + lwoChunk("POLS", "FACE\0\3\0\0\0\1\0\2"s) + lwoChunk("PTAG", "SURF\0\0\0\0"s);
+    };
+    return lwoChunk("FORM", "LWO2" + lwoChunk("TAGS", "m\0"s) + layer(0, 0, "wing") + layer(1, flags, "other"));
+  };
+  EXPECT_EQ(readQuietly("a.lwo", file(0)).parts.size(), 2u);
+  EXPECT_EQ(warnings_, "");
+  EXPECT_EQ(readQuietly("a.lwo", file(1)).parts.at(0).node, "wing");
+  EXPECT_THAT(warnings_, HasSubstr("a.lwo: left out: 1 hidden nodes\n"));
+}
+
+TEST_F(Imported, AlphaOfColoursOfXFilesIsTold) {
+  const auto file = [](const std::string& alpha) {
+    return "xof 0303txt 0032\nMesh {\n3; 1;0;0;, 0;2;0;, 0;0;3;;\n1; 3;0,1,2;;\nMeshMaterialList { 1; 1; 0;;\n"
+           "Material { 0.5;0.5;0.5;" +
+           alpha + ";; 1.0; 0;0;0;; 0;0;0;; } }\n}\n";
+  };
+  readQuietly("a.x", file("1.0"));
+  EXPECT_EQ(warnings_, "");
+  readQuietly("a.x", file("0.3"));
+  EXPECT_THAT(warnings_, HasSubstr("a.x: left out: 1 opacities of materials (they are solid)\n"));
 }
 
 TEST_F(Imported, UnitsThatFilesStateAreReported) {

@@ -10,6 +10,7 @@
 #include <map>
 
 #include "scene/material.h"
+#include "scene/texture.h"
 #include "tests/core/assets/meshes/gltf/gltf_builder.h"
 #include "tests/support/message_of.h"
 
@@ -500,6 +501,77 @@ TEST_F(GltfReader, TexturesNeedTextureCoordinates) {
   const Material material = read(w).parts.at(0).fileMaterial;
   EXPECT_FALSE(material.textured);
   EXPECT_NEAR(material.reflectance, kColoursMean, 1e-5);
+}
+
+// Beside primitives with texture coordinates, those without are a part of their own.
+TEST_F(GltfReader, PrimitivesWithoutTextureCoordinatesAreAPartOfTheirOwn) {
+  GltfBuilder b;
+  const std::size_t positions = b.numbers<float>(kCorners, "VEC3", 3);
+  const std::size_t uvs = b.numbers<float>({0, 0, 1, 0, 0, 1}, "VEC2", 2);
+  GltfBuilder w = wing(b, {{"POSITION", positions}, {"TEXCOORD_0", uvs}}, {{"material", 0}});
+  w.json["meshes"][0]["primitives"].push_back({{"attributes", {{"POSITION", positions}}}, {"material", 0}});
+  writeColours(folder_.path() / "colours.png");
+  w.json["images"] = {{{"uri", "colours.png"}}};
+  w.json["textures"] = {{{"source", 0}}};
+  w.json["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}}};
+  testing::internal::CaptureStderr();
+  const Asset asset = readAsset(folder_.write("mixed.gltf", w.text()), {});
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              HasSubstr("mixed.gltf: left out: 1 textures of parts without texture coordinates\n"));
+  ASSERT_EQ(asset.parts.size(), 2u);
+  EXPECT_EQ(asset.parts[0].nodeIndex, asset.parts[1].nodeIndex);
+  EXPECT_TRUE(asset.parts[0].fileMaterial.textured);
+  EXPECT_FALSE(asset.parts[1].fileMaterial.textured);
+  w.json["materials"][0]["pbrMetallicRoughness"].erase("baseColorTexture");
+  EXPECT_EQ(read(w).parts.size(), 1u) << "without an image they are one part";
+}
+
+// glTF 2.0, 3.9.2: the factor multiplies each channel. The image is red, green, blue and white.
+TEST_F(GltfReader, ColouredFactorsMultiplyTheChannelsOfImages) {
+  GltfBuilder b;
+  const std::size_t positions = b.numbers<float>(kCorners, "VEC3", 3);
+  const std::size_t uvs = b.numbers<float>({0, 0, 1, 0, 0, 1}, "VEC2", 2);
+  GltfBuilder w = wing(b, {{"POSITION", positions}, {"TEXCOORD_0", uvs}}, {{"material", 0}});
+  writeColours(folder_.path() / "colours.png");
+  w.json["images"] = {{{"uri", "colours.png"}}};
+  w.json["textures"] = {{{"source", 0}}};
+  w.json["materials"] = {
+      {{"pbrMetallicRoughness", {{"baseColorFactor", {0.5, 0.25, 0, 1}}, {"baseColorTexture", {{"index", 0}}}}}}};
+  const AssetPart part = read(w).parts.at(0);
+  const Material& m = part.fileMaterial;
+  EXPECT_NEAR(m.reflectance, (0.2126 * 0.5 + 0.7152 * 0.25) / 2, 1e-3);
+  // What a beam sees: the reflectance times the texel's share of the mean; and what rules see.
+  const auto seen = [&](float u, float v) { return m.reflectance * luminance(m.texture->texel(u, v)) / m.textureMean; };
+  EXPECT_NEAR(seen(0.25f, 0.75f), 0.2126 * 0.5, 2e-3) << "red";
+  EXPECT_NEAR(seen(0.75f, 0.75f), 0.7152 * 0.25, 2e-3) << "green";
+  EXPECT_NEAR(seen(0.25f, 0.25f), 0, 2e-3) << "blue";
+  EXPECT_EQ(part.color, (std::array<float, 3>{0.5f, 0.5f, 0.5f}));
+  const AssetPart plain = read(w, {.textures = false}).parts.at(0);
+  EXPECT_EQ(plain.color, (std::array<float, 3>{0.5f, 0.25f, 0}));
+}
+
+TEST_F(GltfReader, ImagesThatFadeAreCountedAndAFactorOfZeroMasksAll) {
+  GltfBuilder b;
+  const std::size_t positions = b.numbers<float>(kCorners, "VEC3", 3);
+  const std::size_t uvs = b.numbers<float>({0, 0, 1, 0, 0, 1}, "VEC2", 2);
+  GltfBuilder w = wing(b, {{"POSITION", positions}, {"TEXCOORD_0", uvs}}, {{"material", 0}});
+  w.json["images"] = {{{"uri", "fade.png"}}};
+  w.json["textures"] = {{{"source", 0}}};
+  w.json["materials"] = {{{"alphaMode", "BLEND"}, {"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}}};
+  writeColours(folder_.path() / "fade.png", 100);
+  EXPECT_EQ(warnings(w), "") << "a quarter";
+  auto output = OIIO::ImageOutput::create("fade.png");
+  OIIO::ImageSpec spec(2, 2, 4, OIIO::TypeDesc::UINT8);
+  spec.attribute("oiio:UnassociatedAlpha", 1);
+  ASSERT_TRUE(output->open((folder_.path() / "fade.png").string(), spec));
+  ASSERT_TRUE(output->write_image(OIIO::TypeDesc::UINT8, std::string(16, 77).data()));
+  ASSERT_TRUE(output->close());
+  EXPECT_THAT(warnings(w), HasSubstr("left out: 1 images that fade (beams pass where alpha is below 0.5)\n"));
+  w.json["materials"][0]["alphaMode"] = "MASK";
+  w.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = {1, 1, 1, 0};
+  EXPECT_GT(read(w).parts.at(0).fileMaterial.alphaCutoff, 1);
+  w.json["materials"][0]["alphaCutoff"] = 0;
+  EXPECT_EQ(read(w).parts.at(0).fileMaterial.alphaCutoff, 0);
 }
 
 // Primitives often share one list of vertices, of which each needs some.
