@@ -35,6 +35,7 @@ if(SCANMILL_STUDIO OR SCANMILL_TESTS OR SCANMILL_BENCHMARKS)
   pkg_check_modules(PCL REQUIRED IMPORTED_TARGET pcl_io pcl_common pcl_registration)
 endif()
 pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)
+pkg_check_modules(RE2 REQUIRED IMPORTED_TARGET re2)  # Debian 12 has no CMake package of it
 pkg_check_modules(OPENIMAGEIO REQUIRED IMPORTED_TARGET OpenImageIO)  # its CMake package wants its tools installed too
 if(SCANMILL_PYTHON)
   # Debian's own, which has Debian's numpy; `pip install .` names its own.

@@ -8,7 +8,7 @@ target_include_directories(scanmill_archive INTERFACE $<INSTALL_INTERFACE:${CMAK
 target_link_options(scanmill_archive INTERFACE
                     $<INSTALL_INTERFACE:-Wl,-rpath,$<INSTALL_PREFIX>/${CMAKE_INSTALL_LIBDIR}/scanmill>)
 target_compile_features(scanmill_archive INTERFACE cxx_std_20)
-target_link_libraries(scanmill_archive INTERFACE $<INSTALL_INTERFACE:embree;hwy::hwy;assimp::assimp;meshoptimizer::meshoptimizer;draco::draco;pugixml::pugixml;lzf;TBB::tbb;OpenSSL::Crypto;LibArchive::LibArchive;PNG::PNG;JPEG::JPEG;OpenEXR::OpenEXR;yaml-cpp;fmt::fmt;Threads::Threads;${CMAKE_DL_LIBS}>)
+target_link_libraries(scanmill_archive INTERFACE $<INSTALL_INTERFACE:embree;hwy::hwy;assimp::assimp;meshoptimizer::meshoptimizer;draco::draco;pugixml::pugixml;lzf;re2;TBB::tbb;OpenSSL::Crypto;LibArchive::LibArchive;PNG::PNG;JPEG::JPEG;OpenEXR::OpenEXR;yaml-cpp;fmt::fmt;Threads::Threads;${CMAKE_DL_LIBS}>)
 
 include(CMakePackageConfigHelpers)
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/scanmill)

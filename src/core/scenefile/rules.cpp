@@ -2,21 +2,52 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <re2/re2.h>
 
 #include <algorithm>
+#include <bit>
 #include <charconv>
 #include <cstdlib>
 #include <map>
-#include <regex>
 
 #include "config/fields.h"
 
 namespace scanmill {
 namespace {
 
-// Largest number of characters in a name that a regular expression tests. Longer names could exhaust the stack, because
-// std::regex recurses over the text.
-constexpr std::size_t kLongestName = 4096;
+// Returns the text with Latin-1 characters in place of bytes that are not UTF-8.
+std::string inUtf8(std::string_view text) {
+  std::string made;
+  while (!text.empty()) {
+    const auto lead = static_cast<unsigned char>(text.front());
+    const auto length = static_cast<std::size_t>(std::max(1, std::countl_one(lead)));
+    const auto continues = [](char c) { return (c & 0xC0) == 0x80; };
+    const bool sequence = lead >= 0xC2 && lead < 0xF5 && length <= text.size() &&
+                          std::all_of(text.begin() + 1, text.begin() + static_cast<std::ptrdiff_t>(length), continues);
+    if (lead < 0x80 || sequence) {
+      made += text.substr(0, length);
+      text.remove_prefix(length);
+    } else {
+      made += static_cast<char>(0xC0 | lead >> 6);
+      made += static_cast<char>(0x80 | (lead & 0x3F));
+      text.remove_prefix(1);
+    }
+  }
+  return made;
+}
+
+std::u32string charactersOf(std::string_view text) {
+  std::u32string made;
+  for (const char c : inUtf8(text)) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (const int ones = std::countl_one(byte); ones == 1) {
+      made.back() = made.back() << 6 | (byte & 0x3FU);
+    } else {
+      made.push_back(byte & (0x7FU >> ones));
+    }
+  }
+  return made;
+}
 
 bool isRegex(const std::string& pattern) {
   return pattern.size() > 2 && pattern.front() == '/' && pattern.back() == '/';
@@ -24,25 +55,29 @@ bool isRegex(const std::string& pattern) {
 
 // Returns a compiled pattern from a cache: compiling costs far more than matching, and all parts of an asset are tested
 // with the same few patterns.
-const std::regex& compiled(const std::string& pattern, const Location& where) {
-  thread_local std::map<std::string, std::regex> cache;
+const re2::RE2& compiled(const std::string& pattern, const Location& where) {
+  thread_local std::map<std::string, re2::RE2> cache;
   const auto known = cache.find(pattern);
   if (known != cache.end()) return known->second;
-  try {
-    return cache.emplace(pattern, std::regex(pattern.substr(1, pattern.size() - 2))).first->second;
-  } catch (const std::regex_error& e) {
-    throw InputError(where, fmt::format("bad regular expression {}: {}", pattern, e.what()));
-  }
+  re2::RE2::Options options;
+  options.set_log_errors(false);
+  const auto added = cache.try_emplace(pattern, pattern.substr(1, pattern.size() - 2), options).first;
+  if (added->second.ok()) return added->second;
+  const std::string error = added->second.error();
+  cache.erase(added);
+  throw InputError(where, fmt::format("bad regular expression {}: {}; the syntax is that of RE2, which has no "
+                                      "look-around and no back-references",
+                                      pattern, error));
 }
 
 // Returns true if `c` is in the set that starts with the '[' at pattern[at], and moves `at` behind the set. A '['
 // without a ']' matches itself.
-bool matchesSet(std::string_view pattern, std::size_t& at, char c) {
+bool matchesSet(std::u32string_view pattern, std::size_t& at, char32_t c) {
   std::size_t i = at + 1;
   const bool negated = i < pattern.size() && (pattern[i] == '!' || pattern[i] == '^');
   if (negated) ++i;
   const std::size_t close = pattern.find(']', i + 1);
-  if (close == std::string_view::npos) {
+  if (close == std::u32string_view::npos) {
     ++at;
     return c == '[';
   }
@@ -62,8 +97,8 @@ bool matchesSet(std::string_view pattern, std::size_t& at, char c) {
 
 // Returns true if a glob matches all of a text. After a mismatch only the latest '*' takes one more character, which
 // needs constant memory and at worst quadratic time.
-bool matchesGlob(std::string_view pattern, std::string_view text) {
-  constexpr std::size_t kNone = std::string_view::npos;
+bool matchesGlob(std::u32string_view pattern, std::u32string_view text) {
+  constexpr std::size_t kNone = std::u32string_view::npos;
   std::size_t p = 0;
   std::size_t t = 0;
   std::size_t star = kNone;
@@ -134,13 +169,15 @@ void expandBraces(const std::string& pattern, std::size_t from, std::vector<std:
   }
 }
 
-const std::vector<std::string>& alternatives(const std::string& pattern, const Location& where) {
-  thread_local std::map<std::string, std::vector<std::string>> cache;
+const std::vector<std::u32string>& alternatives(const std::string& pattern, const Location& where) {
+  thread_local std::map<std::string, std::vector<std::u32string>> cache;
   const auto known = cache.find(pattern);
   if (known != cache.end()) return known->second;
   std::vector<std::string> expanded;
   expandBraces(pattern, 0, expanded, where);
-  return cache.emplace(pattern, std::move(expanded)).first->second;
+  std::vector<std::u32string>& globs = cache[pattern];
+  for (const std::string& glob : expanded) globs.push_back(charactersOf(glob));
+  return globs;
 }
 
 std::string readPattern(Fields& match, std::string_view key) {
@@ -281,25 +318,20 @@ std::vector<Rule> readRules(const Value& value) {
 
 bool matches(const std::string& pattern, std::string_view text, const Location& where) {
   if (!isRegex(pattern)) {
-    const std::vector<std::string>& globs = alternatives(pattern, where);
-    return std::any_of(globs.begin(), globs.end(), [&](const std::string& glob) { return matchesGlob(glob, text); });
+    const std::vector<std::u32string>& globs = alternatives(pattern, where);
+    const std::u32string characters = charactersOf(text);
+    return std::any_of(globs.begin(), globs.end(), [&](const auto& glob) { return matchesGlob(glob, characters); });
   }
   return matchedText(pattern, text, where).has_value();
 }
 
 std::optional<std::string> matchedText(const std::string& pattern, std::string_view text, const Location& where) {
-  if (text.size() > kLongestName) {
-    throw InputError(
-        where, fmt::format("a name of {} characters is too long for a regular expression (at most {}): use a glob",
-                           text.size(), kLongestName));
-  }
-  try {
-    std::match_results<std::string_view::const_iterator> match;
-    if (!std::regex_search(text.begin(), text.end(), match, compiled(pattern, where))) return std::nullopt;
-    return match[match.size() > 1 ? 1 : 0].str();
-  } catch (const std::regex_error& e) {
-    throw InputError(where, fmt::format("regular expression {} fails on '{}': {}", pattern, text, e.what()));
-  }
+  const re2::RE2& expression = compiled(pattern, where);
+  const std::string name = inUtf8(text);
+  re2::StringPiece found[2];
+  const int wanted = expression.NumberOfCapturingGroups() > 0 ? 2 : 1;
+  if (!expression.Match(name, 0, name.size(), re2::RE2::UNANCHORED, found, wanted)) return std::nullopt;
+  return std::string(found[wanted - 1]);
 }
 
 std::string_view textureName(std::string_view path) {

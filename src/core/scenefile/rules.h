@@ -24,7 +24,7 @@ struct Between {
 
 // In YAML: {match: {node: "House*Mesh", material: roof, texture: "*{leaf,bark}*", file: "/car_[0-9]+/"}, class:
 // building, material: roof_tile}. A pattern is a glob (*, ?, [a-z], {one,another}), which must match the whole name and
-// is case-sensitive; or, between slashes, an ECMAScript regular expression, which must match some part of the name. A
+// is case-sensitive; or, between slashes, a regular expression of RE2, which must match some part of the name. A
 // glob of `texture` without a slash is compared with the file name alone, without its folders. Other keys test single
 // triangles: {color: "#8fb34d", within: 16, box: [[0, 0, 0], [9, 9, 3]], height: [0, 2.5], slope_deg: [0, 30], size:
 // [1, 6]}. All conditions of a match must hold; `match: any` always holds. A rule without a class sets only the

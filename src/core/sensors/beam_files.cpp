@@ -135,8 +135,8 @@ const FormatSupport& beamTableFormat() {
        {Read, "Elevation Azimuth", "Hesai's angle correction file: degrees, azimuths clockwise"},
        {Read, "elevation_deg azimuth_offset_deg origin_left_m origin_up_m firing_time_us",
         "a table of your own: azimuths counter-clockwise"},
-       {Read, "firetime even_firetime odd_firetime",
-        "Hesai's firetime correction file, in us or ns; files with several firing states are refused"}}};
+       {Read, "firetime(us) firetime(ns) even_firetime odd_firetime",
+        "Hesai's firetime correction file; files with several firing states are refused"}}};
   return format;
 }
 
@@ -177,7 +177,10 @@ std::vector<Laser> readBeamTable(const std::filesystem::path& file) {
 
 std::vector<double> readFiringTable(const std::filesystem::path& file) {
   const BeamTableFile table(file);
-  const auto micro = table.column({"firing_time_us", "firetimeus", "firetime"});
+  const auto micro = table.column({"firing_time_us", "firetimeus"});
+  if (table.column({"firetime"})) {
+    throw InputError(table.head().where, "the times have no unit: call the column 'fire time(us)' or 'fire time(ns)'");
+  }
   const auto nano = table.column({"even_firetimens", "firetimens"});
   if (!micro && !nano) {
     throw InputError(

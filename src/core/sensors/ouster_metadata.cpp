@@ -90,8 +90,10 @@ class Reader {
       m.azimuth.push_back(around[i] == 0 ? 0 : -around[i]);
     }
     if (m.elevation.empty()) fail("gives all beams the angles 0");
-    if (const Json* const rows = format("pixels_per_column"); rows != nullptr && *rows != m.elevation.size()) {
-      fail(fmt::format("has angles of {} beams, but its pixels_per_column are {}", m.elevation.size(), rows->dump()));
+    if (const Json* const rows = format("pixels_per_column");
+        rows != nullptr && *rows != m.elevation.size() && *rows != up.size()) {
+      fail(fmt::format("has angles of {} beams, {} of which are unused, but its pixels_per_column are {}", up.size(),
+                       up.size() - m.elevation.size(), rows->dump()));
     }
   }
 
@@ -110,7 +112,13 @@ class Reader {
       m.rate = rate;
     }
     const Json* const fps = format("fps");
-    if (fps != nullptr && m.rate == 0) m.rate = number(*fps, "fps", 0.01, kHighestRate);
+    if (fps != nullptr) {
+      const double said = number(*fps, "fps", 0.01, kHighestRate);
+      if (m.rate != 0 && said != m.rate) {
+        fail(fmt::format("has fps {:g} and the lidar_mode '{}': correct one of them", said, text));
+      }
+      m.rate = said;
+    }
     const Json* const columns = format("columns_per_frame");
     if (columns == nullptr) return;
     const double count = number(*columns, "columns_per_frame", 1, kMostColumns);
@@ -131,12 +139,11 @@ class Reader {
   void readWindow(OusterMetadata& m) {
     m.windowColumns = m.columns;
     const Json* const window = format("column_window");
-    if (window == nullptr) {
-      const Json* const azimuths = find("config_params", "azimuth_window");
-      // Firmware 1.13 counts in hundredths of a degree, later firmware in thousandths.
-      const bool full = azimuths == nullptr || *azimuths == Json{0, 36000} || *azimuths == Json{0, 360000};
-      if (!full) leftOut_.addKeyword(ousterFormat(), "azimuth_window");
-    }
+    const Json* const azimuths = find("config_params", "azimuth_window");
+    // Firmware 1.13 counts in hundredths of a degree, later firmware in thousandths.
+    const bool full = azimuths == nullptr || *azimuths == Json{0, 36000} || *azimuths == Json{0, 360000};
+    const bool fullColumns = window == nullptr || *window == Json{0, m.columns - 1};
+    if (!full && fullColumns) leftOut_.addKeyword(ousterFormat(), "azimuth_window");
     if (window == nullptr || m.columns == 0) return;
     const std::vector<double> ends = numbers(*window, "column_window");
     const auto isColumn = [&](double c) { return c >= 0 && c < m.columns && c == std::floor(c); };
@@ -222,7 +229,7 @@ const FormatSupport& ousterFormat() {
       ".json",
       {{Read, "beam_altitude_angles beam_azimuth_angles", "angles of the beams; those of unused lasers are 0"},
        {Read, "lidar_mode columns_per_frame fps", "columns and rate; a sensor's keys stand in if the file has neither"},
-       {Read, "pixels_per_column", "must be the number of beams"},
+       {Read, "pixels_per_column", "must be the number of beams, with or without unused ones"},
        {Read, "column_window", "the part of the revolution that is sent"},
        {Read, "lidar_to_sensor_transform", "rotation about z and height of the lidar; others are refused"},
        {Read, "beam_to_lidar_transform lidar_origin_to_beam_origin_mm",
@@ -234,7 +241,7 @@ const FormatSupport& ousterFormat() {
        {Unused, "signal_multiplier phase_lock_enable phase_lock_offset timestamp_mode operating_mode return_order",
         "operation of the sensor; ranges and returns are keys of the pipeline"},
        {LeftOut, "extrinsic", "extrinsic transforms, which `mount` gives"},
-       {LeftOut, "azimuth_window", "azimuth windows without a column_window"},
+       {LeftOut, "azimuth_window", "azimuth windows that no column_window repeats"},
        {LeftOut, "lidar_frame_azimuth_offset", "azimuths at which frames begin"}}};
   return format;
 }

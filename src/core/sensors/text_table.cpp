@@ -36,11 +36,15 @@ std::vector<std::string_view> cellsOf(std::string_view text) {
   const std::string_view separators = semicolons ? ";" : table ? "," : " \t";
   std::vector<std::string_view> cells;
   for (std::size_t at = 0; at <= text.size();) {
-    const std::size_t end = std::min(text.find_first_of(separators, at), text.size());
+    // Separators between quotes belong to the cell.
+    const std::size_t begin = std::min(text.find_first_not_of(" \t", at), text.size());
+    const std::size_t close = begin < text.size() && text[begin] == '"' ? text.find('"', begin + 1) : text.npos;
+    const std::size_t end = std::min(text.find_first_of(separators, close == text.npos ? at : close), text.size());
     std::string_view cell = text.substr(at, end - at);
     at = end + 1;
     while (!cell.empty() && (cell.front() == ' ' || cell.front() == '\t')) cell.remove_prefix(1);
     while (!cell.empty() && (cell.back() == ' ' || cell.back() == '\t')) cell.remove_suffix(1);
+    if (cell.size() > 1 && cell.front() == '"' && cell.back() == '"') cell = cell.substr(1, cell.size() - 2);
     if (table || !cell.empty()) cells.push_back(cell);
   }
   return cells;

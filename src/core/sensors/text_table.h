@@ -21,7 +21,7 @@ struct TextLine {
 std::vector<TextLine> linesOf(const std::string& bytes, const std::filesystem::path& file);
 
 // Splits a line into cells at its semicolons; if it has none, at its commas; if it has neither, at its spaces and tabs,
-// any number of which separate two cells.
+// any number of which separate two cells. Quotes around a cell are left out.
 std::vector<std::string_view> cellsOf(std::string_view text);
 
 // Returns the number that a text spells. Throws InputError if the text is not a finite number.

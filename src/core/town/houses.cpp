@@ -16,6 +16,7 @@ using models::Kind;
 using models::Shape;
 
 constexpr double kPanel = 2;        // m, length of a boundary's panel before it is scaled
+constexpr double kSunk = 0.05;      // m that panels reach below the ground
 constexpr double kPlinthDepth = 3;  // m, depth to which plinths extend below the door, to close gaps on slopes
 
 Model makePlinth(SceneBuilder& builder, const models::House& house) {
@@ -30,14 +31,15 @@ class Boundaries {
   explicit Boundaries(Placer& placer) : placer_(placer) {}
 
   // Places a row of panels from a to b, each at the height of the ground at its middle. Panels that would be on an
-  // object, a path or a road are left out.
-  void row(Fencing what, int form, const Point2& a, const Point2& b) {
+  // object, a path or a road are left out. `height` (m) replaces the height of the panel's model.
+  void row(Fencing what, int form, const Point2& a, const Point2& b, std::optional<double> height = {}) {
     const double length = std::hypot(b.x - a.x, b.y - a.y);
     const int count = static_cast<int>(std::lround(length / kPanel));
     if (count == 0) return;
     const double yaw = std::atan2(b.y - a.y, b.x - a.x);
     const Model& m = panel(what, form);
     const double half = (m.bounds.high.y - m.bounds.low.y) / 2;
+    const double up = height ? (*height + kSunk) / m.bounds.high.z : 1;
     std::vector<Footprint> taken;
     for (int k = 0; k < count; ++k) {
       const Point2 p = models::lerp(a, b, (k + 0.5) / count);
@@ -45,8 +47,8 @@ class Boundaries {
       if (!placer_.isFree({p, width / 2 - 0.1, half, yaw}) || placer_.layout.areas().outsideHard(p) < half) continue;
       const Beside beside = placer_.layout.roads().at(p.x, p.y);
       if (beside.known && beside.edge < beside.section.outer() + 0.05) continue;
-      Affine place = models::at(placer_.layout.onGround(p, -0.05), yaw);
-      place.linear = place.linear * Mat3::scale({width / kPanel, 1, 1});
+      Affine place = models::at(placer_.layout.onGround(p, -kSunk), yaw);
+      place.linear = place.linear * Mat3::scale({width / kPanel, 1, up});
       placer_.builder.place(m.mesh, placer_.worldFromTown * place, fmt::format("boundary {}", ++number_));
       taken.push_back({p, width / 2 - 0.1, half, yaw});
     }
@@ -113,7 +115,7 @@ void placeBoundaries(Placer& placer) {
   }
   for (const MapBarrier& barrier : l.barriers()) {
     for (std::size_t i = 1; i < barrier.line.size(); ++i) {
-      boundaries.row(barrier.kind, 0, barrier.line[i - 1], barrier.line[i]);
+      boundaries.row(barrier.kind, 0, barrier.line[i - 1], barrier.line[i], barrier.height);
     }
   }
 }

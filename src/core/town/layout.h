@@ -59,7 +59,7 @@ struct Pothole {
   double radius = 0.3, depth = 0.04;  // m
 };
 
-constexpr double kPathHalf = 0.9;  // m, half of a path's width
+constexpr double kPathHalf = 0.9;  // m, half of the width of a path whose width no map gives
 
 class Layout {
  public:
@@ -88,7 +88,7 @@ class Layout {
   const Areas& areas() const { return areas_; }
   // Returns the barriers and the trees of the map; empty without a map.
   const std::vector<MapBarrier>& barriers() const { return barriers_; }
-  const std::vector<Point2>& trees() const { return trees_; }
+  const std::vector<MapTree>& trees() const { return trees_; }
   const std::vector<Patch>& patches() const { return patches_; }
   const std::vector<Pothole>& potholes() const { return potholes_; }
   // True if the point is in a pothole, or less than `reach` (m) from its rim.
@@ -163,7 +163,7 @@ class Layout {
   Areas areas_;
   std::vector<double> waterLevels_;  // m, by area; 0 for areas that are not water
   std::vector<MapBarrier> barriers_;
-  std::vector<Point2> trees_;
+  std::vector<MapTree> trees_;
 };
 
 models::Model makeGround(SceneBuilder& builder, const Layout& layout);

@@ -89,14 +89,14 @@ Layout::Layout(const Parameters& parameters, std::uint64_t seed, const MapPlace&
   for (const MapArea& area : map.areas) areas_.add(area);
   findWaterLevels();
   takeBuildings(map);
-  for (const std::vector<Point2>& path : map.paths) {
-    for (std::size_t i = 1; i < path.size(); ++i) {
-      const Point2& a = path[i - 1];
-      const Point2& b = path[i];
+  for (const MapPath& path : map.paths) {
+    const double half = path.width ? *path.width / 2 : kPathHalf;
+    for (std::size_t i = 1; i < path.line.size(); ++i) {
+      const Point2& a = path.line[i - 1];
+      const Point2& b = path.line[i];
       const Point2 middle{(a.x + b.x) / 2, (a.y + b.y) / 2};
-      patches_.push_back(
-          {{middle, std::hypot(b.x - a.x, b.y - a.y) / 2 + 0.2, kPathHalf, std::atan2(b.y - a.y, b.x - a.x)},
-           GroundKind::Path});
+      patches_.push_back({{middle, std::hypot(b.x - a.x, b.y - a.y) / 2 + 0.2, half, std::atan2(b.y - a.y, b.x - a.x)},
+                          GroundKind::Path});
     }
   }
   settle();

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "town/layout.h"
+#include "town/map_buildings.h"
 
 namespace scanmill::town {
 namespace {
@@ -64,7 +65,7 @@ bool isOnRoad(const MapBuilding& b, const RoadNetwork& roads) {
 }
 
 bool isHouse(const MapBuilding& b, const Footprint& about) {
-  const bool rectangular = sizeOf(b.outline) > 0.9 * 4 * about.halfX * about.halfY && b.courts.empty();
+  const bool rectangular = isRectangular(b.outline, about) && b.courts.empty();
   const bool plain = b.parts.empty() && b.base <= 0 && (b.roof || !b.ridge);
   return plain && rectangular && !b.shed && about.halfY > 2.4 && about.halfY < 20 && about.halfX > 2.2 &&
          about.halfX < 9;
@@ -194,7 +195,11 @@ void Layout::takeBuildings(const MapPlace& map) {
       addStrip({door.x, door.y}, yaw, kPathHalf, plot.setback - 0.6 + before.section.outer(), GroundKind::Path);
     }
   }
-  if (onRoads > 0) about_ += fmt::format("; {} buildings that stand on a road are left out", onRoads);
+  if (onRoads > 0) {
+    about_ += fmt::format("; {} buildings that stand on a road are left out", onRoads);
+    warn(fmt::format("{}: left out: {} buildings that stand on a road of the town about {:.6f}, {:.6f}",
+                     parameters_.map.string(), onRoads, map.origin.latitude, map.origin.longitude));
+  }
   arrangePlots();
 }
 

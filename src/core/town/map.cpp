@@ -89,15 +89,25 @@ bool isAbsent(const OsmTags& tags) {
 
 // Returns whether a road has a feature, from tags with keys such as `sidewalk`, `parking:lane:both` or `parking:left`:
 // true if the value of a key is in `yes`; otherwise false if a value is in `no`; nullopt if no value is in either list.
-std::optional<bool> saidOf(const OsmTags& tags, std::initializer_list<const char*> keys,
+std::optional<bool> saidOf(const OsmTags& tags, std::initializer_list<std::string_view> keys,
                            std::initializer_list<std::string_view> yes, std::initializer_list<std::string_view> no) {
   std::optional<bool> said;
-  for (const char* key : keys) {
+  for (const std::string_view key : keys) {
     if (isOneOf(tags[key], yes)) return true;
     if (isOneOf(tags[key], no)) said = false;
   }
   return said;
 }
+
+const std::initializer_list<std::string_view> kParkingKeys = {
+    "parking:both", "parking:left", "parking:right", "parking:lane:both", "parking:lane:left", "parking:lane:right"};
+const std::initializer_list<std::string_view> kParked = {"lane",     "street_side", "on_kerb",  "half_on_kerb",
+                                                         "shoulder", "parallel",    "diagonal", "perpendicular",
+                                                         "marked",   "yes"};
+const std::initializer_list<std::string_view> kNotParked = {"no",          "none",        "separate", "no_parking",
+                                                            "no_stopping", "no_standing", "fire_lane"};
+const std::initializer_list<std::string_view> kPaved = {"both", "left", "right", "yes", "separate"};
+const std::initializer_list<std::string_view> kNotPaved = {"no", "none"};
 
 MapRoad roadOf(const OsmWay& way, RoadClass kind, const TangentPlane& plane, TagNumbers& numbers) {
   constexpr double kLane = 3.1;                   // m, width of a lane if the map gives only the number of lanes
@@ -119,12 +129,8 @@ MapRoad roadOf(const OsmWay& way, RoadClass kind, const TangentPlane& plane, Tag
     std::reverse(road.line.begin(), road.line.end());
     std::reverse(road.nodes.begin(), road.nodes.end());
   }
-  road.sidewalk = saidOf(way.tags, {"sidewalk", "sidewalk:both", "sidewalk:left", "sidewalk:right"},
-                         {"both", "left", "right", "yes", "separate"}, {"no", "none"});
-  road.parking = saidOf(
-      way.tags,
-      {"parking:both", "parking:left", "parking:right", "parking:lane:both", "parking:lane:left", "parking:lane:right"},
-      {"lane", "street_side", "parallel", "yes"}, {"no", "no_parking", "no_stopping"});
+  road.sidewalk = saidOf(way.tags, {"sidewalk", "sidewalk:both", "sidewalk:left", "sidewalk:right"}, kPaved, kNotPaved);
+  road.parking = saidOf(way.tags, kParkingKeys, kParked, kNotParked);
   road.width = numbers.read(way.tags, "width", metresOf, kNarrowest, kWidest);
   if (const auto lanes = numbers.read(way.tags, "lanes", numberOf, 1, kWidest / kLane); lanes && !road.width) {
     road.width = kLane * *lanes;
@@ -158,11 +164,21 @@ Polygon ringOf(const std::vector<OsmNode>& nodes, const TangentPlane& plane) {
   return corners;
 }
 
+// True if an element with the key highway is an area, unless its outline is not closed.
+bool isSquare(const OsmTags& tags) {
+  return !tags["highway"].empty() && (tags["area"] == "yes" || tags.element.starts_with("relation"));
+}
+
 std::optional<Land> landOf(const OsmTags& tags) {
   if (isOneOf(tags["landuse"], {"forest", "orchard"}) || isOneOf(tags["natural"], {"wood", "scrub"})) return Land::Wood;
-  if (isOneOf(tags["natural"], {"water"}) || isOneOf(tags["landuse"], {"basin", "reservoir"})) return Land::Water;
-  if (tags["amenity"] == "parking" && isOneOf(tags["parking"], {"", "surface"})) return Land::Lot;
-  if (isOneOf(tags["leisure"], {"park", "garden"}) ||
+  if (isOneOf(tags["natural"], {"water"}) || isOneOf(tags["landuse"], {"basin", "reservoir"}) ||
+      isOneOf(tags["waterway"], {"riverbank", "dock"})) {
+    return Land::Water;
+  }
+  const bool covered =
+      isOneOf(tags["parking"], {"multi-storey", "underground", "rooftop", "carports", "garage_boxes", "sheds"});
+  if (tags["amenity"] == "parking" && !covered) return Land::Lot;
+  if (isOneOf(tags["leisure"], {"park", "garden", "dog_park"}) || tags["amenity"] == "grave_yard" ||
       isOneOf(tags["landuse"], {"village_green", "recreation_ground", "cemetery"})) {
     return Land::Park;
   }
@@ -170,9 +186,10 @@ std::optional<Land> landOf(const OsmTags& tags) {
       isOneOf(tags["landuse"], {"grass", "meadow", "farmland"}) || isOneOf(tags["natural"], {"grassland", "heath"})) {
     return Land::Grass;
   }
-  // OpenStreetMap represents squares as areas of roads for pedestrians or services, or as marketplaces.
-  const bool square = tags["area"] == "yes";
-  if ((square && isOneOf(tags["highway"], {"pedestrian", "footway", "service"})) || tags["amenity"] == "marketplace") {
+  // OpenStreetMap represents squares as areas of roads and paths, or as marketplaces.
+  const bool walked = isOneOf(tags["highway"], {"pedestrian", "footway", "path", "cycleway", "bridleway", "steps"});
+  if ((isSquare(tags) && (walked || classOf(tags))) || isOneOf(tags["amenity"], {"marketplace", "fuel"}) ||
+      isOneOf(tags["aeroway"], {"apron", "helipad", "runway", "taxiway"})) {
     return Land::Paved;
   }
   return std::nullopt;
@@ -235,12 +252,13 @@ class MapMaker {
   // `first`: the way is the first of the parts into which missing nodes divide it.
   void addWay(const OsmWay& way, bool first) {
     const OsmTags& tags = way.tags;
-    if (isAbsent(tags) || isSquare(tags)) return;
+    const bool closed = way.incomplete || (!way.nodes.empty() && way.nodes.front().id == way.nodes.back().id);
+    if (isAbsent(tags) || (isSquare(tags) && closed)) return;
     const std::optional<RoadClass> kind = classOf(tags);
     const std::optional<models::Fencing> fencing = fencingOf(tags["barrier"]);
     const char* const what = kind ? "roads" : fencing ? "fences, hedges and walls" : isPath(tags) ? "paths" : nullptr;
     if (what == nullptr) {
-      if (first) leaveOut(tags);
+      if (first) leaveOut(tags, false);
       if (first && !tags["highway"].empty() && osmFormat().find("highway=" + tags["highway"]) == nullptr) {
         map_.leftOut.add("ways with an unknown value of highway");
       }
@@ -252,7 +270,7 @@ class MapMaker {
     }
     if (way.incomplete) map_.leftOut.add(fmt::format("{} with missing nodes, which are built in part", what));
     if (kind) {
-      if (first && isOneSided(tags)) map_.leftOut.add("sidewalks and parking lanes on one side, which are on both");
+      if (first) countSides(tags);
       MapRoad road = roadOf(way, *kind, plane_, numbers_);
       if (road.line.size() > 1) roads_.push_back(std::move(road));
       return;
@@ -261,9 +279,9 @@ class MapMaker {
     for (const OsmNode& n : way.nodes) line.push_back(plane_(n));
     if (line.size() < 2) return;
     if (fencing) {
-      map_.barriers.push_back({*fencing, std::move(line)});
+      map_.barriers.push_back({*fencing, std::move(line), barrierHeight(tags)});
     } else {
-      map_.paths.push_back(std::move(line));
+      map_.paths.push_back({std::move(line), numbers_.read(tags, "width", metresOf, 0.3, 24)});
     }
   }
 
@@ -273,12 +291,17 @@ class MapMaker {
     const std::optional<Land> land = landOf(tags);
     const bool building = !isOneOf(tags["building"], {"", "no"});
     const bool part = !building && !isOneOf(tags["building:part"], {"", "no"});
-    if (!building && !part && !land) {
+    const bool relation = tags.element.starts_with("relation");
+    const auto fencing = relation && !building && !part ? fencingOf(tags["barrier"]) : std::nullopt;
+    if (!building && !part && !land && !fencing) {
       // addWay() has counted ways with one of these keys.
-      if (isSquare(tags) || (tags["highway"].empty() && tags["barrier"].empty())) leaveOut(tags);
+      if (isSquare(tags) || relation || (tags["highway"].empty() && tags["barrier"].empty())) leaveOut(tags, false);
       return;
     }
-    const char* const what = building ? "buildings" : part ? "building parts" : "areas of land";
+    const char* const what = building ? "buildings"
+                             : part   ? "building parts"
+                             : land   ? "areas of land"
+                                      : "fences, hedges and walls";
     Polygon outline = ringOf(area.outer, plane_);
     if (!area.fault.empty()) {
       map_.leftOut.add(fmt::format("{} with {}", what, area.fault));
@@ -294,6 +317,14 @@ class MapMaker {
         Polygon hole = ringOf(inner, plane_);
         if (hole.size() > 2) holes.push_back(std::move(hole));
       }
+      if (fencing) {
+        for (std::size_t i = 0; i <= holes.size(); ++i) {
+          std::vector<Point2> line = i < holes.size() ? holes[i] : outline;
+          line.push_back(line.front());
+          map_.barriers.push_back({*fencing, std::move(line), barrierHeight(tags)});
+        }
+        if (!land) return;
+      }
       if (!building && !part) {
         map_.areas.push_back({*land, std::move(outline), std::move(holes)});
         return;
@@ -307,16 +338,16 @@ class MapMaker {
   void addPoint(const OsmPoint& point) {
     if (isAbsent(point.tags)) return;
     if (point.tags["natural"] == "tree") {
-      map_.trees.push_back(plane_(point.node));
+      map_.trees.push_back({plane_(point.node), numbers_.read(point.tags, "height", metresOf, 0.5, 130),
+                            numbers_.read(point.tags, "diameter_crown", metresOf, 0.3, 60)});
     } else if (!isOneOf(point.tags["building"], {"", "no", "entrance"})) {
       map_.leftOut.add("buildings that are nodes");
     } else {
-      leaveOut(point.tags);
+      leaveOut(point.tags, true);
     }
   }
 
-  // True if a way with the key highway is an area.
-  static bool isSquare(const OsmTags& tags) { return !tags["highway"].empty() && tags["area"] == "yes"; }
+  std::optional<double> barrierHeight(const OsmTags& tags) { return numbers_.read(tags, "height", metresOf, 0.1, 50); }
 
   // Roofs without walls are left out, since they would get walls. A part of a building that hangs has none on the
   // ground.
@@ -326,30 +357,52 @@ class MapMaker {
            (tags["building"].empty() && isOneOf(tags["building:part"], {"roof", "carport"}) && !hangs);
   }
 
-  // True if a road has a sidewalk or a parking lane on only one side.
-  static bool isOneSided(const OsmTags& tags) {
-    const auto differ = [&](const char* left, const char* right) {
-      return !tags[left].empty() && !tags[right].empty() && (tags[left] == "no") != (tags[right] == "no");
+  // Counts sidewalks and parking lanes that the town has otherwise than the map.
+  void countSides(const OsmTags& tags) {
+    const auto isAnyOf = [&](std::initializer_list<const char*> keys, std::initializer_list<std::string_view> values) {
+      return std::any_of(keys.begin(), keys.end(), [&](const char* key) { return isOneOf(tags[key], values); });
     };
-    return isOneOf(tags["sidewalk"], {"left", "right"}) || differ("sidewalk:left", "sidewalk:right") ||
-           differ("parking:left", "parking:right");
-  }
-
-  // Counts an element that is not built, if the table names it.
-  void leaveOut(const OsmTags& tags) {
-    if (!isOneOf(tags["tunnel"], {"", "no"})) return;
+    const auto differ = [&](const char* left, const char* right, std::initializer_list<std::string_view> yes) {
+      return isOneOf(tags[left], yes) != isOneOf(tags[right], yes);
+    };
+    if (isOneOf(tags["sidewalk"], {"left", "right"}) ||
+        (!isAnyOf({"sidewalk", "sidewalk:both"}, kPaved) && differ("sidewalk:left", "sidewalk:right", kPaved)) ||
+        (!isAnyOf({"parking:both", "parking:lane:both"}, kParked) &&
+         (differ("parking:left", "parking:right", kParked) ||
+          differ("parking:lane:left", "parking:lane:right", kParked)))) {
+      map_.leftOut.add("sidewalks and parking lanes on one side, which are on both");
+    }
     for (const auto& [key, value] : tags.pairs) {
-      if (!isOneOf(key, {"highway", "railway", "waterway", "natural", "barrier", "power", "man_made", "amenity",
-                         "leisure"})) {
-        continue;
-      }
-      for (const std::string& word : {key + "=" + value, key + "=*"}) {
-        const FormatElements* const row = osmFormat().find(word);
-        if (row == nullptr) continue;
-        if (row->use == FormatElements::Use::LeftOut) return map_.leftOut.add(std::string(row->note));
-        break;
+      if (key.starts_with("parking:") && isOneOf(value, {"perpendicular", "diagonal"})) {
+        map_.leftOut.add("lanes of perpendicular and diagonal parking, where cars stand along the road");
+      } else if (isOneOf(key, kParkingKeys) && !isOneOf(value, kParked) && !isOneOf(value, kNotParked)) {
+        map_.leftOut.add("parking lanes with an unknown value, which the seed draws");
       }
     }
+    if (isAnyOf({"embankment", "cutting"}, {"yes", "left", "right", "both"})) {
+      map_.leftOut.add("embankments and cuttings of roads");
+    }
+  }
+
+  // Counts an element that is not built, if the table names one of its tags.
+  void leaveOut(const OsmTags& tags, bool point) {
+    if (!isOneOf(tags["tunnel"], {"", "no"}) || tags["location"] == "underground") return;
+    using Use = FormatElements::Use;
+    bool unused = false;
+    bool otherKind = false;
+    for (const auto& [key, value] : tags.pairs) {
+      if (std::find(std::begin(kMappedKeys), std::end(kMappedKeys), key) == std::end(kMappedKeys)) continue;
+      // Ways have the key traffic_sign too, without a sign there; nodes with the key place are names.
+      if (key == (point ? "place" : "traffic_sign")) continue;
+      const bool land = isOneOf(key, {"landuse", "natural", "leisure"});
+      const FormatElements* row = osmFormat().find(key + "=" + value);
+      if (row == nullptr && value != "no" && !(point && land)) row = osmFormat().find(key + "=*");
+      if (row == nullptr) continue;
+      if (row->use == Use::LeftOut) return map_.leftOut.add(std::string(row->note));
+      unused |= row->use == Use::Unused;
+      otherKind |= row->use == Use::Read && (land || isOneOf(key, {"amenity", "barrier", "waterway"}));
+    }
+    if (otherKind && !unused) map_.leftOut.add("areas, trees and barriers on other kinds of elements, such as nodes");
   }
 
   static constexpr const char* kOffGround = "on bridges, in tunnels, indoors or underground";
@@ -381,54 +434,77 @@ const FormatSupport& osmFormat() {
         "name width lanes oneway junction sidewalk sidewalk:both sidewalk:left sidewalk:right parking:both "
         "parking:left parking:right parking:lane:both parking:lane:left parking:lane:right",
         "properties of roads; lengths are in metres unless they have another unit"},
-       {Read, "building building:part height min_height building:levels building:min_level shop",
+       {Read,
+        "building building:part height min_height building:levels building:min_level building:height est_height shop",
         "buildings and their parts; parts stand in place of the outline that they cover"},
-       {Read, "roof:shape roof:height roof:levels roof:orientation roof:direction",
+       {Read, "roof:shape roof:height roof:levels roof:orientation roof:direction roof:angle",
         "roofs: flat, gabled, hipped, pyramidal, skillion; others are built as one of these, which is counted"},
-       {Read, "natural=tree barrier=hedge barrier=wall barrier=retaining_wall barrier=fence", "objects"},
+       {Read, "natural=tree barrier=hedge barrier=wall barrier=retaining_wall barrier=fence",
+        "objects, with their height and, of trees, diameter_crown"},
+       {Read, "diameter_crown", "diameter of a tree's crown"},
        {Read, "landuse=forest landuse=orchard natural=wood natural=scrub", "woods"},
-       {Read, "natural=water landuse=basin landuse=reservoir", "water"},
-       {Read, "amenity=parking parking", "parking lots"},
-       {Read, "leisure=park leisure=garden landuse=village_green landuse=recreation_ground landuse=cemetery", "parks"},
+       {Read, "natural=water landuse=basin landuse=reservoir waterway=riverbank waterway=dock", "water"},
+       {Read, "amenity=parking parking", "parking lots on the ground"},
+       {Read,
+        "leisure=park leisure=garden leisure=dog_park landuse=village_green landuse=recreation_ground "
+        "landuse=cemetery amenity=grave_yard",
+        "parks"},
        {Read,
         "leisure=pitch leisure=playground leisure=golf_course landuse=grass landuse=meadow landuse=farmland "
         "natural=grassland natural=heath",
         "open lawns"},
-       {Read, "amenity=marketplace area=yes", "squares: areas with highway=pedestrian, footway or service too"},
+       {Read, "amenity=marketplace amenity=fuel area=yes aeroway=apron aeroway=helipad",
+        "paved areas; with area=yes, or as relations, pedestrian streets, roads, paths, runways and taxiways too"},
        {Read, "type=multipolygon type=boundary type=building", "relations: areas with holes, buildings with parts"},
        {Read, "tunnel bridge layer location level indoor", "what is not on the ground, which is counted as left out"},
        {Unused,
         "highway=proposed highway=planned highway=construction highway=razed highway=demolished "
         "highway=abandoned highway=disused highway=no highway=services highway=rest_area railway=abandoned "
         "railway=razed railway=dismantled "
-        "railway=disused railway=proposed railway=construction railway=subway",
+        "railway=disused railway=proposed railway=construction railway=subway power=cable parking=underground "
+        "aeroway=abandoned",
         "what is not there, or not on the ground"},
+       {Unused,
+        "landuse=residential landuse=commercial landuse=retail landuse=industrial landuse=education "
+        "landuse=institutional landuse=religious leisure=nature_reserve aeroway=aerodrome "
+        "natural=valley natural=cape natural=peninsula natural=strait man_made=survey_point "
+        "railway=level_crossing railway=crossing railway=tram_level_crossing railway=tram_crossing railway=switch "
+        "railway=railway_crossing railway=stop railway=halt railway=station railway=tram_stop "
+        "railway=subway_entrance public_transport=stop_position public_transport=stop_area public_transport=station",
+        "zones and places without a shape of their own"},
        {Unused, "bounds changeset", "the bounds show whether latitudes and longitudes are swapped"},
        {LeftOut,
         "highway=pedestrian highway=busway highway=bus_guideway highway=raceway highway=corridor highway=platform "
         "highway=via_ferrata highway=elevator highway=escape",
         "pedestrian streets, busways and further ways with the key highway"},
-       {LeftOut, "railway=rail railway=light_rail railway=tram railway=narrow_gauge railway=monorail railway=platform",
-        "railways"},
-       {LeftOut, "waterway=river waterway=stream waterway=canal waterway=ditch waterway=drain waterway=tidal_channel",
-        "lines of rivers and other waterways"},
+       {LeftOut, "area:highway=*", "outlines of roads (area:highway)"},
+       {LeftOut, "public_transport=platform", "platforms"},
+       {LeftOut, "traffic_calming=*", "bumps and islands that calm traffic"},
+       {LeftOut, "parking=multi-storey parking=rooftop parking=carports parking=garage_boxes parking=sheds",
+        "parking lots in garages and on roofs"},
+       {LeftOut, "amenity=parking_space", "single parking spaces"},
+       {LeftOut, "place=square", "squares with the key place, which are lawns"},
+       {LeftOut, "railway=*", "railways"},
+       {LeftOut, "waterway=*", "lines of rivers and other waterways"},
+       {LeftOut, "aeroway=*", "lines of runways and further parts of airports"},
+       {LeftOut, "aerialway=*", "cable cars"},
        {LeftOut, "natural=coastline", "coastlines"},
        {LeftOut, "natural=tree_row natural=shrub natural=shrubbery", "rows of trees, shrubs"},
        {LeftOut, "natural=cliff natural=ridge natural=rock natural=stone man_made=embankment", "cliffs and rocks"},
        {LeftOut,
         "natural=sand natural=beach natural=bare_rock natural=scree natural=shingle natural=mud "
-        "natural=wetland natural=glacier leisure=swimming_pool",
+        "natural=wetland natural=glacier leisure=swimming_pool golf=bunker",
         "areas of sand, rock, wetland and other ground, which are lawns"},
+       {LeftOut, "landuse=* natural=* leisure=*", "areas of unknown land use, which are lawns"},
        {LeftOut, "barrier=*", "further barriers"},
+       {LeftOut, "power=* man_made=* military=bunker", "masts, towers, power lines and further man-made objects"},
        {LeftOut,
-        "power=tower power=pole power=portal power=line power=minor_line man_made=mast man_made=tower "
-        "man_made=chimney man_made=lighthouse man_made=silo man_made=storage_tank man_made=water_tower man_made=bridge "
-        "man_made=pier man_made=utility_pole",
-        "masts, towers, power lines and further man-made objects"},
-       {LeftOut,
-        "highway=street_lamp highway=traffic_sign amenity=bench amenity=waste_basket amenity=recycling "
-        "amenity=post_box amenity=fountain amenity=shelter",
+        "highway=street_lamp highway=traffic_sign highway=traffic_signals highway=stop highway=give_way "
+        "highway=bus_stop highway=speed_camera traffic_sign=* advertising=* emergency=fire_hydrant amenity=bench "
+        "amenity=waste_basket amenity=recycling amenity=post_box amenity=fountain amenity=shelter amenity=telephone "
+        "amenity=vending_machine amenity=bicycle_parking amenity=charging_station",
         "lamps, signs and street furniture, which the seed draws"},
+       {LeftOut, "historic=* tourism=artwork", "monuments, ruins and works of art"},
        {LeftOut, "ele", "heights of nodes (ele)"},
        {LeftOut, "",
         "buildings that are nodes; buildings, roads and areas with missing nodes; pitched roofs over "
@@ -458,7 +534,8 @@ Map readMap(const std::filesystem::path& file, bool mirrored, const Location& wh
     throw;
   } catch (const std::exception& e) {
     throw InputError(where, fmt::format("{} cannot be read as an OpenStreetMap extract (.osm, .osm.bz2, .osm.gz, "
-                                        ".osm.pbf): {}",
+                                        ".osm.pbf): {}; the Overpass API writes such files with `[out:xml]` and "
+                                        "`(._;>;); out meta;`",
                                         file.string(), e.what()));
   }
   Map map = makeMap(extract, mirrored);

@@ -76,6 +76,17 @@ struct MapArea {
 struct MapBarrier {
   models::Fencing kind = models::Fencing::Pickets;
   std::vector<Point2> line;
+  std::optional<double> height;  // m; not set: the map does not give it
+};
+
+struct MapPath {
+  std::vector<Point2> line;
+  std::optional<double> width;  // m; not set: the map does not give it
+};
+
+struct MapTree {
+  Point2 at;
+  std::optional<double> height, crown;  // m, height and diameter of the crown; not set: the map does not give them
 };
 
 struct Map {
@@ -83,11 +94,11 @@ struct Map {
   double latitude = 0, longitude = 0;  // degrees; position of the frame's origin
   bool mirrored = false;               // true: y points south
   std::vector<MapRoad> roads;          // joined by joinRoads()
-  std::vector<std::vector<Point2>> paths;
+  std::vector<MapPath> paths;
   std::vector<MapBuilding> buildings;
   std::vector<MapArea> areas;
   std::vector<MapBarrier> barriers;
-  std::vector<Point2> trees;
+  std::vector<MapTree> trees;
   LeftOut leftOut;  // what the map has, and the town has not or has otherwise
 };
 

@@ -46,22 +46,20 @@ constexpr RoofEntry kRoofs[] = {
     {"cone", RoofShape::Pyramidal, "pyramidal"},
 };
 
-bool isRectangular(const MapBuilding& b, const models::Footprint& about) {
-  return sizeOf(b.outline) > 0.9 * 4 * about.halfX * about.halfY;
-}
-
 // Sets the shape of the roof, and the ridge of a pitched roof.
 void setRoof(MapBuilding& b, const OsmTags& tags, bool mirrored, TagNumbers& numbers) {
   const models::Footprint about = rectangleAbout(b.outline);
   const double narrow = std::min(about.halfX, about.halfY);
-  const bool rectangular = isRectangular(b, about);
+  const bool rectangular = isRectangular(b.outline, about);
   const auto entry = std::find_if(std::begin(kRoofs), std::end(kRoofs),
                                   [&](const RoofEntry& e) { return e.name == tags["roof:shape"]; });
   const bool known = entry != std::end(kRoofs);
   if (!known && !tags["roof:shape"].empty()) b.different = "roofs with an unknown roof:shape, which the seed draws";
-  const double slope = 2 * narrow < kWidest ? kSlope : kSlope / 3;
+  const auto angle = numbers.read(tags, "roof:angle", numberOf, 1, 85);
+  const double slope = angle ? std::tan(radians(*angle)) : 2 * narrow < kWidest ? kSlope : kSlope / 3;
   if (!known) {
     if (rectangular && 2 * narrow < kWidest) b.rise = slope * narrow;
+    b.riseSaid = angle && b.rise > 0;
     return;
   }
   RoofShape shape = entry->built;
@@ -98,6 +96,8 @@ void setRoof(MapBuilding& b, const OsmTags& tags, bool mirrored, TagNumbers& num
   b.ridge = alongX ? std::array{about.at(aside, -length), about.at(aside, length)}
                    : std::array{about.at(-length, aside), about.at(length, aside)};
   b.rise = slope * (shape == RoofShape::Gabled || shape == RoofShape::Skillion ? run : narrow);
+  if (angle && shape == RoofShape::Skillion) b.rise *= 2;  // it rises over the complete width
+  b.riseSaid = angle.has_value();
   if (shape == RoofShape::Gabled) b.roof = models::Roof::Gable;
   const bool square = std::abs(about.halfX - about.halfY) < 0.1 * narrow;
   if (shape == RoofShape::Hipped || (shape == RoofShape::Pyramidal && square)) b.roof = models::Roof::Hip;
@@ -114,7 +114,9 @@ void setHeights(MapBuilding& b, const OsmTags& tags, TagNumbers& numbers) {
   constexpr double kMostFloors = 200;
   const auto floors = numbers.read(tags, "building:levels", numberOf, 0.5, kMostFloors);
   if (floors) b.floors = static_cast<int>(std::lround(*floors));
-  b.top = numbers.read(tags, "height", metresOf, 0.1, kHighest);
+  for (const char* const key : {"height", "building:height", "est_height"}) {
+    if (!b.top) b.top = numbers.read(tags, key, metresOf, 0.1, kHighest);
+  }
   std::optional<double> rise = numbers.read(tags, "roof:height", metresOf, 0, kHighest);
   if (const auto levels = numbers.read(tags, "roof:levels", numberOf, 0, kMostFloors); levels && !rise && *levels > 0) {
     rise = kStorey * *levels;
@@ -122,9 +124,12 @@ void setHeights(MapBuilding& b, const OsmTags& tags, TagNumbers& numbers) {
   const bool part = tags["building"].empty();
   if (b.roof == models::Roof::Flat || (part && !b.ridge)) {
     b.rise = 0;
+    b.riseSaid = false;
   } else if (rise) {
     b.rise = *rise;
     b.riseSaid = true;
+  } else if (b.top && b.riseSaid) {
+    b.rise = std::min(b.rise, *b.top);
   } else if (b.top) {
     b.rise = std::min(b.rise, std::max(*b.top / 2, *b.top - 2));
   }
@@ -275,6 +280,10 @@ std::optional<int> MapBuilding::floorsSaid() const {
   if (floors && top) return std::min(*floors, std::max(1, static_cast<int>(*top / kLeast)));
   if (floors) return floors;
   return top ? std::optional(std::max(1, static_cast<int>(std::lround(*eaves() / kStorey)))) : std::nullopt;
+}
+
+bool isRectangular(const Polygon& outline, const models::Footprint& about) {
+  return sizeOf(outline) > (outline.size() == 4 ? 0.9 : 0.98) * 4 * about.halfX * about.halfY;
 }
 
 MapBuilding makeBuilding(const OsmTags& tags, Polygon outline, std::vector<Polygon> courts, bool mirrored,

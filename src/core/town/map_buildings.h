@@ -13,6 +13,9 @@ namespace scanmill::town {
 MapBuilding makeBuilding(const OsmTags& tags, Polygon outline, std::vector<Polygon> courts, bool mirrored,
                          TagNumbers& numbers);
 
+// True if the outline differs little from the rectangle about it: corners that are cut out show, skewed walls hardly.
+bool isRectangular(const Polygon& outline, const models::Footprint& about);
+
 // Puts parts into the buildings that contain them, by relations or by place; a part outside of all buildings becomes a
 // building. If the parts of a building do not cover its outline, adds the rest of the outline as a further part.
 // Removes what has no height, and counts in `leftOut` what is built otherwise than the map says.

@@ -218,11 +218,11 @@ class Cutter {
   }
 
   void addRest() {
-    for (const std::vector<Point2>& path : map_.paths) {
-      const std::vector<Point2> line = moved(path);
+    for (const MapPath& path : map_.paths) {
+      const std::vector<Point2> line = moved(path.line);
       if (!mayReach(line)) continue;
       for (std::vector<Point2>& run : runsWithin(smoothLine(line, kRoadStep), reach_)) {
-        if (run.size() > 1) place_.paths.push_back(std::move(run));
+        if (run.size() > 1) place_.paths.push_back({std::move(run), path.width});
       }
     }
     for (const MapBuilding& b : map_.buildings) {
@@ -248,12 +248,12 @@ class Cutter {
       const std::vector<Point2> line = moved(b.line);
       if (!mayReach(line)) continue;
       for (std::vector<Point2>& run : runsWithin(evenLine(line, kRoadStep), reach_)) {
-        if (run.size() > 1) place_.barriers.push_back({b.kind, std::move(run)});
+        if (run.size() > 1) place_.barriers.push_back({b.kind, std::move(run), b.height});
       }
     }
-    for (const Point2& tree : map_.trees) {
-      const Point2 at = moved(tree);
-      if (std::max(std::abs(at.x), std::abs(at.y)) < reach_) place_.trees.push_back(at);
+    for (MapTree tree : map_.trees) {
+      tree.at = moved(tree.at);
+      if (std::max(std::abs(tree.at.x), std::abs(tree.at.y)) < reach_) place_.trees.push_back(tree);
     }
   }
 

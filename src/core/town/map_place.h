@@ -23,11 +23,11 @@ struct MapPlace {
   double mainFrom = 0, mainTo = 0;  // m along the main road, the ends of its built-up part
   District district = District::Suburban;
   // The contents of the square, in the place's frame (m; x east, y north).
-  std::vector<std::vector<Point2>> paths;
+  std::vector<MapPath> paths;
   std::vector<MapBuilding> buildings;
   std::vector<MapArea> areas;
   std::vector<MapBarrier> barriers;
-  std::vector<Point2> trees;
+  std::vector<MapTree> trees;
 };
 
 // Returns a square of the map around a random point of the main road. The main road is the road that the parameters

@@ -5,17 +5,25 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 namespace scanmill::town {
+
+// Keys of elements, besides buildings, that the town builds or counts.
+inline constexpr const char* kMappedKeys[] = {
+    "highway",         "barrier",      "railway",   "waterway", "power",        "man_made",
+    "natural",         "landuse",      "leisure",   "amenity",  "parking",      "historic",
+    "advertising",     "traffic_sign", "aerialway", "aeroway",  "area:highway", "public_transport",
+    "traffic_calming", "military",     "golf",      "tourism",  "emergency",    "place"};
 
 struct OsmTags {
   std::string element;  // the element that has the tags: "way 12"
   std::vector<std::pair<std::string, std::string>> pairs;
 
   // Returns the value of a tag; empty if there is no such tag.
-  const std::string& operator[](const char* key) const {
+  const std::string& operator[](std::string_view key) const {
     static const std::string none;
     for (const auto& [k, v] : pairs) {
       if (k == key) return v;
@@ -53,9 +61,9 @@ struct OsmArea {
 
 struct OsmExtract {
   std::vector<OsmPoint> points;  // nodes with tags
-  std::vector<OsmWay> ways;      // ways with the key highway or barrier, and lines of other objects
-  // Areas with one of the keys building, building:part, landuse, leisure, natural and amenity, and areas with the key
-  // highway and `area: yes`.
+  std::vector<OsmWay> ways;      // ways with one of kMappedKeys that are no areas, or have the key barrier
+  // Closed ways with the keys building, building:part, landuse, leisure, natural and amenity, with `area: yes` and the
+  // keys highway or aeroway, and with some values of aeroway and waterway; multipolygons with any of the keys.
   std::vector<OsmArea> areas;
   std::map<std::string, std::uint64_t> leftOut;  // numbers of elements that were left out, by what they are
 };

@@ -4,6 +4,7 @@
 #include <fcntl.h>
 
 #include <algorithm>
+#include <cstring>
 #include <osmium/area/assembler.hpp>
 #include <osmium/io/any_input.hpp>
 #include <osmium/osm/object_comparisons.hpp>
@@ -37,13 +38,35 @@ bool isBuilding(const osmium::OSMObject& object) {
   return hasAny(object, {"building", "building:part"});
 }
 
+// True if an object has a key by which the town builds or counts it, whether it is a line or an area.
+bool isLine(const osmium::OSMObject& object) {
+  return std::any_of(std::begin(kMappedKeys), std::end(kMappedKeys),
+                     [&](const char* key) { return object.tags().has_key(key); });
+}
+
 bool isArea(const osmium::OSMObject& object) {
-  const bool square = object.tags().has_key("highway") && object.tags().has_tag("area", "yes");
-  return square || isBuilding(object) || hasAny(object, {"landuse", "leisure", "natural", "amenity"});
+  const osmium::TagList& tags = object.tags();
+  const bool any = object.type() == osmium::item_type::relation && tags.has_tag("type", "multipolygon");
+  return isBuilding(object) || hasAny(object, {"landuse", "leisure", "natural", "amenity"}) ||
+         (any && isLine(object)) || (tags.has_tag("area", "yes") && hasAny(object, {"highway", "aeroway"})) ||
+         tags.has_tag("aeroway", "apron") || tags.has_tag("aeroway", "helipad") ||
+         tags.has_tag("waterway", "riverbank") || tags.has_tag("waterway", "dock");
 }
 
 bool isMultipolygon(const osmium::Relation& relation) {
   return relation.tags().has_tag("type", "multipolygon") || relation.tags().has_tag("type", "boundary");
+}
+
+// True if the tags of a multipolygon only describe the data: until 2017 its outer ways had the tags of the area.
+bool isOldStyle(const osmium::Relation& relation) {
+  constexpr const char* kAbout[] = {"type",        "name",       "source",   "note",    "created_by", "attribution",
+                                    "description", "fixme",      "ref",      "comment", "website",    "wikidata",
+                                    "wikipedia",   "start_date", "operator", "addr",    "FIXME"};
+  const osmium::TagList& tags = relation.tags();
+  return tags.has_tag("type", "multipolygon") && std::all_of(tags.begin(), tags.end(), [&](const osmium::Tag& tag) {
+           const std::string key(tag.key(), std::strcspn(tag.key(), ":"));
+           return std::find(std::begin(kAbout), std::end(kAbout), key) != std::end(kAbout);
+         });
 }
 
 OsmNode nodeOf(const osmium::NodeRef& node) {
@@ -157,9 +180,7 @@ class ExtractReader {
     std::multimap<std::size_t, osmium::Relation*> completedBy;  // by the place of the last way that a relation needs
     for (std::size_t i = 0; i < relations_.size(); ++i) {
       osmium::Relation& relation = relations_[i];
-      if (!isMultipolygon(relation)) continue;
-      noteOldStyle(relation);
-      if (!isArea(relation)) continue;
+      if (!isMultipolygon(relation) || (!isArea(relation) && !takesTagsOfWays(relation))) continue;
       std::size_t last = 0;
       for (const osmium::RelationMember& member : relation.members()) {
         if (member.type() == osmium::item_type::way) last = std::max(last, ways_.find(member.ref()));
@@ -171,7 +192,7 @@ class ExtractReader {
       addWay(ways_[i]);
     }
     for (auto [at, end] = completedBy.equal_range(ways_.size()); at != end; ++at) {
-      extract_.areas.push_back({tagsOf(*at->second), {}, {}, "missing ways", 0});
+      extract_.areas.push_back({areaTags(*at->second), {}, {}, "missing ways", 0});
     }
     for (std::size_t i = 0; i < points_.size(); ++i) {
       const osmium::Node& node = points_[i];
@@ -214,6 +235,7 @@ class ExtractReader {
           members_.insert(member.ref());
           const bool outer = std::string_view(member.role()) != "inner";
           if (outer && relations_[i].tags().has_key("building")) outlines_.insert(member.ref());
+          if (outer && isOldStyle(relations_[i])) tagged_.insert(member.ref());
         }
       }
     }
@@ -283,14 +305,11 @@ class ExtractReader {
                              " and all others are outside of the bounds that the file states");
   }
 
-  static bool isLine(const osmium::Way& way) {
-    return hasAny(way, {"highway", "barrier", "railway", "waterway", "power", "man_made", "natural"});
-  }
-
   void addWay(const osmium::Way& way) {
     const osmium::WayNodeList& nodes = way.nodes();
     const bool closed = nodes.size() > 3 && (way.ends_have_same_id() || way.ends_have_same_location());
     const bool area = closed && isArea(way) && !way.tags().has_tag("area", "no");
+    if (tagged_.contains(way.id()) && isArea(way)) return;  // its relation has its tags
     if (area && way.tags().has_key("building") && outlines_.contains(way.id())) {
       ++extract_.leftOut["buildings that are the outlines of relations with the key building"];
     } else if (area) {
@@ -299,7 +318,10 @@ class ExtractReader {
     if (!area && isBuilding(way) && !members_.contains(way.id())) {
       extract_.areas.push_back({tagsOf(way), {}, {}, kBroken, 0});
     }
-    if (!isLine(way) || (area && !hasAny(way, {"highway", "barrier"}))) return;
+    const bool road = way.tags().has_key("highway") && !way.tags().has_tag("area", "yes");
+    if (!isLine(way) || (area && !road && !way.tags().has_key("barrier"))) return;
+    // A piece of the outline of a multipolygon repeats its tags.
+    if (!area && isArea(way) && members_.contains(way.id()) && !hasAny(way, kLines)) return;
     std::vector<OsmWay> parts(1);
     for (const osmium::NodeRef& n : nodes) {
       if (n.location().valid()) {
@@ -324,20 +346,26 @@ class ExtractReader {
     osmium::area::Assembler assembler(config);
     osmium::memory::Buffer made(1 << 10, osmium::memory::Buffer::auto_grow::yes);
     bool complete = false;
+    std::vector<const osmium::Way*> members;
     if constexpr (std::is_same_v<Element, osmium::Way>) {
       complete = assembler(element, made);
+      members.push_back(&element);
     } else {
-      std::vector<const osmium::Way*> members;
       for (const osmium::RelationMember& member : element.members()) {
         if (member.type() == osmium::item_type::way) members.push_back(&ways_[ways_.find(member.ref())]);
       }
       complete = assembler(element, members, made);
     }
+    const OsmTags tags = areaTags(element);
     const auto group = groups_.find({element.type(), element.id()});
     const std::int64_t building = group == groups_.end() ? 0 : group->second;
+    if (crossesMeridian(members)) {
+      extract_.areas.push_back({tags, {}, {}, "an outline across the meridian of 180 degrees", building});
+      return;
+    }
     if (!complete) {
       const bool missing = assembler.stats().invalid_locations > 0;
-      extract_.areas.push_back({tagsOf(element), {}, {}, missing ? "missing nodes" : kBroken, building});
+      extract_.areas.push_back({tags, {}, {}, missing ? "missing nodes" : kBroken, building});
     }
     const auto ring = [](const osmium::NodeRefList& nodes) {
       std::vector<OsmNode> points;
@@ -347,22 +375,62 @@ class ExtractReader {
     };
     for (const osmium::Area& area : made.select<osmium::Area>()) {
       for (const osmium::OuterRing& outer : area.outer_rings()) {
-        OsmArea kept{tagsOf(element), ring(outer), {}, {}, building};
+        OsmArea kept{tags, ring(outer), {}, {}, building};
         for (const osmium::InnerRing& inner : area.inner_rings(outer)) kept.inner.push_back(ring(inner));
         extract_.areas.push_back(std::move(kept));
       }
     }
   }
 
-  // Notes a relation whose tags are on its outer ways, as they were until 2017: these ways are areas without holes.
-  void noteOldStyle(const osmium::Relation& relation) {
-    const auto& members = relation.members();
-    const bool holes = std::any_of(members.begin(), members.end(), [](const osmium::RelationMember& member) {
-      return std::string_view(member.role()) == "inner";
-    });
-    if (holes && relation.tags().size() == 1) ++extract_.leftOut["holes of multipolygon relations without tags"];
+  static bool crossesMeridian(const std::vector<const osmium::Way*>& ways) {
+    double west = 180;
+    double east = -180;
+    for (const osmium::Way* way : ways) {
+      for (const osmium::NodeRef& n : way->nodes()) {
+        if (!n.location().valid()) continue;
+        west = std::min(west, n.lon());
+        east = std::max(east, n.lon());
+      }
+    }
+    return east - west > 180;
   }
 
+  // Returns the outer ways of a relation that the file has.
+  std::vector<const osmium::Way*> outerWays(const osmium::Relation& relation) {
+    std::vector<const osmium::Way*> outer;
+    for (const osmium::RelationMember& member : relation.members()) {
+      if (member.type() != osmium::item_type::way || std::string_view(member.role()) == "inner") continue;
+      if (const std::size_t i = ways_.find(member.ref()); i < ways_.size()) outer.push_back(&ways_[i]);
+    }
+    return outer;
+  }
+
+  bool takesTagsOfWays(const osmium::Relation& relation) {
+    const std::vector<const osmium::Way*> outer = outerWays(relation);
+    return isOldStyle(relation) &&
+           std::any_of(outer.begin(), outer.end(), [](const auto* way) { return isArea(*way); });
+  }
+
+  // Returns the tags of an area. Outer ways add tags to a relation: all if it is of the old style, and those of its
+  // heights and roofs if it is a building.
+  OsmTags areaTags(const osmium::Way& way) const { return tagsOf(way); }
+  OsmTags areaTags(const osmium::Relation& relation) {
+    OsmTags tags = tagsOf(relation);
+    const bool old = isOldStyle(relation);
+    if (!old && !isBuilding(relation)) return tags;
+    for (const osmium::Way* way : outerWays(relation)) {
+      if (!old && isLine(*way)) continue;
+      for (const osmium::Tag& tag : way->tags()) {
+        const std::string_view key = tag.key();
+        const bool size = key == "height" || key == "est_height" || key == "min_height" ||
+                          key.starts_with("building:") || key.starts_with("roof:");
+        if ((old || size) && tags[tag.key()].empty()) tags.pairs.emplace_back(key, tag.value());
+      }
+    }
+    return tags;
+  }
+
+  static constexpr std::initializer_list<const char*> kLines = {"highway", "barrier", "railway", "power", "aerialway"};
   static constexpr const char* kBroken = "an outline that is not closed or crosses itself";
 
   osmium::io::File file_;
@@ -372,6 +440,7 @@ class ExtractReader {
   Newest<osmium::Relation> relations_;  // multipolygons, and the relations of buildings to their parts
   Newest<osmium::Node> points_;
   std::unordered_set<Id> outlines_;  // outer ways of multipolygons with the key building
+  std::unordered_set<Id> tagged_;    // outer ways of multipolygons of the old style
   std::unordered_set<Id> members_;   // ways of multipolygons
   std::map<Key, Id> groups_;         // members of relations with `type: building`, and these relations
   std::vector<PlacedNode> placed_;   // nodes of ways, sorted by their ids

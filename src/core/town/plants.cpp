@@ -47,9 +47,11 @@ class Nursery {
 };
 
 // Plants a tree. Only the trunk needs free ground; crowns may overlap. Returns false if the place is not free, or if
-// `room`, the largest radius of the crown (m; 0: not limited), is too small.
+// `room`, the largest radius of the crown (m; 0: not limited), is too small. The sizes that a map gives of the tree are
+// kept.
 bool plant(Placer& placer, Nursery& nursery, Draw& draw, Spot spot, bool broadleaf, double room,
-           const std::string& name) {
+           const std::string& name, const MapTree& mapped = {}) {
+  constexpr double kSunk = 0.05;  // m of the trunk below the ground
   const Beside b = placer.layout.roads().at(spot.at.x, spot.at.y);
   const bool far = !b.known || b.edge > kFar;
   const TreeModel& tree = nursery.tree(draw, broadleaf, far);
@@ -57,10 +59,16 @@ bool plant(Placer& placer, Nursery& nursery, Draw& draw, Spot spot, bool broadle
   spot.scale = draw.in(0.75, 1.35);
   // Near a road, limits the crown's radius so that it reaches at most kOverhang over the road, but not below 1.6 m.
   if (!far) room = std::min(room > 0 ? room : 1e9, std::max(1.6, b.edge + kOverhang));
+  const double high = mapped.height.value_or(0) > 0 ? (*mapped.height + kSunk) / tree.model.bounds.high.z : 0;
+  if (high > 0) spot.scale = high;
   if (room > 0) spot.scale = std::min(spot.scale, room / tree.crownRadius);
-  if (spot.scale < 0.5 || !placer.isFree({spot.at, 0.6, 0.6, 0})) return false;
+  if (mapped.crown) spot.scale = *mapped.crown / 2 / tree.crownRadius;
+  const bool sized = mapped.height || mapped.crown;
+  if ((spot.scale < 0.5 && !sized) || !placer.isFree({spot.at, 0.6, 0.6, 0})) return false;
   placer.occupancy.add({spot.at, 0.35, 0.35, 0});
-  placer.put(tree.model, spot, name, 0.05);
+  Affine place = models::poseOf(spot, placer.layout.heightAt(spot.at) - kSunk);
+  if (high > 0) place.linear.z = {0, 0, high};
+  placer.builder.place(tree.model.mesh, placer.worldFromTown * place, name);
   return true;
 }
 
@@ -79,11 +87,12 @@ void placeTrees(Placer& placer) {
   int number = 0;
   // Plants the trees of the map. If the map has trees, no random trees are added along the roads.
   std::uint32_t mapped = 0;
-  for (const Point2& tree : l.trees()) {
+  for (const MapTree& tree : l.trees()) {
     Draw draw(l.seed(), Kind::Tree, 500000 + mapped++);
-    const Beside b = l.roads().at(tree.x, tree.y);
+    const Beside b = l.roads().at(tree.at.x, tree.at.y);
     if (b.known && b.edge < 0.4) continue;  // the tree would be on the road, which is wider here than on the map
-    if (plant(placer, nursery, draw, {tree, draw.in(0, 2 * kPi), 1, 0}, true, 0, fmt::format("tree {}", number + 1))) {
+    if (plant(placer, nursery, draw, {tree.at, draw.in(0, 2 * kPi), 1, 0}, true, 0, fmt::format("tree {}", number + 1),
+              tree)) {
       ++number;
     }
   }

@@ -61,7 +61,24 @@ TEST(Regexes, areSearched) {
 TEST(Regexes, badOnesAreRefusedWithTheirPlace) {
   expectInputError([] { matches("/(/", "x", kWhere); }, {"rules.yaml:1:1", "/(/"});
   expectInputError([] { rules("- {match: {node: '/[a/'}, class: car}"); }, {"rules.yaml:1:", "/[a/"});
-  expectInputError([] { matches("/(x+)*y/", std::string(100000, 'x'), kWhere); }, {"rules.yaml:1:1", "100000"});
+  expectInputError([] { matches("/(?=x)/", "x", kWhere); }, {"rules.yaml:1:1", "/(?=x)/", "RE2", "look-around"});
+  EXPECT_FALSE(matches("/(x+)*y/", std::string(100000, 'x'), kWhere)) << "in linear time";
+}
+
+// Names of files in Latin-1 count as the same characters.
+TEST(Patterns, CompareCharactersAndNotBytes) {
+  for (const char* const name : {"T\u00FCr", "T\xFCr"}) {
+    for (const char* const pattern : {"T?r", "T[\u00FCu]r", "T[!a]r", "T\u00FCr", "T[\u00F0-\u00FF]r", "/^T.r$/",
+                                      "/^T[\u00FCu]r$/", "/^T[^a]r$/", "/\u00FC/", "/^T.{1}r/"}) {
+      EXPECT_TRUE(matches(pattern, name, kWhere)) << pattern;
+    }
+    for (const char* const pattern : {"T??r", "T[\u00E4\u00F6]r", "T[!\u00FC]r", "/^T..r$/", "/T[^\u00FC]r/"}) {
+      EXPECT_FALSE(matches(pattern, name, kWhere)) << pattern;
+    }
+  }
+  EXPECT_TRUE(matches("?", "\U0001F333", kWhere));
+  EXPECT_EQ(matchedText("/_(.)/", "a_\u00FCx", kWhere), "\u00FC");
+  EXPECT_EQ(matchedText("/x(a)?/", "xb", kWhere), "") << "a group that takes no part";
 }
 
 TEST(Globs, BracesHoldAlternatives) {

@@ -128,7 +128,37 @@ TEST_F(VendorFiles, MetadataWithoutAModeNeedTheSensorsColumnsAndRate) {
   EXPECT_THAT(refusedJson(json), HasSubstr("has columns_per_frame 1024 and the lidar_mode '512x20'"));
   json = kOld;
   json.insert(1, R"("data_format": {"pixels_per_column": 64}, )");
-  EXPECT_THAT(refusedJson(json), HasSubstr("has angles of 3 beams, but its pixels_per_column are 64"));
+  EXPECT_THAT(refusedJson(json), HasSubstr("has angles of 3 beams, 0 of which are unused, but its pixels_per_column"));
+  json = kOld;
+  json.insert(1, R"("data_format": {"fps": 10}, )");
+  EXPECT_THAT(refusedJson(json), HasSubstr("has fps 10 and the lidar_mode '512x20'"));
+}
+
+// The lists of sensors with few lasers are filled up with zeros, as are their packets.
+TEST_F(VendorFiles, PixelsPerColumnMayCountUnusedBeams) {
+  folder_.write("m.json", R"({"lidar_mode": "512x20", "beam_altitude_angles": [10, 0, -11, 0, 0],
+                    "beam_azimuth_angles": [3, 1, -3, 0, 0], "data_format": {"pixels_per_column": 5}})");
+  EXPECT_EQ(sensor("calibration: m.json, range_m: [1, 100]")->rings, 3u);
+}
+
+TEST_F(VendorFiles, AnAzimuthWindowBesideAllColumnsIsTold) {
+  std::string json = kOld;
+  json.insert(1,
+              R"("config_params": {"azimuth_window": [90000, 270000]}, "data_format": {"column_window": [0, 511]}, )");
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(refusedJson(json), "accepted");
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("1 azimuth windows that no column_window repeats"));
+}
+
+TEST_F(VendorFiles, CellsMayHaveQuotes) {
+  folder_.write("q.csv", "\"Channel\", \"Elevation\" ,\"Azimuth\"\n\"1\",\"10\",1.5\n\"2\",\"-10\",\"-1.5\"\n");
+  const auto beams = sensor("calibration: q.csv, columns: 100, rate_hz: 10, range_m: [1, 100]");
+  ASSERT_EQ(beams->rings, 2u);
+  EXPECT_NEAR(degrees(beams->elevation[1]), -10, 1e-12);
+  EXPECT_NEAR(degrees(beams->azimuthOffset[0]), -1.5, 1e-12);
+  folder_.write("q.csv", "\"elevation_deg\",\"azimuth_offset_deg\"\n\"2,5\",1\n");
+  EXPECT_THAT(refusal("calibration: q.csv, columns: 100, rate_hz: 10, range_m: [1, 100]"),
+              AllOf(HasSubstr("q.csv:2"), HasSubstr("'2,5' is not a number (write a point")));
 }
 
 // The beams of an OSDome start above the lidar's origin: lidar_origin_to_beam_origin_mm is then the hypotenuse.
@@ -268,6 +298,8 @@ TEST_F(VendorFiles, FiringTimesComeFromATable) {
   EXPECT_THAT(readFiringTable(folder_.path() / "n.csv"), ElementsAre(0, testing::DoubleNear(0.52, 1e-9)));
   folder_.write("n.csv", "Channel,Even_fire time(ns),Odd_fire time(ns)\n1,4960,4960\n2,5480,5500\n");
   EXPECT_THAT(messageOf([&] { readFiringTable(folder_.path() / "n.csv"); }), HasSubstr("two firing states"));
+  EXPECT_THAT(messageOf([&] { readFiringTable(folder_.write("u.csv", "Channel,fire time\n1,0\n2,1500\n")); }),
+              AllOf(HasSubstr("u.csv:1"), HasSubstr("have no unit"), HasSubstr("'fire time(ns)'")));
   folder_.write("f.csv", "Channel,fire time(us)\n1,0\n2,0\n");
   EXPECT_THAT(
       refusal("calibration: h.csv, columns: 100, rate_hz: 10, range_m: [1, 100], firing_time_us: {file: f.csv}"),
