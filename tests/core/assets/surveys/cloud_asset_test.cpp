@@ -267,7 +267,7 @@ TEST_F(Clouds, MistakesAreNamed) {
                                         "[{file: b.obj, points: {}}]"),
                           {});
               }),
-              HasSubstr("files of points"));
+              HasSubstr("point clouds"));
 }
 
 // A revolution of a real sensor: its points are where the surfaces are.
