@@ -185,6 +185,8 @@ class PlyMeshReader {
                                                                                       : !has(Role::Y) ? "y"
                                                                                                       : "z"));
     }
+    if (isVertex && !vertices_.empty()) fail("has two elements 'vertex': export it with one");
+    if (isVertex && element.count > UINT32_MAX) fail("has more vertices than 32-bit indices allow: split it");
     if (isFace && !has(Role::Corners)) fail("its faces have no list vertex_indices: export it with that list");
     if (isFace && vertices_.empty()) fail("has no vertices before its faces: export it with vertices first");
     if (element.name == "tristrips") fail("has triangle strips, which are not supported: export it with faces");

@@ -361,6 +361,8 @@ TEST_F(PlyDamage, WhatSurfacesNeedIsRequired) {
   };
   EXPECT_THAT(failure(with("float z", "float height")), HasSubstr("its vertices have no property z"));
   EXPECT_THAT(failure(with("element face 4", "element tristrips 4")), HasSubstr("export it with faces"));
+  EXPECT_THAT(failure(with("element end 1", "element vertex 1\nproperty int x\nproperty int y\nproperty int z")),
+              HasSubstr("has two elements 'vertex'"));
   EXPECT_THAT(failure(with("vertex_indices", "corners")), HasSubstr("its faces have no list vertex_indices"));
   EXPECT_THAT(failure(with("element vertex 4", "element vertex 0")), HasSubstr("no vertices before its faces"));
   EXPECT_THAT(failure(with("1 0 0", "1,5 0 0")), HasSubstr("a.ply:15: '1,5' is not a number"));
