@@ -9,7 +9,7 @@
 #include "assets/meshes/assimp/reader.h"
 #include "assets/meshes/gltf/model.h"
 #include "assets/meshes/obj/obj_mesh.h"
-#include "assets/meshes/ply_check.h"
+#include "assets/meshes/ply_mesh.h"
 #include "assets/meshes/stl_mesh.h"
 #include "assets/worlds/ogre_material.h"
 #include "assets/worlds/world.h"

@@ -152,7 +152,8 @@ void checkSize(const ImageHeader& header, const std::string& kind, std::uint64_t
   }
 }
 
-DecodedImage decode(ImageReader& image, const std::string& name) {
+// Decodes an image of a kind ("png"). In BMP and TGA, an alpha that is 0 everywhere is a byte without a meaning.
+DecodedImage decode(ImageReader& image, const std::string& kind, const std::string& name) {
   const ImageHeader info = image.header();
   const int channels = info.channels;
   const int alpha = info.alphaChannel;
@@ -161,6 +162,7 @@ DecodedImage decode(ImageReader& image, const std::string& name) {
   const bool multiplied = info.alphaGamma > 0;
   const auto gain = divisionByAlpha(multiplied ? info.alphaGamma : 1.0);
   std::uint8_t least = 255;
+  std::uint8_t greatest = 0;
   const auto toRgba = [&](const std::uint8_t* in, std::size_t count, std::uint8_t* out) {
     for (std::size_t i = 0; i < count; ++i, in += channels, out += 4) {
       out[0] = in[from[0]];
@@ -168,6 +170,7 @@ DecodedImage decode(ImageReader& image, const std::string& name) {
       out[2] = in[from[2]];
       out[3] = alpha >= 0 ? in[alpha] : std::uint8_t{255};
       least = std::min(least, out[3]);
+      greatest = std::max(greatest, out[3]);
       for (int c = 0; multiplied && c < 3; ++c) {
         out[c] = static_cast<std::uint8_t>(std::min(255.0f, static_cast<float>(out[c]) * gain[out[3]] + 0.5f));
       }
@@ -202,6 +205,10 @@ DecodedImage decode(ImageReader& image, const std::string& name) {
     }
   }
   decoded.hasAlpha = least < 255;
+  if (greatest == 0 && (kind == "bmp" || kind == "tga")) {
+    decoded.hasAlpha = false;
+    for (std::size_t i = 3; i < decoded.rgba.size(); i += 4) decoded.rgba[i] = 255;
+  }
   LeftOut leftOut;
   for (const std::string& what : info.leftOut) leftOut.add(what);
   const int used = (colors >= 3 ? 3 : std::min(colors, 1)) + (alpha >= 0 ? 1 : 0);
@@ -218,7 +225,9 @@ const FormatSupport& imageFormat() {
       "Images of materials",
       ".png, .jpg, .jpeg, .webp, .tga, .sgi, .rgb, .bmp, .tif, .exr, .hdr, .gif, .dds and what else OpenImageIO reads",
       {{Read, "", "red, green and blue, grey, palettes, CMYK; 1 to 32 bits, which become 8"},
-       {Read, "", "alpha, also of palettes (tRNS); colours that are multiplied by it are divided"},
+       {Read, "",
+        "alpha, also of palettes (tRNS); colours that are multiplied by it are divided; in BMP and TGA an alpha that "
+        "is 0 everywhere is none"},
        {Read, "",
         "colours in floats, as linear light from 0 to 1 (EXR, HDR, TIFF); whole numbers and single channels as sRGB"},
        {Read, "", "the first image of the file; more than 4096 pixels in a row or column are reduced"},
@@ -233,21 +242,23 @@ const FormatSupport& imageFormat() {
 
 DecodedImage decodeImage(std::string_view bytes, const std::string& name) {
   if (bytes.empty()) throw InputError({name}, "the image is empty");
-  const std::string kind = kindOf(bytes);
-  const auto image = openImage(kind.empty() ? name : "embedded." + kind, bytes, name);
-  checkSize(image->header(), kind.empty() ? endingOf(name) : kind, bytes.size(), name);
-  return decode(*image, name);
+  const std::string known = kindOf(bytes);
+  const std::string kind = known.empty() ? endingOf(name) : known;
+  const auto image = openImage(known.empty() ? name : "embedded." + known, bytes, name);
+  checkSize(image->header(), kind, bytes.size(), name);
+  return decode(*image, kind, name);
 }
 
 DecodedImage readImage(const std::filesystem::path& path) {
   const std::string name = path.string();
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) throw InputError({name}, "there is no such image");
-  const std::string kind = kindOf(firstBytes(path));
-  if (isReadHere(kind)) return decodeImage(readFile(path), name);
+  const std::string known = kindOf(firstBytes(path));
+  if (isReadHere(known)) return decodeImage(readFile(path), name);
+  const std::string kind = known.empty() ? endingOf(name) : known;
   const auto image = openImage(name, {}, name);
-  checkSize(image->header(), kind.empty() ? endingOf(name) : kind, std::filesystem::file_size(path), name);
-  return decode(*image, name);
+  checkSize(image->header(), kind, std::filesystem::file_size(path), name);
+  return decode(*image, kind, name);
 }
 
 bool mayHaveAlpha(const std::filesystem::path& path) {

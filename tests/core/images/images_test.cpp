@@ -320,6 +320,31 @@ TEST(Images, GifIsClearWhereItSaysSo) {
 }
 
 // A JPEG of equal pixels loses nothing but rounding.
+// The fourth byte of a pixel of BMP is reserved, and TGA may state that it has no meaning.
+TEST(Images, AlphaThatIsZeroEverywhereIsNoneInBmpAndTga) {
+  const auto two = [](const std::string& head, int alpha) {
+    return head + std::string("\1\2\3", 3) + '\0' + std::string("\4\5\6", 3) + static_cast<char>(alpha);
+  };
+  std::string tga(18, '\0');
+  tga[2] = 2;
+  tga[12] = 2;
+  tga[14] = 1;
+  tga[16] = 32;
+  std::string bmp = "BM" + std::string(52, '\0');
+  for (const auto& [at, value] :
+       {std::pair<std::size_t, char>{2, 62}, {10, 54}, {14, 40}, {18, 2}, {22, 1}, {26, 1}, {28, 32}}) {
+    bmp[at] = value;
+  }
+  for (const auto& [name, head] : {std::pair("a.tga", tga), {"a.bmp", bmp}}) {
+    const DecodedImage opaque = decodeImage(two(head, 0), name);
+    EXPECT_FALSE(opaque.hasAlpha) << name;
+    EXPECT_EQ(opaque.rgba, (std::vector<std::uint8_t>{3, 2, 1, 255, 6, 5, 4, 255})) << name;
+    const DecodedImage clear = decodeImage(two(head, 200), name);
+    EXPECT_TRUE(clear.hasAlpha) << name;
+    EXPECT_EQ(clear.rgba[3], 0) << name;
+  }
+}
+
 TEST(Images, JpegOfOneColourHasThatColour) {
   for (const bool progressive : {false, true}) {
     std::vector<std::uint8_t> rgb;

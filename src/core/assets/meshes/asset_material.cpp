@@ -55,6 +55,9 @@ class MaterialReader {
       if (const auto mask = load(opacity, false, true))
         color.image = withOpacity(color.image.get(), *mask, opacity.inverted);
     }
+    if (color.alpha.wanted && opacity.name == from.base.name && color.image && !color.image->hasAlpha) {
+      leftOut.add("opacity maps that are the image of the colour too, and have no alpha");
+    }
     setColor(read.material, std::move(color), file_, options_, images_);
     if (from.opacity < 1 && !read.material.alphaTested && options_.alpha != AlphaUse::Ignore) {
       leftOut.add("opacities of materials (they are solid)");

@@ -6,8 +6,11 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+<<<<<<< HEAD
 #include <optional>
 #include <string_view>
+=======
+>>>>>>> obj
 #include <utility>
 #include <vector>
 
@@ -17,7 +20,6 @@
 #include "assets/meshes/child_process.h"
 #include "assets/meshes/imported_file.h"
 #include "assets/meshes/obj/obj_mesh.h"
-#include "assets/meshes/ply_check.h"
 #include "assets/meshes/ply_mesh.h"
 #include "assets/meshes/stl_mesh.h"
 #include "base/error.h"
@@ -33,8 +35,8 @@ constexpr unsigned kSeconds = 300;
 
 // The kinds for which assimp is used. It reads more kinds, but loses without a word much of what these say, such as the
 // units of 3MF, AMF, DXF and X3D.
-constexpr std::array<std::string_view, 10> kByAssimp{".3ds", ".ac",  ".ac3d", ".acc", ".dae",
-                                                     ".fbx", ".lwo", ".off",  ".ply", ".x"};
+constexpr std::array<std::string_view, 9> kByAssimp{".3ds", ".ac",  ".ac3d", ".acc", ".dae",
+                                                    ".fbx", ".lwo", ".off",  ".x"};
 
 ImportedFile importByAssimp(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
   if (std::find(kByAssimp.begin(), kByAssimp.end(), kind) == kByAssimp.end()) {
@@ -59,21 +61,6 @@ ImportedFile importByAssimp(const std::filesystem::path& file, const std::string
   }
 }
 
-ImportedFile importPly(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
-  if (std::optional<ImportedFile> mesh = readPlyMesh(file, options)) return std::move(*mesh);
-  const PlyHeader header = checkPly(file);
-  ImportedFile imported = importByAssimp(file, kind, options);
-  const bool stated = std::any_of(header.elements.begin(), header.elements.end(),
-                                  [](const PlyElement& element) { return element.name == "material"; });
-  if (stated) return imported;
-  // The file has no element `material`: the importer has invented a grey one, or a white one if vertices have colours.
-  for (ImportedMaterial& material : imported.materials) {
-    material.stated = false;
-    material.color = {1, 1, 1};
-  }
-  return imported;
-}
-
 }  // namespace
 
 bool isAc3d(const std::string& kind) {
@@ -86,13 +73,15 @@ std::string remedyFor(const std::string& kind) {
 }
 
 Asset readImported(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
-  ImportedFile imported = kind == ".ply"   ? importPly(file, kind, options)
+  ImportedFile imported = kind == ".ply"   ? readPlyMesh(file, options)
                           : kind == ".obj" ? readObjMesh(file, options)
                           : kind == ".stl" ? readStlMesh(file, options)
                                            : importByAssimp(file, kind, options);
   if (!imported.missing.empty()) {
-    warn(fmt::format("{}: names '{}', which is missing: its materials have plain colours", file.string(),
-                     fmt::join(imported.missing, "', '")));
+    warn(
+        fmt::format("{}: names '{}', which is missing: its materials have the default "
+                    "reflectance",
+                    file.string(), fmt::join(imported.missing, "', '")));
   }
   if (!imported.problems.empty()) {
     warn(fmt::format("{}: may be incomplete, since the importer reports: {}", file.string(),

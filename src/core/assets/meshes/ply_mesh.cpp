@@ -1,165 +1,398 @@
 #include "assets/meshes/ply_mesh.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <charconv>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
+#include <map>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "assets/meshes/asset_parts.h"
-#include "assets/meshes/ply_check.h"
+#include "assets/meshes/base_color.h"
+#include "assets/meshes/polygon.h"
+#include "assets/meshes/stated_unit.h"
+#include "base/error.h"
 #include "base/file.h"
-#include "formats/cloud_file.h"
 #include "formats/ply_header.h"
 
 namespace scanmill {
 
 namespace {
 
-static_assert(std::endian::native == std::endian::little);
+// What a property means to the reader.
+enum class Role { None, X, Y, Z, U, V, Corners, CornerUvs, Image, Material, Red, Green, Blue };
+constexpr std::size_t kRoles = 13;
 
-// The offset (bytes) and the type of a coordinate in a vertex.
-struct Axis {
-  std::uint64_t at = 0;
-  bool isDouble = false;
-};
-
-struct Layout {
-  std::array<Axis, 3> axes;
-  std::uint64_t vertexBytes = 0;
-  std::uint64_t faceBytes = 0;  // bytes of a face, with all its properties
-  std::uint64_t vertices = 0;
-  std::uint64_t faces = 0;
-
-  bool exact() const {
-    return std::any_of(axes.begin(), axes.end(), [](const Axis& axis) { return axis.isDouble; });
-  }
-};
-
-bool isTextureCoordinate(std::string_view name) {
-  constexpr std::array<std::string_view, 6> kNames{"s", "t", "u", "v", "texture_u", "texture_v"};
-  return std::find(kNames.begin(), kNames.end(), name) != kNames.end();
-}
-
-bool readVertex(const PlyElement& vertex, Layout& layout) {
-  constexpr std::array<std::string_view, 3> kAxes{"x", "y", "z"};
-  std::array<bool, 3> found{};
-  for (const PlyProperty& p : vertex.properties) {
-    if (p.isList() || isTextureCoordinate(p.name)) return false;
-    const auto axis = static_cast<std::size_t>(std::find(kAxes.begin(), kAxes.end(), p.name) - kAxes.begin());
-    if (axis < kAxes.size()) {
-      if (p.value.kind != PlyType::Kind::Float || found[axis]) return false;
-      found[axis] = true;
-      layout.axes[axis] = {layout.vertexBytes, p.value.size == 8};
-    }
-    layout.vertexBytes += p.value.size;
-  }
-  layout.vertices = vertex.count;
-  return found == std::array<bool, 3>{true, true, true};
-}
-
-bool readFace(const PlyElement& face, Layout& layout) {
-  const auto& list = face.properties;
-  if (list.empty() || (list.front().name != "vertex_indices" && list.front().name != "vertex_index")) return false;
-  if (list.front().count.size != 1 || list.front().value.size != 4 || list.front().value.kind == PlyType::Kind::Float) {
-    return false;
-  }
-  layout.faceBytes = 1 + sizeof(Triangle);
-  for (std::size_t i = 1; i < list.size(); ++i) {
-    if (list[i].isList()) return false;
-    layout.faceBytes += list[i].value.size;
-  }
-  layout.faces = face.count;
-  return true;
-}
-
-std::optional<Layout> layoutOf(const PlyHeader& header) {
-  Layout layout;
-  if (header.format != PlyHeader::Format::LittleEndian || header.elements.size() != 2 ||
-      header.elements[0].name != "vertex" || header.elements[1].name != "face" ||
-      !readVertex(header.elements[0], layout) || !readFace(header.elements[1], layout) ||
-      layout.vertices > UINT32_MAX || layout.faces > kMostTriangles) {
-    return std::nullopt;
-  }
-  return layout;
-}
-
-Vec3d vertexAt(const char* bytes, const Layout& layout) {
-  std::array<double, 3> p{};
-  for (std::size_t k = 0; k < 3; ++k) {
-    float single = 0;
-    if (layout.axes[k].isDouble) {
-      std::memcpy(&p[k], bytes + layout.axes[k].at, sizeof p[k]);
-    } else {
-      std::memcpy(&single, bytes + layout.axes[k].at, sizeof single);
-      p[k] = double{single};
+Role roleOf(std::string_view element, const PlyProperty& property) {
+  struct Row {
+    std::string_view element, names;  // names with blanks around them
+    bool isList;
+    Role role;
+  };
+  static constexpr std::array<Row, 12> kRows{{{"vertex", " x ", false, Role::X},
+                                              {"vertex", " y ", false, Role::Y},
+                                              {"vertex", " z ", false, Role::Z},
+                                              {"vertex", " s u texture_u ", false, Role::U},
+                                              {"vertex", " t v texture_v ", false, Role::V},
+                                              {"face", " vertex_indices vertex_index ", true, Role::Corners},
+                                              {"face", " texcoord ", true, Role::CornerUvs},
+                                              {"face", " texnumber ", false, Role::Image},
+                                              {"face", " material_index material_indices ", false, Role::Material},
+                                              {"material", " diffuse_red ", false, Role::Red},
+                                              {"material", " diffuse_green ", false, Role::Green},
+                                              {"material", " diffuse_blue ", false, Role::Blue}}};
+  for (const Row& row : kRows) {
+    if (row.element == element && row.isList == property.isList() &&
+        row.names.find(fmt::format(" {} ", property.name)) != std::string_view::npos) {
+      return row.role;
     }
   }
-  return {p[0], p[1], p[2]};
+  return Role::None;
 }
 
-// Returns an origin near most vertices (m, along the asset's axes): the median of at most 2000 vertices, which ignores
-// outliers.
-Vec3d originOf(const char* bytes, const Layout& layout, const Mat3& assetFromFile) {
-  constexpr std::uint64_t kSamples = 1000;
-  const std::uint64_t every = std::max<std::uint64_t>(layout.vertices / kSamples, 1);
-  std::vector<Vec3d> places;
-  for (std::uint64_t i = 0; i < layout.vertices; i += every) {
-    places.push_back(assetFromFile * vertexAt(bytes + i * layout.vertexBytes, layout));
-  }
-  return originNear(places);
-}
+// Reads the numbers behind the header, one after the other. In text, each row of an element is a line; more words at
+// the end of a line are ignored.
+class PlyBody {
+ public:
+  PlyBody(const std::filesystem::path& file, const PlyHeader& header, std::string_view bytes)
+      : file_(file.string()), header_(header), bytes_(bytes), at_(header.size), line_(header.lines) {}
 
-// Reads the triangles, and drops those with indices out of range. Returns false if a face is not a triangle.
-bool readFaces(const char* bytes, const Layout& layout, ImportedFile& read) {
-  std::vector<Triangle>& triangles = read.parts.front().triangles;
-  triangles.resize(layout.faces);
-  std::size_t kept = 0;
-  for (std::uint64_t i = 0; i < layout.faces; ++i, bytes += layout.faceBytes) {
-    if (*bytes != 3) return false;
-    Triangle& triangle = triangles[kept];
-    std::memcpy(triangle.data(), bytes + 1, sizeof triangle);
-    kept += std::max({triangle[0], triangle[1], triangle[2]}) < layout.vertices ? 1u : 0u;
+  void beginRow(const PlyElement& element, std::uint64_t row) {
+    element_ = &element;
+    row_ = row;
+    if (header_.format != PlyHeader::Format::Ascii) return;
+    if (at_ >= bytes_.size()) failTruncated();
+    const std::size_t end = std::min(bytes_.find(header_.isMac ? '\r' : '\n', at_), bytes_.size());
+    text_ = bytes_.substr(at_, end - at_);
+    at_ = end + 1;
+    ++line_;
   }
-  triangles.resize(kept);
-  read.outOfRange = layout.faces - kept;
-  return true;
-}
+
+  double number(const PlyType& type) {
+    if (header_.format == PlyHeader::Format::Ascii) return nextWord();
+    if (type.size > bytes_.size() - at_) failTruncated();
+    const bool big = header_.format == PlyHeader::Format::BigEndian;
+    std::uint64_t bits = 0;
+    for (std::uint64_t i = 0; i < type.size; ++i) {
+      const auto byte = static_cast<unsigned char>(bytes_[at_ + i]);
+      bits |= std::uint64_t{byte} << 8 * (big ? type.size - 1 - i : i);
+    }
+    at_ += type.size;
+    if (type.kind == PlyType::Kind::Float) {
+      return type.size == 8 ? std::bit_cast<double>(bits)
+                            : double{std::bit_cast<float>(static_cast<std::uint32_t>(bits))};
+    }
+    const bool negative = type.kind == PlyType::Kind::Signed && bits >> (8 * type.size - 1) != 0;
+    return static_cast<double>(bits) - (negative ? static_cast<double>(std::uint64_t{1} << 8 * type.size) : 0.0);
+  }
+
+  // Returns the length of a list.
+  std::uint64_t count(const PlyType& type) {
+    constexpr double kMost = 4294967296.0;  // above any 32-bit count
+    const double length = number(type);
+    if (length >= 0 && length < kMost) return static_cast<std::uint64_t>(length);
+    fail(fmt::format("is damaged: {} has a list with an invalid length", place()));
+  }
+
+ private:
+  std::string place() const { return fmt::format("'{}' {} of {}", element_->name, row_ + 1, element_->count); }
+  [[noreturn]] void fail(const std::string& what) const {
+    throw InputError({file_, header_.format == PlyHeader::Format::Ascii ? line_ : 0}, what);
+  }
+  [[noreturn]] void failTruncated() const {
+    throw InputError({file_}, fmt::format("is truncated or damaged: it ends within {}", place()));
+  }
+
+  double nextWord() {
+    constexpr std::string_view kBlanks = " \t\r";
+    text_.remove_prefix(std::min(text_.find_first_not_of(kBlanks), text_.size()));
+    const std::string_view word = text_.substr(0, text_.find_first_of(kBlanks));
+    text_.remove_prefix(word.size());
+    if (word.empty()) fail(fmt::format("{} lacks values: the file is truncated or damaged", place()));
+    double number = 0;
+    const std::string_view digits = word.substr(word[0] == '+' ? 1 : 0);
+    const auto read = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+    if (read.ptr == digits.data() + digits.size()) return number;
+    fail(fmt::format("'{}' is not a number such as 1234.5 or -1.2e-3, with a decimal point", word.substr(0, 40)));
+  }
+
+  std::string file_;
+  const PlyHeader& header_;
+  std::string_view bytes_;
+  std::size_t at_;
+  int line_;
+  std::string_view text_;  // the rest of the line
+  const PlyElement* element_ = nullptr;
+  std::uint64_t row_ = 0;
+};
+
+class PlyMeshReader {
+ public:
+  PlyMeshReader(const std::filesystem::path& file, const AssetOptions& options)
+      : file_(file),
+        options_(options),
+        header_(readPlyHeader(file)),
+        bytes_(readFile(file)),
+        body_(file, header_, bytes_),
+        polygons_(file) {}
+
+  ImportedFile read() {
+    readComments();
+    for (const PlyElement& element : header_.elements) {
+      if (element.name == "material") materials_ = element.count;
+    }
+    for (const PlyElement& element : header_.elements) readElement(element);
+    makeParts();
+    for (const bool used : imageUsed_) read_.leftOut.add("images that no face shows (TextureFile)", used ? 0 : 1);
+    return std::move(read_);
+  }
+
+ private:
+  static constexpr std::uint32_t kNone = UINT32_MAX;
+
+  [[noreturn]] void fail(const std::string& what) const { throw InputError({file_.string()}, what); }
+
+  void readComments() {
+    constexpr std::string_view kImage = "comment TextureFile ";
+    const std::string_view head = std::string_view(bytes_).substr(0, header_.size);
+    warnOfStatedUnit(head, options_, file_);
+    for (std::size_t at = 0; (at = head.find(kImage, at)) != std::string_view::npos;) {
+      at += kImage.size();
+      const std::string_view name = head.substr(at, head.find_first_of("\r\n", at) - at);
+      images_.emplace_back(name.substr(0, name.find_last_not_of(" \t") + 1));
+    }
+    imageUsed_.resize(images_.size());
+  }
+
+  void readElement(const PlyElement& element) {
+    if (element.count == 0) return;
+    std::vector<Role> roles;
+    for (const PlyProperty& property : element.properties) roles.push_back(roleOf(element.name, property));
+    const auto has = [&](Role role) { return std::find(roles.begin(), roles.end(), role) != roles.end(); };
+    const bool isVertex = element.name == "vertex";
+    const bool isFace = element.name == "face";
+    const bool isMaterial = element.name == "material";
+    if (isVertex && !(has(Role::X) && has(Role::Y) && has(Role::Z))) {
+      fail(fmt::format("its vertices have no property {}: export it with x, y and z", !has(Role::X)   ? "x"
+                                                                                      : !has(Role::Y) ? "y"
+                                                                                                      : "z"));
+    }
+    if (isVertex && !vertices_.empty()) fail("has two elements 'vertex': export it with one");
+    if (isVertex && element.count > UINT32_MAX) fail("has more vertices than 32-bit indices allow: split it");
+    if (isFace && !has(Role::Corners)) fail("its faces have no list vertex_indices: export it with that list");
+    if (isFace && vertices_.empty()) fail("has no vertices before its faces: export it with vertices first");
+    if (element.name == "tristrips") fail("has triangle strips, which are not supported: export it with faces");
+    countLeftOut(element, roles);
+    hasUvs_ = hasUvs_ || (isVertex && has(Role::U) && has(Role::V));
+    colored_ = has(Role::Red) && has(Role::Green) && has(Role::Blue);
+    if (element.properties.empty()) return;
+    for (std::uint64_t row = 0; row < element.count; ++row) {
+      body_.beginRow(element, row);
+      for (std::size_t i = 0; i < roles.size(); ++i) {
+        const PlyProperty& property = element.properties[i];
+        const auto role = static_cast<std::size_t>(roles[i]);
+        if (!property.isList()) {
+          values_[role] = body_.number(property.value);
+          if (isMaterial) values_[role] = shareOf(values_[role], property.value);
+          continue;
+        }
+        lists_[role].clear();
+        for (std::uint64_t left = body_.count(property.count); left > 0; --left) {
+          lists_[role].push_back(body_.number(property.value));
+        }
+      }
+      if (isVertex) addVertex();
+      if (isFace) addFace();
+      if (isMaterial) addMaterial();
+    }
+  }
+
+  void countLeftOut(const PlyElement& element, const std::vector<Role>& roles) {
+    const bool isVertex = element.name == "vertex";
+    read_.leftOut.addKeyword(plyMeshFormat(), element.name);
+    if (!isVertex && element.name != "face") return;
+    bool colored = false;
+    for (std::size_t i = 0; i < roles.size(); ++i) {
+      const std::string& name = element.properties[i].name;
+      if (plyMeshFormat().has(FormatElements::Use::LeftOut, name)) {
+        colored = true;
+      } else if (roles[i] == Role::None && plyMeshFormat().has(FormatElements::Use::Read, name)) {
+        read_.leftOut.add(fmt::format("'{}' of {}", name, isVertex ? "vertices" : "faces"));
+      } else {
+        read_.leftOut.addKeyword(plyMeshFormat(), name);
+      }
+    }
+    if (colored) read_.leftOut.add(isVertex ? "colours of vertices" : "colours of faces", element.count);
+  }
+
+  // Returns a number of a colour: 255 of a byte is 1.
+  static double shareOf(double value, const PlyType& type) {
+    return type.kind == PlyType::Kind::Float ? value : value / (std::ldexp(1.0, static_cast<int>(8 * type.size)) - 1);
+  }
+
+  double value(Role role) const { return values_[static_cast<std::size_t>(role)]; }
+  const std::vector<double>& list(Role role) const { return lists_[static_cast<std::size_t>(role)]; }
+
+  void addVertex() {
+    vertices_.push_back({value(Role::X), value(Role::Y), value(Role::Z)});
+    if (hasUvs_) uvs_.push_back({static_cast<float>(value(Role::U)), static_cast<float>(value(Role::V))});
+  }
+
+  void addMaterial() {
+    if (!colored_) return;
+    std::array<float, 3>& color = colors_.emplace_back();
+    for (std::size_t k = 0; k < 3; ++k) {
+      color[k] = fraction(static_cast<float>(values_[static_cast<std::size_t>(Role::Red) + k]), 1.0f);
+    }
+  }
+
+  // Returns the number as an index; kNone if it is none of `count` indices.
+  static std::uint32_t indexOf(double number, std::size_t count) {
+    return number >= 0 && number < static_cast<double>(count) ? static_cast<std::uint32_t>(number) : kNone;
+  }
+
+  void addFace() {
+    const std::vector<double>& indices = list(Role::Corners);
+    if (indices.size() < 3) return read_.leftOut.add("faces of fewer than three corners");
+    corners_.clear();
+    for (const double corner : indices) corners_.push_back(indexOf(corner, vertices_.size()));
+    if (std::find(corners_.begin(), corners_.end(), kNone) != corners_.end()) {
+      read_.outOfRange += corners_.size() - 2;
+      return;
+    }
+    const std::vector<double>& uvs = list(Role::CornerUvs);
+    const bool hasUvs = uvs.size() == 2 * corners_.size();
+    const Look look{indexOf(value(Role::Material), materials_), indexOf(value(Role::Image), images_.size())};
+    ImportedPart& part = partOf(look, hasUvs);
+    for (const auto& t : polygons_.divide(corners_.size(), [this](std::size_t i) { return vertices_[corners_[i]]; })) {
+      part.triangles.push_back({corners_[t[0]], corners_[t[1]], corners_[t[2]]});
+      for (const std::uint32_t corner : t) {
+        if (!hasUvs) break;
+        part.uvs.push_back({static_cast<float>(uvs[2 * corner]), static_cast<float>(uvs[2 * corner + 1])});
+      }
+    }
+  }
+
+  // A material and an image, by their indices.
+  using Look = std::pair<std::uint32_t, std::uint32_t>;
+
+  ImportedPart& partOf(const Look& look, bool hasUvs) {
+    const auto [at, isNew] = parts_.try_emplace({look, hasUvs}, looks_.size());
+    if (isNew) {
+      looks_.push_back(look);
+      read_.parts.emplace_back().material = static_cast<std::uint32_t>(at->second);
+    }
+    return read_.parts[at->second];
+  }
+
+  // Gives the parts, whose triangles have indices of the file and whose texture coordinates are those of corners, their
+  // vertices and materials.
+  void makeParts() {
+    read_.up = options_.up.value_or('z');
+    const Mat3 assetFromFile = zUpFrom(read_.up) * Mat3::scale(Vec3d{1, 1, 1} * options_.metresPerUnit);
+    for (Vec3d& vertex : vertices_) vertex = assetFromFile * vertex;
+    read_.origin = origin();
+    for (ImportedPart& part : read_.parts) {
+      const auto place = [&](std::size_t i) { return static_cast<Vec3f>(vertices_[i] - read_.origin); };
+      if (read_.parts.size() == 1 && part.uvs.empty()) {
+        for (std::size_t i = 0; i < vertices_.size(); ++i) part.positions.push_back(place(i));
+        part.uvs = std::move(uvs_);
+      } else {
+        const bool ofVertices = hasUvs_ && part.uvs.empty();
+        for (Triangle& triangle : part.triangles) {
+          for (std::uint32_t& corner : triangle) {
+            part.positions.push_back(place(corner));
+            if (ofVertices) part.uvs.push_back(uvs_[corner]);
+            corner = static_cast<std::uint32_t>(part.positions.size() - 1);
+          }
+        }
+      }
+      weld(part.positions, part.uvs, part.triangles);
+      const auto& [material, image] = looks_[part.material];
+      ImportedMaterial& to = read_.materials.emplace_back();
+      to.stated = material < colors_.size();
+      if (to.stated) to.color = colors_[material];
+      if (image == kNone) continue;
+      to.base.name = to.base.label = images_[image];
+      imageUsed_[image] = true;
+    }
+  }
+
+  // Returns an origin near most vertices (m, along the asset's axes): the median of at most 2000 vertices, which
+  // ignores outliers. In single precision an origin would not refine the coordinates.
+  Vec3d origin() const {
+    const auto isExact = [](const PlyProperty& p) { return p.name.size() == 1 && p.value.size == 8; };
+    const auto vertex = std::find_if(header_.elements.begin(), header_.elements.end(),
+                                     [](const PlyElement& element) { return element.name == "vertex"; });
+    if (vertex == header_.elements.end() ||
+        (header_.format != PlyHeader::Format::Ascii &&
+         std::none_of(vertex->properties.begin(), vertex->properties.end(), isExact))) {
+      return {};
+    }
+    std::vector<Vec3d> places;
+    const std::size_t every = std::max<std::size_t>(vertices_.size() / 1000, 1);
+    for (std::size_t i = 0; i < vertices_.size(); i += every) places.push_back(vertices_[i]);
+    return originNear(places);
+  }
+
+  const std::filesystem::path& file_;
+  const AssetOptions& options_;
+  PlyHeader header_;
+  std::string bytes_;
+  PlyBody body_;
+  std::array<double, kRoles> values_{};              // the latest number of each role
+  std::array<std::vector<double>, kRoles> lists_{};  // the latest list of each role
+  std::vector<Vec3d> vertices_;                      // in the file's units and axes, until makeParts()
+  bool hasUvs_ = false;                              // true: vertices have texture coordinates
+  std::vector<Vec2f> uvs_;                           // of the vertices
+  std::uint64_t materials_ = 0;                      // number of materials
+  bool colored_ = false;                             // true: materials have colours
+  std::vector<std::array<float, 3>> colors_;         // of the materials
+  std::vector<std::string> images_;
+  std::vector<bool> imageUsed_;
+  std::map<std::pair<Look, bool>, std::size_t> parts_;  // index of the part; the flag: its corners have texture
+                                                        // coordinates of their own
+  std::vector<Look> looks_;                             // by index of the part
+  Triangulator polygons_;
+  std::vector<std::uint32_t> corners_;
+  ImportedFile read_;
+};
 
 }  // namespace
 
-std::optional<ImportedFile> readPlyMesh(const std::filesystem::path& file, const AssetOptions& options) {
-  const PlyHeader header = readPlyHeader(file);
-  const std::optional<Layout> layout = layoutOf(header);
-  if (!layout) return std::nullopt;
-  const std::string bytes = readFile(file);
-  if (bytes.size() < header.size + layout->vertices * layout->vertexBytes + layout->faces * layout->faceBytes) {
-    return std::nullopt;
-  }
-  // In MeshLab's files a comment with this word names a texture image; the importer reads such files.
-  if (std::string_view(bytes).substr(0, header.size).find("TextureFile") != std::string_view::npos) return std::nullopt;
-  ImportedFile read;
-  read.up = options.up.value_or('z');
-  read.materials.emplace_back().stated = false;
-  ImportedPart& part = read.parts.emplace_back();
-  const char* const vertices = bytes.data() + header.size;
-  if (!readFaces(vertices + layout->vertices * layout->vertexBytes, *layout, read)) return std::nullopt;
+const FormatSupport& plyMeshFormat() {
+  using enum FormatElements::Use;
+  static const FormatSupport format{
+      "PLY of triangles",
+      ".ply with faces",
+      {{Read, "vertex face x y z vertex_indices vertex_index",
+        "polygons of three corners and more; coordinates in double or text lose no digits"},
+       {Read, "s t u v texture_u texture_v texcoord", "texture coordinates of vertices, or of the corners of faces"},
+       {Read, "texnumber", "index of a face's image among the comments 'TextureFile NAME'"},
+       {Read, "material material_index material_indices",
+        "materials of faces, with diffuse_red, diffuse_green and diffuse_blue"},
+       {Unused, "nx ny nz normal_x normal_y normal_z quality confidence curvature radius flags camera",
+        "normals and measures"},
+       {LeftOut, "red green blue alpha r g b a diffuse_red diffuse_green diffuse_blue",
+        "colours of vertices and of faces"},
+       {LeftOut, "edge", "elements 'edge'"},
+       {LeftOut, "", "images that no face shows (TextureFile)"},
+       {LeftOut, "", "textures of parts without texture coordinates"},
+       {LeftOut, "", "faces of fewer than three corners"},
+       {LeftOut, "", "all other properties of vertices and faces, such as labels, and all other elements"}}};
+  return format;
+}
 
-  const Mat3 assetFromFile = zUpFrom(read.up) * Mat3::scale(Vec3d{1, 1, 1} * options.metresPerUnit);
-  if (layout->exact()) read.origin = originOf(vertices, *layout, assetFromFile);
-  part.positions.resize(layout->vertices);
-  for (std::uint64_t i = 0; i < layout->vertices; ++i) {
-    const Vec3d place = assetFromFile * vertexAt(vertices + i * layout->vertexBytes, *layout);
-    part.positions[i] = static_cast<Vec3f>(place - read.origin);
-  }
-  weld(part.positions, part.uvs, part.triangles);
-  tellLeftOut(header, file);
-  if (part.triangles.empty()) read.parts.clear();
-  return read;
+ImportedFile readPlyMesh(const std::filesystem::path& file, const AssetOptions& options) {
+  return PlyMeshReader(file, options).read();
 }
 
 }  // namespace scanmill

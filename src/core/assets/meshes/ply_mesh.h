@@ -1,17 +1,29 @@
 #pragma once
 
+// Reads PLY files of meshes: text and binary, polygons of any number of corners.
+//
+//   element vertex     x y z; s t, u v or texture_u texture_v: texture coordinates
+//   element face       vertex_indices or vertex_index; texcoord: texture coordinates of its corners; texnumber: index
+//   of
+//                      its image; material_index: index of its material
+//   element material   diffuse_red, diffuse_green, diffuse_blue
+//   comment TextureFile NAME    an image, as MeshLab writes it
+//
+// The properties may have any type. Large coordinates in double or text keep their precision: see ImportedFile::origin.
+
 #include <filesystem>
-#include <optional>
 
 #include "assets/meshes/asset_data.h"
 #include "assets/meshes/imported_file.h"
+#include "base/format_support.h"
 
 namespace scanmill {
 
-// Reads a PLY file of the kind that scans and reconstructions produce: little-endian vertices and triangles without
-// texture coordinates. Only positions and indices are used. Large coordinates in double keep their precision: see
-// ImportedFile::origin. Returns nullopt for all other files, and for damaged ones; the importer must read these,
-// several times more slowly. Throws InputError if the header is not valid.
-std::optional<ImportedFile> readPlyMesh(const std::filesystem::path& file, const AssetOptions& options);
+// What becomes of the elements and properties of meshes.
+const FormatSupport& plyMeshFormat();
+
+// Reads the file. Triangles with indices out of range are dropped and counted. Throws InputError, with the line of text
+// files, if the file lacks anything that its header announces.
+ImportedFile readPlyMesh(const std::filesystem::path& file, const AssetOptions& options);
 
 }  // namespace scanmill

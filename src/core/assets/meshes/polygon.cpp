@@ -1,11 +1,20 @@
 #include "assets/meshes/polygon.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <numeric>
+
+#include "assets/meshes/asset_parts.h"
+#include "base/error.h"
 
 namespace scanmill {
 
 namespace {
+
+// Largest sum of squared corner counts over all polygons: triangulating a polygon takes a time that grows with the
+// square of its corners, some seconds for 60,000 corners.
+constexpr double kMostCornersSquared = 4e9;
 
 struct Point {
   double x = 0, y = 0;
@@ -94,6 +103,28 @@ void triangulate(std::span<const Vec3d> corners, std::vector<std::array<std::uin
   } else {
     EarCutter(corners, triangles).cut();
   }
+}
+
+const std::vector<std::array<std::uint32_t, 3>>& Triangulator::divide(std::size_t n,
+                                                                      const std::function<Vec3d(std::size_t)>& corner) {
+  divided_ += n - 2;
+  if (divided_ > kMostTriangles) {
+    throw InputError({file_.string()}, fmt::format("has more than {} triangles: split it", kMostTriangles));
+  }
+  triangles_.clear();
+  polygon_.resize(n);
+  if (n > 3) {
+    cornersSquared_ += static_cast<double>(n) * static_cast<double>(n);
+    if (cornersSquared_ > kMostCornersSquared) {
+      throw InputError({file_.string()},
+                       fmt::format("has polygons of up to {} corners, which would take minutes to divide into "
+                                   "triangles: export it with triangles",
+                                   n));
+    }
+    for (std::size_t i = 0; i < n; ++i) polygon_[i] = corner(i);
+  }
+  triangulate(polygon_, triangles_);
+  return triangles_;
 }
 
 }  // namespace scanmill

@@ -3,8 +3,12 @@
 // Divides polygons into triangles.
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <filesystem>
+#include <functional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "base/vec.h"
@@ -17,5 +21,23 @@ namespace scanmill {
 // intersects itself or has no area, the rest is divided as a fan. The time grows with the square of n, for spirals with
 // its cube.
 void triangulate(std::span<const Vec3d> corners, std::vector<std::array<std::uint32_t, 3>>& triangles);
+
+// Divides the polygons of one file, within limits of the number of triangles and of the time that it takes.
+class Triangulator {
+ public:
+  explicit Triangulator(std::filesystem::path file) : file_(std::move(file)) {}
+
+  // Returns the triangles of a polygon with n corners, three at least; they are valid until the next call. `corner` is
+  // called only if there are more than three. Throws InputError if the polygons so far exceed a limit.
+  const std::vector<std::array<std::uint32_t, 3>>& divide(std::size_t n,
+                                                          const std::function<Vec3d(std::size_t)>& corner);
+
+ private:
+  std::filesystem::path file_;
+  std::uint64_t divided_ = 0;  // number of triangles so far
+  double cornersSquared_ = 0;
+  std::vector<Vec3d> polygon_;
+  std::vector<std::array<std::uint32_t, 3>> triangles_;
+};
 
 }  // namespace scanmill

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "assets/meshes/asset_parts.h"
+#include "assets/meshes/stated_unit.h"
 #include "base/error.h"
 #include "base/file.h"
 #include "config/text.h"
@@ -148,7 +149,7 @@ class StlReader {
   }
 
   std::string_view restOfLine() {
-    const std::size_t end = std::min(text_.find('\n', at_), text_.size());
+    const std::size_t end = std::min(text_.find_first_of("\r\n", at_), text_.size());
     const std::string_view rest = std::string_view(text_).substr(at_, end - at_);
     at_ = end;
     const std::size_t from = rest.find_first_not_of(" \t\r");
@@ -169,6 +170,7 @@ class StlReader {
   ImportedFile imported() {
     imported_.up = options_.up.value_or('z');
     imported_.materials.emplace_back().stated = false;
+    warnOfStatedUnit(std::string_view(text_).substr(0, line_ > 0 ? text_.size() : kStlHeader), options_, file_);
     const Mat3 assetFromFile = zUpFrom(imported_.up) * Mat3::scale(Vec3d{1, 1, 1} * options_.metresPerUnit);
     std::vector<Vec3d> places;
     const std::size_t every = std::max<std::size_t>(3 * triangles_ / 1000, 1);

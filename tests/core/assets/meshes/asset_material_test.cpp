@@ -310,6 +310,16 @@ TEST_F(AssetFiles, OpacitiesThatNoImageShowsAreCounted) {
   EXPECT_THAT(warnings("d 0.5\n"), HasSubstr("pane.obj: left out: 1 opacities of materials (they are solid)\n"));
 }
 
+// Such a map means the alpha of the image. Its brightness would cut holes into dark walls.
+TEST_F(AssetFiles, OpacityMapsThatAreTheImageOfTheColourNeedAlpha) {
+  writeColours(folder_.path() / "colours.png");
+  write("a.mtl", std::string(kMtl) + "map_d colours.png\n");
+  testing::internal::CaptureStderr();
+  EXPECT_FALSE(read("a.obj", kObj).parts.at(0).fileMaterial.alphaTested);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              HasSubstr("left out: 1 opacity maps that are the image of the colour too, and have no alpha\n"));
+}
+
 TEST_F(AssetFiles, ScenesOverrideTheUpAxisAndTheAlpha) {
   writeColours(folder_.path() / "holes.png", 0);
   write("a.mtl", "newmtl paint\nKd 0.5 0.5 0.5\nmap_Kd holes.png\n");

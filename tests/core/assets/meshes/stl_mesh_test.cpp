@@ -91,6 +91,17 @@ TEST_F(StlMesh, WhatIsLeftOutIsCounted) {
   EXPECT_THAT(warnings("open.stl", open), HasSubstr("open.stl: may be incomplete"));
 }
 
+TEST_F(StlMesh, UnitsInNamesAndHeadersAreTold) {
+  EXPECT_THAT(warnings("a.stl", binary("UNITS=mm")), HasSubstr("units are mm: `unit: 0.001` reads it so"));
+  EXPECT_THAT(warnings("a.stl", "solid foo (unit: inch)" + std::string(kStl).substr(10)), HasSubstr("`unit: 0.0254`"));
+}
+
+TEST_F(StlMesh, CarriageReturnsEndLines) {
+  std::string text = kStl;
+  std::replace(text.begin(), text.end(), '\n', '\r');
+  expectCorners(read("a.stl", text), kWing, "old Mac OS");
+}
+
 TEST_F(StlMesh, DamagedTextsAreRefusedWithTheirLine) {
   std::string text = kStl;
   EXPECT_THAT(failure(write("cut.stl", text.substr(0, text.find("vertex 0 0 3")))),

@@ -36,6 +36,12 @@ constexpr std::array<ImageOption, 13> kImageOptions{{{"-blendu", 1},
                                                      {"-type", 1},
                                                      {"-cc", 1}}};
 
+std::string_view withoutComment(std::string_view name) {
+  const std::size_t comment = std::min(name.find(" #"), name.find("\t#"));
+  name = name.substr(0, comment);
+  return name.substr(0, name.find_last_not_of(" \t") + 1);
+}
+
 bool isNumber(std::string_view word) {
   return !word.empty() && word.find_first_not_of("+-.0123456789eE") == std::string_view::npos;
 }
@@ -69,15 +75,12 @@ class Library {
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
   void begin() {
-    const auto [at, isNew] = to_.byName.try_emplace(std::string(statements_.rest()), to_.materials.size());
-    known_ = !isNew;
-    index_ = at->second;
-    if (known_) return;
-    to_.materials.emplace_back().name = at->first;
-    to_.uvs.emplace_back();
+    index_ = to_.indexOf(std::string(statements_.rest()));
+    known_ = to_.list[index_].defined;
+    to_.list[index_].defined = true;
   }
 
-  ImportedMaterial& material() { return to_.materials[index_]; }
+  ImportedMaterial& material() { return to_.list[index_].look; }
 
   void readKey(std::string_view key) {
     if (key == "Kd") {
@@ -91,9 +94,9 @@ class Library {
     } else if (key == "Pm") {
       material().metallic = fraction(static_cast<float>(last()), 0.0f);
     } else if (key == "map_Kd" || key == "map_kd") {
-      material().base = readImage(true);
+      material().base = readImage(to_.list[index_].base);
     } else if (key == "map_d" || key == "map_opacity") {
-      material().opacityMap = readImage(material().base.name.empty());
+      material().opacityMap = readImage(to_.list[index_].opacity);
     } else {
       to_.leftOut.add(fmt::format("{} of materials", key.substr(0, 40)));
     }
@@ -112,14 +115,15 @@ class Library {
       return;
     }
     if (words.size() != 1 && words.size() < 3) statements_.fail("give three numbers (red, green, blue)");
+    material().stated = true;
     for (std::size_t k = 0; k < 3; ++k) {
       const double value = statements_.number(words[words.size() == 1 ? 0 : k]);
       material().color[k] = fraction(static_cast<float>(value), 1.0f);
     }
   }
 
-  // Reads options and the name of an image. `places`: the options -s and -o place the material's texture coordinates.
-  ImportedMap readImage(bool places) {
+  // Reads options and the name of an image. The options -s and -o set `place`.
+  ImportedMap readImage(UvPlace& place) {
     std::string_view rest = statements_.rest();
     ImportedMap map;
     while (rest.starts_with('-')) {
@@ -136,12 +140,15 @@ class Library {
         const bool number = isNumber(word);
         if (option->values > 1 && (!number || next.empty())) break;
         if (number) values[static_cast<std::size_t>(i)] = statements_.number(word);
-        if (name == "-clamp" && word == "on") to_.leftOut.add("-clamp on of textures, which repeat");
+        if (name == "-clamp" && word == "on") to_.leftOut.add(kClamps);
+        if (name == "-imfchan" && &place != &to_.list[index_].base && word.find_first_of("rgbz") == 0) {
+          to_.leftOut.add(kChannels);
+        }
         rest = next;
       }
-      UvPlace& uv = to_.uvs[index_];
-      if (places && name == "-s") uv.scale = {floatOr(values[0], 1), floatOr(values[1], 1)};
-      if (places && name == "-o") uv.offset = {floatOr(values[0], 0), floatOr(values[1], 0)};
+      if (name == "-s") place.scale = {floatOr(values[0], 1), floatOr(values[1], 1)};
+      if (name == "-o") place.offset = {floatOr(values[0], 0), floatOr(values[1], 0)};
+      if (name == "-mm" && (values[0].value_or(0) != 0 || values[1].value_or(1) != 1)) to_.leftOut.add(kBrightness);
     }
     if (rest.empty()) statements_.fail("names no image");
     map.name = map.label = std::string(rest);
@@ -159,6 +166,36 @@ class Library {
 };
 
 }  // namespace
+
+std::size_t Materials::indexOf(const std::string& name) {
+  const auto [at, isNew] = byName.try_emplace(name, list.size());
+  if (isNew) {
+    list.emplace_back().look.name = name;
+    list.back().look.stated = false;
+  }
+  return at->second;
+}
+
+void Materials::complete(bool missing) {
+  for (ObjMaterial& material : list) {
+    const std::string name = material.look.name;
+    if (!material.defined && !name.empty()) {
+      const auto same = std::find_if(list.begin(), list.end(), [&](const ObjMaterial& other) {
+        return other.defined && withoutComment(other.look.name) == withoutComment(name);
+      });
+      if (same == list.end()) {
+        leftOut.add(kUndefined, missing ? 0 : 1);
+      } else {
+        material = *same;
+        material.look.name = name;
+      }
+    }
+    const ImportedMaterial& look = material.look;
+    if (!look.base.name.empty() && !look.opacityMap.name.empty() && material.base != material.opacity) {
+      leftOut.add(kPlacements);
+    }
+  }
+}
 
 void readLibrary(const std::filesystem::path& file, Materials& materials) {
   const std::string text = readFile(file);

@@ -4,13 +4,16 @@
 // physically based keys Pr and Pm.
 //
 //   newmtl NAME
-//   Kd r [g b]                       base colour, linear; a single number is grey
+//   Kd r [g b]                       base colour, linear; a single number is grey. A material with neither Kd nor
+//   map_Kd
+//                                    states no colour.
 //   d [-halo] F, Tr F                opacity, or 1 - opacity
 //   Pr F, Pm F                       roughness, metallic
 //   map_Kd, map_d [options] FILE     image of the base colour, or of the opacity; the name may contain spaces
 //
-// Options -s and -o scale and shift the texture coordinates. Keys of the ambient, specular, emissive and reflected
-// light, of bumps and of illumination are not read, since they do not say how a surface reflects in the near infrared.
+// Options -s and -o scale and shift the texture coordinates, those of map_Kd if a material has both images. Keys of the
+// ambient, specular, emissive and reflected light, of bumps and of illumination are not read, since they do not say how
+// a surface reflects in the near infrared.
 
 #include <filesystem>
 #include <map>
@@ -22,17 +25,40 @@
 
 namespace scanmill::obj {
 
+// What is counted in LeftOut.
+inline constexpr const char* kUndefined = "materials that no library defines (they have the default reflectance)";
+inline constexpr const char* kClamps = "-clamp on of textures, which repeat";
+inline constexpr const char* kBrightness = "-mm of images, which changes their brightness";
+inline constexpr const char* kChannels = "-imfchan of opacity maps: alpha or brightness counts";
+inline constexpr const char* kPlacements = "placements of map_d (-s, -o) that differ from that of map_Kd";
+
 // How texture coordinates are placed on an image: uv * scale + offset.
 struct UvPlace {
   Vec2f scale{1, 1};
   Vec2f offset{0, 0};
+
+  bool operator==(const UvPlace&) const = default;
+};
+
+struct ObjMaterial {
+  ImportedMaterial look;
+  bool defined = false;  // true: a library defines it, not only a face names it
+  UvPlace base, opacity;
+
+  bool textured() const { return !look.base.name.empty() || !look.opacityMap.name.empty(); }
 };
 
 struct Materials {
-  std::vector<ImportedMaterial> materials;
-  std::vector<UvPlace> uvs;  // by index of the material
+  std::vector<ObjMaterial> list;
   std::map<std::string, std::size_t> byName;
   LeftOut leftOut;
+
+  // Returns the index of the material; adds one without colour if the name is unknown.
+  std::size_t indexOf(const std::string& name);
+  // Completes the materials after all libraries are read: those that faces name and no library defines get the look of
+  // one whose name differs by a comment ("newmtl red # wall"), or are counted unless `missing` says that a library is
+  // missing, of which another warning tells.
+  void complete(bool missing);
 };
 
 // Reads a library and adds its materials; the first definition of a name counts. Throws InputError with the line of a

@@ -17,6 +17,7 @@
 #include "assets/meshes/obj/statements.h"
 #include "assets/meshes/polygon.h"
 #include "assets/meshes/references.h"
+#include "assets/meshes/stated_unit.h"
 #include "base/error.h"
 #include "base/file.h"
 #include "base/format_support.h"
@@ -28,14 +29,10 @@ namespace {
 namespace fs = std::filesystem;
 using obj::Statements;
 
-// Largest sum of squared corner counts over all polygons: triangulating a polygon takes a time that grows with the
-// square of its corners, some seconds for 60,000 corners.
-constexpr double kMostCornersSquared = 4e9;
-
 class ObjReader {
  public:
   ObjReader(const fs::path& file, const AssetOptions& options)
-      : file_(file), options_(options), text_(readFile(file)), statements_(text_, file) {
+      : file_(file), options_(options), text_(readFile(file)), statements_(text_, file), polygons_(file) {
     if (text_.starts_with("\xFE\xFF") || text_.starts_with("\xFF\xFE")) {
       fail("is UTF-16 text: save it as UTF-8, for example with 'iconv -f UTF-16 -t UTF-8'");
     }
@@ -45,11 +42,23 @@ class ObjReader {
     while (statements_.next()) readStatement();
     ImportedFile read;
     read.up = options_.up.value_or('z');
+    warnOfStatedUnit(text_, options_, file_);
     assetFromFile_ = zUpFrom(read.up) * Mat3::scale(Vec3d{1, 1, 1} * options_.metresPerUnit);
     read.origin = origin();
-    for (Part& part : parts_) addPart(read, part);
+    library_.complete(!missing_.empty());
+    for (Part& part : parts_) {
+      // A texture must not show on faces without texture coordinates, which stand beside others.
+      Part bare{part.node, part.nodeIndex, part.material, {}};
+      if (library_.list[part.material].textured()) {
+        const auto first = std::stable_partition(part.triangles.begin(), part.triangles.end(), hasUvs);
+        bare.triangles.assign(first, part.triangles.end());
+        part.triangles.erase(first, part.triangles.end());
+      }
+      if (!part.triangles.empty()) addPart(read, part);
+      if (!bare.triangles.empty()) addPart(read, bare);
+    }
     read.outOfRange = outOfRange_;
-    read.materials = std::move(library_.materials);
+    for (obj::ObjMaterial& material : library_.list) read.materials.push_back(std::move(material.look));
     read.missing = std::move(missing_);
     leftOut_.add(library_.leftOut);
     leftOut_.add("colours of vertices", colored_);
@@ -89,7 +98,7 @@ class ObjReader {
       useMaterial();
     } else if (key == "mtllib") {
       readLibraries();
-    } else if (triangles_ == 0 && vertices_.empty() && objFormat().find(key) == nullptr && statements_.rest().empty()) {
+    } else if (vertices_.empty() && objFormat().find(key) == nullptr && statements_.rest().empty()) {
       statements_.fail("is no statement of an OBJ file: is it text?");
     } else {
       leftOut_.addKeyword(objFormat(), key);
@@ -143,46 +152,21 @@ class ObjReader {
       outOfRange_ += face_.size() - 2;
       return;
     }
-    triangles_ += face_.size() - 2;
-    if (triangles_ > kMostTriangles) fail(fmt::format("has more than {} triangles: split it", kMostTriangles));
     Part& part = currentPart();
-    if (face_.size() == 3) {
-      part.triangles.push_back({face_[0], face_[1], face_[2]});
-      return;
+    const auto place = [this](std::size_t i) { return vertices_[face_[i].vertex]; };
+    for (const auto& t : polygons_.divide(face_.size(), place)) {
+      part.triangles.push_back({face_[t[0]], face_[t[1]], face_[t[2]]});
     }
-    cornersSquared_ += static_cast<double>(face_.size()) * static_cast<double>(face_.size());
-    if (cornersSquared_ > kMostCornersSquared) {
-      fail(
-          fmt::format("has polygons of up to {} corners, which would take minutes to divide into triangles: export it "
-                      "with triangles",
-                      face_.size()));
-    }
-    polygon_.clear();
-    for (const Corner& c : face_) polygon_.push_back(vertices_[c.vertex]);
-    cut_.clear();
-    triangulate(polygon_, cut_);
-    for (const auto& t : cut_) part.triangles.push_back({face_[t[0]], face_[t[1]], face_[t[2]]});
   }
 
   Part& currentPart() {
     if (part_ != nullptr) return *part_;
     const std::pair<std::string, std::string> names{object_, group_};
     const auto node = nodes_.try_emplace(names, static_cast<std::uint32_t>(nodes_.size() + 1)).first->second;
-    const std::pair<std::uint32_t, std::size_t> key{node, material()};
+    const std::pair<std::uint32_t, std::size_t> key{node, library_.indexOf(material_)};
     const auto [at, isNew] = partOf_.try_emplace(key, parts_.size());
     if (isNew) parts_.push_back({group_.empty() ? object_ : group_, node, key.second, {}});
     return *(part_ = &parts_[at->second]);
-  }
-
-  // Returns the index of the material of the faces that follow.
-  std::size_t material() {
-    const auto [at, isNew] = library_.byName.try_emplace(material_, library_.materials.size());
-    if (isNew) {
-      library_.materials.emplace_back().name = material_;
-      library_.materials.back().stated = !material_.empty();
-      library_.uvs.emplace_back();
-    }
-    return at->second;
   }
 
   void useMaterial() {
@@ -238,21 +222,24 @@ class ObjReader {
     return originNear(places);
   }
 
+  static bool hasUvs(const std::array<Corner, 3>& triangle) {
+    return std::none_of(triangle.begin(), triangle.end(), [](const Corner& corner) { return corner.uv == kNone; });
+  }
+
   void addPart(ImportedFile& read, Part& from) const {
     ImportedPart& part = read.parts.emplace_back();
     part.node = std::move(from.node);
     part.nodeIndex = from.nodeIndex;
     part.material = static_cast<std::uint32_t>(from.material);
-    const obj::UvPlace& place = library_.uvs[from.material];
-    const bool hasUvs = std::any_of(from.triangles.begin(), from.triangles.end(), [](const auto& t) {
-      return t[0].uv != kNone || t[1].uv != kNone || t[2].uv != kNone;
-    });
+    const obj::ObjMaterial& material = library_.list[from.material];
+    const obj::UvPlace& place = material.look.base.name.empty() ? material.opacity : material.base;
+    const bool anyUvs = std::any_of(from.triangles.begin(), from.triangles.end(), hasUvs);
     for (const std::array<Corner, 3>& triangle : from.triangles) {
       const auto first = static_cast<std::uint32_t>(part.positions.size());
       part.triangles.push_back({first, first + 1, first + 2});
       for (const Corner& corner : triangle) {
         part.positions.push_back(static_cast<Vec3f>(assetFromFile_ * vertices_[corner.vertex] - read.origin));
-        if (!hasUvs) continue;
+        if (!anyUvs) continue;
         const Vec2f uv = corner.uv == kNone ? Vec2f{} : uvs_[corner.uv];
         part.uvs.push_back({uv.x * place.scale.x + place.offset.x, uv.y * place.scale.y + place.offset.y});
       }
@@ -279,12 +266,9 @@ class ObjReader {
   std::vector<std::string> missing_;  // libraries that do not exist
   LeftOut leftOut_;
   std::uint64_t colored_ = 0;  // number of vertices with a colour
-  std::uint64_t triangles_ = 0;
   std::uint64_t outOfRange_ = 0;
-  double cornersSquared_ = 0;
+  Triangulator polygons_;
   std::vector<Corner> face_;
-  std::vector<Vec3d> polygon_;
-  std::vector<std::array<std::uint32_t, 3>> cut_;
 };
 
 }  // namespace
@@ -301,10 +285,12 @@ const FormatSupport& objFormat() {
        {Read, "f fo",
         "faces of three corners and more, with negative indices too; polygons are divided into triangles"},
        {Read, "o g", "names of nodes, with spaces; the faces of one object and group are one node"},
-       {Read, "usemtl mtllib", "materials"},
-       {Read, "newmtl Kd d Tr Pr Pm", "name, colour, opacity, roughness and metalness of a material"},
+       {Read, "usemtl mtllib", "materials; a library may stand behind the faces"},
+       {Read, "newmtl Kd d Tr Pr Pm",
+        "name, colour, opacity, roughness and metalness of a material; without Kd and map_Kd it states no colour"},
        {Read, "map_Kd map_kd map_d map_opacity",
-        "images, with their options -s and -o; the other options count for nothing"},
+        "images, with their options -s and -o; the image of map_Kd counts in place of Kd, which does not tint it"},
+       {Unused, "-blendu -blendv -boost -t -texres -bm -type -cc", "filters and distortions of images"},
        {Unused, "vp deg bmat step cstype parm trim hole scrv sp con ctech stech res end",
         "parts of free-form curves and surfaces, which surf, curv and curv2 count"},
        {Unused, "Ka Ks Ke Ns Ni Tf illum sharpness Ps Pc Pcr aniso anisor", "lighting"},
@@ -314,7 +300,16 @@ const FormatSupport& objFormat() {
        {LeftOut, "p", "points (p)"},
        {LeftOut, "surf", "free-form surfaces (surf)"},
        {LeftOut, "curv curv2", "free-form curves (curv, curv2)"},
-       {LeftOut, "", "colours of vertices"}}};
+       {LeftOut, "", "colours of vertices"},
+       {LeftOut, "", obj::kUndefined},
+       {LeftOut, "", "Kd spectral and Kd xyz of materials"},
+       {LeftOut, "-clamp", obj::kClamps},
+       {LeftOut, "-mm", obj::kBrightness},
+       {LeftOut, "-imfchan", obj::kChannels},
+       {LeftOut, "", obj::kPlacements},
+       {LeftOut, "", "opacity maps that are the image of the colour too, and have no alpha"},
+       {LeftOut, "", "textures of parts without texture coordinates"},
+       {LeftOut, "", "opacities of materials (they are solid)"}}};
   return format;
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <limits>
 
 #include "base/error.h"
 
@@ -21,12 +22,13 @@ std::string_view trimmed(std::string_view text) {
 
 }  // namespace
 
-Statements::Statements(std::string_view text, const std::filesystem::path& file) : text_(text), file_(file.string()) {
+Statements::Statements(std::string_view text, const std::filesystem::path& file)
+    : text_(text), file_(file.string()), lineEnd_(text.find('\n') == std::string_view::npos ? '\r' : '\n') {
   if (text_.starts_with("\xEF\xBB\xBF")) text_.remove_prefix(3);
 }
 
 std::string_view Statements::nextLine() {
-  const std::size_t end = std::min(text_.find('\n', at_), text_.size());
+  const std::size_t end = std::min(text_.find(lineEnd_, at_), text_.size());
   const std::string_view line = trimmed(text_.substr(at_, end - at_));
   at_ = end + 1;
   ++lines_;
@@ -57,7 +59,11 @@ bool Statements::next() {
 
 const std::vector<std::string_view>& Statements::words() {
   words_.clear();
-  const std::string_view text = rest_.substr(0, rest_.find('#'));
+  std::size_t comment = rest_.find('#');
+  while (comment != std::string_view::npos && comment > 0 && rest_[comment - 1] == '.') {
+    comment = rest_.find('#', comment + 1);
+  }
+  const std::string_view text = rest_.substr(0, comment);
   for (std::size_t at = 0; (at = text.find_first_not_of(kBlanks, at)) != std::string_view::npos;) {
     const std::size_t end = std::min(text.find_first_of(kBlanks, at), text.size());
     words_.push_back(text.substr(at, end - at));
@@ -67,6 +73,8 @@ const std::vector<std::string_view>& Statements::words() {
 }
 
 double Statements::number(std::string_view word) const {
+  // Microsoft's library prints NaN and infinity as "-1.#IND", "1.#QNAN" and "1.#INF".
+  if (word.find(".#") != std::string_view::npos) return std::numeric_limits<double>::quiet_NaN();
   double number = 0;
   const char* const end = word.data() + word.size();
   const auto [stop, error] = std::from_chars(word.data() + (word.starts_with('+') ? 1 : 0), end, number);

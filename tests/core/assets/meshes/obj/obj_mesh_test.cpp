@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <string>
 #include <vector>
@@ -82,6 +84,33 @@ TEST_F(ObjMesh, CommentsStandBehindNumbersAndInNames) {
       1u);
 }
 
+// Microsoft's library prints NaN so.
+TEST_F(ObjMesh, NumbersWithACrossAreNotComments) {
+  const ImportedFile file = obj("v 0 0 -1.#IND00 # corner\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  EXPECT_TRUE(std::isnan(file.parts.at(0).positions.at(0).z));
+}
+
+TEST_F(ObjMesh, CarriageReturnsEndLinesWhereThereIsNoLineFeed) {
+  std::string text = square("# a comment\no Wall\nf 1 2 3 4\n");
+  std::replace(text.begin(), text.end(), '\n', '\r');
+  EXPECT_EQ(trianglesByNode(text).at("Wall"), 2u);
+}
+
+TEST_F(ObjMesh, UnitsInCommentsAreTold) {
+  const auto warned = [&](const std::string& comment, bool given = false) {
+    testing::internal::CaptureStderr();
+    obj(comment + square("f 1 2 3\n"), {.unitStated = given});
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_THAT(warned("# Exported\n# File units = inches\n"),
+              HasSubstr("a.obj: its comment says that units are inches: `unit: 0.0254` reads it so"));
+  EXPECT_THAT(warned("# Units:millimeters\n"), HasSubstr("`unit: 0.001`"));
+  EXPECT_EQ(warned("# Units: millimeters\n", true), "");
+  for (const char* comment : {"# File units = meters\n", "# units in the scene\n", "# Units:\n"}) {
+    EXPECT_EQ(warned(comment), "") << comment;
+  }
+}
+
 TEST_F(ObjMesh, VerticesHaveThreeToEightNumbers) {
   const std::string message =
       told("v 0 0 0 # corner 1 of 4\nv 1 0 0 1\nv 1 1 0 0.5 0.5 0.5\nv 0 1 0 0.5 0.5 0.5 1\nf 1 2 3 4 # all\n");
@@ -156,9 +185,60 @@ TEST_F(ObjMesh, MaterialsAreThoseOfLibraries) {
   EXPECT_EQ(material(1).opacity, 0.75f);
   EXPECT_EQ(material(1).opacityMap.name, "alpha.png");
   EXPECT_EQ(material(2).name, "Other");
-  EXPECT_TRUE(material(2).stated);
+  EXPECT_FALSE(material(2).stated) << "no library defines it";
   EXPECT_EQ(material(3).name, "");
   EXPECT_FALSE(material(3).stated);
+}
+
+TEST_F(ObjMesh, LibrariesMayStandBehindTheFaces) {
+  write("late.mtl", "newmtl one\nKd 0.1 0.2 0.3\nmap_Kd -s 2 2 a.png\n");
+  const ImportedFile file = obj(square("vt 0.5 0.5\nusemtl one\nf 1/1 2/1 3/1\nmtllib late.mtl\n"));
+  EXPECT_EQ(file.materials.at(file.parts.at(0).material).color, (std::array<float, 3>{0.1f, 0.2f, 0.3f}));
+  EXPECT_EQ(file.parts[0].uvs.at(0), (Vec2f{1, 1}));
+}
+
+TEST_F(ObjMesh, MaterialsWithoutColourHaveTheDefaultReflectance) {
+  write("some.mtl", "newmtl red # wall\nKd 0.4 0 0\nnewmtl shiny\nNs 10\n");
+  const ImportedFile file =
+      obj(square("mtllib some.mtl\nusemtl red\nf 1 2 3\nusemtl shiny\nf 1 2 3\nusemtl gone\nf 1 2 3\nf 1 3 4\n"));
+  const auto material = [&](std::size_t part) { return file.materials.at(file.parts.at(part).material); };
+  EXPECT_EQ(material(0).name, "red");
+  EXPECT_EQ(material(0).color, (std::array<float, 3>{0.4f, 0, 0}));
+  EXPECT_TRUE(material(0).stated);
+  EXPECT_FALSE(material(1).stated);
+  EXPECT_FALSE(material(2).stated);
+  EXPECT_EQ(file.leftOut.text(), "1 materials that no library defines (they have the default reflectance)");
+}
+
+TEST_F(ObjMesh, FacesWithoutTextureCoordinatesAreAPartOfTheirOwn) {
+  write("paint.mtl", "newmtl paint\nmap_Kd a.png\nnewmtl plain\nKd 1 1 1\n");
+  const std::string faces = "f 1/1 2/1 3/1\nf 1 3 4\nf 1/7 3/1 4/1\n";
+  const ImportedFile file =
+      obj(square("mtllib paint.mtl\nvt 0.5 0.5\nusemtl paint\n" + faces + "usemtl plain\n" + faces));
+  ASSERT_EQ(file.parts.size(), 3u);
+  EXPECT_EQ(file.parts[0].triangles.size(), 1u);
+  EXPECT_FALSE(file.parts[0].uvs.empty());
+  EXPECT_EQ(file.parts[1].triangles.size(), 2u);
+  EXPECT_TRUE(file.parts[1].uvs.empty());
+  EXPECT_EQ(file.parts[1].nodeIndex, file.parts[0].nodeIndex);
+  EXPECT_EQ(file.parts[2].triangles.size(), 3u) << "without an image the faces stay together";
+}
+
+TEST_F(ObjMesh, OptionsOfImagesThatAreNotReadAreCounted) {
+  const auto read = [&](const std::string& material) {
+    write("paint.mtl", "newmtl paint\n" + material);
+    return obj(square("mtllib paint.mtl\nvt 0.5 0.5\nusemtl paint\nf 1/1 2/1 3/1\n"));
+  };
+  const std::string differ = "1 placements of map_d (-s, -o) that differ from that of map_Kd";
+  for (const char* material : {"map_d -s 2 2 l.png\nmap_Kd g.png\n", "map_Kd g.png\nmap_d -s 2 2 l.png\n"}) {
+    const ImportedFile file = read(material);
+    EXPECT_EQ(file.parts.at(0).uvs.at(0), (Vec2f{0.5f, 0.5f}));
+    EXPECT_EQ(file.leftOut.text(), differ);
+  }
+  EXPECT_TRUE(read("map_Kd -s 2 2 g.png\nmap_d -s 2 2 -imfchan m l.png\n").leftOut.empty());
+  EXPECT_EQ(read("map_d -s 2 2 l.png\n").parts.at(0).uvs.at(0), (Vec2f{1, 1}));
+  EXPECT_EQ(read("map_Kd -mm 0.2 0.5 g.png\n").leftOut.text(), "1 -mm of images, which changes their brightness");
+  EXPECT_EQ(read("map_d -imfchan r l.png\n").leftOut.text(), "1 -imfchan of opacity maps: alpha or brightness counts");
 }
 
 TEST_F(ObjMesh, LibrariesMayBeSeveralOrMissing) {
