@@ -83,9 +83,11 @@ void readImageUses(const std::string& bytes, bool binary, LeftOut& leftOut, std:
     std::string id;
     if (binary) {
       if (at > 18 && bytes[at - 18] == 'L' && bytes[at - 9] == 'L') id = "Texture" + bytes.substr(at - 18, 9);
-    } else if (const std::size_t from = bytes.rfind("\"OP\"", at); from != std::string::npos) {
-      const std::string list = bytes.substr(from + 5, at - from - 5);
-      if (list.find('\n') == std::string::npos) id = "Texture: " + list.substr(0, list.find(',') + 1);
+    } else {
+      const std::size_t line = bytes.rfind('\n', at) + 1;
+      const std::string list = bytes.substr(line, at - line);
+      const std::size_t from = list.find("\"OP\",");
+      if (from != std::string::npos) id = "Texture: " + list.substr(from + 5, list.find(',', from + 5) - from - 4);
     }
     if (!id.empty() && bytes.find(id) != std::string::npos) leftOut.add("images of DiffuseFactor");
   }

@@ -87,6 +87,9 @@ class Importer {
     configure(importer_);
     if (kind_ == ".dae") collada_ = colladaFacts(file_);
     leftOut_.add(collada_.leftOut);
+    if (kind_ == ".zae") {
+      leftOut_.add("checks for hidden nodes and inverted transparency (unpack the .zae)");
+    }
     try {
       scene_ = open();
     } catch (const std::bad_alloc&) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <regex>
 #include <set>
@@ -329,6 +330,14 @@ TEST_F(Imported, MaterialsOfFbxWithoutAColourHaveNone) {
   const AssetPart part = read("a.fbx", fbxWithMaterial("")).parts.at(0);
   EXPECT_EQ(part.material, "paint");
   EXPECT_EQ(part.fileMaterial.reflectance, Material().reflectance);
+}
+
+TEST_F(Imported, CompressedColladaIsSaidNotToBeSearched) {
+  const std::filesystem::path file = "/usr/share/assimp/models/Collada/duck.zae";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << "needs the package assimp-testmodels";
+  testing::internal::CaptureStderr();
+  readAsset(file, {});
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("left out: 1 checks for hidden nodes"));
 }
 
 TEST_F(Imported, ElementsOfColladaThatTheImporterCannotReadAreRefused) {
