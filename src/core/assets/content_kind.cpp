@@ -39,7 +39,7 @@ constexpr std::array<Content, 26> kContents{{
     {"\x89png"sv, "a PNG image", ""},
     {"\xff\xd8\xff"sv, "a JPEG image", ""},
     {"%pdf", "a PDF", ""},
-    {"pk\x03\x04"sv, "a ZIP archive: unpack it", ".zae .3mf .amf .q3o .zgl"},
+    {"pk\x03\x04"sv, "a ZIP archive: unpack it", ".3mf .amf .q3o .zgl"},
     {"\x1f\x8b"sv, "compressed by gzip: unpack it", ".blend .zgl .x3db"},
     {"7z\xbc\xaf"sv, "a 7z archive: unpack it", ""},
     {"rar!", "a RAR archive: unpack it", ""},

@@ -104,7 +104,6 @@ const FormatSupport& colladaFormat() {
        {LeftOut, "", "materials without a plain diffuse colour"},
        {LeftOut, "", "numbers of `transparency` beside images (the images alone count)"},
        {LeftOut, "", "references to other files"},
-       {LeftOut, "", "checks for hidden nodes and inverted transparency (unpack the .zae)"},
        {Unused, "skew instance_image", "files with these are refused"}}};
   return format;
 }

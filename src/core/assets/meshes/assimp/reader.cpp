@@ -87,9 +87,6 @@ class Importer {
     configure(importer_);
     if (kind_ == ".dae") collada_ = colladaFacts(file_);
     leftOut_.add(collada_.leftOut);
-    if (kind_ == ".zae") {
-      leftOut_.add("checks for hidden nodes and inverted transparency (unpack the .zae)");
-    }
     try {
       scene_ = open();
     } catch (const std::bad_alloc&) {
@@ -453,7 +450,7 @@ const FormatSupport& importedFormat() {
   using enum FormatElements::Use;
   static const FormatSupport format{
       "other files that the assimp library reads",
-      ".3ds, .lwo, .off, .ply with texture coordinates, .x",
+      ".3ds, .lwo, .off, .x",
       {{Read, "", "nodes with their names and transforms, polygons, texture coordinates"},
        {Read, "", "skins of .x, in the pose in which the nodes stand"},
        {Read, "", "colours, opacity and images of materials, with their scale, shift and rotation"},

@@ -332,14 +332,6 @@ TEST_F(Imported, MaterialsOfFbxWithoutAColourHaveNone) {
   EXPECT_EQ(part.fileMaterial.reflectance, Material().reflectance);
 }
 
-TEST_F(Imported, CompressedColladaIsSaidNotToBeSearched) {
-  const std::filesystem::path file = "/usr/share/assimp/models/Collada/duck.zae";
-  if (!std::filesystem::exists(file)) GTEST_SKIP() << "needs the package assimp-testmodels";
-  testing::internal::CaptureStderr();
-  readAsset(file, {});
-  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("left out: 1 checks for hidden nodes"));
-}
-
 TEST_F(Imported, ElementsOfColladaThatTheImporterCannotReadAreRefused) {
   const std::string text = dae("Z_UP", "1");
   EXPECT_THAT(failure(write("a.dae", replaced(text, "<translate>", "<skew>45 0 1 0 1 0 0</skew><translate>"))),
