@@ -6,11 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-<<<<<<< HEAD
-#include <optional>
 #include <string_view>
-=======
->>>>>>> obj
 #include <utility>
 #include <vector>
 

@@ -30,7 +30,7 @@ struct ColladaFacts {
   LeftOut leftOut;
 };
 
-// Finds the facts in the file's text, without checking the file.
+// Finds the facts in the text of the file, which is not checked further.
 // Throws an Error that states the problem if the file has elements that assimp cannot read.
 ColladaFacts colladaFacts(const std::filesystem::path& file);
 
