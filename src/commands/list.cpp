@@ -9,6 +9,7 @@
 #include "assets/meshes/assimp/reader.h"
 #include "assets/meshes/gltf/model.h"
 #include "assets/meshes/obj/obj_mesh.h"
+#include "assets/meshes/off_mesh.h"
 #include "assets/meshes/ply_mesh.h"
 #include "assets/meshes/stl_mesh.h"
 #include "assets/worlds/ogre_material.h"
@@ -93,12 +94,12 @@ void printCapabilities() {
 
 // Formats whose readers say what they read and what they leave out.
 std::vector<FormatSupport> inputFormats() {
-  return {objFormat(),          velodyneFormat(),  ousterFormat(),  beamTableFormat(), poseFormat(),
-          gltf::gltfFormat(),   stlFormat(),       colladaFormat(), fbxFormat(),       ac3dFormat(),
-          importedFormat(),     rasterFormat(),    imageFormat(),   lasFormat(),       plyCloudFormat(),
-          plyMeshFormat(),      pcdFormat(),       csvFormat(),     npzFormat(),       dracoFormat(),
-          pointRecordsFormat(), town::osmFormat(), sdfFormat(),     ogreFormat(),      urdfFormat(),
-          tilesetFormat()};
+  return {objFormat(),        velodyneFormat(),     ousterFormat(),    beamTableFormat(), poseFormat(),
+          gltf::gltfFormat(), stlFormat(),          offFormat(),       colladaFormat(),   fbxFormat(),
+          ac3dFormat(),       importedFormat(),     rasterFormat(),    imageFormat(),     lasFormat(),
+          plyCloudFormat(),   plyMeshFormat(),      pcdFormat(),       csvFormat(),       npzFormat(),
+          dracoFormat(),      pointRecordsFormat(), town::osmFormat(), sdfFormat(),       ogreFormat(),
+          urdfFormat(),       tilesetFormat()};
 }
 
 Rows inputRows() {

@@ -16,6 +16,7 @@
 #include "assets/meshes/child_process.h"
 #include "assets/meshes/imported_file.h"
 #include "assets/meshes/obj/obj_mesh.h"
+#include "assets/meshes/off_mesh.h"
 #include "assets/meshes/ply_mesh.h"
 #include "assets/meshes/stl_mesh.h"
 #include "base/error.h"
@@ -31,8 +32,7 @@ constexpr unsigned kSeconds = 300;
 
 // The kinds for which assimp is used. It reads more kinds, but loses without a word much of what these say, such as the
 // units of 3MF, AMF, DXF and X3D.
-constexpr std::array<std::string_view, 9> kByAssimp{".3ds", ".ac",  ".ac3d", ".acc", ".dae",
-                                                    ".fbx", ".lwo", ".off",  ".x"};
+constexpr std::array<std::string_view, 8> kByAssimp{".3ds", ".ac", ".ac3d", ".acc", ".dae", ".fbx", ".lwo", ".x"};
 
 ImportedFile importByAssimp(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
   if (std::find(kByAssimp.begin(), kByAssimp.end(), kind) == kByAssimp.end()) {
@@ -72,6 +72,7 @@ Asset readImported(const std::filesystem::path& file, const std::string& kind, c
   ImportedFile imported = kind == ".ply"   ? readPlyMesh(file, options)
                           : kind == ".obj" ? readObjMesh(file, options)
                           : kind == ".stl" ? readStlMesh(file, options)
+                          : kind == ".off" ? readOffMesh(file, options)
                                            : importByAssimp(file, kind, options);
   if (!imported.missing.empty()) {
     warn(

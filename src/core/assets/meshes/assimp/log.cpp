@@ -20,7 +20,7 @@ class ProblemStream final : public Assimp::LogStream {
  public:
   explicit ProblemStream(std::vector<std::string>& problems) : problems_(problems) {}
 
-  // Takes a line such as "Error, T0: OFF: The number of verts in the header is incorrect".
+  // Takes a line such as "Error, T0: AC3D: Unexpected EOF".
   void write(const char* message) override {
     std::string_view text(message);
     text.remove_prefix(std::min(text.find(": ") + 2, text.size()));

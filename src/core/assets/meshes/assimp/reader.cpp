@@ -450,7 +450,7 @@ const FormatSupport& importedFormat() {
   using enum FormatElements::Use;
   static const FormatSupport format{
       "other files that the assimp library reads",
-      ".3ds, .lwo, .off, .x",
+      ".3ds, .lwo, .x",
       {{Read, "", "nodes with their names and transforms, polygons, texture coordinates"},
        {Read, "", "skins of .x, in the pose in which the nodes stand"},
        {Read, "", "colours, opacity and images of materials, with their scale, shift and rotation"},

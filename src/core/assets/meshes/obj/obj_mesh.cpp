@@ -31,8 +31,8 @@ using obj::Statements;
 
 class ObjReader {
  public:
-  ObjReader(const fs::path& file, const AssetOptions& options)
-      : file_(file), options_(options), text_(readFile(file)), statements_(text_, file), polygons_(file) {
+  ObjReader(std::string text, const fs::path& file, const AssetOptions& options)
+      : file_(file), options_(options), text_(std::move(text)), statements_(text_, file), polygons_(file) {
     if (text_.starts_with("\xFE\xFF") || text_.starts_with("\xFF\xFE")) {
       fail("is UTF-16 text: save it as UTF-8, for example with 'iconv -f UTF-16 -t UTF-8'");
     }
@@ -314,7 +314,11 @@ const FormatSupport& objFormat() {
 }
 
 ImportedFile readObjMesh(const std::filesystem::path& file, const AssetOptions& options) {
-  return ObjReader(file, options).read();
+  return readObjText(readFile(file), file, options);
+}
+
+ImportedFile readObjText(std::string text, const std::filesystem::path& file, const AssetOptions& options) {
+  return ObjReader(std::move(text), file, options).read();
 }
 
 }  // namespace scanmill

@@ -13,6 +13,7 @@
 // Statements that the table objFormat() leaves out, such as lines, and unknown ones are counted in one warning.
 
 #include <filesystem>
+#include <string>
 
 #include "assets/meshes/asset_data.h"
 #include "assets/meshes/imported_file.h"
@@ -25,5 +26,8 @@ const FormatSupport& objFormat();
 // Reads the file. Triangles with indices out of range are dropped and counted. Throws InputError with the line of a
 // statement that cannot be read, and for a library outside of the asset's folder unless AssetOptions::allowOutside.
 ImportedFile readObjMesh(const std::filesystem::path& file, const AssetOptions& options);
+
+// Reads the text of a file as readObjMesh() does. Messages name the file.
+ImportedFile readObjText(std::string text, const std::filesystem::path& file, const AssetOptions& options);
 
 }  // namespace scanmill
