@@ -59,7 +59,7 @@ Cloud readNpz(std::string_view bytes, const std::string& what);
 
 // Reads the points of LAS 1.0 to 1.4, point formats 0 to 10 ("LAS Specification 1.4 - R15", American Society for
 // Photogrammetry and Remote Sensing, 2019), except points marked as withheld; extra bytes are columns. Coordinates are
-// metres, unless `unit` is OfFile and the coordinate system (las_unit.h) states feet. Refuses bytes that are not LAS,
+// metres, unless `unit` is OfFile and the coordinate system (system_unit.h) states feet. Refuses bytes that are not LAS,
 // of another version, truncated, or compressed (LAZ), and coordinates in degrees or unknown units.
 Cloud readLas(std::string_view bytes, const std::string& what, CloudUnit unit = CloudUnit::OfFile);
 
