@@ -399,7 +399,7 @@ Raster readRaster(const std::filesystem::path& file, const RasterRequest& reques
   if (request.use == RasterUse::Heights) {
     expectHeights(file, header, request.placed);
     factor *= metresPerHeight(file, header);
-    tellStretch(file, header);
+    if (request.placed) tellStretch(file, header);
   }
   if (request.use != RasterUse::Colors) {
     leftOut.add("bands behind the first",
