@@ -20,6 +20,7 @@ struct Cloud {
   Pose worldFromFile = {};  // pose of the file's coordinates (VIEWPOINT of PCD); others state none: the identity
   std::map<std::uint32_t, std::string> classNames = {};  // by label, as the file states them (LAS); may be empty
   LeftOut leftOut = {};                                  // what the reader leaves out; the caller tells it
+  std::string system = {};  // the coordinate system of a LAS (WKT or "EPSG:32632"); empty: not stated
 };
 
 // Returns the origin to use for a cloud near `place` (m). For each axis it is 0 if the place's coordinate is within 1

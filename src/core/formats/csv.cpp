@@ -62,7 +62,7 @@ bool isNumber(std::string_view word) {
 class CsvReader {
  public:
   CsvReader(std::string_view bytes, const std::string& what, bool exact)
-      : rest_(bytes), where_{what, 0, 0}, exact_(exact) {}
+      : rest_(bytes), lineEnd_(bytes.find('\n') == bytes.npos ? '\r' : '\n'), where_{what, 0, 0}, exact_(exact) {}
 
   Cloud read() {
     constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
@@ -85,7 +85,7 @@ class CsvReader {
  private:
   // Removes the next line from the rest of the file.
   void cutLine() {
-    const std::size_t end = std::min(rest_.find('\n'), rest_.size());
+    const std::size_t end = std::min(rest_.find(lineEnd_), rest_.size());
     line_ = trimmed(rest_.substr(0, end));
     rest_.remove_prefix(std::min(end + 1, rest_.size()));
     ++where_.line;
@@ -202,6 +202,7 @@ class CsvReader {
   static constexpr std::array<float Vec3f::*, 3> kFloatAxes{&Vec3f::x, &Vec3f::y, &Vec3f::z};
 
   std::string_view rest_, line_;
+  char lineEnd_;  // '\r' in texts of classic Mac OS
   Location where_;
   bool exact_;
   char separator_ = ',';

@@ -8,8 +8,8 @@
 
 #include "base/error.h"
 #include "formats/cloud_columns.h"
-#include "formats/las_unit.h"
 #include "formats/readers.h"
+#include "rasters/system_unit.h"
 
 namespace scanmill {
 namespace {
@@ -94,7 +94,7 @@ class LasReader {
       }
     }
     readRecords(first);
-    if (unit == CloudUnit::OfFile) applyUnit();
+    if (unit == CloudUnit::OfFile) applyUnit(first, points);
     readPoints(first, points);
     return std::move(cloud_);
   }
@@ -159,15 +159,16 @@ class LasReader {
     return field.substr(0, field.find('\0'));
   }
 
-  void applyUnit() {
+  void applyUnit(std::uint64_t first, std::uint64_t points) {
     const bool byWkt = !wkt_.empty() && ((at<std::uint16_t>(kEncoding) & kWktBit) != 0 || geoKeys_.empty());
-    const LasUnit unit = byWkt ? unitOfWkt(wkt_) : unitOfGeoKeys(geoKeys_, geoNumbers_);
+    const SystemUnit unit = byWkt ? unitOfWkt(wkt_) : unitOfGeoKeys(geoKeys_, geoNumbers_);
     constexpr const char* kOtherwise = "or state the metres per unit by the key `unit`, which goes before the file";
-    if (unit.degrees) {
-      fail(
-          fmt::format("has coordinates in degrees: reproject it, by `pdal translate a.las b.las reprojection "
-                      "--filters.reprojection.out_srs=EPSG:32632` with the zone of the place, {}",
-                      kOtherwise));
+    constexpr const char* kReproject =
+        "reproject it, by `pdal translate a.las b.las reprojection --filters.reprojection.out_srs=EPSG:32632` with the "
+        "zone of the place";
+    if (unit.degrees || unit.geocentric) {
+      fail(fmt::format("has {}: {}, {}", unit.degrees ? "coordinates in degrees" : "earth-centred coordinates",
+                       kReproject, kOtherwise));
     }
     if (unit.unknown != 0) {
       fail(fmt::format("has coordinates in the unit EPSG:{}, which is not known: reproject it into metres, {}",
@@ -182,19 +183,51 @@ class LasReader {
                       where_.file, unit.unstated));
     } else if (unit.horizontal != 1 || vertical != 1) {
       warn(
-          fmt::format("{}: its coordinates, in units of {:.10g} m ({}), and heights, in units of {:.10g} m, become "
+          fmt::format("{}: its coordinates, in units of {:.10g} m ({}), and {}, in units of {:.10g} m, become "
                       "metres; the key `unit` would go before the file",
-                      where_.file, unit.horizontal, unit.name, vertical));
+                      where_.file, unit.horizontal, unit.name.empty() ? "metre" : unit.name,
+                      vertical < 0 ? "depths, which become heights below 0" : "heights", std::fabs(vertical)));
     }
+    cloud_.system = byWkt            ? std::string(textAt(wkt_, 0, wkt_.size()))
+                    : unit.code != 0 ? fmt::format("EPSG:{}", unit.code)
+                                     : "";
+    if (points == 0) return;
+    constexpr double kEarthRadius = 6378137;  // m
+    const Vec3d place = placeAt(first);
+    if (unit.mercator) {
+      warn(
+          fmt::format("{}: its coordinates are in a Mercator projection, in which lengths are {:.4g} times those on "
+                      "the ground (1/cos(latitude)), heights are not: {}",
+                      where_.file, std::cosh(place.y / kEarthRadius), kReproject));
+    }
+    if (wkt_.empty() && geoKeys_.empty()) tellDegrees(place, first, points);
+  }
+
+  // Warns if the coordinates of a file without a coordinate system look like degrees: they lie far from 0, and closer
+  // to each other than those of any place in metres.
+  void tellDegrees(const Vec3d& place, std::uint64_t first, std::uint64_t points) const {
+    constexpr double kTiny = 0.2, kFar = 5;  // extent; ratio of the distance from 0 to the extent
+    Box box;
+    for (std::uint64_t i = 0; i < points; ++i) box.add(placeAt(first + i * record_));
+    const double extent = std::max(box.high.x - box.low.x, box.high.y - box.low.y);
+    const double away = std::max(std::fabs(place.x), std::fabs(place.y));
+    if (std::fabs(place.x) > 180 || std::fabs(place.y) > 90 || extent > kTiny) return;
+    if (extent == 0 || away < kFar * extent) return;
+    warn(fmt::format(
+        "{}: all its points lie within {:.2g} m of [{:.6g}, {:.6g}], and no coordinate system is stated: if "
+        "they are in degrees, reproject it, by `pdal translate a.las b.las reprojection "
+        "--filters.reprojection.in_srs=EPSG:4326 --filters.reprojection.out_srs=EPSG:32632`",
+        where_.file, extent, place.x, place.y));
   }
 
   void readPoints(std::uint64_t first, std::uint64_t points) {
     const bool modern = format_ >= 6;
+    const bool flags = at<std::uint8_t>(kMinor) > 0;  // LAS 1.0 has classes of 8 bits and no flags
     std::vector<std::uint64_t> records;
     records.reserve(points);
     for (std::uint64_t i = 0; i < points; ++i) {
       const std::uint64_t record = first + i * record_;
-      const bool withheld = (at<std::uint8_t>(record + 15) & (modern ? 0x04 : 0x80)) != 0;
+      const bool withheld = flags && (at<std::uint8_t>(record + 15) & (modern ? 0x04 : 0x80)) != 0;
       if (!withheld) records.push_back(record);
     }
     cloud_.leftOut.add("points marked as withheld", points - records.size());
@@ -206,7 +239,7 @@ class LasReader {
       scan.position.push_back(static_cast<Vec3f>(placeAt(record) - cloud_.origin));
       intensities.push_back(at<std::uint16_t>(record + 12));
       const auto classified = at<std::uint8_t>(record + (modern ? 16 : 15));
-      labels.push_back(modern ? classified : classified & 0x1F);
+      labels.push_back(modern || !flags ? classified : classified & 0x1F);
       const auto returns = at<std::uint8_t>(record + 14);
       scan[kReturn].push_back(returns & (modern ? 0x0F : 0x07));
       scan[kReturns].push_back(modern ? returns >> 4 : returns >> 3 & 0x07);
@@ -320,7 +353,8 @@ const FormatSupport& lasFormat() {
   static const FormatSupport format{
       "LAS",
       ".las",
-      {{Read, "X Y Z", "coordinates, in double precision; feet of the coordinate system become metres"},
+      {{Read, "X Y Z",
+        "coordinates, in double precision; feet of the coordinate system become metres, depths become heights"},
        {Read, "intensity intensity_f", "intensities; the latter, of our own exports, goes before the former"},
        {Read, "classification",
         "classes, with the names of the specification or of the file; if all are 0, extra bytes can state classes"},

@@ -169,6 +169,12 @@ class HeaderReader {
     const Location where{where_.file, 0, 0};
     PcdHeader& h = header_;
     if (h.fields.empty()) throw InputError(where, "the header names no fields");
+    for (const auto& [capital, name] : {std::pair{"X", "x"}, {"Y", "y"}, {"Z", "z"}}) {
+      const auto called = [&](const char* text) {
+        return std::find_if(h.fields.begin(), h.fields.end(), [&](const PcdField& f) { return f.name == text; });
+      };
+      if (called(name) == h.fields.end() && called(capital) != h.fields.end()) called(capital)->name = name;
+    }
     for (PcdField& field : h.fields) {
       const bool integer = field.type == 'U' || field.type == 'I';
       const bool known = field.type == 'F'

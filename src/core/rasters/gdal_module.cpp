@@ -6,9 +6,11 @@
 #include <gdal.h>
 #include <ogr_srs_api.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <filesystem>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -35,9 +37,27 @@ class Reference {
     known_ = !definition.empty() && OSRSetFromUserInput(handle_, definition.c_str()) == OGRERR_NONE;
     OSRSetAxisMappingStrategy(handle_, OAMS_TRADITIONAL_GIS_ORDER);
   }
+  explicit Reference(OGRSpatialReferenceH handle) : handle_(handle), known_(true) {
+    OSRSetAxisMappingStrategy(handle_, OAMS_TRADITIONAL_GIS_ORDER);
+  }
   ~Reference() { OSRDestroySpatialReference(handle_); }
   Reference(const Reference&) = delete;
   Reference& operator=(const Reference&) = delete;
+
+  // Reads a .prj, of Esri's old kind too.
+  void readEsri(const std::string& file) {
+    char** const lines = CSLLoad(file.c_str());
+    known_ = lines != nullptr && OSRImportFromESRI(handle_, lines) == OGRERR_NONE;
+    CSLDestroy(lines);
+  }
+
+  std::string text() const {
+    char* text = nullptr;
+    if (known_) OSRExportToWkt(handle_, &text);
+    const std::string copy = text == nullptr ? "" : text;
+    CPLFree(text);
+    return copy;
+  }
 
   bool known() const { return known_; }
 
@@ -64,6 +84,57 @@ class Reference {
     if (points == OAO_Down) header.metresPerHeight *= -1;
   }
 
+  // Fills stretch and utm of a header.
+  void measure(RasterHeader& header) const {
+    if (!known_ || OSRIsProjected(handle_) == 0) return;
+    const double step = 100;  // m
+    const auto& t = header.transform;
+    const double x = t[0] + header.width / 2.0 * t[1] + header.height / 2.0 * t[2];
+    const double y = t[3] + header.width / 2.0 * t[4] + header.height / 2.0 * t[5];
+    const double unit = OSRGetLinearUnits(handle_, nullptr);
+    std::array<double, 3> east{x, x + step / unit, x};
+    std::array<double, 3> north{y, y, y + step / unit};
+    OSRStripVertical(handle_);
+    const Reference degrees(OSRCloneGeogCS(handle_));
+    if (!transform(degrees, east, north)) return;
+    const double radian = OSRGetAngularUnits(degrees.handle_, nullptr);
+    const double flat = OSRGetInvFlattening(handle_, nullptr);
+    const double eccentricity2 = flat > 1 ? (2 - 1 / flat) / flat : 0;
+    // Radii of curvature of the ellipsoid: along the meridian, and across it.
+    const double w = 1 - eccentricity2 * std::pow(std::sin(north[0] * radian), 2);
+    const double across = OSRGetSemiMajor(handle_, nullptr) / std::sqrt(w);
+    const double along = across * (1 - eccentricity2) / w;
+    for (const std::size_t k : {std::size_t{1}, std::size_t{2}}) {
+      const double dx = (east[k] - east[0]) * radian * std::cos(north[0] * radian) * across;
+      const double dy = (north[k] - north[0]) * radian * along;
+      const double stretch = step / std::hypot(dx, dy);
+      if (std::fabs(std::log(stretch)) >= std::fabs(std::log(header.stretch))) header.stretch = stretch;
+    }
+    constexpr double kDegrees = 57.29577951308232;
+    const int zone = static_cast<int>(std::floor((east[0] * radian * kDegrees + 180) / 6)) % 60 + 1;
+    header.utm = (north[0] < 0 ? 32700 : 32600) + zone;
+  }
+
+  // Changes coordinates to another system. Returns false if they cannot be.
+  template <std::size_t Count>
+  bool transform(const Reference& other, std::array<double, Count>& x, std::array<double, Count>& y) const {
+    OGRCoordinateTransformationH change = OCTNewCoordinateTransformation(handle_, other.handle_);
+    if (change == nullptr) return false;
+    const bool done = OCTTransform(change, Count, x.data(), y.data(), nullptr) != 0;
+    OCTDestroyCoordinateTransformation(change);
+    return done && std::all_of(x.begin(), x.end(), [](double d) { return std::isfinite(d); }) &&
+           std::all_of(y.begin(), y.end(), [](double d) { return std::isfinite(d); });
+  }
+
+  double shift(const Reference& other, double x, double y) const {
+    if (!known_ || !other.known_ || OSRIsProjected(handle_) == 0 || OSRIsProjected(other.handle_) == 0) return 0;
+    OSRStripVertical(handle_);
+    OSRStripVertical(other.handle_);
+    const double unit = OSRGetLinearUnits(handle_, nullptr), otherUnit = OSRGetLinearUnits(other.handle_, nullptr);
+    std::array<double, 1> east{x / unit}, north{y / unit};
+    return transform(other, east, north) ? std::hypot(east[0] * otherUnit - x, north[0] * otherUnit - y) : 0;
+  }
+
   bool same(const Reference& other) const {
     OSRStripVertical(handle_);
     OSRStripVertical(other.handle_);
@@ -77,7 +148,7 @@ class Reference {
 
 class GdalReader final : public RasterReader {
  public:
-  explicit GdalReader(const std::string& file) : set_(GDALOpen(file.c_str(), GA_ReadOnly)) {
+  explicit GdalReader(const std::string& file) : file_(file), set_(GDALOpen(file.c_str(), GA_ReadOnly)) {
     if (set_ == nullptr) fail("is no raster that GDAL knows");
     driver_ = GDALGetDriverShortName(GDALGetDatasetDriver(set_));
   }
@@ -101,7 +172,20 @@ class GdalReader final : public RasterReader {
     header.placed = GDALGetGeoTransform(set_, header.transform.data()) == CE_None;
     const char* const reference = GDALGetProjectionRef(set_);
     header.reference = reference == nullptr ? "" : reference;
-    Reference(header.reference).describe(header);
+    Reference system(header.reference);
+    char** const files = GDALGetFileList(set_);
+    for (int i = 0; i < CSLCount(files); ++i) header.files.emplace_back(files[i]);
+    CSLDestroy(files);
+    for (const char* ending : {".prj", ".PRJ"}) {
+      const std::string prj = std::filesystem::path(file_).replace_extension(ending).string();
+      std::error_code error;
+      if (!header.reference.empty() || !std::filesystem::exists(prj, error)) continue;
+      system.readEsri(prj);
+      header.reference = system.text();
+      if (std::find(header.files.begin(), header.files.end(), prj) == header.files.end()) header.files.push_back(prj);
+    }
+    system.describe(header);
+    if (header.placed) system.measure(header);
     CPLErrorReset();
     return header;
   }
@@ -157,6 +241,7 @@ class GdalReader final : public RasterReader {
     }
   }
 
+  std::string file_;  // the data set's name can change
   GDALDatasetH set_;
   std::string driver_;
   std::vector<double> mask_;
@@ -177,6 +262,11 @@ class Gdal final : public RastersModule {
     const Reference a(reference);
     const Reference b(other);
     return !a.known() || !b.known() || a.same(b);
+  }
+  double shift(const std::string& reference, const std::string& other, double x, double y) const override {
+    const double distance = Reference(reference).shift(Reference(other), x, y);
+    CPLErrorReset();
+    return distance;
   }
 };
 

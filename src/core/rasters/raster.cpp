@@ -5,11 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <memory>
-#include <set>
+#include <optional>
+#include <sstream>
 #include <stdexcept>
 #include <string_view>
 
@@ -17,12 +20,22 @@
 #include "base/file.h"
 #include "config/text.h"
 #include "rasters/rasters_interface.h"
+#include "rasters/system_unit.h"
 
 namespace scanmill {
 namespace {
 
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& what) {
   throw InputError({file.string()}, what);
+}
+
+// Returns why GDAL does not know a text grid whose heading is almost right; empty if nothing is found.
+std::string whyNoGrid(const std::filesystem::path& file) {
+  const std::string text = readFile(file).substr(0, 1000);
+  if (text.starts_with("\xEF\xBB\xBF")) return ", since it begins with a byte order mark: save it without";
+  if (text.starts_with('#')) return ", since it begins with a comment: remove this line";
+  if (text.find("\xC2\xA0") != text.npos) return ", since its heading has no-break spaces: write plain ones";
+  return "";
 }
 
 std::unique_ptr<RasterReader> open(const std::filesystem::path& file) {
@@ -33,65 +46,177 @@ std::unique_ptr<RasterReader> open(const std::filesystem::path& file) {
   } catch (const Error& e) {
     throw Error(fmt::format("{}: {}", file.string(), e.what()));
   } catch (const std::runtime_error& e) {
-    fail(file, fmt::format("is no raster that can be read: {}", e.what()));
+    fail(file, fmt::format("is no raster that can be read{}: {}", lowerExtension(file) == ".asc" ? whyNoGrid(file) : "",
+                           e.what()));
   }
 }
 
-// Throws InputError if a text grid (Esri's .asc) does not say where it lies, has a word below its heading that is not a
-// number, or does not have `samples` of them: GDAL would place it at [0, 0], and would read 0 for such words and for
-// samples that are missing. Allowed characters are those of numbers, of "nan", "inf", "1.#IND" and "1.#QNAN", and "*",
-// with which GRASS marks missing samples.
-void checkTextGrid(const std::filesystem::path& file, std::size_t samples, LeftOut& leftOut) {
-  constexpr std::string_view kBlanks = " \t\r";
+// Returns the number that a word states, with a decimal point or comma; NaN for the words of C libraries that mean no
+// finite number; nullopt if GDAL would not read every character of the word.
+std::optional<double> numberOf(std::string_view text) {
+  std::string word = lowerCase(text);
+  std::replace(word.begin(), word.end(), ',', '.');
+  const double sign = word.starts_with('-') ? -1 : 1;
+  if (word.starts_with('-') || word.starts_with('+')) word.erase(0, 1);
+  for (const char* none : {"nan", "inf", "1.#ind", "1.#qnan", "1.#inf"}) {
+    if (word == none) return std::numeric_limits<double>::quiet_NaN();
+  }
+  double number = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+  if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
+  if (std::isdigit(static_cast<unsigned char>(word[0])) == 0 && word[0] != '.') return std::nullopt;
+  return sign * number;
+}
+
+// The part of a text grid that GDAL reads wrong.
+struct TextGrid {
+  double factor = 1;        // of the samples
+  std::size_t columns = 0;  // in each row
+  std::vector<bool> holes;  // by sample: true if GRASS marks it by "*"; empty if there are none
+};
+
+// Reads the words of a text grid (Esri's or GRASS's .asc). Throws InputError if the grid does not say where it lies,
+// has a value in its heading or a sample that is not a number, or has too few or too many samples: GDAL would place it
+// at [0, 0], and would read the first characters of such words, and 0 for samples that are missing.
+TextGrid readTextGrid(const std::filesystem::path& file, const RasterHeader& header, LeftOut& leftOut) {
+  constexpr std::string_view kBlanks = " \t\r\n";
   const std::string text = readFile(file);
-  std::set<std::string> heading;
-  std::size_t line = 0, found = 0;
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    std::string_view row = std::string_view(text).substr(begin, end - begin);
-    begin = end + 1;
-    ++line;
-    while (true) {
-      row.remove_prefix(std::min(row.find_first_not_of(kBlanks), row.size()));
-      if (row.empty()) break;
-      const std::string_view word = row.substr(0, row.find_first_of(kBlanks));
-      row.remove_prefix(word.size());
-      const bool isNumber = word.find_first_not_of("0123456789+-.,eE*#nNaAiIfFdDqQ") == std::string_view::npos &&
-                            std::count_if(word.begin(), word.end(), [](char c) { return c == '.' || c == ','; }) < 2;
-      if (!isNumber && found == 0 && std::isalpha(static_cast<unsigned char>(word[0])) != 0) {
-        const std::string key = lowerCase(word);
-        if (heading.insert(key).second) leftOut.addKeyword(rasterFormat(), key);
-        row.remove_prefix(std::min(row.find_first_not_of(kBlanks), row.size()));
-        row.remove_prefix(std::min(row.find_first_of(kBlanks), row.size()));
-        continue;
+  std::string_view rest = text;
+  const auto next = [&] {
+    rest.remove_prefix(std::min(rest.find_first_not_of(kBlanks), rest.size()));
+    const std::string_view word = rest.substr(0, rest.find_first_of(kBlanks));
+    rest.remove_prefix(word.size());
+    return word;
+  };
+  const auto failAt = [&](std::string_view word, const char* what) {
+    const auto line = 1 + std::count(text.data(), word.data(), '\n');
+    throw InputError({file.string(), static_cast<int>(line)}, fmt::format("'{}' {}", word.substr(0, 40), what));
+  };
+  const std::size_t columns = static_cast<std::size_t>(header.width);
+  const std::size_t samples = columns * static_cast<std::size_t>(header.height);
+  TextGrid grid{1, columns, {}};
+  std::map<std::string, double> heading;
+  std::size_t found = 0;
+  for (std::string_view word = next(); !word.empty(); word = next()) {
+    if (found == 0 && std::isalpha(static_cast<unsigned char>(word[0])) != 0 && !numberOf(word)) {
+      const std::string key = lowerCase(word);
+      const std::string_view value = next();
+      const std::optional<double> number = numberOf(value);
+      if (heading.emplace(key, number.value_or(0)).second) leftOut.addKeyword(rasterFormat(), key);
+      if (rasterFormat().has(FormatElements::Use::Read, key) && key != "type:" && !number) {
+        failAt(value,
+               "is no number: write numbers as 1234.5 or -1.2e3, and angles as degrees with decimals, below 0 in the "
+               "west and south; "
+               "leave out `null: *`");
       }
-      if (!isNumber) {
-        throw InputError({file.string(), static_cast<int>(line)},
-                         fmt::format("'{}' is no number: a sample that is not known has the value of NODATA_value",
-                                     word.substr(0, 40)));
-      }
-      ++found;
+      if ((key == "cellsize" || key == "dx" || key == "dy") && number && *number <= 0)
+        failAt(value, "is no size above 0");
+      continue;
     }
+    if (word == "*" && heading.contains("north:")) {
+      grid.holes.resize(samples);
+      if (found < samples) grid.holes[found] = true;
+    } else if (!numberOf(word)) {
+      failAt(word, "is no number: a sample that is not known has the value of NODATA_value");
+    }
+    ++found;
   }
   const auto has = [&](const char* x, const char* y) { return heading.contains(x) && heading.contains(y); };
+  if (!has("ncols", "nrows") && !has("rows:", "cols:")) {
+    fail(file, "has no heading of a text grid (ncols, nrows ...): if it holds points, give it the ending .xyz");
+  }
   if (heading.contains("ncols") && !has("xllcorner", "yllcorner") && !has("xllcenter", "yllcenter")) {
     fail(file, "does not say where it lies: its heading needs xllcorner and yllcorner, or xllcenter and yllcenter");
   }
   if (found != samples) fail(file, fmt::format("has {} samples, but its heading promises {}", found, samples));
+  if (const auto factor = heading.find("multiplier:"); factor != heading.end()) grid.factor = factor->second;
+  return grid;
+}
+
+// Reads the unit of heights of a .prj of Esri's old kind, a list of words with their values.
+void readOldProjection(const std::filesystem::path& prj, RasterHeader& header) {
+  std::istringstream text(readFile(prj));
+  std::string line, key, value;
+  for (int number = 1; std::getline(text, line); ++number) {
+    key = value = "";
+    std::istringstream(lowerCase(line)) >> key >> value;
+    if (key == "zunits" && value != "no" && header.bands[0].unit.empty()) {
+      header.bands[0].unit = value;
+    } else if ((key == "xshift" || key == "yshift") && numberOf(value) != 0.0) {
+      throw InputError({prj.string(), number},
+                       fmt::format("'{}' shifts the coordinates, which is not read: subtract it from those in the "
+                                   "heading of the grid, and write 0 here",
+                                   line));
+    }
+  }
+}
+
+// Reads what GDAL does not read of the files beside a raster. Throws InputError if a world file has words that are not
+// numbers, of which GDAL would read the first characters.
+void readFilesBeside(const std::filesystem::path& file, RasterHeader& header) {
+  for (const std::filesystem::path other : header.files) {
+    const std::string ending = lowerExtension(other);
+    if (ending == ".prj") {
+      readOldProjection(other, header);
+      if (!header.reference.empty()) continue;
+      warn(fmt::format("{}: is no coordinate system that can be read: x and y of {} count as metres", other.string(),
+                       file.string()));
+    } else if (ending == ".tfw" || ending == ".tifw" || ending == ".wld") {
+      std::istringstream text(readFile(other));
+      std::string word;
+      for (int line = 1; line <= 6 && text >> word; ++line) {
+        if (numberOf(word)) continue;
+        throw InputError({other.string(), line}, fmt::format("'{}' is no number such as 1234.5 or -1.2e3", word));
+      }
+    }
+  }
+}
+
+// Returns the metres per unit of length, by its name; nullopt if it is not known.
+std::optional<double> metresOf(std::string_view unit) {
+  struct Unit {
+    std::string_view names;  // without blanks and marks
+    double metres;
+  };
+  static constexpr std::array<Unit, 8> kUnits{
+      {{"|m|metre|metres|meter|meters|", 1},
+       {"|km|kilometre|kilometer|kilometres|kilometers|", 1000},
+       {"|dm|decimetre|decimeter|decimetres|decimeters|", 0.1},
+       {"|cm|centimetre|centimeter|centimetres|centimeters|", 0.01},
+       {"|mm|millimetre|millimeter|millimetres|millimeters|", 0.001},
+       {"|ft|foot|feet|internationalfoot|internationalfeet|footinternational|", 0.3048},
+       {"|ussurveyfoot|ussurveyfeet|usfoot|usfeet|usft|ftus|footus|feetus|surveyfoot|surveyfeet|", 1200.0 / 3937},
+       {"|yd|yard|yards|", 0.9144}}};
+  std::string word = "|" + lowerCase(unit) + "|";
+  std::erase_if(word, [](char c) { return c != '|' && std::isalnum(static_cast<unsigned char>(c)) == 0; });
+  const auto* const known =
+      std::find_if(kUnits.begin(), kUnits.end(), [&](const Unit& u) { return u.names.find(word) != u.names.npos; });
+  return known == kUnits.end() ? std::nullopt : std::optional(known->metres);
+}
+
+// Takes the units that the keys of a GeoTIFF state: GDAL ignores those of user-defined systems, and those of heights if
+// they contradict the system.
+void takeUnitsOfKeys(const std::filesystem::path& file, RasterHeader& header) {
+  const std::string beside = file.string() + ".aux.xml";  // what it states goes before the file
+  std::error_code error;
+  const std::string stated = std::filesystem::exists(beside, error) ? readFile(beside) : "";
+  const SystemUnit unit = unitOfTiff(file);
+  if (!unit.name.empty() && !header.geographic && stated.find("<SRS") == stated.npos) header.perUnit = unit.horizontal;
+  if (!unit.vertical || stated.find("<UnitType") != stated.npos) return;
+  std::string& ofSystem = header.bands[0].unit;
+  if (std::fabs(metresOf(ofSystem).value_or(*unit.vertical) / std::fabs(*unit.vertical) - 1) > 1e-5) {
+    warn(
+        fmt::format("{}: its vertical coordinate system has the unit '{}', but its key of the unit of heights states "
+                    "{:.7g} m, which counts",
+                    file.string(), ofSystem, std::fabs(*unit.vertical)));
+  }
+  ofSystem.clear();
+  header.heightUnit = "unit of the key";
+  header.metresPerHeight = std::fabs(*unit.vertical) * (header.metresPerHeight < 0 || *unit.vertical < 0 ? -1 : 1);
 }
 
 // Returns the metres per unit of the heights, negative if they are depths.
 double metresPerHeight(const std::filesystem::path& file, const RasterHeader& header) {
-  struct Unit {
-    std::string_view names;
-    double metres;
-  };
-  static constexpr std::array<Unit, 6> kUnits{{{"|m|metre|metres|meter|meters|", 1},
-                                               {"|dm|", 0.1},
-                                               {"|cm|", 0.01},
-                                               {"|mm|", 0.001},
-                                               {"|ft|foot|feet|", 0.3048},
-                                               {"|us survey foot|us survey feet|ftus|", 1200.0 / 3937}}};
   const std::string& unit = header.bands[0].unit;
   if (!header.heightUnit.empty() && (unit.empty() || unit == header.heightUnit)) return header.metresPerHeight;
   const double sign = header.metresPerHeight < 0 ? -1 : 1;
@@ -104,15 +229,11 @@ double metresPerHeight(const std::filesystem::path& file, const RasterHeader& he
     }
     return sign;
   }
-  const std::string word = "|" + lowerCase(unit) + "|";
-  const auto* const known =
-      std::find_if(kUnits.begin(), kUnits.end(), [&](const Unit& u) { return u.names.find(word) != u.names.npos; });
-  if (known == kUnits.end()) {
-    fail(file, fmt::format("has values in '{}', which is no known unit of heights: state it by gdal_edit.py -units "
-                           "with \"m\", \"ft\" or \"US survey foot\"",
-                           unit));
-  }
-  return known->metres * sign;
+  const std::optional<double> metres = metresOf(unit);
+  if (metres) return *metres * sign;
+  fail(file, fmt::format("has values in '{}', which is no known unit of heights: state it by gdal_edit.py -units "
+                         "with \"m\", \"ft\" or \"US survey foot\"",
+                         unit));
 }
 
 // Throws InputError if the bands are no heights.
@@ -124,6 +245,16 @@ void expectHeights(const std::filesystem::path& file, const RasterHeader& header
   fail(file, fmt::format("holds colours and no heights: GDAL calls its first band '{}'; if it holds heights, say so by "
                          "gdal_translate -colorinterp_1 gray",
                          means));
+}
+
+// Warns if lengths in the raster's coordinate system are not those on the ground.
+void tellStretch(const std::filesystem::path& file, const RasterHeader& header) {
+  constexpr double kUsual = 0.01;  // of UTM and national systems: below this
+  if (std::fabs(header.stretch - 1) <= kUsual) return;
+  warn(fmt::format(
+      "{}: lengths in its coordinate system are {:.4g} times those on the ground at its middle (in Mercator "
+      "projections 1/cos(latitude)), heights are not: convert it by 'gdalwarp -t_srs EPSG:{} {} utm.tif'",
+      file.string(), header.stretch, header.utm, file.string()));
 }
 
 // Returns {first column, first row, end column, end row} of the samples whose centres lie in the bounds; the end column
@@ -147,7 +278,8 @@ std::array<int, 4> windowOf(const Raster& whole, const RasterBounds& within) {
 }
 
 // Fills the raster's values with the means of equal squares or rectangles of the window, times `factor`.
-void readMeans(RasterReader& reader, int band, const std::array<int, 4>& window, double factor, Raster& raster) {
+void readMeans(RasterReader& reader, int band, const std::array<int, 4>& window, double factor, const TextGrid& grid,
+               Raster& raster) {
   constexpr int kSamplesAtATime = 4'000'000;
   const int across = window[2] / raster.width;
   const int down = window[3] / raster.height;
@@ -160,6 +292,11 @@ void readMeans(RasterReader& reader, int band, const std::array<int, 4>& window,
     const int count = std::min(rowsAtATime, window[3] - first);
     rows.resize(static_cast<std::size_t>(count) * static_cast<std::size_t>(window[2]));
     reader.read(band, {window[0], window[1] + first, window[2], count}, rows.data());
+    for (std::size_t i = 0; !grid.holes.empty() && i < rows.size(); ++i) {
+      const auto wide = static_cast<std::size_t>(window[2]), left = static_cast<std::size_t>(window[0]);
+      const std::size_t line = static_cast<std::size_t>(window[1] + first) + i / wide;
+      if (grid.holes[line * grid.columns + left + i % wide]) rows[i] = std::numeric_limits<double>::quiet_NaN();
+    }
     const double* sample = rows.data();
     for (int row = first + 1; row <= first + count; ++row) {
       for (std::size_t i = 0; i < sums.size(); ++i) {
@@ -210,7 +347,8 @@ const FormatSupport& rasterFormat() {
       {{Read, "ncols nrows cellsize dx dy xllcorner yllcorner xllcenter yllcenter nodata_value",
         "heading of Esri's text grids (.asc), in any case; NODATA_value is -9999 if it is absent; commas may stand for "
         "decimal points"},
-       {Read, "north: south: east: west: rows: cols: null: type: multiplier:", "heading of the text grids of GRASS"},
+       {Read, "north: south: east: west: rows: cols: null: type: multiplier:",
+        "heading of the text grids of GRASS, whose samples without a value are *"},
        {Read, "", "heights: the first band; values of 8 to 64 bits, with the scale and offset of the band"},
        {Read, "",
         "holes: the band's value for missing samples, NaN, masks (in the file or in .msk), alpha bands, gaps of "
@@ -218,8 +356,11 @@ const FormatSupport& rasterFormat() {
        {Read, "", "geotransforms, rotated ones and those that run north too, for areas and for points; world files"},
        {Read, "",
         "coordinate systems with x and y in metres, feet or other units of length, or in degrees or grads; .prj "
-        "and .aux.xml"},
-       {Read, "", "units of heights: the band's unit, else the vertical system's, else metres; depths become heights"},
+        "(Esri's old ones too) and .aux.xml"},
+       {Read, "",
+        "units of heights: the band's unit, else the vertical system's or the GeoTIFF key's, else metres; depths "
+        "become "
+        "heights"},
        {Read, "", "images on heights: the bands called red, green and blue, else the first three or the first"},
        {Unused, "",
         "overviews, statistics, histograms, names and colours of classes, bands of images that are no "
@@ -231,15 +372,19 @@ const FormatSupport& rasterFormat() {
 
 Raster readRaster(const std::filesystem::path& file, const RasterRequest& request) {
   const std::unique_ptr<RasterReader> reader = open(file);
-  const RasterHeader header = reader->header();
+  RasterHeader header = reader->header();
   if (header.bands.empty() && header.others > 0) {
     fail(file, fmt::format("holds {} rasters: take one of them by gdal_translate", header.others));
   }
   if (header.width <= 0 || header.height <= 0 || header.bands.empty()) fail(file, "has no samples");
   LeftOut leftOut;
-  if (lowerExtension(file) == ".asc") {
-    checkTextGrid(file, static_cast<std::size_t>(header.width) * static_cast<std::size_t>(header.height), leftOut);
+  TextGrid grid;
+  const std::string ending = lowerExtension(file);
+  if (ending == ".asc") {
+    grid = readTextGrid(file, header, leftOut);
   }
+  readFilesBeside(file, header);
+  if (ending == ".tif" || ending == ".tiff") takeUnitsOfKeys(file, header);
   if (!header.placed && request.placed) {
     fail(file,
          "does not say where it lies: it has no geotransform; set it by gdal_edit.py -a_ullr, or by gdalwarp if it "
@@ -250,10 +395,11 @@ Raster readRaster(const std::filesystem::path& file, const RasterRequest& reques
   }
   const RasterBand& band = header.bands.at(static_cast<std::size_t>(request.band - 1));
   if (band.type.starts_with('C')) fail(file, fmt::format("has complex numbers ({}) and no heights", band.type));
-  double metres = 1;
+  double factor = grid.factor;
   if (request.use == RasterUse::Heights) {
     expectHeights(file, header, request.placed);
-    metres = metresPerHeight(file, header);
+    factor *= metresPerHeight(file, header);
+    if (request.placed) tellStretch(file, header);
   }
   if (request.use != RasterUse::Colors) {
     leftOut.add("bands behind the first",
@@ -298,7 +444,7 @@ Raster readRaster(const std::filesystem::path& file, const RasterRequest& reques
   raster.transform = {t[0] + window[0] * t[1] + window[1] * t[2], t[1] * columnsEach, t[2] * rowsEach,
                       t[3] + window[0] * t[4] + window[1] * t[5], t[4] * columnsEach, t[5] * rowsEach};
   try {
-    readMeans(*reader, request.band, {window[0], window[1], taken, takenDown}, metres, raster);
+    readMeans(*reader, request.band, {window[0], window[1], taken, takenDown}, factor, grid, raster);
   } catch (const std::runtime_error& e) {
     fail(file, fmt::format("is damaged: {}", e.what()));
   }
@@ -307,6 +453,14 @@ Raster readRaster(const std::filesystem::path& file, const RasterRequest& reques
 
 bool sameReference(const Raster& a, const Raster& b) {
   return moduleOf<RastersModule>().same(a.reference, b.reference);
+}
+
+double shiftBetween(const std::string& reference, const std::string& other, double x, double y) {
+  try {
+    return reference == other ? 0 : moduleOf<RastersModule>().shift(reference, other, x, y);
+  } catch (const Error&) {
+    return 0;
+  }
 }
 
 std::array<int, 3> colorBands(const std::filesystem::path& file) {

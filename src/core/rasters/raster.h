@@ -58,6 +58,10 @@ Raster readRaster(const std::filesystem::path& file, const RasterRequest& reques
 // True if the rasters have the same coordinate system, or if the system of one is unknown.
 bool sameReference(const Raster& a, const Raster& b);
 
+// Returns the distance (m) between the points that x and y (m) are in two projected coordinate systems
+// (Raster::reference); 0 if it is not known, or if GDAL cannot be loaded.
+double shiftBetween(const std::string& reference, const std::string& other, double x, double y);
+
 // Returns the numbers of the bands that hold red, green and blue: those that the file calls so, else the first three,
 // or three times the first if there are fewer. Throws as readRaster() does.
 std::array<int, 3> colorBands(const std::filesystem::path& file);

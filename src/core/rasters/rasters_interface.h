@@ -30,7 +30,10 @@ struct RasterHeader {
   std::string heightUnit;      // unit of the vertical coordinate system; empty: no such system is stated
   double metresPerHeight = 1;  // metres per unit of the vertical coordinate system; negative: its axis points down
   std::string reference;       // the coordinate system's definition (WKT); empty: not stated
-  std::string foreign;         // says what the coordinates are if they cannot be used, in the plural; else empty
+  double stretch = 1;          // ratio of lengths in a projected system to those on the ground, at the raster's middle
+  int utm = 0;                 // EPSG's code of the UTM zone of the middle; 0 if the ratio is not known
+  std::vector<std::string> files;  // the raster's own file and those beside it of which it consists
+  std::string foreign;             // says what the coordinates are if they cannot be used, in the plural; else empty
 };
 
 // A raster that is open for reading.
@@ -53,6 +56,8 @@ class RastersModule {
   virtual std::unique_ptr<RasterReader> open(const std::string& file) const = 0;
   // True if two coordinate systems are the same, whatever their names, or if one of them is unknown.
   virtual bool same(const std::string& reference, const std::string& other) const = 0;
+  // Returns the distance (m) between the points that x and y (m) are in two projected systems; 0 if it is not known.
+  virtual double shift(const std::string& reference, const std::string& other, double x, double y) const = 0;
 };
 
 }  // namespace scanmill

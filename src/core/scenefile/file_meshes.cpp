@@ -10,6 +10,7 @@
 #include "assets/meshes/gltf/reader.h"
 #include "base/error.h"
 #include "formats/cloud_file.h"
+#include "rasters/raster.h"
 #include "scenefile/survey_options.h"
 
 namespace scanmill {
@@ -52,9 +53,34 @@ const std::vector<PlacedMesh>& FileMeshes::read(const std::filesystem::path& fil
   const std::string key = meshKey(file, options, labelling);
   auto known = meshes_.find(key);
   if (known == meshes_.end()) {
-    known = meshes_.emplace(key, addAsset(builder_, load(file, options, labelling, where), labelling, where)).first;
+    Asset asset = load(file, options, labelling, where);
+    if (!asset.system.empty()) surveys_[key] = {file, asset.system, asset.ownMiddle, asset.origin};
+    known = meshes_.emplace(key, addAsset(builder_, std::move(asset), labelling, where)).first;
   }
   return known->second;
+}
+
+void FileMeshes::compareSurveys(const std::filesystem::path& file, const AssetOptions& options,
+                                const Labelling& labelling, const Vec3d& position, const Location& where) {
+  const auto found = surveys_.find(meshKey(file, options, labelling));
+  if (found == surveys_.end() || misfitTold_) return;
+  const Survey& own = found->second;
+  const Survey& first = *firsts_.try_emplace({position.x, position.y}, &own).first->second;
+  if (first.system == own.system) return;
+  constexpr double kFits = 10;  // m, more than between two realisations of the same system
+  std::string why = first.ownMiddle && own.ownMiddle ? "each in degrees and around its own middle"
+                                                     : "one of them in degrees and around its own middle";
+  if (!first.ownMiddle && !own.ownMiddle) {
+    const double shift = shiftBetween(first.system, own.system, own.origin.x, own.origin.y);
+    if (shift < kFits) return;
+    why = fmt::format("in coordinate systems that differ by {:.0f} m there", shift);
+  }
+  misfitTold_ = true;
+  warn(fmt::format(
+      "{}: {} and {} have the same position, {}, so that they do not fit: merge tiles by gdalbuildvrt, "
+      "convert them to one system in metres by `gdalwarp -t_srs` or `pdal translate`, or give them positions "
+      "of their own",
+      where.text(), first.file.string(), own.file.string(), why));
 }
 
 // Returns the animation of a clip. All its moments use the materials of the first moment, so that textures are stored

@@ -2,6 +2,7 @@
 
 // Loads the meshes of the files that a scene's objects name.
 
+#include <array>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -24,6 +25,11 @@ class FileMeshes {
   const std::vector<PlacedMesh>& read(const std::filesystem::path& file, const AssetOptions& options,
                                       const Labelling& labelling, const Location& where);
 
+  // Warns, once for all files, if a survey is placed at the position of an earlier one and does not fit it: their
+  // coordinate systems differ, or one is in degrees and lies around its own middle. The file was read by read().
+  void compareSurveys(const std::filesystem::path& file, const AssetOptions& options, const Labelling& labelling,
+                      const Vec3d& position, const Location& where);
+
   // Returns a clip of a file as a looping animation that has one mesh per sampled moment.
   std::shared_ptr<const Animation> playing(const std::filesystem::path& file, AssetOptions options, Labelling labelling,
                                            const std::string& clip, const Location& where);
@@ -33,7 +39,17 @@ class FileMeshes {
              const Location& where) const;
 
   SceneBuilder& builder_;
+  struct Survey {
+    std::filesystem::path file;
+    std::string system;
+    bool ownMiddle = false;
+    Vec3d origin;
+  };
+
   std::map<std::string, std::vector<PlacedMesh>> meshes_;
+  std::map<std::string, Survey> surveys_;                  // with the keys of meshes_
+  std::map<std::array<double, 2>, const Survey*> firsts_;  // the first survey, by x and y of its position
+  bool misfitTold_ = false;
   std::map<std::string, std::shared_ptr<const Animation>> animations_;
 };
 

@@ -285,6 +285,8 @@ class SceneReader {
       return files_.read(all[k].file, all[k].asset, all[k].labelling, fileValue.where);
     };
     placer_.place(Variants{all.size(), meshes}, name, copies, f.where());
+    const Vec3d& position = copies.placement.object.pose.translation;
+    files_.compareSurveys(all[0].file, all[0].asset, all[0].labelling, position, fileValue.where);
   }
 
   static void readSurvey(Fields& f, const std::filesystem::path& file, bool cloud, AssetOptions& asset) {

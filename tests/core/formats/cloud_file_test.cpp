@@ -93,7 +93,10 @@ const ForeignColumn::Values& foreign(const Scan& scan, const std::string& name) 
 }
 
 TEST_F(CloudFiles, LasOfAllVersionsAndFormats) {
-  for (const int minor : {0, 1, 2, 3, 4}) {
+  const Cloud oldest = read("a.las", las(0, 0));
+  EXPECT_THAT(oldest.scan[kLabel], ElementsAre(38, 134, 38)) << "classes of LAS 1.0 have all eight bits";
+  EXPECT_TRUE(oldest.leftOut.empty() || oldest.leftOut.text().find("withheld") == std::string::npos);
+  for (const int minor : {1, 2, 3, 4}) {
     for (std::uint8_t format = 0; format <= 10; ++format) {
       if (minor < 4 && format > 5) continue;
       SCOPED_TRACE(fmt::format("1.{}, format {}", minor, format));
@@ -232,6 +235,17 @@ TEST_F(CloudFiles, FeetOfLasBecomeMetres) {
       {"", {{{1024, 1}, {3072, 25832}, {4096, 6360}}}, 1, kSurvey},
       {"", {{{1024, 1}, {3076, 9001}, {4099, 9002}}}, 1, 0.3048},
       {"", {{{1024, 1}, {3072, 2263}}}, 1, 1},
+      {"", {{{1024, 1}, {3072, 32632}, {4096, 5715}}}, 1, -1},
+      {"", {{{1024, 1}, {3072, 32632}, {4096, 6358}}}, 1, -kSurvey},
+      {"COMPD_CS[\"d\"," + std::string(kStatePlane) + ",VERT_CS[\"MSL depth\",UNIT[\"metre\",1],AXIS[\"Depth\",DOWN]]]",
+       {},
+       kSurvey,
+       -1},
+      {std::string(kStatePlane) + ",VERTCS[\"d\",PARAMETER[\"Direction\",-1.0],UNIT[\"Meter\",1.0]]", {}, kSurvey, -1},
+      {R"(DERIVEDPROJCRS["d",BASEPROJCRS["b",LENGTHUNIT["foot",0.3048]],CS[Cartesian,2],AXIS["e",east]])",
+       {},
+       0.3048,
+       0.3048},
       {R"(LOCAL_CS["scanmill world",LOCAL_DATUM["w",32767],UNIT["metre",1],AXIS["x",EAST],AXIS["y",NORTH]])", {}, 1, 1},
       {"PROJCS[[[[\"", {{{3076, 9002}}}, 1, 1},
   };
@@ -246,11 +260,42 @@ TEST_F(CloudFiles, FeetOfLasBecomeMetres) {
                    std::vector<std::array<std::uint16_t, 2>>{}, "in degrees: reproject it"},
         {"GEODCRS[\"WGS 84\",DATUM[\"W\"],CS[ellipsoidal,2],AXIS[\"lat\",north]]", {}, "in degrees"},
         {"", {{{1024, 2}, {2048, 4326}}}, "the key `unit`"},
+        {"", {{{2048, 4326}}}, "in degrees"},
+        {"", {{{1024, 3}, {2048, 4978}}}, "earth-centred coordinates: reproject it"},
+        {"GEOCCS[\"WGS 84\",DATUM[\"W\"],UNIT[\"metre\",1]]", {}, "earth-centred"},
+        {"GEODCRS[\"WGS 84\",DATUM[\"W\"],CS[Cartesian,3],AXIS[\"X\",geocentricX]]", {}, "earth-centred"},
         {"", {{{1024, 1}, {3076, 9005}}}, "EPSG:9005"}}) {
     const auto file = folder_.write("a.las", records(wkt, keys));
     EXPECT_THAT(messageOf([&] { readCloud(file); }), AllOf(HasSubstr("a.las"), HasSubstr(words)));
     EXPECT_NO_THROW(readCloud(file, CloudUnit::Metre));
   }
+}
+
+// Lengths in a Mercator projection are 1/cos(latitude) of those on the ground: at y = 500 km, that is 4.5
+// degrees, 1.0031.
+TEST_F(CloudFiles, LasInMercatorOrLikelyInDegreesIsTold) {
+  int files = 0;
+  const auto warned = [&](const std::string& bytes) {
+    testing::internal::CaptureStderr();
+    read(fmt::format("{}.las", ++files), bytes);  // the same warning is not given twice
+    return testing::internal::GetCapturedStderr();
+  };
+  const auto withKeys = [&](const std::vector<std::array<std::uint16_t, 2>>& keys) {
+    return withRecords(las(2, 1), {{"LASF_Projection", 34735, keysOf(keys)}});
+  };
+  const std::string wkt =
+      R"(PROJCS["WGS 84 / Pseudo-Mercator",GEOGCS["W"],PROJECTION["Mercator_1SP"],UNIT["metre",1]])";
+  EXPECT_THAT(warned(withRecords(las(4, 6), {{"LASF_Projection", 2112, wkt}}, 16)), HasSubstr("Mercator projection"));
+  EXPECT_THAT(warned(withKeys({{1024, 1}, {3072, 3857}})),
+              AllOf(HasSubstr("2.las: "), HasSubstr("1.003 times"), HasSubstr("pdal translate")));
+  EXPECT_EQ(warned(withKeys({{1024, 1}, {3072, 32632}})), "");
+  std::string degrees = las(2, 1);
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    put(degrees, 131 + 8 * axis, 1e-7);
+    put(degrees, 155 + 8 * axis, axis == 0 ? 8.0 : 47.0);
+  }
+  EXPECT_THAT(warned(degrees), AllOf(HasSubstr("within 0.0002 m of [8, 46.9998]"), HasSubstr("in_srs=EPSG:4326")));
+  EXPECT_EQ(warned(las(2, 1)), "");
 }
 
 TEST_F(CloudFiles, LasThatIsNoneIsRefused) {

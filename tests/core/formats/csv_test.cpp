@@ -53,6 +53,7 @@ TEST(Csv, LinesMayEndAsOnOtherSystems) {
   const Scan scan = decoded("x,y,z,label\r\n1,2,3,7\r\n4,5,6,8\r\n");
   EXPECT_EQ(scan.position[1], (Vec3f{4, 5, 6}));
   EXPECT_EQ(scan[kLabel], (std::vector<std::uint16_t>{7, 8}));
+  EXPECT_EQ(decoded("x,y,z\r1,2,3\r4,5,6\r").size(), 2u) << "classic Mac OS";
 }
 
 TEST(Csv, ForeignColumnsAreKept) {

@@ -216,6 +216,12 @@ TEST(Pcd, FieldsMayComeInAnyOrderAndType) {
   EXPECT_FALSE(scan.organised);
 }
 
+TEST(Pcd, AxesMayBeCapitals) {
+  const Cloud cloud = readPcd(
+      "FIELDS X Y Z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA ascii\n1 2 3\n", "a.pcd");
+  EXPECT_EQ(cloud.scan.position.at(0), (Vec3f{1, 2, 3}));
+}
+
 TEST(Pcd, IncidenceIsTakenFromForeignFiles) {
   const Scan scan = decoded(
       "VERSION .7\nFIELDS x y incidence z\nSIZE 4 4 8 4\nTYPE F F F F\nCOUNT 1 1 1 1\nWIDTH 2\nHEIGHT 1\n"

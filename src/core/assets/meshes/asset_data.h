@@ -109,7 +109,9 @@ struct Asset {
   std::vector<AssetPart> parts;
   Vec3d origin;  // m, asset frame; `parts` are relative to it; zero unless coordinates are too large for float32
   std::vector<InstancedParts> instanced;
-  Dropped dropped;  // triangles with indices out of range; clean() drops other broken triangles
+  std::string system;      // coordinate system of a survey, whose x and y (m) are those of the parts; empty: not stated
+  bool ownMiddle = false;  // true: a survey in degrees. x and y are relative to its middle, which `system` names
+  Dropped dropped;         // triangles with indices out of range; clean() drops other broken triangles
 };
 
 }  // namespace scanmill

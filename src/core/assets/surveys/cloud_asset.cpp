@@ -53,6 +53,7 @@ class CloudAsset {
                                    positions_.size(), kMostPoints));
     }
     asset_.origin = assetFromFile * cloud_.origin;
+    asset_.system = cloud_.system;
     readNormals(assetFromFile * toMatrix(cloud_.worldFromFile.rotation));
     readColors();
     addParts();
@@ -262,39 +263,72 @@ class CloudAsset {
     throw InputError({file_.string()}, "has no colours (red, green, blue; or rgb): leave out `reflectance: color`");
   }
 
-  bool fillColors(Texture& image) const {
-    const auto put = [&](std::size_t k, std::size_t channel, double value) {
-      image.rgba[4 * k + channel] = static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
+  // Returns the packed red, green and blue of a value: the Point Cloud Library stores the bits of an integer as a
+  // float, other programs store the integer. Returns nullopt for a float that is NaN, as a text file states it.
+  template <class T>
+  static std::optional<std::uint32_t> packedColor(T value) {
+    constexpr std::uint32_t kNan = 0x7FC00000;  // other NaNs are colours with an alpha of 255
+    if constexpr (std::is_floating_point_v<T>) {
+      constexpr double kMost = std::numeric_limits<std::uint32_t>::max();
+      if (std::fabs(value) >= 1 && double{value} <= kMost &&
+          double{value} >= std::numeric_limits<std::int32_t>::min()) {
+        return static_cast<std::uint32_t>(static_cast<std::int64_t>(value));
+      }
+      const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(value));
+      return bits == kNan ? std::nullopt : std::optional(bits);
+    } else {
+      return static_cast<std::uint32_t>(static_cast<std::int64_t>(value));
+    }
+  }
+
+  // Fills the texture with the colours of the points. Returns false if there are none.
+  bool fillColors(Texture& image) {
+    std::size_t none = 0;
+    const auto put = [&](std::size_t k, const std::array<double, 3>& color) {
+      const bool known = std::none_of(color.begin(), color.end(), [](double c) { return std::isnan(c); });
+      none += known ? 0 : 1;
+      for (std::size_t c = 0; c < 3; ++c) {
+        image.rgba[4 * k + c] = static_cast<std::uint8_t>(std::lround(known ? std::clamp(color[c], 0.0, 255.0) : 0.0));
+      }
     };
-    // The Point Cloud Library packs red, green and blue into an integer, whose bits may be stored as a float.
     if (const ForeignColumn* packed = foreign("rgb")) {
       std::visit(
-          [&]<class T>(const std::vector<T>& all) {
+          [&](const auto& all) {
             for (std::size_t k = 0; k < chosen_.size(); ++k) {
-              std::uint32_t bits = 0;
-              if constexpr (std::is_same_v<T, float>) {
-                bits = std::bit_cast<std::uint32_t>(all[chosen_[k]]);
+              const auto bits = packedColor(all[chosen_[k]]);
+              if (bits) {
+                put(k, {double(*bits >> 16 & 0xFF), double(*bits >> 8 & 0xFF), double(*bits & 0xFF)});
               } else {
-                bits = static_cast<std::uint32_t>(static_cast<std::int64_t>(all[chosen_[k]]));
+                put(k, {NAN, NAN, NAN});
               }
-              for (std::size_t c = 0; c < 3; ++c) put(k, c, bits >> (16 - 8 * c) & 0xFF);
             }
           },
           packed->values);
-      return true;
+    } else {
+      const std::array<std::optional<std::vector<double>>, 3> channels{numbers("red"), numbers("green"),
+                                                                       numbers("blue")};
+      if (!channels[0] || !channels[1] || !channels[2]) return false;
+      double greatest = 0;
+      bool whole = true;
+      for (const auto& channel : channels) {
+        for (const double value : *channel) {
+          greatest = std::max(greatest, value);
+          whole = whole && (value == std::floor(value) || std::isnan(value));
+        }
+      }
+      if (!(greatest > 0)) return false;  // LAS files may have colour channels with zeroes only
+      // Integers of 0 and 1 are as dark as they look, but a text does not tell them from numbers up to 1. Rounding can
+      // lift fractions above 1.
+      const bool fractions = std::visit([]<class T>(const std::vector<T>&) { return std::is_floating_point_v<T>; },
+                                        foreign("red")->values);
+      const bool upToOne = fractions && (greatest <= 1 || (greatest < 2 && !whole));
+      const double full = upToOne ? 1 : greatest < 256 ? 255 : 65535;
+      for (std::size_t k = 0; k < chosen_.size(); ++k) {
+        put(k, {255 * (*channels[0])[k] / full, 255 * (*channels[1])[k] / full, 255 * (*channels[2])[k] / full});
+      }
     }
-    const std::array<std::optional<std::vector<double>>, 3> channels{numbers("red"), numbers("green"), numbers("blue")};
-    double greatest = 0;
-    for (const auto& channel : channels) {
-      if (!channel) return false;
-      for (const double value : *channel) greatest = std::max(greatest, value);
-    }
-    if (!(greatest > 0)) return false;  // LAS files may have colour channels with zeroes only
-    const double full = greatest <= 1 ? 1 : greatest <= 255 ? 255 : 65535;
-    for (std::size_t k = 0; k < chosen_.size(); ++k) {
-      for (std::size_t c = 0; c < 3; ++c) put(k, c, 255 * (*channels[c])[k] / full);
-    }
-    return true;
+    cloud_.leftOut.add("colours that are no numbers", none);
+    return none < chosen_.size();
   }
 
   std::string nameOf(std::uint32_t label) const {

@@ -70,8 +70,11 @@ class HeightAsset {
     const double unit = options_.metresPerUnit;
     if (heights_.geographic) {
       localFromEarth_ = eastNorthUp(onEarth(x, y, 0));
+      asset_.ownMiddle = true;
+      asset_.system = fmt::format("[{}, {}]", x, y);
       return;
     }
+    if (unit == 1) asset_.system = heights_.reference;
     asset_.origin = {std::floor(x * heights_.perUnit) * unit, std::floor(y * heights_.perUnit) * unit, 0};
   }
 

@@ -245,6 +245,31 @@ TEST_F(Clouds, ColoursAreReflectancesWhereThereIsNoIntensity) {
   EXPECT_TRUE(s.unlabeled.empty());
 }
 
+TEST_F(Clouds, ColoursHaveTheScaleOfTheirTypeAndPackedOnesThatOfTheirBits) {
+  const auto first = [&](const std::string& name, const std::string& text) {
+    const Asset asset = readAsset(folder_.write(name, text), {});
+    const std::vector<std::uint8_t>& rgba = asset.parts.at(0).fileMaterial.texture->rgba;
+    return std::vector<int>(rgba.begin(), rgba.begin() + 3);
+  };
+  const auto plyOf = [&](const std::string& type, const std::string& values) {
+    std::string properties;
+    for (const char* color : {"red", "green", "blue"}) properties += fmt::format("property {} {}\n", type, color);
+    return first("a.ply", ply(properties, lawn(values)));
+  };
+  EXPECT_EQ(plyOf("float", "1.0000001 0.5 0"), (std::vector{255, 128, 0}));
+  EXPECT_EQ(plyOf("uchar", "1 1 0"), (std::vector{1, 1, 0}));
+  EXPECT_EQ(plyOf("ushort", "65535 32896 0"), (std::vector{255, 128, 0}));
+  const std::vector packed{0xFF, 0x80, 0x40};
+  for (const char* number : {"16744512", "2.3464059e-38"}) {  // an integer, and the float of its bits
+    EXPECT_EQ(first("a.csv", fmt::format("x,y,z,rgb\n0,0,0,{0}\n1,0,0,{0}\n0,1,0,{0}\n1,1,0,{0}\n", number)), packed)
+        << number;
+  }
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(first("a.ply", ply("property float rgb\n", {"0 0 0 nan", "1 0 0 2.3464059e-38", "0 1 0 0", "1 1 0 0"})),
+            (std::vector{0, 0, 0}));
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("left out: 1 colours that are no numbers"));
+}
+
 TEST_F(Clouds, MayBeThinnedOut) {
   const AssetOptions options{.points = {.spacing = 0.5}};
   EXPECT_EQ(read(ply("", lawn("", 0.01, 0.01)), options).parts.at(0).triangles.size(), 2u * 4 * 4);

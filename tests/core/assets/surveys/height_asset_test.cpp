@@ -215,7 +215,8 @@ TEST_F(Heights, UnitsBecomeMetres) {
                         {"EPSG:2263", "m", kSurveyFoot, 1, ""},
                         {"EPSG:2263", "", kSurveyFoot, 1, "nothing states the unit of the heights"},
                         {"EPSG:2222", "", 0.3048, 1, "gdal_edit.py -units \"ft\""}}) {
-    const Reading found = reading(mosaic(band("dem.tif", "<UnitType>" + c.unit + "</UnitType>"), c.system));
+    const Reading found = reading(
+        mosaic(band("dem.tif", "<UnitType>" + c.unit + "</UnitType>"), c.system, "500000, 5, 0, 200100, 0, -5"));
     EXPECT_NEAR(found.box.high.x - found.box.low.x, 25 * c.horizontal, 1e-3) << c.system << c.unit;
     EXPECT_NEAR(found.box.low.x, 500002.5 * c.horizontal, 1e-2) << c.system << c.unit;
     EXPECT_NEAR(found.box.high.z - found.box.low.z, std::fabs(10 * c.vertical), 1e-5) << c.system << c.unit;
@@ -236,6 +237,78 @@ TEST_F(Heights, UnitsBecomeMetres) {
   // 0.001 grads are 100 m of latitude.
   const Reading grads = reading(mosaic(band("dem.tif"), "EPSG:4807", "2, 0.001, 0, 50, 0, -0.001"));
   EXPECT_NEAR(grads.box.high.y - grads.box.low.y, 300, 1);
+}
+
+// The keys of units count where GDAL ignores them: in a system of the user's, and where they contradict the system.
+TEST_F(Heights, UnitsOfTheKeysOfAGeoTiffCount) {
+  constexpr double kSurveyFoot = 1200.0 / 3937;
+  const auto with = [&](std::uint16_t system, std::vector<std::array<std::uint16_t, 2>> keys) {
+    GeoTiff tiff = flat(30, 40);
+    tiff.epsg = system;
+    tiff.keys = std::move(keys);
+    return reading(folder_.write("k.tif", tiff.bytes()));
+  };
+  constexpr std::uint16_t kOfTheUser = 32767, kUtm = 32633;
+  const Reading user = with(kOfTheUser, {{3076, 9003}});
+  EXPECT_NEAR(user.box.high.x - user.box.low.x, 25 * kSurveyFoot, 1e-3);
+  EXPECT_THAT(user.warnings, HasSubstr("nothing states the unit of the heights"));
+  const Reading heights = with(kUtm, {{4096, 5703}, {4099, 9003}});
+  EXPECT_NEAR(heights.box.low.z, 30 * kSurveyFoot, 1e-4);
+  EXPECT_THAT(heights.warnings, HasSubstr("k.tif: its vertical coordinate system has the unit 'metre', but its key"));
+  EXPECT_EQ(with(kUtm, {{4096, 5703}, {4099, 9001}}).warnings, "");
+  EXPECT_EQ(with(kUtm, {{4096, 5715}}).box.high.z, -30) << "depths";
+}
+
+TEST_F(Heights, UnitsHaveManyNames) {
+  folder_.write("dem.tif", flat(30, 40).bytes());
+  for (const auto& [unit, metres] : {std::pair{"US_survey_foot", 1200.0 / 3937},
+                                     {"US ft", 1200.0 / 3937},
+                                     {"ft (US)", 1200.0 / 3937},
+                                     {"International foot", 0.3048},
+                                     {"[m]", 1.0},
+                                     {"m ", 1.0},
+                                     {"decimeter", 0.1}}) {
+    const std::string states = std::string("<UnitType>") + unit + "</UnitType>";
+    EXPECT_NEAR(reading(mosaic(band("dem.tif", states))).box.low.z, 30 * metres, 1e-5) << unit;
+  }
+}
+
+// Web Mercator at 46.9 degrees of latitude.
+TEST_F(Heights, StretchedCoordinatesAreTold) {
+  folder_.write("dem.tif", flat(30, 40).bytes());
+  const std::string transform = "890000, 5, 0, 5900000, 0, -5";
+  for (const char* system : {"EPSG:3857", "EPSG:3395"}) {
+    EXPECT_THAT(reading(mosaic(band("dem.tif"), system, transform)).warnings,
+                AllOf(HasSubstr("are 1.46"), HasSubstr("gdalwarp -t_srs EPSG:32632")));
+  }
+}
+
+TEST_F(Heights, SystemsBesideTheRasterAreRead) {
+  const std::string degrees =
+      "GEOGCS[\"WGS 84\",DATUM[\"WGS_1984\",SPHEROID[\"WGS 84\",6378137,298.257223563]],PRIMEM[\"Greenwich\",0],"
+      "UNIT[\"degree\",0.0174532925199433]]";
+  std::string plain = GeoTiff{6, 4, std::vector<float>(24, 30), 11, 48, 0.001}.bytes();
+  const std::size_t keys = plain.rfind("\xAF\x87", std::string::npos);  // 34735, under a number that nobody knows
+  ASSERT_NE(keys, std::string::npos);
+  plain[keys] = '\xA0';
+  const auto file = folder_.write("p.tif", plain);
+  EXPECT_NEAR(reading(file).box.high.y - reading(file).box.low.y, 0.003, 1e-5);
+  folder_.write("p.prj", degrees);
+  EXPECT_NEAR(reading(file).box.high.y - reading(file).box.low.y, 333.6, 0.5);
+  folder_.write("p.prj", "nonsense");
+  EXPECT_THAT(reading(file).warnings, HasSubstr("p.prj: is no coordinate system that can be read"));
+  const auto grid = folder_.write(
+      "g.asc", "ncols 2\nnrows 2\nxllcorner 5\nyllcorner 6\ncellsize 10\nNODATA_value -9999\n10 10\n10 10\n");
+  const auto old = [&](const std::string& zUnits, const std::string& shift) {
+    folder_.write("g.prj", "Projection UTM\nZone 10\nDatum NAD83\nZunits " + zUnits + "\nUnits METERS\nXshift " +
+                               shift + "\nParameters\n");
+    return messageOf([&] { readAsset(grid, {}); });
+  };
+  EXPECT_EQ(old("FEET", "0.0"), "accepted");
+  EXPECT_NEAR(reading(grid).box.low.z, 3.048, 1e-5);
+  EXPECT_EQ(old("NO", "0.0"), "accepted");
+  EXPECT_THAT(old("10", "0.0"), HasSubstr("values in '10', which is no known unit"));
+  EXPECT_THAT(old("NO", "100.0"), AllOf(HasSubstr("g.prj:6"), HasSubstr("shifts the coordinates")));
 }
 
 TEST_F(Heights, HaveTheScaleAndTheSignOfTheBand) {
@@ -304,6 +377,12 @@ TEST_F(Heights, TextGridsOfAllKindsAreRead) {
   EXPECT_THAT(refusedGrid(heading + "1 2 3\n4 5 6\n7 8\n"), HasSubstr("has 8 samples, but its heading promises 9"));
   EXPECT_THAT(refusedGrid("ncols 3\nnrows 3\nxllcorner 5\nyllcenter 6\ncellsize 10\n1 2 3\n4 5 6\n7 8 9\n"),
               HasSubstr("does not say where it lies"));
+  // GRASS marks holes by *, and scales the samples.
+  const std::string grass = "north: 30\nsouth: 0\neast: 40\nwest: 0\nrows: 3\ncols: 4\n";
+  const Reading holes = reading(folder_.write("h.asc", grass + "multiplier: 0.1\n1 2 3 4\n5 6 7 8\n* 10 11 12\n"));
+  EXPECT_EQ(holes.triangles, 2u * 5);
+  EXPECT_NEAR(holes.box.low.z, 0.1, 1e-6);
+  EXPECT_NEAR(holes.box.high.z, 1.2, 1e-6);
   // GDAL guesses the type of the samples by the first ones.
   std::string late = "ncols 600\nnrows 600\nxllcorner 0\nyllcorner 0\ncellsize 1\ndatum 3\n";
   for (int i = 0; i < 600 * 600; ++i) late += i < 300 * 600 ? "-9999 " : "7.75 ";
@@ -442,6 +521,29 @@ TEST_F(Heights, AreObjectsOfAScene) {
   EXPECT_NEAR(count[road], 2 * 9 * 4.5, 9);
 }
 
+TEST_F(Heights, OfOneSceneThatDoNotFitAreToldOnce) {
+  const std::vector<float> level(24, 30);
+  folder_.write("u33.tif", GeoTiff{6, 4, level, 500000, 5400100, 5}.bytes());
+  folder_.write("next.tif", GeoTiff{6, 4, level, 500030, 5400100, 5}.bytes());
+  folder_.write("u32.tif", GeoTiff{6, 4, level, 500000, 5400100, 5, 32632}.bytes());
+  folder_.write("deg.tif", GeoTiff{6, 4, level, 15, 48.7, 0.001, 4326}.bytes());
+  folder_.write("deg2.tif", GeoTiff{6, 4, level, 15.006, 48.7, 0.001, 4326}.bytes());
+  const auto warned = [&](const std::string& a, const std::string& b, const std::string& position) {
+    testing::internal::CaptureStderr();
+    sceneOf(folder_, "objects:\n  - {file: " + a + ".tif, class: terrain}\n  - {file: " + b +
+                         ".tif, class: terrain, position: " + position + "}\n");
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_THAT(warned("deg", "deg2", "[0, 0, 2]"),
+              AllOf(HasSubstr("scene.yaml:5"), HasSubstr("deg.tif and "), HasSubstr("deg2.tif have the same position"),
+                    HasSubstr("gdalbuildvrt")));
+  EXPECT_THAT(warned("u32", "u33", "[0, 0, 0]"), HasSubstr("coordinate systems that differ by 4"));
+  EXPECT_THAT(warned("u33", "deg", "[0, 0, 0]"), HasSubstr("one of them in degrees"));
+  EXPECT_EQ(warned("u33", "next", "[0, 0, 0]"), "");
+  EXPECT_EQ(warned("deg", "deg", "[0, 0, 0]"), "");
+  EXPECT_EQ(warned("deg", "deg2", "[300, 0, 0]"), "") << "the user says where the tile lies";
+}
+
 TEST_F(Heights, MistakesAreNamed) {
   folder_.write("dem.tif", "no raster");
   EXPECT_THAT(messageOf([&] { readAsset(folder_.path() / "dem.tif", {}); }),
@@ -450,6 +552,19 @@ TEST_F(Heights, MistakesAreNamed) {
   const auto asc = [&](const std::string& samples) { return refusedGrid(grid + samples); };
   EXPECT_EQ(asc("0.01 0.02\n0.03 1e-2\n"), "accepted");
   EXPECT_THAT(asc("0.01 0.02\n0.03 none\n"), AllOf(HasSubstr("g.asc:8"), HasSubstr("'none' is no number")));
+  EXPECT_THAT(asc("+.5 .5\n-1.#IND 5.0E-01\n"), HasSubstr("no cell whose four samples"));
+  for (const std::string word :
+       {"*", "NA", "-", "--", "#", "e", "A", "F", "i", "-N", "1D+01", "50-3", "105.5f", "1e"}) {
+    EXPECT_THAT(asc("0.01 0.02\n0.03 " + word + "\n"), AllOf(HasSubstr("g.asc:8"), HasSubstr("'" + word + "'")))
+        << word;
+  }
+  EXPECT_THAT(refusedGrid("ncols 2\nnrows 2\nxllcorner 1.0D+02\nyllcorner 0\ncellsize 10\n1 2\n3 4\n"),
+              AllOf(HasSubstr("g.asc:3"), HasSubstr("'1.0D+02' is no number")));
+  EXPECT_THAT(refusedGrid("north: 45:30N\nsouth: 44:30N\neast: 8:30W\nwest: 9:30W\nrows: 2\ncols: 2\n1 2\n3 4\n"),
+              AllOf(HasSubstr("g.asc:1"), HasSubstr("degrees with decimals")));
+  EXPECT_THAT(refusedGrid("1.5 2 3\n2.5 2 4\n1.5 3 5\n2.5 3 6\n"), HasSubstr("the ending .xyz"));
+  EXPECT_THAT(refusedGrid("\xEF\xBB\xBF" + grid + "1 2\n3 4\n"), HasSubstr("begins with a byte order mark"));
+  EXPECT_THAT(refusedGrid("# made by x\n" + grid + "1 2\n3 4\n"), HasSubstr("begins with a comment"));
   EXPECT_THAT(asc("1,5,2.5\n3 4\n"), AllOf(HasSubstr("g.asc:7"), HasSubstr("'1,5,2.5'")));
   EXPECT_THAT(asc("510 512\n530 521\n"), AllOf(HasSubstr("rises by 20 m within"), HasSubstr("EPSG:4326")));
   EXPECT_THAT(refused({1, 3, {1, 2, 3}, 0, 0, 1}), HasSubstr("at least two"));
@@ -467,6 +582,8 @@ TEST_F(Heights, MistakesAreNamed) {
   EXPECT_THAT(messageOf([&] { readAsset(folder_.path() / "u.tif", {}); }), HasSubstr("gdal_edit.py"));
   folder_.write("u.tfw", "5\n0\n0\n-5\n500002.5\n5400097.5\n");
   EXPECT_NEAR(reading(folder_.path() / "u.tif").box.low.x, 500002.5, 1e-3) << "a world file names the first centre";
+  folder_.write("u.tfw", "5\n0\n0\n-5\n5.000025D+05\n5400097.5\n");
+  EXPECT_THAT(messageOf([&] { readAsset(folder_.path() / "u.tif", {}); }), HasSubstr("u.tfw:5: '5.000025D+05'"));
   std::string cut = tilted().bytes();
   EXPECT_THAT(refused(tilted(), {.up = 'y'}), HasSubstr("leave out `up`"));
   // Whatever is damaged, it is read or refused.
