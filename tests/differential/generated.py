@@ -127,6 +127,8 @@ def make_raster(draw: random.Random, folder: Path) -> Path:
     hole = draw.choice(["none", "nodata", "nan", "mask", "alpha"])
     if ending != ".tif" and hole not in ("none", "nodata") or hole == "nan" and kind not in (gdal.GDT_Float32, gdal.GDT_Float64):
         hole = "nodata"
+    if hole == "alpha" and kind != gdal.GDT_UInt16:  # GDAL itself masks by an alpha band of this type alone
+        hole = "nodata"
     missing = numbers.random((height, width)) < (0.1 if hole != "none" else 0)
     driver = gdal.GetDriverByName("MEM" if ending == ".asc" else "HFA" if ending == ".img" else "GTiff")
     file = folder / f"heights{ending}"
