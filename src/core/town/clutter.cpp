@@ -197,13 +197,13 @@ void placeSquares(Placer& placer, Store& store) {
   std::uint32_t square = 0;
   int number = 0;
   const bool any = std::any_of(l.areas().all().begin(), l.areas().all().end(),
-                               [](const MapArea& area) { return area.land == Land::Paved; });
+                               [](const MapArea& area) { return area.land == Land::Paved && area.square; });
   if (!any) return;
   const Model bench = models::makeFurnishing(placer.builder, l.seed(), models::Furnishing::Bench);
   const Model planter = models::makeFurnishing(placer.builder, l.seed(), models::Furnishing::Planter);
   for (const MapArea& area : l.areas().all()) {
     Draw draw(l.seed(), Kind::Furniture, 9000 + ++square);
-    if (area.land != Land::Paved) continue;
+    if (area.land != Land::Paved || !area.square) continue;
     const Footprint about = rectangleAbout(area.outline);
     const auto put = [&](const Model& m, const Point2& p, double yaw) {
       if (l.areas().outsideHard(p) > -1.5 || l.areas().at(p) != Land::Paved) return;

@@ -326,7 +326,9 @@ class MapMaker {
         if (!land) return;
       }
       if (!building && !part) {
-        map_.areas.push_back({*land, std::move(outline), std::move(holes)});
+        const bool square =
+            isOneOf(tags["highway"], {"pedestrian", "footway", "service"}) || tags["amenity"] == "marketplace";
+        map_.areas.push_back({*land, std::move(outline), std::move(holes), square});
         return;
       }
       MapBuilding made = makeBuilding(tags, std::move(outline), std::move(holes), plane_.mirrored(), numbers_);

@@ -71,6 +71,7 @@ struct MapArea {
   Land land = Land::Grass;
   Polygon outline;
   std::vector<Polygon> holes;
+  bool square = true;  // paved areas: benches and fountains may stand there
 };
 
 struct MapBarrier {

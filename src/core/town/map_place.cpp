@@ -234,7 +234,7 @@ class Cutter {
       place_.buildings.push_back(std::move(kept));
     }
     for (const MapArea& a : map_.areas) {
-      MapArea kept{a.land, moved(a.outline), {}};
+      MapArea kept{a.land, moved(a.outline), {}, a.square};
       if (!mayReach(kept.outline)) continue;
       kept.outline = clipped(kept.outline, reach_ + kAroundLand);
       if (kept.outline.size() < 3) continue;

@@ -154,6 +154,38 @@ TEST(MapBuildings, RoofsHaveTheirShape) {
   EXPECT_DOUBLE_EQ(layout.blocks()[0].block.rise, 6);
 }
 
+TEST(MapBuildings, AnglesOfRoofsGiveTheirHeight) {
+  const auto built = [](Pairs tags) {
+    tags.insert(tags.end(), {{"building", "yes"}, {"height", "20"}});
+    return makeMap(withAreas({area("way 2", tags, rectangle(-30, 20, 30, 40))})).buildings.at(0);
+  };
+  EXPECT_NEAR(built({{"roof:shape", "gabled"}, {"roof:angle", "45"}}).rise, 10, 0.05);
+  EXPECT_NEAR(built({{"roof:shape", "skillion"}, {"roof:angle", "30"}}).rise, 20 * std::tan(radians(30.0)), 0.05);
+  EXPECT_NEAR(built({{"roof:shape", "gabled"}, {"roof:angle", "80"}}).rise, 20, 1e-9) << "no higher than the building";
+  EXPECT_EQ(built({{"roof:shape", "gabled"}, {"roof:angle", "45"}, {"roof:height", "3"}}).rise, 3);
+  EXPECT_EQ(built({{"roof:shape", "flat"}, {"roof:angle", "45"}}).rise, 0);
+}
+
+TEST(MapBuildings, HeightsHaveSeveralKeys) {
+  const auto top = [](Pairs tags) {
+    tags.emplace_back("building", "yes");
+    return makeMap(withAreas({area("way 2", tags, rectangle(-30, 20, 30, 40))})).buildings.at(0).top;
+  };
+  EXPECT_EQ(top({{"est_height", "30"}}), 30);
+  EXPECT_EQ(top({{"building:height", "25"}}), 25);
+  EXPECT_EQ(top({{"est_height", "30"}, {"building:height", "25"}, {"height", "20"}}), 20);
+}
+
+// A corner that is cut out of a building stays open.
+TEST(MapBuildings, NotchesAreNotFilled) {
+  const Layout layout =
+      layOut(makeMap(withAreas({area("way 2", {{"building", "house"}, {"height", "8"}},
+                                     {{0, 12}, {10, 12}, {10, 20}, {2.5, 20}, {2.5, 17}, {0, 17}})})));
+  EXPECT_TRUE(layout.houses().empty());
+  ASSERT_EQ(layout.blocks().size(), 1u);
+  EXPECT_EQ(layout.blocks()[0].block.outline.size(), 6u);
+}
+
 TEST(MapBuildings, RoofsThatAreBuiltOtherwiseAreCounted) {
   const Map map =
       makeMap(withAreas({area("way 2", {{"building", "yes"}, {"roof:shape", "onion"}}, rectangle(0, 20, 10, 30)),
@@ -187,7 +219,9 @@ TEST(MapBuildings, MayHangOverRoads) {
   const Layout bridge = layout({{"min_height", "6"}});
   ASSERT_EQ(bridge.blocks().size(), 1u);
   EXPECT_DOUBLE_EQ(bridge.blocks()[0].block.base, 6);
+  testing::internal::CaptureStderr();
   const Layout blocked = layout({});
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("left out: 1 buildings that stand on a road"));
   EXPECT_TRUE(blocked.blocks().empty());
   EXPECT_THAT(blocked.about(), HasSubstr("1 buildings that stand on a road are left out"));
 }

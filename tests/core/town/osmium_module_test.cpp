@@ -169,5 +169,184 @@ TEST_F(ReadOsm, WhatIsLeftOutIsCounted) {
             "highway");
 }
 
+std::string relation(const std::vector<std::pair<int, const char*>>& ways,
+                     const std::vector<std::pair<const char*, const char*>>& tags) {
+  std::string text = "<relation id='30'>";
+  for (const auto& [id, role] : ways) text += fmt::format("<member type='way' ref='{}' role='{}'/>", id, role);
+  text += "<tag k='type' v='multipolygon'/>";
+  for (const auto& [key, value] : tags) text += fmt::format("<tag k='{}' v='{}'/>", key, value);
+  return text + "</relation>";
+}
+
+const std::vector<int> kSquare{4, 5, 6, 7, 4};
+
+// Until 2017 the tags of a multipolygon stood on its outer ways, and its own tags told its source or name.
+TEST_F(ReadOsm, RelationsOfTheOldStyleHaveTheTagsOfTheirOuterWays) {
+  const std::string start = kRoadNodes + kHouseNodes + kCourtNodes + kRoad + way(12, {20, 21, 22, 23, 20}, {});
+  const std::string house = way(11, kSquare, {{"building", "yes"}, {"height", "9"}});
+  for (const auto& tags : std::vector<std::vector<std::pair<const char*, const char*>>>{
+           {}, {{"source", "Bing"}}, {{"name", "Court"}, {"source:date", "2010"}, {"note", "x"}}}) {
+    const Map map = read(start + house + relation({{11, "outer"}, {12, "inner"}}, tags));
+    ASSERT_EQ(map.buildings.size(), 1u);
+    EXPECT_EQ(map.buildings[0].courts.size(), 1u);
+    EXPECT_EQ(map.buildings[0].top, 9);
+    EXPECT_EQ(map.leftOut.text(), "");
+  }
+  const Map wood = read(start + way(11, kSquare, {{"landuse", "forest"}}) + relation({{11, ""}, {12, "inner"}}, {}));
+  ASSERT_EQ(wood.areas.size(), 1u);
+  EXPECT_EQ(wood.areas[0].holes.size(), 1u);
+  EXPECT_EQ(read(start + way(11, kSquare, {}) + relation({{11, "outer"}, {12, "inner"}}, {})).areas.size(), 0u);
+}
+
+TEST_F(ReadOsm, BuildingsOfRelationsHaveTheHeightOfTheirOuterWay) {
+  const std::string start = kRoadNodes + kHouseNodes + kRoad;
+  const auto top = [&](const std::vector<std::pair<const char*, const char*>>& outer,
+                       const std::vector<std::pair<const char*, const char*>>& own) {
+    return read(start + way(11, kSquare, outer) + relation({{11, "outer"}}, own)).buildings.at(0).top;
+  };
+  EXPECT_EQ(top({{"height", "20"}}, {{"building", "yes"}}), 20);
+  EXPECT_EQ(top({{"height", "20"}}, {{"building", "yes"}, {"height", "8"}}), 8);
+  EXPECT_EQ(top({{"height", "2"}, {"barrier", "wall"}}, {{"building", "yes"}}), std::nullopt) << "of the wall";
+}
+
+TEST_F(ReadOsm, PavedAreasAndWaterAreBuilt) {
+  const auto land = [&](const std::vector<std::pair<const char*, const char*>>& tags, bool asRelation) {
+    const Map map =
+        read(kRoadNodes + kHouseNodes + kRoad +
+             (asRelation ? way(11, kSquare, {}) + relation({{11, "outer"}}, tags) : way(11, kSquare, tags)));
+    EXPECT_EQ(map.roads.size(), 1u);
+    EXPECT_TRUE(map.paths.empty());
+    EXPECT_EQ(map.leftOut.text(), "");
+    if (map.areas.size() != 1) return std::optional<Land>();
+    return std::optional(map.areas[0].land);
+  };
+  for (const char* highway : {"residential", "track", "cycleway", "service", "pedestrian"}) {
+    EXPECT_EQ(land({{"highway", highway}, {"area", "yes"}}, false), Land::Paved) << highway;
+    EXPECT_EQ(land({{"highway", highway}}, true), Land::Paved) << highway;
+  }
+  EXPECT_EQ(land({{"aeroway", "apron"}}, false), Land::Paved);
+  EXPECT_EQ(land({{"aeroway", "runway"}, {"area", "yes"}}, false), Land::Paved);
+  EXPECT_EQ(land({{"amenity", "fuel"}}, false), Land::Paved);
+  EXPECT_EQ(land({{"waterway", "riverbank"}}, false), Land::Water);
+  EXPECT_EQ(land({{"waterway", "dock"}}, true), Land::Water);
+  EXPECT_EQ(land({{"amenity", "parking"}, {"parking", "street_side"}}, false), Land::Lot);
+}
+
+TEST_F(ReadOsm, SizesOfBarriersTreesAndPathsAreRead) {
+  const Map map = read(kRoadNodes + kHouseNodes + kCourtNodes + kRoad +
+                       way(11, {4, 5}, {{"barrier", "wall"}, {"height", "16 ft"}}) +
+                       way(12, {5, 6}, {{"highway", "footway"}, {"width", "4"}}) + way(13, {20, 21, 22, 23, 20}, {}) +
+                       relation({{13, "outer"}}, {{"barrier", "hedge"}, {"height", "tall"}}) +
+                       "<node id='60' lat='51' lon='0.5'><tag k='natural' v='tree'/><tag k='height' v='25 m'/>"
+                       "<tag k='diameter_crown' v='12'/></node>");
+  ASSERT_EQ(map.barriers.size(), 2u);
+  EXPECT_NEAR(map.barriers[0].height.value_or(0), 4.8768, 1e-9);
+  EXPECT_EQ(map.barriers[1].kind, models::Fencing::Hedge);
+  EXPECT_EQ(map.barriers[1].line.size(), 5u);
+  ASSERT_EQ(map.paths.size(), 1u);
+  EXPECT_EQ(map.paths[0].width, 4);
+  ASSERT_EQ(map.trees.size(), 1u);
+  EXPECT_EQ(map.trees[0].height, 25);
+  EXPECT_EQ(map.trees[0].crown, 12);
+  EXPECT_EQ(map.leftOut.text(), "1 values of height that cannot be used, such as 'tall' of relation 30");
+}
+
+TEST_F(ReadOsm, SidesOfRoadsThatDifferAreCounted) {
+  const auto counted = [&](const std::vector<std::pair<const char*, const char*>>& tags) {
+    auto all = tags;
+    all.emplace_back("highway", "residential");
+    return read(kRoadNodes + way(10, {1, 2, 3}, all)).leftOut.text();
+  };
+  const std::string oneSided = "1 sidewalks and parking lanes on one side, which are on both";
+  EXPECT_EQ(counted({{"parking:lane:left", "parallel"}, {"parking:lane:right", "no_parking"}}), oneSided);
+  EXPECT_EQ(counted({{"sidewalk:left", "yes"}}), oneSided);
+  EXPECT_EQ(counted({{"parking:left", "lane"}, {"parking:right", "no"}}), oneSided);
+  EXPECT_EQ(counted({{"sidewalk:left", "yes"}, {"sidewalk:right", "separate"}, {"parking:both", "no"}}), "");
+  EXPECT_EQ(counted({{"parking:lane:both", "perpendicular"}}),
+            "1 lanes of perpendicular and diagonal parking, where cars stand along the road");
+  EXPECT_EQ(counted({{"parking:both", "sometimes"}, {"parking:condition:both", "free"}}),
+            "1 parking lanes with an unknown value, which the seed draws");
+  EXPECT_EQ(counted({{"embankment", "yes"}}), "1 embankments and cuttings of roads");
+}
+
+// Whatever has a shape and is not built is counted; names and properties are not.
+TEST_F(ReadOsm, EveryShapeThatIsNotBuiltIsCounted) {
+  const auto counted = [&](const std::string& element) {
+    return read(kRoadNodes + kHouseNodes + kRoad + element).leftOut.text();
+  };
+  const auto node = [](const std::string& key, const std::string& value) {
+    return fmt::format("<node id='60' lat='51' lon='0.5'><tag k='{}' v='{}'/></node>", key, value);
+  };
+  for (const auto& [key, value] : std::vector<std::pair<const char*, const char*>>{{"power", "generator"},
+                                                                                   {"man_made", "crane"},
+                                                                                   {"traffic_sign", "DE:250"},
+                                                                                   {"advertising", "billboard"},
+                                                                                   {"historic", "monument"},
+                                                                                   {"tourism", "artwork"},
+                                                                                   {"aerialway", "pylon"},
+                                                                                   {"highway", "traffic_signals"},
+                                                                                   {"natural", "wood"},
+                                                                                   {"amenity", "telephone"},
+                                                                                   {"railway", "signal"},
+                                                                                   {"traffic_calming", "bump"},
+                                                                                   {"leisure", "park"},
+                                                                                   {"emergency", "fire_hydrant"}}) {
+    EXPECT_THAT(counted(node(key, value)), HasSubstr("1 ")) << key << "=" << value;
+  }
+  for (const auto& [key, value] : std::vector<std::pair<const char*, const char*>>{{"railway", "level_crossing"},
+                                                                                   {"place", "square"},
+                                                                                   {"tourism", "hotel"},
+                                                                                   {"natural", "peak"},
+                                                                                   {"highway", "crossing"},
+                                                                                   {"leisure", "sports_centre"},
+                                                                                   {"amenity", "school"}}) {
+    EXPECT_EQ(counted(node(key, value)), "") << key << "=" << value;
+  }
+  for (const auto& [key, value] : std::vector<std::pair<const char*, const char*>>{{"landuse", "vineyard"},
+                                                                                   {"natural", "bay"},
+                                                                                   {"leisure", "track"},
+                                                                                   {"waterway", "dam"},
+                                                                                   {"railway", "funicular"},
+                                                                                   {"aeroway", "hangar"},
+                                                                                   {"man_made", "dyke"},
+                                                                                   {"area:highway", "primary"},
+                                                                                   {"aerialway", "gondola"},
+                                                                                   {"historic", "ruins"},
+                                                                                   {"place", "square"},
+                                                                                   {"military", "bunker"},
+                                                                                   {"public_transport", "platform"},
+                                                                                   {"amenity", "parking_space"},
+                                                                                   {"golf", "bunker"},
+                                                                                   {"parking", "rooftop"}}) {
+    EXPECT_THAT(counted(way(11, kSquare, {{key, value}})), HasSubstr("1 ")) << key << "=" << value;
+    EXPECT_THAT(counted(way(11, kSquare, {}) + relation({{11, "outer"}}, {{key, value}})), HasSubstr("1 "))
+        << "relation with " << key << "=" << value;
+  }
+  EXPECT_EQ(counted(way(11, {4, 5}, {{"man_made", "pipeline"}, {"location", "underground"}})), "");
+  EXPECT_EQ(counted(way(11, {4, 5}, {{"highway", "footway"}, {"footway", "sidewalk"}, {"traffic_sign", "DE:240"}})),
+            "");
+  EXPECT_EQ(counted(way(11, {4, 5}, {{"natural", "water"}}) + way(12, {5, 6, 7, 4}, {{"natural", "water"}}) +
+                    relation({{11, "outer"}, {12, "outer"}}, {{"natural", "water"}})),
+            "")
+      << "pieces of the outline";
+}
+
+TEST_F(ReadOsm, AreasAcrossTheMeridianOf180DegreesAreCounted) {
+  const auto at = [](int id, double lat, double lon) {
+    return fmt::format("<node id='{}' lat='{}' lon='{}'/>", id, lat, lon);
+  };
+  const Map map = read(at(1, 51, 179.999) + at(2, 51, -179.999) + at(4, 51.001, 179.9999) + at(5, 51.001, -179.9999) +
+                       at(6, 51.0012, -179.9999) + at(7, 51.0012, 179.9999) +
+                       way(10, {1, 2}, {{"highway", "residential"}}) + kHouse);
+  EXPECT_TRUE(map.buildings.empty());
+  EXPECT_EQ(map.leftOut.text(), "1 buildings with an outline across the meridian of 180 degrees");
+}
+
+TEST_F(ReadOsm, OutputOfOverpassThatIsNoMapIsRefusedWithAWayOn) {
+  EXPECT_THAT(refusal(kRoadNodes + "<way id='10'><center lat='51' lon='0.5'/></way>"), HasSubstr("(._;>;); out meta;"));
+  folder_.write("place.json", "{}");
+  EXPECT_THAT(messageOf([&] { readMap(folder_.path() / "place.json", false, {}); }), HasSubstr("[out:xml]"));
+}
+
 }  // namespace
 }  // namespace scanmill::town

@@ -53,6 +53,45 @@ void forPoints(const Scene& scene, const Visit& visit) {
 
 constexpr const char* kSmall = "{length: 120}";
 
+// Walls and trees are as high as the map says, crowns and paths as wide.
+TEST(Town, SizesOfTheMapAreBuilt) {
+  TemporaryFolder folder;
+  std::string map = "<osm version='0.6'>";
+  const auto add = [&](int id, double x, double y, const std::string& tags = "") {
+    map += fmt::format("<node id='{}' lat='{:.7f}' lon='{:.7f}'>{}</node>", id, 51 + y / 111250, 0.5 + x / 70200, tags);
+  };
+  for (int k = 0; k < 3; ++k) add(1 + k, -150 + 150 * k, 0);
+  for (int k = 0; k < 4; ++k) add(4 + k, k % 2 == 0 ? -30 : 30, k < 2 ? 40 : 50);
+  add(8, 0, 30, "<tag k='natural' v='tree'/><tag k='height' v='21'/><tag k='diameter_crown' v='5'/>");
+  map +=
+      "<way id='1'><nd ref='1'/><nd ref='2'/><nd ref='3'/><tag k='highway' v='residential'/></way>"
+      "<way id='2'><nd ref='4'/><nd ref='5'/><tag k='barrier' v='wall'/><tag k='height' v='5'/></way>"
+      "<way id='3'><nd ref='6'/><nd ref='7'/><tag k='highway' v='footway'/><tag k='width' v='4'/></way></osm>";
+  const std::string keys =
+      fmt::format("{{map: {}, length: 200, slope: 0, greenery: 0, people: 0, vehicles: 0, traffic: 0, detail: 0.1}}",
+                  folder.write("sizes.osm", map).string());
+  const Scene scene = makeTown(keys, 1);
+  const auto boxOf = [&](const std::string& name) {
+    Box box;
+    forPoints(scene, [&](const Instance& i, const Vec3d& p) {
+      if (i.name.starts_with(name)) box.add(p);
+    });
+    return box;
+  };
+  const Box tree = boxOf("tree 1");
+  EXPECT_NEAR(tree.high.z, 21, 0.5);
+  EXPECT_NEAR((tree.high.x - tree.low.x + tree.high.y - tree.low.y) / 2, 5, 1.5);
+  EXPECT_NEAR(boxOf("boundary 1").high.z, 5, 0.5);
+  const Value value = parseYaml(keys, "town.yaml");
+  Fields fields(value, "town");
+  const town::Parameters parameters = town::readParameters(fields);
+  const town::Layout layout{parameters, 1,
+                            town::cutOut(town::readMap(parameters.map, false, {}), parameters, 1, 200, {})};
+  EXPECT_TRUE(std::any_of(layout.patches().begin(), layout.patches().end(), [](const town::Patch& patch) {
+    return patch.kind == town::GroundKind::Path && patch.place.halfY == 2;
+  }));
+}
+
 TEST(Town, FollowsFromItsSeed) {
   EXPECT_EQ(hash(makeTown(kSmall, 5)), hash(makeTown(kSmall, 5)));
   EXPECT_NE(hash(makeTown(kSmall, 5)), hash(makeTown(kSmall, 6)));
