@@ -7,6 +7,7 @@
 #include "assets/meshes/assimp/collada.h"
 #include "assets/meshes/assimp/fbx.h"
 #include "assets/meshes/assimp/reader.h"
+#include "assets/meshes/blend.h"
 #include "assets/meshes/gltf/model.h"
 #include "assets/meshes/obj/obj_mesh.h"
 #include "assets/meshes/ply_check.h"
@@ -98,7 +99,7 @@ std::vector<FormatSupport> inputFormats() {
           importedFormat(),     rasterFormat(),    imageFormat(),   lasFormat(),       plyCloudFormat(),
           plyMeshFormat(),      pcdFormat(),       csvFormat(),     npzFormat(),       dracoFormat(),
           pointRecordsFormat(), town::osmFormat(), sdfFormat(),     ogreFormat(),      urdfFormat(),
-          tilesetFormat()};
+          tilesetFormat(),      blendFormat()};
 }
 
 Rows inputRows() {
