@@ -4,7 +4,8 @@
 
     render FOLDER        takes requests, each a line of JSON on standard input: {"scene": FOLDER} for the scene that
                          scene.json and scene.bin hold there, then one with "file" and a camera for each image
-    export FOLDER BLEND  writes what BLEND shows to FOLDER/scene.glb, z up, in metres
+    export FOLDER BLEND  writes what BLEND shows to FOLDER/scene.glb, z up, in metres; the answer is JSON: numbers of what
+                         it lacks, by the notes of blendFormat()
 
 Every answer is a line of JSON on standard output: {"what": "ready" | "scene" | "image" | "exported" | "error",
 "text": ..., "seconds": since the request}; an error says with "input" whether the user's file is at fault. What Blender
@@ -12,6 +13,7 @@ itself prints goes to standard error. When its standard input ends, its owner is
 is a temporary one, and ends at once.
 """
 
+import collections
 import json
 import os
 import queue
@@ -318,31 +320,100 @@ def open_blend(path):
         )
 
 
+SURFACES = {"MESH", "CURVE", "SURFACE", "FONT"}
+OTHER_SHAPES = {
+    "GPENCIL": "grease pencil objects",
+    "GREASEPENCIL": "grease pencil objects",
+    "CURVES": "hair curves",
+    "VOLUME": "volumes",
+    "POINTCLOUD": "point clouds",
+}
+
+
+def hide_as_renders_do():
+    """Hides from the viewport, whose evaluation is read, what renders do not show."""
+    for collection in (*bpy.data.collections, bpy.context.scene.collection):
+        collection.hide_viewport |= collection.hide_render
+    for thing in bpy.data.objects:
+        thing.hide_viewport |= thing.hide_render
+        thing.show_instancer_for_viewport &= thing.show_instancer_for_render
+    bpy.context.view_layer.update()
+
+
+def is_opacity_lost(material):
+    """The exporter keeps no alpha of an opaque material, which Cycles renders all the same."""
+    if material is None or not material.use_nodes or material.blend_method != "OPAQUE":
+        return False
+    alphas = [node.inputs["Alpha"] for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED"]
+    return any(alpha.is_linked or alpha.default_value < 1 for alpha in alphas)
+
+
+def count_left_out(shown, bare, materials):
+    """Counts by the notes of blendFormat(). `shown`: the objects that show faces or instances with faces; `bare`: those
+    whose surface has none; `materials`: of the faces."""
+    scene = bpy.context.scene
+    hidden = "objects that the viewport or renders hide"
+    hair = "particle systems of hair, lines or halos"
+    elsewhere = {thing for other in bpy.data.scenes if other != scene for thing in other.objects}
+    left_out = collections.Counter()
+    left_out["objects without faces, such as edges and thin curves"] = len(bare - shown)
+    left_out["objects of other scenes"] = sum(thing.type in SURFACES for thing in elsewhere - set(scene.objects))
+    left_out["missing libraries, with all that is linked from them"] = sum(
+        library.packed_file is None and not os.path.exists(bpy.path.abspath(library.filepath))
+        for library in bpy.data.libraries
+    )
+    if bpy.app.version < (4, 2):
+        left_out["opacities of materials whose blend mode is opaque"] = sum(map(is_opacity_lost, materials))
+    for thing in scene.objects:
+        if not thing.visible_get():
+            left_out[hidden] += thing.type in SURFACES or thing.is_instancer
+            continue
+        kinds = [system.settings.render_type for system in thing.particle_systems]
+        left_out[hair] += sum(kind not in ("NONE", "OBJECT", "COLLECTION") for kind in kinds)
+        instances = len(kinds) > 0 or thing.is_instancer
+        left_out[hidden] += instances and thing.type in SURFACES and not thing.show_instancer_for_viewport
+        left_out[OTHER_SHAPES.get(thing.type, "")] += 1
+    del left_out[""]
+    return left_out
+
+
 def flatten():
     """Replaces the objects by what they show, modifiers applied, every instance an object of its own. Returns what
     their nodes are to have: the name, since Blender allows each but once, and the matrix, since an object's own cannot
-    be sheared."""
+    be sheared. Also returns count_left_out()."""
     units = bpy.context.scene.unit_settings
     metres = units.scale_length if units.system != "NONE" else 1.0
     meshes = {}
     placed = []
+    showing, bare, materials = set(), set(), set()
+    hide_as_renders_do()
     for instance in bpy.context.evaluated_depsgraph_get().object_instances:
         shown = instance.object
+        if not instance.is_instance and shown.type in SURFACES and not (shown.type == "MESH" and not shown.data.vertices):
+            bare.add(shown.original)
         # What evaluates to a mesh, such as a text, comes as an instance of type MESH beside its own.
-        if shown.type != "MESH" or not instance.show_self or shown.original.hide_render:
+        if shown.type != "MESH" or not instance.show_self:
+            continue
+        # Renders hide an object that its parent repeats on vertices or faces.
+        parent = shown.original.parent
+        if not instance.is_instance and parent is not None and parent.instance_type in ("VERTS", "FACES"):
             continue
         key = (shown.data.as_pointer(), *(slot.material and slot.material.name_full for slot in shown.material_slots))
         if key not in meshes:
             meshes[key] = bpy.data.meshes.new_from_object(shown)
         if len(meshes[key].polygons) > 0:
             placed.append((shown.name, meshes[key], Matrix.Scale(metres, 4) @ instance.matrix_world))
+            showing.add((instance.parent or shown).original)
+            showing.add(shown.original)
+            materials.update(meshes[key].materials)
+    left_out = count_left_out(showing, bare, materials)
     for old in list(bpy.data.objects):
         bpy.data.objects.remove(old)
     nodes = {}
     for i, (name, mesh, matrix) in enumerate(placed):
         bpy.context.scene.collection.objects.link(bpy.data.objects.new(f"object{i}", mesh))
         nodes[f"object{i}"] = {"name": name, "matrix": [value for column in matrix.transposed() for value in column]}
-    return nodes
+    return nodes, left_out
 
 
 def change_nodes(path, changes):
@@ -363,7 +434,7 @@ def change_nodes(path, changes):
 def export(owner, blend):
     glb = os.path.join(owner.folder, "scene.glb")
     open_blend(blend)
-    nodes = flatten()
+    nodes, left_out = flatten()
     if not nodes:
         raise BadInput("shows no surface: nothing with faces is visible in its active scene, in viewport and renders")
     # Blender 4.2 and later has one choice of colours for what 3.4 has a switch.
@@ -381,7 +452,7 @@ def export(owner, blend):
         **colors,
     )
     change_nodes(glb, nodes)
-    owner.answer("exported", glb)
+    owner.answer("exported", json.dumps(left_out))
 
 
 def main():

@@ -7,6 +7,7 @@
 #include "assets/meshes/assimp/collada.h"
 #include "assets/meshes/assimp/fbx.h"
 #include "assets/meshes/assimp/reader.h"
+#include "assets/meshes/blend.h"
 #include "assets/meshes/gltf/model.h"
 #include "assets/meshes/obj/obj_mesh.h"
 #include "assets/meshes/off_mesh.h"
@@ -94,12 +95,12 @@ void printCapabilities() {
 
 // Formats whose readers say what they read and what they leave out.
 std::vector<FormatSupport> inputFormats() {
-  return {objFormat(),        velodyneFormat(),     ousterFormat(),    beamTableFormat(), poseFormat(),
-          gltf::gltfFormat(), stlFormat(),          offFormat(),       colladaFormat(),   fbxFormat(),
-          ac3dFormat(),       importedFormat(),     rasterFormat(),    imageFormat(),     lasFormat(),
-          plyCloudFormat(),   plyMeshFormat(),      pcdFormat(),       csvFormat(),       npzFormat(),
-          dracoFormat(),      pointRecordsFormat(), town::osmFormat(), sdfFormat(),       ogreFormat(),
-          urdfFormat(),       tilesetFormat()};
+  return {gltf::gltfFormat(), blendFormat(),    objFormat(),          plyMeshFormat(),   stlFormat(),
+          offFormat(),        colladaFormat(),  fbxFormat(),          ac3dFormat(),      importedFormat(),
+          imageFormat(),      sdfFormat(),      ogreFormat(),         urdfFormat(),      tilesetFormat(),
+          rasterFormat(),     lasFormat(),      plyCloudFormat(),     pcdFormat(),       csvFormat(),
+          npzFormat(),        dracoFormat(),    pointRecordsFormat(), town::osmFormat(), poseFormat(),
+          ousterFormat(),     velodyneFormat(), beamTableFormat()};
 }
 
 Rows inputRows() {

@@ -89,6 +89,7 @@ void headAlong(std::vector<StampedPose>& poses) {
 }
 
 constexpr std::array<const char*, 3> kAngles{"yaw", "pitch", "roll"};
+constexpr std::array<const char*, 3> kAngleUnits{"", "_deg", "_rad"};  // endings of their columns
 
 std::string_view unquoted(std::string_view cell) {
   return cell.size() >= 2 && cell.front() == '"' && cell.back() == '"' ? cell.substr(1, cell.size() - 2) : cell;
@@ -109,7 +110,7 @@ std::string columnName(std::string_view cell, bool euroc) {
   }
   if (name.starts_with("p_rs_r_")) name.erase(0, 7);
   if (name.starts_with("q_rs_")) name.replace(0, 5, "q");
-  const bool usual = unit.empty() || unit == "m" || unit == "rad" || unit == "s";
+  const bool usual = unit.empty() || unit == "m" || unit == "s";
   return usual || !poseFormat().has(FormatElements::Use::Read, name) ? name : name + "_" + unit;
 }
 
@@ -147,8 +148,8 @@ class PoseColumns {
     const bool quaternion = std::any_of(kQuaternion.begin(), kQuaternion.end(), hasName);
     if (quaternion) std::for_each(kQuaternion.begin(), kQuaternion.end(), [&](const char* name) { require(name); });
     for (const std::string angle : kAngles) {
-      const bool radian = has(angle);
-      if ((radian && has(angle + "_deg")) || (quaternion && (radian || has(angle + "_deg")))) {
+      const auto hasUnit = [&](const char* unit) { return has(angle + unit); };
+      if (std::count_if(kAngleUnits.begin(), kAngleUnits.end(), hasUnit) > (quaternion ? 0 : 1)) {
         throw InputError(where_, fmt::format("the table states {} by two columns: leave out one of them", angle));
       }
     }
@@ -166,8 +167,10 @@ class PoseColumns {
   const LeftOut& leftOut() const { return leftOut_; }
   const std::vector<std::size_t>& read() const { return read_; }
   bool headed() const {
-    return has("qw") || std::any_of(kAngles.begin(), kAngles.end(),
-                                    [&](const char* a) { return has(a) || has(std::string(a) + "_deg"); });
+    return has("qw") || std::any_of(kAngles.begin(), kAngles.end(), [&](const std::string& angle) {
+             return std::any_of(kAngleUnits.begin(), kAngleUnits.end(),
+                                [&](const char* unit) { return has(angle + unit); });
+           });
   }
 
   StampedPose poseOf(const TextLine& line) const {
@@ -178,7 +181,15 @@ class PoseColumns {
     const auto number = [&](const std::string& name) { return numberOf(cells[columns_.at(name)], line.where); };
     const auto angle = [&](const std::string& name) {
       if (has(name + "_deg")) return radians(number(name + "_deg"));
-      return has(name) ? number(name) : 0;
+      if (has(name + "_rad")) return number(name + "_rad");
+      if (!has(name)) return 0.0;
+      const double value = number(name);
+      if (std::fabs(value) > 6.3) {
+        throw InputError(line.where, fmt::format("has the {0} {1:g}, which in radians is more than a turn: name the "
+                                                 "column {0}_deg, or {0}_rad if radians are meant",
+                                                 name, value));
+      }
+      return value;
     };
     StampedPose p{timeOf(cells[*time_], line.where), {{}, {number("x"), number("y"), number("z")}}, line.where.line};
     if (has("qw")) {
@@ -214,7 +225,8 @@ const FormatSupport& poseFormat() {
       {{Read, "time time_ms time_us time_ns", "table: time; also timestamp [ns], and EuRoC's timestamp"},
        {Read, "x y z", "table: position (m), also as EuRoC's p_RS_R_x"},
        {Read, "qw qx qy qz", "table: rotation, also as EuRoC's q_RS_w"},
-       {Read, "yaw pitch roll yaw_deg pitch_deg roll_deg", "table: rotation by angles"},
+       {Read, "yaw pitch roll yaw_deg pitch_deg roll_deg yaw_rad pitch_rad roll_rad",
+        "table: rotation by angles; those without a unit are in radians and at most a turn"},
        {Unused, "v_rs_r_x v_rs_r_y v_rs_r_z b_w_rs_s_x b_w_rs_s_y b_w_rs_s_z b_a_rs_s_x b_a_rs_s_y b_a_rs_s_z",
         "table: EuRoC's velocities, which follow from the positions, and biases"},
        {LeftOut, "", "table: other columns"},

@@ -146,6 +146,7 @@ std::string RecordedPoses::doubt() const {
   constexpr double kFastest = 100;  // m/s; a larger speed between two poses causes a warning
   constexpr double kFarApart = 10;  // s; a larger mean time between poses causes a warning
   constexpr double kMoves = 0.5;    // m/s; below this speed the direction of travel is not tested
+  constexpr double kSteepest = 45;  // degrees; a larger mean tilt causes a warning
   double upright = 0;
   double ahead = 0;
   double moved = 0;
@@ -169,6 +170,13 @@ std::string RecordedPoses::doubt() const {
   if (upright < 0)
     return "the vehicle is upside down: is the order of the quaternion right, or are the poses of a camera (`frame: "
            "camera`)?";
+  const double tilt = degrees(std::acos(std::min(upright / static_cast<double>(poses_.size() - 1), 1.0)));
+  if (tilt > kSteepest) {
+    return fmt::format(
+        "the vehicle is tilted by {:.0f} degrees on average: are roll and pitch in degrees (columns roll_deg, "
+        "pitch_deg), is the order of the quaternion right, or are the poses of a camera (`frame: camera`)?",
+        tilt);
+  }
   if (moved > 0 && std::fabs(ahead) < 0.5 * moved) {
     return "the heading of the vehicle differs from its direction of travel: is the order of the quaternion right, or "
            "are the poses of a camera (`frame: camera`)?";

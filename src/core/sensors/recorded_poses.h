@@ -34,8 +34,8 @@ class RecordedPoses {
   std::vector<double> times() const;                      // s since the first pose, one per pose
   // Returns a description for messages: "412 poses in 41.2 s, 310 m, at most 0.31 s apart, 7.52 m/s".
   std::string about() const;
-  // Returns a warning about poses that are possible but probably wrong: too fast, upside down, or with a heading far
-  // from the direction of travel. Empty if the poses are plausible.
+  // Returns a warning about poses that are possible but probably wrong: too fast, upside down, tilted, or with a
+  // heading far from the direction of travel. Empty if the poses are plausible.
   std::string doubt() const;
 
  private:
@@ -61,8 +61,8 @@ class RecordedPoses {
 // rows of the matrix that transforms points from the left camera's frame to its first frame. TUM: Sturm et al., "A
 // benchmark for the evaluation of RGB-D SLAM systems", IROS 2012: `time x y z qx qy qz qw`. A CSV file's first line has
 // the names of its columns: time (s; or time_ms, time_us, time_ns), x, y, z (m), and qw, qx, qy, qz, or yaw, pitch,
-// roll (rad; or yaw_deg, ...), or no rotation, in which case the vehicle heads along its path. Throws InputError with
-// the file and the line number.
+// roll (rad, at most a turn; or yaw_deg, yaw_rad, ...), or no rotation, in which case the vehicle heads along its path.
+// Throws InputError with the file and the line number.
 RecordedPoses readRecordedPoses(const Value& value);
 
 }  // namespace scanmill

@@ -99,6 +99,20 @@ TEST_F(RecordedPosesFiles, TablesNameTheirColumns) {
   }
 }
 
+// Angles without a unit that are more than a turn are degrees, or radians that nobody wrapped.
+TEST_F(RecordedPosesFiles, AnglesBeyondATurnNeedAUnit) {
+  const auto write = [&](const std::string& name) {
+    folder_.write("a.csv", "time,x,y,z," + name + "\n0,0,0,0,1.5\n1,0,5,0,7.85\n");
+  };
+  write("yaw");
+  EXPECT_THAT(refusal("file: a.csv"),
+              AllOf(HasSubstr("a.csv:3"), HasSubstr("the yaw 7.85"), HasSubstr("yaw_deg"), HasSubstr("yaw_rad")));
+  for (const char* name : {"yaw_rad", "yaw [rad]"}) {
+    write(name);
+    EXPECT_LT(length(headingOf(drive("file: a.csv").pose(10, 0)) - Vec3d{0, 1, 0}), 0.01) << name;
+  }
+}
+
 TEST_F(RecordedPosesFiles, OfACameraAreTurned) {
   // Looks along world y with its x axis along world x: the vehicle heads along y, and up is up.
   const Mat3 worldFromCamera{{1, 0, 0}, {0, 0, -1}, {0, 1, 0}};
@@ -133,6 +147,9 @@ TEST_F(RecordedPosesFiles, DoubtsWhatCanHardlyBeMeant) {
   EXPECT_THAT(doubt("time,x,y,z,yaw_deg\n0,0,0,0,0\n0.001,5,0,0,0\n"), HasSubstr("5000 m/s"));
   EXPECT_THAT(doubt("time,x,y,z,yaw_deg\n0,0,0,0,90\n1,5,0,0,90\n"), HasSubstr("differs from its direction of travel"));
   EXPECT_THAT(doubt("time,x,y,z\n0,0,0,0\n100,5,0,0\n"), HasSubstr("100 s apart: are their times in seconds"));
+  EXPECT_THAT(doubt("time,x,y,z,roll,pitch,yaw\n0,0,0,0,0.5,1,1.57\n1,0,5,0,0.5,1,1.57\n"),
+              HasSubstr("tilted by 62 degrees on average: are roll and pitch in degrees"));
+  EXPECT_EQ(doubt("time,x,y,z,roll_deg,pitch_deg\n0,0,0,0,10,-30\n1,5,0,0,10,-30\n"), "") << "it may climb";
   EXPECT_THAT(doubt("time,x,y,z,roll_deg\n0,0,0,0,180\n1,5,0,0,180\n"), HasSubstr("upside down"));
 }
 

@@ -4,7 +4,10 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -32,6 +35,29 @@ void checkKind(const std::filesystem::path& file) {
 
 }  // namespace
 
+const FormatSupport& blendFormat() {
+  using enum FormatElements::Use;
+  static const FormatSupport format{
+      "Blender",
+      ".blend",
+      {{Read, "",
+        "surfaces of the active scene that both its viewport and its renders show, with modifiers as in the viewport, "
+        "collection instances and other instances"},
+       {Read, "", "materials, as Blender exports them to glTF"},
+       {LeftOut, "", "objects that the viewport or renders hide"},
+       {LeftOut, "", "objects of other scenes"},
+       {LeftOut, "", "objects without faces, such as edges and thin curves"},
+       {LeftOut, "", "particle systems of hair, lines or halos"},
+       {LeftOut, "", "hair curves"},
+       {LeftOut, "", "point clouds"},
+       {LeftOut, "", "volumes"},
+       {LeftOut, "", "grease pencil objects"},
+       {LeftOut, "", "missing libraries, with all that is linked from them"},
+       {LeftOut, "", "opacities of materials whose blend mode is opaque"},
+       {Unused, "", "cameras, lights, animations and scripts"}}};
+  return format;
+}
+
 BlendExport::BlendExport(const std::filesystem::path& file) {
   checkKind(file);
   std::optional<BlenderJob> job;
@@ -41,7 +67,10 @@ BlendExport::BlendExport(const std::filesystem::path& file) {
     throw Error(fmt::format("{}: {}", file.string(), e.what()));
   }
   try {
-    job->answer();
+    LeftOut leftOut;
+    const auto counts = nlohmann::json::parse(job->answer().text).get<std::map<std::string, std::uint64_t>>();
+    for (const auto& [what, count] : counts) leftOut.add(what, count);
+    leftOut.tell(file.string());
   } catch (const InputError& e) {
     throw InputError({file.string()}, e.what());
   } catch (const Error& e) {

@@ -4,14 +4,18 @@
 
 #include <filesystem>
 
+#include "base/format_support.h"
 #include "base/scratch_folder.h"
 
 namespace scanmill {
 
+// Returns what is read from a .blend and what is left out.
+const FormatSupport& blendFormat();
+
 // A GLB of the active scene of a .blend, with all objects that are visible both in the viewport and in renders: their
 // surfaces after modifiers, instances, and materials with base colour textures. Names stay the same. Coordinates are in
-// metres by the file's unit scale, z up. No script, driver expression or handler of the file is run. The GLB is in a
-// temporary folder, which the destructor removes.
+// metres by the file's unit scale, z up. Warns of what is left out. No script, driver expression or handler of the file
+// is run. The GLB is in a temporary folder, which the destructor removes.
 class BlendExport {
  public:
   // Throws an InputError that names the file if it is not a .blend, is damaged, was saved by a newer Blender, or shows

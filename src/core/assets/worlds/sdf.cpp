@@ -111,9 +111,7 @@ PoseElement readPose(const XmlNode& of) {
   const std::string format = element->attributeOr("rotation_format", "euler_rpy");
   if (format == "quat_xyzw") {
     const std::vector<double> n = numbersIn(*element, element->text, 7);
-    const double norm = std::sqrt(n[3] * n[3] + n[4] * n[4] + n[5] * n[5] + n[6] * n[6]);
-    if (!(norm > 0)) element->fail("has a quaternion of zeros");
-    read.pose = {{n[6] / norm, n[3] / norm, n[4] / norm, n[5] / norm}, {n[0], n[1], n[2]}};
+    read.pose = {rotationOf(*element, {n[6], n[3], n[4], n[5]}), {n[0], n[1], n[2]}};
     return read;
   }
   if (format != "euler_rpy") {
@@ -193,6 +191,16 @@ class SdfReader {
     }
   }
 
+  // A link keeps its name if a joint, frame or model has the same, which SDF 1.6 allows.
+  static void addFrame(Scope& scope, const std::string& name, const Scope::Frame& frame) {
+    const auto known = scope.frames.find(name);
+    const bool taken = known != scope.frames.end() && known->second.node->name == "link";
+    if (taken && frame.node->name == "link") {
+      frame.node->fail(fmt::format("has the name '{}', as another link: links need names of their own", name));
+    }
+    if (!taken) scope.frames[name] = frame;
+  }
+
   // Returns the models of a world, or the models nested in a model, and the frames to which their poses may be
   // relative. `state`: state of the model in which they are nested; the state of a world is in `of`.
   std::pair<Placed, std::shared_ptr<Scope>> modelsOf(const XmlNode& of, const std::filesystem::path& file, int depth,
@@ -236,13 +244,12 @@ class SdfReader {
         // The frame of a merged model has the name that libsdformat gives it, which no link of the model has.
         model->merged = depth > 0 && inside != nullptr && isTrue(child.attributeOr("merge", "false"));
         const std::string own = model->merged ? "_merged__" + model->name + "__model__" : model->name;
-        scope->frames[own] = {&child, pose.pose, pose.relativeTo, inside};
-        if (!model->merged && !model->nameInFile.empty()) {
-          scope->frames.try_emplace(model->nameInFile, scope->frames[own]);
-        }
+        const Scope::Frame frame{&child, pose.pose, pose.relativeTo, inside};
+        addFrame(*scope, own, frame);
+        if (!model->merged && !model->nameInFile.empty()) scope->frames.try_emplace(model->nameInFile, frame);
         if (model->merged) {
-          for (const auto& [name, frame] : inside->frames) {
-            Scope::Frame merged = frame;
+          for (const auto& [name, innerFrame] : inside->frames) {
+            Scope::Frame merged = innerFrame;
             if (merged.relativeTo.empty() || merged.relativeTo == "__model__") merged.relativeTo = own;
             scope->frames.try_emplace(name, std::move(merged));
           }
@@ -253,7 +260,7 @@ class SdfReader {
         std::string relativeTo = pose.relativeTo;
         if (relativeTo.empty() && child.name == "frame") relativeTo = child.attributeOr("attached_to", "");
         if (relativeTo.empty() && child.name == "joint") relativeTo = child.textOf("child", "");
-        scope->frames[child.attributeOr("name", child.name)] = {&child, pose.pose, relativeTo, nullptr};
+        addFrame(*scope, child.attributeOr("name", child.name), {&child, pose.pose, relativeTo, nullptr});
       }
     }
     if (depth == 0 && state.node != nullptr) countUnusedStates(*state.node);
@@ -329,6 +336,12 @@ class SdfReader {
     if (isNew) known->second = definition ? readXml(place) : groundPlane(node.where);
     const XmlNode& root = known->second;
     const XmlNode* const child = root.child("model");
+    if (root.name == "robot") {
+      root.fail(fmt::format(
+          "is a URDF, but {} includes it: convert it by `gz sdf -p FILE` and include the SDF, or load it as "
+          "an object of its own",
+          node.where.text()));
+    }
     if (child == nullptr) {
       if (root.child("actor") != nullptr) world_.leftOut.addKeyword(sdfFormat(), "actor");
       if (root.child("light") != nullptr || root.child("actor") != nullptr) return std::nullopt;
@@ -464,6 +477,7 @@ class SdfReader {
     if (diffuse != nullptr) {
       const auto [r, g, b, alpha] = colorOf(*diffuse, diffuse->text);
       part.color = {r, g, b};
+      if (alpha < 1) world_.leftOut.add("alphas of diffuse colours (these visuals are solid)");
     }
     readAlbedo(*material, file, part);
     const XmlNode* const script = material->child("script");
@@ -574,7 +588,9 @@ const FormatSupport& sdfFormat() {
        {Read, "material diffuse pbr metal albedo_map roughness metalness", "look"},
        {Read, "script", "image, colour and alpha cutoff of an OGRE material"},
        {LeftOut, "", "transparencies between 0 and 1 (these visuals are solid)"},
+       {LeftOut, "", "alphas of diffuse colours (these visuals are solid)"},
        {LeftOut, "", "colours of scripts that are missing or Gazebo's own"},
+       {LeftOut, "", "textures of parts without texture coordinates"},
        {LeftOut, "image", "extruded images (image)"},
        {LeftOut, "texture", "textures of heightmaps"},
        {LeftOut, "actor", "actors"},

@@ -34,7 +34,8 @@ void addPlane(Mesh& mesh, const XmlNode& shape) {
   const Vec3d normal = vectorIn(shape, sizeText(shape, "normal", "0 0 1"));
   if (!(length(normal) > 0)) shape.fail("has a normal of zeros");
   const Vec3d z = normalized(normal);
-  const Vec3d x = normalized(std::fabs(z.z) > 0.9 ? cross(Vec3d{0, 1, 0}, z) : cross(Vec3d{0, 0, 1}, z));
+  // The shortest rotation from the z axis to the normal, as in Gazebo.
+  const Vec3d x = z.z > -1 + 1e-9 ? Vec3d{1 - z.x * z.x / (1 + z.z), -z.x * z.y / (1 + z.z), -z.x} : Vec3d{-1, 0, 0};
   appendPlane(mesh, 0, {{x, cross(z, x), z}, {}}, positive(shape, size[0]), positive(shape, size[1]));
 }
 
@@ -67,6 +68,12 @@ std::optional<Mesh> solidOf(const XmlNode& shape) {
     return std::nullopt;
   }
   return mesh;
+}
+
+Quat rotationOf(const XmlNode& node, const Quat& q) {
+  const double norm = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+  if (!(norm > 0)) node.fail("has a quaternion of zeros");
+  return {q.w / norm, q.x / norm, q.y / norm, q.z / norm};
 }
 
 std::array<float, 4> colorOf(const XmlNode& node, std::string_view text) {

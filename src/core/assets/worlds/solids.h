@@ -1,6 +1,6 @@
 #pragma once
 
-// Shapes that both SDF and URDF have.
+// Shapes, rotations and colours that both SDF and URDF have.
 
 #include <array>
 #include <optional>
@@ -18,6 +18,9 @@ std::optional<Mesh> solidOf(const XmlNode& shape);
 
 // Returns three sizes above 0 (m) from an element or attribute of a shape. Throws InputError for others.
 Vec3d sizesOf(const XmlNode& shape, std::string_view key);
+
+// Returns the quaternion, scaled to length 1. Throws InputError if it is zero.
+Quat rotationOf(const XmlNode& node, const Quat& q);
 
 // Returns red, green, blue and alpha, clamped to 0 to 1, from a text of four numbers, or of three if alpha is 1.
 std::array<float, 4> colorOf(const XmlNode& node, std::string_view text);

@@ -26,12 +26,13 @@ constexpr int kDeepestTile = 64;  // largest depth of nested tiles, including th
 
 class TilesetReader {
  public:
-  explicit TilesetReader(const AssetOptions& options) : options_(options) {}
+  explicit TilesetReader(const AssetOptions& options)
+      : options_(options), scaled_{Mat3::scale(Vec3d{1, 1, 1} * options.metresPerUnit), {}} {}
 
   Asset read(const std::filesystem::path& file) {
     if (options_.up) fail(file, "states its up axis: leave out `up`");
     asset_.upDeclared = true;
-    readFileOf(file, {}, "REPLACE", 0);
+    readFileOf(file, {}, {}, false, 0);
     leftOut_.tell(file.string());
     inTiles_.tell(file.string());
     return std::move(asset_);
@@ -40,6 +41,7 @@ class TilesetReader {
  private:
   struct Context {
     std::filesystem::path file;
+    std::filesystem::path folder;  // of `file`, relative to that of the outermost tileset
     Mat3 zUpFromGltf;
   };
 
@@ -47,8 +49,9 @@ class TilesetReader {
     throw InputError({file.string()}, what);
   }
 
-  void readFileOf(const std::filesystem::path& file, const Affine& earthFromParent, const std::string& refine,
-                  int depth) {
+  // `adds`: true if tiles are refined by ADD unless they say otherwise.
+  void readFileOf(const std::filesystem::path& file, const std::filesystem::path& folder, const Affine& earthFromParent,
+                  bool adds, int depth) {
     if (!open_.insert(std::filesystem::weakly_canonical(file)).second) fail(file, "is a tileset that includes itself");
     try {
       const Json json = Json::parse(readFile(file));
@@ -63,9 +66,8 @@ class TilesetReader {
         fail(file, fmt::format("has the gltfUpAxis '{}', but it must be X, Y or Z", up));
       survey(json);
       survey(*asset);
-      const Context context{file, zUpFrom(static_cast<char>(up[0] + 32))};
-      if (!assetFromEarth_) assetFromEarth_ = frameOf(json.at("root"));
-      readTile(json.at("root"), context, earthFromParent, refine, depth);
+      const Context context{file, folder, zUpFrom(static_cast<char>(up[0] + 32))};
+      readTile(json.at("root"), context, earthFromParent, adds, depth);
     } catch (const Json::exception& e) {
       fail(file, fmt::format("is not a tileset: {}", e.what()));
     }
@@ -89,30 +91,23 @@ class TilesetReader {
     return {{{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}}, {m[12], m[13], m[14]}};
   }
 
-  // Returns assetFromEarth: for a tileset on the earth, east, north, up around the root's middle; else the tileset's
-  // frame, scaled to metres.
-  Affine frameOf(const Json& root) const {
-    const double unit = options_.metresPerUnit;
-    const Affine scaled{Mat3::scale({unit, unit, unit}), {}};
-    const Json& volume = root.at("boundingVolume");
-    Vec3d middle;
+  // Returns the middle of a tile's volume; for volumes of other kinds, the origin of the tile.
+  static Vec3d middleOf(const Json& volume, const Affine& earthFromTile) {
     if (const auto region = volume.find("region"); region != volume.end()) {
       auto r = region->get<std::array<double, 6>>();
       if (r[2] < r[0]) r[2] += 2 * kPi;  // the region crosses the date line
-      middle = earthCentred((r[0] + r[2]) / 2, (r[1] + r[3]) / 2, r[4]);
-    } else if (volume.contains("box")) {
-      const auto b = volume.at("box").get<std::vector<double>>();
-      if (b.size() != 12) throw Error("a bounding box of 3D Tiles must have 12 numbers");
-      middle = transformOf(root) * Vec3d{b[0], b[1], b[2]};
-    } else {
-      const auto s = volume.at("sphere").get<std::array<double, 4>>();
-      middle = transformOf(root) * Vec3d{s[0], s[1], s[2]};
+      return earthCentred((r[0] + r[2]) / 2, (r[1] + r[3]) / 2, (r[4] + r[5]) / 2);
     }
-    return isOnEarth(middle) ? scaled * eastNorthUp(middle) : scaled;
+    if (const auto box = volume.find("box"); box != volume.end()) {
+      const auto b = box->get<std::vector<double>>();
+      if (b.size() != 12) throw Error("a bounding box of 3D Tiles must have 12 numbers");
+      return earthFromTile * Vec3d{b[0], b[1], b[2]};
+    }
+    const auto s = volume.value("sphere", std::array<double, 4>{});
+    return earthFromTile * Vec3d{s[0], s[1], s[2]};
   }
 
-  void readTile(const Json& tile, const Context& context, const Affine& earthFromParent, const std::string& before,
-                int depth) {
+  void readTile(const Json& tile, const Context& context, const Affine& earthFromParent, bool adds, int depth) {
     if (depth > kDeepestTile)
       fail(context.file, fmt::format("has tiles that are nested more than {} levels deep", kDeepestTile));
     const Json extensions = tile.value("extensions", Json::object());
@@ -121,7 +116,17 @@ class TilesetReader {
            "has implicit tiling, which is not supported: convert it to explicit tiles, for example by 3d-tiles-tools");
     }
     const Affine earthFromTile = earthFromParent * transformOf(tile);
-    const std::string refine = tile.value("refine", before);
+    const Json volume = tile.value("boundingVolume", Json::object());
+    if (!assetFromEarth_) {
+      const Vec3d middle = middleOf(volume, earthFromTile);
+      if (isOnEarth(middle)) assetFromEarth_ = scaled_ * eastNorthUp(middle);
+    }
+    if (volume.value("extensions", Json::object()).contains("3DTILES_bounding_volume_S2")) cells_ = true;
+    if (const std::string refine = tile.value("refine", std::string()); !refine.empty()) {
+      adds = lowerCase(refine) == "add";
+      if (!adds && lowerCase(refine) != "replace")
+        fail(context.file, fmt::format("has the refine '{}', but it must be ADD or REPLACE", refine));
+    }
     std::vector<std::string> contents;
     survey(tile);
     const auto note = [&](const Json& content) {
@@ -141,14 +146,13 @@ class TilesetReader {
     const bool leaf = children == tile.end() || children->empty();
     for (const std::string& uri : contents) {
       const bool tileset = uri.substr(0, uri.find('?')).ends_with(".json");
-      if (leaf || tileset || refine == "ADD") readContent(uri, context, earthFromTile, refine, depth);
+      if (leaf || tileset || adds) readContent(uri, context, earthFromTile, adds, depth);
     }
     if (leaf) return;
-    for (const Json& child : *children) readTile(child, context, earthFromTile, refine, depth + 1);
+    for (const Json& child : *children) readTile(child, context, earthFromTile, adds, depth + 1);
   }
 
-  void readContent(const std::string& uri, const Context& context, const Affine& earthFromTile,
-                   const std::string& refine, int depth) {
+  void readContent(const std::string& uri, const Context& context, const Affine& earthFromTile, bool adds, int depth) {
     if (uri.starts_with("http://") || uri.starts_with("https://")) {
       fail(context.file, fmt::format("names '{}', which is not a local file: download the tileset", uri));
     }
@@ -159,12 +163,20 @@ class TilesetReader {
       fail(context.file, fmt::format("names '{}', but this file does not exist", uri));
     }
     const std::string kind = lowerExtension(file);
-    if (kind == ".json") return readFileOf(file, earthFromTile, refine, depth + 1);
+    const std::filesystem::path name = context.folder / plain;
+    if (kind == ".json") return readFileOf(file, name.parent_path(), earthFromTile, adds, depth + 1);
     if (kind != ".b3dm" && kind != ".glb" && kind != ".gltf") {
       leftOut_.addKeyword(tilesetFormat(), kind);
       return;
     }
-    add(gltf::readTile(file, *assetFromEarth_ * earthFromTile, context.zUpFromGltf, options_, inTiles_), plain);
+    if (!assetFromEarth_ && cells_) {
+      fail(
+          context.file,
+          "has S2 cells alone as its bounding volumes (3DTILES_bounding_volume_S2): add a region, box or sphere to its "
+          "root, by which its place on the earth is known");
+    }
+    if (!assetFromEarth_) assetFromEarth_ = scaled_;
+    add(gltf::readTile(file, *assetFromEarth_ * earthFromTile, context.zUpFromGltf, options_, inTiles_), name.string());
   }
 
   void add(Asset tile, const std::string& name) {
@@ -184,7 +196,11 @@ class TilesetReader {
   }
 
   const AssetOptions& options_;
+  Affine scaled_;  // from the files' unit to metres
+  // East, north, up about the middle of the first tile that is on the earth: the root, unless its volume is the globe.
+  // `scaled_` if a content comes before such a tile.
   std::optional<Affine> assetFromEarth_;
+  bool cells_ = false;  // true: a bounding volume is an S2 cell
   Asset asset_;
   std::set<std::filesystem::path> open_;
   LeftOut leftOut_;
@@ -213,7 +229,7 @@ const FormatSupport& tilesetFormat() {
        {LeftOut, "metadata group groups schema schemaUri 3DTILES_metadata", "metadata"},
        {Unused,
         "geometricError viewerRequestVolume properties statistics tilesetVersion extras 3DTILES_bounding_volume_S2",
-        "what viewers need to load tiles by and by"},
+        "what viewers need to load tiles by and by; a tileset on the earth needs a region, box or sphere too"},
        {Unused, "extensionsUsed extensionsRequired", "names of extensions"}}};
   return format;
 }

@@ -17,6 +17,11 @@ Affine readOrigin(const XmlNode& of) {
   const XmlNode* const origin = of.child("origin");
   if (origin == nullptr) return {};
   const Vec3d at = vectorIn(*origin, origin->attributeOr("xyz", "0 0 0"));
+  if (const std::string* text = origin->attribute("quat_xyzw")) {
+    if (origin->attribute("rpy") != nullptr) origin->fail("has both rpy and quat_xyzw: leave out one of them");
+    const std::vector<double> q = numbersIn(*origin, *text, 4);
+    return toAffine({rotationOf(*origin, {q[3], q[0], q[1], q[2]}), at});
+  }
   const Vec3d turned = vectorIn(*origin, origin->attributeOr("rpy", "0 0 0"));
   return toAffine({fromYawPitchRoll(turned.z, turned.y, turned.x), at});
 }
@@ -211,6 +216,7 @@ const FormatSupport& urdfFormat() {
        {Read, "material color texture", "look; the first definition of a name holds for all"},
        {Read, "mimic", "joints that mimic others are at 0 too"},
        {LeftOut, "", "transparencies between 0 and 1 (these visuals are solid)"},
+       {LeftOut, "", "textures of parts without texture coordinates"},
        {LeftOut, "", "materials that are defined nowhere"},
        {LeftOut, "", "offsets of joints that mimic others"},
        {LeftOut, "", "limits that exclude 0, where all joints are"},

@@ -33,7 +33,7 @@ class WorldAsset {
   }
 
   Asset build(const WorldFile& world) {
-    world.leftOut.tell(file_.string());
+    leftOut_ = world.leftOut;
     // Groups of things of the same model whose names differ only in the numbers at their ends.
     std::map<std::pair<std::filesystem::path, std::string>, std::vector<const WorldThing*>> same;
     for (const WorldThing& thing : world.things) {
@@ -53,6 +53,13 @@ class WorldAsset {
         asset_.instanced.push_back(std::move(instanced));
       }
     }
+    leftOut_.tell(file_.string());
+    if (asset_.parts.empty() && asset_.instanced.empty()) {
+      throw InputError(
+          {file_.string()},
+          "has no triangle: beams meet the <visual>s of links, not their <collision>s, and no visual has a "
+          "shape that is read");
+    }
     return std::move(asset_);
   }
 
@@ -68,8 +75,7 @@ class WorldAsset {
         continue;
       }
       for (AssetPart& part : partsOf(from)) {
-        const bool textured = !from.texture.empty() && !part.uvs.empty();
-        if (textured || (from.color && part.texture.empty())) dress(from, part);
+        if (!from.texture.empty() || (from.color && part.texture.empty())) dress(from, part);
         setGloss(from, part);
         if (part.material.empty()) part.fileMaterial.name = part.material = from.material;
         const std::string inMesh = part.node.empty() ? node : fmt::format("{}/{}", node, part.node);
@@ -112,7 +118,7 @@ class WorldAsset {
     color.stated = from.color.has_value();
     color.factor = from.color.value_or(std::array<float, 3>{1, 1, 1});
     part.color = color.factor;
-    if (!from.texture.empty() && !part.uvs.empty()) {
+    if (!from.texture.empty()) {
       part.texture = from.texture.filename().string();
       color.textured = true;
       color.alpha.wanted = options_.alpha == AlphaUse::Test || (options_.alpha == AlphaUse::Auto && from.alphaCutoff);
@@ -125,6 +131,7 @@ class WorldAsset {
       if (color.colored) part.color = {1, 1, 1};
     }
     setColor(part.fileMaterial, std::move(color), file_, options_, images_);
+    if (!from.texture.empty()) checkTexture(part, true, leftOut_);
   }
 
   // Returns the parts of the mesh that `from` names; if `from` names a submesh, only the parts of the submesh.
@@ -182,6 +189,7 @@ class WorldAsset {
   ColorImages images_;
   Affine assetFromWorld_;
   Asset asset_;
+  LeftOut leftOut_;
   std::map<std::filesystem::path, Asset> meshes_;
   std::uint32_t things_ = 0;
   std::uint64_t triangles_ = 0;

@@ -272,6 +272,80 @@ TEST_F(Blend, InASceneWithRulesByNodeAndMaterialAndItsUnit) {
   expectBounds(nodes.at("Stem").at(0), Vec3d{9.875, -0.125, 0.875} * 0.01, Vec3d{10.125, 0.125, 1.125} * 0.01);
 }
 
+// Makes hidden.blend: "shown" and eight copies of "leaf" in instances, and what is left out.
+constexpr const char* kHiding = R"py(
+import os, sys
+import bpy
+
+folder = sys.argv[-1]
+bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+scene = bpy.context.scene
+cube = bpy.data.meshes.new("cube")
+cube.from_pydata([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], [],
+                 [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)])
+
+
+def put(name, data=cube, collection=scene.collection, **settings):
+    made = bpy.data.objects.new(name, data)
+    collection.objects.link(made)
+    for key, value in settings.items():
+        setattr(made, key, value)
+    return made
+
+
+glass = bpy.data.materials.new("glass")
+glass.use_nodes = True
+glass.node_tree.nodes["Principled BSDF"].inputs["Alpha"].default_value = 0.2
+shown = put("shown", cube.copy())
+shown.data.materials.append(glass)
+hidden = bpy.data.collections.new("hidden")
+scene.collection.children.link(hidden)
+hidden.hide_render = True
+put("in hidden", collection=hidden)
+library = bpy.data.collections.new("library")
+put("of library", collection=library)
+put("hidden instance", None, instance_type="COLLECTION", instance_collection=library, hide_render=True)
+put("leaf", parent=put("crown", instance_type="VERTS", show_instancer_for_render=False))
+put("eye").hide_set(True)
+edge = bpy.data.meshes.new("edge")
+edge.from_pydata([(0, 0, 0), (1, 0, 0)], [(0, 1)], [])
+put("edge", edge)
+put("cloud", bpy.data.volumes.new("cloud"))
+settings = shown.modifiers.new("hair", "PARTICLE_SYSTEM").particle_system.settings
+settings.type = "HAIR"
+bpy.data.scenes.new("other").collection.objects.link(bpy.data.objects.new("elsewhere", cube))
+bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, "library.blend"), copy=True)
+with bpy.data.libraries.load(os.path.join(folder, "library.blend"), link=True) as (found, wanted):
+    wanted.objects = ["in hidden"]
+scene.collection.objects.link(wanted.objects[0])
+bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, "hidden.blend"))
+os.remove(os.path.join(folder, "library.blend"))
+)py";
+
+TEST_F(Blend, WhatRendersHideAndOtherShapesAreLeftOutAndTold) {
+  SKIP_WITHOUT_BLENDER();
+  const auto script = folder_.write("hide.py", kHiding);
+  ASSERT_EQ(runBlender({"--python", script.string(), "--", folder_.path().string()}), "");
+  testing::internal::CaptureStderr();
+  const auto nodes = nodesOf(readAsset(folder_.path() / "hidden.blend", {}));
+  std::string told = testing::internal::GetCapturedStderr();
+  EXPECT_EQ(nodes.size(), 2u);
+  EXPECT_EQ(nodes.at("shown").size(), 1u);
+  EXPECT_EQ(nodes.at("leaf").size(), 8u);
+  const std::map<std::string, int> expected{{"missing libraries, with all that is linked from them", 1},
+                                            {"objects of other scenes", 1},
+                                            {"objects that the viewport or renders hide", 4},
+                                            {"objects without faces, such as edges and thin curves", 1},
+                                            {"opacities of materials whose blend mode is opaque", 1},
+                                            {"particle systems of hair, lines or halos", 1},
+                                            {"volumes", 1}};
+  for (const auto& [what, count] : expected) {
+    EXPECT_THAT(told, HasSubstr(std::to_string(count) + " " + what));
+    const auto& rows = blendFormat().elements;
+    EXPECT_TRUE(std::any_of(rows.begin(), rows.end(), [&](const auto& row) { return row.note == what; })) << what;
+  }
+}
+
 TEST_F(Blend, BadFilesAreNamed) {
   SKIP_WITHOUT_BLENDER();
   make();

@@ -49,6 +49,15 @@ TEST_F(Sdf, PosesMayBeRelativeToLinksJointsAndFrames) {
   expectWing(corners(asset, "m/a/v/wing"), b * poseOf(0, 1, 0, 0, 0, 0));
 }
 
+// SDF 1.6 allows a joint of the same name.
+TEST_F(Sdf, LinksStandAtTheirPosesWhateverJointsAreCalled) {
+  const Asset asset = sdf(wing("m",
+                               "<joint name=\"l\"><child>o</child></joint><link name=\"o\"><pose>5 0 0 0 0 0</pose>"
+                               "</link>") +
+                          wing("n", "<link name=\"o\"><pose>5 0 0 0 0 0</pose></link>"));
+  expectWing(corners(asset, "m/l/v/wing"), {});
+}
+
 TEST_F(Sdf, ModelsMayBeRelativeToOthersAndPlacedByAFrame) {
   const Asset asset =
       sdf("<world name=\"w\">" + wing("a", "<pose relative_to=\"b\">1 0 0 0 0 0</pose>") +
@@ -193,6 +202,21 @@ TEST_F(Sdf, SolidsHaveTheirSizes) {
   EXPECT_THAT(refusal(model("<sphere><radius>-1</radius></sphere>")), HasSubstr("above 0"));
 }
 
+// The first size of a plane is that along x before the shortest rotation from z to the normal.
+TEST_F(Sdf, PlanesTurnTheShortestWayToTheirNormal) {
+  const auto expectSize = [&](const std::string& normal, const Vec3d& size) {
+    const Box box = boundsOf(sdf(model("<plane><normal>" + normal + "</normal><size>10 2</size></plane>")));
+    EXPECT_LT(length(box.high - box.low - size), 1e-5) << normal;
+  };
+  expectSize("0 0 1", {10, 2, 0});
+  expectSize("0 0 -1", {10, 2, 0});
+  expectSize("1 0 0", {0, 2, 10});
+  expectSize("0 1 0", {10, 0, 2});
+  expectSize("-3 0 4", {8, 2, 6});
+  expectSize("-4 0 3", {6, 2, 8});
+  expectSize("0 -4 -3", {10, 1.2, 1.6});
+}
+
 TEST_F(Sdf, MirroredMeshesKeepTheirOutside) {
   folder_.write("wing.obj", kWing);
   const Asset asset = sdf(model("<mesh><uri>wing.obj</uri><scale>-1 1 1</scale></mesh>"));
@@ -224,11 +248,10 @@ TEST_F(Sdf, ScriptsNameImagesAndWhatIsCutOut) {
       "   diffuse 0.2 0.4 0.1 1\n   texture_unit { \n texture leaf.tga\n }\n  }\n }\n}\nmaterial Other\n{\n}\n");
   folder_.write("card.obj", "o card\nv 0 0 0\nv 1 0 0\nv 0 0 1\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n");
   folder_.write("wing.obj", kWing);
-  const auto leaf = [&](const std::string& mesh) {
-    return sdf(model("<mesh><uri>" + mesh + "</uri></mesh>",
-                     "<material><script><uri>file://leaf/materials/scripts</uri><uri>file://leaf/materials/textures"
-                     "</uri><name>Leaf/Green</name></script></material>"));
-  };
+  const std::string look =
+      "<material><script><uri>file://leaf/materials/scripts</uri><uri>file://leaf/materials/textures</uri>"
+      "<name>Leaf/Green</name></script></material>";
+  const auto leaf = [&](const std::string& mesh) { return sdf(model("<mesh><uri>" + mesh + "</uri></mesh>", look)); };
   // While the image is missing, it says so, and the mesh has the material's colour.
   testing::internal::CaptureStderr();
   const Asset without = leaf("card.obj");
@@ -251,10 +274,14 @@ TEST_F(Sdf, ScriptsNameImagesAndWhatIsCutOut) {
   EXPECT_NEAR(card.alphaCutoff, 128 / 255.0, 0.01);
   EXPECT_GT(card.texture->texel(0.25f, 0.5f)[3], 128);
   EXPECT_LT(card.texture->texel(0.75f, 0.5f)[3], 128);
-  // A mesh that cannot show it keeps the colour.
-  const AssetPart wing = leaf("wing.obj").parts.at(0);
-  EXPECT_FALSE(wing.fileMaterial.texture);
-  EXPECT_FLOAT_EQ(wing.color[1], 0.4f);
+  // A mesh or solid that cannot show it has its mean colour.
+  testing::internal::CaptureStderr();
+  for (const std::string shape : {"<mesh><uri>wing.obj</uri></mesh>", "<box><size>1 1 1</size></box>"}) {
+    const Material plain = sdf(model(shape, look)).parts.at(0).fileMaterial;
+    EXPECT_FALSE(plain.texture || plain.textured || plain.alphaTested);
+    EXPECT_FLOAT_EQ(plain.reflectance, card.reflectance) << shape;
+  }
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("1 textures of parts without texture coordinates"));
 }
 
 // Names without colours are names too, and commas, comments and alpha are as users write them.
@@ -400,13 +427,15 @@ TEST_F(Sdf, ContentsThatAreLeftOutAreToldOnceWithTheirNumber) {
       "<actor "
       "name=\"x\"><skin/></actor><road/><road/><drake:thing/><include><uri>post</uri><experimental:params/></include>" +
       model("<image><uri>a.png</uri></image>", "<transparency>0.5</transparency><cast_shadows>1</cast_shadows>") +
+      model("<box><size>1 1 1</size></box>", "<material><diffuse>1 0 0 0.2</diffuse></material>") +
       model("<torus/>", "<transparency>1</transparency><visibility_flags>4294967295</visibility_flags>") +
       "<joint name=\"j\"><axis><initial_position>1</initial_position></axis></joint></world><world name=\"v\"/>");
   const std::string told = testing::internal::GetCapturedStderr();
   EXPECT_THAT(
       told,
       HasSubstr(
-          "a.sdf: left out: 1 actors, 1 changes of included models (experimental:params), "
+          "a.sdf: left out: 1 actors, 1 alphas of diffuse colours (these visuals are solid), 1 changes of included "
+          "models (experimental:params), "
           "1 extruded images (image), 1 initial positions of joints, 2 roads, "
           "1 transparencies between 0 and 1 (these visuals are solid), 1 unknown 'torus', 1 values of laser_retro, "
           "1 worlds after the first\n"));
@@ -457,7 +486,14 @@ TEST_F(Sdf, MistakesAreNamedWithTheirLine) {
   EXPECT_THAT(refusal("<model name=\"m\"><frame name=\"a\" attached_to=\"b\"/><frame name=\"b\" attached_to=\"a\"/>"
                       "<link name=\"l\"><pose relative_to=\"a\">0 0 0 0 0 0</pose></link></model>"),
               HasSubstr("relative to itself"));
-  EXPECT_THAT(refusal("<model name=\"m\"><link name=\"l\"/></model>"), HasSubstr("has no triangle"));
+  EXPECT_THAT(refusal("<model name=\"m\"><link name=\"l\"><collision><geometry><box/></geometry></collision></link>"
+                      "</model>"),
+              AllOf(HasSubstr("has no triangle"), HasSubstr("not their <collision>s")));
+  EXPECT_THAT(refusal("<model name=\"m\"><link name=\"l\"/>\n<link name=\"l\"><pose>5 0 0 0 0 0</pose></link></model>"),
+              AllOf(HasSubstr("a.sdf:4"), HasSubstr("'l', as another link")));
+  folder_.write("r.urdf", "<robot name=\"r\"/>");
+  EXPECT_THAT(refusal("<world name=\"w\"><include><uri>r.urdf</uri></include></world>"),
+              AllOf(HasSubstr("r.urdf:1"), HasSubstr("is a URDF"), HasSubstr("a.sdf:3"), HasSubstr("gz sdf -p")));
   EXPECT_THAT(refusal(model("<mesh><uri>gone.obj</uri></mesh>")), AllOf(HasSubstr("a.sdf:3"), HasSubstr("gone.obj")));
   EXPECT_THAT(refusal("<world name=\"w\"><include><uri>https://fuel.gazebosim.org/x</uri></include></world>"),
               HasSubstr("download"));

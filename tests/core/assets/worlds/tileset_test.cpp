@@ -1,4 +1,5 @@
 #include <cstring>
+#include <map>
 
 #include "assets/worlds/world_asset.h"
 #include "base/earth.h"
@@ -106,7 +107,7 @@ TEST_F(Tileset, RelativeCentresAreThoseOfTheContent) {
 // A region across the date line has its east below its west.
 TEST_F(Tileset, RegionsMayCrossTheDateLine) {
   const double west = radians(179.999), east = radians(-179.999), latitude = 0.3;
-  const Vec3d middle = earthCentred(kPi, latitude, 5);
+  const Vec3d middle = earthCentred(kPi, latitude, 7);
   folder_.write("a.GLB", glb(upright().text()));
   const Json root{{"boundingVolume", {{"region", {west, latitude, east, latitude, 5, 9}}}},
                   {"transform", columns(inverse(eastNorthUp(middle)))},
@@ -129,7 +130,7 @@ TEST_F(Tileset, OnTheEarthStandsAsTheHorizonHasIt) {
   rtc.json["extensions"]["CESIUM_RTC"]["center"] = {middle.x, middle.y, middle.z};
   folder_.write("b.gltf", rtc.text());
   const Json byCenter{
-      {"boundingVolume", {{"region", {longitude - 1e-5, latitude - 1e-5, longitude + 1e-5, latitude + 1e-5, 40, 90}}}},
+      {"boundingVolume", {{"region", {longitude - 1e-5, latitude - 1e-5, longitude + 1e-5, latitude + 1e-5, 30, 50}}}},
       {"content", {{"uri", "b.gltf"}}}};
   // Its axes are the earth's, so it lies turned.
   expectPlaced(tileset(byCenter), "b.gltf/wing", {eastNorthUp(middle).linear, {}}, 1e-4);
@@ -137,6 +138,34 @@ TEST_F(Tileset, OnTheEarthStandsAsTheHorizonHasIt) {
   const Asset alone = readAsset(folder_.path() / "b.gltf", {});
   const std::vector<Vec3d> found = corners(alone, "wing");
   for (int i = 0; i < 3; ++i) EXPECT_LT(length(found[i] - eastNorthUp(middle).linear * kUpright[i]), 1e-5);
+}
+
+// A root that spans the globe, and volumes of S2 cells, do not say where the tiles are.
+TEST_F(Tileset, TheFirstTileOnTheEarthIsTheOrigin) {
+  const Affine place = inverse(eastNorthUp(earthCentred(0.2, 0.9, 40)));
+  folder_.write("a.gltf", upright().text());
+  const Json globe{{"sphere", {0, 0, 0, 7e6}}};
+  const Json cell{{"extensions", {{"3DTILES_bounding_volume_S2", {{"token", "3"}}}}}};
+  const Json content{{"uri", "a.gltf"}};
+  const Json leaf{{"boundingVolume", local()}, {"transform", columns(place)}, {"content", content}};
+  for (const Json& volume : {globe, cell}) {
+    expectPlaced(tileset({{"boundingVolume", volume}, {"children", {leaf}}}), "a.gltf/wing", {}, 1e-4);
+  }
+  EXPECT_THAT(refused({{"boundingVolume", cell}, {"content", content}}),
+              AllOf(HasSubstr("S2 cells alone"), HasSubstr("add a region")));
+}
+
+TEST_F(Tileset, RefinementsHaveAnyCase) {
+  folder_.write("a.gltf", upright().text());
+  const Json leaf{{"boundingVolume", local()}, {"content", {{"uri", "a.gltf"}}}};
+  Json root = leaf;
+  root["children"] = {leaf};
+  for (const auto& [refine, parts] : std::map<std::string, std::size_t>{{"add", 2}, {"Add", 2}, {"replace", 1}}) {
+    root["refine"] = refine;
+    EXPECT_EQ(tileset(root).parts.size(), parts) << refine;
+  }
+  root["refine"] = "additive";
+  EXPECT_THAT(refused(root), HasSubstr("the refine 'additive', but it must be ADD or REPLACE"));
 }
 
 TEST_F(Tileset, TilesetsWithinTilesetsGoOnFromTheirTile) {
@@ -147,7 +176,7 @@ TEST_F(Tileset, TilesetsWithinTilesetsGoOnFromTheirTile) {
   const Affine place = toAffine({fromYawPitchRoll(1, 0, 0), {3, 4, 5}});
   const Asset asset =
       tileset({{"boundingVolume", local()}, {"transform", columns(place)}, {"content", {{"uri", "part/inner.json"}}}});
-  const std::vector<Vec3d> found = corners(asset, "a.gltf/wing");
+  const std::vector<Vec3d> found = corners(asset, "part/a.gltf/wing");
   const Vec3d zUp[] = {{1, 0, 0}, {0, 2, 0}, {0, 0, 3}};
   for (int i = 0; i < 3; ++i) EXPECT_LT(length(found[i] - place * zUp[i]), 1e-5);
 }
@@ -202,6 +231,12 @@ TEST_F(Tileset, MistakesAreNamed) {
   EXPECT_THAT(with({{"content", {{"uri", "cut.b3dm"}}}}), AllOf(HasSubstr("cut.b3dm"), HasSubstr("truncated")));
   folder_.write("cut.b3dm", b3dm("", "{").substr(0, 29));
   EXPECT_THAT(with({{"content", {{"uri", "cut.b3dm"}}}}), HasSubstr("longer than the file"));
+  std::string draft = b3dm(glb(upright().text()), "");
+  folder_.write("draft.b3dm", draft.erase(12, 8));
+  EXPECT_THAT(with({{"content", {{"uri", "draft.b3dm"}}}}), HasSubstr("header of a draft of 3D Tiles"));
+  folder_.write("gz.b3dm", "\x1F\x8B\x08 and more");
+  EXPECT_THAT(with({{"content", {{"uri", "gz.b3dm"}}}}),
+              AllOf(HasSubstr("gz.b3dm"), HasSubstr("compressed by gzip"), HasSubstr("gunzip")));
   folder_.write("bad.b3dm", b3dm(glb(upright().text()), R"({"RTC_CENTER":{"byteOffset":4}})"));
   EXPECT_THAT(with({{"content", {{"uri", "bad.b3dm"}}}}), HasSubstr("outside the feature table"));
   // What is not read is left out, and said.

@@ -52,6 +52,16 @@ TEST_F(Urdf, SolidsAndMeshesHaveTheirSizesAndColours) {
   for (const AssetPart& part : asset.parts) EXPECT_EQ(part.nodeIndex, 0u) << "a robot is one thing";
 }
 
+// quat_xyzw is of URDF 1.2.
+TEST_F(Urdf, RotationsMayBeQuaternions) {
+  folder_.write("wing.obj", kWing);
+  const Asset asset = urdf(R"(
+    <link name="base"/><link name="tip"><visual><origin xyz="0 1 0" quat_xyzw="2 0 0 2"/>
+      <geometry><mesh filename="wing.obj"/></geometry></visual></link>
+    <joint name="a" type="fixed"><origin xyz="1 0 0" quat_xyzw="0 0 1 0"/><parent link="base"/><child link="tip"/></joint>)");
+  expectWing(corners(asset, "r/tip/visual_1/wing"), poseOf(1, 0, 0, 0, 0, kPi) * poseOf(0, 1, 0, kPi / 2, 0, 0));
+}
+
 // The first definition of a name holds, as in urdfdom; alpha 0 is invisible, as in RViz.
 TEST_F(Urdf, MaterialsAreThoseOfTheFirstDefinition) {
   const auto box = [](const std::string& material) {
@@ -116,7 +126,13 @@ TEST_F(Urdf, MistakesAreNamedWithTheirLine) {
       refused(
           "<link name=\"a\"><visual><geometry><mesh filename=\"package://gone/a.stl\"/></geometry></visual></link>"),
       AllOf(HasSubstr("r.urdf:2"), HasSubstr("package://gone/a.stl"), HasSubstr("ROS_PACKAGE_PATH")));
-  EXPECT_THAT(refused("<link name=\"a\"/>"), HasSubstr("has no triangle"));
+  EXPECT_THAT(refused("<link name=\"a\"/>"), AllOf(HasSubstr("has no triangle"), HasSubstr("<collision>")));
+  const auto origin = [&](const std::string& more) {
+    return refused("<link name=\"a\"><visual><origin " + more +
+                   "/><geometry><box size=\"1 1 1\"/></geometry></visual></link>");
+  };
+  EXPECT_THAT(origin("rpy=\"0 0 0\" quat_xyzw=\"0 0 0 1\""), HasSubstr("both rpy and quat_xyzw"));
+  EXPECT_THAT(origin("quat_xyzw=\"0 0 0 0\""), HasSubstr("quaternion of zeros"));
 }
 
 }  // namespace

@@ -35,7 +35,13 @@ std::string glbOfTile(const std::string& tile, std::optional<Vec3d>& center, boo
   if (tile.size() < kTileHeader) throw Error("is truncated within the header of the tile");
   std::size_t begin = kTileHeader;
   for (const std::size_t at : {12, 16, 20, 24}) begin += readWord(tile, at);
-  if (begin > tile.size()) throw Error("is damaged: the tables of the tile are longer than the file");
+  if (begin > tile.size()) {
+    // Until 2017, the header had 20 or 24 bytes; text or a glTF stood where sizes stand now.
+    if (std::max(readWord(tile, 20), readWord(tile, 24)) > 0x20000000) {
+      throw Error("has the header of a draft of 3D Tiles: convert it, for example by '3d-tiles-tools upgrade'");
+    }
+    throw Error("is damaged: the tables of the tile are longer than the file");
+  }
   constexpr std::size_t kEmptyTable = 8;  // size of "{}" with padding
   batchTable = readWord(tile, 20) > kEmptyTable;
   const std::size_t features = readWord(tile, 12);
@@ -67,6 +73,9 @@ Container readContainer(const std::filesystem::path& file, const std::filesystem
   const auto fail = [&](const std::string& what) { throw InputError({name.string()}, what); };
   std::string bytes = readFile(file);
   Container container;
+  if (bytes.starts_with("\x1F\x8B")) {
+    fail("is compressed by gzip: unpack it, with 'gunzip < FILE > UNPACKED', and all other files of the tileset alike");
+  }
   if (bytes.size() >= 4 && readWord(bytes, 0) == kTileMagic) {
     try {
       bytes = glbOfTile(bytes, container.center, container.batchTable);
