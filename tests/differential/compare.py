@@ -21,6 +21,7 @@ CORPORA = [
     "/usr/share/assimp/models",
     "/usr/share/games/torcs",
     "/usr/share/games/flightgear/Models",
+    "/usr/share/morse/data",
 ]
 READERS = {
     ".obj": ["vtk", "open3d", "blender"],
@@ -34,6 +35,7 @@ READERS = {
     ".ac": ["osg"],
     ".acc": ["osg"],
     ".3ds": ["osg"],
+    ".blend": ["blender"],
     ".lwo": ["osg"],
 }
 

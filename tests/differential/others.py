@@ -109,13 +109,17 @@ def read_blender(file: str) -> dict:
         bpy.ops.import_mesh.stl(filepath=file)
     elif suffix == ".ply":
         bpy.ops.import_mesh.ply(filepath=file)
+    elif suffix == ".blend":
+        bpy.ops.wm.open_mainfile(filepath=file, load_ui=False, use_scripts=False)
     else:
         raise ValueError("Blender has no importer")
+    units = bpy.context.scene.unit_settings
+    metres = units.scale_length if suffix == ".blend" and units.system != "NONE" else 1
     graph = bpy.context.evaluated_depsgraph_get()
     points, materials, triangles = [], {}, 0
     for instance in graph.object_instances:
         thing = instance.object
-        if thing.type != "MESH" or thing.original.hide_get():
+        if thing.type != "MESH" or (thing.original.hide_render if suffix == ".blend" else thing.original.hide_get()):
             continue
         mesh = thing.to_mesh()
         mesh.calc_loop_triangles()
@@ -125,7 +129,7 @@ def read_blender(file: str) -> dict:
             materials[name] = materials.get(name, 0) + 1
             triangles += 1
         used = {v for t in mesh.loop_triangles for v in t.vertices}
-        points += [tuple(instance.matrix_world @ mesh.vertices[v].co) for v in used]
+        points += [tuple(metres * (instance.matrix_world @ mesh.vertices[v].co)) for v in used]
         thing.to_mesh_clear()
     up = "file" if suffix in (".obj", ".stl", ".ply") else "z"
     return box(points) | {"triangles": triangles, "materials": materials, "up": up}
