@@ -176,7 +176,7 @@ std::size_t Materials::indexOf(const std::string& name) {
   return at->second;
 }
 
-void Materials::complete(bool missing) {
+void Materials::complete(bool allRead) {
   for (ObjMaterial& material : list) {
     const std::string name = material.look.name;
     if (!material.defined && !name.empty()) {
@@ -184,7 +184,7 @@ void Materials::complete(bool missing) {
         return other.defined && withoutComment(other.look.name) == withoutComment(name);
       });
       if (same == list.end()) {
-        leftOut.add(kUndefined, missing ? 0 : 1);
+        leftOut.add(kUndefined, allRead ? 1 : 0);
       } else {
         material = *same;
         material.look.name = name;

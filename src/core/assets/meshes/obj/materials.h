@@ -56,9 +56,9 @@ struct Materials {
   // Returns the index of the material; adds one without colour if the name is unknown.
   std::size_t indexOf(const std::string& name);
   // Completes the materials after all libraries are read: those that faces name and no library defines get the look of
-  // one whose name differs by a comment ("newmtl red # wall"), or are counted unless `missing` says that a library is
-  // missing, of which another warning tells.
-  void complete(bool missing);
+  // one whose name differs by a comment ("newmtl red # wall"), or are counted if `allRead` says that the file has
+  // libraries and all were read.
+  void complete(bool allRead);
 };
 
 // Reads a library and adds its materials; the first definition of a name counts. Throws InputError with the line of a

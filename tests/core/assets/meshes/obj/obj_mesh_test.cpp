@@ -208,6 +208,7 @@ TEST_F(ObjMesh, MaterialsWithoutColourHaveTheDefaultReflectance) {
   EXPECT_FALSE(material(1).stated);
   EXPECT_FALSE(material(2).stated);
   EXPECT_EQ(file.leftOut.text(), "1 materials that no library defines (they have the default reflectance)");
+  EXPECT_EQ(obj(square("usemtl gone\nf 1 2 3\n")).leftOut.text(), "") << "without a library names are but names";
 }
 
 TEST_F(ObjMesh, FacesWithoutTextureCoordinatesAreAPartOfTheirOwn) {
