@@ -62,8 +62,8 @@ bool isCalibration(const std::filesystem::path& file) {
   const std::string head = lowerCase(std::string_view(text).substr(0, text.find('\n')));
   const std::vector<std::string_view> names = cellsOf(head);
   const auto has = [&](std::string_view name) { return std::find(names.begin(), names.end(), name) != names.end(); };
-  // Scans have x; tables of single beams have azimuth_deg.
-  return (has("elevation") || has("elevation_deg")) && !has("x") && !has("azimuth_deg");
+  // Scans have x or easting; tables of single beams have azimuth_deg.
+  return (has("elevation") || has("elevation_deg")) && !has("x") && !has("easting") && !has("azimuth_deg");
 }
 
 void printCalibration(const std::filesystem::path& file) {

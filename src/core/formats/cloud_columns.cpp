@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "config/text.h"
 #include "formats/column_value.h"
@@ -16,15 +17,23 @@ std::vector<typename Key::Value> numbersFor(Key key, const std::vector<Stored>& 
   using Value = typename Key::Value;
   std::vector<Value> values;
   values.reserve(stored.size());
-  const auto isNone = [](Stored number) { return std::is_signed_v<Stored> && number < Stored{}; };
-  const bool shifted = key.index == kInstance.index && std::any_of(stored.begin(), stored.end(), isNone);
+  const bool isLabel = key.index == kLabel.index;
+  const auto isNone = [&](Stored number) {
+    if (!std::is_signed_v<Stored> || (!isLabel && key.index != kInstance.index)) return false;
+    return isLabel ? number == static_cast<Stored>(-1) : number < Stored{};
+  };
+  const bool shifted = !isLabel && std::any_of(stored.begin(), stored.end(), isNone);
+  const bool zero = isLabel && std::find(stored.begin(), stored.end(), Stored{}) != stored.end();
+  const Value none = zero ? std::numeric_limits<Value>::max() : Value{};
   for (const Stored number : stored) {
-    if (shifted && isNone(number)) {
-      values.push_back(Value{});
-    } else {
-      values.push_back(columnValue<Value>(number, key.row.name, values.size(), where));
-      if (shifted) ++values.back();
+    if (isNone(number)) {
+      values.push_back(none);
+      continue;
     }
+    values.push_back(columnValue<Value>(number, key.row.name, values.size(), where));
+    if (shifted)
+      values.back() =
+          columnValue<Value>(static_cast<double>(values.back()) + 1, key.row.name, values.size() - 1, where);
   }
   return values;
 }
@@ -39,7 +48,8 @@ const FormatSupport& cloudColumns() {
       {{Read,
         "label labels label_id class classes class_id class_label classification category category_id semantic "
         "semantics semantic_label semantic_id sem_class sem_label objtag object_tag predsemantic pred_label",
-        "classes; points that no class was given to are those of the number 0"},
+        "classes; points that no class was given to are those of the number 0, or of -1, which becomes 65535 beside a "
+        "0"},
        {Read,
         "instance instances instance_id instanceid instance_label inst_id treeid tree_id predinstance "
         "pred_instance objidx object_id objectid obj_id",

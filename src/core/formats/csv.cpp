@@ -15,6 +15,8 @@
 #include <cctype>
 #include <charconv>
 #include <functional>
+#include <initializer_list>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -70,12 +72,17 @@ class CsvReader {
     if (!readHeader()) throw InputError({where_.file, 1}, "the file is empty");
     while (nextLine()) {
       split(line_, separator_, cells_);
+      if (cloud_.scan.size() == 0 && columns_.size() > 1 && takeCount()) continue;
       if (cells_.size() != columns_.size()) {
         throw InputError(
             where_, fmt::format("{} values where the header names {} columns{}", cells_.size(), columns_.size(),
                                 cells_.size() > columns_.size() && separator_ == ',' ? ": decimals need a point" : ""));
       }
       addPoint();
+    }
+    if (announced_ && *announced_ != cloud_.scan.size()) {
+      throw InputError({where_.file}, fmt::format("announces {} points, but has {}: it is not complete", *announced_,
+                                                  cloud_.scan.size()));
     }
     if (exact_) setPositions(places_, cloud_);
     adoptColumns(cloud_, {where_.file});
@@ -111,9 +118,36 @@ class CsvReader {
       const std::size_t separator = line_.find_first_of(",;\t");
       separator_ = separator == std::string_view::npos ? ' ' : line_[separator];
       split(line_, separator_, cells_);
+      nameAxes();
+      if (!isComment && takeCount()) continue;
       if (!isComment || namesPositions()) return readNames();
     }
     return false;
+  }
+
+  // Takes a line that holds only the number of points, which some programs write before the first point.
+  bool takeCount() {
+    const std::string_view cell = cells_[0];
+    std::uint64_t count = 0;
+    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), count);
+    if (cells_.size() != 1 || announced_ || error != std::errc() || end != cell.data() + cell.size()) return false;
+    announced_ = count;
+    return true;
+  }
+
+  // Names the axes of a survey x, y and z.
+  void nameAxes() {
+    const auto called = [&](std::initializer_list<const char*> names) {
+      return std::find_if(cells_.begin(), cells_.end(), [&](std::string_view cell) {
+        return std::find(names.begin(), names.end(), lowerCase(cell)) != names.end();
+      });
+    };
+    const auto east = called({"easting"}), north = called({"northing"});
+    const auto up = called({"z", "elevation", "height", "altitude"});
+    if (east == cells_.end() || north == cells_.end() || up == cells_.end() || called({"x"}) != cells_.end()) return;
+    *east = "x";
+    *north = "y";
+    *up = "z";
   }
 
   bool namesPositions() const {
@@ -171,8 +205,17 @@ class CsvReader {
       };
     }
     ReadCell read;
-    visitTable(cloud_.scan, [&](auto key, auto& values) {
+    visitTable(cloud_.scan, [&]<class Value>(auto key, std::vector<Value>& values) {
       if (key.row.name != name) return;
+      if (key.index == kLabel.index || key.index == kInstance.index) {
+        // adoptColumns() takes the numbers below 0 for none.
+        read = [numbers = foreignReader(name), name](std::string_view word, const Location& where) {
+          Value fits = 0;
+          if (!word.starts_with('-')) readNumber(word, fits, name, where);
+          numbers(word, where);
+        };
+        return;
+      }
       cloud_.scan.columnsIfEmpty.add(key.index);
       read = [&values, key](std::string_view word, const Location& where) {
         readNumber(word, values.emplace_back(), key.row.name, where);
@@ -184,6 +227,17 @@ class CsvReader {
                                   ? ""
                                   : nearest(name, scanColumnNames(ColumnSet::all()));
     if (!meant.empty()) throw InputError(where_, fmt::format("unknown column '{}' (did you mean '{}'?)", name, meant));
+    if (cloudColumns().find(columnMeant(name)) != nullptr) return foreignReader(name);
+    return [this, numbers = foreignReader(name), texts = fmt::format("texts in the column '{}'", name)](
+               std::string_view word, const Location& where) {
+      const bool isText = !word.empty() && std::isalpha(static_cast<unsigned char>(word[0])) != 0 && !isNumber(word);
+      if (isText) cloud_.leftOut.add(texts);
+      numbers(isText ? "nan" : word, where);
+    };
+  }
+
+  // Adds a foreign column. Returns the function that stores its cells.
+  ReadCell foreignReader(const std::string& name) {
     cloud_.scan.foreign.push_back({name, std::vector<double>{}});
     return [this, index = cloud_.scan.foreign.size() - 1](std::string_view word, const Location& where) {
       ForeignColumn& column = cloud_.scan.foreign[index];
@@ -206,6 +260,7 @@ class CsvReader {
   Location where_;
   bool exact_;
   char separator_ = ',';
+  std::optional<std::uint64_t> announced_;  // the number of points, if the file states it
   std::vector<std::string_view> cells_;
   std::vector<ReadCell> columns_;
   std::vector<Vec3d> places_;  // m, positions before the origin is subtracted; empty unless exact_
@@ -249,6 +304,9 @@ const FormatSupport& csvFormat() {
       "Text",
       ".csv, .xyz",
       {{Read, "x y z", "and the columns of point clouds, as the first line names them; without names: x y z"},
+       {Read, "easting northing elevation", "positions of surveys; height and altitude, too"},
+       {Read, "", "the number of points, alone in the line before the first point, as CloudCompare writes it"},
+       {LeftOut, "", "texts in columns that are none of point clouds"},
        {Read, ", ;", "separators, as in the first line; tabs and blanks are, too"},
        {Unused, "# //", "comments; the first of them may hold the names"}}};
   return format;

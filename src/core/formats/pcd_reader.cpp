@@ -296,14 +296,17 @@ class BodyReader {
 
   const PcdField* findColumn(std::string_view name) const {
     const PcdField* field = find(name);
+    if (field != nullptr && isForeign(*field)) return nullptr;
     return field == nullptr && name == "intensity" ? find(kReflectivity) : field;
   }
 
   // True if the field becomes a foreign column: it is no coordinate and no column of the table, has one value per
-  // point, and is not padding, which PCL calls "_".
+  // point, and is not padding, which PCL calls "_". Labels and instances that may be below 0 are foreign until
+  // adoptColumns().
   static bool isForeign(const PcdField& field) {
+    const bool adopted = field.type != 'U' && (field.name == kLabel.row.name || field.name == kInstance.row.name);
     return field.count == 1 && field.name != "_" && field.name != "x" && field.name != "y" && field.name != "z" &&
-           columnIndex(field.name) == kColumnCount;
+           (adopted || columnIndex(field.name) == kColumnCount);
   }
 
   ForeignColumn::Values newValues(const PcdField& field) const {

@@ -9,6 +9,8 @@
 #include <utility>
 
 #include "assets/meshes/asset_parts.h"
+#include "base/error.h"
+#include "base/grouped.h"
 #include "scene/triangle_faults.h"
 #include "scenefile/part_traits.h"
 
@@ -187,6 +189,21 @@ void checkSize(const std::vector<LabelledPart>& parts, const Labelling& labellin
   }
 }
 
+// Warns of a cloud's points that are of thing classes, but have no instance, if the file states labels or instances.
+void tellPointsWithoutInstance(const std::vector<ThingTriangles>& triangles, const std::string& file) {
+  std::uint64_t without = 0;
+  bool stated = false;
+  for (const ThingTriangles& t : triangles) {
+    stated = stated || !t.part->node.empty() || !t.part->ownClass.empty();
+    if (t.part->node.empty()) without += t.part->triangles.size() / 2;
+  }
+  if (!stated || without == 0) return;
+  warn(fmt::format(
+      "{}: {} points of classes of things have no instance, so that those of a class count as one object: number the "
+      "objects in a column `instance`, or state `instances: object` if all are one",
+      file, grouped(without)));
+}
+
 // Splits parts that contain several things. Returns, for each part after the split, the number of its thing; 0 if the
 // part's class is not a thing class.
 std::vector<std::uint32_t> divideThings(std::vector<LabelledPart>& parts, std::vector<const SemanticClass*>& classes,
@@ -195,6 +212,7 @@ std::vector<std::uint32_t> divideThings(std::vector<LabelledPart>& parts, std::v
   for (std::size_t i = 0; i < parts.size(); ++i) {
     if (classes[i] != nullptr && classes[i]->thing) ofThings.push_back({&parts[i].part, classes[i]->id});
   }
+  if (bounds.byClass && bounds.by == ThingBounds::By::Node) tellPointsWithoutInstance(ofThings, file);
   const std::vector<std::vector<std::uint32_t>> numbers = numberThings(bounds, ofThings);
   std::uint32_t things = 0;
   for (const std::vector<std::uint32_t>& own : numbers) {

@@ -249,6 +249,7 @@ class SceneReader {
       const bool cloud = isCloud(file);
       variant.labelling.file = called;
       variant.labelling.things = readThingBounds(f, cloud ? ThingBounds::By::Node : ThingBounds::By::Object);
+      variant.labelling.things.byClass = cloud;
       variant.labelling.rules = rules;
       readSurvey(f, file, cloud, variant.asset);
       for (const std::string& material : materials) {

@@ -16,16 +16,16 @@ namespace {
 
 using Numbers = std::vector<std::vector<std::uint32_t>>;
 
-// Numbers the keys from 1, in the order of the lowest node index of each key. Returns, for each part and each of its
-// triangles, the number of the part's key.
+// Numbers the keys from 1, in the order of the lowest node index of each key; with `byClass` a class is part of the
+// key. Returns, for each part and each of its triangles, the number of the part's key.
 template <class KeyOf>
-Numbers byKeys(const std::vector<ThingTriangles>& triangles, const KeyOf& keyOf) {
-  using Key = decltype(keyOf(*triangles.front().part));
+Numbers byKeys(const std::vector<ThingTriangles>& triangles, bool byClass, const KeyOf& keyOf) {
+  using Key = std::pair<decltype(keyOf(*triangles.front().part)), std::uint16_t>;
   std::vector<Key> keys;
   std::map<Key, std::uint32_t> lowest;
   for (const ThingTriangles& t : triangles) {
     const auto node = static_cast<std::uint32_t>(t.part->nodeIndex);
-    keys.push_back(keyOf(*t.part));
+    keys.emplace_back(keyOf(*t.part), byClass ? t.semantic : std::uint16_t{0});
     const auto [known, added] = lowest.emplace(keys.back(), node);
     if (!added) known->second = std::min(known->second, node);
   }
@@ -98,7 +98,7 @@ Numbers numberThings(const ThingBounds& bounds, const std::vector<ThingTriangles
     case ThingBounds::By::Object:
       break;
     case ThingBounds::By::Node:
-      return byKeys(triangles, [](const AssetPart& part) { return part.nodeIndex; });
+      return byKeys(triangles, bounds.byClass, [](const AssetPart& part) { return part.nodeIndex; });
     case ThingBounds::By::Part:
       return byConnection(triangles);
     case ThingBounds::By::Name:
@@ -110,7 +110,7 @@ Numbers numberThings(const ThingBounds& bounds, const std::vector<ThingTriangles
                         "instance, such as '{}'",
                         bounds.where.text(), bounds.pattern, triangles.front().part->node));
       }
-      return byKeys(triangles, [&](const AssetPart& part) {
+      return byKeys(triangles, bounds.byClass, [&](const AssetPart& part) {
         const std::optional<std::string> text = matchedText(bounds.pattern, part.node, bounds.where);
         return text ? "name " + *text : fmt::format("node {}", part.nodeIndex);
       });

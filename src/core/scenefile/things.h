@@ -17,6 +17,7 @@ struct ThingBounds {
   std::string pattern;  // only for By::Name: a regular expression between slashes; all nodes with the same match are
                         // one thing
   Location where;
+  bool byClass = false;  // true: triangles of different classes are different things (point clouds)
 
   std::string text() const;  // returns a key for comparison: equal only if all bounds are equal
 };
@@ -38,6 +39,8 @@ struct ThingTriangles {
 //   Name    All nodes with the same match are one thing. The match is the text of the regular expression's first group,
 //           or the complete match if the expression has no group. Each node without a match is one thing.
 //   Part    Triangles of one class are grouped into things by thingsOf().
+//
+// With ThingBounds::byClass each class of a node or of a match has things of its own.
 std::vector<std::vector<std::uint32_t>> numberThings(const ThingBounds& bounds,
                                                      const std::vector<ThingTriangles>& triangles);
 

@@ -96,17 +96,28 @@ std::string_view unquoted(std::string_view cell) {
 }
 
 // Returns the name of a column in our words: "timestamp [ns]" gives "time_ns", and the EuRoC dataset's "p_RS_R_x [m]"
-// and "q_RS_w []" give "x" and "qw". `euroc`: true if the table is the EuRoC dataset's ground truth, whose times are in
-// ns without saying so.
+// and "q_RS_w []" give "x" and "qw", as ROS's "pose.position.x" and "pose.orientation.w" do. `euroc`: true if the table
+// is the EuRoC dataset's ground truth, whose times are in ns without saying so.
 std::string columnName(std::string_view cell, bool euroc) {
   std::string name = lowerCase(unquoted(cell));
-  if (name == "timestamp" && euroc) return "time_ns";
+  if ((name == "timestamp" && euroc) || name == "%time") return "time_ns";
   std::string unit;
   const std::size_t bracket = name.find('[');
   if (bracket != std::string::npos && name.ends_with(']')) {
     unit = name.substr(bracket + 1, name.size() - bracket - 2);
     name.erase(name.find_last_not_of(' ', bracket - 1) + 1);
     if (name == "timestamp") name = "time";
+  }
+  // ROS's messages, as in rostopic's "field.pose.pose.position.x" and "header.stamp.sec".
+  for (const std::string_view part : {"field.", "header.stamp.", "pose.", "pose.", "transform."}) {
+    if (name.starts_with(part)) name.erase(0, part.size());
+  }
+  for (const auto& [part, ours] : std::map<std::string, const char*>{
+           {"position.", ""}, {"translation.", ""}, {"orientation.", "q"}, {"rotation.", "q"}}) {
+    if (name.starts_with(part)) name.replace(0, part.size(), ours);
+  }
+  for (const char* unused : {"covariance", "twist"}) {
+    if (name.starts_with(unused)) return unused;
   }
   if (name.starts_with("p_rs_r_")) name.erase(0, 7);
   if (name.starts_with("q_rs_")) name.replace(0, 5, "q");
@@ -117,12 +128,13 @@ std::string columnName(std::string_view cell, bool euroc) {
 // Finds the columns of a table of poses by their names.
 class PoseColumns {
  public:
-  explicit PoseColumns(const TextLine& head) : where_(head.where) {
+  // `first`: the line below the names.
+  PoseColumns(const TextLine& head, const TextLine& first) : where_(head.where) {
     const std::vector<std::string_view> names = cellsOf(head.text);
     count_ = names.size();
     for (std::size_t i = 0; i < names.size(); ++i) {
       const std::string name = columnName(names[i], lowerCase(head.text).find("p_rs_r_x") != std::string::npos);
-      if (!columns_.emplace(name, i).second)
+      if (!columns_.emplace(name, i).second && poseFormat().has(FormatElements::Use::Read, name))
         throw InputError(where_, fmt::format("the column {} is listed twice", name));
       if (!name.empty()) leftOut_.addKeyword(poseFormat(), name);
       if (poseFormat().has(FormatElements::Use::Read, name)) read_.push_back(i);
@@ -136,6 +148,7 @@ class PoseColumns {
       time_ = columns_.at(name);
       second_ = unit;
     }
+    if (!time_) findStamps(first);
     if (!time_) {
       throw InputError(where_,
                        fmt::format("the first line must name the columns time (s; or time_ms, time_us, time_ns), x, y, "
@@ -192,6 +205,7 @@ class PoseColumns {
       return value;
     };
     StampedPose p{timeOf(cells[*time_], line.where), {{}, {number("x"), number("y"), number("z")}}, line.where.line};
+    if (nanoseconds_) p.time += numberOf(cells[*nanoseconds_], line.where) * 1e-9;
     if (has("qw")) {
       p.pose.rotation = checkedRotation({number("qw"), number("qx"), number("qy"), number("qz")}, line.where);
     } else {
@@ -204,6 +218,24 @@ class PoseColumns {
   void require(const std::string& name) const {
     if (!has(name)) throw InputError(where_, fmt::format("the table has no column {}", name));
   }
+  // Finds ROS's columns of time: a timestamp, whose unit follows from the digits of times since 1970 (2001 to 2286), or
+  // seconds and nanoseconds.
+  void findStamps(const TextLine& first) {
+    static const std::map<std::size_t, double> kUnits{{10, 1}, {13, 1e-3}, {16, 1e-6}, {19, 1e-9}};
+    if (const auto stamp = columns_.find("timestamp"); stamp != columns_.end()) {
+      const std::vector<std::string_view> cells = cellsOf(first.text);
+      const std::string_view cell = stamp->second < cells.size() ? cells[stamp->second] : "";
+      const auto unit = kUnits.find(std::min(cell.find_first_not_of("0123456789"), cell.size()));
+      if (unit == kUnits.end()) return;
+      time_ = stamp->second;
+      second_ = unit->second;
+    }
+    for (const auto& [seconds, rest] : {std::pair{"sec", "nanosec"}, {"sec", "nsec"}, {"secs", "nsecs"}}) {
+      if (time_ || !has(seconds) || !has(rest)) continue;
+      time_ = columns_.at(seconds);
+      nanoseconds_ = columns_.at(rest);
+    }
+  }
   double timeOf(std::string_view cell, const Location& where) const { return numberOf(cell, where) * second_; }
 
   Location where_;
@@ -211,8 +243,9 @@ class PoseColumns {
   std::map<std::string, std::size_t> columns_;
   std::optional<std::size_t> time_;
   double second_ = 1;
-  LeftOut leftOut_;                // columns that are not read
-  std::vector<std::size_t> read_;  // indices of the columns that are
+  std::optional<std::size_t> nanoseconds_;  // column of what is added to the time
+  LeftOut leftOut_;                         // columns that are not read
+  std::vector<std::size_t> read_;           // indices of the columns that are
 };
 
 }  // namespace
@@ -223,6 +256,11 @@ const FormatSupport& poseFormat() {
       "recorded poses",
       ".csv, .txt, .json",
       {{Read, "time time_ms time_us time_ns", "table: time; also timestamp [ns], and EuRoC's timestamp"},
+       {Read, "%time timestamp sec secs nsec nsecs nanosec",
+        "table: times of ROS, if there is no column of time; a timestamp of 10, 13, 16 or 19 digits is in s, ms, us or "
+        "ns; positions and rotations of ROS, such as field.pose.pose.position.x, are read, too"},
+       {Unused, "header.seq header.stamp header.frame_id frame_id child_frame_id covariance twist",
+        "table: ROS's further columns"},
        {Read, "x y z", "table: position (m), also as EuRoC's p_RS_R_x"},
        {Read, "qw qx qy qz", "table: rotation, also as EuRoC's q_RS_w"},
        {Read, "yaw pitch roll yaw_deg pitch_deg roll_deg yaw_rad pitch_rad roll_rad",
@@ -302,7 +340,7 @@ std::vector<StampedPose> readPoseTable(const std::filesystem::path& file) {
     bytes[comment] = ' ';  // the names are behind a #
     lines = linesOf(bytes, file);
   }
-  const PoseColumns columns(lines.front());
+  const PoseColumns columns(lines.front(), lines[std::min<std::size_t>(1, lines.size() - 1)]);
   std::vector<StampedPose> poses;
   LostPoses lost;
   for (std::size_t i = 1; i < lines.size(); ++i) {

@@ -454,11 +454,19 @@ TEST_F(CloudFiles, NamesOfOtherProgramsAreFound) {
   EXPECT_THAT(cloud.scan[kLabel], ElementsAre(9));
   EXPECT_THAT(cloud.scan[kIntensity], ElementsAre(5));
   EXPECT_EQ(cloud.scan.foreign.at(0).name, "class");
+  // The label -1 means none.
+  cloud = read("a.ply", plyOf("property float scalar_Label\n", "1 2 3 -1"));
+  EXPECT_THAT(cloud.scan[kLabel], ElementsAre(0));
+  cloud = read("a.pcd",
+               "VERSION 0.7\nFIELDS x y z label instance\nSIZE 4 4 4 4 4\nTYPE F F F I I\nCOUNT 1 1 1 1 1\nWIDTH 2\n"
+               "HEIGHT 1\nPOINTS 2\nDATA ascii\n1 2 3 -1 -1\n4 5 6 7 0\n");
+  EXPECT_THAT(cloud.scan[kLabel], ElementsAre(0, 7));
+  EXPECT_THAT(cloud.scan[kInstance], ElementsAre(0u, 1u));
   // Other names whose numbers do not fit are told.
-  cloud = read("a.csv", "x,y,z,class,laser_id\n1,2,3,-1,5\n");
+  cloud = read("a.csv", "x,y,z,class,laser_id\n1,2,3,-2,5\n");
   EXPECT_TRUE(cloud.scan[kLabel].empty());
   EXPECT_THAT(cloud.scan[kRing], ElementsAre(5));
-  EXPECT_EQ(cloud.leftOut.text(), "1 columns 'class' (label of point 0 is -1: no integer of 0 to 65535)");
+  EXPECT_EQ(cloud.leftOut.text(), "1 columns 'class' (label of point 0 is -2: no integer of 0 to 65535)");
 }
 
 TEST_F(CloudFiles, ARealRecordingIsReadAsItsScan) {

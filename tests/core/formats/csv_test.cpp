@@ -82,6 +82,36 @@ TEST(Csv, TextOfOtherProgramsIsRead) {
   EXPECT_EQ(decoded("1 2 3\n4 5 6").position[1], (Vec3f{4, 5, 6}));
 }
 
+// CloudCompare writes it below the names or, without names, in the first line.
+TEST(Csv, TheNumberOfPointsMayStandBeforeThem) {
+  for (const char* text : {"//X Y Z R\n2\n1 2 3 200\n4 5 6 200\n", "2\n1 2 3\n4 5 6\n"}) {
+    const Scan scan = decoded(text);
+    ASSERT_EQ(scan.size(), 2u) << text;
+    EXPECT_EQ(scan.position[1], (Vec3f{4, 5, 6})) << text;
+  }
+  EXPECT_THAT(messageOf([] { decoded("3\n1 2 3\n4 5 6\n"); }),
+              HasSubstr("test.csv: announces 3 points, but has 2: it is not complete"));
+}
+
+TEST(Csv, SurveysNameTheirAxesOtherwise) {
+  for (const char* text : {"Easting,Northing,Elevation\n1,2,3\n", "# Northing Easting Height\n2 1 3\n"}) {
+    EXPECT_EQ(decoded(text).position.at(0), (Vec3f{1, 2, 3})) << text;
+  }
+  constexpr ColumnKey<columnIndex("elevation")> kElevation;
+  EXPECT_EQ(decoded("x,y,z,elevation\n1,2,3,0.5\n")[kElevation], std::vector<float>{0.5f});
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(decoded("Point,Northing,Easting,Elevation,Code\n7,2,1,3,STN\n").position.at(0), (Vec3f{1, 2, 3}));
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("test.csv: left out: 1 texts in the column 'Code'"));
+}
+
+TEST(Csv, LabelsAndInstancesMayBeNone) {
+  const Scan scan = decoded("x,y,z,label,instance\n1,2,3,-1,-1\n4,5,6,8,0\n7,8,9,8,4.0\n");
+  EXPECT_EQ(scan[kLabel], (std::vector<std::uint16_t>{0, 8, 8}));
+  EXPECT_EQ(scan[kInstance], (std::vector<std::uint32_t>{0, 1, 5}));
+  EXPECT_EQ(decoded("x,y,z,label\n1,2,3,-1\n1,2,3,0\n")[kLabel], (std::vector<std::uint16_t>{65535, 0}))
+      << "0 may be a class";
+}
+
 TEST(Csv, ErrorsNameTheLine) {
   const std::pair<const char*, const char*> bad[] = {
       {"", "test.csv:1"},
@@ -110,8 +140,10 @@ TEST(Csv, ErrorsNameTheLine) {
       {"1,2,3,4\n", "test.csv:1: '1' is no name of a column: the first line names them, as x,y,z,label"},
       {"1,5 2,5 3,5\n", "test.csv:1: '1' is no name"},
       {"x,y,z,label\n1,2,3,65536\n", "65535"},
-      {"x,y,z,label\n1,2,3,-1\n", "label"},
-      {"x,y,z,instance\n1,2,3,1.5\n", "instance"},
+      {"x,y,z,label\n1,2,3,-2\n", "label of point 0 is -2"},
+      {"x,y,z,instance\n1,2,3,1.5\n", "test.csv:2: instance"},
+      {"x,y,z,instance\n1,2,3,-1\n1,2,3,4294967295\n", "instance of point 1 is 4294967296"},
+      {"x,y,z,class\n1,2,3,car\n", "test.csv:2: class must be a number"},
       {"x,y,z,label\n1,2,3,65536.0\n", "65535"},
       {"x,y,z,instance\n1,2,3,4294967296\n", "4294967295"},
   };

@@ -241,7 +241,7 @@ TEST(Pcd, ValuesThatDoNotFitAreRefused) {
   EXPECT_EQ(decoded(binary('F', 65535.0f))[kLabel][0], 65535);
   EXPECT_EQ(decoded(binary('I', 65535))[kLabel][0], 65535);
   for (const std::string& bytes :
-       {binary('U', 65536u), binary('I', -1), binary('F', 0.5f), binary('F', std::nanf("")), binary('F', 1e10f),
+       {binary('U', 65536u), binary('I', -2), binary('F', 0.5f), binary('F', std::nanf("")), binary('F', 1e10f),
         fmt::format(fmt::runtime(head), 'U', "ascii") + "1 2 3 65536\n"}) {
     EXPECT_THAT(messageOf([&] { decoded(bytes); }), AllOf(HasSubstr("test.pcd"), HasSubstr("label")));
   }

@@ -67,6 +67,22 @@ TEST(Things, AreOneOrByNodeOrByWhatTheirNamesShare) {
   EXPECT_THAT(firsts("'/^(chair)_.*/'", parts), ElementsAre(1, 1, 1, 2, 1)) << "what the group matches";
 }
 
+TEST(Things, OfDifferentClassesAreNeverOneByClass) {
+  const std::vector<AssetPart> parts{named("instance 1", 0), named("instance 1", 0), named("instance 2", 1)};
+  for (const char* yaml : {"node", "/instance .*/"}) {
+    ThingBounds own = bounds(yaml);
+    const std::vector<ThingTriangles> triangles{{&parts[0], 7}, {&parts[1], 3}, {&parts[2], 7}};
+    const auto first = [&] {
+      std::vector<std::uint32_t> numbers;
+      for (const auto& of : numberThings(own, triangles)) numbers.push_back(of.front());
+      return numbers;
+    };
+    EXPECT_THAT(first(), ElementsAre(1, 1, 2));
+    own.byClass = true;
+    EXPECT_THAT(first(), ElementsAre(2, 1, 3));
+  }
+}
+
 TEST(Things, ThatAreConnectedAreOneAndHaveTheirWheels) {
   AssetPart cars;  // bodies and glass of three cars, the third connected with nothing of its own
   for (const double x : {0.0, 10.0, 20.0}) {

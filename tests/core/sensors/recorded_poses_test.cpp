@@ -262,6 +262,41 @@ TEST_F(RecordedPosesFiles, EurocsTablesAreRead) {
   EXPECT_THAT(refusal("file: t.csv"), HasSubstr("it has no time"));
 }
 
+TEST_F(RecordedPosesFiles, RossTablesAreRead) {
+  const auto ends = [&](const std::string& table) {
+    folder_.write("t.csv", table);
+    testing::internal::CaptureStderr();
+    const Pose pose = drive("file: t.csv").pose(10, 0);
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+    EXPECT_LT(length(pose.translation - Vec3d{1, 7, 3}), 1e-6) << table;
+    EXPECT_LT(length(headingOf(pose) - Vec3d{0, 1, 0}), 1e-9) << table;
+  };
+  const std::string first = ",1,2,3,0.5,0.5,0.5,0.5", last = ",1,7,3,0.5,0.5,0.5,0.5";
+  std::string names;
+  for (const char* axis : {"x", "y", "z"}) names += std::string(",field.pose.pose.position.") + axis;
+  for (const char* axis : {"x", "y", "z", "w"}) names += std::string(",field.pose.pose.orientation.") + axis;
+  ends("%time,field.header.seq,field.header.stamp,field.header.frame_id" + names +
+       ",field.pose.covariance0,field.pose.covariance1,field.twist.twist.linear.x\n"
+       "1700000000123456789,0,1700000000123456789,odom" +
+       first +
+       ",0,0,0\n"
+       "1700000001123456789,1,1700000001123456789,odom" +
+       last + ",0,0,0\n");
+  ends(
+      "header.stamp.sec,header.stamp.nanosec,pose.position.x,pose.position.y,pose.position.z,pose.orientation.x,"
+      "pose.orientation.y,pose.orientation.z,pose.orientation.w\n1700000000,900000000" +
+      first + "\n1700000001,900000000" + last + "\n");
+  ends("sec,nanosec,x,y,z,qx,qy,qz,qw\n1700000000,900000000" + first + "\n1700000001,900000000" + last + "\n");
+  for (const auto& [from, to] : {std::pair{"1700000000123456789", "1700000001123456789"},
+                                 {"1700000000123456", "1700000001123456"},
+                                 {"1700000000123", "1700000001123"},
+                                 {"1700000000.5", "1700000001.5"}}) {
+    ends("timestamp,x,y,z,qx,qy,qz,qw\n" + (from + first) + "\n" + to + last + "\n");
+  }
+  folder_.write("t.csv", "0.0,1,0.0,0.0\n1.0,2,0.0,0.0\n");
+  EXPECT_THAT(refusal("file: t.csv"), HasSubstr("t.csv:1: the first line must name the columns time"));
+}
+
 // Poses that are closer than 5 cm have a heading too: here a circle, at 100 Hz.
 TEST_F(RecordedPosesFiles, TablesWithoutAHeadingHeadAlongAtAnyRate) {
   for (const double rate : {5.0, 100.0, 1000.0}) {

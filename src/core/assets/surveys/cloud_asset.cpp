@@ -76,8 +76,9 @@ class CloudAsset {
     const auto& labels = scan_[kLabel];
     if (labels.empty() && !options_.points.labels.empty()) {
       throw InputError({file_.string()},
-                       fmt::format("has no labels (a column `label`, or LAS classes), but {}: leave out `labels`",
-                                   fmt::join(columnNames(scan_), ", ")));
+                       fmt::format("has no labels (a column `label`, or LAS classes), but {}{}: leave out `labels`",
+                                   fmt::join(columnNames(scan_), ", "),
+                                   cloud_.leftOut.empty() ? "" : "; left out: " + cloud_.leftOut.text()));
     }
     std::set<std::uint32_t> noise;
     for (const auto& [label, name] : cloud_.classNames) {

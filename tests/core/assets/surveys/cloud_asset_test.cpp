@@ -93,6 +93,37 @@ TEST_F(Clouds, LabelsAndInstancesAreCarriedOver) {
   EXPECT_THAT(classes, UnorderedElementsAre("truck", "unlabeled"));
 }
 
+// SemanticKITTI's 10 is a car, its 30 a pedestrian, its 40 road; it counts the instances of each class from 1.
+TEST_F(Clouds, ClassesShareNoInstance) {
+  const auto found = [&](const std::string& properties, const std::vector<std::string>& labels,
+                         const std::string& more = "") {
+    std::vector<std::string> lines;
+    for (const std::string& label : labels) {
+      for (const std::string& line : lawn(label, 0.01 * static_cast<double>(lines.size()))) lines.push_back(line);
+    }
+    folder_.write("a.ply", ply(properties, lines));
+    testing::internal::CaptureStderr();
+    const Scene s = scene(", points: {labels: semantic_kitti}" + more);
+    const std::string told = testing::internal::GetCapturedStderr();
+    std::set<std::pair<std::string, std::uint32_t>> objects;
+    for (const Surface& surface : s.meshes.at(0).surfaces)
+      objects.emplace(s.ontology.find(surface.semantic)->name, surface.object);
+    return std::pair(objects, told);
+  };
+  const std::string both = "property int label\nproperty int instance\n";
+  auto [objects, told] = found(both, {"10 1", "30 1", "10 2"});
+  EXPECT_THAT(objects, UnorderedElementsAre(std::pair{"car", 1u}, std::pair{"pedestrian", 2u}, std::pair{"car", 3u}));
+  EXPECT_EQ(told, "");
+  std::tie(objects, told) = found("property int label\n", {"10", "30", "40"});
+  EXPECT_THAT(objects, UnorderedElementsAre(std::pair{"car", 1u}, std::pair{"pedestrian", 2u}, std::pair{"road", 0u}));
+  EXPECT_THAT(told, HasSubstr("a.ply: 800 points of classes of things have no instance"));
+  std::tie(objects, told) = found(both, {"10 0", "10 4"});
+  EXPECT_THAT(told, HasSubstr("a.ply: 400 points of classes of things have no instance"));
+  std::tie(objects, told) = found(both, {"10 0", "10 4"}, ", instances: object");
+  EXPECT_THAT(objects, UnorderedElementsAre(std::pair{"car", 1u}));
+  EXPECT_EQ(told, "");
+}
+
 TEST_F(Clouds, IntensitiesAreReflectances) {
   std::vector<std::string> lines = lawn("51");
   for (const std::string& line : lawn("204", 50)) lines.push_back(line);
@@ -285,6 +316,9 @@ TEST_F(Clouds, MistakesAreNamed) {
   EXPECT_THAT(messageOf([&] { scene(", heights: {every: 2}"); }), HasSubstr("rasters, such as .tif"));
   EXPECT_THAT(messageOf([&] { scene(", points: {labels: scanmill}"); }),
               AllOf(HasSubstr("a.ply"), HasSubstr("has no labels (a column `label`, or LAS classes), but x, y, z")));
+  read(ply("property int class\n", lawn("70000")));
+  EXPECT_THAT(messageOf([&] { scene(", points: {labels: scanmill}"); }),
+              HasSubstr("; left out: 1 columns 'class' (label of point 0 is 70000: no integer of 0 to 65535): leave"));
   folder_.write("b.obj", "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   EXPECT_THAT(messageOf([&] {
                 readScene(folder_.write("t.yaml",
