@@ -54,13 +54,17 @@ const Concept* mainConcept(const Asset& asset, const std::vector<const Concept*>
 }
 
 // True if the parts, and the file's name if `file` is not null, state at least three different objects and grounds. The
-// file then contains a place, such as a room, and not one object.
+// file then contains a place, such as a room, and not one object. Walls and doors of a file that is called a house are
+// the house's, since they may have its class.
 bool isPlace(const std::vector<const Concept*>& parts, const Concept* file = nullptr) {
   constexpr std::size_t kSeveral = 3;
   std::set<const Concept*> kinds;
   if (file != nullptr) kinds.insert(file);
   for (const Concept* c : parts) {
-    if (c != nullptr && (c->kind == ConceptKind::Whole || c->kind == ConceptKind::Ground)) kinds.insert(c);
+    if (c == nullptr || (c->kind != ConceptKind::Whole && c->kind != ConceptKind::Ground)) continue;
+    const bool ofFile = file != nullptr && !file->classes.empty() &&
+                        std::find(c->classes.begin(), c->classes.end(), file->classes.front()) != c->classes.end();
+    if (!ofFile) kinds.insert(c);
   }
   return kinds.size() >= kSeveral;
 }
@@ -146,8 +150,8 @@ void guessAxis(const std::array<double, 3>& low, const std::array<double, 3>& ex
                            extent[0], extent[1], extent[2], low[guess.up == 'y' ? 1 : 2], guess.up);
 }
 
-// Sets `what` and `longest` to an object of a place, by whose size the unit is then guessed; leaves them if an object
-// has a usual size in metres, or if no common unit gives most objects, of two kinds at least, usual sizes.
+// Sets `what` and `longest` to an object of a place, by whose size the unit is then guessed, if a common unit gives
+// most objects usual sizes, and more than twice as many as metres do.
 void measureObjects(const Asset& asset, const std::vector<const Concept*>& parts, FrameGuess& guess) {
   constexpr double kGreatest = 400;  // m; walls and fences, which may be longer, say little about the unit
   std::map<std::uint32_t, std::pair<const Concept*, Box>> objects;  // by node
@@ -169,15 +173,21 @@ void measureObjects(const Asset& asset, const std::vector<const Concept*>& parts
     }
     return found;
   };
-  if (!fitting(1).empty()) return;
+  std::vector<FrameGuess> best = fitting(1);
+  const std::size_t inMetres = best.size();
   for (const double unit : kUnits) {
-    const std::vector<FrameGuess> found = fitting(unit);
-    const auto isOther = [&](const FrameGuess& one) { return one.what != found.front().what; };
-    if (2 * found.size() <= objects.size() || std::none_of(found.begin(), found.end(), isOther)) continue;
-    guess.what = found.front().what;
-    guess.longest = found.front().longest;
-    return;
+    if (std::vector<FrameGuess> found = fitting(unit); found.size() > best.size()) best = std::move(found);
   }
+  if (best.size() <= 2 * inMetres || 2 * best.size() <= objects.size()) return;
+  // A node may hold many objects of one kind, such as all cars of a street, and is then larger than one of them.
+  constexpr double kFar = 100;
+  const auto says = [&](const FrameGuess& one) {
+    return one.what != best.front().what || one.longest > kFar * one.what->size->high;
+  };
+  if (std::none_of(best.begin(), best.end(), says)) return;
+  const auto odd = std::find_if(best.begin(), best.end(), [](const FrameGuess& one) { return !fits(one, 1, 1); });
+  guess.what = odd->what;
+  guess.longest = odd->longest;
 }
 
 }  // namespace
@@ -243,7 +253,8 @@ FrameGuess guessUp(const Asset& asset, const std::vector<const Concept*>& parts)
   if (box.empty()) return guess;
   const std::array<double, 3> low{box.low.x, box.low.y, box.low.z};
   const std::array<double, 3> extent{box.high.x - box.low.x, box.high.y - box.low.y, box.high.z - box.low.z};
-  const bool place = isPlace(parts);
+  guess.place = isPlace(parts);
+  const bool place = guess.place;
   guess.what = place ? nullptr : mainConcept(asset, parts);
   guess.longest = std::max({extent[0], extent[1], extent[2]});
   guess.extent = extent;

@@ -45,6 +45,7 @@ struct FrameGuess {
   const Concept* what = nullptr;   // main concept of the asset; null: unknown, or a place with several objects
   double longest = 0;              // longest edge of the bounding box, in the file's units
   std::array<double, 3> extent{};  // size along x, y and z as the file was read, in the file's units
+  bool place = false;              // true: the asset contains a place with several objects, such as a room
   char read = 'z';                 // up axis that was assumed when the file was read
 };
 

@@ -152,7 +152,7 @@ class Writer {
     std::set<std::string> nodes;
     for (const KnownPart& k : parts) nodes.insert(k.node);
     const Vec3d size = box.high - box.low;
-    if (nodes.size() > 2 && std::max(size.x, size.y) > 30)
+    if (nodes.size() > 2 && (model_.frame.place || std::max(size.x, size.y) > 30))
       yaml += "    instances: node   # or part, if one thing has several nodes, such as the walls of a building\n";
     if (!single.empty() || !several.empty() || plate) yaml += "    rules:\n";
     if (plate) yaml += plateRule();

@@ -72,12 +72,14 @@ TEST(Guess, OnlyAModelsOwnFolderStatesItsConcept) {
 TEST(Guess, AFileNamedAfterOneOfItsObjectsIsAPlace) {
   Asset yard;
   yard.file = "/x/house.obj";
-  yard.parts = {part("Walls", "brick"), part("Box001", "paint"), part("Tree_1", "bark")};
+  yard.parts = {part("Walls", "brick"), part("Box001", "paint"), part("Tree_1", "bark"), part("Lawn")};
   EXPECT_EQ(guesses(yard).at(1)->name, "building");
   yard.parts.push_back(part("Car", "paint"));
   EXPECT_EQ(guesses(yard).at(1), nullptr);
   EXPECT_EQ(guesses(yard).at(2)->name, "trunk");
-  EXPECT_EQ(guesses(yard).at(3)->name, "car");
+  EXPECT_EQ(guesses(yard).at(4)->name, "car");
+  yard.parts = {part("Walls", "brick"), part("Door"), part("Ceiling"), part("Box001")};
+  EXPECT_EQ(guesses(yard).at(3)->name, "building") << "walls and doors are the house's";
 }
 
 // A box of this size in the file's units, its corner there.
