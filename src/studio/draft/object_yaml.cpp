@@ -264,10 +264,34 @@ std::string quoted(const std::string& text) {
   return out + '"';
 }
 
+// Names that programs give to anything, though some ontologies have such a class.
+constexpr std::array<std::string_view, 2> kDefaultNames{"box", "object"};
+
 std::vector<Concept> conceptsFor(const std::vector<Concept>& concepts, const Ontology& ontology) {
   std::vector<Concept> found;
   for (const Concept& c : concepts) {
     if (c.classes.empty() || classOf(c, ontology) != nullptr) found.push_back(c);
+  }
+  for (const SemanticClass& named : ontology.classes) {
+    const std::string word = foldedName(named.name);
+    const bool isDefault = std::find(kDefaultNames.begin(), kDefaultNames.end(), word) != kDefaultNames.end();
+    if (named.id == 0 || named.movingOf || word.empty() || isDefault) continue;
+    Concept own{named.name, {named.name}, {}, ConceptKind::Whole, {}, {}, {word}};
+    for (Concept& c : found) {
+      const auto same = std::find(c.words.begin(), c.words.end(), word);
+      if (same == c.words.end()) continue;
+      if (classOf(c, ontology) == &named || c.classes.empty()) {
+        own.words.clear();
+        break;
+      }
+      own = c;
+      own.name = named.name;
+      own.classes = {named.name};
+      own.words = {word};
+      c.words.erase(same);
+      break;
+    }
+    if (!own.words.empty()) found.push_back(own);
   }
   return found;
 }

@@ -12,7 +12,8 @@
 namespace scanmill::draft {
 
 // Returns the concepts that have a class in the ontology, and those that need no class, such as parts to be removed.
-// Example: if an ontology for rooms has no class for buildings, "office.glb" is not taken for a building.
+// Example: if an ontology for rooms has no class for buildings, "office.glb" is not taken for a building. Names of the
+// ontology's classes are words, too.
 std::vector<Concept> conceptsFor(const std::vector<Concept>& concepts, const Ontology& ontology);
 
 // Returns a text in double quotes, escaped for YAML.

@@ -106,6 +106,11 @@ TEST(DraftScene, OfRoomsTakesTheClassesOfRooms) {
                           {"Fenster", "window"},
                           {"OfficeDoor", "door"},
                           {"mug", "unlabeled"},
+                          {"Box001", "unlabeled"},
+                          {"dresser_0009", "dresser"},
+                          {"Lamp.002", "lamp"},
+                          {"Whiteboard_2", "whiteboard"},
+                          {"Night_Stand", "night stand"},
                           {"Trash bin", "otherprop"}});
 }
 
