@@ -19,8 +19,7 @@ std::vector<typename Key::Value> numbersFor(Key key, const std::vector<Stored>& 
   values.reserve(stored.size());
   const bool isLabel = key.index == kLabel.index;
   const auto isNone = [&](Stored number) {
-    if (!std::is_signed_v<Stored> || (!isLabel && key.index != kInstance.index)) return false;
-    return isLabel ? number == static_cast<Stored>(-1) : number < Stored{};
+    return std::is_signed_v<Stored> && (isLabel || key.index == kInstance.index) && number < Stored{};
   };
   const bool shifted = !isLabel && std::any_of(stored.begin(), stored.end(), isNone);
   const bool zero = isLabel && std::find(stored.begin(), stored.end(), Stored{}) != stored.end();
@@ -48,8 +47,8 @@ const FormatSupport& cloudColumns() {
       {{Read,
         "label labels label_id class classes class_id class_label classification category category_id semantic "
         "semantics semantic_label semantic_id sem_class sem_label objtag object_tag predsemantic pred_label",
-        "classes; points that no class was given to are those of the number 0, or of -1, which becomes 65535 beside a "
-        "0"},
+        "classes; points that no class was given to are those of the number 0, or of numbers below 0, which become "
+        "65535 beside a 0"},
        {Read,
         "instance instances instance_id instanceid instance_label inst_id treeid tree_id predinstance "
         "pred_instance objidx object_id objectid obj_id",

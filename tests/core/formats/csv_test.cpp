@@ -105,7 +105,7 @@ TEST(Csv, SurveysNameTheirAxesOtherwise) {
 }
 
 TEST(Csv, LabelsAndInstancesMayBeNone) {
-  const Scan scan = decoded("x,y,z,label,instance\n1,2,3,-1,-1\n4,5,6,8,0\n7,8,9,8,4.0\n");
+  const Scan scan = decoded("x,y,z,label,instance\n1,2,3,-100,-1\n4,5,6,8,0\n7,8,9,8,4.0\n");
   EXPECT_EQ(scan[kLabel], (std::vector<std::uint16_t>{0, 8, 8}));
   EXPECT_EQ(scan[kInstance], (std::vector<std::uint32_t>{0, 1, 5}));
   EXPECT_EQ(decoded("x,y,z,label\n1,2,3,-1\n1,2,3,0\n")[kLabel], (std::vector<std::uint16_t>{65535, 0}))
