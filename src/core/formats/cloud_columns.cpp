@@ -19,7 +19,9 @@ std::vector<typename Key::Value> numbersFor(Key key, const std::vector<Stored>& 
   values.reserve(stored.size());
   const bool isLabel = key.index == kLabel.index;
   const auto isNone = [&](Stored number) {
-    return std::is_signed_v<Stored> && (isLabel || key.index == kInstance.index) && number < Stored{};
+    if (!std::is_signed_v<Stored> || (!isLabel && key.index != kInstance.index)) return false;
+    constexpr int kIgnored = -100;  // a label that the losses of PyTorch ignore by default
+    return isLabel ? number == static_cast<Stored>(-1) || number == static_cast<Stored>(kIgnored) : number < Stored{};
   };
   const bool shifted = !isLabel && std::any_of(stored.begin(), stored.end(), isNone);
   const bool zero = isLabel && std::find(stored.begin(), stored.end(), Stored{}) != stored.end();
@@ -47,7 +49,7 @@ const FormatSupport& cloudColumns() {
       {{Read,
         "label labels label_id class classes class_id class_label classification category category_id semantic "
         "semantics semantic_label semantic_id sem_class sem_label objtag object_tag predsemantic pred_label",
-        "classes; points that no class was given to are those of the number 0, or of numbers below 0, which become "
+        "classes; points that no class was given to are those of the number 0, or of -1 and -100, which become "
         "65535 beside a 0"},
        {Read,
         "instance instances instance_id instanceid instance_label inst_id treeid tree_id predinstance "
