@@ -21,7 +21,10 @@ namespace {
 class OffTranslator {
  public:
   OffTranslator(const std::filesystem::path& file, LeftOut& leftOut)
-      : text_(readFile(file)), rest_(text_), where_{file.string(), 0, 0}, leftOut_(leftOut) {}
+      : text_(readFile(file)), where_{file.string(), 0, 0}, leftOut_(leftOut) {
+    if (text_.find('\n') == std::string::npos) std::replace(text_.begin(), text_.end(), '\r', '\n');
+    rest_ = text_;
+  }
 
   std::string translate() {
     readHead();
@@ -93,7 +96,7 @@ class OffTranslator {
 
   void translateVertex() {
     requireLine(fmt::format("{} vertices", vertices_).c_str());
-    if (words_.size() < 3) fail("a vertex must have three coordinates");
+    if (words_.size() < 3) fail("a vertex must have three coordinates in one line");
     obj_ += fmt::format("v {} {} {}\n", words_[0], words_[1], words_[2]);
   }
 

@@ -18,6 +18,7 @@ constexpr double kMostCornersSquared = 4e9;
 
 struct Point {
   double x = 0, y = 0;
+  bool operator==(const Point&) const = default;
 };
 
 double areaOf(const Point& a, const Point& b, const Point& c) {
@@ -54,9 +55,10 @@ class EarCutter {
   }
 
   void cut() {
-    // The first ear is sought at corner 1: a convex polygon becomes the usual fan about corner 0.
-    for (std::size_t at = 1, tried = 0; left_.size() > 3 && tried < left_.size();) {
-      if (!isEar(at)) {
+    // The first ear is sought at corner 1: a convex polygon becomes the usual fan about corner 0. Corners between
+    // collinear edges are cut off if no ear is left.
+    for (std::size_t at = 1, tried = 0; left_.size() > 3 && tried < 2 * left_.size();) {
+      if (!isDouble(at) && !isEar(at) && !(tried >= left_.size() && isFlat(at))) {
         at = (at + 1) % left_.size();
         ++tried;
         continue;
@@ -75,17 +77,38 @@ class EarCutter {
 
   void add(std::size_t at) { triangles_.push_back({before(at), left_[at], behind(at)}); }
 
-  // True if the corner is convex and its triangle contains no other corner that is left.
+  bool isFlat(std::size_t at) const {
+    return areaOf(points_[before(at)], points_[left_[at]], points_[behind(at)]) == 0;
+  }
+
+  // True if the corner is in the same place as the corner before it or behind it, or if these two are in one place, so
+  // that an edge leads to the corner and back.
+  bool isDouble(std::size_t at) const {
+    const Point &a = points_[before(at)], &b = points_[left_[at]], &c = points_[behind(at)];
+    return a == b || b == c || a == c;
+  }
+
+  // True if an edge from the corner `at`, which lies in the place b, leads into the angle at b between c and a.
+  bool entersAt(std::size_t at, const Point& a, const Point& b, const Point& c) const {
+    const auto enters = [&](const Point& to) { return areaOf(b, c, to) > 0 && areaOf(b, to, a) > 0; };
+    return enters(points_[before(at)]) || enters(points_[behind(at)]);
+  }
+
+  // True if the corner is convex, its triangle contains no other corner that is left, and no edge enters the triangle
+  // at one of its corners, which a polygon that touches itself may pass several times.
   bool isEar(std::size_t at) const {
     const Point& a = points_[before(at)];
     const Point& b = points_[left_[at]];
     const Point& c = points_[behind(at)];
     if (!(areaOf(a, b, c) > 0)) return false;
-    for (const std::uint32_t other : left_) {
-      if (other == before(at) || other == left_[at] || other == behind(at)) continue;
-      const Point& p = points_[other];
-      const bool isCorner = (p.x == a.x && p.y == a.y) || (p.x == b.x && p.y == b.y) || (p.x == c.x && p.y == c.y);
-      if (!isCorner && areaOf(a, b, p) >= 0 && areaOf(b, c, p) >= 0 && areaOf(c, a, p) >= 0) return false;
+    for (std::size_t i = 0; i < left_.size(); ++i) {
+      if (left_[i] == before(at) || left_[i] == left_[at] || left_[i] == behind(at)) continue;
+      const Point& p = points_[left_[i]];
+      if (p == a || p == b || p == c) {
+        if (p == a ? entersAt(i, c, a, b) : p == b ? entersAt(i, a, b, c) : entersAt(i, b, c, a)) return false;
+      } else if (areaOf(a, b, p) >= 0 && areaOf(b, c, p) >= 0 && areaOf(c, a, p) >= 0) {
+        return false;
+      }
     }
     return true;
   }

@@ -27,6 +27,7 @@ TEST_F(OffMesh, HeadingsOfAllKinds) {
        {"OFF\n3 1 0\n", "OFF 3 1 0\n", "OFF3 1 0\n", "3 1\n", "# comment\n\nOFF # more\r\n3 1 3\r\n"}) {
     expectCorners(read("a.off", head + kVertices + "3 0 1 2\n"), {{1, 0, 0}, {0, 2, 0}, {0, 0, 3}}, head);
   }
+  expectCorners(read("a.off", "OFF\r3 1 0\r1 0 0\r0 2 0\r0 0 3\r3 0 1 2\r"), {{1, 0, 0}, {0, 2, 0}, {0, 0, 3}}, "CR");
   expectCorners(read("a.off", "NOFF\n3 1 0\n1 0 0 0 0 1\n0 2 0 0 0 1\n0 0 3 0 0 1\n3 0 1 2\n"),
                 {{1, 0, 0}, {0, 2, 0}, {0, 0, 3}}, "normals");
 }

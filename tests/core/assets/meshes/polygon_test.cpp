@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <set>
@@ -74,6 +75,40 @@ TEST(Polygon, ABridgeToAHoleIsCut) {
   EXPECT_EQ(parts.size(), frame.size() - 2);
   for (const double part : parts) EXPECT_GE(part, 0);
   EXPECT_NEAR(sum(parts), 12, 1e-12);
+}
+
+// Exporters write corners twice, and outlines that touch themselves in a corner.
+TEST(Polygon, MayRepeatCornersAndTouchItself) {
+  const std::vector<Vec3d> u{{0, 0, 0}, {3, 0, 0}, {3, 3, 0}, {2, 3, 0}, {2, 1, 0}, {1, 1, 0}, {1, 3, 0}, {0, 3, 0}};
+  std::mt19937 random(3);
+  for (int round = 0; round < 200; ++round) {
+    std::vector<Vec3d> corners;
+    const std::size_t first = random() % u.size();
+    for (std::size_t i = 0; i < u.size(); ++i) {
+      const Vec3d& corner = u[(first + i) % u.size()];
+      corners.insert(corners.end(), 1 + (random() % 3 == 0 ? 1 : 0), corner);
+      const Vec3d& next = u[(first + i + 1) % u.size()];
+      if (random() % 4 == 0) corners.push_back((corner + next) * 0.5);
+    }
+    const std::vector<double> parts = areas(corners, {0, 0, 1});
+    EXPECT_EQ(parts.size(), corners.size() - 2);
+    for (const double part : parts) EXPECT_GE(part, 0);
+    EXPECT_NEAR(sum(parts), 7, 1e-12);
+  }
+  // Two squares that share a corner; a square with a notch that reaches the opposite side.
+  const std::vector<Vec3d> twins{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {2, 1, 0},
+                                 {2, 2, 0}, {1, 2, 0}, {1, 1, 0}, {0, 1, 0}};
+  const std::vector<Vec3d> notch{{0, 0, 0}, {2, 0, 0}, {4, 0, 0}, {4, 4, 0},
+                                 {3, 4, 0}, {2, 0, 0}, {1, 4, 0}, {0, 4, 0}};
+  for (std::size_t first = 0; first < 8; ++first) {
+    for (const auto& [shape, area] : {std::pair(twins, 2.0), {notch, 12.0}}) {
+      std::vector<Vec3d> turned = shape;
+      std::rotate(turned.begin(), turned.begin() + static_cast<std::ptrdiff_t>(first), turned.end());
+      const std::vector<double> parts = areas(turned, {0, 0, 1});
+      for (const double part : parts) EXPECT_GE(part, 0) << first << ", area " << area;
+      EXPECT_NEAR(sum(parts), area, 1e-12) << first;
+    }
+  }
 }
 
 TEST(Polygon, DegenerateOnesEnd) {
