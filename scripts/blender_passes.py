@@ -330,27 +330,50 @@ OTHER_SHAPES = {
 }
 
 
-def hide_as_renders_do():
-    """Hides from the viewport, whose evaluation is read, what renders do not show."""
+# Names of the viewport's settings and of the renders' settings: of modifiers, metaballs, particles and scenes.
+RENDER_SETTINGS = (
+    ("show_viewport", "show_render"),
+    ("levels", "render_levels"),
+    ("steps", "render_steps"),
+    ("viewport_resolution", "resolution"),
+    ("resolution", "render_resolution"),
+    ("child_nbr", "rendered_child_count"),
+    ("child_percent", "rendered_child_count"),  # its name in later Blender
+    ("simplify_subdivision", "simplify_subdivision_render"),
+    ("simplify_child_particles", "simplify_child_particles_render"),
+)
+
+
+def show_as_renders_do():
+    """Gives the viewport, whose evaluation is read, the settings of renders, and hides what renders do not show."""
     for collection in (*bpy.data.collections, bpy.context.scene.collection):
         collection.hide_viewport |= collection.hide_render
     for thing in bpy.data.objects:
         thing.hide_viewport |= thing.hide_render
         thing.show_instancer_for_viewport &= thing.show_instancer_for_render
+    modifiers = (modifier for thing in bpy.data.objects for modifier in thing.modifiers)
+    for owner in (*modifiers, *bpy.data.metaballs, *bpy.data.particles, bpy.context.scene.render):
+        for viewport, render in RENDER_SETTINGS:
+            if hasattr(owner, viewport) and hasattr(owner, render):
+                setattr(owner, viewport, getattr(owner, render))
+    for particles in bpy.data.particles:
+        particles.display_percentage = 100
+    for curve in bpy.data.curves:
+        for axis in "uv":
+            resolution = getattr(curve, f"render_resolution_{axis}")
+            for part in (curve, *curve.splines) if resolution > 0 else ():
+                setattr(part, f"resolution_{axis}", resolution)
+    for group in bpy.data.node_groups:
+        for node in [node for node in group.nodes if node.type == "IS_VIEWPORT"]:
+            false = group.nodes.new("FunctionNodeInputBool").outputs[0]
+            for link in list(node.outputs[0].links):
+                group.links.new(false, link.to_socket)
     bpy.context.view_layer.update()
 
 
-def is_opacity_lost(material):
-    """The exporter keeps no alpha of an opaque material, which Cycles renders all the same."""
-    if material is None or not material.use_nodes or material.blend_method != "OPAQUE":
-        return False
-    alphas = [node.inputs["Alpha"] for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED"]
-    return any(alpha.is_linked or alpha.default_value < 1 for alpha in alphas)
-
-
-def count_left_out(shown, bare, materials):
+def count_left_out(shown, bare):
     """Counts by the notes of blendFormat(). `shown`: the objects that show faces or instances with faces; `bare`: those
-    whose surface has none; `materials`: of the faces."""
+    whose surface has none."""
     scene = bpy.context.scene
     hidden = "objects that the viewport or renders hide"
     hair = "particle systems of hair, lines or halos"
@@ -362,8 +385,9 @@ def count_left_out(shown, bare, materials):
         library.packed_file is None and not os.path.exists(bpy.path.abspath(library.filepath))
         for library in bpy.data.libraries
     )
-    if bpy.app.version < (4, 2):
-        left_out["opacities of materials whose blend mode is opaque"] = sum(map(is_opacity_lost, materials))
+    left_out["animations (the saved frame counts)"] = sum(
+        action.users > action.use_fake_user for action in bpy.data.actions
+    )
     for thing in scene.objects:
         if not thing.visible_get():
             left_out[hidden] += thing.type in SURFACES or thing.is_instancer
@@ -377,16 +401,231 @@ def count_left_out(shown, bare, materials):
     return left_out
 
 
+# Export: materials
+
+
+def source(socket):
+    """Returns the output that feeds a socket; None if the socket is a constant."""
+    while socket.is_linked and socket.links[0].is_valid:  # links of a cycle are not
+        output = socket.links[0].from_socket
+        if output.node.type == "REROUTE":
+            socket = output.node.inputs[0]
+        elif output.node.mute and output.node.internal_links:
+            socket = output.node.internal_links[0].from_socket
+        else:
+            return output
+    return None
+
+
+def surface_of(surface):
+    """Returns the shader of a surface, the sockets of its colour and its alpha, each None if there is none, and whether
+    the surface has no more than these."""
+    alpha, known = None, True
+    while (output := source(surface)) is not None and output.node.type in ("MIX_SHADER", "ADD_SHADER"):
+        *share, first, second = output.node.inputs
+        before = source(share[0]) if share else None
+        is_clear = source(first) is not None and source(first).node.type == "BSDF_TRANSPARENT"
+        if before is not None and before.node.type == "LIGHT_PATH":
+            surface = second if before.name == "Is Camera Ray" else first
+        elif is_clear and share and alpha is None:
+            alpha, surface = share[0], second
+        else:
+            surface, known = second if is_clear or not first.is_linked else first, False
+    if output is None or output.type != "SHADER":  # a colour without a shader shines
+        return None, None if output is None else surface, alpha, known and output is not None
+    shader = output.node
+    if shader.type == "BSDF_PRINCIPLED":
+        own = shader.inputs["Alpha"]
+        known &= alpha is None or (not own.is_linked and own.default_value == 1)
+        return shader, shader.inputs["Base Color"], alpha or own, known
+    known &= shader.type.startswith(("BSDF_", "EMISSION", "SUBSURFACE")) and shader.type != "BSDF_TRANSPARENT"
+    colors = [socket for socket in shader.inputs if socket.type == "RGBA" and socket.name in ("Base Color", "Color")]
+    return shader, colors[0] if colors else None, alpha, known
+
+
+def textures_before(output):
+    """Yields the nodes of the images on which an output depends."""
+    if output is not None:
+        if output.node.type == "TEX_IMAGE" and output.node.image is not None:
+            yield output.node
+        for socket in output.node.inputs:
+            yield from textures_before(source(socket))
+
+
+def is_placed_by_uvs(texture):
+    """True if the exporter keeps how an image is placed."""
+    place = source(texture.inputs["Vector"])
+    if place is not None and place.node.type == "MAPPING":
+        mapping = place.node
+        x, y, z = mapping.inputs["Rotation"].default_value
+        scale = mapping.inputs["Scale"].default_value
+        shears = mapping.vector_type == "TEXTURE" and z != 0 and scale[0] != scale[1]
+        if x != 0 or y != 0 or shears or mapping.vector_type == "NORMAL":
+            return False
+        if any(socket.is_linked for socket in mapping.inputs[1:]):
+            return False
+        place = source(mapping.inputs["Vector"])
+    by_uvs = place is None or place.node.type == "UVMAP" or (place.node.type == "TEX_COORD" and place.name == "UV")
+    return by_uvs and texture.projection == "FLAT" and texture.image.source in ("FILE", "GENERATED")
+
+
+def read_socket(socket):
+    """Returns a factor, the output of an image or None, and True, if the socket's value is their product. Else returns
+    None, an output that depends on an image or None, and False."""
+    output = source(socket)
+    if output is None:
+        return np.array(socket.default_value), None, True
+    node = output.node
+    if node.type in ("RGB", "VALUE"):
+        return np.array(output.default_value), None, True
+    if node.type == "TEX_IMAGE" and node.image is not None and is_placed_by_uvs(node):
+        opaque = output.name == "Alpha" and node.image.alpha_mode == "NONE"
+        return np.array(1.0), None if opaque else output, True
+    is_color = node.type == "MIX_RGB" or (node.type == "MIX" and node.data_type == "RGBA")
+    mixes = is_color and node.blend_type == "MULTIPLY" and not node.inputs[0].is_linked
+    if mixes or (node.type == "MATH" and node.operation == "MULTIPLY"):
+        weight = node.inputs[0].default_value if mixes else 1.0
+        sides = [side for side in node.inputs if side.enabled][-2:]
+        (one, texture, one_known), (two, other, two_known) = map(read_socket, sides)
+        if one_known and two_known and other is None:
+            return one * (1 - weight + weight * two), texture, True
+        if one_known and two_known and texture is None and weight == 1:
+            return one * two, other, True
+    return None, output if any(textures_before(output)) else None, False
+
+
+def compared(alpha):
+    """Returns the socket that nodes compare with a cutoff to get an alpha of 0 or 1, and the cutoff; the socket of the
+    alpha and None if none do."""
+    node = None if source(alpha) is None else source(alpha).node
+    if node is None or node.type != "MATH":
+        return alpha, None
+    one, two, *_ = node.inputs
+    if node.operation == "ROUND":
+        return one, 0.5
+    if node.operation == "GREATER_THAN" and not two.is_linked:
+        return one, two.default_value
+    less = source(two).node if node.operation == "SUBTRACT" and source(two) is not None else None
+    if less is not None and less.type == "MATH" and less.operation == "LESS_THAN" and not less.inputs[1].is_linked:
+        if not one.is_linked and one.default_value == 1:
+            return less.inputs[0], less.inputs[1].default_value
+    return alpha, None
+
+
+def add_principled(tree, like):
+    """Adds a Principled BSDF with the gloss of another shader, which may be None."""
+    kind = "" if like is None else like.type
+    added = tree.nodes.new("ShaderNodeBsdfPrincipled")
+    mirror = kind in ("BSDF_GLOSSY", "BSDF_ANISOTROPIC")
+    added.inputs["Metallic"].default_value = float(mirror)
+    added.inputs["Roughness"].default_value = like.inputs["Roughness"].default_value if mirror else 1.0
+    if kind in ("BSDF_GLASS", "BSDF_REFRACTION"):
+        next(socket for socket in added.inputs if socket.name.startswith("Transmission")).default_value = 1.0
+    return added
+
+
+class Materials:
+    """Copies of the file's materials that the exporter understands. Adds to `left_out` what they lack."""
+
+    def __init__(self, left_out):
+        self.left_out = left_out
+        self.copies = {None: None}  # by the file's material
+        self.changes = {}  # of the exported materials, by the names of the copies
+        self.missing = {}  # images without pixels -> those that are exported in their place
+        self.paths = {}  # of the missing images, by the names of those in their place
+
+    def copy(self, material):
+        if material not in self.copies:
+            copy = self.copies[material] = material.copy()
+            copy.name = f"material{len(self.copies)}"
+            self.changes[copy.name] = {"name": material.name, "color": None, "alpha": None, "cutoff": None}
+            if material.use_nodes:
+                self.simplify(copy)
+        return self.copies[material]
+
+    def simplify(self, material):
+        """Makes the surface a Principled BSDF, and its colour and its alpha each a factor and an image."""
+        tree = material.node_tree
+        end = tree.get_output_node("ALL") or tree.nodes.new("ShaderNodeOutputMaterial")
+        shader, color, alpha, known = surface_of(end.inputs["Surface"])
+        factor, texture, color_known = read_socket(color) if color else (None, None, False)
+        alpha, cutoff = compared(alpha) if alpha else (None, None)
+        opacity, mask, alpha_known = read_socket(alpha) if alpha else (np.array(1.0), None, True)
+        if texture is not None and mask is not None and color_known and alpha_known:
+            known &= source(texture.node.inputs["Vector"]) == source(mask.node.inputs["Vector"])
+        if factor is None and texture is None:
+            factor = np.array(material.diffuse_color)  # which Blender shows in the viewport
+        if opacity is None and mask is None:
+            opacity = np.array(1.0)
+        if shader is None or shader.type != "BSDF_PRINCIPLED":
+            shader = add_principled(tree, shader)
+            tree.links.new(shader.outputs[0], end.inputs["Surface"])
+        for name, output in (("Base Color", texture), ("Alpha", mask)):
+            for link in shader.inputs[name].links:
+                tree.links.remove(link)
+            for node in set(textures_before(output)):
+                node.image = self.readable(node.image)
+            if output is not None:
+                tree.links.new(output, shader.inputs[name])
+        change = self.changes[material.name]
+        change["cutoff"] = cutoff
+        change["color"] = None if factor is None else np.clip(np.atleast_1d(factor)[:3], 0, 1)
+        if opacity is not None:
+            opacity = float(np.mean(np.atleast_1d(opacity)[:3]))
+            change["alpha"] = shader.inputs["Alpha"].default_value = opacity
+        self.left_out["materials with nodes that are not read (colour and alpha may differ)"] += not (
+            known and color_known and alpha_known
+        )
+        if bpy.app.version < (4, 2):
+            solid = mask is None and opacity >= 1
+            self.left_out["opacities of materials whose blend mode is opaque"] += (
+                not solid and material.blend_method == "OPAQUE"
+            )
+            if solid:
+                material.blend_method = "OPAQUE"
+
+    def readable(self, image):
+        if image.source != "FILE" or image.size[0] > 0:
+            return image
+        if image not in self.missing:
+            path = image.filepath.removeprefix("//")
+            in_place = self.missing[image] = bpy.data.images.new(f"scanmill{len(self.missing)}", 1, 1)
+            exists = os.path.exists(bpy.path.abspath(image.filepath, library=image.library))
+            self.paths[in_place.name] = os.path.basename(path) if exists else path
+        return self.missing[image]
+
+    def change(self, document):
+        """Completes the exported materials in the JSON of a glTF. Names missing images, for its reader to find."""
+        for material in document.get("materials", []):
+            change = self.changes[material["name"]]
+            material["name"] = change["name"]
+            base = material.setdefault("pbrMetallicRoughness", {})
+            factor = np.array(base.get("baseColorFactor", (1.0, 1.0, 1.0, 1.0)))
+            factor[:3] = factor[:3] if change["color"] is None else change["color"]
+            factor[3] = factor[3] if change["alpha"] is None else change["alpha"]
+            base["baseColorFactor"] = factor.tolist()
+            if change["cutoff"] is not None and "alphaMode" in material:
+                material.update(alphaMode="MASK", alphaCutoff=change["cutoff"])
+        for image in document.get("images", []):
+            for name in image["name"].split("-"):
+                if name in self.paths:
+                    image.clear()
+                    image.update(name=name, uri=self.paths[name])
+
+
+# Export: objects
+
+
 def flatten():
     """Replaces the objects by what they show, modifiers applied, every instance an object of its own. Returns what
     their nodes are to have: the name, since Blender allows each but once, and the matrix, since an object's own cannot
-    be sheared. Also returns count_left_out()."""
+    be sheared. Also returns the Materials and count_left_out()."""
     units = bpy.context.scene.unit_settings
     metres = units.scale_length if units.system != "NONE" else 1.0
     meshes = {}
     placed = []
-    showing, bare, materials = set(), set(), set()
-    hide_as_renders_do()
+    showing, bare = set(), set()
+    show_as_renders_do()
     for instance in bpy.context.evaluated_depsgraph_get().object_instances:
         shown = instance.object
         if not instance.is_instance and shown.type in SURFACES and not (shown.type == "MESH" and not shown.data.vertices):
@@ -401,29 +640,36 @@ def flatten():
         key = (shown.data.as_pointer(), *(slot.material and slot.material.name_full for slot in shown.material_slots))
         if key not in meshes:
             meshes[key] = bpy.data.meshes.new_from_object(shown)
+            for i, slot in enumerate(shown.material_slots[: len(meshes[key].materials)]):
+                if slot.link == "OBJECT":
+                    meshes[key].materials[i] = slot.material and slot.material.original
         if len(meshes[key].polygons) > 0:
             placed.append((shown.name, meshes[key], Matrix.Scale(metres, 4) @ instance.matrix_world))
             showing.add((instance.parent or shown).original)
             showing.add(shown.original)
-            materials.update(meshes[key].materials)
-    left_out = count_left_out(showing, bare, materials)
+    left_out = count_left_out(showing, bare)
+    materials = Materials(left_out)
+    for mesh in meshes.values():
+        for i, material in enumerate(mesh.materials):
+            mesh.materials[i] = materials.copy(material)
     for old in list(bpy.data.objects):
         bpy.data.objects.remove(old)
     nodes = {}
     for i, (name, mesh, matrix) in enumerate(placed):
         bpy.context.scene.collection.objects.link(bpy.data.objects.new(f"object{i}", mesh))
         nodes[f"object{i}"] = {"name": name, "matrix": [value for column in matrix.transposed() for value in column]}
-    return nodes, left_out
+    return nodes, materials, left_out
 
 
-def change_nodes(path, changes):
-    """In a GLB: a header of 12 bytes, then chunks of length, kind and bytes, the first of which is JSON."""
+def change_glb(path, nodes, materials):
+    """A GLB is a header of 12 bytes, then chunks of length, kind and bytes, the first of which is JSON."""
     with open(path, "rb") as file:
         glb = file.read()
     length = struct.unpack_from("<I", glb, 12)[0]
     document = json.loads(glb[20 : 20 + length])
     for node in document.get("nodes", []):
-        node.update(changes[node["name"]])
+        node.update(nodes[node["name"]])
+    materials.change(document)
     text = json.dumps(document).encode()
     text += b" " * (-len(text) % 4)
     rest = glb[20 + length :]
@@ -434,7 +680,7 @@ def change_nodes(path, changes):
 def export(owner, blend):
     glb = os.path.join(owner.folder, "scene.glb")
     open_blend(blend)
-    nodes, left_out = flatten()
+    nodes, materials, left_out = flatten()
     if not nodes:
         raise BadInput("shows no surface: nothing with faces is visible in its active scene, in viewport and renders")
     # Blender 4.2 and later has one choice of colours for what 3.4 has a switch.
@@ -451,7 +697,7 @@ def export(owner, blend):
         export_lights=False,
         **colors,
     )
-    change_nodes(glb, nodes)
+    change_glb(glb, nodes, materials)
     owner.answer("exported", json.dumps(left_out))
 
 

@@ -28,7 +28,7 @@ constexpr std::array<Content, 26> kContents{{
     {"b3dm"sv, "a tile of 3D Tiles (b3dm)", ".b3dm"},
     {"kaydara fbx binary", "FBX", ".fbx"},
     {"; fbx", "FBX", ".fbx"},
-    {"blender", "a Blender file", ".blend"},
+    {"blender", "a Blender file: rename it to .blend", ".blend"},
     {"ac3d", "AC3D", ".ac .acc .ac3d"},
     {"ply\n", "PLY", ".ply"},
     {"ply\r", "PLY", ".ply"},

@@ -41,9 +41,14 @@ const FormatSupport& blendFormat() {
       "Blender",
       ".blend",
       {{Read, "",
-        "surfaces of the active scene that both its viewport and its renders show, with modifiers as in the viewport, "
-        "collection instances and other instances"},
-       {Read, "", "materials, as Blender exports them to glTF"},
+        "surfaces of the active scene at its saved frame, of objects that both its viewport and its renders show, "
+        "evaluated as in renders: modifiers, levels of subdivision, simplification, particles and other instances"},
+       {Read, "",
+        "surfaces of Principled and other shaders, also mixed with a Transparent one: name, base colour and alpha "
+        "(each "
+        "a constant or an image placed by texture coordinates), roughness and metallic; slots of objects come before "
+        "those of meshes"},
+       {Read, "", "images, packed or beside the file"},
        {LeftOut, "", "objects that the viewport or renders hide"},
        {LeftOut, "", "objects of other scenes"},
        {LeftOut, "", "objects without faces, such as edges and thin curves"},
@@ -54,7 +59,9 @@ const FormatSupport& blendFormat() {
        {LeftOut, "", "grease pencil objects"},
        {LeftOut, "", "missing libraries, with all that is linked from them"},
        {LeftOut, "", "opacities of materials whose blend mode is opaque"},
-       {Unused, "", "cameras, lights, animations and scripts"}}};
+       {LeftOut, "", "materials with nodes that are not read (colour and alpha may differ)"},
+       {LeftOut, "", "animations (the saved frame counts)"},
+       {Unused, "", "cameras, lights, scripts, and other properties of materials, such as normal maps"}}};
   return format;
 }
 

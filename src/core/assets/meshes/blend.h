@@ -13,9 +13,10 @@ namespace scanmill {
 const FormatSupport& blendFormat();
 
 // A GLB of the active scene of a .blend, with all objects that are visible both in the viewport and in renders: their
-// surfaces after modifiers, instances, and materials with base colour textures. Names stay the same. Coordinates are in
-// metres by the file's unit scale, z up. Warns of what is left out. No script, driver expression or handler of the file
-// is run. The GLB is in a temporary folder, which the destructor removes.
+// surfaces and instances as renders evaluate them at the saved frame, and materials with base colour textures. Names
+// stay the same. Coordinates are in metres by the file's unit scale, z up. The GLB names missing images by their paths.
+// Warns of what is left out. No script, driver expression or handler of the file is run. The GLB is in a temporary
+// folder, which the destructor removes.
 class BlendExport {
  public:
   // Throws an InputError that names the file if it is not a .blend, is damaged, was saved by a newer Blender, or shows

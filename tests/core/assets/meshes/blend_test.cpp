@@ -346,6 +346,185 @@ TEST_F(Blend, WhatRendersHideAndOtherShapesAreLeftOutAndTold) {
   }
 }
 
+// Makes looks.blend: a square for each material, and objects that renders show otherwise than the viewport.
+constexpr const char* kLooks = R"py(
+import os, sys
+import bpy
+import numpy as np
+
+folder = sys.argv[-1]
+bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+scene = bpy.context.scene
+
+
+def mesh(name, corners, faces):
+    made = bpy.data.meshes.new(name)
+    made.from_pydata(corners, [], faces)
+    return made
+
+
+def put(name, data):
+    made = bpy.data.objects.new(name, data)
+    scene.collection.objects.link(made)
+    return made
+
+
+def image(name):
+    made = bpy.data.images.new(name, 2, 2, alpha=True)
+    made.pixels = [0.5, 0.5, 0.5, 1] * 2 + [0.5, 0.5, 0.5, 0] * 2
+    made.filepath_raw = os.path.join(folder, name + ".png")
+    made.file_format = "PNG"
+    made.save()
+    return made
+
+
+def material(name):
+    made = bpy.data.materials.new(name)
+    made.use_nodes = True
+    made.diffuse_color = (0.1, 0.1, 0.1, 1)
+    made.blend_method = "CLIP"
+    square = mesh(name, [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2, 3)])
+    square.uv_layers.new(name="map")
+    square.materials.append(made)
+    put(name, square)
+    return made, made.node_tree, made.node_tree.nodes["Principled BSDF"]
+
+
+def node(tree, kind, into=None, **settings):
+    made = tree.nodes.new("ShaderNode" + kind)
+    for key, value in settings.items():
+        setattr(made, key, value)
+    if into is not None:
+        tree.links.new(made.outputs[0], into)
+    return made
+
+
+def textured(name, picture):
+    made, tree, shader = material(name)
+    texture = node(tree, "TexImage", shader.inputs["Base Color"], image=picture)
+    tree.links.new(texture.outputs["Alpha"], shader.inputs["Alpha"])
+    return tree, shader, texture
+
+
+half = image("half")
+half.pack()
+solid = half.copy()
+solid.alpha_mode = "NONE"
+
+green, _, _ = material("of the object")
+put("slot", bpy.data.objects["of the object"].data.copy())
+slot = bpy.data.objects["slot"].material_slots[0]
+slot.link = "OBJECT"
+slot.material = material("other")[0]
+slot.material.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (0.25, 0.25, 0.25, 1)
+
+_, tree, shader = material("diffuse")
+tree.nodes.remove(shader)
+node(tree, "BsdfDiffuse", tree.nodes["Material Output"].inputs[0]).inputs[0].default_value = (0.5, 0.5, 0.5, 1)
+_, tree, shader = material("mixed")
+tree.nodes.remove(shader)
+mix = node(tree, "MixShader", tree.nodes["Material Output"].inputs[0])
+tree.links.new(node(tree, "TexImage", image=half).outputs["Alpha"], mix.inputs[0])
+node(tree, "BsdfTransparent", mix.inputs[1])
+node(tree, "Emission", mix.inputs[2])
+textured("solid", solid)
+tree, shader, texture = textured("tinted", half)
+mix = node(tree, "MixRGB", shader.inputs["Base Color"], blend_type="MULTIPLY")
+mix.inputs[0].default_value = 0.5
+mix.inputs[2].default_value = (0.2, 0.2, 0.2, 1)
+tree.links.new(texture.outputs[0], mix.inputs[1])
+tree, shader, texture = textured("compared", half)
+more = node(tree, "Math", shader.inputs["Alpha"], operation="GREATER_THAN")
+tree.links.new(texture.outputs["Alpha"], more.inputs[0])
+more.inputs[1].default_value = 0.75
+_, tree, shader = material("checker")
+node(tree, "TexChecker", shader.inputs["Base Color"])
+tree, shader, texture = textured("inverted", half)
+rest = node(tree, "Math", shader.inputs["Alpha"], operation="SUBTRACT")
+tree.links.new(texture.outputs["Alpha"], rest.inputs[1])
+tree, shader, texture = textured("sheared", half)
+turned = node(tree, "Mapping", texture.inputs["Vector"], vector_type="TEXTURE")
+turned.inputs["Rotation"].default_value[2] = 0.5
+turned.inputs["Scale"].default_value[0] = 2
+node(tree, "UVMap", turned.inputs["Vector"])
+for name in ("moved", "lost"):
+    textured(name, image(name))
+os.mkdir(os.path.join(folder, "textures"))
+
+corners = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+cube = mesh("cube", corners, [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)])
+put("twice", cube).modifiers.new("array", "ARRAY").show_viewport = False
+put("once", cube).modifiers.new("array", "ARRAY").show_render = False
+scene.render.use_simplify = True
+scene.render.simplify_subdivision = 0
+scene.render.simplify_subdivision_render = 1
+fine = put("fine", cube).modifiers.new("fine", "SUBSURF")
+fine.levels, fine.render_levels = 0, 2
+emitter = put("emitter", cube.copy())
+particles = emitter.modifiers.new("particles", "PARTICLE_SYSTEM").particle_system.settings
+particles.type, particles.render_type, particles.instance_object = "HAIR", "OBJECT", put("particle", cube)
+particles.count, particles.display_percentage = 20, 10
+group = bpy.data.node_groups.new("group", "GeometryNodeTree")
+if bpy.app.version >= (4, 0):
+    group.interface.new_socket("in", in_out="INPUT", socket_type="NodeSocketGeometry")
+    group.interface.new_socket("out", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+else:
+    group.inputs.new("NodeSocketGeometry", "in")
+    group.outputs.new("NodeSocketGeometry", "out")
+given, clear, out, viewport = (
+    group.nodes.new(kind)
+    for kind in ("NodeGroupInput", "GeometryNodeDeleteGeometry", "NodeGroupOutput", "GeometryNodeIsViewport")
+)
+group.links.new(given.outputs[0], clear.inputs["Geometry"])
+group.links.new(viewport.outputs[0], clear.inputs["Selection"])
+group.links.new(clear.outputs[0], out.inputs[0])
+by_nodes = put("by nodes", cube)
+by_nodes.modifiers.new("nodes", "NODES").node_group = group
+by_nodes.keyframe_insert("location")
+bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, "looks.blend"))
+os.remove(os.path.join(folder, "lost.png"))
+os.rename(os.path.join(folder, "moved.png"), os.path.join(folder, "textures", "moved.png"))
+)py";
+
+TEST_F(Blend, MaterialsAndTheEvaluationAreThoseOfRenders) {
+  SKIP_WITHOUT_BLENDER();
+  const auto script = folder_.write("looks.py", kLooks);
+  ASSERT_EQ(runBlender({"--python", script.string(), "--", folder_.path().string()}), "");
+  testing::internal::CaptureStderr();
+  const Asset asset = readAsset(folder_.path() / "looks.blend", {});
+  const std::string told = testing::internal::GetCapturedStderr();
+  const auto partOf = [&](const char* node) {
+    return *std::find_if(asset.parts.begin(), asset.parts.end(), [&](const AssetPart& p) { return p.node == node; });
+  };
+  EXPECT_EQ(partOf("slot").material, "other");
+  EXPECT_NEAR(partOf("slot").fileMaterial.reflectance, 0.25, 1e-4);
+  EXPECT_NEAR(partOf("diffuse").fileMaterial.reflectance, 0.5, 1e-4);
+  EXPECT_EQ(partOf("diffuse").fileMaterial.metallic, 0);
+  EXPECT_EQ(partOf("diffuse").fileMaterial.roughness, 1);
+  EXPECT_NEAR(partOf("checker").fileMaterial.reflectance, 0.1, 1e-4) << "the colour of the viewport";
+  EXPECT_TRUE(partOf("mixed").fileMaterial.alphaTested);
+  EXPECT_FALSE(partOf("solid").fileMaterial.alphaTested);
+  EXPECT_NEAR(partOf("tinted").color[0], 0.5 + 0.5 * 0.2, 1e-4);
+  EXPECT_TRUE(partOf("tinted").fileMaterial.texture);
+  EXPECT_TRUE(partOf("compared").fileMaterial.alphaTested);
+  EXPECT_NEAR(partOf("compared").fileMaterial.alphaCutoff, 0.75, 1e-6);
+  EXPECT_TRUE(partOf("moved").fileMaterial.alphaTested) << "found in the folder textures";
+  EXPECT_FALSE(partOf("lost").fileMaterial.texture);
+
+  const auto nodes = nodesOf(asset);
+  EXPECT_EQ(nodes.at("twice").at(0).triangles, 24u);
+  EXPECT_EQ(nodes.at("once").at(0).triangles, 12u);
+  EXPECT_EQ(nodes.at("fine").at(0).triangles, 48u) << "one level, as Simplify has for renders";
+  EXPECT_EQ(nodes.at("particle").size(), 21u);
+  EXPECT_EQ(nodes.at("by nodes").at(0).triangles, 12u) << "not deleted, as in the viewport";
+
+  for (const char* what : {"1 animations (the saved frame counts)",
+                           "3 materials with nodes that are not read (colour and alpha may differ)",
+                           "missing textures: 'lost.png'; plain colours replace them, and surfaces that their alpha"}) {
+    EXPECT_THAT(told, HasSubstr(what));
+  }
+}
+
 TEST_F(Blend, BadFilesAreNamed) {
   SKIP_WITHOUT_BLENDER();
   make();
@@ -371,6 +550,7 @@ TEST_F(Blend, OtherFilesAreNotGivenToBlender) {
   expectInputError([&] { readAsset(folder_.write("text.blend", "import os"), {}); },
                    {"text.blend", "not a Blender file"});
   expectInputError([&] { readAsset(folder_.write("none.blend", ""), {}); }, {"none.blend", "empty"});
+  expectInputError([&] { readAsset(folder_.write("old.blend1", "BLENDER-v304"), {}); }, {"rename it to .blend"});
   expectInputError([&] { readAsset(folder_.path() / "absent.blend", {}); }, {"absent.blend"});
   const auto whole = folder_.write("whole.blend", "BLENDER-v304");
   EXPECT_THAT(messageOf<Error>([&] { readAsset(whole, {}); }),
