@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <map>
 #include <string_view>
 #include <utility>
@@ -11,6 +12,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/vec.h"
 
 namespace scanmill {
 
@@ -26,6 +28,17 @@ std::string_view attributeOf(std::string_view tag, std::string_view name) {
     return tag.substr(quote + 1, tag.find(tag[quote], quote + 1) - quote - 1);
   }
   return {};
+}
+
+std::vector<double> numbersIn(std::string_view text) {
+  constexpr std::string_view kBlanks = " \t\r\n";
+  std::vector<double> numbers;
+  for (std::size_t at = text.find_first_not_of(kBlanks); at < text.size(); at = text.find_first_not_of(kBlanks, at)) {
+    const std::size_t end = std::min(text.find_first_of(kBlanks, at), text.size());
+    std::from_chars(text.data() + at, text.data() + end, numbers.emplace_back(0));
+    at = end;
+  }
+  return numbers;
 }
 
 double numberIn(std::string_view text, double fallback) {
@@ -80,6 +93,33 @@ void blankComments(std::string& text) {
   }
 }
 
+// Returns the numbers of a `lookat` (eye, interest, up) with an up direction at right angles to the view, without which
+// assimp shears; empty if the direction is right, or if there is none.
+std::string levelled(std::string_view lookat) {
+  const std::vector<double> n = numbersIn(lookat);
+  if (n.size() != 9) return {};
+  const Vec3d view{n[3] - n[0], n[4] - n[1], n[5] - n[2]};
+  Vec3d up{n[6], n[7], n[8]};
+  const double along = dot(view, up) / dot(view, view);
+  if (!(std::abs(along) * length(view) > 1e-6 * length(up))) return {};
+  up = up - view * along;
+  return fmt::format("{} {} {} {} {} {} {} {} {}", n[0], n[1], n[2], n[3], n[4], n[5], up.x, up.y, up.z);
+}
+
+// Changes to a text: what replaces a number of characters, by the index of the first.
+using Edits = std::map<std::size_t, std::pair<std::size_t, std::string>>;
+
+std::string edited(std::string_view text, const Edits& edits) {
+  std::string out;
+  std::size_t done = 0;
+  for (const auto& [at, edit] : edits) {
+    if (at < done) continue;
+    out.append(text, done, at - done).append(edit.second);
+    done = at + edit.first;
+  }
+  return out.append(text, done);
+}
+
 }  // namespace
 
 const FormatSupport& colladaFormat() {
@@ -95,6 +135,8 @@ const FormatSupport& colladaFormat() {
        {Read, "material effect diffuse transparent opaque transparency", "colours, images and opacity"},
        {Read, "repeatU repeatV offsetU offsetV", "places of images, from `extra`"},
        {Unused, "library_cameras library_lights library_physics_models library_kinematics_models", "no surfaces"},
+       {LeftOut, "", "morph targets with weights"},
+       {LeftOut, "", "axes and units of parts of the file (`asset` in libraries)"},
        {LeftOut, "ph", "polygons with holes (ph)"},
        {LeftOut, "spline", "splines"},
        {LeftOut, "brep", "solids by their borders (brep)"},
@@ -114,27 +156,64 @@ ColladaFacts colladaFacts(const std::filesystem::path& file) {
   const std::string_view text = bytes;
   ColladaFacts facts;
   std::map<std::string_view, ColladaMaterial> effects;
-  std::map<std::string_view, std::string_view> materials;  // id of the effect, by id of the material
-  std::vector<std::string_view> nodes;                     // ids of the nodes that are open
+  std::map<std::string_view, std::string_view> materials;       // id of the effect, by id of the material
+  std::vector<std::pair<std::string_view, std::size_t>> nodes;  // the nodes that are open: ids and ends of their tags
+  std::map<std::string, std::string_view> bases;                // url of a morph's base mesh, by url of its controller
+  std::vector<std::string_view> urls;                           // of what skins and nodes refer to
+  Edits edits;
   bool hasAxis = false;
+  bool inLibrary = false;
+  const auto indexOf = [&](std::string_view part) { return static_cast<std::size_t>(part.data() - text.data()); };
   for (std::size_t at = text.find('<'); at < text.size(); at = text.find('<', at + 1)) {
-    const std::size_t end = std::min(text.find('>', at), text.size());
+    const std::size_t end = text.find('>', at);
+    if (end == std::string_view::npos) break;
+    const std::size_t next = std::min(text.find('<', end), text.size());
     const std::string_view tag = text.substr(at + 1, end - at - 1);
     const std::string_view name = tag.substr(0, tag.find_first_of(" \t\r\n/", 1));
     const std::size_t content = std::min(text.find_first_not_of(" \t\r\n", end + 1), text.size() - 1);
     if (name == "node" && !tag.ends_with('/')) {
-      nodes.push_back(attributeOf(tag, "id"));
+      nodes.emplace_back(attributeOf(tag, "id"), end);
     } else if (name == "/node") {
       if (!nodes.empty()) nodes.pop_back();
     } else if (name == "visibility") {
       const bool shown = text[content] != '0' && text.substr(content, 5) != "false";
-      if (!shown && !nodes.empty() && !nodes.back().empty()) facts.hidden.emplace(nodes.back());
-    } else if (name == "up_axis" && !hasAxis) {
+      if (shown || nodes.empty()) continue;
+      const auto& [id, behind] = nodes.back();
+      const std::string known = id.empty() ? fmt::format("hidden-at-{}", behind) : std::string(id);
+      if (id.empty()) edits[behind] = {0, fmt::format(" id=\"{}\"", known)};
+      facts.hidden.insert(known);
+    } else if (name.starts_with("library_") || name.starts_with("/library_")) {
+      inLibrary = name[0] != '/' && !tag.ends_with('/');
+    } else if (name == "up_axis") {
+      const char up = text[content] == 'X' ? 'x' : text[content] == 'Z' ? 'z' : 'y';
+      if (inLibrary && up != facts.up) facts.leftOut.add("axes and units of parts of the file (`asset` in libraries)");
+      if (inLibrary || hasAxis) continue;
       hasAxis = true;
-      facts.up = text[content] == 'X' ? 'x' : text[content] == 'Z' ? 'z' : 'y';
-    } else if (name == "unit" && facts.unit == 0) {
-      const std::string_view meter = attributeOf(tag, "meter");
-      std::from_chars(meter.data(), meter.data() + meter.size(), facts.unit);
+      facts.up = up;
+      edits[end + 1] = {next - end - 1, fmt::format("{}_UP", up == 'x' ? 'X' : up == 'z' ? 'Z' : 'Y')};
+    } else if (name == "unit") {
+      const double unit = numberIn(attributeOf(tag, "meter"), 1);
+      if (inLibrary && unit != (facts.unit == 0 ? 1 : facts.unit)) {
+        facts.leftOut.add("axes and units of parts of the file (`asset` in libraries)");
+      }
+      if (!inLibrary && facts.unit == 0) facts.unit = numberIn(attributeOf(tag, "meter"), 0);
+    } else if (name == "lookat") {
+      const std::string_view numbers = text.substr(end + 1, next - end - 1);
+      const std::string level = levelled(numbers);
+      if (!level.empty()) edits[end + 1] = {numbers.size(), level};
+    } else if (name == "controller") {
+      const std::string_view controller = elementIn(text.substr(at), "controller").content;
+      const Element morph = elementIn(controller, "morph");
+      if (morph.tag.empty()) continue;
+      bases["#" + std::string(attributeOf(tag, "id"))] = attributeOf(morph.tag, "source");
+      for (std::size_t from = morph.content.find("<float_array"); from < morph.content.size();
+           from = morph.content.find("<float_array", from + 1)) {
+        const std::vector<double> weights = numbersIn(elementIn(morph.content.substr(from), "float_array").content);
+        facts.leftOut.add("morph targets with weights",
+                          weights.size() - static_cast<std::size_t>(std::count(weights.begin(), weights.end(), 0.0)));
+      }
+      const std::size_t behind = std::min(text.find('>', indexOf(controller) + controller.size()), text.size() - 1);
+      edits[at] = {behind + 1 - at, ""};
     } else if (name == "skew" || name == "instance_image") {
       const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n');
       throw Error(fmt::format("has <{}> in line {}, which cannot be read: {}, or export it as glTF", name, line,
@@ -145,8 +224,11 @@ ColladaFacts colladaFacts(const std::filesystem::path& file) {
       const Element effect = elementIn(elementIn(text.substr(at), "material").content, "instance_effect");
       const std::string_view url = attributeOf(effect.tag, "url");
       materials[attributeOf(tag, "id")] = url.substr(std::min<std::size_t>(url.size(), 1));
+    } else if (name == "skin") {
+      urls.push_back(attributeOf(tag, "source"));
     } else if (name.starts_with("instance_")) {
       const std::string_view url = attributeOf(tag, attributeOf(tag, "url").empty() ? "target" : "url");
+      urls.push_back(url);
       if (!url.empty() && !url.starts_with('#')) facts.leftOut.add("references to other files");
     } else if (colladaFormat().has(FormatElements::Use::LeftOut, name)) {
       facts.leftOut.addKeyword(colladaFormat(), name);
@@ -155,6 +237,15 @@ ColladaFacts colladaFacts(const std::filesystem::path& file) {
   for (const auto& [id, effect] : materials) {
     if (effects.contains(effect)) facts.materials.push_back(effects[effect]);
   }
+  for (const std::string_view url : urls) {
+    // A base may be a controller itself.
+    auto base = bases.find(std::string(url));
+    for (std::size_t hops = 0; base != bases.end() && hops < bases.size(); ++hops) {
+      edits[indexOf(url)] = {url.size(), std::string(base->second)};
+      base = bases.find(std::string(base->second));
+    }
+  }
+  facts.text = edited(text, edits);
   return facts;
 }
 

@@ -28,6 +28,9 @@ struct ColladaFacts {
   std::set<std::string> hidden;            // ids of nodes with `visibility` 0, which Maya and 3ds Max write
   std::vector<ColladaMaterial> materials;  // those that have an effect, sorted by their ids, as assimp sorts them
   LeftOut leftOut;
+  // The file's text for assimp, with changes: hidden nodes without an id have one; `lookat` has an up direction at
+  // right angles to the view, and `up_axis` no blanks; morph targets are cut off, of which assimp reads none.
+  std::string text;
 };
 
 // Finds the facts in the text of the file, which is not checked further.

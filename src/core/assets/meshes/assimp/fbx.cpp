@@ -3,9 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cstring>
+#include <map>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "base/file.h"
 
@@ -55,19 +59,93 @@ double numberOf(std::string_view text, std::size_t at, bool binary) {
   return value;
 }
 
+// Returns a name as it stands in a list of properties.
+std::string named(const char* name, bool binary) {
+  return binary ? property(name) : fmt::format("\"{}\"", name);
+}
+
+// True if the first property of this name is 1.
+bool isSet(std::string_view text, const char* name, bool binary) {
+  const std::size_t found = text.find(named(name, binary));
+  return found != std::string_view::npos && numberOf(text, found, binary) == 1;
+}
+
+struct Object {
+  std::string id;    // its number, as connections write it
+  std::string kind;  // "LodGroup", for example
+  std::size_t at = 0;
+  std::string_view text;  // from `at` to the next object of its class
+};
+
+// Returns the objects of a class, such as "Model".
+std::vector<Object> objectsOf(std::string_view bytes, bool binary, const std::string& name) {
+  const std::string key = binary ? static_cast<char>(name.size()) + name + 'L' : name + ": ";
+  std::vector<Object> objects;
+  for (std::size_t at = bytes.find(key), next = 0; at < bytes.size(); at = next) {
+    next = std::min(bytes.find(key, at + 1), bytes.size());
+    Object object{"", "", at, bytes.substr(at, next - at)};
+    if (binary) {
+      const std::size_t kind = behindProperty(object.text, key.size() + 8);
+      const std::size_t behind = behindProperty(object.text, kind);
+      object.id = object.text.substr(key.size() - 1, 9);
+      if (behind > kind + 5) object.kind = object.text.substr(kind + 5, behind - kind - 5);
+    } else {
+      const std::string_view line = object.text.substr(0, object.text.find('\n'));
+      const std::size_t quote = line.rfind('"');
+      const std::size_t open = line.rfind('"', quote - 1) + 1;
+      if ((at > 0 && std::string_view(" \t\r\n").find(bytes[at - 1]) == std::string_view::npos) ||
+          quote == std::string_view::npos || quote < open)
+        continue;
+      object.id = line.substr(key.size(), line.find(',') - key.size());
+      object.kind = line.substr(open, quote - open);
+    }
+    objects.push_back(object);
+  }
+  return objects;
+}
+
+// Returns the numbers of the two objects of a connection, as Object::id, whose type "OO" or "OP" begins at `at`.
+std::pair<std::string, std::string> connected(std::string_view bytes, std::size_t at, bool binary) {
+  const std::string_view text = bytes.substr(std::min(at + (binary ? 7 : 4), bytes.size()));
+  if (binary)
+    return {std::string(text.substr(0, 9)), std::string(text.substr(std::min<std::size_t>(9, text.size()), 9))};
+  constexpr std::string_view kBetween = ", \t\r\n";
+  std::array<std::string, 2> ids;
+  std::size_t end = 0;
+  for (std::string& id : ids) {
+    const std::size_t from = std::min(text.find_first_not_of(kBetween, end), text.size());
+    end = std::min(text.find_first_of(kBetween, from), text.size());
+    id = text.substr(from, end - from);
+  }
+  return {ids[0], ids[1]};
+}
+
+// Keeps the first object below each LodGroup, the finest. The importer ignores connections of the type "PP".
+void cutCoarserLevels(std::string& bytes, bool binary, const std::vector<Object>& models, LeftOut& leftOut) {
+  std::set<std::string> ids;
+  std::map<std::string, bool> groups;  // true: has its first object
+  for (const Object& model : models) {
+    ids.insert(model.id);
+    if (model.kind == "LodGroup") groups[model.id] = false;
+  }
+  if (groups.empty()) return;
+  forEach(bytes, named("OO", binary), [&](std::size_t at) {
+    const auto [id, parent] = connected(bytes, at, binary);
+    const auto group = groups.find(parent);
+    if (group == groups.end() || !ids.contains(id) || !std::exchange(group->second, true)) return;
+    bytes.replace(at + (binary ? 5 : 1), 2, "PP");
+    leftOut.add("coarser levels of detail (LodGroup)");
+  });
+}
+
 // Counts uses of images that assimp does not know, and collects the names of images that do not repeat.
 void readImageUses(const std::string& bytes, bool binary, LeftOut& leftOut, std::set<std::string>& clamped) {
-  const auto named = [&](const char* name) { return binary ? property(name) : fmt::format("\"{}\"", name); };
-  const std::string texture = binary ? std::string("\0\1Texture", 9) : "Texture: ";
-  for (std::size_t at = bytes.find(texture), end = 0; at != std::string::npos; at = end) {
-    end = bytes.find(texture, at + 1);
-    const std::string_view text = std::string_view(bytes).substr(at, end == std::string::npos ? end : end - at);
-    const auto isSet = [&](const char* name) {
-      const std::size_t found = text.find(named(name));
-      return found != std::string_view::npos && numberOf(text, found, binary) == 1;
-    };
-    if (isSet("UVSwap")) leftOut.add("images with swapped texture coordinates (UVSwap)");
-    if (!isSet("WrapModeU") && !isSet("WrapModeV")) continue;
+  std::set<std::string> ids;
+  for (const Object& texture : objectsOf(bytes, binary, "Texture")) {
+    const std::string_view text = texture.text;
+    ids.insert(texture.id);
+    if (isSet(text, "UVSwap", binary)) leftOut.add("images with swapped texture coordinates (UVSwap)");
+    if (!isSet(text, "WrapModeU", binary) && !isSet(text, "WrapModeV", binary)) continue;
     constexpr std::string_view kName = "RelativeFilename";
     const std::size_t name = std::min(text.find(kName), text.size() - kName.size()) + kName.size();
     if (binary) {
@@ -78,18 +156,10 @@ void readImageUses(const std::string& bytes, bool binary, LeftOut& leftOut, std:
     }
   }
   // A connection is a list such as "OP", the texture's number, the material's number, "DiffuseFactor".
-  const std::string factor = named("DiffuseFactor");
+  const std::string factor = named("DiffuseFactor", binary);
   for (std::size_t at = bytes.find(factor); at != std::string::npos; at = bytes.find(factor, at + 1)) {
-    std::string id;
-    if (binary) {
-      if (at > 18 && bytes[at - 18] == 'L' && bytes[at - 9] == 'L') id = "Texture" + bytes.substr(at - 18, 9);
-    } else {
-      const std::size_t line = bytes.rfind('\n', at) + 1;
-      const std::string list = bytes.substr(line, at - line);
-      const std::size_t from = list.find("\"OP\",");
-      if (from != std::string::npos) id = "Texture: " + list.substr(from + 5, list.find(',', from + 5) - from - 4);
-    }
-    if (!id.empty() && bytes.find(id) != std::string::npos) leftOut.add("images of DiffuseFactor");
+    const std::size_t type = binary ? at - 25 : bytes.find("\"OP\"", bytes.rfind('\n', at) + 1);
+    if (type < at && ids.contains(connected(bytes, type, binary).first)) leftOut.add("images of DiffuseFactor");
   }
 }
 
@@ -104,13 +174,21 @@ const FormatSupport& fbxFormat() {
         "the unit multiplies the key `unit`; the axes with their signs hold unless `up` is given"},
        {Read, "Model Lcl* *Pivot *Offset Geometric*", "names and transforms of objects"},
        {Read, "Show Visibility", "objects with `Show` 0 are left out; with `Visibility` 0, all below them too"},
-       {Read, "Vertices PolygonVertexIndex LayerElementUV LayerElementMaterial", "surfaces"},
+       {Read, "InheritType", "how objects inherit the scale of their parents; absent: 0"},
+       {Read, "PreRotation PostRotation RotationOrder",
+        "where `RotationActive` is 1 and `RotationSpaceForLimitOnly` 0"},
+       {Read, "Mesh Vertices PolygonVertexIndex LayerElementUV LayerElementMaterial", "surfaces"},
        {Read, "Skin Cluster", "skins, in the pose in which the objects stand"},
        {Read, "Material Texture Video", "colours, opacity and images, with their scale and shift"},
        {Unused, "NodeAttribute LayerElementNormal LayerElementSmoothing Pose", "cameras, lights, normals, shading"},
+       {Unused, "Shape Line NurbsCurve", "shapes of morph targets, lines (which are counted) and curves"},
        {LeftOut, "AnimationStack", "animations (the file's pose is taken)"},
        {LeftOut, "DeformPercent", "morph targets with weights"},
-       {LeftOut, "NurbsSurface", "curved surfaces (NURBS)"},
+       {LeftOut, "NurbsSurface TrimNurbsSurface", "curved surfaces (NURBS)"},
+       {LeftOut, "Patch", "curved surfaces (Patch)"},
+       {LeftOut, "Boundary", "borders of curved surfaces (Boundary)"},
+       {LeftOut, "LodGroup", "coarser levels of detail (LodGroup)"},
+       {LeftOut, "", "scales that objects inherit from sheared or flat parents (InheritType)"},
        {LeftOut, "LayerElementColor", "colours of vertices"},
        {LeftOut, "WrapModeU WrapModeV", "clamped or mirrored textures (they repeat)"},
        {LeftOut, "Rotation", "rotations of images (Rotation)"},
@@ -129,9 +207,20 @@ std::string readFbx(const std::filesystem::path& file, LeftOut& leftOut, std::se
     return countOf(bytes, binary ? std::string(object) + kind : std::string(object) + kind + "::");
   };
   if (objects("AnimCurve") > 0) leftOut.add("animations (the file's pose is taken)", objects("AnimStack"));
-  // The geometry and its object both state this kind.
-  leftOut.add("curved surfaces (NURBS)",
-              (countOf(bytes, binary ? property("NurbsSurface") : "\"NurbsSurface\"") + 1) / 2);
+  for (const Object& geometry : objectsOf(bytes, binary, "Geometry")) {
+    if (!geometry.kind.empty()) leftOut.addKeyword(fbxFormat(), geometry.kind);
+  }
+  const std::vector<Object> models = objectsOf(bytes, binary, "Model");
+  cutCoarserLevels(bytes, binary, models, leftOut);
+  // The importer applies these three to every object.
+  for (const Object& model : models) {
+    if (isSet(model.text, "RotationActive", binary) && !isSet(model.text, "RotationSpaceForLimitOnly", binary))
+      continue;
+    for (const char* name : {"PreRotation", "PostRotation", "RotationOrder"}) {
+      const std::size_t found = model.text.find(named(name, binary));
+      if (found != std::string_view::npos) bytes[model.at + found + (binary ? 5 : 1)] = '_';
+    }
+  }
   if (binary) {
     const std::string from = property("Visibility") + property("Visibility");
     const std::string to = property(kFbxVisibility) + property("Number");  // as long as `from`

@@ -15,9 +15,10 @@ const FormatSupport& fbxFormat();
 // Name of the metadata in which assimp reports whether an object is visible, in files that readFbx() has changed.
 constexpr const char* kFbxVisibility = "VisibilityFlag";
 
-// Returns the bytes of an FBX file (7.x, text or binary). Its properties "Visibility", whose type assimp does not know,
-// are changed to numbers named kFbxVisibility. Counts animations, morph targets that are not at rest, and uses of
-// images that assimp does not know. `clamped` receives the names of images that do not repeat.
+// Returns the bytes of an FBX file (7.x, text or binary) with changes for assimp: properties "Visibility", whose type
+// it does not know, become numbers named kFbxVisibility; rotations that are not active and coarser levels of detail are
+// cut off. Counts animations, morph targets that are not at rest, curved surfaces, and uses of images that assimp does
+// not know. `clamped` receives the names of images that do not repeat.
 std::string readFbx(const std::filesystem::path& file, LeftOut& leftOut, std::set<std::string>& clamped);
 
 }  // namespace scanmill

@@ -105,12 +105,17 @@ class Importer {
 
   const aiScene* open() {
     const bool known = isAc3d(kind_) || kind_ == ".fbx" || kind_ == ".3ds" || kind_ == ".lwo";
-    if (!known) return importer_.ReadFile(file_.string(), 0);
+    if (!known) return open(importer_);
     const std::string text = kind_ == ".fbx"   ? readFbx(file_, leftOut_, clamped_)
                              : kind_ == ".3ds" ? read3ds(file_, leftOut_)
                              : kind_ == ".lwo" ? readLwo(file_, leftOut_)
                                                : readAc3d(file_, leftOut_);
     return importer_.ReadFileFromMemory(text.data(), text.size(), 0, isAc3d(kind_) ? "ac" : kind_.c_str() + 1);
+  }
+
+  const aiScene* open(Assimp::Importer& importer) const {
+    if (kind_ != ".dae") return importer.ReadFile(file_.string(), 0);
+    return importer.ReadFileFromMemory(collada_.text.data(), collada_.text.size(), 0, "dae");
   }
 
   void configure(Assimp::Importer& importer) const {
@@ -135,7 +140,7 @@ class Importer {
     again.SetIOHandler(filesFor(file_, options_.allowOutside, refused).release());
     configure(again);
     again.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, false);
-    const aiScene* const byId = again.ReadFile(file_.string(), 0);
+    const aiScene* const byId = open(again);
     if (byId == nullptr || byId->mNumMeshes != scene_->mNumMeshes) return;
     for (unsigned m = 0; m < scene_->mNumMeshes; ++m) {
       const aiMesh& from = *byId->mMeshes[m];
@@ -309,21 +314,69 @@ class Importer {
     std::string name;  // name of the node or of its nearest named ancestor; the root's children do not inherit its
                        // name, which the importer often invents
     bool shown;        // false: hidden, with all nodes below it
+    // Of FBX files: the frame and the scale of the object above, and the object's transform in that frame.
+    Affine assetFromParent{};
+    Vec3d parentScale{1, 1, 1};
+    Affine parentFromObject{};
   };
+
+  static Vec3d scaleOf(const Mat3& m) { return {length(m.x), length(m.y), length(m.z)}; }
+
+  // Changes the transform of an object of an FBX file that does not inherit its parent's scale as the importer assumes
+  // (FBX SDK: InheritType 1, the parent's scale acts after the object's rotation): with 0 it acts before the object's
+  // rotation, and with 2 it does too, without what the parent itself adds to it.
+  void inheritScale(Placed& item) {
+    // The importer divides an object into several nodes, the last of which has the object's name.
+    const std::string_view name = item.node->mName.C_Str();
+    if (name.find("_$AssimpFbx$_Geometric") == std::string_view::npos) {
+      item.parentFromObject = item.parentFromObject * toAffine(item.node->mTransformation);
+    }
+    if (name.find("_$AssimpFbx$_") != std::string_view::npos) return;
+    const Affine assumed = item.assetFromParent * item.parentFromObject;
+    Affine object = assumed;
+    if (const auto type = metadataOf(*item.node, "InheritType", std::int32_t{0}); type != 1) {
+      const Mat3& p = item.assetFromParent.linear;
+      const Vec3d all = scaleOf(p);
+      const Vec3d own = type == 2 ? item.parentScale : Vec3d{1, 1, 1};
+      const Mat3 turned{p.x * (1 / all.x), p.y * (1 / all.y), p.z * (1 / all.z)};
+      object.linear =
+          turned * item.parentFromObject.linear * Mat3::scale({all.x / own.x, all.y / own.y, all.z / own.z});
+      const double moved = length(object.linear.x - assumed.linear.x) + length(object.linear.y - assumed.linear.y) +
+                           length(object.linear.z - assumed.linear.z);
+      const Vec3d size = scaleOf(assumed.linear);
+      constexpr double kRounding = 1e-5;  // the importer's numbers are in single precision
+      const bool sheared = std::max({std::abs(dot(turned.x, turned.y)), std::abs(dot(turned.y, turned.z)),
+                                     std::abs(dot(turned.z, turned.x))}) > kRounding;
+      if (moved <= kRounding * (size.x + size.y + size.z)) {
+        object = assumed;
+      } else if (sheared || isSingular(assumed.linear) || !std::isfinite(moved)) {
+        leftOut_.add("scales that objects inherit from sheared or flat parents (InheritType)");
+        object = assumed;
+      } else {
+        item.assetFromNode = object * inverse(assumed) * item.assetFromNode;
+      }
+    }
+    item.assetFromParent = object;
+    item.parentScale = scaleOf(item.parentFromObject.linear);
+    item.parentFromObject = {};
+  }
 
   void walk(ImportedFile& read) {
     std::vector<Placed> placed;  // in the order of the file, depth first
-    std::vector<Placed> open{{scene_->mRootNode, assetFromImported(read.up), {}, true}};
+    const Affine frame = assetFromImported(read.up);
+    std::vector<Placed> open{{scene_->mRootNode, frame, {}, true, frame}};
     while (!open.empty()) {
       Placed item = std::move(open.back());
       open.pop_back();
       if (std::string own = nodeName(*item.node); !own.empty()) item.name = std::move(own);
       item.assetFromNode = item.assetFromNode * toAffine(item.node->mTransformation);
+      if (format_ == kFbx) inheritScale(item);
       item.shown = item.shown && !hidesTree(*item.node);
       const std::string inherited = item.node == scene_->mRootNode ? std::string() : item.name;
       for (unsigned i = item.node->mNumChildren; i-- > 0;) {
         if (const aiNode* child = item.node->mChildren[i]) {
-          open.push_back({child, item.assetFromNode, inherited, item.shown});
+          open.push_back({child, item.assetFromNode, inherited, item.shown, item.assetFromParent, item.parentScale,
+                          item.parentFromObject});
         }
       }
       joints_.emplace(jointName(*item.node), item.assetFromNode);

@@ -53,10 +53,11 @@ bool fades(const Texture& image) {
 }
 
 ReadMaterial read(const Model& model, const Data& data, const Material* m, const AssetOptions& options,
-                  ColorImages& images, LeftOut& leftOut) {
+                  ColorImages& images) {
   static const Material kDefault;
   const Material& from = m == nullptr ? kDefault : *m;
   ReadMaterial to;
+  to.leftOut = from.leftOut;
   to.material.name = from.name;
   to.material.source = "base colour of " + model.file.filename().string();
   to.material.roughness = static_cast<float>(fraction(from.roughness, 1.0));
@@ -87,25 +88,24 @@ ReadMaterial read(const Model& model, const Data& data, const Material* m, const
   }
   const bool blends = from.alpha == Material::Alpha::Blend && options.alpha == AlphaUse::Auto;
   if (blends && color.colored && color.image->hasAlpha && fades(*color.image)) {
-    leftOut.add("images that fade (beams pass where alpha is below 0.5)");
+    to.leftOut.add("images that fade (beams pass where alpha is below 0.5)");
   }
   setColor(to.material, std::move(color), model.file, options, images);
   const bool faded = from.alpha == Material::Alpha::Blend ? from.color[3] < 1
                                                           : from.alpha == Material::Alpha::Mask &&
                                                                 from.color[3] < from.cutoff && !to.material.alphaTested;
-  if (faded && options.alpha != AlphaUse::Ignore) leftOut.add("opacities of materials (they are solid)");
+  if (faded && options.alpha != AlphaUse::Ignore) to.leftOut.add("opacities of materials (they are solid)");
   return to;
 }
 
 }  // namespace
 
-std::vector<ReadMaterial> readMaterials(const Model& model, const Data& data, const AssetOptions& options,
-                                        LeftOut& leftOut) {
+std::vector<ReadMaterial> readMaterials(const Model& model, const Data& data, const AssetOptions& options) {
   ColorImages images(model.file, options.allowOutside, options.textureFolders);
   std::vector<ReadMaterial> materials;
   materials.reserve(model.materials.size() + 1);
-  for (const Material& m : model.materials) materials.push_back(read(model, data, &m, options, images, leftOut));
-  materials.push_back(read(model, data, nullptr, options, images, leftOut));
+  for (const Material& m : model.materials) materials.push_back(read(model, data, &m, options, images));
+  materials.push_back(read(model, data, nullptr, options, images));
   return materials;
 }
 

@@ -138,7 +138,10 @@ class ModelReader : JsonReader {
     }
     const Json* const glass = extensionOf(j, "KHR_materials_transmission");
     if (glass != nullptr && glass->value("transmissionFactor", 0.0) > 0) {
-      m_.leftOut.addKeyword(gltfFormat(), "KHR_materials_transmission");
+      m.leftOut.addKeyword(gltfFormat(), "KHR_materials_transmission");
+    }
+    if (!m.texture && std::max({m.color[0], m.color[1], m.color[2]}) == 0 && j.contains("emissiveTexture")) {
+      m.leftOut.addKeyword(gltfFormat(), "emissiveTexture");
     }
     const std::string mode = j.value("alphaMode", std::string("OPAQUE"));
     m.alpha = mode == "MASK"    ? Material::Alpha::Mask
@@ -388,6 +391,7 @@ const FormatSupport& gltfFormat() {
         "KHR_materials_sheen KHR_materials_specular KHR_materials_variants",
         "and other KHR_materials_*: the default variant without coats"},
        {LeftOut, "KHR_materials_transmission", "transmissions of materials (they are solid)"},
+       {LeftOut, "emissiveTexture", "emissive images of materials with a black base colour"},
        {LeftOut, "COLOR_n", "colours of vertices (COLOR_0)"},
        {LeftOut, "", "primitives of points"},
        {LeftOut, "", "primitives of lines"},

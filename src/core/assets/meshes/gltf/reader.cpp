@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "assets/meshes/asset_parts.h"
 #include "assets/meshes/child_process.h"
@@ -74,7 +75,7 @@ class Reader {
   Asset read(LeftOut& leftOut) {
     checkCosts();
     tryDraco();
-    materials_ = readMaterials(model_, data_, options_, model_.leftOut);
+    materials_ = readMaterials(model_, data_, options_);
     for (std::uint32_t i = 0; i < placed_.size(); ++i) {
       const PlacedNode& placed = placed_[i];
       const Node& node = model_.nodes[placed.node];
@@ -189,8 +190,10 @@ class Reader {
     }
     for (std::size_t i = first; i < parts.size(); ++i) {
       weld(parts[i].positions, parts[i].uvs, parts[i].triangles);
-      const std::optional<TextureUse>& texture = materials_[known[i - first].first].placed;
-      if (!parts[i].triangles.empty()) checkTexture(parts[i], !texture || texture->repeats, model_.leftOut);
+      if (parts[i].triangles.empty()) continue;
+      ReadMaterial& material = materials_[known[i - first].first];
+      checkTexture(parts[i], !material.placed || material.placed->repeats, model_.leftOut);
+      model_.leftOut.add(std::exchange(material.leftOut, {}));  // once, however many parts have the material
     }
     const auto begin = parts.begin() + static_cast<std::ptrdiff_t>(first);
     parts.erase(std::remove_if(begin, parts.end(), [](const AssetPart& p) { return p.triangles.empty(); }),

@@ -105,6 +105,48 @@ TEST_F(Imported, GeometryOfColladaThatIsNotReadIsCounted) {
   EXPECT_THAT(warnings_, HasSubstr("a.dae: left out: 1 lines, 1 splines\n"));
 }
 
+// Hidden nodes need no id, blanks around an axis do not count, and a `lookat` does not shear.
+TEST_F(Imported, TextOfColladaIsMendedForTheImporter) {
+  std::string text = replaced(dae("\n  Y_UP\n", "1"), "<node id=\"n\" name=\"wing\"><translate>10 20 30</translate>",
+                              "<node name=\"wing\"><lookat>0 0 0 0 0 -1 0 3 4</lookat>");
+  text = replaced(text, "</visual_scene>", R"(<node><instance_geometry url="#g"/><extra><technique profile="MAYA">
+<visibility>0</visibility></technique></extra></node></visual_scene>)");
+  const Asset asset = readQuietly("a.dae", text);
+  EXPECT_THAT(warnings_, HasSubstr("a.dae: left out: 1 hidden nodes\n"));
+  expectCorners(asset, {{1, 0, 0}, {0, 0, 2}, {0, -3, 0}}, "y up, looking to -z: as without it");
+  EXPECT_EQ(asset.parts.at(0).node, "wing");
+}
+
+TEST_F(Imported, LocalAxesAndUnitsOfColladaAreCounted) {
+  const std::string local = "<library_geometries><asset><unit meter=\"0.01\"/><up_axis>Y_UP</up_axis></asset>";
+  readQuietly("a.dae", replaced(dae("Z_UP", "1"), "<library_geometries>", local));
+  EXPECT_THAT(warnings_, HasSubstr("left out: 2 axes and units of parts of the file (`asset` in libraries)\n"));
+  readQuietly("b.dae", replaced(dae("Y_UP", "0.01"), "<library_geometries>", local));
+  EXPECT_EQ(warnings_, "");
+}
+
+// The importer refuses all files with morph controllers, even if their weights are 0.
+TEST_F(Imported, BaseMeshesOfMorphsOfColladaAreRead) {
+  const auto morph = [](const std::string& id, const std::string& source, const std::string& weights) {
+    return "<controller id=\"" + id + "\"><morph source=\"" + source + "\" method=\"NORMALIZED\"><source id=\"t" + id +
+           "\"><IDREF_array id=\"ta" + id + "\" count=\"2\">g g</IDREF_array></source><source id=\"w" + id +
+           "\"><float_array id=\"wa" + id + "\" count=\"2\">" + weights +
+           "</float_array></source><targets/></morph></controller>";
+  };
+  const auto text = [&](const std::string& weights) {
+    const std::string skinned = replaced(skinnedDae(R"(<node id="A" sid="a"><node id="B" sid="b">
+<translate>0 1 0</translate></node></node><node><instance_controller url="#m2"/></node>)"),
+                                         "<skin source=\"#g\">", "<skin source=\"#m1\">");
+    return replaced(skinned, "</library_controllers>",
+                    morph("m1", "#g", weights) + morph("m2", "#m1", "0 0") + "</library_controllers>");
+  };
+  const Asset asset = readQuietly("a.dae", text("0 0.5"));
+  EXPECT_EQ(asset.parts.size(), 2u);
+  EXPECT_THAT(warnings_, HasSubstr("a.dae: left out: 1 morph targets with weights\n"));
+  readQuietly("b.dae", text("0 0"));
+  EXPECT_EQ(warnings_, "");
+}
+
 std::string fbxWith(const std::string& properties) {
   std::string text = replaced(fbx(2, 100), "\"Mesh\" {\n\t}\n",
                               "\"Mesh\" {\n\t\tProperties70:  {\n" + properties +
@@ -125,6 +167,85 @@ TEST_F(Imported, HiddenObjectsOfFbxAreLeftOut) {
   EXPECT_THAT(warnings_, HasSubstr("a.fbx: left out: 1 hidden nodes\n"));
   EXPECT_THAT(failure(write("b.fbx", fbxWith("P: \"Visibility\", \"Visibility\", \"\", \"A\",0"))),
               HasSubstr("has no triangle"));
+}
+
+// fbxWith() with properties of the object below, too, and an object below that, for which `wing` is scaled.
+std::string fbxBelow(const std::string& properties, const std::string& lowest = "") {
+  const auto object = [](int id, const std::string& more) {
+    return "\tModel: " + std::to_string(id) + ", \"Model::below\", \"Mesh\" {\n\t\tProperties70:  {\n" + more +
+           "\t\t}\n\t}\n";
+  };
+  std::string text = replaced(fbxWith("P: \"Lcl Scaling\", \"Lcl Scaling\", \"\", \"A\",2,1,1"),
+                              "\tModel: 3, \"Model::below\", \"Mesh\" {\n\t}\n",
+                              object(3, properties) + (lowest.empty() ? "" : object(4, lowest)));
+  return lowest.empty() ? text : replaced(text, "C: \"OO\",1,3", "C: \"OO\",4,3\n\tC: \"OO\",1,4");
+}
+
+constexpr const char* kTurned = "P: \"Lcl Rotation\", \"Lcl Rotation\", \"\", \"A\",0,0,90\n";
+
+// FBX SDK, InheritType: 0 RrSs (the default), 1 RSrs, 2 Rrs. The object above is scaled by 2 along x.
+TEST_F(Imported, ObjectsOfFbxInheritScalesAsTheirTypeSays) {
+  const auto type = [](int value) {
+    return "P: \"InheritType\", \"enum\", \"\", \"\"," + std::to_string(value) + "\n";
+  };
+  const auto expect = [&](const std::string& properties, const std::vector<Vec3f>& wanted) {
+    Asset asset = readQuietly("a.fbx", fbxBelow(properties));
+    asset.parts.erase(asset.parts.begin());
+    expectCorners(asset, wanted, properties);
+    EXPECT_EQ(warnings_, "");
+  };
+  const std::vector<Vec3f> before{{0, 2, 0}, {-2, 0, 0}, {0, 0, 3}};
+  expect(kTurned, before);
+  expect(kTurned + type(0), before);
+  expect(kTurned + type(1), {{0, 1, 0}, {-4, 0, 0}, {0, 0, 3}});
+  expect(kTurned + type(2), {{0, 1, 0}, {-2, 0, 0}, {0, 0, 3}});
+  // Pivots and the geometry's transform remain where they are.
+  const std::string moved =
+      "P: \"Lcl Translation\", \"Lcl Translation\", \"\", \"A\",5,0,0\n"
+      "P: \"GeometricTranslation\", \"Vector3D\", \"Vector\", \"\",0,1,0\n";
+  expect(kTurned + type(2) + moved, {{9, 1, 0}, {7, 0, 0}, {9, 0, 3}});
+  const std::string oblique = "P: \"Lcl Rotation\", \"Lcl Rotation\", \"\", \"A\",0,0,30\n";
+  readQuietly("b.fbx", fbxBelow(oblique + type(1), type(1) + kTurned));
+  EXPECT_EQ(warnings_, "");
+  readQuietly("b.fbx", fbxBelow(oblique + type(1), type(0) + kTurned));
+  EXPECT_THAT(warnings_,
+              HasSubstr("left out: 1 scales that objects inherit from sheared or flat parents (InheritType)\n"));
+}
+
+TEST_F(Imported, RotationsOfFbxCountIfTheyAreActive) {
+  const auto corner = [&](const std::string& more) {
+    const std::string lines =
+        "P: \"InheritType\", \"enum\", \"\", \"\",2\nP: \"PreRotation\", \"Vector3D\", \"Vector\", \"\",0,0,90\n" +
+        (more.empty() ? "" : "P: \"" + more + "\n");
+    return readQuietly("a.fbx", fbxBelow(lines)).parts.at(1).positions.at(0);
+  };
+  EXPECT_NEAR(corner("RotationActive\", \"bool\", \"\", \"\",1").y, 1, 1e-5);
+  for (const char* off :
+       {"", "RotationActive\", \"bool\", \"\", \"\",0",
+        "RotationActive\", \"bool\", \"\", \"\",1\nP: \"RotationSpaceForLimitOnly\", \"bool\", \"\", \"\",1"}) {
+    EXPECT_EQ(corner(off).x, 1) << off;
+    EXPECT_EQ(warnings_, "");
+  }
+}
+
+TEST_F(Imported, FinestLevelsOfDetailOfFbxAreRead) {
+  std::string text = replaced(fbxWith(""), "\"Model::wing\", \"Mesh\"", "\"Model::wing\", \"LodGroup\"");
+  text = replaced(text, "\tModel: 3", "\tModel: 4, \"Model::coarse\", \"Mesh\" {\n\t}\n\tModel: 3");
+  text = replaced(text, "\tC: \"OO\",1,3\n", "\tC: \"OO\",1,3\n\tC: \"OO\", 4, 2\n\tC: \"OO\",1,4\n");
+  const Asset asset = readQuietly("a.fbx", text);
+  EXPECT_THAT(warnings_, HasSubstr("a.fbx: left out: 1 coarser levels of detail (LodGroup)\n"));
+  EXPECT_EQ(asset.parts.size(), 2u) << "the group's own mesh, and the first below it";
+  EXPECT_EQ(asset.parts.at(1).node, "below");
+}
+
+TEST_F(Imported, CurvedSurfacesOfFbxAreCounted) {
+  std::string geometries;
+  for (const char* kind : {"Patch", "TrimNurbsSurface", "Boundary", "NurbsSurface", "NurbsCurve"}) {
+    geometries += "\tGeometry: 9" + std::to_string(geometries.size()) + ", \"Geometry::\", \"" + kind + "\" {\n\t}\n";
+  }
+  readQuietly("a.fbx", replaced(fbx(2, 100), "\tModel: 2", geometries + "\tModel: 2"));
+  EXPECT_THAT(warnings_, HasSubstr("left out: 1 borders of curved surfaces (Boundary), 2 curved surfaces (NURBS), "
+                                   "1 curved surfaces (Patch)\n"));
 }
 
 // Blender converts the text of fbxWith() to a binary file; here its records are written by hand.
@@ -303,7 +424,7 @@ TEST_F(Imported, UsesOfImagesOfFbxThatAreNotReadAreCounted) {
   EXPECT_THAT(told(fbxWithMaterial("DiffuseFactor")), HasSubstr("a.fbx: left out: 1 images of DiffuseFactor\n"));
 }
 
-TEST_F(Imported, UsesOfImagesOfBinaryFbxAreFound) {
+TEST_F(Imported, BinaryFbxIsSearchedAsTextIs) {
   using namespace std::string_literals;
   const auto text = [](const std::string& value) {
     return "S" + bytesOf<std::uint32_t>({static_cast<std::uint32_t>(value.size())}) + value;
@@ -313,7 +434,7 @@ TEST_F(Imported, UsesOfImagesOfBinaryFbxAreFound) {
   };
   const auto id = [](std::int64_t value) { return "L" + bytesOf<std::int64_t>({value}); };
   const auto image = [&](int which, std::int32_t wrap) {
-    return "Texture" + id(which) + text("t\0\1Texture"s) + number("UVSwap", wrap) + number("WrapModeV", wrap) +
+    return "\7Texture" + id(which) + text("t\0\1Texture"s) + number("UVSwap", wrap) + number("WrapModeV", wrap) +
            "RelativeFilename" + text(std::to_string(which) + ".png");
   };
   const std::filesystem::path file =
@@ -324,6 +445,18 @@ TEST_F(Imported, UsesOfImagesOfBinaryFbxAreFound) {
   readFbx(file, leftOut, clamped);
   EXPECT_EQ(clamped, (std::set<std::string>{"8.png"}));
   EXPECT_EQ(leftOut.text(), "1 images of DiffuseFactor, 1 images with swapped texture coordinates (UVSwap)");
+  const auto model = [&](int which, const std::string& kind, std::int32_t active) {
+    return "\5Model" + id(which) + text("m\0\1Model"s) + text(kind) + number("RotationActive", active) +
+           text("PreRotation") + text("Vector3D") + text("Vector") + text("");
+  };
+  const std::string levels =
+      "Kaydara FBX Binary  " + model(1, "LodGroup", 1) + model(2, "Mesh", 0) + model(3, "Mesh", 1);
+  const auto links = [&](const std::string& last) { return text("OO") + id(2) + id(1) + text(last) + id(3) + id(1); };
+  const std::string changed = readFbx(write("b.fbx", levels + links("OO")), leftOut, clamped);
+  EXPECT_EQ(leftOut.counts().at("coarser levels of detail (LodGroup)"), 1u);
+  std::string wanted = levels + links("PP");
+  wanted[wanted.find("PreRotation", wanted.find("Mesh"))] = '_';
+  EXPECT_EQ(changed, wanted);
 }
 
 TEST_F(Imported, MaterialsOfFbxWithoutAColourHaveNone) {

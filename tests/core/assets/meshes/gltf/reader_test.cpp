@@ -489,6 +489,26 @@ TEST_F(GltfReader, WhatIsLeftOutIsCountedInOneWarning) {
                         "points, 1 transmissions of materials (they are solid)\n"));
 }
 
+TEST_F(GltfReader, MaterialsWithoutTrianglesAreNotToldAndEmissiveImagesAre) {
+  GltfBuilder w = wing();
+  w.json["images"] = {{{"uri", "colours.png"}}};
+  w.json["textures"] = {{{"source", 0}}};
+  const Json black{{"emissiveTexture", {{"index", 0}}}, {"pbrMetallicRoughness", {{"baseColorFactor", {0, 0, 0, 1}}}}};
+  const Json glass{{"alphaMode", "BLEND"}, {"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 0.5}}}}};
+  w.json["materials"] = {black, glass};
+  EXPECT_EQ(warnings(w), "");
+  w.json["nodes"].push_back({{"mesh", 0}, {"translation", {1e6, 0, 0}}});
+  w.json["scenes"][0]["nodes"] = {0, 1};
+  const auto told = [&](int material) {
+    w.json["meshes"][0]["primitives"][0]["material"] = material;
+    testing::internal::CaptureStderr();
+    read(w);
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_THAT(told(0), HasSubstr("left out: 1 emissive images of materials with a black base colour\n"));
+  EXPECT_THAT(told(1), HasSubstr("left out: 1 opacities of materials (they are solid)\n"));
+}
+
 // One texel would colour the whole part.
 TEST_F(GltfReader, TexturesNeedTextureCoordinates) {
   GltfBuilder w = wing();
