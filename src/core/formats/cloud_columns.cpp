@@ -55,7 +55,9 @@ const FormatSupport& cloudColumns() {
         "instance instances instance_id instanceid instance_label inst_id treeid tree_id predinstance "
         "pred_instance objidx object_id objectid obj_id",
         "instances; 0 means none, and so do numbers below 0, where the others are counted from 1 on"},
-       {Read, "intensity intensities reflectance reflectivity remission", "intensities"},
+       {Read, "intensity intensities reflectance reflectivity remission",
+        "intensities; a column with zeros only gives way to another"},
+       {LeftOut, "", "points at 0, 0, 0, if there are several: misses"},
        {Read, "ring ring_id ring_index laser_id laserid beam_id channel line", "rings, of recorded scans"},
        {Read, "return return_number returnnumber", "numbers of returns, of recorded scans"},
        {Read, "returns number_of_returns numberofreturns num_returns", "counts of returns, of recorded scans"},
@@ -92,7 +94,10 @@ void adoptColumns(Cloud& cloud, const Location& where) {
       if (ownName != (lowerCase(column.name) == meant)) return false;
       bool adopted = false;
       visitTable(scan, [&](auto key, auto& values) {
-        if (key.row.name != meant || scan.has(key)) return;
+        // Scanners that do not measure intensities fill their column with 0.
+        const bool blank = key.index == kIntensity.index &&
+                           std::all_of(values.begin(), values.end(), [](auto value) { return value == 0; });
+        if (key.row.name != meant || (scan.has(key) && !blank)) return;
         try {
           std::visit([&](const auto& stored) { values = numbersFor(key, stored, ownName ? where : Location{}); },
                      column.values);

@@ -135,15 +135,15 @@ class CsvReader {
     return true;
   }
 
-  // Names the axes of a survey x, y and z.
+  // Names the axes of a survey, and those of ParaView, x, y and z.
   void nameAxes() {
     const auto called = [&](std::initializer_list<const char*> names) {
       return std::find_if(cells_.begin(), cells_.end(), [&](std::string_view cell) {
         return std::find(names.begin(), names.end(), lowerCase(cell)) != names.end();
       });
     };
-    const auto east = called({"easting"}), north = called({"northing"});
-    const auto up = called({"z", "elevation", "height", "altitude"});
+    const auto east = called({"easting", "points:0"}), north = called({"northing", "points:1"});
+    const auto up = called({"z", "elevation", "height", "altitude", "points:2"});
     if (east == cells_.end() || north == cells_.end() || up == cells_.end() || called({"x"}) != cells_.end()) return;
     *east = "x";
     *north = "y";
@@ -165,19 +165,21 @@ class CsvReader {
     }
     constexpr std::size_t kMostColumns = 256;
     if (cells_.size() > kMostColumns) throw InputError(where_, "the header names too many columns to be a scan's");
+    const bool placed = namesPositions();
     std::vector<std::string> names;
     for (const std::string_view cell : cells_) {
       const bool word = !cell.empty() && std::all_of(cell.begin(), cell.end(), [](char c) {
         return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
       });
-      if (!word || std::isdigit(static_cast<unsigned char>(cell.front())) != 0) {
+      const bool isName = word && std::isdigit(static_cast<unsigned char>(cell.front())) == 0;
+      if (!isName && !placed) {
         throw InputError(where_, fmt::format("'{}' is no name of a column: the first line names them, as x,y,z,label; "
                                              "only files of x, y and z alone do without",
                                              cell.substr(0, 40)));
       }
       const std::string lower = columnMeant(cell);
       const bool isAxis = lower == "x" || lower == "y" || lower == "z";
-      names.push_back(isAxis ? lower : std::string(cell));
+      names.push_back(isAxis ? lower : isName ? std::string(cell) : nameFor(cell));
       if (std::count(names.begin(), names.end(), names.back()) > 1) {
         throw InputError(where_, fmt::format("column '{}' is named twice", names.back()));
       }
@@ -191,8 +193,17 @@ class CsvReader {
     return true;
   }
 
+  // Returns a name of letters, digits and underscores for a column that other programs call `cell`.
+  std::string nameFor(std::string_view cell) const {
+    if (cell.empty()) return fmt::format("column_{}", columns_.size() + 1);
+    std::string name(cell);
+    std::replace_if(
+        name.begin(), name.end(), [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; }, '_');
+    return std::isdigit(static_cast<unsigned char>(name.front())) == 0 ? name : "_" + name;
+  }
+
   // Returns the function that stores the cells of the column with this name. A name that is not in the table of columns
-  // becomes a foreign column; if it only resembles a name of the table, throws InputError.
+  // becomes a foreign column.
   ReadCell cellReader(const std::string& name) {
     for (std::size_t axis = 0; axis < kAxes.size(); ++axis) {
       if (name != kAxes[axis].first) continue;
@@ -222,15 +233,10 @@ class CsvReader {
       };
     });
     if (read) return read;
-    const std::string lower = lowerCase(name);
-    const std::string meant = columnMeant(name) != lower || cloudColumns().find(lower) != nullptr
-                                  ? ""
-                                  : nearest(name, scanColumnNames(ColumnSet::all()));
-    if (!meant.empty()) throw InputError(where_, fmt::format("unknown column '{}' (did you mean '{}'?)", name, meant));
     if (cloudColumns().find(columnMeant(name)) != nullptr) return foreignReader(name);
     return [this, numbers = foreignReader(name), texts = fmt::format("texts in the column '{}'", name)](
                std::string_view word, const Location& where) {
-      const bool isText = !word.empty() && std::isalpha(static_cast<unsigned char>(word[0])) != 0 && !isNumber(word);
+      const bool isText = word.empty() || (std::isalpha(static_cast<unsigned char>(word[0])) != 0 && !isNumber(word));
       if (isText) cloud_.leftOut.add(texts);
       numbers(isText ? "nan" : word, where);
     };

@@ -109,25 +109,35 @@ Scan readPointRecords(std::string_view bytes, std::size_t numbers, const std::st
     throw InputError({what}, fmt::format("has {} bytes, which are no whole records of {} float32 ({})", bytes.size(),
                                          numbers, record));
   }
+  const std::string advice = fmt::format(
+      ": these are no records of {} float32 ({}); if they have 5 (x, y, z, intensity, ring), name the file .pcd.bin; "
+      "convert others, such as 6, by numpy.fromfile(a, 'f4').reshape(-1, 6)[:, :4].tofile(b)",
+      numbers, record);
   const std::vector<float> values = valuesOf<float>(bytes);
   Scan scan;
   std::uint32_t rings = 0;
+  std::size_t dark = 0;
   for (std::size_t at = 0; at < values.size(); at += numbers) {
     const Vec3f p{values[at], values[at + 1], values[at + 2]};
     // The comparison is written so that NaN fails it, too.
     const auto near = [](float c) { return std::fabs(c) <= kFarthest; };
     if (!near(p.x) || !near(p.y) || !near(p.z)) {
-      throw InputError({what}, fmt::format("point {} lies at {}, {}, {}: these are no records of {} float32 ({})",
-                                           at / numbers, p.x, p.y, p.z, numbers, record));
+      throw InputError({what}, fmt::format("point {} lies at {}, {}, {}{}", at / numbers, p.x, p.y, p.z, advice));
     }
     scan.position.push_back(p);
     scan[kIntensity].push_back(values[at + 3]);
+    dark += values[at + 3] >= 0 ? 0u : 1u;
     if (numbers < 5) continue;
     const float ring = values[at + 4];
     if (!(ring >= 0 && ring <= 65535) || ring != std::floor(ring)) {
       throw InputError({what}, fmt::format("the ring of point {} is {}: no whole number from 0", at / numbers, ring));
     }
     scan[kRing].push_back(static_cast<std::uint16_t>(ring));
+  }
+  constexpr double kFewDark = 0.05;
+  if (static_cast<double>(dark) > kFewDark * static_cast<double>(scan.size())) {
+    throw InputError({what},
+                     fmt::format("{} of {} intensities are below 0 or no numbers{}", dark, scan.size(), advice));
   }
   if (numbers < 5) scan[kRing] = ringsByOrder(scan.position);
   for (const std::uint16_t ring : scan[kRing]) rings = std::max(rings, ring + 1u);

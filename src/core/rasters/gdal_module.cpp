@@ -162,9 +162,13 @@ class GdalReader final : public RasterReader {
     header.height = GDALGetRasterYSize(set_);
     for (int i = 1; i <= GDALGetRasterCount(set_); ++i) {
       GDALRasterBandH band = GDALGetRasterBand(set_, i);
+      const double scale = GDALGetRasterScale(band, nullptr);
+      const double offset = GDALGetRasterOffset(band, nullptr);
+      const char* const zero = GDALGetMetadataItem(set_, "MINISWHITE", "IMAGE_STRUCTURE");
       header.bands.push_back({GDALGetDataTypeName(GDALGetRasterDataType(band)),
                               GDALGetColorInterpretationName(GDALGetRasterColorInterpretation(band)),
-                              GDALGetRasterUnitType(band)});
+                              GDALGetRasterUnitType(band), -9999 * scale + offset, scale != 1 || offset != 0,
+                              zero != nullptr && EQUAL(zero, "YES")});
     }
     // Each raster of a file has a name and a description here; a file with one raster has none.
     const int named = CSLCount(GDALGetMetadata(set_, "SUBDATASETS")) / 2;

@@ -238,7 +238,8 @@ double metresPerHeight(const std::filesystem::path& file, const RasterHeader& he
 
 // Throws InputError if the bands are no heights.
 void expectHeights(const std::filesystem::path& file, const RasterHeader& header, bool placed) {
-  if (!header.foreign.empty()) fail(file, fmt::format("is in {}: convert it by gdalwarp -t_srs", header.foreign));
+  if (!header.foreign.empty())
+    fail(file, fmt::format("is in {}: convert it by gdalwarp -dstnodata -9999 -t_srs", header.foreign));
   const std::string& means = header.bands[0].means;
   // Heightmaps of games are often saved as RGB images of grey shades.
   if (means == "Undefined" || means == "Gray" || (means == "Red" && !placed)) return;
@@ -253,7 +254,8 @@ void tellStretch(const std::filesystem::path& file, const RasterHeader& header) 
   if (std::fabs(header.stretch - 1) <= kUsual) return;
   warn(fmt::format(
       "{}: lengths in its coordinate system are {:.4g} times those on the ground at its middle (in Mercator "
-      "projections 1/cos(latitude)), heights are not: convert it by 'gdalwarp -t_srs EPSG:{} {} utm.tif'",
+      "projections 1/cos(latitude)), heights are not: convert it by 'gdalwarp -dstnodata -9999 -t_srs EPSG:{} {} "
+      "utm.tif'",
       file.string(), header.stretch, header.utm, file.string()));
 }
 
@@ -278,8 +280,9 @@ std::array<int, 4> windowOf(const Raster& whole, const RasterBounds& within) {
 }
 
 // Fills the raster's values with the means of equal squares or rectangles of the window, times `factor`.
-void readMeans(RasterReader& reader, int band, const std::array<int, 4>& window, double factor, const TextGrid& grid,
-               Raster& raster) {
+// Returns true if samples have the value `marker`, and all others are above it or all are below it.
+bool readMeans(RasterReader& reader, int band, double marker, const std::array<int, 4>& window, double factor,
+               const TextGrid& grid, Raster& raster) {
   constexpr int kSamplesAtATime = 4'000'000;
   const int across = window[2] / raster.width;
   const int down = window[3] / raster.height;
@@ -287,6 +290,8 @@ void readMeans(RasterReader& reader, int band, const std::array<int, 4>& window,
   std::vector<double> rows;
   std::vector<double> sums(static_cast<std::size_t>(raster.width));
   std::vector<std::uint32_t> counts(sums.size());
+  double least = marker, greatest = marker;
+  bool stored = false;
   raster.values.reserve(sums.size() * static_cast<std::size_t>(raster.height));
   for (int first = 0; first < window[3]; first += rowsAtATime) {
     const int count = std::min(rowsAtATime, window[3] - first);
@@ -302,6 +307,9 @@ void readMeans(RasterReader& reader, int band, const std::array<int, 4>& window,
       for (std::size_t i = 0; i < sums.size(); ++i) {
         for (int k = 0; k < across; ++k, ++sample) {
           if (!std::isfinite(*sample)) continue;
+          least = std::min(least, *sample);
+          greatest = std::max(greatest, *sample);
+          stored = stored || *sample == marker;
           sums[i] += *sample;
           ++counts[i];
         }
@@ -316,6 +324,7 @@ void readMeans(RasterReader& reader, int band, const std::array<int, 4>& window,
       counts.assign(counts.size(), 0);
     }
   }
+  return stored && (least == marker || greatest == marker);
 }
 
 }  // namespace
@@ -400,6 +409,12 @@ Raster readRaster(const std::filesystem::path& file, const RasterRequest& reques
     expectHeights(file, header, request.placed);
     factor *= metresPerHeight(file, header);
     if (request.placed) tellStretch(file, header);
+    if (request.placed && band.type == "Byte" && !band.scaled && band.unit.empty()) {
+      warn(
+          fmt::format("{}: has samples of 8 bits, which count as metres: they are seldom heights, but often classes or "
+                      "shades; if they are heights, say so by 'gdal_edit.py -units m'",
+                      file.string()));
+    }
   }
   if (request.use != RasterUse::Colors) {
     leftOut.add("bands behind the first",
@@ -444,9 +459,20 @@ Raster readRaster(const std::filesystem::path& file, const RasterRequest& reques
   raster.transform = {t[0] + window[0] * t[1] + window[1] * t[2], t[1] * columnsEach, t[2] * rowsEach,
                       t[3] + window[0] * t[4] + window[1] * t[5], t[4] * columnsEach, t[5] * rowsEach};
   try {
-    readMeans(*reader, request.band, {window[0], window[1], taken, takenDown}, factor, grid, raster);
+    const bool marked =
+        readMeans(*reader, request.band, band.marker, {window[0], window[1], taken, takenDown}, factor, grid, raster);
+    if (marked && request.use == RasterUse::Heights) {
+      warn(
+          fmt::format("{}: has samples of -9999: if this value marks missing samples, say so by 'gdal_edit.py "
+                      "-a_nodata -9999'",
+                      file.string()));
+    }
   } catch (const std::runtime_error& e) {
     fail(file, fmt::format("is damaged: {}", e.what()));
+  }
+  if (request.use == RasterUse::Colors && band.inverted && (band.type == "Byte" || band.type == "UInt16")) {
+    const float white = band.type == "Byte" ? 255 : 65535;
+    for (float& value : raster.values) value = white - value;
   }
   return raster;
 }

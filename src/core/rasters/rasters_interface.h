@@ -12,9 +12,12 @@
 namespace scanmill {
 
 struct RasterBand {
-  std::string type;   // GDAL's name of the type of the samples: "Byte", "Float32", "CFloat32"
-  std::string means;  // GDAL's name of what the band holds: "Gray", "Palette", "Red", "Alpha", "Undefined"
-  std::string unit;   // of the values; empty: not stated
+  std::string type;       // GDAL's name of the type of the samples: "Byte", "Float32", "CFloat32"
+  std::string means;      // GDAL's name of what the band holds: "Gray", "Palette", "Red", "Alpha", "Undefined"
+  std::string unit;       // of the values; empty: not stated
+  double marker = 0;      // value of samples that are stored as -9999, after the band's scale and offset
+  bool scaled = false;    // true: the band states a scale or an offset
+  bool inverted = false;  // true: 0 is white
 };
 
 struct RasterHeader {

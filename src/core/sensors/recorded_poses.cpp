@@ -146,7 +146,7 @@ std::string RecordedPoses::doubt() const {
   constexpr double kFastest = 100;  // m/s; a larger speed between two poses causes a warning
   constexpr double kFarApart = 10;  // s; a larger mean time between poses causes a warning
   constexpr double kMoves = 0.5;    // m/s; below this speed the direction of travel is not tested
-  constexpr double kSteepest = 45;  // degrees; a larger mean tilt causes a warning
+  constexpr double kSteepest = 20;  // degrees; a larger mean tilt causes a warning
   double upright = 0;
   double ahead = 0;
   double moved = 0;
@@ -177,9 +177,14 @@ std::string RecordedPoses::doubt() const {
         "pitch_deg), is the order of the quaternion right, or are the poses of a camera (`frame: camera`)?",
         tilt);
   }
-  if (moved > 0 && std::fabs(ahead) < 0.5 * moved) {
-    return "the heading of the vehicle differs from its direction of travel: is the order of the quaternion right, or "
-           "are the poses of a camera (`frame: camera`)?";
+  constexpr double kAskew = 0.7;  // cosine of the largest mean angle between the heading and the direction of travel
+  if (moved > 0 && std::fabs(ahead) < kAskew * moved) {
+    return "the heading of the vehicle differs from its direction of travel: are angles in degrees (column yaw_deg), "
+           "is the order of the quaternion right, or are the poses of a camera (`frame: camera`)?";
+  }
+  if (moved > 0 && ahead < 0) {
+    return "the vehicle drives backwards nearly all the way: is its x axis forward, and is yaw counted from east, "
+           "counterclockwise?";
   }
   return {};
 }

@@ -34,8 +34,9 @@ class Boundaries {
   // object, a path or a road are left out. `height` (m) replaces the height of the panel's model.
   void row(Fencing what, int form, const Point2& a, const Point2& b, std::optional<double> height = {}) {
     const double length = std::hypot(b.x - a.x, b.y - a.y);
-    const int count = static_cast<int>(std::lround(length / kPanel));
-    if (count == 0) return;
+    constexpr double kShortest = 0.3;  // m
+    if (length < kShortest) return;
+    const int count = std::max(1, static_cast<int>(std::lround(length / kPanel)));
     const double yaw = std::atan2(b.y - a.y, b.x - a.x);
     const Model& m = panel(what, form);
     const double half = (m.bounds.high.y - m.bounds.low.y) / 2;

@@ -46,6 +46,7 @@ void Placer::park(const Model& m, const Spot& s, const std::string& name) {
 void populate(SceneBuilder& builder, const Layout& layout, const Affine& worldFromTown) {
   Placer placer(builder, layout, worldFromTown);
   placeHouses(placer);
+  placeMapTrees(placer);
   placeBoundaries(placer);
   placeClutter(placer);
   placeMarkings(placer);

@@ -74,6 +74,7 @@ void placeClutter(Placer& placer);
 void placeAnimals(Placer& placer);
 void placeVehicles(Placer& placer);  // first stationary vehicles, then driving vehicles
 void placePeople(Placer& placer);
+void placeMapTrees(Placer& placer);  // before all objects that the map does not have
 void placeTrees(Placer& placer);
 void placeWoods(Placer& placer);
 void placeBushes(Placer& placer);

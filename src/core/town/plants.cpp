@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/error.h"
 #include "town/placer.h"
 #include "town/relief.h"
 
@@ -80,22 +81,32 @@ bool onLawn(const Layout& layout, const Point2& p, double beyond) {
 
 }  // namespace
 
+void placeMapTrees(Placer& placer) {
+  const Layout& l = placer.layout;
+  Nursery nursery(placer);
+  std::uint32_t mapped = 0;
+  bool lost = false;
+  for (const MapTree& tree : l.trees()) {
+    Draw draw(l.seed(), Kind::Tree, 500000 + mapped++);
+    const Beside b = l.roads().at(tree.at.x, tree.at.y);
+    // Trees may be on a road, which is wider here than on the map.
+    const bool onRoad = b.known && b.edge < 0.4;
+    const Spot spot{tree.at, draw.in(0, 2 * kPi), 1, 0};
+    if (onRoad || !plant(placer, nursery, draw, spot, true, 0, fmt::format("tree {}", mapped), tree)) lost = true;
+  }
+  // The text is the same for all places on the map, so that there is one warning.
+  if (lost) {
+    warn(fmt::format("{}: left out: trees where the town has roads, paths, houses or other trees",
+                     l.parameters().map.string()));
+  }
+}
+
 void placeTrees(Placer& placer) {
   const Layout& l = placer.layout;
   const Character& c = l.character();
   Nursery nursery(placer);
-  int number = 0;
-  // Plants the trees of the map. If the map has trees, no random trees are added along the roads.
-  std::uint32_t mapped = 0;
-  for (const MapTree& tree : l.trees()) {
-    Draw draw(l.seed(), Kind::Tree, 500000 + mapped++);
-    const Beside b = l.roads().at(tree.at.x, tree.at.y);
-    if (b.known && b.edge < 0.4) continue;  // the tree would be on the road, which is wider here than on the map
-    if (plant(placer, nursery, draw, {tree.at, draw.in(0, 2 * kPi), 1, 0}, true, 0, fmt::format("tree {}", number + 1),
-              tree)) {
-      ++number;
-    }
-  }
+  auto number = static_cast<int>(l.trees().size());
+  // If the map has trees, no random trees are added along the roads.
   const double avenue = l.trees().empty() ? c.avenue : 0;
   // Plants trees along the roads: in the verge if it is wide enough, else in the gardens behind the pavement.
   for (std::uint32_t r = 0; r < l.roads().roads().size(); ++r) {

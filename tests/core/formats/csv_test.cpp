@@ -104,6 +104,21 @@ TEST(Csv, SurveysNameTheirAxesOtherwise) {
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("test.csv: left out: 1 texts in the column 'Code'"));
 }
 
+TEST(Csv, OtherColumnsMayHaveAnyName) {
+  const Scan scan = decoded(",x,y,z,distance,Slot ID,4\n0,1,2,3,9,7,5\n,4,5,6,9,7,5\n");
+  EXPECT_EQ(scan.position, (std::vector<Vec3f>{{1, 2, 3}, {4, 5, 6}}));
+  std::vector<std::string> names;
+  for (const ForeignColumn& column : scan.foreign) names.push_back(column.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"column_1", "distance", "Slot_ID", "_4"}));
+  EXPECT_EQ(decoded("\"intensity\",\"Points:0\",\"Points:1\",\"Points:2\"\n30,1,2,3\n").position.at(0),
+            (Vec3f{1, 2, 3}));
+}
+
+TEST(Csv, IntensitiesOfZeroGiveWayToOthers) {
+  EXPECT_EQ(decoded("x,y,z,intensity,reflectivity\n1,2,3,0,7\n4,5,6,0,8\n")[kIntensity], (std::vector<float>{7, 8}));
+  EXPECT_EQ(decoded("x,y,z,intensity,reflectivity\n1,2,3,0,7\n4,5,6,1,8\n")[kIntensity], (std::vector<float>{0, 1}));
+}
+
 TEST(Csv, LabelsAndInstancesMayBeNone) {
   const Scan scan = decoded("x,y,z,label,instance\n1,2,3,-100,-1\n4,5,6,8,0\n7,8,9,8,4.0\n");
   EXPECT_EQ(scan[kLabel], (std::vector<std::uint16_t>{0, 8, 8}));
@@ -118,10 +133,8 @@ TEST(Csv, ErrorsNameTheLine) {
       {"# nothing", "test.csv:1: the file is empty"},
       {"x,y,z\n1,2,3\n4,5", "test.csv:3: 2 values"},
       {"x,y\n1,2\n", "test.csv:1: there is no column 'z'"},
-      {"x,y,z,labl\n", "label"},
       {"x,y,z,x\n", "named twice"},
-      {"x,y,z,\n", "'' is no name of a column"},
-      {"x,y,z,4\n", "'4' is no name of a column"},
+      {"x,y,z (m),4\n", "'z (m)' is no name of a column"},
       {"x,y,z\n1,2,3\n1,2\n", "test.csv:3: 2 values"},
       {"x,y,z\n1,2,3,4\n", "test.csv:2: 4 values"},
       {"x,y,z\n1,2,\n", "test.csv:2: z"},

@@ -61,6 +61,17 @@ TEST(PointRecords, WhatAreNoneIsRefused) {
   EXPECT_THAT(refused({1, 2, 3}, 4), HasSubstr("a.bin: has 12 bytes, which are no whole records of 4 float32"));
   EXPECT_THAT(refused({1, 2, NAN, 0}, 4), HasSubstr("point 0 lies at 1, 2, nan"));
   EXPECT_THAT(refused({1, 2, 3, 0, 1, 1e7f, 0, 0}, 4), HasSubstr("point 1 lies at"));
+  // Records of x, y, z, intensity and ring, and of x, y and z.
+  for (const std::size_t numbers : {std::size_t{5}, std::size_t{3}}) {
+    std::vector<float> others;
+    for (int i = 0; i < 64; ++i) {
+      const auto turn = static_cast<float>(i);
+      const std::vector<float> record{10 * std::cos(turn), 10 * std::sin(turn), -1.5f, 40, 7};
+      others.insert(others.end(), record.begin(), record.begin() + static_cast<std::ptrdiff_t>(numbers));
+    }
+    EXPECT_THAT(refused(others, 4), testing::AllOf(HasSubstr("intensities are below 0"), HasSubstr(".pcd.bin"),
+                                                   HasSubstr("numpy.fromfile")));
+  }
   EXPECT_THAT(refused({1, 2, 3, 0, 1.5f}, 5), HasSubstr("the ring of point 0 is 1.5"));
   EXPECT_THAT(refused({1, 2, 3, 0, -1}, 5), HasSubstr("the ring of point 0 is -1"));
 }

@@ -142,7 +142,11 @@ TEST_F(RecordedPosesFiles, DoubtsWhatCanHardlyBeMeant) {
     return drive("file: d.csv").doubt();
   };
   EXPECT_EQ(doubt("time,x,y,z,yaw_deg\n0,0,0,0,0\n1,5,0,0,0\n"), "");
-  EXPECT_EQ(doubt("time,x,y,z,yaw_deg\n0,0,0,0,180\n1,5,0,0,180\n"), "") << "it may drive back";
+  EXPECT_EQ(doubt("time,x,y,z,yaw_deg\n0,0,0,0,0\n1,5,0,0,0\n2,3,0,0,0\n"), "") << "it may drive back";
+  EXPECT_THAT(doubt("time,x,y,z,yaw_deg\n0,0,0,0,180\n1,5,0,0,180\n"), HasSubstr("drives backwards"));
+  // Degrees that count as radians.
+  EXPECT_THAT(doubt("time,x,y,z,roll,pitch,yaw\n0,0,0,0,0,0.5,0\n1,5,0,0,0,0.5,0\n"), HasSubstr("tilted by 29"));
+  EXPECT_THAT(doubt("time,x,y,z,yaw\n0,0,0,0,0.9\n1,5,0,0,0.9\n"), HasSubstr("column yaw_deg"));
   EXPECT_EQ(doubt("time,x,y,z,yaw_deg\n0,0,0,0,90\n1,0.1,0,0,90\n"), "") << "it hardly moves";
   EXPECT_THAT(doubt("time,x,y,z,yaw_deg\n0,0,0,0,0\n0.001,5,0,0,0\n"), HasSubstr("5000 m/s"));
   EXPECT_THAT(doubt("time,x,y,z,yaw_deg\n0,0,0,0,90\n1,5,0,0,90\n"), HasSubstr("differs from its direction of travel"));

@@ -92,6 +92,37 @@ TEST(Town, SizesOfTheMapAreBuilt) {
   }));
 }
 
+TEST(Town, TreesAndShortWallsOfTheMapAreBuilt) {
+  TemporaryFolder folder;
+  std::string map = "<osm version='0.6'>";
+  int nodes = 0;
+  const auto add = [&](double x, double y, const std::string& tags = "") {
+    map += fmt::format("<node id='{}' lat='{:.7f}' lon='{:.7f}'>{}</node>", ++nodes, 51 + y / 111250, 0.5 + x / 70200,
+                       tags);
+  };
+  for (int k = 0; k < 3; ++k) add(-150 + 150 * k, 0);
+  std::string walls;
+  for (int k = 0; k < 5; ++k) {
+    add(-60 + 4 * k, 12);
+    add(-59.1 + 4 * k, 12);
+    walls += fmt::format("<way id='{}'><nd ref='{}'/><nd ref='{}'/><tag k='barrier' v='wall'/></way>", 2 + k, nodes - 1,
+                         nodes);
+  }
+  for (int k = 0; k < 40; ++k) {
+    add(-78 + 4 * k, k % 2 == 0 ? 4.5 : -5.5, "<tag k='natural' v='tree'/><tag k='diameter_crown' v='3'/>");
+  }
+  map +=
+      "<way id='1'><nd ref='1'/><nd ref='2'/><nd ref='3'/><tag k='highway' v='residential'/><tag k='width' v='6'/>"
+      "<tag k='sidewalk' v='no'/><tag k='parking:both' v='no'/></way>" +
+      walls + "</osm>";
+  const Scene scene = makeTown(
+      fmt::format("{{map: {}, length: 200, slope: 0, detail: 0.1}}", folder.write("trees.osm", map).string()), 1);
+  std::set<std::string> built;
+  for (const Instance& i : scene.instances) built.insert(i.name);
+  for (int k = 1; k <= 40; ++k) EXPECT_TRUE(built.contains(fmt::format("tree {}", k))) << k;
+  for (int k = 1; k <= 5; ++k) EXPECT_TRUE(built.contains(fmt::format("boundary {}", k))) << k;
+}
+
 TEST(Town, FollowsFromItsSeed) {
   EXPECT_EQ(hash(makeTown(kSmall, 5)), hash(makeTown(kSmall, 5)));
   EXPECT_NE(hash(makeTown(kSmall, 5)), hash(makeTown(kSmall, 6)));

@@ -41,6 +41,7 @@ class CloudAsset {
     asset_.upDeclared = las_ || options_.up.has_value();
     const double unit = options_.metresPerUnit;
     const Mat3 assetFromFile = zUpFrom(asset_.up) * Mat3::scale({unit, unit, unit});
+    dropMisses();
     takePose();
     choosePoints();
     for (const std::size_t i : chosen_) {
@@ -62,6 +63,17 @@ class CloudAsset {
   }
 
  private:
+  // Leaves out the points at exactly [0, 0, 0] of the file, if there are several: organised scans store misses there.
+  void dropMisses() {
+    std::vector<Vec3f*> misses;
+    for (Vec3f& p : cloud_.scan.position) {
+      if (cloud_.origin + Vec3d(p) == Vec3d{}) misses.push_back(&p);
+    }
+    if (misses.size() < 2) return;
+    cloud_.leftOut.add("points at 0, 0, 0, which are misses", misses.size());
+    for (Vec3f* const p : misses) *p = {NAN, NAN, NAN};
+  }
+
   // Moves the points to the pose that the file states.
   void takePose() {
     if (cloud_.worldFromFile == Pose{}) return;
@@ -311,9 +323,13 @@ class CloudAsset {
       if (!channels[0] || !channels[1] || !channels[2]) return false;
       double greatest = 0;
       bool whole = true;
+      std::size_t lit = 0;        // values above 0
+      std::size_t aboveByte = 0;  // values above 255
       for (const auto& channel : channels) {
         for (const double value : *channel) {
           greatest = std::max(greatest, value);
+          lit += value > 0 ? 1u : 0u;
+          aboveByte += value > 255 ? 1u : 0u;
           whole = whole && (value == std::floor(value) || std::isnan(value));
         }
       }
@@ -323,7 +339,16 @@ class CloudAsset {
       const bool fractions = std::visit([]<class T>(const std::vector<T>&) { return std::is_floating_point_v<T>; },
                                         foreign("red")->values);
       const bool upToOne = fractions && (greatest <= 1 || (greatest < 2 && !whole));
-      const double full = upToOne ? 1 : greatest < 256 ? 255 : 65535;
+      constexpr double kStray = 0.001;  // largest fraction of values above 255 in a cloud of 8 bits
+      constexpr double kTwelveBits = 4095, kSixteenBits = 65535;
+      const bool bytes = greatest < 256 || static_cast<double>(aboveByte) <= kStray * static_cast<double>(lit);
+      const double full = upToOne ? 1 : bytes ? 255 : greatest == kTwelveBits ? kTwelveBits : kSixteenBits;
+      if (greatest >= 256 && (bytes || greatest < full / 4)) {
+        warn(
+            fmt::format("{}: its greatest colour is {}, but {} is taken as white, since {} of {} values above 0 are "
+                        "above 255: scale the colours in the file to 8 or 16 bits",
+                        file_.string(), greatest, full, grouped(aboveByte), grouped(lit)));
+      }
       for (std::size_t k = 0; k < chosen_.size(); ++k) {
         put(k, {255 * (*channels[0])[k] / full, 255 * (*channels[1])[k] / full, 255 * (*channels[2])[k] / full});
       }

@@ -78,8 +78,8 @@ class HeightAsset {
     asset_.origin = {std::floor(x * heights_.perUnit) * unit, std::floor(y * heights_.perUnit) * unit, 0};
   }
 
-  // Throws InputError if heights cannot be on the earth, or if a raster without a coordinate system seems to be in
-  // degrees: if degrees were read as metres, hills would become needles.
+  // Throws InputError if heights or latitudes cannot be on the earth, or if a raster without a coordinate system seems
+  // to be in degrees: if degrees were read as metres, hills would become needles. Warns if one with a system does.
   void checkValues() const {
     constexpr double kHighest = 30e3;  // m; no mountain or trench, and no marker of missing samples but -9999
     constexpr double kSteepest = 3;    // largest ratio of height range to horizontal extent of a raster in metres
@@ -97,18 +97,27 @@ class HeightAsset {
                       "-a_nodata; if heights are not in metres, by gdal_edit.py -units",
                       farthest));
     }
-    if (low == -9999) {
-      warn(
-          fmt::format("{}: has heights of -9999 m: if this value marks missing samples, say so by 'gdal_edit.py "
-                      "-a_nodata -9999'",
-                      file_.string()));
-    }
-    if (!heights_.reference.empty() || options_.metresPerUnit != 1) return;
     const auto [x, y] = heights_.place(0, 0);
     const auto [x2, y2] = heights_.place(heights_.width - 1, heights_.height - 1);
+    constexpr double kPole = 90 + 1e-6;  // degrees
+    const double north = std::max(std::fabs(y), std::fabs(y2));
+    if (heights_.geographic && north * heights_.perUnit > kPole) {
+      throw InputError({file_.string()},
+                       fmt::format("is in degrees, as its coordinate system says, but has the latitude {:.9g}: state "
+                                   "the system of its coordinates by gdal_edit.py -a_srs",
+                                   north * heights_.perUnit));
+    }
+    if (heights_.geographic || options_.metresPerUnit != 1) return;
     if (std::max(std::fabs(x), std::fabs(x2)) > 360 || std::max(std::fabs(y), std::fabs(y2)) > 90) return;
     const double extent = std::hypot(x2 - x, y2 - y);
     if (!(high - low > kSteepest * extent)) return;
+    if (!heights_.reference.empty()) {
+      warn(
+          fmt::format("{}: rises by {:.4g} m within {:.4g} units of its coordinate system: if its coordinates are "
+                      "degrees, say so by 'gdal_edit.py -a_srs EPSG:4326'",
+                      file_.string(), high - low, extent));
+      return;
+    }
     throw InputError(
         {file_.string()},
         fmt::format("rises by {:.4g} m within {:.4g} metres or degrees, but has no coordinate system: put this into a "

@@ -301,6 +301,33 @@ TEST_F(Clouds, ColoursHaveTheScaleOfTheirTypeAndPackedOnesThatOfTheirBits) {
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("left out: 1 colours that are no numbers"));
 }
 
+TEST_F(Clouds, ColoursOfTwelveBitsAndStrayOnesAreTold) {
+  const auto colored = [&](const std::string& usual, const std::string& last) {
+    std::vector<std::string> lines = lawn(usual);
+    lines.push_back("5 5 5 " + last);
+    testing::internal::CaptureStderr();
+    const Asset asset = read(ply("property ushort red\nproperty ushort green\nproperty ushort blue\n", lines));
+    return std::pair{int{asset.parts.at(0).fileMaterial.texture->rgba.at(0)}, testing::internal::GetCapturedStderr()};
+  };
+  EXPECT_EQ(colored("2048 100 0", "4095 0 0"), (std::pair{128, std::string()}));
+  EXPECT_THAT(colored("2000 100 0", "3840 0 0").second, HasSubstr("its greatest colour is 3840, but 65535 is taken"));
+  const auto [red, told] = colored("200 100 50", "256 0 0");
+  EXPECT_EQ(red, 200);
+  EXPECT_THAT(told, HasSubstr("its greatest colour is 256, but 255 is taken as white, since 1 of 1,201"));
+}
+
+TEST_F(Clouds, SeveralPointsAtZeroAreMisses) {
+  std::vector<std::string> lines = lawn("", 3);
+  testing::internal::CaptureStderr();
+  lines.push_back("0 0 0");
+  EXPECT_EQ(trianglesOf(read(ply("", lines))), 2u * 401);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  testing::internal::CaptureStderr();
+  lines.push_back("0 0 0");
+  EXPECT_EQ(trianglesOf(read(ply("", lines))), 2u * 400);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("left out: 2 points at 0, 0, 0, which are misses"));
+}
+
 TEST_F(Clouds, MayBeThinnedOut) {
   const AssetOptions options{.points = {.spacing = 0.5}};
   EXPECT_EQ(read(ply("", lawn("", 0.01, 0.01)), options).parts.at(0).triangles.size(), 2u * 4 * 4);

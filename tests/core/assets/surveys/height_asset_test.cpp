@@ -194,7 +194,34 @@ TEST_F(Heights, ThatNoPlaceHasAreRefused) {
   EXPECT_THAT(refused(flat(30, -32768)), AllOf(HasSubstr("height of -32768 m"), HasSubstr("gdal_edit.py -a_nodata")));
   EXPECT_THAT(refused(flat(30, 3e38f)), HasSubstr("height of 3.00000001e+38"));
   folder_.write("pit.tif", flat(30, -9999).bytes());
-  EXPECT_THAT(reading(folder_.path() / "pit.tif").warnings, HasSubstr("pit.tif: has heights of -9999 m"));
+  EXPECT_THAT(reading(folder_.path() / "pit.tif").warnings, HasSubstr("pit.tif: has samples of -9999"));
+}
+
+TEST_F(Heights, MissingSamplesAreToldThoughScaledOrAveraged) {
+  folder_.write("dem.tif", flat(30, -9999).bytes());
+  for (const char* states : {"<UnitType>ft</UnitType>", "<Scale>0.01</Scale>"}) {
+    EXPECT_THAT(reading(mosaic(band("dem.tif", states))).warnings, HasSubstr("has samples of -9999")) << states;
+  }
+  AssetOptions options;
+  options.heights.every = 2;
+  EXPECT_THAT(reading(folder_.path() / "dem.tif", options).warnings, HasSubstr("has samples of -9999"));
+  folder_.write("dem.tif", flat(-10500, -9999).bytes());
+  EXPECT_THAT(reading(folder_.path() / "dem.tif").warnings, HasSubstr("has samples of -9999")) << "the greatest";
+}
+
+TEST_F(Heights, SystemsThatContradictTheCoordinatesAreTold) {
+  GeoTiff tiff = flat(30, 40);
+  tiff.epsg = 4326;
+  EXPECT_THAT(refused(tiff), AllOf(HasSubstr("has the latitude 54000"), HasSubstr("gdal_edit.py -a_srs")));
+  const GeoTiff degrees{6, 4, {flat(30, 60).values}, 11, 48, 0.001, 32633};
+  EXPECT_THAT(reading(folder_.write("d.tif", degrees.bytes())).warnings,
+              HasSubstr("d.tif: rises by 30 m within 0.005831 units of its coordinate system"));
+}
+
+TEST_F(Heights, BytesAreTold) {
+  folder_.write("dem.tif", flat(30, 40).bytes());
+  EXPECT_THAT(reading(mosaic(band("dem.tif", "", "Byte"))).warnings, HasSubstr("samples of 8 bits"));
+  EXPECT_EQ(reading(mosaic(band("dem.tif", "<UnitType>m</UnitType>", "Byte"))).warnings, "");
 }
 
 TEST_F(Heights, UnitsBecomeMetres) {
@@ -229,7 +256,7 @@ TEST_F(Heights, UnitsBecomeMetres) {
     return messageOf([&] { readAsset(file, {}); });
   };
   EXPECT_THAT(says("EPSG:32633", "<UnitType>K</UnitType>"), AllOf(HasSubstr("values in 'K'"), HasSubstr("-units")));
-  EXPECT_THAT(says("EPSG:4978", ""), AllOf(HasSubstr("earth-centred"), HasSubstr("gdalwarp -t_srs")));
+  EXPECT_THAT(says("EPSG:4978", ""), AllOf(HasSubstr("earth-centred"), HasSubstr("gdalwarp -dstnodata -9999 -t_srs")));
   EXPECT_THAT(says("GEOGCS[\"Moon\",DATUM[\"D\",SPHEROID[\"S\",1737400,0]],PRIMEM[\"P\",0],UNIT[\"degree\","
                    "0.0174532925199433]]",
                    ""),
@@ -279,7 +306,7 @@ TEST_F(Heights, StretchedCoordinatesAreTold) {
   const std::string transform = "890000, 5, 0, 5900000, 0, -5";
   for (const char* system : {"EPSG:3857", "EPSG:3395"}) {
     EXPECT_THAT(reading(mosaic(band("dem.tif"), system, transform)).warnings,
-                AllOf(HasSubstr("are 1.46"), HasSubstr("gdalwarp -t_srs EPSG:32632")));
+                AllOf(HasSubstr("are 1.46"), HasSubstr("gdalwarp -dstnodata -9999 -t_srs EPSG:32632")));
   }
 }
 
@@ -465,6 +492,10 @@ TEST_F(Heights, ImagesOfAllKindsHaveTheirColours) {
       << "one channel of 16 bits makes all have 16 bits";
   EXPECT_EQ(warnings, "");
   EXPECT_EQ(image(band(half), warnings), (std::vector{128, 128, 128}));
+  const std::string whiteIsZero = "<Metadata domain=\"IMAGE_STRUCTURE\"><MDI key=\"MINISWHITE\">YES</MDI></Metadata>";
+  const std::string bytes = band(dark, "", "Byte");
+  const int shade = image(bytes, warnings)[0];
+  EXPECT_EQ(image(whiteIsZero + bytes, warnings)[0], 255 - shade);
   const auto called = [](const char* name) { return std::string("<ColorInterp>") + name + "</ColorInterp>"; };
   EXPECT_EQ(image(band(half, called("Blue")) + band(dark, called("Red")) + band(bright, called("Alpha")) +
                       band(write("grey.tif", 64), called("Green")),
