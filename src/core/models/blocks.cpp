@@ -183,6 +183,9 @@ class BlockMaker {
   void innerWalls() {
     Shape2 core = plan_;
     core.shrink(static_cast<unsigned>(kRooms / kUnit));
+    // At spikes of the outline, shrink() returns corners far outside of it.
+    using namespace gtl::operators;
+    if (const Shape2 outside = core - plan_; !gtl::empty(outside)) core &= plan_;
     std::vector<gtl::polygon_with_holes_data<int>> parts;
     core.get(parts);
     const auto ring = [&](const std::vector<Point2>& corners) {

@@ -167,16 +167,41 @@ double overlap(const MapBuilding& a, const MapBuilding& b) {
   return squareMetres(Region(regionOf(a, origin) & regionOf(b, origin)));
 }
 
+// Returns a ring without spikes and without walls that are shorter than the least thickness.
 template <class Ring>
 Polygon polygonOf(const Ring& ring, const Point2& origin, bool hole) {
+  constexpr double kThin = 0.1;  // m, least thickness
   Polygon made;
   for (auto p = gtl::begin_points(ring); p != gtl::end_points(ring); ++p) {
-    const Point2 at{origin.x + kUnit * gtl::x(*p), origin.y + kUnit * gtl::y(*p)};
-    if (made.empty() || distance(at, made.back()) > kUnit / 2) made.push_back(at);
+    made.push_back({origin.x + kUnit * gtl::x(*p), origin.y + kUnit * gtl::y(*p)});
   }
-  if (made.size() > 1 && distance(made.front(), made.back()) < kUnit / 2) made.pop_back();
+  // Removes a corner if one of its walls returns along the other.
+  std::size_t i = 0;
+  for (std::size_t kept = 0; kept < made.size() && made.size() > 2;) {
+    const Polygon in{made[(i + made.size() - 1) % made.size()], made[i]};
+    const Polygon out{made[i], made[(i + 1) % made.size()]};
+    const bool spike = distanceToRings({&in}, out[1]) < kThin || distanceToRings({&out}, in[0]) < kThin;
+    if (spike) made.erase(made.begin() + static_cast<std::ptrdiff_t>(i));
+    kept = spike ? 0 : kept + 1;
+    i = (spike ? i : i + 1) % made.size();
+  }
   if ((sizeOf(made) < 0) != hole) std::reverse(made.begin(), made.end());
   return made;
+}
+
+// Adds to a region, or removes from it, what is within kSeam of a wall of the ring.
+void alongWalls(Region& region, const Polygon& ring, const Point2& origin, bool remove) {
+  constexpr double kSeam = 0.08;  // m; more than ringOf() and the rounding of degrees move the points of a wall
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Point2& a = ring[i];
+    const Point2& b = ring[(i + 1) % ring.size()];
+    const models::Footprint wall{models::lerp(a, b, 0.5), distance(a, b) / 2 + kSeam, kSeam,
+                                 std::atan2(b.y - a.y, b.x - a.x)};
+    MapBuilding strip;
+    strip.outline = {wall.at(-wall.halfX, -kSeam), wall.at(wall.halfX, -kSeam), wall.at(wall.halfX, kSeam),
+                     wall.at(-wall.halfX, kSeam)};
+    region.insert(regionOf(strip, origin), remove);
+  }
 }
 
 // Adds the rest of the outline as further parts, if the parts do not cover it. Returns whether it did.
@@ -189,7 +214,23 @@ bool addRest(MapBuilding& b) {
   const double complete = squareMetres(rest);
   for (const MapBuilding& part : b.parts) rest -= regionOf(part, origin);
   if (squareMetres(rest) <= (1 - kCovered) * complete) return false;
+  // Removes what is thinner than a seam, such as the strip between an outline and a part whose points lie a centimetre
+  // beside it: the rest without the seams, widened by a seam.
   std::vector<gtl::polygon_with_holes_data<int>> pieces;
+  Region wide = rest;
+  for (const MapBuilding& part : b.parts) {
+    alongWalls(wide, part.outline, origin, true);
+    for (const Polygon& court : part.courts) alongWalls(wide, court, origin, true);
+  }
+  wide.get(pieces);
+  for (const auto& piece : pieces) {
+    alongWalls(wide, polygonOf(piece, origin, false), origin, false);
+    for (auto hole = gtl::begin_holes(piece); hole != gtl::end_holes(piece); ++hole) {
+      alongWalls(wide, polygonOf(*hole, origin, true), origin, false);
+    }
+  }
+  rest &= wide;
+  pieces.clear();
   rest.get(pieces);
   for (const auto& piece : pieces) {
     MapBuilding part;

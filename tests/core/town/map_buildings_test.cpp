@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "tests/support/labels.h"
 #include "town/layout.h"
 #include "town/map_place.h"
 
@@ -110,6 +111,52 @@ TEST(MapBuildings, TheRestOfAnOutlineIsBuiltBesideItsParts) {
   EXPECT_NEAR(sizeOf(parts[2].outline), 400, 2);
   EXPECT_EQ(parts[2].courts.size(), 1u);
   EXPECT_THAT(map.leftOut.text(), HasSubstr("1 building outlines that their parts cover in part"));
+}
+
+// Points of a map are rounded to about a centimetre, so that a part at a wall of a turned outline leaves slivers.
+TEST(MapBuildings, PartsAtTheEdgeOfATurnedOutlineLeaveItsRest) {
+  // West, south, east and north sides of the parts, as shares of the outline.
+  const std::vector<std::vector<std::array<double, 4>>> kinds = {{{-0.5, -0.5, -0.1, -0.1}},
+                                                                 {{-0.2, -0.5, 0.2, -0.1}},
+                                                                 {{-0.2, -0.5, 0.2, 0.5}},
+                                                                 {{-0.5, -0.5, 0, 0.5}, {0, -0.25, 0.5, 0.25}}};
+  Draw draw(1, models::Kind::House, 1);
+  for (int i = 0; i < 200; ++i) {
+    const double yaw = draw.in(-0.4, 0.4);
+    const double width = draw.in(16, 26);
+    const double depth = draw.in(12, 18);
+    const auto turned = [&](std::vector<Point2> ring) {
+      for (Point2& p : ring) {
+        p = {p.x * width * std::cos(yaw) - p.y * depth * std::sin(yaw),
+             35 + p.x * width * std::sin(yaw) + p.y * depth * std::cos(yaw)};
+      }
+      return ring;
+    };
+    const auto rounded = [](OsmArea a) {
+      for (OsmNode& n : a.outer) n = {n.id, std::round(n.latitude * 1e7) / 1e7, std::round(n.longitude * 1e7) / 1e7};
+      return a;
+    };
+    std::vector<OsmArea> areas{
+        rounded(area("way 2", {{"building", "yes"}, {"height", "10"}}, turned(rectangle(-0.5, -0.5, 0.5, 0.5))))};
+    for (const auto& [west, south, east, north] : kinds[static_cast<std::size_t>(i) % kinds.size()]) {
+      areas.push_back(rounded(area("way 3", {{"building:part", "yes"}, {"height", "20"}, {"roof:shape", "flat"}},
+                                   turned(rectangle(west, south, east, north)))));
+    }
+    const Map map = makeMap(withAreas(areas));
+    ASSERT_EQ(map.buildings.size(), 1u);
+    const MapBuilding& b = map.buildings[0];
+    double built = 0;
+    for (const MapBuilding& part : b.parts) {
+      built += sizeOf(part.outline);
+      for (const Polygon& court : part.courts) built += sizeOf(court);
+    }
+    EXPECT_NEAR(built, sizeOf(b.outline), 0.02 * sizeOf(b.outline)) << i;
+    const Layout layout = layOut(map);
+    ASSERT_EQ(layout.blocks().size(), 1u);
+    SceneBuilder builder = labelledBuilder();
+    const models::Model model = models::makeBlock(builder, 1, layout.blocks()[0].block);
+    EXPECT_LT(length(model.bounds.high - model.bounds.low), 40) << i;
+  }
 }
 
 TEST(MapBuildings, WhatHasNoHeightIsCounted) {
