@@ -8,7 +8,9 @@
 #include <utility>
 
 #include "assets/meshes/gltf/reader.h"
+#include "assets/surveys/surveys.h"
 #include "base/error.h"
+#include "config/text.h"
 #include "formats/cloud_file.h"
 #include "rasters/raster.h"
 #include "scenefile/survey_options.h"
@@ -124,7 +126,8 @@ Asset FileMeshes::load(const std::filesystem::path& file, const AssetOptions& op
       colored.textures = true;
       return readAsset(file, colored);
     }
-    if (isCloud(file)) return readAsset(file, options);  // the points' colours and intensities are stored as textures
+    // Colours and intensities of surveys are stored as textures.
+    if (isCloud(file) || isHeights(lowerExtension(file))) return readAsset(file, options);
     const bool mayDoWithout = any([](const Rule& rule) { return !rule.materialName.empty(); });
     if (!options.textures || !mayDoWithout) return readAsset(file, options);
     AssetOptions plain = options;

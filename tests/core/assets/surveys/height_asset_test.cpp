@@ -199,14 +199,13 @@ TEST_F(Heights, ThatNoPlaceHasAreRefused) {
 
 TEST_F(Heights, MissingSamplesAreToldThoughScaledOrAveraged) {
   folder_.write("dem.tif", flat(30, -9999).bytes());
-  for (const char* states : {"<UnitType>ft</UnitType>", "<Scale>0.01</Scale>"}) {
-    EXPECT_THAT(reading(mosaic(band("dem.tif", states))).warnings, HasSubstr("has samples of -9999")) << states;
-  }
+  const char* const states = "<UnitType>ft</UnitType><Scale>0.01</Scale>";
+  EXPECT_THAT(reading(mosaic(band("dem.tif", states))).warnings, HasSubstr("has samples of -9999"));
   AssetOptions options;
   options.heights.every = 2;
   EXPECT_THAT(reading(folder_.path() / "dem.tif", options).warnings, HasSubstr("has samples of -9999"));
-  folder_.write("dem.tif", flat(-10500, -9999).bytes());
-  EXPECT_THAT(reading(folder_.path() / "dem.tif").warnings, HasSubstr("has samples of -9999")) << "the greatest";
+  folder_.write("deep.tif", flat(-10500, -9999).bytes());
+  EXPECT_THAT(reading(folder_.path() / "deep.tif").warnings, HasSubstr("has samples of -9999")) << "the greatest";
 }
 
 TEST_F(Heights, SystemsThatContradictTheCoordinatesAreTold) {
@@ -465,6 +464,12 @@ TEST_F(Heights, HaveClassesAndColoursOfOtherRasters) {
       }
     }
   }
+  const Scene scene = sceneOf(folder_,
+                              "objects:\n  - {file: dem.tif, class: terrain, heights: {image: photo.tif}, rules: "
+                              "[{match: {node: none}, class: road, material: asphalt}]}\n");
+  EXPECT_TRUE(std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& m) {
+    return m.texture != nullptr;
+  })) << "a rule's material replaces the image only where the rule matches";
   cover.epsg = 32632;
   options.heights.classes = folder_.write("other.tif", cover.bytes());
   EXPECT_THAT(refused(tilted(), options), AllOf(HasSubstr("other.tif"), HasSubstr("gdalwarp")));

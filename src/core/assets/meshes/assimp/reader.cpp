@@ -26,15 +26,12 @@
 #include "assets/meshes/assimp/fbx.h"
 #include "assets/meshes/assimp/parts.h"
 #include "assets/meshes/imported_asset.h"
+#include "assets/meshes/polygon.h"
 #include "base/error.h"
 
 namespace scanmill {
 
 namespace {
-
-// Largest sum of squared corner counts over all polygons. The importer's time to triangulate a polygon grows with the
-// square of its corners: a second for 40,000 corners.
-constexpr double kMostCornersSquared = 4e9;
 
 constexpr std::string_view kCollada = "Collada Importer";
 constexpr std::string_view kFbx = "Autodesk FBX Importer";
@@ -70,7 +67,7 @@ class Importer {
     countRest();
     read.outOfRange = dropBadFaces();
     undoTurnOfFbx();
-    triangulate();
+    makeUvs();
     read.materials = materialsOf(*scene_, format_ == kXFile, placements_);
     mendMaterials(read.materials);
     read.images = imagesOf(*scene_);
@@ -232,28 +229,11 @@ class Importer {
     if (format_ == kFbx && scene_->mRootNode != nullptr) scene_->mRootNode->mTransformation = aiMatrix4x4();
   }
 
-  void triangulate() {
-    unsigned steps = aiProcess_GenUVCoords;
-    double squared = 0;
-    unsigned most = 0;
-    for (unsigned m = 0; m < scene_->mNumMeshes; ++m) {
-      const aiMesh& mesh = *scene_->mMeshes[m];
-      for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
-        const unsigned corners = mesh.mFaces[f].mNumIndices;
-        if (corners <= 3) continue;
-        steps |= aiProcess_Triangulate;
-        squared += static_cast<double>(corners) * corners;
-        most = std::max(most, corners);
-      }
-    }
-    if (squared > kMostCornersSquared) {
-      fail(
-          fmt::format("has polygons of up to {} corners, which would take minutes to divide into triangles: export it "
-                      "with triangles",
-                      most));
-    }
-    scene_ = importer_.ApplyPostProcessing(steps);
-    if (scene_ == nullptr) fail(fmt::format("cannot be divided into triangles: {}; {}", reason(), remedyFor(kind_)));
+  // Makes the texture coordinates of materials that state a projection instead. Polygons are divided in append(), since
+  // the importer divides concave ones wrong.
+  void makeUvs() {
+    scene_ = importer_.ApplyPostProcessing(aiProcess_GenUVCoords);
+    if (scene_ == nullptr) fail(fmt::format("cannot be read: {}; {}", reason(), remedyFor(kind_)));
   }
 
   // Returns the transform from the importer's frame to metres and z up.
@@ -462,9 +442,16 @@ class Importer {
     part.triangles.reserve(part.triangles.size() + mesh.mNumFaces);
     for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
       const aiFace& face = mesh.mFaces[f];
-      if (face.mNumIndices != 3) continue;
+      if (face.mNumIndices < 3) continue;
       const unsigned* at = face.mIndices;
-      part.triangles.push_back({offset + at[0], offset + at[mirrored ? 2 : 1], offset + at[mirrored ? 1 : 2]});
+      const auto corner = [&](std::size_t i) {
+        const aiVector3D& v = mesh.mVertices[at[i]];
+        return Vec3d{v.x, v.y, v.z};
+      };
+      for (const auto& t : polygons_.divide(face.mNumIndices, corner)) {
+        part.triangles.push_back(
+            {offset + at[t[0]], offset + at[t[mirrored ? 2 : 1]], offset + at[t[mirrored ? 1 : 2]]});
+      }
     }
   }
 
@@ -491,6 +478,7 @@ class Importer {
   std::string format_;                   // the importer's name for the kind of the file
   std::vector<UvPlacement> placements_;  // by material
   std::uint64_t triangles_ = 0;
+  Triangulator polygons_{std::filesystem::path()};  // without the file's name, which the parent process adds
   ColladaFacts collada_;
   std::set<std::string> clamped_;         // names of images that do not repeat (FBX)
   std::map<std::string, Affine> joints_;  // assetFromNode by jointName() of the node
