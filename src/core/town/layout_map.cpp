@@ -86,7 +86,17 @@ Layout::Layout(const Parameters& parameters, std::uint64_t seed, const MapPlace&
                        map.origin.longitude);
   takeRoads(map);
   drawPotholes();
-  for (const MapArea& area : map.areas) areas_.add(area);
+  for (const MapArea& area : map.areas) {
+    areas_.add(area);
+    const std::vector<Point2> edge = pointsAlong(area.outline, 10);
+    if (area.land != Land::Wood || std::all_of(edge.begin(), edge.end(), [&](const Point2& p) {
+          return std::max(std::abs(p.x), std::abs(p.y)) > half_ || roads_.at(p.x, p.y).known;
+        })) {
+      continue;
+    }
+    warn(fmt::format("{}: woods farther than {} m from every road have no trees", parameters_.map.string(),
+                     RoadNetwork::kReach));
+  }
   findWaterLevels();
   takeBuildings(map);
   for (const MapPath& path : map.paths) {

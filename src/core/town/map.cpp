@@ -279,6 +279,7 @@ class MapMaker {
     for (const OsmNode& n : way.nodes) line.push_back(plane_(n));
     if (line.size() < 2) return;
     if (fencing) {
+      if (first && closed && tags["area"] == "yes") map_.leftOut.add(kHollow);
       map_.barriers.push_back({*fencing, std::move(line), barrierHeight(tags)});
     } else {
       map_.paths.push_back({std::move(line), numbers_.read(tags, "width", metresOf, 0.3, 24)});
@@ -318,6 +319,7 @@ class MapMaker {
         if (hole.size() > 2) holes.push_back(std::move(hole));
       }
       if (fencing) {
+        map_.leftOut.add(kHollow);
         for (std::size_t i = 0; i <= holes.size(); ++i) {
           std::vector<Point2> line = i < holes.size() ? holes[i] : outline;
           line.push_back(line.front());
@@ -344,6 +346,9 @@ class MapMaker {
                             numbers_.read(point.tags, "diameter_crown", metresOf, 0.3, 60)});
     } else if (!isOneOf(point.tags["building"], {"", "no", "entrance"})) {
       map_.leftOut.add("buildings that are nodes");
+    } else if (const FormatElements* row = osmFormat().find("crossing=" + point.tags["crossing"]);
+               row != nullptr && point.tags["highway"] == "crossing") {
+      map_.leftOut.add(std::string(row->note));
     } else {
       leaveOut(point.tags, true);
     }
@@ -407,6 +412,8 @@ class MapMaker {
     if (otherKind && !unused) map_.leftOut.add("areas, trees and barriers on other kinds of elements, such as nodes");
   }
 
+  static constexpr const char* kHollow =
+      "hedges, walls and fences that are areas, of which only the outlines are built";
   static constexpr const char* kOffGround = "on bridges, in tunnels, indoors or underground";
 
   const OsmExtract& extract_;
@@ -506,6 +513,8 @@ const FormatSupport& osmFormat() {
         "amenity=waste_basket amenity=recycling amenity=post_box amenity=fountain amenity=shelter amenity=telephone "
         "amenity=vending_machine amenity=bicycle_parking amenity=charging_station",
         "lamps, signs and street furniture, which the seed draws"},
+       {LeftOut, "crossing=marked crossing=zebra crossing=uncontrolled crossing=traffic_signals",
+        "marked crossings, which the seed draws"},
        {LeftOut, "historic=* tourism=artwork", "monuments, ruins and works of art"},
        {LeftOut, "ele", "heights of nodes (ele)"},
        {LeftOut, "",

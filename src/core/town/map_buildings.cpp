@@ -87,6 +87,12 @@ void setRoof(MapBuilding& b, const OsmTags& tags, bool mirrored, TagNumbers& num
     alongX = std::abs(downX) > std::abs(downY);
     highSide = (alongX ? downX : downY) > 0 ? -1 : 1;
   }
+  if (shape == RoofShape::Hipped && alongX != (about.halfX < about.halfY)) {
+    alongX = about.halfX < about.halfY;
+    if (std::abs(about.halfX - about.halfY) > 0.1 * narrow) {
+      b.different = "hipped roofs with a ridge across, whose ridge is along the longer side";
+    }
+  }
   const double run = alongX ? about.halfX : about.halfY;
   const double half = alongX ? about.halfY : about.halfX;
   double length = half;  // half of the ridge
@@ -122,6 +128,7 @@ void setHeights(MapBuilding& b, const OsmTags& tags, TagNumbers& numbers) {
     rise = kStorey * *levels;
   }
   const bool part = tags["building"].empty();
+  const double wanted = rise.value_or(b.rise);
   if (b.roof == models::Roof::Flat || (part && !b.ridge)) {
     b.rise = 0;
     b.riseSaid = false;
@@ -137,6 +144,9 @@ void setHeights(MapBuilding& b, const OsmTags& tags, TagNumbers& numbers) {
   const auto level = numbers.read(tags, "building:min_level", numberOf, 0, kMostFloors);
   const double storey = b.top && floors ? std::max(*b.top - b.rise, 0.0) / *floors : kStorey;
   b.base = base ? *base : level ? storey * *level : 0;
+  if (b.riseSaid && b.top && wanted > *b.top - b.base + 0.05) {
+    b.different = "roofs higher than their buildings by roof:height or roof:angle, which end at the ground";
+  }
   if (!b.top && floors && (part || b.base > 0 || b.riseSaid)) {
     b.top = kStorey * *floors + (b.ridge || b.riseSaid ? b.rise : 0);
   }
@@ -192,6 +202,7 @@ Polygon polygonOf(const Ring& ring, const Point2& origin, bool hole) {
 // Adds to a region, or removes from it, what is within kSeam of a wall of the ring.
 void alongWalls(Region& region, const Polygon& ring, const Point2& origin, bool remove) {
   constexpr double kSeam = 0.08;  // m; more than ringOf() and the rounding of degrees move the points of a wall
+  using namespace gtl::operators;
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const Point2& a = ring[i];
     const Point2& b = ring[(i + 1) % ring.size()];
@@ -200,7 +211,7 @@ void alongWalls(Region& region, const Polygon& ring, const Point2& origin, bool 
     MapBuilding strip;
     strip.outline = {wall.at(-wall.halfX, -kSeam), wall.at(wall.halfX, -kSeam), wall.at(wall.halfX, kSeam),
                      wall.at(-wall.halfX, kSeam)};
-    region.insert(regionOf(strip, origin), remove);
+    region = remove ? Region(region - regionOf(strip, origin)) : Region(region | regionOf(strip, origin));
   }
 }
 

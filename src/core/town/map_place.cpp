@@ -84,6 +84,15 @@ class Cutter {
   MapPlace cut() {
     const MapRoad& main = map_.roads[main_];
     const double half = std::min(parameters_.length, main.length()) / 2;
+    for (std::size_t i = 0; i < map_.roads.size() && main.length() < parameters_.length; ++i) {
+      const MapRoad& other = map_.roads[i];
+      if (i == main_ || other.name.empty() || other.name != main.name || other.length() < kLeastLength) continue;
+      warn(
+          fmt::format("{}: {} is a main road of {:.0f} m, less than `length: {:.0f}`: the town has it only up to an "
+                      "interruption, such as a bridge or a tunnel, and other roads of this name are not joined to it",
+                      map_.file.string(), quotedForMessage(main.name), main.length(), parameters_.length));
+      break;
+    }
     const double middle = draw_.in(half, std::max(half, main.length() - half));
     origin_ = pointAt(main.line, middle);
     place_.origin = degreesAt(map_, origin_);

@@ -121,7 +121,7 @@ TEST(MapBuildings, PartsAtTheEdgeOfATurnedOutlineLeaveItsRest) {
                                                                  {{-0.2, -0.5, 0.2, 0.5}},
                                                                  {{-0.5, -0.5, 0, 0.5}, {0, -0.25, 0.5, 0.25}}};
   Draw draw(1, models::Kind::House, 1);
-  for (int i = 0; i < 200; ++i) {
+  for (int i = 0; i < 80; ++i) {
     const double yaw = draw.in(-0.4, 0.4);
     const double width = draw.in(16, 26);
     const double depth = draw.in(12, 18);
@@ -154,8 +154,16 @@ TEST(MapBuildings, PartsAtTheEdgeOfATurnedOutlineLeaveItsRest) {
     const Layout layout = layOut(map);
     ASSERT_EQ(layout.blocks().size(), 1u);
     SceneBuilder builder = labelledBuilder();
-    const models::Model model = models::makeBlock(builder, 1, layout.blocks()[0].block);
-    EXPECT_LT(length(model.bounds.high - model.bounds.low), 40) << i;
+    const models::Block& block = layout.blocks()[0].block;
+    const auto [west, east] = std::minmax_element(block.outline.begin(), block.outline.end(),
+                                                  [](const Point2& p, const Point2& q) { return p.x < q.x; });
+    const auto [south, north] = std::minmax_element(block.outline.begin(), block.outline.end(),
+                                                    [](const Point2& p, const Point2& q) { return p.y < q.y; });
+    const Box bounds = models::makeBlock(builder, 1, block).bounds;
+    EXPECT_GT(bounds.low.x, west->x - 1) << i;
+    EXPECT_GT(bounds.low.y, south->y - 1) << i;
+    EXPECT_LT(bounds.high.x, east->x + 1) << i;
+    EXPECT_LT(bounds.high.y, north->y + 1) << i;
   }
 }
 
@@ -168,6 +176,55 @@ TEST(MapBuildings, WhatHasNoHeightIsCounted) {
       map.leftOut.text(),
       "1 buildings and building parts that are no higher than their min_height, 1 values of height that cannot be "
       "used, such as '30 stories' of way 3");
+}
+
+TEST(MapBuildings, RoofsThatTheirBuildingsDoNotAllowAreCounted) {
+  const auto counted = [](Pairs tags) {
+    tags.insert(tags.end(), {{"building", "yes"}, {"height", "10"}});
+    return makeMap(withAreas({area("way 2", tags, rectangle(0, 20, 18, 30))})).leftOut.text();
+  };
+  const Pairs across{{"roof:shape", "hipped"}, {"roof:orientation", "across"}};
+  EXPECT_THAT(counted(across), HasSubstr("1 hipped roofs with a ridge across"));
+  EXPECT_EQ(counted({{"roof:shape", "hipped"}, {"roof:orientation", "along"}}), "");
+  const char* const high = "1 roofs higher than their buildings";
+  EXPECT_THAT(counted({{"roof:shape", "gabled"}, {"roof:height", "12"}}), HasSubstr(high));
+  EXPECT_THAT(counted({{"roof:shape", "gabled"}, {"roof:angle", "80"}}), HasSubstr(high));
+  EXPECT_EQ(counted({{"roof:shape", "gabled"}, {"roof:height", "10"}}), "");
+}
+
+TEST(MapBuildings, WoodsWithoutTreesAreTold) {
+  const auto told = [](double north) {
+    testing::internal::CaptureStderr();
+    (void)layOut(makeMap(withAreas({area("way 2", {{"landuse", "forest"}}, rectangle(-20, 10, 20, north))})));
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_THAT(told(90), HasSubstr("woods farther than 48 m from every road have no trees"));
+  EXPECT_EQ(told(40), "");
+}
+
+TEST(MapBuildings, AMainRoadThatABridgeInterruptsIsTold) {
+  OsmExtract extract;
+  for (const double from : {-200.0, 60.0}) {
+    extract.ways.push_back({{"way 1", {{"highway", "residential"}, {"name", "A"}}}, {at(from, 0), at(from + 140, 0)}});
+  }
+  testing::internal::CaptureStderr();
+  (void)layOut(makeMap(extract));
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              HasSubstr("'A' is a main road of 140 m, less than `length: 200`"));
+}
+
+TEST(MapBuildings, HollowHedgesAndMarkedCrossingsAreCounted) {
+  OsmExtract extract = road();
+  const std::vector<Point2> ring = rectangle(10, 20, 20, 30);
+  OsmWay hedge{{"way 2", {{"barrier", "hedge"}, {"area", "yes"}}}, {}};
+  for (const Point2& p : ring) hedge.nodes.push_back(at(p.x, p.y));
+  hedge.nodes.push_back(hedge.nodes.front());
+  extract.ways.push_back(hedge);
+  extract.points.push_back({at(5, 0), {"node 1", {{"highway", "crossing"}, {"crossing", "marked"}}}});
+  extract.points.push_back({at(9, 0), {"node 2", {{"highway", "crossing"}, {"crossing", "unmarked"}}}});
+  EXPECT_EQ(makeMap(extract).leftOut.text(),
+            "1 hedges, walls and fences that are areas, of which only the outlines are built, "
+            "1 marked crossings, which the seed draws");
 }
 
 // The ridge is along the longer side unless the map says otherwise; a skillion roof falls in its direction.

@@ -248,7 +248,9 @@ TEST_F(ReadOsm, SizesOfBarriersTreesAndPathsAreRead) {
   ASSERT_EQ(map.trees.size(), 1u);
   EXPECT_EQ(map.trees[0].height, 25);
   EXPECT_EQ(map.trees[0].crown, 12);
-  EXPECT_EQ(map.leftOut.text(), "1 values of height that cannot be used, such as 'tall' of relation 30");
+  EXPECT_EQ(map.leftOut.text(),
+            "1 hedges, walls and fences that are areas, of which only the outlines are built, 1 values of height that "
+            "cannot be used, such as 'tall' of relation 30");
 }
 
 TEST_F(ReadOsm, SidesOfRoadsThatDifferAreCounted) {

@@ -265,7 +265,8 @@ class HeightAsset {
     color.stated = false;
     color.image = options_.textures ? image_ : nullptr;
     color.colored = color.textured = color.image != nullptr;
-    if (color.colored) part.texture = wanted_.image.filename().string();
+    // The name tells callers that read without textures first that this part has one.
+    if (image_ != nullptr) part.texture = wanted_.image.filename().string();
     setColor(part.fileMaterial, std::move(color), file_, options_, images_);
     asset_.parts.push_back(std::move(part));
     return found->second;

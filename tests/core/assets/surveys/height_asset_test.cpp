@@ -442,6 +442,8 @@ TEST_F(Heights, HaveClassesAndColoursOfOtherRasters) {
   const Asset asset = read(tilted(), options);
   ASSERT_EQ(asset.parts.size(), 6u);
   EXPECT_EQ(trianglesOf(asset), 2u * 29 * 19);
+  options.textures = false;
+  EXPECT_EQ(read(tilted(), options).parts[0].texture, "photo.tif") << "rules ask whether a part has a texture";
   for (const AssetPart& part : asset.parts) {
     const int number = std::stoi(part.material);
     ASSERT_TRUE(part.fileMaterial.texture);
