@@ -54,7 +54,7 @@ class Reference {
   std::string text() const {
     char* text = nullptr;
     if (known_) OSRExportToWkt(handle_, &text);
-    const std::string copy = text == nullptr ? "" : text;
+    std::string copy = text == nullptr ? "" : text;
     CPLFree(text);
     return copy;
   }

@@ -13,7 +13,7 @@ namespace scanmill {
 struct SystemUnit {
   double horizontal = 1;           // metres per unit of x and y
   std::optional<double> vertical;  // metres per unit of z, negative if z points down; none: as of x and y
-  std::string name = "";           // of the unit of x and y; empty: no unit is stated, and horizontal is 1
+  std::string name = {};           // of the unit of x and y; empty: no unit is stated, and horizontal is 1
   bool degrees = false;            // true: x and y are longitude and latitude
   bool geocentric = false;         // true: the origin is the earth's centre
   bool mercator = false;           // true: a Mercator projection with the equator along x, such as Web Mercator

@@ -90,8 +90,17 @@ class PlyBody {
       return type.size == 8 ? std::bit_cast<double>(bits)
                             : double{std::bit_cast<float>(static_cast<std::uint32_t>(bits))};
     }
-    const bool negative = type.kind == PlyType::Kind::Signed && bits >> (8 * type.size - 1) != 0;
-    return static_cast<double>(bits) - (negative ? static_cast<double>(std::uint64_t{1} << 8 * type.size) : 0.0);
+    if (type.kind != PlyType::Kind::Signed) return static_cast<double>(bits);
+    switch (type.size) {
+      case 1:
+        return static_cast<std::int8_t>(bits);
+      case 2:
+        return static_cast<std::int16_t>(bits);
+      case 4:
+        return static_cast<std::int32_t>(bits);
+      default:
+        return static_cast<double>(static_cast<std::int64_t>(bits));
+    }
   }
 
   // Returns the length of a list.
