@@ -27,7 +27,7 @@ namespace scanmill {
 
 namespace {
 
-// What a property means to the reader.
+// The meaning of a property.
 enum class Role { None, X, Y, Z, U, V, Corners, CornerUvs, Image, Material, Red, Green, Blue };
 constexpr std::size_t kRoles = 13;
 

@@ -19,7 +19,7 @@
 
 namespace scanmill {
 
-// What becomes of the elements and properties of meshes.
+// Returns the table of the elements and properties that the reader knows.
 const FormatSupport& plyMeshFormat();
 
 // Reads the file. Triangles with indices out of range are dropped and counted. Throws InputError, with the line of text

@@ -1,6 +1,6 @@
 #pragma once
 
-// What the assimp library does not report of files that consist of chunks.
+// Searches files that consist of chunks (3DS, LWO) for facts that the assimp library does not report.
 
 #include <filesystem>
 #include <string>

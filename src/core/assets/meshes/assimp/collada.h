@@ -1,6 +1,6 @@
 #pragma once
 
-// What the assimp library does not report of a COLLADA file (.dae; COLLADA 1.4.1 and 1.5).
+// Searches COLLADA files (.dae; COLLADA 1.4.1 and 1.5) for facts that the assimp library does not report.
 
 #include <filesystem>
 #include <optional>

@@ -1,6 +1,6 @@
 #pragma once
 
-// What the assimp library does not report of FBX files.
+// Searches FBX files for facts that the assimp library does not report.
 
 #include <filesystem>
 #include <set>

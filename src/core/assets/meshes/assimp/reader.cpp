@@ -294,7 +294,7 @@ class Importer {
     std::string name;  // name of the node or of its nearest named ancestor; the root's children do not inherit its
                        // name, which the importer often invents
     bool shown;        // false: hidden, with all nodes below it
-    // Of FBX files: the frame and the scale of the object above, and the object's transform in that frame.
+    // Only set in FBX files: the frame and the scale of the object above, and the object's transform in that frame.
     Affine assetFromParent{};
     Vec3d parentScale{1, 1, 1};
     Affine parentFromObject{};

@@ -25,7 +25,7 @@
 
 namespace scanmill::obj {
 
-// What is counted in LeftOut.
+// Kinds of things that readers of materials count in LeftOut.
 inline constexpr const char* kUndefined = "materials that no library defines (they have the default reflectance)";
 inline constexpr const char* kClamps = "-clamp on of textures, which repeat";
 inline constexpr const char* kBrightness = "-mm of images, which changes their brightness";

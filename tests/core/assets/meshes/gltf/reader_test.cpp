@@ -523,7 +523,7 @@ TEST_F(GltfReader, TexturesNeedTextureCoordinates) {
   EXPECT_NEAR(material.reflectance, kColoursMean, 1e-5);
 }
 
-// Beside primitives with texture coordinates, those without are a part of their own.
+// Primitives without texture coordinates are a part of their own, so that no texture shows on them.
 TEST_F(GltfReader, PrimitivesWithoutTextureCoordinatesAreAPartOfTheirOwn) {
   GltfBuilder b;
   const std::size_t positions = b.numbers<float>(kCorners, "VEC3", 3);
@@ -560,7 +560,7 @@ TEST_F(GltfReader, ColouredFactorsMultiplyTheChannelsOfImages) {
   const AssetPart part = read(w).parts.at(0);
   const Material& m = part.fileMaterial;
   EXPECT_NEAR(m.reflectance, (0.2126 * 0.5 + 0.7152 * 0.25) / 2, 1e-3);
-  // What a beam sees: the reflectance times the texel's share of the mean; and what rules see.
+  // Returns the reflectance that a beam sees: that of the material times the texel's share of the mean.
   const auto seen = [&](float u, float v) { return m.reflectance * luminance(m.texture->texel(u, v)) / m.textureMean; };
   EXPECT_NEAR(seen(0.25f, 0.75f), 0.2126 * 0.5, 2e-3) << "red";
   EXPECT_NEAR(seen(0.75f, 0.75f), 0.7152 * 0.25, 2e-3) << "green";
