@@ -406,12 +406,16 @@ def count_left_out(shown, bare):
 
 def source(socket):
     """Returns the output that feeds a socket; None if the socket is a constant."""
-    while socket.is_linked and socket.links[0].is_valid:  # links of a cycle are not
+    # Links of a cycle are not valid; Blender ignores muted links.
+    while socket.is_linked and socket.links[0].is_valid and not socket.links[0].is_muted:
         output = socket.links[0].from_socket
         if output.node.type == "REROUTE":
             socket = output.node.inputs[0]
-        elif output.node.mute and output.node.internal_links:
-            socket = output.node.internal_links[0].from_socket
+        elif output.node.mute:
+            inner = [link.from_socket for link in output.node.internal_links if link.to_socket == output]
+            if not inner:
+                return output
+            socket = inner[0]
         else:
             return output
     return None
@@ -443,13 +447,15 @@ def surface_of(surface):
     return shader, colors[0] if colors else None, alpha, known
 
 
-def textures_before(output):
-    """Yields the nodes of the images on which an output depends."""
-    if output is not None:
+def textures_before(output, seen=None):
+    """Yields the nodes of the images on which an output depends, each once."""
+    seen = set() if seen is None else seen
+    if output is not None and output.node not in seen:
+        seen.add(output.node)
         if output.node.type == "TEX_IMAGE" and output.node.image is not None:
             yield output.node
         for socket in output.node.inputs:
-            yield from textures_before(source(socket))
+            yield from textures_before(source(socket), seen)
 
 
 def is_placed_by_uvs(texture):
@@ -563,7 +569,7 @@ class Materials:
         for name, output in (("Base Color", texture), ("Alpha", mask)):
             for link in shader.inputs[name].links:
                 tree.links.remove(link)
-            for node in set(textures_before(output)):
+            for node in textures_before(output):
                 node.image = self.readable(node.image)
             if output is not None:
                 tree.links.new(output, shader.inputs[name])

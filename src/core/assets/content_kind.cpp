@@ -39,8 +39,8 @@ constexpr std::array<Content, 26> kContents{{
     {"\x89png"sv, "a PNG image", ""},
     {"\xff\xd8\xff"sv, "a JPEG image", ""},
     {"%pdf", "a PDF", ""},
-    {"pk\x03\x04"sv, "a ZIP archive: unpack it", ".3mf .amf .q3o .zgl"},
-    {"\x1f\x8b"sv, "compressed by gzip: unpack it", ".blend .zgl .x3db"},
+    {"pk\x03\x04"sv, "a ZIP archive: unpack it", ".3mf .amf"},
+    {"\x1f\x8b"sv, "compressed by gzip: unpack it", ".blend"},
     {"7z\xbc\xaf"sv, "a 7z archive: unpack it", ""},
     {"rar!", "a RAR archive: unpack it", ""},
     {"<!doctype html", "a web page", ""},
@@ -66,7 +66,7 @@ std::string otherContent(const std::filesystem::path& file, const std::string& k
     if (!begin.starts_with(content.begin) && !(collada && content.begin == "<collada")) continue;
     return content.endings.find(kind) != std::string_view::npos && !kind.empty() ? "" : std::string(content.what);
   }
-  constexpr std::string_view kXml = ".dae .sdf .world .urdf .xacro .xml .irr .irrmesh .x3d .xgl .amf .vrt .ogex";
+  constexpr std::string_view kXml = ".dae .sdf .world .urdf .xacro .xml .x3d .amf .vrt";
   return xml && kXml.find(kind) == std::string_view::npos ? "XML" : "";
 }
 

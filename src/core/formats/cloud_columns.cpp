@@ -94,10 +94,11 @@ void adoptColumns(Cloud& cloud, const Location& where) {
       if (ownName != (lowerCase(column.name) == meant)) return false;
       bool adopted = false;
       visitTable(scan, [&](auto key, auto& values) {
+        if (key.row.name != meant) return;
         // Scanners that do not measure intensities fill their column with 0.
         const bool blank = key.index == kIntensity.index &&
                            std::all_of(values.begin(), values.end(), [](auto value) { return value == 0; });
-        if (key.row.name != meant || (scan.has(key) && !blank)) return;
+        if (scan.has(key) && !blank) return;
         try {
           std::visit([&](const auto& stored) { values = numbersFor(key, stored, ownName ? where : Location{}); },
                      column.values);

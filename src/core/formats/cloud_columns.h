@@ -21,12 +21,12 @@ const FormatSupport& cloudColumns();
 // without `scalar_`, if it means no other.
 std::string columnMeant(std::string_view name);
 
-// Turns foreign columns into those columns of the table that their names mean and the scan lacks. Of several columns
-// with one meaning the one with the column's own name is taken, else the first; the others stay foreign. Numbers of
-// instances below 0 mean none: if there are any, the other numbers are counted from 1 on. The label -1 becomes 0, or
-// 65535 if the column has a 0, which may be a class. If a number does not fit the
-// type, throws an InputError at `where` if the column has the column's own name and `where` names a file, else leaves
-// the column foreign and says so in cloud.leftOut.
+// Turns foreign columns into those columns of the table that their names mean and the scan lacks; an intensity column
+// of zeros alone is replaced, too. Of several columns with one meaning the one with the column's own name is taken,
+// else the first; the others stay foreign. Numbers of instances below 0 mean none: if there are any, the other numbers
+// are counted from 1 on. The labels -1 and -100 become 0, or 65535 if the column has a 0, which may be a class. If a
+// number does not fit the type, throws an InputError at `where` if the column has the column's own name and `where`
+// names a file, else leaves the column foreign and says so in cloud.leftOut.
 void adoptColumns(Cloud& cloud, const Location& where);
 
 // Sets the positions of a scan to `exact` (m) and the cloud's origin to cloudOrigin() of the first finite one.

@@ -236,7 +236,7 @@ class CsvReader {
     if (cloudColumns().find(columnMeant(name)) != nullptr) return foreignReader(name);
     return [this, numbers = foreignReader(name), texts = fmt::format("texts in the column '{}'", name)](
                std::string_view word, const Location& where) {
-      const bool isText = word.empty() || (std::isalpha(static_cast<unsigned char>(word[0])) != 0 && !isNumber(word));
+      const bool isText = !isNumber(word.substr(word.starts_with('+') ? 1 : 0));
       if (isText) cloud_.leftOut.add(texts);
       numbers(isText ? "nan" : word, where);
     };

@@ -194,11 +194,13 @@ class LasReader {
     if (points == 0) return;
     constexpr double kEarthRadius = 6378137;  // m
     const Vec3d place = placeAt(first);
-    if (unit.mercator) {
+    constexpr double kUsual = 1.001;  // largest ratio that is not told
+    const double stretch = std::cosh(place.y / kEarthRadius);
+    if (unit.mercator && stretch > kUsual) {
       warn(
           fmt::format("{}: its coordinates are in a Mercator projection, in which lengths are {:.4g} times those on "
                       "the ground (1/cos(latitude)), heights are not: {}",
-                      where_.file, std::cosh(place.y / kEarthRadius), kReproject));
+                      where_.file, stretch, kReproject));
     }
     if (wkt_.empty() && geoKeys_.empty()) tellDegrees(place, first, points);
   }
@@ -207,12 +209,12 @@ class LasReader {
   // to each other than those of any place in metres.
   void tellDegrees(const Vec3d& place, std::uint64_t first, std::uint64_t points) const {
     constexpr double kTiny = 0.2, kFar = 5;  // extent; ratio of the distance from 0 to the extent
+    if (std::fabs(place.x) > 180 || std::fabs(place.y) > 90) return;
     Box box;
     for (std::uint64_t i = 0; i < points; ++i) box.add(placeAt(first + i * record_));
     const double extent = std::max(box.high.x - box.low.x, box.high.y - box.low.y);
     const double away = std::max(std::fabs(place.x), std::fabs(place.y));
-    if (std::fabs(place.x) > 180 || std::fabs(place.y) > 90 || extent > kTiny) return;
-    if (extent == 0 || away < kFar * extent) return;
+    if (extent > kTiny || extent == 0 || away < kFar * extent) return;
     warn(fmt::format(
         "{}: all its points lie within {:.2g} m of [{:.6g}, {:.6g}], and no coordinate system is stated: if "
         "they are in degrees, reproject it, by `pdal translate a.las b.las reprojection "

@@ -109,10 +109,12 @@ Scan readPointRecords(std::string_view bytes, std::size_t numbers, const std::st
     throw InputError({what}, fmt::format("has {} bytes, which are no whole records of {} float32 ({})", bytes.size(),
                                          numbers, record));
   }
-  const std::string advice = fmt::format(
-      ": these are no records of {} float32 ({}); if they have 5 (x, y, z, intensity, ring), name the file .pcd.bin; "
-      "convert others, such as 6, by numpy.fromfile(a, 'f4').reshape(-1, 6)[:, :4].tofile(b)",
-      numbers, record);
+  const auto advice = [&] {
+    return fmt::format(
+        ": these are no records of {} float32 ({}); {}convert others, such as 6, by numpy.fromfile(a, "
+        "'f4').reshape(-1, 6)[:, :4].tofile(b)",
+        numbers, record, numbers == 4 ? "if they have 5 (x, y, z, intensity, ring), name the file .pcd.bin; " : "");
+  };
   const std::vector<float> values = valuesOf<float>(bytes);
   Scan scan;
   std::uint32_t rings = 0;
@@ -122,7 +124,7 @@ Scan readPointRecords(std::string_view bytes, std::size_t numbers, const std::st
     // The comparison is written so that NaN fails it, too.
     const auto near = [](float c) { return std::fabs(c) <= kFarthest; };
     if (!near(p.x) || !near(p.y) || !near(p.z)) {
-      throw InputError({what}, fmt::format("point {} lies at {}, {}, {}{}", at / numbers, p.x, p.y, p.z, advice));
+      throw InputError({what}, fmt::format("point {} lies at {}, {}, {}{}", at / numbers, p.x, p.y, p.z, advice()));
     }
     scan.position.push_back(p);
     scan[kIntensity].push_back(values[at + 3]);
@@ -137,7 +139,7 @@ Scan readPointRecords(std::string_view bytes, std::size_t numbers, const std::st
   constexpr double kFewDark = 0.05;
   if (static_cast<double>(dark) > kFewDark * static_cast<double>(scan.size())) {
     throw InputError({what},
-                     fmt::format("{} of {} intensities are below 0 or no numbers{}", dark, scan.size(), advice));
+                     fmt::format("{} of {} intensities are below 0 or no numbers{}", dark, scan.size(), advice()));
   }
   if (numbers < 5) scan[kRing] = ringsByOrder(scan.position);
   for (const std::uint16_t ring : scan[kRing]) rings = std::max(rings, ring + 1u);

@@ -54,6 +54,12 @@ std::unique_ptr<RasterReader> open(const std::filesystem::path& file) {
 // Returns the number that a word states, with a decimal point or comma; NaN for the words of C libraries that mean no
 // finite number; nullopt if GDAL would not read every character of the word.
 std::optional<double> numberOf(std::string_view text) {
+  double plain = 0;
+  const char* const last = text.data() + text.size();
+  if (const auto [at, failure] = std::from_chars(text.data(), last, plain);
+      failure == std::errc() && at == last && std::isdigit(static_cast<unsigned char>(text.back())) != 0) {
+    return plain;
+  }
   std::string word = lowerCase(text);
   std::replace(word.begin(), word.end(), ',', '.');
   const double sign = word.starts_with('-') ? -1 : 1;
@@ -94,6 +100,8 @@ TextGrid readTextGrid(const std::filesystem::path& file, const RasterHeader& hea
   };
   const std::size_t columns = static_cast<std::size_t>(header.width);
   const std::size_t samples = columns * static_cast<std::size_t>(header.height);
+  if (samples > text.size())
+    fail(file, fmt::format("is too short for the {} samples that its heading promises", samples));
   TextGrid grid{1, columns, {}};
   std::map<std::string, double> heading;
   std::size_t found = 0;
@@ -151,6 +159,9 @@ void readOldProjection(const std::filesystem::path& prj, RasterHeader& header) {
   }
 }
 
+constexpr std::array<std::string_view, 12> kWorldFiles{".wld",  ".tfw", ".tifw", ".pgw", ".pngw", ".jgw",
+                                                       ".jpgw", ".bpw", ".bmpw", ".gfw", ".gifw", ".j2w"};
+
 // Reads what GDAL does not read of the files beside a raster. Throws InputError if a world file has words that are not
 // numbers, of which GDAL would read the first characters.
 void readFilesBeside(const std::filesystem::path& file, RasterHeader& header) {
@@ -161,7 +172,7 @@ void readFilesBeside(const std::filesystem::path& file, RasterHeader& header) {
       if (!header.reference.empty()) continue;
       warn(fmt::format("{}: is no coordinate system that can be read: x and y of {} count as metres", other.string(),
                        file.string()));
-    } else if (ending == ".tfw" || ending == ".tifw" || ending == ".wld") {
+    } else if (std::find(kWorldFiles.begin(), kWorldFiles.end(), ending) != kWorldFiles.end()) {
       std::istringstream text(readFile(other));
       std::string word;
       for (int line = 1; line <= 6 && text >> word; ++line) {
@@ -201,18 +212,22 @@ void takeUnitsOfKeys(const std::filesystem::path& file, RasterHeader& header) {
   std::error_code error;
   const std::string stated = std::filesystem::exists(beside, error) ? readFile(beside) : "";
   const SystemUnit unit = unitOfTiff(file);
-  if (!unit.name.empty() && !header.geographic && stated.find("<SRS") == stated.npos) header.perUnit = unit.horizontal;
+  if (!unit.name.empty() && !header.geographic && stated.find("<SRS") == stated.npos) {
+    if (std::fabs(header.perUnit / unit.horizontal - 1) > 1e-5) header.stretch = 1;  // measured with another unit
+    header.perUnit = unit.horizontal;
+  }
   if (!unit.vertical || stated.find("<UnitType") != stated.npos) return;
   std::string& ofSystem = header.bands[0].unit;
-  if (std::fabs(metresOf(ofSystem).value_or(*unit.vertical) / std::fabs(*unit.vertical) - 1) > 1e-5) {
+  const double metres = std::fabs(*unit.vertical);
+  if (std::fabs(metresOf(ofSystem).value_or(metres) / metres - 1) > 1e-5) {
     warn(
         fmt::format("{}: its vertical coordinate system has the unit '{}', but its key of the unit of heights states "
                     "{:.7g} m, which counts",
-                    file.string(), ofSystem, std::fabs(*unit.vertical)));
+                    file.string(), ofSystem, metres));
   }
   ofSystem.clear();
   header.heightUnit = "unit of the key";
-  header.metresPerHeight = std::fabs(*unit.vertical) * (header.metresPerHeight < 0 || *unit.vertical < 0 ? -1 : 1);
+  header.metresPerHeight = metres * (header.metresPerHeight < 0 || *unit.vertical < 0 ? -1 : 1);
 }
 
 // Returns the metres per unit of the heights, negative if they are depths.
@@ -409,7 +424,7 @@ Raster readRaster(const std::filesystem::path& file, const RasterRequest& reques
     expectHeights(file, header, request.placed);
     factor *= metresPerHeight(file, header);
     if (request.placed) tellStretch(file, header);
-    if (request.placed && band.type == "Byte" && !band.scaled && band.unit.empty()) {
+    if (request.placed && band.type == "Byte" && !band.scaled && band.unit.empty() && header.heightUnit.empty()) {
       warn(
           fmt::format("{}: has samples of 8 bits, which count as metres: they are seldom heights, but often classes or "
                       "shades; if they are heights, say so by 'gdal_edit.py -units m'",

@@ -4,8 +4,6 @@
 
 #include "rasters/system_unit.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
@@ -114,7 +112,8 @@ void addUnit(const Wkt& system, SystemUnit& unit) {
     unit.geocentric = true;
   } else if (system.is({"PROJCS", "PROJCRS", "PROJECTEDCRS", "BASEPROJCRS", "DERIVEDPROJCRS", "LOCAL_CS", "ENGCRS",
                         "ENGINEERINGCRS"})) {
-    unit.mercator = unit.mercator || states(system, {"PROJECTION", "METHOD"}, {"Mercator", "Popular"});
+    unit.mercator = unit.mercator || states(system, {"PROJECTION", "METHOD"},
+                                            {"Mercator_1SP", "Mercator_Aux", "Mercator (variant A)", "Popular"});
     if (auto [metres, name] = unitOf(system); metres > 0) {
       unit.horizontal = metres;
       unit.name = std::move(name);
@@ -134,7 +133,7 @@ class TiffTags {
   // Returns the bytes of a tag's values in this machine's order; empty if the file has no such tag.
   template <class T>
   std::string values(std::uint16_t tag) {
-    constexpr std::uint64_t kMost = 65536;
+    constexpr std::uint64_t kMost = 1 << 20;
     const std::uint64_t first = offset(big_ ? 8 : 4);
     const std::uint64_t count = big_ ? offset(first) : number<std::uint16_t>(first);
     for (std::uint64_t i = 0; in_ && i < std::min(count, kMost); ++i) {
@@ -142,10 +141,10 @@ class TiffTags {
       if (number<std::uint16_t>(entry) != tag) continue;
       const std::uint64_t many = std::min(offset(entry + 4), kMost), own = entry + (big_ ? 12 : 8);
       const std::uint64_t at = many * sizeof(T) <= (big_ ? 8 : 4) ? own : offset(own);
-      std::string bytes;
-      for (std::uint64_t k = 0; in_ && k < many; ++k) {
-        const T value = number<T>(at + k * sizeof(T));
-        bytes.append(reinterpret_cast<const char*>(&value), sizeof(T));
+      std::string bytes(many * sizeof(T), '\0');
+      in_.seekg(static_cast<std::streamoff>(at)).read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+      for (std::size_t k = 0; swapped_ && k < bytes.size(); k += sizeof(T)) {
+        std::reverse(bytes.data() + k, bytes.data() + k + sizeof(T));
       }
       return in_ ? bytes : "";
     }
@@ -217,7 +216,7 @@ SystemUnit unitOfGeoKeys(std::string_view directory, std::string_view numbers) {
   unit.geocentric = keys[kModel] == kGeocentric;
   unit.code = system == kUserDefined ? 0 : system;
   unit.mercator = keys[kProjection] == kMercator || system == 3857 || system == 3785 || system == 3395 ||
-                  system == 3832 || system == 3752 || system == 3994 || system == 54004;
+                  system == 3832 || system == 3752 || system == 54004;
   if (const auto found = kUnits.find(keys[kUnit]); found != kUnits.end()) {
     unit.horizontal = found->second.first;
     unit.name = found->second.second;

@@ -91,15 +91,11 @@ void headAlong(std::vector<StampedPose>& poses) {
 constexpr std::array<const char*, 3> kAngles{"yaw", "pitch", "roll"};
 constexpr std::array<const char*, 3> kAngleUnits{"", "_deg", "_rad"};  // endings of their columns
 
-std::string_view unquoted(std::string_view cell) {
-  return cell.size() >= 2 && cell.front() == '"' && cell.back() == '"' ? cell.substr(1, cell.size() - 2) : cell;
-}
-
 // Returns the name of a column in our words: "timestamp [ns]" gives "time_ns", and the EuRoC dataset's "p_RS_R_x [m]"
 // and "q_RS_w []" give "x" and "qw", as ROS's "pose.position.x" and "pose.orientation.w" do. `euroc`: true if the table
 // is the EuRoC dataset's ground truth, whose times are in ns without saying so.
 std::string columnName(std::string_view cell, bool euroc) {
-  std::string name = lowerCase(unquoted(cell));
+  std::string name = lowerCase(cell);
   if ((name == "timestamp" && euroc) || name == "%time") return "time_ns";
   std::string unit;
   const std::size_t bracket = name.find('[');

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <charconv>
+#include <iterator>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "assets/meshes/obj/obj_mesh.h"
+#include "assets/meshes/stated_unit.h"
 #include "base/error.h"
 #include "base/file.h"
 
@@ -24,7 +26,10 @@ class OffTranslator {
       : text_(readFile(file)), where_{file.string(), 0, 0}, leftOut_(leftOut) {
     if (text_.find('\n') == std::string::npos) std::replace(text_.begin(), text_.end(), '\r', '\n');
     rest_ = text_;
+    if (rest_.starts_with("\xEF\xBB\xBF")) rest_.remove_prefix(3);
   }
+
+  std::string_view text() const { return text_; }
 
   std::string translate() {
     readHead();
@@ -59,8 +64,8 @@ class OffTranslator {
     return !words_.empty();
   }
 
-  void requireLine(const char* what) {
-    if (!nextLine()) fail(fmt::format("ends before its {}: is it truncated?", what));
+  void requireLine(std::uint64_t number, const char* what) {
+    if (!nextLine()) fail(fmt::format("ends before its {} {}: is it truncated?", number, what));
   }
 
   std::uint64_t number(std::size_t word, const char* what) const {
@@ -75,7 +80,7 @@ class OffTranslator {
 
   // The keyword may stand on the line of the counts, or, in some files of ModelNet, directly before them.
   void readHead() {
-    requireLine("heading");
+    requireLine(1, "heading");
     if (const std::size_t off = words_[0].find("OFF"); off != std::string_view::npos) {
       const std::string_view kind = words_[0].substr(0, off);
       if (kind.find_first_not_of("STCN") != std::string_view::npos || (words_.size() > 1 && words_[1] == "BINARY")) {
@@ -86,7 +91,7 @@ class OffTranslator {
       if (words_[0].empty()) words_.erase(words_.begin());
       if (words_.empty()) {
         obj_ += '\n';
-        requireLine("counts");
+        requireLine(2, "counts");
       }
     }
     vertices_ = number(0, "the number of vertices");
@@ -95,18 +100,21 @@ class OffTranslator {
   }
 
   void translateVertex() {
-    requireLine(fmt::format("{} vertices", vertices_).c_str());
+    requireLine(vertices_, "vertices");
     if (words_.size() < 3) fail("a vertex must have three coordinates in one line");
     obj_ += fmt::format("v {} {} {}\n", words_[0], words_[1], words_[2]);
   }
 
   void translateFace() {
-    requireLine(fmt::format("{} faces", faces_).c_str());
+    requireLine(faces_, "faces");
     const std::uint64_t corners = number(0, "the number of a face's corners");
     if (corners >= words_.size())
       fail(fmt::format("the face has {} corners, but {} follow", corners, words_.size() - 1));
-    obj_ += corners > 2 ? "f" : corners == 2 ? "l" : "p";
-    for (std::size_t i = 1; i <= corners; ++i) obj_ += fmt::format(" {}", number(i, "an index of a vertex") + 1);
+    if (corners < 3) leftOut_.add("faces of one or two corners");
+    if (corners > 2) obj_ += 'f';
+    for (std::size_t i = 1; i <= corners && corners > 2; ++i) {
+      fmt::format_to(std::back_inserter(obj_), " {}", number(i, "an index of a vertex") + 1);
+    }
     obj_ += '\n';
     if (words_.size() > corners + 1) ++coloredFaces_;
   }
@@ -133,13 +141,16 @@ const FormatSupport& offFormat() {
        {Unused, "", "normals and texture coordinates of vertices (NOFF, STOFF), numbers of edges"},
        {LeftOut, "", "colours of vertices (COFF)"},
        {LeftOut, "", "colours of faces"},
-       {LeftOut, "", "faces of one or two corners"}}};
+       {LeftOut, "", "faces of one or two corners"},
+       {LeftOut, "", "lines behind the faces"}}};
   return format;
 }
 
 ImportedFile readOffMesh(const std::filesystem::path& file, const AssetOptions& options) {
   LeftOut leftOut;
-  std::string obj = OffTranslator(file, leftOut).translate();
+  OffTranslator off(file, leftOut);
+  warnOfStatedUnit(off.text(), options, file);
+  std::string obj = off.translate();
   ImportedFile read = readObjText(std::move(obj), file, options);
   read.leftOut.add(leftOut);
   return read;

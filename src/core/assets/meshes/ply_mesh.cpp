@@ -91,16 +91,8 @@ class PlyBody {
                             : double{std::bit_cast<float>(static_cast<std::uint32_t>(bits))};
     }
     if (type.kind != PlyType::Kind::Signed) return static_cast<double>(bits);
-    switch (type.size) {
-      case 1:
-        return static_cast<std::int8_t>(bits);
-      case 2:
-        return static_cast<std::int16_t>(bits);
-      case 4:
-        return static_cast<std::int32_t>(bits);
-      default:
-        return static_cast<double>(static_cast<std::int64_t>(bits));
-    }
+    if (type.size == 1) return static_cast<std::int8_t>(bits);
+    return type.size == 2 ? static_cast<std::int16_t>(bits) : static_cast<std::int32_t>(bits);
   }
 
   // Returns the length of a list.
@@ -203,6 +195,8 @@ class PlyMeshReader {
     hasUvs_ = hasUvs_ || (isVertex && has(Role::U) && has(Role::V));
     colored_ = has(Role::Red) && has(Role::Green) && has(Role::Blue);
     if (element.properties.empty()) return;
+    values_ = {};
+    for (std::vector<double>& numbers : lists_) numbers.clear();
     for (std::uint64_t row = 0; row < element.count; ++row) {
       body_.beginRow(element, row);
       for (std::size_t i = 0; i < roles.size(); ++i) {
@@ -279,6 +273,7 @@ class PlyMeshReader {
     }
     const std::vector<double>& uvs = list(Role::CornerUvs);
     const bool hasUvs = uvs.size() == 2 * corners_.size();
+    if (!hasUvs && !uvs.empty()) read_.leftOut.add("texture coordinates of faces that are not two a corner");
     const Look look{indexOf(value(Role::Material), materials_), indexOf(value(Role::Image), images_.size())};
     ImportedPart& part = partOf(look, hasUvs);
     for (const auto& t : polygons_.divide(corners_.size(), [this](std::size_t i) { return vertices_[corners_[i]]; })) {

@@ -27,6 +27,8 @@ void warnOfStatedUnit(std::string_view head, const AssetOptions& options, const 
     if (text.find_first_of(":=", sign) != sign) continue;
     const std::size_t from = std::min(text.find_first_not_of(" \t", sign + 1), text.size());
     const std::string word = text.substr(from, text.find_first_not_of("abcdefghijklmnopqrstuvwxyz", from) - from);
+    const std::size_t behind = std::min(text.find_first_not_of(" \t", from + word.size()), text.size());
+    if (word == "in" && behind < text.size() && text[behind] >= 'a' && text[behind] <= 'z') continue;  // "in metres"
     for (const auto& [names, metres] : kUnits) {
       if (word.empty() || fmt::format(" {} ", names).find(" " + word + " ") == std::string::npos) continue;
       warn(fmt::format(

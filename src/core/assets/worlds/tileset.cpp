@@ -91,11 +91,14 @@ class TilesetReader {
     return {{{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}}, {m[12], m[13], m[14]}};
   }
 
-  // Returns the middle of a tile's volume; for volumes of other kinds, the origin of the tile.
+  // Returns the middle of a tile's volume; for volumes of other kinds, the origin of the tile; for regions that are too
+  // large for one plane, such as the globe, the earth's centre.
   static Vec3d middleOf(const Json& volume, const Affine& earthFromTile) {
     if (const auto region = volume.find("region"); region != volume.end()) {
       auto r = region->get<std::array<double, 6>>();
       if (r[2] < r[0]) r[2] += 2 * kPi;  // the region crosses the date line
+      constexpr double kLargest = 2;     // rad
+      if (r[2] - r[0] > kLargest || r[3] - r[1] > kLargest) return {};
       return earthCentred((r[0] + r[2]) / 2, (r[1] + r[3]) / 2, (r[4] + r[5]) / 2);
     }
     if (const auto box = volume.find("box"); box != volume.end()) {

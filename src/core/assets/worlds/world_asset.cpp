@@ -163,6 +163,7 @@ class WorldAsset {
     const auto known = meshes_.find(from.mesh);
     if (known != meshes_.end()) return known->second;
     AssetOptions options;
+    options.unitStated = true;  // the world states the scale of its meshes
     options.alpha = options_.alpha;
     options.textures = options_.textures;
     options.allowOutside = options_.allowOutside;

@@ -45,7 +45,7 @@ TEST_F(OffMesh, PolygonsOfManyCornersAreDivided) {
 
 TEST_F(OffMesh, WhatNoSurfaceIsMadeFromIsCounted) {
   EXPECT_EQ(leftOut("OFF\n3 3 0\n" + kVertices + "3 0 1 2 255 0 0\n2 0 1\n1 2\nmore\n"),
-            "1 colours of faces, 1 lines (l), 1 lines behind the faces, 1 points (p)");
+            "1 colours of faces, 2 faces of one or two corners, 1 lines behind the faces");
   EXPECT_EQ(leftOut("COFF\n1 0 0\n1 2 3 255 0 0 255\n"), "1 colours of vertices");
   EXPECT_EQ(leftOut("OFF\n3 1 0\n" + kVertices + "3 0 1 2\n"), "");
 }

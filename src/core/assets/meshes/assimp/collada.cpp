@@ -77,10 +77,8 @@ ColladaMaterial materialOf(std::string_view effect) {
     material.transparency = numberIn(elementIn(elementIn(common, "transparency").content, "float").content, 1);
   }
   for (std::size_t at = common.find("<wrap_"); at != std::string_view::npos; at = common.find("<wrap_", at + 1)) {
-    for (const char* axis : {"wrap_s", "wrap_t"}) {
-      const std::string_view wrap = elementIn(common.substr(at, 40), axis).content;
-      material.clamps = material.clamps || (!wrap.empty() && wrap.find("WRAP") == std::string_view::npos);
-    }
+    const std::string_view wrap = common.substr(at, common.find("</", at) - at);
+    material.clamps = material.clamps || wrap.find("WRAP") == std::string_view::npos;
   }
   return material;
 }

@@ -158,7 +158,9 @@ void readImageUses(const std::string& bytes, bool binary, LeftOut& leftOut, std:
   // A connection is a list such as "OP", the texture's number, the material's number, "DiffuseFactor".
   const std::string factor = named("DiffuseFactor", binary);
   for (std::size_t at = bytes.find(factor); at != std::string::npos; at = bytes.find(factor, at + 1)) {
-    const std::size_t type = binary ? at - 25 : bytes.find("\"OP\"", bytes.rfind('\n', at) + 1);
+    const std::size_t line = bytes.rfind('\n', at) + 1;
+    const std::size_t type = binary ? at - 25 : bytes.rfind("\"OP\"", at);
+    if (!binary && (type == std::string::npos || type < line)) continue;
     if (type < at && ids.contains(connected(bytes, type, binary).first)) leftOut.add("images of DiffuseFactor");
   }
 }

@@ -132,8 +132,8 @@ class Importer {
   void nameJointsById() const {
     const auto hasBones = [](const aiMesh* mesh) { return mesh->mNumBones > 0; };
     if (format_ != kCollada || std::none_of(scene_->mMeshes, scene_->mMeshes + scene_->mNumMeshes, hasBones)) return;
-    Assimp::Importer again;
     std::string refused;
+    Assimp::Importer again;
     again.SetIOHandler(filesFor(file_, options_.allowOutside, refused).release());
     configure(again);
     again.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, false);
@@ -155,7 +155,6 @@ class Importer {
     }
     for (unsigned m = 0; m < scene_->mNumMeshes; ++m) {
       const aiMesh& mesh = *scene_->mMeshes[m];
-      if (mesh.HasBones() && !posesSkins()) leftOut_.add("skins (the shape without them is taken)");
       if (mesh.HasVertexColors(0)) leftOut_.add("colours of vertices", mesh.mNumVertices);
       // The importer sets the weights of FBX files to 1; readFbx() counts those that are not 0.
       if (format_ != kFbx) leftOut_.add("morph targets", mesh.mNumAnimMeshes);
@@ -187,7 +186,7 @@ class Importer {
       }
     }
     for (ImportedMaterial& material : materials) {
-      if (clamped_.contains(material.base.name)) material.base.repeats = false;
+      if (clamped_.contains(material.base.label)) material.base.repeats = false;
     }
     // The importer takes these angles, which are in degrees, for radians, and no specification states their sign.
     for (UvPlacement& placement : placements_) {
@@ -242,9 +241,7 @@ class Importer {
     if (format_ == kCollada && !options_.up) up = 'y';  // the importer has rotated the declared axis to y
     if (format_ == kFbx) scale *= statedUnit();
     if (!(scale > 0) || !std::isfinite(scale)) fail("declares a unit that is not above 0");
-    // The importer rotates files of these kinds from z-up to y-up.
-    const bool turned = format_ == "Discreet 3DS Importer" || format_ == "ASE Importer" ||
-                        format_ == "Drawing Interchange Format (DXF) Importer";
+    const bool turned = format_ == "Discreet 3DS Importer";  // which rotates files from z-up to y-up
     const Mat3 fileFromImported = turned ? zUpFrom('y') : Mat3();
     return {axesOfFbx().value_or(zUpFrom(up)) * fileFromImported * Mat3::scale({scale, scale, scale}), {}};
   }
@@ -374,10 +371,6 @@ class Importer {
     std::erase_if(read.parts, [](const ImportedPart& part) { return part.triangles.empty(); });
   }
 
-  // True if the importer's nodes are the joints of skins in their pose. Of other kinds (Half-Life's MDL, for example)
-  // it loses the hierarchy of the joints.
-  bool posesSkins() const { return format_ == kCollada || format_ == kFbx || format_ == kXFile; }
-
   // True if a node and all below it are hidden.
   bool hidesTree(const aiNode& node) const {
     return metadataOf(node, kFbxVisibility, 1.0f) <= 0 ||
@@ -429,8 +422,7 @@ class Importer {
       if (joint == joints_.end()) return std::nullopt;
       return joint->second * toAffine(bone.mOffsetMatrix);
     };
-    std::optional<SkinnedMesh> posed;
-    if (posesSkins()) posed = skinned(mesh, assetFromNode, assetFromMesh, leftOut_);
+    const std::optional<SkinnedMesh> posed = skinned(mesh, assetFromNode, assetFromMesh, leftOut_);
     for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
       const aiVector3D& v = mesh.mVertices[i];
       part.positions[base + i] = static_cast<Vec3f>(posed ? posed->vertices[i] : assetFromNode * Vec3d{v.x, v.y, v.z});
@@ -497,7 +489,6 @@ const FormatSupport& importedFormat() {
        {Read, "", "colours, opacity and images of materials, with their scale, shift and rotation"},
        {Unused, "", "cameras, lights, normals"},
        {LeftOut, "", "animations (the file's pose is taken)"},
-       {LeftOut, "", "skins (the shape without them is taken)"},
        {LeftOut, "", "morph targets"},
        {LeftOut, "", "colours of vertices"},
        {LeftOut, "", "lines"},

@@ -15,7 +15,7 @@ namespace scanmill {
 // Returns what is read of all kinds of files that have no table of their own.
 const FormatSupport& importedFormat();
 
-// Reads a file. `kind` is its extension in lower case, such as ".obj". Throws an Error that states the problem, but not
+// Reads a file. `kind` is its extension in lower case, such as ".dae". Throws an Error that states the problem, but not
 // the file's name.
 ImportedFile readByAssimp(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options);
 

@@ -177,16 +177,18 @@ std::size_t Materials::indexOf(const std::string& name) {
 }
 
 void Materials::complete(bool allRead) {
+  std::map<std::string, std::size_t> defined;  // the first index of each name without its comment
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (list[i].defined) defined.emplace(withoutComment(list[i].look.name), i);
+  }
   for (ObjMaterial& material : list) {
     const std::string name = material.look.name;
     if (!material.defined && !name.empty()) {
-      const auto same = std::find_if(list.begin(), list.end(), [&](const ObjMaterial& other) {
-        return other.defined && withoutComment(other.look.name) == withoutComment(name);
-      });
-      if (same == list.end()) {
+      const auto same = defined.find(std::string(withoutComment(name)));
+      if (same == defined.end()) {
         leftOut.add(kUndefined, allRead ? 1 : 0);
       } else {
-        material = *same;
+        material = list[same->second];
         material.look.name = name;
       }
     }
