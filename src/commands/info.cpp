@@ -20,7 +20,6 @@
 #include "commands/info_sensor.h"
 #include "commands/table.h"
 #include "config/file_kind.h"
-#include "config/text.h"
 #include "dataset/manifest.h"
 #include "dataset/reader.h"
 #include "dataset/recording.h"
@@ -514,14 +513,6 @@ AssetOptions assetOptions(const Arguments& parsed) {
   }
   options.allowOutside = parsed.has("allow-outside");
   return options;
-}
-
-// True if the file is named like an extract of OpenStreetMap, compressed or not.
-bool isMap(const std::filesystem::path& file) {
-  constexpr const char* kMapEndings[] = {".osm", ".osh", ".pbf", ".o5m", ".opl"};
-  const std::string name = lowerCase(file.filename().string());
-  return std::any_of(std::begin(kMapEndings), std::end(kMapEndings),
-                     [&](const char* ending) { return name.find(ending) != std::string::npos; });
 }
 
 }  // namespace

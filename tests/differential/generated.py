@@ -94,7 +94,7 @@ def make_map(draw: random.Random, folder: Path) -> Path:
 
 def compare_map(program: str, file: Path) -> list[str]:
     text = info(program, file)
-    sorted_file = file.with_name("sorted.osm.pbf")
+    sorted_file = file.with_name("sorted.osh.pbf")
     subprocess.run(["osmium", "sort", file, "-o", sorted_file, "--overwrite"], check=True, capture_output=True)
     subprocess.run(["osmium", "time-filter", sorted_file, "-o", sorted_file.with_name("now.osm.pbf"), "--overwrite"], check=True, capture_output=True)
     sorted_file = sorted_file.with_name("now.osm.pbf")
@@ -193,7 +193,7 @@ def compare_raster(program: str, file: Path) -> list[str]:
     theirs[:, 2] = heights[used].min(), heights[used].max()
     # Triangles of three samples may reach one step further.
     error = np.array([step * metres, step * metres, 0.02]) + 1e-4 if triangles > least else np.array([1e-3, 1e-3, 0.02])
-    return found + check("box", box[:, :2].tolist(), theirs[:, :2].tolist(), error[0] + 2e-8 * np.abs(theirs).max()) + (
+    return found + check("box", box[:, :2].tolist(), theirs[:, :2].tolist(), error[0] + 0.06) + (
         check("heights", box[:, 2].tolist(), theirs[:, 2].tolist(), error[2]) if triangles == least else [])
 
 

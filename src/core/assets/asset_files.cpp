@@ -14,9 +14,9 @@
 namespace scanmill {
 
 std::vector<std::filesystem::path> assetsIn(const std::filesystem::path& folder) {
-  static const std::set<std::string> kKinds{".gltf", ".glb", ".las",  ".pcd",   ".tif",  ".obj",  ".ply", ".stl",
-                                            ".dae",  ".fbx", ".ac",   ".acc",   ".3ds",  ".lwo",  ".off", ".x",
-                                            ".xyz",  ".sdf", ".urdf", ".world", ".b3dm", ".blend"};
+  static const std::set<std::string> kKinds{
+      ".gltf", ".glb", ".las", ".pcd", ".tif", ".obj",  ".ply",   ".stl",  ".dae",   ".fbx", ".ac",   ".acc", ".3ds",
+      ".lwo",  ".off", ".x",   ".xyz", ".sdf", ".urdf", ".world", ".b3dm", ".blend", ".drc", ".ac3d", ".tiff"};
   static const std::set<std::string> kOtherKinds{".3mf", ".amf", ".asc",  ".csv", ".dxf", ".e57",
                                                  ".ifc", ".laz", ".npz",  ".osm", ".pbf", ".pts",
                                                  ".ptx", ".usd", ".usdz", ".wrl", ".x3d"};
@@ -38,7 +38,7 @@ std::vector<std::filesystem::path> assetsIn(const std::filesystem::path& folder)
       at.disable_recursion_pending();
     } else if (kKinds.contains(kind) && entry.is_regular_file(error)) {
       found.push_back(entry.path());
-    } else if (kOtherKinds.contains(kind)) {
+    } else if (kOtherKinds.contains(kind) && entry.is_regular_file(error)) {
       ++others[kind];
     }
   }
@@ -46,8 +46,8 @@ std::vector<std::filesystem::path> assetsIn(const std::filesystem::path& folder)
   for (const auto& [kind, count] : others) told += fmt::format("{}{} {}", told.empty() ? "" : ", ", count, kind);
   if (!told.empty()) {
     warn(
-        fmt::format("{}: left out: {}: of a folder only files that are surely meshes, clouds or worlds are taken; give "
-                    "the others by their names",
+        fmt::format("{}: left out: {}: of a folder only files that are surely meshes, clouds or worlds are taken; some "
+                    "of the others are read if you name them, or after a conversion",
                     folder.string(), told));
   }
   std::sort(found.begin(), found.end());

@@ -2,6 +2,12 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <iterator>
+#include <string>
+
+#include "config/text.h"
+
 namespace scanmill {
 
 namespace {
@@ -39,6 +45,13 @@ FileKind fileKind(const Value& root) {
 void expectKind(const Value& root, FileKind expected) {
   const FileKind kind = fileKind(root);
   if (kind != FileKind::Unknown && kind != expected) throw InputError({root.where.file}, advice(kind));
+}
+
+bool isMap(const std::filesystem::path& file) {
+  constexpr const char* kEndings[] = {".osm", ".osh", ".pbf", ".o5m", ".opl"};
+  const std::string name = lowerCase(file.filename().string());
+  return std::any_of(std::begin(kEndings), std::end(kEndings),
+                     [&](const char* ending) { return name.find(ending) != std::string::npos; });
 }
 
 }  // namespace scanmill

@@ -3,6 +3,8 @@
 // Recognises the kind of a YAML file by keys that only this kind has, so that a message about a wrong file can say what
 // the file is.
 
+#include <filesystem>
+
 #include "config/value.h"
 
 namespace scanmill {
@@ -15,5 +17,8 @@ FileKind fileKind(const Value& root);
 // Throws an InputError that says what the file is and where it belongs, if it is of another kind than expected. A file
 // of unknown kind passes.
 void expectKind(const Value& root, FileKind expected);
+
+// True if a file is named like an extract of OpenStreetMap, compressed or not.
+bool isMap(const std::filesystem::path& file);
 
 }  // namespace scanmill

@@ -38,7 +38,6 @@ class FileMeshes {
   Asset load(const std::filesystem::path& file, const AssetOptions& options, const Labelling& labelling,
              const Location& where) const;
 
-  SceneBuilder& builder_;
   struct Survey {
     std::filesystem::path file;
     std::string system;
@@ -46,6 +45,7 @@ class FileMeshes {
     Vec3d origin;
   };
 
+  SceneBuilder& builder_;
   std::map<std::string, std::vector<PlacedMesh>> meshes_;
   std::map<std::string, Survey> surveys_;                  // with the keys of meshes_
   std::map<std::array<double, 2>, const Survey*> firsts_;  // the first survey, by x and y of its position

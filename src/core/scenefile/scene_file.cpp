@@ -294,7 +294,7 @@ class SceneReader {
     if (const Value* points = f.find("points")) {
       if (!cloud)
         throw InputError(points->where,
-                         "points is only for point clouds: .las, .pcd, .csv, .xyz, .npz, and .ply without faces");
+                         "points is only for point clouds: .las, .pcd, .drc, .csv, .xyz, and .ply without faces");
       asset.points = readPointOptions(*points);
     }
     if (const Value* heights = f.find("heights")) {

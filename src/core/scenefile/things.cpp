@@ -68,7 +68,7 @@ Numbers byConnection(const std::vector<ThingTriangles>& triangles) {
 }  // namespace
 
 std::string ThingBounds::text() const {
-  return fmt::format("{} {}", static_cast<int>(by), pattern);
+  return fmt::format("{} {} {}", static_cast<int>(by), byClass, pattern);
 }
 
 ThingBounds readThingBounds(Fields& object, ThingBounds::By fallback) {

@@ -88,14 +88,15 @@ Layout::Layout(const Parameters& parameters, std::uint64_t seed, const MapPlace&
   drawPotholes();
   for (const MapArea& area : map.areas) {
     areas_.add(area);
+    if (area.land != Land::Wood) continue;
     const std::vector<Point2> edge = pointsAlong(area.outline, 10);
-    if (area.land != Land::Wood || std::all_of(edge.begin(), edge.end(), [&](const Point2& p) {
-          return std::max(std::abs(p.x), std::abs(p.y)) > half_ || roads_.at(p.x, p.y).known;
-        })) {
-      continue;
+    const auto isFar = [&](const Point2& p) {
+      return std::max(std::abs(p.x), std::abs(p.y)) <= half_ && !roads_.at(p.x, p.y).known;
+    };
+    if (std::any_of(edge.begin(), edge.end(), isFar)) {
+      warn(fmt::format("{}: woods farther than {} m from every road have no trees", parameters_.map.string(),
+                       RoadNetwork::kReach));
     }
-    warn(fmt::format("{}: woods farther than {} m from every road have no trees", parameters_.map.string(),
-                     RoadNetwork::kReach));
   }
   findWaterLevels();
   takeBuildings(map);

@@ -252,8 +252,7 @@ class MapMaker {
   // `first`: the way is the first of the parts into which missing nodes divide it.
   void addWay(const OsmWay& way, bool first) {
     const OsmTags& tags = way.tags;
-    const bool closed = way.incomplete || (!way.nodes.empty() && way.nodes.front().id == way.nodes.back().id);
-    if (isAbsent(tags) || (isSquare(tags) && closed)) return;
+    if (isAbsent(tags) || (isSquare(tags) && way.area)) return;
     const std::optional<RoadClass> kind = classOf(tags);
     const std::optional<models::Fencing> fencing = fencingOf(tags["barrier"]);
     const char* const what = kind ? "roads" : fencing ? "fences, hedges and walls" : isPath(tags) ? "paths" : nullptr;
@@ -279,7 +278,7 @@ class MapMaker {
     for (const OsmNode& n : way.nodes) line.push_back(plane_(n));
     if (line.size() < 2) return;
     if (fencing) {
-      if (first && closed && tags["area"] == "yes") map_.leftOut.add(kHollow);
+      if (first && way.area && tags["area"] == "yes") map_.leftOut.add(kHollow);
       map_.barriers.push_back({*fencing, std::move(line), barrierHeight(tags)});
     } else {
       map_.paths.push_back({std::move(line), numbers_.read(tags, "width", metresOf, 0.3, 24)});
@@ -346,8 +345,10 @@ class MapMaker {
                             numbers_.read(point.tags, "diameter_crown", metresOf, 0.3, 60)});
     } else if (!isOneOf(point.tags["building"], {"", "no", "entrance"})) {
       map_.leftOut.add("buildings that are nodes");
-    } else if (const FormatElements* row = osmFormat().find("crossing=" + point.tags["crossing"]);
-               row != nullptr && point.tags["highway"] == "crossing") {
+    } else if (const FormatElements* row = point.tags["highway"] == "crossing"
+                                               ? osmFormat().find("crossing=" + point.tags["crossing"])
+                                               : nullptr;
+               row != nullptr) {
       map_.leftOut.add(std::string(row->note));
     } else {
       leaveOut(point.tags, true);
@@ -544,10 +545,10 @@ Map readMap(const std::filesystem::path& file, bool mirrored, const Location& wh
   } catch (const Error&) {
     throw;
   } catch (const std::exception& e) {
-    throw InputError(where, fmt::format("{} cannot be read as an OpenStreetMap extract (.osm, .osm.bz2, .osm.gz, "
-                                        ".osm.pbf): {}; the Overpass API writes such files with `[out:xml]` and "
+    throw InputError(where, fmt::format("{} cannot be read as an OpenStreetMap extract ({}): {}; the Overpass API "
+                                        "writes such files with `[out:xml]` and "
                                         "`(._;>;); out meta;`",
-                                        file.string(), e.what()));
+                                        file.string(), osmFormat().suffixes, e.what()));
   }
   Map map = makeMap(extract, mirrored);
   map.file = file;

@@ -144,8 +144,8 @@ void setHeights(MapBuilding& b, const OsmTags& tags, TagNumbers& numbers) {
   const auto level = numbers.read(tags, "building:min_level", numberOf, 0, kMostFloors);
   const double storey = b.top && floors ? std::max(*b.top - b.rise, 0.0) / *floors : kStorey;
   b.base = base ? *base : level ? storey * *level : 0;
-  if (b.riseSaid && b.top && wanted > *b.top - b.base + 0.05) {
-    b.different = "roofs higher than their buildings by roof:height or roof:angle, which end at the ground";
+  if (b.different.empty() && b.riseSaid && b.top && wanted > *b.top - b.base + 0.05) {
+    b.different = "roofs higher than their buildings by roof:height or roof:angle, which end at the building's foot";
   }
   if (!b.top && floors && (part || b.base > 0 || b.riseSaid)) {
     b.top = kStorey * *floors + (b.ridge || b.riseSaid ? b.rise : 0);
@@ -191,18 +191,22 @@ Polygon polygonOf(const Ring& ring, const Point2& origin, bool hole) {
     const Polygon in{made[(i + made.size() - 1) % made.size()], made[i]};
     const Polygon out{made[i], made[(i + 1) % made.size()]};
     const bool spike = distanceToRings({&in}, out[1]) < kThin || distanceToRings({&out}, in[0]) < kThin;
-    if (spike) made.erase(made.begin() + static_cast<std::ptrdiff_t>(i));
-    kept = spike ? 0 : kept + 1;
-    i = (spike ? i : i + 1) % made.size();
+    if (spike) {
+      made.erase(made.begin() + static_cast<std::ptrdiff_t>(i));
+      i = (i + made.size() - 1) % made.size();  // the corner before may now be one
+      kept -= std::min<std::size_t>(kept, 2);
+    } else {
+      i = (i + 1) % made.size();
+      ++kept;
+    }
   }
   if ((sizeOf(made) < 0) != hole) std::reverse(made.begin(), made.end());
   return made;
 }
 
-// Adds to a region, or removes from it, what is within kSeam of a wall of the ring.
-void alongWalls(Region& region, const Polygon& ring, const Point2& origin, bool remove) {
+// Adds to a region what is within kSeam of a wall of the ring.
+void addSeams(Region& seams, const Polygon& ring, const Point2& origin) {
   constexpr double kSeam = 0.08;  // m; more than ringOf() and the rounding of degrees move the points of a wall
-  using namespace gtl::operators;
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const Point2& a = ring[i];
     const Point2& b = ring[(i + 1) % ring.size()];
@@ -211,7 +215,7 @@ void alongWalls(Region& region, const Polygon& ring, const Point2& origin, bool 
     MapBuilding strip;
     strip.outline = {wall.at(-wall.halfX, -kSeam), wall.at(wall.halfX, -kSeam), wall.at(wall.halfX, kSeam),
                      wall.at(-wall.halfX, kSeam)};
-    region = remove ? Region(region - regionOf(strip, origin)) : Region(region | regionOf(strip, origin));
+    seams.insert(regionOf(strip, origin));
   }
 }
 
@@ -229,17 +233,21 @@ bool addRest(MapBuilding& b) {
   // beside it: the rest without the seams, widened by a seam.
   std::vector<gtl::polygon_with_holes_data<int>> pieces;
   Region wide = rest;
+  Region seams;
   for (const MapBuilding& part : b.parts) {
-    alongWalls(wide, part.outline, origin, true);
-    for (const Polygon& court : part.courts) alongWalls(wide, court, origin, true);
+    addSeams(seams, part.outline, origin);
+    for (const Polygon& court : part.courts) addSeams(seams, court, origin);
   }
+  wide -= seams;
   wide.get(pieces);
+  Region around;
   for (const auto& piece : pieces) {
-    alongWalls(wide, polygonOf(piece, origin, false), origin, false);
+    addSeams(around, polygonOf(piece, origin, false), origin);
     for (auto hole = gtl::begin_holes(piece); hole != gtl::end_holes(piece); ++hole) {
-      alongWalls(wide, polygonOf(*hole, origin, true), origin, false);
+      addSeams(around, polygonOf(*hole, origin, true), origin);
     }
   }
+  wide |= around;
   rest &= wide;
   pieces.clear();
   rest.get(pieces);
@@ -335,7 +343,8 @@ std::optional<int> MapBuilding::floorsSaid() const {
 }
 
 bool isRectangular(const Polygon& outline, const models::Footprint& about) {
-  return sizeOf(outline) > (outline.size() == 4 ? 0.9 : 0.98) * 4 * about.halfX * about.halfY;
+  constexpr double kSkewed = 0.9, kCutOut = 0.98;  // least shares of the rectangle
+  return sizeOf(outline) > (outline.size() == 4 ? kSkewed : kCutOut) * 4 * about.halfX * about.halfY;
 }
 
 MapBuilding makeBuilding(const OsmTags& tags, Polygon outline, std::vector<Polygon> courts, bool mirrored,

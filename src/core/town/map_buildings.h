@@ -13,7 +13,8 @@ namespace scanmill::town {
 MapBuilding makeBuilding(const OsmTags& tags, Polygon outline, std::vector<Polygon> courts, bool mirrored,
                          TagNumbers& numbers);
 
-// True if the outline differs little from the rectangle about it: corners that are cut out show, skewed walls hardly.
+// True if the outline covers at least 90 % of the rectangle about it, or 98 % if it has more than four corners, since a
+// corner that is cut out covers little.
 bool isRectangular(const Polygon& outline, const models::Footprint& about);
 
 // Puts parts into the buildings that contain them, by relations or by place; a part outside of all buildings becomes a

@@ -46,6 +46,7 @@ struct OsmPoint {
 struct OsmWay {
   OsmTags tags;
   std::vector<OsmNode> nodes;
+  bool area = false;        // true: the way is a closed outline, and its tags may be those of an area
   bool incomplete = false;  // true for one part of each way with missing nodes, which may have no nodes
 };
 

@@ -334,6 +334,7 @@ class ExtractReader {
     if (parts.size() > 1 && parts.back().nodes.empty()) parts.pop_back();
     for (OsmWay& part : parts) {
       part.tags = tagsOf(way);
+      part.area = area;
       extract_.ways.push_back(std::move(part));
     }
   }
@@ -406,9 +407,9 @@ class ExtractReader {
   }
 
   bool takesTagsOfWays(const osmium::Relation& relation) {
+    if (!isOldStyle(relation)) return false;
     const std::vector<const osmium::Way*> outer = outerWays(relation);
-    return isOldStyle(relation) &&
-           std::any_of(outer.begin(), outer.end(), [](const auto* way) { return isArea(*way); });
+    return std::any_of(outer.begin(), outer.end(), [](const auto* way) { return isArea(*way); });
   }
 
   // Returns the tags of an area. Outer ways add tags to a relation: all if it is of the old style, and those of its

@@ -42,8 +42,10 @@ struct FrameGuess {
   double unit = 1;  // length of the file's unit (m)
   std::string whyUnit;
   bool doubtfulUnit = false;
-  const Concept* what = nullptr;   // main concept of the asset; null: unknown, or a place with several objects
-  double longest = 0;              // longest edge of the bounding box, in the file's units
+  // The concept by whose size the unit is guessed: the asset's main concept, or that of an object of a place; null:
+  // unknown.
+  const Concept* what = nullptr;
+  double longest = 0;  // longest edge of the box about what `what` names, else about the asset (file's units)
   std::array<double, 3> extent{};  // size along x, y and z as the file was read, in the file's units
   bool place = false;              // true: the asset contains a place with several objects, such as a room
   char read = 'z';                 // up axis that was assumed when the file was read

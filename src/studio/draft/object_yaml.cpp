@@ -276,22 +276,20 @@ std::vector<Concept> conceptsFor(const std::vector<Concept>& concepts, const Ont
     const std::string word = foldedName(named.name);
     const bool isDefault = std::find(kDefaultNames.begin(), kDefaultNames.end(), word) != kDefaultNames.end();
     if (named.id == 0 || named.movingOf || word.empty() || isDefault) continue;
+    const auto hasWord = [&](const Concept& c) {
+      return std::find(c.words.begin(), c.words.end(), word) != c.words.end();
+    };
+    const auto other = std::find_if(found.begin(), found.end(), hasWord);
     Concept own{named.name, {named.name}, {}, ConceptKind::Whole, {}, {}, {word}};
-    for (Concept& c : found) {
-      const auto same = std::find(c.words.begin(), c.words.end(), word);
-      if (same == c.words.end()) continue;
-      if (classOf(c, ontology) == &named || c.classes.empty()) {
-        own.words.clear();
-        break;
-      }
-      own = c;
+    if (other != found.end()) {
+      if (classOf(*other, ontology) == &named || other->classes.empty()) continue;
+      own = *other;
       own.name = named.name;
       own.classes = {named.name};
       own.words = {word};
-      c.words.erase(same);
-      break;
+      for (Concept& c : found) std::erase(c.words, word);
     }
-    if (!own.words.empty()) found.push_back(own);
+    found.push_back(own);
   }
   return found;
 }

@@ -51,6 +51,7 @@ TEST_F(AssetFiles, BadRequestsAreNamed) {
   EXPECT_THAT(failure(folder_.path()), HasSubstr("is not a file"));
   EXPECT_THAT(failure(write("empty.ply", "")), HasSubstr("empty.ply: is empty"));
   EXPECT_THAT(failure(write("a.docx", "text")), HasSubstr("unknown kind"));
+  EXPECT_THAT(failure(write("a.opl", "text")), HasSubstr("town: {map: ...}"));
   EXPECT_THAT(failure(write("a.osm.pbf", "text")), HasSubstr("town: {map: ...}"));
   EXPECT_THAT(failure(write("a.dxf", "text")), AllOf(HasSubstr("unknown kind ('.dxf')"), HasSubstr("Blender")));
   EXPECT_THAT(failure(write("noname", "text")), HasSubstr("unknown kind"));

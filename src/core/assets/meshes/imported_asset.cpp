@@ -21,6 +21,7 @@
 #include "assets/meshes/stl_mesh.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "config/file_kind.h"
 
 namespace scanmill {
 
@@ -36,8 +37,7 @@ constexpr std::array<std::string_view, 8> kByAssimp{".3ds", ".ac", ".ac3d", ".ac
 
 ImportedFile importByAssimp(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
   if (std::find(kByAssimp.begin(), kByAssimp.end(), kind) == kByAssimp.end()) {
-    const std::string name = file.filename().string();
-    if (name.find(".osm") != std::string::npos || kind == ".pbf") {
+    if (isMap(file)) {
       throw InputError({file.string()},
                        "is a map of OpenStreetMap, from which an object `town: {map: ...}` of a scene "
                        "builds a town; docs/town.md says how");

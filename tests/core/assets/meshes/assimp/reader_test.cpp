@@ -544,9 +544,9 @@ TEST_F(Imported, UnitsThatFilesStateAreReported) {
 }
 
 TEST_F(Imported, ErrorsThatTheImporterReadsPastAreTold) {
-  readQuietly("a.ac", replaced(kAc, "amb 0.2", "xmb 0.2"));
+  readQuietly("a.ac", replaced(kAc, "rgb 0.5", "rgx 0.5"));
   EXPECT_THAT(warnings_,
-              AllOf(HasSubstr("a.ac: may be incomplete, since the importer reports: "), HasSubstr("amb was expected")));
+              AllOf(HasSubstr("a.ac: may be incomplete, since the importer reports: "), HasSubstr("rgb was expected")));
 }
 
 TEST_F(Imported, LinesAreCounted) {
