@@ -27,8 +27,9 @@ const FormatSupport& tilesetFormat();
 // Reads 3D Tiles 1.0 and 1.1 (OGC 22-025r4): the finest tiles that a tileset.json names, and coarser tiles whose
 // refinement is ADD, with transforms, relative centres and nested tilesets. Contents can be glTF, GLB and b3dm; other
 // contents are left out, with a warning. If the tileset is on the earth, the asset's origin is the middle of the root
-// tile, or if this is not on the earth's surface, of the first tile whose middle is, with x east, y north and z up. A node's name begins with the content's
-// path relative to the tileset and a slash. Throws an InputError that names the file.
+// tile, or if this is not on the earth's surface, of the first tile whose middle is, with x east, y north and z up. A
+// node's name begins with the content's path relative to the tileset and a slash. Throws an InputError that names the
+// file.
 Asset readTileset(const std::filesystem::path& file, const AssetOptions& options);
 
 }  // namespace scanmill
