@@ -88,10 +88,10 @@ Asset readByKind(const std::filesystem::path& file, const std::string& kind, con
                 : isWorld(kind) ? readWorld(file, kind, options)
                                 : readImported(file, kind, options);
   if (asset.parts.empty() && asset.instanced.empty()) {
-    throw InputError(
-        {file.string()},
-        fmt::format("has no triangle{}",
-                    asset.dropped.outOfRange > 0 ? " whose indices are in range: the file is damaged" : ""));
+    throw InputError({file.string()}, fmt::format("has no triangle{}",
+                                                  asset.dropped.outOfRange > 0
+                                                      ? " whose indices are in range: the file is damaged"
+                                                      : ": points alone are read from PLY, PCD, LAS and .xyz files"));
   }
   warnOfSteps(asset, file);
   // Returns the importer's freed memory to the system. The importer allocates every face separately, 60 MiB for a

@@ -42,6 +42,11 @@ void LeftOut::add(const LeftOut& other) {
   for (const auto& [what, count] : other.counts_) add(what, count);
 }
 
+void LeftOut::addRest(std::string_view rest) {
+  constexpr std::string_view kPadding(" \t\r\n\0", 5);
+  if (rest.find_first_not_of(kPadding) != std::string_view::npos) add("bytes behind the stated contents", rest.size());
+}
+
 std::string LeftOut::text() const {
   std::string text;
   for (const auto& [what, count] : counts_) {

@@ -42,6 +42,8 @@ class LeftOut {
   // Does nothing for keywords that are read or unused.
   void addKeyword(const FormatSupport& format, std::string_view keyword);
   void add(const LeftOut& other);
+  // Adds the bytes that a file has behind what its header states, unless all of them are blanks or zeros.
+  void addRest(std::string_view rest);
   bool empty() const { return counts_.empty(); }
   const std::map<std::string, std::uint64_t>& counts() const { return counts_; }
   // Returns, for example, "2 polylines, 1 heightmaps".

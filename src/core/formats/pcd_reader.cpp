@@ -263,6 +263,7 @@ class BodyReader {
       if (field.count > 1 && field.name != "_")
         cloud.leftOut.add(fmt::format("fields of several values '{}'", field.name));
     }
+    cloud.leftOut.addRest(rest_);
     adoptColumns(cloud, where_);
     return cloud;
   }
@@ -276,6 +277,7 @@ class BodyReader {
                          fmt::format("truncated: {} points of {} bytes need {} bytes, {} are left", header_.points,
                                      header_.rowBytes, header_.points * header_.rowBytes, header_.body.size()));
       }
+      rest_ = header_.body.substr(header_.points * header_.rowBytes);
       return readTable(header_.body.data(), false);
     }
     if (header_.data == "binary_compressed") return readCompressed();
@@ -355,6 +357,7 @@ class BodyReader {
       throw InputError(
           where_, fmt::format("truncated: {} compressed bytes are announced, {} are left", sizes[0], packed.size()));
     }
+    rest_ = packed.substr(sizes[0]);
     if (header_.points == 0) return newScan();
     if (sizes[1] > sizes[0] * kLzfGain) throw InputError(where_, "the compressed block is too short for its points");
     const auto planes = std::make_unique_for_overwrite<char[]>(sizes[1]);
@@ -424,6 +427,7 @@ class BodyReader {
       if (line.find_first_not_of(" \t\r") == line.npos) continue;
       readAsciiRow(line, point++, where, scan);
     }
+    rest_ = rest;
     return scan;
   }
 
@@ -463,6 +467,7 @@ class BodyReader {
   const PcdHeader& header_;
   Location where_;
   bool exact_;
+  std::string_view rest_;      // bytes behind the points
   std::vector<Vec3d> places_;  // m, positions before the origin is subtracted; empty unless exact_
 };
 
@@ -478,7 +483,8 @@ const FormatSupport& pcdFormat() {
        {Read, "VIEWPOINT",
         "pose of the points, where the file is an object of a scene; recorded scans stay in the frame of the sensor"},
        {Unused, "VERSION", "version"},
-       {LeftOut, "", "fields of several values"}}};
+       {LeftOut, "", "fields of several values"},
+       {LeftOut, "", "bytes behind the stated contents"}}};
   return format;
 }
 

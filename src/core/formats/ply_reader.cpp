@@ -1,9 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
-#include <cmath>
-#include <cstring>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,9 +10,9 @@
 #include "config/text.h"
 #include "formats/cloud_columns.h"
 #include "formats/column_value.h"
+#include "formats/ply_body.h"
 #include "formats/ply_header.h"
 #include "formats/readers.h"
-#include "formats/text_rows.h"
 
 namespace scanmill {
 namespace {
@@ -24,16 +21,18 @@ namespace {
 struct PlyColumn {
   std::string name;
   PlyType type;
-  PlyType count;               // of a list, whose values are skipped
+  bool isList = false;
   std::vector<double> values;  // empty for a list
-
-  bool isList() const { return count.size > 0; }
 };
 
 class PlyReader {
  public:
   explicit PlyReader(const std::filesystem::path& file)
-      : file_(file), where_{file.string()}, header_(readPlyHeader(file)), bytes_(readFile(file)) {}
+      : file_(file),
+        where_{file.string()},
+        header_(readPlyHeader(file)),
+        bytes_(readFile(file)),
+        body_(file, header_, bytes_) {}
 
   Cloud read() {
     const auto vertex = std::find_if(header_.elements.begin(), header_.elements.end(),
@@ -42,17 +41,13 @@ class PlyReader {
     for (const PlyProperty& p : vertex->properties) {
       const auto is = [&](const PlyColumn& c) { return c.name == p.name; };
       if (std::any_of(columns_.begin(), columns_.end(), is)) fail(fmt::format("has two properties '{}'", p.name));
-      columns_.push_back({p.name, p.value, p.count, {}});
+      columns_.push_back({p.name, p.value, p.isList(), {}});
       if (p.isList()) cloud_.leftOut.add(fmt::format("lists at vertices '{}'", p.name));
     }
     for (const PlyElement& e : header_.elements) {
       if (e.name != "vertex") cloud_.leftOut.addKeyword(plyCloudFormat(), e.count == 0 ? "face" : e.name);
     }
-    if (header_.format == PlyHeader::Format::Ascii) {
-      readLines(vertex);
-    } else {
-      readBinary(vertex);
-    }
+    readRows(vertex);
     build(vertex->count);
     return std::move(cloud_);
   }
@@ -61,102 +56,29 @@ class PlyReader {
   using Element = std::vector<PlyElement>::const_iterator;
   [[noreturn]] void fail(const std::string& what) const { throw InputError(where_, what); }
 
-  // Reads the next number of a binary file.
-  double next(const PlyType& type) {
-    if (type.size > bytes_.size() - at_) failTruncated();
-    at_ += type.size;
-    return numberAt(at_ - type.size, type);
-  }
-
-  [[noreturn]] void failTruncated() const { fail("is truncated or damaged: it ends before its last vertex"); }
-
-  void skipList(const PlyType& count, const PlyType& value) {
-    const double length = next(count);
-    const double most = static_cast<double>(bytes_.size() - at_) / static_cast<double>(value.size);
-    if (!(length >= 0 && length <= most)) failTruncated();
-    at_ += static_cast<std::uint64_t>(length) * value.size;
-  }
-
-  void readBinary(Element vertex) {
-    at_ = header_.size;
+  void readRows(Element vertex) {
     for (auto e = header_.elements.cbegin(); e != vertex; ++e) {
       for (std::uint64_t i = 0; i < e->count; ++i) {
-        for (const PlyProperty& p : e->properties) p.isList() ? skipList(p.count, p.value) : void(next(p.value));
+        body_.beginRow(*e, i);
+        if (header_.format == PlyHeader::Format::Ascii) continue;
+        for (const PlyProperty& p : e->properties) body_.skip(p);
       }
     }
     for (std::uint64_t i = 0; i < vertex->count; ++i) {
-      for (PlyColumn& column : columns_) {
-        if (column.isList()) {
-          skipList(column.count, column.type);
-        } else {
-          column.values.push_back(next(column.type));
-        }
+      body_.beginRow(*vertex, i);
+      for (std::size_t k = 0; k < columns_.size(); ++k) {
+        const PlyProperty& property = vertex->properties[k];
+        property.isList() ? body_.skip(property) : columns_[k].values.push_back(body_.number(property));
       }
+      body_.endRow();
     }
-  }
-
-  double numberAt(std::uint64_t at, const PlyType& type) const {
-    const bool big = header_.format == PlyHeader::Format::BigEndian;
-    std::uint64_t bits = 0;
-    for (std::uint64_t i = 0; i < type.size; ++i) {
-      const auto byte = static_cast<unsigned char>(bytes_[at + i]);
-      bits |= std::uint64_t{byte} << 8 * (big ? type.size - 1 - i : i);
-    }
-    if (type.kind == PlyType::Kind::Float) {
-      return type.size == 8 ? std::bit_cast<double>(bits)
-                            : static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(bits)));
-    }
-    // Integers have at most four bytes, which a double represents exactly.
-    const double range = std::ldexp(1.0, static_cast<int>(8 * type.size));
-    const auto value = static_cast<double>(bits);
-    return type.kind == PlyType::Kind::Signed && value >= range / 2 ? value - range : value;
-  }
-
-  void readLines(Element vertex) {
-    std::string_view rest = std::string_view(bytes_).substr(header_.size);
-    const char end = header_.isMac ? '\r' : '\n';
-    std::uint64_t skipped = 0;
-    for (auto e = header_.elements.cbegin(); e != vertex; ++e) skipped += e->count;
-    Location where{file_.string(), header_.lines};
-    for (std::uint64_t i = 0; i < skipped + vertex->count; ++i) {
-      if (rest.empty())
-        fail(fmt::format("is truncated: it ends before vertex {} of {}", i - skipped + 1, vertex->count));
-      const std::size_t length = std::min(rest.find(end), rest.size());
-      std::string_view line = rest.substr(0, length);
-      rest.remove_prefix(std::min(length + 1, rest.size()));
-      ++where.line;
-      if (i < skipped) continue;
-      const auto number = [&](std::string_view name) {
-        double value = 0;
-        readNumber(cutWord(line), value, name, where);
-        return value;
-      };
-      for (PlyColumn& column : columns_) {
-        const double first = number(column.name);
-        if (!column.isList()) {
-          column.values.push_back(first);
-          continue;
-        }
-        if (!(first >= 0)) throw InputError(where, fmt::format("the list '{}' has the length {}", column.name, first));
-        for (double left = first; left > 0; --left) number(column.name);
-      }
-      if (!cutWord(line).empty()) {
-        throw InputError(where, fmt::format("has more values than a vertex has properties ({})", columns_.size()));
-      }
-    }
-  }
-
-  // Removes the first word from a line and returns it; empty at the end of the line.
-  static std::string_view cutWord(std::string_view& line) {
-    line.remove_prefix(std::min(line.find_first_not_of(" \t\r"), line.size()));
-    const std::string_view word = line.substr(0, line.find_first_of(" \t\r"));
-    line.remove_prefix(word.size());
-    return word;
+    const bool isLast = std::all_of(vertex + 1, header_.elements.cend(), [](const auto& e) { return e.count == 0; });
+    if (isLast) cloud_.leftOut.addRest(body_.rest());
   }
 
   const PlyColumn& require(const char* name) const {
     const auto found = std::find_if(columns_.begin(), columns_.end(),
-                                    [&](const PlyColumn& c) { return columnMeant(c.name) == name && !c.isList(); });
+                                    [&](const PlyColumn& c) { return columnMeant(c.name) == name && !c.isList; });
     if (found == columns_.end()) fail(fmt::format("has no property {}", name));
     return *found;
   }
@@ -170,7 +92,7 @@ class PlyReader {
     setPositions(places, cloud_);
     std::vector<ForeignColumn>& foreign = cloud_.scan.foreign;
     for (const PlyColumn& column : columns_) {
-      if (&column == &x || &column == &y || &column == &z || column.isList()) continue;
+      if (&column == &x || &column == &y || &column == &z || column.isList) continue;
       foreign.push_back({column.name, valuesOf(column)});
     }
     adoptColumns(cloud_, where_);
@@ -208,7 +130,7 @@ class PlyReader {
   Location where_;
   PlyHeader header_;
   std::string bytes_;
-  std::uint64_t at_ = 0;  // offset of the next number of a binary file
+  PlyBody body_;
   std::vector<PlyColumn> columns_;
   Cloud cloud_;
 };
@@ -222,7 +144,8 @@ const FormatSupport& plyCloudFormat() {
                                     {{Read, "vertex", "points: their properties are the columns of point clouds"},
                                      {Unused, "face tristrips camera", "empty elements, and the camera of MeshLab"},
                                      {LeftOut, "edge", "elements 'edge'"},
-                                     {LeftOut, "", "lists at vertices"}}};
+                                     {LeftOut, "", "lists at vertices"},
+                                     {LeftOut, "", "bytes behind the stated contents"}}};
   return format;
 }
 

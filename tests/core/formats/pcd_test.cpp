@@ -332,6 +332,21 @@ TEST(Pcd, NamesOfOtherProgramsAreFoundAndWhatIsLeftOutIsCounted) {
   EXPECT_EQ(cloud.leftOut.text(), "1 fields of several values 'normal'");
 }
 
+TEST(Pcd, WhatFollowsTheStatedPointsIsCounted) {
+  const auto told = [](const std::string& data, const std::string& body) {
+    return readPcd(
+               "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\nHEIGHT 1\nVIEWPOINT 0 0 0 "
+               "1 0 0 0\nPOINTS 1\nDATA " +
+                   data + "\n" + body,
+               "a.pcd")
+        .leftOut.text();
+  };
+  EXPECT_EQ(told("ascii", "1 2 3\n\n"), "");
+  EXPECT_EQ(told("ascii", "1 2 3\n4 5 6\n"), "6 bytes behind the stated contents");
+  EXPECT_EQ(told("binary", std::string(12, 'a') + std::string(5, '\0')), "");
+  EXPECT_EQ(told("binary", std::string(24, 'a')), "12 bytes behind the stated contents");
+}
+
 TEST(Pcd, RealRecordingIsReadAsPclReadsIt) {
   const char* const kFrame = "lidar/ouster_os1_128/frame_1795.pcd";
   SKIP_WITHOUT_SHARED_DATA(kFrame);

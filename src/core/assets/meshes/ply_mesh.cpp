@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -21,6 +19,7 @@
 #include "assets/meshes/stated_unit.h"
 #include "base/error.h"
 #include "base/file.h"
+#include "formats/ply_body.h"
 #include "formats/ply_header.h"
 
 namespace scanmill {
@@ -58,83 +57,6 @@ Role roleOf(std::string_view element, const PlyProperty& property) {
   return Role::None;
 }
 
-// Reads the numbers behind the header, one after the other. In text, each row of an element is a line; more words at
-// the end of a line are ignored.
-class PlyBody {
- public:
-  PlyBody(const std::filesystem::path& file, const PlyHeader& header, std::string_view bytes)
-      : file_(file.string()), header_(header), bytes_(bytes), at_(header.size), line_(header.lines) {}
-
-  void beginRow(const PlyElement& element, std::uint64_t row) {
-    element_ = &element;
-    row_ = row;
-    if (header_.format != PlyHeader::Format::Ascii) return;
-    if (at_ >= bytes_.size()) failTruncated();
-    const std::size_t end = std::min(bytes_.find(header_.isMac ? '\r' : '\n', at_), bytes_.size());
-    text_ = bytes_.substr(at_, end - at_);
-    at_ = end + 1;
-    ++line_;
-  }
-
-  double number(const PlyType& type) {
-    if (header_.format == PlyHeader::Format::Ascii) return nextWord();
-    if (type.size > bytes_.size() - at_) failTruncated();
-    const bool big = header_.format == PlyHeader::Format::BigEndian;
-    std::uint64_t bits = 0;
-    for (std::uint64_t i = 0; i < type.size; ++i) {
-      const auto byte = static_cast<unsigned char>(bytes_[at_ + i]);
-      bits |= std::uint64_t{byte} << 8 * (big ? type.size - 1 - i : i);
-    }
-    at_ += type.size;
-    if (type.kind == PlyType::Kind::Float) {
-      return type.size == 8 ? std::bit_cast<double>(bits)
-                            : double{std::bit_cast<float>(static_cast<std::uint32_t>(bits))};
-    }
-    if (type.kind != PlyType::Kind::Signed) return static_cast<double>(bits);
-    if (type.size == 1) return static_cast<std::int8_t>(bits);
-    return type.size == 2 ? static_cast<std::int16_t>(bits) : static_cast<std::int32_t>(bits);
-  }
-
-  // Returns the length of a list.
-  std::uint64_t count(const PlyType& type) {
-    constexpr double kMost = 4294967296.0;  // above any 32-bit count
-    const double length = number(type);
-    if (length >= 0 && length < kMost) return static_cast<std::uint64_t>(length);
-    fail(fmt::format("is damaged: {} has a list with an invalid length", place()));
-  }
-
- private:
-  std::string place() const { return fmt::format("'{}' {} of {}", element_->name, row_ + 1, element_->count); }
-  [[noreturn]] void fail(const std::string& what) const {
-    throw InputError({file_, header_.format == PlyHeader::Format::Ascii ? line_ : 0}, what);
-  }
-  [[noreturn]] void failTruncated() const {
-    throw InputError({file_}, fmt::format("is truncated or damaged: it ends within {}", place()));
-  }
-
-  double nextWord() {
-    constexpr std::string_view kBlanks = " \t\r";
-    text_.remove_prefix(std::min(text_.find_first_not_of(kBlanks), text_.size()));
-    const std::string_view word = text_.substr(0, text_.find_first_of(kBlanks));
-    text_.remove_prefix(word.size());
-    if (word.empty()) fail(fmt::format("{} lacks values: the file is truncated or damaged", place()));
-    double number = 0;
-    const std::string_view digits = word.substr(word[0] == '+' ? 1 : 0);
-    const auto read = std::from_chars(digits.data(), digits.data() + digits.size(), number);
-    if (read.ptr == digits.data() + digits.size()) return number;
-    fail(fmt::format("'{}' is not a number such as 1234.5 or -1.2e-3, with a decimal point", word.substr(0, 40)));
-  }
-
-  std::string file_;
-  const PlyHeader& header_;
-  std::string_view bytes_;
-  std::size_t at_;
-  int line_;
-  std::string_view text_;  // the rest of the line
-  const PlyElement* element_ = nullptr;
-  std::uint64_t row_ = 0;
-};
-
 class PlyMeshReader {
  public:
   PlyMeshReader(const std::filesystem::path& file, const AssetOptions& options)
@@ -151,6 +73,8 @@ class PlyMeshReader {
       if (element.name == "material") materials_ = element.count;
     }
     for (const PlyElement& element : header_.elements) readElement(element);
+    read_.leftOut.addRest(body_.rest());
+    countLoose();
     makeParts();
     for (const bool used : imageUsed_) read_.leftOut.add("images that no face shows (TextureFile)", used ? 0 : 1);
     return std::move(read_);
@@ -160,6 +84,18 @@ class PlyMeshReader {
   static constexpr std::uint32_t kNone = UINT32_MAX;
 
   [[noreturn]] void fail(const std::string& what) const { throw InputError({file_.string()}, what); }
+
+  // Counts vertices that no face uses, where they are more than half: such a file has points besides its faces.
+  void countLoose() {
+    std::vector<bool> used(vertices_.size());
+    for (const ImportedPart& part : read_.parts) {
+      for (const Triangle& triangle : part.triangles) {
+        for (const std::uint32_t corner : triangle) used[corner] = true;
+      }
+    }
+    const auto loose = static_cast<std::uint64_t>(std::count(used.begin(), used.end(), false));
+    if (2 * loose > used.size()) read_.leftOut.add("vertices that no face uses", loose);
+  }
 
   void readComments() {
     constexpr std::string_view kImage = "comment TextureFile ";
@@ -203,13 +139,13 @@ class PlyMeshReader {
         const PlyProperty& property = element.properties[i];
         const auto role = static_cast<std::size_t>(roles[i]);
         if (!property.isList()) {
-          values_[role] = body_.number(property.value);
+          values_[role] = body_.number(property);
           if (isMaterial) values_[role] = shareOf(values_[role], property.value);
           continue;
         }
         lists_[role].clear();
-        for (std::uint64_t left = body_.count(property.count); left > 0; --left) {
-          lists_[role].push_back(body_.number(property.value));
+        for (std::uint64_t left = body_.length(property); left > 0; --left) {
+          lists_[role].push_back(body_.number(property));
         }
       }
       if (isVertex) addVertex();
@@ -391,6 +327,7 @@ const FormatSupport& plyMeshFormat() {
        {LeftOut, "", "images that no face shows (TextureFile)"},
        {LeftOut, "", "textures of parts without texture coordinates"},
        {LeftOut, "", "faces of fewer than three corners"},
+       {LeftOut, "", "vertices that no face uses, if they are more than half; bytes behind the stated contents"},
        {LeftOut, "", "all other properties of vertices and faces, such as labels, and all other elements"}}};
   return format;
 }

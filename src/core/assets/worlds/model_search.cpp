@@ -19,8 +19,9 @@ fs::path findModel(const XmlNode& from, const fs::path& file, const std::string&
     if (const auto found = findInModelFolders(file, uri.substr(scheme.size()))) return *found;
     from.fail(
         fmt::format("names '{}', which is neither in '{}', nor in the folders above it, nor in the folders of the "
-                    "variables {}: put it into one of these folders, or remove its name",
-                    uri, file.parent_path().string(), modelFolderVariables()));
+                    "variables {}: a folder must have the name '{}' (a name in package.xml does not count)",
+                    uri, file.parent_path().string(), modelFolderVariables(),
+                    uri.substr(scheme.size(), uri.find('/', scheme.size()) - scheme.size())));
   }
   const std::string plain = uri.starts_with("file://") ? uri.substr(7) : uri;
   for (const std::string& name : {plain, decodeUri(plain)}) {

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -154,8 +155,30 @@ class SdfReader {
  private:
   using Placed = std::vector<PlacedModel>;
 
-  // Counts the elements of a file that are left out, and those that the table does not know.
-  void survey(const XmlNode& of) {
+  // Counts the elements of a file that are left out, those that the table does not know, and, outside of states, those
+  // in wrong places.
+  void survey(const XmlNode& of, bool inState = false) {
+    static constexpr std::array<ElementPlace, 19> kPlaces{
+        {{"model include", "sdf gazebo world model insertions", true},
+         {"link", "model", true},
+         {"visual", "link", true},
+         {"geometry", "visual collision"},
+         {"mesh box capsule cone cylinder ellipsoid plane sphere heightmap image empty", "geometry"},
+         {"polyline", "geometry", true},
+         {"pose", "model include link visual frame joint"},
+         {"uri", "include"},
+         {"uri", "mesh heightmap"},
+         {"uri", "script", true},
+         {"submesh", "mesh"},
+         {"scale", "mesh"},
+         {"size", "box plane heightmap image"},
+         {"radius", "cylinder sphere capsule cone"},
+         {"length", "cylinder capsule cone"},
+         {"material", "visual"},
+         {"diffuse", "material"},
+         {"script", "material"},
+         {"transparency", "visual"}}};
+    if (!inState) countMisplaced(of, kPlaces, world_.leftOut);
     for (const XmlNode& child : of.children) {
       if (child.name == "origin" && child.attribute("pose") != nullptr) {
         child.fail("is of SDF 1.0: convert the file, by `gz sdf -c FILE`");
@@ -168,7 +191,8 @@ class SdfReader {
       const bool known = sdfFormat().find(child.name) != nullptr;
       const bool custom = child.name.find(':') != std::string::npos && !known;  // elements of other programs
       if (!usual && !custom) world_.leftOut.addKeyword(sdfFormat(), child.name);
-      if (sdfFormat().has(FormatElements::Use::Read, child.name)) survey(child);
+      if (!sdfFormat().has(FormatElements::Use::Read, child.name)) continue;
+      survey(child, inState ? child.name != "insertions" : child.name == "state");
     }
   }
 
@@ -440,7 +464,7 @@ class SdfReader {
         part.solid = heightmapOf(shape, *image);
       } else {
         part.solid = solidOf(shape);
-        if (!part.solid) return;
+        if (!part.solid) continue;
       }
       if (stated != Vec3d{1, 1, 1}) part.thingFromPart.linear = part.thingFromPart.linear * scaleOf(shape, stated);
       readLook(visual, file, part);
@@ -475,7 +499,7 @@ class SdfReader {
     if (material == nullptr) return;
     const XmlNode* const diffuse = material->child("diffuse");
     if (diffuse != nullptr) {
-      const auto [r, g, b, alpha] = colorOf(*diffuse, diffuse->text);
+      const auto [r, g, b, alpha] = colorOf(*diffuse, diffuse->text, world_.leftOut);
       part.color = {r, g, b};
       if (alpha < 1) world_.leftOut.add("alphas of diffuse colours (these visuals are solid)");
     }
@@ -577,7 +601,9 @@ const FormatSupport& sdfFormat() {
        {Read, "state insertions deletions",
         "the first state of a world, as Gazebo applies it: poses of models and links in the world, scales of their "
         "visuals, models that were inserted and deleted"},
-       {Read, "mesh submesh center scale", "meshes; an up axis that they state counts for nothing, as in Gazebo"},
+       {Read, "mesh submesh center scale",
+        "meshes; the up axis that a COLLADA file states counts for nothing, as in Gazebo; glTF is y up by its "
+        "standard"},
        {Read, "box capsule cone cylinder ellipsoid plane sphere empty size radius radii length normal", "solids"},
        {Read, "polyline point height",
         "outlines, extruded from 0 to the height of the first; an outline within another is a hole"},
@@ -587,7 +613,9 @@ const FormatSupport& sdfFormat() {
        {Read, "transparency", "visuals with 1 are not there for beams"},
        {Read, "material diffuse pbr metal albedo_map roughness metalness", "look"},
        {Read, "script", "image, colour and alpha cutoff of an OGRE material"},
+       {LeftOut, "", "elements in a wrong place, and further ones where one may stand"},
        {LeftOut, "", "transparencies between 0 and 1 (these visuals are solid)"},
+       {LeftOut, "", "numbers of colours above 1 (they count as 1)"},
        {LeftOut, "", "alphas of diffuse colours (these visuals are solid)"},
        {LeftOut, "", "colours of scripts that are missing or Gazebo's own"},
        {LeftOut, "", "textures of parts without texture coordinates"},

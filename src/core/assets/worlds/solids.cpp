@@ -76,11 +76,12 @@ Quat rotationOf(const XmlNode& node, const Quat& q) {
   return {q.w / norm, q.x / norm, q.y / norm, q.z / norm};
 }
 
-std::array<float, 4> colorOf(const XmlNode& node, std::string_view text) {
+std::array<float, 4> colorOf(const XmlNode& node, std::string_view text, LeftOut& leftOut) {
   std::istringstream words{std::string(text)};
   const auto count = std::distance(std::istream_iterator<std::string>(words), {});
   const std::vector<double> n = numbersIn(node, text, count == 3 ? 3 : 4);
   std::array<float, 4> color{0, 0, 0, 1};
+  if (*std::max_element(n.begin(), n.end()) > 1) leftOut.add("numbers of colours above 1 (they count as 1)");
   for (std::size_t i = 0; i < n.size(); ++i) color[i] = static_cast<float>(std::clamp(n[i], 0.0, 1.0));
   return color;
 }

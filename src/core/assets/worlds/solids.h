@@ -22,7 +22,8 @@ Vec3d sizesOf(const XmlNode& shape, std::string_view key);
 // Returns the quaternion, scaled to length 1. Throws InputError if it is zero.
 Quat rotationOf(const XmlNode& node, const Quat& q);
 
-// Returns red, green, blue and alpha, clamped to 0 to 1, from a text of four numbers, or of three if alpha is 1.
-std::array<float, 4> colorOf(const XmlNode& node, std::string_view text);
+// Returns red, green, blue and alpha from a text of four numbers, or of three if alpha is 1. Numbers are clamped to 0
+// to 1; those above 1 are counted in `leftOut`.
+std::array<float, 4> colorOf(const XmlNode& node, std::string_view text, LeftOut& leftOut);
 
 }  // namespace scanmill

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <map>
 #include <set>
@@ -79,6 +80,16 @@ class UrdfReader {
  private:
   // Counts the elements that are left out, and those that the table does not know. Throws InputError for macros.
   void survey(const XmlNode& of) {
+    static constexpr std::array<ElementPlace, 9> kPlaces{{{"link joint", "robot", true},
+                                                          {"visual", "link", true},
+                                                          {"geometry", "visual collision"},
+                                                          {"mesh box cylinder sphere capsule", "geometry"},
+                                                          {"origin", "visual collision joint inertial sensor"},
+                                                          {"material", "robot", true},
+                                                          {"material", "visual"},
+                                                          {"color", "material"},
+                                                          {"texture", "material"}}};
+    countMisplaced(of, kPlaces, world_.leftOut);
     for (const XmlNode& child : of.children) {
       const bool macro = std::any_of(child.attributes.begin(), child.attributes.end(), [](const auto& a) {
         return a.second.find("${") != std::string::npos || a.second.find("$(") != std::string::npos;
@@ -138,7 +149,7 @@ class UrdfReader {
     if (const auto known = looks_.find(name); known != looks_.end()) return known->second;
     Look look;
     if (const XmlNode* color = material.child("color")) {
-      const auto [r, g, b, alpha] = colorOf(*color, color->attributeOr("rgba", ""));
+      const auto [r, g, b, alpha] = colorOf(*color, color->attributeOr("rgba", ""), world_.leftOut);
       look.color = {r, g, b};
       look.opacity = alpha;
     }
@@ -184,7 +195,7 @@ class UrdfReader {
     }
     if (const XmlNode* material = visual.child("material")) {
       const Look look = noteMaterial(*material);
-      if (look.opacity <= 0) return;  // invisible visuals are not scanned
+      if (look.opacity <= 0) return world_.leftOut.add("invisible visuals (alpha 0)");
       if (look.opacity < 1) world_.leftOut.add("transparencies between 0 and 1 (these visuals are solid)");
       const bool defines = material->child("color") != nullptr || material->child("texture") != nullptr;
       if (!look.color && look.texture.empty() && !defines) world_.leftOut.add("materials that are defined nowhere");
@@ -212,10 +223,13 @@ const FormatSupport& urdfFormat() {
       {{Read, "robot link visual geometry", "one thing, and its parts by name: robot/link/visual"},
        {Read, "joint origin parent child", "places of links; all joints are at 0"},
        {Read, "mesh box cylinder sphere capsule",
-        "shapes; an up axis that a mesh states counts for nothing, as in ROS"},
+        "shapes; the up axis that a COLLADA file states counts for nothing, as in ROS; glTF is y up by its standard"},
        {Read, "material color texture", "look; the first definition of a name holds for all"},
        {Read, "mimic", "joints that mimic others are at 0 too"},
+       {LeftOut, "", "elements in a wrong place, and further ones where one may stand"},
+       {LeftOut, "", "invisible visuals (alpha 0)"},
        {LeftOut, "", "transparencies between 0 and 1 (these visuals are solid)"},
+       {LeftOut, "", "numbers of colours above 1 (they count as 1)"},
        {LeftOut, "", "textures of parts without texture coordinates"},
        {LeftOut, "", "materials that are defined nowhere"},
        {LeftOut, "", "offsets of joints that mimic others"},

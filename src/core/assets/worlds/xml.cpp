@@ -34,6 +34,9 @@ class Reader {
   XmlNode read() const {
     pugi::xml_document document;
     const pugi::xml_parse_result result = document.load_buffer(bytes_.data(), bytes_.size());
+    if (!result && bytes_.find("<%") != std::string::npos) {
+      throw InputError(at(result.offset), "is a template: expand it first, by `erb FILE.erb > FILE`");
+    }
     if (!result) {
       throw InputError(at(result.offset), fmt::format("is not XML: {}", result.description()));
     }
@@ -55,6 +58,7 @@ class Reader {
       throw InputError(node.where,
                        fmt::format("has elements that are nested more than {} levels deep", kDeepestElement));
     node.name = from.name();
+    if (node.name == "xi:include") node.fail("names another file: expand it first, by `xmllint --xinclude FILE`");
     std::string text;  // comments may split the text into several pieces
     for (const pugi::xml_node& child : from.children()) {
       if (child.type() == pugi::node_pcdata || child.type() == pugi::node_cdata) text += child.value();
@@ -125,6 +129,28 @@ std::vector<double> numbersIn(const XmlNode& node, std::string_view text, std::s
   }
   if (numbers.size() != count) node.fail(fmt::format("has {} numbers, but must have {}", numbers.size(), count));
   return numbers;
+}
+
+void countMisplaced(const XmlNode& of, std::span<const ElementPlace> places, LeftOut& leftOut) {
+  const auto has = [](std::string_view list, std::string_view name) {
+    return fmt::format(" {} ", list).find(fmt::format(" {} ", name)) != std::string::npos;
+  };
+  std::vector<const ElementPlace*> taken;
+  for (const XmlNode& child : of.children) {
+    bool known = false;
+    const ElementPlace* place = nullptr;
+    for (const ElementPlace& row : places) {
+      if (!has(row.names, child.name)) continue;
+      known = true;
+      if (has(row.parents, of.name)) place = &row;
+    }
+    if (known && place == nullptr) leftOut.add(fmt::format("misplaced <{}> in <{}>", child.name, of.name));
+    if (place == nullptr || place->isMany) continue;
+    if (std::find(taken.begin(), taken.end(), place) != taken.end()) {
+      leftOut.add(fmt::format("second <{}> in <{}>", child.name, of.name));
+    }
+    taken.push_back(place);
+  }
 }
 
 Vec3d vectorIn(const XmlNode& node, std::string_view text) {

@@ -3,12 +3,14 @@
 // XML files as trees of elements with their line numbers.
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "base/error.h"
+#include "base/format_support.h"
 #include "base/vec.h"
 
 namespace scanmill {
@@ -29,12 +31,24 @@ struct XmlNode {
   [[noreturn]] void fail(const std::string& what) const;
 };
 
-// Reads a file. Throws InputError with the file and its line if it is not XML, or nested deeper than 64 elements.
+// Reads a file. Throws InputError with the file and its line if it is not XML, or nested deeper than 64 elements, or if
+// it must be expanded first.
 XmlNode readXml(const std::filesystem::path& file);
 
 // Returns the numbers in a text, separated by white space. Throws InputError at `node` unless there are exactly `count`
 // and all are finite.
 std::vector<double> numbersIn(const XmlNode& node, std::string_view text, std::size_t count);
 Vec3d vectorIn(const XmlNode& node, std::string_view text);
+
+// States in which elements some elements may stand. Both lists have blanks between the names.
+struct ElementPlace {
+  std::string_view names;
+  std::string_view parents;
+  bool isMany = false;  // false: of all elements with these names, a parent may have one
+};
+
+// Counts the children of an element that stand in a wrong place, and those after the first where one may stand.
+// Elements that are not in the table may stand anywhere.
+void countMisplaced(const XmlNode& of, std::span<const ElementPlace> places, LeftOut& leftOut);
 
 }  // namespace scanmill

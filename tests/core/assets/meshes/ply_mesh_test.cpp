@@ -309,6 +309,25 @@ TEST_F(PlyDamage, ALineFeedAfterAMacHeaderIsData) {
   EXPECT_EQ(readPlyMesh(folder_.write("a.ply", ply.header() + ply.body()), {}).parts.at(0).positions.size(), 4u);
 }
 
+TEST_F(PlyDamage, WhatNoFaceUsesIsCounted) {
+  for (const char* format : {"ascii", "binary_little_endian"}) {
+    const Ply ply{.format = format};
+    const auto told = [&](const std::string& bytes) {
+      return readPlyMesh(folder_.write("a.ply", bytes), {}).leftOut.text();
+    };
+    const std::string whole = ply.header() + ply.body();
+    EXPECT_EQ(told(whole), told(whole + "\n\n"));
+    EXPECT_THAT(told(whole + "1 2 3\n"), HasSubstr("6 bytes behind the stated contents"));
+  }
+  const std::string points =
+      "ply\nformat ascii 1.0\nelement vertex 7\nproperty float x\nproperty float y\nproperty float "
+      "z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
+  std::string body;
+  for (const char* p : {"0 0 0", "1 0 0", "0 1 0", "5 5 5", "6 5 5", "7 5 5", "8 5 5"}) body += std::string(p) + "\n";
+  EXPECT_EQ(readPlyMesh(folder_.write("b.ply", points + body + "3 0 1 2\n"), {}).leftOut.text(),
+            "4 vertices that no face uses");
+}
+
 TEST_F(PlyDamage, EveryCutIsRefused) {
   for (const Ply& ply : {Ply{}, Ply{.format = "binary_big_endian", .countType = "int"}}) {
     const std::string header = ply.header();

@@ -8,7 +8,9 @@ namespace scanmill {
 namespace {
 
 using testing::AllOf;
+using testing::AnyOf;
 using testing::HasSubstr;
+using testing::Not;
 
 class Sdf : public WorldFiles {};
 
@@ -501,6 +503,38 @@ TEST_F(Sdf, MistakesAreNamedWithTheirLine) {
   for (int i = 0; i < 100; ++i) deep += "<a>";
   for (int i = 0; i < 100; ++i) deep += "</a>";
   EXPECT_THAT(messageOf([&] { read("b.sdf", "<sdf>" + deep + "</sdf>"); }), HasSubstr("nested more than"));
+}
+
+// What stands in a wrong place means nothing; of what may be there once, the first counts.
+TEST_F(Sdf, ElementsInWrongPlacesAreTold) {
+  const auto told = [&](const std::string& inside) {
+    folder_.write("misplaced.sdf", "<sdf version=\"1.9\"><world name=\"w\">" + inside + "</world></sdf>");
+    testing::internal::CaptureStderr();
+    EXPECT_NEAR(boundsOf(readAsset(folder_.path() / "misplaced.sdf", {})).high.x, 0.5, 1e-9);
+    return testing::internal::GetCapturedStderr();
+  };
+  const std::string big = "<geometry><box><size>9 9 9</size></box></geometry>";
+  const auto model = [](const std::string& inModel, const std::string& inLink = "", const std::string& inVisual = "",
+                        const std::string& shape = "") {
+    return "<model name=\"m\">" + inModel + "<link name=\"l\">" + inLink + "<visual name=\"v\">" + inVisual +
+           "<geometry>" + shape + "<box><size>1 1 1</size></box></geometry></visual></link></model>";
+  };
+  EXPECT_THAT(
+      told(model("<pose/><frame name=\"f\"><pose/></frame>", "<pose/><collision name=\"c\">" + big + "</collision>",
+                 "<pose/><material><script><uri>a</uri><uri>b</uri></script></material>") +
+           "<state world_name=\"w\"><model name=\"m\"><scale>1 1 1</scale><link name=\"l\"/></model></state>"),
+      Not(AnyOf(HasSubstr("misplaced <"), HasSubstr("second <"))));
+  EXPECT_THAT(told(model("<visual name=\"u\">" + big + "</visual>")), HasSubstr("1 misplaced <visual> in <model>"));
+  EXPECT_THAT(told(model("") + "<link name=\"k\"><visual name=\"u\">" + big + "</visual></link>"),
+              HasSubstr("1 misplaced <link> in <world>"));
+  EXPECT_THAT(told(model("", model("<pose>5 0 0 0 0 0</pose>"))), HasSubstr("1 misplaced <model> in <link>"));
+  EXPECT_THAT(told(model("", "", "<scale>2 2 2</scale>")), HasSubstr("1 misplaced <scale> in <visual>"));
+  EXPECT_THAT(told(model("", "", "", "<pose>3 0 0 0 0 0</pose>")), HasSubstr("1 misplaced <pose> in <geometry>"));
+  EXPECT_THAT(told(model("<pose/><pose>3 0 0 0 0 0</pose>")), HasSubstr("1 second <pose> in <model>"));
+  EXPECT_THAT(told(model("", "", "<geometry><box><size>1 1 1</size></box></geometry>")),
+              HasSubstr("1 second <geometry> in <visual>"));
+  EXPECT_THAT(told(model("", "", "<material><diffuse>255 128 0 1</diffuse></material>")),
+              HasSubstr("1 numbers of colours above 1 (they count as 1)"));
 }
 
 // Cars and houses of Gazebo's database, whose units are inches, centimetres and metres.

@@ -96,7 +96,40 @@ TEST_F(Urdf, ContentsThatAreLeftOutAreToldOnceWithTheirNumber) {
   EXPECT_EQ(std::count(told.begin(), told.end(), '\n'), 1);
 }
 
+// What stands in a wrong place means nothing; of what may be there once, the first counts.
+TEST_F(Urdf, ElementsInWrongPlacesAreTold) {
+  const auto told = [&](const std::string& inside) {
+    folder_.write("misplaced.urdf", "<robot>" + inside + "</robot>");
+    testing::internal::CaptureStderr();
+    EXPECT_NEAR(boundsOf(readAsset(folder_.path() / "misplaced.urdf", {})).high.x, 0.5, 1e-9);
+    return testing::internal::GetCapturedStderr();
+  };
+  const std::string big = "<geometry><box size=\"9 9 9\"/></geometry>";
+  const auto link = [](const std::string& more, const std::string& inVisual = "", const std::string& shape = "") {
+    return "<link name=\"a\">" + more + "<visual><geometry><box size=\"1 1 1\"/>" + shape + "</geometry>" + inVisual +
+           "</visual></link>";
+  };
+  EXPECT_THAT(told("<material name=\"m\"><color rgba=\"1 1 1 1\"/></material>" +
+                   link("<collision>" + big + "</collision>", "<origin/><material name=\"m\"/>")),
+              testing::IsEmpty());
+  EXPECT_THAT(told(link("") + "<visual>" + big + "</visual>"), HasSubstr("1 misplaced <visual> in <robot>"));
+  EXPECT_THAT(told(link(big)), HasSubstr("1 misplaced <geometry> in <link>"));
+  EXPECT_THAT(told(link("<origin xyz=\"5 0 0\"/>")), HasSubstr("1 misplaced <origin> in <link>"));
+  EXPECT_THAT(told(link("<material name=\"r\"/>")), HasSubstr("1 misplaced <material> in <link>"));
+  EXPECT_THAT(told(link("", "<color rgba=\"1 0 0 1\"/>")), HasSubstr("1 misplaced <color> in <visual>"));
+  EXPECT_THAT(told(link("", big + big)), HasSubstr("2 second <geometry> in <visual>"));
+  EXPECT_THAT(told(link("", "", "<sphere radius=\"4\"/>")), HasSubstr("1 second <sphere> in <geometry>"));
+  EXPECT_THAT(told(link("", "<origin/><origin xyz=\"3 0 0\"/>")), HasSubstr("1 second <origin> in <visual>"));
+  EXPECT_THAT(told(link("<visual>" + big + "<material name=\"n\"><color rgba=\"1 1 1 0\"/></material></visual>")),
+              HasSubstr("1 invisible visuals (alpha 0)"));
+  EXPECT_THAT(told(link("", "<material name=\"o\"><color rgba=\"255 128 0 1\"/></material>")),
+              HasSubstr("1 numbers of colours above 1 (they count as 1)"));
+}
+
 TEST_F(Urdf, MistakesAreNamedWithTheirLine) {
+  EXPECT_THAT(messageOf([&] { read("w.urdf", "<robot>\n<xi:include href=\"a\"/></robot>"); }),
+              AllOf(HasSubstr("w.urdf:2"), HasSubstr("xmllint")));
+  EXPECT_THAT(messageOf([&] { read("w.urdf", "<robot>\n<% x = 1 %></robot>"); }), HasSubstr("erb FILE.erb"));
   EXPECT_THAT(messageOf([&] { read("r.urdf", "<sdf/>"); }), HasSubstr("not a URDF"));
   EXPECT_THAT(refused("<xacro:property name=\"a\" value=\"1\"/>"),
               AllOf(HasSubstr("r.urdf:2"), HasSubstr("xacro robot")));

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "formats/ply_header.h"
+
+namespace scanmill {
+
+// Reads the numbers behind the header of a PLY file, one after the other. In text, each row of an element is a line.
+// All calls throw an InputError that names the file, the line of a text, and the row: the file ends too early, or a
+// word is no number.
+class PlyBody {
+ public:
+  // `header` and `bytes`, the whole file, must outlive this object.
+  PlyBody(const std::filesystem::path& file, const PlyHeader& header, std::string_view bytes)
+      : file_(file.string()), header_(header), bytes_(bytes), at_(header.size), line_(header.lines) {}
+
+  // Must be called before the numbers of a row are read. `row`: from 0.
+  void beginRow(const PlyElement& element, std::uint64_t row);
+  // Returns the next number of a row: the property's value, or a member of the list that it is.
+  double number(const PlyProperty& property) { return next(property, property.value); }
+  // Returns the length of a list.
+  std::uint64_t length(const PlyProperty& property);
+  // Skips a property. In a binary file this takes no time for the members of a list.
+  void skip(const PlyProperty& property);
+  // Returns the bytes behind the rows that were read.
+  std::string_view rest() const { return bytes_.substr(std::min(at_, bytes_.size())); }
+  // Throws if words of a line of text are left.
+  void endRow();
+
+ private:
+  bool isText() const { return header_.format == PlyHeader::Format::Ascii; }
+  double next(const PlyProperty& property, const PlyType& type);
+  std::string_view nextWord();
+  std::string place() const;
+  [[noreturn]] void fail(const std::string& what) const;
+
+  std::string file_;
+  const PlyHeader& header_;
+  std::string_view bytes_;
+  std::size_t at_;
+  int line_;
+  std::string_view text_;  // the rest of the line
+  const PlyElement* element_ = nullptr;
+  std::uint64_t row_ = 0;
+};
+
+}  // namespace scanmill
