@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "base/error.h"
+#include "config/text.h"
 #include "formats/cloud_columns.h"
 #include "formats/readers.h"
 #include "rasters/system_unit.h"
@@ -16,8 +17,8 @@ namespace {
 
 // Offsets (bytes) in the header, from table 1 of the specification.
 constexpr std::size_t kEncoding = 6, kMinor = 25, kHeaderSize = 94, kPointsAt = 96, kRecords = 100, kFormat = 104,
-                      kRecordSize = 105, kLegacyPoints = 107, kScale = 131, kOffset = 155, kLaterRecordsAt = 235,
-                      kLaterRecords = 243, kPoints = 247;
+                      kRecordSize = 105, kLegacyPoints = 107, kScale = 131, kOffset = 155, kWaveformsAt = 227,
+                      kLaterRecordsAt = 235, kLaterRecords = 243, kPoints = 247;
 // Types of extra bytes, which the specification numbers from 1.
 using ExtraTypes = std::tuple<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::uint32_t, std::int32_t,
                               std::uint64_t, std::int64_t, float, double>;
@@ -96,6 +97,7 @@ class LasReader {
     readRecords(first);
     if (unit == CloudUnit::OfFile) applyUnit(first, points);
     readPoints(first, points);
+    cloud_.leftOut.add("points behind the announced ones", (endOfPoints(first) - first) / record_ - points);
     return std::move(cloud_);
   }
 
@@ -139,6 +141,17 @@ class LasReader {
     }
   }
 
+  // Returns where points can end: at the records behind them, or at the file's end.
+  std::uint64_t endOfPoints(std::uint64_t first) const {
+    const int minor = at<std::uint8_t>(kMinor);
+    std::uint64_t end = bytes_.size();
+    for (const std::uint64_t place : {kWaveformsAt, kLaterRecordsAt}) {
+      if (minor < (place == kWaveformsAt ? 3 : 4) || at<std::uint16_t>(kHeaderSize) < place + 8) continue;
+      if (const auto begin = at<std::uint64_t>(place); begin >= first) end = std::min(end, begin);
+    }
+    return end;
+  }
+
   void readRecord(std::uint64_t place, std::string_view data) {
     const std::string_view user = textAt(bytes_, place + 2, 16);
     const auto id = at<std::uint16_t>(place + 18);
@@ -146,6 +159,10 @@ class LasReader {
     if (user == "LASF_Projection" && id == 34735) geoKeys_ = data;
     if (user == "LASF_Projection" && id == 34736) geoNumbers_ = data;
     if (user == "LASF_Spec" && id == 4) described_ = data;
+    if (user == "liblas" && id == 2112) wkt_ = data;
+    const bool isWaveform = user == "LASF_Spec" && id >= 100;
+    if (user.starts_with("LASF_") && !isWaveform)
+      cloud_.leftOut.addKeyword(lasFormat(), fmt::format("{}/{}", user, id));
     if (user != "LASF_Spec" || id != 0) return;
     for (std::size_t k = 0; k + 16 <= data.size(); k += 16) {
       const std::string name(textAt(data, k + 1, 15));
@@ -170,13 +187,21 @@ class LasReader {
       fail(fmt::format("has {}: {}, {}", unit.degrees ? "coordinates in degrees" : "earth-centred coordinates",
                        kReproject, kOtherwise));
     }
+    if (unit.mirrored) {
+      fail(fmt::format("has coordinates that mirror the ground, with axes south and west or the like: {}", kReproject));
+    }
     if (unit.unknown != 0) {
       fail(fmt::format("has coordinates in the unit EPSG:{}, which is not known: reproject it into metres, {}",
                        unit.unknown, kOtherwise));
     }
     const double vertical = unit.vertical.value_or(unit.horizontal);
     metres_ = {unit.horizontal, unit.horizontal, vertical};
-    if (unit.unstated != 0) {
+    if (unit.unread) {
+      warn(
+          fmt::format("{}: its coordinate system cannot be read ({}), and counts as in metres: give the key `unit` if "
+                      "it is not",
+                      where_.file, quotedForMessage(textAt(wkt_, 0, 60))));
+    } else if (unit.unstated != 0) {
       warn(
           fmt::format("{}: its coordinate system EPSG:{} is stated without a unit, and counts as in metres: give the "
                       "key `unit` if it is not",
@@ -368,7 +393,10 @@ const FormatSupport& lasFormat() {
         "synthetic key_point overlap scan_direction_flag edge_of_flight_line scanner_channel scan_angle "
         "user_data point_source_id nir wave_packets",
         "flags, angles, near infrared and waveforms"},
+       {Unused, "LASF_Spec/2 LASF_Spec/3 LASF_Spec/7", "histograms and texts"},
+       {LeftOut, "LASF_Projection/2111", "transforms of coordinates (LASF_Projection/2111)"},
        {LeftOut, "withheld", "points marked as withheld"},
+       {LeftOut, "", "points behind the announced ones"},
        {LeftOut, "", "points of classes of noise, unless `points.labels` is given"},
        {LeftOut, "", "extra bytes of several values or without a description"}}};
   return format;

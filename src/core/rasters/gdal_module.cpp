@@ -74,6 +74,13 @@ class Reference {
     } else {
       header.perUnit = OSRGetLinearUnits(handle_, nullptr);
       if (OSRIsGeocentric(handle_) != 0) header.foreign = "earth-centred coordinates";
+      OGRAxisOrientation x = OAO_East, y = OAO_North;
+      OSRGetAxis(handle_, "PROJCS", 0, &x);
+      OSRGetAxis(handle_, "PROJCS", 1, &y);
+      const auto are = [&](OGRAxisOrientation first, OGRAxisOrientation second) { return x == first && y == second; };
+      if (are(OAO_South, OAO_West) || are(OAO_East, OAO_South) || are(OAO_West, OAO_North)) {
+        header.foreign = "coordinates that mirror the ground, with axes south and west or the like";
+      }
     }
     if (OSRIsVertical(handle_) == 0) return;
     char* name = nullptr;

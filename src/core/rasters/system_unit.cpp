@@ -5,6 +5,7 @@
 #include "rasters/system_unit.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cstdint>
 #include <cstring>
@@ -12,6 +13,8 @@
 #include <map>
 #include <utility>
 #include <vector>
+
+#include "config/text.h"
 
 namespace scanmill {
 
@@ -23,7 +26,11 @@ struct Wkt {
   std::vector<Wkt> children{};
 
   bool is(std::initializer_list<std::string_view> keywords) const {
-    return !children.empty() && std::find(keywords.begin(), keywords.end(), text) != keywords.end();
+    const auto same = [&](std::string_view keyword) {
+      return std::equal(keyword.begin(), keyword.end(), text.begin(), text.end(),
+                        [](char a, char b) { return a == std::toupper(static_cast<unsigned char>(b)); });
+    };
+    return !children.empty() && std::any_of(keywords.begin(), keywords.end(), same);
   }
 };
 
@@ -90,12 +97,14 @@ bool states(const Wkt& node, std::initializer_list<std::string_view> keywords,
                      [&](const Wkt& child) { return states(child, keywords, texts); });
 }
 
-void addUnit(const Wkt& system, SystemUnit& unit) {
+// Returns false if the node is no coordinate system that is known.
+bool addUnit(const Wkt& system, SystemUnit& unit) {
   const bool ellipsoidal = std::any_of(system.children.begin(), system.children.end(), [](const Wkt& child) {
     return child.is({"CS"}) && child.children.front().text == "ellipsoidal";
   });
+  bool known = false;
   if (system.is({"COMPD_CS", "COMPOUNDCRS", "BOUNDCRS", "SOURCECRS", "DERIVEDPROJCRS"})) {
-    for (const Wkt& child : system.children) addUnit(child, unit);
+    for (const Wkt& child : system.children) known = addUnit(child, unit) || known;
   }
   if (system.is({"GEOGCS", "GEOGCRS", "GEOGRAPHICCRS"}) || ellipsoidal) {
     unit.degrees = true;
@@ -114,11 +123,20 @@ void addUnit(const Wkt& system, SystemUnit& unit) {
                         "ENGINEERINGCRS"})) {
     unit.mercator = unit.mercator || states(system, {"PROJECTION", "METHOD"},
                                             {"Mercator_1SP", "Mercator_Aux", "Mercator (variant A)", "Popular"});
+    std::string axes;  // the first letters of their directions
+    for (const Wkt& child : system.children) {
+      const bool directed = child.is({"AXIS"}) && child.children.size() > 1 && !child.children[1].text.empty();
+      if (directed) axes += lowerCase(child.children[1].text.substr(0, 1));
+    }
+    unit.mirrored = axes == "sw" || axes == "es" || axes == "wn";
     if (auto [metres, name] = unitOf(system); metres > 0) {
       unit.horizontal = metres;
       unit.name = std::move(name);
     }
+  } else {
+    return known;
   }
+  return true;
 }
 
 // The first directory of a TIFF ("TIFF", revision 6.0, Adobe 1992, 2) or of a BigTIFF, whose offsets and counts have 8
@@ -172,11 +190,14 @@ class TiffTags {
 
 SystemUnit unitOfWkt(std::string_view text) {
   SystemUnit unit;
-  constexpr std::size_t kLongest = 1 << 20;  // bytes of a text that is read
+  constexpr std::size_t kLongest = 1 << 20;                     // bytes of a text that is read
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);  // the mark of UTF-8
   WktReader reader(text.substr(0, kLongest));
+  bool known = false;
   do {
-    addUnit(reader.read(), unit);
+    known = addUnit(reader.read(), unit) || known;
   } while (reader.skip(","));  // Esri's text has the vertical system behind the other one
+  unit.unread = !known;
   return unit;
 }
 

@@ -17,12 +17,14 @@ struct SystemUnit {
   bool degrees = false;            // true: x and y are longitude and latitude
   bool geocentric = false;         // true: the origin is the earth's centre
   bool mercator = false;           // true: a Mercator projection with the equator along x, such as Web Mercator
+  bool mirrored = false;           // true: the axes are south and west or the like, so that the ground is mirrored
+  bool unread = false;             // true: a system is stated in a way that is not known
   int code = 0;                    // EPSG's code of a projected system that keys state; 0: none
   int unknown = 0;                 // EPSG's code of a unit whose size is not known; 0: none
   int unstated = 0;                // EPSG's code of a system whose unit the file does not state; 0: none
 };
 
-// Returns the unit that a well-known text states; metres if it states none that can be read.
+// Returns the unit that a well-known text states; metres if it states none, or if it cannot be read.
 SystemUnit unitOfWkt(std::string_view text);
 
 // Returns the unit that the keys of GeoTIFF state: a directory of uint16, and float64 numbers to which it refers.

@@ -20,6 +20,7 @@ namespace {
 using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::Not;
 
 template <class T>
 void put(std::string& bytes, std::size_t at, T value) {
@@ -296,6 +297,42 @@ TEST_F(CloudFiles, LasInMercatorOrLikelyInDegreesIsTold) {
   }
   EXPECT_THAT(warned(degrees), AllOf(HasSubstr("within 0.0002 m of [8, 46.9998]"), HasSubstr("in_srs=EPSG:4326")));
   EXPECT_EQ(warned(las(2, 1)), "");
+}
+
+TEST_F(CloudFiles, CoordinateSystemsOfLasThatCannotBeReadAreTold) {
+  const auto placeOfX = [&](const std::string& name, const char* user, const std::string& wkt) {
+    return placeOf(read(name, withRecords(las(4, 6), {{user, 2112, wkt}}, 16)), 0).x;
+  };
+  constexpr double kSurvey = 1200.0 / 3937;
+  std::string lower = kStatePlane;
+  for (const char* word : {"PROJCS", "UNIT", "PROJECTION"}) {
+    for (std::size_t at = lower.find(word); at != lower.npos; at = lower.find(word, at)) lower[at] += 'a' - 'A';
+  }
+  for (const std::string& wkt : {"\xEF\xBB\xBF" + std::string(kStatePlane), lower}) {
+    EXPECT_NEAR(placeOfX("a.las", "LASF_Projection", wkt), 500000.001 * kSurvey, 1e-4) << wkt;
+  }
+  EXPECT_NEAR(placeOfX("a.las", "liblas", kStatePlane), 500000.001 * kSurvey, 1e-4);
+  for (const std::string& wkt : {std::string("EPSG:2927"), std::string("+proj=utm +units=us-ft"), std::string("foo")}) {
+    testing::internal::CaptureStderr();
+    EXPECT_NEAR(placeOfX(fmt::format("unread{}.las", wkt.size()), "LASF_Projection", wkt), 500000.001, 1e-4);
+    EXPECT_THAT(testing::internal::GetCapturedStderr(),
+                AllOf(HasSubstr("cannot be read ('" + wkt + "')"), HasSubstr("give the key `unit`")));
+  }
+  const std::string mirrored = R"(PROJCS["K",UNIT["metre",1],AXIS["Southing",SOUTH],AXIS["Westing",WEST]])";
+  EXPECT_THAT(refused("a.las", withRecords(las(4, 6), {{"LASF_Projection", 2112, mirrored}}, 16)),
+              HasSubstr("mirror the ground"));
+}
+
+TEST_F(CloudFiles, WhatLasHasBesidesItsPointsIsCounted) {
+  for (const int minor : {2, 4}) {
+    std::string bytes = las(minor, 1);
+    EXPECT_THAT(read("a.las", bytes).leftOut.text(), Not(HasSubstr("behind the announced")));
+    bytes += std::string(2 * 30, '\0');
+    EXPECT_THAT(read("a.las", bytes).leftOut.text(), HasSubstr("2 points behind the announced ones"));
+  }
+  EXPECT_THAT(
+      read("a.las", withRecords(las(4, 6), {{"LASF_Projection", 2111, "x"}, {"Somebody", 7, "x"}})).leftOut.text(),
+      AllOf(HasSubstr("1 transforms of coordinates"), Not(HasSubstr("Somebody"))));
 }
 
 TEST_F(CloudFiles, LasThatIsNoneIsRefused) {

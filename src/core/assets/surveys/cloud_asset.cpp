@@ -106,7 +106,11 @@ class CloudAsset {
       }
     }
     cloud_.leftOut.add("points of classes of noise", noisy);
-    if (chosen_.empty()) throw InputError({file_.string()}, "has no points");
+    if (chosen_.empty()) {
+      throw InputError(
+          {file_.string()},
+          "has no points" + (cloud_.leftOut.empty() ? "" : " but those left out: " + cloud_.leftOut.text()));
+    }
   }
 
   void thin() {
@@ -135,7 +139,8 @@ class CloudAsset {
     for (const ForeignColumn& column : scan_.foreign) {
       const std::string meant = columnMeant(column.name);
       const FormatElements* const row = cloudColumns().find(meant);
-      if (row == nullptr || (columnIndex(meant) < kColumnCount && meant != kIntensity.row.name)) {
+      const bool isUsed = meant == kIntensity.row.name && !scan_.has(kIntensity);
+      if (row == nullptr || (columnIndex(meant) < kColumnCount && !isUsed)) {
         names.push_back(column.name);
       }
     }

@@ -51,6 +51,10 @@ class HeightAsset {
       warn(fmt::format("{}: does not cover {} of the vertices of {}, which have the colour of its edge",
                        wanted_.image.string(), grouped(beside_), file_.string()));
     }
+    if (unclassed_ > 0) {
+      warn(fmt::format("{}: has no class for {} of the {} cells of {}, whose material is called 'no class'",
+                       wanted_.classes.string(), grouped(unclassed_), grouped(cells_), file_.string()));
+    }
     if (asset_.parts.empty()) throw InputError({file_.string()}, "has no cell whose four samples all have heights");
     return std::move(asset_);
   }
@@ -153,6 +157,17 @@ class HeightAsset {
   void readClasses() {
     classes_ = readRaster(wanted_.classes, {RasterUse::Classes, 1, 1, boundsOfHeights(), kMostSamples});
     expectSame(*classes_, wanted_.classes);
+    const auto isPart = [](float value) { return std::isfinite(value) && value != std::round(value); };
+    const auto part = std::find_if(classes_->values.begin(), classes_->values.end(), isPart);
+    if (part == classes_->values.end()) return;
+    throw InputError(
+        {wanted_.classes.string()},
+        fmt::format(
+            "has {} samples that are no whole numbers, such as {:.6g}, but classes are: resample it "
+            "by `gdalwarp -r near`, and leave out scale and offset by `gdal_translate -a_scale 1 "
+            "-a_offset 0`",
+            grouped(static_cast<std::size_t>(std::count_if(classes_->values.begin(), classes_->values.end(), isPart))),
+            *part));
   }
 
   // Returns the x and y bounds of the height samples, extended by one sample on each side.
@@ -226,6 +241,8 @@ class HeightAsset {
     const auto [x, y] = heights_.place(column, row);
     const auto [x2, y2] = heights_.place(column + 1, row + 1);
     const float own = classes_ ? classes_->at((x + x2) / 2, (y + y2) / 2) : 0;
+    ++cells_;
+    unclassed_ += std::isfinite(own) ? 0 : 1;
     Part& part = partOf(own);
     std::array<std::uint32_t, 4> v{};
     for (std::size_t k = 0; k < 4; ++k) v[k] = vertexOf(part, at[k][0], at[k][1], corner[k]);
@@ -299,8 +316,9 @@ class HeightAsset {
   const HeightOptions& wanted_;
   Raster heights_;
   std::optional<Raster> classes_;
-  Raster photo_;            // georeference of the image, without values
-  std::size_t beside_ = 0;  // number of vertices that the image does not cover
+  Raster photo_;                           // georeference of the image, without values
+  std::size_t beside_ = 0;                 // number of vertices that the image does not cover
+  std::size_t cells_ = 0, unclassed_ = 0;  // numbers of cells, and of those without a class
   std::shared_ptr<const Texture> image_;
   ColorImages images_{file_, true};
   Affine localFromEarth_;

@@ -477,6 +477,30 @@ TEST_F(Heights, HaveClassesAndColoursOfOtherRasters) {
   EXPECT_THAT(refused(tilted(), options), AllOf(HasSubstr("other.tif"), HasSubstr("gdalwarp")));
 }
 
+TEST_F(Heights, ClassesAreWholeNumbersAndWhatHasNoneIsTold) {
+  GeoTiff half{1, 1, {10}, 500000, 5400100, 75};
+  AssetOptions options;
+  options.heights.classes = folder_.write("half.tif", half.bytes());
+  testing::internal::CaptureStderr();
+  const Asset asset = read(tilted(), options);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              AllOf(HasSubstr("half.tif: has no class for "), HasSubstr("of the 551 cells"), HasSubstr("'no class'")));
+  ASSERT_EQ(asset.parts.size(), 2u);
+  GeoTiff blended{2, 2, {1, 2, 1.6f, 2}, 500000, 5400100, 75};
+  options.heights.classes = folder_.write("blended.tif", blended.bytes());
+  EXPECT_THAT(refused(tilted(), options),
+              AllOf(HasSubstr("blended.tif: has 1 samples"), HasSubstr("such as 1.6"), HasSubstr("gdalwarp -r near")));
+}
+
+// EPSG:5513 has x to the south and y to the west.
+TEST_F(Heights, SystemsThatMirrorTheGroundAreRefused) {
+  folder_.write("dem.tif", GeoTiff{6, 4, std::vector<float>(24, 30), 500000, 5400100, 5}.bytes());
+  for (const auto& [system, isRead] : {std::pair{"EPSG:5513", false}, {"EPSG:5514", true}, {"EPSG:2180", true}}) {
+    const std::string message = messageOf([&] { readAsset(mosaic(band("dem.tif"), system), {}); });
+    EXPECT_EQ(message.find("mirror the ground") == std::string::npos, isRead) << system << ": " << message;
+  }
+}
+
 TEST_F(Heights, ImagesOfAllKindsHaveTheirColours) {
   folder_.write("dem.tif", GeoTiff{6, 4, std::vector<float>(24, 30), 500000, 5400100, 5}.bytes());
   const auto image = [&](const std::string& bands, std::string& warnings) {

@@ -161,6 +161,8 @@ ColladaFacts colladaFacts(const std::filesystem::path& file) {
   Edits edits;
   bool hasAxis = false;
   bool inLibrary = false;
+  bool binds = false;                          // true: within <bind_material>
+  std::size_t materialsAt = 0, effectsAt = 0;  // where the first material and effect may stand; 0: there are none
   const auto indexOf = [&](std::string_view part) { return static_cast<std::size_t>(part.data() - text.data()); };
   for (std::size_t at = text.find('<'); at < text.size(); at = text.find('<', at + 1)) {
     const std::size_t end = text.find('>', at);
@@ -180,6 +182,14 @@ ColladaFacts colladaFacts(const std::filesystem::path& file) {
       const std::string known = id.empty() ? fmt::format("hidden-at-{}", behind) : std::string(id);
       if (id.empty()) edits[behind] = {0, fmt::format(" id=\"{}\"", known)};
       facts.hidden.insert(known);
+    } else if (name == "library_materials" || name == "library_effects") {
+      inLibrary = !tag.ends_with('/');
+      std::size_t& first = name == "library_effects" ? effectsAt : materialsAt;
+      if (first == 0 && inLibrary) first = end + 1;
+    } else if (name == "bind_material" || name == "/bind_material") {
+      binds = name[0] != '/' && !tag.ends_with('/');
+    } else if (name == "technique_common" && binds && !tag.ends_with('/')) {
+      edits[end + 1] = {0, "<instance_material symbol=\"!\" target=\"#!\"/>"};
     } else if (name.starts_with("library_") || name.starts_with("/library_")) {
       inLibrary = name[0] != '/' && !tag.ends_with('/');
     } else if (name == "up_axis") {
@@ -234,6 +244,13 @@ ColladaFacts colladaFacts(const std::filesystem::path& file) {
   }
   for (const auto& [id, effect] : materials) {
     if (effects.contains(effect)) facts.materials.push_back(effects[effect]);
+  }
+  // The importer gives surfaces without a material the first one that it finds. This one is found first.
+  if (materialsAt > 0 && effectsAt > 0) {
+    edits[materialsAt] = {0, "<material id=\"!\" name=\"DefaultMaterial\"><instance_effect url=\"#!\"/></material>"};
+    edits[effectsAt] = {
+        0, "<effect id=\"!\"><profile_COMMON><technique sid=\"c\"><lambert/></technique></profile_COMMON></effect>"};
+    facts.materials.insert(facts.materials.begin(), ColladaMaterial{})->colored = true;
   }
   for (const std::string_view url : urls) {
     // A base may be a controller itself.

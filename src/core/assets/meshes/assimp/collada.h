@@ -26,7 +26,7 @@ struct ColladaFacts {
   char up = 'y';                           // axis of `up_axis`
   double unit = 0;                         // metres per unit; 0: not stated
   std::set<std::string> hidden;            // ids of nodes with `visibility` 0, which Maya and 3ds Max write
-  std::vector<ColladaMaterial> materials;  // those that have an effect, sorted by their ids, as assimp sorts them
+  std::vector<ColladaMaterial> materials;  // those of `text` that have an effect, sorted by their ids, as by assimp
   LeftOut leftOut;
   // The file's text for assimp, with changes: hidden nodes without an id have one; `lookat` has an up direction at
   // right angles to the view, and `up_axis` no blanks; morph targets are cut off, of which assimp reads none.

@@ -83,6 +83,35 @@ TEST_F(Imported, JointsNeedNoNames) {
   EXPECT_EQ(warnings_, "");
 }
 
+// Without help the importer gives surfaces without a material the first one of the file.
+TEST_F(Imported, SurfacesOfColladaWithoutAMaterialHaveNone) {
+  const std::string library = R"(<library_effects><effect id="e"><profile_COMMON><technique sid="c"><lambert><diffuse>
+<color>0.8 0.2 0.2 1</color></diffuse></lambert></technique></profile_COMMON></effect></library_effects>
+<library_materials><material id="m" name="Wall"><instance_effect url="#e"/></material></library_materials>
+<library_geometries>)";
+  const auto materialOf = [&](const std::string& symbol, const std::string& bind) {
+    std::string text = replaced(dae("Z_UP", "1"), "<library_geometries>", library);
+    text = replaced(text, "<triangles count",
+                    symbol.empty() ? "<triangles count" : "<triangles material=\"" + symbol + "\" count");
+    if (!bind.empty()) {
+      text = replaced(text, "<instance_geometry url=\"#g\"/>",
+                      "<instance_geometry url=\"#g\"><bind_material><technique_common>" + bind +
+                          "</technique_common></bind_material></instance_geometry>");
+    }
+    return read("a.dae", text).parts.at(0);
+  };
+  const std::string bind = R"(<instance_material symbol="S" target="#m"/>)";
+  EXPECT_EQ(materialOf("S", bind).material, "Wall");
+  EXPECT_NEAR(materialOf("S", bind).color[0], 0.8, 0.2);
+  for (const auto& [symbol, bound] : {std::pair{"", ""},
+                                      {"S", ""},
+                                      {"Other", bind.c_str()},
+                                      {"S", R"(<instance_material symbol="S" target="#no"/>)"}}) {
+    EXPECT_EQ(materialOf(symbol, bound).material, "") << symbol << bound;
+    EXPECT_FALSE(materialOf(symbol, bound).fileMaterial.stated) << symbol << bound;
+  }
+}
+
 TEST_F(Imported, NodesThatAreHiddenInColladaAreLeftOut) {
   std::string text = dae("Z_UP", "1");
   text = replaced(text, "</visual_scene>", R"(<node id="h" name="hidden"><instance_geometry url="#g"/>
