@@ -1,5 +1,7 @@
 #include "assets/meshes/assimp/ac3d.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 #include <charconv>
@@ -96,9 +98,18 @@ class Ac3dText {
       if (!kids_.empty()) --kids_.back();
       if (hidden_ && kids_.size() <= *hidden_) hidden_.reset();
       dropping_ = false;
+      object_ = out_.size();
+      transform_.clear();
+    } else if (key == "rot" || key == "loc") {
+      transform_.append(line) += '\n';
+      return;
     } else if (key == "kids") {
       kids_.push_back(numberIn(line));
       dropping_ = false;
+      if (!transform_.empty()) {
+        out_.insert(object_, fmt::format("OBJECT group\n{}kids {}\n", transform_, kids_.back() + 1));
+        line = "kids 0";
+      }
     } else if (key == "hidden") {
       leftOut_.add("hidden objects");
       if (!hidden_) hidden_ = kids_.size();
@@ -144,6 +155,8 @@ class Ac3dText {
   bool base_ = false;     // true: texture_ has the role `base`
   std::string material_;  // the material of an open block, in one line; empty: no block is open
   std::uint64_t stated_ = 0, surfaces_ = 0;  // number of surfaces by `numsurf`, and of those in the file
+  std::size_t object_ = 0;                   // index in out_ of the current object
+  std::string transform_;                    // its lines `rot` and `loc`
   std::vector<std::uint64_t> kids_;          // number of objects that are still to come, by level
   std::optional<std::size_t> hidden_;        // level of the hidden object that is open
   bool dropping_ = false;                    // true: in the vertices or surfaces of a hidden object

@@ -13,7 +13,10 @@ const FormatSupport& ac3dFormat();
 // - at most one texture per object. Racing games write several. The texture with the role `base`, or else the first
 //   texture, is the colour and is kept; the others are shading and skid marks;
 // - materials in one line each (MATERIAL) in place of blocks (MAT to ENDMAT);
-// - hidden objects and those below them without vertices and surfaces.
+// - hidden objects and those below them without vertices and surfaces;
+// - the transform of an object (`rot`, `loc`) in a group around the object and its kids. assimp rotates surfaces after
+// it
+//   shifts them, and does not shift kids.
 std::string readAc3d(const std::filesystem::path& file, LeftOut& leftOut);
 
 }  // namespace scanmill

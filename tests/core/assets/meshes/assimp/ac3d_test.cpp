@@ -75,6 +75,26 @@ TEST_F(Ac3d, HiddenObjectsAreLeftOutWithThoseBelow) {
               HasSubstr("cut.ac: left out: 2 objects that 'kids' counts and the file lacks, 1 unknown 'sparkle'\n"));
 }
 
+// A point p of an object stands at rot * p + loc in the frame of the object above.
+TEST_F(Ac3d, TransformsHoldForSurfacesAndForKids) {
+  writeColours(folder_.path() / "colours.png");
+  const std::string object = std::string(kAc).substr(std::string(kAc).find("OBJECT poly"));
+  std::string moved = object;
+  moved.insert(moved.find("numvert"), "rot 0 1 0 -1 0 0 0 0 1\nloc 10 20 30\n");
+  moved.replace(moved.rfind("kids 0"), 6, "kids 1");
+  std::string text = kAc;
+  text.resize(text.find("OBJECT poly"));
+  text.replace(text.find("kids 1"), 6, "kids 2");
+  text += moved;
+  text += moved.replace(moved.rfind("kids 1"), 6, "kids 0") + object;
+  const Asset asset = read("moved.ac", text, {.up = 'z'});
+  ASSERT_EQ(asset.parts.size(), 3u);
+  const auto corners = [](std::initializer_list<Vec3f> at) { return testing::ElementsAreArray(at); };
+  EXPECT_THAT(asset.parts[0].positions, corners({{10, 19, 30}, {12, 20, 30}, {10, 20, 33}}));
+  EXPECT_THAT(asset.parts[1].positions, corners({{29, 10, 60}, {30, 8, 60}, {30, 10, 63}})) << "below the first";
+  EXPECT_THAT(asset.parts[2].positions, corners({{1, 0, 0}, {0, 2, 0}, {0, 0, 3}})) << "beside the first";
+}
+
 TEST_F(Ac3d, CountsThatTheFileDoesNotReachAreTold) {
   std::string text = kAc;
   text.replace(text.find("numvert 3"), 9, "numvert 4");
