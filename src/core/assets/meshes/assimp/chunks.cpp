@@ -5,6 +5,10 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <set>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "base/file.h"
 
@@ -22,16 +26,49 @@ std::size_t chunkOf3ds(const std::string& bytes, std::size_t at, std::size_t end
   return length < 6 || length > end - at ? 0 : length;
 }
 
+std::string chunk3ds(std::uint16_t id, std::string_view data) {
+  const auto length = static_cast<std::uint32_t>(6 + data.size());
+  std::string chunk(6, '\0');
+  std::memcpy(chunk.data(), &id, sizeof id);
+  std::memcpy(chunk.data() + sizeof id, &length, sizeof length);
+  return chunk.append(data);
+}
+
+// Returns the big-endian number in `bytes[at]` to `bytes[at + count - 1]`, which exist.
+std::uint32_t bigEndian(std::string_view bytes, std::size_t at, std::size_t count) {
+  std::uint32_t number = 0;
+  for (std::size_t i = 0; i < count; ++i) number = number << 8 | static_cast<unsigned char>(bytes[at + i]);
+  return number;
+}
+
+// Returns the number of polygons of a POLS chunk (LWO2), whose data behind the type is given.
+std::uint64_t polygonsIn(std::string_view data) {
+  std::uint64_t polygons = 0;
+  for (std::size_t at = 0; at + 2 <= data.size(); ++polygons) {
+    const std::uint32_t corners = bigEndian(data, at, 2) & 0x3FF;
+    at += 2;
+    // Indices from 0xFF00 take four bytes.
+    for (std::uint32_t i = 0; i < corners && at < data.size(); ++i) at += data[at] == '\xFF' ? 4 : 2;
+  }
+  return polygons;
+}
+
 }  // namespace
 
 std::string read3ds(const std::filesystem::path& file, LeftOut& leftOut) {
   constexpr std::uint16_t kMain = 0x4D4D, kEditor = 0x3D3D, kMasterScale = 0x0100;
-  constexpr std::uint16_t kObject = 0x4000, kHidden = 0x4010, kMesh = 0x4100;
+  constexpr std::uint16_t kObject = 0x4000, kHidden = 0x4010, kMesh = 0x4100, kMatrix = 0x4160;
+  constexpr std::uint16_t kKeyframer = 0xB000, kNode = 0xB002, kHeader = 0xB010;
   constexpr std::uint16_t kUnknown = 0x4F4F;  // a type that no reader knows
   std::string bytes = readFile(file);
   std::uint16_t id = 0;
+  std::vector<std::pair<std::string, std::size_t>> meshes;  // names of objects, and where their chunks kMesh are
+  std::set<std::string> placed;                             // names of the keyframer's nodes
+  const std::size_t total = chunkOf3ds(bytes, 0, bytes.size(), id);
   for (std::size_t at = 0, length = 0; (length = chunkOf3ds(bytes, at, bytes.size(), id)) > 0; at += length) {
-    if (id == kMain || id == kEditor) length = 6;  // goes on with the first chunk inside
+    // Goes on with the first chunk inside.
+    if (id == kMain || id == kEditor || id == kKeyframer || id == kNode) length = 6;
+    if (id == kHeader) placed.insert(bytes.c_str() + at + 6);
     if (float scale = 1; id == kMasterScale && length == 6 + sizeof scale) {
       std::memcpy(&scale, bytes.data() + at + 6, sizeof scale);
       if (scale != 1 && scale != 0) {
@@ -47,33 +84,78 @@ std::string read3ds(const std::filesystem::path& file, LeftOut& leftOut) {
       hidden = hidden || id == kHidden;
       if (id == kMesh) mesh = inside + 1;
     }
+    if (!hidden && mesh > 0) meshes.emplace_back(bytes.c_str() + at + 6, mesh);
     if (!hidden || mesh == 0) continue;
     leftOut.add("hidden nodes");
     std::memcpy(bytes.data() + mesh, &kUnknown, sizeof kUnknown);
   }
+  std::string nodes;
+  std::set<std::string> added;
+  for (const auto& [name, mesh] : meshes) {
+    if (placed.contains(name)) continue;
+    if (added.insert(name).second) {
+      constexpr std::string_view kFlagsAndNoParent("\0\0\0\0\0\xFF\xFF", 7);  // behind the end of the name
+      nodes += chunk3ds(kNode, chunk3ds(kHeader, name + std::string(kFlagsAndNoParent)));
+    }
+    // Vertices are in the file's frame: without the object's matrix the importer leaves them there.
+    const std::size_t end = mesh + chunkOf3ds(bytes, mesh, bytes.size(), id);
+    for (std::size_t at = mesh + 6, length = 0; (length = chunkOf3ds(bytes, at, end, id)) > 0; at += length) {
+      if (id == kMatrix) std::memcpy(bytes.data() + at, &kUnknown, sizeof kUnknown);
+    }
+  }
+  if (nodes.empty()) return bytes;
+  bytes.insert(total, chunk3ds(kKeyframer, nodes));
+  const auto longer = static_cast<std::uint32_t>(total + 6 + nodes.size());
+  std::memcpy(bytes.data() + sizeof id, &longer, sizeof longer);
   return bytes;
 }
 
 std::string readLwo(const std::filesystem::path& file, LeftOut& leftOut) {
-  std::string bytes = readFile(file);
-  if (bytes.size() < 12 || bytes.compare(8, 4, "LWO2") != 0) return bytes;
-  bool hidden = false, counted = false;
-  for (std::size_t at = 12; bytes.size() - at >= 8;) {
-    std::uint32_t length = 0;
-    for (std::size_t i = 4; i < 8; ++i) length = length << 8 | static_cast<unsigned char>(bytes[at + i]);
+  const std::string bytes = readFile(file);
+  const std::string form = bytes.substr(std::min<std::size_t>(8, bytes.size()), 4);
+  if (form != "LWO2" && form != "LWOB") return bytes;
+  std::string out = bytes.substr(0, 12);
+  // The chunks of the current layer but those of polygons, and whether it has polygons.
+  const std::string firstLayer = std::string("LAYR\0\0\0\x12", 8) + std::string(18, '\0');
+  std::string layer = firstLayer;
+  bool hasPolygons = false, hidden = false, counted = false, dropping = false;
+  std::uint32_t number = 0x4000;  // of a layer that is added: far above those of files
+  std::size_t at = 12;
+  while (bytes.size() - at >= 8) {
+    const std::size_t length = bigEndian(bytes, at + 4, 4);
     if (length > bytes.size() - at - 8) break;
-    const std::string type = bytes.substr(at, 4);
+    std::string chunk = bytes.substr(at, 8 + length + length % 2);
+    at += chunk.size();
+    const std::string type = chunk.substr(0, 4);
     if (type == "LAYR") {
-      hidden = length >= 4 && (bytes[at + 11] & 1) != 0;  // the lowest bit of its flags
-      counted = false;
-    } else if (hidden && (type == "POLS" || type == "PTAG" || type == "VMAD")) {
-      if (!counted) leftOut.add("hidden nodes");
-      counted = true;
-      bytes.replace(at, 4, "HIDE");  // a type that no reader knows
+      hidden = length >= 4 && (chunk[11] & 1) != 0;  // the lowest bit of its flags
+      hasPolygons = counted = dropping = false;
+      layer.clear();
+    } else if (form == "LWOB") {
+      if (type == "PCHS" || type == "CRVS") leftOut.add("chunks of patches or curves (.lwo of LightWave 5)");
+    } else if (type == "POLS" && length >= 4) {
+      const std::string kind = chunk.substr(8, 4);
+      const std::uint64_t polygons = polygonsIn(std::string_view(chunk).substr(12));
+      dropping = hidden || kind == "CURV";
+      if (hidden && !std::exchange(counted, true)) leftOut.add("hidden nodes");
+      if (!hidden && kind == "CURV") leftOut.add("curves (.lwo)", polygons);
+      if (!hidden && (kind == "SUBD" || kind == "PTCH")) {
+        leftOut.add("patches of subdivision surfaces (.lwo; their control polygons are read)", polygons);
+      }
+      if (!dropping && std::exchange(hasPolygons, true) && layer.size() >= 10 && number < 0x8000) {
+        layer[8] = static_cast<char>(number >> 8);
+        layer[9] = static_cast<char>(number++ & 0xFF);
+        out += layer;
+      }
     }
-    at += std::min<std::size_t>(8 + std::size_t{length} + length % 2, bytes.size() - at);
+    if (type == "PNTS" && form == "LWO2" && layer == firstLayer) out += layer;  // without which the importer fails
+    if (type == "LAYR" || type == "PNTS" || type == "VMAP") layer += chunk;
+    if (dropping && (type == "POLS" || type == "PTAG" || type == "VMAD")) {
+      chunk.replace(0, 4, "HIDE");  // a type that no reader knows
+    }
+    out += chunk;
   }
-  return bytes;
+  return out.append(bytes, at);
 }
 
 }  // namespace scanmill

@@ -6,11 +6,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <regex>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "assets/meshes/assimp/chunks.h"
 #include "assets/meshes/assimp/fbx.h"
 #include "tests/core/assets/meshes/triangle_files.h"
 #include "tests/core/assets/read_assets.h"
@@ -18,6 +21,7 @@
 namespace scanmill {
 namespace {
 
+using namespace std::string_literals;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
@@ -526,6 +530,34 @@ TEST_F(Imported, HiddenObjectsAndMasterScalesOf3dsAreTold) {
                         "check the size)\n"));
 }
 
+// The keyframer places objects. The importer leaves out those that it does not name, and has no names without it.
+TEST_F(Imported, ObjectsThatTheKeyframerOf3dsLeavesOutStandWhereTheirVerticesAre) {
+  using namespace std::string_literals;
+  const auto nodes = [](const Asset& asset) {
+    std::string names;
+    for (const AssetPart& part : asset.parts) names += part.node + " ";
+    return names;
+  };
+  std::string text = studio3ds("", "");
+  EXPECT_EQ(nodes(readQuietly("a.3ds", text)), "wing other ");
+  // A matrix of the local axes, by whose inverse the importer moves vertices into the frame of a node.
+  const std::string matrix = chunk3ds(0x4160, bytesOf<float>({0, 1, 0, -1, 0, 0, 0, 0, 1, 5, 6, 7}));
+  const std::string faces = chunk3ds(0x4120, bytesOf<std::uint16_t>({1, 0, 1, 2, 7}));
+  const std::string plain =
+      chunk3ds(0x4100, chunk3ds(0x4110, "\3\0"s + bytesOf<float>({1, 0, 0, 0, 2, 0, 0, 0, 3})) + matrix + faces);
+  const std::string position =
+      chunk3ds(0xB020, std::string(10, '\0') + bytesOf<std::uint32_t>({1, 0}) + "\0\0"s + bytesOf<float>({0, 0, 9}));
+  text =
+      chunk3ds(0x4D4D, chunk3ds(0x3D3D, chunk3ds(0x3D3E, "\3\0\0\0"s) + chunk3ds(0x4000, "other\0"s + plain) +
+                                            chunk3ds(0x4000, "wing\0"s + plain)) +
+                           chunk3ds(0xB000, chunk3ds(0xB002, chunk3ds(0xB010, "wing\0\0\0\0\0\xFF\xFF"s) + position)));
+  const Asset asset = readQuietly("b.3ds", text);
+  EXPECT_EQ(warnings_, "");
+  ASSERT_EQ(nodes(asset), "wing other ");
+  EXPECT_EQ(asset.parts[0].positions.at(0).z, 2) << "the keyframer's place";
+  EXPECT_THAT(asset.parts[1].positions, testing::ElementsAre(Vec3f{1, 0, 0}, Vec3f{0, 2, 0}, Vec3f{0, 0, 3}));
+}
+
 std::string lwoChunk(const std::string& type, std::string data) {
   if (data.size() % 2 == 1) data += '\0';
   const auto size = static_cast<std::uint32_t>(data.size());
@@ -534,17 +566,20 @@ std::string lwoChunk(const std::string& type, std::string data) {
   return type + length + data;
 }
 
-TEST_F(Imported, HiddenLayersOfLwoAreLeftOut) {
-  using namespace std::string_literals;
+std::string lwoPoints() {
   std::string points;
   for (const float value : {1.0f, 0.0f, 0.0f, 0.0f, 2.0f, 0.0f, 0.0f, 0.0f, 3.0f}) {
     const std::string word = bytesOf<float>({value});
     points.append(word.rbegin(), word.rend());
   }
+  return lwoChunk("PNTS", points);
+}
+
+TEST_F(Imported, HiddenLayersOfLwoAreLeftOut) {
   const auto file = [&](char flags) {
     const auto layer = [&](char number, char flag, const std::string& name) {
-      return lwoChunk("LAYR", "\0"s + number + "\0"s + flag + std::string(12, '\0') + name + '\0') +
-             lwoChunk("PNTS", points) + lwoChunk("POLS", "FACE\0\3\0\0\0\1\0\2"s) + lwoChunk("PTAG", "SURF\0\0\0\0"s);
+      return lwoChunk("LAYR", "\0"s + number + "\0"s + flag + std::string(12, '\0') + name + '\0') + lwoPoints() +
+             lwoChunk("POLS", "FACE\0\3\0\0\0\1\0\2"s) + lwoChunk("PTAG", "SURF\0\0\0\0"s);
     };
     return lwoChunk("FORM", "LWO2" + lwoChunk("TAGS", "m\0"s) + layer(0, 0, "wing") + layer(1, flags, "other"));
   };
@@ -552,6 +587,37 @@ TEST_F(Imported, HiddenLayersOfLwoAreLeftOut) {
   EXPECT_EQ(warnings_, "");
   EXPECT_EQ(readQuietly("a.lwo", file(1)).parts.at(0).node, "wing");
   EXPECT_THAT(warnings_, HasSubstr("a.lwo: left out: 1 hidden nodes\n"));
+}
+
+// LWO2, POLS: a layer may have several chunks, each of one type, and tags (PTAG) are those of the last one.
+TEST_F(Imported, AllPolygonsOfLayersOfLwoAreRead) {
+  const auto file = [](const std::string& first, const std::string& second, const std::string& layer) {
+    const auto polygons = [](const std::string& type, char surface) {
+      return lwoChunk("POLS", type + "\0\3\0\0\0\1\0\2"s) + lwoChunk("PTAG", "SURF\0\0\0"s + surface);
+    };
+    return lwoChunk("FORM", "LWO2" + lwoChunk("TAGS", "m\0n\0"s) + layer + lwoPoints() + polygons(first, 0) +
+                                polygons(second, 1) + lwoChunk("SURF", "m\0\0\0"s) + lwoChunk("SURF", "n\0\0\0"s));
+  };
+  const auto materials = [&](const std::string& bytes) {
+    std::set<std::string> found;
+    for (const AssetPart& part : readQuietly("a.lwo", bytes).parts) {
+      if (!part.positions.empty()) found.insert(part.node + ":" + part.material);
+    }
+    return found;
+  };
+  const std::string layer = lwoChunk("LAYR", std::string(16, '\0') + "wing" + std::string(2, '\0'));
+  EXPECT_EQ(materials(file("FACE", "FACE", layer)), (std::set<std::string>{"wing:m", "wing:n"}));
+  EXPECT_EQ(materials(file("FACE", "FACE", "")).size(), 2u);
+  EXPECT_EQ(warnings_, "");
+  EXPECT_EQ(materials(file("SUBD", "FACE", layer)), (std::set<std::string>{"wing:m", "wing:n"}));
+  EXPECT_THAT(warnings_,
+              HasSubstr("a.lwo: left out: 1 patches of subdivision surfaces (.lwo; their control polygons are "
+                        "read)\n"));
+  EXPECT_EQ(materials(file("FACE", "CURV", layer)), (std::set<std::string>{"wing:m"}));
+  EXPECT_THAT(warnings_, HasSubstr("a.lwo: left out: 1 curves (.lwo)\n"));
+  LeftOut leftOut;
+  readLwo(write("old.lwo", lwoChunk("FORM", "LWOB" + lwoChunk("PCHS", "\0\3\0\0\0\1\0\2\0\1"s))), leftOut);
+  EXPECT_EQ(leftOut.text(), "1 chunks of patches or curves (.lwo of LightWave 5)");
 }
 
 TEST_F(Imported, AlphaOfColoursOfXFilesIsTold) {
