@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <string_view>
 #include <utility>
@@ -104,6 +105,13 @@ std::string levelled(std::string_view lookat) {
   return fmt::format("{} {} {} {} {} {} {} {} {}", n[0], n[1], n[2], n[3], n[4], n[5], up.x, up.y, up.z);
 }
 
+// Says that the images of a material use one set of the texture coordinates of a mesh (bind_vertex_input).
+struct SetOfImages {
+  std::string_view instance, material;  // urls of the mesh or its controller, and of the material
+  std::string_view texcoord;            // the attribute of the images
+  double set = 0;                       // the attribute `set` of the texture coordinates
+};
+
 // Changes to a text: what replaces a number of characters, by the index of the first.
 using Edits = std::map<std::size_t, std::pair<std::size_t, std::string>>;
 
@@ -131,6 +139,7 @@ const FormatSupport& colladaFormat() {
        {Read, "triangles trifans tristrips polylist polygons", "surfaces"},
        {Read, "skin bind_shape_matrix joints vertex_weights", "skins, in the pose in which the nodes stand"},
        {Read, "material effect diffuse transparent opaque transparency", "colours, images and opacity"},
+       {Read, "bind_vertex_input", "which set of texture coordinates an image uses"},
        {Read, "repeatU repeatV offsetU offsetV", "places of images, from `extra`"},
        {Unused, "library_cameras library_lights library_physics_models library_kinematics_models", "no surfaces"},
        {LeftOut, "", "morph targets with weights"},
@@ -140,6 +149,7 @@ const FormatSupport& colladaFormat() {
        {LeftOut, "brep", "solids by their borders (brep)"},
        {LeftOut, "convex_mesh", "convex meshes (convex_mesh)"},
        {LeftOut, "", "clamped or mirrored textures (they repeat)"},
+       {LeftOut, "", "images with several sets of texture coordinates (bind_vertex_input; the first is taken)"},
        {LeftOut, "", "rotations of images (rotateUV)"},
        {LeftOut, "", "materials without a plain diffuse colour"},
        {LeftOut, "", "numbers of `transparency` beside images (the images alone count)"},
@@ -153,11 +163,16 @@ ColladaFacts colladaFacts(const std::filesystem::path& file) {
   blankComments(bytes);
   const std::string_view text = bytes;
   ColladaFacts facts;
-  std::map<std::string_view, ColladaMaterial> effects;
+  std::map<std::string_view, std::string_view> effects;         // text, by id
   std::map<std::string_view, std::string_view> materials;       // id of the effect, by id of the material
   std::vector<std::pair<std::string_view, std::size_t>> nodes;  // the nodes that are open: ids and ends of their tags
   std::map<std::string, std::string_view> bases;                // url of a morph's base mesh, by url of its controller
   std::vector<std::string_view> urls;                           // of what skins and nodes refer to
+  std::map<std::string, std::string> meshes;                    // url of a skin's mesh, by url of its controller
+  std::map<std::string, std::set<double>> sets;                 // of texture coordinates, by url of the mesh
+  std::string mesh;                                             // url of the last mesh
+  std::vector<SetOfImages> uses;
+  std::string_view instance, material;  // urls of the last ones
   Edits edits;
   bool hasAxis = false;
   bool inLibrary = false;
@@ -212,7 +227,10 @@ ColladaFacts colladaFacts(const std::filesystem::path& file) {
     } else if (name == "controller") {
       const std::string_view controller = elementIn(text.substr(at), "controller").content;
       const Element morph = elementIn(controller, "morph");
-      if (morph.tag.empty()) continue;
+      if (morph.tag.empty()) {
+        meshes["#" + std::string(attributeOf(tag, "id"))] = attributeOf(elementIn(controller, "skin").tag, "source");
+        continue;
+      }
       bases["#" + std::string(attributeOf(tag, "id"))] = attributeOf(morph.tag, "source");
       for (std::size_t from = morph.content.find("<float_array"); from < morph.content.size();
            from = morph.content.find("<float_array", from + 1)) {
@@ -227,7 +245,13 @@ ColladaFacts colladaFacts(const std::filesystem::path& file) {
       throw Error(fmt::format("has <{}> in line {}, which cannot be read: {}, or export it as glTF", name, line,
                               name == "skew" ? "bake transforms into matrices" : "export it as COLLADA 1.4.1"));
     } else if (name == "effect") {
-      effects[attributeOf(tag, "id")] = materialOf(elementIn(text.substr(at), "effect").content);
+      effects[attributeOf(tag, "id")] = elementIn(text.substr(at), "effect").content;
+    } else if (name == "geometry") {
+      mesh = "#" + std::string(attributeOf(tag, "id"));
+    } else if (name == "input" && attributeOf(tag, "semantic") == "TEXCOORD") {
+      sets[mesh].insert(numberIn(attributeOf(tag, "set"), 0));
+    } else if (name == "bind_vertex_input" && attributeOf(tag, "input_semantic") == "TEXCOORD") {
+      uses.push_back({instance, material, attributeOf(tag, "semantic"), numberIn(attributeOf(tag, "input_set"), 0)});
     } else if (name == "material") {
       const Element effect = elementIn(elementIn(text.substr(at), "material").content, "instance_effect");
       const std::string_view url = attributeOf(effect.tag, "url");
@@ -237,13 +261,40 @@ ColladaFacts colladaFacts(const std::filesystem::path& file) {
     } else if (name.starts_with("instance_")) {
       const std::string_view url = attributeOf(tag, attributeOf(tag, "url").empty() ? "target" : "url");
       urls.push_back(url);
+      (name == "instance_material" ? material : instance) = url;
       if (!url.empty() && !url.starts_with('#')) facts.leftOut.add("references to other files");
     } else if (colladaFormat().has(FormatElements::Use::LeftOut, name)) {
       facts.leftOut.addKeyword(colladaFormat(), name);
     }
   }
   for (const auto& [id, effect] : materials) {
-    if (effects.contains(effect)) facts.materials.push_back(effects[effect]);
+    if (effects.contains(effect)) facts.materials.push_back(materialOf(effects[effect]));
+  }
+  // The importer takes the number in `texcoord` for the index of the set among those of the mesh.
+  std::map<std::size_t, std::pair<std::size_t, std::set<std::size_t>>> indices;  // by where a text of `texcoord` is
+  for (const SetOfImages& use : uses) {
+    const std::string_view effect =
+        effects[materials[use.material.substr(std::min<std::size_t>(use.material.size(), 1))]];
+    std::string of(use.instance);
+    for (std::size_t hops = 0; hops <= bases.size() && !sets.contains(of); ++hops) {
+      const auto base = bases.find(of);
+      of = base != bases.end() ? std::string(base->second) : meshes[of];
+    }
+    const auto set = sets[of].find(use.set);
+    if (set == sets[of].end()) continue;
+    const auto index = std::distance(sets[of].begin(), set);
+    for (std::size_t at = effect.find("<texture"); at < effect.size(); at = effect.find("<texture", at + 1)) {
+      const std::string_view texcoord = attributeOf(effect.substr(at, effect.find('>', at) - at), "texcoord");
+      if (texcoord.empty() || texcoord != use.texcoord) continue;
+      auto& [length, found] = indices[indexOf(texcoord)];
+      length = texcoord.size();
+      found.insert(static_cast<std::size_t>(index));
+    }
+  }
+  for (const auto& [at, found] : indices) {
+    edits[at] = {found.first, fmt::format("set{}", *found.second.begin())};
+    if (found.second.size() == 1) continue;
+    facts.leftOut.add("images with several sets of texture coordinates (bind_vertex_input; the first is taken)");
   }
   // The importer gives surfaces without a material the first one that it finds. This one is found first.
   if (materialsAt > 0 && effectsAt > 0) {

@@ -29,7 +29,8 @@ struct ColladaFacts {
   std::vector<ColladaMaterial> materials;  // those of `text` that have an effect, sorted by their ids, as by assimp
   LeftOut leftOut;
   // The file's text for assimp, with changes: hidden nodes without an id have one; `lookat` has an up direction at
-  // right angles to the view, and `up_axis` no blanks; morph targets are cut off, of which assimp reads none.
+  // right angles to the view, and `up_axis` no blanks; morph targets are cut off, of which assimp reads none;
+  // `texcoord` of images names the set of texture coordinates by its index.
   std::string text;
 };
 

@@ -158,6 +158,46 @@ TEST_F(Imported, LocalAxesAndUnitsOfColladaAreCounted) {
   EXPECT_EQ(warnings_, "");
 }
 
+// COLLADA 1.4.1, bind_vertex_input: the set of texture coordinates that an image uses. The mesh has the sets 1 and 2.
+TEST_F(Imported, ImagesOfColladaUseTheSetOfTextureCoordinatesThatTheirUseNames) {
+  writeColours(folder_.path() / "colours.png");
+  const auto source = [](const std::string& id, const std::string& numbers) {
+    return "<source id=\"" + id + "\"><float_array id=\"" + id + "a\" count=\"6\">" + numbers +
+           "</float_array><technique_common><accessor source=\"#" + id +
+           "a\" count=\"3\" stride=\"2\"><param name=\"S\" type=\"float\"/><param name=\"T\" type=\"float\"/>"
+           "</accessor></technique_common></source>";
+  };
+  std::string base =
+      replaced(dae("Z_UP", "1"), "<vertices", source("t1", "0 0 2 0 0 2") + source("t2", "0 0 4 0 0 4") + "<vertices");
+  base = replaced(base, "<triangles count=\"1\">", "<triangles count=\"1\" material=\"m\">");
+  base = replaced(base, "<p>0 1 2", R"(<input semantic="TEXCOORD" source="#t1" offset="0" set="1"/>
+<input semantic="TEXCOORD" source="#t2" offset="0" set="2"/><p>0 1 2)");
+  base =
+      replaced(base, "<library_geometries>", R"(<library_images><image id="i"><init_from>colours.png</init_from></image>
+</library_images><library_materials><material id="p" name="p"><instance_effect url="#e"/></material></library_materials>
+<library_effects><effect id="e"><profile_COMMON><newparam sid="sf"><surface type="2D"><init_from>i</init_from></surface>
+</newparam><newparam sid="sa"><sampler2D><source>sf</source></sampler2D></newparam><technique sid="t"><lambert><diffuse>
+<texture texture="sa" texcoord="CHANNEL1"/></diffuse></lambert></technique></profile_COMMON></effect></library_effects>
+<library_geometries>)");
+  const std::string plain = "<instance_geometry url=\"#g\"/>";
+  const auto with = [&](const std::string& set) {
+    return R"(<instance_geometry url="#g"><bind_material><technique_common><instance_material symbol="m" target="#p">
+<bind_vertex_input semantic="CHANNEL1" input_semantic="TEXCOORD" input_set=")" +
+           set + "\"/></instance_material></technique_common></bind_material></instance_geometry>";
+  };
+  const auto width = [&](const std::string& instances) {
+    return readQuietly("a.dae", replaced(base, plain, instances)).parts.at(0).uvs.at(1).x;
+  };
+  EXPECT_EQ(width(with("1")), 2);
+  EXPECT_EQ(width(with("2")), 4);
+  EXPECT_EQ(width(with("2") + with("2")), 4);
+  EXPECT_EQ(warnings_, "");
+  EXPECT_EQ(read("plain.dae", replaced(dae("Z_UP", "1"), plain, with("1"))).parts.size(), 1u) << "no such set";
+  EXPECT_EQ(width(with("2") + with("1")), 2);
+  EXPECT_THAT(warnings_, HasSubstr("a.dae: left out: 1 images with several sets of texture coordinates "
+                                   "(bind_vertex_input; the first is taken)\n"));
+}
+
 // The importer refuses all files with morph controllers, even if their weights are 0.
 TEST_F(Imported, BaseMeshesOfMorphsOfColladaAreRead) {
   const auto morph = [](const std::string& id, const std::string& source, const std::string& weights) {
