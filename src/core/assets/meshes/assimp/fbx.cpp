@@ -59,6 +59,19 @@ double numberOf(std::string_view text, std::size_t at, bool binary) {
   return value;
 }
 
+// Returns the text of the property whose quoted or binary name begins at `at`.
+std::string_view textOf(std::string_view text, std::size_t at, bool binary) {
+  if (binary) {
+    for (int i = 0; i < 4; ++i) at = behindProperty(text, at);  // its name, type, label and flags
+    const std::size_t behind = behindProperty(text, at);
+    return behind > at + 5 ? text.substr(at + 5, behind - at - 5) : std::string_view();
+  }
+  const std::string_view line = text.substr(at, std::min(text.find('\n', at), text.size()) - at);
+  const std::size_t end = std::max<std::size_t>(line.rfind('"'), 1);
+  const std::size_t from = line.rfind('"', end - 1) + 1;
+  return line.substr(from, end - from);
+}
+
 // Returns a name as it stands in a list of properties.
 std::string named(const char* name, bool binary) {
   return binary ? property(name) : fmt::format("\"{}\"", name);
@@ -138,21 +151,54 @@ void cutCoarserLevels(std::string& bytes, bool binary, const std::vector<Object>
   });
 }
 
-// Counts uses of images that assimp does not know, and collects the names of images that do not repeat.
-void readImageUses(const std::string& bytes, bool binary, LeftOut& leftOut, std::set<std::string>& clamped) {
+// Counts objects that have other materials than the first object with the same mesh.
+void countSharedMeshes(const std::string& bytes, bool binary, const std::vector<Object>& models, LeftOut& leftOut) {
+  std::map<std::string, std::vector<std::string>> materials;  // by object
+  std::set<std::string> meshIds, materialIds;
+  for (const Object& model : models) materials[model.id];
+  for (const Object& mesh : objectsOf(bytes, binary, "Geometry")) meshIds.insert(mesh.id);
+  for (const Object& material : objectsOf(bytes, binary, "Material")) materialIds.insert(material.id);
+  std::vector<std::pair<std::string, std::string>> uses;  // of meshes by objects
+  const std::string link = named("OO", binary);
+  for (std::size_t at = bytes.find(link); at != std::string::npos; at = bytes.find(link, at + 1)) {
+    const auto [id, parent] = connected(bytes, at, binary);
+    const auto model = materials.find(parent);
+    if (model == materials.end()) continue;
+    if (meshIds.contains(id)) uses.emplace_back(id, parent);
+    if (materialIds.contains(id)) model->second.push_back(id);
+  }
+  std::map<std::string, std::string> first;  // object by mesh
+  for (const auto& [mesh, model] : uses) {
+    if (materials[model] != materials[first.emplace(mesh, model).first->second]) {
+      leftOut.add("materials of objects with a mesh of another object (they have the materials of that)");
+    }
+  }
+}
+
+// Counts uses of images that assimp does not know, and reads how images are used.
+void readImageUses(const std::string& bytes, bool binary, LeftOut& leftOut, FbxImages& images) {
   std::set<std::string> ids;
   for (const Object& texture : objectsOf(bytes, binary, "Texture")) {
     const std::string_view text = texture.text;
     ids.insert(texture.id);
     if (isSet(text, "UVSwap", binary)) leftOut.add("images with swapped texture coordinates (UVSwap)");
-    if (!isSet(text, "WrapModeU", binary) && !isSet(text, "WrapModeV", binary)) continue;
     constexpr std::string_view kName = "RelativeFilename";
-    const std::size_t name = std::min(text.find(kName), text.size() - kName.size()) + kName.size();
+    const std::size_t at = std::min(text.find(kName), text.size() - kName.size()) + kName.size();
+    std::string name;
     if (binary) {
-      const std::size_t behind = behindProperty(text, name);
-      if (behind > name + 5) clamped.emplace(text.substr(name + 5, behind - name - 5));
-    } else if (const std::size_t quote = text.find('"', name); quote != std::string_view::npos) {
-      clamped.emplace(text.substr(quote + 1, text.find('"', quote + 1) - quote - 1));
+      const std::size_t behind = behindProperty(text, at);
+      if (behind > at + 5) name = text.substr(at + 5, behind - at - 5);
+    } else if (const std::size_t quote = text.find('"', at); quote != std::string_view::npos) {
+      name = text.substr(quote + 1, text.find('"', quote + 1) - quote - 1);
+    }
+    if (name.empty()) continue;
+    if (isSet(text, "WrapModeU", binary) || isSet(text, "WrapModeV", binary)) images.clamped.insert(name);
+    const std::size_t found = text.find(named("UVSet", binary));
+    if (found == std::string_view::npos) continue;
+    std::string_view set = textOf(text, found, binary);
+    if (set == "default") set = {};
+    if (const auto [known, isNew] = images.uvSets.emplace(name, set); !isNew && known->second != set) {
+      leftOut.add("images with several sets of texture coordinates (UVSet; the first is taken)");
     }
   }
   // A connection is a list such as "OP", the texture's number, the material's number, "DiffuseFactor".
@@ -181,7 +227,8 @@ const FormatSupport& fbxFormat() {
         "where `RotationActive` is 1 and `RotationSpaceForLimitOnly` 0"},
        {Read, "Mesh Vertices PolygonVertexIndex LayerElementUV LayerElementMaterial", "surfaces"},
        {Read, "Skin Cluster", "skins, in the pose in which the objects stand"},
-       {Read, "Material Texture Video", "colours, opacity and images, with their scale and shift"},
+       {Read, "Material Texture Video UVSet",
+        "colours, opacity and images, with their scale, shift and set of coordinates"},
        {Unused, "NodeAttribute LayerElementNormal LayerElementSmoothing Pose", "cameras, lights, normals, shading"},
        {Unused, "Shape Line NurbsCurve", "shapes of morph targets, lines (which are counted) and curves"},
        {LeftOut, "AnimationStack", "animations (the file's pose is taken)"},
@@ -194,13 +241,16 @@ const FormatSupport& fbxFormat() {
        {LeftOut, "LayerElementColor", "colours of vertices"},
        {LeftOut, "WrapModeU WrapModeV", "clamped or mirrored textures (they repeat)"},
        {LeftOut, "Rotation", "rotations of images (Rotation)"},
+       {LeftOut, "", "materials of objects with a mesh of another object (they have the materials of that)"},
+       {LeftOut, "", "images with several sets of texture coordinates (UVSet; the first is taken)"},
+       {LeftOut, "", "sets of texture coordinates that meshes lack (UVSet; their first is taken)"},
        {LeftOut, "UVSwap", "images with swapped texture coordinates (UVSwap)"},
        {LeftOut, "DiffuseFactor", "images of DiffuseFactor"},
        {LeftOut, "UpAxisSign", "negative signs of the up axis (UpAxisSign)"}}};
   return format;
 }
 
-std::string readFbx(const std::filesystem::path& file, LeftOut& leftOut, std::set<std::string>& clamped) {
+std::string readFbx(const std::filesystem::path& file, LeftOut& leftOut, FbxImages& images) {
   std::string bytes = readFile(file);
   const bool binary = bytes.starts_with("Kaydara FBX Binary");
   std::uint64_t weighted = 0;
@@ -214,6 +264,7 @@ std::string readFbx(const std::filesystem::path& file, LeftOut& leftOut, std::se
   }
   const std::vector<Object> models = objectsOf(bytes, binary, "Model");
   cutCoarserLevels(bytes, binary, models, leftOut);
+  countSharedMeshes(bytes, binary, models, leftOut);
   // The importer applies these three to every object.
   for (const Object& model : models) {
     if (isSet(model.text, "RotationActive", binary) && !isSet(model.text, "RotationSpaceForLimitOnly", binary))
@@ -250,7 +301,7 @@ std::string readFbx(const std::filesystem::path& file, LeftOut& leftOut, std::se
     });
   }
   leftOut.add("morph targets with weights", weighted);
-  readImageUses(bytes, binary, leftOut, clamped);
+  readImageUses(bytes, binary, leftOut, images);
   return bytes;
 }
 

@@ -31,6 +31,7 @@ std::unique_ptr<Assimp::IOSystem> filesFor(const std::filesystem::path& asset, b
 // image.
 struct UvPlacement {
   std::uint32_t channel = 0;  // index of the set of texture coordinates
+  std::string set;            // its name, which holds in place of the index; empty: it is not known
   Vec2f scale{1, 1}, offset{0, 0};
   float rotation = 0;  // rad, counter-clockwise
   Vec2f apply(const Vec2f& uv) const;

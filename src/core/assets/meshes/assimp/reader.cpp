@@ -103,7 +103,7 @@ class Importer {
   const aiScene* open() {
     const bool known = isAc3d(kind_) || kind_ == ".fbx" || kind_ == ".3ds" || kind_ == ".lwo";
     if (!known) return open(importer_);
-    const std::string text = kind_ == ".fbx"   ? readFbx(file_, leftOut_, clamped_)
+    const std::string text = kind_ == ".fbx"   ? readFbx(file_, leftOut_, fbxImages_)
                              : kind_ == ".3ds" ? read3ds(file_, leftOut_)
                              : kind_ == ".lwo" ? readLwo(file_, leftOut_)
                                                : readAc3d(file_, leftOut_);
@@ -185,8 +185,11 @@ class Importer {
         leftOut_.add("numbers of `transparency` beside images (the images alone count)");
       }
     }
-    for (ImportedMaterial& material : materials) {
-      if (clamped_.contains(material.base.label)) material.base.repeats = false;
+    for (std::size_t i = 0; i < materials.size(); ++i) {
+      ImportedMap& base = materials[i].base;
+      if (fbxImages_.clamped.contains(base.label)) base.repeats = false;
+      const auto set = fbxImages_.uvSets.find(base.name.empty() ? materials[i].opacityMap.label : base.label);
+      if (set != fbxImages_.uvSets.end()) placements_[i].set = set->second;
     }
     // The importer takes these angles, which are in degrees, for radians, and no specification states their sign.
     for (UvPlacement& placement : placements_) {
@@ -447,11 +450,25 @@ class Importer {
     }
   }
 
-  void appendUvs(ImportedPart& part, const aiMesh& mesh, std::size_t base) const {
+  // Returns the index of the set of texture coordinates that a mesh's image uses.
+  unsigned channelOf(const aiMesh& mesh, const UvPlacement& placement) {
+    if (placement.set.empty()) {
+      const unsigned channel = placement.channel;
+      return channel < AI_MAX_NUMBER_OF_TEXTURECOORDS && mesh.HasTextureCoords(channel) ? channel : 0;
+    }
+    for (unsigned i = 0; i < mesh.GetNumUVChannels(); ++i) {
+      if (mesh.HasTextureCoordsName(i) && placement.set == mesh.GetTextureCoordsName(i)->C_Str()) return i;
+    }
+    if (mesh.GetNumUVChannels() > 1) {
+      leftOut_.add("sets of texture coordinates that meshes lack (UVSet; their first is taken)");
+    }
+    return 0;
+  }
+
+  void appendUvs(ImportedPart& part, const aiMesh& mesh, std::size_t base) {
     const UvPlacement placement =
         mesh.mMaterialIndex < placements_.size() ? placements_[mesh.mMaterialIndex] : UvPlacement{};
-    unsigned channel = placement.channel;
-    if (channel >= AI_MAX_NUMBER_OF_TEXTURECOORDS || !mesh.HasTextureCoords(channel)) channel = 0;
+    const unsigned channel = channelOf(mesh, placement);
     const bool has = mesh.HasTextureCoords(channel);
     if (!has && part.uvs.empty()) return;
     part.uvs.resize(base + mesh.mNumVertices);  // zeros for meshes without texture coordinates
@@ -472,7 +489,7 @@ class Importer {
   std::uint64_t triangles_ = 0;
   Triangulator polygons_{std::filesystem::path()};  // without the file's name, which the parent process adds
   ColladaFacts collada_;
-  std::set<std::string> clamped_;         // names of images that do not repeat (FBX)
+  FbxImages fbxImages_;
   std::map<std::string, Affine> joints_;  // assetFromNode by jointName() of the node
   LeftOut leftOut_;
 };

@@ -254,6 +254,9 @@ std::string fbxBelow(const std::string& properties, const std::string& lowest = 
   return lowest.empty() ? text : replaced(text, "C: \"OO\",1,3", "C: \"OO\",4,3\n\tC: \"OO\",1,4");
 }
 
+constexpr const char* kOtherMaterials =
+    "materials of objects with a mesh of another object (they have the materials of that)";
+
 constexpr const char* kTurned = "P: \"Lcl Rotation\", \"Lcl Rotation\", \"\", \"A\",0,0,90\n";
 
 // FBX SDK, InheritType: 0 RrSs (the default), 1 RSrs, 2 Rrs. The object above is scaled by 2 along x.
@@ -508,15 +511,17 @@ TEST_F(Imported, BinaryFbxIsSearchedAsTextIs) {
   const auto id = [](std::int64_t value) { return "L" + bytesOf<std::int64_t>({value}); };
   const auto image = [&](int which, std::int32_t wrap) {
     return "\7Texture" + id(which) + text("t\0\1Texture"s) + number("UVSwap", wrap) + number("WrapModeV", wrap) +
+           text("UVSet") + text("KString") + text("") + text("") + text("set" + std::to_string(which)) +
            "RelativeFilename" + text(std::to_string(which) + ".png");
   };
   const std::filesystem::path file =
       write("a.fbx", "Kaydara FBX Binary  " + image(7, 0) + image(8, 1) + "C" + text("OP") + id(8) + id(9) +
                          text("DiffuseFactor") + text("OP") + id(5) + id(9) + text("DiffuseFactor"));
   LeftOut leftOut;
-  std::set<std::string> clamped;
-  readFbx(file, leftOut, clamped);
-  EXPECT_EQ(clamped, (std::set<std::string>{"8.png"}));
+  FbxImages images;
+  readFbx(file, leftOut, images);
+  EXPECT_EQ(images.clamped, (std::set<std::string>{"8.png"}));
+  EXPECT_EQ(images.uvSets, (std::map<std::string, std::string>{{"7.png", "set7"}, {"8.png", "set8"}}));
   EXPECT_EQ(leftOut.text(), "1 images of DiffuseFactor, 1 images with swapped texture coordinates (UVSwap)");
   const auto model = [&](int which, const std::string& kind, std::int32_t active) {
     return "\5Model" + id(which) + text("m\0\1Model"s) + text(kind) + number("RotationActive", active) +
@@ -525,11 +530,68 @@ TEST_F(Imported, BinaryFbxIsSearchedAsTextIs) {
   const std::string levels =
       "Kaydara FBX Binary  " + model(1, "LodGroup", 1) + model(2, "Mesh", 0) + model(3, "Mesh", 1);
   const auto links = [&](const std::string& last) { return text("OO") + id(2) + id(1) + text(last) + id(3) + id(1); };
-  const std::string changed = readFbx(write("b.fbx", levels + links("OO")), leftOut, clamped);
+  const std::string changed = readFbx(write("b.fbx", levels + links("OO")), leftOut, images);
   EXPECT_EQ(leftOut.counts().at("coarser levels of detail (LodGroup)"), 1u);
   std::string wanted = levels + links("PP");
   wanted[wanted.find("PreRotation", wanted.find("Mesh"))] = '_';
   EXPECT_EQ(changed, wanted);
+  const std::string shared = "Kaydara FBX Binary  \x08Geometry" + id(4) + text("g\0\1Geometry"s) + text("Mesh") +
+                             "\x08Material" + id(5) + text("m\0\1Material"s) + text("") + model(1, "Mesh", 1) +
+                             model(2, "Mesh", 1) + text("OO") + id(4) + id(1) + text("OO") + id(4) + id(2) +
+                             text("OO") + id(5) + id(2);
+  readFbx(write("c.fbx", shared), leftOut, images);
+  EXPECT_EQ(leftOut.counts().at(kOtherMaterials), 1u);
+}
+
+// The importer reads a mesh once, with the materials of the first object.
+TEST_F(Imported, ObjectsOfFbxWithTheMeshOfAnotherAndOtherMaterialsAreCounted) {
+  const auto file = [](const std::string& connections) {
+    const std::string text = replaced(fbxWithMaterial(""), "\tModel: 2",
+                                      "\tMaterial: 5, \"Material::rust\", \"\" {\n\t}\n"
+                                      "\tModel: 6, \"Model::other\", \"Mesh\" {\n\t}\n\tModel: 2");
+    return replaced(text, "\tC: \"OO\",1,2\n", "\tC: \"OO\",6,0\n\tC: \"OO\",1,2\n\tC: \"OO\",1,6\n" + connections);
+  };
+  EXPECT_EQ(readQuietly("a.fbx", file("\tC: \"OO\",3,6\n")).parts.size(), 2u);
+  EXPECT_EQ(warnings_, "");
+  readQuietly("a.fbx", file("\tC: \"OO\",5,6\n"));
+  EXPECT_THAT(warnings_, HasSubstr("a.fbx: left out: 1 "s + kOtherMaterials + "\n"));
+}
+
+// FBX SDK, FbxTexture::UVSet: the name of the set of texture coordinates that an image uses, in every mesh.
+TEST_F(Imported, ImagesOfFbxUseTheSetOfTextureCoordinatesThatTheyName) {
+  writeColours(folder_.path() / "colours.png");
+  const auto file = [](const std::string& set, const std::string& second) {
+    // The mesh of the first object has the sets UV and B, that of the second has B or `second`, and UV.
+    const std::string uvSet = "\t\t\tP: \"UVSet\", \"KString\", \"\", \"\", \"" + set + "\"";
+    std::string text = fbxWithMaterial("DiffuseColor", uvSet);
+    const std::size_t at = text.find("\t\tLayerElementUV"), end = text.find("\t\tLayerElementMaterial");
+    std::string other = replaced(text.substr(at, end - at), "UV: 0", "UV: 1");
+    other = replaced(replaced(other, "0,0,2,0,0,2", "0,0,4,0,0,4"), "\"UV\"", "\"B\"");
+    text.insert(end, other);
+    text = replaced(text, "\t\tPolygonVertexIndex",
+                    "\t\tLayer: 1 {\n\t\t\tLayerElement: {\n\t\t\t\tType: \"LayerElementUV\"\n\t\t\t\tTypedIndex: 1\n"
+                    "\t\t\t}\n\t\t}\n\t\tPolygonVertexIndex");
+    const std::size_t geometry = text.find("\tGeometry: 1"), next = text.find("\tMaterial: 3");
+    std::string copy = replaced(text.substr(geometry, next - geometry), "Geometry: 1", "Geometry: 8");
+    copy = replaced(replaced(copy, "\"B\"", "\"UV\""), "\"UV\"", "\"" + second + "\"");
+    text.insert(next, copy + "\tModel: 9, \"Model::other\", \"Mesh\" {\n\t}\n");
+    return replaced(text, "Connections:  {\n", "Connections:  {\n\tC: \"OO\",9,0\n\tC: \"OO\",8,9\n\tC: \"OO\",3,9\n");
+  };
+  const auto widths = [&](const std::string& set, const std::string& second) {
+    std::vector<std::pair<std::string, float>> found;
+    for (const AssetPart& part : readQuietly("a.fbx", file(set, second)).parts) {
+      found.emplace_back(part.node, part.uvs.at(1).x);
+    }
+    return found;
+  };
+  using testing::Pair;
+  using testing::UnorderedElementsAre;
+  EXPECT_THAT(widths("UV", "B"), UnorderedElementsAre(Pair("wing", 2), Pair("other", 4)));
+  EXPECT_THAT(widths("B", "B"), UnorderedElementsAre(Pair("wing", 4), Pair("other", 2)));
+  EXPECT_EQ(warnings_, "");
+  EXPECT_THAT(widths("B", "C"), UnorderedElementsAre(Pair("wing", 4), Pair("other", 2)));
+  EXPECT_THAT(warnings_,
+              HasSubstr("left out: 1 sets of texture coordinates that meshes lack (UVSet; their first is taken)\n"));
 }
 
 TEST_F(Imported, MaterialsOfFbxWithoutAColourHaveNone) {
