@@ -112,7 +112,6 @@ TEST_F(Imported, SurfacesOfColladaWithoutAMaterialHaveNone) {
                                       {"Other", bind.c_str()},
                                       {"S", R"(<instance_material symbol="S" target="#no"/>)"}}) {
     EXPECT_EQ(materialOf(symbol, bound).material, "") << symbol << bound;
-    EXPECT_FALSE(materialOf(symbol, bound).fileMaterial.stated) << symbol << bound;
   }
 }
 
