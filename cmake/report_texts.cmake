@@ -19,8 +19,8 @@ foreach(text kScanViewScript:dataset/scan_view.js kScanViewStyle:dataset/scan_vi
              kDatasetTemplate:dataset/dataset.html kDatasetStyle:dataset/dataset.css
              kPageLayout:page/page.html kPageStyle:page/page.css kPageScript:page/page.js
              kChartFigure:page/chart.html kChartScript:page/charts.js
-             kCompareTemplate:compare/compare.html kNoiseTemplate:noise/noise.html
-             kRepeatabilityTemplate:repeatability/repeatability.html kTradeoffTemplate:tradeoff/tradeoff.html)
+             kCompareTemplate:compare/compare.html kRepeatabilityTemplate:repeatability/repeatability.html
+             kTradeoffTemplate:tradeoff/tradeoff.html)
   string(REPLACE : ";" text ${text})
   list(GET text 0 name)
   list(GET text 1 file)

@@ -20,11 +20,8 @@
 #include "config/file_kind.h"
 #include "config/resources.h"
 #include "config/value.h"
-#include "report/noise/noise_report.h"
-#include "report/page/report_folder.h"
 #include "sensors/sensor.h"
 #include "study/figure_text.h"
-#include "study/noise/noise_comparison.h"
 #include "study/noise/sensor_effects.h"
 
 namespace scanmill {
@@ -67,24 +64,20 @@ int runFitNoise(const std::vector<std::string>& arguments) {
       "FILE|NAME");
   add("o,out", "the sensor file to write, with the fitted effects; pipelines use them by `effects: sensor`",
       textValue(), "FILE");
-  add("report", "a folder for a report with charts", textValue(), "DIR");
   add("max-incidence", "the greatest incidence angle of patches to use (deg)", textValue()->default_value("60"), "DEG");
-  add("overwrite", "replace the file and the report");
+  add("overwrite", "replace the file");
   add("threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"));
-  const Arguments parsed = parseArguments(
-      options, arguments,
-      "  scanmill fit-noise frames/*.pcd --sensor os1_128 -o my_os1.yaml\n"
-      "  scanmill fit-noise frames/*.pcd --sensor my.yaml -o my_fitted.yaml --report out/noise --overwrite\n");
+  const Arguments parsed =
+      parseArguments(options, arguments,
+                     "  scanmill fit-noise frames/*.pcd --sensor os1_128 -o my_os1.yaml\n"
+                     "  scanmill fit-noise frames/*.pcd --sensor my.yaml -o my_fitted.yaml --overwrite\n");
   if (parsed.help) return 0;
 
   if (!parsed.has("input")) throw InputError("SCAN is missing; see --help");
   const std::filesystem::path preset = namedResource(
       requiredText(parsed, "sensor", "name the sensor that recorded the scans, such as os1_128"), "pipelines/sensors");
   const std::filesystem::path out = requiredFile(parsed, "name the sensor file to write, such as fitted.yaml");
-  const std::string report = folderOption(parsed, "report");
-  const bool overwrite = parsed.has("overwrite");
   const double most = parsed.number("max-incidence", 1, 89);
-  if (!report.empty()) prepareReportFolder(report, "index.html", overwrite);
   const ResourceLimits limits(parsed);
   const std::atomic<bool>& stop = stopSignal();
   const auto goOn = [&] {
@@ -120,7 +113,6 @@ int runFitNoise(const std::vector<std::string>& arguments) {
       "about planes: standard deviation about a flat plane, with offsets between rings, curvature and vehicle motion\n"
       "lost, of:     beams without a return, and all beams whose neighbours returned from the plane of a patch\n\n");
 
-  const std::string date = today();
   const auto printRings = [](const char* what, const RingSpread& spread, const std::string& sigma) {
     if (spread.rings == 0) return;
     printText(
@@ -131,18 +123,10 @@ int runFitNoise(const std::vector<std::string>& arguments) {
   printRings("offsets", fit.rings.range, fmt::format("{:.1f} mm", 1000 * fit.rings.range.sigma));
   printRings("gains", fit.rings.gain, fmt::format("{:.1f} %", 100 * fit.rings.gain.sigma));
   printText("\n");
-  const std::string effects = effectsYaml(fit, date);
+  const std::string effects = effectsYaml(fit, today());
   printText("{}", effects);
   const std::string fitted = withEffects(text, preset.string(), effects);
   if (const auto beyond = beyondMeasured(fit); !beyond.empty()) warn(fmt::format("{}", fmt::join(beyond, " ")));
-  if (!report.empty()) {
-    const std::vector<ResidualComparison> comparison = compareNoise(*beams, scans, patches, fit, effects);
-    goOn();
-    for (const Chart& chart : noiseCharts(fit, comparison)) {
-      writeFile(std::filesystem::path(report) / (chart.name + ".svg"), drawSvg(chart));
-    }
-    writeFile(std::filesystem::path(report) / "index.html", noiseReport(fit, comparison, beams->model, effects, date));
-  }
   writeFile(out, fitted);
   printText("\nwrote {}: use it as `preset:` of a sensor, with `effects: sensor` in the pipeline\n", out.string());
   return 0;

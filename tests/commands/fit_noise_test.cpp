@@ -39,8 +39,8 @@ class FitNoiseCommand : public SmallWorld {
 };
 
 TEST_F(FitNoiseCommand, WritesASensorThatPipelinesTake) {
-  const Outcome fitted = scanmill({"fit-noise", files_[0], files_[1], "--sensor", at("wall.yaml"), "-o",
-                                   at("fitted.yaml"), "--report", at("report")});
+  const Outcome fitted =
+      scanmill({"fit-noise", files_[0], files_[1], "--sensor", at("wall.yaml"), "-o", at("fitted.yaml")});
   ASSERT_EQ(fitted.code, 0) << fitted.error;
   EXPECT_THAT(fitted.out, AllOf(HasSubstr("range step: 8 mm"), HasSubstr("10-12.5 m"), HasSubstr("range_noise"),
                                 HasSubstr("wrote")));
@@ -48,7 +48,6 @@ TEST_F(FitNoiseCommand, WritesASensorThatPipelinesTake) {
   EXPECT_THAT(text, testing::StartsWith(kWallSensor));
   EXPECT_THAT(text,
               AllOf(HasSubstr("# The stagger."), HasSubstr("wall0.pcd"), Not(HasSubstr(folder_.path().string()))));
-  EXPECT_THAT(readFile(at("report") + "/index.html"), AllOf(HasSubstr("<canvas"), HasSubstr("wall watcher")));
 
   folder_.write("own.yaml",
                 "scenes: [{scene: primitives}]\n"
@@ -64,23 +63,12 @@ TEST_F(FitNoiseCommand, WritesASensorThatPipelinesTake) {
 
 // A dash where nothing was measured, and words for what the columns are.
 TEST_F(FitNoiseCommand, ItsTablesExplainThemselves) {
-  const Outcome fitted = fit({"--sensor", at("wall.yaml"), "-o", at("a.yaml"), "--report", at("report")});
+  const Outcome fitted = fit({"--sensor", at("wall.yaml"), "-o", at("a.yaml")});
   ASSERT_EQ(fitted.code, 0) << fitted.error;
   EXPECT_THAT(fitted.out,
               AllOf(HasSubstr("\nwith step: "), HasSubstr("\nabout planes: "), HasSubstr("left out: beyond 60 deg")));
   EXPECT_THAT(fitted.error, AllOf(HasSubstr("warning: Measured up to "), HasSubstr("to 120 m")));
   EXPECT_THAT(readFile(at("a.yaml")), HasSubstr("  # Measured up to "));
-  const std::string page = readFile(at("report") + "/index.html");
-  EXPECT_LT(page.find(">left out<"), page.find(">patches<"));
-}
-
-TEST_F(FitNoiseCommand, LooksAtTheReportsFolderBeforeTheWork) {
-  folder_.write("report/index.html", "mine");
-  // The scan would be refused, too, were it read first.
-  const Outcome refused = scanmill(
-      {"fit-noise", at("wall.yaml"), "--sensor", at("wall.yaml"), "-o", at("a.yaml"), "--report", at("report")});
-  expectRefused(refused, "has a report");
-  EXPECT_EQ(readFile(at("report") + "/index.html"), "mine");
 }
 
 TEST_F(FitNoiseCommand, AFolderOfFramesStandsForThem) {

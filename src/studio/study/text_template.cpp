@@ -47,15 +47,10 @@ std::optional<double> numberOf(const data* value) {
 
 const std::map<std::string, std::function<std::string(double)>>& numberFormats() {
   static const std::map<std::string, std::function<std::string(double)>> formats{
-      {"m", metresText},
-      {"mm", [](double metres) { return fmt::format("{:.2f}", 1000 * metres); }},
-      {"s", secondsText},
-      {"amount", amountText},
-      {"share", shareText},
-      {"factor", factorText},
-      {"bytes", shortBytes},
-      {"digits", threeDigits},
-      {"count", [](double value) { return grouped(static_cast<std::uint64_t>(value)); }}};
+      {"m", metresText},       {"s", secondsText},
+      {"amount", amountText},  {"share", shareText},
+      {"factor", factorText},  {"bytes", shortBytes},
+      {"digits", threeDigits}, {"count", [](double value) { return grouped(static_cast<std::uint64_t>(value)); }}};
   return formats;
 }
 

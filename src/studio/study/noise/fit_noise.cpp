@@ -84,7 +84,7 @@ PatchGroup describe(const Patches& patches, std::string name, double low, double
   for (const FlatPatch* p : patches) {
     if (p->freedom <= 0) continue;
     measured.push_back(p);
-    group.points += p->residuals.size();
+    group.points += p->points;
     ranges.push_back(p->range);
     planes.push_back(p->planeSquares / p->planeFreedom / chiSquareQuantile(p->planeFreedom, 0));
     variances.push_back(p->squares / p->freedom);
@@ -202,20 +202,6 @@ std::vector<const PatchGroup*> NoiseFit::used() const {
     if (band.leftOut.empty()) list.push_back(&band);
   }
   return list;
-}
-
-double NoiseFit::sigmaAt(double range) const {
-  if (linear) return base + growth * range;
-  const PatchGroup* below = nullptr;
-  for (const PatchGroup* band : used()) {
-    if (range <= band->range) {
-      if (below == nullptr) return band->sigma;
-      const double part = (range - below->range) / (band->range - below->range);
-      return below->sigma + part * (band->sigma - below->sigma);
-    }
-    below = band;
-  }
-  return below == nullptr ? 0 : below->sigma;
 }
 
 double NoiseFit::measuredUpTo() const {

@@ -71,8 +71,7 @@ struct NoiseFit {
 
   std::vector<const PatchGroup*> used() const;  // returns the bands of range that the fit uses
 
-  double sigmaAt(double range) const;  // returns the model's sigma (m)
-  double measuredUpTo() const;         // returns the mean range (m) of the last band that the fit uses
+  double measuredUpTo() const;  // returns the mean range (m) of the last band that the fit uses
 };
 
 struct FitNoiseOptions {

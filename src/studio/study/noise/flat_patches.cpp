@@ -268,6 +268,10 @@ double rangeOnPlane(const BeamTable& beams, std::size_t beam, const PatchPlane& 
   return (1 - dot(plane, beams.originOf(beam))) / dot(plane, beams.direction[beam]);
 }
 
+namespace {
+
+// Measures one window, flat or not. Returns nothing if the window has too few returns, if its ranges differ too much,
+// or if its plane is seen edge-on or from behind.
 std::optional<FlatPatch> measurePatch(const BeamTable& beams, const BeamImage& image, const RecordedScan& scan,
                                       const PatchWindow& window) {
   const std::optional<Cells> cells = cellsOf(image, scan, window);
@@ -314,15 +318,15 @@ std::optional<FlatPatch> measurePatch(const BeamTable& beams, const BeamImage& i
       patch.freedom = static_cast<double>(own.freedom());
       patch.planeSquares = ownPlane->squares;
       patch.planeFreedom = ownPlane->freedom;
-      for (std::size_t i = 0; i < measured.size(); ++i) {
-        const double share = 1 - own.leverages[i];
-        if (share > 0.1) patch.residuals.push_back(own.residuals[i] / std::sqrt(share));
-      }
+      const auto points = std::ranges::count_if(own.leverages, [](double leverage) { return 1 - leverage > 0.1; });
+      patch.points = static_cast<std::uint32_t>(points);
     }
   }
   countHoles(beams, *cells, patch.testedPlaneDeviation, patch);
   return patch;
 }
+
+}  // namespace
 
 std::vector<double> rangeBandEdges() {
   return {0, 2.5, 5, 7.5, 10, 12.5, 15, 20, 25, 30, 40, 50, 70, 100, 150, 220};

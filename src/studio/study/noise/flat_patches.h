@@ -56,8 +56,7 @@ struct FlatPatch {
   double freedom = 0;       // number of degrees of freedom; 0 if there are too few returns
   double planeSquares = 0;  // sum of squared deviations from a plane fitted to the measured half (m^2)
   double planeFreedom = 0;
-  // Deviations from the rings' fitted lines (m), divided by sqrt(1 - leverage), which makes their variances equal.
-  std::vector<double> residuals;
+  std::uint32_t points = 0;    // number of measured returns, except those that determine a coefficient almost alone
   std::uint32_t enclosed = 0;  // number of measured beams with at least three neighbouring returns, all on the plane
   std::uint32_t holes = 0;     // number of enclosed beams that have no return
 };
@@ -85,11 +84,6 @@ class BeamImage {
 
 // Returns the range (m) at which a beam hits a plane; zero or negative if the beam does not hit the plane.
 double rangeOnPlane(const BeamTable& beams, std::size_t beam, const PatchPlane& plane);
-
-// Measures one window, flat or not. Returns nothing if the window has too few returns, if its ranges differ too much,
-// or if its plane is seen edge-on or from behind.
-std::optional<FlatPatch> measurePatch(const BeamTable& beams, const BeamImage& image, const RecordedScan& scan,
-                                      const PatchWindow& window);
 
 // Returns the flat patches of all scans, sorted by scan, by the chessboard colour of the tested beams and by position
 // in the image. Patches with the same scan and colour do not overlap.

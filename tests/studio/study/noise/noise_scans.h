@@ -5,12 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <memory>
 #include <string>
 #include <vector>
 
-#include "study/noise/fit_noise.h"
-#include "study/noise/noise_comparison.h"
 #include "study/noise/recorded_scan.h"
 #include "tests/support/noisy_walls.h"
 
@@ -23,19 +20,6 @@ inline std::vector<RecordedScan> recordedOf(const std::vector<Scan>& scans, cons
   }
   return recorded;
 }
-
-// A recording of walls that was simulated, and what is fitted to it.
-struct FittedWalls {
-  std::shared_ptr<const BeamTable> beams = wallBeams();
-  std::vector<RecordedScan> scans =
-      recordedOf(wallScans(beams, {9, 9.2},
-                           "[range_noise: {sigma_m: 0.012}, dropout: {probability: 0.02}, quantize: {step_m: 0.008}]"),
-                 *beams);
-  std::vector<FlatPatch> patches = findFlatPatches(*beams, scans);
-  NoiseFit fit = fitNoise(*beams, scans, patches);
-  std::string effects = effectsYaml(fit, "today");
-  std::vector<ResidualComparison> comparison = compareNoise(*beams, scans, patches, fit, effects);
-};
 
 // Both have the same beams with the same ranges (m).
 inline void expectSameRanges(const RecordedScan& found, const RecordedScan& expected, double within) {
