@@ -143,30 +143,10 @@ std::string pictureFile(std::size_t index) {
   return fmt::format("errors-{}.png", index + 1);
 }
 
-// Reads a study that was measured before, to write its report again. Pictures whose files are missing are left out.
-Study readStudy(const std::filesystem::path& file) {
-  Study study = parseStudy(readFile(file), file.string());
-  std::vector<ErrorPicture> found;
-  for (std::size_t i = 0; i < study.pictures.size(); ++i) {
-    ErrorPicture& picture = study.pictures[i];
-    const std::filesystem::path png = file.parent_path() / pictureFile(i);
-    if (!std::filesystem::exists(png)) {
-      study.left.push_back(fmt::format("picture of {}: the file {} is missing beside {}", picture.setting,
-                                       png.filename().string(), file.filename().string()));
-      continue;
-    }
-    picture.png = readFile(png);
-    found.push_back(std::move(picture));
-  }
-  study.pictures = std::move(found);
-  return study;
-}
-
 // Writes the report's files, kStudyFile last: if this file exists, the report is complete.
 void writeStudy(const Study& study, const std::filesystem::path& folder) {
   beginReport(folder, kStudyFile);
   for (std::size_t i = 0; i < study.pictures.size(); ++i) writeFile(folder / pictureFile(i), study.pictures[i].png);
-  writeFile(folder / "tradeoff.csv", toCsv(study));
   for (const Chart& chart : studyCharts(study)) {
     const bool file = std::find(kStudyFiles.begin(), kStudyFiles.end(), chart.name) != kStudyFiles.end();
     if (file && (hasPoints(chart) || chart.name == "pareto")) {
@@ -192,11 +172,9 @@ int runTradeoff(const std::vector<std::string>& arguments) {
                      "  scanmill tradeoff pipelines/street.yaml -o out/tradeoff\n"
                      "  scanmill tradeoff pipelines/street.yaml -o out/longer --budget 30\n"
                      "  scanmill tradeoff pipelines/street.yaml -o out/few --set 'tradeoff={settings: [ray_tracing, "
-                     "{particle: {voxel_m: [0.05, 0.1, 0.2], refine: normal}}]}'\n"
-                     "  scanmill tradeoff out/tradeoff/tradeoff.json -o out/again        # writes only the report "
-                     "again, from saved figures\n");
+                     "{particle: {voxel_m: [0.05, 0.1, 0.2], refine: normal}}]}'\n");
   if (parsed.help) return 0;
-  const std::filesystem::path file = parsed.positional("PIPELINE|tradeoff.json");
+  parsed.positional("PIPELINE");  // report a missing pipeline before all else
   const std::string folder = folderOption(parsed, "out");
   if (folder.empty()) throw InputError("-o DIR is missing: where should the report go?");
   const bool overwrite = parsed.has("overwrite");
@@ -214,22 +192,11 @@ int runTradeoff(const std::vector<std::string>& arguments) {
     }
     studyOptions.budgetSeconds = 60 * minutes;
   }
-  Study study;
-  if (file.extension() == ".json") {
-    if (parsed.has("set") || parsed.has("seed") || parsed.has("budget")) {
-      throw InputError(
-          {file.string()},
-          "is a study that was measured already: leave --set, --seed and --budget out, or name a pipeline");
-    }
-    study = readStudy(file);
-    prepareReportFolder(folder, kStudyFile, overwrite);
-  } else {
-    const Plan plan = makePlan(readPipeline(parsed.pipeline(), pipelineOverrides(parsed)));
-    readStudyChoice(plan.pipeline);
-    const ShotSource vehicle(plan);  // a vehicle that cannot be used is refused before the folder is made
-    prepareReportFolder(folder, kStudyFile, overwrite);
-    study = runStudy(plan, studyOptions);
-  }
+  const Plan plan = makePlan(readPipeline(parsed.pipeline(), pipelineOverrides(parsed)));
+  readStudyChoice(plan.pipeline);
+  const ShotSource vehicle(plan);  // a vehicle that cannot be used is refused before the folder is made
+  prepareReportFolder(folder, kStudyFile, overwrite);
+  const Study study = runStudy(plan, studyOptions);
   writeStudy(study, folder);
   if (!studyOptions.quiet) printStudy(study);
   printText("{} in {}: open {}\n", pluralOf(study.settings.size(), "setting"), shortTime(study.seconds),

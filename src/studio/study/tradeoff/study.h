@@ -139,10 +139,5 @@ Study runStudy(const Plan& plan, const StudyOptions& options);
 
 // Returns the study as JSON (the file tradeoff.json), without the contents of the pictures.
 std::string toJson(const Study& study);
-// Parses the JSON of toJson() without any loss, so that the same report can be written again. `file`: name in messages.
-// Throws InputError.
-Study parseStudy(const std::string& text, const std::string& file);
-// Returns the study as a CSV table (the file tradeoff.csv), with one row per setting and group of beams.
-std::string toCsv(const Study& study);
 
 }  // namespace scanmill

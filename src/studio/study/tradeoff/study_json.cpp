@@ -1,15 +1,12 @@
-// Writes and reads tradeoff.json. The same function describe() of each struct is used for both, so that reading
-// restores everything that was written.
+// Writes tradeoff.json. The function describe() of each struct names its keys.
 
 #include <fmt/core.h>
 
 #include <cmath>
 #include <concepts>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <type_traits>
 
-#include "dataset/json_node.h"
 #include "dataset/json_text.h"
 #include "study/tradeoff/study.h"
 
@@ -17,88 +14,88 @@ namespace scanmill {
 
 namespace {
 
-void describe(auto& a, Spread& s) {
+void describe(auto& a, const Spread& s) {
   a("count", s.count)("mean", s.mean)("rms", s.rms)("median", s.median)("p95", s.p95)("p99", s.p99)("p999", s.p999)(
       "max", s.max);
 }
 
-void describe(auto& a, GroupErrors& g) {
+void describe(auto& a, const GroupErrors& g) {
   a("beams", g.beams)("both_hit", g.bothHit)("both_miss", g.bothMiss)("false_negatives", g.falseNegatives)(
       "false_positives", g.falsePositives)("unresolved", g.unresolved)("same_class", g.sameClass)(
       "same_instance", g.sameInstance)("same_label", g.sameLabel)("range_m", g.range)("intensity", g.intensity)(
       "nearest_to_m", g.nearestTo)("nearest_from_m", g.nearestFrom);
 }
 
-void describe(auto& a, ErrorGroup& g) {
+void describe(auto& a, const ErrorGroup& g) {
   a("name", g.name)("low", g.low)("high", g.high)("errors", g.errors);
 }
 
-void describe(auto& a, SizeRecall& r) {
+void describe(auto& a, const SizeRecall& r) {
   a("name", r.name)("low_m", r.low)("high_m", r.high)("things", r.things)("things_found", r.thingsFound)(
       "beams", r.beams)("beams_found", r.beamsFound);
 }
 
-void describe(auto& a, BeamErrors& e) {
+void describe(auto& a, const BeamErrors& e) {
   a("all", e.all)("by_range", e.byRange)("by_incidence", e.byIncidence)("by_place", e.byPlace)("by_class", e.byClass)(
       "by_thickness", e.byThickness)("by_length", e.byLength);
 }
 
-void describe(auto& a, CloudErrors& c) {
+void describe(auto& a, const CloudErrors& c) {
   a("to_m", c.to)("from_m", c.from)("hausdorff_m", c.hausdorff)("unmatched", c.unmatched);
 }
 
-void describe(auto& a, Cost& c) {
+void describe(auto& a, const Cost& c) {
   a("setup_s", c.setupSeconds)("scan_s", c.scanSeconds)("fastest_s", c.fastest)("slowest_s", c.slowest)(
       "stages_s", c.stages)("memory_bytes", c.memoryBytes)("resident_bytes", c.residentBytes);
 }
 
-void describe(auto& a, Measurement& m) {
+void describe(auto& a, const Measurement& m) {
   a("cost", m.cost)("errors", m.errors)("cloud", m.cloud)("warnings", m.warnings);
 }
 
-void describe(auto& a, Setting& s) {
+void describe(auto& a, const Setting& s) {
   a("name", s.name)("method", s.method)("options", s.options);
 }
 
-void describe(auto& a, SettingResult& r) {
+void describe(auto& a, const SettingResult& r) {
   a("setting", r.setting)("failure", r.failure)("measured", r.measured);
 }
 
-void describe(auto& a, RingTiming& t) {
+void describe(auto& a, const RingTiming& t) {
   a("rings", t.rings)("scan_s", t.scanSeconds);
 }
 
-void describe(auto& a, RingFit& f) {
+void describe(auto& a, const RingFit& f) {
   a("setting", f.setting)("timings", f.timings)("fixed_s", f.fixedSeconds)("per_ring_s", f.secondsPerRing)(
       "largest_residual", f.largestResidual);
 }
 
-void describe(auto& a, EncodingResult& e) {
+void describe(auto& a, const EncodingResult& e) {
   a("name", e.name)("format", e.format)("options", e.options)("failure", e.failure)(
       "encode_points_per_s", e.encodePointsPerSecond)("decode_points_per_s", e.decodePointsPerSecond)(
       "bytes_per_point", e.bytesPerPoint)("largest_error_m", e.largestError)("stated_error_m", e.statedError);
 }
 
-void describe(auto& a, SensingResult& r) {
+void describe(auto& a, const SensingResult& r) {
   a("name", r.name)("failure", r.failure)("trace_s", r.traceSeconds)("effects_s", r.effectsSeconds)("beams", r.beams)(
       "both", r.both)("missing", r.missing)("added", r.added)("same_class", r.sameClass)("distance_m", r.distance)(
       "intensity", r.intensity);
 }
 
-void describe(auto& a, StudyMachine& m) {
+void describe(auto& a, const StudyMachine& m) {
   a("processor", m.processor)("threads", m.threads)("renderer", m.renderer);
 }
 
-void describe(auto& a, StudyScene& s) {
+void describe(auto& a, const StudyScene& s) {
   a("key", s.key)("triangles", s.triangles)("frames", s.frames);
 }
 
 // The contents of the picture are not part of the JSON; they are stored in a file beside it.
-void describe(auto& a, ErrorPicture& p) {
+void describe(auto& a, const ErrorPicture& p) {
   a("setting", p.setting)("title", p.title);
 }
 
-void describe(auto& a, Study& s) {
+void describe(auto& a, const Study& s) {
   a("program_version", s.programVersion)("date", s.date)("machine", s.machine)("pipeline_name", s.pipelineName)(
       "pipeline_file", s.pipelineFile)("budget_given", s.budgetGiven)("pipeline_text", s.pipelineText)(
       "budget_s", s.budgetSeconds)("repeats", s.repeats)("seconds", s.seconds)("scene", s.scene)("sensors", s.sensors)(
@@ -109,7 +106,7 @@ void describe(auto& a, Study& s) {
 
 class JsonWriter {
  public:
-  JsonWriter& operator()(const char* key, auto& value) {
+  JsonWriter& operator()(const char* key, const auto& value) {
     object[key] = json(value);
     return *this;
   }
@@ -120,121 +117,41 @@ class JsonWriter {
   static OrderedJson json(double value) {
     return std::isinf(value) ? OrderedJson() : OrderedJson(finite(value, "study"));
   }
-  static OrderedJson json(std::string& value) { return value; }
-  static OrderedJson json(Ontology& value) { return ontologyJson(value); }
+  static OrderedJson json(const std::string& value) { return value; }
+  static OrderedJson json(const Ontology& value) { return ontologyJson(value); }
   static OrderedJson json(std::integral auto value) { return value; }
   template <class T>
-  static OrderedJson json(std::vector<T>& list) {
+  static OrderedJson json(const std::vector<T>& list) {
     OrderedJson array = OrderedJson::array();
-    for (T& item : list) array.push_back(json(item));
+    for (const T& item : list) array.push_back(json(item));
     return array;
   }
-  static OrderedJson json(std::map<std::string, double>& map) {
+  static OrderedJson json(const std::map<std::string, double>& map) {
     OrderedJson object = OrderedJson::object();
     for (const auto& [key, value] : map) object[key] = json(value);
     return object;
   }
   template <class T>
-  static OrderedJson json(std::optional<T>& value) {
+  static OrderedJson json(const std::optional<T>& value) {
     return value ? json(*value) : OrderedJson();
   }
   template <class T>
   requires std::is_class_v<T>
-  static OrderedJson json(T& value) {
+  static OrderedJson json(const T& value) {
     JsonWriter writer;
     describe(writer, value);
     return std::move(writer.object);
   }
 };
 
-class JsonReader {
- public:
-  explicit JsonReader(const JsonNode& node) : node_(node) {}
-
-  JsonReader& operator()(const char* key, auto& value) {
-    if (!node_.has(key)) node_.fail(fmt::format("key '{}' is missing", key));
-    read(node_[key], value);
-    return *this;
-  }
-
- private:
-  static void read(const JsonNode& node, double& value) {
-    value = node.isNull() ? std::numeric_limits<double>::infinity() : node.number();
-  }
-  static void read(const JsonNode& node, bool& value) { value = node.boolean(); }
-  static void read(const JsonNode& node, std::string& value) { value = node.text(); }
-  static void read(const JsonNode& node, Ontology& value) { value = ontologyOf(node); }
-  template <class T>
-  requires std::is_integral_v<T>
-  static void read(const JsonNode& node, T& value) { value = node.integer<T>(); }
-  template <class T>
-  static void read(const JsonNode& node, std::vector<T>& list) {
-    node.forEach([&](const JsonNode& item) {
-      T value{};
-      read(item, value);
-      list.push_back(std::move(value));
-    });
-  }
-  static void read(const JsonNode& node, std::map<std::string, double>& map) {
-    node.forEachEntry([&](const std::string& key, const JsonNode& item) { read(item, map[key]); });
-  }
-  template <class T>
-  static void read(const JsonNode& node, std::optional<T>& value) {
-    if (!node.isNull()) read(node, value.emplace());
-  }
-  template <class T>
-  requires std::is_class_v<T>
-  static void read(const JsonNode& node, T& value) {
-    JsonReader reader(node);
-    describe(reader, value);
-  }
-
-  const JsonNode& node_;
-};
-
-constexpr const char* kStudyKind = "scanmill tradeoff";
-
 }  // namespace
 
 std::string toJson(const Study& study) {
   JsonWriter writer;
-  Study copy = study;  // describe() needs references that can be written to
-  describe(writer, copy);
-  OrderedJson json{{"kind", kStudyKind}, {"schema_version", Study::kSchemaVersion}};
+  describe(writer, study);
+  OrderedJson json{{"kind", "scanmill tradeoff"}, {"schema_version", Study::kSchemaVersion}};
   json.update(writer.object);
   return layOut(json) + "\n";
-}
-
-Study parseStudy(const std::string& text, const std::string& file) {
-  const Json json = parseJson(text, file);
-  const JsonNode node(json, "", file);
-  if (!node.has("kind") || node["kind"].text() != kStudyKind) {
-    node.fail("is not a trade-off study: `scanmill tradeoff PIPELINE -o DIR` writes one");
-  }
-  if (!node.has("schema_version")) node.fail("key 'schema_version' is missing");
-  const int version = node["schema_version"].integer<int>(1);
-  if (version < Study::kSchemaVersion) {
-    node["schema_version"].fail(fmt::format("{} is older than this program, which reads {}: run the study again",
-                                            version, Study::kSchemaVersion));
-  }
-  if (version > Study::kSchemaVersion) {
-    node["schema_version"].fail(
-        fmt::format("{} is newer than this program, which reads {}: update scanmill, or run the study again", version,
-                    Study::kSchemaVersion));
-  }
-  Study study;
-  JsonReader reader(node);
-  describe(reader, study);
-  if (study.shots == 0 || study.beamsPerShot == 0) node.fail("has no beams");
-  for (std::size_t i = 0; i < study.settings.size(); ++i) {
-    const SettingResult& s = study.settings[i];
-    const bool sane =
-        s.measured.cost.scanSeconds > 0 && s.measured.cost.setupSeconds >= 0 && s.measured.errors.all.beams > 0;
-    if (s.failure.empty() && !sane) {
-      node.fail(fmt::format("/settings/{}: '{}' must have a time and beams", i, s.setting.name));
-    }
-  }
-  return study;
 }
 
 }  // namespace scanmill
