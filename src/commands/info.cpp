@@ -28,7 +28,6 @@
 #include "imports/scan_folder.h"
 #include "pipeline/checks/warnings.h"
 #include "pipeline/read/pipeline.h"
-#include "pipeline/scenes/scene_shares.h"
 #include "scene/scene.h"
 #include "scenefile/part_traits.h"
 #include "scenefile/scene_file.h"
@@ -191,7 +190,7 @@ Box boundsAtRest(const Scene& scene) {
 void printScene(const std::filesystem::path& file, std::uint64_t seed) {
   SceneOptions options;
   options.seed = seed;
-  const Scene scene = readSceneToShares(file, options);
+  const Scene scene = readScene(file, options);
   const Box box = boundsAtRest(scene);
   printText("scene {}: {} triangles in memory, {} placed; {} instances, {} things\n", scene.name,
             grouped(scene.triangles()), grouped(scene.placedTriangles()), grouped(scene.instances.size()),
@@ -240,7 +239,6 @@ void printScene(const std::filesystem::path& file, std::uint64_t seed) {
   for (const std::string& line : sizeWarnings(scene)) warn(line);
   for (const std::string& line : thingSizeWarnings(scene)) warn(line);
   for (const std::string& line : ruleWarnings(scene)) warn(line);
-  for (const std::string& line : shareWarnings(scene)) warn(line);
 }
 
 void printClips(const std::filesystem::path& file) {

@@ -12,7 +12,6 @@
 #include "commands/table.h"
 #include "pipeline/checks/warnings.h"
 #include "pipeline/checks/way_warnings.h"
-#include "pipeline/scenes/scene_shares.h"
 #include "pipeline/scenes/shot_source.h"
 #include "scene/thing_boxes.h"
 
@@ -92,7 +91,6 @@ SceneFindings checkScenes(ShotSource& source) {
     for (const std::string& line : sizeWarnings(scene)) warn(line);
     for (const std::string& line : thingSizeWarnings(scene)) warn(line);
     for (const std::string& line : seedWarnings(pipeline, s, scene)) warn(line);
-    for (const std::string& line : shareWarnings(scene)) warn(line);
     for (const std::string& line : ruleWarnings(scene)) rules.insert(line);
     for (const std::string& line : withoutWarnings(scene)) rules.insert(line);
     if (pipeline.output.objects) {

@@ -25,7 +25,7 @@ inline Scene makeTown(const std::string& yaml, std::uint64_t seed) {
   SceneBuilder builder = labelledBuilder("town", seed);
   const Value value = parseYaml(yaml, "town.yaml");
   Fields fields(value, "town");
-  addTown(builder, fields, seed, {1, 1, 1}, {});
+  addTown(builder, fields, seed, {});
   return builder.finish();
 }
 

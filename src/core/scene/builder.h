@@ -62,9 +62,6 @@ class SceneBuilder {
   // Sets Scene::about, the description of a random place.
   void describe(const std::string& about) { scene_.about = about; }
 
-  // Sets Scene::shares, the bounds on classes' shares of the hits in the scene's town.
-  void ask(std::vector<ShareBound> shares) { scene_.shares = std::move(shares); }
-
   // Returns the scene. Throws InputError if it has no triangle.
   [[nodiscard]] Scene finish();
 

@@ -23,7 +23,6 @@
 #include "scene/material.h"
 #include "scene/movement.h"
 #include "scene/ontology.h"
-#include "scene/shares.h"
 
 namespace scanmill {
 
@@ -126,10 +125,9 @@ struct Scene {
   std::string name;
   std::uint64_t seed = 0;
   std::filesystem::path file;
-  bool procedural = false;         // true: some part of the scene depends on the seed
-  std::string about;               // description of a random place; empty if the scene has none
-  std::vector<DrawnValue> draws;   // random values of keys of the scene file
-  std::vector<ShareBound> shares;  // bounds on classes' shares of the hits in the scene's town
+  bool procedural = false;        // true: some part of the scene depends on the seed
+  std::string about;              // description of a random place; empty if the scene has none
+  std::vector<DrawnValue> draws;  // random values of keys of the scene file
   Ontology ontology;
   std::vector<Material> materials;  // index 0 is the default material
   std::vector<Mesh> meshes;

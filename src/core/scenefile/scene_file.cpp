@@ -112,7 +112,7 @@ class SceneReader {
     if (street) {
       addStreet(builder_, fields, seed, place);
     } else {
-      addTown(builder_, fields, seed, options_.supply, place);
+      addTown(builder_, fields, seed, place);
     }
   }
 

@@ -18,7 +18,6 @@ struct SceneOptions {
   std::filesystem::path ontology;  // if not empty, replaces the ontology that the scene file names
   int wavelengthNm = 905;          // nm, wavelength for which the material table is read
   bool textures = true;            // false: only textures for cut-outs and for rules about colours are loaded
-  SupplyFactors supply{1, 1, 1};   // factors for towns, multiplied with the factors in the scene file
 };
 
 // Reads a scene file, such as those in scenes/, with all the files that it names. Throws InputError with the place.

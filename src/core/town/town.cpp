@@ -1,7 +1,5 @@
 #include "town/town.h"
 
-#include <fmt/format.h>
-
 #include "town/lanes.h"
 #include "town/placer.h"
 
@@ -9,12 +7,9 @@ namespace scanmill {
 
 namespace {
 
-town::Layout readLayout(Fields& fields, std::uint64_t seed, const SupplyFactors& supply) {
-  town::Parameters parameters = town::readParameters(fields);
+town::Layout readLayout(Fields& fields, std::uint64_t seed) {
+  const town::Parameters parameters = town::readParameters(fields);
   fields.finish();
-  parameters.greenery *= supply[static_cast<std::size_t>(Supply::Greenery)];
-  parameters.vehicles *= supply[static_cast<std::size_t>(Supply::Vehicles)];
-  parameters.people *= supply[static_cast<std::size_t>(Supply::People)];
   if (parameters.map.empty()) return {parameters, seed};
   const Location& where = fields.find("map")->where;
   const town::Map map = town::readMap(parameters.map, parameters.keepsLeft, where);
@@ -28,29 +23,10 @@ Vec3d inWorld(const town::Layout& layout, const Vec3d& p) {
   return layout.parameters().keepsLeft ? Vec3d{p.x, -p.y, p.z} : p;
 }
 
-// Returns the bounds in `shares`. Throws InputError if a bound requires objects of which there are none, because a key
-// of the town is 0.
-std::vector<ShareBound> askedFor(const Value& shares, const town::Layout& layout, const SupplyFactors& supply,
-                                 const Ontology& ontology) {
-  const town::Parameters& p = layout.parameters();
-  const SupplyFactors factors{p.greenery, p.vehicles, p.people};
-  std::vector<ShareBound> bounds = readShares(shares, ontology);
-  for (const ShareBound& bound : bounds) {
-    const auto s = static_cast<std::size_t>(bound.supply);
-    if (bound.least <= 0 || factors[s] > 0 || supply[s] <= 0) continue;
-    throw InputError(shares.where, fmt::format("shares need {}, but `{}: 0` leaves none: remove this key", bound.name,
-                                               nameOf(bound.supply)));
-  }
-  return bounds;
-}
-
 }  // namespace
 
-void addTown(SceneBuilder& builder, Fields& fields, std::uint64_t seed, const SupplyFactors& supply,
-             const Affine& place) {
-  const Value* const shares = fields.find("shares");
-  const town::Layout layout = readLayout(fields, seed, supply);
-  if (shares != nullptr) builder.ask(askedFor(*shares, layout, supply, builder.ontology()));
+void addTown(SceneBuilder& builder, Fields& fields, std::uint64_t seed, const Affine& place) {
+  const town::Layout layout = readLayout(fields, seed);
   builder.describe(layout.about());
   Affine worldFromTown = place;
   worldFromTown.linear.y = place.linear * inWorld(layout, {0, 1, 0});
@@ -60,8 +36,7 @@ void addTown(SceneBuilder& builder, Fields& fields, std::uint64_t seed, const Su
 
 SceneLanes townLanes(Fields& fields, std::uint64_t seed) {
   constexpr double kEnds = 20;  // m; the lane ends this far inside the built-up part, at both ends
-  fields.also({"shares"});
-  const town::Layout layout = readLayout(fields, seed, {1, 1, 1});
+  const town::Layout layout = readLayout(fields, seed);
   const town::Way through{{{0, layout.mainFrom() + kEnds, layout.mainTo() - kEnds}}, 0, 0};
   const std::vector<town::Road>& roads = layout.roads().roads();
   const town::Tour tour = town::tourOf(layout);

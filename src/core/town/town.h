@@ -14,10 +14,9 @@
 namespace scanmill {
 
 // Adds a town. In the town's frame the main road passes the origin along +x, where the ground is near z = 0. `place` is
-// the town's pose in the world. `fields` are the keys of `town:` in a scene file; finish() is called here. The supply
-// factors are multiplied with the factors that these keys give. Throws InputError with the place in the file.
-void addTown(SceneBuilder& builder, Fields& fields, std::uint64_t seed, const SupplyFactors& supply,
-             const Affine& place);
+// the town's pose in the world. `fields` are the keys of `town:` in a scene file; finish() is called here. Throws
+// InputError with the place in the file.
+void addTown(SceneBuilder& builder, Fields& fields, std::uint64_t seed, const Affine& place);
 
 // Returns two routes of the sensor's vehicle through a town with these keys and this seed, in the town's frame: one
 // straight through the built-up part, and one from a side road to the main road and into another side road, if there

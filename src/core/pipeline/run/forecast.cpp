@@ -56,8 +56,6 @@ double numberOr(const Value& map, std::string_view key, double otherwise) {
 SceneFactors ofTown(const Value& town) {
   constexpr double kUsualLength = 300;  // length of a town whose file states none (m)
   const double setup = 1 + 0.7 * numberOr(town, "length", kUsualLength) / 100;
-  // A town with bounds on class shares is generated up to ten times, until the shares are right.
-  if (town.find("shares") != nullptr) return {4 * setup, 1, 0.97, 2.5, 1.2};
   return {setup, 1, 0.97, 1.5, 1.2};
 }
 

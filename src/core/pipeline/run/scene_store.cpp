@@ -16,7 +16,6 @@
 #include "base/tsan_order.h"
 #include "pipeline/checks/warnings.h"
 #include "pipeline/checks/way_warnings.h"
-#include "pipeline/scenes/scene_shares.h"
 
 namespace scanmill {
 
@@ -148,8 +147,7 @@ void SceneStore::load(std::size_t sequence, Slot& slot) {
     for (const auto& more :
          {damageWarnings(ready.scene), sizeWarnings(ready.scene), thingSizeWarnings(ready.scene),
           ruleWarnings(ready.scene), unlabeledWarnings(ready.scene), seedWarnings(pipeline, own, ready.scene),
-          shareWarnings(ready.scene), withoutWarnings(ready.scene), vehicleWarnings(pipeline, source_.blockedShares()),
-          driveWarnings(pipeline)}) {
+          withoutWarnings(ready.scene), vehicleWarnings(pipeline, source_.blockedShares()), driveWarnings(pipeline)}) {
       appendNew(more, lines);
     }
     if (ready.objects != nullptr) appendNew(headingWarnings(ready.scene, ready.objects->boxes()), lines);

@@ -10,7 +10,6 @@
 #include "pipeline/scenes/random_way.h"
 #include "pipeline/scenes/recorded_method.h"
 #include "pipeline/scenes/scene_ground.h"
-#include "pipeline/scenes/scene_shares.h"
 #include "scene/without.h"
 #include "scenefile/scene_file.h"
 
@@ -110,10 +109,10 @@ Scene ShotSource::recordedScene(std::size_t sequence) const {
 Scene ShotSource::load(std::size_t sequence) {
   if (pipeline_.recording != nullptr) return recordedScene(sequence);
   const Sequence& own = pipeline_.sequences[sequence];
-  Scene scene = readSceneToShares(own.sceneFile, {.seed = own.sceneSeed,
-                                                  .ontology = pipeline_.ontology,
-                                                  .wavelengthNm = pipeline_.wavelengthNm,
-                                                  .textures = plan_.channels.has(Channel::Reflectance)});
+  Scene scene = readScene(own.sceneFile, {.seed = own.sceneSeed,
+                                          .ontology = pipeline_.ontology,
+                                          .wavelengthNm = pipeline_.wavelengthNm,
+                                          .textures = plan_.channels.has(Channel::Reflectance)});
   if (!own.moving) standStill(scene, 0);
   findDrives(own, scene);  // must precede takeOut(), so that random paths do not depend on which objects are removed
   takeOut(scene, own.without);

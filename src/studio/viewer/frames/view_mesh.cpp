@@ -12,7 +12,6 @@
 
 #include "base/parallel.h"
 #include "pipeline/checks/warnings.h"
-#include "pipeline/scenes/scene_shares.h"
 #include "scenefile/scene_file.h"
 
 namespace scanmill {
@@ -262,7 +261,7 @@ ViewMesh makeViewMesh(const Scene& scene) {
 ViewMesh loadViewMesh(const std::filesystem::path& file, std::uint64_t seed, double time,
                       const std::filesystem::path& ontology) {
   try {
-    Scene scene = readSceneToShares(file, {.seed = seed, .ontology = ontology, .textures = false});
+    Scene scene = readScene(file, {.seed = seed, .ontology = ontology, .textures = false});
     const bool moves = scene.moves();
     if (moves) {
       leaveOutWhoIsAway(scene, time);
