@@ -70,8 +70,8 @@ void FileMeshes::compareSurveys(const std::filesystem::path& file, const AssetOp
   const Survey& first = *firsts_.try_emplace({position.x, position.y}, &own).first->second;
   if (first.system == own.system) return;
   constexpr double kFits = 10;  // m, more than between two realisations of the same system
-  std::string why = first.ownMiddle && own.ownMiddle ? "each in degrees and around its own middle"
-                                                     : "one of them in degrees and around its own middle";
+  std::string why = fmt::format("{} around a middle of its own ({} and {})",
+                                first.ownMiddle && own.ownMiddle ? "each" : "one of them", first.system, own.system);
   if (!first.ownMiddle && !own.ownMiddle) {
     const double shift = shiftBetween(first.system, own.system, own.origin.x, own.origin.y);
     if (shift < kFits) return;

@@ -110,7 +110,8 @@ struct Asset {
   Vec3d origin;  // m, asset frame; `parts` are relative to it; zero unless coordinates are too large for float32
   std::vector<InstancedParts> instanced;
   std::string system;      // coordinate system of a survey, whose x and y (m) are those of the parts; empty: not stated
-  bool ownMiddle = false;  // true: a survey in degrees. x and y are relative to its middle, which `system` names
+  bool ownMiddle = false;  // true: on the earth, in degrees or earth-centred. x and y are relative to the middle, which
+                           // `system` names
   Dropped dropped;         // triangles with indices out of range; clean() drops other broken triangles
 };
 

@@ -96,6 +96,10 @@ class TilesetReader {
   static Vec3d middleOf(const Json& volume, const Affine& earthFromTile) {
     if (const auto region = volume.find("region"); region != volume.end()) {
       auto r = region->get<std::array<double, 6>>();
+      if (*std::max_element(r.begin(), r.begin() + 4) > 2 * kPi ||
+          *std::min_element(r.begin(), r.begin() + 4) < -2 * kPi) {
+        throw Error("the region of a bounding volume must be in radians, but has numbers of more than a turn");
+      }
       if (r[2] < r[0]) r[2] += 2 * kPi;  // the region crosses the date line
       constexpr double kLargest = 2;     // rad
       if (r[2] - r[0] > kLargest || r[3] - r[1] > kLargest) return {};
@@ -122,7 +126,11 @@ class TilesetReader {
     const Json volume = tile.value("boundingVolume", Json::object());
     if (!assetFromEarth_) {
       const Vec3d middle = middleOf(volume, earthFromTile);
-      if (isOnEarth(middle)) assetFromEarth_ = scaled_ * eastNorthUp(middle);
+      if (isOnEarth(middle)) {
+        assetFromEarth_ = scaled_ * eastNorthUp(middle);
+        asset_.ownMiddle = true;
+        asset_.system = fmt::format("earth-centred [{:.2f}, {:.2f}, {:.2f}] m", middle.x, middle.y, middle.z);
+      }
     }
     if (volume.value("extensions", Json::object()).contains("3DTILES_bounding_volume_S2")) cells_ = true;
     if (const std::string refine = tile.value("refine", std::string()); !refine.empty()) {
