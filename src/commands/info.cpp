@@ -426,6 +426,7 @@ void printAsset(const std::filesystem::path& file, const AssetOptions& options, 
           ? std::string(1, asset.up)
           : fmt::format("{} ({})", asset.up,
                         asset.upDeclared ? "stated by the file or its kind" : "assumed, the file does not state it"));
+  if (asset.ownMiddle) printText("z up, x east and y north around {}\n", asset.system);
   if (options.textures) printColors(asset);
   if (nodes.size() < 2) return;
   const auto diagonal = [](const Node& n) { return length(n.box.high - n.box.low); };

@@ -600,7 +600,7 @@ TEST_F(Heights, OfOneSceneThatDoNotFitAreToldOnce) {
               AllOf(HasSubstr("scene.yaml:5"), HasSubstr("deg.tif and "), HasSubstr("deg2.tif have the same position"),
                     HasSubstr("gdalbuildvrt")));
   EXPECT_THAT(warned("u32", "u33", "[0, 0, 0]"), HasSubstr("coordinate systems that differ by 4"));
-  EXPECT_THAT(warned("u33", "deg", "[0, 0, 0]"), HasSubstr("one of them in degrees"));
+  EXPECT_THAT(warned("u33", "deg", "[0, 0, 0]"), HasSubstr("one of them around a middle of its own"));
   EXPECT_EQ(warned("u33", "next", "[0, 0, 0]"), "");
   EXPECT_EQ(warned("deg", "deg", "[0, 0, 0]"), "");
   EXPECT_EQ(warned("deg", "deg2", "[300, 0, 0]"), "") << "the user says where the tile lies";

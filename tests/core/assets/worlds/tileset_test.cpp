@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <cstring>
 #include <map>
 
@@ -113,6 +115,11 @@ TEST_F(Tileset, RegionsMayCrossTheDateLine) {
                   {"transform", columns(inverse(eastNorthUp(middle)))},
                   {"content", {{"uri", "a.GLB"}}}};
   expectPlaced(tileset(root), "a.GLB/wing", {}, 1e-4);
+  EXPECT_TRUE(tileset(root).ownMiddle) << "so that two tilesets at one position are told";
+  EXPECT_THAT(tileset(root).system, HasSubstr(fmt::format("[{:.2f}, ", middle.x)));
+  Json inDegrees = root;
+  inDegrees["boundingVolume"]["region"] = {8.5, 47.3, 8.6, 47.4, 0, 50};
+  EXPECT_THAT(refused(inDegrees), HasSubstr("must be in radians"));
 }
 
 // On the earth to the millimetre, though its coordinates have seven digits before the point.
