@@ -165,7 +165,7 @@ Polygon ringOf(const std::vector<OsmNode>& nodes, const TangentPlane& plane) {
 }
 
 // True if an element with the key highway is an area, unless its outline is not closed.
-bool isSquare(const OsmTags& tags) {
+bool isHighwayArea(const OsmTags& tags) {
   return !tags["highway"].empty() && (tags["area"] == "yes" || tags.element.starts_with("relation"));
 }
 
@@ -188,7 +188,7 @@ std::optional<Land> landOf(const OsmTags& tags) {
   }
   // OpenStreetMap represents squares as areas of roads and paths, or as marketplaces.
   const bool walked = isOneOf(tags["highway"], {"pedestrian", "footway", "path", "cycleway", "bridleway", "steps"});
-  if ((isSquare(tags) && (walked || classOf(tags))) || isOneOf(tags["amenity"], {"marketplace", "fuel"}) ||
+  if ((isHighwayArea(tags) && (walked || classOf(tags))) || isOneOf(tags["amenity"], {"marketplace", "fuel"}) ||
       isOneOf(tags["aeroway"], {"apron", "helipad", "runway", "taxiway"})) {
     return Land::Paved;
   }
@@ -252,7 +252,7 @@ class MapMaker {
   // `first`: the way is the first of the parts into which missing nodes divide it.
   void addWay(const OsmWay& way, bool first) {
     const OsmTags& tags = way.tags;
-    if (isAbsent(tags) || (isSquare(tags) && way.area)) return;
+    if (isAbsent(tags) || (isHighwayArea(tags) && way.area)) return;
     const std::optional<RoadClass> kind = classOf(tags);
     const std::optional<models::Fencing> fencing = fencingOf(tags["barrier"]);
     const char* const what = kind ? "roads" : fencing ? "fences, hedges and walls" : isPath(tags) ? "paths" : nullptr;
@@ -295,7 +295,8 @@ class MapMaker {
     const auto fencing = relation && !building && !part ? fencingOf(tags["barrier"]) : std::nullopt;
     if (!building && !part && !land && !fencing) {
       // addWay() has counted ways with one of these keys.
-      if (isSquare(tags) || relation || (tags["highway"].empty() && tags["barrier"].empty())) leaveOut(tags, false);
+      if (isHighwayArea(tags) || relation || (tags["highway"].empty() && tags["barrier"].empty()))
+        leaveOut(tags, false);
       return;
     }
     const char* const what = building ? "buildings"
@@ -520,7 +521,8 @@ const FormatSupport& osmFormat() {
        {LeftOut, "ele", "heights of nodes (ele)"},
        {LeftOut, "",
         "buildings that are nodes; buildings, roads and areas with missing nodes; pitched roofs over "
-        "outlines that are no rectangles; values that are no numbers"},
+        "outlines that are no rectangles; heights and roofs of outer ways that differ from those of their "
+        "multipolygon; values that are no numbers"},
        {Unused, "", "all further tags and types of relations"}}};
   return format;
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstring>
 #include <osmium/area/assembler.hpp>
+#include <osmium/builder/osm_object_builder.hpp>
 #include <osmium/io/any_input.hpp>
 #include <osmium/osm/object_comparisons.hpp>
 #include <set>
@@ -84,12 +85,45 @@ void check(Id node, const osmium::Location& at) {
                            ": latitudes are from -90 to 90 degrees, longitudes from -180 to 180");
 }
 
+void copyContent(const osmium::Node& node, osmium::builder::NodeBuilder& builder) {
+  builder.set_location(node.location());
+}
+
+void copyContent(const osmium::Way& way, osmium::builder::WayBuilder& builder) {
+  osmium::builder::WayNodeListBuilder joined(builder);
+  for (const auto& list : way.subitems<osmium::WayNodeList>()) {
+    for (const osmium::NodeRef& n : list) joined.add_node_ref(n);
+  }
+}
+
+void copyContent(const osmium::Relation& relation, osmium::builder::RelationBuilder& builder) {
+  osmium::builder::RelationMemberListBuilder joined(builder);
+  for (const auto& list : relation.subitems<osmium::RelationMemberList>()) {
+    for (const osmium::RelationMember& member : list) joined.add_member(member.type(), member.ref(), member.role());
+  }
+}
+
+// Adds an element to a buffer, with one list of tags and one of nodes or members. If tags stand between nodes or
+// members in XML, libosmium makes several lists, of which its functions return the first.
+template <class Builder, class Element>
+void addJoined(const Element& element, osmium::memory::Buffer& buffer) {
+  Builder builder(buffer);
+  builder.set_id(element.id()).set_version(element.version()).set_visible(element.visible());
+  {
+    osmium::builder::TagListBuilder joined(builder);
+    for (const auto& list : element.template subitems<osmium::TagList>()) {
+      for (const osmium::Tag& tag : list) joined.add_tag(tag);
+    }
+  }
+  copyContent(element, builder);
+}
+
 // The newest versions of the elements of one type, in the order of their ids: negative ids first, as in sorted files.
-template <class Element>
+template <class Element, class Builder>
 class Newest {
  public:
   void add(const Element& element) {
-    buffer_.add_item(element);
+    addJoined<Builder>(element, buffer_);
     entries_.push_back({element.id(), element.version(), buffer_.commit()});
   }
 
@@ -412,8 +446,8 @@ class ExtractReader {
     return std::any_of(outer.begin(), outer.end(), [](const auto* way) { return isArea(*way); });
   }
 
-  // Returns the tags of an area. Outer ways add tags to a relation: all if it is of the old style, and those of its
-  // heights and roofs if it is a building.
+  // Returns the tags of an area. Outer ways add tags that a relation lacks: all if it is of the old style, and those of
+  // its heights and roofs if it is a building.
   OsmTags areaTags(const osmium::Way& way) const { return tagsOf(way); }
   OsmTags areaTags(const osmium::Relation& relation) {
     OsmTags tags = tagsOf(relation);
@@ -425,21 +459,25 @@ class ExtractReader {
         const std::string_view key = tag.key();
         const bool size = key == "height" || key == "est_height" || key == "min_height" ||
                           key.starts_with("building:") || key.starts_with("roof:");
-        if ((old || size) && tags[tag.key()].empty()) tags.pairs.emplace_back(key, tag.value());
+        if ((old || size) && tags[key].empty()) tags.pairs.emplace_back(key, tag.value());
+        if (size && tags[key] != tag.value()) ++extract_.leftOut[kDiffering];
       }
     }
     return tags;
   }
 
   static constexpr std::initializer_list<const char*> kLines = {"highway", "barrier", "railway", "power", "aerialway"};
+  static constexpr const char* kDiffering =
+      "heights and roofs of outer ways that differ from those of their multipolygon";
   static constexpr const char* kBroken = "an outline that is not closed or crosses itself";
 
   osmium::io::File file_;
   osmium::Box bounds_;
   std::set<Key> deleted_;
-  Newest<osmium::Way> ways_;
-  Newest<osmium::Relation> relations_;  // multipolygons, and the relations of buildings to their parts
-  Newest<osmium::Node> points_;
+  Newest<osmium::Way, osmium::builder::WayBuilder> ways_;
+  // Multipolygons, and the relations of buildings to their parts.
+  Newest<osmium::Relation, osmium::builder::RelationBuilder> relations_;
+  Newest<osmium::Node, osmium::builder::NodeBuilder> points_;
   std::unordered_set<Id> outlines_;  // outer ways of multipolygons with the key building
   std::unordered_set<Id> tagged_;    // outer ways of multipolygons of the old style
   std::unordered_set<Id> members_;   // ways of multipolygons

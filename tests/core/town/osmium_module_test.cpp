@@ -63,6 +63,22 @@ TEST_F(ReadOsm, ElementsMayStandInAnyOrder) {
   }
 }
 
+// XML may have tags between the nodes of a way and between the members of a relation.
+TEST_F(ReadOsm, TagsMayStandBetweenNodesAndMembers) {
+  const Map map =
+      read(kRoadNodes + kHouseNodes + kCourtNodes +
+           "<way id='10'><nd ref='1'/><tag k='highway' v='residential'/><nd ref='2'/><nd ref='3'/><tag "
+           "k='width' v='9'/></way>" +
+           way(11, {4, 5, 6, 7, 4}, {}) + way(12, {20, 21, 22, 23, 20}, {}) +
+           "<relation id='30'><tag k='type' v='multipolygon'/><member type='way' ref='11' role='outer'/><tag "
+           "k='building' v='yes'/><member type='way' ref='12' role='inner'/></relation>");
+  ASSERT_EQ(map.roads.size(), 1u);
+  EXPECT_NEAR(map.roads[0].length(), 300, 1);
+  EXPECT_EQ(map.roads[0].width, 9);
+  ASSERT_EQ(map.buildings.size(), 1u);
+  EXPECT_EQ(map.buildings[0].courts.size(), 1u);
+}
+
 // A building whose relation and outer way both have the key building is built once, with its court.
 TEST_F(ReadOsm, ABuildingIsNotBuiltTwice) {
   const Map map = read(kRoadNodes + kHouseNodes + kCourtNodes + kRoad + kHouse + way(12, {20, 21, 22, 23, 20}, {}) +
@@ -207,6 +223,12 @@ TEST_F(ReadOsm, BuildingsOfRelationsHaveTheHeightOfTheirOuterWay) {
   EXPECT_EQ(top({{"height", "20"}}, {{"building", "yes"}}), 20);
   EXPECT_EQ(top({{"height", "20"}}, {{"building", "yes"}, {"height", "8"}}), 8);
   EXPECT_EQ(top({{"height", "2"}, {"barrier", "wall"}}, {{"building", "yes"}}), std::nullopt) << "of the wall";
+  const Map map =
+      read(start + node(24, 100, 30) + node(25, 120, 30) + node(26, 120, 40) + way(11, kSquare, {{"height", "20"}}) +
+           way(12, {24, 25, 26, 24}, {{"height", "30"}, {"building:levels", "9"}}) +
+           relation({{11, "outer"}, {12, "outer"}}, {{"building", "yes"}}));
+  EXPECT_EQ(map.buildings.size(), 2u);
+  EXPECT_EQ(map.leftOut.text(), "1 heights and roofs of outer ways that differ from those of their multipolygon");
 }
 
 TEST_F(ReadOsm, PavedAreasAndWaterAreBuilt) {
