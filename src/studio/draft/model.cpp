@@ -40,6 +40,9 @@ Model readModel(const std::filesystem::path& file, const std::vector<Concept>& c
   model.wholeByFolder = folder != nullptr;
   model.measured = std::any_of(asset.parts.begin(), asset.parts.end(),
                                [](const AssetPart& part) { return part.texture == kPointIntensity; });
+  model.numbered = std::any_of(asset.parts.begin(), asset.parts.end(), [](const AssetPart& part) {
+    return !part.ownClass.empty() && part.ownClass.find_first_not_of("0123456789") == std::string::npos;
+  });
   const std::vector<const Concept*> guesses = guessParts(concepts, asset, model.whole);
   const std::vector<const Concept*> ownGuesses = guessParts(concepts, asset, own);
   std::size_t next = 0;
@@ -108,6 +111,7 @@ std::vector<std::string> Model::doubts() const {
   std::vector<std::string> doubts;
   if (frame.doubtfulUnit) doubts.emplace_back("size");
   if (frame.doubtfulUp) doubts.emplace_back("up axis");
+  if (numbered) doubts.emplace_back("labels without names");
   std::set<std::string> materials;
   for (const KnownPart& p : parts) materials.insert(p.material + '\n' + p.texture);
   const bool ground = whole != nullptr && whole->kind == ConceptKind::Ground;

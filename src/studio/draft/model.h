@@ -31,6 +31,7 @@ struct Model {
   std::optional<Plate> plate;  // the ground of a tile; parts above this plate belong to `whole`
   bool mixed = false;          // the file's name states both a ground and an object
   bool measured = false;       // the file contains measured intensities of points
+  bool numbered = false;       // the points have labels that are only numbers
   bool allowOutside = false;   // see AssetOptions::allowOutside
 
   std::uint64_t triangles() const;

@@ -314,6 +314,11 @@ std::string objectYaml(const Model& model, const std::vector<Concept>& concepts,
   if (!frame.whyUp.empty()) {
     yaml += fmt::format("    up: {}   # {}{}\n", frame.up, frame.doubtfulUp ? "doubtful: " : "", frame.whyUp);
   }
+  if (model.numbered) {
+    yaml +=
+        "    # points: {labels: NAME}   # the points have labels: name the ontology of their numbers (`scanmill list "
+        "ontologies`)\n";
+  }
   Writer(model, concepts, ontology).writeClasses(yaml);
   return yaml;
 }

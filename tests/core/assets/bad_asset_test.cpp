@@ -55,6 +55,7 @@ TEST_F(AssetFiles, BadRequestsAreNamed) {
   EXPECT_THAT(failure(write("a.osm.pbf", "text")), HasSubstr("town: {map: ...}"));
   EXPECT_THAT(failure(write("a.dxf", "text")), AllOf(HasSubstr("unknown kind ('.dxf')"), HasSubstr("Blender")));
   EXPECT_THAT(failure(write("noname", "text")), HasSubstr("unknown kind"));
+  EXPECT_THAT(failure(write("points.txt", "1 2 3\n")), HasSubstr("give it the ending .xyz"));
   EXPECT_THAT(failure(write("points.obj", "v 0 0 0\nv 1 0 0\np 1 2\n")), HasSubstr("points.obj"));
   for (const double scale : {0.0, -1.0, static_cast<double>(NAN), static_cast<double>(INFINITY)}) {
     EXPECT_THAT(failure(write("a.ply", kPly), {.metresPerUnit = scale}), HasSubstr("metresPerUnit"));

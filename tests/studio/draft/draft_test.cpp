@@ -269,6 +269,10 @@ TEST(DraftScene, DoubtsAreTold) {
               testing::Contains("one class for two in its name"));
   EXPECT_THAT(doubtsOf("sedan.obj", "o a\nv -1 -1 0\nv 1 -1 0\nv 0 2000000000 1\nf 1 2 3\n"),
               testing::Contains("size"));
+  const auto cloud = folder.write("room.csv", "x,y,z,label\n0,0,0,3\n1,0,0,3\n0,1,0,40\n");
+  const Draft draft = drafted({cloud}, folder.path());
+  EXPECT_THAT(draft.files[0].doubts, testing::Contains("labels without names"));
+  EXPECT_THAT(draft.yaml, testing::HasSubstr("# points: {labels: NAME}"));
 }
 
 TEST(DraftScene, LabelsMostOfRealSets) {

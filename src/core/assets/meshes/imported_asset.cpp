@@ -42,10 +42,14 @@ ImportedFile importByAssimp(const std::filesystem::path& file, const std::string
                        "is a map of OpenStreetMap, from which an object `town: {map: ...}` of a scene "
                        "builds a town; docs/town.md says how");
     }
-    throw InputError({file.string()},
-                     fmt::format("has an unknown kind ('{}'): convert it to glTF, GLB, OBJ, PLY, STL, DAE, FBX, AC or "
-                                 "BLEND, for example with Blender or FreeCAD",
-                                 kind));
+    throw InputError(
+        {file.string()},
+        fmt::format("has an unknown kind ('{}'): {}convert it to glTF, GLB, OBJ, PLY, STL, DAE, FBX, AC or "
+                    "BLEND, for example with Blender or FreeCAD",
+                    kind,
+                    kind == ".txt" ? "if it holds points, give it the ending .xyz, and a first line of "
+                                     "names (x y z intensity ...) if it has more than x, y and z; else "
+                                   : ""));
   }
   const std::uint64_t memory = std::min(kMemory + 64 * std::filesystem::file_size(file), memoryLimitBytes());
   try {

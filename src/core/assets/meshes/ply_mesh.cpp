@@ -161,7 +161,8 @@ class PlyMeshReader {
     bool colored = false;
     for (std::size_t i = 0; i < roles.size(); ++i) {
       const std::string& name = element.properties[i].name;
-      if (plyMeshFormat().has(FormatElements::Use::LeftOut, name)) {
+      if (const FormatElements* row = plyMeshFormat().find(name);
+          row != nullptr && row == plyMeshFormat().find("red")) {
         colored = true;
       } else if (roles[i] == Role::None && plyMeshFormat().has(FormatElements::Use::Read, name)) {
         read_.leftOut.add(fmt::format("'{}' of {}", name, isVertex ? "vertices" : "faces"));
@@ -324,6 +325,8 @@ const FormatSupport& plyMeshFormat() {
        {LeftOut, "red green blue alpha r g b a diffuse_red diffuse_green diffuse_blue",
         "colours of vertices and of faces"},
        {LeftOut, "edge", "elements 'edge'"},
+       {LeftOut, "label labels category_id objectid object_id instance",
+        "columns of labels or instances (without its faces, as a cloud, the file keeps them)"},
        {LeftOut, "", "images that no face shows (TextureFile)"},
        {LeftOut, "", "textures of parts without texture coordinates"},
        {LeftOut, "", "faces of fewer than three corners"},
