@@ -133,7 +133,6 @@ class PoseColumns {
       if (!columns_.emplace(name, i).second && poseFormat().has(FormatElements::Use::Read, name))
         throw InputError(where_, fmt::format("the column {} is listed twice", name));
       if (!name.empty()) leftOut_.addKeyword(poseFormat(), name);
-      if (poseFormat().has(FormatElements::Use::Read, name)) read_.push_back(i);
     }
     static const std::map<std::string, double> kTimes{
         {"time", 1}, {"time_ms", 1e-3}, {"time_us", 1e-6}, {"time_ns", 1e-9}};
@@ -150,6 +149,13 @@ class PoseColumns {
                        fmt::format("the first line must name the columns time (s; or time_ms, time_us, time_ns), x, y, "
                                    "z and optionally qw, qx, qy, qz or yaw, pitch, roll, but it has no time: {}",
                                    quotedForMessage(head.text)));
+    }
+    for (const auto& [name, i] : columns_) {
+      if (i != time_ && i != nanoseconds_ && poseFormat().find(name) == poseFormat().find("timestamp")) {
+        leftOut_.add(fmt::format("further columns of times ('{}')", name));
+      } else if (poseFormat().has(FormatElements::Use::Read, name)) {
+        read_.push_back(i);
+      }
     }
     for (const char* name : {"x", "y", "z"}) require(name);
     constexpr std::array<const char*, 4> kQuaternion{"qw", "qx", "qy", "qz"};
@@ -255,15 +261,16 @@ const FormatSupport& poseFormat() {
        {Read, "%time timestamp sec secs nsec nsecs nanosec",
         "table: times of ROS, if there is no column of time; a timestamp of 10, 13, 16 or 19 digits is in s, ms, us or "
         "ns; positions and rotations of ROS, such as field.pose.pose.position.x, are read, too"},
-       {Unused, "header.seq header.stamp header.frame_id frame_id child_frame_id covariance twist",
-        "table: ROS's further columns"},
+       {LeftOut, "header.stamp",
+        "columns of times in messages (header.stamp), as those of their receipt (%time) count"},
+       {Unused, "header.seq header.frame_id frame_id child_frame_id covariance twist", "table: ROS's further columns"},
        {Read, "x y z", "table: position (m), also as EuRoC's p_RS_R_x"},
        {Read, "qw qx qy qz", "table: rotation, also as EuRoC's q_RS_w"},
        {Read, "yaw pitch roll yaw_deg pitch_deg roll_deg yaw_rad pitch_rad roll_rad",
         "table: rotation by angles; those without a unit are in radians and at most a turn"},
        {Unused, "v_rs_r_x v_rs_r_y v_rs_r_z b_w_rs_s_x b_w_rs_s_y b_w_rs_s_z b_a_rs_s_x b_a_rs_s_y b_a_rs_s_z",
         "table: EuRoC's velocities, which follow from the positions, and biases"},
-       {LeftOut, "", "table: other columns"},
+       {LeftOut, "", "table: further columns of times, and other columns"},
        {Read, "", "tum: lines time x y z qx qy qz qw, times in s"},
        {Read, "", "kitti: lines of 12 numbers, with the line Tr of calib.txt"},
        {Read, "", "nuscenes: ego_pose.json, beside scene.json, sample.json and sample_data.json"},
