@@ -48,8 +48,8 @@ std::vector<fs::path> modelFolders(const fs::path& file) {
 }  // namespace
 
 std::optional<fs::path> findInModelFolders(const fs::path& file, const std::string& name) {
-  for (const std::string& spelling : {name, decodeUri(name)}) {
-    for (const fs::path& folder : modelFolders(file)) {
+  for (const fs::path& folder : modelFolders(file)) {
+    for (const std::string& spelling : {name, decodeUri(name)}) {
       // If a file inside of a model's folder names that model, the model is found from the folder above.
       if (!spelling.empty() && isThere(folder / spelling)) return folder / spelling;
     }
