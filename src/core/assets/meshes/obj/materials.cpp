@@ -67,17 +67,27 @@ class Library {
       } else if (!objFormat().has(FormatElements::Use::Unused, key)) {
         if (index_ == kNone) statements_.fail("stands before the first newmtl");
         if (!known_) readKey(key);
+        definition_.append(key).append(" ").append(statements_.rest()).append("\n");
       }
     }
+    end();
   }
 
  private:
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
   void begin() {
+    end();
     index_ = to_.indexOf(std::string(statements_.rest()));
     known_ = to_.list[index_].defined;
     to_.list[index_].defined = true;
+  }
+
+  // Ends the definition of a material.
+  void end() {
+    if (index_ != kNone && !known_) to_.list[index_].definition = definition_;
+    if (known_ && to_.list[index_].definition != definition_) to_.leftOut.add(kFurther);
+    definition_.clear();
   }
 
   ImportedMaterial& material() { return to_.list[index_].look; }
@@ -162,7 +172,8 @@ class Library {
   Statements statements_;
   Materials& to_;
   std::size_t index_ = kNone;
-  bool known_ = false;  // true: the material was defined before, so that this definition is skipped
+  bool known_ = false;      // true: the material was defined before, so that this definition is skipped
+  std::string definition_;  // the statements of the material, those that are unused excepted
 };
 
 }  // namespace

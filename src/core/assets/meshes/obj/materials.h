@@ -27,6 +27,7 @@ namespace scanmill::obj {
 
 // Kinds of things that readers of materials count in LeftOut.
 inline constexpr const char* kUndefined = "materials that no library defines (they have the default reflectance)";
+inline constexpr const char* kFurther = "definitions of materials that differ from the first of their name";
 inline constexpr const char* kClamps = "-clamp on of textures, which repeat";
 inline constexpr const char* kBrightness = "-mm of images, which changes their brightness";
 inline constexpr const char* kChannels = "-imfchan of opacity maps: alpha or brightness counts";
@@ -42,7 +43,8 @@ struct UvPlace {
 
 struct ObjMaterial {
   ImportedMaterial look;
-  bool defined = false;  // true: a library defines it, not only a face names it
+  bool defined = false;    // true: a library defines it, not only a face names it
+  std::string definition;  // the statements that define it
   UvPlace base, opacity;
 
   bool textured() const { return !look.base.name.empty() || !look.opacityMap.name.empty(); }
@@ -61,8 +63,8 @@ struct Materials {
   void complete(bool allRead);
 };
 
-// Reads a library and adds its materials; the first definition of a name counts. Throws InputError with the line of a
-// statement that cannot be read.
+// Reads a library and adds its materials. The first definition of a name counts; other readers take the first, take the
+// last or merge them. Throws InputError with the line of a statement that cannot be read.
 void readLibrary(const std::filesystem::path& file, Materials& materials);
 
 }  // namespace scanmill::obj

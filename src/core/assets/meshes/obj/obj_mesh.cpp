@@ -61,7 +61,7 @@ class ObjReader {
     for (obj::ObjMaterial& material : library_.list) read.materials.push_back(std::move(material.look));
     read.missing = std::move(missing_);
     leftOut_.add(library_.leftOut);
-    leftOut_.add("colours of vertices", colored_);
+    leftOut_.add("colours of vertices", colored_ + colorsInComments());
     read.leftOut = std::move(leftOut_);
     return read;
   }
@@ -223,6 +223,17 @@ class ObjReader {
     return originNear(places);
   }
 
+  // Returns the number of colours of vertices that ZBrush wrote as comments: "#MRGB " and 8 digits for each colour.
+  std::size_t colorsInComments() const {
+    constexpr std::string_view kBegin = "#MRGB ";
+    std::size_t digits = 0;
+    for (std::size_t at = 0, end = 0; (at = text_.find(kBegin, end)) != std::string::npos;) {
+      end = std::min(text_.find_first_of("\r\n", at), text_.size());
+      digits += end - at - kBegin.size();
+    }
+    return digits / 8;
+  }
+
   static bool hasUvs(const std::array<Corner, 3>& triangle) {
     return std::none_of(triangle.begin(), triangle.end(), [](const Corner& corner) { return corner.uv == kNone; });
   }
@@ -280,8 +291,7 @@ const FormatSupport& objFormat() {
   static const FormatSupport format{
       "OBJ",
       ".obj, .mtl",
-      {{Unused, "vn s mg lod bevel c_interp d_interp maplib usemap shadow_obj trace_obj call csh",
-        "normals, smoothing and display"},
+      {{Unused, "vn s mg lod bevel c_interp d_interp maplib shadow_obj trace_obj", "normals, smoothing and display"},
        {Read, "v", "three coordinates in double precision; a weight behind them counts for nothing"},
        {Read, "vt", "texture coordinates"},
        {Read, "f fo",
@@ -289,7 +299,9 @@ const FormatSupport& objFormat() {
        {Read, "o g", "names of nodes, with spaces; the faces of one object and group are one node"},
        {Read, "usemtl mtllib", "materials; a library may stand behind the faces"},
        {Read, "newmtl Kd d Tr Pr Pm",
-        "name, colour, opacity, roughness and metalness of a material; without Kd and map_Kd it states no colour"},
+        "name, colour, opacity, roughness and metalness of a material; Kd is taken as linear light, as in Blender, "
+        "since OBJ states no colour space; without Kd and map_Kd it states no colour; the first definition of a name "
+        "counts"},
        {Read, "map_Kd map_kd map_d map_opacity",
         "images, with their options -s and -o; the image of map_Kd counts in place of Kd, which does not tint it"},
        {Unused, "-blendu -blendv -boost -t -texres -bm -type -cc", "filters and distortions of images"},
@@ -302,8 +314,11 @@ const FormatSupport& objFormat() {
        {LeftOut, "p", "points (p)"},
        {LeftOut, "surf", "free-form surfaces (surf)"},
        {LeftOut, "curv curv2", "free-form curves (curv, curv2)"},
-       {LeftOut, "", "colours of vertices"},
+       {LeftOut, "call csh", "other files and commands (call, csh)"},
+       {LeftOut, "usemap", "images of map libraries (usemap)"},
+       {LeftOut, "#MRGB", "colours of vertices"},
        {LeftOut, "", obj::kUndefined},
+       {LeftOut, "", obj::kFurther},
        {LeftOut, "", "Kd spectral and Kd xyz of materials"},
        {LeftOut, "-clamp", obj::kClamps},
        {LeftOut, "-mm", obj::kBrightness},

@@ -159,6 +159,10 @@ TEST_F(ObjMesh, WhatIsLeftOutIsTold) {
               AllOf(HasSubstr("2 lines (l)"), HasSubstr("1 points (p)"), HasSubstr("1 free-form surfaces (surf)"),
                     HasSubstr("1 unknown 'fancy'"), Not(HasSubstr("bezier")), Not(HasSubstr("vn"))));
   EXPECT_EQ(told(square("vn 0 0 1\ns 1\nlod 2\nf 1 2 3\n")), "");
+  EXPECT_THAT(told(square("call part.obj\ncsh -ls\nusemap wall\nf 1 2 3\n")),
+              HasSubstr("1 images of map libraries (usemap), 2 other files and commands (call, csh)\n"));
+  EXPECT_THAT(told(square("#MRGB 00ff0000ff00ff00\r\n#The following MRGB block\nf 1 2 3\n#MRGB ffffffff")),
+              HasSubstr("left out: 3 colours of vertices\n"));
   EXPECT_THAT(refused("garbage\n"), HasSubstr("is no statement of an OBJ file"));
   EXPECT_THAT(refused(std::string("\xFF\xFEv\0 \0", 6)), HasSubstr("is UTF-16 text: save it as UTF-8"));
 }
@@ -240,6 +244,18 @@ TEST_F(ObjMesh, OptionsOfImagesThatAreNotReadAreCounted) {
   EXPECT_EQ(read("map_d -s 2 2 l.png\n").parts.at(0).uvs.at(0), (Vec2f{1, 1}));
   EXPECT_EQ(read("map_Kd -mm 0.2 0.5 g.png\n").leftOut.text(), "1 -mm of images, which changes their brightness");
   EXPECT_EQ(read("map_d -imfchan r l.png\n").leftOut.text(), "1 -imfchan of opacity maps: alpha or brightness counts");
+}
+
+// Exporters name one library several times.
+TEST_F(ObjMesh, TheFirstDefinitionOfANameCountsAndOthersAreCounted) {
+  write("one.mtl", "newmtl paint\nKd 1 0 0\nKs 1 1 1\nnewmtl paint\nKd 1 0 0\nKs 0 0 0\n");
+  write("two.mtl", "newmtl paint\nKd 0 1 0\nnewmtl other\nnewmtl paint\nd 0.5\n");
+  const std::string faces = "usemtl paint\nf 1 2 3\n";
+  EXPECT_EQ(obj(square("mtllib one.mtl\nmtllib one.mtl\n" + faces)).leftOut.text(), "");
+  const ImportedFile file = obj(square("mtllib one.mtl\nmtllib two.mtl\n" + faces));
+  EXPECT_EQ(file.materials.at(file.parts.at(0).material).color, (std::array<float, 3>{1, 0, 0}));
+  EXPECT_EQ(file.materials.at(file.parts.at(0).material).opacity, 1);
+  EXPECT_EQ(file.leftOut.text(), "2 definitions of materials that differ from the first of their name");
 }
 
 TEST_F(ObjMesh, LibrariesMayBeSeveralOrMissing) {
