@@ -68,6 +68,16 @@ class ModelReader : JsonReader {
     return found;
   }
 
+  // Counts the colours and the values with names of their own, such as _BATCHID, of vertices or instances.
+  void countUnread(const Attributes& attributes, const char* of) const {
+    for (const auto& [name, accessor] : attributes) {
+      const bool color = name.starts_with("COLOR_");
+      if (!color && !name.starts_with('_')) continue;
+      m_.leftOut.add(fmt::format("{} of {} ({})", color ? "colours" : "values", of, name.substr(0, 40)),
+                     m_.accessors[accessor].count);
+    }
+  }
+
   Image image(const Json& j, const std::string& what) const {
     Image i;
     i.name = j.value("name", std::string());
@@ -167,9 +177,7 @@ class ModelReader : JsonReader {
       }
       Primitive p = primitive(primitives[i], place);
       p.mode = static_cast<Primitive::Mode>(mode);
-      if (const auto colors = p.attributes.find("COLOR_0"); colors != p.attributes.end()) {
-        m_.leftOut.add("colours of vertices (COLOR_0)", m_.accessors[colors->second].count);
-      }
+      countUnread(p.attributes, "vertices");
       if (p.attributes.contains("POSITION")) {
         m.primitives.push_back(std::move(p));
       } else {
@@ -240,6 +248,7 @@ class ModelReader : JsonReader {
     if (const Json* instancing = extensionOf(j, "EXT_mesh_gpu_instancing")) {
       const std::string place = what + ".EXT_mesh_gpu_instancing";
       n.instances = attributes(instancing->at("attributes"), place);
+      countUnread(*n.instances, "instances");
       const auto first = n.instances->begin();
       for (const auto& [name, accessor] : *n.instances) {
         if (m_.accessors[accessor].count != m_.accessors[first->second].count) {
@@ -375,7 +384,8 @@ const FormatSupport& gltfFormat() {
         "one, else by its mesh"},
        {Read, "POSITION TEXCOORD_n indices mode", "triangles, strips and fans; plain, sparse or normalised accessors"},
        {Read, "skins targets weights animations", "the file's pose, or the pose at a time of an animation"},
-       {Read, "pbrMetallicRoughness KHR_materials_pbrSpecularGlossiness KHR_materials_unlit", "colours and images"},
+       {Read, "pbrMetallicRoughness KHR_materials_pbrSpecularGlossiness KHR_materials_unlit",
+        "colours, which are linear light as the specification says, and images"},
        {Read, "alphaMode alphaCutoff", "where beams pass an image: see the key `alpha`"},
        {Read, "KHR_mesh_quantization EXT_meshopt_compression KHR_meshopt_compression KHR_draco_mesh_compression",
         "compressed meshes"},
@@ -393,6 +403,7 @@ const FormatSupport& gltfFormat() {
        {LeftOut, "KHR_materials_transmission", "transmissions of materials (they are solid)"},
        {LeftOut, "emissiveTexture", "emissive images of materials with a black base colour"},
        {LeftOut, "COLOR_n", "colours of vertices (COLOR_0)"},
+       {LeftOut, "_*", "values of vertices and instances with names of their own, such as _BATCHID and _FEATURE_ID_0"},
        {LeftOut, "", "primitives of points"},
        {LeftOut, "", "primitives of lines"},
        {LeftOut, "", "hidden nodes"},

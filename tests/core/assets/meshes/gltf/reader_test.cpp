@@ -489,6 +489,21 @@ TEST_F(GltfReader, WhatIsLeftOutIsCountedInOneWarning) {
                         "points, 1 transmissions of materials (they are solid)\n"));
 }
 
+// They may be labels, such as _BATCHID, or looks.
+TEST_F(GltfReader, ValuesWithNamesOfTheirOwnAreCounted) {
+  GltfBuilder b;
+  const std::size_t positions = b.numbers<float>(kCorners, "VEC3", 3);
+  const std::size_t ids = b.numbers<float>({1, 2, 3}, "SCALAR", 1);
+  GltfBuilder w = wing(b, {{"POSITION", positions}, {"NORMAL", positions}, {"_BATCHID", ids}, {"COLOR_1", positions}});
+  const Json instances{{"TRANSLATION", w.numbers<float>({0, 0, 0}, "VEC3", 3)},
+                       {"_FEATURE_ID_0", w.numbers<float>({7}, "SCALAR", 1)}};
+  w.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = instances;
+  w.json["extensionsUsed"] = {"EXT_instance_features"};
+  EXPECT_THAT(warnings(w), HasSubstr("a.gltf: left out: 3 colours of vertices (COLOR_1), 1 unknown "
+                                     "'EXT_instance_features', 1 values of instances (_FEATURE_ID_0), 3 values of "
+                                     "vertices (_BATCHID)\n"));
+}
+
 TEST_F(GltfReader, MaterialsWithoutTrianglesAreNotToldAndEmissiveImagesAre) {
   GltfBuilder w = wing();
   w.json["images"] = {{{"uri", "colours.png"}}};
