@@ -142,7 +142,7 @@ void checkSize(const ImageHeader& header, const std::string& kind, std::uint64_t
   }
   // Most readers decode the complete image at once, with up to four bytes per channel.
   const bool byRows = kind == "png" || kind == "jpg" || kind == "jpeg";
-  const double needed = pixels * header.channels * 4;
+  const double needed = std::max(pixels, header.storedPixels) * header.channels * 4;
   const auto limit = static_cast<double>(memoryLimitBytes());
   if (!byRows && needed > limit) {
     fail(
@@ -204,6 +204,7 @@ DecodedImage decode(ImageReader& image, const std::string& kind, const std::stri
       }
     }
   }
+  decoded.linear = info.linear;
   decoded.hasAlpha = least < 255;
   if (greatest == 0 && (kind == "bmp" || kind == "tga")) {
     decoded.hasAlpha = false;
@@ -229,13 +230,18 @@ const FormatSupport& imageFormat() {
         "alpha, also of palettes (tRNS); colours that are multiplied by it are divided; in BMP and TGA an alpha that "
         "is 0 everywhere is none"},
        {Read, "",
-        "colours in floats, as linear light from 0 to 1 (EXR, HDR, TIFF); whole numbers and single channels as sRGB"},
-       {Read, "", "the first image of the file; more than 4096 pixels in a row or column are reduced"},
+        "colours in floats, Y of EXR too, as linear light from 0 to 1 (EXR, HDR, TIFF); whole numbers and other single "
+        "channels as sRGB"},
+       {Read, "", "the display window of EXR, and the canvas of GIF; what they do not store is black or clear"},
+       {Read, "",
+        "the first image of the file, such as the first frame of an animation; more than 4096 pixels in a row or "
+        "column are reduced"},
        {Unused, "", "smaller previews, mipmaps, sizes in inches, texts"},
        {LeftOut, "iCCP ICC_PROFILE", kProfiles},
        {LeftOut, "gAMA", kGammas},
        {LeftOut, "eXIf Exif Orientation", kOrientations},
-       {LeftOut, "", kFurtherImages},
+       {LeftOut, "acTL", kFurtherImages},
+       {LeftOut, "", kFewColors},
        {LeftOut, "", kFurtherChannels}}};
   return format;
 }

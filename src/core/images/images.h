@@ -23,6 +23,7 @@ struct DecodedImage {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
   bool hasAlpha = false;           // true: a pixel has an alpha below 255
+  bool linear = false;             // true: the file has linear light
   std::vector<std::uint8_t> rgba;  // width * height * 4
 };
 

@@ -12,7 +12,8 @@ namespace scanmill {
 inline constexpr const char* kProfiles = "colour profiles other than sRGB (colours count as sRGB)";
 inline constexpr const char* kGammas = "gammas other than that of sRGB (gAMA)";
 inline constexpr const char* kOrientations = "orientations (Exif), by which viewers turn the image";
-inline constexpr const char* kFurtherImages = "further images of the file";
+inline constexpr const char* kFurtherImages = "sets of further images (the first image counts)";
+inline constexpr const char* kFewColors = "images without red, green or blue (EXR; their first channel counts as grey)";
 inline constexpr const char* kFurtherChannels = "channels that are neither colour nor alpha";
 
 // True if an ICC profile has "sRGB" in one of its texts (ASCII, or UTF-16 with the high byte first).

@@ -48,28 +48,45 @@ class OpenImageIoReader final : public ImageReader {
   void rows(int count, std::uint8_t* pixels) override {
     const OIIO::ImageSpec& spec = input_->spec();
     const OIIO::TypeDesc type = isLinear() ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8;
-    const std::size_t rowValues = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.nchannels);
-    const std::size_t rowBytes = rowValues * type.size();
+    const std::size_t rowValues = static_cast<std::size_t>(shown_.width()) * static_cast<std::size_t>(spec.nchannels);
     const std::size_t values = static_cast<std::size_t>(count) * rowValues;
     light_.resize(isLinear() ? values : 0);
     void* const to = isLinear() ? static_cast<void*>(light_.data()) : pixels;
-    if (spec.tile_width == 0) {
+    if (spec.tile_width == 0 && shown_ == spec.roi()) {
       const int first = spec.y + next_;
       if (!input_->read_scanlines(0, 0, first, first + count, spec.z, 0, spec.nchannels, type, to)) {
         fail(input_.get());
       }
     } else {
-      if (whole_.empty()) {
-        whole_.resize(static_cast<std::size_t>(spec.height) * rowBytes);
-        if (!input_->read_image(0, 0, 0, spec.nchannels, type, whole_.data())) fail(input_.get());
-      }
-      std::memcpy(to, whole_.data() + static_cast<std::size_t>(next_) * rowBytes, values * type.size());
+      std::memset(to, 0, values * type.size());
+      copyStored(count, type, static_cast<std::uint8_t*>(to));
     }
     next_ += count;
     if (isLinear()) encode(pixels);
   }
 
  private:
+  // Copies what the file stores of the next rows.
+  void copyStored(int count, OIIO::TypeDesc type, std::uint8_t* to) {
+    const OIIO::ROI stored = input_->spec().roi();
+    const std::size_t pixelBytes = static_cast<std::size_t>(stored.chend) * type.size();
+    if (whole_.empty()) {
+      whole_.resize(static_cast<std::size_t>(stored.npixels()) * pixelBytes);
+      if (!input_->read_image(0, 0, 0, stored.chend, type, whole_.data())) fail(input_.get());
+    }
+    const OIIO::ROI both = OIIO::roi_intersection(shown_, stored);
+    const int first = shown_.ybegin + next_;
+    // Returns the byte of the first common pixel of row y, in the rows of a window from row `top` on.
+    const auto byteOf = [&](const OIIO::ROI& window, int top, int y) {
+      const auto row = static_cast<std::size_t>(y - top) * static_cast<std::size_t>(window.width());
+      return (row + static_cast<std::size_t>(both.xbegin - window.xbegin)) * pixelBytes;
+    };
+    for (int y = std::max(first, both.ybegin); y < std::min(first + count, both.yend) && both.width() > 0; ++y) {
+      std::memcpy(to + byteOf(shown_, first, y), whole_.data() + byteOf(stored, stored.ybegin, y),
+                  static_cast<std::size_t>(both.width()) * pixelBytes);
+    }
+  }
+
   // Returns the index of the alpha channel; -1: none. The reader of GIF names the channel behind it.
   int alphaChannel() const { return std::min(input_->spec().alpha_channel, input_->spec().nchannels - 1); }
 
@@ -78,16 +95,24 @@ class OpenImageIoReader final : public ImageReader {
     const std::string_view format = input_->format_name();
     // The reader of WebP multiplies in linear light. encode() divides linear colours.
     const double gamma = !isMultiplied() || isLinear() ? 0.0 : format == "webp" ? 2.2 : 1.0;
-    header_ = {spec.width, spec.height, spec.nchannels, alphaChannel(), gamma};
+    const bool exr = format == "openexr";
+    shown_ = exr ? spec.roi_full() : spec.roi();
+    header_ = {shown_.width(), shown_.height(), spec.nchannels, alphaChannel(), gamma};
+    header_.linear = isLinear();
+    header_.storedPixels = static_cast<double>(spec.width) * spec.height;
+    const int colors = alphaChannel() < 0 ? spec.nchannels : alphaChannel();
+    if (exr && colors < 3 && isOneOf("RGB", spec.channelnames[0])) header_.leftOut.emplace_back(kFewColors);
     if (spec.get_int_attribute("Orientation", 1) > 1) header_.leftOut.emplace_back(kOrientations);
     const OIIO::ParamValue* const profile = spec.find_attribute("ICCProfile");
     if (profile != nullptr &&
         !isSrgb({static_cast<const char*>(profile->data()), static_cast<std::size_t>(profile->datasize())})) {
       header_.leftOut.emplace_back(kProfiles);
     }
-    if (format != "tiff" && format != "gif") return;
-    // Smaller images are previews of the first.
-    if (input_->seek_subimage(1, 0) && input_->spec().width >= spec.width) header_.leftOut.emplace_back(kFurtherImages);
+    if (!exr && format != "tiff" && format != "gif" && format != "webp") return;
+    // Smaller images of TIFF are previews of the first.
+    if (input_->seek_subimage(1, 0) && (exr || input_->spec().width >= spec.width)) {
+      header_.leftOut.emplace_back(kFurtherImages);
+    }
     input_->geterror();
     if (!input_->seek_subimage(0, 0)) fail(input_.get());
   }
@@ -101,9 +126,18 @@ class OpenImageIoReader final : public ImageReader {
            compression == "DXT4";
   }
 
+  // True if the name of a channel is one of these letters.
+  static bool isOneOf(std::string_view letters, const std::string& channel) {
+    return channel.size() == 1 && letters.find(channel) != letters.npos;
+  }
+
   // True if the channels are linear light: by convention colours in floats are. One channel of floats holds measures,
-  // such as opacity.
-  bool isLinear() const { return input_->spec().format.is_floating_point() && input_->spec().nchannels >= 3; }
+  // such as opacity, unless EXR names it a colour or the luminance (Y).
+  bool isLinear() const {
+    const OIIO::ImageSpec& spec = input_->spec();
+    const bool named = std::string_view(input_->format_name()) == "openexr" && isOneOf("RGBY", spec.channelnames[0]);
+    return spec.format.is_floating_point() && (spec.nchannels >= 3 || named);
+  }
 
   // Converts the rows in light_ to bytes.
   void encode(std::uint8_t* pixels) const {
@@ -124,7 +158,8 @@ class OpenImageIoReader final : public ImageReader {
   OIIO::Filesystem::IOMemReader memory_;
   std::unique_ptr<OIIO::ImageInput> input_;  // uses memory_, and must be destroyed before memory_
   ImageHeader header_;
-  std::vector<std::uint8_t> whole_;  // all rows of an image that is stored in tiles
+  OIIO::ROI shown_;                  // the pixels that the image shows: EXR may store more or fewer
+  std::vector<std::uint8_t> whole_;  // all that the file stores, if it has tiles or another window than it shows
   std::vector<float> light_;         // the latest rows, if colours are linear
   int next_ = 0;                     // index of the next row
 };

@@ -19,7 +19,7 @@ namespace {
 
 class PngReader final : public ImageReader {
  public:
-  explicit PngReader(std::string_view bytes) : left_(bytes) {
+  explicit PngReader(std::string_view bytes) : bytes_(bytes), left_(bytes) {
     png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, this, fail, ignore);
     info_ = png_ != nullptr ? png_create_info_struct(png_) : nullptr;
     if (info_ == nullptr) throw std::bad_alloc();
@@ -104,6 +104,9 @@ class PngReader final : public ImageReader {
     } else if (png_get_gAMA(png_, info_, &gamma) != 0 && (gamma < 0.4 || gamma > 0.51)) {
       header_.leftOut.emplace_back(kGammas);  // that of sRGB is 0.45455
     }
+    // An animation (APNG) states it before the pixels.
+    const std::string_view before = bytes_.substr(0, bytes_.find("IDAT"));
+    if (before.find("acTL") != before.npos) header_.leftOut.emplace_back(kFurtherImages);
     if (png_get_eXIf_1(png_, info_, &size, &bytes) != 0 && isTurned({reinterpret_cast<const char*>(bytes), size})) {
       header_.leftOut.emplace_back(kOrientations);
     }
@@ -118,7 +121,8 @@ class PngReader final : public ImageReader {
     guarded([&] { png_read_image(png_, rows.data()); });
   }
 
-  std::string_view left_;
+  std::string_view bytes_;
+  std::string_view left_;  // the bytes that libpng has not read yet
   png_structp png_ = nullptr;
   png_infop info_ = nullptr;
   std::jmp_buf jump_{};

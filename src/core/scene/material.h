@@ -25,6 +25,7 @@ struct Texture {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
   bool hasAlpha = false;           // true: a texel has an alpha below 255
+  bool linear = false;             // true: the file has linear light, from which the sRGB values were computed
   std::vector<std::uint8_t> rgba;  // width * height * 4 bytes; the first row is v = 0 (the image's bottom)
 
   // Returns a pointer to the four bytes of the nearest texel at the texture coordinates u, v. The texture repeats

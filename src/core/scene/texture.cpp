@@ -27,6 +27,7 @@ std::shared_ptr<const Texture> textureOf(DecodedImage image, const std::string& 
   texture->width = image.width;
   texture->height = image.height;
   texture->hasAlpha = image.hasAlpha;
+  texture->linear = image.linear;
   texture->rgba = std::move(image.rgba);
   return texture;
 }
@@ -97,7 +98,9 @@ std::shared_ptr<const Texture> withOpacity(const Texture* color, const Texture& 
     for (std::uint32_t column = 0; column < texture->width; ++column, out += 4) {
       const float u = (static_cast<float>(column) + 0.5f) / static_cast<float>(texture->width);
       const std::uint8_t* map = opacity.texel(u, v);
-      const int value = opacity.hasAlpha ? map[3] : (map[0] + map[1] + map[2] + 1) / 3;
+      const int value = opacity.hasAlpha ? map[3]
+                        : opacity.linear ? static_cast<int>(std::lround(255 * luminance(map)))
+                                         : (map[0] + map[1] + map[2] + 1) / 3;
       out[3] = static_cast<std::uint8_t>(inverted ? 255 - value : value);
       if (color != nullptr) {
         std::copy_n(color->texel(u, v), 3, out);

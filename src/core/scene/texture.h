@@ -24,8 +24,8 @@ std::shared_ptr<const Texture> plainTexture(std::string_view rgba, std::uint32_t
                                             const std::string& name);
 
 // Returns a texture with the colour of `color` and the alpha of an opacity map: the map's alpha if it has one, else its
-// brightness; `inverted` inverts that alpha. If `color` is null, the colour is white. The result has the larger width
-// and the larger height of the two images, which are sampled at the nearest texel.
+// brightness as the file has it; `inverted` inverts that alpha. If `color` is null, the colour is white. The result has
+// the larger width and the larger height of the two images, which are sampled at the nearest texel.
 [[nodiscard]] std::shared_ptr<const Texture> withOpacity(const Texture* color, const Texture& opacity,
                                                          bool inverted = false);
 

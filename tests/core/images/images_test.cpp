@@ -312,6 +312,23 @@ TEST(Images, WhatWouldChangeTheirLookIsTold) {
   }
 }
 
+TEST(Images, AnimatedPngHasItsFirstImageAndIsTold) {
+  const std::vector<std::uint8_t> rgb = noise(4, 4);
+  std::string bytes = png({}, rgb, 4, 4);
+  bytes.insert(33, std::string("\0\0\0\10acTL\0\0\0\2\0\0\0\0\xf3\x8d\x93\x70", 20));  // two frames
+  EXPECT_THAT(told(bytes, "moves.png"), HasSubstr("moves.png: left out: 1 sets of further images"));
+  EXPECT_EQ(withoutAlpha(decodeImage(bytes, "moves.png")), rgb);
+}
+
+// A frame of 1 x 1 pixels at column and row 1 of a canvas of 3 x 2.
+TEST(Images, GifHasItsCanvas) {
+  const std::string gif("GIF89a\3\0\2\0\x80\0\0\xff\0\0\0\xff\0\x2c\1\0\1\0\1\0\1\0\0\2\2\x44\1\0\x3b", 35);
+  const DecodedImage image = readImage(TemporaryFolder().write("a.gif", gif));
+  ASSERT_EQ(image.rgba.size(), 24u);
+  EXPECT_EQ(image.width, 3u);
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(image.rgba[4 * i + 3], i == 4 ? 255 : 0) << i;
+}
+
 // A palette of red and green, and the number of the colour that is clear.
 TEST(Images, GifIsClearWhereItSaysSo) {
   const std::string gif(

@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "images/images.h"
+#include "images/srgb.h"
 #include "tests/support/message_of.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
@@ -110,8 +111,11 @@ TEST(Texture, FloatsAreLinearLight) {
     writeImage(folder.path() / name, 1, 1, 3, std::vector{0.5f, 2.0f, 0.0f});
     EXPECT_EQ(texel(*loadTexture(folder.path() / name), 0, 0), (std::vector{188, 255, 0, 255})) << name;
   }
-  writeImage(folder.path() / "opacity.exr", 1, 1, 1, std::vector{0.5f});
-  EXPECT_EQ(texel(*loadTexture(folder.path() / "opacity.exr"), 0, 0)[0], 128);
+  writeImage(folder.path() / "opacity.tif", 1, 1, 1, std::vector{0.5f});
+  EXPECT_EQ(texel(*loadTexture(folder.path() / "opacity.tif"), 0, 0)[0], 128);
+  writeImage(folder.path() / "luminance.exr", 1, 1, 1, std::vector{0.5f});  // its channel is called Y
+  EXPECT_EQ(texel(*loadTexture(folder.path() / "luminance.exr"), 0, 0)[0], 188);
+  EXPECT_EQ(withOpacity(nullptr, *loadTexture(folder.path() / "luminance.exr"))->rgba[3], 128);
   for (const int tile : {0, 16}) {
     std::vector<float> pixels;
     for (int i = 0; i < 32 * 32; ++i) pixels.insert(pixels.end(), {0.25f, 0.5f, 0, 0.5f});
@@ -136,7 +140,75 @@ TEST(Texture, FurtherImagesAndChannelsAreTold) {
   EXPECT_EQ(texel(*loadTexture(several), 0, 0), (std::vector{1, 2, 3, 255}));
   EXPECT_THAT(
       testing::internal::GetCapturedStderr(),
-      HasSubstr("several.tif: left out: 1 channels that are neither colour nor alpha, 1 further images of the file"));
+      HasSubstr(
+          "several.tif: left out: 1 channels that are neither colour nor alpha, 1 sets of further images (the first "
+          "image counts)"));
+}
+
+// The display window is the image; the data window may be smaller, larger or elsewhere.
+TEST(Texture, ExrShowsItsDisplayWindow) {
+  const TemporaryFolder folder;
+  const auto rowsOf = [&](const OIIO::ROI& data, int tile) {
+    OIIO::ImageSpec spec(data.width(), data.height(), 4, OIIO::TypeDesc::FLOAT);
+    spec.x = data.xbegin;
+    spec.y = data.ybegin;
+    spec.full_x = 2;
+    spec.full_width = 3;
+    spec.full_height = 2;
+    spec.tile_width = spec.tile_height = tile;
+    std::vector<float> pixels;  // red is the column and green the row, in 255ths
+    for (int y = data.ybegin; y < data.yend; ++y) {
+      for (int x = data.xbegin; x < data.xend; ++x) {
+        pixels.insert(pixels.end(), {static_cast<float>(x) / 255, static_cast<float>(y) / 255, 0, 1});
+      }
+    }
+    spec.attribute("oiio:ColorSpace", "Linear");
+    const std::string path = (folder.path() / "window.exr").string();
+    const auto output = OIIO::ImageOutput::create(path);
+    EXPECT_TRUE(output->open(path, spec) && output->write_image(OIIO::TypeDesc::FLOAT, pixels.data()));
+    EXPECT_TRUE(output->close());
+    const DecodedImage image = readImage(path);
+    EXPECT_EQ(image.width, 3u);
+    EXPECT_EQ(image.height, 2u);
+    std::string alpha;  // "#" for pixels that are stored
+    for (std::size_t i = 3; i < image.rgba.size(); i += 4) alpha += image.rgba[i] == 255 ? '#' : '.';
+    for (int i = 0; i < 6; ++i) {
+      if (alpha[static_cast<std::size_t>(i)] == '.') continue;
+      const std::uint8_t* const rgba = &image.rgba[static_cast<std::size_t>(4 * i)];
+      EXPECT_EQ(std::lround(linearOf(rgba[0] / 255.0) * 255), 2 + i % 3);
+      EXPECT_EQ(std::lround(linearOf(rgba[1] / 255.0) * 255), i / 3);
+    }
+    return alpha;
+  };
+  for (const int tile : {0, 16}) {
+    EXPECT_EQ(rowsOf({2, 5, 0, 2}, tile), "######") << tile;
+    EXPECT_EQ(rowsOf({3, 4, 1, 2}, tile), "....#.") << tile;
+    EXPECT_EQ(rowsOf({-1, 7, -2, 4}, tile), "######") << tile;
+    EXPECT_EQ(rowsOf({0, 3, 1, 9}, tile), "...#..") << tile;
+    EXPECT_EQ(rowsOf({5, 9, 0, 2}, tile), "......") << tile;
+  }
+}
+
+TEST(Texture, ExrWithFurtherPartsOrWithoutAColourIsTold) {
+  const TemporaryFolder folder;
+  const std::string parts = (folder.path() / "parts.exr").string(), red = (folder.path() / "red.exr").string();
+  OIIO::ImageSpec spec(1, 1, 3, OIIO::TypeDesc::FLOAT);
+  const std::vector<float> pixels{0.5f, 0.5f, 0.5f};
+  const auto output = OIIO::ImageOutput::create(parts);
+  ASSERT_TRUE(output->open(parts, 2, std::vector{spec, spec}.data()));
+  ASSERT_TRUE(output->write_image(OIIO::TypeDesc::FLOAT, pixels.data()));
+  ASSERT_TRUE(output->open(parts, spec, OIIO::ImageOutput::AppendSubimage));
+  ASSERT_TRUE(output->write_image(OIIO::TypeDesc::FLOAT, pixels.data()));
+  ASSERT_TRUE(output->close());
+  spec = OIIO::ImageSpec(1, 1, 1, OIIO::TypeDesc::FLOAT);
+  spec.channelnames = {"R"};
+  ASSERT_TRUE(output->open(red, spec) && output->write_image(OIIO::TypeDesc::FLOAT, pixels.data()));
+  ASSERT_TRUE(output->close());
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(texel(*loadTexture(parts), 0, 0), texel(*loadTexture(red), 0, 0));
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              testing::AllOf(HasSubstr("parts.exr: left out: 1 sets of further images (the first image counts)\n"),
+                             HasSubstr("red.exr: left out: 1 images without red, green or blue (EXR; ")));
 }
 
 TEST(Texture, GreyIsReadAsColour) {
