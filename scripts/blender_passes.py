@@ -422,29 +422,31 @@ def source(socket):
 
 
 def surface_of(surface):
-    """Returns the shader of a surface, the sockets of its colour and its alpha, each None if there is none, and whether
-    the surface has no more than these."""
-    alpha, known = None, True
+    """Returns the shader of a surface, the sockets of its colour and its alpha, each None if there is none, whether the
+    alpha is 1 minus the latter, and whether the surface has no more than these."""
+    alpha, inverse, known = None, False, True
     while (output := source(surface)) is not None and output.node.type in ("MIX_SHADER", "ADD_SHADER"):
         *share, first, second = output.node.inputs
         before = source(share[0]) if share else None
-        is_clear = source(first) is not None and source(first).node.type == "BSDF_TRANSPARENT"
+        is_clear, ends_clear = (
+            source(side) is not None and source(side).node.type == "BSDF_TRANSPARENT" for side in (first, second)
+        )
         if before is not None and before.node.type == "LIGHT_PATH":
             surface = second if before.name == "Is Camera Ray" else first
-        elif is_clear and share and alpha is None:
-            alpha, surface = share[0], second
+        elif is_clear != ends_clear and share and alpha is None:
+            alpha, inverse, surface = share[0], ends_clear, first if ends_clear else second
         else:
             surface, known = second if is_clear or not first.is_linked else first, False
     if output is None or output.type != "SHADER":  # a colour without a shader shines
-        return None, None if output is None else surface, alpha, known and output is not None
+        return None, None if output is None else surface, alpha, inverse, known and output is not None
     shader = output.node
     if shader.type == "BSDF_PRINCIPLED":
         own = shader.inputs["Alpha"]
         known &= alpha is None or (not own.is_linked and own.default_value == 1)
-        return shader, shader.inputs["Base Color"], alpha or own, known
+        return shader, shader.inputs["Base Color"], alpha or own, inverse, known
     known &= shader.type.startswith(("BSDF_", "EMISSION", "SUBSURFACE")) and shader.type != "BSDF_TRANSPARENT"
     colors = [socket for socket in shader.inputs if socket.type == "RGBA" and socket.name in ("Base Color", "Color")]
-    return shader, colors[0] if colors else None, alpha, known
+    return shader, colors[0] if colors else None, alpha, inverse, known
 
 
 def textures_before(output, seen=None):
@@ -500,22 +502,27 @@ def read_socket(socket):
     return None, output if any(textures_before(output)) else None, False
 
 
-def compared(alpha):
-    """Returns the socket that nodes compare with a cutoff to get an alpha of 0 or 1, and the cutoff; the socket of the
-    alpha and None if none do."""
-    node = None if source(alpha) is None else source(alpha).node
-    if node is None or node.type != "MATH":
-        return alpha, None
-    one, two, *_ = node.inputs
-    if node.operation == "ROUND":
-        return one, 0.5
-    if node.operation == "GREATER_THAN" and not two.is_linked:
-        return one, two.default_value
-    less = source(two).node if node.operation == "SUBTRACT" and source(two) is not None else None
-    if less is not None and less.type == "MATH" and less.operation == "LESS_THAN" and not less.inputs[1].is_linked:
-        if not one.is_linked and one.default_value == 1:
-            return less.inputs[0], less.inputs[1].default_value
-    return alpha, None
+def compared(alpha, inverse):
+    """Returns the socket on which an alpha depends, whether 1 minus its value counts, as `inverse` says of the alpha, and
+    the cutoff with which nodes compare that to get 0 or 1; None if none do."""
+    while (output := source(alpha)) is not None:
+        node, cutoff = output.node, None
+        if node.type == "INVERT" and not node.inputs[0].is_linked and node.inputs[0].default_value == 1:
+            alpha, inverse = node.inputs[1], not inverse
+            continue
+        if node.type != "MATH":
+            break
+        one, two, *_ = node.inputs
+        if node.operation == "SUBTRACT" and not one.is_linked and one.default_value == 1:
+            alpha, inverse = two, not inverse
+            continue
+        if node.operation == "ROUND":
+            cutoff = 0.5
+        elif node.operation in ("GREATER_THAN", "LESS_THAN") and not two.is_linked:
+            cutoff = two.default_value
+            inverse ^= node.operation == "LESS_THAN"
+        return (alpha, inverse, None) if cutoff is None else (one, inverse, 1 - cutoff if inverse else cutoff)
+    return alpha, inverse, None
 
 
 def add_principled(tree, like):
@@ -553,12 +560,17 @@ class Materials:
         """Makes the surface a Principled BSDF, and its colour and its alpha each a factor and an image."""
         tree = material.node_tree
         end = tree.get_output_node("ALL") or tree.nodes.new("ShaderNodeOutputMaterial")
-        shader, color, alpha, known = surface_of(end.inputs["Surface"])
+        shader, color, alpha, inverse, known = surface_of(end.inputs["Surface"])
         factor, texture, color_known = read_socket(color) if color else (None, None, False)
-        alpha, cutoff = compared(alpha) if alpha else (None, None)
+        alpha, inverse, cutoff = compared(alpha, inverse) if alpha else (None, False, None)
         opacity, mask, alpha_known = read_socket(alpha) if alpha else (np.array(1.0), None, True)
         if texture is not None and mask is not None and color_known and alpha_known:
             known &= source(texture.node.inputs["Vector"]) == source(mask.node.inputs["Vector"])
+        if inverse and mask is None and opacity is not None:
+            opacity = 1 - opacity
+        if mask is not None and (inverse or texture is None):
+            known &= mask.node.image.size[0] > 0 and not (inverse and np.any(opacity != 1))
+            mask = self.mask(mask, inverse, tree) if known else mask
         if factor is None and texture is None:
             factor = np.array(material.diffuse_color)  # which Blender shows in the viewport
         if opacity is None and mask is None:
@@ -589,6 +601,24 @@ class Materials:
             )
             if solid:
                 material.blend_method = "OPAQUE"
+
+    def mask(self, output, inverse, tree):
+        """Returns the alpha of a new node with a white image whose alpha is a value of an image, or 1 minus it. The
+        exporter would take the colours of an image that gives the alpha alone."""
+        node = tree.nodes.new("ShaderNodeTexImage")
+        node.extension = output.node.extension
+        place = source(output.node.inputs["Vector"])
+        if place is not None:
+            tree.links.new(place, node.inputs["Vector"])
+        pixels = np.empty(len(output.node.image.pixels), np.float32)
+        output.node.image.pixels.foreach_get(pixels)
+        values = pixels.reshape(-1, 4)
+        values[:, 3] = values[:, 3 if output.name == "Alpha" else 0]
+        values[:, 3] = 1 - values[:, 3] if inverse else values[:, 3]
+        values[:, :3] = 1
+        node.image = bpy.data.images.new(f"{output.node.image.name}.mask", *output.node.image.size, alpha=True)
+        node.image.pixels.foreach_set(pixels)
+        return node.outputs["Alpha"]
 
     def readable(self, image):
         if image.source != "FILE" or image.size[0] > 0:

@@ -45,8 +45,8 @@ const FormatSupport& blendFormat() {
         "evaluated as in renders: modifiers, levels of subdivision, simplification, particles and other instances"},
        {Read, "",
         "surfaces of Principled and other shaders, also mixed with a Transparent one: name, base colour and alpha "
-        "(each "
-        "a constant or an image placed by texture coordinates), roughness and metallic; slots of objects come before "
+        "(1 minus it, too; each a constant or an image placed by texture coordinates), roughness and metallic; "
+        "constants are linear light, as in Blender; slots of objects come before "
         "those of meshes"},
        {Read, "", "images, packed or beside the file"},
        {LeftOut, "", "objects that the viewport or renders hide"},

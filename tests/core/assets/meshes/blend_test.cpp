@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "assets/asset.h"
@@ -427,6 +428,11 @@ mix = node(tree, "MixShader", tree.nodes["Material Output"].inputs[0])
 tree.links.new(node(tree, "TexImage", image=half).outputs["Alpha"], mix.inputs[0])
 node(tree, "BsdfTransparent", mix.inputs[1])
 node(tree, "Emission", mix.inputs[2])
+_, tree, shader = material("clear behind")
+mix = node(tree, "MixShader", tree.nodes["Material Output"].inputs[0])
+tree.links.new(node(tree, "TexImage", image=half).outputs["Alpha"], mix.inputs[0])
+tree.links.new(shader.outputs[0], mix.inputs[1])
+node(tree, "BsdfTransparent", mix.inputs[2])
 textured("solid", solid)
 tree, shader, texture = textured("tinted", half)
 mix = node(tree, "MixRGB", shader.inputs["Base Color"], blend_type="MULTIPLY")
@@ -437,10 +443,15 @@ tree, shader, texture = textured("compared", half)
 more = node(tree, "Math", shader.inputs["Alpha"], operation="GREATER_THAN")
 tree.links.new(texture.outputs["Alpha"], more.inputs[0])
 more.inputs[1].default_value = 0.75
+tree, shader, texture = textured("below", half)
+more = node(tree, "Math", shader.inputs["Alpha"], operation="LESS_THAN")
+tree.links.new(texture.outputs["Alpha"], more.inputs[0])
+more.inputs[1].default_value = 0.75
 _, tree, shader = material("checker")
 node(tree, "TexChecker", shader.inputs["Base Color"])
 tree, shader, texture = textured("inverted", half)
 rest = node(tree, "Math", shader.inputs["Alpha"], operation="SUBTRACT")
+rest.inputs[0].default_value = 1
 tree.links.new(texture.outputs["Alpha"], rest.inputs[1])
 tree, shader, texture = textured("sheared", half)
 turned = node(tree, "Mapping", texture.inputs["Vector"], vector_type="TEXTURE")
@@ -508,6 +519,20 @@ TEST_F(Blend, MaterialsAndTheEvaluationAreThoseOfRenders) {
   EXPECT_TRUE(partOf("tinted").fileMaterial.texture);
   EXPECT_TRUE(partOf("compared").fileMaterial.alphaTested);
   EXPECT_NEAR(partOf("compared").fileMaterial.alphaCutoff, 0.75, 1e-6);
+  // Their lower half is transparent where the image's is not.
+  for (const char* node : {"mixed", "inverted", "clear behind", "below"}) {
+    const Material made = partOf(node).fileMaterial;
+    ASSERT_TRUE(made.alphaTested && made.texture) << node;
+    const bool above = std::string_view(node) == "mixed";
+    EXPECT_EQ(made.texture->texel(0.5f, 0.25f)[3], above ? 255 : 0) << node;
+    EXPECT_EQ(made.texture->texel(0.5f, 0.75f)[3], above ? 0 : 255) << node;
+    EXPECT_NEAR(made.alphaCutoff, std::string_view(node) == "below" ? 0.25 : 0.5, 1e-6) << node;
+  }
+  EXPECT_EQ(partOf("inverted").fileMaterial.texture->texel(0.5f, 0.25f)[0], 128) << "the colour is not inverted";
+  for (const char* node : {"mixed", "clear behind"}) {
+    EXPECT_EQ(partOf(node).fileMaterial.texture->texel(0.5f, 0.25f)[0], 255)
+        << node << ": the image gives the alpha alone";
+  }
   EXPECT_TRUE(partOf("moved").fileMaterial.alphaTested) << "found in the folder textures";
   EXPECT_FALSE(partOf("lost").fileMaterial.texture);
 
@@ -519,7 +544,7 @@ TEST_F(Blend, MaterialsAndTheEvaluationAreThoseOfRenders) {
   EXPECT_EQ(nodes.at("by nodes").at(0).triangles, 12u) << "not deleted, as in the viewport";
 
   for (const char* what : {"1 animations (the saved frame counts)",
-                           "3 materials with nodes that are not read (colour and alpha may differ)",
+                           "2 materials with nodes that are not read (colour and alpha may differ)",
                            "missing textures: 'lost.png'; plain colours replace them, and surfaces that their alpha"}) {
     EXPECT_THAT(told, HasSubstr(what));
   }
