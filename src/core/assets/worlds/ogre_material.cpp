@@ -77,7 +77,7 @@ const FormatSupport& ogreFormat() {
       ".material",
       {{Read, "material technique pass texture_unit", "materials by name, with what they inherit from one before them"},
        {Read, "texture", "the first image of a material"},
-       {Read, "diffuse", "the first colour of a material"},
+       {Read, "diffuse", "the first colour of a material, taken as linear light; OGRE states no colour space"},
        {Read, "alpha_rejection", "greater and greater_equal: beams pass where alpha is below the value"},
        {LeftOut, "scene_blend separate_scene_blend", "blended materials, which are solid (scene_blend)"},
        {LeftOut, "anim_texture cubic_texture", "images in several files (anim_texture, cubic_texture)"},

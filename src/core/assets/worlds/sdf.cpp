@@ -611,7 +611,8 @@ const FormatSupport& sdfFormat() {
         "terrain from band 1 of an image, whose greatest value has the height of <size>, or from a georeferenced "
         "raster"},
        {Read, "transparency", "visuals with 1 are not there for beams"},
-       {Read, "material diffuse pbr metal albedo_map roughness metalness", "look"},
+       {Read, "material diffuse pbr metal albedo_map roughness metalness",
+        "look; `diffuse` is taken as linear light, since SDF states no colour space"},
        {Read, "script", "image, colour and alpha cutoff of an OGRE material"},
        {LeftOut, "", "elements in a wrong place, and further ones where one may stand"},
        {LeftOut, "", "transparencies between 0 and 1 (these visuals are solid)"},

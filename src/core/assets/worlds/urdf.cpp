@@ -224,7 +224,9 @@ const FormatSupport& urdfFormat() {
        {Read, "joint origin parent child", "places of links; all joints are at 0"},
        {Read, "mesh box cylinder sphere capsule",
         "shapes; the up axis that a COLLADA file states counts for nothing, as in ROS; glTF is y up by its standard"},
-       {Read, "material color texture", "look; the first definition of a name holds for all"},
+       {Read, "material color texture",
+        "look; the first definition of a name holds for all; `rgba` is taken as linear light, since URDF states no "
+        "colour space"},
        {Read, "mimic", "joints that mimic others are at 0 too"},
        {LeftOut, "", "elements in a wrong place, and further ones where one may stand"},
        {LeftOut, "", "invisible visuals (alpha 0)"},

@@ -138,7 +138,9 @@ const FormatSupport& colladaFormat() {
        {Read, "visibility", "nodes with 0 are left out with all below them"},
        {Read, "triangles trifans tristrips polylist polygons", "surfaces"},
        {Read, "skin bind_shape_matrix joints vertex_weights", "skins, in the pose in which the nodes stand"},
-       {Read, "material effect diffuse transparent opaque transparency", "colours, images and opacity"},
+       {Read, "material effect diffuse transparent opaque transparency",
+        "colours, images and opacity; colours are taken as linear light, as Blender writes them: COLLADA states no "
+        "colour space"},
        {Read, "bind_vertex_input", "which set of texture coordinates an image uses"},
        {Read, "repeatU repeatV offsetU offsetV", "places of images, from `extra`"},
        {Unused, "library_cameras library_lights library_physics_models library_kinematics_models", "no surfaces"},

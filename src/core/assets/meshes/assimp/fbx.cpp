@@ -228,7 +228,8 @@ const FormatSupport& fbxFormat() {
        {Read, "Mesh Vertices PolygonVertexIndex LayerElementUV LayerElementMaterial", "surfaces"},
        {Read, "Skin Cluster", "skins, in the pose in which the objects stand"},
        {Read, "Material Texture Video UVSet",
-        "colours, opacity and images, with their scale, shift and set of coordinates"},
+        "colours, opacity and images, with their scale, shift and set of coordinates; colours are taken as linear "
+        "light, as in Blender, since FBX states no colour space"},
        {Unused, "NodeAttribute LayerElementNormal LayerElementSmoothing Pose", "cameras, lights, normals, shading"},
        {Unused, "Shape Line NurbsCurve", "shapes of morph targets, lines (which are counted) and curves"},
        {LeftOut, "AnimationStack", "animations (the file's pose is taken)"},

@@ -504,6 +504,7 @@ const FormatSupport& importedFormat() {
       {{Read, "", "nodes with their names and transforms, polygons, texture coordinates"},
        {Read, "", "skins of .x, in the pose in which the nodes stand"},
        {Read, "", "colours, opacity and images of materials, with their scale, shift and rotation"},
+       {Read, "", "colours are taken as linear light, since these formats state no colour space"},
        {Unused, "", "cameras, lights, normals"},
        {LeftOut, "", "animations (the file's pose is taken)"},
        {LeftOut, "", "morph targets"},
