@@ -352,12 +352,15 @@ void refuseText(const std::filesystem::path& file, const std::string& suffix) {
   if (std::regex_search(start, root, kRoot)) {
     const std::string name = root[1];
     if (name == "mesh") return;  // Ogre's meshes in XML
-    static const std::map<std::string, std::string> kKnown{{"sdf", ".sdf"}, {"robot", ".urdf"}, {"COLLADA", ".dae"}};
+    static const std::map<std::string, std::string> kKnown{
+        {"sdf", "which is read if the file's name ends in .sdf"},
+        {"robot", "which is read if the file's name ends in .urdf"},
+        {"COLLADA", "which is read if the file's name ends in .dae"},
+        {"mujoco", "as MJCF of MuJoCo is: convert it to URDF or SDF, or name its meshes"}};
     const auto known = kKnown.find(name);
     throw InputError({file.string()},
                      fmt::format("is XML with the root element <{}>, {}", name,
-                                 known == kKnown.end() ? "and no 3D file, scene, dataset or scan"
-                                                       : "which is read if the file's name ends in " + known->second));
+                                 known == kKnown.end() ? "and no 3D file, scene, dataset or scan" : known->second));
   }
   const bool isText = !start.empty() && std::none_of(start.begin(), start.end(), [](char c) {
     return static_cast<unsigned char>(c) < 32 && std::string_view("\t\n\r\f").find(c) == std::string_view::npos;

@@ -177,6 +177,8 @@ TEST_F(FirstSteps, InfoOfAnAssetTellsItsSizeAndHowItWasRead) {
                 "track.xml: is XML with the root element <params>, and no 3D file");
   folder_.write("arm.xml", "<robot name=\"x\"/>\n");
   expectRefused(scanmill({"info", at("arm.xml")}), "<robot>, which is read if the file's name ends in .urdf");
+  folder_.write("hand.xml", "<mujoco model=\"x\"/>\n");
+  expectRefused(scanmill({"info", at("hand.xml")}), "<mujoco>, as MJCF of MuJoCo is: convert it to URDF or SDF");
   folder_.write("README", "Read me.\n");
   expectRefused(scanmill({"info", at("README")}), "README: is text, and no 3D file");
 }

@@ -20,7 +20,7 @@ struct Content {
 using namespace std::string_view_literals;
 
 // The first row that fits counts.
-constexpr std::array<Content, 26> kContents{{
+constexpr std::array<Content, 27> kContents{{
     {"version https://git-lfs", "a pointer of Git LFS, not the file itself: fetch it by 'git lfs pull'", ""},
     {"\xff\xfe"sv, "UTF-16 text: save it as UTF-8, for example with 'iconv -f UTF-16 -t UTF-8'", ""},
     {"\xfe\xff"sv, "UTF-16 text: save it as UTF-8, for example with 'iconv -f UTF-16 -t UTF-8'", ""},
@@ -46,6 +46,7 @@ constexpr std::array<Content, 26> kContents{{
     {"<!doctype html", "a web page", ""},
     {"<html", "a web page", ""},
     {"<collada", "COLLADA", ".dae"},
+    {"<mujoco", "MJCF of MuJoCo: convert it to URDF or SDF, or name its meshes", ".urdf .xacro"},
     {"{", "JSON", ".gltf .glb .json"},
 }};
 
@@ -61,9 +62,10 @@ std::string otherContent(const std::filesystem::path& file, const std::string& k
   if (begin.starts_with("\xef\xbb\xbf")) begin.remove_prefix(3);
   begin.remove_prefix(std::min(begin.find_first_not_of(" \t\r\n"), begin.size()));
   const bool xml = begin.starts_with("<?xml");
-  const bool collada = xml && begin.find("<collada") != std::string_view::npos;
   for (const Content& content : kContents) {
-    if (!begin.starts_with(content.begin) && !(collada && content.begin == "<collada")) continue;
+    const bool root = content.begin == "<collada" || content.begin == "<mujoco";
+    const bool inside = xml && root && begin.find(content.begin) != std::string_view::npos;
+    if (!begin.starts_with(content.begin) && !inside) continue;
     return content.endings.find(kind) != std::string_view::npos && !kind.empty() ? "" : std::string(content.what);
   }
   constexpr std::string_view kXml = ".dae .sdf .world .urdf .xacro .xml .x3d .amf .vrt";

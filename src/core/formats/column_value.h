@@ -12,6 +12,14 @@
 
 namespace scanmill {
 
+// Returns the end of a message about a number that does not fit the column: what to do. Empty for most columns.
+inline std::string_view columnRemedy(std::string_view column) {
+  return column == "label"
+             ? "; number the classes so, with 0 for none; if the numbers hold class and instance, as "
+               "SemanticKITTI's do, write two columns, label = number & 0xFFFF and instance = number >> 16"
+             : "";
+}
+
 // Returns the number as a value of a column of the type T. If T is an integer type that cannot hold the number (too
 // small, too large, a fraction, or NaN), throws an InputError at `where` that names the column and the point.
 template <class T, class Stored>
@@ -23,8 +31,8 @@ T columnValue(Stored stored, std::string_view name, std::size_t point, const Loc
     const bool fits = number >= Limits::min() && number <= Limits::max();
     const T value = fits ? static_cast<T>(stored) : T{};  // NOLINT(bugprone-signed-char-misuse): it fits
     if (!fits || static_cast<Stored>(value) != stored) {
-      throw InputError(where, fmt::format("{} of point {} is {}: no integer of {} to {}", name, point, stored,
-                                          Limits::min(), Limits::max()));
+      throw InputError(where, fmt::format("{} of point {} is {}: no integer of {} to {}{}", name, point, stored,
+                                          Limits::min(), Limits::max(), where.file.empty() ? "" : columnRemedy(name)));
     }
     return value;
   } else {

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <lzf.h>
 
 #include <algorithm>
@@ -317,8 +318,12 @@ class BodyReader {
 
   const PcdField& require(std::string_view name) const {
     const PcdField* field = find(name);
-    if (!field) throw InputError(where_, fmt::format("there is no field {}", name));
-    return *field;
+    if (field != nullptr) return *field;
+    std::vector<std::string_view> names;
+    for (const PcdField& other : header_.fields) names.push_back(other.name);
+    throw InputError(where_, fmt::format("there is no field {}, but {}: name the coordinates x, y and z in FIELDS; a "
+                                         "field of three values becomes three in SIZE, TYPE and COUNT, too",
+                                         name, fmt::join(names, ", ")));
   }
 
   Scan newScan() const {

@@ -8,6 +8,8 @@
 #include <limits>
 #include <memory>
 
+#include "formats/column_value.h"
+
 namespace scanmill {
 
 namespace {
@@ -88,7 +90,8 @@ void readNumber(std::string_view word, T& value, std::string_view column, const 
       std::is_floating_point_v<T>
           ? std::string("a number such as 1234.5 or -1.2e-3")
           : fmt::format("an integer of {} to {}", std::numeric_limits<T>::min(), std::numeric_limits<T>::max());
-  throw InputError(where, fmt::format("{} must be {}, not '{}'", column, kind, word.substr(0, 40)));
+  throw InputError(where, fmt::format("{} must be {}, not '{}'{}", column, kind, word.substr(0, 40),
+                                      std::is_integral_v<T> ? columnRemedy(column) : ""));
 }
 
 template void readNumber(std::string_view, float&, std::string_view, const Location&);

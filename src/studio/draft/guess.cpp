@@ -69,9 +69,18 @@ bool isPlace(const std::vector<const Concept*>& parts, const Concept* file = nul
   return kinds.size() >= kSeveral;
 }
 
+// True if the file itself states classes, as labelled point clouds do. A single class without a known word does not
+// count, since programs write one number for all points that nobody classified.
+bool statesClasses(const std::vector<Concept>& concepts, const Asset& asset) {
+  std::set<std::string> classes;
+  for (const AssetPart& part : asset.parts) classes.insert(part.ownClass);
+  classes.erase("");
+  return classes.size() > 1 || (!classes.empty() && conceptOf(concepts, *classes.begin()) != nullptr);
+}
+
 bool isTall(const Concept& c) {
-  static constexpr std::array<std::string_view, 7> kTall{"tree",         "trunk",         "pole",  "street lamp",
-                                                         "traffic sign", "traffic light", "person"};
+  static constexpr std::array<std::string_view, 8> kTall{
+      "tree", "trunk", "pole", "street lamp", "traffic sign", "traffic light", "person", "transmission tower"};
   return std::find(kTall.begin(), kTall.end(), c.name) != kTall.end();
 }
 
@@ -203,13 +212,14 @@ std::string folderName(const std::filesystem::path& file) {
 }
 
 const Concept* conceptOfFile(const std::vector<Concept>& concepts, const Asset& asset) {
+  if (statesClasses(concepts, asset)) return nullptr;
   const Concept* const file = conceptOf(concepts, asset.file.stem().string());
   const bool ofOneObject = file != nullptr && file->kind == ConceptKind::Whole;
   return ofOneObject && isPlace(guessParts(concepts, asset, nullptr), file) ? nullptr : file;
 }
 
 const Concept* conceptOfFolder(const std::vector<Concept>& concepts, const Asset& asset) {
-  if (conceptOf(concepts, asset.file.stem().string()) != nullptr) return nullptr;
+  if (statesClasses(concepts, asset) || conceptOf(concepts, asset.file.stem().string()) != nullptr) return nullptr;
   return isPlace(guessParts(concepts, asset, nullptr)) ? nullptr : conceptOf(concepts, folderName(asset.file));
 }
 

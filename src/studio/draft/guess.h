@@ -25,14 +25,14 @@ std::vector<const Concept*> guessParts(const std::vector<Concept>& concepts, con
 // "meshes", the name of the folder above.
 std::string folderName(const std::filesystem::path& file);
 
-// Returns the concept that the file's name states; null if it states none, or if it states an object and the names of
-// the parts state others, so that the file contains a place: a file "house.obj" of a house with trees, a car and a
-// lawn.
+// Returns the concept that the file's name states; null if it states none, if the file itself states classes, as
+// labelled point clouds do, or if the name states an object and the names of the parts state others, so that the file
+// contains a place: a file "house.obj" of a house with trees, a car and a lawn.
 const Concept* conceptOfFile(const std::vector<Concept>& concepts, const Asset& asset);
 
 // Returns the concept in folderName(); null if there is none. A folder may have the name of the model that it contains,
 // but also of the place of which it contains all models. Null therefore also if the file's own name states a concept,
-// or if the names of the parts state three or more kinds of objects and grounds.
+// if the file itself states classes, or if the names of the parts state three or more kinds of objects and grounds.
 const Concept* conceptOfFolder(const std::vector<Concept>& concepts, const Asset& asset);
 
 struct FrameGuess {

@@ -38,8 +38,10 @@ Model readModel(const std::filesystem::path& file, const std::vector<Concept>& c
   const Concept* const folder = conceptOfFolder(concepts, asset);
   model.whole = own == nullptr ? folder : own;
   model.wholeByFolder = folder != nullptr;
-  model.measured = std::any_of(asset.parts.begin(), asset.parts.end(),
-                               [](const AssetPart& part) { return part.texture == kPointIntensity; });
+  // Colours of points say more than the name of the file, but less than the materials of their classes.
+  model.measured = std::any_of(asset.parts.begin(), asset.parts.end(), [&](const AssetPart& part) {
+    return part.texture == kPointIntensity || (part.texture == kPointColor && model.whole != nullptr);
+  });
   model.numbered = std::any_of(asset.parts.begin(), asset.parts.end(), [](const AssetPart& part) {
     return !part.ownClass.empty() && part.ownClass.find_first_not_of("0123456789") == std::string::npos;
   });
@@ -89,6 +91,20 @@ std::uint64_t trianglesOf(const std::vector<KnownPart>& parts, const Counts& cou
   return sum;
 }
 
+// True if the names of nodes state coarser levels of detail beside the finest one: "Tree_LOD1" or "Tree_Billboard"
+// beside "Tree_LOD0".
+bool hasCoarserLevels(const std::vector<KnownPart>& parts) {
+  std::set<std::string> nodes;
+  for (const KnownPart& p : parts) nodes.insert(lowerCase(p.node));
+  return std::any_of(nodes.begin(), nodes.end(), [&](const std::string& node) {
+    const std::size_t end = node.rfind('_');
+    if (end == std::string::npos || !nodes.contains(node.substr(0, end) + "_lod0")) return false;
+    const std::string level = node.substr(end + 1);
+    return level == "billboard" ||
+           (level.size() == 4 && level.starts_with("lod") && level[3] >= '1' && level[3] <= '9');
+  });
+}
+
 }  // namespace
 
 std::uint64_t Model::triangles() const {
@@ -118,6 +134,7 @@ std::vector<std::string> Model::doubts() const {
   if (ground && byFile() + byFolder() > 0 && materials.size() > 1)
     doubts.emplace_back("one class for several materials");
   if (mixed && !plate && byFile() > 0) doubts.emplace_back("one class for two in its name");
+  if (hasCoarserLevels(parts)) doubts.emplace_back("several levels of detail: `drop` the coarser ones");
   return doubts;
 }
 

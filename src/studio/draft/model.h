@@ -30,7 +30,7 @@ struct Model {
   Box box;                     // bounding box (m), computed with the guessed unit and up axis
   std::optional<Plate> plate;  // the ground of a tile; parts above this plate belong to `whole`
   bool mixed = false;          // the file's name states both a ground and an object
-  bool measured = false;       // the file contains measured intensities of points
+  bool measured = false;       // no materials are drafted, since the points have intensities or colours
   bool numbered = false;       // the points have labels that are only numbers
   bool allowOutside = false;   // see AssetOptions::allowOutside
 

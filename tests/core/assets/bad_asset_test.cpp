@@ -54,6 +54,10 @@ TEST_F(AssetFiles, BadRequestsAreNamed) {
   EXPECT_THAT(failure(write("a.opl", "text")), HasSubstr("town: {map: ...}"));
   EXPECT_THAT(failure(write("a.osm.pbf", "text")), HasSubstr("town: {map: ...}"));
   EXPECT_THAT(failure(write("a.dxf", "text")), AllOf(HasSubstr("unknown kind ('.dxf')"), HasSubstr("Blender")));
+  const std::filesystem::path raster = write("a.bil", "text");
+  EXPECT_THAT(failure(raster),
+              HasSubstr(fmt::format("`gdal_translate {} {}`", raster.string(), (folder_.path() / "a.tif").string())));
+  EXPECT_THAT(failure(write("a.hdr", "text")), HasSubstr("in place of their header"));
   EXPECT_THAT(failure(write("noname", "text")), HasSubstr("unknown kind"));
   EXPECT_THAT(failure(write("points.txt", "1 2 3\n")), HasSubstr("give it the ending .xyz"));
   EXPECT_THAT(failure(write("points.obj", "v 0 0 0\nv 1 0 0\np 1 2\n")), HasSubstr("points.obj"));

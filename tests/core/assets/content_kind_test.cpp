@@ -24,6 +24,10 @@ TEST_F(AssetFiles, ContentThatDoesNotFitTheNameIsNamed) {
   EXPECT_THAT(said("a.dae", std::string("\xFF\xFE<\0?\0x\0m\0l\0", 12)), HasSubstr("UTF-16"));
   EXPECT_THAT(said("a.gltf", "PK\x03\x04 and so on"), HasSubstr("look like a ZIP archive"));
   EXPECT_THAT(said("a.ac", glbOfTriangle()), HasSubstr("look like a GLB"));
+  for (const char* start : {"", "<?xml version=\"1.0\"?>\n<!-- an arm -->\n"}) {
+    EXPECT_THAT(said("a.xml", std::string(start) + "<mujoco/>"),
+                HasSubstr("MJCF of MuJoCo: convert it to URDF or SDF"));
+  }
   EXPECT_THAT(said("a.png", "\x89PNG"), AllOf(HasSubstr("unknown kind"), HasSubstr("a PNG image")));
 }
 

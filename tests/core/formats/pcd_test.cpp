@@ -243,8 +243,15 @@ TEST(Pcd, ValuesThatDoNotFitAreRefused) {
   for (const std::string& bytes :
        {binary('U', 65536u), binary('I', -2), binary('F', 0.5f), binary('F', std::nanf("")), binary('F', 1e10f),
         fmt::format(fmt::runtime(head), 'U', "ascii") + "1 2 3 65536\n"}) {
-    EXPECT_THAT(messageOf([&] { decoded(bytes); }), AllOf(HasSubstr("test.pcd"), HasSubstr("label")));
+    EXPECT_THAT(messageOf([&] { decoded(bytes); }),
+                AllOf(HasSubstr("test.pcd"), HasSubstr("label"), HasSubstr("label = number & 0xFFFF")));
   }
+}
+
+TEST(Pcd, FieldsAreListedIfTheCoordinatesHaveOtherNames) {
+  const std::string text = "FIELDS point_x point_y z label\nSIZE 4 4 4 4\nTYPE F F F U\nWIDTH 1\nHEIGHT 1\nPOINTS 1\n";
+  EXPECT_THAT(messageOf([&] { decoded(text + "DATA ascii\n1 2 3 4\n"); }),
+              HasSubstr("there is no field x, but point_x, point_y, z, label: name the coordinates x, y and z"));
 }
 
 TEST(Pcd, LyingHeadersAreRefused) {

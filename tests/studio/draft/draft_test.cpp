@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <functional>
 #include <map>
 #include <set>
@@ -255,6 +256,49 @@ TEST(DraftScene, TilesHaveTheirGroundAndOneUnit) {
   const Mesh& mesh = scene.meshes[scene.instances[2].mesh];
   for (const std::uint16_t s : mesh.surfaceOf) ++triangles[scene.ontology.find(mesh.surfaces[s].semantic)->name];
   EXPECT_EQ(triangles, (std::map<std::string, std::size_t>{{"terrain", 2}, {"tree", 1}}));
+}
+
+// What the columns of a cloud say goes before the names of its file and folder.
+TEST(DraftScene, LabelsAndColoursOfACloudGoBeforeItsName) {
+  const TemporaryFolder folder;
+  const auto cloud = [&](const std::string& file, const std::string& column, const std::array<int, 2>& values) {
+    std::string text = fmt::format(
+        "ply\nformat ascii 1.0\nelement vertex 32\nproperty float x\nproperty float y\nproperty float z\n"
+        "property {}\nend_header\n",
+        column);
+    for (int i = 0; i < 32; ++i) text += fmt::format("{} {} 0 {}\n", i % 8, i / 8, values[i < 16 ? 0 : 1]);
+    return drafted({folder.write(file, text)}, folder.path());
+  };
+  for (const char* const file : {"crate_wall.ply", "house/scan.ply"}) {
+    const Draft labelled = cloud(file, "int label", {1, 2});
+    EXPECT_EQ(labelled.files[0].guessed + labelled.files[0].byFolder, 0u) << file;
+    EXPECT_THAT(labelled.yaml,
+                testing::AllOf(testing::HasSubstr("material \"1\""), testing::HasSubstr("material \"2\""),
+                               testing::Not(testing::HasSubstr("class:"))))
+        << file;
+  }
+  EXPECT_THAT(cloud("b_wall.ply", "int label", {0, 0}).yaml,
+              testing::AllOf(testing::HasSubstr("class: wall"), testing::HasSubstr("material: brick")))
+      << "one number for all points is no label";
+  EXPECT_THAT(cloud("c_wall.ply", "uint rgb", {0x404040, 0x808080}).yaml,
+              testing::AllOf(testing::HasSubstr("class: wall"), testing::Not(testing::HasSubstr("material: brick"))));
+}
+
+TEST(DraftScene, TransmissionTowersArePoles) {
+  expectClasses("scanmill", {{"transmission tower", "pole"}, {"water tower", "building"}});
+}
+
+TEST(DraftScene, CoarserLevelsOfDetailAreDoubtful) {
+  const TemporaryFolder folder;
+  const auto doubtsOf = [&](const std::string& first, const std::string& second) {
+    return drafted({folder.write("a.gltf", gltfOf({{first, ""}, {second, ""}}))}, folder.path()).files[0].doubts;
+  };
+  const char* const told = "several levels of detail: `drop` the coarser ones";
+  EXPECT_THAT(doubtsOf("Oak_LOD0", "Oak_LOD1"), testing::Contains(told));
+  EXPECT_THAT(doubtsOf("oak_lod0", "oak_lod9"), testing::Contains(told));
+  EXPECT_THAT(doubtsOf("Oak_LOD0", "Oak_Billboard"), testing::Contains(told));
+  EXPECT_THAT(doubtsOf("Oak_LOD0", "Elm_LOD1"), testing::Not(testing::Contains(told)));
+  EXPECT_THAT(doubtsOf("Oak", "Oak_LOD1"), testing::Not(testing::Contains(told)));
 }
 
 // What a person should look at is told: a size that no unit makes usual, an axis that nothing tells.

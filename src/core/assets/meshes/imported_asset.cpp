@@ -35,12 +35,23 @@ constexpr unsigned kSeconds = 300;
 // units of 3MF, AMF, DXF and X3D.
 constexpr std::array<std::string_view, 8> kByAssimp{".3ds", ".ac", ".ac3d", ".acc", ".dae", ".fbx", ".lwo", ".x"};
 
+// Kinds of rasters that are not read, but that the programs of GDAL convert.
+constexpr std::array<std::string_view, 16> kRasters{".adf", ".bil", ".bip", ".bsq", ".bt", ".ers", ".flt", ".gpkg",
+                                                    ".grd", ".gtx", ".hdr", ".jp2", ".nc", ".pix", ".rst", ".sdat"};
+
 ImportedFile importByAssimp(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
   if (std::find(kByAssimp.begin(), kByAssimp.end(), kind) == kByAssimp.end()) {
     if (isMap(file)) {
       throw InputError({file.string()},
                        "is a map of OpenStreetMap, from which an object `town: {map: ...}` of a scene "
                        "builds a town; docs/town.md says how");
+    }
+    if (std::find(kRasters.begin(), kRasters.end(), kind) != kRasters.end()) {
+      throw InputError(
+          {file.string()},
+          fmt::format("has a kind of rasters that is not read ('{}'): convert it by `gdal_translate {} {}`{}", kind,
+                      file.string(), std::filesystem::path(file).replace_extension(".tif").string(),
+                      kind == ".hdr" ? ", with the file of the values in place of their header" : ""));
     }
     throw InputError(
         {file.string()},

@@ -68,6 +68,10 @@ std::filesystem::path findTexture(const std::filesystem::path& asset, const std:
     if (auto found = findIgnoringCase(place.empty() ? "." : place, bare); !found.empty()) return found;
   }
   if (!outside.empty()) throw InputError({asset.string()}, refusalOf(name));
+  // Some exporters write a name with blanks in quotation marks.
+  if (name.size() > 2 && name.starts_with('"') && name.ends_with('"')) {
+    return findTexture(asset, name.substr(1, name.size() - 2), allowOutside, folders);
+  }
   return {};
 }
 

@@ -375,12 +375,23 @@ class CloudAsset {
     const auto& labels = scan_[kLabel];
     const auto& instances = scan_[kInstance];
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> known;  // index of a part, by instance and label
+    std::map<std::uint32_t, std::pair<double, double>> sums;  // sum of the reflectances and number of points, by label
     for (std::size_t k = 0; k < chosen_.size(); ++k) {
       const std::uint32_t label = labels.empty() ? 0 : labels[chosen_[k]];
       const std::uint32_t instance = instances.empty() ? 0 : instances[chosen_[k]];
       const auto [found, isNew] = known.try_emplace({instance, label}, asset_.parts.size());
       if (isNew) asset_.parts.push_back(newPart(label, instance, !labels.empty()));
       addSquare(asset_.parts[found->second], k, surfels[k]);
+      if (image_ == nullptr) continue;
+      sums[label].first += double{luminance(&image_->rgba[4 * k])};
+      ++sums[label].second;
+    }
+    if (image_ == nullptr) return;
+    // Each point keeps its own reflectance; the material of a label states the mean of the label's points.
+    for (const auto& [key, part] : known) {
+      const auto& [sum, count] = sums[key.second];
+      Material& material = asset_.parts[part].fileMaterial;
+      material.reflectance = material.textureMean = static_cast<float>(sum / count);
     }
   }
 
@@ -395,6 +406,8 @@ class CloudAsset {
     color.stated = false;
     color.image = image_;
     color.colored = color.textured = image_ != nullptr;
+    part.fileMaterial.source = fmt::format("mean of the {} in {}; each point has its own",
+                                           measured_ ? "intensities" : "colours", file_.filename().string());
     setColor(part.fileMaterial, std::move(color), file_, options_, images_);
     return part;
   }

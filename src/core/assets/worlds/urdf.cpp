@@ -225,8 +225,8 @@ const FormatSupport& urdfFormat() {
        {Read, "mesh box cylinder sphere capsule",
         "shapes; the up axis that a COLLADA file states counts for nothing, as in ROS; glTF is y up by its standard"},
        {Read, "material color texture",
-        "look; the first definition of a name holds for all; `rgba` is taken as linear light, since URDF states no "
-        "colour space"},
+        "look, which replaces that of the mesh file, except that a colour leaves the images of the mesh; the first "
+        "definition of a name holds for all; `rgba` is taken as linear light, since URDF states no colour space"},
        {Read, "mimic", "joints that mimic others are at 0 too"},
        {LeftOut, "", "elements in a wrong place, and further ones where one may stand"},
        {LeftOut, "", "invisible visuals (alpha 0)"},

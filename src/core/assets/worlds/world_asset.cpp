@@ -114,6 +114,8 @@ class WorldAsset {
   void dress(const WorldPart& from, AssetPart& part) {
     if (part.material.empty()) part.material = from.material;
     part.fileMaterial.name = part.material;
+    const std::filesystem::path stated(from.where.file);
+    part.fileMaterial.source = "base colour of " + stated.filename().string();
     BaseColor color;
     color.stated = from.color.has_value();
     color.factor = from.color.value_or(std::array<float, 3>{1, 1, 1});
@@ -130,7 +132,7 @@ class WorldAsset {
       color.colored = color.image != nullptr;
       if (color.colored) part.color = {1, 1, 1};
     }
-    setColor(part.fileMaterial, std::move(color), file_, options_, images_);
+    setColor(part.fileMaterial, std::move(color), stated, options_, images_);
     if (!from.texture.empty()) checkTexture(part, true, leftOut_);
   }
 
@@ -142,7 +144,7 @@ class WorldAsset {
     std::vector<std::string> names;
     Box box;
     for (const AssetPart& part : mesh.parts) {
-      names.push_back(part.node);
+      if (!part.node.empty()) names.push_back(part.node);
       if (part.node != from.submesh) continue;
       taken.push_back(part);
       for (const Vec3f& p : part.positions) box.add(Vec3d(p));
@@ -150,8 +152,9 @@ class WorldAsset {
     if (taken.empty()) {
       std::sort(names.begin(), names.end());
       names.erase(std::unique(names.begin(), names.end()), names.end());
-      throw InputError(from.where, fmt::format("'{}' has no submesh '{}', but has {}", from.mesh.string(), from.submesh,
-                                               fmt::join(names, ", ")));
+      throw InputError(from.where, fmt::format("'{}' has no submesh '{}', {}", from.mesh.string(), from.submesh,
+                                               names.empty() ? "since none of its parts has a name: leave out <submesh>"
+                                                             : fmt::format("but has {}", fmt::join(names, ", "))));
     }
     for (AssetPart& part : taken) {
       for (Vec3f& p : part.positions) p = from.centred ? Vec3f(Vec3d(p) - box.center()) : p;

@@ -311,6 +311,16 @@ TEST_F(AssetFiles, OpacitiesThatNoImageShowsAreCounted) {
 }
 
 // Such a map means the alpha of the image. Its brightness would cut holes into dark walls.
+TEST_F(AssetFiles, NamesOfImagesMayStandInQuotationMarks) {
+  writeColours(folder_.path() / "my leaf.png");
+  write("a.mtl", "newmtl paint\nmap_Kd \"my leaf.png\"\n");
+  const auto textured = [&] { return read("a.obj", kObj).parts.at(0).fileMaterial.texture; };
+  ASSERT_NE(textured(), nullptr);
+  EXPECT_THAT(textured()->file, HasSubstr("/my leaf.png"));
+  writeColours(folder_.path() / "\"my leaf.png\"");
+  EXPECT_THAT(textured()->file, HasSubstr("\"my leaf.png\"")) << "the literal name goes first";
+}
+
 TEST_F(AssetFiles, OpacityMapsThatAreTheImageOfTheColourNeedAlpha) {
   writeColours(folder_.path() / "colours.png");
   write("a.mtl", std::string(kMtl) + "map_d colours.png\n");

@@ -124,6 +124,19 @@ TEST_F(Clouds, ClassesShareNoInstance) {
   EXPECT_EQ(told, "");
 }
 
+TEST_F(Clouds, TheMaterialOfALabelStatesTheMeanOfItsPoints) {
+  std::vector<std::string> lines = lawn("51 1");
+  for (const std::string& line : lawn("204 2", 50)) lines.push_back(line);
+  const Asset asset = read(ply("property float intensity\nproperty int label\n", lines));
+  ASSERT_EQ(asset.parts.size(), 2u);
+  for (const std::size_t i : {0u, 1u}) {
+    const Material& m = asset.parts[i].fileMaterial;
+    EXPECT_NEAR(m.reflectance, i == 0 ? 0.2 : 0.8, 0.004);
+    EXPECT_EQ(m.reflectance, m.textureMean) << "each point keeps its own reflectance";
+    EXPECT_EQ(m.source, "mean of the intensities in a.ply; each point has its own");
+  }
+}
+
 TEST_F(Clouds, IntensitiesAreReflectances) {
   std::vector<std::string> lines = lawn("51");
   for (const std::string& line : lawn("204", 50)) lines.push_back(line);

@@ -240,6 +240,9 @@ TEST_F(Sdf, SubmeshesAreTakenAloneAndCentred) {
   EXPECT_EQ(boundsOf(sdf(visual("<submesh><name>box</name><center>true</center></submesh>"))).low, (Vec3d{-1, -2, 0}));
   EXPECT_THAT(refusal(visual("<submesh><name>bix</name></submesh>")),
               AllOf(HasSubstr("no submesh 'bix'"), HasSubstr("box, wing")));
+  folder_.write("bare.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  EXPECT_THAT(refusal(model("<mesh><uri>bare.obj</uri><submesh><name>zz</name></submesh></mesh>")),
+              HasSubstr("has no submesh 'zz', since none of its parts has a name: leave out <submesh>"));
 }
 
 // An image whose left half is a leaf, the right half nothing, on a mesh that shows all of it.

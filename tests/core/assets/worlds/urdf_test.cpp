@@ -81,6 +81,24 @@ TEST_F(Urdf, MaterialsAreThoseOfTheFirstDefinition) {
   EXPECT_EQ(asset.parts[2].color, (std::array<float, 3>{0, 1, 0}));
 }
 
+TEST_F(Urdf, ItsMaterialsReplaceThoseOfMeshes) {
+  folder_.write("wing.obj", std::string("mtllib wing.mtl\nusemtl own\n") + kWing);
+  folder_.write("wing.mtl", "newmtl own\nKd 0 0 0\n");
+  folder_.write("bare.obj", kWing);
+  const auto visual = [](const std::string& mesh, const std::string& material) {
+    return "<visual><geometry><mesh filename=\"" + mesh + "\"/></geometry>" + material + "</visual>";
+  };
+  const std::string white = "<material name=\"white\"><color rgba=\"1 1 1 1\"/></material>";
+  const Asset asset = urdf("<link name=\"a\">" + visual("wing.obj", white) + visual("bare.obj", white) +
+                           visual("wing.obj", "") + "</link>");
+  ASSERT_EQ(asset.parts.size(), 3u);
+  for (const std::size_t i : {0u, 1u, 2u}) {
+    const Material& m = asset.parts[i].fileMaterial;
+    EXPECT_EQ(m.reflectance, i == 2 ? 0.0f : 1.0f) << i;
+    EXPECT_EQ(m.source, i == 2 ? "base colour of wing.obj" : "base colour of r.urdf") << i;
+  }
+}
+
 TEST_F(Urdf, ContentsThatAreLeftOutAreToldOnceWithTheirNumber) {
   testing::internal::CaptureStderr();
   urdf(R"(<link name="a"><visual><geometry><box size="1 1 1"/></geometry></visual><collision/><inertial/></link>

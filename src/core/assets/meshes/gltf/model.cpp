@@ -348,8 +348,31 @@ class ModelReader : JsonReader {
       seen[at] = true;
       for (const Index child : m_.nodes[at].children) open.emplace_back(child, depth + 1);
     }
+    dropCoarserLevels(seen);
     for (Index i = 0; i < m_.nodes.size(); ++i) {
       if (!seen[i] && m_.nodes[i].mesh) m_.leftOut.add("nodes outside of the scene");
+    }
+  }
+
+  // Takes the meshes from all nodes, and from their descendants, that a node of the scene names as its coarser levels.
+  void dropCoarserLevels(const std::vector<bool>& inScene) {
+    std::vector<bool> coarser(m_.nodes.size(), false);
+    for (Index i = 0; i < m_.nodes.size(); ++i) {
+      const Json* const lod = extensionOf(list("nodes")[i], "MSFT_lod");
+      if (lod == nullptr || !inScene[i] || coarser[i]) continue;
+      std::vector<Index> open;
+      for (const Json& id : listIn(*lod, "ids", "MSFT_lod.ids")) {
+        open.push_back(index(id, m_.nodes.size(), "a level of MSFT_lod"));
+      }
+      while (!open.empty()) {
+        const Index at = open.back();
+        open.pop_back();
+        if (at == i || coarser[at]) continue;
+        coarser[at] = true;
+        open.insert(open.end(), m_.nodes[at].children.begin(), m_.nodes[at].children.end());
+        if (m_.nodes[at].mesh) m_.leftOut.add("coarser levels of detail (MSFT_lod)");
+        m_.nodes[at].mesh.reset();
+      }
     }
   }
 
@@ -394,7 +417,7 @@ const FormatSupport& gltfFormat() {
         "places and kinds of images; an image that cannot be decoded is warned of"},
        {Unused, "NORMAL TANGENT cameras extras KHR_lights_punctual KHR_xmp_json_ld KHR_xmp FB_ngon_encoding",
         "shading and notes"},
-       {Unused, "CESIUM_primitive_outline GODOT_single_root MSFT_lod", "outlines and levels of detail"},
+       {Unused, "CESIUM_primitive_outline GODOT_single_root", "outlines and roots"},
        {Unused, "OMI_physics_body OMI_physics_shape KHR_physics_rigid_bodies KHR_implicit_shapes", "physics"},
        {Unused,
         "KHR_materials_emissive_strength KHR_materials_ior KHR_materials_volume KHR_materials_clearcoat "
@@ -409,6 +432,7 @@ const FormatSupport& gltfFormat() {
        {LeftOut, "", "hidden nodes"},
        {LeftOut, "", "batch tables (.b3dm)"},
        {LeftOut, "", "nodes outside of the scene"},
+       {LeftOut, "MSFT_lod", "coarser levels of detail (MSFT_lod)"},
        {LeftOut, "", "opacities of materials (they are solid)"},
        {LeftOut, "", "images that fade (beams pass where alpha is below 0.5)"},
        {LeftOut, "wrapS wrapT", "clamped or mirrored textures (they repeat)"},

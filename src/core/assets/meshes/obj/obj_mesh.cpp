@@ -303,7 +303,8 @@ const FormatSupport& objFormat() {
         "since OBJ states no colour space; without Kd and map_Kd it states no colour; the first definition of a name "
         "counts"},
        {Read, "map_Kd map_kd map_d map_opacity",
-        "images, with their options -s and -o; the image of map_Kd counts in place of Kd, which does not tint it"},
+        "images, with their options -s and -o, and names in quotation marks too; the image of map_Kd counts in place "
+        "of Kd, which does not tint it"},
        {Unused, "-blendu -blendv -boost -t -texres -bm -type -cc", "filters and distortions of images"},
        {Unused, "vp deg bmat step cstype parm trim hole scrv sp con ctech stech res end",
         "parts of free-form curves and surfaces, which surf, curv and curv2 count"},

@@ -456,6 +456,23 @@ TEST_F(GltfReader, WithoutAScene) {
   EXPECT_THAT(warnings(b), HasSubstr("a.gltf: left out: 1 nodes outside of the scene\n"));
 }
 
+TEST_F(GltfReader, CoarserLevelsOfDetailAreLeftOut) {
+  GltfBuilder b = wing();
+  const auto levels = [](const std::vector<int>& ids) { return Json{{"MSFT_lod", {{"ids", ids}}}}; };
+  // Node 1 names the finest level as its own coarser one, which is not so. Node 3 is below a coarser level, node 4
+  // outside of the scene.
+  b.json["nodes"] = {{{"name", "wing"}, {"mesh", 0}, {"extensions", levels({1, 2, 4})}},
+                     {{"mesh", 0}, {"extensions", levels({0})}},
+                     {{"children", {3}}},
+                     {{"mesh", 0}},
+                     {{"mesh", 0}}};
+  b.json["scenes"][0]["nodes"] = {0, 1, 2};
+  b.json["extensionsUsed"] = {"MSFT_lod"};
+  EXPECT_THAT(warnings(b), HasSubstr("a.gltf: left out: 3 coarser levels of detail (MSFT_lod)\n"));
+  b.json["nodes"][0]["extensions"] = levels({7});
+  EXPECT_THAT(refusal(b), HasSubstr("a level of MSFT_lod"));
+}
+
 TEST_F(GltfReader, ANodeWithoutANameIsNamedByAnAncestorOrItsMesh) {
   GltfBuilder b = wing();
   b.json["meshes"][0]["name"] = "mesh";
