@@ -57,6 +57,17 @@ Line evenLine(const Line& line, double step) {
   return points;
 }
 
+Line denseLine(const Line& line, double step) {
+  constexpr double kSame = 0.02;  // m
+  Line points{line.front()};
+  for (const Point2& p : line) {
+    if (distance(p, points.back()) < kSame) continue;
+    const Line piece = evenLine({points.back(), p}, step);
+    points.insert(points.end(), piece.begin() + 1, piece.end());
+  }
+  return points;
+}
+
 Line smoothLine(const Line& line, double step) {
   Line points = evenLine(line, step);
   constexpr int kPasses = 8;  // together the passes average over about two points on both sides

@@ -27,6 +27,9 @@ Nearest nearestOn(const Line& line, const Point2& p);
 
 // Returns points on the line about `step` apart, including both ends.
 [[nodiscard]] Line evenLine(const Line& line, double step);
+// Returns the line's points and points between them about `step` apart. Points within 2 cm of the point before are left
+// out.
+[[nodiscard]] Line denseLine(const Line& line, double step);
 // Returns points on the line about `step` apart, with rounded corners: each point is averaged with its neighbours. The
 // ends do not move.
 [[nodiscard]] Line smoothLine(const Line& line, double step);

@@ -30,12 +30,44 @@ class Boundaries {
  public:
   explicit Boundaries(Placer& placer) : placer_(placer) {}
 
-  // Places a row of panels from a to b, each at the height of the ground at its middle. Panels that would be on an
-  // object, a path or a road are left out. `height` (m) replaces the height of the panel's model.
-  void row(Fencing what, int form, const Point2& a, const Point2& b, std::optional<double> height = {}) {
-    const double length = std::hypot(b.x - a.x, b.y - a.y);
+  // Places a row of panels from a to b, unless it is too short.
+  void row(Fencing what, int form, const Point2& a, const Point2& b) {
     constexpr double kShortest = 0.3;  // m
-    if (length < kShortest) return;
+    if (distance(a, b) < kShortest) return;
+    // The ground is marked as occupied only after the row is complete, because the panels of a row touch each other.
+    for (const Footprint& f : panels(what, form, a, b)) placer_.occupancy.add(f);
+  }
+
+  // Places the barriers of a map. The ground is marked as occupied only after the last barrier, because panels overlap
+  // at the corners of a barrier and where barriers meet.
+  void barriers(const std::vector<MapBarrier>& all) {
+    std::vector<Footprint> taken;
+    std::array<models::Occupancy, kKinds> built;
+    for (const MapBarrier& barrier : all) {
+      models::Occupancy& same = built[static_cast<std::size_t>(barrier.kind)];
+      const std::size_t first = taken.size();
+      for (std::size_t i = 1; i < barrier.line.size(); ++i) {
+        const std::vector<Footprint> row =
+            panels(barrier.kind, 0, barrier.line[i - 1], barrier.line[i], barrier.height, &same);
+        taken.insert(taken.end(), row.begin(), row.end());
+      }
+      for (std::size_t k = first; k < taken.size(); ++k) same.add(taken[k]);
+    }
+    for (const Footprint& f : taken) placer_.occupancy.add(f);
+    // The text is the same for all places on the map, so that there is one warning.
+    if (!lost_) return;
+    warn(
+        fmt::format("{}: left out: pieces of walls, fences and hedges where the town has roads, paths, houses or trees",
+                    placer_.layout.parameters().map.string()));
+  }
+
+ private:
+  // Places panels from a to b, each at the height of the ground at its middle, and returns their rectangles. Panels
+  // that would be on an object, a path or a road are left out, and panels whose middle is in one of the rectangles of
+  // `same`, such as those of the fence that two gardens share. `height` (m) replaces the height of the panel's model.
+  std::vector<Footprint> panels(Fencing what, int form, const Point2& a, const Point2& b,
+                                std::optional<double> height = {}, const models::Occupancy* same = nullptr) {
+    const double length = distance(a, b);
     const int count = std::max(1, static_cast<int>(std::lround(length / kPanel)));
     const double yaw = std::atan2(b.y - a.y, b.x - a.x);
     const Model& m = panel(what, form);
@@ -45,19 +77,22 @@ class Boundaries {
     for (int k = 0; k < count; ++k) {
       const Point2 p = models::lerp(a, b, (k + 0.5) / count);
       const double width = length / count;
-      if (!placer_.isFree({p, width / 2 - 0.1, half, yaw}) || placer_.layout.areas().outsideHard(p) < half) continue;
+      const Footprint covered{p, std::max(0.0, width / 2 - 0.1), half, yaw};
+      if (same != nullptr && !same->isFree({p, 0, 0, 0})) continue;
       const Beside beside = placer_.layout.roads().at(p.x, p.y);
-      if (beside.known && beside.edge < beside.section.outer() + 0.05) continue;
+      const bool onRoad = beside.known && beside.edge < beside.section.outer() + 0.05;
+      if (onRoad || !placer_.isFree(covered) || placer_.layout.areas().outsideHard(p) < half) {
+        lost_ |= placer_.isOnGround(p);
+        continue;
+      }
       Affine place = models::at(placer_.layout.onGround(p, -kSunk), yaw);
       place.linear = place.linear * Mat3::scale({width / kPanel, 1, up});
       placer_.builder.place(m.mesh, placer_.worldFromTown * place, fmt::format("boundary {}", ++number_));
-      taken.push_back({p, width / 2 - 0.1, half, yaw});
+      taken.push_back(covered);
     }
-    // The ground is marked as occupied only after the row is complete, because the panels of a row touch each other.
-    for (const Footprint& f : taken) placer_.occupancy.add(f);
+    return taken;
   }
 
- private:
   const Model& panel(Fencing what, int form) {
     const auto index = static_cast<std::size_t>(what) * kForms + static_cast<std::size_t>(form);
     std::optional<Model>& made = panels_[index];
@@ -70,31 +105,41 @@ class Boundaries {
   }
 
   static constexpr std::size_t kForms = 4;
+  static constexpr std::size_t kKinds = 5;
   Placer& placer_;
-  std::array<std::optional<Model>, 5 * kForms> panels_{};
+  std::array<std::optional<Model>, kKinds * kForms> panels_{};
   int number_ = 0;
+  bool lost_ = false;  // true: a panel on the town's ground was left out
 };
 
 }  // namespace
 
 void placeHouses(Placer& placer) {
+  // Houses and blocks of one relation of the map are one thing.
+  const std::size_t before = placer.builder.soFar().instances.size();
+  const auto put = [&](const Model& m, const Affine& place, const std::string& name, std::uint32_t building) {
+    const std::int64_t relation = placer.layout.relationOf(building);
+    const std::string thing = relation == 0 ? "" : fmt::format("relation {} after {} instances", relation, before);
+    placer.builder.place(m.mesh, place, name, {}, nullptr, nullptr, thing);
+  };
   int number = 0;
   for (const models::House& house : placer.layout.houses()) {
     const Affine place = placer.worldFromTown * house.place;
     const std::string name = fmt::format("house {}", ++number);
-    placer.builder.place(models::makeHouse(placer.builder, placer.layout.seed(), house).mesh, place, name);
-    placer.builder.place(makePlinth(placer.builder, house).mesh, place, name + " plinth");
+    put(models::makeHouse(placer.builder, placer.layout.seed(), house), place, name, house.number);
+    put(makePlinth(placer.builder, house), place, name + " plinth", house.number);
   }
   for (const PlacedBlock& b : placer.layout.blocks()) {
     const Affine place = placer.worldFromTown * models::at({b.about.center.x, b.about.center.y, b.height});
-    placer.builder.place(models::makeBlock(placer.builder, placer.layout.seed(), b.block).mesh, place,
-                         fmt::format("block {}", b.block.number + 1));
+    put(models::makeBlock(placer.builder, placer.layout.seed(), b.block), place,
+        fmt::format("block {}", b.block.number + 1), b.block.number);
   }
 }
 
 void placeBoundaries(Placer& placer) {
   const Layout& l = placer.layout;
   Boundaries boundaries(placer);
+  boundaries.barriers(l.barriers());
   for (const Plot& plot : l.plots()) {
     Draw draw(l.seed(), Kind::Hedgerow, plot.number);
     const Road& road = l.roads().roads()[plot.road];
@@ -112,11 +157,6 @@ void placeBoundaries(Placer& placer) {
     if (draw.chance(0.6)) {
       const double back = draw.in(22, 30);
       boundaries.row(between, form, at(plot.from, back), at(plot.to, back));
-    }
-  }
-  for (const MapBarrier& barrier : l.barriers()) {
-    for (std::size_t i = 1; i < barrier.line.size(); ++i) {
-      boundaries.row(barrier.kind, 0, barrier.line[i - 1], barrier.line[i], barrier.height);
     }
   }
 }

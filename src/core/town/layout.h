@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -86,6 +87,11 @@ class Layout {
   // Returns rectangles of ground that are covered by houses, garages and blocks.
   const std::vector<models::Footprint>& covers() const { return covers_; }
   const Areas& areas() const { return areas_; }
+  // Returns the id of the map's relation of a building, by the number of its house or block; 0: none.
+  std::int64_t relationOf(std::uint32_t number) const {
+    const auto found = relations_.find(number);
+    return found == relations_.end() ? 0 : found->second;
+  }
   // Returns the barriers and the trees of the map; empty without a map.
   const std::vector<MapBarrier>& barriers() const { return barriers_; }
   const std::vector<MapTree>& trees() const { return trees_; }
@@ -161,7 +167,8 @@ class Layout {
   models::Occupancy taken_;  // ground that houses, garages and land of addLand() occupy
   double mainFrom_ = 0, mainTo_ = 0, half_ = 0;
   Areas areas_;
-  std::vector<double> waterLevels_;  // m, by area; 0 for areas that are not water
+  std::vector<double> waterLevels_;                  // m, by area; 0 for areas that are not water
+  std::map<std::uint32_t, std::int64_t> relations_;  // by the numbers of houses and blocks
   std::vector<MapBarrier> barriers_;
   std::vector<MapTree> trees_;
 };

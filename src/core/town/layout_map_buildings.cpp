@@ -151,6 +151,7 @@ void Layout::takeBuildings(const MapPlace& map) {
       ++onRoads;
       continue;
     }
+    if (b.relation != 0) relations_[number] = b.relation;
     Draw draw(seed_, Kind::Plot, 500000 + number);
     const int drawn = character_.floorsLow + draw.below(character_.floorsHigh - character_.floorsLow + 1);
     const int floors = b.floorsSaid().value_or(drawn);

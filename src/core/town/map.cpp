@@ -99,6 +99,12 @@ std::optional<bool> saidOf(const OsmTags& tags, std::initializer_list<std::strin
   return said;
 }
 
+// True if the map gives one of these values of surface, or no surface.
+bool hasSurface(const OsmTags& tags, std::initializer_list<std::string_view> values) {
+  return tags["surface"].empty() ? !isOneOf(tags["tracktype"], {"grade2", "grade3", "grade4", "grade5"})
+                                 : isOneOf(tags["surface"], values);
+}
+
 const std::initializer_list<std::string_view> kParkingKeys = {
     "parking:both", "parking:left", "parking:right", "parking:lane:both", "parking:lane:left", "parking:lane:right"};
 const std::initializer_list<std::string_view> kParked = {"lane",     "street_side", "on_kerb",  "half_on_kerb",
@@ -131,7 +137,8 @@ MapRoad roadOf(const OsmWay& way, RoadClass kind, const TangentPlane& plane, Tag
   }
   road.sidewalk = saidOf(way.tags, {"sidewalk", "sidewalk:both", "sidewalk:left", "sidewalk:right"}, kPaved, kNotPaved);
   road.parking = saidOf(way.tags, kParkingKeys, kParked, kNotParked);
-  road.width = numbers.read(way.tags, "width", metresOf, kNarrowest, kWidest);
+  const char* const width = way.tags["width"].empty() ? "est_width" : "width";
+  road.width = numbers.read(way.tags, width, metresOf, kNarrowest, kWidest);
   if (const auto lanes = numbers.read(way.tags, "lanes", numberOf, 1, kWidest / kLane); lanes && !road.width) {
     road.width = kLane * *lanes;
   }
@@ -170,7 +177,10 @@ bool isHighwayArea(const OsmTags& tags) {
 }
 
 std::optional<Land> landOf(const OsmTags& tags) {
-  if (isOneOf(tags["landuse"], {"forest", "orchard"}) || isOneOf(tags["natural"], {"wood", "scrub"})) return Land::Wood;
+  if (isOneOf(tags["landuse"], {"forest", "orchard"}) || isOneOf(tags["natural"], {"wood", "scrub"}) ||
+      tags["landcover"] == "trees") {
+    return Land::Wood;
+  }
   if (isOneOf(tags["natural"], {"water"}) || isOneOf(tags["landuse"], {"basin", "reservoir"}) ||
       isOneOf(tags["waterway"], {"riverbank", "dock"})) {
     return Land::Water;
@@ -183,7 +193,8 @@ std::optional<Land> landOf(const OsmTags& tags) {
     return Land::Park;
   }
   if (isOneOf(tags["leisure"], {"pitch", "playground", "golf_course"}) ||
-      isOneOf(tags["landuse"], {"grass", "meadow", "farmland"}) || isOneOf(tags["natural"], {"grassland", "heath"})) {
+      isOneOf(tags["landuse"], {"grass", "meadow", "farmland"}) || isOneOf(tags["natural"], {"grassland", "heath"}) ||
+      tags["landcover"] == "grass") {
     return Land::Grass;
   }
   // OpenStreetMap represents squares as areas of roads and paths, or as marketplaces.
@@ -267,9 +278,15 @@ class MapMaker {
       if (first) map_.leftOut.add(fmt::format("{} {}", what, kOffGround));
       return;
     }
+    if (const std::string& railway = tags["railway"]; first && !railway.empty()) {
+      leaveOut({tags.element, {{"railway", railway}}}, false);
+    }
+    if (first && (kind || !fencing) && !hasSurface(tags, {"asphalt", "paved", "concrete"})) {
+      map_.leftOut.addKeyword(osmFormat(), "surface");
+    }
     if (way.incomplete) map_.leftOut.add(fmt::format("{} with missing nodes, which are built in part", what));
     if (kind) {
-      if (first) countSides(tags);
+      if (first) countDifferences(tags);
       MapRoad road = roadOf(way, *kind, plane_, numbers_);
       if (road.line.size() > 1) roads_.push_back(std::move(road));
       return;
@@ -309,7 +326,7 @@ class MapMaker {
     } else if (!onGround(tags)) {
       map_.leftOut.add(fmt::format("{} {}", what, kOffGround));
     } else if (isOpenRoof(tags)) {
-      map_.leftOut.add("open roofs and carports");
+      map_.leftOut.addKeyword(osmFormat(), "wall=no");
     } else if (outline.size() < 3) {
       map_.leftOut.add(fmt::format("{} that have less than three corners", what));
     } else {
@@ -330,9 +347,14 @@ class MapMaker {
       if (!building && !part) {
         const bool square =
             isOneOf(tags["highway"], {"pedestrian", "footway", "service"}) || tags["amenity"] == "marketplace";
+        if ((*land == Land::Lot || *land == Land::Paved) &&
+            !hasSurface(tags, {"asphalt", "paved", "concrete", "paving_stones"})) {
+          map_.leftOut.addKeyword(osmFormat(), "surface");
+        }
         map_.areas.push_back({*land, std::move(outline), std::move(holes), square});
         return;
       }
+      countLooks(tags);
       MapBuilding made = makeBuilding(tags, std::move(outline), std::move(holes), plane_.mirrored(), numbers_);
       made.relation = area.building;
       (part ? parts_ : map_.buildings).push_back(std::move(made));
@@ -362,12 +384,27 @@ class MapMaker {
   // ground.
   static bool isOpenRoof(const OsmTags& tags) {
     const bool hangs = !tags["min_height"].empty() || !tags["building:min_level"].empty();
-    return isOneOf(tags["building"], {"roof", "carport"}) ||
-           (tags["building"].empty() && isOneOf(tags["building:part"], {"roof", "carport"}) && !hangs);
+    const auto isOpen = [&](const std::string& value) {
+      return isOneOf(value, {"roof", "carport"}) || (!value.empty() && tags["wall"] == "no");
+    };
+    return isOpen(tags["building"]) || (tags["building"].empty() && isOpen(tags["building:part"]) && !hangs);
   }
 
-  // Counts sidewalks and parking lanes that the town has otherwise than the map.
-  void countSides(const OsmTags& tags) {
+  // Counts what the map says of the look of a building, and of its state.
+  void countLooks(const OsmTags& tags) {
+    constexpr const char* kStates[] = {"abandoned", "ruins", "collapsed", "construction"};
+    constexpr const char* kLooks[] = {"building:material", "building:colour", "roof:material", "roof:colour"};
+    if (std::any_of(std::begin(kLooks), std::end(kLooks), [&](const char* key) { return !tags[key].empty(); })) {
+      map_.leftOut.addKeyword(osmFormat(), kLooks[0]);
+    }
+    if (std::any_of(std::begin(kStates), std::end(kStates),
+                    [&](const char* key) { return tags[key] == "yes" || tags["building"] == key; })) {
+      map_.leftOut.addKeyword(osmFormat(), "ruins=yes");
+    }
+  }
+
+  // Counts sides of a road that the town has otherwise than the map.
+  void countDifferences(const OsmTags& tags) {
     const auto isAnyOf = [&](std::initializer_list<const char*> keys, std::initializer_list<std::string_view> values) {
       return std::any_of(keys.begin(), keys.end(), [&](const char* key) { return isOneOf(tags[key], values); });
     };
@@ -388,6 +425,13 @@ class MapMaker {
         map_.leftOut.add("parking lanes with an unknown value, which the seed draws");
       }
     }
+    if (isAnyOf({"cycleway", "cycleway:left", "cycleway:right", "cycleway:both"},
+                {"track", "lane", "opposite_track", "opposite_lane"})) {
+      map_.leftOut.addKeyword(osmFormat(), "cycleway");
+    }
+    if (tags["driving_side"] == (plane_.mirrored() ? "right" : "left")) {
+      map_.leftOut.addKeyword(osmFormat(), "driving_side");
+    }
     if (isAnyOf({"embankment", "cutting"}, {"yes", "left", "right", "both"})) {
       map_.leftOut.add("embankments and cuttings of roads");
     }
@@ -403,7 +447,7 @@ class MapMaker {
       if (std::find(std::begin(kMappedKeys), std::end(kMappedKeys), key) == std::end(kMappedKeys)) continue;
       // Ways have the key traffic_sign too, without a sign there; nodes with the key place are names.
       if (key == (point ? "place" : "traffic_sign")) continue;
-      const bool land = isOneOf(key, {"landuse", "natural", "leisure"});
+      const bool land = isOneOf(key, {"landuse", "landcover", "natural", "leisure"});
       const FormatElements* row = osmFormat().find(key + "=" + value);
       if (row == nullptr && value != "no" && !(point && land)) row = osmFormat().find(key + "=*");
       if (row == nullptr) continue;
@@ -442,7 +486,7 @@ const FormatSupport& osmFormat() {
        {Read, "highway=footway highway=path highway=cycleway highway=steps highway=bridleway",
         "paths, unless they are the sidewalks of roads"},
        {Read,
-        "name width lanes oneway junction sidewalk sidewalk:both sidewalk:left sidewalk:right parking:both "
+        "name width est_width lanes oneway junction sidewalk sidewalk:both sidewalk:left sidewalk:right parking:both "
         "parking:left parking:right parking:lane:both parking:lane:left parking:lane:right",
         "properties of roads; lengths are in metres unless they have another unit"},
        {Read,
@@ -453,7 +497,7 @@ const FormatSupport& osmFormat() {
        {Read, "natural=tree barrier=hedge barrier=wall barrier=retaining_wall barrier=fence",
         "objects, with their height and, of trees, diameter_crown"},
        {Read, "diameter_crown", "diameter of a tree's crown"},
-       {Read, "landuse=forest landuse=orchard natural=wood natural=scrub", "woods"},
+       {Read, "landuse=forest landuse=orchard natural=wood natural=scrub landcover=trees", "woods"},
        {Read, "natural=water landuse=basin landuse=reservoir waterway=riverbank waterway=dock", "water"},
        {Read, "amenity=parking parking", "parking lots on the ground"},
        {Read,
@@ -462,7 +506,7 @@ const FormatSupport& osmFormat() {
         "parks"},
        {Read,
         "leisure=pitch leisure=playground leisure=golf_course landuse=grass landuse=meadow landuse=farmland "
-        "natural=grassland natural=heath",
+        "natural=grassland natural=heath landcover=grass",
         "open lawns"},
        {Read, "amenity=marketplace amenity=fuel area=yes aeroway=apron aeroway=helipad",
         "paved areas; with area=yes, or as relations, pedestrian streets, roads, paths, runways and taxiways too"},
@@ -506,7 +550,7 @@ const FormatSupport& osmFormat() {
         "natural=sand natural=beach natural=bare_rock natural=scree natural=shingle natural=mud "
         "natural=wetland natural=glacier leisure=swimming_pool golf=bunker",
         "areas of sand, rock, wetland and other ground, which are lawns"},
-       {LeftOut, "landuse=* natural=* leisure=*", "areas of unknown land use, which are lawns"},
+       {LeftOut, "landuse=* landcover=* natural=* leisure=*", "areas of unknown land use, which are lawns"},
        {LeftOut, "barrier=*", "further barriers"},
        {LeftOut, "power=* man_made=* military=bunker", "masts, towers, power lines and further man-made objects"},
        {LeftOut,
@@ -519,11 +563,22 @@ const FormatSupport& osmFormat() {
         "marked crossings, which the seed draws"},
        {LeftOut, "historic=* tourism=artwork", "monuments, ruins and works of art"},
        {LeftOut, "ele", "heights of nodes (ele)"},
+       {LeftOut, "surface tracktype",
+        "surfaces of roads, paths and paved areas, such as gravel, which are built of asphalt, concrete or paving"},
+       {LeftOut, "cycleway cycleway:left cycleway:right cycleway:both", "cycleways and cycle lanes beside roads"},
+       {LeftOut, "driving_side", "roads on which traffic keeps to the other side than in the town"},
+       {LeftOut, "building:material building:colour roof:material roof:colour",
+        "buildings with materials or colours, which the seed draws"},
+       {LeftOut,
+        "building=construction building=collapsed building=ruins building=abandoned abandoned=yes ruins=yes "
+        "collapsed=yes construction=yes",
+        "ruins and unfinished, collapsed and abandoned buildings, which are built as if whole"},
+       {LeftOut, "building=roof building=carport wall=no", "open roofs and carports"},
        {LeftOut, "",
         "buildings that are nodes; buildings, roads and areas with missing nodes; pitched roofs over "
-        "outlines that are no rectangles; heights and roofs of outer ways that differ from those of their "
-        "multipolygon; values that are no numbers"},
-       {Unused, "", "all further tags and types of relations"}}};
+        "outlines that are no rectangles; areas of hedges, walls and fences, whose outlines are built; heights and "
+        "roofs of outer ways that differ from those of their multipolygon; values that are no numbers"},
+       {Unused, "", "all further tags, such as names, addresses and opening hours, and types of relations"}}};
   return format;
 }
 
@@ -549,7 +604,8 @@ Map readMap(const std::filesystem::path& file, bool mirrored, const Location& wh
   } catch (const std::exception& e) {
     throw InputError(where, fmt::format("{} cannot be read as an OpenStreetMap extract ({}): {}; the Overpass API "
                                         "writes such files with `[out:xml]` and "
-                                        "`(._;>;); out meta;`",
+                                        "`(._;>;); out meta;`, and `osmium cat -o place.osm.pbf` rewrites files with "
+                                        "another compression",
                                         file.string(), osmFormat().suffixes, e.what()));
   }
   Map map = makeMap(extract, mirrored);

@@ -55,7 +55,7 @@ struct MapBuilding {
   bool shed = false;  // true: a garage, shed or similar building without windows
   // Not empty: these parts are built, and the outline is not.
   std::vector<MapBuilding> parts;
-  std::int64_t relation = 0;  // id of the map's relation of the building to its parts; 0: none
+  std::int64_t relation = 0;  // see OsmArea::building
   std::string different;      // how the roof that is built differs from the map's; empty: it does not
 
   // Returns the height of the top of the walls (m); nullopt if the map does not give the top of the roof.

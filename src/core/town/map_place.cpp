@@ -256,7 +256,7 @@ class Cutter {
     for (const MapBarrier& b : map_.barriers) {
       const std::vector<Point2> line = moved(b.line);
       if (!mayReach(line)) continue;
-      for (std::vector<Point2>& run : runsWithin(evenLine(line, kRoadStep), reach_)) {
+      for (std::vector<Point2>& run : runsWithin(denseLine(line, kRoadStep), reach_)) {
         if (run.size() > 1) place_.barriers.push_back({b.kind, std::move(run), b.height});
       }
     }

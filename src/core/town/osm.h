@@ -13,10 +13,10 @@ namespace scanmill::town {
 
 // Keys of elements, besides buildings, that the town builds or counts.
 inline constexpr const char* kMappedKeys[] = {
-    "highway",         "barrier",      "railway",   "waterway", "power",        "man_made",
-    "natural",         "landuse",      "leisure",   "amenity",  "parking",      "historic",
-    "advertising",     "traffic_sign", "aerialway", "aeroway",  "area:highway", "public_transport",
-    "traffic_calming", "military",     "golf",      "tourism",  "emergency",    "place"};
+    "highway",   "barrier",   "railway",      "waterway",         "power",           "man_made",    "natural",
+    "landuse",   "leisure",   "amenity",      "parking",          "historic",        "advertising", "traffic_sign",
+    "aerialway", "aeroway",   "area:highway", "public_transport", "traffic_calming", "military",    "golf",
+    "tourism",   "emergency", "place",        "landcover"};
 
 struct OsmTags {
   std::string element;  // the element that has the tags: "way 12"
@@ -56,15 +56,18 @@ struct OsmArea {
   OsmTags tags;
   std::vector<OsmNode> outer;
   std::vector<std::vector<OsmNode>> inner;
-  std::string fault;          // why the area has no rings, such as "missing nodes"; empty: it has rings
-  std::int64_t building = 0;  // id of the relation with `type: building` that has the area as a member; 0: none
+  std::string fault;  // why the area has no rings, such as "missing nodes"; empty: it has rings
+  // Areas with the same id are one building: the id of the relation with `type: building` that has the area as a
+  // member, or else of the multipolygon, if it has several outer rings; 0: neither.
+  std::int64_t building = 0;
 };
 
 struct OsmExtract {
   std::vector<OsmPoint> points;  // nodes with tags
   std::vector<OsmWay> ways;      // ways with one of kMappedKeys that are no areas, or have the key barrier
-  // Closed ways with the keys building, building:part, landuse, leisure, natural and amenity, with `area: yes` and the
-  // keys highway or aeroway, and with some values of aeroway and waterway; multipolygons with any of the keys.
+  // Closed ways with the keys building, building:part, landuse, landcover, leisure, natural and amenity, with `area:
+  // yes` and the keys highway, aeroway or barrier, and with some values of aeroway and waterway; multipolygons with any
+  // of the keys.
   std::vector<OsmArea> areas;
   std::map<std::string, std::uint64_t> leftOut;  // numbers of elements that were left out, by what they are
 };

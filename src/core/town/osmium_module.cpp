@@ -48,8 +48,9 @@ bool isLine(const osmium::OSMObject& object) {
 bool isArea(const osmium::OSMObject& object) {
   const osmium::TagList& tags = object.tags();
   const bool any = object.type() == osmium::item_type::relation && tags.has_tag("type", "multipolygon");
-  return isBuilding(object) || hasAny(object, {"landuse", "leisure", "natural", "amenity"}) ||
-         (any && isLine(object)) || (tags.has_tag("area", "yes") && hasAny(object, {"highway", "aeroway"})) ||
+  return isBuilding(object) || hasAny(object, {"landuse", "landcover", "leisure", "natural", "amenity"}) ||
+         (any && isLine(object)) ||
+         (tags.has_tag("area", "yes") && hasAny(object, {"highway", "aeroway", "barrier"})) ||
          tags.has_tag("aeroway", "apron") || tags.has_tag("aeroway", "helipad") ||
          tags.has_tag("waterway", "riverbank") || tags.has_tag("waterway", "dock");
 }
@@ -409,8 +410,9 @@ class ExtractReader {
       return points;
     };
     for (const osmium::Area& area : made.select<osmium::Area>()) {
+      const bool several = building == 0 && area.num_rings().first > 1;
       for (const osmium::OuterRing& outer : area.outer_rings()) {
-        OsmArea kept{tags, ring(outer), {}, {}, building};
+        OsmArea kept{tags, ring(outer), {}, {}, several ? element.id() : building};
         for (const osmium::InnerRing& inner : area.inner_rings(outer)) kept.inner.push_back(ring(inner));
         extract_.areas.push_back(std::move(kept));
       }

@@ -2,6 +2,7 @@
 
 // Places objects on the free ground of a town.
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -36,10 +37,11 @@ class Placer {
   const Layout& layout;
   const Affine& worldFromTown;
   // True if a rectangle is within the town's ground and does not overlap a driveway, a path or a placed object.
-  bool isFree(const Footprint& f) const {
-    constexpr double kEdge = 3;  // m, least distance of the rectangle's centre from the edge of the ground
-    const double reach = layout.half() - kEdge;
-    return std::abs(f.center.x) < reach && std::abs(f.center.y) < reach && driveways.isFree(f) && occupancy.isFree(f);
+  bool isFree(const Footprint& f) const { return isOnGround(f.center) && driveways.isFree(f) && occupancy.isFree(f); }
+  // True if a point is on the town's ground, not at its edge.
+  bool isOnGround(const Point2& p) const {
+    constexpr double kEdge = 3;  // m, least distance from the edge of the ground
+    return std::max(std::abs(p.x), std::abs(p.y)) < layout.half() - kEdge;
   }
 
   models::Occupancy occupancy;  // rectangles that are covered by objects

@@ -66,6 +66,15 @@ TEST(Lines, RoundsCornersAndKeepsEnds) {
   for (const Point2& p : smoothLine({{0, 0}, {10, 5}, {100, 50}}, 2)) EXPECT_NEAR(p.y, p.x / 2, 1e-9);
 }
 
+TEST(Lines, DenseLinesKeepTheirCorners) {
+  const Line dense = denseLine({{0, 0}, {0, 0.01}, {5, 0}, {5, 0}, {5, 3.3}, {0, 0}}, 2);
+  EXPECT_NEAR(lengthOf(dense), lengthOf({{0, 0}, {5, 0}, {5, 3.3}, {0, 0}}), 1e-9);
+  for (std::size_t i = 1; i < dense.size(); ++i) {
+    EXPECT_GT(distance(dense[i - 1], dense[i]), 1);
+    EXPECT_LT(distance(dense[i - 1], dense[i]), 3);
+  }
+}
+
 TEST(Lines, RunsWithinASquareHaveNoGaps) {
   const Line line = evenLine({{-30, 0}, {30, 0}, {30, 5}, {-30, 5}}, 1);
   const std::vector<Line> runs = runsWithin(line, 10);

@@ -355,6 +355,85 @@ TEST_F(ReadOsm, EveryShapeThatIsNotBuiltIsCounted) {
       << "pieces of the outline";
 }
 
+TEST_F(ReadOsm, WhatTheMapSaysOfLooksAndStatesIsCounted) {
+  using Tags = std::vector<std::pair<const char*, const char*>>;
+  const auto road = [&](Tags tags) {
+    tags.emplace_back("highway", "residential");
+    return read(kRoadNodes + way(10, {1, 2, 3}, tags)).leftOut.text();
+  };
+  const auto path = [&](const Tags& tags) {
+    return read(kRoadNodes + kHouseNodes + kRoad + way(11, {4, 5}, tags)).leftOut.text();
+  };
+  const auto building = [&](const Tags& tags) {
+    return read(kRoadNodes + kHouseNodes + kRoad + way(11, kSquare, tags)).leftOut.text();
+  };
+  const std::string surface =
+      "1 surfaces of roads, paths and paved areas, such as gravel, which are built of asphalt, concrete or paving";
+  const std::string ruins = "1 ruins and unfinished, collapsed and abandoned buildings, which are built as if whole";
+  for (const char* built : {"asphalt", "paved", "concrete"}) EXPECT_EQ(road({{"surface", built}}), "");
+  EXPECT_EQ(road({{"surface", "cobblestone"}}), surface);
+  EXPECT_EQ(road({{"tracktype", "grade3"}}), surface);
+  EXPECT_EQ(road({{"tracktype", "grade3"}, {"surface", "asphalt"}}), "");
+  EXPECT_EQ(path({{"highway", "path"}, {"surface", "ground"}}), surface);
+  EXPECT_EQ(building({{"amenity", "parking"}, {"surface", "gravel"}}), surface);
+  EXPECT_EQ(building({{"amenity", "parking"}, {"surface", "paving_stones"}}), "");
+  EXPECT_EQ(building({{"leisure", "pitch"}, {"surface", "grass"}}), "");
+  EXPECT_EQ(road({{"cycleway", "separate"}, {"cycleway:both", "no"}}), "");
+  EXPECT_EQ(road({{"cycleway:right", "track"}}), "1 cycleways and cycle lanes beside roads");
+  EXPECT_EQ(road({{"driving_side", "right"}}), "");
+  EXPECT_EQ(road({{"driving_side", "left"}}), "1 roads on which traffic keeps to the other side than in the town");
+  EXPECT_EQ(road({{"railway", "tram"}}), "1 railways");
+  EXPECT_EQ(road({{"railway", "abandoned"}}), "");
+  EXPECT_EQ(building({{"building", "yes"}, {"name", "x"}}), "");
+  EXPECT_EQ(building({{"building", "yes"}, {"building:material", "wood"}, {"roof:colour", "red"}}),
+            "1 buildings with materials or colours, which the seed draws");
+  EXPECT_EQ(building({{"building", "construction"}}), ruins);
+  EXPECT_EQ(building({{"building", "ruins"}, {"ruins", "yes"}}), ruins);
+  EXPECT_EQ(building({{"building", "yes"}, {"abandoned", "yes"}}), ruins);
+  EXPECT_EQ(building({{"building", "yes"}, {"wall", "no"}}), "1 open roofs and carports");
+  EXPECT_EQ(building({{"barrier", "wall"}}), "");
+  for (const char* kind : {"wall", "hedge"}) {
+    EXPECT_EQ(building({{"barrier", kind}, {"area", "yes"}}),
+              "1 hedges, walls and fences that are areas, of which only the outlines are built");
+  }
+}
+
+TEST_F(ReadOsm, LandcoverAndEstimatedWidthsAreRead) {
+  const auto place = [&](const char* cover) {
+    return read(kRoadNodes + kHouseNodes + way(10, {1, 2, 3}, {{"highway", "residential"}, {"est_width", "9"}}) +
+                way(11, kSquare, {{"landcover", cover}}));
+  };
+  const Map wood = place("trees");
+  ASSERT_EQ(wood.areas.size(), 1u);
+  EXPECT_EQ(wood.areas[0].land, Land::Wood);
+  EXPECT_EQ(wood.leftOut.text(), "");
+  EXPECT_EQ(wood.roads.at(0).width, 9);
+  EXPECT_EQ(place("gravel").leftOut.text(), "1 areas of unknown land use, which are lawns");
+}
+
+TEST_F(ReadOsm, OuterRingsOfARelationAreOneBuilding) {
+  const std::string other = node(24, 50, 20) + node(25, 60, 20) + node(26, 60, 30) + way(12, {24, 25, 26, 24}, {});
+  const std::string start = kRoadNodes + kHouseNodes + other + kRoad + way(11, kSquare, {});
+  const auto relations = [&](const std::vector<std::pair<int, const char*>>& rings) {
+    std::vector<std::int64_t> ids;
+    for (const MapBuilding& b : read(start + relation(rings, {{"building", "yes"}})).buildings) {
+      ids.push_back(b.relation);
+    }
+    return ids;
+  };
+  EXPECT_THAT(relations({{11, "outer"}, {12, "outer"}}), testing::ElementsAre(30, 30));
+  EXPECT_THAT(relations({{11, "outer"}}), testing::ElementsAre(0));
+}
+
+// A .pbf file of one header, in a blob that is compressed by LZ4: 16 bytes that are copied.
+TEST_F(ReadOsm, BlobsMayBeCompressedByLz4) {
+  const std::string header = std::string("\x22\x0e") + "OsmSchema-V0.6";
+  const std::string blob = std::string("\x10\x10\x32\x12\xf0\x01") + header;
+  const auto path =
+      folder_.write("lz4.osm.pbf", std::string("\0\0\0\x0d\x0a\x09", 6) + "OSMHeader" + "\x18\x16" + blob);
+  EXPECT_THAT(messageOf([&] { readMap(path, false, {}); }), HasSubstr("has no road for cars"));
+}
+
 TEST_F(ReadOsm, AreasAcrossTheMeridianOf180DegreesAreCounted) {
   const auto at = [](int id, double lat, double lon) {
     return fmt::format("<node id='{}' lat='{}' lon='{}'/>", id, lat, lon);

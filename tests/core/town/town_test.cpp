@@ -123,6 +123,149 @@ TEST(Town, TreesAndShortWallsOfTheMapAreBuilt) {
   for (int k = 1; k <= 5; ++k) EXPECT_TRUE(built.contains(fmt::format("boundary {}", k))) << k;
 }
 
+// A street on a map to which tests add ways and relations, and nothing that the seed places on its lawns.
+class StreetOnAMap {
+ public:
+  StreetOnAMap() { way({{-150, 0}, {0, 0}, {150, 0}}, "<tag k='highway' v='residential'/>"); }
+  // Returns the id of the way. The last point of a closed way is the first.
+  int way(const std::vector<town::Point2>& points, const std::string& tags) {
+    std::string nodes;
+    const int first = id_ + 1;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const bool closes = i > 0 && town::distance(points[i], points[0]) == 0;
+      if (!closes) {
+        add(fmt::format("<node id='{}' lat='{:.9f}' lon='{:.9f}'/>", ++id_, 51 + points[i].y / 111250,
+                        0.5 + points[i].x / 70200));
+      }
+      nodes += fmt::format("<nd ref='{}'/>", closes ? first : id_);
+    }
+    add(fmt::format("<way id='{}'>{}{}</way>", ++id_, nodes, tags));
+    return id_;
+  }
+  void add(const std::string& element) { text_ += element; }
+  std::string yaml() const {
+    return fmt::format(
+        "{{map: {}, length: 200, slope: 0, greenery: 0, people: 0, vehicles: 0, traffic: 0, detail: 0.05}}",
+        folder_.write("street.osm", text_ + "</osm>").string());
+  }
+  Scene scene() const { return makeTown(yaml(), 1); }
+  town::Map map() const { return town::readMap(folder_.write("street.osm", text_ + "</osm>"), false, {}); }
+  // Returns the frame of the map in the frame of the town of seed 1.
+  town::MapPlace place() const {
+    const Value value = parseYaml(yaml(), "town.yaml");
+    Fields fields(value, "town");
+    return town::cutOut(map(), town::readParameters(fields), 1, 150, {});
+  }
+
+ private:
+  TemporaryFolder folder_;
+  std::string text_ = "<osm version='0.6'>";
+  int id_ = 0;
+};
+
+// No point of a barrier is farther from its pieces than half of their thickness, whatever its corners are.
+TEST(Town, BarriersOfTheMapHaveNoGaps) {
+  StreetOnAMap street;
+  const auto barrier = [&](const std::vector<town::Point2>& points, const std::string& kind) {
+    street.way(points, fmt::format("<tag k='barrier' v='{}'/>", kind));
+  };
+  double west = -95;
+  for (const char* kind : {"wall", "fence", "hedge"}) {
+    for (const double turn : {20.0, 60.0, 90.0, 130.0, 170.0}) {
+      const double a = turn * kPi / 180;
+      barrier({{west, 40}, {west, 47.3}, {west + 5.9 * std::sin(a), 47.3 + 5.9 * std::cos(a)}}, kind);
+      west += 7;
+    }
+  }
+  barrier({{-60, 60}, {-20, 60}, {-20, 70}, {-60, 70}, {-60, 60}}, "wall");
+  barrier({{-55, 60}, {-55, 70}}, "wall");  // between two sides of the ring
+  barrier({{0, 60}, {31.3, 60}, {7, 68.8}, {0, 60}}, "hedge");
+  std::vector<town::Point2> arc;
+  for (int k = 0; k <= 60; ++k) arc.push_back({50 + 4 * std::cos(k * kPi / 60), 60 + 4 * std::sin(k * kPi / 60)});
+  barrier(arc, "wall");
+  const Scene scene = street.scene();
+  std::vector<std::pair<const Instance*, Box>> pieces;
+  for (const Instance& i : scene.instances) {
+    if (!i.name.starts_with("boundary")) continue;
+    Box box;
+    for (const Vec3f& p : scene.meshes[i.mesh].positions) box.add(Vec3d(p));
+    pieces.emplace_back(&i, box);
+  }
+  const std::vector<town::MapBarrier> barriers = street.place().barriers;
+  ASSERT_EQ(barriers.size(), 19u);
+  for (const town::MapBarrier& b : barriers) {
+    for (double along = 0; along < town::lengthOf(b.line); along += 0.05) {
+      const town::Point2 p = town::pointAt(b.line, along);
+      double outside = 1e9;  // m beyond half of the thickness of the nearest piece
+      for (const auto& [piece, box] : pieces) {
+        const Affine& world = piece->worldFromMesh;
+        const double length = std::hypot(world.linear.x.x, world.linear.x.y);
+        const double x = p.x - world.translation.x;
+        const double y = p.y - world.translation.y;
+        const double u = (x * world.linear.x.x + y * world.linear.x.y) / length;
+        const double v = x * world.linear.y.x + y * world.linear.y.y;
+        const double aside = std::max({0.0, box.low.y - v, v - box.high.y});
+        const double ahead = std::max({0.0, box.low.x * length - u, u - box.high.x * length});
+        outside = std::min(outside, std::hypot(ahead, aside) - (box.high.y - box.low.y) / 2);
+      }
+      ASSERT_LE(outside, 0) << "at " << p.x << " " << p.y;
+    }
+  }
+}
+
+// Two gardens share a fence: it is built once.
+TEST(Town, BarriersThatTheMapHasTwiceAreBuiltOnce) {
+  const auto pieces = [](bool twice) {
+    StreetOnAMap street;
+    street.way({{-20, 40}, {20, 40}}, "<tag k='barrier' v='wall'/>");
+    if (twice) street.way({{20, 40}, {-20, 40}}, "<tag k='barrier' v='wall'/>");
+    const Scene scene = street.scene();
+    return std::count_if(scene.instances.begin(), scene.instances.end(), [](const Instance& i) {
+      return i.name.starts_with("boundary") && std::abs(i.worldFromMesh.translation.y - 40) < 1;
+    });
+  };
+  EXPECT_EQ(pieces(true), pieces(false));
+}
+
+TEST(Town, PiecesOfBarriersThatRoadsCrossAreTold) {
+  StreetOnAMap street;
+  const auto told = [&] {
+    testing::internal::CaptureStderr();
+    (void)street.scene();
+    return testing::internal::GetCapturedStderr();
+  };
+  street.way({{20, 30}, {20, 40}}, "<tag k='barrier' v='wall'/>");
+  EXPECT_EQ(told(), "");
+  street.way({{40, -30}, {40, 40}}, "<tag k='barrier' v='wall'/>");
+  EXPECT_THAT(told(), HasSubstr("left out: pieces of walls, fences and hedges where the town has roads"));
+}
+
+// A relation with two outer rings is one building, and one thing: as houses and as blocks.
+TEST(Town, RingsOfOneBuildingAreOneThing) {
+  for (const double depth : {8.0, 30.0}) {
+    StreetOnAMap street;
+    std::string members;
+    for (const double x : {-30.0, 10.0}) {
+      const int ring = street.way({{x, 20}, {x + 20, 20}, {x + 20, 20 + depth}, {x, 20 + depth}, {x, 20}}, "");
+      members += fmt::format("<member type='way' ref='{}' role='outer'/>", ring);
+    }
+    street.way({{60, 20}, {80, 20}, {80, 50}, {60, 50}, {60, 20}}, "<tag k='building' v='yes'/>");
+    street.add("<relation id='7'>" + members +
+               "<tag k='type' v='multipolygon'/><tag k='building' v='school'/></relation>");
+    const Scene scene = street.scene();
+    std::map<std::uint32_t, int> placed;
+    for (const Instance& i : scene.instances) {
+      if (i.name.starts_with("block") || (i.name.starts_with("house") && !i.name.ends_with("plinth"))) {
+        ++placed[i.firstInstanceId];
+      }
+    }
+    std::vector<int> counts;
+    for (const auto& [id, count] : placed) counts.push_back(count);
+    std::sort(counts.begin(), counts.end());
+    EXPECT_THAT(counts, testing::ElementsAre(1, 2)) << depth;
+  }
+}
+
 TEST(Town, FollowsFromItsSeed) {
   EXPECT_EQ(hash(makeTown(kSmall, 5)), hash(makeTown(kSmall, 5)));
   EXPECT_NE(hash(makeTown(kSmall, 5)), hash(makeTown(kSmall, 6)));
