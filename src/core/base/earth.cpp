@@ -5,7 +5,6 @@
 namespace scanmill {
 namespace {
 
-constexpr double kSemiMajor = 6378137.0;  // m, semi-major axis of the ellipsoid of WGS 84
 constexpr double kFlattening = 1 / 298.257223563;
 constexpr double kEccentricity2 = kFlattening * (2 - kFlattening);
 
@@ -13,7 +12,7 @@ constexpr double kEccentricity2 = kFlattening * (2 - kFlattening);
 
 Vec3d earthCentred(double longitude, double latitude, double height) {
   const double s = std::sin(latitude);
-  const double n = kSemiMajor / std::sqrt(1 - kEccentricity2 * s * s);
+  const double n = kEarthRadius / std::sqrt(1 - kEccentricity2 * s * s);
   const double out = (n + height) * std::cos(latitude);
   return {out * std::cos(longitude), out * std::sin(longitude), (n * (1 - kEccentricity2) + height) * s};
 }
@@ -30,7 +29,7 @@ Affine eastNorthUp(const Vec3d& place) {
   double latitude = std::atan2(place.z, out * (1 - kEccentricity2));
   for (int i = 0; i < 8; ++i) {
     const double s = std::sin(latitude);
-    const double n = kSemiMajor / std::sqrt(1 - kEccentricity2 * s * s);
+    const double n = kEarthRadius / std::sqrt(1 - kEccentricity2 * s * s);
     latitude = std::atan2(place.z + kEccentricity2 * n * s, out);
   }
   const double sl = std::sin(longitude), cl = std::cos(longitude);

@@ -6,6 +6,8 @@
 
 namespace scanmill {
 
+constexpr double kEarthRadius = 6378137;  // m, semi-major axis of the ellipsoid of WGS 84
+
 // Returns the earth-centred coordinates (m) of a longitude and latitude (rad) and a height above the ellipsoid (m).
 Vec3d earthCentred(double longitude, double latitude, double height);
 

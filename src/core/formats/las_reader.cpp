@@ -6,6 +6,7 @@
 #include <cstring>
 #include <tuple>
 
+#include "base/earth.h"
 #include "base/error.h"
 #include "config/text.h"
 #include "formats/cloud_columns.h"
@@ -158,6 +159,7 @@ class LasReader {
     if (user == "LASF_Projection" && id == 2112) wkt_ = data;
     if (user == "LASF_Projection" && id == 34735) geoKeys_ = data;
     if (user == "LASF_Projection" && id == 34736) geoNumbers_ = data;
+    if (user == "LASF_Projection" && id == 34737) geoTexts_ = data;
     if (user == "LASF_Spec" && id == 4) described_ = data;
     if (user == "liblas" && id == 2112) wkt_ = data;
     const bool isWaveform = user == "LASF_Spec" && id >= 100;
@@ -178,7 +180,7 @@ class LasReader {
 
   void applyUnit(std::uint64_t first, std::uint64_t points) {
     const bool byWkt = !wkt_.empty() && ((at<std::uint16_t>(kEncoding) & kWktBit) != 0 || geoKeys_.empty());
-    const SystemUnit unit = byWkt ? unitOfWkt(wkt_) : unitOfGeoKeys(geoKeys_, geoNumbers_);
+    const SystemUnit unit = byWkt ? unitOfWkt(wkt_) : unitOfGeoKeys(geoKeys_, geoNumbers_, geoTexts_);
     constexpr const char* kOtherwise = "or state the metres per unit by the key `unit`, which goes before the file";
     constexpr const char* kReproject =
         "reproject it, by `pdal translate a.las b.las reprojection --filters.reprojection.out_srs=EPSG:32632` with the "
@@ -217,7 +219,6 @@ class LasReader {
                     : unit.code != 0 ? fmt::format("EPSG:{}", unit.code)
                                      : "";
     if (points == 0) return;
-    constexpr double kEarthRadius = 6378137;  // m
     const Vec3d place = placeAt(first);
     constexpr double kUsual = 1.001;  // largest ratio that is not told
     const double stretch = std::cosh(place.y / kEarthRadius);
@@ -368,8 +369,8 @@ class LasReader {
   std::uint8_t format_ = 0;
   std::uint64_t record_ = 0;  // size of a point (bytes)
   std::array<double, 3> scale_{}, offset_{}, metres_{1, 1, 1};
-  std::string_view wkt_, geoKeys_, geoNumbers_;  // records of the coordinate system
-  std::string_view described_;                   // descriptions of the extra bytes that are not read yet
+  std::string_view wkt_, geoKeys_, geoNumbers_, geoTexts_;  // records of the coordinate system
+  std::string_view described_;                              // descriptions of the extra bytes that are not read yet
   Cloud cloud_;
 };
 
@@ -388,7 +389,8 @@ const FormatSupport& lasFormat() {
        {Read, "return_number number_of_returns gps_time red green blue", "columns"},
        {Read, "LASF_Spec/4", "extra bytes: see the columns of point clouds"},
        {Read, "LASF_Spec/0", "names of classes"},
-       {Read, "LASF_Projection/2112 LASF_Projection/34735 LASF_Projection/34736", "units of the coordinate system"},
+       {Read, "LASF_Projection/2112 LASF_Projection/34735 LASF_Projection/34736 LASF_Projection/34737",
+        "units of the coordinate system"},
        {Unused,
         "synthetic key_point overlap scan_direction_flag edge_of_flight_line scanner_channel scan_angle "
         "user_data point_source_id nir wave_packets",

@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "base/earth.h"
 #include "rasters/rasters_interface.h"
 
 namespace scanmill {
@@ -65,10 +66,9 @@ class Reference {
     if (!known_) return;
     header.geographic = OSRIsGeographic(handle_) != 0;
     if (header.geographic) {
-      constexpr double kRadiansPerDegree = 0.017453292519943295;
-      header.perUnit = OSRGetAngularUnits(handle_, nullptr) / kRadiansPerDegree;
+      header.perUnit = degrees(OSRGetAngularUnits(handle_, nullptr));
       if (std::fabs(header.perUnit - 1) < 1e-9) header.perUnit = 1;  // definitions round it
-      const double earth = OSRGetSemiMajor(handle_, nullptr) / 6378137;
+      const double earth = OSRGetSemiMajor(handle_, nullptr) / kEarthRadius;
       if (OSRIsDerivedGeographic(handle_) != 0) header.foreign = "degrees of a sphere with another pole";
       if (!(earth > 0.99 && earth < 1.01)) header.foreign = "degrees of another body than the earth";
     } else {
@@ -102,9 +102,9 @@ class Reference {
     std::array<double, 3> east{x, x + step / unit, x};
     std::array<double, 3> north{y, y, y + step / unit};
     OSRStripVertical(handle_);
-    const Reference degrees(OSRCloneGeogCS(handle_));
-    if (!transform(degrees, east, north)) return;
-    const double radian = OSRGetAngularUnits(degrees.handle_, nullptr);
+    const Reference geographic(OSRCloneGeogCS(handle_));
+    if (!transform(geographic, east, north)) return;
+    const double radian = OSRGetAngularUnits(geographic.handle_, nullptr);
     const double flat = OSRGetInvFlattening(handle_, nullptr);
     const double eccentricity2 = flat > 1 ? (2 - 1 / flat) / flat : 0;
     // Radii of curvature of the ellipsoid: along the meridian, and across it.
@@ -117,8 +117,7 @@ class Reference {
       const double stretch = step / std::hypot(dx, dy);
       if (std::fabs(std::log(stretch)) >= std::fabs(std::log(header.stretch))) header.stretch = stretch;
     }
-    constexpr double kDegrees = 57.29577951308232;
-    const int zone = static_cast<int>(std::floor((east[0] * radian * kDegrees + 180) / 6)) % 60 + 1;
+    const int zone = static_cast<int>(std::floor((degrees(east[0] * radian) + 180) / 6)) % 60 + 1;
     header.utm = (north[0] < 0 ? 32700 : 32600) + zone;
   }
 
@@ -199,6 +198,16 @@ class GdalReader final : public RasterReader {
     if (header.placed) system.measure(header);
     CPLErrorReset();
     return header;
+  }
+
+  bool hasGaps() const override {
+    for (int i = 1; driver_ == "VRT" && i <= GDALGetRasterCount(set_); ++i) {
+      GDALRasterBandH band = GDALGetRasterBand(set_, i);
+      const int covered = GDALGetDataCoverageStatus(band, 0, 0, GDALGetRasterXSize(set_), GDALGetRasterYSize(set_),
+                                                    GDAL_DATA_COVERAGE_STATUS_EMPTY, nullptr);
+      if ((covered & GDAL_DATA_COVERAGE_STATUS_EMPTY) != 0 && GDALGetMaskFlags(band) == GMF_ALL_VALID) return true;
+    }
+    return false;
   }
 
   void read(int band, const std::array<int, 4>& xywh, double* values) override {

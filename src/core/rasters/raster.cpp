@@ -183,6 +183,24 @@ void readFilesBeside(const std::filesystem::path& file, RasterHeader& header) {
   }
 }
 
+// Warns of mosaics in a mosaic that have gaps without a value: GDAL fills these gaps with 0.
+void tellGaps(const std::filesystem::path& file) {
+  std::vector<std::filesystem::path> mosaics{file};
+  for (std::size_t i = 0; i < mosaics.size(); ++i) {
+    const std::unique_ptr<RasterReader> mosaic = open(mosaics[i]);
+    if (i > 0 && mosaic->hasGaps()) {
+      warn(
+          fmt::format("{}: has gaps, in which {} is 0: mark them by building it again with 'gdalbuildvrt -vrtnodata "
+                      "-9999'",
+                      mosaics[i].string(), file.string()));
+    }
+    for (const std::filesystem::path other : mosaic->header().files) {
+      const bool known = std::find(mosaics.begin(), mosaics.end(), other) != mosaics.end();
+      if (!known && lowerExtension(other) == ".vrt") mosaics.push_back(other);
+    }
+  }
+}
+
 // Returns the metres per unit of length, by its name; nullopt if it is not known.
 std::optional<double> metresOf(std::string_view unit) {
   struct Unit {
@@ -376,15 +394,14 @@ const FormatSupport& rasterFormat() {
        {Read, "", "heights: the first band; values of 8 to 64 bits, with the scale and offset of the band"},
        {Read, "",
         "holes: the band's value for missing samples, NaN, masks (in the file or in .msk), alpha bands, gaps of "
-        "mosaics (.vrt)"},
+        "mosaics (.vrt), unless these are parts of another mosaic"},
        {Read, "", "geotransforms, rotated ones and those that run north too, for areas and for points; world files"},
        {Read, "",
         "coordinate systems with x and y in metres, feet or other units of length, or in degrees or grads; .prj "
         "(Esri's old ones too) and .aux.xml"},
        {Read, "",
-        "units of heights: the band's unit, else the vertical system's or the GeoTIFF key's, else metres; depths "
-        "become "
-        "heights"},
+        "units of heights: the band's unit, else the vertical system's, or that of GeoTIFF's key or citation, else "
+        "metres; depths become heights"},
        {Read, "", "images on heights: the bands called red, green and blue, else the first three or the first"},
        {Unused, "",
         "overviews, statistics, histograms, names and colours of classes, bands of images that are no "
@@ -408,6 +425,7 @@ Raster readRaster(const std::filesystem::path& file, const RasterRequest& reques
     grid = readTextGrid(file, header, leftOut);
   }
   readFilesBeside(file, header);
+  if (ending == ".vrt") tellGaps(file);
   if (ending == ".tif" || ending == ".tiff") takeUnitsOfKeys(file, header);
   if (!header.placed && request.placed) {
     fail(file,

@@ -44,6 +44,8 @@ class RasterReader {
  public:
   virtual ~RasterReader() = default;
   virtual RasterHeader header() const = 0;
+  // True if the raster is a mosaic with gaps between its rasters, which no value marks.
+  virtual bool hasGaps() const = 0;
   // Reads all samples in a window of a band. Bands are counted from 1; `xywh` is the window's first column and row,
   // width and height. A sample is NaN if the file says in any way that it has no value. Scale and offset of the band
   // are applied. Throws std::runtime_error with GDAL's message.

@@ -201,9 +201,10 @@ SystemUnit unitOfWkt(std::string_view text) {
   return unit;
 }
 
-SystemUnit unitOfGeoKeys(std::string_view directory, std::string_view numbers) {
+SystemUnit unitOfGeoKeys(std::string_view directory, std::string_view numbers, std::string_view texts) {
   constexpr std::uint16_t kModel = 1024, kGeographic = 2, kSystem = 3072, kUnit = 3076, kUnitSize = 3077,
-                          kVerticalSystem = 4096, kVerticalUnit = 4099, kUserDefined = 32767, kDoubles = 34736;
+                          kVerticalSystem = 4096, kVerticalCitation = 4097, kVerticalUnit = 4099, kUserDefined = 32767,
+                          kDoubles = 34736, kTexts = 34737;
   constexpr std::uint16_t kGeocentric = 3, kDegrees = 2048, kProjection = 3075, kMercator = 7;
   constexpr std::uint16_t kMetre = 9001, kFoot = 9002, kSurveyFoot = 9003;
   static const std::map<int, std::pair<double, const char*>> kUnits{
@@ -220,6 +221,7 @@ SystemUnit unitOfGeoKeys(std::string_view directory, std::string_view numbers) {
       {9287, kMetre}, {9288, kMetre},      {9672, kMetre}};
   std::map<int, std::uint16_t> keys;
   double userSize = 0;
+  std::string citation;              // of the vertical system, in lower case
   constexpr std::size_t kEntry = 8;  // bytes: key, where its value is, count, value or index
   for (std::size_t at = kEntry; at + kEntry <= directory.size(); at += kEntry) {
     std::uint16_t entry[4];
@@ -229,6 +231,8 @@ SystemUnit unitOfGeoKeys(std::string_view directory, std::string_view numbers) {
       keys[entry[0]] = entry[3];
     } else if (entry[0] == kUnitSize && entry[1] == kDoubles && number + sizeof(double) <= numbers.size()) {
       std::memcpy(&userSize, numbers.data() + number, sizeof(double));
+    } else if (entry[0] == kVerticalCitation && entry[1] == kTexts && entry[3] < texts.size()) {
+      citation = lowerCase(texts.substr(entry[3], entry[2]));
     }
   }
   SystemUnit unit;
@@ -257,6 +261,11 @@ SystemUnit unitOfGeoKeys(std::string_view directory, std::string_view numbers) {
   const auto heights = kHeights.find(keys[kVerticalSystem]);
   int vertical = keys[kVerticalUnit];
   if (vertical == 0 && (down || heights != kHeights.end())) vertical = down ? depths->second : heights->second;
+  const auto cites = [&](std::initializer_list<const char*> words) {
+    return std::any_of(words.begin(), words.end(), [&](const char* w) { return citation.find(w) != citation.npos; });
+  };
+  if (vertical == 0 && cites({"(ft", " ft", "feet", "foot"})) vertical = cites({"us", "survey"}) ? kSurveyFoot : kFoot;
+  if (vertical == 0 && cites({"(m)", "metre", "meter"})) vertical = kMetre;
   if (const auto found = kUnits.find(vertical); found != kUnits.end()) {
     unit.vertical = found->second.first * (down ? -1 : 1);
   } else if (vertical != 0) {
@@ -268,7 +277,7 @@ SystemUnit unitOfGeoKeys(std::string_view directory, std::string_view numbers) {
 SystemUnit unitOfTiff(const std::filesystem::path& file) {
   TiffTags tags(file);
   const std::string directory = tags.values<std::uint16_t>(34735);
-  SystemUnit unit = unitOfGeoKeys(directory, tags.values<double>(34736));
+  SystemUnit unit = unitOfGeoKeys(directory, tags.values<double>(34736), tags.values<char>(34737));
   // GDAL stores the unit that a user states in texts of its own.
   if (tags.values<char>(42112).find("unittype") != std::string::npos) unit.vertical.reset();
   return unit;

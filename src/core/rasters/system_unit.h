@@ -27,8 +27,9 @@ struct SystemUnit {
 // Returns the unit that a well-known text states; metres if it states none, or if it cannot be read.
 SystemUnit unitOfWkt(std::string_view text);
 
-// Returns the unit that the keys of GeoTIFF state: a directory of uint16, and float64 numbers to which it refers.
-SystemUnit unitOfGeoKeys(std::string_view directory, std::string_view numbers);
+// Returns the unit that the keys of GeoTIFF state: a directory of uint16, and float64 numbers and texts to which it
+// refers. The citation of the vertical system, such as "NAVD88 height (ftUS)", counts if nothing else states its unit.
+SystemUnit unitOfGeoKeys(std::string_view directory, std::string_view numbers, std::string_view texts);
 
 // Returns the unit that the keys of a GeoTIFF state; metres if the file has none or is no TIFF. `vertical` is left open
 // if the file states the unit of its values besides.

@@ -256,6 +256,13 @@ TEST_F(CloudFiles, FeetOfLasBecomeMetres) {
     EXPECT_LT(length(placeOf(readCloud(file), 1) - place), 1e-4) << wkt;
     EXPECT_LT(length(placeOf(readCloud(file, CloudUnit::Metre), 1) - Vec3d{500002.001, 499998, 3.123}), 1e-5) << wkt;
   }
+  std::string cited = keysOf({{1024, 1}, {3072, 25832}, {4097, 4}});
+  put(cited, 8 + 2 * 8 + 2, std::uint16_t{34737});  // its value is in the texts
+  put(cited, 8 + 2 * 8 + 4, std::uint16_t{21});     // its length
+  const Cloud cloud =
+      read("cited.las", withRecords(las(2, 1), {{"LASF_Projection", 34735, cited},
+                                                {"LASF_Projection", 34737, "UTM|NAVD88 height (ftUS)|"}}));
+  EXPECT_LT(length(placeOf(cloud, 1) - Vec3d{500002.001, 499998, 3.123 * kSurvey}), 1e-4);
   for (const auto& [wkt, keys, words] :
        {std::tuple{std::string("GEOGCS[\"WGS 84\",DATUM[\"W\"],UNIT[\"degree\",0.01745]]"),
                    std::vector<std::array<std::uint16_t, 2>>{}, "in degrees: reproject it"},

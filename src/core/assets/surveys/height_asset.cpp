@@ -73,9 +73,11 @@ class HeightAsset {
     const auto [x, y] = heights_.place(heights_.width / 2, heights_.height / 2);
     const double unit = options_.metresPerUnit;
     if (heights_.geographic) {
-      localFromEarth_ = eastNorthUp(onEarth(x, y, 0));
+      // If the number of samples is even, the middle lies between two of them.
+      const auto [x2, y2] = heights_.place((heights_.width - 1) / 2, (heights_.height - 1) / 2);
+      localFromEarth_ = eastNorthUp(onEarth((x + x2) / 2, (y + y2) / 2, 0));
       asset_.ownMiddle = true;
-      asset_.system = fmt::format("[{}, {}]", x, y);
+      asset_.system = fmt::format("[{}, {}]", (x + x2) / 2, (y + y2) / 2);
       return;
     }
     if (unit == 1) asset_.system = heights_.reference;

@@ -23,6 +23,7 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 double slope(double x, double y) {
   return 0.2 * (x - 500000) - 0.1 * (y - 5400000) + 300;
@@ -197,6 +198,24 @@ TEST_F(Heights, ThatNoPlaceHasAreRefused) {
   EXPECT_THAT(reading(folder_.path() / "pit.tif").warnings, HasSubstr("pit.tif: has samples of -9999"));
 }
 
+// GDAL fills the gaps of a mosaic in a mosaic with 0.
+TEST_F(Heights, GapsOfMosaicsInMosaicsAreTold) {
+  folder_.write("dem.tif", flat(30, 40).bytes());
+  const auto write = [&](const char* name, const std::string& bands) {
+    return folder_.write(name, readFile(mosaic(bands)));
+  };
+  std::string half = band("dem.tif");
+  const std::string size = "xOff=\"0\" yOff=\"0\" xSize=\"3\" ySize=\"4\"/>";
+  half.insert(half.find("</SimpleSource>"), "<SrcRect " + size + "<DstRect " + size);
+  EXPECT_EQ(reading(write("half.vrt", half)).warnings, "") << "the gaps of the outermost mosaic are holes";
+  write("outer.vrt", band("half.vrt"));
+  EXPECT_THAT(reading(write("third.vrt", band("outer.vrt"))).warnings,
+              AllOf(HasSubstr("half.vrt: has gaps, in which "), HasSubstr("third.vrt is 0"), HasSubstr("-vrtnodata")));
+  half.insert(half.find("<SimpleSource>"), "<NoDataValue>-9999</NoDataValue>");
+  write("half.vrt", half);
+  EXPECT_THAT(reading(write("marked.vrt", band("half.vrt"))).warnings, Not(HasSubstr("has gaps")));
+}
+
 TEST_F(Heights, MissingSamplesAreToldThoughScaledOrAveraged) {
   folder_.write("dem.tif", flat(30, -9999).bytes());
   const char* const states = "<UnitType>ft</UnitType><Scale>0.01</Scale>";
@@ -283,6 +302,12 @@ TEST_F(Heights, UnitsOfTheKeysOfAGeoTiffCount) {
   EXPECT_THAT(heights.warnings, HasSubstr("k.tif: its vertical coordinate system has the unit 'metre', but its key"));
   EXPECT_EQ(with(kUtm, {{4096, 5703}, {4099, 9001}}).warnings, "");
   EXPECT_EQ(with(kUtm, {{4096, 5715}}).box.high.z, -30) << "depths";
+  GeoTiff cited = flat(30, 40);
+  for (const auto& [citation, metres] :
+       {std::pair{"NAVD88 height (ftUS)|", kSurveyFoot}, {"MSL (feet)|", 0.3048}, {"EGM96 height|", 1.0}}) {
+    cited.citation = citation;
+    EXPECT_NEAR(reading(folder_.write("c.tif", cited.bytes())).box.low.z, 30 * metres, 1e-4) << citation;
+  }
 }
 
 TEST_F(Heights, UnitsHaveManyNames) {
@@ -563,6 +588,9 @@ TEST_F(Heights, OfLongitudeAndLatitudeLieAsOnTheEarth) {
     const double d = std::hypot(p.x, p.y);
     EXPECT_NEAR(p.z, 100 - d * d / (2 * 6.378e6), 1) << d;
   }
+  const Box even = boundsOf(read({6, 4, std::vector<float>(24, 100.0f), 11, 0.002, 0.001, 4326}));
+  EXPECT_NEAR(even.low.x, -even.high.x, 1e-3) << "the origin is the middle";
+  EXPECT_NEAR(even.low.y, -even.high.y, 1e-3);
 }
 
 TEST_F(Heights, AreObjectsOfAScene) {
