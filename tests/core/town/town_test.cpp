@@ -126,7 +126,7 @@ TEST(Town, TreesAndShortWallsOfTheMapAreBuilt) {
 // A street on a map to which tests add ways and relations, and nothing that the seed places on its lawns.
 class StreetOnAMap {
  public:
-  StreetOnAMap() { way({{-150, 0}, {0, 0}, {150, 0}}, "<tag k='highway' v='residential'/>"); }
+  StreetOnAMap() { way({{-102, 0}, {0, 0}, {102, 0}}, "<tag k='highway' v='residential'/>"); }
   // Returns the id of the way. The last point of a closed way is the first.
   int way(const std::vector<town::Point2>& points, const std::string& tags) {
     std::string nodes;
@@ -150,7 +150,7 @@ class StreetOnAMap {
   }
   Scene scene() const { return makeTown(yaml(), 1); }
   town::Map map() const { return town::readMap(folder_.write("street.osm", text_ + "</osm>"), false, {}); }
-  // Returns the frame of the map in the frame of the town of seed 1.
+  // Returns the part of the map around the town of seed 1, in the town's frame.
   town::MapPlace place() const {
     const Value value = parseYaml(yaml(), "town.yaml");
     Fields fields(value, "town");
