@@ -292,9 +292,9 @@ void tellStretch(const std::filesystem::path& file, const RasterHeader& header) 
       file.string(), header.stretch, header.utm, file.string()));
 }
 
-// Returns {first column, first row, end column, end row} of the samples whose centres lie in the bounds; the end column
-// and row are excluded.
-std::array<int, 4> windowOf(const Raster& whole, const RasterBounds& within) {
+// Returns {first column, first row, end column, end row} of the samples whose centres lie in the bounds or, if
+// `touching` is true, of those that cover a part of the bounds; the end column and row are excluded.
+std::array<int, 4> windowOf(const Raster& whole, const RasterBounds& within, bool touching) {
   double left = std::numeric_limits<double>::infinity(), top = left, right = -left, bottom = -left;
   for (const double x : {within[0], within[2]}) {
     for (const double y : {within[1], within[3]}) {
@@ -305,11 +305,13 @@ std::array<int, 4> windowOf(const Raster& whole, const RasterBounds& within) {
       bottom = std::max(bottom, r);
     }
   }
-  const auto clamped = [](double edge, int count) {
-    return static_cast<int>(std::clamp(std::round(edge), 0.0, static_cast<double>(count)));
+  const auto first = [&](double edge, int count) {
+    return static_cast<int>(std::clamp(touching ? std::floor(edge) : std::round(edge), 0.0, double{1} * count));
   };
-  return {clamped(left, whole.width), clamped(top, whole.height), clamped(right, whole.width),
-          clamped(bottom, whole.height)};
+  const auto end = [&](double edge, int count) {
+    return static_cast<int>(std::clamp(touching ? std::ceil(edge) : std::round(edge), 0.0, double{1} * count));
+  };
+  return {first(left, whole.width), first(top, whole.height), end(right, whole.width), end(bottom, whole.height)};
 }
 
 // Fills the raster's values with the means of equal squares or rectangles of the window, times `factor`.
@@ -468,7 +470,7 @@ Raster readRaster(const std::filesystem::path& file, const RasterRequest& reques
   const double det = t[1] * t[5] - t[2] * t[4];
   if (!std::isfinite(det) || det == 0 || !std::isfinite(t[0] + t[3])) fail(file, "has a geotransform that is none");
   std::array<int, 4> window{0, 0, header.width, header.height};
-  if (request.within) window = windowOf(raster, *request.within);
+  if (request.within) window = windowOf(raster, *request.within, request.use != RasterUse::Heights);
   const int across = window[2] - window[0];
   const int down = window[3] - window[1];
   if (across <= 0 || down <= 0) {

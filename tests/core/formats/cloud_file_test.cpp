@@ -478,10 +478,10 @@ TEST_F(CloudFiles, ListsOfPlyAreSkipped) {
   }
   binary[12] = '\x7f';
   EXPECT_THAT(refused("b.ply", plyOf(weights, binary, "binary_little_endian")), HasSubstr("truncated or damaged"));
-  EXPECT_THAT(refused("b.ply", plyOf(weights, "1 2 3 3 8 9 40")), HasSubstr("b.ply:10: label must be a number"));
+  EXPECT_THAT(refused("b.ply", plyOf(weights, "1 2 3 3 8 9 40")), HasSubstr("b.ply:10: 'vertex' 1 of 1 lacks values"));
   EXPECT_THAT(refused("b.ply", plyOf(weights, "1 2 3 -1 40")), HasSubstr("b.ply:10"));
   // Blanks within numbers make too many values.
-  EXPECT_THAT(refused("b.ply", plyOf("", "1 234.5 2 3")), HasSubstr("b.ply:8: has more values"));
+  EXPECT_THAT(refused("b.ply", plyOf("", "1 234.5 2 3")), HasSubstr("b.ply:8: 'vertex' 1 of 1 has more values"));
   EXPECT_THAT(refused("b.ply", plyOf("", "1,5 2 3")), HasSubstr("b.ply:8: x must be a number"));
 }
 

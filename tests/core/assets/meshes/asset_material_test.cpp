@@ -310,17 +310,17 @@ TEST_F(AssetFiles, OpacitiesThatNoImageShowsAreCounted) {
   EXPECT_THAT(warnings("d 0.5\n"), HasSubstr("pane.obj: left out: 1 opacities of materials (they are solid)\n"));
 }
 
-// Such a map means the alpha of the image. Its brightness would cut holes into dark walls.
 TEST_F(AssetFiles, NamesOfImagesMayStandInQuotationMarks) {
   writeColours(folder_.path() / "my leaf.png");
   write("a.mtl", "newmtl paint\nmap_Kd \"my leaf.png\"\n");
   const auto textured = [&] { return read("a.obj", kObj).parts.at(0).fileMaterial.texture; };
   ASSERT_NE(textured(), nullptr);
   EXPECT_THAT(textured()->file, HasSubstr("/my leaf.png"));
-  writeColours(folder_.path() / "\"my leaf.png\"");
+  std::filesystem::copy_file(folder_.path() / "my leaf.png", folder_.path() / "\"my leaf.png\"");
   EXPECT_THAT(textured()->file, HasSubstr("\"my leaf.png\"")) << "the literal name goes first";
 }
 
+// Such a map means the alpha of the image. Its brightness would cut holes into dark walls.
 TEST_F(AssetFiles, OpacityMapsThatAreTheImageOfTheColourNeedAlpha) {
   writeColours(folder_.path() / "colours.png");
   write("a.mtl", std::string(kMtl) + "map_d colours.png\n");
