@@ -306,10 +306,11 @@ std::array<int, 4> windowOf(const Raster& whole, const RasterBounds& within, boo
     }
   }
   const auto first = [&](double edge, int count) {
-    return static_cast<int>(std::clamp(touching ? std::floor(edge) : std::round(edge), 0.0, double{1} * count));
+    return static_cast<int>(
+        std::clamp(touching ? std::floor(edge) : std::round(edge), 0.0, static_cast<double>(count)));
   };
   const auto end = [&](double edge, int count) {
-    return static_cast<int>(std::clamp(touching ? std::ceil(edge) : std::round(edge), 0.0, double{1} * count));
+    return static_cast<int>(std::clamp(touching ? std::ceil(edge) : std::round(edge), 0.0, static_cast<double>(count)));
   };
   return {first(left, whole.width), first(top, whole.height), end(right, whole.width), end(bottom, whole.height)};
 }
