@@ -197,7 +197,7 @@ SystemUnit unitOfWkt(std::string_view text) {
   do {
     known = addUnit(reader.read(), unit) || known;
   } while (reader.skip(","));  // Esri's text has the vertical system behind the other one
-  unit.unread = !known;
+  unit.unread = !known || (unit.name.empty() && !unit.degrees && !unit.geocentric);
   return unit;
 }
 

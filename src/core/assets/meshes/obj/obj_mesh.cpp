@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -28,6 +29,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using obj::Statements;
+
+constexpr const char* kJoined = "further objects with the name of an earlier one (they are one node)";
 
 class ObjReader {
  public:
@@ -91,7 +94,10 @@ class ObjReader {
     } else if (key == "f" || key == "fo") {
       readFace();
     } else if (key == "o" || key == "g") {
-      if (key == "o") object_ = statements_.rest();
+      if (key == "o") {
+        object_ = statements_.rest();
+        if (!objects_.insert(object_).second) leftOut_.add(kJoined);
+      }
       group_ = key == "g" ? statements_.rest() : std::string_view();
       part_ = nullptr;
     } else if (key == "usemtl") {
@@ -270,6 +276,7 @@ class ObjReader {
   std::vector<Vec3d> vertices_;  // in the file's units and axes
   std::vector<Vec2f> uvs_;
   std::string object_, group_, material_;                                // names that hold for the faces that follow
+  std::set<std::string> objects_;                                        // names of objects so far
   std::map<std::pair<std::string, std::string>, std::uint32_t> nodes_;   // index of the node of an object and a group
   std::map<std::pair<std::uint32_t, std::size_t>, std::size_t> partOf_;  // index of the part of a node and a material
   std::vector<Part> parts_;
@@ -311,6 +318,7 @@ const FormatSupport& objFormat() {
        {Unused, "Ka Ks Ke Ns Ni Tf illum sharpness Ps Pc Pcr aniso anisor", "lighting"},
        {Unused, "map_Ka map_Ks map_Ke map_Ns map_bump map_Bump bump norm disp refl map_refl", "images of lighting"},
        {Unused, "map_Pr map_Pm map_Ps map_aat map_Ni map_Tf", "images of lighting"},
+       {LeftOut, "", kJoined},
        {LeftOut, "l", "lines (l)"},
        {LeftOut, "p", "points (p)"},
        {LeftOut, "surf", "free-form surfaces (surf)"},

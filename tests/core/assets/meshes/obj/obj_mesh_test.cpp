@@ -65,6 +65,7 @@ TEST_F(ObjMesh, NamesHaveSpaces) {
 
 TEST_F(ObjMesh, AnObjectThatComesAgainIsTheSameNode) {
   const ImportedFile file = obj(square("o Wall\nf 1 2 3\no Roof\nf 1 2 3 4\no Wall\nf 1 3 4\n"));
+  EXPECT_EQ(file.leftOut.text(), "1 further objects with the name of an earlier one (they are one node)");
   ASSERT_EQ(file.parts.size(), 2u);
   EXPECT_EQ(file.parts[0].node, "Wall");
   EXPECT_EQ(file.parts[0].triangles.size(), 2u);
