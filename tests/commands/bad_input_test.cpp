@@ -371,7 +371,7 @@ TEST_F(BadInput, WhatNamesHoldIsWrittenOut) {
   folder_.write("evil.yaml", "\"" + evil + "\": 1\n");
   folder_.write("named.yaml", "ontology: " + evil + "\n");
   {
-    ShardFile shard(folder_.path() / "evil.tar");
+    ShardFile shard(folder_.path(), folder_.path() / "evil.tar");
     shard.add("a\x1b[2J.json", "{}");
     shard.add(forged + ".pcd", "no points");
     shard.close();

@@ -6,13 +6,17 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cstring>
+#include <random>
 #include <utility>
 #include <vector>
 
 #include "base/descriptor.h"
 #include "base/error.h"
+#include "base/own_folder.h"
+#include "base/process.h"
 
 namespace scanmill {
 
@@ -22,6 +26,15 @@ constexpr std::size_t kBlock = std::size_t{1} << 20;
 
 std::string reason() {
   return std::strerror(errno);
+}
+
+// Returns the ending of a temporary name. The random part tells processes of one number in several containers apart.
+std::string temporarySuffix() {
+  std::string host = hostName().substr(0, 32);
+  for (char& c : host) {
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
+  }
+  return fmt::format(".partial-{}-{:08x}-{}", ::getpid(), std::random_device{}(), host);
 }
 
 }  // namespace
@@ -51,27 +64,30 @@ std::string readFile(const std::filesystem::path& path) {
   return bytes;
 }
 
-AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)) {
+AtomicFile::AtomicFile(const std::filesystem::path& folder, std::filesystem::path path) : path_(std::move(path)) {
   // A rename would replace a device such as /dev/null. A rename onto a folder would fail only after all the work.
   struct stat status {};
   if (::stat(path_.c_str(), &status) == 0 && !S_ISREG(status.st_mode)) {
     throw Error(fmt::format("{}: cannot be written: it exists and is not a file", path_.string()));
   }
-  temporary_ = path_.string() + fmt::format(".partial-{}", ::getpid());
-  descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-  if (descriptor_ < 0) throw Error(fmt::format("{}: cannot be written: {}", path_.string(), reason()));
+  place_ = openFolderOf(folder, path_);
+  do {
+    temporary_ = path_.filename().string() + temporarySuffix();
+    constexpr int kHow = O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC;
+    constexpr mode_t kMode = 0644;
+    file_ = Descriptor(::openat(place_.number, temporary_.c_str(), kHow, kMode));
+  } while (!file_.open() && errno == EEXIST);
+  if (!file_.open()) throw Error(fmt::format("{}: cannot be written: {}", path_.string(), reason()));
 }
 
 AtomicFile::~AtomicFile() {
-  if (descriptor_ < 0) return;
-  ::close(descriptor_);
-  ::unlink(temporary_.c_str());
+  if (file_.open()) ::unlinkat(place_.number, temporary_.c_str(), 0);
 }
 
 void AtomicFile::write(std::string_view bytes) {
   flushed_ = false;
   while (!bytes.empty()) {
-    const ssize_t n = ::write(descriptor_, bytes.data(), bytes.size());
+    const ssize_t n = ::write(file_.number, bytes.data(), bytes.size());
     if (n < 0) {
       if (errno == EINTR) continue;
       throw Error(fmt::format("{}: cannot be written: {}", path_.string(), reason()));
@@ -82,7 +98,7 @@ void AtomicFile::write(std::string_view bytes) {
 }
 
 void AtomicFile::flush() {
-  if (!flushed_ && ::fsync(descriptor_) != 0) {
+  if (!flushed_ && ::fsync(file_.number) != 0) {
     throw Error(fmt::format("{}: cannot be written: {}", path_.string(), reason()));
   }
   flushed_ = true;
@@ -90,11 +106,10 @@ void AtomicFile::flush() {
 
 void AtomicFile::commit() {
   flush();
-  if (::rename(temporary_.c_str(), path_.c_str()) != 0) {
+  if (::renameat(place_.number, temporary_.c_str(), place_.number, path_.filename().c_str()) != 0) {
     throw Error(fmt::format("{}: cannot be written: {}", path_.string(), reason()));
   }
-  ::close(descriptor_);
-  descriptor_ = -1;
+  file_.close();
   syncFolder(path_.parent_path());
 }
 
@@ -109,17 +124,12 @@ void syncFolder(const std::filesystem::path& folder) {
   }
 }
 
-void moveFile(const std::filesystem::path& from, const std::filesystem::path& to) {
-  std::error_code failure;
-  std::filesystem::create_directories(to.parent_path(), failure);
-  if (!failure) std::filesystem::rename(from, to, failure);
-  if (failure) {
-    throw Error(fmt::format("{}: cannot be moved to {}: {}", from.string(), to.string(), failure.message()));
-  }
+void writeFile(const std::filesystem::path& path, std::string_view bytes) {
+  writeFile(path.parent_path(), path, bytes);
 }
 
-void writeFile(const std::filesystem::path& path, std::string_view bytes) {
-  AtomicFile file(path);
+void writeFile(const std::filesystem::path& folder, const std::filesystem::path& path, std::string_view bytes) {
+  AtomicFile file(folder, path);
   file.write(bytes);
   file.commit();
 }

@@ -19,18 +19,14 @@
 
 #include "base/descriptor.h"
 #include "base/error.h"
+#include "base/own_folder.h"
+#include "base/process.h"
 
 namespace scanmill {
 namespace {
 
 [[noreturn]] void fail(const std::filesystem::path& file, const char* what) {
   throw Error(fmt::format("{}: {}: {}", file.string(), what, std::strerror(errno)));
-}
-
-std::string hostName() {
-  std::array<char, 256> name{};
-  if (::gethostname(name.data(), name.size() - 1) != 0) return "this host";
-  return name.data();
 }
 
 // Returns the text of a lock file: "process 4711 on node3 since 2026-01-31 12:00:00 UTC".
@@ -63,25 +59,6 @@ bool isSame(const struct stat& a, const struct stat& b) {
   throw ForeignFile({file.string()}, fmt::format("is {}, which this program does not make: remove it", what));
 }
 
-// Opens the folder that `file` lies in, step by step from `folder`, without following links. If a step is a link, or
-// not a folder, sets `foreign` to its path.
-int openPlace(const std::filesystem::path& folder, const std::filesystem::path& file, std::filesystem::path& foreign) {
-  int place = ::open(folder.empty() ? "." : folder.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
-  std::filesystem::path at = folder;
-  for (const std::filesystem::path& step : file.parent_path().lexically_relative(folder)) {
-    if (place < 0) break;
-    if (step == ".") continue;
-    at /= step;
-    const int next = ::openat(place, step.c_str(), O_PATH | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-    const int reason = errno;
-    ::close(place);
-    place = next;
-    if (next < 0 && (reason == ELOOP || reason == ENOTDIR)) foreign = at;
-    errno = reason;
-  }
-  return place;
-}
-
 }  // namespace
 
 FolderLock::FolderLock(const std::filesystem::path& folder, const std::filesystem::path& file, LockKind kind) {
@@ -110,13 +87,11 @@ bool FolderLock::isStillThere() const {
 
 // Removes the lock file, unless its path now leads to another file or through a link.
 void FolderLock::remove() const {
-  std::filesystem::path foreign;
-  const Descriptor place(openPlace(folder_, file_, foreign));
-  struct stat own {};
-  struct stat named {};
-  if (place.number >= 0 && ::fstat(descriptor_, &own) == 0 &&
-      ::fstatat(place.number, file_.filename().c_str(), &named, AT_SYMLINK_NOFOLLOW) == 0 && isSame(own, named)) {
-    ::unlinkat(place.number, file_.filename().c_str(), 0);
+  if (!isStillThere()) return;
+  try {
+    removeFile(folder_, file_);
+  } catch (const Error&) {
+    // The folder has changed or vanished: the file stays.
   }
 }
 
@@ -132,12 +107,10 @@ bool FolderLock::take(const std::filesystem::path& folder, const std::filesystem
   };
   while (true) {
     constexpr int kMode = 0644;
-    std::filesystem::path foreign;
-    const Descriptor place(openPlace(folder, file, foreign));
-    if (!foreign.empty()) refuseForeign(foreign, "not a folder, or a link to one");
+    const Descriptor place = openFolderOf(folder, file);
     // O_NONBLOCK: if the file is a named pipe, the call does not wait for another process; the pipe is refused below.
     constexpr int kHow = O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC;
-    descriptor_ = place.number < 0 ? -1 : ::openat(place.number, file.filename().c_str(), kHow, kMode);
+    descriptor_ = ::openat(place.number, file.filename().c_str(), kHow, kMode);
     struct stat status {};
     if (descriptor_ < 0 || ::fstat(descriptor_, &status) != 0) {
       const int reason = errno;

@@ -6,17 +6,9 @@
 #include <memory>
 #include <string>
 
-#include "base/error.h"
+#include "base/own_folder.h"
 
 namespace scanmill {
-
-// Thrown if the path of a lock file leads to something that this program does not make: a link, a folder, a pipe or
-// device, or a file with a second hard link; or if a folder on this path is a link or a file. Nothing is changed there.
-// The message says what to remove.
-class ForeignFile : public InputError {
- public:
-  using InputError::InputError;
-};
 
 enum class LockKind {
   Alone,   // no other process holds the lock
@@ -31,8 +23,9 @@ enum class LockKind {
 class [[nodiscard]] FolderLock {
  public:
   // `folder` must exist and may be a link; error messages name this path. `file` lies in `folder` or in folders below
-  // it, none of which may be a link. Throws an InputError that names the holder if another process holds the lock,
-  // ForeignFile as described above, and Error if the file cannot be created or written.
+  // it, none of which may be a link (base/own_folder.h). Throws an InputError that names the holder if another process
+  // holds the lock, ForeignFile if the file is a link, a folder, a pipe or device, or a file with a second hard link,
+  // and Error if the file cannot be created or written.
   FolderLock(const std::filesystem::path& folder, const std::filesystem::path& file, LockKind kind = LockKind::Alone);
   ~FolderLock();
   FolderLock(const FolderLock&) = delete;

@@ -129,6 +129,12 @@ bool isProgram(const std::filesystem::path& path) {
 
 }  // namespace
 
+std::string hostName() {
+  std::array<char, 256> name{};
+  if (::gethostname(name.data(), name.size() - 1) != 0) return "this host";
+  return name.data();
+}
+
 std::filesystem::path findProgram(const std::string& name) {
   if (name.empty()) return {};
   if (name.find('/') != std::string::npos) return isProgram(name) ? std::filesystem::path(name) : "";

@@ -14,6 +14,9 @@
 
 namespace scanmill {
 
+// Returns the name of this host, or "this host" if it has none.
+std::string hostName();
+
 // Returns the executable file that a shell would start by this name, which is looked for in PATH if it has no slash.
 // Returns an empty path if there is no such file.
 std::filesystem::path findProgram(const std::string& name);

@@ -17,6 +17,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/hash.h"
+#include "base/own_folder.h"
 #include "dataset/folder_contents.h"
 #include "dataset/shard_name.h"
 
@@ -76,10 +77,11 @@ void checkUse(const fs::path& folder, FolderUse use) {
     throw InputError({folder.string()}, "is a file: choose another output folder");
   }
   if (!fs::exists(folder)) return;
-  const fs::file_status hidden = fs::symlink_status(folder / kHiddenName);
-  if (fs::exists(hidden) && !fs::is_directory(hidden)) {
-    throw InputError({(folder / kHiddenName).string()},
-                     "must be a folder of this program, but is a link or a file: remove it");
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const bool linked = entry.is_symlink() && (entry.is_directory() || entry.path().filename() == kHiddenName);
+    if (linked || (entry.path().filename() == kHiddenName && !entry.is_directory())) {
+      throw ForeignFile({entry.path().string()}, "is a link or a file, where this program has a folder: remove it");
+    }
   }
   const FolderContents contents = contentsOf(folder);
   if (use == FolderUse::Replace) return checkOwnership(folder, contents);
@@ -104,16 +106,10 @@ void checkUse(const fs::path& folder, FolderUse use) {
   throw InputError({folder.string()}, fmt::format("exists and is not empty: {}", remedy));
 }
 
-void removeFile(const fs::path& file) {
-  if (::unlink(file.c_str()) != 0 && errno != ENOENT) {
-    throw Error(fmt::format("{}: cannot be removed: {}", file.string(), std::strerror(errno)));
-  }
-}
-
 // Removes all files in the hidden folder except the lock; this program wrote all of them. The plan is removed first,
 // because without a plan the other files do not count as an unfinished dataset.
 void clearHidden(const fs::path& hidden) {
-  removeFile(hidden / kPlanName);
+  removeFile(hidden, hidden / kPlanName);
   std::vector<fs::path> paths;
   for (const fs::directory_entry& entry : fs::directory_iterator(hidden)) {
     if (entry.path().filename() != kLockName) paths.push_back(entry.path());
@@ -122,7 +118,7 @@ void clearHidden(const fs::path& hidden) {
 }
 
 void removeShard(const fs::path& folder, const std::string& name) {
-  removeFile(folder / name);
+  removeFile(folder, folder / name);
   std::error_code notEmpty;
   if ((folder / name).parent_path() != folder) fs::remove((folder / name).parent_path(), notEmpty);
 }
@@ -143,7 +139,7 @@ std::string describe(const fs::path& folder, std::uint64_t most, const Manifest&
   head.samples.clear();
   for (std::uint32_t shard = 0; shard < numbers.size(); ++shard) {
     const std::string text = samplesJson(manifest, shard, numbers[shard]);
-    writeFile(folder / samplesFileOf(manifest.shards[shard].file), text);
+    writeFile(folder, folder / samplesFileOf(manifest.shards[shard].file), text);
     head.shards[shard].samplesSha256 = sha256(text);
   }
   return toJson(head);
@@ -184,7 +180,8 @@ DatasetFolder::DatasetFolder(fs::path folder, FolderUse use, DatasetPlan plan)
     if (use == FolderUse::Share) {
       share();
     } else {
-      fs::create_directories(staging_);
+      fs::create_directories(folder_);
+      makeFolders(folder_, staging_);
       lock_ = std::make_unique<FolderLock>(folder_, staging_ / kLockName);
     }
     checkUse(folder_, use);  // check again: another process may have changed the folder before it was locked
@@ -216,7 +213,8 @@ void DatasetFolder::share() {
   const auto end = std::chrono::steady_clock::now() + kPatience;
   while (lock_ == nullptr) {
     try {
-      fs::create_directories(staging_);
+      fs::create_directories(folder_);
+      makeFolders(folder_, staging_);
       lock_ = std::make_unique<FolderLock>(folder_, staging_ / kLockName, LockKind::Shared);
     } catch (const ForeignFile&) {
       throw;
@@ -257,7 +255,7 @@ void DatasetFolder::begin(FolderUse use) {
     for (const std::string& name : ownShards(folder_)) removeShard(folder_, name);
   }
   if (!shared_) clearHidden(staging_);
-  writeFile(planFile, toJson(plan_));
+  writeFile(folder_, planFile, toJson(plan_));
 }
 
 bool DatasetFolder::makeAlone() {
@@ -293,9 +291,7 @@ fs::path DatasetFolder::placeOf(const std::string& name) const {
 
 std::unique_ptr<FolderLock> DatasetFolder::claim(const std::string& name) {
   const fs::path file = staging_ / (name + kClaimSuffix);
-  std::error_code failure;
-  fs::create_directories(file.parent_path(), failure);
-  if (failure) throw Error(fmt::format("{}: cannot be made: {}", file.parent_path().string(), failure.message()));
+  makeFolders(folder_, file.parent_path());
   std::string holder;
   // On a file system without locks several processes may write the same shard, which is harmless: they write the same
   // bytes.
@@ -304,7 +300,7 @@ std::unique_ptr<FolderLock> DatasetFolder::claim(const std::string& name) {
 
 void DatasetFolder::keep(const DatasetPart& part) {
   checkPlace();
-  writeFile(staging_ / (part.manifest.shards.at(0).file + kRecordSuffix), toJson(part));
+  writeFile(folder_, staging_ / (part.manifest.shards.at(0).file + kRecordSuffix), toJson(part));
 }
 
 std::optional<DatasetPart> DatasetFolder::kept(const std::string& name, Check check) const {
@@ -350,7 +346,7 @@ void DatasetFolder::publish(const Manifest& manifest, std::uint64_t mostSampleBy
     if (fs::exists(folder_ / kManifestName)) {
       // The manifest is moved first, and the move is flushed to the disk, so that a mixture of old and new files never
       // looks complete.
-      moveFile(folder_ / kManifestName, staging_ / kReplacedName);
+      moveFile(folder_, folder_ / kManifestName, staging_ / kReplacedName);
       syncFolder(folder_);
     }
     for (const std::string& name : listedIn(staging_ / kReplacedName)) {
@@ -359,17 +355,17 @@ void DatasetFolder::publish(const Manifest& manifest, std::uint64_t mostSampleBy
       checkPlace();
       if (!moved) removeShard(folder_, name);
     }
-    for (const std::string& name : contentsOf(folder_).leftovers) removeFile(folder_ / name);
+    for (const std::string& name : contentsOf(folder_).leftovers) removeFile(folder_, folder_ / name);
     std::vector<fs::path> changed{folder_};
     for (const ShardRecord& shard : manifest.shards) {
       checkPlace();
-      if (fs::exists(staging_ / shard.file)) moveFile(staging_ / shard.file, folder_ / shard.file);
+      if (fs::exists(staging_ / shard.file)) moveFile(folder_, staging_ / shard.file, folder_ / shard.file);
       const fs::path own = (folder_ / shard.file).parent_path();
       if (std::find(changed.begin(), changed.end(), own) == changed.end()) changed.push_back(own);
     }
     const std::string text = describe(folder_, mostSampleBytes, manifest);
     for (const fs::path& each : changed) syncFolder(each);
-    AtomicFile file(folder_ / kManifestName);
+    AtomicFile file(folder_, folder_ / kManifestName);
     file.write(text);
     file.flush();
     // Check the folder's identity once more, because after this only names are checked and a file is renamed.

@@ -38,7 +38,7 @@ struct ShardFile::State {
   std::exception_ptr failure;  // exception from writeBytes(), which must not pass through libarchive's C code
   bool discard = false;        // if true, nothing more is written
 
-  explicit State(const std::filesystem::path& where) : path(where), file(where) {}
+  State(const std::filesystem::path& folder, const std::filesystem::path& where) : path(where), file(folder, where) {}
   ~State() {
     archive_entry_free(entry);
     discard = true;  // set first, because freeing an unfinished archive flushes it
@@ -88,7 +88,8 @@ struct ShardFile::State {
   }
 };
 
-ShardFile::ShardFile(const std::filesystem::path& path) : state_(std::make_unique<State>(path)) {
+ShardFile::ShardFile(const std::filesystem::path& folder, const std::filesystem::path& path)
+    : state_(std::make_unique<State>(folder, path)) {
   State& s = *state_;
   s.check(archive_write_set_format_pax_restricted(s.tar));
   s.check(archive_write_set_bytes_per_block(s.tar, 0));      // no blocks: libarchive passes bytes on without a copy

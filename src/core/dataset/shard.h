@@ -16,7 +16,8 @@ namespace scanmill {
 // a file is never incomplete under that name. All calls throw an Error with the path if the disk fails.
 class ShardFile {
  public:
-  explicit ShardFile(const std::filesystem::path& path);
+  // Follows no links below `folder` (base/own_folder.h); `path` begins with `folder`.
+  ShardFile(const std::filesystem::path& folder, const std::filesystem::path& path);
   ~ShardFile();
   ShardFile(const ShardFile&) = delete;
   ShardFile& operator=(const ShardFile&) = delete;

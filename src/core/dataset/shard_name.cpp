@@ -51,7 +51,9 @@ bool isLeftover(std::string_view name) {
 std::optional<std::string_view> finalName(std::string_view name) {
   constexpr std::string_view kMark = ".partial-";
   const std::size_t mark = name.rfind(kMark);
-  if (mark == std::string_view::npos || !isDigits(name.substr(mark + kMark.size()))) return std::nullopt;
+  if (mark == std::string_view::npos) return std::nullopt;
+  const std::string_view process = name.substr(mark + kMark.size());
+  if (!isDigits(process.substr(0, process.find('-')))) return std::nullopt;
   return name.substr(0, mark);
 }
 

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/hash.h"
+#include "base/own_folder.h"
 #include "dataset/manifest.h"
 #include "dataset/shard_name.h"
 
@@ -48,10 +49,9 @@ SampleRecord recordOf(const Sample& sample) {
   return {sample.key, sample.split, 0, sample.scans, {}, {}, sample.objects, sample.draws};
 }
 
-std::filesystem::path madeFolderOf(const std::filesystem::path& file) {
-  std::error_code failure;
-  std::filesystem::create_directories(file.parent_path(), failure);
-  if (failure) throw Error(fmt::format("{}: cannot be created: {}", file.parent_path().string(), failure.message()));
+std::filesystem::path madeFolderOf(const std::filesystem::path& folder, const std::filesystem::path& file) {
+  std::filesystem::create_directories(folder);
+  makeFolders(folder, file.parent_path());
   return file;
 }
 
@@ -67,7 +67,7 @@ std::uint64_t bytesInShard(const Sample& sample) {
 }
 
 ShardWriter::ShardWriter(const std::filesystem::path& folder, const std::string& name, const std::string& split)
-    : part_{{name, split, {}, 0, 0}, {}}, file_(madeFolderOf(folder / name)) {}
+    : part_{{name, split, {}, 0, 0}, {}}, file_(folder, madeFolderOf(folder, folder / name)) {}
 
 void ShardWriter::add(const Sample& sample) {
   if (broken_) refuse(sample, "an earlier sample of this shard failed");

@@ -228,7 +228,10 @@ class Export {
                        "has an unfinished export of another dataset, with other options or by another version of this "
                        "program: name another folder with -o");
     }
-    if (!fs::is_empty(folder, failure) || failure) {
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+      const std::string name = entry.path().filename().string();
+      // A run that was killed at its start has left only these behind.
+      if (name == kLock || finalName(name) == kUnfinished) continue;
       throw InputError({folder.string()}, "is not empty: name another folder with -o");
     }
     return false;

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/own_folder.h"
 #include "config/fields.h"
 #include "formats/little_endian.h"
 
@@ -118,14 +119,15 @@ const ScanRecord& onlyScanOf(const ExportPlan& plan, const SampleRecord& sample)
 }
 
 void ExportFolder::write(const std::filesystem::path& name, std::string_view bytes) const {
-  writeFile(place(name), bytes);
+  writeFile(folder_, place(name), bytes);
 }
 
 std::filesystem::path ExportFolder::place(const std::filesystem::path& name) const {
   const std::filesystem::path path = folder_ / name;
   std::error_code failure;
-  std::filesystem::create_directories(path.parent_path(), failure);
-  if (failure) throw Error(fmt::format("{}: cannot be made: {}", path.parent_path().string(), failure.message()));
+  std::filesystem::create_directories(folder_, failure);
+  if (failure) throw Error(fmt::format("{}: cannot be made: {}", folder_.string(), failure.message()));
+  makeFolders(folder_, path.parent_path());
   return path;
 }
 

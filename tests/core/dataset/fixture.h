@@ -189,7 +189,7 @@ inline Members membersOf(const std::filesystem::path& shard) {
 }
 
 inline void writeMembers(const std::filesystem::path& shard, const Members& members) {
-  ShardFile file(shard);
+  ShardFile file(shard.parent_path(), shard);
   for (const auto& [name, bytes] : members) file.add(name, bytes);
   file.close();
 }

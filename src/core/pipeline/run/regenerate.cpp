@@ -9,6 +9,7 @@
 #include "base/file.h"
 #include "base/folder_lock.h"
 #include "base/hash.h"
+#include "base/own_folder.h"
 #include "base/parallel.h"
 #include "config/fields.h"
 #include "config/version.h"
@@ -40,7 +41,7 @@ class Scratch {
  public:
   explicit Scratch(const fs::path& dataset)
       : hidden_(dataset / kHiddenName),
-        made_(fs::create_directories(hidden_)),
+        made_(makeFolders(dataset, hidden_)),
         lock_(std::make_unique<FolderLock>(dataset, hidden_ / "lock")) {}
   ~Scratch() {
     std::error_code ignored;
@@ -117,7 +118,7 @@ void regenerateShards(const fs::path& folder, const Manifest& manifest, const Pl
   }
   for (const std::uint64_t shard : shards) {
     const fs::path place = folder / manifest.shards[shard].file;
-    moveFile(made(shard), place);
+    moveFile(folder, made(shard), place);
     syncFolder(place.parent_path());
   }
 }

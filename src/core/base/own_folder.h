@@ -1,0 +1,36 @@
+#pragma once
+
+// Creates, moves and removes files below a folder without following links, so that a folder that comes from somebody
+// else, such as an unpacked dataset, cannot make this program change files outside of it.
+//
+// In all functions `folder` must exist. It may itself be reached through links, because the user has named it. `file`,
+// `from`, `to` and `below` are paths that begin with `folder`. All functions throw ForeignFile if a folder on the way
+// down is a link or not a folder, and Error with the path and the reason for other failures.
+
+#include <filesystem>
+
+#include "base/descriptor.h"
+#include "base/error.h"
+
+namespace scanmill {
+
+// Thrown if a path leads to something that this program does not make, such as a link. Nothing is changed there. The
+// message says what to remove.
+class ForeignFile : public InputError {
+ public:
+  using InputError::InputError;
+};
+
+// Opens the folder that contains `file`, for openat() and the like (O_PATH).
+Descriptor openFolderOf(const std::filesystem::path& folder, const std::filesystem::path& file);
+
+// Creates the folder `below` and the folders between. Returns true if `below` is new.
+bool makeFolders(const std::filesystem::path& folder, const std::filesystem::path& below);
+
+// Moves a file and replaces a file that is already there. Creates the folder of `to`.
+void moveFile(const std::filesystem::path& folder, const std::filesystem::path& from, const std::filesystem::path& to);
+
+// Removes a file, or a link itself. Does nothing if there is none.
+void removeFile(const std::filesystem::path& folder, const std::filesystem::path& file);
+
+}  // namespace scanmill
