@@ -72,6 +72,21 @@ const ScanRecord* recordOf(const SampleRecord* sample, const MemberName& name) {
   return found == sample->scans.end() ? nullptr : &*found;
 }
 
+// Returns the scan. Throws InputError if its rings and columns are those of far more beams than a sensor with so many
+// points has, because images of all beams are made from scans.
+Scan checked(Scan scan, const std::string& what) {
+  constexpr std::uint64_t kUsual = 1 << 22, kBeamsPerPoint = 256;
+  if (!knowsBeams(scan)) return scan;
+  const PointKey extent = extentOf(scan);
+  const std::uint64_t rings = std::max(scan.rings, extent.ring);
+  const std::uint64_t columns = std::max(scan.columns, extent.column);
+  if (rings * columns <= std::max<std::uint64_t>(kUsual, kBeamsPerPoint * scan.size())) return scan;
+  throw InputError({what},
+                   fmt::format("has {} points on beams of {} rings and {} columns, which no sensor has: correct "
+                               "its columns 'ring' and 'column', or leave them out",
+                               scan.size(), rings, columns));
+}
+
 }  // namespace
 
 ScanStore::ScanStore(fs::path path, Digests digests) : digests_(digests), path_(std::move(path)) {
@@ -99,8 +114,9 @@ void ScanStore::openSingle() {
             "is neither the folder of a dataset nor a file of the kinds .tar, {}{}", scanSuffixes(),
             suffix == ".yaml" ? "; for a picture of a scene: `scanmill view SCENE.yaml --screenshot FILE.png`" : ""));
   }
-  single_ = formatBySuffix(suffix.substr(1)) != nullptr ? decodeMember(path_.string(), readFile(path_))
-                                                        : scanOf(readCloud(path_), path_.string());
+  single_ = checked(formatBySuffix(suffix.substr(1)) != nullptr ? decodeMember(path_.string(), readFile(path_))
+                                                                : scanOf(readCloud(path_), path_.string()),
+                    path_.string());
   ontology_ = ontologyBeside(path_);
   keys_.push_back(path_.filename().string());
 }
@@ -336,7 +352,10 @@ std::vector<std::size_t> ScanStore::unreadableSamples() const {
 
 Scan ScanStore::decode(std::size_t sample, const StoredScan& scan) const {
   if (single_) return *single_;
-  if (recorded_) return readFolderScan(recorded_->scans.at(sample));
+  if (recorded_) {
+    const FolderScan& recorded = recorded_->scans.at(sample);
+    return checked(readFolderScan(recorded), recorded.points.string());
+  }
   const ShardIndex& index = shard(samples_.at(sample).shard);
   std::string failures;
   for (const std::string& name : scan.members) {
@@ -352,7 +371,7 @@ Scan ScanStore::decode(std::size_t sample, const StoredScan& scan) const {
     const std::string bytes = index.read(*member);
     requireUnchanged(samples_[sample], name, bytes);
     try {
-      return decodeMember(name, bytes);
+      return checked(decodeMember(name, bytes), name);
     } catch (const InputError& e) {
       fail(e.what());
     }
