@@ -39,9 +39,8 @@ std::array<double, 2> readRange(Fields& f, const char* key, Range range, std::ar
 }
 
 void refuseTooMany(double count, const Location& where) {
-  if (count > static_cast<double>(Placement::kMostCopies)) {
-    throw InputError(where,
-                     fmt::format("{:.4g} copies are too many: at most {} are possible", count, Placement::kMostCopies));
+  if (count > static_cast<double>(Placement::mostCopies())) {
+    throw InputError(where, fmt::format("{:.4g} copies are too many: {}", count, Placement::mostCopiesText()));
   }
 }
 
@@ -91,7 +90,8 @@ Arrangement::Arrangement(Fields& object, const Ontology& ontology) {
       if (f.has("count") == f.has("density")) {
         throw InputError(value->where, "scatter needs either `count` or `density` (copies per square metre)");
       }
-      if (f.has("count")) s.count = static_cast<std::uint64_t>(f.integer("count", 1, Placement::kMostCopies));
+      if (f.has("count"))
+        s.count = static_cast<std::uint64_t>(f.integer("count", 1, static_cast<std::int64_t>(Placement::mostCopies())));
       s.density = f.number("density", {1e-9, 1e4}, 0);
       if (f.has("spacing")) s.spacing = f.number("spacing", {1e-3, 1e5});
       s.slope = radians(f.number("slope_deg", {0, 90}, 90));
@@ -270,12 +270,12 @@ std::vector<Arrangement::Copy> Arrangement::places(const Placement& placement, c
   std::vector<Pose> outer{Pose{}};
   if (scatter_) outer = scattered(scene, *heights, seed, object);
   if (along_) outer = alongPath();
-  if (outer.size() * placement.count() > Placement::kMostCopies) {
+  if (outer.size() * placement.count() > Placement::mostCopies()) {
     throw InputError(scatter_ ? scatter_->where
                      : along_ ? along_->where
                               : Location{},
-                     fmt::format("{} places with {} copies each are too many: at most {} copies are possible",
-                                 outer.size(), placement.count(), Placement::kMostCopies));
+                     fmt::format("{} places with {} copies each are too many: {}", outer.size(), placement.count(),
+                                 Placement::mostCopiesText()));
   }
   std::vector<Copy> all;
   for (const Pose& place : outer) {

@@ -87,10 +87,9 @@ void ObjectPlacer::place(const Variants& variants, const std::string& name, cons
     for (const PlacedMesh& m : meshesOf(copy.variant)) count += std::max<std::size_t>(m.assetFromMesh.size(), 1);
   }
   placed_ += count;
-  if (placed_ > Placement::kMostCopies) {
-    throw InputError(
-        where, fmt::format("with these {} copies the scene has {} placed objects, but at most {} are possible", count,
-                           placed_, Placement::kMostCopies));
+  if (placed_ > Placement::mostCopies()) {
+    throw InputError(where, fmt::format("with these {} copies the scene has {} placed objects, but {}", count, placed_,
+                                        Placement::mostCopiesText()));
   }
   std::uint64_t number = 0;
   for (const auto& [worldFromAsset, variant, copyNumber] : places) {

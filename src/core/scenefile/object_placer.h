@@ -45,7 +45,7 @@ class ObjectPlacer {
   // Reads the keys of an object's map that place its copies. Throws InputError with the location in the file.
   Copies read(Fields& object) const;
 
-  // Places all copies, in order. Throws InputError, at `where` if the scene then has over kMostCopies placed meshes.
+  // Places all copies, in order. Throws InputError, at `where` if the scene then has over mostCopies() placed meshes.
   void place(const Variants& variants, const std::string& name, const Copies& copies, const Location& where);
   // Places the copies of an object that has a single set of meshes.
   void place(const std::vector<PlacedMesh>& meshes, const std::string& name, const Copies& copies,

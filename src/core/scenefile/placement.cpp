@@ -2,6 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "base/grouped.h"
+#include "base/memory.h"
+#include "base/short_text.h"
+
 namespace scanmill {
 namespace {
 
@@ -64,14 +70,24 @@ void readCopies(const Value& value, Placement& placement) {
   f.also({"scatter", "along"}).finish();  // arrangement.h describes these
   const auto& n = placement.gridCount;
   const double total = double(n[0]) * double(n[1]) * double(n[2]) * double(placement.at.size());
-  if (total > double(Placement::kMostCopies)) {
-    throw InputError(value.where,
-                     fmt::format("{} x {} x {} grid cells x {} places = {:.4g} copies, but at most {} are possible",
-                                 n[0], n[1], n[2], placement.at.size(), total, Placement::kMostCopies));
+  if (total > double(Placement::mostCopies())) {
+    throw InputError(value.where, fmt::format("{} x {} x {} grid cells x {} places = {:.4g} copies, but {}", n[0], n[1],
+                                              n[2], placement.at.size(), total, Placement::mostCopiesText()));
   }
 }
 
 }  // namespace
+
+std::uint64_t Placement::mostCopies() {
+  constexpr std::uint64_t kMost = 10'000'000;
+  constexpr std::uint64_t kCopyBytes = 1000;  // of an instance: its name, its poses, and its part of Embree's hierarchy
+  return std::min(kMost, memoryLimitBytes() / 2 / kCopyBytes);
+}
+
+std::string Placement::mostCopiesText() {
+  return fmt::format("at most {} are possible with {} of memory (--memory-limit, the machine or its container)",
+                     grouped(mostCopies()), shortBytes(static_cast<double>(memoryLimitBytes())));
+}
 
 std::uint64_t Placement::count() const {
   return static_cast<std::uint64_t>(gridCount[0] * gridCount[1] * gridCount[2]) * at.size();

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "base/vec.h"
@@ -37,7 +38,11 @@ struct Placement {
   std::array<std::int64_t, 3> gridCount{1, 1, 1};
   Vec3d gridSpacing;
 
-  static constexpr std::uint64_t kMostCopies = 10'000'000;
+  // Returns how many copies a scene may have: ten million, or fewer if they would take more than half of the memory
+  // that is allowed (base/memory.h).
+  static std::uint64_t mostCopies();
+  // Returns the end of a message that refuses more: "at most 10,000,000 are possible".
+  static std::string mostCopiesText();
 
   // Returns the number of copies; 1 if the object has no key `copies`.
   std::uint64_t count() const;
@@ -45,7 +50,7 @@ struct Placement {
   void forEach(const std::function<void(const Affine&)>& visit) const;
 };
 
-// Reads the keys above from an object's map. Throws InputError with the place; for more than kMostCopies the message
+// Reads the keys above from an object's map. Throws InputError with the place; for more than mostCopies() the message
 // gives the number of copies and the factors that it is the product of.
 Placement readPlacement(Fields& object);
 

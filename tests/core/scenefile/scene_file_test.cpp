@@ -9,6 +9,7 @@
 #include <map>
 #include <set>
 
+#include "base/memory.h"
 #include "scene/scene.h"
 #include "scenefile/placement.h"
 #include "tests/core/assets/meshes/gltf/gltf_builder.h"
@@ -337,13 +338,23 @@ TEST_F(SceneReader, badTransformsAreRefusedWithTheirPlace) {
 
 TEST_F(SceneReader, badCopiesAreRefusedWithTheArithmetic) {
   refuse(kBox + ", copies: {at: [{}, {}], grid: {count: [1000, 1000, 1000], spacing: [1, 1, 1]}}}\n",
-         {"scene.yaml:4:", "1000 x 1000 x 1000", "x 2", "2e+09", "10000000"});
+         {"scene.yaml:4:", "1000 x 1000 x 1000", "x 2", "2e+09", "at most"});
   refuse(kBox + ", copies: {grid: {count: [1000000000, 1000000000, 1000000000], spacing: [1, 1, 1]}}}\n",
          {"scene.yaml:4:", "1e+27"});
   refuse(kBox + ", copies: {grid: {count: [0, 1, 1], spacing: [1, 1, 1]}}}\n", {"scene.yaml:4:", "count"});
   refuse(kBox + ", copies: {grid: {count: [2, 1, 1]}}}\n", {"scene.yaml:4:", "spacing"});
   refuse(kBox + ", copies: {at: []}}\n", {"scene.yaml:4:", "at"});
   refuse(kBox + ", copies: {at: [{posiion: [0, 0, 0]}]}}\n", {"scene.yaml:4:", "posiion", "position"});
+}
+
+// 330 bytes of a scene must not take gigabytes where a hundred megabytes are allowed.
+TEST_F(SceneReader, CopiesMustFitIntoTheMemory) {
+  const MemoryLimit limit(100 << 20);
+  const std::string text = "at most 52,428 are possible with 100.0 MiB of memory (--memory-limit";
+  refuse(kBox + ", copies: {grid: {count: [1500, 1500, 1], spacing: [1, 1, 1]}}}\n", {"scene.yaml:4:", text});
+  refuse(kBox + ", copies: {grid: {count: [200, 200, 1], spacing: [1, 1, 1]}}}\n" + kBox +
+             ", copies: {grid: {count: [200, 200, 1], spacing: [1, 1, 1]}}}\n",
+         {"scene.yaml:5:", "80000 placed objects", text});
 }
 
 TEST_F(SceneReader, badNamesAreRefusedWithSuggestion) {
