@@ -1,12 +1,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <random>
 #include <set>
 
+#include "base/file.h"
 #include "dataset/sample_names.h"
 #include "dataset/shard_name.h"
 #include "tests/support/message_of.h"
+#include "tests/support/temporary_folder.h"
 
 namespace scanmill {
 namespace {
@@ -81,6 +84,19 @@ TEST(ShardRanges, WhatIsNoneIsRefused) {
   }
   EXPECT_THAT(messageOf<InputError>([&] { parseShardRanges("0-10", 10); }), HasSubstr("has the shards 0 to 9"));
   EXPECT_THAT(messageOf<InputError>([&] { parseShardRanges("1", 1); }), HasSubstr("has only the shard 0"));
+}
+
+// What a killed run leaves behind is known by its name, and nothing else is.
+TEST(ShardNames, TemporaryNamesOfWritersAreLeftovers) {
+  const TemporaryFolder folder;
+  const AtomicFile file(folder.path() / "manifest.json");
+  const std::string name = std::filesystem::directory_iterator(folder.path())->path().filename();
+  EXPECT_EQ(finalName(name), "manifest.json") << name;
+  EXPECT_TRUE(isLeftover(name)) << name;
+  EXPECT_TRUE(isLeftover("train/train-000000.tar.partial-17")) << "of earlier versions";
+  for (const char* other : {"notes.partial-final", "manifest.json.partial-", "manifest.json", "a.txt.partial-17"}) {
+    EXPECT_FALSE(isLeftover(other)) << other;
+  }
 }
 
 }  // namespace
