@@ -70,7 +70,7 @@ AtomicFile::AtomicFile(const std::filesystem::path& folder, std::filesystem::pat
   if (::stat(path_.c_str(), &status) == 0 && !S_ISREG(status.st_mode)) {
     throw Error(fmt::format("{}: cannot be written: it exists and is not a file", path_.string()));
   }
-  place_ = openFolderOf(folder, path_);
+  place_ = openFolderOf(folder, path_, "cannot be written");
   do {
     temporary_ = path_.filename().string() + temporarySuffix();
     constexpr int kHow = O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC;

@@ -107,7 +107,7 @@ bool FolderLock::take(const std::filesystem::path& folder, const std::filesystem
   };
   while (true) {
     constexpr int kMode = 0644;
-    const Descriptor place = openFolderOf(folder, file);
+    const Descriptor place = openFolderOf(folder, file, "cannot be made");
     // O_NONBLOCK: if the file is a named pipe, the call does not wait for another process; the pipe is refused below.
     constexpr int kHow = O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC;
     descriptor_ = ::openat(place.number, file.filename().c_str(), kHow, kMode);

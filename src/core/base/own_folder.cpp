@@ -19,26 +19,28 @@ namespace fs = std::filesystem;
   throw Error(fmt::format("{}: {}: {}", path.string(), what, std::strerror(errno)));
 }
 
-// Opens the folder `below`, step by step from `folder`. If `made` is given, creates the folders that are missing and
-// sets it to true if the last one is new.
-Descriptor openFolder(const fs::path& folder, const fs::path& below, bool* made = nullptr) {
+// Opens the folder `below`, step by step from `folder`. Where this fails, what the caller wants, such as "a.txt: cannot
+// be written", is the beginning of the message. If `made` is given, creates the folders that are missing and sets it to
+// true if the last one is new.
+Descriptor openFolder(const fs::path& folder, const fs::path& below, const fs::path& file, const char* what,
+                      bool* made = nullptr) {
   constexpr int kHow = O_PATH | O_DIRECTORY | O_CLOEXEC;
   constexpr mode_t kMode = 0777;
   Descriptor at(::open(folder.empty() ? "." : folder.c_str(), kHow));
-  if (!at.open()) fail(folder, "cannot be opened");
+  if (!at.open()) fail(file, what);
   fs::path path = folder;
   for (const fs::path& step : below.lexically_relative(folder)) {
     if (step == "." || step.empty()) continue;
     path /= step;
     if (made != nullptr) {
       *made = ::mkdirat(at.number, step.c_str(), kMode) == 0;
-      if (!*made && errno != EEXIST) fail(path, "cannot be created");
+      if (!*made && errno != EEXIST) fail(file, what);
     }
     Descriptor next(::openat(at.number, step.c_str(), kHow | O_NOFOLLOW));
     if (!next.open() && (errno == ELOOP || errno == ENOTDIR)) {
       throw ForeignFile({path.string()}, "is a link or a file, where this program has a folder: remove it");
     }
-    if (!next.open()) fail(path, "cannot be opened");
+    if (!next.open()) fail(file, what);
     at = std::move(next);
   }
   return at;
@@ -46,20 +48,20 @@ Descriptor openFolder(const fs::path& folder, const fs::path& below, bool* made 
 
 }  // namespace
 
-Descriptor openFolderOf(const fs::path& folder, const fs::path& file) {
-  return openFolder(folder, file.parent_path());
+Descriptor openFolderOf(const fs::path& folder, const fs::path& file, const char* what) {
+  return openFolder(folder, file.parent_path(), file, what);
 }
 
 bool makeFolders(const fs::path& folder, const fs::path& below) {
   bool made = false;
-  static_cast<void>(openFolder(folder, below, &made));
+  static_cast<void>(openFolder(folder, below, below, "cannot be created", &made));
   return made;
 }
 
 void moveFile(const fs::path& folder, const fs::path& from, const fs::path& to) {
-  const Descriptor old = openFolderOf(folder, from);
+  const Descriptor old = openFolderOf(folder, from, "cannot be moved");
   bool made = false;
-  const Descriptor place = openFolder(folder, to.parent_path(), &made);
+  const Descriptor place = openFolder(folder, to.parent_path(), from, "cannot be moved", &made);
   if (::renameat(old.number, from.filename().c_str(), place.number, to.filename().c_str()) == 0) return;
   throw Error(fmt::format("{}: cannot be moved to {}: {}", from.string(), to.string(), std::strerror(errno)));
 }
@@ -67,7 +69,7 @@ void moveFile(const fs::path& folder, const fs::path& from, const fs::path& to) 
 void removeFile(const fs::path& folder, const fs::path& file) {
   std::error_code unreadable;
   if (!fs::exists(fs::symlink_status(file, unreadable))) return;
-  const Descriptor place = openFolderOf(folder, file);
+  const Descriptor place = openFolderOf(folder, file, "cannot be removed");
   if (::unlinkat(place.number, file.filename().c_str(), 0) != 0 && errno != ENOENT) fail(file, "cannot be removed");
 }
 

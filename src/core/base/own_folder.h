@@ -21,8 +21,9 @@ class ForeignFile : public InputError {
   using InputError::InputError;
 };
 
-// Opens the folder that contains `file`, for openat() and the like (O_PATH).
-Descriptor openFolderOf(const std::filesystem::path& folder, const std::filesystem::path& file);
+// Opens the folder that contains `file`, for openat() and the like (O_PATH). `what` stands in the Error where this
+// fails: "a.txt: cannot be written: No such file or directory".
+Descriptor openFolderOf(const std::filesystem::path& folder, const std::filesystem::path& file, const char* what);
 
 // Creates the folder `below` and the folders between. Returns true if `below` is new.
 bool makeFolders(const std::filesystem::path& folder, const std::filesystem::path& below);
