@@ -756,6 +756,9 @@ class Folders(Faults):
                 again = scanmill("generate", pipeline, "-o", self.out, "--quiet", "--resume")
                 wrong = self.halves(self.out)
                 for who, done in (("it", running.done()), ("--resume", again)):
+                    # It renames through a folder that it has opened just before, to which this mount does not apply.
+                    if who == "it" and done.code == 0 and kind == "rename" and (self.out / MANIFEST).is_file():
+                        continue
                     told = "Read-only file system" in done.said and str(self.out) in done.said
                     if done.code not in (1, 2) or not told:
                         wrong.append(f"{who}: exit code {done.code}: {done.said.strip()}")

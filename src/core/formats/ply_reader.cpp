@@ -28,11 +28,7 @@ struct PlyColumn {
 class PlyReader {
  public:
   explicit PlyReader(const std::filesystem::path& file)
-      : file_(file),
-        where_{file.string()},
-        header_(readPlyHeader(file)),
-        bytes_(readFile(file)),
-        body_(file, header_, bytes_) {}
+      : where_{file.string()}, header_(readPlyHeader(file)), bytes_(readFile(file)), body_(file, header_, bytes_) {}
 
   Cloud read() {
     const auto vertex = std::find_if(header_.elements.begin(), header_.elements.end(),
@@ -126,7 +122,6 @@ class PlyReader {
     }
   }
 
-  const std::filesystem::path& file_;
   Location where_;
   PlyHeader header_;
   std::string bytes_;

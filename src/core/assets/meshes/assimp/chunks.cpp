@@ -111,7 +111,7 @@ std::string read3ds(const std::filesystem::path& file, LeftOut& leftOut) {
 }
 
 std::string readLwo(const std::filesystem::path& file, LeftOut& leftOut) {
-  const std::string bytes = readFile(file);
+  std::string bytes = readFile(file);
   const std::string form = bytes.substr(std::min<std::size_t>(8, bytes.size()), 4);
   if (form != "LWO2" && form != "LWOB") return bytes;
   std::string out = bytes.substr(0, 12);
