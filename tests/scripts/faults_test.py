@@ -756,7 +756,7 @@ class Folders(Faults):
                 again = scanmill("generate", pipeline, "-o", self.out, "--quiet", "--resume")
                 wrong = self.halves(self.out)
                 for who, done in (("it", running.done()), ("--resume", again)):
-                    # It renames through a folder that it has opened just before, to which this mount does not apply.
+                    # It renames through a folder that it opened before, to which this mount does not apply.
                     if who == "it" and done.code == 0 and kind == "rename" and (self.out / MANIFEST).is_file():
                         continue
                     told = "Read-only file system" in done.said and str(self.out) in done.said

@@ -106,19 +106,7 @@ void AtomicFile::flush() {
 
 void AtomicFile::commit() {
   flush();
-  // Renames through the folder's path, not through place_, so that a file system that has been mounted read-only since
-  // counts; but only in the folder that was opened.
-  const std::filesystem::path folder = path_.parent_path();
-  const Descriptor place(::open(folder.empty() ? "." : folder.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
-  struct stat now {};
-  struct stat then {};
-  if (!place.open() || ::fstat(place.number, &now) != 0 || ::fstat(place_.number, &then) != 0) {
-    throw Error(fmt::format("{}: cannot be written: {}", path_.string(), reason()));
-  }
-  if (now.st_dev != then.st_dev || now.st_ino != then.st_ino) {
-    throw Error(fmt::format("{}: cannot be written: its folder was replaced", path_.string()));
-  }
-  if (::renameat(place.number, temporary_.c_str(), place.number, path_.filename().c_str()) != 0) {
+  if (::renameat(place_.number, temporary_.c_str(), place_.number, path_.filename().c_str()) != 0) {
     throw Error(fmt::format("{}: cannot be written: {}", path_.string(), reason()));
   }
   file_.close();

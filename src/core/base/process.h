@@ -1,6 +1,6 @@
 #pragma once
 
-// Runs other programs as child processes.
+// Runs other programs as child processes; the name of this host.
 
 #include <filesystem>
 #include <map>

@@ -86,7 +86,7 @@ TEST(ShardRanges, WhatIsNoneIsRefused) {
   EXPECT_THAT(messageOf<InputError>([&] { parseShardRanges("1", 1); }), HasSubstr("has only the shard 0"));
 }
 
-// What a killed run leaves behind is known by its name, and nothing else is.
+// The program recognises files that a killed run leaves behind by their names, and no other files.
 TEST(ShardNames, TemporaryNamesOfWritersAreLeftovers) {
   const TemporaryFolder folder;
   const AtomicFile file(folder.path() / "manifest.json");

@@ -258,7 +258,7 @@ TEST(DraftScene, TilesHaveTheirGroundAndOneUnit) {
   EXPECT_EQ(triangles, (std::map<std::string, std::size_t>{{"terrain", 2}, {"tree", 1}}));
 }
 
-// What the columns of a cloud say goes before the names of its file and folder.
+// The columns of a cloud go before the names of its file and folder.
 TEST(DraftScene, LabelsAndColoursOfACloudGoBeforeItsName) {
   const TemporaryFolder folder;
   const auto cloud = [&](const std::string& file, const std::string& column, const std::array<int, 2>& values) {

@@ -508,7 +508,7 @@ TEST_F(Sdf, MistakesAreNamedWithTheirLine) {
   EXPECT_THAT(messageOf([&] { read("b.sdf", "<sdf>" + deep + "</sdf>"); }), HasSubstr("nested more than"));
 }
 
-// What stands in a wrong place means nothing; of what may be there once, the first counts.
+// An element in a wrong place means nothing. Of elements that may stand once, the first counts.
 TEST_F(Sdf, ElementsInWrongPlacesAreTold) {
   const auto told = [&](const std::string& inside) {
     folder_.write("misplaced.sdf", "<sdf version=\"1.9\"><world name=\"w\">" + inside + "</world></sdf>");

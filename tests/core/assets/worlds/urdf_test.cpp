@@ -114,7 +114,7 @@ TEST_F(Urdf, ContentsThatAreLeftOutAreToldOnceWithTheirNumber) {
   EXPECT_EQ(std::count(told.begin(), told.end(), '\n'), 1);
 }
 
-// What stands in a wrong place means nothing; of what may be there once, the first counts.
+// An element in a wrong place means nothing. Of elements that may stand once, the first counts.
 TEST_F(Urdf, ElementsInWrongPlacesAreTold) {
   const auto told = [&](const std::string& inside) {
     folder_.write("misplaced.urdf", "<robot>" + inside + "</robot>");
