@@ -14,9 +14,8 @@ const FormatSupport& ac3dFormat();
 //   texture, is the colour and is kept; the others are shading and skid marks;
 // - materials in one line each (MATERIAL) in place of blocks (MAT to ENDMAT);
 // - hidden objects and those below them without vertices and surfaces;
-// - the transform of an object (`rot`, `loc`) in a group around the object and its kids. assimp rotates surfaces after
-// it
-//   shifts them, and does not shift kids.
+// - the transform of an object (`rot`, `loc`) in a group around the object and its kids, because assimp shifts surfaces
+//   before it rotates them, and does not shift kids.
 std::string readAc3d(const std::filesystem::path& file, LeftOut& leftOut);
 
 }  // namespace scanmill
