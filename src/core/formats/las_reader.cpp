@@ -389,7 +389,9 @@ const FormatSupport& lasFormat() {
        {Read, "return_number number_of_returns gps_time red green blue", "columns"},
        {Read, "LASF_Spec/4", "extra bytes: see the columns of point clouds"},
        {Read, "LASF_Spec/0", "names of classes"},
-       {Read, "LASF_Projection/2112 LASF_Projection/34735 LASF_Projection/34736 LASF_Projection/34737",
+       {Read,
+        "LASF_Projection/2112 LASF_Projection/34735 LASF_Projection/34736 LASF_Projection/34737 "
+        "liblas/2112",
         "units of the coordinate system"},
        {Unused,
         "synthetic key_point overlap scan_direction_flag edge_of_flight_line scanner_channel scan_angle "
