@@ -38,7 +38,8 @@ namespace scanmill {
 namespace {
 
 void printDataset(const std::filesystem::path& folder) {
-  const Manifest m = readManifest(folder);
+  std::map<std::uint32_t, std::string> undescribed;
+  const Manifest m = readManifest(folder, undescribed);
   printText("dataset {}: {} samples, columns {}{}\n", oneLine(m.name), m.samples.size(),
             oneLine(fmt::format("{}", fmt::join(m.columns, ", "))), m.organised ? ", organised" : "");
   printText("made by scanmill {}, seed {} (of the noise; seeds of scenes are in the samples' names)\n\n",
@@ -92,6 +93,12 @@ void printDataset(const std::filesystem::path& folder) {
   if (m.chosen) printText("\nmethod chosen by `auto`: {}; {}\n", m.chosen->setting, m.chosen->why);
   printText("\nmodelled and left out:\n");
   for (const std::string& line : m.modelled) printText("  {}\n", oneLine(line));
+  for (const auto& [shard, problem] : undescribed) warn(problem);
+  if (undescribed.empty()) return;
+  warn(
+      fmt::format("the points and beams of {} of {} shards are not counted: `scanmill regenerate {}` makes the damaged "
+                  "files again",
+                  undescribed.size(), m.shards.size(), folder.string()));
 }
 
 struct Span {

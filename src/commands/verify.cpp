@@ -63,7 +63,7 @@ int runVerify(const std::vector<std::string>& arguments) {
   const int code =
       report(v.problems, fmt::format("{} shards, {} samples; {} scan files with {} points, each format counted",
                                      grouped(v.shards), grouped(v.samples), grouped(v.scans), grouped(v.points)));
-  if (v.damaged > 0) printText("next: scanmill regenerate {} makes the damaged shards again\n", folder);
+  if (v.damaged > 0) printText("next: scanmill regenerate {} makes the damaged files again\n", folder);
   return code;
 }
 

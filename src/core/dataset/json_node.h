@@ -131,5 +131,7 @@ Ontology ontologyOf(const JsonNode& node);
 std::uint16_t classOf(const JsonNode& node, const Ontology& ontology, const std::string& id = "id",
                       const std::string& name = "name");
 MethodRecord choiceOf(const JsonNode& choice);
+// `manifest`: with ontology, sensors and shards.
+SampleRecord sampleOf(const JsonNode& node, const Manifest& manifest);
 
 }  // namespace scanmill

@@ -145,5 +145,9 @@ Manifest parseManifest(const std::string& text, const std::string& file);
 // Reads manifest.json in a dataset's folder, and also the files beside the shards if they describe the samples. Throws
 // InputError.
 Manifest readManifest(const std::filesystem::path& folder);
+// Reads it as readManifest() does, but accepts files beside the shards that are missing or damaged: in `undescribed`
+// each has a message, which begins with the file's path, by the index of its shard. The samples of these shards have
+// empty keys.
+Manifest readManifest(const std::filesystem::path& folder, std::map<std::uint32_t, std::string>& undescribed);
 
 }  // namespace scanmill

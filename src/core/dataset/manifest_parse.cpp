@@ -146,6 +146,8 @@ ShardRecord shardOf(const JsonNode& node) {
   return shard;
 }
 
+}  // namespace
+
 SampleRecord sampleOf(const JsonNode& node, const Manifest& manifest) {
   node.keys({"key", "split", "shard", "members", "scans"}, {"xxh3", "objects", "draws"});
   SampleRecord sample;
@@ -191,6 +193,8 @@ SampleRecord sampleOf(const JsonNode& node, const Manifest& manifest) {
   }
   return sample;
 }
+
+namespace {
 
 void checkVersion(const JsonNode& root, const Json& json, const std::string& file) {
   const bool ours = json.is_object() && json.contains("schema_version") && json["schema_version"].is_number_integer() &&
@@ -253,16 +257,22 @@ Manifest manifestOf(const JsonNode& root) {
   return m;
 }
 
-// Reads the file that describes a shard's samples, and stores each sample in `samples` at the sample's number.
+// Returns the text of a file that describes samples. Throws InputError if its SHA-256 is not the stated one.
+std::string soundText(const std::filesystem::path& file, const std::string& stated) {
+  std::string text = readFile(file);
+  if (sha256(text) == stated) return text;
+  throw InputError(
+      {file.string()},
+      fmt::format("was changed since it was written: its SHA-256 differs from the manifest{}",
+                  text.ends_with("}\n") ? "" : fmt::format(", and it ends early, after {} bytes", text.size())));
+}
+
+// Parses the text that describes a shard's samples, and stores each sample in `samples` at the sample's number.
 // `samples` has the size of the complete dataset.
-void readSamples(const std::filesystem::path& folder, std::uint32_t number, const Manifest& head,
-                 std::vector<SampleRecord>& samples) {
+void parseSamples(const std::string& text, const std::filesystem::path& folder, std::uint32_t number,
+                  const Manifest& head, std::vector<SampleRecord>& samples) {
   const ShardRecord& shard = head.shards[number];
   const std::string file = (folder / samplesFileOf(shard.file)).string();
-  const std::string text = readFile(file);
-  if (sha256(text) != shard.samplesSha256) {
-    throw InputError({file}, "was changed since it was written: its SHA-256 differs from the manifest");
-  }
   const Json json = parseJson(text, file);
   const JsonNode root(json, "", file);
   root.keys({"shard", "numbers", "samples"});
@@ -293,6 +303,16 @@ Manifest parseManifest(const std::string& text, const std::string& file) {
 }
 
 Manifest readManifest(const std::filesystem::path& folder) {
+  std::map<std::uint32_t, std::string> undescribed;
+  Manifest manifest = readManifest(folder, undescribed);
+  if (undescribed.empty()) return manifest;
+  const std::size_t others = undescribed.size() - 1;
+  throw InputError(fmt::format(
+      "{}{}\nnext: `scanmill regenerate {}` makes it again from its shard", undescribed.begin()->second,
+      others == 0 ? "" : fmt::format(" (and so are {} more files that describe samples)", others), folder.string()));
+}
+
+Manifest readManifest(const std::filesystem::path& folder, std::map<std::uint32_t, std::string>& undescribed) {
   const std::filesystem::path file = folder / kManifestName;
   std::error_code ignored;
   if (std::filesystem::is_directory(folder, ignored) && !std::filesystem::exists(file, ignored)) {
@@ -306,10 +326,22 @@ Manifest readManifest(const std::filesystem::path& folder) {
   std::uint64_t count = 0;
   for (const ShardRecord& shard : manifest.shards) count += shard.samples;
   std::vector<SampleRecord> samples(count);
-  for (std::uint32_t shard = 0; shard < manifest.shards.size(); ++shard) readSamples(folder, shard, manifest, samples);
+  for (std::uint32_t shard = 0; shard < manifest.shards.size(); ++shard) {
+    const ShardRecord& record = manifest.shards[shard];
+    std::string text;
+    try {
+      text = soundText(folder / samplesFileOf(record.file), record.samplesSha256);
+    } catch (const InputError& error) {
+      undescribed[shard] = error.what();
+      continue;
+    }
+    parseSamples(text, folder, shard, manifest, samples);
+  }
   std::set<std::string_view> keys;
   for (const SampleRecord& sample : samples) {
-    if (!keys.insert(sample.key).second) throw InputError({file.string()}, "has two samples " + sample.key);
+    if (!sample.key.empty() && !keys.insert(sample.key).second) {
+      throw InputError({file.string()}, "has two samples " + sample.key);
+    }
   }
   manifest.samples = std::move(samples);
   return manifest;

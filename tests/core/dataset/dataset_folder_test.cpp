@@ -316,7 +316,8 @@ TEST(DatasetFolder, DescriptionsOfManySamplesLieBesideTheShards) {
   }
   writeFile(folder.path() / "manifest.json", text);
   fs::remove(beside);
-  EXPECT_THAT(messageOf<InputError>([&] { readManifest(folder.path()); }), HasSubstr("val-000000.json"));
+  EXPECT_THAT(messageOf<InputError>([&] { readManifest(folder.path()); }),
+              AllOf(HasSubstr("val-000000.json"), HasSubstr("scanmill regenerate")));
 
   // Replaced, they go with their shards.
   {

@@ -10,6 +10,7 @@
 #include "base/parallel.h"
 #include "dataset/scan_check.h"
 #include "tests/core/dataset/fixture.h"
+#include "tests/support/described_beside.h"
 
 namespace scanmill {
 namespace {
@@ -128,6 +129,33 @@ TEST_F(VerifyTest, FindsASingleFlippedBit) {
     writeFile(file, sound);
   }
   EXPECT_THAT(problems(), IsEmpty());
+}
+
+// Each is named, and the shards are checked nonetheless.
+TEST_F(VerifyTest, FindsAllDamagedDescriptions) {
+  ASSERT_GE(manifest_.shards.size(), 4u);
+  describeBesideShards(folder_.path());
+  EXPECT_THAT(problems(), IsEmpty());
+  const auto beside = [&](std::size_t shard) { return folder_.path() / samplesFileOf(manifest_.shards[shard].file); };
+  const auto named = [&](std::size_t shard, const char* what) {
+    return AllOf(HasSubstr(samplesFileOf(manifest_.shards[shard].file)), HasSubstr(what));
+  };
+  std::string text = readFile(beside(0));
+  text[text.size() / 2] ^= 1;
+  writeFile(beside(0), text);
+  fs::remove(beside(1));
+  text = readFile(beside(2));
+  writeFile(beside(2), text.substr(0, text.size() / 2));
+  writeFile(folder_.path() / "val/val-000009.json", text);
+  text = readFile(folder_.path() / manifest_.shards[1].file);
+  text[text.size() / 2] ^= 1;
+  writeFile(folder_.path() / manifest_.shards[1].file, text);
+  const Verification result = verifyDataset(folder_.path());
+  EXPECT_THAT(result.problems, ElementsAre(named(0, "was changed"), named(1, "cannot be read"), named(2, "ends early"),
+                                           AllOf(HasSubstr(manifest_.shards[1].file), HasSubstr("its SHA-256 is")),
+                                           "val/val-000009.json: is not in the manifest"));
+  EXPECT_EQ(result.damaged, 3u);
+  EXPECT_EQ(result.samples, 9u);
 }
 
 // Whatever is changed in the manifest, though all of it still agrees: a sensor's elevation, a seed, a space.
