@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <map>
+
 #include "base/parallel.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"
@@ -24,7 +27,7 @@ int runRegenerate(const std::vector<std::string>& arguments) {
   add("q,quiet", "print no progress");
   const Arguments parsed =
       parseArguments(options, arguments,
-                     "  scanmill regenerate out/town                    # makes the shards that verify finds damaged\n"
+                     "  scanmill regenerate out/town                    # makes the files that verify finds damaged\n"
                      "  scanmill regenerate out/town --sample town-s1-lane-000012 -o out/one\n");
   if (parsed.help) return 0;
   const std::string folder = parsed.positional("DIR");
@@ -34,23 +37,40 @@ int runRegenerate(const std::vector<std::string>& arguments) {
   if (sample.empty() != out.empty()) throw InputError("give --sample KEY and -o DIR together");
   if (!sample.empty() && !asked.empty()) throw InputError("give --sample or --shards, not both");
   expectDataset(folder, "regenerate");
-  const Manifest manifest = readManifest(folder);
+  std::map<std::uint32_t, std::string> undescribed;
+  Manifest manifest = sample.empty() ? readManifest(folder, undescribed) : readManifest(folder);
+  const auto plan = [&] { return planOfDataset(manifest, folder, parsed.text("pipeline")); };
   if (!sample.empty()) {
-    const Plan plan = planOfDataset(manifest, folder, parsed.text("pipeline"));
-    const std::vector<std::string> names = regenerateSample(manifest, plan, sample, out);
+    const std::vector<std::string> names = regenerateSample(manifest, plan(), sample, out);
     printText("{}: {}\n", out, fmt::join(names, ", "));
     return 0;
   }
   const std::vector<std::uint64_t> shards =
       asked.empty() ? damagedShards(folder, manifest) : parseShardRanges(asked, manifest.shards.size());
-  if (shards.empty()) {
+  std::vector<std::uint64_t> soundUndescribed, madeUndescribed;  // shards whose samples' descriptions are damaged
+  for (const auto& [shard, problem] : undescribed) {
+    if (std::binary_search(shards.begin(), shards.end(), shard)) {
+      madeUndescribed.push_back(shard);
+    } else if (asked.empty()) {
+      soundUndescribed.push_back(shard);
+    }
+  }
+  if (shards.empty() && soundUndescribed.empty()) {
     printText("all {} shards are undamaged: there is nothing to make\n", manifest.shards.size());
     return 0;
   }
-  const Plan plan = planOfDataset(manifest, folder, parsed.text("pipeline"));
-  regenerateShards(folder, manifest, plan, shards, quiet, &stopSignal());
+  const auto describeAgain = [&](const std::vector<std::uint64_t>& numbers) {
+    if (numbers.empty()) return;
+    describeShards(folder, manifest, numbers, plan);
+    printText("described the samples of {} of {} shards again, with the same bytes: {}\n", numbers.size(),
+              manifest.shards.size(), shardRanges(numbers));
+  };
+  describeAgain(soundUndescribed);
+  if (shards.empty()) return 0;
+  regenerateShards(folder, manifest, plan(), shards, quiet, &stopSignal());
   printText("made {} of {} shards again, with the same bytes: {}\n", shards.size(), manifest.shards.size(),
             shardRanges(shards));
+  describeAgain(madeUndescribed);
   return 0;
 }
 

@@ -1,10 +1,15 @@
 // Damaged parts of datasets, made again by the program.
 
+#include <fmt/core.h>
+
 #include <map>
 
 #include "base/file.h"
+#include "base/hash.h"
 #include "dataset/manifest.h"
+#include "dataset/shard_name.h"
 #include "tests/commands/program.h"
+#include "tests/support/described_beside.h"
 
 namespace scanmill {
 namespace {
@@ -33,6 +38,8 @@ class Regenerate : public SmallWorld {
   }
 
   std::string shard(std::size_t number) const { return at("out/" + readManifest(at("out")).shards[number].file); }
+  // Returns the file that describes the samples of a shard in train.
+  std::string beside(std::size_t number) const { return at("out/" + samplesFileOf(shardName("train", number))); }
 
   void damage(const std::string& file) const {
     std::string bytes = readFile(file);
@@ -71,6 +78,82 @@ TEST_F(Regenerate, ASampleAloneIsTheOneInItsShard) {
   const Outcome none = scanmill({"regenerate", at("out"), "--sample", sample.key + "0", "-o", at("none")});
   EXPECT_EQ(none.code, 2);
   EXPECT_THAT(none.error, HasSubstr("did you mean '" + sample.key));
+}
+
+// What the files beside the shards state is in the shards too, so that nothing is traced: not even the scene is needed.
+TEST_F(Regenerate, MendsDescriptionsBesideTheShards) {
+  describeBesideShards(at("out"));
+  whole_ = contents();
+  damage(beside(0));
+  std::filesystem::remove(beside(1));
+  std::filesystem::resize_file(beside(2), 100);
+  const auto names = AllOf(HasSubstr("train-000000.json: was changed"), HasSubstr("train-000001.json: cannot be read"),
+                           HasSubstr("train-000002.json: was changed"));
+  const Outcome bad = scanmill({"verify", "-q", at("out")});
+  EXPECT_EQ(bad.code, 1);
+  EXPECT_THAT(bad.error, names);
+  EXPECT_THAT(bad.out, AllOf(HasSubstr("4 samples"), HasSubstr("3 problems"), HasSubstr("next: scanmill regenerate ")));
+  const Outcome info = scanmill({"info", at("out")});
+  EXPECT_EQ(info.code, 0);
+  EXPECT_THAT(info.out, HasSubstr("dataset small: 4 samples"));
+  EXPECT_THAT(info.error, AllOf(names, HasSubstr("3 of 4 shards are not counted: `scanmill regenerate")));
+  std::filesystem::rename(at("scene.yaml"), at("elsewhere.yaml"));
+  const Outcome mended = scanmill({"regenerate", "-q", at("out")});
+  EXPECT_EQ(mended.code, 0) << mended.error;
+  EXPECT_THAT(mended.out, HasSubstr("described the samples of 3 of 4 shards again, with the same bytes: 0-2"));
+  EXPECT_TRUE(contents() == whole_);
+  EXPECT_EQ(scanmill({"verify", "-q", at("out")}).code, 0);
+  std::filesystem::rename(at("elsewhere.yaml"), at("scene.yaml"));
+
+  damage(shard(0));
+  damage(beside(0));
+  std::filesystem::remove(beside(2));
+  const Outcome both = scanmill({"regenerate", "-q", at("out")});
+  EXPECT_EQ(both.code, 0) << both.error;
+  EXPECT_THAT(both.out, AllOf(HasSubstr("samples of 1 of 4 shards again, with the same bytes: 2"),
+                              HasSubstr("made 1 of 4 shards again, with the same bytes: 0"),
+                              HasSubstr("samples of 1 of 4 shards again, with the same bytes: 0")));
+  EXPECT_TRUE(contents() == whole_);
+  EXPECT_EQ(scanmill({"verify", "-q", at("out")}).code, 0);
+
+  std::string manifest = readFile(at("out/manifest.json"));
+  const std::string stated = sha256(readFile(beside(3)));
+  manifest.replace(manifest.find(stated), 4, stated.starts_with("0000") ? "1111" : "0000");
+  writeFile(at("out/manifest.json"), manifest);
+  const auto before = contents();
+  const Outcome refused = scanmill({"regenerate", "-q", at("out")});
+  EXPECT_EQ(refused.code, 1) << refused.out;
+  EXPECT_THAT(refused.error, AllOf(HasSubstr("train/train-000003.json"), HasSubstr("the bytes differ")));
+  EXPECT_TRUE(contents() == before);
+}
+
+// The numbers of the samples are not in the shards. If they do not follow from one another, the pipeline tells them.
+TEST_F(Regenerate, NumbersTheSamplesOfUnknownSequencesByThePipeline) {
+  std::string drives;
+  for (const char* name : {"a", "b", "c"}) {
+    drives += fmt::format("{}{{name: {}, waypoints: [[-10, 0, 0], [10, 0, 0]], speed: 10, every_s: 0.1, frames: 2}}",
+                          drives.empty() ? "" : ", ", name);
+  }
+  for (const bool scattered : {false, true}) {  // whether a shard has sequences between which there are others
+    const Outcome made =
+        scanmill({"generate", pipeline_, "-q", "-o", at("out"), "--overwrite", "--set", "trajectories=[" + drives + "]",
+                  "--set", "splits={by: trajectory, train: [a, c], val: [b]}", "--set",
+                  fmt::format("output.shard_samples={}", scattered ? 4 : 1)});
+    ASSERT_EQ(made.code, 0) << made.error;
+    describeBesideShards(at("out"));
+    whole_ = contents();
+    for (const auto& [name, bytes] : whole_) {
+      if (name.ends_with(".json") && name != "manifest.json") std::filesystem::remove(at("out/" + name));
+    }
+    std::filesystem::rename(at("scene.yaml"), at("elsewhere.yaml"));
+    const Outcome without = scanmill({"regenerate", "-q", at("out")});
+    EXPECT_EQ(without.code, scattered ? 2 : 0) << without.error;
+    EXPECT_THAT(without.error, HasSubstr(scattered ? "--pipeline FILE" : ""));
+    std::filesystem::rename(at("elsewhere.yaml"), at("scene.yaml"));
+    const Outcome mended = scanmill({"regenerate", "-q", at("out")});
+    EXPECT_EQ(mended.code, 0) << mended.error;
+    EXPECT_TRUE(contents() == whole_);
+  }
 }
 
 // Of what the scene names the manifest says nothing: the bytes tell.

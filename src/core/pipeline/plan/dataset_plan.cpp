@@ -39,9 +39,12 @@ void checkShards(const Plan& plan, const Manifest& manifest, const fs::path& dat
   }
   if (jobs.size() != manifest.shards.size()) differs(fmt::format("{} shards", jobs.size()));
   std::vector<std::vector<std::string>> keys(jobs.size());
-  for (const SampleRecord& sample : manifest.samples) keys[sample.shard].push_back(sample.key);
+  for (const SampleRecord& sample : manifest.samples) {
+    if (!sample.key.empty()) keys[sample.shard].push_back(sample.key);
+  }
   for (std::size_t job = 0; job < jobs.size(); ++job) {
     if (jobs[job].file != manifest.shards[job].file) differs("the shard " + jobs[job].file);
+    if (keys[job].empty()) continue;  // the file that describes the shard's samples is damaged
     if (jobs[job].samples.size() != keys[job].size()) differs("other samples in " + jobs[job].file);
     for (std::size_t i = 0; i < keys[job].size(); ++i) {
       const auto& [sequence, frame, number] = jobs[job].samples[i];

@@ -3,7 +3,10 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <charconv>
+#include <map>
 #include <string_view>
+#include <utility>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -14,7 +17,9 @@
 #include "config/fields.h"
 #include "config/version.h"
 #include "dataset/manifest.h"
+#include "dataset/sample_names.h"
 #include "dataset/shard_name.h"
+#include "dataset/shard_samples.h"
 #include "pipeline/plan/shard_jobs.h"
 #include "pipeline/run/generate.h"
 #include "pipeline/run/sample_maker.h"
@@ -80,6 +85,52 @@ SampleAddress addressOf(const Plan& plan, const std::string& key) {
   throw Error(fmt::format("the plan has no sample {}", key));
 }
 
+// Returns the sequence and the number of the frame in a sample's key.
+std::pair<std::string, std::uint64_t> frameOf(const std::string& key) {
+  const KeyParts parts = partsOfKey(key);
+  std::uint64_t frame = 0;
+  std::from_chars(parts.frame.data(), parts.frame.data() + parts.frame.size(), frame);
+  return {parts.sequence, frame};
+}
+
+// Returns the probable numbers of a shard's samples. The frames of a sequence have consecutive numbers; `starts` has
+// the numbers of the first frames, as far as they are known. Other samples get the lowest numbers that no known sample
+// has.
+std::vector<std::uint64_t> probableNumbers(const Manifest& manifest, const std::vector<SampleRecord>& samples,
+                                           const std::map<std::string, std::uint64_t>& starts) {
+  std::vector<std::uint64_t> numbers;
+  std::uint64_t next = 0;
+  for (const SampleRecord& sample : samples) {
+    const auto [sequence, frame] = frameOf(sample.key);
+    if (const auto start = starts.find(sequence); start != starts.end()) {
+      next = start->second + frame;
+    } else {
+      while (next < manifest.samples.size() && !manifest.samples[next].key.empty()) ++next;
+    }
+    numbers.push_back(next++);
+  }
+  return numbers;
+}
+
+// Adds a shard's samples to the manifest and writes the file that describes them. Returns false, and changes nothing,
+// if these numbers do not give the file whose hash the manifest states.
+bool describe(const fs::path& folder, Manifest& manifest, std::uint64_t shard, const std::vector<SampleRecord>& samples,
+              const std::vector<std::uint64_t>& numbers) {
+  const auto isFree = [&](std::uint64_t number) {
+    return number < manifest.samples.size() && manifest.samples[number].key.empty();
+  };
+  if (numbers.size() != samples.size() || !std::all_of(numbers.begin(), numbers.end(), isFree)) return false;
+  for (std::size_t i = 0; i < numbers.size(); ++i) manifest.samples[numbers[i]] = samples[i];
+  const ShardRecord& record = manifest.shards[shard];
+  const std::string text = samplesJson(manifest, static_cast<std::uint32_t>(shard), numbers);
+  if (sha256(text) == record.samplesSha256) {
+    writeFile(folder, folder / samplesFileOf(record.file), text);
+    return true;
+  }
+  for (const std::uint64_t number : numbers) manifest.samples[number] = {};
+  return false;
+}
+
 }  // namespace
 
 std::vector<std::uint64_t> damagedShards(const fs::path& folder, const Manifest& manifest) {
@@ -121,6 +172,43 @@ void regenerateShards(const fs::path& folder, const Manifest& manifest, const Pl
     moveFile(folder, made(shard), place);
     syncFolder(place.parent_path());
   }
+}
+
+void describeShards(const fs::path& folder, Manifest& manifest, const std::vector<std::uint64_t>& shards,
+                    const std::function<Plan()>& plan) {
+  const Scratch lock(folder);
+  std::map<std::string, std::uint64_t> starts;  // number of the first frame, by sequence
+  const auto learn = [&](const std::string& key, std::uint64_t number) {
+    const auto [sequence, frame] = frameOf(key);
+    starts.emplace(sequence, number - frame);
+  };
+  for (std::uint64_t i = 0; i < manifest.samples.size(); ++i) {
+    if (!manifest.samples[i].key.empty()) learn(manifest.samples[i].key, i);
+  }
+  const auto isDescribed = [&](std::uint64_t shard) {
+    const std::vector<SampleRecord> samples = samplesOfShard(folder, manifest, static_cast<std::uint32_t>(shard));
+    const std::vector<std::uint64_t> numbers = probableNumbers(manifest, samples, starts);
+    if (!describe(folder, manifest, shard, samples, numbers)) return false;
+    for (std::size_t i = 0; i < numbers.size(); ++i) learn(samples[i].key, numbers[i]);
+    return true;
+  };
+  std::vector<std::uint64_t> left = shards;
+  while (std::erase_if(left, isDescribed) > 0) continue;  // each round knows the numbers of more samples
+  if (left.empty()) return;
+  const std::vector<ShardJob> jobs = shardJobs(plan());
+  std::string different;
+  for (const std::uint64_t shard : left) {
+    std::vector<std::uint64_t> numbers;
+    for (const SampleAddress& sample : jobs[shard].samples) numbers.push_back(sample.number);
+    const auto samples = samplesOfShard(folder, manifest, static_cast<std::uint32_t>(shard));
+    if (describe(folder, manifest, shard, samples, numbers)) continue;
+    different += (different.empty() ? "" : ", ") + samplesFileOf(manifest.shards[shard].file);
+  }
+  if (different.empty()) return;
+  throw Error(
+      fmt::format("{}: made again from the shards, the bytes differ from the SHA-256 in the manifest, since the "
+                  "program (then {}, now {}) has changed or the manifest is damaged; they were not replaced",
+                  different, manifest.programVersion, kVersion));
 }
 
 std::vector<std::string> regenerateSample(const Manifest& manifest, const Plan& plan, const std::string& key,

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,13 @@ std::vector<std::uint64_t> damagedShards(const std::filesystem::path& folder, co
 // or a file that the pipeline names has changed; then nothing is replaced.
 void regenerateShards(const std::filesystem::path& folder, const Manifest& manifest, const Plan& plan,
                       const std::vector<std::uint64_t>& shards, bool quiet, const std::atomic<bool>* stop);
+
+// Makes the files again that describe the samples of shards, given by index, from these shards, which must be sound,
+// and adds the samples to the manifest. `manifest`: see readManifest() for damaged files. The samples' numbers usually
+// follow from the samples that the manifest describes; otherwise plan() is called, see planOfDataset(). Writes each
+// file whose bytes have the hash in the manifest, and throws Error if others remain.
+void describeShards(const std::filesystem::path& folder, Manifest& manifest, const std::vector<std::uint64_t>& shards,
+                    const std::function<Plan()>& plan);
 
 // Recreates the sample `key`, writes its members as files into the folder `into`, which is created, and returns the
 // file names. Throws InputError for a key that the manifest does not list, and Error if bytes differ from the XXH3
