@@ -12,8 +12,8 @@
 
 namespace scanmill {
 
-// Returns the text with escapes in place of control characters and bytes that are not UTF-8 (\x1b), and of Unicode's
-// controls of the writing direction (\u202e). Line feeds and tabs stay; a carriage return becomes \r.
+// Returns the text with escapes in place of control characters and bytes that are not UTF-8 (\x1b), and of the other
+// characters of isUnseenControl(), such as \u202e. Line feeds and tabs stay; a carriage return becomes \r.
 [[nodiscard]] std::string forTerminal(std::string_view text);
 // Does the same as forTerminal(), and also writes line feeds and tabs as \n and \t, so that the text stays on one line.
 [[nodiscard]] std::string oneLine(std::string_view text);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "base/utf8.h"
+
 namespace scanmill {
 
 namespace {
@@ -13,29 +15,10 @@ unsigned char byteAt(std::string_view text, std::size_t i) {
   return i < text.size() ? static_cast<unsigned char>(text[i]) : 0;
 }
 
-// Returns the length (bytes) of the well-formed UTF-8 sequence at `i` (Unicode 15, table 3-7); 0 if it is ill-formed.
+// Returns the length (bytes) of the well-formed UTF-8 sequence at `i`; 0 if it is ill-formed.
 std::size_t utf8Length(std::string_view text, std::size_t i) {
-  const unsigned char first = byteAt(text, i);
-  if (first < 0x80) return 1;
-  const auto continues = [&](std::size_t from, std::size_t count) {
-    for (std::size_t k = from; k < from + count; ++k) {
-      if ((byteAt(text, k) & 0xC0) != 0x80) return false;
-    }
-    return true;
-  };
-  const unsigned char second = byteAt(text, i + 1);
-  if (first >= 0xC2 && first <= 0xDF) return continues(i + 1, 1) ? 2 : 0;
-  if (first >= 0xE0 && first <= 0xEF) {
-    const bool overlong = first == 0xE0 && second < 0xA0;
-    const bool surrogate = first == 0xED && second > 0x9F;
-    return !overlong && !surrogate && continues(i + 1, 2) ? 3 : 0;
-  }
-  if (first >= 0xF0 && first <= 0xF4) {
-    const bool overlong = first == 0xF0 && second < 0x90;
-    const bool tooLarge = first == 0xF4 && second > 0x8F;
-    return !overlong && !tooLarge && continues(i + 1, 3) ? 4 : 0;
-  }
-  return 0;
+  const Utf8Character c = utf8At(text, i);
+  return c.code == kNoCharacter ? 0 : c.bytes;
 }
 
 // True if the line has only blanks, or blanks and a comment, from `i` on.

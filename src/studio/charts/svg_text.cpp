@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdint>
 #include <iterator>
 #include <utility>
+
+#include "base/utf8.h"
 
 namespace scanmill {
 
@@ -23,38 +24,21 @@ constexpr std::array<int, 95> kWidths{278,  278, 355, 556, 556, 889, 667, 191, 3
 constexpr double kOtherFonts = 1.12;
 constexpr double kBold = 1.07;
 
-struct Character {
-  std::size_t bytes = 1;
-  std::uint32_t code = 0;  // code point; 0: a character that XML does not allow
-};
-
-// Returns the UTF-8 character at the byte `at`. Overlong forms, surrogates and codes beyond Unicode do not count as
-// characters.
-Character characterAt(std::string_view text, std::size_t at) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const unsigned char first = byte(at);
-  if (first < 0x80) {
-    const bool held = first >= 0x20 ? first != 0x7F : first == '\t' || first == '\n' || first == '\r';
-    return {1, held ? first : 0u};
-  }
-  const std::size_t bytes = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
-  if (first < 0xC2 || first > 0xF4 || at + bytes > text.size()) return {};
-  std::uint32_t code = first & (0x7Fu >> bytes);
-  for (std::size_t i = 1; i < bytes; ++i) {
-    if ((byte(at + i) & 0xC0) != 0x80) return {};
-    code = code << 6 | (byte(at + i) & 0x3Fu);
-  }
-  const std::uint32_t least = bytes == 4 ? 0x10000 : bytes == 3 ? 0x800 : 0x80;
-  const bool none = code < least || code > 0x10FFFF || (code >= 0xD800 && code < 0xE000) || (code & 0xFFFE) == 0xFFFE;
-  return none ? Character{} : Character{bytes, code};
+// Returns the UTF-8 character at the byte `at`; the code 0 for a character that XML does not allow or nobody sees, and
+// for a byte that does not begin a character.
+Utf8Character characterAt(std::string_view text, std::size_t at) {
+  const Utf8Character c = utf8At(text, at);
+  const bool blank = c.code == '\t' || c.code == '\n' || c.code == '\r';
+  const bool none = c.code == kNoCharacter || (isUnseenControl(c.code) && !blank) || (c.code & 0xFFFE) == 0xFFFE;
+  return none ? Utf8Character{0, c.bytes} : c;
 }
 
-using Escape = std::pair<std::uint32_t, std::string_view>;
+using Escape = std::pair<char32_t, std::string_view>;
 // The texts of code points that XML cannot hold as they are; U+FFFD stands for characters that it does not allow.
 constexpr Escape kEscapes[]{{'&', "&amp;"},  {'<', "&lt;"},   {'>', "&gt;"},
                             {'"', "&quot;"}, {'\'', "&#39;"}, {0, "\xEF\xBF\xBD"}};
 
-double widthOf(std::uint32_t code) {
+double widthOf(char32_t code) {
   if (code >= 32 && code < 127) return kWidths[code - 32];
   return code >= 0x1100 ? 1000 : 600;
 }
@@ -65,7 +49,7 @@ std::string escapeXml(std::string_view text) {
   std::string out;
   out.reserve(text.size() + text.size() / 8);
   for (std::size_t i = 0; i < text.size();) {
-    const Character c = characterAt(text, i);
+    const Utf8Character c = characterAt(text, i);
     const auto escape = std::ranges::find(kEscapes, c.code, &Escape::first);
     out += escape != std::end(kEscapes) ? escape->second : text.substr(i, c.bytes);
     i += c.bytes;
@@ -76,7 +60,7 @@ std::string escapeXml(std::string_view text) {
 double svgTextWidth(std::string_view text, double fontSize, bool bold) {
   double sum = 0;
   for (std::size_t i = 0; i < text.size();) {
-    const Character c = characterAt(text, i);
+    const Utf8Character c = characterAt(text, i);
     sum += widthOf(c.code);
     i += c.bytes;
   }

@@ -9,7 +9,8 @@
 namespace scanmill {
 
 // Returns text that is safe between tags and in quoted attributes of XML and HTML. Characters that XML does not allow
-// (control characters, bytes that are not UTF-8) are replaced by U+FFFD.
+// (control characters, bytes that are not UTF-8) and controls that nobody sees (isUnseenControl()) are replaced by
+// U+FFFD.
 std::string escapeXml(std::string_view text);
 
 // Returns the approximate width of a text in pixels, from the character widths of Helvetica and a margin for wider

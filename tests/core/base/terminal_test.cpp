@@ -18,6 +18,8 @@ TEST(Terminal, ControlCharactersAreWrittenOut) {
   EXPECT_EQ(forTerminal("\u00e9 \u20ac \U0001f600"), "\u00e9 \u20ac \U0001f600");
   EXPECT_EQ(forTerminal("a\rb"), "a\\rb");
   EXPECT_EQ(forTerminal("gpj\xe2\x80\xae.exe"), "gpj\\u202e.exe");
+  EXPECT_EQ(forTerminal("a\u2028b\u2069\u061c\ufeff"), "a\\u2028b\\u2069\\u061c\\ufeff");
+  EXPECT_EQ(forTerminal("\xe0\x82\x9b\xed\xa0\x80"), "\\xe0\\x82\\x9b\\xed\\xa0\\x80") << "overlong, a surrogate";
 }
 
 TEST(Terminal, AllElseStays) {

@@ -30,6 +30,8 @@ TEST(SvgText, EscapesWhatXmlCannotHold) {
   const std::string none = "\xEF\xBF\xBD";
   EXPECT_EQ(escapeXml(std::string("\0", 1)), none);
   EXPECT_EQ(escapeXml("\x1B"), none);
+  EXPECT_EQ(escapeXml("gpj\u202E.exe\u009B\u2028"), "gpj" + none + ".exe" + none + none);
+  EXPECT_EQ(escapeXml("a\n\tb"), "a\n\tb");
   EXPECT_EQ(escapeXml("\xC0\xAF"), none + none) << "overlong";
   EXPECT_EQ(escapeXml("\xED\xA0\x80"), none + none + none) << "a surrogate";
   EXPECT_EQ(escapeXml("\xE2\x82"), none + none) << "cut off";
