@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cctype>
 
+#include "base/error.h"
+#include "base/utf8.h"
+
 namespace scanmill {
 
 namespace {
@@ -19,24 +22,39 @@ bool staysPlain(const std::string& text) {
          std::all_of(text.begin(), text.end(), inner);
 }
 
+bool hasUnseen(std::string_view text) {
+  for (std::size_t i = 0; i < text.size(); i += utf8At(text, i).bytes) {
+    if (isUnseenControl(utf8At(text, i).code)) return true;
+  }
+  return false;
+}
+
+// Returns the text in double quotes, with escapes for characters that nobody sees.
+std::string doubleQuoted(std::string_view text) {
+  std::string quoted = "\"";
+  for (std::size_t i = 0; i < text.size();) {
+    const auto [code, bytes] = utf8At(text, i);
+    if (isUnseenControl(code)) {
+      quoted += fmt::format("\\u{:04x}", static_cast<unsigned>(code));
+    } else {
+      if (code == '"' || code == '\\') quoted += '\\';
+      quoted += text.substr(i, bytes);
+    }
+    i += bytes;
+  }
+  return quoted + '"';
+}
+
 // Returns the text in quotes, on one line.
 std::string quotedText(const std::string& text) {
-  const bool escaped = text.find_first_of("\n\r\t") != std::string::npos;
-  std::string quoted;
-  for (const char c : text) {
-    if (!escaped) {
-      quoted += c == '\'' ? std::string("''") : std::string(1, c);
-    } else if (c == '\n' || c == '\r' || c == '\t') {
-      quoted += c == '\n' ? "\\n" : c == '\r' ? "\\r" : "\\t";
-    } else {
-      quoted += c == '"' || c == '\\' ? std::string("\\") + c : std::string(1, c);
-    }
-  }
-  return escaped ? "\"" + quoted + "\"" : "'" + quoted + "'";
+  if (hasUnseen(text)) return doubleQuoted(text);
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? std::string("''") : std::string(1, c);
+  return quoted + "'";
 }
 
 // Doubles dollars, since a single dollar begins a variable in values (not in keys).
-std::string doubledDollars(const std::string& text) {
+std::string doubledDollars(std::string_view text) {
   std::string doubled;
   for (const char c : text) doubled += c == '$' ? std::string("$$") : std::string(1, c);
   return doubled;
@@ -67,6 +85,11 @@ std::string flowText(const Value& value) {
       return "{" + text + "}";
   }
   return text;
+}
+
+std::string quotedValue(std::string_view text) {
+  if (!isUtf8(text)) throw InputError({std::string(text)}, "is not UTF-8, and YAML cannot state it: rename it");
+  return doubleQuoted(doubledDollars(text));
 }
 
 }  // namespace scanmill

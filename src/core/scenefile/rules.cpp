@@ -5,48 +5,24 @@
 #include <re2/re2.h>
 
 #include <algorithm>
-#include <bit>
 #include <charconv>
 #include <cstdlib>
 #include <map>
 
+#include "base/utf8.h"
 #include "config/fields.h"
 
 namespace scanmill {
 namespace {
 
-// Returns the text with Latin-1 characters in place of bytes that are not UTF-8.
-std::string inUtf8(std::string_view text) {
-  std::string made;
-  while (!text.empty()) {
-    const auto lead = static_cast<unsigned char>(text.front());
-    const auto length = static_cast<std::size_t>(std::max(1, std::countl_one(lead)));
-    const auto continues = [](char c) { return (c & 0xC0) == 0x80; };
-    const bool sequence = lead >= 0xC2 && lead < 0xF5 && length <= text.size() &&
-                          std::all_of(text.begin() + 1, text.begin() + static_cast<std::ptrdiff_t>(length), continues);
-    if (lead < 0x80 || sequence) {
-      made += text.substr(0, length);
-      text.remove_prefix(length);
-    } else {
-      made += static_cast<char>(0xC0 | lead >> 6);
-      made += static_cast<char>(0x80 | (lead & 0x3F));
-      text.remove_prefix(1);
-    }
-  }
-  return made;
-}
-
 std::u32string charactersOf(std::string_view text) {
-  std::u32string made;
-  for (const char c : inUtf8(text)) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (const int ones = std::countl_one(byte); ones == 1) {
-      made.back() = made.back() << 6 | (byte & 0x3FU);
-    } else {
-      made.push_back(byte & (0x7FU >> ones));
-    }
+  std::u32string characters;
+  for (std::size_t i = 0; i < text.size();) {
+    const Utf8Character c = utf8At(text, i);
+    characters += c.code == kNoCharacter ? static_cast<unsigned char>(text[i]) : c.code;
+    i += c.bytes;
   }
-  return made;
+  return characters;
 }
 
 bool isRegex(const std::string& pattern) {
@@ -135,15 +111,22 @@ bool matchesGlob(std::u32string_view pattern, std::u32string_view text) {
 
 constexpr std::size_t kMostAlternatives = 1000;
 
+// True if the character is alone in a set, such as "[{]", and stands for itself.
+bool standsForItself(const std::string& pattern, std::size_t i) {
+  return i > 0 && i + 1 < pattern.size() && pattern[i - 1] == '[' && pattern[i + 1] == ']';
+}
+
 // Appends the alternatives of a pattern: "a{b,c{d,e}}" gives "ab", "acd" and "ace". Braces around a text without commas
 // may be ordinary characters of a name, too: "{a}" gives "a" and "{a}". Braces that are never closed are ordinary
 // characters, and so are those before the index `from`.
 void expandBraces(const std::string& pattern, std::size_t from, std::vector<std::string>& out, const Location& where) {
   for (std::size_t open = pattern.find('{', from); open != std::string::npos; open = pattern.find('{', open + 1)) {
+    if (standsForItself(pattern, open)) continue;
     std::vector<std::size_t> commas{open};
     int depth = 1;
     std::size_t close = open + 1;
     for (; close < pattern.size(); ++close) {
+      if (standsForItself(pattern, close)) continue;
       if (pattern[close] == '{') ++depth;
       if (pattern[close] == '}' && --depth == 0) break;
       if (pattern[close] == ',' && depth == 1) commas.push_back(close);
@@ -314,6 +297,20 @@ std::vector<Rule> readRules(const Value& value) {
   rules.reserve(value.items.size());
   for (const Value& item : value.items) rules.push_back(readRule(item));
   return rules;
+}
+
+std::string inUtf8(std::string_view text) {
+  std::string made;
+  for (std::size_t i = 0; i < text.size();) {
+    const Utf8Character c = utf8At(text, i);
+    if (const auto byte = static_cast<unsigned char>(text[i]); c.code == kNoCharacter) {
+      made += {static_cast<char>(0xC0 | byte >> 6), static_cast<char>(0x80 | (byte & 0x3F))};
+    } else {
+      made += text.substr(i, c.bytes);
+    }
+    i += c.bytes;
+  }
+  return made;
 }
 
 bool matches(const std::string& pattern, std::string_view text, const Location& where) {

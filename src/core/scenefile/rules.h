@@ -71,6 +71,9 @@ struct TriangleTraits {
 };
 bool matchesTriangle(const Rule& rule, const TriangleTraits& traits);
 
+// Returns the text with Latin-1 characters in place of bytes that are not UTF-8. Patterns are compared with this text.
+std::string inUtf8(std::string_view text);
+
 // Returns true if a text matches a pattern (a glob or a /regular expression/). Throws InputError at `where` for an
 // invalid regular expression.
 bool matches(const std::string& pattern, std::string_view text, const Location& where);

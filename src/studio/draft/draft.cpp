@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "config/flow_text.h"
 #include "draft/model.h"
 #include "draft/object_yaml.h"
 
@@ -42,7 +43,7 @@ Draft draftScene(const std::vector<std::filesystem::path>& files, const std::vec
       "# A draft: units, axes, classes and materials are guesses by names and sizes. Look at the picture, and at\n"
       "# `scanmill info` of this file, which counts the triangles of each rule.\n"
       "name: {}\nontology: {}\nmaterials: materials\nobjects:\n",
-      quoted(name), quoted(ontologyName));
+      quotedValue(name), quotedValue(ontologyName));
   const std::vector<Concept> known = conceptsFor(concepts, ontology);
   const std::vector<Model> models = readModels(files, known, allowOutside);
   draft.onePlace = areOnePlace(models);

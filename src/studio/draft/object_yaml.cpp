@@ -11,6 +11,8 @@
 #include <utility>
 
 #include "base/grouped.h"
+#include "base/terminal.h"
+#include "config/flow_text.h"
 
 namespace scanmill::draft {
 namespace {
@@ -21,11 +23,13 @@ std::string classFor(const Concept& what, const Ontology& ontology) {
   return known == nullptr ? std::string() : known->name;
 }
 
-// Returns a glob pattern that matches only this name, with special characters escaped.
+// Returns a glob pattern that matches only this name, with special characters escaped. A slash at its start could begin
+// a regular expression. YAML has no NUL, which any one character stands for.
 std::string literal(const std::string& name) {
   std::string out;
-  for (const char c : name) {
-    out += std::string_view("*?[{").find(c) == std::string_view::npos ? std::string(1, c) : fmt::format("[{}]", c);
+  for (const char c : inUtf8(name)) {
+    const bool special = std::string_view("*?[{,}").find(c) != std::string_view::npos || (c == '/' && out.empty());
+    out += special ? fmt::format("[{}]", c) : std::string(1, c == '\0' ? '?' : c);
   }
   return out;
 }
@@ -98,12 +102,20 @@ Patterns patternsFor(const KnownPart& known, const std::vector<KnownPart>& parts
   return {};
 }
 
+// Returns the name of a class or material as a value of YAML, without quotes where it needs none.
+std::string nameValue(const std::string& name) {
+  Value value;
+  value.kind = Value::Kind::Scalar;
+  value.text = name;
+  return flowText(value);
+}
+
 // Returns the part of a rule that assigns class and material for a concept. `measured`: the file has measured
 // reflectances, so no material is assigned, which would replace them.
 std::string givesOf(const Concept& c, const Ontology& ontology, bool measured) {
   if (c.kind == ConceptKind::Drop) return "drop: true";
-  return fmt::format("class: {}{}", classFor(c, ontology),
-                     c.material.empty() || measured ? "" : ", material: " + c.material);
+  return fmt::format("class: {}{}", nameValue(classFor(c, ontology)),
+                     c.material.empty() || measured ? "" : ", material: " + nameValue(c.material));
 }
 
 class Writer {
@@ -159,7 +171,7 @@ class Writer {
     for (const auto& [patterns, rule] : several) {
       std::vector<std::string> keys;
       for (std::size_t k = 0; k < patterns.size(); ++k) {
-        if (!patterns[k].empty()) keys.push_back(fmt::format("{}: {}", kKeys[k], quoted(patterns[k])));
+        if (!patterns[k].empty()) keys.push_back(fmt::format("{}: {}", kKeys[k], quotedValue(patterns[k])));
       }
       writeRule(fmt::format("{}", fmt::join(keys, ", ")), *rule.first, rule.second, yaml);
     }
@@ -188,15 +200,11 @@ class Writer {
     const auto flush = [&] {
       if (names.empty()) return;
       const std::string pattern = names.size() == 1 ? names[0] : fmt::format("{{{}}}", fmt::join(names, ","));
-      writeRule(fmt::format("{}: {}", key, quoted(pattern)), c, triangles, yaml);
+      writeRule(fmt::format("{}: {}", key, quotedValue(pattern)), c, triangles, yaml);
       names.clear();
       triangles = 0;
     };
     for (const auto& [pattern, count] : patterns) {
-      if (pattern.find(',') != std::string::npos || pattern.find('}') != std::string::npos) {
-        writeRule(fmt::format("{}: {}", key, quoted(pattern)), c, count, yaml);
-        continue;
-      }
       names.push_back(pattern);
       triangles += count;
       if (names.size() == kMost) flush();
@@ -210,8 +218,8 @@ class Writer {
   }
 
   void writeRest(const Concept& c, std::string_view comment, std::string& yaml) const {
-    yaml += fmt::format("    class: {}{}\n", classFor(c, ontology_), comment);
-    if (!c.material.empty() && !model_.measured) yaml += fmt::format("    material: {}\n", c.material);
+    yaml += fmt::format("    class: {}{}\n", nameValue(classFor(c, ontology_)), comment);
+    if (!c.material.empty() && !model_.measured) yaml += fmt::format("    material: {}\n", nameValue(c.material));
   }
 
   // Lists the names of parts whose own names state no concept, with their triangles. If there are many, parts that
@@ -235,7 +243,7 @@ class Writer {
       std::vector<std::string> names;
       for (std::size_t k = 0; k < kKeys.size(); ++k) {
         if (!sorted[i].first[k].empty())
-          names.push_back(fmt::format("{} {}", kKeys[k], draft::quoted(sorted[i].first[k])));
+          names.push_back(fmt::format("{} {}", kKeys[k], quotedValue(inUtf8(sorted[i].first[k]))));
       }
       yaml +=
           fmt::format("    #   {}: {} triangles\n",
@@ -250,19 +258,6 @@ class Writer {
 };
 
 }  // namespace
-
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (static_cast<unsigned char>(c) < 32) {
-      out += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
-      continue;
-    }
-    if (c == '"' || c == '\\') out += '\\';
-    out += c;
-  }
-  return out + '"';
-}
 
 // Names that programs give to anything, though some ontologies have such a class.
 constexpr std::array<std::string_view, 2> kDefaultNames{"box", "object"};
@@ -305,14 +300,16 @@ std::string objectYaml(const Model& model, const std::vector<Concept>& concepts,
     name = std::filesystem::proximate(model.file, from, error);
     if (error) name = model.file;
   }
-  std::string yaml = fmt::format("  - name: {}\n    file: {}\n", quoted(model.name), quoted(name.string()));
+  const std::string path = quotedValue(name.string());
+  std::string yaml = fmt::format("  - name: {}\n    file: {}\n", quotedValue(model.name), path);
   if (model.allowOutside) yaml += "    allow_outside: true\n";
   const FrameGuess& frame = model.frame;
   if (frame.unit != 1 || !frame.whyUnit.empty()) {
-    yaml += fmt::format("    unit: {:g}   # {}{}\n", frame.unit, frame.doubtfulUnit ? "doubtful: " : "", frame.whyUnit);
+    yaml += fmt::format("    unit: {:g}   # {}{}\n", frame.unit, frame.doubtfulUnit ? "doubtful: " : "",
+                        oneLine(frame.whyUnit));
   }
   if (!frame.whyUp.empty()) {
-    yaml += fmt::format("    up: {}   # {}{}\n", frame.up, frame.doubtfulUp ? "doubtful: " : "", frame.whyUp);
+    yaml += fmt::format("    up: {}   # {}{}\n", frame.up, frame.doubtfulUp ? "doubtful: " : "", oneLine(frame.whyUp));
   }
   if (model.numbered) {
     yaml +=

@@ -16,9 +16,6 @@ namespace scanmill::draft {
 // ontology's classes are words, too.
 std::vector<Concept> conceptsFor(const std::vector<Concept>& concepts, const Ontology& ontology);
 
-// Returns a text in double quotes, escaped for YAML.
-std::string quoted(const std::string& text);
-
 // Returns the YAML of an object without its position. `folder`: future folder of the scene file, to which paths are
 // relative.
 std::string objectYaml(const Model& model, const std::vector<Concept>& concepts, const Ontology& ontology,

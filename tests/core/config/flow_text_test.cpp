@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "base/random.h"
+#include "base/utf8.h"
+#include "tests/support/message_of.h"
 
 namespace scanmill {
 namespace {
@@ -11,10 +13,10 @@ namespace {
 // A tree of maps and lists with texts that YAML or a shell might take for something else.
 Value randomTree(std::uint32_t& counter, int depth) {
   static const std::vector<std::string> kTexts{
-      "a, b",  "x: y", "# no", "$HOME", "${HOME}", "$$",    "'",   "\"",   "it's", "a\nb", " lead", "trail ",
-      "[1]",   "{",    "}",    "null",  "",        "~",     "-",   "- a",  "%a",   "@a",   "a\tb",  "Straße",
-      "a: b:", "a #b", "!x",   "&x",    "*x",      "? y",   "\\n", "a\\b", "|",    ">",    "`",     "\"\n\\",
-      "true",  "1e5",  "a,b",  "a=b",   "\r\n",    "--- x", "...", ":x",   "x:",   "a  b"};
+      "a, b",  "x: y", "# no", "$HOME", "${HOME}", "$$",    "'",   "\"",   "it's", "a\nb", " lead",  "trail ",
+      "[1]",   "{",    "}",    "null",  "",        "~",     "-",   "- a",  "%a",   "@a",   "a\tb",   "Straße",
+      "a: b:", "a #b", "!x",   "&x",    "*x",      "? y",   "\\n", "a\\b", "|",    ">",    "`",      "\"\n\\",
+      "true",  "1e5",  "a,b",  "a=b",   "\r\n",    "--- x", "...", ":x",   "x:",   "a  b", "\u009b", "\u202e'\""};
   static const std::vector<std::string> kPlain{"1", "-1.5", ".5", "+3", "1e-6", "auto", "2 cm", "/a/b-c", "99.5%", "x"};
   const RandomBlock random = randomBlock({.frame = 7, .beam = counter++});
   Value value;
@@ -69,6 +71,78 @@ TEST(FlowText, ReadsBackAsTheSameTree) {
     if (HasFailure()) break;
   }
   EXPECT_EQ(flowText(Value{}), "{}");
+}
+
+TEST(QuotedValue, ReadsBackAsTheSameText) {
+  for (const std::string text : {"",
+                                 "a",
+                                 " a ",
+                                 "a\nb",
+                                 "\r\n",
+                                 "\t",
+                                 "\"",
+                                 "'",
+                                 "\\",
+                                 "\\n",
+                                 "\x1b[2J",
+                                 "\x7f",
+                                 "\u0085",
+                                 "\u009b31m",
+                                 "\u202egpj",
+                                 "\u2066",
+                                 "\u2028\u2029",
+                                 "\ufeff",
+                                 "\u061c\u200e\u200f",
+                                 "-",
+                                 "- a",
+                                 ":",
+                                 "a: b",
+                                 "#",
+                                 "a #b",
+                                 "*a",
+                                 "&a",
+                                 "!a",
+                                 "%a",
+                                 "@a",
+                                 "`",
+                                 "|",
+                                 ">",
+                                 "?",
+                                 "[",
+                                 "{",
+                                 "~",
+                                 "null",
+                                 "yes",
+                                 "1",
+                                 "0x1F",
+                                 "1e5",
+                                 "${x}",
+                                 "$${x}",
+                                 "$$",
+                                 "$",
+                                 "a$",
+                                 "${",
+                                 "${HOME:-a}",
+                                 "<<",
+                                 "---",
+                                 "...",
+                                 "Stra\u00dfe",
+                                 "\U0001F697",
+                                 "\uffff"}) {
+    const std::string yaml = quotedValue(text);
+    SCOPED_TRACE(yaml);
+    for (std::size_t i = 0; i < yaml.size(); i += utf8At(yaml, i).bytes) {
+      EXPECT_FALSE(isUnseenControl(utf8At(yaml, i).code));
+    }
+    const Value read = parseYaml("a: " + yaml, "f").valueOf("a");
+    EXPECT_EQ(read.text, text);
+    EXPECT_TRUE(read.quoted);
+    EXPECT_EQ(parseYaml("[{a: " + yaml + ", b: c}]   # d\n", "f").items.at(0).valueOf("a").text, text);
+  }
+}
+
+TEST(QuotedValue, RefusesWhatYamlCannotState) {
+  expectInputError([] { quotedValue("T\xFCr.obj"); }, {"T\xFCr.obj", "is not UTF-8", "rename it"});
 }
 
 }  // namespace

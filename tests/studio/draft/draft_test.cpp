@@ -8,9 +8,11 @@
 #include <map>
 #include <set>
 
+#include "config/value.h"
 #include "scene/scene.h"
 #include "scenefile/scene_file.h"
 #include "tests/core/assets/meshes/gltf/gltf_builder.h"
+#include "tests/support/message_of.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
 
@@ -78,6 +80,52 @@ TEST(DraftScene, ReadsAsItWasGuessed) {
                          {"building", 2}, {"window", 1}, {"car", 1}, {"road", 2}, {"terrain", 1}, {"unlabeled", 1}}));
   for (const RuleUse& rule : scene.rules) EXPECT_GT(rule.decided, 0u) << rule.match;
   EXPECT_NE(draft.yaml.find("mystery"), std::string::npos) << "what no word tells is listed";
+}
+
+// Names that YAML, patterns or terminals might take for something else.
+const std::vector<std::string> kHostileNames{
+    "${x}",   "$$",      "$",   "a\nb", "\"",  "'",    "\\",     "\x1b[2J", "\u009b31m", "\u202egpj", "\u2028",
+    "\ufeff", "- a",     ": a", "#",    "*",   "&a",   "!a",     "~",       "null",      "yes",       "12",
+    "1e5",    " a ",     "?",   "[",    "[a]", "]",    "{a,b}",  "{a}",     "{",         "}",         ",",
+    "[{]",    "a, b: c", "%a",  "@a",   "|",   "1..2", "[!a-z]", "\u00fc"};
+
+TEST(DraftScene, NamesFilesOfStrangers) {
+  const TemporaryFolder folder;
+  std::vector<std::filesystem::path> files;
+  for (const std::string& name : kHostileNames) {
+    files.push_back(folder.write(name + ".obj", "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"));
+  }
+  const Draft draft = drafted(files, folder.path());
+  const Value yaml = parseYaml(draft.yaml, "draft.yaml");
+  const std::vector<Value>& objects = yaml.valueOf("objects").items;
+  ASSERT_EQ(objects.size(), files.size());
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    EXPECT_EQ(objects[i].valueOf("file").text, files[i].filename().string());
+    EXPECT_EQ(objects[i].valueOf("name").text, files[i].stem().string());
+  }
+  EXPECT_EQ(readScene(folder.write("draft.yaml", draft.yaml), {}).instances.size(), files.size());
+  const std::filesystem::path latin = folder.write("T\xFCr.obj", "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  expectInputError([&] { drafted({latin}, folder.path()); }, {"T\xFCr.obj", "is not UTF-8"});
+}
+
+TEST(DraftScene, NamesNodesOfStrangers) {
+  const TemporaryFolder folder;
+  std::vector<std::pair<std::string, std::string>> nodes{{"oak", ""}, {std::string("car\0", 4), ""}};
+  for (const std::string& name : kHostileNames) {
+    if (name == "12") continue;  // "car *" would then match most of the others
+    nodes.emplace_back("car " + name, "");
+    nodes.emplace_back(name + " car", "");
+  }
+  nodes.emplace_back("/car/", "");
+  const Draft draft = drafted({folder.write("place.gltf", gltfOf(nodes))}, folder.path());
+  const auto classes = classesOf(folder, draft);
+  EXPECT_EQ(classes.size(), nodes.size());
+  for (const auto& [names, name] : classes) EXPECT_EQ(name, names.first == "oak" ? "tree" : "car") << names.first;
+  const std::filesystem::path latin =
+      folder.write("latin.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\no car_T\xFCr\nf 1 2 3\no oak\nf 1 2 3\n");
+  for (const auto& [names, name] : classesOf(folder, drafted({latin}, folder.path()))) {
+    EXPECT_EQ(name, names.first == "oak" ? "tree" : "car") << names.first;
+  }
 }
 
 // `expected`: names of nodes, each with the class that the drafted scene gives it.
