@@ -8,11 +8,14 @@
 #include <cstring>
 #include <exception>
 #include <new>
+#include <stdexcept>
 #include <string>
 #include <system_error>
 #include <vector>
 
 #include "base/error.h"
+#include "base/memory.h"
+#include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/command.h"
 #include "commands/stop_signal.h"
@@ -56,6 +59,17 @@ int dispatch(const std::vector<std::string>& arguments) {
   throw InputError(fmt::format("no command '{}'{}", arguments[0], suggestion(arguments[0], names)));
 }
 
+int reportNoMemory(const std::string& command) {
+  printError(
+      "error: scanmill {}: the memory ran out, of which {} are allowed: give fewer --threads or a lower "
+      "--memory-limit; "
+      "take fewer rings, columns or formats, a smaller scene, larger voxels (particle) or smaller images "
+      "(depth_camera); "
+      "or allow more (ulimit -v, the limit of the container)\n",
+      command, shortBytes(static_cast<double>(memoryLimitBytes())));
+  return 1;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -73,16 +87,15 @@ int main(int argc, char** argv) {
     printError("error: {}\n", indented(e.what()));
     return 2;
   } catch (const std::bad_alloc&) {
-    printError(
-        "error: out of memory: take fewer rings, columns or formats, a smaller scene, larger voxels (particle) "
-        "or smaller images (depth_camera)\n");
-    return 1;
+    return reportNoMemory(argc > 1 ? argv[1] : "");
+  } catch (const std::length_error&) {
+    return reportNoMemory(argc > 1 ? argv[1] : "");
   } catch (const std::system_error& e) {
     if (e.code() == std::errc::broken_pipe) return 0;  // the reader of the output stopped early
     printError("error: {}\n", indented(e.what()));
     return 1;
   } catch (const std::exception& e) {
-    printError("error: {}\n", indented(e.what()));
+    printError("error: {}\n", indented(reasonOf(e)));
     return stoppedBy() == 0 ? 1 : 128 + stoppedBy();
   }
 }

@@ -10,7 +10,9 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <new>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -258,6 +260,10 @@ PYBIND11_MODULE(_core, module) {
       PyErr_SetString(inputError.ptr(), e.what());
     } catch (const Error& e) {
       PyErr_SetString(error.ptr(), e.what());
+    } catch (const std::bad_alloc& e) {
+      PyErr_SetString(PyExc_MemoryError, reasonOf(e).c_str());
+    } catch (const std::length_error& e) {
+      PyErr_SetString(PyExc_MemoryError, reasonOf(e).c_str());
     }
   });
   defineStore(module);

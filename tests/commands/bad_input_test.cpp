@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <functional>
 #include <memory>
@@ -398,6 +399,27 @@ TEST_F(BadInput, WhatNamesHoldIsWrittenOut) {
       EXPECT_EQ(text.find("\nerror: all"), std::string::npos) << command[0] << " " << command[1];
     }
   }
+}
+
+// What libraries throw is for programmers; what users are told is for users.
+TEST_F(BadInput, NoLibrarysWordsReachTheUser) {
+  folder_.write("a.gltf", R"({"asset": {"version": "2.0"}, "nodes": [{"name": 1}], "scenes": [{"nodes": [0]}]})");
+  folder_.write("b.gltf", "{");
+  folder_.write("tileset.json", R"({"asset": {"version": 1}, "root": {}})");
+  folder_.write("lidar.json", "[1");
+  for (const char* const name : {"a.gltf", "b.gltf", "tileset.json", "lidar.json"}) {
+    const Outcome o = scanmill({"info", at(name)});
+    EXPECT_EQ(o.code, 2) << name;
+    EXPECT_THAT(o.error, AllOf(HasSubstr(name), testing::Not(HasSubstr("exception")))) << name;
+  }
+  if (std::getenv("SCANMILL_TESTED_PROGRAM") != nullptr) return;  // sanitizers need more addresses than this
+  std::filesystem::resize_file(folder_.write("large.pcd", ""), std::uintmax_t{390} << 20);
+  const Outcome o =
+      RunningProgram({"sh", "-c", "ulimit -v 400000; exec \"$0\" info \"$1\"", SCANMILL_PROGRAM, at("large.pcd")})
+          .wait();
+  EXPECT_EQ(o.code, 1);
+  EXPECT_THAT(o.error, AllOf(HasSubstr("scanmill info: the memory ran out, of which 390.6 MiB are allowed"),
+                             HasSubstr("--threads"), HasSubstr("ulimit -v")));
 }
 
 }  // namespace

@@ -4,7 +4,9 @@
 
 #include <cstdio>
 #include <mutex>
+#include <new>
 #include <set>
+#include <string_view>
 
 #include "base/terminal.h"
 
@@ -31,6 +33,15 @@ InputError::InputError(const Location& where, const std::string& message)
     : Error(where.file.empty() ? message : where.text() + ": " + message) {}
 
 InputError::InputError(const std::string& message) : Error(message) {}
+
+std::string reasonOf(const std::exception& error) {
+  const bool memory = dynamic_cast<const std::bad_alloc*>(&error) != nullptr ||
+                      dynamic_cast<const std::length_error*>(&error) != nullptr;
+  if (memory) return "the memory ran out";
+  const std::string_view text = error.what();
+  const std::size_t end = text.starts_with("[json.exception.") ? text.find("] ") : std::string_view::npos;
+  return std::string(end == std::string_view::npos ? text : text.substr(end + 2));
+}
 
 void warn(const std::string& message) {
   const std::scoped_lock lock(warningMutex);

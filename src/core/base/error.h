@@ -4,6 +4,7 @@
 //
 //   throw InputError({"scene.yaml", 12, 3}, "unknown class 'raod'");  // scene.yaml:12:3: unknown class 'raod'
 
+#include <exception>
 #include <stdexcept>
 #include <string>
 
@@ -33,6 +34,10 @@ class InputError : public Error {
   InputError(const Location& where, const std::string& message);
   explicit InputError(const std::string& message);
 };
+
+// Returns an exception's message in words for a user: without the prefix "[json.exception.type_error.302] " of the JSON
+// library; "the memory ran out" for std::bad_alloc and std::length_error, whose messages are names of C++.
+[[nodiscard]] std::string reasonOf(const std::exception& error);
 
 // Writes a warning to standard error, unless the same text has been written before. Any thread may call it.
 void warn(const std::string& message);

@@ -15,8 +15,10 @@
 
 #include "base/descriptor.h"
 #include "base/error.h"
+#include "base/memory.h"
 #include "base/own_folder.h"
 #include "base/process.h"
+#include "base/short_text.h"
 
 namespace scanmill {
 
@@ -59,7 +61,16 @@ void readBlocks(const std::filesystem::path& path, const std::function<void(std:
 std::string readFile(const std::filesystem::path& path) {
   std::string bytes;
   std::error_code unknown;
-  if (const std::uintmax_t size = std::filesystem::file_size(path, unknown); !unknown) bytes.reserve(size);
+  if (const std::uintmax_t size = std::filesystem::file_size(path, unknown); !unknown) {
+    if (size > memoryLimitBytes()) {
+      throw InputError(
+          {path.string()},
+          fmt::format("has {}, but only {} of memory are allowed (by --memory-limit, the machine or its "
+                      "container)",
+                      shortBytes(static_cast<double>(size)), shortBytes(static_cast<double>(memoryLimitBytes()))));
+    }
+    bytes.reserve(size);
+  }
   readBlocks(path, [&](std::string_view block) { bytes += block; });
   return bytes;
 }

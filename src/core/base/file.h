@@ -11,7 +11,8 @@
 
 namespace scanmill {
 
-// Returns the bytes of a whole file. Throws an InputError that names the file if it is absent, a folder or unreadable.
+// Returns the bytes of a whole file. Throws an InputError that names the file if it is absent, a folder, unreadable or
+// larger than the memory that is allowed.
 std::string readFile(const std::filesystem::path& path);
 
 // Reads a file as readFile() does, but block by block, and passes each block to `take`.

@@ -1,5 +1,6 @@
 #include "base/memory.h"
 
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -42,6 +43,11 @@ std::uint64_t groupLimit() {
   return least;
 }
 
+std::uint64_t addressSpaceLimit() {
+  rlimit limit{};
+  return ::getrlimit(RLIMIT_AS, &limit) == 0 ? limit.rlim_cur : std::numeric_limits<std::uint64_t>::max();
+}
+
 std::atomic<std::uint64_t> allowed{0};  // the limit that the user sets (bytes); 0: no limit
 
 std::uint64_t pageBytes() {
@@ -51,8 +57,8 @@ std::uint64_t pageBytes() {
 }  // namespace
 
 std::uint64_t memoryLimitBytes() {
-  static const std::uint64_t limit =
-      std::min(static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) * pageBytes(), groupLimit());
+  static const std::uint64_t limit = std::min(
+      {static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) * pageBytes(), groupLimit(), addressSpaceLimit()});
   const std::uint64_t own = allowed;
   return own > 0 ? std::min(limit, own) : limit;
 }

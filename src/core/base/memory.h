@@ -5,7 +5,8 @@
 namespace scanmill {
 
 // Returns how much memory (bytes) the program may use: the smallest of the machine's memory, the limits of the
-// program's control groups (cgroups v1 or v2, set by a scheduler or container) and the user's limit.
+// program's control groups (cgroups v1 or v2, set by a scheduler or container), the limit of its address space (ulimit
+// -v) and the user's limit.
 std::uint64_t memoryLimitBytes();
 
 // Sets the user's limit of memory (bytes; 0: no limit) for as long as the object lives.

@@ -292,7 +292,7 @@ Value parseYaml(std::string_view text, const std::string& file) {
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& e) {
-    throw InputError({file}, fmt::format("invalid YAML: {}", e.what()));
+    throw InputError({file}, fmt::format("invalid YAML: {}", reasonOf(e)));
   }
   return builder.take();
 }

@@ -26,7 +26,7 @@ Json parseJson(const std::string& text, const std::string& file) {
         placeOfByte(text, error.byte, file),
         fmt::format("is not complete JSON: {}", colon == std::string_view::npos ? what : what.substr(colon + 2)));
   } catch (const Json::exception& error) {
-    throw InputError({file}, fmt::format("is not valid JSON: {}", error.what()));
+    throw InputError({file}, fmt::format("is not valid JSON: {}", reasonOf(error)));
   }
 }
 

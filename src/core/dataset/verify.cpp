@@ -125,7 +125,7 @@ class ShardCheck {
     try {
       checkDecoded(name, decodeMember(name, bytes), sample);
     } catch (const std::exception& error) {
-      problem(error.what());
+      problem(reasonOf(error));
     }
   }
 

@@ -67,7 +67,7 @@ std::string endingOf(const std::string& name) {
 
 // Returns a reader's error message, on one line.
 std::string reason(const std::exception& error) {
-  std::string text = error.what();
+  std::string text = reasonOf(error);
   while (!text.empty() && (text.back() == '\n' || text.back() == '.')) text.pop_back();
   std::replace(text.begin(), text.end(), '\n', ' ');
   return text.empty() ? "not an image that can be decoded" : text;

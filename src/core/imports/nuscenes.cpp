@@ -45,7 +45,7 @@ void readTable(const fs::path& file, const std::function<bool(const Json&)>& wan
     if (!table.is_array()) throw InputError({file.string()}, "is not a table of nuScenes: it must be a list");
     for (const Json& row : table) visit(row);
   } catch (const Json::exception& e) {
-    throw InputError({file.string()}, std::string("is not a table of nuScenes: ") + e.what());
+    throw InputError({file.string()}, "is not a table of nuScenes: " + reasonOf(e));
   }
 }
 

@@ -28,7 +28,7 @@ void forEachRow(const std::filesystem::path& file, const std::function<void(cons
     });
     if (!rest.is_array()) throw InputError({file.string()}, "is not a table of nuScenes: it must be a list");
   } catch (const nlohmann::json::exception& e) {
-    throw InputError({file.string()}, fmt::format("is not a table of nuScenes: {}", e.what()));
+    throw InputError({file.string()}, fmt::format("is not a table of nuScenes: {}", reasonOf(e)));
   }
 }
 

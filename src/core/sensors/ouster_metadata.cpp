@@ -22,7 +22,7 @@ class Reader {
     try {
       root_ = Json::parse(readFile(file));
     } catch (const Json::exception& e) {
-      fail(fmt::format("is not JSON: {}", e.what()));
+      fail(fmt::format("is not JSON: {}", reasonOf(e)));
     }
     if (!root_.is_object()) fail("is not the metadata of an Ouster sensor: it must be a map");
   }

@@ -606,7 +606,7 @@ Map readMap(const std::filesystem::path& file, bool mirrored, const Location& wh
                                         "writes such files with `[out:xml]` and "
                                         "`(._;>;); out meta;`, and `osmium cat -o place.osm.pbf` rewrites files with "
                                         "another compression",
-                                        file.string(), osmFormat().suffixes, e.what()));
+                                        file.string(), osmFormat().suffixes, reasonOf(e)));
   }
   Map map = makeMap(extract, mirrored);
   map.file = file;

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <new>
+#include <stdexcept>
 #include <thread>
 #include <vector>
 
@@ -20,6 +22,16 @@ TEST(InputError, StartsWithItsPlace) {
   EXPECT_STREQ(InputError({}, "is odd").what(), "is odd");
   EXPECT_STREQ(InputError("is odd").what(), "is odd");
   EXPECT_THROW(throw InputError("x"), Error);
+}
+
+TEST(ReasonOf, IsInWordsOfUsers) {
+  EXPECT_EQ(reasonOf(std::runtime_error("[json.exception.type_error.302] type must be string, but is null")),
+            "type must be string, but is null");
+  EXPECT_EQ(reasonOf(InputError("a.yaml: [json.exception] is odd")), "a.yaml: [json.exception] is odd");
+  EXPECT_EQ(reasonOf(std::runtime_error("[json.exception.")), "[json.exception.");
+  EXPECT_EQ(reasonOf(std::bad_alloc()), "the memory ran out");
+  EXPECT_EQ(reasonOf(std::bad_array_new_length()), "the memory ran out");
+  EXPECT_EQ(reasonOf(std::length_error("vector::_M_default_append")), "the memory ran out");
 }
 
 TEST(Warn, SaysEachTextOnce) {

@@ -14,6 +14,7 @@
 #include <iterator>
 
 #include "base/error.h"
+#include "base/memory.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 
@@ -31,6 +32,13 @@ std::string content(const std::filesystem::path& path) {
 
 std::size_t entries(const std::filesystem::path& folder) {
   return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder), {}));
+}
+
+TEST(ReadFile, RefusesMoreThanTheMemoryHolds) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.write("huge.json", std::string(100, ' '));
+  const MemoryLimit limit(99);
+  expectInputError([&] { readFile(file); }, {"huge.json: has 100 B", "only 99 B of memory"});
 }
 
 TEST(ReadFile, GivesAllBytes) {

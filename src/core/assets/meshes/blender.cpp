@@ -109,7 +109,7 @@ BlenderAnswer BlenderJob::answer() {
   } catch (const TimeOut&) {
     fail(fmt::format("Blender did not finish within {} s: set SCANMILL_BLENDER_SECONDS to wait longer", patience_));
   } catch (const nlohmann::json::exception& e) {
-    fail(fmt::format("the answer of Blender is not understood ({})", e.what()));
+    fail(fmt::format("the answer of Blender is not understood ({})", reasonOf(e)));
   }
 }
 

@@ -16,6 +16,7 @@
 #include <exception>
 #include <fstream>
 #include <new>
+#include <stdexcept>
 
 namespace scanmill {
 
@@ -54,8 +55,10 @@ enum ExitCode { Done = 0, Failed = 3, OutOfMemory = 4, NobodyListens = 5 };
     text = work();
   } catch (const std::bad_alloc&) {
     code = OutOfMemory;
+  } catch (const std::length_error&) {  // a size that no memory could hold
+    code = OutOfMemory;
   } catch (const std::exception& e) {
-    text = e.what();
+    text = reasonOf(e);
     code = Failed;
   } catch (...) {
     text = "it failed without a stated reason";

@@ -28,7 +28,7 @@ namespace scanmill {
 namespace {
 
 // Memory limit of the child process (bytes) for an empty file. Each byte of the file adds 64 bytes to the limit.
-constexpr std::uint64_t kMemory = std::uint64_t{4} << 30;
+constexpr std::uint64_t kMemory = std::uint64_t{1} << 30;
 constexpr unsigned kSeconds = 300;
 
 // The kinds for which assimp is used. It reads more kinds, but loses without a word much of what these say, such as the

@@ -69,7 +69,7 @@ class TilesetReader {
       const Context context{file, folder, zUpFrom(static_cast<char>(up[0] + 32))};
       readTile(json.at("root"), context, earthFromParent, adds, depth);
     } catch (const Json::exception& e) {
-      fail(file, fmt::format("is not a tileset: {}", e.what()));
+      fail(file, fmt::format("is not a tileset: {}", reasonOf(e)));
     }
     open_.erase(std::filesystem::weakly_canonical(file));
   }

@@ -238,7 +238,7 @@ void guarded(const std::string& name, Work&& work) {
   } catch (const Error&) {
     throw;
   } catch (const std::exception& error) {
-    refuseDamage(name, error.what());
+    refuseDamage(name, reasonOf(error));
   }
 }
 

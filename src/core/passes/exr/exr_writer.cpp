@@ -102,7 +102,7 @@ void writeExr(const std::filesystem::path& path, std::uint32_t width, std::uint3
     out.setFrameBuffer(frame);
     out.writePixels(static_cast<int>(height));
   } catch (const std::exception& error) {
-    throw Error(fmt::format("{}: cannot be written as EXR: {}", path.string(), error.what()));
+    throw Error(fmt::format("{}: cannot be written as EXR: {}", path.string(), reasonOf(error)));
   }
   file.write(stream.bytes());
   file.commit();

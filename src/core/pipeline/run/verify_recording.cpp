@@ -155,7 +155,7 @@ class RecordingCheck {
         std::move(step.images.begin(), step.images.end(), std::back_inserter(scan.images));
       }
     } catch (const std::exception& error) {
-      scan.problems.push_back(relative(error.what()));
+      scan.problems.push_back(relative(reasonOf(error)));
     }
   }
 
@@ -207,7 +207,7 @@ class RecordingCheck {
       checkIds(file, image, planes.semantic, planes.material, there.surfaceParameters, problems);
       return planes.size();
     } catch (const std::exception& error) {
-      problems.push_back(relative(error.what()));
+      problems.push_back(relative(reasonOf(error)));
       return 0;
     }
   }

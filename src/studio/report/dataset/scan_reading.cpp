@@ -44,7 +44,7 @@ Scan readScan(const ShardIndex& shard, const SampleRecord& sample, const ScanRec
     try {
       return decodeMember(member->name, shard.read(*member));
     } catch (const std::exception& error) {
-      why += fmt::format("{}{}", why.empty() ? "" : "; ", error.what());
+      why += fmt::format("{}{}", why.empty() ? "" : "; ", reasonOf(error));
     }
   }
   throw InputError(why.empty() ? fmt::format("the scan of {}, {} is missing", sample.key, scan.sensor) : why);

@@ -32,7 +32,7 @@ ViewFrame loadFrame(const FrameSource& source, std::size_t frame) {
   try {
     return source.load(frame);
   } catch (const std::exception& e) {  // for example std::bad_alloc
-    return {source.keys().at(frame), {}, {e.what()}};
+    return {source.keys().at(frame), {}, {reasonOf(e)}};
   }
 }
 

@@ -242,7 +242,7 @@ void StoredFrames::loadOne(Loading& loading, const std::string& key, bool sensor
     scan.beams = loading.store->scans->beams(scan.sensor, scan.time);
     addError(loading, key, sensorsDiffer);
   } catch (const std::exception& e) {
-    loading.problems.emplace_back(e.what());
+    loading.problems.push_back(reasonOf(e));
   }
 }
 

@@ -274,7 +274,7 @@ ViewMesh loadViewMesh(const std::filesystem::path& file, std::uint64_t seed, dou
   } catch (const std::exception& e) {
     ViewMesh none;
     none.name = file.stem().string();
-    none.problem = e.what();
+    none.problem = reasonOf(e);
     return none;
   }
 }

@@ -52,6 +52,8 @@ TEST(InChildProcess, SaysHowTheChildEnded) {
                   },
                   1),
               HasSubstr("more than 1 s"));
+  EXPECT_THAT(end([]() -> std::string { throw std::length_error("basic_string::_M_create"); }),
+              HasSubstr("more than 1.1 GB of memory"));
   if (kSanitized) return;  // sanitizers end the process where an allocation fails
   EXPECT_THAT(end([] { return std::string(std::size_t{3} << 30, 'x'); }), HasSubstr("more than 1.1 GB of memory"));
 }

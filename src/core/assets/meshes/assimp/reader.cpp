@@ -14,8 +14,10 @@
 #include <cstdint>
 #include <exception>
 #include <map>
+#include <new>
 #include <optional>
 #include <set>
+#include <stdexcept>
 #include <string_view>
 #include <utility>
 
@@ -86,13 +88,16 @@ class Importer {
     leftOut_.add(collada_.leftOut);
     try {
       scene_ = open();
+      if (scene_ == nullptr && importer_.GetException() != nullptr) std::rethrow_exception(importer_.GetException());
     } catch (const std::bad_alloc&) {
       throw;
+    } catch (const std::length_error&) {
+      throw;
     } catch (const std::exception& e) {
-      failReading(e.what());
+      failReading(reason(e.what()));
     }
     if (!refused_.empty()) fail(refused_);
-    if (scene_ == nullptr) failReading(reason());
+    if (scene_ == nullptr) failReading(reason(importer_.GetErrorString()));
     if (scene_->mRootNode == nullptr) failReading("it has no nodes");
   }
 
@@ -199,8 +204,8 @@ class Importer {
     }
   }
 
-  std::string reason() const {
-    std::string text = importer_.GetErrorString();
+  // Returns an error message of the importer without its end.
+  static std::string reason(std::string text) {
     while (!text.empty() && (text.back() == '\n' || text.back() == '.' || text.back() == ' ')) text.pop_back();
     return text.empty() ? "the file is damaged" : text;
   }
@@ -235,7 +240,8 @@ class Importer {
   // the importer divides concave ones wrong.
   void makeUvs() {
     scene_ = importer_.ApplyPostProcessing(aiProcess_GenUVCoords);
-    if (scene_ == nullptr) fail(fmt::format("cannot be read: {}; {}", reason(), remedyFor(kind_)));
+    if (scene_ == nullptr)
+      fail(fmt::format("cannot be read: {}; {}", reason(importer_.GetErrorString()), remedyFor(kind_)));
   }
 
   // Returns the transform from the importer's frame to metres and z up.

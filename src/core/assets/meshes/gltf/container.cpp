@@ -80,7 +80,7 @@ Container readContainer(const std::filesystem::path& file, const std::filesystem
     try {
       bytes = glbOfTile(bytes, container.center, container.batchTable);
     } catch (const nlohmann::json::exception& e) {
-      fail(fmt::format("is damaged: its feature table: {}", e.what()));
+      fail(fmt::format("is damaged: its feature table: {}", reasonOf(e)));
     } catch (const Error& e) {
       fail(e.what());
     }

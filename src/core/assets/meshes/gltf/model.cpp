@@ -455,7 +455,7 @@ Model readModel(const std::filesystem::path& file, const std::filesystem::path& 
     const Json json = Json::parse(container.json);
     ModelReader(model, json, allowOutside).read();
   } catch (const Json::exception& e) {
-    model.fail(fmt::format("is not valid glTF: {}", e.what()));
+    model.fail(fmt::format("is not valid glTF: {}", reasonOf(e)));
   }
   return model;
 }
