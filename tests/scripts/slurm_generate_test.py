@@ -243,6 +243,24 @@ class Usage(unittest.TestCase):
                             program="/absent/scanmill")
 
 
+    def test_refuses_control_characters(self):
+        pipeline = ROOT / "pipelines/quickstart.yaml"
+        for control in ("\n", "\x1b[2J", "\r", "\x7f", "\u009b2J"):
+            for arguments in ((f"absent{control}", "--out", "x"), (pipeline, "--out", f"x{control}"),
+                              (pipeline, f"--out={control}x"), (pipeline, "--out", "x", "--comment", control)):
+                done = submit(*arguments, "--array", 2)
+                self.assertEqual(done.returncode, 2, done.stderr)
+                self.assertIn("has control characters", done.stderr)
+                self.assertNotIn(control, done.stderr.rstrip("\n"))
+            self.expect_refused("has control characters", pipeline, "--out", "x", "--array", 2,
+                                program=f"/absent{control}")
+        with tempfile.TemporaryDirectory(suffix="\n") as folder:
+            done = subprocess.run([ROOT / "scripts/slurm_generate", pipeline, "--out", "x", "--array", "2"], cwd=folder,
+                                  capture_output=True, text=True)
+            self.assertEqual(done.returncode, 2, done.stderr)
+        self.expect_refused("no pipeline Stra\u00dfe.yaml", "Stra\u00dfe.yaml", "--out", "x", "--array", 2)
+
+
 class OnACluster(unittest.TestCase):
     TASKS = 3
     folder = None  # of pipelines and datasets
