@@ -1,14 +1,17 @@
 """Readers of shards see every sample once, whatever the numbers of ranks, workers and shards."""
 
 import itertools
+import tarfile
+import tempfile
 import unittest
+from pathlib import Path
 
 import numpy as np
 from support import FakeShards
 
 import scanmill
 from scanmill.augment import generator
-from scanmill.shards import Reading, share
+from scanmill.shards import Reading, _keys_in, share
 
 SIZES = [[5], [1], [0], [3, 0, 4], [1] * 7, [10, 1, 1, 1], [4] * 12, [0, 0, 9, 2]]
 
@@ -68,6 +71,19 @@ class Readers(unittest.TestCase):
         for reader in (-1, 2):
             with self.assertRaises(scanmill.InputError):
                 share([1], 2, reader)
+
+
+class Files(unittest.TestCase):
+    def test_with_headers_that_state_more_than_they_hold_are_refused(self):
+        with tempfile.TemporaryDirectory() as folder:
+            shard = Path(folder) / "a.tar"
+            for kind in (tarfile.REGTYPE, tarfile.GNUTYPE_LONGNAME, tarfile.XHDTYPE, tarfile.GNUTYPE_SPARSE):
+                for size in (2**33, 10**12, 2**62, 2**80):
+                    header = tarfile.TarInfo("a.top.pcd")
+                    header.type, header.size = kind, size
+                    shard.write_bytes(header.tobuf(tarfile.GNU_FORMAT) + bytes(1024))
+                    with self.assertRaisesRegex(scanmill.InputError, "a.tar: cannot be read as a shard"):
+                        _keys_in(str(shard))
 
 
 if __name__ == "__main__":

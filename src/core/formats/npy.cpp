@@ -46,6 +46,8 @@ void readZip(std::string_view bytes, const std::string& what, const Visit& visit
   };
   archive_read_support_format_zip(zip.get());
   if (archive_read_open_memory(zip.get(), bytes.data(), bytes.size()) != ARCHIVE_OK) fail();
+  const std::size_t most = (std::size_t{1} << 30) + 64 * bytes.size();
+  std::size_t total = 0;
   archive_entry* entry = nullptr;
   for (;;) {
     const int result = archive_read_next_header(zip.get(), &entry);
@@ -58,8 +60,10 @@ void readZip(std::string_view bytes, const std::string& what, const Visit& visit
     std::string piece(std::size_t{1} << 16, '\0');
     la_ssize_t read = 0;
     while ((read = archive_read_data(zip.get(), piece.data(), piece.size())) > 0) {
-      if (content.size() + static_cast<std::size_t>(read) > kMostBytes) {
-        throw InputError({what}, fmt::format("{} is larger than 4 GiB", name));
+      total += static_cast<std::size_t>(read);
+      if (total > most) {
+        throw InputError({what}, fmt::format("has more than {} bytes unpacked, the most for an archive of {} bytes",
+                                             most, bytes.size()));
       }
       content.append(piece, 0, static_cast<std::size_t>(read));
     }

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import json
 import operator
 import os
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 
 from ._core import InputError, Store, decode as decode_arrays
 from .geometry import matrix_of
+from .npz import read_npz
 from .objects import Objects
 from .ontology import Ontology
 from .scan import Scan
@@ -292,12 +292,9 @@ class Sample:
         """Returns the labelled voxels around a sensor (None: the first sensor), in the frame of its points: `label`
         uint16 (X, Y, Z), 0 for empty voxels; `input`, `invalid` and `unseen`, bool (X, Y, Z); `low` float64 (3,), the
         corner with the least coordinates (m); `size` float64 (), the edge of a voxel (m). Returns None if the dataset
-        has no voxels (`output.voxels`). Raises InputError for an unknown sensor."""
+        has no voxels (`output.voxels`). Raises InputError for an unknown sensor and for damaged voxels."""
         archive = self.dataset.store.voxels(self._number, sensor or "")
-        if archive is None:
-            return None
-        with np.load(io.BytesIO(archive), allow_pickle=False) as arrays:
-            return {name: arrays[name] for name in arrays.files}
+        return None if archive is None else read_npz(archive, f"{self.dataset.path}: the voxels of {self.key}")
 
     def object_list(self) -> list[dict[str, Any]] | None:
         """Returns all objects near any of the sensors, as listed in KEY.objects.json (docs/objects.schema.json); None

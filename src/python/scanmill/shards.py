@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import tarfile
 from collections.abc import Iterator, Sequence
@@ -136,11 +137,19 @@ def _shuffled(items: Iterator[Any], size: int, rng: np.random.Generator) -> Iter
         yield waiting[drawn]
 
 
+class _Bytes(io.FileIO):
+    """A file that allocates memory only for bytes that it has, whatever the headers in it state."""
+
+    def read(self, size: int | None = -1) -> bytes:
+        left = max(os.fstat(self.fileno()).st_size - self.tell(), 0)
+        return super().read(left if size is None or size < 0 else min(size, left))
+
+
 def _keys_in(file: str) -> list[str]:
     try:
-        with tarfile.open(file, "r:") as shard:
+        with _Bytes(file) as content, tarfile.open(fileobj=content, mode="r:") as shard:
             return list(dict.fromkeys(member.name.partition(".")[0] for member in shard))
-    except (OSError, tarfile.TarError) as e:
+    except (OSError, ValueError, OverflowError, tarfile.TarError) as e:
         raise InputError(f"{file}: cannot be read as a shard: {e}") from None
 
 
