@@ -8,6 +8,7 @@
 
 #include "base/base64.h"
 #include "base/hash.h"
+#include "base/utf8.h"
 #include "charts/svg_text.h"
 
 namespace scanmill {
@@ -183,12 +184,18 @@ std::string shellWord(const std::string& word, bool quote) {
   return "'" + quoted + "'";
 }
 
-// Replaces "<" by an escape sequence. In JSON, "<" occurs only in strings, where the escape sequence has the same
-// meaning.
+// Replaces "<" by an escape sequence, and controls that nobody sees by U+FFFD, as escapeXml() does. In JSON, both occur
+// only in strings, where the escape sequence has the same meaning; ASCII's controls are escaped there.
 std::string scriptJson(const std::string& json) {
   std::string safe;
   safe.reserve(json.size());
-  for (const char c : json) safe += c == '<' ? std::string("\\u003c") : std::string(1, c);
+  for (std::size_t i = 0; i < json.size();) {
+    const auto [code, bytes] = utf8At(json, i);
+    safe += code == '<'                             ? "\\u003c"
+            : code >= 0x7F && isUnseenControl(code) ? "\\ufffd"
+                                                    : std::string_view(json).substr(i, bytes);
+    i += bytes;
+  }
   return safe;
 }
 

@@ -68,6 +68,11 @@ TEST(Page, ChartsAreThereWhereTheyHavePoints) {
   EXPECT_THAT(filled("", {}), Not(HasSubstr("Chart.js")));
 }
 
+TEST(Page, JsonInAScriptHasNoTagsAndNoUnseenControls) {
+  EXPECT_EQ(scriptJson("{\"a\": \"<\u202e\u009b\ufeff\u00e9\\u001b\",\n\"b\": 1}"),
+            "{\"a\": \"\\u003c\\ufffd\\ufffd\\ufffd\u00e9\\u001b\",\n\"b\": 1}");
+}
+
 TEST(Page, AWrongTemplateIsAnError) {
   EXPECT_THROW(fillPage("{{#open}}", {{"title", "t"}}), Error);
 }
