@@ -130,12 +130,24 @@ std::uint64_t memoryOption(const Arguments& arguments) {
 
 }  // namespace
 
+void addInputLimit(cxxopts::Options& options) {
+  options.add_options()("input-limit",
+                        "multiply by N, at least 1, the limits of what small files may cost: files, copies, memory and "
+                        "time (docs/reliability.md)",
+                        textValue(), "N");
+}
+
+double inputLimit(const Arguments& arguments) {
+  return arguments.has("input-limit") ? arguments.number("input-limit", 1, 1e6) : 1;
+}
+
 void addPipelineOptions(cxxopts::Options& options) {
   cxxopts::OptionAdder add = options.add_options();
   add("threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"));
   add("memory-limit",
       "how much memory to use at most, such as 8G or 500M (default: all of the machine's or container's)", textValue(),
       "SIZE");
+  addInputLimit(options);
   add("seed", "seed of the sensors' noise, instead of the pipeline's", textValue());
   add("set", "override a key, such as --set motion=none or --set output.shard_mb=64 (may be repeated)", listValue(),
       "key=value");
@@ -200,6 +212,6 @@ void expectDataset(const std::filesystem::path& folder, std::string_view command
 }
 
 ResourceLimits::ResourceLimits(const Arguments& arguments)
-    : threads_(threadOption(arguments)), memory_(memoryOption(arguments)) {}
+    : input_(inputLimit(arguments)), threads_(threadOption(arguments)), memory_(memoryOption(arguments)) {}
 
 }  // namespace scanmill

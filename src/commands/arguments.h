@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "base/input_budget.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "commands/command.h"
@@ -63,16 +64,23 @@ struct CommandOptions : cxxopts::Options {
 Arguments parseArguments(CommandOptions& options, const std::vector<std::string>& arguments,
                          const std::string& examples);
 
-// Adds --threads, --memory-limit, --seed and --set, for commands that read a pipeline.
+// Adds --input-limit, for commands that read scenes, 3D files or scans.
+void addInputLimit(cxxopts::Options& options);
+// Returns the factor that --input-limit gives; 1 if it is not given.
+double inputLimit(const Arguments& arguments);
+
+// Adds --threads, --memory-limit, --input-limit, --seed and --set, for commands that read a pipeline.
 void addPipelineOptions(cxxopts::Options& options);
 std::vector<std::string> pipelineOverrides(const Arguments& arguments);
 
-// Applies --threads and, if it is given, --memory-limit for the lifetime of the object.
+// Applies --threads, --memory-limit and --input-limit, as far as the command has them and they are given, for the
+// lifetime of the object.
 class ResourceLimits {
  public:
   explicit ResourceLimits(const Arguments& arguments);
 
  private:
+  InputLimitFactor input_;
   ThreadLimit threads_;
   MemoryLimit memory_;
 };

@@ -74,6 +74,7 @@ int runCompare(const std::vector<std::string>& arguments) {
   add("overwrite", "replace an existing comparison");
   add("threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"));
   add("q,quiet", "print one line instead of progress and tables");
+  addInputLimit(options);
   const Arguments parsed =
       parseArguments(options, arguments,
                      "  scanmill compare SemanticKITTI/sequences/08 out/training -o out/compared\n"

@@ -131,12 +131,15 @@ int runDraft(const std::vector<std::string>& arguments) {
   add("overwrite", "replace an existing scene file and picture");
   add("allow-outside",
       "allow glTF and OBJ files to name files outside their folders; the scene file then allows it, too");
+  addInputLimit(options);
   const Arguments parsed = parseArguments(
       options, arguments,
       "  scanmill draft models/town.glb -o scenes/town.yaml\n"
       "  scanmill draft models/ -o scenes/all.yaml   # all 3D files of a folder, side by side\n"
       "  scanmill view scenes/town.yaml              # or look at scenes/town.png, which draft makes too\n");
   if (parsed.help) return 0;
+  const InputLimitFactor limits(inputLimit(parsed));
+  const InputBudget budget;
   if (!parsed.has("input")) throw InputError("draft: name 3D files, or folders that contain 3D files");
   const std::vector<std::filesystem::path> files = filesOf(parsed.inputs());
   const std::filesystem::path out = folderOption(parsed, "out");

@@ -67,6 +67,7 @@ int runFitNoise(const std::vector<std::string>& arguments) {
   add("max-incidence", "the greatest incidence angle of patches to use (deg)", textValue()->default_value("60"), "DEG");
   add("overwrite", "replace the file");
   add("threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"));
+  addInputLimit(options);
   const Arguments parsed =
       parseArguments(options, arguments,
                      "  scanmill fit-noise frames/*.pcd --sensor os1_128 -o my_os1.yaml\n"

@@ -535,6 +535,7 @@ int runInfo(const std::vector<std::string>& arguments) {
   add("colors", "list the colours of a 3D file's triangles, which labelling rules can match");
   add("all", "list all parts and nodes of a 3D file, however many");
   add("allow-outside", "allow a glTF or OBJ file to name files outside its folder");
+  addInputLimit(options);
   const Arguments parsed =
       parseArguments(options, arguments,
                      "  scanmill info out/quickstart\n"
@@ -548,6 +549,8 @@ int runInfo(const std::vector<std::string>& arguments) {
                      "  scanmill info metadata.json   # a sensor's calibration: Ouster's, Velodyne's or Hesai's\n"
                      "  scanmill info village.osm\n");
   if (parsed.help) return 0;
+  const InputLimitFactor limits(inputLimit(parsed));
+  const InputBudget budget;
   const std::filesystem::path file =
       parsed.fileOrName("FILE|DIR", {"scenes", "pipelines/sensors", "pipelines", "labels"});
   std::string suffix = file.extension().string();

@@ -25,6 +25,7 @@ int runRegenerate(const std::vector<std::string>& arguments) {
       textValue(), "FILE");
   add("threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"));
   add("q,quiet", "print no progress");
+  addInputLimit(options);
   const Arguments parsed =
       parseArguments(options, arguments,
                      "  scanmill regenerate out/town                    # makes the files that verify finds damaged\n"

@@ -419,6 +419,7 @@ void addOptions(cxxopts::Options& options) {
 int runView(const std::vector<std::string>& arguments) {
   CommandOptions options("view");
   addOptions(options);
+  addInputLimit(options);
   const Arguments parsed =
       parseArguments(options, arguments,
                      "  scanmill view out/quickstart\n"
@@ -440,6 +441,7 @@ int runView(const std::vector<std::string>& arguments) {
                      "  scanmill view scenes/street.yaml --contact-sheet --screenshot objects.png\n" +
                          keyHelp());
   if (parsed.help) return 0;
+  const InputLimitFactor limits(inputLimit(parsed));
   ViewInput input;
   input.path = parsed.fileOrName("DATASET|SHARD|SCAN|EXR|SCENE", {"scenes"});
   const bool offscreen = parsed.has("screenshot") || parsed.has("turntable") || parsed.has("pick");

@@ -35,7 +35,7 @@ TEST_P(Corpus, IsReadOrRefused) {
   for (const fs::path& file : files) {
     SCOPED_TRACE(file);
     try {
-      fuzzTargets().at(GetParam())(readFile(file));
+      runWithinBudget(fuzzTargets().at(GetParam()), readFile(file));
       ++read;
     } catch (const Error&) {
     }

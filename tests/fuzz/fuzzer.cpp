@@ -25,7 +25,7 @@ const scanmill::FuzzTarget& chosen() {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   try {
-    chosen()({reinterpret_cast<const char*>(data), size});
+    scanmill::runWithinBudget(chosen(), {reinterpret_cast<const char*>(data), size});
   } catch (const scanmill::Error&) {  // it says what is wrong
   }
   return 0;

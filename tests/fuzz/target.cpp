@@ -1,6 +1,8 @@
 #include "tests/fuzz/target.h"
 
 #include "base/file.h"
+#include "base/input_budget.h"
+#include "base/memory.h"
 #include "base/scratch_folder.h"
 
 namespace scanmill {
@@ -8,6 +10,13 @@ namespace scanmill {
 std::map<std::string, FuzzTarget>& fuzzTargets() {
   static std::map<std::string, FuzzTarget> targets;
   return targets;
+}
+
+void runWithinBudget(const FuzzTarget& target, std::string_view bytes) {
+  const InputLimitFactor factor(1.0 / 16);
+  const MemoryLimit memory(std::uint64_t{1} << 30);
+  const InputBudget budget;
+  target(bytes);
 }
 
 std::filesystem::path inputFile(std::string_view bytes, const std::string& suffix) {

@@ -17,6 +17,7 @@
 #include "assets/surveys/surveys.h"
 #include "assets/worlds/world_asset.h"
 #include "base/error.h"
+#include "base/input_budget.h"
 #include "config/text.h"
 #include "formats/cloud_file.h"
 
@@ -103,12 +104,15 @@ Asset readByKind(const std::filesystem::path& file, const std::string& kind, con
 }  // namespace
 
 Asset readAsset(const std::filesystem::path& file, const AssetOptions& options) {
+  const InputBudget budget;
   const std::string kind = lowerExtension(file);
   checkRequest(file, kind, options);
   try {
     Asset asset = readByKind(file, kind, options);
     asset.file = file;
     return asset;
+  } catch (const InputLimitError&) {
+    throw;
   } catch (const InputError& e) {
     const std::string content = otherContent(file, kind);
     if (content.empty() || std::string_view(e.what()).find(content) != std::string_view::npos) throw;

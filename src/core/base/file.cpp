@@ -15,6 +15,7 @@
 
 #include "base/descriptor.h"
 #include "base/error.h"
+#include "base/input_budget.h"
 #include "base/memory.h"
 #include "base/own_folder.h"
 #include "base/process.h"
@@ -59,6 +60,7 @@ void readBlocks(const std::filesystem::path& path, const std::function<void(std:
 }
 
 std::string readFile(const std::filesystem::path& path) {
+  chargeFile(path);
   std::string bytes;
   std::error_code unknown;
   if (const std::uintmax_t size = std::filesystem::file_size(path, unknown); !unknown) {

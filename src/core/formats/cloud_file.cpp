@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/input_budget.h"
 #include "config/text.h"
 #include "formats/format.h"
 #include "formats/ply_header.h"
@@ -53,6 +54,7 @@ std::string scanSuffixes() {
 }
 
 Cloud readCloud(const std::filesystem::path& file, CloudUnit unit) {
+  const InputBudget budget;
   const std::string suffix = lowerExtension(file);
   const std::string name = file.string();
   if (suffix == ".ply") return readPly(file);

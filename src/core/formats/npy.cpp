@@ -15,6 +15,7 @@
 #include <memory>
 
 #include "base/error.h"
+#include "base/input_budget.h"
 #include "formats/little_endian.h"
 
 namespace scanmill {
@@ -46,8 +47,6 @@ void readZip(std::string_view bytes, const std::string& what, const Visit& visit
   };
   archive_read_support_format_zip(zip.get());
   if (archive_read_open_memory(zip.get(), bytes.data(), bytes.size()) != ARCHIVE_OK) fail();
-  const std::size_t most = (std::size_t{1} << 30) + 64 * bytes.size();
-  std::size_t total = 0;
   archive_entry* entry = nullptr;
   for (;;) {
     const int result = archive_read_next_header(zip.get(), &entry);
@@ -60,11 +59,7 @@ void readZip(std::string_view bytes, const std::string& what, const Visit& visit
     std::string piece(std::size_t{1} << 16, '\0');
     la_ssize_t read = 0;
     while ((read = archive_read_data(zip.get(), piece.data(), piece.size())) > 0) {
-      total += static_cast<std::size_t>(read);
-      if (total > most) {
-        throw InputError({what}, fmt::format("has more than {} bytes unpacked, the most for an archive of {} bytes",
-                                             most, bytes.size()));
-      }
+      chargeBytes(static_cast<double>(read), {what});
       content.append(piece, 0, static_cast<std::size_t>(read));
     }
     if (read < 0) fail();

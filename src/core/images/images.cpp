@@ -14,6 +14,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/input_budget.h"
 #include "base/memory.h"
 #include "config/text.h"
 #include "images/images_interface.h"
@@ -143,6 +144,7 @@ void checkSize(const ImageHeader& header, const std::string& kind, std::uint64_t
   // Most readers decode the complete image at once, with up to four bytes per channel.
   const bool byRows = kind == "png" || kind == "jpg" || kind == "jpeg";
   const double needed = std::max(pixels, header.storedPixels) * header.channels * 4;
+  chargePixels(std::max(pixels, header.storedPixels), {name});
   const auto limit = static_cast<double>(memoryLimitBytes());
   if (!byRows && needed > limit) {
     fail(
@@ -262,6 +264,7 @@ DecodedImage readImage(const std::filesystem::path& path) {
   const std::string known = kindOf(firstBytes(path));
   if (isReadHere(known)) return decodeImage(readFile(path), name);
   const std::string kind = known.empty() ? endingOf(name) : known;
+  chargeFile(path);
   const auto image = openImage(name, {}, name);
   checkSize(image->header(), kind, std::filesystem::file_size(path), name);
   return decode(*image, kind, name);

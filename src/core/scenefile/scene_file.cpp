@@ -61,6 +61,7 @@
 #include "assets/asset.h"
 #include "assets/asset_files.h"
 #include "assets/surveys/surveys.h"
+#include "base/input_budget.h"
 #include "base/random.h"
 #include "config/distribution.h"
 #include "config/file_kind.h"
@@ -440,6 +441,7 @@ Value objectsOf(const Value& root, std::uint64_t seed, std::vector<DrawnValue>& 
 }  // namespace
 
 std::optional<SceneLanes> readSceneLanes(const std::filesystem::path& path, std::uint64_t seed) {
+  const InputBudget budget;
   const Value root = readYaml(path);
   expectKind(root, FileKind::Scene);
   std::vector<DrawnValue> draws;
@@ -471,6 +473,7 @@ Ontology readSceneOntology(const std::filesystem::path& path) {
 }
 
 Scene readScene(const std::filesystem::path& path, const SceneOptions& options) {
+  const InputBudget budget;
   const Value root = readYaml(path);
   expectKind(root, FileKind::Scene);
   Fields f(root, "scene");

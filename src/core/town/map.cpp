@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "base/earth.h"
+#include "base/input_budget.h"
 #include "town/map_buildings.h"
 #include "town/osm_interface.h"
 #include "town/osm_tags.h"
@@ -590,12 +591,45 @@ Map makeMap(const OsmExtract& extract, bool mirrored) {
   return MapMaker(extract, mirrored).make();
 }
 
+namespace {
+
+// Throws InputError if a square of 100 m holds more than 10 km of roads: the ground beside a road takes a time that
+// grows with the roads near it, and car parks of five floors have about 3 km.
+void checkDensity(const Map& map) {
+  constexpr double kCell = 100;     // m
+  constexpr double kMost = 10'000;  // m
+  std::map<std::pair<double, double>, double> lengths;
+  for (const MapRoad& road : map.roads) {
+    for (std::size_t i = 1; i < road.line.size(); ++i) {
+      const Point2 &a = road.line[i - 1], &b = road.line[i];
+      const double length = std::hypot(b.x - a.x, b.y - a.y);
+      const double pieces = std::ceil(length / kCell);
+      for (double k = 0.5; k < pieces; ++k) {
+        chargeTime({map.file.string()});
+        const Point2 at{a.x + (b.x - a.x) * k / pieces, a.y + (b.y - a.y) * k / pieces};
+        double& sum = lengths[{std::floor(at.x / kCell), std::floor(at.y / kCell)}];
+        sum += length / pieces;
+        if (sum <= kMost) continue;
+        const OsmNode place = degreesAt(map, at);
+        throw InputError(
+            {map.file.string()},
+            fmt::format("has more than {:.0f} km of roads in a square of {:.0f} m, about latitude {:.6f} and "
+                        "longitude {:.6f}: remove roads that are there several times",
+                        kMost / 1000, kCell, place.latitude, place.longitude));
+      }
+    }
+  }
+}
+
+}  // namespace
+
 Map readMap(const std::filesystem::path& file, bool mirrored, const Location& where) {
   // Makes the path absolute: libosmium would download a name that begins like a URL.
   const std::filesystem::path absolute = std::filesystem::absolute(file);
   if (!std::filesystem::is_regular_file(absolute)) {
     throw InputError(where, fmt::format("{} is not a file: a map is an OpenStreetMap extract", file.string()));
   }
+  chargeFile(absolute);
   OsmExtract extract;
   try {
     extract = moduleOf<OsmModule>().read(absolute.string());
@@ -614,6 +648,7 @@ Map readMap(const std::filesystem::path& file, bool mirrored, const Location& wh
     throw InputError(where, fmt::format("{} has no road for cars, such as a way with the tag highway=residential{}{}",
                                         file.string(), map.leftOut.empty() ? "" : "; left out: ", map.leftOut.text()));
   }
+  checkDensity(map);
   map.leftOut.tell(file.string());
   double reach = 0;
   for (const MapRoad& road : map.roads) reach = std::max(reach, std::hypot(road.line[0].x, road.line[0].y));

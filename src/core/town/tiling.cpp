@@ -3,6 +3,8 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "base/input_budget.h"
+
 namespace scanmill::town {
 namespace {
 
@@ -36,6 +38,7 @@ class Quadtree {
 
   void divide(std::int64_t x, std::int64_t y, std::int64_t size) {
     const double side = static_cast<double>(size) * step_;
+    chargeTime({"the ground of the town"});
     if (size > 2 && divided_(coordinate(x) + side / 2, coordinate(y) + side / 2, side)) {
       const std::int64_t half = size / 2;
       divide(x, y, half);

@@ -14,6 +14,9 @@ namespace scanmill {
 // require any amount of memory.
 constexpr std::uint64_t kMostTriangles = std::uint64_t{1} << 28;
 
+// Memory (bytes) that a copy of a triangle takes in a scene, with its vertices and its share of the hierarchy.
+constexpr double kBytesPerTriangle = 128;
+
 // Returns the rotation from an up axis ('x', 'y' or 'z') to z. x-up follows COLLADA: y becomes -x, z becomes -y.
 Mat3 zUpFrom(char up);
 

@@ -11,6 +11,7 @@
 
 #include "assets/meshes/texture_search.h"
 #include "base/error.h"
+#include "base/input_budget.h"
 #include "config/text.h"
 #include "images/images.h"
 #include "images/srgb.h"
@@ -104,6 +105,8 @@ std::shared_ptr<const Texture> ColorImages::find(const std::string& name, bool o
   std::shared_ptr<const Texture> texture;
   try {
     texture = embedded();
+  } catch (const InputLimitError&) {
+    throw;
   } catch (const InputError& e) {
     return broken(e);
   }
@@ -116,6 +119,8 @@ std::shared_ptr<const Texture> ColorImages::find(const std::string& name, bool o
     if (onlyAlpha && !mayHaveAlpha(path)) return nullptr;
     try {
       texture = loadTexture(path);
+    } catch (const InputLimitError&) {
+      throw;
     } catch (const InputError& e) {
       return broken(e);
     }

@@ -12,9 +12,7 @@ namespace scanmill {
 
 namespace {
 
-// Largest sum of squared corner counts over all polygons: triangulating a polygon takes a time that grows with the
-// square of its corners, some seconds for 60,000 corners.
-constexpr double kMostCornersSquared = 4e9;
+constexpr double kMostTests = 2e9;
 
 struct Point {
   double x = 0, y = 0;
@@ -49,15 +47,16 @@ std::vector<Point> flattened(std::span<const Vec3d> corners) {
 
 class EarCutter {
  public:
-  EarCutter(std::span<const Vec3d> corners, std::vector<std::array<std::uint32_t, 3>>& triangles)
-      : points_(flattened(corners)), left_(corners.size()), triangles_(triangles) {
+  EarCutter(std::span<const Vec3d> corners, std::vector<std::array<std::uint32_t, 3>>& triangles, double& tests)
+      : points_(flattened(corners)), left_(corners.size()), triangles_(triangles), tests_(tests) {
     std::iota(left_.begin(), left_.end(), 0u);
   }
 
-  void cut() {
+  bool cut() {
     // The first ear is sought at corner 1: a convex polygon becomes the usual fan about corner 0. Corners between
     // collinear edges are cut off if no ear is left.
     for (std::size_t at = 1, tried = 0; left_.size() > 3 && tried < 2 * left_.size();) {
+      if (tests_ > kMostTests) return false;
       if (!isDouble(at) && !isEar(at) && !(tried >= left_.size() && isFlat(at))) {
         at = (at + 1) % left_.size();
         ++tried;
@@ -69,6 +68,7 @@ class EarCutter {
       tried = 0;
     }
     for (std::size_t i = 1; i + 1 < left_.size(); ++i) triangles_.push_back({left_[0], left_[i], left_[i + 1]});
+    return true;
   }
 
  private:
@@ -96,12 +96,13 @@ class EarCutter {
 
   // True if the corner is convex, its triangle contains no other corner that is left, and no edge enters the triangle
   // at one of its corners, which a polygon that touches itself may pass several times.
-  bool isEar(std::size_t at) const {
+  bool isEar(std::size_t at) {
     const Point& a = points_[before(at)];
     const Point& b = points_[left_[at]];
     const Point& c = points_[behind(at)];
     if (!(areaOf(a, b, c) > 0)) return false;
     for (std::size_t i = 0; i < left_.size(); ++i) {
+      ++tests_;
       if (left_[i] == before(at) || left_[i] == left_[at] || left_[i] == behind(at)) continue;
       const Point& p = points_[left_[i]];
       if (p == a || p == b || p == c) {
@@ -116,16 +117,15 @@ class EarCutter {
   std::vector<Point> points_;
   std::vector<std::uint32_t> left_;  // corners that have not been cut off, in order
   std::vector<std::array<std::uint32_t, 3>>& triangles_;
+  double& tests_;
 };
 
 }  // namespace
 
-void triangulate(std::span<const Vec3d> corners, std::vector<std::array<std::uint32_t, 3>>& triangles) {
-  if (corners.size() == 3) {
-    triangles.push_back({0, 1, 2});
-  } else {
-    EarCutter(corners, triangles).cut();
-  }
+bool triangulate(std::span<const Vec3d> corners, std::vector<std::array<std::uint32_t, 3>>& triangles, double& tests) {
+  if (corners.size() > 3) return EarCutter(corners, triangles, tests).cut();
+  triangles.push_back({0, 1, 2});
+  return true;
 }
 
 const std::vector<std::array<std::uint32_t, 3>>& Triangulator::divide(std::size_t n,
@@ -137,16 +137,14 @@ const std::vector<std::array<std::uint32_t, 3>>& Triangulator::divide(std::size_
   triangles_.clear();
   polygon_.resize(n);
   if (n > 3) {
-    cornersSquared_ += static_cast<double>(n) * static_cast<double>(n);
-    if (cornersSquared_ > kMostCornersSquared) {
-      throw InputError({file_.string()},
-                       fmt::format("has polygons of up to {} corners, which would take minutes to divide into "
-                                   "triangles: export it with triangles",
-                                   n));
-    }
     for (std::size_t i = 0; i < n; ++i) polygon_[i] = corner(i);
   }
-  triangulate(polygon_, triangles_);
+  if (!triangulate(polygon_, triangles_, tests_)) {
+    throw InputError({file_.string()},
+                     fmt::format("has polygons of up to {} corners, which would take minutes to divide into "
+                                 "triangles: export it with triangles",
+                                 n));
+  }
   return triangles_;
 }
 

@@ -19,8 +19,9 @@ namespace scanmill {
 // the polygon's orientation. The polygon may be concave and only about planar: ears are cut off one by one (G. H.
 // Meisters, "Polygons have ears", 1975) in the plane of the polygon's area vector. If no ear is left, since the polygon
 // intersects itself or has no area, the rest is divided as a fan. The time grows with the square of n, for spirals with
-// its cube.
-void triangulate(std::span<const Vec3d> corners, std::vector<std::array<std::uint32_t, 3>>& triangles);
+// its cube: adds to `tests` how many times a corner was compared with an ear. Returns false, with triangles missing, if
+// `tests` exceeds 2e9, which takes some seconds.
+bool triangulate(std::span<const Vec3d> corners, std::vector<std::array<std::uint32_t, 3>>& triangles, double& tests);
 
 // Divides the polygons of one file, within limits of the number of triangles and of the time that it takes.
 class Triangulator {
@@ -35,7 +36,7 @@ class Triangulator {
  private:
   std::filesystem::path file_;
   std::uint64_t divided_ = 0;  // number of triangles so far
-  double cornersSquared_ = 0;
+  double tests_ = 0;           // see triangulate()
   std::vector<Vec3d> polygon_;
   std::vector<std::array<std::uint32_t, 3>> triangles_;
 };

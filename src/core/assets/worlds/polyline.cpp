@@ -136,6 +136,7 @@ Mesh extrudedPolylines(const XmlNode& geometry) {
     })));
     if ((areaOf(loop) > 0) != (depths.back() % 2 == 0)) std::reverse(loop.begin(), loop.end());
   }
+  double tests = 0;
   Mesh mesh;
   for (std::size_t i = 0; i < loops.size(); ++i) {
     for (std::size_t k = 0; k < loops[i].size(); ++k) {
@@ -157,7 +158,7 @@ Mesh extrudedPolylines(const XmlNode& geometry) {
       if (!join(outline, hole, holes)) first.fail("and those beside it intersect or touch each other");
     }
     std::vector<std::array<std::uint32_t, 3>> triangles;
-    triangulate(outline, triangles);
+    if (!triangulate(outline, triangles, tests)) first.fail("would take minutes to divide into triangles: give a mesh");
     addCap(mesh, outline, triangles, height, true);
     addCap(mesh, outline, triangles, 0, false);
   }

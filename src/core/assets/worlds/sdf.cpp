@@ -20,12 +20,14 @@
 #include "assets/worlds/world.h"
 #include "assets/worlds/xml.h"
 #include "base/format_support.h"
+#include "base/input_budget.h"
 
 namespace scanmill {
 namespace {
 
-constexpr int kDeepestModel = 24;       // largest depth of nested models
-constexpr std::size_t kLongest = 1000;  // longest chain of frames, each relative to the next
+constexpr int kDeepestModel = 24;        // largest depth of nested models
+constexpr double kBytesPerModel = 4096;  // memory of a model without parts
+constexpr std::size_t kLongest = 1000;   // longest chain of frames, each relative to the next
 
 // The named frames of a world or a model, to which poses may be relative.
 struct Scope {
@@ -231,6 +233,7 @@ class SdfReader {
                                                      State state) {
     if (depth > kDeepestModel)
       of.fail(fmt::format("is nested in more than {} models: does one include itself?", kDeepestModel));
+    chargeCopies(1, of.where, kBytesPerModel);
     auto scope = std::make_shared<Scope>();
     scope->isWorld = depth == 0;
     struct Found {
@@ -350,7 +353,9 @@ class SdfReader {
     const std::string name = std::filesystem::path(plain).filename().string();
     std::optional<std::filesystem::path> definition;
     try {
-      definition = definitionOf(node, file, plain);
+      std::filesystem::path& found = found_[{file.parent_path(), plain}];
+      if (found.empty()) found = definitionOf(node, file, plain);
+      definition = found;
     } catch (const InputError&) {                       // models that belong to Gazebo may not be installed
       if (plain == "model://sun") return std::nullopt;  // sun is a light
       if (plain != "model://ground_plane") throw;
@@ -583,6 +588,8 @@ class SdfReader {
   WorldFile world_;
   std::set<const XmlNode*> statesUsed_;
   std::map<std::filesystem::path, XmlNode> definitions_;
+  // Files of models, by the folder of the file that includes them and their URI.
+  std::map<std::pair<std::filesystem::path, std::string>, std::filesystem::path> found_;
   std::map<std::filesystem::path, std::map<std::string, OgreMaterial>> looks_;  // by script or folder, then by name
 };
 

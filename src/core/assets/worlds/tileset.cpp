@@ -16,6 +16,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/format_support.h"
+#include "base/input_budget.h"
 #include "config/text.h"
 
 namespace scanmill {
@@ -117,6 +118,7 @@ class TilesetReader {
   void readTile(const Json& tile, const Context& context, const Affine& earthFromParent, bool adds, int depth) {
     if (depth > kDeepestTile)
       fail(context.file, fmt::format("has tiles that are nested more than {} levels deep", kDeepestTile));
+    chargeCopies(1, {context.file.string()});
     const Json extensions = tile.value("extensions", Json::object());
     if (tile.contains("implicitTiling") || extensions.contains("3DTILES_implicit_tiling")) {
       fail(context.file,
@@ -187,10 +189,11 @@ class TilesetReader {
           "root, by which its place on the earth is known");
     }
     if (!assetFromEarth_) assetFromEarth_ = scaled_;
-    add(gltf::readTile(file, *assetFromEarth_ * earthFromTile, context.zUpFromGltf, options_, inTiles_), name.string());
+    add(gltf::readTile(file, *assetFromEarth_ * earthFromTile, context.zUpFromGltf, options_, inTiles_), file,
+        name.string());
   }
 
-  void add(Asset tile, const std::string& name) {
+  void add(Asset tile, const std::filesystem::path& file, const std::string& name) {
     asset_.dropped += tile.dropped;
     flatten(tile);
     std::uint32_t nodes = 0;
@@ -198,12 +201,10 @@ class TilesetReader {
       nodes = std::max(nodes, part.nodeIndex + 1);
       part.nodeIndex += nodes_;
       part.node = part.node.empty() ? name : fmt::format("{}/{}", name, part.node);
-      triangles_ += part.triangles.size();
+      chargeBytes(kBytesPerTriangle * static_cast<double>(part.triangles.size()), {file.string()});
       asset_.parts.push_back(std::move(part));
     }
     nodes_ += nodes;
-    if (triangles_ > kMostTriangles)
-      throw Error(fmt::format("has more than {} triangles, with all copies: split it", kMostTriangles));
   }
 
   const AssetOptions& options_;
@@ -217,7 +218,6 @@ class TilesetReader {
   LeftOut leftOut_;
   LeftOut inTiles_;  // of the tiles' contents
   std::uint32_t nodes_ = 0;
-  std::uint64_t triangles_ = 0;
 };
 
 }  // namespace

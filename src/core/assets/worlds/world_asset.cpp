@@ -11,6 +11,7 @@
 #include "assets/meshes/base_color.h"
 #include "assets/worlds/world.h"
 #include "base/error.h"
+#include "base/input_budget.h"
 #include "config/text.h"
 
 namespace scanmill {
@@ -89,11 +90,7 @@ class WorldAsset {
     part.node = node;
     part.nodeIndex = things_;
     move(part, place);
-    triangles_ += part.triangles.size();
-    if (triangles_ > kMostTriangles) {
-      throw InputError({file_.string()},
-                       fmt::format("has more than {} triangles, with all copies: split it", kMostTriangles));
-    }
+    chargeBytes(kBytesPerTriangle * static_cast<double>(part.triangles.size()), {file_.string()});
     parts.push_back(std::move(part));
   }
 
@@ -196,7 +193,6 @@ class WorldAsset {
   LeftOut leftOut_;
   std::map<std::filesystem::path, Asset> meshes_;
   std::uint32_t things_ = 0;
-  std::uint64_t triangles_ = 0;
 };
 
 }  // namespace

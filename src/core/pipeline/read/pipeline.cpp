@@ -219,6 +219,19 @@ std::string Pipeline::methodName() const {
 
 namespace {
 
+// Throws InputError if the frames have more rays than the pipeline allows. `frames`: a number, or "at least" a number.
+void checkRays(const Pipeline& pipeline, std::uint64_t frames, double perFrame, std::string_view unit,
+               std::string_view atLeast = "") {
+  const double rays = static_cast<double>(frames) * perFrame;
+  if (rays <= pipeline.maxRays) return;
+  throw InputError(
+      {pipeline.file.string()},
+      fmt::format("{}{} frames x {:.0f} {} = {:.3g} rays, more than limits.max_rays = {:.3g}; at 20 million "
+                  "rays a second that is {:.1f} hours. Take fewer frames, rings or columns, or raise the "
+                  "limit",
+                  atLeast, frames, perFrame, unit, rays, pipeline.maxRays, rays / 20e6 / 3600));
+}
+
 Pipeline pipelineOf(Value read, std::string text, const std::filesystem::path& file,
                     std::shared_ptr<const Recording> recording) {
   Pipeline pipeline;
@@ -246,11 +259,19 @@ Pipeline pipelineOf(Value read, std::string text, const std::filesystem::path& f
     if (periods.first == 0) periods.first = period;
     periods.longest = std::max(periods.longest, period);
   }
+  pipeline.maxRays = kDefaultMaxRays;
+  if (const Value* value = fields.find("limits")) {
+    Fields limits(*value, "limits");
+    pipeline.maxRays = limits.number("max_rays", {1, 1e18}, kDefaultMaxRays);
+    limits.finish();
+  }
   if (pipeline.recording != nullptr) {
     checkSensors(pipeline, *pipeline.recording, fields.require("sensors"));
     pipeline.sequences = recordedSequences(*pipeline.recording, fields);
   } else {
-    pipeline.sequences = readSequences(fields, periods);
+    const auto beams = static_cast<double>(pipeline.beamsPerFrame());
+    pipeline.sequences = readSequences(
+        fields, periods, [&](std::uint64_t frames) { checkRays(pipeline, frames, beams, "beams", "at least "); });
   }
   pipeline.motion = readMotion(fields.find("motion"));
   if (pipeline.recording == nullptr || fields.find("method") != nullptr) {
@@ -271,23 +292,9 @@ Pipeline pipelineOf(Value read, std::string text, const std::filesystem::path& f
   const Value* by = splitting == nullptr ? nullptr : splitting->find("by");
   pipeline.splitsBySeed = splitting != nullptr && (by == nullptr || by->text == "seed");
   for (std::size_t i = 0; i < splits.size(); ++i) pipeline.sequences[i].split = splits[i];
-  pipeline.maxRays = kDefaultMaxRays;
-  if (const Value* value = fields.find("limits")) {
-    Fields limits(*value, "limits");
-    pipeline.maxRays = limits.number("max_rays", {1, 1e18}, kDefaultMaxRays);
-    limits.finish();
-  }
-  const auto rays = static_cast<double>(pipeline.frames()) * static_cast<double>(pipeline.raysPerFrame());
-  if (rays > pipeline.maxRays) {
-    throw InputError(
-        {file.string()},
-        fmt::format("{} frames x {} {} = {:.3g} rays, more than limits.max_rays = {:.3g}; at 20 million "
-                    "rays a second that is {:.1f} hours. Take fewer frames, rings or columns, or raise the "
-                    "limit",
-                    pipeline.frames(), pipeline.raysPerFrame(),
-                    pipeline.raysPerFrame() == pipeline.beamsPerFrame() ? "beams" : "rays", rays, pipeline.maxRays,
-                    rays / 20e6 / 3600));
-  }
+  const std::uint64_t rays = pipeline.raysPerFrame();
+  checkRays(pipeline, pipeline.frames(), static_cast<double>(rays),
+            rays == pipeline.beamsPerFrame() ? "beams" : "rays");
   return pipeline;
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 #include <set>
 
 #include "base/error.h"
@@ -114,11 +115,29 @@ const Value& requireList(Fields& fields, std::string_view key) {
   return value;
 }
 
-std::vector<Sequence> readSequences(Fields& fields, const Periods& periods) {
+namespace {
+
+// Returns how many frames a list of trajectories has for each seed at least: those that it states.
+std::uint64_t leastFrames(const Value& list) {
+  std::uint64_t least = 0;
+  for (const Value& trajectory : list.items) {
+    const Value* const frames = trajectory.find("frames");
+    std::uint64_t stated = 1;
+    if (frames != nullptr) std::from_chars(frames->text.data(), frames->text.data() + frames->text.size(), stated);
+    least += stated;
+  }
+  return least;
+}
+
+}  // namespace
+
+std::vector<Sequence> readSequences(Fields& fields, const Periods& periods,
+                                    const std::function<void(std::uint64_t)>& checkFrames) {
   const Value* shared = fields.find("trajectories");
   if (shared != nullptr && followsLane(*shared) == nullptr) readTrajectories(*shared, periods);
   std::vector<Sequence> sequences;
   std::set<std::string> keys;
+  std::uint64_t frames = 0;
   for (const Value& item : requireList(fields, "scenes").items) {
     Fields scene(item, "scene");
     scene.also({"scene", "seeds", "moving", "without", "trajectories"}).finish();
@@ -132,6 +151,7 @@ std::vector<Sequence> readSequences(Fields& fields, const Periods& periods) {
       throw InputError(item.where, "no trajectories: give the scene or the pipeline the key `trajectories`");
     const Value* along = followsLane(*list);
     Trajectories trajectories = along != nullptr ? Trajectories{} : readTrajectories(*list, periods);
+    checkFrames(frames + seeds.size() * leastFrames(*list));
     for (const std::uint64_t seed : seeds) {
       if (along != nullptr) {
         const std::optional<SceneLanes> lanes = readSceneLanes(file, seed);
@@ -142,9 +162,11 @@ std::vector<Sequence> readSequences(Fields& fields, const Periods& periods) {
         }
         trajectories = readTrajectories(*list, periods, &*lanes, seed);
       }
+      checkFrames(frames);
       for (const auto& trajectory : trajectories) {
         sequences.push_back(
             {keyPart(file.stem().string()), file, seed, trajectory, trajectory->name(), trajectory->frames(), ""});
+        frames += trajectory->frames();
         sequences.back().moving = moving;
         sequences.back().without = without;
         if (!keys.insert(sequences.back().key()).second) {

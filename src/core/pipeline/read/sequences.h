@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -53,8 +54,10 @@ std::string keyPart(std::string text);
 const Value& requireList(Fields& fields, std::string_view key);
 
 // Returns one sequence for each combination of scene, seed and trajectory. `periods`: durations of the sensors'
-// revolutions. Throws InputError.
-std::vector<Sequence> readSequences(Fields& fields, const Periods& periods);
+// revolutions. Calls `checkFrames` with how many frames there are at least, at first before any scene is read. Throws
+// InputError.
+std::vector<Sequence> readSequences(Fields& fields, const Periods& periods,
+                                    const std::function<void(std::uint64_t)>& checkFrames);
 // Returns the sequences of a recording. Throws InputError if the pipeline's key `without` differs from the recording's,
 // since objects cannot be removed from recorded hits.
 std::vector<Sequence> recordedSequences(const Recording& recording, Fields& fields);

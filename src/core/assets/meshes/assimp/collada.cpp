@@ -13,6 +13,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/input_budget.h"
 #include "base/vec.h"
 
 namespace scanmill {
@@ -126,6 +127,57 @@ std::string edited(std::string_view text, const Edits& edits) {
   return out.append(text, done);
 }
 
+// Counts the nodes of a file that nodes of other places are copied into (instance_node), which the importer copies with
+// all that is in them.
+class NodeCopies {
+ public:
+  void open(std::string_view id) {
+    (open_.empty() ? outermost_ : nodes_[open_.back()].inner).push_back(nodes_.size());
+    open_.push_back(nodes_.size());
+    nodes_.emplace_back();
+    if (!id.empty()) byId_.emplace(id, open_.back());
+  }
+  void close() {
+    if (!open_.empty()) open_.pop_back();
+  }
+  void copy(std::string_view url) {
+    if (!open_.empty() && url.starts_with('#')) nodes_[open_.back()].copied.push_back(url.substr(1));
+  }
+
+  // Returns how many nodes there are, with all copies. Throws Error if a node is copied into itself.
+  double count() {
+    double total = 0;
+    for (const std::size_t outermost : outermost_) total += countIn(outermost);
+    return total;
+  }
+
+ private:
+  struct Node {
+    std::vector<std::size_t> inner;
+    std::vector<std::string_view> copied;
+    double count = 0;  // of itself and all that is in it; 0: not yet known
+    bool counting = false;
+  };
+
+  double countIn(std::size_t at) {
+    if (nodes_[at].count > 0) return nodes_[at].count;
+    if (nodes_[at].counting) throw Error("has a node that is copied into itself (instance_node)");
+    nodes_[at].counting = true;
+    double count = 1;
+    for (const std::size_t inner : nodes_[at].inner) count += countIn(inner);
+    for (const std::string_view id : nodes_[at].copied) {
+      if (const auto found = byId_.find(id); found != byId_.end()) count += countIn(found->second);
+    }
+    nodes_[at].counting = false;
+    return nodes_[at].count = count;
+  }
+
+  std::vector<Node> nodes_;
+  std::vector<std::size_t> outermost_;
+  std::vector<std::size_t> open_;
+  std::map<std::string_view, std::size_t> byId_;
+};
+
 }  // namespace
 
 const FormatSupport& colladaFormat() {
@@ -175,6 +227,7 @@ ColladaFacts colladaFacts(const std::filesystem::path& file) {
   std::string mesh;                                             // url of the last mesh
   std::vector<SetOfImages> uses;
   std::string_view instance, material;  // urls of the last ones
+  NodeCopies copies;
   Edits edits;
   bool hasAxis = false;
   bool inLibrary = false;
@@ -190,8 +243,10 @@ ColladaFacts colladaFacts(const std::filesystem::path& file) {
     const std::size_t content = std::min(text.find_first_not_of(" \t\r\n", end + 1), text.size() - 1);
     if (name == "node" && !tag.ends_with('/')) {
       nodes.emplace_back(attributeOf(tag, "id"), end);
+      copies.open(nodes.back().first);
     } else if (name == "/node") {
       if (!nodes.empty()) nodes.pop_back();
+      copies.close();
     } else if (name == "visibility") {
       const bool shown = text[content] != '0' && text.substr(content, 5) != "false";
       if (shown || nodes.empty()) continue;
@@ -263,12 +318,14 @@ ColladaFacts colladaFacts(const std::filesystem::path& file) {
     } else if (name.starts_with("instance_")) {
       const std::string_view url = attributeOf(tag, attributeOf(tag, "url").empty() ? "target" : "url");
       urls.push_back(url);
+      if (name == "instance_node") copies.copy(url);
       (name == "instance_material" ? material : instance) = url;
       if (!url.empty() && !url.starts_with('#')) facts.leftOut.add("references to other files");
     } else if (colladaFormat().has(FormatElements::Use::LeftOut, name)) {
       facts.leftOut.addKeyword(colladaFormat(), name);
     }
   }
+  chargeCopies(static_cast<std::uint64_t>(std::min(copies.count(), 1e18)), {});
   for (const auto& [id, effect] : materials) {
     if (effects.contains(effect)) facts.materials.push_back(materialOf(effects[effect]));
   }

@@ -12,6 +12,7 @@
 
 #include "base/base64.h"
 #include "base/file.h"
+#include "base/input_budget.h"
 
 namespace scanmill::gltf {
 namespace {
@@ -20,7 +21,6 @@ namespace {
 constexpr std::uint64_t kMostZeroes = std::uint64_t{1} << 24;
 // Largest number of bytes that one compressed byte of a view may decode to.
 constexpr std::uint64_t kMostExpansion = 4096;
-constexpr std::uint64_t kMostDecoded = std::uint64_t{1} << 33;  // largest size of all decoded views together (bytes)
 
 template <class Stored, class Number>
 Number numberAt(const char* at, bool normalized) {
@@ -61,7 +61,6 @@ struct Data::State {
   const Model& model;
   std::vector<std::optional<std::string>> buffers;
   std::vector<std::optional<std::string>> decoded;  // decoded bytes of compressed views, by view
-  std::uint64_t decodedBytes = 0;
 
   std::string_view buffer(Index index) {
     const Buffer& described = model.buffers[index];
@@ -104,10 +103,10 @@ struct Data::State {
     if (!m.problem.empty()) model.fail(m.problem);
     const std::string_view from = part(m.buffer, m.offset, m.length);
     const auto* const source = reinterpret_cast<const unsigned char*>(from.data());
-    decodedBytes += m.count * m.stride;
-    if (m.count * m.stride > kMostExpansion * (m.length + 1) || decodedBytes > kMostDecoded) {
+    if (m.count * m.stride > kMostExpansion * (m.length + 1)) {
       model.fail(fmt::format("is damaged: {} has {} elements in {} bytes", what, m.count, m.length));
     }
+    chargeBytes(static_cast<double>(m.count * m.stride), {model.file.string()});
     std::string out(m.count * m.stride, '\0');
     int failed = 0;
     switch (m.mode) {
@@ -179,7 +178,7 @@ struct Data::State {
 
 Data::Data(const Model& model)
     : state_(std::make_unique<State>(State{model, std::vector<std::optional<std::string>>(model.buffers.size()),
-                                           std::vector<std::optional<std::string>>(model.views.size()), 0})) {}
+                                           std::vector<std::optional<std::string>>(model.views.size())})) {}
 Data::~Data() = default;
 
 std::vector<float> Data::floats(Index accessor, const std::string& what) const {

@@ -6,13 +6,11 @@
 #include <cmath>
 #include <limits>
 
+#include "base/input_budget.h"
 #include "config/fields.h"
 
 namespace scanmill::gltf {
 namespace {
-
-// Largest total number of posed vertices of all primitives, with all copies.
-constexpr std::uint64_t kMostPosed = std::uint64_t{1} << 27;
 
 // Returns the transform of a 4 x 4 matrix whose numbers are ordered column by column.
 template <class Number>
@@ -201,9 +199,7 @@ bool Poser::isRigid(const PlacedNode& node) const {
 
 void Poser::pose(const PlacedNode& node, const Primitive& primitive, const AttributeNumbers& numbers,
                  const std::string& what, std::vector<Vec3d>& points) {
-  posed_ += points.size();
-  if (posed_ > kMostPosed)
-    model_.fail(fmt::format("has more than {} vertices to pose, with all copies: split it", kMostPosed));
+  chargeTime({model_.file.string()});
   const std::vector<double> weights = weightsOf(node);
   for (std::size_t t = 0; t < std::min(primitive.targets.size(), weights.size()); ++t) {
     const auto target = primitive.targets[t].find("POSITION");

@@ -72,7 +72,6 @@ class Poser {
   const Model& model_;
   const Data& data_;
   std::vector<const PlacedNode*> placedOf_;  // by node; null for nodes that are not in the scene
-  std::uint64_t posed_ = 0;
 };
 
 }  // namespace scanmill::gltf

@@ -18,6 +18,7 @@
 #include "assets/meshes/gltf/pose.h"
 #include "base/earth.h"
 #include "base/error.h"
+#include "base/input_budget.h"
 #include "base/memory.h"
 #include "scene/builder.h"
 
@@ -28,10 +29,7 @@ namespace {
 // the child process of tryDraco(); the memory limit grows by 256 bytes for every compressed byte.
 constexpr std::uint64_t kTrialMemory = std::uint64_t{2} << 30;
 constexpr unsigned kTrialSeconds = 300;
-constexpr double kMostPrimitives = 1 << 22;                   // largest number of primitives of all nodes together
-constexpr double kMostRead = 4e9;                             // largest number of vertices that are read for all
-                                                              // primitives together
-constexpr std::size_t kMostInstances = std::size_t{1} << 22;  // largest number of instances of one node
+constexpr double kMostRead = 4e9;  // largest number of vertices that are read for all primitives together
 
 // The vertices and triangles of a primitive, in the mesh's frame.
 struct Geometry {
@@ -100,7 +98,7 @@ class Reader {
   // Throws InputError if the file would take too much memory or time: a small file may place its meshes any number of
   // times, and many primitives may share one long list of vertices.
   void checkCosts() const {
-    double primitives = 0, triangles = 0, vertices = 0, read = 0;
+    double triangles = 0, own = 0, vertices = 0, read = 0;
     for (const PlacedNode& placed : placed_) {
       const Node& node = model_.nodes[placed.node];
       if (!placed.visible || !node.mesh) continue;
@@ -111,17 +109,15 @@ class Reader {
       for (const Primitive& primitive : model_.meshes[*node.mesh].primitives) {
         const double points = countOf(primitive.attributes.at("POSITION"));
         const double corners = primitive.indices ? countOf(*primitive.indices) : points;
-        primitives += copies;
-        triangles += copies * (primitive.mode == Primitive::Mode::Triangles ? corners / 3 : corners);
+        chargeCopies(static_cast<std::uint64_t>(copies), {model_.file.string()});
+        const double made = primitive.mode == Primitive::Mode::Triangles ? corners / 3 : corners;
+        triangles += copies * made;
+        own += made / static_cast<double>(uses_[*node.mesh]);
         vertices += copies * std::min(points, corners);
         read += points / static_cast<double>(uses_[*node.mesh]);
       }
     }
-    if (primitives > kMostPrimitives) {
-      model_.fail(fmt::format(
-          "has {:.0f} primitives, with all copies, but at most {:.0f} are possible: join those of one material",
-          primitives, kMostPrimitives));
-    }
+    chargeBytes(kBytesPerTriangle * (triangles - own), {model_.file.string()});
     if (triangles > static_cast<double>(kMostTriangles)) {
       model_.fail(fmt::format("has more than {} triangles, with all copies: split it", kMostTriangles));
     }
@@ -347,9 +343,7 @@ class Reader {
     const std::vector<float> rotations = numbers("ROTATION", 4, {});
     const std::vector<float> scales = numbers("SCALE", 3, {});
     const std::size_t count = std::max({translations.size() / 3, rotations.size() / 4, scales.size() / 3});
-    if (count > kMostInstances)
-      model_.fail(
-          fmt::format("has {} copies of '{}', but at most {} are possible", count, placed.name, kMostInstances));
+    chargeCopies(count, {model_.file.string()});
     const auto at = [](const std::vector<float>& values, std::size_t i, double fallback) {
       return i < values.size() ? static_cast<double>(values[i]) : fallback;
     };

@@ -1,0 +1,67 @@
+#pragma once
+
+// Limits what the files of one scene may cost: a small file can name others twice as many times at each level, place a
+// mesh a million times, or decompress to a thousand times its size. docs/reliability.md lists the limits.
+//
+//   const InputBudget budget;                       // around everything that is read for one scene
+//   std::string text = readFile("a.gltf");          // charges the file
+//   chargeCopies(instances.size(), {"a.gltf"});     // throws InputError beyond the limit
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+
+#include "base/error.h"
+
+namespace scanmill {
+
+// While such an object lives on a thread, the functions below count on this thread. If the thread has a budget already,
+// the new object joins it: the outermost decides what belongs together. Without a budget nothing is counted.
+class [[nodiscard]] InputBudget {
+ public:
+  InputBudget();
+  ~InputBudget();
+  InputBudget(const InputBudget&) = delete;
+  InputBudget& operator=(const InputBudget&) = delete;
+
+  struct Counts;
+
+ private:
+  std::unique_ptr<Counts> own_;  // null if this object has joined another
+};
+
+// Each of these throws an InputLimitError at `where` that names the limit if the sum is beyond it, or if the thread has
+// computed for longer than the limit of time.
+//
+// Counts a file that is opened, at most 100,000. The size of each file, counted once however often it is opened, raises
+// the limits of bytes and pixels. readFile() calls it.
+void chargeFile(const std::filesystem::path& file);
+// Counts placed meshes, nodes, tiles, models and the like, at most ten million, and `each` bytes of memory for each.
+void chargeCopies(std::uint64_t copies, const Location& where, double each = 1024);
+// Counts bytes that are decompressed, or made of the same data again: at most 2 GiB and 64 times the size of the files.
+// Also throws if these bytes alone are more than memoryLimitBytes().
+void chargeBytes(double bytes, const Location& where);
+// Counts pixels of images that are decoded: at most 2^31 and 64 for each byte of the files.
+void chargePixels(double pixels, const Location& where);
+// Checks the time alone, at every 256th call: at most ten minutes of this thread's processor time.
+void chargeTime(const Location& where);
+
+// Thrown by the functions above, so that what is left out if it cannot be read can be told from what costs too much.
+class InputLimitError : public InputError {
+ public:
+  using InputError::InputError;
+};
+
+// Multiplies all limits by a factor above 0 for as long as the object lives, in all threads.
+class [[nodiscard]] InputLimitFactor {
+ public:
+  explicit InputLimitFactor(double factor);
+  ~InputLimitFactor();
+  InputLimitFactor(const InputLimitFactor&) = delete;
+  InputLimitFactor& operator=(const InputLimitFactor&) = delete;
+
+ private:
+  double before_;
+};
+
+}  // namespace scanmill
