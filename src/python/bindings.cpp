@@ -2,6 +2,7 @@
 // scanmill/*.py, whose docstrings state shapes and units. The types are in _core.pyi.
 
 #include <dlfcn.h>
+#include <fmt/format.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
@@ -10,6 +11,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <memory>
 #include <new>
 #include <optional>
 #include <stdexcept>
@@ -18,6 +20,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/input_budget.h"
 #include "config/resources.h"
 #include "config/version.h"
 #include "dataset/json_text.h"
@@ -280,6 +283,17 @@ PYBIND11_MODULE(_core, module) {
         return arraysOf(std::move(scan));
       },
       py::arg("name"), py::arg("data"));
+  module.def(
+      "set_input_limit",
+      [](double factor) {
+        static std::unique_ptr<InputLimitFactor> set;
+        if (!(factor >= 1)) throw InputError(fmt::format("set_input_limit: {} is not a number of at least 1", factor));
+        set.reset();
+        set = std::make_unique<InputLimitFactor>(factor);
+      },
+      py::arg("factor"),
+      "Multiplies by `factor`, at least 1, the limits of what small files may cost: files, copies, memory and time\n"
+      "(docs/reliability.md). For all scenes that are loaded from now on.");
   module.attr("resource_folder") = resourceFolder().string();
   module.attr("__version__") = kVersion;
 }

@@ -16,7 +16,7 @@ from ._libraries import load_missing as _load_missing
 
 _load_missing()
 
-from ._core import Error, InputError, __version__, resource_folder
+from ._core import Error, InputError, __version__, resource_folder, set_input_limit
 from .batch import pad_batch
 from .dataset import Dataset, Sample, decode, open_dataset as open
 from .geometry import points_in_box, pose_matrix
@@ -49,5 +49,6 @@ __all__ = [
     "range_image",
     "resource_folder",
     "sensor",
+    "set_input_limit",
     "spherical_projection",
 ]

@@ -14,7 +14,8 @@ using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 
 Triangles divided(const std::vector<Vec3d>& corners) {
   Triangles triangles;
-  triangulate(corners, triangles);
+  double tests = 0;
+  EXPECT_TRUE(triangulate(corners, triangles, tests));
   return triangles;
 }
 
@@ -119,6 +120,27 @@ TEST(Polygon, DegenerateOnesEnd) {
   EXPECT_EQ(divided({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}).size(), 1u);
   const double nan = std::nan("");
   EXPECT_EQ(divided({{0, 0, 0}, {nan, 0, 0}, {1, 1, 0}, {0, 1, 0}}).size(), 2u);
+}
+
+// An arm between two spirals of many turns: nearly every corner that is tried is no ear.
+TEST(Polygon, StopsWhereASpiralTakesTooLong) {
+  constexpr int kCorners = 4000;
+  std::vector<Vec3d> spiral;
+  for (const bool inward : {false, true}) {
+    for (int i = 0; i < kCorners / 2; ++i) {
+      const double angle = 0.1 * (inward ? kCorners / 2 - 1 - i : i);
+      const double radius = 1 + angle + (inward ? 1.5 : 0);
+      spiral.push_back({radius * std::cos(angle), radius * std::sin(angle), 0});
+    }
+  }
+  Triangles triangles;
+  double tests = 0;
+  ASSERT_TRUE(triangulate(spiral, triangles, tests));
+  EXPECT_GT(tests, kCorners * double{kCorners});
+  tests = 2e9 - 1e6;
+  EXPECT_FALSE(triangulate(spiral, triangles, tests));
+  EXPECT_GT(tests, 2e9);
+  EXPECT_LT(tests, 2e9 + kCorners) << "it stops at once";
 }
 
 }  // namespace
