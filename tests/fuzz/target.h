@@ -20,8 +20,8 @@ struct AddFuzzTarget {
   AddFuzzTarget(const char* name, FuzzTarget target) { fuzzTargets()[name] = std::move(target); }
 };
 
-// Gives the bytes to a target, which may cost a sixteenth of what a file of a stranger may cost: 128 MiB and 64 bytes for
-// each 16 bytes of the file, and no array above 1 GiB.
+// Gives the bytes to a target, which may cost a sixteenth of what a file of a stranger may cost: 128 MiB and 4 bytes
+// for each byte of the file.
 void runWithinBudget(const FuzzTarget& target, std::string_view bytes);
 
 // A file with these bytes, in a folder of this process, until the next call. Its name ends with `suffix`.

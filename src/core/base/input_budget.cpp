@@ -49,10 +49,11 @@ namespace {
 thread_local InputBudget::Counts* counts = nullptr;
 
 [[noreturn]] void refuse(const Location& where, const std::string& exceeded) {
-  throw InputLimitError(where,
-                        fmt::format("{}: a file that costs so much for its size is more often damaged or hostile than "
-                                    "meant. If you trust it, --input-limit 10 (in Python set_input_limit(10)) allows ten times as much",
-                                    exceeded));
+  throw InputLimitError(
+      where,
+      fmt::format("{}: a file that costs so much for its size is more often damaged or hostile than meant. If you "
+                  "trust it, --input-limit 10 (in Python set_input_limit(10)) allows ten times as much",
+                  exceeded));
 }
 
 // Adds to a sum and compares it with its limit, which `says` describes ("would decode more than {}").
