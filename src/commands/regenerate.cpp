@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 
+#include "base/file.h"
 #include "base/parallel.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"
@@ -38,6 +39,8 @@ int runRegenerate(const std::vector<std::string>& arguments) {
   if (sample.empty() != out.empty()) throw InputError("give --sample KEY and -o DIR together");
   if (!sample.empty() && !asked.empty()) throw InputError("give --sample or --shards, not both");
   expectDataset(folder, "regenerate");
+  const std::filesystem::path manifestFile = std::filesystem::path(folder) / kManifestName;
+  expectUnchanged(manifestFile, readFile(manifestFile));
   std::map<std::uint32_t, std::string> undescribed;
   Manifest manifest = sample.empty() ? readManifest(folder, undescribed) : readManifest(folder);
   const auto plan = [&] { return planOfDataset(manifest, folder, parsed.text("pipeline")); };
@@ -56,6 +59,14 @@ int runRegenerate(const std::vector<std::string>& arguments) {
       soundUndescribed.push_back(shard);
     }
   }
+  const auto expectPlace = [&](const std::filesystem::path& file) {
+    const auto status = std::filesystem::symlink_status(std::filesystem::path(folder) / file);
+    if (!exists(status) || is_regular_file(status)) return;
+    throw InputError({(std::filesystem::path(folder) / file).string()},
+                     "is not a file, so that the damaged one cannot be made again there: remove it");
+  };
+  for (const std::uint64_t shard : shards) expectPlace(manifest.shards[shard].file);
+  for (const auto& [shard, problem] : undescribed) expectPlace(samplesFileOf(manifest.shards[shard].file));
   if (shards.empty() && soundUndescribed.empty()) {
     printText("all {} shards are undamaged: there is nothing to make\n", manifest.shards.size());
     return 0;

@@ -21,6 +21,7 @@
 
 #include "base/error.h"
 #include "base/input_budget.h"
+#include "base/terminal.h"
 #include "config/resources.h"
 #include "config/version.h"
 #include "dataset/json_text.h"
@@ -260,9 +261,9 @@ PYBIND11_MODULE(_core, module) {
     try {
       if (thrown) std::rethrow_exception(thrown);
     } catch (const InputError& e) {
-      PyErr_SetString(inputError.ptr(), e.what());
+      PyErr_SetString(inputError.ptr(), forTerminal(e.what()).c_str());
     } catch (const Error& e) {
-      PyErr_SetString(error.ptr(), e.what());
+      PyErr_SetString(error.ptr(), forTerminal(e.what()).c_str());
     } catch (const std::bad_alloc& e) {
       PyErr_SetString(PyExc_MemoryError, reasonOf(e).c_str());
     } catch (const std::length_error& e) {

@@ -218,6 +218,29 @@ TEST_F(InputLimits, AMapOfThreeThousandCrossingRoads) {
   expectRefused(scanmill({"info", (folder_.path() / "roads.osm").string()}), "km of roads in a square of 100 m");
 }
 
+TEST_F(InputLimits, ARoadThatGoesToAndFroThirtyThousandTimes) {
+  std::string refs;
+  for (int i = 0; i < 30'000; ++i) refs += "<nd ref='1'/><nd ref='2'/>";
+  const std::string file = write("fro.osm",
+                                 "<osm version='0.6'><node id='1' lat='48' lon='11'/><node id='2' lat='48.009' "
+                                 "lon='11'/><way id='1'>" +
+                                     refs + "<tag k='highway' v='residential'/></way></osm>");
+  const Outcome outcome = scanmill({"info", file});
+  expectRefused(outcome, "km of roads in a square of 100 m");
+  EXPECT_LT(outcome.peakBytes, 500'000'000);
+}
+
+// The triangles of each primitive are those of one list.
+TEST_F(InputLimits, PrimitivesThatShareTheirVertices) {
+  writeStrip(folder_.path(), 10'000);
+  std::string text = readFile(folder_.path() / "strip.gltf");
+  const std::string one = R"({"mode":5,"attributes":{"POSITION":0}})";
+  std::string all = one;
+  for (int i = 1; i < 3000; ++i) all += "," + one;
+  text.replace(text.find(one), one.size(), all);
+  expectRefusedByAll(write("strip.gltf", text), "unpacked and with all copies");
+}
+
 TEST_F(InputLimits, TwoHundredThousandSeeds) {
   std::string seeds = "1";
   for (int i = 2; i <= 200'000; ++i) seeds += "," + std::to_string(i);

@@ -36,7 +36,6 @@ READERS = {
     ".acc": ["osg"],
     ".3ds": ["osg"],
     ".blend": ["blender"],
-    ".lwo": ["osg"],
 }
 
 

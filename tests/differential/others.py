@@ -74,7 +74,7 @@ def read_open3d(file: str) -> dict:
 
 
 def read_osg(file: str) -> dict:
-    """By osgconv to OBJ, whose writer undoes what OpenSceneGraph's reader does to the axes, but for LightWave's."""
+    """By osgconv to OBJ, whose writer undoes what OpenSceneGraph's reader does to the axes."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "a.obj"
         subprocess.run(["osgconv", file, out], check=True, capture_output=True, timeout=60)
@@ -87,7 +87,7 @@ def read_osg(file: str) -> dict:
                 corners = [int(w.split("/")[0]) - 1 for w in words[1:]]
                 used.update(corners)
                 triangles += len(corners) - 2
-        return box([vertices[i] for i in used]) | {"triangles": triangles, "up": "z" if file.lower().endswith(".lwo") else "file"}
+        return box([vertices[i] for i in used]) | {"triangles": triangles, "up": "file"}
 
 
 def read_blender(file: str) -> dict:

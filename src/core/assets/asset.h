@@ -1,7 +1,7 @@
 #pragma once
 
 // Reads 3D files: point clouds (LAS, PLY, PCD), height rasters (GeoTIFF), glTF/GLB, OBJ, PLY, STL, COLLADA, FBX, AC3D,
-// 3DS, LWO, OFF, X, .blend if Blender is installed, and world descriptions (SDF, URDF, 3D Tiles) with
+// 3DS, OFF, X, .blend if Blender is installed, and world descriptions (SDF, URDF, 3D Tiles) with
 // all files that they name.
 
 #include <filesystem>

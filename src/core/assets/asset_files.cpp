@@ -14,12 +14,12 @@
 namespace scanmill {
 
 std::vector<std::filesystem::path> assetsIn(const std::filesystem::path& folder) {
-  static const std::set<std::string> kKinds{
-      ".gltf", ".glb", ".las", ".pcd", ".tif", ".obj",  ".ply",   ".stl",  ".dae",   ".fbx", ".ac",   ".acc", ".3ds",
-      ".lwo",  ".off", ".x",   ".xyz", ".sdf", ".urdf", ".world", ".b3dm", ".blend", ".drc", ".ac3d", ".tiff"};
-  static const std::set<std::string> kOtherKinds{".3mf", ".amf", ".asc",  ".csv", ".dxf", ".e57",
-                                                 ".ifc", ".laz", ".npz",  ".osm", ".pbf", ".pts",
-                                                 ".ptx", ".usd", ".usdz", ".wrl", ".x3d"};
+  static const std::set<std::string> kKinds{".gltf", ".glb",  ".las",   ".pcd",  ".tif",   ".obj", ".ply",  ".stl",
+                                            ".dae",  ".fbx",  ".ac",    ".acc",  ".3ds",   ".off", ".x",    ".xyz",
+                                            ".sdf",  ".urdf", ".world", ".b3dm", ".blend", ".drc", ".ac3d", ".tiff"};
+  static const std::set<std::string> kOtherKinds{".3mf", ".amf", ".asc", ".csv",  ".dxf", ".e57",
+                                                 ".ifc", ".laz", ".lwo", ".npz",  ".osm", ".pbf",
+                                                 ".pts", ".ptx", ".usd", ".usdz", ".wrl", ".x3d"};
   std::error_code error;
   const auto modelIn = [&](const std::filesystem::path& path) {
     for (const char* name : {"model.sdf", "tileset.json"}) {

@@ -140,6 +140,8 @@ std::string toJson(const Manifest& manifest);
 // Returns the problem with the digest in a manifest's text: the digest is missing or does not match. Empty if it
 // matches.
 [[nodiscard]] std::string digestProblem(std::string text);
+// Throws InputError if the text of the manifest `file` states a digest that it does not have.
+void expectUnchanged(const std::filesystem::path& file, const std::string& text);
 // Parses a manifest. Throws an InputError that names `file`, the place in the text, and the problem.
 Manifest parseManifest(const std::string& text, const std::string& file);
 // Reads manifest.json in a dataset's folder, and also the files beside the shards if they describe the samples. Throws

@@ -257,7 +257,15 @@ std::string digestProblem(std::string text) {
   text.replace(key + kKey.size(), stated.size(), kNoDigest);
   const std::string found = sha256(text);
   if (found == stated) return {};
-  return fmt::format("was changed since it was written: its digest is {}, but it states {}", found, stated);
+  return fmt::format(
+      "was changed since it was written: its digest is {}, but it states {}; `scanmill generate PIPELINE --overwrite` "
+      "makes the dataset again",
+      found, stated);
+}
+
+void expectUnchanged(const std::filesystem::path& file, const std::string& text) {
+  const std::string problem = digestProblem(text);
+  if (problem.starts_with("was changed")) throw InputError({file.string()}, problem);
 }
 
 std::string sampleJson(const SampleRecord& sample) {

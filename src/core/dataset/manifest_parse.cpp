@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/hash.h"
+#include "base/terminal.h"
 #include "dataset/json_node.h"
 #include "dataset/manifest.h"
 #include "dataset/shard_name.h"
@@ -39,6 +40,7 @@ SensorRecord sensorOf(const JsonNode& node) {
             {"origin_left", "origin_up", "beams", "rosette", "intensity_full_scale"});
   SensorRecord sensor;
   sensor.name = node["name"].text();
+  if (sensor.name != oneLine(sensor.name)) node["name"].fail("has control characters");
   sensor.vehicleFromSensor = poseOf(node["vehicle_from_sensor"]);
   BeamTable& b = sensor.beams;
   b.model = node["model"].text();
@@ -142,6 +144,10 @@ ShardRecord shardOf(const JsonNode& node) {
   shard.sha256 = node["sha256"].sha256();
   shard.bytes = node["bytes"].integer<std::uint64_t>();
   shard.samples = node["samples"].integer<std::uint64_t>();
+  constexpr std::uint64_t kTarBlock = 512;  // each sample has at least one member, whose header is one block
+  if (shard.samples > shard.bytes / kTarBlock) {
+    node["samples"].fail(fmt::format("a shard of {} bytes cannot have {} samples", shard.bytes, shard.samples));
+  }
   if (node.has("samples_sha256")) shard.samplesSha256 = node["samples_sha256"].sha256();
   return shard;
 }
@@ -152,8 +158,8 @@ SampleRecord sampleOf(const JsonNode& node, const Manifest& manifest) {
   node.keys({"key", "split", "shard", "members", "scans"}, {"xxh3", "objects", "draws"});
   SampleRecord sample;
   sample.key = node["key"].text();
-  if (sample.key.empty() || sample.key.find_first_of("./") != std::string::npos) {
-    node["key"].fail(fmt::format("'{}' is not a key (text without dots and slashes)", sample.key));
+  if (sample.key.empty() || sample.key.find_first_of("./") != std::string::npos || sample.key != oneLine(sample.key)) {
+    node["key"].fail(fmt::format("'{}' is not a key (text without dots, slashes and control characters)", sample.key));
   }
   sample.split = node["split"].text();
   sample.shard = node["shard"].integer<std::uint32_t>();
@@ -257,14 +263,15 @@ Manifest manifestOf(const JsonNode& root) {
   return m;
 }
 
-// Returns the text of a file that describes samples. Throws InputError if its SHA-256 is not the stated one.
-std::string soundText(const std::filesystem::path& file, const std::string& stated) {
-  std::string text = readFile(file);
-  if (sha256(text) == stated) return text;
-  throw InputError(
-      {file.string()},
-      fmt::format("was changed since it was written: its SHA-256 differs from the manifest{}",
-                  text.ends_with("}\n") ? "" : fmt::format(", and it ends early, after {} bytes", text.size())));
+// Returns the text of a file that describes the samples of a shard. Throws InputError if its SHA-256 is not the stated
+// one, or if it is larger than any description of a shard of this size, which has its samples' descriptions, too.
+std::string soundText(const std::filesystem::path& file, const ShardRecord& shard) {
+  constexpr std::uint64_t kLeast = 1 << 20;
+  std::error_code error;
+  const std::uint64_t bytes = std::filesystem::file_size(file, error);
+  std::string text = error || bytes / 4 <= kLeast + shard.bytes ? readFile(file) : std::string();
+  if (sha256(text) == shard.samplesSha256) return text;
+  throw InputError({file.string()}, "was changed since it was written: its SHA-256 differs from the manifest");
 }
 
 // Parses the text that describes a shard's samples, and stores each sample in `samples` at the sample's number.
@@ -291,6 +298,40 @@ void parseSamples(const std::string& text, const std::filesystem::path& folder, 
     samples[numbers[next++]] = std::move(sample);
   });
   if (next != shard.samples) root["samples"].fail(fmt::format("has {} entries, not {}", next, shard.samples));
+}
+
+// Adds the samples that the files beside the shards describe to a manifest: see readManifest().
+Manifest described(Manifest manifest, const std::filesystem::path& folder,
+                   std::map<std::uint32_t, std::string>& undescribed) {
+  const std::filesystem::path file = folder / kManifestName;
+  const auto inFile = [](const ShardRecord& shard) { return !shard.samplesSha256.empty(); };
+  if (std::none_of(manifest.shards.begin(), manifest.shards.end(), inFile)) return manifest;
+  constexpr std::uint64_t kMost = 10'000'000;  // 2 GB
+  std::uint64_t count = 0;
+  for (const ShardRecord& shard : manifest.shards) {
+    count += std::min(shard.samples, kMost + 1);
+    if (count > kMost) throw InputError({file.string()}, fmt::format("states more than {} samples", kMost));
+  }
+  std::vector<SampleRecord> samples(count);
+  for (std::uint32_t shard = 0; shard < manifest.shards.size(); ++shard) {
+    const ShardRecord& record = manifest.shards[shard];
+    std::string text;
+    try {
+      text = soundText(folder / samplesFileOf(record.file), record);
+    } catch (const InputError& error) {
+      undescribed[shard] = error.what();
+      continue;
+    }
+    parseSamples(text, folder, shard, manifest, samples);
+  }
+  std::set<std::string_view> keys;
+  for (const SampleRecord& sample : samples) {
+    if (!sample.key.empty() && !keys.insert(sample.key).second) {
+      throw InputError({file.string()}, "has two samples " + sample.key);
+    }
+  }
+  manifest.samples = std::move(samples);
+  return manifest;
 }
 
 }  // namespace
@@ -320,31 +361,17 @@ Manifest readManifest(const std::filesystem::path& folder, std::map<std::uint32_
                      "has no manifest.json: it is not a dataset, or the run that wrote it did not end: continue it by "
                      "generate --resume, or start again with --overwrite");
   }
-  Manifest manifest = parseManifest(readFile(file), file.string());
-  const auto inFile = [](const ShardRecord& shard) { return !shard.samplesSha256.empty(); };
-  if (std::none_of(manifest.shards.begin(), manifest.shards.end(), inFile)) return manifest;
-  std::uint64_t count = 0;
-  for (const ShardRecord& shard : manifest.shards) count += shard.samples;
-  std::vector<SampleRecord> samples(count);
-  for (std::uint32_t shard = 0; shard < manifest.shards.size(); ++shard) {
-    const ShardRecord& record = manifest.shards[shard];
-    std::string text;
+  const std::string text = readFile(file);
+  try {
+    return described(parseManifest(text, file.string()), folder, undescribed);
+  } catch (const InputError& error) {
     try {
-      text = soundText(folder / samplesFileOf(record.file), record.samplesSha256);
-    } catch (const InputError& error) {
-      undescribed[shard] = error.what();
-      continue;
+      expectUnchanged(file, text);
+    } catch (const InputError& changed) {  // files that contradict it may be sound
+      throw InputError(fmt::format("{}; {}", changed.what(), error.what()));
     }
-    parseSamples(text, folder, shard, manifest, samples);
+    throw;
   }
-  std::set<std::string_view> keys;
-  for (const SampleRecord& sample : samples) {
-    if (!sample.key.empty() && !keys.insert(sample.key).second) {
-      throw InputError({file.string()}, "has two samples " + sample.key);
-    }
-  }
-  manifest.samples = std::move(samples);
-  return manifest;
 }
 
 }  // namespace scanmill

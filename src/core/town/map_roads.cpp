@@ -38,10 +38,13 @@ std::vector<Piece> cut(const std::vector<MapRoad>& roads) {
   }
   std::vector<Piece> pieces;
   for (const MapRoad& road : roads) {
+    MapRoad without = road;  // a road may have thousands of pieces
+    without.line.clear();
+    without.nodes.clear();
     std::size_t from = 0;
     for (std::size_t i = 1; i < road.line.size(); ++i) {
       if (i + 1 < road.line.size() && uses[road.nodes[i]] < 2 && turnAt(road, i) < kSharpest) continue;
-      Piece piece{road, {}};
+      Piece piece{without, {}};
       piece.road.line.assign(road.line.begin() + static_cast<std::ptrdiff_t>(from),
                              road.line.begin() + static_cast<std::ptrdiff_t>(i) + 1);
       piece.road.nodes.assign(road.nodes.begin() + static_cast<std::ptrdiff_t>(from),

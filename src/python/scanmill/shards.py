@@ -146,6 +146,8 @@ class _Bytes(io.FileIO):
 
 
 def _keys_in(file: str) -> list[str]:
+    if not os.path.isfile(file):  # opening a pipe would wait for ever
+        raise InputError(f"{file}: is not a file")
     try:
         with _Bytes(file) as content, tarfile.open(fileobj=content, mode="r:") as shard:
             return list(dict.fromkeys(member.name.partition(".")[0] for member in shard))

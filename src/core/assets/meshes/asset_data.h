@@ -82,7 +82,7 @@ struct AssetOptions {
   bool unitStated = false;  // true: units in LAS files and in comments count for nothing
   // The up axis of the file's coordinates, 'x', 'y' or 'z': (x, y, z) becomes (x, -z, y) from y-up and (-y, -z, x) from
   // x-up. It overrides the axis that the file declares. If not set, the file decides: COLLADA by up_axis and FBX by
-  // UpAxis (y if absent); glTF, AC3D and LWO are y-up by their specifications, .blend is z-up; OBJ, PLY, STL and the
+  // UpAxis (y if absent); glTF and AC3D are y-up by their specifications, .blend is z-up; OBJ, PLY, STL and the
   // other kinds, which cannot declare an axis, count as z-up.
   std::optional<char> up = std::nullopt;
   AlphaUse alpha = AlphaUse::Auto;

@@ -33,7 +33,7 @@ constexpr unsigned kSeconds = 300;
 
 // The kinds for which assimp is used. It reads more kinds, but loses without a word much of what these say, such as the
 // units of 3MF, AMF, DXF and X3D.
-constexpr std::array<std::string_view, 8> kByAssimp{".3ds", ".ac", ".ac3d", ".acc", ".dae", ".fbx", ".lwo", ".x"};
+constexpr std::array<std::string_view, 7> kByAssimp{".3ds", ".ac", ".ac3d", ".acc", ".dae", ".fbx", ".x"};
 
 // Kinds of rasters that are not read, but that the programs of GDAL convert.
 constexpr std::array<std::string_view, 16> kRasters{".adf", ".bil", ".bip", ".bsq", ".bt", ".ers", ".flt", ".gpkg",

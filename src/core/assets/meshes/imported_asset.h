@@ -1,6 +1,6 @@
 #pragma once
 
-// Reads meshes of OBJ, STL, PLY and OFF, and by the assimp library DAE, FBX, AC3D, 3DS, LWO and X. The library is made
+// Reads meshes of OBJ, STL, PLY and OFF, and by the assimp library DAE, FBX, AC3D, 3DS and X. The library is made
 // for trusted files. Therefore it runs in a child process, which may crash or exceed its time or memory without harm to
 // this process.
 

@@ -123,9 +123,13 @@ class EarCutter {
 }  // namespace
 
 bool triangulate(std::span<const Vec3d> corners, std::vector<std::array<std::uint32_t, 3>>& triangles, double& tests) {
-  if (corners.size() > 3) return EarCutter(corners, triangles, tests).cut();
-  triangles.push_back({0, 1, 2});
-  return true;
+  if (corners.size() == 3) {
+    triangles.push_back({0, 1, 2});
+    return true;
+  }
+  // Each ear is compared with all corners that are left.
+  const auto n = static_cast<double>(corners.size());
+  return tests + n * n / 2 < kMostTests && EarCutter(corners, triangles, tests).cut();
 }
 
 const std::vector<std::array<std::uint32_t, 3>>& Triangulator::divide(std::size_t n,

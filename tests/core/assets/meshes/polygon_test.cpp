@@ -137,10 +137,13 @@ TEST(Polygon, StopsWhereASpiralTakesTooLong) {
   double tests = 0;
   ASSERT_TRUE(triangulate(spiral, triangles, tests));
   EXPECT_GT(tests, kCorners * double{kCorners});
-  tests = 2e9 - 1e6;
+  tests = 2e9 - 1e7;
   EXPECT_FALSE(triangulate(spiral, triangles, tests));
   EXPECT_GT(tests, 2e9);
   EXPECT_LT(tests, 2e9 + kCorners) << "it stops at once";
+  tests = 2e9 - 1e6;
+  EXPECT_FALSE(triangulate(spiral, triangles, tests));
+  EXPECT_EQ(tests, 2e9 - 1e6) << "it does not begin";
 }
 
 }  // namespace

@@ -23,10 +23,10 @@
 
 #include "assets/meshes/asset_parts.h"
 #include "assets/meshes/assimp/ac3d.h"
-#include "assets/meshes/assimp/chunks.h"
 #include "assets/meshes/assimp/collada.h"
 #include "assets/meshes/assimp/fbx.h"
 #include "assets/meshes/assimp/parts.h"
+#include "assets/meshes/assimp/studio_3ds.h"
 #include "assets/meshes/imported_asset.h"
 #include "assets/meshes/polygon.h"
 #include "base/error.h"
@@ -106,11 +106,10 @@ class Importer {
   }
 
   const aiScene* open() {
-    const bool known = isAc3d(kind_) || kind_ == ".fbx" || kind_ == ".3ds" || kind_ == ".lwo";
+    const bool known = isAc3d(kind_) || kind_ == ".fbx" || kind_ == ".3ds";
     if (!known) return open(importer_);
     const std::string text = kind_ == ".fbx"   ? readFbx(file_, leftOut_, fbxImages_)
                              : kind_ == ".3ds" ? read3ds(file_, leftOut_)
-                             : kind_ == ".lwo" ? readLwo(file_, leftOut_)
                                                : readAc3d(file_, leftOut_);
     return importer_.ReadFileFromMemory(text.data(), text.size(), 0, isAc3d(kind_) ? "ac" : kind_.c_str() + 1);
   }
@@ -282,7 +281,7 @@ class Importer {
       return axis >= 0 && axis <= 2 ? "xyz"[axis] : 'y';
     }
     if (format_ == kCollada) return collada_.up;
-    if (format_ == "AC3D Importer" || format_ == "LightWave/Modo Object Importer") return 'y';
+    if (format_ == "AC3D Importer") return 'y';
     return std::nullopt;
   }
 
@@ -506,7 +505,7 @@ const FormatSupport& importedFormat() {
   using enum FormatElements::Use;
   static const FormatSupport format{
       "other files that the assimp library reads",
-      ".3ds, .lwo, .x",
+      ".3ds, .x",
       {{Read, "", "nodes with their names and transforms, polygons, texture coordinates"},
        {Read, "", "skins of .x, in the pose in which the nodes stand"},
        {Read, "", "colours, opacity and images of materials, with their scale, shift and rotation"},
@@ -517,10 +516,7 @@ const FormatSupport& importedFormat() {
        {LeftOut, "", "colours of vertices"},
        {LeftOut, "", "lines"},
        {LeftOut, "", "points"},
-       {LeftOut, "", "hidden nodes (.3ds, .lwo)"},
-       {LeftOut, "", "curves (.lwo)"},
-       {LeftOut, "", "patches of subdivision surfaces (.lwo; their control polygons are read)"},
-       {LeftOut, "", "chunks of patches or curves (.lwo of LightWave 5)"},
+       {LeftOut, "", "hidden nodes (.3ds)"},
        {LeftOut, "", "master scales (.3ds; lengths are divided by them)"},
        {LeftOut, "", "joints of skins that no node has"},
        {LeftOut, "", "opacities of materials (they are solid)"},

@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "assets/meshes/asset_parts.h"
@@ -99,6 +100,7 @@ class Reader {
   // times, and many primitives may share one long list of vertices.
   void checkCosts() const {
     double triangles = 0, own = 0, vertices = 0, read = 0;
+    std::set<std::pair<Index, std::optional<Index>>> known;  // accessors of positions and indices
     for (const PlacedNode& placed : placed_) {
       const Node& node = model_.nodes[placed.node];
       if (!placed.visible || !node.mesh) continue;
@@ -112,7 +114,7 @@ class Reader {
         chargeCopies(static_cast<std::uint64_t>(copies), {model_.file.string()});
         const double made = primitive.mode == Primitive::Mode::Triangles ? corners / 3 : corners;
         triangles += copies * made;
-        own += made / static_cast<double>(uses_[*node.mesh]);
+        if (known.emplace(primitive.attributes.at("POSITION"), primitive.indices).second) own += made;
         vertices += copies * std::min(points, corners);
         read += points / static_cast<double>(uses_[*node.mesh]);
       }

@@ -48,7 +48,7 @@ class ObjReader {
     warnOfStatedUnit(text_, options_, file_);
     assetFromFile_ = zUpFrom(read.up) * Mat3::scale(Vec3d{1, 1, 1} * options_.metresPerUnit);
     read.origin = origin();
-    library_.complete(libraries_ > 0 && missing_.empty());
+    library_.complete(!read_.empty() && missing_.empty());
     for (Part& part : parts_) {
       // A texture must not show on faces without texture coordinates, which stand beside others.
       Part bare{part.node, part.nodeIndex, part.material, {}};
@@ -217,8 +217,7 @@ class ObjReader {
         return;
       }
     }
-    obj::readLibrary(path, library_);
-    ++libraries_;
+    if (read_.insert(path).second) obj::readLibrary(path, library_);
   }
 
   // Returns an origin near most vertices (m, along the asset's axes): the median of at most 2000 vertices.
@@ -282,7 +281,7 @@ class ObjReader {
   std::vector<Part> parts_;
   Part* part_ = nullptr;  // part of the faces that follow; null: not looked up yet
   obj::Materials library_;
-  int libraries_ = 0;                 // number of libraries read
+  std::set<fs::path> read_;           // libraries
   std::vector<std::string> missing_;  // libraries that do not exist
   LeftOut leftOut_;
   std::uint64_t colored_ = 0;  // number of vertices with a colour

@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
-#include "assets/meshes/assimp/chunks.h"
 #include "assets/meshes/assimp/fbx.h"
+#include "assets/meshes/assimp/studio_3ds.h"
 #include "tests/core/assets/meshes/triangle_files.h"
 #include "tests/core/assets/read_assets.h"
 
@@ -657,68 +657,6 @@ TEST_F(Imported, ObjectsThatTheKeyframerOf3dsLeavesOutStandWhereTheirVerticesAre
   ASSERT_EQ(nodes(asset), "wing other ");
   EXPECT_EQ(asset.parts[0].positions.at(0).z, 2) << "the keyframer's place";
   EXPECT_THAT(asset.parts[1].positions, testing::ElementsAre(Vec3f{1, 0, 0}, Vec3f{0, 2, 0}, Vec3f{0, 0, 3}));
-}
-
-std::string lwoChunk(const std::string& type, std::string data) {
-  if (data.size() % 2 == 1) data += '\0';
-  const auto size = static_cast<std::uint32_t>(data.size());
-  std::string length;
-  for (int shift = 24; shift >= 0; shift -= 8) length += static_cast<char>(size >> shift & 255);
-  return type + length + data;
-}
-
-std::string lwoPoints() {
-  std::string points;
-  for (const float value : {1.0f, 0.0f, 0.0f, 0.0f, 2.0f, 0.0f, 0.0f, 0.0f, 3.0f}) {
-    const std::string word = bytesOf<float>({value});
-    points.append(word.rbegin(), word.rend());
-  }
-  return lwoChunk("PNTS", points);
-}
-
-TEST_F(Imported, HiddenLayersOfLwoAreLeftOut) {
-  const auto file = [&](char flags) {
-    const auto layer = [&](char number, char flag, const std::string& name) {
-      return lwoChunk("LAYR", "\0"s + number + "\0"s + flag + std::string(12, '\0') + name + '\0') + lwoPoints() +
-             lwoChunk("POLS", "FACE\0\3\0\0\0\1\0\2"s) + lwoChunk("PTAG", "SURF\0\0\0\0"s);
-    };
-    return lwoChunk("FORM", "LWO2" + lwoChunk("TAGS", "m\0"s) + layer(0, 0, "wing") + layer(1, flags, "other"));
-  };
-  EXPECT_EQ(readQuietly("a.lwo", file(0)).parts.size(), 2u);
-  EXPECT_EQ(warnings_, "");
-  EXPECT_EQ(readQuietly("a.lwo", file(1)).parts.at(0).node, "wing");
-  EXPECT_THAT(warnings_, HasSubstr("a.lwo: left out: 1 hidden nodes\n"));
-}
-
-// LWO2, POLS: a layer may have several chunks, each of one type, and tags (PTAG) are those of the last one.
-TEST_F(Imported, AllPolygonsOfLayersOfLwoAreRead) {
-  const auto file = [](const std::string& first, const std::string& second, const std::string& layer) {
-    const auto polygons = [](const std::string& type, char surface) {
-      return lwoChunk("POLS", type + "\0\3\0\0\0\1\0\2"s) + lwoChunk("PTAG", "SURF\0\0\0"s + surface);
-    };
-    return lwoChunk("FORM", "LWO2" + lwoChunk("TAGS", "m\0n\0"s) + layer + lwoPoints() + polygons(first, 0) +
-                                polygons(second, 1) + lwoChunk("SURF", "m\0\0\0"s) + lwoChunk("SURF", "n\0\0\0"s));
-  };
-  const auto materials = [&](const std::string& bytes) {
-    std::set<std::string> found;
-    for (const AssetPart& part : readQuietly("a.lwo", bytes).parts) {
-      if (!part.positions.empty()) found.insert(part.node + ":" + part.material);
-    }
-    return found;
-  };
-  const std::string layer = lwoChunk("LAYR", std::string(16, '\0') + "wing" + std::string(2, '\0'));
-  EXPECT_EQ(materials(file("FACE", "FACE", layer)), (std::set<std::string>{"wing:m", "wing:n"}));
-  EXPECT_EQ(materials(file("FACE", "FACE", "")).size(), 2u);
-  EXPECT_EQ(warnings_, "");
-  EXPECT_EQ(materials(file("SUBD", "FACE", layer)), (std::set<std::string>{"wing:m", "wing:n"}));
-  EXPECT_THAT(warnings_,
-              HasSubstr("a.lwo: left out: 1 patches of subdivision surfaces (.lwo; their control polygons are "
-                        "read)\n"));
-  EXPECT_EQ(materials(file("FACE", "CURV", layer)), (std::set<std::string>{"wing:m"}));
-  EXPECT_THAT(warnings_, HasSubstr("a.lwo: left out: 1 curves (.lwo)\n"));
-  LeftOut leftOut;
-  readLwo(write("old.lwo", lwoChunk("FORM", "LWOB" + lwoChunk("PCHS", "\0\3\0\0\0\1\0\2\0\1"s))), leftOut);
-  EXPECT_EQ(leftOut.text(), "1 chunks of patches or curves (.lwo of LightWave 5)");
 }
 
 TEST_F(Imported, AlphaOfColoursOfXFilesIsTold) {

@@ -1,4 +1,4 @@
-#include "assets/meshes/assimp/chunks.h"
+#include "assets/meshes/assimp/studio_3ds.h"
 
 #include <fmt/format.h>
 
@@ -32,25 +32,6 @@ std::string chunk3ds(std::uint16_t id, std::string_view data) {
   std::memcpy(chunk.data(), &id, sizeof id);
   std::memcpy(chunk.data() + sizeof id, &length, sizeof length);
   return chunk.append(data);
-}
-
-// Returns the big-endian number in `bytes[at]` to `bytes[at + count - 1]`, which exist.
-std::uint32_t bigEndian(std::string_view bytes, std::size_t at, std::size_t count) {
-  std::uint32_t number = 0;
-  for (std::size_t i = 0; i < count; ++i) number = number << 8 | static_cast<unsigned char>(bytes[at + i]);
-  return number;
-}
-
-// Returns the number of polygons of a POLS chunk (LWO2), whose data behind the type is given.
-std::uint64_t polygonsIn(std::string_view data) {
-  std::uint64_t polygons = 0;
-  for (std::size_t at = 0; at + 2 <= data.size(); ++polygons) {
-    const std::uint32_t corners = bigEndian(data, at, 2) & 0x3FF;
-    at += 2;
-    // Indices from 0xFF00 take four bytes.
-    for (std::uint32_t i = 0; i < corners && at < data.size(); ++i) at += data[at] == '\xFF' ? 4 : 2;
-  }
-  return polygons;
 }
 
 }  // namespace
@@ -108,54 +89,6 @@ std::string read3ds(const std::filesystem::path& file, LeftOut& leftOut) {
   const auto longer = static_cast<std::uint32_t>(total + 6 + nodes.size());
   std::memcpy(bytes.data() + sizeof id, &longer, sizeof longer);
   return bytes;
-}
-
-std::string readLwo(const std::filesystem::path& file, LeftOut& leftOut) {
-  std::string bytes = readFile(file);
-  const std::string form = bytes.substr(std::min<std::size_t>(8, bytes.size()), 4);
-  if (form != "LWO2" && form != "LWOB") return bytes;
-  std::string out = bytes.substr(0, 12);
-  // The chunks of the current layer but those of polygons, and whether it has polygons.
-  const std::string firstLayer = std::string("LAYR\0\0\0\x12", 8) + std::string(18, '\0');
-  std::string layer = firstLayer;
-  bool hasPolygons = false, hidden = false, counted = false, dropping = false;
-  std::uint32_t number = 0x4000;  // of a layer that is added: far above those of files
-  std::size_t at = 12;
-  while (bytes.size() - at >= 8) {
-    const std::size_t length = bigEndian(bytes, at + 4, 4);
-    if (length > bytes.size() - at - 8) break;
-    std::string chunk = bytes.substr(at, 8 + length + length % 2);
-    at += chunk.size();
-    const std::string type = chunk.substr(0, 4);
-    if (type == "LAYR") {
-      hidden = length >= 4 && (chunk[11] & 1) != 0;  // the lowest bit of its flags
-      hasPolygons = counted = dropping = false;
-      layer.clear();
-    } else if (form == "LWOB") {
-      if (type == "PCHS" || type == "CRVS") leftOut.add("chunks of patches or curves (.lwo of LightWave 5)");
-    } else if (type == "POLS" && length >= 4) {
-      const std::string kind = chunk.substr(8, 4);
-      const std::uint64_t polygons = polygonsIn(std::string_view(chunk).substr(12));
-      dropping = hidden || kind == "CURV";
-      if (hidden && !std::exchange(counted, true)) leftOut.add("hidden nodes");
-      if (!hidden && kind == "CURV") leftOut.add("curves (.lwo)", polygons);
-      if (!hidden && (kind == "SUBD" || kind == "PTCH")) {
-        leftOut.add("patches of subdivision surfaces (.lwo; their control polygons are read)", polygons);
-      }
-      if (!dropping && std::exchange(hasPolygons, true) && layer.size() >= 10 && number < 0x8000) {
-        layer[8] = static_cast<char>(number >> 8);
-        layer[9] = static_cast<char>(number++ & 0xFF);
-        out += layer;
-      }
-    }
-    if (type == "PNTS" && form == "LWO2" && layer == firstLayer) out += layer;  // without which the importer fails
-    if (type == "LAYR" || type == "PNTS" || type == "VMAP") layer += chunk;
-    if (dropping && (type == "POLS" || type == "PTAG" || type == "VMAD")) {
-      chunk.replace(0, 4, "HIDE");  // a type that no reader knows
-    }
-    out += chunk;
-  }
-  return out.append(bytes, at);
 }
 
 }  // namespace scanmill
