@@ -46,7 +46,7 @@ void chargePixels(double pixels, const Location& where);
 // Checks the time alone, at every 256th call: at most ten minutes of this thread's processor time.
 void chargeTime(const Location& where);
 
-// Thrown by the functions above, so that what is left out if it cannot be read can be told from what costs too much.
+// Thrown by the functions above. Readers that do without a damaged file, such as an image, must let it pass.
 class InputLimitError : public InputError {
  public:
   using InputError::InputError;

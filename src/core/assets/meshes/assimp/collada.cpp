@@ -127,8 +127,8 @@ std::string edited(std::string_view text, const Edits& edits) {
   return out.append(text, done);
 }
 
-// Counts the nodes of a file that nodes of other places are copied into (instance_node), which the importer copies with
-// all that is in them.
+// Counts the nodes of a file with all copies: <instance_node> copies a node and all nodes in it, and the importer makes
+// every copy.
 class NodeCopies {
  public:
   void open(std::string_view id) {
