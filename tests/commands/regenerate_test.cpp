@@ -122,8 +122,8 @@ TEST_F(Regenerate, MendsDescriptionsBesideTheShards) {
   writeFile(at("out/manifest.json"), manifest);
   const auto before = contents();
   const Outcome refused = scanmill({"regenerate", "-q", at("out")});
-  EXPECT_EQ(refused.code, 1) << refused.out;
-  EXPECT_THAT(refused.error, AllOf(HasSubstr("train/train-000003.json"), HasSubstr("the bytes differ")));
+  EXPECT_EQ(refused.code, 2) << refused.out;
+  EXPECT_THAT(refused.error, AllOf(HasSubstr("manifest.json: was changed since"), HasSubstr("--overwrite")));
   EXPECT_TRUE(contents() == before);
 }
 
