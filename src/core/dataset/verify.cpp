@@ -53,7 +53,7 @@ class ShardCheck {
       problem("is missing");
     } else if (!fs::is_regular_file(file_, failure)) {
       problem("is not a file");
-    } else if (const std::uint64_t bytes = fs::file_size(file_, failure); bytes != record_.bytes) {
+    } else if (const std::uint64_t bytes = fs::file_size(file_, failure); bytes / 2 > record_.bytes) {
       problem(fmt::format("has {} bytes, but the manifest says {}", bytes, record_.bytes));
     } else {
       checkBytes();
@@ -77,12 +77,17 @@ class ShardCheck {
 
   void checkBytes() {
     Sha256 hash;
+    std::uint64_t bytes = 0;
     try {
-      readBlocks(file_, [&](std::string_view block) { hash.add(block); });
+      readBlocks(file_, [&](std::string_view block) {
+        hash.add(block);
+        bytes += block.size();
+      });
     } catch (const InputError& error) {
       problem(withoutPlace(error));
       return;
     }
+    if (bytes != record_.bytes) problem(fmt::format("has {} bytes, but the manifest says {}", bytes, record_.bytes));
     const std::string found = hash.hex();
     if (found != record_.sha256)
       problem(fmt::format("its SHA-256 is {}, but the manifest says {}", found, record_.sha256));

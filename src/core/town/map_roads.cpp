@@ -101,7 +101,9 @@ void match(std::vector<Piece>& pieces) {
     double misfit;
     End a, b;
   };
+  constexpr std::size_t kMostEnds = 100;  // more ends than any junction has; each pair of ends is compared
   for (const auto& [node, ends] : meetings) {
+    if (ends.size() > kMostEnds) continue;
     std::vector<Pair> pairs;
     for (std::size_t i = 0; i < ends.size(); ++i) {
       for (std::size_t j = i + 1; j < ends.size(); ++j) {

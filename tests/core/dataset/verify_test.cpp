@@ -151,7 +151,7 @@ TEST_F(VerifyTest, FindsAllDamagedDescriptions) {
   text[text.size() / 2] ^= 1;
   writeFile(folder_.path() / manifest_.shards[1].file, text);
   const Verification result = verifyDataset(folder_.path());
-  EXPECT_THAT(result.problems, ElementsAre(named(0, "was changed"), named(1, "cannot be read"), named(2, "ends early"),
+  EXPECT_THAT(result.problems, ElementsAre(named(0, "was changed"), named(1, "cannot be read"), named(2, "was changed"),
                                            AllOf(HasSubstr(manifest_.shards[1].file), HasSubstr("its SHA-256 is")),
                                            "val/val-000009.json: is not in the manifest"));
   EXPECT_EQ(result.damaged, 3u);

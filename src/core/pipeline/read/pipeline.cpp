@@ -260,10 +260,9 @@ Pipeline pipelineOf(Value read, std::string text, const std::filesystem::path& f
     periods.longest = std::max(periods.longest, period);
   }
   pipeline.maxRays = kDefaultMaxRays;
-  if (const Value* value = fields.find("limits")) {
-    Fields limits(*value, "limits");
-    pipeline.maxRays = limits.number("max_rays", {1, 1e18}, kDefaultMaxRays);
-    limits.finish();
+  const Value* const limited = fields.find("limits");
+  if (limited != nullptr) {
+    pipeline.maxRays = Fields(*limited, "limits").number("max_rays", {1, 1e18}, kDefaultMaxRays);
   }
   if (pipeline.recording != nullptr) {
     checkSensors(pipeline, *pipeline.recording, fields.require("sensors"));
@@ -292,6 +291,7 @@ Pipeline pipelineOf(Value read, std::string text, const std::filesystem::path& f
   const Value* by = splitting == nullptr ? nullptr : splitting->find("by");
   pipeline.splitsBySeed = splitting != nullptr && (by == nullptr || by->text == "seed");
   for (std::size_t i = 0; i < splits.size(); ++i) pipeline.sequences[i].split = splits[i];
+  if (limited != nullptr) Fields(*limited, "limits").also({"max_rays"}).finish();
   const std::uint64_t rays = pipeline.raysPerFrame();
   checkRays(pipeline, pipeline.frames(), static_cast<double>(rays),
             rays == pipeline.beamsPerFrame() ? "beams" : "rays");
