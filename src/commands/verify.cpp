@@ -32,7 +32,8 @@ auto withProgress(const Verify& verify, const std::string& folder, const char* u
 // Prints the problems, then `counts` and the number of problems. Returns the exit code.
 int report(const std::vector<std::string>& problems, const std::string& counts) {
   for (const std::string& problem : problems) printError("{}\n", oneLine(problem));
-  printText("{}: {}\n", counts, problems.empty() ? "sound" : fmt::format("{} problem{}", problems.size(), problems.size() == 1 ? "" : "s"));
+  printText("{}: {}\n", counts,
+            problems.empty() ? "sound" : fmt::format("{} problem{}", problems.size(), problems.size() == 1 ? "" : "s"));
   return problems.empty() ? 0 : 1;
 }
 
