@@ -67,7 +67,7 @@ class OpenImageIoReader final : public ImageReader {
 
  private:
   // Copies what the file stores of the next rows.
-  void copyStored(int count, OIIO::TypeDesc type, std::uint8_t* to) {
+  void copyStored(int count, const OIIO::TypeDesc& type, std::uint8_t* to) {
     const OIIO::ROI stored = input_->spec().roi();
     const std::size_t pixelBytes = static_cast<std::size_t>(stored.chend) * type.size();
     if (whole_.empty()) {

@@ -603,10 +603,11 @@ void checkDensity(const Map& map) {
     for (std::size_t i = 1; i < road.line.size(); ++i) {
       const Point2 &a = road.line[i - 1], &b = road.line[i];
       const double length = std::hypot(b.x - a.x, b.y - a.y);
-      const double pieces = std::ceil(length / kCell);
-      for (double k = 0.5; k < pieces; ++k) {
+      const auto pieces = static_cast<int>(std::ceil(length / kCell));
+      for (int k = 0; k < pieces; ++k) {
         chargeTime({map.file.string()});
-        const Point2 at{a.x + (b.x - a.x) * k / pieces, a.y + (b.y - a.y) * k / pieces};
+        const double share = (k + 0.5) / pieces;
+        const Point2 at{a.x + (b.x - a.x) * share, a.y + (b.y - a.y) * share};
         double& sum = lengths[{std::floor(at.x / kCell), std::floor(at.y / kCell)}];
         sum += length / pieces;
         if (sum <= kMost) continue;
