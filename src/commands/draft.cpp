@@ -139,7 +139,6 @@ int runDraft(const std::vector<std::string>& arguments) {
       "  scanmill view scenes/town.yaml              # or look at scenes/town.png, which draft makes too\n");
   if (parsed.help) return 0;
   const InputLimitFactor limits(inputLimit(parsed));
-  const InputBudget budget;
   if (!parsed.has("input")) throw InputError("draft: name 3D files, or folders that contain 3D files");
   const std::vector<std::filesystem::path> files = filesOf(parsed.inputs());
   const std::filesystem::path out = folderOption(parsed, "out");
@@ -155,8 +154,11 @@ int runDraft(const std::vector<std::string>& arguments) {
   const Ontology ontology = readOntology(namedResource(ontologyName, "labels"));
   const std::vector<Concept> concepts = readConcepts(parsed.has("words") ? std::filesystem::path(parsed.text("words"))
                                                                          : resourceFolder() / "labels/words.yaml");
-  const draft::Draft made = draft::draftScene(files, concepts, ontology, ontologyName, out.stem().string(),
-                                              out.parent_path(), parsed.has("allow-outside"));
+  const draft::Draft made = [&] {
+    const InputBudget budget;  // the picture, which reads the scene, has a budget of its own
+    return draft::draftScene(files, concepts, ontology, ontologyName, out.stem().string(), out.parent_path(),
+                             parsed.has("allow-outside"));
+  }();
   writeFile(out, made.yaml);
 
   printFiles(made, out);

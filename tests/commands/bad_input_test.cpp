@@ -401,7 +401,7 @@ TEST_F(BadInput, WhatNamesHoldIsWrittenOut) {
   }
 }
 
-// What libraries throw is for programmers; what users are told is for users.
+// Messages of libraries, which are for programmers, are put into words for users.
 TEST_F(BadInput, NoLibrarysWordsReachTheUser) {
   folder_.write("a.gltf", R"({"asset": {"version": "2.0"}, "nodes": [{"name": 1}], "scenes": [{"nodes": [0]}]})");
   folder_.write("b.gltf", "{");

@@ -80,7 +80,7 @@ TEST_F(Regenerate, ASampleAloneIsTheOneInItsShard) {
   EXPECT_THAT(none.error, HasSubstr("did you mean '" + sample.key));
 }
 
-// What the files beside the shards state is in the shards too, so that nothing is traced: not even the scene is needed.
+// The shards state all that the files beside them state. Nothing is traced: not even the scene is needed.
 TEST_F(Regenerate, MendsDescriptionsBesideTheShards) {
   describeBesideShards(at("out"));
   whole_ = contents();

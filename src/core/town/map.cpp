@@ -598,6 +598,7 @@ namespace {
 void checkDensity(const Map& map) {
   constexpr double kCell = 100;     // m
   constexpr double kMost = 10'000;  // m
+  const Location where{map.file.string()};
   std::map<std::pair<double, double>, double> lengths;
   for (const MapRoad& road : map.roads) {
     for (std::size_t i = 1; i < road.line.size(); ++i) {
@@ -605,7 +606,7 @@ void checkDensity(const Map& map) {
       const double length = std::hypot(b.x - a.x, b.y - a.y);
       const auto pieces = static_cast<int>(std::ceil(length / kCell));
       for (int k = 0; k < pieces; ++k) {
-        chargeTime({map.file.string()});
+        chargeTime(where);
         const double share = (k + 0.5) / pieces;
         const Point2 at{a.x + (b.x - a.x) * share, a.y + (b.y - a.y) * share};
         double& sum = lengths[{std::floor(at.x / kCell), std::floor(at.y / kCell)}];
@@ -613,10 +614,9 @@ void checkDensity(const Map& map) {
         if (sum <= kMost) continue;
         const OsmNode place = degreesAt(map, at);
         throw InputError(
-            {map.file.string()},
-            fmt::format("has more than {:.0f} km of roads in a square of {:.0f} m, about latitude {:.6f} and "
-                        "longitude {:.6f}: remove roads that are there several times",
-                        kMost / 1000, kCell, place.latitude, place.longitude));
+            where, fmt::format("has more than {:.0f} km of roads in a square of {:.0f} m, about latitude {:.6f} and "
+                               "longitude {:.6f}: remove roads that are there several times",
+                               kMost / 1000, kCell, place.latitude, place.longitude));
       }
     }
   }

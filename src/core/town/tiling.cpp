@@ -8,6 +8,8 @@
 namespace scanmill::town {
 namespace {
 
+const Location kGround{"the ground of the town"};  // of errors
+
 constexpr double kOnLine = 1e-4;  // m; if the field of cutAlong() has a smaller absolute value, it counts as zero
 
 // Corners are on a lattice whose spacing is half the smallest leaf's side, so that leaves' centres are on it, too.
@@ -38,7 +40,7 @@ class Quadtree {
 
   void divide(std::int64_t x, std::int64_t y, std::int64_t size) {
     const double side = static_cast<double>(size) * step_;
-    chargeTime({"the ground of the town"});
+    chargeTime(kGround);
     if (size > 2 && divided_(coordinate(x) + side / 2, coordinate(y) + side / 2, side)) {
       const std::int64_t half = size / 2;
       divide(x, y, half);
