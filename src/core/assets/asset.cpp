@@ -1,7 +1,6 @@
 #include "assets/asset.h"
 
 #include <fmt/core.h>
-#include <malloc.h>
 
 #include <algorithm>
 #include <cctype>
@@ -18,6 +17,7 @@
 #include "assets/worlds/world_asset.h"
 #include "base/error.h"
 #include "base/input_budget.h"
+#include "base/memory.h"
 #include "config/text.h"
 #include "formats/cloud_file.h"
 
@@ -95,9 +95,7 @@ Asset readByKind(const std::filesystem::path& file, const std::string& kind, con
                                                       : ": points alone are read from PLY, PCD, LAS and .xyz files"));
   }
   warnOfSteps(asset, file);
-  // Returns the importer's freed memory to the system. The importer allocates every face separately, 60 MiB for a
-  // million triangles.
-  ::malloc_trim(0);
+  returnFreedMemoryIfScarce();  // the importer allocates every face separately, 60 MiB for a million triangles
   return asset;
 }
 

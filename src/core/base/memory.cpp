@@ -1,5 +1,6 @@
 #include "base/memory.h"
 
+#include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -74,6 +75,14 @@ std::uint64_t residentBytes() {
   std::uint64_t resident = 0;
   std::ifstream("/proc/self/statm") >> total >> resident;
   return resident * pageBytes();
+}
+
+bool memoryIsScarce() {
+  return residentBytes() > memoryLimitBytes() / 2;
+}
+
+void returnFreedMemoryIfScarce() {
+  if (memoryIsScarce()) ::malloc_trim(0);
 }
 
 }  // namespace scanmill

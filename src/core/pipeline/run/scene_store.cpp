@@ -1,6 +1,5 @@
 #include "pipeline/run/scene_store.h"
 
-#include <malloc.h>
 #include <tbb/collaborative_call_once.h>
 
 #include <algorithm>
@@ -24,10 +23,6 @@ namespace {
 // While the first scene is loaded, and no scene's size is known yet, further scenes are loaded only if the program
 // takes less than 1 / kSmallShare of its memory limit.
 constexpr std::uint64_t kSmallShare = 8;
-
-bool memoryIsScarce() {
-  return 2 * residentBytes() > memoryLimitBytes();
-}
 
 }  // namespace
 
@@ -128,8 +123,7 @@ void SceneStore::load(std::size_t sequence, Slot& slot) {
     const Sequence& own = pipeline.sequences[sequence];
     loading_(own);
     ReadyScene& ready = slot.ready;
-    // Returns the memory of unloaded scenes to the system, since the allocator would retain it for each thread.
-    ::malloc_trim(0);
+    returnFreedMemoryIfScarce();
     ready.scene = source_.load(sequence);
     ready.method = source_.method(ready.scene);
     if (pipeline.output.objects) ready.objects = std::make_unique<SceneObjects>(ready.scene, *ready.method);
@@ -142,7 +136,7 @@ void SceneStore::load(std::size_t sequence, Slot& slot) {
     TraceAccount account;
     for (const Shot& shot : source_.frame(sequence, 0).shots) account += ready.method->prepare(shot);
     if (pipeline.recording == nullptr) ready.probe.emplace(ready.scene, ready.method.get(), pipeline.method.entry);
-    ::malloc_trim(0);
+    returnFreedMemoryIfScarce();
     std::vector<std::string> lines;
     for (const auto& more :
          {damageWarnings(ready.scene), sizeWarnings(ready.scene), thingSizeWarnings(ready.scene),
