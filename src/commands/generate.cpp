@@ -72,7 +72,8 @@ void printSummary(const GenerateSummary& s, const GenerateOptions& options, cons
     printText("forecast: {}; {}; actual: {} and {}\n", timeText(*told), sizeText(*told), shortTime(s.seconds),
               shortBytes(static_cast<double>(s.bytes)));
   }
-  printText("stages (s, summed over threads):");
+  printText("processor time {:.2f} s, by stage{}:", s.processorSeconds,
+            s.stages.contains("render") ? " (upload, render and read_back: s of the clock)" : "");
   for (const auto& [name, seconds] : s.stages) printText(" {} {:.2f}", name, seconds);
   printText("\n");
   if (s.whole) {

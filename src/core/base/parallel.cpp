@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/stage_clock.h"
 #include "base/tsan_order.h"
 
 namespace scanmill {
@@ -45,10 +46,12 @@ void parallelFor(std::size_t count, std::size_t grain, const std::function<void(
   TaskOrder begun;
   TaskOrder done;
   const TaskOrder::Wait wait(begun, done);
+  StageTimer* const stage = StageTimer::current();
   const auto loop = [&] {
     const tbb::blocked_range<std::size_t> all(0, grains);
     tbb::parallel_for(all, [&](const tbb::blocked_range<std::size_t>& r) SCANMILL_UNWATCHED {
       const TaskOrder::Task turn(begun, done);
+      const StageTask task(stage);
       body(r.begin() * grain, r.end() == grains ? count : r.end() * grain);
     });
   };

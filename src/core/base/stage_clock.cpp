@@ -1,6 +1,34 @@
 #include "base/stage_clock.h"
 
+#include <cmath>
+#include <ctime>
+#include <utility>
+
 namespace scanmill {
+
+namespace {
+
+thread_local StageTimer* innermost = nullptr;
+
+double secondsOfClock(clockid_t clock) {
+  timespec now{};
+  ::clock_gettime(clock, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+std::int64_t nanoseconds(double seconds) {
+  return std::llround(seconds * 1e9);
+}
+
+}  // namespace
+
+double threadSeconds() {
+  return secondsOfClock(CLOCK_THREAD_CPUTIME_ID);
+}
+
+double processSeconds() {
+  return secondsOfClock(CLOCK_PROCESS_CPUTIME_ID);
+}
 
 void addSeconds(const StageSeconds& from, StageSeconds& to) {
   for (const auto& [stage, seconds] : from) to[stage] += seconds;
@@ -18,6 +46,35 @@ void StageClock::add(const std::string& stage, double seconds) {
 StageSeconds StageClock::seconds() const {
   const std::scoped_lock lock(mutex_);
   return seconds_;
+}
+
+StageTimer::StageTimer(StageClock& clock, const char* stage, Kind kind)
+    : clock_(clock), stage_(stage), kind_(kind), outer_(std::exchange(innermost, this)), start_(threadSeconds()) {}
+
+StageTimer::~StageTimer() {
+  const std::int64_t elsewhere = elsewhere_;
+  innermost = outer_;
+  if (outer_ != nullptr) outer_->elsewhere_ += elsewhere;
+  clock_.add(stage_,
+             kind_ == Kind::Wall ? wall_.seconds() : threadSeconds() - start_ + 1e-9 * static_cast<double>(elsewhere));
+}
+
+StageTimer* StageTimer::current() {
+  return innermost;
+}
+
+StageTask::StageTask(StageTimer* timer) : timer_(timer == innermost ? nullptr : timer), before_(innermost) {
+  if (timer_ == nullptr) return;
+  innermost = timer_;
+  start_ = threadSeconds();
+}
+
+StageTask::~StageTask() {
+  if (timer_ == nullptr) return;
+  const std::int64_t taken = nanoseconds(threadSeconds() - start_);
+  innermost = before_;
+  timer_->elsewhere_ += taken;
+  if (before_ != nullptr) before_->elsewhere_ -= taken;
 }
 
 }  // namespace scanmill

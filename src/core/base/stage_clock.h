@@ -1,7 +1,7 @@
 #pragma once
 
-// Measures how much time each stage of some work takes. This header is installed because pipeline/run/generate.h
-// includes it.
+// Measures how much processor time each stage of some work takes. This header is installed because
+// pipeline/run/generate.h includes it.
 //
 //   StageClock clock;
 //   {
@@ -9,6 +9,8 @@
 //   }  // adds its time to the clock
 //   const double seconds = clock.seconds().at("trace");
 
+#include <atomic>
+#include <cstdint>
 #include <initializer_list>
 #include <map>
 #include <mutex>
@@ -38,19 +40,53 @@ class StageClock {
   StageSeconds seconds_;
 };
 
-// Measures the time from its construction to its destruction and adds it to a stage of a clock. The clock must outlive
-// the timer.
+// Returns the processor time that the calling thread, or all threads of the process, have taken so far (s).
+double threadSeconds();
+double processSeconds();
+
+// Adds the time between its construction and its destruction to a stage of a clock, which must outlive the timer. The
+// time is the processor time of the thread that constructs and destroys the timer, and of the tasks that
+// parallelFor() runs for this thread on other threads meanwhile. Time in which the thread waits does not count.
 class [[nodiscard]] StageTimer {
  public:
-  StageTimer(StageClock& clock, const char* stage) : clock_(clock), stage_(stage) {}
-  ~StageTimer() { clock_.add(stage_, timer_.seconds()); }
+  enum class Kind {
+    Processor,
+    Wall,  // wall-clock time, for stages in which the thread waits for a graphics card or for another process
+  };
+
+  StageTimer(StageClock& clock, const char* stage, Kind kind = Kind::Processor);
+  ~StageTimer();
   StageTimer(const StageTimer&) = delete;
   StageTimer& operator=(const StageTimer&) = delete;
 
+  // Returns the innermost timer of the calling thread; null: there is none.
+  static StageTimer* current();
+
  private:
+  friend class StageTask;
+
   StageClock& clock_;
   const char* stage_;
-  WallTimer timer_;
+  Kind kind_;
+  StageTimer* outer_;
+  WallTimer wall_;
+  double start_;                             // s, threadSeconds() at construction
+  std::atomic<std::int64_t> elsewhere_ = 0;  // ns, processor time of tasks on other threads
+};
+
+// Adds the processor time of the calling thread between construction and destruction to a timer of another thread, for
+// which the calling thread runs a task. Does nothing if the timer is null or is the calling thread's own.
+class [[nodiscard]] StageTask {
+ public:
+  explicit StageTask(StageTimer* timer);
+  ~StageTask();
+  StageTask(const StageTask&) = delete;
+  StageTask& operator=(const StageTask&) = delete;
+
+ private:
+  StageTimer* timer_;   // null: the task runs on the timer's own thread, or there is no timer
+  StageTimer* before_;  // the calling thread's innermost timer when the task began, which the task's time is no part of
+  double start_ = 0;
 };
 
 }  // namespace scanmill

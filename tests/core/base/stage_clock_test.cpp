@@ -32,14 +32,59 @@ TEST(StageClock, NamedStagesAreToldWithoutAnySecond) {
   EXPECT_THAT(clock.seconds(), ElementsAre(Pair("render", 0), Pair("sample", 3)));
 }
 
-TEST(StageClock, TimersAddTheirLifetimes) {
-  StageClock clock;
-  for (int i = 0; i < 2; ++i) {
-    const StageTimer timer(clock, "sleep");
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    EXPECT_EQ(clock.seconds().count("sleep"), i) << "nothing is added before the end";
+// Takes at least this much processor time of the calling thread (s).
+void work(double seconds) {
+  const double begin = threadSeconds();
+  while (threadSeconds() - begin < seconds) {
   }
-  EXPECT_GE(clock.seconds().at("sleep"), 0.01);
+}
+
+TEST(StageClock, TimersAddProcessorTimeOrTimeOfTheClock) {
+  StageClock clock;
+  {
+    const StageTimer waits(clock, "waits");
+    const StageTimer walls(clock, "walls", StageTimer::Kind::Wall);
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    EXPECT_TRUE(clock.seconds().empty()) << "nothing is added before the end";
+  }
+  EXPECT_GE(clock.seconds().at("walls"), 0.05);
+  EXPECT_LT(clock.seconds().at("waits"), 0.02);
+  for (int i = 0; i < 2; ++i) {
+    const StageTimer timer(clock, "works");
+    work(0.01);
+  }
+  EXPECT_GE(clock.seconds().at("works"), 0.02);
+}
+
+TEST(StageClock, ATimerCountsTheTasksThatOtherThreadsRunForIt) {
+  StageClock clock;
+  {
+    const StageTimer outer(clock, "outer");
+    const StageTimer inner(clock, "inner");
+    parallelFor(8, 1, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) {
+        parallelFor(2, 1, [](std::size_t a, std::size_t b) { work(0.005 * static_cast<double>(b - a)); });
+      }
+    });
+  }
+  EXPECT_GE(clock.seconds().at("inner"), 0.08);
+  EXPECT_GE(clock.seconds().at("outer"), 0.08);
+  EXPECT_LE(clock.seconds().at("inner"), processSeconds());
+}
+
+TEST(StageClock, ATaskForAnotherTimerIsNoPartOfTheThreadsOwn) {
+  StageClock clock;
+  {
+    const StageTimer own(clock, "own");
+    StageTimer* const mine = StageTimer::current();
+    std::thread([&] {
+      const StageTimer other(clock, "other");
+      const StageTask task(mine);
+      work(0.05);
+    }).join();
+  }
+  EXPECT_GE(clock.seconds().at("own"), 0.05);
+  EXPECT_LT(clock.seconds().at("other"), 0.02);
 }
 
 TEST(StageClock, ThreadsAddAtOnce) {

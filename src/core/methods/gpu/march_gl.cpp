@@ -136,7 +136,7 @@ class ComputeMarcher : public GlMarcher {
     const std::span<const std::byte> columns = given.batch->hits->wait();
     clock.add("upload", flight.upload);
     clock.add("march", timer.seconds() - flight.upload);
-    const StageTimer copying(clock, "read_back");
+    const StageTimer copying(clock, "read_back", StageTimer::Kind::Wall);
     DeviceResolver::take(columns, {given.batch->rays, given.from, flight.rays()}, 0, hits, undecided);
   }
 

@@ -148,7 +148,7 @@ class BlenderRenderer : public PassRenderer {
   }
 
   void start() {
-    const StageTimer timer(clock_, "upload");
+    const StageTimer timer(clock_, "upload", StageTimer::Kind::Wall);
     job_.emplace("render", folder_.path(), std::vector<std::string>{});
     threads_ = threadCount();
     const BlenderAnswer ready = job_->answer();
@@ -159,7 +159,7 @@ class BlenderRenderer : public PassRenderer {
   // enough.
   void load(const Vec3d& near) {
     if (origin_ && length(near - *origin_) <= kReach) return;
-    const StageTimer timer(clock_, "upload");
+    const StageTimer timer(clock_, "upload", StageTimer::Kind::Wall);
     origin_ = near;
     objects_ = writeBlenderScene(scene_, near, threads_, folder_.path());
     job_->ask(nlohmann::json{{"scene", folder_.path().string()}}.dump());
@@ -175,10 +175,10 @@ class BlenderRenderer : public PassRenderer {
     SeenTriangle* at = seen.data();
     for (std::size_t i = 0; i < cameras.size(); ++i) {
       {
-        const StageTimer timer(clock_, "render");
+        const StageTimer timer(clock_, "render", StageTimer::Kind::Wall);
         job_->answer();
       }
-      const StageTimer timer(clock_, "read_back");
+      const StageTimer timer(clock_, "read_back", StageTimer::Kind::Wall);
       read(imageFile(i), cameras[i], limits, at);
       std::filesystem::remove(imageFile(i));
       at += cameras[i].pixels();

@@ -89,7 +89,7 @@ class Device {
 
  private:
   void upload(const Scene& scene) {
-    const StageTimer timer(clock, "upload");
+    const StageTimer timer(clock, "upload", StageTimer::Kind::Wall);
     geometry = buildViewGeometry(scene, limits.trianglesPerBatch);
     const auto triangles = [](const ViewBatch& batch) {
       return VtkTriangles{batch.positions, batch.uvs, batch.cutouts};
@@ -130,7 +130,7 @@ class VtkSource : public PixelSource {
     if (firsts_.back() >= kNoPixel) {
       throw InputError(fmt::format("{} pixels in a shot's images are too many: take smaller ones", firsts_.back()));
     }
-    const StageTimer timer(device_.clock, "render");
+    const StageTimer timer(device_.clock, "render", StageTimer::Kind::Wall);
     views_.reserve(cameras_.size());
     for (std::uint32_t k = 0; k < cameras_.size(); ++k) {
       views_.emplace_back(scene, device_.geometry, cameras_[k], limits);
@@ -147,7 +147,7 @@ class VtkSource : public PixelSource {
     if (std::any_of(addresses.begin(), addresses.end(), beyond)) throw Error("a pixel was asked for that no image has");
     std::vector<SeenTriangle> seen(addresses.size());
     {
-      const StageTimer timer(device_.clock, "read_back");
+      const StageTimer timer(device_.clock, "read_back", StageTimer::Kind::Wall);
       readNumbers(addresses);
     }
     parallelFor(addresses.size(), 4096, [&](std::size_t first, std::size_t last) {

@@ -254,9 +254,11 @@ class DatasetRun {
       folder_.publish(summary_.manifest);
     }
     summary_.seconds = progress_.seconds();
+    summary_.processorSeconds = processSeconds() - started_;
     return std::move(summary_);
   }
 
+  double started_ = processSeconds();
   const Plan& plan_;
   const Pipeline& pipeline_;
   const GenerateOptions& options_;

@@ -59,7 +59,8 @@ struct GenerateSummary {
   std::uint64_t points = 0;
   std::uint64_t bytes = 0;
   std::map<std::uint16_t, std::uint64_t> pointsPerClass;
-  StageSeconds stages;            // processor time (s) of "trace", "effects", "encode", "write" and other stages
+  StageSeconds stages;            // time (s) of "trace", "effects", "encode", "write" and other stages: see StageTimer
+  double processorSeconds = 0;    // processor time of the process, from beginning to end
   std::size_t resumedShards = 0;  // number of shards that were complete before, or that other processes made meanwhile
   std::vector<std::string> warnings;  // lines about the scenes and sequences, see pipeline/checks/warnings.h
 };

@@ -67,8 +67,8 @@ class SampleMaker {
   // Completes the recordings. Call it after all samples are made.
   void finish();
   const SceneStore& scenes() const { return scenes_; }
-  // Returns the seconds spent in each stage, summed over threads. The times are close to processor time: each stage of
-  // a sample runs on one thread, and only in some stages, such as tracing, do idle threads help it.
+  // Returns the processor time of each stage (s); of stages that wait for a graphics card or for another process, the
+  // wall-clock time.
   StageSeconds stageSeconds() const;
 
  private:
