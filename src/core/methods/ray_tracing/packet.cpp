@@ -20,18 +20,6 @@ float component(double direction) {
   return static_cast<float>(std::abs(direction) < kAlongAnAxis ? 0.0 : direction);
 }
 
-// Computes the firing times of a tile's beams, as fractions of the revolution; all 0 if nothing in the scene moves.
-void findParts(const PacketJob& job, const Tile& tile, float* parts) {
-  std::fill_n(parts, kPacket, 0.0f);
-  if (job.world.duration <= 0) return;
-  const BeamTable& beams = *job.shot.beams;
-  int lane = 0;
-  for (std::uint32_t r = 0; r < tile.rows; ++r) {
-    const std::size_t first = std::size_t{tile.ring + r} * beams.columns + tile.column;
-    for (std::uint32_t c = 0; c < tile.width; ++c, ++lane) parts[lane] = partOf(beams, first + c, job.world.duration);
-  }
-}
-
 void intersectAll(const PacketJob& job, const Rays& rays, const float* parts, TieContext& context) {
   RTCRayHit16 packet;
   alignas(64) int valid[kPacket];
@@ -108,7 +96,7 @@ void intersect(const PacketJob& job, Pending& p) {
 SCANMILL_BEST_INSTRUCTIONS void begin(const PacketJob& job, const Tile& tile, Pending& p) {
   p.tile = tile;
   setUp(job.shot, job.frame, tile, p.rays);
-  findParts(job, tile, p.parts);
+  findParts(job.shot, job.frame, tile, job.world.duration, p.parts);
   intersect(job, p);
   for (int i = 0; i < kPacket; ++i) {
     p.triangles[i].part = p.parts[i];
@@ -119,10 +107,13 @@ SCANMILL_BEST_INSTRUCTIONS void begin(const PacketJob& job, const Tile& tile, Pe
 SCANMILL_BEST_INSTRUCTIONS void finish(const PacketJob& job, const Pending& p, Hits& hits) {
   Resolved resolved;
   for (int i = 0; i < kPacket; ++i) {
-    if (p.triangles[i].block != nullptr) {
-      loadPlane(p.triangles[i], p.traced[i], resolved, i);
-    } else {
+    const HitTriangle& hit = p.triangles[i];
+    if (hit.block == nullptr) {
       loadMiss(resolved, i);
+    } else if (i > 0 && hit.sameTriangle(p.triangles[i - 1]) && (hit.placed == nullptr || !hit.placed->moves)) {
+      loadSamePlane(p.traced[i], resolved, i);
+    } else {
+      loadPlane(hit, p.traced[i], resolved, i);
     }
   }
   intersectPlanes(p.rays, *job.shot.beams, resolved);

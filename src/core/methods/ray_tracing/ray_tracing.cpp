@@ -122,7 +122,7 @@ class RayTracing : public Method {
 
   TraceAccount trace(const Shot& shot, Channels channels, Hits& hits) const override {
     const std::shared_ptr<const World> world = worldOf(shot);
-    const ShotFrame frame = frameOf(shot, world->origin);
+    const ShotFrame frame = frameOf(shot, world->origin, world->duration);
     const PacketJob job{*world, materials_,      shot,
                         frame,  options_.packet, coplanarFloor(static_cast<float>(length(frame.position.front())))};
     const BeamTable& beams = *shot.beams;

@@ -41,15 +41,25 @@ struct Looked {
 };
 
 void lookUp(const HitTriangle* triangles, const float* range, Looked& looked) {
+  const HitTriangle* last = nullptr;  // the hit whose labels the next two variables have
+  HitSurface surfaceOfLast{};
+  std::uint32_t primitiveOfLast = 0;
   for (int i = 0; i < kPacket; ++i) {
     HitSurface surface{};
     std::uint32_t primitive = 0;
     if (range[i] < kMiss) {
       const HitTriangle& t = triangles[i];
-      const BlockTriangle& triangle = t.block->triangles[t.index];
-      surface = t.block->surfaces[triangle.surface];
-      primitive = triangle.primitive;
-      if (t.placed != nullptr) surface.instance = instanceId(t.placed->firstInstanceId, surface.instance);
+      if (last == nullptr || !t.sameTriangle(*last)) {
+        const BlockTriangle& triangle = t.block->triangles[t.index];
+        surfaceOfLast = t.block->surfaces[triangle.surface];
+        primitiveOfLast = triangle.primitive;
+        if (t.placed != nullptr) {
+          surfaceOfLast.instance = instanceId(t.placed->firstInstanceId, surfaceOfLast.instance);
+        }
+        last = &t;
+      }
+      surface = surfaceOfLast;
+      primitive = primitiveOfLast;
     }
     looked.instance[i] = surface.instance;
     looked.semantic[i] = surface.semantic;
@@ -96,19 +106,56 @@ void storeNormals(const Tile& tile, const Resolved& r, Hits& hits) {
   storeRows(tile, normal, hits.normal, hits.columns);
 }
 
-// Sets up kPacket neighbouring beams of one ring with the same pose.
-void setUpRow(const ShotFrame& frame, const Vec3d* directions, Rays& rays) {
-  const Mat3 rotation = frame.rotation.front();
-  const Vec3d o = frame.position.front();
-  for (int i = 0; i < kPacket; ++i) {
-    const Vec3d d = rotation * directions[i];
-    rays.dx[i] = d.x;
-    rays.dy[i] = d.y;
-    rays.dz[i] = d.z;
+// Values of the lanes of a packet. The second half is room for writes of kPacket values that begin at any lane.
+struct PaddedLane {
+  alignas(64) double value[2 * kPacket];
+
+  void fillFrom(int lane, double with) { std::fill_n(value + lane, kPacket, with); }
+};
+
+// The poses of the rays of a packet: lane by lane the columns of the rotation, and the position.
+struct LanePoses {
+  PaddedLane value[12];
+
+  void fillFrom(int lane, const Mat3& rotation, const Vec3d& position) {
+    int k = 0;
+    for (const Vec3d* v : {&rotation.x, &rotation.y, &rotation.z, &position}) {
+      value[k++].fillFrom(lane, v->x);
+      value[k++].fillFrom(lane, v->y);
+      value[k++].fillFrom(lane, v->z);
+    }
   }
-  std::fill_n(rays.ox, kPacket, o.x);
-  std::fill_n(rays.oy, kPacket, o.y);
-  std::fill_n(rays.oz, kPacket, o.z);
+};
+
+// Sets up kPacket neighbouring rays of one ring. The arithmetic is that of Mat3 * Vec3d, lane by lane.
+void setUpRow(const ShotFrame& frame, const BeamTable& beams, const Tile& tile, Rays& rays) {
+  const std::size_t first = std::size_t{tile.ring} * beams.columns + tile.column;
+  const std::uint32_t* const step = &frame.step[tile.column];
+  LanePoses poses;
+  for (int lane = 0; lane < kPacket; ++lane) {
+    if (lane > 0 && step[lane] == step[lane - 1]) continue;
+    poses.fillFrom(lane, frame.rotation[step[lane]], frame.position[step[lane]]);
+  }
+  const auto pose = [&](int k) { return poses.value[k].value; };
+  const Vec3d* const directions = &beams.direction[first];
+  for (int i = 0; i < kPacket; ++i) {
+    const Vec3d d = directions[i];
+    rays.dx[i] = pose(0)[i] * d.x + pose(3)[i] * d.y + pose(6)[i] * d.z;
+    rays.dy[i] = pose(1)[i] * d.x + pose(4)[i] * d.y + pose(7)[i] * d.z;
+    rays.dz[i] = pose(2)[i] * d.x + pose(5)[i] * d.y + pose(8)[i] * d.z;
+    rays.ox[i] = pose(9)[i];
+    rays.oy[i] = pose(10)[i];
+    rays.oz[i] = pose(11)[i];
+  }
+  if (!beams.origin.empty()) {
+    const Vec3f* const origins = &beams.origin[first];
+    for (int i = 0; i < kPacket; ++i) {
+      const Vec3d o(origins[i]);
+      rays.ox[i] += pose(0)[i] * o.x + pose(3)[i] * o.y + pose(6)[i] * o.z;
+      rays.oy[i] += pose(1)[i] * o.x + pose(4)[i] * o.y + pose(7)[i] * o.z;
+      rays.oz[i] += pose(2)[i] * o.x + pose(5)[i] * o.y + pose(8)[i] * o.z;
+    }
+  }
   rays.count = kPacket;
 }
 
@@ -119,11 +166,21 @@ RangeLimits limitsOf(const BeamTable& beams) {
           beams.maxRange * (1 + 1e-12)};
 }
 
-ShotFrame frameOf(const Shot& shot, const Vec3d& origin) {
+ShotFrame frameOf(const Shot& shot, const Vec3d& origin, double duration) {
+  const BeamTable& beams = *shot.beams;
   ShotFrame frame;
   for (const Pose& pose : shot.worldFromSensor) {
     frame.rotation.push_back(toMatrix(pose.rotation));
     frame.position.push_back(pose.translation - origin);
+  }
+  frame.step.resize(beams.columns);
+  for (std::uint32_t column = 0; column < beams.columns; ++column) {
+    frame.step[column] = static_cast<std::uint32_t>(shot.stepOf(column));
+  }
+  if (duration <= 0 || !beams.time.empty()) return frame;
+  frame.part.resize(beams.columns);
+  for (std::uint32_t column = 0; column < beams.columns; ++column) {
+    frame.part[column] = partOf(beams, column, duration);
   }
   return frame;
 }
@@ -136,17 +193,32 @@ float partOf(const BeamTable& beams, std::size_t ray, double duration) {
   return static_cast<float>(std::clamp(time / duration, 0.0, 1.0));
 }
 
+void findParts(const Shot& shot, const ShotFrame& frame, const Tile& tile, double duration, float* parts) {
+  std::fill_n(parts, kPacket, 0.0f);
+  if (duration <= 0) return;
+  const BeamTable& beams = *shot.beams;
+  for (std::uint32_t r = 0; r < tile.rows; ++r) {
+    float* const row = parts + r * tile.width;
+    if (!frame.part.empty()) {
+      std::copy_n(&frame.part[tile.column], tile.width, row);
+      continue;
+    }
+    const std::size_t first = std::size_t{tile.ring + r} * beams.columns + tile.column;
+    for (std::uint32_t c = 0; c < tile.width; ++c) row[c] = partOf(beams, first + c, duration);
+  }
+}
+
 SCANMILL_BEST_INSTRUCTIONS void setUp(const Shot& shot, const ShotFrame& frame, const Tile& tile, Rays& rays) {
   const BeamTable& beams = *shot.beams;
-  if (tile.width == kPacket && frame.rotation.size() == 1 && beams.origin.empty()) {
-    setUpRow(frame, &beams.direction[std::size_t{tile.ring} * beams.columns + tile.column], rays);
+  if (tile.width == kPacket) {
+    setUpRow(frame, beams, tile, rays);
     return;
   }
   int lane = 0;
   for (std::uint32_t r = 0; r < tile.rows; ++r) {
     const std::uint32_t first = (tile.ring + r) * beams.columns + tile.column;
     for (std::uint32_t c = 0; c < tile.width; ++c, ++lane) {
-      const std::size_t step = frame.rotation.size() == 1 ? 0 : shot.stepOf(tile.column + c);
+      const std::uint32_t step = frame.step[tile.column + c];
       const Mat3& rotation = frame.rotation[step];
       const Vec3d d = rotation * beams.direction[first + c];
       Vec3d o = frame.position[step];

@@ -17,13 +17,18 @@ namespace scanmill {
 
 constexpr int kPacket = 16;
 
-// A shot's poses, relative to the world's origin.
+// A shot's poses, relative to the world's origin, and the steps and times of its columns.
 struct ShotFrame {
   std::vector<Mat3> rotation;  // one rotation per step of the revolution
   std::vector<Vec3d> position;
+  std::vector<std::uint32_t> step;  // step of each column: Shot::stepOf()
+  // Time at which each column fires, as a fraction (0 to 1) of the revolution. Empty if nothing moves, or if the table
+  // gives each ray a time of its own.
+  std::vector<float> part;
 };
 
-ShotFrame frameOf(const Shot& shot, const Vec3d& origin);
+// `duration`: duration (s) of the revolution of a world in which something moves; otherwise 0.
+ShotFrame frameOf(const Shot& shot, const Vec3d& origin, double duration = 0);
 
 // A rectangle of at most 16 beams: rings [ring, ring + rows) x columns [column, column + width).
 struct Tile {
@@ -45,6 +50,11 @@ struct HitTriangle {
   std::uint32_t index = 0;
   float part = 0;  // time at which the ray fires, as a fraction of the revolution (0 to 1), which determines the pose
                    // of a moving mesh
+
+  // Returns true if both rays hit the same triangle of the same object.
+  bool sameTriangle(const HitTriangle& other) const {
+    return index == other.index && placed == other.placed && block == other.block;
+  }
 };
 
 // The planes of the hit triangles, relative to the world's origin, and the ranges and cosines that follow from them.
@@ -61,6 +71,9 @@ struct Resolved {
 float partOf(const BeamTable& beams, std::size_t ray, double duration);
 
 void setUp(const Shot& shot, const ShotFrame& frame, const Tile& tile, Rays& rays);
+
+// Sets `parts` to the times at which a tile's rays fire, as partOf() does for one ray; lanes without a ray get 0.
+void findParts(const Shot& shot, const ShotFrame& frame, const Tile& tile, double duration, float* parts);
 
 // Loads the plane of a triangle that a ray has hit at about the range `traced` (m).
 inline void loadPlane(const HitTriangle& hit, float traced, Resolved& r, int lane) {
@@ -79,6 +92,15 @@ inline void loadPlane(const HitTriangle& hit, float traced, Resolved& r, int lan
   r.ny[lane] = normal.y;
   r.nz[lane] = normal.z;
   r.offset[lane] = offset;
+  r.traced[lane] = double{traced};
+}
+
+// Loads the plane that the lane before has, for a ray that hits the same triangle.
+inline void loadSamePlane(float traced, Resolved& r, int lane) {
+  r.nx[lane] = r.nx[lane - 1];
+  r.ny[lane] = r.ny[lane - 1];
+  r.nz[lane] = r.nz[lane - 1];
+  r.offset[lane] = r.offset[lane - 1];
   r.traced[lane] = double{traced};
 }
 
