@@ -25,11 +25,25 @@ Cell cellOf(double at) {
   return {static_cast<std::uint32_t>(std::bit_cast<std::uint64_t>(shifted)) - (below ? 1u : 0u), 1 - upper, upper};
 }
 
+// Returns philox4x32(counter, key). Each word is in the lower half of 64 bits: with AVX-512, GCC vectorises these
+// products three times as well as those of 32-bit words.
+std::array<std::uint64_t, 4> widePhilox(std::array<std::uint64_t, 4> counter, std::array<std::uint32_t, 2> key) {
+  constexpr std::uint64_t kLower = 0xFFFFFFFF;
+  for (int round = 0; round < 10; ++round) {
+    const std::uint64_t p0 = 0xD2511F53 * counter[0];
+    const std::uint64_t p1 = 0xCD9E8D57 * counter[2];
+    counter = {(p1 >> 32) ^ counter[1] ^ key[0], p1 & kLower, (p0 >> 32) ^ counter[3] ^ key[1], p0 & kLower};
+    key[0] += 0x9E3779B9;
+    key[1] += 0xBB67AE85;
+  }
+  return counter;
+}
+
 // Returns the sum of four uniform numbers, scaled to mean 0 and variance 1. The distribution is close to normal within
 // two standard deviations; absolute values stay below 3.5.
-double standard(const RandomBlock& words) {
-  const double sum = toDouble(words[0]) + toDouble(words[1]) + toDouble(words[2]) + toDouble(words[3]);
-  return (sum * 0x1p-32 - 2) * 1.7320508075688772;
+double standard(const std::array<std::uint64_t, 4>& words) {
+  const std::uint64_t sum = words[0] + words[1] + words[2] + words[3];
+  return ((std::bit_cast<double>(0x4330000000000000u + sum) - 0x1p52) * 0x1p-32 - 2) * 1.7320508075688772;
 }
 
 }  // namespace
@@ -81,7 +95,7 @@ SCANMILL_BEST_INSTRUCTIONS void addField(const SpatialField& field, const Places
       const Cell z = cellOf(places.z[i] * cubes[i]);
       const double weight =
           (right != 0 ? x.upper : x.lower) * (far != 0 ? y.upper : y.lower) * (above != 0 ? z.upper : z.lower);
-      sum[i] += weight * standard(philox4x32({x.corner + right, y.corner + far, z.corner + above, tag}, key));
+      sum[i] += weight * standard(widePhilox({x.corner + right, y.corner + far, z.corner + above, tag}, key));
       squares[i] += weight * weight;
     }
   }
