@@ -33,6 +33,10 @@ class ReflectanceVariation : public Effect {
   void apply(const Hits& hits, const Shot& shot, std::span<const Material> materials, Returns& returns) const override {
     returns.gain.resize(returns.size(), 1.0f);
     const PlacesOfHits hitPlaces(hits, shot, returns);
+    std::vector<SpatialField> fields;
+    for (std::uint32_t k = 0; k < kMostVariations; ++k) {
+      fields.emplace_back(shot.seed, Purpose::ReflectanceVariation, k);
+    }
     Places places;
     Batch<Variation> variation;
     Batch<double> cubes;
@@ -58,7 +62,7 @@ class ReflectanceVariation : public Effect {
           contrast[i] = seenContrast(variation[i], *shot.beams, hits.range[returns.hit(first + i)]);
           exponent[i] -= contrast[i] * contrast[i] / 2;
         }
-        addField({shot.seed, Purpose::ReflectanceVariation, k}, places, cubes, contrast, exponent);
+        fields[k].add(places, cubes, contrast, exponent);
       }
       for (std::size_t i = 0; i < count && placed; ++i) {
         returns.gain[first + i] *= static_cast<float>(exponential(exponent[i]));

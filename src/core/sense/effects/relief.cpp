@@ -51,8 +51,8 @@ struct RoughHit {
 // its slot.
 class March {
  public:
-  March(std::uint64_t seed, std::span<const RoughHit> hits, Returns& returns)
-      : seed_(seed), hits_(hits), returns_(returns) {}
+  March(std::span<SpatialField> fields, std::span<const RoughHit> hits, Returns& returns)
+      : fields_(fields), hits_(hits), returns_(returns) {}
 
   void run() {
     for (std::size_t slot = 0; slot < kBatch; ++slot) fill(slot);
@@ -60,7 +60,7 @@ class March {
     while (running_ > 0) {
       heights.fill(0);
       for (std::uint32_t k = 0; k < kMostReliefs; ++k) {
-        if (levels_ > k) addField({seed_, Purpose::Relief, k}, places_, cubes_[k], height_[k], heights);
+        if (levels_ > k) fields_[k].add(places_, cubes_[k], height_[k], heights);
       }
       for (std::size_t slot = 0; slot < kBatch; ++slot) {
         if (hit_[slot] != nullptr) advance(slot, heights[slot]);
@@ -124,7 +124,7 @@ class March {
     fill(slot);
   }
 
-  std::uint64_t seed_;
+  std::span<SpatialField> fields_;  // by entry of the relief
   std::span<const RoughHit> hits_;
   Returns& returns_;
   std::size_t next_ = 0;
@@ -148,6 +148,8 @@ class ReliefEffect : public Effect {
   void apply(const Hits& hits, const Shot& shot, std::span<const Material> materials, Returns& returns) const override {
     constexpr std::size_t kTogether = 64 * kBatch;  // largest number of rows whose beams one March follows
     const PlacesOfHits hitPlaces(hits, shot, returns);
+    std::vector<SpatialField> fields;
+    for (std::uint32_t k = 0; k < kMostReliefs; ++k) fields.emplace_back(shot.seed, Purpose::Relief, k);
     Places places;
     Places along;
     std::vector<RoughHit> rough;
@@ -165,7 +167,7 @@ class ReliefEffect : public Effect {
           rough[k].along = {along.x[i], along.y[i], along.z[i]};
         }
       }
-      March(shot.seed, rough, returns).run();
+      March(fields, rough, returns).run();
     }
   }
 

@@ -1,5 +1,6 @@
 #include "sense/effects/spatial_noise.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -78,28 +79,91 @@ void PlacesOfHits::find(std::size_t first, Places& places, Places* along) const 
   }
 }
 
-SCANMILL_BEST_INSTRUCTIONS void addField(const SpatialField& field, const Places& places, const Batch<double>& cubes,
-                                         const Batch<double>& factor, Batch<double>& values) {
-  const std::uint32_t tag = (field.number << 20) | static_cast<std::uint32_t>(field.purpose);
-  const std::array<std::uint32_t, 2> key{static_cast<std::uint32_t>(field.seed),
-                                         static_cast<std::uint32_t>(field.seed >> 32)};
-  Batch<double> sum{};
-  Batch<double> squares{};
+SpatialField::SpatialField(std::uint64_t seed, Purpose purpose, std::uint32_t number)
+    : tag_((number << 20) | static_cast<std::uint32_t>(purpose)),
+      key_{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)},
+      entries_(kEntries),
+      numbers_(kEntries + kBatch) {
+  // At first, every entry has the cube at the origin.
+  computeCorners({}, 1);
+  for (std::uint32_t i = 0; i < kEntries; ++i) entries_[i].row = i;
+  std::fill_n(numbers_.begin(), kEntries, std::array(numbers_[kEntries]));
+}
+
+SCANMILL_BEST_INSTRUCTIONS void SpatialField::computeCorners(const Corners& cubes, std::size_t count) {
   for (std::uint32_t corner = 0; corner < 8; ++corner) {
     const std::uint32_t right = corner & 1;
     const std::uint32_t far = (corner >> 1) & 1;
     const std::uint32_t above = corner >> 2;
-    for (std::size_t i = 0; i < kBatch; ++i) {
-      const Cell x = cellOf(places.x[i] * cubes[i]);
-      const Cell y = cellOf(places.y[i] * cubes[i]);
-      const Cell z = cellOf(places.z[i] * cubes[i]);
-      const double weight =
-          (right != 0 ? x.upper : x.lower) * (far != 0 ? y.upper : y.lower) * (above != 0 ? z.upper : z.lower);
-      sum[i] += weight * standard(widePhilox({x.corner + right, y.corner + far, z.corner + above, tag}, key));
-      squares[i] += weight * weight;
+    for (std::size_t i = 0; i < count; ++i) {
+      numbers_[kEntries + i][corner] =
+          standard(widePhilox({cubes.x[i] + right, cubes.y[i] + far, cubes.z[i] + above, tag_}, key_));
     }
   }
-  for (std::size_t i = 0; i < kBatch; ++i) values[i] += factor[i] * sum[i] / std::sqrt(squares[i]);
+}
+
+SCANMILL_BEST_INSTRUCTIONS void SpatialField::add(const Places& places, const Batch<double>& cubes,
+                                                  const Batch<double>& factor, Batch<double>& values) {
+  Places lower;
+  Places upper;
+  Corners cubesOfRows;
+  Batch<std::uint32_t> entryOf;
+  for (std::size_t i = 0; i < kBatch; ++i) {
+    const Cell x = cellOf(places.x[i] * cubes[i]);
+    const Cell y = cellOf(places.y[i] * cubes[i]);
+    const Cell z = cellOf(places.z[i] * cubes[i]);
+    lower.x[i] = x.lower;
+    lower.y[i] = y.lower;
+    lower.z[i] = z.lower;
+    upper.x[i] = x.upper;
+    upper.y[i] = y.upper;
+    upper.z[i] = z.upper;
+    cubesOfRows.x[i] = x.corner;
+    cubesOfRows.y[i] = y.corner;
+    cubesOfRows.z[i] = z.corner;
+    entryOf[i] = (x.corner + 32 * y.corner + 5 * z.corner) % kEntries;
+  }
+  // The numbers of new cubes are kept behind those of all entries until no row of the batch needs the numbers that they
+  // replace.
+  Corners added;
+  Batch<std::uint32_t> entryOfAdded;
+  std::array<Batch<double>, 8> numbers;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < kBatch; ++i) {
+    Entry& entry = entries_[entryOf[i]];
+    const std::uint32_t x = cubesOfRows.x[i];
+    const std::uint32_t y = cubesOfRows.y[i];
+    const std::uint32_t z = cubesOfRows.z[i];
+    if (entry.x != x || entry.y != y || entry.z != z) {
+      entry = {x, y, z, static_cast<std::uint32_t>(kEntries + count)};
+      added.x[count] = x;
+      added.y[count] = y;
+      added.z[count] = z;
+      entryOfAdded[count++] = entryOf[i];
+    }
+    entryOf[i] = entry.row;
+  }
+  computeCorners(added, count);
+  for (std::size_t i = 0; i < kBatch; ++i) {
+    for (std::size_t corner = 0; corner < 8; ++corner) numbers[corner][i] = numbers_[entryOf[i]][corner];
+  }
+  for (std::size_t i = 0; i < kBatch; ++i) {
+    const double x[] = {lower.x[i], upper.x[i]};
+    const double y[] = {lower.y[i], upper.y[i]};
+    const double z[] = {lower.z[i], upper.z[i]};
+    double sum = 0;
+    double squares = 0;
+    for (std::size_t corner = 0; corner < 8; ++corner) {
+      const double weight = x[corner & 1] * y[(corner >> 1) & 1] * z[corner >> 2];
+      sum += weight * numbers[corner][i];
+      squares += weight * weight;
+    }
+    values[i] += factor[i] * sum / std::sqrt(squares);
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    numbers_[entryOfAdded[i]] = numbers_[kEntries + i];
+    entries_[entryOfAdded[i]].row = entryOfAdded[i];
+  }
 }
 
 }  // namespace scanmill

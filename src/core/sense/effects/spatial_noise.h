@@ -42,15 +42,37 @@ class PlacesOfHits {
 // number. The value at a point is a weighted sum over the corners of the point's cube (weights of Perlin, "Improving
 // noise", SIGGRAPH 2002), scaled so that the squares of the weights add up to 1. Fields with different number or
 // purpose are independent, and so are the values at points that are two cubes or more apart along an axis.
-struct SpatialField {
-  std::uint64_t seed = 0;
-  Purpose purpose = Purpose::Test;
-  std::uint32_t number = 0;  // number of the field, below 4096
-};
+//
+// Neighbouring points are often in the same cube: the numbers of recent cubes are kept in a table.
+class SpatialField {
+ public:
+  // `number`: number of the field, below 4096.
+  SpatialField(std::uint64_t seed, Purpose purpose, std::uint32_t number);
+  // Adds factor[i] * field(place[i] * cubes[i]) to values[i]. `cubes[i]`: number of the lattice's cubes per metre for
+  // row i of the batch.
+  void add(const Places& places, const Batch<double>& cubes, const Batch<double>& factor, Batch<double>& values);
 
-// Adds factor[i] * field(place[i] * cubes[i]) to values[i]. `cubes[i]`: number of the lattice's cubes per metre for row
-// i of the batch.
-void addField(const SpatialField& field, const Places& places, const Batch<double>& cubes, const Batch<double>& factor,
-              Batch<double>& values);
+ private:
+  static constexpr std::uint32_t kEntries = 1024;
+  // A cube of the table. Each cube has one entry in which it can be.
+  struct Entry {
+    std::uint32_t x, y, z;  // indices of the lower corner, modulo 2^32
+    std::uint32_t row;      // index in numbers_
+  };
+  struct Corners {
+    Batch<std::uint32_t> x;
+    Batch<std::uint32_t> y;
+    Batch<std::uint32_t> z;
+  };
+
+  // Computes the numbers at the corners of cubes, into the rows of numbers_ behind those of all entries. `cubes`: the
+  // indices of their lower corners.
+  void computeCorners(const Corners& cubes, std::size_t count);
+
+  std::uint32_t tag_;
+  std::array<std::uint32_t, 2> key_;
+  std::vector<Entry> entries_;
+  std::vector<std::array<double, 8>> numbers_;  // by corner; corner 1 is the next along x, 2 along y, 4 along z
+};
 
 }  // namespace scanmill

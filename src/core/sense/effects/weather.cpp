@@ -173,6 +173,7 @@ class WeatherEffect : public Effect {
   void wetGround(const Hits& hits, const Shot& shot, Returns& returns) const {
     const double film = quantileOfNormal(o_.wet);
     const PlacesOfHits hitPlaces(hits, shot, returns);
+    SpatialField puddles(shot.seed, Purpose::WetGround, 0);
     Places places;
     Batch<double> cubes;
     Batch<double> one;
@@ -181,7 +182,7 @@ class WeatherEffect : public Effect {
     forBatches(returns.range, [&](std::size_t first, std::size_t count) {
       Batch<double> field{};
       hitPlaces.find(first, places);
-      addField({shot.seed, Purpose::WetGround, 0}, places, cubes, one, field);
+      puddles.add(places, cubes, one, field);
       for (std::size_t i = 0; i < count; ++i) {
         const std::uint32_t hit = returns.hit(first + i);
         if (!returns.returned(first + i) || hit == kNoHit || double{hits.normal[hit].z} < kLeastUp) continue;

@@ -53,7 +53,7 @@ TEST(Relief, BeamsEndOnTheHeights) {
       places.y[i] = p.y;
       places.z[i] = p.z;
     }
-    addField({world.shot.seed, Purpose::Relief, 0}, places, cubes, factor, height);
+    SpatialField(world.shot.seed, Purpose::Relief, 0).add(places, cubes, factor, height);
     for (std::size_t i = 0; i < kBatch; ++i) {
       const double beam = -found[first + i] * std::cos(radians(70));
       off += std::abs(beam - height[i]) > 0.006 ? 1u : 0u;

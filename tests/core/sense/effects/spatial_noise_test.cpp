@@ -8,6 +8,7 @@ namespace {
 // The field at as many places as wanted, in cubes of 1 m.
 std::vector<double> fieldAt(const std::vector<Vec3d>& points, std::uint64_t seed = 1, std::uint32_t number = 0) {
   std::vector<double> values;
+  SpatialField field(seed, Purpose::Test, number);
   Places places{};
   Batch<double> ones;
   ones.fill(1);
@@ -19,7 +20,7 @@ std::vector<double> fieldAt(const std::vector<Vec3d>& points, std::uint64_t seed
       places.z[i] = points[first + i].z;
     }
     Batch<double> value{};
-    addField({seed, Purpose::Test, number}, places, ones, ones, value);
+    field.add(places, ones, ones, value);
     values.insert(values.end(), value.begin(), value.begin() + static_cast<std::ptrdiff_t>(count));
   }
   return values;
