@@ -45,15 +45,16 @@ class GroundMaker {
 
   models::Model make() {
     tile();
+    besides_.reserve(tiling_.points.size() + tiling_.points.size() / 4);
     for (std::size_t border = 0; border < 5; ++border) {
-      cutAlong(tiling_, [&](std::uint32_t p) {
+      cut([&](std::uint32_t p) {
         const Beside& b = beside(p);
         return b.known ? layout_.borders(b)[border] : 1e3;
       });
     }
-    cutAlong(tiling_, [&](std::uint32_t p) { return layout_.outsidePatches(tiling_.points[p]); });
+    cut([&](std::uint32_t p) { return layout_.outsidePatches(tiling_.points[p]); });
     if (!layout_.areas().all().empty()) {
-      cutAlong(tiling_, [&](std::uint32_t p) { return layout_.areas().outsideHard(tiling_.points[p]); });
+      cut([&](std::uint32_t p) { return layout_.areas().outsideHard(tiling_.points[p]); });
     }
     addTriangles();
     return shape_.finish();
@@ -63,6 +64,7 @@ class GroundMaker {
   void tile() {
     tiling_ = makeTiling(layout_.half(), kSmallest / 4, [&](double x, double y, double size) {
       if (size > kSmallest / 4 && layout_.nearPothole({x, y}, 0.71 * size)) return true;
+      if (size <= kSmallest * 1.0001) return false;
       // Parking lots, squares, water and patches have sharp edges, which need fine cells.
       const double reach = std::min(0.71 * size, 3.9);
       if (size > 1 && std::abs(layout_.areas().outsideHard({x, y})) < reach) return true;
@@ -74,6 +76,14 @@ class GroundMaker {
       const bool road = b.known && b.edge + 0.71 * size < -0.5;
       return size > (road ? 1 : wanted) * 1.0001;
     });
+  }
+
+  // Divides triangles along the line on which a field is zero.
+  template <class Field>
+  void cut(const Field& field) {
+    std::vector<double> values(tiling_.points.size());
+    for (std::uint32_t p = 0; p < values.size(); ++p) values[p] = field(p);
+    cutAlong(tiling_, std::move(values));
   }
 
   const Beside& beside(std::uint32_t point) {
@@ -114,6 +124,9 @@ class GroundMaker {
   }
 
   void addTriangles() {
+    shape_.mesh.positions.reserve(tiling_.points.size() + tiling_.points.size() / 8);
+    shape_.mesh.triangles.reserve(tiling_.triangles.size() + tiling_.triangles.size() / 8);
+    shape_.mesh.surfaceOf.reserve(tiling_.triangles.size() + tiling_.triangles.size() / 8);
     low_.assign(tiling_.points.size(), 0);
     high_.assign(tiling_.points.size(), 0);
     std::vector<bool> low;

@@ -1,9 +1,11 @@
 #include "town/tiling.h"
 
+#include <algorithm>
 #include <cmath>
 #include <unordered_map>
 
 #include "base/input_budget.h"
+#include "models/occupancy.h"
 
 namespace scanmill::town {
 namespace {
@@ -12,31 +14,71 @@ const Location kGround{"the ground of the town"};  // of errors
 
 constexpr double kOnLine = 1e-4;  // m; if the field of cutAlong() has a smaller absolute value, it counts as zero
 
+// The numbers of the points on the lattice of a quadtree, plus 1; 0: a point has no number. Points are in an array
+// whose order keeps neighbours together, except for the few that only leaves with sides of less than kSpacing steps
+// have.
+class LatticePoints {
+ public:
+  explicit LatticePoints(std::int64_t steps)
+      : blocks_(steps / (kBlock * kSpacing) + 1),
+        numbers_(static_cast<std::size_t>(blocks_ * blocks_ * kBlock * kBlock)) {}
+
+  std::uint32_t& at(std::int64_t x, std::int64_t y) {
+    return isOther(x, y) ? others_[models::cellKey(x, y)] : numbers_[indexOf(x, y)];
+  }
+  std::uint32_t find(std::int64_t x, std::int64_t y) const {
+    if (!isOther(x, y)) return numbers_[indexOf(x, y)];
+    const auto found = others_.find(models::cellKey(x, y));
+    return found == others_.end() ? 0 : found->second;
+  }
+
+ private:
+  static constexpr std::int64_t kSpacing = 8;
+  static constexpr std::int64_t kBlock = 32;  // points on the side of a block of the array
+
+  static bool isOther(std::int64_t x, std::int64_t y) { return (x | y) % kSpacing != 0; }
+  std::size_t indexOf(std::int64_t x, std::int64_t y) const {
+    const std::int64_t column = x / kSpacing;
+    const std::int64_t row = y / kSpacing;
+    const std::int64_t block = row / kBlock * blocks_ + column / kBlock;
+    return static_cast<std::size_t>((block * kBlock + row % kBlock) * kBlock + column % kBlock);
+  }
+
+  std::int64_t blocks_;  // blocks on the side of the lattice
+  std::vector<std::uint32_t> numbers_;
+  std::unordered_map<std::uint64_t, std::uint32_t> others_;
+};
+
 // Corners are on a lattice whose spacing is half the smallest leaf's side, so that leaves' centres are on it, too.
 class Quadtree {
  public:
   Quadtree(double half, double smallest, const std::function<bool(double, double, double)>& divided)
-      : half_(half), divided_(divided) {
-    steps_ = 2;
-    while (4 * half / static_cast<double>(steps_) > smallest * 1.0001) steps_ *= 2;
+      : half_(half), divided_(divided), steps_(stepsOf(half, smallest)), corners_(steps_) {
     step_ = 2 * half / static_cast<double>(steps_);
+    leaves_.reserve(kUsual);
+    tiling_.points.reserve(kUsual);
   }
 
   Tiling make() {
     divide(0, 0, steps_);
+    tiling_.triangles.reserve(3 * leaves_.size());  // with room for the pieces of cuts
     for (const Leaf& leaf : leaves_) addLeaf(leaf);
     return std::move(tiling_);
   }
 
  private:
+  static constexpr std::size_t kUsual = std::size_t{1} << 19;  // about the number of leaves and points of a usual town
   struct Leaf {
-    std::int64_t x, y, size;  // low corner and side, in steps of the lattice
+    std::int32_t x, y, size;               // low corner and side, in steps of the lattice
+    std::array<std::uint32_t, 4> corners;  // numbers of the corners, counter-clockwise from the low corner
   };
 
-  double coordinate(std::int64_t i) const { return -half_ + static_cast<double>(i) * step_; }
-  static std::uint64_t key(std::int64_t x, std::int64_t y) {
-    return static_cast<std::uint64_t>(x) << 32 | static_cast<std::uint64_t>(y);
+  static std::int64_t stepsOf(double half, double smallest) {
+    std::int64_t steps = 2;
+    while (4 * half / static_cast<double>(steps) > smallest * 1.0001) steps *= 2;
+    return steps;
   }
+  double coordinate(std::int64_t i) const { return -half_ + static_cast<double>(i) * step_; }
 
   void divide(std::int64_t x, std::int64_t y, std::int64_t size) {
     const double side = static_cast<double>(size) * step_;
@@ -49,38 +91,46 @@ class Quadtree {
       divide(x + half, y + half, half);
       return;
     }
-    leaves_.push_back({x, y, size});
-    for (const std::int64_t cx : {x, x + size}) {
-      for (const std::int64_t cy : {y, y + size}) corner(cx, cy);
-    }
+    const std::uint32_t low = corner(x, y);
+    const std::uint32_t left = corner(x, y + size);
+    const std::uint32_t right = corner(x + size, y);
+    const std::uint32_t high = corner(x + size, y + size);
+    leaves_.push_back({static_cast<std::int32_t>(x),
+                       static_cast<std::int32_t>(y),
+                       static_cast<std::int32_t>(size),
+                       {low, right, high, left}});
   }
 
   std::uint32_t corner(std::int64_t x, std::int64_t y) {
-    const auto [found, made] = corners_.try_emplace(key(x, y), static_cast<std::uint32_t>(tiling_.points.size()));
-    if (made) tiling_.points.push_back({coordinate(x), coordinate(y)});
-    return found->second;
+    std::uint32_t& number = corners_.at(x, y);
+    if (number == 0) {
+      tiling_.points.push_back({coordinate(x), coordinate(y)});
+      number = static_cast<std::uint32_t>(tiling_.points.size());
+    }
+    return number - 1;
   }
 
-  // Appends the points on the side of a leaf from (ax, ay) to (bx, by), without (bx, by). The points include the
-  // corners of smaller neighbours.
-  void addSide(std::int64_t ax, std::int64_t ay, std::int64_t bx, std::int64_t by) {
+  // Appends the points on the side of a leaf from the point `first` at (ax, ay) to (bx, by), without (bx, by). The
+  // points include the corners of smaller neighbours.
+  void addSide(std::uint32_t first, std::int64_t ax, std::int64_t ay, std::int64_t bx, std::int64_t by) {
     const std::int64_t mx = (ax + bx) / 2;
     const std::int64_t my = (ay + by) / 2;
     const bool divisible = (ax + bx) % 2 == 0 && (ay + by) % 2 == 0;
-    if (divisible && corners_.contains(key(mx, my))) {
-      addSide(ax, ay, mx, my);
-      addSide(mx, my, bx, by);
+    const std::uint32_t middle = divisible ? corners_.find(mx, my) : 0;
+    if (middle > 0) {
+      addSide(first, ax, ay, mx, my);
+      addSide(middle - 1, mx, my, bx, by);
       return;
     }
-    around_.push_back(corners_.at(key(ax, ay)));
+    around_.push_back(first);
   }
 
   void addLeaf(const Leaf& l) {
     around_.clear();
-    addSide(l.x, l.y, l.x + l.size, l.y);
-    addSide(l.x + l.size, l.y, l.x + l.size, l.y + l.size);
-    addSide(l.x + l.size, l.y + l.size, l.x, l.y + l.size);
-    addSide(l.x, l.y + l.size, l.x, l.y);
+    addSide(l.corners[0], l.x, l.y, l.x + l.size, l.y);
+    addSide(l.corners[1], l.x + l.size, l.y, l.x + l.size, l.y + l.size);
+    addSide(l.corners[2], l.x + l.size, l.y + l.size, l.x, l.y + l.size);
+    addSide(l.corners[3], l.x, l.y + l.size, l.x, l.y);
     if (around_.size() == 4) {
       tiling_.triangles.push_back({around_[0], around_[1], around_[2]});
       tiling_.triangles.push_back({around_[0], around_[2], around_[3]});
@@ -96,11 +146,11 @@ class Quadtree {
 
   double half_;
   const std::function<bool(double, double, double)>& divided_;
-  std::int64_t steps_ = 2;
+  std::int64_t steps_;
   double step_ = 1;
   std::vector<Leaf> leaves_;
   std::vector<std::uint32_t> around_;
-  std::unordered_map<std::uint64_t, std::uint32_t> corners_;
+  LatticePoints corners_;
   Tiling tiling_;
 };
 
@@ -110,12 +160,14 @@ Tiling makeTiling(double half, double smallest, const std::function<bool(double 
   return Quadtree(half, smallest, divided).make();
 }
 
-void cutAlong(Tiling& tiling, const std::function<double(std::uint32_t point)>& field) {
-  std::vector<double> value;
-  value.reserve(tiling.points.size());
-  for (std::uint32_t p = 0; p < tiling.points.size(); ++p) {
-    const double v = field(p);
-    value.push_back(std::abs(v) < kOnLine ? 0 : v);
+void cutAlong(Tiling& tiling, std::vector<double> field) {
+  // The sides of the line on which points are. The sides of a triangle's corners are combined by `or`.
+  constexpr std::uint8_t kAbove = 1;
+  constexpr std::uint8_t kBelow = 2;
+  std::vector<std::uint8_t> sides(field.size());
+  for (std::size_t p = 0; p < field.size(); ++p) {
+    if (std::abs(field[p]) < kOnLine) field[p] = 0;
+    sides[p] = field[p] > 0 ? kAbove : field[p] < 0 ? kBelow : 0;
   }
   std::unordered_map<std::uint64_t, std::uint32_t> middles;  // index of the new point, by edge
   const auto middle = [&](std::uint32_t a, std::uint32_t b) {
@@ -123,48 +175,51 @@ void cutAlong(Tiling& tiling, const std::function<double(std::uint32_t point)>& 
     const auto [found, made] =
         middles.try_emplace(static_cast<std::uint64_t>(a) << 32 | b, static_cast<std::uint32_t>(tiling.points.size()));
     if (made) {
-      const double part = value[a] / (value[a] - value[b]);
+      const double part = field[a] / (field[a] - field[b]);
       tiling.points.push_back(models::lerp(tiling.points[a], tiling.points[b], part));
-      value.push_back(0);
     }
     return found->second;
   };
-  const auto sign = [&](std::uint32_t v) { return value[v] > 0 ? 1 : value[v] < 0 ? -1 : 0; };
-  std::vector<std::array<std::uint32_t, 3>> kept;
-  kept.reserve(tiling.triangles.size());
-  for (const std::array<std::uint32_t, 3>& t : tiling.triangles) {
-    const int signs[3] = {sign(t[0]), sign(t[1]), sign(t[2])};
-    const bool above = signs[0] > 0 || signs[1] > 0 || signs[2] > 0;
-    const bool below = signs[0] < 0 || signs[1] < 0 || signs[2] < 0;
-    if (!above || !below) {
-      kept.push_back(t);
-      continue;
-    }
+  using Corners = std::array<std::uint32_t, 3>;
+  std::vector<Corners>& triangles = tiling.triangles;
+  struct Cut {
+    std::size_t triangle;
+    std::ptrdiff_t pieces;
+  };
+  std::vector<Cut> cuts;
+  std::vector<Corners> added;  // the pieces of all cuts
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const Corners& t = triangles[i];
+    if ((sides[t[0]] | sides[t[1]] | sides[t[2]]) != (kAbove | kBelow)) continue;
     // Rotates the corners so that the first corner is on the line, or is the only corner on its side of the line.
+    const bool onLine = sides[t[0]] == 0 || sides[t[1]] == 0 || sides[t[2]] == 0;
     std::size_t first = 0;
-    while (signs[first] != 0 && first < 3) {
-      if (signs[first] != signs[(first + 1) % 3] && signs[first] != signs[(first + 2) % 3] &&
-          signs[(first + 1) % 3] != 0 && signs[(first + 2) % 3] != 0) {
-        break;
-      }
-      first = (first + 1) % 3;
-    }
+    while (onLine ? sides[t[first]] != 0 : sides[t[(first + 1) % 3]] != sides[t[(first + 2) % 3]]) ++first;
     const std::uint32_t a = t[first];
     const std::uint32_t b = t[(first + 1) % 3];
     const std::uint32_t c = t[(first + 2) % 3];
-    if (signs[first] == 0) {
+    cuts.push_back({i, onLine ? 2 : 3});
+    if (onLine) {
       const std::uint32_t m = middle(b, c);
-      kept.push_back({a, b, m});
-      kept.push_back({a, m, c});
+      added.insert(added.end(), {{a, b, m}, {a, m, c}});
       continue;
     }
     const std::uint32_t ab = middle(a, b);
     const std::uint32_t ac = middle(a, c);
-    kept.push_back({a, ab, ac});
-    kept.push_back({ab, b, c});
-    kept.push_back({ab, c, ac});
+    added.insert(added.end(), {{a, ab, ac}, {ab, b, c}, {ab, c, ac}});
   }
-  tiling.triangles = std::move(kept);
+  // Puts the pieces in the place of their triangles, from the last to the first.
+  auto from = static_cast<std::ptrdiff_t>(triangles.size());
+  triangles.resize(triangles.size() + added.size() - cuts.size());
+  auto to = triangles.end();
+  auto piece = added.end();
+  for (auto cut = cuts.rbegin(); cut != cuts.rend(); ++cut) {
+    const auto index = static_cast<std::ptrdiff_t>(cut->triangle);
+    to = std::move_backward(triangles.begin() + index + 1, triangles.begin() + from, to);
+    to = std::move_backward(piece - cut->pieces, piece, to);
+    from = index;
+    piece -= cut->pieces;
+  }
 }
 
 }  // namespace scanmill::town

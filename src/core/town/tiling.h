@@ -25,9 +25,9 @@ struct Tiling {
 // `smallest` (m).
 Tiling makeTiling(double half, double smallest, const std::function<bool(double x, double y, double size)>& divided);
 
-// Divides triangles along the line on which a field is zero. The field (m) is given at the points of the tiling and is
-// linear within each triangle. Afterwards no triangle has corners on both sides of the line. A corner is on the line if
-// the absolute value of its field is below 0.1 mm.
-void cutAlong(Tiling& tiling, const std::function<double(std::uint32_t point)>& field);
+// Divides triangles along the line on which a field is zero. `field` has the field (m) at each point of the tiling; it
+// is linear within each triangle. Afterwards no triangle has corners on both sides of the line. A corner is on the line
+// if the absolute value of its field is below 0.1 mm.
+void cutAlong(Tiling& tiling, std::vector<double> field);
 
 }  // namespace scanmill::town

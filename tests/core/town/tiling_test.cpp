@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <utility>
+#include <vector>
 
 namespace scanmill::town {
 namespace {
@@ -59,6 +60,13 @@ TEST(Tiling, CoversTheSquareOnce) {
 TEST(Tiling, CellsAreNoSmallerThanAsked) {
   const Tiling t = makeTiling(8, 0.5, [](double, double, double) { return true; });
   EXPECT_EQ(t.triangles.size(), 2u * 32 * 32);
+}
+
+template <class Field>
+void cutAlong(Tiling& t, const Field& field) {
+  std::vector<double> values;
+  for (std::uint32_t p = 0; p < t.points.size(); ++p) values.push_back(field(p));
+  town::cutAlong(t, std::move(values));
 }
 
 // Along circles and lines at once, whatever goes through corners: no triangle has corners on both sides.
