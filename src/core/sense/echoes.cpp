@@ -58,44 +58,38 @@ class EchoFinder {
       : hits_(hits), power_(power), pulse_(pulseLength) {}
 
   std::vector<Echo> find() {
-    const std::vector<std::uint32_t> order = raysByBeam();
-    const auto rayAt = [&](std::size_t i) { return order.empty() ? static_cast<std::uint32_t>(i) : order[i]; };
-    for (std::size_t first = 0; first < hits_.rays();) {
-      const std::uint32_t beam = hits_.beamOfRay[rayAt(first)];
+    // The rays from the sensor are sorted by beam. Behind them are the few that continue behind glass or off mirrors.
+    const std::vector<std::uint32_t>& beamOf = hits_.beamOfRay;
+    const auto sorted = static_cast<std::uint32_t>(std::is_sorted_until(beamOf.begin(), beamOf.end()) - beamOf.begin());
+    std::vector<std::uint32_t> others(beamOf.size() - sorted);
+    std::iota(others.begin(), others.end(), sorted);
+    std::stable_sort(others.begin(), others.end(), [&](auto a, auto b) { return beamOf[a] < beamOf[b]; });
+    std::uint32_t ray = 0;
+    for (auto other = others.begin(); ray < sorted || other != others.end();) {
+      const std::uint32_t beam =
+          other == others.end() || (ray < sorted && beamOf[ray] <= beamOf[*other]) ? beamOf[ray] : beamOf[*other];
       parts_.clear();
       float nearest = kMiss;
       float farthest = 0;
-      std::size_t i = first;
-      for (; i < hits_.rays() && hits_.beamOfRay[rayAt(i)] == beam; ++i) {
-        const std::uint32_t ray = rayAt(i);
-        if (!hits_.hit(ray)) continue;
-        const float range = hits_.range[ray];
-        parts_.push_back({range, ray, powerOf(ray)});
+      const auto take = [&](std::uint32_t taken) {
+        if (!hits_.hit(taken)) return;
+        const float range = hits_.range[taken];
+        parts_.push_back({range, taken, powerOf(taken)});
         nearest = std::min(nearest, range);
         farthest = std::max(farthest, range);
-      }
+      };
+      for (; ray < sorted && beamOf[ray] == beam; ++ray) take(ray);
+      for (; other != others.end() && beamOf[*other] == beam; ++other) take(*other);
       if (parts_.size() == 1 || (!parts_.empty() && pulse_ > 0 && farthest - nearest <= pulse_)) {
         addEcho(beam, parts_);  // all rays form one echo: the case of most beams
       } else if (!parts_.empty()) {
         addBeam(beam);
       }
-      first = i;
     }
     return std::move(echoes_);
   }
 
  private:
-  // Returns the rays' indices sorted by beam; empty if the rays are already sorted by beam.
-  std::vector<std::uint32_t> raysByBeam() const {
-    const std::vector<std::uint32_t>& beam = hits_.beamOfRay;
-    std::vector<std::uint32_t> order;
-    if (std::is_sorted(beam.begin(), beam.end())) return order;
-    order.resize(beam.size());
-    std::iota(order.begin(), order.end(), 0u);
-    std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return beam[a] < beam[b]; });
-    return order;
-  }
-
   double powerOf(std::uint32_t ray) const {
     if (!power_.empty()) return power_[ray];
     return hits_.weightOfRay.empty() ? 1 : hits_.weightOfRay[ray];

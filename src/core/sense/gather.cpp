@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace scanmill {
@@ -23,20 +24,8 @@ class ReturnOrder {
  public:
   ReturnOrder(const Returns& returns, std::size_t beams) : returns_(returns) {
     if (returns.onePerBeam()) return;
-    std::vector<std::uint32_t> rows;
     for (std::uint32_t row = 0; row < returns.size(); ++row) {
-      if (returns.returned(row)) rows.push_back(row);
-    }
-    const auto before = [&](std::uint32_t a, std::uint32_t b) {
-      if (returns.beam(a) != returns.beam(b)) return returns.beam(a) < returns.beam(b);
-      return returns.range[a] != returns.range[b] ? returns.range[a] < returns.range[b] : a < b;
-    };
-    if (!std::is_sorted(rows.begin(), rows.end(), before)) std::sort(rows.begin(), rows.end(), before);
-    std::uint32_t number = 0;
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      number = i > 0 && returns.beam(rows[i]) == returns.beam(rows[i - 1]) ? number + 1 : 0;
-      if (number >= planes_.size()) planes_.emplace_back(beams, kNoRow);
-      planes_[number][returns.beam(rows[i])] = rows[i];
+      if (returns.returned(row)) insert(row, beams);
     }
   }
 
@@ -54,6 +43,19 @@ class ReturnOrder {
   bool several() const { return !returns_.onePerBeam(); }
 
  private:
+  void insert(std::uint32_t row, std::size_t beams) {
+    const std::uint32_t beam = returns_.beam(row);
+    for (std::size_t plane = 0; row != kNoRow; ++plane) {
+      if (plane == planes_.size()) planes_.emplace_back(beams, kNoRow);
+      std::uint32_t& other = planes_[plane][beam];
+      if (other == kNoRow || before(row, other)) std::swap(row, other);
+    }
+  }
+
+  bool before(std::uint32_t a, std::uint32_t b) const {
+    return returns_.range[a] != returns_.range[b] ? returns_.range[a] < returns_.range[b] : a < b;
+  }
+
   const Returns& returns_;
   // Indices of rows, by return and beam; empty if there is one row per beam.
   std::vector<std::vector<std::uint32_t>> planes_;

@@ -27,7 +27,11 @@ class LightFollower {
  public:
   LightFollower(const Method& method, const Shot& shot, std::span<const Material> materials, const LightPaths& paths,
                 Hits& hits)
-      : method_(method), shot_(shot), materials_(materials), paths_(paths), hits_(hits) {}
+      : method_(method), shot_(shot), materials_(materials), paths_(paths), hits_(hits) {
+    for (const Material& m : materials) {
+      goesOn_.push_back(m.transmission > 0 || (paths.bounces > 0 && m.roughness <= kMirrorRoughness) ? 1 : 0);
+    }
+  }
 
   TraceAccount follow() {
     takeAsTheyAre();
@@ -60,7 +64,7 @@ class LightFollower {
     for (const Pose& pose : shot_.worldFromSensor) rotation.push_back(toMatrix(pose.rotation));
     std::vector<Onward> onward;
     for (std::uint32_t ray = 0; ray < hits_.rays(); ++ray) {
-      if (!hits_.hit(ray) || !goesOn(hits_.material[ray])) continue;
+      if (!goesOn(hits_.material[ray]) || !hits_.hit(ray)) continue;
       const std::size_t step = shot_.stepOf(ray % rays.columns);
       Vec3d origin = shot_.worldFromSensor[step].translation - start;
       if (!rays.origin.empty()) origin = origin + rotation[step] * Vec3d(rays.origin[ray]);
@@ -72,11 +76,7 @@ class LightFollower {
     return onward;
   }
 
-  bool goesOn(std::uint16_t material) const {
-    if (material == kNoMaterial) return false;
-    const Material& m = materials_[material];
-    return m.transmission > 0 || (paths_.bounces > 0 && m.roughness <= kMirrorRoughness);
-  }
+  bool goesOn(std::uint16_t material) const { return material < goesOn_.size() && goesOn_[material] != 0; }
 
   // Appends the rays that continue from a hit: one through a pane and one off a mirror, if the surface has these
   // properties.
@@ -163,6 +163,7 @@ class LightFollower {
   std::span<const Material> materials_;
   const LightPaths& paths_;
   Hits& hits_;
+  std::vector<std::uint8_t> goesOn_;  // by material: 1 if rays continue behind it or off it
 };
 
 }  // namespace

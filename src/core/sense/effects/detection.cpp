@@ -204,18 +204,25 @@ class Detection : public Effect {
     for (std::uint32_t row = 0; row < returns.size(); ++row) {
       if (returns.returned(row)) rows.push_back(row);
     }
-    // Sorts by beam; within a beam by descending power, and at equal power by ascending range.
+    // Sorts by beam. Only the few rows that effects have added are out of order.
+    const auto ofEarlierBeam = [&](std::uint32_t a, std::uint32_t b) { return returns.beam(a) < returns.beam(b); };
+    const auto added = std::is_sorted_until(rows.begin(), rows.end(), ofEarlierBeam);
+    std::sort(added, rows.end(), ofEarlierBeam);
+    std::inplace_merge(rows.begin(), added, rows.end(), ofEarlierBeam);
+    // Orders a beam's rows by descending power, and at equal power by ascending range.
     const auto power = [&](std::uint32_t row) { return measured.empty() ? 0.0f : measured[row]; };
     const auto before = [&](std::uint32_t a, std::uint32_t b) {
-      if (returns.beam(a) != returns.beam(b)) return returns.beam(a) < returns.beam(b);
       if (power(a) != power(b)) return power(a) > power(b);
       return returns.range[a] != returns.range[b] ? returns.range[a] < returns.range[b] : a < b;
     };
-    if (!std::is_sorted(rows.begin(), rows.end(), before)) std::sort(rows.begin(), rows.end(), before);
     for (std::size_t first = 0; first < rows.size();) {
       std::size_t end = first + 1;
       while (end < rows.size() && returns.beam(rows[end]) == returns.beam(rows[first])) ++end;
-      if (end - first > 1) chooseOf({rows.data() + first, end - first}, returns);
+      const std::span<std::uint32_t> ofBeam{rows.data() + first, end - first};
+      if (ofBeam.size() > 1) {
+        std::sort(ofBeam.begin(), ofBeam.end(), before);
+        chooseOf(ofBeam, returns);
+      }
       first = end;
     }
   }

@@ -52,6 +52,7 @@ double standard(const std::array<std::uint64_t, 4>& words) {
 PlacesOfHits::PlacesOfHits(const Hits& hits, const Shot& shot, const Returns& returns)
     : hits_(hits), shot_(shot), returns_(returns) {
   for (const Pose& pose : shot.worldFromSensor) rotation_.push_back(toMatrix(pose.rotation));
+  for (std::uint32_t column = 0; column < shot.beams->columns; ++column) stepOf_.push_back(shot.stepOf(column));
 }
 
 void PlacesOfHits::find(std::size_t first, Places& places, Places* along) const {
@@ -62,7 +63,7 @@ void PlacesOfHits::find(std::size_t first, Places& places, Places* along) const 
     const std::size_t row = first + i;
     if (i < count && returns_.returned(row) && returns_.hit(row) != kNoHit) {
       const std::uint32_t beam = returns_.beam(row);
-      const std::size_t step = rotation_.size() == 1 ? 0 : shot_.stepOf(beam % beams.columns);
+      const std::size_t step = rotation_.size() == 1 ? 0 : stepOf_[beam % beams.columns];
       Vec3d local = beams.direction[beam] * double{hits_.range[returns_.hit(row)]};
       if (!beams.origin.empty()) local += Vec3d(beams.origin[beam]);
       place = shot_.worldFromSensor[step].translation + rotation_[step] * local;

@@ -34,7 +34,8 @@ class PlacesOfHits {
   const Hits& hits_;
   const Shot& shot_;
   const Returns& returns_;
-  std::vector<Mat3> rotation_;  // from sensor to world axes, for each step of the revolution
+  std::vector<Mat3> rotation_;       // from sensor to world axes, for each step of the revolution
+  std::vector<std::size_t> stepOf_;  // by column
 };
 
 // A nearly Gaussian field with mean 0 and variance 1 at every point. It is lattice noise: each corner of a lattice of
