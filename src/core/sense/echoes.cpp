@@ -1,8 +1,11 @@
 #include "sense/echoes.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
+
+#include "base/instruction_sets.h"
 
 namespace scanmill {
 
@@ -17,6 +20,65 @@ struct Part {
   std::uint32_t ray;
   double power;
 };
+
+constexpr std::size_t kTogether = 64;    // number of beams whose echoes are computed together
+constexpr std::uint32_t kMostRays = 19;  // largest number of rays of such a beam
+
+// Beams of equally many rays that form one echo each.
+struct Simple {
+  template <class T>
+  using PerBeam = std::array<T, kTogether>;
+
+  std::uint32_t rays = 0;
+  std::size_t count = 0;
+  PerBeam<std::size_t> echo;         // index in the list of echoes
+  PerBeam<std::uint32_t> first;      // the beam's first ray; the others follow
+  PerBeam<std::uint32_t> strongest;  // index of the ray with the most power, the first among equals
+  PerBeam<float> power;
+  PerBeam<float> range;
+  PerBeam<float> spread;
+  std::array<PerBeam<float>, kMostRays> ranges;  // by ray
+  std::array<PerBeam<float>, kMostRays> powers;
+};
+
+// Computes power, range, spread and the strongest ray of each beam. The operations are those of EchoFinder::echoOf().
+SCANMILL_BEST_INSTRUCTIONS void computeEchoes(Simple& s) {
+  Simple::PerBeam<double> total{};
+  Simple::PerBeam<double> sum{};
+  Simple::PerBeam<double> plain{};
+  Simple::PerBeam<double> square{};
+  Simple::PerBeam<float> most;
+  most.fill(-1);
+  s.strongest.fill(0);
+  for (std::uint32_t k = 0; k < s.rays; ++k) {
+    for (std::size_t i = 0; i < kTogether; ++i) {
+      const double power = s.powers[k][i];
+      const double behind = s.ranges[k][i] - double{s.ranges[0][i]};
+      total[i] += power;
+      sum[i] += power * behind;
+      plain[i] += behind;
+      s.strongest[i] = s.powers[k][i] > most[i] ? k : s.strongest[i];
+      most[i] = s.powers[k][i] > most[i] ? s.powers[k][i] : most[i];
+    }
+  }
+  Simple::PerBeam<double> mean;
+  const double rays = s.rays;
+  for (std::size_t i = 0; i < kTogether; ++i) {
+    const bool powered = total[i] > 0;
+    mean[i] = s.ranges[0][i] + (powered ? sum[i] : plain[i]) / (powered ? total[i] : rays);
+  }
+  for (std::uint32_t k = 0; k < s.rays; ++k) {
+    for (std::size_t i = 0; i < kTogether; ++i) {
+      const double off = s.ranges[k][i] - mean[i];
+      square[i] += (total[i] > 0 ? double{s.powers[k][i]} : 1.0) * off * off;
+    }
+  }
+  for (std::size_t i = 0; i < kTogether; ++i) {
+    s.power[i] = static_cast<float>(total[i]);
+    s.range[i] = static_cast<float>(mean[i]);
+    s.spread[i] = static_cast<float>(std::sqrt(square[i] / (total[i] > 0 ? total[i] : rays)));
+  }
+}
 
 // Sums of power by class. A list is fast enough, because a beam hits few classes.
 class ClassPowers {
@@ -58,6 +120,7 @@ class EchoFinder {
       : hits_(hits), power_(power), pulse_(pulseLength) {}
 
   std::vector<Echo> find() {
+    echoes_.reserve(hits_.size());
     // The rays from the sensor are sorted by beam. Behind them are the few that continue behind glass or off mirrors.
     const std::vector<std::uint32_t>& beamOf = hits_.beamOfRay;
     const auto sorted = static_cast<std::uint32_t>(std::is_sorted_until(beamOf.begin(), beamOf.end()) - beamOf.begin());
@@ -68,6 +131,14 @@ class EchoFinder {
     for (auto other = others.begin(); ray < sorted || other != others.end();) {
       const std::uint32_t beam =
           other == others.end() || (ray < sorted && beamOf[ray] <= beamOf[*other]) ? beamOf[ray] : beamOf[*other];
+      if (ray < sorted && beamOf[ray] == beam && (other == others.end() || beamOf[*other] != beam)) {
+        std::uint32_t end = ray + 1;
+        while (end < sorted && beamOf[end] == beam) ++end;
+        if (takeSimple(beam, ray, end)) {
+          ray = end;
+          continue;
+        }
+      }
       parts_.clear();
       float nearest = kMiss;
       float farthest = 0;
@@ -86,11 +157,74 @@ class EchoFinder {
         addBeam(beam);
       }
     }
+    finishSimple();
     return std::move(echoes_);
   }
 
  private:
-  double powerOf(std::uint32_t ray) const {
+  // Takes the rays first to end - 1 of a beam if all hit something and form one echo. Returns false if they do not, or
+  // if the beam has not as many rays as the first such beam.
+  bool takeSimple(std::uint32_t beam, std::uint32_t first, std::uint32_t end) {
+    const std::uint32_t rays = end - first;
+    if (rays < 2 || rays > kMostRays || pulse_ == 0 || (simple_.rays != 0 && rays != simple_.rays)) return false;
+    float nearest = kMiss;
+    float farthest = 0;
+    for (std::uint32_t ray = first; ray < end; ++ray) {
+      nearest = std::min(nearest, hits_.range[ray]);
+      farthest = std::max(farthest, hits_.range[ray]);
+    }
+    if (!(farthest < kMiss) || farthest - nearest > pulse_) return false;
+    simple_.rays = rays;
+    simple_.echo[simple_.count] = echoes_.size();
+    simple_.first[simple_.count] = first;
+    for (std::uint32_t k = 0; k < rays; ++k) {
+      simple_.ranges[k][simple_.count] = hits_.range[first + k];
+      simple_.powers[k][simple_.count] = powerOf(first + k);
+    }
+    echoes_.push_back({.beam = beam});
+    if (++simple_.count == kTogether) finishSimple();
+    return true;
+  }
+
+  void finishSimple() {
+    computeEchoes(simple_);
+    for (std::size_t i = 0; i < simple_.count; ++i) {
+      Echo& echo = echoes_[simple_.echo[i]];
+      const std::uint32_t first = simple_.first[i];
+      echo.hit = first + simple_.strongest[i];
+      echo.range = simple_.range[i];
+      echo.power = simple_.power[i];
+      echo.spread = simple_.spread[i];
+      if (mixed(first, first + simple_.rays)) {
+        parts_.clear();
+        double total = 0;
+        for (std::uint32_t ray = first; ray < first + simple_.rays; ++ray) {
+          parts_.push_back({hits_.range[ray], ray, powerOf(ray)});
+          total += parts_.back().power;
+        }
+        echo.hit = first;
+        label(parts_, total, echo);
+      }
+      setCause(echo);
+    }
+    simple_.count = 0;
+  }
+
+  // Returns true if neighbouring rays hit several classes.
+  bool mixed(std::uint32_t first, std::uint32_t end) const {
+    if (!hits_.channels.has(Channel::Semantic)) return false;
+    std::uint32_t others = 0;
+    for (std::uint32_t ray = first; ray < end; ++ray) others |= hits_.semantic[ray] ^ hits_.semantic[first];
+    return others != 0;
+  }
+
+  void setCause(Echo& echo) const {
+    if (!hits_.pathOfRay.empty() && hits_.pathOfRay[echo.hit] != RayPath::Direct) {
+      echo.cause = causeOf(hits_.pathOfRay[echo.hit]);
+    }
+  }
+
+  float powerOf(std::uint32_t ray) const {
     if (!power_.empty()) return power_[ray];
     return hits_.weightOfRay.empty() ? 1 : hits_.weightOfRay[ray];
   }
@@ -111,7 +245,7 @@ class EchoFinder {
 
   void addEcho(std::uint32_t beam, std::span<const Part> parts) {
     echoes_.push_back(echoOf(beam, parts));
-    if (!hits_.pathOfRay.empty()) echoes_.back().cause = causeOf(hits_.pathOfRay[echoes_.back().hit]);
+    setCause(echoes_.back());
   }
 
   void keepStrongest(std::size_t first) {
@@ -210,6 +344,7 @@ class EchoFinder {
   double pulse_;
   std::vector<Part> parts_;
   ClassPowers powers_;
+  Simple simple_{};
   std::vector<Echo> echoes_;
 };
 
