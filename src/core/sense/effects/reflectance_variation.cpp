@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/instruction_sets.h"
 #include "sense/effects/makers.h"
 #include "sense/effects/spatial_noise.h"
 #include "sensors/footprint.h"
@@ -37,54 +38,59 @@ class ReflectanceVariation : public Effect {
     for (std::uint32_t k = 0; k < kMostVariations; ++k) {
       fields.emplace_back(shot.seed, Purpose::ReflectanceVariation, k);
     }
+    // By material, the last for rows without a hit or without a material.
+    std::vector<const std::vector<Variation>*> variationsOf;
+    const std::vector<Variation> none;
+    for (const Material& m : materials) variationsOf.push_back(&m.variations);
+    variationsOf.push_back(&none);
     Places places;
-    Batch<Variation> variation;
-    Batch<double> cubes;
+    Batch<const std::vector<Variation>*> variations;
+    Batch<double> area;
+    Batch<double> size;
     Batch<double> contrast;
     Batch<double> exponent;
     for (std::size_t first = 0; first < returns.size(); first += kBatch) {
       const std::size_t count = std::min(kBatch, returns.size() - first);
+      std::size_t most = 0;
+      for (std::size_t i = 0; i < kBatch; ++i) {
+        variations[i] = &none;
+        area[i] = 0;
+        if (i >= count || !returns.returned(first + i) || returns.hit(first + i) == kNoHit) continue;
+        const std::uint32_t hit = returns.hit(first + i);
+        variations[i] = variationsOf[std::min<std::size_t>(hits.material[hit], materials.size())];
+        area[i] = beamArea(*shot.beams, double{hits.range[hit]});
+        most = std::max(most, variations[i]->size());
+      }
+      if (most == 0) continue;
+      hitPlaces.find(first, places);
       exponent.fill(0);
-      bool placed = false;
-      for (std::uint32_t k = 0; k < kMostVariations; ++k) {
-        bool any = false;
+      for (std::size_t k = 0; k < most; ++k) {
         for (std::size_t i = 0; i < kBatch; ++i) {
-          variation[i] = i < count ? variationOf(hits, materials, returns, first + i, k) : Variation{};
-          any = any || variation[i].contrast > 0;
+          const Variation variation = k < variations[i]->size() ? (*variations[i])[k] : Variation{};
+          size[i] = double{variation.size};
+          contrast[i] = double{variation.contrast};
         }
-        if (!any) break;
-        if (!placed) hitPlaces.find(first, places);
-        placed = true;
-        for (std::size_t i = 0; i < kBatch; ++i) {
-          cubes[i] = 1.0 / double{variation[i].size};
-          contrast[i] = 0;
-          if (variation[i].contrast == 0) continue;
-          contrast[i] = seenContrast(variation[i], *shot.beams, hits.range[returns.hit(first + i)]);
-          exponent[i] -= contrast[i] * contrast[i] / 2;
-        }
-        fields[k].add(places, cubes, contrast, exponent);
+        weaken(area, size, contrast, exponent);
+        fields[k].add(places, size, contrast, exponent);
       }
-      for (std::size_t i = 0; i < count && placed; ++i) {
-        returns.gain[first + i] *= static_cast<float>(exponential(exponent[i]));
-      }
+      multiply(exponent, count, returns.gain.data() + first);
     }
   }
 
  private:
-  // Returns variation k of the material of a row's hit. The contrast is 0 if the row has no hit, or the material has no
-  // variation k.
-  static Variation variationOf(const Hits& hits, std::span<const Material> materials, const Returns& returns,
-                               std::size_t row, std::uint32_t k) {
-    if (!returns.returned(row) || returns.hit(row) == kNoHit) return {};
-    const std::uint16_t material = hits.material[returns.hit(row)];
-    if (material >= materials.size() || k >= materials[material].variations.size()) return {};
-    return materials[material].variations[k];
+  // Multiplies the contrasts by the effect's strength and averages them over the beams' areas (m^2), replaces sizes by
+  // cubes per metre, and subtracts half the variances from the exponents.
+  SCANMILL_BEST_INSTRUCTIONS void weaken(const Batch<double>& area, Batch<double>& size, Batch<double>& contrast,
+                                         Batch<double>& exponent) const {
+    for (std::size_t i = 0; i < kBatch; ++i) {
+      contrast[i] = strength_ * contrast[i] / std::sqrt(1 + area[i] / (size[i] * size[i]));
+      exponent[i] -= contrast[i] * contrast[i] / 2;
+      size[i] = 1.0 / size[i];
+    }
   }
 
-  double seenContrast(const Variation& variation, const BeamTable& beams, float range) const {
-    const double area = beamArea(beams, range);
-    const double size = variation.size;
-    return strength_ * variation.contrast / std::sqrt(1 + area / (size * size));
+  SCANMILL_BEST_INSTRUCTIONS static void multiply(const Batch<double>& exponent, std::size_t count, float* gain) {
+    for (std::size_t i = 0; i < count; ++i) gain[i] *= static_cast<float>(exponential(exponent[i]));
   }
 
   double strength_;
