@@ -6,8 +6,8 @@
 namespace scanmill::town {
 namespace {
 
-constexpr double kCell = 16;      // m, side of a grid cell
-constexpr std::size_t kRun = 8;   // number of successive segments that share a bounding box
+constexpr double kCell = 8;       // m, side of a grid cell
+constexpr std::size_t kRun = 4;   // number of successive segments that share a bounding box
 constexpr double kRounding = 10;  // m, rounding of corners at joints: see at()
 constexpr double kRingRounding = 4;
 constexpr double kFull = 28;  // m from a joint; nearer corners are fully rounded
@@ -58,9 +58,30 @@ void RoadNetwork::add(Road road) {
       run.low = {std::min(run.low.x, p.x), std::min(run.low.y, p.y)};
       run.high = {std::max(run.high.x, p.x), std::max(run.high.y, p.y)};
     }
-    models::forCells(run.low, run.high, kReach, kCell, [&](std::uint64_t key) { cells_[key].push_back(run); });
+    runs_.push_back(run);
+    enterLastRun();
   }
   roads_.push_back(std::move(road));
+}
+
+void RoadNetwork::enterLastRun() {
+  constexpr double kHalfDiagonal = 0.7072 * kCell;
+  const Run& run = runs_.back();
+  const auto index = static_cast<std::uint32_t>(runs_.size() - 1);
+  const auto middle = [](std::int64_t cell) { return (static_cast<double>(cell) + 0.5) * kCell; };
+  const std::int64_t lastRow = models::cellOf(run.high.y + kReach, kCell);
+  const std::int64_t lastColumn = models::cellOf(run.high.x + kReach, kCell);
+  for (std::int64_t row = models::cellOf(run.low.y - kReach, kCell); row <= lastRow; ++row) {
+    for (std::int64_t column = models::cellOf(run.low.x - kReach, kCell); column <= lastColumn; ++column) {
+      const Point2 out = run.outside(middle(column), middle(row));
+      const auto least = static_cast<float>(std::hypot(out.x, out.y) - kHalfDiagonal);
+      if (least > kReach) continue;
+      std::vector<RunOfCell>& cell = cells_[models::cellKey(column, row)];
+      auto place = cell.end();
+      while (place != cell.begin() && runs_[place[-1].run].road == run.road && place[-1].least > least) --place;
+      cell.insert(place, {index, least});
+    }
+  }
 }
 
 void RoadNetwork::addJoint(const Point2& joint) {
@@ -80,13 +101,15 @@ void RoadNetwork::nearest(double x, double y, std::vector<Near>& found) const {
   found.clear();
   const auto cell = cells_.find(models::cellKeyAt({x, y}, kCell));
   if (cell == cells_.end()) return;
-  for (const Run& run : cell->second) {
+  constexpr double kRounded = 1e-6;  // m^2, bound on the rounding error of squared distances
+  std::uint32_t nearestSegment = 0;  // of the last road in `found`
+  for (const auto [index, nearness] : cell->second) {
+    const Run& run = runs_[index];
     const bool known = !found.empty() && found.back().road == run.road;
-    const double outX = std::max({0.0, run.low.x - x, x - run.high.x});
-    const double outY = std::max({0.0, run.low.y - y, y - run.high.y});
-    constexpr double kRounded = 1e-6;  // m^2, bound on the rounding error of squared distances
-    const double least = outX * outX + outY * outY - kRounded;
-    if (least > (known ? found.back().distance : kReach * kReach)) continue;
+    const double most = known ? found.back().distance : kReach * kReach;
+    if (nearness > 0 && nearness * nearness - kRounded > most) continue;
+    const Point2 out = run.outside(x, y);
+    if (out.x * out.x + out.y * out.y - kRounded > most) continue;
     const Road& road = roads_[run.road];
     for (std::uint32_t i = run.first; i < run.last; ++i) {
       const Point2& a = road.line[i];
@@ -101,7 +124,9 @@ void RoadNetwork::nearest(double x, double y, std::vector<Near>& found) const {
       const double square = px * px + py * py;
       if (square > kReach * kReach) continue;
       if (found.empty() || found.back().road != run.road) found.push_back({1e9, run.road, 0, false, 0});
-      if (square >= found.back().distance) continue;
+      // Of segments at the same distance the first one in the line counts.
+      if (square > found.back().distance || (square == found.back().distance && i > nearestSegment)) continue;
+      nearestSegment = i;
       const bool isEnd = projected < 0 ? i == 0 : i + 2 == road.line.size();
       const double behind = isEnd ? std::abs(projected - part) * size : 0;
       found.back() = {square, run.road, road.at[i] + size * part, dx * py - dy * px >= 0, behind};

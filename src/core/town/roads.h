@@ -3,6 +3,7 @@
 // The roads of a town: centre lines with cross sections, and the position of points relative to the roads. Coordinates
 // are in the town's frame (m).
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <unordered_map>
@@ -86,6 +87,15 @@ class RoadNetwork {
     std::uint32_t road;
     std::uint32_t first, last;  // indices of the first and the last point in the line
     Point2 low, high;
+
+    // Returns the distance of a point from the bounding box along x and along y (m).
+    Point2 outside(double x, double y) const {
+      return {std::max({0.0, low.x - x, x - high.x}), std::max({0.0, low.y - y, y - high.y})};
+    }
+  };
+  struct RunOfCell {
+    std::uint32_t run;
+    float least;  // m, no point of the cell is nearer to the run; may be negative
   };
   struct Near {
     double distance;
@@ -94,11 +104,14 @@ class RoadNetwork {
     bool left;
     double behind;  // m beyond the road's first or last point, in the direction of its line
   };
+  void enterLastRun();  // adds the last of runs_ to cells_
   // Finds the nearest point of each road within kReach, in the order of the roads.
   void nearest(double x, double y, std::vector<Near>& found) const;
 
   std::vector<Road> roads_;
-  std::unordered_map<std::uint64_t, std::vector<Run>> cells_;      // runs within kReach of a cell
+  std::vector<Run> runs_;
+  // The runs within kReach of a cell: roads in their order, and the runs of each road by RunOfCell::least.
+  std::unordered_map<std::uint64_t, std::vector<RunOfCell>> cells_;
   std::unordered_map<std::uint64_t, std::vector<Point2>> joints_;  // joints whose rounding of corners reaches a cell
 };
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/random.h"
@@ -83,6 +84,43 @@ TEST(RoadNetwork, RoundsNothingWhereRoadsDoNotMeet) {
   for (double x = -90; x < 90; x += 0.5) {
     EXPECT_LT(std::abs(roads.at(x + 0.5, 4.5).edge - roads.at(x, 4.5).edge), 0.2) << "continuous";
   }
+}
+
+// A winding road: the same point as a search over all of its segments finds.
+TEST(RoadNetwork, FindsTheNearestPointOfALine) {
+  Road winding;
+  for (int i = 0; i <= 300; ++i) {
+    const double turn = 0.04 * i;
+    winding.line.push_back({(20 + 0.4 * i) * std::cos(turn), (20 + 0.2 * i) * std::sin(turn)});
+  }
+  RoadNetwork roads;
+  roads.add(winding);
+  const Road& road = roads.roads().front();
+  int known = 0;
+  for (std::uint32_t i = 0; i < 4000; ++i) {
+    const RandomBlock words = randomBlock({.seed = 5, .beam = i});
+    const Point2 p{-250 + 500 * uniform(words[0]), -250 + 500 * uniform(words[1])};
+    double least = 1e9;
+    double along = 0;
+    for (std::size_t k = 0; k + 1 < road.line.size(); ++k) {
+      const Point2& a = road.line[k];
+      const Point2& b = road.line[k + 1];
+      const double size = road.at[k + 1] - road.at[k];
+      const double part = std::clamp(((p.x - a.x) * (b.x - a.x) + (p.y - a.y) * (b.y - a.y)) / (size * size), 0.0, 1.0);
+      const Point2 foot = models::lerp(a, b, part);
+      const double distance = std::hypot(p.x - foot.x, p.y - foot.y);
+      if (distance >= least - 1e-12) continue;
+      least = distance;
+      along = road.at[k] + part * size;
+    }
+    const Beside beside = roads.at(p.x, p.y);
+    ASSERT_EQ(beside.known, least <= RoadNetwork::kReach);
+    if (!beside.known) continue;
+    ++known;
+    EXPECT_NEAR(std::abs(beside.lateral), least, 1e-9);
+    EXPECT_NEAR(beside.along, along, 1e-6);
+  }
+  EXPECT_GT(known, 1000);
 }
 
 TEST(Road, IsMeasuredAlongItsLine) {
