@@ -98,7 +98,12 @@ void Shape::triangle(SurfaceIndex surface, const Vec3d& a, const Vec3d& b, const
 }
 
 void Shape::quad(SurfaceIndex surface, const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
-  appendQuad(mesh, surface, frame * a, frame * b, frame * c, frame * d);
+  const std::uint32_t i = vertex(a);
+  vertex(b);
+  vertex(c);
+  vertex(d);
+  mesh.triangles.insert(mesh.triangles.end(), {{i, i + 1, i + 2}, {i, i + 2, i + 3}});
+  mesh.surfaceOf.insert(mesh.surfaceOf.end(), 2, surface);
 }
 
 void Shape::box(SurfaceIndex surface, const Vec3d& center, const Vec3d& size) {

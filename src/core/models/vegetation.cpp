@@ -224,6 +224,10 @@ TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form, double d
   Shape s(builder, habit.name);
   const double height = draw.around(habit.height, 0.12);
   const double radius = draw.around(habit.crownRadius, 0.12);
+  const auto leaves = static_cast<std::size_t>(habit.leaves);
+  s.mesh.positions.reserve(5 * leaves);  // four for each leaf, and those of the branches
+  s.mesh.triangles.reserve(3 * leaves);
+  s.mesh.surfaceOf.reserve(3 * leaves);
   habit.conifer ? appendConifer(s, draw, habit, height, radius)
                 : appendBroadleaf(s, draw, habit, height, radius, foliage, {seed, form, ragged});
   const Model model = s.finish();
