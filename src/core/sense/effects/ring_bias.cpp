@@ -56,8 +56,13 @@ class RingBias : public Effect {
     if (returns.onePerBeam()) return;
     std::vector<Errors> errors;
     for (std::uint32_t ring = 0; ring < shot.beams->rings; ++ring) errors.push_back(errorsOf(shot, ring));
-    for (std::size_t row = 0; row < returns.size(); ++row) {
-      change(errors[returns.beam(row) / shot.beams->columns], shot, row, 1, returns);
+    for (std::size_t row = 0; row < returns.size();) {
+      const std::uint32_t ring = returns.beam(row) / shot.beams->columns;
+      const std::uint32_t first = ring * shot.beams->columns;
+      std::size_t end = row + 1;
+      while (end < returns.size() && returns.beam(end) - first < shot.beams->columns) ++end;
+      change(errors[ring], shot, row, end - row, returns);
+      row = end;
     }
   }
 
