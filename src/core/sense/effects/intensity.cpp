@@ -264,10 +264,22 @@ class Intensity : public Effect {
     }
     const Lobes* const table = lobes.data();
     const std::uint32_t last = static_cast<std::uint32_t>(lobes.size() - 1);
-    for (std::size_t i = 0; i < count; ++i) {
-      const Lobes lobe = table[std::min<std::uint32_t>(s.material[i], last)];
-      power[i] = reflected(lobe, s.incidence[i], s.reflectance[i]);
+    const auto lobesOf = [&](std::size_t i) { return table[std::min<std::uint32_t>(s.material[i], last)]; };
+    // Neighbouring rays often hit the same material. The loop over such a group is vectorised.
+    constexpr std::size_t kGroup = 16;
+    std::size_t i = 0;
+    for (; i + kGroup <= count; i += kGroup) {
+      std::uint32_t different = 0;
+      for (std::size_t k = 0; k < kGroup; ++k) different |= s.material[i + k] ^ s.material[i];
+      std::array<float, kGroup> group;
+      const Lobes lobe = lobesOf(i);
+      for (std::size_t k = 0; k < kGroup; ++k) group[k] = reflected(lobe, s.incidence[i + k], s.reflectance[i + k]);
+      for (std::size_t k = 0; k < kGroup && different != 0; ++k) {
+        group[k] = reflected(lobesOf(i + k), s.incidence[i + k], s.reflectance[i + k]);
+      }
+      std::copy_n(group.begin(), kGroup, power + i);
     }
+    for (; i < count; ++i) power[i] = reflected(lobesOf(i), s.incidence[i], s.reflectance[i]);
   }
 
   // Computes the power that the echoes would have if they came from the reference range through clear air.
