@@ -1,6 +1,5 @@
 #include "pipeline/scenes/own_vehicle.h"
 
-#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -28,14 +27,7 @@ double blockedShare(const Hits& vehicle) {
 
 void blockByVehicle(const Hits& vehicle, double minRange, Hits& hits) {
   hits.pathOfRay.assign(hits.rays(), RayPath::Direct);
-  constexpr std::size_t kBlock = 64;  // most blocks of rays do not hit the vehicle
   for (std::size_t ray = 0; ray < vehicle.rays(); ++ray) {
-    if (ray % kBlock == 0) {
-      const std::size_t end = std::min(ray + kBlock, vehicle.rays());
-      bool any = false;
-      for (std::size_t i = ray; i < end; ++i) any |= vehicle.hit(i);
-      if (!any) ray = end - 1;
-    }
     if (!vehicle.hit(ray) || vehicle.range[ray] > hits.range[ray]) continue;
     const bool reported = vehicle.range[ray] >= minRange;
     hits.range[ray] = reported ? vehicle.range[ray] : kMiss;
