@@ -18,16 +18,6 @@ std::uint64_t keyAt(const Point2& p) {
   return models::cellKeyAt(p, kPatchCell);
 }
 
-// Returns the distance of a point from a rectangle (m, negative inside): the larger of the distances along its two
-// axes.
-double outside(const Footprint& f, const Point2& p) {
-  const double c = std::cos(f.yaw);
-  const double s = std::sin(f.yaw);
-  const double dx = p.x - f.center.x;
-  const double dy = p.y - f.center.y;
-  return std::max(std::abs(dx * c + dy * s) - f.halfX, std::abs(dy * c - dx * s) - f.halfY);
-}
-
 }  // namespace
 
 Layout::Layout(const Parameters& parameters, std::uint64_t seed)
@@ -69,7 +59,7 @@ double Layout::outsidePatches(const Point2& p) const {
   double least = kPatchReach;
   const auto cell = patchCells_.find(keyAt(p));
   if (cell == patchCells_.end()) return least;
-  for (const std::uint32_t i : cell->second) least = std::min(least, outside(patches_[i].place, p));
+  for (const std::uint32_t i : cell->second) least = std::min(least, patchPlaces_[i].outside(p));
   return least;
 }
 
@@ -77,7 +67,7 @@ const Patch* Layout::patchAt(const Point2& p) const {
   const auto cell = patchCells_.find(keyAt(p));
   if (cell == patchCells_.end()) return nullptr;
   for (const std::uint32_t i : cell->second) {
-    if (outside(patches_[i].place, p) < 0) return &patches_[i];
+    if (patchPlaces_[i].outside(p) < 0) return &patches_[i];
   }
   return nullptr;
 }
@@ -217,7 +207,7 @@ double Layout::levelling(const Point2& p, double natural) const {
   double weights = 0;
   double most = 0;
   for (const std::uint32_t i : cell->second) {
-    const double weight = 1 - smooth(outside(terraces_[i].place, p) / kPatchReach);
+    const double weight = 1 - smooth(terracePlaces_[i].outside(p) / kPatchReach);
     sum += weight * (terraces_[i].height - natural);
     weights += weight;
     most = std::max(most, weight);

@@ -3,7 +3,9 @@
 // The plan of a town: its character, its roads, its plots, and the ground. Coordinates are in the town's frame (m); the
 // main road passes the origin along +x. Outside this folder only tests include this header.
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -46,6 +48,20 @@ struct PlacedBlock {
   models::Footprint about;  // the rectangle around the building
   Point2 entrance;          // a point in front of the wall that faces the road
   double height = 0;        // m, height of the ground at the entrance
+};
+
+// A rectangle with the sine and cosine of its yaw, for many points.
+struct TurnedRectangle {
+  models::Footprint place;
+  double cosine = std::cos(place.yaw), sine = std::sin(place.yaw);
+
+  // Returns the distance of a point from the rectangle (m, negative inside): the larger of the distances along its two
+  // axes.
+  double outside(const Point2& p) const {
+    const double dx = p.x - place.center.x;
+    const double dy = p.y - place.center.y;
+    return std::max(std::abs(dx * cosine + dy * sine) - place.halfX, std::abs(dy * cosine - dx * sine) - place.halfY);
+  }
 };
 
 // A rectangle in which the ground is level: under a building and half a metre around it.
@@ -156,8 +172,10 @@ class Layout {
   RoadNetwork roads_;
   std::vector<Plot> plots_;
   std::vector<Patch> patches_;
+  std::vector<TurnedRectangle> patchPlaces_;  // of patches_, when all are known
   Cells patchCells_;
   std::vector<Terrace> terraces_;
+  std::vector<TurnedRectangle> terracePlaces_;  // of terraces_
   Cells terraceCells_;
   std::vector<Pothole> potholes_;
   Cells potholeCells_;

@@ -29,7 +29,10 @@ void Layout::drawPlots() {
 }
 
 void Layout::settle() {
-  for (std::uint32_t i = 0; i < patches_.size(); ++i) enter(patches_[i].place, i, patchCells_);
+  for (std::uint32_t i = 0; i < patches_.size(); ++i) {
+    patchPlaces_.push_back({patches_[i].place});
+    enter(patches_[i].place, i, patchCells_);
+  }
   // Reads all heights before any terrace is set. Otherwise buildings that are close together would lift each other.
   std::vector<Terrace> terraces;
   for (models::House& house : houses_) {
@@ -49,7 +52,10 @@ void Layout::settle() {
     terraces.push_back({{b.about.center, b.about.halfX + 0.5, b.about.halfY + 0.5, b.about.yaw}, b.height});
   }
   terraces_ = std::move(terraces);
-  for (std::uint32_t i = 0; i < terraces_.size(); ++i) enter(terraces_[i].place, i, terraceCells_);
+  for (std::uint32_t i = 0; i < terraces_.size(); ++i) {
+    terracePlaces_.push_back({terraces_[i].place});
+    enter(terraces_[i].place, i, terraceCells_);
+  }
 }
 
 // True if the rectangle's middle, corners and middles of sides are at least `gap` metres from roads and sidewalks, and

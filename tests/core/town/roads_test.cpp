@@ -120,7 +120,7 @@ TEST(RoadNetwork, FindsTheNearestPointOfALine) {
     EXPECT_NEAR(std::abs(beside.lateral), least, 1e-9);
     EXPECT_NEAR(beside.along, along, 1e-6);
   }
-  EXPECT_GT(known, 1000);
+  EXPECT_GT(known, 500);
 }
 
 TEST(Road, IsMeasuredAlongItsLine) {
