@@ -62,6 +62,36 @@ TEST(Echoes, TwoPlatesMergeAndSplitAtThePulseLength) {
   }
 }
 
+// Beams whose rays lie within one pulse, with a far ray, appended behind all others, for every second beam: the far ray
+// is an echo of its own and changes nothing in the other one.
+TEST(Echoes, FarRayChangesNothingInTheNearEcho) {
+  constexpr std::uint32_t kBeams = 300;
+  Rays alone;
+  alone.hits.columns = kBeams;
+  for (std::uint32_t i = 0; i < 7 * kBeams; ++i) {
+    const RandomBlock random = randomBlock({.seed = 6, .beam = i});
+    const auto label = static_cast<std::uint16_t>(random[2] % 8 == 0 ? 2 : 1);
+    alone.add(static_cast<float>(10 + 0.7 * uniform(random[0])), static_cast<float>(uniform(random[1])), label, i / 7);
+  }
+  Rays joined = alone;
+  for (std::uint32_t beam = kBeams - 2; beam < kBeams; beam -= 2) joined.add(50, 0.5f, 3, beam);
+  const std::vector<Echo> expected = alone.echoes();
+  std::vector<Echo> echoes = joined.echoes();
+  ASSERT_EQ(expected.size(), kBeams);
+  ASSERT_EQ(echoes.size(), kBeams + kBeams / 2);
+  std::erase_if(echoes, [](const Echo& echo) { return echo.range == 50; });
+  ASSERT_EQ(echoes.size(), kBeams);
+  for (std::uint32_t beam = 0; beam < kBeams; ++beam) {
+    EXPECT_EQ(echoes[beam].beam, beam);
+    EXPECT_EQ(echoes[beam].hit, expected[beam].hit);
+    EXPECT_FLOAT_EQ(echoes[beam].range, expected[beam].range);
+    EXPECT_FLOAT_EQ(echoes[beam].power, expected[beam].power);
+    EXPECT_FLOAT_EQ(echoes[beam].spread, expected[beam].spread);
+    EXPECT_FLOAT_EQ(echoes[beam].share, expected[beam].share);
+    EXPECT_EQ(echoes[beam].label2, expected[beam].label2);
+  }
+}
+
 // Rays of no order, of many beams, anywhere: no power is lost and none is made, and each beam's echoes are more than a
 // pulse apart from the nearest ray of the next.
 TEST(Echoes, ConserveEnergy) {

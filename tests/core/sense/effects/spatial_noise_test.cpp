@@ -1,5 +1,8 @@
 #include "sense/effects/spatial_noise.h"
 
+#include <algorithm>
+
+#include "base/random.h"
 #include "tests/core/sense/world.h"
 
 namespace scanmill {
@@ -58,6 +61,20 @@ TEST(SpatialNoise, IsSmoothAndForgetsBeyondTwoCubes) {
   EXPECT_NEAR(correlation(here, fieldAt(inEachCube({0.3, 0.6, 2.2}))), 0, 0.02);
   EXPECT_NEAR(correlation(here, fieldAt(inEachCube({0.3, 0.6, 0.2}), 2)), 0, 0.02);
   EXPECT_NEAR(correlation(here, fieldAt(inEachCube({0.3, 0.6, 0.2}), 1, 1)), 0, 0.02);
+}
+
+// More cubes than the field's table has entries, many of them in one batch.
+TEST(SpatialNoise, DoesNotDependOnEarlierPoints) {
+  std::vector<Vec3d> points;
+  for (std::uint32_t i = 0; i < 3000; ++i) {
+    const RandomBlock random = randomBlock({.seed = 3, .beam = i});
+    points.push_back(Vec3d{uniform(random[0]), uniform(random[1]), uniform(random[2])} * 40);
+  }
+  const std::vector<double> values = fieldAt(points);
+  std::vector<double> reversed = fieldAt({points.rbegin(), points.rend()});
+  std::reverse(reversed.begin(), reversed.end());
+  EXPECT_EQ(values, reversed);
+  for (std::size_t i = 0; i < points.size(); i += 100) EXPECT_EQ(fieldAt({points[i]}).front(), values[i]);
 }
 
 // From cube to cube, through zero, and far from the origin.
