@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,10 @@ struct Shot {
   // The frame in which points are given. False: each point in the sensor's frame at the step that fired it, as sensors
   // report points. True: all points in the sensor's frame at the start of the revolution.
   bool deskew = false;
+
+  // Distance (m) along each ray of `beams` beyond which its hits do not matter, since the own vehicle blocks the ray;
+  // infinite for other rays. Empty: all hits matter. Methods may ignore it. The array must outlive the shot.
+  std::span<const float> blockedBeyond;
 
   std::size_t stepOf(std::uint32_t column) const {
     const std::uint32_t rays = beams->raysPerBeam;

@@ -123,6 +123,7 @@ class LightFollower {
     Shot shot = shot_;
     shot.worldFromSensor = {Pose{{}, shot_.worldFromSensor.front().translation}};
     shot.beams = std::move(table);
+    shot.blockedBeyond = {};
     return shot;
   }
 

@@ -20,10 +20,25 @@ float component(double direction) {
   return static_cast<float>(std::abs(direction) < kAlongAnAxis ? 0.0 : direction);
 }
 
-void intersectAll(const PacketJob& job, const Rays& rays, const float* parts, TieContext& context) {
+// Sets the lengths (m) of a tile's rays. A ray that the own vehicle blocks ends behind the vehicle, by more than the
+// range that follows from a triangle's plane can differ from the traced range.
+void findEnds(const PacketJob& job, const Tile& tile, float* ends) {
+  const float far = searchDistance(*job.shot.beams);
+  std::fill_n(ends, kPacket, far);
+  if (job.shot.blockedBeyond.empty()) return;
+  constexpr auto kMargin = static_cast<float>(2 * kTrust);
+  for (std::uint32_t r = 0; r < tile.rows; ++r) {
+    const std::size_t first = std::size_t{tile.ring + r} * job.shot.beams->columns + tile.column;
+    for (std::uint32_t c = 0; c < tile.width; ++c) {
+      const float blocked = job.shot.blockedBeyond[first + c];
+      ends[r * tile.width + c] = std::min(far, blocked + (blocked * kMargin + kMargin));
+    }
+  }
+}
+
+void intersectAll(const PacketJob& job, const Rays& rays, const float* parts, const float* ends, TieContext& context) {
   RTCRayHit16 packet;
   alignas(64) int valid[kPacket];
-  const float far = searchDistance(*job.shot.beams);
   for (int i = 0; i < kPacket; ++i) {
     packet.ray.org_x[i] = static_cast<float>(rays.ox[i]);
     packet.ray.org_y[i] = static_cast<float>(rays.oy[i]);
@@ -32,7 +47,7 @@ void intersectAll(const PacketJob& job, const Rays& rays, const float* parts, Ti
     packet.ray.dir_y[i] = component(rays.dy[i]);
     packet.ray.dir_z[i] = component(rays.dz[i]);
     packet.ray.tnear[i] = 0;
-    packet.ray.tfar[i] = far;
+    packet.ray.tfar[i] = ends[i];
     packet.ray.time[i] = parts[i];
     packet.ray.mask[i] = ~0u;
     packet.ray.id[i] = static_cast<unsigned>(i);
@@ -44,23 +59,35 @@ void intersectAll(const PacketJob& job, const Rays& rays, const float* parts, Ti
   intersectPacket(job.world.embree.get(), context.embree, valid, packet);
 }
 
-void intersectEach(const PacketJob& job, const Rays& rays, const float* parts, TieContext& context) {
+void intersectEach(const PacketJob& job, const Rays& rays, const float* parts, const float* ends, TieContext& context) {
   for (int i = 0; i < rays.count; ++i) {
     RTCRayHit one;
-    one.ray = {static_cast<float>(rays.ox[i]),  static_cast<float>(rays.oy[i]),
-               static_cast<float>(rays.oz[i]),  0,
-               component(rays.dx[i]),           component(rays.dy[i]),
-               component(rays.dz[i]),           parts[i],
-               searchDistance(*job.shot.beams), ~0u,
-               static_cast<unsigned>(i),        0};
+    one.ray = {static_cast<float>(rays.ox[i]),
+               static_cast<float>(rays.oy[i]),
+               static_cast<float>(rays.oz[i]),
+               0,
+               component(rays.dx[i]),
+               component(rays.dy[i]),
+               component(rays.dz[i]),
+               parts[i],
+               ends[i],
+               ~0u,
+               static_cast<unsigned>(i),
+               0};
     one.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     one.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     intersectOne(job.world.embree.get(), context.embree, one);
   }
 }
 
-HitTriangle triangleOf(const World& world, const TieContext& context, int lane) {
+// Returns the triangle that a lane hits. `before`: those of the lanes before it, often the same one.
+HitTriangle triangleOf(const World& world, const TieContext& context, int lane, const HitTriangle* before) {
   if (!(context.distance[lane] < INFINITY)) return {};
+  const auto asBefore = [&](const std::uint32_t* column) { return column[lane] == column[lane - 1]; };
+  if (lane > 0 && context.distance[lane - 1] < INFINITY && asBefore(context.primitive) && asBefore(context.geometry) &&
+      asBefore(context.instance)) {
+    return before[lane - 1];
+  }
   const std::uint32_t instance = context.instance[lane];
   const PlacedBlock* placed =
       instance == RTC_INVALID_GEOMETRY_ID ? nullptr : &world.placed[instance - World::kFirstPlaced];
@@ -82,19 +109,22 @@ void intersect(const PacketJob& job, Pending& p) {
   context.world = &job.world;
   context.floor = job.coplanarFloor;
   context.reset();
+  alignas(64) float ends[kPacket];
+  findEnds(job, p.tile, ends);
   if (job.raysPerCall == 1) {
-    intersectEach(job, p.rays, p.parts, context);
+    intersectEach(job, p.rays, p.parts, ends, context);
   } else {
-    intersectAll(job, p.rays, p.parts, context);
+    intersectAll(job, p.rays, p.parts, ends, context);
   }
   for (int i = 0; i < kPacket; ++i) {
-    p.triangles[i] = i < p.rays.count ? triangleOf(job.world, context, i) : HitTriangle{};
+    p.triangles[i] = i < p.rays.count ? triangleOf(job.world, context, i, p.triangles) : HitTriangle{};
     p.traced[i] = context.distance[i];
   }
 }
 
-SCANMILL_BEST_INSTRUCTIONS void begin(const PacketJob& job, const Tile& tile, Pending& p) {
+SCANMILL_BEST_INSTRUCTIONS void begin(const PacketJob& job, const Tile& tile, Pending& p, Hits& hits) {
   p.tile = tile;
+  expectStore(tile, hits);
   setUp(job.shot, job.frame, tile, p.rays);
   findParts(job.shot, job.frame, tile, job.world.duration, p.parts);
   intersect(job, p);
@@ -130,7 +160,7 @@ void tracePackets(const PacketJob& job, std::span<const Tile> tiles, Hits& hits)
   // Two packets are in progress: while Embree traces one packet, the data for resolving the other is prefetched.
   Pending pending[2];
   for (std::size_t i = 0; i < tiles.size(); ++i) {
-    begin(job, tiles[i], pending[i % 2]);
+    begin(job, tiles[i], pending[i % 2], hits);
     if (i > 0) finish(job, pending[(i - 1) % 2], hits);
   }
   if (!tiles.empty()) finish(job, pending[(tiles.size() - 1) % 2], hits);

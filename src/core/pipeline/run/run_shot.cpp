@@ -25,12 +25,9 @@ ShotSetup setupOf(const Plan& plan, const FrameSettings& settings, const Scene& 
 }
 
 TraceAccount traceShot(const ShotSetup& setup, const Shot& shot, Hits& hits) {
-  Shot wide;
-  if (setup.footprint != nullptr) {
-    wide = shot;
-    wide.beams = setup.footprint->rays;
-  }
-  const Shot& rays = setup.footprint != nullptr ? wide : shot;
+  Shot rays = shot;
+  if (setup.footprint != nullptr) rays.beams = setup.footprint->rays;
+  if (setup.vehicle != nullptr) rays.blockedBeyond = setup.vehicle->range;
   TraceAccount account = setup.method.trace(rays, setup.channels, hits);
   if (setup.vehicle != nullptr) blockByVehicle(*setup.vehicle, shot.beams->minRange, hits);
   if (setup.footprint != nullptr) joinRays(*setup.footprint, hits);
