@@ -32,6 +32,13 @@ TEST(Memory, ItsUserMayAllowLess) {
   EXPECT_EQ(memoryLimitBytes(), all);
 }
 
+TEST(Memory, IsScarceWhereHalfOfWhatIsAllowedIsResident) {
+  EXPECT_FALSE(memoryIsScarce()) << "this test takes less than half of the machine's memory";
+  const MemoryLimit little(residentBytes());
+  EXPECT_TRUE(memoryIsScarce());
+  returnFreedMemoryIfScarce();
+}
+
 TEST(Memory, WhatIsWrittenToIsResident) {
   constexpr std::size_t kBytes = 64 << 20;
   const std::uint64_t before = residentBytes();

@@ -55,6 +55,36 @@ TEST(RayTracing, PlaneFollowsItsClosedFormToGrazingIncidence) {
   }
 }
 
+// Rays that end where the own vehicle blocks them have all hits before that, and none far behind it.
+TEST(RayTracing, BlockedRaysKeepWhatIsBeforeTheVehicle) {
+  const Scene scene = clutter();
+  for (const std::string options : {"{}", "{packet: 1}"}) {
+    const auto method = rayTracing(scene, options);
+    Shot shot = shotAt(spinning(32, 500, -25, 5, 60));
+    const Hits open = traced(*method, shot);
+    std::vector<float> blocked(open.size(), kMiss);
+    for (std::size_t i = 0; i < blocked.size(); ++i) {
+      const RandomBlock b = randomBlock({8, 0, 0, 0, static_cast<std::uint32_t>(i), 0, Purpose::Test});
+      if (i % 3 == 0) blocked[i] = static_cast<float>(30 * uniform(b[0]));
+      if (i % 9 == 0) blocked[i] = open.range[i];
+    }
+    shot.blockedBeyond = blocked;
+    const Hits ended = traced(*method, shot);
+    std::size_t before = 0;
+    for (std::size_t i = 0; i < blocked.size(); ++i) {
+      if (open.range[i] <= blocked[i]) {
+        ASSERT_EQ(ended.range[i], open.range[i]) << i;
+        ASSERT_EQ(ended.instance[i], open.instance[i]);
+        ASSERT_EQ(ended.normal[i], open.normal[i]);
+        before += i % 3 == 0 && open.hit(i) ? 1 : 0;
+      } else if (open.range[i] > 1.1f * blocked[i] + 0.1f) {
+        ASSERT_EQ(ended.range[i], kMiss) << i;
+      }
+    }
+    EXPECT_GT(before, 500u);
+  }
+}
+
 TEST(RayTracing, SphereIsWithinItsFacets) {
   const Scene scene = oneMeshScene("thing", [](Mesh& sphere) { appendSphere(sphere, 0, {}, 2.0, 256); });
   const Hits hits = traced(scene, shotAt(beamsOf(randomDirections(20000))));
