@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 #include <unordered_map>
 
 #include "base/input_budget.h"
@@ -14,38 +15,53 @@ const Location kGround{"the ground of the town"};  // of errors
 
 constexpr double kOnLine = 1e-4;  // m; if the field of cutAlong() has a smaller absolute value, it counts as zero
 
-// The numbers of the points on the lattice of a quadtree, plus 1; 0: a point has no number. Points are in an array
-// whose order keeps neighbours together, except for the few that only leaves with sides of less than kSpacing steps
-// have.
+// The numbers of the points on the lattice of a quadtree, plus 1; 0: a point has no number. Points whose coordinates
+// are multiples of kCoarse steps, which large leaves have, are in one array. Multiples of kFine steps are in blocks,
+// which keep neighbours together and exist where leaves are small. The few other points are in a table.
 class LatticePoints {
  public:
   explicit LatticePoints(std::int64_t steps)
-      : blocks_(steps / (kBlock * kSpacing) + 1),
-        numbers_(static_cast<std::size_t>(blocks_ * blocks_ * kBlock * kBlock)) {}
+      : columns_(steps / kCoarse + 1),
+        coarse_(static_cast<std::size_t>(columns_ * columns_)),
+        blocks_(coarse_.size()),
+        fine_(kPoints) {}
 
   std::uint32_t& at(std::int64_t x, std::int64_t y) {
-    return isOther(x, y) ? others_[models::cellKey(x, y)] : numbers_[indexOf(x, y)];
+    const std::size_t square = squareOf(x, y);
+    if (isMultiple(x, y, kCoarse)) return coarse_[square];
+    if (!isMultiple(x, y, kFine)) return others_[models::cellKey(x, y)];
+    if (blocks_[square] == 0) {
+      blocks_[square] = static_cast<std::uint32_t>(fine_.size() / kPoints);
+      fine_.resize(fine_.size() + kPoints);
+    }
+    return fine_[blocks_[square] * kPoints + inBlock(x, y)];
   }
   std::uint32_t find(std::int64_t x, std::int64_t y) const {
-    if (!isOther(x, y)) return numbers_[indexOf(x, y)];
+    const std::size_t square = squareOf(x, y);
+    if (isMultiple(x, y, kCoarse)) return coarse_[square];
+    if (isMultiple(x, y, kFine)) return fine_[blocks_[square] * kPoints + inBlock(x, y)];
     const auto found = others_.find(models::cellKey(x, y));
     return found == others_.end() ? 0 : found->second;
   }
 
  private:
-  static constexpr std::int64_t kSpacing = 8;
-  static constexpr std::int64_t kBlock = 32;  // points on the side of a block of the array
+  static constexpr std::int64_t kFine = 8;
+  static constexpr std::int64_t kCoarse = 128;
+  static constexpr std::int64_t kSide = kCoarse / kFine;  // points on the side of a block
+  static constexpr std::size_t kPoints = std::size_t{kSide} * kSide;
 
-  static bool isOther(std::int64_t x, std::int64_t y) { return (x | y) % kSpacing != 0; }
-  std::size_t indexOf(std::int64_t x, std::int64_t y) const {
-    const std::int64_t column = x / kSpacing;
-    const std::int64_t row = y / kSpacing;
-    const std::int64_t block = row / kBlock * blocks_ + column / kBlock;
-    return static_cast<std::size_t>((block * kBlock + row % kBlock) * kBlock + column % kBlock);
+  static bool isMultiple(std::int64_t x, std::int64_t y, std::int64_t of) { return (x | y) % of == 0; }
+  std::size_t squareOf(std::int64_t x, std::int64_t y) const {
+    return static_cast<std::size_t>(y / kCoarse * columns_ + x / kCoarse);
+  }
+  static std::size_t inBlock(std::int64_t x, std::int64_t y) {
+    return static_cast<std::size_t>(y / kFine % kSide * kSide + x / kFine % kSide);
   }
 
-  std::int64_t blocks_;  // blocks on the side of the lattice
-  std::vector<std::uint32_t> numbers_;
+  std::int64_t columns_;               // of coarse points
+  std::vector<std::uint32_t> coarse_;  // numbers, row by row
+  std::vector<std::uint32_t> blocks_;  // the block of the square above and right of each coarse point; 0: none
+  std::vector<std::uint32_t> fine_;    // block by block; those of block 0 stay 0
   std::unordered_map<std::uint64_t, std::uint32_t> others_;
 };
 
@@ -213,12 +229,12 @@ void cutAlong(Tiling& tiling, std::vector<double> field) {
   triangles.resize(triangles.size() + added.size() - cuts.size());
   auto to = triangles.end();
   auto piece = added.end();
-  for (auto cut = cuts.rbegin(); cut != cuts.rend(); ++cut) {
-    const auto index = static_cast<std::ptrdiff_t>(cut->triangle);
+  for (const Cut& cut : std::ranges::reverse_view(cuts)) {
+    const auto index = static_cast<std::ptrdiff_t>(cut.triangle);
     to = std::move_backward(triangles.begin() + index + 1, triangles.begin() + from, to);
-    to = std::move_backward(piece - cut->pieces, piece, to);
+    to = std::move_backward(piece - cut.pieces, piece, to);
     from = index;
-    piece -= cut->pieces;
+    piece -= cut.pieces;
   }
 }
 

@@ -264,14 +264,16 @@ SharedMeshes buildSharedMeshes(RTCDeviceTy* device, const Scene& scene, const st
   SharedMeshes shared;
   shared.blocks.resize(scene.meshes.size());
   shared.scenes.resize(scene.meshes.size());
-  for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
-    if (!instanced[m]) continue;
-    shared.blocks[m] = sharedBlock(scene, scene.meshes[m]);
-    shared.scenes[m] = newScene(device, options);
-    attachBlock(device, shared.scenes[m].get(), *shared.blocks[m], options);
-    rtcCommitScene(shared.scenes[m].get());
-  }
-  check(device, "build the shared meshes");
+  parallelFor(scene.meshes.size(), 1, [&](std::size_t first, std::size_t last) {
+    for (std::size_t m = first; m < last; ++m) {
+      if (!instanced[m]) continue;
+      shared.blocks[m] = sharedBlock(scene, scene.meshes[m]);
+      shared.scenes[m] = newScene(device, options);
+      attachBlock(device, shared.scenes[m].get(), *shared.blocks[m], options);
+      isolated([&] { rtcCommitScene(shared.scenes[m].get()); });
+      check(device, "build the shared meshes");  // Embree keeps an error for the thread in which it occurs
+    }
+  });
   return shared;
 }
 

@@ -273,7 +273,7 @@ Chart stagesChart(const Study& study) {
               .title = "Where a scan's time goes",
               .note =
                   "median time of a scan, divided into the method's stages; stages that run at the same time share it "
-                  "in proportion to their thread time",
+                  "in proportion to their processor time",
               .x = {.title = "time a scan", .unit = "s"},
               .stacked = true,
               .width = kWide,
