@@ -86,10 +86,8 @@ void printFeatures(const FeatureCosts& costs) {
     lost += (lost.empty() ? "" : "; ") + name;
     scatter = std::max({scatter, f.scatter, -f.cost.seconds()});
   }
-  printText(
-      "\n{}measured on {}: shortest times of frames with and without the feature; tracing uses all cores, the rest "
-      "one\n",
-      formatTable(rows), costs.frame);
+  printText("\n{}measured on {}: least processor times of frames with and without the feature\n", formatTable(rows),
+            costs.frame);
   if (lost.empty()) return;
   printText(
       "too small to measure: within the scatter of their own repeated measurements, at most {:.0f} % of a frame: {}\n",

@@ -12,7 +12,7 @@
 
 namespace scanmill {
 
-// The cost of one frame with all sensors. Tracing uses all threads; each of the other stages uses one thread.
+// The cost of one frame with all sensors, in processor time.
 struct FrameCost {
   double traceSeconds = 0;
   double effectsSeconds = 0;
