@@ -187,6 +187,7 @@ class EchoFinder {
   }
 
   void finishSimple() {
+    if (simple_.count == 0) return;
     computeEchoes(simple_);
     for (std::size_t i = 0; i < simple_.count; ++i) {
       Echo& echo = echoes_[simple_.echo[i]];

@@ -173,8 +173,8 @@ ShotFrame frameOf(const Shot& shot, const Vec3d& origin, double duration) {
     frame.rotation.push_back(toMatrix(pose.rotation));
     frame.position.push_back(pose.translation - origin);
   }
-  frame.step.resize(beams.columns);
-  for (std::uint32_t column = 0; column < beams.columns; ++column) {
+  frame.step.resize(beams.columns);  // all 0 if there is one pose
+  for (std::uint32_t column = 0; column < beams.columns && frame.position.size() > 1; ++column) {
     frame.step[column] = static_cast<std::uint32_t>(shot.stepOf(column));
   }
   if (duration <= 0 || !beams.time.empty()) return frame;
