@@ -124,7 +124,7 @@ void RoadNetwork::nearest(double x, double y, std::vector<Near>& found) const {
       const double square = px * px + py * py;
       if (square > kReach * kReach) continue;
       if (found.empty() || found.back().road != run.road) found.push_back({1e9, run.road, 0, false, 0});
-      // Of segments at the same distance the first one in the line counts.
+      // If segments are equally far, the first one in the line counts.
       if (square > found.back().distance || (square == found.back().distance && i > nearestSegment)) continue;
       nearestSegment = i;
       const bool isEnd = projected < 0 ? i == 0 : i + 2 == road.line.size();

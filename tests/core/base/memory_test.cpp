@@ -36,7 +36,6 @@ TEST(Memory, IsScarceWhereHalfOfWhatIsAllowedIsResident) {
   EXPECT_FALSE(memoryIsScarce()) << "this test takes less than half of the machine's memory";
   const MemoryLimit little(residentBytes());
   EXPECT_TRUE(memoryIsScarce());
-  returnFreedMemoryIfScarce();
 }
 
 TEST(Memory, WhatIsWrittenToIsResident) {

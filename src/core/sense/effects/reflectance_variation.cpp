@@ -38,7 +38,7 @@ class ReflectanceVariation : public Effect {
     for (std::uint32_t k = 0; k < kMostVariations; ++k) {
       fields.emplace_back(shot.seed, Purpose::ReflectanceVariation, k);
     }
-    // By material, the last for rows without a hit or without a material.
+    // The variations of each material; the last entry is for rows without a hit or without a material.
     std::vector<const std::vector<Variation>*> variationsOf;
     const std::vector<Variation> none;
     for (const Material& m : materials) variationsOf.push_back(&m.variations);
