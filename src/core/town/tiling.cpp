@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 #include <unordered_map>
 
 #include "base/input_budget.h"
@@ -229,7 +228,8 @@ void cutAlong(Tiling& tiling, std::vector<double> field) {
   triangles.resize(triangles.size() + added.size() - cuts.size());
   auto to = triangles.end();
   auto piece = added.end();
-  for (const Cut& cut : std::ranges::reverse_view(cuts)) {
+  for (; !cuts.empty(); cuts.pop_back()) {
+    const Cut& cut = cuts.back();
     const auto index = static_cast<std::ptrdiff_t>(cut.triangle);
     to = std::move_backward(triangles.begin() + index + 1, triangles.begin() + from, to);
     to = std::move_backward(piece - cut.pieces, piece, to);
