@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "town/layout.h"
@@ -56,6 +58,8 @@ class Placer {
     bool marked;                           // true: there is a stop line on the road
   };
   std::vector<Light> lights;
+  // Models of trees that have been built, by form, number of the variant, and whether the tree is far from roads.
+  std::map<std::tuple<int, int, bool>, std::optional<models::TreeModel>> trees;
 };
 
 // Appends paint on a road: a quad between the distances `from` and `to` along the road's line, and between `right` and

@@ -24,38 +24,28 @@ constexpr double kFarDetail = 0.3;  // factor on the number of leaves of trees b
 constexpr int kBushForms = 6;
 constexpr std::size_t kMostTrees = 900;  // largest number of trees in all woods together
 
-// The models of the town's trees; a model is built when it is first needed.
-class Nursery {
- public:
-  explicit Nursery(Placer& placer) : placer_(placer), trees_(2 * kTreesOfAForm * models::kTreeForms) {}
-
-  const TreeModel& tree(Draw& draw, bool broadleaf, bool far) {
-    const int form = draw.below(broadleaf ? models::kBroadleafForms : models::kTreeForms);
-    const int again = draw.below(kTreesOfAForm);
-    const std::size_t near = static_cast<std::size_t>(form) * kTreesOfAForm + static_cast<std::size_t>(again);
-    std::optional<TreeModel>& made = trees_[2 * near + (far ? 1 : 0)];
-    if (!made) {
-      const double detail = placer_.layout.parameters().detail * (far ? kFarDetail : 1);
-      made = models::makeTree(placer_.builder, placer_.layout.seed() + static_cast<std::uint64_t>(again) * 7919, form,
-                              detail, placer_.layout.character().foliage, kRagged[static_cast<std::size_t>(again)]);
-    }
-    return *made;
+// Returns a random model of a tree. All plants of a town share their models; a model is built when it is first needed.
+const TreeModel& randomTree(Placer& placer, Draw& draw, bool broadleaf, bool far) {
+  const int form = draw.below(broadleaf ? models::kBroadleafForms : models::kTreeForms);
+  const int again = draw.below(kTreesOfAForm);
+  std::optional<TreeModel>& made = placer.trees[{form, again, far}];
+  if (!made) {
+    const double detail = placer.layout.parameters().detail * (far ? kFarDetail : 1);
+    made = models::makeTree(placer.builder, placer.layout.seed() + static_cast<std::uint64_t>(again) * 7919, form,
+                            detail, placer.layout.character().foliage, kRagged[static_cast<std::size_t>(again)]);
   }
-
- private:
-  Placer& placer_;
-  std::vector<std::optional<TreeModel>> trees_;
-};
+  return *made;
+}
 
 // Plants a tree. Only the trunk needs free ground; crowns may overlap. Returns false if the place is not free, or if
 // `room`, the largest radius of the crown (m; 0: not limited), is too small. The sizes that a map gives of the tree are
 // kept.
-bool plant(Placer& placer, Nursery& nursery, Draw& draw, Spot spot, bool broadleaf, double room,
-           const std::string& name, const MapTree& mapped = {}) {
+bool plant(Placer& placer, Draw& draw, Spot spot, bool broadleaf, double room, const std::string& name,
+           const MapTree& mapped = {}) {
   constexpr double kSunk = 0.05;  // m of the trunk below the ground
   const Beside b = placer.layout.roads().at(spot.at.x, spot.at.y);
   const bool far = !b.known || b.edge > kFar;
-  const TreeModel& tree = nursery.tree(draw, broadleaf, far);
+  const TreeModel& tree = randomTree(placer, draw, broadleaf, far);
   spot.yaw = draw.in(0, 2 * kPi);
   spot.scale = draw.in(0.75, 1.35);
   // Near a road, limits the crown's radius so that it reaches at most kOverhang over the road, but not below 1.6 m.
@@ -83,7 +73,6 @@ bool onLawn(const Layout& layout, const Point2& p, double beyond) {
 
 void placeMapTrees(Placer& placer) {
   const Layout& l = placer.layout;
-  Nursery nursery(placer);
   std::uint32_t mapped = 0;
   bool lost = false;
   for (const MapTree& tree : l.trees()) {
@@ -92,7 +81,7 @@ void placeMapTrees(Placer& placer) {
     // Trees may be on a road, which is wider here than on the map.
     const bool onRoad = b.known && b.edge < 0.4;
     const Spot spot{tree.at, draw.in(0, 2 * kPi), 1, 0};
-    if (onRoad || !plant(placer, nursery, draw, spot, true, 0, fmt::format("tree {}", mapped), tree)) lost = true;
+    if (onRoad || !plant(placer, draw, spot, true, 0, fmt::format("tree {}", mapped), tree)) lost = true;
   }
   // The text is the same for all places on the map, so that there is one warning.
   if (lost) {
@@ -104,7 +93,6 @@ void placeMapTrees(Placer& placer) {
 void placeTrees(Placer& placer) {
   const Layout& l = placer.layout;
   const Character& c = l.character();
-  Nursery nursery(placer);
   auto number = static_cast<int>(l.trees().size());
   // If the map has trees, no random trees are added along the roads.
   const double avenue = l.trees().empty() ? c.avenue : 0;
@@ -122,8 +110,7 @@ void placeTrees(Placer& placer) {
         const Spot spot = besideRoad(road, along + draw.in(-1, 1), side * (s.half + out));
         const Beside b = l.roads().at(spot.at.x, spot.at.y);
         if (b.edge < out - 0.5) continue;  // the place is on another road or close to it
-        if (plant(placer, nursery, draw, spot, true, std::clamp(out + kOverhang, 1.6, 3.4),
-                  fmt::format("tree {}", number + 1)))
+        if (plant(placer, draw, spot, true, std::clamp(out + kOverhang, 1.6, 3.4), fmt::format("tree {}", number + 1)))
           ++number;
       }
     }
@@ -142,7 +129,7 @@ void placeTrees(Placer& placer) {
       const Point2 p = about.at(u, v);
       const bool far = !l.roads().at(p.x, p.y).known;
       if (far || l.areas().at(p) != Land::Park || !onLawn(l, p, 0.5)) continue;
-      if (plant(placer, nursery, draw, {p, 0, 1, 0}, draw.chance(0.5), 0, fmt::format("tree {}", number + 1))) ++number;
+      if (plant(placer, draw, {p, 0, 1, 0}, draw.chance(0.5), 0, fmt::format("tree {}", number + 1))) ++number;
     }
   }
   for (const Plot& plot : l.plots()) {
@@ -157,7 +144,7 @@ void placeTrees(Placer& placer) {
         const Spot spot = besideRoad(road, draw.in(plot.from, plot.to),
                                      plot.side * (road.section.half + road.section.outer() + depth));
         if (!onLawn(l, spot.at, 0.5)) continue;
-        if (!plant(placer, nursery, draw, spot, front, front ? 2.6 : 0, fmt::format("tree {}", number + 1))) continue;
+        if (!plant(placer, draw, spot, front, front ? 2.6 : 0, fmt::format("tree {}", number + 1))) continue;
         ++number;
         break;
       }
@@ -171,7 +158,6 @@ void placeWoods(Placer& placer) {
   const Layout& l = placer.layout;
   const Character& c = l.character();
   if (c.woods <= 0) return;
-  Nursery nursery(placer);
   const std::vector<Model> bushes = models::makeForms(
       4, [&](int f) { return models::makeUndergrowth(placer.builder, l.seed(), f, l.character().foliage); });
   // The random `density` below exceeds this threshold on about the fraction `woods` of the land: its values are nearly
@@ -204,7 +190,7 @@ void placeWoods(Placer& placer) {
       if (trees >= kMostTrees || !draw.chance(0.6)) continue;
       const Spot beside{{spot.at.x + draw.in(-1.5, 1.5), spot.at.y + draw.in(-1.5, 1.5)}, 0, 1, 0};
       if (!onLawn(l, beside.at, 1)) continue;
-      if (plant(placer, nursery, draw, beside, draw.chance(0.75), 0, fmt::format("wood {}", trees + 1))) ++trees;
+      if (plant(placer, draw, beside, draw.chance(0.75), 0, fmt::format("wood {}", trees + 1))) ++trees;
     }
   }
 }
