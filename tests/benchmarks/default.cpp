@@ -16,6 +16,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/stage_clock.h"
+#include "methods/ray_tracing/packet.h"
 #include "methods/world/resolve.h"
 #include "methods/world/worlds.h"
 #include "pipeline/run/generate.h"
@@ -53,12 +54,13 @@ class Bare {
   double secondsOf(const Shot& shot) {
     const BeamTable& beams = *shot.beams;
     const std::shared_ptr<const World> world =
-        worlds_.near(shot.worldFromSensor.front().translation, shot.time, shot.duration);
+        worlds_.near(shot.worldFromSensor.front().translation, farthestEnd(shot), shot.time, shot.duration);
     const ShotFrame frame = frameOf(shot, world->origin);
     packets_.clear();
     for (std::uint32_t ring = 0; ring < beams.rings; ++ring) {
       for (std::uint32_t column = 0; column < beams.columns; column += kPacket) {
-        add(shot, frame, {ring, column, 1, std::min<std::uint32_t>(kPacket, beams.columns - column)}, world->duration);
+        add(shot, frame, {ring, column, 1, std::min<std::uint32_t>(kPacket, beams.columns - column)},
+            world->revolution.duration);
       }
     }
     // Once and with the caches as the frame before has left them, as in a run.

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "scene/scene.h"
 #include "scene/triangle_faults.h"
@@ -31,10 +33,20 @@ Dropped& Dropped::operator+=(const Dropped& o) {
 
 // Ignores vertices that no triangle uses, since clean() leaves zeroed vertices behind.
 Box Mesh::bounds() const {
-  Box box;
+  std::array<Vec3f, 3> low, high;  // one of each for each corner, so that the processor works on them side by side
+  low.fill({INFINITY, INFINITY, INFINITY});
+  high.fill({-INFINITY, -INFINITY, -INFINITY});
   for (const Triangle& t : triangles) {
-    for (const std::uint32_t corner : t) box.add(Vec3d(positions[corner]));
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3f p = positions[t[k]];
+      low[k] = {std::min(low[k].x, p.x), std::min(low[k].y, p.y), std::min(low[k].z, p.z)};
+      high[k] = {std::max(high[k].x, p.x), std::max(high[k].y, p.y), std::max(high[k].z, p.z)};
+    }
   }
+  Box box;
+  if (triangles.empty()) return box;
+  for (const Vec3f& p : low) box.add(Vec3d(p));
+  for (const Vec3f& p : high) box.add(Vec3d(p));
   return box;
 }
 

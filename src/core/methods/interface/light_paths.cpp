@@ -107,7 +107,7 @@ class LightFollower {
   }
 
   // Returns a shot with the rays `onward` as beams of a single ring, in world axes, relative to the sensor's position.
-  Shot shotOf(const std::vector<Onward>& onward) const {
+  Shot shotOf(const std::vector<Onward>& onward) {
     auto table = std::make_shared<BeamTable>();
     table->model = shot_.beams->model;
     table->rings = 1;
@@ -115,15 +115,17 @@ class LightFollower {
     table->maxRange = shot_.beams->maxRange;
     table->period = shot_.beams->period;
     table->elevation = {0};
+    remaining_.clear();
     for (const Onward& ray : onward) {
       table->direction.push_back(ray.direction);
+      remaining_.push_back(static_cast<float>(std::max(0.0, shot_.beams->maxRange - ray.way)));
       table->origin.push_back(Vec3f(ray.origin));
       table->time.push_back(timeOf(ray.beam));
     }
     Shot shot = shot_;
     shot.worldFromSensor = {Pose{{}, shot_.worldFromSensor.front().translation}};
     shot.beams = std::move(table);
-    shot.blockedBeyond = {};
+    shot.blockedBeyond = remaining_;
     return shot;
   }
 
@@ -164,6 +166,7 @@ class LightFollower {
   std::span<const Material> materials_;
   const LightPaths& paths_;
   Hits& hits_;
+  std::vector<float> remaining_;      // m that each ray of the last shotOf() may continue within the sensor's range
   std::vector<std::uint8_t> goesOn_;  // by material: 1 if rays continue behind it or off it
 };
 

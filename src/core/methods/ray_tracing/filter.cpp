@@ -19,18 +19,18 @@ struct Candidate {
   std::uint32_t instance, geometry, primitive;
 };
 
-std::uint32_t instanceIdOf(const World& world, const Candidate& c) {
+// Returns what the tie rule compares: the instance id, then the place of the triangle in the scene. That place does not
+// depend on how meshes are divided into parts, or on which instances the world has.
+std::tuple<std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t> rankOf(const World& world, const Candidate& c) {
   if (c.instance == RTC_INVALID_GEOMETRY_ID) {
-    return world.baked.surfaceOf(world.baked.global(c.geometry, c.primitive)).instance;
+    const std::uint32_t id = world.baked.surfaceOf(world.baked.global(c.geometry, c.primitive)).instance;
+    return {id, c.instance, c.geometry, c.primitive};
   }
   const PlacedBlock& placed = world.placed[c.instance - World::kFirstPlaced];
   const TriangleBlock& block = *placed.block;
-  return instanceId(placed.firstInstanceId, block.surfaceOf(block.global(c.geometry, c.primitive)).instance);
-}
-
-bool precedes(const World& world, const Candidate& a, const Candidate& b) {
-  return std::tuple(instanceIdOf(world, a), a.instance, a.geometry, a.primitive) <
-         std::tuple(instanceIdOf(world, b), b.instance, b.geometry, b.primitive);
+  const std::uint32_t triangle = block.global(c.geometry, c.primitive);
+  return {instanceId(placed.firstInstanceId, block.surfaceOf(triangle).instance), placed.instance, c.geometry,
+          block.triangles[triangle].primitive};
 }
 
 // Returns the absolute cosine of the angle between a ray's direction (world frame) and a triangle's normal.
@@ -57,7 +57,7 @@ bool decide(TieContext& context, std::uint32_t lane, float distance, const Vec3f
     const float cosine =
         std::max(cosineOf(*context.world, candidate, direction), cosineOf(*context.world, holder, direction));
     tied = std::abs(distance - best) * cosine <= kCoplanar * distance + context.floor;
-    if (tied && !precedes(*context.world, candidate, holder)) return false;
+    if (tied && !(rankOf(*context.world, candidate) < rankOf(*context.world, holder))) return false;
   }
   if (!tied && !(distance < best)) return false;
   const float nearest = tied ? std::min(distance, best) : distance;

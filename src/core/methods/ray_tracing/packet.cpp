@@ -20,18 +20,22 @@ float component(double direction) {
   return static_cast<float>(std::abs(direction) < kAlongAnAxis ? 0.0 : direction);
 }
 
-// Sets the lengths (m) of a tile's rays. A ray that the own vehicle blocks ends behind the vehicle, by more than the
-// range that follows from a triangle's plane can differ from the traced range.
+// Returns the length (m) of a ray whose hits do not matter beyond a distance `blocked` (m): more than that, by more
+// than the range that follows from a triangle's plane can differ from the traced range.
+float endOf(float blocked, float far) {
+  constexpr auto kMargin = static_cast<float>(2 * kTrust);
+  return std::min(far, blocked + (blocked * kMargin + kMargin));
+}
+
+// Sets the lengths (m) of a tile's rays.
 void findEnds(const PacketJob& job, const Tile& tile, float* ends) {
   const float far = searchDistance(*job.shot.beams);
   std::fill_n(ends, kPacket, far);
   if (job.shot.blockedBeyond.empty()) return;
-  constexpr auto kMargin = static_cast<float>(2 * kTrust);
   for (std::uint32_t r = 0; r < tile.rows; ++r) {
     const std::size_t first = std::size_t{tile.ring + r} * job.shot.beams->columns + tile.column;
     for (std::uint32_t c = 0; c < tile.width; ++c) {
-      const float blocked = job.shot.blockedBeyond[first + c];
-      ends[r * tile.width + c] = std::min(far, blocked + (blocked * kMargin + kMargin));
+      ends[r * tile.width + c] = endOf(job.shot.blockedBeyond[first + c], far);
     }
   }
 }
@@ -126,7 +130,7 @@ SCANMILL_BEST_INSTRUCTIONS void begin(const PacketJob& job, const Tile& tile, Pe
   p.tile = tile;
   expectStore(tile, hits);
   setUp(job.shot, job.frame, tile, p.rays);
-  findParts(job.shot, job.frame, tile, job.world.duration, p.parts);
+  findParts(job.shot, job.frame, tile, job.world.revolution.duration, p.parts);
   intersect(job, p);
   for (int i = 0; i < kPacket; ++i) {
     p.triangles[i].part = p.parts[i];
@@ -154,6 +158,28 @@ SCANMILL_BEST_INSTRUCTIONS void finish(const PacketJob& job, const Pending& p, H
 
 float searchDistance(const BeamTable& beams) {
   return static_cast<float>(beams.maxRange * (1 + 1e-4) + 1e-3);
+}
+
+double farthestEnd(const Shot& shot, double farthestOrigin) {
+  double travel = 0;
+  const Vec3d start = shot.worldFromSensor.front().translation;
+  for (const Pose& pose : shot.worldFromSensor) travel = std::max(travel, length(pose.translation - start));
+  return travel + farthestOrigin + double{searchDistance(*shot.beams)};
+}
+
+double farthestEnd(const Shot& shot) {
+  constexpr float kFar = 1;  // m; origins farther from the sensor belong to rays of which each may end elsewhere
+  const BeamTable& beams = *shot.beams;
+  float square = 0;
+  for (const Vec3f& o : beams.origin) square = std::max(square, o.x * o.x + o.y * o.y + o.z * o.z);
+  // The factor exceeds the rounding error of the squares.
+  if (square <= kFar * kFar || shot.blockedBeyond.empty()) return farthestEnd(shot, 1.00001 * std::sqrt(square));
+  const float far = searchDistance(beams);
+  double end = 0;
+  for (std::size_t ray = 0; ray < beams.origin.size(); ++ray) {
+    end = std::max(end, length(Vec3d(beams.origin[ray])) + double{endOf(shot.blockedBeyond[ray], far)});
+  }
+  return farthestEnd(shot, end - far);
 }
 
 void tracePackets(const PacketJob& job, std::span<const Tile> tiles, Hits& hits) {

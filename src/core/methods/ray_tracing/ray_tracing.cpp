@@ -122,7 +122,7 @@ class RayTracing : public Method {
 
   TraceAccount trace(const Shot& shot, Channels channels, Hits& hits) const override {
     const std::shared_ptr<const World> world = worldOf(shot);
-    const ShotFrame frame = frameOf(shot, world->origin, world->duration);
+    const ShotFrame frame = frameOf(shot, world->origin, world->revolution.duration);
     const PacketJob job{*world, materials_,      shot,
                         frame,  options_.packet, coplanarFloor(static_cast<float>(length(frame.position.front())))};
     const BeamTable& beams = *shot.beams;
@@ -171,7 +171,7 @@ class RayTracing : public Method {
 
  private:
   std::shared_ptr<const World> worldOf(const Shot& shot) const {
-    return worlds_.near(shot.worldFromSensor.front().translation, shot.time, shot.duration);
+    return worlds_.near(shot.worldFromSensor.front().translation, farthestEnd(shot), shot.time, shot.duration);
   }
 
   const Scene& original_;

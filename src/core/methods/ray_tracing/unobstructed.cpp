@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "methods/ray_tracing/packet.h"
 #include "methods/world/resolve.h"
 #include "scene/embree.h"
 
@@ -126,8 +127,8 @@ void thingFilter(const RTCFilterFunctionNArguments* a) {
 
 Unobstructed::View Unobstructed::of(std::size_t thing, const Shot& shot, const BeamGrid& grid) const {
   const BeamTable& beams = *shot.beams;
-  const std::shared_ptr<const World> world =
-      worlds_.near(shot.worldFromSensor.front().translation, shot.time, shot.duration);
+  const std::shared_ptr<const World> world = worlds_.near(
+      shot.worldFromSensor.front().translation, farthestEnd(shot, grid.farthestOrigin()), shot.time, shot.duration);
   const ShotFrame frame = frameOf(shot, world->origin);
   const Extent extent = extentOf(boxes_, thing, *world, shot.time, shot.duration);
   const Vec3d direction = normalized(transposed(frame.rotation.front()) * (extent.middle - frame.position.front()));
@@ -162,7 +163,9 @@ Unobstructed::View Unobstructed::of(std::size_t thing, const Shot& shot, const B
     const std::optional<Interval> inside = crossing(extent, o, d);
     if (!inside || inside->enter > beams.maxRange) return;
     const double time = beams.time.empty() ? beams.columnTime(column) : double{beams.time[beam]};
-    const float part = world->duration > 0 ? static_cast<float>(std::clamp(time / world->duration, 0.0, 1.0)) : 0.0f;
+    const float part = world->revolution.duration > 0
+                           ? static_cast<float>(std::clamp(time / world->revolution.duration, 0.0, 1.0))
+                           : 0.0f;
     // A surface of the thing that is nearer than the minimum range blocks this beam.
     if (inside->enter < beams.minRange && blocked(o, d, inside->enter, beams.minRange, part)) return;
     const double from = std::max(inside->enter, beams.minRange);

@@ -14,16 +14,20 @@ constexpr std::size_t kWorldsInMemory = 2;  // number of cached worlds if nothin
 
 constexpr std::uint64_t kBytesPerTriangle = 150;  // bytes, measured: hierarchy, corners and records
 
+Vec3d centerOf(const Box& box) {
+  return box.empty() ? Vec3d{} : box.center();
+}
+
 }  // namespace
 
 Worlds::Worlds(const Scene& scene, Instancing instancing, const HierarchyOptions& options)
     : scene_(scene),
       options_(options),
-      anchor_(scene.bounds().empty() ? Vec3d{} : scene.bounds().center()),
+      anchor_(centerOf(scene.bounds())),
       device_(makeDevice()),
       moves_(worldsMove(scene, instancing)),
       instanced_(instancedMeshes(scene, instancing)),
-      shared_(buildSharedMeshes(device_.get(), scene, instanced_, options)) {}
+      shared_(device_.get(), scene, instanced_, options, moves_) {}
 
 std::uint64_t Worlds::triangles() const {
   std::uint64_t triangles = 0;
@@ -39,23 +43,39 @@ std::uint64_t Worlds::memoryBytes() const {
   return triangles() * kBytesPerTriangle;
 }
 
-std::shared_ptr<const World> Worlds::near(const Vec3d& sensor, double time, double duration) const {
+std::shared_ptr<const World> Worlds::near(const Vec3d& sensor, double reach, double time, double duration) const {
   const double grid = moves_ ? kMovingOriginGrid : kOriginGrid;
   const auto cell = [grid](double d) { return std::round(d / grid) * grid; };
   const Vec3d offset = sensor - anchor_;
   const Vec3d origin = anchor_ + Vec3d{cell(offset.x), cell(offset.y), cell(offset.z)};
-  if (!moves_) time = duration = 0;
+  Revolution revolution;
+  if (moves_) {
+    // Rounds up, so that shots of one revolution that differ little share a world.
+    revolution = {time, duration, std::ceil((length(sensor - origin) + reach) / grid) * grid};
+  }
+  const std::shared_ptr<Slot> slot = slotOf(origin, revolution);
+  std::call_once(slot->built, [&] {
+    slot->world = buildWorld(device_.get(), scene_, origin, instanced_, shared_, options_, slot->revolution);
+  });
+  return {slot, slot->world.get()};
+}
+
+std::shared_ptr<Worlds::Slot> Worlds::slotOf(const Vec3d& origin, const Revolution& revolution) const {
   const std::scoped_lock lock(mutex_);
   for (auto it = worlds_.begin(); it != worlds_.end(); ++it) {
-    if ((*it)->origin == origin && (*it)->time == time && (*it)->duration == duration) {
+    const Slot& slot = **it;
+    if (slot.origin == origin && slot.revolution.time == revolution.time &&
+        slot.revolution.duration == revolution.duration && slot.revolution.reach >= revolution.reach) {
       worlds_.splice(worlds_.begin(), worlds_, it);
       return worlds_.front();
     }
   }
   const auto most = moves_ ? static_cast<std::size_t>(threadCount()) + 1 : kWorldsInMemory;
   if (worlds_.size() >= most) worlds_.pop_back();
-  worlds_.push_front(buildWorld(device_.get(), scene_, origin, instanced_, shared_, options_, time, duration));
-  return worlds_.front();
+  auto slot = std::make_shared<Slot>();
+  slot->origin = origin;
+  slot->revolution = revolution;
+  return worlds_.emplace_front(std::move(slot));
 }
 
 }  // namespace scanmill

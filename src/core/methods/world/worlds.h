@@ -3,6 +3,7 @@
 // Worlds near sensors, each built when it is first needed.
 
 #include <cstdint>
+#include <limits>
 #include <list>
 #include <memory>
 #include <mutex>
@@ -13,20 +14,19 @@
 namespace scanmill {
 
 // Builds and caches worlds. Their origins are on a grid of 1024 m that starts at the scene's centre, so that a shot's
-// world depends only on the shot. If something in the scene moves, each revolution has its own world; only the
-// placements of the shared meshes are built for it. The cache has at most one more of these worlds than there are
+// world depends only on the shot. If something in the scene moves, each revolution has its own world: the placements of
+// the shared meshes that the revolution's rays can reach. The cache has at most one more of these worlds than there are
 // threads. Their origins are on a grid of 16 m, because rounding errors grow with the distance from the origin.
 class Worlds {
  public:
   // The scene must outlive this object.
   Worlds(const Scene& scene, Instancing instancing, const HierarchyOptions& options);
 
-  // Returns the world whose origin is nearest to `sensor`, a position in the world frame (m). Safe to call from several
-  // threads.
-  std::shared_ptr<const World> near(const Vec3d& sensor) const { return near(sensor, 0, 0); }
-  // Returns the world for the revolution that starts at `time` and takes `duration` (s); both matter only if something
-  // moves.
-  std::shared_ptr<const World> near(const Vec3d& sensor, double time, double duration) const;
+  // Returns the world whose origin is nearest to `sensor`, a position in the world frame (m), for rays that start at
+  // `time` or in the `duration` after it (s) and end less than `reach` (m) from `sensor`. If nothing moves, only
+  // `sensor` matters. Safe to call from several threads.
+  std::shared_ptr<const World> near(const Vec3d& sensor, double reach = std::numeric_limits<double>::infinity(),
+                                    double time = 0, double duration = 0) const;
   bool moves() const { return moves_; }
   std::string embree() const { return embreeVersion(device_.get()); }  // version of the library
   bool instanced(std::size_t mesh) const { return instanced_[mesh]; }
@@ -37,6 +37,15 @@ class Worlds {
   std::uint64_t memoryBytes() const;
 
  private:
+  // A world that is built by the first thread that needs it, while the others wait.
+  struct Slot {
+    Vec3d origin;
+    Revolution revolution;
+    std::once_flag built;
+    std::unique_ptr<const World> world;
+  };
+  std::shared_ptr<Slot> slotOf(const Vec3d& origin, const Revolution& revolution) const;
+
   const Scene& scene_;
   HierarchyOptions options_;
   Vec3d anchor_;
@@ -45,7 +54,7 @@ class Worlds {
   std::vector<bool> instanced_;
   SharedMeshes shared_;
   mutable std::mutex mutex_;
-  mutable std::list<std::shared_ptr<const World>> worlds_;
+  mutable std::list<std::shared_ptr<Slot>> worlds_;
 };
 
 }  // namespace scanmill

@@ -57,7 +57,7 @@ class WayCheck {
         probe_(probe),
         drive_(source.drive(sequence)),
         settings_(source.settings(sequence, 0)),
-        bounds_(probe.scene().bounds()) {
+        bounds_(probe.bounds()) {
     for (const Instance& i : probe.scene().instances) {
       if (!i.moves()) continue;
       for (std::uint32_t object = 1; object <= probe.scene().meshes[i.mesh].objects; ++object) {
@@ -168,6 +168,7 @@ class WayCheck {
   // of a building may be separate objects.
   void checkInside(std::size_t sensor) {
     static const std::vector<Vec3d> kDirections = directionsAround();
+    const double range = plan_.sensors[sensor].beams->maxRange;  // m; surfaces that the sensor cannot see do not count
     for (const std::uint32_t frame : own_.spreadFrames(kFramesInside)) {
       const Vec3d at = sensorAt(sensor, frame);
       std::map<std::pair<std::uint32_t, std::uint16_t>, std::pair<std::size_t, SceneProbe::Met>> odd;
@@ -177,7 +178,7 @@ class WayCheck {
       bool open = false;              // an upward ray hits nothing, or something that moves
       for (const Vec3d& direction : kDirections) {
         std::map<std::pair<std::uint32_t, std::uint16_t>, std::vector<SceneProbe::Met>> met;
-        const std::vector<SceneProbe::Met> all = probe_.all({at, direction}, kReach);
+        const std::vector<SceneProbe::Met> all = probe_.all({at, direction}, range);
         for (const SceneProbe::Met& m : all) {
           if (!moving_.contains(m.instance)) met[{m.instance, m.semantic}].push_back(m);
         }

@@ -22,7 +22,7 @@ std::vector<std::uint16_t> classIds(const Ontology& ontology, const std::vector<
 }
 
 SceneGround::SceneGround(const SceneProbe& probe, std::vector<std::uint16_t> classes)
-    : probe_(probe), classes_(std::move(classes)), bounds_(probe.scene().bounds()) {}
+    : probe_(probe), classes_(std::move(classes)), bounds_(probe.bounds()) {}
 
 bool SceneGround::holds(const SceneProbe::Met& met) const {
   if (std::fabs(met.normal.z) < kSteepestGroundCosine) return false;

@@ -1,5 +1,7 @@
 #include "pipeline/scenes/scene_probe.h"
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 
 namespace scanmill {
@@ -7,25 +9,52 @@ namespace {
 
 constexpr double kBehind = 1e-3;  // distance behind a hit at which the next ray starts (m)
 constexpr std::size_t kMost = 100;
+// The places at which the method sees a sensor are this far apart along a ray (m): far, since the method may build a
+// hierarchy for each, but so near that float32 can tell kBehind.
+constexpr double kNearAnchor = 256;
+constexpr double kSlack = 1;  // m, margin around the scene's bounds
+
+// Returns the distance along a ray at which it leaves the slab from `low` to `high` of one axis (m); negative if it
+// never enters the part of the slab ahead.
+double leaves(double low, double high, double from, double direction) {
+  if (direction == 0) return low <= from && from <= high ? INFINITY : -1;
+  return ((direction > 0 ? high : low) - from) / direction;
+}
 
 }  // namespace
 
 SceneProbe::SceneProbe(const Scene& scene, const Method* method, const MethodEntry* entry)
-    : scene_(scene), method_(method) {
+    : scene_(scene), bounds_(scene.bounds()), method_(method) {
   if (method != nullptr && entry != nullptr && entry->can.reference) return;
   own_ = makeReference(scene);
   method_ = own_.get();
 }
 
+double SceneProbe::endOf(const Ray& ray) const {
+  const Vec3d slack{kSlack, kSlack, kSlack};
+  const Box box{bounds_.low - slack, bounds_.high + slack};
+  return std::min({leaves(box.low.x, box.high.x, ray.from.x, ray.direction.x),
+                   leaves(box.low.y, box.high.y, ray.from.y, ray.direction.y),
+                   leaves(box.low.z, box.high.z, ray.from.z, ray.direction.z)});
+}
+
 std::vector<std::optional<SceneProbe::Met>> SceneProbe::first(const std::vector<Ray>& rays, double reach) const {
+  return first(rays, reach, rays.empty() ? Vec3d{} : rays.front().from);
+}
+
+std::vector<std::optional<SceneProbe::Met>> SceneProbe::first(const std::vector<Ray>& rays, double reach,
+                                                              const Vec3d& anchor) const {
   std::vector<std::optional<Met>> met(rays.size());
-  if (rays.empty()) return met;
+  // Rays end with the scene, so that the method need not look farther.
+  double end = -1;
+  for (const Ray& ray : rays) end = std::max(end, endOf(ray));
+  reach = std::min(reach, end);
+  if (!(reach > 0)) return met;
   auto table = std::make_shared<BeamTable>();
   table->rings = 1;
   table->columns = static_cast<std::uint32_t>(rays.size());
   table->period = 1;
   table->maxRange = reach;
-  const Vec3d anchor = rays.front().from;
   for (const Ray& ray : rays) {
     table->direction.push_back(ray.direction);
     table->origin.emplace_back(Vec3f(ray.from - anchor));
@@ -48,8 +77,11 @@ std::vector<std::optional<SceneProbe::Met>> SceneProbe::first(const std::vector<
 std::vector<SceneProbe::Met> SceneProbe::all(const Ray& ray, double reach) const {
   std::vector<Met> found;
   double from = 0;
+  double anchor = 0;  // distance along the ray (m) of the place at which the method sees a sensor
   while (found.size() < kMost && from < reach) {
-    std::optional<Met> met = first(Ray{ray.from + ray.direction * from, ray.direction}, reach - from);
+    if (from - anchor > kNearAnchor) anchor = from;
+    const std::vector<Ray> onward{{ray.from + ray.direction * from, ray.direction}};
+    std::optional<Met> met = first(onward, reach - from, ray.from + ray.direction * anchor).front();
     if (!met) break;
     met->distance += from;
     from = met->distance + kBehind;

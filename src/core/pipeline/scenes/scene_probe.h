@@ -30,6 +30,7 @@ class SceneProbe {
   explicit SceneProbe(const Scene& scene, const Method* method = nullptr, const MethodEntry* entry = nullptr);
 
   const Scene& scene() const { return scene_; }
+  const Box& bounds() const { return bounds_; }  // Scene::bounds(): m, world frame at time 0
   // Returns the first hit of each ray within `reach` (m); nothing for rays without a hit. Faster than calls for single
   // rays.
   std::vector<std::optional<Met>> first(const std::vector<Ray>& rays, double reach) const;
@@ -38,7 +39,13 @@ class SceneProbe {
   std::vector<Met> all(const Ray& ray, double reach) const;
 
  private:
+  // Returns the distance (m) along a ray beyond which it does not meet the scene; may be negative.
+  double endOf(const Ray& ray) const;
+  // As the public function; the method sees a sensor at `anchor`, a place near the rays.
+  std::vector<std::optional<Met>> first(const std::vector<Ray>& rays, double reach, const Vec3d& anchor) const;
+
   const Scene& scene_;
+  Box bounds_;
   std::unique_ptr<Method> own_;
   const Method* method_;
 };

@@ -27,7 +27,6 @@ constexpr double kGrid = 1024;           // spacing of possible world origins (m
 constexpr std::size_t kKeptOrigins = 2;  // number of cached worlds: two, for a path midway between two origins
 constexpr double kRounding = 0x1p-24;    // relative rounding error of a float32
 constexpr double kAlongAnAxis = 1e-12;   // smaller direction components become zero for Embree, see component()
-constexpr HierarchyOptions kUnfiltered{};
 
 // Two surfaces count as coplanar if their distance along the normal is at most kCoplanar x range + kFloor (m), the same
 // rule as in ray tracing with the sensor at the world's origin. kFloor is the rounding error of float32 corners near
@@ -205,10 +204,12 @@ class ExactTracer::Impl {
       : scene_(scene),
         anchor_(scene.bounds().empty() ? Vec3d{} : scene.bounds().center()),
         device_(makeDevice()),
-        shared_(buildSharedMeshes(device_.get(), scene, std::vector<bool>(scene.meshes.size(), true), kUnfiltered)),
         materials_(compactMaterials(scene)) {
     if (scene.moves()) throw Error("the exact reference takes scenes whose objects stand still");
-    shared_.scenes.clear();  // frees Embree's scenes; only the triangles are needed
+    blocks_.resize(scene.meshes.size());
+    parallelFor(blocks_.size(), 1, [&](std::size_t first, std::size_t last) {
+      for (std::size_t m = first; m < last; ++m) blocks_[m] = blockOf(scene, scene.meshes[m]);
+    });
     if (materials_.empty()) materials_.emplace_back();
   }
 
@@ -296,8 +297,8 @@ class ExactTracer::Impl {
     made->radius = radius;
     for (const Instance& instance : scene_.instances) {
       const Affine originFromMesh{instance.worldFromMesh.linear, instance.worldFromMesh.translation - origin};
-      world.placed.push_back({shared_.blocks[instance.mesh].get(), originFromMesh,
-                              transposed(inverse(originFromMesh.linear)), instance.firstInstanceId});
+      world.placed.push_back({blocks_[instance.mesh].get(), originFromMesh, transposed(inverse(originFromMesh.linear)),
+                              instance.firstInstanceId});
     }
     made->placements.reserve(world.placed.size());
     for (const PlacedBlock& placed : world.placed) made->placements.push_back({&placed, radius});
@@ -308,7 +309,7 @@ class ExactTracer::Impl {
   const Scene& scene_;
   Vec3d anchor_;
   DeviceHandle device_;
-  SharedMeshes shared_;
+  std::vector<std::unique_ptr<const TriangleBlock>> blocks_;  // by mesh
   std::vector<CompactMaterial> materials_;
   mutable std::mutex mutex_;
   mutable std::list<std::shared_ptr<const ExactWorld>> worlds_;

@@ -372,7 +372,7 @@ TEST(Build, RefusesInstancedMeshes) {
   const Scene scene = sceneOf(soup(4, 1, 0.1, 1));
   const DeviceHandle device = makeDevice();
   const std::vector<bool> instanced(1, true);
-  const SharedMeshes shared = buildSharedMeshes(device.get(), scene, instanced, {});
+  const SharedMeshes shared(device.get(), scene, instanced, {});
   const auto world = buildWorld(device.get(), scene, {}, instanced, shared, {});
   const auto build = [&] { buildField(*world, shapeAt({}, 0.1, 32, 1, false)); };
   EXPECT_THAT(messageOf<Error>(build), testing::HasSubstr("cannot be built of instanced meshes"));

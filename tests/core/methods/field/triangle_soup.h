@@ -41,7 +41,9 @@ inline std::unique_ptr<World> worldOf(const Scene& scene, const Vec3d& origin = 
   const DeviceHandle device = makeDevice();
   HierarchyOptions options;
   options.quality = quality;
-  return buildWorld(device.get(), scene, origin, std::vector<bool>(scene.meshes.size(), false), {}, options);
+  const std::vector<bool> instanced(scene.meshes.size(), false);
+  const SharedMeshes shared(device.get(), scene, instanced, options);
+  return buildWorld(device.get(), scene, origin, instanced, shared, options);
 }
 
 inline Vec3d randomPoint(std::uint32_t i, std::uint32_t j) {

@@ -47,7 +47,7 @@ ParticleOptions optionsOf(bool lists, double voxel = 0.25) {
 Surroundings surroundingsOf(const Scene& scene, bool lists, double voxel = 0.25) {
   const DeviceHandle device = makeDevice();
   const std::vector<bool> instanced(scene.meshes.size(), false);
-  const SharedMeshes shared = buildSharedMeshes(device.get(), scene, instanced, {});
+  const SharedMeshes shared(device.get(), scene, instanced, {});
   const ParticleOptions options = optionsOf(lists, voxel);
   Surroundings made{buildWorld(device.get(), scene, {}, instanced, shared, {}), nullptr};
   made.field = buildField(*made.world, shapeOf(options, {}, scene.bounds(), 30));

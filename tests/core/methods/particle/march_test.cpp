@@ -62,7 +62,9 @@ std::unique_ptr<World> scatteredWorld() {
   builder.place(builder.addMesh(mesh), {}, "triangles");
   const Scene scene = builder.finish();
   const DeviceHandle device = makeDevice();
-  return buildWorld(device.get(), scene, {}, std::vector<bool>(scene.meshes.size(), false), {}, {});
+  const std::vector<bool> instanced(scene.meshes.size(), false);
+  const SharedMeshes shared(device.get(), scene, instanced, {});
+  return buildWorld(device.get(), scene, {}, instanced, shared, {});
 }
 
 // From anywhere, and from where borders of voxels, bricks and levels meet; in any direction, and along axes; some with

@@ -46,6 +46,20 @@ TEST_F(SceneGrounds, ManyRaysMeetWhatEachMeetsAlone) {
   }
 }
 
+// Rays end with the scene, however far they are asked to go, and from wherever they come.
+TEST_F(SceneGrounds, FarRaysMeetWhatNearOnesMeet) {
+  const SceneProbe::Ray down{{20, -40, 20}, {0, 0, -1}};
+  const auto near = probe_.all(down, 100);
+  for (const double far : {1e3, 1e5}) {
+    const auto met = probe_.all({down.from + Vec3d{0, 0, far}, down.direction}, 1e6);
+    ASSERT_EQ(met.size(), near.size());
+    for (std::size_t i = 0; i < met.size(); ++i) EXPECT_NEAR(met[i].distance - far, near[i].distance, 1e-7 * far);
+  }
+  EXPECT_FALSE(probe_.first(SceneProbe::Ray{{20, -40, 1e5}, {0, 0, 1}}, 1e6).has_value());
+  EXPECT_FALSE(probe_.first(SceneProbe::Ray{{1e5, -40, 20}, {0, 0, -1}}, 1e6).has_value());
+  EXPECT_FALSE(probe_.first(SceneProbe::Ray{{1e5, -40, 20}, {0, 1, 0}}, 1e6).has_value());
+}
+
 TEST_F(SceneGrounds, UnderAPlaceIsTheHighestBelowOrTheLowestAbove) {
   const SceneGround ground(probe_, {});
   EXPECT_NEAR(*ground.under({20, -40, 8}), 6, 1e-5);     // on the bridge

@@ -1,0 +1,98 @@
+#pragma once
+
+// Blocks: triangles as Embree traces them, together with their exact planes.
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/vec.h"
+#include "scene/scene.h"
+
+struct RTCDeviceTy;
+struct RTCSceneTy;
+struct RTCFilterFunctionNArguments;
+
+namespace scanmill {
+
+// The labels of hits on a triangle.
+struct HitSurface {
+  std::uint32_t instance = 0;
+  std::uint16_t semantic = 0;
+  std::uint16_t material = 0;
+};
+
+// All data of a triangle that resolving a hit reads, in one record, so that a hit reads few cache lines. The plane is
+// normal . p = offset (m), computed in double from the mesh's corners; the normal is a unit vector.
+struct BlockTriangle {
+  Vec3d normal;
+  double offset;
+  std::uint32_t surface;    // index into TriangleBlock::surfaces
+  std::uint32_t primitive;  // the triangle's index in its mesh
+};
+
+// Triangles in one frame. Triangles with an alpha-tested material come last and are a separate Embree geometry (id 1),
+// so that only they need the alpha test; all others are geometry 0.
+struct TriangleBlock {
+  std::vector<Vec3f> vertices;    // one more vertex is padding, because Embree reads 16 bytes per vertex
+  std::vector<Triangle> corners;  // indices of vertices; Embree reads them too
+  std::vector<Vec2f> uvs;         // empty, or one per vertex
+  std::vector<BlockTriangle> triangles;
+  std::vector<HitSurface> surfaces;  // HitSurface::instance is the instance id (baked), or the object's number in its
+                                     // mesh (instanced)
+  std::uint32_t firstAlpha = 0;      // triangles with at least this index are alpha-tested
+
+  const HitSurface& surfaceOf(std::uint32_t triangle) const { return surfaces[triangles[triangle].surface]; }
+  std::uint32_t global(std::uint32_t geometry, std::uint32_t primitiveOfGeometry) const {
+    return primitiveOfGeometry + (geometry == 0 ? 0 : firstAlpha);
+  }
+};
+
+// Deleters for Embree's reference-counted handles.
+struct DeviceDeleter {
+  void operator()(RTCDeviceTy* device) const;
+};
+struct SceneDeleter {
+  void operator()(RTCSceneTy* scene) const;
+};
+using DeviceHandle = std::unique_ptr<RTCDeviceTy, DeviceDeleter>;
+using SceneHandle = std::unique_ptr<RTCSceneTy, SceneDeleter>;
+
+DeviceHandle makeDevice();
+// Returns the version of the Embree library in use, such as "4.3.3".
+std::string embreeVersion(RTCDeviceTy* device);
+
+enum class HierarchyQuality { Low, Medium, High };
+
+// Options for building Embree's hierarchy.
+struct HierarchyOptions {
+  bool robust = true;  // true: watertight at edges (RTC_SCENE_FLAG_ROBUST)
+  HierarchyQuality quality = HierarchyQuality::Medium;
+  // Embree's filter functions: for intersections with opaque and with alpha-tested triangles, and for occlusions. Null:
+  // no filter.
+  void (*solidFilter)(const RTCFilterFunctionNArguments*) = nullptr;
+  void (*alphaFilter)(const RTCFilterFunctionNArguments*) = nullptr;
+  void (*occlusionFilter)(const RTCFilterFunctionNArguments*) = nullptr;
+};
+
+// A mesh to be added to a block.
+struct BlockSource {
+  const Mesh* mesh;
+  Affine blockFromMesh;
+  std::uint32_t firstVertex, firstSurface;  // where the mesh's vertices and surfaces begin in the block
+};
+
+// Fills an empty block, whose surfaces are set, with the triangles of meshes. `scene` has the meshes' materials.
+void fillBlock(TriangleBlock& block, const Scene& scene, const std::vector<BlockSource>& sources);
+
+// Returns the block of a mesh in the mesh's own axes. Its HitSurface::instance are the objects' numbers.
+std::unique_ptr<TriangleBlock> blockOf(const Scene& scene, const Mesh& mesh);
+
+SceneHandle newScene(RTCDeviceTy* device, const HierarchyOptions& options);
+// Adds a block's triangles to an Embree scene as geometries 0 and 1. Embree reads the block as long as the scene lives.
+void attachBlock(RTCDeviceTy* device, RTCSceneTy* scene, const TriangleBlock& block, const HierarchyOptions& options);
+// Throws Error if Embree has failed on this thread: "Embree could not `what`".
+void checkEmbree(RTCDeviceTy* device, const char* what);
+
+}  // namespace scanmill

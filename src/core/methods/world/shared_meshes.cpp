@@ -1,0 +1,131 @@
+#include "methods/world/shared_meshes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "scene/embree.h"
+
+namespace scanmill {
+
+namespace {
+
+// Returns a mesh of some of a mesh's triangles, with the vertices that they use.
+Mesh excerpt(const Mesh& mesh, const std::vector<std::uint32_t>& triangles) {
+  constexpr std::uint32_t kUnused = 0xFFFFFFFFu;
+  thread_local std::vector<std::uint32_t> numbers;  // by vertex of the mesh: its number in the excerpt, or kUnused
+  if (numbers.size() < mesh.positions.size()) numbers.resize(mesh.positions.size(), kUnused);
+  Mesh part;
+  part.surfaces = mesh.surfaces;
+  part.triangles.reserve(triangles.size());
+  part.surfaceOf.reserve(triangles.size());
+  for (const std::uint32_t t : triangles) {
+    Triangle corners = mesh.triangles[t];
+    for (std::uint32_t& corner : corners) {
+      std::uint32_t& number = numbers[corner];
+      if (number == kUnused) {
+        number = static_cast<std::uint32_t>(part.positions.size());
+        part.positions.push_back(mesh.positions[corner]);
+        if (!mesh.uvs.empty()) part.uvs.push_back(mesh.uvs[corner]);
+      }
+      corner = number;
+    }
+    part.triangles.push_back(corners);
+    part.surfaceOf.push_back(mesh.surfaceOf[t]);
+  }
+  for (const std::uint32_t t : triangles) {
+    for (const std::uint32_t corner : mesh.triangles[t]) numbers[corner] = kUnused;
+  }
+  return part;
+}
+
+}  // namespace
+
+SharedMeshes::SharedMeshes(RTCDeviceTy* device, const Scene& scene, const std::vector<bool>& instanced,
+                           const HierarchyOptions& options, bool divided)
+    : device_(device), scene_(scene), options_(options) {
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+    const Mesh& mesh = scene.meshes[m];
+    firstPart_.push_back(parts_.size());
+    if (!instanced[m]) continue;
+    if (divided && mesh.triangles.size() > 2 * kTrianglesOfPart) {
+      divide(mesh);
+      continue;
+    }
+    Part& part = parts_.emplace_back();
+    part.mesh_ = &mesh;
+    part.bounds_ = mesh.bounds();
+  }
+  firstPart_.push_back(parts_.size());
+}
+
+// Divides a mesh by a grid of squares, seen from above; a triangle belongs to the square of its first corner.
+void SharedMeshes::divide(const Mesh& mesh) {
+  const Box box = mesh.bounds();
+  const double width = box.high.x - box.low.x;
+  const double depth = box.high.y - box.low.y;
+  const double squares = std::ceil(static_cast<double>(mesh.triangles.size()) / double{kTrianglesOfPart});
+  const double side = std::max(std::sqrt(width * depth / squares), std::max(width, depth) / squares);
+  if (!(side > 0)) {
+    Part& part = parts_.emplace_back();
+    part.mesh_ = &mesh;
+    part.bounds_ = box;
+    return;
+  }
+  const auto columns = static_cast<std::size_t>(width / side) + 1;
+  const auto rows = static_cast<std::size_t>(depth / side) + 1;
+  std::vector<std::vector<std::uint32_t>> cells(columns * rows);
+  std::vector<Box> boxes(cells.size());
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Triangle& corners = mesh.triangles[t];
+    const Vec3d place(mesh.positions[corners[0]]);
+    const std::size_t cell = static_cast<std::size_t>((place.y - box.low.y) / side) * columns +
+                             static_cast<std::size_t>((place.x - box.low.x) / side);
+    cells[cell].push_back(t);
+    for (const std::uint32_t corner : corners) boxes[cell].add(Vec3d(mesh.positions[corner]));
+  }
+  for (std::size_t cell = 0; cell < cells.size(); ++cell) {
+    if (cells[cell].empty()) continue;
+    Part& part = parts_.emplace_back();
+    part.mesh_ = &mesh;
+    part.triangles_ = std::move(cells[cell]);
+    part.bounds_ = boxes[cell];
+  }
+}
+
+void SharedMeshes::build(std::span<const std::size_t> numbers) const {
+  parallelFor(numbers.size(), 1, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
+      Part& part = parts_[numbers[i]];
+      Part::State missing = Part::State::Missing;
+      if (!part.state_.compare_exchange_strong(missing, Part::State::InProgress)) continue;
+      try {
+        make(part);
+      } catch (...) {
+        part.failure_ = std::current_exception();  // rethrown in each thread that needs the part
+      }
+      part.state_ = Part::State::Finished;
+      part.state_.notify_all();
+    }
+  });
+  for (const std::size_t number : numbers) {
+    Part& part = parts_[number];
+    part.state_.wait(Part::State::InProgress);  // another thread builds it
+    if (part.failure_) std::rethrow_exception(part.failure_);
+  }
+}
+
+void SharedMeshes::make(Part& part) const {
+  if (part.triangles_.empty()) {
+    part.block_ = blockOf(scene_, *part.mesh_);
+  } else {
+    part.block_ = blockOf(scene_, excerpt(*part.mesh_, part.triangles_));
+    for (BlockTriangle& triangle : part.block_->triangles) triangle.primitive = part.triangles_[triangle.primitive];
+  }
+  part.hierarchy_ = newScene(device_, options_);
+  attachBlock(device_, part.hierarchy_.get(), *part.block_, options_);
+  isolated([&] { rtcCommitScene(part.hierarchy_.get()); });
+  checkEmbree(device_, "build the shared meshes");  // Embree keeps an error for the thread in which it occurs
+}
+
+}  // namespace scanmill

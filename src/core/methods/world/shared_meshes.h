@@ -1,0 +1,67 @@
+#pragma once
+
+// The meshes that are instanced, and Embree's hierarchies of them: for all origins and revolutions, each built when a
+// world first needs it. Large meshes, such as the ground of a town, are divided into parts, so that the ground far from
+// the sensor needs no hierarchy.
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <exception>
+#include <span>
+#include <vector>
+
+#include "methods/world/block.h"
+
+namespace scanmill {
+
+class SharedMeshes {
+ public:
+  // Triangles of one mesh that share a hierarchy.
+  class Part {
+   public:
+    const Box& bounds() const { return bounds_; }                // m, in the mesh's axes
+    const TriangleBlock* block() const { return block_.get(); }  // null until build() has built the part
+    RTCSceneTy* hierarchy() const { return hierarchy_.get(); }   // likewise
+
+   private:
+    friend class SharedMeshes;
+    enum class State { Missing, InProgress, Finished };
+
+    const Mesh* mesh_ = nullptr;
+    std::vector<std::uint32_t> triangles_;  // the part's triangles of the mesh, ascending; empty: all
+    Box bounds_;
+    std::unique_ptr<TriangleBlock> block_;
+    SceneHandle hierarchy_;
+    std::exception_ptr failure_;
+    std::atomic<State> state_ = State::Missing;
+  };
+
+  // `instanced`: for each mesh, whether it has parts. If `divided`, meshes of more than twice kTrianglesOfPart
+  // triangles have several parts. The scene and the device must outlive this object.
+  SharedMeshes(RTCDeviceTy* device, const Scene& scene, const std::vector<bool>& instanced,
+               const HierarchyOptions& options, bool divided = false);
+
+  // Returns the numbers of a mesh's parts: from first(mesh) to first(mesh + 1).
+  std::size_t first(std::size_t mesh) const { return firstPart_[mesh]; }
+  const Part& part(std::size_t number) const { return parts_[number]; }
+
+  // Builds the parts with these numbers that are missing. Threads that want the same parts share the work. Throws Error
+  // if Embree fails. Safe to call from several threads.
+  void build(std::span<const std::size_t> numbers) const;
+
+  static constexpr std::size_t kTrianglesOfPart = 12000;  // mean number of triangles of the parts of a large mesh
+
+ private:
+  void divide(const Mesh& mesh);
+  void make(Part& part) const;
+
+  RTCDeviceTy* device_;
+  const Scene& scene_;
+  HierarchyOptions options_;
+  std::vector<std::size_t> firstPart_;  // by mesh, and one more entry
+  mutable std::deque<Part> parts_;
+};
+
+}  // namespace scanmill
