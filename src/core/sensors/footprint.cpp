@@ -111,11 +111,19 @@ void joinRays(const Footprint& footprint, Hits& hits) {
   hits.columns = footprint.rays->columns / rays;
   hits.beamOfRay.resize(hits.rays());
   hits.weightOfRay.resize(hits.rays());
-  for (std::size_t beam = 0; beam < hits.size(); ++beam) {
-    std::fill_n(hits.beamOfRay.begin() + static_cast<std::ptrdiff_t>(beam * rays), rays,
-                static_cast<std::uint32_t>(beam));
-    std::copy(footprint.weight.begin(), footprint.weight.end(),
-              hits.weightOfRay.begin() + static_cast<std::ptrdiff_t>(beam * rays));
+  // Writes the rays of many beams at once: copies of what the rays of the first beams have.
+  constexpr std::size_t kBeams = 64;
+  std::vector<std::uint32_t> beamOf;
+  std::vector<float> weights;
+  for (std::uint32_t beam = 0; beam < kBeams; ++beam) {
+    beamOf.insert(beamOf.end(), rays, beam);
+    weights.insert(weights.end(), footprint.weight.begin(), footprint.weight.end());
+  }
+  for (std::size_t first = 0; first < hits.rays(); first += weights.size()) {
+    const std::size_t count = std::min(weights.size(), hits.rays() - first);
+    const auto firstBeam = static_cast<std::uint32_t>(first / rays);
+    std::copy_n(weights.data(), count, &hits.weightOfRay[first]);
+    for (std::size_t i = 0; i < count; ++i) hits.beamOfRay[first + i] = firstBeam + beamOf[i];
   }
 }
 

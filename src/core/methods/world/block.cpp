@@ -20,11 +20,12 @@ bool alphaTested(const Scene& scene, const Surface& surface) {
 // Appends either the opaque or the alpha-tested triangles of a mesh. fillPlanes() adds their planes later, in parallel.
 void appendTriangles(TriangleBlock& block, const Scene& scene, const BlockSource& source, bool alpha) {
   const Mesh& mesh = *source.mesh;
-  std::vector<bool> wanted(mesh.surfaces.size());
-  for (std::size_t s = 0; s < wanted.size(); ++s) wanted[s] = alphaTested(scene, mesh.surfaces[s]) == alpha;
+  std::vector<char> wanted(mesh.surfaces.size());
+  for (std::size_t s = 0; s < wanted.size(); ++s) wanted[s] = alphaTested(scene, mesh.surfaces[s]) == alpha ? 1 : 0;
+  if (std::count(wanted.begin(), wanted.end(), 1) == 0) return;
   const std::uint32_t first = source.firstVertex;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (!wanted[mesh.surfaceOf[t]]) continue;
+    if (wanted[mesh.surfaceOf[t]] == 0) continue;
     const Triangle& c = mesh.triangles[t];
     block.corners.push_back({c[0] + first, c[1] + first, c[2] + first});
     block.triangles.push_back({{}, 0, source.firstSurface + mesh.surfaceOf[t], t});

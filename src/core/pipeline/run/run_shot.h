@@ -21,7 +21,7 @@ struct ShotSetup {
   Channels channels;                     // channels to trace
   Receiver receiver;                     // the receiver model, without `motions`, which senseShot() sets for each shot
   const Footprint* footprint = nullptr;  // the rays that sample a beam's width; null: each beam fires one ray
-  const Hits* vehicle = nullptr;         // hits of the sensor's rays on the ego vehicle; null: no ego vehicle
+  const BlockedRays* vehicle = nullptr;  // the rays that hit the ego vehicle; null: no ego vehicle
   const LightPaths* paths = nullptr;     // how rays continue behind a hit; null: rays end at their first hit
   const Scene* moving = nullptr;         // the scene, if columns or classes of scans depend on motion; otherwise null
 };

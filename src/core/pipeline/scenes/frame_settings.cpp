@@ -10,7 +10,7 @@ namespace scanmill {
 
 namespace {
 
-std::shared_ptr<const Hits> vehicleOf(const VehicleHits& vehicles, std::size_t sensor) {
+std::shared_ptr<const BlockedRays> vehicleOf(const VehicleHits& vehicles, std::size_t sensor) {
   return vehicles.empty() ? nullptr : vehicles[sensor];
 }
 

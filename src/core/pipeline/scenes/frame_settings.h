@@ -12,16 +12,17 @@
 
 #include "config/distribution.h"
 #include "pipeline/read/pipeline.h"
-#include "scan/hits.h"
 
 namespace scanmill {
+
+struct BlockedRays;
 
 struct SensorSetting {
   Pose vehicleFromSensor;
   std::shared_ptr<const Effects> effects;
   // How rays continue behind a hit, from the effect light_paths; null: rays end at their first hit.
   const LightPaths* paths = nullptr;
-  std::shared_ptr<const Hits> vehicle;  // hits of the sensor's rays on the ego vehicle; null: no ego vehicle
+  std::shared_ptr<const BlockedRays> vehicle;  // the rays that hit the ego vehicle; null: no ego vehicle
 };
 
 struct FrameSettings {
@@ -29,8 +30,8 @@ struct FrameSettings {
   std::vector<DrawnValue> draws;  // the random values in these settings
 };
 
-// Hits on the ego vehicle, one table per sensor; empty: no ego vehicle.
-using VehicleHits = std::vector<std::shared_ptr<const Hits>>;
+// The rays that hit the ego vehicle, by sensor; empty: no ego vehicle.
+using VehicleHits = std::vector<std::shared_ptr<const BlockedRays>>;
 
 // Returns the settings with the mounts and effects in Pipeline::sensors. `vehicles`: hits on the ego vehicle.
 FrameSettings settingsOf(const Pipeline& pipeline, const VehicleHits& vehicles);

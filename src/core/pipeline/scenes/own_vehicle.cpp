@@ -7,35 +7,72 @@
 
 namespace scanmill {
 
-Hits traceVehicle(const Scene& vehicle, const BeamTable& rays, const Pose& vehicleFromSensor) {
-  auto near = std::make_shared<BeamTable>(rays);
-  near->minRange = 0;
-  Shot shot;
-  shot.beams = std::move(near);
-  shot.worldFromSensor = {vehicleFromSensor};
+namespace {
+
+// Sets a table to one ring of another.
+void takeRing(const BeamTable& rays, std::uint32_t ring, BeamTable& own) {
+  own.rings = 1;
+  own.columns = rays.columns;
+  own.raysPerBeam = rays.raysPerBeam;
+  own.maxRange = rays.maxRange;
+  own.period = rays.period;
+  const auto take = [&](const auto& all, auto& some) {
+    if (all.empty()) return;
+    const auto first = all.begin() + static_cast<std::ptrdiff_t>(std::size_t{ring} * rays.columns);
+    some.assign(first, first + rays.columns);
+  };
+  take(rays.direction, own.direction);
+  take(rays.origin, own.origin);
+  take(rays.time, own.time);
+}
+
+}  // namespace
+
+double BlockedRays::share() const {
+  return static_cast<double>(blocked.size()) / static_cast<double>(range.size());
+}
+
+// Traces ring by ring, since few rays hit the vehicle and only their hits are kept.
+BlockedRays traceVehicle(const Scene& vehicle, const BeamTable& rays, const Pose& vehicleFromSensor) {
   const auto method = makeReference(vehicle);
-  Hits hits;
-  method->trace(shot, Channels::all(), hits);
-  return hits;
+  BlockedRays found;
+  found.range.reserve(rays.size());
+  found.hits.reset(0, 0, Channels::all());
+  Shot shot;
+  shot.worldFromSensor = {vehicleFromSensor};
+  const auto table = std::make_shared<BeamTable>();
+  shot.beams = table;
+  Hits ringHits;
+  for (std::uint32_t ring = 0; ring < rays.rings; ++ring) {
+    takeRing(rays, ring, *table);
+    method->trace(shot, Channels::all(), ringHits);
+    const std::size_t before = found.range.size();
+    found.range.insert(found.range.end(), ringHits.range.begin(), ringHits.range.end());
+    for (std::size_t ray = 0; ray < ringHits.rays(); ++ray) {
+      if (!ringHits.hit(ray)) continue;
+      found.blocked.push_back(static_cast<std::uint32_t>(before + ray));
+      forEachChannel([&](const ChannelRow&, auto member) {
+        auto& column = found.hits.*member;
+        column.push_back((ringHits.*member)[ray]);
+      });
+    }
+  }
+  return found;
 }
 
-double blockedShare(const Hits& vehicle) {
-  std::uint64_t blocked = 0;
-  for (std::size_t ray = 0; ray < vehicle.rays(); ++ray) blocked += vehicle.hit(ray) ? 1 : 0;
-  return static_cast<double>(blocked) / static_cast<double>(vehicle.rays());
-}
-
-void blockByVehicle(const Hits& vehicle, double minRange, Hits& hits) {
+void blockByVehicle(const BlockedRays& vehicle, double minRange, Hits& hits) {
   hits.pathOfRay.assign(hits.rays(), RayPath::Direct);
-  for (std::size_t ray = 0; ray < vehicle.rays(); ++ray) {
-    if (!vehicle.hit(ray) || vehicle.range[ray] > hits.range[ray]) continue;
-    const bool reported = vehicle.range[ray] >= minRange;
-    hits.range[ray] = reported ? vehicle.range[ray] : kMiss;
+  for (std::size_t i = 0; i < vehicle.blocked.size(); ++i) {
+    const std::uint32_t ray = vehicle.blocked[i];
+    const float range = vehicle.hits.range[i];
+    if (range > hits.range[ray]) continue;
+    const bool reported = range >= minRange;
+    hits.range[ray] = reported ? range : kMiss;
     hits.pathOfRay[ray] = RayPath::OwnVehicle;
     forEachChannel([&](const ChannelRow& row, auto member) {
       auto& column = hits.*member;
       using Of = typename std::remove_reference_t<decltype(column)>::value_type;
-      if (row.channel != Channel::Range && !column.empty()) column[ray] = reported ? (vehicle.*member)[ray] : Of{};
+      if (row.channel != Channel::Range && !column.empty()) column[ray] = reported ? (vehicle.hits.*member)[i] : Of{};
     });
     if (!hits.instance.empty()) hits.instance[ray] = 0;
     if (!hits.material.empty()) hits.material[ray] = reported ? kNoMaterial : 0;

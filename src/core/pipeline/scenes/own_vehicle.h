@@ -2,7 +2,8 @@
 
 // The ego vehicle ("own vehicle" in messages), which carries the sensors and blocks some of their beams.
 
-#include <filesystem>
+#include <cstdint>
+#include <vector>
 
 #include "base/vec.h"
 #include "scan/hits.h"
@@ -11,17 +12,23 @@
 
 namespace scanmill {
 
-// Returns the hit of each ray of a sensor's beam table on the vehicle that carries the sensor, at any distance, even
-// below the sensor's minimum range. The hits are the same for all shots, since sensor and vehicle move together.
-// `vehicle`: a scene in the vehicle's frame.
-Hits traceVehicle(const Scene& vehicle, const BeamTable& rays, const Pose& vehicleFromSensor);
+// The rays of a sensor that hit the vehicle which carries the sensor. They are the same for all shots, since sensor and
+// vehicle move together.
+struct BlockedRays {
+  std::vector<float> range;            // m, by ray; kMiss: the ray does not hit the vehicle
+  std::vector<std::uint32_t> blocked;  // indices of the rays that hit it, ascending
+  Hits hits;                           // the hits of these rays, in the same order
 
-// Returns the fraction of the rays that hit the vehicle.
-double blockedShare(const Hits& vehicle);
+  double share() const;  // the fraction of the rays that hit the vehicle
+};
+
+// Traces the rays of a sensor's beam table to the vehicle at any distance, even below the sensor's minimum range.
+// `vehicle`: a scene in the vehicle's frame.
+BlockedRays traceVehicle(const Scene& vehicle, const BeamTable& rays, const Pose& vehicleFromSensor);
 
 // Replaces each hit behind the vehicle, and each miss of a ray that hits the vehicle, by the hit on the vehicle, with
 // path OwnVehicle, no instance, no material and a matt surface. If this hit is nearer than the sensor's minimum range
 // `minRange` (m), it becomes a miss with path OwnVehicle. `vehicle` and `hits` must have the same rays.
-void blockByVehicle(const Hits& vehicle, double minRange, Hits& hits);
+void blockByVehicle(const BlockedRays& vehicle, double minRange, Hits& hits);
 
 }  // namespace scanmill

@@ -70,7 +70,7 @@ VehicleHits ShotSource::traceOwnVehicle(const std::vector<Pose>& mounts) const {
   for (std::size_t s = 0; s < mounts.size(); ++s) {
     const PlannedSensor& sensor = plan_.sensors[s];
     const BeamTable& rays = sensor.footprint == nullptr ? *sensor.beams : *sensor.footprint->rays;
-    hits.push_back(std::make_shared<const Hits>(traceVehicle(*vehicle_, rays, mounts[s])));
+    hits.push_back(std::make_shared<const BlockedRays>(traceVehicle(*vehicle_, rays, mounts[s])));
   }
   return hits;
 }
@@ -78,7 +78,7 @@ VehicleHits ShotSource::traceOwnVehicle(const std::vector<Pose>& mounts) const {
 std::vector<double> ShotSource::blockedShares() const {
   std::vector<double> shares;
   for (const SensorSetting& sensor : settings_->sensors) {
-    if (sensor.vehicle != nullptr) shares.push_back(blockedShare(*sensor.vehicle));
+    if (sensor.vehicle != nullptr) shares.push_back(sensor.vehicle->share());
   }
   return shares;
 }

@@ -109,10 +109,11 @@ TEST_F(OwnVehicle, TheShippedOneStandsUnderItsSensor) {
                                                       "sensors=[{name: top, preset: hdl_64e, mount: {position: "
                                                       "[0, 0, 1.73]}}]"}));
   const ShotSource source(plan);
-  const Hits& hits = *source.settings().sensors[0].vehicle;
+  const BlockedRays& vehicle = *source.settings().sensors[0].vehicle;
+  const std::uint32_t columns = plan.sensors[0].beams->columns;
   std::size_t lowest = 0;
-  for (std::size_t ray = 0; ray < hits.rays(); ++ray) lowest += hits.hit(ray) && ray >= 56u * hits.columns ? 1 : 0;
-  const double share = static_cast<double>(lowest) / (8.0 * hits.columns);
+  for (const std::uint32_t ray : vehicle.blocked) lowest += ray >= 56u * columns ? 1 : 0;
+  const double share = static_cast<double>(lowest) / (8.0 * columns);
   EXPECT_GT(share, 0.25) << "of the lowest eight rings";
   EXPECT_LT(share, 0.7);
 }
