@@ -45,11 +45,13 @@ class GroundMaker {
 
   models::Model make() {
     tile();
+    for (const Road& road : layout_.roads().roads()) sections_.push_back(road.section);
     besides_.reserve(tiling_.points.size() + tiling_.points.size() / 4);
     for (std::size_t border = 0; border < 5; ++border) {
       cut([&](std::uint32_t p) {
-        const Beside& b = beside(p);
-        return b.known ? layout_.borders(b)[border] : 1e3;
+        makeBesides(p);
+        const auto& [edge, section] = besides_[p];
+        return section == kUnknown ? 1e3 : Layout::borders(edge, sections_[section])[border];
       });
     }
     cut([&](std::uint32_t p) { return layout_.outsidePatches(tiling_.points[p]); });
@@ -86,12 +88,31 @@ class GroundMaker {
     cutAlong(tiling_, std::move(values));
   }
 
-  const Beside& beside(std::uint32_t point) {
+  // Fills besides_ up to a point.
+  void makeBesides(std::uint32_t point) {
     while (besides_.size() <= point) {
       const Point2& p = tiling_.points[besides_.size()];
-      besides_.push_back(layout_.roads().at(p.x, p.y));
+      const Beside b = layout_.roads().at(p.x, p.y);
+      besides_.push_back({b.edge, b.known ? numberOf(b) : kUnknown});
     }
-    return besides_[point];
+  }
+
+  // Returns the number in sections_ of a cross section: the road's number, or a new one at crossings.
+  std::uint32_t numberOf(const Beside& b) {
+    if (b.section == sections_[b.road]) return b.road;
+    sections_.push_back(b.section);
+    return static_cast<std::uint32_t>(sections_.size() - 1);
+  }
+
+  // Returns what the height and the kind of the ground at a point depend on, without the place along the road.
+  Beside beside(std::uint32_t point) {
+    makeBesides(point);
+    const auto& [edge, section] = besides_[point];
+    Beside b;
+    b.known = section != kUnknown;
+    if (b.known) b.section = sections_[section];
+    b.edge = edge;
+    return b;
   }
 
   static bool isLow(GroundKind kind) { return kind == GroundKind::Road || kind == GroundKind::Parking; }
@@ -102,8 +123,9 @@ class GroundMaker {
     Point2 p{0, 0};
     middle.edge = 0;
     for (const std::uint32_t v : t) {
-      if (!beside(v).known) middle.known = false;
-      middle.edge += beside(v).edge / 3;
+      makeBesides(v);
+      if (besides_[v].section == kUnknown) middle.known = false;
+      middle.edge += besides_[v].edge / 3;
       p.x += tiling_.points[v].x / 3;
       p.y += tiling_.points[v].y / 3;
     }
@@ -171,7 +193,14 @@ class GroundMaker {
   Shape shape_;
   std::array<SurfaceIndex, 12> surfaces_{};
   Tiling tiling_;
-  std::vector<Beside> besides_;
+  // Of each point's Beside the edge (m), and the number in sections_ of the cross section: a fifth of the memory.
+  struct EdgeAndSection {
+    double edge;
+    std::uint32_t section;
+  };
+  static constexpr std::uint32_t kUnknown = 0xFFFFFFFFu;
+  std::vector<EdgeAndSection> besides_;
+  std::vector<CrossSection> sections_;     // of the roads, then of crossings
   std::vector<std::uint32_t> low_, high_;  // for each point, the index of its vertex plus 1; 0: none yet
 };
 

@@ -72,9 +72,8 @@ const Patch* Layout::patchAt(const Point2& p) const {
   return nullptr;
 }
 
-std::array<double, 5> Layout::borders(const Beside& b) const {
-  const CrossSection& s = b.section;
-  return {b.edge + s.parking, b.edge, b.edge - s.curb, b.edge - s.curb - s.verge, b.edge - s.outer()};
+std::array<double, 5> Layout::borders(double edge, const CrossSection& s) {
+  return {edge + s.parking, edge, edge - s.curb, edge - s.curb - s.verge, edge - s.outer()};
 }
 
 GroundKind Layout::kindAt(const Beside& b, const Point2& p) const {

@@ -26,6 +26,7 @@ struct CrossSection {
   double step = 0.12;     // height of the curb
 
   double outer() const { return curb + verge + sidewalk; }  // width from the road's edge to the plots
+  bool operator==(const CrossSection&) const = default;
 };
 
 struct Road {
