@@ -20,7 +20,6 @@ constexpr std::array kMethods{
     MethodEntry{.name = "ray_tracing",
                 .summary = "Embree on all cores: exact, the reference of the other methods",
                 .keys = "packet: 16 or 1, rays per call of Embree; "
-                        "tile_columns: auto, 1, 2, 4, 8 or 16, columns of a packet; "
                         "robust: true, watertight at the edges of triangles; "
                         "bvh: medium, low or high, quality of the bounding volume hierarchy; "
                         "instancing: auto, always or never; "
@@ -35,8 +34,7 @@ constexpr std::array kMethods{
         .keys = "renderer: vtk or blender, the program that draws the images; "
                 "layout: auto, three_120, four_90 or cube_6, number and field of the cameras; "
                 "resolution: 2048 pixels across an image, 128 to 4096; "
-                "sampling: plane, nearest, bilinear, row_hyperbola, equirectangular or pixel_row, how a beam gets its "
-                "range from pixels; "
+                "sampling: plane, nearest or bilinear, how a beam gets its range from pixels; "
                 "depth: float32, uint24, uint16 or half_500, how depths are stored; "
                 "antialiasing: 1, 2 or 4, subpixels per side of a pixel; "
                 "near_m: 0.01 m, nearer surfaces are not drawn; "

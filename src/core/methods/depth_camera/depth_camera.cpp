@@ -56,12 +56,8 @@ constexpr std::pair<const char*, CameraLayout> kLayouts[] = {{"auto", CameraLayo
                                                              {"three_120", CameraLayout::Three120},
                                                              {"four_90", CameraLayout::Four90},
                                                              {"cube_6", CameraLayout::Cube6}};
-constexpr std::pair<const char*, Sampling> kSamplings[] = {{"plane", Sampling::Plane},
-                                                           {"nearest", Sampling::Nearest},
-                                                           {"bilinear", Sampling::Bilinear},
-                                                           {"row_hyperbola", Sampling::RowHyperbola},
-                                                           {"equirectangular", Sampling::Equirectangular},
-                                                           {"pixel_row", Sampling::PixelRow}};
+constexpr std::pair<const char*, Sampling> kSamplings[] = {
+    {"plane", Sampling::Plane}, {"nearest", Sampling::Nearest}, {"bilinear", Sampling::Bilinear}};
 constexpr std::pair<const char*, DepthFormat> kDepths[] = {{"float32", DepthFormat::Float32},
                                                            {"uint24", DepthFormat::Unorm24},
                                                            {"uint16", DepthFormat::Unorm16},

@@ -75,18 +75,11 @@ void placePoints(const CameraView& view, std::size_t begin, std::size_t end, Met
   }
 }
 
-void measureNearest(Sampling sampling, const CameraView& view, std::size_t begin, std::size_t end,
-                    const BeamBlock& block, Met& met) {
-  if (sampling == Sampling::PixelRow) {
-    std::copy(met.depth + begin, met.depth + end, met.range + begin);
-    std::fill(met.along + begin, met.along + end, 0.0);
-    return;
-  }
-  const bool fromCamera = isNaive(sampling);
+void measureNearest(std::size_t begin, std::size_t end, const BeamBlock& block, Met& met) {
   for (std::size_t i = begin; i < end; ++i) {
-    const double x = met.px[i] - (fromCamera ? view.position.x : block.ox[i]);
-    const double y = met.py[i] - (fromCamera ? view.position.y : block.oy[i]);
-    const double z = met.pz[i] - (fromCamera ? view.position.z : block.oz[i]);
+    const double x = met.px[i] - block.ox[i];
+    const double y = met.py[i] - block.oy[i];
+    const double z = met.pz[i] - block.oz[i];
     met.range[i] = std::sqrt(x * x + y * y + z * z);
     met.along[i] = 0;
   }
@@ -135,7 +128,7 @@ void measure(const SampleOptions& options, const CameraView& view, const Mat3& r
   if (options.depth == DepthFormat::Half500) keepHalves(begin, end, met);
   if (options.sampling == Sampling::Bilinear) blendCorners(options, view, pixels, begin, end, met);
   placePoints(view, begin, end, met);
-  measureNearest(options.sampling, view, begin, end, block, met);
+  measureNearest(begin, end, block, met);
   if (pixels.planes->normal.empty()) return;
   turnNormals(&pixels.planes->normal[pixels.first], rigFromWorld, begin, end, block, met);
   if (options.sampling == Sampling::Plane) meetPlanes(begin, end, block, met);

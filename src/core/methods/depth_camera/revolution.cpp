@@ -75,7 +75,6 @@ RigBeams rigBeams(const Shot& shot, std::uint32_t first, std::uint32_t end, cons
   beams.beam.resize(width * table.rings);
   beams.minRange = table.minRange;
   beams.maxRange = table.maxRange;
-  beams.table = &table;
   parallelFor(table.rings, 16384 / width + 1, [&](std::size_t firstRing, std::size_t endRing) {
     for (std::size_t ring = firstRing; ring < endRing; ++ring) {
       for (std::size_t c = 0; c < width; ++c) {

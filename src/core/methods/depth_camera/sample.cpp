@@ -57,9 +57,7 @@ class Sampler {
         rigFromWorld_(transposed(toMatrix(worldFromRig.rotation))),
         reader_(source, options, choice_),
         corners_(source, options, {Channel::Range | Channel::Instance | Channel::Material, false}),
-        rounds_(!isNaive(options.sampling) && startElsewhere() ? kRounds : 1) {
-    if (isNaive(options.sampling) && beams.table == nullptr)
-      throw Error("this sampling needs the beam table of a sensor");
+        rounds_(startElsewhere() ? kRounds : 1) {
     if (choice_.surfaceParameters) {
       hits.roughness.resize(hits.size());
       hits.metallic.resize(hits.size());
@@ -130,13 +128,8 @@ class Sampler {
       for (std::size_t first = begin; first < end; first += kBlock) {
         const std::size_t count = std::min(kBlock, end - first);
         load(batch, first, count, block);
-        if (isNaive(options_.sampling)) {
-          placeNaive(options_.sampling, views_, *beams_.table, block, &beams_.beam[batch.base + first],
-                     batch.at(first));
-        } else {
-          place(views_, block.dx, block.dy, block.dz, count, false, batch.at(first));
-          if (rounds_ > 1) aimAtGuess(batch, first, block);
-        }
+        place(views_, block.dx, block.dy, block.dz, count, false, batch.at(first));
+        if (rounds_ > 1) aimAtGuess(batch, first, block);
         for (std::size_t i = first; i < first + count; ++i) unseen += batch.view[i] == kNoView ? 1 : 0;
       }
       unseen_ += unseen;

@@ -14,12 +14,9 @@
 namespace scanmill {
 
 enum class Sampling {
-  Nearest,       // distance of the point shown in the beam's pixel (PreSIL, LiDAR-GEIL)
-  Bilinear,      // interpolates between four pixels; like Nearest if their ids differ or their depths differ too much
-  Plane,         // intersection of the beam with the plane given by depth and normal of its pixel
-  RowHyperbola,  // for this and the following two see naive.cpp
-  Equirectangular,
-  PixelRow,
+  Nearest,   // distance of the point shown in the beam's pixel (PreSIL, LiDAR-GEIL)
+  Bilinear,  // interpolates between four pixels; like Nearest if their ids differ or their depths differ too much
+  Plane,     // intersection of the beam with the plane given by depth and normal of its pixel
 };
 
 // The format in which depths are stored before they are sampled. Depths are rounded as if a buffer had this format.
@@ -54,7 +51,6 @@ struct RigBeams {
   std::vector<std::uint32_t> beam;  // index in Hits where the result is stored
   double minRange = 0;              // m, hits nearer than this are misses
   double maxRange = 0;
-  const BeamTable* table = nullptr;  // table of the sensor; only naive.cpp uses it, for a beam's ring and column
 };
 
 // Fills `hits` for the given beams: every channel in hits.channels and, if the source has them, the surface parameters

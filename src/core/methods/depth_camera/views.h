@@ -50,12 +50,4 @@ struct ImagePositions {
 void place(std::span<const CameraView> views, const double* x, const double* y, const double* z, std::size_t count,
            bool points, ImagePositions places);
 
-// Finds the pixels that the sampling methods of naive.cpp read. `beam`: the beams' indices in the table.
-void placeNaive(Sampling sampling, std::span<const CameraView> views, const BeamTable& table, const BeamBlock& beams,
-                const std::uint32_t* beam, ImagePositions places);
-
-constexpr bool isNaive(Sampling sampling) {
-  return sampling == Sampling::RowHyperbola || sampling == Sampling::Equirectangular || sampling == Sampling::PixelRow;
-}
-
 }  // namespace scanmill

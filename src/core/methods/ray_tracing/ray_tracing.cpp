@@ -29,17 +29,14 @@ constexpr std::uint64_t kBytesPerSceneTriangle = 40;  // memory of the scene its
 
 // The map `ray_tracing: {...}` of a pipeline. All options except `simplify` give the same hits, up to float32 rounding.
 struct RayTracingOptions {
-  int packet = 16;      // rays per Embree call: 16, or 1 for comparison in tests
-  int tileColumns = 0;  // columns of a packet's tile: 1, 2, 4, 8 or 16; 0: chosen by the angles between beams
-  bool robust = true;   // true: watertight at edges (RTC_SCENE_FLAG_ROBUST)
+  int packet = 16;     // rays per Embree call: 16, or 1 for comparison in tests
+  bool robust = true;  // true: watertight at edges (RTC_SCENE_FLAG_ROBUST)
   HierarchyQuality quality = HierarchyQuality::Medium;
   Instancing instancing = Instancing::Auto;
   double simplify = 1;  // fraction of each mesh's triangles that remains; 1: all
 };
 
 constexpr std::pair<const char*, int> kPackets[] = {{"16", 16}, {"1", 1}};
-constexpr std::pair<const char*, int> kTileColumns[] = {{"auto", 0}, {"1", 1}, {"2", 2},
-                                                        {"4", 4},    {"8", 8}, {"16", 16}};
 constexpr std::pair<const char*, HierarchyQuality> kQualities[] = {
     {"low", HierarchyQuality::Low}, {"medium", HierarchyQuality::Medium}, {"high", HierarchyQuality::High}};
 constexpr std::pair<const char*, Instancing> kInstancings[] = {
@@ -48,7 +45,6 @@ constexpr std::pair<const char*, Instancing> kInstancings[] = {
 RayTracingOptions readRayTracingOptions(Fields& fields) {
   RayTracingOptions options;
   options.packet = namedChoice(fields, "packet", kPackets, options.packet).second;
-  options.tileColumns = namedChoice(fields, "tile_columns", kTileColumns, options.tileColumns).second;
   options.robust = fields.boolean("robust", true);
   options.quality = namedChoice(fields, "bvh", kQualities, options.quality).second;
   options.instancing = namedChoice(fields, "instancing", kInstancings, options.instancing).second;
@@ -80,10 +76,9 @@ std::uint32_t bestTileColumns(const BeamTable& beams) {
 // The division of a table's rays into packets.
 class Tiling {
  public:
-  // `columns`: columns of a packet's tile; 0: the result of bestTileColumns().
-  Tiling(const BeamTable& beams, int columns)
+  explicit Tiling(const BeamTable& beams)
       : beams_(beams),
-        width_(columns != 0 ? static_cast<std::uint32_t>(columns) : bestTileColumns(beams)),
+        width_(bestTileColumns(beams)),
         rows_(kPacket / width_),
         across_((beams.columns + width_ - 1) / width_) {}
 
@@ -127,7 +122,7 @@ class RayTracing : public Method {
                         frame,  options_.packet, coplanarFloor(static_cast<float>(length(frame.position.front())))};
     const BeamTable& beams = *shot.beams;
     hits.reset(beams.rings, beams.columns, channels);
-    const Tiling tiling(beams, options_.tileColumns);
+    const Tiling tiling(beams);
     parallelFor(tiling.size(), 128, [&](std::size_t first, std::size_t last) {
       std::vector<Tile> tiles;
       tiles.reserve(last - first);
