@@ -62,11 +62,10 @@ void attachInstance(RTCDevice device, RTCScene scene, RTCScene shared, const Pla
   rtcReleaseGeometry(geometry);
 }
 
-// Returns the distance of a point from a box (m).
-double distanceFrom(const Box& box, const Vec3d& p) {
-  const auto beyond = [](double low, double high, double at) { return std::max({low - at, at - high, 0.0}); };
-  return length(Vec3d{beyond(box.low.x, box.high.x, p.x), beyond(box.low.y, box.high.y, p.y),
-                      beyond(box.low.z, box.high.z, p.z)});
+// Returns the distance of a box from the origin (m).
+double distanceOf(const Box& box) {
+  const auto beyond = [](double low, double high) { return std::max({low, -high, 0.0}); };
+  return length(Vec3d{beyond(box.low.x, box.high.x), beyond(box.low.y, box.high.y), beyond(box.low.z, box.high.z)});
 }
 
 // Sets World::placed, without blocks, to the parts of instanced meshes that are within reach at some time of the
@@ -92,9 +91,11 @@ std::vector<std::size_t> place(World& world, const std::vector<bool>& instanced,
     }
     const std::uint32_t mesh = instance.meshAt(revolution.time + revolution.duration / 2);
     for (std::size_t part = shared.first(mesh); part < shared.first(mesh + 1); ++part) {
-      Box box = boxAround(placed.originFromMesh, shared.part(part).bounds());
-      if (placed.moves) box.add(boxAround(placed.atEnd, shared.part(part).bounds()));
-      if (distanceFrom(box, {}) > revolution.reach) continue;
+      const Box& own = shared.part(part).bounds();
+      if (own.empty()) continue;
+      Box box = boxAround(placed.originFromMesh, own);
+      if (placed.moves) box.add(boxAround(placed.atEnd, own));
+      if (distanceOf(box) > revolution.reach) continue;
       world.placed.push_back(placed);
       parts.push_back(part);
     }
