@@ -6,6 +6,8 @@
 #include "pipeline/run/forecast.h"
 
 #include <fmt/core.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -59,11 +61,20 @@ int run(const std::vector<std::filesystem::path>& files) {
              "MB", "ratio", "took s");
   const auto print = [](const std::string& name, const std::filesystem::path& file,
                         const std::vector<std::string>& overrides) {
-    try {
-      compare(name, file, overrides);
-    } catch (const Error& failure) {
-      fmt::print("{:<22} left out: {}\n", name, failure.what());
+    // Each in a process of its own, as `scanmill plan` is, since the first scene of a process takes longer.
+    std::fflush(stdout);
+    const pid_t child = ::fork();
+    if (child == 0) {
+      try {
+        compare(name, file, overrides);
+      } catch (const Error& failure) {
+        fmt::print("{:<22} left out: {}\n", name, failure.what());
+      }
+      std::fflush(stdout);
+      ::_exit(0);
     }
+    int status = 0;
+    if (child < 0 || ::waitpid(child, &status, 0) != child || status != 0) fmt::print("{:<22} failed\n", name);
   };
   for (const std::filesystem::path& file : files) {
     const std::string name = file.stem().string();
