@@ -75,7 +75,12 @@ bool hasWaiters() {
 }
 
 void isolated(const std::function<void()>& work) {
-  tbb::this_task_arena::isolate(work);
+  if (withOthers) {
+    const WithOthers no(false);
+    work();
+  } else {
+    tbb::this_task_arena::isolate(work);
+  }
 }
 
 ThreadLimit::ThreadLimit(int threads) {

@@ -13,7 +13,8 @@ namespace scanmill {
 void parallelFor(std::size_t count, std::size_t grain, const std::function<void(std::size_t, std::size_t)>& body);
 
 // Calls work(), in which a library runs loops of oneTBB. While this thread waits for such a loop, it starts no
-// unrelated task, which could wait for a lock that this thread holds. parallelFor() needs no such call.
+// unrelated task, which could wait for a lock that this thread holds. parallelFor() needs no such call. Within
+// withWaiters(), threads that wait take part in these loops, too.
 void isolated(const std::function<void()>& work);
 
 // Calls work(). To be called within a call of tbb::collaborative_call_once(): threads that wait for that call then take

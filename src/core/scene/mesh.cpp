@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 
 #include "scene/scene.h"
@@ -45,8 +46,9 @@ Box Mesh::bounds() const {
     return p;
   };
   std::array<Floats, 3> low;  // of each corner, so that the processor works on the three side by side
-  low.fill(at(triangles.front()[0]));
-  std::array<Floats, 3> high = low;
+  low.fill(Floats{INFINITY, INFINITY, INFINITY, INFINITY});
+  std::array<Floats, 3> high;
+  high.fill(-low[0]);
   for (const Triangle& t : triangles) {
     for (std::size_t k = 0; k < 3; ++k) {
       const Floats p = at(t[k]);

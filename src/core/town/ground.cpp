@@ -193,7 +193,7 @@ class GroundMaker {
   Shape shape_;
   std::array<SurfaceIndex, 12> surfaces_{};
   Tiling tiling_;
-  // Of each point's Beside the edge (m), and the number in sections_ of the cross section: a fifth of the memory.
+  // The edge (m) of each point's Beside, and the number in sections_ of its cross section: a fifth of the memory.
   struct EdgeAndSection {
     double edge;
     std::uint32_t section;

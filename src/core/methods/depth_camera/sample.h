@@ -9,7 +9,6 @@
 #include "base/vec.h"
 #include "passes/pass_image.h"
 #include "scan/hits.h"
-#include "sensors/beams.h"
 
 namespace scanmill {
 

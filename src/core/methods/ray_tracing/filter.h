@@ -27,8 +27,8 @@ struct TieContext {
 // Surfaces are treated as coplanar if the gap between them, along their normals, is at most kCoplanar times the
 // distance from the ray's origin, plus the floor. Of coplanar surfaces the one with the lowest instance id wins, then
 // the first instance of the scene, opaque before alpha-tested triangles, and the first triangle of the mesh, so that
-// the order of the traversal does not matter. The tolerance
-// covers float32 rounding of distances, and of corners near the sensor.
+// the order of the traversal does not matter. The tolerance covers float32 rounding of distances, and of corners near
+// the sensor.
 constexpr float kCoplanar = 4e-7f;
 constexpr float kCoplanarCorners = 64;  // m; the floor covers rounding of corners up to this far from the sensor
 

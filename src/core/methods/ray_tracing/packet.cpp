@@ -27,6 +27,14 @@ float endOf(float blocked, float far) {
   return std::min(far, blocked + (blocked * kMargin + kMargin));
 }
 
+// Returns the largest distance (m) of the shot's positions from the first one.
+double travelOf(const Shot& shot) {
+  double travel = 0;
+  const Vec3d start = shot.worldFromSensor.front().translation;
+  for (const Pose& pose : shot.worldFromSensor) travel = std::max(travel, length(pose.translation - start));
+  return travel;
+}
+
 // Sets the lengths (m) of a tile's rays.
 void findEnds(const PacketJob& job, const Tile& tile, float* ends) {
   const float far = searchDistance(*job.shot.beams);
@@ -161,25 +169,24 @@ float searchDistance(const BeamTable& beams) {
 }
 
 double farthestEnd(const Shot& shot, double farthestOrigin) {
-  double travel = 0;
-  const Vec3d start = shot.worldFromSensor.front().translation;
-  for (const Pose& pose : shot.worldFromSensor) travel = std::max(travel, length(pose.translation - start));
-  return travel + farthestOrigin + double{searchDistance(*shot.beams)};
+  return travelOf(shot) + farthestOrigin + double{endOf(searchDistance(*shot.beams), INFINITY)};
 }
 
 double farthestEnd(const Shot& shot) {
-  constexpr float kFar = 1;  // m; origins farther from the sensor belong to rays of which each may end elsewhere
+  constexpr float kOnSensor = 1;  // m; rays that start farther from the sensor's origin continue others
   const BeamTable& beams = *shot.beams;
   float square = 0;
   for (const Vec3f& o : beams.origin) square = std::max(square, o.x * o.x + o.y * o.y + o.z * o.z);
   // The factor exceeds the rounding error of the squares.
-  if (square <= kFar * kFar || shot.blockedBeyond.empty()) return farthestEnd(shot, 1.00001 * std::sqrt(square));
+  if (square <= kOnSensor * kOnSensor || shot.blockedBeyond.empty()) {
+    return farthestEnd(shot, 1.00001 * std::sqrt(square));
+  }
   const float far = searchDistance(beams);
   double end = 0;
   for (std::size_t ray = 0; ray < beams.origin.size(); ++ray) {
     end = std::max(end, length(Vec3d(beams.origin[ray])) + double{endOf(shot.blockedBeyond[ray], far)});
   }
-  return farthestEnd(shot, end - far);
+  return travelOf(shot) + end;
 }
 
 void tracePackets(const PacketJob& job, std::span<const Tile> tiles, Hits& hits) {

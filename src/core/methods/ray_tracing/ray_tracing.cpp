@@ -166,7 +166,8 @@ class RayTracing : public Method {
 
  private:
   std::shared_ptr<const World> worldOf(const Shot& shot) const {
-    return worlds_.near(shot.worldFromSensor.front().translation, farthestEnd(shot), shot.time, shot.duration);
+    const double reach = worlds_.moves() ? farthestEnd(shot) : INFINITY;
+    return worlds_.near(shot.worldFromSensor.front().translation, reach, shot.time, shot.duration);
   }
 
   const Scene& original_;

@@ -106,6 +106,26 @@ void attachTriangles(RTCDevice device, RTCScene scene, const TriangleBlock& bloc
 
 }  // namespace
 
+void DeviceDeleter::operator()(RTCDeviceTy* device) const {
+  rtcReleaseDevice(device);
+}
+
+void SceneDeleter::operator()(RTCSceneTy* scene) const {
+  rtcReleaseScene(scene);
+}
+
+DeviceHandle makeDevice() {
+  DeviceHandle device(rtcNewDevice(nullptr));
+  if (!device) throw Error("Embree could not start on this machine: is the memory limit too low (ulimit -v)?");
+  return device;
+}
+
+std::string embreeVersion(RTCDevice device) {
+  const auto part = [&](RTCDeviceProperty property) { return rtcGetDeviceProperty(device, property); };
+  return fmt::format("{}.{}.{}", part(RTC_DEVICE_PROPERTY_VERSION_MAJOR), part(RTC_DEVICE_PROPERTY_VERSION_MINOR),
+                     part(RTC_DEVICE_PROPERTY_VERSION_PATCH));
+}
+
 void attachBlock(RTCDevice device, RTCScene scene, const TriangleBlock& block, const HierarchyOptions& options) {
   const auto count = static_cast<std::uint32_t>(block.triangles.size());
   attachTriangles(device, scene, block, 0, block.firstAlpha, 0, options, options.solidFilter);

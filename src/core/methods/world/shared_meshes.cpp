@@ -17,8 +17,11 @@ Mesh excerpt(const Mesh& mesh, const std::vector<std::uint32_t>& triangles) {
   if (numbers.size() < mesh.positions.size()) numbers.resize(mesh.positions.size(), kUnused);
   Mesh part;
   part.surfaces = mesh.surfaces;
+  // With room for all, so that nothing throws while `numbers` is in use.
   part.triangles.reserve(triangles.size());
   part.surfaceOf.reserve(triangles.size());
+  part.positions.reserve(3 * triangles.size());
+  if (!mesh.uvs.empty()) part.uvs.reserve(3 * triangles.size());
   for (const std::uint32_t t : triangles) {
     Triangle corners = mesh.triangles[t];
     for (std::uint32_t& corner : corners) {
@@ -121,6 +124,7 @@ void SharedMeshes::make(Part& part) const {
   } else {
     part.block_ = blockOf(scene_, excerpt(*part.mesh_, part.triangles_));
     for (BlockTriangle& triangle : part.block_->triangles) triangle.primitive = part.triangles_[triangle.primitive];
+    std::vector<std::uint32_t>().swap(part.triangles_);
   }
   part.hierarchy_ = newScene(device_, options_);
   attachBlock(device_, part.hierarchy_.get(), *part.block_, options_);

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <deque>
 #include <exception>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -30,7 +31,8 @@ class SharedMeshes {
     enum class State { Missing, InProgress, Finished };
 
     const Mesh* mesh_ = nullptr;
-    std::vector<std::uint32_t> triangles_;  // the part's triangles of the mesh, ascending; empty: all
+    // The part's triangles of the mesh, ascending; empty: all. Freed when the part is built.
+    std::vector<std::uint32_t> triangles_;
     Box bounds_;
     std::unique_ptr<TriangleBlock> block_;
     SceneHandle hierarchy_;

@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cstring>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -112,26 +111,6 @@ Affine PlacedBlock::at(double part) const {
   const Mat3& b = atEnd.linear;
   return {{between(a.x, b.x), between(a.y, b.y), between(a.z, b.z)},
           between(originFromMesh.translation, atEnd.translation)};
-}
-
-void DeviceDeleter::operator()(RTCDeviceTy* device) const {
-  rtcReleaseDevice(device);
-}
-
-void SceneDeleter::operator()(RTCSceneTy* scene) const {
-  rtcReleaseScene(scene);
-}
-
-DeviceHandle makeDevice() {
-  DeviceHandle device(rtcNewDevice(nullptr));
-  if (!device) throw Error("Embree could not start on this machine: is the memory limit too low (ulimit -v)?");
-  return device;
-}
-
-std::string embreeVersion(RTCDevice device) {
-  const auto part = [&](RTCDeviceProperty property) { return rtcGetDeviceProperty(device, property); };
-  return fmt::format("{}.{}.{}", part(RTC_DEVICE_PROPERTY_VERSION_MAJOR), part(RTC_DEVICE_PROPERTY_VERSION_MINOR),
-                     part(RTC_DEVICE_PROPERTY_VERSION_PATCH));
 }
 
 bool worldsMove(const Scene& scene, Instancing instancing) {

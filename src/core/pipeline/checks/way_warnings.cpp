@@ -162,53 +162,73 @@ class WayCheck {
     }
   }
 
+  using InstanceAndClass = std::pair<std::uint32_t, std::uint16_t>;
+  // What test rays in all directions from a sensor hit. Moving objects are left out.
+  struct Around {
+    std::size_t rays = 0;
+    // For each object: the number of rays that hit it an odd number of times, and one of these hits.
+    std::map<InstanceAndClass, std::pair<std::size_t, SceneProbe::Met>> odd;
+    // For each instance id: the number of rays that hit this instance first, and one of these hits.
+    std::map<std::uint32_t, std::pair<std::size_t, SceneProbe::Met>> seen;
+    std::set<std::uint16_t> above;  // classes that upward rays hit first
+    bool open = false;              // an upward ray hits nothing, or something that moves
+
+    bool isInside(const InstanceAndClass& object) const {
+      const auto count = odd.find(object);
+      return count != odd.end() && count->second.first + 2 >= rays;
+    }
+  };
+
+  Around lookAround(const Vec3d& at, double reach) const {
+    static const std::vector<Vec3d> kDirections = directionsAround();
+    Around around;
+    around.rays = kDirections.size();
+    for (const Vec3d& direction : kDirections) {
+      std::map<InstanceAndClass, std::vector<SceneProbe::Met>> met;
+      const std::vector<SceneProbe::Met> all = probe_.all({at, direction}, reach);
+      for (const SceneProbe::Met& m : all) {
+        if (!moving_.contains(m.instance)) met[{m.instance, m.semantic}].push_back(m);
+      }
+      const bool standing = !all.empty() && !moving_.contains(all.front().instance);
+      if (standing && all.front().instance != 0) {
+        ++around.seen.try_emplace(all.front().instance, 0, all.front()).first->second.first;
+      }
+      if (direction.z > 0 && standing) around.above.insert(all.front().semantic);
+      around.open = around.open || (direction.z > 0 && !standing);
+      for (const auto& [key, hits] : met) {
+        if (hits.size() % 2 == 1) around.odd.try_emplace(key, 0, hits.front()).first->second.first += 1;
+      }
+    }
+    return around;
+  }
+
   // Warns if a sensor is inside of an object: nearly all rays from the sensor hit the object's surfaces an odd number
   // of times. Also warns if all rays hit the same object first, since objects that are not watertight, such as a house
   // with chimneys stuck into it, make the counts even; and if all upward rays hit the same class first, since the walls
-  // of a building may be separate objects.
+  // of a building may be separate objects. The rays are as long as the sensor's range. If they suggest that the sensor
+  // is inside of an object, longer ones decide, which also reach the outer surface of what contains a tunnel.
   void checkInside(std::size_t sensor) {
-    static const std::vector<Vec3d> kDirections = directionsAround();
-    const double range = plan_.sensors[sensor].beams->maxRange;  // m; surfaces that the sensor cannot see do not count
+    const double range = plan_.sensors[sensor].beams->maxRange;
     for (const std::uint32_t frame : own_.spreadFrames(kFramesInside)) {
       const Vec3d at = sensorAt(sensor, frame);
-      std::map<std::pair<std::uint32_t, std::uint16_t>, std::pair<std::size_t, SceneProbe::Met>> odd;
-      // For each instance id: the number of rays that hit this instance first, and one of these hits.
-      std::map<std::uint32_t, std::pair<std::size_t, SceneProbe::Met>> seen;
-      std::set<std::uint16_t> above;  // classes that upward rays hit first
-      bool open = false;              // an upward ray hits nothing, or something that moves
-      for (const Vec3d& direction : kDirections) {
-        std::map<std::pair<std::uint32_t, std::uint16_t>, std::vector<SceneProbe::Met>> met;
-        const std::vector<SceneProbe::Met> all = probe_.all({at, direction}, range);
-        for (const SceneProbe::Met& m : all) {
-          if (!moving_.contains(m.instance)) met[{m.instance, m.semantic}].push_back(m);
-        }
-        const bool standing = !all.empty() && !moving_.contains(all.front().instance);
-        if (standing && all.front().instance != 0) {
-          ++seen.try_emplace(all.front().instance, 0, all.front()).first->second.first;
-        }
-        if (direction.z > 0 && standing) above.insert(all.front().semantic);
-        open = open || (direction.z > 0 && !standing);
-        for (const auto& [key, hits] : met) {
-          if (hits.size() % 2 == 1) odd.try_emplace(key, 0, hits.front()).first->second.first += 1;
-        }
-      }
-      for (const auto& [key, count] : odd) {
-        if (count.first + 2 < kDirections.size()) continue;
+      const Around around = lookAround(at, range);
+      for (const auto& [key, count] : around.odd) {
+        if (!around.isInside(key) || !lookAround(at, kReach).isInside(key)) continue;
         return say(fmt::format("'{}' is inside {} at {} (frame {}){}", plan_.pipeline.sensors[sensor].name,
                                nameOf(count.second), shortPlace(at), frame,
                                key.first == 0 ? ", which is right only in rooms and tunnels" : ""));
       }
-      for (const auto& [instance, count] : seen) {
-        if (count.first < kDirections.size()) continue;
+      for (const auto& [instance, count] : around.seen) {
+        if (count.first < around.rays) continue;
         return say(fmt::format("'{}' sees nothing but {} at {} (frame {}), which is right only in rooms and tunnels",
                                plan_.pipeline.sensors[sensor].name, nameOf(count.second), shortPlace(at), frame));
       }
       const bool underGround = !probe_.first({at, {0, 0, -1}}, kReach);  // checkHeights() warns of it
-      if (open || above.size() != 1 || underGround) continue;
+      if (around.open || around.above.size() != 1 || underGround) continue;
       return say(
           fmt::format("'{}' sees nothing beside and above it but surfaces of the class {} at {} (frame {}), which is "
                       "right only in rooms and tunnels",
-                      plan_.pipeline.sensors[sensor].name, className(*above.begin()), shortPlace(at), frame));
+                      plan_.pipeline.sensors[sensor].name, className(*around.above.begin()), shortPlace(at), frame));
     }
   }
 

@@ -1,5 +1,6 @@
 #include "pipeline/scenes/own_vehicle.h"
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -9,18 +10,22 @@ namespace scanmill {
 
 namespace {
 
-// Sets a table to one ring of another.
-void takeRing(const BeamTable& rays, std::uint32_t ring, BeamTable& own) {
-  own.rings = 1;
+constexpr std::uint32_t kRaysTogether = 1 << 16;  // about the number of rays that are traced at a time
+
+// Sets a table to some rings of another.
+void takeRings(const BeamTable& rays, std::uint32_t ring, std::uint32_t count, BeamTable& own) {
+  own.rings = count;
   own.columns = rays.columns;
   own.raysPerBeam = rays.raysPerBeam;
   own.maxRange = rays.maxRange;
   own.period = rays.period;
   const auto take = [&](const auto& all, auto& some) {
     if (all.empty()) return;
-    const auto first = all.begin() + static_cast<std::ptrdiff_t>(std::size_t{ring} * rays.columns);
-    some.assign(first, first + rays.columns);
+    const std::size_t each = all.size() / rays.rings;
+    const auto first = all.begin() + static_cast<std::ptrdiff_t>(ring * each);
+    some.assign(first, first + static_cast<std::ptrdiff_t>(count * each));
   };
+  take(rays.elevation, own.elevation);
   take(rays.direction, own.direction);
   take(rays.origin, own.origin);
   take(rays.time, own.time);
@@ -32,7 +37,7 @@ double BlockedRays::share() const {
   return static_cast<double>(blocked.size()) / static_cast<double>(range.size());
 }
 
-// Traces ring by ring, since few rays hit the vehicle and only their hits are kept.
+// Traces some rings at a time, since few rays hit the vehicle and only their hits are kept.
 BlockedRays traceVehicle(const Scene& vehicle, const BeamTable& rays, const Pose& vehicleFromSensor) {
   const auto method = makeReference(vehicle);
   BlockedRays found;
@@ -42,18 +47,19 @@ BlockedRays traceVehicle(const Scene& vehicle, const BeamTable& rays, const Pose
   shot.worldFromSensor = {vehicleFromSensor};
   const auto table = std::make_shared<BeamTable>();
   shot.beams = table;
-  Hits ringHits;
-  for (std::uint32_t ring = 0; ring < rays.rings; ++ring) {
-    takeRing(rays, ring, *table);
-    method->trace(shot, Channels::all(), ringHits);
+  Hits some;
+  const std::uint32_t together = std::max(1u, kRaysTogether / rays.columns);
+  for (std::uint32_t ring = 0; ring < rays.rings; ring += together) {
+    takeRings(rays, ring, std::min(together, rays.rings - ring), *table);
+    method->trace(shot, Channels::all(), some);
     const std::size_t before = found.range.size();
-    found.range.insert(found.range.end(), ringHits.range.begin(), ringHits.range.end());
-    for (std::size_t ray = 0; ray < ringHits.rays(); ++ray) {
-      if (!ringHits.hit(ray)) continue;
+    found.range.insert(found.range.end(), some.range.begin(), some.range.end());
+    for (std::size_t ray = 0; ray < some.rays(); ++ray) {
+      if (!some.hit(ray)) continue;
       found.blocked.push_back(static_cast<std::uint32_t>(before + ray));
       forEachChannel([&](const ChannelRow&, auto member) {
         auto& column = found.hits.*member;
-        column.push_back((ringHits.*member)[ray]);
+        column.push_back((some.*member)[ray]);
       });
     }
   }

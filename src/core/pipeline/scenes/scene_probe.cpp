@@ -9,9 +9,9 @@ namespace {
 
 constexpr double kBehind = 1e-3;  // distance behind a hit at which the next ray starts (m)
 constexpr std::size_t kMost = 100;
-// The places at which the method sees a sensor are this far apart along a ray (m): far, since the method may build a
-// hierarchy for each, but so near that float32 can tell kBehind.
-constexpr double kNearAnchor = 256;
+// The places at which the method sees a sensor are at least this far apart along a ray (m), since the method may build
+// a hierarchy for each. Ray tracing's tie rule covers rounding up to 64 m from the sensor (kCoplanarCorners).
+constexpr double kNearAnchor = 48;
 constexpr double kSlack = 1;  // m, margin around the scene's bounds
 
 // Returns the distance along a ray at which it leaves the slab from `low` to `high` of one axis (m); negative if it

@@ -41,7 +41,7 @@ class SceneProbe {
  private:
   // Returns the distance (m) along a ray beyond which it does not meet the scene; may be negative.
   double endOf(const Ray& ray) const;
-  // As the public function; the method sees a sensor at `anchor`, a place near the rays.
+  // Returns the result of the public function; the method sees a sensor at `anchor`, a place near the rays.
   std::vector<std::optional<Met>> first(const std::vector<Ray>& rays, double reach, const Vec3d& anchor) const;
 
   const Scene& scene_;

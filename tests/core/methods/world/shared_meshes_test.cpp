@@ -154,7 +154,12 @@ TEST_F(SharedParts, NoRayPassesBetweenParts) {
   for (std::uint32_t place = 0; place < 20; ++place) {
     const RandomBlock b = randomBlock({7, 1, 0, 0, place, 0, Purpose::Test});
     const double far = place % 2 == 0 ? 30 : 300;
-    ground.worldFromMesh = at(far * (2 * uniform(b[0]) - 1), far * (2 * uniform(b[1]) - 1), -2.1);
+    const Vec3d where{far * (2 * uniform(b[0]) - 1), far * (2 * uniform(b[1]) - 1), -2.1};
+    // Every other one is turned and stretched as well.
+    ground.worldFromMesh = place % 4 < 2 ? Affine{{}, where}
+                                         : Affine{toMatrix(fromYawPitchRoll(6 * uniform(b[2]), 0.02, 0.01)) *
+                                                      Mat3::scale({1 + uniform(b[3]), place % 8 < 4 ? 1.0 : -1.0, 1}),
+                                                  where};
     std::vector<Vec3d> directions;
     for (std::uint32_t i = 0; i < 40 * seams.size(); ++i) {
       const RandomBlock r = randomBlock({7, 2, 0, 0, i, place, Purpose::Test});
