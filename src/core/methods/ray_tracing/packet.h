@@ -30,8 +30,8 @@ float searchDistance(const BeamTable& beams);
 // Returns a distance (m) from the shot's first position that no ray of the shot exceeds. Rays that start far from the
 // sensor may end early: see Shot::blockedBeyond.
 double farthestEnd(const Shot& shot);
-// Returns a distance (m) from the shot's first position that no ray exceeds whose origin is at most `farthestOrigin` (m)
-// from the sensor's origin.
+// Returns a distance (m) from the shot's first position that no ray exceeds whose origin is at most `farthestOrigin`
+// (m) from the sensor's origin.
 double farthestEnd(const Shot& shot, double farthestOrigin);
 
 void tracePackets(const PacketJob& job, std::span<const Tile> tiles, Hits& hits);
