@@ -17,7 +17,7 @@ Mesh excerpt(const Mesh& mesh, const std::vector<std::uint32_t>& triangles) {
   if (numbers.size() < mesh.positions.size()) numbers.resize(mesh.positions.size(), kUnused);
   Mesh part;
   part.surfaces = mesh.surfaces;
-  // With room for all, so that nothing throws while `numbers` is in use.
+  // Memory is reserved for all elements, so that nothing throws while `numbers` is in use.
   part.triangles.reserve(triangles.size());
   part.surfaceOf.reserve(triangles.size());
   part.positions.reserve(3 * triangles.size());

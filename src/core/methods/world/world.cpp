@@ -1,7 +1,5 @@
 #include "methods/world/world.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 
 #include "base/error.h"

@@ -163,7 +163,7 @@ class WayCheck {
   }
 
   using InstanceAndClass = std::pair<std::uint32_t, std::uint16_t>;
-  // What test rays in all directions from a sensor hit. Moving objects are left out.
+  // Surfaces that test rays in all directions from a sensor hit, without those of moving objects.
   struct Around {
     std::size_t rays = 0;
     // For each object: the number of rays that hit it an odd number of times, and one of these hits.
