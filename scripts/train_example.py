@@ -47,7 +47,7 @@ except ImportError as error:
 # What is learned: classes of Scanmill's ontology, and the ids of SemanticKITTI that mean the same.
 CLASSES = {
     "road": (["road", "road_marking", "parking", "ground"], [40, 44, 49, 60]),
-    "sidewalk": (["sidewalk", "curb"], [48]),
+    "sidewalk": (["sidewalk", "curb", "driveway"], [48]),
     "terrain": (["terrain"], [72]),
     "building": (["building", "window", "structure"], [50, 52]),
     "fence": (["fence", "wall"], [51]),
@@ -55,7 +55,7 @@ CLASSES = {
     "pole": (["pole", "traffic_sign", "traffic_light", "street_lamp"], [80, 81]),
     "vehicle": (["car", "truck", "bus", "other_vehicle"], [10, 13, 16, 18, 20, 252, 256, 257, 258, 259]),
     "person": (
-        ["pedestrian", "rider", "bicycle", "motorcycle"],
+        ["pedestrian", "rider", "motorcyclist", "bicycle", "motorcycle"],
         [11, 15, 30, 31, 32, 253, 254, 255],
     ),
 }

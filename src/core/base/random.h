@@ -34,6 +34,8 @@ enum class Purpose : std::uint16_t {
   Shuffle = 20,
   Distribution = 21,
   LostRings = 22,
+  IntensityNoise = 23,
+  Reflectance = 24,
   Speckle = 256,  // 256 to 263: each value gives the words of four looks of speckle
   Test = 99,
 };

@@ -45,7 +45,7 @@ void appendBicycleWheel(Shape& s, const Vec3d& hub, double radius) {
 
 }  // namespace
 
-Model makeBicycle(SceneBuilder& builder, std::uint64_t seed, int form, BicycleFit* fit) {
+Model makeBicycle(SceneBuilder& builder, std::uint64_t seed, int form, RiderFit* fit) {
   Draw draw(seed, Kind::Bicycle, static_cast<std::uint32_t>(form));
   Shape s(builder, "bicycle");
   const SurfaceIndex paint = s.surface("bicycle", "painted_metal");
@@ -140,7 +140,7 @@ Model makeBicycle(SceneBuilder& builder, std::uint64_t seed, int form, BicycleFi
   return s.finish();
 }
 
-Model makeMotorcycle(SceneBuilder& builder, std::uint64_t seed, int form) {
+Model makeMotorcycle(SceneBuilder& builder, std::uint64_t seed, int form, RiderFit* fit) {
   Draw draw(seed, Kind::Motorcycle, static_cast<std::uint32_t>(form));
   Shape s(builder, "motorcycle");
   const char* kName = "motorcycle";
@@ -185,6 +185,13 @@ Model makeMotorcycle(SceneBuilder& builder, std::uint64_t seed, int form) {
          {bar + Vec3d{-0.18, -0.38, 0.02}, bar + Vec3d{-0.04, -0.25, 0.05}, bar, bar + Vec3d{-0.04, 0.25, 0.05},
           bar + Vec3d{-0.18, 0.38, 0.02}},
          {0.013, 0.013, 0.013, 0.013, 0.013}, 8);
+  if (fit != nullptr) {
+    *fit = {.saddle = {-0.28, 0, 0.82},
+            .leftGrip = bar + Vec3d{-0.15, 0.35, 0.03},
+            .rightGrip = bar + Vec3d{-0.15, -0.35, 0.03},
+            .leftPedal = {-0.08, 0.2, 0.33},
+            .rightPedal = {-0.08, -0.2, 0.33}};
+  }
   for (const double side : {-1.0, 1.0}) {
     s.tube(black, bar + Vec3d{-0.11, side * 0.31, 0.035}, bar + Vec3d{-0.19, side * 0.39, 0.02}, 0.019, 0.019, 8);
     s.tube(black, bar + Vec3d{-0.05, side * 0.24, 0.05}, bar + Vec3d{0.0, side * 0.3, 0.2}, 0.006, 0.006, 5);

@@ -1,6 +1,7 @@
 // Builds street furniture, bus shelters, poster columns, fences and garden walls. Posts and bases extend a little below
 // the ground.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -198,8 +199,68 @@ Model makeFencePanel(SceneBuilder& builder, std::uint64_t seed, Fencing what) {
       }
       break;
     }
+    case Fencing::Boards: {
+      const SurfaceIndex wood = s.surface("fence", "wood_weathered");
+      const double h = draw.in(1.2, 1.9);
+      s.box(wood, {-kHalf + 0.05, 0.04, h / 2 - kSunk}, {0.09, 0.09, h + kSunk});
+      constexpr int kBoards = 12;
+      for (int k = 0; k < kBoards; ++k) {
+        const double x = -kHalf + 2 * kHalf * (k + 0.5) / kBoards;
+        s.box(wood, {x, k % 2 == 0 ? 0 : -0.018, h / 2},
+              {2 * kHalf / kBoards - 0.004, 0.016, h + draw.in(-0.01, 0.01)});
+      }
+      break;
+    }
+    // Chain link: wires of 3 mm in two directions, 0.1 m apart, which let most of a beam pass.
+    case Fencing::Wire: {
+      const SurfaceIndex metal = s.surface("fence", "metal_weathered");
+      const double h = draw.in(1.1, 2.0);
+      s.tube(metal, {-kHalf + 0.03, 0, -kSunk}, {-kHalf + 0.03, 0, h + 0.05}, 0.024, 0.024, 8);
+      for (const double z : {0.08, h}) s.tube(metal, {-kHalf, 0, z}, {kHalf, 0, z}, 0.003, 0.003, 4);
+      for (const double side : {-1.0, 1.0}) {
+        for (const double from : steps(-kHalf - h, kHalf, 0.1)) {
+          const double low = std::max(from, -kHalf);
+          const double high = std::min(from + h, kHalf);
+          if (high - low < 0.02) continue;
+          const Vec3d a{side * low, 0, low - from + 0.02};
+          const Vec3d b{side * high, 0, high - from + 0.02};
+          const Vec3d across{side * 0.0011, 0, -0.0011};
+          s.quad(metal, a - across, b - across, b + across, a + across);
+        }
+      }
+      break;
+    }
+    // A beam of W-shaped steel on posts, as along motorways.
+    case Fencing::GuardRail: {
+      const SurfaceIndex metal = s.surface("fence", "metal_weathered");
+      s.box(metal, {-kHalf + 0.06, 0.06, 0.25}, {0.06, 0.1, 0.8});
+      const std::vector<Point2> profile{{0.44, 0},     {0.48, -0.08}, {0.54, -0.08}, {0.6, -0.02},
+                                        {0.66, -0.08}, {0.72, -0.08}, {0.76, 0}};  // z and y
+      for (std::size_t k = 1; k < profile.size(); ++k) {
+        const auto corner = [&](double x, const Point2& p) { return Vec3d{x, p.y, p.x}; };
+        s.quad(metal, corner(-kHalf, profile[k - 1]), corner(kHalf, profile[k - 1]), corner(kHalf, profile[k]),
+               corner(-kHalf, profile[k]));
+      }
+      break;
+    }
+    // A concrete step barrier.
+    case Fencing::Barrier: {
+      const SurfaceIndex concrete = s.surface("fence", "concrete");
+      const Affine across{{{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}, {-kHalf, 0, 0}};
+      s.prism(concrete, concrete, across,
+              {{-0.28, -0.1},
+               {0.28, -0.1},
+               {0.28, 0.12},
+               {0.14, 0.3},
+               {0.09, 0.85},
+               {-0.09, 0.85},
+               {-0.14, 0.3},
+               {-0.28, 0.12}},
+              2 * kHalf);
+      break;
+    }
     default: {
-      const double h = draw.in(0.6, 1.1);
+      const double h = draw.in(0.7, 1.8);
       s.box(s.surface("wall", "brick"), {0, 0, (h - 0.2) / 2}, {2 * kHalf, 0.24, h + 0.2});
       s.box(s.surface("wall", "concrete"), {0, 0, h + 0.03}, {2 * kHalf, 0.32, 0.07});
       break;

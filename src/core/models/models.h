@@ -222,7 +222,7 @@ struct Block {
   std::vector<Block> parts;  // not empty: the parts are built, and the block itself is not
 };
 
-enum class Fencing { None, Pickets, Bars, Brick, Hedge };
+enum class Fencing { None, Pickets, Bars, Brick, Hedge, Boards, Wire, GuardRail, Barrier, Count };
 
 // Returns a house of this size with random windows and a random roof.
 House drawHouse(Draw& draw, std::uint32_t number, double width, double depth, int floors);
@@ -257,12 +257,12 @@ Model makeWorkVehicle(SceneBuilder& builder, std::uint64_t seed, WorkVehicle wha
 // Appends a tyre and rim about the origin of `place`. The axle is the y axis, the outer side is at +y.
 void appendWheel(Shape& shape, std::string_view className, const Affine& place, double radius, double width);
 
-// The points of a bicycle that its rider touches, in the bicycle's frame (m).
-struct BicycleFit {
+// The points of a bicycle or motorcycle that its rider touches, in its frame (m).
+struct RiderFit {
   Vec3d saddle, leftGrip, rightGrip, leftPedal, rightPedal;
 };
-Model makeBicycle(SceneBuilder& builder, std::uint64_t seed, int form, BicycleFit* fit = nullptr);
-Model makeMotorcycle(SceneBuilder& builder, std::uint64_t seed, int form);
+Model makeBicycle(SceneBuilder& builder, std::uint64_t seed, int form, RiderFit* fit = nullptr);
+Model makeMotorcycle(SceneBuilder& builder, std::uint64_t seed, int form, RiderFit* fit = nullptr);
 
 Model makePedestrian(SceneBuilder& builder, std::uint64_t seed, int form);
 // A walking person: one mesh for each moment of a stride, in order and evenly spaced in time.
@@ -271,7 +271,8 @@ struct Walker {
   double stride = 1.3;  // m walked in one cycle of all moments
 };
 Walker makeWalker(SceneBuilder& builder, std::uint64_t seed, int form);
-Model makeRider(SceneBuilder& builder, std::uint64_t seed, int form, const BicycleFit& fit);
+Model makeRider(SceneBuilder& builder, std::uint64_t seed, int form, const RiderFit& fit,
+                std::string_view className = "rider");
 
 constexpr int kAnimalForms = 6;
 constexpr int kPetForms = 3;  // number of forms of dogs and cats; these come first, then the grazing animals

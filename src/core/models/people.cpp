@@ -261,7 +261,7 @@ Walker makeWalker(SceneBuilder& builder, std::uint64_t seed, int form) {
   return walker;
 }
 
-Model makeRider(SceneBuilder& builder, std::uint64_t seed, int form, const BicycleFit& fit) {
+Model makeRider(SceneBuilder& builder, std::uint64_t seed, int form, const RiderFit& fit, std::string_view className) {
   Draw draw(seed, Kind::Cyclist, 1000 + static_cast<std::uint32_t>(form));
   Shape s(builder, "rider");
   Pose p;
@@ -280,7 +280,7 @@ Model makeRider(SceneBuilder& builder, std::uint64_t seed, int form, const Bicyc
   c.upper = draw.chance(0.6) ? "cloth" : "cloth_dark";
   c.helmet = draw.chance(0.6);
   c.backpack = draw.chance(0.4);
-  PersonMaker(s, "rider", c).make(p);
+  PersonMaker(s, className, c).make(p);
   return s.finish();
 }
 

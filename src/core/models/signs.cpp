@@ -49,7 +49,7 @@ constexpr std::array<SignForm, kSigns> kSignForms{{{24, 0.3, 0, 0.3},
 Model makeSign(SceneBuilder& builder, std::uint64_t seed, TrafficSign sign, int number) {
   Draw draw(seed, Kind::Sign, static_cast<std::uint32_t>(number));
   Shape s(builder, "traffic sign");
-  const SurfaceIndex post = s.surface("pole", "metal_weathered");
+  const SurfaceIndex post = s.surface("pole", "metal_galvanised");
   const SurfaceIndex front = s.surface("traffic_sign", "sign_retroreflective");
   const SurfaceIndex back = s.surface("traffic_sign", "painted_metal");
   const double z = draw.in(2.2, 2.5);
@@ -73,7 +73,7 @@ Model makeSign(SceneBuilder& builder, std::uint64_t seed, TrafficSign sign, int 
 Model makeLamp(SceneBuilder& builder, std::uint64_t seed, int form) {
   Draw draw(seed, Kind::Lamp, static_cast<std::uint32_t>(form));
   Shape s(builder, "street lamp");
-  const SurfaceIndex metal = s.surface("street_lamp", "metal_weathered");
+  const SurfaceIndex metal = s.surface("street_lamp", "metal_galvanised");
   const SurfaceIndex paint = s.surface("street_lamp", "painted_metal");
   const SurfaceIndex glass = s.surface("street_lamp", "glass");
   const double height = form == 0 ? draw.in(6.5, 8.0) : draw.in(4.0, 5.0);

@@ -23,14 +23,14 @@ struct Habit {
 
 // Heights and crown radii vary by up to 12 % with the seed.
 constexpr std::array<Habit, kTreeForms> kHabits{{
-    {"lime", false, 9.0, 2.6, 2.7, 0.16, 22, 0.42, 6000, 0.16},
-    {"maple", false, 7.0, 2.2, 2.3, 0.12, 18, 0.45, 5600, 0.16},
-    {"oak", false, 11.0, 3.0, 4.0, 0.26, 30, 0.38, 7000, 0.20},
-    {"poplar", false, 14.0, 1.8, 1.5, 0.18, 26, 0.60, 6000, 0.15},
-    {"birch", false, 9.5, 2.4, 1.9, 0.10, 24, 0.40, 5000, 0.13},
-    {"apple", false, 4.6, 1.6, 1.9, 0.09, 14, 0.45, 4200, 0.13},
-    {"spruce", true, 12.0, 0.9, 2.4, 0.16, 0, 0, 5600, 0.32},
-    {"pine", true, 9.0, 2.4, 2.2, 0.15, 0, 0, 4800, 0.30},
+    {"lime", false, 9.0, 1.8, 2.7, 0.10, 22, 0.42, 6000, 0.16},
+    {"maple", false, 7.0, 1.4, 2.3, 0.085, 18, 0.45, 5600, 0.16},
+    {"oak", false, 11.0, 2.0, 4.0, 0.16, 30, 0.38, 7000, 0.20},
+    {"poplar", false, 14.0, 1.0, 1.5, 0.12, 26, 0.60, 6000, 0.15},
+    {"birch", false, 9.5, 1.6, 1.9, 0.07, 24, 0.40, 5000, 0.13},
+    {"apple", false, 4.6, 1.1, 1.9, 0.07, 14, 0.45, 4200, 0.13},
+    {"spruce", true, 12.0, 0.9, 2.4, 0.13, 0, 0, 5600, 0.32},
+    {"pine", true, 9.0, 1.6, 2.2, 0.12, 0, 0, 4800, 0.30},
 }};
 
 // Appends a pointed leaf of two triangles, folded along its midrib. `normal` is normal to the plane of the leaf.
@@ -52,7 +52,7 @@ void appendFoliageBall(Shape& s, SurfaceIndex surface, Draw& draw, const Vec3d& 
                        int leaves, double leaf) {
   for (int k = 0; k < leaves; ++k) {
     const Vec3d out = draw.direction();
-    const double r = radius * (0.45 + 0.55 * std::pow(draw.next(), 0.4));
+    const double r = radius * (0.7 + 0.3 * std::pow(draw.next(), 0.4));
     const Vec3d position = center + Vec3d{out.x * r, out.y * r, out.z * r * flatness};
     const Vec3d normal = normalized(out * 0.6 + Vec3d{0, 0, 0.5} + draw.direction() * 0.7);
     Vec3d axis = crossways(normal, draw);
@@ -305,14 +305,14 @@ Model makeHedgerow(SceneBuilder& builder, std::uint64_t seed, int form) {
   const int leaves = static_cast<int>(4 * 2 * height / (0.6 * 0.7 * size * size));
   for (int k = 0; k < std::min(leaves, 3500); ++k) {
     const double across = draw.in(-1, 1);
-    const double outwards = std::copysign(std::pow(std::abs(across), 0.6), across);
+    const double outwards = std::copysign(std::pow(std::abs(across), 0.15), across);
     const double z = height * (1 - std::pow(draw.next(), 1.2) * 0.98);
     // The sides bulge by about a decimetre, and the top is uneven because it was cut long ago.
     const double x = draw.in(-1.03, 1.03);
     const double bulge = 1 + 0.12 * std::sin(5 * x + 3 * z) + 0.1 * std::sin(11 * x - 4 * z);
     const Vec3d position{x, outwards * depth / 2 * bulge, z * (1 + 0.05 * std::sin(7 * x))};
     const Vec3d out{0, across, z > 0.85 * height ? 1.0 : 0.2};
-    const Vec3d normal = normalized(out + draw.direction() * 0.8);
+    const Vec3d normal = normalized(out + draw.direction() * 0.5);
     const Vec3d axis = crossways(normal, draw);
     const double length = draw.around(size, 0.3);
     appendLeaf(s, leaf, position - axis * (length / 2), position + axis * (length / 2), normal, length * 0.7);

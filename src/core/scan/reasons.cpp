@@ -19,7 +19,7 @@ std::span<const ReasonEntry> reasons() {
       {Reason::NothingInRange, "nothing_in_range", "meets nothing within the sensor's range", {20, 24, 32}},
       {Reason::BlockedByVehicle,
        "blocked_by_vehicle",
-       "hits the own vehicle, nearer than the sensor's least range",
+       "hits the own vehicle, whose returns are dropped or which is nearer than the sensor's least range",
        {60, 80, 35}},
       {Reason::TooFaint, "too_faint", "what it hits returns less than the receiver can detect", {200, 50, 40}},
       {Reason::MirroredAway,

@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <tuple>
+
+#include "base/random.h"
 
 namespace scanmill {
 namespace {
@@ -30,6 +33,19 @@ SceneBuilder::SceneBuilder(std::string name, std::uint64_t seed, Ontology ontolo
 
 std::uint16_t SceneBuilder::material(std::string_view name, const Location& where) {
   return addMaterial(library_.require(name, where));
+}
+
+void SceneBuilder::drawReflectances() {
+  for (Material& m : library_.materials) {
+    if (m.least >= m.greatest) continue;
+    std::uint32_t name = 2166136261u;  // FNV-1a, so that the number does not depend on the order of the table
+    for (const char c : m.name) name = (name ^ static_cast<std::uint8_t>(c)) * 16777619u;
+    const RandomBlock words = randomBlock({.seed = scene_.seed, .beam = name, .purpose = Purpose::Reflectance});
+    const double part = uniform(words[0]);
+    const double end = uniform(words[1]) < 0.5 ? m.least : m.greatest;
+    m.reflectance = static_cast<float>(m.reflectance * std::pow(end / m.reflectance, part));
+    m.least = m.greatest = m.reflectance;
+  }
 }
 
 std::uint16_t SceneBuilder::addMaterial(const Material& material) {

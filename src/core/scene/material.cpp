@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 
 #include "config/fields.h"
@@ -21,6 +22,24 @@ float readReflectance(const Value& value, int wavelengthNm) {
   }
   f.finish();
   return chosen;
+}
+
+// Reads `range`: the least and the greatest reflectance at 905 nm, from place to place. They are scaled to the
+// wavelength of `material`. `mean`: the reflectance at 905 nm.
+void readRange(Fields& m, float mean, Material& material) {
+  material.least = material.greatest = material.reflectance;
+  const Value* range = m.find("range");
+  if (range == nullptr) return;
+  m.text("range_source");
+  const std::vector<double> ends = readNumbers(*range, "range", {0, 1});
+  if (ends.size() != 2 || ends[0] <= 0 || static_cast<float>(ends[0]) > mean || static_cast<float>(ends[1]) < mean) {
+    throw InputError(range->where,
+                     fmt::format("range must be two reflectances at 905 nm, above 0, the first at most {0} "
+                                 "and the second at least {0}, which is the material's reflectance",
+                                 mean));
+  }
+  material.least = static_cast<float>(material.reflectance * ends[0] / mean);
+  material.greatest = std::min(1.0f, static_cast<float>(material.reflectance * ends[1] / mean));
 }
 
 // Reads a list of maps that each hold `size_m` and one other number.
@@ -71,6 +90,7 @@ MaterialLibrary readMaterials(const std::filesystem::path& path, int wavelengthN
     material.name = m.text("name");
     if (material.name.empty()) throw InputError(item.where, "a material has an empty name");
     material.reflectance = readReflectance(m.require("reflectance"), wavelengthNm);
+    readRange(m, readReflectance(m.require("reflectance"), 905), material);
     material.source = m.text("source");
     material.roughness = static_cast<float>(m.number("roughness", {0, 1}, 1));
     material.metallic = static_cast<float>(m.number("metallic", {0, 1}, 0));

@@ -55,6 +55,8 @@ constexpr std::size_t kMostReliefs = 2;
 struct Material {
   std::string name;
   float reflectance = 0.3f;       // near-infrared, 0 to 1
+  float least = 0.3f;             // the reflectance of such surfaces differs from place to place, from `least`
+  float greatest = 0.3f;          // to `greatest`; the same number where the table has no range
   float roughness = 1.0f;         // 0 mirror to 1 matt (glTF's perceptual roughness)
   float metallic = 0.0f;          // 0 to 1, as in glTF
   float retroreflectance = 0.0f;  // added reflectance towards the sensor, in units of a white Lambertian target

@@ -61,7 +61,12 @@ std::span<const EffectEntry> effects() {
        "model: power or reflectivity, which is the power corrected to the reference range and clear air; "
        "diffuse: lambertian or oren_nayar, for rough surfaces that stay bright at grazing incidence; "
        "retro_full_scale: none, the retroreflectance that gives 255, in units of a white target, if bytes of "
-       "reflectivity use 0 to 100 for diffuse surfaces",
+       "reflectivity use 0 to 100 for diffuse surfaces; "
+       "table: none, instead of gain, gamma and saturation, [[value, intensity], ...], linear in the value's "
+       "logarithm; "
+       "floor: 0, received power that the sensor does not measure: less gives the intensity 0; "
+       "noise: 0, standard deviation of the intensity, in parts of the full scale; "
+       "step: 0, the intensity is a multiple of this part of the full scale",
        1, makeIntensity},
       {"detection", "echoes that exceed the receiver's noise, false positives, and which returns are reported",
        "returns: strongest, first, last, dual (strongest and last), all, or a number N for the N strongest; "

@@ -3,25 +3,140 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 namespace scanmill::town {
 namespace {
 
 using models::Kind;
 
-District districtOf(const Parameters& p, Draw& draw) {
-  const double pick = draw.next();
-  if (p.district == "rural") return District::Rural;
-  if (p.district == "suburban") return District::Suburban;
-  if (p.district == "dense") return District::Dense;
-  return pick < 0.25 ? District::Rural : pick < 0.7 ? District::Suburban : District::Dense;
+// The ends of the interval from which a town draws a property.
+struct Between {
+  double low = 0, high = 0;
+
+  double of(Draw& draw) const { return draw.in(low, high); }
+  // Returns a random integer from `low` to `high`, both included.
+  int wholeOf(Draw& draw) const { return static_cast<int>(low) + draw.below(static_cast<int>(high - low) + 1); }
+};
+
+// The names of the kinds, in the order of District.
+constexpr std::array<std::string_view, 8> kNames{"rural",    "suburban", "dense",      "boulevard",
+                                                 "old_town", "arterial", "commercial", "motorway"};
+
+// The properties that a town draws, each from an interval that its kind gives. Those without a unit are the fractions,
+// numbers and probabilities that Character describes.
+enum class Property {
+  Lanes,
+  Lane,
+  Shoulder,
+  Median,
+  Bays,
+  Walks,
+  Sidewalk,
+  Grassy,
+  Verge,
+  Apron,
+  Step,
+  SideRoads,
+  Bend,
+  Hills,
+  Banks,
+  Undulation,
+  Setback,
+  Built,
+  PlotWidth,
+  Floors,
+  Hedges,
+  Fences,
+  Avenue,
+  Trees,
+  Bushes,
+  Woods,
+  Forecourts,
+  Parked,
+  Traffic,
+  Speed,
+  People,
+  Clutter,
+  Lights,
+  Count
+};
+
+struct PropertyRow {
+  Property property;
+  std::array<Between, kNames.size()> of;  // by District
+};
+
+// Widths and speeds are those of the German guidelines for urban roads (RASt 06), rural roads (RAL) and motorways
+// (RAA): lanes of 2.75 to 3.75 m, wider where there is no parking lane, pavements of at least 2.5 m, shoulders of 2.5
+// m. All else are estimates.
+// clang-format off
+constexpr std::array<PropertyRow, static_cast<std::size_t>(Property::Count)> kProperties{{
+    //                           rural        suburban     dense        boulevard    old_town     arterial     commercial   motorway
+    {Property::Lanes,        {{{1, 1},      {1, 1},      {1, 1},      {2, 2},      {1, 1},      {1, 2},      {1, 1},      {2, 3}}}},  // in each direction
+    {Property::Lane,         {{{2.8, 3.5},  {4, 5.4},    {3.4, 4.4},  {3, 3.4},    {2.2, 2.8},  {3.8, 4.8},  {4.2, 5.5},  {3.5, 3.75}}}},  // m, width
+    {Property::Shoulder,     {{{0, 0},      {0, 0},      {0, 0},      {0, 0},      {0, 0},      {0, 0},      {0, 0},      {2.5, 2.5}}}},  // m
+    {Property::Median,       {{{0, 0},      {0, 0},      {0, 0},      {0, 0},      {0, 0},      {0, 0},      {0, 0},      {0.6, 1.5}}}},  // m, half of it
+    {Property::Bays,         {{{0, 0},      {0.3, 0.3},  {0.8, 0.8},  {1, 1},      {0, 0},      {0.3, 0.3},  {0.3, 0.3},  {0, 0}}}},  // probability of parking lanes
+    {Property::Walks,        {{{0.15, 0.15},{1, 1},      {1, 1},      {1, 1},      {1, 1},      {1, 1},      {1, 1},      {0, 0}}}},  // probability of sidewalks
+    {Property::Sidewalk,     {{{1.2, 1.8},  {1.8, 3.2},  {2.4, 4.5},  {4, 7},      {0.8, 1.8},  {2, 3.8},    {1.8, 3.2},  {0, 0}}}},  // m
+    {Property::Grassy,       {{{1, 1},      {0.15, 0.15},{0, 0},      {0, 0},      {0, 0},      {0.35, 0.35},{0.2, 0.2},  {1, 1}}}},  // probability of a verge
+    {Property::Verge,        {{{0.8, 2.5},  {0.8, 2.5},  {0, 0},      {0, 0},      {0, 0},      {1.5, 4},    {1, 3},      {2, 5}}}},  // m
+    {Property::Apron,        {{{0, 0},      {0, 0.8},    {14, 22},    {14, 22},    {12, 20},    {0, 0},      {0, 3},      {0, 0}}}},  // m
+    {Property::Step,         {{{0.02, 0.1}, {0.02, 0.1}, {0.02, 0.1}, {0.02, 0.1}, {0.01, 0.05},{0.02, 0.1}, {0.02, 0.1}, {0.02, 0.1}}}},  // m
+    {Property::SideRoads,    {{{1, 3},      {6, 9},      {3, 5},      {3, 5},      {3, 6},      {2, 4},      {3, 5},      {0, 0}}}},
+    {Property::Bend,         {{{0.15, 0.9}, {0.1, 0.6},  {0, 0.35},   {0, 0.2},    {0.2, 0.7},  {0.05, 0.4}, {0, 0.3},    {0.05, 0.3}}}},  // rad
+    {Property::Hills,        {{{1.5, 7},    {2.5, 8},    {1.5, 5},    {1, 4},      {1, 6},      {2, 7},      {1, 5},      {1, 5}}}},  // m
+    {Property::Banks,        {{{2, 7},      {0.8, 4},    {0.3, 1.5},  {0.3, 1},    {0.3, 1.5},  {1, 4},      {0.5, 2},    {1, 5}}}},  // m
+    {Property::Undulation,   {{{0.3, 0.7},  {0.1, 0.35}, {0.1, 0.2},  {0.1, 0.2},  {0.1, 0.2},  {0.1, 0.35}, {0.1, 0.3},  {0.2, 0.6}}}},  // m
+    {Property::Setback,      {{{4, 20},     {7, 17},     {0, 1.2},    {0, 1},      {0, 0.4},    {8, 18},     {14, 26},    {20, 30}}}},  // m
+    {Property::Built,        {{{0.15, 0.5}, {0.3, 0.55}, {0.85, 1},   {0.85, 1},   {0.85, 1},   {0.4, 0.8},  {0.25, 0.5}, {0, 0}}}},
+    {Property::PlotWidth,    {{{22, 40},    {15, 26},    {10, 15},    {12, 18},    {7, 12},     {18, 32},    {28, 45},    {30, 60}}}},  // m
+    {Property::Floors,       {{{1, 2},      {1, 2},      {2, 4},      {3, 5},      {2, 3},      {1, 3},      {1, 3},      {1, 1}}}},
+    {Property::Hedges,       {{{0.1, 0.4},  {0.45, 0.65},{0, 0.05},   {0, 0},      {0, 0.05},   {0.45, 0.65},{0.3, 0.5},  {0, 0}}}},
+    {Property::Fences,       {{{0.1, 0.35}, {0.35, 0.5}, {0, 0.2},    {0, 0.1},    {0, 0.2},    {0.3, 0.4},  {0.3, 0.45}, {0, 0}}}},
+    {Property::Avenue,       {{{0, 0.7},    {0, 0.3},    {0, 0.4},    {0.6, 0.95}, {0, 0.2},    {0.2, 0.8},  {0, 0.5},    {0, 0}}}},
+    {Property::Trees,        {{{0.6, 2.2},  {1.5, 3.5},  {0, 0.4},    {0, 0.3},    {0, 0.4},    {1, 2.5},    {0.3, 1.2},  {0.5, 3}}}},
+    {Property::Bushes,       {{{2, 6},      {3, 8},      {0, 0.8},    {0, 0.4},    {0, 0.6},    {2, 7},      {1, 4},      {1, 6}}}},
+    {Property::Woods,        {{{0.3, 0.8},  {0.4, 0.8},  {0.05, 0.3}, {0.05, 0.2}, {0.05, 0.3}, {0.5, 0.85}, {0.3, 0.7},  {0.3, 0.8}}}},
+    {Property::Forecourts,   {{{0, 0},      {0.15, 0.5}, {0, 0},      {0, 0},      {0, 0},      {0.1, 0.5},  {0.7, 1},    {0, 0}}}},
+    {Property::Parked,       {{{0, 0.1},    {0.15, 0.5}, {0.15, 0.6}, {0.4, 0.95}, {0.1, 0.5},  {0.03, 0.3}, {0.1, 0.6},  {0, 0}}}},
+    {Property::Traffic,      {{{0.8, 2},    {1.5, 3.5},  {1, 3},      {1, 2.5},    {0.2, 0.8},  {1.5, 3.5},  {2, 4},      {0.8, 2.5}}}},  // per 100 m and lane
+    {Property::Speed,        {{{15, 24},    {8.3, 13.9}, {8.3, 13.9}, {11, 13.9},  {5, 8.3},    {13.9, 16.7},{11, 13.9},  {24, 33}}}},  // m/s
+    {Property::People,       {{{0, 1.5},    {1, 6},      {4, 14},     {5, 16},     {4, 14},     {1, 5},      {1, 4},      {0, 0}}}},  // per 100 m
+    {Property::Clutter,      {{{1, 4},      {3, 9},      {6, 16},     {8, 18},     {6, 16},     {2, 7},      {2, 6},      {0, 0.5}}}},  // per 100 m
+    {Property::Lights,       {{{0, 0},      {0.15, 0.15},{0.6, 0.6},  {0.8, 0.8},  {0, 0},      {0.7, 0.7},  {0.5, 0.5},  {0, 0}}}},
+}};
+// clang-format on
+
+constexpr bool isInOrder() {
+  for (std::size_t i = 0; i < kProperties.size(); ++i) {
+    if (kProperties[i].property != static_cast<Property>(i)) return false;
+  }
+  return true;
+}
+static_assert(isInOrder());
+
+// The kinds of successive seeds, so that any sixteen of them have each kind and most are residential.
+constexpr std::array<District, 16> kOrder{
+    District::Suburban,   District::Arterial, District::Suburban,   District::Rural,
+    District::Commercial, District::Dense,    District::Suburban,   District::Boulevard,
+    District::Motorway,   District::Suburban, District::OldTown,    District::Arterial,
+    District::Suburban,   District::Rural,    District::Commercial, District::Dense};
+
+District districtOf(const Parameters& p, std::uint64_t seed) {
+  const auto* const named = std::find(kNames.begin(), kNames.end(), p.district);
+  if (named == kNames.end()) return kOrder[(seed + kOrder.size() - 1) % kOrder.size()];
+  return static_cast<District>(named - kNames.begin());
 }
 
 }  // namespace
 
 Parameters readParameters(Fields& fields) {
   Parameters p;
-  p.district = fields.choice("district", {"any", "rural", "suburban", "dense"}, p.district);
+  std::vector<std::string> districts{"any"};
+  districts.insert(districts.end(), kNames.begin(), kNames.end());
+  p.district = fields.choice("district", districts, p.district);
   p.season = fields.choice("season", {"any", "summer", "autumn", "winter"}, p.season);
   if (const auto map = fields.optionalPath("map")) p.map = *map;
   p.road = fields.text("road", "");
@@ -42,45 +157,57 @@ Parameters readParameters(Fields& fields) {
 
 Character::Character(const Parameters& p, std::uint64_t seed) {
   Draw draw(seed, Kind::Town);
-  district = districtOf(p, draw);
-  const bool rural = district == District::Rural;
-  const bool dense = district == District::Dense;
-  const double lane = rural ? draw.in(2.4, 3.2) : draw.in(2.7, 3.6);
-  main.parking = rural ? 0 : draw.chance(dense ? 0.65 : 0.3) ? draw.in(1.9, 2.4) : 0;
-  main.half = lane + main.parking;
-  main.sidewalk = rural ? (draw.chance(0.3) ? draw.in(1.2, 1.8) : 0) : dense ? draw.in(1.8, 4.5) : draw.in(1.2, 2.6);
+  district = districtOf(p, seed);
+  country = district == District::Rural || district == District::Motorway;
+  terraced = district == District::Dense || district == District::Boulevard || district == District::OldTown;
+  const auto of = [&](Property property) {
+    return kProperties[static_cast<std::size_t>(property)].of[static_cast<std::size_t>(district)];
+  };
+  main.lanes = of(Property::Lanes).wholeOf(draw);
+  main.shoulder = of(Property::Shoulder).low;
+  main.median = of(Property::Median).of(draw);
+  main.parking = draw.chance(of(Property::Bays).low) ? draw.in(1.9, 2.4) : 0;
+  main.half = main.median + main.lanes * of(Property::Lane).of(draw) + main.shoulder + main.parking;
+  main.sidewalk = draw.chance(of(Property::Walks).low) ? of(Property::Sidewalk).of(draw) : 0;
   main.curb = main.sidewalk > 0 ? 0.15 : 0;
-  main.step = main.sidewalk > 0 ? draw.in(0.08, 0.16) : 0;
-  main.verge = rural ? draw.in(0.8, 2.5) : draw.chance(dense ? 0.25 : 0.55) ? draw.in(0.8, 4.5) : 0;
+  const double step = of(Property::Step).of(draw);
+  main.step = main.sidewalk > 0 ? step : 0;
+  main.verge = draw.chance(of(Property::Grassy).low) ? of(Property::Verge).of(draw) : 0;
+  main.apron = main.sidewalk > 0 ? of(Property::Apron).of(draw) : 0;
   side = main;
-  side.parking = rural ? 0 : draw.chance(0.3) ? draw.in(1.9, 2.3) : 0;
-  side.half = draw.in(2.2, 3.2) + side.parking;
+  side.lanes = 1;
+  side.median = side.shoulder = 0;
+  side.parking = country || of(Property::Bays).low == 0 ? 0 : draw.chance(0.3) ? draw.in(1.9, 2.3) : 0;
+  side.half = std::min(of(Property::Lane).of(draw), 3.6) + side.parking;
   side.verge *= draw.in(0, 1);
   side.sidewalk *= draw.in(0.7, 1.0);
-  sideRoads = rural ? draw.below(3) : 2 + draw.below(4);
-  bend = dense ? draw.in(0, 0.35) : draw.in(0.15, 0.9);
-  hills = p.slope * draw.in(1.5, dense ? 4.5 : 7);
-  banks = p.slope * (dense ? draw.in(0.5, 2.5) : draw.in(2, 7));
-  undulation = rural ? draw.in(0.3, 0.7) : dense ? draw.in(0.1, 0.25) : draw.in(0.15, 0.45);
-  setback = rural ? draw.in(4, 20) : dense ? draw.in(0, 1.2) : draw.in(1, 9);
-  setbackSpread = dense ? draw.in(0, 0.6) : setback * draw.in(0.1, 0.6);
-  built = rural ? draw.in(0.15, 0.5) : dense ? draw.in(0.85, 1) : draw.in(0.6, 0.95);
-  plotWidth = rural ? draw.in(22, 40) : dense ? draw.in(10, 15) : draw.in(13, 24);
-  floorsLow = dense ? 2 + draw.below(2) : 1;
-  floorsHigh = dense ? floorsLow + 1 + draw.below(2) : 2;
-  const double green = p.greenery * draw.in(0.5, 1.6);
-  hedges = std::min(0.9, green * (dense ? 0.05 : draw.in(0.2, 0.7)));
-  fences = (1 - hedges) * draw.in(0.2, 0.6);
-  avenue = std::min(1.0, green * draw.in(0, dense ? 0.6 : 0.8));
-  gardenTrees = green * (dense ? 0.3 : draw.in(0.6, 2.2));
-  gardenBushes = green * (dense ? 0.8 : draw.in(2, 7));
-  woods = std::min(0.95, green * (rural ? draw.in(0.3, 0.8) : dense ? draw.in(0.05, 0.3) : draw.in(0.15, 0.6)));
-  // Many towns have almost no parked vehicles; a few towns are full of them.
+  sideRoads = of(Property::SideRoads).wholeOf(draw);
+  bend = of(Property::Bend).of(draw);
+  hills = p.slope * of(Property::Hills).of(draw);
+  banks = p.slope * of(Property::Banks).of(draw);
+  undulation = of(Property::Undulation).of(draw);
+  setback = of(Property::Setback).of(draw);
+  setbackSpread = setback * draw.in(0.1, 0.6);
+  built = of(Property::Built).of(draw);
+  plotWidth = of(Property::PlotWidth).of(draw);
+  floorsLow = static_cast<int>(of(Property::Floors).low);
+  floorsHigh = static_cast<int>(of(Property::Floors).high);
+  const double green = p.greenery * draw.in(0.6, 1.5);
+  hedges = std::min(0.9, green * of(Property::Hedges).of(draw));
+  fences = std::min(1 - hedges, of(Property::Fences).of(draw));
+  avenue = std::min(1.0, green * of(Property::Avenue).of(draw));
+  gardenTrees = green * of(Property::Trees).of(draw);
+  gardenBushes = green * of(Property::Bushes).of(draw);
+  woods = std::min(0.95, green * of(Property::Woods).of(draw));
+  forecourts = of(Property::Forecourts).of(draw);
+  // Few places are full of parked vehicles.
   const double full = draw.next();
-  parked = std::min(0.95, p.vehicles * full * full * full * (rural ? 0.1 : dense ? 0.8 : 0.5));
-  traffic = p.vehicles * p.traffic * draw.in(0.1, rural ? 0.8 : 2.2);
-  people = p.people * (rural ? draw.in(0, 1.5) : dense ? draw.in(3, 12) : draw.in(0.5, 4));
-  clutter = rural ? draw.in(1, 4) : dense ? draw.in(6, 16) : draw.in(3, 9);
+  parked = std::min(0.95, p.vehicles * models::lerp(of(Property::Parked).low, of(Property::Parked).high, full * full));
+  traffic = p.vehicles * p.traffic * of(Property::Traffic).of(draw);
+  speed = of(Property::Speed).of(draw);
+  people = p.people * of(Property::People).of(draw);
+  clutter = of(Property::Clutter).of(draw);
+  lights = of(Property::Lights).low;
   // The season has its own random stream, so that everything else is the same in all seasons.
   Draw sky(seed, Kind::Town, 1);
   const double pick = sky.next();
@@ -100,9 +227,8 @@ Character::Character(const Parameters& p, std::uint64_t seed) {
 }
 
 std::string Character::inWords() const {
-  const char* const place = district == District::Rural ? "rural" : district == District::Dense ? "dense" : "suburban";
   const char* const time = season == Season::Summer ? "summer" : season == Season::Autumn ? "autumn" : "winter";
-  return fmt::format("{}, {}", place, time);
+  return fmt::format("{}, {}", kNames[static_cast<std::size_t>(district)], time);
 }
 
 }  // namespace scanmill::town

@@ -15,12 +15,13 @@ namespace scanmill::town {
 
 using models::Draw;
 
-enum class District { Rural, Suburban, Dense };
+// The kinds of places. The seed selects one, or the key `district`.
+enum class District { Rural, Suburban, Dense, Boulevard, OldTown, Arterial, Commercial, Motorway };
 enum class Season { Summer, Autumn, Winter };
 
 // The keys of `town:` in a scene file. The numbers from `slope` to `detail` are factors.
 struct Parameters {
-  std::string district = "any";   // "rural", "suburban" or "dense"; "any": random
+  std::string district = "any";   // "rural", "suburban", "dense", ...; "any": follows from the seed
   std::string season = "summer";  // "summer", "autumn" or "winter"; "any": random
   std::filesystem::path map;      // an OpenStreetMap extract; empty: roads and buildings are random
   std::string road;               // name of the main road on the map; empty: random
@@ -43,6 +44,9 @@ struct Character {
   std::string inWords() const;  // describes the town: "dense, winter"
 
   District district = District::Suburban;
+  // Traits of the kind of place. `country`: outside of towns, with few lamps, without crossings and shelters.
+  // `terraced`: houses stand wall to wall at the pavement, with shops, and no ground is unpaved.
+  bool country = false, terraced = false;
   Season season = Season::Summer;
   double foliage = 1;    // fraction of the leaves that are still on the trees
   double snow = 0;       // m, depth of snow where it is not cleared
@@ -58,15 +62,18 @@ struct Character {
   double built = 0.8;                     // fraction of the plots that have a house
   double plotWidth = 18;                  // m, mean width of a plot
   int floorsLow = 1, floorsHigh = 2;
-  double hedges = 0.4, fences = 0.3;  // fractions of the plots with a hedge and with a fence at the road
+  double hedges = 0.4, fences = 0.3;  // fractions of the plots with a hedge and with a fence or wall at the road
   double avenue = 0.4;                // fraction of the places for trees along the road that have a tree
   double gardenTrees = 1;             // trees per garden
   double gardenBushes = 3;            // bushes per garden
   double woods = 0.3;                 // fraction of the free land that is wooded
+  double forecourts = 0;              // fraction of the houses behind ground that is paved up to the sidewalk
   double parked = 0.3;                // fraction of the parking bays and curbside places that are occupied
-  double traffic = 1;                 // vehicles on the lanes, per 100 m of road
+  double traffic = 1;                 // vehicles on the lanes, per 100 m of road and lane
+  double speed = 12;                  // m/s, speed limit of the main road
   double people = 4;                  // people per 100 m of road
   double clutter = 6;                 // benches, bins, boxes, bollards, ... per 100 m of road
+  double lights = 0.3;                // fraction of the junctions that have traffic lights
 };
 
 }  // namespace scanmill::town

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "town/lanes.h"
 #include "town/placer.h"
 
 namespace scanmill::town {
@@ -58,7 +59,7 @@ void putLights(Placer& placer, const Model& light, const Road& road, double firs
   placer.tryPut(light, with, name + ", with the line");
   placer.tryPut(light, besideRoad(road, last, out), name + ", against the line");
   Draw draw(placer.layout.seed(), Kind::Light, 700000 + static_cast<std::uint32_t>(placer.lights.size()));
-  placer.lights.push_back({last + 1, draw.in(0, Placer::Light::kPeriod), marked});
+  placer.lights.push_back({last + 1, first - 1, draw.in(0, Placer::Light::kPeriod), marked});
 }
 
 // True if heights around the point differ by less than 0.35 m, so that a wide, flat object can be placed there.
@@ -79,9 +80,10 @@ bool isLevel(const Layout& l, const Point2& p) {
 void placeRoadworks(Placer& placer, Store& store, const Model& light) {
   const Layout& l = placer.layout;
   Draw draw(l.seed(), Kind::Roadworks);
-  const bool rural = l.character().district == District::Rural;
+  const bool rural = l.character().country;
   // A one-way road has only the lane that the sensor's vehicle uses.
-  if (l.roads().roads().front().oneWay() || (!rural && !draw.chance(0.6))) return;
+  if (l.roads().roads().front().oneWay() || l.character().district == District::Motorway) return;
+  if (!draw.chance(rural ? 0.5 : 0.3)) return;
   const double length = draw.in(9, 18);
   const std::optional<double> at = freeStretch(l, draw, length);
   if (!at) return;
@@ -137,22 +139,26 @@ void placeCrossing(Placer& placer, const Model& light) {
   putLights(placer, light, road, *at - 1, *at + kLength + 1, true, "crossing's light");
 }
 
-// Places traffic lights at about one in three of the junctions of a side road with the main road.
+// Places traffic lights at some of the junctions of a side road with the main road.
 void placeSignals(Placer& placer, const Model& light) {
   const Layout& l = placer.layout;
   const Road& main = l.roads().roads().front();
   for (std::size_t r = 1; r < l.roads().roads().size(); ++r) {
     Draw draw(l.seed(), Kind::Light, 7100 + static_cast<std::uint32_t>(r));
-    if (!draw.chance(0.35) || !l.roads().roads()[r].joins) continue;
-    const double at = *l.roads().roads()[r].joins;
-    const double away = l.roads().roads()[r].section.half + 5;
-    putLights(placer, light, main, at - away, at + away, true, fmt::format("light {}", r));
+    const Road& side = l.roads().roads()[r];
+    if (!draw.chance(l.character().lights) || !side.joins) continue;
+    const double away = side.section.half + 5;
+    putLights(placer, light, main, *side.joins - away, *side.joins + away, true, fmt::format("light {}", r));
+    // The light of the side road, at its right as seen by those who come out.
+    placer.tryPut(light, besideRoad(side, stopAtMouth(l), side.section.half + side.section.curb + 0.45),
+                  fmt::format("light {}, out of the side road", r));
   }
 }
 
 // Places objects in front gardens, behind houses and on plots without a house.
 void placeGardenThings(Placer& placer, Store& store) {
   const Layout& l = placer.layout;
+  if (l.character().district == District::Motorway) return;
   int number = 0;
   int water = 0;
   const auto tryAt = [&](const Plot& plot, Draw& draw, Clutter what, double depth) {
@@ -161,7 +167,7 @@ void placeGardenThings(Placer& placer, Store& store) {
     Spot spot = besideRoad(road, along, plot.side * (road.section.half + road.section.outer() + depth));
     spot.yaw += (plot.side > 0 ? 0 : kPi) + draw.in(-0.4, 0.4);
     const Beside b = l.roads().at(spot.at.x, spot.at.y);
-    if (b.known && b.edge < b.section.outer() + 1) return false;
+    if (b.known && b.edge < (what == Clutter::Pond ? b.section.paved() : b.section.outer()) + 1) return false;
     if (!isLevel(l, spot.at)) return false;
     return placer.tryPut(store.any(what, draw), spot, fmt::format("clutter {}", ++number));
   };
@@ -180,7 +186,7 @@ void placeGardenThings(Placer& placer, Store& store) {
       continue;
     }
     if (!draw.chance(0.4)) continue;
-    const bool square = l.character().district != District::Rural && !plot.bare && draw.chance(0.5);
+    const bool square = !l.character().country && !plot.bare && draw.chance(0.5);
     water += tryAt(plot, draw, square ? Clutter::Fountain : Clutter::Pond, draw.in(3.5, 8)) ? 1 : 0;
   }
   // If no water has been placed, tries to add a pond at the main road, so that few towns have no water.
@@ -227,7 +233,7 @@ void placeClutter(Placer& placer) {
   const Model light = models::makeTrafficLight(placer.builder, placer.layout.seed());
   Store store(placer);
   placeRoadworks(placer, store, light);
-  if (placer.layout.character().district != District::Rural) {
+  if (!placer.layout.character().country) {
     placeCrossing(placer, light);
     placeSignals(placer, light);
   }
@@ -238,7 +244,7 @@ void placeClutter(Placer& placer) {
 // Places dogs and cats within 3 m of the main road's curb; in rural towns also herds within 28 m of this curb.
 void placeAnimals(Placer& placer) {
   const Layout& l = placer.layout;
-  if (l.parameters().people <= 0) return;
+  if (l.parameters().people <= 0 || l.character().district == District::Motorway) return;
   Draw draw(l.seed(), Kind::Animal);
   const Road& road = l.roads().roads().front();
   int number = 0;

@@ -80,7 +80,7 @@ void placeFixtures(Placer& placer) {
   const auto furnishings = models::makeForms(static_cast<int>(Furnishing::Count), [&](int f) {
     return models::makeFurnishing(placer.builder, seed, static_cast<Furnishing>(f));
   });
-  const bool rural = c.district == District::Rural;
+  const bool rural = c.country;
   for (const Stretch& s : stretches(l)) {
     const Road& road = l.roads().roads()[s.road];
     Draw draw(seed, Kind::Lamp, 5000 + s.road);
@@ -92,7 +92,11 @@ void placeFixtures(Placer& placer) {
       Spot spot;
       if (!beyondEdge(l, road, at, side, road.section.curb + 0.45, spot)) continue;
       spot.yaw += -side * kPi / 2;  // the lamp's arm reaches over the road
-      if (placer.tryPut(lamp, spot, fmt::format("lamp {}.{}", s.road + 1, ++number))) continue;
+      // Only the post needs ground: vehicles pass under the arm.
+      constexpr double kPost = 0.12;  // m
+      if (!placer.isFree({spot.at, kPost + Placer::kGap, kPost + Placer::kGap, spot.yaw})) continue;
+      placer.occupancy.add({spot.at, kPost, kPost, spot.yaw});
+      placer.put(lamp, spot, fmt::format("lamp {}.{}", s.road + 1, ++number));
     }
   }
   const auto sign = [&](TrafficSign s) { return signs[static_cast<std::size_t>(s)]; };

@@ -50,7 +50,7 @@ void placeGrass(Placer& placer) {
   if (c.season == Season::Winter) return;  // the grass is below the snow
   Draw place(l.seed(), Kind::Grass);
   // `wild` is the density of tufts in a town: 0 if all grass is mown.
-  const double wild = place.in(0, c.district == District::Rural ? 0.9 : c.district == District::Suburban ? 0.45 : 0.2);
+  const double wild = place.in(0, c.country ? 0.9 : c.terraced ? 0.2 : 0.45);
   const std::vector<Model> forms = models::makeForms(
       kForms, [&](int f) { return makeTuft(placer.builder, l.seed(), f, c.season == Season::Autumn || f == 0); });
   int number = 0;

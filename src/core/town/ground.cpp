@@ -15,7 +15,7 @@ namespace {
 using models::Shape;
 using models::SurfaceIndex;
 
-constexpr double kSmallest = 0.5;  // m, side of the smallest cells away from potholes
+constexpr double kSmallest = 1;  // m, side of the smallest cells away from potholes
 
 class GroundMaker {
  public:
@@ -25,7 +25,7 @@ class GroundMaker {
     const auto set = [&](GroundKind kind, const char* className, const char* material) {
       surfaces_[static_cast<std::size_t>(kind)] = shape_.surface(className, material);
     };
-    set(GroundKind::Road, "road", "asphalt");
+    set(GroundKind::Road, "road", layout.character().district == District::OldTown ? "paving" : "asphalt");
     set(GroundKind::Parking, "parking", paved ? "paving" : "asphalt");
     set(GroundKind::Curb, "curb", "concrete");
     const Season season = layout.character().season;
@@ -34,8 +34,8 @@ class GroundMaker {
     set(GroundKind::Verge, "terrain", verge);
     set(GroundKind::Shoulder, "terrain", dry && season != Season::Winter ? "soil" : verge);
     set(GroundKind::Sidewalk, "sidewalk", "paving");
-    set(GroundKind::Driveway, "parking", "paving");
-    set(GroundKind::Path, "ground", "concrete");
+    set(GroundKind::Driveway, "driveway", "paving");
+    set(GroundKind::Path, "driveway", "concrete");
     set(GroundKind::Lawn, "terrain", lawn);
     if (layout.areas().all().empty()) return;
     set(GroundKind::Water, "water", "water");
@@ -64,8 +64,8 @@ class GroundMaker {
 
  private:
   void tile() {
-    tiling_ = makeTiling(layout_.half(), kSmallest / 4, [&](double x, double y, double size) {
-      if (size > kSmallest / 4 && layout_.nearPothole({x, y}, 0.71 * size)) return true;
+    tiling_ = makeTiling(layout_.half(), kSmallest / 8, [&](double x, double y, double size) {
+      if (size > kSmallest / 8 && layout_.nearPothole({x, y}, 0.71 * size)) return true;
       if (size <= kSmallest * 1.0001) return false;
       // Parking lots, squares, water and patches have sharp edges, which need fine cells.
       const double reach = std::min(0.71 * size, 3.9);
@@ -74,9 +74,8 @@ class GroundMaker {
       const Beside b = layout_.roads().at(x, y);
       // Beyond kReach the distance to roads is unknown: assume kReach.
       const double nearest = (b.known ? b.edge : RoadNetwork::kReach) - 0.71 * size;
-      const double wanted = nearest < 9 ? kSmallest : nearest < 20 ? 1 : nearest < 34 ? 2 : 8;
-      const bool road = b.known && b.edge + 0.71 * size < -0.5;
-      return size > (road ? 1 : wanted) * 1.0001;
+      const double wanted = nearest < 14 ? kSmallest : nearest < 34 ? 2 * kSmallest : 8;
+      return size > wanted * 1.0001;
     });
   }
 

@@ -61,6 +61,12 @@ class Boundaries {
                     placer_.layout.parameters().map.string()));
   }
 
+  // Returns half of a panel's thickness (m).
+  double halfThickness(Fencing what, int form) {
+    const Model& m = panel(what, form);
+    return (m.bounds.high.y - m.bounds.low.y) / 2;
+  }
+
  private:
   // Places panels from a to b, each at the height of the ground at its middle, and returns their rectangles. Panels
   // that would be on an object, a path or a road are left out, and panels whose middle is in one of the rectangles of
@@ -105,7 +111,7 @@ class Boundaries {
   }
 
   static constexpr std::size_t kForms = 4;
-  static constexpr std::size_t kKinds = 5;
+  static constexpr std::size_t kKinds = static_cast<std::size_t>(Fencing::Count);
   Placer& placer_;
   std::array<std::optional<Model>, kKinds * kForms> panels_{};
   int number_ = 0;
@@ -147,12 +153,16 @@ void placeBoundaries(Placer& placer) {
     const auto at = [&](double along, double depth) {
       return besideRoad(road, along, plot.side * (road.section.half + road.section.outer() + depth)).at;
     };
-    const double front = draw.in(0.5, 0.9);
+    // Fences, walls and hedges stand at the edge of the sidewalk, with their whole thickness beyond it.
+    const double thick = plot.fencing == Fencing::None ? 0 : boundaries.halfThickness(plot.fencing, form);
+    const double front = (road.section.apron < 3 ? road.section.apron : 0) + thick + 0.06 + draw.in(0, 0.1);
     if (plot.fencing != Fencing::None) boundaries.row(plot.fencing, form, at(plot.from, front), at(plot.to, front));
     if (plot.bare) continue;
-    const bool hedged = draw.chance(0.8 * l.character().hedges);
-    if (!hedged && !draw.chance(l.character().fences)) continue;
-    const Fencing between = hedged ? Fencing::Hedge : Fencing::Pickets;
+    const bool hedged = draw.chance(0.4 * l.character().hedges);
+    if (!hedged && !draw.chance(0.4 * l.character().fences)) continue;
+    const Fencing between = hedged                                                            ? Fencing::Hedge
+                            : plot.fencing == Fencing::None || plot.fencing == Fencing::Hedge ? Fencing::Pickets
+                                                                                              : plot.fencing;
     boundaries.row(between, form, at(plot.to - 0.4, front + 1), at(plot.to - 0.4, draw.in(14, 28)));
     if (draw.chance(0.6)) {
       const double back = draw.in(22, 30);

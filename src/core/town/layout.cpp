@@ -73,7 +73,7 @@ const Patch* Layout::patchAt(const Point2& p) const {
 }
 
 std::array<double, 5> Layout::borders(double edge, const CrossSection& s) {
-  return {edge + s.parking, edge, edge - s.curb, edge - s.curb - s.verge, edge - s.outer()};
+  return {edge + s.parking, edge, edge - s.curb, edge - s.curb - s.verge, edge - s.paved()};
 }
 
 GroundKind Layout::kindAt(const Beside& b, const Point2& p) const {
@@ -89,11 +89,11 @@ GroundKind Layout::kindAt(const Beside& b, const Point2& p) const {
   if (b.edge < s.curb) return GroundKind::Curb;
   if (const Patch* patch = patchAt(p)) {
     // Patches, such as driveways, do not interrupt the sidewalk.
-    if (b.edge < s.curb + s.verge || b.edge > s.outer()) return patch->kind;
+    if (b.edge < s.curb + s.verge || b.edge > s.paved()) return patch->kind;
   }
   if (b.edge < s.curb + s.verge) return s.sidewalk > 0 ? GroundKind::Verge : GroundKind::Shoulder;
-  if (b.edge < s.outer()) return GroundKind::Sidewalk;
-  return landAt(p);
+  if (b.edge > s.outer() && !areas_.all().empty() && areas_.at(p)) return landAt(p);
+  return s.sidewalk > 0 && b.edge < s.paved() ? GroundKind::Sidewalk : landAt(p);
 }
 
 GroundKind Layout::landAt(const Point2& p) const {
@@ -143,12 +143,12 @@ double Layout::heightAt(GroundKind kind, const Beside& b, const Point2& p) const
     }
     return ground + crown + worn - hole;
   }
-  const double outer = b.known ? b.section.outer() : 0;
+  const double outer = b.known ? b.section.paved() : 0;
   // The height of curb and pavement fades out far from roads, so that the ground has no step where a road is too far to
   // be known.
   const double near = b.known ? 1 - smooth((edge - 18) / 15) : 0;
   const double step = near * b.section.step * lowering(b, p);
-  const double rise = near * 0.015 * std::clamp(edge, 0.0, outer);
+  const double rise = near * 0.015 * std::clamp(edge, 0.0, b.known ? b.section.outer() : 0);
   const double beyond = std::max(0.0, edge - outer);
   const double paved = kind == GroundKind::Driveway || kind == GroundKind::Path ? 0.3 : 1.0;
   const double hard = areas_.all().empty() ? Areas::kReach : areas_.outsideHard(p);
@@ -158,10 +158,10 @@ double Layout::heightAt(GroundKind kind, const Beside& b, const Point2& p) const
   // Lots and squares are flatter than the land around them.
   const double flat = 0.25 + 0.75 * smooth(hard / Areas::kReach);
   const double bank = flat * character_.banks * smooth((edge - b.section.curb) / 11) * relief(seed_ + 15, p.x, p.y, 45);
-  // Lawns are rough at the scale of the finest cells, in some places more than in others.
-  const double rough = 0.015 + 0.06 * std::max(0.0, relief(seed_ + 16, p.x, p.y, 9));
-  const double grain = (0.03 * relief(seed_ + 13, p.x, p.y, 1.6) + rough * relief(seed_ + 14, p.x, p.y, 0.43)) *
-                       smooth((edge - b.section.curb) / 0.3) * paved * (kind == GroundKind::Sidewalk ? 0.1 : 1);
+  // Lawns are uneven at the scale of the finest cells, in some places more than in others.
+  const double rough = 0.03 + 0.08 * std::max(0.0, relief(seed_ + 16, p.x, p.y, 9));
+  const double grain = rough * relief(seed_ + 13, p.x, p.y, 2.3) * smooth((edge - b.section.curb) / 0.3) * paved *
+                       (kind == GroundKind::Sidewalk ? 0.1 : 1);
   double natural = ground + step + rise + rolling + bank;
   if (kind == GroundKind::Water) {
     // Water is level except at its banks.
@@ -169,7 +169,8 @@ double Layout::heightAt(GroundKind kind, const Beside& b, const Point2& p) const
     const std::optional<std::uint32_t> area = areas_.indexAt(p);
     if (area) natural += smooth(-hard / kBanks) * (waterLevels_[*area] - natural);
   }
-  return natural + smooth(beyond / 1.5) * levelling(p, natural) + soft * (grain + snowOn(b, p));
+  return natural + smooth((edge - (b.known ? b.section.outer() : 0)) / 1.5) * levelling(p, natural) +
+         soft * (grain + snowOn(b, p));
 }
 
 // Returns the depth of snow (m). Pavements, driveways and paths are cleared, and the snow slopes down to them. Ploughs
@@ -180,7 +181,7 @@ double Layout::snowOn(const Beside& b, const Point2& p) const {
   constexpr double kBank = 1.3;   // m, width of the banks
   const CrossSection& s = b.section;
   const double edge = b.known ? b.edge : 1e3;
-  const double outer = b.known ? s.outer() : 0;
+  const double outer = b.known ? s.paved() : 0;
   const double verge = edge - (b.known ? s.curb : 0);  // m, distance of the point beyond the curb
   const double cleared = smooth(outsidePatches(p) / 0.5);
   const bool pavement = b.known && s.sidewalk > 0.3;

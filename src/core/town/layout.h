@@ -129,7 +129,7 @@ class Layout {
   Vec3d onGround(const Point2& p, double above = 0) const { return {p.x, p.y, heightAt(p) + above}; }
 
   // Returns signed distances (m) to the lines between kinds of ground: the edges of the parking lane, the carriageway,
-  // the curb, the verge and the sidewalk. A distance is zero on its line. `edge`: Beside::edge.
+  // the curb, the verge and the paved ground. A distance is zero on its line. `edge`: Beside::edge.
   static std::array<double, 5> borders(double edge, const CrossSection& section);
   // Returns the distance to the nearest patch (m): negative inside a patch, at most 4 m.
   double outsidePatches(const Point2& p) const;

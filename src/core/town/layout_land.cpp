@@ -50,16 +50,18 @@ bool Layout::addLand(Land land, std::uint32_t r, int side, double along, double 
 }
 
 void Layout::drawLand() {
-  const bool dense = character_.district == District::Dense;
-  if (character_.district == District::Rural) return;
+  if (character_.country) return;
+  const bool commercial = character_.district == District::Commercial;
   struct Wish {
     Land land;
     double chance;
     double widthLow, widthHigh, depthLow, depthHigh;
   };
-  const Wish wishes[] = {{Land::Park, 0.5, 40, 80, 30, 60},
-                         {Land::Lot, 0.6, 28, 60, 17.5, 40},
-                         {Land::Paved, dense ? 0.5 : 0.2, 22, 40, 16, 30}};
+  const double lots = commercial ? 1.0 : 0.6;
+  const Wish wishes[] = {{Land::Lot, commercial ? 1.0 : 0.0, 40, 80, 30, 45},
+                         {Land::Park, 0.5, 40, 80, 30, 60},
+                         {Land::Lot, lots, 28, 60, 17.5, 40},
+                         {Land::Paved, character_.terraced ? 0.5 : 0.2, 22, 40, 16, 30}};
   std::uint32_t number = 0;
   for (const Wish& wish : wishes) {
     Draw draw(seed_, Kind::Lot, 5000 + number++);
@@ -84,7 +86,7 @@ void Layout::drawLand() {
 // that leave the ring.
 void Layout::drawRoundabout() {
   Draw draw(seed_, Kind::SideRoad, 9000);
-  if (character_.district == District::Rural || roads_.roads().size() < 2 || !draw.chance(0.35)) return;
+  if (character_.country || roads_.roads().size() < 2 || !draw.chance(0.35)) return;
   const auto pick = static_cast<std::uint32_t>(1 + draw.below(static_cast<int>(roads_.roads().size()) - 1));
   const Road from = roads_.roads()[pick];
   const Point2 end = from.line.back();

@@ -25,13 +25,15 @@ Parameters inDistrict(Parameters parameters, District district) {
 // or the width of the town's random roads.
 CrossSection sectionOf(const MapRoad& road, const Character& c, Draw draw) {
   const bool small = road.kind >= RoadClass::Service;
-  const double lane = c.main.half - c.main.parking;
+  const double lane = c.main.laneWidth();
   // m, widths by class; 0: residential roads, whose width is random, near that of the town's random roads
   constexpr double kWidths[] = {7.5, 7, 6.4, 0, 3.8, 2.7};
   double width = road.kind == RoadClass::Residential ? 2 * lane * draw.in(0.85, 1.05)
                                                      : kWidths[static_cast<std::size_t>(road.kind)];
   if (road.oneWay && !small) width = road.ring ? 6.5 : 0.65 * width;
   CrossSection s = small ? CrossSection{} : c.main;
+  s.lanes = 1;
+  s.shoulder = s.median = 0;
   const bool parked = draw.chance(0.4);
   const double bay = draw.in(1.9, 2.3);
   s.parking = small || road.ring || !road.parking.value_or(parked && c.main.parking > 0) ? 0 : bay;

@@ -78,7 +78,10 @@ Fencing Layout::drawFencing(Draw& draw, double setback) const {
   if (pick < c.hedges) {
     fencing = Fencing::Hedge;
   } else if (pick < c.hedges + c.fences) {
-    fencing = draw.of(std::array{Fencing::Pickets, Fencing::Bars, Fencing::Brick});
+    fencing = c.district == District::Commercial ? draw.of(std::array{Fencing::Wire, Fencing::Wire, Fencing::Bars})
+              : c.country                        ? draw.of(std::array{Fencing::Pickets, Fencing::Wire, Fencing::Boards})
+                          : draw.of(std::array{Fencing::Pickets, Fencing::Bars, Fencing::Brick, Fencing::Brick,
+                                               Fencing::Boards, Fencing::Wire});
   }
   return setback < 1.5 ? Fencing::None : fencing;
 }
@@ -91,7 +94,8 @@ void Layout::addStrip(const Point2& inner, double yaw, double half, double lengt
 void Layout::addPlots(std::uint32_t r, int side, double from, double to) {
   const Road& road = roads_.roads()[r];
   const Character& c = character_;
-  const bool dense = c.district == District::Dense;
+  const bool dense = c.terraced;
+  const bool halls = c.district == District::Commercial;
   double start = from;
   while (to - start > 8) {
     Plot plot;
@@ -101,13 +105,14 @@ void Layout::addPlots(std::uint32_t r, int side, double from, double to) {
     plot.side = side;
     plot.from = start;
     plot.to = std::min(to, start + draw.around(c.plotWidth, 0.3));
-    plot.setback = std::max(dense ? 0.02 : 1.0, c.setback + draw.in(-1, 1) * c.setbackSpread);
+    plot.setback = std::max(dense ? 0.35 : 1.0, c.setback + draw.in(-1, 1) * c.setbackSpread);
     const double width = plot.to - plot.from;
     const bool attached = dense && draw.chance(0.75);
     const double gap = attached ? 0 : draw.in(1.2, std::max(1.5, 0.35 * width));
-    const double depth = draw.in(7.5, 12.5);
+    const double depth = halls ? draw.in(12, 22) : draw.in(7.5, 12.5);
     const int floors = c.floorsLow + draw.below(c.floorsHigh - c.floorsLow + 1);
-    House house = drawHouse(draw, plot.number, std::clamp(width - gap, 6.0, 18.0), depth, floors);
+    House house = drawHouse(draw, plot.number, std::clamp(width - gap, 6.0, halls ? 32.0 : 18.0), depth, floors);
+    if (halls) house.roof = Roof::Flat;
     house.shop = dense && draw.chance(0.4);
     plot.depth = depth;
     plot.fencing = drawFencing(draw, plot.setback);
@@ -137,7 +142,14 @@ void Layout::addPlots(std::uint32_t r, int side, double from, double to) {
       house.place = models::at({corner.x, corner.y, 0}, yaw);
       const Vec3d door = house.place * Vec3d{house.doorX(), -0.6, 0};
       const double out = road.section.outer();
-      if (plot.setback > 0.6) addStrip({door.x, door.y}, yaw, kWalkway / 2, plot.setback - 0.6 + out, GroundKind::Path);
+      if (!dense && draw.chance(c.forecourts)) {
+        const Vec3d front = house.place * Vec3d{house.width / 2, 0.4, 0};
+        addStrip({front.x, front.y}, yaw, house.width / 2 + draw.in(0.3, 2), plot.setback + 0.4 + out,
+                 GroundKind::Path);
+        patches_.back().parks = plot.setback > 7 && draw.chance(0.6);
+      } else if (plot.setback > 0.6) {
+        addStrip({door.x, door.y}, yaw, kWalkway / 2, plot.setback - 0.6 + out, GroundKind::Path);
+      }
       if (hasDriveway) {
         const Vec3d beside = house.place * Vec3d{house.width + kDriveway / 2 + 0.3, 6, 0};
         addStrip({beside.x, beside.y}, yaw, kDriveway / 2, plot.setback + 6 + out, GroundKind::Driveway);

@@ -44,7 +44,7 @@ void Layout::drawRoads() {
     Draw draw(seed_, Kind::SideRoad, static_cast<std::uint32_t>(i));
     const double along = draw.in(mainFrom_ + 20, mainTo_ - 20);
     const double angle = kPi / 2 + draw.in(-0.45, 0.45);
-    const bool crosses = draw.chance(0.4);
+    const bool crosses = draw.chance(0.5);
     const int first = draw.chance(0.5) ? 1 : -1;
     for (const int side : {first, -first}) {
       if (side != first && !crosses) continue;

@@ -56,29 +56,36 @@ void paintBar(Shape& s, models::SurfaceIndex paint, const Layout& l, const Road&
   s.quad(paint, corner(from, right), corner(to, right), corner(to, left), corner(from, left));
 }
 
-// Paints stop lines, and dashed middle lines on some roads with two lanes. Some of these roads get dashed edge lines
-// too if the district is rural.
+// Paints stop lines, dashed lines between lanes, and dashed middle lines on some roads without a central reservation.
+// Some roads outside of towns get dashed edge lines too.
 void placeMarkings(Placer& placer) {
   const Layout& l = placer.layout;
   Shape s(placer.builder, "road markings");
   const models::SurfaceIndex paint = s.surface("road_marking", "road_paint");
   std::uint32_t dashes = stopLines(placer, s, paint);
   for (const Road& road : l.roads().roads()) {
-    const double lanes = road.section.half - road.section.parking;
-    if (lanes < 2.6) continue;
+    const double lanes = road.section.half - road.section.parking - road.section.shoulder;
+    if (road.section.laneWidth() < 2.6) continue;
     Draw draw(l.seed(), Kind::Markings, static_cast<std::uint32_t>(&road - l.roads().roads().data()));
-    if (!draw.chance(road.main ? 0.8 : 0.35)) continue;
+    if (!draw.chance(road.section.lanes > 1 ? 1 : road.main ? 0.8 : 0.35)) continue;
     const double dash = draw.in(2, 5);
     const double gap = dash * draw.in(1, 2);
-    const bool edges = l.character().district == District::Rural && draw.chance(0.6);
+    const bool edges = l.character().country && draw.chance(0.6);
     for (double at = 4; at + dash < road.length() - 4; at += dash + gap) {
       const Point2 middle = road.point(at + dash / 2);
       // Leaves out the line where another road joins.
       const Beside b = l.roads().at(middle.x, middle.y);
       if (b.edge < -road.section.half - 0.5) continue;
       const int pieces = 3;
-      for (int k = 0; k < pieces; ++k) {
-        paintBar(s, paint, l, road, at + dash * k / pieces, at + dash * (k + 1) / pieces, -0.06, 0.06);
+      for (int lane = road.section.median > 0 ? 1 : 0; lane < road.section.lanes; ++lane) {
+        for (const double side : {-1.0, 1.0}) {
+          if (lane == 0 && side < 0) continue;  // the middle line
+          const double middleOfLine = lane == 0 ? 0 : side * (road.section.median + lane * road.section.laneWidth());
+          for (int k = 0; k < pieces; ++k) {
+            paintBar(s, paint, l, road, at + dash * k / pieces, at + dash * (k + 1) / pieces, middleOfLine - 0.06,
+                     middleOfLine + 0.06);
+          }
+        }
       }
       ++dashes;
       if (!edges) continue;
@@ -119,7 +126,7 @@ void placeCovers(Placer& placer) {
     const Road& road = l.roads().roads()[r];
     Draw draw(l.seed(), Kind::Cover, r);
     const double half = road.section.half - road.section.parking - 0.3;
-    const double covers = l.character().district == District::Rural ? 0.3 : 3;
+    const double covers = l.character().country ? 0.3 : 3;
     const auto manholes = static_cast<int>(covers * road.length() / 100 + draw.next());
     for (int k = 0; k < manholes; ++k) {
       const double along = draw.in(4, road.length() - 4);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "town/fleet.h"
 #include "town/lanes.h"
@@ -14,6 +15,21 @@ namespace {
 using models::Kind;
 
 constexpr double kBay = 6;  // m, length of a parking bay along the curb
+
+// Returns how far beyond the edge of the carriageway (m, negative: on it) the middle of a parked car stands: in the
+// middle of a parking lane, or half on the sidewalk if both the lane and a part of the sidewalk stay free, or else, on
+// roads that the sensor's vehicle does not use, at the curb. nullopt: there is no place. `half`: half of the car's
+// width.
+std::optional<double> parkedAt(const Road& road, double half, bool keepClear) {
+  constexpr double kBesideLane = 1.35;  // m between the middle of a lane and parked cars
+  constexpr double kWalk = 0.7;         // m, width of the sidewalk that stays free
+  const CrossSection& s = road.section;
+  if (s.parking > 1.5) return -s.parking / 2;
+  const double out = std::max(0.1, road.laneMiddle() + kBesideLane + half - s.half);
+  const double walk = s.outer() + (s.apron < 3 ? s.apron : 0);
+  if (s.verge == 0 && out + half < walk - kWalk && !road.oneWay()) return out;
+  return keepClear ? std::nullopt : std::optional(-half - 0.15);
+}
 
 void placeCars(Placer& placer, Fleet& fleet) {
   const Layout& l = placer.layout;
@@ -27,17 +43,24 @@ void placeCars(Placer& placer, Fleet& fleet) {
     const double first = road.main ? l.mainFrom() : 14;
     const double last = road.main ? l.mainTo() : road.length() - 4;
     for (const int side : {-1, 1}) {
-      if ((road.main || tour.has(r)) && s.parking < 1.5) continue;  // keeps the lanes of the sensor's vehicle clear
       std::uint32_t bay = 0;
+      // Along a road without parking lanes drivers park half on the sidewalk on one side, on both or on none.
+      const bool custom =
+          s.parking > 1.5 ||
+          Draw(l.seed(), Kind::Car, 9000000 + 2 * r + (side > 0 ? 1u : 0u)).chance(road.main ? 0.2 : 0.75);
       for (double at = first; at + kBay < last; at += kBay) {
         Draw draw(l.seed(), Kind::Car, 10000 + 1000 * (2 * r + (side > 0 ? 1u : 0u)) + bay++);
-        if (!draw.chance(s.parking > 1.5 ? c.parked : 0.15 * c.parked)) continue;
+        // More cars stand in side roads, where fewer pass.
+        const double parked = road.main ? c.parked : std::min(0.95, 1.8 * c.parked);
+        if (!draw.chance(custom ? parked : 0.15 * parked)) continue;
         const Model& car = fleet.anyCar(draw);
         const double half = (car.bounds.high.y - car.bounds.low.y) / 2;
-        const double inwards = s.parking > 1.5 ? s.parking / 2 : half + 0.15;
-        Spot spot = besideRoad(road, at + kBay / 2 + draw.in(-0.4, 0.4), side * (s.half - inwards));
+        const std::optional<double> out = parkedAt(road, half, road.main || tour.has(r));
+        if (!out || (*out > 0 && !custom)) continue;
+        if (*out <= 0 && s.parking <= 1.5 && custom && !draw.chance(0.15)) continue;  // they narrow the lane
+        Spot spot = besideRoad(road, at + kBay / 2 + draw.in(-0.4, 0.4), side * (s.half + *out));
         const Beside b = l.roads().at(spot.at.x, spot.at.y);
-        if (std::abs(b.edge + inwards) > 0.3) continue;  // the bay is at a crossing
+        if (std::abs(b.edge - *out) > 0.3) continue;  // the bay is at a crossing
         // Driveways are kept clear.
         if (l.outsidePatches(besideRoad(road, at + kBay / 2, side * (s.half + s.outer() + 0.4)).at) < 2.2) continue;
         spot.yaw += (side > 0 ? kPi : 0) + (draw.chance(0.08) ? kPi : 0) + draw.in(-0.02, 0.02);
@@ -48,17 +71,22 @@ void placeCars(Placer& placer, Fleet& fleet) {
   std::uint32_t index = 0;
   for (const Patch& patch : l.patches()) {
     Draw draw(l.seed(), Kind::Car, 50000000 + index++);
-    if (!patch.parks || !draw.chance(c.parked > 0 ? std::min(0.6, 0.1 + c.parked) : 0)) continue;
-    const Model& car = fleet.anyCar(draw);
-    const double yaw = patch.place.yaw + kPi / 2;  // direction from the road to the house
-    const double in = patch.place.halfY - 3 - draw.in(0, 1);
-    const Spot spot{{patch.place.center.x + std::cos(yaw) * in, patch.place.center.y + std::sin(yaw) * in},
-                    yaw + (draw.chance(0.6) ? 0 : kPi) + draw.in(-0.03, 0.03),
-                    1,
-                    0};
-    const Vec3d size = car.bounds.high - car.bounds.low;
-    if (size.y > 2 * patch.place.halfX + 0.2) continue;
-    placer.park(car, spot, fmt::format("car {}", ++number));
+    if (!patch.parks || c.parked <= 0) continue;
+    // Cars stand side by side on wide forecourts, with gaps; a driveway has room for one car.
+    constexpr double kBeside = 2.7;  // m
+    const bool wide = patch.place.halfX > kBeside;
+    const double first = wide ? -patch.place.halfX + kBeside / 2 : 0;
+    for (const double u : models::steps(first, wide ? patch.place.halfX - 1 : 1, kBeside)) {
+      if (!draw.chance(wide ? 0.15 + 0.5 * c.parked : std::min(0.85, 0.5 + c.parked))) continue;
+      const Model& car = fleet.anyCar(draw);
+      const Vec3d size = car.bounds.high - car.bounds.low;
+      if (size.y > 2 * patch.place.halfX + 0.2) continue;
+      const double in = patch.place.halfY - 3 - draw.in(0, 1);
+      const double yaw = patch.place.yaw + kPi / 2;  // direction from the road to the house
+      const Spot spot{patch.place.at(u, in), yaw + (draw.chance(0.6) ? 0 : kPi) + draw.in(-0.03, 0.03), 1, 0};
+      if (!placer.occupancy.isFree(footprint(car, spot, Placer::kGap))) continue;
+      placer.park(car, spot, fmt::format("car {}", ++number));
+    }
   }
 }
 
@@ -79,7 +107,7 @@ void placeLots(Placer& placer, Fleet& fleet) {
     Draw draw(l.seed(), Kind::Lot, ++lot);
     // Few lots are full.
     const double full = draw.next();
-    const double taken = std::min(0.95, l.parameters().vehicles * (0.03 + 0.7 * full * full));
+    const double taken = std::min(0.95, l.parameters().vehicles * (0.2 + 0.7 * full * full));
     Footprint about = rectangleAbout(area.outline);
     if (about.halfX < about.halfY) {
       std::swap(about.halfX, about.halfY);
@@ -120,6 +148,7 @@ void placeLots(Placer& placer, Fleet& fleet) {
 // road. Also places trailers, caravans and tractors beside the main road.
 void placeStanding(Placer& placer, Fleet& fleet) {
   const Layout& l = placer.layout;
+  if (l.character().district == District::Motorway) return;
   Draw draw(l.seed(), Kind::Traffic, 3000);
   const double share = l.parameters().vehicles;
   const auto wanted = [&] { return share >= 1 || draw.chance(share); };
@@ -146,9 +175,13 @@ void placeStanding(Placer& placer, Fleet& fleet) {
       if (tryAt(m, road, at, left ? lateral : -lateral, name)) return;
     }
   };
-  if (wanted()) onRoad(fleet.bus(), "waiting bus");
+  // Towns with traffic lights have a second bus.
+  const int buses = l.character().lights > 0.4 ? 2 : 1;
+  for (int k = 0; k < buses; ++k) {
+    if (wanted()) onRoad(fleet.bus(), k == 0 ? "waiting bus" : "waiting bus 2");
+  }
   if (wanted()) onRoad(fleet.anyTruck(draw), "delivering truck");
-  const bool rural = l.character().district == District::Rural;
+  const bool rural = l.character().country;
   const int others = 1 + draw.below(2);
   for (int k = 0; k < others; ++k) {
     if (!wanted()) continue;

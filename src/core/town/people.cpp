@@ -45,16 +45,16 @@ std::optional<Place> besidePeople(const Placer& placer, Draw& draw) {
   return place;
 }
 
-// Returns how far (m) a pedestrian can walk from a place before an object, another road or the end of the road is in
-// the way; at most `most`.
-double freeWay(const Placer& placer, Place place, double most) {
+// Returns how far (m) a pedestrian or cyclist can go from a place before an object, another road or the end of the road
+// is in the way; at most `most`. `half`: half of the width that must be free (m).
+double freeWay(const Placer& placer, Place place, double most, double half) {
   const double start = place.along;
   for (const double done : models::steps(0, most, 0.5)) {
     place.along = start + place.sense * done;
     if (place.along < 4 || place.along > place.road->length() - 4) return done;
     const Spot spot = place.spot();
     const double edge = placer.layout.roads().at(spot.at.x, spot.at.y).edge;
-    if (edge < 0.2 || edge > 12 || !placer.occupancy.isFree({spot.at, 0.4, 0.4, spot.yaw})) return done;
+    if (edge < 0.2 || edge > 12 || !placer.occupancy.isFree({spot.at, half, half, spot.yaw})) return done;
   }
   return most;
 }
@@ -68,7 +68,7 @@ bool placeWalker(Placer& placer, Draw& draw, const models::Walker& walker, const
   const std::optional<Place> place = besidePeople(placer, draw);
   const double speed = draw.in(1.0, 1.6);
   if (!place) return false;
-  const double way = freeWay(placer, *place, kMost);
+  const double way = freeWay(placer, *place, kMost, 0.4);
   if (way < kLeast) return false;
   // The path leads to the end of the way, turns in its last 0.25 m and leads back, as often as the duration needs.
   // Lateral distance (m) of the path from the middle of the free way: to one side on the way there, to the other side
@@ -110,10 +110,37 @@ bool placeWalker(Placer& placer, Draw& draw, const models::Walker& walker, const
   return true;
 }
 
+// Places a cyclist who rides along a pavement and stops where the free way ends. Returns false if this way is too
+// short.
+bool placeCyclist(Placer& placer, Draw& draw, const Model& bicycle, const Model& rider, const std::string& name) {
+  constexpr double kLeast = 20;  // m, least length of the free way
+  constexpr double kMost = 110;
+  constexpr double kPiece = 3;
+  const std::optional<Place> place = besidePeople(placer, draw);
+  const double speed = draw.in(2, 4);
+  if (!place) return false;
+  const double way = freeWay(placer, *place, kMost, 0.7);
+  if (way < kLeast) return false;
+  std::vector<Vec3d> points;
+  Place here = *place;
+  for (const double done : models::steps(1.5, way - 1.5, kPiece)) {
+    here.along = place->along + place->sense * done;
+    const Spot spot = here.spot();
+    placer.occupancy.add({spot.at, kPiece / 2 + 0.9, 0.5, spot.yaw});
+    points.push_back(placer.worldFromTown * placer.layout.onGround(spot.at));
+  }
+  const auto path = std::make_shared<const Path>(points);
+  const auto movement = std::make_shared<const Movement>(path, draw.in(0, 0.7) * path->length(), speed);
+  placer.builder.place(bicycle.mesh, {}, name, {}, movement);
+  placer.builder.place(rider.mesh, {}, "rider of " + name, {}, movement);
+  return true;
+}
+
 }  // namespace
 
 void placePeople(Placer& placer) {
   const Layout& l = placer.layout;
+  if (l.character().district == District::Motorway) return;
   const double length = l.mainTo() - l.mainFrom();
   Draw counts(l.seed(), Kind::Person, 999);
   // Returns the number of people or vehicles of a kind: at least one, unless people are switched off.
@@ -122,8 +149,9 @@ void placePeople(Placer& placer) {
     return l.parameters().people > 0 ? std::max(1, drawn) : 0;
   };
   const int walkers = count(1);
-  const int parked = count(0.5);
-  const int motorcycles = count(0.25);
+  const int parked = count(0.6);
+  const int motorcycles = count(0.6);
+  const int cyclists = count(1.7);
   const auto search = [&](const Model& m, Draw& draw, const std::string& name, double lean) {
     for (int attempt = 0; attempt < Placer::kTries; ++attempt) {
       const std::optional<Place> place = besidePeople(placer, draw);
@@ -132,6 +160,31 @@ void placePeople(Placer& placer) {
       spot.yaw += draw.in(-0.3, 0.3);
       spot.lean = lean;
       if (placer.tryPut(m, spot, name)) return;
+    }
+  };
+  // Places up to `most` vehicles side by side, across the pavement or, where it is narrow, along it.
+  const auto row = [&](const std::vector<Model>& forms, Draw& draw, const std::string& name, double lean, int most) {
+    constexpr double kApart = 0.75;  // m between neighbours
+    for (int attempt = 0; attempt < Placer::kTries; ++attempt) {
+      std::optional<Place> place = besidePeople(placer, draw);
+      if (!place) continue;
+      const CrossSection& s = place->road->section;
+      const bool across = s.sidewalk > 2.6;
+      // Near the walls, where there is room for those who walk.
+      if (across) place->lateral = std::copysign(place->road->section.half + s.outer() - 1.1, place->lateral);
+      const int wanted = 1 + draw.below(most);
+      int found = 0;
+      for (int k = 0; k < wanted; ++k) {
+        Spot spot = place->spot();
+        const bool onRoad = l.roads().at(spot.at.x, spot.at.y).edge < 0.3;
+        if (onRoad || place->along > place->road->length() - 3) break;
+        spot.yaw += (across ? kPi / 2 : 0) + draw.in(-0.08, 0.08);
+        spot.lean = lean;
+        if (!placer.tryPut(draw.of(forms), spot, fmt::format("{}.{}", name, k + 1))) break;
+        ++found;
+        place->along += across ? kApart : 2.2;
+      }
+      if (found > 0) return;
     }
   };
   // Two of three pedestrians walk.
@@ -160,15 +213,30 @@ void placePeople(Placer& placer) {
       models::makeForms(std::min(parked, 4), [&](int f) { return models::makeBicycle(placer.builder, l.seed(), f); });
   for (int i = 0; i < parked; ++i) {
     Draw draw(l.seed(), Kind::Bicycle, static_cast<std::uint32_t>(1000 + i));
-    search(bicycles[static_cast<std::size_t>(i) % bicycles.size()], draw, fmt::format("bicycle {}", i + 1),
-           radians(draw.in(-9, -5)));
+    row(bicycles, draw, fmt::format("bicycle {}", i + 1), radians(draw.in(-9, -5)), 8);
+  }
+  struct Cyclist {
+    Model bicycle, rider;
+  };
+  constexpr int kCyclists = 3;
+  const auto riding = models::makeForms(std::min(cyclists, kCyclists), [&](int f) {
+    models::RiderFit fit;
+    const Model bicycle = models::makeBicycle(placer.builder, l.seed(), 200 + f, &fit);
+    return Cyclist{bicycle, models::makeRider(placer.builder, l.seed(), 10 + f, fit)};
+  });
+  for (int i = 0; i < cyclists; ++i) {
+    Draw draw(l.seed(), Kind::Cyclist, static_cast<std::uint32_t>(2000 + i));
+    const auto& [bicycle, rider] = riding[static_cast<std::size_t>(i) % riding.size()];
+    bool rides = false;
+    for (int attempt = 0; attempt < Placer::kTries && !rides; ++attempt) {
+      rides = placeCyclist(placer, draw, bicycle, rider, fmt::format("cyclist's bicycle on the sidewalk {}", i + 1));
+    }
   }
   const auto motorcycleForms = models::makeForms(
       std::min(motorcycles, 2), [&](int f) { return models::makeMotorcycle(placer.builder, l.seed(), f); });
   for (int i = 0; i < motorcycles; ++i) {
     Draw draw(l.seed(), Kind::Motorcycle, static_cast<std::uint32_t>(1000 + i));
-    search(motorcycleForms[static_cast<std::size_t>(i) % motorcycleForms.size()], draw,
-           fmt::format("motorcycle {}", i + 1), radians(8));
+    row(motorcycleForms, draw, fmt::format("motorcycle {}", i + 1), radians(8), 4);
   }
 }
 

@@ -48,6 +48,7 @@ void populate(SceneBuilder& builder, const Layout& layout, const Affine& worldFr
   placeHouses(placer);
   placeMapTrees(placer);
   placeBoundaries(placer);
+  placeRails(placer);
   placeClutter(placer);
   placeMarkings(placer);
   placeCovers(placer);

@@ -49,11 +49,12 @@ class Placer {
   models::Occupancy occupancy;  // rectangles that are covered by objects
   models::Occupancy driveways;  // driveways and paths, which must stay clear
   models::Occupancy noParking;  // rectangles where nothing on wheels may be placed
-  // A traffic light at the main road, for vehicles that drive against the road's line.
+  // A traffic light at the main road, for both directions.
   struct Light {
     static constexpr double kPeriod = 44;  // s, period of the light
     static constexpr double kRed = 16;     // s, duration of red in each period
-    double along;                          // m along the road, where vehicles stop
+    double along;                          // m along the road, where vehicles stop that drive against its line
+    double facing;                         // the same for vehicles that drive in the direction of the line
     double offset;                         // s, time at which a period begins
     bool marked;                           // true: there is a stop line on the road
   };
@@ -72,6 +73,7 @@ std::optional<models::TrafficSign> signAtMouth(const Layout& l, std::uint32_t si
 
 void placeHouses(Placer& placer);
 void placeBoundaries(Placer& placer);
+void placeRails(Placer& placer);
 void placeMarkings(Placer& placer);
 void placeCovers(Placer& placer);
 void placeFixtures(Placer& placer);

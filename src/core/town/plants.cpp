@@ -66,7 +66,22 @@ bool plant(Placer& placer, Draw& draw, Spot spot, bool broadleaf, double room, c
 bool onLawn(const Layout& layout, const Point2& p, double beyond) {
   if (layout.areas().outsideHard(p) < 1) return false;
   const Beside b = layout.roads().at(p.x, p.y);
-  return !b.known || b.edge > b.section.outer() + beyond;
+  return !b.known || b.edge > b.section.paved() + beyond;
+}
+
+// Places squares of soil in the pavement, in which trees stand.
+void placePits(Placer& placer, const std::vector<Spot>& pits) {
+  if (pits.empty()) return;
+  constexpr double kHalf = 0.6;    // m, half of a pit's width
+  constexpr double kAbove = 0.01;  // m above the pavement
+  models::Shape s(placer.builder, "tree pits");
+  const models::SurfaceIndex soil = s.surface("terrain", "soil");
+  for (const Spot& pit : pits) {
+    const Footprint square{pit.at, kHalf, kHalf, pit.yaw};
+    const auto corner = [&](double u, double v) { return placer.layout.onGround(square.at(u, v), kAbove); };
+    s.quad(soil, corner(-kHalf, -kHalf), corner(kHalf, -kHalf), corner(kHalf, kHalf), corner(-kHalf, kHalf));
+  }
+  placer.builder.place(s.finish().mesh, placer.worldFromTown, "tree pits");
 }
 
 }  // namespace
@@ -96,6 +111,7 @@ void placeTrees(Placer& placer) {
   auto number = static_cast<int>(l.trees().size());
   // If the map has trees, no random trees are added along the roads.
   const double avenue = l.trees().empty() ? c.avenue : 0;
+  std::vector<Spot> pits;
   // Plants trees along the roads: in the verge if it is wide enough, else in the gardens behind the pavement.
   for (std::uint32_t r = 0; r < l.roads().roads().size(); ++r) {
     const Road& road = l.roads().roads()[r];
@@ -106,15 +122,22 @@ void placeTrees(Placer& placer) {
     for (const double along : models::steps(6, road.length() - 4, spacing)) {
       for (const int side : {-1, 1}) {
         if (!draw.chance(avenue)) continue;
-        const double out = s.verge > 1.2 ? s.curb + s.verge / 2 : s.outer() + draw.in(0.8, 2.5);
+        // Trees stand in pits near the curb if the sidewalk is wide.
+        const bool inPit = s.verge <= 1.2 && s.sidewalk > 2.8;
+        const double out = s.verge > 1.2 ? s.curb + s.verge / 2
+                           : inPit       ? s.curb + draw.in(0.9, 1.1)
+                                         : s.outer() + draw.in(0.8, 2.5);
         const Spot spot = besideRoad(road, along + draw.in(-1, 1), side * (s.half + out));
         const Beside b = l.roads().at(spot.at.x, spot.at.y);
         if (b.edge < out - 0.5) continue;  // the place is on another road or close to it
-        if (plant(placer, draw, spot, true, std::clamp(out + kOverhang, 1.6, 3.4), fmt::format("tree {}", number + 1)))
-          ++number;
+        if (!plant(placer, draw, spot, true, std::clamp(out + kOverhang, 1.6, 3.4), fmt::format("tree {}", number + 1)))
+          continue;
+        ++number;
+        if (inPit) pits.push_back(spot);
       }
     }
   }
+  placePits(placer, pits);
   // Plants trees in parks, unless the map has trees.
   std::uint32_t park = 0;
   for (const MapArea& area : l.areas().all()) {
@@ -175,7 +198,7 @@ void placeWoods(Placer& placer) {
       const Spot spot{{x + draw.in(0, spacing), y + draw.in(0, spacing)}, draw.in(0, 2 * kPi), draw.in(0.7, 1.4), 0};
       const Beside b = l.roads().at(spot.at.x, spot.at.y);
       // Skip places on a road or beside its sidewalk, and places far from all roads, which nearer trees would hide.
-      if (!b.known || b.edge < b.section.outer() + 1.2) continue;
+      if (!b.known || b.edge < b.section.outer() + std::max(b.section.apron, 0.7)) continue;
       const double density =
           relief(l.seed() + 21, spot.at.x, spot.at.y, 45) + 0.4 * relief(l.seed() + 22, spot.at.x, spot.at.y, 12);
       const std::optional<Land> land = l.areas().at(spot.at);
@@ -208,12 +231,12 @@ void placeBushes(Placer& placer) {
     Draw draw(l.seed(), Kind::Bush, 1000 + plot.number);
     const int count = static_cast<int>(c.gardenBushes * draw.in(0.2, 1.8) + draw.next());
     for (int k = 0; k < count; ++k) {
-      const double depth = draw.chance(0.7) ? draw.in(0.7, std::max(1.0, plot.setback - 0.7)) : draw.in(14, 26);
+      const double depth = draw.chance(0.7) ? draw.in(0.4, std::max(1.0, 0.5 * plot.setback)) : draw.in(14, 26);
       Spot spot =
           besideRoad(road, draw.in(plot.from, plot.to), plot.side * (road.section.half + road.section.outer() + depth));
       spot.yaw = draw.in(0, 2 * kPi);
       spot.scale = draw.in(0.6, 1.5);
-      if (!onLawn(l, spot.at, 0.6 * spot.scale)) continue;
+      if (!onLawn(l, spot.at, 0.4 * spot.scale)) continue;
       const Model& bush = draw.of(forms);
       if (!placer.isFree({spot.at, 0.7 * spot.scale, 0.7 * spot.scale, 0})) continue;
       placer.occupancy.add({spot.at, 0.5 * spot.scale, 0.5 * spot.scale, 0});

@@ -16,7 +16,9 @@ constexpr double kFade = 12;  // m beyond kFull, over which the rounding decreas
 CrossSection mixed(const CrossSection& a, const CrossSection& b, double part) {
   return {models::lerp(a.half, b.half, part),         models::lerp(a.parking, b.parking, part),
           models::lerp(a.curb, b.curb, part),         models::lerp(a.verge, b.verge, part),
-          models::lerp(a.sidewalk, b.sidewalk, part), models::lerp(a.step, b.step, part)};
+          models::lerp(a.sidewalk, b.sidewalk, part), models::lerp(a.step, b.step, part),
+          models::lerp(a.apron, b.apron, part),       models::lerp(a.shoulder, b.shoulder, part),
+          models::lerp(a.median, b.median, part),     part < 0.5 ? a.lanes : b.lanes};
 }
 
 }  // namespace

@@ -24,8 +24,14 @@ struct CrossSection {
   double verge = 0;       // width of the grass between curb and sidewalk
   double sidewalk = 2.5;  // width of the sidewalk; 0: none
   double step = 0.12;     // height of the curb
+  double apron = 0;       // width of the part of the plots that is paved like the sidewalk
+  double shoulder = 0;    // width of the hard shoulder at each edge, part of `half`; 0: none
+  double median = 0;      // half of the width of the central reservation, part of `half`; 0: none
+  int lanes = 1;          // number of lanes in each direction
 
-  double outer() const { return curb + verge + sidewalk; }  // width from the road's edge to the plots
+  double outer() const { return curb + verge + sidewalk; }               // width from the road's edge to the plots
+  double paved() const { return outer() + (sidewalk > 0 ? apron : 0); }  // width from the road's edge to unpaved ground
+  double laneWidth() const { return (half - parking - shoulder - median) / lanes; }
   bool operator==(const CrossSection&) const = default;
 };
 
@@ -45,8 +51,9 @@ struct Road {
 
   double length() const { return at.back(); }
   bool oneWay() const { return !along || !against; }
-  // Returns the distance between the middle of a lane and the centre line (m). A one-way road is a single lane.
-  double laneMiddle() const { return oneWay() ? 0 : (section.half - section.parking) / 2; }
+  // Returns the distance between the middle of the rightmost lane and the centre line (m). A one-way road is a single
+  // lane.
+  double laneMiddle() const { return oneWay() ? 0 : section.median + (section.lanes - 0.5) * section.laneWidth(); }
   Point2 point(double distance) const;
   // Returns the direction of the line (unit length) at a distance along it (m).
   Point2 heading(double distance) const;

@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <memory>
 
 #include "base/path.h"
@@ -24,6 +26,7 @@ constexpr double kWarmUp = 20;      // s of simulation before the drive begins
 constexpr double kDuration = 120;   // s; all vehicles stand still after this time
 constexpr double kInterval = 0.25;  // s between the stored positions of a vehicle
 constexpr double kAlways = -1e9;    // s, start time of vehicles that never wait
+constexpr std::uint32_t kPassing = 1 << 20;  // first number of the lanes beside the rightmost ones
 
 // The path of a vehicle on a `Way`, with marks where the path passes known positions on roads.
 struct Course {
@@ -69,15 +72,12 @@ std::vector<double> curvatureOf(const Path& path) {
 class Traffic {
  public:
   Traffic(Placer& placer, Fleet& fleet) : placer_(placer), fleet_(fleet), l_(placer.layout), main_(road(0)) {
-    const District district = l_.character().district;
-    Draw draw(l_.seed(), Kind::Traffic, 1);
-    fastest_ = district == District::Rural   ? draw.in(15, 24)
-               : district == District::Dense ? draw.in(8, 13)
-                                             : draw.in(9, 14);
+    fastest_ = l_.character().speed;
   }
 
   void place() {
     addThrough();
+    addPassing();
     for (std::uint32_t r = 1; r < l_.roads().roads().size(); ++r) addSideRoad(r);
     drawThrough();
     const std::vector<std::vector<double>> travelled = drive(routes_, drivers_, kWarmUp, kDuration, kInterval);
@@ -103,9 +103,10 @@ class Traffic {
   static std::uint32_t inwards(std::uint32_t r) { return 2 * r; }
   static std::uint32_t outwards(std::uint32_t r) { return 2 * r + 1; }
 
-  std::uint32_t add(const Way& way) {
+  // Adds a route `out` metres to the right of the middle of the rightmost lane. Returns its index.
+  std::uint32_t add(const Way& way, double out = 0) {
     ways_.push_back(way);
-    courses_.push_back(courseOf(l_, way, 0, 0, placer_.worldFromTown));
+    courses_.push_back(courseOf(l_, way, out, 0, placer_.worldFromTown));
     Route route;
     route.length = courses_.back().path->length();
     route.limit = inBends(curvatureOf(*courses_.back().path), fastest_);
@@ -132,9 +133,33 @@ class Traffic {
     const std::uint32_t route = add({{{0, length, 0}}, kUpstream, kBeyond});
     Route& through = routes_[route];
     through.legs = {{0, 0, through.length, 0}};
-    if (const auto at = blocked(0, length, 0)) through.stops.push_back({courses_[route].at(0, *at) - 2});
+    // A vehicle that starts behind an obstacle may have another one ahead.
+    constexpr double kNext = 26;  // m from the beginning of an obstacle, from where the next one is looked for
+    for (auto at = blocked(0, length, 0); at; at = *at > kNext ? blocked(0, *at - kNext, 0) : std::nullopt) {
+      through.stops.push_back({courses_[route].at(0, *at) - 2});
+    }
     for (const Placer::Light& light : placer_.lights) {
       through.stops.push_back({courses_[route].at(0, light.along), light.kPeriod, light.kRed, light.offset});
+    }
+  }
+
+  // Adds the routes of the other lanes, in both directions, and their vehicles. Nobody changes lanes.
+  void addPassing() {
+    if (main_.oneWay()) return;
+    const double length = main_.length();
+    for (int lane = 1; lane < main_.section.lanes; ++lane) {
+      for (const bool along : {false, true}) {
+        const Way way{{{0, along ? 0 : length, along ? length : 0}}, kUpstream, kBeyond};
+        const std::uint32_t number = kPassing + 2 * static_cast<std::uint32_t>(lane) + (along ? 1 : 0);
+        const std::uint32_t route = add(way, -lane * main_.section.laneWidth());
+        routes_[route].legs = {{number, 0, routes_[route].length, 0}};
+        for (const Placer::Light& light : placer_.lights) {
+          const double at = along ? light.facing : light.along;
+          routes_[route].stops.push_back({courses_[route].at(0, at), light.kPeriod, light.kRed, light.offset});
+        }
+        Draw draw(l_.seed(), Kind::Traffic, 5000 + number);
+        drawAlong(draw, route, l_.character().traffic, -lane * main_.section.laneWidth());
+      }
     }
   }
 
@@ -228,8 +253,13 @@ class Traffic {
         --riding;
         addCyclist(draw, at);
       } else if (density > 0) {
-        const bool heavy = pick < 0.2 && main_.section.half - main_.section.parking > kHeavyLane;
-        const Model& m = !heavy ? fleet_.anyCar(draw) : pick < 0.08 ? fleet_.bus() : fleet_.anyTruck(draw);
+        const bool heavy = pick < 0.27 && main_.section.laneWidth() > kHeavyLane;
+        if (pick > 0.86) {
+          addMotorcyclist(draw, 0, at, speed, off);
+          at += 22 + speed;
+          continue;
+        }
+        const Model& m = !heavy ? fleet_.anyCar(draw) : pick < 0.19 ? fleet_.bus() : fleet_.anyTruck(draw);
         const bool turns = !heavy && !turns_.empty() && draw.chance(0.25);
         std::uint32_t route = 0;
         if (turns) route = draw.of(turns_);
@@ -242,34 +272,73 @@ class Traffic {
     }
   }
 
+  // Adds the vehicles of a route that nobody leaves, `out` metres to the right of the rightmost lane. `per100m`:
+  // vehicles per 100 m of the lane.
+  void drawAlong(Draw& draw, std::uint32_t route, double per100m, double out) {
+    const double length = routes_[route].length;
+    double at = draw.in(0, 30);
+    while (per100m > 0 && at < length - kBeyond) {
+      const double speed = 1.1 * fastest_ * draw.in(0.9, 1.1);
+      const double off = draw.in(-0.2, 0.2);
+      const bool heavy = draw.chance(0.08) && main_.section.laneWidth() > kHeavyLane;
+      if (draw.chance(0.14)) {
+        addMotorcyclist(draw, route, at, speed, out + off);
+      } else {
+        addDriver(route, at, heavy ? fleet_.anyTruck(draw) : fleet_.anyCar(draw), std::nullopt, speed, out + off,
+                  kAlways);
+      }
+      const double least = 22 + speed;
+      at += least - std::max(100 / per100m - least, 8.0) * std::log(draw.next());
+    }
+  }
+
   int ridersWanted() const {
-    if (l_.parameters().people <= 0) return 0;
+    if (l_.parameters().people <= 0 || l_.character().district == District::Motorway) return 0;
     Draw draw(l_.seed(), Kind::Cyclist, 999);
     const double length = l_.mainTo() - l_.mainFrom();
-    return std::max(1, static_cast<int>(0.25 * l_.character().people * length / 100 + draw.next()));
+    return std::max(1, static_cast<int>(0.7 * l_.character().people * length / 100 + draw.next()));
   }
+
+  // A bicycle or motorcycle and its rider, built when they are first needed.
+  struct Ridden {
+    Model vehicle, rider;
+  };
 
   void addCyclist(Draw& draw, double at) {
-    const int form = draw.below(3);
-    models::BicycleFit fit;
-    const Model bicycle = models::makeBicycle(placer_.builder, l_.seed(), 100 + form, &fit);
-    const Model person = models::makeRider(placer_.builder, l_.seed(), form, fit);
-    const double lanes = main_.section.half - main_.section.parking;
-    addDriver(0, at, bicycle, person, draw.in(3.5, 6), lanes / 2 - 0.6, kAlways);
+    const int form = draw.below(static_cast<int>(cyclists_.size()));
+    std::optional<Ridden>& pair = cyclists_[static_cast<std::size_t>(form)];
+    if (!pair) {
+      models::RiderFit fit;
+      const Model bicycle = models::makeBicycle(placer_.builder, l_.seed(), 100 + form, &fit);
+      pair = {bicycle, models::makeRider(placer_.builder, l_.seed(), form, fit)};
+    }
+    const double speed = draw.in(3.5, 6);
+    addDriver(0, at, pair->vehicle, pair->rider, speed, main_.section.laneWidth() / 2 - 0.6, kAlways,
+              "cyclist's bicycle");
   }
 
+  void addMotorcyclist(Draw& draw, std::uint32_t route, double at, double speed, double out) {
+    const int form = draw.below(static_cast<int>(motorcyclists_.size()));
+    std::optional<Ridden>& pair = motorcyclists_[static_cast<std::size_t>(form)];
+    if (!pair) {
+      models::RiderFit fit;
+      const Model motorcycle = models::makeMotorcycle(placer_.builder, l_.seed(), 100 + form, &fit);
+      pair = {motorcycle, models::makeRider(placer_.builder, l_.seed(), 20 + form, fit, "motorcyclist")};
+    }
+    addDriver(route, at, pair->vehicle, pair->rider, speed, out, kAlways, "traffic on a motorcycle");
+  }
+
+  // Adds a vehicle that starts at `at` (m along the route), unless a line is too near. `what` begins its name.
   void addDriver(std::uint32_t route, double at, const Model& vehicle, const std::optional<Model>& rider, double speed,
-                 double out, double starts) {
+                 double out, double starts, std::string_view what = "traffic") {
     const double length = vehicle.bounds.high.x - vehicle.bounds.low.x;
-    // No vehicle starts within 14 m of a StopLine without a traffic light: an obstacle or a give-way line.
+    // No vehicle starts within 14 m before a StopLine without a traffic light, a give-way line or an obstacle such as
+    // roadworks, or within 26 m behind it.
     for (const StopLine& s : routes_[route].stops) {
-      if (s.period <= 0 && std::abs(at - s.at) < 14) return;
+      if (s.period <= 0 && at > s.at - 14 && at < s.at + 26) return;
     }
     drivers_.push_back({route, at, length, speed, starts});
-    const bool rides = rider.has_value();
-    participants_.push_back(
-        {vehicle, rider, out,
-         rides ? fmt::format("cyclist's bicycle {}", ++cyclists_) : fmt::format("traffic {}", ++cars_)});
+    participants_.push_back({vehicle, rider, out, fmt::format("{} {}", what, ++numbers_[std::string(what)])});
   }
 
   Placer& placer_;
@@ -283,7 +352,9 @@ class Traffic {
   std::vector<std::uint32_t> turns_;  // indices of routes that leave the main road
   std::vector<Driver> drivers_;
   std::vector<Participant> participants_;
-  int cars_ = 0, cyclists_ = 0;
+  std::map<std::string, int> numbers_;  // of drivers, by the beginnings of their names
+  std::array<std::optional<Ridden>, 3> cyclists_;
+  std::array<std::optional<Ridden>, 2> motorcyclists_;
 };
 
 }  // namespace

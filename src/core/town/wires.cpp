@@ -79,9 +79,9 @@ std::vector<Standing> placePoles(Placer& placer, Draw& draw, const UtilityPole& 
 void placeWires(Placer& placer) {
   const Layout& l = placer.layout;
   Draw draw(l.seed(), Kind::Wire);
-  const District district = l.character().district;
-  // Dense districts have no poles: wires are underground, and there is no space between walls and road.
-  const double share = district == District::Rural ? 0.7 : district == District::Suburban ? 0.5 : 0;
+  const Character& c = l.character();
+  // Terraced streets and motorways have no poles: wires are underground, and there is no space between walls and road.
+  const double share = c.district == District::Rural ? 0.7 : c.terraced || c.country ? 0 : 0.4;
   if (!draw.chance(share)) return;
   const UtilityPole pole = models::makeUtilityPole(placer.builder, l.seed());
   const std::vector<Standing> poles = placePoles(placer, draw, pole);

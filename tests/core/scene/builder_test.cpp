@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "scene/primitives.h"
@@ -117,6 +118,39 @@ TEST(SceneBuilder, meshesThatContradictThemselvesAreErrors) {
   EXPECT_THROW(static_cast<void>(builder.addMesh(mesh)), Error);
   mesh.surfaceOf.pop_back();
   EXPECT_THROW(static_cast<void>(builder.addMesh(mesh)), Error);
+}
+
+// Half of the places lie below the middle reflectance and half above, evenly in the logarithm; the same seed gives the
+// same reflectance, whatever other materials there are.
+TEST(SceneBuilder, reflectancesOfPlaces) {
+  MaterialLibrary library;
+  for (const char* name : {"first", "ranged", "fixed"}) {
+    Material& m = library.materials.emplace_back();
+    m.name = name;
+    m.reflectance = m.least = m.greatest = 0.2f;
+  }
+  library.materials[1].least = 0.1f;
+  library.materials[1].greatest = 0.8f;
+  MaterialLibrary alone;
+  alone.materials = {library.materials[1]};
+  constexpr int kPlaces = 4000;
+  int below = 0;
+  double logarithms = 0;
+  for (int seed = 0; seed < kPlaces; ++seed) {
+    SceneBuilder builder("place", static_cast<std::uint64_t>(seed), {}, library);
+    builder.drawReflectances();
+    const float drawn = builder.library().require("ranged", {}).reflectance;
+    EXPECT_GE(drawn, 0.1f);
+    EXPECT_LE(drawn, 0.8f);
+    below += drawn < 0.2f ? 1 : 0;
+    logarithms += std::log2(drawn / 0.2);
+    EXPECT_EQ(builder.library().require("fixed", {}).reflectance, 0.2f);
+    SceneBuilder other("place", static_cast<std::uint64_t>(seed), {}, alone);
+    other.drawReflectances();
+    EXPECT_EQ(other.library().require("ranged", {}).reflectance, drawn);
+  }
+  EXPECT_NEAR(below, kPlaces / 2, 4 * std::sqrt(kPlaces) / 2);
+  EXPECT_NEAR(logarithms / kPlaces, 0.25, 0.06);  // the mean of -1/2 and 1, with a deviation of 0.85
 }
 
 TEST(SceneBuilder, anEmptySceneIsRefused) {

@@ -1,5 +1,6 @@
 #include "scene/material.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -119,6 +120,34 @@ TEST(Materials, badFilesAreRefusedWithTheirPlace) {
          {"bad.yaml:2", "size_m"});
   refuse("materials:\n  - {name: a, reflectance: 0, source: x}\n  - {name: a, reflectance: 0, source: x}\n",
          {"bad.yaml:3", "twice"});
+  for (const char* range : {"0.2", "[0.2]", "[0, 0.6]", "[0.55, 0.6]", "[0.2, 0.45]"}) {
+    refuse(fmt::format("materials:\n  - {{name: a, reflectance: 0.5, source: x, range_source: y, range: {}}}\n", range),
+           {"bad.yaml:2", "range"});
+  }
+  refuse("materials:\n  - {name: a, reflectance: 0.5, source: x, range: [0.2, 0.6]}\n", {"bad.yaml:2", "range_source"});
+}
+
+TEST(Materials, rangesMayEndAtTheReflectance) {
+  const TemporaryFolder folder;
+  for (const char* figures : {"reflectance: 0.3, range: [0.1, 0.3]", "reflectance: 0.7, range: [0.7, 0.9]"}) {
+    const auto file =
+        folder.write("m.yaml", fmt::format("materials:\n  - {{name: a, source: x, range_source: y, {}}}\n", figures));
+    EXPECT_LT(readMaterials(file).materials[0].least, readMaterials(file).materials[0].greatest) << figures;
+  }
+}
+
+// A range is stated at 905 nm and scaled to the other wavelengths.
+TEST(Materials, rangesFollowTheWavelength) {
+  const TemporaryFolder folder;
+  const auto file = folder.write("m.yaml",
+                                 "materials:\n  - {name: a, reflectance: {850: 0.2, 905: 0.4, 1064: 0.6}, source: x, "
+                                 "range: [0.2, 0.5], range_source: y}\n  - {name: b, reflectance: 0.3, source: x}\n");
+  for (const auto& [wavelength, mean] : {std::pair{850, 0.2f}, {905, 0.4f}, {1064, 0.6f}}) {
+    const MaterialLibrary library = readMaterials(file, wavelength);
+    EXPECT_FLOAT_EQ(library.materials[0].least, mean / 2);
+    EXPECT_FLOAT_EQ(library.materials[0].greatest, mean * 1.25f);
+    EXPECT_EQ(library.materials[1].least, library.materials[1].greatest);
+  }
 }
 
 }  // namespace

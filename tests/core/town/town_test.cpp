@@ -81,12 +81,16 @@ TEST(Town, SizesOfTheMapAreBuilt) {
   const Box tree = boxOf("tree 1");
   EXPECT_NEAR(tree.high.z, 21, 0.5);
   EXPECT_NEAR((tree.high.x - tree.low.x + tree.high.y - tree.low.y) / 2, 5, 1.5);
-  EXPECT_NEAR(boxOf("boundary 1").high.z, 5, 0.5);
+  Box panel;
+  forPoints(scene, [&](const Instance& i, const Vec3d& p) {
+    if (i.name == "boundary 1") panel.add(p);
+  });
   const Value value = parseYaml(keys, "town.yaml");
   Fields fields(value, "town");
   const town::Parameters parameters = town::readParameters(fields);
   const town::Layout layout{parameters, 1,
                             town::cutOut(town::readMap(parameters.map, false, {}), parameters, 1, 200, {})};
+  EXPECT_NEAR(panel.high.z, layout.heightAt({panel.center().x, panel.center().y}) + 5, 0.1);
   EXPECT_TRUE(std::any_of(layout.patches().begin(), layout.patches().end(), [](const town::Patch& patch) {
     return patch.kind == town::GroundKind::Path && patch.place.halfY == 2;
   }));
@@ -355,11 +359,11 @@ TEST(Town, HasTheClassesOfStreets) {
   std::set<std::string> all;
   for (const std::uint64_t seed : {1, 2, 3, 4})
     all.merge(classesOf(makeTown("{length: 200, people: 3, vehicles: 3}", seed)));
-  EXPECT_THAT(
-      all, IsSupersetOf({"road",        "road_marking", "sidewalk",   "curb",  "terrain",    "building", "window",
-                         "wall",        "fence",        "vegetation", "tree",  "trunk",      "pole",     "traffic_sign",
-                         "street_lamp", "car",          "truck",      "bus",   "motorcycle", "bicycle",  "pedestrian",
-                         "rider",       "object",       "parking",    "ground"}));
+  EXPECT_THAT(all, IsSupersetOf({"road",       "road_marking", "sidewalk", "curb",         "terrain",
+                                 "building",   "window",       "wall",     "fence",        "vegetation",
+                                 "tree",       "trunk",        "pole",     "traffic_sign", "street_lamp",
+                                 "car",        "truck",        "bus",      "motorcycle",   "bicycle",
+                                 "pedestrian", "rider",        "object",   "parking",      "driveway"}));
 }
 
 TEST(Town, FactorsOfZeroLeaveThingsOut) {
@@ -446,6 +450,115 @@ TEST(Town, HasSeasons) {
   EXPECT_THAT(summer.ground, Not(Contains("snow")));
   EXPECT_GT(winter.top, summer.top + 0.03);
   EXPECT_LT(winter.top, summer.top + 0.4);
+}
+
+constexpr std::array<const char*, 8> kKinds{"rural",    "suburban", "dense",      "boulevard",
+                                            "old_town", "arterial", "commercial", "motorway"};
+
+// Sixteen successive seeds have each kind, wherever they begin.
+TEST(Town, SuccessiveSeedsHaveEachKind) {
+  for (const std::uint64_t first : {1, 6, 1000}) {
+    std::set<std::string> kinds;
+    for (std::uint64_t seed = first; seed < first + 16; ++seed) {
+      const std::string about = layoutOf(kSmall, seed).about();
+      kinds.insert(about.substr(0, about.find(',')));
+    }
+    EXPECT_THAT(kinds, testing::UnorderedElementsAreArray(kKinds));
+  }
+}
+
+// In each kind of place the lane of the sensor's vehicle is as free as its width needs, with many vehicles too.
+TEST(Town, EachKindHasAFreeLane) {
+  for (const char* kind : kKinds) {
+    const std::string yaml = fmt::format("{{length: 150, district: {}, vehicles: 2, people: 2, detail: 0.1}}", kind);
+    for (const std::uint64_t seed : {3, 4}) {
+      const Scene scene = makeTown(yaml, seed);
+      const std::vector<Vec3d> lane = laneOf(yaml, seed);
+      std::string blocked;
+      forPoints(scene, [&](const Instance& i, const Vec3d& p) {
+        for (const Vec3d& l : lane) {
+          if (std::hypot(p.x - l.x, p.y - l.y) < 1.0 && p.z - l.z > 0.05 && p.z - l.z < 1.7) blocked = i.name;
+        }
+      });
+      EXPECT_EQ(blocked, "") << kind << ", seed " << seed;
+    }
+  }
+}
+
+// Terraced streets are paved from the carriageway to the walls; elsewhere there are lawns.
+TEST(Town, TerracedStreetsArePavedToTheWalls) {
+  for (const char* kind : {"dense", "boulevard", "old_town", "suburban"}) {
+    const town::Layout layout = layoutOf(fmt::format("{{length: 200, district: {}}}", kind), 5);
+    std::size_t soft = 0;
+    std::size_t feet = 0;
+    for (const models::House& house : layout.houses()) {
+      for (const double x : {0.2, 0.5, 0.8}) {
+        const Vec3d foot = house.place * Vec3d{x * house.width, -0.25, 0};
+        const town::Point2 p{foot.x, foot.y};
+        ++feet;
+        soft += layout.kindAt(layout.roads().at(p.x, p.y), p) == town::GroundKind::Lawn ? 1 : 0;
+      }
+    }
+    EXPECT_GT(feet, 20u) << kind;
+    if (layout.character().terraced) {
+      EXPECT_EQ(soft, 0u) << kind;
+    } else {
+      EXPECT_GT(soft, 0u) << kind;
+    }
+  }
+}
+
+// Motorways have rails along both edges and a barrier in the middle, no houses, and vehicles on each lane.
+TEST(Town, MotorwaysHaveRailsAndSeveralLanes) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const std::string yaml = "{length: 300, district: motorway, traffic: 3, detail: 0.1}";
+    const town::Layout layout = layoutOf(yaml, seed);
+    const town::Road& road = layout.roads().roads().front();
+    EXPECT_TRUE(layout.houses().empty());
+    EXPECT_GE(road.section.lanes, 2);
+    const Scene scene = makeTown(yaml, seed);
+    std::map<std::string, int> panels;
+    std::set<int> lanes;
+    for (const Instance& i : scene.instances) {
+      for (const char* row : {"median", "left rail", "right rail"}) panels[row] += i.name.starts_with(row) ? 1 : 0;
+      if (!i.name.starts_with("traffic")) continue;
+      for (const double time : {0.0, 10.0, 20.0, 40.0}) {
+        const Vec3d at = i.worldFromMeshAt(time) * Vec3d{};
+        const town::Beside b = layout.roads().at(at.x, at.y);
+        // Vehicles are hidden below the ground before they arrive and after they have left.
+        const bool hidden = !b.known || b.along < 15 || b.along > road.length() - 15;
+        if (hidden || at.z < layout.heightAt({at.x, at.y}) - 0.5) continue;
+        const double out = (std::abs(b.lateral) - road.section.median) / road.section.laneWidth();
+        EXPECT_NEAR(out - std::floor(out), 0.5, 0.25) << i.name;
+        lanes.insert(static_cast<int>(std::copysign(1 + std::floor(out), b.lateral)));
+      }
+    }
+    for (const auto& [row, count] : panels) EXPECT_GT(count, 100) << row;
+    // All lanes but that of the sensor's vehicle, which is the rightmost one in the direction of the line.
+    EXPECT_EQ(lanes.size(), static_cast<std::size_t>(2 * road.section.lanes - 1));
+    EXPECT_FALSE(lanes.contains(-road.section.lanes));
+  }
+}
+
+// Who parks on the sidewalk leaves a part of it, and stands there half or whole.
+TEST(Town, CarsOnTheSidewalkLeaveAPath) {
+  constexpr double kPath = 0.6;  // m
+  std::size_t cars = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const std::string yaml = "{length: 250, district: suburban, vehicles: 3, detail: 0.1}";
+    const town::Layout layout = layoutOf(yaml, seed);
+    const Scene scene = makeTown(yaml, seed);
+    for (const Instance& i : scene.instances) {
+      if (!i.name.starts_with("car ") || i.name.starts_with("car on")) continue;
+      const Vec3d& at = i.worldFromMesh.translation;
+      const town::Beside b = layout.roads().at(at.x, at.y);
+      if (b.edge < 0.05 || b.edge > 1.5 || layout.outsidePatches({at.x, at.y}) < 1) continue;
+      const Box box = scene.meshes[i.mesh].bounds();
+      EXPECT_LT(b.edge + (box.high.y - box.low.y) / 2, b.section.paved() - kPath) << i.name;
+      ++cars;
+    }
+  }
+  EXPECT_GT(cars, 10u);
 }
 
 // What the seeds draw differs from place to place: districts, widths, greenery.
@@ -626,8 +739,8 @@ TEST(Town, SideRoadsEndAtALineOfTheirLane) {
 // What meets the main road from one side leaves the other side as it is, but for what an acute angle rounds off.
 TEST(Town, AcrossFromASideRoadTheEdgeIsStraight) {
   int sides = 0;
-  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
-    const town::Layout layout = layoutOf("{district: suburban, length: 200, detail: 0.05}", seed);
+  for (std::uint64_t seed = 1; seed <= 24; ++seed) {
+    const town::Layout layout = layoutOf("{district: arterial, length: 200, detail: 0.05}", seed);
     const std::vector<town::Road>& roads = layout.roads().roads();
     for (std::uint32_t r = 1; r < roads.size(); ++r) {
       if (!roads[r].joins) continue;

@@ -88,6 +88,23 @@ TEST(Traffic, NobodyIsInTheLane) {
   }
 }
 
+// Vehicles pass under the arms of lamps: without roadworks some vehicle on the lane moves in each town.
+TEST(Traffic, LampsDoNotStopIt) {
+  for (const char* kind : {"suburban", "arterial", "commercial", "dense"}) {
+    const Scene scene = makeTown(fmt::format("{{district: {}, traffic: 2, detail: 0.1}}", kind), 2);
+    const bool works = std::any_of(scene.instances.begin(), scene.instances.end(),
+                                   [](const Instance& i) { return i.name.starts_with("cone"); });
+    double most = 0;
+    for (const Instance& i : scene.instances) {
+      if (!i.name.starts_with("traffic")) continue;
+      const Vec3d before = i.worldFromMeshAt(30) * Vec3d{};
+      const bool inTown = std::abs(before.x) < 140 && before.z > groundOf(scene).bounds().low.z;
+      if (inTown) most = std::max(most, length(i.worldFromMeshAt(50) * Vec3d{} - before));
+    }
+    EXPECT_TRUE(works || most > 50) << kind << ": " << most << " m";
+  }
+}
+
 // Whoever drives or walks keeps clear of all others, and of what stands.
 TEST(Traffic, NobodyRunsIntoAnother) {
   constexpr const char* kFull = "{length: 250, vehicles: 2, people: 2}";

@@ -112,7 +112,8 @@ std::string vehicleLine(const Pipeline& pipeline, std::span<const double> blocke
     const std::string of = blocked.size() > 1 ? fmt::format(" of '{}'", pipeline.sensors[s].name) : "";
     shares += fmt::format("{}{:.1f} % of the rays{}", s > 0 ? ", " : "", 100 * blocked[s], of);
   }
-  return fmt::format("own vehicle: {}, blocks {}", pipeline.vehicle.filename().string(), shares);
+  return fmt::format("own vehicle: {}, blocks {}{}", pipeline.vehicle.filename().string(), shares,
+                     pipeline.dropVehicle ? ", which have no return (`returns: drop`)" : "");
 }
 
 }  // namespace

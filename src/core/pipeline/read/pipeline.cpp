@@ -14,7 +14,8 @@
 //     - {name: lane, waypoints: [...], speed: 8, frames: 10}
 //   sensors:                         # see sensors/sensor.h
 //     - {name: top, preset: sensors/paper_64.yaml, mount: {position: [0, 0, 1.9]}}
-//   vehicle: vehicle.yaml            # scene file of the ego vehicle, which blocks some beams
+//   vehicle: vehicle.yaml            # scene file of the ego vehicle, which blocks some beams; or
+//                                    # {scene: vehicle.yaml, returns: drop}: its returns are left out
 //   motion: none                     # none | per_column | {steps: 360, deskew: false}
 //   method: ray_tracing              # or {ray_tracing: {...}}, or auto: see docs/keys.md
 //   effects: [sensor, {footprint: {rays: 61}}]   # see pipeline/read/effects.h
@@ -219,6 +220,19 @@ std::string Pipeline::methodName() const {
 
 namespace {
 
+// Reads `vehicle`: the name of a scene, or {scene:, returns:}.
+void readVehicle(Fields& fields, Pipeline& pipeline) {
+  const Value* vehicle = fields.find("vehicle");
+  if (vehicle == nullptr || vehicle->kind != Value::Kind::Map) {
+    pipeline.vehicle = fields.optionalResource("vehicle", "scenes").value_or("");
+    return;
+  }
+  Fields keys(*vehicle, "vehicle");
+  keys.also({"scene", "returns"}).finish();
+  pipeline.vehicle = keys.resource("scene", "scenes");
+  pipeline.dropVehicle = keys.choice("returns", {"keep", "drop"}, "keep") == "drop";
+}
+
 // Throws InputError if the frames have more rays than the pipeline allows. `frames`: a number, or "at least" a number.
 void checkRays(const Pipeline& pipeline, std::uint64_t frames, double perFrame, std::string_view unit,
                std::string_view atLeast = "") {
@@ -249,7 +263,7 @@ Pipeline pipelineOf(Value read, std::string text, const std::filesystem::path& f
   pipeline.name = fields.text("name", file.stem().string());
   pipeline.seed = static_cast<std::uint64_t>(fields.integer("seed", 0, std::int64_t{1} << 62, 1));
   pipeline.ontology = fields.optionalResource("labels", "labels").value_or("");
-  pipeline.vehicle = fields.optionalResource("vehicle", "scenes").value_or("");
+  readVehicle(fields, pipeline);
   pipeline.wavelengthNm = std::stoi(fields.choice("wavelength_nm", {"850", "905", "1064"}, "905"));
   DrawnSensors::Written written;
   pipeline.sensors = readSensors(fields, pipeline.seed, written);

@@ -73,6 +73,7 @@ struct Pipeline {
   std::uint64_t seed = 1;
   std::filesystem::path ontology;  // file that replaces the scenes' ontologies; empty: each scene's ontology is used
   std::filesystem::path vehicle;   // scene file of the ego vehicle, in the vehicle's frame; empty: no vehicle
+  bool dropVehicle = false;        // true: beams that hit the ego vehicle have no return
   int wavelengthNm = 905;
   std::vector<Sequence> sequences;
   std::vector<MountedSensor> sensors;

@@ -72,7 +72,7 @@ void blockByVehicle(const BlockedRays& vehicle, double minRange, Hits& hits) {
     const std::uint32_t ray = vehicle.blocked[i];
     const float range = vehicle.hits.range[i];
     if (range > hits.range[ray]) continue;
-    const bool reported = range >= minRange;
+    const bool reported = !vehicle.dropped && range >= minRange;
     hits.range[ray] = reported ? range : kMiss;
     hits.pathOfRay[ray] = RayPath::OwnVehicle;
     forEachChannel([&](const ChannelRow& row, auto member) {

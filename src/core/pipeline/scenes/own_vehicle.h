@@ -15,6 +15,7 @@ namespace scanmill {
 // The rays of a sensor that hit the vehicle which carries the sensor. They are the same for all shots, since sensor and
 // vehicle move together.
 struct BlockedRays {
+  bool dropped = false;                // true: these rays give no return, as drivers leave the vehicle out
   std::vector<float> range;            // m, by ray; kMiss: the ray does not hit the vehicle
   std::vector<std::uint32_t> blocked;  // indices of the rays that hit it, ascending
   Hits hits;                           // the hits of these rays, in the same order
@@ -28,7 +29,8 @@ BlockedRays traceVehicle(const Scene& vehicle, const BeamTable& rays, const Pose
 
 // Replaces each hit behind the vehicle, and each miss of a ray that hits the vehicle, by the hit on the vehicle, with
 // path OwnVehicle, no instance, no material and a matt surface. If this hit is nearer than the sensor's minimum range
-// `minRange` (m), it becomes a miss with path OwnVehicle. `vehicle` and `hits` must have the same rays.
+// `minRange` (m), or if `vehicle.dropped` is true, it becomes a miss with path OwnVehicle. `vehicle` and `hits` must
+// have the same rays.
 void blockByVehicle(const BlockedRays& vehicle, double minRange, Hits& hits);
 
 }  // namespace scanmill

@@ -70,7 +70,9 @@ VehicleHits ShotSource::traceOwnVehicle(const std::vector<Pose>& mounts) const {
   for (std::size_t s = 0; s < mounts.size(); ++s) {
     const PlannedSensor& sensor = plan_.sensors[s];
     const BeamTable& rays = sensor.footprint == nullptr ? *sensor.beams : *sensor.footprint->rays;
-    hits.push_back(std::make_shared<const BlockedRays>(traceVehicle(*vehicle_, rays, mounts[s])));
+    const auto blocked = std::make_shared<BlockedRays>(traceVehicle(*vehicle_, rays, mounts[s]));
+    blocked->dropped = pipeline_.dropVehicle;
+    hits.push_back(blocked);
   }
   return hits;
 }

@@ -3,6 +3,7 @@
 //   intensity: {reference_range_m: 10, falloff: inverse_square, near_range_m: 1, attenuation_per_m: 0,
 //               gain: 1, saturation: 4, gamma: 1, output: float}
 //   intensity: {model: reflectivity, diffuse: oren_nayar, output: u8, retro_full_scale: 1000}
+//   intensity: {model: reflectivity, output: u8, table: [[0.01, 30], [0.1, 90], [1, 160]], floor: 0.006, noise: 0.05}
 //
 // The power is 1.0 for a white Lambertian target at normal incidence at the reference range in clear air:
 //
@@ -38,6 +39,17 @@
 // targets of 0 to 100 %, and up to 255 for retroreflectors (Velodyne, VLP-16 User Manual 63-9243 Rev. D, section 6.1;
 // Ouster, Firmware User Manual, "Calibrated reflectivity"). The manuals do not state how bright a target with the byte
 // 255 is.
+//
+// `table` replaces this response by a curve: pairs of a value (the power or, with `model: reflectivity`, the
+// reflectivity) and the intensity that the sensor reports for it. The curve is linear in the logarithm of the value
+// between two pairs, and constant outside of them.
+//
+// `floor` is the received power that the amplifier does not measure, although the receiver finds echoes of this power:
+// it is taken from the received power before the response. Echoes with less power have the intensity 0, whatever their
+// range, and somewhat stronger ones an intensity that is too low.
+//
+// `noise` adds a Gaussian number of this standard deviation to intensities above 0, which do not become negative; then
+// `step` rounds to multiples of itself. Both are in parts of the full scale, which is 1 for floats and 255 for bytes.
 
 #include <algorithm>
 #include <cfloat>
@@ -65,7 +77,11 @@ struct IntensityOptions {
   bool bytes = false;
   bool reflectivity = false;  // true: reports the power that a hit at the reference range would give in clear air
   bool orenNayar = false;
-  double retroFullScale = 0;  // `retro_full_scale`; 0: bytes are proportional to the response
+  double retroFullScale = 0;                     // `retro_full_scale`; 0: bytes are proportional to the response
+  std::vector<std::pair<double, double>> table;  // natural logarithm of the value, intensity; empty: no table
+  float floor = 0;                               // received power that the sensor does not measure
+  double noise = 0;                              // standard deviation, in parts of the full scale
+  double step = 0;                               // in parts of the full scale; 0: no rounding
 };
 
 // How a material reflects light back along the beam: the diffuse reflectance is matt * reflectance, and F0 (reflectance
@@ -126,7 +142,7 @@ float reflected(const Lobes& lobe, float c, float reflectance) {
 
 class Intensity : public Effect {
  public:
-  explicit Intensity(const IntensityOptions& options) : o_(options) {}
+  explicit Intensity(IntensityOptions options) : o_(std::move(options)) {}
 
   Channels reads() const override {
     return Channel::Range | Channel::Material | Channels(Channel::Reflectance) | Channel::Incidence;
@@ -139,8 +155,8 @@ class Intensity : public Effect {
     return true;
   }
 
-  void apply(const Hits& hits, const Shot&, std::span<const Material> materials, Returns& returns) const override {
-    change(hits, materials, returns);
+  void apply(const Hits& hits, const Shot& shot, std::span<const Material> materials, Returns& returns) const override {
+    change(hits, shot, materials, returns);
   }
 
  private:
@@ -170,7 +186,7 @@ class Intensity : public Effect {
     });
   }
 
-  SCANMILL_BEST_INSTRUCTIONS void change(const Hits& hits, std::span<const Material> materials,
+  SCANMILL_BEST_INSTRUCTIONS void change(const Hits& hits, const Shot& shot, std::span<const Material> materials,
                                          Returns& returns) const {
     const std::vector<Lobes> lobes = lobesOfAll(materials, hits.glassIsClear);
     returns.power.resize(returns.size());
@@ -196,7 +212,12 @@ class Intensity : public Effect {
       if (!returns.onePerBeam()) takeAdded(returns, first, count, given, power, sent.data());
       settle(range, count, power);
       if (o_.reflectivity) settle(range, count, sent.data());
-      respond(o_.reflectivity ? sent.data() : power, count, returns.intensity.data() + first);
+      float* const intensity = returns.intensity.data() + first;
+      const float* value = o_.reflectivity ? sent.data() : power;
+      if (o_.floor > 0) value = aboveFloor(value, power, count, sent.data());
+      respond(value, count, intensity);
+      if (o_.noise > 0) scatter(shot, returns, first, count);
+      round(count, intensity);
     });
   }
 
@@ -304,42 +325,110 @@ class Intensity : public Effect {
     }
   }
 
-  void respond(const float* power, std::size_t count, float* intensity) const {
-    if (o_.retroFullScale > 0) return respondByManual(power, count, intensity);
+  // Returns the values without the part that the floor takes from the power; the result is in `changed`.
+  const float* aboveFloor(const float* value, const float* power, std::size_t count, float* changed) const {
+    for (std::size_t i = 0; i < count; ++i) {
+      const float part = 1 - o_.floor / (power[i] > o_.floor ? power[i] : o_.floor);
+      changed[i] = value[i] * part;
+    }
+    return changed;
+  }
+
+  // Sets the intensities of values above 0, before noise and rounding.
+  void respond(const float* value, std::size_t count, float* intensity) const {
+    if (!o_.table.empty()) return respondByTable(value, count, intensity);
+    if (o_.retroFullScale > 0) return respondByManual(value, count, intensity);
     const float unit = o_.bytes ? 1 / o_.saturation : 1.0f;
     for (std::size_t i = 0; i < count; ++i) {
-      const float amplified = o_.gain * power[i];
+      const float amplified = o_.gain * value[i];
       intensity[i] = (amplified < o_.saturation ? amplified : o_.saturation) * unit;
     }
     if (o_.gamma != 1) {
       for (std::size_t i = 0; i < count; ++i) {
         const double base = intensity[i] > FLT_MIN ? intensity[i] : FLT_MIN;
-        double value = exponential(o_.gamma * naturalLog(base));
-        value = value < FLT_MAX ? value : FLT_MAX;
-        intensity[i] = intensity[i] > FLT_MIN ? static_cast<float>(value) : 0.0f;
+        double number = exponential(o_.gamma * naturalLog(base));
+        number = number < FLT_MAX ? number : FLT_MAX;
+        intensity[i] = intensity[i] > FLT_MIN ? static_cast<float>(number) : 0.0f;
       }
     }
-    if (o_.bytes) {
-      for (std::size_t i = 0; i < count; ++i) {
-        const float rounded = std::floor(255 * intensity[i] + 0.5f);
-        intensity[i] = rounded < 255 ? rounded : 255.0f;
-      }
+    for (std::size_t i = 0; i < count && o_.bytes; ++i) intensity[i] *= 255;
+  }
+
+  void respondByManual(const float* value, std::size_t count, float* intensity) const {
+    const double steps = 155 / naturalLog(o_.retroFullScale);
+    for (std::size_t i = 0; i < count; ++i) {
+      const double amplified = o_.gain * value[i];
+      const double diffuse = amplified < 1 ? amplified : 1.0;
+      const double retro = amplified > 1 ? naturalLog(amplified) : 0.0;
+      intensity[i] = static_cast<float>(100 * diffuse + steps * retro);
     }
   }
 
-  void respondByManual(const float* power, std::size_t count, float* intensity) const {
-    const double steps = 155 / naturalLog(o_.retroFullScale);
+  void respondByTable(const float* value, std::size_t count, float* intensity) const {
     for (std::size_t i = 0; i < count; ++i) {
-      const double value = o_.gain * power[i];
-      const double diffuse = value < 1 ? value : 1.0;
-      const double retro = value > 1 ? naturalLog(value) : 0.0;
-      const double byte = std::floor(100 * diffuse + steps * retro + 0.5);
-      intensity[i] = static_cast<float>(byte < 255 ? byte : 255.0);
+      const double base = value[i] > FLT_MIN ? value[i] : FLT_MIN;
+      const double at = naturalLog(base);
+      double number = o_.table.front().second;
+      for (std::size_t k = 1; k < o_.table.size(); ++k) {
+        const auto& [low, before] = o_.table[k - 1];
+        const auto& [high, after] = o_.table[k];
+        double part = (at - low) / (high - low);
+        part = part > 0 ? part : 0;
+        part = part < 1 ? part : 1;
+        number += part * (after - before);
+      }
+      intensity[i] = value[i] > FLT_MIN ? static_cast<float>(number) : 0.0f;
+    }
+  }
+
+  // Adds the noise to intensities above 0.
+  void scatter(const Shot& shot, Returns& returns, std::size_t first, std::size_t count) const {
+    RandomWords words;
+    drawWords(shot, Purpose::IntensityNoise, returns, first, words);
+    const double sigma = o_.noise * intensityFullScale();
+    float* const intensity = returns.intensity.data() + first;
+    for (std::size_t i = 0; i < count; ++i) {
+      const double noisy = intensity[i] + sigma * normalPair(words.a[i], words.b[i]).first;
+      const double least = noisy > 0 ? noisy : 0;
+      intensity[i] = intensity[i] > 0 ? static_cast<float>(least) : 0.0f;
+    }
+  }
+
+  void round(std::size_t count, float* intensity) const {
+    const double step = o_.step * intensityFullScale();
+    for (std::size_t i = 0; i < count && step > 0; ++i) {
+      intensity[i] = static_cast<float>(std::floor(intensity[i] / step + 0.5) * step);
+    }
+    for (std::size_t i = 0; i < count && o_.bytes; ++i) {
+      const float rounded = std::floor(intensity[i] + 0.5f);
+      intensity[i] = rounded < 255 ? rounded : 255.0f;
     }
   }
 
   IntensityOptions o_;
 };
+
+// Reads the rows of `table`: the logarithm of each value, and its intensity.
+std::vector<std::pair<double, double>> readResponse(const Value& table, double fullScale) {
+  const std::string what = "effect intensity: table";
+  if (table.kind != Value::Kind::Sequence || table.items.size() < 2) {
+    throw InputError(table.where, what + " must be a list of at least two pairs [value, intensity]");
+  }
+  std::vector<std::pair<double, double>> rows;
+  for (const Value& item : table.items) {
+    const std::vector<double> pair = readNumbers(item, what, {0, 1e30});
+    if (pair.size() != 2) throw InputError(item.where, what + ": each row is [value, intensity]");
+    const double at = naturalLog(std::max(pair[0], 1e-30));
+    if (pair[0] < 1e-30 || (!rows.empty() && at <= rows.back().first)) {
+      throw InputError(item.where, what + ": values must be above 0 and rise from row to row");
+    }
+    if (pair[1] > fullScale) {
+      throw InputError(item.where, what + ": with `output: u8` intensities are at most 255");
+    }
+    rows.emplace_back(at, pair[1]);
+  }
+  return rows;
+}
 
 }  // namespace
 
@@ -357,7 +446,17 @@ std::unique_ptr<Effect> makeIntensity(Fields& options) {
   o.orenNayar = options.choice("diffuse", {"lambertian", "oren_nayar"}, "lambertian") == "oren_nayar";
   const Value* retro = options.find("retro_full_scale");
   if (retro != nullptr) o.retroFullScale = options.number("retro_full_scale", {1.01, 1e9});
+  const Value* table = options.find("table");
+  if (table != nullptr) o.table = readResponse(*table, o.bytes ? 255 : 1e30);
+  o.floor = static_cast<float>(options.number("floor", {0, 1e6}, 0));
+  o.noise = options.number("noise", {0, 1}, 0);
+  o.step = options.number("step", {0, 1}, 0);
   options.finish();
+  for (const char* key : {"gain", "gamma", "saturation", "retro_full_scale"}) {
+    if (table != nullptr && options.has(key)) {
+      throw InputError(table->where, std::string("effect intensity: table is the complete response: leave out ") + key);
+    }
+  }
   if (retro != nullptr && (!o.reflectivity || !o.bytes)) {
     throw InputError(retro->where, "effect intensity: retro_full_scale needs `model: reflectivity` and `output: u8`");
   }
@@ -366,7 +465,7 @@ std::unique_ptr<Effect> makeIntensity(Fields& options) {
         retro->where,
         "effect intensity: retro_full_scale defines the complete response: leave saturation and gamma out");
   }
-  return std::make_unique<Intensity>(o);
+  return std::make_unique<Intensity>(std::move(o));
 }
 
 }  // namespace scanmill

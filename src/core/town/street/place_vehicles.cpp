@@ -153,7 +153,7 @@ void placeCyclists(Placer& placer) {
   const Layout& l = placer.layout;
   const int count = l.p.count(l.p.cyclists);
   const auto pairs = makeForms(std::min(count, 3), [&](int f) {
-    BicycleFit fit;
+    RiderFit fit;
     const Model bicycle = makeBicycle(placer.builder, l.seed, 100 + f, &fit);
     return std::pair(bicycle, makeRider(placer.builder, l.seed, f, fit));
   });

@@ -30,6 +30,30 @@ objects:
   }
 };
 
+// `returns: drop` leaves out the returns of the vehicle, and nothing else.
+TEST_F(OwnVehicle, DroppedReturns) {
+  sound(with({"effects=[intensity]"}), "kept");
+  std::vector<std::string> dropping = with({"effects=[intensity]"});
+  dropping.emplace_back("vehicle={scene: scenes/roof.yaml, returns: drop}");
+  sound(dropping, "dropped");
+  const std::vector<Scan> kept = scans(".pcd", "kept");
+  const std::vector<Scan> dropped = scans(".pcd", "dropped");
+  for (std::size_t s = 0; s < kept.size(); ++s) {
+    const auto rows = rowsByBeam(dropped[s]);
+    std::size_t others = 0;
+    for (std::size_t i = 0; i < kept[s].size(); ++i) {
+      const bool roof = kept[s][kCause][i] == static_cast<std::uint8_t>(Cause::OwnVehicle);
+      const auto row = rows.find({kept[s][kRing][i], kept[s][kColumn][i]});
+      EXPECT_EQ(row == rows.end(), roof);
+      if (roof || row == rows.end()) continue;
+      ++others;
+      EXPECT_EQ(dropped[s].position[row->second], kept[s].position[i]);
+    }
+    EXPECT_EQ(dropped[s].size(), others);
+    EXPECT_LT(others + 50, kept[s].size());
+  }
+}
+
 // Where a beam is steep enough, it ends on the roof at 0.3 m over the sine of its angle; all other points stay.
 TEST_F(OwnVehicle, BlocksAndReturns) {
   for (const std::string motion : {"none", "per_column"}) {

@@ -335,5 +335,81 @@ TEST(Intensity, RefusesResponsesThatContradictEachOther) {
               testing::HasSubstr("diffuse may not be 'rough' (known: lambertian, oren_nayar)"));
 }
 
+// The curve passes its rows, is linear in the logarithm between them, and constant outside.
+TEST(Intensity, ResponseTable) {
+  const auto at = [](float value, const std::string& more = "") {
+    return intensityAt(10, 1, matt(value), "{table: [[0.01, 0.2], [0.1, 0.6], [1, 0.7]]" + more + "}");
+  };
+  EXPECT_NEAR(at(0.01f), 0.2f, kTiny);
+  EXPECT_NEAR(at(0.1f), 0.6f, kTiny);
+  EXPECT_NEAR(at(1), 0.7f, kTiny);
+  EXPECT_NEAR(at(0.001f), 0.2f, kTiny);
+  EXPECT_NEAR(at(5), 0.7f, kTiny);
+  EXPECT_NEAR(at(std::sqrt(0.001f)), 0.4f, kTiny);
+  EXPECT_EQ(at(0), 0);
+  EXPECT_NEAR(at(std::sqrt(0.001f), ", step: 0.15"), 0.45f, kTiny);
+  EXPECT_EQ(intensityAt(10, 1, matt(1), "{output: u8, table: [[0.01, 3], [0.1, 99.6]]}"), 100);
+}
+
+// A power law as a table is the power law.
+TEST(Intensity, TableOfAPowerLaw) {
+  const std::string rows = "[[1e-4, 0.01], [1e-3, 0.0316227766], [1e-2, 0.1], [0.1, 0.316227766], [1, 1]]";
+  for (const float value : {1e-4f, 1e-3f, 1e-2f, 0.1f, 1.0f}) {
+    EXPECT_NEAR(intensityAt(10, 1, matt(value), "{table: " + rows + "}"),
+                intensityAt(10, 1, matt(value), "{gamma: 0.5}"), 1e-6);
+  }
+}
+
+// The floor is compared with the received power: dark surfaces near and bright ones far report 0 alike, whatever the
+// model, and the returns stay.
+TEST(Intensity, FloorOfTheReceivedPower) {
+  for (const std::string model : {"power", "reflectivity"}) {
+    for (const float range : {5.0f, 10.0f, 20.0f, 40.0f}) {
+      for (const float reflectance : {0.02f, 0.1f, 0.5f}) {
+        const float received = reflectance * 100 / (range * range);
+        const float intensity = intensityAt(range, 1, matt(reflectance), "{floor: 0.03, model: " + model + "}");
+        EXPECT_EQ(intensity > 0, received > 0.03f) << range << " " << reflectance;
+      }
+    }
+  }
+}
+
+// Noise of the intensity has the given deviation and mean 0, is independent from beam to beam, the same each time, and
+// makes no intensity negative.
+TEST(Intensity, NoiseOfTheReportedNumber) {
+  const World world = makeWorld(64, 2048, 10);
+  const auto intensities = [&](const std::string& more) {
+    return run(world, {"intensity: {gain: 0.5" + more + "}"}).intensity;
+  };
+  const std::vector<float> exact = intensities("");
+  const std::vector<float> noisy = intensities(", noise: 0.02");
+  EXPECT_EQ(noisy, intensities(", noise: 0.02"));
+  const auto n = static_cast<double>(exact.size());
+  double sum = 0;
+  double squares = 0;
+  double neighbours = 0;
+  for (std::size_t i = 0; i < exact.size(); ++i) {
+    const double off = double{noisy[i]} - double{exact[i]};
+    sum += off;
+    squares += off * off;
+    if (i > 0) neighbours += off * (double{noisy[i - 1]} - double{exact[i - 1]});
+  }
+  EXPECT_NEAR(sum / n, 0, 4 * 0.02 / std::sqrt(n));
+  EXPECT_NEAR(std::sqrt(squares / n), 0.02, 4 * 0.02 / std::sqrt(2 * n));
+  EXPECT_NEAR(neighbours / squares, 0, 4 / std::sqrt(n));
+  for (const float value : intensities(", noise: 1")) EXPECT_GE(value, 0);
+  const std::vector<float> bytes = run(world, {"intensity: {output: u8, gain: 0.5, noise: 0.02, step: 0.1}"}).intensity;
+  for (const float value : bytes) EXPECT_NEAR(std::remainder(value, 25.5f), 0, 0.51f);
+}
+
+TEST(Intensity, RefusesWrongTables) {
+  EXPECT_THAT(refusal("intensity: {table: [[1, 2]]}"), testing::HasSubstr("at least two pairs"));
+  EXPECT_THAT(refusal("intensity: {table: [[1, 2], [1, 3]]}"), testing::HasSubstr("rise from row to row"));
+  EXPECT_THAT(refusal("intensity: {table: [[0, 2], [1, 3]]}"), testing::HasSubstr("above 0"));
+  EXPECT_THAT(refusal("intensity: {table: [[1, 2, 3], [2, 3]]}"), testing::HasSubstr("[value, intensity]"));
+  EXPECT_THAT(refusal("intensity: {output: u8, table: [[1, 2], [2, 300]]}"), testing::HasSubstr("at most 255"));
+  EXPECT_THAT(refusal("intensity: {gamma: 2, table: [[1, 2], [2, 3]]}"), testing::HasSubstr("leave out gamma"));
+}
+
 }  // namespace
 }  // namespace scanmill
