@@ -540,7 +540,7 @@ TEST(Town, MotorwaysHaveRailsAndSeveralLanes) {
   }
 }
 
-// Who parks on the sidewalk leaves a part of it, and stands there half or whole.
+// Cars on the sidewalk stand there half or whole, and leave a part of it free.
 TEST(Town, CarsOnTheSidewalkLeaveAPath) {
   constexpr double kPath = 0.6;  // m
   std::size_t cars = 0;
