@@ -13,6 +13,10 @@ and answer, one of the confusion, and the weights.
 
 learns nothing, and judges by the weights that are there: on the sets of --judge, or on `test` where there are none.
 
+    scripts/train_example.py /data/five_drives -o out/real --judge sixth=/data/sixth_drive
+
+learns on recorded scans, to tell what simulated ones are worth: every tenth scan is the `val`, and there is no `test`.
+
 The network is a U-Net over range images (as in RangeNet++, Milioto et al., IROS 2019), small enough for two cores. All
 scans are projected by their angles, those of other programs and other sensors too. Wants Debian's python3-torch and
 python3-matplotlib, and the package scanmill (docs/python.md).
@@ -72,15 +76,21 @@ IGNORE = 255
 
 class RecordedScans(Dataset):
     """A folder of SemanticKITTI's: velodyne/NNNNNN.bin, float32 x, y, z, remission, and labels/NNNNNN.label, whose lower
-    16 bits are the class."""
+    16 bits are the class. `part`: "train" is nine scans of ten, "val" each tenth, otherwise all of them."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, part: str = "", augment: Sequence = (), seed: int = 0) -> None:
+        self.transform, self.epoch = Compose(augment, seed), 0
         self.table = np.full(65536, IGNORE, np.int64)
         for train_id, (_, ids) in enumerate(CLASSES.values()):
             self.table[ids] = train_id
         self.scans = [s for s in sorted(folder.rglob("velodyne/*.bin")) if self.labels_of(s).exists()]
         if not self.scans:
             sys.exit(f"error: {folder} has no manifest.json, and no velodyne/*.bin with labels/*.label beside it")
+        if part:
+            self.scans = [s for i, s in enumerate(self.scans) if (i % 10 == 9) == (part == "val")]
+
+    def set_epoch(self, epoch: int) -> None:
+        self.epoch = epoch
 
     @staticmethod
     def labels_of(scan: Path) -> Path:
@@ -95,7 +105,8 @@ class RecordedScans(Dataset):
         if len(labels) != len(points):
             sys.exit(f"error: {self.scans[index]} has {len(points)} points and {len(labels)} labels")
         keep = (points[:, :3] != 0).any(axis=1)
-        return {"xyz": points[keep, :3], "intensity": points[keep, 3], "target": self.table[labels[keep] & 0xFFFF]}
+        sample = {"xyz": points[keep, :3], "intensity": points[keep, 3], "target": self.table[labels[keep] & 0xFFFF]}
+        return self.transform(sample, index, self.epoch)
 
 
 class SimulatedScans(ScanDataset):
@@ -243,7 +254,7 @@ def figures_of(counts: np.ndarray) -> dict:
     }
 
 
-def train(network: Network, training: SimulatedScans, held_out: Dataset, images: Images, options: argparse.Namespace) -> dict:
+def train(network: Network, training: Dataset, held_out: Dataset, images: Images, options: argparse.Namespace) -> dict:
     """Trains for a number of steps of two scans each, and leaves the weights in the network that are best on held_out."""
     weights = np.sqrt(1 / np.maximum(class_shares(training), 1e-4))
     loss_of = nn.CrossEntropyLoss(torch.from_numpy(weights / weights.mean()).float(), ignore_index=IGNORE)
@@ -282,7 +293,7 @@ def train(network: Network, training: SimulatedScans, held_out: Dataset, images:
     return {"scans": len(training), "epochs": epoch, "minutes": round((time.monotonic() - start) / 60, 1)}
 
 
-def class_shares(scans: SimulatedScans) -> np.ndarray:
+def class_shares(scans: Dataset) -> np.ndarray:
     """The share of points of each class, of up to 40 scans."""
     chosen = np.linspace(0, len(scans) - 1, min(len(scans), 40)).astype(int)
     counts = np.zeros(len(CLASSES))
@@ -408,7 +419,7 @@ def read_weights(path: Path) -> dict:
 
 def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False)
-    parser.add_argument("dataset", help="a dataset of Scanmill's with the splits train, val and test")
+    parser.add_argument("dataset", help="a dataset of Scanmill's with the splits train, val and test, or recorded scans")
     parser.add_argument("-o", "--out", type=Path, required=True, help="folder for figures, pictures and weights")
     parser.add_argument("--judge", action="append", default=[], metavar="NAME=FOLDER", help="another set to be judged on; can be repeated")
     parser.add_argument("--weights", type=Path, metavar="FILE", help="judge by the weights.pt of an earlier run, and learn nothing")
@@ -435,11 +446,17 @@ def main() -> None:
     torch.manual_seed(options.seed)
     torch.set_num_threads(options.threads)
     augment = [Flip("y"), Turn(), Scale(0.95, 1.05), shift_height, DropPoints(0.2), vary_contrast]
-    training = None if options.weights else SimulatedScans(options.dataset, "train", augment, options.seed)
+    recorded = not (Path(options.dataset) / "manifest.json").exists() and any(Path(options.dataset).rglob("velodyne/*.bin"))
+    scans_of = RecordedScans if recorded else SimulatedScans
+    training = None if options.weights else scans_of(Path(options.dataset), "train", augment, options.seed)
     if training is not None and len(training) < 2:
         sys.exit(f"error: {options.dataset} has {len(training)} scan to learn from; a step takes two")
     splits = ("val", "test") if training is not None else () if options.judge else ("test",)
-    sets = {split: SimulatedScans(options.dataset, split) for split in splits}
+    sets = {split: scans_of(Path(options.dataset), split) for split in splits if not recorded or split == "val"}
+    if recorded and not options.judge:
+        sys.exit(f"error: {options.dataset} has recorded scans, which have no test set: name others with --judge")
+    if training is not None and len(sets["val"]) == 0:
+        sys.exit(f"error: {options.dataset} has {len(training)} scans; ten scans at least are needed, every tenth is val")
     for text in options.judge:
         sets.update(opened(text))
     images = Images(options.rings, options.columns, tuple(options.elevation))

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -55,57 +56,26 @@ void printFrame(const RecordedScan& scan) {
       scan.name, degrees(turn), pose.translation.x, pose.translation.y, pose.translation.z);
 }
 
-}  // namespace
-
-int runFitNoise(const std::vector<std::string>& arguments) {
-  CommandOptions options("fit-noise");
-  cxxopts::OptionAdder add = options.add_options();
-  add("sensor", "the sensor that recorded the scans: a sensor file, or a name of `scanmill list sensors`", textValue(),
-      "FILE|NAME");
-  add("o,out", "the sensor file to write, with the fitted effects; pipelines use them by `effects: sensor`",
-      textValue(), "FILE");
-  add("max-incidence", "the greatest incidence angle of patches to use (deg)", textValue()->default_value("60"), "DEG");
-  add("overwrite", "replace the file");
-  add("threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"));
-  addInputLimit(options);
-  const Arguments parsed =
-      parseArguments(options, arguments,
-                     "  scanmill fit-noise frames/*.pcd --sensor os1_128 -o my_os1.yaml\n"
-                     "  scanmill fit-noise frames/*.pcd --sensor my.yaml -o my_fitted.yaml --overwrite\n");
-  if (parsed.help) return 0;
-
-  if (!parsed.has("input")) throw InputError("SCAN is missing; see --help");
-  const std::filesystem::path preset = namedResource(
-      requiredText(parsed, "sensor", "name the sensor that recorded the scans, such as os1_128"), "pipelines/sensors");
-  const std::filesystem::path out = requiredFile(parsed, "name the sensor file to write, such as fitted.yaml");
-  const double most = parsed.number("max-incidence", 1, 89);
-  const ResourceLimits limits(parsed);
-  const std::atomic<bool>& stop = stopSignal();
-  const auto goOn = [&] {
-    if (stop) throw Error("stopped: nothing was written");
-  };
-
-  const std::string text = readFile(preset);
-  const Value sensor = parseYaml(text, preset.string());
-  expectKind(sensor, FileKind::Sensor);
-  const auto beams = makeBeams(sensor);
-  withEffects(text, preset.string(), "effects: []\n");  // throws early if the file cannot take effects
-  std::vector<RecordedScan> scans;
-  forEachScan(parsed.inputs(), [&](const Scan& scan, const std::string& name) {
-    scans.push_back(rangesAlong(scan, *beams, name));
-    scans.back().name = std::filesystem::path(name).filename().string();
-    printFrame(scans.back());
+// Measures the noise of the scans and prints it. `most`: the greatest incidence angle of patches (rad). `goOn` throws
+// if the user has stopped the program.
+NoiseFit measureNoise(const BeamTable& beams, const std::vector<Scan>& scans, const std::vector<std::string>& names,
+                      double most, const std::function<void()>& goOn) {
+  std::vector<RecordedScan> recorded;
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    recorded.push_back(rangesAlong(scans[i], beams, names[i]));
+    recorded.back().name = std::filesystem::path(names[i]).filename().string();
+    printFrame(recorded.back());
     goOn();
-  });
-  const std::vector<FlatPatch> patches = findFlatPatches(*beams, scans);
+  }
+  const std::vector<FlatPatch> patches = findFlatPatches(beams, recorded);
   goOn();
-  const NoiseFit fit = fitNoise(*beams, scans, patches, {radians(most)});
+  NoiseFit fit = fitNoise(beams, recorded, patches, {most});
   goOn();
 
   printText("{} of {} beams returned ({}); range step: {}\n\n", grouped(fit.returns), grouped(fit.beams),
             percent(static_cast<double>(fit.returns), static_cast<double>(fit.beams)),
             fit.step > 0 ? fmt::format("{:.3g} mm", fit.step * 1000) : "none found");
-  printGroups(fit.bands, fmt::format("range (incidence to {:g} deg)", most));
+  printGroups(fit.bands, fmt::format("range (incidence to {:g} deg)", degrees(most)));
   printGroups(fit.incidences, "incidence");
   if (!fit.intensities.empty()) printGroups(fit.intensities, "intensity");
   printText(
@@ -124,10 +94,68 @@ int runFitNoise(const std::vector<std::string>& arguments) {
   printRings("offsets", fit.rings.range, fmt::format("{:.1f} mm", 1000 * fit.rings.range.sigma));
   printRings("gains", fit.rings.gain, fmt::format("{:.1f} %", 100 * fit.rings.gain.sigma));
   printText("\n");
-  const std::string effects = effectsYaml(fit, today());
+  return fit;
+}
+
+}  // namespace
+
+int runFitNoise(const std::vector<std::string>& arguments) {
+  CommandOptions options("fit-noise");
+  cxxopts::OptionAdder add = options.add_options();
+  add("sensor", "the sensor that recorded the scans: a sensor file, or a name of `scanmill list sensors`", textValue(),
+      "FILE|NAME");
+  add("o,out", "the sensor file to write, with the fitted effects; pipelines use them by `effects: sensor`",
+      textValue(), "FILE");
+  add("max-incidence", "the greatest incidence angle of patches to use (deg)", textValue()->default_value("60"), "DEG");
+  add("overwrite", "replace the file");
+  addSimulatedOption(options);
+  add("threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"));
+  addInputLimit(options);
+  const Arguments parsed =
+      parseArguments(options, arguments,
+                     "  scanmill fit-noise frames/*.pcd --sensor os1_128 -o my_os1.yaml\n"
+                     "  scanmill fit-noise frames/*.pcd --sensor my.yaml -o my_fitted.yaml --overwrite\n"
+                     "  scanmill fit-noise frames/*.pcd --sensor my.yaml -o my_fitted.yaml --simulated out/towns\n");
+  if (parsed.help) return 0;
+
+  if (!parsed.has("input")) throw InputError("SCAN is missing; see --help");
+  const std::filesystem::path preset = namedResource(
+      requiredText(parsed, "sensor", "name the sensor that recorded the scans, such as os1_128"), "pipelines/sensors");
+  const std::filesystem::path out = requiredFile(parsed, "name the sensor file to write, such as fitted.yaml");
+  const double most = parsed.number("max-incidence", 1, 89);
+  const ResourceLimits limits(parsed);
+  const std::atomic<bool>& stop = stopSignal();
+  const auto goOn = [&] {
+    if (stop) throw Error("stopped: nothing was written");
+  };
+
+  const std::string text = readFile(preset);
+  const Value sensor = parseYaml(text, preset.string());
+  expectKind(sensor, FileKind::Sensor);
+  const auto beams = makeBeams(sensor);
+  withEffects(text, preset.string(), "effects: []\n");  // throws early if the file cannot take effects
+  std::vector<Scan> scans;
+  std::vector<std::string> names;
+  forEachScan(parsed.inputs(), [&](const Scan& scan, const std::string& name) {
+    scans.push_back(scan);
+    names.push_back(name);
+    goOn();
+  });
+  const std::string response = responseOf(scans, parsed);
+  goOn();
+  std::string effects = "effects:\n" + response;
+  std::vector<std::string> warnings;
+  try {
+    const NoiseFit fit = measureNoise(*beams, scans, names, radians(most), goOn);
+    effects += effectsYaml(fit, today());
+    warnings = beyondMeasured(fit);
+  } catch (const InputError& e) {
+    if (response.empty()) throw;
+    warn(fmt::format("only the response was found, not the noise: {}", e.what()));
+  }
   printText("{}", effects);
   const std::string fitted = withEffects(text, preset.string(), effects);
-  if (const auto beyond = beyondMeasured(fit); !beyond.empty()) warn(fmt::format("{}", fmt::join(beyond, " ")));
+  if (!warnings.empty()) warn(fmt::format("{}", fmt::join(warnings, " ")));
   writeFile(out, fitted);
   printText("\nwrote {}: use it as `preset:` of a sensor, with `effects: sensor` in the pipeline\n", out.string());
   return 0;

@@ -19,6 +19,7 @@ int runFitSensor(const std::vector<std::string>& arguments) {
   cxxopts::OptionAdder add = options.add_options();
   add("o,out", "the sensor file to write", textValue(), "FILE");
   add("overwrite", "replace the file");
+  addSimulatedOption(options);
   const Arguments parsed = parseArguments(
       options, arguments,
       "  scanmill fit-sensor frames/*.pcd -o my_sensor.yaml\n"
@@ -47,8 +48,9 @@ int runFitSensor(const std::vector<std::string>& arguments) {
                     "other rings: name more scans",
                     fit.bareRings.size(), fit.bareRings.front()));
   }
-  const std::string yaml =
+  std::string yaml =
       sensorYaml(fit, fmt::format("fitted to {} points of {} scans, {}", grouped(fit.points), scans.size(), today()));
+  if (const std::string response = responseOf(scans, parsed); !response.empty()) yaml += "effects:\n" + response;
   writeFile(out, yaml);
   printText(
       "\n{}\nwrote {}: use it as `preset:` of a sensor; `scanmill fit-noise --sensor` takes it to measure the noise\n",

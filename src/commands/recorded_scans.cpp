@@ -5,7 +5,10 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "base/grouped.h"
+#include "base/terminal.h"
 #include "dataset/scan_store.h"
+#include "study/noise/response.h"
 
 namespace scanmill {
 
@@ -33,6 +36,37 @@ void forEachScan(const std::vector<std::string>& given,
       visit(store.decode(i, store.scans(i).front()), store.single() ? path : store.keys()[i]);
     }
   }
+}
+
+void addSimulatedOption(CommandOptions& options) {
+  options.add_options()("simulated",
+                        "a dataset of Scanmill with the column power, of places like the recorded ones: finds the "
+                        "sensor's response to power too",
+                        textValue(), "DATASET");
+}
+
+std::string responseOf(const std::vector<Scan>& recorded, const Arguments& parsed) {
+  const std::string dataset = parsed.text("simulated");
+  if (dataset.empty()) return {};
+  const ScanStore store(dataset);
+  if (store.manifest() == nullptr) {
+    throw InputError({dataset}, "has no manifest: --simulated needs a dataset that Scanmill has generated");
+  }
+  std::vector<Scan> simulated;
+  forEachScan({dataset}, [&](const Scan& scan, const std::string&) { simulated.push_back(scan); });
+  const ResponseFit fit = fitResponse(recorded, simulated);
+  printText(
+      "response: {} recorded and {} simulated surfaces; medians in bands of ranges differ by {:.1f} % of the "
+      "span of nine tenths\n",
+      grouped(fit.recorded), grouped(fit.simulated), 100 * fit.misfit);
+  constexpr double kPoor = 0.2;  // misfit of a response that does not describe the recording
+  if (fit.misfit > kPoor) {
+    warn("the response describes the recording poorly: simulate places that are more like the recorded ones");
+  }
+  const bool rough = std::ranges::any_of(store.manifest()->modelled, [](const std::string& line) {
+    return line.find("diffuse: oren_nayar") != std::string::npos;
+  });
+  return responseYaml(fit, rough ? "oren_nayar" : "lambertian", std::filesystem::path(dataset).filename().string());
 }
 
 std::filesystem::path requiredFile(const Arguments& parsed, const std::string& what) {

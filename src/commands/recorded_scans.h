@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "commands/arguments.h"
+#include "commands/command.h"
 #include "scan/scan.h"
 
 namespace scanmill {
@@ -24,5 +25,13 @@ std::string requiredText(const Arguments& parsed, const std::string& option, con
 // Returns the file of the option `out`. Throws InputError if it is a folder, or if it exists and --overwrite is not
 // given.
 std::filesystem::path requiredFile(const Arguments& parsed, const std::string& what);
+
+// Adds the option `simulated` of the commands that find a sensor's response.
+void addSimulatedOption(CommandOptions& options);
+
+// Finds the response of the sensor that recorded the scans, by comparing them with the dataset of the option
+// `simulated` (study/noise/response.h), and prints how well both agree. Returns the YAML text of the effect
+// `intensity`, an item of the key `effects`; empty if the option is not given. Throws InputError.
+std::string responseOf(const std::vector<Scan>& recorded, const Arguments& parsed);
 
 }  // namespace scanmill

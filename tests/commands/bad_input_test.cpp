@@ -274,6 +274,10 @@ INSTANTIATE_TEST_SUITE_P(Kinds, BadAsset,
                                          AssetFile{"body.fbx", kFbx, true}),
                          [](const auto& test) { return test.param.name.substr(5); });
 
+TEST_F(BadInput, InstructionSets) {
+  expectRefused(scanmill({"generate", pipeline_, "-q", "-o", at("out")}, {"SCANMILL_ISA=avx3"}), "sse4.2, avx, avx2");
+}
+
 TEST_F(BadInput, BuffersOfGltf) {
   writeAsset("body.gltf", gltfJson("body.bin"));
   folder_.write("body.bin", gltfBuffer());

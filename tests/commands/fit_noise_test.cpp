@@ -95,6 +95,39 @@ TEST_F(FitNoiseCommand, KeepsWhatIsThere) {
   EXPECT_THAT(readFile(at("there.yaml")), HasSubstr("effects:"));
 }
 
+// The response is found beside the noise, and alone where the scans are not on the sensor's beams.
+TEST_F(FitNoiseCommand, FindsTheResponseByTowns) {
+  const auto make = [&](int seed, const std::string& out) {
+    const std::string place =
+        std::string("{scene: ") + SCANMILL_SOURCE_DIR + "/scenes/street.yaml, seeds: [" + std::to_string(seed) + "]}";
+    folder_.write(out + ".yaml", "scenes: [" + place +
+                                     "]\n"
+                                     "trajectories: [{poses: [{position: [-30, -1.75, 2]}, {position: [0, -1.75, 2]},"
+                                     " {position: [30, -1.75, 2]}]}]\n"
+                                     "sensors: [{preset: wall.yaml}]\n"
+                                     "method: ray_tracing\n"
+                                     "effects: [intensity: {model: reflectivity, output: u8, floor: 0.01,"
+                                     " table: [[0.01, 40], [1, 140], [300, 255]]}, range_noise: {sigma_m: 0.01}]\n"
+                                     "output: {formats: [pcd], columns: [intensity, power, ring, column]}\n");
+    ASSERT_EQ(scanmill({"generate", at(out + ".yaml"), "-q", "-o", at(out)}).code, 0);
+  };
+  make(1, "recorded");
+  make(2, "towns");
+  const Outcome fitted = scanmill(
+      {"fit-noise", at("recorded"), "--sensor", at("wall.yaml"), "--simulated", at("towns"), "-o", at("fitted.yaml")});
+  ASSERT_EQ(fitted.code, 0) << fitted.error;
+  EXPECT_THAT(fitted.out, AllOf(HasSubstr("response: "), HasSubstr("model: reflectivity"), HasSubstr("range_noise")));
+  EXPECT_THAT(readFile(at("fitted.yaml")),
+              AllOf(HasSubstr("output: u8"), HasSubstr("table: [["), HasSubstr("floor: 0.0")));
+
+  const Outcome alone = scanmill(
+      {"fit-noise", at("recorded"), "--sensor", "os1_128", "--simulated", at("towns"), "-o", at("alone.yaml")});
+  ASSERT_EQ(alone.code, 0) << alone.error;
+  EXPECT_THAT(alone.error, HasSubstr("only the response was found, not the noise"));
+  EXPECT_THAT(readFile(at("alone.yaml")), AllOf(HasSubstr("output: u8"), HasSubstr("range_noise: {table")));
+  expectRefused(fit({"--sensor", at("wall.yaml"), "-o", at("c.yaml"), "--simulated", files_[0]}), "has no manifest");
+}
+
 TEST_F(FitNoiseCommand, RefusesWhatItCannotUse) {
   expectRefused(scanmill({"fit-noise", "--sensor", "os1_128", "-o", at("a.yaml")}), "SCAN is missing");
   expectRefused(fit({"-o", at("a.yaml")}), "--sensor is missing");

@@ -39,7 +39,7 @@ class TrainExample(unittest.TestCase):
         test, same = figures["sets"]["test"], figures["sets"]["same"]
         # A network that has learned nothing takes all for one class, which gives it a ninth of the mean.
         self.assertGreater(test["miou"], 0.25)
-        self.assertGreater(test["accuracy"], 0.7)
+        self.assertGreater(test["accuracy"], 0.55)
         # The same scans as a folder of somebody else's: what differs is the rounding of Draco's positions, intensities
         # above 1, which are cut, and the classes that SemanticKITTI has none for.
         self.assertAlmostEqual(same["accuracy"], test["accuracy"], delta=0.02)
@@ -52,6 +52,23 @@ class TrainExample(unittest.TestCase):
         self.assertAlmostEqual(test["iou"]["road"], confusion[road][road] / union)
         for name in ("scans.png", "confusion.png", "weights.pt"):
             self.assertGreater((self.folder / "out" / name).stat().st_size, 10000, name)
+
+    def test_recorded_scans_teach_as_well(self):
+        drives = self.folder / "drives"
+        export = [os.environ["SCANMILL"], "export", DATASET, "--to", "semantic_kitti", "-o", str(drives), "--quiet", "--sensor", "top"]
+        subprocess.run(export, check=True)
+        small = ["--rings", "24", "--columns", "192", "--elevation", "-20", "5", "--threads", "1", "--steps", "4"]
+        done = run(str(drives), "-o", str(self.folder / "real"), *small, "--judge", f"same={drives}")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        figures = json.loads((self.folder / "real" / "figures.json").read_text())
+        self.assertEqual(list(figures["sets"]), ["same"])  # there is no test set
+        scans = len(list(drives.rglob("velodyne/*.bin")))
+        self.assertEqual(figures["training"]["scans"], scans - scans // 10)
+        for scan in sorted(drives.rglob("velodyne/*.bin"))[9:]:
+            scan.unlink()
+        done = run(str(drives), "-o", str(self.folder / "few"), *small, "--judge", f"same={drives}")
+        self.assertIn("ten scans", done.stderr)
+        self.assertIn("--judge", run(str(drives), "-o", str(self.folder / "none"), *small).stderr)
 
     def test_a_folder_of_sets_is_judged_set_by_set(self):
         for name in ("corruption=null", "corruption=fog-light", "corruption=fog-heavy", "corruption=lost_rings-light"):

@@ -17,6 +17,7 @@
 #include "config/fields.h"
 #include "config/value.h"
 #include "tests/support/labels.h"
+#include "town/layout.h"
 #include "town/town.h"
 
 namespace scanmill {
@@ -27,6 +28,21 @@ inline Scene makeTown(const std::string& yaml, std::uint64_t seed) {
   Fields fields(value, "town");
   addTown(builder, fields, seed, {});
   return builder.finish();
+}
+
+inline town::Layout layoutOf(const std::string& yaml, std::uint64_t seed) {
+  const Value value = parseYaml(yaml, "town.yaml");
+  Fields fields(value, "town");
+  return {town::readParameters(fields), seed};
+}
+
+// All that stands on the ground of a town, by the corners of its meshes, in the world's frame.
+template <class Visit>
+void forPoints(const Scene& scene, const Visit& visit) {
+  for (const Instance& i : scene.instances) {
+    if (i.name == "ground" || i.name.starts_with("road ")) continue;
+    for (const Vec3f& p : scene.meshes[i.mesh].positions) visit(i, i.worldFromMesh * Vec3d(p));
+  }
 }
 
 inline std::vector<Vec3d> laneOf(const std::string& yaml, std::uint64_t seed) {

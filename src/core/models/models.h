@@ -273,6 +273,12 @@ struct Walker {
 Walker makeWalker(SceneBuilder& builder, std::uint64_t seed, int form);
 Model makeRider(SceneBuilder& builder, std::uint64_t seed, int form, const RiderFit& fit,
                 std::string_view className = "rider");
+// A bicycle or motorcycle and its rider, who sits on it if both have the same pose.
+struct Ridden {
+  Model vehicle, rider;
+};
+Ridden makeCyclist(SceneBuilder& builder, std::uint64_t seed, int bicycleForm, int riderForm);
+Ridden makeMotorcyclist(SceneBuilder& builder, std::uint64_t seed, int motorcycleForm, int riderForm);
 
 constexpr int kAnimalForms = 6;
 constexpr int kPetForms = 3;  // number of forms of dogs and cats; these come first, then the grazing animals

@@ -284,4 +284,16 @@ Model makeRider(SceneBuilder& builder, std::uint64_t seed, int form, const Rider
   return s.finish();
 }
 
+Ridden makeCyclist(SceneBuilder& builder, std::uint64_t seed, int bicycleForm, int riderForm) {
+  RiderFit fit;
+  const Model bicycle = makeBicycle(builder, seed, bicycleForm, &fit);
+  return {bicycle, makeRider(builder, seed, riderForm, fit)};
+}
+
+Ridden makeMotorcyclist(SceneBuilder& builder, std::uint64_t seed, int motorcycleForm, int riderForm) {
+  RiderFit fit;
+  const Model motorcycle = makeMotorcycle(builder, seed, motorcycleForm, &fit);
+  return {motorcycle, makeRider(builder, seed, riderForm, fit, "motorcyclist")};
+}
+
 }  // namespace scanmill::models

@@ -41,10 +41,9 @@
 //   radius, height, segments: ...        #   sphere (radius), cylinder and cone (along z), capsule (the height of
 //                                        #   the cylinder, without the half spheres)
 //
-//   street: {...}                        # see town/street/street.h
 //   town: {...}                          # see town/town.h
 //
-// Every object may have a name and a position. Objects other than streets and towns may have copies (see
+// Every object may have a name and a position. Objects other than towns may have copies (see
 // scenefile/placement.h and scenefile/arrangement.h) and move:
 //
 //   facing: -y                           # the axis along which the model faces, for bounding boxes of objects
@@ -76,7 +75,6 @@
 #include "scenefile/placement.h"
 #include "scenefile/rules.h"
 #include "scenefile/survey_options.h"
-#include "town/street/street.h"
 #include "town/town.h"
 
 namespace scanmill {
@@ -102,63 +100,50 @@ class SceneReader {
     const std::string kind = kindOf(f, value.where);
     if (kind == "file") return readFileObject(f);
     if (kind == "primitive") return readPrimitive(f);
-    const bool street = kind == "street";
-    if (towns_ > 0 || (!street && procedural_ > 0)) {
-      throw InputError(value.where, "a scene can have only one town, and no street beside it");
-    }
-    towns_ += street ? 0 : 1;
-    const Affine place = proceduralPlace(f, kind);
-    Fields fields(f.require(kind), kind);
-    const std::uint64_t seed = seedOfNext(options_.seed, procedural_++);
-    if (street) {
-      addStreet(builder_, fields, seed, place);
-    } else {
-      addTown(builder_, fields, seed, place);
-    }
+    if (hasTown_) throw InputError(value.where, "a scene can have only one town");
+    hasTown_ = true;
+    const Affine place = townPlace(f);
+    Fields fields(f.require("town"), "town");
+    addTown(builder_, fields, options_.seed, place);
   }
 
-  // Returns which of the four kinds the object is. Throws InputError if it is none of them, or several.
+  // Returns which of the three kinds the object is. Throws InputError if it is none of them, or several.
   static std::string kindOf(Fields& f, const Location& where) {
     std::string found;
     int count = 0;
-    for (const char* kind : {"file", "primitive", "street", "town"}) {
+    for (const char* kind : {"file", "primitive", "town"}) {
       if (!f.has(kind)) continue;
       found = kind;
       ++count;
     }
     if (count != 1) {
-      f.also({"file",      "primitive", "street",   "town",          "name",      "position", "yaw_deg",
-              "pitch_deg", "roll_deg",  "rotation", "scale",         "copies",    "up",       "unit",
-              "alpha",     "instances", "rules",    "class",         "material",  "size",     "cells",
-              "radius",    "height",    "segments", "moving",        "animation", "vary",     "stand_on",
-              "points",    "heights",   "thing",    "allow_outside", "facing",    "textures"})
+      if (f.has("street")) {
+        throw InputError(where, "the key street is no longer known: write `town: {district: street}`");
+      }
+      f.also({"file",      "primitive", "town",          "name",      "position", "yaw_deg",  "pitch_deg",
+              "roll_deg",  "rotation",  "scale",         "copies",    "up",       "unit",     "alpha",
+              "instances", "rules",     "class",         "material",  "size",     "cells",    "radius",
+              "height",    "segments",  "moving",        "animation", "vary",     "stand_on", "points",
+              "heights",   "thing",     "allow_outside", "facing",    "textures"})
           .finish();
       throw InputError(where,
-                       "an object must have exactly one of the keys file, primitive, street and town (`town: {}` for a "
-                       "town with defaults)");
+                       "an object must have exactly one of the keys file, primitive and town (`town: {}` for a town "
+                       "with defaults)");
     }
     return found;
   }
 
   // Returns true if something in the scene depends on the seed.
-  bool procedural() const { return procedural_ > 0 || random_; }
+  bool procedural() const { return hasTown_ || random_; }
 
-  // Returns the seed of a street or town that follows `before` other streets and towns in the scene. Multiples of this
-  // odd constant keep these seeds apart from the seeds of a scene whose seed is one higher.
-  static std::uint64_t seedOfNext(std::uint64_t seed, std::uint64_t before) {
-    return seed + 0x9E3779B97F4A7C15 * before;
-  }
-
-  // Returns the pose of a street or a town. Reads all keys of the object except `what`, which the caller reads.
-  static Affine proceduralPlace(Fields& f, const std::string& what) {
-    f.require(what);
-    f.text("name", what);
+  // Returns the pose of a town. Reads all keys of the object except `town`, which the caller reads.
+  static Affine townPlace(Fields& f) {
+    f.require("town");
+    f.text("name", "town");
     const Placement placement = readPlacement(f);
     f.finish();
     if (placement.scaled || placement.copied) {
-      throw InputError(
-          f.where(),
-          fmt::format("a {0} cannot have scale or copies: give its lengths, or add another object with a {0}", what));
+      throw InputError(f.where(), "a town cannot have scale or copies: give its length");
     }
     return toAffine(placement.object.pose);
   }
@@ -421,8 +406,7 @@ class SceneReader {
   std::map<std::string, std::uint32_t> meshes_;
   FileMeshes files_;
   ObjectPlacer placer_;
-  std::uint64_t procedural_ = 0;
-  std::uint64_t towns_ = 0;
+  bool hasTown_ = false;
   bool random_ = false;
 };
 
@@ -446,20 +430,18 @@ std::optional<SceneLanes> readSceneLanes(const std::filesystem::path& path, std:
   expectKind(root, FileKind::Scene);
   std::vector<DrawnValue> draws;
   const Value objects = objectsOf(root, seed, draws);
-  std::uint64_t before = 0;
   for (const Value& object : objects.items) {
     Fields f(object, "object");
     const std::string kind = SceneReader::kindOf(f, object.where);
     if (kind == "town") {
-      const Affine place = SceneReader::proceduralPlace(f, "town");
+      const Affine place = SceneReader::townPlace(f);
       Fields fields(f.require("town"), "town");
-      SceneLanes lanes = townLanes(fields, SceneReader::seedOfNext(seed, before));
+      SceneLanes lanes = townLanes(fields, seed);
       for (std::vector<Vec3d>* way : {&lanes.lane, &lanes.turns}) {
         for (Vec3d& p : *way) p = place * p;
       }
       return lanes;
     }
-    before += kind == "street" ? 1 : 0;
   }
   return std::nullopt;
 }

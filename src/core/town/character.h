@@ -15,8 +15,8 @@ namespace scanmill::town {
 
 using models::Draw;
 
-// The kinds of places. The seed selects one, or the key `district`.
-enum class District { Rural, Suburban, Dense, Boulevard, OldTown, Arterial, Commercial, Motorway };
+// The kinds of places. The seed selects one, or the key `district`; it does not select Street.
+enum class District { Rural, Suburban, Dense, Boulevard, OldTown, Arterial, Commercial, Motorway, Street };
 enum class Season { Summer, Autumn, Winter };
 
 // The keys of `town:` in a scene file. The numbers from `slope` to `detail` are factors.
@@ -45,8 +45,10 @@ struct Character {
 
   District district = District::Suburban;
   // Traits of the kind of place. `country`: outside of towns, with few lamps, without crossings and shelters.
-  // `terraced`: houses stand wall to wall at the pavement, with shops, and no ground is unpaved.
-  bool country = false, terraced = false;
+  // `terraced`: houses stand wall to wall at the pavement, with shops; the ground around them is paved. `plain`: every
+  // method can trace the place: the road is straight, the ground is flat and the grass is mown, there are no wires, and
+  // nothing moves.
+  bool country = false, terraced = false, plain = false;
   Season season = Season::Summer;
   double foliage = 1;    // fraction of the leaves that are still on the trees
   double snow = 0;       // m, depth of snow where it is not cleared

@@ -84,7 +84,7 @@ void placeFixtures(Placer& placer) {
   for (const Stretch& s : stretches(l)) {
     const Road& road = l.roads().roads()[s.road];
     Draw draw(seed, Kind::Lamp, 5000 + s.road);
-    const double spacing = rural ? draw.in(60, 120) : draw.in(22, 40);
+    const double spacing = rural ? draw.in(60, 120) : draw.in(16, 30);
     const int side = draw.chance(0.5) ? 1 : -1;
     const Model& lamp = draw.of(lamps);
     int number = 0;

@@ -47,7 +47,7 @@ Model makeTuft(SceneBuilder& builder, std::uint64_t seed, int form, bool dry) {
 void placeGrass(Placer& placer) {
   const Layout& l = placer.layout;
   const Character& c = l.character();
-  if (c.season == Season::Winter) return;  // the grass is below the snow
+  if (c.season == Season::Winter || c.plain) return;  // the grass is below the snow, or mown
   Draw place(l.seed(), Kind::Grass);
   // `wild` is the density of tufts in a town: 0 if all grass is mown.
   const double wild = place.in(0, c.country ? 0.9 : c.terraced ? 0.2 : 0.45);

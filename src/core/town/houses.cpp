@@ -151,15 +151,15 @@ void placeBoundaries(Placer& placer) {
     const Road& road = l.roads().roads()[plot.road];
     const int form = draw.below(4);
     const auto at = [&](double along, double depth) {
-      return besideRoad(road, along, plot.side * (road.section.half + road.section.outer() + depth)).at;
+      return besideRoad(road, along, plot.side * (road.section.half + road.section.fenced() + depth)).at;
     };
     // Fences, walls and hedges stand at the edge of the sidewalk, with their whole thickness beyond it.
     const double thick = plot.fencing == Fencing::None ? 0 : boundaries.halfThickness(plot.fencing, form);
-    const double front = (road.section.apron < 3 ? road.section.apron : 0) + thick + 0.06 + draw.in(0, 0.1);
+    const double front = thick + 0.06 + draw.in(0, 0.1);
     if (plot.fencing != Fencing::None) boundaries.row(plot.fencing, form, at(plot.from, front), at(plot.to, front));
     if (plot.bare) continue;
     const bool hedged = draw.chance(0.4 * l.character().hedges);
-    if (!hedged && !draw.chance(0.4 * l.character().fences)) continue;
+    if (!hedged && !draw.chance(0.2 * l.character().fences)) continue;
     const Fencing between = hedged                                                            ? Fencing::Hedge
                             : plot.fencing == Fencing::None || plot.fencing == Fencing::Hedge ? Fencing::Pickets
                                                                                               : plot.fencing;

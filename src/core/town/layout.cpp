@@ -130,6 +130,7 @@ double Layout::heightAt(GroundKind kind, const Beside& b, const Point2& p) const
   const double edge = b.known ? b.edge : 1e3;
   const bool low = kind == GroundKind::Road || kind == GroundKind::Parking;
   if (low) {
+    if (character_.plain) return ground;
     // Adds the crown of the road, wear and potholes.
     const double crown = 0.02 * std::min(-edge, 5.0);
     const double worn = 0.012 * relief(seed_ * 4 + 3, p.x, p.y, 7) + 0.006 * relief(seed_ + 7, p.x, p.y, 1.7);
@@ -159,7 +160,7 @@ double Layout::heightAt(GroundKind kind, const Beside& b, const Point2& p) const
   const double flat = 0.25 + 0.75 * smooth(hard / Areas::kReach);
   const double bank = flat * character_.banks * smooth((edge - b.section.curb) / 11) * relief(seed_ + 15, p.x, p.y, 45);
   // Lawns are uneven at the scale of the finest cells, in some places more than in others.
-  const double rough = 0.03 + 0.08 * std::max(0.0, relief(seed_ + 16, p.x, p.y, 9));
+  const double rough = character_.plain ? 0 : 0.03 + 0.08 * std::max(0.0, relief(seed_ + 16, p.x, p.y, 9));
   const double grain = rough * relief(seed_ + 13, p.x, p.y, 2.3) * smooth((edge - b.section.curb) / 0.3) * paved *
                        (kind == GroundKind::Sidewalk ? 0.1 : 1);
   double natural = ground + step + rise + rolling + bank;

@@ -144,9 +144,10 @@ void Layout::addPlots(std::uint32_t r, int side, double from, double to) {
       const double out = road.section.outer();
       if (!dense && draw.chance(c.forecourts)) {
         const Vec3d front = house.place * Vec3d{house.width / 2, 0.4, 0};
-        addStrip({front.x, front.y}, yaw, house.width / 2 + draw.in(0.3, 2), plot.setback + 0.4 + out,
-                 GroundKind::Path);
-        patches_.back().parks = plot.setback > 7 && draw.chance(0.6);
+        // A third of the forecourts are as wide as the plot.
+        const double half = draw.chance(1.0 / 3) ? width / 2 : house.width / 2 + draw.in(0.3, 2);
+        addStrip({front.x, front.y}, yaw, half, plot.setback + 0.4 + out, GroundKind::Path);
+        patches_.back().parks = plot.setback > 7 && draw.chance(0.8);
       } else if (plot.setback > 0.6) {
         addStrip({door.x, door.y}, yaw, kWalkway / 2, plot.setback - 0.6 + out, GroundKind::Path);
       }

@@ -26,8 +26,7 @@ std::optional<double> parkedAt(const Road& road, double half, bool keepClear) {
   const CrossSection& s = road.section;
   if (s.parking > 1.5) return -s.parking / 2;
   const double out = std::max(0.1, road.laneMiddle() + kBesideLane + half - s.half);
-  const double walk = s.outer() + (s.apron < 3 ? s.apron : 0);
-  if (s.verge == 0 && out + half < walk - kWalk && !road.oneWay()) return out;
+  if (s.verge == 0 && out + half < s.fenced() - kWalk && !road.oneWay()) return out;
   return keepClear ? std::nullopt : std::optional(-half - 0.15);
 }
 
@@ -42,20 +41,20 @@ void placeCars(Placer& placer, Fleet& fleet) {
     if (road.minor || (road.oneWay() && s.parking < 1.5)) continue;
     const double first = road.main ? l.mainFrom() : 14;
     const double last = road.main ? l.mainTo() : road.length() - 4;
+    const bool busy = road.main || tour.has(r);  // the road is used by the sensor's vehicle
     for (const int side : {-1, 1}) {
       std::uint32_t bay = 0;
       // Along a road without parking lanes drivers park half on the sidewalk on one side, on both or on none.
-      const bool custom =
-          s.parking > 1.5 ||
-          Draw(l.seed(), Kind::Car, 9000000 + 2 * r + (side > 0 ? 1u : 0u)).chance(road.main ? 0.2 : 0.75);
+      const bool custom = s.parking > 1.5 ||
+                          Draw(l.seed(), Kind::Car, 9000000 + 2 * r + (side > 0 ? 1u : 0u)).chance(busy ? 0.12 : 0.75);
       for (double at = first; at + kBay < last; at += kBay) {
         Draw draw(l.seed(), Kind::Car, 10000 + 1000 * (2 * r + (side > 0 ? 1u : 0u)) + bay++);
-        // More cars stand in side roads, where fewer pass.
-        const double parked = road.main ? c.parked : std::min(0.95, 1.8 * c.parked);
+        // More cars stand in roads where fewer pass.
+        const double parked = std::min(0.95, (busy ? 0.8 : 3) * c.parked);
         if (!draw.chance(custom ? parked : 0.15 * parked)) continue;
         const Model& car = fleet.anyCar(draw);
         const double half = (car.bounds.high.y - car.bounds.low.y) / 2;
-        const std::optional<double> out = parkedAt(road, half, road.main || tour.has(r));
+        const std::optional<double> out = parkedAt(road, half, busy);
         if (!out || (*out > 0 && !custom)) continue;
         if (*out <= 0 && s.parking <= 1.5 && custom && !draw.chance(0.15)) continue;  // they narrow the lane
         Spot spot = besideRoad(road, at + kBay / 2 + draw.in(-0.4, 0.4), side * (s.half + *out));
@@ -77,7 +76,7 @@ void placeCars(Placer& placer, Fleet& fleet) {
     const bool wide = patch.place.halfX > kBeside;
     const double first = wide ? -patch.place.halfX + kBeside / 2 : 0;
     for (const double u : models::steps(first, wide ? patch.place.halfX - 1 : 1, kBeside)) {
-      if (!draw.chance(wide ? 0.15 + 0.5 * c.parked : std::min(0.85, 0.5 + c.parked))) continue;
+      if (!draw.chance(wide ? 0.3 + 0.5 * c.parked : std::min(0.85, 0.6 + c.parked))) continue;
       const Model& car = fleet.anyCar(draw);
       const Vec3d size = car.bounds.high - car.bounds.low;
       if (size.y > 2 * patch.place.halfX + 0.2) continue;

@@ -45,16 +45,24 @@ std::optional<Place> besidePeople(const Placer& placer, Draw& draw) {
   return place;
 }
 
+// True at the ends of the main road, where traffic comes out of the ground and goes back into it.
+bool isAtEnd(const Layout& l, const Point2& p) {
+  constexpr double kNear = 20;  // m
+  const std::vector<Point2>& line = l.roads().roads().front().line;
+  return std::min(distance(p, line.front()), distance(p, line.back())) < kNear;
+}
+
 // Returns how far (m) a pedestrian or cyclist can go from a place before an object, another road or the end of the road
-// is in the way; at most `most`. `half`: half of the width that must be free (m).
+// is in the way; at most `most`. `half`: half of the width that must be free (m), of which 0.2 m may be over a road.
 double freeWay(const Placer& placer, Place place, double most, double half) {
   const double start = place.along;
   for (const double done : models::steps(0, most, 0.5)) {
     place.along = start + place.sense * done;
     if (place.along < 4 || place.along > place.road->length() - 4) return done;
     const Spot spot = place.spot();
+    if (isAtEnd(placer.layout, spot.at)) return done;
     const double edge = placer.layout.roads().at(spot.at.x, spot.at.y).edge;
-    if (edge < 0.2 || edge > 12 || !placer.occupancy.isFree({spot.at, half, half, spot.yaw})) return done;
+    if (edge < half - 0.2 || edge > 12 || !placer.occupancy.isFree({spot.at, half, half, spot.yaw})) return done;
   }
   return most;
 }
@@ -105,8 +113,7 @@ bool placeWalker(Placer& placer, Draw& draw, const models::Walker& walker, const
   for (const Model& m : walker.moments) animation->meshes.push_back(m.mesh);
   animation->period = walker.stride / speed;
   animation->until = path->length() / speed;
-  placer.builder.place(walker.moments.front().mesh, {}, name, {}, std::make_shared<const Movement>(path, 0, speed),
-                       animation);
+  placer.putMoving(walker.moments.front().mesh, name, std::make_shared<const Movement>(path, 0, speed), animation);
   return true;
 }
 
@@ -131,8 +138,8 @@ bool placeCyclist(Placer& placer, Draw& draw, const Model& bicycle, const Model&
   }
   const auto path = std::make_shared<const Path>(points);
   const auto movement = std::make_shared<const Movement>(path, draw.in(0, 0.7) * path->length(), speed);
-  placer.builder.place(bicycle.mesh, {}, name, {}, movement);
-  placer.builder.place(rider.mesh, {}, "rider of " + name, {}, movement);
+  placer.putMoving(bicycle.mesh, name, movement);
+  placer.putMoving(rider.mesh, "rider of " + name, movement);
   return true;
 }
 
@@ -215,14 +222,9 @@ void placePeople(Placer& placer) {
     Draw draw(l.seed(), Kind::Bicycle, static_cast<std::uint32_t>(1000 + i));
     row(bicycles, draw, fmt::format("bicycle {}", i + 1), radians(draw.in(-9, -5)), 8);
   }
-  struct Cyclist {
-    Model bicycle, rider;
-  };
   constexpr int kCyclists = 3;
   const auto riding = models::makeForms(std::min(cyclists, kCyclists), [&](int f) {
-    models::RiderFit fit;
-    const Model bicycle = models::makeBicycle(placer.builder, l.seed(), 200 + f, &fit);
-    return Cyclist{bicycle, models::makeRider(placer.builder, l.seed(), 10 + f, fit)};
+    return models::makeCyclist(placer.builder, l.seed(), 200 + f, 10 + f);
   });
   for (int i = 0; i < cyclists; ++i) {
     Draw draw(l.seed(), Kind::Cyclist, static_cast<std::uint32_t>(2000 + i));

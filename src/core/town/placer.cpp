@@ -42,6 +42,17 @@ void Placer::park(const Model& m, const Spot& s, const std::string& name) {
   builder.place(m.mesh, worldFromTown * Affine{{x, cross(z, x), z}, middle}, name);
 }
 
+void Placer::putMoving(std::uint32_t mesh, const std::string& name, const std::shared_ptr<const Movement>& movement,
+                       const std::shared_ptr<const Animation>& animation) {
+  if (!layout.character().plain) {
+    builder.place(mesh, {}, name, {}, movement, animation);
+    return;
+  }
+  constexpr double kBelow = -1;  // m, height of what is below the ground of a plain town
+  const Pose pose = movement->at(0);
+  if ((inverse(worldFromTown) * pose.translation).z > kBelow) builder.place(mesh, toAffine(pose), name);
+}
+
 // Places objects in the order of their priority: later objects get only places that are still free.
 void populate(SceneBuilder& builder, const Layout& layout, const Affine& worldFromTown) {
   Placer placer(builder, layout, worldFromTown);

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -34,6 +36,10 @@ class Placer {
   bool tryPark(const Model& m, const Spot& s, const std::string& name);
   // Places a model on wheels even if the place is not free.
   void park(const Model& m, const Spot& s, const std::string& name);
+  // Places a model that moves. In a plain town it stands where it is when the drive begins, or is left out if it is
+  // below the ground then.
+  void putMoving(std::uint32_t mesh, const std::string& name, const std::shared_ptr<const Movement>& movement,
+                 const std::shared_ptr<const Animation>& animation = nullptr);
 
   SceneBuilder& builder;
   const Layout& layout;

@@ -198,7 +198,7 @@ void placeWoods(Placer& placer) {
       const Spot spot{{x + draw.in(0, spacing), y + draw.in(0, spacing)}, draw.in(0, 2 * kPi), draw.in(0.7, 1.4), 0};
       const Beside b = l.roads().at(spot.at.x, spot.at.y);
       // Skip places on a road or beside its sidewalk, and places far from all roads, which nearer trees would hide.
-      if (!b.known || b.edge < b.section.outer() + std::max(b.section.apron, 0.7)) continue;
+      if (!b.known || b.edge < b.section.outer() + std::max(b.section.apron, 0.4)) continue;
       const double density =
           relief(l.seed() + 21, spot.at.x, spot.at.y, 45) + 0.4 * relief(l.seed() + 22, spot.at.x, spot.at.y, 12);
       const std::optional<Land> land = l.areas().at(spot.at);
@@ -231,7 +231,7 @@ void placeBushes(Placer& placer) {
     Draw draw(l.seed(), Kind::Bush, 1000 + plot.number);
     const int count = static_cast<int>(c.gardenBushes * draw.in(0.2, 1.8) + draw.next());
     for (int k = 0; k < count; ++k) {
-      const double depth = draw.chance(0.7) ? draw.in(0.4, std::max(1.0, 0.5 * plot.setback)) : draw.in(14, 26);
+      const double depth = draw.chance(0.4) ? draw.in(0.4, std::max(1.0, 0.5 * plot.setback)) : draw.in(14, 26);
       Spot spot =
           besideRoad(road, draw.in(plot.from, plot.to), plot.side * (road.section.half + road.section.outer() + depth));
       spot.yaw = draw.in(0, 2 * kPi);

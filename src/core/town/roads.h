@@ -31,6 +31,8 @@ struct CrossSection {
 
   double outer() const { return curb + verge + sidewalk; }               // width from the road's edge to the plots
   double paved() const { return outer() + (sidewalk > 0 ? apron : 0); }  // width from the road's edge to unpaved ground
+  // Returns the width from the road's edge to fences and hedges, which stand beyond narrow aprons and on wide ones.
+  double fenced() const { return outer() + (apron < 3 ? apron : 0); }
   double laneWidth() const { return (half - parking - shoulder - median) / lanes; }
   bool operator==(const CrossSection&) const = default;
 };

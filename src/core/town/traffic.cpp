@@ -86,8 +86,8 @@ class Traffic {
       const double half = (p.vehicle.bounds.high.y - p.vehicle.bounds.low.y) / 2;
       const Course own = courseOf(l_, ways_[drivers_[i].route], p.out, half, placer_.worldFromTown);
       const auto movement = std::make_shared<const Movement>(own.path, travelled[i], kInterval);
-      placer_.builder.place(p.vehicle.mesh, {}, p.name, {}, movement);
-      if (p.rider) placer_.builder.place(p.rider->mesh, {}, "rider of " + p.name, {}, movement);
+      placer_.putMoving(p.vehicle.mesh, p.name, movement);
+      if (p.rider) placer_.putMoving(p.rider->mesh, "rider of " + p.name, movement);
     }
   }
 
@@ -299,19 +299,10 @@ class Traffic {
     return std::max(1, static_cast<int>(0.7 * l_.character().people * length / 100 + draw.next()));
   }
 
-  // A bicycle or motorcycle and its rider, built when they are first needed.
-  struct Ridden {
-    Model vehicle, rider;
-  };
-
   void addCyclist(Draw& draw, double at) {
     const int form = draw.below(static_cast<int>(cyclists_.size()));
-    std::optional<Ridden>& pair = cyclists_[static_cast<std::size_t>(form)];
-    if (!pair) {
-      models::RiderFit fit;
-      const Model bicycle = models::makeBicycle(placer_.builder, l_.seed(), 100 + form, &fit);
-      pair = {bicycle, models::makeRider(placer_.builder, l_.seed(), form, fit)};
-    }
+    std::optional<models::Ridden>& pair = cyclists_[static_cast<std::size_t>(form)];
+    if (!pair) pair = models::makeCyclist(placer_.builder, l_.seed(), 100 + form, form);
     const double speed = draw.in(3.5, 6);
     addDriver(0, at, pair->vehicle, pair->rider, speed, main_.section.laneWidth() / 2 - 0.6, kAlways,
               "cyclist's bicycle");
@@ -319,12 +310,8 @@ class Traffic {
 
   void addMotorcyclist(Draw& draw, std::uint32_t route, double at, double speed, double out) {
     const int form = draw.below(static_cast<int>(motorcyclists_.size()));
-    std::optional<Ridden>& pair = motorcyclists_[static_cast<std::size_t>(form)];
-    if (!pair) {
-      models::RiderFit fit;
-      const Model motorcycle = models::makeMotorcycle(placer_.builder, l_.seed(), 100 + form, &fit);
-      pair = {motorcycle, models::makeRider(placer_.builder, l_.seed(), 20 + form, fit, "motorcyclist")};
-    }
+    std::optional<models::Ridden>& pair = motorcyclists_[static_cast<std::size_t>(form)];
+    if (!pair) pair = models::makeMotorcyclist(placer_.builder, l_.seed(), 100 + form, 20 + form);
     addDriver(route, at, pair->vehicle, pair->rider, speed, out, kAlways, "traffic on a motorcycle");
   }
 
@@ -352,9 +339,9 @@ class Traffic {
   std::vector<std::uint32_t> turns_;  // indices of routes that leave the main road
   std::vector<Driver> drivers_;
   std::vector<Participant> participants_;
-  std::map<std::string, int> numbers_;  // of drivers, by the beginnings of their names
-  std::array<std::optional<Ridden>, 3> cyclists_;
-  std::array<std::optional<Ridden>, 2> motorcyclists_;
+  std::map<std::string, int> numbers_;                     // of drivers, by the beginnings of their names
+  std::array<std::optional<models::Ridden>, 3> cyclists_;  // built when they are first needed
+  std::array<std::optional<models::Ridden>, 2> motorcyclists_;
 };
 
 }  // namespace

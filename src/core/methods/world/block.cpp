@@ -1,8 +1,12 @@
 #include "methods/world/block.h"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <string_view>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -115,7 +119,13 @@ void SceneDeleter::operator()(RTCSceneTy* scene) const {
 }
 
 DeviceHandle makeDevice() {
-  DeviceHandle device(rtcNewDevice(nullptr));
+  // Ranges differ in their last bits between instruction sets.
+  const char* const isa = std::getenv("SCANMILL_ISA");
+  constexpr std::array<std::string_view, 5> kKnown{"sse2", "sse4.2", "avx", "avx2", "avx512"};
+  if (isa != nullptr && std::ranges::find(kKnown, isa) == kKnown.end()) {
+    throw InputError(fmt::format("SCANMILL_ISA={}: there are {}", isa, fmt::join(kKnown, ", ")));
+  }
+  DeviceHandle device(rtcNewDevice(isa == nullptr ? nullptr : fmt::format("isa={}", isa).c_str()));
   if (!device) throw Error("Embree could not start on this machine: is the memory limit too low (ulimit -v)?");
   return device;
 }

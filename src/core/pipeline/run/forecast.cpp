@@ -44,7 +44,6 @@ struct SceneFactors {
 
 // The spreads for asset files are wide, since the contents of the files are unknown before they are loaded.
 constexpr SceneFactors kOfFiles{0.3, 0.42, 0.8, 2.5, 2};
-constexpr SceneFactors kOfStreet{0.2, 0.6, 0.97, 1.5, 1.2};
 
 double numberOr(const Value& map, std::string_view key, double otherwise) {
   const Value* const value = map.find(key);
@@ -63,13 +62,11 @@ SceneFactors ofTown(const Value& town) {
 SceneFactors factorsOf(const std::filesystem::path& file) {
   const Value root = readYaml(file);
   const Value* const objects = root.find("objects");
-  SceneFactors factors = kOfFiles;
-  if (objects == nullptr) return factors;
+  if (objects == nullptr) return kOfFiles;
   for (const Value& object : objects->items) {
     if (const Value* const town = object.find("town")) return ofTown(*town);
-    if (object.find("street") != nullptr) factors = kOfStreet;
   }
-  return factors;
+  return kOfFiles;
 }
 
 // Returns the pipeline with its scenes replaced by the small town of scenes/hamlet.yaml.
@@ -186,9 +183,8 @@ bool followsFromSeeds(const Pipeline& pipeline) {
     const Value* const objects = root.find("objects");
     if (objects == nullptr) return false;
     withDraws(*objects, "objects", {}, draws);
-    return !draws.empty() || std::any_of(objects->items.begin(), objects->items.end(), [](const Value& object) {
-      return object.find("town") != nullptr || object.find("street") != nullptr;
-    });
+    return !draws.empty() || std::any_of(objects->items.begin(), objects->items.end(),
+                                         [](const Value& object) { return object.find("town") != nullptr; });
   });
 }
 

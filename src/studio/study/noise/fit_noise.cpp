@@ -326,8 +326,7 @@ std::string effectsYaml(const NoiseFit& fit, const std::string& date) {
   for (const PatchGroup* band : used) {
     rows += fmt::format("{}[{:.3g}, {:.3g}]", rows.empty() ? "" : ", ", band->range, band->sigma);
   }
-  std::string text = "effects:\n";
-  text += fmt::format("  # Fitted with `scanmill fit-noise`, {}, on\n  # {}.\n", date, listed(fit.files));
+  std::string text = fmt::format("  # Fitted with `scanmill fit-noise`, {}, on\n  # {}.\n", date, listed(fit.files));
   text += fmt::format(
       "  # {} flat patches with {} points, {:.3g} to {:.3g} m away and up to {:.0f} deg from their normals.\n",
       fit.patches, fit.points, first->range, last->range, degrees(fit.mostIncidence));

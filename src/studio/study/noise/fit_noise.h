@@ -88,8 +88,8 @@ NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans
 // the noise was measured up to the sensor's maximum range.
 std::vector<std::string> beyondMeasured(const NoiseFit& fit);
 
-// Returns the YAML text of the key `effects` for a sensor file, with comments about the origin of the figures. Ends
-// with a newline.
+// Returns the YAML text of the items of the key `effects` for a sensor file, with comments about the origin of the
+// figures. Ends with a newline.
 std::string effectsYaml(const NoiseFit& fit, const std::string& date);
 
 }  // namespace scanmill

@@ -28,8 +28,11 @@ bool standsBetween(const std::string& line) {
 std::string keptEffects(const Value& list, const std::vector<std::string>& lines, std::size_t first, std::size_t end,
                         const std::string& file, const std::string& effects) {
   const Value fitted = parseYaml(effects, file);
-  std::vector<std::string> replaced{"dropout", "range_noise", "shell", "quantize"};
+  std::vector<std::string> replaced;
   for (const Value& item : fitted.find("effects")->items) replaced.push_back(readNamed(item, "an effect").name);
+  if (std::ranges::find(replaced, "range_noise") != replaced.end()) {
+    replaced.insert(replaced.end(), {"dropout", "shell", "quantize"});
+  }
   std::string kept;
   std::size_t begin = first + 1;
   for (std::size_t i = 0; i < list.items.size(); ++i) {

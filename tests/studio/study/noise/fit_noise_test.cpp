@@ -260,7 +260,7 @@ TEST(RangeStep, IsNotSeenWhereThereIsNone) {
 }
 
 TEST(WithEffects, ReplacesTheListAndNothingElse) {
-  const std::string fitted = "effects:\n  # new\n  - quantize: {step_m: 0.008}\n";
+  const std::string fitted = "effects:\n  # new\n  - range_noise: {sigma_m: 0.008}\n";
   const std::string added = withEffects(kWallSensor, "s.yaml", fitted);
   EXPECT_EQ(added, std::string(kWallSensor) + fitted);
   EXPECT_EQ(withEffects(added, "s.yaml", fitted), added);
@@ -273,6 +273,10 @@ TEST(WithEffects, ReplacesTheListAndNothingElse) {
   EXPECT_EQ(withEffects("elevation_deg: [1]\neffects: [quantize: {step_m: 1},\n  dropout: {probability: 1}]", "s.yaml",
                         fitted),
             "elevation_deg: [1]\n" + fitted);
+  // A response alone leaves the noise as it is.
+  EXPECT_THAT(withEffects("elevation_deg: [1]\neffects:\n  - range_noise: {sigma_m: 1}\n  - intensity: {gain: 2}\n",
+                          "s.yaml", "effects:\n  - intensity: {gain: 3}\n"),
+              AllOf(HasSubstr("range_noise"), HasSubstr("gain: 3"), Not(HasSubstr("gain: 2"))));
   EXPECT_THAT(messageOf([&] { withEffects("{model: a, elevation_deg: [1]}", "s.yaml", fitted); }),
               HasSubstr("a line of its own"));
   EXPECT_THAT(messageOf([&] { withEffects("scenes: []\n", "s.yaml", fitted); }), HasSubstr("pipeline"));
@@ -286,7 +290,8 @@ TEST(WithEffects, LeavesTheBeamsAsTheyWere) {
       fitOf(wallScans(beams, kDistances,
                       "[range_noise: {sigma_m: 0.01}, dropout: {probability: 0.02}, quantize: {step_m: 0.008}]"),
             *beams);
-  const Value sensor = parseYaml(withEffects(kWallSensor, "s.yaml", effectsYaml(fit, "today")), "s.yaml");
+  const Value sensor =
+      parseYaml(withEffects(kWallSensor, "s.yaml", "effects:\n" + effectsYaml(fit, "today")), "s.yaml");
   const auto again = makeBeams(sensor);
   EXPECT_EQ(again->direction, beams->direction);
   std::vector<std::string> names;

@@ -1,0 +1,47 @@
+#pragma once
+
+// Finds the response of a sensor: how it turns the power of an echo into the intensity that it reports.
+//
+// The reflectances of the surfaces in a recording are unknown. Therefore the recording is compared with simulated scans
+// of places of the same kind, whose powers are known: the brightest hundredth of the recorded surfaces is taken to be
+// as bright as the brightest hundredth of the simulated ones, and so on (histogram specification; Gonzalez and Woods,
+// "Digital image processing", 3rd ed., section 3.3.2). Surfaces are cells of kSurfaceCell, whose medians have little
+// noise. Simulated cells are weighted so that each band of ranges has the same shares of ground and of everything else
+// as in the recording.
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "scan/scan.h"
+
+namespace scanmill {
+
+constexpr double kSurfaceCell = 0.3;  // m, side of the cells
+
+struct ResponseFit {
+  bool bytes = false;         // true: intensities are integers from 0 to 255; false: any numbers
+  bool reflectivity = false;  // true: the sensor corrects intensities for the range; false: it reports powers
+  std::vector<std::pair<double, double>> table;  // value (power or reflectivity) and intensity, both ascending
+  double floor = 0;   // power that the sensor does not measure; 1: a white target at 10 m; 0: none was found
+  double noise = 0;   // standard deviation of the intensity, in parts of the full scale (255 for bytes, otherwise 1)
+  double step = 0;    // step of the intensities, in parts of the full scale; 0: none was found
+  double misfit = 0;  // root of the mean squared difference between the medians of recorded and simulated surfaces,
+                      // over the bands of ranges, in parts of the span that nine tenths of the recorded surfaces have
+  double otherMisfit = 0;                   // the same for the other value of `reflectivity`
+  std::size_t recorded = 0, simulated = 0;  // numbers of surfaces
+};
+
+// Fits the response. `recorded`: scans with the column intensity. `simulated`: scans with the column power, in which 1
+// is a white target at 10 m. All scans must be in the sensor's frame, with z upwards. Throws InputError if a column is
+// missing, or if there are too few surfaces.
+ResponseFit fitResponse(const std::vector<Scan>& recorded, const std::vector<Scan>& simulated);
+
+// Returns the YAML text of the effect `intensity`, an item of the key `effects`, with a comment about its origin.
+// `diffuse`: the effect's key of this name with which the simulated scans were made. `source`: the name of the
+// simulated scans.
+std::string responseYaml(const ResponseFit& fit, const std::string& diffuse, const std::string& source);
+
+}  // namespace scanmill

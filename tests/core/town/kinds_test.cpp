@@ -1,0 +1,191 @@
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+#include <string>
+#include <string_view>
+#include <tuple>
+
+#include "base/path.h"
+#include "config/fields.h"
+#include "config/value.h"
+#include "models/occupancy.h"
+#include "scene/scene.h"
+#include "tests/support/labels.h"
+#include "tests/support/message_of.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/test_scene.h"
+#include "tests/support/town.h"
+#include "town/lanes.h"
+#include "town/layout.h"
+#include "town/placer.h"
+#include "town/town.h"
+
+namespace scanmill {
+namespace {
+
+constexpr const char* kSmall = "{length: 120}";
+
+// The kinds that seeds choose.
+constexpr std::array<const char*, 8> kKinds{"rural",    "suburban", "dense",      "boulevard",
+                                            "old_town", "arterial", "commercial", "motorway"};
+
+// Sixteen successive seeds have each kind, wherever they begin.
+TEST(Town, SuccessiveSeedsHaveEachKind) {
+  for (const std::uint64_t first : {1, 6, 1000}) {
+    std::set<std::string> kinds;
+    for (std::uint64_t seed = first; seed < first + 16; ++seed) {
+      const std::string about = layoutOf(kSmall, seed).about();
+      kinds.insert(about.substr(0, about.find(',')));
+    }
+    EXPECT_THAT(kinds, testing::UnorderedElementsAreArray(kKinds));
+  }
+}
+
+// In each kind of place the lane of the sensor's vehicle is as free as its width needs, with many vehicles too.
+TEST(Town, EachKindHasAFreeLane) {
+  std::vector<std::string> kinds(kKinds.begin(), kKinds.end());
+  kinds.emplace_back("street");
+  for (const std::string& kind : kinds) {
+    const std::string yaml = fmt::format("{{length: 150, district: {}, vehicles: 2, people: 2, detail: 0.1}}", kind);
+    for (const std::uint64_t seed : {3, 4}) {
+      const Scene scene = makeTown(yaml, seed);
+      const std::vector<Vec3d> lane = laneOf(yaml, seed);
+      std::string blocked;
+      forPoints(scene, [&](const Instance& i, const Vec3d& p) {
+        for (const Vec3d& l : lane) {
+          if (std::hypot(p.x - l.x, p.y - l.y) < 1.0 && p.z - l.z > 0.05 && p.z - l.z < 1.7) blocked = i.name;
+        }
+      });
+      EXPECT_EQ(blocked, "") << kind << ", seed " << seed;
+    }
+  }
+}
+
+// Terraced streets are paved from the carriageway to the walls; elsewhere there are lawns.
+TEST(Town, TerracedStreetsArePavedToTheWalls) {
+  for (const char* kind : {"dense", "boulevard", "old_town", "suburban"}) {
+    const town::Layout layout = layoutOf(fmt::format("{{length: 200, district: {}}}", kind), 5);
+    std::size_t soft = 0;
+    std::size_t feet = 0;
+    for (const models::House& house : layout.houses()) {
+      for (const double x : {0.2, 0.5, 0.8}) {
+        const Vec3d foot = house.place * Vec3d{x * house.width, -0.25, 0};
+        const town::Point2 p{foot.x, foot.y};
+        ++feet;
+        soft += layout.kindAt(layout.roads().at(p.x, p.y), p) == town::GroundKind::Lawn ? 1 : 0;
+      }
+    }
+    EXPECT_GT(feet, 20u) << kind;
+    if (layout.character().terraced) {
+      EXPECT_EQ(soft, 0u) << kind;
+    } else {
+      EXPECT_GT(soft, 0u) << kind;
+    }
+  }
+}
+
+// Motorways have rails along both edges and a barrier in the middle, no houses, and vehicles on each lane.
+TEST(Town, MotorwaysHaveRailsAndSeveralLanes) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const std::string yaml = "{length: 300, district: motorway, traffic: 3, detail: 0.1}";
+    const town::Layout layout = layoutOf(yaml, seed);
+    const town::Road& road = layout.roads().roads().front();
+    EXPECT_TRUE(layout.houses().empty());
+    EXPECT_GE(road.section.lanes, 2);
+    const Scene scene = makeTown(yaml, seed);
+    std::map<std::string, int> panels;
+    std::set<int> lanes;
+    for (const Instance& i : scene.instances) {
+      for (const char* row : {"median", "left rail", "right rail"}) panels[row] += i.name.starts_with(row) ? 1 : 0;
+      if (!i.name.starts_with("traffic")) continue;
+      for (const double time : {0.0, 10.0, 20.0, 40.0}) {
+        const Vec3d at = i.worldFromMeshAt(time) * Vec3d{};
+        const town::Beside b = layout.roads().at(at.x, at.y);
+        // Vehicles are hidden below the ground before they arrive and after they have left.
+        const bool hidden = !b.known || b.along < 15 || b.along > road.length() - 15;
+        if (hidden || at.z < layout.heightAt({at.x, at.y}) - 0.5) continue;
+        const double out = (std::abs(b.lateral) - road.section.median) / road.section.laneWidth();
+        EXPECT_NEAR(out - std::floor(out), 0.5, 0.25) << i.name;
+        lanes.insert(static_cast<int>(std::copysign(1 + std::floor(out), b.lateral)));
+      }
+    }
+    for (const auto& [row, count] : panels) EXPECT_GT(count, 100) << row;
+    // All lanes but that of the sensor's vehicle, which is the rightmost one in the direction of the line.
+    EXPECT_EQ(lanes.size(), static_cast<std::size_t>(2 * road.section.lanes - 1));
+    EXPECT_FALSE(lanes.contains(-road.section.lanes));
+  }
+}
+
+// Cars on the sidewalk stand there half or whole, and leave a part of it free.
+TEST(Town, CarsOnTheSidewalkLeaveAPath) {
+  constexpr double kPath = 0.6;  // m
+  std::size_t cars = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const std::string yaml = "{length: 250, district: suburban, vehicles: 3, detail: 0.1}";
+    const town::Layout layout = layoutOf(yaml, seed);
+    const Scene scene = makeTown(yaml, seed);
+    for (const Instance& i : scene.instances) {
+      if (!i.name.starts_with("car ") || i.name.starts_with("car on")) continue;
+      const Vec3d& at = i.worldFromMesh.translation;
+      const town::Beside b = layout.roads().at(at.x, at.y);
+      if (b.edge < 0.05 || b.edge > 1.5 || layout.outsidePatches({at.x, at.y}) < 1) continue;
+      const Box box = scene.meshes[i.mesh].bounds();
+      EXPECT_LT(b.edge + (box.high.y - box.low.y) / 2, b.section.paved() - kPath) << i.name;
+      ++cars;
+    }
+  }
+  EXPECT_GT(cars, 10u);
+}
+
+// Every method can trace a street: nothing moves or is hidden below the ground, the road is straight, and the
+// carriageway is exactly level. One drives along +x at y = -1.75.
+TEST(Town, StreetsAreFlatStraightAndStill) {
+  for (const std::uint64_t seed : {1, 2, 3, 4}) {
+    const std::string yaml = "{district: street, length: 200, detail: 0.1}";
+    const Scene scene = makeTown(yaml, seed);
+    const auto counted = [&](std::string_view start) {
+      return std::ranges::count_if(scene.instances, [&](const Instance& i) { return i.name.starts_with(start); });
+    };
+    for (const Instance& i : scene.instances) {
+      EXPECT_FALSE(i.moves()) << i.name;
+      EXPECT_GT(i.worldFromMesh.translation.z, -1) << i.name << ", seed " << seed;
+    }
+    EXPECT_GE(counted("traffic"), 1) << seed;
+    EXPECT_GE(counted("pedestrian"), 4) << seed;
+    EXPECT_EQ(counted("wires") + counted("tuft"), 0) << seed;
+    const Mesh& ground = groundOf(scene);
+    std::size_t level = 0;
+    for (std::size_t k = 0; k < ground.triangles.size(); ++k) {
+      const std::string& name = scene.ontology.find(ground.surfaces[ground.surfaceOf[k]].semantic)->name;
+      if (name != "road") continue;
+      for (const std::uint32_t v : ground.triangles[k]) EXPECT_EQ(ground.positions[v].z, 0);
+      ++level;
+    }
+    EXPECT_GT(level, 1000u);
+    for (const Vec3d& p : laneOf(yaml, seed)) {
+      EXPECT_NEAR(p.y, -1.75, 1e-9);
+      EXPECT_EQ(p.z, 0);
+    }
+  }
+}
+
+TEST(Town, StreetsHaveTheClassesOfStreets) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    EXPECT_THAT(
+        classesOf(makeTown("{district: street, length: 200, detail: 0.1}", seed)),
+        testing::IsSupersetOf({"road",        "road_marking", "sidewalk",     "curb",       "terrain", "building",
+                               "window",      "fence",        "vegetation",   "tree",       "trunk",   "pole",
+                               "street_lamp", "car",          "traffic_sign", "motorcycle", "bicycle", "pedestrian",
+                               "rider",       "driveway",     "structure",    "parking",    "object"}))
+        << "seed " << seed;
+  }
+}
+
+}  // namespace
+}  // namespace scanmill

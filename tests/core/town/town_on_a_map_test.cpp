@@ -1,0 +1,315 @@
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+#include <string>
+#include <string_view>
+#include <tuple>
+
+#include "base/path.h"
+#include "config/fields.h"
+#include "config/value.h"
+#include "models/occupancy.h"
+#include "scene/scene.h"
+#include "tests/support/labels.h"
+#include "tests/support/message_of.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/test_scene.h"
+#include "tests/support/town.h"
+#include "town/lanes.h"
+#include "town/layout.h"
+#include "town/placer.h"
+#include "town/town.h"
+
+namespace scanmill {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::IsSupersetOf;
+
+// Walls and trees are as high as the map says, crowns and paths as wide.
+TEST(Town, SizesOfTheMapAreBuilt) {
+  TemporaryFolder folder;
+  std::string map = "<osm version='0.6'>";
+  const auto add = [&](int id, double x, double y, const std::string& tags = "") {
+    map += fmt::format("<node id='{}' lat='{:.7f}' lon='{:.7f}'>{}</node>", id, 51 + y / 111250, 0.5 + x / 70200, tags);
+  };
+  for (int k = 0; k < 3; ++k) add(1 + k, -150 + 150 * k, 0);
+  for (int k = 0; k < 4; ++k) add(4 + k, k % 2 == 0 ? -30 : 30, k < 2 ? 40 : 50);
+  add(8, 0, 30, "<tag k='natural' v='tree'/><tag k='height' v='21'/><tag k='diameter_crown' v='5'/>");
+  map +=
+      "<way id='1'><nd ref='1'/><nd ref='2'/><nd ref='3'/><tag k='highway' v='residential'/></way>"
+      "<way id='2'><nd ref='4'/><nd ref='5'/><tag k='barrier' v='wall'/><tag k='height' v='5'/></way>"
+      "<way id='3'><nd ref='6'/><nd ref='7'/><tag k='highway' v='footway'/><tag k='width' v='4'/></way></osm>";
+  const std::string keys =
+      fmt::format("{{map: {}, length: 200, slope: 0, greenery: 0, people: 0, vehicles: 0, traffic: 0, detail: 0.1}}",
+                  folder.write("sizes.osm", map).string());
+  const Scene scene = makeTown(keys, 1);
+  const auto boxOf = [&](const std::string& name) {
+    Box box;
+    forPoints(scene, [&](const Instance& i, const Vec3d& p) {
+      if (i.name.starts_with(name)) box.add(p);
+    });
+    return box;
+  };
+  const Box tree = boxOf("tree 1");
+  EXPECT_NEAR(tree.high.z, 21, 0.5);
+  EXPECT_NEAR((tree.high.x - tree.low.x + tree.high.y - tree.low.y) / 2, 5, 1.5);
+  Box panel;
+  forPoints(scene, [&](const Instance& i, const Vec3d& p) {
+    if (i.name == "boundary 1") panel.add(p);
+  });
+  const Value value = parseYaml(keys, "town.yaml");
+  Fields fields(value, "town");
+  const town::Parameters parameters = town::readParameters(fields);
+  const town::Layout layout{parameters, 1,
+                            town::cutOut(town::readMap(parameters.map, false, {}), parameters, 1, 200, {})};
+  EXPECT_NEAR(panel.high.z, layout.heightAt({panel.center().x, panel.center().y}) + 5, 0.1);
+  EXPECT_TRUE(std::any_of(layout.patches().begin(), layout.patches().end(), [](const town::Patch& patch) {
+    return patch.kind == town::GroundKind::Path && patch.place.halfY == 2;
+  }));
+}
+
+TEST(Town, TreesAndShortWallsOfTheMapAreBuilt) {
+  TemporaryFolder folder;
+  std::string map = "<osm version='0.6'>";
+  int nodes = 0;
+  const auto add = [&](double x, double y, const std::string& tags = "") {
+    map += fmt::format("<node id='{}' lat='{:.7f}' lon='{:.7f}'>{}</node>", ++nodes, 51 + y / 111250, 0.5 + x / 70200,
+                       tags);
+  };
+  for (int k = 0; k < 3; ++k) add(-150 + 150 * k, 0);
+  std::string walls;
+  for (int k = 0; k < 5; ++k) {
+    add(-60 + 4 * k, 12);
+    add(-59.1 + 4 * k, 12);
+    walls += fmt::format("<way id='{}'><nd ref='{}'/><nd ref='{}'/><tag k='barrier' v='wall'/></way>", 2 + k, nodes - 1,
+                         nodes);
+  }
+  for (int k = 0; k < 40; ++k) {
+    add(-78 + 4 * k, k % 2 == 0 ? 4.5 : -5.5, "<tag k='natural' v='tree'/><tag k='diameter_crown' v='3'/>");
+  }
+  map +=
+      "<way id='1'><nd ref='1'/><nd ref='2'/><nd ref='3'/><tag k='highway' v='residential'/><tag k='width' v='6'/>"
+      "<tag k='sidewalk' v='no'/><tag k='parking:both' v='no'/></way>" +
+      walls + "</osm>";
+  const Scene scene = makeTown(
+      fmt::format("{{map: {}, length: 200, slope: 0, detail: 0.1}}", folder.write("trees.osm", map).string()), 1);
+  std::set<std::string> built;
+  for (const Instance& i : scene.instances) built.insert(i.name);
+  for (int k = 1; k <= 40; ++k) EXPECT_TRUE(built.contains(fmt::format("tree {}", k))) << k;
+  for (int k = 1; k <= 5; ++k) EXPECT_TRUE(built.contains(fmt::format("boundary {}", k))) << k;
+}
+
+// A street on a map to which tests add ways and relations, and nothing that the seed places on its lawns.
+class StreetOnAMap {
+ public:
+  StreetOnAMap() { way({{-102, 0}, {0, 0}, {102, 0}}, "<tag k='highway' v='residential'/>"); }
+  // Returns the id of the way. The last point of a closed way is the first.
+  int way(const std::vector<town::Point2>& points, const std::string& tags) {
+    std::string nodes;
+    const int first = id_ + 1;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const bool closes = i > 0 && town::distance(points[i], points[0]) == 0;
+      if (!closes) {
+        add(fmt::format("<node id='{}' lat='{:.9f}' lon='{:.9f}'/>", ++id_, 51 + points[i].y / 111250,
+                        0.5 + points[i].x / 70200));
+      }
+      nodes += fmt::format("<nd ref='{}'/>", closes ? first : id_);
+    }
+    add(fmt::format("<way id='{}'>{}{}</way>", ++id_, nodes, tags));
+    return id_;
+  }
+  void add(const std::string& element) { text_ += element; }
+  std::string yaml() const {
+    return fmt::format(
+        "{{map: {}, length: 200, slope: 0, greenery: 0, people: 0, vehicles: 0, traffic: 0, detail: 0.05}}",
+        folder_.write("street.osm", text_ + "</osm>").string());
+  }
+  Scene scene() const { return makeTown(yaml(), 1); }
+  town::Map map() const { return town::readMap(folder_.write("street.osm", text_ + "</osm>"), false, {}); }
+  // Returns the part of the map around the town of seed 1, in the town's frame.
+  town::MapPlace place() const {
+    const Value value = parseYaml(yaml(), "town.yaml");
+    Fields fields(value, "town");
+    return town::cutOut(map(), town::readParameters(fields), 1, 150, {});
+  }
+
+ private:
+  TemporaryFolder folder_;
+  std::string text_ = "<osm version='0.6'>";
+  int id_ = 0;
+};
+
+// No point of a barrier is farther from its pieces than half of their thickness, whatever its corners are.
+TEST(Town, BarriersOfTheMapHaveNoGaps) {
+  StreetOnAMap street;
+  const auto barrier = [&](const std::vector<town::Point2>& points, const std::string& kind) {
+    street.way(points, fmt::format("<tag k='barrier' v='{}'/>", kind));
+  };
+  double west = -95;
+  for (const char* kind : {"wall", "fence", "hedge"}) {
+    for (const double turn : {20.0, 60.0, 90.0, 130.0, 170.0}) {
+      const double a = turn * kPi / 180;
+      barrier({{west, 40}, {west, 47.3}, {west + 5.9 * std::sin(a), 47.3 + 5.9 * std::cos(a)}}, kind);
+      west += 7;
+    }
+  }
+  barrier({{-60, 60}, {-20, 60}, {-20, 70}, {-60, 70}, {-60, 60}}, "wall");
+  barrier({{-55, 60}, {-55, 70}}, "wall");  // between two sides of the ring
+  barrier({{0, 60}, {31.3, 60}, {7, 68.8}, {0, 60}}, "hedge");
+  std::vector<town::Point2> arc;
+  for (int k = 0; k <= 60; ++k) arc.push_back({50 + 4 * std::cos(k * kPi / 60), 60 + 4 * std::sin(k * kPi / 60)});
+  barrier(arc, "wall");
+  const Scene scene = street.scene();
+  std::vector<std::pair<const Instance*, Box>> pieces;
+  for (const Instance& i : scene.instances) {
+    if (!i.name.starts_with("boundary")) continue;
+    Box box;
+    for (const Vec3f& p : scene.meshes[i.mesh].positions) box.add(Vec3d(p));
+    pieces.emplace_back(&i, box);
+  }
+  const std::vector<town::MapBarrier> barriers = street.place().barriers;
+  ASSERT_EQ(barriers.size(), 19u);
+  for (const town::MapBarrier& b : barriers) {
+    for (double along = 0; along < town::lengthOf(b.line); along += 0.05) {
+      const town::Point2 p = town::pointAt(b.line, along);
+      double outside = 1e9;  // m beyond half of the thickness of the nearest piece
+      for (const auto& [piece, box] : pieces) {
+        const Affine& world = piece->worldFromMesh;
+        const double length = std::hypot(world.linear.x.x, world.linear.x.y);
+        const double x = p.x - world.translation.x;
+        const double y = p.y - world.translation.y;
+        const double u = (x * world.linear.x.x + y * world.linear.x.y) / length;
+        const double v = x * world.linear.y.x + y * world.linear.y.y;
+        const double aside = std::max({0.0, box.low.y - v, v - box.high.y});
+        const double ahead = std::max({0.0, box.low.x * length - u, u - box.high.x * length});
+        outside = std::min(outside, std::hypot(ahead, aside) - (box.high.y - box.low.y) / 2);
+      }
+      ASSERT_LE(outside, 0) << "at " << p.x << " " << p.y;
+    }
+  }
+}
+
+// Two gardens share a fence: it is built once.
+TEST(Town, BarriersThatTheMapHasTwiceAreBuiltOnce) {
+  const auto pieces = [](bool twice) {
+    StreetOnAMap street;
+    street.way({{-20, 40}, {20, 40}}, "<tag k='barrier' v='wall'/>");
+    if (twice) street.way({{20, 40}, {-20, 40}}, "<tag k='barrier' v='wall'/>");
+    const Scene scene = street.scene();
+    return std::count_if(scene.instances.begin(), scene.instances.end(), [](const Instance& i) {
+      return i.name.starts_with("boundary") && std::abs(i.worldFromMesh.translation.y - 40) < 1;
+    });
+  };
+  EXPECT_EQ(pieces(true), pieces(false));
+}
+
+TEST(Town, PiecesOfBarriersThatRoadsCrossAreTold) {
+  StreetOnAMap street;
+  const auto told = [&] {
+    testing::internal::CaptureStderr();
+    (void)street.scene();
+    return testing::internal::GetCapturedStderr();
+  };
+  street.way({{20, 30}, {20, 40}}, "<tag k='barrier' v='wall'/>");
+  EXPECT_EQ(told(), "");
+  street.way({{40, -30}, {40, 40}}, "<tag k='barrier' v='wall'/>");
+  EXPECT_THAT(told(), HasSubstr("left out: pieces of walls, fences and hedges where the town has roads"));
+}
+
+// A relation with two outer rings is one building, and one thing: as houses and as blocks.
+TEST(Town, RingsOfOneBuildingAreOneThing) {
+  for (const double depth : {8.0, 30.0}) {
+    StreetOnAMap street;
+    std::string members;
+    for (const double x : {-30.0, 10.0}) {
+      const int ring = street.way({{x, 20}, {x + 20, 20}, {x + 20, 20 + depth}, {x, 20 + depth}, {x, 20}}, "");
+      members += fmt::format("<member type='way' ref='{}' role='outer'/>", ring);
+    }
+    street.way({{60, 20}, {80, 20}, {80, 50}, {60, 50}, {60, 20}}, "<tag k='building' v='yes'/>");
+    street.add("<relation id='7'>" + members +
+               "<tag k='type' v='multipolygon'/><tag k='building' v='school'/></relation>");
+    const Scene scene = street.scene();
+    std::map<std::uint32_t, int> placed;
+    for (const Instance& i : scene.instances) {
+      if (i.name.starts_with("block") || (i.name.starts_with("house") && !i.name.ends_with("plinth"))) {
+        ++placed[i.firstInstanceId];
+      }
+    }
+    std::vector<int> counts;
+    for (const auto& [id, count] : placed) counts.push_back(count);
+    std::sort(counts.begin(), counts.end());
+    EXPECT_THAT(counts, testing::ElementsAre(1, 2)) << depth;
+  }
+}
+
+// Roads, buildings and land are the map's, whatever the seed that dresses them.
+TEST(Town, StandsWhereTheMapSays) {
+  const Value value = parseYaml(onMap("road: Mill Road"), "town.yaml");
+  Fields fields(value, "town");
+  const town::Parameters parameters = town::readParameters(fields);
+  const town::MapPlace place = town::cutOut(town::readMap(parameters.map, false, {}), parameters, 1, 280, {});
+  const town::Layout one(parameters, 1, place);
+  const town::Layout two(parameters, 2, place);
+  EXPECT_GE(one.houses().size(), 20u);
+  EXPECT_GE(one.blocks().size(), 3u);
+  ASSERT_EQ(one.houses().size(), two.houses().size());
+  std::size_t inside = 0;
+  for (std::size_t i = 0; i < one.houses().size(); ++i) {
+    const models::House& a = one.houses()[i];
+    const models::House& b = two.houses()[i];
+    EXPECT_NEAR(
+        std::hypot(a.place.translation.x - b.place.translation.x, a.place.translation.y - b.place.translation.y), 0, 4)
+        << "the same rectangle, perhaps with its front to another road";
+    const Vec3d middle = a.place * Vec3d{a.width / 2, a.depth / 2, 0};
+    for (const town::MapBuilding& building : place.buildings) {
+      inside += town::isInside({&building.outline}, {middle.x, middle.y}) ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(inside, one.houses().size());
+  EXPECT_EQ(one.areas().all().size(), two.areas().all().size());
+  ASSERT_EQ(one.roads().roads().size(), two.roads().roads().size());
+  for (std::size_t r = 0; r < one.roads().roads().size(); ++r) {
+    EXPECT_EQ(one.roads().roads()[r].length(), two.roads().roads()[r].length());
+  }
+}
+
+TEST(Town, OnAMapHasWhatTheMapHas) {
+  const std::string yaml = onMap("road: Mill Road, length: 300, detail: 0.1");
+  const Scene one = makeTown(yaml, 1);
+  EXPECT_EQ(hash(one), hash(makeTown(yaml, 1)));
+  EXPECT_NE(hash(one), hash(makeTown(yaml, 2)));
+  EXPECT_THAT(classesOf(one),
+              IsSupersetOf({"building", "window", "road", "sidewalk", "parking", "water", "tree", "car"}));
+  std::size_t parked = 0;
+  for (const Instance& i : one.instances) parked += i.name.starts_with("car on a lot") ? 1 : 0;
+  EXPECT_GT(parked, 3u);
+  EXPECT_THAT(one.about, AllOf(HasSubstr("'Mill Road'"), testing::ContainsRegex("at (50[.]99|51[.]00)[0-9]*, 0[.]50")));
+}
+
+TEST(Town, RefusesMapsThatItCannotUse) {
+  const auto refusal = [](const std::string& yaml) { return messageOf([&] { makeTown(yaml, 1); }); };
+  const TemporaryFolder folder;
+  const auto of = [&](std::string_view text) { return "{map: " + folder.write("place.osm", text).string() + "}"; };
+  EXPECT_THAT(refusal("{map: 'http://localhost/place.osm'}"), HasSubstr("is not a file"));
+  EXPECT_THAT(refusal("{map: nowhere.osm}"), AllOf(HasSubstr("town.yaml:1"), HasSubstr("nowhere.osm")));
+  EXPECT_THAT(refusal(of("a text")),
+              AllOf(HasSubstr("town.yaml:1"), HasSubstr("place.osm"), HasSubstr("OpenStreetMap")));
+  EXPECT_THAT(refusal(of("<osm version='0.6'><node id='1' lat='1' lon='1'/></osm>")), HasSubstr("no road"));
+  EXPECT_THAT(
+      refusal(of("<osm version='0.6'><node id='1' lat='1' lon='1'/><node id='2' lat='1.0001' lon='1'/><way id='1'>"
+                 "<nd ref='1'/><nd ref='2'/><tag k='highway' v='residential'/></way></osm>")),
+      HasSubstr("100 m"));
+  EXPECT_THAT(refusal(onMap("road: Mil Road")), AllOf(HasSubstr("town.yaml:1"), HasSubstr("did you mean 'Mill Road'")));
+  EXPECT_THAT(refusal("{road: Mill Road}"), HasSubstr("map"));
+}
+
+}  // namespace
+}  // namespace scanmill
