@@ -196,7 +196,7 @@ class MislabelledCar : public ViewWindow {
                 })->first;
     ASSERT_GT(
         copyMislabelled(street(), at("wrong" + name()), readManifest(street()).samples[0].key, instance_, kBuilding),
-        500u);
+        400u);
     const Outcome sound = scanmill({"verify", at("wrong" + name())});
     ASSERT_EQ(sound.code, 0) << sound.out << sound.error;
     ASSERT_EQ(scanmill(pictureOf(street(), "right")).code, 0);
