@@ -23,6 +23,7 @@ python3-matplotlib, and the package scanmill (docs/python.md).
 """
 
 import argparse
+import glob
 import json
 import os
 import pickle
@@ -83,7 +84,7 @@ class RecordedScans(Dataset):
         self.table = np.full(65536, IGNORE, np.int64)
         for train_id, (_, ids) in enumerate(CLASSES.values()):
             self.table[ids] = train_id
-        self.scans = [s for s in sorted(folder.rglob("velodyne/*.bin")) if self.labels_of(s).exists()]
+        self.scans = [s for s in self.files_in(folder) if self.labels_of(s).exists()]
         if not self.scans:
             sys.exit(f"error: {folder} has no manifest.json, and no velodyne/*.bin with labels/*.label beside it")
         if part:
@@ -91,6 +92,11 @@ class RecordedScans(Dataset):
 
     def set_epoch(self, epoch: int) -> None:
         self.epoch = epoch
+
+    @staticmethod
+    def files_in(folder: Path) -> list[Path]:
+        """The scans below a folder, also behind links to other folders, in order."""
+        return [Path(p) for p in sorted(glob.glob(f"{glob.escape(str(folder))}/**/velodyne/*.bin", recursive=True))]
 
     @staticmethod
     def labels_of(scan: Path) -> Path:
@@ -446,7 +452,7 @@ def main() -> None:
     torch.manual_seed(options.seed)
     torch.set_num_threads(options.threads)
     augment = [Flip("y"), Turn(), Scale(0.95, 1.05), shift_height, DropPoints(0.2), vary_contrast]
-    recorded = not (Path(options.dataset) / "manifest.json").exists() and any(Path(options.dataset).rglob("velodyne/*.bin"))
+    recorded = not (Path(options.dataset) / "manifest.json").exists() and bool(RecordedScans.files_in(Path(options.dataset)))
     scans_of = RecordedScans if recorded else SimulatedScans
     training = None if options.weights else scans_of(Path(options.dataset), "train", augment, options.seed)
     if training is not None and len(training) < 2:

@@ -141,23 +141,26 @@ int runFitNoise(const std::vector<std::string>& arguments) {
     names.push_back(name);
     goOn();
   });
-  const std::string response = responseOf(scans, parsed);
+  const std::optional<FoundResponse> response = responseOf(scans, parsed);
   goOn();
-  std::string effects = "effects:\n" + response;
+  std::string effects = "effects:\n" + (response ? response->yaml : "");
   std::vector<std::string> warnings;
   try {
-    const NoiseFit fit = measureNoise(*beams, scans, names, radians(most), goOn);
+    NoiseFit fit = measureNoise(*beams, scans, names, radians(most), goOn);
+    if (response && response->fit.slope > 0) fit.rings.gain.sigma /= response->fit.slope;
     effects += effectsYaml(fit, today());
     warnings = beyondMeasured(fit);
   } catch (const InputError& e) {
-    if (response.empty()) throw;
+    if (!response) throw;
     warn(fmt::format("only the response was found, not the noise: {}", e.what()));
   }
   printText("{}", effects);
   const std::string fitted = withEffects(text, preset.string(), effects);
   if (!warnings.empty()) warn(fmt::format("{}", fmt::join(warnings, " ")));
   writeFile(out, fitted);
-  printText("\nwrote {}: use it as `preset:` of a sensor, with `effects: sensor` in the pipeline\n", out.string());
+  const bool lit = fitted.find("- intensity") != std::string::npos;
+  printText("\nwrote {}: use it as `preset:` of a sensor, with `effects: {}` in the pipeline\n", out.string(),
+            lit ? "sensor" : "[sensor, intensity]");
   return 0;
 }
 

@@ -50,7 +50,7 @@ int runFitSensor(const std::vector<std::string>& arguments) {
   }
   std::string yaml =
       sensorYaml(fit, fmt::format("fitted to {} points of {} scans, {}", grouped(fit.points), scans.size(), today()));
-  if (const std::string response = responseOf(scans, parsed); !response.empty()) yaml += "effects:\n" + response;
+  if (const auto response = responseOf(scans, parsed)) yaml += "effects:\n" + response->yaml;
   writeFile(out, yaml);
   printText(
       "\n{}\nwrote {}: use it as `preset:` of a sensor; `scanmill fit-noise --sensor` takes it to measure the noise\n",

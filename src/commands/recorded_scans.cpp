@@ -8,7 +8,6 @@
 #include "base/grouped.h"
 #include "base/terminal.h"
 #include "dataset/scan_store.h"
-#include "study/noise/response.h"
 
 namespace scanmill {
 
@@ -45,7 +44,7 @@ void addSimulatedOption(CommandOptions& options) {
                         textValue(), "DATASET");
 }
 
-std::string responseOf(const std::vector<Scan>& recorded, const Arguments& parsed) {
+std::optional<FoundResponse> responseOf(const std::vector<Scan>& recorded, const Arguments& parsed) {
   const std::string dataset = parsed.text("simulated");
   if (dataset.empty()) return {};
   const ScanStore store(dataset);
@@ -63,10 +62,18 @@ std::string responseOf(const std::vector<Scan>& recorded, const Arguments& parse
   if (fit.misfit > kPoor) {
     warn("the response describes the recording poorly: simulate places that are more like the recorded ones");
   }
-  const bool rough = std::ranges::any_of(store.manifest()->modelled, [](const std::string& line) {
-    return line.find("diffuse: oren_nayar") != std::string::npos;
-  });
-  return responseYaml(fit, rough ? "oren_nayar" : "lambertian", std::filesystem::path(dataset).filename().string());
+  const auto says = [&](std::string_view text) {
+    return std::ranges::any_of(store.manifest()->modelled,
+                               [&](const std::string& line) { return line.find(text) != std::string::npos; });
+  };
+  if (says("effect speckle") || says("gain_sigma")) {
+    warn(dataset +
+         ": has speckle or unequal gains of lasers, so that the noise is found too small: generate it with "
+         "{speckle: none} and {ring_bias: none} among `effects`");
+  }
+  const bool rough = says("diffuse: oren_nayar");
+  const std::string name = std::filesystem::path(dataset).filename().string();
+  return FoundResponse{fit, responseYaml(fit, rough ? "oren_nayar" : "lambertian", name)};
 }
 
 std::filesystem::path requiredFile(const Arguments& parsed, const std::string& what) {

@@ -4,12 +4,14 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "commands/arguments.h"
 #include "commands/command.h"
 #include "scan/scan.h"
+#include "study/noise/response.h"
 
 namespace scanmill {
 
@@ -30,8 +32,12 @@ std::filesystem::path requiredFile(const Arguments& parsed, const std::string& w
 void addSimulatedOption(CommandOptions& options);
 
 // Finds the response of the sensor that recorded the scans, by comparing them with the dataset of the option
-// `simulated` (study/noise/response.h), and prints how well both agree. Returns the YAML text of the effect
-// `intensity`, an item of the key `effects`; empty if the option is not given. Throws InputError.
-std::string responseOf(const std::vector<Scan>& recorded, const Arguments& parsed);
+// `simulated` (study/noise/response.h), and prints how well both agree. Returns nothing if the option is not given.
+// Throws InputError.
+struct FoundResponse {
+  ResponseFit fit;
+  std::string yaml;  // the effect `intensity`, an item of the key `effects`
+};
+std::optional<FoundResponse> responseOf(const std::vector<Scan>& recorded, const Arguments& parsed);
 
 }  // namespace scanmill

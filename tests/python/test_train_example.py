@@ -58,7 +58,10 @@ class TrainExample(unittest.TestCase):
         export = [os.environ["SCANMILL"], "export", DATASET, "--to", "semantic_kitti", "-o", str(drives), "--quiet", "--sensor", "top"]
         subprocess.run(export, check=True)
         small = ["--rings", "24", "--columns", "192", "--elevation", "-20", "5", "--threads", "1", "--steps", "4"]
-        done = run(str(drives), "-o", str(self.folder / "real"), *small, "--judge", f"same={drives}")
+        fold = self.folder / "fold"
+        fold.mkdir()
+        (fold / "drives").symlink_to(drives)
+        done = run(str(fold), "-o", str(self.folder / "real"), *small, "--judge", f"same={drives}")
         self.assertEqual(done.returncode, 0, done.stderr)
         figures = json.loads((self.folder / "real" / "figures.json").read_text())
         self.assertEqual(list(figures["sets"]), ["same"])  # there is no test set

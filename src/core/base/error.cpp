@@ -45,7 +45,9 @@ std::string reasonOf(const std::exception& error) {
 
 void warn(const std::string& message) {
   const std::scoped_lock lock(warningMutex);
-  if (warnings().insert(message).second) printError("warning: {}\n", indented(message));
+  if (!warnings().insert(message).second) return;
+  std::fflush(stdout);  // so that the warning does not stand within a line if both streams go to one file
+  printError("warning: {}\n", indented(message));
 }
 
 std::size_t warningCount() {

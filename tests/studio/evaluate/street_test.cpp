@@ -56,7 +56,7 @@ TEST_F(Street, PlaneSamplingIsAsGoodAsTheTableSays) {
   const HitErrors e = compareHits(truth, tested, edgeBeams(*tracing_, shot, kPixel));
   EXPECT_GT(e.bothHit, 90'000u);
   EXPECT_LT(e.rangeSameSurface.median, 1e-3);
-  EXPECT_LT(e.rangeSameSurface.p99, 0.07);
+  EXPECT_LT(e.rangeSameSurface.p99, 0.05);
   EXPECT_GT(e.interior, 80'000u);
   EXPECT_GT(static_cast<double>(e.interiorAgree), 0.995 * static_cast<double>(e.interior));
   const CloudErrors clouds = cloudErrors(hitPoints(shot, truth), hitPoints(shot, tested));

@@ -255,10 +255,65 @@ void append(std::vector<std::pair<double, double>>& table, double value, double 
   table.emplace_back(value, number);
 }
 
-std::vector<std::pair<double, double>> tableOf(const Surfaces& recorded, const Surfaces& simulated,
-                                               const std::map<SurfaceKind, double>& weights, const Darkness& darkness,
-                                               bool reflectivity) {
-  const double floor = darkness.floor;
+// Replaces values by the nearest ones, in the least squares, that do not fall (pool adjacent violators; Ayer et al.,
+// "An empirical distribution function for sampling with incomplete information", 1955).
+void makeRise(std::vector<double>& values) {
+  std::vector<std::pair<double, std::size_t>> pools;  // mean and number of values
+  for (const double v : values) {
+    pools.emplace_back(v, 1);
+    while (pools.size() > 1 && pools[pools.size() - 2].first > pools.back().first) {
+      const auto [mean, count] = pools.back();
+      pools.pop_back();
+      auto& [other, others] = pools.back();
+      other = (other * static_cast<double>(others) + mean * static_cast<double>(count)) /
+              static_cast<double>(others + count);
+      others += count;
+    }
+  }
+  values.clear();
+  for (const auto& [mean, count] : pools) values.insert(values.end(), count, mean);
+}
+
+// Changes the intensities of a table as little as possible so that they grow at most in proportion to the value, as
+// those of receivers do: recorded surfaces whose reflectances differ more than those of the simulated ones must not
+// make the response steeper than that. Alternates between both conditions (Dykstra, "An algorithm for restricted least
+// squares regression", 1983).
+void limitSlope(std::vector<std::pair<double, double>>& table) {
+  const auto first =
+      static_cast<std::size_t>(std::ranges::count_if(table, [](const auto& row) { return row.second <= 0; }));
+  std::vector<double> rising, logs;
+  for (std::size_t k = first; k < table.size(); ++k) {
+    logs.push_back(std::log(table[k].first));
+    rising.push_back(std::log(table[k].second));
+  }
+  constexpr int kRounds = 500;
+  std::vector<double> byRise(rising.size(), 0.0), bySlope(rising.size(), 0.0);  // corrections of both steps
+  for (int round = 0; round < kRounds; ++round) {
+    std::vector<double> next = rising;
+    for (std::size_t k = 0; k < next.size(); ++k) next[k] += byRise[k];
+    std::vector<double> made = next;
+    makeRise(made);
+    for (std::size_t k = 0; k < next.size(); ++k) byRise[k] = next[k] - made[k];
+    next = made;
+    for (std::size_t k = 0; k < next.size(); ++k) next[k] += bySlope[k];
+    std::vector<double> below(next.size());  // must rise as well: the value's logarithm less the intensity's
+    for (std::size_t k = 0; k < next.size(); ++k) below[k] = logs[k] - next[k];
+    makeRise(below);
+    for (std::size_t k = 0; k < next.size(); ++k) {
+      rising[k] = logs[k] - below[k];
+      bySlope[k] = next[k] - rising[k];
+    }
+  }
+  for (std::size_t k = first; k < table.size(); ++k) table[k].second = std::exp(rising[k - first]);
+}
+
+// Sets the table and the slope of a fit with known `floor` and `reflectivity`. `dark`: value that has the intensity 0.
+void fillTable(const Surfaces& recorded, const Surfaces& simulated, const std::map<SurfaceKind, double>& weights,
+               double dark, ResponseFit& fit) {
+  const double floor = fit.floor;
+  const bool reflectivity = fit.reflectivity;
+  std::vector<std::pair<double, double>>& table = fit.table;
+  table.clear();
   std::vector<Weighted> numbers, values;
   for (const SurfaceCell& c : recorded.cells) {
     if (weights.contains(c.kind)) numbers.push_back({medianNumber(c)});
@@ -269,9 +324,8 @@ std::vector<std::pair<double, double>> tableOf(const Surfaces& recorded, const S
   }
   const Distribution here(std::move(numbers));
   const Distribution there(std::move(values));
-  std::vector<std::pair<double, double>> table;
   const double zeros = here.zeros();
-  append(table, darkness.dark, 0);
+  append(table, dark, 0);
   for (const double share : {0.01, 0.03, 0.1, 0.25, 0.5, 0.75, 0.9, 0.97, 0.99}) {
     if (share > zeros) append(table, there.quantile(share), here.quantile(share));
   }
@@ -288,7 +342,11 @@ std::vector<std::pair<double, double>> tableOf(const Surfaces& recorded, const S
   const Distribution allThere(std::move(brightThere));
   constexpr double kBrightest = 0.9997;  // beyond what noise alone makes bright
   append(table, allThere.quantile(kBrightest), allHere.quantile(kBrightest));
-  return table;
+  limitSlope(table);
+  const double low = there.quantile(0.25), high = there.quantile(0.75);
+  if (low > 0 && high > low && respond(table, low) > 0) {
+    fit.slope = std::log(respond(table, high) / respond(table, low)) / std::log(high / low);
+  }
 }
 
 struct KindMedians {
@@ -375,7 +433,7 @@ ResponseFit fitResponse(const std::vector<Scan>& recorded, const std::vector<Sca
     one.reflectivity = reflectivity;
     const Darkness darkness = darknessOf(mine, theirs, reflectivity);
     one.floor = darkness.floor;
-    one.table = tableOf(mine, theirs, weights, darkness, reflectivity);
+    fillTable(mine, theirs, weights, darkness.dark, one);
     if (one.table.size() < 2) {
       throw InputError("the intensities of the recorded surfaces are too much alike to find the response");
     }
@@ -412,6 +470,9 @@ std::string responseYaml(const ResponseFit& fit, const std::string& diffuse, con
   if (diffuse != "lambertian") text += fmt::format("      diffuse: {}\n", diffuse);
   if (fit.bytes) text += "      output: u8\n";
   text += fmt::format("      table: [{}]\n", rows);
+  if (fit.floor <= 0) text += "      # No floor: hardly any return of the recording has the intensity 0.\n";
+  if (fit.noise <= 0)
+    text += "      # No noise: surfaces scatter no more in the recording than in the simulated scans.\n";
   if (fit.floor > 0) text += fmt::format("      floor: {:.2g}\n", fit.floor);
   if (fit.noise > 0) text += fmt::format("      noise: {:.2g}\n", fit.noise);
   if (fit.step > 0) text += fmt::format("      step: {:.4g}\n", fit.step);

@@ -25,8 +25,13 @@ struct ResponseFit {
   bool bytes = false;         // true: intensities are integers from 0 to 255; false: any numbers
   bool reflectivity = false;  // true: the sensor corrects intensities for the range; false: it reports powers
   std::vector<std::pair<double, double>> table;  // value (power or reflectivity) and intensity, both ascending
-  double floor = 0;   // power that the sensor does not measure; 1: a white target at 10 m; 0: none was found
-  double noise = 0;   // standard deviation of the intensity, in parts of the full scale (255 for bytes, otherwise 1)
+  // Increase of the intensity's logarithm for an increase of the value's, over the middle half of the surfaces. Errors
+  // of lasers' gains are larger in the power than in the intensity by this factor.
+  double slope = 1;
+  double floor = 0;  // power that the sensor does not measure; 1: a white target at 10 m; 0: none was found
+  // Standard deviation of the intensity in parts of the full scale (255 for bytes, otherwise 1), beyond that of the
+  // simulated scans. It stands for speckle too if those have none.
+  double noise = 0;
   double step = 0;    // step of the intensities, in parts of the full scale; 0: none was found
   double misfit = 0;  // root of the mean squared difference between the medians of recorded and simulated surfaces,
                       // over the bands of ranges, in parts of the span that nine tenths of the recorded surfaces have

@@ -33,6 +33,8 @@ std::string keptEffects(const Value& list, const std::vector<std::string>& lines
   if (std::ranges::find(replaced, "range_noise") != replaced.end()) {
     replaced.insert(replaced.end(), {"dropout", "shell", "quantize"});
   }
+  // The noise of a fitted response stands for speckle too.
+  if (std::ranges::find(replaced, "intensity") != replaced.end()) replaced.emplace_back("speckle");
   std::string kept;
   std::size_t begin = first + 1;
   for (std::size_t i = 0; i < list.items.size(); ++i) {

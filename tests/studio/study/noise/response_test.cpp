@@ -89,9 +89,22 @@ TEST(Response, FindsACurveOfReflectivities) {
 
 TEST(Response, FindsACurveOfPowers) {
   const ResponseFit fit = fitOf([](double power, double, std::uint32_t) { return 20 * std::sqrt(power); });
-  EXPECT_FALSE(fit.reflectivity);
+  EXPECT_FALSE(fit.reflectivity) << fit.misfit << " " << fit.otherMisfit;
   EXPECT_FALSE(fit.bytes);
   for (const double power : {0.03, 0.1, 0.3}) EXPECT_NEAR(at(fit, power) / (20 * std::sqrt(power)), 1, 0.1) << power;
+}
+
+// Surfaces that differ more in the recording than in the simulated scans do not make the response steeper than linear.
+TEST(Response, IsAtMostLinear) {
+  const ResponseFit fit = fitOf(
+      [](double power, double range, std::uint32_t) { return 0.01 * std::pow(power * range * range / 100, 1.6); });
+  for (std::size_t k = 1; k < fit.table.size(); ++k) {
+    const auto& [low, before] = fit.table[k - 1];
+    const auto& [high, after] = fit.table[k];
+    EXPECT_GE(after, before);
+    EXPECT_LE(after / before, 1.001 * high / low);
+  }
+  EXPECT_NEAR(fit.slope, 1, 0.001);
 }
 
 TEST(Response, FindsFloorNoiseAndStep) {
