@@ -55,23 +55,25 @@ std::optional<FoundResponse> responseOf(const std::vector<Scan>& recorded, const
   forEachScan({dataset}, [&](const Scan& scan, const std::string&) { simulated.push_back(scan); });
   const ResponseFit fit = fitResponse(recorded, simulated);
   printText(
-      "response: {} recorded and {} simulated surfaces; medians in bands of ranges differ by {:.1f} % of the "
-      "span of nine tenths\n",
+      "response: {} recorded and {} simulated surfaces; the misfit of their medians is {:.1f} % of the span "
+      "of nine tenths of the recorded ones\n",
       grouped(fit.recorded), grouped(fit.simulated), 100 * fit.misfit);
   constexpr double kPoor = 0.2;  // misfit of a response that does not describe the recording
   if (fit.misfit > kPoor) {
     warn("the response describes the recording poorly: simulate places that are more like the recorded ones");
   }
-  const auto says = [&](std::string_view text) {
-    return std::ranges::any_of(store.manifest()->modelled,
-                               [&](const std::string& line) { return line.find(text) != std::string::npos; });
+  const auto says = [&](std::string_view effect, std::string_view key) {
+    return std::ranges::any_of(store.manifest()->modelled, [&](const std::string& line) {
+      return line.starts_with(fmt::format("effect {} ", effect)) && line.find("left out") == std::string::npos &&
+             line.find(key) != std::string::npos;
+    });
   };
-  if (says("effect speckle") || says("gain_sigma")) {
+  if (says("speckle", "") || says("ring_bias", "gain_sigma")) {
     warn(dataset +
          ": has speckle or unequal gains of lasers, so that the noise is found too small: generate it with "
          "{speckle: none} and {ring_bias: none} among `effects`");
   }
-  const bool rough = says("diffuse: oren_nayar");
+  const bool rough = says("intensity", "diffuse: oren_nayar");
   const std::string name = std::filesystem::path(dataset).filename().string();
   return FoundResponse{fit, responseYaml(fit, rough ? "oren_nayar" : "lambertian", name)};
 }

@@ -181,7 +181,7 @@ void placeStanding(Placer& placer, Fleet& fleet) {
   }
   if (wanted()) onRoad(fleet.anyTruck(draw), "delivering truck");
   const bool rural = l.character().country;
-  const int others = 1 + draw.below(2);
+  const int others = 1 + draw.below(3);
   for (int k = 0; k < others; ++k) {
     if (!wanted()) continue;
     const models::WorkVehicle what = rural && draw.chance(0.6) ? models::WorkVehicle::Tractor

@@ -158,7 +158,7 @@ void placePeople(Placer& placer) {
   const int walkers = count(1);
   const int parked = count(0.6);
   const int motorcycles = count(0.6);
-  const int cyclists = count(1.7);
+  const int cyclists = count(2);
   const auto search = [&](const Model& m, Draw& draw, const std::string& name, double lean) {
     for (int attempt = 0; attempt < Placer::kTries; ++attempt) {
       const std::optional<Place> place = besidePeople(placer, draw);

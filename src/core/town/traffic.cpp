@@ -254,12 +254,12 @@ class Traffic {
         addCyclist(draw, at);
       } else if (density > 0) {
         const bool heavy = pick < 0.27 && main_.section.laneWidth() > kHeavyLane;
-        if (pick > 0.86) {
+        if (pick > 0.8) {
           addMotorcyclist(draw, 0, at, speed, off);
           at += 22 + speed;
           continue;
         }
-        const Model& m = !heavy ? fleet_.anyCar(draw) : pick < 0.19 ? fleet_.bus() : fleet_.anyTruck(draw);
+        const Model& m = !heavy ? fleet_.anyCar(draw) : pick < 0.16 ? fleet_.bus() : fleet_.anyTruck(draw);
         const bool turns = !heavy && !turns_.empty() && draw.chance(0.25);
         std::uint32_t route = 0;
         if (turns) route = draw.of(turns_);
@@ -281,7 +281,7 @@ class Traffic {
       const double speed = 1.1 * fastest_ * draw.in(0.9, 1.1);
       const double off = draw.in(-0.2, 0.2);
       const bool heavy = draw.chance(0.08) && main_.section.laneWidth() > kHeavyLane;
-      if (draw.chance(0.14)) {
+      if (draw.chance(0.2)) {
         addMotorcyclist(draw, route, at, speed, out + off);
       } else {
         addDriver(route, at, heavy ? fleet_.anyTruck(draw) : fleet_.anyCar(draw), std::nullopt, speed, out + off,

@@ -462,8 +462,9 @@ std::string responseYaml(const ResponseFit& fit, const std::string& diffuse, con
   }
   std::string text = fmt::format(
       "  # The response: {} recorded cells of {} m are as bright, in the same order, as {} simulated ones of\n"
-      "  # {}. Medians of ground and other surfaces in bands of ranges differ by {:.1f} % of the span\n"
-      "  # that nine tenths of the recorded surfaces have; {} for the range they would differ by {:.1f} %.\n",
+      "  # {}. The misfit of medians of ground and other surfaces in bands of ranges is {:.1f} % of the span\n"
+      "  # that nine tenths of the recorded surfaces have; {} for the range it would be {:.1f} %.\n"
+      "  # The last value is that of the brightest returns; between it and the one before nothing was measured.\n",
       fit.recorded, kSurfaceCell, fit.simulated, source, 100 * fit.misfit,
       fit.reflectivity ? "not corrected" : "corrected", 100 * fit.otherMisfit);
   text += fmt::format("  - intensity:\n      model: {}\n", fit.reflectivity ? "reflectivity" : "power");
