@@ -193,9 +193,9 @@ Darkness darknessOf(const Surfaces& recorded, const Surfaces& simulated, bool re
     return sum;
   };
   std::vector<double> floors{0}, darks{0};
-  for (double floor = 1e-4; floor < 1; floor *= 1.15) floors.push_back(floor);
+  for (int k = 0; k < 66; ++k) floors.push_back(1e-4 * std::pow(1.15, k));  // up to 1
   // If powers are reported, dark values and the floor are the same.
-  for (double dark = 1e-3; reflectivity && dark < 0.3; dark *= 1.25) darks.push_back(dark);
+  for (int k = 0; reflectivity && k < 26; ++k) darks.push_back(1e-3 * std::pow(1.25, k));  // up to 0.3
   Darkness best;
   double least = INFINITY;
   for (const double dark : darks) {
