@@ -36,7 +36,7 @@ from train_example import opened
 
 ROOT = Path(__file__).resolve().parent.parent
 BUILT = ROOT / "build/release/scanmill"
-PROGRAM = str(BUILT) if BUILT.exists() else "scanmill"
+PROGRAM = os.environ.get("SCANMILL") or (str(BUILT) if BUILT.exists() else "scanmill")
 BASE = "everything"
 SCENE = ["relief", "reflectance_variation", "light_paths"]
 # Intensities as of a plain simulator: the cosine of the incidence over the square of the range.
