@@ -31,13 +31,13 @@ std::filesystem::path requiredFile(const Arguments& parsed, const std::string& w
 // Adds the option `simulated` of the commands that find a sensor's response.
 void addSimulatedOption(CommandOptions& options);
 
-// Finds the response of the sensor that recorded the scans, by comparing them with the dataset of the option
-// `simulated` (study/noise/response.h), and prints how well both agree. Returns nothing if the option is not given.
-// Throws InputError.
 struct FoundResponse {
   ResponseFit fit;
   std::string yaml;  // the effect `intensity`, an item of the key `effects`
 };
+// Finds the response of the sensor that recorded the scans, by comparing them with the dataset of the option
+// `simulated` (study/noise/response.h), and prints how well both agree. Returns nothing if the option is not given.
+// Throws InputError.
 std::optional<FoundResponse> responseOf(const std::vector<Scan>& recorded, const Arguments& parsed);
 
 }  // namespace scanmill

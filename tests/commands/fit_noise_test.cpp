@@ -120,6 +120,10 @@ TEST_F(FitNoiseCommand, FindsTheResponseByTowns) {
   EXPECT_THAT(readFile(at("fitted.yaml")),
               AllOf(HasSubstr("output: u8"), HasSubstr("table: [["), HasSubstr("floor: 0.0")));
 
+  const Outcome sensor = scanmill({"fit-sensor", at("recorded"), "--simulated", at("towns"), "-o", at("sensor.yaml")});
+  ASSERT_EQ(sensor.code, 0) << sensor.error;
+  EXPECT_THAT(readFile(at("sensor.yaml")), AllOf(HasSubstr("effects:\n"), HasSubstr("model: reflectivity")));
+
   const Outcome alone = scanmill(
       {"fit-noise", at("recorded"), "--sensor", "os1_128", "--simulated", at("towns"), "-o", at("alone.yaml")});
   ASSERT_EQ(alone.code, 0) << alone.error;

@@ -218,8 +218,7 @@ Character::Character(const Parameters& p, std::uint64_t seed) {
            : p.season == "autumn" ? Season::Autumn
            : p.season == "winter" ? Season::Winter
                                   : Season::Summer;
-  const double worn = sky.next();
-  wear = plain ? 0 : worn * sky.next();
+  wear = sky.next() * sky.next() * (plain ? 0 : 1);
   if (season == Season::Autumn) foliage = sky.in(0.15, 0.7);
   if (season == Season::Winter) {
     foliage = 0.03;

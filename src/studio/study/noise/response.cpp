@@ -151,7 +151,7 @@ double valueOf(const Echo& s, double floor, bool reflectivity) {
   return reflectivity ? powerAtReference({s.range, above}) : above;
 }
 
-// What makes an intensity 0: a power that is not above `floor`, and then a value that is not above `dark`.
+// An intensity is 0 if the power is not above `floor`, or if the value, without the floor, is not above `dark`.
 struct Darkness {
   double floor = 0, dark = 0;
 };
@@ -447,7 +447,7 @@ ResponseFit fitResponse(const std::vector<Scan>& recorded, const std::vector<Sca
       fit.otherMisfit = one.misfit;
     }
   }
-  // What surfaces scatter in the simulated scans is no noise of the receiver.
+  // The receiver's noise is the scatter that the simulated scans do not have.
   const double here = scatterOf(mine.cells, [](const Echo& s) { return s.number; });
   const double there = scatterOf(
       theirs.cells, [&](const Echo& s) { return respond(fit.table, valueOf(s, fit.floor, fit.reflectivity)); });
@@ -471,7 +471,8 @@ std::string responseYaml(const ResponseFit& fit, const std::string& diffuse, con
   if (diffuse != "lambertian") text += fmt::format("      diffuse: {}\n", diffuse);
   if (fit.bytes) text += "      output: u8\n";
   text += fmt::format("      table: [{}]\n", rows);
-  if (fit.floor <= 0) text += "      # No floor: hardly any return of the recording has the intensity 0.\n";
+  if (fit.floor <= 0)
+    text += "      # No floor: the recording has hardly any intensities of 0, or they do not depend on the power.\n";
   if (fit.noise <= 0)
     text += "      # No noise: surfaces scatter no more in the recording than in the simulated scans.\n";
   if (fit.floor > 0) text += fmt::format("      floor: {:.2g}\n", fit.floor);

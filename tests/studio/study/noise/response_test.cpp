@@ -142,7 +142,7 @@ TEST(Response, DoesNotDependOnHowManySurfacesAreNear) {
   for (const double value : {0.05, 0.2, 0.6}) EXPECT_NEAR(at(fit, value) / (90 * std::sqrt(value)), 1, 0.12) << value;
 }
 
-// What the YAML says is what the effect does.
+// The YAML makes an effect with the fitted full scale.
 TEST(Response, IsAnEffect) {
   const ResponseFit fit = fitOf([](double power, double range, std::uint32_t) {
     return std::round(std::min(255.0, 10 * std::sqrt(power) * range));
