@@ -19,6 +19,7 @@
 #include "commands/stop_signal.h"
 #include "commands/table.h"
 #include "config/file_kind.h"
+#include "config/named_options.h"
 #include "config/resources.h"
 #include "config/value.h"
 #include "sensors/sensor.h"
@@ -158,7 +159,9 @@ int runFitNoise(const std::vector<std::string>& arguments) {
   const std::string fitted = withEffects(text, preset.string(), effects);
   if (!warnings.empty()) warn(fmt::format("{}", fmt::join(warnings, " ")));
   writeFile(out, fitted);
-  const bool lit = fitted.find("- intensity") != std::string::npos;
+  const Value made = parseYaml(fitted, out.string());
+  const bool lit = std::ranges::any_of(
+      made.find("effects")->items, [](const Value& item) { return readNamed(item, "an effect").name == "intensity"; });
   printText("\nwrote {}: use it as `preset:` of a sensor, with `effects: {}` in the pipeline\n", out.string(),
             lit ? "sensor" : "[sensor, intensity]");
   return 0;
