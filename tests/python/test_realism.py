@@ -47,6 +47,7 @@ ROWS = {
     "intensity of pole": "remission of poles",
     "spread of pole": "remission of poles: spread",
     "spread of vehicle": "remission of vehicles, median: spread",
+    "zeros of vehicle": "remission of vehicles, median: exact zeros",
     "vehicles of more than 20 points": "vehicles with more than 20 points, a scan",
     "free way": "free way between -1.3 and 1 m about the sensor, median over 3 degree sectors (m)",
     "free way, 10th percentile": "free way between -1.3 and 1 m about the sensor, median over 3 degree sectors (m): its 10th percentile",

@@ -38,7 +38,7 @@ class TrainExample(unittest.TestCase):
         printed, figures = self.train("out", "--steps", "60", "--judge", f"same={exported}")
         test, same = figures["sets"]["test"], figures["sets"]["same"]
         # A network that has learned nothing takes all for one class, which gives it a ninth of the mean.
-        self.assertGreater(test["miou"], 0.25)
+        self.assertGreater(test["miou"], 0.2)
         self.assertGreater(test["accuracy"], 0.55)
         # The same scans as a folder of somebody else's: what differs is the rounding of Draco's positions, intensities
         # above 1, which are cut, and the classes that SemanticKITTI has none for.

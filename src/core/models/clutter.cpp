@@ -157,7 +157,9 @@ void appendWoodPile(Shape& s, Draw& draw) {
       const double radius = draw.in(0.06, 0.09);
       const double x = -0.95 + 0.165 * k + (row % 2 == 0 ? 0 : 0.08);
       const double z = 0.07 + 0.14 * row;
-      s.tube(bark, {x, draw.in(-0.22, -0.16), z}, {x, draw.in(0.16, 0.22), z}, radius, radius, 7);
+      const double near = draw.in(-0.22, -0.16);
+      const double far = draw.in(0.16, 0.22);
+      s.tube(bark, {x, near, z}, {x, far, z}, radius, radius, 7);
     }
   }
 }

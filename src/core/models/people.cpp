@@ -2,6 +2,7 @@
 // feet.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "models/models.h"
@@ -222,9 +223,11 @@ Model makePedestrian(SceneBuilder& builder, std::uint64_t seed, int form) {
   switch (form % 5) {
     case 0:
     case 1:
-    case 2:
-      p = walking(draw.in(0.55, 0.75), draw.in(0.2, 0.32), draw.in(0.02, 0.07));
+    case 2: {
+      const std::array<double, 3> gait{draw.in(0.55, 0.75), draw.in(0.2, 0.32), draw.in(0.02, 0.07)};
+      p = walking(gait[0], gait[1], gait[2]);
       break;
+    }
     case 3:  // standing, looking at a phone
       p.head = {0.06, 0, 1.62};
       p.rightHand = {0.3, -0.06, 1.24};
@@ -250,7 +253,8 @@ Walker makeWalker(SceneBuilder& builder, std::uint64_t seed, int form) {
     Draw draw(seed, Kind::Person, 100 + static_cast<std::uint32_t>(form));
     Shape s(builder, "pedestrian");
     const double reach = draw.in(0.28, 0.34);
-    const Pose p = striding(2 * kPi * moment / kMoments, reach, draw.in(0.18, 0.3), draw.in(0.02, 0.07));
+    const std::array<double, 2> gait{draw.in(0.18, 0.3), draw.in(0.02, 0.07)};
+    const Pose p = striding(2 * kPi * moment / kMoments, reach, gait[0], gait[1]);
     const Clothes c = drawClothes(draw);
     const double size = (draw.chance(0.12) ? draw.in(1.15, 1.35) : draw.in(1.58, 1.9)) / 1.75;
     s.frame = {Mat3::scale(Vec3d{1, 1, 1} * size), {}};

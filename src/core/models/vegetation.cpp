@@ -204,8 +204,10 @@ void appendConifer(Shape& s, Draw& draw, const Habit& habit, double height, doub
       const double t = 1.02 - 0.85 * std::pow(draw.next(), 1.4);  // more needles near the tip
       const double size = draw.around(habit.leaf, 0.3) * lerp(1.25, 0.8, t);
       const Vec3d stem = b.root + along * t + Vec3d{0, 0, draw.in(-0.05, 0.05)};
-      const Vec3d tip =
-          normalized(along) * 0.6 + side * (draw.sign() * draw.in(0.5, 1.1)) + Vec3d{0, 0, draw.in(-0.4, 0.15)};
+      const double turn = draw.sign();
+      const double aside = turn * draw.in(0.5, 1.1);
+      const double up = draw.in(-0.4, 0.15);
+      const Vec3d tip = normalized(along) * 0.6 + side * aside + Vec3d{0, 0, up};
       const Vec3d normal = normalized(Vec3d{0, 0, 1} + draw.direction() * 0.6);
       appendLeaf(s, needles, stem, stem + normalized(tip) * size, normal, size * 0.42);
     }
@@ -296,8 +298,8 @@ Model makeHedgerow(SceneBuilder& builder, std::uint64_t seed, int form) {
   const double depth = draw.in(0.6, 1.3);
   for (int k = 0; k < 6; ++k) {
     const Vec3d root{draw.in(-0.95, 0.95), draw.in(-0.1, 0.1), -0.1};
-    s.tube(bark, root, {root.x + draw.in(-0.2, 0.2), draw.in(-0.3, 0.3) * depth, height * draw.in(0.6, 0.9)}, 0.02,
-           0.006, 5);
+    const Vec3d tip{root.x + draw.in(-0.2, 0.2), draw.in(-0.3, 0.3) * depth, height * draw.in(0.6, 0.9)};
+    s.tube(bark, root, tip, 0.02, 0.006, 5);
   }
   // Adds at most 3500 leaves, denser near the hedge's surface, where the light is. Up to this number, their total area
   // is 4 times the hedge's area seen from the side.

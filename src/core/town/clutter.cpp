@@ -106,8 +106,9 @@ void placeRoadworks(Placer& placer, Store& store, const Model& light) {
   put(barrier, length + 0.6, across, kPi / 2, "barrier 2");
   int number = 0;
   for (const double along : models::steps(0, length, draw.in(2, 3))) {
-    put(store.any(Clutter::Cone, draw), along, std::max(edge - 2.6, 0.45) + draw.in(-0.1, 0.1), draw.in(0, 1),
-        fmt::format("cone {}", ++number));
+    const Model& cone = store.any(Clutter::Cone, draw);
+    const double lateral = std::max(edge - 2.6, 0.45) + draw.in(-0.1, 0.1);
+    put(cone, along, lateral, draw.in(0, 1), fmt::format("cone {}", ++number));
   }
   if (rural || draw.chance(0.4)) putLights(placer, light, road, *at - 6, *at + length + 6, false, "roadworks' light");
 }
@@ -262,7 +263,8 @@ void placeAnimals(Placer& placer) {
   for (int k = 0; k < pets; ++k) {
     const Model pet = models::makeAnimal(placer.builder, l.seed(), draw.below(models::kPetForms), k % 6);
     for (int attempt = 0; attempt < Placer::kTries; ++attempt) {
-      const double lateral = (draw.chance(0.5) ? 1 : -1) * (curb + draw.in(0.3, 3));
+      const int side = draw.chance(0.5) ? 1 : -1;
+      const double lateral = side * (curb + draw.in(0.3, 3));
       if (put(pet, draw.in(l.mainFrom() + 20, l.mainTo() - 20), lateral)) break;
     }
   }
@@ -273,10 +275,13 @@ void placeAnimals(Placer& placer) {
     const auto forms =
         models::makeForms(3, [&](int f) { return models::makeAnimal(placer.builder, l.seed(), form, 10 * herd + f); });
     const double at = draw.in(l.mainFrom() + 30, l.mainTo() - 30);
-    const double lateral = (draw.chance(0.5) ? 1 : -1) * (curb + draw.in(7, 22));
+    const int side = draw.chance(0.5) ? 1 : -1;
+    const double lateral = side * (curb + draw.in(7, 22));
     const int count = 3 + draw.below(8);
     for (int k = 0; k < count; ++k) {
-      put(draw.of(forms), at + draw.in(-12, 12), lateral + draw.in(-6, 6));
+      const Model& animal = draw.of(forms);
+      const double along = at + draw.in(-12, 12);
+      put(animal, along, lateral + draw.in(-6, 6));
     }
   }
 }

@@ -43,7 +43,8 @@ void along(const Layout& l, Kind kind, double per100m, const Place& place) {
     const int count = static_cast<int>(per100m * std::max(0.0, s.to - s.from) / 100 + draw.next());
     for (int k = 0; k < count; ++k) {
       for (int attempt = 0; attempt < Placer::kTries; ++attempt) {
-        if (place(draw, road, draw.in(s.from, s.to), draw.chance(0.5) ? 1 : -1, number + 1)) {
+        const double at = draw.in(s.from, s.to);
+        if (place(draw, road, at, draw.chance(0.5) ? 1 : -1, number + 1)) {
           ++number;
           break;
         }

@@ -158,8 +158,8 @@ void placeBoundaries(Placer& placer) {
     const double front = thick + 0.06 + draw.in(0, 0.1);
     if (plot.fencing != Fencing::None) boundaries.row(plot.fencing, form, at(plot.from, front), at(plot.to, front));
     if (plot.bare) continue;
-    const bool hedged = draw.chance(0.4 * l.character().hedges);
-    if (!hedged && !draw.chance(0.2 * l.character().fences)) continue;
+    const bool hedged = draw.chance(0.1 * l.character().hedges);
+    if (!hedged && !draw.chance(0.04 * l.character().fences)) continue;
     const Fencing between = hedged                                                            ? Fencing::Hedge
                             : plot.fencing == Fencing::None || plot.fencing == Fencing::Hedge ? Fencing::Pickets
                                                                                               : plot.fencing;

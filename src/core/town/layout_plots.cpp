@@ -81,7 +81,7 @@ Fencing Layout::drawFencing(Draw& draw, double setback) const {
     fencing = c.district == District::Commercial ? draw.of(std::array{Fencing::Wire, Fencing::Wire, Fencing::Bars})
               : c.country                        ? draw.of(std::array{Fencing::Pickets, Fencing::Wire, Fencing::Boards})
                           : draw.of(std::array{Fencing::Pickets, Fencing::Bars, Fencing::Brick, Fencing::Brick,
-                                               Fencing::Boards, Fencing::Wire});
+                                               Fencing::Brick, Fencing::Boards, Fencing::Boards, Fencing::Wire});
   }
   return setback < 1.5 ? Fencing::None : fencing;
 }

@@ -21,8 +21,8 @@ constexpr double kBay = 6;  // m, length of a parking bay along the curb
 // roads that the sensor's vehicle does not use, at the curb. nullopt: there is no place. `half`: half of the car's
 // width.
 std::optional<double> parkedAt(const Road& road, double half, bool keepClear) {
-  constexpr double kBesideLane = 1.35;  // m between the middle of a lane and parked cars
-  constexpr double kWalk = 0.7;         // m, width of the sidewalk that stays free
+  constexpr double kBesideLane = 1.6;  // m between the middle of a lane and parked cars: lorries pass
+  constexpr double kWalk = 0.7;        // m, width of the sidewalk that stays free
   const CrossSection& s = road.section;
   if (s.parking > 1.5) return -s.parking / 2;
   const double out = std::max(0.1, road.laneMiddle() + kBesideLane + half - s.half);
@@ -46,11 +46,11 @@ void placeCars(Placer& placer, Fleet& fleet) {
       std::uint32_t bay = 0;
       // Along a road without parking lanes drivers park half on the sidewalk on one side, on both or on none.
       const bool custom = s.parking > 1.5 ||
-                          Draw(l.seed(), Kind::Car, 9000000 + 2 * r + (side > 0 ? 1u : 0u)).chance(busy ? 0.12 : 0.75);
+                          Draw(l.seed(), Kind::Car, 9000000 + 2 * r + (side > 0 ? 1u : 0u)).chance(busy ? 0.35 : 0.75);
       for (double at = first; at + kBay < last; at += kBay) {
         Draw draw(l.seed(), Kind::Car, 10000 + 1000 * (2 * r + (side > 0 ? 1u : 0u)) + bay++);
         // More cars stand in roads where fewer pass.
-        const double parked = std::min(0.95, (busy ? 0.8 : 3) * c.parked);
+        const double parked = std::min(0.95, (!busy ? 3 : s.parking > 1.5 ? 0.8 : 0.5) * c.parked);
         if (!draw.chance(custom ? parked : 0.15 * parked)) continue;
         const Model& car = fleet.anyCar(draw);
         const double half = (car.bounds.high.y - car.bounds.low.y) / 2;
@@ -62,7 +62,8 @@ void placeCars(Placer& placer, Fleet& fleet) {
         if (std::abs(b.edge - *out) > 0.3) continue;  // the bay is at a crossing
         // Driveways are kept clear.
         if (l.outsidePatches(besideRoad(road, at + kBay / 2, side * (s.half + s.outer() + 0.4)).at) < 2.2) continue;
-        spot.yaw += (side > 0 ? kPi : 0) + (draw.chance(0.08) ? kPi : 0) + draw.in(-0.02, 0.02);
+        if (draw.chance(0.08)) spot.yaw += kPi;
+        spot.yaw += (side > 0 ? kPi : 0) + draw.in(-0.02, 0.02);
         if (placer.tryPark(car, spot, fmt::format("car {}", number + 1))) ++number;
       }
     }
@@ -76,13 +77,14 @@ void placeCars(Placer& placer, Fleet& fleet) {
     const bool wide = patch.place.halfX > kBeside;
     const double first = wide ? -patch.place.halfX + kBeside / 2 : 0;
     for (const double u : models::steps(first, wide ? patch.place.halfX - 1 : 1, kBeside)) {
-      if (!draw.chance(wide ? 0.3 + 0.5 * c.parked : std::min(0.85, 0.6 + c.parked))) continue;
+      if (!draw.chance(wide ? 0.5 + 0.45 * c.parked : 0.75 + 0.2 * c.parked)) continue;
       const Model& car = fleet.anyCar(draw);
       const Vec3d size = car.bounds.high - car.bounds.low;
       if (size.y > 2 * patch.place.halfX + 0.2) continue;
       const double in = patch.place.halfY - 3 - draw.in(0, 1);
       const double yaw = patch.place.yaw + kPi / 2;  // direction from the road to the house
-      const Spot spot{patch.place.at(u, in), yaw + (draw.chance(0.6) ? 0 : kPi) + draw.in(-0.03, 0.03), 1, 0};
+      const double turned = draw.chance(0.6) ? 0 : kPi;
+      const Spot spot{patch.place.at(u, in), yaw + turned + draw.in(-0.03, 0.03), 1, 0};
       if (!placer.occupancy.isFree(footprint(car, spot, Placer::kGap))) continue;
       placer.park(car, spot, fmt::format("car {}", ++number));
     }
@@ -134,7 +136,8 @@ void placeLots(Placer& placer, Fleet& fleet) {
         addLine(u, low, low + kLong);
         addLine(u + kWide, low, low + kLong);
         if (!wanted) continue;
-        spot.yaw += (draw.chance(0.7) ? 0 : kPi) + draw.in(-0.04, 0.04);
+        if (!draw.chance(0.7)) spot.yaw += kPi;
+        spot.yaw += draw.in(-0.04, 0.04);
         if (placer.tryPark(fleet.anyCar(draw), spot, fmt::format("car on a lot {}", number + 1))) ++number;
       }
       low += kLong + (far ? 0 : kAisle);

@@ -229,7 +229,8 @@ void placeBushes(Placer& placer) {
   for (const Plot& plot : l.plots()) {
     const Road& road = l.roads().roads()[plot.road];
     Draw draw(l.seed(), Kind::Bush, 1000 + plot.number);
-    const int count = static_cast<int>(c.gardenBushes * draw.in(0.2, 1.8) + draw.next());
+    const double expected = c.gardenBushes * draw.in(0.2, 1.8);
+    const int count = static_cast<int>(expected + draw.next());
     for (int k = 0; k < count; ++k) {
       const double depth = draw.chance(0.4) ? draw.in(0.4, std::max(1.0, 0.5 * plot.setback)) : draw.in(14, 26);
       Spot spot =

@@ -304,8 +304,9 @@ class Traffic {
     std::optional<models::Ridden>& pair = cyclists_[static_cast<std::size_t>(form)];
     if (!pair) pair = models::makeCyclist(placer_.builder, l_.seed(), 100 + form, form);
     const double speed = draw.in(3.5, 6);
-    addDriver(0, at, pair->vehicle, pair->rider, speed, main_.section.laneWidth() / 2 - 0.6, kAlways,
-              "cyclist's bicycle");
+    constexpr double kBesideParked = 1;  // m from the lane's middle, where cyclists pass parked cars
+    const double out = std::min(main_.section.laneWidth() / 2 - 0.6, kBesideParked);
+    addDriver(0, at, pair->vehicle, pair->rider, speed, out, kAlways, "cyclist's bicycle");
   }
 
   void addMotorcyclist(Draw& draw, std::uint32_t route, double at, double speed, double out) {
