@@ -47,4 +47,28 @@ inline pybind11::dict arraysOf(Scan&& scan) {
   return ordered;
 }
 
+// Returns the matrices of poses, shape (poses, 4, 4).
+inline pybind11::array_t<double> matricesOf(const std::vector<Pose>& poses) {
+  std::vector<double> values;
+  for (const Pose& pose : poses) {
+    const Mat3 r = toMatrix(pose.rotation);
+    const Vec3d& t = pose.translation;
+    values.insert(values.end(),
+                  {r.x.x, r.y.x, r.z.x, t.x, r.x.y, r.y.y, r.z.y, t.y, r.x.z, r.y.z, r.z.z, t.z, 0, 0, 0, 1});
+  }
+  return arrayOf(std::move(values), {static_cast<pybind11::ssize_t>(poses.size()), 4, 4});
+}
+
+// Adds missing columns as empty arrays. In datasets of earlier versions a scan without points has no columns; with
+// empty arrays instead, callers need no special case.
+inline void addEmptyColumns(const std::vector<std::string>& names, pybind11::dict& arrays) {
+  for (const std::string& name : names) {
+    const std::size_t index = columnIndex(name);
+    if (index == kColumnCount || arrays.contains(name.c_str())) continue;
+    forEachColumn([&](auto key) {
+      if (key.index == index) arrays[pybind11::str(name)] = arrayOf(std::vector<typename decltype(key)::Value>(), {0});
+    });
+  }
+}
+
 }  // namespace scanmill

@@ -22,6 +22,7 @@
 #include "base/error.h"
 #include "base/input_budget.h"
 #include "base/terminal.h"
+#include "config/fields.h"
 #include "config/resources.h"
 #include "config/version.h"
 #include "dataset/json_text.h"
@@ -29,7 +30,7 @@
 #include "dataset/reader.h"
 #include "dataset/scan_store.h"
 #include "python/arrays.h"
-#include "python/simulator.h"
+#include "python/simulator_bindings.h"
 
 namespace py = pybind11;
 
@@ -45,17 +46,6 @@ void findResources() {
   const std::filesystem::path share = std::filesystem::path(here.dli_fname).parent_path() / "share";
   std::error_code ignored;
   if (std::filesystem::is_directory(share, ignored)) ::setenv("SCANMILL_RESOURCES", share.c_str(), 0);
-}
-
-py::array_t<double> matricesOf(const std::vector<Pose>& poses) {
-  std::vector<double> values;
-  for (const Pose& pose : poses) {
-    const Mat3 r = toMatrix(pose.rotation);
-    const Vec3d& t = pose.translation;
-    values.insert(values.end(),
-                  {r.x.x, r.y.x, r.z.x, t.x, r.x.y, r.y.y, r.z.y, t.y, r.x.z, r.y.z, r.z.z, t.z, 0, 0, 0, 1});
-  }
-  return arrayOf(std::move(values), {static_cast<py::ssize_t>(poses.size()), 4, 4});
 }
 
 // Returns the beam table of a dataset's sensor as arrays of the shape rings x columns, with all beams, even those
@@ -99,18 +89,6 @@ const SampleRecord* recordOf(const ScanStore& store, std::size_t sample) {
   return found == all.end() ? nullptr : &*found;
 }
 
-// Adds missing columns as empty arrays. In datasets of earlier versions a scan without points has no columns; with
-// empty arrays instead, callers need no special case.
-void addEmptyColumns(const std::vector<std::string>& names, py::dict& arrays) {
-  for (const std::string& name : names) {
-    const std::size_t index = columnIndex(name);
-    if (index == kColumnCount || arrays.contains(name.c_str())) continue;
-    forEachColumn([&](auto key) {
-      if (key.index == index) arrays[py::str(name)] = arrayOf(std::vector<typename decltype(key)::Value>(), {0});
-    });
-  }
-}
-
 py::dict readScan(const ScanStore& store, std::size_t sample, const std::string& sensor,
                   const std::optional<std::vector<std::string>>& columns) {
   Scan scan;
@@ -142,26 +120,6 @@ py::dict readScan(const ScanStore& store, std::size_t sample, const std::string&
   wanted["xyz"] = arrays["xyz"];
   for (const std::string& name : *columns) wanted[py::str(name)] = arrays[py::str(name)];
   return wanted;
-}
-
-py::list simulate(const Simulator& simulator, const std::array<double, 4>& q, const std::array<double, 3>& t,
-                  double time, std::uint32_t frame) {
-  std::vector<SimulatedScan> scans;
-  {
-    const py::gil_scoped_release released;
-    const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-    if (!(std::abs(norm - 1) < 1e-6)) throw InputError("rotation must be a unit quaternion w, x, y, z");
-    scans = simulator.scan({{q[0] / norm, q[1] / norm, q[2] / norm, q[3] / norm}, {t[0], t[1], t[2]}}, time, frame);
-  }
-  py::list all;
-  for (SimulatedScan& own : scans) {
-    const bool empty = own.scan.size() == 0;
-    py::dict arrays = arraysOf(std::move(own.scan));
-    if (empty) addEmptyColumns(scanColumnNames(simulator.plan().columns()), arrays);
-    arrays["world_from_sensor"] = matricesOf(own.worldFromSensor);
-    all.append(std::move(arrays));
-  }
-  return all;
 }
 
 void defineStore(py::module_& module) {
@@ -224,31 +182,6 @@ void defineStore(py::module_& module) {
       .def(
           py::pickle([](const ScanStore& s) { return py::make_tuple(s.path().string()); },
                      [](const py::tuple& state) { return std::make_unique<ScanStore>(state[0].cast<std::string>()); }));
-}
-
-void defineSimulator(py::module_& module) {
-  py::class_<Simulator>(module, "Simulator")
-      .def(py::init([](const std::string& pipeline, const std::string& folder) {
-             const py::gil_scoped_release released;
-             return std::make_unique<Simulator>(pipeline, folder);
-           }),
-           py::arg("pipeline"), py::arg("folder"))
-      .def_property_readonly("sensors",
-                             [](const Simulator& s) {
-                               std::vector<std::string> names;
-                               for (const MountedSensor& sensor : s.plan().pipeline.sensors)
-                                 names.push_back(sensor.name);
-                               return names;
-                             })
-      .def_property_readonly("sizes",
-                             [](const Simulator& s) {
-                               std::vector<std::pair<std::uint32_t, std::uint32_t>> sizes;
-                               for (const auto& [beams, footprint] : s.plan().sensors)
-                                 sizes.emplace_back(beams->rings, beams->columns);
-                               return sizes;
-                             })
-      .def_property_readonly("classes", [](const Simulator& s) { return layOut(ontologyJson(s.scene().ontology)); })
-      .def("scan", &simulate, py::arg("rotation"), py::arg("translation"), py::arg("time") = 0.0, py::arg("frame") = 0);
 }
 
 }  // namespace

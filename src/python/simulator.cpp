@@ -1,9 +1,13 @@
 #include "python/simulator.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <memory>
 #include <utility>
 
 #include "base/error.h"
+#include "config/fields.h"
 
 namespace scanmill {
 
@@ -17,30 +21,100 @@ Pipeline pipelineOf(const std::string& text, const std::filesystem::path& folder
   return pipeline;
 }
 
-}  // namespace
-
-Simulator::Simulator(const std::string& pipeline, const std::filesystem::path& folder)
-    : plan_(makePlan(pipelineOf(pipeline, folder))),
-      source_(plan_),
-      scene_(source_.load(0)),
-      method_(source_.method(scene_)) {
-  plan_.checkMemory(method_->memoryBytes(), "the scene");
+SceneChanges changesOf(std::vector<ArrayPart> parts, bool placeable) {
+  SceneChanges changes{.add = nullptr, .placeable = placeable};
+  if (!parts.empty()) {
+    changes.add = [parts = std::move(parts)](SceneBuilder& builder) { addParts(builder, parts); };
+  }
+  return changes;
 }
 
-std::vector<SimulatedScan> Simulator::scan(const Pose& worldFromVehicle, double time, std::uint32_t frame) const {
+}  // namespace
+
+Simulator::Simulator(const std::string& pipeline, const std::filesystem::path& folder, std::vector<ArrayPart> parts,
+                     bool placeable)
+    : plan_(makePlan(pipelineOf(pipeline, folder))), source_(plan_, changesOf(std::move(parts), placeable)) {
+  const MethodEntry& method = *plan_.pipeline.method.entry;
+  if (placeable && !method.can.moving) {
+    throw InputError(fmt::format("poses: the method {} cannot trace moving objects: take the method {}, or add the "
+                                 "objects with their poses",
+                                 method.name, firstMethodThat(&MethodCapabilities::moving).name));
+  }
+  scene_ = source_.load(0);
+  method_ = source_.method(scene_);
+  plan_.checkMemory(method_->memoryBytes(), "the scene");
+  for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) instances_[scene_.instances[i].name].push_back(i);
+}
+
+std::shared_ptr<const Placements> Simulator::place(const SimulatedShot& wanted) const {
+  if (wanted.objects.empty()) return nullptr;
+  auto placed = std::make_shared<Placements>(wanted.time);
+  for (const ObjectPlace& object : wanted.objects) {
+    const auto own = instances_.find(object.name);
+    if (own == instances_.end()) {
+      std::vector<std::string> names;
+      for (const auto& [name, indices] : instances_) names.push_back(name);
+      throw InputError(fmt::format("poses: the scene has no object '{}'{}", object.name,
+                                   suggestion(object.name, names)));
+    }
+    Affine moved;  // takes the object from its place in the scene to the given place
+    for (const std::uint32_t index : own->second) {
+      const Affine before = scene_.instances[index].worldFromMeshAt(wanted.time);
+      if (index == own->second.front() && object.worldFromObject) {
+        moved = *object.worldFromObject * inverse(rigidPartOf(before));
+      }
+      Placement placement;
+      placement.hidden = !object.worldFromObject;
+      placement.worldFromMesh = moved * before;
+      placement.turning = object.turning;
+      if (!placement.hidden) {
+        const Vec3d arm = placement.worldFromMesh.translation - object.worldFromObject->translation;
+        placement.velocity = object.velocity + cross(object.turning, arm);
+      }
+      placed->set(index, placement);
+    }
+  }
+  return placed;
+}
+
+std::vector<SimulatedScan> Simulator::scan(const SimulatedShot& wanted) const {
   std::vector<SimulatedScan> scans;
-  const std::shared_ptr<const FrameSettings> settings = source_.settings(0, frame);
+  const std::shared_ptr<const FrameSettings> settings = source_.settings(0, wanted.frame);
+  const std::shared_ptr<const Placements> placed = place(wanted);
   for (Shot& shot : source_.frame(0, 0).shots) {
-    shot.frame = frame;
-    shot.time = time;
-    shot.beams = beamsAt(plan_.sensors[shot.sensor].beams, time);
-    shot.worldFromSensor = {worldFromVehicle * settings->sensors[shot.sensor].vehicleFromSensor};
+    shot.frame = wanted.frame;
+    shot.time = wanted.time;
+    shot.beams = beamsAt(plan_.sensors[shot.sensor].beams, wanted.time);
+    if (wanted.moving) shot.duration = shot.beams->columnPeriod() * shot.beams->columns;
+    shot.placed = placed;
+    shot.worldFromSensor.clear();
+    for (const Pose& worldFromVehicle : wanted.worldFromVehicle.at(shot.sensor)) {
+      shot.worldFromSensor.push_back(worldFromVehicle * settings->sensors[shot.sensor].vehicleFromSensor);
+    }
     ShotBuffers buffers;
     StageClock clock({"trace", "effects"});
     runShot(setupOf(plan_, *settings, scene_, *method_, shot.sensor), shot, buffers, clock);
     scans.push_back({std::move(buffers.scan), std::move(shot.worldFromSensor)});
   }
   return scans;
+}
+
+std::unordered_map<std::string, SceneObject> Simulator::objects(double time) const {
+  std::unordered_map<std::string, SceneObject> all;
+  for (const auto& [name, indices] : instances_) {
+    SceneObject& object = all[name];
+    object.worldFromObject = rigidPartOf(scene_.instances[indices.front()].worldFromMeshAt(time));
+    for (const std::uint32_t index : indices) {
+      const Instance& instance = scene_.instances[index];
+      object.moves |= instance.moves();
+      for (std::uint32_t k = 1; k <= scene_.meshes[instance.mesh].objects; ++k) {
+        object.things.push_back(instanceId(instance.firstInstanceId, k));
+      }
+    }
+    std::sort(object.things.begin(), object.things.end());
+    object.things.erase(std::unique(object.things.begin(), object.things.end()), object.things.end());
+  }
+  return all;
 }
 
 }  // namespace scanmill

@@ -7,10 +7,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "pipeline/plan/plan.h"
 #include "pipeline/run/run_shot.h"
+#include "python/array_part.h"
 
 namespace scanmill {
 
@@ -19,25 +21,56 @@ struct SimulatedScan {
   std::vector<Pose> worldFromSensor;  // sensor pose at each step of the revolution
 };
 
+// Where an object of the scene is at the start of a scan, and how it moves during the scan.
+struct ObjectPlace {
+  std::string name;
+  std::optional<Affine> worldFromObject;  // without scale; none: the object is left out of the scan
+  Vec3d velocity;                         // m/s, world axes
+  Vec3d turning;                          // rad/s, world axes, about the object's origin
+};
+
+struct SimulatedShot {
+  std::vector<std::vector<Pose>> worldFromVehicle;  // for each sensor, the poses at equal steps of its revolution
+  double time = 0;                                  // s since the drive began, at the start of the revolution
+  std::uint32_t frame = 0;                          // selects the noise
+  std::vector<ObjectPlace> objects;                 // the objects that are not where the scene places them
+  bool moving = false;                              // true: objects move during the revolution
+};
+
+// An object of the scene: all instances that share a name.
+struct SceneObject {
+  Affine worldFromObject;            // without scale; that of its first instance
+  std::vector<std::uint32_t> things;  // ids of its things, ascending
+  bool moves = false;                // true: it moves by itself
+};
+
 // Makes scans of one scene. Safe to use from several threads.
 class Simulator {
  public:
-  // `pipeline`: text of a pipeline with one sequence. Relative paths in the text start at `folder`. Throws InputError.
-  Simulator(const std::string& pipeline, const std::filesystem::path& folder);
+  // `pipeline`: text of a pipeline with one sequence. Relative paths in the text start at `folder`. `parts` are added
+  // to the scene. If `placeable`, scans may place objects. Throws InputError.
+  Simulator(const std::string& pipeline, const std::filesystem::path& folder, std::vector<ArrayPart> parts = {},
+            bool placeable = false);
 
-  // Returns one scan per sensor, equal to those that `scanmill generate` makes with this pipeline for the frame number
-  // `frame`, but with the vehicle at this pose. The frame number determines the noise. The vehicle stands still during
-  // the scan; moving objects are at their positions at `time` (s since the drive began).
-  std::vector<SimulatedScan> scan(const Pose& worldFromVehicle, double time, std::uint32_t frame) const;
+  // Returns one scan per sensor. If all objects are where the scene places them and stand still during the revolution,
+  // they are equal to those that `scanmill generate` makes with this pipeline for the frame number `frame`, but with
+  // the vehicle at these poses. Throws InputError for an unknown object.
+  std::vector<SimulatedScan> scan(const SimulatedShot& wanted) const;
+
+  // Returns the objects of the scene, by their names, at a time (s since the drive began).
+  std::unordered_map<std::string, SceneObject> objects(double time) const;
 
   const Plan& plan() const { return plan_; }
   const Scene& scene() const { return scene_; }
 
  private:
+  std::shared_ptr<const Placements> place(const SimulatedShot& wanted) const;
+
   Plan plan_;
   mutable ShotSource source_;  // its functions may be called from any thread
   Scene scene_;
   std::unique_ptr<Method> method_;
+  std::unordered_map<std::string, std::vector<std::uint32_t>> instances_;  // indices of the instances with each name
 };
 
 }  // namespace scanmill

@@ -18,7 +18,8 @@ Affine Instance::worldFromMeshAt(double time) const {
 }
 
 bool Scene::moves() const {
-  return std::any_of(instances.begin(), instances.end(), [](const Instance& i) { return i.moves(); });
+  return placeable ||
+         std::any_of(instances.begin(), instances.end(), [](const Instance& i) { return i.moves(); });
 }
 
 void standStill(Scene& scene, double time) {

@@ -136,8 +136,9 @@ struct Scene {
   std::map<UnlabeledPart, std::uint64_t> unlabeled;  // number of triangles without a class, by part
   std::vector<RuleUse> rules;                        // in the order of their places in files
   std::shared_ptr<const WholeScene> whole;           // properties before objects were taken out; null: none were
+  bool placeable = false;                            // true: shots may place instances elsewhere (Shot::placed)
 
-  bool moves() const;                         // true if an instance moves
+  bool moves() const;                         // true if an instance moves, or may be placed by shots
   std::uint64_t triangles() const;            // number of triangles of all meshes, each mesh counted once
   std::uint64_t placedTriangles() const;      // number of triangles of all instances
   std::uint32_t things() const;               // largest instance id of the scene's things; 0: it has no things

@@ -468,7 +468,7 @@ Scene readScene(const std::filesystem::path& path, const SceneOptions& options) 
   std::vector<Rule> rules;
   if (const Value* value = f.find("rules")) rules = readRules(*value);
   const Value& listed = f.require("objects");
-  if (listed.kind != Value::Kind::Sequence || listed.items.empty()) {
+  if (listed.kind != Value::Kind::Sequence || (listed.items.empty() && !options.add)) {
     throw InputError(listed.where, "objects must be a list of at least one object");
   }
   std::vector<DrawnValue> draws;
@@ -477,6 +477,7 @@ Scene readScene(const std::filesystem::path& path, const SceneOptions& options) 
   SceneBuilder builder(name, options.seed, readOntology(ontology), readMaterials(materials, options.wavelengthNm));
   SceneReader reader(builder, options, std::move(rules), assets);
   for (const Value& object : objects.items) reader.readObject(object);
+  if (options.add) options.add(builder);
   Scene scene = builder.finish();
   scene.file = path;
   scene.procedural = reader.procedural() || !draws.empty();

@@ -6,8 +6,10 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 
+#include "scene/builder.h"
 #include "scene/lanes.h"
 #include "scene/scene.h"
 
@@ -18,6 +20,8 @@ struct SceneOptions {
   std::filesystem::path ontology;  // if not empty, replaces the ontology that the scene file names
   int wavelengthNm = 905;          // nm, wavelength for which the material table is read
   bool textures = true;            // false: only textures for cut-outs and for rules about colours are loaded
+  // Adds objects after those of the file, whose list may then be empty; null: none.
+  std::function<void(SceneBuilder&)> add = nullptr;
 };
 
 // Reads a scene file, such as those in scenes/, with all the files that it names. Throws InputError with the place.

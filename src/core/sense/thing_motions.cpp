@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <optional>
 #include <string_view>
 
 namespace scanmill {
@@ -40,7 +41,7 @@ bool ThingMotions::areToldOf(const Scene& scene, const ScanLayout& layout) {
 }
 
 ThingMotions::ThingMotions(const Scene& scene, const Shot& shot)
-    : scene_(scene), time_(shot.time), duration_(shot.duration), untilNext_(shot.untilNext) {
+    : scene_(scene), placed_(shot.placed), time_(shot.time), duration_(shot.duration), untilNext_(shot.untilNext) {
   for (const SemanticClass& c : scene.ontology.classes) {
     if (c.movingOf) movingClasses_.emplace(*c.movingOf, c.id);
   }
@@ -49,9 +50,11 @@ ThingMotions::ThingMotions(const Scene& scene, const Shot& shot)
     const Instance& i = scene.instances[index];
     // An instance with an animation counts as moving even if its pose does not change; its velocity is the velocity of
     // its pose.
-    if (i.animation == nullptr && (i.movement == nullptr || !i.movement->moves())) continue;
-    const Affine from = i.worldFromMeshAt(shot.time);
-    const Affine to = i.worldFromMeshAt(shot.time + duration);
+    const Placement* const given = placed_ == nullptr ? nullptr : placed_->find(index);
+    const bool moves = given != nullptr ? given->moves() : i.movement != nullptr && i.movement->moves();
+    if (i.animation == nullptr && !moves) continue;
+    const Affine from = worldFromMeshAt(i, index, placed_.get(), shot.time);
+    const Affine to = worldFromMeshAt(i, index, placed_.get(), shot.time + duration);
     const auto middle = [](const Vec3d& a, const Vec3d& b) { return (a + b) * 0.5; };
     const auto change = [duration](const Vec3d& a, const Vec3d& b) { return (b - a) * (1 / duration); };
     const Mat3 between{middle(from.linear.x, to.linear.x), middle(from.linear.y, to.linear.y),
@@ -84,28 +87,29 @@ Vec3d ThingMotions::velocity(std::uint32_t thing, const Vec3d& place) const {
 Vec3d ThingMotions::flow(std::uint32_t thing, std::uint32_t primitive, const Vec3d& place, double time) const {
   const auto [first, last] = instances_.equal_range(thing);
   if (first == last) return {};
-  if (std::next(first) == last) return flowOf(scene_.instances[first->second], primitive, place, time);
+  if (std::next(first) == last) return flowOf(first->second, primitive, place, time);
   // Several entries of Scene::instances may share an id. Use the one whose triangle `primitive` is nearest to the
   // point.
-  const Instance* nearest = nullptr;
+  std::optional<std::uint32_t> nearest;
   double least = 0;
   for (auto own = first; own != last; ++own) {
     const Instance& instance = scene_.instances[own->second];
     const Mesh& mesh = scene_.meshes[instance.meshAt(time_ + duration_ / 2)];
     if (primitive >= mesh.triangles.size()) continue;
-    const Affine worldFromMesh = instance.worldFromMeshAt(time_ + time);
+    const Affine worldFromMesh = worldFromMeshAt(instance, own->second, placed_.get(), time_ + time);
     const auto corner = [&](int k) { return worldFromMesh * Vec3d(mesh.positions[mesh.triangles[primitive][k]]); };
     const double off = length(place - (corner(0) + corner(1) + corner(2)) * (1.0 / 3));
-    if (nearest != nullptr && off >= least) continue;
-    nearest = &instance;
+    if (nearest && off >= least) continue;
+    nearest = own->second;
     least = off;
   }
-  return nearest == nullptr ? Vec3d{} : flowOf(*nearest, primitive, place, time);
+  return nearest ? flowOf(*nearest, primitive, place, time) : Vec3d{};
 }
 
-Vec3d ThingMotions::flowOf(const Instance& instance, std::uint32_t primitive, const Vec3d& place, double time) const {
-  const Affine worldFromMesh = instance.worldFromMeshAt(time_ + time);
-  const Affine then = instance.worldFromMeshAt(time_ + time + untilNext_);
+Vec3d ThingMotions::flowOf(std::uint32_t index, std::uint32_t primitive, const Vec3d& place, double time) const {
+  const Instance& instance = scene_.instances[index];
+  const Affine worldFromMesh = worldFromMeshAt(instance, index, placed_.get(), time_ + time);
+  const Affine then = worldFromMeshAt(instance, index, placed_.get(), time_ + time + untilNext_);
   Vec3d inMesh = inverse(worldFromMesh) * place;
   const Mesh& now = scene_.meshes[instance.meshAt(time_ + duration_ / 2)];
   const Mesh& next = scene_.meshes[instance.meshAt(time_ + duration_ / 2 + untilNext_)];

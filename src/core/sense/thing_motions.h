@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <unordered_map>
 
 #include "base/vec.h"
@@ -42,7 +43,7 @@ class ThingMotions {
   Vec3d flow(std::uint32_t thing, std::uint32_t primitive, const Vec3d& place, double time) const;
 
  private:
-  Vec3d flowOf(const Instance& instance, std::uint32_t primitive, const Vec3d& place, double time) const;
+  Vec3d flowOf(std::uint32_t instance, std::uint32_t primitive, const Vec3d& place, double time) const;
 
   struct Motion {
     Vec3d pivot;    // m, world: origin of the mesh in the middle of the revolution
@@ -50,6 +51,7 @@ class ThingMotions {
     Mat3 perMetre;  // m/s per metre of distance from the pivot
   };
   const Scene& scene_;
+  std::shared_ptr<const Placements> placed_;  // see Shot::placed
   double time_;       // s, start of the shot
   double duration_;   // s, duration of the revolution
   double untilNext_;  // s, time from the shot to the next frame

@@ -15,6 +15,7 @@
 
 #include "base/vec.h"
 #include "config/value.h"
+#include "scene/placements.h"
 #include "sensors/beams.h"
 
 namespace scanmill {
@@ -47,6 +48,10 @@ struct Shot {
   // Distance (m) along each ray of `beams` beyond which its hits do not matter, for example because the own vehicle
   // blocks the ray; may be infinite. Empty: all hits matter. Methods may ignore it. The array must outlive the shot.
   std::span<const float> blockedBeyond;
+
+  // Where objects of the scene are during this shot, other than the scene says; null: as the scene says. The scene must
+  // be `placeable`.
+  std::shared_ptr<const Placements> placed;
 
   std::size_t stepOf(std::uint32_t column) const {
     const std::uint32_t rays = beams->raysPerBeam;

@@ -25,7 +25,7 @@ from .ontology import Ontology
 from .range_image import Projection, beam_projection, range_image, spherical_projection
 from .samples import SampleReader
 from .scan import Scan
-from .simulate import Scene, load_scene, sensor
+from .simulate import Scene, SceneObject, load_scene, sensor
 
 __all__ = [
     "Dataset",
@@ -38,6 +38,7 @@ __all__ = [
     "SampleReader",
     "Scan",
     "Scene",
+    "SceneObject",
     "__version__",
     "beam_projection",
     "decode",

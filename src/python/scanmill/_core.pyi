@@ -32,19 +32,25 @@ class Store:
     def beams(self, sensor: str, time: float = 0) -> dict[str, Any]: ...
 
 class Simulator:
-    def __init__(self, pipeline: str, folder: str) -> None: ...
+    def __init__(
+        self, pipeline: str, folder: str, parts: Sequence[dict[str, Any]] = (), placeable: bool = False
+    ) -> None: ...
     @property
     def sensors(self) -> list[str]: ...
     @property
     def sizes(self) -> list[tuple[int, int]]: ...  # number of rings and of columns for each sensor
     @property
+    def durations(self) -> list[float]: ...  # s, duration of a revolution of each sensor
+    @property
     def classes(self) -> str: ...
+    def objects(self, time: float = 0) -> dict[str, tuple[NDArray[np.float64], list[int], bool]]: ...
     def scan(
         self,
-        rotation: Sequence[float],
-        translation: Sequence[float],
+        poses: Sequence[NDArray[np.float64]],  # (n, 7) for each sensor: quaternions w, x, y, z and translations
         time: float = 0,
         frame: int = 0,
+        objects: Sequence[tuple[str, NDArray[np.float64] | None, Sequence[float], Sequence[float]]] = (),
+        moving: bool = False,
     ) -> list[dict[str, NDArray[np.generic]]]: ...
 
 def set_input_limit(factor: float) -> None: ...

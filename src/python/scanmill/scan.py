@@ -63,8 +63,8 @@ class Scan:
       sensor, method     empty if unknown
       start_time         s since the start of the sequence, when column 0 fires
       world_from_sensor  float64 (4, 4), the pose at the start of the revolution; None if unknown
-      poses              float64 (P, 4, 4): this pose and, if the sensor moves, the pose at the end of the revolution;
-                         None if unknown
+      poses              float64 (P, 4, 4): this pose and, if the sensor moves, the pose at the end of the revolution,
+                         or the pose of each column; None if unknown
       rings, columns     numbers of the sensor's rings and columns; 0 if unknown
     """
 
@@ -179,8 +179,8 @@ class Scan:
         """Returns the points in the world's frame, float64 (..., 3) in m.
 
         If the sensor moves during the revolution and the dataset is not deskewed, each point is in the sensor's frame
-        at the time of its column. The motion from the first to the last pose is assumed to be uniform. Raises
-        InputError if the pose is not known, or if the scan has neither of the columns `column` and `time`, one of which
+        at the time of its column. If only the first and the last pose are known, the motion between them is assumed to
+        be uniform. Raises InputError if the pose is not known, or if the scan has neither of the columns `column` and `time`, one of which
         is then needed.
         """
         if self.poses is None:
@@ -194,6 +194,9 @@ class Scan:
         if not all_columns > 0:
             return transformed(self.poses[0], self.xyz)
         shares = (starts - starts[0]) / all_columns
+        if len(self.poses) == len(starts) > 2 and (self.organised or "column" in self):
+            column = np.arange(self.xyz.shape[1]) if self.organised else self["column"]
+            return transformed(self.poses[column], self.xyz)
         if self.organised or "column" in self:
             matrices = between(self.poses[0], self.poses[-1], shares)
             column = np.arange(self.xyz.shape[1]) if self.organised else np.minimum(self["column"], len(starts) - 1)

@@ -1,4 +1,5 @@
-"""Scans scenes without writing files, for notebooks and for programs that choose the next pose themselves."""
+"""Scans scenes without writing files: scenes of files and of arrays, from poses and with objects where the caller wants
+them."""
 
 from __future__ import annotations
 
@@ -7,14 +8,18 @@ import os
 import re
 import threading
 from collections import OrderedDict
-from collections.abc import Mapping, Sequence
-from functools import cached_property
-from typing import Any, Union
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Optional, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from ._core import InputError, Simulator
-from .geometry import Pose, pose_matrix, quaternion_of
+from .geometry import Pose, between, pose_matrix, quaternion_of
 from .dataset import Path
 from .ontology import Ontology
+from .parts import Part, part_of
 from .scan import Scan
 from .words import advice
 
@@ -55,9 +60,18 @@ def sensor(
     return {**described, **overrides}
 
 
+@dataclass
+class SceneObject:
+    """An object of a scene: all that is placed in it by one name."""
+
+    pose: NDArray[np.float64]  # (4, 4), world from object, without scale
+    instances: list[int]  # its numbers in the column `instance`; empty for a class without instances, such as a road
+    moves: bool  # whether the scene itself moves it
+
+
 class Scene:
-    """A scene that can be scanned from any pose. Threads can share it. Pickling stores only the arguments of
-    load_scene()."""
+    """A scene that can be scanned from any pose. Threads can share it. Pickling stores the arguments of load_scene(),
+    the added parts and the names of removed objects."""
 
     def __init__(self, path: Path, seed: int = 1, labels: str | None = None, moving: bool = True) -> None:
         """See load_scene(). Relative paths start at the current folder."""
@@ -68,11 +82,72 @@ class Scene:
         self.folder = os.getcwd()
         self._lock = threading.Lock()
         self._simulators: OrderedDict[str, Simulator] = OrderedDict()
+        self._parts: dict[str, dict[str, Any]] = {}
+        self._removed: list[str] = []
+
+    @classmethod
+    def from_arrays(cls, parts: Iterable[Part], labels: str | None = None) -> Scene:
+        """Returns a scene of arrays. Each part is a map with the arguments of add(), without which it is named "part
+        1", "part 2" and so on. `labels` replaces the ontology labels/scanmill.yaml (see load_scene())."""
+        scene = cls("empty", labels=labels)
+        for number, part in enumerate(parts, start=1):
+            named = isinstance(part, Mapping) and part.get("name")
+            scene.add(part, **({} if named else {"name": f"part {number}"}))
+        return scene
+
+    def add(
+        self,
+        part: Part = None,
+        name: str = "",
+        pose: Pose | None = None,
+        **keys: Any,
+    ) -> None:
+        """Adds an object to the scene. `part` is a map of these keys, which may also be arguments (`class` only in a
+        map), or an object that has `vertices` and `triangles` or `faces`, such as meshes of Open3D and trimesh:
+
+        name         of the object, for `poses` of scan(), objects() and remove(); no other object may have it
+        vertices     (n, 3), m, in the object's frame: x forward, y left, z up
+        triangles    (m, 3), indices of vertices; or `faces`
+        mesh         an object that has both
+        class        a name or alias of the ontology's; or (m,), one for each triangle
+        material     a name of labels/materials.yaml; or (m,). Default: "default"
+        instance     (m,) integers: triangles of one number are one thing, those of 0 are of none. Default: the object
+                     is one thing if its class has instances
+        reflectance  at the sensor's wavelength, 0 to 1, in place of the material's; or (m,). Rounded to 0.001
+        colour       sRGB (3,), (m, 3) or (n, 3), from 0 to 255 if integers, else from 0 to 1: their luminance is taken
+                     as the reflectance, which is an estimate. Colours of a `mesh` count if it has no `material`
+        pose         of the object in the world, a matrix (4, 4) or map. Default: the origin
+
+        The scene is set up again at the next scan; placing an object elsewhere does not need that (`poses` of scan()).
+        Raises InputError, a ValueError, that names the part, the array and the row.
+        """
+        checked = part_of({} if part is None else part, name, pose, **keys)
+        if checked["name"] in self._parts:
+            raise InputError(f"part '{checked['name']}': the scene has an object of this name: take another name")
+        with self._lock:
+            self._parts[checked["name"]] = checked
+            self._simulators.clear()
+
+    def remove(self, name: str) -> None:
+        """Takes the objects with a name out of the scene, or all triangles of a class. The scene is set up again at the
+        next scan, which raises InputError for an unknown name; `poses={name: None}` of scan() leaves an object out of
+        one scan."""
+        with self._lock:
+            if self._parts.pop(name, None) is None:
+                self._removed.append(name)
+            self._simulators.clear()
+
+    def objects(self, time: float = 0.0) -> dict[str, SceneObject]:
+        """Returns the scene's objects by their names, at a time (s since the start of the drive)."""
+        return {
+            name: SceneObject(pose, things, moves)
+            for name, (pose, things, moves) in sorted(self._any_simulator().objects(time).items())
+        }
 
     def scan(
         self,
         sensor: Sensor | Sequence[Sensor],
-        pose: Pose,
+        pose: Pose | Sequence[Pose],
         method: Method = "ray_tracing",
         effects: Effects = None,
         columns: Sequence[str] | None = None,
@@ -80,11 +155,15 @@ class Scene:
         frame: int = 0,
         seed: int = 1,
         organised: bool = False,
+        poses: Mapping[str, Optional[Pose]] | None = None,
+        velocities: Mapping[str, ArrayLike] | None = None,
+        pose_times: ArrayLike | None = None,
     ) -> Any:
         """Scans one revolution of a sensor and returns a Scan. If `sensor` is a list, returns a list of Scans in its
         order.
 
-        pose       of the vehicle in the world, a matrix (4, 4) or map (see sensor()); the vehicle stands still
+        pose       of the vehicle in the world, a matrix (4, 4) or map (see sensor()): the vehicle stands still. Or
+                   matrices (n, 4, 4): one for each column of the sensor, or those at the n `pose_times`
         sensor     a result of sensor(), or the name of a preset; its mount is relative to the vehicle
         method     a name, or {name: its keys}
         effects    None: exact hits of the beams; "sensor": the effects in the sensor's file; or a list as in pipelines
@@ -92,34 +171,50 @@ class Scene:
         time       s since the start of the drive; determines the places of moving objects
         frame      selects the noise: the same scene, sensors, seed and frame give the same noise
         organised  True: an image of (planes * rings, columns) with NaN for beams without a return
+        poses      where objects are in this scan: {name: matrix or map}, world from object; None leaves an object out.
+                   Objects that are not named are where the scene has them. Only for methods that trace moving objects
+        velocities of objects in `poses` during the revolution: {name: (3,) or (6,)}: m/s and rad/s, world axes, about
+                   the object's origin
+        pose_times (n,) s after `time`, ascending, from 0 or less to the end of the revolution or more
 
         The first scan with a new combination of sensors, method, effects, columns, seed and layout loads the scene and
-        sets up the method, which takes seconds for large scenes. The four combinations that were used last are cached.
+        sets up the method, which takes seconds for large scenes; so does the first one with `poses`, after which placing
+        objects costs milliseconds. The four combinations that were used last are cached.
         Raises InputError for errors in the arguments and in the scene's file.
         """
         single = isinstance(sensor, (str, Mapping))
         sensors = [sensor] if single else list(sensor)  # type: ignore[list-item,arg-type]
-        matrix = pose_matrix(pose)
-        simulator = self._simulator(self._pipeline(sensors, method, effects, columns, seed, organised))
-        given = simulator.scan(quaternion_of(matrix).tolist(), matrix[:3, 3].tolist(), time, frame)
+        placed = _places(poses, velocities)
+        pipeline = self._pipeline(sensors, method, effects, columns, seed, organised)
+        simulator = self._simulator(pipeline, placeable=poses is not None)
+        durations = simulator.durations
+        ways = [
+            _poses_of(pose, pose_times, columns_of, duration)
+            for (_, columns_of), duration in zip(simulator.sizes, durations)
+        ]
+        moving = any(len(way) > 1 for way in ways) or bool(velocities)
+        given = simulator.scan(ways, time, frame, placed, moving)
         scans = [
-            self._scan_of(name, size, arrays, method, time)
-            for name, size, arrays in zip(simulator.sensors, simulator.sizes, given)
+            self._scan_of(name, size, duration, arrays, method, time)
+            for name, size, duration, arrays in zip(simulator.sensors, simulator.sizes, durations, given)
         ]
         for scan in scans:
             _require_columns(scan, columns)
         return scans[0] if single else scans
 
-    @cached_property
+    @property
     def ontology(self) -> Ontology:
         """The classes of the scene's labels. Loads the scene if no scan has been made yet."""
+        return Ontology(json.loads(self._any_simulator().classes))
+
+    def _any_simulator(self) -> Simulator:
         with self._lock:
             ready = next(reversed(self._simulators.values()), None)
-        if ready is None:
-            # Loading needs a sensor; one with a single beam is the cheapest.
-            few = {"columns": 1, "rate_hz": 10, "elevation_deg": [0], "range_m": [1, 100]}
-            ready = self._simulator(self._pipeline([few], "ray_tracing", None, None, 1, False))
-        return Ontology(json.loads(ready.classes))
+        if ready is not None:
+            return ready
+        # Loading needs a sensor; one with a single beam is the cheapest.
+        few = {"columns": 1, "rate_hz": 10, "elevation_deg": [0], "range_m": [1, 100]}
+        return self._simulator(self._pipeline([few], "ray_tracing", None, None, 1, False))
 
     def __repr__(self) -> str:
         return f"<Scene {self.path}, seed {self.seed}>"
@@ -153,7 +248,7 @@ class Scene:
         pipeline: dict[str, Any] = {
             "name": "simulation",
             "seed": seed,
-            "scenes": [{"scene": self.path, "seeds": [self.seed], "moving": self.moving}],
+            "scenes": [{"scene": self.path, "seeds": [self.seed], "moving": self.moving, "without": self._removed}],
             "trajectories": [{"name": "here", "poses": [{"position": [0, 0, 0]}]}],
             "sensors": [{"preset": s} if isinstance(s, str) else dict(s) for s in sensors],
             "method": method if isinstance(method, str) else dict(method),
@@ -167,29 +262,34 @@ class Scene:
         except (TypeError, ValueError) as e:
             raise InputError(f"a description may contain only texts, finite numbers, lists and maps: {e}") from None
 
-    def _simulator(self, pipeline: str) -> Simulator:
+    def _simulator(self, pipeline: str, placeable: bool = False) -> Simulator:
+        key = f"{pipeline} placeable" if placeable else pipeline
         # Other threads wait while a simulator is loaded, so that none is loaded twice.
         with self._lock:
-            if pipeline not in self._simulators:
+            if key not in self._simulators:
                 while len(self._simulators) >= MOST_SIMULATORS:
                     self._simulators.popitem(last=False)
                 try:
-                    self._simulators[pipeline] = Simulator(pipeline, self.folder)
+                    parts = list(self._parts.values())
+                    self._simulators[key] = Simulator(pipeline, self.folder, parts, placeable)
                 except InputError as e:
                     # Users do not know the pipeline's text, so its name, lines and columns are removed from the message.
                     ours = re.escape(os.path.join(self.folder, "simulation.yaml")) + r"(:\d+)*"
                     raise InputError(re.sub(ours, "scan()", str(e))) from None
-            self._simulators.move_to_end(pipeline)
-            return self._simulators[pipeline]
+            self._simulators.move_to_end(key)
+            return self._simulators[key]
 
     @staticmethod
-    def _scan_of(name: str, size: tuple[int, int], arrays: dict[str, Any], method: Method, time: float) -> Scan:
+    def _scan_of(
+        name: str, size: tuple[int, int], duration: float, arrays: dict[str, Any], method: Method, time: float
+    ) -> Scan:
         return Scan(
             {key: values for key, values in arrays.items() if key != "world_from_sensor"},
             sensor=name,
             method=method if isinstance(method, str) else next(iter(method)),
             start_time=time,
             poses=arrays["world_from_sensor"],
+            column_starts=np.arange(size[1]) * (duration / size[1]),
             rings=size[0],
             columns=size[1],
         )
@@ -208,3 +308,64 @@ def _require_columns(scan: Scan, columns: Sequence[str] | None) -> None:
             continue
         why = ": give it effects, such as ['intensity']" if name == "intensity" else advice(name, scan.names)
         raise InputError(f"the scan has no column '{name}'{why}")
+
+
+def _places(
+    poses: Mapping[str, Optional[Pose]] | None, velocities: Mapping[str, ArrayLike] | None
+) -> list[tuple[str, Optional[NDArray[np.float64]], list[float], list[float]]]:
+    """Returns the places of objects as the simulator takes them."""
+    speeds = {}
+    for name, given in (velocities or {}).items():
+        if poses is None or poses.get(name) is None:
+            raise InputError(f"velocities: '{name}' has no pose: give it one in `poses`")
+        speed = np.asarray(given, np.float64)
+        if speed.shape not in ((3,), (6,)) or not np.isfinite(speed).all():
+            raise InputError(f"velocities: '{name}' must have 3 or 6 finite numbers (m/s, rad/s)")
+        speeds[name] = speed.tolist()
+    places = []
+    for name, pose in (poses or {}).items():
+        try:
+            matrix = None if pose is None else pose_matrix(pose)
+        except InputError as e:
+            raise InputError(f"poses: '{name}': {e}") from None
+        speed = speeds.get(name, [0.0] * 6)
+        places.append((name, matrix, speed[:3], (speed + [0.0] * 3)[3:6]))
+    return places
+
+
+def _poses_of(
+    pose: Pose | Sequence[Pose], times: ArrayLike | None, columns: int, duration: float
+) -> NDArray[np.float64]:
+    """Returns the vehicle's poses at the columns of a sensor, or its only pose, as rows of a quaternion and a
+    translation."""
+    if isinstance(pose, Mapping) or np.ndim(pose[0]) < 2 and not isinstance(pose[0], Mapping):  # type: ignore[index]
+        if times is not None:
+            raise InputError("pose_times: there is only one pose")
+        return _row(pose_matrix(pose))  # type: ignore[arg-type]
+    matrices = np.array([pose_matrix(one) for one in pose])
+    if times is None:
+        if len(matrices) != columns:
+            raise InputError(
+                f"pose: {len(matrices)} poses, but the sensor has {columns} columns: give the times of the poses as "
+                "`pose_times`"
+            )
+        return np.concatenate([_row(one) for one in matrices])
+    seconds = np.asarray(times, np.float64)
+    if seconds.shape != (len(matrices),) or not (np.diff(seconds) > 0).all():
+        raise InputError(f"pose_times must be {len(matrices)} ascending numbers, one for each pose")
+    if seconds[0] > 0 or seconds[-1] < duration * (1 - 1 / columns) - 1e-9:
+        raise InputError(
+            f"pose_times must cover the revolution, 0 to {duration:.6g} s, not {seconds[0]:.6g} to {seconds[-1]:.6g} s"
+        )
+    at = np.arange(columns) * (duration / columns)
+    before = np.clip(np.searchsorted(seconds, at, side="right") - 1, 0, len(seconds) - 2)
+    rows = np.empty((columns, 7))
+    for k in np.unique(before):
+        own = before == k
+        share = (at[own] - seconds[k]) / (seconds[k + 1] - seconds[k])
+        rows[own] = np.concatenate([_row(one) for one in between(matrices[k], matrices[k + 1], share)])
+    return rows
+
+
+def _row(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.concatenate([quaternion_of(matrix), matrix[:3, 3]])[np.newaxis]

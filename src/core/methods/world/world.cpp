@@ -73,8 +73,10 @@ std::vector<std::size_t> place(World& world, const std::vector<bool>& instanced,
   for (std::uint32_t i = 0; i < world.scene->instances.size(); ++i) {
     const Instance& instance = world.scene->instances[i];
     if (!instanced[instance.mesh]) continue;
+    const Placement* const given = revolution.placed == nullptr ? nullptr : revolution.placed->find(i);
+    if (given != nullptr && given->hidden) continue;
     const auto placeAt = [&](double when) {
-      const Affine a = instance.worldFromMeshAt(when);
+      const Affine a = worldFromMeshAt(instance, i, revolution.placed.get(), when);
       return Affine{a.linear, a.translation - world.origin};
     };
     PlacedBlock placed;
@@ -82,7 +84,7 @@ std::vector<std::size_t> place(World& world, const std::vector<bool>& instanced,
     placed.originFromMesh = placeAt(revolution.time);
     placed.normalFromMesh = transposed(inverse(placed.originFromMesh.linear));
     placed.firstInstanceId = instance.firstInstanceId;
-    if (instance.movement != nullptr && revolution.duration > 0) {
+    if ((given != nullptr ? given->moves() : instance.movement != nullptr) && revolution.duration > 0) {
       placed.atEnd = placeAt(revolution.time + revolution.duration);
       placed.moves = true;
     }

@@ -10,6 +10,7 @@
 #include "base/vec.h"
 #include "methods/world/block.h"
 #include "methods/world/shared_meshes.h"
+#include "scene/placements.h"
 #include "scene/scene.h"
 
 namespace scanmill {
@@ -47,6 +48,7 @@ struct Revolution {
   double duration = 0;  // s; 0: nothing moves
   // Distance (m) from the world's origin beyond which instanced meshes may be left out, because no ray gets there.
   double reach = std::numeric_limits<double>::infinity();
+  std::shared_ptr<const Placements> placed = nullptr;  // see Shot::placed
 };
 
 // The scene relative to one origin and, if something moves, during one revolution. Not modified after it is built.

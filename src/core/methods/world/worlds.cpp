@@ -43,7 +43,8 @@ std::uint64_t Worlds::memoryBytes() const {
   return triangles() * kBytesPerTriangle;
 }
 
-std::shared_ptr<const World> Worlds::near(const Vec3d& sensor, double reach, double time, double duration) const {
+std::shared_ptr<const World> Worlds::near(const Vec3d& sensor, double reach, double time, double duration,
+                                          const std::shared_ptr<const Placements>& placed) const {
   const double grid = moves_ ? kMovingOriginGrid : kOriginGrid;
   const auto cell = [grid](double d) { return std::round(d / grid) * grid; };
   const Vec3d offset = sensor - anchor_;
@@ -51,7 +52,7 @@ std::shared_ptr<const World> Worlds::near(const Vec3d& sensor, double reach, dou
   Revolution revolution;
   if (moves_) {
     // Rounds up, so that shots of one revolution that differ little share a world.
-    revolution = {time, duration, std::ceil((length(sensor - origin) + reach) / grid) * grid};
+    revolution = {time, duration, std::ceil((length(sensor - origin) + reach) / grid) * grid, placed};
   }
   const std::shared_ptr<Slot> slot = slotOf(origin, revolution);
   std::call_once(slot->built, [&] {
@@ -65,7 +66,8 @@ std::shared_ptr<Worlds::Slot> Worlds::slotOf(const Vec3d& origin, const Revoluti
   for (auto it = worlds_.begin(); it != worlds_.end(); ++it) {
     const Slot& slot = **it;
     if (slot.origin == origin && slot.revolution.time == revolution.time &&
-        slot.revolution.duration == revolution.duration && slot.revolution.reach >= revolution.reach) {
+        slot.revolution.duration == revolution.duration && slot.revolution.placed == revolution.placed &&
+        slot.revolution.reach >= revolution.reach) {
       worlds_.splice(worlds_.begin(), worlds_, it);
       return worlds_.front();
     }

@@ -24,9 +24,10 @@ class Worlds {
 
   // Returns the world whose origin is nearest to `sensor`, a position in the world frame (m), for rays that start at
   // `time` or in the `duration` after it (s) and end less than `reach` (m) from `sensor`. If nothing moves, only
-  // `sensor` matters. Safe to call from several threads.
+  // `sensor` matters. `placed`: see Shot::placed. Safe to call from several threads.
   std::shared_ptr<const World> near(const Vec3d& sensor, double reach = std::numeric_limits<double>::infinity(),
-                                    double time = 0, double duration = 0) const;
+                                    double time = 0, double duration = 0,
+                                    const std::shared_ptr<const Placements>& placed = nullptr) const;
   bool moves() const { return moves_; }
   std::string embree() const { return embreeVersion(device_.get()); }  // version of the library
   bool instanced(std::size_t mesh) const { return instanced_[mesh]; }

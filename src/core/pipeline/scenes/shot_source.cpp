@@ -51,8 +51,11 @@ std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scen
   return choice.entry->make(scene, options);
 }
 
-ShotSource::ShotSource(const Plan& plan)
-    : plan_(plan), pipeline_(plan.pipeline), drawn_(std::make_unique<DrawnSettings>()) {
+ShotSource::ShotSource(const Plan& plan, SceneChanges changes)
+    : plan_(plan),
+      pipeline_(plan.pipeline),
+      changes_(std::move(changes)),
+      drawn_(std::make_unique<DrawnSettings>()) {
   if (!pipeline_.vehicle.empty()) {
     vehicle_ = std::make_shared<const Scene>(
         readScene(pipeline_.vehicle, {.ontology = pipeline_.ontology, .wavelengthNm = pipeline_.wavelengthNm}));
@@ -114,8 +117,10 @@ Scene ShotSource::load(std::size_t sequence) {
   Scene scene = readScene(own.sceneFile, {.seed = own.sceneSeed,
                                           .ontology = pipeline_.ontology,
                                           .wavelengthNm = pipeline_.wavelengthNm,
-                                          .textures = plan_.channels.has(Channel::Reflectance)});
+                                          .textures = plan_.channels.has(Channel::Reflectance),
+                                          .add = changes_.add});
   if (!own.moving) standStill(scene, 0);
+  scene.placeable = changes_.placeable;
   findDrives(own, scene);  // must precede takeOut(), so that random paths do not depend on which objects are removed
   takeOut(scene, own.without);
   return scene;

@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -17,6 +18,7 @@
 #include "methods/method.h"
 #include "pipeline/plan/plan.h"
 #include "pipeline/scenes/frame_settings.h"
+#include "scene/builder.h"
 #include "scene/scene.h"
 #include "sensors/shot.h"
 
@@ -29,6 +31,12 @@ class Trajectory;
 // for wrong options, and if the scene has moving objects that the method cannot trace.
 std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scene);
 
+// What a program adds to the scenes that it loads.
+struct SceneChanges {
+  std::function<void(SceneBuilder&)> add = nullptr;  // adds objects: see SceneOptions::add
+  bool placeable = false;                            // see Scene::placeable
+};
+
 struct Frame {
   std::shared_ptr<const FrameSettings> settings;
   std::vector<Shot> shots;  // one per sensor
@@ -40,8 +48,8 @@ class ShotSource {
  public:
   // Reads the ego vehicle, if there is one, and traces each sensor's rays to it. The plan must outlive this object.
   // Throws InputError.
-  explicit ShotSource(const Plan& plan);
-  explicit ShotSource(Plan&&) = delete;
+  explicit ShotSource(const Plan& plan, SceneChanges changes = {});
+  explicit ShotSource(Plan&&, SceneChanges = {}) = delete;
   ~ShotSource();
   ShotSource(const ShotSource&) = delete;
   ShotSource& operator=(const ShotSource&) = delete;
@@ -79,6 +87,7 @@ class ShotSource {
 
   const Plan& plan_;
   const Pipeline& pipeline_;
+  SceneChanges changes_;
   std::shared_ptr<const Scene> vehicle_;           // null: no ego vehicle
   std::shared_ptr<const FrameSettings> settings_;  // settings of the first frame of the first sequence
   std::unique_ptr<DrawnSettings> drawn_;
