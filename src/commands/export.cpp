@@ -38,12 +38,13 @@ int runExport(const std::vector<std::string>& arguments) {
   add("sensor", "only this one; may be given again", listValue(), "NAME");
   add("split", "only this one; may be given again", listValue(), "NAME");
   add("resume", "continue an export that was stopped");
-  add("quiet", "print no progress");
+  add("overwrite", "replace an existing export: its folder is emptied");
+  add("q,quiet", "print no progress");
   add("threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"), "N");
   const Arguments parsed = parseArguments(
       options, arguments,
-      "  scanmill export out/town --to semantic_kitti -o out/town_kitti\n"
-      "  scanmill export out/town --to mcap --split val -o out/town_val   # Foxglove, ROS 2\n\nlayouts:\n" +
+      "  scanmill export out/quickstart --to semantic_kitti -o out/quickstart_kitti\n"
+      "  scanmill export out/quickstart --to mcap --split val -o out/quickstart_val   # Foxglove, ROS 2\n\nlayouts:\n" +
           layoutLines());
   if (parsed.help) return 0;
   ExportOptions chosen;
@@ -59,6 +60,10 @@ int runExport(const std::vector<std::string>& arguments) {
   chosen.sensors = parsed.list("sensor");
   chosen.splits = parsed.list("split");
   chosen.resume = parsed.has("resume");
+  chosen.overwrite = parsed.has("overwrite");
+  if (chosen.resume && chosen.overwrite) {
+    throw InputError("--resume continues an export, --overwrite replaces it: give only one of the two");
+  }
   chosen.stop = &stopSignal();
   const ThreadLimit threads(parsed.options["threads"].as<int>());
   std::optional<Progress> progress;

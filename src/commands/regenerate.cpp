@@ -29,8 +29,8 @@ int runRegenerate(const std::vector<std::string>& arguments) {
   addInputLimit(options);
   const Arguments parsed =
       parseArguments(options, arguments,
-                     "  scanmill regenerate out/town                    # makes the files that verify finds damaged\n"
-                     "  scanmill regenerate out/town --sample town-s1-lane-000012 -o out/one\n");
+                     "  scanmill regenerate out/quickstart              # makes the files that verify finds damaged\n"
+                     "  scanmill regenerate out/quickstart --sample town-s1-drive-000004 -o out/one\n");
   if (parsed.help) return 0;
   const std::string folder = parsed.positional("DIR");
   const ResourceLimits limits(parsed);

@@ -34,7 +34,9 @@ void addParts(SceneBuilder& builder, const std::vector<ArrayPart>& parts) {
       Mesh mesh = part.mesh;
       mesh.name = part.name;
       for (const ArraySurface& given : part.surfaces) mesh.surfaces.push_back(surfaceOf(builder, given));
-      builder.place(builder.addMesh(std::move(mesh)), part.worldFromMesh, part.name);
+      const std::uint32_t added = builder.addMesh(std::move(mesh));
+      if (builder.soFar().meshes[added].triangles.empty()) throw InputError("none of its triangles has an area");
+      builder.place(added, part.worldFromMesh, part.name);
     } catch (const InputError& e) {
       throw InputError(fmt::format("part '{}': {}", part.name, e.what()));
     }

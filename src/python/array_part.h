@@ -13,7 +13,7 @@ namespace scanmill {
 struct ArraySurface {
   std::string className, material;
   float reflectance = -1;    // replaces the material's; negative: the material's own
-  std::int64_t object = -1;   // see Surface::object; negative: 1 for a class of things, 0 for a class of stuff
+  std::int64_t object = -1;  // see Surface::object; negative: 1 for a class of things, 0 for a class of stuff
 };
 
 struct ArrayPart {

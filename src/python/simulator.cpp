@@ -36,34 +36,42 @@ Simulator::Simulator(const std::string& pipeline, const std::filesystem::path& f
     : plan_(makePlan(pipelineOf(pipeline, folder))), source_(plan_, changesOf(std::move(parts), placeable)) {
   const MethodEntry& method = *plan_.pipeline.method.entry;
   if (placeable && !method.can.moving) {
-    throw InputError(fmt::format("poses: the method {} cannot trace moving objects: take the method {}, or add the "
-                                 "objects with their poses",
-                                 method.name, firstMethodThat(&MethodCapabilities::moving).name));
+    throw InputError(
+        fmt::format("poses: the method {} cannot trace moving objects: take the method {}, or add the "
+                    "objects with their poses",
+                    method.name, firstMethodThat(&MethodCapabilities::moving).name));
   }
   scene_ = source_.load(0);
   method_ = source_.method(scene_);
   plan_.checkMemory(method_->memoryBytes(), "the scene");
-  for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) instances_[scene_.instances[i].name].push_back(i);
+  for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
+    const std::string& name = scene_.instances[i].name;
+    instances_[name].push_back(i);
+    if (const std::size_t copy = name.rfind('#'); copy != std::string::npos) copies_[name.substr(0, copy)].push_back(i);
+  }
 }
 
 std::shared_ptr<const Placements> Simulator::place(const SimulatedShot& wanted) const {
   if (wanted.objects.empty()) return nullptr;
   auto placed = std::make_shared<Placements>(wanted.time);
   for (const ObjectPlace& object : wanted.objects) {
-    const auto own = instances_.find(object.name);
-    if (own == instances_.end()) {
+    const std::vector<std::uint32_t>* own = nullptr;
+    for (const auto* named : {&copies_, &instances_}) {
+      if (const auto found = named->find(object.name); found != named->end()) own = &found->second;
+    }
+    if (own == nullptr) {
       std::vector<std::string> names;
       for (const auto& [name, indices] : instances_) names.push_back(name);
-      throw InputError(fmt::format("poses: the scene has no object '{}'{}", object.name,
-                                   suggestion(object.name, names)));
+      throw InputError(
+          fmt::format("poses: the scene has no object '{}'{}", object.name, suggestion(object.name, names)));
     }
     Affine moved;  // takes the object from its place in the scene to the given place
-    for (const std::uint32_t index : own->second) {
+    for (const std::uint32_t index : *own) {
       const Affine before = scene_.instances[index].worldFromMeshAt(wanted.time);
-      if (index == own->second.front() && object.worldFromObject) {
+      if (index == own->front() && object.worldFromObject) {
         moved = *object.worldFromObject * inverse(rigidPartOf(before));
       }
-      Placement placement;
+      RigidMotion placement;
       placement.hidden = !object.worldFromObject;
       placement.worldFromMesh = moved * before;
       placement.turning = object.turning;

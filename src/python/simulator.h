@@ -21,7 +21,7 @@ struct SimulatedScan {
   std::vector<Pose> worldFromSensor;  // sensor pose at each step of the revolution
 };
 
-// Where an object of the scene is at the start of a scan, and how it moves during the scan.
+// States where an object of the scene is at the start of a scan, and how it moves during the scan.
 struct ObjectPlace {
   std::string name;
   std::optional<Affine> worldFromObject;  // without scale; none: the object is left out of the scan
@@ -39,9 +39,9 @@ struct SimulatedShot {
 
 // An object of the scene: all instances that share a name.
 struct SceneObject {
-  Affine worldFromObject;            // without scale; that of its first instance
+  Affine worldFromObject;             // without scale; that of its first instance
   std::vector<std::uint32_t> things;  // ids of its things, ascending
-  bool moves = false;                // true: it moves by itself
+  bool moves = false;                 // true: it moves by itself
 };
 
 // Makes scans of one scene. Safe to use from several threads.
@@ -70,7 +70,8 @@ class Simulator {
   mutable ShotSource source_;  // its functions may be called from any thread
   Scene scene_;
   std::unique_ptr<Method> method_;
-  std::unordered_map<std::string, std::vector<std::uint32_t>> instances_;  // indices of the instances with each name
+  // The indices of the instances with each name, and of the copies NAME#1, NAME#2, ... of each NAME.
+  std::unordered_map<std::string, std::vector<std::uint32_t>> instances_, copies_;
 };
 
 }  // namespace scanmill

@@ -67,9 +67,23 @@ ArrayPart partOf(const py::dict& given) {
   return part;
 }
 
-// An object's place is a tuple (name, matrix or None, velocity, angular velocity).
-using PlaceTuple =
-    std::tuple<std::string, std::optional<Array<double>>, std::array<double, 3>, std::array<double, 3>>;
+// The objects with these names are placed: poses (n, 4, 4), velocities (n, 6), and whether they are left out (n,).
+std::vector<ObjectPlace> placesOf(const std::vector<std::string>& names, const Array<double>& matrices,
+                                  const Array<double>& velocities, const Array<bool>& hidden) {
+  const auto m = matrices.unchecked<3>();
+  const auto v = velocities.unchecked<2>();
+  const auto h = hidden.unchecked<1>();
+  std::vector<ObjectPlace> places;
+  for (py::ssize_t i = 0; i < static_cast<py::ssize_t>(names.size()); ++i) {
+    const auto column = [&](py::ssize_t k) { return Vec3d{m(i, 0, k), m(i, 1, k), m(i, 2, k)}; };
+    ObjectPlace& place = places.emplace_back();
+    place.name = names[static_cast<std::size_t>(i)];
+    if (!h(i)) place.worldFromObject = {{column(0), column(1), column(2)}, column(3)};
+    place.velocity = {v(i, 0), v(i, 1), v(i, 2)};
+    place.turning = {v(i, 3), v(i, 4), v(i, 5)};
+  }
+  return places;
+}
 
 // Poses are arrays (n, 7) of quaternions w, x, y, z and translations.
 std::vector<Pose> posesOf(const Array<double>& rows) {
@@ -84,19 +98,14 @@ std::vector<Pose> posesOf(const Array<double>& rows) {
 }
 
 py::list simulate(const Simulator& simulator, const std::vector<Array<double>>& poses, double time, std::uint32_t frame,
-                  const std::vector<PlaceTuple>& objects, bool moving) {
+                  const std::vector<std::string>& names, const Array<double>& matrices, const Array<double>& velocities,
+                  const Array<bool>& hidden, bool moving) {
   SimulatedShot wanted;
   for (const Array<double>& rows : poses) wanted.worldFromVehicle.push_back(posesOf(rows));
   wanted.time = time;
   wanted.frame = frame;
   wanted.moving = moving;
-  for (const auto& [name, matrix, v, w] : objects) {
-    ObjectPlace& place = wanted.objects.emplace_back();
-    place.name = name;
-    if (matrix) place.worldFromObject = affineOf(*matrix);
-    place.velocity = {v[0], v[1], v[2]};
-    place.turning = {w[0], w[1], w[2]};
-  }
+  wanted.objects = placesOf(names, matrices, velocities, hidden);
   std::vector<SimulatedScan> scans;
   {
     const py::gil_scoped_release released;
@@ -158,8 +167,8 @@ void defineSimulator(py::module_& module) {
             return all;
           },
           py::arg("time") = 0.0)
-      .def("scan", &simulate, py::arg("poses"), py::arg("time") = 0.0, py::arg("frame") = 0,
-           py::arg("objects") = std::vector<PlaceTuple>(), py::arg("moving") = false);
+      .def("scan", &simulate, py::arg("poses"), py::arg("time"), py::arg("frame"), py::arg("names"),
+           py::arg("matrices"), py::arg("velocities"), py::arg("hidden"), py::arg("moving"));
 }
 
 }  // namespace scanmill

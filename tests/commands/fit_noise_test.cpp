@@ -97,9 +97,9 @@ TEST_F(FitNoiseCommand, KeepsWhatIsThere) {
 
 // The response is found beside the noise, and alone where the scans are not on the sensor's beams.
 TEST_F(FitNoiseCommand, FindsTheResponseByTowns) {
-  const auto make = [&](int seed, const std::string& out) {
+  const auto make = [&](const std::string& seeds, const std::string& out) {
     const std::string place =
-        std::string("{scene: ") + SCANMILL_SOURCE_DIR + "/scenes/street.yaml, seeds: [" + std::to_string(seed) + "]}";
+        std::string("{scene: ") + SCANMILL_SOURCE_DIR + "/scenes/street.yaml, seeds: [" + seeds + "]}";
     folder_.write(out + ".yaml", "scenes: [" + place +
                                      "]\n"
                                      "trajectories: [{poses: [{position: [-30, -1.75, 2]}, {position: [0, -1.75, 2]},"
@@ -111,8 +111,8 @@ TEST_F(FitNoiseCommand, FindsTheResponseByTowns) {
                                      "output: {formats: [pcd], columns: [intensity, power, ring, column]}\n");
     ASSERT_EQ(scanmill({"generate", at(out + ".yaml"), "-q", "-o", at(out)}).code, 0);
   };
-  make(1, "recorded");
-  make(2, "towns");
+  make("1, 2", "recorded");
+  make("3, 4, 5, 6", "towns");
   const Outcome fitted = scanmill(
       {"fit-noise", at("recorded"), "--sensor", at("wall.yaml"), "--simulated", at("towns"), "-o", at("fitted.yaml")});
   ASSERT_EQ(fitted.code, 0) << fitted.error;

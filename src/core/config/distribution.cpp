@@ -7,6 +7,7 @@
 #include <boost/math/special_functions/erf.hpp>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
 #include "base/hash.h"
@@ -100,9 +101,40 @@ Value itemOf(const Value& distribution, const Value& list, std::size_t index) {
   return item;
 }
 
-Value drawChoice(const Value& distribution, const Value& list, double random) {
+// Returns the weights of the items of a choice; empty if all are equally likely. Throws InputError unless there is a
+// weight for each item and one of them is positive.
+std::vector<double> readWeights(Fields& fields) {
+  const Value* const given = fields.find("weights");
+  if (given == nullptr) return {};
+  const Value& list = fields.require("choice");
+  const std::size_t items = std::max(readSpan(list).size(), list.items.size());
+  const std::vector<double> weights = readNumbers(*given, "weights");
+  const bool good = weights.size() == items &&
+                    std::all_of(weights.begin(), weights.end(), [](double w) { return w >= 0 && w < 1e12; }) &&
+                    std::any_of(weights.begin(), weights.end(), [](double w) { return w > 0; });
+  if (!good) {
+    throw InputError(given->where, fmt::format("weights must be {} numbers of at least 0, one for each item of the "
+                                               "choice and not all of them 0",
+                                               items));
+  }
+  return weights;
+}
+
+Value drawChoice(Fields& fields, double random) {
+  const Value& distribution = fields.value();
+  const Value& list = fields.require("choice");
+  const std::vector<double> weights = readWeights(fields);
   const auto pick = [&](std::size_t count) {
-    return std::min(static_cast<std::size_t>(random * static_cast<double>(count)), count - 1);
+    if (weights.empty()) return std::min(static_cast<std::size_t>(random * static_cast<double>(count)), count - 1);
+    double left = random * std::accumulate(weights.begin(), weights.end(), 0.0);
+    std::size_t last = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (weights[i] <= 0) continue;
+      last = i;
+      if (left < weights[i]) break;
+      left -= weights[i];
+    }
+    return last;
   };
   const std::vector<PlacedInteger> span = readSpan(list);
   if (!span.empty()) return scalar(distribution, std::to_string(span[pick(span.size())].value));
@@ -116,12 +148,15 @@ bool isPerFrame(Fields& fields) {
 // Returns the keys of a distribution, after a check that exactly one of them is `uniform`, `normal` or `choice`.
 Fields fieldsOf(const Value& value) {
   Fields fields(value, "distribution");
-  fields.also({"uniform", "normal", "choice", "within", "per"}).finish();
+  fields.also({"uniform", "normal", "choice", "weights", "within", "per"}).finish();
   const auto kinds =
       std::count_if(kKinds.begin(), kKinds.end(), [&](std::string_view kind) { return fields.has(kind); });
   if (kinds != 1) throw InputError(value.where, "a distribution must be exactly one of uniform, normal and choice");
   if (const Value* within = fields.find("within"); within != nullptr && !fields.has("normal")) {
     throw InputError(within->where, "within can only limit a normal distribution");
+  }
+  if (const Value* weights = fields.find("weights"); weights != nullptr && !fields.has("choice")) {
+    throw InputError(weights->where, "weights can only be given to a choice");
   }
   isPerFrame(fields);
   return fields;
@@ -130,7 +165,7 @@ Fields fieldsOf(const Value& value) {
 Value draw(Fields& fields, double random) {
   const Value& value = fields.value();
   if (fields.has("normal")) return scalar(value, fmt::format("{}", drawNormal(readNormal(fields), random)));
-  if (fields.has("choice")) return drawChoice(value, fields.require("choice"), random);
+  if (fields.has("choice")) return drawChoice(fields, random);
   const Range ends = readInterval(fields.require("uniform"), "uniform");
   return scalar(value, fmt::format("{}", std::clamp(std::lerp(ends.low, ends.high, random), ends.low, ends.high)));
 }
@@ -146,6 +181,7 @@ Value endOf(const Value& value, std::size_t& number) {
     return scalar(value, fmt::format("{}", which % 2 == 0 ? ends.low : ends.high));
   }
   const Value& list = fields.require("choice");
+  readWeights(fields);
   const std::vector<PlacedInteger> span = readSpan(list);
   if (!span.empty()) {
     const auto [low, high] =

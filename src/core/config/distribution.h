@@ -9,6 +9,7 @@
 //   length: {uniform: [200, 400]}                      # all numbers between the two are equally likely
 //   slope: {normal: [1, 0.5], within: [0, 3]}          # mean and standard deviation, cut off outside `within`
 //   season: {choice: [summer, autumn, winter]}         # all items are equally likely; [1, ..., 9] has nine
+//   road: {choice: [dry, wet], weights: [9, 1]}        # dry nine times as often
 //   traffic: {choice: [0, {uniform: [0.5, 2]}]}        # 0, or a number from 0.5 to 2
 //   rate_mm_h: {uniform: [0, 30], per: frame}          # a new value for each frame, not for each sequence
 //

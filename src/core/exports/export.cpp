@@ -77,6 +77,7 @@ class Export {
       return std::move(summary_);
     }
     const auto isThere = [&](const Unit& unit) {
+      if (options_.overwrite) return false;
       const std::vector<fs::path> files = layout_->filesOf(plan_, unit.sequence, unit.frame);
       return std::all_of(files.begin(), files.end(),
                          [&](const fs::path& file) { return fs::exists(folder_.path() / file); });
@@ -215,13 +216,16 @@ class Export {
     if (!fs::exists(folder, failure)) return false;
     if (!fs::is_directory(folder, failure))
       throw InputError({folder.string()}, "is not a folder: name a folder with -o");
+    const bool exported = fs::exists(folder / kRecord, failure) || fs::exists(folder / kUnfinished, failure);
+    if (exported && options_.overwrite) return false;
     if (fs::exists(folder / kRecord, failure)) {
       if (options_.resume && readFile(folder / kRecord) == record()) return true;
-      throw InputError({folder.string()}, "has a complete export: name another folder with -o");
+      throw InputError({folder.string()},
+                       "has a complete export: name another folder with -o, or replace it with --overwrite");
     }
     if (fs::exists(folder / kUnfinished, failure)) {
       if (!options_.resume) {
-        throw InputError({folder.string()}, "has an unfinished export: --resume continues it");
+        throw InputError({folder.string()}, "has an unfinished export: --resume continues it, --overwrite replaces it");
       }
       if (readFile(folder / kUnfinished) == record()) return false;
       throw InputError({folder.string()},
@@ -245,6 +249,18 @@ class Export {
     }
     for (const fs::path& leftover : leftovers) fs::remove(leftover);
     folder_.write(kUnfinished, record());
+    if (options_.overwrite) removeOldExport();
+  }
+
+  // Removes the record of a complete export first, so that the folder does not pass for one if the program is stopped.
+  void removeOldExport() const {
+    fs::remove(folder_.path() / kRecord);
+    std::vector<fs::path> old;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder_.path())) {
+      const std::string name = entry.path().filename().string();
+      if (name != kLock && name != kUnfinished) old.push_back(entry.path());
+    }
+    for (const fs::path& path : old) fs::remove_all(path);
   }
 
   ExportSample read(std::size_t sequence, std::size_t frame) const {

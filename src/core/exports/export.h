@@ -20,6 +20,7 @@ struct ExportOptions {
   std::vector<std::string> sensors{};  // names; empty: all, or only the first if the layout allows only one
   std::vector<std::string> splits{};   // names; empty: all
   bool resume = false;
+  bool overwrite = false;  // empties a folder that has an export
   const std::atomic<bool>* stop = nullptr;
   // Called from any thread after a frame has been read, either to be checked or to be written. `all`: number of frames.
   std::function<void(const char* stage, std::uint64_t done, std::uint64_t all)> progress{};

@@ -22,7 +22,7 @@ constexpr std::array<LayoutEntry, 7> kLayouts{{
     {"semantic_kitti", "sequences/NN with velodyne, labels, calib, poses and times", "semantic_kitti", true, false,
      makeSemanticKitti},
     {"kitti", "KITTI's object benchmark: velodyne, label_2, calib, image_2, ImageSets", "kitti", true, true, makeKitti},
-    {"nuscenes", "nuScenes' tables, boxes, lidarseg and panoptic", "nuscenes", true, false, makeNuScenes},
+    {"nuscenes", "nuScenes' tables, boxes, lidarseg and panoptic", "nuscenes", false, false, makeNuScenes},
     {"las", "LAS 1.4, a file for each scan; all columns as extra bytes", "", false, false, makeLas},
     {"ply", "PLY, a file for each scan, with labels and the classes' colours", "", false, false, makePly},
     {"npz", "NumPy, a file for each scan, an array for each column", "", false, false, makeNpz},
@@ -107,8 +107,8 @@ std::array<double, 12> matrixRows(const Pose& pose) {
   return {r.x.x, r.y.x, r.z.x, t.x, r.x.y, r.y.y, r.z.y, t.y, r.x.z, r.y.z, r.z.z, t.z};
 }
 
-const ScanRecord& onlyScanOf(const ExportPlan& plan, const SampleRecord& sample) {
-  const std::string& sensor = plan.sensors.front()->name;
+const ScanRecord& scanOf(const ExportPlan& plan, const SampleRecord& sample, std::size_t number) {
+  const std::string& sensor = plan.sensors[number]->name;
   const auto found = std::find_if(sample.scans.begin(), sample.scans.end(),
                                   [&](const ScanRecord& scan) { return scan.sensor == sensor; });
   if (found != sample.scans.end()) return *found;

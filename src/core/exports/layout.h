@@ -76,9 +76,9 @@ std::vector<std::size_t> velodyneOrder(const ExportScan& given);
 std::string velodynePoints(const ExportScan& given, std::span<const std::size_t> order);
 // Returns the rows of a pose's matrix of 3 x 4 numbers, one after the other.
 std::array<double, 12> matrixRows(const Pose& pose);
-// Returns the scan of the first exported sensor, for layouts with one sensor. Throws InputError if the sample has no
-// scan of this sensor.
-const ScanRecord& onlyScanOf(const ExportPlan& plan, const SampleRecord& sample);
+// Returns the scan of an exported sensor (index in ExportPlan::sensors). Throws InputError if the sample has no scan of
+// this sensor.
+const ScanRecord& scanOf(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor = 0);
 
 using ReadSample = std::function<ExportSample(std::size_t sequence, std::size_t frame)>;
 using ReadObjects = std::function<std::optional<SampleObjects>(std::size_t sequence, std::size_t frame)>;

@@ -5,6 +5,7 @@
 //
 //   v1.0-trainval/*.json                               the tables, and splits.json
 //   samples/LIDAR_TOP/KEY__LIDAR_TOP__TIME.pcd.bin     float32 x, y, z, intensity, ring per point
+//   samples/LIDAR_REAR/...                             likewise for a sensor `rear`; the first sensor is LIDAR_TOP
 //   lidarseg/v1.0-trainval/TOKEN_lidarseg.bin          uint8 per point: its class
 //   panoptic/v1.0-trainval/TOKEN_panoptic.npz          uint16 per point: 1000 * class + instance
 //   maps/TOKEN.png                                     a white map
@@ -18,8 +19,8 @@
 // - Each sequence is a scene with a log. The first scene is on 2020-01-01, and each further scene one day later,
 //   because times must differ from scene to scene. Times and ego_pose are those at the start of a revolution.
 // - sample_annotation has the listed objects that have at least one point and whose class in labels/nuscenes.yaml is a
-//   thing class, because nuScenes has boxes only for these. Boxes are where the beams hit the objects. visibility is
-//   the visibility from the lidar.
+//   thing class, because nuScenes has boxes only for these. Boxes are where the beams of the first lidar that sees the
+//   object hit it. num_lidar_pts counts the points of all lidars; visibility is the greatest one from a lidar.
 // - Instances are numbered from 1 to 999 within each class of a scene, in the order of the dataset's ids.
 // - splits.json lists the scenes of each split, for newer versions of the devkit. These versions reserve the names of
 //   nuScenes's splits (`train`, `val`, ...), so each split is also listed with a prefix, as `scanmill_train`.
@@ -32,12 +33,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <mutex>
 #include <numeric>
 #include <set>
 #include <utility>
 
 #include "base/error.h"
+#include "exports/instance_numbers.h"
 #include "exports/layout.h"
 #include "exports/nuscenes_names.h"
 #include "exports/nuscenes_tables.h"
@@ -56,73 +57,20 @@ constexpr float kFullIntensity = 255;
 
 // A class of the target and an instance id of the dataset. Both are needed, because the parts of an object may have
 // different classes.
-using Instance = std::pair<std::uint16_t, std::uint32_t>;
+using Instance = InstanceNumbers::Instance;
 
 Instance instanceOf(const ExportPlan& plan, const Scan& scan, std::size_t point) {
   const SemanticClass& c = plan.classes.classOf(scan[kLabel].empty() ? std::uint16_t{0} : scan[kLabel][point]);
   return {c.id, c.thing && !scan[kInstance].empty() ? scan[kInstance][point] : 0};
 }
 
-// Numbers the instances of scenes. Numbering needs all frames of a scene, so that the numbers do not depend on the
-// order in which frames are processed.
-class InstanceNumbers {
- public:
-  void add(const ExportPlan& plan, const ExportSample& sample) {
-    const Scan& scan = sample.scans.front().scan;
-    std::set<Instance> here;
-    for (std::size_t i = 0; i < scan[kLabel].size(); ++i) {
-      if (const Instance instance = instanceOf(plan, scan, i); instance.second != 0) here.insert(instance);
-    }
-    const std::scoped_lock lock(mutex_);
-    Scene& scene = scenes_[sample.sequence];
-    scene.frames.insert(sample.frame);
-    for (const auto& [category, id] : here) {
-      std::set<std::uint32_t>& ids = scene.ids[category];
-      ids.insert(id);
-      if (ids.size() <= kMostInstances) continue;
-      throw InputError(
-          {plan.dataset.string()},
-          fmt::format(
-              "the sample {} belongs to a sequence with more than {} instances of {}, the most that nuScenes can "
-              "number in a scene: generate shorter sequences or fewer objects, or leave the column instance out",
-              sample.record->key, kMostInstances, plan.classes.target().find(category)->name));
-    }
+std::set<Instance> instancesOf(const ExportPlan& plan, const Scan& scan) {
+  std::set<Instance> here;
+  for (std::size_t i = 0; i < scan[kLabel].size(); ++i) {
+    if (const Instance instance = instanceOf(plan, scan, i); instance.second != 0) here.insert(instance);
   }
-
-  // Returns the numbers of a sequence's instances. Frames that were not added yet, for example because an earlier run
-  // has written them, are read first, without a lock: another thread may read the same frames at the same time.
-  std::map<Instance, std::uint16_t> of(const ExportPlan& plan, std::size_t sequence, const ReadSample& read) {
-    for (const std::size_t f : unknownFrames(sequence, plan.sequences[sequence].samples.size())) {
-      add(plan, read(sequence, f));
-    }
-    const std::scoped_lock lock(mutex_);
-    std::map<Instance, std::uint16_t> numbers;
-    for (const auto& [category, ids] : scenes_[sequence].ids) {
-      std::uint16_t number = 0;
-      for (const std::uint32_t id : ids) numbers[{category, id}] = ++number;
-    }
-    return numbers;
-  }
-
- private:
-  struct Scene {
-    std::set<std::size_t> frames;
-    std::map<std::uint16_t, std::set<std::uint32_t>> ids;  // the dataset's instance ids, by class
-  };
-
-  std::vector<std::size_t> unknownFrames(std::size_t sequence, std::size_t frames) {
-    const std::scoped_lock lock(mutex_);
-    const std::set<std::size_t>& known = scenes_[sequence].frames;
-    std::vector<std::size_t> unknown;
-    for (std::size_t f = 0; f < frames && known.size() < frames; ++f) {
-      if (!known.contains(f)) unknown.push_back(f);
-    }
-    return unknown;
-  }
-
-  std::mutex mutex_;
-  std::map<std::size_t, Scene> scenes_;  // by sequence
-};
+  return here;
+}
 
 // Returns the number of each ring counted from the lowest. Rings that are not cones keep their numbers.
 std::vector<std::uint16_t> ringsFromBelow(const BeamTable& beams) {
@@ -165,7 +113,7 @@ class NuScenes : public Layout {
       std::int64_t last = -1;
       for (const std::size_t number : plan.sequences[s].samples) {
         const SampleRecord& sample = plan.manifest.samples[number];
-        const ScanRecord& scan = onlyScanOf(plan, sample);
+        const ScanRecord& scan = scanOf(plan, sample);
         if (!(scan.time >= 0 && scan.time < kNuScenesDay)) {
           throw InputError(
               {plan.dataset.string()},
@@ -197,36 +145,27 @@ class NuScenes : public Layout {
   std::vector<std::filesystem::path> filesOf(const ExportPlan& plan, std::size_t sequence,
                                              std::size_t frame) const override {
     const SampleRecord& sample = plan.manifest.samples[plan.sequences[sequence].samples[frame]];
-    std::vector<std::filesystem::path> files{lidarTopFile(plan, sequence, frame)};
-    if (hasColumn(plan, "label")) files.push_back(lidarsegFile(plan, sample));
-    if (isPanoptic(plan)) files.push_back(panopticFile(plan, sample));
+    std::vector<std::filesystem::path> files;
+    for (std::size_t sensor = 0; sensor < plan.sensors.size(); ++sensor) {
+      files.push_back(pointsFile(plan, sequence, frame, sensor));
+      if (hasColumn(plan, "label")) files.push_back(lidarsegFile(plan, sample, sensor));
+      if (isPanoptic(plan)) files.push_back(panopticFile(plan, sample, sensor));
+    }
     return files;
   }
 
   void write(const ExportPlan& plan, std::size_t sequence, std::size_t frame, const ReadSample& read,
              const ExportFolder& folder) const override {
     const ExportSample sample = read(sequence, frame);
-    const Scan& scan = sample.scans.front().scan;
-    folder.write(lidarTopFile(plan, sequence, frame), pointsOf(sample.scans.front()));
-    if (!hasColumn(plan, "label")) return;
     std::map<Instance, std::uint16_t> numbers;
     if (isPanoptic(plan)) {
       numbers_.add(plan, sample);
       numbers = numbers_.of(plan, sequence, read);
     }
-    std::string classes;
-    std::string panoptic;
-    for (std::size_t i = 0; i < scan.size(); ++i) {
-      if (!isFinite(scan.position[i])) continue;
-      const Instance instance = instanceOf(plan, scan, i);
-      putNumber(static_cast<std::uint8_t>(instance.first), classes);
-      const auto number = static_cast<std::uint16_t>(instance.second == 0 ? 0 : numbers[instance]);
-      putNumber(static_cast<std::uint16_t>(instance.first * kClassStep + number), panoptic);
+    for (const ExportScan& scan : sample.scans) {
+      folder.write(pointsFile(plan, sequence, frame, scan.sensorNumber), pointsOf(scan));
+      if (hasColumn(plan, "label")) writeLabels(plan, *sample.record, scan, numbers, folder);
     }
-    folder.write(lidarsegFile(plan, *sample.record), classes);
-    if (!isPanoptic(plan)) return;
-    const std::pair<std::string, std::string> array{"data.npy", npyOf("<u2", {classes.size()}, panoptic)};
-    folder.write(panopticFile(plan, *sample.record), zipOf({&array, 1}));
   }
 
   std::vector<std::string> finish(const ExportPlan& plan, const ReadObjects& read,
@@ -239,6 +178,24 @@ class NuScenes : public Layout {
 
  private:
   static bool isPanoptic(const ExportPlan& plan) { return hasColumn(plan, "label") && hasColumn(plan, "instance"); }
+
+  static void writeLabels(const ExportPlan& plan, const SampleRecord& sample, const ExportScan& exported,
+                          std::map<Instance, std::uint16_t>& numbers, const ExportFolder& folder) {
+    const Scan& scan = exported.scan;
+    std::string classes;
+    std::string panoptic;
+    for (std::size_t i = 0; i < scan.size(); ++i) {
+      if (!isFinite(scan.position[i])) continue;
+      const Instance instance = instanceOf(plan, scan, i);
+      putNumber(static_cast<std::uint8_t>(instance.first), classes);
+      const auto number = static_cast<std::uint16_t>(instance.second == 0 ? 0 : numbers[instance]);
+      putNumber(static_cast<std::uint16_t>(instance.first * kClassStep + number), panoptic);
+    }
+    folder.write(lidarsegFile(plan, sample, exported.sensorNumber), classes);
+    if (!isPanoptic(plan)) return;
+    const std::pair<std::string, std::string> array{"data.npy", npyOf("<u2", {classes.size()}, panoptic)};
+    folder.write(panopticFile(plan, sample, exported.sensorNumber), zipOf({&array, 1}));
+  }
 
   // Throws InputError if the class ids are not 0, 1, 2, ... without gaps, which the devkit requires to count points by
   // class, or if there are more than kMostClasses classes.
@@ -253,7 +210,10 @@ class NuScenes : public Layout {
                     target.name, kMostClasses));
   }
 
-  mutable InstanceNumbers numbers_;
+  mutable InstanceNumbers numbers_{"nuScenes", kMostInstances, instancesOf,
+                                   [](const ExportPlan& plan, std::uint16_t category) {
+                                     return "instances of " + plan.classes.target().find(category)->name;
+                                   }};
 };
 
 }  // namespace

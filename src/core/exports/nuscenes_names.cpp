@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <cmath>
 
@@ -24,8 +25,9 @@ std::chrono::sys_days dayOf(std::size_t sequence) {
 
 // Returns the path of a file with labels. The file's name starts with the token of the scan, by which the devkit finds
 // it.
-fs::path labelFile(const ExportPlan& plan, const SampleRecord& sample, std::string_view kind, std::string_view suffix) {
-  const std::string token = nuScenesToken(plan, "sample_data", sample.key);
+fs::path labelFile(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor, std::string_view kind,
+                   std::string_view suffix) {
+  const std::string token = nuScenesToken(plan, "sample_data", nuScenesScan(plan, sample, sensor));
   return fs::path(kind) / kNuScenesVersion / fmt::format("{}_{}.{}", token, kind, suffix);
 }
 
@@ -45,18 +47,31 @@ std::string nuScenesDate(std::size_t sequence) {
   return fmt::format("{:04}-{:02}-{:02}", int{day.year()}, unsigned{day.month()}, unsigned{day.day()});
 }
 
-fs::path lidarTopFile(const ExportPlan& plan, std::size_t sequence, std::size_t frame) {
+std::string nuScenesChannel(const ExportPlan& plan, std::size_t sensor) {
+  if (sensor == 0) return "LIDAR_TOP";
+  std::string channel = "LIDAR_" + plan.sensors[sensor]->name;
+  for (char& c : channel)
+    c = std::isalnum(static_cast<unsigned char>(c)) == 0 ? '_' : static_cast<char>(std::toupper(c));
+  return channel == "LIDAR_TOP" ? "LIDAR_TOP_2" : channel;
+}
+
+std::string nuScenesScan(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor) {
+  return sensor == 0 ? sample.key : sample.key + " " + plan.sensors[sensor]->name;
+}
+
+fs::path pointsFile(const ExportPlan& plan, std::size_t sequence, std::size_t frame, std::size_t sensor) {
   const SampleRecord& sample = plan.manifest.samples[plan.sequences[sequence].samples[frame]];
-  const std::int64_t time = nuScenesTime(sequence, onlyScanOf(plan, sample));
-  return fs::path("samples/LIDAR_TOP") / fmt::format("{}__LIDAR_TOP__{}.pcd.bin", sample.key, time);
+  const std::int64_t time = nuScenesTime(sequence, scanOf(plan, sample, sensor));
+  const std::string channel = nuScenesChannel(plan, sensor);
+  return fs::path("samples") / channel / fmt::format("{}__{}__{}.pcd.bin", sample.key, channel, time);
 }
 
-fs::path lidarsegFile(const ExportPlan& plan, const SampleRecord& sample) {
-  return labelFile(plan, sample, "lidarseg", "bin");
+fs::path lidarsegFile(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor) {
+  return labelFile(plan, sample, sensor, "lidarseg", "bin");
 }
 
-fs::path panopticFile(const ExportPlan& plan, const SampleRecord& sample) {
-  return labelFile(plan, sample, "panoptic", "npz");
+fs::path panopticFile(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor) {
+  return labelFile(plan, sample, sensor, "panoptic", "npz");
 }
 
 }  // namespace scanmill

@@ -24,9 +24,16 @@ std::string nuScenesToken(const ExportPlan& plan, std::string_view table, std::s
 std::int64_t nuScenesTime(std::size_t sequence, const ScanRecord& scan);
 std::string nuScenesDate(std::size_t sequence);
 
-// Return the paths of a frame's files, relative to the output folder.
-std::filesystem::path lidarTopFile(const ExportPlan& plan, std::size_t sequence, std::size_t frame);
-std::filesystem::path lidarsegFile(const ExportPlan& plan, const SampleRecord& sample);
-std::filesystem::path panopticFile(const ExportPlan& plan, const SampleRecord& sample);
+// Returns the channel of an exported sensor (index in ExportPlan::sensors): "LIDAR_TOP" for the first one, and for the
+// others "LIDAR_" with the sensor's name in capital letters, such as "LIDAR_FRONT_LEFT".
+std::string nuScenesChannel(const ExportPlan& plan, std::size_t sensor);
+
+// Returns the text that identifies a sensor's scan of a sample, for nuScenesToken().
+std::string nuScenesScan(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor);
+
+// Return the paths of the files of a sensor's scan, relative to the output folder.
+std::filesystem::path pointsFile(const ExportPlan& plan, std::size_t sequence, std::size_t frame, std::size_t sensor);
+std::filesystem::path lidarsegFile(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor);
+std::filesystem::path panopticFile(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor);
 
 }  // namespace scanmill

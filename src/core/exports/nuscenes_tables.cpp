@@ -126,7 +126,7 @@ std::string mapMask() {
 class Tables {
  public:
   Tables(const ExportPlan& plan, const ReadObjects& read, const ExportFolder& folder)
-      : plan_(plan), read_(read), folder_(folder), sensor_(*plan.sensors.front()) {}
+      : plan_(plan), read_(read), folder_(folder) {}
 
   void write() {
     addFixed();
@@ -134,7 +134,7 @@ class Tables {
     for (auto& [ignored, table] : tables_) table.commit();
     folder_.write(fs::path(kNuScenesVersion) / "splits.json", layOut(splits_) + "\n");
     folder_.write(mapFile(), mapMask());
-    folder_.place("sweeps/LIDAR_TOP/");
+    for (std::size_t i = 0; i < plan_.sensors.size(); ++i) folder_.place(fs::path("sweeps") / channel(i) / "");
   }
 
  private:
@@ -145,6 +145,12 @@ class Tables {
     tables_.try_emplace(name, folder_.place(fs::path(kNuScenesVersion) / (name + ".json")));
   }
   void add(const std::string& table, const OrderedJson& row) { tables_.at(table).add(scalarText(row)); }
+
+  std::string channel(std::size_t sensor) const { return nuScenesChannel(plan_, sensor); }
+  std::string sensorToken(std::size_t sensor) const { return token("sensor", sensor == 0 ? "" : channel(sensor)); }
+  std::string mountToken(std::size_t sensor, const ExportSequence& sequence) const {
+    return token("calibrated_sensor", sensor == 0 ? sequence.name : sequence.name + " " + channel(sensor));
+  }
 
   std::string mapFile() const { return fmt::format("maps/{}.png", token("map", "")); }
 
@@ -167,7 +173,9 @@ class Tables {
                          {"description", fmt::format("between {} and {} % of the beams at the object meet it",
                                                      kSteps[i], kSteps[i + 1])}});
     }
-    add("sensor", {{"token", token("sensor", "")}, {"channel", "LIDAR_TOP"}, {"modality", "lidar"}});
+    for (std::size_t i = 0; i < plan_.sensors.size(); ++i) {
+      add("sensor", {{"token", sensorToken(i)}, {"channel", channel(i)}, {"modality", "lidar"}});
+    }
     OrderedJson logs = OrderedJson::array();
     for (const ExportSequence& sequence : plan_.sequences) logs.push_back(token("log", sequence.name));
     add("map", {{"token", token("map", "")},
@@ -206,12 +214,15 @@ class Tables {
                 {"vehicle", "simulated"},
                 {"date_captured", nuScenesDate(s)},
                 {"location", plan_.manifest.name}});
-    const Pose& vehicleFromSensor = mountOf(sensor_, onlyScanOf(plan_, samples[sequence.samples.front()]));
-    add("calibrated_sensor", {{"token", token("calibrated_sensor", sequence.name)},
-                              {"sensor_token", token("sensor", "")},
-                              {"translation", listOf(vehicleFromSensor.translation, sensor_.name)},
-                              {"rotation", listOf(vehicleFromSensor.rotation * kSensorFromLidarTop, sensor_.name)},
-                              {"camera_intrinsic", OrderedJson::array()}});
+    for (std::size_t i = 0; i < plan_.sensors.size(); ++i) {
+      const SensorRecord& sensor = *plan_.sensors[i];
+      const Pose& vehicleFromSensor = mountOf(sensor, scanOf(plan_, samples[sequence.samples.front()], i));
+      add("calibrated_sensor", {{"token", mountToken(i, sequence)},
+                                {"sensor_token", sensorToken(i)},
+                                {"translation", listOf(vehicleFromSensor.translation, sensor.name)},
+                                {"rotation", listOf(vehicleFromSensor.rotation * kSensorFromLidarTop, sensor.name)},
+                                {"camera_intrinsic", OrderedJson::array()}});
+    }
     add("scene", {{"token", scene},
                   {"log_token", token("log", sequence.name)},
                   {"nbr_samples", sequence.samples.size()},
@@ -232,28 +243,40 @@ class Tables {
                                              : std::string();  // empty: there is no such frame
     };
     const SampleRecord& sample = plan_.manifest.samples[sequence.samples[f]];
-    const ScanRecord& scan = onlyScanOf(plan_, sample);
-    const std::int64_t time = nuScenesTime(s, scan);
     add("sample", {{"token", tokenAt("sample", f)},
-                   {"timestamp", time},
+                   {"timestamp", nuScenesTime(s, scanOf(plan_, sample, 0))},
                    {"prev", tokenAt("sample", f - 1)},
                    {"next", tokenAt("sample", f + 1)},
                    {"scene_token", scene}});
-    const Pose worldFromVehicle = scan.worldFromSensor.front() * inverse(mountOf(sensor_, scan));
+    for (std::size_t i = 0; i < plan_.sensors.size(); ++i) addScan(s, f, i);
+  }
+
+  // Adds the rows of a sensor's scan: ego_pose, sample_data and labels.
+  void addScan(std::size_t s, std::size_t f, std::size_t sensor) {
+    const ExportSequence& sequence = plan_.sequences[s];
+    const auto tokenAt = [&](std::string_view of, std::size_t frame) {
+      return frame < sequence.samples.size()
+                 ? token(of, nuScenesScan(plan_, plan_.manifest.samples[sequence.samples[frame]], sensor))
+                 : std::string();  // empty: there is no such frame
+    };
+    const SampleRecord& sample = plan_.manifest.samples[sequence.samples[f]];
+    const ScanRecord& scan = scanOf(plan_, sample, sensor);
+    const std::int64_t time = nuScenesTime(s, scan);
+    const Pose worldFromVehicle = scan.worldFromSensor.front() * inverse(mountOf(*plan_.sensors[sensor], scan));
     add("ego_pose", {{"token", tokenAt("ego_pose", f)},
                      {"timestamp", time},
                      {"rotation", listOf(worldFromVehicle.rotation, sample.key)},
                      {"translation", listOf(worldFromVehicle.translation, sample.key)}});
     add("sample_data", {{"token", tokenAt("sample_data", f)},
-                        {"sample_token", tokenAt("sample", f)},
+                        {"sample_token", token("sample", sample.key)},
                         {"ego_pose_token", tokenAt("ego_pose", f)},
-                        {"calibrated_sensor_token", token("calibrated_sensor", sequence.name)},
+                        {"calibrated_sensor_token", mountToken(sensor, sequence)},
                         {"timestamp", time},
                         {"fileformat", "pcd"},
                         {"is_key_frame", true},
                         {"height", 0},
                         {"width", 0},
-                        {"filename", lidarTopFile(plan_, s, f).generic_string()},
+                        {"filename", pointsFile(plan_, s, f, sensor).generic_string()},
                         {"prev", tokenAt("sample_data", f - 1)},
                         {"next", tokenAt("sample_data", f + 1)}});
     // The devkit finds a scan's labels by the token of the scan, so the row of the labels has this token.
@@ -262,8 +285,31 @@ class Tables {
       if (!tables_.contains(name)) return;
       add(name, {{"token", own}, {"sample_data_token", own}, {"filename", file.generic_string()}});
     };
-    addLabels("lidarseg", lidarsegFile(plan_, sample));
-    addLabels("panoptic", panopticFile(plan_, sample));
+    addLabels("lidarseg", lidarsegFile(plan_, sample, sensor));
+    addLabels("panoptic", panopticFile(plan_, sample, sensor));
+  }
+
+  // What the exported sensors see of an object.
+  struct Seen {
+    std::uint64_t points = 0;           // of all sensors
+    std::optional<double> visibility;   // the greatest one
+    const ObjectView* first = nullptr;  // of the first sensor with points on the object
+    std::size_t sensor = 0;             // this sensor
+  };
+
+  Seen seenBy(const ObjectRecord& object) const {
+    Seen seen;
+    for (std::size_t i = 0; i < plan_.sensors.size(); ++i) {
+      for (const ObjectView& view : object.views) {
+        if (view.sensor != plan_.sensors[i]->name || view.points == 0) continue;
+        seen.points += view.points;
+        seen.visibility = std::max(seen.visibility, view.visibility());
+        if (seen.first != nullptr) continue;
+        seen.first = &view;
+        seen.sensor = i;
+      }
+    }
+    return seen;
   }
 
   void addAnnotations(std::size_t s) {
@@ -283,10 +329,9 @@ class Tables {
       const SampleRecord& sample = plan_.manifest.samples[sequence.samples[f]];
       for (const ObjectRecord& object : all->objects) {
         const SemanticClass& category = plan_.classes.classOf(object.semantic);
-        const auto view = std::find_if(object.views.begin(), object.views.end(),
-                                       [&](const ObjectView& v) { return v.sensor == sensor_.name; });
-        if (!category.thing || view == object.views.end() || view->points == 0) continue;
-        OrderedJson row = annotation(s, sample, object, *view, category.name);
+        const Seen seen = seenBy(object);
+        if (!category.thing || seen.points == 0) continue;
+        OrderedJson row = annotation(s, sample, object, seen, category.name);
         Annotated& instance = instances[object.id];
         if (instance.annotations++ == 0) {
           instance.category = category.id;
@@ -313,12 +358,13 @@ class Tables {
     return token("instance", fmt::format("{} {}", plan_.sequences[s].name, id));
   }
 
-  // Returns a row of sample_annotation. Its box is the object's box relative to the sensor when the beams hit the
-  // object, placed in the world by the sensor's pose at the start of the revolution. The box thus fits the points.
-  OrderedJson annotation(std::size_t s, const SampleRecord& sample, const ObjectRecord& object, const ObjectView& view,
+  // Returns a row of sample_annotation. Its box is the object's box relative to the first sensor that sees it, when the
+  // beams hit the object, placed in the world by the sensor's pose at the start of the revolution. The box thus fits
+  // the points of this sensor.
+  OrderedJson annotation(std::size_t s, const SampleRecord& sample, const ObjectRecord& object, const Seen& seen,
                          const std::string& category) const {
     const std::string what = fmt::format("{}: object {}", sample.key, object.id);
-    const Pose worldFromBox = onlyScanOf(plan_, sample).worldFromSensor.front() * view.sensorFromBox;
+    const Pose worldFromBox = scanOf(plan_, sample, seen.sensor).worldFromSensor.front() * seen.first->sensorFromBox;
     OrderedJson attributes = OrderedJson::array();
     if (const std::string name = attributeOf(category, object); !name.empty()) {
       attributes.push_back(token("attribute", name));
@@ -326,21 +372,20 @@ class Tables {
     return {{"token", token("sample_annotation", fmt::format("{} {}", sample.key, object.id))},
             {"sample_token", token("sample", sample.key)},
             {"instance_token", instanceToken(s, object.id)},
-            {"visibility_token", visibilityToken(view.visibility())},
+            {"visibility_token", visibilityToken(seen.visibility)},
             {"attribute_tokens", std::move(attributes)},
             {"translation", listOf(worldFromBox.translation, what)},
             {"size", listOf(Vec3d{object.size.y, object.size.x, object.size.z}, what)},
             {"rotation", listOf(worldFromBox.rotation, what)},
             {"prev", ""},
             {"next", ""},
-            {"num_lidar_pts", view.points},
+            {"num_lidar_pts", seen.points},
             {"num_radar_pts", 0}};
   }
 
   const ExportPlan& plan_;
   const ReadObjects& read_;
   const ExportFolder& folder_;
-  const SensorRecord& sensor_;
   std::map<std::string, JsonListFile> tables_;
   OrderedJson splits_ = OrderedJson::object();
 };

@@ -17,9 +17,11 @@
 #include <algorithm>
 #include <cstring>
 #include <map>
+#include <mutex>
 #include <set>
 
 #include "base/error.h"
+#include "exports/instance_numbers.h"
 #include "exports/layout.h"
 #include "exports/semantic_kitti_voxels.h"
 #include "formats/little_endian.h"
@@ -67,6 +69,16 @@ std::filesystem::path sequenceFolder(std::size_t number) {
   return std::filesystem::path("sequences") / fmt::format("{:02}", number);
 }
 
+// Returns the instances that a scan has, all in one group.
+std::set<InstanceNumbers::Instance> instancesOf(const ExportPlan&, const Scan& scan) {
+  const std::set<std::uint32_t> ids(scan[kInstance].begin(), scan[kInstance].end());
+  std::set<InstanceNumbers::Instance> here;
+  for (const std::uint32_t id : ids) {
+    if (id != 0) here.insert({0, id});
+  }
+  return here;
+}
+
 class SemanticKitti : public Layout {
  public:
   void check(const ExportPlan& plan) const override {
@@ -80,15 +92,7 @@ class SemanticKitti : public Layout {
 
   bool checksSamples(const ExportPlan& plan) const override { return hasColumn(plan, "instance"); }
 
-  void checkSample(const ExportPlan& plan, const ExportSample& sample) const override {
-    const std::vector<std::uint32_t>& ids = sample.scans.front().scan[kInstance];
-    const auto most = std::max_element(ids.begin(), ids.end());
-    if (most == ids.end() || *most <= kMostInstances) return;
-    throw InputError({plan.dataset.string()},
-                     fmt::format("the sample {} has points of the instance {}, but SemanticKITTI's labels store ids up "
-                                 "to {}: generate a scene with fewer objects, or leave the column instance out",
-                                 sample.record->key, *most, kMostInstances));
-  }
+  void checkSample(const ExportPlan& plan, const ExportSample& sample) const override { numbers_.add(plan, sample); }
 
   std::vector<std::filesystem::path> filesOf(const ExportPlan& plan, std::size_t sequence,
                                              std::size_t frame) const override {
@@ -115,6 +119,7 @@ class SemanticKitti : public Layout {
         if (object.moves) moving.insert(object.id);
       }
     }
+    const std::map<InstanceNumbers::Instance, std::uint16_t> numbers = newNumbers(plan, sample, read);
     std::string labels;
     const std::vector<std::size_t> order = velodyneOrder(sample.scans.front());
     for (const std::size_t i : order) {
@@ -122,7 +127,8 @@ class SemanticKitti : public Layout {
       const std::uint32_t instance = scan[kInstance].empty() ? 0 : scan[kInstance][i];
       const std::uint16_t own = scan[kLabel][i];
       const std::uint32_t label = moving.contains(instance) ? plan.classes.ofMoving(own) : plan.classes.of(own);
-      putNumber(label | instance << 16, labels);
+      const std::uint32_t number = numbers.empty() || instance == 0 ? instance : numbers.at({0, instance});
+      putNumber(label | number << 16, labels);
     }
     const std::vector<std::filesystem::path> files = filesOf(plan, sequence, frame);
     folder.write(files[0], velodynePoints(sample.scans.front(), order));
@@ -144,7 +150,7 @@ class SemanticKitti : public Layout {
       std::string times;
       const ScanRecord* first = nullptr;
       for (const std::size_t number : plan.sequences[s].samples) {
-        const ScanRecord& scan = onlyScanOf(plan, plan.manifest.samples[number]);
+        const ScanRecord& scan = scanOf(plan, plan.manifest.samples[number]);
         if (first == nullptr) first = &scan;
         const Pose moved = inverse(first->worldFromSensor.front()) * scan.worldFromSensor.front();
         poses += twelve(cameraFromSensor * moved * inverse(cameraFromSensor)) + "\n";
@@ -160,13 +166,33 @@ class SemanticKitti : public Layout {
       folder.write(sequenceFolder(numbers[s]) / "calib.txt", calibration);
     }
     folder.write("semantic-kitti.yaml", configuration(plan));
-    if (!hasColumn(plan, "label") || listsObjects(plan)) return {};
-    return {
+    std::vector<std::string> warnings;
+    if (const std::scoped_lock lock(mutex_); !renumbered_.empty()) {
+      warnings.push_back(
+          fmt::format("instances have new numbers from 1 in {} of {} sequences, since SemanticKITTI's labels store ids "
+                      "up to {}; they do not join the dataset's",
+                      renumbered_.size(), plan.sequences.size(), kMostInstances));
+    }
+    if (!hasColumn(plan, "label") || listsObjects(plan)) return warnings;
+    warnings.emplace_back(
         "the dataset lists no objects, so that moving objects get the classes of static ones: generate it with "
-        "`output: {objects: true}` for the moving classes"};
+        "`output: {objects: true}` for the moving classes");
+    return warnings;
   }
 
  private:
+  // Returns the new numbers of a sequence's instances; empty if all of their ids fit into labels.
+  std::map<InstanceNumbers::Instance, std::uint16_t> newNumbers(const ExportPlan& plan, const ExportSample& sample,
+                                                                const ReadSample& read) const {
+    if (!hasColumn(plan, "instance")) return {};
+    numbers_.add(plan, sample);
+    std::map<InstanceNumbers::Instance, std::uint16_t> numbers = numbers_.of(plan, sample.sequence, read);
+    if (numbers.empty() || numbers.rbegin()->first.second <= kMostInstances) return {};
+    const std::scoped_lock lock(mutex_);
+    renumbered_.insert(sample.sequence);
+    return numbers;
+  }
+
   // Returns a configuration in the form of the API's config/semantic-kitti.yaml. The trained classes are the classes
   // that points can have, in the order of their ids; a class of moving objects is trained as the class of the same
   // objects standing still. The split `val` is called `valid` in this configuration.
@@ -206,6 +232,11 @@ class SemanticKitti : public Layout {
     }
     return text;
   }
+
+  mutable InstanceNumbers numbers_{"SemanticKITTI", kMostInstances, instancesOf,
+                                   [](const ExportPlan&, std::uint16_t) { return std::string("instances"); }};
+  mutable std::mutex mutex_;
+  mutable std::set<std::size_t> renumbered_;  // sequences with new numbers
 };
 
 }  // namespace

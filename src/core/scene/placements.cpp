@@ -6,7 +6,7 @@
 
 namespace scanmill {
 
-Affine Placement::at(double after) const {
+Affine RigidMotion::at(double after) const {
   if (!moves()) return worldFromMesh;
   Affine place = worldFromMesh;
   const double rate = length(turning);
@@ -19,13 +19,13 @@ Affine Placement::at(double after) const {
   return place;
 }
 
-const Placement* Placements::find(std::uint32_t instance) const {
+const RigidMotion* Placements::find(std::uint32_t instance) const {
   const auto found = placed_.find(instance);
   return found == placed_.end() ? nullptr : &found->second;
 }
 
 Affine worldFromMeshAt(const Instance& instance, std::uint32_t index, const Placements* placed, double time) {
-  const Placement* const placement = placed == nullptr ? nullptr : placed->find(index);
+  const RigidMotion* const placement = placed == nullptr ? nullptr : placed->find(index);
   return placement == nullptr ? instance.worldFromMeshAt(time) : placed->worldFromMeshAt(*placement, time);
 }
 

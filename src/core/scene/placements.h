@@ -1,11 +1,11 @@
 #pragma once
 
-// Where a caller places objects of a scene for one shot, in place of the positions that the scene gives them: the
-// objects that another simulator moves.
+// The places that a caller gives to objects of a scene for one shot, such as those of objects that another simulator
+// moves. This header is installed because sensors/shot.h includes it.
 //
-//   auto placed = std::make_shared<Placements>(shot.time);
-//   placed->set(17, {.worldFromMesh = pose, .velocity = {5, 0, 0}});  // instance 17 drives at 5 m/s
-//   shot.placed = std::move(placed);
+//   Placements placed(2.0);  // for a shot that starts at 2 s; Shot::placed points to it
+//   placed.set(17, {.worldFromMesh = {{}, {10, 0, 0}}, .velocity = {5, 0, 0}});  // instance 17 drives at 5 m/s
+//   const Vec3d later = placed.worldFromMeshAt(*placed.find(17), 2.1).translation;  // (10.5, 0, 0) m
 
 #include <cstdint>
 #include <unordered_map>
@@ -17,11 +17,11 @@ namespace scanmill {
 struct Instance;
 
 // The rigid motion of an instance during a shot.
-struct Placement {
-  bool hidden = false;   // true: the instance is not in the scene during the shot
-  Affine worldFromMesh;  // at the start of the shot
-  Vec3d velocity;        // m/s, world axes: velocity of the mesh's origin
-  Vec3d turning;         // rad/s, world axes: angular velocity about the mesh's origin
+struct RigidMotion {
+  bool hidden = false;        // true: the instance is not in the scene during the shot
+  Affine worldFromMesh = {};  // at the start of the shot
+  Vec3d velocity = {};        // m/s, world axes: velocity of the mesh's origin
+  Vec3d turning = {};         // rad/s, world axes: angular velocity about the mesh's origin
 
   bool moves() const { return velocity != Vec3d{} || turning != Vec3d{}; }
   // Returns the transform `after` seconds after the start of the shot, at constant velocity and angular velocity.
@@ -33,15 +33,15 @@ class Placements {
   // `time`: the start of the shot (s since the drive began).
   explicit Placements(double time) : time_(time) {}
 
-  void set(std::uint32_t instance, const Placement& placement) { placed_[instance] = placement; }
+  void set(std::uint32_t instance, const RigidMotion& motion) { placed_[instance] = motion; }
   // Returns the placement of an instance (index in Scene::instances); null if it has none.
-  const Placement* find(std::uint32_t instance) const;
+  const RigidMotion* find(std::uint32_t instance) const;
   // Returns the placement's transform at a time (s since the drive began).
-  Affine worldFromMeshAt(const Placement& placement, double time) const { return placement.at(time - time_); }
+  Affine worldFromMeshAt(const RigidMotion& motion, double time) const { return motion.at(time - time_); }
 
  private:
   double time_;
-  std::unordered_map<std::uint32_t, Placement> placed_;
+  std::unordered_map<std::uint32_t, RigidMotion> placed_;
 };
 
 // Returns the transform of an instance with this index at a time (s since the drive began): that of its placement or,

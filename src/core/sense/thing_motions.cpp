@@ -50,7 +50,7 @@ ThingMotions::ThingMotions(const Scene& scene, const Shot& shot)
     const Instance& i = scene.instances[index];
     // An instance with an animation counts as moving even if its pose does not change; its velocity is the velocity of
     // its pose.
-    const Placement* const given = placed_ == nullptr ? nullptr : placed_->find(index);
+    const RigidMotion* const given = placed_ == nullptr ? nullptr : placed_->find(index);
     const bool moves = given != nullptr ? given->moves() : i.movement != nullptr && i.movement->moves();
     if (i.animation == nullptr && !moves) continue;
     const Affine from = worldFromMeshAt(i, index, placed_.get(), shot.time);

@@ -52,9 +52,9 @@ class ThingMotions {
   };
   const Scene& scene_;
   std::shared_ptr<const Placements> placed_;  // see Shot::placed
-  double time_;       // s, start of the shot
-  double duration_;   // s, duration of the revolution
-  double untilNext_;  // s, time from the shot to the next frame
+  double time_;                               // s, start of the shot
+  double duration_;                           // s, duration of the revolution
+  double untilNext_;                          // s, time from the shot to the next frame
   std::unordered_map<std::uint32_t, Motion> things_;
   std::unordered_multimap<std::uint32_t, std::uint32_t> instances_;  // indices into Scene::instances, by instance id
   std::map<std::uint16_t, std::uint16_t> movingClasses_;             // for a class of objects at rest, the class of the

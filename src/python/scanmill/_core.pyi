@@ -47,10 +47,13 @@ class Simulator:
     def scan(
         self,
         poses: Sequence[NDArray[np.float64]],  # (n, 7) for each sensor: quaternions w, x, y, z and translations
-        time: float = 0,
-        frame: int = 0,
-        objects: Sequence[tuple[str, NDArray[np.float64] | None, Sequence[float], Sequence[float]]] = (),
-        moving: bool = False,
+        time: float,
+        frame: int,
+        names: Sequence[str],  # of placed objects
+        matrices: NDArray[np.float64],  # (n, 4, 4)
+        velocities: NDArray[np.float64],  # (n, 6)
+        hidden: NDArray[np.bool_],  # (n,)
+        moving: bool,
     ) -> list[dict[str, NDArray[np.generic]]]: ...
 
 def set_input_limit(factor: float) -> None: ...

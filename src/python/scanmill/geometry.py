@@ -47,8 +47,8 @@ def matrix_of(rotation: ArrayLike, translation: ArrayLike) -> NDArray[np.float64
 
 
 def quaternion_of(matrix: ArrayLike) -> NDArray[np.float64]:
-    """Returns the unit quaternion (4,) of the rotation in one matrix, (3, 3) or (4, 4)."""
-    m = np.asarray(matrix, np.float64)[:3, :3]
+    """Returns the unit quaternions (..., 4) of the rotations in matrices, (..., 3, 3) or (..., 4, 4)."""
+    m = np.moveaxis(np.asarray(matrix, np.float64), (-2, -1), (0, 1))
     # Row k is 4 q[k] q. The row with the largest q[k] has the smallest rounding errors.
     rows = np.array(
         [
@@ -58,8 +58,10 @@ def quaternion_of(matrix: ArrayLike) -> NDArray[np.float64]:
             [m[1, 0] - m[0, 1], m[0, 2] + m[2, 0], m[1, 2] + m[2, 1], 1 - m[0, 0] - m[1, 1] + m[2, 2]],
         ]
     )
-    q: NDArray[np.float64] = rows[np.argmax(np.diagonal(rows))]
-    return q / np.linalg.norm(q)
+    rows = np.moveaxis(rows, (0, 1), (-2, -1))
+    largest = np.argmax(np.diagonal(rows, axis1=-2, axis2=-1), axis=-1)[..., np.newaxis, np.newaxis]
+    q: NDArray[np.float64] = np.take_along_axis(rows, largest, axis=-2)[..., 0, :]
+    return q / np.linalg.norm(q, axis=-1, keepdims=True)
 
 
 def pose_matrix(pose: Pose) -> NDArray[np.float64]:
@@ -74,15 +76,33 @@ def pose_matrix(pose: Pose) -> NDArray[np.float64]:
         matrix = np.array(pose, np.float64)
     except (TypeError, ValueError):
         raise InputError("a pose must be a matrix of 4 x 4 numbers or a map with position, yaw_deg and so on") from None
-    if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
+    if matrix.shape != (4, 4):
         raise InputError(f"a pose must be a matrix of 4 x 4 finite numbers, not an array of {matrix.shape}")
-    rotation = matrix[:3, :3]
-    skew = np.abs(rotation @ rotation.T - np.eye(3)).max()
-    if skew > ROTATION_TOLERANCE or np.linalg.det(rotation) < 0:
-        raise InputError("the upper left 3 x 3 numbers of a pose must be a rotation, without scale and mirroring")
-    if np.abs(matrix[3] - [0, 0, 0, 1]).max() > ROTATION_TOLERANCE:
-        raise InputError("the last row of a pose must be 0, 0, 0, 1: translations are the last column")
+    require_rigid(matrix[np.newaxis])
     return matrix
+
+
+def require_rigid(matrices: NDArray[np.float64]) -> None:
+    """Raises InputError if one of the matrices (n, 4, 4) is not a pose. Its attribute `row` is the number of the first
+    such matrix."""
+    rotations = matrices[:, :3, :3]
+    finite = np.isfinite(matrices).all(axis=(1, 2))
+    skew = np.abs(rotations @ rotations.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
+    for good, why in (
+        (finite, "a pose must be a matrix of 4 x 4 finite numbers"),
+        (
+            (skew <= ROTATION_TOLERANCE) & (np.linalg.det(np.where(finite[:, None, None], rotations, 0)) > 0),
+            "the upper left 3 x 3 numbers of a pose must be a rotation, without scale and mirroring",
+        ),
+        (
+            np.abs(matrices[:, 3] - [0, 0, 0, 1]).max(axis=1) <= ROTATION_TOLERANCE,
+            "the last row of a pose must be 0, 0, 0, 1: translations are the last column",
+        ),
+    ):
+        if not good.all():
+            error = InputError(why)
+            error.row = int(np.argmin(good))  # type: ignore[attr-defined]
+            raise error
 
 
 def _numbers(pose: Mapping[str, Any], key: str, default: list[float]) -> NDArray[np.float64]:

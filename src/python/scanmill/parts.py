@@ -24,6 +24,8 @@ def part_of(given: Part, name: str = "", pose: Optional[Pose] = None, **keys: An
     the part, the array and the row."""
     values: dict[str, Any] = dict(given) if isinstance(given, Mapping) else {"mesh": given}
     values.update({key: value for key, value in keys.items() if value is not None})
+    if "label" in values:
+        values["class"] = values.pop("label")
     for key in values:
         require_known("key of a part", "triangles" if key == "faces" else key, PART_KEYS)
     name = str(name or values.get("name", ""))
@@ -66,6 +68,9 @@ def _checked(name: str, values: dict[str, Any], pose: Pose) -> dict[str, Any]:
 
 
 def _geometry(values: dict[str, Any]) -> tuple[NDArray[Any], NDArray[Any], Optional[NDArray[Any]]]:
+    for one, other in (("triangles", "faces"), ("mesh", "vertices"), ("mesh", "triangles"), ("mesh", "faces")):
+        if one in values and other in values:
+            raise InputError(f"give {one} or {other}, not both")
     mesh = values.get("mesh")
     vertices = values.get("vertices", getattr(mesh, "vertices", None))
     triangles = values.get("triangles", values.get("faces", getattr(mesh, "triangles", getattr(mesh, "faces", None))))
@@ -73,11 +78,16 @@ def _geometry(values: dict[str, Any]) -> tuple[NDArray[Any], NDArray[Any], Optio
         raise InputError("a part needs `vertices` and `triangles`, or a `mesh` that has them (Open3D, trimesh)")
     vertices = _numbers("vertices", vertices, np.float64)
     if vertices.ndim != 2 or vertices.shape[1] != 3 or len(vertices) == 0:
-        raise InputError(f"vertices must have the shape (n, 3), not {vertices.shape}")
+        hint = ": transpose them" if vertices.ndim == 2 and vertices.shape[0] == 3 else ""
+        hint = ": leave out the fourth column" if vertices.ndim == 2 and vertices.shape[1] == 4 else hint
+        raise InputError(f"vertices must have the shape (n, 3), not {vertices.shape}{hint}")
     _require("vertices", np.isfinite(vertices).all(axis=1), vertices, "is not finite")
+    if np.size(triangles) == 0:
+        raise InputError("there is no triangle")
     triangles = _integers("triangles", triangles)
-    if triangles.ndim != 2 or triangles.shape[1] != 3 or len(triangles) == 0:
-        raise InputError(f"triangles must have the shape (m, 3), not {triangles.shape}")
+    if triangles.ndim != 2 or triangles.shape[1] != 3:
+        hint = ": divide each quad into two" if triangles.ndim == 2 and triangles.shape[1] == 4 else ""
+        raise InputError(f"triangles must have the shape (m, 3), not {triangles.shape}{hint}")
     inside = ((triangles >= 0) & (triangles < len(vertices))).all(axis=1)
     _require("triangles", inside, triangles, f"has an index outside of 0 to {len(vertices) - 1}")
     return vertices, triangles, _colours_of(mesh)
@@ -105,7 +115,10 @@ def _words(key: str, given: Any, count: int) -> tuple[list[str], NDArray[np.int6
         return [given], np.zeros(count, np.int64)
     words = np.asarray(given)
     if words.shape != (count,) or words.dtype.kind not in "UO":
-        raise InputError(f"{key} must be one name, or an array of {count} names, one for each triangle")
+        raise InputError(
+            f"{key} must be one name, or an array of {count} names, one for each triangle; numbers of classes are no "
+            "names"
+        )
     distinct, index = np.unique(words.astype(str), return_inverse=True)
     return [str(word) for word in distinct], index.reshape(-1).astype(np.int64)
 
@@ -152,6 +165,8 @@ def _brightness(colour: NDArray[Any], triangles: NDArray[Any], vertices: int) ->
     Colours of vertices are averaged over a triangle's corners."""
     if colour.shape[-1:] not in ((3,), (4,)) or colour.ndim > 2:
         raise InputError(f"colour must have the shape (3,), (triangles, 3) or (vertices, 3), not {colour.shape}")
+    if colour.dtype.kind in "iu" and colour.dtype != np.uint8 and 0 < colour.max() <= 1:
+        raise InputError("colour: integers are from 0 to 255: for white write 255 or 1.0")
     srgb = colour[..., :3] / 255.0 if colour.dtype.kind in "iu" else colour[..., :3].astype(np.float64)
     good = np.isfinite(srgb).all(axis=-1) & (srgb >= 0).all(axis=-1) & (srgb <= 1).all(axis=-1)
     _require("colour", np.atleast_1d(good), np.atleast_2d(colour), "is not between 0 and 1 (integers: 0 and 255)")
@@ -162,23 +177,25 @@ def _brightness(colour: NDArray[Any], triangles: NDArray[Any], vertices: int) ->
     if len(luminance) == vertices:
         mean: NDArray[np.float64] = luminance[triangles].mean(axis=1)
         return mean
-    raise InputError(f"colour has {len(luminance)} rows, but the part has {len(triangles)} triangles and {vertices} vertices")
+    raise InputError(
+        f"colour has {len(luminance)} rows, but the part has {len(triangles)} triangles and {vertices} vertices"
+    )
 
 
 def _numbers(key: str, given: ArrayLike, kind: Any) -> NDArray[Any]:
     try:
-        array = np.asarray(given) if kind is None else np.asarray(given, kind)
+        array = np.asarray(given)
     except (TypeError, ValueError):
-        raise InputError(f"{key} must be an array of numbers") from None
+        raise InputError(f"{key} must be an array of numbers, with rows of equal length") from None
     if array.dtype.kind not in "iuf":
         raise InputError(f"{key} must be an array of numbers, not of {array.dtype}")
-    return array
+    return array if kind is None else array.astype(kind)
 
 
 def _integers(key: str, given: ArrayLike) -> NDArray[np.int64]:
     array = _numbers(key, given, None)
     if array.dtype.kind == "f":
-        raise InputError(f"{key} must be integers, not {array.dtype}")
+        raise InputError(f"{key} must be integers, not {array.dtype}: use .astype(int)")
     return array.astype(np.int64)
 
 

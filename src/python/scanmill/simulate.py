@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._core import InputError, Simulator
-from .geometry import Pose, between, pose_matrix, quaternion_of
+from .geometry import Pose, between, pose_matrix, quaternion_of, require_rigid
 from .dataset import Path
 from .ontology import Ontology
 from .parts import Part, part_of
@@ -68,6 +68,10 @@ class SceneObject:
     instances: list[int]  # its numbers in the column `instance`; empty for a class without instances, such as a road
     moves: bool  # whether the scene itself moves it
 
+    def __repr__(self) -> str:
+        x, y, z = self.pose[:3, 3]
+        return f"<SceneObject at [{x:.2f}, {y:.2f}, {z:.2f}], instances {self.instances}{', moves' * self.moves}>"
+
 
 class Scene:
     """A scene that can be scanned from any pose. Threads can share it. Pickling stores the arguments of load_scene(),
@@ -84,11 +88,14 @@ class Scene:
         self._simulators: OrderedDict[str, Simulator] = OrderedDict()
         self._parts: dict[str, dict[str, Any]] = {}
         self._removed: list[str] = []
+        self._checked: tuple[set[str], list[str]] = (set(), [])  # added and removed names that the scene has taken
 
     @classmethod
     def from_arrays(cls, parts: Iterable[Part], labels: str | None = None) -> Scene:
         """Returns a scene of arrays. Each part is a map with the arguments of add(), without which it is named "part
         1", "part 2" and so on. `labels` replaces the ontology labels/scanmill.yaml (see load_scene())."""
+        if isinstance(parts, Mapping):
+            raise InputError("from_arrays() needs a list of parts, not one part: [part]")
         scene = cls("empty", labels=labels)
         for number, part in enumerate(parts, start=1):
             named = isinstance(part, Mapping) and part.get("name")
@@ -102,8 +109,8 @@ class Scene:
         pose: Pose | None = None,
         **keys: Any,
     ) -> None:
-        """Adds an object to the scene. `part` is a map of these keys, which may also be arguments (`class` only in a
-        map), or an object that has `vertices` and `triangles` or `faces`, such as meshes of Open3D and trimesh:
+        """Adds an object to the scene. `part` is a map of these keys, which may also be arguments (`class` as `label`),
+        or an object that has `vertices` and `triangles` or `faces`, such as meshes of Open3D and trimesh:
 
         name         of the object, for `poses` of scan(), objects() and remove(); no other object may have it
         vertices     (n, 3), m, in the object's frame: x forward, y left, z up
@@ -111,15 +118,16 @@ class Scene:
         mesh         an object that has both
         class        a name or alias of the ontology's; or (m,), one for each triangle
         material     a name of labels/materials.yaml; or (m,). Default: "default"
-        instance     (m,) integers: triangles of one number are one thing, those of 0 are of none. Default: the object
-                     is one thing if its class has instances
+        instance     (m,) integers: triangles of one number are one thing, those of 0 are of none; the scene numbers the
+                     things anew. Default: the object is one thing if its class has instances
         reflectance  at the sensor's wavelength, 0 to 1, in place of the material's; or (m,). Rounded to 0.001
         colour       sRGB (3,), (m, 3) or (n, 3), from 0 to 255 if integers, else from 0 to 1: their luminance is taken
                      as the reflectance, which is an estimate. Colours of a `mesh` count if it has no `material`
         pose         of the object in the world, a matrix (4, 4) or map. Default: the origin
 
-        The scene is set up again at the next scan; placing an object elsewhere does not need that (`poses` of scan()).
-        Raises InputError, a ValueError, that names the part, the array and the row.
+        The scene is set up again at the next scan, which raises InputError for an unknown class or material and for a
+        name that the scene has already; the part is then not added. Placing an object elsewhere does not need a new
+        set-up (`poses` of scan()). Raises InputError, a ValueError, that names the part, the array and the row.
         """
         checked = part_of({} if part is None else part, name, pose, **keys)
         if checked["name"] in self._parts:
@@ -130,8 +138,10 @@ class Scene:
 
     def remove(self, name: str) -> None:
         """Takes the objects with a name out of the scene, or all triangles of a class. The scene is set up again at the
-        next scan, which raises InputError for an unknown name; `poses={name: None}` of scan() leaves an object out of
-        one scan."""
+        next scan, which raises InputError for an unknown name and then forgets it; `poses={name: None}` of scan()
+        leaves an object out of one scan."""
+        if not isinstance(name, str):
+            raise InputError(f"remove() needs the name of an object or a class, not {name!r}")
         with self._lock:
             if self._parts.pop(name, None) is None:
                 self._removed.append(name)
@@ -172,9 +182,12 @@ class Scene:
         frame      selects the noise: the same scene, sensors, seed and frame give the same noise
         organised  True: an image of (planes * rings, columns) with NaN for beams without a return
         poses      where objects are in this scan: {name: matrix or map}, world from object; None leaves an object out.
-                   Objects that are not named are where the scene has them. Only for methods that trace moving objects
+                   Objects that are not named are where the scene has them. The name of a row of copies moves them as
+                   one, by the pose of the first. Only for methods that trace moving objects
         velocities of objects in `poses` during the revolution: {name: (3,) or (6,)}: m/s and rad/s, world axes, about
-                   the object's origin
+                   the object's origin. Without one an object in `poses` stands still, even if the scene moves it.
+                   Points of an object that turns by the angle a during the revolution are a * a / 8 times their
+                   distance from its origin off its arc, since the motion is interpolated linearly
         pose_times (n,) s after `time`, ascending, from 0 or less to the end of the revolution or more
 
         The first scan with a new combination of sensors, method, effects, columns, seed and layout loads the scene and
@@ -184,6 +197,8 @@ class Scene:
         """
         single = isinstance(sensor, (str, Mapping))
         sensors = [sensor] if single else list(sensor)  # type: ignore[list-item,arg-type]
+        if not np.isfinite(time):
+            raise InputError(f"time must be a finite number, not {time}")
         placed = _places(poses, velocities)
         pipeline = self._pipeline(sensors, method, effects, columns, seed, organised)
         simulator = self._simulator(pipeline, placeable=poses is not None)
@@ -193,7 +208,7 @@ class Scene:
             for (_, columns_of), duration in zip(simulator.sizes, durations)
         ]
         moving = any(len(way) > 1 for way in ways) or bool(velocities)
-        given = simulator.scan(ways, time, frame, placed, moving)
+        given = simulator.scan(ways, time, frame, *placed, moving)
         scans = [
             self._scan_of(name, size, duration, arrays, method, time)
             for name, size, duration, arrays in zip(simulator.sensors, simulator.sizes, durations, given)
@@ -272,12 +287,30 @@ class Scene:
                 try:
                     parts = list(self._parts.values())
                     self._simulators[key] = Simulator(pipeline, self.folder, parts, placeable)
+                    self._checked = ({*self._parts}, [*self._removed])
                 except InputError as e:
+                    self._forget(str(e))
                     # Users do not know the pipeline's text, so its name, lines and columns are removed from the message.
                     ours = re.escape(os.path.join(self.folder, "simulation.yaml")) + r"(:\d+)*"
                     raise InputError(re.sub(ours, "scan()", str(e))) from None
             self._simulators.move_to_end(key)
             return self._simulators[key]
+
+    def _forget(self, message: str) -> None:
+        """Takes back the change that the scene refuses with a message, and raises InputError if the message would speak
+        of what the caller did not write."""
+        added, removed = self._checked
+        part = re.match(r"part '(.*?)': ", message)
+        if part is not None and part[1] not in added:
+            self._parts.pop(part[1], None)
+        for name in self._removed[len(removed) :]:
+            if "without" in message and f"'{name}'" in message:
+                self._removed.remove(name)
+                raise InputError(
+                    f"remove(): '{name}' is neither an object of the scene (objects() lists them) nor a class"
+                ) from None
+        if self.path == "empty" and "objects must be a list of at least one object" in message:
+            raise InputError("the scene is empty: add() an object") from None
 
     @staticmethod
     def _scan_of(
@@ -312,25 +345,46 @@ def _require_columns(scan: Scan, columns: Sequence[str] | None) -> None:
 
 def _places(
     poses: Mapping[str, Optional[Pose]] | None, velocities: Mapping[str, ArrayLike] | None
-) -> list[tuple[str, Optional[NDArray[np.float64]], list[float], list[float]]]:
-    """Returns the places of objects as the simulator takes them."""
-    speeds = {}
-    for name, given in (velocities or {}).items():
-        if poses is None or poses.get(name) is None:
-            raise InputError(f"velocities: '{name}' has no pose: give it one in `poses`")
-        speed = np.asarray(given, np.float64)
+) -> tuple[list[str], NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
+    """Returns the names of the objects that are placed, their poses (n, 4, 4), their velocities (n, 6), and whether
+    they are left out (n,)."""
+    for key, own in (("poses", poses), ("velocities", velocities)):
+        if own is not None and not isinstance(own, Mapping):
+            raise InputError(f"{key} must be a map from names of objects, not {type(own).__name__}")
+        for name in own or {}:
+            if not isinstance(name, str):
+                raise InputError(f"{key}: the name of an object must be a text, not {name!r}")
+    names = list(poses or {})
+    given = list((poses or {}).values())
+    hidden = np.array([pose is None for pose in given], bool)
+    matrices = np.broadcast_to(np.eye(4), (len(names), 4, 4)).copy()
+    for row, pose in enumerate(given):
+        if isinstance(pose, np.ndarray) and pose.shape == (4, 4):
+            matrices[row] = pose  # all at once below, which is faster
+        elif pose is not None:
+            try:
+                matrices[row] = pose_matrix(pose)
+            except InputError as e:
+                raise InputError(f"poses: '{names[row]}': {e}") from None
+    try:
+        require_rigid(matrices)
+    except InputError as e:
+        raise InputError(f"poses: '{names[e.row]}': {e}") from None  # type: ignore[attr-defined]
+    speeds = np.zeros((len(names), 6))
+    rows = {name: row for row, name in enumerate(names)}
+    for name, own in (velocities or {}).items():
+        if name not in rows:
+            raise InputError(f"velocities: '{name}' is not in `poses`{advice(name, names)}")
+        if hidden[rows[name]]:
+            raise InputError(f"velocities: '{name}' is left out of the scan: its pose is None")
+        try:
+            speed = np.asarray(own, np.float64)
+        except (TypeError, ValueError):
+            speed = np.empty(0)
         if speed.shape not in ((3,), (6,)) or not np.isfinite(speed).all():
             raise InputError(f"velocities: '{name}' must have 3 or 6 finite numbers (m/s, rad/s)")
-        speeds[name] = speed.tolist()
-    places = []
-    for name, pose in (poses or {}).items():
-        try:
-            matrix = None if pose is None else pose_matrix(pose)
-        except InputError as e:
-            raise InputError(f"poses: '{name}': {e}") from None
-        speed = speeds.get(name, [0.0] * 6)
-        places.append((name, matrix, speed[:3], (speed + [0.0] * 3)[3:6]))
-    return places
+        speeds[rows[name], : len(speed)] = speed
+    return names, matrices, speeds, hidden
 
 
 def _poses_of(
@@ -341,21 +395,26 @@ def _poses_of(
     if isinstance(pose, Mapping) or np.ndim(pose[0]) < 2 and not isinstance(pose[0], Mapping):  # type: ignore[index]
         if times is not None:
             raise InputError("pose_times: there is only one pose")
-        return _row(pose_matrix(pose))  # type: ignore[arg-type]
-    matrices = np.array([pose_matrix(one) for one in pose])
+        return _rows(pose_matrix(pose)[np.newaxis])  # type: ignore[arg-type]
+    given = pose if isinstance(pose, np.ndarray) else [pose_matrix(one) for one in pose]
+    matrices = np.array(given, np.float64)
+    if matrices.shape[1:] != (4, 4):
+        raise InputError(f"pose must be (4, 4) or (n, 4, 4), not {matrices.shape}")
+    require_rigid(matrices)
     if times is None:
         if len(matrices) != columns:
             raise InputError(
                 f"pose: {len(matrices)} poses, but the sensor has {columns} columns: give the times of the poses as "
                 "`pose_times`"
             )
-        return np.concatenate([_row(one) for one in matrices])
+        return _rows(matrices)
     seconds = np.asarray(times, np.float64)
     if seconds.shape != (len(matrices),) or not (np.diff(seconds) > 0).all():
         raise InputError(f"pose_times must be {len(matrices)} ascending numbers, one for each pose")
     if seconds[0] > 0 or seconds[-1] < duration * (1 - 1 / columns) - 1e-9:
         raise InputError(
-            f"pose_times must cover the revolution, 0 to {duration:.6g} s, not {seconds[0]:.6g} to {seconds[-1]:.6g} s"
+            f"pose_times must cover the revolution, 0 to {duration:.6g} s after `time`, not {seconds[0]:.6g} to "
+            f"{seconds[-1]:.6g} s"
         )
     at = np.arange(columns) * (duration / columns)
     before = np.clip(np.searchsorted(seconds, at, side="right") - 1, 0, len(seconds) - 2)
@@ -363,9 +422,9 @@ def _poses_of(
     for k in np.unique(before):
         own = before == k
         share = (at[own] - seconds[k]) / (seconds[k + 1] - seconds[k])
-        rows[own] = np.concatenate([_row(one) for one in between(matrices[k], matrices[k + 1], share)])
+        rows[own] = _rows(between(matrices[k], matrices[k + 1], share))
     return rows
 
 
-def _row(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.concatenate([quaternion_of(matrix), matrix[:3, 3]])[np.newaxis]
+def _rows(matrices: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.concatenate([quaternion_of(matrices), matrices[:, :3, 3]], axis=1)

@@ -89,6 +89,20 @@ TEST(Distribution, EachOfAChoiceIsAsLikely) {
   for (const auto& [text, count] : counts) EXPECT_NEAR(count, mean, 5 * std::sqrt(mean * 2 / 3)) << text;
 }
 
+// Shares are those of the weights, within four standard deviations; an item of weight 0 never occurs.
+TEST(Distribution, WeightsOfAChoice) {
+  std::map<std::string, std::size_t> counts;
+  for (std::size_t seed = 0; seed < kSeeds; ++seed) {
+    ++counts[drawnText("{choice: [wet, dry, icy, 7], weights: [1, 8, 0, 1]}", seed)];
+  }
+  const auto n = static_cast<double>(kSeeds);
+  for (const auto& [item, share] : std::map<std::string, double>{{"wet", 0.1}, {"dry", 0.8}, {"7", 0.1}}) {
+    EXPECT_NEAR(static_cast<double>(counts[item]), n * share, 4 * std::sqrt(n * share * (1 - share))) << item;
+  }
+  EXPECT_EQ(counts.count("icy"), 0u);
+  EXPECT_EQ(drawnText("{choice: [1, ..., 3], weights: [0, 0, 2]}", 5), "3");
+}
+
 TEST(Distribution, AChoiceOfIntegersMayBeASpan) {
   std::map<int, int> counts;
   for (std::size_t seed = 0; seed < kSeeds; ++seed) ++counts[std::stoi(drawnText("{choice: [1, ..., 9, 20]}", seed))];
@@ -195,6 +209,12 @@ TEST(Distribution, RefusesWhatIsNone) {
   EXPECT_THAT(refusal("{uniform: [0, 1], normal: [0, 1]}"), HasSubstr("one of"));
   EXPECT_THAT(refusal("{choice: []}"), HasSubstr("at least one"));
   EXPECT_THAT(refusal("{choice: [a, ..., b]}"), HasSubstr("choice"));
+  for (const char* weights : {"[1]", "[0, 0]", "[1, -1]", "[1, 2, 3]"}) {
+    EXPECT_THAT(refusal(std::string("{choice: [a, b], weights: ") + weights + "}"),
+                HasSubstr("weights must be 2 numbers of at least 0"))
+        << weights;
+  }
+  EXPECT_THAT(refusal("{uniform: [0, 1], weights: [1]}"), HasSubstr("only be given to a choice"));
   EXPECT_THAT(refusal("{uniform: [0, 1], per: scan}"), HasSubstr("frame"));
   EXPECT_THAT(messageOf([] { readNumber(parseYaml("{uniform: [0, 1]}", "x.yaml"), "speed"); }),
               AllOf(HasSubstr("x.yaml:1:"), HasSubstr("speed cannot be random"), HasSubstr("--sweep")));

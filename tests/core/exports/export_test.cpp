@@ -132,6 +132,24 @@ TEST_F(Exports, TheDatasetsOwnFolderIsNotWrittenInto) {
   EXPECT_NO_THROW(exportDataset(options("ply", "data_ply")));
 }
 
+// An export replaces another one where the caller asks for it, and nothing else.
+TEST_F(Exports, ReplaceOthersWhenAsked) {
+  ExportOptions first = options("ply", "out");
+  exportDataset(first);
+  const auto whole = filesIn(first.folder);
+  ExportOptions other = options("npz", "out");
+  other.overwrite = true;
+  exportDataset(other);
+  for (const auto& [name, bytes] : filesIn(first.folder)) EXPECT_FALSE(name.ends_with(".ply")) << name;
+  first.overwrite = true;
+  exportDataset(first);
+  EXPECT_EQ(filesIn(first.folder), whole);
+  folder_.write("notes/mine.txt", "mine");
+  ExportOptions mine = options("ply", "notes");
+  mine.overwrite = true;
+  EXPECT_THAT(messageOf<InputError>([&] { exportDataset(mine); }), HasSubstr("is not empty"));
+}
+
 TEST_F(Exports, WhatIsThereIsNeverWrittenOver) {
   exportDataset(options("ply", "out"));
   EXPECT_THAT(messageOf<InputError>([&] { exportDataset(options("ply", "out")); }), HasSubstr("has a complete export"));

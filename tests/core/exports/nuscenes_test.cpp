@@ -61,6 +61,39 @@ assert np.allclose(calibration[:3, 3], [1.2, 0, 1.9])
 )");
 }
 
+// Every lidar has a channel with its own calibration, points and labels; boxes count the points of all of them.
+TEST_F(NuScenesLayout, EveryLidarIsAChannel) {
+  useBothSensors();
+  write(*layout_);
+  std::string worlds;
+  for (const std::size_t sensor : {0u, 1u}) {
+    std::vector<Vec3d> inWorld;
+    for (const Vec3f& p : scan(sensor, 1).position) {
+      inWorld.push_back(plan_.manifest.samples[1].scans[sensor].worldFromSensor[0] * static_cast<Vec3d>(p));
+    }
+    worlds += (sensor == 0 ? "world = {'LIDAR_TOP': " : "'LIDAR_REAR': ") + listOf(inWorld) + ", ";
+  }
+  readTables(worlds + "}" + R"(
+assert [row['channel'] for row in table['sensor']] == ['LIDAR_TOP', 'LIDAR_REAR']
+assert len(table['sample_data']) == 2 * len(table['sample']) == len(table['ego_pose']) == len(table['panoptic'])
+for number, sample in enumerate(table['sample']):
+    assert set(sample['data']) == {'LIDAR_TOP', 'LIDAR_REAR'}
+    for channel, token in sample['data'].items():
+        data = get('sample_data', token)
+        assert data['filename'].startswith('samples/%s/' % channel)
+        points = points_of(data)
+        assert len(points) == len(lidarseg_of(data)) == len(panoptic_of(data)) == 308
+        if number != 1: continue
+        ego, calibration = ego_and_sensor(data)
+        own = np.c_[points[:, :3], np.ones(len(points))] @ (ego @ calibration).T
+        assert np.abs(own[:, :3] - world[channel]).max() < 1e-5, channel
+        before = get('sample_data', data['prev'])
+        assert before['calibrated_sensor_token'] == data['calibrated_sensor_token']
+for a in table['sample_annotation']:
+    assert a['num_lidar_pts'] in (2 * 72, 2 * 60)
+)");
+}
+
 // A scene has the mount of its sequence, and the vehicle stands where it stood.
 TEST_F(NuScenesLayout, MountsMayDifferFromSequenceToSequence) {
   for (SampleRecord& sample : plan_.manifest.samples) sample.scans[0].vehicleFromSensor = Pose{{}, {0, 0, 1.5}};

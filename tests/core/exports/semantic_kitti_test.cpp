@@ -152,13 +152,25 @@ assert (points[:, 3] == np.float32(0.2)).all()
 )");
 }
 
-TEST_F(SemanticKittiLayout, IdsThatDoNotFitAreRefused) {
-  ExportSample sample = this->sample(0, 1);
+// Where an id does not fit into 15 bits, the sequence is numbered from 1, in the order of the ids: 9 and 40007.
+TEST_F(SemanticKittiLayout, IdsThatDoNotFitAreNumberedAnew) {
+  const auto large = [](ExportSample& own) {
+    for (std::uint32_t& id : own.scans[0].scan[kInstance]) id = id == 7 ? 40007 : id;
+  };
   EXPECT_TRUE(layout_->checksSamples(plan_));
-  EXPECT_NO_THROW(layout_->checkSample(plan_, sample));
-  sample.scans[0].scan[kInstance][5] = 32768;
-  EXPECT_THAT(messageOf<InputError>([&] { layout_->checkSample(plan_, sample); }),
-              testing::AllOf(HasSubstr("street-s1-lane-000001"), HasSubstr("32768"), HasSubstr("32767")));
+  for (const std::size_t frame : {0, 1}) writeChanged(*layout_, 0, frame, large);
+  python(R"(
+for frame in range(2):
+    label = np.fromfile(folder / f'sequences/00/labels/{frame:06}.label', dtype=np.uint32)
+    semantic, instance = label & 0xFFFF, label >> 16
+    assert set(instance[semantic == 10]) == {2} and set(instance[semantic == 30]) == {1}, set(instance)
+    assert set(instance[semantic == 50]) == {0}
+)");
+  EXPECT_THAT(layout_->finish(plan_, {}, ExportFolder(folder_.path())),
+              testing::Contains(HasSubstr("new numbers from 1 in 1 of 2 sequences")));
+}
+
+TEST_F(SemanticKittiLayout, MoreSequencesThanNumbersAreRefused) {
   plan_.sequences.resize(101, plan_.sequences[0]);
   EXPECT_THAT(messageOf<InputError>([&] { layout_->check(plan_); }), HasSubstr("101 sequences"));
 }

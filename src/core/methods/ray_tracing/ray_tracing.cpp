@@ -167,8 +167,7 @@ class RayTracing : public Method {
  private:
   std::shared_ptr<const World> worldOf(const Shot& shot) const {
     const double reach = worlds_.moves() ? farthestEnd(shot) : INFINITY;
-    return worlds_.near(shot.worldFromSensor.front().translation, reach, shot.time, shot.duration,
-                        shot.placed);
+    return worlds_.near(shot.worldFromSensor.front().translation, reach, shot.time, shot.duration, shot.placed);
   }
 
   const Scene& original_;

@@ -73,7 +73,7 @@ std::vector<std::size_t> place(World& world, const std::vector<bool>& instanced,
   for (std::uint32_t i = 0; i < world.scene->instances.size(); ++i) {
     const Instance& instance = world.scene->instances[i];
     if (!instanced[instance.mesh]) continue;
-    const Placement* const given = revolution.placed == nullptr ? nullptr : revolution.placed->find(i);
+    const RigidMotion* const given = revolution.placed == nullptr ? nullptr : revolution.placed->find(i);
     if (given != nullptr && given->hidden) continue;
     const auto placeAt = [&](double when) {
       const Affine a = worldFromMeshAt(instance, i, revolution.placed.get(), when);

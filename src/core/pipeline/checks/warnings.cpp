@@ -266,10 +266,22 @@ std::vector<std::string> driveWarnings(const Pipeline& pipeline) {
   return lines;
 }
 
+std::vector<std::string> sensorWarnings(const Pipeline& pipeline) {
+  std::vector<std::string> lines;
+  for (const MountedSensor& sensor : pipeline.sensors) {
+    if (!sensor.standIn) continue;
+    lines.push_back(fmt::format(
+        "`effects: sensor`: the file of the sensor '{}' has no effects, so that its ranges are exact beside those of "
+        "other sensors, which are not: measure them with `scanmill fit-noise`, or name effects for all sensors",
+        sensor.name));
+  }
+  return lines;
+}
+
 std::vector<std::string> vehicleWarnings(const Pipeline& pipeline, const std::vector<double>& blocked) {
   std::vector<std::string> lines;
   for (std::size_t s = 0; s < blocked.size(); ++s) {
-    if (blocked[s] < kMostBlocked) continue;
+    if (!(blocked[s] >= kMostBlocked)) continue;
     const MountedSensor& sensor = pipeline.sensors[s];
     const Vec3d& at = sensor.vehicleFromSensor.translation;
     lines.push_back(fmt::format(

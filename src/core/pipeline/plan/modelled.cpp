@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -55,6 +56,11 @@ void addEffectLines(const Pipeline& pipeline, std::vector<std::string>& lines) {
     }
   }
   for (const MountedSensor& sensor : pipeline.sensors) {
+    if (own && sensor.standIn) {
+      lines.push_back(fmt::format("effects of the sensor's file of '{}': left out, since its file has none{}",
+                                  sensor.name,
+                                  sensor.standIn->items.empty() ? "" : "; `intensity` stands in, without noise"));
+    }
     if (own || sensor.description.find("effects") == nullptr) continue;
     lines.push_back(
         fmt::format("effects in the sensor file of '{}': left out (`effects: sensor` uses them)", sensor.name));
@@ -110,7 +116,10 @@ std::string vehicleLine(const Pipeline& pipeline, std::span<const double> blocke
   std::string shares;
   for (std::size_t s = 0; s < blocked.size(); ++s) {
     const std::string of = blocked.size() > 1 ? fmt::format(" of '{}'", pipeline.sensors[s].name) : "";
-    shares += fmt::format("{}{:.1f} % of the rays{}", s > 0 ? ", " : "", 100 * blocked[s], of);
+    shares += s > 0 ? ", " : "";
+    shares += std::isnan(blocked[s])
+                  ? fmt::format("none{}, left out, since its beams change from revolution to revolution", of)
+                  : fmt::format("{:.1f} % of the rays{}", 100 * blocked[s], of);
   }
   return fmt::format("own vehicle: {}, blocks {}{}", pipeline.vehicle.filename().string(), shares,
                      pipeline.dropVehicle ? ", which have no return (`returns: drop`)" : "");

@@ -211,13 +211,21 @@ Plan makePlan(Pipeline read, Channels kept) {
     }
     for (const ChosenEffect& effect : *sensor.effects) effect->check(*beams);
     const std::uint32_t raysPerBeam = pipeline.raysPerBeam(s);
-    if (beams->rosette && (raysPerBeam > 1 || !pipeline.vehicle.empty())) {
+    if (beams->rosette && raysPerBeam > 1) {
       throw InputError(sensor.description.where,
-                       fmt::format("the beams of '{}' change from revolution to revolution: leave out {}", sensor.name,
-                                   raysPerBeam > 1 ? "the effect footprint" : "`vehicle`"));
+                       fmt::format("the beams of '{}' change from revolution to revolution: leave out the effect "
+                                   "footprint",
+                                   sensor.name));
     }
     plan.sensors.push_back(
         {beams, raysPerBeam == 1 ? nullptr : std::make_shared<const Footprint>(makeFootprint(*beams, raysPerBeam))});
+  }
+  const bool blocks = std::any_of(plan.sensors.begin(), plan.sensors.end(),
+                                  [](const PlannedSensor& sensor) { return !sensor.beams->rosette; });
+  if (!pipeline.vehicle.empty() && !blocks) {
+    throw InputError(pipeline.sensors.front().description.where,
+                     fmt::format("the beams of '{}' change from revolution to revolution: leave out `vehicle`",
+                                 pipeline.sensors.front().name));
   }
   if (!pipeline.vehicle.empty() && pipeline.recording != nullptr) {
     throw InputError({pipeline.file.string()},

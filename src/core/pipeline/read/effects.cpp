@@ -173,6 +173,7 @@ std::vector<Value> sensorEffectItems(const std::vector<Value>& items, const Moun
   const auto word = std::find_if(items.begin(), items.end(), meansSensor);
   if (word == items.end()) return items;
   const Value* own = sensor.description.find("effects");
+  if (own == nullptr && sensor.standIn) own = &*sensor.standIn;
   if (own == nullptr) {
     throw InputError(
         word->where,
@@ -270,6 +271,28 @@ bool takesSensorEffects(const Pipeline& pipeline) {
   return std::any_of(pipeline.effectItems.begin(), pipeline.effectItems.end(), meansSensor);
 }
 
+namespace {
+
+// Sets MountedSensor::standIn of the sensors whose files have no effects, if those of other sensors have some.
+void addStandIns(Pipeline& pipeline) {
+  bool some = false;
+  bool lit = false;
+  for (const MountedSensor& sensor : pipeline.sensors) {
+    const Value* const own = sensor.description.find("effects");
+    if (own == nullptr || own->kind != Value::Kind::Sequence) continue;
+    some = true;
+    lit |= std::any_of(own->items.begin(), own->items.end(),
+                       [](const Value& item) { return readNamed(item, "an effect").name == "intensity"; });
+  }
+  if (!some) return;
+  for (MountedSensor& sensor : pipeline.sensors) {
+    if (sensor.description.find("effects") != nullptr) continue;
+    sensor.standIn = parseYaml(lit ? "[intensity]" : "[]", pipeline.file.string());
+  }
+}
+
+}  // namespace
+
 void readEffects(const Value& written, Pipeline& pipeline) {
   const EffectClasses classes(pipeline);
   checkSensorEffects(pipeline, classes);
@@ -281,6 +304,7 @@ void readEffects(const Value& written, Pipeline& pipeline) {
     for (MountedSensor& sensor : pipeline.sensors) sensor.effects = shared;
     return;
   }
+  addStandIns(pipeline);
   for (MountedSensor& sensor : pipeline.sensors) {
     sensor.effects = std::make_shared<const Effects>(makeEffects(sensorEffectItems(items, sensor), classes));
     const auto isLit = [](const MountedSensor& s) { return intensityFullScale(*s.effects) > 0; };

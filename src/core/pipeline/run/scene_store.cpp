@@ -141,7 +141,8 @@ void SceneStore::load(std::size_t sequence, Slot& slot) {
     for (const auto& more :
          {damageWarnings(ready.scene), sizeWarnings(ready.scene), thingSizeWarnings(ready.scene),
           ruleWarnings(ready.scene), unlabeledWarnings(ready.scene), seedWarnings(pipeline, own, ready.scene),
-          withoutWarnings(ready.scene), vehicleWarnings(pipeline, source_.blockedShares()), driveWarnings(pipeline)}) {
+          withoutWarnings(ready.scene), vehicleWarnings(pipeline, source_.blockedShares()), driveWarnings(pipeline),
+          sensorWarnings(pipeline)}) {
       appendNew(more, lines);
     }
     if (ready.objects != nullptr) appendNew(headingWarnings(ready.scene, ready.objects->boxes()), lines);

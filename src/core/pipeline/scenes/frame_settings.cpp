@@ -28,9 +28,7 @@ FrameSettings settingsOf(const Pipeline& pipeline, const VehicleHits& vehicles) 
 
 VehicleHits DrawnSettings::vehiclesOf(const FrameSettings& settings) {
   VehicleHits vehicles;
-  for (const SensorSetting& sensor : settings.sensors) {
-    if (sensor.vehicle != nullptr) vehicles.push_back(sensor.vehicle);
-  }
+  for (const SensorSetting& sensor : settings.sensors) vehicles.push_back(sensor.vehicle);
   return vehicles;
 }
 

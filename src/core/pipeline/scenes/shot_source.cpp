@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -52,10 +53,7 @@ std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scen
 }
 
 ShotSource::ShotSource(const Plan& plan, SceneChanges changes)
-    : plan_(plan),
-      pipeline_(plan.pipeline),
-      changes_(std::move(changes)),
-      drawn_(std::make_unique<DrawnSettings>()) {
+    : plan_(plan), pipeline_(plan.pipeline), changes_(std::move(changes)), drawn_(std::make_unique<DrawnSettings>()) {
   if (!pipeline_.vehicle.empty()) {
     vehicle_ = std::make_shared<const Scene>(
         readScene(pipeline_.vehicle, {.ontology = pipeline_.ontology, .wavelengthNm = pipeline_.wavelengthNm}));
@@ -72,6 +70,10 @@ VehicleHits ShotSource::traceOwnVehicle(const std::vector<Pose>& mounts) const {
   if (vehicle_ == nullptr) return hits;
   for (std::size_t s = 0; s < mounts.size(); ++s) {
     const PlannedSensor& sensor = plan_.sensors[s];
+    if (sensor.beams->rosette) {
+      hits.push_back(nullptr);
+      continue;
+    }
     const BeamTable& rays = sensor.footprint == nullptr ? *sensor.beams : *sensor.footprint->rays;
     const auto blocked = std::make_shared<BlockedRays>(traceVehicle(*vehicle_, rays, mounts[s]));
     blocked->dropped = pipeline_.dropVehicle;
@@ -82,8 +84,9 @@ VehicleHits ShotSource::traceOwnVehicle(const std::vector<Pose>& mounts) const {
 
 std::vector<double> ShotSource::blockedShares() const {
   std::vector<double> shares;
+  if (vehicle_ == nullptr) return shares;
   for (const SensorSetting& sensor : settings_->sensors) {
-    if (sensor.vehicle != nullptr) shares.push_back(sensor.vehicle->share());
+    shares.push_back(sensor.vehicle == nullptr ? NAN : sensor.vehicle->share());
   }
   return shares;
 }

@@ -76,7 +76,8 @@ class ShotSource {
   Frame frame(std::size_t sequence, std::uint32_t number);
 
   // Returns for each sensor the fraction of its rays that hit the ego vehicle, with the mounts of the first frame;
-  // empty if there is no ego vehicle.
+  // NaN for a sensor whose beams change from revolution to revolution, for which the vehicle is left out. Empty if
+  // there is no ego vehicle.
   std::vector<double> blockedShares() const;
 
  private:

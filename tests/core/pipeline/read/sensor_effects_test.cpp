@@ -1,5 +1,6 @@
 // Pipelines whose effects come from their sensors' files.
 
+#include "pipeline/checks/warnings.h"
 #include "pipeline/scenes/recorded_method.h"
 #include "tests/core/pipeline/small_world.h"
 
@@ -111,6 +112,19 @@ TEST_F(SensorEffectsOf, EachScanHasItsOwn) {
   EXPECT_EQ(scans[1].points, 0u);
 }
 
+// A sensor whose file has no effects, beside one whose file has some, has exact ranges, and is told of.
+TEST_F(SensorEffectsOf, AreLeftOutForASensorWithoutAny) {
+  const Pipeline dark =
+      pipeline("effects: [sensor, dropout: {probability: 0.5}]\n", "effects: [quantize: {step_m: 1}]\n", "");
+  EXPECT_THAT(names(dark, 1), ElementsAre("dropout"));
+  const Pipeline lit = pipeline("effects: sensor\n", "effects: [intensity, quantize: {step_m: 1}]\n", "");
+  EXPECT_THAT(names(lit, 0), ElementsAre("intensity", "quantize"));
+  EXPECT_THAT(names(lit, 1), ElementsAre("intensity"));
+  EXPECT_THAT(sensorWarnings(lit), ElementsAre(AllOf(HasSubstr("'b' has no effects"), HasSubstr("fit-noise"))));
+  EXPECT_THAT(modelled(makePlan(lit), {}), Contains(HasSubstr("effects of the sensor's file of 'b': left out")));
+  EXPECT_THAT(sensorWarnings(pipeline("effects: [intensity]\n", "effects: [intensity]\n", "")), testing::IsEmpty());
+}
+
 TEST_F(SensorEffectsOf, ChannelsAreThoseOfAllSensors) {
   const Plan plan = makePlan(
       pipeline("effects: sensor\n", "effects: [intensity, quantize: {step_m: 0.5}]\n", "effects: [intensity]\n"));
@@ -128,8 +142,8 @@ TEST_F(SensorEffectsOf, DoNotChangeTheBeams) {
 
 TEST_F(SensorEffectsOf, AreRefusedWithAdvice) {
   const std::string noise = "effects: [range_noise: {sigma_m: 0.1}]\n";
-  EXPECT_THAT(refusal("effects: sensor\n", noise, ""),
-              AllOf(HasSubstr("yard.yaml:"), HasSubstr("'b'"), HasSubstr("fit-noise"), HasSubstr("name effects here")));
+  EXPECT_THAT(refusal("effects: sensor\n", "", ""),
+              AllOf(HasSubstr("yard.yaml:"), HasSubstr("'a'"), HasSubstr("fit-noise"), HasSubstr("name effects here")));
   EXPECT_THAT(refusal("effects: [range_noise: {sigma_m: 1}, sensor, range_noise: {sigma_m: 2}]\n", noise, noise),
               AllOf(HasSubstr("yard.yaml:"), HasSubstr("'range_noise' is listed twice")));
   EXPECT_THAT(refusal("effects: [sensor, sensor]\n", noise, noise), HasSubstr("`sensor` is listed twice"));

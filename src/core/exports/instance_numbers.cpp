@@ -1,0 +1,55 @@
+#include "exports/instance_numbers.h"
+
+#include <fmt/core.h>
+
+#include "base/error.h"
+
+namespace scanmill {
+
+InstanceNumbers::InstanceNumbers(std::string layout, std::size_t most, InstancesOf instancesOf,
+                                 std::function<std::string(const ExportPlan&, std::uint16_t)> groupName)
+    : layout_(std::move(layout)), most_(most), instancesOf_(std::move(instancesOf)), groupName_(std::move(groupName)) {}
+
+void InstanceNumbers::add(const ExportPlan& plan, const ExportSample& sample) {
+  std::set<Instance> here;
+  for (const ExportScan& scan : sample.scans) here.merge(instancesOf_(plan, scan.scan));
+  const std::scoped_lock lock(mutex_);
+  Sequence& sequence = sequences_[sample.sequence];
+  sequence.frames.insert(sample.frame);
+  for (const auto& [group, id] : here) {
+    std::set<std::uint32_t>& ids = sequence.ids[group];
+    ids.insert(id);
+    if (ids.size() <= most_) continue;
+    throw InputError(
+        {plan.dataset.string()},
+        fmt::format("the sample {} belongs to a sequence with more than {} {}, the most that {} can number: generate "
+                    "shorter sequences or fewer objects, or leave the column instance out",
+                    sample.record->key, most_, groupName_(plan, group), layout_));
+  }
+}
+
+std::map<InstanceNumbers::Instance, std::uint16_t> InstanceNumbers::of(const ExportPlan& plan, std::size_t sequence,
+                                                                       const ReadSample& read) {
+  for (const std::size_t f : unknownFrames(sequence, plan.sequences[sequence].samples.size())) {
+    add(plan, read(sequence, f));
+  }
+  const std::scoped_lock lock(mutex_);
+  std::map<Instance, std::uint16_t> numbers;
+  for (const auto& [group, ids] : sequences_[sequence].ids) {
+    std::uint16_t number = 0;
+    for (const std::uint32_t id : ids) numbers[{group, id}] = ++number;
+  }
+  return numbers;
+}
+
+std::set<std::size_t> InstanceNumbers::unknownFrames(std::size_t sequence, std::size_t frames) {
+  const std::scoped_lock lock(mutex_);
+  const std::set<std::size_t>& known = sequences_[sequence].frames;
+  std::set<std::size_t> unknown;
+  for (std::size_t f = 0; f < frames && known.size() < frames; ++f) {
+    if (!known.contains(f)) unknown.insert(f);
+  }
+  return unknown;
+}
+
+}  // namespace scanmill
