@@ -192,7 +192,7 @@ PYBIND11_MODULE(_core, module) {
   static const py::exception<InputError> inputError(module, "InputError", PyExc_ValueError);
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
-      if (thrown) std::rethrow_exception(thrown);
+      if (thrown) std::rethrow_exception(std::move(thrown));
     } catch (const InputError& e) {
       PyErr_SetString(inputError.ptr(), forTerminal(e.what()).c_str());
     } catch (const Error& e) {

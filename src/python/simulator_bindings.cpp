@@ -129,6 +129,7 @@ void defineSimulator(py::module_& module) {
       .def(py::init([](const std::string& pipeline, const std::string& folder, const std::vector<py::dict>& given,
                        bool placeable) {
              std::vector<ArrayPart> parts;
+             parts.reserve(given.size());
              for (const py::dict& part : given) parts.push_back(partOf(part));
              const py::gil_scoped_release released;
              return std::make_unique<Simulator>(pipeline, folder, std::move(parts), placeable);

@@ -108,7 +108,7 @@ std::vector<double> readWeights(Fields& fields) {
   if (given == nullptr) return {};
   const Value& list = fields.require("choice");
   const std::size_t items = std::max(readSpan(list).size(), list.items.size());
-  const std::vector<double> weights = readNumbers(*given, "weights");
+  std::vector<double> weights = readNumbers(*given, "weights");
   const bool good = weights.size() == items &&
                     std::all_of(weights.begin(), weights.end(), [](double w) { return w >= 0 && w < 1e12; }) &&
                     std::any_of(weights.begin(), weights.end(), [](double w) { return w > 0; });

@@ -57,7 +57,7 @@ OrderedJson listOf(const Quat& q, const std::string& what) {
 // its final name in commit(). All calls except add() and set() throw the errors of AtomicFile.
 class JsonListFile {
  public:
-  explicit JsonListFile(fs::path path) : file_(std::move(path)) {}
+  explicit JsonListFile(const fs::path& path) : file_(path) {}
 
   // Adds the JSON text of an item, without line breaks. Returns the item's index for set(), which is valid until the
   // next flush().
