@@ -171,9 +171,22 @@ class NuScenes : public Layout {
   std::vector<std::string> finish(const ExportPlan& plan, const ReadObjects& read,
                                   const ExportFolder& folder) const override {
     writeNuScenesTables(plan, read, folder);
-    if (listsObjects(plan)) return {};
-    return {
-        "the dataset lists no objects, so that the export has no boxes: generate it with `output: {objects: true}`"};
+    std::vector<std::string> warnings;
+    const auto moves = [](const SampleRecord& sample) {
+      return std::any_of(sample.scans.begin(), sample.scans.end(),
+                         [](const ScanRecord& scan) { return scan.worldFromSensor.size() > 1; });
+    };
+    if (!plan.manifest.deskewed && std::any_of(plan.manifest.samples.begin(), plan.manifest.samples.end(), moves)) {
+      warnings.emplace_back(
+          "the sensors move during a revolution, and each point is in the sensor's frame at its own time, which "
+          "nuScenes "
+          "does not store: to place all points by one pose, generate with `motion: {steps: per_column, deskew: true}`");
+    }
+    if (!listsObjects(plan)) {
+      warnings.emplace_back(
+          "the dataset lists no objects, so that the export has no boxes: generate it with `output: {objects: true}`");
+    }
+    return warnings;
   }
 
  private:

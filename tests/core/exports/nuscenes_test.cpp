@@ -64,7 +64,7 @@ assert np.allclose(calibration[:3, 3], [1.2, 0, 1.9])
 // Every lidar has a channel with its own calibration, points and labels; boxes count the points of all of them.
 TEST_F(NuScenesLayout, EveryLidarIsAChannel) {
   useBothSensors();
-  write(*layout_);
+  EXPECT_THAT(write(*layout_), testing::Not(testing::Contains(HasSubstr("deskew"))));
   std::string worlds;
   for (const std::size_t sensor : {0u, 1u}) {
     std::vector<Vec3d> inWorld;
@@ -92,6 +92,15 @@ for number, sample in enumerate(table['sample']):
 for a in table['sample_annotation']:
     assert a['num_lidar_pts'] in (2 * 72, 2 * 60)
 )");
+}
+
+// Points of a moving sensor cannot be placed by one pose unless they are deskewed.
+TEST_F(NuScenesLayout, PointsThatAreNotDeskewedAreToldOf) {
+  std::vector<Pose>& poses = plan_.manifest.samples[1].scans[0].worldFromSensor;
+  poses.push_back(poses.front());
+  EXPECT_THAT(write(*layout_), testing::Contains(HasSubstr("deskew: true")));
+  plan_.manifest.deskewed = true;
+  EXPECT_THAT(write(*layout_), testing::Not(testing::Contains(HasSubstr("deskew"))));
 }
 
 // A scene has the mount of its sequence, and the vehicle stands where it stood.

@@ -57,9 +57,9 @@ void addEffectLines(const Pipeline& pipeline, std::vector<std::string>& lines) {
   }
   for (const MountedSensor& sensor : pipeline.sensors) {
     if (own && sensor.standIn) {
-      lines.push_back(fmt::format("effects of the sensor's file of '{}': left out, since its file has none{}",
-                                  sensor.name,
-                                  sensor.standIn->items.empty() ? "" : "; `intensity` stands in, without noise"));
+      lines.push_back(fmt::format(
+          "effects of the sensor's file of '{}': left out, since its file has none{}", sensor.name,
+          sensor.standIn->items.empty() ? "" : "; the intensity of another sensor stands in, without noise"));
     }
     if (own || sensor.description.find("effects") == nullptr) continue;
     lines.push_back(

@@ -276,18 +276,20 @@ namespace {
 // Sets MountedSensor::standIn of the sensors whose files have no effects, if those of other sensors have some.
 void addStandIns(Pipeline& pipeline) {
   bool some = false;
-  bool lit = false;
+  const Value* intensity = nullptr;  // of the first sensor that has one, so that intensities have one scale
   for (const MountedSensor& sensor : pipeline.sensors) {
     const Value* const own = sensor.description.find("effects");
     if (own == nullptr || own->kind != Value::Kind::Sequence) continue;
     some = true;
-    lit |= std::any_of(own->items.begin(), own->items.end(),
-                       [](const Value& item) { return readNamed(item, "an effect").name == "intensity"; });
+    const auto found = std::find_if(own->items.begin(), own->items.end(),
+                                    [](const Value& item) { return readNamed(item, "an effect").name == "intensity"; });
+    if (intensity == nullptr && found != own->items.end()) intensity = &*found;
   }
   if (!some) return;
   for (MountedSensor& sensor : pipeline.sensors) {
     if (sensor.description.find("effects") != nullptr) continue;
-    sensor.standIn = parseYaml(lit ? "[intensity]" : "[]", pipeline.file.string());
+    sensor.standIn = parseYaml("[]", pipeline.file.string());
+    if (intensity != nullptr) sensor.standIn->items.push_back(*intensity);
   }
 }
 

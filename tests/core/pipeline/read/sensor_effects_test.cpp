@@ -120,6 +120,8 @@ TEST_F(SensorEffectsOf, AreLeftOutForASensorWithoutAny) {
   const Pipeline lit = pipeline("effects: sensor\n", "effects: [intensity, quantize: {step_m: 1}]\n", "");
   EXPECT_THAT(names(lit, 0), ElementsAre("intensity", "quantize"));
   EXPECT_THAT(names(lit, 1), ElementsAre("intensity"));
+  const Pipeline scaled = pipeline("effects: sensor\n", "effects: [intensity: {output: u8}]\n", "");
+  EXPECT_EQ(intensityFullScale(*scaled.sensors[1].effects), 255);
   EXPECT_THAT(sensorWarnings(lit), ElementsAre(AllOf(HasSubstr("'b' has no effects"), HasSubstr("fit-noise"))));
   EXPECT_THAT(modelled(makePlan(lit), {}), Contains(HasSubstr("effects of the sensor's file of 'b': left out")));
   EXPECT_THAT(sensorWarnings(pipeline("effects: [intensity]\n", "effects: [intensity]\n", "")), testing::IsEmpty());
