@@ -89,9 +89,9 @@ class Arrays(unittest.TestCase):
         self.assertAlmostEqual(power(reflectance=0.4) / power(reflectance=0.2), 2, places=3)
         self.assertAlmostEqual(power(reflectance=np.full(12, 0.4)), power(reflectance=0.4), places=6)
         grey = ((0.5 + 0.055) / 1.055) ** 2.4
-        self.assertAlmostEqual(power(colour=[0.5, 0.5, 0.5]) / power(reflectance=1.0), grey, delta=0.001)
+        self.assertAlmostEqual(power(color=[0.5, 0.5, 0.5]) / power(reflectance=1.0), grey, delta=0.001)
         for colours in (np.full((12, 3), 128, np.uint8), np.full((8, 4), 128, np.uint8)):
-            self.assertAlmostEqual(power(colour=colours) / power(reflectance=1.0), grey, delta=0.004)
+            self.assertAlmostEqual(power(color=colours) / power(reflectance=1.0), grey, delta=0.004)
 
     def test_meshes_of_other_libraries(self):
         own = box(2, (6, 0, 0))
@@ -139,13 +139,13 @@ class Arrays(unittest.TestCase):
             ({"faces": FACES}, "give triangles or faces, not both"),
             ({"vertices": [[1, 2, 3j]]}, "not of complex128"),
             ({"class": 8}, "numbers of classes are no names"),
-            ({"colour": [1, 1, 1]}, "integers are from 0 to 255"),
+            ({"color": [1, 1, 1]}, "integers are from 0 to 255"),
             ({"class": "carr"}, "part 'box': .*carr.*did you mean 'car'"),
             ({"class": ["car"] * 5}, "array of 12 names"),
             ({"material": "stel"}, "part 'box': .*stel"),
             ({"reflectance": 1.5}, "reflectance.* = 1.5 is not between 0 and 1"),
-            ({"reflectance": 0.5, "colour": [1, 1, 1]}, "not both"),
-            ({"colour": np.ones((5, 3))}, "colour has 5 rows, but the part has 12 triangles and 8 vertices"),
+            ({"reflectance": 0.5, "color": [1, 1, 1]}, "not both"),
+            ({"color": np.ones((5, 3))}, "color has 5 rows, but the part has 12 triangles and 8 vertices"),
             ({"instance": np.full(12, -1)}, r"instance\[0\] = -1 is negative \(and 11 more rows\)"),
             ({"pose": np.eye(3)}, "a pose must be a matrix of 4 x 4"),
             ({"clas": "car"}, "unknown key of a part 'clas'.*did you mean 'class'"),
@@ -281,6 +281,9 @@ class Placed(unittest.TestCase):
         ):
             with self.subTest(message=message), self.assertRaisesRegex(scanmill.InputError, message):
                 self.scan(**keys)
+        for pose in (None, [], 3, [[1, 2], [3]], "here"):
+            with self.subTest(pose=pose), self.assertRaisesRegex(scanmill.InputError, "a pose must be a matrix"):
+                self.scene.scan(LIDAR, pose)
         with self.assertRaisesRegex(scanmill.InputError, "5 poses, but the sensor has 720 columns"):
             self.scene.scan(LIDAR, np.tile(np.eye(4), (5, 1, 1)))
         with self.assertRaisesRegex(scanmill.InputError, "must cover the revolution, 0 to 0.1 s after `time`, not 0 to 0.05 s"):
@@ -307,6 +310,7 @@ class Loop(unittest.TestCase):
         for k in range(2):
             scene.add({"class": "object", **box(1)}, name=f"body {k}")
         ids = [scene.objects()[f"body {k}"].instances[0] for k in range(2)]
+        seen = 0
         for frame in range(10):
             for _ in range(50):
                 bodies.step(0.002)
@@ -319,6 +323,8 @@ class Loop(unittest.TestCase):
                     scan.time[scan.instance == ids[k]], bodies.velocity[k]
                 )
                 self.assertLess(np.abs(points - bodies.position[k]).max(initial=0), 0.501)
+                seen += len(points)
+        self.assertGreater(seen, 200)
 
 
 if __name__ == "__main__":

@@ -289,7 +289,7 @@ class Tables {
     addLabels("panoptic", panopticFile(plan_, sample, sensor));
   }
 
-  // What the exported sensors see of an object.
+  // Sums up what the exported sensors see of an object.
   struct Seen {
     std::uint64_t points = 0;           // of all sensors
     std::optional<double> visibility;   // the greatest one

@@ -49,8 +49,8 @@ struct Shot {
   // blocks the ray; may be infinite. Empty: all hits matter. Methods may ignore it. The array must outlive the shot.
   std::span<const float> blockedBeyond;
 
-  // Where objects of the scene are during this shot, other than the scene says; null: as the scene says. The scene must
-  // be `placeable`.
+  // Places objects of the scene for this shot elsewhere than the scene does; null: all are where the scene has them.
+  // The scene must be `placeable`.
   std::shared_ptr<const Placements> placed;
 
   std::size_t stepOf(std::uint32_t column) const {

@@ -12,7 +12,7 @@ from ._core import InputError
 from .geometry import Pose, pose_matrix
 from .words import require_known
 
-PART_KEYS = ("name", "mesh", "vertices", "triangles", "class", "material", "instance", "colour", "reflectance", "pose")
+PART_KEYS = ("name", "mesh", "vertices", "triangles", "class", "material", "instance", "color", "reflectance", "pose")
 STEPS_OF_REFLECTANCE = 1000  # reflectances are rounded to this fraction of 1, so that equal ones share a material
 FAR = 1000.0  # m; meshes farther from their origin are moved to it, since vertices are stored as float32
 
@@ -144,8 +144,8 @@ def _reflectances(
     """Returns the reflectance of each triangle, in steps; -1: that of its material."""
     count = len(triangles)
     given = values.get("reflectance")
-    if given is not None and values.get("colour") is not None:
-        raise InputError("give reflectance or colour, not both")
+    if given is not None and values.get("color") is not None:
+        raise InputError("give reflectance or color, not both")
     if given is not None:
         reflectance = _numbers("reflectance", given, np.float64)
         if reflectance.shape not in ((), (count,)):
@@ -153,10 +153,10 @@ def _reflectances(
         reflectance = np.broadcast_to(reflectance, count)
         _require("reflectance", (reflectance >= 0) & (reflectance <= 1), reflectance, "is not between 0 and 1")
     else:
-        own = values.get("colour", colours if "material" not in values else None)
+        own = values.get("color", colours if "material" not in values else None)
         if own is None:
             return np.full(count, -1, np.int64)
-        reflectance = _brightness(_numbers("colour", own, None), triangles, vertices)
+        reflectance = _brightness(_numbers("color", own, None), triangles, vertices)
     return np.round(np.asarray(reflectance) * STEPS_OF_REFLECTANCE).astype(np.int64)
 
 
@@ -164,12 +164,12 @@ def _brightness(colour: NDArray[Any], triangles: NDArray[Any], vertices: int) ->
     """Returns the linear luminance of sRGB colours, for each triangle. Integers are from 0 to 255, others from 0 to 1.
     Colours of vertices are averaged over a triangle's corners."""
     if colour.shape[-1:] not in ((3,), (4,)) or colour.ndim > 2:
-        raise InputError(f"colour must have the shape (3,), (triangles, 3) or (vertices, 3), not {colour.shape}")
+        raise InputError(f"color must have the shape (3,), (triangles, 3) or (vertices, 3), not {colour.shape}")
     if colour.dtype.kind in "iu" and colour.dtype != np.uint8 and 0 < colour.max() <= 1:
-        raise InputError("colour: integers are from 0 to 255: for white write 255 or 1.0")
+        raise InputError("color: integers are from 0 to 255: for white write 255 or 1.0")
     srgb = colour[..., :3] / 255.0 if colour.dtype.kind in "iu" else colour[..., :3].astype(np.float64)
     good = np.isfinite(srgb).all(axis=-1) & (srgb >= 0).all(axis=-1) & (srgb <= 1).all(axis=-1)
-    _require("colour", np.atleast_1d(good), np.atleast_2d(colour), "is not between 0 and 1 (integers: 0 and 255)")
+    _require("color", np.atleast_1d(good), np.atleast_2d(colour), "is not between 0 and 1 (integers: 0 and 255)")
     linear = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
     luminance = linear @ [0.2126, 0.7152, 0.0722]
     if luminance.ndim == 0 or len(luminance) == len(triangles):
@@ -178,7 +178,7 @@ def _brightness(colour: NDArray[Any], triangles: NDArray[Any], vertices: int) ->
         mean: NDArray[np.float64] = luminance[triangles].mean(axis=1)
         return mean
     raise InputError(
-        f"colour has {len(luminance)} rows, but the part has {len(triangles)} triangles and {vertices} vertices"
+        f"color has {len(luminance)} rows, but the part has {len(triangles)} triangles and {vertices} vertices"
     )
 
 

@@ -121,7 +121,7 @@ class Scene:
         instance     (m,) integers: triangles of one number are one thing, those of 0 are of none; the scene numbers the
                      things anew. Default: the object is one thing if its class has instances
         reflectance  at the sensor's wavelength, 0 to 1, in place of the material's; or (m,). Rounded to 0.001
-        colour       sRGB (3,), (m, 3) or (n, 3), from 0 to 255 if integers, else from 0 to 1: their luminance is taken
+        color        sRGB (3,), (m, 3) or (n, 3), from 0 to 255 if integers, else from 0 to 1: their luminance is taken
                      as the reflectance, which is an estimate. Colours of a `mesh` count if it has no `material`
         pose         of the object in the world, a matrix (4, 4) or map. Default: the origin
 
@@ -130,9 +130,9 @@ class Scene:
         set-up (`poses` of scan()). Raises InputError, a ValueError, that names the part, the array and the row.
         """
         checked = part_of({} if part is None else part, name, pose, **keys)
-        if checked["name"] in self._parts:
-            raise InputError(f"part '{checked['name']}': the scene has an object of this name: take another name")
         with self._lock:
+            if checked["name"] in self._parts:
+                raise InputError(f"part '{checked['name']}': the scene has an object of this name: take another name")
             self._parts[checked["name"]] = checked
             self._simulators.clear()
 
@@ -187,12 +187,13 @@ class Scene:
         velocities of objects in `poses` during the revolution: {name: (3,) or (6,)}: m/s and rad/s, world axes, about
                    the object's origin. Without one an object in `poses` stands still, even if the scene moves it.
                    Points of an object that turns by the angle a during the revolution are a * a / 8 times their
-                   distance from its origin off its arc, since the motion is interpolated linearly
+                   distance from its origin off its arc, since the motion is interpolated linearly. With velocities
+                   or several poses of the vehicle, the scene's own objects move during the revolution too
         pose_times (n,) s after `time`, ascending, from 0 or less to the end of the revolution or more
 
         The first scan with a new combination of sensors, method, effects, columns, seed and layout loads the scene and
-        sets up the method, which takes seconds for large scenes; so does the first one with `poses`, after which placing
-        objects costs milliseconds. The four combinations that were used last are cached.
+        sets up the method, which takes seconds for large scenes; so does the first one with `poses`, after which
+        placing objects costs milliseconds. The four combinations that were used last are cached.
         Raises InputError for errors in the arguments and in the scene's file.
         """
         single = isinstance(sensor, (str, Mapping))
@@ -392,7 +393,7 @@ def _poses_of(
 ) -> NDArray[np.float64]:
     """Returns the vehicle's poses at the columns of a sensor, or its only pose, as rows of a quaternion and a
     translation."""
-    if isinstance(pose, Mapping) or np.ndim(pose[0]) < 2 and not isinstance(pose[0], Mapping):  # type: ignore[index]
+    if not _are_several(pose):
         if times is not None:
             raise InputError("pose_times: there is only one pose")
         return _rows(pose_matrix(pose)[np.newaxis])  # type: ignore[arg-type]
@@ -424,6 +425,13 @@ def _poses_of(
         share = (at[own] - seconds[k]) / (seconds[k + 1] - seconds[k])
         rows[own] = _rows(between(matrices[k], matrices[k + 1], share))
     return rows
+
+
+def _are_several(pose: Any) -> bool:
+    """Returns true if `pose` is a sequence of poses, false if it is one pose or none."""
+    if isinstance(pose, np.ndarray):
+        return pose.ndim == 3
+    return isinstance(pose, (list, tuple)) and len(pose) > 0 and (isinstance(pose[0], Mapping) or np.ndim(pose[0]) == 2)
 
 
 def _rows(matrices: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -94,6 +94,20 @@ for a in table['sample_annotation']:
 )");
 }
 
+TEST_F(NuScenesLayout, SensorsOfOneChannelAreRefused) {
+  useBothSensors();
+  SensorRecord third = plan_.manifest.sensors[1];
+  for (const char* name : {"re-ar", "re_ar"}) {
+    plan_.manifest.sensors[name[2] == '-' ? 0 : 1].name = name;
+  }
+  third.name = "top";
+  plan_.sensors = {&third, &plan_.manifest.sensors[0]};
+  EXPECT_NO_THROW(layout_->check(plan_));
+  plan_.sensors.push_back(&plan_.manifest.sensors[1]);
+  EXPECT_THAT(messageOf<InputError>([&] { layout_->check(plan_); }),
+              testing::AllOf(HasSubstr("'re-ar' and 're_ar'"), HasSubstr("LIDAR_RE_AR"), HasSubstr("--sensor")));
+}
+
 // Points of a moving sensor cannot be placed by one pose unless they are deskewed.
 TEST_F(NuScenesLayout, PointsThatAreNotDeskewedAreToldOf) {
   std::vector<Pose>& poses = plan_.manifest.samples[1].scans[0].worldFromSensor;

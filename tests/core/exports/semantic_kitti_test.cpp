@@ -152,7 +152,7 @@ assert (points[:, 3] == np.float32(0.2)).all()
 )");
 }
 
-// Where an id does not fit into 15 bits, the sequence is numbered from 1, in the order of the ids: 9 and 40007.
+// A sequence with an id that does not fit into 15 bits is numbered from 1, in the order of the ids: 9 and 40007.
 TEST_F(SemanticKittiLayout, IdsThatDoNotFitAreNumberedAnew) {
   const auto large = [](ExportSample& own) {
     for (std::uint32_t& id : own.scans[0].scan[kInstance]) id = id == 7 ? 40007 : id;

@@ -31,7 +31,7 @@ class Trajectory;
 // for wrong options, and if the scene has moving objects that the method cannot trace.
 std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scene);
 
-// What a program adds to the scenes that it loads.
+// Changes that a program makes to the scenes that it loads.
 struct SceneChanges {
   std::function<void(SceneBuilder&)> add = nullptr;  // adds objects: see SceneOptions::add
   bool placeable = false;                            // see Scene::placeable

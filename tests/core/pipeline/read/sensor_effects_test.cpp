@@ -124,6 +124,8 @@ TEST_F(SensorEffectsOf, AreLeftOutForASensorWithoutAny) {
   EXPECT_EQ(intensityFullScale(*scaled.sensors[1].effects), 255);
   EXPECT_THAT(sensorWarnings(lit), ElementsAre(AllOf(HasSubstr("'b' has no effects"), HasSubstr("fit-noise"))));
   EXPECT_THAT(modelled(makePlan(lit), {}), Contains(HasSubstr("effects of the sensor's file of 'b': left out")));
+  const char* random = "effects: [sensor, dropout: {probability: {uniform: [0, 1], per: frame}}]\n";
+  EXPECT_NE(pipeline(random, "effects: [intensity]\n", "").drawn, nullptr);
   EXPECT_THAT(sensorWarnings(pipeline("effects: [intensity]\n", "effects: [intensity]\n", "")), testing::IsEmpty());
 }
 
