@@ -1,7 +1,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <filesystem>
+#include <memory>
+#include <vector>
 
 #include "assets/meshes/assimp/ac3d.h"
 #include "assets/meshes/assimp/collada.h"
@@ -133,15 +137,36 @@ std::vector<std::filesystem::path> yamlFiles(const std::filesystem::path& folder
   return files;
 }
 
+// Returns the horizontal and the vertical field of view of the beams (deg). A horizontal gap of less than 5 degrees
+// counts as none.
+std::array<double, 2> fieldOf(const BeamTable& beams) {
+  std::vector<double> azimuths;
+  double lowest = kPi / 2;
+  double highest = -kPi / 2;
+  for (const Vec3d& d : beams.direction) {
+    const double elevation = std::asin(std::clamp(d.z, -1.0, 1.0));
+    lowest = std::min(lowest, elevation);
+    highest = std::max(highest, elevation);
+    azimuths.push_back(std::atan2(d.y, d.x));
+  }
+  std::sort(azimuths.begin(), azimuths.end());
+  double gap = azimuths.front() + 2 * kPi - azimuths.back();
+  for (std::size_t i = 1; i < azimuths.size(); ++i) gap = std::max(gap, azimuths[i] - azimuths[i - 1]);
+  return {gap < radians(5) ? 360 : degrees(2 * kPi - gap), degrees(highest - lowest)};
+}
+
 Rows sensorRows() {
-  Rows rows;
+  Rows rows{{"name", "model", "beams", "scans/s", "points/s", "field (deg)", "range (m)", "effects"}};
   for (const auto& file : yamlFiles(resourceFolder() / "pipelines" / "sensors")) {
     const Value value = readYaml(file);
-    const SensorSize size = sensorSize(value);
-    const Value* model = value.find("model");
-    rows.push_back({file.stem().string(),
-                    fmt::format("{}, {} x {}{}", model == nullptr ? "" : model->text, size.rings, size.columns,
-                                value.find("effects") == nullptr ? "" : ", with effects (`effects: sensor`)")});
+    const std::shared_ptr<const BeamTable> beams = makeBeams(value);
+    const std::array<double, 2> field = fieldOf(*beams);
+    rows.push_back({file.stem().string(), beams->model, fmt::format("{} x {}", beams->rings, beams->columns),
+                    fmt::format("{:.4g}", 1 / beams->period),
+                    fmt::format("{:.0f}", static_cast<double>(beams->size()) / beams->period),
+                    fmt::format("{:.3g} x {:.3g}", field[0], field[1]),
+                    fmt::format("{:g} to {:g}", beams->minRange, beams->maxRange),
+                    value.find("effects") == nullptr ? "" : "its own"});
   }
   return rows;
 }
@@ -232,6 +257,11 @@ int runList(const std::vector<std::string>& arguments) {
     if (wanted.empty() || wanted == name) printText("{}:\n{}", name, formatTable(rows()));
   }
   if (wanted == kDevices) printDevices();
+  if (wanted == "sensors") {
+    printText(
+        "\n'its own': the file says what the sensor's receiver makes of its hits; `effects: sensor` uses it.\n"
+        "A pipeline may change any key beside `preset`, such as columns and rate_hz.\n");
+  }
   if (wanted == "methods") printCapabilities();
   if (wanted == "methods") printKeys(methods());
   if (wanted == "effects") printKeys(effects());

@@ -214,7 +214,7 @@ int runPlan(const std::vector<std::string>& arguments) {
   const Pipeline& pipeline = plan.pipeline;
   checkAutoChoice(pipeline);
   for (const std::string& line : vehicleWarnings(pipeline, source.blockedShares())) warn(line);
-  for (const std::string& line : sensorWarnings(pipeline)) warn(line);
+  for (const std::string& line : sensorWarnings(plan)) warn(line);
   for (const std::string& line : driveWarnings(pipeline)) warn(line);
   printForecast(parsed, plan);
   printSensors(plan);

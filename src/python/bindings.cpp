@@ -30,6 +30,7 @@
 #include "dataset/reader.h"
 #include "dataset/scan_store.h"
 #include "python/arrays.h"
+#include "python/pass_recorder.h"
 #include "python/simulator_bindings.h"
 
 namespace py = pybind11;
@@ -205,6 +206,7 @@ PYBIND11_MODULE(_core, module) {
   });
   defineStore(module);
   defineSimulator(module);
+  definePassRecorder(module);
   module.def(
       "decode",
       [](const std::string& name, const py::bytes& data) {

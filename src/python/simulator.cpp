@@ -99,6 +99,13 @@ std::vector<SimulatedScan> Simulator::scan(const SimulatedShot& wanted) const {
     for (const Pose& worldFromVehicle : wanted.worldFromVehicle.at(shot.sensor)) {
       shot.worldFromSensor.push_back(worldFromVehicle * settings->sensors[shot.sensor].vehicleFromSensor);
     }
+    const std::vector<Pose>& poses = shot.worldFromSensor;
+    const double step = shot.beams->columnPeriod() * shot.beams->columns / static_cast<double>(poses.size());
+    shot.sensorVelocity.assign(poses.size() > 1 ? poses.size() : 0, {});
+    for (std::size_t i = 0; i < shot.sensorVelocity.size(); ++i) {
+      const std::size_t from = std::min(i, poses.size() - 2);
+      shot.sensorVelocity[i] = (poses[from + 1].translation - poses[from].translation) * (1 / step);
+    }
     ShotBuffers buffers;
     StageClock clock({"trace", "effects"});
     runShot(setupOf(plan_, *settings, scene_, *method_, shot.sensor), shot, buffers, clock);

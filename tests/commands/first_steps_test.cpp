@@ -85,10 +85,10 @@ TEST_F(FirstSteps, TyposComeBeforeWhatTheyHide) {
   expectRefused(scanmill({"plan", changed("mount:", "mout:")}), "unknown key 'mout' (did you mean 'mount'?)");
   expectRefused(scanmill({"plan", changed("waypoints:", "waypoint:")}), "did you mean 'waypoints'?");
   expectRefused(scanmill({"plan", changed("speed: 10", "sped: 10")}), "did you mean 'speed'?");
-  expectRefused(
-      scanmill({"plan", changed("name: drive", "nothing: 1")}),
-      "(known: name, poses, waypoints, along, on, recorded, path, rounding, keep, drives, speed, acceleration, "
-      "stops, lane_changes, sway, ground, every_s, every_m, frames)");
+  expectRefused(scanmill({"plan", changed("name: drive", "nothing: 1")}),
+                "(known: name, poses, waypoints, along, on, from, to, recorded, path, rounding, keep, drives, speed, "
+                "acceleration, "
+                "stops, lane_changes, sway, ground, every_s, every_m, frames)");
   expectRefused(scanmill({"plan", changed("[intensity]", "[quantize: {zzz: 1}]")}),
                 "effect quantize: unknown key 'zzz' (known: step_m)");
   expectRefused(scanmill({"plan", changed("[intensity]", "none")}), "[] for no effects");

@@ -270,7 +270,7 @@ TEST_F(Generate, KilledRunsLeaveWholeShardsOnly) {
   expectRefused(scanmill({"generate", pipeline_, "-q", "-o", at("out")}), "--overwrite");
   expectRefused(scanmill({"generate", pipeline_, "-q", "-o", at("out"), "--resume"}), "another pipeline");
   EXPECT_EQ(scanmill({"generate", pipeline_, "-q", "--overwrite", "-o", at("out")}).code, 0);
-  EXPECT_EQ(filesEndingIn("", at("out")).size(), 1 + readManifest(at("out")).shards.size());
+  EXPECT_EQ(filesEndingIn("", at("out")).size(), 3 + readManifest(at("out")).shards.size());
   EXPECT_EQ(scanmill({"verify", "-q", at("out")}).code, 0);
 }
 

@@ -2,7 +2,9 @@
 
 import contextlib
 import io
+import os
 import re
+import tempfile
 import unittest
 
 from support import ROOT, dataset_path
@@ -12,6 +14,11 @@ PAGES = {ROOT / "docs" / "python.md": 6, ROOT / "docs" / "architecture.md": 1}  
 
 class Docs(unittest.TestCase):
     def test_examples_run(self):
+        here = os.getcwd()
+        folder = tempfile.TemporaryDirectory()  # for what examples write
+        self.addCleanup(folder.cleanup)
+        self.addCleanup(os.chdir, here)
+        os.chdir(folder.name)
         for page, least in PAGES.items():
             names = {"__name__": "docs", "dataset": dataset_path(self)}
             text = page.read_text(encoding="utf-8")

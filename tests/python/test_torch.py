@@ -8,7 +8,7 @@ import numpy as np
 from support import dataset_path, needs_torch, random_sample
 
 import scanmill
-from scanmill.augment import Compose, Flip, Jitter, Turn
+from scanmill.augment import Compose, Flip, Jitter, Turn, mix
 
 try:
     import torch
@@ -124,6 +124,23 @@ class Loaders(unittest.TestCase):
             self.assertEqual(set(other), set(alone))
             for key, xyz in alone.items():
                 np.testing.assert_array_equal(other[key], xyz)
+
+    def test_workers_do_not_change_the_mix(self):
+        def points(workers, epoch=1, seed=2, **order):
+            mixes = mix.Choice([mix.LaserMix(), mix.PolarMix(swap=1)])
+            dataset = ScanDataset(self.path, "train", columns=["ring"], mix=mixes, seed=seed, transform=AUGMENT)
+            dataset.set_epoch(epoch)
+            return {b["key"][0]: b["xyz"][0].numpy() for b in self.load(dataset, workers, batch_size=1, **order)}
+
+        alone = points(0)
+        for other in (points(2), points(1, shuffle=True)):
+            self.assertEqual(set(other), set(alone))
+            for key, xyz in alone.items():
+                np.testing.assert_array_equal(other[key], xyz)
+        for unlike in (points(0, seed=3), points(0, epoch=2)):
+            self.assertFalse(all(np.array_equal(unlike[key], xyz) for key, xyz in alone.items()))
+        with self.assertRaises(scanmill.InputError):
+            ShardIterable(self.path, mix=mix.LaserMix())
 
     def test_workers_that_live_on_see_the_next_epoch(self):
         for dataset in (

@@ -36,6 +36,7 @@ enum class Purpose : std::uint16_t {
   LostRings = 22,
   IntensityNoise = 23,
   Reflectance = 24,
+  Stratum = 25,
   Speckle = 256,  // 256 to 263: each value gives the words of four looks of speckle
   Test = 99,
 };

@@ -145,10 +145,14 @@ bool isPerFrame(Fields& fields) {
   return fields.choice("per", {"sequence", "frame"}, "sequence") == "frame";
 }
 
+bool isStratified(Fields& fields) {
+  return fields.choice("stratify", {"none", "split"}, "none") == "split";
+}
+
 // Returns the keys of a distribution, after a check that exactly one of them is `uniform`, `normal` or `choice`.
 Fields fieldsOf(const Value& value) {
   Fields fields(value, "distribution");
-  fields.also({"uniform", "normal", "choice", "weights", "within", "per"}).finish();
+  fields.also({"uniform", "normal", "choice", "weights", "within", "per", "stratify"}).finish();
   const auto kinds =
       std::count_if(kKinds.begin(), kKinds.end(), [&](std::string_view kind) { return fields.has(kind); });
   if (kinds != 1) throw InputError(value.where, "a distribution must be exactly one of uniform, normal and choice");
@@ -159,6 +163,7 @@ Fields fieldsOf(const Value& value) {
     throw InputError(weights->where, "weights can only be given to a choice");
   }
   isPerFrame(fields);
+  isStratified(fields);
   return fields;
 }
 
@@ -192,10 +197,44 @@ Value endOf(const Value& value, std::size_t& number) {
   return itemOf(value, list, which % list.items.size());
 }
 
-double randomOf(const std::string& key, RandomAddress address) {
-  address.beam = static_cast<std::uint32_t>(std::stoul(xxh3(key).substr(0, 8), nullptr, 16));
+std::uint32_t hashOf(const std::string& text) {
+  return static_cast<std::uint32_t>(std::stoul(xxh3(text).substr(0, 8), nullptr, 16));
+}
+
+// Returns the image of `index` under a random permutation of the numbers below `count`: a Feistel network of four
+// rounds (Luby and Rackoff, SIAM J. Comput. 17, 1988) on the next power of four, repeated until the number is below
+// `count`.
+std::uint64_t permuted(std::uint64_t index, std::uint64_t count, RandomAddress address) {
+  unsigned half = 1;
+  while (count > std::uint64_t{1} << (2 * half)) ++half;
+  const std::uint64_t mask = (std::uint64_t{1} << half) - 1;
+  address.purpose = Purpose::Stratum;
+  do {
+    std::uint64_t left = index >> half;
+    std::uint64_t right = index & mask;
+    for (std::uint32_t round = 0; round < 4; ++round) {
+      address.sensor = round;
+      address.frame = static_cast<std::uint32_t>(right);
+      left = std::exchange(right, left ^ (randomBlock(address)[0] & mask));
+    }
+    index = left << half | right;
+  } while (index >= count);
+  return index;
+}
+
+// Returns a random number from 0 to 1 for the distribution of a key.
+double randomOf(const std::string& key, RandomAddress address, Fields& fields, const PlaceInSplit& place) {
+  const bool perFrame = isPerFrame(fields);
+  const bool stratified = isStratified(fields);
+  address.beam = hashOf(key);
   address.purpose = Purpose::Distribution;
-  return uniform(randomBlock(address)[0]);
+  if (stratified) address.scene = hashOf(place.split);
+  if (stratified || !perFrame) address.frame = 0;
+  const double random = uniform(randomBlock(address)[0]);
+  if (!stratified) return random;
+  const std::uint64_t count = perFrame ? place.frames : place.sequences;
+  const std::uint64_t stratum = permuted(perFrame ? place.frame : place.sequence, count, address);
+  return (static_cast<double>(stratum) + random) / static_cast<double>(count);
 }
 
 // Calls apply() for each item or entry of a value, without descending into them.
@@ -203,6 +242,17 @@ template <class Do>
 void forEachWithin(const Value& value, const Do& apply) {
   for (const Value& item : value.items) apply(item);
   for (const Value::Entry& entry : value.entries) apply(entry.value);
+}
+
+// Returns the first distribution within the value for which `is` returns true; null if there is none.
+const Value* findDistribution(const Value& value, bool (*is)(Fields&)) {
+  if (isDistribution(value)) {
+    Fields fields = fieldsOf(value);
+    if (is(fields)) return &value;
+  }
+  const Value* found = nullptr;
+  forEachWithin(value, [&](const Value& part) { found = found == nullptr ? findDistribution(part, is) : found; });
+  return found;
 }
 
 }  // namespace
@@ -220,38 +270,35 @@ bool holdsDistribution(const Value& value) {
 }
 
 const Value* findDrawnPerFrame(const Value& value) {
-  if (isDistribution(value)) {
-    Fields fields = fieldsOf(value);
-    if (isPerFrame(fields)) return &value;
-  }
-  const Value* found = nullptr;
-  forEachWithin(value, [&](const Value& part) { found = found == nullptr ? findDrawnPerFrame(part) : found; });
-  return found;
+  return findDistribution(value, isPerFrame);
+}
+
+const Value* findStratified(const Value& value) {
+  return findDistribution(value, isStratified);
 }
 
 Value withDraws(const Value& value, const std::string& key, const RandomAddress& address,
-                std::vector<DrawnValue>& draws) {
+                std::vector<DrawnValue>& draws, const PlaceInSplit& place) {
   if (isDistribution(value)) {
     Value one = value;
     RandomAddress own = address;
     // An item of a choice may be a distribution, too.
     for (own.number = 0; isDistribution(one); own.number = (own.number + 1) % 16) {
       Fields fields = fieldsOf(one);
-      own.frame = isPerFrame(fields) ? address.frame : 0;
-      one = draw(fields, randomOf(key, own));
+      one = draw(fields, randomOf(key, own, fields, place));
     }
     std::vector<DrawnValue> within;  // not reported: the entry in `draws` shows the complete item
-    one = withDraws(one, key, address, within);
+    one = withDraws(one, key, address, within, place);
     draws.push_back({key, flowText(one)});
     return one;
   }
   const std::string before = key.empty() ? "" : key + ".";
   Value copy = value;
   for (std::size_t i = 0; i < copy.items.size(); ++i) {
-    copy.items[i] = withDraws(value.items[i], before + std::to_string(i), address, draws);
+    copy.items[i] = withDraws(value.items[i], before + std::to_string(i), address, draws, place);
   }
   for (Value::Entry& entry : copy.entries) {
-    entry.value = withDraws(entry.value, before + entry.key, address, draws);
+    entry.value = withDraws(entry.value, before + entry.key, address, draws, place);
   }
   return copy;
 }

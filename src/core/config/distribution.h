@@ -12,11 +12,13 @@
 //   road: {choice: [dry, wet], weights: [9, 1]}        # dry nine times as often
 //   traffic: {choice: [0, {uniform: [0.5, 2]}]}        # 0, or a number from 0.5 to 2
 //   rate_mm_h: {uniform: [0, 30], per: frame}          # a new value for each frame, not for each sequence
+//   road: {choice: [dry, wet], stratify: split}        # half of the sequences of each split is wet
 //
 // A normal distribution is also cut off at four standard deviations, which one of 16,000 numbers would exceed, so that
 // every random value has bounds.
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -34,20 +36,34 @@ struct DrawnValue {
   bool operator==(const DrawnValue&) const = default;
 };
 
+// Places of a sequence and of a frame among the sequences and frames of their split, for `stratify: split`.
+struct PlaceInSplit {
+  std::string split;
+  std::uint64_t sequence = 0, sequences = 1;  // index of the sequence in its split, and their number
+  std::uint64_t frame = 0, frames = 1;        // index of the frame among those of all sequences of the split
+};
+
 // True if the value is a map with a key `uniform`, `normal` or `choice`, whether or not it is a valid distribution.
 bool isDistribution(const Value& value);
 // True if the value, or anything within it, is a distribution.
 bool holdsDistribution(const Value& value);
 // Returns the first distribution within the value that is sampled anew for each frame; null if there is none.
 const Value* findDrawnPerFrame(const Value& value);
+// Returns the first distribution within the value that has the key `stratify`; null if there is none.
+const Value* findStratified(const Value& value);
 
 // Returns a copy of the value in which a random value replaces each distribution, and appends the random values to
 // `draws`. `key` is the dotted key of `value` in its file, empty for a complete file. A random value depends only on
 // its own key and on `address`, whatever else the file contains. The function sets the beam, the number and the purpose
 // of the address itself, and sets the frame to 0 for values that are sampled once per sequence. Throws InputError for
 // an invalid distribution.
+//
+// Values of a distribution with `stratify: split` are spread evenly over the n sequences (or frames) of the split: its
+// quantiles are n numbers at equal distances with one random offset, in random order (systematic sampling: Cochran,
+// Sampling Techniques, 1977, chapter 8). An item whose probability is p then occurs less than once more or less often
+// than n p times. Such a value depends on `place`, too.
 Value withDraws(const Value& value, const std::string& key, const RandomAddress& address,
-                std::vector<DrawnValue>& draws);
+                std::vector<DrawnValue>& draws, const PlaceInSplit& place = {});
 
 // A distribution has ends: its least and greatest number, or each item of a choice without "...". withCase() replaces
 // each distribution within the value by one of its ends, and over the cases 0 to countCases(value) - 1 every end

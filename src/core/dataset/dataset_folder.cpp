@@ -18,6 +18,7 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/own_folder.h"
+#include "dataset/card.h"
 #include "dataset/folder_contents.h"
 #include "dataset/shard_name.h"
 
@@ -363,6 +364,16 @@ void DatasetFolder::publish(const Manifest& manifest, std::uint64_t mostSampleBy
       const fs::path own = (folder_ / shard.file).parent_path();
       if (std::find(changed.begin(), changed.end(), own) == changed.end()) changed.push_back(own);
     }
+    const auto writeBeside = [&](std::string_view name, const std::string& bytes) {
+      checkPlace();
+      AtomicFile beside(folder_, folder_ / name);
+      beside.write(bytes);
+      beside.flush();
+      checkPlace();
+      beside.commit();
+    };
+    writeBeside(kCardName, cardText(manifest));
+    writeBeside(kCroissantName, croissantJson(manifest));
     const std::string text = describe(folder_, mostSampleBytes, manifest);
     for (const fs::path& each : changed) syncFolder(each);
     AtomicFile file(folder_, folder_ / kManifestName);

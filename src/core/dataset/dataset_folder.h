@@ -71,8 +71,9 @@ class DatasetFolder {
   [[nodiscard]] bool makeAlone();
   // Moves the shards of the manifest, all of which must have records, to their final paths, replaces the shards of an
   // earlier dataset, and finally writes the manifest. If the descriptions of all samples take more than
-  // `mostSampleBytes`, they are written to files beside the shards. Throws Error if the disk fails, or if the folder
-  // was removed or replaced; the dataset can then be resumed.
+  // `mostSampleBytes`, they are written to files beside the shards. The data card and the metadata of card.h are
+  // written, too. Throws Error if the disk fails, or if the folder was removed or replaced; the dataset can then be
+  // resumed.
   void publish(const Manifest& manifest, std::uint64_t mostSampleBytes = 100'000'000);
   // Throws Error if the folder was removed or replaced since this object was created.
   void checkPlace() const;

@@ -103,7 +103,8 @@ struct Manifest {
   static constexpr int kSchemaVersion = 2;  // version if samples are in files beside the shards; otherwise 1
   std::string programVersion;
   std::string name;
-  std::string pipelineText;  // text of the pipeline, with the overrides of --set appended as comments
+  std::map<std::string, std::string> about;  // what the pipeline says of the dataset under `about`, by key
+  std::string pipelineText;                  // text of the pipeline, with the overrides of --set appended as comments
   std::string pipelineSha256;
   std::string planSha256;  // see datasetPlan(); empty in manifests of earlier versions
   std::uint64_t seed = 0;

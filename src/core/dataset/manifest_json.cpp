@@ -79,13 +79,18 @@ OrderedJson framesJson(const Manifest& manifest) {
        "azimuth_offset[ring] and e = elevation[ring]; origin (origin_offset cos t, origin_offset sin t, "
        "origin_height), and where the sensor has them origin_left[ring] (-sin(t + a), cos(t + a), 0) + "
        "origin_up[ring] (-cos(t + a) sin e, -sin(t + a) sin e, cos e) besides. Where the sensor has `beams`, their own "
-       "azimuth, elevation, time and origin (x, y, z, x, ...). Where it has a `rosette`, deflected from x by angle[0] "
-       "and "
-       "angle[1], each towards the angle speed * (time of the scan + time of the beam) + phase, from y to z"},
+       "azimuth, elevation, time and origin (x, y, z, x, ...). Where it has a `rosette`, deflected from x by the "
+       "sum of all angle[k], each towards the angle speed[k] * (time of the scan + time of the beam) + phase[k] from y "
+       "to "
+       "z, and of left[ring] towards y and up[ring] towards z; where the rosette has a `mirror`, deflected from z "
+       "towards x and "
+       "y in place of y and z, and reflected by a mirror whose normal has the elevation tilt - pi / 2 and the azimuth "
+       "speed * time + phase"},
       {"time",
        "scans: since the start of the sequence, of column 0; points: since the start of the revolution, period * field "
-       "/ "
-       "(2 pi) * swept + firing_offset[ring], where swept is that of `column`"},
+       "/ (2 pi) * swept + firing_offset[ring], where swept is that of `column`; where the sensor has a `sweep`, sweep "
+       "* "
+       "swept + firing_offset[ring]"},
   };
 }
 
@@ -131,10 +136,14 @@ OrderedJson sensorJson(const SensorRecord& sensor) {
     }
   }
   if (b.rosette) {
-    const auto pair = [](const std::array<double, 2>& values) { return OrderedJson{values[0], values[1]}; };
-    json["rosette"] = {
-        {"angle", pair(b.rosette->angle)}, {"speed", pair(b.rosette->speed)}, {"phase", pair(b.rosette->phase)}};
+    const Rosette& r = *b.rosette;
+    json["rosette"] = {{"angle", r.angle}, {"speed", r.speed}, {"phase", r.phase}};
+    if (!r.left.empty()) json["rosette"].update({{"left", r.left}, {"up", r.up}});
+    if (r.mirror) {
+      json["rosette"]["mirror"] = {{"tilt", r.mirror->tilt}, {"speed", r.mirror->speed}, {"phase", r.mirror->phase}};
+    }
   }
+  if (b.sweep > 0) json["sweep"] = number(b.sweep, "sweep");
   if (sensor.intensityFullScale != 1)
     json["intensity_full_scale"] = number(sensor.intensityFullScale, "intensity_full_scale");
   if (!b.originLeft.empty()) json["origin_left"] = finiteList(b.originLeft, sensor.name + ": origin_left");
@@ -207,6 +216,7 @@ OrderedJson manifestJson(const Manifest& m) {
                         })},
       {"samples", nullptr},
   };
+  if (!m.about.empty()) json["about"] = m.about;
   if (!m.planSha256.empty()) json["plan_sha256"] = m.planSha256;
   if (m.chosen) json["method_choice"] = choiceJson(*m.chosen);
   json["digest"] = kNoDigest;

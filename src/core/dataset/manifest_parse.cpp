@@ -37,7 +37,7 @@ SensorRecord sensorOf(const JsonNode& node) {
   node.keys({"name", "model", "source", "vehicle_from_sensor", "rings", "columns", "period", "clockwise", "top_down",
              "min_range", "max_range", "first_azimuth", "field", "origin_offset", "origin_height", "elevation",
              "azimuth_offset", "firing_offset"},
-            {"origin_left", "origin_up", "beams", "rosette", "intensity_full_scale"});
+            {"origin_left", "origin_up", "beams", "rosette", "sweep", "intensity_full_scale"});
   SensorRecord sensor;
   sensor.name = node["name"].text();
   if (sensor.name != oneLine(sensor.name)) node["name"].fail("has control characters");
@@ -62,13 +62,22 @@ SensorRecord sensorOf(const JsonNode& node) {
   if (node.has("beams")) b.listed = listedOf(node["beams"], b.size());
   if (node.has("rosette")) {
     const JsonNode own = node["rosette"];
-    own.keys({"angle", "speed", "phase"});
-    const auto pair = [&](const char* key) {
-      const std::vector<double> values = own[key].numbers(2);
-      return std::array<double, 2>{values[0], values[1]};
-    };
-    b.rosette = Rosette{pair("angle"), pair("speed"), pair("phase")};
+    own.keys({"angle", "speed", "phase"}, {"left", "up", "mirror"});
+    b.rosette.emplace();
+    std::size_t prisms = 0;
+    own["angle"].forEach([&](const JsonNode&) { ++prisms; });
+    b.rosette->angle = own["angle"].numbers(prisms);
+    b.rosette->speed = own["speed"].numbers(prisms);
+    b.rosette->phase = own["phase"].numbers(prisms);
+    if (own.has("left")) b.rosette->left = own["left"].numbers(b.rings);
+    if (own.has("up")) b.rosette->up = own["up"].numbers(b.rings);
+    if (own.has("mirror")) {
+      const JsonNode mirror = own["mirror"];
+      mirror.keys({"tilt", "speed", "phase"});
+      b.rosette->mirror = {mirror["tilt"].number(), mirror["speed"].number(), mirror["phase"].number()};
+    }
   }
+  if (node.has("sweep")) b.sweep = node["sweep"].number(0, b.period);
   if (node.has("intensity_full_scale")) sensor.intensityFullScale = node["intensity_full_scale"].number(1e-9);
   if (node.has("origin_left")) b.originLeft = node["origin_left"].numbers(b.rings);
   if (node.has("origin_up")) b.originUp = node["origin_up"].numbers(b.rings);
@@ -219,7 +228,7 @@ void checkVersion(const JsonNode& root, const Json& json, const std::string& fil
 Manifest manifestOf(const JsonNode& root) {
   root.keys({"schema_version", "program", "name", "seed", "pipeline", "units", "frames", "scans", "formats", "ontology",
              "sensors", "modelled", "shards", "samples"},
-            {"plan_sha256", "method_choice", "digest", "stages"});
+            {"about", "plan_sha256", "method_choice", "digest", "stages"});
   Manifest m;
   m.programVersion = root["program"].keys({"name", "version"})["version"].text();
   m.name = root["name"].text();
@@ -228,6 +237,11 @@ Manifest manifestOf(const JsonNode& root) {
   pipeline.keys({"sha256", "text"});
   m.pipelineSha256 = pipeline["sha256"].sha256();
   m.pipelineText = pipeline["text"].text();
+  if (root.has("about")) {
+    const JsonNode about = root["about"];
+    about.keys({}, {"description", "license", "creator", "url", "citation"});
+    about.forEachEntry([&](const std::string& key, const JsonNode& text) { m.about.emplace(key, text.text()); });
+  }
   if (root.has("plan_sha256")) m.planSha256 = root["plan_sha256"].sha256();
   const JsonNode units = root["units"];
   units.keys({"length", "time", "angle"});

@@ -11,6 +11,9 @@
 namespace scanmill {
 
 inline constexpr std::string_view kManifestName = "manifest.json";
+// The descriptions beside the manifest (card.h).
+inline constexpr std::string_view kCardName = "dataset_card.md";
+inline constexpr std::string_view kCroissantName = "croissant.json";
 // The folder that contains a dataset until the dataset is complete (dataset_folder.h); readers ignore it.
 inline constexpr std::string_view kHiddenName = ".scanmill";
 

@@ -7,16 +7,23 @@
 //                                  without objects a line of the type DontCare, since OpenPCDet reads no empty file
 //   training/calib/000000.txt      P0 to P3, R0_rect, Tr_velo_to_cam, Tr_imu_to_velo
 //   training/image_2/000000.png    required by loaders; black, since there is no camera
+//   training/planes/000000.txt     the plane of the road, level below the first sensor as it is mounted; absent if the
+//                                  sensor is mounted less than 0.1 m above the vehicle's origin
 //   ImageSets/train.txt            the frames of each split; those of `test` are in testing/
 //
-// The camera is placed at the sensor's origin, looks along the sensor's x axis and has the field of view of KITTI's
-// left colour camera. As in KITTI, only objects in the image are listed. The frames of all sequences in a folder are
-// numbered consecutively.
+// With several sensors the folder velodyne has the points of the first, and velodyne_NAME those of each other sensor,
+// in that sensor's frame; calib then has a further line for each of them, Tr_velodyne_NAME_to_cam. Objects with points
+// in any of the scans are listed.
+//
+// The camera is placed at the first sensor's origin, looks along this sensor's x axis and has the field of view of
+// KITTI's left colour camera. As in KITTI, only objects in the image are listed. The frames of all sequences in a
+// folder are numbered consecutively.
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <map>
 #include <string_view>
@@ -118,16 +125,57 @@ std::string labelOf(const std::string& type, const ObjectRecord& object, const O
       object.size.z, object.size.y, object.size.x, bottom.x, bottom.y, bottom.z, rotation);
 }
 
-std::string calibration() {
+// Returns the name of a sensor's folder of points.
+std::string pointsFolder(const ExportPlan& plan, std::size_t sensor) {
+  if (sensor == 0) return "velodyne";
+  std::string name = "velodyne_" + plan.sensors[sensor]->name;
+  for (char& c : name) {
+    const auto byte = static_cast<unsigned char>(c);
+    c = std::isalnum(byte) == 0 ? '_' : static_cast<char>(std::tolower(byte));
+  }
+  return name;
+}
+
+const SampleRecord& sampleOf(const ExportPlan& plan, std::size_t sequence, std::size_t frame) {
+  return plan.manifest.samples[plan.sequences[sequence].samples[frame]];
+}
+
+// Returns the transform from a sensor's frame to that of the first sensor, as they are mounted.
+Pose firstFromSensor(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor) {
+  const auto mount = [&](std::size_t k) { return mountOf(*plan.sensors[k], scanOf(plan, sample, k)); };
+  return inverse(mount(0)) * mount(sensor);
+}
+
+std::string calibration(const ExportPlan& plan, const SampleRecord& sample) {
   std::string text;
   for (int camera = 0; camera < 4; ++camera) {
     text += fmt::format("P{}: {:.12e} 0 {:.12e} 0 0 {:.12e} {:.12e} 0 0 0 1 0\n", camera, kFocal, kCenterX, kFocal,
                         kCenterY);
   }
-  return text +
-         "R0_rect: 1 0 0 0 1 0 0 0 1\n"
-         "Tr_velo_to_cam: 0 -1 0 0 0 0 -1 0 1 0 0 0\n"
-         "Tr_imu_to_velo: 1 0 0 0 0 1 0 0 0 0 1 0\n";
+  text +=
+      "R0_rect: 1 0 0 0 1 0 0 0 1\n"
+      "Tr_velo_to_cam: 0 -1 0 0 0 0 -1 0 1 0 0 0\n"
+      "Tr_imu_to_velo: 1 0 0 0 0 1 0 0 0 0 1 0\n";
+  for (std::size_t k = 1; k < plan.sensors.size(); ++k) {
+    const std::array<double, 12> m = matrixRows(firstFromSensor(plan, sample, k));
+    text += fmt::format("Tr_{}_to_cam:", pointsFolder(plan, k));
+    for (std::size_t i = 0; i < 4; ++i) text += fmt::format(" {:.12e}", -m[4 + i]);  // right: -y of the first sensor
+    for (std::size_t i = 0; i < 4; ++i) text += fmt::format(" {:.12e}", -m[8 + i]);  // down: -z
+    for (std::size_t i = 0; i < 4; ++i) text += fmt::format(" {:.12e}", m[i]);       // forward: x
+    text += '\n';
+  }
+  return text;
+}
+
+// Returns the file with the plane of the road, a x + b y + c z + d = 0 in the camera's frame; empty if the height of
+// the sensor above the road is unknown.
+std::string planeText(const ExportPlan& plan, const SampleRecord& sample) {
+  constexpr double kLowest = 0.1;  // m
+  const Pose& mount = mountOf(*plan.sensors[0], scanOf(plan, sample, 0));
+  if (mount.translation.z < kLowest) return {};
+  const Vec3d up = inCamera(transposed(toMatrix(mount.rotation)) * Vec3d{0, 0, 1});
+  return fmt::format("# Plane\nWidth 4\nHeight 1\n{:.9e} {:.9e} {:.9e} {:.9e}\n", up.x, up.y, up.z,
+                     mount.translation.z);
 }
 
 class Kitti : public Layout {
@@ -142,6 +190,16 @@ class Kitti : public Layout {
               "has {} frames, but the numbers of KITTI's frames have six digits: take fewer frames with --split",
               frames));
     }
+    std::map<std::string, std::string> folders;
+    for (std::size_t k = 0; k < plan.sensors.size(); ++k) {
+      const auto [other, isNew] = folders.emplace(pointsFolder(plan, k), plan.sensors[k]->name);
+      if (isNew) continue;
+      throw InputError(
+          {plan.dataset.string()},
+          fmt::format("the points of the sensors '{}' and '{}' would both be in the folder {}: choose one of "
+                      "them with --sensor",
+                      other->second, plan.sensors[k]->name, other->first));
+    }
     if (listsObjects(plan)) return;
     throw InputError({plan.dataset.string()},
                      "lists no objects, but KITTI's labels are boxes: generate it with `output: {objects: true}`");
@@ -151,23 +209,35 @@ class Kitti : public Layout {
                                              std::size_t frame) const override {
     const std::string number = fmt::format("{:06}", numberOf(plan, sequence, frame));
     const std::filesystem::path folder = folderOf(plan.sequences[sequence]);
-    return {folder / "velodyne" / (number + ".bin"), folder / "label_2" / (number + ".txt"),
-            folder / "calib" / (number + ".txt"), folder / "image_2" / (number + ".png")};
+    std::vector<std::filesystem::path> files{folder / "label_2" / (number + ".txt"),
+                                             folder / "calib" / (number + ".txt"),
+                                             folder / "image_2" / (number + ".png")};
+    for (std::size_t k = 0; k < plan.sensors.size(); ++k) {
+      files.push_back(folder / pointsFolder(plan, k) / (number + ".bin"));
+    }
+    return files;
   }
 
   void write(const ExportPlan& plan, std::size_t sequence, std::size_t frame, const ReadSample& read,
              const ExportFolder& folder) const override {
     const ExportSample sample = read(sequence, frame);
     std::string labels;
-    forSeen(plan, *sample.objects, [&](const std::string& type, const ObjectRecord& object, const ObjectView& view) {
-      labels += labelOf(type, object, view);
-    });
+    forSeen(plan, *sample.record, *sample.objects,
+            [&](const std::string& type, const ObjectRecord& object, const ObjectView& view) {
+              labels += labelOf(type, object, view);
+            });
     if (labels.empty()) labels = kNoObject;
     const std::vector<std::filesystem::path> files = filesOf(plan, sequence, frame);
-    folder.write(files[0], velodynePoints(sample.scans.front(), velodyneOrder(sample.scans.front())));
-    folder.write(files[1], labels);
-    folder.write(files[2], calibration());
-    folder.write(files[3], image_);
+    folder.write(files[0], labels);
+    folder.write(files[1], calibration(plan, *sample.record));
+    folder.write(files[2], image_);
+    if (const std::string plane = planeText(plan, *sample.record); !plane.empty()) {
+      const std::string name = files[1].filename().string();
+      folder.write(std::filesystem::path(folderOf(plan.sequences[sequence])) / "planes" / name, plane);
+    }
+    for (const ExportScan& scan : sample.scans) {
+      folder.write(files[3 + scan.sensorNumber], velodynePoints(scan, velodyneOrder(scan)));
+    }
   }
 
   std::vector<std::string> finish(const ExportPlan& plan, const ReadObjects& read,
@@ -178,10 +248,11 @@ class Kitti : public Layout {
     for (std::size_t s = 0; s < plan.sequences.size(); ++s) {
       for (std::size_t f = 0; f < plan.sequences[s].samples.size(); ++f) {
         sets[plan.sequences[s].split] += fmt::format("{:06}\n", numberOf(plan, s, f));
-        forSeen(plan, *read(s, f), [&](const std::string&, const ObjectRecord& object, const ObjectView& view) {
-          ++all;
-          shown += isShown(object, view) ? 1 : 0;
-        });
+        forSeen(plan, sampleOf(plan, s, f), *read(s, f),
+                [&](const std::string&, const ObjectRecord& object, const ObjectView& view) {
+                  ++all;
+                  shown += isShown(object, view) ? 1 : 0;
+                });
       }
     }
     sets["trainval"] = sets["train"] + sets["val"];
@@ -195,14 +266,23 @@ class Kitti : public Layout {
   }
 
  private:
-  // Calls work(type, object, view) for the objects that have points in the scan and a class that KITTI has.
+  // Calls work(type, object, view) for the objects that have points in one of the scans and a class that KITTI has. The
+  // view is that of the first of these scans, with the box in the frame of the first sensor.
   template <class Do>
-  static void forSeen(const ExportPlan& plan, const SampleObjects& objects, const Do& work) {
+  static void forSeen(const ExportPlan& plan, const SampleRecord& sample, const SampleObjects& objects,
+                      const Do& work) {
     for (const ObjectRecord& object : objects.objects) {
       const SemanticClass& type = plan.classes.classOf(object.semantic);
-      for (const ObjectView& view : object.views) {
-        if (type.id == 0 || view.sensor != plan.sensors.front()->name || view.points == 0) continue;
-        work(type.name, object, view);
+      if (type.id == 0) continue;
+      for (std::size_t k = 0; k < plan.sensors.size(); ++k) {
+        const auto view = std::find_if(object.views.begin(), object.views.end(), [&](const ObjectView& v) {
+          return v.sensor == plan.sensors[k]->name && v.points > 0;
+        });
+        if (view == object.views.end()) continue;
+        ObjectView own = *view;
+        if (k > 0) own.sensorFromBox = firstFromSensor(plan, sample, k) * own.sensorFromBox;
+        work(type.name, object, own);
+        break;
       }
     }
   }

@@ -21,7 +21,8 @@ namespace {
 constexpr std::array<LayoutEntry, 7> kLayouts{{
     {"semantic_kitti", "sequences/NN with velodyne, labels, calib, poses and times", "semantic_kitti", true, false,
      makeSemanticKitti},
-    {"kitti", "KITTI's object benchmark: velodyne, label_2, calib, image_2, ImageSets", "kitti", true, true, makeKitti},
+    {"kitti", "KITTI's object benchmark: velodyne, label_2, calib, image_2, ImageSets", "kitti", false, true,
+     makeKitti},
     {"nuscenes", "nuScenes' tables, boxes, lidarseg and panoptic", "nuscenes", false, false, makeNuScenes},
     {"las", "LAS 1.4, a file for each scan; all columns as extra bytes", "", false, false, makeLas},
     {"ply", "PLY, a file for each scan, with labels and the classes' colours", "", false, false, makePly},

@@ -50,6 +50,8 @@ namespace scanmill {
 
 namespace {
 
+constexpr double kMostApart = 1.5;  // s between key frames, over which the devkit computes velocities
+
 constexpr std::uint16_t kClassStep = 1000;   // difference between the panoptic labels of successive classes
 constexpr std::size_t kMostInstances = 999;  // largest number of instances of a class in a scene
 constexpr std::size_t kMostClasses = 65;     // largest number of classes: the label 64 * 1000 + 999 fits 16 bits
@@ -182,6 +184,29 @@ class NuScenes : public Layout {
           "the sensors move during a revolution, and each point is in the sensor's frame at its own time, which "
           "nuScenes "
           "does not store: for points that one pose places, generate with `motion: {steps: per_column, deskew: true}`");
+    }
+    std::size_t apart = 0;
+    std::size_t tests = 0;
+    for (const ExportSequence& sequence : plan.sequences) {
+      tests += sequence.split == "train" || sequence.split == "val" ? 0 : 1;
+      for (std::size_t f = 1; f < sequence.samples.size(); ++f) {
+        const auto timeOf = [&](std::size_t frame) {
+          return scanOf(plan, plan.manifest.samples[sequence.samples[frame]], 0).time;
+        };
+        apart += timeOf(f) - timeOf(f - 1) > kMostApart ? 1 : 0;
+      }
+    }
+    if (tests > 0) {
+      warnings.push_back(fmt::format(
+          "{} scenes are neither of the split train nor of val: training programs take them for validation, so "
+          "leave them out with `--split train --split val`",
+          tests));
+    }
+    if (apart > 0 && listsObjects(plan)) {
+      warnings.push_back(fmt::format(
+          "{} frames are more than {:g} s after the one before, so that nuScenes' devkit gives their boxes no "
+          "velocity: drive with `every_s: 0.5`",
+          apart, kMostApart));
     }
     if (!listsObjects(plan)) {
       warnings.emplace_back(

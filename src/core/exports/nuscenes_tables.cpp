@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -16,6 +17,7 @@
 #include "base/file.h"
 #include "dataset/json_text.h"
 #include "exports/nuscenes_names.h"
+#include "images/images.h"
 
 namespace scanmill {
 
@@ -27,9 +29,38 @@ namespace {
 // z up): -90 degrees about z.
 constexpr Quat kSensorFromLidarTop{0.70710678118654752440, 0, 0, -0.70710678118654752440};
 
-// Number of the first scene. The official splits contain no scene with this number or a higher one, so that the devkit,
-// if it uses these splits, finds no scenes instead of wrong ones.
-constexpr std::size_t kFirstScene = 9001;
+// The numbers of the scenes of nuScenes' splits, first and last of each run (nuscenes-devkit,
+// python-sdk/nuscenes/utils/splits.py), by which training programs tell the splits apart.
+using Run = std::pair<std::size_t, std::size_t>;
+constexpr Run kTrainScenes[] = {
+    {1, 2},     {4, 11},    {19, 34},   {41, 76},    {120, 135},   {138, 139},   {149, 152},  {154, 155}, {157, 168},
+    {170, 185}, {187, 188}, {190, 196}, {199, 200},  {202, 204},   {206, 214},   {218, 220},  {222, 222}, {224, 264},
+    {283, 306}, {315, 318}, {321, 321}, {323, 324},  {328, 328},   {347, 386},   {388, 403},  {405, 408}, {410, 459},
+    {461, 465}, {467, 469}, {471, 472}, {474, 480},  {499, 502},   {504, 515},   {517, 518},  {525, 539}, {541, 546},
+    {566, 566}, {568, 568}, {570, 578}, {580, 580},  {582, 600},   {639, 679},   {681, 681},  {683, 689}, {695, 698},
+    {700, 701}, {703, 719}, {726, 728}, {730, 731},  {733, 741},   {744, 744},   {746, 747},  {749, 752}, {757, 765},
+    {767, 769}, {786, 787}, {789, 792}, {803, 806},  {808, 813},   {815, 817},   {819, 822},  {847, 856}, {858, 858},
+    {860, 866}, {868, 873}, {875, 878}, {880, 880},  {882, 903},   {945, 945},   {947, 947},  {949, 949}, {952, 953},
+    {955, 961}, {975, 984}, {988, 992}, {994, 1025}, {1044, 1058}, {1074, 1102}, {1104, 1110}};
+constexpr Run kValScenes[] = {{3, 3},     {12, 18},   {35, 36},   {38, 39},   {92, 110},   {221, 221}, {268, 278},
+                              {329, 332}, {344, 346}, {519, 524}, {552, 565}, {625, 627},  {629, 630}, {632, 638},
+                              {770, 771}, {775, 775}, {777, 778}, {780, 784}, {794, 800},  {802, 802}, {904, 917},
+                              {919, 931}, {962, 963}, {966, 969}, {971, 972}, {1059, 1073}};
+constexpr std::size_t kFirstOther = 9001;  // number of the first scene that is in none of nuScenes' splits
+
+// The cameras, which training programs require: all at the first lidar's place, looking level to these sides (deg,
+// counter-clockwise from ahead). There is one black image for each. Intrinsics (px) are usual ones of nuScenes.
+constexpr std::array<std::pair<std::string_view, double>, 6> kCameras{{{"CAM_FRONT", 0},
+                                                                       {"CAM_FRONT_RIGHT", -55},
+                                                                       {"CAM_FRONT_LEFT", 55},
+                                                                       {"CAM_BACK", 180},
+                                                                       {"CAM_BACK_LEFT", 110},
+                                                                       {"CAM_BACK_RIGHT", -110}}};
+constexpr int kCameraWidth = 1600;
+constexpr int kCameraHeight = 900;
+constexpr double kCameraFocal = 1266;
+// The rotation from camera axes (x right, y down, z forward) to the vehicle's.
+constexpr Quat kVehicleFromCamera{0.5, -0.5, 0.5, -0.5};
 
 constexpr double kMoving = 0.2;         // m/s, speed above which an object counts as moving
 constexpr std::uint32_t kMapSide = 64;  // pixels along each side of the square map; a pixel is 0.1 m
@@ -135,6 +166,9 @@ class Tables {
     folder_.write(fs::path(kNuScenesVersion) / "splits.json", layOut(splits_) + "\n");
     folder_.write(mapFile(), mapMask());
     for (std::size_t i = 0; i < plan_.sensors.size(); ++i) folder_.place(fs::path("sweeps") / channel(i) / "");
+    const std::vector<std::uint8_t> black(std::size_t{3} * kCameraWidth * kCameraHeight);
+    const std::string image = encodePng(black.data(), kCameraWidth, kCameraHeight);
+    for (const auto& [camera, side] : kCameras) folder_.write(cameraFile(camera), image);
   }
 
  private:
@@ -150,6 +184,11 @@ class Tables {
   std::string sensorToken(std::size_t sensor) const { return token("sensor", sensor == 0 ? "" : channel(sensor)); }
   std::string mountToken(std::size_t sensor, const ExportSequence& sequence) const {
     return token("calibrated_sensor", sensor == 0 ? sequence.name : sequence.name + " " + channel(sensor));
+  }
+
+  static std::string cameraFile(std::string_view camera) { return fmt::format("samples/{}/black.png", camera); }
+  std::string cameraToken(std::string_view table, std::string_view camera, const std::string& row) const {
+    return token(table, fmt::format("{} {}", row, camera));
   }
 
   std::string mapFile() const { return fmt::format("maps/{}.png", token("map", "")); }
@@ -175,6 +214,9 @@ class Tables {
     }
     for (std::size_t i = 0; i < plan_.sensors.size(); ++i) {
       add("sensor", {{"token", sensorToken(i)}, {"channel", channel(i)}, {"modality", "lidar"}});
+    }
+    for (const auto& [camera, side] : kCameras) {
+      add("sensor", {{"token", cameraToken("sensor", camera, "")}, {"channel", camera}, {"modality", "camera"}});
     }
     OrderedJson logs = OrderedJson::array();
     for (const ExportSequence& sequence : plan_.sequences) logs.push_back(token("log", sequence.name));
@@ -207,7 +249,7 @@ class Tables {
   void addScene(std::size_t s) {
     const ExportSequence& sequence = plan_.sequences[s];
     const std::vector<SampleRecord>& samples = plan_.manifest.samples;
-    const std::string name = fmt::format("scene-{:04}", kFirstScene + s);
+    const std::string name = fmt::format("scene-{:04}", sceneNumber(sequence.split));
     const std::string scene = token("scene", sequence.name);
     add("log", {{"token", token("log", sequence.name)},
                 {"logfile", sequence.name},
@@ -222,6 +264,17 @@ class Tables {
                                 {"translation", listOf(vehicleFromSensor.translation, sensor.name)},
                                 {"rotation", listOf(vehicleFromSensor.rotation * kSensorFromLidarTop, sensor.name)},
                                 {"camera_intrinsic", OrderedJson::array()}});
+    }
+    const Pose& top = mountOf(*plan_.sensors[0], scanOf(plan_, samples[sequence.samples.front()], 0));
+    for (const auto& [camera, side] : kCameras) {
+      const Quat rotation = fromYawPitchRoll(radians(side), 0, 0) * kVehicleFromCamera;
+      add("calibrated_sensor",
+          {{"token", cameraToken("calibrated_sensor", camera, sequence.name)},
+           {"sensor_token", cameraToken("sensor", camera, "")},
+           {"translation", listOf(top.translation, sequence.name)},
+           {"rotation", listOf(rotation, sequence.name)},
+           {"camera_intrinsic",
+            {{kCameraFocal, 0.0, kCameraWidth / 2.0}, {0.0, kCameraFocal, kCameraHeight / 2.0}, {0.0, 0.0, 1.0}}}});
     }
     add("scene", {{"token", scene},
                   {"log_token", token("log", sequence.name)},
@@ -249,6 +302,39 @@ class Tables {
                    {"next", tokenAt("sample", f + 1)},
                    {"scene_token", scene}});
     for (std::size_t i = 0; i < plan_.sensors.size(); ++i) addScan(s, f, i);
+    for (const auto& [camera, side] : kCameras) {
+      const auto imageAt = [&](std::size_t frame) {
+        return frame < sequence.samples.size()
+                   ? cameraToken("sample_data", camera, plan_.manifest.samples[sequence.samples[frame]].key)
+                   : std::string();
+      };
+      add("sample_data", {{"token", imageAt(f)},
+                          {"sample_token", tokenAt("sample", f)},
+                          {"ego_pose_token", token("ego_pose", nuScenesScan(plan_, sample, 0))},
+                          {"calibrated_sensor_token", cameraToken("calibrated_sensor", camera, sequence.name)},
+                          {"timestamp", nuScenesTime(s, scanOf(plan_, sample, 0))},
+                          {"fileformat", "png"},
+                          {"is_key_frame", true},
+                          {"height", kCameraHeight},
+                          {"width", kCameraWidth},
+                          {"filename", cameraFile(camera)},
+                          {"prev", imageAt(f - 1)},
+                          {"next", imageAt(f + 1)}});
+    }
+  }
+
+  // Returns the next number of a scene of the split: one of nuScenes' own for the splits train and val, as long as
+  // there are any; otherwise one that is in none of nuScenes' splits.
+  std::size_t sceneNumber(const std::string& split) {
+    std::size_t left = scenesOf_[split]++;
+    const std::span<const Run> runs = split == "train" ? std::span<const Run>(kTrainScenes)
+                                      : split == "val" ? std::span<const Run>(kValScenes)
+                                                       : std::span<const Run>();
+    for (const auto& [first, last] : runs) {
+      if (left <= last - first) return first + left;
+      left -= last - first + 1;
+    }
+    return kFirstOther + others_++;
   }
 
   // Adds the rows of a sensor's scan: ego_pose, sample_data and labels.
@@ -388,6 +474,8 @@ class Tables {
   const ExportFolder& folder_;
   std::map<std::string, JsonListFile> tables_;
   OrderedJson splits_ = OrderedJson::object();
+  std::map<std::string, std::size_t> scenesOf_;  // number of scenes so far, by split
+  std::size_t others_ = 0;                       // number of scenes so far with numbers from kFirstOther on
 };
 
 }  // namespace

@@ -8,6 +8,9 @@
 //   sequences/00/voxels/000000.*           if the dataset has voxels, see exports/semantic_kitti_voxels.h
 //   sequences/00/poses.txt                 12 numbers per line: pose of camera 0 relative to its first pose
 //   sequences/00/calib.txt, times.txt
+//   semantickitti_infos_train.json, ...    the frames of each split, for mmdetection3d's `ann_file`
+//
+// Sequences that SemanticKITTI has in a split, and the dataset has not, are empty folders, since Pointcept lists them.
 //
 // There is no real camera: camera 0 is placed at the sensor's origin and looks along the sensor's x axis. Sequences are
 // numbered in the order of the dataset. If the dataset lists objects, moving objects have the classes 252 to 259.
@@ -21,6 +24,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "dataset/json_text.h"
 #include "exports/instance_numbers.h"
 #include "exports/layout.h"
 #include "exports/semantic_kitti_voxels.h"
@@ -166,7 +170,20 @@ class SemanticKitti : public Layout {
       folder.write(sequenceFolder(numbers[s]) / "calib.txt", calibration);
     }
     folder.write("semantic-kitti.yaml", configuration(plan));
+    writeInfos(plan, folder);
     std::vector<std::string> warnings;
+    std::size_t others = 0;
+    for (std::size_t s = 0; s < plan.sequences.size(); ++s) {
+      const std::vector<std::size_t> usual = usualNumbers(plan.sequences[s].split);
+      others += std::find(usual.begin(), usual.end(), numbers[s]) == usual.end() ? 1 : 0;
+    }
+    if (others > 0) {
+      warnings.push_back(fmt::format(
+          "{} of {} sequences have numbers that are in none of SemanticKITTI's splits, since it has 10 "
+          "sequences for training and 1 for validation: programs with lists of their own, such as Pointcept, do "
+          "not read them; semantic-kitti.yaml and semantickitti_infos_*.json list all",
+          others, plan.sequences.size()));
+    }
     if (const std::scoped_lock lock(mutex_); !renumbered_.empty()) {
       warnings.push_back(
           fmt::format("instances have new numbers from 1 in {} of {} sequences, since SemanticKITTI's labels store ids "
@@ -181,6 +198,29 @@ class SemanticKitti : public Layout {
   }
 
  private:
+  // Writes the lists of frames, and creates the folders of sequences that the dataset has not.
+  static void writeInfos(const ExportPlan& plan, const ExportFolder& folder) {
+    const std::vector<std::size_t> numbers = numbersOf(plan);
+    std::map<std::string, OrderedJson> frames;
+    for (std::size_t s = 0; s < plan.sequences.size(); ++s) {
+      const std::string own = sequenceFolder(numbers[s]).generic_string();
+      OrderedJson& list = frames.try_emplace(plan.sequences[s].split, OrderedJson::array()).first->second;
+      for (std::size_t f = 0; f < plan.sequences[s].samples.size(); ++f) {
+        list.push_back(
+            {{"lidar_points", {{"lidar_path", fmt::format("{}/velodyne/{:06}.bin", own, f)}, {"num_pts_feats", 4}}},
+             {"pts_semantic_mask_path", fmt::format("{}/labels/{:06}.label", own, f)},
+             {"sample_idx", fmt::format("{:02}{:06}", numbers[s], f)}});
+      }
+    }
+    for (auto& [split, list] : frames) {
+      const OrderedJson infos{{"metainfo", {{"dataset", "semantickitti"}}}, {"data_list", std::move(list)}};
+      folder.write(fmt::format("semantickitti_infos_{}.json", split), layOut(infos) + "\n");
+      for (const std::size_t number : usualNumbers(split)) {
+        for (const char* kind : {"velodyne", "labels"}) folder.place(sequenceFolder(number) / kind / "");
+      }
+    }
+  }
+
   // Returns the new numbers of a sequence's instances; empty if all of their ids fit into labels.
   std::map<InstanceNumbers::Instance, std::uint16_t> newNumbers(const ExportPlan& plan, const ExportSample& sample,
                                                                 const ReadSample& read) const {

@@ -273,9 +273,27 @@ inline constexpr auto kColumns = std::to_array<Column>({
                  "axis; 0: it stands, or is no thing"),
     motionColumn("flow_y", "m", Channel::Instance | Channel::Primitive, "likewise along the y axis"),
     motionColumn("flow_z", "m", Channel::Instance | Channel::Primitive, "likewise along the z axis"),
+    {.name = "radial_velocity",
+     .type = ColumnType::Float32,
+     .unit = "m/s",
+     .meaning = "how fast the distance between sensor and surface grows, as FMCW sensors measure it, without noise; "
+                "negative: they approach; NaN: a mirror image, or no surface",
+     .none = kNoNumber,
+     .origin = ColumnOrigin::Hit,
+     .channels = Channel::Instance,
+     .byDefault = false,
+     .validity = ColumnValidity::Interval,
+     .low = -1e4,
+     .high = 1e4,
+     .display = {.unit = "m/s", .decimals = 3}},
 });
 
 inline constexpr std::size_t kColumnCount = kColumns.size();
+
+// Returns true if the column depends on how the scene's objects move.
+constexpr bool tellsMotion(const Column& column) {
+  return column.name.starts_with("velocity_") || column.name.starts_with("flow_") || column.name == "radial_velocity";
+}
 
 // Returns the index of a column in the table; kColumnCount if no column has that name.
 constexpr std::size_t columnIndex(std::string_view name) {

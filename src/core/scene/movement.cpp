@@ -10,12 +10,6 @@
 
 namespace scanmill {
 
-namespace {
-
-constexpr double kFastest = 300;  // m/s, largest speed of an object
-
-}  // namespace
-
 Movement::Movement(const Vec3d& velocity) : velocity_(velocity) {}
 
 Movement::Movement(std::shared_ptr<const Path> path, double start, double speed) : path_(std::move(path)) {
@@ -58,11 +52,11 @@ std::shared_ptr<const Movement> readMovement(const Value& value) {
       }
     }
     const Vec3d v = readVec3(*velocity, "velocity");
-    if (!(length(v) <= kFastest)) throw InputError(velocity->where, "velocity is above 300 m/s");
+    if (!(length(v) <= kFastestObject)) throw InputError(velocity->where, "velocity is above 300 m/s");
     return std::make_shared<Movement>(v);
   }
   const auto path = std::make_shared<const Path>(readWaypoints(f.require("waypoints")));
-  const double speed = f.number("speed", {0.001, kFastest});
+  const double speed = f.number("speed", {0.001, kFastestObject});
   const double start = std::min(f.number("start", {0, path->length() * (1 + 1e-9)}, 0), path->length());
   return std::make_shared<Movement>(path, start, speed);
 }

@@ -16,6 +16,8 @@ namespace scanmill {
 
 class Path;
 
+inline constexpr double kFastestObject = 300;  // m/s, largest speed of an object
+
 class Movement {
  public:
   // Moves in a straight line at this velocity (m/s, world axes), without turning.

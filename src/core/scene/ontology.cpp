@@ -150,4 +150,12 @@ Ontology readOntology(const std::filesystem::path& path) {
   return ontology;
 }
 
+std::vector<std::uint16_t> classIds(const Ontology& ontology, const std::vector<std::string>& names,
+                                    const Location& where) {
+  std::vector<std::uint16_t> ids;
+  ids.reserve(names.size());
+  for (const std::string& name : names) ids.push_back(ontology.require(name, where).id);
+  return ids;
+}
+
 }  // namespace scanmill

@@ -52,4 +52,8 @@ std::vector<std::string> lostBetween(const Ontology& from, const Ontology& to);
 // 255. Throws InputError with the place in the file.
 Ontology readOntology(const std::filesystem::path& path);
 
+// Returns the ids of the classes with these names. Throws InputError at `where` if the ontology does not have a name.
+std::vector<std::uint16_t> classIds(const Ontology& ontology, const std::vector<std::string>& names,
+                                    const Location& where);
+
 }  // namespace scanmill

@@ -13,15 +13,15 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kBlock = 128;  // number of consecutive triangles that share a box
-constexpr std::uint32_t kSlab = 8;   // number of layers of voxels along x that a thread processes at a time
-constexpr double kTie = 1e-9;        // areas that differ by at most this fraction count as equal
-constexpr double kMargin = 1e-6;     // voxels; boxes are enlarged by this margin, which exceeds rounding errors
+constexpr std::size_t kBlock = 128;    // number of consecutive triangles that share a box
+constexpr std::uint32_t kSlab = 8;     // number of layers of voxels along x that a thread processes at a time
+constexpr double kTie = 1e-9;          // areas that differ by at most this fraction count as equal
+constexpr double kEnlargement = 1e-6;  // voxels; boxes are enlarged by this margin, which exceeds rounding errors
 
 bool meets(const Box& box, const VoxelRange& range) {
   const auto along = [&](double low, double high, std::size_t axis) {
-    return high + kMargin >= static_cast<double>(range.low[axis]) &&
-           low - kMargin < static_cast<double>(range.high[axis]);
+    return high + kEnlargement >= static_cast<double>(range.low[axis]) &&
+           low - kEnlargement < static_cast<double>(range.high[axis]);
   };
   return along(box.low.x, box.high.x, 0) && along(box.low.y, box.high.y, 1) && along(box.low.z, box.high.z, 2);
 }

@@ -45,9 +45,8 @@ void refuseTooMany(double count, const Location& where) {
 }
 
 std::vector<std::uint16_t> readClasses(Fields& f, const char* key, const Ontology& ontology) {
-  std::vector<std::uint16_t> ids;
   const Location where = f.require(key).where;
-  for (const std::string& name : f.texts(key)) ids.push_back(ontology.require(name, where).id);
+  std::vector<std::uint16_t> ids = classIds(ontology, f.texts(key), where);
   if (ids.empty()) throw InputError(where, fmt::format("{} must name at least one class", key));
   return ids;
 }
@@ -117,9 +116,13 @@ Arrangement::Arrangement(Fields& object, const Ontology& ontology) {
     if (const Value* value = copies->find("along")) {
       if (scatter_) throw InputError(value->where, "copies must have either `scatter` or `along`, not both");
       Fields f(*value, "along");
-      f.also({"waypoints", "every", "left"}).finish();
-      along_ = Along{readWaypoints(f.require("waypoints")), f.number("every", {1e-3, 1e6}),
-                     f.number("left", {-1e5, 1e5}, 0), value->where};
+      f.also({"waypoints", "from", "to", "on", "keep", "every", "left"}).finish();
+      if (f.has("to") == f.has("waypoints")) {
+        throw InputError(value->where, "along needs either waypoints or, for a path on a road, from, to and on");
+      }
+      along_ = Along{{}, {}, f.number("every", {1e-3, 1e6}), f.number("left", {-1e5, 1e5}, 0), value->where};
+      if (f.has("to")) along_->trip = readRoadTrip(f);
+      if (f.has("waypoints")) along_->waypoints = readWaypoints(f.require("waypoints"));
     }
   }
   if (const Value* value = object.find("vary")) {
@@ -250,8 +253,8 @@ std::vector<Pose> Arrangement::scattered(const Scene& scene, const SurfaceHeight
   return places;
 }
 
-std::vector<Pose> Arrangement::alongPath() const {
-  const Path path(along_->waypoints);
+std::vector<Pose> Arrangement::alongPath(const Scene& scene, const SurfaceHeights* heights) const {
+  const Path path(along_->trip ? findRoadPath(*heights, scene.ontology, *along_->trip) : along_->waypoints);
   std::vector<Pose> places;
   const double count = std::floor(path.length() / along_->every * (1 + 1e-12)) + 1;
   refuseTooMany(count, along_->where);
@@ -269,7 +272,7 @@ std::vector<Arrangement::Copy> Arrangement::places(const Placement& placement, c
                                                    const std::function<double(const Copy&)>& lowest) const {
   std::vector<Pose> outer{Pose{}};
   if (scatter_) outer = scattered(scene, *heights, seed, object);
-  if (along_) outer = alongPath();
+  if (along_) outer = alongPath(scene, heights);
   if (outer.size() * placement.count() > Placement::mostCopies()) {
     throw InputError(scatter_ ? scatter_->where
                      : along_ ? along_->where

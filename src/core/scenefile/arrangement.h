@@ -13,6 +13,7 @@
 #include "base/vec.h"
 #include "config/fields.h"
 #include "scene/ontology.h"
+#include "scene/road_path.h"
 #include "scene/surface_heights.h"
 #include "scenefile/placement.h"
 
@@ -25,6 +26,7 @@ namespace scanmill {
 //       distance_from: {road: [1, 4], building: 3}}    # m, as seen from above: least and most, or only least
 //                                      # or density: 0.02 (copies per m^2 as seen from above) in place of count
 //     along: {waypoints: [[x, y, z], ...], every: 8, left: 3}
+//                                      # or {from: [x, y], to: [x, y], on: road, ...}: see scene/road_path.h
 //   vary: {yaw_deg: [0, 360], scale: [0.8, 1.2], position: 0.5, presence: 0.9, material: [car_paint, car_paint_dark]}
 //   stand_on: ground                   # or classes: [terrain, road]
 //
@@ -39,7 +41,7 @@ class Arrangement {
   bool random() const { return scatter_ || vary_; }
   // Returns the materials from which each copy gets one at random; if empty, every copy keeps the object's material.
   const std::vector<std::string>& materials() const { return materials_; }
-  bool needsSurfaces() const { return scatter_ || standOn_; }
+  bool needsSurfaces() const { return scatter_ || standOn_ || (along_ && along_->trip); }
 
   struct Copy {
     Affine worldFromMesh;
@@ -73,7 +75,8 @@ class Arrangement {
     Location where;
   };
   struct Along {
-    std::vector<Vec3d> waypoints;
+    std::vector<Vec3d> waypoints;  // empty if there is a `trip`
+    std::optional<RoadTrip> trip;
     double every = 0, left = 0;  // m, distance between places along the path; m, offset to the left of the path
     Location where;
   };
@@ -89,7 +92,7 @@ class Arrangement {
   static std::vector<Distance> readDistances(const Value& value, const Ontology& ontology);
   std::vector<Pose> scattered(const Scene& scene, const SurfaceHeights& heights, std::uint64_t seed,
                               std::uint32_t object) const;
-  std::vector<Pose> alongPath() const;
+  std::vector<Pose> alongPath(const Scene& scene, const SurfaceHeights* heights) const;
 
   std::optional<Scatter> scatter_;
   std::optional<Along> along_;

@@ -6,6 +6,10 @@
 #include <limits>
 #include <string_view>
 
+#include "base/path.h"
+#include "config/waypoints.h"
+#include "scene/road_path.h"
+
 namespace scanmill {
 namespace {
 
@@ -24,10 +28,48 @@ std::optional<double> readFacing(Fields& object) {
 
 }  // namespace
 
-Copies ObjectPlacer::read(Fields& object) const {
-  Copies copies{
-      readPlacement(object), Arrangement(object, builder_.ontology()), object.text("thing", ""), nullptr, nullptr,
-      readFacing(object)};
+// Returns the surfaces of the objects that have been placed.
+const SurfaceHeights& ObjectPlacer::surfaces() {
+  if (!heights_) heights_.emplace(builder_.soFar());
+  heights_->update();
+  return *heights_;
+}
+
+// Reads the key `moving`: what readMovement() reads, and besides paths on the surfaces of earlier objects, and several
+// starts.
+std::vector<std::shared_ptr<const Movement>> ObjectPlacer::movementsOf(const Value& moving) {
+  Fields f(moving, "moving");
+  f.also({"velocity", "waypoints", "from", "to", "on", "keep", "speed", "start", "ground"}).finish();
+  const Value* const start = f.find("start");
+  const bool several = start != nullptr && start->kind == Value::Kind::Sequence;
+  if (!f.has("to") && !f.has("ground") && !several) return {readMovement(moving)};
+  for (const char* key : {"velocity", f.has("to") ? "waypoints" : "from", f.has("to") ? "ground" : "on"}) {
+    if (const Value* value = f.find(key)) {
+      throw InputError(value->where, fmt::format("{} has no effect beside `{}`: leave it out", key,
+                                                 f.has("to") ? "to" : "waypoints"));
+    }
+  }
+  std::vector<Vec3d> points = f.has("to") ? findRoadPath(surfaces(), builder_.ontology(), readRoadTrip(f))
+                                          : readWaypoints(f.require("waypoints"));
+  if (f.has("ground")) {
+    f.choice("ground", {"drop"}, "");
+    points = droppedOnGround(surfaces(), points, f.require("ground").where);
+  }
+  const auto path = std::make_shared<const Path>(points);
+  const double speed = f.number("speed", {0.001, kFastestObject});
+  const Range along{0, path->length() * (1 + 1e-9)};
+  const std::vector<double> starts = several ? f.numbers("start", along) : std::vector{f.number("start", along, 0)};
+  std::vector<std::shared_ptr<const Movement>> movements;
+  for (const double at : starts) {
+    movements.push_back(std::make_shared<Movement>(path, std::min(at, path->length()), speed));
+  }
+  if (movements.empty()) throw InputError(start->where, "start must be at least one distance in m");
+  return movements;
+}
+
+Copies ObjectPlacer::read(Fields& object) {
+  Copies copies{readPlacement(object), Arrangement(object, builder_.ontology()), object.text("thing", ""), {}, nullptr,
+                readFacing(object)};
   const Value* const moving = object.find("moving");
   if (moving == nullptr) return copies;
   if (copies.arrangement.needsSurfaces()) {
@@ -35,7 +77,7 @@ Copies ObjectPlacer::read(Fields& object) const {
         moving->where,
         "scatter and stand_on are for objects that stand still: give the path of a moving object its heights instead");
   }
-  copies.movement = readMovement(*moving);
+  copies.movements = movementsOf(*moving);
   return copies;
 }
 
@@ -65,12 +107,9 @@ std::vector<Arrangement::Copy> ObjectPlacer::placesOf(const Copies& copies, cons
                                                       std::size_t variants, const Chosen& meshesOf) {
   const std::uint32_t object =
       copies.thing.empty() ? hash32(fmt::format("{}\n{}", name, named_[name]++)) : hash32("thing\n" + copies.thing);
-  if (copies.arrangement.needsSurfaces()) {
-    if (!heights_) heights_.emplace(builder_.soFar());
-    heights_->update();
-  }
+  const SurfaceHeights* const heights = copies.arrangement.needsSurfaces() ? &surfaces() : nullptr;
   return copies.arrangement.places(
-      copies.placement, builder_.soFar(), heights_ ? &*heights_ : nullptr, seed_, object, variants,
+      copies.placement, builder_.soFar(), heights, seed_, object, variants,
       [&](const Arrangement::Copy& c) { return lowestOf(meshesOf(c.variant), c.worldFromMesh); });
 }
 
@@ -86,6 +125,8 @@ void ObjectPlacer::place(const Variants& variants, const std::string& name, cons
   for (const Arrangement::Copy& copy : places) {
     for (const PlacedMesh& m : meshesOf(copy.variant)) count += std::max<std::size_t>(m.assetFromMesh.size(), 1);
   }
+  const std::size_t rows = std::max<std::size_t>(copies.movements.size(), 1);
+  count *= rows;
   placed_ += count;
   if (placed_ > Placement::mostCopies()) {
     throw InputError(where, fmt::format("with these {} copies the scene has {} placed objects, but {}", count, placed_,
@@ -93,18 +134,22 @@ void ObjectPlacer::place(const Variants& variants, const std::string& name, cons
   }
   std::uint64_t number = 0;
   for (const auto& [worldFromAsset, variant, copyNumber] : places) {
-    ++number;
-    const std::string own = places.size() == 1 ? name : fmt::format("{}#{}", name, number);
-    const std::string thing = copies.thing.empty() ? "" : fmt::format("{}#{}", copies.thing, copyNumber);
-    const std::vector<PlacedMesh>& meshes = meshesOf(variant);
-    for (const PlacedMesh& m : meshes) {
-      const auto put = [&](const Affine& worldFromMesh, const std::string& called, const auto& animation) {
-        builder_.place(m.mesh, worldFromMesh, called, where, copies.movement, animation, thing).facing = copies.facing;
-      };
-      if (m.assetFromMesh.empty()) put(worldFromAsset, own, copies.animation);
-      for (std::size_t i = 0; i < m.assetFromMesh.size(); ++i) {
-        const bool alone = meshes.size() == 1 && m.assetFromMesh.size() == 1;
-        put(worldFromAsset * m.assetFromMesh[i], alone ? own : fmt::format("{}/{} {}", own, m.node, i + 1), nullptr);
+    for (std::size_t row = 0; row < rows; ++row) {
+      ++number;
+      const std::shared_ptr<const Movement> movement = copies.movements.empty() ? nullptr : copies.movements[row];
+      const std::string own = places.size() * rows == 1 ? name : fmt::format("{}#{}", name, number);
+      const std::string thing =
+          copies.thing.empty() ? "" : fmt::format("{}#{}", copies.thing, (copyNumber - 1) * rows + row + 1);
+      const std::vector<PlacedMesh>& meshes = meshesOf(variant);
+      for (const PlacedMesh& m : meshes) {
+        const auto put = [&](const Affine& worldFromMesh, const std::string& called, const auto& animation) {
+          builder_.place(m.mesh, worldFromMesh, called, where, movement, animation, thing).facing = copies.facing;
+        };
+        if (m.assetFromMesh.empty()) put(worldFromAsset, own, copies.animation);
+        for (std::size_t i = 0; i < m.assetFromMesh.size(); ++i) {
+          const bool alone = meshes.size() == 1 && m.assetFromMesh.size() == 1;
+          put(worldFromAsset * m.assetFromMesh[i], alone ? own : fmt::format("{}/{} {}", own, m.node, i + 1), nullptr);
+        }
       }
     }
   }

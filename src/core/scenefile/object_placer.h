@@ -25,7 +25,8 @@ struct Copies {
   Arrangement arrangement;
   std::string thing;  // the n-th copies of all objects with the same `thing` are one thing; if empty, each copy is a
                       // thing
-  std::shared_ptr<const Movement> movement;    // null: the object stands still
+  // Each copy moves once as each of these movements says; empty: the object stands still.
+  std::vector<std::shared_ptr<const Movement>> movements;
   std::shared_ptr<const Animation> animation;  // null: the object keeps its mesh
   std::optional<double> facing = {};           // rad, direction in which the object faces, see Instance::facing
 };
@@ -43,7 +44,7 @@ class ObjectPlacer {
   ObjectPlacer(SceneBuilder& builder, std::uint64_t seed) : builder_(builder), seed_(seed) {}
 
   // Reads the keys of an object's map that place its copies. Throws InputError with the location in the file.
-  Copies read(Fields& object) const;
+  Copies read(Fields& object);
 
   // Places all copies, in order. Throws InputError, at `where` if the scene then has over mostCopies() placed meshes.
   void place(const Variants& variants, const std::string& name, const Copies& copies, const Location& where);
@@ -53,6 +54,8 @@ class ObjectPlacer {
 
  private:
   using Chosen = std::function<const std::vector<PlacedMesh>&(std::size_t)>;
+  const SurfaceHeights& surfaces();
+  std::vector<std::shared_ptr<const Movement>> movementsOf(const Value& moving);
   double lowestOf(const std::vector<PlacedMesh>& meshes, const Affine& worldFromAsset) const;
   std::vector<Arrangement::Copy> placesOf(const Copies& copies, const std::string& name, std::size_t variants,
                                           const Chosen& meshesOf);

@@ -419,6 +419,12 @@ Value objectsOf(const Value& root, std::uint64_t seed, std::vector<DrawnValue>& 
                      "`per: frame`: a scene's objects are the same in all frames: leave `per` out, for a random value "
                      "for each seed");
   }
+  if (const Value* stratified = findStratified(*objects)) {
+    throw InputError(
+        stratified->where,
+        "`stratify`: a scene does not know the splits of a dataset: leave it out; it is for the mounts and "
+        "effects of a pipeline");
+  }
   return withDraws(*objects, "objects", {.seed = seed}, draws);
 }
 

@@ -342,6 +342,8 @@ class Gathering {
       putVelocities(name.back(), values);
     } else if constexpr (name.starts_with("flow_")) {
       putFlow(name.back(), values);
+    } else if constexpr (name == "radial_velocity") {
+      putRadialVelocities(values);
     } else if constexpr (name == "azimuth") {
       putHits(key, values, [&](std::uint32_t hit) {
         const Vec3d p = placeOf(hit);
@@ -379,6 +381,25 @@ class Gathering {
   void putFlow(char axis, std::vector<float>& values) {
     putMotion(axis, values, [&](std::uint32_t hit, const Vec3d& place, double time) {
       return motions_->flow(hits_.instance[hit], hits_.primitive[hit], place, time);
+    });
+  }
+
+  // Writes the velocity of the surface minus that of the sensor, along the beam. The own vehicle moves as the sensor
+  // does. What a mirror shows has no value, since the mirror's normal is not known here.
+  void putRadialVelocities(std::vector<float>& values) {
+    put(values, [&](std::size_t m) {
+      const std::uint32_t hit = moves_.hit[m];
+      const Cause cause = returns_.cause(moves_.row[m]);
+      if (cause == Cause::OwnVehicle) return 0.0f;
+      const bool direct = cause == Cause::Surface || cause == Cause::ThroughGlass;
+      if (hit == kNoHit || !direct) return std::numeric_limits<float>::quiet_NaN();
+      const std::size_t step = shot_.worldFromSensor.size() == 1 ? 0 : shot_.stepOf(moves_.column[m]);
+      const Pose& worldFromSensor = shot_.worldFromSensor[step];
+      Vec3d relative;
+      if (motions_ != nullptr) relative = motions_->velocity(hits_.instance[hit], worldFromSensor * placeOf(hit));
+      if (!shot_.sensorVelocity.empty()) relative = relative - shot_.sensorVelocity[step];
+      const std::uint32_t beam = hits_.beamOfRay.empty() ? hit : hits_.beamOfRay[hit];
+      return static_cast<float>(dot(toMatrix(worldFromSensor.rotation) * beams_.direction[beam], relative));
     });
   }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <iterator>
 #include <optional>
-#include <string_view>
 
 namespace scanmill {
 
@@ -32,8 +31,7 @@ Vec3d carried(const Mesh& now, const Mesh& next, std::uint32_t primitive, const 
 bool ThingMotions::areToldOf(const Scene& scene, const ScanLayout& layout) {
   if (!scene.moves()) return false;
   for (std::size_t c = 0; c < kColumnCount; ++c) {
-    const std::string_view name = kColumns[c].name;
-    if (layout.columns.has(c) && (name.starts_with("velocity_") || name.starts_with("flow_"))) return true;
+    if (layout.columns.has(c) && tellsMotion(kColumns[c])) return true;
   }
   const std::vector<SemanticClass>& classes = scene.ontology.classes;
   return layout.columns.has(kLabel) &&

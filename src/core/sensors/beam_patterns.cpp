@@ -149,22 +149,89 @@ ListedBeams flashBeams(double azimuth, double field, bool clockwise, std::uint32
 }
 
 Rosette readRosette(const Value& value) {
+  constexpr std::size_t kMostPrisms = 4;
+  constexpr Range kTurns{-1e4, 1e4};
+  constexpr Range kPhases{-360, 360};
   Fields f(value, "rosette");
-  f.also({"field_deg", "turns_hz", "share", "phase_deg"}).finish();
+  f.also({"field_deg", "deflection_deg", "turns_hz", "phase_deg", "laser_azimuth_deg", "laser_elevation_deg", "mirror"})
+      .finish();
   Rosette rosette;
-  const double half = radians(f.number("field_deg", {0.01, 170})) / 2;
-  const double share = f.number("share", {0, 1}, 0.5);
-  rosette.angle = {half * share, half * (1 - share)};
-  const std::vector<double> turns = f.numbers("turns_hz", {-1e4, 1e4});
-  if (turns.size() != 2)
-    throw InputError(f.require("turns_hz").where, "turns_hz must be two frequencies, such as [121.6, -77.7]");
-  rosette.speed = {2 * kPi * turns[0], 2 * kPi * turns[1]};
-  if (const Value* phases = f.find("phase_deg")) {
-    const std::vector<double> phase = f.numbers("phase_deg", {-360, 360});
-    if (phase.size() != 2) throw InputError(phases->where, "phase_deg must be two angles, such as [0, 90]");
-    rosette.phase = {radians(phase[0]), radians(phase[1])};
+  rosette.speed = f.numbers("turns_hz", kTurns);
+  const std::size_t prisms = rosette.speed.size();
+  if (prisms < 1 || prisms > kMostPrisms) {
+    throw InputError(f.require("turns_hz").where, "turns_hz must be one to four frequencies, such as [121.6, -77.7]");
+  }
+  const auto perPrism = [&](const char* key, Range range) {
+    std::vector<double> values = f.numbers(key, range);
+    if (values.size() == prisms) return values;
+    throw InputError(f.require(key).where,
+                     fmt::format("{} must be {} numbers, one for each prism of turns_hz", key, prisms));
+  };
+  if (f.has("deflection_deg") == f.has("field_deg")) {
+    throw InputError(value.where, "a rosette needs either field_deg or, for unequal prisms, deflection_deg");
+  }
+  rosette.angle =
+      f.has("deflection_deg")
+          ? perPrism("deflection_deg", {0, 85})
+          : std::vector<double>(prisms, f.number("field_deg", {0.01, 170}) / 2 / static_cast<double>(prisms));
+  rosette.phase = f.has("phase_deg") ? perPrism("phase_deg", kPhases) : std::vector<double>(prisms, 0);
+  if (f.has("laser_azimuth_deg")) rosette.left = f.numbers("laser_azimuth_deg", {-60, 60});
+  if (f.has("laser_elevation_deg")) rosette.up = f.numbers("laser_elevation_deg", {-60, 60});
+  if (rosette.left.empty()) rosette.left.resize(rosette.up.size());
+  if (rosette.up.empty()) rosette.up.resize(rosette.left.size());
+  if (rosette.left.size() != rosette.up.size()) {
+    throw InputError(value.where, fmt::format("laser_azimuth_deg has {} angles, but laser_elevation_deg has {}",
+                                              rosette.left.size(), rosette.up.size()));
+  }
+  for (double& speed : rosette.speed) speed *= 2 * kPi;
+  for (std::vector<double>* angles : {&rosette.angle, &rosette.phase, &rosette.left, &rosette.up}) {
+    for (double& angle : *angles) angle = radians(angle);
+  }
+  if (const Value* mirror = f.find("mirror")) {
+    Fields m(*mirror, "mirror");
+    m.also({"tilt_deg", "turns_hz", "phase_deg"}).finish();
+    rosette.mirror = {radians(m.number("tilt_deg", {0, 90})), m.number("turns_hz", kTurns) * 2 * kPi,
+                      radians(m.number("phase_deg", kPhases, 0))};
   }
   return rosette;
+}
+
+Raster readRaster(const Value& value) {
+  Fields f(value, "raster");
+  f.also({"zones_deg", "width_deg", "top_deg", "bottom_deg", "lines", "line_us", "alternate"}).finish();
+  Raster raster;
+  raster.zones = f.numbers("zones_deg", {-180, 180});
+  if (raster.zones.empty()) {
+    throw InputError(value.where, "zones_deg must be the azimuths of the zones' middles, such as [24, 0, -24]");
+  }
+  for (double& zone : raster.zones) zone = radians(zone);
+  raster.width = radians(f.number("width_deg", {0.01, 180}));
+  raster.top = radians(f.number("top_deg", {-90, 90}));
+  raster.bottom = radians(f.number("bottom_deg", {-90, 90}));
+  if (raster.top <= raster.bottom) throw InputError(value.where, "raster: top_deg must be above bottom_deg");
+  raster.lines = static_cast<std::uint32_t>(f.integer("lines", 2, kMostColumns / 2));
+  raster.lineTime = f.number("line_us", {0, 1e8}, 0) * 1e-6;
+  raster.alternate = f.boolean("alternate", false);
+  return raster;
+}
+
+ListedBeams rasterBeams(const Raster& raster, std::uint32_t columns, double period) {
+  const std::uint32_t across = columns / raster.lines;
+  const double line = period / raster.lines;
+  const double step = raster.lineTime > 0 ? std::min(raster.lineTime, line) / (across - 1) : line / across;
+  ListedBeams beams;
+  for (const double zone : raster.zones) {
+    for (std::uint32_t column = 0; column < columns; ++column) {
+      const std::uint32_t row = column / across;
+      const std::uint32_t place = column % across;
+      const double turned = raster.width * place / (across - 1);
+      const bool back = raster.alternate && row % 2 == 1;
+      beams.azimuth.push_back(zone + (raster.width / 2 - turned) * (back ? -1 : 1));
+      beams.elevation.push_back(std::lerp(raster.top, raster.bottom, static_cast<double>(row) / (raster.lines - 1)));
+      beams.time.push_back(row * line + place * step);
+    }
+  }
+  return beams;
 }
 
 }  // namespace scanmill

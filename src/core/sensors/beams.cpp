@@ -25,6 +25,12 @@ void fillListed(BeamTable& table) {
   table.columnStart = own.columnStarts(table.columns);
 }
 
+// Returns the orientation (rad) at a time (s). Complete turns are subtracted first, so that the angle is still exact
+// after hours.
+double turned(double speed, double phase, double time) {
+  return std::fmod(time * (speed / (2 * kPi)), 1.0) * 2 * kPi + phase;
+}
+
 void fillRosette(BeamTable& table) {
   const Rosette& r = *table.rosette;
   table.direction.resize(table.size());
@@ -34,17 +40,22 @@ void fillRosette(BeamTable& table) {
     for (std::uint32_t column = 0; column < table.columns; ++column) {
       const std::size_t beam = std::size_t{ring} * table.columns + column;
       const double since = table.columnTime(column) + table.firingOffset[ring];
-      double left = 0;
-      double up = 0;
-      for (std::size_t k = 0; k < 2; ++k) {
-        // Subtract complete turns first, so that the phase is still exact after hours.
-        const double turn = std::fmod((table.start + since) * (r.speed[k] / (2 * kPi)), 1.0) * 2 * kPi + r.phase[k];
+      double left = r.left.empty() ? 0 : r.left[ring];
+      double up = r.up.empty() ? 0 : r.up[ring];
+      for (std::size_t k = 0; k < r.angle.size(); ++k) {
+        const double turn = turned(r.speed[k], r.phase[k], table.start + since);
         left += r.angle[k] * std::cos(turn);
         up += r.angle[k] * std::sin(turn);
       }
       const double off = std::hypot(left, up);
       const double across = off > 1e-12 ? std::sin(off) / off : 1;
       table.direction[beam] = {std::cos(off), left * across, up * across};
+      if (r.mirror) {
+        const Vec3d incoming{left * across, up * across, std::cos(off)};
+        const double azimuth = turned(r.mirror->speed, r.mirror->phase, table.start + since);
+        const Vec3d normal = towards(azimuth, r.mirror->tilt - kPi / 2);
+        table.direction[beam] = incoming - normal * (2 * dot(incoming, normal));
+      }
       table.time[beam] = static_cast<float>(since);
     }
   }

@@ -26,13 +26,25 @@ struct ListedBeams {
   std::vector<double> columnStarts(std::uint32_t columns) const;
 };
 
-// Two rotating prisms, each of which deflects the beam by a small angle towards the prism's current orientation. To
-// first order the two deflections add up, and the beam traces a rosette about the x axis that need not repeat (Risley
-// prisms; Marshall, "Risley prism scan patterns", Proc. SPIE 3787, 1999, equations 1 and 2).
+// Rotating prisms, each of which deflects the beam by a small angle towards the prism's current orientation. To first
+// order the deflections add up, and the beam traces a rosette about the x axis that need not repeat (Risley prisms;
+// Marshall, "Risley prism scan patterns", Proc. SPIE 3787, 1999, equations 1 and 2).
 struct Rosette {
-  std::array<double, 2> angle{};  // rad, deflection by each prism
-  std::array<double, 2> speed{};  // rad/s, rotation of each prism
-  std::array<double, 2> phase{};  // rad, orientation of each prism at time 0: from y (left) towards z (up)
+  std::vector<double> angle;  // rad, deflection by each prism
+  std::vector<double> speed;  // rad/s, rotation of each prism
+  std::vector<double> phase;  // rad, orientation of each prism at time 0: from y (left) towards z (up)
+  // Further deflection of each laser (rad), to the left and up; a laser is a ring. Empty: one laser on the axis.
+  std::vector<double> left, up;
+  // A mirror that turns about the z axis. If there is one, lasers and prisms look along z (deflections to the left and
+  // up are then along x and y), and the mirror reflects the beams to the sides.
+  struct Mirror {
+    double tilt = 0;   // rad, between the mirror's normal and the -z axis
+    double speed = 0;  // rad/s, counter-clockwise seen from above
+    double phase = 0;  // rad, azimuth of the normal at time 0
+  };
+  std::optional<Mirror> mirror;
+
+  std::size_t lasers() const { return left.empty() ? 1 : left.size(); }
 };
 
 // The beams of one revolution of a sensor, indexed by ring * columns + column; column 0 fires first. Directions and
@@ -56,6 +68,8 @@ struct BeamTable {
   // If `listed` or `rosette` is set, the members for rings on cones below are not used, and `field` is a full circle.
   std::shared_ptr<const ListedBeams> listed;  // null: the beams are not listed one by one
   std::optional<Rosette> rosette;             // pattern that each ring traces; the columns fire evenly over the period
+  double sweep = 0;                   // s, time from the first to the last column of a partial field; 0: the part of
+                                      // the period that `field` is of a full circle
   double start = 0;                   // s since the start of the drive: time at which column 0 of a rosette fires
   std::vector<double> columnStart;    // s, firing time of each column of listed beams; set by fillBeams()
   bool clockwise = false;             // direction of rotation, seen from above
@@ -100,7 +114,7 @@ struct BeamTable {
   // the first and the last column are at the two edges.
   double columnPeriod() const {
     const std::uint32_t steps = fullTurn() || columns == 1 ? columns : columns - 1;
-    return period * (field / (2 * kPi)) / steps;
+    return (sweep > 0 ? sweep : period * (field / (2 * kPi))) / steps;
   }
 };
 

@@ -34,6 +34,7 @@ Fields& alsoSensorKeys(Fields& fields) {
                       "direction",       "first_azimuth_deg",
                       "field_deg",       "calibration",
                       "pattern",         "rosette",
+                      "raster",          "sweep_ms",
                       "beams",           "elevation_deg",
                       "ring_order",      "azimuth_offset_deg",
                       "origin_offset_m", "origin_height_m",
@@ -263,12 +264,14 @@ SensorSize sensorSize(const Value& description) {
     const ListedSensor listed = readListedBeams(fields.path("beams"));
     return {listed.rings, listed.columns};
   }
-  if (fields.has("rosette") && !fields.has("elevation_deg")) {
+  if ((fields.has("rosette") || fields.has("raster")) && !fields.has("elevation_deg")) {
     const double columns = readCount(fields.require("columns"), "columns");
     if (columns < 1 || columns > kMaxColumns) {
       throw InputError(fields.require("columns").where, fmt::format("columns must be from 1 to {}", kMaxColumns));
     }
-    return {1, static_cast<std::uint64_t>(columns)};
+    const std::size_t rings = fields.has("rosette") ? readRosette(fields.require("rosette")).lasers()
+                                                    : readRaster(fields.require("raster")).zones.size();
+    return {rings, static_cast<std::uint64_t>(columns)};
   }
   const Value& columnValue = fields.require("columns");
   const Value& elevation = fields.require("elevation_deg");
@@ -313,7 +316,7 @@ void readListed(Fields& fields, BeamTable& table) {
   refuseBeside(fields, "beams",
                {"columns", "elevation_deg", "azimuth_offset_deg", "firing_time_us", "turns_while_firing", "field_deg",
                 "first_azimuth_deg", "direction", "ring_order", "origin_offset_m", "origin_height_m", "origin_left_m",
-                "origin_up_m", "pattern", "rosette", "calibration"});
+                "origin_up_m", "pattern", "rosette", "raster", "sweep_ms", "calibration"});
   clearCones(table);
   const Value& where = fields.require("beams");
   const std::filesystem::path file = fields.path("beams");
@@ -334,13 +337,27 @@ void readListed(Fields& fields, BeamTable& table) {
   table.listed = std::move(listed);
 }
 
-void readRosetteSensor(Fields& fields, BeamTable& table) {
-  refuseBeside(fields, "rosette",
-               {"elevation_deg", "azimuth_offset_deg", "firing_time_us", "turns_while_firing", "field_deg",
+// Reads a sensor with the key `rosette` or `raster`.
+void readPattern(Fields& fields, const char* key, BeamTable& table) {
+  refuseBeside(fields, key,
+               {"elevation_deg", "azimuth_offset_deg", "turns_while_firing", "field_deg", "sweep_ms",
                 "first_azimuth_deg", "direction", "ring_order", "origin_offset_m", "origin_height_m", "origin_left_m",
-                "origin_up_m", "pattern", "calibration"});
+                "origin_up_m", "pattern", "calibration", key[1] == 'o' ? "raster" : "firing_time_us"});
   clearCones(table);
-  table.rosette = readRosette(fields.require("rosette"));
+  const Value& value = fields.require(key);
+  if (key[1] == 'o') {
+    table.rosette = readRosette(value);
+    table.firingOffset = scaled(readFiringTimes(fields.find("firing_time_us"), table), 1e-6);
+    return;
+  }
+  const Raster raster = readRaster(value);
+  if (table.columns % raster.lines != 0 || table.columns == raster.lines) {
+    throw InputError(fields.require("columns").where,
+                     fmt::format("columns must be a multiple of the {} lines of the raster, such as {}", raster.lines,
+                                 raster.lines * std::max(2u, table.columns / raster.lines)));
+  }
+  table.listed = std::make_shared<const ListedBeams>(rasterBeams(raster, table.columns, table.period));
+  table.topDown = true;
 }
 
 void readCones(Fields& fields, const Value& value, BeamTable& table) {
@@ -350,6 +367,10 @@ void readCones(Fields& fields, const Value& value, BeamTable& table) {
   const double field = fields.number("field_deg", {0, 360}, 360);
   if (field <= 0) throw InputError(fields.find("field_deg")->where, "field_deg must be above 0");
   table.field = field < 360 ? radians(field) : 2 * kPi;
+  if (const Value* sweep = fields.find("sweep_ms")) {
+    if (field >= 360) throw InputError(sweep->where, "sweep_ms has no effect in a full circle: leave it out");
+    table.sweep = fields.number("sweep_ms", {1e-3, table.period * 1e3}) * 1e-3;
+  }
 
   const std::string order = fields.choice("ring_order", {"top_down", "bottom_up", "unordered"}, "top_down");
   const Value* orderValue = fields.find("ring_order");
@@ -364,7 +385,9 @@ void readCones(Fields& fields, const Value& value, BeamTable& table) {
   table.azimuthOffset = scaled(readAzimuthOffsets(fields.find("azimuth_offset_deg"), table.rings), radians(1));
   table.firingOffset = scaled(readFiringTimes(fields.find("firing_time_us"), table), 1e-6);
   if (fields.boolean("turns_while_firing", false)) {
-    const double turn = (table.clockwise ? -2 : 2) * kPi / table.period;  // rad/s, angular velocity of the head
+    // The angular velocity of the head (rad/s).
+    const double speed = table.sweep > 0 ? table.field / table.sweep : 2 * kPi / table.period;
+    const double turn = table.clockwise ? -speed : speed;
     for (std::uint32_t ring = 0; ring < table.rings; ++ring) {
       table.azimuthOffset[ring] += turn * table.firingOffset[ring];
     }
@@ -378,8 +401,8 @@ void readCones(Fields& fields, const Value& value, BeamTable& table) {
 // Replaces the rings on cones by the pixels of a flash sensor.
 void makeFlash(Fields& fields, BeamTable& table) {
   refuseBeside(fields, "pattern: flash",
-               {"azimuth_offset_deg", "firing_time_us", "turns_while_firing", "origin_offset_m", "origin_height_m",
-                "origin_left_m", "origin_up_m"});
+               {"azimuth_offset_deg", "firing_time_us", "sweep_ms", "turns_while_firing", "origin_offset_m",
+                "origin_height_m", "origin_left_m", "origin_up_m"});
   constexpr double kWidest = 170;  // deg, largest field of view of a flash sensor
   const Value& field = fields.require("field_deg");
   if (degrees(table.field) > kWidest) {
@@ -407,8 +430,8 @@ std::shared_ptr<const BeamTable> makeBeams(const Value& description) {
   const std::string pattern = fields.choice("pattern", {"spinning", "flash"}, "spinning");
   if (fields.has("beams")) {
     readListed(fields, *table);
-  } else if (fields.has("rosette")) {
-    readRosetteSensor(fields, *table);
+  } else if (fields.has("rosette") || fields.has("raster")) {
+    readPattern(fields, fields.has("rosette") ? "rosette" : "raster", *table);
   } else {
     readCones(fields, value, *table);
     if (pattern == "flash") makeFlash(fields, *table);

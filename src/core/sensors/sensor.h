@@ -4,7 +4,7 @@
 //
 //   const std::shared_ptr<const BeamTable> beams = makeBeams(readYaml("pipelines/sensors/vlp_16.yaml"));
 //
-// The keys of a sensor file, besides `pattern: flash`, `rosette` and `beams`, for which see beam_patterns.h:
+// The keys of a sensor file, besides `pattern: flash`, `raster`, `rosette` and `beams`, for which see beam_patterns.h:
 //
 //   model: OS1-128                     # name of the sensor, for the manifest
 //   source: ...                        # where the sensor's figures were published, for the manifest
@@ -14,6 +14,9 @@
 //   first_azimuth_deg: 180             # where column 0 points: 0 is forward, 90 is left (default 0)
 //   field_deg: 360                     # horizontal field of view; a partial one is swept from edge to edge (default
 //                                      # 360)
+//   sweep_ms: 50                       # time in which a partial field is swept (default: the part of the revolution
+//   that
+//                                      # the field is of a full circle)
 //   elevation_deg: [15, 13, ...]       # one per ring, or {top: 15, bottom: -15, rings: 16}
 //   ring_order: top_down               # or bottom_up; a list may be `unordered` (default top_down)
 //   azimuth_offset_deg: [4.2, ...]     # counter-clockwise, one per ring or a list that is repeated (default 0)

@@ -71,10 +71,16 @@ Shot makeShot(const std::shared_ptr<const BeamTable>& table, const Trajectory& t
   shot.untilNext = untilNextFrame(trajectory, frame, beams->period);
   shot.deskew = motion.deskew;
   shot.worldFromSensor.reserve(steps);
+  constexpr double kMoment = 1e-3;  // s, time over which velocities are computed
   for (std::uint64_t step = 0; step < steps; ++step) {
     // The first column of the step, by the rule at Shot::worldFromSensor.
     const auto column = static_cast<std::uint32_t>((step * beams->columns + steps - 1) / steps);
-    shot.worldFromSensor.push_back(trajectory.pose(frame, beams->columnTime(column)) * vehicleFromSensor);
+    const double time = beams->columnTime(column);
+    shot.worldFromSensor.push_back(trajectory.pose(frame, time) * vehicleFromSensor);
+    if (trajectory.still()) continue;
+    const Pose soon = trajectory.pose(frame, time + kMoment) * vehicleFromSensor;
+    const Vec3d moved = soon.translation - shot.worldFromSensor.back().translation;
+    shot.sensorVelocity.push_back(moved * (1 / kMoment));
   }
   shot.beams = std::move(beams);
   return shot;

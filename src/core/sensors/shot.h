@@ -41,6 +41,9 @@ struct Shot {
   // divide the number of columns.
   std::vector<Pose> worldFromSensor;
 
+  // The velocity over ground (m/s, world axes) of the sensor's origin in each step. Empty: the sensor stands still.
+  std::vector<Vec3d> sensorVelocity;
+
   // The frame in which points are given. False: each point in the sensor's frame at the step that fired it, as sensors
   // report points. True: all points in the sensor's frame at the start of the revolution.
   bool deskew = false;

@@ -282,7 +282,9 @@ void Trajectory::readDrive(Fields& fields, double fallbackPeriod, double limit, 
 
   if (const Value* on = fields.find("on")) {
     if (!std::isfinite(limit)) {
-      throw InputError(on->where, "a random drive has no end: give the number of `frames`");
+      throw InputError(on->where,
+                       "the length of a drive with `on` is known when its scene is loaded: give the number of "
+                       "`frames`");
     }
     if (fields.texts("on").empty()) throw InputError(on->where, "on must name classes, such as [road]");
     for (const char* key : {"path", "rounding"}) {
@@ -290,10 +292,9 @@ void Trajectory::readDrive(Fields& fields, double fallbackPeriod, double limit, 
         throw InputError(value->where, fmt::format("{} is for waypoints: a random drive chooses its own path", key));
       }
     }
-    RandomWay way{fields.texts("on"), RandomWay::Side::Right, ((limit - 1) * interval_ + lastTurn_) * speed_,
-                  on->where};
-    const std::string side = fields.choice("keep", {"right", "left", "middle"}, "right");
-    if (side != "right") way.keep = side == "left" ? RandomWay::Side::Left : RandomWay::Side::Middle;
+    RandomWay way{fields.texts("on"), readRoadSide(fields), ((limit - 1) * interval_ + lastTurn_) * speed_,
+                  interval_ * speed_, on->where};
+    if (fields.has("from") || fields.has("to")) way.trip = readRoadTrip(fields);
     if (const Value* changes = fields.find("lane_changes")) {
       throw InputError(changes->where, "lane_changes are for given paths: leave them out of a random drive");
     }
@@ -302,8 +303,10 @@ void Trajectory::readDrive(Fields& fields, double fallbackPeriod, double limit, 
     frames_ = static_cast<std::uint32_t>(limit);
     return;
   }
-  if (const Value* keep = fields.find("keep")) {
-    throw InputError(keep->where, "keep is for random drives, which have `on`");
+  for (const char* key : {"keep", "from", "to"}) {
+    if (const Value* value = fields.find(key)) {
+      throw InputError(value->where, fmt::format("{} is for drives that have `on`, such as `on: road`", key));
+    }
   }
   readWay(fields, lanes);
   const double length = path_->length();
@@ -319,7 +322,7 @@ void Trajectory::readDrive(Fields& fields, double fallbackPeriod, double limit, 
 std::uint32_t countDrives(const Value& value) {
   const Value* const drives = value.find("drives");
   if (drives == nullptr || drives->kind == Value::Kind::Null) return 1;
-  if (value.find("on") == nullptr) {
+  if (value.find("on") == nullptr || value.find("to") != nullptr) {
     throw InputError(drives->where,
                      "drives is for random drives, which have `on`: several other drives would be the same");
   }
@@ -331,8 +334,9 @@ Trajectory readTrajectory(const Value& value, const std::string& name, double fa
   constexpr std::array<const char*, 5> kKinds{"poses", "waypoints", "along", "on", "recorded"};
   Fields fields(value, "trajectory");
   fields
-      .also({"name", "poses", "waypoints", "along", "on", "recorded", "path", "rounding", "keep", "drives", "speed",
-             "acceleration", "stops", "lane_changes", "sway", "ground", "every_s", "every_m", "frames"})
+      .also({"name",     "poses",        "waypoints", "along",  "on",      "from",    "to",
+             "recorded", "path",         "rounding",  "keep",   "drives",  "speed",   "acceleration",
+             "stops",    "lane_changes", "sway",      "ground", "every_s", "every_m", "frames"})
       .finish();
   Trajectory result;
   result.name_ = fields.text("name", name);

@@ -12,6 +12,7 @@
 #include "base/vec.h"
 #include "config/value.h"
 #include "scene/lanes.h"
+#include "scene/road_path.h"
 #include "sensors/ground_profile.h"
 #include "sensors/recorded_poses.h"
 #include "sensors/speed_profile.h"
@@ -22,13 +23,15 @@ namespace scanmill {
 class Fields;
 class Path;
 
-// A random drive on surfaces of certain classes. Its path is computed after the scene is loaded.
+// A drive on surfaces of certain classes, at random or from one point to another. Its path is computed after the scene
+// is loaded.
 struct RandomWay {
-  enum class Side { Right, Left, Middle };
   std::vector<std::string> classes;
-  Side keep = Side::Right;
-  double length = 0;  // m, least length of the path
-  Location where;
+  RoadSide keep = RoadSide::Right;
+  double length = 0;    // m, least length of the path
+  double perFrame = 0;  // m, distance from frame to frame
+  Location where = {};
+  std::optional<RoadTrip> trip = {};  // none: the path is random
 };
 
 // The pose worldFromVehicle over time. In YAML it has one of poses, waypoints, along, on and recorded:
@@ -39,6 +42,7 @@ struct RandomWay {
 //   rounding: 0.5                                           # m before and behind each corner of `path: line`
 //   along: lane | turns                                     # in place of waypoints: through the scene's town
 //   on: [road]                                              # in place of waypoints: a random drive on these classes
+//   from: [x, y], to: [x, y]                                # beside `on`: from one point to another
 //   keep: right | left | middle                             # side of the surfaces to drive on
 //   drives: 3                                               # number of random drives, each a sequence: name-0, ...
 //   recorded: {file: poses.txt, ...}                        # in place of waypoints: see recorded_poses.h

@@ -22,6 +22,7 @@ from .dataset import Dataset, Sample, decode, open_dataset as open
 from .geometry import points_in_box, pose_matrix
 from .objects import Objects
 from .ontology import Ontology
+from .passes import PassWriter
 from .range_image import Projection, beam_projection, range_image, spherical_projection
 from .samples import SampleReader
 from .scan import Scan
@@ -33,6 +34,7 @@ __all__ = [
     "InputError",
     "Objects",
     "Ontology",
+    "PassWriter",
     "Projection",
     "Sample",
     "SampleReader",

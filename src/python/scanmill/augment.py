@@ -10,6 +10,8 @@ not modify the given sample or its arrays. Points must be dense: call scan.dense
 
 The columns range_true and azimuth describe the noise-free point: flips, turns and scales change them, but noise that is
 added here does not. The columns ring and column always describe the beam and are not changed.
+
+The module scanmill.augment.mix makes one sample of two.
 """
 
 from __future__ import annotations
@@ -81,9 +83,7 @@ class Turn:
         self.low, self.high = _interval("Turn", low, high)
 
     def __call__(self, sample: Sample, rng: np.random.Generator) -> Sample:
-        angle = rng.uniform(self.low, self.high)
-        c, s = np.cos(angle), np.sin(angle)
-        return _moved(sample, np.array([[c, -s, 0], [s, c, 0], [0, 0, 1.0]]))
+        return _moved(sample, _rotation(rng.uniform(self.low, self.high)))
 
 
 class Scale:
@@ -142,8 +142,7 @@ class RingErrors:
 
     def __call__(self, sample: Sample, rng: np.random.Generator) -> Sample:
         xyz = _xyz(sample)
-        if "ring" not in sample:
-            raise InputError("RingErrors needs the column `ring`")
+        _require(sample, "RingErrors", "ring")
         ring = np.asarray(sample["ring"], np.int64)
         # One row for each ring, so that a ring's errors do not depend on which rings have points.
         errors = rng.normal(size=(int(ring.max(initial=0)) + 1, 2)) * [self.range_sigma, self.elevation_sigma]
@@ -159,6 +158,52 @@ class RingErrors:
         return {**sample, "xyz": moved.astype(xyz.dtype)}
 
 
+class HideIntensity:
+    """Sets the intensities of all points to `value`, with the given probability for each sample: always (1), so that a
+    network learns without intensity, or sometimes, so that it learns with and without."""
+
+    def __init__(self, probability: float = 0.5, value: float = 0) -> None:
+        self.probability, self.value = _share("probability", probability), value
+
+    def __call__(self, sample: Sample, rng: np.random.Generator) -> Sample:
+        _require(sample, "HideIntensity", "intensity")
+        if rng.random() >= self.probability:
+            return dict(sample)
+        return {**sample, "intensity": np.full_like(sample["intensity"], self.value)}
+
+
+class JitterIntensity:
+    """Changes intensities i as another receiver would: to gain * full_scale * (i / full_scale) ** gamma.
+
+    Gain and gamma are random, the same for all points of a sample, with logarithms uniform between those of two limits.
+    The type of the column is kept: integers are rounded and limited to the type's range, negative values become 0.
+    """
+
+    def __init__(
+        self,
+        gain: tuple[float, float] = (0.5, 2.0),
+        gamma: tuple[float, float] = (0.6, 1.6),
+        full_scale: float | None = None,
+    ) -> None:
+        """`full_scale`: the intensity that gamma does not change; by default the largest value of an integer type, and
+        1 for floating-point types. Give 255 for bytes that are stored as floating-point numbers."""
+        self.gain, self.gamma = _interval("gain", *gain), _interval("gamma", *gamma)
+        self.full_scale = full_scale
+        if min(self.gain[0], self.gamma[0], 1 if full_scale is None else full_scale) <= 0:
+            raise InputError("gain, gamma and full_scale of JitterIntensity must be above 0")
+
+    def __call__(self, sample: Sample, rng: np.random.Generator) -> Sample:
+        _require(sample, "JitterIntensity", "intensity")
+        intensity = sample["intensity"]
+        most = np.iinfo(intensity.dtype).max if intensity.dtype.kind in "iu" else None
+        full = float(self.full_scale or most or 1)
+        gain, gamma = np.exp([rng.uniform(*np.log(limits)) for limits in (self.gain, self.gamma)])
+        changed = gain * full * (np.maximum(intensity.astype(np.float64), 0) / full) ** gamma
+        if most is not None:
+            changed = np.rint(np.minimum(changed, most))
+        return {**sample, "intensity": changed.astype(intensity.dtype)}
+
+
 def _share(name: str, value: float) -> float:
     if not 0 <= value <= 1:
         raise InputError(f"{name} must be from 0 to 1, not {value}")
@@ -169,6 +214,13 @@ def _interval(name: str, low: float, high: float) -> tuple[float, float]:
     if not low <= high:
         raise InputError(f"{name} must have the lower value first, not {low} and {high}")
     return low, high
+
+
+def _require(sample: Sample, who: str, *names: str) -> None:
+    """Raises InputError, which names the missing arrays, if the sample lacks any of these."""
+    missing = [name for name in names if name not in sample]
+    if missing:
+        raise InputError(f"{who} needs the columns {', '.join(names)}; the sample has no {', '.join(missing)}")
 
 
 def _xyz(sample: Sample) -> NDArray[Any]:
@@ -185,6 +237,12 @@ def _of_points(name: str, values: Any, count: int) -> bool:
     if len(values) != count:
         raise InputError(f"'{name}' has {len(values)} entries, but the number of points is {count}")
     return True
+
+
+def _rotation(angle: float) -> NDArray[np.float64]:
+    """Returns the rotation (3, 3) about z by an angle (rad, from x towards y)."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1.0]])
 
 
 def _turned(angles: NDArray[Any], rotation: NDArray[np.float64]) -> NDArray[Any]:
@@ -227,3 +285,6 @@ def _moved(sample: Sample, rotation: NDArray[np.float64], scale: float = 1.0) ->
         inverse[:3, :3] = rotation.T / scale
         out["world_from_sensor"] = sample["world_from_sensor"] @ inverse
     return out
+
+
+from . import mix as mix  # noqa: E402: at the end, since the module uses the functions above

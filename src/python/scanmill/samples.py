@@ -9,8 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._core import InputError
+from .augment import generator
 from .dataset import Sample
+from .mix import Mix
 from .ontology import Ontology
+
+MIXING = 2**32 - 1  # position of the mix's random numbers; Compose numbers its transforms from 0
 
 
 class SampleReader:
@@ -38,12 +42,18 @@ class SampleReader:
         boxes: bool | Sequence[str] = False,
         min_points: int = 0,
         transform: Callable[[dict[str, Any], Any, int], dict[str, Any]] | None = None,
+        mix: Mix | None = None,
+        seed: int = 0,
     ) -> None:
         """`sensor` and `columns`: see Sample.scan(); the column `label` is also read if train ids need it.
 
         `train_ids`: a table returned by Ontology.train_ids(). `boxes`: True for boxes of all classes, or a list of
         class names. Objects with fewer than `min_points` points are left out. `transform`: a function such as
         augment.Compose; transform(sample, key, epoch) returns the changed sample.
+
+        `mix`: a function such as augment.mix.LaserMix(). mix(sample, other, rng) returns the sample mixed with another
+        one of the same Dataset, which is read too; the transform follows. The other sample and the random numbers
+        depend only on the Dataset, `seed` (0 or more), the key and the epoch.
         """
         if isinstance(columns, str) or isinstance(boxes, str):
             raise InputError("columns and boxes must be lists of names")
@@ -53,10 +63,21 @@ class SampleReader:
         self.boxes = boxes
         self.min_points = min_points
         self.transform = transform
+        self.mix = mix
+        self.seed = seed
 
     def __call__(self, sample: Sample, epoch: int = 0) -> dict[str, Any]:
         """Returns the dictionary of one sample. Raises InputError for the same reasons as Sample.scan(), and if `boxes`
         is given but the dataset has no object lists."""
+        out = self._read(sample)
+        if self.mix is not None:
+            rng = generator(self.seed, sample.key, epoch, MIXING)
+            samples = sample.dataset
+            other = (sample.index + int(rng.integers(1, max(len(samples), 2)))) % len(samples)
+            out = self.mix(out, self._read(samples[other]), rng)
+        return out if self.transform is None else self.transform(out, sample.key, epoch)
+
+    def _read(self, sample: Sample) -> dict[str, Any]:
         columns = self.columns
         if columns is not None and self.train_ids is not None and "label" not in columns:
             columns = [*columns, "label"]
@@ -68,7 +89,7 @@ class SampleReader:
             out["target"] = self.train_ids[scan["label"]].astype(np.int64)
         if self.boxes is not False:
             out.update(self._boxes(sample))
-        return out if self.transform is None else self.transform(out, sample.key, epoch)
+        return out
 
     def _boxes(self, sample: Sample) -> dict[str, Any]:
         objects = sample.objects(self.sensor)

@@ -53,15 +53,15 @@ class ScanDataset(torch.utils.data.Dataset):  # type: ignore[type-arg]
 
     def __init__(self, source: Dataset | Path, split: str | None = None, **reading: Any) -> None:
         """`source`: a dataset or its path. `reading`: arguments of SampleReader (sensor, columns, train_ids, boxes,
-        min_points, transform). Raises InputError for an unknown split."""
+        min_points, transform, mix, seed). Raises InputError for an unknown split."""
         dataset = source if isinstance(source, Dataset) else open_dataset(source)
         self.dataset = dataset if split is None else dataset.split(split)
         self.reader = SampleReader(**reading)
         self._epoch = _Epoch()
 
     def set_epoch(self, epoch: int) -> None:
-        """Sets the epoch, which determines the transform's random numbers together with the sample. Workers use it from
-        their next sample on."""
+        """Sets the epoch, which determines the random numbers of mix and transform together with the sample. Workers
+        use it from their next sample on."""
         self._epoch.set(epoch)
 
     def __len__(self) -> int:
@@ -95,11 +95,13 @@ class ShardIterable(torch.utils.data.IterableDataset):  # type: ignore[type-arg]
 
         `shuffle`: 0 for the order of the shards. A larger number shuffles the shards, and takes samples at random from
         a buffer of this size (which needs little memory); the order depends on seed and epoch. `rank` and `world_size`:
-        taken from torch.distributed by default, if it is running. `reading`: see ScanDataset. Raises InputError if
-        there are no shards.
+        taken from torch.distributed by default, if it is running. `reading`: see ScanDataset, but without `mix`, since
+        the other sample would be read out of order. Raises InputError for a `mix`, and if there are no shards.
         """
         if shuffle < 0 or seed < 0:
             raise InputError("shuffle and seed must be at least 0")
+        if reading.get("mix") is not None:
+            raise InputError("ShardIterable reads sequentially and cannot mix samples: use ScanDataset")
         self.shards = Shards(source, split)
         self.shuffle, self.seed = shuffle, seed
         self.rank, self.world_size = _place_among_ranks(rank, world_size)

@@ -173,6 +173,39 @@ TEST(Distribution, WhatIsDrawnPerFrameDiffersFromFrameToFrameAndAllElseDoesNot) 
   EXPECT_EQ(perSequence.size(), 1U);
 }
 
+// The items occur n p times, rounded up or down, in random order: the law of `stratify: split`. Numbers are at equal
+// distances.
+TEST(Distribution, StratifiedValuesAreSpreadEvenly) {
+  const auto drawn = [](const std::string& yaml, std::uint64_t index, std::uint64_t count, const std::string& split) {
+    std::vector<DrawnValue> draws;
+    const PlaceInSplit strata{split, index, count, 0, 1};
+    return flowText(withDraws(parseYaml(yaml, "x.yaml"), "k", {.seed = 7, .scene = 3}, draws, strata));
+  };
+  std::set<std::string> orders;
+  for (const std::uint64_t n : {1u, 2u, 3u, 7u, 12u, 100u}) {
+    for (const char* split : {"train", "val", "test"}) {
+      std::map<std::string, double> counts;
+      std::string order;
+      std::vector<double> numbers;
+      for (std::uint64_t i = 0; i < n; ++i) {
+        order += drawn("{choice: [d, r, f], weights: [6, 3, 1], stratify: split}", i, n, split);
+        ++counts[order.substr(i)];
+        numbers.push_back(std::stod(drawn("{uniform: [0, 1], stratify: split}", i, n, split)));
+      }
+      orders.insert(order);
+      for (const auto& [item, share] : std::map<std::string, double>{{"d", 0.6}, {"r", 0.3}, {"f", 0.1}}) {
+        EXPECT_LT(std::abs(counts[item] - static_cast<double>(n) * share), 1 + 1e-9) << n << split << item;
+      }
+      std::sort(numbers.begin(), numbers.end());
+      for (std::size_t i = 1; i < n; ++i) {
+        EXPECT_NEAR(numbers[i] - numbers[i - 1], 1 / static_cast<double>(n), 1e-9) << "a permutation";
+      }
+    }
+  }
+  EXPECT_GT(orders.size(), 12u);
+  EXPECT_THAT(refusal("{uniform: [0, 1], stratify: frame}"), HasSubstr("split"));
+}
+
 TEST(Distribution, CasesReachAllEndsAndItems) {
   const Value value = parseYaml(
       "{a: {uniform: [1, 2]}, b: {choice: [x, {normal: [0, 1], within: [-1, 9]}, [{uniform: [5, 6]}]]}, c: {choice: "

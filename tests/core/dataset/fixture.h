@@ -217,4 +217,19 @@ inline Manifest addShard(DatasetFolder& folder, std::uint64_t number, std::size_
   return manifest;
 }
 
+// Two samples in two splits, each in a shard of its own.
+inline Manifest filledManifest() {
+  Manifest m = testManifest();
+  m.about = {{"license", "CC-BY-4.0"}, {"creator", "Somebody"}};
+  m.shards = {{"train/train-000000.tar", "train", sha256("a"), 12345678901234u, 1},
+              {"val/val-000000.tar", "val", sha256("b"), 1024, 1}};
+  for (std::uint32_t i = 0; i < 2; ++i) {
+    const Sample sample = testSample(m, i, "street-1-drive-00000" + std::to_string(i), i == 0 ? "train" : "val");
+    SampleRecord record{sample.key, sample.split, i, sample.scans, {sample.key + ".json"}};
+    for (const Member& member : sample.members) record.members.push_back(sample.key + "." + member.suffix);
+    m.samples.push_back(record);
+  }
+  return m;
+}
+
 }  // namespace scanmill

@@ -20,19 +20,6 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 using Json = nlohmann::ordered_json;
 
-Manifest filledManifest() {
-  Manifest m = testManifest();
-  m.shards = {{"train/train-000000.tar", "train", sha256("a"), 12345678901234u, 1},
-              {"val/val-000000.tar", "val", sha256("b"), 1024, 1}};
-  for (std::uint32_t i = 0; i < 2; ++i) {
-    const Sample sample = testSample(m, i, "street-1-drive-00000" + std::to_string(i), i == 0 ? "train" : "val");
-    SampleRecord record{sample.key, sample.split, i, sample.scans, {sample.key + ".json"}};
-    for (const Member& member : sample.members) record.members.push_back(sample.key + "." + member.suffix);
-    m.samples.push_back(record);
-  }
-  return m;
-}
-
 std::string refusal(const Json& json) {
   return messageOf<InputError>([&] { parseManifest(json.dump(), "manifest.json"); });
 }
@@ -62,6 +49,7 @@ TEST(Manifest, RoundTrips) {
   EXPECT_EQ(read.seed, m.seed);
   EXPECT_EQ(read.columns, m.columns);
   EXPECT_EQ(read.modelled, m.modelled);
+  EXPECT_EQ(read.about, m.about);
   ASSERT_EQ(read.ontology.classes.size(), 3u);
   EXPECT_EQ(read.ontology.classes[1].color, m.ontology.classes[1].color);
   EXPECT_EQ(read.ontology.classes[1].aliases, m.ontology.classes[1].aliases);
@@ -210,7 +198,7 @@ TEST(Manifest, RefusesEveryMissingKey) {
     const Json& parent = json[place.parent_pointer()];
     const std::string top = place.to_string().substr(0, 8);
     const bool optional = place.back() == "aliases" || place.back() == "origin_left" || place.back() == "origin_up" ||
-                          place.back() == "digest";
+                          place.back() == "digest" || place.to_string().starts_with("/about");
     if (!parent.is_object() || top == "/frames/" || optional) continue;
     Json damaged = json;
     damaged[place.parent_pointer()].erase(place.back());

@@ -25,7 +25,7 @@ TEST(ShardWriter, WritesShardsAndTheManifest) {
   EXPECT_EQ(toJson(read), toJson(manifest));
   EXPECT_EQ(read.samples.size(), 9u);
   EXPECT_GT(read.shards.size(), 4u);
-  std::vector<std::string> expected{"manifest.json"};
+  std::vector<std::string> expected{"croissant.json", "dataset_card.md", "manifest.json"};
   std::uint64_t samples = 0;
   for (const ShardRecord& shard : read.shards) {
     expected.push_back(shard.file);

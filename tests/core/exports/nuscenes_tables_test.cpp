@@ -47,7 +47,7 @@ def chain(name, first, last, same):
     return rows
 for name in ('sample', 'sample_data', 'sample_annotation'):
     assert all(get(name, row['next'])['prev'] == row['token'] for row in table[name] if row['next'])
-assert [scene['name'] for scene in table['scene']] == ['scene-9001', 'scene-9002']
+assert [scene['name'] for scene in table['scene']] == ['scene-0001', 'scene-0003']
 assert [scene['description'] for scene in table['scene']] == ['street-s1-lane', 'street-s2-lane']
 times = []
 for scene in table['scene']:
@@ -73,7 +73,14 @@ assert len(table['instance']) == 4 and len(table['sample_annotation']) == 8
 for row in table['sample_annotation']:
     assert all(token in by_token['attribute'] for token in row['attribute_tokens'])
 assert {token for row in table['map'] for token in row['log_tokens']} == set(by_token['log'])
-assert [(s['channel'], s['modality']) for s in table['sensor']] == [('LIDAR_TOP', 'lidar')]
+assert [s['channel'] for s in table['sensor'] if s['modality'] == 'lidar'] == ['LIDAR_TOP']
+cameras = {s['token']: s['channel'] for s in table['sensor'] if s['modality'] == 'camera'}
+assert len(cameras) == 6
+# What the front camera sees ahead of the vehicle is in the middle of its image.
+for mount in table['calibrated_sensor']:
+    if cameras.get(mount['sensor_token']) == 'CAM_FRONT':
+        x, y, z = np.array(mount['camera_intrinsic']) @ rotation(mount['rotation']).T @ np.array([10, 0, 0])
+        assert abs(x / z - 800) < 1e-9 and abs(y / z - 450) < 1e-9
 assert (folder / 'sweeps/LIDAR_TOP').is_dir()
 )");
 }
@@ -103,7 +110,7 @@ assert 'car' in table['category'][17]['description']
 TEST_F(NuScenesTables, EgoPosesAreTheVehicles) {
   write(*layout_);
   const std::vector<StampedPose> poses =
-      readNuScenesPoses(folder_.path() / "v1.0-trainval/ego_pose.json", "scene-9002");
+      readNuScenesPoses(folder_.path() / "v1.0-trainval/ego_pose.json", "scene-0003");
   ASSERT_EQ(poses.size(), 2u);
   EXPECT_NEAR(poses[1].time - poses[0].time, 0.1, 1e-6);
   for (int frame = 0; frame < 2; ++frame) {
@@ -188,8 +195,8 @@ TEST_F(NuScenesTables, SplitsNameTheScenes) {
   write(*layout_);
   readTables(R"(
 splits = json.loads((root / 'splits.json').read_text())
-assert splits == {'train': ['scene-9001'], 'scanmill_train': ['scene-9001'],
-                  'val': ['scene-9002'], 'scanmill_val': ['scene-9002']}
+assert splits == {'train': ['scene-0001'], 'scanmill_train': ['scene-0001'],
+                  'val': ['scene-0003'], 'scanmill_val': ['scene-0003']}
 )");
 }
 

@@ -45,7 +45,7 @@ TEST_F(NuScenesLayout, PointsComeBackThroughTheCalibration) {
     inWorld.push_back(plan_.manifest.samples[1].scans[0].worldFromSensor[0] * inSensor.back());
   }
   readTables("sensor = " + listOf(inSensor) + "\nworld = " + listOf(inWorld) + R"(
-data = table['sample_data'][1]
+data = lidar_data[1]
 points = points_of(data)
 assert len(points) == 308
 assert np.array_equal(points[:, 0], -sensor[:, 1].astype(np.float32))
@@ -74,11 +74,12 @@ TEST_F(NuScenesLayout, EveryLidarIsAChannel) {
     worlds += (sensor == 0 ? "world = {'LIDAR_TOP': " : "'LIDAR_REAR': ") + listOf(inWorld) + ", ";
   }
   readTables(worlds + "}" + R"(
-assert [row['channel'] for row in table['sensor']] == ['LIDAR_TOP', 'LIDAR_REAR']
-assert len(table['sample_data']) == 2 * len(table['sample']) == len(table['ego_pose']) == len(table['panoptic'])
+assert [row['channel'] for row in table['sensor'] if row['modality'] == 'lidar'] == ['LIDAR_TOP', 'LIDAR_REAR']
+assert len(lidar_data) == 2 * len(table['sample']) == len(table['ego_pose']) == len(table['panoptic'])
 for number, sample in enumerate(table['sample']):
-    assert set(sample['data']) == {'LIDAR_TOP', 'LIDAR_REAR'}
-    for channel, token in sample['data'].items():
+    lidars = {channel: token for channel, token in sample['data'].items() if channel.startswith('LIDAR')}
+    assert set(lidars) == {'LIDAR_TOP', 'LIDAR_REAR'}
+    for channel, token in lidars.items():
         data = get('sample_data', token)
         assert data['filename'].startswith('samples/%s/' % channel)
         points = points_of(data)
@@ -123,8 +124,8 @@ TEST_F(NuScenesLayout, MountsMayDifferFromSequenceToSequence) {
   write(*layout_);
   const Vec3d& at = plan_.manifest.samples[1].scans[0].worldFromSensor[0].translation;
   readTables("at = " + listOf({at}) + R"(
-assert len(table['calibrated_sensor']) == len(table['scene'])
-ego, calibration = ego_and_sensor(table['sample_data'][1])
+assert len(table['calibrated_sensor']) == 7 * len(table['scene'])
+ego, calibration = ego_and_sensor(lidar_data[1])
 assert np.allclose(calibration[:3, 3], [0, 0, 1.5])
 assert np.abs((ego @ calibration)[:3, 3] - at[0]).max() < 1e-9
 )");
@@ -174,7 +175,7 @@ TEST_F(NuScenesLayout, BoxesHoldTheirPointsAndNoOthers) {
       folder());
   const std::string printed = readTables(R"(
 boxes = 0
-for data in table['sample_data']:
+for data in lidar_data:
     points, label = points_of(data)[:, :3].astype(float), lidarseg_of(data)
     assert len(label) == len(points) == 308
     for a, middle, axes, half in boxes_of(data):
@@ -205,7 +206,7 @@ TEST_F(NuScenesLayout, PanopticLabelsAreClassAndInstance) {
     }
   }
   readTables(R"(
-for data in table['sample_data']:
+for data in lidar_data:
     points, label, panoptic = points_of(data), lidarseg_of(data), panoptic_of(data)
     assert panoptic.dtype == np.uint16
     assert len(points) == len(label) == len(panoptic) == 360 - 4   # the misses are left out
@@ -311,7 +312,7 @@ TEST_F(NuScenesLayout, WritesLabelsThatThereAre) {
       plan_, [&](std::size_t s, std::size_t f) { return objects(s, f); }, folder());
   readTables(R"(
 assert 'lidarseg' not in names and 'panoptic' not in names
-points = points_of(table['sample_data'][0])
+points = points_of(lidar_data[0])
 assert len(points) == 308 and (points[:, 3:] == 0).all() and (points[:, :2] != 0).any()
 )");
 }
@@ -343,7 +344,7 @@ TEST_F(NuScenesLayout, RowsOfOrganisedScansAreRings) {
 TEST_F(NuScenesLayout, TheSameDatasetGivesTheSameBytes) {
   write(*layout_);
   const std::map<std::string, std::string> once = written();
-  EXPECT_EQ(once.size(), 4u * 3 + 15 + 1 + 1);  // files of frames, tables, splits and the map
+  EXPECT_EQ(once.size(), 4u * 3 + 15 + 1 + 1 + 6);  // files of frames, tables, splits, the map, black images
   write(*makeNuScenes());
   EXPECT_EQ(written(), once);
 }

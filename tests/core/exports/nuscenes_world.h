@@ -22,6 +22,7 @@ def get(name, token):
 for name in ('lidarseg', 'panoptic'):
     if name in table:
         assert len(list((folder / name / 'v1.0-trainval').iterdir())) == len(table[name])
+lidar_data = [d for d in table['sample_data'] if d['fileformat'] == 'pcd']   # the others are black pictures
 for a in table['sample_annotation']:
     a['category_name'] = get('category', get('instance', a['instance_token'])['category_token'])['name']
 for s in table['sample']:

@@ -148,6 +148,74 @@ TEST_F(BeamPatterns, ARosetteDoesNotRepeat) {
   EXPECT_EQ(beamsAt(flash, 3).get(), flash.get());
 }
 
+// One prism draws a circle; lasers above each other draw it at their heights, one after the other; all that the
+// manifest stores gives the same beams again.
+TEST_F(BeamPatterns, LasersOfARosetteAreRings) {
+  const auto beams = sensor(
+      "columns: 100, rate_hz: 10, range_m: [0, 9], firing_time_us: [0, 500], rosette: {deflection_deg: [5], turns_hz: "
+      "[20], laser_elevation_deg: [0, 3]}");
+  ASSERT_EQ(beams->rings, 2u);
+  for (std::uint32_t column = 0; column < 100; ++column) {
+    const Vec3d one = beams->direction[column];
+    EXPECT_NEAR(degrees(std::acos(one.x)), 5, 1e-9);
+    EXPECT_NEAR(beams->time[100 + column] - beams->time[column], 500e-6, 1e-8);
+    const double turn = 2 * kPi * 20 * double{beams->columnTime(column) + 500e-6};
+    const double left = radians(5) * std::cos(turn);
+    const double up = radians(5) * std::sin(turn) + radians(3);
+    EXPECT_NEAR(std::acos(beams->direction[100 + column].x), std::hypot(left, up), 1e-9);
+  }
+}
+
+// A mirror of 45 deg turns an upward beam level; whatever it does, angles between beams of one firing stay the same.
+TEST_F(BeamPatterns, AMirrorReflectsTheBeams) {
+  const std::string rest = "columns: 360, rate_hz: 10, range_m: [0, 9], rosette: {turns_hz: [-37], deflection_deg: [";
+  const auto level = sensor(rest + "0], mirror: {tilt_deg: 45, turns_hz: 10, phase_deg: 0}}");
+  for (std::uint32_t c = 0; c < 360; ++c) {
+    EXPECT_NEAR(level->direction[c].z, 0, 1e-12);
+    EXPECT_NEAR(std::remainder(std::atan2(level->direction[c].y, level->direction[c].x) - radians(c), 2 * kPi), 0,
+                1e-9);
+  }
+  const std::string lasers = "20], laser_azimuth_deg: [-4, 5]";
+  const auto plain = sensor(rest + lasers + "}");
+  const auto mirrored = sensor(rest + lasers + ", mirror: {tilt_deg: 60, turns_hz: 181, phase_deg: 11}}");
+  for (std::uint32_t c = 0; c < 360; ++c) {
+    EXPECT_NEAR(dot(plain->direction[c], plain->direction[360 + c]),
+                dot(mirrored->direction[c], mirrored->direction[360 + c]), 1e-12);
+    EXPECT_NEAR(length(mirrored->direction[c]), 1, 1e-12);
+  }
+}
+
+TEST_F(BeamPatterns, ARasterScansZonesLineByLine) {
+  const std::string zones = "zones_deg: [20, -20], width_deg: 30, top_deg: 6, bottom_deg: -6, lines: 4, line_us: 9000";
+  const std::string rest = "columns: 12, rate_hz: 10, range_m: [0, 9], ";
+  const auto beams = sensor(rest + "raster: {" + zones + ", alternate: true}");
+  ASSERT_EQ(beams->rings, 2u);
+  const double azimuths[] = {35, 20, 5, 5, 20, 35};
+  for (std::uint32_t c = 0; c < 12; ++c) {
+    const Vec3d& d = beams->direction[c];
+    EXPECT_NEAR(degrees(std::atan2(d.y, d.x)), azimuths[c % 6], 1e-9);
+    EXPECT_NEAR(degrees(std::asin(d.z)), 6 - 4.0 * (c / 3), 1e-9);
+    EXPECT_NEAR(beams->columnTime(c), 0.025 * (c / 3) + 0.0045 * (c % 3), 1e-9);
+  }
+  EXPECT_THAT(refusal("columns: 13, rate_hz: 10, range_m: [0, 9], raster: {" + zones + "}"),
+              HasSubstr("multiple of the 4 lines"));
+  EXPECT_THAT(refusal(rest + "firing_time_us: [0, 1], raster: {" + zones + "}"),
+              HasSubstr("firing_time_us has no effect"));
+}
+
+// The time of a sweep is that of its columns, whatever the rate of scans.
+TEST_F(BeamPatterns, APartialFieldMayBeSweptInAStatedTime) {
+  const std::string rest =
+      "columns: 101, rate_hz: 10, range_m: [0, 9], elevation_deg: [0, -1], ring_order: unordered, "
+      "firing_time_us: [0, 100], turns_while_firing: true, ";
+  const auto beams = sensor(rest + "field_deg: 100, sweep_ms: 50");
+  EXPECT_NEAR(beams->columnTime(100), 0.05, 1e-12);
+  // 100 deg in 50 ms: the head turns by 0.2 deg until the second laser fires.
+  EXPECT_NEAR(degrees(beams->azimuthOffset[1]), 0.2, 1e-9);
+  EXPECT_THAT(refusal(rest + "sweep_ms: 50"), HasSubstr("full circle"));
+  EXPECT_THAT(refusal(rest + "field_deg: 100, sweep_ms: 101"), HasSubstr("sweep_ms"));
+}
+
 TEST_F(BeamPatterns, ShotsOfARosetteAreThoseOfTheirTime) {
   const auto table = sensor(kRosette);
   const Trajectory stands = readTrajectory(parseYaml("{poses: [{}, {}, {}], every_s: 0.25}", "t.yaml"), "t", 0.1);
@@ -155,8 +223,15 @@ TEST_F(BeamPatterns, ShotsOfARosetteAreThoseOfTheirTime) {
     const Shot shot = makeShot(table, stands, frame, {}, {});
     EXPECT_EQ(shot.beams->direction, beamsAt(table, 0.25 * frame)->direction);
   }
-  EXPECT_THAT(refusal("columns: 9, rate_hz: 10, range_m: [0, 9], rosette: {field_deg: 30, turns_hz: [3]}"),
-              HasSubstr("must be two"));
+  const auto refused = [&](const std::string& rosette) {
+    return refusal("columns: 9, rate_hz: 10, range_m: [0, 9], rosette: {" + rosette + "}");
+  };
+  EXPECT_THAT(refused("field_deg: 30, turns_hz: []"), HasSubstr("must be one to four"));
+  EXPECT_THAT(refused("field_deg: 30, deflection_deg: [15], turns_hz: [3]"), HasSubstr("either field_deg or"));
+  EXPECT_THAT(refused("deflection_deg: [15], turns_hz: [3, 4]"), HasSubstr("must be 2 numbers"));
+  EXPECT_THAT(refused("field_deg: 9, turns_hz: [3], laser_azimuth_deg: [1, 2], laser_elevation_deg: [1]"),
+              HasSubstr("2 angles"));
+  EXPECT_THAT(refused("field_deg: 9, turns_hz: [3], mirror: {turns_hz: 3}"), HasSubstr("tilt_deg"));
   EXPECT_THAT(
       refusal("columns: 9, rate_hz: 10, range_m: [0, 9], elevation_deg: [1], rosette: {field_deg: 30, turns_hz: "
               "[3, 4]}"),

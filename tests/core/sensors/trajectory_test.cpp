@@ -326,7 +326,7 @@ TEST(TrajectoryWay, RefusesKeysOfOtherWays) {
   EXPECT_THAT(refusal("{path: curve, " + line + "}"), HasSubstr("may not be"));
   EXPECT_THAT(refusal("{rounding: 1, " + line + "}"), HasSubstr("rounding is for `path: line`"));
   EXPECT_THAT(refusal("{path: line, along: lane, speed: 3}"), HasSubstr("path is for waypoints"));
-  EXPECT_THAT(refusal("{keep: left, " + line + "}"), HasSubstr("keep is for random drives"));
+  EXPECT_THAT(refusal("{keep: left, " + line + "}"), HasSubstr("keep is for drives that have `on`"));
   EXPECT_THAT(refusal("{drives: 2, " + line + "}"), HasSubstr("drives is for random drives"));
   EXPECT_THAT(refusal("{path: line, poses: [{}]}"),
               HasSubstr("path is for paths that are driven: the vehicle stands still"));

@@ -9,8 +9,10 @@
 #include <set>
 #include <utility>
 
+#include "base/append_new.h"
 #include "base/grouped.h"
 #include "base/short_text.h"
+#include "pipeline/read/drawn_sensors.h"
 #include "scenefile/concepts.h"
 #include "sensors/trajectory.h"
 
@@ -266,9 +268,26 @@ std::vector<std::string> driveWarnings(const Pipeline& pipeline) {
   return lines;
 }
 
-std::vector<std::string> sensorWarnings(const Pipeline& pipeline) {
+std::vector<std::string> sensorWarnings(const Plan& plan) {
+  const Pipeline& pipeline = plan.pipeline;
   std::vector<std::string> lines;
-  for (const MountedSensor& sensor : pipeline.sensors) {
+  for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
+    const MountedSensor& sensor = pipeline.sensors[s];
+    const auto tellAssumed = [&](const Effects& effects) {
+      for (const ChosenEffect& effect : effects) {
+        const std::string assumed = effect->assumed(*plan.sensors[s].beams);
+        if (assumed.empty()) continue;
+        appendNew(
+            {fmt::format("effect {}: the file of the sensor '{}' does not give {}: this value is assumed; add the "
+                         "data sheet's to the sensor",
+                         effect.entry->name, sensor.name, assumed)},
+            lines);
+      }
+    };
+    tellAssumed(*sensor.effects);
+    if (pipeline.drawn != nullptr) {
+      for (const SensorDraw& one : pipeline.drawn->cases()) tellAssumed(*one.effects[s]);
+    }
     if (!sensor.standIn) continue;
     lines.push_back(fmt::format(
         "`effects: sensor`: the file of the sensor '{}' has no effects, so that its ranges are exact beside those of "

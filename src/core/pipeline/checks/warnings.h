@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/read/pipeline.h"
+#include "pipeline/plan/plan.h"
 #include "scene/scene.h"
 #include "scene/thing_boxes.h"
 
@@ -46,8 +46,9 @@ std::vector<std::string> seedWarnings(const Pipeline& pipeline, const Sequence& 
 // Warns of drives with `along: turns` that do not turn, and of recorded drives that are implausible.
 std::vector<std::string> driveWarnings(const Pipeline& pipeline);
 
-// Warns of sensors whose files have no effects, if the pipeline uses those of the files of other sensors.
-std::vector<std::string> sensorWarnings(const Pipeline& pipeline);
+// Warns of sensors whose files have no effects, if the pipeline uses those of the files of other sensors, and of values
+// that effects assume because a sensor's file does not give them.
+std::vector<std::string> sensorWarnings(const Plan& plan);
 
 // Warns of sensors at least half of whose rays hit the ego vehicle. `blocked`: result of ShotSource::blockedShares().
 std::vector<std::string> vehicleWarnings(const Pipeline& pipeline, const std::vector<double>& blocked);

@@ -107,14 +107,11 @@ void checkObjects(const Pipeline& pipeline) {
         "a recording does not have the geometry that no beam hit: leave `output.voxels` out, or trace the scene again");
   }
   for (std::size_t i = 0; i < kColumnCount; ++i) {
-    const std::string_view name = kColumns[i].name;
-    if (!pipeline.output.layout.columns.has(i) || !(name.starts_with("velocity_") || name.starts_with("flow_")))
-      continue;
-    throw InputError(
-        {pipeline.file.string()},
-        fmt::format(
-            "a recording does not have the motions of objects: leave the column {} out, or trace the scene again",
-            name));
+    if (!pipeline.output.layout.columns.has(i) || !tellsMotion(kColumns[i])) continue;
+    throw InputError({pipeline.file.string()},
+                     fmt::format("a recording does not have the motions of objects and of the sensor: leave the column "
+                                 "{} out, or trace the scene again",
+                                 kColumns[i].name));
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <map>
 #include <memory>
 #include <utility>
 
@@ -58,6 +59,16 @@ DrawnSensors::DrawnSensors(Written written, const Pipeline& pipeline)
                      "`per: frame`: the mount of a sensor is fixed during a sequence: leave `per` out, for a random "
                      "mount in each sequence");
   });
+  std::map<std::string, PlaceInSplit> splits;
+  for (const Sequence& s : pipeline.sequences) {
+    PlaceInSplit& split = splits[s.split];
+    places_.push_back({s.split, split.sequence++, 0, split.frame, 0});
+    split.frame += s.frames;
+  }
+  for (PlaceInSplit& place : places_) {
+    place.sequences = splits[place.split].sequence;
+    place.frames = splits[place.split].frame;
+  }
   for (std::size_t number = 0; number < cases; ++number) {
     cases_.push_back(made(pipeline, [&](const Value& value, const std::string& /*key*/,
                                         std::vector<DrawnValue>& /*draws*/) { return withCase(value, number); }));
@@ -115,8 +126,10 @@ SensorDraw DrawnSensors::made(const Pipeline& pipeline, const Change& change) co
 
 SensorDraw DrawnSensors::draw(const Pipeline& pipeline, std::size_t sequence, std::uint32_t frame) const {
   const RandomAddress address{.seed = pipeline.seed, .scene = static_cast<std::uint32_t>(sequence), .frame = frame};
+  PlaceInSplit place = places_.at(sequence);
+  place.frame += frame;
   return made(pipeline, [&](const Value& value, const std::string& key, std::vector<DrawnValue>& draws) {
-    return withDraws(value, key, address, draws);
+    return withDraws(value, key, address, draws, place);
   });
 }
 

@@ -246,6 +246,27 @@ void checkRays(const Pipeline& pipeline, std::uint64_t frames, double perFrame, 
                   atLeast, frames, perFrame, unit, rays, pipeline.maxRays, rays / 20e6 / 3600));
 }
 
+std::map<std::string, std::string> readAbout(const Value* value) {
+  std::map<std::string, std::string> about;
+  if (value == nullptr) return about;
+  Fields fields(*value, "about");
+  fields.also({"description", "license", "creator", "url", "citation"}).finish();
+  for (const Value::Entry& entry : value->entries) {
+    if (fields.has(entry.key)) about.emplace(entry.key, fields.text(entry.key));
+  }
+  return about;
+}
+
+// Sets the splits of the sequences by the pipeline's key `splits`; null: it has none.
+void assignSplits(const Value* splitting, Pipeline& pipeline) {
+  std::vector<SequenceName> names;
+  for (const Sequence& s : pipeline.sequences) names.push_back({s.scene, s.sceneSeed, s.trajectoryName});
+  const std::vector<std::string> splits = assignSplits(splitting, names, pipeline.seed);
+  const Value* by = splitting == nullptr ? nullptr : splitting->find("by");
+  pipeline.splitsBySeed = splitting != nullptr && (by == nullptr || by->text == "seed");
+  for (std::size_t i = 0; i < splits.size(); ++i) pipeline.sequences[i].split = splits[i];
+}
+
 Pipeline pipelineOf(Value read, std::string text, const std::filesystem::path& file,
                     std::shared_ptr<const Recording> recording) {
   Pipeline pipeline;
@@ -258,11 +279,12 @@ Pipeline pipelineOf(Value read, std::string text, const std::filesystem::path& f
   Fields fields(root, "pipeline");
   fields
       .also({"name", "seed", "labels", "wavelength_nm", "scenes", "trajectories", "sensors", "vehicle", "motion",
-             "method", "effects", "corruption", "splits", "output", "limits", "tradeoff", "repeatability"})
+             "method", "effects", "corruption", "splits", "output", "limits", "tradeoff", "repeatability", "about"})
       .finish();
   pipeline.name = fields.text("name", file.stem().string());
   pipeline.seed = static_cast<std::uint64_t>(fields.integer("seed", 0, std::int64_t{1} << 62, 1));
   pipeline.ontology = fields.optionalResource("labels", "labels").value_or("");
+  pipeline.about = readAbout(fields.find("about"));
   readVehicle(fields, pipeline);
   pipeline.wavelengthNm = std::stoi(fields.choice("wavelength_nm", {"850", "905", "1064"}, "905"));
   DrawnSensors::Written written;
@@ -296,15 +318,9 @@ Pipeline pipelineOf(Value read, std::string text, const std::filesystem::path& f
   }
   written.effects = writtenEffects(root);
   readEffects(written.effects, pipeline);
-  if (DrawnSensors::draws(written)) pipeline.drawn = std::make_shared<const DrawnSensors>(std::move(written), pipeline);
   pipeline.output = readOutput(fields.require("output"));
-  std::vector<SequenceName> names;
-  for (const Sequence& s : pipeline.sequences) names.push_back({s.scene, s.sceneSeed, s.trajectoryName});
-  const Value* splitting = fields.find("splits");
-  const std::vector<std::string> splits = assignSplits(splitting, names, pipeline.seed);
-  const Value* by = splitting == nullptr ? nullptr : splitting->find("by");
-  pipeline.splitsBySeed = splitting != nullptr && (by == nullptr || by->text == "seed");
-  for (std::size_t i = 0; i < splits.size(); ++i) pipeline.sequences[i].split = splits[i];
+  assignSplits(fields.find("splits"), pipeline);
+  if (DrawnSensors::draws(written)) pipeline.drawn = std::make_shared<const DrawnSensors>(std::move(written), pipeline);
   if (limited != nullptr) Fields(*limited, "limits").also({"max_rays"}).finish();
   const std::uint64_t rays = pipeline.raysPerFrame();
   checkRays(pipeline, pipeline.frames(), static_cast<double>(rays),

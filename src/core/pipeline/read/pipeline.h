@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -70,6 +71,7 @@ class DrawnSensors;
 // A pipeline as it was read. Copies are cheap, since they share their constant parts.
 struct Pipeline {
   std::string name;
+  std::map<std::string, std::string> about;  // what it says of the dataset: see Manifest::about
   std::filesystem::path file;
   std::string text;  // the file's text, with the overrides appended as comments
   Value root;        // the parsed text; studies read their keys from it

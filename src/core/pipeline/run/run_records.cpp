@@ -62,6 +62,7 @@ Manifest startManifest(const ShotSource& source, const DatasetPlan& planned) {
   Manifest manifest;
   manifest.programVersion = kVersion;
   manifest.name = pipeline.name;
+  manifest.about = pipeline.about;
   manifest.pipelineText = pipeline.text;
   manifest.pipelineSha256 = sha256(pipeline.text);
   manifest.planSha256 = planned.hash;

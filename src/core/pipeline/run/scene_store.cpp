@@ -142,7 +142,7 @@ void SceneStore::load(std::size_t sequence, Slot& slot) {
          {damageWarnings(ready.scene), sizeWarnings(ready.scene), thingSizeWarnings(ready.scene),
           ruleWarnings(ready.scene), unlabeledWarnings(ready.scene), seedWarnings(pipeline, own, ready.scene),
           withoutWarnings(ready.scene), vehicleWarnings(pipeline, source_.blockedShares()), driveWarnings(pipeline),
-          sensorWarnings(pipeline)}) {
+          sensorWarnings(plan_)}) {
       appendNew(more, lines);
     }
     if (ready.objects != nullptr) appendNew(headingWarnings(ready.scene, ready.objects->boxes()), lines);

@@ -289,11 +289,11 @@ class Search {
     s.place.z = *height;
     const double left = surface_.toEdge(s, 1);
     const double right = surface_.toEdge(s, -1);
-    const bool lefty = random_.keep == RandomWay::Side::Left;
+    const bool lefty = random_.keep == RoadSide::Left;
     const double own = lefty ? left : right;
     if (left >= kOpen && right >= kOpen) return 8 * kTightest * std::fabs(curvature - wished);
     const double middle = (left + right) / 2;
-    const double wanted = random_.keep == RandomWay::Side::Middle ? middle : std::min(kFromEdge, middle);
+    const double wanted = random_.keep == RoadSide::Middle ? middle : std::min(kFromEdge, middle);
     const double off = std::fabs(own - wanted);
     const double turns = own >= kOpen ? 4 * kTightest * std::fabs(curvature - wished) : 0;
     return (off < kMost ? off * off : kMost * (2 * off - kMost)) + turns;

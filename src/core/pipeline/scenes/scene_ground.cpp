@@ -13,14 +13,6 @@ constexpr Vec3d kDown{0, 0, -1};
 
 }  // namespace
 
-std::vector<std::uint16_t> classIds(const Ontology& ontology, const std::vector<std::string>& names,
-                                    const Location& where) {
-  std::vector<std::uint16_t> ids;
-  ids.reserve(names.size());
-  for (const std::string& name : names) ids.push_back(ontology.require(name, where).id);
-  return ids;
-}
-
 SceneGround::SceneGround(const SceneProbe& probe, std::vector<std::uint16_t> classes)
     : probe_(probe), classes_(std::move(classes)), bounds_(probe.bounds()) {}
 

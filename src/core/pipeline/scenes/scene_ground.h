@@ -9,10 +9,6 @@
 
 namespace scanmill {
 
-// Returns the ids of the classes with these names. Throws InputError at `where` if the ontology does not have a name.
-std::vector<std::uint16_t> classIds(const Ontology& ontology, const std::vector<std::string>& names,
-                                    const Location& where);
-
 // The surfaces of a scene that count as ground: those of the given classes, no steeper than 60 degrees. If no class is
 // given, surfaces of all classes count except those of object instances such as cars.
 class SceneGround : public Ground {

@@ -6,11 +6,13 @@
 #include <optional>
 #include <utility>
 
+#include "base/path.h"
 #include "pipeline/scenes/drawn_settings.h"
 #include "pipeline/scenes/own_vehicle.h"
 #include "pipeline/scenes/random_way.h"
 #include "pipeline/scenes/recorded_method.h"
 #include "pipeline/scenes/scene_ground.h"
+#include "scene/surface_heights.h"
 #include "scene/without.h"
 #include "scenefile/scene_file.h"
 
@@ -23,13 +25,29 @@ bool needsScene(const Trajectory& trajectory) {
   return trajectory.randomWay() != nullptr || trajectory.ground() != nullptr;
 }
 
+// Returns the points of a drive from one point to another. Throws InputError if they are too near for all frames.
+std::vector<Vec3d> wayOfTrip(const Scene& scene, const RandomWay& drive) {
+  SurfaceHeights heights(scene);
+  heights.update();
+  std::vector<Vec3d> way = findRoadPath(heights, scene.ontology, *drive.trip);
+  const double length = Path(way).length();
+  if (length >= drive.length) return way;
+  const double missing = std::ceil((drive.length - length) / drive.perFrame);
+  throw InputError(
+      drive.trip->where,
+      fmt::format("the path from `from` to `to` is {:.1f} m long, but {:.1f} m are needed: take {:.0f} frames "
+                  "less, or a lower speed",
+                  length, drive.length, missing));
+}
+
 // Returns the trajectory with its random path, if the trajectory has one, and with its poses moved onto the ground, if
 // it asks for that. The path and the ground are found in the scene of `probe`. `seed`: determines the random path.
 // Throws InputError if the scene has no suitable path or ground.
 Trajectory inScene(const Trajectory& trajectory, const SceneProbe& probe, std::uint64_t seed) {
   Trajectory driven = trajectory;
   if (const RandomWay* random = trajectory.randomWay()) {
-    driven = driven.along(findRandomWay(probe, *random, seed, trajectory.name()));
+    driven = driven.along(random->trip ? wayOfTrip(probe.scene(), *random)
+                                       : findRandomWay(probe, *random, seed, trajectory.name()));
   }
   if (const GroundOptions* ground = trajectory.ground()) {
     driven = driven.onGround(SceneGround(probe, classIds(probe.scene().ontology, ground->classes, ground->where)));

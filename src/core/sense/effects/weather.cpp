@@ -13,11 +13,11 @@
 //
 //   integral of A(r) N(D > D_least(r)) dr,    D_least^2 = least A(r) (r / 10 m)^2 exp(2 extinction r) / dropEcho
 //
-// from the sensor to the surface. A(r) is the area that the beam illuminates (beamArea() in sensors/footprint.h), N the
-// number of drops per volume, and `least` the power, in units of a white target at 10 m, below which drops are ignored.
-// Ranges are sampled from the integrand, and diameters from the size distribution above D_least: the result has exactly
-// the distribution that sampling all drops in the beam would give. The area is treated as evenly lit, and each drop as
-// completely inside or outside.
+// from the sensor to the surface. A(r) is the area that the beam illuminates (beamArea() in sensors/footprint.h; of a
+// sensor whose file gives no width, that of a beam of 3 mrad), N the number of drops per volume, and `least` the power,
+// in units of a white target at 10 m, below which drops are ignored. Ranges are sampled from the integrand, and
+// diameters from the size distribution above D_least: the result has exactly the distribution that sampling all drops
+// in the beam would give. The area is treated as evenly lit, and each drop as completely inside or outside.
 //
 // Fog and dust are dense. A beam is divided into intervals of a pulse length. The echo of an interval is pi backscatter
 // length exp(-2 extinction r), in units of a white target at the same range, times a random number with the exponential
@@ -54,6 +54,19 @@ constexpr std::size_t kMostOfBeam = 8;      // largest number of a beam's drops 
 constexpr std::size_t kMostStretches = 32;  // largest number of intervals of a beam, two per random block
 constexpr double kLeastUp = 0.5;            // least cosine of the angle between a wet surface's normal and the vertical
 constexpr double kPuddle = 1.2;             // m, size of the patches of standing water
+
+// What is assumed of sensors whose files give no width of the beam or no pulse: in the middle of what data sheets of
+// spinning sensors state (VLS-128: 3.0 x 1.5 mrad; HDL-64E: 2 mrad; OS1: 5.3 mrad to 1/e^2; pulses of 5 to 6 ns).
+constexpr double kUsualDivergence = 3e-3;  // rad, full angle of a Gaussian beam to 1/e^2 of its power
+constexpr double kUsualPulse = 5e-9;       // s
+
+// Returns the area (m^2) that a beam illuminates at a range (m).
+double litArea(const BeamTable& beams, double range) {
+  const double own = beamArea(beams, range);
+  if (own > 0) return own;
+  const double width = kUsualDivergence * range;
+  return kPi / 8 * width * width;
+}
 
 struct WeatherOptions {
   Weather weather;
@@ -93,7 +106,7 @@ class DropTable {
   // Returns the diameter (mm) of the smallest drop that is bright enough at a range (m).
   double leastDiameter(double range) const {
     const double way = std::max(range, kNearRange) / kReferenceRange;
-    const double area = beamArea(beams_, range);
+    const double area = litArea(beams_, range);
     return std::sqrt(o_.least * area * way * way * exponential(2 * o_.weather.extinction * range) /
                      o_.weather.dropEcho);
   }
@@ -101,7 +114,7 @@ class DropTable {
  private:
   static constexpr std::size_t kSteps = 4096;
 
-  double density(double range) const { return beamArea(beams_, range) * o_.weather.drops.above(leastDiameter(range)); }
+  double density(double range) const { return litArea(beams_, range) * o_.weather.drops.above(leastDiameter(range)); }
 
   const WeatherOptions& o_;
   const BeamTable& beams_;
@@ -132,7 +145,7 @@ struct Particle {
 
 class WeatherEffect : public Effect {
  public:
-  WeatherEffect(const WeatherOptions& options, Location where) : o_(options), where_(std::move(where)) {}
+  explicit WeatherEffect(const WeatherOptions& options) : o_(options) {}
 
   Channels reads() const override {
     const Channels hits = Channel::Range;
@@ -143,11 +156,13 @@ class WeatherEffect : public Effect {
     return std::min(before + static_cast<std::uint32_t>(kMostOfBeam), kMostReturns);
   }
 
-  void check(const BeamTable& beams) const override {
-    if (beamArea(beams, 1) > 0 && beams.pulse > 0) return;
-    throw InputError(where_,
-                     "effect weather: returns of drops depend on the beam's width and the pulse's length: add "
-                     "`divergence_mrad: 3` and `pulse_ns: 5`, with the data sheet's values, to the sensor");
+  std::string assumed(const BeamTable& beams) const override {
+    std::string lacks;
+    if (beamArea(beams, 1) == 0) lacks = fmt::format("`divergence_mrad: {:g}`", kUsualDivergence * 1e3);
+    if (beams.pulse == 0) {
+      lacks += fmt::format("{}`pulse_ns: {:g}`", lacks.empty() ? "" : " and ", kUsualPulse * 1e9);
+    }
+    return lacks;
   }
 
   void apply(const Hits& hits, const Shot& shot, std::span<const Material>, Returns& returns) const override {
@@ -225,7 +240,7 @@ class WeatherEffect : public Effect {
         const RandomBlock words = draw(shot, beam, n, Purpose::Weather);
         const double range = table.rangeOf(expected * uniform(words[0]));
         const double diameter = table.leastDiameter(range) - naturalLog(uniform(words[1])) / o_.weather.drops.slope;
-        const double area = beamArea(beams, range);
+        const double area = litArea(beams, range);
         drops.push_back(particleAt(range, std::min(1.0, o_.weather.dropEcho * diameter * diameter / area)));
       }
       add(beam, drops, hits, returns);
@@ -234,7 +249,7 @@ class WeatherEffect : public Effect {
 
   void addMist(const Hits& hits, const Shot& shot, const std::vector<float>& open, Returns& returns) const {
     const BeamTable& beams = *shot.beams;
-    const double whole = pulseLength(beams.pulse);
+    const double whole = pulseLength(beams.pulse > 0 ? beams.pulse : kUsualPulse);
     std::array<double, kMostStretches> mean;
     std::vector<Particle> stretches;
     for (std::size_t k = 0; k < kMostStretches; ++k) {
@@ -280,7 +295,6 @@ class WeatherEffect : public Effect {
   }
 
   WeatherOptions o_;
-  Location where_;
 };
 
 // `amount`: the rate (mm/h of water) or the visibility (m). `wet`: fraction of the ground under standing water.
@@ -335,7 +349,7 @@ std::unique_ptr<Effect> makeWeather(Fields& options) {
   o.least = options.number("least", {1e-6, 1}, 0.001);
   o.label = static_cast<std::uint16_t>(options.integer("label", 0, 65535, 0));
   options.finish();
-  return std::make_unique<WeatherEffect>(o, options.where());
+  return std::make_unique<WeatherEffect>(o);
 }
 
 }  // namespace scanmill

@@ -122,11 +122,25 @@ TEST_F(SensorEffectsOf, AreLeftOutForASensorWithoutAny) {
   EXPECT_THAT(names(lit, 1), ElementsAre("intensity"));
   const Pipeline scaled = pipeline("effects: sensor\n", "effects: [intensity: {output: u8}]\n", "");
   EXPECT_EQ(intensityFullScale(*scaled.sensors[1].effects), 255);
-  EXPECT_THAT(sensorWarnings(lit), ElementsAre(AllOf(HasSubstr("'b' has no effects"), HasSubstr("fit-noise"))));
+  EXPECT_THAT(sensorWarnings(makePlan(lit)),
+              ElementsAre(AllOf(HasSubstr("'b' has no effects"), HasSubstr("fit-noise"))));
   EXPECT_THAT(modelled(makePlan(lit), {}), Contains(HasSubstr("effects of the sensor's file of 'b': left out")));
   const char* random = "effects: [sensor, dropout: {probability: {uniform: [0, 1], per: frame}}]\n";
   EXPECT_NE(pipeline(random, "effects: [intensity]\n", "").drawn, nullptr);
-  EXPECT_THAT(sensorWarnings(pipeline("effects: [intensity]\n", "effects: [intensity]\n", "")), testing::IsEmpty());
+  EXPECT_THAT(sensorWarnings(makePlan(pipeline("effects: [intensity]\n", "effects: [intensity]\n", ""))),
+              testing::IsEmpty());
+}
+
+// Rain and fog need the width of the beam and the pulse; usual values stand for those that a sensor's file lacks.
+TEST_F(SensorEffectsOf, ValuesThatWeatherAssumesAreReported) {
+  const std::string lit = "effects: [intensity]\n";
+  for (const char* weather : {"{kind: rain}", "{kind: fog, visibility_m: {uniform: [50, 90], per: frame}}"}) {
+    const Plan plan =
+        makePlan(pipeline(fmt::format("effects: [sensor, weather: {}]\n", weather), lit, "divergence_mrad: 2\n" + lit));
+    EXPECT_THAT(sensorWarnings(plan),
+                ElementsAre(AllOf(HasSubstr("'a'"), HasSubstr("`divergence_mrad: 3` and `pulse_ns: 5`")),
+                            AllOf(HasSubstr("'b'"), HasSubstr("does not give `pulse_ns: 5`"))));
+  }
 }
 
 TEST_F(SensorEffectsOf, ChannelsAreThoseOfAllSensors) {

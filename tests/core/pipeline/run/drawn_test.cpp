@@ -90,6 +90,33 @@ TEST_F(Drawn, EffectsMayBeDrawn) {
   EXPECT_EQ(counts.size(), 3U);
 }
 
+// Each split has rain and dry weather, however few sequences it has, and as many frames of a value as its share.
+TEST_F(Drawn, SplitsShareStratifiedValuesEvenly) {
+  const Manifest m =
+      sound({"scenes.0.seeds=[1, ..., 16]", "splits={by: seed, train: 0.5, val: 0.25, test: 0.25}",
+             "effects=[{choice: [none, {dropout: {probability: 0.1}}], stratify: split}, {range_noise: {sigma_m: "
+             "{choice: [0.01, 0.02, 0.03, 0.04], per: frame, stratify: split}}}]"});
+  std::map<std::pair<std::string, std::string>, int> counts;
+  std::map<std::string, int> frames;
+  for (const SampleRecord& sample : m.samples) {
+    ++frames[sample.split];
+    for (const DrawnValue& draw : sample.draws) ++counts[{sample.split, draw.value}];
+  }
+  EXPECT_EQ(frames.size(), 3U);
+  EXPECT_EQ(counts.size(), 18U);
+  for (const auto& [which, count] : counts) {
+    const int of = which.second.starts_with("0.0") ? 4 : 2;
+    EXPECT_EQ(count, frames[which.first] / of) << which.first << " " << which.second;
+  }
+  EXPECT_THAT(messageOf([&] {
+                folder_.write("scenes/yard.yaml", yardScene() +
+                                                      "  - {name: more, primitive: box, size: [1, 1, {uniform: "
+                                                      "[1, 2], stratify: split}], class: car}\n");
+                run({}, "refused");
+              }),
+              AllOf(HasSubstr("yard.yaml:"), HasSubstr("a scene does not know the splits")));
+}
+
 // Recorded hits are sensed as traced ones are, but for the rays that a recording does not hold.
 TEST_F(Drawn, RecordedHitsHaveDrawnEffects) {
   const std::string lit = "effects=[intensity, {range_noise: {sigma_m: {uniform: [0.01, 0.2], per: frame}}}]";

@@ -4,6 +4,7 @@
 #include <set>
 #include <thread>
 
+#include "dataset/card.h"
 #include "dataset/dataset_folder.h"
 #include "formats/format.h"
 #include "pipeline/plan/shard_jobs.h"
@@ -82,6 +83,17 @@ TEST_F(GenerateTest, TheManifestTellsWhatWasMade) {
   EXPECT_EQ(m.sensors[1].name, "front");
   EXPECT_EQ(m.sensors[1].vehicleFromSensor.translation, (Vec3d{2, 0, 0.8}));
   EXPECT_EQ(m.formats.size(), 3u);
+}
+
+TEST_F(GenerateTest, ACardAndMetadataStandBesideTheManifest) {
+  const Manifest m = sound({"about={license: CC-BY-4.0, creator: Some Body, description: A yard}"});
+  EXPECT_EQ(m.about.size(), 3u);
+  EXPECT_EQ(readFile(out() / kCardName), cardText(m));
+  EXPECT_EQ(readFile(out() / kCroissantName), croissantJson(m));
+  EXPECT_THAT(readFile(out() / kCardName), testing::HasSubstr("A yard."));
+  run({}, "out", true);
+  EXPECT_THAT(readFile(out() / kCardName), testing::HasSubstr("License: not stated"));
+  EXPECT_THAT(messageOf([&] { run({"about={licence: MIT}"}, "no"); }), testing::HasSubstr("did you mean 'license'"));
 }
 
 TEST_F(GenerateTest, TheSummaryAddsUp) {

@@ -108,5 +108,31 @@ TEST_F(MotionTest, ListedPosesStandStill) {
   EXPECT_EQ(m.samples.size(), 2u);
 }
 
+// From one point to another on the yard's floor, around the cars: as many frames as are asked for, at its speed.
+TEST_F(MotionTest, DrivesFromOnePointToAnother) {
+  const auto trip = [](int frames) {
+    return fmt::format("trajectories=[{{name: trip, on: ground, from: [-22, 5], to: [24, 5], speed: 20, frames: {}}}]",
+                       frames);
+  };
+  const Manifest m = sound({trip(12)});
+  ASSERT_EQ(m.samples.size(), 12u);
+  std::vector<Vec3d> places;
+  for (const SampleRecord& sample : m.samples) {
+    places.push_back(sample.scans.at(0).worldFromSensor.front().translation);
+    const Vec3d& p = places.back();
+    EXPECT_NEAR(p.z, 1.8, 1e-6);
+    EXPECT_FALSE(std::fabs(p.x - 8) < 2.8 && std::fabs(p.y - 5) < 1.8) << "through the car";
+  }
+  EXPECT_LT(length(places.front() - Vec3d{-22, 5, 1.8}), 1.6);
+  for (std::size_t i = 1; i < places.size(); ++i) EXPECT_NEAR(length(places[i] - places[i - 1]), 2, 0.1) << i;
+  EXPECT_THAT(messageOf([&] { run({trip(40)}, "long"); }),
+              testing::AllOf(testing::HasSubstr("m long, but"), testing::HasSubstr("frames less")));
+  EXPECT_THAT(messageOf([&] { run({"trajectories=[{on: ground, to: [1, 2], speed: 2, frames: 2}]"}, "no"); }),
+              testing::HasSubstr("'from' is missing"));
+  EXPECT_THAT(
+      messageOf([&] { run({"trajectories=[{waypoints: [[0, 0, 0], [9, 0, 0]], to: [1, 2], speed: 2}]"}, "no"); }),
+      testing::HasSubstr("to is for drives that have `on`"));
+}
+
 }  // namespace
 }  // namespace scanmill

@@ -1,5 +1,7 @@
 // Objects of the scene move while the vehicle drives.
 
+#include <set>
+
 #include "tests/core/pipeline/small_world.h"
 
 namespace scanmill {
@@ -33,6 +35,7 @@ const std::string MovingRun::kColumns =
 constexpr ColumnKey<columnIndex("velocity_x")> kVelocityX;
 constexpr ColumnKey<columnIndex("velocity_y")> kVelocityY;
 constexpr ColumnKey<columnIndex("velocity_z")> kVelocityZ;
+constexpr ColumnKey<columnIndex("radial_velocity")> kRadialVelocity;
 
 TEST_F(MovingRun, PointsSayHowFastTheirThingMoves) {
   const Manifest m = sound({kColumns, "motion=per_column"});
@@ -60,6 +63,52 @@ TEST_F(MovingRun, VelocitiesTurnWithTheSensor) {
       ASSERT_NEAR(s[kVelocityY][i], -5, 1e-5);
     }
   }
+}
+
+// The rate at which the distance changes, whatever frame the points are given in: the car's velocity minus the
+// sensor's 20 m/s along x, along the beam.
+TEST_F(MovingRun, RadialVelocitiesAreRelativeToTheSensor) {
+  const std::string columns = "output.columns=[instance, ring, column, range_true, radial_velocity]";
+  std::vector<std::vector<float>> inEachFrame;
+  for (const char* motion : {"motion=per_column", "motion={steps: per_column, deskew: true}", "motion=none"}) {
+    sound({columns, motion}, motion);
+    std::vector<float>& all = inEachFrame.emplace_back();
+    std::set<std::uint32_t> met;
+    for (const Scan& s : scans(".pcd", motion)) {
+      for (std::size_t i = 0; i < s.size(); ++i) {
+        all.push_back(s[kRadialVelocity][i]);
+        met.insert(s[kInstance][i]);
+        if (std::string(motion).find("deskew") != std::string::npos) continue;
+        const Vec3d thing = s[kInstance][i] == 1 ? Vec3d{5, 0, 0} : s[kInstance][i] == 2 ? Vec3d{0, -3, 0} : Vec3d{};
+        const Vec3d along = normalized(Vec3d(s.position[i]));
+        ASSERT_NEAR(s[kRadialVelocity][i], dot(along, thing - Vec3d{20, 0, 0}), 1e-4) << motion << s[kInstance][i];
+      }
+    }
+    EXPECT_THAT(met, testing::IsSupersetOf({0u, 1u, 2u, 3u}));
+  }
+  EXPECT_EQ(inEachFrame[0], inEachFrame[1]);
+}
+
+// What stands still beside a sensor that stands still has none; the own vehicle neither, however fast it is.
+TEST_F(MovingRun, RadialVelocitiesOfWhatMovesWithTheSensorAreZero) {
+  const std::string columns = "output.columns=[instance, cause, radial_velocity]";
+  sound({columns, "scenes.0.moving=false", "trajectories=[{name: drive, poses: [{}]}]"}, "still");
+  for (const Scan& s : scans(".pcd", "still")) EXPECT_THAT(s[kRadialVelocity], testing::Each(0.0f));
+  folder_.write(
+      "scenes/hood.yaml",
+      fmt::format("ontology: {0}/labels/scanmill.yaml\nmaterials: {0}/labels/materials.yaml\nobjects: [{{name: "
+                  "hood, primitive: box, size: [3, 2, 1], class: car, material: car_paint, position: [2, 0, 0.8]}}]\n",
+                  SCANMILL_SOURCE_DIR));
+  sound({columns, "vehicle=scenes/hood.yaml"}, "hood");
+  std::size_t own = 0;
+  for (const Scan& s : scans(".pcd", "hood")) {
+    for (std::size_t i = 0; i < s.size(); ++i) {
+      if (s[kCause][i] != 5) continue;
+      ++own;
+      ASSERT_EQ(s[kRadialVelocity][i], 0);
+    }
+  }
+  EXPECT_GT(own, 10u);
 }
 
 TEST_F(MovingRun, MovingThingsHaveTheOntologysClassesForThem) {

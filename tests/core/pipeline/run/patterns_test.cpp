@@ -56,7 +56,16 @@ class Patterns : public Yard {
 constexpr const char* kPatterns[] = {
     "pattern: flash, columns: 24, first_azimuth_deg: -30, field_deg: 60, elevation_deg: {top: 10, bottom: -20, rings: "
     "12}",
-    "beams: beams.csv", "columns: 500, rosette: {field_deg: 40, turns_hz: [121.57, -77.73]}"};
+    "beams: beams.csv",
+    "columns: 500, rosette: {field_deg: 40, turns_hz: [121.57, -77.73]}",
+    "columns: 250, firing_time_us: [0, 90], rosette: {deflection_deg: [9, 1], turns_hz: [171, -30], laser_azimuth_deg: "
+    "[0, "
+    "2], mirror: {tilt_deg: 47, turns_hz: 181, phase_deg: 5}}",
+    "columns: 100, field_deg: 120, sweep_ms: 60, first_azimuth_deg: 60, direction: clockwise, elevation_deg: [5, 0, "
+    "-5], "
+    "firing_time_us: {step_us: 10}, turns_while_firing: true",
+    "columns: 120, raster: {zones_deg: [12, -12], width_deg: 24, top_deg: 5, bottom_deg: -9, lines: 10, line_us: "
+    "8000}"};
 
 TEST_F(Patterns, PointsLieOnTheManifestsBeams) {
   int number = 0;

@@ -84,8 +84,6 @@ TEST_F(ReasonsRun, WeatherAloneReportsTheStrongest) {
   EXPECT_EQ(plan.pipeline.mostReturns(), 1u);
   expectInputError([&] { makePlan(readPipeline(pipeline_, with("[weather: {kind: rain}]"))); },
                    {"weather", "intensity"});
-  EXPECT_THAT(messageOf([&] { makePlan(readPipeline(pipeline_, {"effects=[intensity, weather: {kind: rain}]"})); }),
-              HasSubstr("divergence_mrad"));
 }
 
 TEST_F(ReasonsRun, AForgedImageIsFound) {

@@ -15,7 +15,7 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
-using Side = RandomWay::Side;
+using Side = RoadSide;
 
 // How far a place is from the middle of the road: that of the square, outwards.
 double outwards(const Vec3d& p) {
@@ -25,7 +25,7 @@ double outwards(const Vec3d& p) {
 class RandomWays : public testing::Test {
  protected:
   Path way(double length, const std::string& name = "drive", Side keep = Side::Right, std::uint64_t seed = 1) const {
-    return Path(findRandomWay(probe_, {{"road"}, keep, length, {"trip.yaml", 3, 4}}, seed, name));
+    return Path(findRandomWay(probe_, {{"road"}, keep, length, 0, {"trip.yaml", 3, 4}}, seed, name));
   }
 
   TemporaryFolder folder_;
@@ -128,7 +128,7 @@ TEST_F(RandomWays, SayWhatIsTooShortOrNotThere) {
   const SceneProbe probe(dead);
   // Once around the square is 320 m; from one side of the wall to the other a little less.
   EXPECT_THAT(messageOf([&] {
-                findRandomWay(probe, {{"road"}, Side::Right, 500, {"trip.yaml", 3, 4}}, 1, "drive");
+                findRandomWay(probe, {{"road"}, Side::Right, 500, 0, {"trip.yaml", 3, 4}}, 1, "drive");
               }),
               AllOf(HasSubstr("trip.yaml:3:4"), HasSubstr("longest drive"), HasSubstr("500 m are needed")));
   EXPECT_THAT(messageOf([&] {
@@ -136,7 +136,7 @@ TEST_F(RandomWays, SayWhatIsTooShortOrNotThere) {
               }),
               HasSubstr("no surface of parking"));
   EXPECT_THAT(messageOf([&] {
-                findRandomWay(probe_, {{"raod"}, Side::Right, 5, {"trip.yaml", 3, 4}}, 1, "drive");
+                findRandomWay(probe_, {{"raod"}, Side::Right, 5, 0, {"trip.yaml", 3, 4}}, 1, "drive");
               }),
               HasSubstr("did you mean 'road'"));
 }

@@ -192,13 +192,27 @@ TEST(WeatherEffect, SeveritiesAreALadder) {
   }
 }
 
-TEST(WeatherEffect, RefusesWhatIsWrongOrMissing) {
+TEST(WeatherEffect, RefusesWhatIsWrong) {
   EXPECT_THAT(refusal("weather: {}"), HasSubstr("kind"));
   EXPECT_THAT(refusal("weather: {kind: hail}"), HasSubstr("rain"));
   EXPECT_THAT(refusal("weather: {kind: fog, rate_mm_h: 3}"), HasSubstr("by `visibility_m`"));
   EXPECT_THAT(refusal("weather: {kind: fog, severity: heavy, visibility_m: 30}"), HasSubstr("not both"));
-  EXPECT_THAT(messageOf([] { makeEffect("weather: {kind: fog}")->check(*makeWorld(1, 4).shot.beams); }),
-              HasSubstr("divergence_mrad"));
+}
+
+// A sensor whose file gives no width of the beam or no pulse has the usual ones, and this is reported.
+TEST(WeatherEffect, SensorsWithoutABeamOrAPulseHaveTheUsualOnes) {
+  const World full = sky();
+  World bare = sky();
+  bare.beams().divergence = {};
+  bare.beams().pulse = 0;
+  for (const char* weather : {"weather: {kind: rain, severity: heavy}", "weather: {kind: fog, visibility_m: 60}"}) {
+    const Returns expected = run(full, {weather});
+    const Returns returns = run(bare, {weather});
+    EXPECT_GT(particles(returns).size(), 100u);
+    EXPECT_EQ(returns.range, expected.range) << weather;
+    EXPECT_EQ(makeEffect(weather)->assumed(*bare.shot.beams), "`divergence_mrad: 3` and `pulse_ns: 5`");
+    EXPECT_EQ(makeEffect(weather)->assumed(*full.shot.beams), "");
+  }
 }
 
 }  // namespace

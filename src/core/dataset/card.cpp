@@ -1,0 +1,255 @@
+#include "dataset/card.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "dataset/json_text.h"
+#include "dataset/sample_names.h"
+#include "scan/columns.h"
+
+namespace scanmill {
+
+namespace {
+
+struct Totals {
+  std::uint64_t points = 0;
+  std::uint64_t beams = 0;
+  std::map<std::uint16_t, std::uint64_t> perClass;
+  std::map<std::string, std::uint64_t> samplesPerSplit;
+  std::map<std::string, std::set<std::string>> sequencesPerSplit;
+  std::set<std::string> methods, draws;
+};
+
+Totals totalsOf(const Manifest& manifest) {
+  Totals totals;
+  for (const SampleRecord& sample : manifest.samples) {
+    ++totals.samplesPerSplit[sample.split];
+    totals.sequencesPerSplit[sample.split].insert(partsOfKey(sample.key).sequence);
+    for (const DrawnValue& draw : sample.draws) totals.draws.insert(draw.key);
+    for (const ScanRecord& scan : sample.scans) {
+      totals.points += scan.points;
+      totals.beams += scan.beams;
+      totals.methods.insert(scan.method);
+      for (const auto& [id, points] : scan.pointsPerClass) totals.perClass[id] += points;
+    }
+  }
+  return totals;
+}
+
+// Returns the text with the characters that Markdown would take for markup in a table escaped.
+std::string cell(std::string_view text) {
+  std::string escaped;
+  for (const char c : text) {
+    if (c == '|' || c == '<' || c == '\\') escaped += '\\';
+    escaped += c == '\n' ? ' ' : c;
+  }
+  return escaped;
+}
+
+std::string aboutOf(const Manifest& manifest, const std::string& key, const std::string& otherwise) {
+  const auto found = manifest.about.find(key);
+  return found == manifest.about.end() ? otherwise : found->second;
+}
+
+std::string summaryOf(const Manifest& manifest, const Totals& totals) {
+  std::string sensors;
+  for (const SensorRecord& sensor : manifest.sensors) {
+    sensors += (sensors.empty() ? "" : ", ") + sensor.beams.model;
+  }
+  return fmt::format("{} samples of simulated LiDAR scans ({}) with {} points, each labelled with its class and object",
+                     manifest.samples.size(), sensors, totals.points);
+}
+
+std::string sensorTable(const Manifest& manifest) {
+  std::string text =
+      "| sensor | model | beams | scans a second | range (m) | mounted at (m) | figures from "
+      "|\n|---|---|---|---|---|---|---|\n";
+  for (const SensorRecord& sensor : manifest.sensors) {
+    const BeamTable& beams = sensor.beams;
+    const Vec3d& at = sensor.vehicleFromSensor.translation;
+    text += fmt::format("| {} | {} | {} x {} | {:g} | {:g} to {:g} | {:g}, {:g}, {:g} | {} |\n", cell(sensor.name),
+                        cell(beams.model), beams.rings, beams.columns, 1 / beams.period, beams.minRange, beams.maxRange,
+                        at.x, at.y, at.z, cell(beams.source));
+  }
+  return text;
+}
+
+std::string classTable(const Manifest& manifest, const Totals& totals) {
+  std::vector<std::pair<std::uint64_t, std::uint16_t>> classes;
+  for (const auto& [id, points] : totals.perClass) classes.emplace_back(points, id);
+  std::sort(classes.rbegin(), classes.rend());
+  std::string text = "| class | id | points | share |\n|---|---|---|---|\n";
+  for (const auto& [points, id] : classes) {
+    text += fmt::format("| {} | {} | {} | {:.3g} % |\n",
+                        cell(requireClass(id, std::string(kCardName), manifest.ontology).name), id, points,
+                        100.0 * static_cast<double>(points) / static_cast<double>(totals.points));
+  }
+  return text;
+}
+
+std::string columnTable(const Manifest& manifest) {
+  std::string text = "| column | unit | what |\n|---|---|---|\n";
+  for (const std::string& name : manifest.columns) {
+    const std::size_t index = columnIndex(name);
+    if (index == kColumnCount) continue;  // x, y and z
+    text += fmt::format("| {} | {} | {} |\n", name, kColumns[index].unit, cell(kColumns[index].meaning));
+  }
+  return text;
+}
+
+std::string list(const std::vector<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) text += "- " + cell(line) + "\n";
+  return text;
+}
+
+// Returns the longest run of '`' in the text, plus one and at least three: a fence that encloses it.
+std::string fenceFor(const std::string& text) {
+  std::size_t longest = 2;
+  std::size_t run = 0;
+  for (const char c : text) {
+    run = c == '`' ? run + 1 : 0;
+    longest = std::max(longest, run);
+  }
+  return std::string(longest + 1, '`');
+}
+
+OrderedJson fieldJson(const char* name, const char* description, const char* source, OrderedJson extract,
+                      const char* pattern) {
+  OrderedJson field{
+      {"@type", "cr:Field"},   {"@id", fmt::format("samples/{}", name)},
+      {"name", name},          {"description", description},
+      {"dataType", "sc:Text"}, {"source", {{"fileSet", {{"@id", source}}}, {"extract", std::move(extract)}}}};
+  if (pattern != nullptr) field["source"]["transform"] = {{"regex", pattern}};
+  return field;
+}
+
+}  // namespace
+
+std::string cardText(const Manifest& manifest) {
+  const Totals totals = totalsOf(manifest);
+  const std::string license = aboutOf(manifest, "license", "");
+  std::string text = fmt::format("---\npretty_name: {}\n", scalarText(OrderedJson(manifest.name)));
+  if (!license.empty()) text += fmt::format("license: {}\n", scalarText(OrderedJson(license)));
+  text += "tags: [lidar, point-cloud, synthetic, semantic-segmentation]\n---\n\n";
+  text += fmt::format("# {}\n\n{}.\n\n", cell(manifest.name),
+                      aboutOf(manifest, "description", summaryOf(manifest, totals)));
+  text += fmt::format(
+      "- Creator: {}\n- License: {}\n", aboutOf(manifest, "creator", "not stated"),
+      license.empty() ? "not stated; the licenses of the scenes' assets hold for what was made of them" : license);
+  for (const char* key : {"url", "citation"}) {
+    const std::string value = aboutOf(manifest, key, "");
+    if (!value.empty()) text += fmt::format("- {}: {}\n", key[0] == 'u' ? "Page" : "Cite as", value);
+  }
+  text += "\n## What it contains\n\n| split | sequences | samples |\n|---|---|---|\n";
+  for (const auto& [split, samples] : totals.samplesPerSplit) {
+    text += fmt::format("| {} | {} | {} |\n", split, totals.sequencesPerSplit.at(split).size(), samples);
+  }
+  text += fmt::format(
+      "\n{} points of {} beams. All samples of a sequence are in one split. `manifest.json` describes each sample, "
+      "with "
+      "poses, counts and hashes.\n\n{}\n{}\n{}\nx, y and z are in metres in the sensor's frame: x forward, y left, z "
+      "up.\n\n",
+      totals.points, totals.beams, sensorTable(manifest), columnTable(manifest), classTable(manifest, totals));
+  text += fmt::format(
+      "## How it was made\n\nSimulated with Scanmill {} by the method {}, with the seed {}: no person and "
+      "no place was recorded, and labels are exact. What was modelled and what was left out:\n\n{}",
+      manifest.programVersion, fmt::join(totals.methods, ", "), manifest.seed, list(manifest.modelled));
+  if (!totals.draws.empty()) {
+    text += fmt::format("\nRandom values, which the manifest states for each sample: `{}`.\n",
+                        fmt::join(totals.draws, "`, `"));
+  }
+  const std::string fence = fenceFor(manifest.pipelineText);
+  text += fmt::format("\nThe pipeline, from which `scanmill generate` makes the same bytes:\n\n{0}yaml\n{1}{2}{0}\n\n",
+                      fence, manifest.pipelineText, manifest.pipelineText.ends_with('\n') ? "" : "\n");
+  text +=
+      "## What it is for, and what it is not for\n\nIt is for training and for comparing networks that label, detect "
+      "or "
+      "complete LiDAR scans, and for testing programs that read them. Results on it do not show how a network or a "
+      "vehicle "
+      "performs in real traffic: judge that on recorded scans. It lacks whatever the scenes and the list above lack, "
+      "and "
+      "classes are as frequent as in the scenes, not as in any real place. `scanmill compare` measures how far it is "
+      "from "
+      "recorded scans of yours.\n";
+  return text;
+}
+
+std::string croissantJson(const Manifest& manifest) {
+  const Totals totals = totalsOf(manifest);
+  OrderedJson json{{"@context",
+                    {{"@language", "en"},
+                     {"@vocab", "https://schema.org/"},
+                     {"citeAs", "cr:citeAs"},
+                     {"conformsTo", "dct:conformsTo"},
+                     {"cr", "http://mlcommons.org/croissant/"},
+                     {"dct", "http://purl.org/dc/terms/"},
+                     {"sc", "https://schema.org/"},
+                     {"dataType", {{"@id", "cr:dataType"}, {"@type", "@vocab"}}},
+                     {"excludes", "cr:excludes"},
+                     {"extract", "cr:extract"},
+                     {"field", "cr:field"},
+                     {"fileProperty", "cr:fileProperty"},
+                     {"fileSet", "cr:fileSet"},
+                     {"includes", "cr:includes"},
+                     {"key", "cr:key"},
+                     {"recordSet", "cr:recordSet"},
+                     {"regex", "cr:regex"},
+                     {"source", "cr:source"},
+                     {"transform", "cr:transform"}}},
+                   {"@type", "sc:Dataset"},
+                   {"conformsTo", "http://mlcommons.org/croissant/1.0"},
+                   {"name", manifest.name},
+                   {"description", aboutOf(manifest, "description", summaryOf(manifest, totals) + ".")},
+                   {"keywords", {"LiDAR", "point cloud", "synthetic", "semantic segmentation"}}};
+  for (const char* key : {"license", "url"}) {
+    if (const std::string value = aboutOf(manifest, key, ""); !value.empty()) json[key] = value;
+  }
+  if (const std::string creator = aboutOf(manifest, "creator", ""); !creator.empty()) {
+    json["creator"] = {{"@type", "sc:Organization"}, {"name", creator}};
+  }
+  if (const std::string cite = aboutOf(manifest, "citation", ""); !cite.empty()) json["citeAs"] = cite;
+  OrderedJson files = OrderedJson::array();
+  OrderedJson shards = OrderedJson::array();
+  for (const ShardRecord& shard : manifest.shards) {
+    shards.push_back({{"@id", shard.file}});
+    files.push_back({{"@type", "cr:FileObject"},
+                     {"@id", shard.file},
+                     {"name", shard.file},
+                     {"description", fmt::format("{} samples of the split {}", shard.samples, shard.split)},
+                     {"contentUrl", shard.file},
+                     {"contentSize", fmt::format("{} B", shard.bytes)},
+                     {"encodingFormat", "application/x-tar"},
+                     {"sha256", shard.sha256}});
+  }
+  const auto addMembers = [&](const std::string& id, const std::string& pattern, const char* type) {
+    files.push_back({{"@type", "cr:FileSet"},
+                     {"@id", id},
+                     {"name", id},
+                     {"containedIn", shards},
+                     {"encodingFormat", type},
+                     {"includes", pattern}});
+  };
+  addMembers("samples-json", "*.json", "application/json");
+  files.back()["excludes"] = "*.*.json";  // further members of samples, such as their lists of objects
+  for (const FormatRecord& format : manifest.formats) {
+    addMembers("scans-" + format.name, "*." + format.suffix, "application/octet-stream");
+  }
+  json["distribution"] = std::move(files);
+  json["recordSet"] = {
+      {{"@type", "cr:RecordSet"},
+       {"@id", "samples"},
+       {"name", "samples"},
+       {"description", "One record for each sample: its key, and its description with poses and counts as JSON."},
+       {"key", {{"@id", "samples/key"}}},
+       {"field",
+        {fieldJson("key", "scene, seed, trajectory and frame", "samples-json", {{"fileProperty", "filename"}},
+                   "^(?:.*/)?([^/.]+)\\.json$"),
+         fieldJson("description", "the sample as JSON", "samples-json", {{"fileProperty", "content"}}, nullptr)}}}};
+  return layOut(json) + "\n";
+}
+
+}  // namespace scanmill

@@ -1,0 +1,48 @@
+#pragma once
+
+// Finds a path for a vehicle on the surfaces of a scene, from one point to another.
+//
+//   const RoadTrip trip{.classes = {"road"}, .from = {0, 0, 0}, .to = {80, 40, 0}};
+//   const std::vector<Vec3d> path = findRoadPath(heights, scene.ontology, trip);
+
+#include <string>
+#include <vector>
+
+#include "base/vec.h"
+#include "config/value.h"
+#include "scene/ontology.h"
+#include "scene/surface_heights.h"
+
+namespace scanmill {
+
+class Fields;
+
+enum class RoadSide { Right, Left, Middle };
+
+struct RoadTrip {
+  std::vector<std::string> classes;  // names of the classes of surfaces to drive on
+  Vec3d from, to;                    // m, world frame; a height of 0 means any height
+  RoadSide keep = RoadSide::Right;   // side of the road on which the vehicle drives
+  Location where = {};               // place in the YAML, for messages
+};
+
+// Reads {keep: right} from the keys of a map.
+RoadSide readRoadSide(Fields& fields);
+// Reads {from: [x, y], to: [x, y], on: road, keep: right} from the keys of a map; a point may have a height. Throws
+// InputError.
+RoadTrip readRoadTrip(Fields& fields);
+
+// Returns the points (m) of a path on surfaces of the trip's classes, about 4 m apart, from the surface nearest to the
+// one point to the surface nearest to the other. A vehicle 2 m wide and 2.5 m high has room at every point. The path is
+// the shortest one (A* on cells of 1 m: Hart, Nilsson and Raphael, IEEE Trans. Systems Science and Cybernetics 4,
+// 1968), in which cells beside an edge or an obstacle count more, moved sideways to 2 m from the edge on the trip's
+// side, or to the middle of roads less than 4 m wide, and smoothed. Where an edge is more than 12 m away it stays where
+// it is. Throws InputError if there is no path, or no surface within 20 m of one of the two points.
+std::vector<Vec3d> findRoadPath(const SurfaceHeights& heights, const Ontology& ontology, const RoadTrip& trip);
+
+// Returns points about 1 m apart on the straight lines between the given points, each at the height of the ground under
+// it, which is any surface that is not a thing. Throws InputError if a point has no ground.
+std::vector<Vec3d> droppedOnGround(const SurfaceHeights& heights, const std::vector<Vec3d>& points,
+                                   const Location& where);
+
+}  // namespace scanmill

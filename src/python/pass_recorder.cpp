@@ -1,0 +1,122 @@
+#include "python/pass_recorder.h"
+
+#include <fmt/core.h>
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/error.h"
+#include "config/version.h"
+#include "dataset/recording.h"
+#include "passes/exr/pass_exr.h"
+#include "sensors/sensor.h"
+
+namespace py = pybind11;
+
+namespace scanmill {
+
+namespace {
+
+constexpr const char* kTrajectory = "cameras";
+
+Pose poseOf(const std::array<double, 7>& p) {
+  return {{p[0], p[1], p[2], p[3]}, {p[4], p[5], p[6]}};
+}
+
+template <class T>
+std::vector<T> valuesOf(const py::array_t<T, py::array::c_style | py::array::forcecast>& array) {
+  return {array.data(), array.data() + array.size()};
+}
+
+template <class T>
+using Array = py::array_t<T, py::array::c_style | py::array::forcecast>;
+
+// Writes the images of one sensor's frames, in their order.
+class PassRecorder {
+ public:
+  // `sensor`: the YAML text of a sensor, whose relative paths start at `here`.
+  PassRecorder(const std::string& folder, std::string name, const std::string& sensor, const std::string& here,
+               std::string scene)
+      : writer_(folder, false), name_(std::move(name)), scene_(std::move(scene)) {
+    const Value description = parseYaml(sensor, (std::filesystem::path(here) / "sensor.yaml").string());
+    size_ = sensorSize(resolveSensor(description));
+  }
+
+  // Adds an image of the frame that begin() started. All arrays have the camera's width^2 pixels, row by row from the
+  // top; a depth of infinity means that the pixel shows no surface.
+  void image(const std::string& camera, const std::array<double, 7>& worldFromCamera, std::uint32_t width,
+             const Array<float>& depth, const Array<float>& normal, const Array<std::uint16_t>& semantic,
+             const Array<std::uint32_t>& instance, const Array<float>& reflectance) {
+    PassImage image;
+    image.camera = squareCamera(width, width, kPi / 2);
+    image.camera.name = camera;
+    image.camera.worldFromCamera = poseOf(worldFromCamera);
+    PassPlanes& planes = image.planes;
+    planes.depth = valuesOf<float>(depth);
+    const float* const n = normal.data();
+    for (std::size_t i = 0; i < planes.depth.size(); ++i) {
+      planes.normal.push_back({n[3 * i], n[3 * i + 1], n[3 * i + 2]});
+    }
+    planes.semantic = valuesOf<std::uint16_t>(semantic);
+    planes.instance = valuesOf<std::uint32_t>(instance);
+    planes.reflectance = valuesOf<float>(reflectance);
+    planes.roughness.assign(planes.depth.size(), 1.0f);
+    planes.metallic.assign(planes.depth.size(), 0.0f);
+    planes.retroreflectance.assign(planes.depth.size(), 0.0f);
+    const py::gil_scoped_release released;
+    const std::filesystem::path file = writer_.file(key(), name_, fmt::format("0.{}.exr", camera));
+    writePasses(file, image);
+    images_.push_back(file.filename().string());
+  }
+
+  // Ends the frame. `worldFromSensor`: the sensor's pose. `time`: s since the start of the drive.
+  void frame(const std::array<double, 7>& worldFromSensor, double time) {
+    const Pose pose = poseOf(worldFromSensor);
+    RecordedShot shot{key(), name_, time, {pose}, "", {}};
+    shot.steps.push_back({0, static_cast<std::uint32_t>(size_.columns), pose, std::exchange(images_, {})});
+    writer_.add(shot);
+    ++frames_;
+  }
+
+  void finish() {
+    Recording recording;
+    recording.kind = RecordingKind::Passes;
+    recording.programVersion = kVersion;
+    recording.method = "depth_camera";
+    recording.folder = writer_.folder();
+    recording.sensors = {
+        {name_, static_cast<std::uint32_t>(size_.rings), static_cast<std::uint32_t>(size_.columns), "", Pose{}}};
+    recording.sequences = {{scene_, 1, kTrajectory, frames_, 0}};
+    recording.materials = {{}};
+    recording.modelled = {"passes: images of six depth cameras, as another program rendered them"};
+    writer_.finish(recording);
+  }
+
+ private:
+  std::string key() const { return fmt::format("{}-s1-{}-{:06}", scene_, kTrajectory, frames_); }
+
+  RecordingWriter writer_;
+  std::string name_, scene_;
+  SensorSize size_;
+  std::uint32_t frames_ = 0;
+  std::vector<std::string> images_;  // of the frame that has not ended
+};
+
+}  // namespace
+
+void definePassRecorder(py::module_& module) {
+  py::class_<PassRecorder>(module, "PassRecorder")
+      .def(py::init<const std::string&, std::string, const std::string&, const std::string&, std::string>(),
+           py::arg("folder"), py::arg("name"), py::arg("sensor"), py::arg("here"), py::arg("scene"))
+      .def("image", &PassRecorder::image)
+      .def("frame", &PassRecorder::frame)
+      .def("finish", &PassRecorder::finish);
+}
+
+}  // namespace scanmill

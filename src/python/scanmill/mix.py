@@ -1,0 +1,267 @@
+"""Mixing: makes one sample of two, for instance of two scans of a dataset.
+
+A mix takes a sample, another sample and a random generator, and returns a new sample; it does not modify the given
+samples or their arrays. The argument `mix` of ScanDataset and SampleReader draws the other sample at random. Samples
+are those of scanmill.augment; both must have the same columns, of the same types. For all mixes:
+
+- The pose world_from_sensor and texts such as `key` are those of the first sample. Points keep their position relative
+  to the sensor (or are rotated about it: PolarMix), so those of the other scan have another position in the world.
+- Instance ids of the other sample that the first one uses too are replaced by unused ones, in `instance` and
+  `box_instance`, so that ids stay unique but no longer identify objects of the other scan in a sequence.
+- `box_points` is counted again if there are the columns `instance` and `box_instance`. `box_visibility` is that in the
+  scan that the box comes from.
+- The columns ring, column, time and return describe the beam in the scan that the point comes from, so two points may
+  share a beam. Only PasteInstances computes which points hide others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._core import InputError
+from .augment import Sample, _interval, _moved, _of_points, _require, _rotation, _share, _xyz
+from .geometry import points_in_box
+
+Mix = Callable[[Sample, Sample, np.random.Generator], Sample]
+Rows = Any  # a mask, indices or a slice
+
+IDS = ("instance", "box_instance")
+ALL = slice(None)
+
+# Points of a pasted instance are at most this far (m) outside of its box: noise moves them; mirror images are farther.
+MARGIN = 0.2
+
+
+class Choice:
+    """Applies one of several mixes, chosen at random for each sample; with the probability 1 - `probability`, none."""
+
+    def __init__(self, mixes: Sequence[Mix], probability: float = 1.0) -> None:
+        if not mixes:
+            raise InputError("Choice needs at least one mix")
+        self.mixes, self.probability = list(mixes), _share("probability", probability)
+
+    def __call__(self, sample: Sample, other: Sample, rng: np.random.Generator) -> Sample:
+        if rng.random() >= self.probability:
+            return dict(sample)
+        return self.mixes[rng.integers(len(self.mixes))](sample, other, rng)
+
+
+class LaserMix:
+    """Takes the points of both scans in turn from areas of equal height in elevation.
+
+    The number of areas is one of `areas`, at random, and so is the scan that the lowest area is taken from. Points
+    beyond the limits of elevation belong to the nearest area, and boxes to the area of their centre.
+
+    Source: Kong et al., LaserMix for Semi-Supervised LiDAR Semantic Segmentation, CVPR 2023, section 3 (partition and
+    mixing); the numbers of areas are those of its implementation in MMDetection3D.
+    """
+
+    def __init__(self, areas: Sequence[int] = (3, 4, 5, 6), elevation: tuple[float, float] | None = None) -> None:
+        """`elevation`: lowest and highest angle (rad) of the areas; by default those of the points of both scans."""
+        if not areas or min(areas) < 1:
+            raise InputError("areas of LaserMix must be a list of numbers of at least 1")
+        self.areas = list(areas)
+        self.elevation = None if elevation is None else _interval("elevation", *elevation)
+
+    def __call__(self, sample: Sample, other: Sample, rng: np.random.Generator) -> Sample:
+        count, start = int(rng.choice(self.areas)), int(rng.integers(2))
+        both = np.concatenate([_elevation(_xyz(one)) for one in (sample, other)])
+        low, high = self.elevation or ((both.min(), both.max()) if len(both) else (0, 0))
+        edges = np.linspace(low, high, count + 1)[1:-1]
+        return _exchanged(sample, other, lambda xyz: (np.digitize(_elevation(xyz), edges) + start) % 2 == 1)
+
+
+class PolarMix:
+    """Exchanges a sector of azimuth, and pastes rotated copies of chosen classes of the other scan.
+
+    With the probability `swap` a sector of the width `sector` (rad), in a random direction, is that of the other scan;
+    boxes belong to the sector of their centre. Then, with the probability `paste`, all points and boxes of the
+    `classes` of the other scan are pasted `copies` times, rotated about the sensor's z axis: the circle has an equal
+    part for each copy, and the copy's angle is random in it. Copies have separate instance ids. Neither collisions nor
+    occlusion are tested. Copies keep ring and column of their original, which are not where they lie now: for range
+    images by ring and column, leave `classes` empty.
+
+    Source: Xiao et al., PolarMix: A General Data Augmentation Technique for LiDAR Point Clouds, NeurIPS 2022, section 3
+    (scene-level swapping, and instance-level rotation and paste).
+    """
+
+    def __init__(
+        self,
+        classes: Sequence[int] = (),
+        *,
+        sector: float = np.pi,
+        copies: int = 3,
+        swap: float = 0.5,
+        paste: float = 1.0,
+    ) -> None:
+        """`classes`: class ids of the ontology, as in the columns `label` and `box_class`: [ontology.id_of("car")]."""
+        if not 0 <= sector <= 2 * np.pi or copies < 1:
+            raise InputError("PolarMix needs a sector from 0 to 2 pi and at least 1 copy")
+        self.classes, self.sector, self.copies = list(classes), sector, copies
+        self.swap, self.paste = _share("swap", swap), _share("paste", paste)
+
+    def __call__(self, sample: Sample, other: Sample, rng: np.random.Generator) -> Sample:
+        _require_alike(sample, other)
+        out = dict(sample)
+        if rng.random() < self.swap:
+            start = rng.uniform(-np.pi, np.pi)
+            out = _exchanged(sample, other, lambda xyz: np.remainder(_azimuth(xyz) - start, 2 * np.pi) < self.sector)
+        if self.classes and rng.random() < self.paste:
+            _require(other, "PolarMix", "label", *(["box_class"] if "boxes" in other else []))
+            boxes = np.isin(other.get("box_class", []), self.classes)
+            original = _part(other, np.isin(other["label"], self.classes), boxes)
+            for number in range(self.copies):
+                angle = (number + rng.random()) * 2 * np.pi / self.copies
+                out = _joined(out, _moved(original, _rotation(angle)))
+        return out
+
+
+class PasteInstances:
+    """Pastes instances of the other scan, with their boxes, where they are relative to the sensor.
+
+    Chosen at random are at most `most` instances of the `classes` with at least `min_points` points whose box, seen
+    from above, overlaps no box of the first sample; so read the boxes of all classes that are in the way. Points of the
+    first scan inside of pasted boxes are removed.
+
+    If `hide` is true, and samples have ring and column and are of the same `sensor`, each beam keeps only what is
+    nearest: pasted points behind points of the first scan are removed, and so are points of the first scan behind
+    pasted ones. Instances of which fewer than `min_points` points are left are not pasted. Where something hid the
+    instance in its own scan, a gap remains. Set `hide` to false for sensors whose pattern changes between revolutions.
+
+    Source: Yan, Mao and Li, SECOND: Sparsely Embedded Convolutional Detection, Sensors 18 (2018) 3337, section "Sample
+    Ground Truths from the Database", which tests collisions, but not occlusion.
+    """
+
+    def __init__(self, classes: Sequence[int], *, most: int = 10, min_points: int = 5, hide: bool = True) -> None:
+        """`classes`: class ids of the ontology, as in `box_class`."""
+        if most < 1 or min_points < 1:
+            raise InputError("most and min_points of PasteInstances must be at least 1")
+        self.classes, self.most, self.min_points, self.hide = list(classes), most, min_points, hide
+
+    def __call__(self, sample: Sample, other: Sample, rng: np.random.Generator) -> Sample:
+        _require(sample, "PasteInstances", "boxes", "box_class", "instance", "box_instance")
+        _require_alike(sample, other)
+        boxes, ids = other["boxes"], other["box_instance"]
+        free = np.isin(other["box_class"], self.classes) & ~_overlap(boxes, sample["boxes"]).any(axis=1)
+        chosen = rng.permutation(np.flatnonzero(free & (_counts(other) >= self.min_points)))[: self.most]
+        if not len(chosen):
+            return dict(sample)
+        pasted = _part(other, np.isin(other["instance"], ids[chosen]), chosen)
+        own = [(pasted["instance"] == ids[i]) & points_in_box(pasted["xyz"], boxes[i], MARGIN) for i in chosen]
+        pasted = _part(pasted, np.any(own, axis=0), ALL)
+        inside = np.array([points_in_box(_xyz(sample), boxes[i]) for i in chosen])
+        by_beam = self.hide and "ring" in sample and "column" in sample and sample.get("sensor") == other.get("sensor")
+        if by_beam:
+            pasted = _part(pasted, _visible(pasted, _part(sample, ~inside.any(axis=0), ALL)), ALL)
+        seen = _counts(pasted) >= self.min_points
+        pasted = _part(pasted, np.isin(pasted["instance"], pasted["box_instance"][seen]), seen)
+        kept = ~inside[seen].any(axis=0)
+        if by_beam:
+            kept &= ~np.isin(_beams(sample), _beams(pasted))
+        return _joined(_part(sample, kept, ALL), pasted)
+
+
+def _elevation(xyz: NDArray[Any]) -> NDArray[Any]:
+    return np.arctan2(xyz[:, 2], np.hypot(xyz[:, 0], xyz[:, 1]))
+
+
+def _azimuth(xyz: NDArray[Any]) -> NDArray[Any]:
+    return np.arctan2(xyz[:, 1], xyz[:, 0])
+
+
+def _require_alike(sample: Sample, other: Sample) -> None:
+    """Raises InputError, which names the columns, if the samples differ in their columns or the types of these."""
+    kinds, others = (
+        {name: (values.dtype, values.shape[1:]) for name, values in one.items() if isinstance(values, np.ndarray)}
+        for one in (sample, other)
+    )
+    unlike = sorted(name for name in kinds.keys() | others.keys() if kinds.get(name) != others.get(name))
+    if unlike:
+        raise InputError(f"samples can be mixed only if they have the same columns; these differ: {', '.join(unlike)}")
+
+
+def _part(sample: Sample, points: Rows, boxes: Rows) -> Sample:
+    """Returns the sample with some of its points and boxes."""
+    count = len(_xyz(sample))
+    return {
+        name: values[boxes] if name.startswith("box") else values[points] if _of_points(name, values, count) else values
+        for name, values in sample.items()
+    }
+
+
+def _exchanged(sample: Sample, other: Sample, taken: Callable[[NDArray[Any]], NDArray[np.bool_]]) -> Sample:
+    """Returns the sample with everything replaced at positions (n, 3) for which taken() is true, by the other one's."""
+    _require_alike(sample, other)
+    parts = []
+    for one, wanted in ((sample, False), (other, True)):
+        boxes = taken(one["boxes"]) == wanted if "boxes" in one else ALL
+        parts.append(_part(one, taken(_xyz(one)) == wanted, boxes))
+    return _joined(*parts)
+
+
+def _joined(sample: Sample, other: Sample) -> Sample:
+    """Returns the points and boxes of both samples, with distinct instance ids."""
+    count = len(_xyz(sample))
+    other = _renumbered(other, sample)
+    out = {
+        name: np.concatenate([values, other[name]])
+        if name.startswith("box") or _of_points(name, values, count)
+        else values
+        for name, values in sample.items()
+    }
+    if "box_points" in out and all(name in out for name in IDS):
+        out["box_points"] = _counts(out).astype(out["box_points"].dtype)
+    return out
+
+
+def _renumbered(other: Sample, sample: Sample) -> Sample:
+    """Returns the other sample with unused ids in place of the instance ids that both samples use; 0 is no id."""
+    used, ids = (
+        np.unique(np.concatenate([np.empty(0, np.int64), *(one[name].astype(np.int64) for name in IDS if name in one)]))
+        for one in (sample, other)
+    )
+    shared = np.isin(ids, used) & (ids > 0)
+    unused = np.setdiff1d(np.arange(1, len(used) + len(ids) + 1), np.union1d(used, ids))
+    renamed = ids.copy()
+    renamed[shared] = unused[: np.count_nonzero(shared)]
+    new = {n: renamed[np.searchsorted(ids, other[n])].astype(other[n].dtype) for n in IDS if n in other}
+    return {**other, **new}
+
+
+def _counts(sample: Sample) -> NDArray[np.int64]:
+    """Returns the number of points with the instance id of each box (M,)."""
+    return np.count_nonzero(sample["instance"] == sample["box_instance"][:, np.newaxis], axis=1)
+
+
+def _beams(sample: Sample) -> NDArray[np.int64]:
+    """Returns a number for the beam of each point (N,)."""
+    return sample["ring"].astype(np.int64) << 32 | sample["column"].astype(np.int64)
+
+
+def _visible(sample: Sample, hiding: Sample) -> NDArray[np.bool_]:
+    """Returns which points (N,) have no nearer or equally near point of the other sample in their beam."""
+    beams, place = np.unique(_beams(sample), return_inverse=True)
+    same = np.isin(_beams(hiding), beams)
+    nearest = np.full(len(beams), np.inf)
+    ranges = np.linalg.norm(hiding["xyz"][same], axis=1)
+    np.minimum.at(nearest, np.searchsorted(beams, _beams(hiding)[same]), ranges)
+    return np.linalg.norm(sample["xyz"], axis=1) < nearest[place]
+
+
+def _overlap(boxes: NDArray[Any], others: NDArray[Any]) -> NDArray[np.bool_]:
+    """Returns which boxes (n, 7) overlap which others (m, 7) as seen from above, (n, m): two rectangles do not if they
+    are apart along one of their four axes."""
+    a, b = boxes[:, np.newaxis].astype(np.float64), others[np.newaxis].astype(np.float64)
+    x, y = (b - a)[..., 0], (b - a)[..., 1]
+    c, s = np.abs(np.cos(b[..., 6] - a[..., 6])), np.abs(np.sin(b[..., 6] - a[..., 6]))
+    apart = np.zeros(x.shape, bool)
+    for one, two in ((a, b), (b, a)):
+        along = np.abs(x * np.cos(one[..., 6]) + y * np.sin(one[..., 6]))
+        across = np.abs(y * np.cos(one[..., 6]) - x * np.sin(one[..., 6]))
+        apart |= along > (one[..., 3] + two[..., 3] * c + two[..., 4] * s) / 2
+        apart |= across > (one[..., 4] + two[..., 3] * s + two[..., 4] * c) / 2
+    return ~apart

@@ -1,0 +1,112 @@
+#include "dataset/card.h"
+
+#include <fnmatch.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <set>
+#include <sstream>
+
+#include "tests/core/dataset/fixture.h"
+
+namespace scanmill {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+using Json = nlohmann::json;
+
+// The cells of the table under a heading, by rows.
+std::vector<std::vector<std::string>> tableIn(const std::string& card, const std::string& heading) {
+  std::vector<std::vector<std::string>> rows;
+  std::istringstream lines(card.substr(card.find(heading)));
+  std::string line;
+  std::getline(lines, line);
+  std::getline(lines, line);
+  while (std::getline(lines, line) && line.starts_with("| ")) {
+    rows.emplace_back();
+    for (std::size_t at = 2; at < line.size();) {
+      const std::size_t end = line.find(" | ", at) == std::string::npos ? line.rfind(" |") : line.find(" | ", at);
+      rows.back().push_back(line.substr(at, end - at));
+      at = end + 3;
+    }
+  }
+  return rows;
+}
+
+TEST(Card, CountsAreThoseOfTheManifest) {
+  const Manifest m = filledManifest();
+  const std::string card = cardText(m);
+  std::map<std::string, std::uint64_t> expected;
+  for (const SampleRecord& sample : m.samples) {
+    for (const ScanRecord& scan : sample.scans) {
+      for (const auto& [id, points] : scan.pointsPerClass) expected[std::to_string(id)] += points;
+    }
+  }
+  std::map<std::string, std::uint64_t> stated;
+  for (const auto& row : tableIn(card, "| class | id |")) stated[row.at(1)] = std::stoull(row.at(2));
+  EXPECT_EQ(stated, expected);
+  const auto splits = tableIn(card, "| split | sequences |");
+  ASSERT_EQ(splits.size(), 2u);
+  EXPECT_THAT(splits[0], testing::ElementsAre("train", "1", "1"));
+  EXPECT_EQ(tableIn(card, "| sensor | model |").size(), m.sensors.size());
+  EXPECT_EQ(tableIn(card, "| column | unit |").size() + 3, m.columns.size());  // x, y, z
+  for (const std::string& line : m.modelled) EXPECT_THAT(card, HasSubstr(line));
+  EXPECT_THAT(card, AllOf(HasSubstr(m.pipelineText), HasSubstr("License: CC-BY-4.0"), HasSubstr("Creator: Somebody")));
+}
+
+TEST(Card, TextOfOthersStaysText) {
+  Manifest m = filledManifest();
+  m.ontology.classes[1].name = "a|b";
+  m.pipelineText = "name: x\n# ```\n# ````\n";
+  m.about = {};
+  const std::string card = cardText(m);
+  EXPECT_THAT(card, AllOf(HasSubstr("| a\\|b |"), HasSubstr("\n`````yaml\n"), HasSubstr("License: not stated")));
+  EXPECT_FALSE(Json::parse(croissantJson(m)).contains("license"));
+}
+
+// Croissant 1.0: ids are unique, references lead somewhere, and the patterns select the members that they are for.
+TEST(Card, CroissantDescribesEveryShardAndMember) {
+  const Manifest m = filledManifest();
+  const Json json = Json::parse(croissantJson(m));
+  EXPECT_EQ(json["conformsTo"], "http://mlcommons.org/croissant/1.0");
+  EXPECT_EQ(json["license"], "CC-BY-4.0");
+  std::set<std::string> ids;
+  std::map<std::string, Json> sets;
+  for (const Json& file : json["distribution"]) {
+    EXPECT_TRUE(ids.insert(file["@id"]).second) << file["@id"];
+    if (file["@type"] == "cr:FileSet") sets[file["@id"]] = file;
+  }
+  for (const ShardRecord& shard : m.shards) EXPECT_TRUE(ids.contains(shard.file));
+  EXPECT_EQ(json["distribution"][1]["sha256"], m.shards[1].sha256);
+  for (const auto& [id, set] : sets) {
+    EXPECT_EQ(set["containedIn"].size(), m.shards.size());
+    for (const Json& in : set["containedIn"]) EXPECT_TRUE(ids.contains(in["@id"]));
+  }
+  const Json& fields = json["recordSet"][0]["field"];
+  for (const Json& field : fields) EXPECT_TRUE(sets.contains(field["source"]["fileSet"]["@id"]));
+  const std::regex key(fields[0]["source"]["transform"]["regex"].get<std::string>());
+  const auto in = [&](const Json& set, const std::string& member) {
+    const auto matches = [&](const char* which) {
+      return set.contains(which) && fnmatch(set[which].get<std::string>().c_str(), member.c_str(), 0) == 0;
+    };
+    return matches("includes") && !matches("excludes");
+  };
+  for (const SampleRecord& sample : m.samples) {
+    for (const std::string& member : sample.members) {
+      std::size_t selected = 0;
+      for (const auto& [id, set] : sets) selected += in(set, member) ? 1 : 0;
+      EXPECT_EQ(selected, 1u) << member;
+    }
+    std::smatch found;
+    ASSERT_TRUE(std::regex_search(sample.members.front(), found, key));
+    EXPECT_EQ(found[1], sample.key);
+    EXPECT_FALSE(in(sets.at("samples-json"), sample.key + ".objects.json"));
+  }
+}
+
+}  // namespace
+}  // namespace scanmill
