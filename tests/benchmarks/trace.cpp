@@ -132,8 +132,9 @@ void setUp(benchmark::State& state) {
 }
 BENCHMARK(setUp)->Unit(benchmark::kMillisecond)->UseRealTime()->MinTime(2);
 
-// Objects that the caller places for each shot: a scan of 64 x 2048 beams in which all 350 spheres are placed anew, over one
-// in which the scene places them, and over the set-up of the scene, which is what moving one object cost otherwise.
+// Objects that the caller places for each shot: a scan of 64 x 2048 beams in which all 350 spheres are placed anew,
+// over one in which the scene places them, and over the set-up of the scene, which is what moving one object cost
+// otherwise.
 void placedObjects(benchmark::State& state) {
   Scene placeable = bigScene();
   placeable.placeable = true;
