@@ -302,7 +302,8 @@ class Tables {
                    {"next", tokenAt("sample", f + 1)},
                    {"scene_token", scene}});
     for (std::size_t i = 0; i < plan_.sensors.size(); ++i) addScan(s, f, i);
-    for (const auto& [camera, side] : kCameras) {
+    for (const auto& each : kCameras) {
+      const std::string_view camera = each.first;
       const auto imageAt = [&](std::size_t frame) {
         return frame < sequence.samples.size()
                    ? cameraToken("sample_data", camera, plan_.manifest.samples[sequence.samples[frame]].key)

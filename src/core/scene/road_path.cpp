@@ -64,8 +64,11 @@ class Road {
   Vec3d nearest(const Vec3d& point, const char* which) const {
     std::optional<Vec3d> best;
     double least = kNearest;
-    for (double x = -kNearest; x <= kNearest; x += kCell) {
-      for (double y = -kNearest; y <= kNearest; y += kCell) {
+    constexpr int kCells = static_cast<int>(kNearest / kCell);
+    for (int i = -kCells; i <= kCells; ++i) {
+      for (int j = -kCells; j <= kCells; ++j) {
+        const double x = i * kCell;
+        const double y = j * kCell;
         for (const SurfaceHeights::Surface& s : heights_.at(point.x + x, point.y + y)) {
           const Vec3d at{point.x + x, point.y + y, s.height};
           const double far = point.z == 0 ? std::hypot(x, y) : length(at - point);
