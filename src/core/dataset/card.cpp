@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "base/grouped.h"
 #include "dataset/json_text.h"
 #include "dataset/sample_names.h"
 #include "scan/columns.h"
@@ -60,7 +61,7 @@ std::string summaryOf(const Manifest& manifest, const Totals& totals) {
     sensors += (sensors.empty() ? "" : ", ") + sensor.beams.model;
   }
   return fmt::format("{} samples of simulated LiDAR scans ({}) with {} points, each labelled with its class and object",
-                     manifest.samples.size(), sensors, totals.points);
+                     grouped(manifest.samples.size()), sensors, grouped(totals.points));
 }
 
 std::string sensorTable(const Manifest& manifest) {
@@ -153,7 +154,8 @@ std::string cardText(const Manifest& manifest) {
       "with "
       "poses, counts and hashes.\n\n{}\n{}\n{}\nx, y and z are in metres in the sensor's frame: x forward, y left, z "
       "up.\n\n",
-      totals.points, totals.beams, sensorTable(manifest), columnTable(manifest), classTable(manifest, totals));
+      grouped(totals.points), grouped(totals.beams), sensorTable(manifest), columnTable(manifest),
+      classTable(manifest, totals));
   text += fmt::format(
       "## How it was made\n\nSimulated with Scanmill {} by the method {}, with the seed {}: no person and "
       "no place was recorded, and labels are exact. What was modelled and what was left out:\n\n{}",

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kCell = 1;         // m, size of the cells of the search
 constexpr double kClear = 2.5;      // m, free height above the surface
-constexpr double kClimb = 0.5;      // m, largest difference in height between neighbouring cells
+constexpr double kSteepest = 0.75;  // largest slope of a road, as a difference in height per distance
 constexpr double kHalfWidth = 1;    // m, half of a vehicle's width
 constexpr double kFromEdge = 2;     // m, wanted distance of the vehicle's middle from the edge of the road
 constexpr double kOpen = 12;        // m; where an edge is at least this far away, there is no road to keep to
@@ -26,18 +26,19 @@ constexpr double kEdgeStep = 0.25;  // m, accuracy of the distance to an edge
 constexpr double kNearest = 20;     // m, largest distance from an end to the surface
 constexpr std::size_t kMostSearched = 4'000'000;
 constexpr int kSmoothings = 6;
-constexpr double kApart = 4;  // m, distance between the points of the result
+constexpr double kApart = 2;  // m, distance between the points of the result
 
 class Road {
  public:
   Road(const SurfaceHeights& heights, const Ontology& ontology, const RoadTrip& trip)
       : heights_(heights), classes_(classIds(ontology, trip.classes, trip.where)), where_(trip.where) {}
 
-  // Returns the height of the road at a point, if it is at most kClimb above or below `z` and free up to kClear.
-  std::optional<double> height(double x, double y, double z) const {
+  // Returns the height of the road at a point (m), if it is free up to kClear and climbs or falls at most by kSteepest
+  // from the height `z` at the distance `far` (m).
+  std::optional<double> height(double x, double y, double z, double far = kHalfWidth) const {
     const std::vector<SurfaceHeights::Surface> all = heights_.at(x, y);
     for (auto s = all.rbegin(); s != all.rend(); ++s) {
-      if (std::fabs(s->height - z) > kClimb || s->slope > kSteepestGround || !isRoad(*s)) continue;
+      if (std::fabs(s->height - z) > kSteepest * far || s->slope > kSteepestGround || !isRoad(*s)) continue;
       const bool covered = std::any_of(all.begin(), all.end(), [&](const SurfaceHeights::Surface& other) {
         return other.height > s->height + kSame && other.height < s->height + kClear;
       });
@@ -111,7 +112,11 @@ class Road {
 // where the scene's origin is.
 class CellSearch {
  public:
-  CellSearch(const Road& road, const Vec3d& from, const Vec3d& to) : road_(road), from_(from), to_(to) {}
+  CellSearch(const Road& road, const Vec3d& from, const Vec3d& to)
+      : road_(road), from_(from), to_(to), nearest_(from) {}
+
+  // Returns the place nearest to the goal that the search has reached.
+  const Vec3d& nearest() const { return nearest_; }
 
   // Returns the points of the cells from the start to the goal; empty if the goal cannot be reached.
   std::vector<Vec3d> run() {
@@ -124,7 +129,8 @@ class CellSearch {
       Node& node = nodes_.at(cell);
       if (node.closed) continue;
       node.closed = true;
-      if (rest(node.place) < kCell && std::fabs(node.place.z - to_.z) < 2 * kClimb) return wayTo(cell);
+      if (rest(node.place) < rest(nearest_)) nearest_ = node.place;
+      if (rest(node.place) < kCell && std::fabs(node.place.z - to_.z) < 2 * kSteepest) return wayTo(cell);
       const Node own = node;
       for (int dx = -1; dx <= 1; ++dx) {
         for (int dy = -1; dy <= 1; ++dy) {
@@ -150,7 +156,7 @@ class CellSearch {
   void visit(const Cell& cell, const Node& own, int dx, int dy) {
     const double x = from_.x + static_cast<double>(cell[0] + dx) * kCell;
     const double y = from_.y + static_cast<double>(cell[1] + dy) * kCell;
-    const std::optional<double> z = road_.height(x, y, own.place.z);
+    const std::optional<double> z = road_.height(x, y, own.place.z, kCell * std::hypot(dx, dy));
     if (!z) return;
     const Cell next{cell[0] + dx, cell[1] + dy, std::llround(*z / kClear)};
     const auto [found, isNew] = nodes_.try_emplace(next);
@@ -172,7 +178,7 @@ class CellSearch {
     int blocked = 0;
     for (int k = 0; k < 8; ++k) {
       const double turn = k * kPi / 4;
-      blocked += road_.height(p.x + 2.5 * std::cos(turn), p.y + 2.5 * std::sin(turn), p.z) ? 0 : 1;
+      blocked += road_.height(p.x + 2.5 * std::cos(turn), p.y + 2.5 * std::sin(turn), p.z, 2.5) ? 0 : 1;
     }
     return blocked / 8.0;
   }
@@ -188,7 +194,7 @@ class CellSearch {
   }
 
   const Road& road_;
-  Vec3d from_, to_;
+  Vec3d from_, to_, nearest_;
   std::map<Cell, Node> nodes_;
   using Entry = std::pair<double, Cell>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open_;
@@ -257,13 +263,16 @@ std::vector<Vec3d> findRoadPath(const SurfaceHeights& heights, const Ontology& o
   const Road road(heights, ontology, trip);
   const Vec3d from = road.nearest(trip.from, "from");
   const Vec3d to = road.nearest(trip.to, "to");
-  std::vector<Vec3d> way = CellSearch(road, from, to).run();
+  CellSearch search(road, from, to);
+  std::vector<Vec3d> way = search.run();
   if (way.size() < 2) {
+    const Vec3d& end = search.nearest();
     throw InputError(
         trip.where,
         fmt::format("there is no path on the surfaces of `on` from [{:.1f}, {:.1f}] to [{:.1f}, {:.1f}] with "
-                    "room for a vehicle: name more classes, or other points",
-                    from.x, from.y, to.x, to.y));
+                    "room for a vehicle; the nearest place that can be reached is [{:.1f}, {:.1f}]: name more "
+                    "classes, or other points",
+                    from.x, from.y, to.x, to.y, end.x, end.y));
   }
   for (int k = 0; k < kSmoothings; ++k) smooth(road, way);
   keepToSide(road, trip.keep, way);

@@ -32,7 +32,7 @@ RoadSide readRoadSide(Fields& fields);
 // InputError.
 RoadTrip readRoadTrip(Fields& fields);
 
-// Returns the points (m) of a path on surfaces of the trip's classes, about 4 m apart, from the surface nearest to the
+// Returns the points (m) of a path on surfaces of the trip's classes, about 2 m apart, from the surface nearest to the
 // one point to the surface nearest to the other. A vehicle 2 m wide and 2.5 m high has room at every point. The path is
 // the shortest one (A* on cells of 1 m: Hart, Nilsson and Raphael, IEEE Trans. Systems Science and Cybernetics 4,
 // 1968), in which cells beside an edge or an obstacle count more, moved sideways to 2 m from the edge on the trip's
