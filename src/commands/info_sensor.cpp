@@ -41,6 +41,22 @@ Value plain(const std::string& text) {
 
 }  // namespace
 
+std::array<double, 2> fieldOf(const BeamTable& beams) {
+  std::vector<double> azimuths;
+  double lowest = kPi / 2;
+  double highest = -kPi / 2;
+  for (const Vec3d& d : beams.direction) {
+    const double elevation = std::asin(std::clamp(d.z, -1.0, 1.0));
+    lowest = std::min(lowest, elevation);
+    highest = std::max(highest, elevation);
+    azimuths.push_back(std::atan2(d.y, d.x));
+  }
+  std::sort(azimuths.begin(), azimuths.end());
+  double gap = azimuths.front() + 2 * kPi - azimuths.back();
+  for (std::size_t i = 1; i < azimuths.size(); ++i) gap = std::max(gap, azimuths[i] - azimuths[i - 1]);
+  return {gap < radians(5) ? 360 : degrees(2 * kPi - gap), degrees(highest - lowest)};
+}
+
 void printSensor(const Value& sensor) {
   const auto beams = makeBeams(sensor);
   printText("sensor {}: {} rings x {} columns, {:.3g} revolutions/s, {}, ring 0 is the {} beam\nsource: {}\n",
@@ -48,7 +64,9 @@ void printSensor(const Value& sensor) {
             beams->clockwise ? "clockwise" : "counter-clockwise", beams->topDown ? "top" : "bottom", beams->source);
   printText("range {:.3g} to {:.3g} m; column 0 at {:.2f} deg; beams start {:.2f} mm off the axis\n\n", beams->minRange,
             beams->maxRange, degrees(beams->firstAzimuth), beams->originOffset * 1000);
-  printBeams(*beams);
+  if (!beams->rosette && !beams->listed) return printBeams(*beams);
+  const std::array<double, 2> field = fieldOf(*beams);
+  printText("directions differ from beam to beam in a field of {:.3g} x {:.3g} deg\n", field[0], field[1]);
 }
 
 bool isCalibration(const std::filesystem::path& file) {

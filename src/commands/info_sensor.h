@@ -1,11 +1,16 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 
 #include "config/value.h"
+#include "sensors/beams.h"
 
 namespace scanmill {
 
+// Returns the horizontal and the vertical field of view of the beams (deg). A horizontal gap of less than 5 degrees
+// counts as none.
+std::array<double, 2> fieldOf(const BeamTable& beams);
 // Prints what `scanmill info` shows of a sensor's file.
 void printSensor(const Value& sensor);
 

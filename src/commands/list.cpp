@@ -24,6 +24,7 @@
 #include "base/format_support.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"
+#include "commands/info_sensor.h"
 #include "commands/table.h"
 #include "config/fields.h"
 #include "config/resources.h"
@@ -135,24 +136,6 @@ std::vector<std::filesystem::path> yamlFiles(const std::filesystem::path& folder
   }
   std::sort(files.begin(), files.end());
   return files;
-}
-
-// Returns the horizontal and the vertical field of view of the beams (deg). A horizontal gap of less than 5 degrees
-// counts as none.
-std::array<double, 2> fieldOf(const BeamTable& beams) {
-  std::vector<double> azimuths;
-  double lowest = kPi / 2;
-  double highest = -kPi / 2;
-  for (const Vec3d& d : beams.direction) {
-    const double elevation = std::asin(std::clamp(d.z, -1.0, 1.0));
-    lowest = std::min(lowest, elevation);
-    highest = std::max(highest, elevation);
-    azimuths.push_back(std::atan2(d.y, d.x));
-  }
-  std::sort(azimuths.begin(), azimuths.end());
-  double gap = azimuths.front() + 2 * kPi - azimuths.back();
-  for (std::size_t i = 1; i < azimuths.size(); ++i) gap = std::max(gap, azimuths[i] - azimuths[i - 1]);
-  return {gap < radians(5) ? 360 : degrees(2 * kPi - gap), degrees(highest - lowest)};
 }
 
 Rows sensorRows() {

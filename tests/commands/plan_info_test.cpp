@@ -45,6 +45,18 @@ TEST_F(Tell, PlanSaysFirstHowLongItTakesAndHowLargeItIs) {
                          ContainsRegex("\nsize: [0-9.]+ [KM]iB \\([0-9.]+ to [0-9.]+ [KM]iB\\)\n")));
 }
 
+TEST_F(Tell, InfoDescribesEverySensor) {
+  std::size_t sensors = 0;
+  for (const auto& file : fs::directory_iterator(fs::path(SCANMILL_SOURCE_DIR) / "pipelines/sensors")) {
+    if (file.path().extension() != ".yaml") continue;
+    EXPECT_THAT(told({"info", file.path().stem()}),
+                AllOf(HasSubstr("\nrange "), HasSubstr("source: "), ContainsRegex("elevation deg|field of")))
+        << file.path();
+    ++sensors;
+  }
+  EXPECT_GT(sensors, 30u);
+}
+
 TEST_F(Tell, PlanPrintsRaysMemoryAndWhatIsLeftOut) {
   const std::string out = told({"plan", pipeline_});
   EXPECT_THAT(out, AllOf(HasSubstr("4 frames x 512 beams = 2.05 k rays (limits.max_rays: 100 G)"),

@@ -436,6 +436,10 @@ class Mixes(unittest.TestCase):
         for one, name in ((mix.PolarMix([1], swap=0), "label"), (mix.PasteInstances([1]), "boxes")):
             with self.assertRaisesRegex(scanmill.InputError, name):
                 one(bare, bare, generator(1, 0))
+        for wrong in (["car"], "car", [70000]):
+            for one in (mix.PolarMix, mix.PasteInstances):
+                with self.assertRaisesRegex(scanmill.InputError, "id_of"):
+                    one(wrong)
 
     def test_the_reader_mixes_another_sample_of_the_split(self):
         split = scanmill.open(dataset_path(self)).split("train")
@@ -446,6 +450,11 @@ class Mixes(unittest.TestCase):
             return [reader(sample, epoch)["xyz"] for sample in split]
 
         every, once = read(), read(mix=mixes)
+        composed = read(mix=mixes, transform=Compose([Turn()], 3), seed=3)
+        for a, b in zip(read(mix=[mixes], transform=[Turn()], seed=3), composed):
+            np.testing.assert_array_equal(a, b)
+        with self.assertRaisesRegex(scanmill.InputError, r"\[Turn\(...\)\]"):
+            read(transform=Turn())
         for again in (read(mix=mixes), read(mix=mixes, transform=lambda sample, key, epoch: sample)):
             for a, b in zip(once, again):
                 np.testing.assert_array_equal(a, b)

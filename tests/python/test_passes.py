@@ -92,7 +92,7 @@ class Passes(unittest.TestCase):
 
     def test_pixels_without_a_surface_are_misses(self):
         depth, _ = images(64, False)
-        for nothing in (np.inf, np.nan, 0):
+        for nothing in (np.inf, np.nan, 0.0):
             with scanmill.PassWriter(self.folder / f"sky{nothing}", scanmill.sensor("vlp_16", columns=360)) as writer:
                 writer.add(POSE, {**depth, "back": np.full((64, 64), nothing)})
             (self.folder / "sky.yaml").write_text(PIPELINE.replace("SAMPLING", "plane"))
@@ -104,6 +104,13 @@ class Passes(unittest.TestCase):
             behind = np.abs(np.arctan2(scan.xyz[:, 1], -scan.xyz[:, 0])) < np.pi / 4 - 0.05
             self.assertFalse(behind.any())
             self.assertGreater(len(scan), 0.7 * 16 * 360)
+
+    def test_depths_in_other_units_are_refused(self):
+        depth, _ = images(8, False)
+        writer = scanmill.PassWriter(self.folder / "units", "vlp_16")
+        for wrong, why in (((depth["front"] * 1000).astype(np.uint16), "1000"), (-depth["front"], "64 negative")):
+            with self.assertRaisesRegex(scanmill.InputError, f"depth of 'front'.*{why}"):
+                writer.add(POSE, {**depth, "front": wrong})
 
     def test_mistakes_name_the_camera_and_the_array(self):
         depth, _ = images(8, False)

@@ -35,7 +35,9 @@ const char* advice(FileKind kind) {
 FileKind fileKind(const Value& root) {
   if (root.find("scenes") != nullptr || root.find("sensors") != nullptr) return FileKind::Pipeline;
   if (root.find("objects") != nullptr) return FileKind::Scene;
-  if (root.find("elevation_deg") != nullptr || root.find("calibration") != nullptr) return FileKind::Sensor;
+  for (const char* key : {"elevation_deg", "calibration", "rosette", "raster", "beams", "pattern"}) {
+    if (root.find(key) != nullptr) return FileKind::Sensor;
+  }
   if (root.find("classes") != nullptr) return FileKind::Ontology;
   const Value* materials = root.find("materials");
   if (materials != nullptr && materials->kind == Value::Kind::Sequence) return FileKind::Materials;

@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
 #include "base/grouped.h"
 #include "dataset/json_text.h"
+#include "dataset/objects.h"
 #include "dataset/sample_names.h"
 #include "scan/columns.h"
 
@@ -64,16 +66,25 @@ std::string summaryOf(const Manifest& manifest, const Totals& totals) {
                      grouped(manifest.samples.size()), sensors, grouped(totals.points));
 }
 
+// Returns an angle (rad) in degrees, to hundredths.
+std::string degreesText(double angle) {
+  return fmt::format("{:g}", std::round(angle * 180 / kPi * 100) / 100 + 0.0);
+}
+
 std::string sensorTable(const Manifest& manifest) {
   std::string text =
-      "| sensor | model | beams | scans a second | range (m) | mounted at (m) | figures from "
-      "|\n|---|---|---|---|---|---|---|\n";
+      "| sensor | model | beams | scans a second | range (m) | mounted at x, y, z (m) | yaw, pitch, roll (deg) | "
+      "figures "
+      "from |\n|---|---|---|---|---|---|---|---|\n";
   for (const SensorRecord& sensor : manifest.sensors) {
     const BeamTable& beams = sensor.beams;
     const Vec3d& at = sensor.vehicleFromSensor.translation;
-    text += fmt::format("| {} | {} | {} x {} | {:g} | {:g} to {:g} | {:g}, {:g}, {:g} | {} |\n", cell(sensor.name),
-                        cell(beams.model), beams.rings, beams.columns, 1 / beams.period, beams.minRange, beams.maxRange,
-                        at.x, at.y, at.z, cell(beams.source));
+    const Mat3 axes = toMatrix(sensor.vehicleFromSensor.rotation);
+    text += fmt::format("| {} | {} | {} x {} | {:g} | {:g} to {:g} | {:g}, {:g}, {:g} | {}, {}, {} | {} |\n",
+                        cell(sensor.name), cell(beams.model), beams.rings, beams.columns, 1 / beams.period,
+                        beams.minRange, beams.maxRange, at.x, at.y, at.z, degreesText(std::atan2(axes.x.y, axes.x.x)),
+                        degreesText(-std::asin(std::clamp(axes.x.z, -1.0, 1.0))),
+                        degreesText(std::atan2(axes.y.z, axes.z.z)), cell(beams.source));
   }
   return text;
 }
@@ -101,10 +112,62 @@ std::string columnTable(const Manifest& manifest) {
   return text;
 }
 
-std::string list(const std::vector<std::string>& lines) {
-  std::string text;
-  for (const std::string& line : lines) text += "- " + cell(line) + "\n";
+// Returns what the scans model, and what was left out, as two lists. Lines on how the program computes are omitted.
+std::string modelText(const std::vector<std::string>& lines) {
+  constexpr const char* kProgram[] = {"channels:", "properties of hits", "instancing:"};
+  std::string modelled;
+  std::string left;
+  for (const std::string& line : lines) {
+    if (std::any_of(std::begin(kProgram), std::end(kProgram), [&](const char* k) { return line.starts_with(k); })) {
+      continue;
+    }
+    (line.find(": left out") == std::string::npos ? modelled : left) += "- " + cell(line) + "\n";
+  }
+  std::string text = "What was modelled:\n\n" + modelled;
+  if (!left.empty()) text += "\nWhat was left out:\n\n" + left;
   return text;
+}
+
+// Returns the frame of the points, in words.
+std::string frameText(const Manifest& manifest) {
+  const bool moves = std::any_of(manifest.samples.begin(), manifest.samples.end(), [](const SampleRecord& sample) {
+    return std::any_of(sample.scans.begin(), sample.scans.end(),
+                       [](const ScanRecord& scan) { return scan.worldFromSensor.size() > 1; });
+  });
+  const std::string_view when = manifest.deskewed ? " at the start of the revolution (deskewed)"
+                                : moves           ? " at the time when the point's column fired (not deskewed)"
+                                                  : "";
+  return fmt::format("x, y and z are in metres in the sensor's frame{}: x forward, y left, z up.", when);
+}
+
+// Returns a sentence on the full scale of intensities; empty if there is none.
+std::string intensityText(const Manifest& manifest) {
+  if (std::find(manifest.columns.begin(), manifest.columns.end(), "intensity") == manifest.columns.end()) return {};
+  std::string scales;
+  for (const SensorRecord& sensor : manifest.sensors) {
+    scales += fmt::format("{}{:g} ({})", scales.empty() ? "" : ", ", sensor.intensityFullScale, cell(sensor.name));
+  }
+  return fmt::format(" Full scale of the intensity: {}.", scales);
+}
+
+bool listsObjects(const Manifest& manifest) {
+  return std::any_of(manifest.samples.begin(), manifest.samples.end(), [](const SampleRecord& sample) {
+    return std::any_of(sample.members.begin(), sample.members.end(),
+                       [](const std::string& member) { return member.ends_with(kObjectsSuffix); });
+  });
+}
+
+// Returns what a sample consists of.
+std::string membersText(const Manifest& manifest) {
+  std::string formats;
+  for (const FormatRecord& format : manifest.formats) {
+    formats += fmt::format("{}`.{}`", formats.empty() ? "" : ", ", format.suffix);
+  }
+  return fmt::format(
+      "The shards are tar files. A sample consists of the members whose names begin with its key: a scan for each "
+      "sensor "
+      "({}), and `.json` with the sample's description{}.",
+      formats, listsObjects(manifest) ? fmt::format(", and `.{}` with the boxes of objects", kObjectsSuffix) : "");
 }
 
 // Returns the longest run of '`' in the text, plus one and at least three: a fence that encloses it.
@@ -152,14 +215,14 @@ std::string cardText(const Manifest& manifest) {
   text += fmt::format(
       "\n{} points of {} beams. All samples of a sequence are in one split. `manifest.json` describes each sample, "
       "with "
-      "poses, counts and hashes.\n\n{}\n{}\n{}\nx, y and z are in metres in the sensor's frame: x forward, y left, z "
-      "up.\n\n",
+      "poses, counts and hashes.\n\n{}\n{}\n{}\n{}{} {}\n\n",
       grouped(totals.points), grouped(totals.beams), sensorTable(manifest), columnTable(manifest),
-      classTable(manifest, totals));
+      classTable(manifest, totals), frameText(manifest), intensityText(manifest), membersText(manifest));
   text += fmt::format(
-      "## How it was made\n\nSimulated with Scanmill {} by the method {}, with the seed {}: no person and "
-      "no place was recorded, and labels are exact. What was modelled and what was left out:\n\n{}",
-      manifest.programVersion, fmt::join(totals.methods, ", "), manifest.seed, list(manifest.modelled));
+      "## How it was made\n\nSimulated with Scanmill {} by the method {}, with the seed {}. Labels are those of the "
+      "surfaces "
+      "that the beams hit, as the scenes or images state them. {}",
+      manifest.programVersion, fmt::join(totals.methods, ", "), manifest.seed, modelText(manifest.modelled));
   if (!totals.draws.empty()) {
     text += fmt::format("\nRandom values, which the manifest states for each sample: `{}`.\n",
                         fmt::join(totals.draws, "`, `"));
@@ -188,6 +251,7 @@ std::string croissantJson(const Manifest& manifest) {
                      {"citeAs", "cr:citeAs"},
                      {"conformsTo", "dct:conformsTo"},
                      {"cr", "http://mlcommons.org/croissant/"},
+                     {"data", {{"@id", "cr:data"}, {"@type", "@json"}}},
                      {"dct", "http://purl.org/dc/terms/"},
                      {"sc", "https://schema.org/"},
                      {"dataType", {{"@id", "cr:dataType"}, {"@type", "@vocab"}}},
@@ -237,11 +301,25 @@ std::string croissantJson(const Manifest& manifest) {
   };
   addMembers("samples-json", "*.json", "application/json");
   files.back()["excludes"] = "*.*.json";  // further members of samples, such as their lists of objects
+  if (listsObjects(manifest)) addMembers("objects-json", fmt::format("*.{}", kObjectsSuffix), "application/json");
   for (const FormatRecord& format : manifest.formats) {
     addMembers("scans-" + format.name, "*." + format.suffix, "application/octet-stream");
   }
   json["distribution"] = std::move(files);
+  OrderedJson classes = OrderedJson::array();
+  for (const SemanticClass& c : manifest.ontology.classes) {
+    classes.push_back({{"classes/id", c.id}, {"classes/name", c.name}});
+  }
   json["recordSet"] = {
+      {{"@type", "cr:RecordSet"},
+       {"@id", "classes"},
+       {"name", "classes"},
+       {"description", "The classes of the column `label` of scans."},
+       {"key", {{"@id", "classes/id"}}},
+       {"field",
+        {{{"@type", "cr:Field"}, {"@id", "classes/id"}, {"name", "id"}, {"dataType", "sc:Integer"}},
+         {{"@type", "cr:Field"}, {"@id", "classes/name"}, {"name", "name"}, {"dataType", "sc:Text"}}}},
+       {"data", std::move(classes)}},
       {{"@type", "cr:RecordSet"},
        {"@id", "samples"},
        {"name", "samples"},

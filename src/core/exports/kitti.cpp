@@ -258,11 +258,13 @@ class Kitti : public Layout {
     sets["trainval"] = sets["train"] + sets["val"];
     for (const auto& [split, frames] : sets)
       folder.write(std::filesystem::path("ImageSets") / (split + ".txt"), frames);
-    if (shown == all) return {};
-    return {
+    std::vector<std::string> warnings = skewWarnings(plan, "KITTI");
+    if (shown == all) return warnings;
+    warnings.push_back(
         fmt::format("{} of {} boxes with points are left out, since KITTI lists only objects in the image of its "
-                    "camera, which looks ahead; all points are written",
-                    all - shown, all)};
+                    "camera, which looks along the first sensor's x axis; all points are written",
+                    all - shown, all));
+    return warnings;
   }
 
  private:

@@ -102,6 +102,21 @@ std::string velodynePoints(const ExportScan& given, std::span<const std::size_t>
   return bytes;
 }
 
+std::vector<std::string> skewWarnings(const ExportPlan& plan, std::string_view layout) {
+  const auto moves = [](const SampleRecord& sample) {
+    return std::any_of(sample.scans.begin(), sample.scans.end(),
+                       [](const ScanRecord& scan) { return scan.worldFromSensor.size() > 1; });
+  };
+  if (plan.manifest.deskewed || std::none_of(plan.manifest.samples.begin(), plan.manifest.samples.end(), moves)) {
+    return {};
+  }
+  return {
+      fmt::format("the sensors move during a revolution, and each point is in the sensor's frame at its own time, "
+                  "which {} does not "
+                  "store: for points that one pose places, generate with `motion: {{steps: per_column, deskew: true}}`",
+                  layout)};
+}
+
 std::array<double, 12> matrixRows(const Pose& pose) {
   const Mat3 r = toMatrix(pose.rotation);
   const Vec3d& t = pose.translation;

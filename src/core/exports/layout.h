@@ -74,6 +74,9 @@ std::vector<std::size_t> velodyneOrder(const ExportScan& given);
 // Returns the bytes of the points in the given order, as in KITTI's files velodyne/*.bin: x, y, z (m) and intensity (0
 // to 1), float32.
 std::string velodynePoints(const ExportScan& given, std::span<const std::size_t> order);
+// Returns a warning if points are in the frames of several poses, because the sensors moved during a revolution and the
+// dataset is not deskewed; for layouts that store one pose and no times. Otherwise empty.
+std::vector<std::string> skewWarnings(const ExportPlan& plan, std::string_view layout);
 // Returns the rows of a pose's matrix of 3 x 4 numbers, one after the other.
 std::array<double, 12> matrixRows(const Pose& pose);
 // Returns the scan of an exported sensor (index in ExportPlan::sensors). Throws InputError if the sample has no scan of

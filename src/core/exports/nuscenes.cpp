@@ -174,17 +174,7 @@ class NuScenes : public Layout {
   std::vector<std::string> finish(const ExportPlan& plan, const ReadObjects& read,
                                   const ExportFolder& folder) const override {
     writeNuScenesTables(plan, read, folder);
-    std::vector<std::string> warnings;
-    const auto moves = [](const SampleRecord& sample) {
-      return std::any_of(sample.scans.begin(), sample.scans.end(),
-                         [](const ScanRecord& scan) { return scan.worldFromSensor.size() > 1; });
-    };
-    if (!plan.manifest.deskewed && std::any_of(plan.manifest.samples.begin(), plan.manifest.samples.end(), moves)) {
-      warnings.emplace_back(
-          "the sensors move during a revolution, and each point is in the sensor's frame at its own time, which "
-          "nuScenes "
-          "does not store: for points that one pose places, generate with `motion: {steps: per_column, deskew: true}`");
-    }
+    std::vector<std::string> warnings = skewWarnings(plan, "nuScenes");
     std::size_t apart = 0;
     std::size_t tests = 0;
     for (const ExportSequence& sequence : plan.sequences) {

@@ -171,7 +171,7 @@ class SemanticKitti : public Layout {
     }
     folder.write("semantic-kitti.yaml", configuration(plan));
     writeInfos(plan, folder);
-    std::vector<std::string> warnings;
+    std::vector<std::string> warnings = skewWarnings(plan, "SemanticKITTI");
     std::size_t others = 0;
     for (std::size_t s = 0; s < plan.sequences.size(); ++s) {
       const std::vector<std::size_t> usual = usualNumbers(plan.sequences[s].split);

@@ -36,15 +36,8 @@ class Road {
   // Returns the height of the road at a point (m), if it is free up to kClear and climbs or falls at most by kSteepest
   // from the height `z` at the distance `far` (m).
   std::optional<double> height(double x, double y, double z, double far = kHalfWidth) const {
-    const std::vector<SurfaceHeights::Surface> all = heights_.at(x, y);
-    for (auto s = all.rbegin(); s != all.rend(); ++s) {
-      if (std::fabs(s->height - z) > kSteepest * far || s->slope > kSteepestGround || !isRoad(*s)) continue;
-      const bool covered = std::any_of(all.begin(), all.end(), [&](const SurfaceHeights::Surface& other) {
-        return other.height > s->height + kSame && other.height < s->height + kClear;
-      });
-      if (!covered) return s->height;
-    }
-    return std::nullopt;
+    const std::optional<double> here = heightAt(x, y, z, far);
+    return here ? here : heightAt(x + kBesideSeam, y + kBesideSeam, z, far);
   }
 
   // Returns the distance (m) to the edge of the road in a direction (unit vector), at most kOpen.
@@ -98,6 +91,18 @@ class Road {
 
  private:
   static constexpr double kSame = 0.05;  // m; surfaces whose heights differ by less are the same surface
+
+  std::optional<double> heightAt(double x, double y, double z, double far) const {
+    const std::vector<SurfaceHeights::Surface> all = heights_.at(x, y);
+    for (auto s = all.rbegin(); s != all.rend(); ++s) {
+      if (std::fabs(s->height - z) > kSteepest * far || s->slope > kSteepestGround || !isRoad(*s)) continue;
+      const bool covered = std::any_of(all.begin(), all.end(), [&](const SurfaceHeights::Surface& other) {
+        return other.height > s->height + kSame && other.height < s->height + kClear;
+      });
+      if (!covered) return s->height;
+    }
+    return std::nullopt;
+  }
 
   bool isRoad(const SurfaceHeights::Surface& s) const {
     return std::find(classes_.begin(), classes_.end(), s.semantic) != classes_.end();

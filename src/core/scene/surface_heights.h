@@ -17,6 +17,10 @@ constexpr double kAboveGround = 0.5;           // m; ground up to this far above
 constexpr double kSteepestGround = kPi / 3;    // rad, largest slope of ground
 constexpr double kSteepestGroundCosine = 0.5;  // cosine of kSteepestGround
 
+// m; a vertical ray exactly on the edge between two meshes may miss both, by rounding. One that finds no ground is
+// therefore repeated this far beside it, along x and y.
+constexpr double kBesideSeam = 1e-3;
+
 // Returns the ground under a point at the height `z` (m). `surfaces` are all surfaces above and below the point, the
 // highest first; `heightOf` returns the height of a surface, and `holds` is true for a surface that counts. The
 // result is the highest surface that counts and is at most kAboveGround higher than `z`; if all are higher, the lowest
@@ -55,11 +59,14 @@ class SurfaceHeights {
   // Returns the result of groundUnder() among the surfaces that satisfy `holds` and are at most 60 degrees steep.
   template <class Holds>
   std::optional<Surface> under(const Vec3d& place, const Holds& holds) const {
-    const std::vector<Surface> all = at(place.x, place.y);
-    const Surface* const found = groundUnder(
-        all, place.z, [](const Surface& s) { return s.height; },
-        [&](const Surface& s) { return s.slope <= kSteepestGround && holds(s); });
-    return found == nullptr ? std::nullopt : std::optional(*found);
+    for (const double beside : {0.0, kBesideSeam}) {
+      const std::vector<Surface> all = at(place.x + beside, place.y + beside);
+      const Surface* const found = groundUnder(
+          all, place.z, [](const Surface& s) { return s.height; },
+          [&](const Surface& s) { return s.slope <= kSteepestGround && holds(s); });
+      if (found != nullptr) return *found;
+    }
+    return std::nullopt;
   }
 
   // The surfaces of given classes that face up, as an area to sample. If no surface faces up, the area has all surfaces

@@ -101,7 +101,7 @@ class PolarMix:
         """`classes`: class ids of the ontology, as in the columns `label` and `box_class`: [ontology.id_of("car")]."""
         if not 0 <= sector <= 2 * np.pi or copies < 1:
             raise InputError("PolarMix needs a sector from 0 to 2 pi and at least 1 copy")
-        self.classes, self.sector, self.copies = list(classes), sector, copies
+        self.classes, self.sector, self.copies = _ids(classes), sector, copies
         self.swap, self.paste = _share("swap", swap), _share("paste", paste)
 
     def __call__(self, sample: Sample, other: Sample, rng: np.random.Generator) -> Sample:
@@ -140,7 +140,7 @@ class PasteInstances:
         """`classes`: class ids of the ontology, as in `box_class`."""
         if most < 1 or min_points < 1:
             raise InputError("most and min_points of PasteInstances must be at least 1")
-        self.classes, self.most, self.min_points, self.hide = list(classes), most, min_points, hide
+        self.classes, self.most, self.min_points, self.hide = _ids(classes), most, min_points, hide
 
     def __call__(self, sample: Sample, other: Sample, rng: np.random.Generator) -> Sample:
         _require(sample, "PasteInstances", "boxes", "box_class", "instance", "box_instance")
@@ -163,6 +163,13 @@ class PasteInstances:
         if by_beam:
             kept &= ~np.isin(_beams(sample), _beams(pasted))
         return _joined(_part(sample, kept, ALL), pasted)
+
+
+def _ids(classes: Sequence[int]) -> list[int]:
+    """Returns the list. Raises InputError unless it holds class ids."""
+    if isinstance(classes, str) or not all(isinstance(one, (int, np.integer)) and 0 <= one < 65536 for one in classes):
+        raise InputError(f"classes must be a list of ids, such as [ontology.id_of('car')], not {classes!r}")
+    return list(classes)
 
 
 def _elevation(xyz: NDArray[Any]) -> NDArray[Any]:

@@ -64,7 +64,8 @@ class PassWriter:
         """Adds a frame: for each camera of `depth` an image (n, n), row 0 at the top.
 
         `pose`: of the sensor in the world. `depth`: m along the camera's axis, or with `along_rays` from the camera to
-        the surface; infinite, NaN or 0 if the pixel shows nothing. `semantic`: class ids; `instance`: ids of things, 0
+        the surface; infinite, NaN or 0 if the pixel shows nothing (such pixels
+        have no return; at least one of a frame must show something). `semantic`: class ids; `instance`: ids of things, 0
         for none; `reflectance`: 0 to 1 at the sensor's wavelength (0.3 if not given); `normal`: (n, n, 3) unit vectors
         in world axes, by default those of the surface through the depths of neighbouring pixels. `time`: s since the
         start of the drive, by default 0.1 s a frame. Raises InputError, which names the camera and the array.
@@ -76,6 +77,8 @@ class PassWriter:
             raise InputError("depth needs the image of at least one camera")
         for camera, own in depth.items():
             z = _image(own, f"depth of '{camera}'").astype(np.float32)
+            if (z < 0).any():
+                raise InputError(f"depth of '{camera}' has {np.count_nonzero(z < 0)} negative values: depths are m in front of it")
             n = len(z)
             world_from_camera = world_from_sensor.copy()
             world_from_camera[:3, :3] = world_from_sensor[:3, :3] @ np.array(CAMERAS[camera], float).T
@@ -123,7 +126,9 @@ def _row(matrix: NDArray[np.float64]) -> list[float]:
 
 def _image(values: ArrayLike, what: str) -> NDArray[Any]:
     image = np.asarray(values)
-    if image.ndim != 2 or image.shape[0] != image.shape[1] or len(image) < 2 or image.dtype.kind not in "fui":
+    if image.dtype.kind in "ui":
+        raise InputError(f"{what} is {image.dtype}: depths are floating-point numbers in m (divide millimetres by 1000)")
+    if image.ndim != 2 or image.shape[0] != image.shape[1] or len(image) < 2 or image.dtype.kind != "f":
         raise InputError(f"{what} must be a square image of numbers (n, n), not {image.dtype} {image.shape}")
     return image
 

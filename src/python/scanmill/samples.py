@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._core import InputError
-from .augment import generator
+from .augment import Compose, Transform, generator
 from .dataset import Sample
 from .mix import Mix
 from .ontology import Ontology
@@ -41,18 +41,19 @@ class SampleReader:
         train_ids: NDArray[Any] | None = None,
         boxes: bool | Sequence[str] = False,
         min_points: int = 0,
-        transform: Callable[[dict[str, Any], Any, int], dict[str, Any]] | None = None,
-        mix: Mix | None = None,
+        transform: Callable[[dict[str, Any], Any, int], dict[str, Any]] | Sequence[Transform] | None = None,
+        mix: Mix | Sequence[Mix] | None = None,
         seed: int = 0,
     ) -> None:
         """`sensor` and `columns`: see Sample.scan(); the column `label` is also read if train ids need it.
 
         `train_ids`: a table returned by Ontology.train_ids(). `boxes`: True for boxes of all classes, or a list of
-        class names. Objects with fewer than `min_points` points are left out. `transform`: a function such as
-        augment.Compose; transform(sample, key, epoch) returns the changed sample.
+        class names. Objects with fewer than `min_points` points are left out. `transform`: a list of
+        transforms of scanmill.augment, which augment.Compose applies with the seed `seed`; or a function such as
+        Compose: transform(sample, key, epoch) returns the changed sample.
 
-        `mix`: a function such as augment.mix.LaserMix(). mix(sample, other, rng) returns the sample mixed with another
-        one of the same Dataset, which is read too; the transform follows. The other sample and the random numbers
+        `mix`: a function such as augment.mix.LaserMix(), or a list of them, applied in their order. mix(sample, other,
+        rng) returns the sample mixed with another one of the same Dataset, which is read too; the transform follows. The other sample and the random numbers
         depend only on the Dataset, `seed` (0 or more), the key and the epoch.
         """
         if isinstance(columns, str) or isinstance(boxes, str):
@@ -62,19 +63,25 @@ class SampleReader:
         self.train_ids = train_ids
         self.boxes = boxes
         self.min_points = min_points
+        if isinstance(transform, Sequence):
+            transform = Compose(transform, seed)
+        elif type(transform).__module__ == "scanmill.augment" and not isinstance(transform, Compose):
+            raise InputError(f"transform must be a list, [{type(transform).__name__}(...)], or a Compose of one")
         self.transform = transform
-        self.mix = mix
+        self.mix = mix if isinstance(mix, Sequence) else [] if mix is None else [mix]
         self.seed = seed
 
     def __call__(self, sample: Sample, epoch: int = 0) -> dict[str, Any]:
         """Returns the dictionary of one sample. Raises InputError for the same reasons as Sample.scan(), and if `boxes`
         is given but the dataset has no object lists."""
         out = self._read(sample)
-        if self.mix is not None:
+        if self.mix:
             rng = generator(self.seed, sample.key, epoch, MIXING)
             samples = sample.dataset
             other = (sample.index + int(rng.integers(1, max(len(samples), 2)))) % len(samples)
-            out = self.mix(out, self._read(samples[other]), rng)
+            mixed_in = self._read(samples[other])
+            for mix in self.mix:
+                out = mix(out, mixed_in, rng)
         return out if self.transform is None else self.transform(out, sample.key, epoch)
 
     def _read(self, sample: Sample) -> dict[str, Any]:

@@ -233,7 +233,8 @@ class Scene:
         return self._simulator(self._pipeline([few], "ray_tracing", None, None, 1, False))
 
     def __repr__(self) -> str:
-        return f"<Scene {self.path}, seed {self.seed}>"
+        added = f", {len(self._parts)} added parts" if self._parts else ""
+        return f"<Scene {self.path}, seed {self.seed}{added}>"
 
     def __getstate__(self) -> dict[str, Any]:
         return {k: v for k, v in self.__dict__.items() if k not in ("_lock", "_simulators")}

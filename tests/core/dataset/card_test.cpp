@@ -86,7 +86,10 @@ TEST(Card, CroissantDescribesEveryShardAndMember) {
     EXPECT_EQ(set["containedIn"].size(), m.shards.size());
     for (const Json& in : set["containedIn"]) EXPECT_TRUE(ids.contains(in["@id"]));
   }
-  const Json& fields = json["recordSet"][0]["field"];
+  const Json& classes = json["recordSet"][0]["data"];
+  ASSERT_EQ(classes.size(), m.ontology.classes.size());
+  for (std::size_t i = 0; i < classes.size(); ++i) EXPECT_EQ(classes[i]["classes/name"], m.ontology.classes[i].name);
+  const Json& fields = json["recordSet"][1]["field"];
   for (const Json& field : fields) EXPECT_TRUE(sets.contains(field["source"]["fileSet"]["@id"]));
   const std::regex key(fields[0]["source"]["transform"]["regex"].get<std::string>());
   const auto in = [&](const Json& set, const std::string& member) {

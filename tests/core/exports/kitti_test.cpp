@@ -115,6 +115,15 @@ TEST_F(KittiLayout, WhatIsBehindOrUnseenIsNotListed) {
       << "OpenPCDet stops at an empty file";
 }
 
+// Points of a moving sensor cannot be placed by one pose unless they are deskewed.
+TEST_F(KittiLayout, PointsThatAreNotDeskewedAreToldOf) {
+  std::vector<Pose>& poses = plan_.manifest.samples[1].scans[0].worldFromSensor;
+  poses.push_back(poses.front());
+  EXPECT_THAT(write(*layout_), testing::ElementsAre(HasSubstr("deskew: true")));
+  plan_.manifest.deskewed = true;
+  EXPECT_THAT(write(*layout_), testing::IsEmpty());
+}
+
 // Of the boxes with points, how many are not listed is told.
 TEST_F(KittiLayout, WhatTheImageLeavesOutIsCounted) {
   EXPECT_THAT(write(*layout_), testing::IsEmpty());

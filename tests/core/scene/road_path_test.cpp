@@ -119,6 +119,27 @@ TEST_F(RoadPath, LeadsThroughAnImportedTown) {
   }
 }
 
+// Rays that are exactly on the seam between two tiles of a town may miss both tiles: a path crosses it all the same.
+TEST_F(RoadPath, LeadsAcrossTheSeamsOfTiles) {
+  SKIP_WITHOUT_SHARED_DATA("scenes/kenney_city/road-straight.glb");
+  const std::string folder = (sharedData() / "scenes/kenney_city").string();
+  std::string tiles = fmt::format(
+      "  - {{name: crossing, file: \"{}/road-intersection.glb\", unit: 12, class: road, material: asphalt}}\n", folder);
+  for (const int x : {-36, -24, -12, 12, 24, 36}) {
+    tiles += fmt::format(
+        "  - {{name: road, file: \"{}/road-straight.glb\", unit: 12, class: road, material: asphalt, position: [{}, 0, "
+        "0], yaw_deg: 90}}\n",
+        folder, x);
+  }
+  const Scene scene = readScene(folder_.write("tiles.yaml", sceneYaml(tiles)), {});
+  SurfaceHeights heights(scene);
+  heights.update();
+  for (const double start : {-40.0, -39.5}) {  // m; cells of 1 m from the first one lie on all seams
+    const Path way(findRoadPath(heights, scene.ontology, {{"road"}, {start, -2.6, 0}, {40, -2.6, 0}, {}, {}}));
+    EXPECT_NEAR(way.length(), 40 - start, 3);
+  }
+}
+
 // The heights of the ground between the points too: a lawn below, and roads above it.
 TEST_F(RoadPath, PointsDropOnTheGround) {
   SurfaceHeights heights(scene_);

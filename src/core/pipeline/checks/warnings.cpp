@@ -288,6 +288,14 @@ std::vector<std::string> sensorWarnings(const Plan& plan) {
     if (pipeline.drawn != nullptr) {
       for (const SensorDraw& one : pipeline.drawn->cases()) tellAssumed(*one.effects[s]);
     }
+    const Value* const own = sensor.description.find("effects");
+    const bool written = own != nullptr && own->where.file == pipeline.file.string();
+    if (written && pipeline.drawn == nullptr && !takesSensorEffects(pipeline)) {
+      lines.push_back(fmt::format(
+          "{}:{}: the effects of the sensor '{}' are not applied, because the pipeline's own `effects` do not name "
+          "`sensor`: write `effects: sensor`, or remove them here",
+          own->where.file, own->where.line, sensor.name));
+    }
     if (!sensor.standIn) continue;
     lines.push_back(fmt::format(
         "`effects: sensor`: the file of the sensor '{}' has no effects, so that its ranges are exact beside those of "

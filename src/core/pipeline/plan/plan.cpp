@@ -209,10 +209,12 @@ Plan makePlan(Pipeline read, Channels kept) {
     for (const ChosenEffect& effect : *sensor.effects) effect->check(*beams);
     const std::uint32_t raysPerBeam = pipeline.raysPerBeam(s);
     if (beams->rosette && raysPerBeam > 1) {
-      throw InputError(sensor.description.where,
-                       fmt::format("the beams of '{}' change from revolution to revolution: leave out the effect "
-                                   "footprint",
-                                   sensor.name));
+      throw InputError(
+          sensor.description.where,
+          fmt::format("the effect footprint cannot be applied to '{0}', whose beams change from revolution "
+                      "to revolution: leave it out, or write `effects: sensor` and give each sensor its "
+                      "own `effects`, without footprint for '{0}'",
+                      sensor.name));
     }
     plan.sensors.push_back(
         {beams, raysPerBeam == 1 ? nullptr : std::make_shared<const Footprint>(makeFootprint(*beams, raysPerBeam))});

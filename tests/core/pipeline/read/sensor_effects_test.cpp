@@ -36,11 +36,12 @@ class SensorEffectsOf : public testing::Test {
     return result;
   }
 
+  TemporaryFolder folder_;
+
  private:
   static std::string sensor(const std::string& effects) {
     return "columns: 32\nrate_hz: 10\nelevation_deg: {top: 5, bottom: -20, rings: 8}\nrange_m: [0.5, 100]\n" + effects;
   }
-  TemporaryFolder folder_;
 };
 
 TEST_F(SensorEffectsOf, AreTakenWhereThePipelineSaysSo) {
@@ -98,6 +99,23 @@ TEST_F(SensorEffectsOf, AreLeftOutOtherwise) {
   EXPECT_THAT(names(pipeline("effects: [intensity]\n", noise, ""), 1), ElementsAre("intensity"));
   EXPECT_THAT(modelled(makePlan(pipeline("", noise, "")), {}),
               Contains(HasSubstr("effects in the sensor file of 'a': left out")));
+}
+
+// Effects that the pipeline itself gives to one of its sensors are warned of if it does not apply them.
+TEST_F(SensorEffectsOf, ThoseOfThePipelineAreNotLeftOutInSilence) {
+  const auto warnings = [&](const std::string& effects) {
+    pipeline("", "", "");
+    return sensorWarnings(makePlan(
+        readPipeline(folder_.write("own.yaml",
+                                   "scenes: [{scene: scenes/yard.yaml}]\n"
+                                   "trajectories: [{poses: [{position: [0, 0, 2]}]}]\n"
+                                   "sensors: [{name: a, preset: first.yaml, effects: [dropout: {probability: 1}]}]\n"
+                                   "method: ray_tracing\noutput: {formats: [pcd]}\n" +
+                                       effects),
+                     {})));
+  };
+  EXPECT_THAT(warnings("effects: [intensity]\n"), ElementsAre(AllOf(HasSubstr("own.yaml:"), HasSubstr("not applied"))));
+  EXPECT_THAT(warnings("effects: sensor\n"), testing::IsEmpty());
 }
 
 TEST_F(SensorEffectsOf, EachScanHasItsOwn) {
