@@ -160,9 +160,8 @@ ViewOptions readViewOptions(const Arguments& parsed, bool window) {
   }
   if (parsed.has("camera")) view.camera = parseCamera(parsed.text("camera"));
   view.closeUp = readCloseUp(parsed);
-  if (view.closeUp && parsed.has("camera") && !view.camera.view) {
-    throw InputError(
-        fmt::format("--at says where to look: beside it --camera is one of {}", fmt::join(kViewNames, ", ")));
+  if (view.closeUp && view.camera.placed) {
+    throw InputError("--at says where to look: leave X,Y,Z out of --camera beside it");
   }
   if (parsed.has("point-size")) view.pointSize = parsed.number("point-size", 0.5, 50);
   view.background = readBackground(parsed.options["background"].as<std::string>());
@@ -173,7 +172,12 @@ ViewOptions readViewOptions(const Arguments& parsed, bool window) {
   view.rangeImage = parsed.has("range-image");
   view.still = !window;
   view.bare = parsed.has("bare");
-  if (view.bare) view.axes = view.trajectory = view.boxes = false;
+  if (parsed.has("boxes")) {
+    view.boxes = static_cast<BoxChoice>(wordAmong(parsed.text("boxes"), "boxes", kBoxChoiceNames));
+  } else if (view.bare) {
+    view.boxes = BoxChoice::None;
+  }
+  if (view.bare) view.axes = view.trajectory = false;
   if (parsed.has("hide") && parsed.has("only")) throw InputError("--hide and --only exclude each other");
   view.only = parsed.has("only");
   view.hidden = parsed.list(view.only ? "only" : "hide");
@@ -273,9 +277,26 @@ void drawSheet(const std::filesystem::path& file, const Arguments& parsed, const
 // Shows an EXR image or the images of a recording, or writes a picture of one of these images.
 void viewImages(const std::filesystem::path& path, const Arguments& parsed, const PictureSize& size,
                 const Outputs& outputs) {
-  for (const char* option :
-       {"sensor", "over", "reference", "scene", "seed", "color", "scale", "layout", "camera", "hide", "only",
-        "instance", "mesh", "rings", "range-image", "range-image-alone", "turntable", "at", "contact-sheet"}) {
+  for (const char* option : {"sensor",
+                             "over",
+                             "reference",
+                             "scene",
+                             "seed",
+                             "color",
+                             "scale",
+                             "layout",
+                             "camera",
+                             "hide",
+                             "only",
+                             "instance",
+                             "boxes",
+                             "mesh",
+                             "rings",
+                             "range-image",
+                             "range-image-alone",
+                             "turntable",
+                             "at",
+                             "contact-sheet"}) {
     if (parsed.has(option)) {
       throw InputError({path.string()},
                        fmt::format("is shown as images: --{} is for scans; --plane chooses what is shown", option));
@@ -391,7 +412,7 @@ void addOptions(cxxopts::Options& options) {
       textValue(), "WHERE");
   add("plane", "plane of an EXR image: the first where not given; all: side by side, with --screenshot", textValue(),
       "NAME");
-  add("at", "a close-up of this place, in m in the sensor's frame, from the direction of --camera NAME", textValue(),
+  add("at", "a close-up of this place, in m in the sensor's frame, from the direction of --camera", textValue(),
       "X,Y,Z");
   add("within", "only the points so near the place of --at, in m", textValue(), "R");
   add("size", "width and height in pixels: of the window 1280x800, of pictures 1600x900", textValue(), "WxH");
@@ -400,6 +421,10 @@ void addOptions(cxxopts::Options& options) {
   add("hide", "a class that is not shown: name or id (may be repeated)", listValue(), "CLASS");
   add("only", "a class that alone is shown (may be repeated)", listValue(), "CLASS");
   add("instance", "an instance that alone is shown (may be repeated)", listValue(), "ID");
+  add("boxes",
+      fmt::format("{}: the objects whose boxes are drawn, if the dataset lists objects (default: {})",
+                  fmt::join(kBoxChoiceNames, ", "), kBoxChoiceNames.front()),
+      textValue(), "WHICH");
   add("mesh", "the scene, faintly");
   add("rings", "range rings");
   add("range-image", "also as rings x columns, looking outward");

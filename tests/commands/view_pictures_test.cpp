@@ -93,7 +93,7 @@ TEST_F(Pictures, WrongCloseUpsAreRefusedWithAdvice) {
       {{"--at", "1,2,3", "--within", "near"}, "near"},
       {{"--at", "1,2,3", "--within", "1,5"}, "not '1,5' (write a point"},
       {{"--at", "1,2,3", "--within", "3", "--range-image-alone"}, "takes no --at"},
-      {{"--at", "1,2,3", "--within", "3", "--camera", "30,20,25"}, "--at says where to look"},
+      {{"--at", "1,2,3", "--within", "3", "--camera", "30,20,25,1,2,3"}, "leave X,Y,Z out"},
       {{"--at", "0,0,9999", "--within", "3"}, "the nearest is"},
   };
   std::vector<std::vector<std::string>> all;

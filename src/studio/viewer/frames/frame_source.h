@@ -44,8 +44,9 @@ struct ViewObject {
 struct ViewFrame {
   std::string key;
   std::vector<ViewScan> scans;
-  std::vector<std::string> problems;  // one line for each part of the frame that could not be loaded
-  std::vector<ViewObject> objects{};  // empty if the dataset has no object lists
+  std::vector<std::string> problems;       // one line for each part of the frame that could not be loaded
+  std::vector<ViewObject> objects{};       // empty if the dataset has no object lists
+  std::optional<Pose> worldFromVehicle{};  // pose of the own vehicle; absent if it was not modelled or is unknown
 };
 
 struct SceneChoice {
@@ -94,6 +95,8 @@ class FrameSource {
   // Returns the scene in which the frame was scanned. If the scene is unknown or its file is missing, returns nothing,
   // and `why` receives the reason.
   virtual std::optional<SceneChoice> scene(std::size_t frame, std::string& why) const = 0;
+  // Returns the scene file of the own vehicle; nothing if there is none, or if the file is missing.
+  virtual std::optional<std::filesystem::path> vehicle() const { return {}; }
   // Returns the ids of all classes that occur in the frames, ascending; empty if this is unknown.
   virtual std::vector<std::uint16_t> classes() const { return {}; }
   // Returns the indices of frames that have been found unreadable so far, ascending. May be called from any thread.

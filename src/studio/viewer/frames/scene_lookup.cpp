@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "config/fields.h"
 #include "config/file_kind.h"
+#include "config/resources.h"
 #include "config/value.h"
 #include "pipeline/plan/dataset_plan.h"
 #include "pipeline/read/sequences.h"
@@ -102,6 +103,19 @@ std::optional<SceneChoice> sceneOfSample(const std::string& pipelineText, const 
     why = fmt::format("{}: {}", e.what(), kAdvice);
   }
   return std::nullopt;
+}
+
+std::optional<fs::path> vehicleOf(const std::string& pipelineText, const fs::path& datasetFolder) {
+  try {
+    const Value root = pipelineOf(pipelineText, datasetFolder);
+    const Value* vehicle = root.find("vehicle");
+    if (vehicle != nullptr && vehicle->kind == Value::Kind::Map) vehicle = vehicle->find("scene");
+    if (vehicle == nullptr || vehicle->kind != Value::Kind::Scalar) return {};
+    const auto file = fileNamed(vehicle->text, datasetFolder);
+    return file ? file : fileNamed((resourceFolder() / "scenes" / vehicle->text).string(), datasetFolder);
+  } catch (const InputError&) {
+    return {};
+  }
 }
 
 std::uint64_t seedOfKey(const std::string& key) {

@@ -18,6 +18,10 @@ namespace scanmill {
 std::optional<SceneChoice> sceneOfSample(const std::string& pipelineText, const std::filesystem::path& datasetFolder,
                                          const std::string& key, double time, std::string& why);
 
+// Returns the scene file that the pipeline's key `vehicle` names; nothing if there is none, or if it is not found.
+std::optional<std::filesystem::path> vehicleOf(const std::string& pipelineText,
+                                               const std::filesystem::path& datasetFolder);
+
 // Returns the seed of the scene in a sample's key, such as 3 in "street-s3-lane-000012"; 1 if the key contains no seed.
 std::uint64_t seedOfKey(const std::string& key);
 

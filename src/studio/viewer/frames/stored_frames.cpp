@@ -265,6 +265,7 @@ ViewFrame StoredFrames::load(std::size_t frame) const {
     if (l.loaded) view.scans.push_back(std::move(l.scan));
   }
   view.objects = objectsAbout(frame, view.problems);
+  view.worldFromVehicle = vehiclePose(view.key);
   return view;
 }
 
@@ -355,6 +356,26 @@ std::optional<SceneChoice> StoredFrames::scene(std::size_t frame, std::string& w
     return std::nullopt;
   }
   return sceneOfSample(first().manifest()->pipelineText, first().folder(), key, time, why);
+}
+
+std::optional<std::filesystem::path> StoredFrames::vehicle() const {
+  const Manifest* const manifest = first().manifest();
+  return manifest == nullptr ? std::nullopt : vehicleOf(manifest->pipelineText, first().folder());
+}
+
+// Returns the pose of the vehicle that carries the sensors, at the start of the sample's first scan.
+std::optional<Pose> StoredFrames::vehiclePose(const std::string& key) const {
+  const Manifest* const manifest = first().manifest();
+  const auto sequence = sequences_.find(partsOfKey(key).sequence);
+  if (manifest == nullptr || sequence == sequences_.end()) return {};
+  for (const SampleRecord* sample : sequence->second) {
+    if (sample->key != key || sample->scans.empty()) continue;
+    const ScanRecord& scan = sample->scans.front();
+    const auto sensor = std::ranges::find(manifest->sensors, scan.sensor, &SensorRecord::name);
+    if (sensor == manifest->sensors.end() || scan.worldFromSensor.empty()) return {};
+    return scan.worldFromSensor.front() * inverse(mountOf(*sensor, scan));
+  }
+  return {};
 }
 
 std::vector<std::uint16_t> StoredFrames::classes() const {

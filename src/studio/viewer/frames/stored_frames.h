@@ -26,6 +26,7 @@ class StoredFrames : public FrameSource {
   ViewFrame load(std::size_t frame) const override;
   std::vector<Pose> trajectory(std::size_t frame) const override;
   std::optional<SceneChoice> scene(std::size_t frame, std::string& why) const override;
+  std::optional<std::filesystem::path> vehicle() const override;
   std::vector<std::uint16_t> classes() const override;
   std::vector<std::size_t> damaged() const override;
 
@@ -46,6 +47,7 @@ class StoredFrames : public FrameSource {
   void addReferenceError(ViewScan& scan, const std::string& key) const;
   void nameScans(std::vector<Loading>& all) const;
   const Pose* poseOf(const SampleRecord& sample) const;
+  std::optional<Pose> vehiclePose(const std::string& key) const;
   std::vector<ViewObject> objectsAbout(std::size_t frame, std::vector<std::string>& problems) const;
   std::shared_ptr<const SampleObjects> objectsOf(const std::string& key) const;
 

@@ -8,6 +8,7 @@
 #include <exception>
 #include <limits>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "base/parallel.h"
@@ -145,10 +146,38 @@ void fillBoxes(ViewMesh& view) {
   for (const Box& box : view.boxes) view.bounds.add(box);
 }
 
-// Returns a box that contains most of a scene. Large triangles, such as those of surrounding ground, are ignored if
-// there are small ones. Space is divided into coarse cells; each is weighted by the logarithm of the number of corners
-// in it, so that a tree with many leaves does not outweigh the houses around it. `corners`: three per triangle.
-Box coreOf(const std::vector<Vec3f>& corners, const Box& bounds) {
+// Returns the classes of ground that reaches to the sides of a scene whose other classes do not, such as the terrain of
+// a town.
+std::set<std::uint16_t> surroundingClasses(const ViewMesh& view) {
+  constexpr double kReaches = 0.95;  // fraction of the scene's longest side
+  constexpr double kWithin = 0.85;   // largest such fraction for the rest
+  const auto longest = [](const Box& box) {
+    return box.empty() ? 0 : std::max(box.high.x - box.low.x, box.high.y - box.low.y);
+  };
+  std::map<std::uint16_t, Box> boxes;
+  for (std::size_t i = 0; i < view.corners.size(); ++i) boxes[view.semantic[i / 3]].add(Vec3d(view.corners[i]));
+  std::set<std::uint16_t> surrounding;
+  Box rest;
+  for (const auto& [semantic, box] : boxes) {
+    const SemanticClass* const known = view.ontology.find(semantic);
+    if ((known == nullptr || !known->thing) && longest(box) >= kReaches * longest(view.bounds)) {
+      surrounding.insert(semantic);
+    } else {
+      rest.add(box);
+    }
+  }
+  if (rest.empty() || longest(rest) > kWithin * longest(view.bounds)) surrounding.clear();
+  return surrounding;
+}
+
+// Returns a box that contains most of a scene, without the classes of surroundingClasses(). Large triangles, such as
+// those of surrounding ground, are ignored if there are small ones. Space is divided into coarse cells; each is
+// weighted by the logarithm of the number of corners in it, so that a tree with many leaves does not outweigh the
+// houses around it.
+Box coreOf(const ViewMesh& view) {
+  const std::vector<Vec3f>& corners = view.corners;
+  const Box& bounds = view.bounds;
+  const std::set<std::uint16_t> surrounding = surroundingClasses(view);
   constexpr std::size_t kCells = 32;          // number of cells along the longest side of the bounds
   constexpr std::size_t kEnough = 1'000'000;  // maximum number of triangles that are examined
   constexpr double kLeftOut = 0.05;  // fraction of the cells' total weight that may be beyond each side of the box
@@ -168,6 +197,7 @@ Box coreOf(const std::vector<Vec3f>& corners, const Box& bounds) {
   const auto count = [&](double longest) {
     const std::size_t step = 3 * (corners.size() / (3 * kEnough) + 1);
     for (std::size_t t = 0; t + 2 < corners.size(); t += step) {
+      if (surrounding.contains(view.semantic[t / 3])) continue;
       const std::array<Vec3d, 3> corner{Vec3d(corners[t]), Vec3d(corners[t + 1]), Vec3d(corners[t + 2])};
       if (std::max({length(corner[1] - corner[0]), length(corner[2] - corner[1]), length(corner[0] - corner[2])}) >
           longest) {
@@ -254,7 +284,7 @@ ViewMesh makeViewMesh(const Scene& scene) {
   }
   fillTriangles(scene, view);
   fillBoxes(view);
-  view.core = coreOf(view.corners, view.bounds);
+  view.core = coreOf(view);
   return view;
 }
 

@@ -166,6 +166,7 @@ void drawLabels(const std::vector<PanelLabel>& labels, const PixelRect& within) 
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   const float away = letter() * 0.5F;
   const auto right = static_cast<float>(within.left + within.width);
+  std::vector<ImVec4> drawn;  // left, top, right and bottom of the texts
   for (const PanelLabel& label : labels) {
     const ImVec2 at{static_cast<float>(label.x), static_cast<float>(label.y)};
     if (label.mark) {
@@ -180,7 +181,13 @@ void drawLabels(const std::vector<PanelLabel>& labels, const PixelRect& within) 
     if (x + size.x + away > right) x = std::max(at.x - 2 * away - size.x, away);
     float y = at.y - away - size.y;
     if (y < static_cast<float>(within.top) + away) y = at.y + 2 * away;
-    list.AddRectFilled({x - 3, y - 1}, {x + size.x + 3, y + size.y + 1}, packed(kBackground, 200), 3);
+    const ImVec4 area{x - 3, y - 1, x + size.x + 3, y + size.y + 1};
+    const auto overlaps = [&](const ImVec4& other) {
+      return area.x < other.z && other.x < area.z && area.y < other.w && other.y < area.w;
+    };
+    if (label.optional && std::ranges::any_of(drawn, overlaps)) continue;
+    drawn.push_back(area);
+    list.AddRectFilled({area.x, area.y}, {area.z, area.w}, packed(kBackground, 200), 3);
     list.AddText({std::floor(x), std::floor(y)}, packed({255, 255, 255}), text.data(), text.data() + text.size());
   }
 }

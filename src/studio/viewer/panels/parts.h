@@ -34,7 +34,8 @@ struct PanelLabel {
   double x = 0;  // position on the canvas (pixels); the text is drawn to the right of this point and above it
   double y = 0;
   std::string text;
-  bool mark = true;  // draws a small ring at (x, y)
+  bool mark = true;       // draws a small ring at (x, y)
+  bool optional = false;  // true: left out if its text would overlap that of an earlier label
 };
 void drawLabels(const std::vector<PanelLabel>& labels, const PixelRect& within);
 // Draws the name of one of several views and, if `active` is true, a frame around the view.

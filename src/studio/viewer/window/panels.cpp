@@ -70,12 +70,12 @@ std::vector<CanvasView> Panels::views() const {
   return placed;
 }
 
-void Panels::addLabel(const Vec3d& spot, const std::string& text, bool mark) {
+void Panels::addLabel(const Vec3d& spot, const std::string& text, bool mark, bool optional) {
   for (const CanvasView& view : context_.drawing.views()) {
     const Projected p = view.camera.project(spot);
     if (!(p.depth >= view.camera.nearest)) continue;
     if (!(p.x >= 0 && p.y >= 0 && p.x < view.rect.width && p.y < view.rect.height)) continue;
-    labels.push_back({view.rect.left + p.x, view.rect.top + p.y, text, mark});
+    labels.push_back({view.rect.left + p.x, view.rect.top + p.y, text, mark, optional});
   }
 }
 
@@ -104,7 +104,7 @@ void Panels::addLabels() {
     addLabel(scenery_.canvasFromBox(*object) * Vec3d{0, 0, object->size.z / 2},
              fmt::format("{} {}, {:.0f} %", className(context_.source->ontology(), object->semantic), object->id,
                          100 * view->visibility().value_or(0)),
-             false);
+             false, true);
   }
   for (const Vec3d& end : pointer_.ends) addLabel(end, "", true);
   if (!pointer_.ends.empty() && (pointer_.ends.size() == 2 || (pointer_.measuring && pointer_.hover))) {

@@ -59,7 +59,7 @@ struct Panels {
  private:
   // Functions in panels.cpp:
   void fillPanes();
-  void addLabel(const Vec3d& spot, const std::string& text, bool mark);
+  void addLabel(const Vec3d& spot, const std::string& text, bool mark, bool optional = false);
   // Functions in panels_legends.cpp:
   void completeClasses(Legend& legend) const;
   void collectLegends();

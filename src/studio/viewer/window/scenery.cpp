@@ -13,7 +13,13 @@ constexpr Rgb kTrackColor{255, 214, 64};
 }  // namespace
 
 Scenery::Scenery(SessionContext& context, Clouds& clouds)
-    : camera(context.options.camera.camera), meshItem(context.canvas, kMeshItem), context_(context), clouds_(clouds) {}
+    : camera(context.options.camera.camera),
+      meshItem(context.canvas, kMeshItem),
+      vehicleItem(context.canvas, kVehicleItem),
+      context_(context),
+      clouds_(clouds) {
+  findRoadUsers();
+}
 
 void Scenery::takeFrame(std::size_t index) {
   worldFromAnchor.reset();
@@ -78,6 +84,7 @@ void Scenery::placeGuides() {
     for (const ShownCloud& cloud : clouds_.list) addAxes(axes, cloud.canvasFromScan, 1);
   }
   setLines(kAxesItem, axes, 2);
+  placeVehicle();
   LineSet rings;
   if (context_.options.rangeRings && !clouds_.list.empty()) addRangeRings(rings, ground, kRingColor);
   setLines(kRangeRingsItem, rings, 1);

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -65,6 +66,8 @@ struct Scenery {
   // Adds the mesh to the canvas, or removes it if meshSeen() is false.
   void placeMesh();
   void placeMeshLook();
+  // Draws the own vehicle where it is, if the dataset has one and the axes are on.
+  void placeVehicle();
   void applyFilter();
   void chooseMeshColor(MeshColor by);
   std::optional<PickedThing> pickMesh(const SightLine& line) const;
@@ -92,6 +95,7 @@ struct Scenery {
   std::optional<SceneChoice> meshWanted;
   std::string meshProblem;
   CanvasItem meshItem;
+  CanvasItem vehicleItem;
   MeshColor meshColor = MeshColor::Class;
   Coloring meshColoring;
   std::vector<std::uint8_t> meshShown;  // for each triangle, 1 if it is shown; empty: all are shown
@@ -100,6 +104,7 @@ struct Scenery {
  private:
   void place();
   Affine canvasFromScan(const ViewScan& scan) const;
+  void findRoadUsers();
   bool boxShown(const ObjectRecord& object) const;
   void placeInstanceBoxes(LineSet& lines);
 
@@ -109,6 +114,8 @@ struct Scenery {
   bool framed_ = false;  // true: the camera has been set to the scene's mesh or to the close-up, which happens once
   std::optional<std::pair<const ViewFrame*, std::size_t>> instancesOf_;  // frame and scan of the cached `instances_`
   std::vector<InstanceSummary> instances_;
+  std::optional<ViewMesh> vehicle_;    // mesh of the own vehicle, once it has been loaded
+  std::set<std::uint16_t> roadUsers_;  // classes of road users in the source's ontology
 };
 
 // Returns the most frequent class of an instance's points; 0 if its points have no classes.

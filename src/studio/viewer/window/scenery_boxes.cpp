@@ -4,7 +4,9 @@
 
 #include <algorithm>
 
+#include "config/resources.h"
 #include "config/text.h"
+#include "exports/class_map.h"
 #include "viewer/color_map.h"
 #include "viewer/window/scenery.h"
 
@@ -36,13 +38,28 @@ Affine Scenery::canvasFromBox(const ObjectRecord& object) const {
   return canvasFromWorld * toAffine(object.worldFromBox);
 }
 
+void Scenery::findRoadUsers() {
+  roadUsers_.clear();
+  const Ontology* const ontology = context_.source->ontology();
+  if (ontology == nullptr) return;
+  const ClassMap kitti(*ontology, readOntology(namedResource("kitti", "labels")));
+  for (const SemanticClass& c : ontology->classes) {
+    if (kitti.of(c.id) != 0) roadUsers_.insert(c.id);
+  }
+}
+
 bool Scenery::boxShown(const ObjectRecord& object) const {
+  if (context_.options.boxes == BoxChoice::None) return false;
+  // Instances that the user names are drawn whatever their class.
+  const bool roadUsers =
+      context_.options.boxes == BoxChoice::RoadUsers && !roadUsers_.empty() && context_.filter.instances.empty();
+  if (roadUsers && !roadUsers_.contains(object.semantic)) return false;
   return context_.filter.showsInstance(object.id) && context_.filter.classes.shows(object.semantic);
 }
 
 void Scenery::placeBoxes() {
   LineSet lines;
-  if (context_.options.boxes && context_.frame && worldFromAnchor && !clouds_.list.empty()) {
+  if (context_.frame && worldFromAnchor && !clouds_.list.empty()) {
     for (const auto& [object, track] : context_.frame->objects) {
       if (!boxShown(object)) continue;
       const SemanticClass* const known =
@@ -67,7 +84,7 @@ void Scenery::placeBoxes() {
 
 std::vector<std::pair<const ObjectRecord*, const ObjectView*>> Scenery::nearestSeen() const {
   std::vector<std::pair<const ObjectRecord*, const ObjectView*>> seen;
-  if (!context_.options.boxes || !context_.frame || !worldFromAnchor || clouds_.list.empty()) return seen;
+  if (!context_.frame || !worldFromAnchor || clouds_.list.empty()) return seen;
   for (const auto& [object, track] : context_.frame->objects) {
     const ObjectView* const view = shownView(object);
     if (view != nullptr && view->points > 0 && boxShown(object)) seen.emplace_back(&object, view);

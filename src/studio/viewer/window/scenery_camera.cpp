@@ -76,7 +76,7 @@ OrbitCamera Scenery::preset(View view) const {
   if (context_.source->isScene()) {
     // Shows the complete scene, or only ViewMesh::core if the scene is much larger than its core. Scenes often have
     // ground around them, which only the view from above shows.
-    const double kFarAway = view == View::Above ? 3 : 1.5;
+    const double kFarAway = view == View::Above ? 3 : 1.2;
     if (!mesh) return chosen;
     const auto longest = [](const Box& box) { return box.empty() ? 0 : length(box.high - box.low); };
     const bool whole = longest(mesh->bounds) < kFarAway * longest(mesh->core);
@@ -114,7 +114,7 @@ void Scenery::lookAtCloseUp() {
   chosen.target = clouds_.list.front().canvasFromScan * closeUp->at;
   // Slope of the tangents from the eye to the ball, relative to the line of sight.
   const double slope = kFilled * std::min(width, height) / 2 / chosen.camera(width, height).focal;
-  chosen.distance = closeUp->within * std::hypot(1, 1 / slope);
+  if (context_.options.camera.view) chosen.distance = closeUp->within * std::hypot(1, 1 / slope);
   setCamera(chosen);
 }
 

@@ -62,6 +62,19 @@ void Scenery::placeMeshLook() {
   context_.changes.items = true;
 }
 
+void Scenery::placeVehicle() {
+  const bool known = context_.frame && context_.frame->worldFromVehicle && worldFromAnchor;
+  const auto file = known && context_.options.axes ? context_.source->vehicle() : std::nullopt;
+  if (!file) return vehicleItem.drop();
+  if (!vehicle_) vehicle_ = loadViewMesh(*file, 1, 0, {});
+  if (vehicle_->size() == 0) return;
+  if (!vehicleItem.there()) vehicleItem.setTriangles(vehicle_->corners, colorMesh(*vehicle_, MeshColor::Class).colors);
+  vehicleItem.setLook(
+      {.canvasFromItem = canvasFromWorld * toAffine(*context_.frame->worldFromVehicle) * Affine{{}, vehicle_->origin},
+       .views = (1U << clouds_.viewCount()) - 1});
+  context_.changes.items = true;
+}
+
 void Scenery::chooseMeshColor(MeshColor by) {
   meshColor = by;
   if (!mesh || mesh->size() == 0) return;

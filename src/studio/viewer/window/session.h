@@ -3,11 +3,13 @@
 // The viewer: its contents, and its response to keys and the pointer. It draws on a canvas and does not depend on a
 // window system, so the same code draws windows and pictures, and tests can send key events without a display.
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -26,6 +28,11 @@ enum class ViewLayout {
   Split,    // views side by side with the same camera; they show different scans, or one scan in different colours
 };
 
+// The objects whose boxes are drawn. Road users are the classes that KITTI's object benchmark knows
+// (labels/kitti.yaml), or all objects if the ontology has none of these.
+enum class BoxChoice { RoadUsers, All, None };
+constexpr std::array<std::string_view, 3> kBoxChoiceNames{"road_users", "all", "none"};
+
 struct ViewOptions {
   // Quantities that the views' colours show, in the order of the views; the viewer chooses missing quantities.
   std::vector<ColorBy> colors{};
@@ -41,7 +48,7 @@ struct ViewOptions {
   bool mesh = false;  // draws the scene's mesh, translucent
   bool axes = true;   // draws the axes of the sensors
   bool rangeRings = false;
-  bool boxes = true;  // draws boxes of the objects that samples list
+  BoxChoice boxes = BoxChoice::RoadUsers;  // the objects in the samples' lists whose boxes are drawn
   bool trajectory = true;
   bool rangeImage = false;
   bool still = false;                 // true: draws a picture, without buttons, menus and fields

@@ -106,7 +106,6 @@ std::pair<bool*, const char*> ViewSession::State::switchOf(KeyAction action) {
   if (action == ToggleRangeRings) return {&options.rangeRings, "range rings"};
   if (action == ToggleBoxes && context.frame && context.frame->objects.empty())
     return {&scenery.instanceBoxes, "boxes about instances' points"};
-  if (action == ToggleBoxes) return {&options.boxes, "boxes of objects"};
   if (action == ToggleTrajectory && scenery.trajectory.size() > 1) return {&options.trajectory, "trajectory"};
   if (action == ToggleDepthEdges) return {&options.depthEdges, "depth edges"};
   if (action == ToggleLegends) return {&options.legends, "legends"};
@@ -114,6 +113,14 @@ std::pair<bool*, const char*> ViewSession::State::switchOf(KeyAction action) {
 }
 
 void ViewSession::State::act(const KeyMeaning& meaning) {
+  const auto toggle = [&](KeyAction action) {
+    const auto [option, name] = switchOf(action);
+    if (option == nullptr) return context.say("there is no trajectory");
+    *option = !*option;
+    scenery.placeGuides();
+    context.changes.views = true;
+    context.say(fmt::format("{} {}", name, *option ? "on" : "off"));
+  };
   const auto setLayout = [&](ViewLayout wantedLayout) {
     context.options.layout = context.options.layout == wantedLayout ? ViewLayout::One : wantedLayout;
     clouds.activeView.reset();
@@ -149,17 +156,19 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
     }
     case KeyAction::ToggleAxes:
     case KeyAction::ToggleRangeRings:
-    case KeyAction::ToggleBoxes:
-    case KeyAction::ToggleTrajectory:
-    case KeyAction::ToggleDepthEdges:
-    case KeyAction::ToggleLegends: {
-      const auto [option, name] = switchOf(meaning.action);
-      if (option == nullptr) return context.say("there is no trajectory");
-      *option = !*option;
+    case KeyAction::ToggleBoxes: {
+      if (context.frame && context.frame->objects.empty()) return toggle(meaning.action);
+      constexpr std::size_t kChoices = kBoxChoiceNames.size();
+      context.options.boxes = static_cast<BoxChoice>((static_cast<std::size_t>(context.options.boxes) + 1) % kChoices);
       scenery.placeGuides();
       context.changes.views = true;
-      return context.say(fmt::format("{} {}", name, *option ? "on" : "off"));
+      constexpr std::array<const char*, kChoices> kSaid{"of road users", "of all objects", "off"};
+      return context.say(fmt::format("boxes {}", kSaid[static_cast<std::size_t>(context.options.boxes)]));
     }
+    case KeyAction::ToggleTrajectory:
+    case KeyAction::ToggleDepthEdges:
+    case KeyAction::ToggleLegends:
+      return toggle(meaning.action);
     case KeyAction::ToggleMesh:
       context.options.mesh = !context.options.mesh;
       scenery.meshProblem.clear();

@@ -17,6 +17,7 @@ constexpr ItemId kTrackItem = 4;
 constexpr ItemId kMeasureItem = 5;
 constexpr ItemId kBoxesItem = 6;
 constexpr ItemId kBeamItem = 7;
+constexpr ItemId kVehicleItem = 8;
 constexpr ItemId cloudItem(std::size_t cloud) {
   return static_cast<ItemId>(100 + cloud);
 }

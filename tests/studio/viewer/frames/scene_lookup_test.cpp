@@ -76,6 +76,17 @@ TEST_F(SceneLookup, AmongTheProgramsOwn) {
   ASSERT_TRUE(of("street-s1-lane-000001", "scenes: [{scene: street}]"));
 }
 
+TEST_F(SceneLookup, TheOwnVehicle) {
+  const auto vehicle = [&](const std::string& text) { return vehicleOf(text, folder.path() / "out"); };
+  const fs::path own = fs::path(SCANMILL_SOURCE_DIR) / "scenes/vehicle.yaml";
+  EXPECT_EQ(vehicle("vehicle: vehicle\n"), own);
+  EXPECT_EQ(vehicle("vehicle: {scene: vehicle, returns: drop}\n"), own);
+  EXPECT_EQ(vehicle("vehicle: ../scenes/town.yaml\n"), town);
+  for (const char* none : {"vehicle: null\n", "vehicle: absent\n", "name: x\n", "vehicle: [1]\n", "{"}) {
+    EXPECT_FALSE(vehicle(none)) << none;
+  }
+}
+
 TEST_F(SceneLookup, InFoldersAboveTheDataset) {
   const fs::path yard = folder.write("project/pipelines/yard.yaml", "objects: []\n");
   const fs::path data = folder.path() / "project/runs/monday";

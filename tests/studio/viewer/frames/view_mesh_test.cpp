@@ -174,6 +174,25 @@ TEST(MakeViewMesh, TheCoreIsWhereMostOfItIs) {
   EXPECT_THAT(view.parts, testing::ElementsAre("ground", "ball#2"));
 }
 
+// Nor does ground of many triangles that reaches farther than all else; if other classes reach as far, it counts.
+TEST(MakeViewMesh, TheCoreLeavesOutTheGroundAround) {
+  for (const double apart : {60.0, 240.0}) {  // m, from one ball to the other
+    SceneBuilder builder = testBuilder();
+    Mesh ground = meshOf(builder, "ground");
+    for (int i = 0; i < 25; ++i) {
+      for (int k = 0; k < 25; ++k) appendPlane(ground, 0, {{}, {10.0 * i - 120, 10.0 * k - 120, 0}}, 10, 10);
+    }
+    builder.place(builder.addMesh(std::move(ground)), at(0, 0, 0), "ground");
+    Mesh ball = meshOf(builder, "thing");
+    appendSphere(ball, 0, {}, 5, 24);
+    const auto balls = builder.addMesh(std::move(ball));
+    for (const double x : {-apart / 2, apart / 2}) builder.place(balls, at(x, 0, 5), "ball");
+    const ViewMesh view = makeViewMesh(builder.finish());
+    EXPECT_NEAR(view.core.high.x - view.core.low.x, apart < 100 ? 70 : 235, 12);
+    EXPECT_NEAR(view.core.high.y - view.core.low.y, apart < 100 ? 10 : 235, 12);
+  }
+}
+
 // Nor does one thing of many triangles count for more than all around it.
 TEST(MakeViewMesh, TheCoreHoldsPlainThingsBesideAFineOne) {
   SceneBuilder builder = testBuilder();

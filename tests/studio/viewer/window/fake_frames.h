@@ -112,6 +112,8 @@ class FakeFrames : public FrameSource {
     return {};
   }
 
+  std::optional<std::filesystem::path> vehicle() const override { return vehicleFile; }
+
   // While it is shut, loading waits; of one frame only, where that is given.
   void setOpen(bool open, std::optional<std::size_t> only = {}) {
     {
@@ -125,6 +127,7 @@ class FakeFrames : public FrameSource {
   std::vector<ViewFrame> frames;
   std::vector<std::filesystem::path> scenes;  // of the frames, as far as they have one
   bool named = true;
+  std::optional<std::filesystem::path> vehicleFile;
 
  private:
   std::vector<std::string> keys_;

@@ -45,7 +45,7 @@ const FakeCanvas::Item& boxes(const SessionWorld& world) {
 }
 
 TEST(SessionBoxes, AreDrawnInTheColoursOfTheirClasses) {
-  SessionWorld world(listedFrames(), {.sample = "0"});
+  SessionWorld world(listedFrames(), {.sample = "0", .boxes = BoxChoice::All});
   const auto& colors = boxes(world).colors;
   ASSERT_EQ(colors.size(), kEdges + 1 + 2 + kEdges) << "two boxes, a front, a track of three places";
   EXPECT_EQ(std::ranges::count(colors, kFakeCarColor), static_cast<long>(kEdges + 3));
@@ -60,17 +60,39 @@ TEST(SessionBoxes, AreDrawnInTheColoursOfTheirClasses) {
 TEST(SessionBoxes, FollowKeysAndFilters) {
   SessionWorld world(listedFrames(), {.sample = "0"});
   const auto drawn = [&] { return boxes(world).colors.size(); };
-  const std::size_t all = drawn();
+  EXPECT_EQ(drawn(), kEdges + 3) << "the car alone: a tree is no road user";
+  world.key("O");
+  EXPECT_EQ(drawn(), 2 * kEdges + 3) << "all";
   world.key("O");
   EXPECT_EQ(drawn(), 0u);
   world.key("O");
-  EXPECT_EQ(drawn(), all);
+  EXPECT_EQ(drawn(), kEdges + 3);
   world.press("Right");
   EXPECT_EQ(drawn(), 0u) << "the next sample lists nothing";
-  const SessionWorld cars(listedFrames(), {.sample = "0", .hidden = {"tree"}});
+  const SessionWorld cars(listedFrames(), {.sample = "0", .boxes = BoxChoice::All, .hidden = {"tree"}});
   EXPECT_EQ(boxes(cars).colors.size(), kEdges + 3);
   const SessionWorld alone(listedFrames(), {.sample = "0", .instances = {5}});
   EXPECT_EQ(boxes(alone).colors.size(), kEdges);
+}
+
+// The own vehicle stands below its sensor as long as axes are on.
+TEST(SessionVehicle, IsDrawnWhereItIs) {
+  const auto frames = std::make_shared<FakeFrames>(2);
+  frames->vehicleFile = std::filesystem::path(SCANMILL_SOURCE_DIR) / "scenes/vehicle.yaml";
+  frames->frames[0].worldFromVehicle =
+      Pose{{}, {0.5, 100, 0}};  // the sensor is 0.5 m behind its origin and 1.8 m above
+  SessionWorld world(frames, {.sample = "0"});
+  const FakeCanvas::Item& item = world.canvas.items.at(kVehicleItem);
+  Box shown;
+  for (const Vec3f& corner : item.places) shown.add(item.look.canvasFromItem * Vec3d(corner));
+  EXPECT_NEAR(length(shown.low - Vec3d{-1.7, -0.9, 0.275 - 1.8}), 0, 1e-5);
+  EXPECT_NEAR(length(shown.high - Vec3d{3.1, 0.9, 1.53 - 1.8}), 0, 1e-5);
+  world.key("a");
+  EXPECT_FALSE(world.canvas.items.contains(kVehicleItem));
+  world.key("a");
+  EXPECT_TRUE(world.canvas.items.contains(kVehicleItem));
+  world.press("Right");
+  EXPECT_FALSE(world.canvas.items.contains(kVehicleItem)) << "the next sample has none";
 }
 
 TEST(SessionBoxes, PickingTellsTheObject) {

@@ -97,6 +97,16 @@ TEST(SessionCloseUp, ShowsTheBallAndFillsThePictureWithIt) {
   }
 }
 
+TEST(SessionCloseUp, IsSeenFromTheDirectionAndDistanceThatAreGiven) {
+  const Vec3d at(fakeScan(8, 72, 1.001).position[3 * 72 + 5]);
+  const SessionWorld world(3, {"ray_tracing"}, {.camera = parseCamera("30,20,25"), .closeUp = CloseUp{at, 2}});
+  const OrbitCamera camera = world.session->camera();
+  EXPECT_NEAR(camera.yaw, radians(30), 1e-12);
+  EXPECT_NEAR(camera.pitch, radians(20), 1e-12);
+  EXPECT_EQ(camera.distance, 25);
+  EXPECT_NEAR(length(camera.target - world.canvas.items.at(firstCloud(world)).look.canvasFromItem * at), 0, 1e-5);
+}
+
 TEST(SessionCloseUp, OfNothingSaysWhereThePointsAre) {
   SessionWorld world(1, {"ray_tracing"}, {.closeUp = CloseUp{{0, 0, 50}, 2}});
   EXPECT_THAT(messageOf<InputError>([&] { world.session->check(); }),
