@@ -32,6 +32,8 @@ std::span<const Command> commands() {
       Command{"view", "DATASET|SHARD|SCAN|EXR|SCENE",
               "show scans, images and scenes in a window, or write pictures of them", runView},
       Command{"info", "FILE|DIR", "describe a dataset, shard, scan, recording, scene, sensor or pipeline", runInfo},
+      Command{"example", "[NAME]", "copy an example and print its commands; without NAME: list all (docs/gallery.md)",
+              runExample},
       Command{"list", "[KIND]", "list methods, sensors, effects, formats ...; with KIND: that kind and its keys",
               runList},
   };

@@ -35,6 +35,7 @@ int runVerify(const std::vector<std::string>& arguments);
 int runReport(const std::vector<std::string>& arguments);
 int runView(const std::vector<std::string>& arguments);
 int runInfo(const std::vector<std::string>& arguments);
+int runExample(const std::vector<std::string>& arguments);
 int runList(const std::vector<std::string>& arguments);
 
 }  // namespace scanmill
