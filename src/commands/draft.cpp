@@ -173,7 +173,7 @@ int runDraft(const std::vector<std::string>& arguments) {
   } else {
     runView({out.string(), "--screenshot", picture.string()});
   }
-  printText("next: scanmill view {0}; scanmill info {0}; write a pipeline that uses it (docs/guide.md)\n",
+  printText("next: scanmill view {0}; scanmill info {0}; write a pipeline that uses it (docs/own_scene.md)\n",
             out.string());
   return 0;
 }

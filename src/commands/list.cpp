@@ -60,12 +60,14 @@ Rows entryRows(const Entries& entries) {
 }
 
 Rows columnRows() {
-  Rows rows;
+  Rows rows{{"column", "unit", "type", "by default", "in Draco", "what"}};
   for (const Column& column : kColumns) {
-    rows.push_back(
-        {std::string(column.name),
-         fmt::format("{}{}{}; {}{}", column.unit, column.unit.empty() ? "" : ", ", column.meaning, nameOf(column.type),
-                     column.byDefault ? "" : ", written only if output.columns names it")});
+    const std::string loss = column.loss == ColumnLoss::Exact         ? "exact"
+                             : column.loss == ColumnLoss::AsPositions ? "as positions"
+                                                                      : fmt::format("within {:g}", column.lossBound);
+    rows.push_back({std::string(column.name), column.unit.empty() ? "-" : std::string(column.unit),
+                    std::string(nameOf(column.type)), column.byDefault ? "yes" : "no", loss,
+                    std::string(column.meaning)});
   }
   return rows;
 }
@@ -73,14 +75,14 @@ Rows columnRows() {
 // Prints for each entry the keys that a pipeline can set, one per line.
 template <class Entries>
 void printKeys(const Entries& entries) {
-  printText("\nkeys, with their defaults (more in docs/keys.md):\n");
+  printText("\nkeys, with their defaults:\n");
   for (const auto& entry : entries) {
     printText("  {}{}\n", entry.name, entry.keys.empty() ? ": none" : "");
     std::string_view rest = entry.keys;
     while (!rest.empty()) {
-      const std::size_t end = std::min(rest.find("; "), rest.size());
+      const std::size_t end = std::min(rest.find('\n'), rest.size());
       printText("    {}\n", rest.substr(0, end));
-      rest.remove_prefix(std::min(end + 2, rest.size()));
+      rest.remove_prefix(std::min(end + 1, rest.size()));
     }
   }
 }

@@ -38,7 +38,7 @@ file(TOUCH ${root}/var/lib/dpkg/status)
 set(dpkg_here ${dpkg} --root=${root} --force-depends --force-script-chrootless)
 run(${dpkg_here} --install ${packages})
 foreach(file usr/bin/scanmill usr/lib/libscanmill.a usr/share/man/man1/scanmill.1
-             usr/share/bash-completion/completions/scanmill usr/share/doc/scanmill/copyright usr/share/doc/scanmill/docs/guide.md)
+             usr/share/bash-completion/completions/scanmill usr/share/doc/scanmill/copyright usr/share/doc/scanmill/docs/own_scene.md)
   if(NOT EXISTS ${root}/${file})
     message(FATAL_ERROR "the packages have no ${file}")
   endif()

@@ -30,6 +30,7 @@ def main():
         assert "mixed pixels" in (out / "effects" / "footprint.html").read_text()
         assert "Scene.from_arrays" in (out / "reference" / "scanmill.html").read_text()
         assert "effects/footprint" in (out / "searchindex.js").read_text()
+        assert 'href="effects/blooming.html"' in (out / "index_of_keys.html").read_text()
         for page in out.rglob("*.html"):
             assert "http" not in "".join(part for part in page.read_text().split("<") if part.startswith(("script", "link"))
                                          ), f"{page} loads something"

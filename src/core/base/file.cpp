@@ -138,6 +138,8 @@ void syncFolder(const std::filesystem::path& folder) {
 }
 
 void writeFile(const std::filesystem::path& path, std::string_view bytes) {
+  std::error_code untold;  // the file tells why it cannot be written
+  std::filesystem::create_directories(path.parent_path(), untold);
   writeFile(path.parent_path(), path, bytes);
 }
 

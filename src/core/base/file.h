@@ -48,7 +48,8 @@ class [[nodiscard]] AtomicFile {
   bool flushed_ = false;
 };
 
-// Writes a complete file by an AtomicFile. Throws Error as AtomicFile does.
+// Writes a complete file by an AtomicFile; the first function makes its folder, if that is missing. Throws Error as
+// AtomicFile does.
 void writeFile(const std::filesystem::path& path, std::string_view bytes);
 void writeFile(const std::filesystem::path& folder, const std::filesystem::path& path, std::string_view bytes);
 

@@ -176,8 +176,8 @@ Fields& Fields::also(std::initializer_list<std::string_view> keys) {
 Fields& Fields::alsoDescribed(std::string_view keys) {
   while (!keys.empty()) {
     also({keys.substr(0, keys.find(':'))});
-    const std::size_t end = keys.find("; ");
-    keys = end == std::string_view::npos ? std::string_view() : keys.substr(end + 2);
+    const std::size_t end = keys.find('\n');
+    keys = end == std::string_view::npos ? std::string_view() : keys.substr(end + 1);
   }
   return *this;
 }

@@ -89,7 +89,7 @@ class Fields {
   // Marks keys as known, since they are read later or by other code. If also() and finish() are called before any key
   // is read, an unknown key is reported before a missing key.
   Fields& also(std::initializer_list<std::string_view> keys);
-  // Marks the keys in a description as known, such as step_m and gain in "step_m: 1 m, what it is; gain: 2".
+  // Marks the keys in a description as known, such as step_m and gain in "step_m: 1 m, what it is\ngain: 2, ...".
   Fields& alsoDescribed(std::string_view keys);
 
   // Throws an InputError for the first unknown key of the map; the message names the key, its place and the most

@@ -49,7 +49,7 @@ struct FormatEntry {
   std::string_view name;  // "pcd", "draco", "csv"
   std::string_view suffix;
   std::string_view summary;
-  std::string_view keys;  // description of the format's options: "name: default, what it is; ..."
+  std::string_view keys;  // the options, a line for each: "name: default, meaning"
   std::unique_ptr<Format> (*make)(Fields& options);
 };
 

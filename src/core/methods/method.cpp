@@ -19,11 +19,12 @@ namespace {
 constexpr std::array kMethods{
     MethodEntry{.name = "ray_tracing",
                 .summary = "Embree on all cores: exact, the reference of the other methods",
-                .keys = "packet: 16 or 1, rays per call of Embree; "
-                        "robust: true, watertight at the edges of triangles; "
-                        "bvh: medium, low or high, quality of the bounding volume hierarchy; "
-                        "instancing: auto, always or never; "
-                        "simplify: 1, share of the triangles to keep, below 1 as in collision meshes",
+                .keys = "packet: 16, rays per call of Embree: 16 or 1\n"
+                        "robust: true, watertight at the edges of triangles\n"
+                        "bvh: medium, quality of the hierarchy against time to build it: low, medium or high\n"
+                        "instancing: auto, whether copies share geometry in the hierarchy: auto, always or never\n"
+                        "simplify: 1, share of the triangles that is kept, for meshes like collision meshes, 0.01 to "
+                        "1; 1: all",
                 .can = {.footprints = true, .transmission = true, .motion = true, .moving = true, .reference = true},
                 .color = {235, 40, 40},
                 .autoSettings = "- ray_tracing\n- {ray_tracing: {simplify: [0.5, 0.25]}}\n",
@@ -31,15 +32,22 @@ constexpr std::array kMethods{
     MethodEntry{
         .name = "depth_camera",
         .summary = "images of depth, normals and ids, drawn from the sensor and sampled along the beams",
-        .keys = "renderer: vtk or blender, the program that draws the images; "
-                "layout: auto, three_120, four_90 or cube_6, number and field of the cameras; "
-                "resolution: 2048 pixels across an image, 128 to 4096; "
-                "sampling: plane, nearest or bilinear, how a beam gets its range from pixels; "
-                "depth: float32, uint24, uint16 or half_500, how depths are stored; "
-                "antialiasing: 1, 2 or 4, subpixels per side of a pixel; "
-                "near_m: 0.01 m, nearer surfaces are not drawn; "
-                "far_m: the sensor's range, m, farther surfaces are not drawn; "
-                "renders_per_turn: auto or a number, times that a moving sensor is drawn in a revolution",
+        .keys = "renderer: vtk, what draws: vtk (OpenGL, without a display) or blender\n"
+                "layout: auto, number and field of the images: auto (the fewest and smallest that hold all beams), "
+                "three_120, four_90 (squares of 120 or 90 degrees) or cube_6 (the faces of a cube); beams outside "
+                "all images are counted and become misses\n"
+                "resolution: 2048, pixels across an image, 128 to 4096; auto's pixels are as fine as those of "
+                "four_90\n"
+                "sampling: plane, what gives a beam its range: plane (where it meets the plane that its pixel sees, "
+                "exact on flat surfaces), nearest (the pixel's point) or bilinear (four pixels, never across an "
+                "edge)\n"
+                "depth: float32, how depths are stored: float32, uint24, uint16 (fixed point between near and far) "
+                "or half_500 (half floats of coordinates + 500 m)\n"
+                "antialiasing: 1, subpixels per side of a pixel: 1, 2 or 4; depths are averaged, as framebuffers do\n"
+                "near_m: 0.01 m, nearer surfaces are not drawn and hide nothing; 1e-3 to 1\n"
+                "far_m: the sensor's range, m; farther surfaces are not drawn; 10 to 1e4\n"
+                "renders_per_turn: auto, renders of a moving sensor: auto (one for every 5 cm or degree that it "
+                "moves; all steps of `motion: {steps: n}` up to 64), or 1 to 65536; at most one per pose",
         .can = {.footprints = true, .motion = true, .passes = true, .openGl = true},
         .color = {80, 165, 255},
         .autoSettings =
@@ -47,13 +55,21 @@ constexpr std::array kMethods{
         .make = makeDepthCamera},
     MethodEntry{.name = "particle",
                 .summary = "one particle per beam marches through a distance field, on the processor or a GPU",
-                .keys = "field: sensor or scene, levels around each sensor or one level for the complete scene; "
-                        "voxel_m: 0.1 m, edge of the finest level's voxels; "
-                        "voxels: 256, voxels across each level around a sensor, 64 to 1024; "
-                        "levels: auto or 1 to 16, each twice as coarse as the one before; "
-                        "refine: triangle, normal or none, how hits are made exact; "
-                        "steps: 512, the greatest number of steps of a particle; "
-                        "backend: cpu, or gl for a graphics card",
+                .keys = "field: sensor, extent of the field: sensor (levels of voxels around each sensor, each twice "
+                        "as coarse as the one before) or scene (one level for the whole scene)\n"
+                        "voxel_m: 0.1 m, voxels of the finest level, 0.001 to 10\n"
+                        "voxels: 256, voxels across each level around a sensor, 64 to 1024, a multiple of 16; with "
+                        "`field: sensor` only\n"
+                        "levels: auto, number of levels: auto (as many as the sensor's range needs) or 1 to 16; "
+                        "beams end at the edge of the last level\n"
+                        "refine: triangle, how hits are made exact: triangle (intersection with the triangles near "
+                        "the particle), none (particles stop half a voxel before surfaces, as the paper's) or normal "
+                        "(as none, corrected along the field's gradient)\n"
+                        "steps: 512, most steps of a particle, 16 to 65535; beams that need more are counted as "
+                        "unresolved, neither hits nor misses\n"
+                        "backend: cpu, what computes: cpu, or gl (compute shaders of OpenGL 4.3 on a graphics card, "
+                        "without a display), with the same bytes; the environment variable `SCANMILL_GL_DEVICE` "
+                        "selects a device (0, 1 ... or software)",
                 .can = {.footprints = true, .motion = true, .openGl = true},
                 .color = {255, 190, 40},
                 .autoSettings = "- particle\n- {particle: {refine: [normal, none]}}\n- {particle: {refine: [normal, "

@@ -62,7 +62,7 @@ class Effect {
 struct EffectEntry {
   std::string_view name;
   std::string_view summary;
-  std::string_view keys;  // the options, as "name: default, meaning; ..."
+  std::string_view keys;  // the options, a line for each: "name: default, meaning"
   int stage;  // effects run by ascending stage, whatever their order in the YAML: 0 beams, lasers, surfaces, weather
               // and speckle, 1 intensity, 2 detection and dropout, 3 range errors, 4 quantisation, 5 pointing
   std::unique_ptr<Effect> (*make)(Fields& options);

@@ -101,11 +101,17 @@ TEST(AtomicFile, ReplacesAWholeFile) {
   EXPECT_EQ(entries(folder.path()), 1u);
 }
 
+TEST(AtomicFile, MakesTheFolderThatIsMissing) {
+  const TemporaryFolder folder;
+  writeFile(folder.path() / "absent" / "below" / "a.txt", "x");
+  EXPECT_EQ(content(folder.path() / "absent" / "below" / "a.txt"), "x");
+}
+
 TEST(AtomicFile, NamesThePathItCannotWrite) {
   const TemporaryFolder folder;
-  const std::filesystem::path inNoFolder = folder.path() / "absent" / "a.txt";
-  EXPECT_THAT(messageOf<Error>([&] { writeFile(inNoFolder, "x"); }),
-              AllOf(StartsWith(inNoFolder.string() + ": cannot be written: "), HasSubstr("No such file")));
+  const std::filesystem::path belowAFile = folder.write("file", "") / "a.txt";
+  EXPECT_THAT(messageOf<Error>([&] { writeFile(belowAFile, "x"); }),
+              AllOf(StartsWith(belowAFile.string() + ": cannot be written: "), HasSubstr("Not a directory")));
   EXPECT_THAT(messageOf<Error>([&] { AtomicFile file(folder.path()); }), StartsWith(folder.path().string()));
 }
 

@@ -69,7 +69,7 @@ struct MethodCapabilities {
 struct MethodEntry {
   std::string_view name;
   std::string_view summary;
-  std::string_view keys;  // the options, as "name: default, meaning; ..."
+  std::string_view keys;  // the options, a line for each: "name: default, meaning"
   MethodCapabilities can;
   std::array<std::uint8_t, 3> color;  // sRGB, colour of the method's points in pictures that compare methods
   // The settings that `method: auto` tries if the pipeline lists none: a YAML list for readSettings()
