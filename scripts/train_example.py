@@ -320,13 +320,13 @@ def draw_scans(network: nn.Module, sets: dict, images: Images, path: Path) -> No
             answer = network(batch["image"])[0].argmax(0).numpy()
         depth = batch["image"][0, 0].numpy()
         answer[depth == 0] = IGNORE
-        rows = [("range", depth), ("truth", palette[batch["target"][0].numpy()]), ("answer", palette[answer])]
+        rows = [("range", depth), ("truth", palette[batch["target"][0].numpy()]), ("prediction", palette[answer])]
         for axis, (title, picture) in zip(axes[3 * number : 3 * number + 3, 0], rows):
             axis.imshow(picture, cmap="viridis", aspect="auto", interpolation="nearest")
             axis.set_title(f"{name}: {title}", loc="left", fontsize=9)
             axis.set_axis_off()
     handles = [pyplot.Rectangle((0, 0), 1, 1, color=color / 255) for color in [*COLORS, np.zeros(3)]]
-    figure.legend(handles, [*NAMES, "not judged"], loc="lower center", ncol=len(handles), fontsize=9, frameon=False)
+    figure.legend(handles, [*NAMES, "not evaluated"], loc="lower center", ncol=len(handles), fontsize=9, frameon=False)
     figure.tight_layout(rect=(0, 0.04, 1, 1))
     figure.savefig(path, dpi=90)
     pyplot.close(figure)

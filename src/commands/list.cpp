@@ -72,19 +72,34 @@ Rows columnRows() {
   return rows;
 }
 
-// Prints for each entry the keys that a pipeline can set, one per line.
+// Prints the keys of an effect, format or method that a pipeline can set, one per line.
+template <class Entry>
+void printKeysOf(const Entry& entry) {
+  printText("  {}{}\n", entry.name, entry.keys.empty() ? ": none" : "");
+  std::string_view rest = entry.keys;
+  while (!rest.empty()) {
+    const std::size_t end = std::min(rest.find('\n'), rest.size());
+    printText("    {}\n", rest.substr(0, end));
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+}
+
 template <class Entries>
 void printKeys(const Entries& entries) {
   printText("\nkeys, with their defaults:\n");
+  for (const auto& entry : entries) printKeysOf(entry);
+}
+
+// Prints one of the entries, if it has this name; returns whether it does.
+template <class Entries>
+bool printNamed(const char* kind, const Entries& entries, std::string_view name) {
   for (const auto& entry : entries) {
-    printText("  {}{}\n", entry.name, entry.keys.empty() ? ": none" : "");
-    std::string_view rest = entry.keys;
-    while (!rest.empty()) {
-      const std::size_t end = std::min(rest.find('\n'), rest.size());
-      printText("    {}\n", rest.substr(0, end));
-      rest.remove_prefix(std::min(end + 1, rest.size()));
-    }
+    if (entry.name != name) continue;
+    printText("{} {}: {}\n\nkeys, with their defaults:\n", kind, entry.name, entry.summary);
+    printKeysOf(entry);
+    return true;
   }
+  return false;
 }
 
 // Prints the features that each method supports.
@@ -216,9 +231,14 @@ void printDevices() {
 
 int runList(const std::vector<std::string>& arguments) {
   CommandOptions options("list");
-  const Arguments parsed = parseArguments(options, arguments, "  scanmill list\n  scanmill list effects\n");
+  const Arguments parsed = parseArguments(
+      options, arguments, "  scanmill list\n  scanmill list effects\n  scanmill list footprint   # one of them\n");
   if (parsed.help) return 0;
   const std::string wanted = !parsed.has("input") ? "" : parsed.positional("KIND");
+  if (printNamed("effect", effects(), wanted) || printNamed("format", formats(), wanted) ||
+      printNamed("method", methods(), wanted)) {
+    return 0;
+  }
   const std::vector<std::pair<std::string, Rows (*)()>> kinds{
       {"methods", [] { return entryRows(methods()); }},
       {"sensors", sensorRows},
@@ -235,8 +255,10 @@ int runList(const std::vector<std::string>& arguments) {
   constexpr const char* kDevices = "devices";  // devices are listed only on request, since opening them takes time
   std::vector<std::string> names{kDevices};
   for (const auto& [name, rows] : kinds) names.push_back(name);
+  for (const EffectEntry& entry : effects()) names.emplace_back(entry.name);
   if (!wanted.empty() && std::find(names.begin(), names.end(), wanted) == names.end()) {
-    throw InputError(fmt::format("list: unknown KIND '{}'{}", wanted, suggestion(wanted, names)));
+    throw InputError(
+        fmt::format("list: there is no kind, effect, format or method '{}'{}", wanted, suggestion(wanted, names)));
   }
   for (const auto& [name, rows] : kinds) {
     if (wanted.empty() || wanted == name) printText("{}:\n{}", name, formatTable(rows()));

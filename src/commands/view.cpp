@@ -431,7 +431,7 @@ void addOptions(cxxopts::Options& options) {
   add("range-image-alone", "the range image in full size in place of the view, with --screenshot");
   add("contact-sheet", "of a scene, with --screenshot: a cell for each object, with its size and classes");
   add("flat", "no darkening of depth edges");
-  add("bare", "the points alone: no panels, axes or trajectory");
+  add("bare", "the points alone: no panels, axes, boxes or trajectory; beside --boxes these are kept");
   add("screenshot", "a picture in place of the window; needs no display", textValue(), "FILE.png");
   add("turntable", "pictures from all around in place of the window; needs no display", textValue(), "DIR");
   add("frames", "of the turntable, 72 where not given", cxxopts::value<int>(), "N");

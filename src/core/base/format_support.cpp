@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
+#include <mutex>
+#include <set>
 
 #include "base/error.h"
 #include "base/grouped.h"
@@ -56,7 +59,17 @@ std::string LeftOut::text() const {
 }
 
 void LeftOut::tell(const std::string& file) const {
-  if (!empty()) warn(fmt::format("{}: left out: {}", file, text()));
+  if (empty()) return;
+  static std::mutex mutex;
+  static std::map<std::string, std::set<std::string>> filesOf;  // by text
+  const std::scoped_lock lock(mutex);
+  constexpr std::size_t kNamed = 3;
+  std::set<std::string>& files = filesOf[text()];
+  if (files.size() > kNamed) return;
+  files.insert(file);
+  warn(files.size() <= kNamed
+           ? fmt::format("{}: left out: {}", file, text())
+           : fmt::format("{} and other files, not named one by one: left out in each: {}", file, text()));
 }
 
 }  // namespace scanmill

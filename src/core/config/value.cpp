@@ -30,13 +30,15 @@ std::size_t readIndex(const std::string& part, const Value& list, const std::str
   const char* end = part.data() + part.size();
   const auto [stop, error] = std::from_chars(part.data(), end, index);
   if (error == std::errc::invalid_argument || stop != end) {
-    throw InputError(
-        where, fmt::format("{} is a list: {} must be the number of an item, from 0", parent, quotedForMessage(part)));
+    throw InputError(where, fmt::format("{} is a list: {} must be the number of an item, from 0, or + for a new one",
+                                        parent, quotedForMessage(part)));
   }
   if (error == std::errc() && index < list.items.size()) return index;
-  throw InputError(where, list.items.empty() ? fmt::format("{} is an empty list", parent)
-                                             : fmt::format("item {} of {} is out of range: the list has items 0 to {}",
-                                                           part, parent, list.items.size() - 1));
+  throw InputError(where, list.items.empty()
+                              ? fmt::format("{} is an empty list", parent)
+                              : fmt::format("item {} of {} is out of range: the list has items 0 to {}, and "
+                                            "+ adds one",
+                                            part, parent, list.items.size() - 1));
 }
 
 // Rewrites an assignment a.b.c=v with maps, as "a={b: {c: v}}". The first `keys` parts of the path stay before the "=".
@@ -107,6 +109,10 @@ void setValue(Value& root, std::string_view assignment) {
           depth == 0 ? "" : fmt::format(": write --set '{}'", asMaps(parts, depth, assignment.substr(equals + 1)));
       throw InputError(where,
                        fmt::format("{} is a single value and has no {}{}", parent, quotedForMessage(part), advice));
+    }
+    if (node->kind == Value::Kind::Sequence && part == "+" && depth + 1 == parts.size()) {
+      node->items.push_back(std::move(value));
+      return;
     }
     if (node->kind == Value::Kind::Sequence) {
       const std::size_t index = readIndex(part, *node, parent, where);

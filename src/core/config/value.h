@@ -47,10 +47,11 @@ Value parseYaml(std::string_view text, const std::string& file);
 // Reads a file and parses it as parseYaml() does.
 Value readYaml(const std::filesystem::path& path);
 
-// Applies an override "dotted.path.0.key=value", as given by --set. Items of lists are named by their index from 0. The
-// value is parsed as YAML; null removes an item from its list. Missing keys of maps are created without a check: the
-// reader of the map refuses unknown keys later. Relative paths in the value start in the folder of the file that `root`
-// was read from. Throws InputError for a dotted path that does not fit the document.
+// Applies an override "dotted.path.0.key=value", as given by --set. Items of lists are named by their index from 0; a
+// path that ends in + adds an item. The value is parsed as YAML; null removes an item from its list. Missing keys of
+// maps are created without a check: the reader of the map refuses unknown keys later. Relative paths in the value start
+// in the folder of the file that `root` was read from. Throws InputError for a dotted path that does not fit the
+// document.
 void setValue(Value& root, std::string_view assignment);
 
 }  // namespace scanmill

@@ -259,6 +259,7 @@ class Kitti : public Layout {
     for (const auto& [split, frames] : sets)
       folder.write(std::filesystem::path("ImageSets") / (split + ".txt"), frames);
     std::vector<std::string> warnings = skewWarnings(plan, "KITTI");
+    if (shown == 0) warnings.emplace_back("there is no box: no object of a class of KITTI is in view of its camera");
     if (shown == all) return warnings;
     warnings.push_back(
         fmt::format("{} of {} boxes with points are left out, since KITTI lists only objects in the image of its "

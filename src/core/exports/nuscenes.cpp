@@ -173,8 +173,11 @@ class NuScenes : public Layout {
 
   std::vector<std::string> finish(const ExportPlan& plan, const ReadObjects& read,
                                   const ExportFolder& folder) const override {
-    writeNuScenesTables(plan, read, folder);
+    const std::size_t boxes = writeNuScenesTables(plan, read, folder);
     std::vector<std::string> warnings = skewWarnings(plan, "nuScenes");
+    if (boxes == 0 && listsObjects(plan)) {
+      warnings.emplace_back("there is no box: no object with points has a class of which nuScenes counts things");
+    }
     std::size_t apart = 0;
     std::size_t tests = 0;
     for (const ExportSequence& sequence : plan.sequences) {

@@ -159,7 +159,7 @@ class Tables {
   Tables(const ExportPlan& plan, const ReadObjects& read, const ExportFolder& folder)
       : plan_(plan), read_(read), folder_(folder) {}
 
-  void write() {
+  std::size_t write() {
     addFixed();
     for (std::size_t s = 0; s < plan_.sequences.size(); ++s) addScene(s);
     for (auto& [ignored, table] : tables_) table.commit();
@@ -169,6 +169,7 @@ class Tables {
     const std::vector<std::uint8_t> black(std::size_t{3} * kCameraWidth * kCameraHeight);
     const std::string image = encodePng(black.data(), kCameraWidth, kCameraHeight);
     for (const auto& [camera, side] : kCameras) folder_.write(cameraFile(camera), image);
+    return boxes_;
   }
 
  private:
@@ -429,6 +430,7 @@ class Tables {
           annotations.set(instance.place, scalarText(instance.last));
         }
         instance.place = annotations.add(scalarText(row));
+        ++boxes_;
         instance.last = std::move(row);
       }
     }
@@ -476,13 +478,14 @@ class Tables {
   std::map<std::string, JsonListFile> tables_;
   OrderedJson splits_ = OrderedJson::object();
   std::map<std::string, std::size_t> scenesOf_;  // number of scenes so far, by split
+  std::size_t boxes_ = 0;                        // number of rows of sample_annotation so far
   std::size_t others_ = 0;                       // number of scenes so far with numbers from kFirstOther on
 };
 
 }  // namespace
 
-void writeNuScenesTables(const ExportPlan& plan, const ReadObjects& read, const ExportFolder& folder) {
-  Tables(plan, read, folder).write();
+std::size_t writeNuScenesTables(const ExportPlan& plan, const ReadObjects& read, const ExportFolder& folder) {
+  return Tables(plan, read, folder).write();
 }
 
 }  // namespace scanmill

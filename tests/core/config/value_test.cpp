@@ -253,6 +253,16 @@ TEST(SetValue, NullTakesAnItemOutOfItsList) {
   EXPECT_THROW(setValue(root, "a.0=null"), InputError);
 }
 
+TEST(SetValue, PlusAddsAnItem) {
+  Value root = parseYaml("a: [1]\nb: []\n", "x.yaml");
+  setValue(root, "a.+={c: 2}");
+  setValue(root, "a.1.c=3");
+  setValue(root, "b.+=x");
+  EXPECT_EQ(root.find("a")->items.at(1).find("c")->text, "3");
+  EXPECT_EQ(root.find("b")->items.at(0).text, "x");
+  EXPECT_THROW(setValue(root, "a.+.c=1"), InputError);
+}
+
 TEST(SetValue, WorksOnAnEmptyFileAndOnEmptyValues) {
   Value root = parseYaml("", "x.yaml");
   setValue(root, "a.b=true");
@@ -266,7 +276,8 @@ TEST(SetValue, WorksOnAnEmptyFileAndOnEmptyValues) {
 TEST(SetValue, RefusesWithThePath) {
   Value root = parseYaml("a: {b: [1, 2]}\ns: x\n", "x.yaml");
   const auto error = [&](const std::string& assignment) { return messageOf([&] { setValue(root, assignment); }); };
-  EXPECT_EQ(error("a.b.2=1"), "--set a.b.2: item 2 of 'a.b' is out of range: the list has items 0 to 1");
+  EXPECT_EQ(error("a.b.2=1"),
+            "--set a.b.2: item 2 of 'a.b' is out of range: the list has items 0 to 1, and + adds one");
   EXPECT_THAT(error("a.b.99999999999999999999999=1"), HasSubstr("out of range"));
   EXPECT_THAT(error("a.b.-1=1"), HasSubstr("'a.b' is a list: '-1' must be the number of an item"));
   EXPECT_THAT(error("a.b.1x=1"), HasSubstr("'1x' must be the number of an item"));

@@ -6,8 +6,8 @@
 // Materials with a `transmission` let light through (both ways, by Fresnel's equations and the absorption of the
 // glass); materials with a roughness of at most 0.1 reflect as mirrors. Each hit of a continued ray is a separate echo.
 // Returns behind glass have cause 3 and the class of the surface that they hit. Mirror images have cause 4 and are
-// placed where the sensor assumes them: along the beam, at the length of the light's path. All of this is implemented
-// in methods/interface/light_paths.h; apply() does nothing.
+// placed where the sensor assumes them: along the beam, at the length of the light's path. (The code:
+// methods/interface/light_paths.h.)
 
 #include "methods/interface/light_paths.h"
 

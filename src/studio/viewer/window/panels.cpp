@@ -102,8 +102,8 @@ void Panels::addLabels() {
   // Label the nearest objects with class, id and the fraction (%) of the object that is not occluded.
   for (const auto& [object, view] : scenery_.nearestSeen()) {
     addLabel(scenery_.canvasFromBox(*object) * Vec3d{0, 0, object->size.z / 2},
-             fmt::format("{} {}, {:.0f} %", className(context_.source->ontology(), object->semantic), object->id,
-                         100 * view->visibility().value_or(0)),
+             fmt::format("{} {}, {:.0f} % visible", className(context_.source->ontology(), object->semantic),
+                         object->id, 100 * view->visibility().value_or(0)),
              false, true);
   }
   for (const Vec3d& end : pointer_.ends) addLabel(end, "", true);

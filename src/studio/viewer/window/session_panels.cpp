@@ -26,7 +26,7 @@ void ViewSession::State::drawPanels() {
              {0, panels.rooms.body.top, context.canvas.width(), context.canvas.height() - panels.rooms.body.top});
   for (std::size_t v = 0; v < std::min(panels.panes.size(), context.drawing.views().size()); ++v) {
     drawMessage(context.drawing.views()[v].rect, panels.panes[v].message);
-    if (panels.panes.size() > 1 && !context.options.bare)
+    if (panels.panes.size() > 1)
       drawCaption(context.drawing.views()[v].rect, panels.panes[v].caption, panels.panes[v].active);
   }
   if (context.options.bare) return;
