@@ -496,6 +496,7 @@ def main() -> None:
         print(f"the pictures show {len(shown)} of {len(sets)} sets: {', '.join(shown)}")
     draw_scans(network, {name: sets[name] for name in shown}, images, options.out / "scans.png")
     draw_confusion({name: results[name] for name in shown}, options.out / "confusion.png")
+    print("intersection over union, in percent")
     print(table(results))
     for name, kinds in rates.items():
         print(f"{name}: what is left of the mean IoU, in percent")

@@ -132,7 +132,7 @@ plt.show()
 # %% [markdown]
 # ## Noise and truth
 #
-# No effect moves a ray: the same pipeline without effects is the noise-free reference, and ring and column match the
+# Noise never moves a beam: the same pipeline without effects is the noise-free reference, and ring and column match the
 # two beam by beam. A real beam is wide, though (`footprint`), and may report another surface than its middle ray hits.
 # %%
 run("scanmill", "generate", "drive.yaml", "-o", "exact", "--quiet", "--set", "effects=null")

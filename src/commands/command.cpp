@@ -34,8 +34,10 @@ std::span<const Command> commands() {
       Command{"info", "FILE|DIR", "describe a dataset, shard, scan, recording, scene, sensor or pipeline", runInfo},
       Command{"example", "[NAME]", "copy an example and print its commands; without NAME: list all (docs/gallery.md)",
               runExample},
-      Command{"list", "[KIND]",
-              "list methods, sensors, effects, formats ...; with KIND: that kind, or one of it, and its keys", runList},
+      Command{
+          "list", "[KIND]",
+          "list methods, sensors, effects, formats ...; with KIND, such as effects, or the name of an effect: the keys",
+          runList},
   };
   return kCommands;
 }

@@ -224,7 +224,9 @@ int runGenerate(const std::vector<std::string>& arguments) {
       "completes the dataset",
       textValue(), "N|auto");
   add("keep-hits", "save what the beams hit, so that scans can be made again without tracing", textValue(), "DIR");
-  add("sweep", "make a dataset in DIR/KEY=VALUE for each value of the list; given several times, for all combinations",
+  add("sweep",
+      "make a dataset in DIR/LAST_NAME_OF_KEY=VALUE for each value of the list; given several times, for all "
+      "combinations",
       listValue(), "KEY=[A,B]");
   add("corruptions",
       "make a dataset for each of `scanmill list corruptions` in each severity, and one without corruption");

@@ -28,6 +28,7 @@
 #include "commands/table.h"
 #include "config/fields.h"
 #include "config/resources.h"
+#include "exports/layout.h"
 #include "formats/cloud_columns.h"
 #include "formats/format.h"
 #include "formats/readers.h"
@@ -245,6 +246,7 @@ int runList(const std::vector<std::string>& arguments) {
       {"effects", [] { return entryRows(effects()); }},
       {"corruptions", corruptionRows},
       {"formats", [] { return entryRows(formats()); }},
+      {"layouts", [] { return entryRows(layouts()); }},
       {"inputs", inputRows},
       {"columns", columnRows},
       {"ontologies", ontologyRows},

@@ -70,18 +70,21 @@ Sweep parseSweep(const std::string& text) {
 std::vector<SweepSet> sweepSets(const std::vector<std::string>& sweeps) {
   std::vector<SweepSet> sets{{}};
   std::set<std::string> keys;
-  for (const std::string& text : sweeps) {
-    const Sweep sweep = parseSweep(text);
+  std::vector<Sweep> parsed;
+  for (const std::string& text : sweeps) parsed.push_back(parseSweep(text));
+  for (const Sweep& sweep : parsed) {
     if (!keys.insert(sweep.key).second) throw InputError(fmt::format("--sweep {}: the key is given twice", sweep.key));
     if (sets.size() * sweep.values.size() > kMostSets) {
       throw InputError(fmt::format("--sweep: more than {} combinations", kMostSets));
     }
+    const std::string brief = shortKey(sweep.key);
+    const bool unique = std::ranges::count_if(parsed, [&](const Sweep& s) { return shortKey(s.key) == brief; }) == 1;
     std::vector<SweepSet> more;
     for (const SweepSet& before : sets) {
       for (const std::string& value : sweep.values) {
         SweepSet set = before;
         if (!set.folder.empty()) set.folder += ',';
-        set.folder += plainName(shortKey(sweep.key)) + "=" + plainName(value);
+        set.folder += plainName(unique ? brief : sweep.key) + "=" + plainName(value);
         set.overrides.push_back(sweep.key + "=" + value);
         more.push_back(std::move(set));
       }

@@ -224,6 +224,9 @@ TEST(Keys, AreListedForOneKindOnly) {
               AllOf(HasSubstr("keys, with their defaults"), HasSubstr("\n  range_noise\n    sigma_m: 0 m")));
   EXPECT_THAT(scanmill({"list", "formats"}).out, AllOf(HasSubstr("max_error_mm: 1 mm"), HasSubstr("  csv: none\n")));
   EXPECT_THAT(scanmill({"list"}).out, Not(HasSubstr("sigma_m")));
+  EXPECT_THAT(scanmill({"list", "range_noise"}).out,
+              AllOf(HasSubstr("effect range_noise: "), HasSubstr("sigma_m: 0 m"), Not(HasSubstr("speckle"))));
+  EXPECT_THAT(scanmill({"list", "range_nois"}).error, HasSubstr("did you mean 'range_noise'?"));
   EXPECT_THAT(scanmill({"list"}).out, Not(HasSubstr("devices")));
 }
 

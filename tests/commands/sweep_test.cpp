@@ -51,6 +51,11 @@ TEST_F(Sweep, ASweepMakesASetForEachCombination) {
   EXPECT_THAT(whole.out, HasSubstr("effects=none,seed=4: is complete: there is nothing to resume"));
 }
 
+TEST_F(Sweep, FoldersTellKeysApartThatEndAlike) {
+  const std::vector<SweepSet> sets = sweepSets({"sensors.0.columns=[64]", "sensors.1.columns=[32]", "seed=[1]"});
+  EXPECT_EQ(sets.at(0).folder, "sensors.0.columns=64,sensors.1.columns=32,seed=1");
+}
+
 TEST_F(Sweep, AWrongSweepMakesNothing) {
   const auto swept = [&](const std::string& sweep) {
     return scanmill({"generate", pipeline_, "-o", at("sweep"), "--sweep", sweep});

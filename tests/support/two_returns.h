@@ -116,7 +116,7 @@ inline const MethodEntry& twoReturns() {
       .name = "two_returns",
       .summary = "beams with two returns, one or none",
       .keys =
-          "near_m: 10 m, of the first return; gap_m: 5 m, to the second; "
+          "near_m: 10 m, of the first return\ngap_m: 5 m, to the second\n"
           "most: 2, returns of a beam",
       .can = {.severalHits = true, .footprints = true, .mostReturns = 2, .motion = true},
       .color = {10, 200, 90},
