@@ -317,6 +317,20 @@ assert len(points) == 308 and (points[:, 3:] == 0).all() and (points[:, :2] != 0
 )");
 }
 
+TEST_F(NuScenesLayout, TellsThatThereIsNoBox) {
+  write(*layout_);
+  for (SampleRecord& sample : plan_.manifest.samples) sample.objects.emplace();
+  const auto without = [&](std::size_t s, std::size_t f) {
+    SampleObjects all = objects(s, f);
+    all.objects.clear();
+    return std::optional(all);
+  };
+  EXPECT_THAT(layout_->finish(plan_, without, folder()), testing::Contains(testing::HasSubstr("there is no box")));
+  const auto with = [&](std::size_t s, std::size_t f) { return objects(s, f); };
+  EXPECT_THAT(layout_->finish(plan_, with, folder()),
+              testing::Not(testing::Contains(testing::HasSubstr("there is no box"))));
+}
+
 // Of several returns the second plane of an organised scan has the same rings again.
 TEST_F(NuScenesLayout, RowsOfOrganisedScansAreRings) {
   const auto change = [](ExportSample& changed) {
