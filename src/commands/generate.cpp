@@ -225,8 +225,8 @@ int runGenerate(const std::vector<std::string>& arguments) {
       textValue(), "N|auto");
   add("keep-hits", "save what the beams hit, so that scans can be made again without tracing", textValue(), "DIR");
   add("sweep",
-      "make a dataset in DIR/LAST_NAME_OF_KEY=VALUE for each value of the list; given several times, for all "
-      "combinations",
+      "make a dataset for each value of the list, for sensors.0.preset in DIR/preset=VALUE; given several times, for "
+      "all combinations",
       listValue(), "KEY=[A,B]");
   add("corruptions",
       "make a dataset for each of `scanmill list corruptions` in each severity, and one without corruption");

@@ -61,10 +61,11 @@ std::string LeftOut::text() const {
 void LeftOut::tell(const std::string& file) const {
   if (empty()) return;
   static std::mutex mutex;
-  static std::map<std::string, std::set<std::string>> filesOf;  // by text
+  static std::map<std::string, std::set<std::string>> filesOf;  // by folder and text
   const std::scoped_lock lock(mutex);
   constexpr std::size_t kNamed = 3;
-  std::set<std::string>& files = filesOf[text()];
+  const std::size_t slash = file.rfind('/');
+  std::set<std::string>& files = filesOf[file.substr(0, slash == std::string::npos ? 0 : slash) + "\n" + text()];
   if (files.size() > kNamed) return;
   files.insert(file);
   warn(files.size() <= kNamed

@@ -48,8 +48,8 @@ class LeftOut {
   const std::map<std::string, std::uint64_t>& counts() const { return counts_; }
   // Returns, for example, "2 polylines, 1 heightmaps".
   std::string text() const;
-  // Warns "FILE: left out: 2 polylines, 1 heightmaps", if anything was added. Three files are named for the same text;
-  // then one warning says that it holds for further ones.
+  // Warns "FILE: left out: 2 polylines, 1 heightmaps", if anything was added. Three files of a folder are named for the
+  // same text; then one warning says that it holds for further ones.
   void tell(const std::string& file) const;
 
  private:
