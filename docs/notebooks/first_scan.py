@@ -79,27 +79,18 @@ plt.show()
 # %% [markdown]
 # ## The range image
 #
-# Ring and column are the exact pixel of a point, so the image has no holes and no collisions; a pixel without a
-# colour is a beam without a return. The lasers of an HDL-64E look in different azimuths: rolling each row by that of
-# its laser makes upright things upright.
+# Each beam has a pixel, so the image has no holes and no collisions; a pixel without a colour is a beam without a
+# return. The lasers of an HDL-64E look in different azimuths: each row is shifted by that of its laser ("destaggered"),
+# which makes upright things upright. Column 0 looks forward and is put in the middle.
 # %%
-sensor = dataset.sensors["top"]
-shifts = np.round(np.array(sensor["azimuth_offset"]) / (2 * np.pi) * sensor["columns"]).astype(int)
-
-
-def upright(image):
-    forward = sensor["columns"] // 2  # column 0 looks forward: put it in the middle
-    return np.stack([np.roll(row, forward - shift, axis=0) for row, shift in zip(image, shifts)])
-
-
 pixels = scanmill.beam_projection(scan)
 distance = pixels.image(scan.range, fill=np.nan)
 classes = pixels.image(colors[scan.label], fill=1)
 
 figure, axes = plt.subplots(2, 1, figsize=(11, 3.6), sharex=True, constrained_layout=True)
 around = {"extent": (180, -180, 64, 0), "aspect": "auto", "interpolation": "nearest"}
-shown = axes[0].imshow(upright(distance), cmap="viridis_r", norm="log", **around)
-axes[1].imshow(upright(classes), **around)
+shown = axes[0].imshow(np.roll(distance, scan.columns // 2, axis=1), cmap="viridis_r", norm="log", **around)
+axes[1].imshow(np.roll(classes, scan.columns // 2, axis=1), **around)
 axes[0].set(ylabel="ring", title="range")
 axes[1].set(ylabel="ring", title="class", xticks=range(180, -181, -45))
 axes[1].set_xlabel("azimuth (deg): 0 is forward, 90 is left")

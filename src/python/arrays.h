@@ -1,16 +1,20 @@
 #pragma once
 
-// Converts scans to numpy arrays. The arrays take over the memory of the scan's columns, so that nothing is copied.
+// Converts scans to numpy arrays. The arrays take over the memory of the scan's columns; only unsigned integers of 16
+// bits and more are copied, to signed ones, because PyTorch before 2.3 lacks these types.
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
+#include <cstdint>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "scan/scan.h"
+#include "sensors/destagger.h"
 
 namespace scanmill {
 
@@ -22,8 +26,24 @@ pybind11::array_t<T> arrayOf(std::vector<T>&& values, const std::vector<pybind11
   return pybind11::array_t<T>(shape, data, owner);
 }
 
+// The type of a column's array: of unsigned types that PyTorch may lack, the next larger signed one (of uint64: int64).
+template <class T>
+using ArrayType = std::conditional_t<
+    std::is_same_v<T, std::uint16_t>, std::int32_t,
+    std::conditional_t<std::is_same_v<T, std::uint32_t> || std::is_same_v<T, std::uint64_t>, std::int64_t, T>>;
+
+// Returns a column as an array.
+template <class T>
+pybind11::array columnArray(std::vector<T>&& values, const std::vector<pybind11::ssize_t>& shape) {
+  if constexpr (std::is_same_v<T, ArrayType<T>>) {
+    return arrayOf(std::move(values), shape);
+  } else {
+    return arrayOf(std::vector<ArrayType<T>>(values.begin(), values.end()), shape);
+  }
+}
+
 // Returns a dictionary of arrays. The array "xyz" is float32 and has the shape (points, 3). Each column of the scan has
-// an array with the column's name and type, and the shape (points,). If the scan is organised, the shapes are
+// an array with the column's name, and the shape (points,). If the scan is organised, the shapes are
 // (planes * rings, columns, 3) and (planes * rings, columns).
 inline pybind11::dict arraysOf(Scan&& scan) {
   static_assert(sizeof(Vec3f) == 3 * sizeof(float));
@@ -35,7 +55,7 @@ inline pybind11::dict arraysOf(Scan&& scan) {
   }
   pybind11::dict arrays;
   visitColumns(scan, [&]<class T>(std::string_view name, std::vector<T>& values) {
-    arrays[pybind11::str(std::string(name))] = arrayOf(std::move(values), shape);
+    arrays[pybind11::str(std::string(name))] = columnArray(std::move(values), shape);
   });
   shape.push_back(3);
   auto kept = std::make_unique<std::vector<Vec3f>>(std::move(scan.position));
@@ -59,6 +79,13 @@ inline pybind11::array_t<double> matricesOf(const std::vector<Pose>& poses) {
   return arrayOf(std::move(values), {static_cast<pybind11::ssize_t>(poses.size()), 4, 4});
 }
 
+// Returns the arguments of the Python class Stagger: the shift of each ring in a destaggered image, and its width.
+inline pybind11::tuple staggerOf(const BeamTable& beams) {
+  const Destagger image = destagger(beams);
+  return pybind11::make_tuple(arrayOf(std::vector<std::int64_t>(image.shift.begin(), image.shift.end()), {beams.rings}),
+                              image.width);
+}
+
 // Adds missing columns as empty arrays. In datasets of earlier versions a scan without points has no columns; with
 // empty arrays instead, callers need no special case.
 inline void addEmptyColumns(const std::vector<std::string>& names, pybind11::dict& arrays) {
@@ -66,7 +93,8 @@ inline void addEmptyColumns(const std::vector<std::string>& names, pybind11::dic
     const std::size_t index = columnIndex(name);
     if (index == kColumnCount || arrays.contains(name.c_str())) continue;
     forEachColumn([&](auto key) {
-      if (key.index == index) arrays[pybind11::str(name)] = arrayOf(std::vector<typename decltype(key)::Value>(), {0});
+      if (key.index == index)
+        arrays[pybind11::str(name)] = columnArray(std::vector<typename decltype(key)::Value>(), {0});
     });
   }
 }

@@ -72,6 +72,15 @@ py::object beamsOf(const ScanStore& store, const std::string& sensor, double tim
   return beams;
 }
 
+// Returns the arguments of Stagger for a sensor; nothing if the manifest does not describe the sensor.
+std::optional<py::tuple> staggerIn(const ScanStore& store, const std::string& sensor) {
+  if (store.manifest() == nullptr) return {};
+  for (const SensorRecord& record : store.manifest()->sensors) {
+    if (record.name == sensor) return staggerOf(record.beams);
+  }
+  return {};
+}
+
 // Returns the manifest as JSON without its samples; recordOf() finds the record of each sample.
 std::optional<std::string> manifestOf(const ScanStore& store) {
   if (store.manifest() == nullptr) return {};
@@ -127,7 +136,7 @@ void defineStore(py::module_& module) {
   py::class_<ScanStore>(module, "Store")
       .def(py::init([](const std::string& path) {
              const py::gil_scoped_release released;
-             return std::make_unique<ScanStore>(path);
+             return std::make_unique<ScanStore>(path, ScanStore::Digests::Compared);
            }),
            py::arg("path"))
       .def_property_readonly("path", [](const ScanStore& s) { return s.path().string(); })
@@ -180,9 +189,11 @@ void defineStore(py::module_& module) {
           },
           py::arg("sample"), py::arg("sensor") = "")
       .def("beams", &beamsOf, py::arg("sensor"), py::arg("time") = 0.0)
-      .def(
-          py::pickle([](const ScanStore& s) { return py::make_tuple(s.path().string()); },
-                     [](const py::tuple& state) { return std::make_unique<ScanStore>(state[0].cast<std::string>()); }));
+      .def("stagger", &staggerIn, py::arg("sensor"))
+      .def(py::pickle([](const ScanStore& s) { return py::make_tuple(s.path().string()); },
+                      [](const py::tuple& state) {
+                        return std::make_unique<ScanStore>(state[0].cast<std::string>(), ScanStore::Digests::Compared);
+                      }));
 }
 
 }  // namespace

@@ -80,13 +80,23 @@ def check_interpreter(build):
                  "which the extension is built for this one")
 
 
+def source_of(build):
+    """Returns the source tree that a build folder was configured for; None if it was not configured."""
+    cache = build / "CMakeCache.txt"
+    found = re.search(r"^CMAKE_HOME_DIRECTORY:\w+=(.*)$", cache.read_text(), re.MULTILINE) if cache.exists() else None
+    return found and Path(found[1]).resolve()
+
+
 def built():
     """Builds the package and returns the folder into which CMake has installed it."""
     build = Path(os.environ.get("SCANMILL_BUILD", ROOT / "build" / "python"))
-    if not (build / "CMakeCache.txt").exists():
+    source = source_of(build)
+    if source and source != ROOT and "SCANMILL_BUILD" in os.environ:
+        sys.exit(f"error: {build} is the build of {source}, not of {ROOT}: name another folder by SCANMILL_BUILD")
+    if source != ROOT:  # the folder was moved or copied, or is new
         options = ["-DCMAKE_BUILD_TYPE=Release", "-DSCANMILL_STUDIO=OFF", "-DSCANMILL_TESTS=OFF", "-DSCANMILL_PYTHON=ON",
                    f"-DPython_EXECUTABLE={sys.executable}"]
-        subprocess.run(["cmake", "-S", ROOT, "-B", build, "-G", "Ninja", *options], check=True)
+        subprocess.run(["cmake", "--fresh", "-S", ROOT, "-B", build, "-G", "Ninja", *options], check=True)
     check_interpreter(build)
     subprocess.run(["cmake", "--build", build, "--target", "scanmill_python"], check=True)
     staging = build / "wheel"

@@ -150,6 +150,14 @@ void defineSimulator(py::module_& module) {
                                  sizes.emplace_back(beams->rings, beams->columns);
                                return sizes;
                              })
+      .def_property_readonly("staggers",
+                             [](const Simulator& s) {
+                               std::vector<py::tuple> staggers;
+                               for (const auto& [beams, footprint] : s.plan().sensors) {
+                                 staggers.push_back(staggerOf(*beams));
+                               }
+                               return staggers;
+                             })
       .def_property_readonly("durations",
                              [](const Simulator& s) {
                                std::vector<double> durations;

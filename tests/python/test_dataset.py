@@ -18,7 +18,8 @@ import scanmill
 from scanmill.geometry import transformed
 from scanmill.shards import Reading, Shards
 
-DTYPES = {"label": np.uint16, "instance": np.uint32, "ring": np.uint16, "column": np.uint16, "intensity": np.float32}
+# Signed, since torch lacks the unsigned types that the files have.
+DTYPES = {"label": np.int32, "instance": np.int64, "ring": np.int32, "column": np.int32, "intensity": np.float32}
 
 
 class DatasetTest(unittest.TestCase):
@@ -46,7 +47,7 @@ class Samples(DatasetTest):
             self.assertEqual(f"{sample.sequence}-{sample.frame:06d}", sample.key)
             self.assertEqual(sample.time, recorded["scans"][0]["time"])
             self.assertEqual(sample.sensors, list(dict.fromkeys(scan["sensor"] for scan in recorded["scans"])))
-            self.assertEqual(recorded["draws"], {"effects.1.range_noise.sigma_m": "0.02"})
+            self.assertEqual(recorded["draws"], {"effects.1.range_noise.sigma_m": 0.02})
             self.assertEqual(sample.draws, {"effects.1.range_noise.sigma_m": 0.02})
 
     def test_have_voxels_about_each_sensor(self):
@@ -180,6 +181,49 @@ class Scans(DatasetTest):
             if "return" not in dense and pixels.mask.sum() == len(dense):
                 self.assertTrue(own.all())
 
+    def test_columns_of_range_images_look_in_one_direction(self):
+        for sensor, staggered in (("top", True), ("rear", False)):
+            scan = self.dataset[0].scan(sensor)
+            step = 2 * np.pi / scan.columns
+            azimuth = np.arctan2(scan.xyz[:, 1], scan.xyz[:, 0])
+            for destagger in (False, True):
+                pixels = scanmill.beam_projection(scan, destagger=destagger)
+                nominal = step * (pixels.pixel % scan.columns)
+                off = np.abs(np.angle(np.exp(1j * (azimuth - nominal)))).max() / step
+                if staggered and not destagger:
+                    self.assertGreater(off, 4)
+                else:
+                    self.assertLess(off, 0.51)
+            stagger = self.dataset.stagger(sensor)
+            self.assertEqual((len(stagger.shifts), stagger.columns), (scan.rings, scan.columns))
+
+    def test_damaged_bytes_are_noticed(self):
+        """Even where they can be decoded."""
+        with tempfile.TemporaryDirectory() as folder:
+            copy = shutil.copytree(self.path, os.path.join(folder, "copy"))
+            shard = os.path.join(copy, self.manifest["shards"][0]["file"])
+            with tarfile.open(shard) as members:
+                member = next(m for m in members if m.name.endswith(".top.ray_tracing.pcd"))
+                data = bytearray(members.extractfile(member).read())
+            data[-1] ^= 1
+            self.assertEqual(len(scanmill.decode(member.name, data)), len(scanmill.open(copy)[0].scan()))
+            with open(shard, "r+b") as file:
+                file.seek(member.offset_data)
+                file.write(data)
+            with self.assertRaisesRegex(scanmill.InputError, "changed since it was written"):
+                scanmill.open(copy)[0].scan("top")
+            self.assertGreater(len(scanmill.open(copy)[0].scan("rear")), 0)
+
+    def test_are_read_from_any_current_folder(self):
+        here = os.getcwd()
+        self.addCleanup(os.chdir, here)
+        os.chdir(os.path.dirname(self.path))
+        dataset = scanmill.open(os.path.basename(self.path))
+        shards = Shards([os.path.relpath(self.first_shard())])
+        os.chdir("/")
+        np.testing.assert_array_equal(dataset[0].scan().xyz, self.dataset[0].scan().xyz)
+        self.assertEqual(shards.keys(0), [key for key in self.dataset.keys if key in shards.keys(0)])
+
 
 class ObjectsTest(DatasetTest):
     def setUp(self):
@@ -259,10 +303,15 @@ class Reader(DatasetTest):
         read = scanmill.SampleReader(columns=[], transform=lambda sample, key, epoch: {"seen": (key, epoch)})
         self.assertEqual(read(self.dataset[0], 7), {"seen": (self.dataset.keys[0], 7)})
 
-    def test_asks_for_lists(self):
-        for wrong in ({"columns": "label"}, {"boxes": "car"}):
-            with self.assertRaises(scanmill.InputError):
+    def test_arguments_of_wrong_types_are_refused(self):
+        for wrong in ({"columns": "label"}, {"columns": [1]}, {"boxes": "car"}, {"train_ids": ["road", "car"]}):
+            with self.assertRaisesRegex(scanmill.InputError, next(iter(wrong))):
                 scanmill.SampleReader(**wrong)
+        for ask in (self.dataset[0].scan, self.dataset[0].objects, self.dataset[0].voxels, self.dataset.beams):
+            with self.assertRaisesRegex(scanmill.InputError, "sensor"):
+                ask(0)
+        with self.assertRaisesRegex(scanmill.InputError, "decode"):
+            scanmill.decode("a.pcd", "text")
 
 
 class ShardFiles(DatasetTest):

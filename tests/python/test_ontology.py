@@ -34,7 +34,7 @@ class OntologyTest(unittest.TestCase):
     def test_lists_become_one_train_id(self):
         table = ONTOLOGY.train_ids([["car", "truck"], "street"], ignore=9)
         np.testing.assert_array_equal(table[[3, 300, 7, 0]], [0, 0, 1, 9])
-        self.assertEqual(ONTOLOGY.train_ids(["car"], ignore=300).dtype, np.uint16)
+        self.assertEqual(ONTOLOGY.train_ids(["car"], ignore=300).dtype, np.int32)
 
     def test_wrong_train_ids_are_refused(self):
         for names, ignore in [(["car", "car"], 255), (["car", ["road", "street"]], 255), (["bike"], 255)]:

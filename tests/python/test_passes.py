@@ -105,10 +105,31 @@ class Passes(unittest.TestCase):
             self.assertFalse(behind.any())
             self.assertGreater(len(scan), 0.7 * 16 * 360)
 
+    def test_whole_numbers_are_millimetres_and_their_greatest_is_no_depth(self):
+        depth, _ = images(16, False)
+        whole = {camera: np.round(z * 1000).astype(np.uint16) for camera, z in depth.items()}
+        whole["back"][3:5] = 65535
+        metres = {camera: np.where(z == 65535, np.inf, z * 0.001) for camera, z in whole.items()}
+        same = {
+            "metres": (metres, {}),
+            "uint16": (whole, {}),
+            "int32": ({camera: z.astype(np.int32) for camera, z in whole.items()}, {}),  # as some readers of PNG give it
+            "halves": ({camera: z * 2 for camera, z in metres.items()}, {"depth_unit": 0.5}),
+        }
+        files = []
+        for name, (images_of, how) in same.items():
+            with scanmill.PassWriter(self.folder / name, "vlp_16") as writer:
+                writer.add(POSE, images_of, **how)
+            files.append({file.name: file.read_bytes() for file in (self.folder / name).rglob("*.exr")})
+        self.assertEqual(len(files[0]), 6)
+        for other in files[1:]:
+            self.assertEqual(other, files[0])
+
     def test_depths_in_other_units_are_refused(self):
         depth, _ = images(8, False)
+        sky = np.where(np.arange(64).reshape(8, 8) < 9, np.uint16(65535) / 1000, depth["front"])
         writer = scanmill.PassWriter(self.folder / "units", "vlp_16")
-        for wrong, why in (((depth["front"] * 1000).astype(np.uint16), "1000"), (-depth["front"], "64 negative")):
+        for wrong, why in ((sky, "9 pixels at 65.535 m"), (-depth["front"], "64 negative")):
             with self.assertRaisesRegex(scanmill.InputError, f"depth of 'front'.*{why}"):
                 writer.add(POSE, {**depth, "front": wrong})
 

@@ -22,7 +22,8 @@ def points(rng, rings=8, columns=32, count=150):
 class ByBeam(unittest.TestCase):
     def setUp(self):
         self.arrays = points(np.random.default_rng(1))
-        self.scan = scanmill.Scan(self.arrays, rings=8, columns=32)
+        shifts = np.random.default_rng(7).integers(0, 32, 8)
+        self.scan = scanmill.Scan(self.arrays, rings=8, columns=32, stagger=scanmill.Stagger(shifts, 32))
 
     def test_there_and_back(self):
         pixels = scanmill.beam_projection(self.scan)
@@ -47,22 +48,41 @@ class ByBeam(unittest.TestCase):
         self.assertTrue((image[:, ~hit] == -1).all())
 
     def test_dictionaries_are_as_good_as_scans(self):
-        same = scanmill.range_image(self.arrays, 8, 32, ["range"])
+        same = scanmill.range_image({**self.arrays, "stagger": self.scan.stagger}, 8, 32, ["range"])
         np.testing.assert_array_equal(same, scanmill.range_image(self.scan))
+        np.testing.assert_array_equal(same, scanmill.range_image(self.arrays, 8, 32, destagger=self.scan.stagger))
 
-    def test_organised_scans_give_the_image_that_they_are(self):
-        pixels = scanmill.beam_projection(self.scan)
+    def test_organised_scans_without_shifts_give_the_image_that_they_are(self):
+        pixels = scanmill.beam_projection(self.scan, destagger=False)
         xyz = pixels.image(self.arrays["xyz"], np.nan)
-        scan = scanmill.Scan({"xyz": xyz, "label": pixels.image(self.arrays["label"])}, rings=8, columns=32)
-        image = scanmill.range_image(scan, channels=["x", "label"], fill=np.nan)
+        arrays = {"xyz": xyz, "label": pixels.image(self.arrays["label"])}
+        scan = scanmill.Scan(arrays, rings=8, columns=32, stagger=self.scan.stagger)
+        image = scanmill.range_image(scan, channels=["x", "label"], fill=np.nan, destagger=False)
         np.testing.assert_array_equal(image[0], xyz[..., 0])
-        np.testing.assert_array_equal(image, scanmill.range_image(self.scan, channels=["x", "label"], fill=np.nan))
+        for destagger in (False, True):
+            image, dense = (
+                scanmill.range_image(one, channels=["x", "label"], fill=np.nan, destagger=destagger)
+                for one in (scan, self.scan)
+            )
+            np.testing.assert_array_equal(image, dense)
+
+    def test_rows_are_shifted_by_whole_columns(self):
+        shifted, plain = (scanmill.beam_projection(self.scan, destagger=destagger) for destagger in (True, False))
+        for ring, shift in enumerate(self.scan.stagger.shifts):
+            np.testing.assert_array_equal(shifted.index[ring], np.roll(plain.index[ring], shift))
+        partial = scanmill.beam_projection(self.scan, destagger=scanmill.Stagger(np.arange(8), 39))
+        self.assertEqual(partial.index.shape, (8, 39))
+        np.testing.assert_array_equal(partial.pixel % 39, self.arrays["column"] + self.arrays["ring"])
+        with self.assertRaisesRegex(scanmill.InputError, "destagger=False"):
+            scanmill.beam_projection(self.arrays, 8, 32)
+        with self.assertRaisesRegex(scanmill.InputError, "of 4 rings"):
+            scanmill.beam_projection(self.scan, destagger=scanmill.Stagger(np.zeros(4), 32))
 
     def test_returns_have_images_of_their_own(self):
         arrays = points(np.random.default_rng(2), count=256)
         number = np.random.default_rng(3).integers(1, 3, 256).astype(np.uint8)
-        first = scanmill.beam_projection({**arrays, "return": number}, 8, 32)
-        second = scanmill.beam_projection({**arrays, "return": number}, 8, 32, return_=2)
+        first = scanmill.beam_projection({**arrays, "return": number}, 8, 32, destagger=False)
+        second = scanmill.beam_projection({**arrays, "return": number}, 8, 32, return_=2, destagger=False)
         self.assertTrue((first.mask ^ second.mask).all())
         np.testing.assert_array_equal(first.pixel >= 0, number == 1)
         np.testing.assert_array_equal(first.points(first.image(number), 9), np.where(number == 1, 1, 9))
@@ -73,13 +93,13 @@ class ByBeam(unittest.TestCase):
             "ring": np.array([1, 0, 1], np.uint16),
             "column": np.array([2, 0, 2], np.uint16),
         }
-        pixels = scanmill.beam_projection(arrays, 2, 3)
+        pixels = scanmill.beam_projection(arrays, 2, 3, destagger=False)
         np.testing.assert_array_equal(pixels.index, [[1, -1, -1], [-1, -1, 0]])
         np.testing.assert_array_equal(pixels.points(pixels.index), [0, 1, 0])
 
     def test_no_points_give_an_empty_image(self):
         none = {name: values[:0] for name, values in self.arrays.items()}
-        self.assertFalse(scanmill.range_image(none, 8, 32).any())
+        self.assertFalse(scanmill.range_image(none, 8, 32, destagger=self.scan.stagger).any())
         self.assertFalse(scanmill.spherical_projection(none, 8, 32, (-1, 1)).mask.any())
 
     def test_what_does_not_fit_is_refused(self):
@@ -92,7 +112,7 @@ class ByBeam(unittest.TestCase):
         ]
         for arrays, how in wrong:
             with self.subTest(how=how), self.assertRaises(scanmill.InputError):
-                scanmill.beam_projection(arrays, **how)
+                scanmill.beam_projection(arrays, destagger=False, **how)
 
 
 class ByAngle(unittest.TestCase):

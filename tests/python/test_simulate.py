@@ -86,7 +86,12 @@ class Simulation(unittest.TestCase):
         image, dense = self.scene.scan(LIDAR, HERE, organised=True), self.scene.scan(LIDAR, HERE)
         self.assertEqual(image.xyz.shape, (16, 180, 3))
         self.assertEqual(len(image), len(dense))
-        np.testing.assert_array_equal(scanmill.range_image(image), scanmill.range_image(dense, 16, 180))
+        np.testing.assert_array_equal(scanmill.range_image(image), scanmill.range_image(dense))
+
+    def test_frames_are_whole_numbers(self):
+        for wrong in ({"frame": -1}, {"frame": 1.5}, {"frame": 2**32}, {"time": "now"}, {"time": np.inf}):
+            with self.assertRaisesRegex(scanmill.InputError, next(iter(wrong))):
+                self.scene.scan(LIDAR, HERE, **wrong)
 
     def test_what_was_set_up_stays_for_the_next_scan(self):
         scene = scanmill.load_scene("primitives")

@@ -60,7 +60,12 @@ class Batches(unittest.TestCase):
             collate_padded([self.samples[0], other])
 
     def test_of_images(self):
-        batch = CollateRangeImages(16, 160, channels=["range", "intensity"], ignore=9)(self.samples)
+        stagger = scanmill.Stagger(np.arange(16), 160)
+        collate = CollateRangeImages(16, 160, channels=["range", "intensity"], ignore=9, destagger=stagger)
+        batch = collate(self.samples)
+        plain = CollateRangeImages(16, 160, channels=["range", "intensity"], destagger=False)(self.samples)
+        for ring in range(16):
+            self.assertTrue(torch.equal(batch["index"][:, ring], plain["index"][:, ring].roll(ring, 1)))
         self.assertEqual(tuple(batch["image"].shape), (3, 2, 16, 160))
         self.assertEqual(batch["mask"].sum((1, 2)).tolist(), [10, 160, 40])
         self.assertTrue((batch["target"][~batch["mask"]] == 9).all())
@@ -176,6 +181,17 @@ class Loaders(unittest.TestCase):
         batch = next(iter(DataLoader(dataset, 2, collate_fn=collate)))
         self.assertEqual(tuple(batch["image"].shape), (2, 1, sensor["rings"], sensor["columns"]))
         self.assertEqual(batch["target"].shape, batch["mask"].shape)
+        pixels = [scanmill.beam_projection(self.dataset[i].scan()) for i in range(2)]
+        np.testing.assert_array_equal(batch["index"].numpy(), [p.index for p in pixels])
+
+    def test_arrays_need_no_collation(self):
+        samples = list(DataLoader(ScanDataset(self.path, boxes=True), batch_size=None))
+        self.assertEqual([sample["key"] for sample in samples], self.dataset.keys)
+        voxels = self.dataset[0].voxels()
+        scans = [self.dataset[0].scan(), scanmill.load_scene("primitives").scan("vlp_16", np.eye(4))]
+        arrays = [array for scan in scans for array in scan.dense().arrays().values()]
+        for array in (*arrays, *voxels.values(), self.dataset.ontology.ids, self.dataset.ontology.train_ids(ignore=300)):
+            np.testing.assert_array_equal(torch.as_tensor(array).numpy(), array)
 
     def test_wrong_ranks_are_refused(self):
         for wrong in ({"rank": 0}, {"world_size": 2}, {"rank": 2, "world_size": 2}, {"shuffle": -1}, {"seed": -1}):

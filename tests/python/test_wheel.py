@@ -74,6 +74,23 @@ class Wheel(unittest.TestCase):
                                   capture_output=True, text=True, check=True).stdout
             self.assertIn(folder, said, "its own scenes")
 
+    def test_a_build_of_another_source_tree_is_refused(self):
+        with tempfile.TemporaryDirectory() as folder:
+            (Path(folder) / "CMakeCache.txt").write_text("CMAKE_HOME_DIRECTORY:INTERNAL=/moved/from/here\n")
+            with unittest.mock.patch.dict(os.environ, SCANMILL_BUILD=folder):
+                with self.assertRaisesRegex(SystemExit, "build of /moved/from/here.*SCANMILL_BUILD"):
+                    build_backend.built()
+
+    def test_a_build_folder_that_was_moved_with_the_sources_is_configured_anew(self):
+        with tempfile.TemporaryDirectory() as folder, unittest.mock.patch.object(build_backend, "ROOT", Path(folder)):
+            cache = Path(folder) / "build" / "python" / "CMakeCache.txt"
+            cache.parent.mkdir(parents=True)
+            cache.write_text("CMAKE_HOME_DIRECTORY:INTERNAL=/moved/from/here\n")
+            with unittest.mock.patch.dict(os.environ), unittest.mock.patch("subprocess.run", side_effect=SystemExit) as run:
+                os.environ.pop("SCANMILL_BUILD")
+                self.assertRaises(SystemExit, build_backend.built)
+            self.assertEqual(run.call_args.args[0][:4], ["cmake", "--fresh", "-S", Path(folder)])
+
     def test_a_build_for_another_python_is_refused(self):
         with tempfile.TemporaryDirectory() as folder:
             for cache, expected in [("PYTHON_MODULE_EXTENSION:INTERNAL=.cpython-27-none.so", "another Python"),

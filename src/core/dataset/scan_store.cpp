@@ -11,6 +11,7 @@
 #include "base/hash.h"
 #include "config/text.h"
 #include "dataset/reader.h"
+#include "dataset/folder_contents.h"
 #include "dataset/recording.h"
 #include "dataset/sample_names.h"
 #include "dataset/shard_name.h"
@@ -37,6 +38,13 @@ void requireDataset(const fs::path& folder) {
         "is a recording, not a dataset: `scanmill generate --from-hits` or `--from-passes` makes scans from it");
   }
   throw InputError({folder.string()},
+  if (isUnfinished(folder)) {
+    throw InputError(
+        {folder.string()},
+        fmt::format("has an unfinished dataset: `scanmill generate` writes {} last. Wait until it ends, or, "
+                    "if it was stopped, run it again with --resume",
+                    kManifestName));
+  }
                    fmt::format("is not a dataset: it has no {}, which `scanmill generate` writes last. Without it, "
                                "these can be opened: a shard (.tar), a single scan, and a folder of recorded scans of "
                                "SemanticKITTI, KITTI or nuScenes, or with files {}",

@@ -3,7 +3,7 @@
     import scanmill
     dataset = scanmill.open("out/quickstart")
     scan = dataset[0].scan()
-    scan.xyz, scan.label                                    # float32 (N, 3) in m, uint16 (N,)
+    scan.xyz, scan.label                                    # float32 (N, 3) in m, int32 (N,)
 
     scene = scanmill.load_scene("town", seed=3)
     scan = scene.scan(scanmill.sensor("os1_128"), pose={"position": [0, 0, 2]})
@@ -25,7 +25,7 @@ from .ontology import Ontology
 from .passes import PassWriter
 from .range_image import Projection, beam_projection, range_image, spherical_projection
 from .samples import SampleReader
-from .scan import Scan
+from .scan import Scan, Stagger
 from .simulate import Scene, SceneObject, load_scene, sensor
 
 __all__ = [
@@ -41,6 +41,7 @@ __all__ = [
     "Scan",
     "Scene",
     "SceneObject",
+    "Stagger",
     "__version__",
     "beam_projection",
     "decode",

@@ -17,8 +17,8 @@ from .geometry import matrix_of
 from .npz import read_npz
 from .objects import Objects
 from .ontology import Ontology
-from .scan import Scan
-from .words import advice
+from .scan import Scan, Stagger
+from .words import advice, names_in, require_known
 
 Path = Union[str, "os.PathLike[str]"]
 
@@ -26,17 +26,20 @@ Path = Union[str, "os.PathLike[str]"]
 def open_dataset(path: Path) -> Dataset:
     """Opens the folder of a dataset, a shard (.tar) or the file of one scan (.pcd, .drc, .csv).
 
-    Decodes no scans yet. Raises InputError if the path is none of these, or if the manifest is damaged.
+    Decodes no scans yet. Later changes of the current folder do not matter. Raises InputError if the path is none of
+    these, or if the manifest is damaged.
     """
-    return Dataset(Store(os.fspath(path)))
+    return Dataset(Store(os.path.abspath(path)))
 
 
-def decode(name: str, data: bytes) -> Scan:
+def decode(name: str, data: bytes | bytearray | memoryview) -> Scan:
     """Decodes a member of a shard, such as KEY.top.ray_tracing.pcd; the suffix of `name` determines the format.
 
     Can be used in the map() of a WebDataset. Raises InputError for an unknown suffix and for damaged bytes.
     """
-    return Scan(decode_arrays(name, data))
+    if not isinstance(name, str) or not isinstance(data, (bytes, bytearray, memoryview)):
+        raise InputError(f"decode() needs a name and bytes, not {type(name).__name__} and {type(data).__name__}")
+    return Scan(decode_arrays(name, data if isinstance(data, bytes) else bytes(data)))
 
 
 class Dataset(Sequence["Sample"]):
@@ -143,7 +146,14 @@ class Dataset(Sequence["Sample"]):
         `time` (s since the start of the sequence) matters only for sensors whose scan pattern differs from revolution
         to revolution. Raises InputError if there is no manifest.
         """
-        return self.store.beams(sensor, time)
+        return self.store.beams(_sensor_name(sensor), time)
+
+    def stagger(self, sensor: str) -> Stagger | None:
+        """Returns where the points of a sensor belong in a range image; None if there is no manifest. Raises InputError
+        for an unknown sensor."""
+        require_known("sensor", sensor, self.sensors)
+        stagger = self.store.stagger(sensor)
+        return None if stagger is None else Stagger(*stagger)
 
     def __len__(self) -> int:
         return len(self.keys)
@@ -251,11 +261,11 @@ class Sample:
         """Reads the scan of a sensor (None: the first sensor). `columns`: names of the columns to read; None: all
         columns.
 
-        Raises InputError for an unknown sensor or column, and if the scan's bytes are damaged.
+        Raises InputError for an unknown sensor or column, and if the scan's bytes are damaged: if they are not those
+        that the manifest states the digest of or, without a manifest, if they cannot be decoded.
         """
-        if isinstance(columns, str):
-            raise InputError(f"columns must be a list of names, not '{columns}'")
-        arrays = self.dataset.store.read(self._number, sensor or "", None if columns is None else list(columns))
+        wanted = None if columns is None else names_in("columns", columns)
+        arrays = self.dataset.store.read(self._number, _sensor_name(sensor), wanted)
         scans = self.dataset.store.scans(self._number)
         name, method = next((s for s in scans if s[0].lower() == (sensor or scans[0][0]).lower()), scans[0])
         record = self._record_of(name, method)
@@ -275,6 +285,7 @@ class Sample:
             column_starts=self.dataset._starts_of_columns(name) if moves else None,
             rings=self.dataset.sensors[name]["rings"],
             columns=self.dataset.sensors[name]["columns"],
+            stagger=self.dataset.stagger(name),
         )
 
     def objects(self, sensor: str | None = None) -> Objects | None:
@@ -283,18 +294,21 @@ class Sample:
         listed = self.object_list()
         if listed is None:
             return None
-        name = sensor or self.sensors[0]
+        name = _sensor_name(sensor) or self.sensors[0]
         if name not in self.poses:
             raise InputError(f"the sample '{self.key}' has no sensor '{name}'{advice(name, self.poses)}")
         return Objects(listed, name, self.poses[name][0])
 
     def voxels(self, sensor: str | None = None) -> dict[str, NDArray[Any]] | None:
         """Returns the labelled voxels around a sensor (None: the first sensor), in the frame of its points: `label`
-        uint16 (X, Y, Z), 0 for empty voxels; `input`, `invalid` and `unseen`, bool (X, Y, Z); `low` float64 (3,), the
+        int32 (X, Y, Z), 0 for empty voxels; `input`, `invalid` and `unseen`, bool (X, Y, Z); `low` float64 (3,), the
         corner with the least coordinates (m); `size` float64 (), the edge of a voxel (m). Returns None if the dataset
         has no voxels (`output.voxels`). Raises InputError for an unknown sensor and for damaged voxels."""
-        archive = self.dataset.store.voxels(self._number, sensor or "")
-        return None if archive is None else read_npz(archive, f"{self.dataset.path}: the voxels of {self.key}")
+        archive = self.dataset.store.voxels(self._number, _sensor_name(sensor))
+        if archive is None:
+            return None
+        voxels = read_npz(archive, f"{self.dataset.path}: the voxels of {self.key}")
+        return {name: values.astype(np.int32) if name == "label" else values for name, values in voxels.items()}
 
     def object_list(self) -> list[dict[str, Any]] | None:
         """Returns all objects near any of the sensors, as listed in KEY.objects.json (docs/objects.schema.json); None
@@ -308,6 +322,13 @@ class Sample:
     def _record_of(self, sensor: str, method: str) -> dict[str, Any] | None:
         scans = [] if self.record is None else self.record["scans"]
         return next((s for s in scans if s["sensor"] == sensor and s["method"] == method), None)
+
+
+def _sensor_name(sensor: str | None) -> str:
+    """Returns the name, "" for None. Raises InputError for anything but a text."""
+    if sensor is not None and not isinstance(sensor, str):
+        raise InputError(f"sensor must be the name of a sensor, not {sensor!r}")
+    return sensor or ""
 
 
 def _number_or_text(value: str) -> float | str:

@@ -26,8 +26,8 @@ class Objects:
 
     Boxes enclose the exact geometry, not only the points. Attributes, in the frame of the scan's points:
       sensor           name of the sensor
-      ids              uint32 (M,), as in the column `instance`; the same in all frames of a sequence
-      class_ids        uint16 (M,), ids in the ontology
+      ids              int64 (M,), as in the column `instance`; the same in all frames of a sequence
+      class_ids        int32 (M,), ids in the ontology
       class_names      M strings
       names            M strings, names of the objects in the scene
       moves            bool (M,): the object moves at some time of the sequence
@@ -58,8 +58,8 @@ class Objects:
             return values.reshape(-1, columns) if columns else values
 
         self.sensor = sensor
-        self.ids: NDArray[np.uint32] = figures(objects, "id", np.uint32)
-        self.class_ids: NDArray[np.uint16] = figures(objects, "class", np.uint16)
+        self.ids: NDArray[np.int64] = figures(objects, "id", np.int64)
+        self.class_ids: NDArray[np.int32] = figures(objects, "class", np.int32)
         self.class_names: tuple[str, ...] = tuple(o["class_name"] for o in objects)
         self.names: tuple[str, ...] = tuple(o["name"] for o in objects)
         self.moves: NDArray[np.bool_] = figures(objects, "moves", bool)

@@ -22,7 +22,7 @@ class Ontology:
 
     Attributes, with K classes in the order of the ontology:
       name    name of the ontology
-      ids     uint16 (K,), as in the column `label`
+      ids     int32 (K,), as in the column `label`
       names   K strings
       colors  uint8 (K, 3): red, green, blue
       things  bool (K,): True if objects of the class are countable and have instance ids
@@ -32,7 +32,7 @@ class Ontology:
         """`classes`: the value of the key `ontology` in a manifest."""
         self.name: str = classes["name"]
         listed = classes["classes"]
-        self.ids: NDArray[np.uint16] = np.array([c["id"] for c in listed], np.uint16)
+        self.ids: NDArray[np.int32] = np.array([c["id"] for c in listed], np.int32)
         self.names: tuple[str, ...] = tuple(c["name"] for c in listed)
         self.colors: NDArray[np.uint8] = np.array([c["color"] for c in listed], np.uint8).reshape(-1, 3)
         self.things: NDArray[np.bool_] = np.array([c["thing"] for c in listed], bool)
@@ -67,13 +67,13 @@ class Ontology:
 
         Train ids start at 0, in the order of `groups`: each group is the name (or alias) of a class, or a list of
         names. The default is one group for each class except "unlabeled", in the order of the ontology. Labels in no
-        group get the train id `ignore`. The table is uint8 if `ignore` is below 256, otherwise uint16. Raises
+        group get the train id `ignore`. The table is uint8 if `ignore` is below 256, otherwise int32. Raises
         InputError for an unknown name, for a name that is given twice, and if there are more groups than `ignore`.
         """
         wanted = [name for name, i in zip(self.names, self.ids) if i != 0] if groups is None else list(groups)
         if not len(wanted) <= ignore < LABELS:
             raise InputError(f"ignore must be from {len(wanted)} to {LABELS - 1}, above all train ids")
-        table = np.full(LABELS, ignore, np.uint8 if ignore < 256 else np.uint16)
+        table = np.full(LABELS, ignore, np.uint8 if ignore < 256 else np.int32)
         seen: set[int] = set()
         for train_id, group in enumerate(wanted):
             for name in [group] if isinstance(group, str) else group:

@@ -46,7 +46,7 @@ class PassWriter:
         """`folder`: absent or empty. `sensor`: a description by scanmill.sensor(), or the name of a preset. `scene`:
         a part of the names of samples. Raises InputError."""
         described = dict(sensor) if isinstance(sensor, Mapping) else {"preset": os.fspath(sensor)}
-        self._recorder = _core.PassRecorder(os.fspath(folder), name, json.dumps(described), os.getcwd(), scene)
+        self._recorder = _core.PassRecorder(os.path.abspath(folder), name, json.dumps(described), os.getcwd(), scene)
         self._frames = 0
 
     def add(
@@ -60,12 +60,15 @@ class PassWriter:
         normal: Mapping[str, ArrayLike] | None = None,
         time: float | None = None,
         along_rays: bool = False,
+        depth_unit: float | None = None,
     ) -> None:
         """Adds a frame: for each camera of `depth` an image (n, n), row 0 at the top.
 
         `pose`: of the sensor in the world. `depth`: m along the camera's axis, or with `along_rays` from the camera to
-        the surface; infinite, NaN or 0 if the pixel shows nothing (such pixels
-        have no return; at least one of a frame must show something). `semantic`: class ids; `instance`: ids of things, 0
+        the surface; infinite, NaN or 0 if the pixel shows nothing (such pixels have no return; at least one of a frame
+        must show something). `depth_unit`: m, what a depth of 1 is; by default 0.001 for images of integers, else 1. In
+        images of integers the greatest value of their type, at which depths saturate, is nothing, too; so is 65535 if
+        no value is greater, since a wider type may hold 16 bits. `semantic`: class ids; `instance`: ids of things, 0
         for none; `reflectance`: 0 to 1 at the sensor's wavelength (0.3 if not given); `normal`: (n, n, 3) unit vectors
         in world axes, by default those of the surface through the depths of neighbouring pixels. `time`: s since the
         start of the drive, by default 0.1 s a frame. Raises InputError, which names the camera and the array.
@@ -76,7 +79,7 @@ class PassWriter:
         if not depth:
             raise InputError("depth needs the image of at least one camera")
         for camera, own in depth.items():
-            z = _image(own, f"depth of '{camera}'").astype(np.float32)
+            z = _depths(own, depth_unit, f"depth of '{camera}'")
             if (z < 0).any():
                 raise InputError(f"depth of '{camera}' has {np.count_nonzero(z < 0)} negative values: depths are m in front of it")
             n = len(z)
@@ -124,13 +127,25 @@ def _row(matrix: NDArray[np.float64]) -> list[float]:
     return [*quaternion_of(matrix).tolist(), *matrix[:3, 3].tolist()]
 
 
-def _image(values: ArrayLike, what: str) -> NDArray[Any]:
+def _depths(values: ArrayLike, unit: float | None, what: str) -> NDArray[np.float32]:
+    """Returns an image of depths in m; infinite where an image of integers is saturated."""
     image = np.asarray(values)
-    if image.dtype.kind in "ui":
-        raise InputError(f"{what} is {image.dtype}: depths are floating-point numbers in m (divide millimetres by 1000)")
-    if image.ndim != 2 or image.shape[0] != image.shape[1] or len(image) < 2 or image.dtype.kind != "f":
+    if image.ndim != 2 or image.shape[0] != image.shape[1] or len(image) < 2 or image.dtype.kind not in "fui":
         raise InputError(f"{what} must be a square image of numbers (n, n), not {image.dtype} {image.shape}")
-    return image
+    whole = image.dtype.kind != "f"
+    scale = (0.001 if whole else 1.0) if unit is None else unit
+    if not (isinstance(scale, (int, float)) and scale > 0):
+        raise InputError(f"depth_unit must be a number of m above 0, not {unit!r}")
+    greatest = image.max(where=np.isfinite(image), initial=0)
+    saturated = (image == greatest) & (whole and greatest in (np.iinfo(image.dtype).max, 65535))
+    depths = np.where(saturated, np.inf, image * float(scale)).astype(np.float32)
+    sky = np.count_nonzero(image == greatest)
+    if not whole and sky > 1 and abs(float(greatest) * scale - 65.535) < 1e-5:
+        raise InputError(
+            f"{what} has {sky} pixels at 65.535 m, the greatest number of millimetres in 16 bits: give the image of "
+            "integers itself, or set pixels without a surface to infinity"
+        )
+    return depths
 
 
 def _values(

@@ -1,10 +1,13 @@
 """Range images: points as images with the sensor's rings and columns, and back.
 
-The columns `ring` and `column` give the exact pixel of each point, whatever its noise and the offset of its beam.
-Unlike a projection, this causes no holes and no collisions. Row r is ring r, and column c is the column that fires as
-number c, starting at 0; `top_down` and `clockwise` of the sensor in the manifest tell which row is the top one, and in
-which direction azimuths change. Points without these columns, for instance from other programs, are projected by their
-angles.
+The columns `ring` and `column` tell the beam of each point, whatever its noise and the offset of its origin. Each beam
+has a pixel of its own: unlike a projection by angles, this causes no holes and no collisions. Row r is ring r;
+`top_down` of the sensor in the manifest tells whether row 0 is the top one. Images are destaggered, so that each column
+looks in one direction: the lasers that fire as one column look in directions that differ by the azimuth offsets of
+their rings, hence each row is shifted by whole columns (Stagger); vendors of sensors call this destaggering. Column c
+of the image looks where column c of the sensor would without offsets; `clockwise` and `first_azimuth` in the manifest
+tell this direction. With `destagger=False` column c of the image is column c of the sensor. Points without ring and
+column, for instance from other programs, are projected by their angles.
 
 Functions take a Scan, or a dictionary of arrays such as a sample of ScanDataset.
 """
@@ -18,7 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._core import InputError
-from .scan import Scan, channel
+from .scan import Scan, Stagger, channel
+from .words import names_in
 
 Points = Union[Scan, Mapping[str, Any]]
 
@@ -78,15 +82,21 @@ class Projection:
         return out
 
 
-def beam_projection(points: Points, rings: int = 0, columns: int = 0, return_: int = 1) -> Projection:
-    """Assigns points to pixels by the columns `ring` and `column`, which is exact.
+def beam_projection(
+    points: Points, rings: int = 0, columns: int = 0, return_: int = 1, destagger: bool | Stagger = True
+) -> Projection:
+    """Assigns points to pixels by the columns `ring` and `column`: each beam has a pixel of its own.
 
     `rings` and `columns` are the sensor's numbers; they can be omitted for a Scan of a dataset. `return_` is the number
-    of the return that is shown for each beam: 1 is the nearest. Raises InputError if points have no ring and column, if
-    these are outside of the image, or if `return_` is not 1 and points have no column `return`.
+    of the return that is shown for each beam: 1 is the nearest. `destagger`: True shifts the rows by the sensor's
+    azimuth offsets, which are known for scans of datasets and scenes, and samples of ScanDataset; for other points give
+    Dataset.stagger(sensor), or False. A sensor with azimuth offsets and less than a full turn has an image of more than
+    `columns` columns. Raises InputError if points have no ring and column, if these are outside of the image, if the
+    offsets are unknown, or if `return_` is not 1 and points have no column `return`.
     """
     if isinstance(points, Scan):
         rings, columns = rings or points.rings, columns or points.columns
+    stagger = _stagger_of(points, destagger)
     arrays = _dense_arrays(points)
     if rings < 1 or columns < 1:
         raise InputError("the numbers of rings and columns of the sensor are unknown: give rings and columns")
@@ -95,12 +105,32 @@ def beam_projection(points: Points, rings: int = 0, columns: int = 0, return_: i
     ring, column = arrays["ring"].astype(np.int64), arrays["column"].astype(np.int64)
     if ring.size and (ring.max() >= rings or column.max() >= columns):
         raise InputError(f"ring {ring.max()} or column {column.max()} is not in an image of {rings} x {columns}")
+    if stagger is not None:
+        if ring.size and ring.max() >= len(stagger.shifts):
+            raise InputError(f"the points have a ring {ring.max()}, but the azimuth offsets are those of {len(stagger.shifts)} rings")
+        column = (column + stagger.shifts[ring]) % stagger.columns
+        columns = max(columns, stagger.columns)
     pixel = ring * columns + column
     if "return" in arrays:
         pixel[arrays["return"] != return_] = -1
     elif return_ != 1:
         raise InputError(f"return number {return_} cannot be selected: the points have no column `return`")
     return Projection(pixel, (rings, columns), np.arange(len(pixel)))
+
+
+def _stagger_of(points: Points, destagger: bool | Stagger) -> Stagger | None:
+    """Returns the shifts of an image's rows; None if they are not to be shifted."""
+    if not isinstance(destagger, bool):
+        return Stagger(np.asarray(destagger[0], np.int64), int(destagger[1]))
+    if not destagger:
+        return None
+    known = points.stagger if isinstance(points, Scan) else points.get("stagger")
+    if known is None:
+        raise InputError(
+            "the azimuth offsets of the sensor are unknown (no manifest): give destagger=False for columns as the "
+            "sensor fires them, or destagger=dataset.stagger(sensor)"
+        )
+    return known
 
 
 def spherical_projection(points: Points, rings: int, columns: int, elevation: tuple[float, float]) -> Projection:
@@ -132,19 +162,19 @@ def range_image(
     channels: Sequence[str] = ("range",),
     return_: int = 1,
     fill: float = 0,
+    destagger: bool | Stagger = True,
 ) -> NDArray[np.float32]:
     """Returns an image float32 (k, rings, columns) of k channels: "x", "y", "z", "range" (m) or names of columns.
 
     Pixels without a return get the value `fill`. The other arguments are those of beam_projection(). For labels, use
     the image() of a beam_projection() instead, which keeps their type.
     """
-    if isinstance(channels, str):
-        raise InputError(f"channels must be a list of names, not '{channels}'")
+    names = names_in("channels", channels)
     if isinstance(points, Scan):
-        rings, columns, points = rings or points.rings, columns or points.columns, points.dense()
+        points = points.dense()
+    projection = beam_projection(points, rings, columns, return_, destagger)
     arrays = _dense_arrays(points)
-    projection = beam_projection(arrays, rings, columns, return_)
-    image = np.empty((len(channels), *projection.index.shape), np.float32)
-    for out, name in zip(image, channels):
+    image = np.empty((len(names), *projection.index.shape), np.float32)
+    for out, name in zip(image, names):
         out[:] = projection.image(channel(arrays, name).astype(np.float32), fill)
     return image

@@ -12,7 +12,8 @@ from ._core import InputError
 from .augment import Compose, Transform, generator
 from .dataset import Sample
 from .mix import Mix
-from .ontology import Ontology
+from .ontology import LABELS, Ontology
+from .words import names_in
 
 MIXING = 2**32 - 1  # position of the mix's random numbers; Compose numbers its transforms from 0
 
@@ -23,10 +24,11 @@ class SampleReader:
     key, sensor        texts
     xyz                float32 (N, 3), m, without misses; and the columns, (N,)
     world_from_sensor  float64 (4, 4), the pose at the start of the revolution; absent if the file has no pose
+    stagger            for range images, see Stagger; absent if unknown or if ring and column are not read
     target             int64 (N,), train ids of the labels; only if `train_ids` is given
     and, if `boxes` is given, the boxes of objects within the sensor's range:
     boxes              float32 (M, 7): x, y, z, length, width, height (m), yaw (rad) in the frame of the points
-    box_class          uint16 (M,), class ids in the ontology; box_instance uint32 (M,), as in the column `instance`
+    box_class          int32 (M,), class ids in the ontology; box_instance int64 (M,), as in the column `instance`
     box_label          int64 (M,), indices in the list `boxes`; only if `boxes` is a list of class names
     box_velocity       float32 (M, 3), relative to the ground, along the sensor's axes, m/s
     box_points         int64 (M,), number of points in the scan
@@ -56,12 +58,12 @@ class SampleReader:
         rng) returns the sample mixed with another one of the same Dataset, which is read too; the transform follows. The other sample and the random numbers
         depend only on the Dataset, `seed` (0 or more), the key and the epoch.
         """
-        if isinstance(columns, str) or isinstance(boxes, str):
-            raise InputError("columns and boxes must be lists of names")
         self.sensor = sensor
-        self.columns = None if columns is None else list(columns)
+        self.columns = None if columns is None else names_in("columns", columns)
+        if train_ids is not None and np.shape(train_ids) != (LABELS,):
+            raise InputError("train_ids must be a table (65536,), such as dataset.ontology.train_ids(['road', 'car'])")
         self.train_ids = train_ids
-        self.boxes = boxes
+        self.boxes = boxes if isinstance(boxes, bool) else names_in("boxes", boxes)
         self.min_points = min_points
         if isinstance(transform, Sequence):
             transform = Compose(transform, seed)
@@ -92,6 +94,8 @@ class SampleReader:
         out: dict[str, Any] = {"key": sample.key, "sensor": scan.sensor, **scan.arrays()}
         if scan.world_from_sensor is not None:
             out["world_from_sensor"] = scan.world_from_sensor
+        if scan.stagger is not None and "ring" in scan and "column" in scan:
+            out["stagger"] = scan.stagger
         if self.train_ids is not None:
             out["target"] = self.train_ids[scan["label"]].astype(np.int64)
         if self.boxes is not False:

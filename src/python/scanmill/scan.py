@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._core import InputError
 from .geometry import between, transformed
-from .words import advice
+from .words import advice, names_in
 
 AXES = ("x", "y", "z")
 
@@ -32,11 +32,10 @@ def channel(arrays: Mapping[str, Any], name: str) -> NDArray[Any]:
 
 def stacked(arrays: Mapping[str, Any], channels: Sequence[str]) -> NDArray[np.float32]:
     """Returns the values of several channels of each point, float32 (..., k); see channel()."""
-    if isinstance(channels, str):
-        raise InputError(f"channels must be a list of names, not '{channels}'")
     shape = arrays["xyz"].shape[:-1]
-    out = np.empty((*shape, len(channels)), np.float32)
-    for i, name in enumerate(channels):
+    names = names_in("channels", channels)
+    out = np.empty((*shape, len(names)), np.float32)
+    for i, name in enumerate(names):
         out[..., i] = channel(arrays, name)
     return out
 
@@ -45,6 +44,18 @@ def chosen(which: ArrayLike, count: int) -> NDArray[np.int64]:
     """Returns the indices, of `count` entries, that a mask (count,) or a list of indices selects; both may be empty."""
     wanted = np.asarray(which)
     return np.arange(count)[wanted if wanted.size else wanted.astype(np.int64)]
+
+
+class Stagger(NamedTuple):
+    """Where the points of a sensor belong in a range image whose columns each look in one direction. The lasers of one
+    column of the sensor look in directions that differ by the azimuth offsets of the rings.
+
+    shifts   int64 (rings,): a point of ring r and column c is in the image's column (c + shifts[r]) % columns
+    columns  number of the image's columns: as many as the sensor has or, if its field is less than a full turn, more
+    """
+
+    shifts: NDArray[np.int64]
+    columns: int
 
 
 class Scan:
@@ -66,6 +77,7 @@ class Scan:
       poses              float64 (P, 4, 4): this pose and, if the sensor moves, the pose at the end of the revolution,
                          or the pose of each column; None if unknown
       rings, columns     numbers of the sensor's rings and columns; 0 if unknown
+      stagger            a Stagger, for range images; None if unknown
     """
 
     def __init__(
@@ -80,6 +92,7 @@ class Scan:
         column_starts: NDArray[Any] | None = None,
         rings: int = 0,
         columns: int = 0,
+        stagger: Stagger | None = None,
     ) -> None:
         """`arrays`: `xyz` and the columns. `column_starts` (C,): the time at which each column fires (s since the start
         of the revolution)."""
@@ -92,6 +105,7 @@ class Scan:
         self.column_starts = column_starts
         self.rings = rings
         self.columns = columns
+        self.stagger = stagger
 
     @property
     def xyz(self) -> NDArray[np.float32]:
@@ -161,7 +175,7 @@ class Scan:
         height, width = self.xyz.shape[:2]
         rings = self.rings or height
         row, column = np.indices((height, width))
-        places = {"ring": (row % rings).astype(np.uint16), "column": column.astype(np.uint16)}
+        places = {"ring": (row % rings).astype(np.int32), "column": column.astype(np.int32)}
         if height > rings:
             places["return"] = (row // rings + 1).astype(np.uint8)
         hit = np.isfinite(self.xyz[..., 0])

@@ -50,7 +50,7 @@ class Shards:
         self._datasets: dict[str, Dataset] = {}
         self._keys: dict[int, list[str]] = {}
         if isinstance(source, (str, os.PathLike)):
-            path = os.fspath(source)
+            path = os.path.abspath(source)
             source = [path] if path.endswith(".tar") else Dataset(Store(path))
         if isinstance(source, Dataset):
             self.files = _files_of(source, split)
@@ -58,7 +58,7 @@ class Shards:
             return
         if split is not None:
             raise InputError("a split can be selected only from a dataset, not from a list of files")
-        self.files = [os.fspath(file) for file in source]
+        self.files = [os.path.abspath(file) for file in source]
         if not self.files:
             raise InputError("the list of shards is empty")
 
@@ -80,11 +80,11 @@ class Shards:
         """Returns the dataset to which the shard belongs; if there is none, the shard as a dataset."""
         file = self.files[shard]
         if file not in self._datasets:
-            folder = os.path.dirname(os.path.dirname(os.path.abspath(file)))
+            folder = os.path.dirname(os.path.dirname(file))
             known = [other for other in self._datasets.values() if other.path == folder]
             if not known and os.path.exists(os.path.join(folder, "manifest.json")):
                 known = [Dataset(Store(folder))]
-            if known and os.path.abspath(file) in _files_of(known[0], None):
+            if known and file in _files_of(known[0], None):
                 self._datasets[file] = known[0]
             else:
                 self._datasets[file] = Dataset(Store(file))

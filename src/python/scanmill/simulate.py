@@ -4,6 +4,7 @@ them."""
 from __future__ import annotations
 
 import json
+import operator
 import os
 import re
 import threading
@@ -20,8 +21,8 @@ from .geometry import Pose, between, pose_matrix, quaternion_of, require_rigid
 from .dataset import Path
 from .ontology import Ontology
 from .parts import Part, part_of
-from .scan import Scan
-from .words import advice
+from .scan import Scan, Stagger
+from .words import advice, names_in
 
 Sensor = Union[str, Mapping[str, Any]]
 Method = Union[str, Mapping[str, Any]]
@@ -198,8 +199,10 @@ class Scene:
         """
         single = isinstance(sensor, (str, Mapping))
         sensors = [sensor] if single else list(sensor)  # type: ignore[list-item,arg-type]
-        if not np.isfinite(time):
-            raise InputError(f"time must be a finite number, not {time}")
+        if not np.isscalar(time) or isinstance(time, str) or not np.isfinite(time):
+            raise InputError(f"time must be a finite number, not {time!r}")
+        if not hasattr(frame, "__index__") or not 0 <= operator.index(frame) < 2**32:
+            raise InputError(f"frame must be a whole number of at least 0, not {frame!r}")
         placed = _places(poses, velocities)
         pipeline = self._pipeline(sensors, method, effects, columns, seed, organised)
         simulator = self._simulator(pipeline, placeable=poses is not None)
@@ -211,8 +214,10 @@ class Scene:
         moving = any(len(way) > 1 for way in ways) or bool(velocities)
         given = simulator.scan(ways, time, frame, *placed, moving)
         scans = [
-            self._scan_of(name, size, duration, arrays, method, time)
-            for name, size, duration, arrays in zip(simulator.sensors, simulator.sizes, durations, given)
+            self._scan_of(name, size, Stagger(*stagger), duration, arrays, method, time)
+            for name, size, stagger, duration, arrays in zip(
+                simulator.sensors, simulator.sizes, simulator.staggers, durations, given
+            )
         ]
         for scan in scans:
             _require_columns(scan, columns)
@@ -257,11 +262,9 @@ class Scene:
         cache."""
         if not sensors:
             raise InputError("the list of sensors is empty")
-        if isinstance(columns, str):
-            raise InputError(f"columns must be a list of names, not '{columns}'")
         output: dict[str, Any] = {"layout": "organised" if organised else "dense", "formats": ["pcd"]}
         if columns is not None:
-            output["columns"] = list(columns)
+            output["columns"] = names_in("columns", columns)
         pipeline: dict[str, Any] = {
             "name": "simulation",
             "seed": seed,
@@ -316,7 +319,13 @@ class Scene:
 
     @staticmethod
     def _scan_of(
-        name: str, size: tuple[int, int], duration: float, arrays: dict[str, Any], method: Method, time: float
+        name: str,
+        size: tuple[int, int],
+        stagger: Stagger,
+        duration: float,
+        arrays: dict[str, Any],
+        method: Method,
+        time: float,
     ) -> Scan:
         return Scan(
             {key: values for key, values in arrays.items() if key != "world_from_sensor"},
@@ -327,6 +336,7 @@ class Scene:
             column_starts=np.arange(size[1]) * (duration / size[1]),
             rings=size[0],
             columns=size[1],
+            stagger=stagger,
         )
 
 

@@ -3,8 +3,8 @@
     from scanmill.torch import ScanDataset, collate_padded
     loader = DataLoader(ScanDataset("out/town", "train"), batch_size=4, collate_fn=collate_padded, num_workers=4)
 
-Both datasets return dictionaries of numpy arrays (see scanmill.samples.SampleReader), which are then collated to
-tensors. uint16 is converted to int32 and uint32 to int64, since torch lacks these types.
+Both datasets return dictionaries of numpy arrays (see scanmill.samples.SampleReader), of types that torch has, which
+are then collated to tensors.
 """
 
 from __future__ import annotations
@@ -23,7 +23,9 @@ from .batch import pad_batch
 from .dataset import Dataset, Path, open_dataset
 from .range_image import beam_projection, range_image
 from .samples import SampleReader
+from .scan import Stagger
 from .shards import Reading, Shards, Source
+from .words import names_in
 
 Batch = dict[str, Any]
 
@@ -152,12 +154,14 @@ def collate_padded(samples: Sequence[dict[str, Any]], ignore: int = 255) -> Batc
 
     Points: `xyz` float32 (B, N, 3), columns (B, N), `mask` bool (B, N), which is False for padding. Boxes, if samples
     have boxes: `boxes` (B, M, 7), `box_...` (B, M, ...), `box_mask` bool (B, M). `world_from_sensor` is float64 (B, 4,
-    4). Texts are lists. `target` is padded with `ignore`, the train id of labels that are not learned; other arrays
+    4). Texts are lists, `stagger` is left out. `target` is padded with `ignore`, the train id of labels that are not learned; other arrays
     with 0.
     """
     batch: Batch = {}
     for name in _shared_names(samples):
         values = [sample[name] for sample in samples]
+        if name == "stagger":
+            continue
         if isinstance(values[0], str):
             batch[name] = values
         elif name == "world_from_sensor":
@@ -173,7 +177,8 @@ def collate_padded(samples: Sequence[dict[str, Any]], ignore: int = 255) -> Batc
 class CollateRangeImages:
     """Makes batches of B range images with rings x columns pixels, using the columns `ring` and `column`.
 
-    `image` float32 (B, k, rings, columns) has one channel for each of `channels`; pixels without a return are 0. `mask`
+    `rings` and `columns` are the sensor's numbers, and `destagger` is that of beam_projection(), which also tells for
+    which sensors the images have more columns. `image` float32 (B, k, rings, columns) has one channel for each of `channels`; pixels without a return are 0. `mask`
     bool (B, rings, columns) is True for pixels with a return. `target` int64 (B, rings, columns), if samples have it,
     is `ignore` for pixels without a return. `index` int64 (B, rings, columns) is the index of the pixel's point in its
     sample; -1 if there is none. Boxes, poses and texts are the same as in collate_padded().
@@ -185,17 +190,20 @@ class CollateRangeImages:
         columns: int,
         channels: Sequence[str] = ("range", "x", "y", "z", "intensity"),
         ignore: int = 255,
+        destagger: bool | Stagger = True,
     ) -> None:
         self.rings, self.columns = rings, columns
-        self.channels = list(channels)
+        self.channels = names_in("channels", channels)
         self.ignore = ignore
+        self.destagger = destagger
 
     def __call__(self, samples: Sequence[dict[str, Any]]) -> Batch:
         whole = ("key", "sensor", "world_from_sensor")
         rest = [{k: v for k, v in sample.items() if k in whole or k.startswith("box")} for sample in samples]
         batch = collate_padded(rest)
-        projections = [beam_projection(sample, self.rings, self.columns) for sample in samples]
-        images = [range_image(sample, self.rings, self.columns, self.channels) for sample in samples]
+        where: dict[str, Any] = {"rings": self.rings, "columns": self.columns, "destagger": self.destagger}
+        projections = [beam_projection(sample, **where) for sample in samples]
+        images = [range_image(sample, channels=self.channels, **where) for sample in samples]
         batch["image"] = tensor(np.stack(images))
         batch["index"] = tensor(np.stack([p.index for p in projections]))
         batch["mask"] = batch["index"] >= 0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
+from typing import Any
 
 from ._core import InputError
 
@@ -16,6 +17,14 @@ def advice(word: str, known: Iterable[str]) -> str:
     if near:
         return f" (did you mean '{near[0]}'?)"
     return f" (known: {', '.join(names)})" if names else ""
+
+
+def names_in(what: str, values: Any) -> list[str]:
+    """Returns the names as a list. Raises InputError unless `values` is a list or another iterable of texts."""
+    names = list(values) if isinstance(values, Iterable) and not isinstance(values, str) else [None]
+    if not all(isinstance(name, str) for name in names):
+        raise InputError(f"{what} must be a list of names, not {values!r}")
+    return names
 
 
 def require_known(what: str, word: str, known: Iterable[str]) -> None:

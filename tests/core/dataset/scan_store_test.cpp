@@ -31,5 +31,13 @@ TEST(ScanStore, BeamsThatNoSensorHasAreRefused) {
   EXPECT_EQ(refused("1023 4095"), "accepted");
 }
 
+// A run that has not ended has a plan in its hidden folder, and no manifest.
+TEST(ScanStore, AnUnfinishedDatasetIsNamedSo) {
+  const TemporaryFolder folder;
+  folder.write(".scanmill/plan", "");
+  EXPECT_THAT(messageOf([&] { ScanStore store(folder.path()); }),
+              AllOf(HasSubstr("unfinished dataset"), HasSubstr("--resume")));
+}
+
 }  // namespace
 }  // namespace scanmill
