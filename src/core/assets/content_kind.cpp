@@ -1,5 +1,7 @@
 #include "assets/content_kind.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <fstream>
@@ -18,6 +20,12 @@ struct Content {
 };
 
 using namespace std::string_view_literals;
+
+// True if a list of endings, which are separated by blanks, has this ending.
+bool hasEnding(std::string_view endings, std::string_view kind) {
+  const std::string between = fmt::format(" {} ", kind);
+  return !kind.empty() && fmt::format(" {} ", endings).find(between) != std::string::npos;
+}
 
 // The first row that fits counts.
 constexpr std::array<Content, 27> kContents{{
@@ -66,10 +74,9 @@ std::string otherContent(const std::filesystem::path& file, const std::string& k
     const bool root = content.begin == "<collada" || content.begin == "<mujoco";
     const bool inside = xml && root && begin.find(content.begin) != std::string_view::npos;
     if (!begin.starts_with(content.begin) && !inside) continue;
-    return content.endings.find(kind) != std::string_view::npos && !kind.empty() ? "" : std::string(content.what);
+    return hasEnding(content.endings, kind) ? "" : std::string(content.what);
   }
-  constexpr std::string_view kXml = ".dae .sdf .world .urdf .xacro .xml .x3d .amf .vrt";
-  return xml && kXml.find(kind) == std::string_view::npos ? "XML" : "";
+  return xml && !hasEnding(".dae .sdf .world .urdf .xacro .xml .x3d .amf .vrt", kind) ? "XML" : "";
 }
 
 }  // namespace scanmill

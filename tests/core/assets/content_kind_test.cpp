@@ -18,6 +18,8 @@ TEST_F(AssetFiles, ContentThatDoesNotFitTheNameIsNamed) {
   const auto said = [&](const std::string& name, const std::string& text) { return failure(write(name, text)); };
   EXPECT_THAT(said("a.obj", "<?xml version=\"1.0\"?>\n<root/>\n"),
               AllOf(HasSubstr("a.obj"), HasSubstr("its first bytes look like XML")));
+  EXPECT_THAT(said("a.x", "<?xml version=\"1.0\"?>\n<root/>\n"), HasSubstr("its first bytes look like XML"))
+      << ".x is no part of .xml, .xacro or .x3d";
   EXPECT_THAT(said("a.stl", dae("Z_UP", "1")), HasSubstr("its first bytes look like COLLADA"));
   EXPECT_THAT(said("a.obj", "\n<!DOCTYPE html><html></html>"), HasSubstr("look like a web page"));
   EXPECT_THAT(said("a.fbx", "version https://git-lfs.github.com/spec/v1\noid sha256:0\n"), HasSubstr("Git LFS"));
