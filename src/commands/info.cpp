@@ -521,6 +521,7 @@ AssetOptions assetOptions(const Arguments& parsed) {
     options.up = up[0];
   }
   options.allowOutside = parsed.has("allow-outside");
+  options.leaveOutMissing = parsed.has("leave-out-missing");
   return options;
 }
 
@@ -535,6 +536,7 @@ int runInfo(const std::vector<std::string>& arguments) {
   add("colors", "list the colours of a 3D file's triangles, which labelling rules can match");
   add("all", "list all parts and nodes of a 3D file, however many");
   add("allow-outside", "allow a glTF or OBJ file to name files outside its folder");
+  add("leave-out-missing", "go on without models and meshes that a world names and that are missing");
   addInputLimit(options);
   const Arguments parsed =
       parseArguments(options, arguments,

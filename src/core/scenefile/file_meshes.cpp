@@ -27,9 +27,10 @@ constexpr double kMostMoments = 48;
 std::string meshKey(const std::filesystem::path& file, const AssetOptions& asset, const Labelling& labelling) {
   // The path through symbolic links: two links to a file may have different textures beside them.
   const std::filesystem::path path = std::filesystem::absolute(file).lexically_normal();
-  std::string key = fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", path.string(), labelling.file, asset.metresPerUnit,
-                                asset.unitStated, asset.up.value_or('-'), static_cast<int>(asset.alpha),
-                                asset.allowOutside, labelling.things.text());
+  std::string key =
+      fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", path.string(), labelling.file, asset.metresPerUnit,
+                  asset.unitStated, asset.up.value_or('-'), static_cast<int>(asset.alpha), asset.allowOutside,
+                  asset.leaveOutMissing, labelling.things.text());
   key += '\n' + keyOf(asset.points, asset.heights);
   for (const std::filesystem::path& folder : asset.textureFolders) key += '\n' + folder.string();
   if (asset.clip) key += fmt::format("\n{}\n{}", asset.clip->clip, asset.clip->time);

@@ -21,6 +21,8 @@
 //                                        # declare; if they declare nothing, yes for textures that look like cut-outs:
 //                                        # see AlphaUse in assets/asset.h)
 //   textures: [images]                   # folders that are searched, too, for images that are missing at their paths
+//   missing: leave_out                   # of a world: models and meshes that it names and that are missing are left
+//                                        # out; refuse (default): they are listed in an error
 //   instances: node                      # the triangles that form one thing. node: of a node with a thing class; part:
 //                                        # of a group of connected triangles; /chair_[0-9]+/: of all nodes with the
 //                                        # same match; object (default, except for point clouds): of the complete
@@ -124,7 +126,7 @@ class SceneReader {
               "roll_deg",  "rotation",  "scale",         "copies",    "up",       "unit",     "alpha",
               "instances", "rules",     "class",         "material",  "size",     "cells",    "radius",
               "height",    "segments",  "moving",        "animation", "vary",     "stand_on", "points",
-              "heights",   "thing",     "allow_outside", "facing",    "textures"})
+              "heights",   "thing",     "allow_outside", "facing",    "textures", "missing"})
           .finish();
       throw InputError(where,
                        "an object must have exactly one of the keys file, primitive and town (`town: {}` for a town "
@@ -218,6 +220,7 @@ class SceneReader {
     const std::string alpha = f.choice("alpha", {"auto", "ignore", "test"}, "auto");
     if (alpha != "auto") asset.alpha = alpha == "test" ? AlphaUse::Test : AlphaUse::Ignore;
     asset.allowOutside = f.boolean("allow_outside", false);
+    asset.leaveOutMissing = f.choice("missing", {"refuse", "leave_out"}, "refuse") == "leave_out";
     for (const std::string& name : f.texts("textures")) {
       asset.textureFolders.push_back(assetPath(name, f.require("textures")));
       if (!isFolder(asset.textureFolders.back())) {
@@ -279,12 +282,13 @@ class SceneReader {
   static void readSurvey(Fields& f, const std::filesystem::path& file, bool cloud, AssetOptions& asset) {
     if (const Value* points = f.find("points")) {
       if (!cloud)
-        throw InputError(points->where,
-                         "points is only for point clouds: .las, .pcd, .drc, .csv, .xyz, and .ply without faces");
+        throw InputError(
+            points->where,
+            "points is only for point clouds: .las, .pcd, .drc, .csv, .xyz, .asc of points, and .ply without faces");
       asset.points = readPointOptions(*points);
     }
     if (const Value* heights = f.find("heights")) {
-      if (!isHeights(lowerExtension(file)))
+      if (cloud || !isHeights(lowerExtension(file)))
         throw InputError(heights->where, "heights is only for rasters, such as .tif");
       asset.heights = readHeightOptions(*heights);
     }

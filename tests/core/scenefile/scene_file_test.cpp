@@ -61,6 +61,19 @@ class SceneReader : public testing::Test {
   TemporaryFolder folder_;
 };
 
+// A world goes on without what it lacks if the scene says so.
+TEST_F(SceneReader, missingModelsOfAWorldMayBeLeftOut) {
+  folder_.write(
+      "w.sdf",
+      "<sdf version=\"1.6\"><world name=\"w\"><include><uri>model://gone</uri></include><model name=\"m\"><link "
+      "name=\"l\"><visual name=\"v\"><geometry><box><size>1 1 1</size></box></geometry></visual></link></model>"
+      "</world></sdf>");
+  const std::string world = "  - {file: w.sdf, class: object, material: wood";
+  refuse(world + "}\n", {"scene.yaml:", "model://gone", "missing: leave_out"});
+  EXPECT_EQ(read(world + ", missing: leave_out}\n").instances.size(), 1u);
+  refuse(world + ", missing: ignore}\n", {"refuse, leave_out"});
+}
+
 const std::string kBox = "  - {primitive: box, size: [1, 1, 1], class: car, material: car_paint";
 
 TEST_F(SceneReader, primitivesStandWhereTheyAreSaidTo) {

@@ -90,6 +90,7 @@ struct AssetOptions {
   std::optional<ClipTime> clip = std::nullopt;  // animation time to load (only glTF and GLB)
   // True: files that an asset names may be outside of its folder. False: such names are refused.
   bool allowOutside = false;
+  bool leaveOutMissing = false;  // true: models, meshes and tiles that a world names may be missing
   std::vector<std::filesystem::path> textureFolders = {};  // searched last for images that are missing at their paths
   PointOptions points = {};                                // options for point clouds
   HeightOptions heights = {};                              // options for height rasters
@@ -105,7 +106,7 @@ struct Asset {
   std::filesystem::path file;
   char up = 'z';            // up axis of the file's coordinates: AssetOptions::up if set, else the file's axis
   bool upDeclared = false;  // true if the file or its kind states the up axis
-  double statedUnit = 0;    // metres per unit as the file states it; 0: it states none
+  double statedUnit = 0;    // metres per unit as the file or its kind states it; 0: neither does
   std::vector<AssetPart> parts;
   Vec3d origin;  // m, asset frame; `parts` are relative to it; zero unless coordinates are too large for float32
   std::vector<InstancedParts> instanced;

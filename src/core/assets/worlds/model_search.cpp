@@ -11,17 +11,24 @@ namespace fs = std::filesystem;
 
 fs::path findModel(const XmlNode& from, const fs::path& file, const std::string& uri) {
   if (uri.empty()) from.fail("names no file");
+  const auto missing = [&](const std::string& why) {
+    return MissingFileError(from.where, uri, fmt::format("<{}> names '{}', {}", from.name, uri, why));
+  };
   if (uri.starts_with("http://") || uri.starts_with("https://")) {
-    from.fail(fmt::format("names '{}', which is not a local file: download it and name the file", uri));
+    throw missing("which is not a local file: download it and name the file");
   }
   for (const std::string_view scheme : {"model://", "package://"}) {
     if (!uri.starts_with(scheme)) continue;
-    if (const auto found = findInModelFolders(file, uri.substr(scheme.size()))) return *found;
-    from.fail(
-        fmt::format("names '{}', which is neither in '{}', nor in the folders above it, nor in the folders of the "
-                    "variables {}: a folder must have the name '{}' (a name in package.xml does not count)",
-                    uri, file.parent_path().string(), modelFolderVariables(),
-                    uri.substr(scheme.size(), uri.find('/', scheme.size()) - scheme.size())));
+    const std::string name = uri.substr(scheme.size());
+    if (const auto found = findInModelFolders(file, name)) return *found;
+    const std::string folder = name.substr(0, name.find('/'));
+    if (const auto found = findInModelFolders(file, folder); found && folder.size() < name.size()) {
+      throw missing(fmt::format("but '{}' has no file '{}'", found->string(), name.substr(folder.size() + 1)));
+    }
+    throw missing(
+        fmt::format("which is neither in '{}', nor in the folders above it, nor in the folders of the variables {}: a "
+                    "folder must have the name '{}' (a name in package.xml does not count)",
+                    file.parent_path().string(), modelFolderVariables(), folder));
   }
   const std::string plain = uri.starts_with("file://") ? uri.substr(7) : uri;
   for (const std::string& name : {plain, decodeUri(plain)}) {
@@ -31,7 +38,7 @@ fs::path findModel(const XmlNode& from, const fs::path& file, const std::string&
   }
   // A relative name may also be the name of a model.
   if (const auto found = findInModelFolders(file, plain)) return *found;
-  from.fail(fmt::format("names '{}', but this file does not exist", uri));
+  throw missing("but this file does not exist");
 }
 
 }  // namespace scanmill

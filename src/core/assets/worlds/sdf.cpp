@@ -150,7 +150,7 @@ class SdfReader {
       }
     }
     if (!any) root.fail("has neither a world nor a model");
-    for (const auto& [pose, model] : models) addThings(toAffine(pose), model);
+    for (const auto& [pose, model] : models) addThings(toAffine(pose), model, model.name);
     return std::move(world_);
   }
 
@@ -356,9 +356,16 @@ class SdfReader {
       std::filesystem::path& found = found_[{file.parent_path(), plain}];
       if (found.empty()) found = definitionOf(node, file, plain);
       definition = found;
-    } catch (const InputError&) {                       // models that belong to Gazebo may not be installed
+    } catch (const MissingFileError& e) {               // models that belong to Gazebo may not be installed
       if (plain == "model://sun") return std::nullopt;  // sun is a light
-      if (plain != "model://ground_plane") throw;
+      if (plain != "model://ground_plane") {
+        world_.missing.add(e);
+        Model empty;
+        empty.name = node.textOf("name", name);
+        pose = readPose(node);
+        inside = std::make_shared<Scope>();
+        return empty;
+      }
     }
     const std::filesystem::path place = definition.value_or(plain);
     const auto [known, isNew] = definitions_.try_emplace(place);
@@ -420,7 +427,9 @@ class SdfReader {
       }
       found /= best;
       if (!std::filesystem::exists(found, ignored)) {
-        place.fail(fmt::format("names '{}', but no {} of this name exists", uri, found.string()));
+        throw MissingFileError(
+            place.where, uri,
+            fmt::format("<{}> names '{}', but no {} of this name exists", place.name, uri, found.string()));
       }
     }
     const std::filesystem::path canonical = std::filesystem::weakly_canonical(found, ignored);
@@ -453,7 +462,11 @@ class SdfReader {
       if (shape.name == "mesh") {
         const XmlNode* const uri = shape.child("uri");
         if (uri == nullptr) shape.fail("has no <uri>");
-        part.mesh = findModel(*uri, file, uri->text);
+        try {
+          part.mesh = findModel(*uri, file, uri->text);
+        } catch (const MissingFileError& e) {
+          return world_.missing.add(e);
+        }
         if (const XmlNode* scale = shape.child("scale")) {
           part.thingFromPart.linear = part.thingFromPart.linear * Mat3::scale(vectorIn(*scale, scale->text));
         }
@@ -486,15 +499,18 @@ class SdfReader {
     return Mat3::scale(scale);
   }
 
-  // Returns the image of a heightmap; nullopt if it is one of Gazebo's own that is not installed.
+  // Returns the image of a heightmap; nullopt if it is missing.
   std::optional<std::filesystem::path> imageOf(const XmlNode& heightmap, const std::filesystem::path& file) {
     const XmlNode* const uri = heightmap.child("uri");
     if (uri == nullptr) heightmap.fail("has no <uri>");
     try {
       return findModel(*uri, file, uri->text);
-    } catch (const InputError&) {
-      if (!uri->text.starts_with("file://media")) throw;
-      world_.leftOut.add(fmt::format("heightmaps of Gazebo's own '{}'", uri->text));
+    } catch (const MissingFileError& e) {
+      if (uri->text.starts_with("file://media")) {
+        world_.leftOut.add(fmt::format("heightmaps of Gazebo's own '{}'", uri->text));
+      } else {
+        world_.missing.add(e);
+      }
       return std::nullopt;
     }
   }
@@ -562,13 +578,17 @@ class SdfReader {
     }
   }
 
-  // Adds the things of a model. A model without visuals is not a thing, but the models nested in it are.
-  void addThings(const Affine& worldFromModel, const Model& model) {
+  // Adds the things of a model, whose name in the world is `name`. A model without visuals is not a thing, but the
+  // models nested in it are: a single one has its name, several are called NAME/NESTED.
+  void addThings(const Affine& worldFromModel, const Model& model, const std::string& name) {
     if (model.parts.empty()) {
-      for (const auto& [pose, child] : model.children) addThings(worldFromModel * toAffine(pose), child);
+      for (const auto& [pose, child] : model.children) {
+        const std::string own = model.children.size() == 1 ? name : fmt::format("{}/{}", name, child.name);
+        addThings(worldFromModel * toAffine(pose), child, own);
+      }
       return;
     }
-    WorldThing thing{model.name, model.definition, worldFromModel, {}};
+    WorldThing thing{name, model.definition, worldFromModel, {}};
     collect({}, "", model, thing.parts);
     world_.things.push_back(std::move(thing));
   }

@@ -11,6 +11,7 @@
 #include "assets/meshes/asset_parts.h"
 #include "assets/meshes/gltf/reader.h"
 #include "assets/meshes/references.h"
+#include "assets/worlds/missing_files.h"
 #include "assets/worlds/world_asset.h"
 #include "base/earth.h"
 #include "base/error.h"
@@ -33,7 +34,9 @@ class TilesetReader {
   Asset read(const std::filesystem::path& file) {
     if (options_.up) fail(file, "states its up axis: leave out `up`");
     asset_.upDeclared = true;
+    asset_.statedUnit = 1;
     readFileOf(file, {}, {}, false, 0);
+    missing_.settle(options_.leaveOutMissing, leftOut_);
     leftOut_.tell(file.string());
     inTiles_.tell(file.string());
     return std::move(asset_);
@@ -166,14 +169,16 @@ class TilesetReader {
   }
 
   void readContent(const std::string& uri, const Context& context, const Affine& earthFromTile, bool adds, int depth) {
+    const Location where{context.file.string()};
     if (uri.starts_with("http://") || uri.starts_with("https://")) {
-      fail(context.file, fmt::format("names '{}', which is not a local file: download the tileset", uri));
+      return missing_.add(
+          {where, uri, fmt::format("names '{}', which is not a local file: download the tileset", uri)});
     }
     const std::string plain = decodeUri(uri.substr(0, uri.find('?')));
     const std::filesystem::path file = context.file.parent_path() / plain;
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(file, ignored)) {
-      fail(context.file, fmt::format("names '{}', but this file does not exist", uri));
+      return missing_.add({where, uri, fmt::format("names '{}', but this file does not exist", uri)});
     }
     const std::string kind = lowerExtension(file);
     const std::filesystem::path name = context.folder / plain;
@@ -217,6 +222,7 @@ class TilesetReader {
   std::set<std::filesystem::path> open_;
   LeftOut leftOut_;
   LeftOut inTiles_;  // of the tiles' contents
+  MissingFiles missing_;
   std::uint32_t nodes_ = 0;
 };
 

@@ -186,7 +186,11 @@ class UrdfReader {
     part.node = link + "/" + visual.attributeOr("name", fmt::format("visual_{}", number));
     part.thingFromPart = robotFromLink * readOrigin(visual);
     if (shape.name == "mesh") {
-      part.mesh = findModel(shape, file_, shape.attributeOr("filename", ""));
+      try {
+        part.mesh = findModel(shape, file_, shape.attributeOr("filename", ""));
+      } catch (const MissingFileError& e) {
+        return world_.missing.add(e);
+      }
       part.thingFromPart.linear =
           part.thingFromPart.linear * Mat3::scale(vectorIn(shape, shape.attributeOr("scale", "1 1 1")));
     } else {

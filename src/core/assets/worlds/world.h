@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "assets/worlds/missing_files.h"
 #include "base/error.h"
 #include "base/format_support.h"
 #include "base/vec.h"
@@ -41,14 +42,14 @@ struct WorldThing {
 struct WorldFile {
   std::vector<WorldThing> things;
   LeftOut leftOut;
+  MissingFiles missing;  // models, meshes and heightmaps; the things lack them
 };
 
 // Returns what the reader of SDF reads and leaves out.
 const FormatSupport& sdfFormat();
 
 // Reads the Simulation Description Format, versions 1.3 to 1.12 (sdformat.org/spec): .sdf and .world. sdfFormat() says
-// what is read. COLLADA's up_axis is ignored, as in Gazebo. Throws InputError with the file and its line, for example
-// if a model is not found.
+// what is read. COLLADA's up_axis is ignored, as in Gazebo. Throws InputError with the file and its line.
 WorldFile readSdf(const std::filesystem::path& file);
 
 // Returns what the reader of URDF reads and leaves out.

@@ -17,10 +17,18 @@
 namespace scanmill {
 namespace {
 
-// Returns a name without the number at its end: "car_01_002" becomes "car".
-std::string withoutNumber(const std::string& name) {
-  const std::size_t last = name.find_last_not_of("0123456789_-. ");
-  return last == std::string::npos ? name : name.substr(0, last + 1);
+// Returns a name without the numbers at its end and before slashes: "car_01_002" becomes "car", "row_1/car_2"
+// "row/car".
+std::string withoutNumbers(const std::string& name) {
+  std::string plain;
+  for (std::size_t at = 0; at <= name.size();) {
+    const std::size_t end = std::min(name.find('/', at), name.size());
+    const std::string word = name.substr(at, end - at);
+    const std::size_t last = word.find_last_not_of("0123456789_-. ");
+    plain += (at == 0 ? "" : "/") + (last == std::string::npos ? word : word.substr(0, last + 1));
+    at = end + 1;
+  }
+  return plain;
 }
 
 class WorldAsset {
@@ -29,19 +37,21 @@ class WorldAsset {
       : file_(file), options_(options), images_(file, true) {
     asset_.up = options.up.value_or('z');
     asset_.upDeclared = true;
+    asset_.statedUnit = 1;
     const double scale = options.metresPerUnit;
     assetFromWorld_ = {zUpFrom(asset_.up) * Mat3::scale({scale, scale, scale}), {}};
   }
 
   Asset build(const WorldFile& world) {
     leftOut_ = world.leftOut;
+    world.missing.settle(options_.leaveOutMissing, leftOut_);
     // Groups of things of the same model whose names differ only in the numbers at their ends.
     std::map<std::pair<std::filesystem::path, std::string>, std::vector<const WorldThing*>> same;
     for (const WorldThing& thing : world.things) {
-      if (!thing.definition.empty()) same[{thing.definition, withoutNumber(thing.name)}].push_back(&thing);
+      if (!thing.definition.empty()) same[{thing.definition, withoutNumbers(thing.name)}].push_back(&thing);
     }
     for (const WorldThing& thing : world.things) {
-      const auto found = same.find({thing.definition, withoutNumber(thing.name)});
+      const auto found = same.find({thing.definition, withoutNumbers(thing.name)});
       if (found == same.end() || found->second.size() < 2) {
         addTo(asset_.parts, thing, thing.name, assetFromWorld_ * thing.worldFromThing);
       } else if (found->second.front() == &thing) {

@@ -17,8 +17,10 @@ bool isWorld(std::string_view suffix);
 // has one node index; its parts are named "model/link/visual" or, if a mesh has nodes, "model/link/visual/node". If a
 // model is included several times under names that differ only in the numbers at their ends, the copies share their
 // meshes (Asset::instanced), and their common name lacks the number. A model with visuals is one thing, together with
-// all models nested in it. A model without visuals is not a thing, but the models nested in it are. Throws InputError
-// with the place in the file, and warns of contents that are left out.
+// all models nested in it. A model without visuals is not a thing, but the models nested in it are: a single one has
+// the name of the model around it, several are called "model/nested". Throws InputError with the place in the file, for
+// example with all models and meshes that are missing unless AssetOptions::leaveOutMissing is set, and warns of
+// contents that are left out.
 Asset readWorld(const std::filesystem::path& file, std::string_view suffix, const AssetOptions& options);
 
 // Returns what the reader of 3D Tiles reads and leaves out.

@@ -75,8 +75,8 @@ TEST_F(Sdf, ModelsOfModelsAreThingsWhereTheyAreNoMoreThanThat) {
   const Asset street =
       sdf("<model name=\"street\"><pose>10 0 0 0 0 0</pose>" + wing("left", "<pose>0 1 0 0 0 0</pose>") +
           wing("right", "<pose>0 -1 0 0 0 0</pose>") + "</model>");
-  expectWing(corners(street, "left/l/v/wing"), poseOf(10, 1, 0, 0, 0, 0));
-  expectWing(corners(street, "right/l/v/wing"), poseOf(10, -1, 0, 0, 0, 0));
+  expectWing(corners(street, "street/left/l/v/wing"), poseOf(10, 1, 0, 0, 0, 0));
+  expectWing(corners(street, "street/right/l/v/wing"), poseOf(10, -1, 0, 0, 0, 0));
   EXPECT_NE(street.parts[0].nodeIndex, street.parts[1].nodeIndex);
 
   const Asset car =
@@ -138,6 +138,38 @@ TEST_F(IncludedSdf, AreCalledAsTheyAreIncluded) {
   EXPECT_TRUE(asset.instanced.empty());
   EXPECT_LT(length(corners(asset, "right/l/v1.10/wing")[0] - Vec3d{2, 1, 0}), 1e-6);
   EXPECT_NE(corners(asset, "left/l/v1.10/wing")[2].z, 0);
+}
+
+// The name in the world is that of the model around the include, and those that differ in numbers share their meshes.
+TEST_F(IncludedSdf, HaveTheNameOfTheModelAroundThem) {
+  const auto around = [](const std::string& name, const std::string& inside) {
+    return "<model name=\"" + name + "\">" + inside + "</model>";
+  };
+  corners(sdf("<world name=\"w\">" + around("my_table", include("")) + "</world>"), "my_table/l/v1.10/wing");
+  const std::string two = include("<name>left</name>") + include("<name>right</name>");
+  const Asset rows = sdf("<world name=\"w\">" + around("row_1", two) + around("row_2", two) + "</world>");
+  ASSERT_EQ(rows.instanced.size(), 2u);
+  EXPECT_EQ(rows.instanced[0].parts.at(0).node, "row/left/l/v1.10/wing");
+  EXPECT_EQ(rows.instanced[1].parts.at(0).node, "row/right/l/v1.10/wing");
+}
+
+// Whoever fetches them must know all of them.
+TEST_F(IncludedSdf, ThatAreMissingAreNamedTogetherOrLeftOut) {
+  folder_.write("models/gap/model.sdf",
+                "<sdf version=\"1.6\">" + model("<mesh><uri>model://gap/a.stl</uri></mesh>") + "</sdf>");
+  const std::string world = "<world name=\"w\">\n" + include("", "model://chair") + "\n" +
+                            include("<name>other</name>", "model://chair") + "\n" + include("", "model://gap") + "\n" +
+                            include("<name>p</name><pose relative_to=\"other\">1 0 0 0 0 0</pose>") + "</world>";
+  EXPECT_THAT(refusal(world),
+              AllOf(HasSubstr("a.sdf:4: <uri> names 'model://chair'"),
+                    HasSubstr("further ones are missing: 'model://gap/a.stl' ("), HasSubstr("model.sdf:1)"),
+                    HasSubstr("`missing: leave_out`"), HasSubstr("--leave-out-missing")));
+  testing::internal::CaptureStderr();
+  const Asset asset = readAsset(folder_.path() / "a.sdf", {.leaveOutMissing = true});
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              HasSubstr("left out: 2 missing models and meshes ('model://chair'), 1 missing models and meshes "
+                        "('model://gap/a.stl')"));
+  EXPECT_LT(length(corners(asset, "p/l/v1.10/wing")[0] - Vec3d{3, 0, 0}), 1e-6);
 }
 
 TEST_F(IncludedSdf, AreFoundWhereTheEnvironmentSays) {

@@ -229,7 +229,9 @@ TEST_F(Tileset, MistakesAreNamed) {
   EXPECT_THAT(messageOf([&] { read("t.json", "{}"); }), HasSubstr("the keys asset and root are missing"));
   EXPECT_THAT(messageOf([&] { tileset({{"boundingVolume", local()}}, "0.0"); }), HasSubstr("version '0.0'"));
   EXPECT_THAT(with(Json::object()), HasSubstr("has no triangle"));
-  EXPECT_THAT(with({{"content", {{"uri", "gone.glb"}}}}), AllOf(HasSubstr("tileset.json"), HasSubstr("'gone.glb'")));
+  EXPECT_THAT(with({{"contents", {{{"uri", "gone.glb"}}, {{"uri", "a.gltf"}}, {{"uri", "lost.json"}}}}}),
+              AllOf(HasSubstr("tileset.json"), HasSubstr("'gone.glb'"), HasSubstr("missing: 'lost.json'")));
+  EXPECT_EQ(readAsset(folder_.path() / "tileset.json", {.leaveOutMissing = true}).parts.size(), 1u);
   EXPECT_THAT(with({{"content", {{"uri", "https://a/b.glb"}}}}), HasSubstr("download"));
   EXPECT_THAT(with({{"content", {{"uri", "tileset.json"}}}}), HasSubstr("includes itself"));
   EXPECT_THAT(with({{"implicitTiling", Json::object()}}), HasSubstr("implicit tiling"));

@@ -177,6 +177,13 @@ TEST_F(Urdf, MistakesAreNamedWithTheirLine) {
       refused(
           "<link name=\"a\"><visual><geometry><mesh filename=\"package://gone/a.stl\"/></geometry></visual></link>"),
       AllOf(HasSubstr("r.urdf:2"), HasSubstr("package://gone/a.stl"), HasSubstr("ROS_PACKAGE_PATH")));
+  folder_.write("pkg/meshes/wing.obj", kWing);
+  const auto mesh = [](const std::string& name) {
+    return "<visual><geometry><mesh filename=\"package://pkg/meshes/" + name + "\"/></geometry></visual>";
+  };
+  EXPECT_THAT(refused("<link name=\"a\">" + mesh("a.stl") + mesh("wing.obj") + mesh("b.stl") + "</link>"),
+              AllOf(HasSubstr("/pkg' has no file 'meshes/a.stl'"), HasSubstr("'package://pkg/meshes/b.stl'"),
+                    testing::Not(HasSubstr("wing.obj")), testing::Not(HasSubstr("must have the name"))));
   EXPECT_THAT(refused("<link name=\"a\"/>"), AllOf(HasSubstr("has no triangle"), HasSubstr("<collision>")));
   const auto origin = [&](const std::string& more) {
     return refused("<link name=\"a\"><visual><origin " + more +
