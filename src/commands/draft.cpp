@@ -28,8 +28,10 @@ namespace {
 // sheet.
 constexpr double kPlace = 60;
 
-// Returns the named files, with each folder replaced by the 3D files in it, sorted by path.
-std::vector<std::filesystem::path> filesOf(const std::vector<std::string>& named) {
+// Returns the named files, with each folder replaced by the 3D files in it, sorted by path, which are added to
+// `inFolders`.
+std::vector<std::filesystem::path> filesOf(const std::vector<std::string>& named,
+                                           std::set<std::filesystem::path>& inFolders) {
   std::vector<std::filesystem::path> files;
   for (const std::string& name : named) {
     std::error_code error;
@@ -40,6 +42,7 @@ std::vector<std::filesystem::path> filesOf(const std::vector<std::string>& named
     const std::vector<std::filesystem::path> found = assetsIn(name);
     if (found.empty()) throw InputError({name}, "contains no 3D file");
     files.insert(files.end(), found.begin(), found.end());
+    inFolders.insert(found.begin(), found.end());
   }
   return files;
 }
@@ -131,6 +134,8 @@ int runDraft(const std::vector<std::string>& arguments) {
   add("overwrite", "replace an existing scene file and picture");
   add("allow-outside",
       "allow glTF and OBJ files to name files outside their folders; the scene file then allows it, too");
+  add("leave-out-missing",
+      "go on without models and meshes that worlds name and that are missing; the scene file then does so, too");
   addInputLimit(options);
   const Arguments parsed = parseArguments(
       options, arguments,
@@ -140,7 +145,8 @@ int runDraft(const std::vector<std::string>& arguments) {
   if (parsed.help) return 0;
   const InputLimitFactor limits(inputLimit(parsed));
   if (!parsed.has("input")) throw InputError("draft: name 3D files, or folders that contain 3D files");
-  const std::vector<std::filesystem::path> files = filesOf(parsed.inputs());
+  draft::DraftOptions reading{parsed.has("allow-outside"), parsed.has("leave-out-missing"), {}};
+  const std::vector<std::filesystem::path> files = filesOf(parsed.inputs(), reading.mayFail);
   const std::filesystem::path out = folderOption(parsed, "out");
   if (out.empty()) throw InputError("-o FILE.yaml is missing: name the scene file to write");
   const std::filesystem::path picture = std::filesystem::path(out).replace_extension(".png");
@@ -156,8 +162,7 @@ int runDraft(const std::vector<std::string>& arguments) {
                                                                          : resourceFolder() / "labels/words.yaml");
   const draft::Draft made = [&] {
     const InputBudget budget;  // the picture, which reads the scene, has a budget of its own
-    return draft::draftScene(files, concepts, ontology, ontologyName, out.stem().string(), out.parent_path(),
-                             parsed.has("allow-outside"));
+    return draft::draftScene(files, concepts, ontology, ontologyName, out.stem().string(), out.parent_path(), reading);
   }();
   writeFile(out, made.yaml);
 

@@ -59,6 +59,23 @@ TEST_F(DraftCommand, ReplacesNothingUnasked) {
   EXPECT_NE(readFile(at("place.png")), "mine");
 }
 
+// One file that has nothing to draft does not spoil a folder, unless a user names it.
+TEST_F(DraftCommand, GoesOnWithoutWhatCannotBeRead) {
+  folder_.write("models/frames.urdf", "");
+  const Outcome o = scanmill({"draft", at("models"), "-o", at("place.yaml")});
+  ASSERT_EQ(o.code, 0) << o.error;
+  EXPECT_THAT(o.error, AllOf(HasSubstr("left out: "), HasSubstr("frames.urdf: is empty")));
+  expectRefused(scanmill({"draft", at("models/frames.urdf"), "-o", at("a.yaml")}), "frames.urdf: is empty");
+  folder_.write("w.urdf",
+                "<robot name=\"r\"><link name=\"l\"><visual><geometry><box size=\"1 1 1\"/></geometry></visual><visual>"
+                "<geometry><mesh filename=\"gone.stl\"/></geometry></visual></link></robot>");
+  expectRefused(scanmill({"draft", at("w.urdf"), "-o", at("w.yaml")}), "--leave-out-missing");
+  const Outcome whole = scanmill({"draft", at("w.urdf"), "-o", at("w.yaml"), "--leave-out-missing"});
+  ASSERT_EQ(whole.code, 0) << whole.error;
+  EXPECT_THAT(whole.error, HasSubstr("missing models and meshes ('gone.stl')"));
+  EXPECT_THAT(readFile(at("w.yaml")), HasSubstr("missing: leave_out"));
+}
+
 TEST_F(DraftCommand, BadRequestsAreNamed) {
   expectRefused(scanmill({"draft", "-o", at("a.yaml")}), "name 3D files");
   expectRefused(scanmill({"draft", at("models")}), "-o FILE.yaml");

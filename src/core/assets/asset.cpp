@@ -52,6 +52,7 @@ Asset readGltf(const std::filesystem::path& file, const std::string& kind, const
                       : gltf::readAsset(file, file, assetFromFile, options);
   asset.up = up;
   asset.upDeclared = true;
+  asset.statedUnit = 1;
   return asset;
 }
 

@@ -7,8 +7,10 @@
 #include <cmath>
 
 #include "config/flow_text.h"
+#include "config/resources.h"
 #include "draft/model.h"
 #include "draft/object_yaml.h"
+#include "scene/material.h"
 
 namespace scanmill::draft {
 namespace {
@@ -32,11 +34,20 @@ bool areOnePlace(const std::vector<Model>& models) {
   return models.size() > 1 && 2 * static_cast<std::size_t>(alone) > models.size();
 }
 
+// Adds a comment on top about drafted materials that let light through but are opaque without an effect.
+void tellOfGlass(std::string& yaml) {
+  for (const Material& m : readMaterials(resourceFolder() / "labels/materials.yaml", 905).materials) {
+    const auto drafted = [&](const char* end) { return yaml.find("material: " + m.name + end) != std::string::npos; };
+    if (m.transmission == 0 || (!drafted("\n") && !drafted("}"))) continue;
+    yaml.insert(0, fmt::format("# `material: {}` is opaque unless the pipeline has the effect light_paths.\n", m.name));
+  }
+}
+
 }  // namespace
 
 Draft draftScene(const std::vector<std::filesystem::path>& files, const std::vector<Concept>& concepts,
                  const Ontology& ontology, const std::string& ontologyName, const std::string& name,
-                 const std::filesystem::path& folder, bool allowOutside) {
+                 const std::filesystem::path& folder, const DraftOptions& options) {
   constexpr double kGap = 2;  // gap between objects that are placed side by side (m)
   Draft draft;
   draft.yaml = fmt::format(
@@ -45,17 +56,17 @@ Draft draftScene(const std::vector<std::filesystem::path>& files, const std::vec
       "name: {}\nontology: {}\nmaterials: materials\nobjects:\n",
       quotedValue(name), quotedValue(ontologyName));
   const std::vector<Concept> known = conceptsFor(concepts, ontology);
-  const std::vector<Model> models = readModels(files, known, allowOutside);
+  const std::vector<Model> models = readModels(files, known, options);
   draft.onePlace = areOnePlace(models);
-  const auto perRow = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(files.size()))));
+  const auto perRow = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(models.size()))));
   double x = 0, y = 0, deepest = 0;
-  for (std::size_t i = 0; i < files.size(); ++i) {
+  for (std::size_t i = 0; i < models.size(); ++i) {
     const Model& model = models[i];
-    draft.yaml += objectYaml(model, known, ontology, folder);
+    draft.yaml += objectYaml(model, known, ontology, folder, options);
     draft.files.push_back({model.file, model.name, model.frame.unit, model.frame.up, model.triangles(), model.guessed(),
                            model.byFile(), model.byFolder(), model.doubts(), model.box});
     const Box& box = model.box;
-    if (files.size() == 1 || box.empty() || draft.onePlace) continue;
+    if (models.size() == 1 || box.empty() || draft.onePlace) continue;
     if (i % perRow == 0) {
       y += deepest + (i == 0 ? 0 : kGap);
       x = deepest = 0;
@@ -65,6 +76,7 @@ Draft draftScene(const std::vector<std::filesystem::path>& files, const std::vec
     x += box.high.x - box.low.x + kGap;
     deepest = std::max(deepest, box.high.y - box.low.y);
   }
+  tellOfGlass(draft.yaml);
   return draft;
 }
 

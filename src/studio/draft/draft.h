@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/vec.h"
+#include "draft/model.h"
 #include "scene/ontology.h"
 #include "scenefile/concepts.h"
 
@@ -37,10 +38,9 @@ struct Draft {
 // Drafts a scene with one object per file. If most of the files are away from the origin, at different positions, all
 // files count as parts of one place and keep their coordinates. Otherwise several objects are placed side by side on
 // the ground. `folder`: future folder of the scene file, to which paths of assets are relative. `ontologyName`: the
-// ontology's name in the scene file. `name`: name of the scene. `allowOutside`: see AssetOptions. Throws InputError for
-// a file that cannot be read.
+// ontology's name in the scene file. `name`: name of the scene. Throws as readModels().
 Draft draftScene(const std::vector<std::filesystem::path>& files, const std::vector<Concept>& concepts,
                  const Ontology& ontology, const std::string& ontologyName, const std::string& name,
-                 const std::filesystem::path& folder, bool allowOutside = false);
+                 const std::filesystem::path& folder, const DraftOptions& options = {});
 
 }  // namespace scanmill::draft

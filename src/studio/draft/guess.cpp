@@ -8,6 +8,7 @@
 #include <iterator>
 #include <map>
 #include <set>
+#include <sstream>
 
 #include "assets/meshes/asset_parts.h"
 #include "config/text.h"
@@ -71,11 +72,30 @@ bool isPlace(const std::vector<const Concept*>& parts, const Concept* file = nul
 
 // True if the file itself states classes, as labelled point clouds do. A single class without a known word does not
 // count, since programs write one number for all points that nobody classified.
-bool statesClasses(const std::vector<Concept>& concepts, const Asset& asset) {
+bool statesClasses(const Vocabulary& words, const Asset& asset) {
   std::set<std::string> classes;
   for (const AssetPart& part : asset.parts) classes.insert(part.ownClass);
   classes.erase("");
-  return classes.size() > 1 || (!classes.empty() && conceptOf(concepts, *classes.begin()) != nullptr);
+  return classes.size() > 1 || (!classes.empty() && words.conceptOf(*classes.begin()) != nullptr);
+}
+
+// Splits a folded name at its blanks.
+std::vector<std::string> wordsOf(const std::string& folded) {
+  std::istringstream stream(folded);
+  return {std::istream_iterator<std::string>(stream), {}};
+}
+
+// Returns a folded name without some words.
+std::string without(const std::string& folded, const std::set<std::string>& ignored) {
+  std::string rest;
+  for (const std::string& word : wordsOf(folded)) {
+    if (!ignored.contains(word)) rest += (rest.empty() ? "" : " ") + word;
+  }
+  return rest;
+}
+
+std::string textureStem(const AssetPart& part) {
+  return std::filesystem::path(textureName(part.texture)).stem().string();
 }
 
 bool isTall(const Concept& c) {
@@ -211,26 +231,69 @@ std::string folderName(const std::filesystem::path& file) {
   return folder.filename().string();
 }
 
-const Concept* conceptOfFile(const std::vector<Concept>& concepts, const Asset& asset) {
-  if (statesClasses(concepts, asset)) return nullptr;
-  const Concept* const file = conceptOf(concepts, asset.file.stem().string());
+void Vocabulary::ignoreShared(const std::vector<std::string>& names) {
+  std::map<std::string, std::set<std::string>> holders;  // names with a word
+  std::set<std::string> different;                       // names without their digits
+  for (const std::string& name : names) {
+    const std::string folded = foldedName(name);
+    if (folded.empty() || !different.insert(folded).second) continue;
+    for (const std::string& word : wordsOf(folded)) holders[word].insert(folded);
+  }
+  std::set<std::string> shared;
+  for (const auto& [word, holding] : holders) {
+    if (2 * holding.size() <= different.size()) continue;
+    const Concept* const what = conceptOf(word);
+    if (what == nullptr || what->kind == ConceptKind::Drop) continue;
+    std::vector<const Concept*> others;
+    for (const std::string& name : holding) {
+      const std::string rest = without(name, {word});
+      others.push_back(rest.empty() ? nullptr : conceptOf(rest));
+    }
+    if (isPlace(others, what)) shared.insert(word);
+  }
+  ignored_.merge(shared);
+}
+
+void Vocabulary::ignoreShared(const Asset& asset) {
+  std::array<std::vector<std::string>, 3> names;
+  const auto add = [&](const AssetPart& part) {
+    names[0].push_back(part.node);
+    names[1].push_back(part.material);
+    names[2].push_back(textureStem(part));
+  };
+  for (const AssetPart& part : asset.parts) add(part);
+  for (const InstancedParts& instanced : asset.instanced) {
+    for (const AssetPart& part : instanced.parts) add(part);
+  }
+  for (const std::vector<std::string>& some : names) ignoreShared(some);
+}
+
+const Concept* Vocabulary::conceptOf(std::string_view name) const {
+  if (ignored_.empty()) return scanmill::conceptOf(concepts_, name);
+  const std::string folded = foldedName(name);
+  const std::string rest = without(folded, ignored_);
+  return scanmill::conceptOf(concepts_, rest.empty() ? folded : rest);
+}
+
+const Concept* conceptOfFile(const Vocabulary& words, const Asset& asset) {
+  if (statesClasses(words, asset)) return nullptr;
+  const Concept* const file = words.conceptOf(asset.file.stem().string());
   const bool ofOneObject = file != nullptr && file->kind == ConceptKind::Whole;
-  return ofOneObject && isPlace(guessParts(concepts, asset, nullptr), file) ? nullptr : file;
+  return ofOneObject && isPlace(guessParts(words, asset, nullptr), file) ? nullptr : file;
 }
 
-const Concept* conceptOfFolder(const std::vector<Concept>& concepts, const Asset& asset) {
-  if (statesClasses(concepts, asset) || conceptOf(concepts, asset.file.stem().string()) != nullptr) return nullptr;
-  return isPlace(guessParts(concepts, asset, nullptr)) ? nullptr : conceptOf(concepts, folderName(asset.file));
+const Concept* conceptOfFolder(const Vocabulary& words, const Asset& asset) {
+  if (statesClasses(words, asset) || words.conceptOf(asset.file.stem().string()) != nullptr) return nullptr;
+  return isPlace(guessParts(words, asset, nullptr)) ? nullptr : words.conceptOf(folderName(asset.file));
 }
 
-std::vector<const Concept*> guessParts(const std::vector<Concept>& concepts, const Asset& asset, const Concept* file) {
+std::vector<const Concept*> guessParts(const Vocabulary& words, const Asset& asset, const Concept* file) {
   const auto guess = [&](const AssetPart& part) -> const Concept* {
-    const Concept* node = conceptOf(concepts, part.node);
+    const Concept* node = words.conceptOf(part.node);
     // A concept of ground without classes, such as that of the name "World", says nothing about the part's class.
     if (node != nullptr && node->classes.empty() && node->kind == ConceptKind::Ground) node = nullptr;
-    const Concept* const material = conceptOf(concepts, part.material);
-    const Concept* const texture =
-        conceptOf(concepts, std::filesystem::path(textureName(part.texture)).stem().string());
+    const Concept* const material = words.conceptOf(part.material);
+    const Concept* const texture = words.conceptOf(textureStem(part));
     if (node != nullptr && node->kind == ConceptKind::Drop) return node;
     const Concept* whole = node != nullptr && node->kind != ConceptKind::Detail ? node : nullptr;
     if (file != nullptr && file->kind == ConceptKind::Whole &&
@@ -238,7 +301,7 @@ std::vector<const Concept*> guessParts(const std::vector<Concept>& concepts, con
       whole = file;
     }
     for (const Concept* named : {material, texture, node}) {
-      if (const Concept* const detail = detailOf(concepts, named, whole)) return detail;
+      if (const Concept* const detail = detailOf(words.concepts(), named, whole)) return detail;
     }
     // If a ground has several materials, a material's name may state a different ground, which is more exact.
     if (whole != nullptr && whole->kind == ConceptKind::Ground) {
@@ -269,6 +332,7 @@ FrameGuess guessUp(const Asset& asset, const std::vector<const Concept*>& parts)
   guess.longest = std::max({extent[0], extent[1], extent[2]});
   guess.extent = extent;
   guess.read = asset.up;
+  guess.statedUnit = asset.statedUnit > 0;
   if (!asset.upDeclared) guessAxis(low, extent, place, guess);
   if (place) measureObjects(asset, parts, guess);
   return guess;
@@ -276,15 +340,29 @@ FrameGuess guessUp(const Asset& asset, const std::vector<const Concept*>& parts)
 
 namespace {
 
+bool isSized(const FrameGuess* guess) {
+  return guess->what != nullptr && guess->what->size && guess->longest > 0;
+}
+
+// Marks a stated unit as doubtful if the size of the file's concept is unusual.
+void doubtUnit(FrameGuess& guess) {
+  FrameGuess free = guess;
+  guessUnit(free);
+  if (free.whyUnit.empty()) return;
+  guess.doubtfulUnit = true;
+  guess.whyUnit = free.unit == 1 ? free.whyUnit
+                                 : fmt::format("{} of {:.4g} m is unusual; `unit: {:g}` would make it {:.3g} m",
+                                               nameOf(guess), guess.longest, free.unit, guess.longest * free.unit);
+}
+
 // Considers the files whose concepts have usual sizes. If there are at least `fewest`, and one unit gives usual sizes
 // to at least the fraction `most` of them, sets this unit for all files and returns true; files that it would make far
 // too large or small get a unit of their own. Otherwise returns false.
 bool guessUnits(const std::vector<FrameGuess*>& files, double most, std::ptrdiff_t fewest) {
-  const auto known = [](const FrameGuess* f) { return f->what != nullptr && f->what->size && f->longest > 0; };
-  const auto sized = std::count_if(files.begin(), files.end(), known);
+  const auto sized = std::count_if(files.begin(), files.end(), isSized);
   const auto fitting = [&](double unit) {
     return std::count_if(files.begin(), files.end(),
-                         [&](const FrameGuess* f) { return known(f) && fits(*f, unit, 1); });
+                         [&](const FrameGuess* f) { return isSized(f) && fits(*f, unit, 1); });
   };
   double shared = 1;
   for (const double unit : kUnits) {
@@ -292,13 +370,13 @@ bool guessUnits(const std::vector<FrameGuess*>& files, double most, std::ptrdiff
   }
   if (sized < fewest || static_cast<double>(fitting(shared)) < most * static_cast<double>(sized)) return false;
   for (FrameGuess* f : files) {
-    if (known(f) && !fits(*f, shared, kTolerance)) {
+    if (isSized(f) && !fits(*f, shared, kTolerance)) {
       guessUnit(*f);
       continue;
     }
     f->unit = shared;
-    f->doubtfulUnit = known(f) && !fits(*f, shared, 1);
-    if (known(f) && (shared != 1 || f->doubtfulUnit)) {
+    f->doubtfulUnit = isSized(f) && !fits(*f, shared, 1);
+    if (isSized(f) && (shared != 1 || f->doubtfulUnit)) {
       f->whyUnit = fmt::format("{}; most similar files have plausible sizes with this unit", sizeWith(*f, shared));
     } else if (shared != 1) {
       f->whyUnit = "as similar files";
@@ -328,22 +406,30 @@ std::vector<FrameGuess*> tilesOf(const std::vector<FrameGuess*>& files) {
 
 }  // namespace
 
-void guessTogether(const std::vector<FrameGuess*>& files) {
+void guessTogether(const std::vector<FrameGuess*>& all) {
   std::map<char, std::size_t> axes;
-  for (const FrameGuess* f : files) {
+  for (const FrameGuess* f : all) {
     if (!f->whyUp.empty() && !f->doubtfulUp) ++axes[f->up];
   }
-  for (FrameGuess* f : files) {
+  for (FrameGuess* f : all) {
     if (!f->doubtfulUp || axes.empty()) continue;
     f->up = axes['y'] > axes['z'] ? 'y' : 'z';
     f->whyUp = "as other files of the folder";
     f->doubtfulUp = axes['y'] + axes['z'] < 2 || (axes['y'] > 0 && axes['z'] > 0);
   }
+  std::vector<FrameGuess*> files;  // those that state no unit
+  for (FrameGuess* f : all) {
+    if (!f->statedUnit) {
+      files.push_back(f);
+    } else if (isSized(f)) {
+      doubtUnit(*f);
+    }
+  }
   constexpr double kMost = 0.8;
   if (guessUnits(files, kMost, 2)) return;
   const auto apart = [](const std::vector<FrameGuess*>& some) {
     for (FrameGuess* f : some) {
-      if (f->what != nullptr && f->what->size && f->longest > 0) guessUnit(*f);
+      if (isSized(f)) guessUnit(*f);
     }
   };
   const std::vector<FrameGuess*> tiles = tilesOf(files);

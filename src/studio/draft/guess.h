@@ -5,6 +5,7 @@
 #include <array>
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,12 +15,33 @@
 
 namespace scanmill::draft {
 
+// The concepts by which names are understood.
+class Vocabulary {
+ public:
+  Vocabulary(const std::vector<Concept>& concepts) : concepts_(concepts) {}
+
+  // Ignores from now on the words that most of the names share although these name several kinds of objects, such as
+  // the name of a project in all models of its world: they say nothing about one of them. `names`: all nodes, all
+  // materials, all textures or all files.
+  void ignoreShared(const std::vector<std::string>& names);
+  // Does so for the nodes, the materials and the textures of an asset.
+  void ignoreShared(const Asset& asset);
+
+  // Returns the concept of a name; see conceptOf() in scenefile/concepts.h. A name of ignored words alone keeps them.
+  const Concept* conceptOf(std::string_view name) const;
+  const std::vector<Concept>& concepts() const { return concepts_; }
+
+ private:
+  const std::vector<Concept>& concepts_;
+  std::set<std::string> ignored_;  // words, as foldedName() returns them
+};
+
 // Returns the concept of each part of an asset, in the order of the parts; null for a part if no name contains a known
 // word. `file`: the concept that the name of the file, or its folder's name, states; null: none. A part belongs to the
 // whole that its node's name states, otherwise to the whole that `file` is: the glass of a car is part of the car. If
 // there is no whole, the concept is found in the names of material, texture and node, in this order; otherwise it is
 // `file`.
-std::vector<const Concept*> guessParts(const std::vector<Concept>& concepts, const Asset& asset, const Concept* file);
+std::vector<const Concept*> guessParts(const Vocabulary& words, const Asset& asset, const Concept* file);
 
 // Returns the name of the file's folder or, if that name only says what kind of files the folder contains, such as
 // "meshes", the name of the folder above.
@@ -28,18 +50,19 @@ std::string folderName(const std::filesystem::path& file);
 // Returns the concept that the file's name states; null if it states none, if the file itself states classes, as
 // labelled point clouds do, or if the name states an object and the names of the parts state others, so that the file
 // contains a place: a file "house.obj" of a house with trees, a car and a lawn.
-const Concept* conceptOfFile(const std::vector<Concept>& concepts, const Asset& asset);
+const Concept* conceptOfFile(const Vocabulary& words, const Asset& asset);
 
 // Returns the concept in folderName(); null if there is none. A folder may have the name of the model that it contains,
 // but also of the place of which it contains all models. Null therefore also if the file's own name states a concept,
 // if the file itself states classes, or if the names of the parts state three or more kinds of objects and grounds.
-const Concept* conceptOfFolder(const std::vector<Concept>& concepts, const Asset& asset);
+const Concept* conceptOfFolder(const Vocabulary& words, const Asset& asset);
 
 struct FrameGuess {
   char up = 'z';
   std::string whyUp;  // the reason for `up` in words; empty if the file or its format states the axis
   bool doubtfulUp = false;
-  double unit = 1;  // length of the file's unit (m)
+  bool statedUnit = false;  // true: the file or its format states the unit, which counts
+  double unit = 1;          // length of the file's unit (m)
   std::string whyUnit;
   bool doubtfulUnit = false;
   // The concept by whose size the unit is guessed: the asset's main concept, or that of an object of a place; null:
@@ -58,8 +81,9 @@ FrameGuess guessUp(const Asset& asset, const std::vector<const Concept*>& parts)
 // Guesses the units of files that have the same format and folder, such that the objects have usual sizes. If one unit
 // suits most of the files, they share it. Otherwise one unit is guessed for the tiles, which are files with about the
 // same footprint, and one for the remaining files. Files that no shared unit suits get a unit of their own. A file with
-// a doubtful up axis gets the axis of most other files.
-void guessTogether(const std::vector<FrameGuess*>& files);
+// a doubtful up axis gets the axis of most other files. A unit that a file or its format states counts; an unusual size
+// makes it doubtful.
+void guessTogether(const std::vector<FrameGuess*>& all);
 
 // Returns the ground in the file's name if the name contains both a ground and an object, such as "grass-trees";
 // otherwise null.

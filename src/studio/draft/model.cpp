@@ -4,12 +4,15 @@
 
 #include <algorithm>
 #include <array>
+#include <exception>
 #include <map>
 #include <set>
 #include <utility>
 
 #include "assets/meshes/asset_parts.h"
 #include "assets/surveys/surveys.h"
+#include "base/error.h"
+#include "base/input_budget.h"
 #include "config/text.h"
 
 namespace scanmill::draft {
@@ -25,17 +28,18 @@ Box placed(const Box& own, const FrameGuess& frame) {
 }
 
 // Reads a file and guesses its concepts. Stores in `plates` the ground plate that the file has for each up axis.
-Model readModel(const std::filesystem::path& file, const std::vector<Concept>& concepts, bool allowOutside,
+Model readModel(const std::filesystem::path& file, Vocabulary words, const DraftOptions& stated,
                 std::map<char, std::optional<Plate>>& plates) {
   AssetOptions options;
   options.textures = false;
-  options.allowOutside = allowOutside;
+  options.allowOutside = stated.allowOutside;
+  options.leaveOutMissing = stated.leaveOutMissing;
   const Asset asset = readAsset(file, options);
   Model model;
   model.file = file;
-  model.allowOutside = allowOutside;
-  const Concept* const own = conceptOfFile(concepts, asset);
-  const Concept* const folder = conceptOfFolder(concepts, asset);
+  words.ignoreShared(asset);
+  const Concept* const own = conceptOfFile(words, asset);
+  const Concept* const folder = conceptOfFolder(words, asset);
   model.whole = own == nullptr ? folder : own;
   model.wholeByFolder = folder != nullptr;
   // Colours of points say more than the name of the file, but less than the materials of their classes.
@@ -45,8 +49,8 @@ Model readModel(const std::filesystem::path& file, const std::vector<Concept>& c
   model.numbered = std::any_of(asset.parts.begin(), asset.parts.end(), [](const AssetPart& part) {
     return !part.ownClass.empty() && part.ownClass.find_first_not_of("0123456789") == std::string::npos;
   });
-  const std::vector<const Concept*> guesses = guessParts(concepts, asset, model.whole);
-  const std::vector<const Concept*> ownGuesses = guessParts(concepts, asset, own);
+  const std::vector<const Concept*> guesses = guessParts(words, asset, model.whole);
+  const std::vector<const Concept*> ownGuesses = guessParts(words, asset, own);
   std::size_t next = 0;
   const auto add = [&](const AssetPart& part) {
     const bool byFolder = guesses[next] != ownGuesses[next];
@@ -61,8 +65,8 @@ Model readModel(const std::filesystem::path& file, const std::vector<Concept>& c
   }
   model.frame = guessUp(asset, guesses);
   model.box = boundsOf(asset);
-  for (const char axis : {'y', 'z'}) plates[axis] = plateOf(concepts, asset, axis);
-  model.mixed = groundIn(concepts, file) != nullptr;
+  for (const char axis : {'y', 'z'}) plates[axis] = plateOf(words.concepts(), asset, axis);
+  model.mixed = groundIn(words.concepts(), file) != nullptr;
   return model;
 }
 
@@ -139,12 +143,32 @@ std::vector<std::string> Model::doubts() const {
 }
 
 std::vector<Model> readModels(const std::vector<std::filesystem::path>& files, const std::vector<Concept>& concepts,
-                              bool allowOutside) {
-  std::vector<Model> models;
-  std::vector<std::map<char, std::optional<Plate>>> plates(files.size());
-  for (std::size_t i = 0; i < files.size(); ++i) {
-    models.push_back(readModel(files[i], concepts, allowOutside, plates[i]));
+                              const DraftOptions& options) {
+  Vocabulary words(concepts);
+  std::vector<std::string> names, folders;
+  for (const std::filesystem::path& file : files) {
+    names.push_back(file.stem().string());
+    folders.push_back(folderName(file));
   }
+  words.ignoreShared(names);
+  words.ignoreShared(folders);
+  std::vector<Model> models;
+  std::vector<std::map<char, std::optional<Plate>>> plates;
+  std::exception_ptr failure;  // the first file that may fail and did
+  for (const std::filesystem::path& file : files) {
+    std::map<char, std::optional<Plate>> own;
+    try {
+      models.push_back(readModel(file, words, options, own));
+      plates.push_back(std::move(own));
+    } catch (const InputLimitError&) {
+      throw;
+    } catch (const InputError& e) {
+      if (!options.mayFail.contains(file)) throw;
+      if (failure == nullptr) failure = std::current_exception();
+      warn(fmt::format("left out: {}", e.what()));
+    }
+  }
+  if (models.empty() && failure != nullptr) std::rethrow_exception(failure);
   std::map<std::pair<std::filesystem::path, std::string>, std::vector<FrameGuess*>> sets;
   for (Model& m : models) sets[{m.file.parent_path(), lowerExtension(m.file)}].push_back(&m.frame);
   for (const auto& [folder, set] : sets) guessTogether(set);

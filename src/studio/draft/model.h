@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -32,7 +33,6 @@ struct Model {
   bool mixed = false;          // the file's name states both a ground and an object
   bool measured = false;       // no materials are drafted, since the points have intensities or colours
   bool numbered = false;       // the points have labels that are only numbers
-  bool allowOutside = false;   // see AssetOptions::allowOutside
 
   std::uint64_t triangles() const;
   // Number of triangles whose class was guessed from names of node, material, texture or file, or that are guessed to
@@ -46,9 +46,16 @@ struct Model {
   std::vector<std::string> doubts() const;
 };
 
+struct DraftOptions {
+  bool allowOutside = false;                  // see AssetOptions
+  bool leaveOutMissing = false;               // see AssetOptions
+  std::set<std::filesystem::path> mayFail{};  // files that are left out with a warning if they cannot be read
+};
+
 // Reads 3D files and guesses their concepts, units and axes. The units and axes of files with the same format and
-// folder are guessed together. `allowOutside`: see AssetOptions. Throws InputError for a file that cannot be read.
+// folder are guessed together. Throws InputError for a file that cannot be read and may not fail, and if no file can be
+// read.
 std::vector<Model> readModels(const std::vector<std::filesystem::path>& files, const std::vector<Concept>& concepts,
-                              bool allowOutside);
+                              const DraftOptions& options);
 
 }  // namespace scanmill::draft

@@ -290,7 +290,7 @@ std::vector<Concept> conceptsFor(const std::vector<Concept>& concepts, const Ont
 }
 
 std::string objectYaml(const Model& model, const std::vector<Concept>& concepts, const Ontology& ontology,
-                       const std::filesystem::path& folder) {
+                       const std::filesystem::path& folder, const DraftOptions& options) {
   // The path through symbolic links, since textures may be beside a link. If a link in `folder` makes that path another
   // file's, the path without links.
   std::error_code error;
@@ -302,9 +302,12 @@ std::string objectYaml(const Model& model, const std::vector<Concept>& concepts,
   }
   const std::string path = quotedValue(name.string());
   std::string yaml = fmt::format("  - name: {}\n    file: {}\n", quotedValue(model.name), path);
-  if (model.allowOutside) yaml += "    allow_outside: true\n";
+  if (options.allowOutside) yaml += "    allow_outside: true\n";
+  if (options.leaveOutMissing) yaml += "    missing: leave_out\n";
   const FrameGuess& frame = model.frame;
-  if (frame.unit != 1 || !frame.whyUnit.empty()) {
+  if (frame.statedUnit && frame.doubtfulUnit) {
+    yaml += fmt::format("    # doubtful, though the file or its format states the unit: {}\n", oneLine(frame.whyUnit));
+  } else if (frame.unit != 1 || !frame.whyUnit.empty()) {
     yaml += fmt::format("    unit: {:g}   # {}{}\n", frame.unit, frame.doubtfulUnit ? "doubtful: " : "",
                         oneLine(frame.whyUnit));
   }

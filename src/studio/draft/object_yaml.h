@@ -19,6 +19,6 @@ std::vector<Concept> conceptsFor(const std::vector<Concept>& concepts, const Ont
 // Returns the YAML of an object without its position. `folder`: future folder of the scene file, to which paths are
 // relative.
 std::string objectYaml(const Model& model, const std::vector<Concept>& concepts, const Ontology& ontology,
-                       const std::filesystem::path& folder);
+                       const std::filesystem::path& folder, const DraftOptions& options);
 
 }  // namespace scanmill::draft

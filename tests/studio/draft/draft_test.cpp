@@ -27,6 +27,10 @@ Draft drafted(const std::vector<std::filesystem::path>& files, const std::filesy
                     "draft", folder);
 }
 
+bool contains(const std::string& text, const char* word) {
+  return text.find(word) != std::string::npos;
+}
+
 // Of each node and material: the class that the drafted scene gives it.
 std::map<std::pair<std::string, std::string>, std::string> classesOf(const TemporaryFolder& folder,
                                                                      const Draft& draft) {
@@ -80,6 +84,7 @@ TEST(DraftScene, ReadsAsItWasGuessed) {
                          {"building", 2}, {"window", 1}, {"car", 1}, {"road", 2}, {"terrain", 1}, {"unlabeled", 1}}));
   for (const RuleUse& rule : scene.rules) EXPECT_GT(rule.decided, 0u) << rule.match;
   EXPECT_NE(draft.yaml.find("mystery"), std::string::npos) << "what no word tells is listed";
+  EXPECT_NE(draft.yaml.find("`material: glass` is opaque unless"), std::string::npos);
 }
 
 // Names that YAML, patterns or terminals might take for something else.
@@ -185,6 +190,86 @@ TEST(DraftScene, SeveralFilesStandBesideOneAnother) {
   }
 }
 
+// SDF, URDF, glTF and 3D Tiles are in metres by definition: crates of 1.4 m do not become 14 m.
+TEST(DraftScene, FormatsWithAUnitKeepIt) {
+  const TemporaryFolder folder;
+  const std::string shape = "<geometry><box size=\"900 30 20\"><size>900 30 20</size></box></geometry>";
+  const std::string visual = "<link name=\"l\"><visual name=\"v\">" + shape + "</visual></link>";
+  std::vector<std::filesystem::path> files{
+      folder.write("bus_1.sdf", "<sdf version=\"1.6\"><model name=\"bus\">" + visual + "</model></sdf>"),
+      folder.write("bus_2.urdf", "<robot name=\"bus\">" + visual + "</robot>"),
+      folder.write("bus_3.gltf", gltfOf({{"bus", ""}})),
+      folder.write("bus_4.obj", "o bus\nv 0 0 0\nv 1000 0 0\nv 0 300 250\nf 1 2 3\n")};
+  std::map<std::string, double> units;
+  for (const auto& file : files) {
+    const Draft draft = drafted({file}, folder.path());
+    units[file.extension().string()] = draft.files.at(0).unit;
+    EXPECT_EQ(draft.yaml.find("\n    unit:") == std::string::npos, file.extension() != ".obj") << draft.yaml;
+    const bool doubted =
+        draft.yaml.find("doubtful, though the file or its format states the unit") != std::string::npos;
+    EXPECT_EQ(doubted, file.extension() != ".obj") << draft.yaml;
+  }
+  EXPECT_EQ(units, (std::map<std::string, double>{{".sdf", 1}, {".urdf", 1}, {".gltf", 1}, {".obj", 0.01}}));
+}
+
+// The names of a folder's models share a word that says nothing of one of them.
+TEST(DraftScene, WordsThatMostFilesShareSayNothing) {
+  const TemporaryFolder folder;
+  std::vector<std::filesystem::path> files;
+  for (const char* const name : {"Shelf", "Desk", "Widget", "GroundB"}) {
+    files.push_back(
+        folder.write(fmt::format("my_warehouse_{}/model.obj", name), "o a\nv 0 0 0\nv 1 0 0\nv 0 1 1\nf 1 2 3\n"));
+  }
+  const Draft draft = drafted(files, folder.path());
+  EXPECT_EQ(draft.files.at(0).byFolder, 1u);
+  EXPECT_EQ(draft.files.at(2).byFolder, 0u);
+  EXPECT_THAT(draft.yaml, testing::Not(testing::HasSubstr("building")));
+}
+
+// Of a folder, files that cannot be read are left out and told; files that a user named are not.
+TEST(DraftScene, FilesOfFoldersMayFail) {
+  const TemporaryFolder folder;
+  const auto empty = folder.write("frames.urdf", "<robot name=\"r\"><link name=\"base\"/></robot>");
+  const auto car = folder.write("car.obj", "o a\nv 0 0 0\nv 1 0 0\nv 0 1 1\nf 1 2 3\n");
+  const std::vector<Concept> concepts = readConcepts(kLabels / "words.yaml");
+  const Ontology ontology = readOntology(kLabels / "scanmill.yaml");
+  const auto draftOf = [&](const std::vector<std::filesystem::path>& files) {
+    return draftScene(files, concepts, ontology, "scanmill", "a", folder.path(), {.mayFail = {empty}});
+  };
+  testing::internal::CaptureStderr();
+  const Draft draft = draftOf({empty, car, empty});
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              testing::AllOf(testing::HasSubstr("left out: "), testing::HasSubstr("frames.urdf: has no triangle")));
+  ASSERT_EQ(draft.files.size(), 1u);
+  EXPECT_EQ(draft.files[0].file, car);
+  expectInputError([&] { draftOf({empty}); }, {"frames.urdf: has no triangle"});
+  expectInputError([&] { drafted({car, empty}, folder.path()); }, {"frames.urdf: has no triangle"});
+}
+
+// A warehouse world of Gazebo, in metres: all of its names share a word for buildings.
+TEST(DraftScene, OfAWarehouseWorldIsRight) {
+  SKIP_WITHOUT_SHARED_DATA("scenes/aws_warehouse");
+  const std::filesystem::path root = sharedData() / "scenes/aws_warehouse";
+  const TemporaryFolder folder;
+  const auto file = root / "worlds/small_warehouse.world";
+  const Draft draft = drafted({file}, folder.path());
+  EXPECT_EQ(draft.files.at(0).unit, 1);
+  std::map<std::string, std::set<std::string>> classes;  // by a word of the node's name
+  for (const auto& [names, name] : classesOf(folder, draft)) {
+    for (const char* word : {"Bucket", "Clutter", "Shelf", "Desk", "TrashCan", "Ground", "Wall", "Roof"}) {
+      if (contains(names.first, word)) classes[word].insert(name);
+    }
+  }
+  using Classes = std::set<std::string>;
+  EXPECT_EQ(classes["Bucket"], Classes{"object"});
+  EXPECT_EQ(classes["Clutter"], Classes{"object"});
+  EXPECT_EQ(classes["Shelf"], Classes{"object"});
+  EXPECT_EQ(classes["Ground"], Classes{"ground"});
+  EXPECT_EQ(classes["Wall"], Classes{"wall"});
+  EXPECT_EQ(classes["Roof"], Classes{"building"});
+  EXPECT_THAT(draft.yaml, testing::Not(testing::HasSubstr("grass")));
+}
+
 // Which classes are right for a part of a file; none: it does not count.
 using Truth = std::function<std::vector<std::string>(const std::string& file, const AssetPart& part)>;
 
@@ -217,10 +302,6 @@ double shareRight(const std::filesystem::path& root, const std::vector<std::stri
     }
   }
   return all == 0 ? 0 : static_cast<double>(right) / static_cast<double>(all);
-}
-
-bool contains(const std::string& text, const char* word) {
-  return text.find(word) != std::string::npos;
 }
 
 // Houses of a place, each in a file of its own, and the ground below them all.
@@ -375,9 +456,8 @@ TEST(DraftScene, LabelsMostOfRealSets) {
     if (contains(file, "lamp/")) return std::vector<std::string>{"street_lamp", "pole"};
     const std::string& n = p.node;
     if (contains(n, "RoadMesh") || contains(n, "RacetrackMesh")) return std::vector<std::string>{"road"};
-    if (contains(n, "GrassMesh") || contains(n, "GroundMesh") || contains(n, "Terrain")) {
-      return std::vector<std::string>{"terrain"};
-    }
+    if (contains(n, "GroundMesh")) return std::vector<std::string>{"ground"};
+    if (contains(n, "GrassMesh") || contains(n, "Terrain")) return std::vector<std::string>{"terrain"};
     if (contains(n, "Ramp")) return std::vector<std::string>{"structure"};
     if (contains(n, "Tire")) return std::vector<std::string>{"object"};
     return std::vector<std::string>{"building", "window"};

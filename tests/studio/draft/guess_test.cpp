@@ -21,8 +21,10 @@ AssetPart part(const std::string& node, const std::string& material = {}, const 
 }
 
 std::vector<const Concept*> guesses(const Asset& asset) {
-  const Concept* const own = conceptOfFile(concepts(), asset);
-  return guessParts(concepts(), asset, own == nullptr ? conceptOfFolder(concepts(), asset) : own);
+  Vocabulary words(concepts());
+  words.ignoreShared(asset);
+  const Concept* const own = conceptOfFile(words, asset);
+  return guessParts(words, asset, own == nullptr ? conceptOfFolder(words, asset) : own);
 }
 
 std::string guessed(const std::string& file, const AssetPart& p) {
@@ -82,6 +84,29 @@ TEST(Guess, AFileNamedAfterOneOfItsObjectsIsAPlace) {
   EXPECT_EQ(guesses(yard).at(3)->name, "building") << "walls and doors are the house's";
 }
 
+// A word of most names says nothing of one of them if these name several kinds of objects. That of a single object's
+// parts does, as does a name that consists of it.
+TEST(Guess, WordsThatMostNamesShareSayNothing) {
+  const auto guessedAs = [](const std::vector<std::string>& nodes) {
+    Asset asset;
+    asset.file = "/x/a.sdf";
+    for (const std::string& node : nodes) asset.parts.push_back(part(node));
+    std::vector<std::string> found;
+    for (const Concept* c : guesses(asset)) found.push_back(c == nullptr ? "" : c->name);
+    return found;
+  };
+  using testing::ElementsAre;
+  EXPECT_THAT(guessedAs({"my_warehouse_Shelf_01/l/v", "my_warehouse_Desk/l/v", "my_warehouse_Widget_01/l/v",
+                         "my_warehouse_GroundB/l/v", "warehouse", "sun/l/v"}),
+              ElementsAre("bookshelf", "desk", "", "ground", "building", ""));
+  EXPECT_THAT(guessedAs({"car_body", "car_wheel_1", "car_x_01", "car_bumper"}),
+              ElementsAre("car", "car wheel", "car", "car"));
+  EXPECT_THAT(guessedAs({"dead_tree", "oak_tree", "old_tree", "lamp", "house"}),
+              ElementsAre("tree", "tree", "tree", "street lamp", "building"));
+  EXPECT_THAT(guessedAs({"house_wall", "house_door_2", "house_trim", "house_roof"}),
+              ElementsAre("wall", "door", "building", "building"));
+}
+
 // A box of this size in the file's units, its corner there.
 Asset box(const Vec3d& low, const Vec3d& size, const std::string& name) {
   Asset asset;
@@ -110,6 +135,19 @@ TEST(Guess, UnitsByTheUsualSizeOfThings) {
   EXPECT_TRUE(metres.whyUnit.empty());
   EXPECT_NE(frameOf(box({-90, -35, 0}, {180, 70, 60}, "sedan")).whyUnit.find("4.57 m"), std::string::npos);
   EXPECT_EQ(frameOf(box({-90, -35, 0}, {180, 70, 60}, "thing")).unit, 1) << "no word says what it is";
+}
+
+// What the file or its format states is not guessed: it is doubted.
+TEST(Guess, AStatedUnitCounts) {
+  Asset asset = box({-90, -35, 0}, {180, 70, 60}, "sedan");
+  asset.statedUnit = 1;
+  const FrameGuess frame = frameOf(asset);
+  EXPECT_EQ(frame.unit, 1);
+  EXPECT_TRUE(frame.doubtfulUnit);
+  EXPECT_EQ(frame.whyUnit, "a car of 180 m is unusual; `unit: 0.0254` would make it 4.57 m");
+  asset = box({-2.2, -0.9, 0}, {4.5, 1.8, 1.5}, "sedan");
+  asset.statedUnit = 1;
+  EXPECT_FALSE(frameOf(asset).doubtfulUnit);
 }
 
 // A place has any size, but its objects have not.

@@ -39,6 +39,7 @@ class CloudAsset {
   Asset build() {
     asset_.up = options_.up.value_or('z');
     asset_.upDeclared = las_ || options_.up.has_value();
+    asset_.statedUnit = las_ ? 1 : 0;
     const double unit = options_.metresPerUnit;
     const Mat3 assetFromFile = zUpFrom(asset_.up) * Mat3::scale({unit, unit, unit});
     dropMisses();

@@ -39,6 +39,7 @@ class HeightAsset {
     }
     asset_.up = 'z';
     asset_.upDeclared = true;
+    asset_.statedUnit = 1;
     place();
     if (!wanted_.classes.empty()) readClasses();
     if (!wanted_.image.empty()) readImage();
