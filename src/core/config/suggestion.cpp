@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 
 #include "config/fields.h"
@@ -46,6 +47,14 @@ bool isPrefix(std::string_view a, std::string_view b) {
   return std::min(a.size(), b.size()) >= 3 && (a.starts_with(b) || b.starts_with(a));
 }
 
+// Returns the unit at the end of a name, such as "deg" of "yaw_deg"; empty if there is none.
+std::string_view unitOf(std::string_view name) {
+  static constexpr std::array<std::string_view, 9> kUnits{"s", "ms", "us", "ns", "m", "mm", "deg", "rad", "hz"};
+  const std::size_t line = name.rfind('_');
+  const std::string_view end = line == std::string_view::npos ? "" : name.substr(line + 1);
+  return std::find(kUnits.begin(), kUnits.end(), end) == kUnits.end() ? "" : end;
+}
+
 }  // namespace
 
 std::string nearest(std::string_view word, const std::vector<std::string>& names) {
@@ -73,6 +82,9 @@ std::string nearest(std::string_view word, const std::vector<std::string>& names
 std::string suggestion(std::string_view word, const std::vector<std::string>& names) {
   if (names.empty()) return {};
   const std::string name = nearest(word, names);
+  if (const std::string_view unit = unitOf(name), own = unitOf(word); unit != own && !unit.empty() && !own.empty()) {
+    return fmt::format(" (did you mean '{}'? Its unit is {}, not {})", name, unit, own);
+  }
   if (!name.empty()) return fmt::format(" (did you mean '{}'?)", name);
   // The only name with the same first two letters is probably meant, but not certainly.
   const auto startsAlike = [&](const std::string& other) {

@@ -22,10 +22,17 @@ constexpr std::uint32_t kMostColumns = 65536;
 class Columns {
  public:
   explicit Columns(const TextLine& head) : where_(head.where) {
-    static const std::vector<std::string> kKnown{"azimuth_deg", "elevation_deg", "time_us",    "ring",
-                                                 "column",      "origin_x_m",    "origin_y_m", "origin_z_m"};
+    static const std::vector<std::string> kKnown{"azimuth_deg", "elevation_deg", "zenith_deg", "ring",
+                                                 "column",      "origin_x_m",    "origin_y_m", "origin_z_m",
+                                                 "time_s",      "time_ms",       "time_us",    "time_ns"};
     for (const std::string_view cell : cellsOf(head.text)) {
-      const std::string name = lowerCase(cell);
+      const auto [stated, unit] = columnName(cell);
+      const std::string name = unit.empty() ? stated : stated + "_" + unit;
+      if (stated.starts_with("time") && std::find(kKnown.begin(), kKnown.end(), name) == kKnown.end()) {
+        throw InputError(where_, fmt::format("the column {} states no unit that is known: name it time_s, time_ms, "
+                                             "time_us or time_ns",
+                                             quotedForMessage(cell)));
+      }
       if (std::find(kKnown.begin(), kKnown.end(), name) == kKnown.end()) {
         throw InputError(where_,
                          fmt::format("the column {} is unknown{}", quotedForMessage(cell), suggestion(name, kKnown)));
@@ -33,9 +40,18 @@ class Columns {
       if (!index_.emplace(name, index_.size()).second) {
         throw InputError(where_, fmt::format("the column {} is listed twice", name));
       }
+      if (!stated.starts_with("time")) continue;
+      if (!time_.empty()) {
+        throw InputError(where_, fmt::format("the table has two columns of time: leave out {} or {}", time_, name));
+      }
+      time_ = name;
     }
-    for (const char* name : {"azimuth_deg", "elevation_deg"}) {
-      if (!has(name)) throw InputError(where_, fmt::format("the table has no column {}", name));
+    if (!has("azimuth_deg")) throw InputError(where_, "the table has no column azimuth_deg");
+    if (!has("elevation_deg") && !has("zenith_deg")) {
+      throw InputError(where_, "the table has no column elevation_deg (or zenith_deg)");
+    }
+    if (has("elevation_deg") && has("zenith_deg")) {
+      throw InputError(where_, "the table has both elevation_deg and zenith_deg: leave out one of them");
     }
     if (has("ring") != has("column"))
       throw InputError(where_, "the table has only one of the columns ring and column: give both or none");
@@ -43,6 +59,15 @@ class Columns {
 
   bool has(const std::string& name) const { return index_.contains(name); }
   std::size_t count() const { return index_.size(); }
+  // Returns the time of a line (s), or 0 if the table has no times.
+  double time(const std::vector<std::string_view>& cells, const Location& where) const {
+    const double unit = time_ == "time_us" ? 1e-6 : time_ == "time_ns" ? 1e-9 : time_ == "time_ms" ? 1e-3 : 1;
+    return number(time_, cells, where, {0, 100 / unit}) * unit;
+  }
+  double elevation(const std::vector<std::string_view>& cells, const Location& where) const {
+    if (has("zenith_deg")) return radians(90 - number("zenith_deg", cells, where, {0, 180}));
+    return radians(number("elevation_deg", cells, where, {-90, 90}));
+  }
   double number(const std::string& name, const std::vector<std::string_view>& cells, const Location& where, Range range,
                 double fallback = 0) const {
     const auto found = index_.find(name);
@@ -56,6 +81,7 @@ class Columns {
  private:
   Location where_;
   std::map<std::string, std::size_t> index_;
+  std::string time_;  // the column of times; empty: none
 };
 
 struct Row {
@@ -87,8 +113,8 @@ ListedSensor readListedBeams(const std::filesystem::path& file) {
     }
     const auto number = [&](const char* name, Range range) { return columns.number(name, cells, where, range); };
     Row row{radians(number("azimuth_deg", {-360, 360})),
-            radians(number("elevation_deg", {-90, 90})),
-            number("time_us", {0, 1e8}) * 1e-6,
+            columns.elevation(cells, where),
+            columns.time(cells, where),
             {static_cast<float>(number("origin_x_m", {-10, 10})), static_cast<float>(number("origin_y_m", {-10, 10})),
              static_cast<float>(number("origin_z_m", {-10, 10}))},
             countOf(number("ring", {0, kMostRings - 1}), where),
@@ -101,7 +127,8 @@ ListedSensor readListedBeams(const std::filesystem::path& file) {
   const std::size_t beams = std::size_t{sensor.rings} * sensor.columns;
   if (rows.empty() || rows.size() != beams || sensor.columns > kMostColumns) {
     throw InputError({file.string()},
-                     fmt::format("has {} beams, but {} rings of {} columns (at most {}) need one line for each beam",
+                     fmt::format("has {} beams, but {} rings of {} columns (at most {}) need one line for each beam: a "
+                                 "file with the beams of several revolutions must be cut to those of one",
                                  rows.size(), sensor.rings, sensor.columns, kMostColumns));
   }
   ListedBeams& all = sensor.beams;

@@ -13,8 +13,9 @@
 
 namespace scanmill {
 
-// A sensor read from a table with one line per beam. The first line names the columns: azimuth_deg and elevation_deg,
-// and optionally time_us (since the start of the revolution), ring, column, and origin_x_m, origin_y_m, origin_z_m.
+// A sensor read from a table with one line per beam. The first line names the columns: azimuth_deg and elevation_deg
+// (or zenith_deg, from straight up), and optionally time_us (since the start of the revolution; or time_s, time_ms,
+// time_ns), ring, column, and origin_x_m, origin_y_m, origin_z_m. Units may also be written as "Time/s" or "Time [s]".
 // Rings and columns are numbered from 0, and every pair of ring and column must occur once; without them all beams form
 // one ring, in the order of the lines. No column may fire before its predecessor. readListedBeams() throws InputError
 // with the file and, if the fault is in one line, the line.

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <span>
 #include <string_view>
 
 #include "base/file.h"
@@ -94,16 +95,11 @@ constexpr std::array<const char*, 3> kAngleUnits{"", "_deg", "_rad"};  // ending
 // Returns the name of a column in our words: "timestamp [ns]" gives "time_ns", and the EuRoC dataset's "p_RS_R_x [m]"
 // and "q_RS_w []" give "x" and "qw", as ROS's "pose.position.x" and "pose.orientation.w" do. `euroc`: true if the table
 // is the EuRoC dataset's ground truth, whose times are in ns without saying so.
-std::string columnName(std::string_view cell, bool euroc) {
-  std::string name = lowerCase(cell);
-  if ((name == "timestamp" && euroc) || name == "%time") return "time_ns";
-  std::string unit;
-  const std::size_t bracket = name.find('[');
-  if (bracket != std::string::npos && name.ends_with(']')) {
-    unit = name.substr(bracket + 1, name.size() - bracket - 2);
-    name.erase(name.find_last_not_of(' ', bracket - 1) + 1);
-    if (name == "timestamp") name = "time";
-  }
+std::string poseColumn(std::string_view cell, bool euroc) {
+  auto [name, unit] = columnName(cell);
+  if (unit.empty() && ((name == "timestamp" && euroc) || name == "%time")) return "time_ns";
+  if (name == "timestamp" && !unit.empty()) name = "time";
+  if (name.starts_with("timestamp_")) name.replace(0, 9, "time");
   // ROS's messages, as in rostopic's "field.pose.pose.position.x" and "header.stamp.sec".
   for (const std::string_view part : {"field.", "header.stamp.", "pose.", "pose.", "transform."}) {
     if (name.starts_with(part)) name.erase(0, part.size());
@@ -124,18 +120,18 @@ std::string columnName(std::string_view cell, bool euroc) {
 // Finds the columns of a table of poses by their names.
 class PoseColumns {
  public:
-  // `first`: the line below the names.
-  PoseColumns(const TextLine& head, const TextLine& first) : where_(head.where) {
+  // `rows`: the lines below the names.
+  PoseColumns(const TextLine& head, std::span<const TextLine> rows) : where_(head.where) {
     const std::vector<std::string_view> names = cellsOf(head.text);
     count_ = names.size();
     for (std::size_t i = 0; i < names.size(); ++i) {
-      const std::string name = columnName(names[i], lowerCase(head.text).find("p_rs_r_x") != std::string::npos);
+      const std::string name = poseColumn(names[i], lowerCase(head.text).find("p_rs_r_x") != std::string::npos);
       if (!columns_.emplace(name, i).second && poseFormat().has(FormatElements::Use::Read, name))
         throw InputError(where_, fmt::format("the column {} is listed twice", name));
       if (!name.empty()) leftOut_.addKeyword(poseFormat(), name);
     }
     static const std::map<std::string, double> kTimes{
-        {"time", 1}, {"time_ms", 1e-3}, {"time_us", 1e-6}, {"time_ns", 1e-9}};
+        {"time", 1}, {"time_s", 1}, {"time_ms", 1e-3}, {"time_us", 1e-6}, {"time_ns", 1e-9}};
     for (const auto& [name, unit] : kTimes) {
       if (!columns_.contains(name)) continue;
       if (time_)
@@ -143,7 +139,12 @@ class PoseColumns {
       time_ = columns_.at(name);
       second_ = unit;
     }
-    if (!time_) findStamps(first);
+    if (!time_) findStamps(rows);
+    if (!time_ && has("timestamp")) {
+      throw InputError(where_,
+                       "the column timestamp does not show its unit, as it has neither decimals (s) nor 10, 13, 16 or "
+                       "19 digits: name it time (s), time_ms, time_us or time_ns");
+    }
     if (!time_) {
       throw InputError(where_,
                        fmt::format("the first line must name the columns time (s; or time_ms, time_us, time_ns), x, y, "
@@ -220,17 +221,23 @@ class PoseColumns {
   void require(const std::string& name) const {
     if (!has(name)) throw InputError(where_, fmt::format("the table has no column {}", name));
   }
-  // Finds ROS's columns of time: a timestamp, whose unit follows from the digits of times since 1970 (2001 to 2286), or
-  // seconds and nanoseconds.
-  void findStamps(const TextLine& first) {
+  // Finds columns of time without a unit in their names: a timestamp, whose unit follows from the digits of times since
+  // 1970 (2001 to 2286) or, for the clock of a simulator, from decimals, which mean seconds; or ROS's seconds and
+  // nanoseconds.
+  void findStamps(std::span<const TextLine> rows) {
     static const std::map<std::size_t, double> kUnits{{10, 1}, {13, 1e-3}, {16, 1e-6}, {19, 1e-9}};
     if (const auto stamp = columns_.find("timestamp"); stamp != columns_.end()) {
-      const std::vector<std::string_view> cells = cellsOf(first.text);
-      const std::string_view cell = stamp->second < cells.size() ? cells[stamp->second] : "";
+      const auto cellOf = [&](const TextLine& line) {
+        const std::vector<std::string_view> cells = cellsOf(line.text);
+        return stamp->second < cells.size() ? cells[stamp->second] : std::string_view();
+      };
+      const std::string_view cell = rows.empty() ? "" : cellOf(rows.front());
       const auto unit = kUnits.find(std::min(cell.find_first_not_of("0123456789"), cell.size()));
-      if (unit == kUnits.end()) return;
-      time_ = stamp->second;
-      second_ = unit->second;
+      const auto hasDecimals = [&](const TextLine& line) { return cellOf(line).find_first_of(".eE") != cell.npos; };
+      if (unit != kUnits.end() || std::any_of(rows.begin(), rows.end(), hasDecimals)) {
+        time_ = stamp->second;
+        second_ = unit == kUnits.end() ? 1 : unit->second;
+      }
     }
     for (const auto& [seconds, rest] : {std::pair{"sec", "nanosec"}, {"sec", "nsec"}, {"secs", "nsecs"}}) {
       if (time_ || !has(seconds) || !has(rest)) continue;
@@ -257,10 +264,13 @@ const FormatSupport& poseFormat() {
   static const FormatSupport format{
       "recorded poses",
       ".csv, .txt, .json",
-      {{Read, "time time_ms time_us time_ns", "table: time; also timestamp [ns], and EuRoC's timestamp"},
+      {{Read, "time time_s time_ms time_us time_ns",
+        "table: time, in s without a unit; also Time/s, time (ms), timestamp [ns], and EuRoC's timestamp"},
        {Read, "%time timestamp sec secs nsec nsecs nanosec",
-        "table: times of ROS, if there is no column of time; a timestamp of 10, 13, 16 or 19 digits is in s, ms, us or "
-        "ns; positions and rotations of ROS, such as field.pose.pose.position.x, are read, too"},
+        "table: times of ROS and simulators, if there is no column of time; a timestamp of 10, 13, 16 or 19 digits is "
+        "in "
+        "s, ms, us or ns, one with decimals in s; positions and rotations of ROS, such as field.pose.pose.position.x, "
+        "are read, too"},
        {LeftOut, "header.stamp",
         "columns of times in messages (header.stamp), as those of their receipt (%time) count"},
        {Unused, "header.seq header.frame_id frame_id child_frame_id covariance twist", "table: ROS's further columns"},
@@ -343,7 +353,7 @@ std::vector<StampedPose> readPoseTable(const std::filesystem::path& file) {
     bytes[comment] = ' ';  // the names are behind a #
     lines = linesOf(bytes, file);
   }
-  const PoseColumns columns(lines.front(), lines[std::min<std::size_t>(1, lines.size() - 1)]);
+  const PoseColumns columns(lines.front(), std::span(lines).subspan(1));
   std::vector<StampedPose> poses;
   LostPoses lost;
   for (std::size_t i = 1; i < lines.size(); ++i) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <map>
 
 #include "config/text.h"
 
@@ -48,6 +49,25 @@ std::vector<std::string_view> cellsOf(std::string_view text) {
     if (table || !cell.empty()) cells.push_back(cell);
   }
   return cells;
+}
+
+ColumnName columnName(std::string_view cell) {
+  static const std::map<std::string, std::string> kUnits{
+      {"s", "s"},   {"sec", "s"}, {"ms", "ms"},   {"us", "us"},      {"\u00b5s", "us"}, {"\u03bcs", "us"},
+      {"ns", "ns"}, {"m", "m"},   {"deg", "deg"}, {"\u00b0", "deg"}, {"rad", "rad"}};
+  ColumnName column{lowerCase(cell), {}};
+  std::string& name = column.name;
+  const std::size_t bracket = name.find_first_of("[(");
+  const bool inBrackets = bracket != std::string::npos && name.ends_with(name[bracket] == '[' ? ']' : ')');
+  const std::size_t sign = inBrackets ? bracket : name.rfind('/');
+  if (sign == std::string::npos) return column;
+  const std::string stated = name.substr(sign + 1, name.size() - sign - (inBrackets ? 2 : 1));
+  const auto known = kUnits.find(stated);
+  if (!inBrackets && known == kUnits.end()) return column;
+  column.unit = known == kUnits.end() ? stated : known->second;
+  name.resize(sign);
+  name.erase(name.find_last_not_of(' ') + 1);
+  return column;
 }
 
 double numberOf(std::string_view text, const Location& where) {

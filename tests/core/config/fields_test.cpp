@@ -156,6 +156,7 @@ TEST(Nearest, FindsSlipsOfThePen) {
 
 TEST(Suggestion, ListsAllWhereNothingIsNear) {
   EXPECT_EQ(suggestion("rat_hz", {"rings", "rate_hz"}), " (did you mean 'rate_hz'?)");
+  EXPECT_EQ(suggestion("time_s", {"time_us"}), " (did you mean 'time_us'? Its unit is us, not s)");
   EXPECT_EQ(suggestion("weather", {"rings", "rate_hz"}), " (known: rings, rate_hz)");
   EXPECT_EQ(suggestion("weather", {}), "");
   EXPECT_EQ(suggestion("drwa", {"draft", "view"}), " (did you mean 'draft'? known: draft, view)");

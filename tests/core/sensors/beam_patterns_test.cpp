@@ -74,6 +74,20 @@ TEST_F(BeamPatterns, ListedBeamsAreWhatTheTableSays) {
   EXPECT_EQ(sensor("beams: c.csv, rate_hz: 10, range_m: [0, 50]")->columns, 3u);
 }
 
+// As in the tables of Livox's simulation: seconds, and angles from straight up.
+TEST_F(BeamPatterns, TablesStateTheirUnits) {
+  folder_.write("b.csv", "Time/s,Azimuth/deg,Zenith/deg\n0,0,90\n0.00001,90,60\n0.05,180,100\n");
+  const auto beams = sensor("beams: b.csv, rate_hz: 10, range_m: [0, 50]");
+  ASSERT_EQ(beams->columns, 3u);
+  EXPECT_DOUBLE_EQ(beams->columnTime(1), 1e-5);
+  EXPECT_DOUBLE_EQ(beams->columnTime(2), 0.05);
+  EXPECT_NEAR(degrees(std::asin(beams->direction[1].z)), 30, 1e-12);
+  EXPECT_NEAR(degrees(std::asin(beams->direction[2].z)), -10, 1e-12);
+  EXPECT_NEAR(beams->direction[1].y, std::cos(radians(30)), 1e-12);
+  folder_.write("b.csv", "time [ns],azimuth [deg],elevation (deg)\n0,0,90\n5000,90,60\n");
+  EXPECT_DOUBLE_EQ(sensor("beams: b.csv, rate_hz: 10, range_m: [0, 50]")->columnTime(1), 5e-6);
+}
+
 TEST_F(BeamPatterns, TablesThatAreNoneAreRefused) {
   const auto refused = [&](const std::string& table) {
     folder_.write("b.csv", table);
@@ -81,6 +95,11 @@ TEST_F(BeamPatterns, TablesThatAreNoneAreRefused) {
   };
   EXPECT_THAT(refused("azimuth_deg\n1\n"), AllOf(HasSubstr("b.csv:1"), HasSubstr("no column elevation_deg")));
   EXPECT_THAT(refused("azimuth_deg,elevation_dg\n1,2\n"), HasSubstr("did you mean 'elevation_deg'"));
+  EXPECT_THAT(refused("azimuth_rad,elevation_deg\n1,2\n"), HasSubstr("did you mean 'azimuth_deg'? Its unit is deg"));
+  for (const char* time : {"time", "Time/min", "timestamp"}) {
+    EXPECT_THAT(refused(std::string(time) + ",azimuth_deg,elevation_deg\n0,1,2\n"),
+                AllOf(HasSubstr("name it time_s"), testing::Not(HasSubstr("did you mean"))));
+  }
   EXPECT_THAT(refused("azimuth_deg,elevation_deg,ring\n1,2,0\n"), HasSubstr("both or none"));
   EXPECT_THAT(refused("azimuth_deg,elevation_deg\n1,91\n"),
               AllOf(HasSubstr("b.csv:2"), HasSubstr("must be from -90 to 90")));

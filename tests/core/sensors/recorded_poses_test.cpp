@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 
 #include "sensors/trajectory.h"
 #include "tests/support/message_of.h"
@@ -263,7 +264,26 @@ TEST_F(RecordedPosesFiles, EurocsTablesAreRead) {
     EXPECT_THAT(refusal("file: t.csv"), HasSubstr("no column x"));
   }
   folder_.write("t.csv", "timestamp,x,y,z\n0,0,0,0\n1,5,0,0\n");
-  EXPECT_THAT(refusal("file: t.csv"), HasSubstr("it has no time"));
+  EXPECT_THAT(refusal("file: t.csv"), HasSubstr("the column timestamp does not show its unit"));
+}
+
+// Clocks of simulators begin at 0: times with decimals are in seconds, and units stand where others write them.
+TEST_F(RecordedPosesFiles, ClocksOfSimulatorsAreRead) {
+  for (const auto& [name, times] :
+       std::map<std::string, std::vector<const char*>>{{"timestamp", {"0.0", "1.0"}},
+                                                       {"timestamp ", {"0", "1.000"}},
+                                                       {"Time/s", {"0", "1"}},
+                                                       {"time (sec)", {"0", "1"}},
+                                                       {"time_s", {"0", "1"}},
+                                                       {"Time [\u00b5s]", {"0", "1000000"}},
+                                                       {"timestamp_ns", {"0", "1000000000"}},
+                                                       {"timestamp/ms", {"0", "1000"}}}) {
+    folder_.write("t.csv", fmt::format("{},x (m),Y/m,z,yaw/deg\n{},0,0,0,90\n{},0,5,0,90\n", name, times[0], times[1]));
+    const Trajectory drive = this->drive("file: t.csv");
+    EXPECT_EQ(drive.frames(), 11u) << name;
+    EXPECT_LT(length(drive.pose(5, 0).translation - Vec3d{0, 2.5, 0}), 1e-9) << name;
+    EXPECT_LT(length(headingOf(drive.pose(5, 0)) - Vec3d{0, 1, 0}), 1e-9) << name;
+  }
 }
 
 TEST_F(RecordedPosesFiles, RossTablesAreRead) {
