@@ -83,8 +83,8 @@ void warnOfSteps(const Asset& asset, const std::filesystem::path& file) {
 }
 
 Asset readByKind(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
-  if (isHeights(kind)) return readHeightAsset(file, options);
   if (isCloud(file)) return readCloudAsset(file, options);
+  if (isHeights(kind)) return readHeightAsset(file, options);
   const bool gltf = kind == ".gltf" || kind == ".glb" || kind == ".b3dm" || kind == ".blend";
   Asset asset = gltf            ? readGltf(file, kind, options)
                 : isWorld(kind) ? readWorld(file, kind, options)

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <sstream>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -29,11 +31,34 @@ bool isOtherCloud(const std::string& suffix) {
   return suffix == ".e57" || suffix == ".pts" || suffix == ".ptx";
 }
 
+// True if a file .asc lists points: a line of its head begins with three numbers, and no line with a word of the
+// heading of a grid of heights.
+bool listsPoints(const std::filesystem::path& file) {
+  std::string head(4096, '\0');
+  std::ifstream in(file, std::ios::binary);
+  in.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(in.gcount()));
+  head = lowerCase(head);
+  for (const char* word : {"ncols", "nrows", "rows:", "cols:"}) {
+    if (head.find(word) != std::string::npos) return false;
+  }
+  std::replace_if(
+      head.begin(), head.end(), [](char c) { return c == ',' || c == ';'; }, ' ');
+  std::istringstream lines(head);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream cells(line);
+    Vec3d point;
+    if (cells >> point.x >> point.y >> point.z) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 bool isCloud(const std::filesystem::path& file) {
   const std::string suffix = lowerExtension(file);
   if (suffix == ".las" || suffix == ".laz" || suffix == ".xyz" || isOtherCloud(suffix)) return true;
+  if (suffix == ".asc") return listsPoints(file);
   if (suffix != ".ply") return !suffix.empty() && formatBySuffix(suffix.substr(1)) != nullptr;
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error) || std::filesystem::file_size(file, error) == 0) return false;
@@ -50,7 +75,7 @@ bool isScan(const std::filesystem::path& file) {
 std::string scanSuffixes() {
   std::string list;
   for (const FormatEntry& f : formats()) list += fmt::format(".{}, ", f.suffix);
-  return list + ".xyz, .las, .ply, .bin, .pcd.bin, .npz";
+  return list + ".xyz, .asc, .las, .ply, .bin, .pcd.bin, .npz";
 }
 
 Cloud readCloud(const std::filesystem::path& file, CloudUnit unit) {
@@ -66,7 +91,7 @@ Cloud readCloud(const std::filesystem::path& file, CloudUnit unit) {
   const std::string bytes = readFile(file);
   if (suffix == ".las" || suffix == ".laz") return readLas(bytes, name, unit);
   if (suffix == ".pcd") return readPcd(bytes, name);
-  if (suffix == ".csv" || suffix == ".xyz") return readCsv(bytes, name);
+  if (suffix == ".csv" || suffix == ".xyz" || suffix == ".asc") return readCsv(bytes, name);
   if (suffix == ".npz") return readNpz(bytes, name);
   if (const std::size_t numbers = numbersOfRecord(file); numbers > 0) {
     Cloud cloud{{}, readPointRecords(bytes, numbers, name)};

@@ -28,8 +28,8 @@ struct Cloud {
 Vec3d cloudOrigin(const Vec3d& place);
 
 // True if a file is a cloud that can be part of a scene, judged by its suffix; also for kinds of clouds that
-// readCloud() refuses with advice (.laz, .e57, .pts, .ptx). A .ply is a cloud if its header has no faces, but not if it
-// does not exist or is empty. Throws InputError for a .ply with a damaged header.
+// readCloud() refuses with advice (.laz, .e57, .pts, .ptx). A .ply is a cloud if its header has no faces, and an .asc
+// if it lists points, but not if it does not exist or is empty. Throws InputError for a .ply with a damaged header.
 bool isCloud(const std::filesystem::path& file);
 // True if the file can be a recorded scan: a cloud, or a file .bin or .npz. Throws as isCloud().
 bool isScan(const std::filesystem::path& file);

@@ -308,7 +308,7 @@ const FormatSupport& csvFormat() {
   using enum FormatElements::Use;
   static const FormatSupport format{
       "Text",
-      ".csv, .xyz",
+      ".csv, .xyz, .asc",
       {{Read, "x y z", "and the columns of point clouds, as the first line names them; without names: x y z"},
        {Read, "easting northing elevation", "positions of surveys; height and altitude, too"},
        {Read, "", "the number of points, alone in the line before the first point, as CloudCompare writes it"},

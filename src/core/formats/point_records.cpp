@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <vector>
 
 #include "base/error.h"
@@ -37,7 +38,9 @@ std::vector<std::uint16_t> ringsByOrder(const std::vector<Vec3f>& points) {
   std::vector<double> azimuth;
   double way = 0;
   for (const Vec3f& p : points) {
-    azimuth.push_back(std::atan2(static_cast<double>(p.y), static_cast<double>(p.x)));
+    // Misses take the azimuth of the point before them.
+    const double before = azimuth.empty() ? 0 : azimuth.back();
+    azimuth.push_back(isFinite(p) ? std::atan2(static_cast<double>(p.y), static_cast<double>(p.x)) : before);
     if (azimuth.size() > 1) way += std::remainder(azimuth.back() - azimuth[azimuth.size() - 2], 2 * kPi);
   }
   const double direction = way < 0 ? -1 : 1;
@@ -64,9 +67,11 @@ std::vector<std::uint16_t> ringsByOrder(const std::vector<Vec3f>& points) {
     std::vector<double> own;
     for (std::size_t i = begins[r]; i < begins[r + 1]; ++i) {
       const Vec3f& p = points[i];
+      if (!isFinite(p)) continue;
       own.push_back(
           std::atan2(static_cast<double>(p.z), std::hypot(static_cast<double>(p.x), static_cast<double>(p.y))));
     }
+    if (own.empty()) return {};
     std::nth_element(own.begin(), own.begin() + static_cast<std::ptrdiff_t>(own.size() / 2), own.end());
     elevations.push_back(own[own.size() / 2]);
   }
@@ -89,7 +94,8 @@ const FormatSupport& pointRecordsFormat() {
   static const FormatSupport format{
       "KITTI, SemanticKITTI and nuScenes",
       ".bin, .pcd.bin",
-      {{Read, "x y z intensity ring", "float32; four numbers in .bin, five in .pcd.bin"},
+      {{Read, "x y z intensity ring",
+        "float32; four numbers in .bin, five in .pcd.bin; points with NaN or infinite coordinates are misses"},
        {Read, "labels/*.label", "classes and instances of SemanticKITTI, beside velodyne/"},
        {Read, "lidarseg.json panoptic.json", "classes and instances of nuScenes, where the tables name their files"},
        {Unused, "poses.txt calib.txt times.txt label_2 sample_annotation.json",
@@ -119,22 +125,28 @@ Scan readPointRecords(std::string_view bytes, std::size_t numbers, const std::st
   Scan scan;
   std::uint32_t rings = 0;
   std::size_t dark = 0;
+  std::size_t misses = 0;
   for (std::size_t at = 0; at < values.size(); at += numbers) {
     const Vec3f p{values[at], values[at + 1], values[at + 2]};
-    // The comparison is written so that NaN fails it, too.
+    const bool miss = !isFinite(p);
     const auto near = [](float c) { return std::fabs(c) <= kFarthest; };
-    if (!near(p.x) || !near(p.y) || !near(p.z)) {
+    if (!miss && (!near(p.x) || !near(p.y) || !near(p.z))) {
       throw InputError({what}, fmt::format("point {} lies at {}, {}, {}{}", at / numbers, p.x, p.y, p.z, advice()));
     }
-    scan.position.push_back(p);
-    scan[kIntensity].push_back(values[at + 3]);
-    dark += values[at + 3] >= 0 ? 0u : 1u;
+    constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+    scan.position.push_back(miss ? Vec3f{kNaN, kNaN, kNaN} : p);
+    scan[kIntensity].push_back(miss ? 0 : values[at + 3]);
+    misses += miss ? 1u : 0u;
+    dark += miss || values[at + 3] >= 0 ? 0u : 1u;
     if (numbers < 5) continue;
     const float ring = values[at + 4];
     if (!(ring >= 0 && ring <= 65535) || ring != std::floor(ring)) {
       throw InputError({what}, fmt::format("the ring of point {} is {}: no whole number from 0", at / numbers, ring));
     }
     scan[kRing].push_back(static_cast<std::uint16_t>(ring));
+  }
+  if (misses > 0 && misses == scan.size()) {
+    throw InputError({what}, fmt::format("no coordinate of a point is finite{}", advice()));
   }
   constexpr double kFewDark = 0.05;
   if (static_cast<double>(dark) > kFewDark * static_cast<double>(scan.size())) {

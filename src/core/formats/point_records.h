@@ -18,9 +18,9 @@ std::size_t numbersOfRecord(const std::filesystem::path& file);
 
 // Reads records of 4 or 5 numbers. Records of 4 numbers have no ring. KITTI's files contain the rings in succession,
 // from the top, each starting straight ahead; in such files the column `ring` is derived from the order of the points,
-// in other files of 4 numbers the column stays empty. Throws an InputError that begins with `what` if the bytes are not
-// complete records, a coordinate is not finite or beyond 100 km, a ring is not a whole number from 0 to 65535, or many
-// intensities are below 0.
+// in other files of 4 numbers the column stays empty. Points with a coordinate that is not finite are misses. Throws an
+// InputError that begins with `what` if the bytes are not complete records, a coordinate is beyond 100 km, no point is
+// finite, a ring is not a whole number from 0 to 65535, or many intensities are below 0.
 Scan readPointRecords(std::string_view bytes, std::size_t numbers, const std::string& what);
 
 // Adds the columns `label` and `instance` from a .label file of SemanticKITTI: one uint32 per point, class in the lower

@@ -131,7 +131,7 @@ TextGrid readTextGrid(const std::filesystem::path& file, const RasterHeader& hea
   }
   const auto has = [&](const char* x, const char* y) { return heading.contains(x) && heading.contains(y); };
   if (!has("ncols", "nrows") && !has("rows:", "cols:")) {
-    fail(file, "has no heading of a text grid (ncols, nrows ...): if it holds points, give it the ending .xyz");
+    fail(file, "has no heading of a text grid (ncols, nrows ...)");
   }
   if (heading.contains("ncols") && !has("xllcorner", "yllcorner") && !has("xllcenter", "yllcenter")) {
     fail(file, "does not say where it lies: its heading needs xllcorner and yllcorner, or xllcenter and yllcenter");

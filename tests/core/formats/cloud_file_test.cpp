@@ -460,6 +460,15 @@ TEST_F(CloudFiles, TextKeepsTheMillimetresOfAProjection) {
   EXPECT_THAT(cloud.scan[kIntensity], ElementsAre(7, 8));
 }
 
+// Both clouds and grids of heights are called .asc.
+TEST_F(CloudFiles, AscIsACloudIfItListsPoints) {
+  EXPECT_THAT(read("a.asc", "//X Y Z Intensity\n1 2 3 7\n4 5 6 8\n").scan[kIntensity], ElementsAre(7, 8));
+  EXPECT_EQ(read("b.asc", "1.5;2;-3\n2.5;2;4\n").scan.position.at(0), (Vec3f{1.5f, 2, -3}));
+  EXPECT_TRUE(isScan(folder_.path() / "b.asc"));
+  EXPECT_FALSE(isCloud(folder_.write("g.asc", "ncols 3\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2 3\n")));
+  EXPECT_FALSE(isCloud(folder_.write("h.asc", "# by x\nnorth: 1\nsouth: 0\nrows: 1\ncols: 3\n1 2 3\n")));
+}
+
 std::string plyOf(const std::string& properties, const std::string& line, const std::string& format = "ascii") {
   return "ply\nformat " + format + " 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n" +
          properties + "end_header\n" + line;

@@ -54,12 +54,35 @@ TEST(PointRecords, AnotherOrderHasNoRings) {
   EXPECT_EQ(readPointRecords("", 4, "empty.bin").size(), 0u);
 }
 
+// Recorders of organised clouds write NaN, or infinity, where a beam has no return. They keep their rows, which labels
+// are counted by.
+TEST(PointRecords, PointsWithoutACoordinateAreMisses) {
+  std::vector<float> values;
+  for (int r = 0; r < 32; ++r) {
+    for (int c = 0; c < 100; ++c) {
+      const double azimuth = 2 * kPi * (c + 0.5) / 100;
+      const bool miss = c % 10 == 9;
+      for (const double v : {10 * std::cos(azimuth), 10 * std::sin(azimuth), -0.1 * r, 0.5}) {
+        values.push_back(miss ? (c % 20 == 9 ? NAN : INFINITY) : static_cast<float>(v));
+      }
+    }
+  }
+  const Scan scan = readPointRecords(bytesOf(values), 4, "a.bin");
+  ASSERT_EQ(scan.size(), 3200u);
+  EXPECT_EQ(scan.rings, 32u);
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    EXPECT_EQ(isFinite(scan.position[i]), i % 10 != 9) << i;
+    EXPECT_EQ(scan[kIntensity][i], i % 10 == 9 ? 0 : 0.5f) << i;
+    EXPECT_EQ(scan[kRing][i], i / 100) << i;
+  }
+}
+
 TEST(PointRecords, WhatAreNoneIsRefused) {
   const auto refused = [](const std::vector<float>& values, std::size_t numbers) {
     return messageOf([&] { readPointRecords(bytesOf(values), numbers, "a.bin"); });
   };
   EXPECT_THAT(refused({1, 2, 3}, 4), HasSubstr("a.bin: has 12 bytes, which are no whole records of 4 float32"));
-  EXPECT_THAT(refused({1, 2, NAN, 0}, 4), HasSubstr("point 0 lies at 1, 2, nan"));
+  EXPECT_THAT(refused({1, 2, NAN, 0, NAN, NAN, NAN, NAN}, 4), HasSubstr("no coordinate of a point is finite"));
   EXPECT_THAT(refused({1, 2, 3, 0, 1, 1e7f, 0, 0}, 4), HasSubstr("point 1 lies at"));
   // Records of x, y, z, intensity and ring, and of x, y and z.
   for (const std::size_t numbers : {std::size_t{5}, std::size_t{3}}) {
