@@ -75,7 +75,7 @@ class ByBeam(unittest.TestCase):
         np.testing.assert_array_equal(partial.pixel % 39, self.arrays["column"] + self.arrays["ring"])
         with self.assertRaisesRegex(scanmill.InputError, "destagger=False"):
             scanmill.beam_projection(self.arrays, 8, 32)
-        with self.assertRaisesRegex(scanmill.InputError, "of 4 rings"):
+        with self.assertRaisesRegex(scanmill.InputError, "for 4 rings"):
             scanmill.beam_projection(self.scan, destagger=scanmill.Stagger(np.zeros(4), 32))
 
     def test_returns_have_images_of_their_own(self):

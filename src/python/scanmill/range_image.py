@@ -106,8 +106,9 @@ def beam_projection(
     if ring.size and (ring.max() >= rings or column.max() >= columns):
         raise InputError(f"ring {ring.max()} or column {column.max()} is not in an image of {rings} x {columns}")
     if stagger is not None:
-        if ring.size and ring.max() >= len(stagger.shifts):
-            raise InputError(f"the points have a ring {ring.max()}, but the azimuth offsets are those of {len(stagger.shifts)} rings")
+        known = len(stagger.shifts)
+        if ring.size and ring.max() >= known:
+            raise InputError(f"the points have a ring {ring.max()}, but azimuth offsets are known for {known} rings")
         column = (column + stagger.shifts[ring]) % stagger.columns
         columns = max(columns, stagger.columns)
     pixel = ring * columns + column

@@ -154,8 +154,8 @@ def collate_padded(samples: Sequence[dict[str, Any]], ignore: int = 255) -> Batc
 
     Points: `xyz` float32 (B, N, 3), columns (B, N), `mask` bool (B, N), which is False for padding. Boxes, if samples
     have boxes: `boxes` (B, M, 7), `box_...` (B, M, ...), `box_mask` bool (B, M). `world_from_sensor` is float64 (B, 4,
-    4). Texts are lists, `stagger` is left out. `target` is padded with `ignore`, the train id of labels that are not learned; other arrays
-    with 0.
+    4). Texts are lists, `stagger` is left out. `target` is padded with `ignore`, the train id of labels that are not
+    learned; other arrays with 0.
     """
     batch: Batch = {}
     for name in _shared_names(samples):
@@ -178,10 +178,11 @@ class CollateRangeImages:
     """Makes batches of B range images with rings x columns pixels, using the columns `ring` and `column`.
 
     `rings` and `columns` are the sensor's numbers, and `destagger` is that of beam_projection(), which also tells for
-    which sensors the images have more columns. `image` float32 (B, k, rings, columns) has one channel for each of `channels`; pixels without a return are 0. `mask`
-    bool (B, rings, columns) is True for pixels with a return. `target` int64 (B, rings, columns), if samples have it,
-    is `ignore` for pixels without a return. `index` int64 (B, rings, columns) is the index of the pixel's point in its
-    sample; -1 if there is none. Boxes, poses and texts are the same as in collate_padded().
+    which sensors the images have more columns. `image` float32 (B, k, rings, columns) has one channel for each of
+    `channels`; pixels without a return are 0. `mask` bool (B, rings, columns) is True for pixels with a return.
+    `target` int64 (B, rings, columns), if samples have it, is `ignore` for pixels without a return. `index` int64 (B,
+    rings, columns) is the index of the pixel's point in its sample; -1 if there is none. Boxes, poses and texts are the
+    same as in collate_padded().
     """
 
     def __init__(
