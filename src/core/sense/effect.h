@@ -36,6 +36,10 @@ class Effect {
   virtual bool setsSnr() const { return false; }           // apply() fills Returns::snr
   virtual bool needsSnr() const { return false; }          // apply() requires an earlier effect with setsSnr()
   virtual bool setsGain() const { return false; }          // apply() fills Returns::gain
+  // Returns the range (m) below which the received power does not grow; 0: this effect does not compute power.
+  virtual double nearRange() const { return 0; }
+  // Returns the power that is detected with a probability of one half; 0: this effect does not lose faint echoes.
+  virtual double threshold() const { return 0; }
   // Returns the number of rays that sample the footprint of a beam.
   virtual std::uint32_t raysPerBeam() const { return 1; }
   // Returns how rays continue behind glass and off mirrors; null: they do not continue.

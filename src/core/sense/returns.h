@@ -56,6 +56,10 @@ class Returns {
 
   std::vector<float> snr;  // signal to noise ratio of the power; empty until an effect sets it
 
+  // What the effects `intensity` and `detection` state of the receiver; set by detect().
+  double nearRange = 1;  // m; echoes from nearer than this are as strong as from this range
+  double threshold = 0;  // power that is detected with a probability of one half; 0: every power is
+
   // True if start() has set `power`, for rows with a hit, to the sum of the powers of the echo's rays.
   bool powerOfEchoes = false;
 

@@ -38,6 +38,12 @@ Channels channelsFor(EffectList effects, ColumnSet columns) {
 
 void detect(const Hits& hits, const Shot& shot, EffectList effects, std::span<const Material> materials,
             Returns& returns) {
+  returns.nearRange = 1;
+  returns.threshold = 0;
+  for (const auto& effect : effects) {
+    if (effect->nearRange() > 0) returns.nearRange = effect->nearRange();
+    if (effect->threshold() > 0) returns.threshold = effect->threshold();
+  }
   if (hits.beamOfRay.empty()) return returns.start(hits);
   std::vector<float> power;
   const bool powered = std::any_of(effects.begin(), effects.end(),

@@ -14,6 +14,7 @@ constexpr double kWaterIndex = 1.328;
 constexpr double kLargeDrops = 2;           // extinction cross section of a drop, relative to its area
 constexpr double kFlakeDensity = 0.1;       // density of a snowflake, relative to water
 constexpr double kIceLidarRatio = 25;       // sr, extinction over backscatter
+constexpr double kFogLidarRatio = 18.8;     // sr, extinction over backscatter
 constexpr double kDustLidarRatio = 50;      // sr, extinction over backscatter
 constexpr double kSquareMillimetre = 1e-6;  // m^2 per mm^2
 
@@ -65,7 +66,7 @@ Weather snowOf(double rate) {
 Weather fogOf(double visibility) {
   Weather made;
   made.extinction = -naturalLog(0.05) / visibility;
-  made.backscatter = 0.046 / visibility;
+  made.backscatter = made.extinction / kFogLidarRatio;
   return made;
 }
 

@@ -48,9 +48,11 @@ Weather rainOf(double rate);
 // sr. The density and the lidar ratio are estimates; in ice clouds, lidar ratios of 20 to 35 sr are measured.
 Weather snowOf(double rate);
 // Returns the optical properties of fog. The extinction is -log(0.05) / visibility (Koschmieder's law with the contrast
-// threshold of 5 % that defines the meteorological optical range), the backscatter 0.046 / visibility (Hahner et al.,
-// "Fog simulation on real LiDAR point clouds", ICCV 2021, after Rasshofer et al., "Influences of weather phenomena on
-// automotive laser radar systems", Advances in Radio Science 9, 2011).
+// threshold of 5 % that defines the meteorological optical range). The lidar ratio is 18.8 sr, that of drops of 5 to
+// 50 um at 905 nm (O'Connor et al., "A technique for autocalibration of cloud lidar", Journal of Atmospheric and
+// Oceanic Technology 21, 2004, from theory and measurements). Hahner et al., "Fog simulation on real LiDAR point
+// clouds", ICCV 2021, after Rasshofer et al., "Influences of weather phenomena on automotive laser radar systems",
+// Advances in Radio Science 9, 2011, have a backscatter of 0.046 / visibility: 65 sr, which water drops do not have.
 Weather fogOf(double visibility);
 // Returns the optical properties of dust. The extinction is the same as for fog; the lidar ratio is estimated as 50 sr.
 // Mineral dust has lidar ratios of 40 to 60 sr.

@@ -52,8 +52,8 @@ TEST(Weather, FogLeavesATwentiethAtTheVisibility) {
     EXPECT_NEAR(std::exp(-fogOf(visibility).extinction * visibility), 0.05, 1e-12);
     EXPECT_NEAR(std::exp(-dustOf(visibility).extinction * visibility), 0.05, 1e-12);
   }
-  EXPECT_NEAR(fogOf(50).backscatter, 0.046 / 50, 1e-15);
-  EXPECT_NEAR(mistEcho(fogOf(50), 0.75), kPi * 0.046 / 50 * 0.75, 1e-15);
+  EXPECT_NEAR(fogOf(50).backscatter, std::log(20) / 50 / 18.8, 1e-12);  // water at 905 nm: 18.8 +- 0.8 sr
+  EXPECT_NEAR(mistEcho(fogOf(50), 0.75), kPi * fogOf(50).backscatter * 0.75, 1e-15);
 }
 
 // A drop that fills a beam sends back 2 to 3 % of what a white target does; a flake 2 pi / 25 sr of its own area times

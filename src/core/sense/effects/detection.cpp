@@ -77,6 +77,7 @@ class Detection : public Effect {
            (o_.report == Report::Strongest && o_.most < kMostReturns);
   }
   bool setsSnr() const override { return o_.noise > 0; }
+  double threshold() const override { return o_.threshold * o_.noise; }
   std::uint32_t mostReturns(std::uint32_t before) const override {
     const std::uint32_t found = std::min(before + (o_.noise > 0 ? 1 : 0) + (o_.interference > 0 ? 1 : 0), kMostReturns);
     return std::min(found, o_.report == Report::Dual ? 2 : o_.report == Report::Strongest ? o_.most : 1);

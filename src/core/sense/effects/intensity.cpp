@@ -10,9 +10,18 @@
 //   power = (cos t * (diffuse + retroreflectance) + specular(t)) * (reference / max(r, near))^2 * exp(-2 sigma r)
 //
 // the lidar equation for a target wider than the beam (Hoefle and Pfeifer, "Correction of laser scanning intensity
-// data", ISPRS Journal 62, 2007), with sigma the extinction of the air (Beer and Lambert, both ways). near_range_m
-// models the overlap of emitter and receiver: at smaller ranges the power does not increase further. `falloff: none`
+// data", ISPRS Journal 62, 2007), with sigma the extinction of the air (Beer and Lambert, both ways). `falloff: none`
 // leaves out the factor with the square, as sensors do that correct for range.
+//
+// near_range_m is the range from which the detector receives all light that the lens collects from the beam. An optic
+// that is focused far away images a near surface as a disc of the angular diameter aperture / r. If the disc is larger
+// than the detector's field of view, the detector receives (field of view * r / aperture)^2 of the light, which cancels
+// the factor 1 / r^2: nearer than aperture / field of view the power is constant (Harms et al., "Geometrical
+// compression of lidar return signals", Applied Optics 17, 1978; Roberts and Gimmestad, "Optimizing lidar dynamic range
+// by engineering the crossover region", Proc. SPIE 4723, 2002: defocus is the main part of the overlap function). An
+// offset between the axes of emitter and receiver acts likewise: in most automotive sensors the receiver sees the
+// whole beam from less than 10 m on (Rasshofer et al., "Influences of weather phenomena on automotive laser radar
+// systems", Advances in Radio Science 9, 2011).
 //
 // specular(t) is the reflection of a microfacet surface (Torrance and Sparrow 1967) back along the beam, so the half
 // vector is the beam itself. It is pi cos t times D F G / (4 cos^2 t) (Walter et al., "Microfacet models for refraction
@@ -147,6 +156,7 @@ class Intensity : public Effect {
   Channels reads() const override {
     return Channel::Range | Channel::Material | Channels(Channel::Reflectance) | Channel::Incidence;
   }
+  double nearRange() const override { return double{o_.nearRange}; }
   bool setsIntensity() const override { return true; }
   double intensityFullScale() const override { return o_.bytes ? 255 : 1; }
 

@@ -13,18 +13,23 @@
 //
 //   integral of A(r) N(D > D_least(r)) dr,    D_least^2 = least A(r) (r / 10 m)^2 exp(2 extinction r) / dropEcho
 //
-// from the sensor to the surface. A(r) is the area that the beam illuminates (beamArea() in sensors/footprint.h; of a
-// sensor whose file gives no width, that of a beam of 3 mrad), N the number of drops per volume, and `least` the power,
-// in units of a white target at 10 m, below which drops are ignored. Ranges are sampled from the integrand, and
-// diameters from the size distribution above D_least: the result has exactly the distribution that sampling all drops
-// in the beam would give. The area is treated as evenly lit, and each drop as completely inside or outside.
+// from the sensor to the surface; ranges below near_range_m of the effect intensity count as near_range_m in the factor
+// (r / 10 m)^2. A(r) is the area that the beam illuminates (beamArea() in sensors/footprint.h; of a sensor whose file
+// gives no width, that of a beam of 3 mrad), N the number of drops per volume, and `least` the power, in units of a
+// white target at 10 m, below which drops are ignored: 0.001, or half of the threshold of the effect detection if that
+// is less. Ranges are sampled from the integrand, and diameters from the size distribution above D_least: the result
+// has exactly the distribution that sampling all drops in the beam would give. The area is treated as evenly lit, and
+// each drop as completely inside or outside.
 //
 // Fog and dust are dense. A beam is divided into intervals of a pulse length. The echo of an interval is pi backscatter
-// length exp(-2 extinction r), in units of a white target at the same range, times a random number with the exponential
-// distribution, because the light of very many particles interferes (Goodman 1975, one look). If the power of the echo
-// is at least `least`, it becomes a return at a random range within the interval.
+// length exp(-2 extinction r), in units of a white target at the same range. The light of an interval does not
+// interfere: the coherence length of laser diodes, whose spectra are nanometres wide, is a fraction of a millimetre, so
+// the echo averages thousands of speckle patterns. If the power of the echo is at least `least`, it becomes a return at
+// a random range within the interval.
 //
-// A beam gets at most eight returns from particles: the strongest.
+// A beam gets at most eight returns from particles: the strongest drops, or intervals of mist that are drawn with
+// probabilities proportional to their power. (Nearer than near_range_m the power hardly changes with the range, and the
+// receiver's noise decides which of the intervals is the strongest.)
 //
 // wet: surfaces that face up (within 60 degrees of the vertical) are soaked with water and therefore darker. A fraction
 // `wet` of these surfaces is also covered by a film of standing water, in patches of about a metre, which reflects
@@ -49,7 +54,7 @@ namespace scanmill {
 namespace {
 
 constexpr double kReferenceRange = 10;      // m, range at which a white target has power 1
-constexpr double kNearRange = 1;            // m; nearer than this, the factor 1 / range^2 is constant, as for surfaces
+constexpr double kUsualLeast = 0.001;       // power below which particles are ignored
 constexpr std::size_t kMostOfBeam = 8;      // largest number of a beam's drops or intervals that become returns
 constexpr std::size_t kMostStretches = 32;  // largest number of intervals of a beam, two per random block
 constexpr double kLeastUp = 0.5;            // least cosine of the angle between a wet surface's normal and the vertical
@@ -70,15 +75,22 @@ double litArea(const BeamTable& beams, double range) {
 
 struct WeatherOptions {
   Weather weather;
-  double least = 0.001;
+  double least = 0;  // 0: kUsualLeast, or less for receivers that detect less
   double wet = 0;
   std::uint16_t label = 0;
+};
+
+// How the receiver sees particles.
+struct Reception {
+  double nearRange = 1;  // m, see Returns
+  double least = 0;      // power below which particles are ignored
 };
 
 // A table of the expected number of sufficiently bright drops between the sensor and each of many ranges.
 class DropTable {
  public:
-  DropTable(const WeatherOptions& options, const BeamTable& beams) : o_(options), beams_(beams) {
+  DropTable(const Weather& weather, const BeamTable& beams, const Reception& reception)
+      : weather_(weather), beams_(beams), reception_(reception) {
     step_ = (beams.maxRange - beams.minRange) / kSteps;
     double last = density(beams.minRange);
     for (std::size_t i = 1; i <= kSteps; ++i) {
@@ -105,19 +117,20 @@ class DropTable {
 
   // Returns the diameter (mm) of the smallest drop that is bright enough at a range (m).
   double leastDiameter(double range) const {
-    const double way = std::max(range, kNearRange) / kReferenceRange;
+    const double way = std::max(range, reception_.nearRange) / kReferenceRange;
     const double area = litArea(beams_, range);
-    return std::sqrt(o_.least * area * way * way * exponential(2 * o_.weather.extinction * range) /
-                     o_.weather.dropEcho);
+    return std::sqrt(reception_.least * area * way * way * exponential(2 * weather_.extinction * range) /
+                     weather_.dropEcho);
   }
 
  private:
   static constexpr std::size_t kSteps = 4096;
 
-  double density(double range) const { return litArea(beams_, range) * o_.weather.drops.above(leastDiameter(range)); }
+  double density(double range) const { return litArea(beams_, range) * weather_.drops.above(leastDiameter(range)); }
 
-  const WeatherOptions& o_;
+  const Weather& weather_;
   const BeamTable& beams_;
+  Reception reception_;
   double step_ = 0;
   std::array<double, kSteps + 1> sum_{};
 };
@@ -141,6 +154,7 @@ struct Particle {
   float range;
   float echo;      // power relative to a white target at the same range, after the loss in the air
   float strength;  // power relative to a white target at the reference range
+  float rank;      // of more than kMostOfBeam particles those with the highest ranks become returns
 };
 
 class WeatherEffect : public Effect {
@@ -170,8 +184,12 @@ class WeatherEffect : public Effect {
     const std::vector<float> open = openRanges(hits, *shot.beams, returns);
     extinguish(returns);
     if (o_.wet > 0) wetGround(hits, shot, returns);
-    if (o_.weather.drops.intercept > 0) addDrops(hits, shot, open, returns);
-    if (o_.weather.backscatter > 0) addMist(hits, shot, open, returns);
+    Reception reception{returns.nearRange, o_.least};
+    if (o_.least == 0) {
+      reception.least = returns.threshold > 0 ? std::min(kUsualLeast, returns.threshold / 2) : kUsualLeast;
+    }
+    if (o_.weather.drops.intercept > 0) addDrops(hits, shot, open, reception, returns);
+    if (o_.weather.backscatter > 0) addMist(hits, shot, open, reception, returns);
   }
 
  private:
@@ -223,9 +241,10 @@ class WeatherEffect : public Effect {
     return randomBlock({shot.seed, shot.scene, shot.frame, shot.sensor, beam, number, purpose});
   }
 
-  void addDrops(const Hits& hits, const Shot& shot, const std::vector<float>& open, Returns& returns) const {
+  void addDrops(const Hits& hits, const Shot& shot, const std::vector<float>& open, const Reception& reception,
+                Returns& returns) const {
     const BeamTable& beams = *shot.beams;
-    const DropTable table(o_, beams);
+    const DropTable table(o_.weather, beams, reception);
     std::vector<Particle> drops;
     for (std::uint32_t beam = 0; beam < beams.size(); ++beam) {
       const double expected = table.upTo(double{open[beam]});
@@ -241,49 +260,49 @@ class WeatherEffect : public Effect {
         const double range = table.rangeOf(expected * uniform(words[0]));
         const double diameter = table.leastDiameter(range) - naturalLog(uniform(words[1])) / o_.weather.drops.slope;
         const double area = litArea(beams, range);
-        drops.push_back(particleAt(range, std::min(1.0, o_.weather.dropEcho * diameter * diameter / area)));
+        drops.push_back(
+            particleAt(range, std::min(1.0, o_.weather.dropEcho * diameter * diameter / area), reception.nearRange));
       }
       add(beam, drops, hits, returns);
     }
   }
 
-  void addMist(const Hits& hits, const Shot& shot, const std::vector<float>& open, Returns& returns) const {
+  void addMist(const Hits& hits, const Shot& shot, const std::vector<float>& open, const Reception& reception,
+               Returns& returns) const {
     const BeamTable& beams = *shot.beams;
     const double whole = pulseLength(beams.pulse > 0 ? beams.pulse : kUsualPulse);
-    std::array<double, kMostStretches> mean;
     std::vector<Particle> stretches;
-    for (std::size_t k = 0; k < kMostStretches; ++k) {
-      const double middle = beams.minRange + (static_cast<double>(k) + 0.5) * whole;
-      mean[k] = double{particleAt(middle, mistEcho(o_.weather, whole)).strength};
-    }
     for (std::uint32_t beam = 0; beam < beams.size(); ++beam) {
       stretches.clear();
       RandomBlock words{};
       for (std::uint32_t k = 0; k < kMostStretches; ++k) {
         const double start = beams.minRange + k * whole;
         const double length = std::min(whole, double{open[beam]} - start);
-        // The random factor is below 23, because the smallest uniform number is 2^-33.
-        if (length <= 0 || mean[k] * 23 < o_.least) break;
+        if (length <= 0) break;
         if (k % 2 == 0) words = draw(shot, beam, k / 2, Purpose::Fog);
         const double range = start + length * uniform(words[2 * (k % 2) + 1]);
-        const double factor = -naturalLog(uniform(words[2 * (k % 2)]));
-        const Particle stretch = particleAt(range, mistEcho(o_.weather, length) * factor);
-        if (double{stretch.strength} >= o_.least) stretches.push_back(stretch);
+        Particle stretch = particleAt(range, mistEcho(o_.weather, length), reception.nearRange);
+        if (double{stretch.strength} < reception.least) break;
+        // The numbers of largest rank are a sample with probabilities proportional to the strength (Efraimidis and
+        // Spirakis, "Weighted random sampling with a reservoir", Information Processing Letters 97, 2006).
+        stretch.rank /= static_cast<float>(-naturalLog(uniform(words[2 * (k % 2)])));
+        stretches.push_back(stretch);
       }
       add(beam, stretches, hits, returns);
     }
   }
 
-  Particle particleAt(double range, double echo) const {
+  Particle particleAt(double range, double echo, double nearRange) const {
     const double kept = echo * exponential(-2 * o_.weather.extinction * range);
-    const double way = kReferenceRange / std::max(range, kNearRange);
-    return {static_cast<float>(range), static_cast<float>(kept), static_cast<float>(kept * way * way)};
+    const double way = kReferenceRange / std::max(range, nearRange);
+    const auto strength = static_cast<float>(kept * way * way);
+    return {static_cast<float>(range), static_cast<float>(kept), strength, strength};
   }
 
   void add(std::uint32_t beam, std::vector<Particle>& particles, const Hits& hits, Returns& returns) const {
     if (particles.size() > kMostOfBeam) {
       std::nth_element(particles.begin(), particles.begin() + kMostOfBeam, particles.end(),
-                       [](const Particle& a, const Particle& b) { return a.strength > b.strength; });
+                       [](const Particle& a, const Particle& b) { return a.rank > b.rank; });
       particles.resize(kMostOfBeam);
     }
     for (const Particle& particle : particles) {
@@ -346,7 +365,7 @@ std::unique_ptr<Effect> makeWeather(Fields& options) {
   WeatherOptions o;
   o.weather = kind.of(severity.amount);
   o.wet = options.number("wet", {0, 1}, severity.wet);
-  o.least = options.number("least", {1e-6, 1}, 0.001);
+  if (options.has("least")) o.least = options.number("least", {1e-6, 1});
   o.label = static_cast<std::uint16_t>(options.integer("label", 0, 65535, 0));
   options.finish();
   return std::make_unique<WeatherEffect>(o);
