@@ -16,6 +16,7 @@
 #include "assets/surveys/surveys.h"
 #include "assets/worlds/world_asset.h"
 #include "base/error.h"
+#include "base/files_read.h"
 #include "base/input_budget.h"
 #include "base/memory.h"
 #include "config/text.h"
@@ -48,8 +49,11 @@ Asset readGltf(const std::filesystem::path& file, const std::string& kind, const
   const char up = options.up.value_or(blend ? 'z' : 'y');
   const double scale = options.metresPerUnit;
   const Affine assetFromFile{zUpFrom(up) * Mat3::scale({scale, scale, scale}), {}};
-  Asset asset = blend ? gltf::readAsset(BlendExport(file).glb(), file, assetFromFile, options)
-                      : gltf::readAsset(file, file, assetFromFile, options);
+  const auto readExport = [&] {
+    const FilesRead temporary;  // takes the note of the temporary file
+    return gltf::readAsset(BlendExport(file).glb(), file, assetFromFile, options);
+  };
+  Asset asset = blend ? readExport() : gltf::readAsset(file, file, assetFromFile, options);
   asset.up = up;
   asset.upDeclared = true;
   asset.statedUnit = 1;
@@ -106,6 +110,7 @@ Asset readAsset(const std::filesystem::path& file, const AssetOptions& options) 
   const InputBudget budget;
   const std::string kind = lowerExtension(file);
   checkRequest(file, kind, options);
+  noteFile(file);
   try {
     Asset asset = readByKind(file, kind, options);
     asset.file = file;

@@ -15,6 +15,7 @@
 
 #include "base/descriptor.h"
 #include "base/error.h"
+#include "base/files_read.h"
 #include "base/input_budget.h"
 #include "base/memory.h"
 #include "base/own_folder.h"
@@ -74,6 +75,7 @@ std::string readFile(const std::filesystem::path& path) {
     bytes.reserve(size);
   }
   readBlocks(path, [&](std::string_view block) { bytes += block; });
+  noteFile(path, bytes);
   return bytes;
 }
 

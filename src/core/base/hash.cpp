@@ -47,6 +47,13 @@ std::string xxh3(std::string_view bytes) {
   return fmt::format("{:016x}", XXH3_64bits(bytes.data(), bytes.size()));
 }
 
+std::string xxh3OfFile(const std::filesystem::path& file) {
+  XXH3_state_t state;
+  XXH3_64bits_reset(&state);
+  readBlocks(file, [&](std::string_view block) { XXH3_64bits_update(&state, block.data(), block.size()); });
+  return fmt::format("{:016x}", XXH3_64bits_digest(&state));
+}
+
 std::string sha256OfFile(const std::filesystem::path& file) {
   Sha256 hash;
   readBlocks(file, [&](std::string_view block) { hash.add(block); });

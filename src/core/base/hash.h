@@ -35,4 +35,7 @@ std::string sha256OfFile(const std::filesystem::path& file);
 // prints it. It finds damage ten times as fast as SHA-256, but does not withstand deliberate forgery.
 std::string xxh3(std::string_view bytes);
 
+// Returns the XXH3 hash of a whole file, as xxh3() does. Throws an InputError that names the file if it cannot be read.
+std::string xxh3OfFile(const std::filesystem::path& file);
+
 }  // namespace scanmill

@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "base/files_read.h"
 #include "base/memory.h"
 #include "base/short_text.h"
 
@@ -86,6 +87,7 @@ void chargeTime(const Location& where) {
 }
 
 void chargeFile(const std::filesystem::path& file) {
+  noteFile(file);
   if (counts == nullptr) return;
   struct stat status {};
   if (::stat(file.c_str(), &status) == 0 && S_ISREG(status.st_mode) &&

@@ -18,6 +18,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/files_read.h"
 #include "config/text.h"
 #include "rasters/rasters_interface.h"
 #include "rasters/system_unit.h"
@@ -195,6 +196,7 @@ void tellGaps(const std::filesystem::path& file) {
                       mosaics[i].string(), file.string()));
     }
     for (const std::filesystem::path other : mosaic->header().files) {
+      noteFile(other);
       const bool known = std::find(mosaics.begin(), mosaics.end(), other) != mosaics.end();
       if (!known && lowerExtension(other) == ".vrt") mosaics.push_back(other);
     }
@@ -417,6 +419,8 @@ const FormatSupport& rasterFormat() {
 Raster readRaster(const std::filesystem::path& file, const RasterRequest& request) {
   const std::unique_ptr<RasterReader> reader = open(file);
   RasterHeader header = reader->header();
+  noteFile(file);
+  for (const std::filesystem::path other : header.files) noteFile(other);
   if (header.bands.empty() && header.others > 0) {
     fail(file, fmt::format("holds {} rasters: take one of them by gdal_translate", header.others));
   }
