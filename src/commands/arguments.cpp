@@ -98,7 +98,11 @@ Arguments parseArguments(CommandOptions& options, const std::vector<std::string>
     throw InputError(fmt::format("{}; see `scanmill {} --help`", e.what(), options.command));
   }
   if (parsed.has("help")) {
-    printText("{}\n\nExamples:\n{}", options.help({""}), examples);
+    std::string help = options.help({""});
+    constexpr std::string_view kNoDefault = "(=)]";  // follows the value of an option that may be given without one
+    if (const std::size_t at = help.find(kNoDefault); at != std::string::npos)
+      help.replace(at, kNoDefault.size(), "]   ");
+    printText("{}\n\nExamples:\n{}", help, examples);
     parsed.help = true;
   }
   return parsed;
@@ -122,10 +126,13 @@ std::uint64_t memoryOption(const Arguments& arguments) {
   unit.erase(0, unit.find_first_not_of(' '));
   static const std::map<std::string, int> kShifts{{"", 0},   {"k", 10},   {"kib", 10}, {"m", 20},  {"mib", 20},
                                                   {"g", 30}, {"gib", 30}, {"t", 40},   {"tib", 40}};
-  if (failure != std::errc() || !kShifts.contains(unit) || !(number > 0) || number > 1e15) {
-    throw InputError(fmt::format("--memory-limit must be a number with K, M, G or T, such as 8G, not '{}'", text));
+  const double bytes = failure == std::errc() && kShifts.contains(unit) ? std::ldexp(number, kShifts.at(unit)) : 0;
+  constexpr double kMost = 18446744073709551616.0;  // 2^64
+  if (!(bytes >= 1) || bytes >= kMost) {
+    throw InputError(
+        fmt::format("--memory-limit must be a number with K, M, G or T, such as 8G, below 16 EiB, not '{}'", text));
   }
-  return static_cast<std::uint64_t>(std::ldexp(number, kShifts.at(unit)));
+  return static_cast<std::uint64_t>(bytes);
 }
 
 }  // namespace

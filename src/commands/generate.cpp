@@ -103,9 +103,7 @@ Plan withMethod(const Plan& plan, const GenerateOptions& options) {
         "`method: auto` measures in each process, so that parts of a dataset could get different methods: name the "
         "method in the pipeline, or by --set");
   }
-  DatasetFolder::check(options.folder, options.overwrite ? FolderUse::Replace
-                                       : options.resume  ? FolderUse::Resume
-                                                         : FolderUse::New);
+  checkFolder(options);
   const Calibration calibration = calibrate(plan, options.quiet, options.stop);
   const CalibratedSetting& chosen = calibration.settings[calibration.chosen];
   if (!options.quiet) {
@@ -166,6 +164,12 @@ void generateOne(const Arguments& parsed, const std::vector<std::string>& overri
   generateOptions.folder = folder;
   generateOptions.overwrite = parsed.has("overwrite");
   generateOptions.resume = parsed.has("resume");
+  const std::string resume = parsed.text("resume");
+  if (!resume.empty() && resume != "anyway")
+    throw InputError(fmt::format(
+        "--resume={}: write --resume, or --resume=anyway to keep shards although files of their scenes have changed",
+        resume));
+  generateOptions.anyFiles = resume == "anyway";
   if (generateOptions.resume && generateOptions.overwrite) {
     throw InputError("--resume continues a dataset, --overwrite replaces it: give only one of the two");
   }
@@ -182,11 +186,17 @@ void generateOne(const Arguments& parsed, const std::vector<std::string>& overri
   if (!generateOptions.keepHits.empty()) plan.requireOneRay();
   if (plan.pipeline.method.automatic) plan = withMethod(plan, generateOptions);
   // A complete dataset is not an error, so that scripts can always pass --resume.
-  if (generateOptions.resume && wholeDatasetOf(datasetPlan(plan, jobs), generateOptions.folder)) {
+  const std::optional<Manifest> whole =
+      generateOptions.resume ? wholeDatasetOf(datasetPlan(plan, jobs), generateOptions.folder) : std::nullopt;
+  if (whole) {
+    if (!generateOptions.anyFiles) {
+      expectSameFiles(whole->files, plan.pipeline.file.parent_path(), generateOptions.folder);
+    }
     printText("{}: is complete: there is nothing to resume\n", generateOptions.folder.string());
     return;
   }
-  const double rays = static_cast<double>(plan.pipeline.frames()) * static_cast<double>(plan.pipeline.raysPerFrame());
+  checkFolder(generateOptions);  // before the forecast, which takes a second
+  const double rays = plan.pipeline.rays();
   std::optional<Forecast> told;
   if (overrides.empty() && rays >= kRaysWorthAForecast && !generateOptions.quiet && !generateOptions.resume &&
       generateOptions.shards.kind == ShardChoice::Kind::All) {
@@ -215,7 +225,10 @@ int runGenerate(const std::vector<std::string>& arguments) {
   cxxopts::OptionAdder add = options.add_options();
   add("o,out", "folder of the dataset; it is made if it does not exist", textValue(), "DIR");
   add("overwrite", "replace an existing dataset or existing recordings");
-  add("resume", "continue an interrupted dataset; the bytes are the same as without the interruption");
+  add("resume",
+      "continue an interrupted dataset; the bytes are the same as without the interruption. A file of a scene that has "
+      "changed since is refused by name; --resume=anyway keeps the shards made before",
+      textValue()->implicit_value(""), "anyway");
   add("shards", "make only these shards, such as 0-9,12; `scanmill merge` completes the dataset", textValue(),
       "RANGES");
   add("worker", "make every N-th shard, starting with shard I (from 0), as one of N processes", textValue(), "I");

@@ -92,7 +92,7 @@ void printDataset(const std::filesystem::path& folder) {
   }
   if (m.chosen) printText("\nmethod chosen by `auto`: {}; {}\n", m.chosen->setting, m.chosen->why);
   printText("\nmodelled and left out:\n");
-  for (const std::string& line : m.modelled) printText("  {}\n", oneLine(line));
+  for (const ModelledItem& item : m.modelled) printText("  {}\n", oneLine(lineOf(item)));
   for (const auto& [shard, problem] : undescribed) warn(problem);
   if (undescribed.empty()) return;
   warn(

@@ -48,7 +48,7 @@ void printRecording(const std::filesystem::path& folder) {
   } else {
     printText("ontology {}: {} classes\n", r.ontology.name, r.ontology.classes.size());
   }
-  for (const std::string& line : r.modelled) printText("  {}\n", oneLine(line));
+  for (const ModelledItem& item : r.modelled) printText("  {}\n", oneLine(lineOf(item)));
   printText("next: scanmill generate PIPELINE -o DIR --from-{} {}\n", nameOf(r.kind), folder.string());
 }
 

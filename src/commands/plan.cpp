@@ -153,7 +153,7 @@ void printSeeds(const Plan& plan, std::uint64_t frames, const std::optional<Samp
     const Forecast f = forecast(*costs, static_cast<std::uint64_t>(made), static_cast<std::uint64_t>(wanted));
     printText("time: {}\nsize: {}\n", timeText(f), sizeText(f));
   }
-  const double rays = made * static_cast<double>(pipeline.raysPerFrame());
+  const double rays = made * pipeline.rays() / static_cast<double>(pipeline.frames());
   if (rays > pipeline.maxRays) {
     printText(
         "these are {} rays, more than `limits.max_rays` allows ({}): give generate --set limits.max_rays={:.0e}\n",
@@ -196,7 +196,7 @@ int runPlan(const std::vector<std::string>& arguments) {
   cxxopts::OptionAdder add = options.add_options();
   add("frames", "print also how many seeds a dataset of N frames needs, and its time and size", textValue(), "N");
   add("check",
-      "load the scenes, and warn of paths through walls, unlabelled parts, unusual sizes and too little memory");
+      "load the scenes, and warn of paths through things, unlabelled parts, unusual sizes and too little memory");
   add("costs", "measure what each feature costs; this traces a frame about a hundred times");
   addRecordingOptions(options);
   addPipelineOptions(options);
@@ -228,23 +228,25 @@ int runPlan(const std::vector<std::string>& arguments) {
   const bool loads = checks || recorded;
   SceneFindings found = loads ? checkScenes(source) : SceneFindings{modelled(plan, source.blockedShares()), 0};
   if (pipeline.method.automatic) {
-    found.modelled.push_back(fmt::format("method: auto, one of {} settings, chosen when the dataset is made",
-                                         readAutoChoice(pipeline).settings.size()));
+    found.modelled.push_back({"method", fmt::format("auto, one of {} settings, chosen when the dataset is made",
+                                                    readAutoChoice(pipeline).settings.size())});
   }
   if (!loads && !pipeline.method.automatic) {
     found.modelled.push_back(
-        fmt::format("method: {}; --check tells what it leaves out of these scenes", pipeline.methodName()));
+        {"method", fmt::format("{}; --check tells what it leaves out of these scenes", pipeline.methodName())});
   }
   printText("{}modelled and left out:\n", loads ? "\n" : "");
-  for (const std::string& line : found.modelled) printText("  {}\n", line);
+  for (const ModelledItem& item : found.modelled) printText("  {}\n", lineOf(item));
   if (costs && !recorded && !pipeline.method.automatic) {
     printFeatures(measured(pipeline));
   }
-  const auto rays = static_cast<double>(pipeline.frames()) * static_cast<double>(pipeline.raysPerFrame());
+  const double rays = pipeline.rays();
   const auto inFlight = static_cast<double>(plan.framesInFlight()) * static_cast<double>(plan.bytesPerFrameInMemory());
-  printText("\n{} frames x {} {} = {} rays (limits.max_rays: {})\n", grouped(pipeline.frames()),
-            grouped(pipeline.raysPerFrame()), pipeline.raysPerFrame() == pipeline.beamsPerFrame() ? "beams" : "rays",
-            shortNumber(rays), shortNumber(pipeline.maxRays));
+  const auto perFrame = static_cast<std::uint64_t>(rays / static_cast<double>(pipeline.frames()));
+  printText("\n{} frames x {}{} {} = {} rays (limits.max_rays: {})\n", grouped(pipeline.frames()),
+            pipeline.oneRevolution() ? "" : "about ", grouped(perFrame),
+            pipeline.raysPerFrame() == pipeline.beamsPerFrame() ? "beams" : "rays", shortNumber(rays),
+            shortNumber(pipeline.maxRays));
   printText("memory: {} for frames in flight", shortBytes(inFlight));
   if (found.bytes > 0) printText(" and about {} for the scene", shortBytes(static_cast<double>(found.bytes)));
   printText("\n");

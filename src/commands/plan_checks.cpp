@@ -104,14 +104,12 @@ SceneFindings checkScenes(ShotSource& source) {
     }
     for (const auto& [what, triangles] : scene.unlabeled) unlabeled[what] += triangles;
     if (method == nullptr) continue;
-    // The counts in these lines differ from scene to scene: report each feature once, for the first scene that has it.
-    for (const std::string& line : method->modelled()) {
-      const auto feature = [](const std::string& text) { return text.substr(0, text.find(':')); };
-      const auto isSame = [&](const std::string& known) {
-        return feature(known) == feature(line) &&
-               (known.find("left out") == known.npos) == (line.find("left out") == line.npos);
+    // The counts in these items differ from scene to scene: report each feature once, for the first scene that has it.
+    for (const ModelledItem& item : modelledOf(plan, s, scene, *method)) {
+      const auto isSame = [&](const ModelledItem& known) {
+        return known.topic == item.topic && known.leftOut == item.leftOut;
       };
-      if (std::none_of(found.modelled.begin(), found.modelled.end(), isSame)) found.modelled.push_back(line);
+      if (std::none_of(found.modelled.begin(), found.modelled.end(), isSame)) found.modelled.push_back(item);
     }
     plan.checkMemory(method->memoryBytes(), name);
     found.bytes = std::max(found.bytes, method->memoryBytes());

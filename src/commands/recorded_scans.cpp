@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/grouped.h"
 #include "base/terminal.h"
+#include "config/value.h"
 #include "dataset/scan_store.h"
 
 namespace scanmill {
@@ -62,18 +63,21 @@ std::optional<FoundResponse> responseOf(const std::vector<Scan>& recorded, const
   if (fit.misfit > kPoor) {
     warn("the response describes the recording poorly: simulate places that are more like the recorded ones");
   }
-  const auto says = [&](std::string_view effect, std::string_view key) {
-    return std::ranges::any_of(store.manifest()->modelled, [&](const std::string& line) {
-      return line.starts_with(fmt::format("effect {} ", effect)) && line.find("left out") == std::string::npos &&
-             line.find(key) != std::string::npos;
+  // Returns true if the dataset has an effect with an option; with an empty key, whatever its options.
+  const auto has = [&](std::string_view effect, std::string_view key, std::string_view value = "") {
+    return std::ranges::any_of(store.manifest()->modelled, [&](const ModelledItem& item) {
+      if (item.topic != fmt::format("effect {}", effect) || item.leftOut) return false;
+      const Value options = parseYaml(item.options, "the effects of " + dataset);
+      const Value* const option = options.find(key);
+      return key.empty() || (option != nullptr && (value.empty() || option->text == value));
     });
   };
-  if (says("speckle", "") || says("ring_bias", "gain_sigma")) {
+  if (has("speckle", "") || has("ring_bias", "gain_sigma")) {
     warn(dataset +
          ": has speckle or unequal gains of lasers, so that the noise is found too small: generate it with "
          "{speckle: none} and {ring_bias: none} among `effects`");
   }
-  const bool rough = says("intensity", "diffuse: oren_nayar");
+  const bool rough = has("intensity", "diffuse", "oren_nayar");
   const std::string name = std::filesystem::path(dataset).filename().string();
   return FoundResponse{fit, responseYaml(fit, rough ? "oren_nayar" : "lambertian", name)};
 }

@@ -251,7 +251,8 @@ void drawWholeRangeImage(const std::filesystem::path& file, const Arguments& par
   const auto by = colors.empty() ? std::nullopt : std::optional(readColor(colors.front()));
   try {
     writePicture(outputs.screenshot,
-                 drawRangeImage(source.scan, source.ontology ? &*source.ontology : nullptr, by, source.title),
+                 drawRangeImage(source.scan, source.ontology ? &*source.ontology : nullptr, by, source.title,
+                                source.beams.get()),
                  source.title);
   } catch (const InputError& e) {
     throw InputError({file.string()}, e.what());
@@ -393,7 +394,8 @@ void addOptions(cxxopts::Options& options) {
       "DATASET|SHARD|SCAN");
   add("reference,twin", "the noise-free reference, for --color error", textValue(), "DATASET|SHARD|SCAN");
   add("scene", "the scene that was scanned, in place of the one that the dataset names", textValue(), "FILE");
-  add("seed", "of a procedural scene that is viewed by itself (default: 1)", cxxopts::value<std::uint64_t>(), "N");
+  add("seed", "of a procedural scene that is viewed by itself (default: 1), or by --scene",
+      cxxopts::value<std::uint64_t>(), "N");
   add("ontology",
       "names and colours of the classes, in place of the dataset's: a file, or a name of `scanmill list ontologies`",
       textValue(), "FILE|NAME");

@@ -94,7 +94,7 @@ class PassRecorder {
         {name_, static_cast<std::uint32_t>(size_.rings), static_cast<std::uint32_t>(size_.columns), "", Pose{}}};
     recording.sequences = {{scene_, 1, kTrajectory, frames_, 0}};
     recording.materials = {{}};
-    recording.modelled = {"passes: images of six depth cameras, as another program rendered them"};
+    recording.modelled = {{"passes", "images of six depth cameras, as another program rendered them"}};
     writer_.finish(recording);
   }
 

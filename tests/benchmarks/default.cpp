@@ -37,7 +37,7 @@ class Recording : public Method {
     shots_.push_back(shot);
     return method_.trace(shot, channels, hits);
   }
-  std::vector<std::string> modelled() const override { return method_.modelled(); }
+  std::vector<ModelledItem> modelled() const override { return method_.modelled(); }
   std::uint64_t memoryBytes() const override { return method_.memoryBytes(); }
   std::vector<Shot> take() const { return std::exchange(shots_, {}); }
 

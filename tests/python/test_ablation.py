@@ -76,7 +76,7 @@ class Ablation(unittest.TestCase):
             self.assertEqual(set(report["sets"]), {"own", "held_out"})
             self.assertGreater((Path(folder) / "ablation.png").stat().st_size, 5000)
             modelled = json.loads((Path(folder) / "sets/glass/manifest.json").read_text())["modelled"]
-            self.assertFalse([line for line in modelled if line.startswith("effect light_paths")])
+            self.assertFalse([item for item in modelled if item["topic"] == "effect light_paths"])
             # What is there is not made again.
             weights = Path(folder) / "runs/glass-0/weights.pt"
             made = weights.stat().st_mtime_ns

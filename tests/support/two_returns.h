@@ -61,7 +61,7 @@ class TwoReturns : public Method {
     return {};
   }
 
-  std::vector<std::string> modelled() const override { return {"two returns: of no scene"}; }
+  std::vector<ModelledItem> modelled() const override { return {{"two returns", "of no scene"}}; }
   std::uint64_t memoryBytes() const override { return 0; }
 
  private:

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <boost/math/special_functions/erf.hpp>
+#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -244,6 +245,21 @@ void forEachWithin(const Value& value, const Do& apply) {
   for (const Value::Entry& entry : value.entries) apply(entry.value);
 }
 
+// Adds an entry for each value within a value that was sampled for a key.
+void addValues(const Value& value, const std::string& key, std::vector<DrawnValue>& draws) {
+  for (std::size_t i = 0; i < value.items.size(); ++i) {
+    addValues(value.items[i], fmt::format("{}.{}", key, i), draws);
+  }
+  for (const Value::Entry& entry : value.entries) addValues(entry.value, key + "." + entry.key, draws);
+  if (!value.items.empty() || !value.entries.empty()) return;
+  double number = 0;
+  const char* const end = value.text.data() + value.text.size();
+  const auto [last, failure] = std::from_chars(value.text.data(), end, number);
+  const bool isNumber = value.kind == Value::Kind::Scalar && !value.quoted && failure == std::errc() && last == end &&
+                        std::isfinite(number);
+  draws.push_back(isNumber ? DrawnValue{key, fmt::format("{}", number), true} : DrawnValue{key, flowText(value)});
+}
+
 // Returns the first distribution within the value for which `is` returns true; null if there is none.
 const Value* findDistribution(const Value& value, bool (*is)(Fields&)) {
   if (isDistribution(value)) {
@@ -287,9 +303,9 @@ Value withDraws(const Value& value, const std::string& key, const RandomAddress&
       Fields fields = fieldsOf(one);
       one = draw(fields, randomOf(key, own, fields, place));
     }
-    std::vector<DrawnValue> within;  // not reported: the entry in `draws` shows the complete item
+    std::vector<DrawnValue> within;  // not reported: the entries in `draws` show the complete item
     one = withDraws(one, key, address, within, place);
-    draws.push_back({key, flowText(one)});
+    addValues(one, key, draws);
     return one;
   }
   const std::string before = key.empty() ? "" : key + ".";

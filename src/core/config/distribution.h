@@ -28,11 +28,12 @@ namespace scanmill {
 
 struct RandomAddress;
 
-// A value that was sampled for a key. If the sampled item of a choice contains distributions, `value` shows their
-// sampled values too.
+// A value that was sampled for a key, without other values in it: a sampled map or list gives a DrawnValue for each
+// value in it, such as "effects.2.weather.rate_mm_h".
 struct DrawnValue {
-  std::string key;    // as --set names it: "objects.0.town.length"
-  std::string value;  // as YAML on one line
+  std::string key;      // as --set names it: "objects.0.town.length"
+  std::string value;    // as YAML on one line
+  bool number = false;  // true: the value is a number, as JSON writes it
   bool operator==(const DrawnValue&) const = default;
 };
 

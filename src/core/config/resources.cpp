@@ -19,6 +19,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kSuffix = ".yaml";
+constexpr const char* kOwn = "scanmill:";  // begins the saved paths of the program's own files
 
 bool isThere(const fs::path& path) {
   std::error_code ignored;
@@ -153,6 +154,18 @@ std::string nearestResource(const std::string& name, const std::string& subfolde
   std::vector<std::string> names;
   for (const std::string& known : yamlNames(resourceFolder() / subfolder)) names.push_back(fs::path(known).stem());
   return nearest(path.stem().string(), names);
+}
+
+std::string savedPath(const fs::path& file, const fs::path& folder) {
+  const fs::path whole = fs::absolute(file).lexically_normal();
+  const fs::path own = whole.lexically_relative(fs::absolute(resourceFolder()).lexically_normal());
+  if (!own.empty() && *own.begin() != "..") return std::string(kOwn) + own.generic_string();
+  return whole.lexically_relative((fs::current_path() / folder).lexically_normal()).generic_string();
+}
+
+fs::path fileOfSavedPath(const std::string& saved, const fs::path& folder) {
+  if (saved.starts_with(kOwn)) return resourceFolder() / saved.substr(std::char_traits<char>::length(kOwn));
+  return (folder / saved).lexically_normal();
 }
 
 }  // namespace scanmill

@@ -26,4 +26,10 @@ std::filesystem::path namedResource(const std::string& name, const std::string& 
 // or if the wrong name is a path or has another suffix than .yaml.
 std::string nearestResource(const std::string& name, const std::string& subfolder);
 
+// Returns a file's path as datasets store it, which is the same on all machines: "scanmill:scenes/street.yaml" for one
+// of the program's own files, and for other files the path from `folder`, the folder of the pipeline file.
+std::string savedPath(const std::filesystem::path& file, const std::filesystem::path& folder);
+// Returns the file that savedPath() names.
+std::filesystem::path fileOfSavedPath(const std::string& saved, const std::filesystem::path& folder);
+
 }  // namespace scanmill

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <set>
@@ -66,11 +67,6 @@ std::string summaryOf(const Manifest& manifest, const Totals& totals) {
                      grouped(manifest.samples.size()), sensors, grouped(totals.points));
 }
 
-// Returns an angle (rad) in degrees, to hundredths.
-std::string degreesText(double angle) {
-  return fmt::format("{:g}", std::round(angle * 180 / kPi * 100) / 100 + 0.0);
-}
-
 std::string sensorTable(const Manifest& manifest) {
   std::string text =
       "| sensor | model | beams | scans a second | range (m) | mounted at x, y, z (m) | yaw, pitch, roll (deg) | "
@@ -78,13 +74,11 @@ std::string sensorTable(const Manifest& manifest) {
       "from |\n|---|---|---|---|---|---|---|---|\n";
   for (const SensorRecord& sensor : manifest.sensors) {
     const BeamTable& beams = sensor.beams;
-    const Vec3d& at = sensor.vehicleFromSensor.translation;
-    const Mat3 axes = toMatrix(sensor.vehicleFromSensor.rotation);
-    text += fmt::format("| {} | {} | {} x {} | {:g} | {:g} to {:g} | {:g}, {:g}, {:g} | {}, {}, {} | {} |\n",
+    const MountSpans mount = mountSpans(manifest, sensor);
+    text += fmt::format("| {} | {} | {} x {} | {:g} | {:g} to {:g} | {}, {}, {} | {}, {}, {} | {} |\n",
                         cell(sensor.name), cell(beams.model), beams.rings, beams.columns, 1 / beams.period,
-                        beams.minRange, beams.maxRange, at.x, at.y, at.z, degreesText(std::atan2(axes.x.y, axes.x.x)),
-                        degreesText(-std::asin(std::clamp(axes.x.z, -1.0, 1.0))),
-                        degreesText(std::atan2(axes.y.z, axes.z.z)), cell(beams.source));
+                        beams.minRange, beams.maxRange, spanText(mount[0]), spanText(mount[1]), spanText(mount[2]),
+                        spanText(mount[3]), spanText(mount[4]), spanText(mount[5]), cell(beams.source));
   }
   return text;
 }
@@ -112,16 +106,14 @@ std::string columnTable(const Manifest& manifest) {
   return text;
 }
 
-// Returns what the scans model, and what was left out, as two lists. Lines on how the program computes are omitted.
-std::string modelText(const std::vector<std::string>& lines) {
-  constexpr const char* kProgram[] = {"channels:", "properties of hits", "instancing:"};
+// Returns what the scans model, and what was left out, as two lists. Items on how the program computes are omitted.
+std::string modelText(const std::vector<ModelledItem>& items) {
+  constexpr std::array<std::string_view, 3> kProgram{"channels", "properties of hits that nothing reads", "instancing"};
   std::string modelled;
   std::string left;
-  for (const std::string& line : lines) {
-    if (std::any_of(std::begin(kProgram), std::end(kProgram), [&](const char* k) { return line.starts_with(k); })) {
-      continue;
-    }
-    (line.find(": left out") == std::string::npos ? modelled : left) += "- " + cell(line) + "\n";
+  for (const ModelledItem& item : items) {
+    if (std::find(kProgram.begin(), kProgram.end(), item.topic) != kProgram.end()) continue;
+    (item.leftOut ? left : modelled) += "- " + cell(lineOf(item)) + "\n";
   }
   std::string text = "What was modelled:\n\n" + modelled;
   if (!left.empty()) text += "\nWhat was left out:\n\n" + left;
@@ -192,6 +184,38 @@ OrderedJson fieldJson(const char* name, const char* description, const char* sou
 }
 
 }  // namespace
+
+MountSpans mountSpans(const Manifest& manifest, const SensorRecord& sensor) {
+  MountSpans spans;
+  const auto add = [&](const Pose& mount) {
+    const Vec3d& t = mount.translation;
+    const Quat& q = mount.rotation;  // the angles from which fromYawPitchRoll() computes it
+    const std::array<double, 6> values{
+        t.x,
+        t.y,
+        t.z,
+        degrees(std::atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z))) + 0.0,
+        degrees(std::asin(std::clamp(2 * (q.w * q.y - q.z * q.x), -1.0, 1.0))) + 0.0,
+        degrees(std::atan2(2 * (q.w * q.x + q.y * q.z), 1 - 2 * (q.x * q.x + q.y * q.y))) + 0.0};
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      spans[i].least = std::min(spans[i].least, values[i]);
+      spans[i].most = std::max(spans[i].most, values[i]);
+    }
+  };
+  if (sensor.vehicleFromSensor) add(*sensor.vehicleFromSensor);
+  for (const SampleRecord& sample : manifest.samples) {
+    for (const ScanRecord& scan : sample.scans) {
+      if (scan.sensor == sensor.name && scan.vehicleFromSensor) add(*scan.vehicleFromSensor);
+    }
+  }
+  return spans;
+}
+
+std::string spanText(const Span& span) {
+  const auto text = [](double value) { return fmt::format("{:g}", std::round(value * 1e4) / 1e4 + 0.0); };
+  const std::string least = text(span.least), most = text(span.most);
+  return least == most ? least : least + " to " + most;
+}
 
 std::string cardText(const Manifest& manifest) {
   const Totals totals = totalsOf(manifest);

@@ -2,6 +2,8 @@
 
 // The descriptions of a dataset that are written beside its manifest, for people and for search engines of datasets.
 
+#include <array>
+#include <limits>
 #include <string>
 
 #include "dataset/manifest.h"
@@ -12,6 +14,18 @@ namespace scanmill {
 // Returns the data card in Markdown: what the dataset contains, how it was made, what it is for and not for, as asked
 // by Gebru et al., "Datasheets for Datasets" (Communications of the ACM 64, 2021).
 std::string cardText(const Manifest& manifest);
+
+struct Span {
+  double least = std::numeric_limits<double>::infinity();
+  double most = -std::numeric_limits<double>::infinity();
+};
+// Returns an interval as "1.2 to 1.4", to four decimals; as one number if both ends have the same text.
+std::string spanText(const Span& span);
+
+// Returns the least and the greatest x, y, z (m), yaw, pitch and roll (degrees) of a sensor's mounts in all scans. They
+// differ only if the mount is random.
+using MountSpans = std::array<Span, 6>;
+MountSpans mountSpans(const Manifest& manifest, const SensorRecord& sensor);
 
 // Returns the metadata of the dataset as JSON-LD in the format Croissant 1.0 (mlcommons.org/croissant/1.0): its shards
 // with their hashes, their members, and a record for each sample with its key, split and description.

@@ -73,6 +73,23 @@ std::uint16_t classOf(const JsonNode& node, const Ontology& ontology, const std:
   return number;
 }
 
+std::vector<ModelledItem> modelledOf(const JsonNode& list, bool mayBeTexts) {
+  std::vector<ModelledItem> items;
+  list.forEach([&](const JsonNode& node) {
+    if (mayBeTexts && node.isText()) {
+      items.push_back({"", node.text()});
+      return;
+    }
+    node.keys({"topic", "left_out", "text"}, {"sensor", "options", "scenes"});
+    ModelledItem item{node["topic"].text(), node["text"].text(), node["left_out"].boolean()};
+    if (node.has("sensor")) item.sensor = node["sensor"].text();
+    if (node.has("options")) item.options = node["options"].text();
+    if (node.has("scenes")) item.scenes = node["scenes"].texts();
+    items.push_back(std::move(item));
+  });
+  return items;
+}
+
 MethodRecord choiceOf(const JsonNode& choice) {
   choice.keys({"setting", "assignment", "why"});
   return {choice["setting"].text(), choice["assignment"].text(), choice["why"].text()};

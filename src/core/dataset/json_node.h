@@ -51,13 +51,17 @@ class JsonNode {
       known.insert(known.end(), optional.begin(), optional.end());
       fail(fmt::format("key '{}' is unknown{}", entry.key(), suggestion(entry.key(), known)));
     }
+    expectKeys(required);
+    return *this;
+  }
+  void expectKeys(std::initializer_list<std::string_view> required) const {
     for (const std::string_view key : required) {
       if (!value_.contains(key)) fail(fmt::format("key '{}' is missing", key));
     }
-    return *this;
   }
 
   bool isNull() const { return value_.is_null(); }
+  bool isText() const { return value_.is_string(); }
   bool has(std::string_view key) const { return value_.is_object() && value_.contains(key); }
   JsonNode operator[](const std::string& key) const { return {value_.at(key), place_ + "/" + key, file_}; }
 
@@ -94,13 +98,13 @@ class JsonNode {
     if (number < low || number > high) fail(fmt::format("{} is not within {} to {}", number, low, high));
     return static_cast<Integer>(number);
   }
-  std::string sha256() const {
-    std::string hash = text();
-    if (hash.size() != 64 || hash.find_first_not_of("0123456789abcdef") != std::string::npos) {
-      fail("is not a SHA-256 (64 hexadecimal digits in lower case)");
-    }
-    return hash;
+  // Returns the text of a finite number, from which the same number is read again.
+  std::string numberText() const {
+    number();
+    return value_.dump();
   }
+  std::string sha256() const { return hash("a SHA-256", 64); }
+  std::string xxh3() const { return hash("an XXH3", 16); }
   std::vector<std::string> texts() const {
     std::vector<std::string> list;
     forEach([&](const JsonNode& item) { list.push_back(item.text()); });
@@ -114,6 +118,13 @@ class JsonNode {
   }
 
  private:
+  std::string hash(std::string_view kind, std::size_t digits) const {
+    std::string hash = text();
+    if (hash.size() != digits || hash.find_first_not_of("0123456789abcdef") != std::string::npos) {
+      fail(fmt::format("is not {} ({} hexadecimal digits in lower case)", kind, digits));
+    }
+    return hash;
+  }
   void expect(bool holds, std::string_view what) const {
     if (!holds) fail(fmt::format("is {}, but must be {}", value_.type_name(), what));
   }
@@ -131,6 +142,8 @@ Ontology ontologyOf(const JsonNode& node);
 std::uint16_t classOf(const JsonNode& node, const Ontology& ontology, const std::string& id = "id",
                       const std::string& name = "name");
 MethodRecord choiceOf(const JsonNode& choice);
+// Reads what is modelled. `mayBeTexts`: true accepts texts, too, as earlier versions wrote them.
+std::vector<ModelledItem> modelledOf(const JsonNode& list, bool mayBeTexts);
 // `manifest`: with ontology, sensors and shards.
 SampleRecord sampleOf(const JsonNode& node, const Manifest& manifest);
 

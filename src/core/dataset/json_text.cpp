@@ -86,6 +86,18 @@ OrderedJson choiceJson(const MethodRecord& chosen) {
   return {{"setting", chosen.setting}, {"assignment", chosen.assignment}, {"why", chosen.why}};
 }
 
+OrderedJson modelledJson(const std::vector<ModelledItem>& items) {
+  OrderedJson list = OrderedJson::array();
+  for (const ModelledItem& item : items) {
+    OrderedJson entry{{"topic", item.topic}, {"left_out", item.leftOut}, {"text", item.text}};
+    if (!item.sensor.empty()) entry["sensor"] = item.sensor;
+    if (!item.options.empty()) entry["options"] = item.options;
+    if (!item.scenes.empty()) entry["scenes"] = item.scenes;
+    list.push_back(std::move(entry));
+  }
+  return list;
+}
+
 const SemanticClass& requireClass(std::uint16_t id, const std::string& key, const Ontology& ontology) {
   const SemanticClass* const known = ontology.find(id);
   if (known == nullptr) throw Error(fmt::format("{}: class {} is not in ontology '{}'", key, id, ontology.name));

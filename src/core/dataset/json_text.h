@@ -34,5 +34,6 @@ OrderedJson poseJson(const Pose& pose, std::string_view what);
 const SemanticClass& requireClass(std::uint16_t id, const std::string& key, const Ontology& ontology);
 OrderedJson ontologyJson(const Ontology& ontology);
 OrderedJson choiceJson(const MethodRecord& chosen);
+OrderedJson modelledJson(const std::vector<ModelledItem>& items);
 
 }  // namespace scanmill

@@ -16,6 +16,8 @@
 
 #include "base/vec.h"
 #include "config/distribution.h"
+#include "dataset/file_records.h"
+#include "scan/modelled_item.h"
 #include "scan/reasons.h"
 #include "scene/ontology.h"
 #include "sensors/beams.h"
@@ -23,18 +25,19 @@
 namespace scanmill {
 
 struct SensorRecord {
-  std::string name;  // name of the sensor on the vehicle
-  BeamTable beams;   // only the compact description, without the tables per beam
-  Pose vehicleFromSensor;
-  double intensityFullScale = 1;  // the value of the column intensity that stands for 1, such as 255 for bytes
+  std::string name;                       // name of the sensor on the vehicle
+  BeamTable beams;                        // only the compact description, without the tables per beam
+  std::optional<Pose> vehicleFromSensor;  // not set if the mount is random: each scan then states its own
+  double intensityFullScale = 1;          // the value of the column intensity that stands for 1, such as 255 for bytes
 };
 
 // One scan: a revolution of a sensor in a sample.
 struct ScanRecord {
   std::string sensor;
+  std::uint32_t revolution = 0;  // index among the sensor's revolutions in the sample
   std::string method;
   double time = 0;                             // s since the start of the sequence
-  std::optional<Pose> vehicleFromSensor = {};  // set only if the mounting pose differs between sequences
+  std::optional<Pose> vehicleFromSensor = {};  // set only if the mount is random
   std::vector<Pose> worldFromSensor;  // poses at the first and, if the sensor moves, at the last step of the revolution
   std::uint64_t beams = 0;
   std::uint64_t points = 0;
@@ -46,10 +49,11 @@ struct ScanRecord {
 
 // Returns the pose at which the sensor of a scan is mounted on the vehicle.
 inline const Pose& mountOf(const SensorRecord& sensor, const ScanRecord& scan) {
-  return scan.vehicleFromSensor ? *scan.vehicleFromSensor : sensor.vehicleFromSensor;
+  return scan.vehicleFromSensor ? *scan.vehicleFromSensor : sensor.vehicleFromSensor.value();
 }
 
-// Returns the part of a member's name that follows the sample's key and a dot, in lower case: "top.ray_tracing.pcd".
+// Returns the part of a member's name that follows the sample's key and a dot, in lower case: "top.ray_tracing.pcd", or
+// "top.1.ray_tracing.pcd" for the sensor's second revolution.
 std::string memberSuffix(const ScanRecord& scan, std::string_view formatSuffix);
 
 // Counts of the object instances of one class near the sensors of a sample.
@@ -91,6 +95,18 @@ struct FormatRecord {
   double maxErrorMetres = 0;
 };
 
+// The frames of one drive through a scene. Paths of files are as savedPath() gives them (config/resources.h).
+struct SequenceRecord {
+  std::string name;       // the key of its samples without the frame: "street-s1-lane"
+  std::string scene;      // "street"
+  std::string sceneFile;  // path of the scene file; empty if the scans come from a recording
+  std::uint64_t seed = 1;
+  std::string trajectory;
+  bool moving = true;   // false: objects stay at their positions at time 0 s
+  std::string vehicle;  // path of the own vehicle's scene file; empty: none
+  bool operator==(const SequenceRecord&) const = default;
+};
+
 // The setting that `method: auto` has chosen, and the reason.
 struct MethodRecord {
   std::string setting;     // for example "depth_camera resolution=1024"
@@ -100,7 +116,7 @@ struct MethodRecord {
 };
 
 struct Manifest {
-  static constexpr int kSchemaVersion = 2;  // version if samples are in files beside the shards; otherwise 1
+  static constexpr int kSchemaVersion = 3;
   std::string programVersion;
   std::string name;
   std::map<std::string, std::string> about;  // what the pipeline says of the dataset under `about`, by key
@@ -114,10 +130,17 @@ struct Manifest {
   std::vector<FormatRecord> formats;
   Ontology ontology;
   std::vector<SensorRecord> sensors;
-  std::vector<std::string> modelled;   // features that are modelled or left out, one line each
+  std::vector<SequenceRecord> sequences;  // empty in manifests of earlier versions
+  // Files that the scenes and trajectories were read from, sorted; empty in manifests of earlier versions. A file that
+  // changed while the dataset was made, and was allowed to, has several entries.
+  std::vector<FileRecord> files;
+  std::vector<ModelledItem> modelled;  // features that are modelled or left out
   std::optional<MethodRecord> chosen;  // set if the pipeline has `method: auto`
   std::vector<ShardRecord> shards;
   std::vector<SampleRecord> samples;
+
+  // Returns the record of a sample's sequence; null if there is none.
+  const SequenceRecord* sequenceOf(const std::string& key) const;
 };
 
 // Returns the name of the file that describes the samples of a shard in a large dataset; it is beside the shard:

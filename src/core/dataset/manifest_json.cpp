@@ -34,10 +34,11 @@ OrderedJson scanJson(const ScanRecord& scan, const std::string& key, const Ontol
     entry["points"] = points;
     classes.push_back(std::move(entry));
   }
-  OrderedJson json{{"sensor", scan.sensor},
-                   {"method", scan.method},
-                   {"time", finite(scan.time, key + ": time")},
-                   {"world_from_sensor", std::move(poses)}};
+  OrderedJson json{{"sensor", scan.sensor}};
+  if (scan.revolution > 0) json["revolution"] = scan.revolution;
+  json["method"] = scan.method;
+  json["time"] = finite(scan.time, key + ": time");
+  json["world_from_sensor"] = std::move(poses);
   if (scan.vehicleFromSensor) {
     json["vehicle_from_sensor"] = poseJson(*scan.vehicleFromSensor, key + ": vehicle_from_sensor");
   }
@@ -107,7 +108,6 @@ OrderedJson sensorJson(const SensorRecord& sensor) {
   OrderedJson json{{"name", sensor.name},
                    {"model", b.model},
                    {"source", b.source},
-                   {"vehicle_from_sensor", poseJson(sensor.vehicleFromSensor, sensor.name + ": vehicle_from_sensor")},
                    {"rings", b.rings},
                    {"columns", b.columns},
                    {"period", number(b.period, "period")},
@@ -122,6 +122,9 @@ OrderedJson sensorJson(const SensorRecord& sensor) {
                    {"elevation", finiteList(b.elevation, sensor.name + ": elevation")},
                    {"azimuth_offset", finiteList(b.azimuthOffset, sensor.name + ": azimuth_offset")},
                    {"firing_offset", finiteList(b.firingOffset, sensor.name + ": firing_offset")}};
+  if (sensor.vehicleFromSensor) {
+    json["vehicle_from_sensor"] = poseJson(*sensor.vehicleFromSensor, sensor.name + ": vehicle_from_sensor");
+  }
   if (b.listed != nullptr) {
     const auto list = [&](const std::vector<double>& values, const char* what) {
       return finiteList(values, fmt::format("{}: beams.{}", sensor.name, what));
@@ -158,8 +161,18 @@ OrderedJson listOf(const Records& records, const Make& make) {
   return list;
 }
 
+OrderedJson sequenceJson(const SequenceRecord& s) {
+  OrderedJson json{
+      {"name", s.name}, {"scene", s.scene}, {"seed", s.seed}, {"trajectory", s.trajectory}, {"moving", s.moving}};
+  if (!s.sceneFile.empty()) json["scene_file"] = s.sceneFile;
+  if (!s.vehicle.empty()) json["vehicle"] = s.vehicle;
+  return json;
+}
+
 void addDraws(const SampleRecord& sample, OrderedJson& json) {
-  for (const DrawnValue& draw : sample.draws) json["draws"][draw.key] = draw.value;
+  for (const DrawnValue& draw : sample.draws) {
+    json["draws"][draw.key] = draw.number ? OrderedJson::parse(draw.value) : OrderedJson(draw.value);
+  }
 }
 
 OrderedJson sampleEntry(const SampleRecord& s, const Manifest& m) {
@@ -187,7 +200,7 @@ bool describesInFiles(const Manifest& m) {
 // Returns the JSON of the manifest without its samples.
 OrderedJson manifestJson(const Manifest& m) {
   OrderedJson json{
-      {"schema_version", describesInFiles(m) ? Manifest::kSchemaVersion : 1},
+      {"schema_version", Manifest::kSchemaVersion},
       {"program", {{"name", "scanmill"}, {"version", m.programVersion}}},
       {"name", m.name},
       {"seed", m.seed},
@@ -203,7 +216,12 @@ OrderedJson manifestJson(const Manifest& m) {
                          })},
       {"ontology", ontologyJson(m.ontology)},
       {"sensors", listOf(m.sensors, sensorJson)},
-      {"modelled", m.modelled},
+      {"sequences", listOf(m.sequences, sequenceJson)},
+      {"modelled", modelledJson(m.modelled)},
+      {"files", listOf(m.files,
+                       [](const FileRecord& f) {
+                         return OrderedJson{{"file", f.file}, {"xxh3", f.xxh3}};
+                       })},
       {"shards", listOf(m.shards,
                         [](const ShardRecord& s) {
                           OrderedJson shard{{"file", s.file},
@@ -304,8 +322,16 @@ std::string SampleRecord::xxh3Of(const std::string& member) const {
   return place < xxh3.size() ? xxh3[place] : std::string();
 }
 
+const SequenceRecord* Manifest::sequenceOf(const std::string& key) const {
+  const std::string own = partsOfKey(key).sequence;
+  const auto found =
+      std::find_if(sequences.begin(), sequences.end(), [&](const SequenceRecord& s) { return s.name == own; });
+  return found == sequences.end() ? nullptr : &*found;
+}
+
 std::string memberSuffix(const ScanRecord& scan, std::string_view formatSuffix) {
-  return lowerCase(fmt::format("{}.{}.{}", scan.sensor, scan.method, formatSuffix));
+  const std::string revolution = scan.revolution == 0 ? "" : fmt::format(".{}", scan.revolution);
+  return lowerCase(fmt::format("{}{}.{}.{}", scan.sensor, revolution, scan.method, formatSuffix));
 }
 
 }  // namespace scanmill

@@ -34,14 +34,14 @@ std::shared_ptr<const ListedBeams> listedOf(const JsonNode& node, std::size_t be
 }
 
 SensorRecord sensorOf(const JsonNode& node) {
-  node.keys({"name", "model", "source", "vehicle_from_sensor", "rings", "columns", "period", "clockwise", "top_down",
-             "min_range", "max_range", "first_azimuth", "field", "origin_offset", "origin_height", "elevation",
-             "azimuth_offset", "firing_offset"},
-            {"origin_left", "origin_up", "beams", "rosette", "sweep", "intensity_full_scale"});
+  node.keys(
+      {"name", "model", "source", "rings", "columns", "period", "clockwise", "top_down", "min_range", "max_range",
+       "first_azimuth", "field", "origin_offset", "origin_height", "elevation", "azimuth_offset", "firing_offset"},
+      {"vehicle_from_sensor", "origin_left", "origin_up", "beams", "rosette", "sweep", "intensity_full_scale"});
   SensorRecord sensor;
   sensor.name = node["name"].text();
   if (sensor.name != oneLine(sensor.name)) node["name"].fail("has control characters");
-  sensor.vehicleFromSensor = poseOf(node["vehicle_from_sensor"]);
+  if (node.has("vehicle_from_sensor")) sensor.vehicleFromSensor = poseOf(node["vehicle_from_sensor"]);
   BeamTable& b = sensor.beams;
   b.model = node["model"].text();
   b.source = node["source"].text();
@@ -112,18 +112,22 @@ std::map<std::uint16_t, ObjectCount> objectCountsOf(const JsonNode& node, const 
 
 ScanRecord scanOf(const JsonNode& node, const Manifest& manifest) {
   node.keys({"sensor", "method", "time", "world_from_sensor", "beams", "points", "instances", "points_per_class"},
-            {"unresolved", "reasons", "vehicle_from_sensor"});
+            {"unresolved", "reasons", "vehicle_from_sensor", "revolution"});
   ScanRecord scan;
   scan.sensor = node["sensor"].text();
-  if (std::none_of(manifest.sensors.begin(), manifest.sensors.end(),
-                   [&](const SensorRecord& sensor) { return sensor.name == scan.sensor; })) {
-    node["sensor"].fail(fmt::format("no sensor is named '{}'", scan.sensor));
-  }
+  if (node.has("revolution")) scan.revolution = node["revolution"].integer<std::uint32_t>();
+  const auto sensor = std::find_if(manifest.sensors.begin(), manifest.sensors.end(),
+                                   [&](const SensorRecord& known) { return known.name == scan.sensor; });
+  if (sensor == manifest.sensors.end()) node["sensor"].fail(fmt::format("no sensor is named '{}'", scan.sensor));
   scan.method = node["method"].text();
   scan.time = node["time"].number();
   node["world_from_sensor"].forEach([&](const JsonNode& pose) { scan.worldFromSensor.push_back(poseOf(pose)); });
   if (scan.worldFromSensor.empty()) node["world_from_sensor"].fail("has no pose");
-  if (node.has("vehicle_from_sensor")) scan.vehicleFromSensor = poseOf(node["vehicle_from_sensor"]);
+  if (node.has("vehicle_from_sensor")) {
+    scan.vehicleFromSensor = poseOf(node["vehicle_from_sensor"]);
+  } else if (!sensor->vehicleFromSensor) {
+    node.fail("key 'vehicle_from_sensor' is missing, as in the scan's sensor");
+  }
   scan.beams = node["beams"].integer<std::uint64_t>();
   scan.points = node["points"].integer<std::uint64_t>();
   if (node.has("unresolved")) scan.unresolved = node["unresolved"].integer<std::uint64_t>(1, scan.beams);
@@ -161,6 +165,19 @@ ShardRecord shardOf(const JsonNode& node) {
   return shard;
 }
 
+SequenceRecord sequenceOf(const JsonNode& node) {
+  node.keys({"name", "scene", "seed", "trajectory", "moving"}, {"scene_file", "vehicle"});
+  SequenceRecord sequence;
+  sequence.name = node["name"].text();
+  sequence.scene = node["scene"].text();
+  sequence.seed = node["seed"].integer<std::uint64_t>();
+  sequence.trajectory = node["trajectory"].text();
+  sequence.moving = node["moving"].boolean();
+  if (node.has("scene_file")) sequence.sceneFile = node["scene_file"].text();
+  if (node.has("vehicle")) sequence.vehicle = node["vehicle"].text();
+  return sequence;
+}
+
 }  // namespace
 
 SampleRecord sampleOf(const JsonNode& node, const Manifest& manifest) {
@@ -188,13 +205,7 @@ SampleRecord sampleOf(const JsonNode& node, const Manifest& manifest) {
     sample.members.push_back(std::move(member));
   });
   if (node.has("xxh3")) {
-    node["xxh3"].forEach([&](const JsonNode& item) {
-      sample.xxh3.push_back(item.text());
-      if (sample.xxh3.back().size() != 16 ||
-          sample.xxh3.back().find_first_not_of("0123456789abcdef") != std::string::npos) {
-        item.fail("is not an XXH3 (16 hexadecimal digits in lower case)");
-      }
-    });
+    node["xxh3"].forEach([&](const JsonNode& item) { sample.xxh3.push_back(item.xxh3()); });
     if (sample.xxh3.size() != sample.members.size()) {
       node["xxh3"].fail(fmt::format("has {} entries for {} members", sample.xxh3.size(), sample.members.size()));
     }
@@ -203,7 +214,8 @@ SampleRecord sampleOf(const JsonNode& node, const Manifest& manifest) {
   if (node.has("objects")) sample.objects = objectCountsOf(node["objects"], manifest.ontology);
   if (node.has("draws")) {
     node["draws"].forEachEntry([&](const std::string& key, const JsonNode& value) {
-      sample.draws.push_back({key, value.text()});
+      sample.draws.push_back(value.isText() ? DrawnValue{key, value.text()}
+                                            : DrawnValue{key, value.numberText(), true});
     });
   }
   return sample;
@@ -228,7 +240,9 @@ void checkVersion(const JsonNode& root, const Json& json, const std::string& fil
 Manifest manifestOf(const JsonNode& root) {
   root.keys({"schema_version", "program", "name", "seed", "pipeline", "units", "frames", "scans", "formats", "ontology",
              "sensors", "modelled", "shards", "samples"},
-            {"about", "plan_sha256", "method_choice", "digest", "stages"});
+            {"sequences", "files", "about", "plan_sha256", "method_choice", "digest", "stages"});
+  const bool old = root["schema_version"].integer<int>() < 3;
+  if (!old) root.expectKeys({"sequences", "files"});
   Manifest m;
   m.programVersion = root["program"].keys({"name", "version"})["version"].text();
   m.name = root["name"].text();
@@ -263,7 +277,16 @@ Manifest manifestOf(const JsonNode& root) {
   });
   m.ontology = ontologyOf(root["ontology"]);
   root["sensors"].forEach([&](const JsonNode& item) { m.sensors.push_back(sensorOf(item)); });
-  m.modelled = root["modelled"].texts();
+  if (root.has("sequences")) {
+    root["sequences"].forEach([&](const JsonNode& item) { m.sequences.push_back(sequenceOf(item)); });
+  }
+  if (root.has("files")) {
+    root["files"].forEach([&](const JsonNode& item) {
+      item.keys({"file", "xxh3"});
+      m.files.push_back({item["file"].text(), item["xxh3"].xxh3()});
+    });
+  }
+  m.modelled = modelledOf(root["modelled"], old);
   if (root.has("method_choice")) m.chosen = choiceOf(root["method_choice"]);
   // Only manifests of earlier versions have the key `stages` with times, which differ between machines.
   if (root.has("stages")) root["stages"].forEachEntry([](const std::string&, const JsonNode& time) { time.number(0); });

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <set>
 
 #include "base/append_new.h"
 #include "base/error.h"
@@ -63,15 +64,40 @@ DatasetPart parsePart(const std::string& text, const std::string& file) {
   return part;
 }
 
-Manifest joinParts(const DatasetPlan& plan, std::vector<DatasetPart> parts) {
+namespace {
+
+// Removes the names of scenes from items that are about all scenes of the dataset.
+void nameScenesOfSome(std::vector<ModelledItem>& items) {
+  std::vector<std::string> all;
+  for (const ModelledItem& item : items) appendNew(item.scenes, all);
+  for (ModelledItem& item : items) {
+    if (item.scenes.size() == all.size()) item.scenes.clear();
+  }
+}
+
+}  // namespace
+
+Manifest joinParts(const DatasetPlan& plan, std::vector<DatasetPart> parts, bool anyFiles) {
   if (parts.empty()) throw Error("a dataset must have at least one shard");
   Manifest whole = parts.front().manifest;
   whole.shards.clear();
+  whole.sequences.clear();
+  std::set<std::string> sequences;  // names
   whole.samples.assign(plan.samples, {});
   for (std::size_t shard = 0; shard < parts.size(); ++shard) {
     Manifest& part = parts[shard].manifest;
     whole.shards.push_back(part.shards[0]);
-    appendNew(part.modelled, whole.modelled);
+    for (const SequenceRecord& sequence : part.sequences) {
+      if (sequences.insert(sequence.name).second) whole.sequences.push_back(sequence);
+    }
+    addItems(part.modelled, whole.modelled);
+    const std::string changed = addFiles(part.files, whole.files);
+    if (!changed.empty() && !anyFiles) {
+      throw Error(
+          fmt::format("{} changed while the dataset was made, so that its shards are of different scenes: start "
+                      "again with `generate --overwrite`, or complete it by `generate --resume=anyway`",
+                      changed));
+    }
     for (std::size_t i = 0; i < part.samples.size(); ++i) {
       const std::uint64_t number = parts[shard].numbers[i];
       if (number >= plan.samples) {
@@ -90,6 +116,7 @@ Manifest joinParts(const DatasetPlan& plan, std::vector<DatasetPart> parts) {
   for (std::size_t i = 0; i < whole.samples.size(); ++i) {
     if (whole.samples[i].key.empty()) throw Error(fmt::format("sample {} of {} is in no shard", i, plan.samples));
   }
+  nameScenesOfSome(whole.modelled);
   return whole;
 }
 

@@ -98,7 +98,7 @@ std::string indexJson(const Recording& r) {
                          {"sensors", std::move(sensors)},
                          {"sequences", std::move(sequences)},
                          {"materials", std::move(tables)},
-                         {"modelled", r.modelled}};
+                         {"modelled", modelledJson(r.modelled)}};
   return layOut(json) + "\n";
 }
 
@@ -252,7 +252,7 @@ Recording readRecording(const fs::path& folder, RecordingKind kind) {
   r.method =
       root.has("method") ? root["method"].text() : std::string(firstMethodThat(&MethodCapabilities::passes).name);
   if (root.has("ontology")) r.ontology = ontologyOf(root["ontology"]);
-  if (root.has("modelled")) r.modelled = root["modelled"].texts();
+  if (root.has("modelled")) r.modelled = modelledOf(root["modelled"], true);
   if (root.has("materials")) {
     root["materials"].forEach([&](const JsonNode& list) {
       r.materials.emplace_back();

@@ -23,6 +23,7 @@
 #include <vector>
 
 #include "base/vec.h"
+#include "scan/modelled_item.h"
 #include "scene/material.h"
 #include "scene/ontology.h"
 #include "sensors/beams.h"
@@ -81,7 +82,7 @@ struct Recording {
   std::vector<RecordedSensor> sensors;
   std::vector<RecordedSequence> sequences;
   std::vector<std::vector<Material>> materials;  // tables of materials, each indexed by Hits::material
-  std::vector<std::string> modelled;
+  std::vector<ModelledItem> modelled;
 
   // Reads the JSON file of a shot. `sample`: a key such as "street-s1-lane-000012". Throws InputError.
   RecordedShot shot(const std::string& sample, const std::string& sensor) const;

@@ -86,7 +86,8 @@ class Dataset(Sequence["Sample"]):
 
     @cached_property
     def sensors(self) -> dict[str, dict[str, Any]]:
-        """The manifest's description of each sensor (lengths in m, angles in rad), by name. Without a manifest: the
+        """The manifest's description of each sensor (lengths in m, angles in rad), by name. If its mount
+        `vehicle_from_sensor` is random, it is in each of `sample.record["scans"]` instead. Without a manifest: the
         names of the sensors in the first sample, with empty descriptions."""
         if self.manifest is not None:
             return {sensor["name"]: sensor for sensor in self.manifest["sensors"]}
@@ -248,7 +249,16 @@ class Sample:
     @cached_property
     def sensors(self) -> list[str]:
         """The names of the sensors that have a scan in this sample."""
-        return list(dict.fromkeys(sensor for sensor, _ in self.dataset.store.scans(self._number)))
+        return list(dict.fromkeys(sensor for sensor, _, _ in self.dataset.store.scans(self._number)))
+
+    def revolutions(self, sensor: str | None = None) -> int:
+        """Returns how many revolutions of a sensor (None: the first sensor) the sample has: several if others turn more
+        slowly. Raises InputError for an unknown sensor."""
+        name = _sensor_name(sensor) or self.sensors[0]
+        own = [r for other, _, r in self.dataset.store.scans(self._number) if other.lower() == name.lower()]
+        if not own:
+            raise InputError(f"the sample '{self.key}' has no sensor '{name}'{advice(name, self.sensors)}")
+        return 1 + max(own)
 
     @property
     def poses(self) -> dict[str, NDArray[np.float64]]:
@@ -257,18 +267,20 @@ class Sample:
         scans = [] if self.record is None else self.record["scans"]
         return {scan["sensor"]: _poses_of(scan) for scan in reversed(scans)}
 
-    def scan(self, sensor: str | None = None, columns: Sequence[str] | None = None) -> Scan:
+    def scan(self, sensor: str | None = None, columns: Sequence[str] | None = None, revolution: int = 0) -> Scan:
         """Reads the scan of a sensor (None: the first sensor). `columns`: names of the columns to read; None: all
-        columns.
+        columns. `revolution`: which one of a sensor that has several, see revolutions().
 
-        Raises InputError for an unknown sensor or column, and if the scan's bytes are damaged: if they are not those
-        that the manifest states the digest of or, without a manifest, if they cannot be decoded.
+        Raises InputError for an unknown sensor, column or revolution, and if the scan's bytes are damaged: if they are
+        not those that the manifest states the digest of or, without a manifest, if they cannot be decoded.
         """
         wanted = None if columns is None else names_in("columns", columns)
-        arrays = self.dataset.store.read(self._number, _sensor_name(sensor), wanted)
+        if not isinstance(revolution, int) or not 0 <= revolution < 256:
+            raise InputError(f"revolution must be a whole number from 0 to 255, not {revolution!r}")
+        arrays = self.dataset.store.read(self._number, _sensor_name(sensor), wanted, revolution)
         scans = self.dataset.store.scans(self._number)
-        name, method = next((s for s in scans if s[0].lower() == (sensor or scans[0][0]).lower()), scans[0])
-        record = self._record_of(name, method)
+        name, method, _ = next((s for s in scans if s[0].lower() == (sensor or scans[0][0]).lower()), scans[0])
+        record = self._record_of(name, method, revolution)
         if record is None:
             return Scan(arrays, sensor=name, method=method)
         poses = _poses_of(record)
@@ -319,9 +331,10 @@ class Sample:
     def __repr__(self) -> str:
         return f"<Sample {self.key}>"
 
-    def _record_of(self, sensor: str, method: str) -> dict[str, Any] | None:
+    def _record_of(self, sensor: str, method: str, revolution: int) -> dict[str, Any] | None:
         scans = [] if self.record is None else self.record["scans"]
-        return next((s for s in scans if s["sensor"] == sensor and s["method"] == method), None)
+        wanted = (sensor, method, revolution)
+        return next((s for s in scans if (s["sensor"], s["method"], s.get("revolution", 0)) == wanted), None)
 
 
 def _sensor_name(sensor: str | None) -> str:

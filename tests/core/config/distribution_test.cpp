@@ -125,16 +125,20 @@ TEST(Distribution, KeysAreToldAsOverridesNameThem) {
   const Value file = parseYaml(
       "objects:\n"
       "  - {town: {length: {uniform: [200, 400]}, slope: 1}}\n"
-      "  - {position: [0, {normal: [3, 1]}, 2], color: {choice: [{tone: {choice: [red]}}]}}\n",
+      "  - {position: [0, {normal: [3, 1]}, 2], color: {choice: [{at: [1, {choice: [0.5]}], tone: {choice: "
+      "[red]}}]}}\n",
       "x.yaml");
   EXPECT_TRUE(holdsDistribution(file));
   Value written = withDraws(file, "", {.seed = 7}, draws);
   EXPECT_FALSE(holdsDistribution(written));
-  ASSERT_EQ(draws.size(), 3U);
+  ASSERT_EQ(draws.size(), 5U);
   EXPECT_EQ(draws[0].key, "objects.0.town.length");
   EXPECT_EQ(draws[1].key, "objects.1.position.1");
-  EXPECT_EQ(draws[2], (DrawnValue{"objects.1.color", "{tone: red}"}));
+  EXPECT_EQ(draws[2], (DrawnValue{"objects.1.color.at.0", "1", true}));
+  EXPECT_EQ(draws[3], (DrawnValue{"objects.1.color.at.1", "0.5", true}));
+  EXPECT_EQ(draws[4], (DrawnValue{"objects.1.color.tone", "red"}));
   Value set = file;
+  setValue(set, "objects.1.color={at: [0, 0]}");  // in place of the distribution, whose values follow
   for (const DrawnValue& d : draws) setValue(set, d.key + "=" + d.value);
   EXPECT_EQ(flowText(set), flowText(written));
 }

@@ -137,6 +137,18 @@ TEST_F(Resources, WhatIsAbsentIsNamedWithPlaceAndTheNearestName) {
   EXPECT_THAT(messageOf([&] { found("own", "labels"); }), HasSubstr("project/own'"));
 }
 
+// The program's own files are stored by their names in it, other files by their way from the pipeline's folder.
+TEST(SavedPath, NamesTheSameFileOnEveryMachine) {
+  const std::filesystem::path own = resourceFolder() / "scenes/street.yaml";
+  EXPECT_EQ(savedPath(own, "/home/a/project"), "scanmill:scenes/street.yaml");
+  EXPECT_EQ(fileOfSavedPath("scanmill:scenes/street.yaml", "/home/b"), own);
+  EXPECT_EQ(savedPath("/home/a/assets/../meshes/car.obj", "/home/a/project/"), "../meshes/car.obj");
+  EXPECT_EQ(fileOfSavedPath("../meshes/car.obj", "/home/b/project"), "/home/b/meshes/car.obj");
+  const std::string here = savedPath(std::filesystem::temp_directory_path() / "a.obj", "");
+  EXPECT_TRUE(
+      std::filesystem::equivalent(std::filesystem::path(here).parent_path(), std::filesystem::temp_directory_path()));
+}
+
 TEST(FileKind, FilesInTheWrongPlaceAreCalledByTheirName) {
   const std::pair<const char*, const char*> cases[] = {{"objects: []", "name it under `scenes:` of a pipeline"},
                                                        {"elevation_deg: [1]", "this is a sensor"},

@@ -54,8 +54,21 @@ TEST(Card, CountsAreThoseOfTheManifest) {
   EXPECT_THAT(splits[0], testing::ElementsAre("train", "1", "1"));
   EXPECT_EQ(tableIn(card, "| sensor | model |").size(), m.sensors.size());
   EXPECT_EQ(tableIn(card, "| column | unit |").size() + 3, m.columns.size());  // x, y, z
-  for (const std::string& line : m.modelled) EXPECT_THAT(card, HasSubstr(line));
+  for (const ModelledItem& item : m.modelled) EXPECT_THAT(card, HasSubstr(lineOf(item)));
   EXPECT_THAT(card, AllOf(HasSubstr(m.pipelineText), HasSubstr("License: CC-BY-4.0"), HasSubstr("Creator: Somebody")));
+}
+
+// A random mount is stated by its ends over all scans, not by that of one sequence.
+TEST(Card, RandomMountsAreIntervals) {
+  Manifest m = filledManifest();
+  m.sensors[0].vehicleFromSensor.reset();
+  for (std::size_t i = 0; i < m.samples.size(); ++i) {
+    m.samples[i].scans[0].vehicleFromSensor =
+        Pose{fromYawPitchRoll(radians(10), 0, 0), {1.5, 0, 1.6 + 0.25 * static_cast<double>(i)}};
+  }
+  const auto row = tableIn(cardText(m), "| sensor | model |").at(0);
+  EXPECT_EQ(row.at(5), "1.5, 0, 1.6 to 1.85");
+  EXPECT_EQ(row.at(6), "10, 0, 0");
 }
 
 TEST(Card, TextOfOthersStaysText) {

@@ -221,8 +221,8 @@ TEST(DatasetFolder, OneProcessAtATimeWritesIntoIt) {
   }
   char letter = 0;
   ASSERT_EQ(::read(ready[0], &letter, 1), 1);
-  for (const FolderUse each : {FolderUse::Replace, FolderUse::Resume}) {
-    EXPECT_THAT(refusal(data, each),
+  for (const FolderUse each : {FolderUse::New, FolderUse::Replace, FolderUse::Resume}) {
+    EXPECT_THAT(messageOf<InputError>([&] { DatasetFolder::check(data, each); }),
                 AllOf(HasSubstr("is being written by process " + std::to_string(child)), HasSubstr("since")));
   }
   ::kill(child, SIGKILL);
@@ -283,7 +283,7 @@ TEST(DatasetFolder, DescriptionsOfManySamplesLieBesideTheShards) {
     opened.publish(manifest, 1000);
   }
   const std::string text = readFile(folder.path() / "manifest.json");
-  EXPECT_THAT(text, AllOf(HasSubstr("\"schema_version\": 2"), testing::Not(HasSubstr("world_from_sensor\": ["))));
+  EXPECT_THAT(text, AllOf(HasSubstr("\"schema_version\": 3"), testing::Not(HasSubstr("world_from_sensor\": ["))));
   EXPECT_TRUE(fs::exists(folder.path() / "train/train-000000.json"));
   Manifest read = readManifest(folder.path());
   for (ShardRecord& shard : read.shards) {

@@ -64,8 +64,11 @@ inline Manifest testManifest() {
                  {7, "road", {128, 64, 128}, false, {"street", "lane"}},
                  {65535, "car", {0, 0, 255}, true, {}}}};
   const Pose mount{fromYawPitchRoll(0.3, 0.1, -0.2), {1.2, 0, 1.9}};
-  m.sensors = {{"top", testBeams(4, 16), mount}, {"Rear", testBeams(1, 8), {}}};
-  m.modelled = {"modelled: range, class", "left out: glass (no material of the scene is transparent)"};
+  m.sensors = {{"top", testBeams(4, 16), mount}, {"Rear", testBeams(1, 8), Pose{}}};
+  m.sequences = {{"street-1-drive", "street", "scenes/street.yaml", 1, "drive", true, "scanmill:scenes/vehicle.yaml"}};
+  m.files = {{"scenes/street.yaml", xxh3("objects: []")}, {"scenes/wall.obj", xxh3("v 0 0 0")}};
+  m.modelled = {{"effect speckle", "random echoes", false, "top", "{looks: 3}"},
+                {"glass", "no material of the scene is transparent", true, "", "", {"street-s1"}}};
   return m;
 }
 
@@ -114,7 +117,7 @@ inline ScanRecord testRecord(const SensorRecord& sensor, const Scan& scan, doubl
   record.sensor = sensor.name;
   record.method = "ray_tracing";
   record.time = time;
-  record.worldFromSensor = {sensor.vehicleFromSensor,
+  record.worldFromSensor = {sensor.vehicleFromSensor.value(),
                             {fromYawPitchRoll(1.0 / 3, 0, 0), {4e5 + 1.0 / 3, 5e6 + time, 0.1}}};
   record.worldFromSensor[1].translation = record.worldFromSensor[0].translation + Vec3d{1.0 / 3, 0, 0};
   record.beams = sensor.beams.size();

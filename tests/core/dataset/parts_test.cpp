@@ -25,7 +25,7 @@ DatasetPart part(const std::string& file, const std::vector<std::uint64_t>& numb
                                      {},
                                      {"k-" + std::to_string(number) + ".json"}});
   }
-  made.manifest.modelled.push_back("in " + file);
+  made.manifest.modelled = {{"in", file, false, "", "", {file}}, {"of", "all scenes", false, "", "", {file}}};
   return made;
 }
 
@@ -75,8 +75,19 @@ TEST(DatasetParts, AreJoinedInTheOrderOfThePlan) {
   EXPECT_THAT(keys, ElementsAre("k-0", "k-1", "k-2", "k-3", "k-4"));
   EXPECT_THAT(shards, ElementsAre(0, 2, 2, 1, 0));
   ASSERT_EQ(whole.shards.size(), 3u);
-  EXPECT_THAT(std::vector(whole.modelled.end() - 3, whole.modelled.end()),
-              ElementsAre("in train/train-000000.tar", "in train/train-000001.tar", "in val/val-000000.tar"));
+  std::vector<std::vector<std::string>> scenes;
+  for (const ModelledItem& item : whole.modelled) scenes.push_back(item.scenes);
+  EXPECT_THAT(scenes, ElementsAre(ElementsAre("train/train-000000.tar"), testing::IsEmpty(),
+                                  ElementsAre("train/train-000001.tar"), ElementsAre("val/val-000000.tar")));
+}
+
+// Parts that were made of different bytes of a file are no dataset, unless this is asked for.
+TEST(DatasetParts, OtherVersionsOfAFileAreRefused) {
+  std::vector<DatasetPart> parts = allParts();
+  parts[1].manifest.files[1].xxh3 = xxh3("v 1 0 0");
+  EXPECT_THAT(messageOf<Error>([&] { return joinParts(kPlan, parts); }),
+              testing::AllOf(HasSubstr("scenes/wall.obj changed"), HasSubstr("--resume=anyway")));
+  EXPECT_EQ(joinParts(kPlan, parts, true).files.size(), testManifest().files.size() + 1);
 }
 
 TEST(DatasetParts, GapsAndDoublesAreRefused) {

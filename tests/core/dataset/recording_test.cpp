@@ -22,7 +22,7 @@ Recording example() {
   shiny.metallic = 1;
   shiny.retroreflectance = 0.25f;
   r.materials = {{shiny}, {Material{}, shiny}};
-  r.modelled = {"geometry: as the camera sees it"};
+  r.modelled = {{"geometry", "as the camera sees it"}};
   return r;
 }
 

@@ -56,8 +56,8 @@ class ExportWorld : public testing::Test {
     beams.minRange = 0.5;
     beams.maxRange = 100;
     plan_.manifest.columns = {"x", "y", "z", "intensity", "label", "instance", "ring", "column", "time", "range_true"};
-    plan_.manifest.sensors = {{"top", beams, {fromYawPitchRoll(0.1, 0, 0), {1.2, 0, 1.9}}},
-                              {"rear", beams, {fromYawPitchRoll(kPi, 0, 0), {-2, 0, 1}}}};
+    plan_.manifest.sensors = {{"top", beams, Pose{fromYawPitchRoll(0.1, 0, 0), {1.2, 0, 1.9}}},
+                              {"rear", beams, Pose{fromYawPitchRoll(kPi, 0, 0), {-2, 0, 1}}}};
     plan_.manifest.samples.clear();
     plan_.sequences.clear();
     for (const char* name : {"street-s1-lane", "street-s2-lane"}) {
@@ -72,7 +72,7 @@ class ExportWorld : public testing::Test {
           scan.method = "ray_tracing";
           scan.time = 0.1 * frame;
           scan.beams = beams.size();
-          scan.worldFromSensor = {vehicle(frame) * sensor.vehicleFromSensor};
+          scan.worldFromSensor = {vehicle(frame) * *sensor.vehicleFromSensor};
           sample.scans.push_back(scan);
         }
         sequence.samples.push_back(plan_.manifest.samples.size());
@@ -137,7 +137,7 @@ class ExportWorld : public testing::Test {
         view.sensor = sensor->name;
         view.time = all.time;
         view.sensorFromBox =
-            inverse(vehicle(static_cast<int>(frame)) * sensor->vehicleFromSensor) * object.worldFromBox;
+            inverse(vehicle(static_cast<int>(frame)) * *sensor->vehicleFromSensor) * object.worldFromBox;
         view.points = car ? 72 : 60;
         view.beams = car ? 72 : 60;
         view.beamsAlone = 100;
@@ -156,7 +156,9 @@ class ExportWorld : public testing::Test {
     sample.frame = frame;
     for (std::size_t s = 0; s < plan_.sensors.size(); ++s) {
       const auto number = static_cast<std::size_t>(plan_.sensors[s] - plan_.manifest.sensors.data());
-      sample.scans.push_back({&sample.record->scans[number], plan_.sensors[s], s, scan(number, frame, organised)});
+      for (const ScanRecord* record : revolutionsOf(plan_, *sample.record, s)) {
+        sample.scans.push_back({record, plan_.sensors[s], s, scan(number, frame, organised)});
+      }
     }
     if (withObjects_) sample.objects = objects(sequence, frame);
     return sample;

@@ -72,7 +72,7 @@ TEST_F(KittiLayout, AllLidarsShareTheCameraAndTheLabels) {
   });
   EXPECT_EQ(readFile(folder_.path() / "training/label_2/000001.txt"), both);
   const std::vector<SensorRecord>& sensors = plan_.manifest.sensors;
-  const auto rows = matrixRows(inverse(sensors[0].vehicleFromSensor) * sensors[1].vehicleFromSensor);
+  const auto rows = matrixRows(inverse(*sensors[0].vehicleFromSensor) * *sensors[1].vehicleFromSensor);
   python(fmt::format("wanted = np.array([{}]).reshape(3, 4)\n", fmt::join(rows, ", ")) + R"(
 tr = {}
 for line in (folder / 'training/calib/000001.txt').read_text().splitlines():

@@ -102,7 +102,7 @@ TEST_F(LasLayout, PointsStandInTheWorldWithAllTheirColumns) {
   write(*layout_);
   const Scan own = scan(1, 1);
   std::vector<Vec3d> places;
-  for (const Vec3f& p : own.position) places.push_back(vehicle(1) * plan_.sensors[1]->vehicleFromSensor * Vec3d(p));
+  for (const Vec3f& p : own.position) places.push_back(vehicle(1) * *plan_.sensors[1]->vehicleFromSensor * Vec3d(p));
   expect(places);
   python(kReader + R"(
 las = Las(folder / 'val/street-s2-lane-000001.rear.las')

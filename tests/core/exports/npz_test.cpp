@@ -40,7 +40,7 @@ assert len(set(zip(npz['instance'], npz['label']))) == 3
 TEST_F(NpzLayout, PosesAndBoxesAreInOneFrame) {
   useBothSensors();
   write(*layout_);
-  const Pose pose = vehicle(1) * plan_.sensors[1]->vehicleFromSensor;
+  const Pose pose = vehicle(1) * *plan_.sensors[1]->vehicleFromSensor;
   const SampleObjects all = objects(0, 1);
   python("pose = " + numbers(pose * Vec3d{3, 4, 5}) + "\ncar = " + numbers(all.objects[0].worldFromBox.translation) +
          "\nahead = " + numbers(all.objects[0].worldFromBox * Vec3d{1, 0, 0}) + R"(

@@ -68,7 +68,7 @@ TEST_F(SemanticKittiLayout, PointsFollowOneAnotherAsInKittisFiles) {
 TEST_F(SemanticKittiLayout, PosesAreTheSensorsOwn) {
   write(*layout_);
   const Pose moved =
-      inverse(vehicle(0) * plan_.sensors[0]->vehicleFromSensor) * vehicle(1) * plan_.sensors[0]->vehicleFromSensor;
+      inverse(vehicle(0) * *plan_.sensors[0]->vehicleFromSensor) * vehicle(1) * *plan_.sensors[0]->vehicleFromSensor;
   const Mat3 r = toMatrix(moved.rotation);
   const Vec3d& t = moved.translation;
   python(fmt::format(R"(

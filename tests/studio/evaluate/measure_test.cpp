@@ -56,7 +56,7 @@ class Counting : public Method {
     rays_->trace(shot, channels, hits);
     return {{{"fly", channels.has(Channel::Incidence) ? 5 : 0.5}}, {{shot.sensorName, 0, 1, "slow"}}};
   }
-  std::vector<std::string> modelled() const override { return {}; }
+  std::vector<ModelledItem> modelled() const override { return {}; }
   std::uint64_t memoryBytes() const override { return bytes_; }
 
  private:

@@ -176,40 +176,42 @@ class DepthCameraMethod : public DepthCamera {
     return account(clock, shot, unseen);
   }
 
-  std::vector<std::string> modelled() const override {
+  std::vector<ModelledItem> modelled() const override {
     const std::uint32_t s = options_.sample.antialiasing;
-    std::vector<std::string> lines;
+    std::vector<ModelledItem> items;
     if (makeRenderer_) {
-      lines.push_back(fmt::format(
-          "images: layout {}, resolution {}, drawn by {}{}; moving sensors: {} per revolution", options_.layoutName,
-          options_.layout.resolution, options_.renderer, s > 1 ? fmt::format(", {} x {} subpixels", s, s) : "",
-          options_.rendersPerRevolution > 0 ? fmt::format("{} renders", options_.rendersPerRevolution)
-                                            : std::string("one render for every 5 cm or degree of motion")));
-      if (options_.renderer == "blender") lines.push_back("Blender: " + whereBlenderIs());
+      items.push_back(
+          {"images", fmt::format("layout {}, resolution {}, drawn by {}{}; moving sensors: {} per revolution",
+                                 options_.layoutName, options_.layout.resolution, options_.renderer,
+                                 s > 1 ? fmt::format(", {} x {} subpixels", s, s) : "",
+                                 options_.rendersPerRevolution > 0
+                                     ? fmt::format("{} renders", options_.rendersPerRevolution)
+                                     : std::string("one render for every 5 cm or degree of motion"))});
+      if (options_.renderer == "blender") items.push_back({"Blender", whereBlenderIs()});
     } else {
-      lines.emplace_back("images: passes from files");
+      items.push_back({"images", "passes from files"});
     }
-    lines.push_back(
-        fmt::format("geometry: one hit per ray, sampling {}, depth {}{}", options_.samplingName, options_.depthName,
-                    options_.sample.sampling == Sampling::Plane ? ": exact on flat surfaces, edges to within a pixel"
-                                                                : ": to within a pixel"));
-    lines.push_back(fmt::format("surfaces nearer to a camera's plane than {:g} m: left out, beams pass through them",
-                                options_.sample.nearest));
+    items.push_back(
+        {"geometry",
+         fmt::format("one hit per ray, sampling {}, depth {}{}", options_.samplingName, options_.depthName,
+                     options_.sample.sampling == Sampling::Plane ? ": exact on flat surfaces, edges to within a pixel"
+                                                                 : ": to within a pixel")});
+    items.push_back({fmt::format("surfaces nearer to a camera's plane than {:g} m", options_.sample.nearest),
+                     "beams pass through them", true});
     if (scene_ != nullptr) {
       const auto any = [&](auto has) { return std::any_of(scene_->materials.begin(), scene_->materials.end(), has); };
-      lines.emplace_back(any([](const Material& m) { return m.alphaTested; })
-                             ? "alpha cut-outs: modelled, some materials have them"
-                             : "alpha cut-outs: left out, no material has one");
-      lines.emplace_back(any([](const Material& m) { return m.textured && m.texture != nullptr; })
-                             ? "reflectance textures: modelled, at the pixel's centre"
-                             : "reflectance textures: left out, no material has one");
+      const bool alpha = any([](const Material& m) { return m.alphaTested; });
+      const bool textured = any([](const Material& m) { return m.textured && m.texture != nullptr; });
+      items.push_back({"alpha cut-outs", alpha ? "modelled, some materials have them" : "no material has one", !alpha});
+      items.push_back(
+          {"reflectance textures", textured ? "modelled, at the pixel's centre" : "no material has one", !textured});
     }
     {
       const std::scoped_lock lock(rendererMutex_);
-      if (renderer_) lines.push_back("images were drawn by " + renderer_->device());
+      if (renderer_) items.push_back({"images were drawn by", renderer_->device()});
     }
-    lines.emplace_back("transmission through glass, mirror images, motion of objects: left out");
-    return lines;
+    items.push_back({"transmission through glass, mirror images, motion of objects", "", true});
+    return items;
   }
 
   std::uint64_t memoryBytes() const override {

@@ -18,6 +18,7 @@
 #include "methods/interface/trace_account.h"
 #include "scan/channels.h"
 #include "scan/hits.h"
+#include "scan/modelled_item.h"
 #include "scene/scene.h"
 #include "sensors/shot.h"
 
@@ -37,9 +38,8 @@ class Method {
   // Fills `hits` with the requested channels; the result depends only on the shot. A hit nearer than the sensor's
   // minimum range or farther than its maximum range is a miss.
   virtual TraceAccount trace(const Shot& shot, Channels channels, Hits& hits) const = 0;
-  // Returns which features of the scene the method models and which it leaves out, one line each, for `plan` and the
-  // manifest.
-  virtual std::vector<std::string> modelled() const = 0;
+  // Returns which features of the scene the method models and which it leaves out, for `plan` and the manifest.
+  virtual std::vector<ModelledItem> modelled() const = 0;
   // Returns approximately the bytes that the scene's meshes and the method's caches take, as far as they are loaded
   // now; `plan` reports the number.
   virtual std::uint64_t memoryBytes() const = 0;

@@ -77,31 +77,29 @@ class ParticleMethod : public Method {
     return account(clock, shot, counts);
   }
 
-  std::vector<std::string> modelled() const override {
+  std::vector<ModelledItem> modelled() const override {
     const auto any = [&](auto has) { return std::any_of(scene_.materials.begin(), scene_.materials.end(), has); };
     const bool triangles = options_.refine == ParticleOptions::Refine::ByTriangle;
     const bool alpha = any([](const Material& m) { return m.alphaTested; });
-    std::vector<std::string> lines;
-    lines.push_back(fieldLine());
-    lines.push_back(
-        triangles
-            ? std::string("geometry: exact triangles, from the lists of the voxels that a beam passes, one hit per ray")
-        : options_.refine == ParticleOptions::Refine::ByNormal
-            ? std::string("geometry: within half a voxel, corrected along the field's gradient, which is exact on flat "
-                          "surfaces, one hit per ray")
-            : std::string("geometry: within half a voxel of the distance field, one hit per ray"));
-    if (!triangles) lines.push_back(smallestLine());
-    lines.emplace_back(
-        !alpha ? "alpha cut-outs: left out, no material has one"
-        : triangles
-            ? "alpha cut-outs: modelled, some materials have them"
-            : "alpha cut-outs: left out, since distance fields treat them as solid (`refine: triangle` models them)");
-    lines.emplace_back(any([](const Material& m) { return m.textured && m.texture != nullptr; })
-                           ? "reflectance textures: modelled"
-                           : "reflectance textures: left out, no material has one");
-    lines.push_back(backendLine());
-    lines.emplace_back("transmission through glass, mirror images, motion of objects: left out");
-    return lines;
+    const bool textured = any([](const Material& m) { return m.textured && m.texture != nullptr; });
+    std::vector<ModelledItem> items{
+        {"distance field", fieldText()},
+        {"geometry", triangles ? "exact triangles, from the lists of the voxels that a beam passes, one hit per ray"
+                     : options_.refine == ParticleOptions::Refine::ByNormal
+                         ? "within half a voxel, corrected along the field's gradient, which is exact on flat "
+                           "surfaces, one hit per "
+                           "ray"
+                         : "within half a voxel of the distance field, one hit per ray"}};
+    if (!triangles) items.push_back({"smallest ball that every beam through its centre hits", smallestText()});
+    items.push_back({"alpha cut-outs",
+                     !alpha      ? "no material has one"
+                     : triangles ? "modelled, some materials have them"
+                                 : "since distance fields treat them as solid (`refine: triangle` models them)",
+                     !alpha || !triangles});
+    items.push_back({"reflectance textures", textured ? "modelled" : "no material has one", !textured});
+    items.push_back({"backend", backendText()});
+    items.push_back({"transmission through glass, mirror images, motion of objects", "", true});
+    return items;
   }
 
   std::uint64_t memoryBytes() const override {
@@ -185,10 +183,10 @@ class ParticleMethod : public Method {
     return counts;
   }
 
-  std::string backendLine() const {
-    if (gl_ == nullptr) return "backend: particles march on the processor";
-    return fmt::format("backend: particles march by OpenGL on {} (about {} of its memory for field and scene)",
-                       gl_->device(), memoryText(deviceBytes()));
+  std::string backendText() const {
+    if (gl_ == nullptr) return "particles march on the processor";
+    return fmt::format("particles march by OpenGL on {} (about {} of its memory for field and scene)", gl_->device(),
+                       memoryText(deviceBytes()));
   }
 
   // Returns approximately how many bytes a device needs for a field, with space for bricks that are added when the
@@ -203,9 +201,9 @@ class ParticleMethod : public Method {
 
   double fieldBytes() const { return scanmill::fieldBytes(options_, scene_.bounds()); }
 
-  std::string fieldLine() const {
+  std::string fieldText() const {
     const bool around = options_.extent == ParticleOptions::Extent::Sensor;
-    return fmt::format("distance field: {}, voxels of {:g} m{}, about {}{}",
+    return fmt::format("{}, voxels of {:g} m{}, about {}{}",
                        around ? fmt::format("levels of {} voxels across around the sensor", options_.voxels)
                               : std::string("one level for the complete scene"),
                        options_.voxel, around ? " in the finest level, twice as large in each next level" : "",
@@ -213,12 +211,12 @@ class ParticleMethod : public Method {
                        around ? fmt::format("; memory for {} fields while sensors move", fields_.fewestFields()) : "");
   }
 
-  std::string smallestLine() const {
+  std::string smallestText() const {
     const auto at = [&](double range) {
       const double size = smallestSeen(options_, range);
       return std::isinf(size) ? fmt::format("none at {:g} m", range) : fmt::format("{:.2g} m at {:g} m", size, range);
     };
-    return fmt::format("smallest ball that every beam through its centre hits: {}, {}, {}", at(10), at(30), at(100));
+    return fmt::format("{}, {}, {}", at(10), at(30), at(100));
   }
 
   TraceAccount account(const StageClock& clock, const Shot& shot, const MarchCounts& counts) const {

@@ -132,7 +132,7 @@ class RayTracing : public Method {
     return {};
   }
 
-  std::vector<std::string> modelled() const override {
+  std::vector<ModelledItem> modelled() const override {
     std::uint64_t instancedCount = 0;
     for (const Instance& i : scene_.instances) instancedCount += worlds_.instanced(i.mesh) ? 1 : 0;
     const bool alpha =
@@ -140,20 +140,23 @@ class RayTracing : public Method {
     const bool textured = std::any_of(materials_.begin(), materials_.end(),
                                       [](const CompactMaterial& m) { return m.texture != nullptr; });
     return {
-        fmt::format("geometry: {}, one hit per ray{}",
-                    simplified_ ? fmt::format("simplified meshes, {} of {} placed triangles", scene_.placedTriangles(),
-                                              original_.placedTriangles())
-                                : std::string("exact triangles"),
-                    options_.robust ? ", watertight" : ""),
-        instancedCount > 0
-            ? fmt::format("instancing: {} placed objects share meshes", instancedCount)
-            : std::string("instancing: left out, since the scene is small enough for a copy of each mesh"),
-        alpha ? "alpha cut-outs: modelled, some materials have them" : "alpha cut-outs: left out, no material has one",
-        textured ? "reflectance textures: modelled" : "reflectance textures: left out, no material has one",
-        worlds_.moves() ? "motion of objects: every beam sees them where they are when it fires; their shapes change "
-                          "only between revolutions"
-                        : "motion of objects: left out, no object moves",
-        fmt::format("rays: traced by Embree {}", worlds_.embree()),
+        {"geometry", fmt::format("{}, one hit per ray{}",
+                                 simplified_ ? fmt::format("simplified meshes, {} of {} placed triangles",
+                                                           scene_.placedTriangles(), original_.placedTriangles())
+                                             : std::string("exact triangles"),
+                                 options_.robust ? ", watertight" : "")},
+        {"instancing",
+         instancedCount > 0 ? fmt::format("{} placed objects share meshes", instancedCount)
+                            : std::string("since the scene is small enough for a copy of each mesh"),
+         instancedCount == 0},
+        {"alpha cut-outs", alpha ? "modelled, some materials have them" : "no material has one", !alpha},
+        {"reflectance textures", textured ? "modelled" : "no material has one", !textured},
+        {"motion of objects",
+         worlds_.moves()
+             ? "every beam sees them where they are when it fires; their shapes change only between revolutions"
+             : "no object moves",
+         !worlds_.moves()},
+        {"rays", fmt::format("traced by Embree {}", worlds_.embree())},
     };
   }
 

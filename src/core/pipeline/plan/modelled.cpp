@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <set>
 
@@ -31,44 +30,45 @@ std::vector<std::string> leftOutOf(const Pipeline& pipeline) {
   return names;
 }
 
-// Adds a line for each effect: separately for each sensor if the pipeline uses the effects of the sensors' files,
+// Adds an item for each effect: separately for each sensor if the pipeline uses the effects of the sensors' files,
 // otherwise once for all sensors.
-void addEffectLines(const Pipeline& pipeline, std::vector<std::string>& lines) {
+void addEffects(const Pipeline& pipeline, std::vector<ModelledItem>& items) {
   const bool own = takesSensorEffects(pipeline);
   const std::vector<std::string> leftOut = leftOutOf(pipeline);
   for (std::size_t s = 0; s < (own ? pipeline.sensors.size() : 1); ++s) {
-    const std::string of = own ? fmt::format(" of '{}'", pipeline.sensors[s].name) : "";
+    const std::string sensor = own ? pipeline.sensors[s].name : "";
     const Effects& effects = *pipeline.sensors[s].effects;
     if (effects.empty() && pipeline.drawn == nullptr) {
-      lines.push_back(fmt::format("effects{}: none, the scans are noise-free", of));
+      items.push_back({"effects", "none, the scans are noise-free", false, sensor});
     }
     for (const ChosenEffect& effect : effects) {
-      const EffectEntry& entry = *effect.entry;
+      const std::string topic = fmt::format("effect {}", effect.entry->name);
       if (pipeline.recording != nullptr && (effect->raysPerBeam() > 1 || effect->lightPaths() != nullptr)) {
-        lines.push_back(fmt::format("effect {}{}: left out: a recording holds one ray per beam", entry.name, of));
+        items.push_back({topic, "a recording holds one ray per beam", true, sensor});
         continue;
       }
-      lines.push_back(fmt::format("effect {}{}{}{}: {}", entry.name, of, effect.options.empty() ? "" : " ",
-                                  effect.options, entry.summary));
+      items.push_back({topic, std::string(effect.entry->summary), false, sensor, effect.options});
     }
     for (const std::string& name : leftOut) {
-      lines.push_back(fmt::format("effect {}{}: left out by the pipeline", name, of));
+      items.push_back({"effect " + name, "the pipeline removes it", true, sensor});
     }
   }
   for (const MountedSensor& sensor : pipeline.sensors) {
     if (own && sensor.standIn) {
-      lines.push_back(fmt::format(
-          "effects of the sensor's file of '{}': left out, since its file has none{}", sensor.name,
-          sensor.standIn->items.empty() ? "" : "; the intensity of another sensor stands in, without noise"));
+      items.push_back(
+          {"effects of the sensor's file",
+           fmt::format("since its file has none{}", sensor.standIn->items.empty()
+                                                        ? ""
+                                                        : "; the intensity of another sensor stands in, without noise"),
+           true, sensor.name});
     }
     if (own || sensor.description.find("effects") == nullptr) continue;
-    lines.push_back(
-        fmt::format("effects in the sensor file of '{}': left out (`effects: sensor` uses them)", sensor.name));
+    items.push_back({"effects of the sensor's file", "(`effects: sensor` uses them)", true, sensor.name});
   }
 }
 
-// Adds lines about classes of the scenes that the ontology named by the pipeline lacks or merges.
-void addLabelLines(const Pipeline& pipeline, std::vector<std::string>& lines) {
+// Adds items about classes of the scenes that the ontology named by the pipeline lacks or merges.
+void addLabels(const Pipeline& pipeline, std::vector<ModelledItem>& items) {
   if (pipeline.ontology.empty() || pipeline.recording != nullptr) return;
   const Ontology own = readOntology(pipeline.ontology);
   std::set<std::string> told;
@@ -76,82 +76,102 @@ void addLabelLines(const Pipeline& pipeline, std::vector<std::string>& lines) {
     const Ontology scenes = readSceneOntology(s.sceneFile);
     if (!told.insert(scenes.name).second) continue;
     for (const std::string& line : lostBetween(scenes, own)) {
-      lines.push_back(fmt::format("labels: classes of {} replace those of {}: {}", own.name, scenes.name, line));
+      items.push_back({"labels", fmt::format("classes of {} replace those of {}: {}", own.name, scenes.name, line)});
     }
   }
 }
 
-std::string motionLine(const Pipeline& pipeline) {
-  if (pipeline.recording != nullptr) return "ego motion: as in the recording";
+ModelledItem revolutions(const Pipeline& pipeline) {
+  std::vector<std::string> counts;
+  for (const MountedSensor& sensor : pipeline.sensors) {
+    counts.push_back(fmt::format("{} of '{}'", sensor.revolutions, sensor.name));
+  }
+  return {"revolutions in a sample", fmt::format("at most {}", fmt::join(counts, ", "))};
+}
+
+ModelledItem egoMotion(const Pipeline& pipeline) {
+  constexpr const char* kTopic = "ego motion";
+  if (pipeline.recording != nullptr) return {kTopic, "as in the recording"};
   switch (pipeline.motion.kind) {
     case MotionKind::None:
-      return "ego motion: left out, one pose per revolution";
+      return {kTopic, "one pose per revolution", true};
     case MotionKind::PerColumn:
-      return "ego motion: one pose per column";
+      return {kTopic, "one pose per column"};
     case MotionKind::Steps:
       break;
   }
-  return fmt::format("ego motion: {} poses per revolution", pipeline.motion.steps);
+  return {kTopic, fmt::format("{} poses per revolution", pipeline.motion.steps)};
 }
 
-std::string voxelsLine(const Pipeline& pipeline) {
-  if (!pipeline.output.voxels)
-    return "voxels: left out (`output.voxels: true` adds labelled voxel grids around the sensors)";
+ModelledItem voxels(const Pipeline& pipeline) {
+  if (!pipeline.output.voxels) {
+    return {"voxels", "(`output.voxels: true` adds labelled voxel grids around the sensors)", true};
+  }
   const VoxelGrid& grid = *pipeline.output.voxels;
-  return fmt::format("voxels: {} x {} x {} of {:g} m around each sensor, labelled by the area of the triangles in them",
-                     grid.counts[0], grid.counts[1], grid.counts[2], grid.size);
+  return {"voxels",
+          fmt::format("{} x {} x {} of {:g} m around each sensor, labelled by the area of the triangles in them",
+                      grid.counts[0], grid.counts[1], grid.counts[2], grid.size)};
 }
 
-std::string missesLine(const ScanLayout& layout) {
-  if (layout.organised) return "misses: written as NaN";
+ModelledItem misses(const ScanLayout& layout) {
+  if (layout.organised) return {"misses", "written as NaN"};
   const bool beamKnown = layout.columns.has(kRing) && layout.columns.has(kColumn);
-  return fmt::format("misses: not written; {}",
-                     beamKnown ? "ring and column identify the beam of a point"
-                               : "name ring and column in output.columns to know the beam of a point");
+  return {"misses", fmt::format("not written; {}",
+                                beamKnown ? "ring and column identify the beam of a point"
+                                          : "name ring and column in output.columns to know the beam of a point")};
 }
 
-std::string vehicleLine(const Pipeline& pipeline, std::span<const double> blocked) {
-  if (pipeline.vehicle.empty())
-    return "own vehicle: left out (`vehicle: vehicle` puts a car of boxes under the sensors)";
+// Returns true if the beams of all sensors continue behind glass and off mirrors.
+bool followsLight(const Pipeline& pipeline) {
+  for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
+    if (pipeline.lightPaths(s) == nullptr) return false;
+  }
+  return true;
+}
+
+ModelledItem ownVehicle(const Pipeline& pipeline, std::span<const double> blocked) {
+  if (pipeline.vehicle.empty()) {
+    return {"own vehicle", "(`vehicle: vehicle` puts a car of boxes under the sensors)", true};
+  }
   std::string shares;
   for (std::size_t s = 0; s < blocked.size(); ++s) {
     const std::string of = blocked.size() > 1 ? fmt::format(" of '{}'", pipeline.sensors[s].name) : "";
     shares += s > 0 ? ", " : "";
-    shares += std::isnan(blocked[s])
-                  ? fmt::format("none{}, left out, since its beams change from revolution to revolution", of)
-                  : fmt::format("{:.1f} % of the rays{}", 100 * blocked[s], of);
+    shares += fmt::format("{:.1f} % of the rays{}", 100 * blocked[s], of);
   }
-  return fmt::format("own vehicle: {}, blocks {}{}", pipeline.vehicle.filename().string(), shares,
-                     pipeline.dropVehicle ? ", which have no return (`returns: drop`)" : "");
+  return {"own vehicle", fmt::format("{}, blocks {}{}", pipeline.vehicle.filename().string(), shares,
+                                     pipeline.dropVehicle ? ", which have no return (`returns: drop`)" : "")};
 }
 
 }  // namespace
 
-std::vector<std::string> modelled(const Plan& plan, std::span<const double> blocked) {
+std::vector<ModelledItem> modelled(const Plan& plan, std::span<const double> blocked) {
   const Pipeline& pipeline = plan.pipeline;
   const ColumnSet columns = pipeline.output.layout.columns;
-  std::vector<std::string> lines;
-  lines.push_back(fmt::format("channels: {}", fmt::join(channelNames(plan.channels), ", ")));
+  std::vector<ModelledItem> items;
+  items.push_back({"channels", fmt::format("{}", fmt::join(channelNames(plan.channels), ", "))});
   std::string left;
   for (const std::string& name : channelNames(Channels::all())) {
     const auto asked = channelNames(plan.channels);
     if (std::find(asked.begin(), asked.end(), name) == asked.end()) left += (left.empty() ? "" : ", ") + name;
   }
-  if (!left.empty())
-    lines.push_back(fmt::format("properties of hits that nothing reads, so that they are not computed: {}", left));
+  if (!left.empty()) items.push_back({"properties of hits that nothing reads", left, true});
   for (const std::string_view column : {"intensity", "power"}) {
     if (!columns.has(columnIndex(column)) || setsIntensity(pipeline)) continue;
-    lines.push_back(fmt::format("{}: left out, no effect sets it (add `effects: [intensity]`)", column));
+    items.push_back({std::string(column), "no effect sets it (add `effects: [intensity]`)", true});
   }
   if (!plan.channels.has(Channel::Reflectance)) {
-    lines.emplace_back("reflectance textures: left out, nothing reads the reflectance; only alpha is loaded");
+    items.push_back({"reflectance textures", "nothing reads the reflectance; only alpha is loaded", true});
   }
-  addLabelLines(pipeline, lines);
-  addEffectLines(pipeline, lines);
+  addLabels(pipeline, items);
+  addEffects(pipeline, items);
+  if (pipeline.recording == nullptr && !followsLight(pipeline)) {
+    items.push_back({"light through glass and off mirrors",
+                     "so that glass is opaque (the effect light_paths adds both, by ray tracing)", true});
+  }
   if (pipeline.drawn != nullptr) {
-    const std::vector<std::string> drawn = pipeline.drawn->lines();
-    lines.emplace_back("random values: the lines above have those of the first frame, each sample lists its own");
-    lines.insert(lines.end(), drawn.begin(), drawn.end());
+    items.push_back({"random values", "the lines above have those of the first frame, each sample lists its own"});
+    for (ModelledItem& item : pipeline.drawn->items()) items.push_back(std::move(item));
   }
   std::set<std::string> takenOut;
   for (const Sequence& s : pipeline.sequences) {
@@ -159,28 +179,51 @@ std::vector<std::string> modelled(const Plan& plan, std::span<const double> bloc
     Value list;
     list.kind = Value::Kind::Sequence;
     list.items = s.without;
-    takenOut.insert(fmt::format("removed from {}: {}", s.scene, flowText(list)));
+    takenOut.insert(fmt::format("the pipeline removes {} from {}", flowText(list), s.scene));
   }
-  lines.insert(lines.end(), takenOut.begin(), takenOut.end());
-  lines.push_back(motionLine(pipeline));
+  for (const std::string& text : takenOut) items.push_back({"objects of scenes", text, true});
+  if (!pipeline.oneRevolution()) items.push_back(revolutions(pipeline));
+  items.push_back(egoMotion(pipeline));
   std::map<std::string, std::set<std::string>> ways;  // description -> names of trajectories
   for (const Sequence& s : pipeline.sequences) {
     const std::string about = s.trajectory == nullptr ? "" : s.trajectory->about();
     if (!about.empty()) ways[about].insert(s.trajectoryName);
   }
-  for (const auto& [about, names] : ways) lines.push_back(fmt::format("path of {}: {}", fmt::join(names, ", "), about));
-  if (pipeline.recording == nullptr) lines.push_back(vehicleLine(pipeline, blocked));
-  lines.push_back(missesLine(pipeline.output.layout));
+  for (const auto& [about, names] : ways) items.push_back({fmt::format("path of {}", fmt::join(names, ", ")), about});
+  if (pipeline.recording == nullptr) items.push_back(ownVehicle(pipeline, blocked));
+  items.push_back(misses(pipeline.output.layout));
   if (pipeline.recording == nullptr) {
-    lines.emplace_back(pipeline.output.objects
-                           ? "objects: boxes, and visibility by one more ray for each beam that crosses a box"
-                           : "objects: left out (`output.objects: true` lists their boxes and visibility)");
-    lines.push_back(voxelsLine(pipeline));
+    items.push_back(
+        pipeline.output.objects
+            ? ModelledItem{"objects", "boxes, and visibility by one more ray for each beam that crosses a box"}
+            : ModelledItem{"objects", "(`output.objects: true` lists their boxes and visibility)", true});
+    items.push_back(voxels(pipeline));
   }
   if (!columns.has(kRangeTrue)) {
-    lines.emplace_back("range_true: left out (name it in output.columns to keep the noise-free range)");
+    items.push_back({"range_true", "(name it in output.columns to keep the noise-free range)", true});
   }
-  return lines;
+  return items;
+}
+
+std::vector<ModelledItem> modelledOf(const Plan& plan, const Sequence& sequence, const Scene& scene,
+                                     const Method& method) {
+  std::vector<ModelledItem> items = method.modelled();
+  std::size_t parts = 0;
+  std::size_t panes = 0;
+  for (const Mesh& mesh : scene.meshes) {
+    parts += mesh.surfaces.size();
+    panes +=
+        static_cast<std::size_t>(std::count_if(mesh.surfaces.begin(), mesh.surfaces.end(), [&](const Surface& surface) {
+          return scene.materials[surface.material].transmission > 0;
+        }));
+  }
+  if (panes > 0 && plan.pipeline.recording == nullptr) {
+    const bool follows = followsLight(plan.pipeline);
+    items.push_back({"parts that let light through",
+                     fmt::format("{}{} of {} parts", follows ? "" : "opaque here: ", panes, parts), !follows});
+  }
+  for (ModelledItem& item : items) item.scenes = {sequence.sceneName()};
+  return items;
 }
 
 }  // namespace scanmill

@@ -36,6 +36,8 @@ struct Plan {
   // power if no effect sets them.
   ColumnSet columns() const;
 
+  // Throws InputError if a sample may have several revolutions of a sensor, or none: recordings have one.
+  void requireOneRevolution() const;
   // Throws InputError if no passes are rendered that could be saved: for recorded scans, for a method without passes,
   // and for `method: auto`, which may choose such a method.
   void requirePasses() const;
@@ -65,8 +67,11 @@ Plan makePlan(Pipeline pipeline, Channels kept = {});
 // Throws InputError if the method cannot do what the pipeline asks for.
 [[nodiscard]] Plan settled(Plan plan, MethodChoice choice, MethodRecord record);
 
-// Returns lines that say what is computed, what is left out, and why. `blocked`: for each sensor, the fraction of its
-// rays that hit the ego vehicle; empty if there is no ego vehicle.
-std::vector<std::string> modelled(const Plan& plan, std::span<const double> blocked);
+// Returns what is computed, what is left out, and why. `blocked`: for each sensor, the fraction of its rays that hit
+// the ego vehicle; empty if there is no ego vehicle.
+std::vector<ModelledItem> modelled(const Plan& plan, std::span<const double> blocked);
+// Returns what the method models of the scene of a sequence and leaves out of it, and how many parts are of glass.
+std::vector<ModelledItem> modelledOf(const Plan& plan, const Sequence& sequence, const Scene& scene,
+                                     const Method& method);
 
 }  // namespace scanmill

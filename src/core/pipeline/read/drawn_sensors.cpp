@@ -133,16 +133,16 @@ SensorDraw DrawnSensors::draw(const Pipeline& pipeline, std::size_t sequence, st
   });
 }
 
-std::vector<std::string> DrawnSensors::lines() const {
-  std::vector<std::string> lines;
+std::vector<ModelledItem> DrawnSensors::items() const {
+  std::vector<ModelledItem> items;
   forEachKey([&](const std::string& key, const Value& value) {
     forEachDistribution(value, key, [&](const std::string& place, const Value& distribution) {
-      lines.push_back(fmt::format("random for each {}: {} {}",
-                                  findDrawnPerFrame(distribution) == nullptr ? "sequence" : "frame", place,
-                                  flowText(distribution)));
+      items.push_back(
+          {fmt::format("random for each {}", findDrawnPerFrame(distribution) == nullptr ? "sequence" : "frame"),
+           fmt::format("{} {}", place, flowText(distribution))});
     });
   });
-  return lines;
+  return items;
 }
 
 }  // namespace scanmill

@@ -50,8 +50,8 @@ class DrawnSensors {
   // Returns test cases: together they contain both ends of each distribution and each item of each random choice.
   const std::vector<SensorDraw>& cases() const { return cases_; }
 
-  // Returns lines such as "random for each sequence: effects.1.speckle.looks {uniform: [1, 8]}", one per distribution.
-  std::vector<std::string> lines() const;
+  // Returns items such as "random for each sequence: effects.1.speckle.looks {uniform: [1, 8]}", one per distribution.
+  std::vector<ModelledItem> items() const;
 
  private:
   template <class Change>

@@ -43,6 +43,7 @@
 #include <set>
 
 #include "base/file.h"
+#include "base/files_read.h"
 #include "base/random.h"
 #include "config/file_kind.h"
 #include "config/named_options.h"
@@ -183,6 +184,25 @@ std::uint64_t Pipeline::raysPerFrame() const {
   return count;
 }
 
+double Pipeline::rays() const {
+  double count = 0;
+  for (std::size_t s = 0; s < sensors.size(); ++s) {
+    double revolutions = 0;
+    for (const Sequence& sequence : sequences) revolutions += sequence.totalRevolutions(sensors[s].period, periods);
+    count += revolutions * static_cast<double>(sensors[s].size.rings * sensors[s].size.columns * raysPerBeam(s));
+  }
+  return count;
+}
+
+bool Pipeline::oneRevolution() const {
+  return std::all_of(sensors.begin(), sensors.end(), [&](const MountedSensor& sensor) {
+    return std::all_of(sequences.begin(), sequences.end(), [&](const Sequence& sequence) {
+      return sequence.mostRevolutions(sensor.period, periods) == 1 &&
+             sequence.totalRevolutions(sensor.period, periods) == sequence.frames;
+    });
+  });
+}
+
 std::uint32_t Pipeline::raysPerBeam(std::size_t sensor) const {
   return recording == nullptr ? scanmill::raysPerBeam(*sensors[sensor].effects) : 1;
 }
@@ -267,8 +287,43 @@ void assignSplits(const Value* splitting, Pipeline& pipeline) {
   for (std::size_t i = 0; i < splits.size(); ++i) pipeline.sequences[i].split = splits[i];
 }
 
+void readPeriods(Pipeline& pipeline) {
+  for (MountedSensor& sensor : pipeline.sensors) {
+    sensor.period = 1.0 / Fields(sensor.description, "sensor").number("rate_hz", {1e-3, 1e6}, 10);
+  }
+  const auto [shortest, longest] =
+      std::minmax_element(pipeline.sensors.begin(), pipeline.sensors.end(),
+                          [](const MountedSensor& a, const MountedSensor& b) { return a.period < b.period; });
+  pipeline.periods = {shortest->period, longest->period};
+}
+
+// Sets the greatest number of revolutions of each sensor in a sample. A recording has one for each sensor, whatever
+// their rates.
+void countRevolutions(Pipeline& pipeline) {
+  if (pipeline.recording != nullptr) {
+    for (MountedSensor& sensor : pipeline.sensors) sensor.period = pipeline.periods.longest;
+    pipeline.periods.shortest = pipeline.periods.longest;
+    return;
+  }
+  for (MountedSensor& sensor : pipeline.sensors) {
+    for (const Sequence& sequence : pipeline.sequences) {
+      const std::uint32_t most = sequence.mostRevolutions(sensor.period, pipeline.periods);
+      if (most > Shot::kMostRevolutions) {
+        throw InputError(
+            sensor.description.where,
+            fmt::format("a sample would hold {} revolutions of the sensor '{}', which turns in {:g} s, "
+                        "beside one of the slowest sensor, which takes {:g} s; at most {} are possible: "
+                        "scan with these sensors in two pipelines",
+                        most, sensor.name, sensor.period, pipeline.periods.longest, Shot::kMostRevolutions));
+      }
+      sensor.revolutions = std::max(sensor.revolutions, most);
+    }
+  }
+}
+
 Pipeline pipelineOf(Value read, std::string text, const std::filesystem::path& file,
                     std::shared_ptr<const Recording> recording) {
+  const FilesRead filesRead;
   Pipeline pipeline;
   pipeline.root = std::move(read);
   const Value& root = pipeline.root;
@@ -289,12 +344,7 @@ Pipeline pipelineOf(Value read, std::string text, const std::filesystem::path& f
   pipeline.wavelengthNm = std::stoi(fields.choice("wavelength_nm", {"850", "905", "1064"}, "905"));
   DrawnSensors::Written written;
   pipeline.sensors = readSensors(fields, pipeline.seed, written);
-  Periods periods{0, 0};
-  for (const MountedSensor& sensor : pipeline.sensors) {
-    const double period = 1.0 / Fields(sensor.description, "sensor").number("rate_hz", {1e-3, 1e6}, 10);
-    if (periods.first == 0) periods.first = period;
-    periods.longest = std::max(periods.longest, period);
-  }
+  readPeriods(pipeline);
   pipeline.maxRays = kDefaultMaxRays;
   const Value* const limited = fields.find("limits");
   if (limited != nullptr) {
@@ -305,9 +355,11 @@ Pipeline pipelineOf(Value read, std::string text, const std::filesystem::path& f
     pipeline.sequences = recordedSequences(*pipeline.recording, fields);
   } else {
     const auto beams = static_cast<double>(pipeline.beamsPerFrame());
-    pipeline.sequences = readSequences(
-        fields, periods, [&](std::uint64_t frames) { checkRays(pipeline, frames, beams, "beams", "at least "); });
+    pipeline.sequences = readSequences(fields, pipeline.periods.longest, [&](std::uint64_t frames) {
+      checkRays(pipeline, frames, beams, "beams", "at least ");
+    });
   }
+  countRevolutions(pipeline);
   pipeline.motion = readMotion(fields.find("motion"));
   if (pipeline.recording == nullptr || fields.find("method") != nullptr) {
     const NamedOptions method = readNamed(fields.require("method"), "method");
@@ -322,9 +374,9 @@ Pipeline pipelineOf(Value read, std::string text, const std::filesystem::path& f
   assignSplits(fields.find("splits"), pipeline);
   if (DrawnSensors::draws(written)) pipeline.drawn = std::make_shared<const DrawnSensors>(std::move(written), pipeline);
   if (limited != nullptr) Fields(*limited, "limits").also({"max_rays"}).finish();
-  const std::uint64_t rays = pipeline.raysPerFrame();
-  checkRays(pipeline, pipeline.frames(), static_cast<double>(rays),
-            rays == pipeline.beamsPerFrame() ? "beams" : "rays");
+  checkRays(pipeline, pipeline.frames(), pipeline.rays() / static_cast<double>(pipeline.frames()),
+            pipeline.raysPerFrame() == pipeline.beamsPerFrame() ? "beams" : "rays");
+  pipeline.files = recordsOf(filesRead, file.parent_path());
   return pipeline;
 }
 

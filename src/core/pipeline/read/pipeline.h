@@ -16,6 +16,7 @@
 
 #include "base/vec.h"
 #include "config/value.h"
+#include "dataset/file_records.h"
 #include "dataset/recording.h"
 #include "formats/format.h"
 #include "methods/method.h"
@@ -33,6 +34,8 @@ struct MountedSensor {
   Value description;  // the keys of the sensor's preset file, overridden by those of the pipeline
   SensorSize size;
   Pose vehicleFromSensor = {};
+  double period = 0.1;            // s, duration of a revolution
+  std::uint32_t revolutions = 1;  // most of them in one sample: see Sequence::revolutions()
   // Never null; all sensors share one list unless the pipeline's list contains `sensor`.
   std::shared_ptr<const Effects> effects;
   // Stands for the effects that the sensor's file lacks, if the pipeline asks for those of the files and another sensor
@@ -80,8 +83,10 @@ struct Pipeline {
   std::filesystem::path vehicle;   // scene file of the ego vehicle, in the vehicle's frame; empty: no vehicle
   bool dropVehicle = false;        // true: beams that hit the ego vehicle have no return
   int wavelengthNm = 905;
+  std::vector<FileRecord> files;  // files that trajectories and sensors were read from, see Manifest::files
   std::vector<Sequence> sequences;
   std::vector<MountedSensor> sensors;
+  Periods periods;  // of the sensors' revolutions
   // The list `effects` with the corruption applied, with the random values of the first frame of the first sequence.
   // The word `sensor` in it is not replaced yet. Studies vary this list.
   std::vector<Value> effectItems;
@@ -98,8 +103,12 @@ struct Pipeline {
   std::shared_ptr<const Recording> recording;
 
   std::uint64_t frames() const;
+  // Return the beams and rays of one revolution of each sensor, and the rays of all samples.
   std::uint64_t beamsPerFrame() const;
   std::uint64_t raysPerFrame() const;
+  double rays() const;
+  // Returns true if each sample has exactly one revolution of each sensor.
+  bool oneRevolution() const;
   std::uint32_t raysPerBeam(std::size_t sensor) const;  // set by the effect `footprint`; 1 for a recording
   // Returns the light paths that the effect `light_paths` of a sensor describes; null if the sensor does not have this
   // effect.

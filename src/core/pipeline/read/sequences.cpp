@@ -6,9 +6,12 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <cmath>
+#include <map>
 #include <set>
 
 #include "base/error.h"
+#include "base/utf8.h"
 #include "config/flow_text.h"
 #include "config/waypoints.h"
 #include "scene/scene.h"
@@ -31,21 +34,24 @@ const Value* followsLane(const Value& list) {
 
 // Reads a list of trajectories. `lanes`: lanes of the scene's town; may be null if no trajectory follows a lane.
 // `seed`: the scene's seed, which determines the sway of the vehicle.
-Trajectories readTrajectories(const Value& list, const Periods& periods, const SceneLanes* lanes = nullptr,
+Trajectories readTrajectories(const Value& list, double period, const SceneLanes* lanes = nullptr,
                               std::uint64_t seed = 0) {
   if (list.kind != Value::Kind::Sequence || list.items.empty()) {
     throw InputError(list.where, "trajectories must be a list with at least one item");
   }
   Trajectories trajectories;
-  std::set<std::string> names;
+  std::map<std::string, std::string> names;  // by their parts of keys
   const auto add = [&](const Value& item, const std::string& fallback, std::uint32_t drive) {
-    auto trajectory = std::make_shared<const Trajectory>(
-        readTrajectory(item, fallback, periods.first, lanes, seed, drive, periods.longest));
+    auto trajectory = std::make_shared<const Trajectory>(readTrajectory(item, fallback, period, lanes, seed, drive));
     if (trajectory->name().empty()) {
       throw InputError(item.where, "a trajectory's name becomes part of file names, so it must not be empty");
     }
-    if (!names.insert(keyPart(trajectory->name())).second) {
-      throw InputError(item.where, fmt::format("two trajectories are named '{}'", trajectory->name()));
+    const auto [other, isNew] = names.emplace(keyPart(trajectory->name()), trajectory->name());
+    if (!isNew) {
+      throw InputError(item.where,
+                       fmt::format("two trajectories are named '{}' and '{}', both '{}' in file names: give one "
+                                   "another name",
+                                   other->second, trajectory->name(), other->first));
     }
     trajectories.push_back(std::move(trajectory));
   };
@@ -96,15 +102,19 @@ std::vector<Value> readWithout(const Value* value) {
 
 }  // namespace
 
-// Returns the text in lower case, with '_' in place of all characters but letters, digits, '-' and '_': sample keys
-// must not contain dots or slashes.
-std::string keyPart(std::string text) {
-  for (char& c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (std::isalnum(byte) == 0 && c != '_' && c != '-') c = '_';
-    c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+std::string keyPart(std::string_view text) {
+  std::string part;
+  for (std::size_t at = 0; at < text.size();) {
+    const Utf8Character c = utf8At(text, at);
+    if (c.code < 0x80) {
+      const int byte = static_cast<int>(c.code);
+      part += std::isalnum(byte) != 0 || byte == '-' ? static_cast<char>(std::tolower(byte)) : '_';
+    } else {
+      part += c.code == kNoCharacter ? "_" : fmt::format("u{:04x}", static_cast<std::uint32_t>(c.code));
+    }
+    at += c.bytes;
   }
-  return text;
+  return part;
 }
 
 const Value& requireList(Fields& fields, std::string_view key) {
@@ -131,10 +141,10 @@ std::uint64_t leastFrames(const Value& list) {
 
 }  // namespace
 
-std::vector<Sequence> readSequences(Fields& fields, const Periods& periods,
+std::vector<Sequence> readSequences(Fields& fields, double period,
                                     const std::function<void(std::uint64_t)>& checkFrames) {
   const Value* shared = fields.find("trajectories");
-  if (shared != nullptr && followsLane(*shared) == nullptr) readTrajectories(*shared, periods);
+  if (shared != nullptr && followsLane(*shared) == nullptr) readTrajectories(*shared, period);
   std::vector<Sequence> sequences;
   std::set<std::string> keys;
   std::uint64_t frames = 0;
@@ -150,7 +160,7 @@ std::vector<Sequence> readSequences(Fields& fields, const Periods& periods,
     if (list == nullptr)
       throw InputError(item.where, "no trajectories: give the scene or the pipeline the key `trajectories`");
     const Value* along = followsLane(*list);
-    Trajectories trajectories = along != nullptr ? Trajectories{} : readTrajectories(*list, periods);
+    Trajectories trajectories = along != nullptr ? Trajectories{} : readTrajectories(*list, period);
     checkFrames(frames + seeds.size() * leastFrames(*list));
     for (const std::uint64_t seed : seeds) {
       if (along != nullptr) {
@@ -160,7 +170,7 @@ std::vector<Sequence> readSequences(Fields& fields, const Periods& periods,
               along->where,
               fmt::format("`along` follows the lanes of a town, but {} has no town: give waypoints", file.string()));
         }
-        trajectories = readTrajectories(*list, periods, &*lanes, seed);
+        trajectories = readTrajectories(*list, period, &*lanes, seed);
       }
       checkFrames(frames);
       for (const auto& trajectory : trajectories) {
@@ -170,7 +180,10 @@ std::vector<Sequence> readSequences(Fields& fields, const Periods& periods,
         sequences.back().moving = moving;
         sequences.back().without = without;
         if (!keys.insert(sequences.back().key()).second) {
-          throw InputError(item.where, fmt::format("the sequence '{}' is listed twice", sequences.back().key()));
+          throw InputError(item.where,
+                           fmt::format("two sequences have the key '{}': list the scene once, or give one scene "
+                                       "file another name",
+                                       sequences.back().key()));
         }
       }
     }
@@ -204,6 +217,45 @@ std::vector<Sequence> recordedSequences(const Recording& recording, Fields& fiel
   return sequences;
 }
 
+namespace {
+
+constexpr double kSlack = 1e-6;  // revolutions; absorbs rounding errors of times
+
+// Returns the revolutions of a sensor that have ended after `time` (s).
+double ended(double time, double period) {
+  return std::floor(time / period + kSlack);
+}
+
+}  // namespace
+
+bool Sequence::turnsWithoutBreak(const Periods& periods) const {
+  if (periods.shortest == periods.longest || trajectory == nullptr || !trajectory->regular()) return false;
+  const double interval = trajectory->interval();
+  return interval >= periods.shortest * (1 - kSlack) && interval <= periods.longest * (1 + kSlack);
+}
+
+std::vector<double> Sequence::revolutions(std::uint32_t frame, double period, const Periods& periods) const {
+  std::vector<double> begins;
+  if (!turnsWithoutBreak(periods)) {
+    for (double k = 0; k < ended(periods.longest, period); ++k) begins.push_back(k * period);
+    return begins;
+  }
+  const double start = trajectory->frameTime(frame);
+  const double last = ended(start + trajectory->interval(), period);
+  for (double k = ended(start, period); k < last; ++k) begins.push_back(k * period - start);
+  return begins;
+}
+
+double Sequence::totalRevolutions(double period, const Periods& periods) const {
+  return turnsWithoutBreak(periods) ? ended(frames * trajectory->interval(), period)
+                                    : frames * ended(periods.longest, period);
+}
+
+std::uint32_t Sequence::mostRevolutions(double period, const Periods& periods) const {
+  return static_cast<std::uint32_t>(turnsWithoutBreak(periods) ? std::ceil(trajectory->interval() / period - kSlack)
+                                                               : ended(periods.longest, period));
+}
+
 bool Sequence::sameScene(const Sequence& other) const {
   return scene == other.scene && sceneFile == other.sceneFile && sceneSeed == other.sceneSeed &&
          moving == other.moving && sameItems(without, other.without);
@@ -218,8 +270,12 @@ std::vector<std::uint32_t> Sequence::spreadFrames(std::uint32_t most) const {
   return spread;
 }
 
+std::string Sequence::sceneName() const {
+  return fmt::format("{}-s{}", scene, sceneSeed);
+}
+
 std::string Sequence::key() const {
-  return fmt::format("{}-s{}-{}", scene, sceneSeed, keyPart(trajectoryName));
+  return fmt::format("{}-{}", sceneName(), keyPart(trajectoryName));
 }
 
 std::string Sequence::key(std::uint32_t frame) const {

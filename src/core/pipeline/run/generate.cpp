@@ -13,8 +13,9 @@
 #include <utility>
 #include <vector>
 
-#include "base/append_new.h"
+#include "base/own_folder.h"
 #include "base/stage_clock.h"
+#include "config/resources.h"
 #include "dataset/dataset_folder.h"
 #include "dataset/folder_contents.h"
 #include "dataset/parts.h"
@@ -72,6 +73,7 @@ class DatasetRun {
   // if the dataset is then complete.
   GenerateSummary run() {
     if (folder_.isWhole()) return endedByOthers();
+    checkFiles();
     std::vector<std::size_t> left = chosenJobs();
     while (!left.empty()) {
       workOnShards(
@@ -87,6 +89,8 @@ class DatasetRun {
   }
 
  private:
+  double raysPerSample() const { return pipeline_.rays() / static_cast<double>(pipeline_.frames()); }
+
   std::vector<std::size_t> chosenJobs() {
     std::vector<std::size_t> chosen(options_.shards.listed.begin(), options_.shards.listed.end());
     if (options_.shards.kind != ShardChoice::Kind::Listed) {
@@ -113,7 +117,7 @@ class DatasetRun {
       const std::scoped_lock lock(mutex_);
       count(kept->manifest);
       ++summary_.resumedShards;
-      progress_.advance(own.samples.size(), static_cast<double>(own.samples.size() * pipeline_.raysPerFrame()));
+      progress_.advance(own.samples.size(), static_cast<double>(own.samples.size()) * raysPerSample());
       return 0;
     }
     if (shared() && claim == nullptr) {
@@ -123,7 +127,13 @@ class DatasetRun {
     }
     folder_.checkPlace();  // throws if the output folder was replaced by another folder meanwhile
     DatasetPart begun{planned_.hash, {}, base_};
-    for (const SampleAddress& sample : own.samples) begun.numbers.push_back(sample.number);
+    begun.manifest.sequences.clear();
+    for (const SampleAddress& sample : own.samples) {
+      begun.numbers.push_back(sample.number);
+      const SequenceRecord& sequence = base_.sequences[sample.sequence];
+      std::vector<SequenceRecord>& sequences = begun.manifest.sequences;
+      if (sequences.empty() || sequences.back() != sequence) sequences.push_back(sequence);
+    }
     open_[job] = std::make_unique<OpenShard>(folder_.staging(), own, std::move(begun), std::move(claim));
     return own.samples.size();
   }
@@ -141,11 +151,14 @@ class DatasetRun {
     Manifest& part = open_[job]->part.manifest;
     if (open_[job]->scene != made->scene) {
       open_[job]->scene = made->scene;
-      appendNew(made->scene->modelled, part.modelled);
+      addItems(made->scene->modelled, part.modelled);
+      addFiles(made->scene->files, part.files);
       part.ontology = made->scene->ontology;
+      const std::scoped_lock lock(mutex_);
+      expectOneVersion(made->scene->files);
     }
     const std::scoped_lock lock(mutex_);
-    progress_.advance(1, static_cast<double>(pipeline_.raysPerFrame()));
+    progress_.advance(1, raysPerSample());
   }
 
   void close(std::size_t job) {
@@ -160,6 +173,24 @@ class DatasetRun {
     count(shard->part.manifest);
     ++summary_.shards;
     summary_.samplesMade += jobs_[job].samples.size();
+  }
+
+  // Throws InputError if complete shards were made from files that have changed since.
+  void checkFiles() {
+    if (options_.anyFiles) return;
+    std::vector<FileRecord> known;
+    for (const ShardJob& job : jobs_) {
+      if (const auto kept = folder_.kept(job.file, DatasetFolder::Check::Size)) addFiles(kept->manifest.files, known);
+    }
+    expectSameFiles(known, pipeline_.file.parent_path(), options_.folder);
+  }
+
+  // Throws InputError if a scene was read from other bytes of a file than a scene before.
+  void expectOneVersion(const std::vector<FileRecord>& files) {
+    const std::string changed = addFiles(files, files_);
+    if (changed.empty() || options_.anyFiles) return;
+    throw InputError({fileOfSavedPath(changed, pipeline_.file.parent_path()).string()},
+                     "changed while the dataset was made: start again with --overwrite");
   }
 
   bool shared() const { return options_.shards.kind != ShardChoice::Kind::All; }
@@ -249,7 +280,7 @@ class DatasetRun {
     summary_.whole = options_.shards.kind != ShardChoice::Kind::Listed && folder_.makeAlone();
     folder_.checkPlace();
     if (summary_.whole) {
-      summary_.manifest = joinParts(planned_, allParts());
+      summary_.manifest = joinParts(planned_, allParts(), options_.anyFiles);
       warnOfBlindSensors();
       folder_.publish(summary_.manifest);
     }
@@ -267,7 +298,8 @@ class DatasetRun {
   DatasetFolder folder_;
   Manifest base_;                                 // initial contents of each part's manifest
   std::vector<std::unique_ptr<OpenShard>> open_;  // indexed by job; null: not open
-  std::mutex mutex_;                              // guards claimed_, summary_ and progress_
+  std::mutex mutex_;                              // guards the members up to progress_
+  std::vector<FileRecord> files_;                 // files that the scenes so far were read from
   std::vector<std::size_t> claimed_;              // jobs whose shards other processes are making
   GenerateSummary summary_;
   Progress progress_;
@@ -277,22 +309,17 @@ class DatasetRun {
 
 // Throws InputError if two of the folders for the dataset and its recordings are the same, or one is within another:
 // --overwrite for one of them could then remove files of the other.
-void checkFolders(const Plan& plan, const GenerateOptions& options) {
+void checkSeparateFolders(const Plan& plan, const GenerateOptions& options) {
   std::vector<std::filesystem::path> folders;
   const auto add = [&](const std::filesystem::path& folder) {
     if (folder.empty()) return;
-    std::error_code ignored;
-    std::filesystem::path own = std::filesystem::weakly_canonical(std::filesystem::absolute(folder), ignored);
-    if (!own.has_filename()) own = own.parent_path();
     for (const std::filesystem::path& other : folders) {
-      const auto relative = [](const auto& a, const auto& b) { return a.lexically_relative(b).string(); };
-      if (own == other || !relative(own, other).starts_with("..") || !relative(other, own).starts_with("..")) {
-        throw InputError(
-            {folder.string()},
-            "the dataset and each recording need separate folders: give folders that are not within one another");
-      }
+      if (!isWithin(folder, other) && !isWithin(other, folder)) continue;
+      throw InputError(
+          {folder.string()},
+          "the dataset and each recording need separate folders: give folders that are not within one another");
     }
-    folders.push_back(std::move(own));
+    folders.push_back(folder);
   };
   add(options.folder);
   add(options.keepHits);
@@ -301,6 +328,10 @@ void checkFolders(const Plan& plan, const GenerateOptions& options) {
 }
 
 }  // namespace
+
+void checkFolder(const GenerateOptions& options) {
+  DatasetFolder::check(options.folder, useOf(options));
+}
 
 std::optional<Manifest> wholeDatasetOf(const DatasetPlan& plan, const std::filesystem::path& folder) {
   std::error_code failure;
@@ -317,7 +348,7 @@ std::optional<Manifest> wholeDatasetOf(const DatasetPlan& plan, const std::files
 }
 
 GenerateSummary generate(const Plan& plan, const GenerateOptions& options) {
-  checkFolders(plan, options);
+  checkSeparateFolders(plan, options);
   if (!options.keepPasses.empty()) plan.requirePasses();
   if (!options.keepHits.empty() || !options.keepPasses.empty()) {
     plan.requireOneRay();

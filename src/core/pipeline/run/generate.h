@@ -41,6 +41,7 @@ struct GenerateOptions {
   std::filesystem::path keepPasses{};
   bool overwrite = false;  // replaces an existing dataset and existing recordings
   bool resume = false;     // continues an unfinished dataset; cannot be combined with recordings
+  bool anyFiles = false;   // keeps complete shards although files that they were made from have changed
   ShardChoice shards{};    // the shards that this process makes
   bool quiet = false;
   // A flag that a signal handler sets; once the flag is true, generate() throws Error. Null: there is no flag.
@@ -64,6 +65,10 @@ struct GenerateSummary {
   std::size_t resumedShards = 0;  // number of shards that were complete before, or that other processes made meanwhile
   std::vector<std::string> warnings;  // lines about the scenes and sequences, see pipeline/checks/warnings.h
 };
+
+// Throws the errors of generate() about the output folder, before anything is computed: another process writes it, or
+// its contents do not allow what `options` ask for.
+void checkFolder(const GenerateOptions& options);
 
 // Returns the manifest of a plan's dataset if the folder holds the complete dataset, else nothing. Throws InputError if
 // shards of it are missing or have the wrong size.

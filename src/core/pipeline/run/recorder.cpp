@@ -93,7 +93,7 @@ Recording Recorder::describe(RecordingKind kind) const {
       scenes.push_back(number);
       recording.materials.push_back(entered.materials);
     }
-    appendNew(entered.modelled, recording.modelled);
+    addItems(entered.modelled, recording.modelled);
   }
   return recording;
 }

@@ -58,7 +58,7 @@ class Recorder {
   struct Entered {
     RecordedSequence record;
     std::vector<Material> materials;
-    std::vector<std::string> modelled;
+    std::vector<ModelledItem> modelled;
   };
   std::mutex mutex_;
   Ontology ontology_;

@@ -5,7 +5,9 @@
 #include <vector>
 
 #include "base/hash.h"
+#include "config/resources.h"
 #include "config/version.h"
+#include "pipeline/read/drawn_sensors.h"
 
 namespace scanmill {
 
@@ -74,8 +76,10 @@ Manifest startManifest(const ShotSource& source, const DatasetPlan& planned) {
     manifest.formats.push_back({std::string(f.entry->name), std::string(f.entry->suffix), f.format->maxError()});
   }
   for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
-    manifest.sensors.push_back(
-        {pipeline.sensors[s].name, *plan.sensors[s].beams, pipeline.sensors[s].vehicleFromSensor});
+    manifest.sensors.push_back({pipeline.sensors[s].name, *plan.sensors[s].beams, {}});
+    if (pipeline.drawn == nullptr || !pipeline.drawn->drawsMounts()) {
+      manifest.sensors.back().vehicleFromSensor = pipeline.sensors[s].vehicleFromSensor;
+    }
     const double fullScale = intensityFullScale(*pipeline.sensors[s].effects);
     if (fullScale > 0) manifest.sensors.back().intensityFullScale = fullScale;
     BeamTable& beams = manifest.sensors.back().beams;
@@ -84,6 +88,14 @@ Manifest startManifest(const ShotSource& source, const DatasetPlan& planned) {
     beams.origin = {};
     beams.time = {};
   }
+  const std::filesystem::path folder = pipeline.file.parent_path();
+  for (const Sequence& s : pipeline.sequences) {
+    manifest.sequences.push_back({s.key(), s.scene, s.sceneFile.empty() ? "" : savedPath(s.sceneFile, folder),
+                                  s.sceneSeed, s.trajectoryName, s.moving,
+                                  pipeline.vehicle.empty() ? "" : savedPath(pipeline.vehicle, folder)});
+  }
+  manifest.files = pipeline.files;
+  addFiles(source.vehicleFiles(), manifest.files);
   manifest.modelled = modelled(plan, source.blockedShares());
   manifest.chosen = plan.chosen;
   return manifest;
@@ -92,6 +104,7 @@ Manifest startManifest(const ShotSource& source, const DatasetPlan& planned) {
 ScanRecord recordOf(const Shot& shot, const Hits& hits, const Scan& scan, std::string_view method) {
   ScanRecord record;
   record.sensor = shot.sensorName;
+  record.revolution = shot.revolution;
   record.method = method;
   record.time = shot.time;
   record.worldFromSensor.push_back(shot.worldFromSensor.front());

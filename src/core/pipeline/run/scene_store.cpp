@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/append_new.h"
+#include "base/files_read.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/tsan_order.h"
@@ -124,7 +125,12 @@ void SceneStore::load(std::size_t sequence, Slot& slot) {
     loading_(own);
     ReadyScene& ready = slot.ready;
     returnFreedMemoryIfScarce();
-    ready.scene = source_.load(sequence);
+    std::vector<FileRecord> files;
+    {
+      const FilesRead read;
+      ready.scene = source_.load(sequence);
+      files = recordsOf(read, pipeline.file.parent_path());
+    }
     ready.method = source_.method(ready.scene);
     if (pipeline.output.objects) ready.objects = std::make_unique<SceneObjects>(ready.scene, *ready.method);
     if (pipeline.output.voxels) ready.voxels = std::make_unique<SceneVoxels>(ready.scene);
@@ -132,7 +138,8 @@ void SceneStore::load(std::size_t sequence, Slot& slot) {
                                 (ready.objects == nullptr ? 0 : ready.objects->memoryBytes()) +
                                 (ready.voxels == nullptr ? 0 : ready.voxels->memoryBytes());
     plan_.checkMemory(bytes, "the scene of " + own.key());
-    ready.facts = std::make_shared<const SceneFacts>(SceneFacts{ready.method->modelled(), ready.scene.ontology});
+    ready.facts = std::make_shared<const SceneFacts>(
+        SceneFacts{modelledOf(plan_, own, ready.scene, *ready.method), ready.scene.ontology, std::move(files)});
     TraceAccount account;
     for (const Shot& shot : source_.frame(sequence, 0).shots) account += ready.method->prepare(shot);
     if (pipeline.recording == nullptr) ready.probe.emplace(ready.scene, ready.method.get(), pipeline.method.entry);

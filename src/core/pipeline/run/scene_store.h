@@ -24,8 +24,9 @@ namespace scanmill {
 
 // Facts about a scene that are needed after it is unloaded.
 struct SceneFacts {
-  std::vector<std::string> modelled;  // lines that describe the method's model of the scene, see Method::modelled()
+  std::vector<ModelledItem> modelled;  // see modelledOf()
   Ontology ontology;
+  std::vector<FileRecord> files;  // files that the scene was read from
 };
 
 // A loaded scene and the method that traces it.

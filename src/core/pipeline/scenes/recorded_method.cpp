@@ -48,10 +48,10 @@ class RecordedHits : public Method {
     return {{{"read_hits", timer.seconds()}}, {}};
   }
 
-  std::vector<std::string> modelled() const override {
-    std::vector<std::string> lines = recording_->modelled;
-    lines.push_back(fmt::format("hits: read from a recording that {} made", recording_->method));
-    return lines;
+  std::vector<ModelledItem> modelled() const override {
+    std::vector<ModelledItem> items = recording_->modelled;
+    items.push_back({"hits", fmt::format("read from a recording that {} made", recording_->method)});
+    return items;
   }
   std::uint64_t memoryBytes() const override { return 0; }
 
@@ -82,10 +82,10 @@ class RecordedPasses : public Method {
     return account;
   }
 
-  std::vector<std::string> modelled() const override {
-    std::vector<std::string> lines = recording_->modelled;
-    for (std::string& line : sampler_->modelled()) lines.push_back(std::move(line));
-    return lines;
+  std::vector<ModelledItem> modelled() const override {
+    std::vector<ModelledItem> items = recording_->modelled;
+    for (ModelledItem& item : sampler_->modelled()) items.push_back(std::move(item));
+    return items;
   }
   std::uint64_t memoryBytes() const override { return 0; }
 

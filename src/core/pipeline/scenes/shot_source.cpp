@@ -73,8 +73,10 @@ std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scen
 ShotSource::ShotSource(const Plan& plan, SceneChanges changes)
     : plan_(plan), pipeline_(plan.pipeline), changes_(std::move(changes)), drawn_(std::make_unique<DrawnSettings>()) {
   if (!pipeline_.vehicle.empty()) {
+    const FilesRead read;
     vehicle_ = std::make_shared<const Scene>(
         readScene(pipeline_.vehicle, {.ontology = pipeline_.ontology, .wavelengthNm = pipeline_.wavelengthNm}));
+    vehicleFiles_ = recordsOf(read, pipeline_.file.parent_path());
   }
   std::vector<Pose> mounts;
   for (const MountedSensor& sensor : pipeline_.sensors) mounts.push_back(sensor.vehicleFromSensor);
@@ -86,15 +88,18 @@ ShotSource::~ShotSource() = default;
 VehicleHits ShotSource::traceOwnVehicle(const std::vector<Pose>& mounts) const {
   VehicleHits hits;
   if (vehicle_ == nullptr) return hits;
+  const std::shared_ptr<const Method> method = makeReference(*vehicle_);
   for (std::size_t s = 0; s < mounts.size(); ++s) {
+    const auto trace = [scene = vehicle_, method, mount = mounts[s],
+                        drop = pipeline_.dropVehicle](const BeamTable& rays) {
+      BlockedRays found = traceVehicle(*method, rays, mount);
+      found.dropped = drop;
+      return found;
+    };
     const PlannedSensor& sensor = plan_.sensors[s];
-    if (sensor.beams->rosette) {
-      hits.push_back(nullptr);
-      continue;
-    }
-    const BeamTable& rays = sensor.footprint == nullptr ? *sensor.beams : *sensor.footprint->rays;
-    const auto blocked = std::make_shared<BlockedRays>(traceVehicle(*vehicle_, rays, mounts[s]));
-    blocked->dropped = pipeline_.dropVehicle;
+    const auto blocked =
+        std::make_shared<BlockedRays>(trace(sensor.footprint == nullptr ? *sensor.beams : *sensor.footprint->rays));
+    if (sensor.beams->rosette) blocked->ofRevolution = trace;
     hits.push_back(blocked);
   }
   return hits;
@@ -104,7 +109,7 @@ std::vector<double> ShotSource::blockedShares() const {
   std::vector<double> shares;
   if (vehicle_ == nullptr) return shares;
   for (const SensorSetting& sensor : settings_->sensors) {
-    shares.push_back(sensor.vehicle == nullptr ? NAN : sensor.vehicle->share());
+    shares.push_back(sensor.vehicle->share());
   }
   return shares;
 }
@@ -200,21 +205,37 @@ Shot ShotSource::recordedShot(const std::string& sample, std::uint32_t frame, st
   return shot;
 }
 
+Frame ShotSource::sample(std::size_t sequence, std::uint32_t number) {
+  return shotsOf(sequence, number, true);
+}
+
 Frame ShotSource::frame(std::size_t sequence, std::uint32_t number) {
+  return shotsOf(sequence, number, false);
+}
+
+Frame ShotSource::shotsOf(std::size_t sequence, std::uint32_t number, bool allRevolutions) {
+  const Sequence& own = pipeline_.sequences[sequence];
   const bool recorded = pipeline_.recording != nullptr;
-  const std::string sample = pipeline_.sequences[sequence].key(number);
+  const std::string sample = own.key(number);
   const std::shared_ptr<const Trajectory> driven = recorded ? nullptr : drive(sequence);
   Frame frame{settings(sequence, number), {}};
   for (std::size_t s = 0; s < plan_.sensors.size(); ++s) {
-    Shot shot = recorded ? recordedShot(sample, number, s)
-                         : makeShot(plan_.sensors[s].beams, *driven, number,
-                                    frame.settings->sensors[s].vehicleFromSensor, pipeline_.motion);
-    shot.sample = sample;
-    shot.seed = pipeline_.seed;
-    shot.scene = static_cast<std::uint32_t>(sequence);
-    shot.sensor = static_cast<std::uint32_t>(s);
-    shot.sensorName = pipeline_.sensors[s].name;
-    frame.shots.push_back(std::move(shot));
+    const double period = pipeline_.sensors[s].period;
+    const std::vector<double> begins =
+        allRevolutions && !recorded ? own.revolutions(number, period, pipeline_.periods) : std::vector<double>{0};
+    for (std::size_t r = 0; r < begins.size(); ++r) {
+      Shot shot = recorded ? recordedShot(sample, number, s)
+                           : makeShot(plan_.sensors[s].beams, *driven, number,
+                                      frame.settings->sensors[s].vehicleFromSensor, pipeline_.motion, begins[r]);
+      if (r + 1 < begins.size() || own.turnsWithoutBreak(pipeline_.periods)) shot.untilNext = period;
+      shot.sample = sample;
+      shot.seed = pipeline_.seed;
+      shot.scene = static_cast<std::uint32_t>(sequence);
+      shot.sensor = static_cast<std::uint32_t>(s);
+      shot.revolution = static_cast<std::uint32_t>(r);
+      shot.sensorName = pipeline_.sensors[s].name;
+      frame.shots.push_back(std::move(shot));
+    }
   }
   return frame;
 }

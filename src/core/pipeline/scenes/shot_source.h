@@ -39,7 +39,7 @@ struct SceneChanges {
 
 struct Frame {
   std::shared_ptr<const FrameSettings> settings;
-  std::vector<Shot> shots;  // one per sensor
+  std::vector<Shot> shots;
 };
 
 // Makes the shots of a plan's frames. Caches the trajectories that depend on scenes, and the random settings of the
@@ -60,6 +60,8 @@ class ShotSource {
   // and materials, which are all that scans need. Throws InputError.
   Scene load(std::size_t sequence);
   std::unique_ptr<Method> method(const Scene& scene) const;
+  // Returns the ego vehicle, in its own frame; null if there is none.
+  std::shared_ptr<const Scene> vehicle() const { return vehicle_; }
 
   // Returns the trajectory of a sequence, on its random path and on the ground if the trajectory asks for these. If the
   // trajectory needs the scene and load() has not been called for the sequence, loads the scene. Must not be called for
@@ -72,24 +74,30 @@ class ShotSource {
   // Returns the mounts and effects of the sensors in a frame. Throws InputError for an invalid combination of random
   // values.
   std::shared_ptr<const FrameSettings> settings(std::size_t sequence, std::uint32_t frame);
-  // Returns the settings and the shots of a frame. Throws InputError for the same reasons as settings() and drive().
+  // Return the settings and the shots of a frame: sample() those of the dataset's sample, all revolutions of each
+  // sensor that belong to the frame (see Sequence::revolutions()), in the order of the sensors; frame() one for each
+  // sensor, which begins with the frame. Throw InputError for the same reasons as settings() and drive().
+  Frame sample(std::size_t sequence, std::uint32_t number);
   Frame frame(std::size_t sequence, std::uint32_t number);
 
-  // Returns for each sensor the fraction of its rays that hit the ego vehicle, with the mounts of the first frame;
-  // NaN for a sensor whose beams change from revolution to revolution, for which the vehicle is left out. Empty if
-  // there is no ego vehicle.
+  // Returns for each sensor the fraction of its rays that hit the ego vehicle, with the mounts of the first frame and
+  // the beams of the first revolution. Empty if there is no ego vehicle.
   std::vector<double> blockedShares() const;
+  // Returns the files that the ego vehicle was read from.
+  const std::vector<FileRecord>& vehicleFiles() const { return vehicleFiles_; }
 
  private:
   Scene recordedScene(std::size_t sequence) const;
   Shot recordedShot(const std::string& sample, std::uint32_t frame, std::size_t sensor) const;
+  Frame shotsOf(std::size_t sequence, std::uint32_t number, bool allRevolutions);
   VehicleHits traceOwnVehicle(const std::vector<Pose>& mounts) const;
   void findDrives(const Sequence& sequence, const Scene& scene);
 
   const Plan& plan_;
   const Pipeline& pipeline_;
   SceneChanges changes_;
-  std::shared_ptr<const Scene> vehicle_;           // null: no ego vehicle
+  std::shared_ptr<const Scene> vehicle_;  // null: no ego vehicle
+  std::vector<FileRecord> vehicleFiles_;
   std::shared_ptr<const FrameSettings> settings_;  // settings of the first frame of the first sequence
   std::unique_ptr<DrawnSettings> drawn_;
   std::mutex mutex_;  // guards drives_

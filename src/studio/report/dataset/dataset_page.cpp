@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "base/base64.h"
-#include "dataset/sample_names.h"
+#include "dataset/card.h"
 #include "report/dataset/alike_lines.h"
 #include "report/dataset/dataset_charts.h"
 #include "report/dataset/dataset_report.h"
@@ -94,7 +94,7 @@ class DatasetPage {
              {"view", report_.view},
              {"picture_seed", report_.seed},
              {"hashed", report_.hashed},
-             {"modelled", alikeLines(m_.modelled)},
+             {"modelled", alikeLines(modelledLines())},
              {"scene_lines", sceneLines()},
              {"pipeline_sha256", m_.pipelineSha256},
              {"pipeline_text", m_.pipelineText}};
@@ -105,42 +105,20 @@ class DatasetPage {
     }
   }
 
-  // Returns the names of the scenes, in the order of the first shard of each; empty if the order is not known.
-  std::vector<std::string> scenesOfShards() const {
-    // Shuffling mixes the sequences, so the order is not known.
-    if (m_.pipelineText.find("shuffle") != std::string::npos) return {};
-    std::map<std::string, std::uint32_t> first;  // number of the first shard of each sequence
-    for (const SampleRecord& sample : m_.samples) {
-      std::uint32_t& shard = first.try_emplace(partsOfKey(sample.key).sequence, sample.shard).first->second;
-      shard = std::min(shard, sample.shard);
-    }
-    std::vector<SequenceSummary> sequences = s_.sequences;
-    std::ranges::stable_sort(
-        sequences, [&](const SequenceSummary& a, const SequenceSummary& b) { return first[a.name] < first[b.name]; });
-    std::vector<std::string> scenes;
-    for (const SequenceSummary& s : sequences) {
-      if (s.scene.empty()) return {};
-      const std::string scene = fmt::format("{}, seed {}", s.scene, s.seed);
-      if (std::ranges::find(scenes, scene) == scenes.end()) scenes.push_back(scene);
-    }
-    return scenes;
+  std::vector<std::string> modelledLines() const {
+    std::vector<std::string> lines;
+    for (const ModelledItem& item : m_.modelled) lines.push_back(lineOf(item));
+    return lines;
   }
 
-  // Returns the methods' lines about scenes, each preceded by its scene. Since the manifest stores equal lines only
-  // once, lines can be assigned to scenes only if there are as many different lines as scenes.
+  // Returns a line for each scene that an item is about, if it is not about all scenes.
   std::vector<std::string> sceneLines() const {
-    const std::vector<std::string> scenes = scenesOfShards();
-    std::vector<std::string> found;
-    for (const std::string_view topic : {"instancing: ", "alpha cut-outs: ", "reflectance textures: "}) {
-      std::vector<std::string> lines;
-      for (const std::string& line : m_.modelled) {
-        const bool ofAll = line.find("nothing reads") != std::string::npos;
-        if (line.starts_with(topic) && !ofAll) lines.push_back(line);
-      }
-      if (lines.size() < 2 || lines.size() != scenes.size()) continue;
-      for (std::size_t i = 0; i < lines.size(); ++i) found.push_back(fmt::format("{}: {}", scenes[i], lines[i]));
+    std::vector<std::string> lines;
+    for (const ModelledItem& item : m_.modelled) {
+      for (const std::string& scene : item.scenes) lines.push_back(fmt::format("{}: {}", scene, lineOf(item)));
     }
-    return found;
+    std::ranges::stable_sort(lines);
+    return lines;
   }
 
   void remarks() {
@@ -285,8 +263,7 @@ class DatasetPage {
       const SensorRecord& s = m_.sensors[i];
       const SensorSummary& sum = s_.sensors[i];
       const BeamTable& b = s.beams;
-      const Quat& q = s.vehicleFromSensor.rotation;
-      const Vec3d& t = s.vehicleFromSensor.translation;
+      const MountSpans mount = mountSpans(m_, s);
       Json row{{"name", s.name},
                {"model", b.model},
                {"rings", b.rings},
@@ -295,13 +272,12 @@ class DatasetPage {
                {"most_range", b.maxRange},
                {"field", degrees(b.field)},
                {"period", b.period},
-               {"x", t.x},
-               {"y", t.y},
-               {"z", t.z},
-               // The angles from which fromYawPitchRoll() computes this rotation.
-               {"yaw", degrees(std::atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z))) + 0.0},
-               {"pitch", degrees(std::asin(std::clamp(2 * (q.w * q.y - q.z * q.x), -1.0, 1.0))) + 0.0},
-               {"roll", degrees(std::atan2(2 * (q.w * q.x + q.y * q.z), 1 - 2 * (q.x * q.x + q.y * q.y))) + 0.0},
+               {"x", spanText(mount[0])},
+               {"y", spanText(mount[1])},
+               {"z", spanText(mount[2])},
+               {"yaw", spanText(mount[3])},
+               {"pitch", spanText(mount[4])},
+               {"roll", spanText(mount[5])},
                {"own_methods", sum.methods},
                {"scans", sum.scans},
                {"points", sum.points},

@@ -34,21 +34,6 @@ void addTo(std::vector<std::uint64_t>& sum, const std::vector<std::uint64_t>& pa
   for (std::size_t i = 0; i < part.size(); ++i) sum[i] += part[i];
 }
 
-// Splits the name of a sequence: "street-s1-lane" is the scene "street" with the seed 1 and the trajectory "lane".
-SequenceSummary sequenceNamed(const std::string& name) {
-  SequenceSummary sequence{name, {}, {}, {}, {}, 0, 0, 0, 0};
-  for (std::size_t at = name.find("-s"); at != std::string::npos; at = name.find("-s", at + 1)) {
-    const std::size_t digits = at + 2;
-    const std::size_t end = name.find_first_not_of("0123456789", digits);
-    if (at == 0 || end == std::string::npos || end == digits || name[end] != '-' || end + 1 == name.size()) continue;
-    sequence.scene = name.substr(0, at);
-    sequence.seed = name.substr(digits, end - digits);
-    sequence.trajectory = name.substr(end + 1);
-    break;
-  }
-  return sequence;
-}
-
 std::string sequenceOf(const SampleRecord& sample) {
   const std::string sequence = partsOfKey(sample.key).sequence;
   return sequence.empty() ? sample.key : sequence;
@@ -60,6 +45,7 @@ class Summing {
     sum_.steps = steps;
     for (const SemanticClass& c : manifest.ontology.classes) addClass(c.id, c.name, c.thing, true);
     for (const SensorRecord& s : manifest.sensors) sensorEntry(s.name);
+    for (const SequenceRecord& s : manifest.sequences) recordOf_[s.name] = &s;
   }
 
   // Adds the figures that the manifest has for all scans.
@@ -134,7 +120,14 @@ class Summing {
 
   SequenceSummary& sequenceEntry(const std::string& name) {
     const auto [at, added] = sequenceAt_.try_emplace(name, sum_.sequences.size());
-    if (added) sum_.sequences.push_back(sequenceNamed(name));
+    if (added) {
+      sum_.sequences.push_back({name, {}, {}, {}, {}, 0, 0, 0, 0});
+      if (const auto record = recordOf_.find(name); record != recordOf_.end()) {
+        sum_.sequences.back().scene = record->second->scene;
+        sum_.sequences.back().seed = std::to_string(record->second->seed);
+        sum_.sequences.back().trajectory = record->second->trajectory;
+      }
+    }
     return sum_.sequences[at->second];
   }
 
@@ -273,6 +266,7 @@ class Summing {
   const Manifest& manifest_;
   DatasetSummary sum_;
   std::map<std::uint16_t, std::size_t> classAt_;
+  std::map<std::string, const SequenceRecord*> recordOf_;  // by name of the sequence
   std::map<std::string, std::size_t> sequenceAt_;
   std::map<std::string, std::vector<std::uint64_t>> pointsOfSensor_;
   std::map<std::uint16_t, std::vector<std::uint64_t>> viewPoints_;

@@ -49,7 +49,7 @@ struct SensorSummary {
 
 struct SequenceSummary {
   std::string name;                     // first part of the samples' keys: scene, seed and trajectory
-  std::string scene, seed, trajectory;  // parts of the name; empty if they are not known
+  std::string scene, seed, trajectory;  // empty in datasets of earlier versions
   std::string split;                    // names of the splits that have samples of the sequence, such as "train, val"
   std::uint64_t samples = 0, scans = 0, points = 0;
   double seconds = 0;  // time from the first to the last scan of the sequence (s)

@@ -50,8 +50,9 @@ std::unique_ptr<FrameSource> openFrames(const ViewInput& input) {
   std::error_code ignored;
   const bool regular = fs::is_regular_file(input.path, ignored);
   if (regular && (suffix == ".yaml" || suffix == ".yml")) return std::make_unique<SceneFrames>(input);
-  if (input.seed && fs::exists(input.path, ignored)) {
-    throw InputError({input.path.string()}, "is no scene: --seed is for a scene that is viewed by itself");
+  if (input.seed && input.scene.empty() && fs::exists(input.path, ignored)) {
+    throw InputError({input.path.string()},
+                     "is no scene: --seed is for a scene that is viewed by itself, or by --scene");
   }
   if (regular) {
     if (suffix == ".exr") {

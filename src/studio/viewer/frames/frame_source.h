@@ -20,10 +20,13 @@ namespace scanmill {
 
 // One scan of a sample, with data that are not in its columns.
 struct ViewScan {
-  std::string name;    // unique within the sample, such as "top", "top, particle" or "out/b: top"
-  std::string sensor;  // name of the sensor; empty if unknown
-  std::string method;  // name of the method; empty if unknown
+  std::string name;              // unique within the sample, such as "top", "top, particle" or "out/b: top"
+  std::string sensor;            // name of the sensor; empty if unknown
+  std::uint32_t revolution = 0;  // index among the sensor's revolutions in the sample
+  std::string method;            // name of the method; empty if unknown
   Scan scan;
+  // Positions of the points (m) in the sensor's frame at the start of the revolution; empty: Scan::position has them.
+  std::vector<Vec3f> placed{};
   std::optional<Pose> worldFromSensor;  // sensor pose at the start of the revolution; absent if unknown
   double time = 0;                      // time since the start of the sequence (s)
   std::vector<float> error;             // error of each point (m), at least 0; NaN: unknown; empty: all unknown
@@ -31,6 +34,8 @@ struct ViewScan {
   std::string errorTitle;
   std::shared_ptr<const BeamTable> beams;  // beam table of the sensor; null if unknown
   std::string whyNoError{};  // what NaN in `error` means, such as "no partner in the reference"; may be empty
+
+  const std::vector<Vec3f>& places() const { return placed.empty() ? scan.position : placed; }
 };
 
 // An object instance in the sample's list of objects.
@@ -46,6 +51,7 @@ struct ViewFrame {
   std::vector<ViewScan> scans;
   std::vector<std::string> problems;       // one line for each part of the frame that could not be loaded
   std::vector<ViewObject> objects{};       // empty if the dataset has no object lists
+  double objectTime = 0;                   // time of ObjectRecord::worldFromBox (s since the start of the sequence)
   std::optional<Pose> worldFromVehicle{};  // pose of the own vehicle; absent if it was not modelled or is unknown
 };
 
@@ -70,7 +76,7 @@ struct ViewInput {
   std::filesystem::path ontology{};
   // File of the scene that was scanned; empty: the file that the manifest names.
   std::filesystem::path scene{};
-  std::optional<std::uint64_t> seed{};  // seed of a scene that is viewed without scans
+  std::optional<std::uint64_t> seed{};  // seed of `scene`, or of the scene that `path` is; nothing: 1, or the dataset's
 };
 
 // A list of frames, each of which is loaded when it is requested.

@@ -12,6 +12,7 @@
 #include "base/parallel.h"
 #include "config/text.h"
 #include "dataset/sample_names.h"
+#include "dataset/world_places.h"
 #include "viewer/frames/beam_error.h"
 #include "viewer/frames/scene_lookup.h"
 
@@ -71,6 +72,17 @@ bool movedToStart(const Manifest* manifest, const ScanRecord* record) {
 }
 
 }  // namespace
+
+// Returns the points in the sensor's frame at the start of the revolution; nothing if the scan has them in this frame.
+std::vector<Vec3f> placedAtStart(const Scan& scan, const ScanRecord& record, const BeamTable& beams, bool deskewed) {
+  const WorldPlaces world(scan, record, beams, deskewed);
+  std::vector<Vec3f> placed;
+  if (!world.moves()) return placed;
+  const Pose startFromWorld = inverse(record.worldFromSensor.front());
+  placed.reserve(scan.size());
+  for (std::size_t i = 0; i < scan.size(); ++i) placed.emplace_back(startFromWorld * world.of(i));
+  return placed;
+}
 
 // A scan while it is loaded: where it is stored, and what has been read of it.
 struct StoredFrames::Loading {
@@ -203,8 +215,9 @@ void StoredFrames::addReferenceError(ViewScan& scan, const std::string& key) con
   if (!sample)
     throw InputError({reference_->path().string()}, fmt::format("the noise-free reference has no sample '{}'", key));
   const std::vector<StoredScan> references = reference_->scans(*sample, scan.sensor);
-  const auto same = std::ranges::find_if(
-      references, [&](const StoredScan& t) { return lowerCase(t.method) == lowerCase(scan.method); });
+  const auto same = std::ranges::find_if(references, [&](const StoredScan& t) {
+    return t.revolution == scan.revolution && lowerCase(t.method) == lowerCase(scan.method);
+  });
   std::string why;
   scan.error = referenceErrors(scan.scan,
                                reference_->decode(*sample, same == references.end() ? references.front() : *same), why);
@@ -231,6 +244,7 @@ void StoredFrames::addError(Loading& loading, const std::string& key, bool senso
 void StoredFrames::loadOne(Loading& loading, const std::string& key, bool sensorsDiffer) const {
   ViewScan& scan = loading.scan;
   scan.sensor = loading.stored.sensor;
+  scan.revolution = loading.stored.revolution;
   scan.method = loading.stored.method;
   if (const ScanRecord* record = loading.stored.record) {
     if (!record->worldFromSensor.empty()) scan.worldFromSensor = record->worldFromSensor.front();
@@ -240,6 +254,10 @@ void StoredFrames::loadOne(Loading& loading, const std::string& key, bool sensor
     scan.scan = loading.store->scans->decode(loading.sample, loading.stored);
     loading.loaded = true;
     scan.beams = loading.store->scans->beams(scan.sensor, scan.time);
+    if (scan.worldFromSensor && scan.beams != nullptr) {
+      const bool deskewed = loading.store->scans->manifest()->deskewed;
+      scan.placed = placedAtStart(scan.scan, *loading.stored.record, *scan.beams, deskewed);
+    }
     addError(loading, key, sensorsDiffer);
   } catch (const std::exception& e) {
     loading.problems.push_back(reasonOf(e));
@@ -265,6 +283,7 @@ ViewFrame StoredFrames::load(std::size_t frame) const {
     if (l.loaded) view.scans.push_back(std::move(l.scan));
   }
   view.objects = objectsAbout(frame, view.problems);
+  if (!view.objects.empty()) view.objectTime = objectsOf(view.key)->time;
   view.worldFromVehicle = vehiclePose(view.key);
   return view;
 }
@@ -350,17 +369,16 @@ std::optional<SceneChoice> StoredFrames::scene(std::size_t frame, std::string& w
       if (sample->key == key && !sample->scans.empty()) time = sample->scans.front().time;
     }
   }
-  if (!input_.scene.empty()) return SceneChoice{input_.scene, seedOfKey(key), time};
-  if (first().manifest() == nullptr) {
-    why = "no manifest says which scene this is of: give --scene FILE to see it";
-    return std::nullopt;
+  const SequenceRecord* const sequence = first().manifest() == nullptr ? nullptr : first().manifest()->sequenceOf(key);
+  if (!input_.scene.empty()) {
+    return SceneChoice{input_.scene, input_.seed.value_or(sequence == nullptr ? 1 : sequence->seed), time};
   }
-  return sceneOfSample(first().manifest()->pipelineText, first().folder(), key, time, why);
+  return sceneOf(sequence, first().folder(), time, why);
 }
 
 std::optional<std::filesystem::path> StoredFrames::vehicle() const {
   const Manifest* const manifest = first().manifest();
-  return manifest == nullptr ? std::nullopt : vehicleOf(manifest->pipelineText, first().folder());
+  return manifest == nullptr ? std::nullopt : vehicleOf(*manifest, first().folder());
 }
 
 // Returns the pose of the vehicle that carries the sensors, at the start of the sample's first scan.

@@ -14,6 +14,7 @@
 #include "sensors/sensor.h"
 #include "tests/core/methods/depth_camera/worlds.h"
 #include "tests/support/blender.h"
+#include "tests/support/lines_of.h"
 #include "tests/support/message_of.h"
 #include "tests/support/ray_scenes.h"
 #include "tests/support/temporary_folder.h"
@@ -366,7 +367,7 @@ TEST(DepthCamera, PlanningMakesNoRenderer) {
   const Value value = parseYaml("{depth: uint16, layout: cube_6}", "options");
   Fields fields = depthFields(value);
   const auto camera = makeDepthCamera(scene, fields, []() -> std::unique_ptr<PassRenderer> { throw Error("no GPU"); });
-  const std::vector<std::string> lines = camera->modelled();
+  const std::vector<std::string> lines = linesOf(camera->modelled());
   EXPECT_THAT(lines, testing::Contains(HasSubstr("layout cube_6")));
   EXPECT_THAT(lines, testing::Contains(HasSubstr("depth uint16")));
   EXPECT_GT(camera->memoryBytes(), 2048u * 2048 * 6);
@@ -380,7 +381,7 @@ TEST(DepthCamera, PlansSayWhetherBlenderIsThere) {
   const auto planned = [&](const std::string& options) {
     const Value value = parseYaml(options, "options");
     Fields fields = depthFields(value);
-    return makeDepthCamera(scene, fields)->modelled();
+    return linesOf(makeDepthCamera(scene, fields)->modelled());
   };
   const TemporaryFolder folder;
   const std::string program = folder.write("blender", "#!/bin/sh\n").string();

@@ -346,7 +346,7 @@ TEST(RayTracing, MirroredInstancesKeepTheirNormalsTowardsTheSensor) {
 }
 
 std::string geometryOf(const Method& method) {
-  return method.modelled().front();
+  return lineOf(method.modelled().front());
 }
 
 TEST(RayTracing, SimplifiedMeshesAreTraced) {

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "pipeline/scenes/shot_source.h"
 #include "tests/core/pipeline/small_world.h"
+#include "tests/support/lines_of.h"
 
 namespace scanmill {
 namespace {
@@ -28,14 +29,15 @@ TEST_F(PlanTest, OnlyChannelsThatSomebodyReads) {
 }
 
 TEST_F(PlanTest, TellsWhatIsLeftOutAndWhy) {
-  EXPECT_THAT(modelled(plan({}), {}),
+  EXPECT_THAT(linesOf(modelled(plan({}), {})),
               AllOf(Contains(HasSubstr("channels: range, instance, semantic")),
-                    Contains(HasSubstr("properties of hits that nothing reads, so that they are not computed: normal")),
+                    Contains(HasSubstr("properties of hits that nothing reads: left out, normal")),
                     Contains(HasSubstr("intensity: left out, no effect sets it")), Contains(HasSubstr("effects: none")),
                     Contains(HasSubstr("one pose"))));
-  EXPECT_THAT(modelled(plan({"motion={steps: 9}", "output.layout=organised", "effects=[quantize: {step_m: 1}]"}), {}),
-              AllOf(Contains(HasSubstr("9 poses per revolution")), Contains(HasSubstr("misses: written")),
-                    Contains(HasSubstr("effect quantize {step_m: 1}: "))));
+  EXPECT_THAT(
+      linesOf(modelled(plan({"motion={steps: 9}", "output.layout=organised", "effects=[quantize: {step_m: 1}]"}), {})),
+      AllOf(Contains(HasSubstr("9 poses per revolution")), Contains(HasSubstr("misses: written")),
+            Contains(HasSubstr("effect quantize {step_m: 1}: "))));
 }
 
 TEST_F(PlanTest, ShotsHaveTheirPosesAndAddresses) {

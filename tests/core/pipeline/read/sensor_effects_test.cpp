@@ -3,6 +3,7 @@
 #include "pipeline/checks/warnings.h"
 #include "pipeline/scenes/recorded_method.h"
 #include "tests/core/pipeline/small_world.h"
+#include "tests/support/lines_of.h"
 
 namespace scanmill {
 namespace {
@@ -11,6 +12,7 @@ using testing::AllOf;
 using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsSupersetOf;
 
 class SensorEffectsOf : public testing::Test {
  protected:
@@ -97,8 +99,8 @@ TEST_F(SensorEffectsOf, AreLeftOutOtherwise) {
   const Pipeline none = pipeline("", noise, noise);
   EXPECT_TRUE(names(none, 0).empty());
   EXPECT_THAT(names(pipeline("effects: [intensity]\n", noise, ""), 1), ElementsAre("intensity"));
-  EXPECT_THAT(modelled(makePlan(pipeline("", noise, "")), {}),
-              Contains(HasSubstr("effects in the sensor file of 'a': left out")));
+  EXPECT_THAT(linesOf(modelled(makePlan(pipeline("", noise, "")), {})),
+              Contains(HasSubstr("effects of the sensor's file of 'a': left out (`effects: sensor`")));
 }
 
 // Effects that the pipeline itself gives to one of its sensors are warned of if it does not apply them.
@@ -122,7 +124,7 @@ TEST_F(SensorEffectsOf, EachScanHasItsOwn) {
   const TemporaryFolder out;
   const Plan plan = makePlan(
       pipeline("effects: sensor\n", "effects: [quantize: {step_m: 0.5}]\n", "effects: [dropout: {probability: 1}]\n"));
-  EXPECT_THAT(modelled(plan, {}),
+  EXPECT_THAT(linesOf(modelled(plan, {})),
               AllOf(Contains(HasSubstr("effect quantize of 'a'")), Contains(HasSubstr("effect dropout of 'b'"))));
   const GenerateSummary summary = generate(plan, {.folder = out.path() / "out", .quiet = true});
   const std::vector<ScanRecord>& scans = summary.manifest.samples.front().scans;
@@ -142,7 +144,8 @@ TEST_F(SensorEffectsOf, AreLeftOutForASensorWithoutAny) {
   EXPECT_EQ(intensityFullScale(*scaled.sensors[1].effects), 255);
   EXPECT_THAT(sensorWarnings(makePlan(lit)),
               ElementsAre(AllOf(HasSubstr("'b' has no effects"), HasSubstr("fit-noise"))));
-  EXPECT_THAT(modelled(makePlan(lit), {}), Contains(HasSubstr("effects of the sensor's file of 'b': left out")));
+  EXPECT_THAT(linesOf(modelled(makePlan(lit), {})),
+              Contains(HasSubstr("effects of the sensor's file of 'b': left out")));
   const char* random = "effects: [sensor, dropout: {probability: {uniform: [0, 1], per: frame}}]\n";
   EXPECT_NE(pipeline(random, "effects: [intensity]\n", "").drawn, nullptr);
   EXPECT_THAT(sensorWarnings(makePlan(pipeline("effects: [intensity]\n", "effects: [intensity]\n", ""))),
@@ -196,6 +199,28 @@ TEST_F(SensorEffectsOf, AreRefusedWithAdvice) {
   EXPECT_THAT(refusal("", "effects: [range_nois]\n", ""),
               AllOf(HasSubstr("first.yaml:"), HasSubstr("did you mean 'range_noise'")));
   EXPECT_THAT(refusal("", "effects: [sensor]\n", ""), HasSubstr("unknown effect 'sensor'"));
+}
+
+TEST_F(SensorEffectsOf, OfEveryPresetArePlanned) {
+  int count = 0;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::filesystem::path(SCANMILL_SOURCE_DIR) / "pipelines/sensors")) {
+    if (readYaml(entry.path()).find("effects") == nullptr) continue;
+    folder_.write("scenes/yard.yaml", yardScene());
+    const Plan plan =
+        makePlan(readPipeline(folder_.write("yard.yaml",
+                                            "scenes: [{scene: scenes/yard.yaml}]\n"
+                                            "trajectories: [{poses: [{position: [0, 0, 2]}]}]\n"
+                                            "sensors: [{preset: " +
+                                                entry.path().string() +
+                                                "}]\n"
+                                                "method: ray_tracing\neffects: sensor\noutput: {formats: [pcd]}\n"),
+                              {}));
+    EXPECT_THAT(names(plan.pipeline, 0), IsSupersetOf({"intensity", "speckle", "detection", "range_noise"}))
+        << entry.path();
+    ++count;
+  }
+  EXPECT_GT(count, 10);
 }
 
 }  // namespace

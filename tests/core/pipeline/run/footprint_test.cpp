@@ -3,6 +3,7 @@
 #include "pipeline/run/run_shot.h"
 #include "tests/core/pipeline/small_world.h"
 #include "tests/support/gl.h"
+#include "tests/support/lines_of.h"
 
 namespace scanmill {
 namespace {
@@ -111,8 +112,8 @@ TEST_F(FootprintRun, LooksThroughGlass) {
 )";
   folder_.write("scenes/yard.yaml", scene);
   const std::vector<std::string> clear = with("[intensity, light_paths: {bounces: 0}, detection: {returns: all}]");
-  sound(clear, "clear");
-  sound(with("[intensity]"), "opaque");
+  const Manifest through = sound(clear, "clear");
+  const Manifest opaque = sound(with("[intensity]"), "opaque");
   std::size_t behind = 0;
   std::size_t carBehind = 0;
   for (const Scan& scan : scans(".pcd", "clear")) {
@@ -127,6 +128,10 @@ TEST_F(FootprintRun, LooksThroughGlass) {
   for (const Scan& scan : scans(".pcd", "opaque")) {
     for (const std::uint8_t cause : scan[kCause]) EXPECT_EQ(cause, 1);
   }
+  EXPECT_THAT(linesOf(through.modelled), testing::Contains("parts that let light through: 1 of 5 parts"));
+  EXPECT_THAT(linesOf(opaque.modelled),
+              AllOf(testing::Contains("parts that let light through: left out, opaque here: 1 of 5 parts"),
+                    testing::Contains(HasSubstr("light through glass and off mirrors: left out"))));
   EXPECT_THAT(
       messageOf([&] { makePlan(readPipeline(pipeline_, with("[intensity, light_paths: {}]", "depth_camera"))); }),
       AllOf(HasSubstr("depth_camera ends each ray"), HasSubstr("`method: ray_tracing`")));
@@ -138,7 +143,8 @@ TEST_F(FootprintRun, IsLeftOutOfRecordings) {
            {.folder = out("kept"), .keepHits = out("hits"), .quiet = true});
   const Plan plan = makePlan(
       readPipeline(pipeline_, with("[intensity, footprint: {rays: 7}, light_paths: {}]"), recordingIn(out("hits"))));
-  EXPECT_THAT(modelled(plan, {}), testing::Contains("effect footprint: left out: a recording holds one ray per beam"));
+  EXPECT_THAT(linesOf(modelled(plan, {})),
+              testing::Contains("effect footprint: left out, a recording holds one ray per beam"));
   EXPECT_EQ(plan.pipeline.raysPerFrame(), plan.pipeline.beamsPerFrame());
   generate(plan, {.folder = out("again"), .quiet = true});
   EXPECT_EQ(scans(".pcd", "again").size(), scans(".pcd", "kept").size());

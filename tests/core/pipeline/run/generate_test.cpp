@@ -4,6 +4,7 @@
 #include <set>
 #include <thread>
 
+#include "base/hash.h"
 #include "dataset/card.h"
 #include "dataset/dataset_folder.h"
 #include "formats/format.h"
@@ -81,7 +82,7 @@ TEST_F(GenerateTest, TheManifestTellsWhatWasMade) {
   EXPECT_EQ(perSplit, (std::map<std::string, int>{{"test", 4}, {"train", 4}, {"val", 4}}));
   ASSERT_EQ(m.sensors.size(), 2u);
   EXPECT_EQ(m.sensors[1].name, "front");
-  EXPECT_EQ(m.sensors[1].vehicleFromSensor.translation, (Vec3d{2, 0, 0.8}));
+  EXPECT_EQ(m.sensors[1].vehicleFromSensor->translation, (Vec3d{2, 0, 0.8}));
   EXPECT_EQ(m.formats.size(), 3u);
 }
 
@@ -491,6 +492,38 @@ TEST_F(GenerateTest, ResumingRefusesOtherPipelines) {
   writeFile(scene, text);
   EXPECT_EQ(generate(plan, options).resumedShards, 1u);
   EXPECT_THAT(messageOf<InputError>([&] { generate(plan, options); }), HasSubstr("has a complete dataset"));
+}
+
+// An asset, a texture or a drive that changes between two runs would leave shards of both in one dataset.
+TEST_F(GenerateTest, ResumingRefusesAssetsThatHaveChanged) {
+  const std::filesystem::path mesh = folder_.write("models/crate.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n");
+  folder_.write("scenes/yard.yaml",
+                yardScene() + "  - {file: ../models/crate.obj, class: ground, position: [5, 0, 0]}\n");
+  const std::vector<std::string> overrides{"output.shard_samples=1", "trajectories.0.frames=3"};
+  const Manifest whole = sound(overrides, "whole");
+  const auto hashOf = [](const Manifest& m, const std::string& file) {
+    for (const FileRecord& record : m.files) {
+      if (record.file == file) return record.xxh3;
+    }
+    return std::string();
+  };
+  EXPECT_EQ(hashOf(whole, "models/crate.obj"), xxh3(readFile(mesh)));
+  EXPECT_EQ(hashOf(whole, "scenes/yard.yaml"), xxh3(readFile(folder_.path() / "scenes/yard.yaml")));
+  EXPECT_FALSE(hashOf(whole, "scanmill:labels/materials.yaml").empty());
+
+  const Plan plan = makePlan(readPipeline(pipeline_, overrides));
+  interrupt(out(), plan, out("whole"), {1});
+  GenerateOptions options{.folder = out(), .resume = true, .quiet = true};
+  writeFile(mesh, "v 0 0 0\nv 2 0 0\nv 0 0 2\nf 1 2 3\n");
+  EXPECT_THAT(messageOf<InputError>([&] { generate(plan, options); }),
+              testing::AllOf(HasSubstr("crate.obj"), HasSubstr("--overwrite"), HasSubstr("--resume=anyway")));
+  EXPECT_TRUE(std::filesystem::exists(out() / ".scanmill" / whole.shards[1].file)) << "nothing is lost";
+  GenerateOptions others{.folder = out(), .shards = {ShardChoice::Kind::Any, {}}, .quiet = true};
+  EXPECT_THAT(messageOf<InputError>([&] { generate(plan, others); }), HasSubstr("crate.obj"));
+  options.anyFiles = true;
+  const GenerateSummary mixed = generate(plan, options);
+  EXPECT_EQ(mixed.resumedShards, 1u);
+  EXPECT_EQ(mixed.manifest.files.size(), whole.files.size() + 1) << "both versions of the mesh";
 }
 
 }  // namespace

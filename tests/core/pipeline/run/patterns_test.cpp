@@ -128,29 +128,12 @@ TEST_F(Patterns, AFlashSeesAWallAtOneDepth) {
   for (const Vec3f& p : scan.position) EXPECT_NEAR(p.x, 30, 1e-4);
 }
 
-// The own vehicle blocks the other sensors, and what is left out of a rosette is told.
-TEST_F(Patterns, ARosetteBesideASensorWithItsVehicle) {
-  const std::string both =
-      "sensors=[{name: top, mount: {position: [0, 0, 2]}, columns: 90, rate_hz: 10, elevation_deg: {top: 5, bottom: "
-      "-50, rings: 12}, range_m: [0.3, "
-      "100]}, {name: front, columns: 500, rate_hz: 10, rosette: {field_deg: 40, turns_hz: [121.57, -77.73]}, range_m: "
-      "[0.3, 100]}]";
-  const Manifest blocked = sound({both, "vehicle={scene: vehicle, returns: drop}"}, "blocked");
-  EXPECT_THAT(blocked.modelled, testing::Contains(testing::AllOf(HasSubstr("% of the rays of 'top'"),
-                                                                 HasSubstr("none of 'front', left out"))));
-  const Manifest free = sound({both}, "free");
-  const auto points = [](const Manifest& m, std::size_t sensor) { return m.samples.at(0).scans.at(sensor).points; };
-  EXPECT_EQ(points(blocked, 1), points(free, 1));
-  EXPECT_LT(points(blocked, 0), points(free, 0));
-}
-
 TEST_F(Patterns, WhatARosetteCannotHaveIsRefused) {
   const std::string rosette = sensor(std::string(kPatterns[2]) + ", divergence_mrad: 3, pulse_ns: 5");
   EXPECT_THAT(messageOf([&] {
                 run({rosette, "effects=[intensity, footprint: {rays: 7}, detection]"});
               }),
               testing::AllOf(HasSubstr("effect footprint"), HasSubstr("effects: sensor")));
-  EXPECT_THAT(messageOf([&] { run({rosette, "vehicle=vehicle"}); }), HasSubstr("leave out `vehicle`"));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "pipeline/run/render.h"
 #include "tests/core/pipeline/small_world.h"
 #include "tests/support/gl.h"
+#include "tests/support/lines_of.h"
 
 namespace scanmill {
 namespace {
@@ -142,12 +143,12 @@ TEST_F(RecordedTest, WhatWasMetCannotBeTurnedOrMoved) {
   const Manifest manifest =
       generate(makePlan(readPipeline(bare, {}, recordingIn(out("hits")))), {.folder = out("bare"), .quiet = true})
           .manifest;
-  EXPECT_EQ(manifest.sensors.front().vehicleFromSensor.translation.z, 1.8);
-  EXPECT_THAT(manifest.modelled, testing::Contains("ego motion: as in the recording"));
+  EXPECT_EQ(manifest.sensors.front().vehicleFromSensor->translation.z, 1.8);
+  EXPECT_THAT(linesOf(manifest.modelled), testing::Contains("ego motion: as in the recording"));
 }
 
 TEST_F(RecordedTest, FoldersDoNotOverlap) {
-  for (const fs::path& hits : {out("same"), out("same") / "hits", folder_.path()}) {
+  for (const fs::path& hits : {out("same"), out("same") / "..hits", folder_.path()}) {
     expectInputError([&] { keep({}, "same", hits); }, {"separate folders"});
     EXPECT_FALSE(fs::exists(out("same") / "manifest.json"));
   }

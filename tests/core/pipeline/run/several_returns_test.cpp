@@ -7,6 +7,7 @@
 #include "formats/format.h"
 #include "pipeline/plan/sample_size.h"
 #include "tests/core/pipeline/two_returns_yard.h"
+#include "tests/support/lines_of.h"
 
 namespace scanmill {
 namespace {
@@ -152,7 +153,7 @@ TEST_F(SeveralReturns, AreCountedInTheManifest) {
         make({kAllColumns, fmt::format("output.layout={}", layout)}, fmt::format("counted_{}", layout));
     const Manifest manifest = readManifest(out(fmt::format("counted_{}", layout)));
     EXPECT_THAT(manifest.columns, AllOf(Contains("return"), Contains("cause")));
-    EXPECT_THAT(manifest.modelled, Contains("two returns: of no scene"));
+    EXPECT_THAT(linesOf(manifest.modelled), Contains("two returns: of no scene"));
     ASSERT_EQ(manifest.samples.size(), 4u);
     std::uint64_t points = 0;
     for (std::uint32_t frame = 0; frame < 4; ++frame) {

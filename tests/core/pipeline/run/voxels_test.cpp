@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "tests/core/pipeline/small_world.h"
+#include "tests/support/lines_of.h"
 
 namespace scanmill {
 namespace {
@@ -108,9 +109,9 @@ TEST_F(Voxels, AreTheSameOnAnyNumberOfThreadsAndLeaveScansAsTheyAre) {
 
 TEST_F(Voxels, AreCheckedByVerify) {
   sound({kVoxels});
-  EXPECT_THAT(readManifest(out()).modelled, Contains(HasSubstr("voxels: 180 x 120 x 10 of 0.5 m")));
+  EXPECT_THAT(linesOf(readManifest(out()).modelled), Contains(HasSubstr("voxels: 180 x 120 x 10 of 0.5 m")));
   sound({"output.voxels=false"}, "none");
-  EXPECT_THAT(readManifest(out("none")).modelled, Contains(HasSubstr("voxels: left out")));
+  EXPECT_THAT(linesOf(readManifest(out("none")).modelled), Contains(HasSubstr("voxels: left out")));
 }
 
 TEST_F(Voxels, KeysAreChecked) {

@@ -1,8 +1,11 @@
 #include "pipeline/scenes/own_vehicle.h"
 
+#include <set>
+
 #include "pipeline/checks/warnings.h"
 #include "pipeline/scenes/shot_source.h"
 #include "tests/core/pipeline/small_world.h"
+#include "tests/support/lines_of.h"
 
 namespace scanmill {
 namespace {
@@ -84,6 +87,36 @@ TEST_F(OwnVehicle, BlocksAndReturns) {
   }
 }
 
+// The beams of a rosette differ from revolution to revolution, and so do those that end on the roof.
+TEST_F(OwnVehicle, IsSeenByARosette) {
+  const std::string rosette =
+      "sensors=[{name: top, rosette: {field_deg: 80, turns_hz: [121, -77.7]}, columns: 2000, rate_hz: 10, "
+      "range_m: [0.1, 100], mount: {position: [0, 0, 1.8], pitch_deg: 50}}]";
+  sound(with({rosette, "effects=[intensity]"}), "with");
+  sound({rosette, "effects=[intensity]", "output.columns=[column]"}, "without");
+  const Pose vehicleFromSensor = makePlan(readPipeline(pipeline_, {rosette})).pipeline.sensors[0].vehicleFromSensor;
+  std::set<std::vector<std::uint16_t>> blocked;
+  for (std::size_t s = 0; s < 4; ++s) {
+    const Scan seen = scans(".pcd", "with")[s];
+    const Scan open = scans(".pcd", "without")[s];
+    std::vector<std::uint16_t> own;
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      if (seen[kCause][i] == 5) {
+        own.push_back(seen[kColumn][i]);
+        EXPECT_NEAR((vehicleFromSensor * Vec3d(seen.position[i])).z, 1.5, 1e-5);
+        continue;
+      }
+      const auto same = std::find(open[kColumn].begin(), open[kColumn].end(), seen[kColumn][i]);
+      ASSERT_NE(same, open[kColumn].end());
+      EXPECT_EQ(seen.position[i], open.position[static_cast<std::size_t>(same - open[kColumn].begin())]);
+    }
+    EXPECT_GT(own.size(), 200u);
+    EXPECT_LT(own.size(), seen.size());
+    blocked.insert(own);
+  }
+  EXPECT_EQ(blocked.size(), 4u);
+}
+
 TEST_F(OwnVehicle, IsWarnedOfWhereASensorSeesNothingElse) {
   const auto warnings = [&](const std::string& sensors) {
     const Plan plan = makePlan(readPipeline(pipeline_, with({"effects=[]", "sensors=[" + sensors + "]"})));
@@ -122,7 +155,7 @@ TEST_F(OwnVehicle, BlocksTheRaysOfFootprintsAndBehindGlass) {
 
 TEST_F(OwnVehicle, IsPlannedAndRefusedWhereItMeansNothing) {
   const Plan planned = makePlan(readPipeline(pipeline_, with()));
-  const auto lines = modelled(planned, ShotSource(planned).blockedShares());
+  const auto lines = linesOf(modelled(planned, ShotSource(planned).blockedShares()));
   EXPECT_THAT(lines, testing::Contains(HasSubstr("own vehicle: roof.yaml, blocks")));
   EXPECT_THAT(messageOf([&] { makePlan(readPipeline(pipeline_, with())).requireOneRay(); }), HasSubstr("vehicle"));
   EXPECT_THAT(messageOf([&] { readPipeline(pipeline_, {"vehicle=scenes/none.yaml"}); }), HasSubstr("none.yaml"));

@@ -93,7 +93,7 @@ TEST_F(MadeDataset, FiguresAreThoseOfTheScans) {
   }
   EXPECT_TRUE(has(page, report.manifest.shards[0].sha256.substr(0, 12)));
   EXPECT_TRUE(has(page, "# a tab"));  // of the pipeline's text
-  EXPECT_TRUE(has(page, "left out: glass"));
+  EXPECT_TRUE(has(page, "glass: left out"));
 }
 
 // Of ranges, classes and sensors alike: every point is in one place.
@@ -163,15 +163,15 @@ TEST_F(MadeDataset, TheTitleTellsTheFolder) {
 
 TEST_F(MadeDataset, WhatWasModelledOfManyScenesIsOneLine) {
   Manifest manifest = madeManifest();
-  manifest.modelled = {"geometry: exact", "instancing: 277 objects", "instancing: 94 objects"};
+  manifest.modelled = {{"geometry", "exact"},
+                       {"instancing", "277 objects", false, "", "", {"street-s1"}},
+                       {"instancing", "94 objects", false, "", "", {"street-s2"}}};
   const std::string page = datasetPage(made(manifest));
   EXPECT_TRUE(has(page, "<li>instancing: 94 to 277 objects (2 times)</li>"));
   EXPECT_TRUE(has(page, "<li>geometry: exact</li>"));
-  EXPECT_TRUE(has(page, "<li>street, seed 1: instancing: 277 objects</li>"));
-  EXPECT_TRUE(has(page, "<li>street, seed 2: instancing: 94 objects</li>"));
-  std::filesystem::remove_all(at());
-  manifest.modelled.push_back("instancing: 300 objects");  // of nobody knows which
-  EXPECT_FALSE(has(datasetPage(made(manifest)), "street, seed"));
+  EXPECT_TRUE(has(page, "<li>street-s1: instancing: 277 objects</li>"));
+  EXPECT_TRUE(has(page, "<li>street-s2: instancing: 94 objects</li>"));
+  EXPECT_FALSE(has(page, "street-s1: geometry"));
 }
 
 // What is to be done follows from what the dataset lacks.
@@ -378,7 +378,7 @@ TEST_F(MadeDataset, NamesStayText) {
   manifest.ontology.classes[1].name = evil;
   manifest.sensors[0].beams.model = evil;
   manifest.pipelineText = evil;
-  manifest.modelled = {evil};
+  manifest.modelled = {{evil, evil}};
   writeMadeDataset(at(), samples_, manifest);
   const std::string page = datasetPage(examined(at(), 2));
   EXPECT_FALSE(has(page, "<img src=x"));

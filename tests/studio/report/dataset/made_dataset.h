@@ -28,6 +28,11 @@ struct MadeSample {
 inline Manifest madeManifest() {
   Manifest manifest = testManifest();
   manifest.sensors.resize(1);
+  manifest.sequences.clear();
+  for (const std::uint64_t seed : {1, 2}) {
+    const std::string name = "street-s" + std::to_string(seed) + "-lane";
+    manifest.sequences.push_back({name, "street", "street.yaml", seed, "lane", true, ""});
+  }
   manifest.columns = {"x", "y", "z", "intensity", "label", "instance", "ring"};
   return manifest;
 }

@@ -1,0 +1,30 @@
+#pragma once
+
+// Which files a dataset was made from. This header is installed because pipeline/read/pipeline.h includes it.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/files_read.h"
+
+namespace scanmill {
+
+struct FileRecord {
+  std::string file;  // path, as savedPath() gives it
+  std::string xxh3;  // hash of the file's bytes
+  auto operator<=>(const FileRecord&) const = default;
+};
+
+// Returns the records of files. `folder`: the folder of the pipeline file.
+std::vector<FileRecord> recordsOf(const FilesRead& read, const std::filesystem::path& folder);
+
+// Adds records to a list and sorts it. Returns the first file in it that has two different hashes; empty if there is
+// none.
+std::string addFiles(const std::vector<FileRecord>& more, std::vector<FileRecord>& files);
+
+// Throws InputError at `dataset` if any of the files has other bytes now, or is missing; the message names these files.
+void expectSameFiles(const std::vector<FileRecord>& files, const std::filesystem::path& folder,
+                     const std::filesystem::path& dataset);
+
+}  // namespace scanmill

@@ -1,0 +1,36 @@
+#include "scan/modelled_item.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "base/append_new.h"
+
+namespace scanmill {
+
+std::string lineOf(const ModelledItem& item) {
+  const std::string sensor = item.sensor.empty() ? "" : fmt::format(" of '{}'", item.sensor);
+  const char* const gap = item.text.empty() ? "" : item.text.starts_with('(') ? " " : ", ";
+  return fmt::format("{}{}{}{}{}{}", item.topic, sensor, item.options.empty() ? "" : " " + item.options,
+                     item.topic.empty() ? "" : ": ", item.leftOut ? std::string("left out") + gap : "", item.text);
+}
+
+void addItems(const std::vector<ModelledItem>& more, std::vector<ModelledItem>& items) {
+  for (const ModelledItem& item : more) {
+    const auto known = std::find_if(items.begin(), items.end(), [&](const ModelledItem& other) {
+      ModelledItem same = item;
+      same.scenes = other.scenes;
+      return same == other;
+    });
+    if (known == items.end()) {
+      items.push_back(item);
+    } else if (item.scenes.empty()) {
+      known->scenes.clear();
+    } else if (!known->scenes.empty()) {
+      appendNew(item.scenes, known->scenes);
+    }
+  }
+}
+
+}  // namespace scanmill

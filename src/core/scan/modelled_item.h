@@ -1,0 +1,28 @@
+#pragma once
+
+// What a dataset models of the world and of its sensors, and what it leaves out. `scanmill plan` prints the items, the
+// manifest stores them.
+
+#include <string>
+#include <vector>
+
+namespace scanmill {
+
+struct ModelledItem {
+  std::string topic;  // "geometry", "effect speckle"; empty in datasets of earlier versions
+  std::string text;   // how it is modelled, or why it is left out
+  bool leftOut = false;
+  std::string sensor = {};               // name of the sensor that the item is about; empty: all sensors
+  std::string options = {};              // options of an effect, as YAML on one line
+  std::vector<std::string> scenes = {};  // scenes with their seeds, such as "street-s1"; empty: all scenes
+
+  bool operator==(const ModelledItem&) const = default;
+};
+
+// Returns an item without its scenes as one line, such as "voxels: left out (`output.voxels: true` adds ...)".
+std::string lineOf(const ModelledItem& item);
+
+// Adds items to a list. Items that differ only in their scenes become one item about all these scenes.
+void addItems(const std::vector<ModelledItem>& more, std::vector<ModelledItem>& items);
+
+}  // namespace scanmill

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scan/modelled_item.h"
+
+namespace scanmill {
+
+// What is modelled and left out, as lines.
+inline std::vector<std::string> linesOf(const std::vector<ModelledItem>& items) {
+  std::vector<std::string> lines;
+  for (const ModelledItem& item : items) lines.push_back(lineOf(item));
+  return lines;
+}
+
+}  // namespace scanmill
