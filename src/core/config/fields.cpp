@@ -15,7 +15,9 @@ std::string oneOf(std::string_view word, const std::vector<std::string>& names) 
   constexpr std::size_t kFew = 6;
   const std::string near = nearest(word, names);
   if (near.empty() || names.size() > kFew) return suggestion(word, names);
-  return fmt::format(" (did you mean '{}'? known: {})", near, fmt::join(names, ", "));
+  std::string hint = suggestion(word, {near});
+  hint.pop_back();  // the bracket
+  return fmt::format("{}{} known: {})", hint, hint.ends_with('?') ? "" : ";", fmt::join(names, ", "));
 }
 
 }  // namespace
@@ -46,7 +48,7 @@ const Value& Fields::require(std::string_view key) {
     if (std::find(known_.begin(), known_.end(), other) == known_.end()) unread.push_back(other);
   }
   const std::string typo = nearest(key, unread);
-  if (!typo.empty()) refuseUnknown(typo, *value_.find(typo), fmt::format(" (did you mean '{}'?)", key));
+  if (!typo.empty()) refuseUnknown(typo, *value_.find(typo), suggestion(typo, {std::string(key)}));
   throw InputError(value_.where, fmt::format("{}: the key '{}' is missing", what_, key));
 }
 
