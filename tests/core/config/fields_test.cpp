@@ -231,7 +231,9 @@ TEST(Fields, UnknownKeysAreRefusedWithTheNearest) {
   EXPECT_EQ(messageOf([&] { f.finish(); }),
             "pipelines/x.yaml:3:1: sensor: unknown key 'rat_hz' (did you mean 'rate_hz'?)");
   const Value late = yaml("every_ms: 100\n");
-  EXPECT_EQ(messageOf([&] { Fields(late, "sensor").number("every_s", {0, 10}); }),
+  EXPECT_EQ(messageOf([&] {
+              Fields(late, "sensor").number("every_s", {0, 10});
+            }),
             "pipelines/x.yaml:1:1: sensor: unknown key 'every_ms' (did you mean 'every_s'? Its unit is s, not ms)");
   const Value other = yaml("rings: 4\n  \nweather: {fog: 1}\n");
   Fields g(other, "sensor");
