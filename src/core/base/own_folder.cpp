@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -47,6 +48,17 @@ Descriptor openFolder(const fs::path& folder, const fs::path& below, const fs::p
 }
 
 }  // namespace
+
+bool isWithin(const fs::path& path, const fs::path& folder) {
+  const auto plain = [](const fs::path& given) {
+    std::error_code ignored;
+    const fs::path whole = fs::weakly_canonical(fs::absolute(given), ignored);
+    return whole.has_filename() ? whole : whole.parent_path();
+  };
+  const fs::path inner = plain(path);
+  const fs::path outer = plain(folder);
+  return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
+}
 
 Descriptor openFolderOf(const fs::path& folder, const fs::path& file, const char* what) {
   return openFolder(folder, file.parent_path(), file, what);

@@ -3,9 +3,10 @@
 // Creates, moves and removes files below a folder without following links, so that a folder that comes from somebody
 // else, such as an unpacked dataset, cannot make this program change files outside of it.
 //
-// In all functions `folder` must exist. It may itself be reached through links, because the user has named it. `file`,
-// `from`, `to` and `below` are paths that begin with `folder`. All functions throw ForeignFile if a folder on the way
-// down is a link or not a folder, and Error with the path and the reason for other failures.
+// In the functions that open or change something, `folder` must exist. It may itself be reached through links, because
+// the user has named it. `file`, `from`, `to` and `below` are paths that begin with `folder`. All functions throw
+// ForeignFile if a folder on the way down is a link or not a folder, and Error with the path and the reason for other
+// failures.
 
 #include <filesystem>
 
@@ -20,6 +21,9 @@ class ForeignFile : public InputError {
  public:
   using InputError::InputError;
 };
+
+// True if `path` is `folder` or lies in it, also through links. Neither path needs to exist.
+bool isWithin(const std::filesystem::path& path, const std::filesystem::path& folder);
 
 // Opens the folder that contains `file`, for openat() and the like (O_PATH). `what` stands in the Error where this
 // fails: "a.txt: cannot be written: No such file or directory".

@@ -102,6 +102,18 @@ TEST_F(OwnFolderTest, TheFolderItselfMayBeALink) {
   EXPECT_TRUE(fs::is_empty(own_ / "p/q"));
 }
 
+TEST_F(OwnFolderTest, WhatLiesWithinIsDecidedByNamesAndLinks) {
+  const fs::path named = folder_.path() / "named";
+  fs::create_directory_symlink("own", named);
+  for (const fs::path& inside : {own_, own_ / "", own_ / "..hits", own_ / "x/../y", named, named / "new/one"}) {
+    EXPECT_TRUE(isWithin(inside, own_)) << inside;
+    EXPECT_TRUE(isWithin(inside, named)) << inside;
+  }
+  for (const fs::path& beside : {folder_.path(), outside_, own_ / "../outside", fs::path(own_.string() + "er")}) {
+    EXPECT_FALSE(isWithin(beside, own_)) << beside;
+  }
+}
+
 // Processes of one number run side by side in containers.
 TEST_F(OwnFolderTest, NoTwoWritersShareATemporaryName) {
   const AtomicFile one(own_ / "train-000000.tar");
