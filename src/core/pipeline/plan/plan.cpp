@@ -219,13 +219,6 @@ Plan makePlan(Pipeline read, Channels kept) {
     plan.sensors.push_back(
         {beams, raysPerBeam == 1 ? nullptr : std::make_shared<const Footprint>(makeFootprint(*beams, raysPerBeam))});
   }
-  const bool blocks = std::any_of(plan.sensors.begin(), plan.sensors.end(),
-                                  [](const PlannedSensor& sensor) { return !sensor.beams->rosette; });
-  if (!pipeline.vehicle.empty() && !blocks) {
-    throw InputError(pipeline.sensors.front().description.where,
-                     fmt::format("the beams of '{}' change from revolution to revolution: leave out `vehicle`",
-                                 pipeline.sensors.front().name));
-  }
   if (!pipeline.vehicle.empty() && pipeline.recording != nullptr) {
     throw InputError({pipeline.file.string()},
                      fmt::format("the recording in {} has no data of a vehicle: leave out `vehicle`",

@@ -27,9 +27,15 @@ ShotSetup setupOf(const Plan& plan, const FrameSettings& settings, const Scene& 
 TraceAccount traceShot(const ShotSetup& setup, const Shot& shot, Hits& hits) {
   Shot rays = shot;
   if (setup.footprint != nullptr) rays.beams = setup.footprint->rays;
-  if (setup.vehicle != nullptr) rays.blockedBeyond = setup.vehicle->range;
+  const BlockedRays* vehicle = setup.vehicle;
+  BlockedRays ofRevolution;
+  if (vehicle != nullptr && vehicle->ofRevolution) {
+    ofRevolution = vehicle->ofRevolution(*rays.beams);
+    vehicle = &ofRevolution;
+  }
+  if (vehicle != nullptr) rays.blockedBeyond = vehicle->range;
   TraceAccount account = setup.method.trace(rays, setup.channels, hits);
-  if (setup.vehicle != nullptr) blockByVehicle(*setup.vehicle, shot.beams->minRange, hits);
+  if (vehicle != nullptr) blockByVehicle(*vehicle, shot.beams->minRange, hits);
   if (setup.footprint != nullptr) joinRays(*setup.footprint, hits);
   if (setup.paths != nullptr) account += followLight(setup.method, rays, setup.receiver.materials, *setup.paths, hits);
   return account;

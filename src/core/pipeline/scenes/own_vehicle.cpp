@@ -4,8 +4,6 @@
 #include <memory>
 #include <vector>
 
-#include "methods/method.h"
-
 namespace scanmill {
 
 namespace {
@@ -38,8 +36,7 @@ double BlockedRays::share() const {
 }
 
 // Traces some rings at a time, since few rays hit the vehicle and only their hits are kept.
-BlockedRays traceVehicle(const Scene& vehicle, const BeamTable& rays, const Pose& vehicleFromSensor) {
-  const auto method = makeReference(vehicle);
+BlockedRays traceVehicle(const Method& vehicle, const BeamTable& rays, const Pose& vehicleFromSensor) {
   BlockedRays found;
   found.range.reserve(rays.size());
   found.hits.reset(0, 0, Channels::all());
@@ -51,7 +48,7 @@ BlockedRays traceVehicle(const Scene& vehicle, const BeamTable& rays, const Pose
   const std::uint32_t together = std::max(1u, kRaysTogether / rays.columns);
   for (std::uint32_t ring = 0; ring < rays.rings; ring += together) {
     takeRings(rays, ring, std::min(together, rays.rings - ring), *table);
-    method->trace(shot, Channels::all(), some);
+    vehicle.trace(shot, Channels::all(), some);
     const std::size_t before = found.range.size();
     found.range.insert(found.range.end(), some.range.begin(), some.range.end());
     for (std::size_t ray = 0; ray < some.rays(); ++ray) {
