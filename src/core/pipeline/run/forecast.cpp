@@ -29,6 +29,7 @@ namespace {
 
 constexpr double kStartSeconds = 0.1;  // time for reading the pipeline and finishing the dataset (s)
 constexpr double kLowMount = 0.5;      // m above the vehicle's origin; lower sensors count as mounted on the ground
+constexpr double kMostBeams = 5e5;  // beams of a frame of the small town; those of larger frames are thinned to these
 
 // Factors by which the costs of the small town are multiplied for a kind of scene, and spreads: the factors by which
 // measured values were above or below forecasts. All were fitted to the pipelines that come with the program (2 cores
@@ -69,8 +70,21 @@ SceneFactors factorsOf(const std::filesystem::path& file) {
   return kOfFiles;
 }
 
-// Returns the pipeline with its scenes replaced by the small town of scenes/hamlet.yaml.
-Pipeline inSmallTown(const Pipeline& pipeline, const Reread& reread) {
+// Adds changes that leave `share` of the columns of each sensor that states a number of columns.
+void takeFewerColumns(const Pipeline& pipeline, double share, std::vector<std::string>& changes) {
+  for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
+    const Value& sensor = pipeline.sensors[s].description;
+    if (sensor.find("columns") == nullptr || sensor.find("raster") != nullptr) continue;
+    const auto columns = static_cast<std::uint64_t>(static_cast<double>(pipeline.sensors[s].size.columns) * share);
+    changes.push_back(
+        fmt::format("sensors.{}.columns={}", s, std::max<std::uint64_t>({columns, 1, pipeline.motion.steps})));
+  }
+}
+
+// Returns the pipeline with its scenes replaced by the small town of scenes/hamlet.yaml, and with fewer columns if a
+// frame has more than kMostBeams. `townsClasses`: true: with the classes of that scene, and without the own vehicle,
+// which may have others; false: with the pipeline's classes.
+Pipeline inSmallTown(const Pipeline& pipeline, const Reread& reread, bool townsClasses) {
   Value town;
   town.kind = Value::Kind::Scalar;
   town.text = (resourceFolder() / "scenes" / "hamlet.yaml").string();
@@ -90,6 +104,9 @@ Pipeline inSmallTown(const Pipeline& pipeline, const Reread& reread) {
                   low ? ", ground: {height: 1.8}" : ""),
       "splits=null"};
   if (pipeline.method.automatic) changes.emplace_back("method=ray_tracing");
+  if (townsClasses) changes.insert(changes.end(), {"labels=null", "vehicle=null"});
+  const double share = kMostBeams / static_cast<double>(pipeline.beamsPerFrame());
+  if (share < 1) takeFewerColumns(pipeline, share, changes);
   return reread(changes);
 }
 
@@ -120,12 +137,18 @@ void measure(const Plan& plan, SampleCosts& costs) {
   makeAll();
   const WallTimer timer;
   makeAll();
-  costs.threads =
-      static_cast<int>(std::min<std::size_t>(plan.framesInFlight(), static_cast<std::size_t>(threadCount())));
-  costs.cores = std::min(costs.threads, std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
-  const auto made = static_cast<double>(samples);
-  costs.frameSeconds = timer.seconds() * std::min<double>(costs.threads, made) / made;
-  for (const double b : bytes) costs.frameBytes += b / made;
+  costs.frameSeconds = timer.seconds();  // of one frame for each thread
+  for (const double b : bytes) costs.frameBytes += b / static_cast<double>(samples);
+}
+
+// Measures the costs of the small town, and scales those of a frame to all of the pipeline's beams.
+void measureInSmallTown(const Pipeline& pipeline, const Reread& reread, bool townsClasses, SampleCosts& costs) {
+  const Plan small = makePlan(inSmallTown(pipeline, reread, townsClasses));
+  measure(small, costs);
+  const double more =
+      static_cast<double>(pipeline.beamsPerFrame()) / static_cast<double>(small.pipeline.beamsPerFrame());
+  costs.frameSeconds *= more;
+  costs.frameBytes *= more;
 }
 
 // Scales the costs of the small town to the pipeline's scenes, by the factors of these scenes.
@@ -163,13 +186,20 @@ void scale(const Pipeline& pipeline, SampleCosts& costs) {
 
 SampleCosts measureSampleCosts(const Plan& plan, const Reread& reread) {
   SampleCosts costs;
+  costs.threads = static_cast<int>(plan.framesInFlight());
+  costs.cores = std::min(costs.threads, std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
   if (plan.pipeline.recording != nullptr) {
     measure(plan, costs);
     costs.timeSpread = 1.5;
     costs.byteSpread = 1.2;
     return costs;
   }
-  measure(makePlan(inSmallTown(plan.pipeline, reread)), costs);
+  try {
+    measureInSmallTown(plan.pipeline, reread, false, costs);
+  } catch (const InputError&) {
+    // The town may not fit the pipeline's classes, which hardly change the costs.
+    measureInSmallTown(plan.pipeline, reread, true, costs);
+  }
   scale(plan.pipeline, costs);
   return costs;
 }

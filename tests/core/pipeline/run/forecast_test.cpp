@@ -94,10 +94,46 @@ TEST_F(ForecastTest, OfARecordingIsThatOfItsOwnSamples) {
   EXPECT_LT(static_cast<double>(made.bytes), told.bytes.most);
 }
 
+// A tripod's scan of millions of beams is measured on some of its columns.
+TEST_F(ForecastTest, OfManyBeamsIsMeasuredOnSome) {
+  const SampleCosts some = costsOf({"sensors.0.columns=1000", "sensors.0.elevation_deg.rings=500"});
+  std::vector<std::string> changed;
+  const Reread all = rereadWith({"sensors.0.columns=6000", "sensors.0.elevation_deg.rings=500"});
+  const Reread reread = [&](const std::vector<std::string>& more) {
+    changed = more;
+    return all(more);
+  };
+  const SampleCosts many = measureSampleCosts(makePlan(all({})), reread);
+  EXPECT_THAT(changed, testing::Contains("sensors.0.columns=1000"));
+  EXPECT_DOUBLE_EQ(many.frameBytes, 6 * some.frameBytes);
+}
+
+// The small town has the program's classes; those of the own scenes, vehicle and `labels` are left out of it.
+TEST_F(ForecastTest, NeedsNoClassOfTheTown) {
+  const std::string own = folder_.write("own.yaml", R"(name: own
+source: a test
+classes:
+  - {id: 0, name: unlabeled, color: [0, 0, 0]}
+  - {id: 1, name: ground, color: [1, 0, 0]}
+  - {id: 2, name: wall, color: [2, 0, 0]}
+  - {id: 3, name: car, color: [3, 0, 0], thing: true}
+)");
+  std::string scene = yardScene();
+  scene.replace(0, scene.find('\n'), "ontology: " + own);
+  folder_.write("scenes/yard.yaml", scene);
+  EXPECT_GT(costsOf({"vehicle=scenes/yard.yaml"}).frameBytes, 0);
+  EXPECT_GT(costsOf({"labels=own.yaml"}).frameBytes, 0);
+}
+
+// Which an effect names, so that it is needed.
 TEST_F(ForecastTest, SaysWhyThereIsNone) {
   folder_.write("other.yaml",
-                "name: other\nsource: a test\nclasses:\n  - {id: 0, name: unlabeled, color: [0, 0, 0]}\n");
-  EXPECT_THAT(messageOf<Error>([&] { costsOf({"labels=other.yaml"}); }), HasSubstr("ontology 'other' has no class"));
+                "name: other\nsource: a test\nclasses:\n  - {id: 0, name: unlabeled, color: [0, 0, 0]}\n"
+                "  - {id: 1, name: drizzle, color: [1, 0, 0]}\n");
+  EXPECT_THAT(messageOf<Error>([&] {
+                costsOf({"labels=other.yaml", "effects=[intensity, weather: {kind: rain, label: drizzle}]"});
+              }),
+              HasSubstr("'drizzle'"));
 }
 
 }  // namespace
