@@ -202,6 +202,21 @@ Rows exampleRows(const char* folder) {
   return rows;
 }
 
+// Returns the scenes that can be scanned: the scene `empty`, to which programs add their objects, has none.
+Rows sceneRows() {
+  Rows rows = exampleRows("scenes");
+  std::erase_if(rows, [](const auto& row) {
+    try {
+      const Value root = readYaml(row.back());
+      const Value* const objects = root.find("objects");
+      return objects == nullptr || objects->items.empty();
+    } catch (const InputError&) {
+      return false;  // it names an environment variable that is not set here
+    }
+  });
+  return rows;
+}
+
 // Prints the devices that compute and draw by OpenGL; opens each for a moment to test it.
 void printDevices() {
   Rows rows;
@@ -251,7 +266,7 @@ int runList(const std::vector<std::string>& arguments) {
       {"columns", columnRows},
       {"ontologies", ontologyRows},
       {"materials", materialRows},
-      {"scenes", [] { return exampleRows("scenes"); }},
+      {"scenes", sceneRows},
       {"pipelines", [] { return exampleRows("pipelines"); }},
   };
   constexpr const char* kDevices = "devices";  // devices are listed only on request, since opening them takes time

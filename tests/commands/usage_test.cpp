@@ -44,6 +44,8 @@ TEST(Usage, ListNamesWhatThePipelineMayName) {
   EXPECT_EQ(formats.code, 0);
   EXPECT_THAT(formats.out, AllOf(HasSubstr("pcd"), testing::Not(HasSubstr("ray_tracing"))));
   EXPECT_THAT(all.out, HasSubstr(formats.out.substr(0, formats.out.find("\n\nkeys"))));
+  EXPECT_THAT(scanmill({"list", "scenes"}).out, AllOf(HasSubstr("hamlet"), testing::Not(HasSubstr("empty"))))
+      << "which has nothing to scan";
 }
 
 TEST(Usage, ThePageOfInputsIsWhatTheProgramSays) {
