@@ -150,6 +150,10 @@ std::string describe(const fs::path& folder, std::uint64_t most, const Manifest&
 
 void DatasetFolder::check(const fs::path& folder, FolderUse use) {
   try {
+    if (use != FolderUse::Share && isUnfinished(folder)) {
+      // Names the process that writes into the folder, if there is one.
+      const FolderLock free(folder, folder / kHiddenName / kLockName);
+    }
     checkUse(folder, use);
   } catch (const fs::filesystem_error& error) {
     throw InputError({folder.string()}, "cannot be used as output folder: " + error.code().message());

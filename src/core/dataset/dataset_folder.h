@@ -39,8 +39,8 @@ class DatasetFolder {
   DatasetFolder(const DatasetFolder&) = delete;
   DatasetFolder& operator=(const DatasetFolder&) = delete;
 
-  // Throws the errors of the constructor about the contents of the folder, except the error about another plan. Changes
-  // nothing.
+  // Throws the errors of the constructor about the contents of the folder and about other processes, except the error
+  // about another plan. Changes no dataset.
   static void check(const std::filesystem::path& folder, FolderUse use);
 
   // Removes the hidden folder if it is left over from a process that was killed after it had written the manifest.

@@ -15,6 +15,7 @@
 #include "base/file.h"
 #include "base/folder_lock.h"
 #include "base/hash.h"
+#include "base/own_folder.h"
 #include "base/parallel.h"
 #include "config/resources.h"
 #include "config/version.h"
@@ -50,8 +51,7 @@ class Export {
     if (store_.manifest() == nullptr || store_.folder() != options.dataset) {
       throw InputError({options.dataset.string()}, "is not the folder of a dataset: export reads complete datasets");
     }
-    const fs::path within = fs::weakly_canonical(options.folder).lexically_relative(fs::canonical(options.dataset));
-    if (!within.empty() && *within.begin() != "..") {
+    if (isWithin(options.folder, options.dataset)) {
       throw InputError({options.folder.string()}, "is within the dataset's folder: name another folder with -o");
     }
     plan_.dataset = options.dataset;
@@ -217,6 +217,9 @@ class Export {
     if (!fs::exists(folder, failure)) return false;
     if (!fs::is_directory(folder, failure))
       throw InputError({folder.string()}, "is not a folder: name a folder with -o");
+    if (fs::exists(folder / kUnfinished, failure)) {
+      const FolderLock free(folder, folder_.place(kLock));  // names the process that writes, if there is one
+    }
     const bool exported = fs::exists(folder / kRecord, failure) || fs::exists(folder / kUnfinished, failure);
     if (exported && options_.overwrite) return false;
     if (fs::exists(folder / kRecord, failure)) {

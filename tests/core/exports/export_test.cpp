@@ -107,9 +107,10 @@ TEST_F(Exports, ResumingCleansUpAndTellsWhenNothingIsLeft) {
   folder_.write("out/notes.partial-final", "mine");
   ExportOptions again = options("ply", "out");
   again.resume = true;
-  {
+  for (const bool resume : {false, true}) {
     const FolderLock other(cut.folder, cut.folder / ".scanmill_export.lock");
-    EXPECT_THAT(messageOf<InputError>([&] { exportDataset(again); }), HasSubstr("out"));
+    again.resume = resume;
+    EXPECT_THAT(messageOf<InputError>([&] { exportDataset(again); }), HasSubstr("is being written by process"));
   }
   exportDataset(again);
   auto files = filesIn(cut.folder);
