@@ -74,6 +74,14 @@ TEST_F(ReadPipeline, FillsInDefaults) {
   EXPECT_EQ(p.maxRays, 1e11);
 }
 
+// Keys are ASCII, so that every tar reader reads the same names; names of other scripts stay apart.
+TEST_F(ReadPipeline, NamesOfOtherScriptsKeepTheirCodesInKeys) {
+  EXPECT_EQ(keyPart("Straße 7.b"), "strau00dfe_7_b");
+  EXPECT_THAT(keys({"trajectories=[{name: 北, poses: [{position: [0, 0, 0]}]}, "
+                    "{name: 南, poses: [{position: [1, 0, 0]}]}]"}),
+              ElementsAre(HasSubstr("yard-s1-u5317 "), HasSubstr("yard-s1-u5357 ")));
+}
+
 // Every seed of a town has a lane of its own; the trajectory follows it, on the road's surface.
 TEST_F(ReadPipeline, FollowsTheLaneOfATown) {
   folder_.write("scenes/place.yaml", fmt::format("ontology: {0}/labels/scanmill.yaml\n"
@@ -306,13 +314,13 @@ const Refusal kRefusals[] = {
      "sensors:",
      "  - {name: Drive, poses: [{position: [0, 0, 0]}]}\nsensors:",
      "{name: Drive",
-     {"two trajectories", "'Drive'"}},
+     {"two trajectories", "'drive' and 'Drive'"}},
     {"TwoSeeds", "yard.yaml", "yard.yaml\n    seeds: [5, 6, 5]", "5]", {"seed 5 is listed twice"}},
     {"TwoScenes",
      "yard.yaml",
      "yard.yaml\n  - {scene: other/yard.yaml}",
      "{scene: other",
-     {"'yard-s1-drive'", "twice"}},
+     {"two sequences", "'yard-s1-drive'"}},
     // Names that become names of files.
     {"SensorName", "name: top", "name: Top/Left", "Top/Left", {"file names", "'top_left'"}},
     {"SensorNameEmpty", "name: top", "name: ''", "''", {"empty"}},
