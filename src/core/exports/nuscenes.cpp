@@ -20,7 +20,8 @@
 //   because times must differ from scene to scene. Times and ego_pose are those at the start of a revolution.
 // - sample_annotation has the listed objects that have at least one point and whose class in labels/nuscenes.yaml is a
 //   thing class, because nuScenes has boxes only for these. Boxes are where the beams of the first lidar that sees the
-//   object hit it. num_lidar_pts counts the points of all lidars; visibility is the greatest one from a lidar.
+//   object hit it, and have one size per instance: the greatest of its boxes in the scene. num_lidar_pts counts the
+//   points of all lidars; visibility is the greatest one from a lidar.
 // - Instances are numbered from 1 to 999 within each class of a scene, in the order of the dataset's ids.
 // - splits.json lists the scenes of each split, for newer versions of the devkit. These versions reserve the names of
 //   nuScenes's splits (`train`, `val`, ...), so each split is also listed with a prefix, as `scanmill_train`.

@@ -119,10 +119,11 @@ class JsonListFile {
   std::vector<std::string> items_;
 };
 
-// Returns the token of one of nuScenes' four levels of visibility, "1" to "4"; empty if the visibility is unknown.
+// Returns the token of one of nuScenes' four levels of visibility, "1" to "4". nuScenes has no level for an unknown
+// visibility; such an object, which only edges of beams hit, gets the lowest one.
 std::string visibilityToken(const std::optional<double>& visible) {
-  if (!visible) return "";
-  return *visible < 0.4 ? "1" : *visible < 0.6 ? "2" : *visible < 0.8 ? "3" : "4";
+  const double share = visible.value_or(0);
+  return share < 0.4 ? "1" : share < 0.6 ? "2" : share < 0.8 ? "3" : "4";
 }
 
 // Returns the attribute (moving, parked, ...) of an object; empty if nuScenes has no attribute for its category.
@@ -400,6 +401,22 @@ class Tables {
     return seen;
   }
 
+  // Returns the greatest length, width and height (m) of each object with points in the sequence's frames, by the
+  // dataset's instance id: nuScenes gives an instance one size, but an animated object's box changes with its shape.
+  std::map<std::uint32_t, Vec3d> trackSizes(std::size_t s) const {
+    std::map<std::uint32_t, Vec3d> sizes;
+    for (std::size_t f = 0; f < plan_.sequences[s].samples.size(); ++f) {
+      const std::optional<SampleObjects> all = read_(s, f);
+      if (!all) continue;
+      for (const ObjectRecord& object : all->objects) {
+        if (seenBy(object).points == 0) continue;
+        Vec3d& size = sizes[object.id];
+        for (const auto side : {&Vec3d::x, &Vec3d::y, &Vec3d::z}) size.*side = std::max(size.*side, object.size.*side);
+      }
+    }
+    return sizes;
+  }
+
   void addAnnotations(std::size_t s) {
     struct Annotated {
       std::uint16_t category = 0;
@@ -410,6 +427,7 @@ class Tables {
     };
     const ExportSequence& sequence = plan_.sequences[s];
     JsonListFile& annotations = tables_.at("sample_annotation");
+    const std::map<std::uint32_t, Vec3d> sizes = trackSizes(s);
     std::map<std::uint32_t, Annotated> instances;  // by the dataset's instance ids
     for (std::size_t f = 0; f < sequence.samples.size(); ++f) {
       const std::optional<SampleObjects> all = read_(s, f);
@@ -419,7 +437,7 @@ class Tables {
         const SemanticClass& category = plan_.classes.classOf(object.semantic);
         const Seen seen = seenBy(object);
         if (!category.thing || seen.points == 0) continue;
-        OrderedJson row = annotation(s, sample, object, seen, category.name);
+        OrderedJson row = annotation(s, sample, object, seen, sizes.at(object.id), category.name);
         Annotated& instance = instances[object.id];
         if (instance.annotations++ == 0) {
           instance.category = category.id;
@@ -449,9 +467,9 @@ class Tables {
 
   // Returns a row of sample_annotation. Its box is the object's box relative to the first sensor that sees it, when the
   // beams hit the object, placed in the world by the sensor's pose at the start of the revolution. The box thus fits
-  // the points of this sensor.
+  // the points of this sensor. `size`: size of the object's track (m).
   OrderedJson annotation(std::size_t s, const SampleRecord& sample, const ObjectRecord& object, const Seen& seen,
-                         const std::string& category) const {
+                         const Vec3d& size, const std::string& category) const {
     const std::string what = fmt::format("{}: object {}", sample.key, object.id);
     const Pose worldFromBox = scanOf(plan_, sample, seen.sensor).worldFromSensor.front() * seen.first->sensorFromBox;
     OrderedJson attributes = OrderedJson::array();
@@ -464,7 +482,7 @@ class Tables {
             {"visibility_token", visibilityToken(seen.visibility)},
             {"attribute_tokens", std::move(attributes)},
             {"translation", listOf(worldFromBox.translation, what)},
-            {"size", listOf(Vec3d{object.size.y, object.size.x, object.size.z}, what)},
+            {"size", listOf(Vec3d{size.y, size.x, size.z}, what)},
             {"rotation", listOf(worldFromBox.rotation, what)},
             {"prev", ""},
             {"next", ""},

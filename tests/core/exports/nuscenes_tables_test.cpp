@@ -152,10 +152,11 @@ TEST_F(NuScenesTables, AnnotatesThingsWithPointsOnly) {
     std::uint32_t beams;  // of 100
     std::uint64_t points;
   };
-  const std::vector<Case> cases{
-      {"car", 0.1, true, 39, 5},   {"car", 0, false, 40, 5},        {"truck", 0.3, true, 59, 5},
-      {"bicycle", 0, true, 60, 5}, {"motorcycle", 0, false, 79, 5}, {"pedestrian", 1, true, 80, 5},
-      {"animal", 1, true, 100, 1}, {"car", 9, true, 100, 0},        {"building", 0, false, 100, 9}};
+  const std::vector<Case> cases{{"car", 0.1, true, 39, 5},       {"car", 0, false, 40, 5},
+                                {"truck", 0.3, true, 59, 5},     {"bicycle", 0, true, 60, 5},
+                                {"motorcycle", 0, false, 79, 5}, {"pedestrian", 1, true, 80, 5},
+                                {"animal", 1, true, 100, 1},     {"truck", 0, false, 0, 3},
+                                {"car", 9, true, 100, 0},        {"building", 0, false, 100, 9}};
   write(*layout_);
   layout_->finish(
       plan_,
@@ -170,6 +171,7 @@ TEST_F(NuScenesTables, AnnotatesThingsWithPointsOnly) {
           object.velocity = {0, c.speed, 0};
           object.moves = c.moves;
           object.views.front().beams = c.beams;
+          if (c.beams == 0) object.views.front().beamsAlone = 0;  // only edges of beams hit it
           object.views.front().points = c.points;
           all.objects.push_back(object);
         }
@@ -182,12 +184,30 @@ TEST_F(NuScenesTables, AnnotatesThingsWithPointsOnly) {
   readTables(R"(
 attribute = {row['token']: row['name'] for row in table['attribute']}
 found = [(a['category_name'], a['visibility_token'], [attribute[t] for t in a['attribute_tokens']])
-         for a in table['sample_annotation'][:7]]
+         for a in table['sample_annotation'][:8]]
 assert found == [('vehicle.car', '1', ['vehicle.stopped']), ('vehicle.car', '2', ['vehicle.parked']),
                  ('vehicle.truck', '2', ['vehicle.moving']), ('vehicle.bicycle', '3', ['cycle.with_rider']),
                  ('vehicle.motorcycle', '3', ['cycle.without_rider']),
-                 ('human.pedestrian.adult', '4', ['pedestrian.moving']), ('animal', '4', [])], found
-assert len(table['sample_annotation']) == 4 * 7 and len(table['instance']) == 2 * 7
+                 ('human.pedestrian.adult', '4', ['pedestrian.moving']), ('animal', '4', []),
+                 ('vehicle.truck', '1', ['vehicle.parked'])], found
+assert len(table['sample_annotation']) == 4 * 8 and len(table['instance']) == 2 * 8
+)");
+}
+
+// A pedestrian's box grows with each stride; that of nuScenes holds all of them.
+TEST_F(NuScenesTables, AnInstanceHasOneSize) {
+  write(*layout_);
+  layout_->finish(
+      plan_,
+      [&](std::size_t s, std::size_t f) {
+        SampleObjects all = objects(s, f);
+        all.objects.back().size = f == 0 ? Vec3d{0.9, 0.6, 1.7} : Vec3d{0.5, 0.7, 1.75};
+        return std::optional(all);
+      },
+      folder());
+  readTables(R"(
+sizes = [a['size'] for a in table['sample_annotation'] if a['category_name'].startswith('human')]
+assert sizes == [[0.7, 0.9, 1.75]] * 4, sizes   # width, length, height
 )");
 }
 
