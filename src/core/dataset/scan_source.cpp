@@ -14,7 +14,7 @@ ScanSource findScan(const std::filesystem::path& path, const std::string& sample
       throw InputError({path.string()},
                        "is a single scan, so that --sample and --sensor have no effect: leave them out");
     }
-    return {store.decode(0, {}), store.keys().front(), {}};
+    return {store.decode(0, {}), store.keys().front(), nullptr, {}};
   }
   const std::size_t chosen = findKey(store.keys(), sample, path.string());
   const std::string& key = store.keys()[chosen];
@@ -22,6 +22,7 @@ ScanSource findScan(const std::filesystem::path& path, const std::string& sample
   ScanSource source;
   source.scan = store.decode(chosen, first);
   source.title = first.sensor.empty() ? key : key + ", " + lowerCase(first.sensor);
+  source.beams = store.beams(first.sensor, first.record == nullptr ? 0 : first.record->time);
   if (store.ontology() != nullptr) source.ontology = *store.ontology();
   return source;
 }

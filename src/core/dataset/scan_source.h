@@ -3,18 +3,21 @@
 // Finds and decodes a scan that a user specifies.
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include "scan/scan.h"
 #include "scene/ontology.h"
+#include "sensors/beams.h"
 
 namespace scanmill {
 
 struct ScanSource {
   Scan scan;
-  std::string title;                 // for example "street-s1-lane-000010, top"
-  std::optional<Ontology> ontology;  // from the dataset's manifest or the folder's layout; none: unknown classes
+  std::string title;                       // for example "street-s1-lane-000010, top"
+  std::shared_ptr<const BeamTable> beams;  // beam table of the sensor; null if unknown
+  std::optional<Ontology> ontology;        // from the dataset's manifest or the folder's layout; none: unknown classes
 };
 
 // Finds and decodes a scan. `path`: a dataset's folder, a shard, a folder of recorded scans, or a single scan in any

@@ -23,6 +23,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "dataset/world_places.h"
 #include "exports/las_head.h"
 #include "exports/scan_files.h"
 #include "formats/little_endian.h"
@@ -36,50 +37,6 @@ constexpr double kStep = 0.0005;        // m, step of the coordinates in the fil
 constexpr std::uint8_t kSynthetic = 1;  // the bit "synthetic" of the classification flags
 
 constexpr ColumnKey<columnIndex("returns")> kReturns;
-
-// Transforms the points of a scan to the world. Points of a deskewed scan are in the sensor's frame at the start of the
-// revolution, points of other scans in the sensor's frame when their column fired. The record has the poses at the
-// first and the last column; in between, the motion of the sensor is interpolated linearly.
-class WorldPlaces {
- public:
-  WorldPlaces(const ExportPlan& plan, const ExportScan& given)
-      : scan_(given.scan),
-        first_(given.record->worldFromSensor.front()),
-        last_(given.record->worldFromSensor.back()),
-        moves_(given.record->worldFromSensor.size() > 1 && !plan.manifest.deskewed),
-        knowsBeams_(knowsBeams(given.scan)) {
-    if (!moves_) return;
-    const BeamTable& beams = given.sensor->beams;
-    if (beams.listed != nullptr) {
-      starts_ = beams.listed->columnStarts(beams.columns);
-    } else {
-      for (std::uint32_t column = 0; column < beams.columns; ++column) starts_.push_back(beams.columnTime(column));
-    }
-  }
-
-  Vec3d of(std::size_t point) const {
-    const Vec3d own(scan_.position[point]);
-    return moves_ ? interpolate(first_, last_, shareOf(point)) * own : first_ * own;
-  }
-
- private:
-  // Returns the fraction of the sensor's motion at the time when a point is measured, from 0 at the first column to 1
-  // at the last. If the scan has no beam numbers, the fraction is derived from the point's time, which ignores offsets
-  // between the rings' times; without a time it is 0.
-  double shareOf(std::size_t point) const {
-    const double all = starts_.empty() ? 0 : starts_.back() - starts_.front();
-    if (!(all > 0)) return 0;
-    if (!knowsBeams_) return scan_[kTime].empty() ? 0 : (scan_[kTime][point] - starts_.front()) / all;
-    const std::size_t column = std::min<std::size_t>(keyOf(scan_, point).column, starts_.size() - 1);
-    return (starts_[column] - starts_.front()) / all;
-  }
-
-  const Scan& scan_;
-  Pose first_, last_;
-  bool moves_ = false;
-  bool knowsBeams_ = false;
-  std::vector<double> starts_;  // firing time of each column (s since the start of the revolution)
-};
 
 // Computes return numbers. If the scan lacks one of the columns for them and the beams are known, the points of each
 // beam, which are in the order of their returns, are counted.
@@ -133,7 +90,7 @@ class Las : public ScanFiles {
  protected:
   std::string bytesOf(const ExportPlan& plan, const ExportSample& sample, const ExportScan& given) const override {
     const Scan& scan = given.scan;
-    const WorldPlaces places(plan, given);
+    const WorldPlaces places(scan, *given.record, given.sensor->beams, plan.manifest.deskewed);
     const ColumnSet columns = exportedColumns(plan, scan);
     // The columns that no field of the point format can represent completely.
     const ColumnSet extraColumns = columns.without(kLabel).without(kReturn).without(kReturns).without(kTime);

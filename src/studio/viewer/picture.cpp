@@ -15,6 +15,7 @@
 #include "viewer/panels/parts.h"
 #include "viewer/panels/rooms.h"
 #include "viewer/scale_ticks.h"
+#include "viewer/window/orbit_camera.h"
 
 namespace scanmill {
 
@@ -34,14 +35,24 @@ double pointDiameter(double range, double scale, double factor, double unit) {
   return factor * std::clamp((kWorldDiameter + kDiameterPerMetre * range) * scale, kLeast * unit, kMost * unit);
 }
 
+// Returns the camera of the view, or one that sees the points if this one does not.
+ViewCamera cameraOf(const std::vector<Vec3f>& points, const PictureOptions& options, const PixelRect& body) {
+  std::vector<Vec3d> finite;
+  for (const Vec3f& point : points) {
+    if (isFinite(point)) finite.emplace_back(point);
+  }
+  const OrbitCamera preset = presetCamera(options.view);
+  ViewCamera camera = preset.seeing(finite, options.view, body.width, body.height).camera(body.width, body.height);
+  camera.focal *= options.zoom;
+  return camera;
+}
+
 // Draws the points. If several points of equal depth and diameter are in the same pixel, the one with the lowest index
 // is visible.
 void drawPoints(Canvas& canvas, const PixelRect& body, const std::vector<Vec3f>& points, const std::vector<Rgb>& colors,
                 const PictureOptions& options) {
   constexpr double kMostDiameter = 200;  // maximum diameter of a point in pixels
-  CanvasView view{.rect = body,
-                  .camera = makeCamera(options.view, body.width, body.height, options.zoom),
-                  .background = kBackground};
+  CanvasView view{.rect = body, .camera = cameraOf(points, options, body), .background = kBackground};
   view.depthEdges = options.depthEdges;
   view.farthest = 2 * view.camera.nearest;
   const double unit = std::max(body.height / 850.0, 0.5);
@@ -99,13 +110,13 @@ Image drawColored(const Scan& scan, const Coloring& coloring, const PictureOptio
 }
 
 Image drawRangeImage(const Scan& scan, const Ontology* ontology, const std::optional<ColorBy>& colorBy,
-                     const std::string& title) {
+                     const std::string& title, const BeamTable* beams) {
   constexpr ImageId kStrip = 1;
   constexpr double kReadableWidth = 1600;
   constexpr double kReadableShare = 1.0 / 7;  // least height of the image divided by its width
   const Coloring coloring = colorScan(scan, colorBy, {ontology});
   const Legend& legend = coloring.legend;
-  const RangeStrip strip = makeRangeStrip(scan, coloring.colors, {});
+  const RangeStrip strip = makeRangeStrip(scan, coloring.colors, {}, beams);
   const auto steps = [](double wanted, int size) {
     return std::clamp(static_cast<int>(std::ceil(wanted / size)), 1, std::max(kMostPictureSide / size, 1));
   };

@@ -30,8 +30,8 @@ struct PictureOptions {
   bool depthEdges = true;  // darkens points behind nearer surfaces (eye-dome lighting)
 };
 
-// Draws the scan as `options.view` requires, with `title` and the number of points above it and the legend beside it.
-// The picture of an empty scan says that it is empty.
+// Draws the scan as `options.view` requires, or from farther away if hardly any point would be seen, with `title` and
+// the number of points above it and the legend beside it. The picture of an empty scan says that it is empty.
 Image drawPicture(const Scan& scan, const Ontology* ontology, const PictureOptions& options, const std::string& title);
 
 // Draws the scan as drawPicture() does, in the colours of `coloring`; `options.colorBy` is ignored.
@@ -42,9 +42,9 @@ Rgb overlayColor(std::size_t scan);
 
 // Draws a scan as a range image with one row per ring, the highest beams at the top, and one pixel per beam, see
 // makeRangeStrip(). Pixels are enlarged by integer factors in both directions until the image is readable. If several
-// points are in the same pixel, the nearest is shown. Throws InputError if the scan is too large for a picture, or if
-// it is not organised and has no columns `ring` and `column`.
+// points are in the same pixel, the nearest is shown. `beams`: see makeRangeStrip(). Throws InputError if the scan is
+// too large for a picture, or if it is not organised and has no columns `ring` and `column`.
 Image drawRangeImage(const Scan& scan, const Ontology* ontology, const std::optional<ColorBy>& colorBy,
-                     const std::string& title);
+                     const std::string& title, const BeamTable* beams = nullptr);
 
 }  // namespace scanmill

@@ -74,12 +74,12 @@ RangeStrip makeRangeStrip(const Scan& scan, std::span<const Rgb> colors, const s
   }
   std::size_t width = grid.columns;
   const auto look = stripColumns(scan, ring, column, grid.rings, grid.columns, beams);
-  const auto shifts = look ? lookingOutward(*look, grid.columns) : std::nullopt;
-  if (shifts && shifts->width <= kMostPictureSide) {
-    for (std::size_t i = 0; i < scan.size(); ++i) column[i] = shifts->place(ring[i], column[i]);
-    width = shifts->width;
+  const auto places = look ? lookingOutward(*look, grid.columns) : std::nullopt;
+  if (places && places->image.width <= kMostPictureSide) {
+    for (std::size_t i = 0; i < scan.size(); ++i) column[i] = places->place(ring[i], column[i]);
+    width = places->image.width;
     strip.outward = true;
-    strip.fullTurn = shifts->fullTurn;
+    strip.fullTurn = look->fullTurn;
   }
   strip.image = Image(static_cast<int>(width), static_cast<int>(grid.rings), kBackground);
   strip.ringsRise = elevationsRise(scan);

@@ -94,18 +94,23 @@ std::optional<StripColumns> estimated(const AzimuthGrid& grid, std::size_t rings
   std::vector<std::vector<double>> strays(rings);
   grid.each(
       [&](std::size_t r, std::size_t c, double azimuth) { strays[r].push_back(wrapped(strayOf(c, azimuth) - usual)); });
-  look.first.assign(rings, usual);
+  look.offset.assign(rings, 0);
+  std::vector<double> known;  // offsets from `usual` of the rings that have points
   std::size_t count = 0;
   std::size_t near = 0;
   const double reach = std::max(2.5 * std::abs(look.step), radians(5));
   for (std::size_t r = 0; r < rings; ++r) {
     if (strays[r].empty()) continue;
     const double offset = medianOf(strays[r]);
-    look.first[r] = usual + offset;
+    known.push_back(offset);
+    look.offset[r] = offset;
     count += strays[r].size();
     near += static_cast<std::size_t>(
         std::ranges::count_if(strays[r], [&](double s) { return std::abs(s - offset) <= reach; }));
   }
+  const double middle = medianOf(known);
+  look.first = usual + middle;
+  for (std::size_t r = 0; r < rings; ++r) look.offset[r] = strays[r].empty() ? 0 : look.offset[r] - middle;
   constexpr double kFollowing = 0.6;  // least fraction of all points that must be near the azimuths of their rings
   if (static_cast<double>(near) >= kFollowing * static_cast<double>(count)) return look;
   // If too few points are near these azimuths, the columns may be those of a camera image, whose azimuths are not
@@ -114,7 +119,7 @@ std::optional<StripColumns> estimated(const AzimuthGrid& grid, std::size_t rings
   turns = grid.turns(1, 0);
   const auto along = std::ranges::count_if(turns, [&](double t) { return t * look.step > 0; });
   if (look.fullTurn || static_cast<double>(along) < kOneWay * static_cast<double>(turns.size())) return {};
-  look.first.assign(rings, 0);
+  look.offset.assign(rings, 0);
   return look;
 }
 
@@ -132,49 +137,24 @@ std::optional<StripColumns> stripColumns(const Scan& scan, const std::vector<std
   look.step =
       (beams->azimuth(static_cast<std::uint32_t>(columns - 1)) - beams->azimuth(0)) / static_cast<double>(columns - 1);
   look.fullTurn = beams->fullTurn();
-  for (const double offset : beams->azimuthOffset) look.first.push_back(beams->azimuth(0) + offset);
+  look.first = beams->azimuth(0);
+  look.offset = beams->azimuthOffset;
   return look;
 }
 
-std::size_t StripShifts::place(std::size_t ring, std::size_t column) const {
-  const auto c = static_cast<std::ptrdiff_t>(column);
-  const std::ptrdiff_t x = base[ring] + (clockwise ? c : -c);
-  if (!fullTurn) return static_cast<std::size_t>(x);
-  const auto all = static_cast<std::ptrdiff_t>(width);
-  return static_cast<std::size_t>((x % all + all) % all);
-}
-
-std::optional<StripShifts> lookingOutward(const StripColumns& look, std::size_t columns) {
-  // Added before rounding (pixels), so that beams halfway between two pixels are rounded in the same direction in all
-  // rings, despite floating-point errors.
-  constexpr double kTie = 1e-6;
-  StripShifts shifts;
-  shifts.clockwise = look.step < 0;
-  shifts.fullTurn = look.fullTurn;
-  shifts.width = columns;
-  const double step = std::abs(look.step);
-  const double across = static_cast<double>(columns - 1) / 2;
-  double center = 0;
-  if (!look.fullTurn) {
-    for (const double first : look.first) {
-      center += (first + look.step * across) / static_cast<double>(look.first.size());
-    }
+std::optional<StripPlaces> lookingOutward(const StripColumns& look, std::size_t columns) {
+  StripPlaces places;
+  places.image = destagger(look.offset, look.step, static_cast<std::uint32_t>(columns), look.fullTurn);
+  places.mirrored = look.step > 0;
+  if (places.image.width >= 2 * columns) return {};
+  if (look.fullTurn) {
+    const auto width = static_cast<std::ptrdiff_t>(columns);
+    const std::ptrdiff_t start = width / 2 - std::lround(wrapped(look.first) / std::abs(look.step));
+    places.start = static_cast<std::size_t>((start % width + width) % width);
+  } else if (places.mirrored) {
+    places.start = places.image.width - 1;
   }
-  const std::size_t half = columns / 2;
-  const double middle = look.fullTurn ? static_cast<double>(half) : across;
-  for (const double first : look.first) {
-    const double away = look.fullTurn ? wrapped(first) : first - center;
-    shifts.base.push_back(static_cast<std::ptrdiff_t>(std::floor(middle - away / step + 0.5 + kTie)));
-  }
-  if (look.fullTurn || shifts.base.empty()) return shifts;
-  const auto [least, most] = std::minmax_element(shifts.base.begin(), shifts.base.end());
-  const auto apart = static_cast<std::size_t>(*most - *least);
-  if (apart >= columns) return {};
-  shifts.width = columns + apart;
-  // The leftmost pixel of all rings becomes column 0.
-  const std::ptrdiff_t left = *least - (shifts.clockwise ? 0 : static_cast<std::ptrdiff_t>(columns) - 1);
-  for (std::ptrdiff_t& base : shifts.base) base -= left;
-  return shifts;
+  return places;
 }
 
 }  // namespace scanmill

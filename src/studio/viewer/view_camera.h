@@ -48,7 +48,4 @@ struct ViewCamera {
   Projected project(const Vec3d& point) const;
 };
 
-// Returns the camera for a picture of width x height pixels. `zoom`: factor by which the picture is enlarged.
-ViewCamera makeCamera(View view, int width, int height, double zoom);
-
 }  // namespace scanmill

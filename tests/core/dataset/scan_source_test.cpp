@@ -37,6 +37,8 @@ TEST_F(FindScan, TakesTheMiddleSampleAndTheFirstSensor) {
   const ScanSource source = findScan(dataset, "", "");
   EXPECT_EQ(source.title, manifest.samples[4].key + ", top");
   EXPECT_EQ(source.scan.position, expected(4, 0).position);
+  ASSERT_NE(source.beams, nullptr);
+  EXPECT_EQ(source.beams->azimuthOffset, manifest.sensors[0].beams.azimuthOffset);
   ASSERT_TRUE(source.ontology);
   EXPECT_EQ(source.ontology->require("car", {}).id, 65535);
 }

@@ -7,6 +7,7 @@
 #include "tests/support/message_of.h"
 #include "tests/support/x_display.h"
 #include "viewer/canvas/canvas.h"
+#include "viewer/window/orbit_camera.h"
 
 namespace scanmill {
 namespace {
@@ -18,7 +19,7 @@ constexpr Rgb kGround{0, 40, 90};
 
 void draw(Canvas& canvas) {
   CanvasView view{.rect = {0, 0, canvas.width(), canvas.height()},
-                  .camera = makeCamera(View::Driver, canvas.width(), canvas.height(), 1),
+                  .camera = presetCamera(View::Driver).camera(canvas.width(), canvas.height()),
                   .background = kGround};
   canvas.setViews({&view, 1});
   canvas.render();

@@ -12,6 +12,7 @@
 #include "tests/support/test_scene.h"
 #include "viewer/color_map.h"
 #include "viewer/panels/rooms.h"
+#include "viewer/window/orbit_camera.h"
 
 namespace scanmill {
 
@@ -99,7 +100,7 @@ TEST(Picture, PointsAreWhereTheCameraSeesThem) {
     options.pointSize = 3;
     const Image image = drawPicture(scan, &ontology, options, "a scan with a long title");
     const PixelRect body = bodyOf(image);
-    const ViewCamera camera = makeCamera(view, body.width, body.height, 1);
+    const ViewCamera camera = presetCamera(view).camera(body.width, body.height);
     int seen = 0;
     for (std::size_t i = 0; i < scan.size(); ++i) {
       const Projected p = camera.project(Vec3d(scan.position[i]));

@@ -22,7 +22,7 @@ std::uint64_t frameBytes(const ViewFrame& frame) {
   const auto bytesOf = [](const auto& column) { return std::uint64_t{column.capacity()} * sizeof(column[0]); };
   std::uint64_t bytes = sizeof(ViewFrame);
   for (const ViewScan& s : frame.scans) {
-    bytes += sizeof(ViewScan) + bytesOf(s.scan.position) + bytesOf(s.error);
+    bytes += sizeof(ViewScan) + bytesOf(s.scan.position) + bytesOf(s.placed) + bytesOf(s.error);
     visitColumns(s.scan, [&](std::string_view, const auto& column) { bytes += bytesOf(column); });
   }
   return bytes;

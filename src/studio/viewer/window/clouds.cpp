@@ -160,7 +160,7 @@ void Clouds::arrange() {
     }
     cloud.finite = static_cast<std::uint64_t>(std::ranges::count_if(scan.position, isFinite<float>));
     if (!classesKnown_) notePresent(scan, presentClasses);
-    context_.canvas.setPoints(cloudItem(k), scan.position, cloud.coloring.colors);
+    context_.canvas.setPoints(cloudItem(k), context_.frame->scans[cloud.scan].places(), cloud.coloring.colors);
   }
   for (std::size_t k = list.size(); k < before; ++k) context_.canvas.drop(cloudItem(k));
 }

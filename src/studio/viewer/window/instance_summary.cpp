@@ -66,8 +66,8 @@ FlatBox smallestRectangle(const std::vector<Vec2d>& hull) {
   return best;
 }
 
-InstanceSummary summaryOf(const Scan& scan, std::uint32_t instance, std::vector<std::uint32_t> points,
-                          const Affine& levelFromScan) {
+InstanceSummary summaryOf(const Scan& scan, std::span<const Vec3f> placed, std::uint32_t instance,
+                          std::vector<std::uint32_t> points, const Affine& levelFromPlaces) {
   InstanceSummary summary;
   summary.id = instance;
   std::map<std::uint16_t, std::uint64_t> classes;
@@ -75,7 +75,7 @@ InstanceSummary summaryOf(const Scan& scan, std::uint32_t instance, std::vector<
   places.reserve(points.size());
   double low = 0, high = 0;
   for (const std::uint32_t i : points) {
-    const Vec3d p = levelFromScan * Vec3d(scan.position[i]);
+    const Vec3d p = levelFromPlaces * Vec3d(placed[i]);
     low = places.empty() ? p.z : std::min(low, p.z);
     high = places.empty() ? p.z : std::max(high, p.z);
     places.push_back({p.x, p.y});
@@ -93,24 +93,26 @@ InstanceSummary summaryOf(const Scan& scan, std::uint32_t instance, std::vector<
 
 }  // namespace
 
-InstanceSummary summarizeInstance(const Scan& scan, std::uint32_t instance, const Affine& levelFromScan) {
+InstanceSummary summarizeInstance(const Scan& scan, std::span<const Vec3f> places, std::uint32_t instance,
+                                  const Affine& levelFromPlaces) {
   std::vector<std::uint32_t> points;
   for (std::size_t i = 0; i < scan[kInstance].size(); ++i) {
-    if (scan[kInstance][i] == instance && isFinite(scan.position[i])) points.push_back(static_cast<std::uint32_t>(i));
+    if (scan[kInstance][i] == instance && isFinite(places[i])) points.push_back(static_cast<std::uint32_t>(i));
   }
-  return summaryOf(scan, instance, std::move(points), levelFromScan);
+  return summaryOf(scan, places, instance, std::move(points), levelFromPlaces);
 }
 
-std::vector<InstanceSummary> summarizeInstances(const Scan& scan, const Affine& levelFromScan) {
+std::vector<InstanceSummary> summarizeInstances(const Scan& scan, std::span<const Vec3f> places,
+                                                const Affine& levelFromPlaces) {
   std::map<std::uint32_t, std::vector<std::uint32_t>> points;
   for (std::size_t i = 0; i < scan[kInstance].size(); ++i) {
-    if (scan[kInstance][i] != 0 && isFinite(scan.position[i])) {
+    if (scan[kInstance][i] != 0 && isFinite(places[i])) {
       points[scan[kInstance][i]].push_back(static_cast<std::uint32_t>(i));
     }
   }
   std::vector<InstanceSummary> all;
   all.reserve(points.size());
-  for (auto& [id, own] : points) all.push_back(summaryOf(scan, id, std::move(own), levelFromScan));
+  for (auto& [id, own] : points) all.push_back(summaryOf(scan, places, id, std::move(own), levelFromPlaces));
   return all;
 }
 

@@ -3,6 +3,7 @@
 // Summarises the points of an instance in a scan: their number, classes and box.
 
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -23,9 +24,12 @@ struct InstanceSummary {
   Affine levelFromBox;
 };
 
-// Summarises one instance. `levelFromScan`: transform from the scan's frame to a frame whose z axis is vertical.
-InstanceSummary summarizeInstance(const Scan& scan, std::uint32_t instance, const Affine& levelFromScan);
+// Summarises one instance. `places`: positions of the scan's points (m). `levelFromPlaces`: transform from their frame
+// to a frame whose z axis is vertical.
+InstanceSummary summarizeInstance(const Scan& scan, std::span<const Vec3f> places, std::uint32_t instance,
+                                  const Affine& levelFromPlaces);
 // Summarises all instances except 0, in the order of their ids.
-std::vector<InstanceSummary> summarizeInstances(const Scan& scan, const Affine& levelFromScan);
+std::vector<InstanceSummary> summarizeInstances(const Scan& scan, std::span<const Vec3f> places,
+                                                const Affine& levelFromPlaces);
 
 }  // namespace scanmill

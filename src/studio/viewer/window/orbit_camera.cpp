@@ -4,7 +4,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
+#include <iterator>
 #include <string_view>
 #include <vector>
 
@@ -48,6 +50,56 @@ double wrapped(double angle) {
       "towards y, pitch downwards from -90 to 90), from how far (m, {} to {}) at which place (m), such as "
       "30,20,25 or 0,90,50,10,0,0; not '{}'",
       fmt::join(kViewNames, ", "), kLeastDistance, kMostDistance, text));
+}
+
+// Moves the camera, without turning it, so that the points are centred and nearly fill the picture. Returns true if
+// they fill its height, and false if they fill its width.
+bool fill(OrbitCamera& camera, const std::vector<Vec3d>& points, const Vec3d& middle, int width, int height) {
+  constexpr double kFilled = 0.9;
+  const ViewCamera view = camera.camera(width, height);
+  // Slopes of the lines of sight to the sides of the filled part of the picture, to the right and downwards (m per m of
+  // depth); 0 if the camera is orthographic.
+  const double slope = view.orthographic ? 0 : kFilled / (2 * view.focal);
+  const std::array<Vec3d, 2> axes{view.right, view.down};
+  const std::array<double, 2> slopes{slope * width, slope * height};
+  // The planes through the sides of the filled part that touch the points, as places on the axes at depth 0.
+  std::array<double, 2> first{1e30, 1e30};
+  std::array<double, 2> last{-1e30, -1e30};
+  for (const Vec3d& point : points) {
+    for (std::size_t k = 0; k < 2; ++k) {
+      const double spread = slopes[k] * dot(point, view.forward);
+      first[k] = std::min(first[k], dot(point, axes[k]) + spread);
+      last[k] = std::max(last[k], dot(point, axes[k]) - spread);
+    }
+  }
+  const double depth = dot(middle, view.forward);
+  camera.target = axes[0] * ((first[0] + last[0]) / 2) + axes[1] * ((first[1] + last[1]) / 2) + view.forward * depth;
+  if (view.orthographic) {
+    const std::array<double, 2> shares{(last[0] - first[0]) / width, (last[1] - first[1]) / height};
+    camera.distance *= std::max(shares[0], shares[1]) * view.focal / kFilled;
+    return shares[1] > shares[0];
+  }
+  // Opposite planes intersect at the eye's depth.
+  const std::array<double, 2> eyes{(first[0] - last[0]) / (2 * slopes[0]), (first[1] - last[1]) / (2 * slopes[1])};
+  camera.distance = depth - std::min(eyes[0], eyes[1]);
+  return eyes[1] < eyes[0];
+}
+
+// Returns the smallest box that holds all points but the hundredth at each end of each axis.
+Box boxOfMost(const std::vector<Vec3d>& points) {
+  constexpr double kBeyond = 0.01;
+  Box box{};
+  for (double Vec3d::*const axis : {&Vec3d::x, &Vec3d::y, &Vec3d::z}) {
+    std::vector<double> all;
+    all.reserve(points.size());
+    for (const Vec3d& p : points) all.push_back(p.*axis);
+    const auto beyond = static_cast<std::ptrdiff_t>(kBeyond * static_cast<double>(all.size()));
+    std::nth_element(all.begin(), all.begin() + beyond, all.end());
+    box.low.*axis = all[static_cast<std::size_t>(beyond)];
+    std::nth_element(all.begin(), all.end() - 1 - beyond, all.end());
+    box.high.*axis = *(all.end() - 1 - beyond);
+  }
+  return box;
 }
 
 }  // namespace
@@ -119,6 +171,31 @@ void OrbitCamera::frame(const Box& box) {
     needed = std::max(needed, 2 / kFilled * focal * aside - (orthographic ? 0 : dot(p, forward)));
   }
   distance = std::min(needed, kMostDistance);
+}
+
+void OrbitCamera::fillWith(const std::vector<Vec3d>& points, const Vec3d& middle, View view, int width, int height) {
+  while (!fill(*this, points, middle, width, height) && view == View::Chase && pitch < radians(45)) pitch += radians(5);
+  distance = std::clamp(distance, kLeastDistance, kMostDistance);
+}
+
+OrbitCamera OrbitCamera::seeing(const std::vector<Vec3d>& points, View view, int width, int height) const {
+  constexpr double kLeastSeen = 0.2;
+  const ViewCamera sees = camera(width, height);
+  const auto seen = std::ranges::count_if(points, [&](const Vec3d& point) {
+    const Projected p = sees.project(point);
+    return p.depth >= sees.nearest && p.x >= 0 && p.x < width && p.y >= 0 && p.y < height;
+  });
+  const bool enough = static_cast<double>(seen) >= kLeastSeen * static_cast<double>(points.size());
+  if (enough || view == View::Driver) return *this;
+  const Box most = boxOfMost(points);
+  std::vector<Vec3d> shown;
+  std::ranges::copy_if(points, std::back_inserter(shown), [&](const Vec3d& p) {
+    const auto within = [&](double Vec3d::*axis) { return most.low.*axis <= p.*axis && p.*axis <= most.high.*axis; };
+    return within(&Vec3d::x) && within(&Vec3d::y) && within(&Vec3d::z);
+  });
+  OrbitCamera moved = *this;
+  moved.fillWith(shown, most.center(), view, width, height);
+  return moved;
 }
 
 void OrbitCamera::moveBy(const Affine& newFromOld) {

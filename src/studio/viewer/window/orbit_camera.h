@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/vec.h"
 #include "viewer/view_camera.h"
@@ -34,6 +35,13 @@ struct OrbitCamera {
   void lookAt(const Vec3d& place);
   // Moves the camera, without turning it, so that the complete box is visible.
   void frame(const Box& box);
+  // Moves the camera, without turning it, so that the points are centred and nearly fill a picture of this size
+  // (pixels). A camera of View::Chase also looks down more steeply, up to 45 degrees, at points that would leave much
+  // of the picture's height empty. `middle`: the point at whose depth the target is.
+  void fillWith(const std::vector<Vec3d>& points, const Vec3d& middle, View view, int width, int height);
+  // Returns this camera of a named view or, if less than a fifth of the points would be in a picture of this size, a
+  // camera that fillWith() has moved to nearly all of them. View::Driver stays at the sensor.
+  [[nodiscard]] OrbitCamera seeing(const std::vector<Vec3d>& points, View view, int width, int height) const;
   // Transforms the camera to a new frame, so that the view stays the same. `newFromOld` may rotate only about z.
   void moveBy(const Affine& newFromOld);
   // Returns "yaw,pitch,distance,x,y,z" in degrees and metres (x, y and z to the millimetre), followed by ",focal" and
@@ -42,7 +50,7 @@ struct OrbitCamera {
   bool operator==(const OrbitCamera&) const = default;
 };
 
-// Returns the camera that shows the same picture as makeCamera(). The target of View::Driver is 10 m ahead.
+// Returns the camera of a named view. The target of View::Driver is 10 m ahead.
 OrbitCamera presetCamera(View view);
 
 // The user's choice of a camera.

@@ -10,17 +10,20 @@ namespace scanmill {
 namespace {
 
 // Returns the points of a point's beam, the nearest first; nothing if no beam of the scan can have several points.
-std::vector<Vec3f> returnsOf(const Scan& scan, std::size_t point) {
+std::vector<Vec3f> returnsOf(const ViewScan& viewed, std::size_t point) {
+  const Scan& scan = viewed.scan;
   if (!knowsBeams(scan) || (scan.organised ? scan.planes < 2 : scan[kReturn].empty())) return {};
   const PointKey own = keyOf(scan, point);
-  std::vector<Vec3f> places;
+  std::vector<std::size_t> all;
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const PointKey key = keyOf(scan, i);
     if (key.ring == own.ring && key.column == own.column && isFinite(scan.position[i])) {
-      places.push_back(scan.position[i]);
+      all.push_back(i);
     }
   }
-  std::ranges::sort(places, {}, [](const Vec3f& p) { return length(Vec3d(p)); });
+  std::ranges::sort(all, {}, [&](std::size_t i) { return length(Vec3d(scan.position[i])); });
+  std::vector<Vec3f> places;
+  for (const std::size_t i : all) places.push_back(viewed.places()[i]);
   return places;
 }
 
@@ -61,7 +64,7 @@ void Pointer::outline(const ShownCloud& cloud, bool anew) {
   if (context_.drawing.views().empty()) return;
   if (anew) {
     std::vector<Vec3f> places;
-    const std::vector<Vec3f>& all = context_.frame->scans[cloud.scan].scan.position;
+    const std::vector<Vec3f>& all = context_.frame->scans[cloud.scan].places();
     for (const std::uint32_t i : summaryOf(cloud, lit_->id).points) {
       if (!cloud.shown.empty() && cloud.shown[i] == 0) continue;
       places.push_back(Vec3f(cloud.canvasFromScan * Vec3d(all[i])));
@@ -93,7 +96,7 @@ void Pointer::placeBeam() {
   LineSet lines;
   for (const ShownCloud& cloud : clouds_.list) {
     if (!beam || cloud.scan != beam->first) continue;
-    const std::vector<Vec3f> places = returnsOf(context_.frame->scans[cloud.scan].scan, beam->second);
+    const std::vector<Vec3f> places = returnsOf(context_.frame->scans[cloud.scan], beam->second);
     for (std::size_t i = 0; i + 1 < places.size(); ++i) {
       lines.add(cloud.canvasFromScan * Vec3d(places[i]), cloud.canvasFromScan * Vec3d(places[i + 1]), kBeam);
     }

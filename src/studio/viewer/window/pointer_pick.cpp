@@ -25,7 +25,7 @@ PickedThing Pointer::pickedPoint(std::size_t k, std::size_t point) const {
   const ShownCloud& cloud = clouds_.list[k];
   const ViewScan& scan = context_.frame->scans[cloud.scan];
   PickedThing thing = describePoint(scan, cloud.scan, point, context_.source->ontology());
-  thing.place = cloud.canvasFromScan * Vec3d(scan.scan.position[point]);
+  thing.place = cloud.canvasFromScan * Vec3d(scan.places()[point]);
   addBrief(thing, clouds_.colorOf(cloud.view));
   if (const auto instance = instanceOf(thing)) {
     addInstance(thing, summaryOf(cloud, *instance), context_.source->ontology());
@@ -71,7 +71,7 @@ std::optional<PickedThing> Pointer::pick(int px, int py) const {
   for (std::size_t k = 0; k < clouds_.list.size(); ++k) {
     const ShownCloud& cloud = clouds_.list[k];
     if (cloud.view != *view) continue;
-    candidates.push_back({context_.frame->scans[cloud.scan].scan.position, cloud.shown, cloud.canvasFromScan});
+    candidates.push_back({context_.frame->scans[cloud.scan].places(), cloud.shown, cloud.canvasFromScan});
     cloudOf.push_back(k);
   }
   if (const auto hit = pickPoint(candidates, in.camera, right, down, scenery_.pointSize(), kReach)) {
@@ -137,8 +137,8 @@ std::optional<std::uint32_t> Pointer::instanceOf(const PickedThing& thing) const
 const InstanceSummary& Pointer::summaryOf(const ShownCloud& cloud, std::uint32_t instance) const {
   const InstancePlace place{cloud.scan, instance};
   if (!lastSummary_ || !(lastSummary_->first == place)) {
-    lastSummary_.emplace(place,
-                         summarizeInstance(context_.frame->scans[cloud.scan].scan, instance, cloud.canvasFromScan));
+    const ViewScan& viewed = context_.frame->scans[cloud.scan];
+    lastSummary_.emplace(place, summarizeInstance(viewed.scan, viewed.places(), instance, cloud.canvasFromScan));
   }
   return lastSummary_->second;
 }

@@ -64,7 +64,7 @@ void Scenery::placeClouds() {
     context_.canvas.setLook(cloudItem(k),
                             {.canvasFromItem = cloud.canvasFromScan, .size = pointSize(), .views = 1U << cloud.view});
     double radius = 0;
-    for (const Vec3f& p : viewed.scan.position) {
+    for (const Vec3f& p : viewed.places()) {
       if (isFinite(p)) radius = std::max(radius, double{dot(p, p)});
     }
     content_.push_back({cloud.canvasFromScan.translation, std::sqrt(radius)});
@@ -72,7 +72,7 @@ void Scenery::placeClouds() {
   if (!clouds_.list.empty()) {
     const ShownCloud& first = clouds_.list.front();
     ground = first.canvasFromScan.translation;
-    ground.z = groundHeight(context_.frame->scans[first.scan].scan.position, first.canvasFromScan);
+    ground.z = groundHeight(context_.frame->scans[first.scan].places(), first.canvasFromScan);
   }
   context_.changes.items = context_.changes.panels = true;
 }

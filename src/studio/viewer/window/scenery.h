@@ -48,10 +48,12 @@ struct Scenery {
 
   // Functions in scenery_camera.cpp, for the camera:
   OrbitCamera preset(View view) const;
-  // Returns the camera that the options choose. For a scene, the result may be different after its mesh is loaded.
+  // Returns the camera that the options choose. The result may be different after the first frame or the scene's mesh
+  // is loaded, since a named view is fitted to these.
   OrbitCamera firstCamera() const;
-  // Moves the camera to the close-up that the options require, once, when the first points are shown.
-  void lookAtCloseUp();
+  // Moves the camera to firstCamera(), or to the close-up that the options require, once, when the first points are
+  // shown.
+  void lookAtFirstPoints();
   // Returns the camera as a value of --camera.
   std::string cameraText() const;
   void setCamera(const OrbitCamera& newCamera);
@@ -104,6 +106,7 @@ struct Scenery {
  private:
   void place();
   Affine canvasFromScan(const ViewScan& scan) const;
+  std::vector<Vec3d> placesOnCanvas() const;
   void findRoadUsers();
   bool boxShown(const ObjectRecord& object) const;
   void placeInstanceBoxes(LineSet& lines);
@@ -111,7 +114,7 @@ struct Scenery {
   SessionContext& context_;
   Clouds& clouds_;
   std::vector<ContentBall> content_;
-  bool framed_ = false;  // true: the camera has been set to the scene's mesh or to the close-up, which happens once
+  bool framed_ = false;  // true: the camera has been fitted to the first frame or the scene's mesh, which happens once
   std::optional<std::pair<const ViewFrame*, std::size_t>> instancesOf_;  // frame and scan of the cached `instances_`
   std::vector<InstanceSummary> instances_;
   std::optional<ViewMesh> vehicle_;    // mesh of the own vehicle, once it has been loaded

@@ -30,12 +30,17 @@ const ObjectView* Scenery::shownView(const ObjectRecord& object) const {
   return nullptr;
 }
 
-// Returns the pose of the object's box on the canvas. If the sensor has a view of the object, the pose is computed from
-// this view, so that the box fits the points; otherwise from the object's pose in the world.
+// Returns the pose of the object's box on the canvas. If the sensor has a view of the object, the box is where it was
+// when the sensor saw it, so that it fits the points. The view's pose is in the frame of the scan's points, which is
+// not theirs on the canvas if they were placed; then the pose is computed from the object's velocity.
 Affine Scenery::canvasFromBox(const ObjectRecord& object) const {
   const ObjectView* const view = shownView(object);
-  if (view != nullptr) return clouds_.list.front().canvasFromScan * toAffine(view->sensorFromBox);
-  return canvasFromWorld * toAffine(object.worldFromBox);
+  if (view != nullptr && context_.frame->scans[clouds_.list.front().scan].placed.empty()) {
+    return clouds_.list.front().canvasFromScan * toAffine(view->sensorFromBox);
+  }
+  Pose worldFromBox = object.worldFromBox;
+  if (view != nullptr) worldFromBox.translation += object.velocity * (view->time - context_.frame->objectTime);
+  return canvasFromWorld * toAffine(worldFromBox);
 }
 
 void Scenery::findRoadUsers() {
@@ -121,7 +126,8 @@ const std::vector<InstanceSummary>& Scenery::instances() {
   const ShownCloud& cloud = clouds_.list.front();
   const std::pair<const ViewFrame*, std::size_t> of{context_.frame.get(), cloud.scan};
   if (instancesOf_ != of) {
-    instances_ = summarizeInstances(context_.frame->scans[cloud.scan].scan, cloud.canvasFromScan);
+    const ViewScan& viewed = context_.frame->scans[cloud.scan];
+    instances_ = summarizeInstances(viewed.scan, viewed.places(), cloud.canvasFromScan);
     instancesOf_ = of;
   }
   return instances_;

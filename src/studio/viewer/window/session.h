@@ -38,7 +38,8 @@ struct ViewOptions {
   std::vector<ColorBy> colors{};
   std::optional<ScaleRange> scale{};  // ends of the scale of views that show numbers; absent: computed from the values
   ViewLayout layout = ViewLayout::One;
-  // If a scene is shown without scans, a named view is fitted to it, and a given target is in the scene's coordinates.
+  // A named view is fitted to a scene that is shown without scans, and to scans of which it would show hardly any
+  // point. A given target is in the coordinates of a scene that is shown without scans.
   CameraChoice camera{};
   std::string sample{};  // key or index of the first frame; empty: the middle frame, or the first that can be read
   double pointSize = 0;  // side of a drawn point (pixels); 0: depends on the canvas's height

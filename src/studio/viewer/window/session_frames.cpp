@@ -56,7 +56,7 @@ void ViewSession::State::showFrame(std::shared_ptr<const ViewFrame> loaded) {
   pointer.leaveFrame();
   scenery.takeFrame(*playback.current());
   arrange();
-  scenery.lookAtCloseUp();
+  scenery.lookAtFirstPoints();
   if (scenery.meshOn()) wantMesh();
   if (scenery.meshItem.there() != scenery.meshSeen()) placeMesh();
 }

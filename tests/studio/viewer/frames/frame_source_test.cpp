@@ -75,6 +75,26 @@ TEST_F(Frames, EqualWhatFindScanGives) {
   }
 }
 
+// The fixture's sensors move from their first pose to their second one while they turn, and its scans are not deskewed.
+TEST_F(Frames, HaveThePointsWhereTheSensorSawThem) {
+  const ViewFrame frame = openFrames(input())->load(4);
+  for (std::size_t s = 0; s < 2; ++s) {
+    const ViewScan& scan = frame.scans[s];
+    const std::vector<Pose>& poses = manifest.samples[4].scans[s].worldFromSensor;
+    ASSERT_EQ(scan.places().size(), scan.scan.size());
+    int moved = 0;
+    for (std::size_t i = 0; i < scan.scan.size(); ++i) {
+      const double part = scan.scan[kColumn][i] / (scan.scan.columns - 1.0);
+      const Vec3d world = interpolate(poses[0], poses[1], part) * Vec3d(scan.scan.position[i]);
+      EXPECT_NEAR(length(poses[0] * Vec3d(scan.places()[i]) - world), 0, 1e-4);
+      moved += length(Vec3d(scan.places()[i]) - Vec3d(scan.scan.position[i])) > 0.1 ? 1 : 0;
+    }
+    EXPECT_GT(moved, 0);
+  }
+  const auto still = changed("deskewed", {.manifest = [](Manifest& m) { m.deskewed = true; }});
+  EXPECT_TRUE(openFrames({.path = still})->load(0).scans[0].placed.empty());
+}
+
 TEST_F(Frames, OfOneSensor) {
   ViewInput rear = input();
   rear.sensor = "rear";

@@ -21,25 +21,37 @@ OrbitCamera randomCamera(std::mt19937& random) {
           .orthographic = unit(random) > 0.3};
 }
 
-TEST(OrbitCamera, PresetsAreThoseOfPictures) {
+// Of points far below, ahead of which a named view looks, and of the same points about the sensor.
+TEST(OrbitCamera, ANamedViewThatWouldMissThePointsSeesThem) {
   std::mt19937 random(1);
-  std::uniform_real_distribution<double> place(-30, 30);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  const auto shareSeen = [](const OrbitCamera& camera, const std::vector<Vec3d>& points, int width, int height) {
+    const ViewCamera view = camera.camera(width, height);
+    const auto seen = std::ranges::count_if(points, [&](const Vec3d& point) {
+      const Projected p = view.project(point);
+      return p.depth > view.nearest && p.x >= 0 && p.y >= 0 && p.x < width && p.y < height;
+    });
+    return static_cast<double>(seen) / static_cast<double>(points.size());
+  };
+  std::vector<Vec3d> ahead;
+  std::vector<Vec3d> below;
+  for (int i = 0; i < 1000; ++i) {
+    ahead.push_back({20 + 18 * unit(random), 12 * unit(random), -2});
+    below.push_back({2.5 * unit(random), 30 * unit(random), -40 + 0.2 * unit(random)});
+  }
+  below.push_back({4000, 0, 900});  // one of fog or dust
   for (const View view : {View::Driver, View::Above, View::Chase}) {
     for (const auto& [width, height] : kSizes) {
-      const ViewCamera wanted = makeCamera(view, width, height, 1);
-      const ViewCamera made = presetCamera(view).camera(width, height);
-      EXPECT_EQ(made.orthographic, wanted.orthographic);
-      EXPECT_DOUBLE_EQ(made.nearest, wanted.nearest);
-      EXPECT_NEAR(length(made.eye - wanted.eye), 0, 1e-9);
-      for (int i = 0; i < 20; ++i) {
-        const Vec3d p{place(random), place(random), place(random)};
-        const Projected a = made.project(p);
-        const Projected b = wanted.project(p);
-        EXPECT_NEAR(a.depth, b.depth, 1e-9);
-        if (b.depth < wanted.nearest) continue;
-        EXPECT_NEAR(a.x, b.x, 1e-6 * std::abs(b.x) + 1e-6);
-        EXPECT_NEAR(a.y, b.y, 1e-6 * std::abs(b.y) + 1e-6);
-      }
+      SCOPED_TRACE(std::string(kViewNames[static_cast<std::size_t>(view)]) + " " + std::to_string(width));
+      const OrbitCamera preset = presetCamera(view);
+      EXPECT_EQ(preset.seeing(ahead, view, width, height), preset);
+      EXPECT_EQ(preset.seeing({}, view, width, height), preset);
+      const OrbitCamera moved = preset.seeing(below, view, width, height);
+      if (view != View::Chase || height > width) continue;  // an upright picture shows what is below
+      EXPECT_LT(shareSeen(preset, below, width, height), 0.01);
+      EXPECT_GT(shareSeen(moved, below, width, height), 0.9);
+      EXPECT_LT(moved.distance, 120) << "they fill the picture";
+      EXPECT_EQ(moved.yaw, preset.yaw);
     }
   }
 }

@@ -1,5 +1,6 @@
 // The objects that a sample lists: boxes, tracks, names.
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -55,6 +56,26 @@ TEST(SessionBoxes, AreDrawnInTheColoursOfTheirClasses) {
   for (std::size_t i = 0; i < 2 * kEdges; ++i) car.add(Vec3d(boxes(world).places[i]));
   EXPECT_NEAR(length(car.center() - Vec3d{10, -10, -0.8}), 0, 1e-5);
   EXPECT_NEAR(length(car.high - car.low - Vec3d{4, 2, 1.5}), 0, 1e-5);
+}
+
+// Points that were placed by the poses of their columns, and the box of what they are on.
+TEST(SessionBoxes, FitPointsOfAMovingSensor) {
+  const auto frames = listedFrames();
+  ViewScan& scan = frames->frames[0].scans[0];
+  scan.placed = scan.scan.position;
+  for (Vec3f& place : scan.placed) place.x += 3;
+  frames->frames[0].objects[0].record.views[0].time = 0.55;
+  frames->frames[0].objectTime = 0.5;
+  const SessionWorld world(frames, {.sample = "0"});
+  EXPECT_EQ(world.canvas.items.at(firstCloud(world)).places, scan.placed);
+  Box car;
+  for (std::size_t i = 0; i < 2 * kEdges; ++i) car.add(Vec3d(boxes(world).places[i]));
+  EXPECT_NEAR(length(car.center() - Vec3d{10.15, -9.8, -0.8}), 0, 1e-5) << "as far as it moves in 0.05 s";
+  const auto [x, y] = world.pixelOf(firstCloud(world), 3 * 72);
+  const auto thing = world.session->pick(x, y);
+  ASSERT_TRUE(thing);
+  EXPECT_EQ(thing->place, Vec3d(scan.placed[thing->point]));
+  EXPECT_EQ(rowOf(*thing, "x"), fmt::format("{:.3f} m", scan.scan.position[thing->point].x)) << "as the file has it";
 }
 
 TEST(SessionBoxes, FollowKeysAndFilters) {

@@ -1,0 +1,39 @@
+#include "dataset/world_places.h"
+
+#include <algorithm>
+
+namespace scanmill {
+
+WorldPlaces::WorldPlaces(const Scan& scan, const ScanRecord& record, const BeamTable& beams, bool deskewed)
+    : scan_(scan),
+      first_(record.worldFromSensor.front()),
+      last_(record.worldFromSensor.back()),
+      moves_(record.worldFromSensor.size() > 1 && !deskewed) {
+  if (!moves_) return;
+  std::vector<double> starts;  // firing time of each column (s since the start of the revolution)
+  if (beams.listed != nullptr) {
+    starts = beams.listed->columnStarts(beams.columns);
+  } else {
+    for (std::uint32_t column = 0; column < beams.columns; ++column) starts.push_back(beams.columnTime(column));
+  }
+  if (starts.empty()) return;
+  start_ = starts.front();
+  end_ = starts.back();
+  if (!knowsBeams(scan)) return;
+  for (const double time : starts) poses_.push_back(interpolate(first_, last_, shareAt(time)));
+}
+
+double WorldPlaces::shareAt(double time) const {
+  return end_ > start_ ? (time - start_) / (end_ - start_) : 0;
+}
+
+// If the scan has no beam numbers, the pose is derived from the point's time, which ignores offsets between the rings'
+// times; without a time it is the first pose.
+Vec3d WorldPlaces::of(std::size_t point) const {
+  const Vec3d own(scan_.position[point]);
+  if (!moves_ || (poses_.empty() && scan_[kTime].empty())) return first_ * own;
+  if (poses_.empty()) return interpolate(first_, last_, shareAt(double{scan_[kTime][point]})) * own;
+  return poses_[std::min<std::size_t>(keyOf(scan_, point).column, poses_.size() - 1)] * own;
+}
+
+}  // namespace scanmill
