@@ -100,11 +100,19 @@ const SampleRecord* recordOf(const ScanStore& store, std::size_t sample) {
 }
 
 py::dict readScan(const ScanStore& store, std::size_t sample, const std::string& sensor,
-                  const std::optional<std::vector<std::string>>& columns) {
+                  const std::optional<std::vector<std::string>>& columns, std::uint32_t revolution) {
   Scan scan;
   {
     const py::gil_scoped_release released;
-    scan = store.decode(sample, store.scans(sample, sensor).front());
+    const std::vector<StoredScan> scans = store.scans(sample, sensor);
+    const auto wanted =
+        std::find_if(scans.begin(), scans.end(), [&](const StoredScan& one) { return one.revolution == revolution; });
+    if (wanted == scans.end()) {
+      throw InputError({store.path().string()}, "the sample " + store.keys().at(sample) + " has no revolution " +
+                                                    std::to_string(revolution) + " of the sensor '" +
+                                                    scans.front().sensor + "'");
+    }
+    scan = store.decode(sample, *wanted);
     if (columns) {
       std::vector<std::string> there =
           scan.size() == 0 && store.manifest() != nullptr ? store.manifest()->columns : columnNames(scan);
@@ -161,12 +169,15 @@ void defineStore(py::module_& module) {
       .def(
           "scans",
           [](const ScanStore& s, std::size_t sample) {
-            std::vector<std::pair<std::string, std::string>> names;
-            for (const StoredScan& scan : s.scans(sample)) names.emplace_back(scan.sensor, scan.method);
+            std::vector<std::tuple<std::string, std::string, std::uint32_t>> names;
+            for (const StoredScan& scan : s.scans(sample)) {
+              names.emplace_back(scan.sensor, scan.method, scan.revolution);
+            }
             return names;
           },
           py::arg("sample"))
-      .def("read", &readScan, py::arg("sample"), py::arg("sensor") = "", py::arg("columns") = py::none())
+      .def("read", &readScan, py::arg("sample"), py::arg("sensor") = "", py::arg("columns") = py::none(),
+           py::arg("revolution") = 0)
       .def(
           "objects",
           [](const ScanStore& s, std::size_t sample) -> std::optional<std::string> {

@@ -4,7 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cstdint>
+#include <charconv>
 #include <numeric>
 #include <utility>
 
@@ -45,13 +45,22 @@ std::vector<std::string> nearestKeys(const std::string& wanted, const std::vecto
 MemberName partsOfMember(const std::string& member) {
   const std::size_t slash = member.rfind('/');
   const std::size_t first = member.find('.', slash == std::string::npos ? 0 : slash);
-  if (first == std::string::npos) return {member, {}, {}, {}};
+  if (first == std::string::npos) return {member, {}, 0, {}, {}};
   const std::size_t last = member.rfind('.');
-  MemberName parts{member.substr(0, first), {}, {}, member.substr(last + 1)};
+  MemberName parts{member.substr(0, first), {}, 0, {}, member.substr(last + 1)};
   if (last == first) return parts;
   const std::size_t second = member.find('.', first + 1);
   parts.sensor = member.substr(first + 1, second - first - 1);
-  if (second != last) parts.method = member.substr(second + 1, last - second - 1);
+  if (second == last) return parts;
+  parts.method = member.substr(second + 1, last - second - 1);
+  const std::size_t third = parts.method.find('.');
+  const auto [end, failure] = std::from_chars(
+      parts.method.data(), parts.method.data() + std::min(third, parts.method.size()), parts.revolution);
+  if (third != std::string::npos && failure == std::errc() && end == parts.method.data() + third) {
+    parts.method.erase(0, third + 1);
+  } else {
+    parts.revolution = 0;
+  }
   return parts;
 }
 

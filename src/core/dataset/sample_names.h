@@ -3,6 +3,7 @@
 // Interprets the names of members and samples.
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@ namespace scanmill {
 struct MemberName {
   std::string key;
   std::string sensor;
+  std::uint32_t revolution = 0;  // "dir/key.top.1.ray_tracing.pcd" is the second revolution of the sensor `top`
   std::string method;
   std::string suffix;  // suffix of the format
 };

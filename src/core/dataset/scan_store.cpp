@@ -4,14 +4,15 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 #include "base/error.h"
 #include "base/file.h"
 #include "base/hash.h"
 #include "config/text.h"
-#include "dataset/reader.h"
 #include "dataset/folder_contents.h"
+#include "dataset/reader.h"
 #include "dataset/recording.h"
 #include "dataset/sample_names.h"
 #include "dataset/shard_name.h"
@@ -37,7 +38,6 @@ void requireDataset(const fs::path& folder) {
         {folder.string()},
         "is a recording, not a dataset: `scanmill generate --from-hits` or `--from-passes` makes scans from it");
   }
-  throw InputError({folder.string()},
   if (isUnfinished(folder)) {
     throw InputError(
         {folder.string()},
@@ -45,6 +45,7 @@ void requireDataset(const fs::path& folder) {
                     "if it was stopped, run it again with --resume",
                     kManifestName));
   }
+  throw InputError({folder.string()},
                    fmt::format("is not a dataset: it has no {}, which `scanmill generate` writes last. Without it, "
                                "these can be opened: a shard (.tar), a single scan, and a folder of recorded scans of "
                                "SemanticKITTI, KITTI or nuScenes, or with files {}",
@@ -75,7 +76,8 @@ std::shared_ptr<const Manifest> manifestOf(const fs::path& shard, fs::path& fold
 const ScanRecord* recordOf(const SampleRecord* sample, const MemberName& name) {
   if (sample == nullptr) return nullptr;
   const auto found = std::find_if(sample->scans.begin(), sample->scans.end(), [&](const ScanRecord& r) {
-    return lowerCase(r.sensor) == lowerCase(name.sensor) && lowerCase(r.method) == lowerCase(name.method);
+    return lowerCase(r.sensor) == lowerCase(name.sensor) && r.revolution == name.revolution &&
+           lowerCase(r.method) == lowerCase(name.method);
   });
   return found == sample->scans.end() ? nullptr : &*found;
 }
@@ -223,7 +225,7 @@ StoredScan ScanStore::scanOfRecorded(std::size_t sample, const std::string& sens
     throw InputError({path_.string()}, fmt::format("has no sensor '{}'{}", sensor,
                                                    recorded_->sensor.empty() ? "" : "; it has " + recorded_->sensor));
   }
-  return {recorded_->sensor, "", {recorded_->scans.at(sample).points.string()}, nullptr};
+  return {recorded_->sensor, 0, "", {recorded_->scans.at(sample).points.string()}, nullptr};
 }
 
 std::vector<StoredScan> ScanStore::scans(std::size_t sample, const std::string& sensor) const {
@@ -231,11 +233,11 @@ std::vector<StoredScan> ScanStore::scans(std::size_t sample, const std::string& 
   if (recorded_) return {scanOfRecorded(sample, sensor)};
   const Sample& own = samples_.at(sample);
   std::vector<StoredScan> all;
-  std::vector<std::pair<std::string, std::string>> names;  // sensor and method, as in the members' names
+  std::vector<std::tuple<std::string, std::uint32_t, std::string>> names;  // sensor, revolution and method
   for (const std::string& member : membersOf(own)) {
     const MemberName name = partsOfMember(member);
     if (formatBySuffix(name.suffix) == nullptr) continue;
-    const std::pair key{lowerCase(name.sensor), lowerCase(name.method)};
+    const std::tuple key{lowerCase(name.sensor), name.revolution, lowerCase(name.method)};
     const auto known = std::find(names.begin(), names.end(), key);
     if (known != names.end()) {
       all[static_cast<std::size_t>(known - names.begin())].members.push_back(member);
@@ -243,7 +245,11 @@ std::vector<StoredScan> ScanStore::scans(std::size_t sample, const std::string& 
     }
     const ScanRecord* record = recordOf(own.record, name);
     names.push_back(key);
-    all.push_back({record ? record->sensor : name.sensor, record ? record->method : name.method, {member}, record});
+    all.push_back({record ? record->sensor : name.sensor,
+                   name.revolution,
+                   record ? record->method : name.method,
+                   {member},
+                   record});
   }
   const std::string where = shards_[own.shard].file.string();
   if (all.empty()) {
@@ -253,10 +259,11 @@ std::vector<StoredScan> ScanStore::scans(std::size_t sample, const std::string& 
   std::vector<StoredScan> wanted;
   std::vector<std::string> others;
   for (std::size_t i = 0; i < all.size(); ++i) {
-    if (names[i].first == lowerCase(sensor)) {
+    const std::string& name = std::get<0>(names[i]);
+    if (name == lowerCase(sensor)) {
       wanted.push_back(std::move(all[i]));
-    } else if (std::find(others.begin(), others.end(), names[i].first) == others.end()) {
-      others.push_back(names[i].first);
+    } else if (std::find(others.begin(), others.end(), name) == others.end()) {
+      others.push_back(name);
     }
   }
   if (!wanted.empty()) return wanted;
@@ -302,6 +309,7 @@ std::optional<std::string> ScanStore::voxels(std::size_t sample, const std::stri
   const StoredScan scan = scans(sample, sensor).front();
   ScanRecord named;
   named.sensor = scan.sensor;
+  named.revolution = scan.revolution;
   named.method = scan.method;
   const std::string name = keys_.at(sample) + "." + memberSuffix(named, kVoxelsSuffix);
   const ShardIndex& index = shard(samples_.at(sample).shard);

@@ -24,6 +24,7 @@ namespace scanmill {
 // One scan of a sample, in all formats in which it was written.
 struct StoredScan {
   std::string sensor;                // from the manifest or, if there is none, from the members' names; empty: unknown
+  std::uint32_t revolution = 0;      // index among the sensor's revolutions in the sample
   std::string method;                // from the manifest or, if there is none, from the members' names; empty: unknown
   std::vector<std::string> members;  // members of the shard that contain the scan, in order; or a recorded scan's file
   const ScanRecord* record = nullptr;  // record in the manifest; null: there is no manifest
@@ -60,8 +61,9 @@ class ScanStore {
   // Returns the names of all sensors; none for a single scan.
   std::vector<std::string> sensors() const;
 
-  // Returns the scans of a sample that have a known format, for one sensor or, if `sensor` is empty, for all. May be
-  // called from any thread. If there is no such scan, throws InputError with the sensors that the sample has.
+  // Returns the scans of a sample that have a known format, for one sensor or, if `sensor` is empty, for all, the
+  // revolutions of a sensor in their order. May be called from any thread. If there is no such scan, throws InputError
+  // with the sensors that the sample has.
   std::vector<StoredScan> scans(std::size_t sample, const std::string& sensor = {}) const;
   // Decodes a scan from the first of its members that can be decoded. May be called from any thread. If no member can
   // be decoded, throws an InputError with the problem of each member.

@@ -59,6 +59,7 @@ class Export {
     chooseClasses();
     chooseSensors();
     chooseSequences();
+    if (!options_.layout->revolutions) requireOneRevolution();
     layout_->check(plan_);
   }
 
@@ -164,6 +165,25 @@ class Export {
     summary_.warnings.push_back(
         fmt::format("{} stores the scans of only one sensor: writes those of '{}' (--sensor selects another)",
                     options_.layout->name, plan_.sensors.front()->name));
+  }
+
+  // Throws InputError if a sample has several revolutions of a sensor, or none.
+  void requireOneRevolution() const {
+    for (const ExportSequence& sequence : plan_.sequences) {
+      for (const std::size_t number : sequence.samples) {
+        const SampleRecord& sample = plan_.manifest.samples[number];
+        for (std::size_t s = 0; s < plan_.sensors.size(); ++s) {
+          const std::size_t scans = revolutionsOf(plan_, sample, s).size();
+          if (scans == 1) continue;
+          throw InputError({options_.dataset.string()},
+                           fmt::format("{} has one scan of each sensor in a frame, but the sample {} has {} of '{}', "
+                                       "which turns at another rate than others: choose sensors with one scan in each "
+                                       "sample by --sensor, generate with this sensor's period as `every_s`, or take "
+                                       "--to mcap or --to nuscenes, which have all",
+                                       options_.layout->name, sample.key, scans, plan_.sensors[s]->name));
+        }
+      }
+    }
   }
 
   void chooseSequences() {
@@ -272,17 +292,17 @@ class Export {
     ExportSample sample{&plan_.manifest.samples[number], sequence, frame, {}, store_.objects(number), {}};
     std::vector<StoredScan> stored = store_.scans(number);
     for (std::size_t s = 0; s < plan_.sensors.size(); ++s) {
-      const SensorRecord* const sensor = plan_.sensors[s];
-      const auto found = std::find_if(stored.begin(), stored.end(),
-                                      [&](const StoredScan& scan) { return scan.sensor == sensor->name; });
-      if (found == stored.end() || found->record == nullptr) {
-        throw InputError({options_.dataset.string()},
-                         fmt::format("the sample {} has no scan of the sensor '{}'", sample.record->key, sensor->name));
+      for (const ScanRecord* record : revolutionsOf(plan_, *sample.record, s)) {
+        const auto found = std::find_if(stored.begin(), stored.end(), [&](const StoredScan& scan) {
+          return scan.sensor == record->sensor && scan.revolution == record->revolution &&
+                 scan.method == record->method;
+        });
+        if (found == stored.end()) {
+          throw InputError({options_.dataset.string()}, fmt::format("the sample {} has no scan of the sensor '{}'",
+                                                                    sample.record->key, record->sensor));
+        }
+        sample.scans.push_back({record, plan_.sensors[s], s, store_.decode(number, *found)});
       }
-      const auto record = std::find_if(
-          sample.record->scans.begin(), sample.record->scans.end(),
-          [&](const ScanRecord& r) { return r.sensor == sensor->name && r.method == found->record->method; });
-      sample.scans.push_back({&*record, sensor, s, store_.decode(number, *found)});
     }
     if (layout_->readsVoxels()) {
       const std::string& sensor = plan_.sensors.front()->name;

@@ -20,14 +20,15 @@ namespace {
 
 constexpr std::array<LayoutEntry, 7> kLayouts{{
     {"semantic_kitti", "sequences/NN with velodyne, labels, calib, poses and times", "semantic_kitti", true, false,
-     makeSemanticKitti},
-    {"kitti", "KITTI's object benchmark: velodyne, label_2, calib, image_2, ImageSets", "kitti", false, true,
+     false, makeSemanticKitti},
+    {"kitti", "KITTI's object benchmark: velodyne, label_2, calib, image_2, ImageSets", "kitti", false, true, false,
      makeKitti},
-    {"nuscenes", "nuScenes' tables, boxes, lidarseg and panoptic", "nuscenes", false, false, makeNuScenes},
-    {"las", "LAS 1.4, a file for each scan; all columns as extra bytes", "", false, false, makeLas},
-    {"ply", "PLY, a file for each scan, with labels and the classes' colours", "", false, false, makePly},
-    {"npz", "NumPy, a file for each scan, an array for each column", "", false, false, makeNpz},
-    {"mcap", "MCAP of ROS 2, a file for each sequence: PointCloud2, tf, markers of boxes", "", false, false, makeMcap},
+    {"nuscenes", "nuScenes' tables, boxes, lidarseg and panoptic", "nuscenes", false, false, true, makeNuScenes},
+    {"las", "LAS 1.4, a file for each scan; all columns as extra bytes", "", false, false, true, makeLas},
+    {"ply", "PLY, a file for each scan, with labels and the classes' colours", "", false, false, true, makePly},
+    {"npz", "NumPy, a file for each scan, an array for each column", "", false, false, true, makeNpz},
+    {"mcap", "MCAP of ROS 2, a file for each sequence: PointCloud2, tf, markers of boxes", "", false, false, true,
+     makeMcap},
 }};
 
 }  // namespace
@@ -123,15 +124,22 @@ std::array<double, 12> matrixRows(const Pose& pose) {
   return {r.x.x, r.y.x, r.z.x, t.x, r.x.y, r.y.y, r.z.y, t.y, r.x.z, r.y.z, r.z.z, t.z};
 }
 
-const ScanRecord& scanOf(const ExportPlan& plan, const SampleRecord& sample, std::size_t number) {
-  const std::string& sensor = plan.sensors[number]->name;
-  const auto found = std::find_if(sample.scans.begin(), sample.scans.end(),
-                                  [&](const ScanRecord& scan) { return scan.sensor == sensor; });
-  if (found != sample.scans.end()) return *found;
+std::vector<const ScanRecord*> revolutionsOf(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor) {
+  std::vector<const ScanRecord*> scans;
+  for (const ScanRecord& scan : sample.scans) {
+    const bool own = scan.sensor == plan.sensors[sensor]->name;
+    if (own && (scans.empty() || scan.method == scans.front()->method)) scans.push_back(&scan);
+  }
+  return scans;
+}
+
+const ScanRecord& scanOf(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor) {
+  const std::vector<const ScanRecord*> scans = revolutionsOf(plan, sample, sensor);
+  if (!scans.empty()) return *scans.front();
   throw InputError({plan.dataset.string()},
                    fmt::format("the sample {} has no scan of the sensor '{}': name another sensor with --sensor, or "
                                "leave out the sample's split with --split",
-                               sample.key, sensor));
+                               sample.key, plan.sensors[sensor]->name));
 }
 
 void ExportFolder::write(const std::filesystem::path& name, std::string_view bytes) const {

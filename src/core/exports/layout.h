@@ -47,7 +47,7 @@ struct ExportSample {
   const SampleRecord* record = nullptr;
   std::size_t sequence = 0;              // index into ExportPlan::sequences
   std::size_t frame = 0;                 // number of the frame in the sequence, from 0
-  std::vector<ExportScan> scans;         // scans of the exported sensors, in the order of ExportPlan::sensors
+  std::vector<ExportScan> scans;         // revolutions of the exported sensors, in the order of ExportPlan::sensors
   std::optional<SampleObjects> objects;  // none: the dataset lists no objects
   std::optional<ScanVoxels> voxels;      // voxels around the first exported sensor; none: absent or not read
 };
@@ -79,8 +79,10 @@ std::string velodynePoints(const ExportScan& given, std::span<const std::size_t>
 std::vector<std::string> skewWarnings(const ExportPlan& plan, std::string_view layout);
 // Returns the rows of a pose's matrix of 3 x 4 numbers, one after the other.
 std::array<double, 12> matrixRows(const Pose& pose);
-// Returns the scan of an exported sensor (index in ExportPlan::sensors). Throws InputError if the sample has no scan of
-// this sensor.
+// Returns the scans of an exported sensor (index in ExportPlan::sensors), one for each of its revolutions in the
+// sample; a sample may have none of a slow sensor.
+std::vector<const ScanRecord*> revolutionsOf(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor);
+// Returns the first of these scans. Throws InputError if there is none.
 const ScanRecord& scanOf(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor = 0);
 
 using ReadSample = std::function<ExportSample(std::size_t sequence, std::size_t frame)>;
@@ -140,6 +142,7 @@ struct LayoutEntry {
   std::string_view labels;  // name of the layout's ontology in labels/; empty: the dataset's own classes are exported
   bool oneSensor = false;   // true: the layout can have only one sensor
   bool boxesAlone = false;  // true: only boxes have classes, points have none
+  bool revolutions = true;  // false: the layout has one scan of each sensor in a frame, no more and no less
   std::unique_ptr<Layout> (*make)();
 };
 

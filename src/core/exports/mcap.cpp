@@ -1,7 +1,7 @@
 // Writes an MCAP file (mcap.dev, profile ros2) for each sequence, train/street-s1-lane.mcap, which Foxglove, the tools
 // of MCAP and rosbag2 of ROS 2 read. Its topics:
 //
-//   /<sensor>/points  sensor_msgs/msg/PointCloud2           all columns of the scan, in the sensor's frame
+//   /<sensor>/points  sensor_msgs/msg/PointCloud2           all columns of each revolution, in the sensor's frame
 //   /tf               tf2_msgs/msg/TFMessage                map -> vehicle, at the start of each revolution
 //   /tf_static        tf2_msgs/msg/TFMessage                vehicle -> sensors, once
 //   /objects          visualization_msgs/msg/MarkerArray    boxes and their names in map, if the dataset lists objects
@@ -72,13 +72,13 @@ McapMap publishing(bool forLatecomers) {
 class Bag {
  public:
   Bag(const ExportPlan& plan, std::size_t sequence, const std::filesystem::path& path)
-      : plan_(plan), file_(path, "ros2", fmt::format("scanmill {}", kVersion)) {
+      : plan_(plan), sequence_(plan.sequences[sequence]), file_(path, "ros2", fmt::format("scanmill {}", kVersion)) {
     // This record, which Humble writes, makes later versions of rosbag2 interpret the numbers of publishing() as Humble
     // does.
     file_.addMetadata("rosbag2", {{"ROS_DISTRO", "humble"}});
     file_.addMetadata("scanmill", {{"dataset", plan.manifest.name},
-                                   {"sequence", plan.sequences[sequence].name},
-                                   {"split", plan.sequences[sequence].split},
+                                   {"sequence", sequence_.name},
+                                   {"split", sequence_.split},
                                    {"deskewed", plan.manifest.deskewed ? "true" : "false"}});
     McapMap classes;
     for (const SemanticClass& c : plan.classes.target().classes) classes[std::to_string(c.id)] = c.name;
@@ -88,10 +88,10 @@ class Bag {
     poses_ = addChannel(transforms, "/tf");
     const std::uint16_t clouds = addSchema(pointCloudSchema());
     for (const SensorRecord* sensor : plan.sensors) clouds_.push_back(addChannel(clouds, topicOf(*sensor)));
+    addMounts();
   }
 
   void add(ExportSample sample) {
-    if (sample.frame == 0) addMounts(sample);
     std::set<std::uint64_t> known;  // time stamps that /tf already has; sensors may start at different times
     for (ExportScan& scan : sample.scans) {
       const std::uint64_t time = timeOf(scan.record->time);
@@ -119,13 +119,22 @@ class Bag {
     return file_.addChannel(schema, topic, "cdr", publishing(forLatecomers));
   }
 
-  void addMounts(const ExportSample& sample) {
-    const std::uint64_t time = timeOf(sample.scans.front().record->time);
+  // Adds the mounts of the sensors at the time of the sequence's first scan. The first sample may have no scan of a
+  // sensor that turns slowly.
+  void addMounts() {
     std::vector<RosTransform> mounts;
-    for (const ExportScan& scan : sample.scans) {
-      mounts.push_back({time, kVehicle, scan.sensor->name, mountOf(*scan.sensor, *scan.record)});
+    double first = INFINITY;
+    for (std::size_t s = 0; s < plan_.sensors.size(); ++s) {
+      for (const std::size_t sample : sequence_.samples) {
+        const std::vector<const ScanRecord*> scans = revolutionsOf(plan_, plan_.manifest.samples[sample], s);
+        if (scans.empty()) continue;
+        first = std::min(first, scans.front()->time);
+        mounts.push_back({0, kVehicle, plan_.sensors[s]->name, mountOf(*plan_.sensors[s], *scans.front())});
+        break;
+      }
     }
-    file_.addMessage(mounts_, time, transformsMessage(mounts));
+    for (RosTransform& mount : mounts) mount.time = timeOf(first);
+    if (!mounts.empty()) file_.addMessage(mounts_, timeOf(first), transformsMessage(mounts));
   }
 
   void addObjects(const SampleObjects& objects) {
@@ -172,6 +181,7 @@ class Bag {
   }
 
   const ExportPlan& plan_;
+  const ExportSequence& sequence_;
   McapFile file_;
   std::uint16_t mounts_ = 0;
   std::uint16_t poses_ = 0;

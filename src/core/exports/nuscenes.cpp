@@ -9,13 +9,14 @@
 //   lidarseg/v1.0-trainval/TOKEN_lidarseg.bin          uint8 per point: its class
 //   panoptic/v1.0-trainval/TOKEN_panoptic.npz          uint16 per point: 1000 * class + instance
 //   maps/TOKEN.png                                     a white map
-//   sweeps/LIDAR_TOP/                                  empty
+//   sweeps/LIDAR_TOP/                                  further revolutions of a sensor in a sample, without labels
 //
 // - Points are in the frame of the real LIDAR_TOP, x to the right, y forward, z up, so that models trained on nuScenes
 //   can be used; calibrated_sensor has the frame's pose on the vehicle. Rings are numbered from the lowest beam; they
 //   are all 0 if the dataset has no ring numbers. Intensities are integers from 0 to 255, as from the real sensor:
 //   intensities above the full scale become 255, and all are 0 without the column `intensity`.
-// - Every frame is a key frame with a sample, however close the frames are; sweeps/ is empty.
+// - Every frame is a key frame with a sample, however close the frames are. A sensor that turns faster than others has
+//   several revolutions in a sample: the first one is the key frame, the others are sweeps.
 // - Each sequence is a scene with a log. The first scene is on 2020-01-01, and each further scene one day later,
 //   because times must differ from scene to scene. Times and ego_pose are those at the start of a revolution.
 // - sample_annotation has the listed objects that have at least one point and whose class in labels/nuscenes.yaml is a
@@ -118,6 +119,7 @@ class NuScenes : public Layout {
       for (const std::size_t number : plan.sequences[s].samples) {
         const SampleRecord& sample = plan.manifest.samples[number];
         const ScanRecord& scan = scanOf(plan, sample);
+        for (std::size_t sensor = 1; sensor < plan.sensors.size(); ++sensor) scanOf(plan, sample, sensor);
         if (!(scan.time >= 0 && scan.time < kNuScenesDay)) {
           throw InputError(
               {plan.dataset.string()},
@@ -151,7 +153,9 @@ class NuScenes : public Layout {
     const SampleRecord& sample = plan.manifest.samples[plan.sequences[sequence].samples[frame]];
     std::vector<std::filesystem::path> files;
     for (std::size_t sensor = 0; sensor < plan.sensors.size(); ++sensor) {
-      files.push_back(pointsFile(plan, sequence, frame, sensor));
+      for (const ScanRecord* scan : revolutionsOf(plan, sample, sensor)) {
+        files.push_back(pointsFile(plan, sequence, sample, sensor, *scan));
+      }
       if (hasColumn(plan, "label")) files.push_back(lidarsegFile(plan, sample, sensor));
       if (isPanoptic(plan)) files.push_back(panopticFile(plan, sample, sensor));
     }
@@ -167,8 +171,9 @@ class NuScenes : public Layout {
       numbers = numbers_.of(plan, sequence, read);
     }
     for (const ExportScan& scan : sample.scans) {
-      folder.write(pointsFile(plan, sequence, frame, scan.sensorNumber), pointsOf(scan));
-      if (hasColumn(plan, "label")) writeLabels(plan, *sample.record, scan, numbers, folder);
+      folder.write(pointsFile(plan, sequence, *sample.record, scan.sensorNumber, *scan.record), pointsOf(scan));
+      if (scan.record->revolution == 0 && hasColumn(plan, "label"))
+        writeLabels(plan, *sample.record, scan, numbers, folder);
     }
   }
 

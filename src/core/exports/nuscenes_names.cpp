@@ -55,15 +55,17 @@ std::string nuScenesChannel(const ExportPlan& plan, std::size_t sensor) {
   return channel == "LIDAR_TOP" ? "LIDAR_TOP_2" : channel;
 }
 
-std::string nuScenesScan(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor) {
-  return sensor == 0 ? sample.key : sample.key + " " + plan.sensors[sensor]->name;
+std::string nuScenesScan(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor,
+                         std::uint32_t revolution) {
+  const std::string key = sensor == 0 ? sample.key : sample.key + " " + plan.sensors[sensor]->name;
+  return revolution == 0 ? key : fmt::format("{}\n{}", key, revolution);
 }
 
-fs::path pointsFile(const ExportPlan& plan, std::size_t sequence, std::size_t frame, std::size_t sensor) {
-  const SampleRecord& sample = plan.manifest.samples[plan.sequences[sequence].samples[frame]];
-  const std::int64_t time = nuScenesTime(sequence, scanOf(plan, sample, sensor));
+fs::path pointsFile(const ExportPlan& plan, std::size_t sequence, const SampleRecord& sample, std::size_t sensor,
+                    const ScanRecord& scan) {
   const std::string channel = nuScenesChannel(plan, sensor);
-  return fs::path("samples") / channel / fmt::format("{}__{}__{}.pcd.bin", sample.key, channel, time);
+  return fs::path(scan.revolution == 0 ? "samples" : "sweeps") / channel /
+         fmt::format("{}__{}__{}.pcd.bin", sample.key, channel, nuScenesTime(sequence, scan));
 }
 
 fs::path lidarsegFile(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor) {

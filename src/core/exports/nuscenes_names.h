@@ -28,11 +28,14 @@ std::string nuScenesDate(std::size_t sequence);
 // others "LIDAR_" with the sensor's name in capital letters, such as "LIDAR_FRONT_LEFT".
 std::string nuScenesChannel(const ExportPlan& plan, std::size_t sensor);
 
-// Returns the text that identifies a sensor's scan of a sample, for nuScenesToken().
-std::string nuScenesScan(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor);
+// Returns the text that identifies a sensor's scan of a sample, for nuScenesToken(). `revolution`: see ScanRecord.
+std::string nuScenesScan(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor,
+                         std::uint32_t revolution = 0);
 
-// Return the paths of the files of a sensor's scan, relative to the output folder.
-std::filesystem::path pointsFile(const ExportPlan& plan, std::size_t sequence, std::size_t frame, std::size_t sensor);
+// Return the paths of the files of a sensor's scan, relative to the output folder. The sensor's first revolution in a
+// sample is its key frame and has labels, later ones are sweeps.
+std::filesystem::path pointsFile(const ExportPlan& plan, std::size_t sequence, const SampleRecord& sample,
+                                 std::size_t sensor, const ScanRecord& scan);
 std::filesystem::path lidarsegFile(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor);
 std::filesystem::path panopticFile(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor);
 

@@ -303,7 +303,7 @@ class Tables {
                    {"prev", tokenAt("sample", f - 1)},
                    {"next", tokenAt("sample", f + 1)},
                    {"scene_token", scene}});
-    for (std::size_t i = 0; i < plan_.sensors.size(); ++i) addScan(s, f, i);
+    for (std::size_t i = 0; i < plan_.sensors.size(); ++i) addScans(s, f, i);
     for (const auto& each : kCameras) {
       const std::string_view camera = each.first;
       const auto imageAt = [&](std::size_t frame) {
@@ -340,36 +340,56 @@ class Tables {
     return kFirstOther + others_++;
   }
 
-  // Adds the rows of a sensor's scan: ego_pose, sample_data and labels.
-  void addScan(std::size_t s, std::size_t f, std::size_t sensor) {
+  // Returns the token of the sample_data of a sensor's revolution before (`step` -1) or after (1) the revolution `r` of
+  // a frame; empty if there is none.
+  std::string neighbour(std::size_t s, std::size_t f, std::size_t sensor, std::size_t r, int step) const {
+    constexpr std::string_view table = "sample_data";
     const ExportSequence& sequence = plan_.sequences[s];
-    const auto tokenAt = [&](std::string_view of, std::size_t frame) {
-      return frame < sequence.samples.size()
-                 ? token(of, nuScenesScan(plan_, plan_.manifest.samples[sequence.samples[frame]], sensor))
-                 : std::string();  // empty: there is no such frame
+    const auto sampleAt = [&](std::size_t frame) -> const SampleRecord& {
+      return plan_.manifest.samples[sequence.samples[frame]];
     };
+    if (step < 0 && r > 0) return scanToken(table, sampleAt(f), sensor, r - 1);
+    if (step > 0 && r + 1 < revolutionsOf(plan_, sampleAt(f), sensor).size()) {
+      return scanToken(table, sampleAt(f), sensor, r + 1);
+    }
+    if (step < 0 ? f == 0 : f + 1 == sequence.samples.size()) return {};
+    const SampleRecord& other = sampleAt(step < 0 ? f - 1 : f + 1);
+    return scanToken(table, other, sensor, step < 0 ? revolutionsOf(plan_, other, sensor).size() - 1 : 0);
+  }
+
+  std::string scanToken(std::string_view table, const SampleRecord& sample, std::size_t sensor, std::size_t r) const {
+    return token(table, nuScenesScan(plan_, sample, sensor, static_cast<std::uint32_t>(r)));
+  }
+
+  // Adds the rows of a sensor's scans of a sample: ego_pose, sample_data and, for the first one, labels.
+  void addScans(std::size_t s, std::size_t f, std::size_t sensor) {
+    const ExportSequence& sequence = plan_.sequences[s];
     const SampleRecord& sample = plan_.manifest.samples[sequence.samples[f]];
-    const ScanRecord& scan = scanOf(plan_, sample, sensor);
-    const std::int64_t time = nuScenesTime(s, scan);
-    const Pose worldFromVehicle = scan.worldFromSensor.front() * inverse(mountOf(*plan_.sensors[sensor], scan));
-    add("ego_pose", {{"token", tokenAt("ego_pose", f)},
-                     {"timestamp", time},
-                     {"rotation", listOf(worldFromVehicle.rotation, sample.key)},
-                     {"translation", listOf(worldFromVehicle.translation, sample.key)}});
-    add("sample_data", {{"token", tokenAt("sample_data", f)},
-                        {"sample_token", token("sample", sample.key)},
-                        {"ego_pose_token", tokenAt("ego_pose", f)},
-                        {"calibrated_sensor_token", mountToken(sensor, sequence)},
-                        {"timestamp", time},
-                        {"fileformat", "pcd"},
-                        {"is_key_frame", true},
-                        {"height", 0},
-                        {"width", 0},
-                        {"filename", pointsFile(plan_, s, f, sensor).generic_string()},
-                        {"prev", tokenAt("sample_data", f - 1)},
-                        {"next", tokenAt("sample_data", f + 1)}});
+    const std::vector<const ScanRecord*> scans = revolutionsOf(plan_, sample, sensor);
+    for (std::size_t r = 0; r < scans.size(); ++r) {
+      const ScanRecord& scan = *scans[r];
+      const std::int64_t time = nuScenesTime(s, scan);
+      const Pose worldFromVehicle = scan.worldFromSensor.front() * inverse(mountOf(*plan_.sensors[sensor], scan));
+      const std::string pose = scanToken("ego_pose", sample, sensor, r);
+      add("ego_pose", {{"token", pose},
+                       {"timestamp", time},
+                       {"rotation", listOf(worldFromVehicle.rotation, sample.key)},
+                       {"translation", listOf(worldFromVehicle.translation, sample.key)}});
+      add("sample_data", {{"token", scanToken("sample_data", sample, sensor, r)},
+                          {"sample_token", token("sample", sample.key)},
+                          {"ego_pose_token", pose},
+                          {"calibrated_sensor_token", mountToken(sensor, sequence)},
+                          {"timestamp", time},
+                          {"fileformat", "pcd"},
+                          {"is_key_frame", r == 0},
+                          {"height", 0},
+                          {"width", 0},
+                          {"filename", pointsFile(plan_, s, sample, sensor, scan).generic_string()},
+                          {"prev", neighbour(s, f, sensor, r, -1)},
+                          {"next", neighbour(s, f, sensor, r, 1)}});
+    }
     // The devkit finds a scan's labels by the token of the scan, so the row of the labels has this token.
-    const std::string own = tokenAt("sample_data", f);
+    const std::string own = scanToken("sample_data", sample, sensor, 0);
     const auto addLabels = [&](const char* name, const fs::path& file) {
       if (!tables_.contains(name)) return;
       add(name, {{"token", own}, {"sample_data_token", own}, {"filename", file.generic_string()}});

@@ -7,15 +7,19 @@
 namespace scanmill {
 
 // The sensor's name in the file name is in lower case, as in the names of the dataset's members.
-std::filesystem::path ScanFiles::fileOf(const SampleRecord& sample, const SensorRecord& sensor) const {
-  return std::filesystem::path(sample.split) / fmt::format("{}.{}.{}", sample.key, lowerCase(sensor.name), suffix_);
+std::filesystem::path ScanFiles::fileOf(const SampleRecord& sample, const ScanRecord& scan) const {
+  const std::string revolution = scan.revolution == 0 ? "" : fmt::format(".{}", scan.revolution);
+  return std::filesystem::path(sample.split) /
+         fmt::format("{}.{}{}.{}", sample.key, lowerCase(scan.sensor), revolution, suffix_);
 }
 
 std::vector<std::filesystem::path> ScanFiles::filesOf(const ExportPlan& plan, std::size_t sequence,
                                                       std::size_t frame) const {
   const SampleRecord& sample = plan.manifest.samples[plan.sequences[sequence].samples[frame]];
   std::vector<std::filesystem::path> files;
-  for (const SensorRecord* sensor : plan.sensors) files.push_back(fileOf(sample, *sensor));
+  for (std::size_t s = 0; s < plan.sensors.size(); ++s) {
+    for (const ScanRecord* scan : revolutionsOf(plan, sample, s)) files.push_back(fileOf(sample, *scan));
+  }
   return files;
 }
 
@@ -24,7 +28,7 @@ void ScanFiles::write(const ExportPlan& plan, std::size_t sequence, std::size_t 
   const ExportSample sample = read(sequence, frame);
   for (const ExportScan& scan : sample.scans) {
     requireConsistent(scan.scan);
-    folder.write(fileOf(*sample.record, *scan.sensor), bytesOf(plan, sample, scan));
+    folder.write(fileOf(*sample.record, *scan.record), bytesOf(plan, sample, scan));
   }
 }
 

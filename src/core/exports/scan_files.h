@@ -1,7 +1,8 @@
 #pragma once
 
 // Base class of layouts that write a file for each scan: SPLIT/KEY.SENSOR.SUFFIX,
-// "train/street-s1-lane-000000.top.las".
+// "train/street-s1-lane-000000.top.las", or "train/street-s1-lane-000000.top.1.las" for a sensor's second revolution in
+// the sample.
 
 #include <cstddef>
 #include <cstdint>
@@ -19,7 +20,7 @@ class ScanFiles : public Layout {
  public:
   explicit ScanFiles(std::string suffix) : suffix_(std::move(suffix)) {}
 
-  // Returns the path of one file for each exported sensor, in the order of ExportPlan::sensors.
+  // Returns the path of one file for each revolution of the exported sensors, in the order of ExportPlan::sensors.
   std::vector<std::filesystem::path> filesOf(const ExportPlan& plan, std::size_t sequence,
                                              std::size_t frame) const override;
   void write(const ExportPlan& plan, std::size_t sequence, std::size_t frame, const ReadSample& read,
@@ -30,7 +31,7 @@ class ScanFiles : public Layout {
   virtual std::string bytesOf(const ExportPlan& plan, const ExportSample& sample, const ExportScan& scan) const = 0;
 
  private:
-  std::filesystem::path fileOf(const SampleRecord& sample, const SensorRecord& sensor) const;
+  std::filesystem::path fileOf(const SampleRecord& sample, const ScanRecord& scan) const;
 
   std::string suffix_;  // suffix of the files, without a dot
 };

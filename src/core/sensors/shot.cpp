@@ -48,8 +48,8 @@ double untilNextFrame(const Trajectory& trajectory, std::uint32_t frame, double 
 }  // namespace
 
 Shot makeShot(const std::shared_ptr<const BeamTable>& table, const Trajectory& trajectory, std::uint32_t frame,
-              const Pose& vehicleFromSensor, const Motion& motion) {
-  std::shared_ptr<const BeamTable> beams = beamsAt(table, trajectory.frameTime(frame));
+              const Pose& vehicleFromSensor, const Motion& motion, double begin) {
+  std::shared_ptr<const BeamTable> beams = beamsAt(table, trajectory.frameTime(frame) + begin);
   std::uint64_t steps = 1;
   if (motion.kind == MotionKind::PerColumn) steps = beams->columns;
   if (motion.kind == MotionKind::Steps) steps = motion.steps;
@@ -66,16 +66,16 @@ Shot makeShot(const std::shared_ptr<const BeamTable>& table, const Trajectory& t
 
   Shot shot;
   shot.frame = frame;
-  shot.time = trajectory.frameTime(frame);
+  shot.time = trajectory.frameTime(frame) + begin;
   shot.duration = duration;
-  shot.untilNext = untilNextFrame(trajectory, frame, beams->period);
+  shot.untilNext = untilNextFrame(trajectory, frame, beams->period) - begin;
   shot.deskew = motion.deskew;
   shot.worldFromSensor.reserve(steps);
   constexpr double kMoment = 1e-3;  // s, time over which velocities are computed
   for (std::uint64_t step = 0; step < steps; ++step) {
     // The first column of the step, by the rule at Shot::worldFromSensor.
     const auto column = static_cast<std::uint32_t>((step * beams->columns + steps - 1) / steps);
-    const double time = beams->columnTime(column);
+    const double time = begin + beams->columnTime(column);
     shot.worldFromSensor.push_back(trajectory.pose(frame, time) * vehicleFromSensor);
     if (trajectory.still()) continue;
     const Pose soon = trajectory.pose(frame, time + kMoment) * vehicleFromSensor;

@@ -27,12 +27,16 @@ struct Shot {
   std::uint32_t scene = 0;   // index of the sequence in the pipeline
   std::uint32_t frame = 0;   // index in the sequence
   std::uint32_t sensor = 0;  // index of the sensor on the vehicle
+  // Index of the revolution among those of this sensor in the sample, at most kMostRevolutions - 1: a sensor that turns
+  // faster than the slowest one has several.
+  std::uint32_t revolution = 0;
   std::string sensorName;
   std::string sample;   // key of the sample; file names of the shot begin with it
   double time = 0;      // s since the start of the sequence, at column 0
   double duration = 0;  // s, time in which the scene's objects move; 0: objects keep their pose at `time`
-  // Time from `time` to the sequence's next frame (s). For the last frame, the time from the frame before it;
-  // for a single frame, the sensor's period.
+  // Time from `time` to the sensor's next revolution in the dataset (s). For a revolution that begins with its frame
+  // this is the time to the sequence's next frame; for the last frame, the time from the frame before it; for a single
+  // frame, the sensor's period.
   double untilNext = 0;
   std::shared_ptr<const BeamTable> beams;
 
@@ -56,6 +60,11 @@ struct Shot {
   // The scene must be `placeable`.
   std::shared_ptr<const Placements> placed;
 
+  // Revolutions of one sensor in one sample: the address of random numbers has eight bits for them.
+  static constexpr std::uint32_t kMostRevolutions = 256;
+  // Returns the frame in the address of the shot's random numbers. Trajectory::kMaxFrames leaves the upper bits free.
+  std::uint32_t randomFrame() const { return frame | revolution << 24; }
+
   std::size_t stepOf(std::uint32_t column) const {
     const std::uint32_t rays = beams->raysPerBeam;
     return static_cast<std::size_t>(std::uint64_t{column / rays} * worldFromSensor.size() / (beams->columns / rays));
@@ -77,9 +86,9 @@ struct Motion {
 Motion readMotion(const Value* value);
 
 // Returns a shot with its poses, time, beams (of `table` at that time: see beamsAt()), frame and deskew; the caller
-// sets the names and the other parts of the address of the random numbers. Throws InputError if the motion has more
-// steps than the sensor has columns.
+// sets the names and the other parts of the address of the random numbers. `begin`: start of the revolution (s) after
+// the start of the frame; may be negative. Throws InputError if the motion has more steps than the sensor has columns.
 Shot makeShot(const std::shared_ptr<const BeamTable>& table, const Trajectory& trajectory, std::uint32_t frame,
-              const Pose& vehicleFromSensor, const Motion& motion);
+              const Pose& vehicleFromSensor, const Motion& motion, double begin = 0);
 
 }  // namespace scanmill

@@ -220,19 +220,19 @@ std::vector<Trajectory::LaneChange> Trajectory::readLaneChanges(const Value& val
   return changes;
 }
 
-void Trajectory::readPoses(Fields& fields, double fallbackPeriod, double limit) {
+void Trajectory::readPoses(Fields& fields, double period, double limit) {
   refuseKeysOfDrives(fields, "the vehicle stands still in each of `poses`, which are every_s apart");
   poses_ = posesOf(fields.require("poses"));
-  interval_ = fields.number("every_s", kInterval, fallbackPeriod);
+  interval_ = fields.number("every_s", kInterval, period);
   frames_ = static_cast<std::uint32_t>(std::min(static_cast<double>(poses_.size()), limit));
   poses_.resize(frames_);
 }
 
-void Trajectory::readRecorded(Fields& fields, double fallbackPeriod, double limit) {
+void Trajectory::readRecorded(Fields& fields, double period, double limit) {
   refuseKeysOfDrives(fields, "a recording states the pose of the vehicle at each time");
   const Value& value = fields.require("recorded");
   recorded_ = std::make_shared<const RecordedPoses>(readRecordedPoses(value));
-  interval_ = fields.number("every_s", kInterval, fallbackPeriod);
+  interval_ = fields.number("every_s", kInterval, period);
   const double length = recorded_->length();
   frames_ = countFrames(recorded_->duration(), interval_, length, length / recorded_->duration(), limit, value.where);
 }
@@ -262,8 +262,7 @@ void Trajectory::readWay(Fields& fields, const SceneLanes* lanes) {
   if (turns) turns_ = lanes->turnCount;
 }
 
-void Trajectory::readDrive(Fields& fields, double fallbackPeriod, double limit, std::uint64_t seed,
-                           const SceneLanes* lanes) {
+void Trajectory::readDrive(Fields& fields, double period, double limit, std::uint64_t seed, const SceneLanes* lanes) {
   speed_ = fields.number("speed", {0, 100});
   if (speed_ <= 0) {
     throw InputError(fields.require("speed").where,
@@ -273,7 +272,7 @@ void Trajectory::readDrive(Fields& fields, double fallbackPeriod, double limit, 
     throw InputError(fields.require("every_m").where, "give either every_s or every_m, not both");
   }
   interval_ = fields.has("every_m") ? fields.number("every_m", kInterval) / speed_
-                                    : fields.number("every_s", kInterval, fallbackPeriod);
+                                    : fields.number("every_s", kInterval, period);
   if (fields.has("acceleration")) {
     acceleration_ = fields.number("acceleration", {0.01, 20});
     if (fields.has("every_m")) everyMetres_ = fields.number("every_m", kInterval);
@@ -329,8 +328,8 @@ std::uint32_t countDrives(const Value& value) {
   return static_cast<std::uint32_t>(readInteger(*drives, "drives", 1, 10'000));
 }
 
-Trajectory readTrajectory(const Value& value, const std::string& name, double fallbackPeriod, const SceneLanes* lanes,
-                          std::uint64_t seed, std::uint32_t drive, double longestTurn) {
+Trajectory readTrajectory(const Value& value, const std::string& name, double period, const SceneLanes* lanes,
+                          std::uint64_t seed, std::uint32_t drive) {
   constexpr std::array<const char*, 5> kKinds{"poses", "waypoints", "along", "on", "recorded"};
   Fields fields(value, "trajectory");
   fields
@@ -340,7 +339,7 @@ Trajectory readTrajectory(const Value& value, const std::string& name, double fa
       .finish();
   Trajectory result;
   result.name_ = fields.text("name", name);
-  result.lastTurn_ = std::max({kLastTurn, fallbackPeriod, longestTurn});
+  result.lastTurn_ = std::max(kLastTurn, period);
   if (const Value* ground = fields.find("ground")) result.ground_ = readGround(*ground);
   if (countDrives(value) > 1) result.name_ += fmt::format("-{}", drive);
   const double limit =
@@ -356,11 +355,11 @@ Trajectory readTrajectory(const Value& value, const std::string& name, double fa
                     kinds.empty() ? "none of these keys" : fmt::format("{}", fmt::join(kinds, " and "))));
   }
   if (kinds.front() == "poses") {
-    result.readPoses(fields, fallbackPeriod, limit);
+    result.readPoses(fields, period, limit);
   } else if (kinds.front() == "recorded") {
-    result.readRecorded(fields, fallbackPeriod, limit);
+    result.readRecorded(fields, period, limit);
   } else {
-    result.readDrive(fields, fallbackPeriod, limit, seed, lanes);
+    result.readDrive(fields, period, limit, seed, lanes);
   }
   return result;
 }

@@ -63,6 +63,11 @@ class Trajectory {
   std::uint32_t frames() const { return frames_; }  // number of frames
   // Returns the time of a frame's start (s since the start of the trajectory).
   double frameTime(std::uint32_t frame) const;
+  // Returns the time from frame to frame (s); of frames that are equally far apart on a drive that accelerates, the
+  // shortest one.
+  double interval() const { return interval_; }
+  // Returns true if the vehicle drives without a break and its frames are equally far apart in time.
+  bool regular() const { return !still() && everyMetres_ <= 0; }
 
   // Returns the pose `dt` seconds after the start of a frame. A vehicle with listed poses stands still in each frame; a
   // vehicle on a path stops at the path's end. Throws Error if the trajectory has no frame with this number.
@@ -90,16 +95,15 @@ class Trajectory {
   double bareShare() const { return profileOfGround_ ? profileOfGround_->bare() : 0; }
 
  private:
-  friend Trajectory readTrajectory(const Value& value, const std::string& name, double fallbackPeriod,
-                                   const SceneLanes* lanes, std::uint64_t seed, std::uint32_t drive,
-                                   double longestTurn);
+  friend Trajectory readTrajectory(const Value& value, const std::string& name, double period, const SceneLanes* lanes,
+                                   std::uint64_t seed, std::uint32_t drive);
   struct LaneChange {
     double at, left, over;  // m: start on the path, displacement to the left, length on the path
   };
   static std::vector<LaneChange> readLaneChanges(const Value& value, double length);
-  void readPoses(Fields& fields, double fallbackPeriod, double limit);
-  void readRecorded(Fields& fields, double fallbackPeriod, double limit);
-  void readDrive(Fields& fields, double fallbackPeriod, double limit, std::uint64_t seed, const SceneLanes* lanes);
+  void readPoses(Fields& fields, double period, double limit);
+  void readRecorded(Fields& fields, double period, double limit);
+  void readDrive(Fields& fields, double period, double limit, std::uint64_t seed, const SceneLanes* lanes);
   void readWay(Fields& fields, const SceneLanes* lanes);
   std::vector<Vec3d> overGround(std::vector<Vec3d> way) const;
   void setPath(Path path);
@@ -136,13 +140,11 @@ class Trajectory {
 // Throws InputError.
 std::uint32_t countDrives(const Value& value);
 
-// Reads a trajectory. `fallbackPeriod`: time between frames (s) if the YAML gives none; callers pass the period of the
-// first sensor. `lanes`: the town's lanes that `along` refers to; null if the caller has no lanes. `seed`: seed of the
-// vehicle's sway. `drive`: index of one of several random drives; the trajectory's name ends with it. `longestTurn`:
-// duration of the longest revolution of a sensor (s), for which the vehicle must continue after the last frame has
-// started. Throws InputError.
-Trajectory readTrajectory(const Value& value, const std::string& name, double fallbackPeriod,
-                          const SceneLanes* lanes = nullptr, std::uint64_t seed = 0, std::uint32_t drive = 0,
-                          double longestTurn = 0);
+// Reads a trajectory. `period`: duration of the longest revolution of a sensor (s), which is the time between frames if
+// the YAML gives none, and for which the vehicle must continue after the last frame has started. `lanes`: the town's
+// lanes that `along` refers to; null if the caller has no lanes. `seed`: seed of the vehicle's sway. `drive`: index of
+// one of several random drives; the trajectory's name ends with it. Throws InputError.
+Trajectory readTrajectory(const Value& value, const std::string& name, double period, const SceneLanes* lanes = nullptr,
+                          std::uint64_t seed = 0, std::uint32_t drive = 0);
 
 }  // namespace scanmill

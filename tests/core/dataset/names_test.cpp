@@ -22,18 +22,21 @@ void expectParts(const std::string& member, const MemberName& expected) {
   const MemberName parts = partsOfMember(member);
   EXPECT_EQ(parts.key, expected.key) << member;
   EXPECT_EQ(parts.sensor, expected.sensor) << member;
+  EXPECT_EQ(parts.revolution, expected.revolution) << member;
   EXPECT_EQ(parts.method, expected.method) << member;
   EXPECT_EQ(parts.suffix, expected.suffix) << member;
 }
 
 TEST(PartsOfMember, ByDots) {
-  expectParts("street-s1-lane-000012.top.ray_tracing.pcd", {"street-s1-lane-000012", "top", "ray_tracing", "pcd"});
-  expectParts("a.top.pcd", {"a", "top", "", "pcd"});
-  expectParts("a.pcd", {"a", "", "", "pcd"});
-  expectParts("a", {"a", "", "", ""});
-  expectParts("v1.2/a.top.x.y.drc", {"v1.2/a", "top", "x.y", "drc"});
-  expectParts("a..pcd", {"a", "", "", "pcd"});
-  expectParts("", {"", "", "", ""});
+  expectParts("street-s1-lane-000012.top.ray_tracing.pcd", {"street-s1-lane-000012", "top", 0, "ray_tracing", "pcd"});
+  expectParts("street-s1-lane-000012.top.1.ray_tracing.pcd", {"street-s1-lane-000012", "top", 1, "ray_tracing", "pcd"});
+  expectParts("a.top.pcd", {"a", "top", 0, "", "pcd"});
+  expectParts("a.pcd", {"a", "", 0, "", "pcd"});
+  expectParts("a", {"a", "", 0, "", ""});
+  expectParts("v1.2/a.top.x.y.drc", {"v1.2/a", "top", 0, "x.y", "drc"});
+  expectParts("a.top.1.drc", {"a", "top", 0, "1", "drc"});
+  expectParts("a..pcd", {"a", "", 0, "", "pcd"});
+  expectParts("", {"", "", 0, "", ""});
 }
 
 const std::vector<std::string> kKeys{"town-s1-lane-000000", "town-s1-lane-000001", "town-s2-lane-000000"};

@@ -71,6 +71,38 @@ TEST_F(Exports, EveryLayoutWritesTheSameBytesWhateverTheThreads) {
   }
 }
 
+// Layouts with one scan of each sensor in a frame refuse samples with several, or none, of a sensor; the others write
+// all.
+TEST_F(Exports, EveryRevolutionIsWrittenOrRefused) {
+  Manifest manifest = testManifest();
+  PackedDataset dataset(folder_.path() / "data", true, 1'000'000);
+  for (std::uint32_t i = 0; i < 2; ++i) {
+    Sample sample = testSample(manifest, i, fmt::format("street-s1-lane-00000{}", i), "train");
+    ScanRecord second = sample.scans.front();
+    second.revolution = 1;
+    second.time += 0.05;
+    for (const FormatRecord& format : manifest.formats) {
+      sample.members.push_back(
+          {memberSuffix(second, format.suffix), sample.members[&format - manifest.formats.data()].bytes});
+    }
+    sample.scans.push_back(second);
+    dataset.add(sample);
+  }
+  dataset.finish(manifest);
+  const std::string name = manifest.sensors.front().name;
+  EXPECT_THAT(messageOf<InputError>([&] { exportDataset(options("semantic_kitti", "refused")); }),
+              HasSubstr(fmt::format("has 2 of '{}', which turns at another rate than others", name)));
+  EXPECT_FALSE(fs::exists(folder_.path() / "refused"));
+  exportDataset(options("ply", "ply"));
+  const auto files = filesIn(folder_.path() / "ply");
+  const auto pointsOf = [&](const std::string& revolution) {
+    const std::string& file = files.at("train/street-s1-lane-000001." + name + revolution + ".ply");
+    return file.substr(file.find("end_header"));
+  };
+  EXPECT_EQ(pointsOf(".1"), pointsOf(""));
+  exportDataset(options("mcap", "mcap"));
+}
+
 TEST_F(Exports, StoppedOnesAreResumedToTheSameBytes) {
   const ThreadLimit one(1);  // so that the first sequence is whole before the second begins
   for (const LayoutEntry& entry : layouts()) {

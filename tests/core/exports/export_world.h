@@ -83,6 +83,11 @@ class ExportWorld : public testing::Test {
     plan_.sensors = {&plan_.manifest.sensors[0]};
   }
 
+  void nameSensor(std::size_t number, const std::string& name) {
+    plan_.manifest.sensors[number].name = name;
+    for (SampleRecord& sample : plan_.manifest.samples) sample.scans[number].sensor = name;
+  }
+
   void useBothSensors() { plan_.sensors = {&plan_.manifest.sensors[0], &plan_.manifest.sensors[1]}; }
 
   // Drives along x at 5 m/s, turned to the left by 0.2 rad.

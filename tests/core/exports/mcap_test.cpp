@@ -224,8 +224,8 @@ assert on(file, '/objects')[0]['markers'][3]['ns'] == 'person'
 
 TEST_F(McapLayout, TopicsHaveNamesThatRosTakesAndThatDiffer) {
   useBothSensors();
-  plan_.manifest.sensors[0].name = "front-left";
-  plan_.manifest.sensors[1].name = "2nd";
+  nameSensor(0, "front-left");
+  nameSensor(1, "2nd");
   write(*layout_);
   read(R"(
 file = File(folder / 'train/street-s1-lane.mcap')

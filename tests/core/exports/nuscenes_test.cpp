@@ -95,13 +95,47 @@ for a in table['sample_annotation']:
 )");
 }
 
+// A sensor that turns twice as fast as the other has a key frame and a sweep in each sample, in one chain.
+TEST_F(NuScenesLayout, FurtherRevolutionsAreSweeps) {
+  useBothSensors();
+  for (SampleRecord& sample : plan_.manifest.samples) {
+    sample.scans.push_back(sample.scans[1]);
+    sample.scans.back().revolution = 1;
+    sample.scans.back().time += 0.05;
+  }
+  write(*layout_);
+  readTables(R"(
+assert len(table['lidarseg']) == len(table['panoptic']) == 2 * len(table['sample'])
+for scene in table['scene']:
+    data = get('sample_data', get('sample', scene['first_sample_token'])['data']['LIDAR_REAR'])
+    chain = [data]
+    while data['next']:
+        assert get('sample_data', data['next'])['prev'] == data['token']
+        data = get('sample_data', data['next'])
+        chain.append(data)
+    assert [d['is_key_frame'] for d in chain] == [True, False, True, False]
+    assert all(b['timestamp'] - a['timestamp'] == 50000 for a, b in zip(chain, chain[1:]))
+    for d in chain:
+        assert d['filename'].startswith(('samples' if d['is_key_frame'] else 'sweeps') + '/LIDAR_REAR/')
+        assert len(points_of(d)) == 308 and get('ego_pose', d['ego_pose_token'])['timestamp'] == d['timestamp']
+    assert get('sample_data', get('sample', scene['last_sample_token'])['data']['LIDAR_TOP'])['next'] == ''
+)");
+  plan_.manifest.samples[1].scans.erase(plan_.manifest.samples[1].scans.begin() + 1,
+                                        plan_.manifest.samples[1].scans.end());
+  EXPECT_THAT(messageOf<InputError>([&] { layout_->check(plan_); }), HasSubstr("has no scan of the sensor 'rear'"));
+}
+
 TEST_F(NuScenesLayout, SensorsOfOneChannelAreRefused) {
   useBothSensors();
   SensorRecord third = plan_.manifest.sensors[1];
   for (const char* name : {"re-ar", "re_ar"}) {
-    plan_.manifest.sensors[name[2] == '-' ? 0 : 1].name = name;
+    nameSensor(name[2] == '-' ? 0 : 1, name);
   }
   third.name = "top";
+  for (SampleRecord& sample : plan_.manifest.samples) {
+    sample.scans.push_back(sample.scans[0]);
+    sample.scans.back().sensor = "top";
+  }
   plan_.sensors = {&third, &plan_.manifest.sensors[0]};
   EXPECT_NO_THROW(layout_->check(plan_));
   plan_.sensors.push_back(&plan_.manifest.sensors[1]);

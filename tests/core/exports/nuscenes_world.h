@@ -29,6 +29,7 @@ for s in table['sample']:
     s['data'], s['anns'] = {}, []
 for d in table['sample_data']:
     sensor = get('sensor', get('calibrated_sensor', d['calibrated_sensor_token'])['sensor_token'])
+    if not d['is_key_frame']: continue
     get('sample', d['sample_token'])['data'][sensor['channel']] = d['token']
 for a in table['sample_annotation']:
     get('sample', a['sample_token'])['anns'].append(a['token'])

@@ -183,8 +183,6 @@ TEST(GroundProfile, ReachesToTheEndOfTheLongestTurn) {
   const Value value = parseYaml("{waypoints: [[0, 0, 0], [90, 0, 0]], speed: 5, frames: 1, ground: drop}", "t.yaml");
   const Trajectory drive = readTrajectory(value, "t", 10).onGround(plane);
   EXPECT_NEAR(drive.pose(0, 9.9).translation.z, slope(49.5, 0), 1e-9);
-  const Trajectory other = readTrajectory(value, "t", 0.1, nullptr, 0, 0, 10).onGround(plane);
-  EXPECT_NEAR(other.pose(0, 9.9).translation.z, slope(49.5, 0), 1e-9);
 }
 
 TEST(GroundProfile, WaysAreCheckedAsTheyAreDriven) {

@@ -246,6 +246,29 @@ std::vector<std::string> seedWarnings(const Pipeline& pipeline, const Sequence& 
             : "")};
 }
 
+namespace {
+
+// Returns a warning if the frames of a sequence follow one another faster than the slowest sensor turns. Otherwise
+// empty.
+std::string intervalWarning(const Pipeline& pipeline, const Sequence& sequence) {
+  const double interval = sequence.trajectory->interval();
+  const double period = pipeline.periods.longest;
+  if (interval >= period * (1 - 1e-6)) return {};
+  const auto slowest = std::find_if(pipeline.sensors.begin(), pipeline.sensors.end(),
+                                    [&](const MountedSensor& sensor) { return sensor.period == period; });
+  const std::string both = fmt::format("frames of '{}' are {:g} s apart, but a revolution of '{}' takes {:g} s",
+                                       sequence.trajectoryName, interval, slowest->name, period);
+  if (sequence.turnsWithoutBreak(pipeline.periods)) {
+    return fmt::format("{}: some samples have no scan of it (`every_s: {:g}` gives each sample one)", both, period);
+  }
+  return fmt::format(
+      "{}: its revolutions overlap, as those of a real sensor cannot (`every_s: {:g}` makes one follow "
+      "the other)",
+      both, period);
+}
+
+}  // namespace
+
 std::vector<std::string> driveWarnings(const Pipeline& pipeline) {
   std::vector<std::string> lines;
   std::set<std::string> told;
@@ -255,6 +278,7 @@ std::vector<std::string> driveWarnings(const Pipeline& pipeline) {
     if (s.trajectory == nullptr) continue;
     if (s.trajectory->turns()) ++turning;
     if (s.trajectory->turns() == 0) ++straight;
+    if (const std::string line = intervalWarning(pipeline, s); !line.empty()) appendNew({line}, lines);
     const std::string doubt = s.trajectory->doubt();
     if (!doubt.empty() && told.insert(s.trajectoryName).second) {
       lines.push_back(fmt::format("the recorded drive '{}': {}", s.trajectoryName, doubt));

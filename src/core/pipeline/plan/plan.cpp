@@ -229,6 +229,7 @@ Plan makePlan(Pipeline read, Channels kept) {
 }
 
 void Plan::requirePasses() const {
+  requireOneRevolution();
   if (pipeline.recording != nullptr) {
     throw InputError(
         {pipeline.file.string()},
@@ -246,7 +247,15 @@ void Plan::requirePasses() const {
                    fmt::format("the method {} draws no passes to save: take `method: {}`", method->name, instead));
 }
 
+void Plan::requireOneRevolution() const {
+  if (pipeline.oneRevolution()) return;
+  throw InputError({pipeline.file.string()},
+                   "saved hits and passes have one revolution of each sensor in each sample, but these sensors turn at "
+                   "different rates: save none, or scan with sensors of one rate");
+}
+
 void Plan::requireOneRay() const {
+  requireOneRevolution();
   if (!pipeline.vehicle.empty()) {
     throw InputError(
         {pipeline.file.string()},
@@ -297,11 +306,17 @@ std::uint64_t Plan::bytesPerFrameInMemory() const {
     if (row.channel != Channel::Normal || channels.has(Channel::Normal)) perRay += sizeof(T);
   });
   const std::uint64_t perReturn = kReturnBytes + (3 + 2 * pipeline.output.formats.size()) * perPoint;
-  const std::uint64_t reported = perReturn * pipeline.mostReturns() * pipeline.beamsPerFrame();
+  std::uint64_t beams = 0;
+  std::uint64_t scans = 0;
+  for (const MountedSensor& s : pipeline.sensors) {
+    beams += s.size.rings * s.size.columns * s.revolutions;
+    scans += s.revolutions;
+  }
+  const std::uint64_t reported = perReturn * pipeline.mostReturns() * beams;
   // Size of a voxel's labels, area, flags and part of the encoded archive (bytes).
   constexpr std::uint64_t kVoxelBytes = 20;
   const std::uint64_t voxels = pipeline.output.voxels ? kVoxelBytes * pipeline.output.voxels->voxels() : 0;
-  return perRay * pipeline.raysPerFrame() * pipeline.mostMet() + reported + voxels * pipeline.sensors.size();
+  return perRay * pipeline.raysPerFrame() * pipeline.mostMet() + reported + voxels * scans;
 }
 
 std::size_t Plan::framesInFlight() const {

@@ -17,20 +17,23 @@ double mostSampleBytes(const Plan& plan) {
   constexpr double kReserve = 10;
   const Pipeline& pipeline = plan.pipeline;
   const auto sensors = static_cast<double>(plan.sensors.size());
-  double bytes = kHeaders + kDescription * sensors;
+  double bytes = kHeaders;
   if (pipeline.output.objects) bytes += kHeaders + kObjects * (kObject + kView * sensors);
   ScanOutline outline;
   outline.held = plan.columns();
-  for (const auto& [beams, footprint] : plan.sensors) {
+  for (std::size_t s = 0; s < plan.sensors.size(); ++s) {
+    const std::shared_ptr<const BeamTable>& beams = plan.sensors[s].beams;
+    double scan = kDescription;
     outline.points = beams->size() * pipeline.mostReturns();
     outline.rings = beams->rings;
     outline.columns = beams->columns;
     outline.reach = 2 * beams->maxRange + kReserve;
-    for (const ChosenFormat& f : pipeline.output.formats) bytes += kHeaders + std::ceil(f.format->mostBytes(outline));
+    for (const ChosenFormat& f : pipeline.output.formats) scan += kHeaders + std::ceil(f.format->mostBytes(outline));
     if (pipeline.output.layout.reasons) {
-      bytes += kHeaders + static_cast<double>(mostReasonsBytes(beams->rings, beams->columns));
+      scan += kHeaders + static_cast<double>(mostReasonsBytes(beams->rings, beams->columns));
     }
-    if (pipeline.output.voxels) bytes += kHeaders + static_cast<double>(mostVoxelsBytes(*pipeline.output.voxels));
+    if (pipeline.output.voxels) scan += kHeaders + static_cast<double>(mostVoxelsBytes(*pipeline.output.voxels));
+    bytes += scan * pipeline.sensors[s].revolutions;
   }
   return bytes;
 }

@@ -45,7 +45,7 @@ MadeSample SampleMaker::make(const SampleAddress& address) {
   std::call_once(opened_, [&] { recorder_.open(keepHits_, keepPasses_, overwrite_); });
   recorder_.enter(address.sequence, ready->scene, *ready->method);
   MadeSample made{{sequence.key(address.frame), sequence.split, {}, {}, {}}, ready->facts};
-  const Frame frame = source_.frame(address.sequence, address.frame);
+  const Frame frame = source_.sample(address.sequence, address.frame);
   const FrameSettings& settings = *frame.settings;
   made.sample.draws = allDraws(ready->scene, settings);
   TraceAccount account;
@@ -60,7 +60,8 @@ MadeSample SampleMaker::make(const SampleAddress& address) {
     } else {
       account += runShot(setup, shot, *buffers, clock_);
     }
-    if (ready->objects != nullptr) {
+    // The list has one view of an object for each sensor: that of its first revolution in the sample.
+    if (ready->objects != nullptr && shot.revolution == 0) {
       const StageTimer timer(clock_, "objects");
       if (!objects) objects.emplace(*ready->objects, made.sample.key, shot.time);
       objects->add(shot, pipeline.raysPerBeam(shot.sensor), buffers->hits, buffers->returns);

@@ -43,7 +43,7 @@ struct RandomWords {
 template <class Keep>
 void drawBlocks(const Shot& shot, Purpose purpose, const Returns& returns, std::size_t first, const Keep& keep) {
   const auto draw = [&](std::size_t i, std::uint32_t beam, std::uint32_t number) {
-    keep(i, randomBlock({shot.seed, shot.scene, shot.frame, shot.sensor, beam, number, purpose}));
+    keep(i, randomBlock({shot.seed, shot.scene, shot.randomFrame(), shot.sensor, beam, number, purpose}));
   };
   if (returns.onePerBeam()) {
     for (std::size_t i = 0; i < kBatch; ++i) draw(i, static_cast<std::uint32_t>(first + i), 0);

@@ -177,7 +177,7 @@ class Detection : public Effect {
     const BeamTable& beams = *shot.beams;
     for (std::uint32_t beam = 0; beam < beams.size(); ++beam) {
       const RandomBlock words =
-          randomBlock({shot.seed, shot.scene, shot.frame, shot.sensor, beam, 0, Purpose::Interference});
+          randomBlock({shot.seed, shot.scene, shot.randomFrame(), shot.sensor, beam, 0, Purpose::Interference});
       if (uniform(words[0]) >= o_.interference || returns.full(beam)) continue;
       constexpr double kLog100 = 4.605170185988092;
       AddedReturn added;
@@ -192,7 +192,7 @@ class Detection : public Effect {
   }
 
   static RandomBlock wordsOf(const Shot& shot, std::uint32_t beam) {
-    return randomBlock({shot.seed, shot.scene, shot.frame, shot.sensor, beam, 0, Purpose::FalsePositives});
+    return randomBlock({shot.seed, shot.scene, shot.randomFrame(), shot.sensor, beam, 0, Purpose::FalsePositives});
   }
 
   // Sets `words` to the first random word of each beam of a batch.

@@ -238,7 +238,7 @@ class WeatherEffect : public Effect {
   }
 
   static RandomBlock draw(const Shot& shot, std::uint32_t beam, std::uint32_t number, Purpose purpose) {
-    return randomBlock({shot.seed, shot.scene, shot.frame, shot.sensor, beam, number, purpose});
+    return randomBlock({shot.seed, shot.scene, shot.randomFrame(), shot.sensor, beam, number, purpose});
   }
 
   void addDrops(const Hits& hits, const Shot& shot, const std::vector<float>& open, const Reception& reception,

@@ -79,7 +79,7 @@ class Calibrator {
     for (const MethodSetting& s : choice_.settings) calibration.settings.push_back({s, {}, {}});
     sums_.resize(choice_.settings.size());
     for (std::size_t i = 0; i < scenes_.size(); ++i) measureScene(i, calibration);
-    const auto beams = static_cast<double>(pipeline_.frames() * pipeline_.raysPerFrame());
+    const double beams = pipeline_.rays();
     for (std::size_t s = 0; s < sums_.size(); ++s) {
       const double parts = std::max(sums_[s].scenes, 1);
       const double setup = sums_[s].setup / parts * static_cast<double>(scenesOf(pipeline_));

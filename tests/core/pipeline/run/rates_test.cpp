@@ -1,0 +1,148 @@
+// Sensors that turn at different rates.
+
+#include <cmath>
+#include <set>
+
+#include "dataset/scan_store.h"
+#include "pipeline/checks/warnings.h"
+#include "pipeline/scenes/shot_source.h"
+#include "sensors/trajectory.h"
+#include "tests/core/pipeline/small_world.h"
+
+namespace scanmill {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+class Rates : public Yard {
+ protected:
+  static std::string sensor(const std::string& name, double rate) {
+    return fmt::format(
+        "{{name: {}, columns: 16, rate_hz: {}, elevation_deg: {{top: 5, bottom: -25, rings: 4}}, range_m: [0.5, 100]}}",
+        name, rate);
+  }
+  static std::string sensors(const std::vector<double>& rates) {
+    std::string list;
+    for (std::size_t s = 0; s < rates.size(); ++s)
+      list += (s > 0 ? ", " : "") + sensor(fmt::format("s{}", s), rates[s]);
+    return "sensors=[" + list + "]";
+  }
+  Plan plan(const std::vector<std::string>& overrides) const { return makePlan(readPipeline(pipeline_, overrides)); }
+};
+
+// The revolutions of each sensor follow one another without gap and overlap from the start of the drive, each in the
+// frame in which it ends, and each from where the vehicle is when it begins.
+TEST_F(Rates, EachSensorTurnsOnItsOwnClock) {
+  struct Case {
+    std::vector<double> rates;
+    double interval;
+  };
+  for (const Case& c : {Case{{10, 20, 5}, 0.1}, Case{{10, 20, 5}, 0.2}, Case{{25, 10}, 0.1}, Case{{10, 30}, 0.04}}) {
+    const Plan planned = plan({sensors(c.rates), fmt::format("trajectories.0.every_s={}", c.interval),
+                               "trajectories.0.frames=9", "trajectories.0.speed=10"});
+    ShotSource source(planned);
+    std::vector<double> turns(c.rates.size());
+    double all = 0;
+    for (std::uint32_t frame = 0; frame < 9; ++frame) {
+      std::vector<std::uint32_t> inFrame(c.rates.size());
+      for (const Shot& shot : source.sample(0, frame).shots) {
+        const double period = 1 / c.rates[shot.sensor];
+        EXPECT_NEAR(shot.time, turns[shot.sensor]++ * period, 1e-9);
+        EXPECT_GT(shot.time + period, frame * c.interval + 1e-9);
+        EXPECT_LT(shot.time + period, (frame + 1) * c.interval + 1e-9);
+        EXPECT_NEAR(shot.worldFromSensor.front().translation.x, -10 + 10 * shot.time, 1e-9);
+        EXPECT_EQ(shot.revolution, inFrame[shot.sensor]++);
+        EXPECT_NEAR(shot.untilNext, period, 1e-12);
+        all += static_cast<double>(shot.beams->size());
+      }
+    }
+    for (std::size_t s = 0; s < c.rates.size(); ++s)
+      EXPECT_EQ(turns[s], std::floor(9 * c.interval * c.rates[s] + 1e-6));
+    EXPECT_EQ(planned.pipeline.rays(), all);
+  }
+}
+
+// Frames that are farther apart than the slowest sensor's revolution each begin one of each sensor.
+TEST_F(Rates, DistantFramesBeginRevolutions) {
+  const Plan planned = plan({sensors({10, 20}), "trajectories.0.every_s=0.3"});
+  std::vector<double> times;
+  std::vector<double> next;
+  for (const Shot& shot : ShotSource(planned).sample(0, 1).shots) {
+    times.push_back(std::round(shot.time * 1e6) / 1e6);
+    next.push_back(std::round(shot.untilNext * 1e6) / 1e6);
+  }
+  EXPECT_THAT(times, ElementsAre(0.3, 0.3, 0.35));
+  EXPECT_THAT(next, ElementsAre(0.3, 0.05, 0.25));
+  EXPECT_THAT(ShotSource(planned).frame(0, 1).shots, SizeIs(2)) << "studies take one of each sensor";
+}
+
+TEST_F(Rates, FramesFollowTheSlowestSensor) {
+  EXPECT_NEAR(plan({sensors({100, 10}), "trajectories.0.every_s=null"}).pipeline.sequences[0].trajectory->frameTime(1),
+              0.1, 1e-12);
+}
+
+TEST_F(Rates, FramesCloserThanARevolutionAreToldWithBoth) {
+  const auto warnings = [&](const std::vector<double>& rates, double interval) {
+    return driveWarnings(plan({sensors(rates), fmt::format("trajectories.0.every_s={}", interval)}).pipeline);
+  };
+  EXPECT_THAT(warnings({10}, 0.04),
+              ElementsAre(HasSubstr("frames of 'drive' are 0.04 s apart, but a revolution of 's0' takes 0.1 s: its "
+                                    "revolutions overlap")));
+  EXPECT_THAT(warnings({10, 5}, 0.1), ElementsAre(HasSubstr("0.1 s apart, but a revolution of 's1' takes 0.2 s: some "
+                                                            "samples have no scan of it")));
+  EXPECT_THAT(warnings({10, 20}, 0.1), IsEmpty());
+  EXPECT_THAT(warnings({10}, 0.5), IsEmpty());
+}
+
+TEST_F(Rates, DatasetsHoldEveryRevolution) {
+  const Manifest manifest =
+      sound({sensors({10, 20, 5}), "effects=[range_noise: {sigma_m: 0.01}]", "output.objects=true"});
+  const std::vector<std::size_t> scans{3, 4, 3, 4};
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_THAT(manifest.samples[i].scans, SizeIs(scans[i]));
+  const ScanStore store(out());
+  const std::vector<StoredScan> fast = store.scans(1, "s1");
+  ASSERT_THAT(fast, SizeIs(2));
+  EXPECT_THAT(fast[0].members, ElementsAre("yard-s1-drive-000001.s1.ray_tracing.pcd"));
+  EXPECT_THAT(fast[1].members, ElementsAre("yard-s1-drive-000001.s1.1.ray_tracing.pcd"));
+  EXPECT_NEAR(fast[1].record->time, 0.15, 1e-12);
+  EXPECT_EQ(fast[1].record->points, store.decode(1, fast[1]).size());
+  const std::optional<SampleObjects> listed = store.objects(1);
+  ASSERT_THAT(listed->objects, testing::Not(IsEmpty()));
+  for (const ObjectRecord& object : listed->objects) {
+    std::set<std::string> sensors;
+    for (const ObjectView& view : object.views) EXPECT_TRUE(sensors.insert(view.sensor).second);
+  }
+}
+
+// A second revolution has noise of its own, even of a sensor at rest.
+TEST_F(Rates, RevolutionsHaveTheirOwnNoise) {
+  sound({sensors({10, 20}), "effects=[range_noise: {sigma_m: 0.01}]",
+         "trajectories=[{name: stands, poses: [{position: [0, 0, 1]}]}]"});
+  const ScanStore store(out());
+  const std::vector<StoredScan> fast = store.scans(0, "s1");
+  const Scan first = store.decode(0, fast.at(0));
+  const Scan second = store.decode(0, fast.at(1));
+  ASSERT_EQ(first.size(), second.size());
+  EXPECT_EQ(first[kRangeTrue], second[kRangeTrue]);
+  std::size_t same = 0;
+  for (std::size_t i = 0; i < first.size(); ++i) same += first.position[i] == second.position[i] ? 1 : 0;
+  EXPECT_EQ(same, 0u);
+}
+
+TEST_F(Rates, RecordingsAndTooManyRevolutionsAreRefused) {
+  EXPECT_THAT(messageOf<InputError>([&] {
+                plan({sensors({10, 20})}).requireOneRay();
+              }),
+              HasSubstr("these sensors turn at different rates"));
+  EXPECT_NO_THROW(plan({sensors({10, 10})}).requireOneRay());
+  EXPECT_THAT(messageOf<InputError>([&] {
+                plan({sensors({1000, 1}), "trajectories.0.every_s=1"});
+              }),
+              HasSubstr("a sample would hold 1000 revolutions of the sensor 's0'"));
+}
+
+}  // namespace
+}  // namespace scanmill
