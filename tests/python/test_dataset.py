@@ -110,7 +110,18 @@ class Scans(DatasetTest):
     def scans(self):
         for recorded, sample in zip(self.manifest["samples"], self.dataset):
             for scan in recorded["scans"]:
-                yield scan, sample.scan(scan["sensor"])
+                yield scan, sample.scan(scan["sensor"], revolution=scan.get("revolution", 0))
+
+    def test_of_a_faster_sensor_are_its_revolutions(self):
+        sample = self.dataset[0]
+        self.assertEqual((sample.revolutions(), sample.revolutions("rear")), (1, 2))
+        first, second = (sample.scan("rear", revolution=r) for r in range(2))
+        self.assertAlmostEqual(second.start_time - first.start_time, 0.05)
+        np.testing.assert_array_equal(sample.scan("rear").xyz, first.xyz)
+        self.assertFalse(np.array_equal(second.xyz, first.xyz))
+        for wrong in (2, -1, "1"):
+            with self.assertRaisesRegex(scanmill.InputError, "revolution"):
+                sample.scan("rear", revolution=wrong)
 
     def test_have_the_points_and_classes_that_the_manifest_counts(self):
         for recorded, scan in self.scans():
