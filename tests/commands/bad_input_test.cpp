@@ -89,7 +89,7 @@ class BadInput : public SmallWorld {
         } else {
           std::filesystem::remove_all(folder / damage.file);
         }
-        std::vector<std::string> command{SCANMILL_PROGRAM};
+        std::vector<std::string> command{testedProgram()};
         for (std::string a : arguments) {
           const std::size_t at = a.find("@");
           command.push_back(at == std::string::npos ? a : a.replace(at, 1, folder.string() + "/"));
@@ -419,7 +419,7 @@ TEST_F(BadInput, NoLibrarysWordsReachTheUser) {
   if (std::getenv("SCANMILL_TESTED_PROGRAM") != nullptr) return;  // sanitizers need more addresses than this
   std::filesystem::resize_file(folder_.write("large.pcd", ""), std::uintmax_t{390} << 20);
   const Outcome o =
-      RunningProgram({"sh", "-c", "ulimit -v 400000; exec \"$0\" info \"$1\"", SCANMILL_PROGRAM, at("large.pcd")})
+      RunningProgram({"sh", "-c", "ulimit -v 400000; exec \"$0\" info \"$1\"", testedProgram(), at("large.pcd")})
           .wait();
   EXPECT_EQ(o.code, 1);
   EXPECT_THAT(o.error, AllOf(HasSubstr("scanmill info: the memory ran out, of which 390.6 MiB are allowed"),

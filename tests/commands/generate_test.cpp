@@ -31,7 +31,7 @@ class Generate : public SmallWorld {
  protected:
   // Hours of work in shards of a megabyte.
   std::vector<std::string> longRun() const {
-    return withSettings({SCANMILL_PROGRAM, "generate", pipeline_, "-o", at("out")},
+    return withSettings({testedProgram(), "generate", pipeline_, "-o", at("out")},
                         {"output={formats: [csv], shard_samples: 5}", "trajectories.0.every_s=1e-5",
                          "trajectories.0.frames=200000", "sensors.0.columns=512"});
   }
@@ -253,7 +253,7 @@ TEST_F(Generate, AFullDiskIsNamedAndLeavesNothingThatLooksFinished) {
   for (const std::string more : {"--set output.formats=[csv] --set sensors.0.columns=2000",  // a shard is too large
                                  "--set trajectories.0.every_s=0.0001 --set trajectories.0.frames=2000"}) {
     const Outcome o =
-        onTinyDisk(fmt::format("{} generate {} -q -o {}/out {}", SCANMILL_PROGRAM, pipeline_, disk, more) + list);
+        onTinyDisk(fmt::format("{} generate {} -q -o {}/out {}", testedProgram(), pipeline_, disk, more) + list);
     EXPECT_EQ(o.code, 1) << o.error;
     EXPECT_THAT(o.error, AllOf(HasSubstr(disk + "/out/.scanmill/train"), HasSubstr("No space left on device")));
     EXPECT_EQ(o.out, "");
@@ -301,6 +301,7 @@ TEST_F(Generate, StoppedRunsSaySo) {
     std::filesystem::remove_all(at("out"));
     RunningProgram process(longRun());
     awaitShards(process, 1);
+    expectRefused(scanmill({"generate", pipeline_, "-q", "-o", at("out")}), "is being written by process");
     process.send(signal);
     const Outcome o = process.wait(10);
     EXPECT_FALSE(o.late);
@@ -323,7 +324,7 @@ TEST_F(Generate, KilledAgainAndAgainTheResumedDatasetIsTheSame) {
   ASSERT_EQ(scanmill(command("whole", false)).code, 0);
   int killed = 0;
   for (int i = 0; i < 10; ++i) {
-    std::vector<std::string> all{SCANMILL_PROGRAM};
+    std::vector<std::string> all{testedProgram()};
     const auto more = command("cut", true);
     all.insert(all.end(), more.begin(), more.end());
     RunningProgram process(all);
@@ -351,7 +352,7 @@ TEST_F(Generate, KilledAgainAndAgainTheResumedDatasetIsTheSame) {
 // Whatever the number of threads and processes, whoever is killed: one set of bytes.
 TEST_F(Generate, SharedOutOverProcessesTheDatasetIsTheSame) {
   const auto command = [&](const std::string& folder, const std::vector<std::string>& more) {
-    return withSettings({SCANMILL_PROGRAM, "generate", pipeline_, "-q", "-o", at(folder)},
+    return withSettings({testedProgram(), "generate", pipeline_, "-q", "-o", at(folder)},
                         {"output={formats: [csv], shard_samples: 2}", "trajectories.0.every_s=1e-3",
                          "trajectories.0.frames=100", "sensors.0.columns=512"},
                         more);
@@ -429,7 +430,7 @@ TEST_F(Generate, PartsThatCannotBeMeantAreRefused) {
 TEST_F(Generate, TwoRunsIntoOneFolderDoNotMix) {
   for (int i = 0; i < 5; ++i) {
     std::filesystem::remove_all(at("out"));
-    const std::vector<std::string> all{SCANMILL_PROGRAM, "generate", pipeline_, "-q", "-o", at("out"), "--overwrite"};
+    const std::vector<std::string> all{testedProgram(), "generate", pipeline_, "-q", "-o", at("out"), "--overwrite"};
     RunningProgram a(all);
     RunningProgram b(all);
     const Outcome first = a.wait();

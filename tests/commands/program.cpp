@@ -24,11 +24,11 @@ const char* otherProgram() {
   return std::getenv("SCANMILL_TESTED_PROGRAM");
 }
 
+}  // namespace
+
 std::string testedProgram() {
   return otherProgram() != nullptr ? otherProgram() : SCANMILL_PROGRAM;
 }
-
-}  // namespace
 
 RunningProgram::RunningProgram(std::vector<std::string> command, const std::vector<std::string>& variables) {
   const std::string out = (folder_.path() / "out").string();

@@ -46,6 +46,9 @@ class RunningProgram {
   Outcome outcome_;
 };
 
+// The program that tests run: SCANMILL_TESTED_PROGRAM, or else the one that was built with them.
+std::string testedProgram();
+
 // `scanmill ARGUMENTS`, to its end.
 Outcome scanmill(const std::vector<std::string>& arguments, const std::vector<std::string>& variables = {});
 

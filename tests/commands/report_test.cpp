@@ -66,7 +66,7 @@ TEST_F(ReportCommand, WithoutANameThePageLiesInTheWorkingFolder) {
   for (const char* dataset : {"../small", "../small/"}) {
     const Outcome o =
         RunningProgram(
-            {"sh", "-c", "cd '" + at("here") + "' && " SCANMILL_PROGRAM " report -q " + dataset + " --overwrite"})
+            {"sh", "-c", "cd '" + at("here") + "' && " + testedProgram() + " report -q " + dataset + " --overwrite"})
             .wait();
     EXPECT_EQ(o.code, 0) << o.error;
   }
@@ -150,7 +150,7 @@ TEST_F(ReportCommand, FindsAThingWithTheWrongClass) {
 // Whenever it is interrupted, there is the whole page or none.
 TEST_F(ReportCommand, AnInterruptedOneLeavesNoFile) {
   for (const int milliseconds : {50, 100, 200, 400}) {
-    RunningProgram program({SCANMILL_PROGRAM, "report", at("small"), "--samples", "16", "-o", at("stopped/a.html")});
+    RunningProgram program({testedProgram(), "report", at("small"), "--samples", "16", "-o", at("stopped/a.html")});
     std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
     program.send(SIGINT);
     const Outcome o = program.wait();

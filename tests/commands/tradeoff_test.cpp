@@ -117,7 +117,7 @@ TEST_F(Tradeoff, AnInterruptLeavesNoReportBehind) {
   ASSERT_EQ(scanmill({"tradeoff", study_, "-q", "-o", at("out")}).code, 0);
   const auto before = filesIn(at("out"));
   for (const std::string folder : {"out", "fresh"}) {
-    RunningProgram process({SCANMILL_PROGRAM, "tradeoff", study_, "-o", at(folder), "--overwrite", "--set",
+    RunningProgram process({testedProgram(), "tradeoff", study_, "-o", at(folder), "--overwrite", "--set",
                             "tradeoff.repeats=100", "--set", "tradeoff.shots=1000", "--set", "sensors.0.columns=1024",
                             "--set", "trajectories.0.frames=1000", "--set", "trajectories.0.every_s=0.001"});
     std::this_thread::sleep_for(std::chrono::milliseconds(500));

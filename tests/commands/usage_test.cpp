@@ -68,8 +68,10 @@ TEST(Usage, WrongUsageIsRefusedWithAdvice) {
       {{"generate", "p.yaml", "-o", "x", "--threads", "two"}, "two"},
       {{"generate", "p.yaml", "-o", "x", "--threads", "-1"}, "--threads must be from 0 to 1024"},
       {{"generate", "p.yaml", "-o", "x", "--threads", "99999999999999999999"}, "9999"},
-      {{"generate", "p.yaml", "-o", "x", "--memory-limit", "8 parsecs"}, "such as 8G, not '8 parsecs'"},
+      {{"generate", "p.yaml", "-o", "x", "--memory-limit", "8 parsecs"}, "such as 8G, below 16 EiB, not '8 parsecs'"},
       {{"generate", "p.yaml", "-o", "x", "--memory-limit", "-1G"}, "such as 8G"},
+      {{"generate", "p.yaml", "-o", "x", "--memory-limit", "1e10T"}, "below 16 EiB, not '1e10T'"},
+      {{"generate", "p.yaml", "-o", "x", "--memory-limit", "0.5"}, "such as 8G, below 16 EiB, not '0.5'"},
       {{"plan"}, "PIPELINE is missing"},
       {{"plan", "absent.yaml"}, "absent.yaml"},
       {{"verify"}, "DIR is missing"},
@@ -91,12 +93,12 @@ TEST(Usage, WrongUsageIsRefusedWithAdvice) {
 }
 
 TEST(Usage, AFullStandardOutputIsAFailure) {
-  const Outcome full = RunningProgram({"sh", "-c", std::string(SCANMILL_PROGRAM) + " list > /dev/full"}).wait();
+  const Outcome full = RunningProgram({"sh", "-c", testedProgram() + " list > /dev/full"}).wait();
   EXPECT_EQ(full.code, 1);
   EXPECT_THAT(full.error, HasSubstr("No space left on device"));
   // A reader that has seen enough is none.
   const Outcome closed =
-      RunningProgram({"sh", "-c", "{ " + std::string(SCANMILL_PROGRAM) + " list; echo code $? >&2; } | true"}).wait();
+      RunningProgram({"sh", "-c", "{ " + testedProgram() + " list; echo code $? >&2; } | true"}).wait();
   EXPECT_EQ(closed.error, "code 0\n");
 }
 
@@ -114,7 +116,7 @@ TEST_F(Overrides, ExamplesOfGenerateWork) {
     for (std::size_t out = line.find("out/"); out != std::string::npos; out = line.find("out/", out + 1)) {
       line.replace(out, 3, "\"$OUT\"");
     }
-    const std::string command = "cd '" SCANMILL_SOURCE_DIR "' && " SCANMILL_PROGRAM " generate " + line +
+    const std::string command = "cd '" SCANMILL_SOURCE_DIR "' && " + testedProgram() + " generate " + line +
                                 " -q --set trajectories.0.frames=1 --set sensors.0.columns=32";
     constexpr double kPatience = 300;  // s, for a sweep over datasets of six towns beside other tests
     const Outcome o = RunningProgram({"sh", "-c", command}, {"OUT=" + this->at("examples")}).wait(kPatience);

@@ -73,8 +73,7 @@ class OpenViewer {
  public:
   OpenViewer(const XDisplay& display, const std::string& dataset, std::vector<std::string> more = {})
       : display_(display) {
-    std::vector<std::string> command{SCANMILL_PROGRAM, "view", dataset, "--size",
-                                     fmt::format("{}x{}", kWidth, kHeight)};
+    std::vector<std::string> command{testedProgram(), "view", dataset, "--size", fmt::format("{}x{}", kWidth, kHeight)};
     command.insert(command.end(), more.begin(), more.end());
     program_ = std::make_unique<RunningProgram>(command, std::vector<std::string>{"DISPLAY=" + display.name()});
   }
