@@ -4,13 +4,13 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
 #include <set>
 
 #include "base/short_text.h"
+#include "pipeline/checks/box_sweep.h"
 #include "sensors/trajectory.h"
 
 namespace scanmill {
@@ -20,15 +20,17 @@ constexpr std::uint32_t kFrames = 100;  // maximum number of frames in which a s
 // Maximum number of frames in which sensors are tested for being inside of objects.
 constexpr std::uint32_t kFramesInside = 12;
 constexpr double kFarAbove = 50;              // height above the surface (m); a sensor that is higher causes a warning
-constexpr double kOnGround = 0.05;            // a sensor at most this far (m) from the ground causes a warning
+constexpr double kOnSurface = 0.05;           // a sensor at most this far (m) from a surface causes a warning
 constexpr double kReach = 1e5;                // length of test rays (m)
-constexpr double kStep = 0.5;                 // maximum distance between the poses that are checked along a path (m)
+constexpr double kStep = 0.5;                 // maximum length of the steps in which a path is checked (m)
+constexpr double kSwung = 5;                  // a turn that swings the vehicle's end by 1 m counts as so many m of path
 constexpr std::size_t kMostPlaces = 400'000;  // after this many poses the rest of a path is not checked
-// Heights above the vehicle's origin (m) of points that are tested for passing through walls. Guard rails may be lower
-// than the first, or end above the second.
-constexpr double kBody[] = {0.6, 0.4};
+// Height of the vehicle's underside above the ground (m), but at most half of the vehicle's height: it drives over what
+// is lower.
+constexpr double kClearance = 0.1;
+constexpr double kBody = 0.6;       // height of a vehicle of which only sensors on the ground are known (m)
+constexpr double kThin = 0.01;      // half of the least width and length of a vehicle (m)
 constexpr double kLowest = -0.3;    // least z component of the test directions around a sensor
-constexpr double kTouches = 1e-3;   // a surface at most this far (m) behind the end of a step counts as hit
 constexpr double kFlat = 0.7;       // a surface counts as a wall if |z| of its unit normal is at most this
 constexpr double kMostBare = 0.02;  // fraction of a path that may be without ground before a warning is given
 
@@ -57,6 +59,7 @@ class WayCheck {
         probe_(probe),
         drive_(source.drive(sequence)),
         settings_(source.settings(sequence, 0)),
+        vehicle_(source.vehicle()),
         bounds_(probe.bounds()) {
     for (const Instance& i : probe.scene().instances) {
       if (!i.moves()) continue;
@@ -71,7 +74,7 @@ class WayCheck {
       checkHeights(s);
       checkInside(s);
     }
-    if (!drive_->still()) checkWalls();
+    checkWay();
     if (drive_->bareShare() > kMostBare) {
       say(fmt::format("{:.0f} % of its path has no ground below or above: it keeps its height there",
                       100 * drive_->bareShare()));
@@ -117,11 +120,11 @@ class WayCheck {
     for (const std::uint32_t frame : own_.spreadFrames(kFrames)) {
       down.push_back({sensorAt(sensor, frame), {0, 0, -1}});
       up.push_back({down.back().from, {0, 0, 1}});
-      close.push_back({down.back().from + Vec3d{0, 0, kOnGround}, {0, 0, -1}});
+      close.push_back({down.back().from + Vec3d{0, 0, kOnSurface}, {0, 0, -1}});
     }
     const auto below = probe_.first(down, kReach);
     const auto above = probe_.first(up, kReach);
-    const auto there = probe_.first(close, 2 * kOnGround);
+    const auto there = probe_.first(close, 2 * kOnSurface);
     std::vector<std::size_t> under;
     std::vector<std::size_t> beside;
     std::vector<std::size_t> high;
@@ -141,9 +144,9 @@ class WayCheck {
                          shortPlace(down[found.front()].from));
     };
     if (!low.empty()) {
-      say(fmt::format(
-          "'{}' is at the height of the ground {}: does it have a `mount`, such as {{position: [0, 0, 1.8]}}?", name,
-          where(low)));
+      const bool mounted = settings_->sensors[sensor].vehicleFromSensor.translation.z - groundInVehicle() > kOnSurface;
+      say(fmt::format("'{}' is on the surface of {} {}{}", name, nameOf(*there[low.front()]), where(low),
+                      mounted ? "" : ": does it have a `mount`, such as {position: [0, 0, 1.8]}?"));
     }
     if (!under.empty()) {
       say(fmt::format("'{}' is below the ground {}: no surface is below it, and {} is {} above it ({})", name,
@@ -232,62 +235,116 @@ class WayCheck {
     }
   }
 
-  // Returns poses of the vehicle along its path, at most kStep apart, but at most 1000 per frame. Ends after the frame
-  // in which the number of poses reaches kMostPlaces.
-  std::vector<Pose> posesOnWay() const {
-    std::vector<Pose> poses{drive_->pose(0, 0)};
-    for (std::uint32_t frame = 0; frame + 1 < own_.frames && poses.size() < kMostPlaces; ++frame) {
+  // Returns the height of the ground in the vehicle's frame (m).
+  double groundInVehicle() const { return drive_->ground() == nullptr ? 0 : -drive_->ground()->height; }
+
+  // Returns the box that the vehicle fills above what it drives over (m, vehicle's frame): that of its model or, if it
+  // has none, a box about its sensors and about the wheels that the trajectory states, as high as its highest sensor.
+  Box vehicleBox() const {
+    const double ground = groundInVehicle();
+    Box box;
+    if (vehicle_ != nullptr) {
+      box = vehicle_->bounds();
+    } else {
+      box.add(Vec3d{0, 0, ground});
+      for (const SensorSetting& s : settings_->sensors) box.add(s.vehicleFromSensor.translation);
+      if (box.high.z - ground < kOnSurface) box.high.z = ground + kBody;
+      const GroundOptions usual;
+      if (drive_->ground() != nullptr && drive_->ground()->wheels && drive_->ground()->wheels != usual.wheels) {
+        const auto& [wheelbase, track] = *drive_->ground()->wheels;
+        for (const double side : {-0.5, 0.5}) box.add(Vec3d{side * wheelbase, side * track, ground});
+      }
+    }
+    const double underside = ground + std::min(kClearance, (box.high.z - ground) / 2);
+    // What flies may have sensors below its origin.
+    if (drive_->ground() != nullptr || box.low.z > -kOnSurface) box.low.z = std::max(box.low.z, underside);
+    box.add(Box{{-kThin, -kThin, box.low.z}, {kThin, kThin, box.high.z}});
+    return box;
+  }
+
+  struct Step {
+    std::pair<Pose, Pose> poses;
+    std::uint32_t frame = 0;
+  };
+
+  // Returns the steps of the vehicle along its path, at most kStep long, but at most 1000 per frame; for a vehicle that
+  // stands still, its poses. Ends after the frame in which the number of poses reaches kMostPlaces. `radius`: distance
+  // of the vehicle's end from its origin (m).
+  std::vector<Step> stepsOnWay(double radius) const {
+    std::vector<Step> steps;
+    const auto apart = [&](const Pose& a, const Pose& b) {
+      return length(b.translation - a.translation) +
+             kSwung * radius * length(toMatrix(b.rotation).x - toMatrix(a.rotation).x);
+    };
+    Pose last = drive_->pose(0, 0);
+    if (drive_->still() || own_.frames == 1) {
+      for (std::uint32_t frame = 0; frame < own_.frames && frame < kMostPlaces; ++frame) {
+        steps.push_back({{drive_->pose(frame, 0), drive_->pose(frame, 0)}, frame});
+      }
+      return steps;
+    }
+    for (std::uint32_t frame = 0; frame + 1 < own_.frames && steps.size() < kMostPlaces; ++frame) {
       const double span = drive_->frameTime(frame + 1) - drive_->frameTime(frame);
       constexpr int kChords = 32;
       double far = 0;
-      Vec3d before = drive_->pose(frame, 0).translation;
+      Pose before = drive_->pose(frame, 0);
       for (int k = 1; k <= kChords; ++k) {
-        const Vec3d behind = drive_->pose(frame, span * k / kChords).translation;
-        far += length(behind - before);
+        const Pose behind = drive_->pose(frame, span * k / kChords);
+        far += apart(before, behind);
         before = behind;
       }
-      const int steps = static_cast<int>(std::clamp(std::ceil(far / kStep), 1.0, 1000.0));
-      for (int k = 1; k <= steps; ++k) poses.push_back(drive_->pose(frame, span * k / steps));
+      const int parts = static_cast<int>(std::clamp(std::ceil(2 * far / kStep), 1.0, 1000.0));
+      for (int k = 1; k <= parts; ++k) {
+        const Pose next = drive_->pose(frame, span * k / parts);
+        const bool end = k == parts && frame + 2 == own_.frames;
+        if (apart(last, next) < kStep / 2 && !end) continue;
+        steps.push_back({{last, next}, frame});
+        last = next;
+      }
     }
-    return poses;
+    return steps;
   }
 
-  void checkWalls() {
-    const std::vector<Pose> poses = posesOnWay();
-    std::vector<Vec3d> places;  // points in the vehicle's frame (m) that must not pass through walls
-    for (const double height : kBody) places.push_back({0, 0, height});
-    for (const SensorSetting& s : settings_->sensors) places.push_back(s.vehicleFromSensor.translation);
-    std::vector<SceneProbe::Ray> rays;
-    std::vector<double> far;
-    for (std::size_t i = 0; i + 1 < poses.size(); ++i) {
-      for (const Vec3d& place : places) {
-        const Vec3d from = poses[i] * place;
-        const Vec3d way = poses[i + 1] * place - from;
-        if (!(length(way) > 1e-6)) continue;
-        rays.push_back({from, normalized(way)});
-        far.push_back(length(way));
-      }
+  // Warns if the vehicle's box meets steep surfaces, or any surface of a thing, on its way. Gentle surfaces of stuff
+  // may be the ground, of which recorded heights are not exact.
+  void checkWay() {
+    const Box box = vehicleBox();
+    std::vector<Box> boxes{box};
+    for (const SensorSetting& sensor : settings_->sensors) {  // some may stand on masts above the vehicle's model
+      const Vec3d& at = sensor.vehicleFromSensor.translation;
+      if (at.z <= box.high.z) continue;
+      boxes.push_back({{at.x - kThin, at.y - kThin, box.high.z}, {at.x + kThin, at.y + kThin, at.z}});
     }
-    if (rays.empty()) return;
-    const auto met = probe_.first(rays, *std::max_element(far.begin(), far.end()) + kTouches);
-    std::vector<SceneProbe::Met> walls;
-    std::set<std::array<std::int64_t, 3>> known;  // walls that were hit before, by instance id and position rounded to
-                                                  // 1 m; a vehicle may pass a wall more than once
-    for (std::size_t i = 0; i < met.size(); ++i) {
-      if (!met[i] || met[i]->distance > far[i] + kTouches || std::fabs(met[i]->normal.z) > kFlat) continue;
-      if (moving_.contains(met[i]->instance)) continue;
-      const Vec3d& at = met[i]->place;
-      if (known.insert({met[i]->instance, std::llround(at.x), std::llround(at.y)}).second) {
-        walls.push_back(*met[i]);
-      }
-    }
-    if (walls.empty()) return;
+    const double radius = std::hypot(std::max(box.high.x, -box.low.x), std::max(box.high.y, -box.low.y));
+    const std::vector<Step> steps = stepsOnWay(radius);
+    std::vector<std::pair<Pose, Pose>> poses;
+    poses.reserve(steps.size());
+    for (const Step& step : steps) poses.push_back(step.poses);
+    const Ontology& ontology = probe_.scene().ontology;
+    const std::vector<std::uint16_t> ground =
+        drive_->ground() == nullptr ? std::vector<std::uint16_t>()
+                                    : classIds(ontology, drive_->ground()->classes, drive_->ground()->where);
+    const auto blocks = [&](const Instance& instance, const Surface& surface, const Vec3d& normal) {
+      if (instance.moves()) return false;
+      if (std::fabs(normal.z) <= kFlat) return true;
+      const SemanticClass* const semantic = ontology.find(surface.semantic);
+      return semantic != nullptr && semantic->thing && std::ranges::find(ground, surface.semantic) == ground.end();
+    };
+    const std::vector<BoxContact> met = sweepBoxes(probe_.scene(), boxes, poses, blocks);
+    if (met.empty()) return;
     std::set<std::string> classes;
-    for (std::size_t i = 1; i < walls.size(); ++i) classes.insert(className(walls[i].semantic));
-    say(fmt::format("its path goes through {} at {}{}", nameOf(walls.front()), shortPlace(walls.front().place),
-                    walls.size() > 1 ? fmt::format(", and through {} more surface{} ({})", walls.size() - 1,
-                                                   walls.size() > 2 ? "s" : "", fmt::join(classes, ", "))
-                                     : ""));
+    for (std::size_t i = 1; i < met.size(); ++i) classes.insert(className(met[i].semantic));
+    const BoxContact& first = met.front();
+    const Vec3d size = box.high - box.low;
+    say(
+        fmt::format("{} '{}' ({}) at {} (frame {}){}; checked is the box of its {}, {:.2f} x {:.2f} m, from {:.2f} to "
+                    "{:.2f} m above its origin",
+                    drive_->still() ? "it stands in" : "its path goes through", first.instance->name,
+                    className(first.semantic), shortPlace(first.place), steps[first.step].frame,
+                    met.size() > 1 ? fmt::format(", and {} {} more object{} ({})", drive_->still() ? "in" : "through",
+                                                 met.size() - 1, met.size() > 2 ? "s" : "", fmt::join(classes, ", "))
+                                   : "",
+                    vehicle_ == nullptr ? "sensors" : "`vehicle`", size.x, size.y, box.low.z, box.high.z));
   }
 
   const Plan& plan_;
@@ -295,6 +352,7 @@ class WayCheck {
   const SceneProbe& probe_;
   std::shared_ptr<const Trajectory> drive_;
   std::shared_ptr<const FrameSettings> settings_;
+  std::shared_ptr<const Scene> vehicle_;  // null: no ego vehicle
   Box bounds_;
   std::set<std::uint32_t> moving_;  // instance ids of moving objects
   std::vector<std::string> lines_;

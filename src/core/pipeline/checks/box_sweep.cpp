@@ -1,0 +1,161 @@
+#include "pipeline/checks/box_sweep.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <tuple>
+#include <unordered_map>
+#include <utility>
+
+#include "scene/triangle_pieces.h"
+
+namespace scanmill {
+namespace {
+
+constexpr double kCell = 2;  // m, side of the cells in which boxes are found
+
+bool meets(const Box& a, const Box& b) {
+  return a.low.x <= b.high.x && b.low.x <= a.high.x && a.low.y <= b.high.y && b.low.y <= a.high.y &&
+         a.low.z <= b.high.z && b.low.z <= a.high.z;
+}
+
+// A box in one step.
+struct Step {
+  Affine boxFromWorld, worldFromBox;
+  Box box;     // in the step's own frame
+  Box around;  // in the world's frame
+};
+
+Step stepOf(const Box& box, const Pose& from, const Pose& to) {
+  const Pose middle = interpolate(from, to, 0.5);
+  Step step{toAffine(inverse(middle)), toAffine(middle), box, {}};
+  const Vec3d way = inverse(middle) * to.translation;
+  const Vec3d half{std::fabs(way.x), std::fabs(way.y), std::fabs(way.z)};
+  step.box.low = box.low - half;
+  step.box.high = box.high + half;
+  step.around = boxAround(step.worldFromBox, step.box);
+  return step;
+}
+
+// The boxes of all steps, by the cells of the ground plan that they overlap.
+class StepCells {
+ public:
+  explicit StepCells(const std::vector<Step>& steps) {
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+      around_.add(steps[i].around);
+      eachCell(steps[i].around, [&](std::int64_t cell) { steps_[cell].push_back(i); });
+    }
+  }
+
+  // Calls visit(index) for all boxes that may be near this one, for some of them more than once.
+  void eachNear(const Box& box, const auto& visit) const {
+    if (!meets(box, around_)) return;
+    const Box within{{std::max(box.low.x, around_.low.x), std::max(box.low.y, around_.low.y), 0},
+                     {std::min(box.high.x, around_.high.x), std::min(box.high.y, around_.high.y), 0}};
+    const double cells = (within.high.x - within.low.x) * (within.high.y - within.low.y) / (kCell * kCell);
+    if (cells > static_cast<double>(steps_.size())) {
+      for (const auto& [cell, steps] : steps_) std::ranges::for_each(steps, visit);
+      return;
+    }
+    eachCell(within, [&](std::int64_t cell) {
+      const auto found = steps_.find(cell);
+      if (found != steps_.end()) std::ranges::for_each(found->second, visit);
+    });
+  }
+
+ private:
+  static void eachCell(const Box& box, const auto& visit) {
+    const auto cell = [](double at) { return static_cast<std::int64_t>(std::floor(at / kCell)); };
+    for (std::int64_t x = cell(box.low.x); x <= cell(box.high.x); ++x) {
+      for (std::int64_t y = cell(box.low.y); y <= cell(box.high.y); ++y) visit(x * (std::int64_t{1} << 32) + y);
+    }
+  }
+
+  Box around_;
+  std::unordered_map<std::int64_t, std::vector<std::size_t>> steps_;
+};
+
+// Cuts a triangle by the faces of a box. Returns a box around the part inside, which is empty if there is none.
+Box insideOf(const Box& box, const std::array<Vec3d, 3>& corners) {
+  TrianglePiece inside(corners);
+  TrianglePiece below;
+  TrianglePiece above;
+  const std::array<std::pair<double, double>, 3> ends{
+      {{box.low.x, box.high.x}, {box.low.y, box.high.y}, {box.low.z, box.high.z}}};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    inside.split(axis, ends[axis].first, below, above);
+    above.split(axis, ends[axis].second, below, inside);
+    inside = below;
+  }
+  if (inside.empty()) return {};
+  const auto [x, y, z] = std::array{inside.extent(0), inside.extent(1), inside.extent(2)};
+  return {{x[0], y[0], z[0]}, {x[1], y[1], z[1]}};
+}
+
+}  // namespace
+
+std::vector<BoxContact> sweepBoxes(const Scene& scene, const std::vector<Box>& boxes,
+                                   const std::vector<std::pair<Pose, Pose>>& steps,
+                                   const std::function<bool(const Instance&, const Surface&, const Vec3d&)>& counts) {
+  std::vector<Step> swept;  // box k of step i is at i * boxes.size() + k
+  swept.reserve(steps.size() * boxes.size());
+  for (const auto& [from, to] : steps) {
+    for (const Box& box : boxes) swept.push_back(stepOf(box, from, to));
+  }
+  const StepCells cells(swept);
+  std::vector<Box> bounds;
+  bounds.reserve(scene.meshes.size());
+  for (const Mesh& mesh : scene.meshes) bounds.push_back(mesh.bounds());
+  // The first contact by instance, number of the thing in its mesh, and class.
+  std::map<std::tuple<const Instance*, std::uint32_t, std::uint16_t>, BoxContact> first;
+  for (const Instance& instance : scene.instances) {
+    if (bounds[instance.mesh].empty()) continue;
+    bool near = false;
+    const Box around = boxAround(instance.worldFromMesh, bounds[instance.mesh]);
+    cells.eachNear(around, [&](std::size_t k) { near = near || meets(around, swept[k].around); });
+    if (!near) continue;
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      std::array<Vec3d, 3> corners;
+      Box own;
+      for (std::size_t c = 0; c < 3; ++c) {
+        corners[c] = instance.worldFromMesh * Vec3d(mesh.positions[mesh.triangles[t][c]]);
+        own.add(corners[c]);
+      }
+      std::optional<bool> counted;
+      const Surface& surface = mesh.surfaces[mesh.surfaceOf[t]];
+      cells.eachNear(own, [&](std::size_t k) {
+        const Step& box = swept[k];
+        if (counted == false || !meets(own, box.around)) return;
+        if (!counted) {
+          counted = counts(instance, surface, normalized(cross(corners[1] - corners[0], corners[2] - corners[0])));
+        }
+        if (!*counted) return;
+        const std::tuple key{&instance, surface.object, surface.semantic};
+        const auto known = first.find(key);
+        const std::size_t step = k / boxes.size();
+        if (known != first.end() && known->second.step < step) return;
+        std::array<Vec3d, 3> inStep;
+        for (std::size_t c = 0; c < 3; ++c) inStep[c] = box.boxFromWorld * corners[c];
+        const Box inside = insideOf(box.box, inStep);
+        if (inside.empty()) return;
+        const BoxContact contact{&instance, surface.semantic, step, inside.low.x,
+                                 box.worldFromBox * Vec3d{inside.low.x, inside.center().y, inside.center().z}};
+        if (known == first.end()) {
+          first.emplace(key, contact);
+        } else if (std::pair(step, contact.along) < std::pair(known->second.step, known->second.along)) {
+          known->second = contact;
+        }
+      });
+    }
+  }
+  std::vector<BoxContact> contacts;
+  contacts.reserve(first.size());
+  for (const auto& [key, contact] : first) contacts.push_back(contact);
+  std::ranges::stable_sort(contacts, {}, [](const BoxContact& c) { return std::pair(c.step, c.along); });
+  return contacts;
+}
+
+}  // namespace scanmill
