@@ -46,7 +46,7 @@ std::vector<Point2> pointsOf(const Polygon& polygon) {
 class BlockMaker {
  public:
   BlockMaker(Shape& shape, std::uint64_t seed, const Block& block)
-      : b_(block), draw_(seed, Kind::House, 2000000 + block.number), s_(shape) {
+      : b_(block), draw_(seed, Kind::Block, block.number), s_(shape) {
     const char* const wall = draw_.chance(0.4) ? "brick" : draw_.chance(0.7) ? "plaster_tinted" : "plaster";
     look_.wall = s_.surface("building", block.floors == 0 && draw_.chance(0.4) ? "wood" : wall);
     look_.trim = s_.surface("building", "concrete");

@@ -15,8 +15,7 @@ constexpr double kStorey = 2.9;       // m, height of a storey
 // Returns the material of a plastered facade: mostly "plaster_tinted", for coloured and weathered facades. The choice
 // has its own random stream, so that the shapes of houses do not depend on it.
 const char* facadeOf(std::uint64_t seed, const House& house) {
-  constexpr std::uint32_t kFacadeDraw = 1000000;
-  return Draw(seed, Kind::House, kFacadeDraw + house.number).chance(0.7) ? "plaster_tinted" : "plaster";
+  return Draw(seed, Kind::Facade, house.number).chance(0.7) ? "plaster_tinted" : "plaster";
 }
 
 constexpr double kThickness = 0.16;  // m, thickness of pitched roofs

@@ -46,7 +46,7 @@ void appendBicycleWheel(Shape& s, const Vec3d& hub, double radius) {
 }  // namespace
 
 Model makeBicycle(SceneBuilder& builder, std::uint64_t seed, int form, RiderFit* fit) {
-  Draw draw(seed, Kind::Bicycle, static_cast<std::uint32_t>(form));
+  Draw draw(seed, fit != nullptr ? Kind::RiddenBicycle : Kind::Bicycle, static_cast<std::uint32_t>(form));
   Shape s(builder, "bicycle");
   const SurfaceIndex paint = s.surface("bicycle", "painted_metal");
   const SurfaceIndex metal = s.surface("bicycle", "metal_bare");
@@ -141,7 +141,7 @@ Model makeBicycle(SceneBuilder& builder, std::uint64_t seed, int form, RiderFit*
 }
 
 Model makeMotorcycle(SceneBuilder& builder, std::uint64_t seed, int form, RiderFit* fit) {
-  Draw draw(seed, Kind::Motorcycle, static_cast<std::uint32_t>(form));
+  Draw draw(seed, fit != nullptr ? Kind::RiddenMotorcycle : Kind::Motorcycle, static_cast<std::uint32_t>(form));
   Shape s(builder, "motorcycle");
   const char* kName = "motorcycle";
   const SurfaceIndex paint = s.surface(kName, "car_paint");

@@ -130,7 +130,7 @@ constexpr std::array<void (*)(Shape&, Draw&), static_cast<std::size_t>(Furnishin
 }  // namespace
 
 Model makeFurnishing(SceneBuilder& builder, std::uint64_t seed, Furnishing what) {
-  Draw draw(seed, Kind::Furniture, 100000 + static_cast<std::uint32_t>(what));
+  Draw draw(seed, Kind::Furniture, static_cast<std::uint32_t>(what));
   Shape s(builder, "furniture");
   kAppend[static_cast<std::size_t>(what)](s, draw);
   return s.finish();
@@ -159,18 +159,9 @@ Model makeShelter(SceneBuilder& builder, std::uint64_t seed) {
   return s.finish();
 }
 
-Model makeColumn(SceneBuilder& builder, std::uint64_t seed) {
-  Draw draw(seed, Kind::Shelter, 1);
-  Shape s(builder, "poster column");
-  const double h = draw.in(2.7, 3.2);
-  s.revolve(s.surface("structure", "concrete"), {}, {{0.7, -kSunk}, {0.7, 0.3}, {0.6, 0.36}, {0.6, h}, {0, h}}, 28);
-  s.revolve(s.surface("structure", "painted_metal"), at({0, 0, h - 0.02}),
-            {{0, 0}, {0.75, 0}, {0.75, 0.1}, {0.62, 0.2}, {0.4, 0.38}, {0.1, 0.5}, {0.05, 0.75}, {0, 0.78}}, 28);
-  return s.finish();
-}
-
-Model makeFencePanel(SceneBuilder& builder, std::uint64_t seed, Fencing what) {
-  Draw draw(seed, Kind::Boundary, 100000 + static_cast<std::uint32_t>(what));
+Model makeFencePanel(SceneBuilder& builder, std::uint64_t seed, Fencing what, int form) {
+  constexpr int kKinds = static_cast<int>(Fencing::Count);
+  Draw draw(seed, Kind::Boundary, static_cast<std::uint32_t>(form * kKinds + static_cast<int>(what)));
   Shape s(builder, what == Fencing::Brick ? "garden wall" : "fence");
   constexpr double kHalf = 1.0;
   switch (what) {

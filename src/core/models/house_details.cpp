@@ -7,13 +7,12 @@
 namespace scanmill::models {
 namespace {
 
-constexpr std::uint32_t kDetails = 2000000;  // added to a house's number to get a separate random stream
-constexpr double kWall = 0.25;               // m, thickness of the outer walls
+constexpr double kWall = 0.25;  // m, thickness of the outer walls
 
 class Details {
  public:
   Details(Shape& shape, std::uint64_t seed, const House& house, const HouseMeasures& measures)
-      : s_(shape), h_(house), m_(measures), draw_(seed, Kind::House, kDetails + house.number) {}
+      : s_(shape), h_(house), m_(measures), draw_(seed, Kind::HouseDetails, house.number) {}
 
   void add() {
     rooms();

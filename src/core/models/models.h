@@ -22,9 +22,9 @@
 
 namespace scanmill::models {
 
-// The kind of object for which random numbers are generated. Each kind has its own random stream, so that more objects
-// of one kind leave the other kinds unchanged. What a seed generates depends on these values: append new kinds, never
-// renumber.
+// What random numbers are drawn for: the shape of a kind of object, or its places in a town. Each kind has its own
+// random stream and is drawn in one place of the code, so that more objects of one kind leave the others unchanged.
+// What a seed generates depends on these values: append new kinds, never renumber.
 enum class Kind : std::uint32_t {
   Plot = 1,
   Lot,
@@ -32,8 +32,7 @@ enum class Kind : std::uint32_t {
   House,
   Tree,
   Bush,
-  Hedge,
-  Car,
+  Car = 8,
   Truck,
   Bus,
   Bicycle,
@@ -62,6 +61,60 @@ enum class Kind : std::uint32_t {
   Map,
   Wire,
   Grass,
+  // shapes
+  Block,
+  Facade,
+  HouseDetails,
+  Crown,
+  Tuft,
+  Paint,
+  Walker,
+  Motorcyclist,
+  RiddenBicycle,
+  RiddenMotorcycle,
+  UtilityPole,
+  // properties and places
+  Season,
+  DrySoil,
+  Roundabout,
+  MapRoad,
+  Land,
+  MapBuilding,
+  BarePlot,
+  MapFencing,
+  PlotBoundary,
+  Rails,
+  LightPhase,
+  Crossing,
+  Signals,
+  GardenThings,
+  TownPond,
+  Square,
+  Animals,
+  RoadLamps,
+  RoadSigns,
+  MouthSign,
+  Shelters,
+  RoadFurniture,
+  MapTree,
+  Avenue,
+  ParkTrees,
+  GardenTrees,
+  GardenBushes,
+  WoodLattice,
+  GrassAlongRoads,
+  SidewalkParking,
+  ParkedCar,
+  ForecourtCars,
+  StandingVehicles,
+  PassingTraffic,
+  SideTraffic,
+  RoadCyclists,
+  PeopleCounts,
+  Pedestrian,
+  ParkedBicycles,
+  SidewalkCyclist,
+  ParkedMotorcycles,
 };
 
 // The random stream of an object: each call returns the next number of the stream.
@@ -235,13 +288,13 @@ struct TreeModel {
 };
 constexpr int kTreeForms = 8;
 constexpr int kBroadleafForms = 6;  // number of broadleaf forms; they come first among the kTreeForms forms
-// Builds a tree. `detail`: factor on the number of leaves; their total area stays the same. `foliage`: fraction of the
-// leaves that are still on a broadleaf tree, 0 to 1; below 0.6 twigs are added. `ragged`: irregularity of a broadleaf's
-// crown: 0 is round, 1 is heavier on one side, with limbs that protrude and gaps between them.
+// Builds a tree. `form`: trees whose forms differ by kTreeForms are different trees of one species. `detail`: factor on
+// the number of leaves; their total area stays the same. `foliage`: fraction of the leaves that are still on a
+// broadleaf tree, 0 to 1; below 0.6 twigs are added. `ragged`: irregularity of a broadleaf's crown: 0 is round, 1 is
+// heavier on one side, with limbs that protrude and gaps between them.
 TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form, double detail = 1, double foliage = 1,
                    double ragged = 0);
 Model makeBush(SceneBuilder& builder, std::uint64_t seed, int form, double foliage = 1);
-Model makeHedge(SceneBuilder& builder, std::uint64_t seed);  // 2 m along x, 0.6 m wide
 // Builds 2 m of hedgerow along x, filled with leaves. Height and depth depend on the form.
 Model makeHedgerow(SceneBuilder& builder, std::uint64_t seed, int form);
 // Builds a group of shrubs 1.4 to 3.2 m high.
@@ -261,24 +314,23 @@ void appendWheel(Shape& shape, std::string_view className, const Affine& place, 
 struct RiderFit {
   Vec3d saddle, leftGrip, rightGrip, leftPedal, rightPedal;
 };
+// With `fit`, the vehicle is one that is ridden, and `fit` is set; without, it is a parked one.
 Model makeBicycle(SceneBuilder& builder, std::uint64_t seed, int form, RiderFit* fit = nullptr);
 Model makeMotorcycle(SceneBuilder& builder, std::uint64_t seed, int form, RiderFit* fit = nullptr);
 
-Model makePedestrian(SceneBuilder& builder, std::uint64_t seed, int form);
+Model makePedestrian(SceneBuilder& builder, std::uint64_t seed, int form);  // a person who stands
 // A walking person: one mesh for each moment of a stride, in order and evenly spaced in time.
 struct Walker {
   std::vector<Model> moments;
   double stride = 1.3;  // m walked in one cycle of all moments
 };
 Walker makeWalker(SceneBuilder& builder, std::uint64_t seed, int form);
-Model makeRider(SceneBuilder& builder, std::uint64_t seed, int form, const RiderFit& fit,
-                std::string_view className = "rider");
 // A bicycle or motorcycle and its rider, who sits on it if both have the same pose.
 struct Ridden {
   Model vehicle, rider;
 };
-Ridden makeCyclist(SceneBuilder& builder, std::uint64_t seed, int bicycleForm, int riderForm);
-Ridden makeMotorcyclist(SceneBuilder& builder, std::uint64_t seed, int motorcycleForm, int riderForm);
+Ridden makeCyclist(SceneBuilder& builder, std::uint64_t seed, int form);
+Ridden makeMotorcyclist(SceneBuilder& builder, std::uint64_t seed, int form);
 
 constexpr int kAnimalForms = 6;
 constexpr int kPetForms = 3;  // number of forms of dogs and cats; these come first, then the grazing animals
@@ -302,8 +354,7 @@ Model makeFurnishing(SceneBuilder& builder, std::uint64_t seed, Furnishing what)
 // A barrier extends along x, the door of a shed faces -y.
 enum class Clutter { Cone, Barrier, Skip, Cart, Pallets, Heap, Shed, Pond, Fountain, Swing, WoodPile, Count };
 Model makeClutter(SceneBuilder& builder, std::uint64_t seed, Clutter what, int number);
-Model makeShelter(SceneBuilder& builder, std::uint64_t seed);                   // its open side faces -y
-Model makeColumn(SceneBuilder& builder, std::uint64_t seed);                    // advertising column
-Model makeFencePanel(SceneBuilder& builder, std::uint64_t seed, Fencing what);  // 2 m along x, centred
+Model makeShelter(SceneBuilder& builder, std::uint64_t seed);                                 // its open side faces -y
+Model makeFencePanel(SceneBuilder& builder, std::uint64_t seed, Fencing what, int form = 0);  // 2 m along x, centred
 
 }  // namespace scanmill::models

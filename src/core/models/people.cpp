@@ -159,21 +159,6 @@ class PersonMaker {
   SurfaceIndex skin_, upper_, lower_, dark_, plastic_;
 };
 
-// Returns the pose of a walking person with the left leg in front.
-Pose walking(double stride, double swing, double lean) {
-  Pose p;
-  p.hips.z = 0.905;
-  p.shoulders = {lean, 0, 1.41};
-  p.head = {lean * 1.2 + 0.02, 0, 1.62};
-  p.leftAnkle = {stride * 0.52, 0.08, 0.1};
-  p.rightAnkle = {-stride * 0.5, -0.08, 0.17};
-  p.leftFoot = -0.2;
-  p.rightFoot = 0.65;
-  p.leftHand = {-swing * 0.8, 0.26, 0.87};
-  p.rightHand = {swing, -0.25, 0.9};
-  return p;
-}
-
 void mirror(Pose& p) {
   std::swap(p.leftAnkle, p.rightAnkle);
   std::swap(p.leftHand, p.rightHand);
@@ -214,59 +199,8 @@ Clothes drawClothes(Draw& draw) {
   return c;
 }
 
-}  // namespace
-
-Model makePedestrian(SceneBuilder& builder, std::uint64_t seed, int form) {
-  Draw draw(seed, Kind::Person, static_cast<std::uint32_t>(form));
-  Shape s(builder, "pedestrian");
-  Pose p;
-  switch (form % 5) {
-    case 0:
-    case 1:
-    case 2: {
-      const std::array<double, 3> gait{draw.in(0.55, 0.75), draw.in(0.2, 0.32), draw.in(0.02, 0.07)};
-      p = walking(gait[0], gait[1], gait[2]);
-      break;
-    }
-    case 3:  // standing, looking at a phone
-      p.head = {0.06, 0, 1.62};
-      p.rightHand = {0.3, -0.06, 1.24};
-      p.leftAnkle.x = draw.in(-0.06, 0.06);
-      break;
-    default:  // standing, one hand on the hip
-      p.leftHand = {0.06, 0.2, 1.02};
-      p.leftAnkle = {0.08, 0.15, 0.09};
-      break;
-  }
-  if (draw.chance(0.5)) mirror(p);
-  const Clothes c = drawClothes(draw);
-  const double height = form == 7 ? draw.in(1.15, 1.35) : draw.in(1.58, 1.9);  // form 7 is a child
-  s.frame = {Mat3::scale(Vec3d{1, 1, 1} * (height / 1.75)), {}};
-  PersonMaker(s, "pedestrian", c).make(p);
-  return s.finish();
-}
-
-Walker makeWalker(SceneBuilder& builder, std::uint64_t seed, int form) {
-  constexpr int kMoments = 8;
-  Walker walker;
-  for (int moment = 0; moment < kMoments; ++moment) {
-    Draw draw(seed, Kind::Person, 100 + static_cast<std::uint32_t>(form));
-    Shape s(builder, "pedestrian");
-    const double reach = draw.in(0.28, 0.34);
-    const std::array<double, 2> gait{draw.in(0.18, 0.3), draw.in(0.02, 0.07)};
-    const Pose p = striding(2 * kPi * moment / kMoments, reach, gait[0], gait[1]);
-    const Clothes c = drawClothes(draw);
-    const double size = (draw.chance(0.12) ? draw.in(1.15, 1.35) : draw.in(1.58, 1.9)) / 1.75;
-    s.frame = {Mat3::scale(Vec3d{1, 1, 1} * size), {}};
-    PersonMaker(s, "pedestrian", c).make(p);
-    walker.moments.push_back(s.finish());
-    walker.stride = 4 * reach * size;
-  }
-  return walker;
-}
-
-Model makeRider(SceneBuilder& builder, std::uint64_t seed, int form, const RiderFit& fit, std::string_view className) {
-  Draw draw(seed, Kind::Cyclist, 1000 + static_cast<std::uint32_t>(form));
+// Returns a rider on a bicycle or motorcycle with this fit.
+Model makeRider(SceneBuilder& builder, Draw draw, const RiderFit& fit, std::string_view className) {
   Shape s(builder, "rider");
   Pose p;
   p.hips = fit.saddle + Vec3d{0.02, 0, 0.1};
@@ -288,16 +222,57 @@ Model makeRider(SceneBuilder& builder, std::uint64_t seed, int form, const Rider
   return s.finish();
 }
 
-Ridden makeCyclist(SceneBuilder& builder, std::uint64_t seed, int bicycleForm, int riderForm) {
-  RiderFit fit;
-  const Model bicycle = makeBicycle(builder, seed, bicycleForm, &fit);
-  return {bicycle, makeRider(builder, seed, riderForm, fit)};
+}  // namespace
+
+Model makePedestrian(SceneBuilder& builder, std::uint64_t seed, int form) {
+  Draw draw(seed, Kind::Person, static_cast<std::uint32_t>(form));
+  Shape s(builder, "pedestrian");
+  Pose p;
+  if (form % 2 == 0) {  // looks at a phone
+    p.head = {0.06, 0, 1.62};
+    p.rightHand = {0.3, -0.06, 1.24};
+    p.leftAnkle.x = draw.in(-0.06, 0.06);
+  } else {  // one hand on the hip
+    p.leftHand = {0.06, 0.2, 1.02};
+    p.leftAnkle = {0.08, 0.15, 0.09};
+  }
+  if (draw.chance(0.5)) mirror(p);
+  const Clothes c = drawClothes(draw);
+  s.frame = {Mat3::scale(Vec3d{1, 1, 1} * (draw.in(1.58, 1.9) / 1.75)), {}};
+  PersonMaker(s, "pedestrian", c).make(p);
+  return s.finish();
 }
 
-Ridden makeMotorcyclist(SceneBuilder& builder, std::uint64_t seed, int motorcycleForm, int riderForm) {
+Walker makeWalker(SceneBuilder& builder, std::uint64_t seed, int form) {
+  constexpr int kMoments = 8;
+  Walker walker;
+  for (int moment = 0; moment < kMoments; ++moment) {
+    Draw draw(seed, Kind::Walker, static_cast<std::uint32_t>(form));
+    Shape s(builder, "pedestrian");
+    const double reach = draw.in(0.28, 0.34);
+    const std::array<double, 2> gait{draw.in(0.18, 0.3), draw.in(0.02, 0.07)};
+    const Pose p = striding(2 * kPi * moment / kMoments, reach, gait[0], gait[1]);
+    const Clothes c = drawClothes(draw);
+    const double size = (draw.chance(0.12) ? draw.in(1.15, 1.35) : draw.in(1.58, 1.9)) / 1.75;
+    s.frame = {Mat3::scale(Vec3d{1, 1, 1} * size), {}};
+    PersonMaker(s, "pedestrian", c).make(p);
+    walker.moments.push_back(s.finish());
+    walker.stride = 4 * reach * size;
+  }
+  return walker;
+}
+
+Ridden makeCyclist(SceneBuilder& builder, std::uint64_t seed, int form) {
   RiderFit fit;
-  const Model motorcycle = makeMotorcycle(builder, seed, motorcycleForm, &fit);
-  return {motorcycle, makeRider(builder, seed, riderForm, fit, "motorcyclist")};
+  const Model bicycle = makeBicycle(builder, seed, form, &fit);
+  return {bicycle, makeRider(builder, {seed, Kind::Cyclist, static_cast<std::uint32_t>(form)}, fit, "rider")};
+}
+
+Ridden makeMotorcyclist(SceneBuilder& builder, std::uint64_t seed, int form) {
+  RiderFit fit;
+  const Model motorcycle = makeMotorcycle(builder, seed, form, &fit);
+  const Draw draw(seed, Kind::Motorcyclist, static_cast<std::uint32_t>(form));
+  return {motorcycle, makeRider(builder, draw, fit, "motorcyclist")};
 }
 
 }  // namespace scanmill::models

@@ -102,7 +102,7 @@ Model makeLamp(SceneBuilder& builder, std::uint64_t seed, int form) {
 }
 
 UtilityPole makeUtilityPole(SceneBuilder& builder, std::uint64_t seed) {
-  Draw draw(seed, Kind::Wire, 1);
+  Draw draw(seed, Kind::UtilityPole);
   Shape s(builder, "utility pole");
   const SurfaceIndex wood = s.surface("pole", "wood_weathered");
   const SurfaceIndex metal = s.surface("pole", "metal_weathered");

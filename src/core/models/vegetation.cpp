@@ -84,7 +84,7 @@ void appendTwigs(Shape& s, SurfaceIndex surface, Draw& draw, const Vec3d& center
 class Raggedness {
  public:
   Raggedness(std::uint64_t seed, int form, double share)
-      : share_(share), draw_(seed, Kind::Tree, 900000 + static_cast<std::uint32_t>(form)) {
+      : share_(share), draw_(seed, Kind::Crown, static_cast<std::uint32_t>(form)) {
     heavy_ = draw_.in(0, 2 * kPi);
     long_ = draw_.in(0, 2 * kPi);
   }
@@ -217,7 +217,7 @@ void appendConifer(Shape& s, Draw& draw, const Habit& habit, double height, doub
 }  // namespace
 
 TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form, double detail, double foliage, double ragged) {
-  Habit habit = kHabits[static_cast<std::size_t>(form)];
+  Habit habit = kHabits[static_cast<std::size_t>(form % kTreeForms)];
   if (detail != 1) {
     habit.leaves = static_cast<int>(habit.leaves * detail);
     habit.leaf /= std::sqrt(detail);
@@ -257,40 +257,8 @@ Model makeBush(SceneBuilder& builder, std::uint64_t seed, int form, double folia
   return s.finish();
 }
 
-Model makeHedge(SceneBuilder& builder, std::uint64_t seed) {
-  Draw draw(seed, Kind::Hedge);
-  Shape s(builder, "hedge");
-  const SurfaceIndex leaf = s.surface("vegetation", "leaf");
-  const double height = draw.in(0.9, 1.4);
-  const Vec3d half{1.0, 0.3, height / 2};
-  // A solid core represents the dense, dark twigs inside the hedge.
-  s.box(s.surface("vegetation", "bark"), {0, 0, height / 2 - 0.1}, {1.9, 0.34, height - 0.04});
-  constexpr int kLeaves = 1200;
-  for (int k = 0; k < kLeaves; ++k) {
-    const double pick = draw.next() * (2 * height + 0.6 + 1.2 * height * 0.3);
-    Vec3d position{draw.in(-half.x, half.x), draw.in(-half.y, half.y), draw.in(0, height)};
-    Vec3d out;
-    if (pick < 2 * height) {
-      out = {0, pick < height ? -1.0 : 1.0, 0};
-      position.y = out.y * half.y;
-    } else if (pick < 2 * height + 0.6) {
-      out = {0, 0, 1};
-      position.z = height;
-    } else {
-      out = {draw.sign(), 0, 0};
-      position.x = out.x * half.x;
-    }
-    position += out * draw.in(-0.08, 0.03);
-    const Vec3d normal = normalized(out + draw.direction() * 0.7);
-    const Vec3d axis = crossways(normal, draw);
-    const double size = draw.in(0.08, 0.15);
-    appendLeaf(s, leaf, position - axis * (size / 2), position + axis * (size / 2), normal, size * 0.7);
-  }
-  return s.finish();
-}
-
 Model makeHedgerow(SceneBuilder& builder, std::uint64_t seed, int form) {
-  Draw draw(seed, Kind::Hedgerow, 100000 + static_cast<std::uint32_t>(form));
+  Draw draw(seed, Kind::Hedgerow, static_cast<std::uint32_t>(form));
   Shape s(builder, "hedge");
   const SurfaceIndex leaf = s.surface("vegetation", "leaf");
   const SurfaceIndex bark = s.surface("vegetation", "bark");

@@ -97,8 +97,7 @@ const char* paintOf(std::uint64_t seed, int number) {
                                                                    {0.177, "car_paint_blue"},
                                                                    {0.147, "car_paint_silver"},
                                                                    {0.077, "car_paint_red"}}};
-  constexpr std::uint32_t kPaintDraw = 1000000;  // added to a car's number to get a separate random stream
-  double left = Draw(seed, Kind::Car, kPaintDraw + static_cast<std::uint32_t>(number)).next();
+  double left = Draw(seed, Kind::Paint, static_cast<std::uint32_t>(number)).next();
   for (const auto& [share, paint] : kPaints) {
     left -= share;
     if (left < 0) return paint;

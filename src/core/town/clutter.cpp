@@ -58,7 +58,7 @@ void putLights(Placer& placer, const Model& light, const Road& road, double firs
   with.yaw += kPi;
   placer.tryPut(light, with, name + ", with the line");
   placer.tryPut(light, besideRoad(road, last, out), name + ", against the line");
-  Draw draw(placer.layout.seed(), Kind::Light, 700000 + static_cast<std::uint32_t>(placer.lights.size()));
+  Draw draw(placer.layout.seed(), Kind::LightPhase, static_cast<std::uint32_t>(placer.lights.size()));
   placer.lights.push_back({last + 1, first - 1, draw.in(0, Placer::Light::kPeriod), marked});
 }
 
@@ -116,7 +116,7 @@ void placeRoadworks(Placer& placer, Store& store, const Model& light) {
 // Places a pedestrian crossing on the main road: stripes and lights.
 void placeCrossing(Placer& placer, const Model& light) {
   const Layout& l = placer.layout;
-  Draw draw(l.seed(), Kind::Light, 7000);
+  Draw draw(l.seed(), Kind::Crossing);
   constexpr double kLength = 3;
   const std::optional<double> at = freeStretch(l, draw, kLength);
   if (!at) return;
@@ -145,7 +145,7 @@ void placeSignals(Placer& placer, const Model& light) {
   const Layout& l = placer.layout;
   const Road& main = l.roads().roads().front();
   for (std::size_t r = 1; r < l.roads().roads().size(); ++r) {
-    Draw draw(l.seed(), Kind::Light, 7100 + static_cast<std::uint32_t>(r));
+    Draw draw(l.seed(), Kind::Signals, static_cast<std::uint32_t>(r));
     const Road& side = l.roads().roads()[r];
     if (!draw.chance(l.character().lights) || !side.joins) continue;
     const double away = side.section.half + 5;
@@ -173,7 +173,7 @@ void placeGardenThings(Placer& placer, Store& store) {
     return placer.tryPut(store.any(what, draw), spot, fmt::format("clutter {}", ++number));
   };
   for (const Plot& plot : l.plots()) {
-    Draw draw(l.seed(), Kind::Clutter, plot.number);
+    Draw draw(l.seed(), Kind::GardenThings, plot.number);
     if (plot.built) {
       const double behind = plot.setback + plot.depth;
       if (draw.chance(0.35)) tryAt(plot, draw, Clutter::Shed, behind + draw.in(3, 9));
@@ -191,7 +191,7 @@ void placeGardenThings(Placer& placer, Store& store) {
     water += tryAt(plot, draw, square ? Clutter::Fountain : Clutter::Pond, draw.in(3.5, 8)) ? 1 : 0;
   }
   // If no water has been placed, tries to add a pond at the main road, so that few towns have no water.
-  Draw draw(l.seed(), Kind::Clutter, 900000);
+  Draw draw(l.seed(), Kind::TownPond);
   for (int attempt = 0; attempt < 4 * Placer::kTries && water == 0 && !l.plots().empty(); ++attempt) {
     const Plot& plot = draw.of(l.plots());
     if (plot.road == 0) water += tryAt(plot, draw, Clutter::Pond, draw.in(2.2, 6)) ? 1 : 0;
@@ -209,7 +209,7 @@ void placeSquares(Placer& placer, Store& store) {
   const Model bench = models::makeFurnishing(placer.builder, l.seed(), models::Furnishing::Bench);
   const Model planter = models::makeFurnishing(placer.builder, l.seed(), models::Furnishing::Planter);
   for (const MapArea& area : l.areas().all()) {
-    Draw draw(l.seed(), Kind::Furniture, 9000 + ++square);
+    Draw draw(l.seed(), Kind::Square, ++square);
     if (area.land != Land::Paved || !area.square) continue;
     const Footprint about = rectangleAbout(area.outline);
     const auto put = [&](const Model& m, const Point2& p, double yaw) {
@@ -246,7 +246,7 @@ void placeClutter(Placer& placer) {
 void placeAnimals(Placer& placer) {
   const Layout& l = placer.layout;
   if (l.parameters().people <= 0 || l.character().district == District::Motorway) return;
-  Draw draw(l.seed(), Kind::Animal);
+  Draw draw(l.seed(), Kind::Animals);
   const Road& road = l.roads().roads().front();
   int number = 0;
   const auto put = [&](const Model& m, double along, double lateral) {

@@ -39,7 +39,7 @@ void along(const Layout& l, Kind kind, double per100m, const Place& place) {
   std::uint32_t number = 0;
   for (const Stretch& s : stretches(l)) {
     const Road& road = l.roads().roads()[s.road];
-    Draw draw(l.seed(), kind, 5000 + s.road);
+    Draw draw(l.seed(), kind, s.road);
     const int count = static_cast<int>(per100m * std::max(0.0, s.to - s.from) / 100 + draw.next());
     for (int k = 0; k < count; ++k) {
       for (int attempt = 0; attempt < Placer::kTries; ++attempt) {
@@ -65,7 +65,7 @@ bool beyondEdge(const Layout& l, const Road& road, double distance, int side, do
 
 std::optional<TrafficSign> signAtMouth(const Layout& l, std::uint32_t sideRoad) {
   const Road& road = l.roads().roads()[sideRoad];
-  Draw draw(l.seed(), Kind::Sign, 9000 + sideRoad);
+  Draw draw(l.seed(), Kind::MouthSign, sideRoad);
   const TrafficSign sign = draw.chance(0.3) ? TrafficSign::Stop : TrafficSign::GiveWay;
   if (!road.joins || road.minor || !road.against || draw.chance(0.3)) return std::nullopt;
   return sign;
@@ -84,7 +84,7 @@ void placeFixtures(Placer& placer) {
   const bool rural = c.country;
   for (const Stretch& s : stretches(l)) {
     const Road& road = l.roads().roads()[s.road];
-    Draw draw(seed, Kind::Lamp, 5000 + s.road);
+    Draw draw(seed, Kind::RoadLamps, s.road);
     const double spacing = rural ? draw.in(60, 120) : draw.in(16, 30);
     const int side = draw.chance(0.5) ? 1 : -1;
     const Model& lamp = draw.of(lamps);
@@ -103,14 +103,15 @@ void placeFixtures(Placer& placer) {
   const auto sign = [&](TrafficSign s) { return signs[static_cast<std::size_t>(s)]; };
   constexpr std::array<TrafficSign, 4> kOnTheWay{TrafficSign::SpeedLimit, TrafficSign::Warning, TrafficSign::Priority,
                                                  TrafficSign::Parking};
-  along(l, Kind::Sign, rural ? 1.5 : 5, [&](Draw& draw, const Road& road, double at, int side, std::uint32_t number) {
-    Spot spot;
-    if (!beyondEdge(l, road, at, side, road.section.curb + draw.in(0.35, 0.7), spot)) return false;
-    // The sign faces the vehicles on its side of the road. Vehicles at the right of the road's line drive in the
-    // line's direction.
-    spot.yaw += (side < 0 ? kPi : 0) + draw.in(-0.15, 0.15);
-    return placer.tryPut(sign(draw.of(kOnTheWay)), spot, fmt::format("sign {}", number));
-  });
+  along(l, Kind::RoadSigns, rural ? 1.5 : 5,
+        [&](Draw& draw, const Road& road, double at, int side, std::uint32_t number) {
+          Spot spot;
+          if (!beyondEdge(l, road, at, side, road.section.curb + draw.in(0.35, 0.7), spot)) return false;
+          // The sign faces the vehicles on its side of the road. Vehicles at the right of the road's line drive in the
+          // line's direction.
+          spot.yaw += (side < 0 ? kPi : 0) + draw.in(-0.15, 0.15);
+          return placer.tryPut(sign(draw.of(kOnTheWay)), spot, fmt::format("sign {}", number));
+        });
   for (std::uint32_t r = 0; r < l.roads().roads().size(); ++r) {
     const Road& road = l.roads().roads()[r];
     const std::optional<TrafficSign> rule = signAtMouth(l, r);
@@ -123,7 +124,7 @@ void placeFixtures(Placer& placer) {
   }
   if (!rural) {
     const Model shelter = models::makeShelter(placer.builder, seed);
-    along(l, Kind::Shelter, 0.5, [&](Draw&, const Road& road, double at, int side, std::uint32_t number) {
+    along(l, Kind::Shelters, 0.5, [&](Draw&, const Road& road, double at, int side, std::uint32_t number) {
       Spot spot;
       if (road.section.verge + road.section.sidewalk < 2.4) return false;
       if (!beyondEdge(l, road, at, side, road.section.outer() - 0.9, spot)) return false;
@@ -131,15 +132,16 @@ void placeFixtures(Placer& placer) {
       return placer.tryPut(shelter, spot, fmt::format("shelter {}", number));
     });
   }
-  along(l, Kind::Furniture, c.clutter, [&](Draw& draw, const Road& road, double at, int side, std::uint32_t number) {
-    Spot spot;
-    const bool inside = draw.chance(0.5);
-    const double out = inside ? road.section.curb + draw.in(0.3, 0.6) : road.section.outer() + draw.in(-0.5, 1.5);
-    if (!beyondEdge(l, road, at, side, out, spot)) return false;
-    spot.yaw += (side > 0 ? 0 : kPi) + draw.in(-0.3, 0.3);
-    const Model& m = draw.of(furnishings);
-    return placer.tryPut(m, spot, fmt::format("furniture {}", number));
-  });
+  along(l, Kind::RoadFurniture, c.clutter,
+        [&](Draw& draw, const Road& road, double at, int side, std::uint32_t number) {
+          Spot spot;
+          const bool inside = draw.chance(0.5);
+          const double out = inside ? road.section.curb + draw.in(0.3, 0.6) : road.section.outer() + draw.in(-0.5, 1.5);
+          if (!beyondEdge(l, road, at, side, out, spot)) return false;
+          spot.yaw += (side > 0 ? 0 : kPi) + draw.in(-0.3, 0.3);
+          const Model& m = draw.of(furnishings);
+          return placer.tryPut(m, spot, fmt::format("furniture {}", number));
+        });
 }
 
 }  // namespace scanmill::town

@@ -9,7 +9,8 @@
 
 namespace scanmill::town {
 
-constexpr double kMiddle = 0.4;  // m, least distance between a vehicle and the centre line
+constexpr int kRoadCyclistForms = 3;  // number of forms of cyclists on roads; those on sidewalks have the next ones
+constexpr double kMiddle = 0.4;       // m, least distance between a vehicle and the centre line
 
 class Fleet {
  public:

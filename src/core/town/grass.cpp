@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "town/placer.h"
-#include "town/relief.h"
 
 namespace scanmill::town {
 namespace {
@@ -19,7 +18,7 @@ constexpr int kMost = 2500;
 
 // Builds a tuft of blades that bend outwards. No blade is higher than a random limit of 0.12 to 0.4 m.
 Model makeTuft(SceneBuilder& builder, std::uint64_t seed, int form, bool dry) {
-  Draw draw(seed, Kind::Grass, static_cast<std::uint32_t>(1 + form));
+  Draw draw(seed, Kind::Tuft, static_cast<std::uint32_t>(form));
   models::Shape s(builder, "tuft of grass");
   const models::SurfaceIndex grass = s.surface("terrain", dry ? "grass_dry" : "grass");
   const double height = draw.in(0.12, 0.4);
@@ -54,17 +53,17 @@ void placeGrass(Placer& placer) {
   const std::vector<Model> forms = models::makeForms(
       kForms, [&](int f) { return makeTuft(placer.builder, l.seed(), f, c.season == Season::Autumn || f == 0); });
   int number = 0;
+  std::uint32_t index = 0;
   for (std::uint32_t r = 0; r < l.roads().roads().size(); ++r) {
     const Road& road = l.roads().roads()[r];
     if (road.minor) continue;
-    std::uint32_t index = 0;
     for (const double along : models::steps(3, road.length() - 3, 0.6)) {
       for (const double side : {-1.0, 1.0}) {
-        Draw draw(l.seed(), Kind::Grass, 100000 * (r + 1) + index++);
+        Draw draw(l.seed(), Kind::GrassAlongRoads, index++);
         const double out = road.section.curb + draw.in(0.05, road.section.outer() + kReach);
         Spot spot = besideRoad(road, along + draw.in(-0.3, 0.3), side * (road.section.half + out));
         // The density varies from place to place.
-        const double share = wild * (0.5 + 2 * relief(l.seed() + 31, spot.at.x, spot.at.y, 18));
+        const double share = wild * (0.5 + 2 * relief({l.seed(), Field::Grass}, spot.at.x, spot.at.y, 18));
         if (number >= kMost || !draw.chance(share)) continue;
         const Beside b = l.roads().at(spot.at.x, spot.at.y);
         const GroundKind kind = l.kindAt(b, spot.at);

@@ -21,7 +21,7 @@ class GroundMaker {
  public:
   GroundMaker(SceneBuilder& builder, const Layout& layout) : layout_(layout), shape_(builder, "ground") {
     const bool paved = Draw(layout.seed(), models::Kind::Terrain).chance(0.5);
-    const bool dry = Draw(layout.seed(), models::Kind::Terrain, 1).chance(0.2);
+    const bool dry = Draw(layout.seed(), models::Kind::DrySoil).chance(0.2);
     const auto set = [&](GroundKind kind, const char* className, const char* material) {
       surfaces_[static_cast<std::size_t>(kind)] = shape_.surface(className, material);
     };

@@ -105,7 +105,7 @@ class Boundaries {
     if (!made) {
       const std::uint64_t seed = placer_.layout.seed();
       made = what == Fencing::Hedge ? models::makeHedgerow(placer_.builder, seed, form)
-                                    : models::makeFencePanel(placer_.builder, seed + form * 104729u, what);
+                                    : models::makeFencePanel(placer_.builder, seed, what, form);
     }
     return *made;
   }
@@ -147,7 +147,7 @@ void placeBoundaries(Placer& placer) {
   Boundaries boundaries(placer);
   boundaries.barriers(l.barriers());
   for (const Plot& plot : l.plots()) {
-    Draw draw(l.seed(), Kind::Hedgerow, plot.number);
+    Draw draw(l.seed(), Kind::PlotBoundary, plot.number);
     const Road& road = l.roads().roads()[plot.road];
     const int form = draw.below(4);
     const auto at = [&](double along, double depth) {

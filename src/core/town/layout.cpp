@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "town/relief.h"
-
 namespace scanmill::town {
 namespace {
 
@@ -105,8 +103,8 @@ GroundKind Layout::landAt(const Point2& p) const {
 }
 
 double Layout::base(const Point2& p) const {
-  return character_.hills * (relief(seed_ * 4 + 1, p.x, p.y, 260) + 0.25 * relief(seed_ * 4 + 2, p.x, p.y, 110) +
-                             0.11 * relief(seed_ * 4 + 4, p.x, p.y, 45));
+  return character_.hills *
+         (field(Field::Hills, p, 260) + 0.25 * field(Field::Slopes, p, 110) + 0.11 * field(Field::Knolls, p, 45));
 }
 
 // Returns a factor on the height of the curb: 1, or less where a driveway joins the road.
@@ -133,7 +131,7 @@ double Layout::heightAt(GroundKind kind, const Beside& b, const Point2& p) const
     if (character_.plain) return ground;
     // Adds the crown of the road, wear and potholes.
     const double crown = 0.02 * std::min(-edge, 5.0);
-    const double worn = 0.012 * relief(seed_ * 4 + 3, p.x, p.y, 7) + 0.006 * relief(seed_ + 7, p.x, p.y, 1.7);
+    const double worn = 0.012 * field(Field::Ruts, p, 7) + 0.006 * field(Field::WornSpots, p, 1.7);
     double hole = 0;
     if (const auto cell = potholeCells_.find(keyAt(p)); cell != potholeCells_.end()) {
       for (const std::uint32_t i : cell->second) {
@@ -155,13 +153,13 @@ double Layout::heightAt(GroundKind kind, const Beside& b, const Point2& p) const
   const double hard = areas_.all().empty() ? Areas::kReach : areas_.outsideHard(p);
   const double soft = smooth(hard / 1.5);
   const double wild = character_.undulation * smooth(beyond / 9) * soft;
-  const double rolling = 1.6 * wild * relief(seed_ + 11, p.x, p.y, 16) + 0.6 * wild * relief(seed_ + 12, p.x, p.y, 5);
+  const double rolling = 1.6 * wild * field(Field::Swells, p, 16) + 0.6 * wild * field(Field::Bumps, p, 5);
   // Lots and squares are flatter than the land around them.
   const double flat = 0.25 + 0.75 * smooth(hard / Areas::kReach);
-  const double bank = flat * character_.banks * smooth((edge - b.section.curb) / 11) * relief(seed_ + 15, p.x, p.y, 45);
+  const double bank = flat * character_.banks * smooth((edge - b.section.curb) / 11) * field(Field::Banks, p, 45);
   // Lawns are uneven at the scale of the finest cells, in some places more than in others.
-  const double rough = character_.plain ? 0 : 0.03 + 0.08 * std::max(0.0, relief(seed_ + 16, p.x, p.y, 9));
-  const double grain = rough * relief(seed_ + 13, p.x, p.y, 2.3) * smooth((edge - b.section.curb) / 0.3) * paved *
+  const double rough = character_.plain ? 0 : 0.03 + 0.08 * std::max(0.0, field(Field::Roughness, p, 9));
+  const double grain = rough * field(Field::Grain, p, 2.3) * smooth((edge - b.section.curb) / 0.3) * paved *
                        (kind == GroundKind::Sidewalk ? 0.1 : 1);
   double natural = ground + step + rise + rolling + bank;
   if (kind == GroundKind::Water) {
@@ -193,7 +191,7 @@ double Layout::snowOn(const Beside& b, const Point2& p) const {
   const double width = std::min(kBank, s.verge);
   if (b.known && width > 0.6 && verge > 0 && verge < width) {
     const double across = std::sin(kPi * verge / width);
-    const double along = 0.6 + 1.2 * relief(seed_ + 17, p.x, p.y, 3) + 0.6 * relief(seed_ + 18, p.x, p.y, 0.8);
+    const double along = 0.6 + 1.2 * field(Field::SnowHeaps, p, 3) + 0.6 * field(Field::SnowLumps, p, 0.8);
     depth += character_.snowBanks * across * across * std::max(along, 0.1);
   }
   return depth * cleared;

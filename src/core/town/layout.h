@@ -17,6 +17,7 @@
 #include "town/areas.h"
 #include "town/character.h"
 #include "town/map_place.h"
+#include "town/relief.h"
 #include "town/roads.h"
 
 namespace scanmill::town {
@@ -149,17 +150,18 @@ class Layout {
   void addStrip(const Point2& inner, double yaw, double half, double length, GroundKind kind);
   // Sets the water level of each area that is water: the level is below the lowest point of the area's shore.
   void findWaterLevels();
-  // The last step of building a layout: gives buildings the height of the ground at their door, and levels the ground
-  // around them.
+  // The last step of building a layout: finds the levels of water, gives buildings the height of the ground at their
+  // door, and levels the ground around them.
   void settle();
   void takeRoads(const MapPlace& map);
   void takeBuildings(const MapPlace& map);
   void cover(const MapBuilding& building, const models::Footprint& about);
   void arrangePlots();
-  bool fits(const models::Footprint& f, double gap) const;
+  bool isOffRoads(const models::Footprint& f, double gap) const;
   const Patch* patchAt(const Point2& p) const;
   GroundKind landAt(const Point2& p) const;
   double base(const Point2& p) const;
+  double field(Field of, const Point2& p, double size) const { return relief({seed_, of}, p.x, p.y, size); }
   double lowering(const Beside& beside, const Point2& p) const;
   double levelling(const Point2& p, double natural) const;
   double snowOn(const Beside& beside, const Point2& p) const;

@@ -64,7 +64,7 @@ void Layout::drawLand() {
                          {Land::Paved, character_.terraced ? 0.5 : 0.2, 22, 40, 16, 30}};
   std::uint32_t number = 0;
   for (const Wish& wish : wishes) {
-    Draw draw(seed_, Kind::Lot, 5000 + number++);
+    Draw draw(seed_, Kind::Land, number++);
     if (!draw.chance(wish.chance)) continue;
     constexpr int kTries = 12;
     for (int attempt = 0; attempt < kTries; ++attempt) {
@@ -85,7 +85,7 @@ void Layout::drawLand() {
 // Adds a roundabout at the end of a random side road, as in many suburbs: a ring with an island, and up to three roads
 // that leave the ring.
 void Layout::drawRoundabout() {
-  Draw draw(seed_, Kind::SideRoad, 9000);
+  Draw draw(seed_, Kind::Roundabout);
   if (character_.country || roads_.roads().size() < 2 || !draw.chance(0.35)) return;
   const auto pick = static_cast<std::uint32_t>(1 + draw.below(static_cast<int>(roads_.roads().size()) - 1));
   const Road from = roads_.roads()[pick];

@@ -100,7 +100,6 @@ Layout::Layout(const Parameters& parameters, std::uint64_t seed, const MapPlace&
                        RoadNetwork::kReach));
     }
   }
-  findWaterLevels();
   takeBuildings(map);
   for (const MapPath& path : map.paths) {
     const double half = path.width ? *path.width / 2 : kPathHalf;
@@ -137,8 +136,8 @@ void Layout::takeRoads(const MapPlace& map) {
   for (const MapPlace::PlacedRoad& placed : map.roads) {
     Road road;
     road.line = placed.road.line;
-    road.section = sectionOf(placed.road, character_,
-                             Draw(seed_, Kind::SideRoad, 1000 + static_cast<std::uint32_t>(roads.size())));
+    road.section =
+        sectionOf(placed.road, character_, Draw(seed_, Kind::MapRoad, static_cast<std::uint32_t>(roads.size())));
     road.main = roads.empty();
     road.minor = placed.road.kind >= RoadClass::Service;
     road.ring = placed.road.ring;

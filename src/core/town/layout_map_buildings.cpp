@@ -152,7 +152,7 @@ void Layout::takeBuildings(const MapPlace& map) {
       continue;
     }
     if (b.relation != 0) relations_[number] = b.relation;
-    Draw draw(seed_, Kind::Plot, 500000 + number);
+    Draw draw(seed_, Kind::MapBuilding, number);
     const int drawn = character_.floorsLow + draw.below(character_.floorsHigh - character_.floorsLow + 1);
     const int floors = b.floorsSaid().value_or(drawn);
     const Frontage frontage = frontageOf(b.outline, roads_);
@@ -238,7 +238,7 @@ void Layout::arrangePlots() {
           plot.side = side;
           plot.bare = true;
           plot.from = done;
-          Draw draw(seed_, Kind::Plot, 800000 + static_cast<std::uint32_t>(plots_.size()));
+          Draw draw(seed_, Kind::BarePlot, static_cast<std::uint32_t>(plots_.size()));
           plot.to = std::min(to, done + draw.around(character_.plotWidth, 0.3));
           plot.setback = character_.setback;
           done = plot.to;
@@ -269,7 +269,7 @@ void Layout::arrangePlots() {
   for (std::uint32_t i = 0; i < plots_.size(); ++i) {
     Plot& plot = plots_[i];
     plot.number = i;
-    Draw draw(seed_, Kind::Plot, 900000 + i);
+    Draw draw(seed_, Kind::MapFencing, i);
     plot.fencing = drawFencing(draw, plot.setback);
   }
 }

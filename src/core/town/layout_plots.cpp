@@ -29,6 +29,7 @@ void Layout::drawPlots() {
 }
 
 void Layout::settle() {
+  findWaterLevels();
   for (std::uint32_t i = 0; i < patches_.size(); ++i) {
     patchPlaces_.push_back({patches_[i].place});
     enter(patches_[i].place, i, patchCells_);
@@ -58,9 +59,8 @@ void Layout::settle() {
   }
 }
 
-// True if the rectangle's middle, corners and middles of sides are at least `gap` metres from roads and sidewalks, and
-// its ground is not occupied.
-bool Layout::fits(const Footprint& f, double gap) const {
+// True if the rectangle's middle, corners and middles of sides are at least `gap` metres from roads and sidewalks.
+bool Layout::isOffRoads(const Footprint& f, double gap) const {
   for (const double u : {-1.0, 0.0, 1.0}) {
     for (const double v : {-1.0, 0.0, 1.0}) {
       const Point2 at = f.at(u * f.halfX, v * f.halfY);
@@ -68,7 +68,7 @@ bool Layout::fits(const Footprint& f, double gap) const {
       if (beside.known && beside.edge < beside.section.outer() + gap) return false;
     }
   }
-  return taken_.isFree(f);
+  return true;
 }
 
 Fencing Layout::drawFencing(Draw& draw, double setback) const {
@@ -100,45 +100,61 @@ void Layout::addPlots(std::uint32_t r, int side, double from, double to) {
   while (to - start > 8) {
     Plot plot;
     plot.number = static_cast<std::uint32_t>(plots_.size());
-    Draw draw(seed_, Kind::Plot, plot.number + 1000);
+    Draw draw(seed_, Kind::Plot, plot.number);
     plot.road = r;
     plot.side = side;
     plot.from = start;
     plot.to = std::min(to, start + draw.around(c.plotWidth, 0.3));
     plot.setback = std::max(dense ? 0.35 : 1.0, c.setback + draw.in(-1, 1) * c.setbackSpread);
-    const double width = plot.to - plot.from;
     const bool attached = dense && draw.chance(0.75);
-    const double gap = attached ? 0 : draw.in(1.2, std::max(1.5, 0.35 * width));
     const double depth = halls ? draw.in(12, 22) : draw.in(7.5, 12.5);
+    const double middle = (plot.from + plot.to) / 2;
+    const double outer = road.section.half + road.section.outer();
+    const Point2 heading = road.heading(middle);
+    const auto spot = [&](double along, double lateral) { return besideRoad(road, along, side * lateral).at; };
+    // A bend makes a plot wider or narrower than the road's line beside it. Attached houses are as wide as their plots
+    // at the front; the others fit between their neighbours at the back, too.
+    const auto widthAt = [&](double lateral) {
+      const Point2 a = spot(plot.from, lateral);
+      const Point2 b = spot(plot.to, lateral);
+      return (b.x - a.x) * heading.x + (b.y - a.y) * heading.y;
+    };
+    const double frontWidth = widthAt(outer + plot.setback);
+    const double width = attached ? frontWidth : std::min(frontWidth, widthAt(outer + plot.setback + depth));
+    const double gap = attached ? 0 : draw.in(1.2, std::max(1.5, 0.35 * width));
     const int floors = c.floorsLow + draw.below(c.floorsHigh - c.floorsLow + 1);
-    House house = drawHouse(draw, plot.number, std::clamp(width - gap, 6.0, halls ? 32.0 : 18.0), depth, floors);
+    House house = drawHouse(draw, plot.number,
+                            std::clamp(width - gap, 6.0,
+                                       halls      ? 32.0
+                                       : attached ? 24.0
+                                                  : 18.0),
+                            depth, floors);
     if (halls) house.roof = Roof::Flat;
     house.shop = dense && draw.chance(0.4);
     plot.depth = depth;
     plot.fencing = drawFencing(draw, plot.setback);
     const bool wanted = draw.chance(c.built) && width >= 6.5;
     const bool hasDriveway = !attached && draw.chance(0.6) && gap > kDriveway - 0.5;
-    const double middle = (plot.from + plot.to) / 2;
-    const double outer = road.section.half + road.section.outer();
-    const Point2 heading = road.heading(middle);
-    const double yaw = std::atan2(heading.y, heading.x) + (side > 0 ? 0 : kPi);
-    const auto spot = [&](double along, double lateral) { return besideRoad(road, along, side * lateral).at; };
-    // If there is a driveway at one end of the plot, the house is shifted towards the other end.
-    const double shift = hasDriveway ? -side * (gap / 2 - 0.2) : 0;
-    const Footprint body{spot(middle + shift, outer + plot.setback + house.depth / 2), house.width / 2, house.depth / 2,
-                         yaw};
-    const Footprint roomy{body.center, body.halfX + (attached ? -0.05 : 0.4), body.halfY + 0.4, yaw};
-    if (wanted && fits({body.center, body.halfX, body.halfY, yaw}, 0.0) && taken_.isFree(roomy)) {
-      taken_.add(body);
+    // The ends of the plot's front, from left to right as seen from the road.
+    const Point2 left = spot(side > 0 ? plot.from : plot.to, outer + plot.setback);
+    const Point2 right = spot(side > 0 ? plot.to : plot.from, outer + plot.setback);
+    const double yaw = std::atan2(right.y - left.y, right.x - left.x);
+    // If there is a driveway at the right end of the plot, the house is shifted towards the left end.
+    const Point2 center =
+        Footprint{models::lerp(left, right, 0.5), 0, 0, yaw}.at(hasDriveway ? 0.2 - gap / 2 : 0, house.depth / 2);
+    const Footprint body{center, house.width / 2, house.depth / 2, yaw};
+    // On the inner side of a bend the backs of attached houses overlap.
+    constexpr double kOverlap = 0.8;  // m, half of the largest overlap
+    const double shared = attached ? kOverlap : 0;
+    const Footprint roomy{center, body.halfX + (attached ? -kOverlap : 0.4), body.halfY + 0.4, yaw};
+    if (wanted && isOffRoads(body, 0.0) && taken_.isFree(roomy)) {
+      taken_.add({center, body.halfX - shared, body.halfY, yaw});
       plot.built = true;
       house.forecourt = plot.setback;
       house.ivy = draw.chance(0.2 * parameters_.greenery);
       // Sets the house's frame: the front wall is in the plane y = 0 and faces -y; x points to the right as seen from
       // the road.
-      const double cy = std::cos(yaw);
-      const double sy = std::sin(yaw);
-      const Point2 corner{body.center.x - cy * body.halfX + sy * body.halfY,
-                          body.center.y - sy * body.halfX - cy * body.halfY};
+      const Point2 corner = body.at(-body.halfX, -body.halfY);
       house.place = models::at({corner.x, corner.y, 0}, yaw);
       const Vec3d door = house.place * Vec3d{house.doorX(), -0.6, 0};
       const double out = road.section.outer();
@@ -157,7 +173,7 @@ void Layout::addPlots(std::uint32_t r, int side, double from, double to) {
         patches_.back().parks = true;
         const Vec3d inside = house.place * house.garageMiddle();
         const Footprint garage{{inside.x, inside.y}, models::kGarageWidth / 2 - 0.05, models::kGarageDepth / 2, yaw};
-        house.garage = draw.chance(0.55) && fits(garage, 1);
+        house.garage = draw.chance(0.55) && isOffRoads(garage, 1) && taken_.isFree(garage);
         if (house.garage) taken_.add(garage);
       }
       houses_.push_back(house);

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "town/layout.h"
-#include "town/relief.h"
 
 namespace scanmill::town {
 
@@ -12,20 +11,20 @@ using models::Kind;
 
 void Layout::drawRoads() {
   // The heading is a smooth random field that varies by less than a right angle, so that the line never crosses itself.
-  const auto line = [&](std::uint64_t key, Point2 from, double heading, double bend, double length) {
+  const auto line = [&](const FieldAddress& field, Point2 from, double heading, double bend, double length) {
     std::vector<Point2> points{from};
-    const double start = relief(key, 0, 0.5, 90);
+    const double start = relief(field, 0, 0.5, 90);
     for (double s = 0; s + kRoadStep / 2 < length; s += kRoadStep) {
-      const double turned = heading + bend * 1.8 * (relief(key, s + kRoadStep / 2, 0.5, 90) - start);
+      const double turned = heading + bend * 1.8 * (relief(field, s + kRoadStep / 2, 0.5, 90) - start);
       const Point2 p = points.back();
       points.push_back({p.x + kRoadStep * std::cos(turned), p.y + kRoadStep * std::sin(turned)});
     }
     return points;
   };
   const double reach = parameters_.length / 2 + kBeyond;
-  std::vector<Point2> points = line(seed_ * 8 + 1, {0, 0}, kPi, character_.bend, reach);
+  std::vector<Point2> points = line({seed_, Field::MainRoadBehind}, {0, 0}, kPi, character_.bend, reach);
   std::reverse(points.begin(), points.end());
-  const std::vector<Point2> ahead = line(seed_ * 8 + 2, {0, 0}, 0, character_.bend, reach);
+  const std::vector<Point2> ahead = line({seed_, Field::MainRoadAhead}, {0, 0}, 0, character_.bend, reach);
   points.insert(points.end(), ahead.begin() + 1, ahead.end());
   Road main;
   main.line = std::move(points);
@@ -57,7 +56,7 @@ void Layout::drawRoads() {
       const Point2 heading = roads_.roads().front().heading(along);
       Road road;
       const double turn = std::atan2(heading.y, heading.x) + (side == first ? side * angle : side * (kPi - angle));
-      road.line = line(seed_ * 64 + 16 + static_cast<std::uint64_t>(2 * i + (side > 0 ? 1 : 0)), at, turn,
+      road.line = line({seed_, Field::SideRoad, static_cast<std::uint32_t>(2 * i + (side > 0 ? 1 : 0))}, at, turn,
                        0.6 * character_.bend, draw.in(60, 150));
       road.section = character_.side;
       road.joins = along;

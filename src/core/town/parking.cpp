@@ -35,6 +35,7 @@ void placeCars(Placer& placer, Fleet& fleet) {
   const Character& c = l.character();
   const Tour tour = tourOf(l);
   int number = 0;
+  std::uint32_t bay = 0;
   for (std::uint32_t r = 0; r < l.roads().roads().size(); ++r) {
     const Road& road = l.roads().roads()[r];
     const CrossSection& s = road.section;
@@ -43,12 +44,12 @@ void placeCars(Placer& placer, Fleet& fleet) {
     const double last = road.main ? l.mainTo() : road.length() - 4;
     const bool busy = road.main || tour.has(r);  // the road is used by the sensor's vehicle
     for (const int side : {-1, 1}) {
-      std::uint32_t bay = 0;
       // Along a road without parking lanes drivers park half on the sidewalk on one side, on both or on none.
-      const bool custom = s.parking > 1.5 ||
-                          Draw(l.seed(), Kind::Car, 9000000 + 2 * r + (side > 0 ? 1u : 0u)).chance(busy ? 0.35 : 0.75);
+      const bool custom =
+          s.parking > 1.5 ||
+          Draw(l.seed(), Kind::SidewalkParking, 2 * r + (side > 0 ? 1u : 0u)).chance(busy ? 0.35 : 0.75);
       for (double at = first; at + kBay < last; at += kBay) {
-        Draw draw(l.seed(), Kind::Car, 10000 + 1000 * (2 * r + (side > 0 ? 1u : 0u)) + bay++);
+        Draw draw(l.seed(), Kind::ParkedCar, bay++);
         // More cars stand in roads where fewer pass.
         const double parked = std::min(0.95, (!busy ? 3 : s.parking > 1.5 ? 0.8 : 0.5) * c.parked);
         if (!draw.chance(custom ? parked : 0.15 * parked)) continue;
@@ -70,14 +71,14 @@ void placeCars(Placer& placer, Fleet& fleet) {
   }
   std::uint32_t index = 0;
   for (const Patch& patch : l.patches()) {
-    Draw draw(l.seed(), Kind::Car, 50000000 + index++);
+    Draw draw(l.seed(), Kind::ForecourtCars, index++);
     if (!patch.parks || c.parked <= 0) continue;
     // Cars stand side by side on wide forecourts, with gaps; a driveway has room for one car.
     constexpr double kBeside = 2.7;  // m
     const bool wide = patch.place.halfX > kBeside;
     const double first = wide ? -patch.place.halfX + kBeside / 2 : 0;
     for (const double u : models::steps(first, wide ? patch.place.halfX - 1 : 1, kBeside)) {
-      if (!draw.chance(wide ? 0.5 + 0.45 * c.parked : 0.75 + 0.2 * c.parked)) continue;
+      if (!draw.chance(wide ? 0.65 + 0.3 * c.parked : 0.85 + 0.15 * c.parked)) continue;
       const Model& car = fleet.anyCar(draw);
       const Vec3d size = car.bounds.high - car.bounds.low;
       if (size.y > 2 * patch.place.halfX + 0.2) continue;
@@ -151,7 +152,7 @@ void placeLots(Placer& placer, Fleet& fleet) {
 void placeStanding(Placer& placer, Fleet& fleet) {
   const Layout& l = placer.layout;
   if (l.character().district == District::Motorway) return;
-  Draw draw(l.seed(), Kind::Traffic, 3000);
+  Draw draw(l.seed(), Kind::StandingVehicles);
   const double share = l.parameters().vehicles;
   const auto wanted = [&] { return share >= 1 || draw.chance(share); };
   const std::vector<Road>& roads = l.roads().roads();

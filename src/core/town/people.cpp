@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "base/path.h"
-#include "town/placer.h"
+#include "town/fleet.h"
 
 namespace scanmill::town {
 namespace {
@@ -149,7 +149,7 @@ void placePeople(Placer& placer) {
   const Layout& l = placer.layout;
   if (l.character().district == District::Motorway) return;
   const double length = l.mainTo() - l.mainFrom();
-  Draw counts(l.seed(), Kind::Person, 999);
+  Draw counts(l.seed(), Kind::PeopleCounts);
   // Returns the number of people or vehicles of a kind: at least one, unless people are switched off.
   const auto count = [&](double share) {
     const int drawn = static_cast<int>(share * l.character().people * length / 100 + counts.next());
@@ -199,11 +199,10 @@ void placePeople(Placer& placer) {
   constexpr int kStanding = 4;
   const auto walking = models::makeForms(std::min(walkers, kWalkers),
                                          [&](int f) { return models::makeWalker(placer.builder, l.seed(), f); });
-  const auto standing = models::makeForms(std::min((walkers + 2) / 3, kStanding), [&](int f) {
-    return models::makePedestrian(placer.builder, l.seed() + static_cast<std::uint64_t>(f / 2), 3 + f % 2);
-  });
+  const auto standing = models::makeForms(std::min((walkers + 2) / 3, kStanding),
+                                          [&](int f) { return models::makePedestrian(placer.builder, l.seed(), f); });
   for (int i = 0; i < walkers; ++i) {
-    Draw draw(l.seed(), Kind::Person, static_cast<std::uint32_t>(1000 + i));
+    Draw draw(l.seed(), Kind::Pedestrian, static_cast<std::uint32_t>(i));
     const std::string name = fmt::format("pedestrian {}", i + 1);
     if (i % 3 == 2) {
       search(standing[static_cast<std::size_t>(i / 3) % standing.size()], draw, name, 0);
@@ -219,15 +218,15 @@ void placePeople(Placer& placer) {
   const auto bicycles =
       models::makeForms(std::min(parked, 4), [&](int f) { return models::makeBicycle(placer.builder, l.seed(), f); });
   for (int i = 0; i < parked; ++i) {
-    Draw draw(l.seed(), Kind::Bicycle, static_cast<std::uint32_t>(1000 + i));
+    Draw draw(l.seed(), Kind::ParkedBicycles, static_cast<std::uint32_t>(i));
     row(bicycles, draw, fmt::format("bicycle {}", i + 1), radians(draw.in(-9, -5)), 8);
   }
   constexpr int kCyclists = 3;
   const auto riding = models::makeForms(std::min(cyclists, kCyclists), [&](int f) {
-    return models::makeCyclist(placer.builder, l.seed(), 200 + f, 10 + f);
+    return models::makeCyclist(placer.builder, l.seed(), kRoadCyclistForms + f);
   });
   for (int i = 0; i < cyclists; ++i) {
-    Draw draw(l.seed(), Kind::Cyclist, static_cast<std::uint32_t>(2000 + i));
+    Draw draw(l.seed(), Kind::SidewalkCyclist, static_cast<std::uint32_t>(i));
     const auto& [bicycle, rider] = riding[static_cast<std::size_t>(i) % riding.size()];
     bool rides = false;
     for (int attempt = 0; attempt < Placer::kTries && !rides; ++attempt) {
@@ -237,7 +236,7 @@ void placePeople(Placer& placer) {
   const auto motorcycleForms = models::makeForms(
       std::min(motorcycles, 2), [&](int f) { return models::makeMotorcycle(placer.builder, l.seed(), f); });
   for (int i = 0; i < motorcycles; ++i) {
-    Draw draw(l.seed(), Kind::Motorcycle, static_cast<std::uint32_t>(1000 + i));
+    Draw draw(l.seed(), Kind::ParkedMotorcycles, static_cast<std::uint32_t>(i));
     row(motorcycleForms, draw, fmt::format("motorcycle {}", i + 1), radians(8), 4);
   }
 }

@@ -8,7 +8,6 @@
 
 #include "base/error.h"
 #include "town/placer.h"
-#include "town/relief.h"
 
 namespace scanmill::town {
 namespace {
@@ -31,8 +30,8 @@ const TreeModel& randomTree(Placer& placer, Draw& draw, bool broadleaf, bool far
   std::optional<TreeModel>& made = placer.trees[{form, again, far}];
   if (!made) {
     const double detail = placer.layout.parameters().detail * (far ? kFarDetail : 1);
-    made = models::makeTree(placer.builder, placer.layout.seed() + static_cast<std::uint64_t>(again) * 7919, form,
-                            detail, placer.layout.character().foliage, kRagged[static_cast<std::size_t>(again)]);
+    made = models::makeTree(placer.builder, placer.layout.seed(), form + again * models::kTreeForms, detail,
+                            placer.layout.character().foliage, kRagged[static_cast<std::size_t>(again)]);
   }
   return *made;
 }
@@ -91,7 +90,7 @@ void placeMapTrees(Placer& placer) {
   std::uint32_t mapped = 0;
   bool lost = false;
   for (const MapTree& tree : l.trees()) {
-    Draw draw(l.seed(), Kind::Tree, 500000 + mapped++);
+    Draw draw(l.seed(), Kind::MapTree, mapped++);
     const Beside b = l.roads().at(tree.at.x, tree.at.y);
     // Trees may be on a road, which is wider here than on the map.
     const bool onRoad = b.known && b.edge < 0.4;
@@ -117,7 +116,7 @@ void placeTrees(Placer& placer) {
     const Road& road = l.roads().roads()[r];
     const CrossSection& s = road.section;
     if (road.minor) continue;
-    Draw draw(l.seed(), Kind::Tree, 100 + r);
+    Draw draw(l.seed(), Kind::Avenue, r);
     const double spacing = draw.in(7, 13);
     for (const double along : models::steps(6, road.length() - 4, spacing)) {
       for (const int side : {-1, 1}) {
@@ -141,7 +140,7 @@ void placeTrees(Placer& placer) {
   // Plants trees in parks, unless the map has trees.
   std::uint32_t park = 0;
   for (const MapArea& area : l.areas().all()) {
-    Draw draw(l.seed(), Kind::Tree, 700000 + ++park);
+    Draw draw(l.seed(), Kind::ParkTrees, ++park);
     if (area.land != Land::Park || !l.trees().empty()) continue;
     const Footprint about = rectangleAbout(area.outline);
     const double wanted = l.parameters().greenery * 4 * about.halfX * about.halfY / draw.in(70, 200);
@@ -157,7 +156,7 @@ void placeTrees(Placer& placer) {
   }
   for (const Plot& plot : l.plots()) {
     const Road& road = l.roads().roads()[plot.road];
-    Draw draw(l.seed(), Kind::Tree, 10000 + plot.number);
+    Draw draw(l.seed(), Kind::GardenTrees, plot.number);
     const double expected = c.gardenTrees * draw.in(0.3, 1.7);
     const auto count = static_cast<int>(expected + draw.next());
     for (int k = 0; k < count; ++k) {
@@ -186,7 +185,7 @@ void placeWoods(Placer& placer) {
   // The random `density` below exceeds this threshold on about the fraction `woods` of the land: its values are nearly
   // normal, with mean 0 and a standard deviation of a quarter.
   const double threshold = 0.42 * (1 - 2 * c.woods);
-  Draw lattice(l.seed(), Kind::Wood);
+  Draw lattice(l.seed(), Kind::WoodLattice);
   const double spacing = lattice.in(3.2, 4.6);
   const double reach = l.half() - 8;
   std::size_t trees = 0;
@@ -199,8 +198,8 @@ void placeWoods(Placer& placer) {
       const Beside b = l.roads().at(spot.at.x, spot.at.y);
       // Skip places on a road or beside its sidewalk, and places far from all roads, which nearer trees would hide.
       if (!b.known || b.edge < b.section.outer() + std::max(b.section.apron, 0.4)) continue;
-      const double density =
-          relief(l.seed() + 21, spot.at.x, spot.at.y, 45) + 0.4 * relief(l.seed() + 22, spot.at.x, spot.at.y, 12);
+      const double density = relief({l.seed(), Field::Woods}, spot.at.x, spot.at.y, 45) +
+                             0.4 * relief({l.seed(), Field::Clearings}, spot.at.x, spot.at.y, 12);
       const std::optional<Land> land = l.areas().at(spot.at);
       if (land ? *land != Land::Wood : density < threshold) continue;
       if (draw.chance(0.55)) {
@@ -228,7 +227,7 @@ void placeBushes(Placer& placer) {
   int number = 0;
   for (const Plot& plot : l.plots()) {
     const Road& road = l.roads().roads()[plot.road];
-    Draw draw(l.seed(), Kind::Bush, 1000 + plot.number);
+    Draw draw(l.seed(), Kind::GardenBushes, plot.number);
     const double expected = c.gardenBushes * draw.in(0.2, 1.8);
     const int count = static_cast<int>(expected + draw.next());
     for (int k = 0; k < count; ++k) {

@@ -36,7 +36,7 @@ void placeRails(Placer& placer) {
   const Layout& l = placer.layout;
   const Road& road = l.roads().roads().front();
   if (l.character().district != District::Motorway || road.section.median <= 0) return;
-  Draw draw(l.seed(), models::Kind::Boundary, 1);
+  Draw draw(l.seed(), models::Kind::Rails);
   const auto panel = [&](Fencing what) { return models::makeFencePanel(placer.builder, l.seed(), what); };
   const Model rail = panel(Fencing::GuardRail);
   const double length = road.length();

@@ -12,9 +12,14 @@ std::uint64_t mixed(std::uint64_t v) {
   return v ^ (v >> 31);
 }
 
+// Returns the key of a field's lattice. It is mixed twice, so that the keys of different addresses are unrelated.
+std::uint64_t latticeOf(const FieldAddress& a) {
+  return mixed(mixed(a.seed + 1) ^ (std::uint64_t{a.number} << 32 | static_cast<std::uint32_t>(a.field)));
+}
+
 // Returns the dot product of two vectors: the gradient at a corner of the lattice, one of sixteen unit vectors, and the
 // offset (dx, dy) from that corner.
-double sloped(std::uint64_t seed, std::int64_t ix, std::int64_t iy, double dx, double dy) {
+double sloped(std::uint64_t lattice, std::int64_t ix, std::int64_t iy, double dx, double dy) {
   static constexpr double kUnit[16][2] = {{1, 0},
                                           {0.92387953251128674, 0.38268343236508977},
                                           {0.70710678118654752, 0.70710678118654752},
@@ -31,7 +36,7 @@ double sloped(std::uint64_t seed, std::int64_t ix, std::int64_t iy, double dx, d
                                           {0.38268343236508977, -0.92387953251128674},
                                           {0.70710678118654752, -0.70710678118654752},
                                           {0.92387953251128674, -0.38268343236508977}};
-  const std::uint64_t key = seed + 0x9E3779B97F4A7C15u * static_cast<std::uint64_t>(ix) +
+  const std::uint64_t key = lattice + 0x9E3779B97F4A7C15u * static_cast<std::uint64_t>(ix) +
                             0xD1B54A32D192ED03u * static_cast<std::uint64_t>(iy);
   const double* const g = kUnit[mixed(key) >> 60];
   return g[0] * dx + g[1] * dy;
@@ -43,7 +48,8 @@ double faded(double t) {
 
 }  // namespace
 
-double relief(std::uint64_t seed, double x, double y, double size) {
+double relief(const FieldAddress& address, double x, double y, double size) {
+  const std::uint64_t lattice = latticeOf(address);
   const double u = x / size;
   const double v = y / size;
   const double fu = std::floor(u);
@@ -52,10 +58,10 @@ double relief(std::uint64_t seed, double x, double y, double size) {
   const auto iy = static_cast<std::int64_t>(fv);
   const double dx = u - fu;
   const double dy = v - fv;
-  const double a = sloped(seed, ix, iy, dx, dy);
-  const double b = sloped(seed, ix + 1, iy, dx - 1, dy);
-  const double c = sloped(seed, ix, iy + 1, dx, dy - 1);
-  const double d = sloped(seed, ix + 1, iy + 1, dx - 1, dy - 1);
+  const double a = sloped(lattice, ix, iy, dx, dy);
+  const double b = sloped(lattice, ix + 1, iy, dx - 1, dy);
+  const double c = sloped(lattice, ix, iy + 1, dx, dy - 1);
+  const double d = sloped(lattice, ix + 1, iy + 1, dx - 1, dy - 1);
   const double s = faded(dx);
   const double low = a + (b - a) * s;
   const double high = c + (d - c) * s;

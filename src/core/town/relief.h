@@ -7,9 +7,40 @@
 
 namespace scanmill::town {
 
+// What a random field describes. Each is used in one place of the code. What a seed generates depends on these values:
+// append new ones, never renumber.
+enum class Field : std::uint32_t {
+  Hills = 1,
+  Slopes,
+  Knolls,
+  Ruts,
+  WornSpots,
+  Swells,
+  Bumps,
+  Banks,
+  Roughness,
+  Grain,
+  SnowHeaps,
+  SnowLumps,
+  Woods,
+  Clearings,
+  Grass,
+  MainRoadBehind,
+  MainRoadAhead,
+  SideRoad,
+  Count
+};
+
+// The address of a random field. Two different addresses give independent fields.
+struct FieldAddress {
+  std::uint64_t seed = 0;
+  Field field = Field::Hills;
+  std::uint32_t number = 0;  // which of several, such as the number of a side road
+};
+
 // Returns a random field of mean 0 that varies over about `size` metres: gradient noise (Perlin, "Improving noise",
-// SIGGRAPH 2002) on a lattice whose gradients follow from the seed. Values are between -1 and 1 with a standard
+// SIGGRAPH 2002) on a lattice whose gradients follow from the address. Values are between -1 and 1 with a standard
 // deviation of about 0.25. They are the same on every machine, since sums and products are in a fixed order.
-double relief(std::uint64_t seed, double x, double y, double size);
+double relief(const FieldAddress& address, double x, double y, double size);
 
 }  // namespace scanmill::town

@@ -157,7 +157,7 @@ class Traffic {
           const double at = along ? light.facing : light.along;
           routes_[route].stops.push_back({courses_[route].at(0, at), light.kPeriod, light.kRed, light.offset});
         }
-        Draw draw(l_.seed(), Kind::Traffic, 5000 + number);
+        Draw draw(l_.seed(), Kind::PassingTraffic, number);
         drawAlong(draw, route, l_.character().traffic, -lane * main_.section.laneWidth());
       }
     }
@@ -216,7 +216,7 @@ class Traffic {
 
   void drawSide(std::uint32_t r, const std::optional<std::uint32_t>& in, const std::optional<std::uint32_t>& out,
                 double mouth, double end) {
-    Draw draw(l_.seed(), Kind::Traffic, 1000 + r);
+    Draw draw(l_.seed(), Kind::SideTraffic, r);
     const int count = static_cast<int>(l_.character().traffic * 0.4 * (end - mouth) / 100 + draw.next());
     std::vector<std::pair<std::uint32_t, double>> taken;
     for (int k = 0; k < count; ++k) {
@@ -238,7 +238,7 @@ class Traffic {
   // Adds the vehicles that drive through the town. They start at least 22 m plus one second of driving apart.
   void drawThrough() {
     if (!main_.against) return;
-    Draw draw(l_.seed(), Kind::Traffic, 2);
+    Draw draw(l_.seed(), Kind::Traffic);
     const double density = l_.character().traffic / 100;
     const double length = routes_.front().length;
     int riding = ridersWanted();
@@ -264,7 +264,8 @@ class Traffic {
         std::uint32_t route = 0;
         if (turns) route = draw.of(turns_);
         const std::vector<Leg>& legs = routes_[route].legs;
-        addDriver(at < legs.front().to - 30 ? route : 0, at, m, std::nullopt, speed, off, kAlways);
+        // Lorries and buses keep to the middle of the lane: in bends they need its width.
+        addDriver(at < legs.front().to - 30 ? route : 0, at, m, std::nullopt, speed, heavy ? 0 : off, kAlways);
       }
       const double least = 22 + speed;
       const double mean = density > 0 ? std::max(1 / density - least, 8.0) : 40;
@@ -294,7 +295,7 @@ class Traffic {
 
   int ridersWanted() const {
     if (l_.parameters().people <= 0 || l_.character().district == District::Motorway) return 0;
-    Draw draw(l_.seed(), Kind::Cyclist, 999);
+    Draw draw(l_.seed(), Kind::RoadCyclists);
     const double length = l_.mainTo() - l_.mainFrom();
     return std::max(1, static_cast<int>(0.7 * l_.character().people * length / 100 + draw.next()));
   }
@@ -302,7 +303,7 @@ class Traffic {
   void addCyclist(Draw& draw, double at) {
     const int form = draw.below(static_cast<int>(cyclists_.size()));
     std::optional<models::Ridden>& pair = cyclists_[static_cast<std::size_t>(form)];
-    if (!pair) pair = models::makeCyclist(placer_.builder, l_.seed(), 100 + form, form);
+    if (!pair) pair = models::makeCyclist(placer_.builder, l_.seed(), form);
     const double speed = draw.in(3.5, 6);
     constexpr double kBesideParked = 1;  // m from the lane's middle, where cyclists pass parked cars
     const double out = std::min(main_.section.laneWidth() / 2 - 0.6, kBesideParked);
@@ -312,7 +313,7 @@ class Traffic {
   void addMotorcyclist(Draw& draw, std::uint32_t route, double at, double speed, double out) {
     const int form = draw.below(static_cast<int>(motorcyclists_.size()));
     std::optional<models::Ridden>& pair = motorcyclists_[static_cast<std::size_t>(form)];
-    if (!pair) pair = models::makeMotorcyclist(placer_.builder, l_.seed(), 100 + form, 20 + form);
+    if (!pair) pair = models::makeMotorcyclist(placer_.builder, l_.seed(), form);
     addDriver(route, at, pair->vehicle, pair->rider, speed, out, kAlways, "traffic on a motorcycle");
   }
 
@@ -340,8 +341,8 @@ class Traffic {
   std::vector<std::uint32_t> turns_;  // indices of routes that leave the main road
   std::vector<Driver> drivers_;
   std::vector<Participant> participants_;
-  std::map<std::string, int> numbers_;                     // of drivers, by the beginnings of their names
-  std::array<std::optional<models::Ridden>, 3> cyclists_;  // built when they are first needed
+  std::map<std::string, int> numbers_;  // of drivers, by the beginnings of their names
+  std::array<std::optional<models::Ridden>, kRoadCyclistForms> cyclists_;  // built when they are first needed
   std::array<std::optional<models::Ridden>, 2> motorcyclists_;
 };
 

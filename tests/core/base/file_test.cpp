@@ -96,9 +96,12 @@ TEST(AtomicFile, LeavesNothingWithoutCommit) {
 TEST(AtomicFile, ReplacesAWholeFile) {
   const TemporaryFolder folder;
   const std::filesystem::path path = folder.write("a.txt", "a long old text");
+  const std::filesystem::path linked = folder.path() / "b.txt";
+  std::filesystem::create_hard_link(path, linked);
   writeFile(path, "new");
   EXPECT_EQ(content(path), "new");
-  EXPECT_EQ(entries(folder.path()), 1u);
+  EXPECT_EQ(content(linked), "a long old text") << "a reader of the old file keeps it";
+  EXPECT_EQ(entries(folder.path()), 2u);
 }
 
 TEST(AtomicFile, MakesTheFolderThatIsMissing) {

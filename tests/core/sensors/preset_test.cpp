@@ -433,28 +433,6 @@ TEST(Presets, OustersModesAreColumnsAndARate) {
   }
 }
 
-// The most used sensors say what their receivers make of the hits, each figure with its source or the word "estimate".
-TEST(Presets, TheMostUsedHaveEffectsOfTheirOwn) {
-  int count = 0;
-  for (const auto& entry :
-       std::filesystem::directory_iterator(std::filesystem::path(SCANMILL_SOURCE_DIR) / "pipelines" / "sensors")) {
-    const Value value = readYaml(entry.path());
-    const Value* effects = value.find("effects");
-    if (effects == nullptr) continue;
-    ++count;
-    std::istringstream lines(readFile(entry.path()));
-    std::string line;
-    std::string before;
-    while (std::getline(lines, line) && line != "effects:") continue;
-    while (std::getline(lines, line)) {
-      const bool stated = before.starts_with("  #") || before.starts_with("  - ");
-      EXPECT_TRUE(!line.starts_with("  - ") || stated) << entry.path() << ": " << line;
-      before = line;
-    }
-  }
-  EXPECT_EQ(count, 20);
-}
-
 // Scanners of a plane and others, by the figures of their data sheets: steps, field, where the first column looks.
 TEST(Presets, OthersFollowTheirDataSheets) {
   struct Sheet {

@@ -188,5 +188,51 @@ TEST(Town, StreetsHaveTheClassesOfStreets) {
   }
 }
 
+// Three of four houses of old towns are attached. On the inner side of a bend as on its outer side such neighbours
+// touch, and plots have houses.
+TEST(Town, RowsOfHousesStandOnBothSidesOfBends) {
+  struct Side {
+    int plots = 0, built = 0, neighbours = 0, touching = 0;
+  };
+  Side inner;
+  Side outer;
+  for (std::uint64_t seed = 1; seed <= 24; ++seed) {
+    const town::Layout layout = layoutOf("{length: 300, district: old_town}", seed);
+    std::map<std::uint32_t, const models::House*> houses;
+    for (const models::House& house : layout.houses()) houses[house.number] = &house;
+    const models::House* before = nullptr;
+    const town::Plot* previous = nullptr;
+    for (const town::Plot& plot : layout.plots()) {
+      const town::Road& road = layout.roads().roads()[plot.road];
+      const town::Point2 a = road.heading(plot.from);
+      const town::Point2 b = road.heading(plot.to);
+      const double bend = plot.side * (a.x * b.y - a.y * b.x) / (plot.to - plot.from);  // 1/m
+      const models::House* const house = plot.built ? houses.at(plot.number) : nullptr;
+      const bool next = previous != nullptr && previous->road == plot.road && previous->side == plot.side &&
+                        previous->to == plot.from;
+      if (std::abs(bend) > 1.0 / 400 && road.main) {
+        Side& side = bend > 0 ? inner : outer;
+        ++side.plots;
+        side.built += plot.built ? 1 : 0;
+        if (next && before != nullptr && house != nullptr) {
+          // The house on the left, as seen from the road, and the left front corner of the other.
+          const models::House& left = plot.side > 0 ? *before : *house;
+          const Vec3d corner = (plot.side > 0 ? *house : *before).place.translation - left.place.translation;
+          const double gap = dot(corner, left.place.linear.x) - left.width;
+          ++side.neighbours;
+          side.touching += std::abs(gap) < 0.1 ? 1 : 0;
+        }
+      }
+      before = house;
+      previous = &plot;
+    }
+  }
+  for (const Side& side : {inner, outer}) {
+    EXPECT_GT(side.neighbours, 100);
+    EXPECT_NEAR(static_cast<double>(side.touching) / side.neighbours, 0.75 * 0.75, 0.12);
+  }
+  EXPECT_NEAR(static_cast<double>(inner.built) / inner.plots, static_cast<double>(outer.built) / outer.plots, 0.08);
+}
+
 }  // namespace
 }  // namespace scanmill
