@@ -29,7 +29,7 @@ class AnomaliesInStreets : public testing::Test {
     manifest_ = std::make_unique<Manifest>();
     counts_ = std::make_unique<std::vector<std::optional<ScanCounts>>>();
     manifest_->columns = {"x", "y", "z", "label", "instance"};
-    manifest_->sensors = {{"top", *beams, {}}};
+    manifest_->sensors = {{"top", *beams, Pose{}}};
     for (const std::uint64_t seed : {1, 2, 3}) {
       const Scene street = proceduralStreet(seed);
       manifest_->ontology = street.ontology;
