@@ -29,7 +29,9 @@ namespace {
 
 constexpr double kStartSeconds = 0.1;  // time for reading the pipeline and finishing the dataset (s)
 constexpr double kLowMount = 0.5;      // m above the vehicle's origin; lower sensors count as mounted on the ground
-constexpr double kMostBeams = 5e5;  // beams of a frame of the small town; those of larger frames are thinned to these
+// Beams and rays of a frame of the small town; larger frames are thinned to these.
+constexpr double kMostBeams = 5e5;
+constexpr double kMostRays = 3e6;
 
 // Factors by which the costs of the small town are multiplied for a kind of scene, and spreads: the factors by which
 // measured values were above or below forecasts. All were fitted to the pipelines that come with the program (2 cores
@@ -82,8 +84,8 @@ void takeFewerColumns(const Pipeline& pipeline, double share, std::vector<std::s
 }
 
 // Returns the pipeline with its scenes replaced by the small town of scenes/hamlet.yaml, and with fewer columns if a
-// frame has more than kMostBeams. `townsClasses`: true: with the classes of that scene, and without the own vehicle,
-// which may have others; false: with the pipeline's classes.
+// frame has more than kMostBeams or kMostRays. `townsClasses`: true: with the classes of that scene, and without the
+// own vehicle, which may have others; false: with the pipeline's classes.
 Pipeline inSmallTown(const Pipeline& pipeline, const Reread& reread, bool townsClasses) {
   Value town;
   town.kind = Value::Kind::Scalar;
@@ -105,7 +107,8 @@ Pipeline inSmallTown(const Pipeline& pipeline, const Reread& reread, bool townsC
       "splits=null"};
   if (pipeline.method.automatic) changes.emplace_back("method=ray_tracing");
   if (townsClasses) changes.insert(changes.end(), {"labels=null", "vehicle=null"});
-  const double share = kMostBeams / static_cast<double>(pipeline.beamsPerFrame());
+  const double share = std::min(kMostBeams / static_cast<double>(pipeline.beamsPerFrame()),
+                                kMostRays / static_cast<double>(pipeline.raysPerFrame()));
   if (share < 1) takeFewerColumns(pipeline, share, changes);
   return reread(changes);
 }
