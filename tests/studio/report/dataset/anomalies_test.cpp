@@ -21,7 +21,7 @@ using testing::HasSubstr;
 
 constexpr std::uint16_t kRoad = 1, kBuilding = 6, kWindow = 7, kVegetation = 10, kCar = 20, kBus = 22, kPerson = 30;
 
-// Three streets, each seen from eleven places: what is counted in those scans.
+// Four streets, each seen from eleven places: what is counted in those scans.
 class AnomaliesInStreets : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -30,7 +30,7 @@ class AnomaliesInStreets : public testing::Test {
     counts_ = std::make_unique<std::vector<std::optional<ScanCounts>>>();
     manifest_->columns = {"x", "y", "z", "label", "instance"};
     manifest_->sensors = {{"top", *beams, Pose{}}};
-    for (const std::uint64_t seed : {1, 2, 3}) {
+    for (const std::uint64_t seed : {1, 2, 3, 4}) {
       const Scene street = proceduralStreet(seed);
       manifest_->ontology = street.ontology;
       const auto method = rayTracing(street);

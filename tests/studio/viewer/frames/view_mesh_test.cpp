@@ -153,7 +153,7 @@ TEST(MakeViewMesh, TheQuickstartStreet) {
   const ViewMesh view = makeViewMesh(scene);
   expectSame(view, scene);
   EXPECT_GT(view.size(), 1'000'000u);
-  expectPicksLikeAll(view, 20, 10);
+  expectPicksLikeAll(view, 30, 10);
 }
 
 // A wide ground counts for no more than its few triangles.
