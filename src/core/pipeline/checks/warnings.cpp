@@ -297,13 +297,25 @@ std::vector<std::string> sensorWarnings(const Plan& plan) {
   for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
     const MountedSensor& sensor = pipeline.sensors[s];
     const auto tellAssumed = [&](const Effects& effects) {
+      bool weather = false;
+      double nearRange = 0;
       for (const ChosenEffect& effect : effects) {
+        weather |= effect.entry->name == "weather";
+        nearRange = std::max(nearRange, effect->nearRange());
         const std::string assumed = effect->assumed(*plan.sensors[s].beams);
         if (assumed.empty()) continue;
         appendNew(
             {fmt::format("effect {}: the file of the sensor '{}' does not give {}: this value is assumed; add the "
                          "data sheet's to the sensor",
                          effect.entry->name, sensor.name, assumed)},
+            lines);
+      }
+      if (weather && nearRange == 1) {
+        appendNew(
+            {fmt::format("effect weather: the sensor '{}' has the default `near_range_m: 1` in its effect intensity, "
+                         "with which particles in the first metres give many returns: most automotive sensors see "
+                         "their whole beam from about 10 m on, so set it",
+                         sensor.name)},
             lines);
       }
     };

@@ -152,14 +152,16 @@ TEST_F(SensorEffectsOf, AreLeftOutForASensorWithoutAny) {
               testing::IsEmpty());
 }
 
-// Rain and fog need the width of the beam and the pulse; usual values stand for those that a sensor's file lacks.
+// Rain and fog need the width of the beam, the pulse and the near range; usual values stand for those that a sensor's
+// file lacks.
 TEST_F(SensorEffectsOf, ValuesThatWeatherAssumesAreReported) {
   const std::string lit = "effects: [intensity]\n";
   for (const char* weather : {"{kind: rain}", "{kind: fog, visibility_m: {uniform: [50, 90], per: frame}}"}) {
-    const Plan plan =
-        makePlan(pipeline(fmt::format("effects: [sensor, weather: {}]\n", weather), lit, "divergence_mrad: 2\n" + lit));
+    const Plan plan = makePlan(pipeline(fmt::format("effects: [sensor, weather: {}]\n", weather), lit,
+                                        "divergence_mrad: 2\neffects: [intensity: {near_range_m: 8}]\n"));
     EXPECT_THAT(sensorWarnings(plan),
                 ElementsAre(AllOf(HasSubstr("'a'"), HasSubstr("`divergence_mrad: 3` and `pulse_ns: 5`")),
+                            AllOf(HasSubstr("'a'"), HasSubstr("the default `near_range_m: 1`")),
                             AllOf(HasSubstr("'b'"), HasSubstr("does not give `pulse_ns: 5`"))));
   }
 }
