@@ -233,7 +233,7 @@ std::string folderName(const std::filesystem::path& file) {
 
 void Vocabulary::ignoreShared(const std::vector<std::string>& names) {
   std::map<std::string, std::set<std::string>> holders;  // names with a word
-  std::set<std::string> different;                       // names without their digits
+  std::set<std::string> different;                       // distinct folded names, which have no digits
   for (const std::string& name : names) {
     const std::string folded = foldedName(name);
     if (folded.empty() || !different.insert(folded).second) continue;
@@ -268,11 +268,18 @@ void Vocabulary::ignoreShared(const Asset& asset) {
   for (const std::vector<std::string>& some : names) ignoreShared(some);
 }
 
-const Concept* Vocabulary::conceptOf(std::string_view name) const {
-  if (ignored_.empty()) return scanmill::conceptOf(concepts_, name);
+std::string Vocabulary::tellingPart(std::string_view name) const {
   const std::string folded = foldedName(name);
   const std::string rest = without(folded, ignored_);
-  return scanmill::conceptOf(concepts_, rest.empty() ? folded : rest);
+  return rest.empty() ? folded : rest;
+}
+
+const Concept* Vocabulary::conceptOf(std::string_view name) const {
+  return scanmill::conceptOf(concepts_, tellingPart(name));
+}
+
+std::vector<const Concept*> Vocabulary::conceptsIn(std::string_view name) const {
+  return scanmill::conceptsIn(concepts_, tellingPart(name));
 }
 
 const Concept* conceptOfFile(const Vocabulary& words, const Asset& asset) {
@@ -440,13 +447,13 @@ void guessTogether(const std::vector<FrameGuess*>& all) {
   if (!guessUnits(others, kMost, 2)) apart(others);
 }
 
-const Concept* groundIn(const std::vector<Concept>& concepts, const std::filesystem::path& file) {
+const Concept* groundIn(const Vocabulary& words, const std::filesystem::path& file) {
   const Concept* ground = nullptr;
   bool stands = false;
   // Concepts whose words have another meaning in names of objects: "sand" and "stone" as a material, "water" and
   // "floor" as a use, as in "water tower" and "floor lamp".
   static constexpr std::array<std::string_view, 3> kOfThings{"sand", "water", "floor"};
-  for (const Concept* c : conceptsIn(concepts, file.stem().string())) {
+  for (const Concept* c : words.conceptsIn(file.stem().string())) {
     const bool ofThings = std::find(kOfThings.begin(), kOfThings.end(), c->name) != kOfThings.end();
     if (c->kind == ConceptKind::Ground && !c->classes.empty() && !ofThings && ground == nullptr) ground = c;
     stands = stands || c->kind == ConceptKind::Whole;
@@ -454,9 +461,9 @@ const Concept* groundIn(const std::vector<Concept>& concepts, const std::filesys
   return stands ? ground : nullptr;
 }
 
-std::optional<Plate> plateOf(const std::vector<Concept>& concepts, const Asset& asset, char up) {
+std::optional<Plate> plateOf(const Vocabulary& words, const Asset& asset, char up) {
   Plate plate;
-  plate.ground = groundIn(concepts, asset.file);
+  plate.ground = groundIn(words, asset.file);
   if (plate.ground == nullptr) return std::nullopt;
   const Box box = boundsOf(asset);
   // Sum the areas of horizontal triangles by height, in steps of a thousandth of the asset's height.

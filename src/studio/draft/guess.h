@@ -18,20 +18,26 @@ namespace scanmill::draft {
 // The concepts by which names are understood.
 class Vocabulary {
  public:
-  Vocabulary(const std::vector<Concept>& concepts) : concepts_(concepts) {}
+  explicit Vocabulary(const std::vector<Concept>& concepts) : concepts_(concepts) {}
+  explicit Vocabulary(std::vector<Concept>&&) = delete;  // the concepts must outlive the vocabulary
 
   // Ignores from now on the words that most of the names share although these name several kinds of objects, such as
   // the name of a project in all models of its world: they say nothing about one of them. `names`: all nodes, all
   // materials, all textures or all files.
   void ignoreShared(const std::vector<std::string>& names);
-  // Does so for the nodes, the materials and the textures of an asset.
+  // Calls ignoreShared() for the nodes, the materials and the textures of an asset.
   void ignoreShared(const Asset& asset);
 
   // Returns the concept of a name; see conceptOf() in scenefile/concepts.h. A name of ignored words alone keeps them.
   const Concept* conceptOf(std::string_view name) const;
+  // Returns the concepts of a name's words likewise; see conceptsIn() in scenefile/concepts.h.
+  std::vector<const Concept*> conceptsIn(std::string_view name) const;
   const std::vector<Concept>& concepts() const { return concepts_; }
 
  private:
+  // Returns the folded name without ignored words or, if it has no others, the folded name.
+  std::string tellingPart(std::string_view name) const;
+
   const std::vector<Concept>& concepts_;
   std::set<std::string> ignored_;  // words, as foldedName() returns them
 };
@@ -87,7 +93,7 @@ void guessTogether(const std::vector<FrameGuess*>& all);
 
 // Returns the ground in the file's name if the name contains both a ground and an object, such as "grass-trees";
 // otherwise null.
-const Concept* groundIn(const std::vector<Concept>& concepts, const std::filesystem::path& file);
+const Concept* groundIn(const Vocabulary& words, const std::filesystem::path& file);
 
 // The horizontal surface at the bottom of a tile; the tile's objects stand on this surface.
 struct Plate {
@@ -97,6 +103,6 @@ struct Plate {
 
 // Returns the plate of an asset if groundIn() finds a ground in its name and horizontal triangles near its bottom cover
 // most of its footprint; otherwise nothing. `up`: the result of guessUp().
-std::optional<Plate> plateOf(const std::vector<Concept>& concepts, const Asset& asset, char up);
+std::optional<Plate> plateOf(const Vocabulary& words, const Asset& asset, char up);
 
 }  // namespace scanmill::draft

@@ -65,8 +65,8 @@ Model readModel(const std::filesystem::path& file, Vocabulary words, const Draft
   }
   model.frame = guessUp(asset, guesses);
   model.box = boundsOf(asset);
-  for (const char axis : {'y', 'z'}) plates[axis] = plateOf(words.concepts(), asset, axis);
-  model.mixed = groundIn(words.concepts(), file) != nullptr;
+  for (const char axis : {'y', 'z'}) plates[axis] = plateOf(words, asset, axis);
+  model.mixed = groundIn(words, file) != nullptr;
   return model;
 }
 

@@ -208,8 +208,9 @@ TEST(Guess, ACarIsAsLargeAsItsBody) {
 
 // Tiles say a ground and what stands on it; other names hold words of grounds too.
 TEST(Guess, TilesByTheirNames) {
-  const auto ground = [](const char* file) {
-    const Concept* const c = groundIn(concepts(), file);
+  Vocabulary words(concepts());
+  const auto ground = [&](const char* file) {
+    const Concept* const c = groundIn(words, file);
     return c == nullptr ? std::string() : c->name;
   };
   EXPECT_EQ(ground("/x/grass-trees.glb"), "terrain");
@@ -219,6 +220,10 @@ TEST(Guess, TilesByTheirNames) {
        {"street_lamp", "road-sign", "stone-wall", "floor_lamp", "water_tower", "house", "road"}) {
     EXPECT_EQ(ground((std::string("/x/") + other + ".obj").c_str()), "") << other;
   }
+  EXPECT_EQ(ground("/x/street_kit_house.obj"), "road");
+  words.ignoreShared({"street_kit_house", "street_kit_tree", "street_kit_car", "street_kit_grass_trees"});
+  EXPECT_EQ(ground("/x/street_kit_house.obj"), "") << "a word that all names share";
+  EXPECT_EQ(ground("/x/street_kit_grass_trees.obj"), "terrain");
 }
 
 // Most of its triangles are chairs, and yet it is no chair.
