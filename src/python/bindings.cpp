@@ -24,6 +24,7 @@
 #include "base/terminal.h"
 #include "config/fields.h"
 #include "config/resources.h"
+#include "config/text.h"
 #include "config/version.h"
 #include "dataset/json_text.h"
 #include "dataset/manifest.h"
@@ -105,8 +106,10 @@ py::dict readScan(const ScanStore& store, std::size_t sample, const std::string&
   {
     const py::gil_scoped_release released;
     const std::vector<StoredScan> scans = store.scans(sample, sensor);
-    const auto wanted =
-        std::find_if(scans.begin(), scans.end(), [&](const StoredScan& one) { return one.revolution == revolution; });
+    const std::string own = lowerCase(scans.front().sensor);
+    const auto wanted = std::find_if(scans.begin(), scans.end(), [&](const StoredScan& one) {
+      return one.revolution == revolution && lowerCase(one.sensor) == own;
+    });
     if (wanted == scans.end()) {
       throw InputError({store.path().string()}, "the sample " + store.keys().at(sample) + " has no revolution " +
                                                     std::to_string(revolution) + " of the sensor '" +

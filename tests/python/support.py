@@ -1,7 +1,9 @@
 """What the tests of the Python package share."""
 
 import importlib.util
+import json
 import os
+import shutil
 import unittest
 from pathlib import Path
 
@@ -27,6 +29,20 @@ def dataset_path(test):
     if not path:
         test.skipTest("SCANMILL_TEST_DATASET names no dataset")
     return path
+
+
+def without_first_scan(path, folder):
+    """A copy of a dataset whose sample 1 has no scan of the first sensor, as if that one turned more slowly than frames
+    follow each other."""
+    copy = Path(shutil.copytree(path, Path(folder) / "copy"))
+    manifest = json.loads((copy / "manifest.json").read_text())
+    first, sample = manifest["sensors"][0]["name"], manifest["samples"][1]
+    sample["scans"] = [scan for scan in sample["scans"] if scan["sensor"] != first]
+    members = zip(sample["members"], sample["xxh3"])
+    sample["members"], sample["xxh3"] = zip(*((name, xxh3) for name, xxh3 in members if f".{first}." not in name))
+    del manifest["digest"]  # which tells changes of the manifest
+    (copy / "manifest.json").write_text(json.dumps(manifest))
+    return copy
 
 
 def box_of_points(rng, count=200):

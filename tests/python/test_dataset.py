@@ -12,7 +12,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
-from support import CLASSES, dataset_path
+from support import CLASSES, dataset_path, without_first_scan
 
 import scanmill
 from scanmill.geometry import transformed
@@ -122,6 +122,21 @@ class Scans(DatasetTest):
         for wrong in (2, -1, "1"):
             with self.assertRaisesRegex(scanmill.InputError, "revolution"):
                 sample.scan("rear", revolution=wrong)
+        for read in (sample.scan, lambda revolution: self.dataset.store.read(0, revolution=revolution)):
+            with self.assertRaisesRegex(scanmill.InputError, "no revolution 1 of the sensor 'top'"):
+                read(revolution=1)
+
+    def test_are_of_the_same_sensor_in_all_samples(self):
+        with tempfile.TemporaryDirectory() as folder:
+            dataset = scanmill.open(without_first_scan(self.path, folder))
+            self.assertEqual([sample.has_scan() for sample in dataset[:3]], [True, False, True])
+            sample = dataset[1]
+            self.assertEqual((sample.sensors, sample.has_scan("REAR")), (["rear"], True))
+            for ask in (sample.scan, sample.objects, sample.voxels, sample.revolutions):
+                with self.assertRaisesRegex(scanmill.InputError, "no scan of the sensor 'top', which turns more slowly"):
+                    ask()
+            with self.assertRaisesRegex(scanmill.InputError, "no sensor 'nothing'"):
+                sample.has_scan("nothing")
 
     def test_have_the_points_and_classes_that_the_manifest_counts(self):
         for recorded, scan in self.scans():

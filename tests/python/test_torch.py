@@ -2,10 +2,11 @@
 
 import itertools
 import pickle
+import tempfile
 import unittest
 
 import numpy as np
-from support import dataset_path, needs_torch, random_sample
+from support import dataset_path, needs_torch, random_sample, without_first_scan
 
 import scanmill
 from scanmill.augment import Compose, Flip, Jitter, Turn, mix
@@ -97,6 +98,18 @@ class Loaders(unittest.TestCase):
         for name, keys in self.dataset.splits.items():
             self.assertEqual(keys_of(self.load(ScanDataset(self.dataset, name, columns=[]))), sorted(keys))
             self.assertEqual(keys_of(self.load(ShardIterable(self.path, name, columns=[]))), sorted(keys))
+
+    def test_samples_without_a_scan_of_the_sensor_are_left_out(self):
+        with tempfile.TemporaryDirectory() as folder:
+            dataset = scanmill.open(without_first_scan(self.path, folder))
+            held = sorted(key for key in dataset.keys if key != dataset.keys[1])
+            with self.assertWarnsRegex(UserWarning, "1 samples are left out"):
+                self.assertEqual(keys_of(self.load(ScanDataset(dataset, columns=[]))), held)
+            with self.assertWarnsRegex(UserWarning, "1 samples are left out"):
+                self.assertEqual(keys_of(self.load(ShardIterable(dataset, columns=[]))), held)
+            self.assertEqual(len(ScanDataset(dataset, sensor="rear")), len(dataset))
+            with self.assertRaisesRegex(scanmill.InputError, "no sensor 'nothing'"):
+                ScanDataset(dataset, sensor="nothing")
 
     def test_shards_are_seen_once_over_ranks_and_workers(self):
         for ranks, workers, shuffle in itertools.product((1, 2, 5), (0, 2), (0, 10)):

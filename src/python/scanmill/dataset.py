@@ -236,7 +236,7 @@ class Sample:
 
     @property
     def time(self) -> float:
-        """When the first scan starts, in s since the start of the sequence; 0 if there is no manifest."""
+        """The time of the frame, in s since the start of the sequence; 0 if there is no manifest."""
         return 0.0 if self.record is None else self.record["time"]
 
     @cached_property
@@ -251,14 +251,21 @@ class Sample:
         """The names of the sensors that have a scan in this sample."""
         return list(dict.fromkeys(sensor for sensor, _, _ in self.dataset.store.scans(self._number)))
 
+    def has_scan(self, sensor: str | None = None) -> bool:
+        """Returns whether the sample has a scan of a sensor (None: the dataset's first sensor). It has none if the sensor
+        turns more slowly than frames follow each other. Raises InputError for an unknown sensor."""
+        name = self._sensor_or_first(sensor).lower()
+        if any(own.lower() in (name, "") for own in self.sensors):
+            return True
+        if any(other.lower() == name for other in self.dataset.sensors):
+            return False
+        raise InputError(f"the sample '{self.key}' has no sensor '{name}'{advice(name, self.sensors)}")
+
     def revolutions(self, sensor: str | None = None) -> int:
-        """Returns how many revolutions of a sensor (None: the first sensor) the sample has: several if others turn more
-        slowly. Raises InputError for an unknown sensor."""
-        name = _sensor_name(sensor) or self.sensors[0]
-        own = [r for other, _, r in self.dataset.store.scans(self._number) if other.lower() == name.lower()]
-        if not own:
-            raise InputError(f"the sample '{self.key}' has no sensor '{name}'{advice(name, self.sensors)}")
-        return 1 + max(own)
+        """Returns how many revolutions of a sensor (None: the dataset's first sensor) the sample has: several if others
+        turn more slowly. Raises InputError if it has none."""
+        name = self._required_sensor(sensor)
+        return 1 + max(r for other, _, r in self.dataset.store.scans(self._number) if other.lower() == name.lower())
 
     @property
     def poses(self) -> dict[str, NDArray[np.float64]]:
@@ -268,18 +275,20 @@ class Sample:
         return {scan["sensor"]: _poses_of(scan) for scan in reversed(scans)}
 
     def scan(self, sensor: str | None = None, columns: Sequence[str] | None = None, revolution: int = 0) -> Scan:
-        """Reads the scan of a sensor (None: the first sensor). `columns`: names of the columns to read; None: all
-        columns. `revolution`: which one of a sensor that has several, see revolutions().
+        """Reads the scan of a sensor (None: the dataset's first sensor or, without a manifest, the sample's). `columns`:
+        names of the columns to read; None: all columns. `revolution`: which one of a sensor that has several, see
+        revolutions().
 
-        Raises InputError for an unknown sensor, column or revolution, and if the scan's bytes are damaged: if they are
+        Raises InputError if there is no such scan, see has_scan(), or column, and if the scan's bytes are damaged: if they are
         not those that the manifest states the digest of or, without a manifest, if they cannot be decoded.
         """
         wanted = None if columns is None else names_in("columns", columns)
         if not isinstance(revolution, int) or not 0 <= revolution < 256:
             raise InputError(f"revolution must be a whole number from 0 to 255, not {revolution!r}")
-        arrays = self.dataset.store.read(self._number, _sensor_name(sensor), wanted, revolution)
+        sensor = self._required_sensor(sensor)
+        arrays = self.dataset.store.read(self._number, sensor, wanted, revolution)
         scans = self.dataset.store.scans(self._number)
-        name, method, _ = next((s for s in scans if s[0].lower() == (sensor or scans[0][0]).lower()), scans[0])
+        name, method, _ = next((s for s in scans if s[0] == sensor), scans[0])
         record = self._record_of(name, method, revolution)
         if record is None:
             return Scan(arrays, sensor=name, method=method)
@@ -301,22 +310,22 @@ class Sample:
         )
 
     def objects(self, sensor: str | None = None) -> Objects | None:
-        """Returns the objects within the range of a sensor (None: the first sensor), with their boxes. Returns None if
-        the dataset has no object lists (`output.objects`). Raises InputError for an unknown sensor."""
+        """Returns the objects within the range of a sensor (None: the dataset's first sensor), with their boxes at its
+        first revolution. Returns None if the dataset has no object lists (`output.objects`). Raises InputError if the
+        sample has no scan of the sensor."""
         listed = self.object_list()
         if listed is None:
             return None
-        name = _sensor_name(sensor) or self.sensors[0]
-        if name not in self.poses:
-            raise InputError(f"the sample '{self.key}' has no sensor '{name}'{advice(name, self.poses)}")
+        name = self._required_sensor(sensor)
         return Objects(listed, name, self.poses[name][0])
 
     def voxels(self, sensor: str | None = None) -> dict[str, NDArray[Any]] | None:
-        """Returns the labelled voxels around a sensor (None: the first sensor), in the frame of its points: `label`
+        """Returns the labelled voxels around a sensor (None: the dataset's first sensor), in the frame of its points: `label`
         int32 (X, Y, Z), 0 for empty voxels; `input`, `invalid` and `unseen`, bool (X, Y, Z); `low` float64 (3,), the
         corner with the least coordinates (m); `size` float64 (), the edge of a voxel (m). Returns None if the dataset
-        has no voxels (`output.voxels`). Raises InputError for an unknown sensor and for damaged voxels."""
-        archive = self.dataset.store.voxels(self._number, _sensor_name(sensor))
+        has no voxels (`output.voxels`). Raises InputError if the sample has no scan of the sensor, and for damaged
+        voxels."""
+        archive = self.dataset.store.voxels(self._number, self._required_sensor(sensor))
         if archive is None:
             return None
         voxels = read_npz(archive, f"{self.dataset.path}: the voxels of {self.key}")
@@ -330,6 +339,20 @@ class Sample:
 
     def __repr__(self) -> str:
         return f"<Sample {self.key}>"
+
+    def _sensor_or_first(self, sensor: str | None) -> str:
+        first = self.sensors[0] if self.dataset.manifest is None else next(iter(self.dataset.sensors))
+        return _sensor_name(sensor) or first
+
+    def _required_sensor(self, sensor: str | None) -> str:
+        """Returns the name of a sensor as the sample's scans have it. Raises InputError if there is no scan of it."""
+        name = self._sensor_or_first(sensor)
+        if not self.has_scan(sensor):
+            raise InputError(
+                f"the sample '{self.key}' has no scan of the sensor '{name}', which turns more slowly than frames follow "
+                f"each other: skip the sample (see Sample.has_scan()) or name another sensor ({', '.join(self.sensors)})"
+            )
+        return next((own for own in self.sensors if own.lower() == name.lower()), name)
 
     def _record_of(self, sensor: str, method: str, revolution: int) -> dict[str, Any] | None:
         scans = [] if self.record is None else self.record["scans"]

@@ -47,7 +47,8 @@ class SampleReader:
         mix: Mix | Sequence[Mix] | None = None,
         seed: int = 0,
     ) -> None:
-        """`sensor` and `columns`: see Sample.scan(); the column `label` is also read if train ids need it.
+        """`sensor` and `columns`: see Sample.scan(); the column `label` is also read if train ids need it. Of a sensor
+        with several revolutions in a sample, the first is read.
 
         `train_ids`: a table returned by Ontology.train_ids(). `boxes`: True for boxes of all classes, or a list of
         class names. Objects with fewer than `min_points` points are left out. `transform`: a list of

@@ -9,6 +9,7 @@ are then collated to tensors.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -51,7 +52,11 @@ class _Epoch:
 
 
 class ScanDataset(torch.utils.data.Dataset):  # type: ignore[type-arg]
-    """A map-style dataset: one scan of each sample of a dataset, by index."""
+    """A map-style dataset: one scan of each sample of a dataset, by index: the first revolution of the sensor.
+
+    Samples without a scan of the sensor, which turns more slowly than frames follow each other, are left out; a warning
+    tells their number.
+    """
 
     def __init__(self, source: Dataset | Path, split: str | None = None, **reading: Any) -> None:
         """`source`: a dataset or its path. `reading`: arguments of SampleReader (sensor, columns, train_ids, boxes,
@@ -59,6 +64,10 @@ class ScanDataset(torch.utils.data.Dataset):  # type: ignore[type-arg]
         dataset = source if isinstance(source, Dataset) else open_dataset(source)
         self.dataset = dataset if split is None else dataset.split(split)
         self.reader = SampleReader(**reading)
+        held = [i for i, sample in enumerate(self.dataset) if sample.has_scan(self.reader.sensor)]
+        if len(held) < len(self.dataset):
+            _warn_of_skipped(len(self.dataset) - len(held), self.dataset.path)
+            self.dataset = self.dataset.select(held)
         self._epoch = _Epoch()
 
     def set_epoch(self, epoch: int) -> None:
@@ -79,7 +88,9 @@ class ShardIterable(torch.utils.data.IterableDataset):  # type: ignore[type-arg]
 
     Shards are divided among the ranks of torch.distributed and the workers of the loader. If there are fewer shards
     than readers, samples are divided instead. Each sample is read once per epoch by one of all ranks and workers. Ranks
-    may have different numbers of samples, so use torch.distributed.algorithms.join.Join to synchronise gradients.
+    may have different numbers of samples, so use torch.distributed.algorithms.join.Join to synchronise gradients. Of each
+    sample the first revolution of the sensor is read; samples without a scan of it are skipped, and each reader warns of
+    their number at the end of its epoch.
     """
 
     def __init__(
@@ -125,8 +136,18 @@ class ShardIterable(torch.utils.data.IterableDataset):  # type: ignore[type-arg]
             shuffle=self.shuffle,
             rng=lambda position: generator(self.seed, 0, epoch, position),
         )
+        skipped = 0
         for sample in reading:
-            yield self.reader(sample, epoch)
+            if sample.has_scan(self.reader.sensor):
+                yield self.reader(sample, epoch)
+            else:
+                skipped += 1
+        if skipped:
+            _warn_of_skipped(skipped, sample.dataset.path)
+
+
+def _warn_of_skipped(number: int, path: str) -> None:
+    warnings.warn(f"{path}: {number} samples are left out, since they have no scan of the sensor", stacklevel=3)
 
 
 def _place_among_ranks(rank: int | None, world_size: int | None) -> tuple[int, int]:
