@@ -1,6 +1,8 @@
 #pragma once
 
-// Which files a dataset was made from. This header is installed because pipeline/read/pipeline.h includes it.
+// The files that a dataset was made from. This header is installed because dataset/manifest.h includes it.
+//
+//   for (const FileRecord& file : readManifest("out/quickstart").files) std::puts(file.file.c_str());
 
 #include <filesystem>
 #include <string>

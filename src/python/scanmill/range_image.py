@@ -63,7 +63,12 @@ class Projection:
 
     def image(self, values: NDArray[Any], fill: float = 0) -> NDArray[Any]:
         """Returns an image (H, W, ...) of values of the points (N, ...), of the same type; `fill` for pixels without a
-        point."""
+        point. Raises InputError if there is not one value for each point without misses (scan.dense())."""
+        if len(values) != len(self.pixel):
+            raise InputError(
+                f"image() takes a value for each of the {len(self.pixel)} points without misses, not {len(values)}: "
+                "take columns of scan.dense()"
+            )
         if not len(values):
             return np.full((*self.index.shape, *values.shape[1:]), fill, values.dtype)
         out = values.take(self.index, axis=0)  # pixels without a point (index -1) get the value of the last point, for now
@@ -74,8 +79,11 @@ class Projection:
         """The inverse of image(): returns for each point (N, ...) the value of an image (H, W, ...) in its pixel;
         `fill` for points outside of the image.
 
-        Points that share a pixel with the shown point get the same value.
+        Points that share a pixel with the shown point get the same value. Raises InputError for an image of another
+        size.
         """
+        if image.shape[:2] != self.index.shape:
+            raise InputError(f"points() takes an image of {self.index.shape}, not {image.shape[:2]}")
         out = np.full((len(self.pixel), *image.shape[2:]), fill, image.dtype)
         inside = self.pixel >= 0
         out[inside] = image.reshape(-1, *image.shape[2:])[self.pixel[inside]]
@@ -121,7 +129,7 @@ def beam_projection(
 
 def _stagger_of(points: Points, destagger: bool | Stagger) -> Stagger | None:
     """Returns the shifts of an image's rows; None if they are not to be shifted."""
-    if not isinstance(destagger, bool):
+    if not isinstance(destagger, (bool, np.bool_)):
         return Stagger(np.asarray(destagger[0], np.int64), int(destagger[1]))
     if not destagger:
         return None
