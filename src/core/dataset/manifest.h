@@ -76,6 +76,8 @@ struct SampleRecord {
   // objects.
   std::optional<std::map<std::uint16_t, ObjectCount>> objects = {};
   std::vector<DrawnValue> draws = {};  // random values chosen for keys in the scene file and the pipeline
+  // s since the start of the sequence, if the first scan begins at another time: a slow sensor's began before
+  std::optional<double> time = {};
 };
 
 struct ShardRecord {
@@ -151,7 +153,7 @@ std::string samplesFileOf(const std::string& shardFile);
 std::string samplesJson(const Manifest& manifest, std::uint32_t shard, const std::vector<std::uint64_t>& numbers);
 
 // Returns the text of the member `<key>.json`, which is the first member of each sample in a shard: key, sequence,
-// frame, split, time (of the first scan), the poses and counts of the scans, and the random values. Class ids are those
+// frame, split, time (of the frame, or of the first scan if that is the same), the poses and counts of the scans, and the random values. Class ids are those
 // of the manifest's ontology. The record's shard, members and counts of objects are left out.
 std::string sampleJson(const SampleRecord& sample);
 // Returns the first difference between a member's text and the record ("/scans/0/points is 11, not 12"), or a message

@@ -189,6 +189,7 @@ OrderedJson sampleEntry(const SampleRecord& s, const Manifest& m) {
     });
   }
   addDraws(s, sample);
+  if (s.time) sample["time"] = finite(*s.time, s.key + ": time");
   return sample;
 }
 
@@ -244,7 +245,9 @@ OrderedJson manifestJson(const Manifest& m) {
 OrderedJson sampleObject(const SampleRecord& sample) {
   const KeyParts parts = partsOfKey(sample.key);
   OrderedJson json{{"key", sample.key}, {"sequence", parts.sequence}, {"frame", parts.frame}, {"split", sample.split}};
-  if (!sample.scans.empty()) json["time"] = finite(sample.scans.front().time, sample.key + ": time");
+  if (!sample.scans.empty()) {
+    json["time"] = finite(sample.time.value_or(sample.scans.front().time), sample.key + ": time");
+  }
   json["scans"] = listOf(sample.scans, [&](const ScanRecord& scan) { return scanJson(scan, sample.key, nullptr); });
   addDraws(sample, json);
   return json;

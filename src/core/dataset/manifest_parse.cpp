@@ -181,7 +181,7 @@ SequenceRecord sequenceOf(const JsonNode& node) {
 }  // namespace
 
 SampleRecord sampleOf(const JsonNode& node, const Manifest& manifest) {
-  node.keys({"key", "split", "shard", "members", "scans"}, {"xxh3", "objects", "draws"});
+  node.keys({"key", "split", "shard", "members", "scans"}, {"xxh3", "objects", "draws", "time"});
   SampleRecord sample;
   sample.key = node["key"].text();
   if (sample.key.empty() || sample.key.find_first_of("./") != std::string::npos || sample.key != oneLine(sample.key)) {
@@ -212,6 +212,7 @@ SampleRecord sampleOf(const JsonNode& node, const Manifest& manifest) {
   }
   node["scans"].forEach([&](const JsonNode& item) { sample.scans.push_back(scanOf(item, manifest)); });
   if (node.has("objects")) sample.objects = objectCountsOf(node["objects"], manifest.ontology);
+  if (node.has("time")) sample.time = node["time"].number();
   if (node.has("draws")) {
     node["draws"].forEachEntry([&](const std::string& key, const JsonNode& value) {
       sample.draws.push_back(value.isText() ? DrawnValue{key, value.text()}

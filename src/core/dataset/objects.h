@@ -54,7 +54,7 @@ struct ObjectRecord {
 
 struct SampleObjects {
   std::string key;
-  double time = 0;  // s, time of the sample's first scan
+  double time = 0;  // s, time of the sample
   std::vector<ObjectRecord> objects;
 
   // Returns the number of objects of each class, by class id.

@@ -46,7 +46,7 @@ void checkNames(const Sample& sample) {
 }
 
 SampleRecord recordOf(const Sample& sample) {
-  return {sample.key, sample.split, 0, sample.scans, {}, {}, sample.objects, sample.draws};
+  return {sample.key, sample.split, 0, sample.scans, {}, {}, sample.objects, sample.draws, sample.time};
 }
 
 std::filesystem::path madeFolderOf(const std::filesystem::path& folder, const std::filesystem::path& file) {

@@ -26,9 +26,10 @@ struct Sample {
   std::string split;
   std::vector<ScanRecord> scans;
   std::vector<Member> members;
-  // `objects` and `draws` are as in SampleRecord.
+  // These are as in SampleRecord.
   std::optional<std::map<std::uint16_t, ObjectCount>> objects = {};
   std::vector<DrawnValue> draws = {};
+  std::optional<double> time = {};
 };
 
 // Returns the number of bytes that the sample takes in its shard, including its description and all headers.

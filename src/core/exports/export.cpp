@@ -179,7 +179,7 @@ class Export {
                            fmt::format("{} has one scan of each sensor in a frame, but the sample {} has {} of '{}', "
                                        "which turns at another rate than others: choose sensors with one scan in each "
                                        "sample by --sensor, generate with this sensor's period as `every_s`, or take "
-                                       "--to mcap or --to nuscenes, which have all",
+                                       "--to mcap, las, ply or npz, which have all",
                                        options_.layout->name, sample.key, scans, plan_.sensors[s]->name));
         }
       }

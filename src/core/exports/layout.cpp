@@ -138,7 +138,7 @@ const ScanRecord& scanOf(const ExportPlan& plan, const SampleRecord& sample, std
   if (!scans.empty()) return *scans.front();
   throw InputError({plan.dataset.string()},
                    fmt::format("the sample {} has no scan of the sensor '{}': name another sensor with --sensor, or "
-                               "leave out the sample's split with --split",
+                               "generate with the period of the slowest sensor as `every_s`",
                                sample.key, plan.sensors[sensor]->name));
 }
 

@@ -92,11 +92,10 @@ class Bag {
   }
 
   void add(ExportSample sample) {
-    std::set<std::uint64_t> known;  // time stamps that /tf already has; sensors may start at different times
     for (ExportScan& scan : sample.scans) {
       const std::uint64_t time = timeOf(scan.record->time);
       const Pose vehicle = scan.record->worldFromSensor.front() * inverse(mountOf(*scan.sensor, *scan.record));
-      if (known.insert(time).second) {
+      if (posed_.insert(time).second) {
         const RosTransform pose{time, kWorld, kVehicle, vehicle};
         file_.addMessage(poses_, time, transformsMessage({&pose, 1}));
       }
@@ -186,6 +185,7 @@ class Bag {
   std::uint16_t mounts_ = 0;
   std::uint16_t poses_ = 0;
   std::vector<std::uint16_t> clouds_;       // channel of each sensor's points
+  std::set<std::uint64_t> posed_;           // time stamps that /tf has already
   std::optional<std::uint16_t> objects_{};  // channel of the objects; set when the first objects are added
 };
 

@@ -102,6 +102,7 @@ TEST_F(NuScenesLayout, FurtherRevolutionsAreSweeps) {
     sample.scans.push_back(sample.scans[1]);
     sample.scans.back().revolution = 1;
     sample.scans.back().time += 0.05;
+    sample.scans.back().worldFromSensor[0].translation.x += 0.25;
   }
   write(*layout_);
   readTables(R"(
@@ -118,6 +119,8 @@ for scene in table['scene']:
     for d in chain:
         assert d['filename'].startswith(('samples' if d['is_key_frame'] else 'sweeps') + '/LIDAR_REAR/')
         assert len(points_of(d)) == 308 and get('ego_pose', d['ego_pose_token'])['timestamp'] == d['timestamp']
+    x = [get('ego_pose', d['ego_pose_token'])['translation'][0] for d in chain]
+    assert np.allclose(np.diff(x), 0.25)
     assert get('sample_data', get('sample', scene['last_sample_token'])['data']['LIDAR_TOP'])['next'] == ''
 )");
   plan_.manifest.samples[1].scans.erase(plan_.manifest.samples[1].scans.begin() + 1,

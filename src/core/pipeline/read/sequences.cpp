@@ -221,7 +221,7 @@ namespace {
 
 constexpr double kSlack = 1e-6;  // revolutions; absorbs rounding errors of times
 
-// Returns the revolutions of a sensor that have ended after `time` (s).
+// Returns how many revolutions of a sensor have ended by `time` (s).
 double ended(double time, double period) {
   return std::floor(time / period + kSlack);
 }
@@ -237,7 +237,7 @@ bool Sequence::turnsWithoutBreak(const Periods& periods) const {
 std::vector<double> Sequence::revolutions(std::uint32_t frame, double period, const Periods& periods) const {
   std::vector<double> begins;
   if (!turnsWithoutBreak(periods)) {
-    for (double k = 0; k < ended(periods.longest, period); ++k) begins.push_back(k * period);
+    for (std::uint32_t k = 0; k < mostRevolutions(period, periods); ++k) begins.push_back(k * period);
     return begins;
   }
   const double start = trajectory->frameTime(frame);
@@ -247,13 +247,16 @@ std::vector<double> Sequence::revolutions(std::uint32_t frame, double period, co
 }
 
 double Sequence::totalRevolutions(double period, const Periods& periods) const {
-  return turnsWithoutBreak(periods) ? ended(frames * trajectory->interval(), period)
-                                    : frames * ended(periods.longest, period);
+  if (turnsWithoutBreak(periods)) return ended(frames * trajectory->interval(), period);
+  return static_cast<double>(frames) * mostRevolutions(period, periods);
 }
 
 std::uint32_t Sequence::mostRevolutions(double period, const Periods& periods) const {
-  return static_cast<std::uint32_t>(turnsWithoutBreak(periods) ? std::ceil(trajectory->interval() / period - kSlack)
-                                                               : ended(periods.longest, period));
+  if (turnsWithoutBreak(periods)) {
+    return static_cast<std::uint32_t>(std::ceil(trajectory->interval() / period - kSlack));
+  }
+  const bool overlap = trajectory != nullptr && trajectory->interval() < periods.longest * (1 - kSlack);
+  return overlap ? 1 : static_cast<std::uint32_t>(ended(periods.longest, period));
 }
 
 bool Sequence::sameScene(const Sequence& other) const {

@@ -46,7 +46,7 @@ struct Sequence {
   // negative). `period`: duration of the sensor's revolution (s). If the sensors turn without a break, these are the
   // revolutions that end after the frame's start and not after the next frame's: several of a fast sensor, at times
   // none of a slow one. Otherwise all sensors begin to turn with each frame, and the frame has the revolutions that end
-  // within one of the slowest sensor.
+  // within one of the slowest sensor; only the first one if the next frame begins before that.
   std::vector<double> revolutions(std::uint32_t frame, double period, const Periods& periods) const;
   double totalRevolutions(double period, const Periods& periods) const;        // of all frames
   std::uint32_t mostRevolutions(double period, const Periods& periods) const;  // of one frame

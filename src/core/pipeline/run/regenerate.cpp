@@ -224,7 +224,8 @@ std::vector<std::string> regenerateSample(const Manifest& manifest, const Plan& 
   SampleMaker maker(source, {}, {}, false, [](const Sequence&) {});
   const Sample sample = maker.make(addressOf(plan, key)).sample;
   std::vector<std::string> names{key + ".json"};
-  std::vector<std::string> contents{sampleJson({sample.key, sample.split, 0, sample.scans, {}})};
+  std::vector<std::string> contents{
+      sampleJson({sample.key, sample.split, 0, sample.scans, {}, {}, {}, sample.draws, sample.time})};
   for (const Member& member : sample.members) {
     names.push_back(key + "." + member.suffix);
     contents.push_back(member.bytes);

@@ -48,6 +48,7 @@ MadeSample SampleMaker::make(const SampleAddress& address) {
   const Frame frame = source_.sample(address.sequence, address.frame);
   const FrameSettings& settings = *frame.settings;
   made.sample.draws = allDraws(ready->scene, settings);
+  if (frame.shots.front().time != frame.time) made.sample.time = frame.time;
   TraceAccount account;
   std::optional<ObjectList> objects;
   std::unique_ptr<ShotBuffers> buffers = buffers_.take();
@@ -63,7 +64,7 @@ MadeSample SampleMaker::make(const SampleAddress& address) {
     // The list has one view of an object for each sensor: that of its first revolution in the sample.
     if (ready->objects != nullptr && shot.revolution == 0) {
       const StageTimer timer(clock_, "objects");
-      if (!objects) objects.emplace(*ready->objects, made.sample.key, shot.time);
+      if (!objects) objects.emplace(*ready->objects, made.sample.key, frame.time);
       objects->add(shot, pipeline.raysPerBeam(shot.sensor), buffers->hits, buffers->returns);
     }
     if (recorder_.recordsHits()) recorder_.writeHits(shot, buffers->hits);

@@ -218,7 +218,7 @@ Frame ShotSource::shotsOf(std::size_t sequence, std::uint32_t number, bool allRe
   const bool recorded = pipeline_.recording != nullptr;
   const std::string sample = own.key(number);
   const std::shared_ptr<const Trajectory> driven = recorded ? nullptr : drive(sequence);
-  Frame frame{settings(sequence, number), {}};
+  Frame frame{settings(sequence, number), recorded ? 0 : driven->frameTime(number), {}};
   for (std::size_t s = 0; s < plan_.sensors.size(); ++s) {
     const double period = pipeline_.sensors[s].period;
     const std::vector<double> begins =
@@ -228,6 +228,7 @@ Frame ShotSource::shotsOf(std::size_t sequence, std::uint32_t number, bool allRe
                            : makeShot(plan_.sensors[s].beams, *driven, number,
                                       frame.settings->sensors[s].vehicleFromSensor, pipeline_.motion, begins[r]);
       if (r + 1 < begins.size() || own.turnsWithoutBreak(pipeline_.periods)) shot.untilNext = period;
+      if (r > 0) shot.untilNext = std::max(shot.untilNext, period);  // of a single frame
       shot.sample = sample;
       shot.seed = pipeline_.seed;
       shot.scene = static_cast<std::uint32_t>(sequence);
@@ -237,6 +238,7 @@ Frame ShotSource::shotsOf(std::size_t sequence, std::uint32_t number, bool allRe
       frame.shots.push_back(std::move(shot));
     }
   }
+  if (recorded) frame.time = frame.shots.front().time;
   return frame;
 }
 

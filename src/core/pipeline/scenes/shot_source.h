@@ -39,6 +39,7 @@ struct SceneChanges {
 
 struct Frame {
   std::shared_ptr<const FrameSettings> settings;
+  double time = 0;  // s since the start of the sequence
   std::vector<Shot> shots;
 };
 

@@ -77,6 +77,22 @@ TEST_F(Rates, DistantFramesBeginRevolutions) {
   EXPECT_THAT(times, ElementsAre(0.3, 0.3, 0.35));
   EXPECT_THAT(next, ElementsAre(0.3, 0.05, 0.25));
   EXPECT_THAT(ShotSource(planned).frame(0, 1).shots, SizeIs(2)) << "studies take one of each sensor";
+  const Plan alone = plan({sensors({10, 30}), "trajectories=[{name: stands, poses: [{position: [0, 0, 1]}]}]"});
+  for (const Shot& shot : ShotSource(alone).sample(0, 0).shots) {
+    EXPECT_NEAR(shot.untilNext, shot.sensor == 0 ? 0.1 : 1.0 / 30, 1e-9);
+  }
+}
+
+// Frames closer than the fastest sensor's revolution have one of each sensor, so that no sensor's time goes backwards.
+TEST_F(Rates, CloseFramesHaveOneOfEach) {
+  const Plan planned = plan({sensors({10, 20}), "trajectories.0.every_s=0.04"});
+  ShotSource source(planned);
+  for (std::uint32_t frame = 0; frame < 4; ++frame) {
+    const std::vector<Shot> shots = source.sample(0, frame).shots;
+    ASSERT_THAT(shots, SizeIs(2));
+    for (const Shot& shot : shots) EXPECT_NEAR(shot.time, 0.04 * frame, 1e-12);
+  }
+  EXPECT_TRUE(planned.pipeline.oneRevolution());
 }
 
 TEST_F(Rates, FramesFollowTheSlowestSensor) {
@@ -95,6 +111,18 @@ TEST_F(Rates, FramesCloserThanARevolutionAreToldWithBoth) {
                                                             "samples have no scan of it")));
   EXPECT_THAT(warnings({10, 20}, 0.1), IsEmpty());
   EXPECT_THAT(warnings({10}, 0.5), IsEmpty());
+  const std::string drive = "waypoints: [[-10, 0, 0], [10, 0, 0]], speed: 20, every_s: 0.04, frames: 4}";
+  EXPECT_THAT(
+      driveWarnings(
+          plan({"trajectories=[{name: a, " + drive + ", {name: b, " + drive + ", {name: c, " + drive + "]"}).pipeline),
+      ElementsAre(HasSubstr("frames of 'a' and 2 more drives are 0.04 s apart")));
+}
+
+// A drive that ends before a slow sensor has turned once has no scan of it.
+TEST_F(Rates, SensorsWithoutAScanAreTold) {
+  const GenerateSummary summary = run({sensors({10, 5}), "trajectories.0.every_s=0.1", "trajectories.0.frames=1"});
+  EXPECT_THAT(summary.warnings, testing::Contains(HasSubstr("the sensor 's1' has no scan in 1 frames")));
+  EXPECT_THAT(summary.warnings, testing::Not(testing::Contains(HasSubstr("the sensor 's0'"))));
 }
 
 TEST_F(Rates, DatasetsHoldEveryRevolution) {
@@ -115,6 +143,18 @@ TEST_F(Rates, DatasetsHoldEveryRevolution) {
     std::set<std::string> sensors;
     for (const ObjectView& view : object.views) EXPECT_TRUE(sensors.insert(view.sensor).second);
   }
+}
+
+// If the first sensor is slow, its revolution began before its frame: samples and objects have the time of the frame.
+TEST_F(Rates, SamplesHaveTheTimesOfTheirFrames) {
+  const Manifest manifest = sound({sensors({5, 10}), "trajectories.0.every_s=0.1", "output.objects=true"});
+  const ScanStore store(out());
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_NEAR(store.objects(i)->time, 0.1 * static_cast<double>(i), 1e-12);
+    const SampleRecord& sample = manifest.samples[i];
+    EXPECT_NEAR(sample.time.value_or(sample.scans.front().time), 0.1 * static_cast<double>(i), 1e-12);
+  }
+  EXPECT_NEAR(manifest.samples[1].scans.front().time, 0, 1e-12);
 }
 
 // A second revolution has noise of its own, even of a sensor at rest.
