@@ -202,7 +202,7 @@ Rows exampleRows(const char* folder) {
   return rows;
 }
 
-// Returns the scenes that can be scanned: the scene `empty`, to which programs add their objects, has none.
+// Returns the scenes. Leaves out scenes without objects, such as `empty`, to which programs add objects.
 Rows sceneRows() {
   Rows rows = exampleRows("scenes");
   std::erase_if(rows, [](const auto& row) {
@@ -211,7 +211,7 @@ Rows sceneRows() {
       const Value* const objects = root.find("objects");
       return objects == nullptr || objects->items.empty();
     } catch (const InputError&) {
-      return false;  // it names an environment variable that is not set here
+      return false;  // an environment variable in the file is not set: list the scene
     }
   });
   return rows;

@@ -50,7 +50,7 @@ Asset readGltf(const std::filesystem::path& file, const std::string& kind, const
   const double scale = options.metresPerUnit;
   const Affine assetFromFile{zUpFrom(up) * Mat3::scale({scale, scale, scale}), {}};
   const auto readExport = [&] {
-    const FilesRead temporary;  // takes the note of the temporary file
+    const FilesRead temporary;  // keeps the exported temporary file out of the list of files read
     return gltf::readAsset(BlendExport(file).glb(), file, assetFromFile, options);
   };
   Asset asset = blend ? readExport() : gltf::readAsset(file, file, assetFromFile, options);

@@ -31,8 +31,8 @@ bool isOtherCloud(const std::string& suffix) {
   return suffix == ".e57" || suffix == ".pts" || suffix == ".ptx";
 }
 
-// True if a file .asc lists points: a line of its head begins with three numbers, and no line with a word of the
-// heading of a grid of heights.
+// True if the file .asc lists points: its first 4 KiB have a line that begins with three numbers and no word of a
+// height grid's heading.
 bool listsPoints(const std::filesystem::path& file) {
   std::string head(4096, '\0');
   std::ifstream in(file, std::ios::binary);

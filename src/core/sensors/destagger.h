@@ -1,8 +1,8 @@
 #pragma once
 
-// Where the beams of a sensor belong in a range image whose columns each look in one direction. The lasers that fire as
-// one column of the sensor look in directions that differ by the rings' azimuth offsets; in an image of rings and
-// columns upright edges are therefore zigzags. Shifting each row straightens them, which vendors call destaggering.
+// Computes the column of a range image for each beam, such that every column looks in one direction. The lasers that
+// fire as one column of the sensor look in directions that differ by the rings' azimuth offsets; in an image of rings
+// and columns upright edges are therefore zigzags. Shifting each row straightens them, which vendors call destaggering.
 //
 //   const Destagger image = destagger(*beams);
 //   const std::uint32_t x = image.place(ring, column);  // row: ring; 0 <= x < image.width

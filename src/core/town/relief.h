@@ -35,7 +35,7 @@ enum class Field : std::uint32_t {
 struct FieldAddress {
   std::uint64_t seed = 0;
   Field field = Field::Hills;
-  std::uint32_t number = 0;  // which of several, such as the number of a side road
+  std::uint32_t number = 0;  // index among the fields of this kind
 };
 
 // Returns a random field of mean 0 that varies over about `size` metres: gradient noise (Perlin, "Improving noise",

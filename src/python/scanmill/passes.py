@@ -66,9 +66,9 @@ class PassWriter:
 
         `pose`: of the sensor in the world. `depth`: m along the camera's axis, or with `along_rays` from the camera to
         the surface; infinite, NaN or 0 if the pixel shows nothing (such pixels have no return; at least one of a frame
-        must show something). `depth_unit`: m, what a depth of 1 is; by default 0.001 for images of integers, else 1. In
-        images of integers the greatest value of their type, at which depths saturate, is nothing, too; so is 65535 if
-        no value is greater, since a wider type may hold 16 bits. `semantic`: class ids; `instance`: ids of things, 0
+        must show something). `depth_unit`: metres per unit of `depth`; by default 0.001 for images of integers, else 1.
+        In images of integers the greatest value of their type, at which depths saturate, is nothing, too; so is 65535
+        if no value is greater, since a wider type may hold 16 bits. `semantic`: class ids; `instance`: ids of things, 0
         for none; `reflectance`: 0 to 1 at the sensor's wavelength (0.3 if not given); `normal`: (n, n, 3) unit vectors
         in world axes, by default those of the surface through the depths of neighbouring pixels. `time`: s since the
         start of the drive, by default 0.1 s a frame. Raises InputError, which names the camera and the array.

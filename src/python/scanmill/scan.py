@@ -47,7 +47,7 @@ def chosen(which: ArrayLike, count: int) -> NDArray[np.int64]:
 
 
 class Stagger(NamedTuple):
-    """Where the points of a sensor belong in a range image whose columns each look in one direction. The lasers of one
+    """Gives the column of a range image for each beam, such that every column looks in one direction. The lasers of one
     column of the sensor look in directions that differ by the azimuth offsets of the rings.
 
     shifts   int64 (rings,): a point of ring r and column c is in the image's column (c + shifts[r]) % columns
