@@ -114,6 +114,14 @@ class ByBeam(unittest.TestCase):
             with self.subTest(how=how), self.assertRaises(scanmill.InputError):
                 scanmill.beam_projection(arrays, destagger=False, **how)
 
+    def test_values_and_images_of_other_sizes_are_refused(self):
+        pixels = scanmill.beam_projection(self.scan)
+        for values in (self.arrays["label"][1:], np.zeros((8, 32)), []):
+            with self.assertRaisesRegex(scanmill.InputError, "150 points"):
+                pixels.image(values)
+        with self.assertRaisesRegex(scanmill.InputError, r"\(8, 32\), not \(32, 8\)"):
+            pixels.points(pixels.image(self.arrays["label"]).T)
+
 
 class ByAngle(unittest.TestCase):
     def test_directions_have_their_places(self):
