@@ -76,7 +76,8 @@ struct ViewInput {
   std::filesystem::path ontology{};
   // File of the scene that was scanned; empty: the file that the manifest names.
   std::filesystem::path scene{};
-  std::optional<std::uint64_t> seed{};  // seed of `scene`, or of the scene that `path` is; nothing: 1, or the dataset's
+  // Seed of `scene`, or of the scene that `path` is; absent: the seed of the dataset's sequence, or 1.
+  std::optional<std::uint64_t> seed{};
 };
 
 // A list of frames, each of which is loaded when it is requested.

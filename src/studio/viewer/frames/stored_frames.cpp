@@ -215,12 +215,18 @@ void StoredFrames::addReferenceError(ViewScan& scan, const std::string& key) con
   if (!sample)
     throw InputError({reference_->path().string()}, fmt::format("the noise-free reference has no sample '{}'", key));
   const std::vector<StoredScan> references = reference_->scans(*sample, scan.sensor);
-  const auto same = std::ranges::find_if(references, [&](const StoredScan& t) {
-    return t.revolution == scan.revolution && lowerCase(t.method) == lowerCase(scan.method);
+  const auto ofRevolution = [&](const StoredScan& t) { return t.revolution == scan.revolution; };
+  auto same = std::ranges::find_if(references, [&](const StoredScan& t) {
+    return ofRevolution(t) && lowerCase(t.method) == lowerCase(scan.method);
   });
+  if (same == references.end()) same = std::ranges::find_if(references, ofRevolution);
+  if (same == references.end()) {
+    throw InputError({reference_->path().string()},
+                     fmt::format("the noise-free reference has no revolution {} of '{}' in the sample '{}'",
+                                 scan.revolution, scan.sensor, key));
+  }
   std::string why;
-  scan.error = referenceErrors(scan.scan,
-                               reference_->decode(*sample, same == references.end() ? references.front() : *same), why);
+  scan.error = referenceErrors(scan.scan, reference_->decode(*sample, *same), why);
   if (!why.empty()) throw InputError({reference_->path().string()}, why);
   scan.errorTitle = "distance to the reference (m)";
   scan.whyNoError = "no partner in the reference";

@@ -31,15 +31,20 @@ const ObjectView* Scenery::shownView(const ObjectRecord& object) const {
 }
 
 // Returns the pose of the object's box on the canvas. If the sensor has a view of the object, the box is where it was
-// when the sensor saw it, so that it fits the points. The view's pose is in the frame of the scan's points, which is
-// not theirs on the canvas if they were placed; then the pose is computed from the object's velocity.
+// when the sensor saw it, so that it fits the points. The view's pose is in the frame of the points of the sensor's
+// first revolution. If the points are placed on the canvas, or are those of a later revolution, the pose is computed
+// from the object's velocity.
 Affine Scenery::canvasFromBox(const ObjectRecord& object) const {
   const ObjectView* const view = shownView(object);
-  if (view != nullptr && context_.frame->scans[clouds_.list.front().scan].placed.empty()) {
+  const ViewScan& scan = context_.frame->scans[clouds_.list.front().scan];
+  if (view != nullptr && scan.placed.empty() && scan.revolution == 0) {
     return clouds_.list.front().canvasFromScan * toAffine(view->sensorFromBox);
   }
   Pose worldFromBox = object.worldFromBox;
-  if (view != nullptr) worldFromBox.translation += object.velocity * (view->time - context_.frame->objectTime);
+  if (view != nullptr) {
+    const double time = scan.revolution == 0 ? view->time : scan.time;
+    worldFromBox.translation += object.velocity * (time - context_.frame->objectTime);
+  }
   return canvasFromWorld * toAffine(worldFromBox);
 }
 

@@ -78,7 +78,7 @@ OrbitCamera Scenery::firstCamera() const {
 void Scenery::lookAtFirstPoints() {
   const std::optional<CloseUp>& closeUp = context_.options.closeUp;
   if (framed_ || clouds_.list.empty()) return;
-  framed_ = true;
+  framed_ = !placesOnCanvas().empty();
   if (!closeUp) return setCamera(firstCamera());
   constexpr double kFilled = 0.85;  // fraction of the picture's shorter side that the ball fills; panels need the rest
   const int width = context_.canvas.width();

@@ -16,6 +16,7 @@ struct DatasetChanges {
   std::function<void(Manifest&)> manifest = [](Manifest&) {};
   std::vector<std::string> methods{"ray_tracing"};  // one scan of each
   std::uint32_t frames = 4;
+  std::uint32_t revolutions = 1;  // of each sensor in each frame
   std::string sequence = "town-s3-drive";
 };
 
@@ -26,14 +27,17 @@ inline Manifest writeChangedDataset(const std::filesystem::path& folder, const D
   for (std::uint32_t i = 0; i < changes.frames; ++i) {
     Sample sample{changes.sequence + "-00000" + std::to_string(i), "train", {}, {}};
     for (std::size_t s = 0; s < manifest.sensors.size(); ++s) {
-      for (const std::string& method : changes.methods) {
-        Scan scan = testScan(manifest.sensors[s].beams, i * 10 + static_cast<std::uint32_t>(s));
-        changes.scan(scan, i, s);
-        ScanRecord record = testRecord(manifest.sensors[s], testScan(manifest.sensors[s].beams, i), 0.1 * i);
-        record.method = method;
-        sample.scans.push_back(record);
-        for (const FormatRecord& format : manifest.formats) {
-          sample.members.push_back({memberSuffix(record, format.suffix), encode(format.name, scan)});
+      for (std::uint32_t r = 0; r < changes.revolutions; ++r) {
+        for (const std::string& method : changes.methods) {
+          Scan scan = testScan(manifest.sensors[s].beams, i * 10 + static_cast<std::uint32_t>(s) + r * 1000);
+          changes.scan(scan, i, s);
+          ScanRecord record = testRecord(manifest.sensors[s], testScan(manifest.sensors[s].beams, i), 0.1 * i);
+          record.method = method;
+          record.revolution = r;
+          sample.scans.push_back(record);
+          for (const FormatRecord& format : manifest.formats) {
+            sample.members.push_back({memberSuffix(record, format.suffix), encode(format.name, scan)});
+          }
         }
       }
     }

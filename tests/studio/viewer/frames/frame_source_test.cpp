@@ -197,23 +197,25 @@ TEST_F(Frames, OtherClassesAreNoted) {
   EXPECT_EQ(ours->ontology()->name, readOntology(labels).name);
 }
 
-// The noise that a dataset was given is the error that its frames show.
+// The noise that a dataset was given is the error that its frames show, whatever the reference's method.
 TEST_F(Frames, TheReferenceShowsTheNoise) {
   const auto shift = [](std::size_t point, std::size_t sample) {
     return 0.01 * double(point % 5) + 0.001 * double(sample);
   };
-  const auto clean = changed("clean");
-  const auto noisy = changed("noisy", {.scan = [&](Scan& scan, std::size_t sample, std::size_t) {
-                               for (std::size_t i = 0; i < scan.size(); ++i) {
-                                 const Vec3d p(scan.position[i]);
-                                 scan.position[i] = Vec3f(p + normalized(p) * shift(i, sample));
-                               }
-                             }});
+  const auto clean = changed("clean", {.methods = {"particle"}, .revolutions = 2});
+  const auto noisy = changed("noisy", {.scan =
+                                           [&](Scan& scan, std::size_t sample, std::size_t) {
+                                             for (std::size_t i = 0; i < scan.size(); ++i) {
+                                               const Vec3d p(scan.position[i]);
+                                               scan.position[i] = Vec3f(p + normalized(p) * shift(i, sample));
+                                             }
+                                           },
+                                       .revolutions = 2});
   const auto source = openFrames({.path = noisy, .reference = clean});
   for (std::size_t f = 0; f < source->keys().size(); ++f) {
     const ViewFrame frame = source->load(f);
     EXPECT_THAT(frame.problems, IsEmpty());
-    ASSERT_EQ(frame.scans.size(), 2u);
+    ASSERT_EQ(frame.scans.size(), 4u);
     for (const ViewScan& scan : frame.scans) {
       EXPECT_EQ(scan.errorTitle, "distance to the reference (m)");
       ASSERT_EQ(scan.error.size(), scan.scan.size());
@@ -233,6 +235,9 @@ TEST_F(Frames, AReferenceThatLacksSamplesOrColumnsIsAProblem) {
   EXPECT_THAT(third.problems, ElementsAre(AllOf(HasSubstr("reference"), HasSubstr("000002"))));
   EXPECT_THAT(openFrames({.path = scan, .reference = bare})->load(0).problems,
               ElementsAre(AllOf(HasSubstr("bare"), HasSubstr("ring and column in output.columns"))));
+  const auto twice = changed("twice", {.revolutions = 2});
+  EXPECT_THAT(openFrames({.path = twice, .reference = scan, .sensor = "top"})->load(0).problems,
+              ElementsAre(HasSubstr("has no revolution 1 of 'top'")));
   const ViewFrame half = openFrames({.path = scan, .reference = other})->load(0);
   EXPECT_FALSE(half.scans[0].error.empty());
   EXPECT_TRUE(half.scans[1].error.empty());

@@ -78,6 +78,20 @@ TEST(SessionBoxes, FitPointsOfAMovingSensor) {
   EXPECT_EQ(rowOf(*thing, "x"), fmt::format("{:.3f} m", scan.scan.position[thing->point].x)) << "as the file has it";
 }
 
+// Views are of the sensor's first revolution.
+TEST(SessionBoxes, FitPointsOfALaterRevolution) {
+  const auto frames = listedFrames();
+  ViewScan& scan = frames->frames[0].scans[0];
+  scan.revolution = 1;
+  scan.time = 0.6;
+  frames->frames[0].objects[0].record.views[0].time = 0.55;
+  frames->frames[0].objectTime = 0.5;
+  const SessionWorld world(frames, {.sample = "0"});
+  Box car;
+  for (std::size_t i = 0; i < 2 * kEdges; ++i) car.add(Vec3d(boxes(world).places[i]));
+  EXPECT_NEAR(length(car.center() - Vec3d{10.3, -9.6, -0.8}), 0, 1e-5) << "as far as it moves in 0.1 s";
+}
+
 TEST(SessionBoxes, FollowKeysAndFilters) {
   SessionWorld world(listedFrames(), {.sample = "0"});
   const auto drawn = [&] { return boxes(world).colors.size(); };

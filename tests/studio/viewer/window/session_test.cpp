@@ -356,6 +356,17 @@ TEST(ViewSession, ProblemsOfAFrameAreShownAndTheOthersStayGood) {
   EXPECT_FALSE(world.canvas.pointItems().empty());
 }
 
+// The first frame with points determines the camera.
+TEST(ViewSession, AFirstFrameWithoutPointsLeavesTheCameraToTheNext) {
+  const auto frames = std::make_shared<FakeFrames>(2);
+  frames->frames[1].scans = frames->frames[0].scans;
+  for (Vec3f& place : frames->frames[0].scans[0].scan.position) place.x = NAN;
+  SessionWorld late(frames, {.sample = "0"});
+  late.press("Right");
+  const SessionWorld early(frames, {.sample = "1"});
+  EXPECT_TRUE(late.session->camera() == early.session->camera());
+}
+
 TEST(ViewSession, AColumnThatIsNotThereKeepsTheColoursAndMessagesSpeakOfNoOptions) {
   auto frames = std::make_shared<FakeFrames>(1);
   ViewScan& scan = frames->frames[0].scans[0];
