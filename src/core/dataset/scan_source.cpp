@@ -1,7 +1,10 @@
 #include "dataset/scan_source.h"
 
+#include <algorithm>
+
 #include "base/error.h"
 #include "config/text.h"
+#include "dataset/manifest.h"
 #include "dataset/sample_names.h"
 #include "dataset/scan_store.h"
 
@@ -16,13 +19,23 @@ ScanSource findScan(const std::filesystem::path& path, const std::string& sample
     }
     return {store.decode(0, {}), store.keys().front(), nullptr, {}};
   }
-  const std::size_t chosen = findKey(store.keys(), sample, path.string());
+  std::size_t chosen = findKey(store.keys(), sample, path.string());
+  const bool first = sensor.empty() && store.manifest() != nullptr;
+  const std::string wanted = first ? store.manifest()->sensors.front().name : sensor;
+  if (sample.empty()) {  // the first sample may have no scan of a sensor that turns slowly
+    const auto own = [&](const StoredScan& s) { return lowerCase(s.sensor) == lowerCase(wanted); };
+    for (std::size_t i = chosen; i < store.keys().size() && !wanted.empty(); ++i) {
+      if (std::ranges::none_of(store.scans(i), own)) continue;
+      chosen = i;
+      break;
+    }
+  }
   const std::string& key = store.keys()[chosen];
-  const StoredScan first = store.scans(chosen, sensor).front();
+  const StoredScan stored = store.scans(chosen, wanted).front();
   ScanSource source;
-  source.scan = store.decode(chosen, first);
-  source.title = first.sensor.empty() ? key : key + ", " + lowerCase(first.sensor);
-  source.beams = store.beams(first.sensor, first.record == nullptr ? 0 : first.record->time);
+  source.scan = store.decode(chosen, stored);
+  source.title = stored.sensor.empty() ? key : key + ", " + lowerCase(stored.sensor);
+  source.beams = store.beams(stored.sensor, stored.record == nullptr ? 0 : stored.record->time);
   if (store.ontology() != nullptr) source.ontology = *store.ontology();
   return source;
 }

@@ -43,6 +43,24 @@ TEST_F(FindScan, TakesTheMiddleSampleAndTheFirstSensor) {
   EXPECT_EQ(source.ontology->require("car", {}).id, 65535);
 }
 
+// A sensor that turns more slowly than frames follow each other has no scan in some samples.
+TEST_F(FindScan, PassesOverSamplesWithoutTheFirstSensor) {
+  PackedDataset writer(folder.path() / "slow", false, 1 << 20);
+  Manifest slow = testManifest();
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    Sample sample = testSample(slow, i, "drive-00000" + std::to_string(i), "train");
+    if (i == 1) {
+      std::erase_if(sample.scans, [&](const ScanRecord& s) { return s.sensor == slow.sensors[0].name; });
+      std::erase_if(sample.members, [](const auto& m) { return m.suffix.starts_with("top."); });
+    }
+    writer.add(sample);
+  }
+  writer.finish(slow);
+  EXPECT_EQ(findScan(folder.path() / "slow", "", "").scan.position, expected(2, 0).position);
+  EXPECT_EQ(findScan(folder.path() / "slow", "", "rear").scan.position, expected(1, 1).position);
+  EXPECT_THAT(complaint(folder.path() / "slow", "1"), HasSubstr("has no sensor 'top'; it has rear"));
+}
+
 TEST_F(FindScan, ByKeyByIndexAndBySensor) {
   for (std::uint32_t i = 0; i < 9; ++i) {
     EXPECT_EQ(findScan(dataset, std::to_string(i), "").scan.position, expected(i, 0).position);
