@@ -139,7 +139,7 @@ Scan readPointRecords(std::string_view bytes, std::size_t numbers, const std::st
     misses += miss ? 1u : 0u;
     dark += miss || values[at + 3] >= 0 ? 0u : 1u;
     if (numbers < 5) continue;
-    const float ring = values[at + 4];
+    const float ring = miss ? 0 : values[at + 4];
     if (!(ring >= 0 && ring <= 65535) || ring != std::floor(ring)) {
       throw InputError({what}, fmt::format("the ring of point {} is {}: no whole number from 0", at / numbers, ring));
     }

@@ -57,7 +57,7 @@ TEST(PointRecords, AnotherOrderHasNoRings) {
 // Recorders of organised clouds write NaN, or infinity, where a beam has no return. They keep their rows, which labels
 // are counted by.
 TEST(PointRecords, PointsWithoutACoordinateAreMisses) {
-  std::vector<float> values;
+  std::vector<float> values, withRings;
   for (int r = 0; r < 32; ++r) {
     for (int c = 0; c < 100; ++c) {
       const double azimuth = 2 * kPi * (c + 0.5) / 100;
@@ -65,8 +65,15 @@ TEST(PointRecords, PointsWithoutACoordinateAreMisses) {
       for (const double v : {10 * std::cos(azimuth), 10 * std::sin(azimuth), -0.1 * r, 0.5}) {
         values.push_back(miss ? (c % 20 == 9 ? NAN : INFINITY) : static_cast<float>(v));
       }
+      withRings.insert(withRings.end(), values.end() - 4, values.end());
+      withRings.push_back(miss ? values.back() : static_cast<float>(r));
     }
   }
+  const Scan five = readPointRecords(bytesOf(withRings), 5, "a.pcd.bin");
+  ASSERT_EQ(five.size(), 3200u);
+  EXPECT_EQ(five[kRing][3198], 31);
+  EXPECT_EQ(five[kRing][3199], 0) << "a miss whose ring is no number";
+  EXPECT_FALSE(isFinite(five.position[3199]));
   const Scan scan = readPointRecords(bytesOf(values), 4, "a.bin");
   ASSERT_EQ(scan.size(), 3200u);
   EXPECT_EQ(scan.rings, 32u);

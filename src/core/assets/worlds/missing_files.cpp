@@ -10,7 +10,7 @@ void MissingFiles::add(const MissingFileError& error) {
   errors_.push_back(error);
 }
 
-void MissingFiles::settle(bool leaveOut, LeftOut& leftOut) const {
+void MissingFiles::noteOrThrow(bool leaveOut, LeftOut& leftOut) const {
   if (leaveOut) {
     for (const MissingFileError& e : errors_) leftOut.add(fmt::format("missing models and meshes ('{}')", e.name));
     return;

@@ -25,7 +25,7 @@ class MissingFiles {
   void add(const MissingFileError& error);
   // Adds the names to `leftOut` if `leaveOut`. Otherwise throws an InputError with the message about the first missing
   // file, and the name and place of each other one.
-  void settle(bool leaveOut, LeftOut& leftOut) const;
+  void noteOrThrow(bool leaveOut, LeftOut& leftOut) const;
 
  private:
   std::vector<MissingFileError> errors_;

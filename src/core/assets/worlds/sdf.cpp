@@ -39,6 +39,8 @@ struct Scope {
   };
   std::map<std::string, Frame> frames;
   bool isWorld = false;
+  // Frame whose pose frames have that are not in `frames`, because the file with them is missing; nullopt: none is.
+  std::optional<std::string> inPlaceOfMissing;
 
   // Returns the pose of a frame in the scope's own frame (that of the world or model). Errors are thrown at `from`.
   Pose resolve(const std::string& name, const XmlNode& from) const {
@@ -58,6 +60,7 @@ struct Scope {
     // Files that sdformat 1.7 flattened have frames with colons in their names.
     const std::size_t colons = frames.contains(name) ? std::string::npos : name.find("::");
     const auto found = frames.find(name.substr(0, colons));
+    if (found == frames.end() && inPlaceOfMissing) return resolve(*inPlaceOfMissing, from, been);
     if (found == frames.end())
       from.fail(fmt::format("has a pose relative to '{}', but this frame does not exist", name));
     const Frame& frame = found->second;
@@ -79,6 +82,7 @@ struct Model {
   Pose placement;              // pose of the placement frame in the model's frame
   std::optional<Pose> stated;  // pose in the parent's frame by the world's state
   bool merged = false;         // its links and models are those of the model that includes it
+  bool missing = false;        // its file is missing
 };
 
 // The world's state as far as it concerns the models of one world or one model.
@@ -213,7 +217,7 @@ class SdfReader {
     for (const XmlNode& child : state.children) {
       if (child.name != "model" && child.name != "link") continue;
       if (!statesUsed_.contains(&child)) world_.leftOut.add("states of models and links that the world lacks");
-      countUnusedStates(child);
+      if (!statesOfMissing_.contains(&child)) countUnusedStates(child);
     }
   }
 
@@ -281,7 +285,11 @@ class SdfReader {
             scope->frames.try_emplace(name, std::move(merged));
           }
         }
-        if (!deleted.contains(model->name)) found.push_back({pose, std::move(*model), &child});
+        if (model->missing && model->merged) {
+          scope->inPlaceOfMissing = own;
+          statesOfMissing_.insert(state.node);
+        }
+        if (!model->missing && !deleted.contains(model->name)) found.push_back({pose, std::move(*model), &child});
       } else if (child.name == "frame" || child.name == "link" || child.name == "joint") {
         const PoseElement pose = readPose(child);
         std::string relativeTo = pose.relativeTo;
@@ -362,8 +370,12 @@ class SdfReader {
         world_.missing.add(e);
         Model empty;
         empty.name = node.textOf("name", name);
+        empty.missing = true;
         pose = readPose(node);
-        inside = std::make_shared<Scope>();
+        statesOfMissing_.insert(stateOf(around.node, "model", empty.name));
+        auto scope = std::make_shared<Scope>();
+        scope->inPlaceOfMissing = "";
+        inside = std::move(scope);
         return empty;
       }
     }
@@ -607,6 +619,7 @@ class SdfReader {
 
   WorldFile world_;
   std::set<const XmlNode*> statesUsed_;
+  std::set<const XmlNode*> statesOfMissing_;  // states of models of which all or some links are missing
   std::map<std::filesystem::path, XmlNode> definitions_;
   // Files of models, by the folder of the file that includes them and their URI.
   std::map<std::pair<std::filesystem::path, std::string>, std::filesystem::path> found_;

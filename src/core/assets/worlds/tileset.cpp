@@ -36,7 +36,7 @@ class TilesetReader {
     asset_.upDeclared = true;
     asset_.statedUnit = 1;
     readFileOf(file, {}, {}, false, 0);
-    missing_.settle(options_.leaveOutMissing, leftOut_);
+    missing_.noteOrThrow(options_.leaveOutMissing, leftOut_);
     leftOut_.tell(file.string());
     inTiles_.tell(file.string());
     return std::move(asset_);

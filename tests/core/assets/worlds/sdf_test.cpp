@@ -172,6 +172,26 @@ TEST_F(IncludedSdf, ThatAreMissingAreNamedTogetherOrLeftOut) {
   EXPECT_LT(length(corners(asset, "p/l/v1.10/wing")[0] - Vec3d{3, 0, 0}), 1e-6);
 }
 
+// What is in a missing file is taken to be at its origin; and it is no model beside others.
+TEST_F(IncludedSdf, ThatAreMissingHaveFramesAndStatesOfWhichNothingIsKnown) {
+  const std::string gone = include("<name>gone</name><pose>1 0 0 0 0 0</pose>", "model://chair");
+  const std::string merged =
+      "<include merge=\"true\"><uri>model://arm</uri><name>arm</name><pose>0 0 2 0 0 0</pose></include>";
+  const std::string world =
+      "<world name=\"w\">" + gone + include("<name>p</name><pose relative_to=\"gone::seat::link\">0 5 0 0 0 0</pose>") +
+      "<model name=\"m\">" + merged + include("<name>q</name><pose relative_to=\"hand\">0 1 0 0 0 0</pose>") +
+      "</model>" + "<model name=\"my_table\">" + gone + include("") + "</model>" +
+      "<state world_name=\"w\"><model name=\"gone\"><pose>1 2 3 0 0 0</pose><link name=\"seat\"/></model>"
+      "<model name=\"m\"><link name=\"hand\"/></model></state></world>";
+  EXPECT_THAT(refusal(world), AllOf(HasSubstr("'model://chair'"), HasSubstr("'model://arm'")));
+  testing::internal::CaptureStderr();
+  const Asset asset = readAsset(folder_.path() / "a.sdf", {.leaveOutMissing = true});
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), AllOf(HasSubstr("'model://arm'"), Not(HasSubstr("states"))));
+  EXPECT_LT(length(corners(asset, "p/l/v1.10/wing")[0] - Vec3d{3, 5, 0}), 1e-6);
+  EXPECT_LT(length(corners(asset, "m/l/v1.10/wing")[0] - Vec3d{2, 1, 2}), 1e-6);
+  EXPECT_LT(length(corners(asset, "my_table/l/v1.10/wing")[0] - Vec3d{2, 0, 9}), 1e-6);
+}
+
 TEST_F(IncludedSdf, AreFoundWhereTheEnvironmentSays) {
   const TemporaryFolder elsewhere;
   elsewhere.write("lamp/model.sdf", "<sdf version=\"1.6\">" + model("<sphere><radius>1</radius></sphere>") + "</sdf>");
