@@ -35,7 +35,8 @@ std::span<const EffectEntry> effects() {
        makeReflectanceVariation},
       {"weather", "rain, snow, fog or dust: faint returns are lost, particles give returns, the ground is wet",
        "kind: required, rain, snow, fog or dust (needs `intensity`, whose `near_range_m` limits the echoes of near "
-       "particles; a sensor without `divergence_mrad` or `pulse_ns` has 3 mrad and 5 ns, and a warning)\n"
+       "particles: a warning tells of its default; a sensor without `divergence_mrad` or `pulse_ns` has 3 mrad and 5 "
+       "ns, and a warning)\n"
        "severity: moderate, light (rain 1.5 mm/h, snow 0.5 mm/h, fog and dust 500 m), moderate (5, 1.5, 150) or "
        "heavy (25, 4, 50)\n"
        "rate_mm_h: by `severity`, of rain or snow, mm of water an hour, 0.01 to 200 (snow: 50)\n"
@@ -43,7 +44,7 @@ std::span<const EffectEntry> effects() {
        "wet: by `severity`, share of upward surfaces under standing water: 0.1, 0.3 or 0.6 in rain, else 0; above 0, "
        "all upward surfaces are darker\n"
        "least: 0.001 or half of the threshold of `detection` if that is less, power below which particles are ignored: "
-       "1 is a white target at 10 m\n"
+       "1 is a white target at 10 m (with `falloff: none`, at any range)\n"
        "label: 0, class of the particles' returns, by its id or name, such as `noise` of the program's own ontology",
        0, makeWeather},
       {"blooming", "retroreflectors give returns to beams that narrowly miss them",
@@ -61,7 +62,7 @@ std::span<const EffectEntry> effects() {
        "reference_range_m: 10 m, range at which a white diffuse target has power 1\n"
        "falloff: inverse_square, how the power falls with the range: inverse_square or none\n"
        "near_range_m: 1 m, below this range the power no longer grows, since the receiver does not see the whole beam; "
-       "about 10 m for most automotive sensors\n"
+       "7 to 25 m in the presets\n"
        "attenuation_per_m: 0 1/m, extinction of the air, counted both ways\n"
        "gain: 1, factor of the power\n"
        "saturation: 1 for u8 and none for float, largest gain * power\n"

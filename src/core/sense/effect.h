@@ -9,6 +9,7 @@
 //   const Effects effects{{&noise, noise.make(options), "{sigma_m: 0.02}"}};  // for Receiver::effects
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -36,8 +37,8 @@ class Effect {
   virtual bool setsSnr() const { return false; }           // apply() fills Returns::snr
   virtual bool needsSnr() const { return false; }          // apply() requires an earlier effect with setsSnr()
   virtual bool setsGain() const { return false; }          // apply() fills Returns::gain
-  // Returns the range (m) below which the received power does not grow; 0: this effect does not compute power.
-  virtual double nearRange() const { return 0; }
+  // Returns how the power depends on the range; nullopt: this effect does not compute power.
+  virtual std::optional<Falloff> falloff() const { return std::nullopt; }
   // Returns the power that is detected with a probability of one half; 0: this effect does not lose faint echoes.
   virtual double threshold() const { return 0; }
   // Returns the number of rays that sample the footprint of a beam.

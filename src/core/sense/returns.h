@@ -9,6 +9,7 @@
 //     if (returns.range[row] > 100) returns.remove(row);
 //   }
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -34,6 +35,16 @@ struct AddedReturn {
   std::uint16_t label = 0;
 };
 
+// How the power of an echo depends on its range.
+struct Falloff {
+  double reference = 10;      // m, range at which a white target has the power 1
+  double near = 1;            // m; echoes from nearer than this are as strong as from this range
+  bool inverseSquare = true;  // false: the power does not depend on the range
+
+  // Returns the root of the factor by which an echo from a range (m) is fainter than the same echo from the reference.
+  double way(double range) const { return inverseSquare ? std::max(range, near) / reference : 1; }
+};
+
 // A structure of arrays. In most scans every beam has one ray and at most one return: row i then belongs to beam i and
 // hit i, and the arrays of beams, hits and numbers stay empty, which saves time and memory.
 class Returns {
@@ -57,8 +68,8 @@ class Returns {
   std::vector<float> snr;  // signal to noise ratio of the power; empty until an effect sets it
 
   // What the effects `intensity` and `detection` state of the receiver; set by detect().
-  double nearRange = 1;  // m; echoes from nearer than this are as strong as from this range
-  double threshold = 0;  // power that is detected with a probability of one half; 0: every power is
+  Falloff falloff;
+  double threshold = 0;  // power that is detected with a probability of one half; 0: any power is detected
 
   // True if start() has set `power`, for rows with a hit, to the sum of the powers of the echo's rays.
   bool powerOfEchoes = false;

@@ -38,10 +38,10 @@ Channels channelsFor(EffectList effects, ColumnSet columns) {
 
 void detect(const Hits& hits, const Shot& shot, EffectList effects, std::span<const Material> materials,
             Returns& returns) {
-  returns.nearRange = 1;
+  returns.falloff = {};
   returns.threshold = 0;
   for (const auto& effect : effects) {
-    if (effect->nearRange() > 0) returns.nearRange = effect->nearRange();
+    returns.falloff = effect->falloff().value_or(returns.falloff);
     if (effect->threshold() > 0) returns.threshold = effect->threshold();
   }
   if (hits.beamOfRay.empty()) return returns.start(hits);

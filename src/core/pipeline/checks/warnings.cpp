@@ -298,10 +298,11 @@ std::vector<std::string> sensorWarnings(const Plan& plan) {
     const MountedSensor& sensor = pipeline.sensors[s];
     const auto tellAssumed = [&](const Effects& effects) {
       bool weather = false;
-      double nearRange = 0;
+      double nearRange = 0;  // m; 0: the power of no effect depends on the range
       for (const ChosenEffect& effect : effects) {
         weather |= effect.entry->name == "weather";
-        nearRange = std::max(nearRange, effect->nearRange());
+        const std::optional<Falloff> falloff = effect->falloff();
+        if (falloff && falloff->inverseSquare) nearRange = falloff->near;
         const std::string assumed = effect->assumed(*plan.sensors[s].beams);
         if (assumed.empty()) continue;
         appendNew(
@@ -313,8 +314,8 @@ std::vector<std::string> sensorWarnings(const Plan& plan) {
       if (weather && nearRange == 1) {
         appendNew(
             {fmt::format("effect weather: the sensor '{}' has the default `near_range_m: 1` in its effect intensity, "
-                         "with which particles in the first metres give many returns: most automotive sensors see "
-                         "their whole beam from about 10 m on, so set it",
+                         "with which particles in the first metres give many returns: the presets have 7 to 25 "
+                         "m, so set it",
                          sensor.name)},
             lines);
       }

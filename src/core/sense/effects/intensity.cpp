@@ -19,9 +19,8 @@
 // the factor 1 / r^2: nearer than aperture / field of view the power is constant (Harms et al., "Geometrical
 // compression of lidar return signals", Applied Optics 17, 1978; Roberts and Gimmestad, "Optimizing lidar dynamic range
 // by engineering the crossover region", Proc. SPIE 4723, 2002: defocus is the main part of the overlap function). An
-// offset between the axes of emitter and receiver acts likewise: in most automotive sensors the receiver sees the
-// whole beam from less than 10 m on (Rasshofer et al., "Influences of weather phenomena on automotive laser radar
-// systems", Advances in Radio Science 9, 2011).
+// offset between the axes of emitter and receiver acts likewise (Rasshofer et al., "Influences of weather phenomena on
+// automotive laser radar systems", Advances in Radio Science 9, 2011). The presets have 7 to 25 m.
 //
 // specular(t) is the reflection of a microfacet surface (Torrance and Sparrow 1967) back along the beam, so the half
 // vector is the beam itself. It is pi cos t times D F G / (4 cos^2 t) (Walter et al., "Microfacet models for refraction
@@ -156,7 +155,9 @@ class Intensity : public Effect {
   Channels reads() const override {
     return Channel::Range | Channel::Material | Channels(Channel::Reflectance) | Channel::Incidence;
   }
-  double nearRange() const override { return double{o_.nearRange}; }
+  std::optional<Falloff> falloff() const override {
+    return Falloff{double{o_.referenceRange}, double{o_.nearRange}, o_.inverseSquare};
+  }
   bool setsIntensity() const override { return true; }
   double intensityFullScale() const override { return o_.bytes ? 255 : 1; }
 

@@ -142,6 +142,28 @@ TEST(WeatherEffect, ReceiversThatDetectLessReportMoreFog) {
   EXPECT_GT(share("0.00004"), 0.99);
 }
 
+// The thresholds of detection are in the units of power of the intensity, such as that of a white target at 5 m.
+TEST(WeatherEffect, WhatIsIgnoredDoesNotDependOnTheUnitOfPower) {
+  const World world = sky(100);
+  const auto ranges = [&](const std::string& weather, const std::string& intensity, const std::string& noise) {
+    const Returns returns = run(
+        world, {"weather: " + weather, "intensity: " + intensity, "detection: {threshold: 5, noise: " + noise + "}"});
+    std::vector<float> found;
+    for (const std::uint32_t row : particles(returns)) found.push_back(returns.range[row]);
+    return found;
+  };
+  for (const std::string weather : {"{kind: snow, rate_mm_h: 2}", "{kind: fog, visibility_m: 200}"}) {
+    const std::vector<float> usual = ranges(weather, "{reference_range_m: 10}", "0.00004");
+    ASSERT_GT(usual.size(), 100u);
+    const std::vector<float> other = ranges(weather, "{reference_range_m: 5}", "0.00001");
+    EXPECT_EQ(usual, other) << weather;
+  }
+  // An echo of 0.0008 of a white target at its range, twice the threshold, at any range.
+  const std::vector<float> even = ranges("{kind: fog, visibility_m: 500}", "{falloff: none}", "0.00008");
+  ASSERT_FALSE(even.empty());
+  EXPECT_GT(*std::max_element(even.begin(), even.end()), 20);
+}
+
 // Nearer than near_range_m the power hardly changes with the range: a beam's eight returns are anywhere in there.
 TEST(WeatherEffect, FogOfANearRangeIsAnywhereWithinIt) {
   const Returns returns =
