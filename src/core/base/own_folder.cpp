@@ -51,8 +51,9 @@ Descriptor openFolder(const fs::path& folder, const fs::path& below, const fs::p
 
 bool isWithin(const fs::path& path, const fs::path& folder) {
   const auto plain = [](const fs::path& given) {
-    std::error_code ignored;
-    const fs::path whole = fs::weakly_canonical(fs::absolute(given), ignored);
+    std::error_code failure;
+    const fs::path whole = fs::weakly_canonical(fs::absolute(given), failure);
+    if (failure) throw Error(fmt::format("{}: cannot be resolved: {}", given.string(), failure.message()));
     return whole.has_filename() ? whole : whole.parent_path();
   };
   const fs::path inner = plain(path);

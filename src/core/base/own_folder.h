@@ -22,7 +22,8 @@ class ForeignFile : public InputError {
   using InputError::InputError;
 };
 
-// True if `path` is `folder` or lies in it, also through links. Neither path needs to exist.
+// True if `path` is `folder` or lies in it, also through links. Neither path needs to exist. Throws Error if links
+// cannot be followed, such as links in a circle.
 bool isWithin(const std::filesystem::path& path, const std::filesystem::path& folder);
 
 // Opens the folder that contains `file`, for openat() and the like (O_PATH). `what` stands in the Error where this

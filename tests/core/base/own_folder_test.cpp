@@ -112,6 +112,10 @@ TEST_F(OwnFolderTest, WhatLiesWithinIsDecidedByNamesAndLinks) {
   for (const fs::path& beside : {folder_.path(), outside_, own_ / "../outside", fs::path(own_.string() + "er")}) {
     EXPECT_FALSE(isWithin(beside, own_)) << beside;
   }
+  fs::create_symlink("circle", folder_.path() / "circle");
+  const fs::path lost = folder_.path() / "circle/x";
+  EXPECT_THROW(isWithin(lost, own_), Error);
+  EXPECT_THROW(isWithin(own_, lost), Error) << "a folder that cannot be resolved does not hold everything";
 }
 
 // Processes of one number run side by side in containers.
