@@ -212,6 +212,7 @@ MountSpans mountSpans(const Manifest& manifest, const SensorRecord& sensor) {
 }
 
 std::string spanText(const Span& span) {
+  if (span.least > span.most) return "none";
   const auto text = [](double value) { return fmt::format("{:g}", std::round(value * 1e4) / 1e4 + 0.0); };
   const std::string least = text(span.least), most = text(span.most);
   return least == most ? least : least + " to " + most;

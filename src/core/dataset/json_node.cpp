@@ -73,11 +73,26 @@ std::uint16_t classOf(const JsonNode& node, const Ontology& ontology, const std:
   return number;
 }
 
+namespace {
+
+// Returns the item of which an earlier version stored the line, see lineOf().
+ModelledItem itemOfLine(const std::string& line) {
+  constexpr std::string_view kLeftOut = ": left out";
+  const std::size_t at = line.find(kLeftOut);
+  if (at == std::string::npos) return {"", line};
+  std::string why = line.substr(at + kLeftOut.size());
+  if (!why.empty() && !why.starts_with(' ') && !why.starts_with(", ")) return {"", line};
+  why.erase(0, why.find_first_not_of(", "));
+  return {line.substr(0, at), why, true};
+}
+
+}  // namespace
+
 std::vector<ModelledItem> modelledOf(const JsonNode& list, bool mayBeTexts) {
   std::vector<ModelledItem> items;
   list.forEach([&](const JsonNode& node) {
     if (mayBeTexts && node.isText()) {
-      items.push_back({"", node.text()});
+      items.push_back(itemOfLine(node.text()));
       return;
     }
     node.keys({"topic", "left_out", "text"}, {"sensor", "options", "scenes"});

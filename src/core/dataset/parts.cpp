@@ -66,8 +66,8 @@ DatasetPart parsePart(const std::string& text, const std::string& file) {
 
 namespace {
 
-// Removes the names of scenes from items that are about all scenes of the dataset.
-void nameScenesOfSome(std::vector<ModelledItem>& items) {
+// Clears the list of scenes of each item that is about all scenes of the dataset.
+void clearListsOfAllScenes(std::vector<ModelledItem>& items) {
   std::vector<std::string> all;
   for (const ModelledItem& item : items) appendNew(item.scenes, all);
   for (ModelledItem& item : items) {
@@ -116,7 +116,7 @@ Manifest joinParts(const DatasetPlan& plan, std::vector<DatasetPart> parts, bool
   for (std::size_t i = 0; i < whole.samples.size(); ++i) {
     if (whole.samples[i].key.empty()) throw Error(fmt::format("sample {} of {} is in no shard", i, plan.samples));
   }
-  nameScenesOfSome(whole.modelled);
+  clearListsOfAllScenes(whole.modelled);
   return whole;
 }
 

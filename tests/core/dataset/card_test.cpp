@@ -69,6 +69,8 @@ TEST(Card, RandomMountsAreIntervals) {
   const auto row = tableIn(cardText(m), "| sensor | model |").at(0);
   EXPECT_EQ(row.at(5), "1.5, 0, 1.6 to 1.85");
   EXPECT_EQ(row.at(6), "10, 0, 0");
+  for (SampleRecord& sample : m.samples) sample.scans.clear();
+  EXPECT_EQ(tableIn(cardText(m), "| sensor | model |").at(0).at(5), "none, none, none") << "of a sensor without a scan";
 }
 
 TEST(Card, TextOfOthersStaysText) {
