@@ -25,7 +25,7 @@
 namespace scanmill {
 namespace {
 
-[[noreturn]] void fail(const std::filesystem::path& file, const char* what) {
+[[noreturn]] void failToLock(const std::filesystem::path& file, const char* what) {
   throw Error(fmt::format("{}: {}: {}", file.string(), what, std::strerror(errno)));
 }
 
@@ -118,7 +118,7 @@ bool FolderLock::take(const std::filesystem::path& folder, const std::filesystem
       if (reason == ELOOP) refuseForeign(file, "a link");
       if (reason == EISDIR) refuseForeign(file, "a folder");
       errno = reason;
-      fail(file, "cannot be made");
+      failToLock(file, "cannot be made");
     }
     if (!S_ISREG(status.st_mode) || status.st_nlink > 1) {
       release();
@@ -148,7 +148,7 @@ bool FolderLock::take(const std::filesystem::path& folder, const std::filesystem
     const int reason = errno;
     release();
     errno = reason;
-    fail(file, "cannot be written");
+    failToLock(file, "cannot be written");
   }
   return true;
 }
