@@ -104,10 +104,10 @@ SceneFindings checkScenes(ShotSource& source) {
     }
     for (const auto& [what, triangles] : scene.unlabeled) unlabeled[what] += triangles;
     if (method == nullptr) continue;
-    // The counts in these items differ from scene to scene: report each feature once, for the first scene that has it.
+    // Some of these items differ from scene to scene: report each feature once, for the first scene that has it.
     for (const ModelledItem& item : modelledOf(plan, s, scene, *method)) {
       const auto isSame = [&](const ModelledItem& known) {
-        return known.topic == item.topic && known.leftOut == item.leftOut;
+        return known.topic == item.topic && known.leftOut == item.leftOut && known.sensor == item.sensor;
       };
       if (std::none_of(found.modelled.begin(), found.modelled.end(), isSame)) found.modelled.push_back(item);
     }

@@ -3,7 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <utility>
+#include <tuple>
 
 #include "base/append_new.h"
 
@@ -16,12 +16,18 @@ std::string lineOf(const ModelledItem& item) {
                      item.topic.empty() ? "" : ": ", item.leftOut ? std::string("left out") + gap : "", item.text);
 }
 
+namespace {
+
+auto withoutScenes(const ModelledItem& item) {
+  return std::tie(item.topic, item.text, item.leftOut, item.sensor, item.options);
+}
+
+}  // namespace
+
 void addItems(const std::vector<ModelledItem>& more, std::vector<ModelledItem>& items) {
   for (const ModelledItem& item : more) {
     const auto known = std::find_if(items.begin(), items.end(), [&](const ModelledItem& other) {
-      ModelledItem same = item;
-      same.scenes = other.scenes;
-      return same == other;
+      return withoutScenes(other) == withoutScenes(item);
     });
     if (known == items.end()) {
       items.push_back(item);

@@ -2,6 +2,8 @@
 
 // What a dataset models of the world and of its sensors, and what it leaves out. `scanmill plan` prints the items, the
 // manifest stores them.
+//
+//   for (const ModelledItem& item : readManifest("out/quickstart").modelled) std::puts(item.topic.c_str());
 
 #include <string>
 #include <vector>
@@ -10,7 +12,7 @@ namespace scanmill {
 
 struct ModelledItem {
   std::string topic;  // "geometry", "effect speckle"; empty in datasets of earlier versions
-  std::string text;   // how it is modelled, or why it is left out
+  std::string text;   // how it is modelled, or why it is left out; without counts that differ between scenes
   bool leftOut = false;
   std::string sensor = {};               // name of the sensor that the item is about; empty: all sensors
   std::string options = {};              // options of an effect, as YAML on one line

@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/files_read.h"
 #include "images/images.h"
 #include "images/srgb.h"
 #include "tests/support/message_of.h"
@@ -45,6 +46,16 @@ std::vector<int> texel(const Texture& texture, float u, float v) {
 using Bytes = std::vector<std::uint8_t>;
 
 const std::vector<int> kRed{255, 0, 0, 255}, kGreen{0, 255, 0, 255}, kBlue{0, 0, 255, 255}, kGrey{128, 128, 128, 255};
+
+// A texture that another scene holds is read once, but belongs to the files of both.
+TEST(Texture, IsAFileReadOfEachWhoLoadsIt) {
+  const TemporaryFolder folder;
+  writeImage(folder.path() / "a.png", 1, 1, 3, Bytes{1, 2, 3});
+  const auto held = loadTexture(folder.path() / "a.png");
+  const FilesRead read;
+  EXPECT_EQ(loadTexture(folder.path() / "a.png"), held);
+  EXPECT_EQ(read.hashes().size(), 1u);
+}
 
 TEST(Texture, FirstRowIsTheBottomAndCoordinatesRepeat) {
   const TemporaryFolder folder;

@@ -133,8 +133,8 @@ class RayTracing : public Method {
   }
 
   std::vector<ModelledItem> modelled() const override {
-    std::uint64_t instancedCount = 0;
-    for (const Instance& i : scene_.instances) instancedCount += worlds_.instanced(i.mesh) ? 1 : 0;
+    const bool instanced = std::any_of(scene_.instances.begin(), scene_.instances.end(),
+                                       [&](const Instance& i) { return worlds_.instanced(i.mesh); });
     const bool alpha =
         std::any_of(scene_.materials.begin(), scene_.materials.end(), [](const Material& m) { return m.alphaTested; });
     const bool textured = std::any_of(materials_.begin(), materials_.end(),
@@ -146,9 +146,8 @@ class RayTracing : public Method {
                                              : std::string("exact triangles"),
                                  options_.robust ? ", watertight" : "")},
         {"instancing",
-         instancedCount > 0 ? fmt::format("{} placed objects share meshes", instancedCount)
-                            : std::string("since the scene is small enough for a copy of each mesh"),
-         instancedCount == 0},
+         instanced ? "placed objects share meshes" : "since the scene is small enough for a copy of each mesh",
+         !instanced},
         {"alpha cut-outs", alpha ? "modelled, some materials have them" : "no material has one", !alpha},
         {"reflectance textures", textured ? "modelled" : "no material has one", !textured},
         {"motion of objects",

@@ -248,16 +248,16 @@ std::vector<std::string> seedWarnings(const Pipeline& pipeline, const Sequence& 
 
 namespace {
 
-// Returns a warning if the frames of a sequence follow one another faster than the slowest sensor turns. Otherwise
-// empty.
+// Returns the end of a warning, after the names of drives, if the frames of a sequence follow one another faster than
+// the slowest sensor turns. Otherwise empty.
 std::string intervalWarning(const Pipeline& pipeline, const Sequence& sequence) {
   const double interval = sequence.trajectory->interval();
   const double period = pipeline.periods.longest;
   if (interval >= period * (1 - 1e-6)) return {};
   const auto slowest = std::find_if(pipeline.sensors.begin(), pipeline.sensors.end(),
                                     [&](const MountedSensor& sensor) { return sensor.period == period; });
-  const std::string both = fmt::format("frames of '{}' are {:g} s apart, but a revolution of '{}' takes {:g} s",
-                                       sequence.trajectoryName, interval, slowest->name, period);
+  const std::string both =
+      fmt::format("are {:g} s apart, but a revolution of '{}' takes {:g} s", interval, slowest->name, period);
   if (sequence.turnsWithoutBreak(pipeline.periods)) {
     return fmt::format("{}: some samples have no scan of it (`every_s: {:g}` gives each sample one)", both, period);
   }
@@ -272,17 +272,23 @@ std::string intervalWarning(const Pipeline& pipeline, const Sequence& sequence) 
 std::vector<std::string> driveWarnings(const Pipeline& pipeline) {
   std::vector<std::string> lines;
   std::set<std::string> told;
+  std::map<std::string, std::set<std::string>> close;  // end of the warning -> names of drives
   std::size_t turning = 0;
   std::size_t straight = 0;
   for (const Sequence& s : pipeline.sequences) {
     if (s.trajectory == nullptr) continue;
     if (s.trajectory->turns()) ++turning;
     if (s.trajectory->turns() == 0) ++straight;
-    if (const std::string line = intervalWarning(pipeline, s); !line.empty()) appendNew({line}, lines);
+    if (const std::string line = intervalWarning(pipeline, s); !line.empty()) close[line].insert(s.trajectoryName);
     const std::string doubt = s.trajectory->doubt();
     if (!doubt.empty() && told.insert(s.trajectoryName).second) {
       lines.push_back(fmt::format("the recorded drive '{}': {}", s.trajectoryName, doubt));
     }
+  }
+  for (const auto& [line, drives] : close) {
+    const std::size_t others = drives.size() - 1;
+    const std::string more = others == 0 ? "" : fmt::format(" and {} more drive{}", others, others == 1 ? "" : "s");
+    lines.push_back(fmt::format("frames of '{}'{} {}", *drives.begin(), more, line));
   }
   if (turning == 0 || straight < turning) return lines;
   lines.emplace_back(

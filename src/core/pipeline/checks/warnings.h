@@ -43,8 +43,8 @@ std::vector<std::string> withoutWarnings(const Scene& scene);
 // all seeds.
 std::vector<std::string> seedWarnings(const Pipeline& pipeline, const Sequence& sequence, const Scene& scene);
 
-// Warns if no drive with `along: turns` turns, since one town without a side road among others is no mistake of the
-// user, of recorded drives that are implausible, and of frames closer than a revolution of the slowest sensor.
+// Warns if no drive with `along: turns` turns (one straight drive among others is normal), of implausible recorded
+// drives, and of frames closer than the slowest sensor's revolution.
 std::vector<std::string> driveWarnings(const Pipeline& pipeline);
 
 // Warns of sensors whose files have no effects, if the pipeline uses those of the files of other sensors, and of values

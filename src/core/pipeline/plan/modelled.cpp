@@ -121,12 +121,23 @@ ModelledItem misses(const ScanLayout& layout) {
                                           : "name ring and column in output.columns to know the beam of a point")};
 }
 
-// Returns true if the beams of all sensors continue behind glass and off mirrors.
-bool followsLight(const Pipeline& pipeline) {
+// Whether the beams of a sensor continue behind glass and off mirrors.
+struct LightFollowing {
+  std::string sensor;  // empty: all sensors
+  bool follows = false;
+};
+
+// Returns one entry for all sensors if they agree, otherwise one for each.
+std::vector<LightFollowing> followingsOf(const Pipeline& pipeline) {
+  std::vector<LightFollowing> each;
   for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
-    if (pipeline.lightPaths(s) == nullptr) return false;
+    each.push_back({pipeline.sensors[s].name, pipeline.lightPaths(s) != nullptr});
   }
-  return true;
+  const bool first = each.front().follows;
+  if (std::all_of(each.begin(), each.end(), [&](const LightFollowing& one) { return one.follows == first; })) {
+    return {{"", first}};
+  }
+  return each;
 }
 
 ModelledItem ownVehicle(const Pipeline& pipeline, std::span<const double> blocked) {
@@ -165,9 +176,12 @@ std::vector<ModelledItem> modelled(const Plan& plan, std::span<const double> blo
   }
   addLabels(pipeline, items);
   addEffects(pipeline, items);
-  if (pipeline.recording == nullptr && !followsLight(pipeline)) {
-    items.push_back({"light through glass and off mirrors",
-                     "so that glass is opaque (the effect light_paths adds both, by ray tracing)", true});
+  if (pipeline.recording == nullptr) {
+    for (const LightFollowing& one : followingsOf(pipeline)) {
+      if (one.follows) continue;
+      items.push_back({"light through glass and off mirrors",
+                       "so that glass is opaque (the effect light_paths adds both, by ray tracing)", true, one.sensor});
+    }
   }
   if (pipeline.drawn != nullptr) {
     items.push_back({"random values", "the lines above have those of the first frame, each sample lists its own"});
@@ -208,19 +222,15 @@ std::vector<ModelledItem> modelled(const Plan& plan, std::span<const double> blo
 std::vector<ModelledItem> modelledOf(const Plan& plan, const Sequence& sequence, const Scene& scene,
                                      const Method& method) {
   std::vector<ModelledItem> items = method.modelled();
-  std::size_t parts = 0;
-  std::size_t panes = 0;
-  for (const Mesh& mesh : scene.meshes) {
-    parts += mesh.surfaces.size();
-    panes +=
-        static_cast<std::size_t>(std::count_if(mesh.surfaces.begin(), mesh.surfaces.end(), [&](const Surface& surface) {
-          return scene.materials[surface.material].transmission > 0;
-        }));
-  }
-  if (panes > 0 && plan.pipeline.recording == nullptr) {
-    const bool follows = followsLight(plan.pipeline);
-    items.push_back({"parts that let light through",
-                     fmt::format("{}{} of {} parts", follows ? "" : "opaque here: ", panes, parts), !follows});
+  const bool glass = std::any_of(scene.meshes.begin(), scene.meshes.end(), [&](const Mesh& mesh) {
+    return std::any_of(mesh.surfaces.begin(), mesh.surfaces.end(),
+                       [&](const Surface& surface) { return scene.materials[surface.material].transmission > 0; });
+  });
+  if (glass && plan.pipeline.recording == nullptr) {
+    for (const LightFollowing& one : followingsOf(plan.pipeline)) {
+      items.push_back({"parts that let light through", one.follows ? "beams continue behind them" : "opaque here",
+                       !one.follows, one.sensor});
+    }
   }
   for (ModelledItem& item : items) item.scenes = {sequence.sceneName()};
   return items;

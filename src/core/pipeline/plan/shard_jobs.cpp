@@ -15,6 +15,7 @@
 #include "base/hash.h"
 #include "base/random.h"
 #include "config/version.h"
+#include "dataset/manifest.h"
 #include "dataset/recording.h"
 #include "dataset/shard.h"
 #include "dataset/shard_name.h"
@@ -52,6 +53,7 @@ std::string planHash(const Plan& plan) {
   Sha256 hash;
   const auto add = [&](std::string_view text) { hash.add(fmt::format("{}:{}\n", text.size(), text)); };
   add(kVersion);
+  add(fmt::format("{}", Manifest::kSchemaVersion));
   add(pipeline.text);
   if (plan.chosen) add(plan.chosen->assignment);
   for (const auto& [beams, footprint] : plan.sensors) add(beamsHash(*beams));

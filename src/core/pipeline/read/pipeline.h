@@ -35,7 +35,7 @@ struct MountedSensor {
   SensorSize size;
   Pose vehicleFromSensor = {};
   double period = 0.1;            // s, duration of a revolution
-  std::uint32_t revolutions = 1;  // most of them in one sample: see Sequence::revolutions()
+  std::uint32_t revolutions = 1;  // greatest number of revolutions in one sample
   // Never null; all sensors share one list unless the pipeline's list contains `sensor`.
   std::shared_ptr<const Effects> effects;
   // Stands for the effects that the sensor's file lacks, if the pipeline asks for those of the files and another sensor
@@ -103,7 +103,7 @@ struct Pipeline {
   std::shared_ptr<const Recording> recording;
 
   std::uint64_t frames() const;
-  // Return the beams and rays of one revolution of each sensor, and the rays of all samples.
+  // Return the numbers of beams and rays in one revolution of every sensor, and of rays in all samples.
   std::uint64_t beamsPerFrame() const;
   std::uint64_t raysPerFrame() const;
   double rays() const;

@@ -62,7 +62,9 @@ class DatasetRun {
         planned_(datasetPlan(plan_, jobs_)),
         folder_(options.folder, useOf(options), planned_),
         base_(startManifest(source, planned_)),
+        raysPerSample_(pipeline_.rays() / static_cast<double>(pipeline_.frames())),
         open_(jobs_.size()),
+        files_(base_.files),
         progress_("generate", 0, "frames", "rays", options.quiet),
         maker_(source, options.keepHits, options.keepPasses, options.overwrite,
                [this](const Sequence& sequence) { say("setting up " + sequence.key()); }) {
@@ -89,8 +91,6 @@ class DatasetRun {
   }
 
  private:
-  double raysPerSample() const { return pipeline_.rays() / static_cast<double>(pipeline_.frames()); }
-
   std::vector<std::size_t> chosenJobs() {
     std::vector<std::size_t> chosen(options_.shards.listed.begin(), options_.shards.listed.end());
     if (options_.shards.kind != ShardChoice::Kind::Listed) {
@@ -117,7 +117,7 @@ class DatasetRun {
       const std::scoped_lock lock(mutex_);
       count(kept->manifest);
       ++summary_.resumedShards;
-      progress_.advance(own.samples.size(), static_cast<double>(own.samples.size()) * raysPerSample());
+      progress_.advance(own.samples.size(), static_cast<double>(own.samples.size()) * raysPerSample_);
       return 0;
     }
     if (shared() && claim == nullptr) {
@@ -158,7 +158,7 @@ class DatasetRun {
       expectOneVersion(made->scene->files);
     }
     const std::scoped_lock lock(mutex_);
-    progress_.advance(1, raysPerSample());
+    progress_.advance(1, raysPerSample_);
   }
 
   void close(std::size_t job) {
@@ -185,12 +185,13 @@ class DatasetRun {
     expectSameFiles(known, pipeline_.file.parent_path(), options_.folder);
   }
 
-  // Throws InputError if a scene was read from other bytes of a file than a scene before.
+  // Throws InputError if a scene was read from other bytes of a file than the pipeline or a scene before.
   void expectOneVersion(const std::vector<FileRecord>& files) {
     const std::string changed = addFiles(files, files_);
     if (changed.empty() || options_.anyFiles) return;
     throw InputError({fileOfSavedPath(changed, pipeline_.file.parent_path()).string()},
-                     "changed while the dataset was made: start again with --overwrite");
+                     "changed while the dataset was made: start again with --overwrite, or complete the dataset by "
+                     "--resume=anyway");
   }
 
   bool shared() const { return options_.shards.kind != ShardChoice::Kind::All; }
@@ -223,6 +224,7 @@ class DatasetRun {
           "has a complete dataset of another pipeline (another `--set` makes another pipeline), of changed files that "
           "the pipeline names, or of another version of this program: choose another output folder with -o");
     }
+    if (!options_.anyFiles) expectSameFiles(made->files, pipeline_.file.parent_path(), options_.folder);
     summary_.manifest = std::move(*made);
     summary_.whole = true;
     return std::move(summary_);
@@ -245,15 +247,25 @@ class DatasetRun {
   void warnOfBlindSensors() {
     auto sample = summary_.manifest.samples.begin();
     for (const Sequence& sequence : pipeline_.sequences) {
-      std::map<std::string, std::uint64_t> pointsOfSensor;
+      struct Seen {
+        std::uint64_t scans = 0;
+        std::uint64_t points = 0;
+      };
+      std::map<std::string, Seen> seen;
+      for (const MountedSensor& sensor : pipeline_.sensors) seen[sensor.name];
       for (std::uint32_t frame = 0; frame < sequence.frames; ++frame, ++sample) {
-        for (const ScanRecord& scan : sample->scans) pointsOfSensor[scan.sensor] += scan.points;
+        for (const ScanRecord& scan : sample->scans) {
+          ++seen[scan.sensor].scans;
+          seen[scan.sensor].points += scan.points;
+        }
       }
-      for (const auto& [sensor, points] : pointsOfSensor) {
-        if (points > 0) continue;
-        summary_.warnings.push_back(
-            fmt::format("sequence {}: the sensor '{}' hits nothing in {} frames: is the trajectory inside the scene?",
-                        sequence.key(), sensor, sequence.frames));
+      for (const auto& [sensor, has] : seen) {
+        if (has.points > 0) continue;
+        const char* const problem = has.scans == 0 ? "has no scan" : "hits nothing";
+        const char* const question = has.scans == 0 ? "do they take less time than one of its revolutions?"
+                                                    : "is the trajectory inside the scene?";
+        summary_.warnings.push_back(fmt::format("sequence {}: the sensor '{}' {} in {} frames: {}", sequence.key(),
+                                                sensor, problem, sequence.frames, question));
       }
     }
   }
@@ -296,10 +308,11 @@ class DatasetRun {
   std::vector<ShardJob> jobs_;
   DatasetPlan planned_;
   DatasetFolder folder_;
-  Manifest base_;                                 // initial contents of each part's manifest
+  Manifest base_;  // initial contents of each part's manifest
+  const double raysPerSample_;
   std::vector<std::unique_ptr<OpenShard>> open_;  // indexed by job; null: not open
   std::mutex mutex_;                              // guards the members up to progress_
-  std::vector<FileRecord> files_;                 // files that the scenes so far were read from
+  std::vector<FileRecord> files_;                 // files that the pipeline and the scenes so far were read from
   std::vector<std::size_t> claimed_;              // jobs whose shards other processes are making
   GenerateSummary summary_;
   Progress progress_;

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <chrono>
 #include <exception>
+#include <iterator>
 #include <list>
+#include <set>
 #include <thread>
 #include <utility>
 
@@ -184,8 +186,12 @@ void SceneStore::account(std::size_t sequence, const TraceAccount& account) {
 std::vector<std::string> SceneStore::warnings() const {
   const std::scoped_lock lock(mutex_);
   std::vector<std::string> lines;
+  std::set<std::string> known;
   for (const Told& told : told_) {
-    for (const auto& more : {told.ofScene, told.ofWay, told.account.warningTexts()}) appendNew(more, lines);
+    for (const auto& more : {told.ofScene, told.ofWay, told.account.warningTexts()}) {
+      std::copy_if(more.begin(), more.end(), std::back_inserter(lines),
+                   [&](const std::string& line) { return known.insert(line).second; });
+    }
   }
   return lines;
 }
