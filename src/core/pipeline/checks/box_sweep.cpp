@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kCell = 2;  // m, side of the cells in which boxes are found
 
-bool meets(const Box& a, const Box& b) {
+bool overlaps(const Box& a, const Box& b) {
   return a.low.x <= b.high.x && b.low.x <= a.high.x && a.low.y <= b.high.y && b.low.y <= a.high.y &&
          a.low.z <= b.high.z && b.low.z <= a.high.z;
 }
@@ -24,18 +24,20 @@ bool meets(const Box& a, const Box& b) {
 // A box in one step.
 struct Step {
   Affine boxFromWorld, worldFromBox;
-  Box box;     // in the step's own frame
-  Box around;  // in the world's frame
+  Box box;          // in the step's own frame
+  Box worldBounds;  // in the world's frame
+  bool backward = false;
 };
 
 Step stepOf(const Box& box, const Pose& from, const Pose& to) {
   const Pose middle = interpolate(from, to, 0.5);
-  Step step{toAffine(inverse(middle)), toAffine(middle), box, {}};
+  Step step{toAffine(inverse(middle)), toAffine(middle), box, {}, false};
   const Vec3d way = inverse(middle) * to.translation;
   const Vec3d half{std::fabs(way.x), std::fabs(way.y), std::fabs(way.z)};
   step.box.low = box.low - half;
   step.box.high = box.high + half;
-  step.around = boxAround(step.worldFromBox, step.box);
+  step.backward = way.x < 0;
+  step.worldBounds = boxAround(step.worldFromBox, step.box);
   return step;
 }
 
@@ -44,14 +46,14 @@ class StepCells {
  public:
   explicit StepCells(const std::vector<Step>& steps) {
     for (std::size_t i = 0; i < steps.size(); ++i) {
-      around_.add(steps[i].around);
-      eachCell(steps[i].around, [&](std::int64_t cell) { steps_[cell].push_back(i); });
+      around_.add(steps[i].worldBounds);
+      eachCell(steps[i].worldBounds, [&](std::int64_t cell) { steps_[cell].push_back(i); });
     }
   }
 
   // Calls visit(index) for all boxes that may be near this one, for some of them more than once.
   void eachNear(const Box& box, const auto& visit) const {
-    if (!meets(box, around_)) return;
+    if (!overlaps(box, around_)) return;
     const Box within{{std::max(box.low.x, around_.low.x), std::max(box.low.y, around_.low.y), 0},
                      {std::min(box.high.x, around_.high.x), std::min(box.high.y, around_.high.y), 0}};
     const double cells = (within.high.x - within.low.x) * (within.high.y - within.low.y) / (kCell * kCell);
@@ -96,9 +98,9 @@ Box insideOf(const Box& box, const std::array<Vec3d, 3>& corners) {
 
 }  // namespace
 
-std::vector<BoxContact> sweepBoxes(const Scene& scene, const std::vector<Box>& boxes,
-                                   const std::vector<std::pair<Pose, Pose>>& steps,
-                                   const std::function<bool(const Instance&, const Surface&, const Vec3d&)>& counts) {
+std::vector<BoxContact> sweepBoxes(
+    const Scene& scene, const std::vector<Box>& boxes, const std::vector<std::pair<Pose, Pose>>& steps,
+    const std::function<bool(const Instance&, const Surface&, const Vec3d&)>& isObstacle) {
   std::vector<Step> swept;  // box k of step i is at i * boxes.size() + k
   swept.reserve(steps.size() * boxes.size());
   for (const auto& [from, to] : steps) {
@@ -114,7 +116,7 @@ std::vector<BoxContact> sweepBoxes(const Scene& scene, const std::vector<Box>& b
     if (bounds[instance.mesh].empty()) continue;
     bool near = false;
     const Box around = boxAround(instance.worldFromMesh, bounds[instance.mesh]);
-    cells.eachNear(around, [&](std::size_t k) { near = near || meets(around, swept[k].around); });
+    cells.eachNear(around, [&](std::size_t k) { near = near || overlaps(around, swept[k].worldBounds); });
     if (!near) continue;
     const Mesh& mesh = scene.meshes[instance.mesh];
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -124,15 +126,15 @@ std::vector<BoxContact> sweepBoxes(const Scene& scene, const std::vector<Box>& b
         corners[c] = instance.worldFromMesh * Vec3d(mesh.positions[mesh.triangles[t][c]]);
         own.add(corners[c]);
       }
-      std::optional<bool> counted;
+      std::optional<bool> obstacle;
       const Surface& surface = mesh.surfaces[mesh.surfaceOf[t]];
       cells.eachNear(own, [&](std::size_t k) {
         const Step& box = swept[k];
-        if (counted == false || !meets(own, box.around)) return;
-        if (!counted) {
-          counted = counts(instance, surface, normalized(cross(corners[1] - corners[0], corners[2] - corners[0])));
+        if (obstacle == false || !overlaps(own, box.worldBounds)) return;
+        if (!obstacle) {
+          obstacle = isObstacle(instance, surface, normalized(cross(corners[1] - corners[0], corners[2] - corners[0])));
         }
-        if (!*counted) return;
+        if (!*obstacle) return;
         const std::tuple key{&instance, surface.object, surface.semantic};
         const auto known = first.find(key);
         const std::size_t step = k / boxes.size();
@@ -141,8 +143,10 @@ std::vector<BoxContact> sweepBoxes(const Scene& scene, const std::vector<Box>& b
         for (std::size_t c = 0; c < 3; ++c) inStep[c] = box.boxFromWorld * corners[c];
         const Box inside = insideOf(box.box, inStep);
         if (inside.empty()) return;
-        const BoxContact contact{&instance, surface.semantic, step, inside.low.x,
-                                 box.worldFromBox * Vec3d{inside.low.x, inside.center().y, inside.center().z}};
+        const double x = box.backward ? inside.high.x : inside.low.x;
+        const BoxContact contact{
+            &instance, surface.object,        surface.semantic,
+            step,      box.backward ? -x : x, box.worldFromBox * Vec3d{x, inside.center().y, inside.center().z}};
         if (known == first.end()) {
           first.emplace(key, contact);
         } else if (std::pair(step, contact.along) < std::pair(known->second.step, known->second.along)) {

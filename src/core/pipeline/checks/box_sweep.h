@@ -1,6 +1,6 @@
 #pragma once
 
-// Finds the surfaces of a scene that boxes meet on their way.
+// Finds the surfaces of a scene that boxes touch on their way.
 
 #include <cstddef>
 #include <cstdint>
@@ -13,21 +13,23 @@
 
 namespace scanmill {
 
-// The surfaces of one class of an object that a box meets.
+// The surfaces of one class of an object that a box touches.
 struct BoxContact {
   const Instance* instance = nullptr;
+  std::uint32_t object = 0;  // see Surface::object
   std::uint16_t semantic = 0;
-  std::size_t step = 0;  // index of the first step in which a box meets the surfaces
-  double along = 0;      // m along the x axis of the box, where it meets them first in this step
-  Vec3d place;           // where they are met (m, world frame): in the middle across the box
+  std::size_t step = 0;  // index of the first step in which a box touches the surfaces
+  double along = 0;  // m from the step's middle in the direction of travel, where it touches them first in this step
+  Vec3d position;    // where they are touched (m, world frame): in the middle across the box
 };
 
-// Returns what some boxes meet that move together, the first first. A step is straight: a box is extended by the motion
-// between the step's two poses, and turned as halfway between them. `boxes`: m, in the frame of the poses, not flat
-// along any axis. `counts`: true for triangles that may not be met, given their instance, surface and unit normal in
-// the world frame. Objects are where they are at time 0.
-std::vector<BoxContact> sweepBoxes(const Scene& scene, const std::vector<Box>& boxes,
-                                   const std::vector<std::pair<Pose, Pose>>& steps,
-                                   const std::function<bool(const Instance&, const Surface&, const Vec3d&)>& counts);
+// Sweeps boxes, which move together, along the steps and returns the surfaces that they touch, sorted by first contact.
+// A step is straight: a box is extended by the motion between the step's two poses, and turned as halfway between them.
+// A box travels along its x axis, forwards or backwards. `boxes`: m, in the frame of the poses, not flat along any
+// axis. `isObstacle`: true for triangles that may not be touched, given their instance, surface and unit normal in the
+// world frame. Objects are where they are at time 0.
+std::vector<BoxContact> sweepBoxes(
+    const Scene& scene, const std::vector<Box>& boxes, const std::vector<std::pair<Pose, Pose>>& steps,
+    const std::function<bool(const Instance&, const Surface&, const Vec3d&)>& isObstacle);
 
 }  // namespace scanmill

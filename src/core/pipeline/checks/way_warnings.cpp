@@ -23,7 +23,8 @@ constexpr double kFarAbove = 50;              // height above the surface (m); a
 constexpr double kOnSurface = 0.05;           // a sensor at most this far (m) from a surface causes a warning
 constexpr double kReach = 1e5;                // length of test rays (m)
 constexpr double kStep = 0.5;                 // maximum length of the steps in which a path is checked (m)
-constexpr double kSwung = 5;                  // a turn that swings the vehicle's end by 1 m counts as so many m of path
+constexpr double kTurnWeight = 5;             // a turn that swings the vehicle's end by 1 m counts as so many m of path
+constexpr std::size_t kChunk = 20'000;        // number of steps that are swept at once, which limits memory use
 constexpr std::size_t kMostPlaces = 400'000;  // after this many poses the rest of a path is not checked
 // Height of the vehicle's underside above the ground (m), but at most half of the vehicle's height: it drives over what
 // is lower.
@@ -274,7 +275,7 @@ class WayCheck {
     std::vector<Step> steps;
     const auto apart = [&](const Pose& a, const Pose& b) {
       return length(b.translation - a.translation) +
-             kSwung * radius * length(toMatrix(b.rotation).x - toMatrix(a.rotation).x);
+             kTurnWeight * radius * length(toMatrix(b.rotation).x - toMatrix(a.rotation).x);
     };
     Pose last = drive_->pose(0, 0);
     if (drive_->still() || own_.frames == 1) {
@@ -317,9 +318,11 @@ class WayCheck {
     }
     const double radius = std::hypot(std::max(box.high.x, -box.low.x), std::max(box.high.y, -box.low.y));
     const std::vector<Step> steps = stepsOnWay(radius);
-    std::vector<std::pair<Pose, Pose>> poses;
-    poses.reserve(steps.size());
-    for (const Step& step : steps) poses.push_back(step.poses);
+    const std::uint32_t lastFrame = own_.frames - (drive_->still() || own_.frames == 1 ? 1 : 2);
+    if (steps.back().frame < lastFrame) {
+      say(fmt::format("only its frames 0 to {} are checked for obstacles, since its path is too long",
+                      steps.back().frame));
+    }
     const Ontology& ontology = probe_.scene().ontology;
     const std::vector<std::uint16_t> ground =
         drive_->ground() == nullptr ? std::vector<std::uint16_t>()
@@ -330,20 +333,30 @@ class WayCheck {
       const SemanticClass* const semantic = ontology.find(surface.semantic);
       return semantic != nullptr && semantic->thing && std::ranges::find(ground, surface.semantic) == ground.end();
     };
-    const std::vector<BoxContact> met = sweepBoxes(probe_.scene(), boxes, poses, blocks);
-    if (met.empty()) return;
-    std::set<std::string> classes;
-    for (std::size_t i = 1; i < met.size(); ++i) classes.insert(className(met[i].semantic));
-    const BoxContact& first = met.front();
+    std::optional<BoxContact> first;
+    std::set<std::pair<const Instance*, std::uint32_t>> others;
+    std::set<std::string> classes;  // of the others
+    for (std::size_t begin = 0; begin < steps.size(); begin += kChunk) {
+      std::vector<std::pair<Pose, Pose>> poses;
+      for (std::size_t i = begin; i < std::min(begin + kChunk, steps.size()); ++i) poses.push_back(steps[i].poses);
+      for (BoxContact contact : sweepBoxes(probe_.scene(), boxes, poses, blocks)) {
+        contact.step += begin;
+        if (!first) first = contact;
+        if (contact.instance == first->instance && contact.object == first->object) continue;
+        others.emplace(contact.instance, contact.object);
+        classes.insert(className(contact.semantic));
+      }
+    }
+    if (!first) return;
     const Vec3d size = box.high - box.low;
     say(
         fmt::format("{} '{}' ({}) at {} (frame {}){}; checked is the box of its {}, {:.2f} x {:.2f} m, from {:.2f} to "
                     "{:.2f} m above its origin",
-                    drive_->still() ? "it stands in" : "its path goes through", first.instance->name,
-                    className(first.semantic), shortPlace(first.place), steps[first.step].frame,
-                    met.size() > 1 ? fmt::format(", and {} {} more object{} ({})", drive_->still() ? "in" : "through",
-                                                 met.size() - 1, met.size() > 2 ? "s" : "", fmt::join(classes, ", "))
-                                   : "",
+                    drive_->still() ? "it stands in" : "its path goes through", first->instance->name,
+                    className(first->semantic), shortPlace(first->position), steps[first->step].frame,
+                    !others.empty() ? fmt::format(", and {} {} more object{} ({})", drive_->still() ? "in" : "through",
+                                                  others.size(), others.size() > 1 ? "s" : "", fmt::join(classes, ", "))
+                                    : "",
                     vehicle_ == nullptr ? "sensors" : "`vehicle`", size.x, size.y, box.low.z, box.high.z));
   }
 

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <numbers>
+
+#include "pipeline/checks/box_sweep.h"
 #include "pipeline/scenes/shot_source.h"
 #include "tests/core/pipeline/small_world.h"
 #include "tests/support/labels.h"
@@ -174,6 +177,27 @@ TEST_F(WayWarnings, TellWhatTheVehicleMeetsFirst) {
   EXPECT_THAT(told("poses: [{position: [5.5, -5, 0], yaw_deg: 45}, {position: [5.6, -5, 0], yaw_deg: 45}]"),
               ElementsAre(HasSubstr("(frame 1)")))
       << "its corner";
+}
+
+TEST_F(WayWarnings, BoxesTouchTheNearSideForwardsAndBackwards) {
+  const Plan plan = makePlan(readPipeline(pipeline_, {}));
+  const Scene scene = ShotSource(plan).load(0);
+  for (const double yaw : {0.0, std::numbers::pi}) {
+    const Quat heading = fromYawPitchRoll(yaw, 0, 0);
+    const std::vector<BoxContact> contacts =
+        sweepBoxes(scene, {{{-0.5, -0.5, 0.5}, {0.5, 0.5, 1}}}, {{{heading, {3, 5, 0}}, {heading, {9, 5, 0}}}},
+                   [](const Instance&, const Surface&, const Vec3d&) { return true; });
+    ASSERT_FALSE(contacts.empty());
+    EXPECT_EQ(contacts.front().instance->name, "car#1");
+    EXPECT_NEAR(contacts.front().position.x, 6, 1e-6) << yaw;
+  }
+}
+
+TEST_F(WayWarnings, TellHowFarLongWaysAreChecked) {
+  EXPECT_THAT(warnings({"trajectories=[{name: far, path: line, waypoints: [[-3, 5, 0], [204000, 5, 0]], speed: 100, "
+                        "every_m: 500}]"}),
+              testing::IsSupersetOf({HasSubstr("only its frames 0 to 399 are checked for obstacles"),
+                                     HasSubstr("'car#1' (car) at [6.00, 5.00, ")}));
 }
 
 TEST_F(WayWarnings, TellOfWaysThatLeaveTheGround) {
