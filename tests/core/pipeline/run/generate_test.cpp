@@ -494,12 +494,19 @@ TEST_F(GenerateTest, ResumingRefusesOtherPipelines) {
   EXPECT_THAT(messageOf<InputError>([&] { generate(plan, options); }), HasSubstr("has a complete dataset"));
 }
 
-// An asset, a texture or a drive that changes between two runs would leave shards of both in one dataset.
+// A mesh, a texture or a drive's poses that change between two runs would leave shards of both in one dataset. Both
+// scenes of seeds show the same texture, which is read once.
 TEST_F(GenerateTest, ResumingRefusesAssetsThatHaveChanged) {
-  const std::filesystem::path mesh = folder_.write("models/crate.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n");
+  const std::string faces = "mtllib crate.mtl\nusemtl paint\nv 0 0 0\nv 1 0 0\nv 0 0 1\nvt 0 0\nvt 1 0\nvt 0 1\n";
+  const std::filesystem::path mesh = folder_.write("models/crate.obj", faces + "f 1/1 2/2 3/3\n");
+  folder_.write("models/crate.mtl", "newmtl paint\nmap_Kd paint.ppm\n");
+  const std::filesystem::path texture = folder_.write("models/paint.ppm", "P6\n1 1\n255\nabc");
+  const std::filesystem::path poses = folder_.write("drive.csv", "time,x,y,z\n0,-10,0,0\n1,0,0,0\n");
   folder_.write("scenes/yard.yaml",
                 yardScene() + "  - {file: ../models/crate.obj, class: ground, position: [5, 0, 0]}\n");
-  const std::vector<std::string> overrides{"output.shard_samples=1", "trajectories.0.frames=3"};
+  const std::vector<std::string> overrides{
+      "output.shard_samples=1", "scenes.0.seeds=[1, 2]", "effects=[intensity]",
+      "trajectories=[{name: drive, recorded: {file: drive.csv}, every_s: 0.1, frames: 2}]"};
   const Manifest whole = sound(overrides, "whole");
   const auto hashOf = [](const Manifest& m, const std::string& file) {
     for (const FileRecord& record : m.files) {
@@ -512,9 +519,25 @@ TEST_F(GenerateTest, ResumingRefusesAssetsThatHaveChanged) {
   EXPECT_FALSE(hashOf(whole, "scanmill:labels/materials.yaml").empty());
 
   const Plan plan = makePlan(readPipeline(pipeline_, overrides));
+  // All shards are made in one run, then the last one, of the second seed, is all that is left of it.
+  generate(plan, {.folder = out("listed"), .shards = {ShardChoice::Kind::Listed, {0, 1, 2, 3}}, .quiet = true});
+  DatasetFolder listed(out("listed"), FolderUse::Share, datasetPlan(plan, shardJobs(plan)));
+  const auto ofSecondSeed = listed.kept(whole.shards[3].file, DatasetFolder::Check::Bytes);
+  ASSERT_TRUE(ofSecondSeed);
+  EXPECT_EQ(hashOf(ofSecondSeed->manifest, "models/paint.ppm"), xxh3(readFile(texture)));
+  EXPECT_EQ(hashOf(ofSecondSeed->manifest, "drive.csv"), xxh3(readFile(poses)));
+
   interrupt(out(), plan, out("whole"), {1});
   GenerateOptions options{.folder = out(), .resume = true, .quiet = true};
-  writeFile(mesh, "v 0 0 0\nv 2 0 0\nv 0 0 2\nf 1 2 3\n");
+  for (const std::filesystem::path& file : {texture, poses}) {
+    const std::string text = readFile(file);
+    writeFile(file, text + "\n");
+    EXPECT_THAT(messageOf<InputError>([&] { generate(plan, options); }), HasSubstr(file.filename().string()));
+    writeFile(file, text);
+  }
+  writeFile(mesh, faces + "f 3/3 2/2 1/1\n");
+  const GenerateOptions again{.folder = out("whole"), .shards = {ShardChoice::Kind::Any, {}}, .quiet = true};
+  EXPECT_THAT(messageOf<InputError>([&] { generate(plan, again); }), HasSubstr("crate.obj")) << "of a whole dataset";
   EXPECT_THAT(messageOf<InputError>([&] { generate(plan, options); }),
               testing::AllOf(HasSubstr("crate.obj"), HasSubstr("--overwrite"), HasSubstr("--resume=anyway")));
   EXPECT_TRUE(std::filesystem::exists(out() / ".scanmill" / whole.shards[1].file)) << "nothing is lost";
@@ -524,6 +547,14 @@ TEST_F(GenerateTest, ResumingRefusesAssetsThatHaveChanged) {
   const GenerateSummary mixed = generate(plan, options);
   EXPECT_EQ(mixed.resumedShards, 1u);
   EXPECT_EQ(mixed.manifest.files.size(), whole.files.size() + 1) << "both versions of the mesh";
+}
+
+// A file that changes after the pipeline was read is refused with the first scene, not after all shards are made.
+TEST_F(GenerateTest, FilesThatChangeBeforeTheFirstSceneAreRefused) {
+  Plan plan = makePlan(readPipeline(pipeline_, {}));
+  plan.pipeline.files.push_back({"scenes/yard.yaml", "0123456789abcdef0123456789abcdef"});
+  EXPECT_THAT(messageOf<InputError>([&] { generate(plan, {.folder = out(), .quiet = true}); }),
+              AllOf(HasSubstr("yard.yaml"), HasSubstr("--resume=anyway")));
 }
 
 }  // namespace
