@@ -95,11 +95,12 @@ std::vector<ModelledItem> modelledOf(const JsonNode& list, bool mayBeTexts) {
       items.push_back(itemOfLine(node.text()));
       return;
     }
-    node.keys({"topic", "left_out", "text"}, {"sensor", "options", "scenes"});
+    node.keys({"topic", "left_out", "text"}, {"sensor", "options", "scenes", "parts"});
     ModelledItem item{node["topic"].text(), node["text"].text(), node["left_out"].boolean()};
     if (node.has("sensor")) item.sensor = node["sensor"].text();
     if (node.has("options")) item.options = node["options"].text();
     if (node.has("scenes")) item.scenes = node["scenes"].texts();
+    if (node.has("parts")) item.parts = node["parts"].integer<std::uint64_t>(1);
     items.push_back(std::move(item));
   });
   return items;

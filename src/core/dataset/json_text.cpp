@@ -93,6 +93,7 @@ OrderedJson modelledJson(const std::vector<ModelledItem>& items) {
     if (!item.sensor.empty()) entry["sensor"] = item.sensor;
     if (!item.options.empty()) entry["options"] = item.options;
     if (!item.scenes.empty()) entry["scenes"] = item.scenes;
+    if (item.parts > 0) entry["parts"] = item.parts;
     list.push_back(std::move(entry));
   }
   return list;

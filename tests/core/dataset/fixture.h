@@ -68,7 +68,7 @@ inline Manifest testManifest() {
   m.sequences = {{"street-1-drive", "street", "scenes/street.yaml", 1, "drive", true, "scanmill:scenes/vehicle.yaml"}};
   m.files = {{"scenes/street.yaml", xxh3("objects: []")}, {"scenes/wall.obj", xxh3("v 0 0 0")}};
   m.modelled = {{"effect speckle", "random echoes", false, "top", "{looks: 3}"},
-                {"glass", "no material of the scene is transparent", true, "", "", {"street-s1"}}};
+                {"glass", "no material of the scene is transparent", true, "", "", {"street-s1"}, 3}};
   return m;
 }
 

@@ -222,14 +222,19 @@ std::vector<ModelledItem> modelled(const Plan& plan, std::span<const double> blo
 std::vector<ModelledItem> modelledOf(const Plan& plan, const Sequence& sequence, const Scene& scene,
                                      const Method& method) {
   std::vector<ModelledItem> items = method.modelled();
-  const bool glass = std::any_of(scene.meshes.begin(), scene.meshes.end(), [&](const Mesh& mesh) {
-    return std::any_of(mesh.surfaces.begin(), mesh.surfaces.end(),
-                       [&](const Surface& surface) { return scene.materials[surface.material].transmission > 0; });
-  });
-  if (glass && plan.pipeline.recording == nullptr) {
+  std::uint64_t panes = 0;
+  for (const Mesh& mesh : scene.meshes) {
+    for (const Surface& surface : mesh.surfaces) panes += scene.materials[surface.material].transmission > 0 ? 1 : 0;
+  }
+  if (panes > 0 && plan.pipeline.recording == nullptr) {
     for (const LightFollowing& one : followingsOf(plan.pipeline)) {
-      items.push_back({"parts that let light through", one.follows ? "beams continue behind them" : "opaque here",
-                       !one.follows, one.sensor});
+      items.push_back({"parts that let light through",
+                       one.follows ? "beams continue behind them" : "opaque here",
+                       !one.follows,
+                       one.sensor,
+                       {},
+                       {},
+                       panes});
     }
   }
   for (ModelledItem& item : items) item.scenes = {sequence.sceneName()};

@@ -128,9 +128,10 @@ TEST_F(FootprintRun, LooksThroughGlass) {
   for (const Scan& scan : scans(".pcd", "opaque")) {
     for (const std::uint8_t cause : scan[kCause]) EXPECT_EQ(cause, 1);
   }
-  EXPECT_THAT(linesOf(through.modelled), testing::Contains("parts that let light through: beams continue behind them"));
+  EXPECT_THAT(linesOf(through.modelled),
+              testing::Contains("parts that let light through: beams continue behind them (1 in a scene)"));
   EXPECT_THAT(linesOf(opaque.modelled),
-              AllOf(testing::Contains("parts that let light through: left out, opaque here"),
+              AllOf(testing::Contains("parts that let light through: left out, opaque here (1 in a scene)"),
                     testing::Contains(HasSubstr("light through glass and off mirrors: left out"))));
   EXPECT_THAT(
       messageOf([&] { makePlan(readPipeline(pipeline_, with("[intensity, light_paths: {}]", "depth_camera"))); }),
