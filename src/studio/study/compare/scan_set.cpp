@@ -318,11 +318,22 @@ ScanSet readScanSet(const std::filesystem::path& path, const ScanSetOptions& opt
   const std::string name = (whole.has_filename() ? whole : whole.parent_path()).filename().string();
   const std::size_t stored = store.keys().size();
   if (stored == 0) throw InputError({path.string()}, "has no scans");
-  const std::size_t count = std::min(options.scans, stored);
   const std::vector<std::string> sensors = store.sensors();
   const bool found =
       std::ranges::any_of(sensors, [&](const std::string& own) { return lowerCase(own) == lowerCase(options.sensor); });
-  const std::string sensor = found || sensors.size() > 1 ? options.sensor : std::string();
+  std::string sensor;
+  if (sensors.size() > 1 || found) sensor = options.sensor;
+  if (sensor.empty()) {
+    sensor = store.manifest() != nullptr ? store.manifest()->sensors.front().name : store.scans(0).front().sensor;
+  }
+  // Samples without a scan of the sensor, which turns more slowly than frames follow each other, are passed over.
+  std::vector<std::size_t> held;
+  for (std::size_t i = 0; i < stored; ++i) {
+    const auto own = [&](const StoredScan& s) { return lowerCase(s.sensor) == lowerCase(sensor); };
+    if (sensor.empty() || std::ranges::any_of(store.scans(i), own)) held.push_back(i);
+  }
+  if (held.empty()) static_cast<void>(store.scans(0, sensor));  // throws: no sample has such a sensor
+  const std::size_t count = std::min(options.scans, held.size());
   std::vector<ScanCounts> all(count);
   // Process a few scans at a time, to show progress and to limit memory use.
   const auto batch = static_cast<std::size_t>(std::max(1, threadCount()));
@@ -330,7 +341,7 @@ ScanSet readScanSet(const std::filesystem::path& path, const ScanSetOptions& opt
     const std::size_t size = std::min(batch, count - start);
     parallelFor(size, 1, [&](std::size_t first, std::size_t last) {
       for (std::size_t k = start + first; k < start + last; ++k) {
-        const std::size_t sample = k * stored / count;
+        const std::size_t sample = held[k * held.size() / count];
         const Scan scan = store.decode(sample, store.scans(sample, sensor).front());
         all[k] = countScan(scan, static_cast<std::uint32_t>(k), options);
       }

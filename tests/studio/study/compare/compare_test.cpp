@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/parallel.h"
+#include "tests/core/dataset/fixture.h"
 #include "tests/studio/study/compare/compare_scans.h"
 #include "tests/support/shared_data.h"
 
@@ -201,6 +202,28 @@ TEST(Compare, IsTheSameWhateverTheThreads) {
   EXPECT_EQ(parsed["grouped_by"], "class");
   EXPECT_EQ(parsed["features"].size(), kFeatureCount);
   EXPECT_EQ(parsed["figures"].size(), kSetFigureCount);
+}
+
+// A sensor that turns more slowly than frames follow each other has no scan in some samples.
+TEST(Compare, PassesOverSamplesWithoutTheFirstSensor) {
+  const TemporaryFolder folder;
+  PackedDataset writer(folder.path() / "slow", false, 1 << 20);
+  Manifest manifest = testManifest();
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    Sample sample = testSample(manifest, i, "drive-00000" + std::to_string(i), "train");
+    if (i == 0) {
+      std::erase_if(sample.scans, [&](const ScanRecord& s) { return s.sensor == manifest.sensors[0].name; });
+      std::erase_if(sample.members, [](const auto& m) { return m.suffix.starts_with("top."); });
+    }
+    writer.add(sample);
+  }
+  writer.finish(manifest);
+  Progress progress("test", 3, "scans", "points", true);
+  const ScanSet set = readScanSet(folder.path() / "slow", {}, progress);
+  EXPECT_EQ(set.scans, 2u);
+  EXPECT_EQ(set.rows, manifest.sensors[0].beams.rings);
+  EXPECT_EQ(readScanSet(folder.path() / "slow", {.sensor = "rear"}, progress).scans, 3u);
+  EXPECT_THROW(readScanSet(folder.path() / "slow", {.sensor = "nothing"}, progress), InputError);
 }
 
 // What was measured on the recording by other means (lidar/real_statistics.md): 82 % of the beams return, 7.9 % of
