@@ -59,11 +59,11 @@ TEST_F(Tell, InfoDescribesEverySensor) {
 
 TEST_F(Tell, PlanPrintsRaysMemoryAndWhatIsLeftOut) {
   const std::string out = told({"plan", pipeline_});
-  EXPECT_THAT(out, AllOf(HasSubstr("4 frames x 512 beams = 2.05 k rays (limits.max_rays: 100 G)"),
-                         ContainsRegex("memory: [0-9.]+ [KMG]?i?B for frames in flight\n"),
-                         HasSubstr("properties of hits that nothing reads: left out, "),
-                         HasSubstr("scene-s1-drive"), HasSubstr("scenes were not loaded; --check loads them"),
-                         HasSubstr("method: ray_tracing; --check")));
+  EXPECT_THAT(
+      out, AllOf(HasSubstr("4 frames x 512 beams = 2.05 k rays (limits.max_rays: 100 G)"),
+                 ContainsRegex("memory: [0-9.]+ [KMG]?i?B for frames in flight\n"),
+                 HasSubstr("properties of hits that nothing reads: left out, "), HasSubstr("scene-s1-drive"),
+                 HasSubstr("scenes were not loaded; --check loads them"), HasSubstr("method: ray_tracing; --check")));
   EXPECT_THAT(told({"plan", pipeline_, "--check"}),
               AllOf(ContainsRegex("frames in flight and about [0-9.]+ [KMG]?i?B for the scene"),
                     HasSubstr("unlabelled geometry: none"), HasSubstr("rays: traced by Embree"),

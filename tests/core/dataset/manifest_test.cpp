@@ -210,9 +210,8 @@ TEST(Manifest, RefusesEveryMissingKey) {
     const std::string top = path.substr(0, 8);
     const bool optional = place.back() == "aliases" || place.back() == "origin_left" || place.back() == "origin_up" ||
                           place.back() == "digest" || path.starts_with("/about") || place.back() == "scene_file" ||
-                          (path.starts_with("/modelled/") &&
-                           (place.back() == "sensor" || place.back() == "options" || place.back() == "scenes" ||
-                            place.back() == "parts")) ||
+                          (path.starts_with("/modelled/") && (place.back() == "sensor" || place.back() == "options" ||
+                                                              place.back() == "scenes" || place.back() == "parts")) ||
                           (path.starts_with("/sequences/") && place.back() == "vehicle");
     if (!parent.is_object() || top == "/frames/" || optional) continue;
     Json damaged = json;
