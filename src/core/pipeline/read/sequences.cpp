@@ -222,8 +222,8 @@ namespace {
 constexpr double kSlack = 1e-6;  // revolutions; absorbs rounding errors of times
 
 // Returns how many revolutions of a sensor have ended by `time` (s).
-double ended(double time, double period) {
-  return std::floor(time / period + kSlack);
+std::uint64_t ended(double time, double period) {
+  return static_cast<std::uint64_t>(time / period + kSlack);
 }
 
 }  // namespace
@@ -241,13 +241,15 @@ std::vector<double> Sequence::revolutions(std::uint32_t frame, double period, co
     return begins;
   }
   const double start = trajectory->frameTime(frame);
-  const double last = ended(start + trajectory->interval(), period);
-  for (double k = ended(start, period); k < last; ++k) begins.push_back(k * period - start);
+  const std::uint64_t last = ended(start + trajectory->interval(), period);
+  for (std::uint64_t k = ended(start, period); k < last; ++k) {
+    begins.push_back(static_cast<double>(k) * period - start);
+  }
   return begins;
 }
 
 double Sequence::totalRevolutions(double period, const Periods& periods) const {
-  if (turnsWithoutBreak(periods)) return ended(frames * trajectory->interval(), period);
+  if (turnsWithoutBreak(periods)) return static_cast<double>(ended(frames * trajectory->interval(), period));
   return static_cast<double>(frames) * mostRevolutions(period, periods);
 }
 
