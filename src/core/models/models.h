@@ -22,9 +22,9 @@
 
 namespace scanmill::models {
 
-// What random numbers are drawn for: the shape of a kind of object, or its places in a town. Each kind has its own
-// random stream and is drawn in one place of the code, so that more objects of one kind leave the others unchanged.
-// What a seed generates depends on these values: append new kinds, never renumber.
+// The purpose of random numbers: the shape of a kind of object, or its places in a town. Each kind has its own random
+// stream and is drawn in one place of the code, so that more objects of one kind leave the others unchanged. What a seed
+// generates depends on these values: append new kinds, never renumber.
 enum class Kind : std::uint32_t {
   Plot = 1,
   Lot,
@@ -314,7 +314,7 @@ void appendWheel(Shape& shape, std::string_view className, const Affine& place, 
 struct RiderFit {
   Vec3d saddle, leftGrip, rightGrip, leftPedal, rightPedal;
 };
-// With `fit`, the vehicle is one that is ridden, and `fit` is set; without, it is a parked one.
+// Build a vehicle that is ridden and set `fit`; if `fit` is null, they build a parked one.
 Model makeBicycle(SceneBuilder& builder, std::uint64_t seed, int form, RiderFit* fit = nullptr);
 Model makeMotorcycle(SceneBuilder& builder, std::uint64_t seed, int form, RiderFit* fit = nullptr);
 

@@ -20,7 +20,7 @@ std::string lineOf(const ModelledItem& item) {
 
 namespace {
 
-// What two items must have in common to be one item of several scenes.
+// Returns the fields that are equal in items of several scenes which are listed as one.
 auto ofAnyScene(const ModelledItem& item) {
   return std::tie(item.topic, item.text, item.leftOut, item.sensor, item.options);
 }

@@ -1,7 +1,7 @@
 #pragma once
 
-// What a dataset models of the world and of its sensors, and what it leaves out. `scanmill plan` prints the items, the
-// manifest stores them.
+// A list of the features of the world and of its sensors that a dataset models or leaves out. `scanmill plan` prints
+// the items, the manifest stores them.
 //
 //   for (const ModelledItem& item : readManifest("out/quickstart").modelled) std::puts(item.topic.c_str());
 

@@ -67,7 +67,7 @@ class Returns {
 
   std::vector<float> snr;  // signal to noise ratio of the power; empty until an effect sets it
 
-  // What the effects `intensity` and `detection` state of the receiver; set by detect().
+  // Properties of the receiver that the effects `intensity` and `detection` state; detect() sets them.
   Falloff falloff;
   double threshold = 0;  // power that is detected with a probability of one half; 0: any power is detected
 

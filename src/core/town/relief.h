@@ -7,7 +7,7 @@
 
 namespace scanmill::town {
 
-// What a random field describes. Each is used in one place of the code. What a seed generates depends on these values:
+// The purpose of a random field. Each value is used in one place of the code. The towns of a seed depend on the values:
 // append new ones, never renumber.
 enum class Field : std::uint32_t {
   Hills = 1,

@@ -31,8 +31,8 @@ std::optional<StripColumns> stripColumns(const Scan& scan, const std::vector<std
                                          const std::vector<std::size_t>& column, std::size_t rings, std::size_t columns,
                                          const BeamTable* beams);
 
-// Where the beams are in a range image that looks outward: destaggered, then mirrored if the sensor rotates
-// counter-clockwise, and, in a full revolution, rotated.
+// The pixels of beams in a range image that looks outward: the image is destaggered, mirrored if the sensor rotates
+// counter-clockwise, and rotated in a full revolution.
 struct StripPlaces {
   Destagger image;
   bool mirrored = false;

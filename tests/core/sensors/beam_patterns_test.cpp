@@ -74,7 +74,7 @@ TEST_F(BeamPatterns, ListedBeamsAreWhatTheTableSays) {
   EXPECT_EQ(sensor("beams: c.csv, rate_hz: 10, range_m: [0, 50]")->columns, 3u);
 }
 
-// As in the tables of Livox's simulation: seconds, and angles from straight up.
+// Tables of Livox's simulation have seconds, and angles from straight up.
 TEST_F(BeamPatterns, TablesStateTheirUnits) {
   folder_.write("b.csv", "Time/s,Azimuth/deg,Zenith/deg\n0,0,90\n0.00001,90,60\n0.05,180,100\n");
   const auto beams = sensor("beams: b.csv, rate_hz: 10, range_m: [0, 50]");

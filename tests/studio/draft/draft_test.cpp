@@ -226,7 +226,7 @@ TEST(DraftScene, WordsThatMostFilesShareSayNothing) {
   EXPECT_THAT(draft.yaml, testing::Not(testing::HasSubstr("building")));
 }
 
-// Of a folder, files that cannot be read are left out and told; files that a user named are not.
+// Files of a folder that cannot be read are left out with a warning; files that a user named are refused.
 TEST(DraftScene, FilesOfFoldersMayFail) {
   const TemporaryFolder folder;
   const auto empty = folder.write("frames.urdf", "<robot name=\"r\"><link name=\"base\"/></robot>");

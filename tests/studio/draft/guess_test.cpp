@@ -137,7 +137,7 @@ TEST(Guess, UnitsByTheUsualSizeOfThings) {
   EXPECT_EQ(frameOf(box({-90, -35, 0}, {180, 70, 60}, "thing")).unit, 1) << "no word says what it is";
 }
 
-// What the file or its format states is not guessed: it is doubted.
+// A unit that the file or its format states is never replaced by a guess; an unusual size is a doubt.
 TEST(Guess, AStatedUnitCounts) {
   Asset asset = box({-90, -35, 0}, {180, 70, 60}, "sedan");
   asset.statedUnit = 1;

@@ -123,8 +123,7 @@ TEST(StripColumns, PixelColumnsAreAzimuths) {
   }
 }
 
-// With the sensor's table, images are those of the function that destaggers them elsewhere, mirrored or not, and
-// rotated.
+// Images of a sensor with a table are those of destagger(), mirrored or not, and rotated.
 TEST(StripColumns, RingsAreShiftedAsDestaggerSays) {
   for (const Turning& turning : allTurnings()) {
     if (!turning.known) continue;

@@ -257,7 +257,7 @@ class WayCheck {
       }
     }
     const double underside = ground + std::min(kClearance, (box.high.z - ground) / 2);
-    // What flies may have sensors below its origin.
+    // Sensors of a flying vehicle may be below its origin.
     if (drive_->ground() != nullptr || box.low.z > -kOnSurface) box.low.z = std::max(box.low.z, underside);
     box.add(Box{{-kThin, -kThin, box.low.z}, {kThin, kThin, box.high.z}});
     return box;

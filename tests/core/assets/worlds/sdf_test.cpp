@@ -172,7 +172,7 @@ TEST_F(IncludedSdf, ThatAreMissingAreNamedTogetherOrLeftOut) {
   EXPECT_LT(length(corners(asset, "p/l/v1.10/wing")[0] - Vec3d{3, 0, 0}), 1e-6);
 }
 
-// What is in a missing file is taken to be at its origin; and it is no model beside others.
+// Frames of a missing model are taken to be at its pose, and a missing model does not count as a model beside others.
 TEST_F(IncludedSdf, ThatAreMissingHaveFramesAndStatesOfWhichNothingIsKnown) {
   const std::string gone = include("<name>gone</name><pose>1 0 0 0 0 0</pose>", "model://chair");
   const std::string merged =

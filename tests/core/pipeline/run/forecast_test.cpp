@@ -125,7 +125,7 @@ classes:
   EXPECT_GT(costsOf({"labels=own.yaml"}).frameBytes, 0);
 }
 
-// Which an effect names, so that it is needed.
+// The small town lacks a class that an effect names.
 TEST_F(ForecastTest, SaysWhyThereIsNone) {
   folder_.write("other.yaml",
                 "name: other\nsource: a test\nclasses:\n  - {id: 0, name: unlabeled, color: [0, 0, 0]}\n"

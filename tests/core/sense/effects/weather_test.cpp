@@ -130,7 +130,7 @@ TEST(WeatherEffect, FogHasThePowerOfTheLidarEquation) {
   }
 }
 
-// What is ignored is what the receiver would not detect: haze has a power of 0.0004 here.
+// The least power follows the receiver's threshold: haze has a power of 0.0004 here.
 TEST(WeatherEffect, ReceiversThatDetectLessReportMoreFog) {
   const World world = sky(100);
   const auto share = [&](const std::string& noise) {

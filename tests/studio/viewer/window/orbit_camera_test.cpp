@@ -21,7 +21,7 @@ OrbitCamera randomCamera(std::mt19937& random) {
           .orthographic = unit(random) > 0.3};
 }
 
-// Of points far below, ahead of which a named view looks, and of the same points about the sensor.
+// A named view would miss points far below the sensor, but sees the same points around it.
 TEST(OrbitCamera, ANamedViewThatWouldMissThePointsSeesThem) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> unit(-1, 1);
