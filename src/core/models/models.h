@@ -23,8 +23,8 @@
 namespace scanmill::models {
 
 // The purpose of random numbers: the shape of a kind of object, or its places in a town. Each kind has its own random
-// stream and is drawn in one place of the code, so that more objects of one kind leave the others unchanged. What a seed
-// generates depends on these values: append new kinds, never renumber.
+// stream and is drawn in one place of the code, so that more objects of one kind leave the others unchanged. What a
+// seed generates depends on these values: append new kinds, never renumber.
 enum class Kind : std::uint32_t {
   Plot = 1,
   Lot,
