@@ -9,8 +9,7 @@ and each set that --judge names (see train_example.py), such as another sensor's
 and ablation.png; what was interrupted goes on where it was when called again.
 
 Columns of the table: the mean IoU in percent on `own`, towns made as those that were learned, and on each set; what was
-lost by leaving out, with its standard error, which follows from the seeds (a loss below two of these may be chance). What
-each effect costs, `scanmill plan --costs` says. Wants what train_example.py wants, and the program scanmill, built or installed.
+lost by leaving out, with its standard error, which follows from the seeds (a loss below two of these may be chance). Wants what train_example.py wants, and the program scanmill, built or installed.
 """
 
 import argparse

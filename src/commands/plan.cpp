@@ -1,7 +1,6 @@
 #include "pipeline/plan/plan.h"
 
 #include <fmt/core.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -19,10 +18,8 @@
 #include "commands/plan_checks.h"
 #include "commands/table.h"
 #include "evaluate/auto/calibrate.h"
-#include "evaluate/feature_costs.h"
 #include "pipeline/checks/warnings.h"
 #include "pipeline/plan/shard_jobs.h"
-#include "pipeline/run/progress.h"
 #include "pipeline/scenes/shot_source.h"
 #include "sensors/trajectory.h"
 
@@ -58,54 +55,6 @@ void printSequences(const Pipeline& pipeline) {
     printText("and {} more sequences\n", grouped(pipeline.sequences.size() - kMostSequences));
   }
   printText("\n");
-}
-
-// Prints the time (ms, and per cent of the frame) and the bytes that each feature adds to a frame. Features whose time
-// is within the scatter of repeated measurements share one line.
-void printFeatures(const FeatureCosts& costs) {
-  if (costs.points == 0) {
-    warn(fmt::format("no beam of {} hits anything: the costs of features are not measured", costs.frame));
-    return;
-  }
-  const auto ms = [](double seconds) { return fmt::format("{:.2f}", 1e3 * seconds); };
-  Rows rows{{"cost of a feature per frame", "trace ms", "effects ms", "encode ms", "all ms", "share", "kB"}};
-  const auto add = [&](const std::string& name, const FrameCost& cost, const std::string& share) {
-    const long kilobytes = std::lround(cost.bytes * 1e-3);
-    rows.push_back({name, ms(cost.traceSeconds), ms(cost.effectsSeconds), ms(cost.encodeSeconds), ms(cost.seconds()),
-                    share, share.empty() ? fmt::format("{}", kilobytes) : fmt::format("{:+}", kilobytes)});
-  };
-  add("as the pipeline is", costs.whole, "");
-  std::string lost;
-  double scatter = 0;
-  for (const FeatureCost& f : costs.features) {
-    const std::string name = fmt::format("{}{}", f.feature, f.present ? "" : ", if added");
-    if (f.cost.seconds() > f.scatter) {
-      add(name, f.cost, fmt::format("{:+.1f} %", 100 * f.cost.seconds() / costs.whole.seconds()));
-      continue;
-    }
-    lost += (lost.empty() ? "" : "; ") + name;
-    scatter = std::max({scatter, f.scatter, -f.cost.seconds()});
-  }
-  printText("\n{}measured on {}: least processor times of frames with and without the feature\n", formatTable(rows),
-            costs.frame);
-  if (lost.empty()) return;
-  printText(
-      "too small to measure: within the scatter of their own repeated measurements, at most {:.0f} % of a frame: {}\n",
-      100 * scatter / costs.whole.seconds(), lost);
-}
-
-// Measures the costs of features. On a terminal, shows a progress bar, which ends before anything else is printed.
-FeatureCosts measured(const Pipeline& pipeline) {
-  FeatureEffort effort;
-  effort.seconds = 20;
-  Progress progress("plan: what features cost", 0, "rounds", "rounds", ::isatty(STDERR_FILENO) == 0);
-  effort.begun = [&](int round, int of) {
-    progress.setTotal(static_cast<std::uint64_t>(of) + 1);
-    if (round > 0) progress.advance(1, 1);
-  };
-  FeatureCosts costs = measureFeatures(pipeline, effort);
-  progress.advance(1, 1);
-  return costs;
 }
 
 // Returns the numbers of shards in all and per split, such as "6 shards: train 4, val 1, test 1".
@@ -197,7 +146,6 @@ int runPlan(const std::vector<std::string>& arguments) {
   add("frames", "print also how many seeds a dataset of N frames needs, and its time and size", textValue(), "N");
   add("check",
       "load the scenes, and warn of paths through things, unlabelled parts, unusual sizes and too little memory");
-  add("costs", "measure what each feature costs; this traces a frame about a hundred times");
   addRecordingOptions(options);
   addPipelineOptions(options);
   const Arguments parsed =
@@ -205,7 +153,6 @@ int runPlan(const std::vector<std::string>& arguments) {
                      "  scanmill plan pipelines/quickstart.yaml\n"
                      "  scanmill plan pipelines/quickstart.yaml --frames 10000\n"
                      "  scanmill plan pipelines/truck_town.yaml --check    # what its scenes contain\n"
-                     "  scanmill plan pipelines/street.yaml --costs    # what each effect and column costs\n"
                      "  scanmill plan pipelines/street.yaml --from-hits out/hits\n");
   if (parsed.help) return 0;
   const ResourceLimits limits(parsed);
@@ -222,9 +169,7 @@ int runPlan(const std::vector<std::string>& arguments) {
 
   const bool recorded = pipeline.recording != nullptr;
   const bool checks = parsed.has("check");
-  const bool costs = parsed.has("costs");
-  if (recorded && (checks || costs))
-    warn("--check and --costs need scenes, but a recording has none: both are ignored");
+  if (recorded && checks) warn("--check needs scenes, but a recording has none: it is ignored");
   const bool loads = checks || recorded;
   SceneFindings found = loads ? checkScenes(source) : SceneFindings{modelled(plan, source.blockedShares()), 0};
   if (pipeline.method.automatic) {
@@ -237,9 +182,6 @@ int runPlan(const std::vector<std::string>& arguments) {
   }
   printText("{}modelled and left out:\n", loads ? "\n" : "");
   for (const ModelledItem& item : found.modelled) printText("  {}\n", lineOf(item));
-  if (costs && !recorded && !pipeline.method.automatic) {
-    printFeatures(measured(pipeline));
-  }
   const double rays = pipeline.rays();
   const auto inFlight = static_cast<double>(plan.framesInFlight()) * static_cast<double>(plan.bytesPerFrameInMemory());
   const auto perFrame = static_cast<std::uint64_t>(rays / static_cast<double>(pipeline.frames()));
@@ -254,7 +196,7 @@ int runPlan(const std::vector<std::string>& arguments) {
     printText("checked: paths, labels and sizes; {}\n",
               warningCount() == 0 ? "nothing to warn of"
                                   : fmt::format("{} warning{}", warningCount(), warningCount() == 1 ? "" : "s"));
-  } else if (!loads && !costs) {
+  } else if (!loads) {
     printText("scenes were not loaded; --check loads them and checks paths, labels and sizes\n");
   }
   return 0;

@@ -111,31 +111,6 @@ TEST_F(Tell, PlanListsUnlabelledGeometryOfEveryScene) {
                          Not(HasSubstr("Shed_Roof"))));
 }
 
-// Every effect and column that there is, and those that could be added.
-TEST_F(Tell, PlanTellsWhatFeaturesCost) {
-  const std::vector<std::string> noisy{"plan",  pipeline_,
-                                       "--set", "effects=[intensity, {range_noise: {sigma_m: 0.01}}]",
-                                       "--set", "output.columns=[intensity, label, time]"};
-  EXPECT_THAT(told(noisy), Not(HasSubstr("costs a frame"))) << "features are not measured unless it is asked for";
-  std::vector<std::string> costs = noisy;
-  costs.emplace_back("--costs");
-  const std::string out = told(costs);
-  EXPECT_THAT(out, AllOf(ContainsRegex("cost of a feature per frame +trace ms +effects ms +encode ms +all ms"),
-                         HasSubstr("as the pipeline is"), HasSubstr("measured on scene-s1-drive-000002")));
-  for (const char* feature :
-       {"effect intensity", "effect range_noise", "column label", "column time", "format pcd", "format draco",
-        "format csv", "column instance, if added", "column ring, if added", "column column, if added",
-        "column range_true, if added", "column incidence, if added", "ego motion, if added"}) {
-    // A row of figures, or a word in the line of those that drown in the scatter.
-    EXPECT_THAT(out, AnyOf(ContainsRegex(std::string(feature) + " +(-?[0-9.]+ +){4}[+-][0-9.]+ %"),
-                           ContainsRegex("too small to measure: within the scatter of their own repeated measurements, "
-                                         "at most [0-9]+ % of a frame: .*" +
-                                         std::string(feature))))
-        << feature;
-  }
-  EXPECT_THAT(out, AllOf(Not(HasSubstr("nan")), Not(HasSubstr("inf "))));
-}
-
 TEST_F(Tell, PlanLeavesTheChoiceOfTheMethodOpen) {
   EXPECT_THAT(told({"plan", pipeline_, "--set",
                     "method={auto: {max_error: {p99: 1cm}, settings: [ray_tracing, depth_camera]}}"}),

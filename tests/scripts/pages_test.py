@@ -20,7 +20,7 @@ PROGRAM = Path(os.environ.get("SCANMILL", ROOT / "build" / "release" / "scanmill
 
 # What the commands of a reader begin with that other tests run, or that install something.
 OTHERS = ("scripts/", "apt-get ", "pip ", "tar ", "python3 -m venv", "/usr/bin/python3 -m venv", "SCANMILL_BUILD=", "cmake ",
-          "~/.venvs/", "for seed", "for drive", "export SCANMILL_ASSETS", "./measure")
+          "~/.venvs/", "for seed", "for drive", "export SCANMILL_ASSETS")
 OURS = ("scanmill ", "seq ")
 
 # Pipelines of the program, and what is smaller in them: text and what stands in its place.

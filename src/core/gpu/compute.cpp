@@ -46,10 +46,6 @@ struct ComputeContext {
   std::string name;
 };
 
-StageSeconds takeDeviceSeconds() {
-  return moduleOf<ComputeModule>().takeSeconds();
-}
-
 std::vector<FoundDevice> findDevices() {
   const ComputeModule& module = moduleOf<ComputeModule>();
   std::vector<FoundDevice> found;

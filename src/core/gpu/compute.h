@@ -16,8 +16,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/stage_clock.h"
-
 namespace scanmill {
 
 struct ComputeContext;  // the state that a device shares with its buffers and programs
@@ -62,11 +60,6 @@ struct FoundDevice {
   bool usable = false;
   bool software = false;  // true: runs on the processor
 };
-
-// Returns the seconds that devices have spent on each program (by its name), and on the copies of readbacks (by the
-// name "read back"), since the last call, measured by the devices' own clocks. The first call starts the measurement
-// and returns an empty result.
-StageSeconds takeDeviceSeconds();
 
 // Returns all devices, in the order in which opening them is tried. Opens each of them for a moment. Throws Error if
 // OpenGL cannot be loaded.

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "base/module.h"
-#include "base/stage_clock.h"
 #include "gpu/compute.h"
 
 namespace scanmill {
@@ -86,8 +85,6 @@ class ComputeModule {
   virtual std::unique_ptr<ComputeBackend> open(const std::string& device) const = 0;
   // Returns the names of all devices, as namedDevice() can return them, in the order in which open() tries them.
   virtual std::vector<std::string> devices() const = 0;
-  // Returns the seconds spent on devices, see takeDeviceSeconds().
-  virtual StageSeconds takeSeconds() const = 0;
 };
 
 }  // namespace scanmill

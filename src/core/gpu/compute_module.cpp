@@ -5,8 +5,6 @@
 #include <vtk_glew.h>
 
 #include <algorithm>
-#include <array>
-#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -166,52 +164,6 @@ class MappedCopy {
   std::vector<std::byte> held_;  // holds the copied bytes if the driver does not support persistent mapping
 };
 
-// Measures the time that the device spends on calls, by the device's own clock. The context must be current in all
-// calls.
-class DeviceClock {
- public:
-  // end(stage) adds the device's time for the OpenGL calls since begin() to `stage`.
-  void begin() {
-    if (!running) return;
-    std::array<GLuint, 2> queries{};
-    glGenQueries(2, queries.data());
-    open_ = queries;
-    glQueryCounter(open_[0], GL_TIMESTAMP);
-  }
-  void end(const std::string& stage) {
-    if (open_[0] == 0) return;
-    glQueryCounter(open_[1], GL_TIMESTAMP);
-    pending_.push_back({stage, open_});
-    open_ = {};
-    collect(kMostPending);
-  }
-  // Adds the oldest measurements to `seconds` until at most `most` are pending. Waits for the device if a measurement
-  // is not complete.
-  void collect(std::size_t most) {
-    while (pending_.size() > most) {
-      const Pending& first = pending_.front();
-      std::array<GLuint64, 2> at{};
-      for (std::size_t k = 0; k < 2; ++k) glGetQueryObjectui64v(first.queries[k], GL_QUERY_RESULT, &at[k]);
-      seconds[first.stage] += 1e-9 * static_cast<double>(at[1] - at[0]);
-      glDeleteQueries(2, first.queries.data());
-      pending_.pop_front();
-    }
-  }
-
-  // Shared by all devices; used only on the OpenGL thread.
-  static inline bool running = false;
-  static inline StageSeconds seconds;
-
- private:
-  static constexpr std::size_t kMostPending = 64;
-  struct Pending {
-    std::string stage;
-    std::array<GLuint, 2> queries;
-  };
-  std::array<GLuint, 2> open_{};
-  std::deque<Pending> pending_;
-};
-
 // Maps the number that identifies an object outside of this module to the object.
 template <class Object>
 using Numbered = std::map<std::uint32_t, std::unique_ptr<Object>>;
@@ -221,13 +173,7 @@ struct ContextState {
   explicit ContextState(const std::string& device) : context(device) {
     findFunctions();
     parameters = std::make_unique<GlBuffer>();
-    all.push_back(this);
   }
-  ~ContextState() { std::erase(all, this); }
-  ContextState(const ContextState&) = delete;
-  ContextState& operator=(const ContextState&) = delete;
-
-  static inline std::vector<ContextState*> all;  // all contexts of the process; used only on the OpenGL thread
 
   EglContext context;
   Numbered<GlProgram> programs;
@@ -236,7 +182,6 @@ struct ContextState {
   std::uint32_t lastNumber = 0;
   std::unique_ptr<GlBuffer> parameters;
   std::vector<std::unique_ptr<BufferTexture>> textures;  // indexed by binding
-  DeviceClock clock;
 };
 
 class GlCompute final : public ComputeBackend {
@@ -282,11 +227,8 @@ class GlCompute final : public ComputeBackend {
   void dropReadback(std::uint32_t readback) noexcept override { drop(&ContextState::readbacks, readback); }
 
   void startCopy(std::uint32_t readback, std::uint32_t buffer, std::uint64_t bytes) override {
-    withContext([&](ContextState& state) {
-      state.clock.begin();
-      state.readbacks.at(readback)->start(state.buffers.at(buffer)->name(), bytes);
-      state.clock.end("read back");
-    });
+    withContext(
+        [&](ContextState& state) { state.readbacks.at(readback)->start(state.buffers.at(buffer)->name(), bytes); });
   }
 
   const std::byte* copied(std::uint32_t readback) override {
@@ -343,7 +285,6 @@ class GlCompute final : public ComputeBackend {
         state.parameters->fill(run.parameters.data(), run.parameters.size(), GL_STREAM_DRAW);
         glBindBufferBase(GL_UNIFORM_BUFFER, 0, state.parameters->name());
       }
-      state.clock.begin();
       for (std::uint64_t first = 0; first < run.invocations; first += groups_ * kComputeGroup) {
         const std::uint64_t end = std::min(first + groups_ * kComputeGroup, run.invocations);
         glUniform1ui(kFirstInvocation, static_cast<GLuint>(first));
@@ -351,7 +292,6 @@ class GlCompute final : public ComputeBackend {
         glDispatchCompute(static_cast<GLuint>((end - first + kComputeGroup - 1) / kComputeGroup), 1, 1);
       }
       glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
-      state.clock.end(program.label());
       glUseProgram(0);
       checkGl("a program cannot be run");
     });
@@ -409,19 +349,6 @@ class GlComputeModule final : public ComputeModule {
     return std::make_unique<GlCompute>(device);
   }
   std::vector<std::string> devices() const override { return eglDevices(); }
-
-  StageSeconds takeSeconds() const override {
-    StageSeconds taken;
-    GlThread::shared()->run([&] {
-      for (ContextState* state : ContextState::all) {
-        state->context.makeCurrent();
-        state->clock.collect(0);
-      }
-      DeviceClock::running = true;
-      taken = std::exchange(DeviceClock::seconds, {});
-    });
-    return taken;
-  }
 };
 
 }  // namespace

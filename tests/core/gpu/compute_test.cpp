@@ -12,7 +12,6 @@
 
 #include "base/error.h"
 #include "base/random.h"
-#include "base/wall_timer.h"
 #include "tests/support/gl.h"
 #include "tests/support/message_of.h"
 
@@ -213,37 +212,6 @@ TEST(Compute, TellsWhatTheDeviceIs) {
                                    device.name().find("SWR") != std::string::npos);
   EXPECT_GE(device.mostBufferBytes(), std::uint64_t{1} << 24);  // OpenGL 4.3 promises so much
   EXPECT_GE(device.mostTableTexels(), 65536u);
-}
-
-// The clock is the device's own; by the wall everything took longer.
-TEST(Compute, TellsHowLongTheDeviceWorked) {
-  SKIP_WITHOUT_GL();
-  const ComputeDevice device(kWords);
-  takeDeviceSeconds();
-  takeDeviceSeconds();
-  EXPECT_TRUE(takeDeviceSeconds().empty()) << "nothing has run since";
-  ComputeProgram program(device, "hash", kHash);
-  ComputeBuffer numbers(device);
-  ComputeBuffer sums(device);
-  const Words start = counted(std::size_t{1} << 20);
-  numbers.hold(std::span<const std::uint32_t>(start));
-  sums.hold(std::span<const std::uint32_t>(start));
-  const std::uint32_t factor = 3;
-  ComputeReadback back(device);
-  constexpr int kRuns = 100;  // more than are under way at a time
-  StageSeconds seconds;
-  const double wall = secondsOf([&] {
-    for (int run = 0; run < kRuns; ++run) {
-      program.run(start.size(), {&numbers, &sums}, std::as_bytes(std::span(&factor, 1)));
-    }
-    back.start(sums, 4 * start.size());
-    back.wait();
-    seconds = takeDeviceSeconds();
-  });
-  ASSERT_EQ(seconds.size(), 2u);
-  EXPECT_GT(seconds.at("hash"), 0);
-  EXPECT_GT(seconds.at("read back"), 0);
-  EXPECT_LT(seconds.at("hash") + seconds.at("read back"), wall);
 }
 
 TEST(Compute, SaysWhatIsAmiss) {

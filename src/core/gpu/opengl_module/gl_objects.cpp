@@ -61,8 +61,7 @@ void GlVertexArray::add(const GlAttribute& attribute) {
   glBindVertexArray(0);
 }
 
-GlProgram::GlProgram(std::string_view name, std::initializer_list<GlShaderText> shaders)
-    : name_(glCreateProgram()), label_(name) {
+GlProgram::GlProgram(std::string_view name, std::initializer_list<GlShaderText> shaders) : name_(glCreateProgram()) {
   for (const GlShaderText& shader : shaders) {
     const GLuint compiled = glCreateShader(shader.kind);
     glShaderSource(compiled, 1, &shader.text, nullptr);

@@ -75,12 +75,10 @@ class GlProgram {
   GlProgram& operator=(const GlProgram&) = delete;
 
   void use() const { glUseProgram(name_); }
-  const std::string& label() const { return label_; }  // returns the `name` given to the constructor
   GLint uniform(const char* name) const { return glGetUniformLocation(name_, name); }
 
  private:
   GLuint name_ = 0;
-  std::string label_;
 };
 
 }  // namespace scanmill
