@@ -144,7 +144,5 @@ std::uint16_t classOf(const JsonNode& node, const Ontology& ontology, const std:
 MethodRecord choiceOf(const JsonNode& choice);
 // Reads what is modelled. `mayBeTexts`: true accepts texts, too, as earlier versions wrote them.
 std::vector<ModelledItem> modelledOf(const JsonNode& list, bool mayBeTexts);
-// `manifest`: with ontology, sensors and shards.
-SampleRecord sampleOf(const JsonNode& node, const Manifest& manifest);
 
 }  // namespace scanmill

@@ -178,8 +178,6 @@ SequenceRecord sequenceOf(const JsonNode& node) {
   return sequence;
 }
 
-}  // namespace
-
 SampleRecord sampleOf(const JsonNode& node, const Manifest& manifest) {
   node.keys({"key", "split", "shard", "members", "scans"}, {"xxh3", "objects", "draws", "time"});
   SampleRecord sample;
@@ -221,8 +219,6 @@ SampleRecord sampleOf(const JsonNode& node, const Manifest& manifest) {
   }
   return sample;
 }
-
-namespace {
 
 void checkVersion(const JsonNode& root, const Json& json, const std::string& file) {
   const bool ours = json.is_object() && json.contains("schema_version") && json["schema_version"].is_number_integer() &&
@@ -387,7 +383,7 @@ Manifest readManifest(const std::filesystem::path& folder) {
   if (undescribed.empty()) return manifest;
   const std::size_t others = undescribed.size() - 1;
   throw InputError(fmt::format(
-      "{}{}\nnext: `scanmill regenerate {}` makes it again from its shard", undescribed.begin()->second,
+      "{}{}\nnext: `scanmill regenerate {}` makes it again", undescribed.begin()->second,
       others == 0 ? "" : fmt::format(" (and so are {} more files that describe samples)", others), folder.string()));
 }
 

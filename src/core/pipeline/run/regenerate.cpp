@@ -3,9 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <charconv>
 #include <map>
-#include <string_view>
 #include <utility>
 
 #include "base/error.h"
@@ -14,16 +12,12 @@
 #include "base/hash.h"
 #include "base/own_folder.h"
 #include "base/parallel.h"
-#include "config/fields.h"
 #include "config/version.h"
+#include "dataset/folder_contents.h"
 #include "dataset/manifest.h"
-#include "dataset/sample_names.h"
+#include "dataset/parts.h"
 #include "dataset/shard_name.h"
-#include "dataset/shard_samples.h"
-#include "pipeline/plan/shard_jobs.h"
 #include "pipeline/run/generate.h"
-#include "pipeline/run/sample_maker.h"
-#include "pipeline/scenes/shot_source.h"
 
 namespace scanmill {
 
@@ -74,63 +68,6 @@ std::string hashOf(const fs::path& file) {
   }
 }
 
-SampleAddress addressOf(const Plan& plan, const std::string& key) {
-  const std::vector<Sequence>& sequences = plan.pipeline.sequences;
-  for (std::size_t s = 0; s < sequences.size(); ++s) {
-    if (!key.starts_with(sequences[s].key())) continue;
-    for (std::uint32_t frame = 0; frame < sequences[s].frames; ++frame) {
-      if (sequences[s].key(frame) == key) return {s, frame, 0};
-    }
-  }
-  throw Error(fmt::format("the plan has no sample {}", key));
-}
-
-// Returns the sequence and the number of the frame in a sample's key.
-std::pair<std::string, std::uint64_t> frameOf(const std::string& key) {
-  const KeyParts parts = partsOfKey(key);
-  std::uint64_t frame = 0;
-  std::from_chars(parts.frame.data(), parts.frame.data() + parts.frame.size(), frame);
-  return {parts.sequence, frame};
-}
-
-// Returns the probable numbers of a shard's samples. The frames of a sequence have consecutive numbers; `starts` has
-// the numbers of the first frames, as far as they are known. Other samples get the lowest numbers that no known sample
-// has.
-std::vector<std::uint64_t> probableNumbers(const Manifest& manifest, const std::vector<SampleRecord>& samples,
-                                           const std::map<std::string, std::uint64_t>& starts) {
-  std::vector<std::uint64_t> numbers;
-  std::uint64_t next = 0;
-  for (const SampleRecord& sample : samples) {
-    const auto [sequence, frame] = frameOf(sample.key);
-    if (const auto start = starts.find(sequence); start != starts.end()) {
-      next = start->second + frame;
-    } else {
-      while (next < manifest.samples.size() && !manifest.samples[next].key.empty()) ++next;
-    }
-    numbers.push_back(next++);
-  }
-  return numbers;
-}
-
-// Adds a shard's samples to the manifest and writes the file that describes them. Returns false, and changes nothing,
-// if these numbers do not give the file whose hash the manifest states.
-bool describe(const fs::path& folder, Manifest& manifest, std::uint64_t shard, const std::vector<SampleRecord>& samples,
-              const std::vector<std::uint64_t>& numbers) {
-  const auto isFree = [&](std::uint64_t number) {
-    return number < manifest.samples.size() && manifest.samples[number].key.empty();
-  };
-  if (numbers.size() != samples.size() || !std::all_of(numbers.begin(), numbers.end(), isFree)) return false;
-  for (std::size_t i = 0; i < numbers.size(); ++i) manifest.samples[numbers[i]] = samples[i];
-  const ShardRecord& record = manifest.shards[shard];
-  const std::string text = samplesJson(manifest, static_cast<std::uint32_t>(shard), numbers);
-  if (sha256(text) == record.samplesSha256) {
-    writeFile(folder, folder / samplesFileOf(record.file), text);
-    return true;
-  }
-  for (const std::uint64_t number : numbers) manifest.samples[number] = {};
-  return false;
-}
-
 }  // namespace
 
 std::vector<std::uint64_t> damagedShards(const fs::path& folder, const Manifest& manifest) {
@@ -150,7 +87,7 @@ std::vector<std::uint64_t> damagedShards(const fs::path& folder, const Manifest&
   return numbers;
 }
 
-void regenerateShards(const fs::path& folder, const Manifest& manifest, const Plan& plan,
+void regenerateShards(const fs::path& folder, Manifest manifest, const Plan& plan,
                       const std::vector<std::uint64_t>& shards, bool quiet, const std::atomic<bool>* stop) {
   const Scratch scratch(folder);
   fs::remove_all(scratch.folder());  // a process that was killed may have left files behind
@@ -162,83 +99,28 @@ void regenerateShards(const fs::path& folder, const Manifest& manifest, const Pl
     throw;
   }
   const auto made = [&](std::uint64_t shard) { return scratch.folder() / kHiddenName / manifest.shards[shard].file; };
+  std::map<std::string, std::string> descriptions;  // texts of the files beside the shards, by name
   for (const std::uint64_t shard : shards) {
     const ShardRecord& stated = manifest.shards[shard];
     // The file is read back from the disk to compute its hash, so that only sound files are moved into the dataset.
     if (sha256OfFile(made(shard)) != stated.sha256) failDifferent(stated.file, manifest);
+    if (stated.samplesSha256.empty()) continue;
+    const std::string record = made(shard).string() + kRecordSuffix;
+    DatasetPart part = parsePart(readFile(record), record);
+    for (std::size_t i = 0; i < part.numbers.size(); ++i) {
+      part.manifest.samples[i].shard = static_cast<std::uint32_t>(shard);
+      manifest.samples.at(part.numbers[i]) = std::move(part.manifest.samples[i]);
+    }
+    const std::string file = samplesFileOf(stated.file);
+    descriptions[file] = samplesJson(manifest, static_cast<std::uint32_t>(shard), part.numbers);
+    if (sha256(descriptions[file]) != stated.samplesSha256) failDifferent(file, manifest);
   }
   for (const std::uint64_t shard : shards) {
     const fs::path place = folder / manifest.shards[shard].file;
     moveFile(folder, made(shard), place);
     syncFolder(place.parent_path());
   }
-}
-
-void describeShards(const fs::path& folder, Manifest& manifest, const std::vector<std::uint64_t>& shards,
-                    const std::function<Plan()>& plan) {
-  const Scratch lock(folder);
-  std::map<std::string, std::uint64_t> starts;  // number of the first frame, by sequence
-  const auto learn = [&](const std::string& key, std::uint64_t number) {
-    const auto [sequence, frame] = frameOf(key);
-    starts.emplace(sequence, number - frame);
-  };
-  for (std::uint64_t i = 0; i < manifest.samples.size(); ++i) {
-    if (!manifest.samples[i].key.empty()) learn(manifest.samples[i].key, i);
-  }
-  const auto isDescribed = [&](std::uint64_t shard) {
-    const std::vector<SampleRecord> samples = samplesOfShard(folder, manifest, static_cast<std::uint32_t>(shard));
-    const std::vector<std::uint64_t> numbers = probableNumbers(manifest, samples, starts);
-    if (!describe(folder, manifest, shard, samples, numbers)) return false;
-    for (std::size_t i = 0; i < numbers.size(); ++i) learn(samples[i].key, numbers[i]);
-    return true;
-  };
-  std::vector<std::uint64_t> left = shards;
-  while (std::erase_if(left, isDescribed) > 0) continue;  // each round knows the numbers of more samples
-  if (left.empty()) return;
-  const std::vector<ShardJob> jobs = shardJobs(plan());
-  std::string different;
-  for (const std::uint64_t shard : left) {
-    std::vector<std::uint64_t> numbers;
-    for (const SampleAddress& sample : jobs[shard].samples) numbers.push_back(sample.number);
-    const auto samples = samplesOfShard(folder, manifest, static_cast<std::uint32_t>(shard));
-    if (describe(folder, manifest, shard, samples, numbers)) continue;
-    different += (different.empty() ? "" : ", ") + samplesFileOf(manifest.shards[shard].file);
-  }
-  if (different.empty()) return;
-  throw Error(
-      fmt::format("{}: made again from the shards, the bytes differ from the SHA-256 in the manifest, since the "
-                  "program (then {}, now {}) has changed or the manifest is damaged; they were not replaced",
-                  different, manifest.programVersion, kVersion));
-}
-
-std::vector<std::string> regenerateSample(const Manifest& manifest, const Plan& plan, const std::string& key,
-                                          const fs::path& into) {
-  const auto record = std::find_if(manifest.samples.begin(), manifest.samples.end(),
-                                   [&](const SampleRecord& sample) { return sample.key == key; });
-  if (record == manifest.samples.end()) {
-    std::vector<std::string> keys;
-    for (const SampleRecord& sample : manifest.samples) keys.push_back(sample.key);
-    throw InputError(fmt::format("the dataset has no sample '{}'{}", key, suggestion(key, keys)));
-  }
-  ShotSource source(plan);
-  SampleMaker maker(source, {}, {}, false, [](const Sequence&) {});
-  const Sample sample = maker.make(addressOf(plan, key)).sample;
-  std::vector<std::string> names{key + ".json"};
-  std::vector<std::string> contents{
-      sampleJson({sample.key, sample.split, 0, sample.scans, {}, {}, {}, sample.draws, sample.time})};
-  for (const Member& member : sample.members) {
-    names.push_back(key + "." + member.suffix);
-    contents.push_back(member.bytes);
-  }
-  if (names != record->members) failDifferent(key, manifest);
-  for (std::size_t i = 0; i < names.size() && !record->xxh3.empty(); ++i) {
-    if (xxh3(contents[i]) != record->xxh3[i]) failDifferent(names[i], manifest);
-  }
-  std::error_code failure;
-  fs::create_directories(into, failure);
-  if (failure) throw InputError({into.string()}, "cannot be made: " + failure.message());
-  for (std::size_t i = 0; i < names.size(); ++i) writeFile(into / names[i], contents[i]);
-  return names;
+  for (const auto& [file, text] : descriptions) writeFile(folder, folder / file, text);
 }
 
 }  // namespace scanmill
