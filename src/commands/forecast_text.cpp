@@ -20,7 +20,6 @@ std::string rangeText(const std::string& least, const std::string& most) {
 
 std::optional<SampleCosts> sampleCosts(const Arguments& parsed, const Plan& plan, std::vector<std::string> overrides,
                                        std::string* why) {
-  if (plan.chosen) overrides.push_back(plan.chosen->assignment);
   const Reread reread = [&](const std::vector<std::string>& more) {
     std::vector<std::string> all = overrides;
     all.insert(all.end(), more.begin(), more.end());

@@ -19,7 +19,6 @@
 #include "dataset/dataset_folder.h"
 #include "dataset/folder_contents.h"
 #include "dataset/shard_name.h"
-#include "evaluate/auto/calibrate.h"
 #include "pipeline/plan/dataset_plan.h"
 #include "pipeline/plan/shard_jobs.h"
 #include "pipeline/run/recorder.h"
@@ -81,38 +80,6 @@ void printSummary(const GenerateSummary& s, const GenerateOptions& options, cons
   }
 }
 
-// Returns the method that `auto` chose for the dataset in the folder, complete or not; nothing if it chose none.
-std::optional<MethodRecord> chosenBefore(const std::filesystem::path& folder) {
-  std::error_code ignored;
-  if (isUnfinished(folder)) return DatasetFolder::planned(folder).chosen;
-  if (std::filesystem::exists(folder / kManifestName, ignored)) return readManifest(folder).chosen;
-  return std::nullopt;
-}
-
-// Replaces `method: auto` by the cheapest setting on this machine, or by the setting chosen when the dataset was
-// started.
-Plan withMethod(const Plan& plan, const GenerateOptions& options) {
-  checkAutoChoice(plan.pipeline);
-  const bool shared = options.shards.kind != ShardChoice::Kind::All;
-  if (options.resume || shared) {
-    if (const std::optional<MethodRecord> chosen = chosenBefore(options.folder)) return chosenAgain(plan, *chosen);
-  }
-  // Throw before the calibration, which takes minutes.
-  if (shared) {
-    throw InputError(
-        "`method: auto` measures in each process, so that parts of a dataset could get different methods: name the "
-        "method in the pipeline, or by --set");
-  }
-  checkFolder(options);
-  const Calibration calibration = calibrate(plan, options.quiet, options.stop);
-  const CalibratedSetting& chosen = calibration.settings[calibration.chosen];
-  if (!options.quiet) {
-    printText("method: auto takes {}: {}\n", chosen.setting.setting.name, calibration.why);
-    printText("to repeat this choice: --set '{}'\n\n", chosen.setting.setting.assignment());
-  }
-  return settled(plan, chosen.setting.choice, calibration.record());
-}
-
 ShardChoice shardsOption(const Arguments& parsed, std::uint64_t shards) {
   const bool listed = parsed.has("shards");
   const bool worker = parsed.has("worker");
@@ -160,7 +127,7 @@ void generateOne(const Arguments& parsed, const std::vector<std::string>& overri
   GenerateOptions generateOptions;
   generateOptions.keepHits = folderOption(parsed, "keep-hits");
   generateOptions.keepPasses = folderOption(parsed, "keep-passes");
-  Plan plan = planOf(parsed, overrides);
+  const Plan plan = planOf(parsed, overrides);
   generateOptions.folder = folder;
   generateOptions.overwrite = parsed.has("overwrite");
   generateOptions.resume = parsed.has("resume");
@@ -184,7 +151,6 @@ void generateOne(const Arguments& parsed, const std::vector<std::string>& overri
   generateOptions.stop = &stopSignal();
   if (!generateOptions.keepPasses.empty()) plan.requirePasses();
   if (!generateOptions.keepHits.empty()) plan.requireOneRay();
-  if (plan.pipeline.method.automatic) plan = withMethod(plan, generateOptions);
   // A complete dataset is not an error, so that scripts can always pass --resume.
   const std::optional<Manifest> whole =
       generateOptions.resume ? wholeDatasetOf(datasetPlan(plan, jobs), generateOptions.folder) : std::nullopt;

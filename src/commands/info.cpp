@@ -90,7 +90,6 @@ void printDataset(const std::filesystem::path& folder) {
     printText("format {} (.{}): {}\n", f.name, f.suffix,
               f.maxErrorMetres > 0 ? fmt::format("positions within {:.3g} mm", f.maxErrorMetres * 1000) : "lossless");
   }
-  if (m.chosen) printText("\nmethod chosen by `auto`: {}; {}\n", m.chosen->setting, m.chosen->why);
   printText("\nmodelled and left out:\n");
   for (const ModelledItem& item : m.modelled) printText("  {}\n", oneLine(lineOf(item)));
   for (const auto& [shard, problem] : undescribed) warn(problem);

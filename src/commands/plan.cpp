@@ -17,7 +17,6 @@
 #include "commands/forecast_text.h"
 #include "commands/plan_checks.h"
 #include "commands/table.h"
-#include "evaluate/auto/calibrate.h"
 #include "pipeline/checks/warnings.h"
 #include "pipeline/plan/shard_jobs.h"
 #include "pipeline/scenes/shot_source.h"
@@ -126,8 +125,7 @@ void printForecast(const Arguments& parsed, const Plan& plan) {
   printText("{} frame{} in {}\n", grouped(pipeline.frames()), pipeline.frames() == 1 ? "" : "s", shardsText(plan));
   if (costs) {
     const Forecast f = forecast(*costs, pipeline.frames(), scenesOf(pipeline));
-    printText("time: {}{}\nsize: {}\n", timeText(f),
-              pipeline.method.automatic ? " by ray_tracing; choosing the method takes longer" : "", sizeText(f));
+    printText("time: {}\nsize: {}\n", timeText(f), sizeText(f));
   } else {
     printText(
         "time and size: unknown, since the pipeline's sensors and effects could not scan the small town that forecasts "
@@ -159,7 +157,6 @@ int runPlan(const std::vector<std::string>& arguments) {
   const Plan plan = makePlan(readPipeline(parsed.pipeline(), pipelineOverrides(parsed), recordingOf(parsed)));
   ShotSource source(plan);
   const Pipeline& pipeline = plan.pipeline;
-  checkAutoChoice(pipeline);
   for (const std::string& line : vehicleWarnings(pipeline, source.blockedShares())) warn(line);
   for (const std::string& line : sensorWarnings(plan)) warn(line);
   for (const std::string& line : driveWarnings(pipeline)) warn(line);
@@ -172,11 +169,7 @@ int runPlan(const std::vector<std::string>& arguments) {
   if (recorded && checks) warn("--check needs scenes, but a recording has none: it is ignored");
   const bool loads = checks || recorded;
   SceneFindings found = loads ? checkScenes(source) : SceneFindings{modelled(plan, source.blockedShares()), 0};
-  if (pipeline.method.automatic) {
-    found.modelled.push_back({"method", fmt::format("auto, one of {} settings, chosen when the dataset is made",
-                                                    readAutoChoice(pipeline).settings.size())});
-  }
-  if (!loads && !pipeline.method.automatic) {
+  if (!loads) {
     found.modelled.push_back(
         {"method", fmt::format("{}; --check tells what it leaves out of these scenes", pipeline.methodName())});
   }

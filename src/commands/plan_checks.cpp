@@ -83,7 +83,7 @@ SceneFindings checkScenes(ShotSource& source) {
     }
     const std::string name = fmt::format("{} seed {}", s.scene, s.sceneSeed);
     const Scene scene = source.load(i);
-    const auto method = pipeline.method.automatic ? nullptr : source.method(scene);
+    const auto method = source.method(scene);
     scenes.push_back({name, grouped(scene.triangles()), grouped(scene.placedTriangles()),
                       grouped(scene.instances.size()), grouped(scene.things()), grouped(scene.materials.size()),
                       grouped(scene.dropped.total()), placeOf(scene)});

@@ -12,7 +12,6 @@
 #include "commands/arguments.h"
 #include "commands/stop_signal.h"
 #include "commands/table.h"
-#include "evaluate/auto/calibrate.h"
 
 namespace scanmill {
 
@@ -77,7 +76,6 @@ int runRender(const std::vector<std::string>& arguments) {
   const ResourceLimits limits(parsed);
   render.passes = readPassList(parsed.options["passes"].as<std::string>());
   const Plan plan = makePlan(readPipeline(parsed.pipeline(), pipelineOverrides(parsed)), render.passes.channels);
-  checkAutoChoice(plan.pipeline);
   render.overwrite = parsed.has("overwrite");
   render.quiet = parsed.has("quiet");
   render.stop = &stopSignal();

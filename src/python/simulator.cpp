@@ -17,7 +17,6 @@ Pipeline pipelineOf(const std::string& text, const std::filesystem::path& folder
   Pipeline pipeline = readPipelineText(text, folder / "simulation.yaml");
   if (pipeline.sequences.size() != 1)
     throw InputError("a simulation must have one scene with one seed and one trajectory");
-  if (pipeline.method.automatic) throw InputError("a simulation needs a method by its name, not `auto`");
   return pipeline;
 }
 

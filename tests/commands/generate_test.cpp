@@ -86,48 +86,6 @@ TEST_F(Generate, ThreadsAndSeedsDoWhatTheySay) {
   EXPECT_FALSE(one == shard("other", {"--seed", "2"}));
 }
 
-// The method that `auto` takes makes the dataset that naming it makes.
-TEST_F(Generate, AutoTakesASettingAndSaysWhich) {
-  const std::string automatic =
-      "method={auto: {max_error: {p99: 1 mm, miss_rate: 0.1%, labels: 99%}, settings: [{particle: {refine: none, "
-      "voxel_m: 0.5}}, {ray_tracing: {packet: [1, 16]}}]}}";
-  const Outcome made = scanmill({"generate", pipeline_, "-o", at("auto"), "--set", automatic});
-  ASSERT_EQ(made.code, 0) << made.error;
-  EXPECT_THAT(made.out, HasSubstr("method: auto takes ray_tracing packet="));
-  const Manifest manifest = readManifest(at("auto"));
-  ASSERT_TRUE(manifest.chosen.has_value());
-  EXPECT_THAT(made.out, HasSubstr("to repeat this choice: --set '" + manifest.chosen->assignment + "'"));
-  EXPECT_THAT(manifest.chosen->assignment, testing::StartsWith("method={ray_tracing: {packet: "));
-  ASSERT_EQ(scanmill({"generate", pipeline_, "-q", "-o", at("hand"), "--set", manifest.chosen->assignment}).code, 0);
-  EXPECT_TRUE(readFile(at("auto/train/train-000000.tar")) == readFile(at("hand/train/train-000000.tar")));
-  EXPECT_EQ(scanmill({"verify", at("auto")}).code, 0);
-
-  const Outcome quiet = scanmill({"generate", pipeline_, "-q", "-o", at("quiet"), "--set", automatic});
-  EXPECT_EQ(std::count(quiet.out.begin(), quiet.out.end(), '\n'), 1) << quiet.out;
-  EXPECT_EQ(quiet.error, "");
-
-  const std::string impossible = "method={auto: {min_rate: 1e15, settings: [ray_tracing]}}";
-  const Outcome refused = scanmill({"generate", pipeline_, "-q", "-o", at("none"), "--set", impossible});
-  expectRefused(refused, "none of the 1 settings keeps the limits; the nearest is ray_tracing (min_rate ");
-  EXPECT_TRUE(filesEndingIn("", at("none")).empty());
-  expectRefused(scanmill({"generate", pipeline_, "-q", "-o", at("auto"), "--set", automatic}), "--overwrite");
-  expectRefused(scanmill({"render", pipeline_, "-o", at("passes"), "--set", automatic}), "take `method: depth_camera`");
-}
-
-// Before anything is done, whatever the command does with the method.
-TEST_F(Generate, AWrongAutoIsRefusedByEveryCommand) {
-  const std::string wrong = "method={auto: {max_error: {p98: 1cm}}}";
-  for (const char* command : {"generate", "render", "tradeoff"}) {
-    SCOPED_TRACE(command);
-    expectRefused(scanmill({command, pipeline_, "-o", at("wrong"), "--set", wrong}), "unknown key 'p98'");
-    EXPECT_FALSE(std::filesystem::exists(at("wrong")));
-  }
-  expectRefused(scanmill({"plan", pipeline_, "--set", wrong}), "unknown key 'p98'");
-  const std::string methods = "repeatability.methods=[ray_tracing]";
-  expectRefused(scanmill({"repeatability", pipeline_, "-o", at("wrong"), "--set", wrong, "--set", methods}),
-                "unknown key 'p98'");
-}
-
 TEST_F(Generate, VerifyFindsAFlippedByte) {
   ASSERT_EQ(scanmill({"generate", pipeline_, "-q", "-o", at("out")}).code, 0);
   const std::string shard = at("out/train/train-000000.tar");
@@ -274,28 +232,6 @@ TEST_F(Generate, KilledRunsLeaveWholeShardsOnly) {
   EXPECT_EQ(scanmill({"verify", "-q", at("out")}).code, 0);
 }
 
-// What was measured once holds for the whole dataset, whatever would be the cheapest by now.
-TEST_F(Generate, AutoIsResumedWithWhatItTook) {
-  const std::vector<std::string> command =
-      withSettings(longRun(), {"trajectories.0.frames=4000",
-                               "method={auto: {max_error: {p99: 1 m, miss_rate: 10%, labels: 50%}, settings: "
-                               "[{ray_tracing: {packet: [1, 16]}}]}}"});
-  const std::vector<std::string> arguments(command.begin() + 1, command.end());
-  RunningProgram process(command);
-  awaitShards(process, 2);
-  process.send(SIGKILL);
-  process.wait();
-  const std::optional<MethodRecord> chosen = DatasetFolder::planned(at("out")).chosen;
-  ASSERT_TRUE(chosen.has_value());
-  std::vector<std::string> resumed = arguments;
-  resumed.push_back("--resume");
-  const Outcome ended = scanmill(resumed);
-  ASSERT_EQ(ended.code, 0) << ended.error;
-  EXPECT_TRUE(readManifest(at("out")).chosen == chosen);
-  EXPECT_EQ(scanmill({"verify", "-q", at("out")}).code, 0);
-  EXPECT_THAT(scanmill(resumed).out, HasSubstr("there is nothing to resume"));
-}
-
 TEST_F(Generate, StoppedRunsSaySo) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     std::filesystem::remove_all(at("out"));
@@ -422,8 +358,6 @@ TEST_F(Generate, PartsThatCannotBeMeantAreRefused) {
   EXPECT_THAT(message({"--worker", "0", "--workers", "auto"}), HasSubstr("leave it out"));
   EXPECT_THAT(message({"--workers", "auto", "--overwrite"}), HasSubstr("--overwrite"));
   EXPECT_THAT(message({"--workers", "auto", "--keep-hits", at("hits")}), HasSubstr("one process"));
-  EXPECT_THAT(message({"--workers", "auto", "--set", "method={auto: {min_rate: 5e6}}"}),
-              HasSubstr("different methods"));
 }
 
 // Of two runs into one folder one is refused, and the other is whole.

@@ -111,15 +111,6 @@ TEST_F(Tell, PlanListsUnlabelledGeometryOfEveryScene) {
                          Not(HasSubstr("Shed_Roof"))));
 }
 
-TEST_F(Tell, PlanLeavesTheChoiceOfTheMethodOpen) {
-  EXPECT_THAT(told({"plan", pipeline_, "--set",
-                    "method={auto: {max_error: {p99: 1cm}, settings: [ray_tracing, depth_camera]}}"}),
-              AllOf(HasSubstr("method: auto, one of 2 settings"), HasSubstr("4 frames x 512 beams"),
-                    Not(HasSubstr("costs a frame"))));
-  expectRefused(scanmill({"plan", pipeline_, "--set", "method=auto"}), "give limits, such as");
-  expectRefused(scanmill({"plan", pipeline_, "--set", "method={auto: {max_error: {p90: 1cm}}}"}), "unknown key 'p90'");
-}
-
 TEST_F(Tell, PlanOfARecordingNeedsNoScene) {
   ASSERT_EQ(scanmill({"generate", pipeline_, "-q", "-o", at("out"), "--keep-hits", at("hits")}).code, 0);
   std::string text = readFile(pipeline_);

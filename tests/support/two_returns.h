@@ -120,7 +120,6 @@ inline const MethodEntry& twoReturns() {
           "most: 2, returns of a beam",
       .can = {.severalHits = true, .footprints = true, .mostReturns = 2, .motion = true},
       .color = {10, 200, 90},
-      .autoSettings = "",
       .make = makeTwoReturns};
   return kEntry;
 }

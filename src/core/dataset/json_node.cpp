@@ -106,9 +106,4 @@ std::vector<ModelledItem> modelledOf(const JsonNode& list, bool mayBeTexts) {
   return items;
 }
 
-MethodRecord choiceOf(const JsonNode& choice) {
-  choice.keys({"setting", "assignment", "why"});
-  return {choice["setting"].text(), choice["assignment"].text(), choice["why"].text()};
-}
-
 }  // namespace scanmill

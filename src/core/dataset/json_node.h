@@ -141,7 +141,6 @@ Ontology ontologyOf(const JsonNode& node);
 // is not the class's name.
 std::uint16_t classOf(const JsonNode& node, const Ontology& ontology, const std::string& id = "id",
                       const std::string& name = "name");
-MethodRecord choiceOf(const JsonNode& choice);
 // Reads what is modelled. `mayBeTexts`: true accepts texts, too, as earlier versions wrote them.
 std::vector<ModelledItem> modelledOf(const JsonNode& list, bool mayBeTexts);
 

@@ -82,10 +82,6 @@ OrderedJson poseJson(const Pose& pose, std::string_view what) {
   return {{"rotation", finiteList({q.w, q.x, q.y, q.z}, what)}, {"translation", finiteList({t.x, t.y, t.z}, what)}};
 }
 
-OrderedJson choiceJson(const MethodRecord& chosen) {
-  return {{"setting", chosen.setting}, {"assignment", chosen.assignment}, {"why", chosen.why}};
-}
-
 OrderedJson modelledJson(const std::vector<ModelledItem>& items) {
   OrderedJson list = OrderedJson::array();
   for (const ModelledItem& item : items) {

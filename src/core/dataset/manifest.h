@@ -109,14 +109,6 @@ struct SequenceRecord {
   bool operator==(const SequenceRecord&) const = default;
 };
 
-// The setting that `method: auto` has chosen, and the reason.
-struct MethodRecord {
-  std::string setting;     // for example "depth_camera resolution=1024"
-  std::string assignment;  // argument of --set: "method={depth_camera: {resolution: 1024}}"
-  std::string why;
-  bool operator==(const MethodRecord&) const = default;
-};
-
 struct Manifest {
   static constexpr int kSchemaVersion = 3;
   std::string programVersion;
@@ -137,7 +129,6 @@ struct Manifest {
   // changed while the dataset was made, and was allowed to, has several entries.
   std::vector<FileRecord> files;
   std::vector<ModelledItem> modelled;  // features that are modelled or left out
-  std::optional<MethodRecord> chosen;  // set if the pipeline has `method: auto`
   std::vector<ShardRecord> shards;
   std::vector<SampleRecord> samples;
 

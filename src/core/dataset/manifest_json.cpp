@@ -237,7 +237,6 @@ OrderedJson manifestJson(const Manifest& m) {
   };
   if (!m.about.empty()) json["about"] = m.about;
   if (!m.planSha256.empty()) json["plan_sha256"] = m.planSha256;
-  if (m.chosen) json["method_choice"] = choiceJson(*m.chosen);
   json["digest"] = kNoDigest;
   return json;
 }

@@ -284,8 +284,8 @@ Manifest manifestOf(const JsonNode& root) {
     });
   }
   m.modelled = modelledOf(root["modelled"], old);
-  if (root.has("method_choice")) m.chosen = choiceOf(root["method_choice"]);
-  // Only manifests of earlier versions have the key `stages` with times, which differ between machines.
+  // Only manifests of earlier versions have the keys `method_choice`, and `stages` with times, which differ between
+  // machines.
   if (root.has("stages")) root["stages"].forEachEntry([](const std::string&, const JsonNode& time) { time.number(0); });
   root["shards"].forEach([&](const JsonNode& item) { m.shards.push_back(shardOf(item)); });
   if (root.has("digest")) root["digest"].sha256();

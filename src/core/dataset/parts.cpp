@@ -25,16 +25,14 @@ std::string toJson(const DatasetPlan& plan) {
   OrderedJson splits = OrderedJson::array();
   for (const auto& [split, shards] : plan.shardsOfSplit) splits.push_back({{"split", split}, {"shards", shards}});
   OrderedJson json{{"plan", plan.hash}, {"samples", plan.samples}, {"splits", splits}};
-  if (plan.chosen) json["method_choice"] = choiceJson(*plan.chosen);
   return layOut(json) + "\n";
 }
 
 DatasetPlan parsePlan(const std::string& text, const std::string& file) {
   const Json json = parseJson(text, file);
   const JsonNode root(json, "", file);
-  root.keys({"plan", "samples", "splits"}, {"method_choice"});
+  root.keys({"plan", "samples", "splits"});
   DatasetPlan plan{root["plan"].text(), root["samples"].integer<std::uint64_t>(), {}};
-  if (root.has("method_choice")) plan.chosen = choiceOf(root["method_choice"]);
   root["splits"].forEach([&](const JsonNode& item) {
     item.keys({"split", "shards"});
     if (!isSplitName(item["split"].text())) item["split"].fail("is not a name of a split");

@@ -6,7 +6,6 @@
 // that parts of another plan, missing samples and duplicates are detected.
 
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,7 +19,6 @@ struct DatasetPlan {
   std::uint64_t samples = 0;
   // The splits and their numbers of shards, in the order of the shards.
   std::vector<std::pair<std::string, std::uint64_t>> shardsOfSplit;
-  std::optional<MethodRecord> chosen = {};  // set if the pipeline has `method: auto`
 
   bool operator==(const DatasetPlan&) const = default;
   // Returns the names of all shards, see shardName().

@@ -14,8 +14,7 @@ namespace {
 
 // The colours follow Figure 8 of "LiDAR-GEIL: LiDAR GPU Exploitation in Lightsimulations", which shows ray tracing in
 // red, the depth camera in blue and particles in orange. In the table below each colour is lighter than the previous
-// one, so that the colour-blind can tell them apart. The settings that `auto` tries are cheap to measure, and together
-// range from exact to fast, on processors and on GPUs.
+// one, so that the colour-blind can tell them apart.
 constexpr std::array kMethods{
     MethodEntry{.name = "ray_tracing",
                 .summary = "Embree on all cores: exact, the reference of the other methods",
@@ -27,7 +26,6 @@ constexpr std::array kMethods{
                         "1; 1: all",
                 .can = {.footprints = true, .transmission = true, .motion = true, .moving = true, .reference = true},
                 .color = {235, 40, 40},
-                .autoSettings = "- ray_tracing\n- {ray_tracing: {simplify: [0.5, 0.25]}}\n",
                 .make = makeRayTracing},
     MethodEntry{
         .name = "depth_camera",
@@ -50,8 +48,6 @@ constexpr std::array kMethods{
                 "moves; all steps of `motion: {steps: n}` up to 64), or 1 to 65536; at most one per pose",
         .can = {.footprints = true, .motion = true, .passes = true, .openGl = true},
         .color = {80, 165, 255},
-        .autoSettings =
-            "- depth_camera\n- {depth_camera: {resolution: [512, 1024]}}\n- {depth_camera: {sampling: nearest}}\n",
         .make = makeDepthCamera},
     MethodEntry{.name = "particle",
                 .summary = "one particle per beam marches through a distance field, on the processor or a GPU",
@@ -72,8 +68,6 @@ constexpr std::array kMethods{
                         "selects a device (0, 1 ... or software)",
                 .can = {.footprints = true, .motion = true, .openGl = true},
                 .color = {255, 190, 40},
-                .autoSettings = "- particle\n- {particle: {refine: [normal, none]}}\n- {particle: {refine: [normal, "
-                                "none], voxel_m: 0.2}}\n",
                 .make = makeParticle},
 };
 
@@ -89,12 +83,11 @@ const MethodEntry* findMethod(std::string_view name) {
   return found == kMethods.end() ? nullptr : &*found;
 }
 
-const MethodEntry& requireMethod(std::string_view name, const Location& where, std::string_view other) {
+const MethodEntry& requireMethod(std::string_view name, const Location& where) {
   if (const MethodEntry* entry = findMethod(name)) return *entry;
   std::vector<std::string> names;
   names.reserve(kMethods.size());
   for (const MethodEntry& entry : kMethods) names.emplace_back(entry.name);
-  if (!other.empty()) names.emplace_back(other);
   throw InputError(where, "unknown method '" + std::string(name) + "'" + suggestion(name, names));
 }
 

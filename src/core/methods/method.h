@@ -18,8 +18,8 @@ namespace scanmill {
 
 std::span<const MethodEntry> methods();
 // Returns the method with this name. If there is none, throws InputError, which suggests a similar name or lists the
-// known names and `other`.
-const MethodEntry& requireMethod(std::string_view name, const Location& where, std::string_view other = {});
+// known names.
+const MethodEntry& requireMethod(std::string_view name, const Location& where);
 // Returns the method with this name; null if there is none.
 const MethodEntry* findMethod(std::string_view name);
 // Returns the first entry of methods() that has a capability. At least one method must have it.

@@ -64,8 +64,7 @@ std::vector<MethodSetting> readSettings(const Value& list, const std::string& wh
       Fields fields(options, "method " + named.name);
       fields.alsoDescribed(entry.keys).finish();
       entry.make(nothing, fields);
-      MethodSetting setting{{settingName(named.name, options), named.name, flowText(options)},
-                            {&entry, options, false}};
+      MethodSetting setting{{settingName(named.name, options), named.name, flowText(options)}, {&entry, options}};
       const auto nameOf = [](const MethodSetting& s) { return s.setting.name; };
       if (std::ranges::find(settings, setting.setting.name, nameOf) != settings.end()) {
         throw InputError(item.where, fmt::format("{}: '{}' is listed twice", what, setting.setting.name));

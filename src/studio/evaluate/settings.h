@@ -1,6 +1,6 @@
 #pragma once
 
-// Reads settings: methods with their options. Studies compare the settings of a list, and `method: auto` chooses one.
+// Reads settings: methods with their options. Studies compare the settings of a list.
 //
 //   - ray_tracing
 //   - {depth_camera: {resolution: [512, 1024, 2048], sampling: [plane, nearest]}}

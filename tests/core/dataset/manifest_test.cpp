@@ -170,37 +170,6 @@ TEST(Manifest, ObjectsAndFullIntensitiesAreToldWhereTheyAre) {
   EXPECT_THAT(refusalWith(json, "/sensors/0/intensity_full_scale", 0), HasSubstr("/sensors/0/intensity_full_scale"));
 }
 
-Manifest chosenManifest() {
-  Manifest m = filledManifest();
-  m.chosen = MethodRecord{"depth_camera resolution=1024", "method={depth_camera: {resolution: 1024}}",
-                          "the cheapest of 3: 99.5 %, \"fast\""};
-  return m;
-}
-
-// Of `method: auto`.
-TEST(Manifest, TheChoiceOfTheMethodIsToldWhereOneWasMade) {
-  EXPECT_THAT(toJson(filledManifest()), Not(HasSubstr("method_choice")));
-  EXPECT_FALSE(parseManifest(toJson(filledManifest()), "manifest.json").chosen.has_value());
-  const Manifest m = chosenManifest();
-  const Manifest read = readBack(m);
-  ASSERT_TRUE(read.chosen.has_value());
-  EXPECT_EQ(read.chosen->setting, m.chosen->setting);
-  EXPECT_EQ(read.chosen->assignment, m.chosen->assignment);
-  EXPECT_EQ(read.chosen->why, m.chosen->why);
-  const Json json = Json::parse(toJson(m));
-  for (const char* key : {"setting", "assignment", "why"}) {
-    Json damaged = json;
-    damaged["method_choice"].erase(key);
-    EXPECT_THAT(refusal(damaged), HasSubstr(std::string("/method_choice: key '") + key + "' is missing"));
-    damaged["method_choice"][key] = 5;
-    EXPECT_THAT(refusal(damaged), HasSubstr(std::string("/method_choice/") + key + ": is number, but must be text"));
-  }
-  EXPECT_THAT(refusalWith(json, "/method_choice/cost", 1), HasSubstr("'cost' is unknown"));
-  for (const Json& wrong : {Json(), Json("ray_tracing"), Json::array()}) {
-    EXPECT_THAT(refusalWith(json, "/method_choice", wrong), HasSubstr("/method_choice")) << wrong;
-  }
-}
-
 TEST(Manifest, RefusesEveryMissingKey) {
   const Json json = Json::parse(toJson(filledManifest()));
   int tried = 0;
@@ -231,6 +200,7 @@ TEST(Manifest, RefusesEveryMissingKey) {
 TEST(Manifest, ReadsEarlierVersions) {
   Json json = Json::parse(toJson(filledManifest()));
   json["schema_version"] = 1;
+  json["method_choice"] = {{"setting", "ray_tracing"}, {"assignment", "method=ray_tracing"}, {"why", "fast"}};
   json["modelled"] = {"effect speckle {looks: 3}: random echoes", "voxels: left out",
                       "voxels: left out (`output.voxels: true` adds them)", "light: left out, so that glass is opaque"};
   json["samples"][0]["draws"] = {{"effects.0", "{weather: {kind: fog}}"}, {"sensors.0.mount.position.2", "1.25"}};
@@ -383,7 +353,7 @@ const std::filesystem::path kSchema = std::filesystem::path(SCANMILL_SOURCE_DIR)
 // Every object of the schema: parser, schema and writer name the same keys, or RefusesEveryMissingKey would fail.
 TEST(ManifestSchema, DescribesTheManifest) {
   const Json schema = Json::parse(readFile(kSchema));
-  Manifest manifest = chosenManifest();
+  Manifest manifest = filledManifest();
   manifest.samples[0].scans[0].unresolved = 1;
   manifest.samples[0].objects = {{65535, {12, 7}}};
   manifest.sensors[0].intensityFullScale = 255;
@@ -405,7 +375,6 @@ TEST(ManifestSchema, IsSatisfied) {
   };
   EXPECT_TRUE(accepts(filledManifest())) << readFile(folder.path() / "errors");
   EXPECT_TRUE(accepts(testManifest()));
-  EXPECT_TRUE(accepts(chosenManifest())) << readFile(folder.path() / "errors");
   Manifest unresolved = filledManifest();
   unresolved.samples[0].scans[0].unresolved = 1;
   EXPECT_TRUE(accepts(unresolved)) << readFile(folder.path() / "errors");

@@ -75,7 +75,6 @@ TEST(ReadSettings, NamesAndOptionsAreThoseOfThePipeline) {
   EXPECT_EQ(settings[3].setting.options, "{}");
   for (const MethodSetting& s : settings) {
     EXPECT_EQ(s.choice.entry->name, s.setting.method);
-    EXPECT_FALSE(s.choice.automatic);
   }
 }
 
@@ -133,14 +132,6 @@ TEST_F(SettingOfYard, AnAssignmentGivesTheSameMethod) {
     chosen->trace(shot, plan.channels, b);
     expectSameHits(a, b);
   }
-}
-
-TEST_F(SettingOfYard, AMethodThatIsStillToBeChosenCannotBeMade) {
-  const Plan plan = makePlan(readPipeline(pipeline_, {"method={auto: {min_rate: 1}}"}));
-  EXPECT_EQ(plan.pipeline.methodName(), "auto");
-  ShotSource source(plan);
-  const Scene scene = source.load(0);
-  EXPECT_THAT(messageOf<Error>([&] { source.method(scene); }), HasSubstr("no method has been chosen yet"));
 }
 
 }  // namespace

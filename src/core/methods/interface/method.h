@@ -72,9 +72,6 @@ struct MethodEntry {
   std::string_view keys;  // the options, a line for each: "name: default, meaning"
   MethodCapabilities can;
   std::array<std::uint8_t, 3> color;  // sRGB, colour of the method's points in pictures that compare methods
-  // The settings that `method: auto` tries if the pipeline lists none: a YAML list for readSettings()
-  // (evaluate/settings.h).
-  std::string_view autoSettings;
   // Creates the method. `options`: the method's map in the pipeline; `make` calls options.finish(). The scene must
   // outlive the method.
   std::unique_ptr<Method> (*make)(const Scene& scene, Fields& options);

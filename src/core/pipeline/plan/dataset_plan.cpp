@@ -17,14 +17,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Makes the plan of the pipeline whose text is in the manifest. `file`: the path that is assumed for the pipeline;
-// relative paths in the text start at the folder of `file`.
-Plan planAt(const Manifest& manifest, const fs::path& file) {
-  Plan plan = makePlan(readPipelineText(manifest.pipelineText, file));
-  if (plan.pipeline.method.automatic && manifest.chosen) return chosenAgain(plan, *manifest.chosen);
-  return plan;
-}
-
 void checkShards(const Plan& plan, const Manifest& manifest, const fs::path& datasetFolder) {
   const auto differs = [&](const std::string& what) {
     throw InputError({(datasetFolder / kManifestName).string()},
@@ -56,13 +48,6 @@ void checkShards(const Plan& plan, const Manifest& manifest, const fs::path& dat
 
 }  // namespace
 
-Plan chosenAgain(const Plan& plan, const MethodRecord& chosen) {
-  const Pipeline& pipeline = plan.pipeline;
-  const std::string text =
-      fmt::format("{}{}# --set {}\n", pipeline.text, pipeline.text.ends_with('\n') ? "" : "\n", chosen.assignment);
-  return settled(plan, readPipelineText(text, pipeline.file).method, chosen);
-}
-
 std::vector<fs::path> pipelineFolders(const fs::path& datasetFolder) {
   std::vector<fs::path> folders{{}, datasetFolder};
   std::error_code ignored;
@@ -79,8 +64,11 @@ Plan planOfDataset(const Manifest& manifest, const fs::path& datasetFolder, cons
   // A pipeline without the key `name` takes its name from its file's name, so the assumed file must have the dataset's
   // name.
   const std::string name = manifest.name + ".yaml";
+  const auto planAt = [&](const fs::path& folder) {
+    return makePlan(readPipelineText(manifest.pipelineText, folder / name));
+  };
   if (!pipeline.empty()) {
-    Plan plan = planAt(manifest, pipeline.parent_path() / name);
+    Plan plan = planAt(pipeline.parent_path());
     checkShards(plan, manifest, datasetFolder);
     return plan;
   }
@@ -89,7 +77,7 @@ Plan planOfDataset(const Manifest& manifest, const fs::path& datasetFolder, cons
   for (const fs::path& folder : pipelineFolders(datasetFolder)) {
     bool found = false;
     try {
-      Plan plan = planAt(manifest, folder / name);
+      Plan plan = planAt(folder);
       found = true;
       checkShards(plan, manifest, datasetFolder);
       return plan;

@@ -22,7 +22,4 @@ std::vector<std::filesystem::path> pipelineFolders(const std::filesystem::path& 
 [[nodiscard]] Plan planOfDataset(const Manifest& manifest, const std::filesystem::path& datasetFolder,
                                  const std::filesystem::path& pipeline);
 
-// Returns a plan of `method: auto` with the method and options that were chosen before, without measuring again.
-[[nodiscard]] Plan chosenAgain(const Plan& plan, const MethodRecord& chosen);
-
 }  // namespace scanmill

@@ -16,8 +16,7 @@ namespace scanmill {
 
 namespace {
 
-// Returns the method of a pipeline; null if `method: auto` has not been replaced yet, or if the hits come from a
-// recording.
+// Returns the method of a pipeline; null if the hits come from a recording.
 const MethodEntry* methodOf(const Pipeline& pipeline) {
   return pipeline.recording == nullptr ? pipeline.method.entry : nullptr;
 }
@@ -165,7 +164,7 @@ void checkDraws(const Plan& plan) {
 }  // namespace
 
 Plan makePlan(Pipeline read, Channels kept) {
-  Plan plan{std::move(read), std::nullopt, {}, kept};
+  Plan plan{std::move(read), {}, kept};
   const Pipeline& pipeline = plan.pipeline;
   Channels& channels = plan.channels;
   if (pipeline.recording != nullptr && pipeline.drawn != nullptr && pipeline.drawn->drawsMounts()) {
@@ -236,15 +235,10 @@ void Plan::requirePasses() const {
         fmt::format("the scans are made from the {} in {}, so that no passes are drawn: leave --keep-passes out",
                     nameOf(pipeline.recording->kind), pipeline.recording->folder.string()));
   }
-  const MethodEntry* const method = methodOf(pipeline);
-  if (method != nullptr && method->can.passes) return;
-  const std::string_view instead = firstMethodThat(&MethodCapabilities::passes).name;
-  if (method == nullptr) {
-    throw InputError(pipeline.method.options.where,
-                     fmt::format("method auto may choose a method that draws no passes: take `method: {}`", instead));
-  }
+  if (pipeline.method.entry->can.passes) return;
   throw InputError({pipeline.file.string()},
-                   fmt::format("the method {} draws no passes to save: take `method: {}`", method->name, instead));
+                   fmt::format("the method {} draws no passes to save: take `method: {}`", pipeline.methodName(),
+                               firstMethodThat(&MethodCapabilities::passes).name));
 }
 
 void Plan::requireOneRevolution() const {
@@ -275,22 +269,12 @@ void Plan::requireOneRay() const {
                      "the effects footprint and light_paths trace several rays per beam, but saved hits and passes "
                      "have one: save none, or leave these effects out");
   }
-  if (pipeline.recording != nullptr || pipeline.method.entry == nullptr || !pipeline.method.entry->can.severalHits) {
-    return;
-  }
+  if (pipeline.recording != nullptr || !pipeline.method.entry->can.severalHits) return;
   throw InputError(
       {pipeline.file.string()},
       fmt::format(
           "the method {} traces several rays per beam, but saved hits have one: save none, or take `method: {}`",
           pipeline.methodName(), firstMethodThat(&MethodCapabilities::reference).name));
-}
-
-Plan settled(Plan plan, MethodChoice choice, MethodRecord record) {
-  plan.pipeline.method = std::move(choice);
-  checkMotion(plan.pipeline);
-  checkRays(plan.pipeline);
-  plan.chosen = std::move(record);
-  return plan;
 }
 
 std::uint64_t Plan::bytesPerFrameInMemory() const {

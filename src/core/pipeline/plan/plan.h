@@ -8,7 +8,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -27,8 +26,6 @@ struct PlannedSensor {
 
 struct Plan {
   Pipeline pipeline;
-  // The method that replaced `method: auto`, and why; nothing if the pipeline names a method.
-  std::optional<MethodRecord> chosen;
   std::vector<PlannedSensor> sensors;
   Channels channels;  // channels to trace: those that effects, columns, formats and recordings read
 
@@ -38,8 +35,8 @@ struct Plan {
 
   // Throws InputError if a sample may have several revolutions of a sensor, or none: recordings have one.
   void requireOneRevolution() const;
-  // Throws InputError if no passes are rendered that could be saved: for recorded scans, for a method without passes,
-  // and for `method: auto`, which may choose such a method.
+  // Throws InputError if no passes are rendered that could be saved: for recorded scans and for a method without
+  // passes.
   void requirePasses() const;
   // Throws InputError if a beam may need several rays, if there is an ego vehicle, or if mounts are random. Hits and
   // passes cannot be recorded then, since a recording holds one ray per beam, the scene alone, and fixed mounts.
@@ -62,10 +59,6 @@ struct Plan {
 // InputError if the plan cannot be carried out, for instance since the scenes' ontologies differ, the method cannot do
 // what the pipeline asks for, or a frame exceeds the memory limit.
 Plan makePlan(Pipeline pipeline, Channels kept = {});
-
-// Returns the plan with a method and its options in place of `method: auto`; the record says what was chosen and why.
-// Throws InputError if the method cannot do what the pipeline asks for.
-[[nodiscard]] Plan settled(Plan plan, MethodChoice choice, MethodRecord record);
 
 // Returns what is computed, what is left out, and why. `blocked`: for each sensor, the fraction of its rays that hit
 // the ego vehicle; empty if there is no ego vehicle.

@@ -55,7 +55,6 @@ std::string planHash(const Plan& plan) {
   add(kVersion);
   add(fmt::format("{}", Manifest::kSchemaVersion));
   add(pipeline.text);
-  if (plan.chosen) add(plan.chosen->assignment);
   for (const auto& [beams, footprint] : plan.sensors) add(beamsHash(*beams));
   for (const MountedSensor& sensor : pipeline.sensors) addValue(sensor.description, add);
   std::set<std::filesystem::path> scenes;
@@ -119,7 +118,7 @@ std::vector<ShardJob> shardJobs(const Plan& plan) {
 }
 
 DatasetPlan datasetPlan(const Plan& plan, const std::vector<ShardJob>& jobs) {
-  DatasetPlan planned{planHash(plan), 0, {}, plan.chosen};
+  DatasetPlan planned{planHash(plan), 0, {}};
   for (const ShardJob& job : jobs) {
     auto& splits = planned.shardsOfSplit;
     if (splits.empty() || splits.back().first != job.split) splits.emplace_back(job.split, 0);

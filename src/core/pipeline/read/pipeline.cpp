@@ -17,7 +17,7 @@
 //   vehicle: vehicle.yaml            # scene file of the ego vehicle, which blocks some beams; or
 //                                    # {scene: vehicle.yaml, returns: drop}: its returns are left out
 //   motion: none                     # none | per_column | {steps: 360, deskew: false}
-//   method: ray_tracing              # or {ray_tracing: {...}}, or auto: see docs/keys.md
+//   method: ray_tracing              # or {ray_tracing: {...}}: see docs/keys.md
 //   effects: [sensor, {footprint: {rays: 61}}]   # see pipeline/read/effects.h
 //   corruption: {fog: heavy}         # see pipeline/read/corruption.h
 //   splits: {by: seed, train: 0.8, val: 0.1, test: 0.1}
@@ -211,13 +211,9 @@ const LightPaths* Pipeline::lightPaths(std::size_t sensor) const {
   return recording == nullptr ? scanmill::lightPaths(*sensors[sensor].effects) : nullptr;
 }
 
-// A recording has one hit per beam. While the method is still `auto`, returns the maximum over all methods.
+// A recording has one hit per beam.
 std::uint32_t Pipeline::mostMet() const {
-  if (recording != nullptr) return 1;
-  if (method.entry != nullptr) return method.entry->can.mostReturns;
-  std::uint32_t most = 1;
-  for (const MethodEntry& entry : methods()) most = std::max(most, entry.can.mostReturns);
-  return most;
+  return recording != nullptr ? 1 : method.entry->can.mostReturns;
 }
 
 std::uint32_t Pipeline::mostReturns() const {
@@ -234,8 +230,7 @@ std::uint32_t Pipeline::mostReturns() const {
 }
 
 std::string Pipeline::methodName() const {
-  if (recording != nullptr) return recording->method;
-  return method.entry == nullptr ? "auto" : std::string(method.entry->name);
+  return recording != nullptr ? recording->method : std::string(method.entry->name);
 }
 
 namespace {
@@ -363,10 +358,12 @@ Pipeline pipelineOf(Value read, std::string text, const std::filesystem::path& f
   pipeline.motion = readMotion(fields.find("motion"));
   if (pipeline.recording == nullptr || fields.find("method") != nullptr) {
     const NamedOptions method = readNamed(fields.require("method"), "method");
-    const bool automatic = method.name == "auto";
-    // If there is a recording, `method: auto` has nothing to choose.
-    pipeline.method = {automatic ? nullptr : &requireMethod(method.name, method.where, "auto"), method.options,
-                       automatic && pipeline.recording == nullptr};
+    if (method.name == "auto") {
+      throw InputError(method.where,
+                       "`method: auto` is no longer chosen by measuring, since ray_tracing is the fastest of the exact "
+                       "settings everywhere (docs/tradeoff.md): write `method: ray_tracing`");
+    }
+    pipeline.method = {&requireMethod(method.name, method.where), method.options};
   }
   written.effects = writtenEffects(root);
   readEffects(written.effects, pipeline);

@@ -44,9 +44,8 @@ struct MountedSensor {
 };
 
 struct MethodChoice {
-  const MethodEntry* entry = nullptr;  // null for `method: auto` until settled() replaces it
-  Value options;                       // map of options for the method or for `auto`; Null: no options are given
-  bool automatic = false;              // true: the pipeline says `method: auto`
+  const MethodEntry* entry = nullptr;  // null only for a recording, if the pipeline names no method
+  Value options;                       // map of the method's options; Null: no options are given
 };
 
 struct ChosenFormat {

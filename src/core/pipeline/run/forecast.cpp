@@ -105,7 +105,6 @@ Pipeline inSmallTown(const Pipeline& pipeline, const Reread& reread, bool townsC
       fmt::format("trajectories=[{{name: forecast, along: lane, speed: 8, every_m: 10, frames: {}{}}}]", threadCount(),
                   low ? ", ground: {height: 1.8}" : ""),
       "splits=null"};
-  if (pipeline.method.automatic) changes.emplace_back("method=ray_tracing");
   if (townsClasses) changes.insert(changes.end(), {"labels=null", "vehicle=null"});
   const double share = std::min(kMostBeams / static_cast<double>(pipeline.beamsPerFrame()),
                                 kMostRays / static_cast<double>(pipeline.raysPerFrame()));

@@ -97,7 +97,6 @@ Manifest startManifest(const ShotSource& source, const DatasetPlan& planned) {
   manifest.files = pipeline.files;
   addFiles(source.vehicleFiles(), manifest.files);
   manifest.modelled = modelled(plan, source.blockedShares());
-  manifest.chosen = plan.chosen;
   return manifest;
 }
 

@@ -58,7 +58,6 @@ Trajectory inScene(const Trajectory& trajectory, const SceneProbe& probe, std::u
 }  // namespace
 
 std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scene) {
-  if (choice.entry == nullptr) throw Error("`method: auto`: no method has been chosen yet");
   Fields options(choice.options, "method " + std::string(choice.entry->name));
   options.alsoDescribed(choice.entry->keys).finish();
   if (scene.moves() && !choice.entry->can.moving) {

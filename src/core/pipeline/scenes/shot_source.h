@@ -27,8 +27,8 @@ namespace scanmill {
 class DrawnSettings;
 class Trajectory;
 
-// Creates the method that a pipeline or a study names; `method: auto` must have been replaced before. Throws InputError
-// for wrong options, and if the scene has moving objects that the method cannot trace.
+// Creates the method that a pipeline or a study names. Throws InputError for wrong options, and if the scene has moving
+// objects that the method cannot trace.
 std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scene);
 
 // Changes that a program makes to the scenes that it loads.

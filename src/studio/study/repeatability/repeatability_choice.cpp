@@ -6,7 +6,6 @@
 
 #include "config/fields.h"
 #include "config/flow_text.h"
-#include "evaluate/auto/calibrate.h"
 #include "pipeline/read/effects.h"
 
 namespace scanmill {
@@ -69,10 +68,6 @@ IcpOptions readIcp(const Value& value) {
 }
 
 std::vector<MethodSetting> pipelinesOwnMethod(const Pipeline& pipeline) {
-  if (pipeline.method.entry == nullptr) {
-    throw InputError({pipeline.file.string()},
-                     "`method: auto` cannot be repeated: list the methods as repeatability.methods");
-  }
   const std::string name(pipeline.method.entry->name);
   const Value& options = pipeline.method.options;
   return {{{settingName(name, options), name, flowText(options)}, pipeline.method}};
@@ -99,7 +94,6 @@ RepeatabilityChoice readRepeatabilityChoice(const Pipeline& pipeline) {
   choice.object = fields.text("object", "");
   choice.margin = fields.number("margin_m", {0, 1000}, choice.margin);
   if (const Value* icp = fields.find("icp")) choice.icp = readIcp(*icp);
-  checkAutoChoice(pipeline);
   return choice;
 }
 

@@ -42,8 +42,7 @@ struct RepeatabilityChoice {
   IcpOptions icp;
 };
 
-// Reads the key `repeatability` of a pipeline. If the pipeline has `method: auto`, also checks the options of `auto`.
-// Throws InputError with file and line.
+// Reads the key `repeatability` of a pipeline. Throws InputError with file and line.
 RepeatabilityChoice readRepeatabilityChoice(const Pipeline& pipeline);
 
 // Returns the layout of scans for the comparison: positions, and the column of each point.

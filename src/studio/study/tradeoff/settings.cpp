@@ -7,7 +7,6 @@
 #include "config/fields.h"
 #include "config/flow_text.h"
 #include "config/named_options.h"
-#include "evaluate/auto/calibrate.h"
 
 namespace scanmill {
 
@@ -76,7 +75,6 @@ std::vector<MethodSetting> defaultSettings() {
 }
 
 StudyChoice readStudyChoice(const Pipeline& pipeline) {
-  checkAutoChoice(pipeline);
   StudyChoice choice;
   Fields fields(pipeline.root.valueOf("tradeoff"), "tradeoff");
   fields.also({"settings", "encodings", "rings", "sequence", "shots", "repeats", "budget_s"}).finish();

@@ -38,8 +38,8 @@ struct StudyChoice {
   double budgetSeconds = 300;
 };
 
-// Reads the key `tradeoff` of a pipeline. Checks the options of all settings, and of the pipeline's method if it is
-// `auto`. Throws InputError with file and line.
+// Reads the key `tradeoff` of a pipeline and checks the options of all settings. Throws InputError with file
+// and line.
 StudyChoice readStudyChoice(const Pipeline& pipeline);
 
 // Returns the settings that are measured if the pipeline lists none: all methods with their defaults, and variations
