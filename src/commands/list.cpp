@@ -118,11 +118,12 @@ void printCapabilities() {
 
 // Formats whose readers say what they read and what they leave out.
 std::vector<FormatSupport> inputFormats() {
-  return {gltf::gltfFormat(), blendFormat(), objFormat(),     plyMeshFormat(),  stlFormat(),      offFormat(),
-          colladaFormat(),    fbxFormat(),   ac3dFormat(),    importedFormat(), imageFormat(),    sdfFormat(),
-          ogreFormat(),       urdfFormat(),  tilesetFormat(), rasterFormat(),   cloudColumns(),   lasFormat(),
-          plyCloudFormat(),   pcdFormat(),   csvFormat(),     npzFormat(),      dracoFormat(),    pointRecordsFormat(),
-          town::osmFormat(),  poseFormat(),  ousterFormat(),  velodyneFormat(), beamTableFormat()};
+  return {gltf::gltfFormat(), blendFormat(),    objFormat(),          plyMeshFormat(),   stlFormat(),
+          offFormat(),        colladaFormat(),  fbxFormat(),          ac3dFormat(),      importedFormat(),
+          imageFormat(),      sdfFormat(),      ogreFormat(),         urdfFormat(),      tilesetFormat(),
+          rasterFormat(),     cloudColumns(),   lasFormat(),          plyCloudFormat(),  pcdFormat(),
+          csvFormat(),        dracoFormat(),    pointRecordsFormat(), town::osmFormat(), poseFormat(),
+          ousterFormat(),     velodyneFormat(), beamTableFormat()};
 }
 
 Rows inputRows() {

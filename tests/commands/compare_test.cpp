@@ -68,7 +68,7 @@ TEST_F(CompareCommand, SaysWhatToTryOfThePipeline) {
 }
 
 TEST_F(CompareCommand, FoldersThatOthersReadAreRead) {
-  for (const char* layout : {"semantic_kitti", "npz"}) {
+  for (const char* layout : {"semantic_kitti", "ply"}) {
     ASSERT_EQ(scanmill({"export", at("plain"), "--to", layout, "-o", at(layout)}).code, 0);
     const Outcome compared = scanmill({"compare", at(layout), at("noisy"), "-o", at("out"), "--overwrite", "-q"});
     ASSERT_EQ(compared.code, 0) << compared.error;

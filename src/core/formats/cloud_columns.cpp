@@ -45,7 +45,7 @@ const FormatSupport& cloudColumns() {
   using enum FormatElements::Use;
   static const FormatSupport format{
       "Columns of point clouds",
-      ".las, .ply, .pcd, .csv, .xyz, .npz, .drc",
+      ".las, .ply, .pcd, .csv, .xyz, .drc",
       {{Read,
         "label labels label_id class classes class_id class_label classification category category_id semantic "
         "semantics semantic_label semantic_id sem_class sem_label objtag object_tag predsemantic pred_label",

@@ -75,7 +75,7 @@ bool isScan(const std::filesystem::path& file) {
 std::string scanSuffixes() {
   std::string list;
   for (const FormatEntry& f : formats()) list += fmt::format(".{}, ", f.suffix);
-  return list + ".xyz, .asc, .las, .ply, .bin, .pcd.bin, .npz";
+  return list + ".xyz, .asc, .las, .ply, .bin, .pcd.bin";
 }
 
 Cloud readCloud(const std::filesystem::path& file, CloudUnit unit) {
@@ -88,11 +88,15 @@ Cloud readCloud(const std::filesystem::path& file, CloudUnit unit) {
                                          "a{} a.las` or by CloudCompare into LAS, PLY or PCD",
                                          suffix, suffix));
   }
+  if (suffix == ".npz") {
+    throw InputError({name},
+                     "is an archive of NumPy, which is not read: write its points as text, by "
+                     "numpy.savetxt('a.csv', points, delimiter=',', header='x,y,z,label', comments='')");
+  }
   const std::string bytes = readFile(file);
   if (suffix == ".las" || suffix == ".laz") return readLas(bytes, name, unit);
   if (suffix == ".pcd") return readPcd(bytes, name);
   if (suffix == ".csv" || suffix == ".xyz" || suffix == ".asc") return readCsv(bytes, name);
-  if (suffix == ".npz") return readNpz(bytes, name);
   if (const std::size_t numbers = numbersOfRecord(file); numbers > 0) {
     Cloud cloud{{}, readPointRecords(bytes, numbers, name)};
     if (const auto labels = labelsBeside(file); !labels.empty()) {

@@ -1,7 +1,7 @@
 #pragma once
 
 // Point clouds as scanners, surveys and other programs store them: .las, .ply, .pcd, .xyz and the formats of datasets;
-// also single scans of public datasets: .bin, .pcd.bin and .npz.
+// also single scans of public datasets: .bin and .pcd.bin.
 
 #include <cstdint>
 #include <filesystem>
@@ -31,7 +31,8 @@ Vec3d cloudOrigin(const Vec3d& place);
 // readCloud() refuses with advice (.laz, .e57, .pts, .ptx). A .ply is a cloud if its header has no faces, and an .asc
 // if it lists points, but not if it does not exist or is empty. Throws InputError for a .ply with a damaged header.
 bool isCloud(const std::filesystem::path& file);
-// True if the file can be a recorded scan: a cloud, or a file .bin or .npz. Throws as isCloud().
+// True if the file can be a recorded scan: a cloud, a .bin, or an .npz, which readCloud() refuses with advice. Throws
+// as isCloud().
 bool isScan(const std::filesystem::path& file);
 // Returns all suffixes that readCloud() reads: ".pcd, .drc, ...".
 std::string scanSuffixes();

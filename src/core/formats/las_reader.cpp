@@ -228,24 +228,6 @@ class LasReader {
                       "the ground (1/cos(latitude)), heights are not: {}",
                       where_.file, stretch, kReproject));
     }
-    if (wkt_.empty() && geoKeys_.empty()) tellDegrees(place, first, points);
-  }
-
-  // Warns if the coordinates of a file without a coordinate system look like degrees: they lie far from 0, and closer
-  // to each other than those of any place in metres.
-  void tellDegrees(const Vec3d& place, std::uint64_t first, std::uint64_t points) const {
-    constexpr double kTiny = 0.2, kFar = 5;  // extent; ratio of the distance from 0 to the extent
-    if (std::fabs(place.x) > 180 || std::fabs(place.y) > 90) return;
-    Box box;
-    for (std::uint64_t i = 0; i < points; ++i) box.add(placeAt(first + i * record_));
-    const double extent = std::max(box.high.x - box.low.x, box.high.y - box.low.y);
-    const double away = std::max(std::fabs(place.x), std::fabs(place.y));
-    if (extent > kTiny || extent == 0 || away < kFar * extent) return;
-    warn(fmt::format(
-        "{}: all its points lie within {:.2g} m of [{:.6g}, {:.6g}], and no coordinate system is stated: if "
-        "they are in degrees, reproject it, by `pdal translate a.las b.las reprojection "
-        "--filters.reprojection.in_srs=EPSG:4326 --filters.reprojection.out_srs=EPSG:32632`",
-        where_.file, extent, place.x, place.y));
   }
 
   void readPoints(std::uint64_t first, std::uint64_t points) {

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <memory>
 #include <optional>
 
 #include "base/error.h"
+#include "base/text_scan.h"
 #include "formats/cloud_columns.h"
 #include "formats/column_value.h"
 #include "formats/readers.h"
@@ -50,21 +50,9 @@ constexpr std::uint64_t kMostElements = 65536;
 // Largest factor by which LZF expands data: its longest back reference turns 3 bytes into 264.
 constexpr std::uint64_t kLzfGain = 88;
 
-Words split(std::string_view line) {
-  Words words;
-  constexpr std::string_view kBlank = " \t\r";
-  for (std::size_t at = line.find_first_not_of(kBlank); at != line.npos && words.size() < kMostFields + 2;) {
-    const std::size_t end = std::min(line.find_first_of(kBlank, at), line.size());
-    words.push_back(line.substr(at, end - at));
-    at = line.find_first_not_of(kBlank, end);
-  }
-  return words;
-}
-
 std::uint64_t readCount(std::string_view word, std::string_view what, std::uint64_t most, const Location& where) {
   std::uint64_t value = 0;
-  const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc() || stop != word.data() + word.size() || value > most) {
+  if (!parseNumber(word, value) || value > most) {
     throw InputError(where, fmt::format("{} must be an integer of 0 to {}, not '{}'", what, most, word.substr(0, 40)));
   }
   return value;
@@ -76,15 +64,13 @@ class HeaderReader {
 
   PcdHeader read() {
     while (header_.data.empty()) {
-      const std::size_t end = std::min(rest_.find('\n'), rest_.size());
       ++where_.line;
       if (rest_.empty()) throw InputError(where_, "not a PCD file, or its header is truncated");
-      const std::string_view line = rest_.substr(0, end);
-      rest_.remove_prefix(std::min(end + 1, rest_.size()));
+      const std::string_view line = takeLine(rest_);
       if (line.starts_with('#')) {
         readComment(line);
       } else {
-        readLine(split(line));
+        readLine(wordsOf(line));
       }
     }
     header_.body = rest_;
@@ -96,7 +82,7 @@ class HeaderReader {
  private:
   void readComment(std::string_view line) {
     if (!line.starts_with(kPcdSensorComment)) return;
-    const Words words = split(line.substr(kPcdSensorComment.size()));
+    const Words words = wordsOf(line.substr(kPcdSensorComment.size()));
     if (words.size() != 3) throw InputError(where_, "the sensor comment must hold rings, columns and a word");
     header_.sensor = {readCount(words[0], "rings", UINT32_MAX, where_),
                       readCount(words[1], "columns", UINT32_MAX, where_)};
@@ -425,12 +411,9 @@ class BodyReader {
     Location where{where_.file, header_.bodyLine - 1, 0};
     for (std::size_t point = 0; point < header_.points;) {
       if (rest.empty()) throw InputError(where, fmt::format("truncated after {} of {} points", point, header_.points));
-      const std::size_t end = std::min(rest.find('\n'), rest.size());
       ++where.line;
-      const std::string_view line = rest.substr(0, end);
-      rest.remove_prefix(std::min(end + 1, rest.size()));
-      if (line.find_first_not_of(" \t\r") == line.npos) continue;
-      readAsciiRow(line, point++, where, scan);
+      const std::string_view line = takeLine(rest);
+      if (!line.empty()) readAsciiRow(line, point++, where, scan);
     }
     rest_ = rest;
     return scan;
@@ -439,15 +422,12 @@ class BodyReader {
   void readAsciiRow(std::string_view line, std::size_t point, const Location& where, Scan& scan) {
     for (const PcdField& field : header_.fields) {
       for (std::uint64_t element = 0; element < field.count; ++element) {
-        const std::size_t start = line.find_first_not_of(" \t\r");
-        if (start == line.npos) throw InputError(where, fmt::format("there is no value of field {}", field.name));
-        line.remove_prefix(start);
-        const std::string_view word = line.substr(0, line.find_first_of(" \t\r"));
-        line.remove_prefix(word.size());
+        const std::string_view word = takeWord(line);
+        if (word.empty()) throw InputError(where, fmt::format("there is no value of field {}", field.name));
         readWord(field, word, point, where, scan);
       }
     }
-    if (line.find_first_not_of(" \t\r") != line.npos) {
+    if (!line.empty()) {
       throw InputError(where, fmt::format("more values than the {} fields have", header_.fields.size()));
     }
   }

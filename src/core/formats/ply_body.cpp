@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <bit>
 
 #include "base/error.h"
+#include "base/text_scan.h"
 #include "formats/text_rows.h"
 
 namespace scanmill {
@@ -15,15 +15,15 @@ void PlyBody::beginRow(const PlyElement& element, std::uint64_t row) {
   row_ = row;
   if (!isText()) return;
   if (at_ >= bytes_.size()) fail(fmt::format("is truncated or damaged: it ends within {}", place()));
-  const std::size_t end = std::min(bytes_.find(header_.isMac ? '\r' : '\n', at_), bytes_.size());
-  text_ = bytes_.substr(at_, end - at_);
-  at_ = end + 1;
+  std::string_view rest = bytes_.substr(at_);
+  text_ = takeLine(rest);
+  at_ = bytes_.size() - rest.size();
   ++line_;
 }
 
 double PlyBody::next(const PlyProperty& property, const PlyType& type) {
   if (isText()) {
-    const std::string_view word = nextWord();
+    const std::string_view word = takeWord(text_);
     if (word.empty()) fail(fmt::format("{} lacks values: the file is truncated or damaged", place()));
     double value = 0;
     readNumber(word, value, property.name, {file_, line_});
@@ -67,16 +67,8 @@ void PlyBody::skip(const PlyProperty& property) {
 }
 
 void PlyBody::endRow() {
-  if (!isText() || nextWord().empty()) return;
+  if (!isText() || text_.empty()) return;
   fail(fmt::format("{} has more values than properties ({})", place(), element_->properties.size()));
-}
-
-std::string_view PlyBody::nextWord() {
-  constexpr std::string_view kBlanks = " \t\r";
-  text_.remove_prefix(std::min(text_.find_first_not_of(kBlanks), text_.size()));
-  const std::string_view word = text_.substr(0, text_.find_first_of(kBlanks));
-  text_.remove_prefix(word.size());
-  return word;
 }
 
 std::string PlyBody::place() const {

@@ -35,7 +35,6 @@ class PlyBody {
  private:
   bool isText() const { return header_.format == PlyHeader::Format::Ascii; }
   double next(const PlyProperty& property, const PlyType& type);
-  std::string_view nextWord();
   std::string place() const;
   [[noreturn]] void fail(const std::string& what) const;
 

@@ -35,7 +35,6 @@ struct PlyHeader {
   std::vector<PlyElement> elements;
   std::uint64_t size = 0;  // size of the header (bytes)
   int lines = 0;
-  bool isMac = false;  // true: lines end with "\r" (old Mac OS)
 };
 
 // Reads the header of a PLY file. Throws an InputError that names the file, the line and the fault: there is no

@@ -24,7 +24,6 @@ constexpr std::string_view kLasExactIntensity = "intensity_f";
 const FormatSupport& pcdFormat();
 const FormatSupport& csvFormat();
 const FormatSupport& dracoFormat();
-const FormatSupport& npzFormat();
 const FormatSupport& lasFormat();
 const FormatSupport& plyCloudFormat();
 const FormatSupport& pointRecordsFormat();
@@ -50,18 +49,11 @@ Cloud readCsv(std::string_view bytes, const std::string& what, bool exact = true
 // colours and normals are recognised by their kind, too. The origin is zero.
 Cloud readDraco(std::string_view bytes, const std::string& what);
 
-// Reads a scan from a NumPy archive (formats/npy.h). Its positions are the array `xyz` or `points`, of shape (N, 3) or
-// (rings, columns, 3); misses of an array of the second shape are NaN. A fourth and a fifth number per point are
-// intensity and ring. Every other array with one number per point becomes the column of its name. All other arrays are
-// left out. Refuses bytes that are not a ZIP archive, arrays that are damaged, in Fortran's order or big-endian,
-// positions that are missing or not numbers, and columns of the table of another shape than the points.
-Cloud readNpz(std::string_view bytes, const std::string& what);
-
 // Reads the points of LAS 1.0 to 1.4, point formats 0 to 10 ("LAS Specification 1.4 - R15", American Society for
 // Photogrammetry and Remote Sensing, 2019), except points marked as withheld; extra bytes are columns. Coordinates are
 // metres, unless `unit` is OfFile and the coordinate system (rasters/system_unit.h) states feet; depths become heights.
 // Refuses bytes that are not LAS, of another version, truncated, or compressed (LAZ), and coordinates that are degrees,
-// earth-centred or in unknown units. Warns of Mercator projections, and of coordinates that look like degrees.
+// earth-centred or in unknown units. Warns of Mercator projections.
 Cloud readLas(std::string_view bytes, const std::string& what, CloudUnit unit = CloudUnit::OfFile);
 
 // Reads the points of a PLY file (the element `vertex`). Properties that are lists are left out.

@@ -8,6 +8,7 @@
 #include <limits>
 #include <memory>
 
+#include "base/text_scan.h"
 #include "formats/column_value.h"
 
 namespace scanmill {
@@ -69,14 +70,11 @@ void appendRows(const Scan& scan, char separator, std::string& out) {
 
 template <class T>
 void readNumber(std::string_view word, T& value, std::string_view column, const Location& where) {
-  const char* const end = word.data() + word.size();
-  const char* const begin = word.size() > 1 && word[0] == '+' && word[1] != '-' ? word.data() + 1 : word.data();
-  const auto [stop, error] = std::from_chars(begin, end, value);
-  if (error == std::errc() && stop == end && begin != end) return;
+  if (parseNumber(word, value)) return;
   if constexpr (std::is_integral_v<T>) {
     // Other programs write whole numbers as 7.000000, too.
     double number = 0;
-    if (const auto real = std::from_chars(begin, end, number); real.ec == std::errc() && real.ptr == end) {
+    if (parseNumber(word, number)) {
       constexpr double kExact = 9007199254740992.0;  // 2^53: up to here doubles hold all whole numbers
       const bool fits = number >= static_cast<double>(std::numeric_limits<T>::min()) && std::fabs(number) <= kExact &&
                         number <= static_cast<double>(std::numeric_limits<T>::max());

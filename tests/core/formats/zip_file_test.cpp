@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/input_budget.h"
 #include "formats/npy.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
@@ -104,6 +105,34 @@ TEST(Npy, ElementsBeginAtAMultipleOf64Bytes) {
     EXPECT_EQ(file.size() % 64, 5u);
     EXPECT_EQ(file[file.size() - 6], '\n');
   }
+}
+
+TEST(Npy, DamagedArchivesAreRefusedWithTheArray) {
+  const auto refused = [](const std::string& archive) { return messageOf([&] { readNpzArrays(archive, "a.npz"); }); };
+  const auto changed = [](std::string array, std::string_view from, std::string_view to) {
+    array.replace(array.find(from), from.size(), to);
+    const Files files{{"xyz.npy", array}};
+    return zipOf(files);
+  };
+  const std::string array = npyOf("<f4", {2, 3}, std::string(24, 'x'));
+  const std::string good = changed(array, "<f4", "<f4");
+  EXPECT_EQ(readNpzArrays(good, "a.npz").at(0).shape, (std::vector<std::size_t>{2, 3}));
+  EXPECT_THAT(refused("no archive"), testing::HasSubstr("a.npz: is no sound archive .npz"));
+  EXPECT_THAT(refused(changed(array, "<f4", ">f4")), testing::HasSubstr("a.npz: xyz.npy: is of the type >f4"));
+  EXPECT_THAT(refused(changed(array, "False", "True ")), testing::HasSubstr("Fortran"));
+  EXPECT_THAT(refused(changed(array, "(2, 3)", "(2, 4)")), testing::HasSubstr("has 24 bytes"));
+  EXPECT_THAT(refused(changed(array, "(2, 3)", "      ")), testing::HasSubstr("no shape"));
+  // Cut short, or changed, anywhere: an error or arrays, never more.
+  for (std::size_t i = 0; i < good.size(); ++i) {
+    std::string damaged = good;
+    damaged[i] = static_cast<char>(damaged[i] ^ 0x41);
+    refused(damaged);
+    refused(good.substr(0, i));
+  }
+  const InputBudget budget;
+  const InputLimitFactor little(1e-6);
+  const Files zeros{{"zeros.npy", npyOf("|u1", {100'000}, std::string(100'000, '\0'))}};
+  EXPECT_THAT(refused(zipOf(zeros)), testing::HasSubstr("unpacked"));
 }
 
 TEST(Npy, RefusesBytesThatAreNotOfTheShape) {
