@@ -17,16 +17,10 @@
 #include "commands/arguments.h"
 #include "commands/table.h"
 #include "config/resources.h"
-#include "scenefile/scene_file.h"
-#include "viewer/contact_sheet.h"
 
 namespace scanmill {
 
 namespace {
-
-// Least size (m) at which a single model is drawn as the viewer shows a scene; a smaller model is drawn on a contact
-// sheet.
-constexpr double kPlace = 60;
 
 // Returns the named files, with each folder replaced by the 3D files in it, sorted by path, which are added to
 // `inFolders`.
@@ -45,11 +39,6 @@ std::vector<std::filesystem::path> filesOf(const std::vector<std::string>& named
     inFolders.insert(found.begin(), found.end());
   }
   return files;
-}
-
-double longestEdge(const Box& box) {
-  const Vec3d size = box.empty() ? Vec3d{} : box.high - box.low;
-  return std::max({size.x, size.y, size.z});
 }
 
 // Returns the path of the file with a star for each number in its name, such as "models/leaves.*.obj".
@@ -167,17 +156,7 @@ int runDraft(const std::vector<std::string>& arguments) {
   writeFile(out, made.yaml);
 
   printFiles(made, out);
-  const std::size_t models = made.onePlace ? 0 : made.files.size();
-  const bool sheet = models > 1 || (models == 1 && longestEdge(made.files[0].box) < kPlace);
-  if (sheet) {
-    SceneOptions plain;
-    plain.textures = false;
-    const Image drawn = drawContactSheet(readScene(out, plain));
-    writeFile(picture, encodePng(drawn));
-    printText("{}: {} x {}, a cell for each object\n", picture.string(), drawn.width, drawn.height);
-  } else {
-    runView({out.string(), "--screenshot", picture.string()});
-  }
+  runView({out.string(), "--screenshot", picture.string()});
   printText("next: scanmill view {0}; scanmill info {0}; write a pipeline that uses it (docs/own_scene.md)\n",
             out.string());
   return 0;

@@ -13,14 +13,9 @@
 #include "config/text.h"
 #include "dataset/recording.h"
 #include "dataset/scan_source.h"
-#include "scene/scene.h"
-#include "scenefile/scene_file.h"
-#include "viewer/contact_sheet.h"
-#include "viewer/frames/image_list.h"
 #include "viewer/frames/scene_lookup.h"
 #include "viewer/pass_picture.h"
 #include "viewer/picture.h"
-#include "viewer/window/image_session.h"
 #include "viewer/window/mesh_coloring.h"
 #include "viewer/window/session.h"
 
@@ -39,19 +34,9 @@ struct Outputs {
   int frames = 72;
   std::optional<std::pair<int, int>> pick;  // pixel of the picture; the point or triangle there is printed
   bool wholeRangeImage = false;             // the screenshot is the range image alone, in full size
-  bool contactSheet = false;                // the screenshot is a sheet of the scene's objects
 
   bool window() const { return screenshot.empty() && turntable.empty() && !pick; }
 };
-
-Rgb readBackground(const std::string& text) {
-  if (text == "dark") return kBackground;
-  if (text == "grey") return {104, 108, 116};
-  if (text == "white") return {255, 255, 255};
-  if (const auto color = readNumbers<std::uint8_t, 3>(text)) return *color;
-  throw InputError(
-      fmt::format("--background is dark, grey, white, or R,G,B from 0 to 255, such as 30,30,40, not '{}'", text));
-}
 
 std::pair<int, int> readPixel(const std::string& text, const PictureSize& size) {
   const auto pixel = readNumbers<int, 2>(text);
@@ -117,11 +102,8 @@ Outputs readOutputs(const Arguments& parsed, const PictureSize& size) {
     }
   }
   outputs.wholeRangeImage = parsed.has("range-image-alone");
-  outputs.contactSheet = parsed.has("contact-sheet");
-  for (const char* const alone : {"range-image-alone", "contact-sheet"}) {
-    if (parsed.has(alone) && outputs.screenshot.empty()) {
-      throw InputError(fmt::format("--{} makes a picture: add --screenshot FILE.png", alone));
-    }
+  if (outputs.wholeRangeImage && outputs.screenshot.empty()) {
+    throw InputError("--range-image-alone makes a picture: add --screenshot FILE.png");
   }
   if (parsed.has("pick")) outputs.pick = readPixel(parsed.text("pick"), size);
   return outputs;
@@ -164,7 +146,6 @@ ViewOptions readViewOptions(const Arguments& parsed, bool window) {
     throw InputError("--at says where to look: leave X,Y,Z out of --camera beside it");
   }
   if (parsed.has("point-size")) view.pointSize = parsed.number("point-size", 0.5, 50);
-  view.background = readBackground(parsed.options["background"].as<std::string>());
   view.sample = parsed.text("sample");
   view.depthEdges = !parsed.has("flat");
   view.mesh = parsed.has("mesh");
@@ -214,16 +195,6 @@ std::unique_ptr<Canvas> openCanvas(const std::filesystem::path& file, const Pict
   return openWindow(fmt::format("scanmill view {}", file.string()), size.width, size.height);
 }
 
-// Sends the session the events of a click with the left button.
-void clickAt(ImageSession& session, const std::pair<int, int>& pixel) {
-  CanvasEvent event{.kind = CanvasEvent::Kind::Move, .x = pixel.first, .y = pixel.second, .button = 1};
-  session.handle(event);
-  event.kind = CanvasEvent::Kind::Down;
-  session.handle(event);
-  event.kind = CanvasEvent::Kind::Up;
-  session.handle(event);
-}
-
 void writePicture(const std::filesystem::path& file, const Image& image, const std::string& what) {
   writeFile(file, encodePng(image));
   printText("{}: {} x {}, {}\n", file.string(), image.width, image.height, what);
@@ -259,75 +230,17 @@ void drawWholeRangeImage(const std::filesystem::path& file, const Arguments& par
   }
 }
 
-// Writes a picture with a cell for each of the scene's objects.
-void drawSheet(const std::filesystem::path& file, const Arguments& parsed, const Outputs& outputs) {
-  const std::string kind = lowerExtension(file);
-  if (kind != ".yaml" && kind != ".yml") {
-    throw InputError({file.string()}, "is no scene: --contact-sheet shows the objects of one");
+// Writes a picture of an EXR image, or of one of a recording's.
+void drawImage(const std::filesystem::path& path, const Arguments& parsed, const PictureSize& size,
+               const std::filesystem::path& screenshot) {
+  if (screenshot.empty()) {
+    throw InputError({path.string()}, "is drawn as a picture, without a window: add --screenshot FILE.png");
   }
-  requireScene(file);
-  requireOnly(file, parsed, "--contact-sheet", {"contact-sheet", "screenshot", "ontology", "seed"});
-  SceneOptions plain;
-  plain.textures = false;
-  plain.ontology = ontologyOption(parsed);
-  if (parsed.has("seed")) plain.seed = parsed.options["seed"].as<std::uint64_t>();
-  writePicture(outputs.screenshot, drawContactSheet(readScene(file, plain)),
-               "a cell for each object of " + file.string());
-}
-
-// Shows an EXR image or the images of a recording, or writes a picture of one of these images.
-void viewImages(const std::filesystem::path& path, const Arguments& parsed, const PictureSize& size,
-                const Outputs& outputs) {
-  for (const char* option : {"sensor",
-                             "over",
-                             "reference",
-                             "scene",
-                             "seed",
-                             "color",
-                             "scale",
-                             "layout",
-                             "camera",
-                             "hide",
-                             "only",
-                             "instance",
-                             "boxes",
-                             "mesh",
-                             "rings",
-                             "range-image",
-                             "range-image-alone",
-                             "turntable",
-                             "at",
-                             "contact-sheet"}) {
-    if (parsed.has(option)) {
-      throw InputError({path.string()},
-                       fmt::format("is shown as images: --{} is for scans; --plane chooses what is shown", option));
-    }
-  }
-  ImageList images = imagesOption(path, parsed);
-  if (parsed.text("plane") == "all") {
-    if (outputs.screenshot.empty() || outputs.pick) {
-      throw InputError("--plane all makes a picture: add --screenshot FILE.png, and leave --pick out");
-    }
-    return writePicture(outputs.screenshot,
-                        drawExr(images.files[images.first], images.ontology ? &*images.ontology : nullptr, size.width),
-                        images.names[images.first]);
-  }
-  const std::unique_ptr<Canvas> canvas = openCanvas(path, size, outputs.window());
-  ImageSession session(std::move(images), *canvas, parsed.text("plane"), parsed.has("bare"), !outputs.window());
-  if (outputs.window()) return canvas->run(kTickMs, [&](const CanvasEvent& event) { return session.handle(event); });
-  session.settle();
-  if (outputs.pick) {
-    clickAt(session, *outputs.pick);
-    const auto rows = session.pick(outputs.pick->first, outputs.pick->second);
-    if (rows) {
-      printRows(session.name(), *rows);
-    } else {
-      printText("nothing lies at {},{}\n", outputs.pick->first, outputs.pick->second);
-    }
-  }
-  if (outputs.screenshot.empty()) return;
-  session.settle();
-  writePicture(outputs.screenshot, session.picture(), session.name());
+  requireOnly(path, parsed, "an EXR image", {"plane", "screenshot", "sample", "ontology", "size"});
+  ExrSource source = findExr(path, parsed.text("sample"));
+  if (const auto ontology = ontologyOption(parsed); !ontology.empty()) source.ontology = readOntology(ontology);
+  const std::string plane = parsed.text("plane");
+  writePicture(screenshot, drawExr(source, plane == "all" ? "" : plane, size.width), source.file.stem().string());
 }
 
 void makeTurntable(ViewSession& session, const Outputs& outputs) {
@@ -412,14 +325,14 @@ void addOptions(cxxopts::Options& options) {
                   "scene by itself X,Y,Z are its own coordinates, as --pick prints them",
                   fmt::join(kViewNames, ", ")),
       textValue(), "WHERE");
-  add("plane", "plane of an EXR image: the first where not given; all: side by side, with --screenshot", textValue(),
-      "NAME");
+  add("plane",
+      "of an EXR image, with --screenshot: the one plane to draw, with its legend; all side by side where not given",
+      textValue(), "NAME");
   add("at", "a close-up of this place, in m in the sensor's frame, from the direction of --camera", textValue(),
       "X,Y,Z");
   add("within", "only the points so near the place of --at, in m", textValue(), "R");
   add("size", "width and height in pixels: of the window 1280x800, of pictures 1600x900", textValue(), "WxH");
   add("point-size", "of the points, in pixels", textValue(), "PX");
-  add("background", "dark, grey, white, or R,G,B", textValue()->default_value("dark"), "COLOR");
   add("hide", "a class that is not shown: name or id (may be repeated)", listValue(), "CLASS");
   add("only", "a class that alone is shown (may be repeated)", listValue(), "CLASS");
   add("instance", "an instance that alone is shown (may be repeated)", listValue(), "ID");
@@ -431,7 +344,6 @@ void addOptions(cxxopts::Options& options) {
   add("rings", "range rings");
   add("range-image", "also as rings x columns, looking outward");
   add("range-image-alone", "the range image in full size in place of the view, with --screenshot");
-  add("contact-sheet", "of a scene, with --screenshot: a cell for each object, with its size and classes");
   add("flat", "no darkening of depth edges");
   add("bare", "the points alone: no panels, axes, boxes or trajectory; beside --boxes these are kept");
   add("screenshot", "a picture in place of the window; needs no display", textValue(), "FILE.png");
@@ -459,13 +371,11 @@ int runView(const std::vector<std::string>& arguments) {
                      "  scanmill view out/quickstart --pick 800,450\n"
                      "  scanmill view out/quickstart --instance 4711 --color intensity\n"
                      "  scanmill view scan.pcd --turntable out/turntable --frames 36\n"
-                     "  scanmill view out/passes/street-s1-lane-000010.top.0.front.exr\n"
-                     "  scanmill view out/passes --sample 000010 --plane semantic\n"
-                     "  scanmill view out/passes --sample 000010 --plane all --screenshot passes.png\n"
+                     "  scanmill view out/passes --sample 000010 --screenshot passes.png\n"
+                     "  scanmill view out/passes --sample 000010 --plane semantic --screenshot classes.png\n"
                      "  scanmill view out/quickstart --at 6.5,-2.7,-1 --within 2.5 --screenshot car.png\n"
                      "  scanmill view out/quickstart --range-image-alone --color range --screenshot ranges.png\n"
-                     "  scanmill view scenes/street.yaml\n"
-                     "  scanmill view scenes/street.yaml --contact-sheet --screenshot objects.png\n" +
+                     "  scanmill view scenes/street.yaml\n" +
                          keyHelp());
   if (parsed.help) return 0;
   const InputLimitFactor limits(inputLimit(parsed));
@@ -478,15 +388,11 @@ int runView(const std::vector<std::string>& arguments) {
   const Outputs outputs = readOutputs(parsed, size);
   const ViewOptions view = readViewOptions(parsed, outputs.window());
   if (isExr(input.path) || recordingIn(input.path)) {
-    viewImages(input.path, parsed, size, outputs);
+    drawImage(input.path, parsed, size, outputs.screenshot);
     return 0;
   }
   if (parsed.has("plane")) {
     throw InputError({input.path.string()}, "is no EXR image: --plane chooses one of such an image's planes");
-  }
-  if (outputs.contactSheet) {
-    drawSheet(input.path, parsed, outputs);
-    return 0;
   }
   if (outputs.wholeRangeImage) {
     drawWholeRangeImage(input.path, parsed, outputs);

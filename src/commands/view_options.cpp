@@ -55,10 +55,4 @@ std::filesystem::path ontologyOption(const Arguments& parsed) {
   return given.empty() ? std::filesystem::path() : namedResource(given, "labels");
 }
 
-ImageList imagesOption(const std::filesystem::path& path, const Arguments& parsed) {
-  std::optional<Ontology> classes;
-  if (const auto given = ontologyOption(parsed); !given.empty()) classes = readOntology(given);
-  return openImages(path, parsed.text("sample"), std::move(classes));
-}
-
 }  // namespace scanmill

@@ -13,7 +13,6 @@
 
 #include "commands/arguments.h"
 #include "viewer/coloring.h"
-#include "viewer/frames/image_list.h"
 
 namespace scanmill {
 
@@ -50,8 +49,5 @@ PictureSize readPictureSize(const std::string& text);
 bool isExr(const std::filesystem::path& file);
 // Returns the file that --ontology names, by a path or a name of `scanmill list ontologies`; empty if not given.
 std::filesystem::path ontologyOption(const Arguments& parsed);
-// Opens an EXR image, or the images in a recording's folder. --sample names the first image to show; --ontology names
-// the file with the classes.
-ImageList imagesOption(const std::filesystem::path& path, const Arguments& parsed);
 
 }  // namespace scanmill

@@ -23,23 +23,6 @@ class Pictures : public SmallWorld {
   }
 };
 
-TEST_F(Pictures, OfTheObjectsOfAScene) {
-  const std::string scene = SCANMILL_SOURCE_DIR "/scenes/primitives.yaml";
-  const Outcome sheet = scanmill({"view", scene, "--contact-sheet", "--screenshot", at("sheet.png")});
-  ASSERT_EQ(sheet.code, 0) << sheet.error;
-  EXPECT_THAT(sheet.out, AllOf(HasSubstr("sheet.png"), HasSubstr("a cell for each object")));
-  EXPECT_THAT(readFile(at("sheet.png")), testing::StartsWith("\x89PNG"));
-  const std::vector<std::string> wanted{"--contact-sheet", "--screenshot", at("p.png")};
-  const auto with = [&](std::vector<std::string> arguments) {
-    arguments.insert(arguments.end(), wanted.begin(), wanted.end());
-    return scanmill(arguments);
-  };
-  expectRefused(with({"view", pipeline_}), "is a pipeline");
-  expectRefused(with({"view", at("a")}), "is no scene");
-  expectRefused(with({"view", scene, "--mesh"}), "--contact-sheet takes no --mesh");
-  expectRefused(scanmill({"view", scene, "--contact-sheet"}), "add --screenshot");
-}
-
 // The range image alone: whole pixels for each beam of the sensor.
 TEST_F(Pictures, OfARangeImageAlone) {
   const Outcome made = scanmill(of({"--range-image-alone", "--color", "range"}));
@@ -104,7 +87,7 @@ TEST_F(Pictures, WrongCloseUpsAreRefusedWithAdvice) {
     SCOPED_TRACE(testing::PrintToString(all[i]));
     expectRefused(outcomes[i], cases[i].second);
   }
-  expectRefused(outcomes.back(), "is shown as images");
+  expectRefused(outcomes.back(), "takes no --at");
   EXPECT_FALSE(std::filesystem::exists(at("p.png")));
 }
 

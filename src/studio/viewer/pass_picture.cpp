@@ -1,22 +1,28 @@
 #include "viewer/pass_picture.h"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <cstring>
 #include <map>
-#include <memory>
-#include <optional>
 #include <utility>
 
+#include "base/error.h"
+#include "dataset/recording.h"
 #include "passes/exr/exr_file.h"
 #include "passes/exr/hits_exr.h"
 #include "passes/exr/pass_exr.h"
 #include "viewer/color_map.h"
+#include "viewer/coloring.h"
 #include "viewer/panels/board.h"
 #include "viewer/panels/parts.h"
 
 namespace scanmill {
+
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -27,46 +33,44 @@ struct ExrImage {
   std::string size;       // size as text, such as "40 x 20 pixels, 90.0 x 53.1 degrees"
   bool ofSensor = false;  // true: the file has the hits of a sensor, whose ranges are stored as depths
   PassPlanes planes;
-  std::vector<float> incidence{};           // cosine of the incidence angle; only for hits
-  std::vector<std::uint32_t> unresolved{};  // indices of pixels that are unresolved, ascending
-  std::optional<Ontology> ontology{};
-  std::vector<std::string> materials{};
+  std::vector<float> incidence{};  // cosine of the incidence angle; only for hits
 
   bool sees(std::size_t pixel) const { return std::isfinite(planes.depth[pixel]); }
-  std::string materialName(std::uint16_t id) const {
-    return id < materials.size() ? materials[id] : fmt::format("material {}", id);
-  }
 };
 
-std::shared_ptr<const ExrImage> readExr(const std::filesystem::path& file, const Ontology* ontology,
-                                        const std::vector<std::string>& materials) {
+// A plane of an EXR file, such as its depths or its class ids, as an image.
+struct PassPlane {
+  std::string name;  // quantity in the plane, such as "depth" or "semantic"
+  std::string note;  // what the colours show, such as "0 to 1" or "a colour each"; may be empty
+  Image image;
+  Legend legend{};  // names and colours of classes or materials, or the scale of fractions; empty for other planes
+};
+
+ExrImage readExr(const std::filesystem::path& file) {
   const ExrReader header(file);
   const auto& channels = header.channels();
   const auto has = [&](const char* name) {
     return std::ranges::any_of(channels, [&](const ExrChannel& c) { return c.name == name; });
   };
-  auto image = std::make_shared<ExrImage>();
-  if (ontology != nullptr) image->ontology = *ontology;
-  image->materials = materials;
+  ExrImage image;
   if (!has("range")) {
     PassImage passes = readPasses(file, passesIn(file));
     const Camera& c = passes.camera;
-    image->width = static_cast<int>(c.width);
-    image->height = static_cast<int>(c.height);
-    image->size = fmt::format("{} x {} pixels, {:.1f} x {:.1f} degrees", c.width, c.height,
-                              degrees(c.horizontalField()), degrees(c.verticalField()));
-    image->planes = std::move(passes.planes);
+    image.width = static_cast<int>(c.width);
+    image.height = static_cast<int>(c.height);
+    image.size = fmt::format("{} x {} pixels, {:.1f} x {:.1f} degrees", c.width, c.height, degrees(c.horizontalField()),
+                             degrees(c.verticalField()));
+    image.planes = std::move(passes.planes);
     return image;
   }
   Hits hits;
   readHits(file, channelsIn(file), hits);
-  image->width = static_cast<int>(hits.columns);
-  image->height = static_cast<int>(hits.rings);
-  image->size = fmt::format("{} rings x {} columns", hits.rings, hits.columns);
-  image->ofSensor = true;
-  forEachPass([&](const ChannelRow&, auto plane, auto column) { image->planes.*plane = std::move(hits.*column); });
-  image->incidence = std::move(hits.incidence);
-  image->unresolved = std::move(hits.unresolved);
+  image.width = static_cast<int>(hits.columns);
+  image.height = static_cast<int>(hits.rings);
+  image.size = fmt::format("{} rings x {} columns", hits.rings, hits.columns);
+  image.ofSensor = true;
+  forEachPass([&](const ChannelRow&, auto plane, auto column) { image.planes.*plane = std::move(hits.*column); });
+  image.incidence = std::move(hits.incidence);
   return image;
 }
 
@@ -84,87 +88,62 @@ ScaleRange spanOf(const std::vector<float>& values) {
   return {at(0.01), at(0.99)};
 }
 
-// Creates the planes of an image. The planes' functions `value` keep the image in memory.
+// Creates the planes of an image.
 class PlaneMaker {
  public:
-  explicit PlaneMaker(std::shared_ptr<const ExrImage> image) : image_(std::move(image)) {}
+  PlaneMaker(const ExrImage& image, const ExrSource& source) : image_(image), source_(source) {}
 
   std::vector<PassPlane> make() {
-    const PassPlanes& p = image_->planes;
-    const Ontology* const ontology = image_->ontology ? &*image_->ontology : nullptr;
+    const PassPlanes& p = image_.planes;
+    const Ontology* const ontology = source_.ontology ? &*source_.ontology : nullptr;
     addDistance();
     if (!p.normal.empty()) {
       const auto byte = [](float c) { return static_cast<std::uint8_t>(std::lround(127.5 + 127.5 * c)); };
-      add(
-          "normal", "x red, y green, z blue",
-          [&](std::size_t i) {
-            return Rgb{byte(p.normal[i].x), byte(p.normal[i].y), byte(p.normal[i].z)};
-          },
-          [&p](std::size_t i) {
-            return fmt::format("{:.3f}, {:.3f}, {:.3f}", p.normal[i].x, p.normal[i].y, p.normal[i].z);
-          });
+      add("normal", "x red, y green, z blue", [&](std::size_t i) {
+        return Rgb{byte(p.normal[i].x), byte(p.normal[i].y), byte(p.normal[i].z)};
+      });
     }
     const auto semanticColor = [=](std::uint16_t id) { return classColor(ontology, id); };
-    const auto semanticName = [=](std::uint16_t id) { return className(ontology, id); };
-    addIds("semantic", ontology == nullptr ? "a colour each" : "", p.semantic, semanticColor, [=](std::uint16_t id) {
-      const bool named = ontology != nullptr && ontology->find(id) != nullptr;
-      return named ? fmt::format("{} ({})", semanticName(id), id) : semanticName(id);
-    });
-    addEntries(p.semantic, semanticColor, semanticName);
-    addIds("instance", "a colour each", p.instance, instanceColor,
-           [](std::uint32_t id) { return id == 0 ? std::string("none") : std::to_string(id); });
+    addIds("semantic", ontology == nullptr ? "a colour each" : "", p.semantic, semanticColor);
+    addEntries(p.semantic, semanticColor, [=](std::uint16_t id) { return className(ontology, id); });
+    addIds("instance", "a colour each", p.instance, instanceColor);
     // 0 is the id of a material or primitive, but instanceColor(0) is the colour for no instance.
     const auto colorEach = [](std::uint32_t id) { return instanceColor(id + 1); };
-    addIds("material", image_->materials.empty() ? "a colour each" : "", p.material, colorEach,
-           [image = image_.get()](std::uint16_t id) {
-             return image->materials.empty() ? std::to_string(id) : fmt::format("{} ({})", image->materialName(id), id);
-           });
-    addEntries(p.material, colorEach, [&](std::uint16_t id) { return image_->materialName(id); });
-    addIds("primitive", "a colour each", p.primitive, colorEach, [](std::uint32_t id) { return std::to_string(id); });
+    addIds("material", source_.materials.empty() ? "a colour each" : "", p.material, colorEach);
+    addEntries(p.material, colorEach, [&](std::uint16_t id) {
+      return id < source_.materials.size() ? source_.materials[id] : fmt::format("material {}", id);
+    });
+    addIds("primitive", "a colour each", p.primitive, colorEach);
     addShare("reflectance", p.reflectance);
     addShare("roughness", p.roughness);
     addShare("metallic", p.metallic);
     addShare("retroreflectance", p.retroreflectance);
-    addShare("cosine of the incidence", image_->incidence);
+    addShare("cosine of the incidence", image_.incidence);
     return std::move(planes_);
   }
 
  private:
-  // Adds a plane. colorOf(pixel) and valueOf(pixel) are called only for pixels that show a surface.
-  void add(const std::string& name, std::string note, const auto& colorOf, const auto& valueOf) {
-    PassPlane plane{name, Image(image_->width, image_->height, kBackground), {}, std::move(note), {}};
+  // Adds a plane. colorOf(pixel) is called only for pixels that show a surface.
+  void add(const std::string& name, std::string note, const auto& colorOf) {
+    PassPlane plane{name, std::move(note), Image(image_.width, image_.height, kBackground)};
     plane.legend.title = name;
     for (std::size_t i = 0; i < plane.image.pixels.size(); ++i) {
-      if (image_->sees(i)) plane.image.pixels[i] = colorOf(i);
+      if (image_.sees(i)) plane.image.pixels[i] = colorOf(i);
     }
-    plane.value = [image = image_, valueOf](int column, int row) {
-      if (column < 0 || row < 0 || column >= image->width || row >= image->height) return std::string();
-      const auto i =
-          static_cast<std::size_t>(row) * static_cast<std::size_t>(image->width) + static_cast<std::size_t>(column);
-      if (image->sees(i)) return valueOf(i);
-      const bool gaveUp = std::binary_search(image->unresolved.begin(), image->unresolved.end(), i);
-      return std::string(gaveUp ? "unresolved" : "nothing");
-    };
     planes_.push_back(std::move(plane));
   }
 
   void addDistance() {
-    const std::vector<float>& distance = image_->planes.depth;
+    const std::vector<float>& distance = image_.planes.depth;
     const ScaleRange span = spanOf(distance);
     const double scale = span.high > span.low ? 1 / std::log(span.high / span.low) : 0;
-    add(
-        image_->ofSensor ? "range" : "depth", fmt::format("{:.2g} to {:.3g} m, by its logarithm", span.low, span.high),
-        [&](std::size_t i) { return viridis(std::log(std::max(double{distance[i]}, 1e-9) / span.low) * scale); },
-        [&distance](std::size_t i) { return fmt::format("{:.2f} m", distance[i]); });
+    add(image_.ofSensor ? "range" : "depth", fmt::format("{:.2g} to {:.3g} m, by its logarithm", span.low, span.high),
+        [&](std::size_t i) { return viridis(std::log(std::max(double{distance[i]}, 1e-9) / span.low) * scale); });
   }
 
-  template <class Id, class ColorOf, class ValueOf>
-  void addIds(const char* name, const char* note, const std::vector<Id>& ids, const ColorOf& colorOf,
-              const ValueOf& valueOf) {
-    if (ids.empty()) return;
-    add(
-        name, note, [&](std::size_t i) { return colorOf(ids[i]); },
-        [&ids, valueOf](std::size_t i) { return valueOf(ids[i]); });
+  template <class Id, class ColorOf>
+  void addIds(const char* name, const char* note, const std::vector<Id>& ids, const ColorOf& colorOf) {
+    if (!ids.empty()) add(name, note, [&](std::size_t i) { return colorOf(ids[i]); });
   }
 
   // Adds to the legend of the last plane the ids that occur in the image, the most frequent first.
@@ -173,7 +152,7 @@ class PlaneMaker {
     if (ids.empty()) return;
     std::map<Id, std::uint64_t> seen;
     for (std::size_t i = 0; i < ids.size(); ++i) {
-      if (image_->sees(i)) ++seen[ids[i]];
+      if (image_.sees(i)) ++seen[ids[i]];
     }
     std::vector<LegendEntry>& entries = planes_.back().legend.entries;
     for (const auto& [id, pixels] : seen) entries.push_back({nameOf(id), colorOf(id), std::int64_t{id}, pixels});
@@ -183,48 +162,114 @@ class PlaneMaker {
   void addShare(const char* name, const std::vector<float>& values) {
     if (values.empty()) return;
     const double most = std::max(1.0, double{*std::ranges::max_element(values)});
-    add(
-        name, fmt::format("0 to {:.3g}", most), [&](std::size_t i) { return viridis(values[i] / most); },
-        [&values](std::size_t i) { return fmt::format("{:.3g}", values[i]); });
+    add(name, fmt::format("0 to {:.3g}", most), [&](std::size_t i) { return viridis(values[i] / most); });
     planes_.back().legend.scale = true;
     planes_.back().legend.high = most;
   }
 
-  std::shared_ptr<const ExrImage> image_;
+  const ExrImage& image_;
+  const ExrSource& source_;
   std::vector<PassPlane> planes_;
 };
 
-}  // namespace
-
-std::vector<PassPlane> readExrPlanes(const std::filesystem::path& file, const Ontology* ontology,
-                                     const std::vector<std::string>& materials) {
-  return PlaneMaker(readExr(file, ontology, materials)).make();
+// Removes all planes but the one with this name.
+void keepPlane(std::vector<PassPlane>& planes, const std::string& name, const std::filesystem::path& file) {
+  std::vector<std::string> names;
+  for (const PassPlane& p : planes) names.push_back(p.name);
+  if (std::ranges::find(names, name) == names.end()) {
+    throw InputError({file.string()}, fmt::format("has no plane '{}'; it has {}", name, fmt::join(names, ", ")));
+  }
+  std::erase_if(planes, [&](const PassPlane& p) { return p.name != name; });
 }
 
-// Draws all planes of the file. Scales them without interpolation, since ids must not be interpolated.
-Image drawExr(const std::filesystem::path& file, const Ontology* ontology, int width) {
+// Returns the index of the recording's image that `wanted` names.
+std::size_t indexOfImage(const fs::path& folder, const std::vector<fs::path>& files, const std::string& wanted) {
+  std::vector<std::string> names;
+  for (const fs::path& file : files) names.push_back(file.stem().string());
+  const auto place = [&](auto found) { return static_cast<std::size_t>(found - names.begin()); };
+  if (const auto named = std::ranges::find(names, wanted); named != names.end()) return place(named);
+  std::size_t index = 0;
+  const char* const end = wanted.data() + wanted.size();
+  const auto read = std::from_chars(wanted.data(), end, index);
+  if (read.ec == std::errc() && read.ptr == end && index < names.size()) return index;
+  const auto holds = [&](const std::string& name) { return name.find(wanted) != std::string::npos; };
+  if (const auto found = std::ranges::find_if(names, holds); found != names.end()) return place(found);
+  throw InputError({folder.string()},
+                   fmt::format("has {} images, and the name of none holds '{}'; the first is '{}', the last '{}'",
+                               names.size(), wanted, names.front(), names.back()));
+}
+
+// Returns the names of the materials in an image of the recording, by material id; empty if they are unknown.
+std::vector<std::string> materialsOf(const Recording& recording, const std::string& image) {
+  // Each scene and seed has a table of materials. If an image's name starts with the names of two scenes ("town" and
+  // "town-s1-old"), the longer name is right.
+  const RecordedSequence* best = nullptr;
+  std::size_t longest = 0;
+  for (const RecordedSequence& s : recording.sequences) {
+    const std::string start = fmt::format("{}-s{}-", s.scene, s.seed);
+    if (!image.starts_with(start) || start.size() <= longest) continue;
+    best = &s;
+    longest = start.size();
+  }
+  std::vector<std::string> names;
+  if (best == nullptr || best->materials >= recording.materials.size()) return names;
+  for (const Material& m : recording.materials[best->materials]) names.push_back(m.name);
+  return names;
+}
+
+}  // namespace
+
+ExrSource findExr(const fs::path& path, const std::string& wanted) {
+  const bool isFolder = fs::is_directory(path);
+  const fs::path folder = isFolder ? path : path.has_parent_path() ? path.parent_path() : fs::path(".");
+  ExrSource source;
+  source.file = path;
+  if (isFolder) {
+    std::vector<fs::path> files;
+    for (const fs::directory_entry& entry : fs::directory_iterator(path)) {
+      if (entry.path().extension() == ".exr") files.push_back(entry.path());
+    }
+    if (files.empty()) throw InputError({path.string()}, "holds no EXR image: is the recording whole?");
+    // Sort by name such that "a.9.exr" comes before "a.10.exr".
+    std::ranges::sort(files, [](const fs::path& a, const fs::path& b) {
+      return ::strverscmp(a.stem().c_str(), b.stem().c_str()) < 0;
+    });
+    source.file = files[wanted.empty() ? 0 : indexOfImage(path, files, wanted)];
+  }
+  if (const auto kind = recordingIn(folder)) {
+    const Recording recording = readRecording(folder, *kind);
+    if (!recording.ontology.classes.empty()) source.ontology = recording.ontology;
+    source.materials = materialsOf(recording, source.file.stem().string());
+  }
+  return source;
+}
+
+// Scales the planes without interpolation, since ids must not be interpolated.
+Image drawExr(const ExrSource& source, const std::string& wanted, int width) {
   constexpr double kReadableShare = 1.0 / 7;  // least height of a plane of hits divided by its width
   constexpr int kInOneRow = 4;
   constexpr double kLetter = 18;      // height of letters in pixels
   constexpr int kTitleHeight = 30;    // height of the title in pixels
   constexpr int kCaptionHeight = 26;  // height of the caption above each plane in pixels
   constexpr int kGap = 8;             // space between planes in pixels
-  const auto image = readExr(file, ontology, {});
-  const std::vector<PassPlane> planes = PlaneMaker(image).make();
+  const ExrImage image = readExr(source.file);
+  std::vector<PassPlane> planes = PlaneMaker(image, source).make();
+  if (!wanted.empty()) keepPlane(planes, wanted, source.file);
   const auto count = static_cast<int>(planes.size());
-  const int columns = image->ofSensor ? 1 : count <= kInOneRow ? count : (count + 1) / 2;
+  const int columns = image.ofSensor ? 1 : count <= kInOneRow ? count : (count + 1) / 2;
   const int rows = (count + columns - 1) / columns;
   const int tileWidth = (width - kGap * (columns + 1)) / columns;
-  const double share = static_cast<double>(image->height) / image->width;
-  const double shownShare = image->ofSensor ? std::max(kReadableShare, share) : share;
+  const double share = static_cast<double>(image.height) / image.width;
+  const double shownShare = image.ofSensor ? std::max(kReadableShare, share) : share;
   const int tileHeight = std::clamp(static_cast<int>(std::lround(tileWidth * shownShare)), 1, 8192);
   const int rowHeight = kCaptionHeight + tileHeight + kGap;
-  const int height = kTitleHeight + rows * rowHeight;
+  const int below = kTitleHeight + rows * rowHeight;  // a plane alone has its legend below it
+  const int height = below + (count > 1 ? 0 : legendTableHeight(planes.front().legend, width, kLetter));
   PictureBoard board(width, height, kLetter);
   for (std::size_t i = 0; i < planes.size(); ++i) board.setImage(static_cast<ImageId>(i), planes[i].image);
   return board.draw([&] {
-    titleRow({0, 0, width, kTitleHeight}, fmt::format("{}, {}", file.filename().string(), image->size), "");
-    panelAt("##planes", {0, kTitleHeight, width, height - kTitleHeight}, false, [&] {
+    titleRow({0, 0, width, kTitleHeight}, fmt::format("{}, {}", source.file.filename().string(), image.size), "");
+    panelAt("##planes", {0, kTitleHeight, width, below - kTitleHeight}, false, [&] {
       for (int i = 0; i < count; ++i) {
         const PassPlane& plane = planes[static_cast<std::size_t>(i)];
         const int x = kGap + i % columns * (tileWidth + kGap);
@@ -233,6 +278,8 @@ Image drawExr(const std::filesystem::path& file, const Ontology* ontology, int w
         imageAt(static_cast<ImageId>(i), {x, y + kCaptionHeight, tileWidth, tileHeight});
       }
     });
+    if (height > below)
+      panelAt("##legend", {0, below, width, height - below}, false, [&] { legendTable(planes.front().legend); });
   });
 }
 

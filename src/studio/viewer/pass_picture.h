@@ -1,37 +1,33 @@
 #pragma once
 
-// Draws the planes of EXR files of render passes or hits, side by side or one at a time.
+// Draws the planes of EXR files of render passes or hits.
 
 #include <filesystem>
-#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "scene/ontology.h"
-#include "viewer/coloring.h"
 #include "viewer/image.h"
 
 namespace scanmill {
 
-// A plane of an EXR file, such as its depths or its class ids, as an image.
-struct PassPlane {
-  std::string name;  // quantity in the plane, such as "depth" or "semantic"
-  Image image;       // same size as the file's images
-  // Returns the value of a pixel as text, such as "12.34 m" or "car (6)"; empty outside of the image.
-  std::function<std::string(int column, int row)> value;
-  std::string note;  // what the colours show, such as "0 to 1" or "a colour each"; may be empty
-  Legend legend;     // names and colours of classes or materials, or the scale of fractions; empty for other planes
+// An EXR file, with what its recording says about it.
+struct ExrSource {
+  std::filesystem::path file;
+  std::optional<Ontology> ontology{};    // absent: the names and colours of classes are unknown
+  std::vector<std::string> materials{};  // names by material id; materials without a name are shown by id
 };
 
-// Reads all planes of an EXR file of render passes or hits; the file is not needed afterwards. Depth is coloured on a
-// logarithmic scale, normals by their components (x red, y green, z blue; 0.5 means zero), ids by one colour each,
-// material properties on a scale from 0 to 1 (retroreflectance from 0 to its maximum). `materials`: names by material
-// id; materials without a name are shown by id. Throws InputError.
-std::vector<PassPlane> readExrPlanes(const std::filesystem::path& file, const Ontology* ontology,
-                                     const std::vector<std::string>& materials = {});
+// Returns an EXR file, or an image of the recording in a folder. `wanted`: the image, given by its name, a part of it,
+// or its index in the order of names (with numbers in numerical order) starting at 0; empty: the first. Throws
+// InputError.
+ExrSource findExr(const std::filesystem::path& path, const std::string& wanted);
 
-// Draws all planes of a file in a picture `width` pixels wide. Planes of hits have one row per ring, with
-// ring 0 at the top. Throws InputError.
-Image drawExr(const std::filesystem::path& file, const Ontology* ontology, int width);
+// Draws the plane with this name and its legend or, if `plane` is empty, all planes side by side, in a picture `width`
+// pixels wide. Depth is coloured on a logarithmic scale, normals by their components (x red, y green, z blue; 0.5 means
+// zero), ids by one colour each, material properties on a scale from 0 to 1 (retroreflectance from 0 to its maximum).
+// Planes of hits have one row per ring, with ring 0 at the top. Throws InputError.
+Image drawExr(const ExrSource& source, const std::string& plane, int width);
 
 }  // namespace scanmill

@@ -47,8 +47,7 @@ std::size_t countOf(const Image& picture, const Rgb& color) {
 TEST(PassPicture, EveryPlaneIsThereAndHalfOfItIsEmpty) {
   const TemporaryFolder folder;
   writePasses(folder.path() / "front.exr", halfAWall());
-  const Ontology ontology = walls();
-  const Image picture = drawExr(folder.path() / "front.exr", &ontology, 600);
+  const Image picture = drawExr({folder.path() / "front.exr", walls()}, "", 600);
   EXPECT_EQ(picture.width, 600);
   // Five planes side by side: (600 - 6 * 8) / 5 = 110 columns and half as many rows each, of which 20 / 40 are seen.
   const std::size_t half = 55 * 55;
@@ -59,78 +58,41 @@ TEST(PassPicture, EveryPlaneIsThereAndHalfOfItIsEmpty) {
   EXPECT_EQ(countOf(picture, kBackground), 10 * half);                              // nothing seen, ten times
 }
 
-TEST(PassPicture, ReadsWhateverAnExrHolds) {
+TEST(PassPicture, OnePlaneHasItsLegend) {
   const TemporaryFolder folder;
-  const Ontology ontology = walls();
+  writePasses(folder.path() / "front.exr", halfAWall());
+  const ExrSource source{folder.path() / "front.exr", walls()};
+  const Image picture = drawExr(source, "semantic", 600);
+  const std::size_t half = 292 * 292;  // (600 - 2 * 8) / 2 columns and as many rows
+  EXPECT_GT(countOf(picture, {200, 30, 40}), half + 100) << "a sample of the colour is in the legend";
+  EXPECT_EQ(countOf(picture, instanceColor(3)), 0u);
+  expectInputError([&] { drawExr(source, "colour", 600); }, {"front.exr", "colour", "depth, normal, semantic"});
+}
+
+TEST(PassPicture, ReadsHitsToo) {
+  const TemporaryFolder folder;
   Hits hits;
   hits.reset(4, 64, Channel::Semantic | Channel::Incidence);
   std::ranges::fill(hits.range, 5.0f);
   std::ranges::fill(hits.semantic, std::uint16_t{7});
   std::ranges::fill(hits.incidence, 0.5f);
   writeHits(folder.path() / "hits.exr", hits);
-  const Image picture = drawExr(folder.path() / "hits.exr", &ontology, 600);
+  const Image picture = drawExr({folder.path() / "hits.exr", walls()}, "", 600);
   EXPECT_EQ(picture.width, 600);
   EXPECT_GT(countOf(picture, {200, 30, 40}), 584u * 70);
   folder.write("no.exr", "not an image");
-  expectInputError([&] { drawExr(folder.path() / "no.exr", nullptr, 600); }, {"no.exr"});
+  expectInputError([&] { drawExr({folder.path() / "no.exr"}, "", 600); }, {"no.exr"});
 }
 
-const PassPlane& planeOf(const std::vector<PassPlane>& planes, const std::string& name) {
-  const auto found = std::ranges::find_if(planes, [&](const PassPlane& p) { return p.name == name; });
-  if (found == planes.end()) throw Error("no plane " + name);
-  return *found;
-}
-
-TEST(PassPicture, PlanesOfAnImageHaveColoursAndValues) {
+TEST(PassPicture, ImagesOfARecordingAreFoundByNameOrNumber) {
   const TemporaryFolder folder;
-  writePasses(folder.path() / "front.exr", halfAWall());
-  std::vector<PassPlane> planes;
-  {
-    const Ontology ontology = walls();
-    planes = readExrPlanes(folder.path() / "front.exr", &ontology);
-  }
-  std::filesystem::remove(folder.path() / "front.exr");  // values outlive the file and the ontology
-  const std::pair<const char*, const char*> expected[] = {{"depth", "10.00 m"},     {"normal", "-1.000, 0.000, 0.000"},
-                                                          {"semantic", "wall (7)"}, {"instance", "3"},
-                                                          {"material", "0"},        {"primitive", "0"},
-                                                          {"reflectance", "1"}};
-  for (const auto& [name, value] : expected) {
-    const PassPlane& plane = planeOf(planes, name);
-    EXPECT_EQ(plane.image.width, 40);
-    EXPECT_EQ(plane.image.height, 20);
-    EXPECT_EQ(plane.value(19, 19), value);
-    EXPECT_EQ(plane.value(20, 0), "nothing");
-    EXPECT_EQ(plane.value(40, 0), "");
-    EXPECT_EQ(plane.value(0, -1), "");
-    EXPECT_EQ(plane.image.at(30, 10), kBackground);
-  }
-  EXPECT_EQ(planeOf(planes, "semantic").image.at(5, 5), (Rgb{200, 30, 40}));
-  EXPECT_EQ(planeOf(planes, "instance").image.at(5, 5), instanceColor(3));
-}
-
-TEST(PassPicture, PlanesOfHitsHaveRingsAndColumns) {
-  const TemporaryFolder folder;
-  Hits hits;
-  hits.reset(4, 64, Channel::Semantic | Channel::Instance | Channel::Incidence);
-  for (std::size_t i = 0; i < hits.size(); ++i) {
-    hits.range[i] = 1.0f + static_cast<float>(i);
-    hits.semantic[i] = static_cast<std::uint16_t>(i % 64);
-    hits.instance[i] = 0;
-    hits.incidence[i] = 0.5f;
-  }
-  hits.range[70] = hits.range[71] = kMiss;
-  hits.unresolved = {71};
-  writeHits(folder.path() / "hits.exr", hits);
-  const std::vector<PassPlane> planes = readExrPlanes(folder.path() / "hits.exr", nullptr);
-  const PassPlane& range = planeOf(planes, "range");
-  EXPECT_EQ(range.image.width, 64);
-  EXPECT_EQ(range.image.height, 4);
-  EXPECT_EQ(range.value(5, 2), "134.00 m");
-  EXPECT_EQ(range.value(6, 1), "nothing");
-  EXPECT_EQ(range.value(7, 1), "unresolved");
-  EXPECT_EQ(planeOf(planes, "semantic").value(9, 3), "class 9");
-  EXPECT_EQ(planeOf(planes, "instance").value(9, 3), "none");
-  EXPECT_EQ(planeOf(planes, "cosine of the incidence").value(9, 3), "0.5");
+  for (const char* name : {"top.9.exr", "top.10.exr", "top.1.exr", "side.exr"}) folder.write(name, "");
+  const auto found = [&](const std::string& wanted) { return findExr(folder.path(), wanted).file.filename(); };
+  EXPECT_EQ(found(""), "side.exr");
+  EXPECT_EQ(found("top.1"), "top.1.exr");
+  EXPECT_EQ(found("10"), "top.10.exr");
+  EXPECT_EQ(found("2"), "top.9.exr") << "after top.1";
+  expectInputError([&] { found("nowhere"); }, {"4 images", "nowhere", "side", "top.10"});
 }
 
 }  // namespace

@@ -170,7 +170,7 @@ std::vector<std::string> headingWarnings(const Scene& scene, const ThingBoxes& b
         isAcross ? fmt::format("is {:.3g} m wide and {:.3g} m long", size.y, size.x) : std::string("drives sideways");
     lines.push_back(
         fmt::format("scene {}: '{}', a {}, {}: boxes point along its x axis; `facing: -y`, or whichever way "
-                    "its model looks, turns them (`scanmill view SCENE --contact-sheet` shows them)",
+                    "its model looks, turns them (`scanmill view DATASET` draws a line at the front of each box)",
                     scene.name, name, scene.ontology.find(thing.semantic)->name, what));
   }
   return firstOf(std::move(lines), scene, "models have boxes that point sideways");

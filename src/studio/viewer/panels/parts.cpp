@@ -293,8 +293,10 @@ void legendTable(const Legend& legend) {
     const LegendEntry& entry = legend.entries[static_cast<std::size_t>(i)];
     const int column = i / rows;
     const int row = i % rows;
-    namedColorAt(from.x + letter() * (0.5 + kTableLetters * column), from.y + letter() * (0.5 + kTableRow * row),
-                 letter() * (kTableLetters - 1), entry.name, entry.color);
+    const double x = from.x + letter() * (0.5 + kTableLetters * column);
+    const double y = from.y + letter() * (0.5 + kTableRow * row);
+    swatch({static_cast<float>(x), static_cast<float>(y)}, entry.color, true);
+    wordsAt(x + 1.25 * letter(), y, letter() * (kTableLetters - 2.25), entry.name);
   }
 }
 
@@ -342,17 +344,9 @@ void legendSection(const Legend& legend, bool still) {
   });
 }
 
-double wordsAt(double x, double y, double width, const std::string& text, bool dim) {
+void wordsAt(double x, double y, double width, const std::string& text) {
   ImGui::SetCursorScreenPos({static_cast<float>(x), static_cast<float>(y)});
-  const std::string shown = fitted(text, static_cast<float>(width));
-  dim ? dimWords(shown) : words(shown);
-  return sizeOf(shown).x;
-}
-
-double namedColorAt(double x, double y, double width, const std::string& name, const Rgb& color) {
-  swatch({static_cast<float>(x), static_cast<float>(y)}, color, true);
-  const double before = letter() * 1.25;
-  return before + wordsAt(x + before, y, width - before, name);
+  words(fitted(text, static_cast<float>(width)));
 }
 
 void heading(const std::string& text, const Rgb& color) {

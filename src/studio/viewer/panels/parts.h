@@ -61,10 +61,8 @@ std::optional<ScaleRange> scaleBar(const Legend& legend, bool still);
 void legendSection(const Legend& legend, bool still);
 
 void words(const std::string& text);
-// Draw a text at a position (pixels of the canvas), shortened to `width` pixels, and return its width in pixels.
-// namedColorAt() also draws a sample of the colour before the text; both widths then include the sample.
-double wordsAt(double x, double y, double width, const std::string& text, bool dim = false);
-double namedColorAt(double x, double y, double width, const std::string& name, const Rgb& color);
+// Draws a text at a position (pixels of the canvas), shortened to `width` pixels.
+void wordsAt(double x, double y, double width, const std::string& text);
 
 // Draws a table of names and values. The row with the name `alarm` is highlighted as a warning.
 void valueRows(const char* id, const NamedValues& rows, const std::string& alarm = "");
