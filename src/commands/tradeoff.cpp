@@ -172,7 +172,7 @@ int runTradeoff(const std::vector<std::string>& arguments) {
                      "  scanmill tradeoff pipelines/street.yaml -o out/tradeoff\n"
                      "  scanmill tradeoff pipelines/street.yaml -o out/longer --budget 30\n"
                      "  scanmill tradeoff pipelines/street.yaml -o out/few --set 'tradeoff={settings: [ray_tracing, "
-                     "{particle: {voxel_m: [0.05, 0.1, 0.2], refine: normal}}]}'\n");
+                     "{particle: {voxel_m: [0.05, 0.1, 0.2], refine: none}}]}'\n");
   if (parsed.help) return 0;
   parsed.positional("PIPELINE");  // report a missing pipeline before all else
   const std::string folder = folderOption(parsed, "out");

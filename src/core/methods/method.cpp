@@ -51,16 +51,12 @@ constexpr std::array kMethods{
         .make = makeDepthCamera},
     MethodEntry{.name = "particle",
                 .summary = "one particle per beam marches through a distance field, on the processor or a GPU",
-                .keys = "field: sensor, extent of the field: sensor (levels of voxels around each sensor, each twice "
-                        "as coarse as the one before) or scene (one level for the whole scene)\n"
-                        "voxel_m: 0.1 m, voxels of the finest level, 0.001 to 10\n"
-                        "voxels: 256, voxels across each level around a sensor, 64 to 1024, a multiple of 16; with "
-                        "`field: sensor` only\n"
-                        "levels: auto, number of levels: auto (as many as the sensor's range needs) or 1 to 16; "
-                        "beams end at the edge of the last level\n"
+                .keys = "voxel_m: 0.1 m, voxels of the finest level, 0.001 to 10\n"
+                        "voxels: 256, voxels across each level around a sensor, 64 to 1024, a multiple of 16\n"
+                        "levels: auto, number of levels, each twice as coarse as the one before: auto (as many as the "
+                        "sensor's range needs) or 1 to 16; beams end at the edge of the last level\n"
                         "refine: triangle, how hits are made exact: triangle (intersection with the triangles near "
-                        "the particle), none (particles stop half a voxel before surfaces, as the paper's) or normal "
-                        "(as none, corrected along the field's gradient)\n"
+                        "the particle) or none (particles stop half a voxel before surfaces, as the paper's)\n"
                         "steps: 512, most steps of a particle, 16 to 65535; beams that need more are counted as "
                         "unresolved, neither hits nor misses\n"
                         "backend: cpu, what computes: cpu, or gl (compute shaders of OpenGL 4.3 on a graphics card, "

@@ -94,7 +94,7 @@ TEST(ReadSettings, EveryWrongTextHasItsPlaceAndAWayOut) {
       {"- [ray_tracing]", {"f.yaml:1:3", "must be a name or one pair"}},
       {"- ray_tracing\n- particle\n- ray_tracing", {"f.yaml:3:3", "'ray_tracing' is listed twice"}},
       {"- {depth_camera: {resolution: [512, 512]}}", {"f.yaml:1:3", "'depth_camera resolution=512' is listed twice"}},
-      {"- {particle: {field: scene, voxels: 256}}", {"f.yaml:1:", "voxels"}},
+      {"- {particle: {voxels: 100}}", {"f.yaml:1:", "voxels"}},
       {"- {depth_camera: {resolution: [512, 99999]}}", {"f.yaml:1:", "resolution", "99999"}},
       {"- {ray_tracing: {simplify: half}}", {"f.yaml:1:28", "simplify", "'half'"}},
   };

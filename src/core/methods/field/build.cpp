@@ -303,7 +303,7 @@ std::shared_ptr<const DistanceField> Builder::build() {
     if (end >= kNoWord) {
       throw Error(
           fmt::format("particle: voxels of {:g} m give more than 4 billion entries in lists of triangles: choose "
-                      "larger voxels (voxel_m), or `refine: normal`",
+                      "larger voxels (voxel_m), or `refine: none`",
                       field_->shape.voxel));
     }
     const std::uint64_t most = poolBefore_ != nullptr ? std::min<std::uint64_t>(withRoom(end), kNoWord - 1) : end;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 
 namespace scanmill {
@@ -48,28 +47,10 @@ std::size_t cornerIndex(std::uint32_t brick, std::uint32_t x, std::uint32_t y, s
   return std::size_t{brick - kFullBrick} * kBrickStride + (z * kBrickCorners + y) * kBrickCorners + x;
 }
 
-float mixed(float a, float b, float t) {
-  return a + (b - a) * t;
-}
-
 }  // namespace
 
 double voxelAt(const DistanceField& field, const Vec3f& place) {
   return std::ldexp(field.shape.voxel, levelAt(field, place));
-}
-
-float distanceAt(const DistanceField& field, const Vec3f& place) {
-  const FieldPlace at = placeIn(field, place);
-  if (at.brick < kFullBrick) {
-    const auto off = [&](std::size_t k) { return static_cast<float>(at.in[k]) + at.f[k] - kHalfBrick; };
-    return std::bit_cast<float>(at.brick) - std::sqrt(off(0) * off(0) + off(1) * off(1) + off(2) * off(2));
-  }
-  const std::uint16_t* distance = &field.distance[cornerIndex(at.brick, at.in[0], at.in[1], at.in[2])];
-  const auto row = [&](int i) { return mixed(distance[i], distance[i + 1], at.f[0]); };
-  constexpr int kLayer = kBrickCorners * kBrickCorners;
-  const float below = mixed(row(0), row(kBrickCorners), at.f[1]);
-  const float above = mixed(row(kLayer), row(kLayer + kBrickCorners), at.f[1]);
-  return mixed(below, above, at.f[2]) * kDistanceStep;
 }
 
 std::uint32_t triangleAt(const DistanceField& field, const Vec3f& place) {

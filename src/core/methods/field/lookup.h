@@ -12,9 +12,6 @@ namespace scanmill {
 // Returns the voxel size (m) of the level that is used at a point.
 double voxelAt(const DistanceField& field, const Vec3f& place);
 
-// Returns the interpolated distance to the nearest surface (voxels of the level); in an empty brick, a lower bound.
-float distanceAt(const DistanceField& field, const Vec3f& place);
-
 // Returns the triangle stored at the corner nearest to a point, in a field without lists; kNoWord if no triangle is
 // near.
 std::uint32_t triangleAt(const DistanceField& field, const Vec3f& place);

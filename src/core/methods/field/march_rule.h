@@ -45,13 +45,6 @@ constexpr float kFace = 0.5f + kNudge;
 constexpr float kBehindHole = 2e-3f;
 constexpr float kBehindHoleShare = 1e-5f;
 
-// Largest distance of a particle from the plane of its triangle for which the plane is trusted: a particle rests at
-// most kRest from a surface, and the corner that stores the triangle is at most half a diagonal away.
-constexpr float kTrusted = 1.5f;
-// A hit is moved to the plane of its triangle only if the field's distance at the new position is at most kThere.
-// Otherwise the new position is beyond the triangle's edge.
-constexpr float kThere = 0.6f;
-
 // Thin layers, such as markings on a road, are found by a lookup on the beam's side of the surface: the corner nearest
 // to a point kAside in front of a surface that is parallel to an axis plane is at least kLayer in front of the surface,
 // and so beyond the layer. In the scene "street" 0.6 % of all beams get their label this way, in "truck_town" 0.03 %.

@@ -18,7 +18,6 @@ struct ParticleLaunch {
   Box box;                 // m, relative to the world's origin: particles march only inside of the box
   double farthest;         // m, length of the particles' paths
   bool whole;              // true if the box contains the complete scene
-  bool corrected;          // without lists: true if hits are moved to the plane of their triangle
   std::size_t size() const {
     return std::size_t{shot->beams->rings} * ((shot->beams->columns + kTogether - 1) / kTogether) * kTogether;
   }

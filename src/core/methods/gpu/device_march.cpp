@@ -68,7 +68,7 @@ void DeviceMarch::hold(const std::shared_ptr<const DistanceField>& field, const 
   world_.reset();
   const std::vector<DeviceTriangle> triangles = deviceTriangles(world->baked);
   holdTable(device_, triangles_, ComputeTable::Texel::Float32x4, std::as_bytes(std::span(triangles)), mostTableBytes_,
-            "scene's triangles", ": take `refine: normal`, which does not need them");
+            "scene's triangles", ": take `refine: none`, which does not need them");
   world_ = world;
 }
 

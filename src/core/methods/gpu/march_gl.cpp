@@ -38,16 +38,14 @@ static_assert(sizeof(LaunchBlock) == 144);
 struct HitsBlock {
   ResolverBlock common;
   std::uint32_t rings, columns, first, count, withOrigins, shotParticles, shotRays, shotPoses;
-  std::uint32_t firstAlpha, corrected, whole, last;
+  std::uint32_t firstAlpha, whole, last;
   std::int32_t lastLevel;
   float reach, metres;
-  std::uint32_t unused;
-  double voxel, ends, unusedToo[3];
+  double voxel, ends;
   double low[4], high[4], centre[4];
-  double trust, aside, layer, alike, trusted, there;
-  double unusedNeither[2];
+  double trust, aside, layer, alike;
 };
-static_assert(sizeof(HitsBlock) == 288);
+static_assert(sizeof(HitsBlock) == 224);
 
 LaunchBlock launchBlock(const DistanceField& field, const ParticleLaunch& launch) {
   const Box& box = launch.box;
@@ -79,7 +77,6 @@ HitsBlock hitsBlock(const DistanceField& field, const World& world, const Launch
   block.shotRays = static_cast<std::uint32_t>(beams.size());
   block.shotPoses = launched.shotPoses;
   block.firstAlpha = world.baked.firstAlpha;
-  block.corrected = launch.corrected ? 1 : 0;
   block.whole = launch.whole ? 1 : 0;
   block.lastLevel = static_cast<std::int32_t>(field.levels.size()) - 1;
   block.reach = field.shape.reach;
@@ -93,8 +90,6 @@ HitsBlock hitsBlock(const DistanceField& field, const World& world, const Launch
   block.aside = kAside;
   block.layer = kLayer;
   block.alike = kAlike;
-  block.trusted = double{kTrusted};
-  block.there = double{kThere};
   return block;
 }
 
@@ -114,8 +109,7 @@ struct Flight {
     const ParticleLaunch& b = *o.launch;
     return field == o.field && world == o.world && steps == o.steps && channels == o.channels &&
            a.shot->beams == b.shot->beams && a.shot->worldFromSensor.size() == b.shot->worldFromSensor.size() &&
-           a.box.low == b.box.low && a.box.high == b.box.high && a.farthest == b.farthest && a.whole == b.whole &&
-           a.corrected == b.corrected;
+           a.box.low == b.box.low && a.box.high == b.box.high && a.farthest == b.farthest && a.whole == b.whole;
   }
 };
 
@@ -194,13 +188,12 @@ class ComputeMarcher : public GlMarcher {
     for (std::uint32_t hole = 0; hole <= (holes ? kMostHoles : 0); ++hole) {
       march_.run(field, flight.steps, count, hole > 0);
       hits.last = hole == kMostHoles || !holes ? 1 : 0;
-      resolvers_.of(lists).run(
-          count,
-          {&beams_.directions(), &beams_.origins(), &beams_.poses(), &beams_.steps(), &march_.records(),
-           &resolver_.columns(), &march_.particles()},
-          std::as_bytes(std::span(&hits, 1)),
-          {resolver_.table(0), resolver_.table(1), resolver_.table(2), resolver_.table(3), march_.fields().levels(),
-           march_.fields().table(), march_.fields().distances(), march_.fields().words()});
+      resolvers_.of(lists).run(count,
+                               {&beams_.directions(), &beams_.origins(), &beams_.poses(), &beams_.steps(),
+                                &march_.records(), &resolver_.columns(), &march_.particles()},
+                               std::as_bytes(std::span(&hits, 1)),
+                               {resolver_.table(0), resolver_.table(1), resolver_.table(2), resolver_.table(3),
+                                march_.fields().levels(), march_.fields().table(), march_.fields().words()});
     }
   }
 

@@ -21,9 +21,7 @@ constexpr double kShareOfMemory = 0.125;  // fraction of memoryLimitBytes() that
 // Least limit on the number of pools of fields around sensors: two for two drives, one under construction, one being
 // released.
 constexpr std::size_t kFewestPools = 4;
-constexpr std::size_t kFewestFields = 6;   // number of fields in kFewestPools pools if a pool has 1.5 fields on average
-constexpr std::size_t kFieldsOfPool = 2;   // largest number of cached fields per pool, for two sensors of a vehicle
-constexpr double kOriginsFarApart = 1000;  // m; a scene larger than this may have worlds with several origins
+constexpr std::size_t kFieldsOfPool = 2;  // largest number of cached fields per pool, for two sensors of a vehicle
 
 bool holds(const Box& outer, const Box& inner) {
   return inner.empty() ||
@@ -33,15 +31,14 @@ bool holds(const Box& outer, const Box& inner) {
 
 // Returns `options`. Throws InputError if they are wrong. Called before anything is built, so that planning finds the
 // error.
-const ParticleOptions& checked(const Scene& scene, const ParticleOptions& options) {
-  checkField(options, scene.bounds(), static_cast<double>(memoryLimitBytes()));
+const ParticleOptions& checked(const ParticleOptions& options) {
+  checkField(options, static_cast<double>(memoryLimitBytes()));
   return options;
 }
 
 // Returns the largest number of pools that may exist, including the pool of the field under construction.
-std::size_t mostPoolsOf(const ParticleOptions& options, const Box& scene) {
-  if (options.extent == ParticleOptions::Extent::Scene) return 3;
-  const double fit = kShareOfMemory * static_cast<double>(memoryLimitBytes()) / fieldBytes(options, scene);
+std::size_t mostPoolsOf(const ParticleOptions& options) {
+  const double fit = kShareOfMemory * static_cast<double>(memoryLimitBytes()) / fieldBytes(options);
   const auto wanted = static_cast<double>(threadCount() + 2);
   return std::max(static_cast<std::size_t>(std::min(fit, wanted)), kFewestPools);
 }
@@ -66,16 +63,10 @@ struct FieldStore::Work {
 };
 
 FieldStore::FieldStore(const Scene& scene, const ParticleOptions& options)
-    : options_(checked(scene, options)),
+    : options_(checked(options)),
       bounds_(scene.bounds()),
-      mostPools_(mostPoolsOf(options, bounds_)),
+      mostPools_(mostPoolsOf(options)),
       worlds_(scene, Instancing::Never, {}) {}
-
-std::size_t FieldStore::fewestFields() const {
-  if (options_.extent == ParticleOptions::Extent::Sensor) return kFewestFields;
-  const Vec3d size = bounds_.empty() ? Vec3d{} : bounds_.high - bounds_.low;
-  return std::max({size.x, size.y, size.z}) > kOriginsFarApart ? 2 : 1;
-}
 
 FieldStore::Place FieldStore::around(const Vec3d& sensor, double range, StageClock& clock) const {
   Place place;

@@ -15,6 +15,11 @@ namespace scanmill {
 
 class FieldStore {
  public:
+  // Least number of fields for which the store needs memory at the same time, including the space for moving fields
+  // along with sensors: four pools of 1.5 fields on average. Each thread works on its own drive and may have its own
+  // field, as long as all fields fit into an eighth of the memory.
+  static constexpr std::size_t kFewestFields = 6;
+
   // The scene must outlive the store. Throws InputError if the field would be too large for this machine: see
   // checkField() in shape.h.
   FieldStore(const Scene& scene, const ParticleOptions& options);
@@ -25,16 +30,11 @@ class FieldStore {
     Box box;     // m, relative to the world's origin: particles march only inside of the box
     bool whole;  // true if the box contains the complete scene
   };
-  // Returns the field around a sensor at `sensor` (m, world frame). The field reaches `range` (m) unless the options
-  // set its extent. Safe to call from several threads: fields are built one after the other, each from earlier
+  // Returns the field around a sensor at `sensor` (m, world frame), which reaches `range` (m) unless the options set
+  // fewer levels. Safe to call from several threads: fields are built one after the other, each from earlier
   // fields, and threads that wait for a field help to build it. The seconds of building a field, or of moving a
   // field along with the sensor, are added to the stage "field_build" or "field_update" of `clock`.
   Place around(const Vec3d& sensor, double range, StageClock& clock) const;
-
-  // Returns the least number of fields for which the store needs memory at the same time, including the space for
-  // moving fields along with sensors. Each thread works on its own drive and may have its own field, as long as all
-  // fields fit into an eighth of the memory.
-  std::size_t fewestFields() const;
 
  private:
   struct Known {

@@ -43,11 +43,6 @@ Stretches stretchesOf(const MarchJob& job, const Rays& rays) {
   return inside;
 }
 
-bool insideBox(const Box& box, const Vec3d& p) {
-  return p.x >= box.low.x && p.y >= box.low.y && p.z >= box.low.z && p.x <= box.high.x && p.y <= box.high.y &&
-         p.z <= box.high.z;
-}
-
 Vec3f fieldFrame(const DistanceField& field, const Vec3d& point) {
   return Vec3f((point - field.shape.centre) * (1 / field.shape.voxel));
 }
@@ -70,29 +65,6 @@ std::uint32_t seenAt(const MarchJob& job, std::uint32_t triangle, const Vec3d& p
   const bool layer = std::abs(dot(other.normal, plane.normal)) > kAlike &&
                      std::abs(dot(other.normal, place) - other.offset) <= kLayer * voxel;
   return layer ? named : triangle;
-}
-
-// Moves a hit along the beam to the plane of its triangle. If the beam hits a thin layer at the new position, moves the
-// hit once more, to the plane of the layer. The position where a particle rests is approximate, but the plane is exact.
-// In the scene "street" this lowers the median error from 59 mm to zero, and labels hardly change.
-Rest corrected(const MarchJob& job, const Vec3d& o, const Vec3d& d, Rest rest) {
-  const DistanceField& field = job.field;
-  for (int round = 0; round < 2; ++round) {
-    const BlockTriangle& plane = job.world.baked.triangles[rest.triangle];
-    const Vec3d here = o + d * rest.range;
-    const double away = plane.offset - dot(plane.normal, here);
-    const double range = rest.range + away / dot(plane.normal, d);
-    const double voxel = voxelAt(field, fieldFrame(field, here));
-    if (!(std::abs(away) <= double{kTrusted} * voxel) || !(range >= 0)) return rest;
-    const Vec3d there = o + d * range;
-    if (!insideBox(job.box, there)) return rest;
-    if (!(distanceAt(field, fieldFrame(field, there)) <= kThere)) return rest;
-    const std::uint32_t seen = seenAt(job, rest.triangle, there, d, voxel);
-    const bool same = seen == rest.triangle;
-    rest = {seen, range};
-    if (same) break;
-  }
-  return rest;
 }
 
 // Replaces the triangle of a hit by the triangle that the beam hits there, without changing the range.
@@ -246,8 +218,7 @@ MarchCounts resolve(const MarchJob& job, const std::vector<CompactMaterial>& mat
         Rest rest{records.triangle[i], rangeOf(job, records, i)};
         if (!lists) {
           counts.touching += rest.range <= 0 ? 1 : 0;
-          const bool correct = job.refine == ParticleOptions::Refine::ByNormal;
-          rest = (correct ? corrected : renamed)(job, originOf(rays, lane), directionOf(rays, lane), rest);
+          rest = renamed(job, originOf(rays, lane), directionOf(rays, lane), rest);
         }
         triangles[lane] = {&block, nullptr, rest.triangle};
         loadPlane(triangles[lane], static_cast<float>(rest.range), planes, lane);

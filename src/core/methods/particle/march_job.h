@@ -10,7 +10,6 @@
 #include "methods/field/distance_field.h"
 #include "methods/field/particle_launch.h"
 #include "methods/particle/march.h"
-#include "methods/particle/options.h"
 #include "methods/world/resolve.h"
 #include "methods/world/world.h"
 #include "scan/hits.h"
@@ -24,10 +23,9 @@ struct MarchJob {
   const World& world;
   const DistanceField& field;
   const ShotFrame& frame;  // the shot's poses, relative to the world's origin
-  ParticleOptions::Refine refine;
-  std::uint32_t steps;  // largest number of steps of a particle
-  Box box;              // m, relative to the world's origin: particles march only inside of the box
-  bool whole;           // true if the box contains the complete scene
+  std::uint32_t steps;     // largest number of steps of a particle
+  Box box;                 // m, relative to the world's origin: particles march only inside of the box
+  bool whole;              // true if the box contains the complete scene
 };
 
 // Numbers of beams that are neither hit nor miss, or whose hit is unreliable.

@@ -16,18 +16,15 @@ namespace {
 
 // Diameter in voxels of the smallest ball that is hit by every beam through its centre; see smallestSeen().
 constexpr double kSmallestBall = 2;
-constexpr Range kVoxelRange{1e-3, kLargestVoxel};  // m, limits of the key voxel_m
+constexpr Range kVoxelRange{1e-3, 10};  // m, limits of the key voxel_m
 constexpr std::uint32_t kMostVoxels = 1024;
 constexpr std::uint32_t kMarginVoxels = kHalfBrick + 1;
 
 using Backend = ParticleOptions::Backend;
-using Extent = ParticleOptions::Extent;
 using Refine = ParticleOptions::Refine;
 
 constexpr std::pair<const char*, Backend> kBackends[] = {{"cpu", Backend::Cpu}, {"gl", Backend::Gl}};
-constexpr std::pair<const char*, Extent> kExtents[] = {{"sensor", Extent::Sensor}, {"scene", Extent::Scene}};
-constexpr std::pair<const char*, Refine> kRefines[] = {
-    {"none", Refine::None}, {"normal", Refine::ByNormal}, {"triangle", Refine::ByTriangle}};
+constexpr std::pair<const char*, Refine> kRefines[] = {{"none", Refine::None}, {"triangle", Refine::ByTriangle}};
 
 std::uint32_t readVoxels(Fields& fields, std::uint32_t fallback) {
   const auto voxels = static_cast<std::uint32_t>(fields.integer("voxels", kFewestVoxels, kMostVoxels, fallback));
@@ -49,27 +46,16 @@ double servedRange(const ParticleOptions& options, std::uint32_t level) {
 
 ParticleOptions readParticleOptions(Fields& fields) {
   ParticleOptions options;
-  options.extent = namedChoice(fields, "field", kExtents, options.extent).second;
   options.voxel = fields.number("voxel_m", kVoxelRange, options.voxel);
   options.voxels = readVoxels(fields, options.voxels);
   const Value* levels = fields.find("levels");
   if (levels != nullptr && levels->text != "auto") {
     options.levels = static_cast<std::uint32_t>(fields.integer("levels", 1, kMaxLevels));
-    if (options.extent == Extent::Scene && options.levels > 1) {
-      throw InputError(levels->where,
-                       "levels: a field of the complete scene (`field: scene`) has one level: leave `levels` out, or "
-                       "take `field: sensor`");
-    }
   }
   options.refine = namedChoice(fields, "refine", kRefines, options.refine).second;
   options.steps = static_cast<std::uint32_t>(fields.integer("steps", 16, 65535, options.steps));
   options.backend = namedChoice(fields, "backend", kBackends, options.backend).second;
   fields.finish();
-  if (const Value* voxels = fields.find("voxels"); voxels != nullptr && options.extent == Extent::Scene) {
-    throw InputError(voxels->where,
-                     "voxels: in a field of the complete scene (`field: scene`) their number follows from the scene: "
-                     "leave `voxels` out, or take `field: sensor`");
-  }
   const Value* voxel = fields.find("voxel_m");
   options.where = voxel != nullptr ? voxel->where : fields.where();
   return options;
@@ -96,7 +82,6 @@ std::string memoryText(double bytes) {
 
 double smallestSeen(const ParticleOptions& options, double range) {
   const bool all = options.refine == Refine::ByTriangle;
-  if (options.extent == Extent::Scene) return all ? 0 : kSmallestBall * options.voxel;
   const std::uint32_t most = options.levels == 0 ? kMaxLevels : options.levels;
   for (std::uint32_t level = 0; level < most; ++level) {
     if (servedRange(options, level) < range) continue;

@@ -8,29 +8,26 @@
 
 namespace scanmill {
 
-inline constexpr double kLargestVoxel = 10;                     // m, largest value of ParticleOptions::voxel
 inline constexpr std::uint32_t kFewestVoxels = 64;              // least number of voxels across each level
 inline constexpr std::uint32_t kVoxelsStep = 2 * kBrickVoxels;  // divides the number of voxels across each level
 
 // The map `particle: {...}` of a pipeline.
 struct ParticleOptions {
-  enum class Backend { Cpu, Gl } backend = Backend::Cpu;        // on the processor, or by compute shaders of OpenGL
-  enum class Extent { Sensor, Scene } extent = Extent::Sensor;  // field around the sensor, or of the complete scene
-  double voxel = 0.1;                                           // m, voxel size of the finest level
-  std::uint32_t voxels = 256;                                   // voxels across each level
-  // Number of levels; 0: one level for a field of the complete scene, otherwise as many as the sensor's range needs.
-  std::uint32_t levels = 0;
-  enum class Refine { None, ByNormal, ByTriangle } refine = Refine::ByTriangle;
+  enum class Backend { Cpu, Gl } backend = Backend::Cpu;  // on the processor, or by compute shaders of OpenGL
+  double voxel = 0.1;                                     // m, voxel size of the finest level
+  std::uint32_t voxels = 256;                             // voxels across each level
+  std::uint32_t levels = 0;                               // number of levels; 0: as many as the sensor's range needs
+  enum class Refine { None, ByTriangle } refine = Refine::ByTriangle;
   std::uint32_t steps = 512;  // largest number of steps of a particle
   Location where;             // location of the key voxel_m or, if it is absent, of the map; for messages
 };
 
-// {field: sensor, voxel_m: 0.1, voxels: 256, levels: auto, refine: triangle, steps: 512, backend: cpu}
+// {voxel_m: 0.1, voxels: 256, levels: auto, refine: triangle, steps: 512, backend: cpu}
 //
-// Throws InputError, also if `voxels` or more than one level is given for a field of the complete scene.
+// Throws InputError.
 ParticleOptions readParticleOptions(Fields& fields);
 
-// Returns the distance up to which a level of a field around a sensor is used (m from the field's centre, along each
+// Returns the distance up to which a level of a field is used (m from the field's centre, along each
 // axis): FieldShape::reach * voxel * 2^level. The level's bricks reach voxels / 2 from the centre of their box, which
 // may be half a brick away from the field's centre; one voxel is a margin.
 double levelReach(const ParticleOptions& options, std::uint32_t level);
@@ -45,7 +42,7 @@ std::string memoryText(double bytes);
 // Returns the diameter (m) of the smallest ball at `range` m from the sensor that is hit by every beam through its
 // centre; infinite beyond the last level.
 //
-// With `refine: none` and `refine: normal` the diameter is two voxels, because one step may take a particle through
+// With `refine: none` the diameter is two voxels, because one step may take a particle through
 // both sides of a thinner object. Of beams through the centre, 0.8 % miss a ball of half a voxel, 0.4 % miss a ball of
 // 1.25 voxels, and none of 30,000 misses a ball of 1.8 voxels or more.
 //

@@ -68,8 +68,7 @@ class ParticleMethod : public Method {
     StageClock clock({"launch", "march", "resolve"});
     const FieldStore::Place place = placeOf(shot, clock);
     const ShotFrame frame = frameOf(shot, place.world->origin);
-    const MarchJob job{shot,           *place.world, *place.field, frame, options_.refine,
-                       options_.steps, place.box,    place.whole};
+    const MarchJob job{shot, *place.world, *place.field, frame, options_.steps, place.box, place.whole};
     hits.reset(shot.beams->rings, shot.beams->columns, channels);
     const MarchCounts counts = gl_ != nullptr ? marchOnDevice(job, place, hits, clock)
                                               : marchOnProcessor(job, tilesOf(*shot.beams), hits, clock);
@@ -85,11 +84,7 @@ class ParticleMethod : public Method {
     std::vector<ModelledItem> items{
         {"distance field", fieldText()},
         {"geometry", triangles ? "exact triangles, from the lists of the voxels that a beam passes, one hit per ray"
-                     : options_.refine == ParticleOptions::Refine::ByNormal
-                         ? "within half a voxel, corrected along the field's gradient, which is exact on flat "
-                           "surfaces, one hit per "
-                           "ray"
-                         : "within half a voxel of the distance field, one hit per ray"}};
+                               : "within half a voxel of the distance field, one hit per ray"}};
     if (!triangles) items.push_back({"smallest ball that every beam through its centre hits", smallestText()});
     items.push_back({"alpha cut-outs",
                      !alpha      ? "no material has one"
@@ -103,7 +98,7 @@ class ParticleMethod : public Method {
   }
 
   std::uint64_t memoryBytes() const override {
-    return static_cast<std::uint64_t>(fieldBytes()) * fields_.fewestFields() +
+    return static_cast<std::uint64_t>(fieldBytes(options_)) * FieldStore::kFewestFields +
            scene_.placedTriangles() * kBytesPerPlacedTriangle + scene_.triangles() * kBytesPerSceneTriangle;
   }
 
@@ -154,9 +149,7 @@ class ParticleMethod : public Method {
   // processor.
   MarchCounts marchOnDevice(const MarchJob& job, const FieldStore::Place& place, Hits& hits, StageClock& clock) const {
     std::vector<UndecidedRay> undecided;
-    const ParticleLaunch launch{&job.shot, &job.frame,
-                                job.box,   farthest(*job.shot.beams),
-                                job.whole, job.refine == ParticleOptions::Refine::ByNormal};
+    const ParticleLaunch launch{&job.shot, &job.frame, job.box, farthest(*job.shot.beams), job.whole};
     gl_->march(place.field, place.world, job.steps, launch, hits, undecided, clock);
     const StageTimer timer(clock, "undecided");
     std::vector<Tile> open;
@@ -195,20 +188,17 @@ class ParticleMethod : public Method {
     constexpr std::uint64_t kBytesOfCorners = 48;  // bytes of a triangle's corners, which only fields with lists need
     const std::uint64_t each =
         kResolverBytesPerTriangle + (options_.refine == ParticleOptions::Refine::ByTriangle ? kBytesOfCorners : 0);
-    const double room = options_.extent == ParticleOptions::Extent::Sensor ? 1.5 : 1;
-    return room * fieldBytes() + static_cast<double>(scene_.placedTriangles() * each + texelTableBytes(scene_));
+    constexpr double kRoom = 1.5;
+    return kRoom * fieldBytes(options_) +
+           static_cast<double>(scene_.placedTriangles() * each + texelTableBytes(scene_));
   }
 
-  double fieldBytes() const { return scanmill::fieldBytes(options_, scene_.bounds()); }
-
   std::string fieldText() const {
-    const bool around = options_.extent == ParticleOptions::Extent::Sensor;
-    return fmt::format("{}, voxels of {:g} m{}, about {}{}",
-                       around ? fmt::format("levels of {} voxels across around the sensor", options_.voxels)
-                              : std::string("one level for the complete scene"),
-                       options_.voxel, around ? " in the finest level, twice as large in each next level" : "",
-                       memoryText(fieldBytes()),
-                       around ? fmt::format("; memory for {} fields while sensors move", fields_.fewestFields()) : "");
+    return fmt::format(
+        "levels of {} voxels across around the sensor, voxels of {:g} m in the finest level, twice as large in each "
+        "next "
+        "level, about {}; memory for {} fields while sensors move",
+        options_.voxels, options_.voxel, memoryText(fieldBytes(options_)), FieldStore::kFewestFields);
   }
 
   std::string smallestText() const {

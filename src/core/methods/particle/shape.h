@@ -12,18 +12,17 @@
 
 namespace scanmill {
 
-// Returns the shape of a field that reaches `range` (m): levels around a sensor at `sensor` (m, relative to the world's
-// origin), or one level that contains `scene` (the scene's bounds in the same frame; empty if the scene has no
-// triangles). Depends only on its arguments. Throws InputError, with advice, if the field would have too many bricks.
+// Returns the shape of a field that reaches `range` (m) around a sensor at `sensor` (m, relative to the world's
+// origin), but not farther than `scene` (the scene's bounds in the same frame; empty if the scene has no triangles).
+// Depends only on its arguments. Throws InputError, with advice, if the field would have too many bricks.
 FieldShape shapeOf(const ParticleOptions& options, const Vec3d& sensor, const Box& scene, double range);
 
-// Returns approximately how many bytes a field of the scene takes. `scene`: the scene's bounds (m, world frame).
-double fieldBytes(const ParticleOptions& options, const Box& scene);
+// Returns approximately how many bytes a field takes.
+double fieldBytes(const ParticleOptions& options);
 
-// Throws InputError, with advice, if a scene-wide field would have too many bricks, or if the estimated size of the
-// field is more than twice `memory` (bytes). The limit is twice the memory because the estimate may be wrong by this
-// factor.
-void checkField(const ParticleOptions& options, const Box& scene, double memory);
+// Throws InputError, with advice, if the estimated size of a field is more than twice `memory` (bytes). The limit is
+// twice the memory because the estimate may be wrong by this factor.
+void checkField(const ParticleOptions& options, double memory);
 
 // Returns the box inside of which particles march: the box of the outermost level, shrunk by a voxel (m, relative to
 // the world's origin).

@@ -17,11 +17,11 @@ constexpr const char* kDefaultSettings = R"(
 - {ray_tracing: {simplify: [0.5, 0.25, 0.1]}}
 - {depth_camera: {resolution: [512, 1024]}}
 - {depth_camera: {sampling: [nearest, bilinear]}}
-- {particle: {refine: [normal, none]}}
+- {particle: {refine: none}}
 - {ray_tracing: {packet: 1}}
 - {ray_tracing: {robust: false}}
 - {ray_tracing: {bvh: [low, high]}}
-- {particle: {refine: [normal, none], voxel_m: 0.2}}
+- {particle: {refine: none, voxel_m: 0.2}}
 - {particle: {refine: none, voxels: 512}}
 - {particle: {refine: none, levels: 3}}
 - {particle: {backend: gl, refine: [triangle, none]}}
@@ -29,7 +29,7 @@ constexpr const char* kDefaultSettings = R"(
 - {depth_camera: {layout: three_120}}
 - {depth_camera: {layout: three_120, sampling: nearest, depth: half_500}}
 - {depth_camera: {sampling: nearest, resolution: 512}}
-- {particle: {field: scene, voxel_m: 1, refine: none}}
+- {particle: {levels: 1, voxel_m: 1, refine: none}}
 - {depth_camera: {resolution: 4096}}
 )";
 

@@ -56,11 +56,10 @@ std::unique_ptr<Made> madeOf(const Scene& scene, const Shot& shot, const Particl
       fields.around(shot.worldFromSensor.front().translation, shot.beams->maxRange, ignored);
   const ShotFrame frame = frameOf(shot, place.world->origin);
   made->hits.reset(shot.beams->rings, shot.beams->columns, Channels::all());
-  const bool corrected = options.refine == ParticleOptions::Refine::ByNormal;
   const auto marcher = makeGlMarcher(limits);
   EXPECT_FALSE(marcher->device().empty());
   marcher->march(place.field, place.world, options.steps,
-                 {&shot, &frame, place.box, farthest(*shot.beams), place.whole, corrected}, made->hits, made->undecided,
+                 {&shot, &frame, place.box, farthest(*shot.beams), place.whole}, made->hits, made->undecided,
                  made->clock);
   return made;
 }
@@ -115,7 +114,7 @@ TEST(ParticlesOnADevice, LeaveLittleToTheProcessor) {
   const Scene street = proceduralStreet();
   const Shot shot = streetShot(spinning(64, 1024, -25, 5, 60), -20);
   using enum ParticleOptions::Refine;
-  for (const auto refine : {None, ByNormal, ByTriangle}) {
+  for (const auto refine : {None, ByTriangle}) {
     EXPECT_LT(endsOf(street, shot, smallOptions(refine), RayVerdict::Open), shot.beams->size() / 500)
         << static_cast<int>(refine);
   }

@@ -38,17 +38,17 @@ ParticleOptions smallField() {
 
 constexpr double kRange = 20;  // m
 
-// How far it is from places around the sensor to what is nearest, m.
-std::vector<float> distancesAt(const FieldStore::Place& place) {
-  std::vector<float> distances;
+// Which triangles are the nearest to places around the sensor.
+std::vector<std::uint32_t> trianglesAt(const FieldStore::Place& place) {
+  std::vector<std::uint32_t> triangles;
   for (int i = 0; i < 500; ++i) {
     const double angle = 0.7 * i;
     const double way = 0.02 * i;
     const Vec3f q{static_cast<float>(way * std::cos(angle) / 0.2), static_cast<float>(way * std::sin(angle) / 0.2),
                   static_cast<float>(-0.01 * i)};
-    distances.push_back(distanceAt(*place.field, q));
+    triangles.push_back(triangleAt(*place.field, q));
   }
-  return distances;
+  return triangles;
 }
 
 // Threads work on drives of their own: each field comes from the one before in its drive, though others came between.
@@ -64,7 +64,7 @@ TEST(FieldStore, DrivesDoNotDisturbEachOther) {
     for (std::size_t drive = 0; drive < 2; ++drive) {
       const Vec3d sensor{(drive == 0 ? -200.0 : 150.0) + step, 0, 0.5};
       const FieldStore::Place place = store.around(sensor, kRange, clock);
-      EXPECT_EQ(distancesAt(place), distancesAt(FieldStore(scene, smallField()).around(sensor, kRange, clock)));
+      EXPECT_EQ(trianglesAt(place), trianglesAt(FieldStore(scene, smallField()).around(sensor, kRange, clock)));
       if (last[drive] != nullptr && place.field->pool == last[drive]->pool) ++kept;
       last[drive] = place.field;
     }
@@ -86,28 +86,15 @@ TEST(FieldStore, OldDrivesAreForgotten) {
   EXPECT_FALSE(fields.back().expired());
 }
 
-TEST(FieldStore, OfAWholeSceneThereIsOne) {
-  const Scene scene = alley();
-  ParticleOptions options = smallField();
-  options.extent = ParticleOptions::Extent::Scene;
-  options.voxel = 1;
-  const FieldStore store(scene, options);
-  EXPECT_EQ(store.fewestFields(), 1u);
-  StageClock clock;
-  const auto here = store.around({-100, 0, 0.5}, kRange, clock).field;
-  EXPECT_EQ(store.around({200, 0, 0.5}, kRange, clock).field, here);
-  EXPECT_EQ(clock.seconds().count("field_update"), 0u);
-}
-
 // All that wait for a field get it, and help with those that others wait for.
 TEST(FieldStore, ServesSeveralThreads) {
   const Scene scene = alley();
-  std::vector<std::vector<float>> expected;
+  std::vector<std::vector<std::uint32_t>> expected;
   StageClock ignored;
   const auto sensorAt = [](int k) { return Vec3d{-100.0 + 2 * k, 0, 0.5}; };
   constexpr int kPlaces = 6;
   for (int k = 0; k < kPlaces; ++k) {
-    expected.push_back(distancesAt(FieldStore(scene, smallField()).around(sensorAt(k), kRange, ignored)));
+    expected.push_back(trianglesAt(FieldStore(scene, smallField()).around(sensorAt(k), kRange, ignored)));
   }
   const FieldStore store(scene, smallField());
   StageClock clock;
@@ -116,7 +103,7 @@ TEST(FieldStore, ServesSeveralThreads) {
     threads.emplace_back([&, t] {
       for (int i = 0; i < 2 * kPlaces; ++i) {
         const int k = (i * (t + 1) + t) % kPlaces;
-        EXPECT_EQ(distancesAt(store.around(sensorAt(k), kRange, clock)), expected[static_cast<std::size_t>(k)]);
+        EXPECT_EQ(trianglesAt(store.around(sensorAt(k), kRange, clock)), expected[static_cast<std::size_t>(k)]);
       }
     });
   }

@@ -30,7 +30,6 @@ ParticleOptions optionsOf(const std::string& yaml, const std::string& file = "pi
 TEST(ParticleOptions, Defaults) {
   const ParticleOptions options = optionsOf("");
   EXPECT_EQ(options.backend, ParticleOptions::Backend::Cpu);
-  EXPECT_EQ(options.extent, ParticleOptions::Extent::Sensor);
   EXPECT_EQ(options.voxel, 0.1);
   EXPECT_EQ(options.voxels, 256u);
   EXPECT_EQ(options.levels, 0u);
@@ -40,15 +39,14 @@ TEST(ParticleOptions, Defaults) {
 
 TEST(ParticleOptions, EveryKeyIsRead) {
   const ParticleOptions options =
-      optionsOf("field: scene, voxel_m: 0.25, levels: 1, refine: none, steps: 16, backend: gl");
+      optionsOf("voxel_m: 0.25, voxels: 64, levels: 1, refine: none, steps: 16, backend: gl");
   EXPECT_EQ(options.backend, ParticleOptions::Backend::Gl);
-  EXPECT_EQ(options.extent, ParticleOptions::Extent::Scene);
   EXPECT_EQ(options.voxel, 0.25);
   EXPECT_EQ(options.levels, 1u);
   EXPECT_EQ(options.refine, Refine::None);
   EXPECT_EQ(options.steps, 16u);
-  EXPECT_EQ(optionsOf("voxels: 64").voxels, 64u);
-  EXPECT_EQ(optionsOf("refine: normal, backend: cpu, field: sensor, levels: auto").refine, Refine::ByNormal);
+  EXPECT_EQ(options.voxels, 64u);
+  EXPECT_EQ(optionsOf("refine: triangle, backend: cpu, levels: auto").refine, Refine::ByTriangle);
 }
 
 TEST(ParticleOptions, RefusesWhatIsOutOfRange) {
@@ -61,15 +59,13 @@ TEST(ParticleOptions, RefusesWhatIsOutOfRange) {
       {"levels: 0", {"levels"}},
       {"levels: 17", {"levels"}},
       {"levels: all", {"levels"}},
-      {"field: scene, levels: 2", {"levels", "one level"}},
-      {"field: world", {"field", "scene"}},
+      {"field: scene", {"unknown key 'field'"}},
+      {"refine: normal", {"refine", "'none'", "'triangle'"}},
       {"refine: triangles", {"refine", "did you mean 'triangle'"}},
       {"steps: 15", {"steps"}},
       {"steps: 65536", {"steps"}},
       {"backend: cuda", {"backend", "gl"}},
       {"cache: auto", {"unknown key \'cache\'"}},
-      {"cone_mrad: 3", {"unknown key 'cone_mrad'"}},
-      {"smallest_m: 0.3", {"unknown key 'smallest_m'"}},
       {"voxel: 0.1", {"unknown key 'voxel'", "did you mean"}},
   };
   for (const auto& [yaml, words] : wrong) {
@@ -77,18 +73,6 @@ TEST(ParticleOptions, RefusesWhatIsOutOfRange) {
     expectInputError([&yaml = yaml] { optionsOf(yaml); }, words);
     expectInputError([&yaml = yaml] { optionsOf(yaml); }, {"pipelines/p.yaml:1:"});
   }
-}
-
-TEST(ParticleOptions, RefusesWhatHasNoEffect) {
-  const std::vector<std::pair<std::string, std::vector<std::string>>> wrong = {
-      {"field: scene, voxels: 256", {"voxels: ", "leave `voxels` out, or take `field: sensor`"}},
-      {"field: scene, levels: 2", {"leave `levels` out, or take `field: sensor`"}},
-  };
-  for (const auto& [yaml, words] : wrong) {
-    SCOPED_TRACE(yaml);
-    expectInputError([&yaml = yaml] { optionsOf(yaml); }, words);
-  }
-  EXPECT_NO_THROW(optionsOf("field: scene, levels: auto"));
 }
 
 // Of the key that chose the voxels, so that what is too large for a machine is told where it stands.
@@ -142,8 +126,6 @@ TEST(SmallestSeen, GrowsWithTheVoxelsOutThere) {
   }
   options.levels = 2;
   EXPECT_EQ(smallestSeen(options, 30), INFINITY);
-  options.extent = ParticleOptions::Extent::Scene;
-  EXPECT_DOUBLE_EQ(smallestSeen(options, 1e6), 0.2);
 }
 
 // Distances to a ball, in voxels, around the field's centre: 3 x 3 x 3 full bricks.

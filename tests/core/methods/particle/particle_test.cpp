@@ -60,19 +60,6 @@ TEST(Particle, PlaneIsMetToHalfAVoxelWithoutRefinement) {
   }
 }
 
-TEST(Particle, PlaneIsMetToAFiftiethOfAVoxelAlongTheGradient) {
-  for (const double depth : {1.7, 1.73, 1.75, 1.777}) {
-    const Scene scene = groundScene(depth);
-    const std::vector<Vec3d> directions = fan({0, 20, 45, 60, 75, 80, 84, 87});
-    const Hits hits = flown(scene, shotAt(beamsOf(directions, 0, 200)), "refine: normal");
-    for (std::size_t b = 0; b < directions.size(); ++b) {
-      ASSERT_TRUE(hits.hit(b)) << b;
-      const Vec3d point = directions[b] * double{hits.range[b]};
-      EXPECT_LE(std::abs(point.z + depth), 0.02 * 0.1) << b << " depth " << depth;
-    }
-  }
-}
-
 TEST(Particle, PlaneIsMetExactlyByItsTriangles) {
   const Scene scene = groundScene(1.73);
   const std::vector<Vec3d> directions = fan({0, 20, 45, 60, 75, 80, 84, 87, 89});
@@ -108,7 +95,7 @@ TEST(Particle, RoomFromInside) {
   const Scene scene = room.scene();
   const Shot shot = shotAt(beamsOf(randomDirections(20000, 1), 0, 100), {{}, {0.3, -0.2, 0.1}});
   const Hits truth = traced(scene, shot);
-  for (const char* refine : {"none", "normal", "triangle"}) {
+  for (const char* refine : {"none", "triangle"}) {
     const Hits hits = flown(scene, shot, std::string("refine: ") + refine);
     double worst = 0;
     double worstRange = 0;
@@ -120,8 +107,6 @@ TEST(Particle, RoomFromInside) {
     }
     if (std::string(refine) == "none") {
       EXPECT_LE(worst, 0.08);  // in the edges, where interpolated distances are too small
-    } else if (std::string(refine) == "normal") {
-      EXPECT_LE(worst, 0.08);  // in the edges, where the other wall's plane may be the nearer one
     } else {
       EXPECT_LE(worstRange, 1e-4);
       EXPECT_EQ(hits.primitive, truth.primitive);
@@ -187,12 +172,10 @@ TEST(Particle, SphereIsMetLikeByRayTracing) {
   const Shot shot = shotAt(beamsOf(randomDirections(20000, 2), 0, 100));
   const Hits truth = traced(scene, shot);
   const Hits exact = flown(scene, shot);
-  const Hits corrected = flown(scene, shot, "refine: normal");
   const Hits rough = flown(scene, shot, "refine: none");
   for (std::size_t b = 0; b < truth.size(); ++b) {
-    ASSERT_TRUE(exact.hit(b) && corrected.hit(b) && rough.hit(b)) << b;
+    ASSERT_TRUE(exact.hit(b) && rough.hit(b)) << b;
     EXPECT_NEAR(exact.range[b], truth.range[b], 1e-4);
-    EXPECT_NEAR(corrected.range[b], truth.range[b], 0.05 * 0.1);
     const Vec3d point = shot.beams->direction[b] * double{rough.range[b]} - Vec3d{0.2, 0.1, 0};
     EXPECT_NEAR(length(point), 2.0, 0.0504 + 0.0013) << "half a voxel, and the facets' sagitta";
   }
@@ -259,7 +242,7 @@ TEST(Particle, MovedSceneGivesTheSameCloud) {
 TEST(Particle, ThreadsDoNotMatter) {
   const Scene scene = things();
   const Shot shot = shotAt(spinning(32, 1000, -25, 5, 120));
-  for (const char* refine : {"refine: none", "refine: normal", "refine: triangle", "refine: none, steps: 16"}) {
+  for (const char* refine : {"refine: none", "refine: triangle", "refine: none, steps: 16"}) {
     expectSameOnAnyThreads([&] { return flown(scene, shot, refine); });
   }
 }
@@ -334,14 +317,12 @@ TEST(Particle, SensorOutsideOfTheSceneAndOfItsField) {
   for (int i = -20; i <= 20; ++i) towards.push_back({-1, 0.02 * i, -0.05});
   const Shot shot = shotAt(beamsOf(towards, 0, 400), {{}, {150, 0, 5}});
   const Hits truth = traced(scene, shot);
-  for (const char* field : {"field: sensor, voxels: 128", "field: scene, voxel_m: 0.25"}) {
-    const Hits hits = flown(scene, shot, field);
-    EXPECT_TRUE(hits.unresolved.empty()) << field;
-    for (std::size_t b = 0; b < hits.size(); ++b) {
-      ASSERT_EQ(hits.hit(b), truth.hit(b)) << field << " " << b;
-      if (truth.hit(b)) {
-        EXPECT_NEAR(hits.range[b], truth.range[b], 1e-3) << field << " " << b;
-      }
+  const Hits hits = flown(scene, shot, "voxels: 128");
+  EXPECT_TRUE(hits.unresolved.empty());
+  for (std::size_t b = 0; b < hits.size(); ++b) {
+    ASSERT_EQ(hits.hit(b), truth.hit(b)) << b;
+    if (truth.hit(b)) {
+      EXPECT_NEAR(hits.range[b], truth.range[b], 1e-3) << b;
     }
   }
 }
@@ -367,16 +348,14 @@ TEST(Particle, EmptySceneAndOneTriangle) {
   });
   const Shot shot = shotAt(beamsOf(randomDirections(500, 5), 0, 50));
   const Hits truth = traced(one, shot);
-  for (const char* field : {"field: sensor", "field: scene"}) {
-    const Hits none = flown(empty, shot, field);
-    EXPECT_EQ(std::count_if(none.range.begin(), none.range.end(), [](float r) { return r < kMiss; }), 0);
-    EXPECT_TRUE(none.unresolved.empty());
-    const Hits hits = flown(one, shot, field);
-    for (std::size_t b = 0; b < hits.size(); ++b) {
-      ASSERT_EQ(hits.hit(b), truth.hit(b));
-      if (truth.hit(b)) {
-        EXPECT_NEAR(hits.range[b], truth.range[b], 1e-4);
-      }
+  const Hits none = flown(empty, shot);
+  EXPECT_EQ(std::count_if(none.range.begin(), none.range.end(), [](float r) { return r < kMiss; }), 0);
+  EXPECT_TRUE(none.unresolved.empty());
+  const Hits hits = flown(one, shot);
+  for (std::size_t b = 0; b < hits.size(); ++b) {
+    ASSERT_EQ(hits.hit(b), truth.hit(b));
+    if (truth.hit(b)) {
+      EXPECT_NEAR(hits.range[b], truth.range[b], 1e-4);
     }
   }
 }
@@ -413,7 +392,7 @@ TEST(Particle, ThinPlatesAreSeenHoweverThin) {
   const Shot shot = shotAt(beamsOf(ahead, 0, 50));
   for (const double share : {0.01, 0.1, 0.5, 1.0, 4.0}) {
     const Scene scene = plate(share * 0.1, 5.03);
-    for (const char* refine : {"none", "normal", "triangle"}) {
+    for (const char* refine : {"none", "triangle"}) {
       const Hits hits = flown(scene, shot, std::string("refine: ") + refine);
       const auto seen = std::count_if(hits.range.begin(), hits.range.end(), [](float r) { return r < kMiss; });
       EXPECT_EQ(seen, static_cast<std::ptrdiff_t>(ahead.size())) << share << " " << refine;
@@ -439,7 +418,7 @@ TEST(Particle, ThinLayersKeepTheirLabels) {
     const Scene scene = builder.finish();
     const Shot shot = shotAt(beamsOf(fan({0, 10, 20, 30, 40, 44}), 0, 50));  // to 1.7 m off: the marking reaches 2
     const Shot beyond = shotAt(beamsOf(fan({60, 70}), 0, 50));
-    for (const char* refine : {"refine: none", "refine: normal", "refine: triangle"}) {
+    for (const char* refine : {"refine: none", "refine: triangle"}) {
       const Hits hits = flown(scene, shot, refine);
       EXPECT_EQ(std::count(hits.semantic.begin(), hits.semantic.end(), 3), std::ptrdiff_t(hits.size()))
           << refine << " " << shift;
@@ -463,7 +442,7 @@ TEST(Particle, MovingSensorsKeepEachColumnsPose) {
 TEST(Particle, BothBackendsGiveTheSameBytes) {
   const Scene scene = things();
   const Shot shot = shotAt(spinning(32, 500, -25, 5, 120));
-  for (const char* refine : {"none", "normal", "triangle"}) {
+  for (const char* refine : {"none", "triangle"}) {
     const std::string options = std::string("refine: ") + refine;
     Hits device;
     try {

@@ -15,8 +15,6 @@
 namespace scanmill {
 namespace {
 
-using Extent = ParticleOptions::Extent;
-
 const Box kStreet{{-250, -80, -1}, {250, 80, 25}};
 
 ParticleOptions optionsOf(double voxel, std::uint32_t voxels, std::uint32_t levels = 0) {
@@ -139,116 +137,35 @@ TEST(Shape, StaysWhereTheSensorMovesLittle) {
   EXPECT_NE(shapeOf(options, {0.5, 0, 1.6}, kStreet, 100), shape);
 }
 
-TEST(Shape, SceneWideFieldHoldsTheSceneWhereverTheSensorIs) {
-  ParticleOptions options = optionsOf(0.5, 64);
-  options.extent = Extent::Scene;
-  const FieldShape shape = shapeOf(options, {1, 2, 3}, kStreet, 100);
-  ASSERT_EQ(shape.levels.size(), 1u);
-  EXPECT_EQ(shapeOf(options, {1e5, 0, -7}, kStreet, 3), shape);
-  const LevelBox& box = shape.levels[0];
-  for (std::size_t k = 0; k < 3; ++k) {
-    const auto low = double(box.firstBrick[k]) * 4;
-    const double high = low + box.bricks[k] * 4.0;
-    EXPECT_GE(coordinates(kStreet.low)[k] - low, 4);
-    EXPECT_LT(coordinates(kStreet.low)[k] - low, 8);
-    EXPECT_GE(high - coordinates(kStreet.high)[k], 4);
-    EXPECT_LE(high - coordinates(kStreet.high)[k], 8);
-    EXPECT_LE(std::fabs(coordinates(shape.centre)[k] - (low + high) / 2), 4);
-    EXPECT_GE(shape.reach * shape.voxel, high - coordinates(shape.centre)[k]);
-    EXPECT_EQ(coordinates(marchBox(shape).low)[k], low + 0.5);
-    EXPECT_EQ(coordinates(marchBox(shape).high)[k], high - 0.5);
-    EXPECT_EQ(fieldLevels(shape)[0].offset[k], (coordinates(shape.centre)[k] - low) / 0.5);
-  }
-  EXPECT_EQ(shapeOf(options, {1, 2, 3}, Box{}, 100).levels.size(), 1u);
-}
-
 TEST(Shape, ListsAreForExactHits) {
   ParticleOptions options;
-  for (const auto refine :
-       {ParticleOptions::Refine::None, ParticleOptions::Refine::ByNormal, ParticleOptions::Refine::ByTriangle}) {
+  for (const auto refine : {ParticleOptions::Refine::None, ParticleOptions::Refine::ByTriangle}) {
     options.refine = refine;
     EXPECT_EQ(shapeOf(options, {}, kStreet, 10).lists, refine == ParticleOptions::Refine::ByTriangle);
   }
 }
 
-TEST(Shape, SaysWhichVoxelsWouldDo) {
-  ParticleOptions options = optionsOf(0.001, 64);
-  options.extent = Extent::Scene;
-  const Box street = kStreet;
-  const Box line{{0, 0, 0}, {1e6, 1, 1}};  // few bricks, but too long
-  for (const Box& scene : {street, line}) {
-    options.voxel = 0.001;
-    const std::string message = messageOf([&] { shapeOf(options, {}, scene, 100); });
-    const std::size_t at = message.find("voxel_m: ");
-    ASSERT_NE(at, std::string::npos) << message;
-    const double voxel = std::strtod(message.c_str() + at + 9, nullptr);
-    options.voxel = voxel;
-    EXPECT_EQ(shapeOf(options, {}, scene, 100).levels.size(), 1u) << message;
-    EXPECT_LE(fieldBytes(options, scene), static_cast<double>(memoryLimitBytes())) << message;
-    options.voxel = voxel / 2.1;
-    EXPECT_TRUE(fieldBytes(options, scene) > static_cast<double>(memoryLimitBytes()) ||
-                messageOf([&] { shapeOf(options, {}, scene, 100); }) != "accepted")
-        << message;
-  }
-  // None that may be asked for.
-  const std::string far = messageOf([&] { shapeOf(options, {}, Box{{1e300, 0, 0}, {1.1e300, 1, 1}}, 100); });
-  EXPECT_THAT(far, testing::HasSubstr("m: choose `field: sensor`"));
-}
-
-TEST(Shape, FieldsOfTheSceneGrowWithItsLargestFace) {
-  ParticleOptions options = optionsOf(0.1, 256);
-  options.extent = Extent::Scene;
-  const double flat = fieldBytes(options, Box{{0, 0, 0}, {100, 50, 0}});
-  EXPECT_GT(flat, 0);
-  EXPECT_DOUBLE_EQ(fieldBytes(options, Box{{7, 0, 0}, {7, 100, 50}}), flat);
-  EXPECT_DOUBLE_EQ(fieldBytes(options, Box{{0, -9, 0}, {50, -9, 100}}), flat);
-  EXPECT_NEAR(fieldBytes(options, Box{{0, 0, 0}, {200, 100, 0}}), 4 * flat, 1e-6 * flat);
-  EXPECT_EQ(fieldBytes(options, Box{}), 0);
-  options.extent = Extent::Sensor;
-  EXPECT_DOUBLE_EQ(fieldBytes(options, Box{}), 5 * levelBytes(256, true));
-  EXPECT_DOUBLE_EQ(fieldBytes(optionsOf(0.1, 256, 3), kStreet), 3 * levelBytes(256, true));
+TEST(Shape, FieldsGrowWithTheirLevels) {
+  EXPECT_DOUBLE_EQ(fieldBytes(optionsOf(0.1, 256)), 5 * levelBytes(256, true));
+  EXPECT_DOUBLE_EQ(fieldBytes(optionsOf(0.1, 256, 3)), 3 * levelBytes(256, true));
 }
 
 TEST(CheckField, RefusesWhatTheMemoryDoesNotHold) {
   constexpr double kGibibyte = 1024.0 * 1024 * 1024;
-  for (const Extent extent : {Extent::Sensor, Extent::Scene}) {
-    ParticleOptions options = optionsOf(0.05, 512);
-    options.extent = extent;
-    options.where = {"p.yaml", 3, 4};
-    const double bytes = fieldBytes(options, kStreet);
-    EXPECT_NO_THROW(checkField(options, kStreet, bytes * 0.501));
-    const double memory = std::min(bytes * 0.499, kGibibyte / 2);
-    const std::string key = extent == Extent::Sensor ? "voxels: " : "voxel_m: ";
-    const std::string message = messageOf([&] { checkField(options, kStreet, memory); });
-    EXPECT_THAT(message, testing::AllOf(testing::HasSubstr("p.yaml:3:4: particle: "),
-                                        testing::HasSubstr("about " + memoryText(bytes)),
-                                        testing::HasSubstr("this process may take " + memoryText(memory))));
-    const std::size_t at = message.find(key);
-    ASSERT_NE(at, std::string::npos) << message;
-    const double value = std::strtod(message.c_str() + at + key.size(), nullptr);
-    if (extent == Extent::Sensor) {
-      options.voxels = static_cast<std::uint32_t>(value);
-    } else {
-      options.voxel = value;
-    }
-    EXPECT_LE(fieldBytes(options, kStreet), memory) << message;
-  }
-}
-
-// What a run would refuse at its first shot.
-TEST(CheckField, RefusesTooManyBricksWhateverTheMemory) {
-  ParticleOptions options = optionsOf(0.001, 256);
-  options.extent = Extent::Scene;
+  ParticleOptions options = optionsOf(0.05, 512);
   options.where = {"p.yaml", 3, 4};
-  expectInputError([&] { checkField(options, kStreet, 1e300); },
-                   {"p.yaml:3:4: particle: ", "too many bricks", "voxel_m"});
-  EXPECT_NO_THROW(checkField(options, Box{}, 1e300));
-}
-
-TEST(CheckField, IsAskedWhenAMethodIsMade) {
-  const Scene scene = flatGround({}, 400, 8);
-  expectInputError([&] { methodOf("particle", scene, "{field: scene, backend: cpu, voxel_m: 0.001}"); },
-                   {"voxel_m: ", "or more, or `field: sensor`"});
+  const double bytes = fieldBytes(options);
+  EXPECT_NO_THROW(checkField(options, bytes * 0.501));
+  const double memory = std::min(bytes * 0.499, kGibibyte / 2);
+  const std::string message = messageOf([&] { checkField(options, memory); });
+  EXPECT_THAT(message, testing::AllOf(testing::HasSubstr("p.yaml:3:4: particle: "),
+                                      testing::HasSubstr("about " + memoryText(bytes)),
+                                      testing::HasSubstr("this process may take " + memoryText(memory))));
+  const std::string key = "voxels: ";
+  const std::size_t at = message.find(key);
+  ASSERT_NE(at, std::string::npos) << message;
+  options.voxels = static_cast<std::uint32_t>(std::strtoul(message.c_str() + at + key.size(), nullptr, 10));
+  EXPECT_LE(fieldBytes(options), memory) << message;
 }
 
 TEST(Shape, RefusesWhatIsTooLarge) {

@@ -326,7 +326,7 @@ TEST(ReportFigures, TheShownSettingsAreDefaultsThenTheFastest) {
   for (const std::size_t i : shownSettings(study, 6)) names.push_back(study.settings[i].setting.name);
   EXPECT_THAT(names, testing::ElementsAre("ray_tracing", "depth_camera", "particle", "ray_tracing simplify=0.1",
                                           "depth_camera sampling=nearest resolution=512",
-                                          "particle field=scene voxel_m=1 refine=none"));
+                                          "particle levels=1 voxel_m=1 refine=none"));
 }
 
 TEST(ReportFigures, ACommandLineSurvivesQuotes) {

@@ -144,7 +144,7 @@ TEST(Advice, AMethodThatIsUndominatedIsNotCondemned) {
   const Study study = studyOf({{"ray_tracing", "", 10, 0, 1, 0},
                                {"depth_camera", "", 8, 0.03, 0.99, 1e-3},
                                {"particle", "", 1, 3, 0.99, 1e-3},
-                               {"particle", "refine=normal", 7, 0.09, 0.99, 1e-3}});
+                               {"particle", "voxels=128", 7, 0.09, 0.99, 1e-3}});
   const Advice camera = adviceFor(study, "depth_camera");
   EXPECT_THAT(camera.text, HasSubstr("no setting is better than depth_camera in everything"));
   EXPECT_THAT(camera.text, Not(HasSubstr("no reason to take it")));

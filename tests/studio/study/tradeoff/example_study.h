@@ -140,13 +140,13 @@ inline Study exampleStudy() {
       {"depth_camera", "resolution=1024", 52, 0.142, 0.972, 1.3e-3},
       {"depth_camera", "sampling=nearest", 113, 0.421, 0.9845, 8e-4},
       {"depth_camera", "sampling=bilinear", 119, 0.142, 0.9845, 8e-4},
-      {"particle", "refine=normal", 13.5, 0.65, 0.8917, 6.4e-3},
+      {"particle", "voxels=128", 13.5, 0.65, 0.8917, 6.4e-3},
       {"particle", "refine=none", 10.3, 2.66, 0.8867, 6.6e-3},
       {"ray_tracing", "packet=1", 15.9, 0, 1, 0},
       {"ray_tracing", "robust=false", 4.9, 0, 0.99998, 3e-6},
       {"ray_tracing", "bvh=low", 6.3, 0, 1, 0},
       {"ray_tracing", "bvh=high", 5.2, 0, 1, 0},
-      {"particle", "refine=normal voxel_m=0.2", 11.8, 0.9, 0.83, 9e-3},
+      {"particle", "voxel_m=0.2", 11.8, 0.9, 0.83, 9e-3},
       {"particle", "refine=none voxel_m=0.2", 9.1, 2.85, 0.8186, 7.1e-3},
       {"particle", "refine=none voxels=512", 14.2, 1.76, 0.9012, 3.6e-3},
       {"particle", "backend=gl refine=triangle", 98, 0, 0.999996, 4e-6},
@@ -154,7 +154,7 @@ inline Study exampleStudy() {
       {"depth_camera", "layout=three_120", 145, 0.0464, 0.9845, 8e-4},
       {"depth_camera", "layout=three_120 sampling=nearest depth=half_500", 144, 0.465, 0.9845, 8e-4},
       {"depth_camera", "sampling=nearest resolution=512", 30, 1.84, 0.9525, 1.9e-3},
-      {"particle", "field=scene voxel_m=1 refine=none", 7.7, 3.63, 0.6502, 0.0132}};
+      {"particle", "levels=1 voxel_m=1 refine=none", 7.7, 3.63, 0.6502, 0.0132}};
   for (const ExampleSetting& s : settings) study.settings.push_back(exampleResult(s));
   SettingResult failed;
   failed.setting = {"depth_camera renderer=blender", "depth_camera", "{renderer: blender}"};

@@ -1,4 +1,5 @@
 
+#include "base/memory.h"
 #include "study/tradeoff/study.h"
 #include "tests/core/pipeline/small_world.h"
 
@@ -14,11 +15,12 @@ using testing::Not;
 using testing::SizeIs;
 
 constexpr const char* kCoarse = "{particle: {refine: none, voxel_m: 0.5}}";
-// Ten thousands of millions of voxels.
-constexpr const char* kTooLarge = "{particle: {field: scene, voxel_m: 0.001}}";
+constexpr const char* kTooLarge = "{particle: {levels: 16, voxels: 1024}}";  // about 6 GiB
 
 class RunStudy : public Yard {
  protected:
+  const MemoryLimit memory_{std::uint64_t{2} << 30};
+
   // The pipeline with such a key of its own, as a file.
   std::filesystem::path withKey(const std::string& tradeoff, const std::string& name = "study.yaml") const {
     return folder_.write(name, std::string(kYardPipeline) + "effects: [intensity]\ntradeoff: " + tradeoff + "\n");
@@ -100,7 +102,7 @@ TEST_F(RunStudy, MeasuresEverySettingAgainstTheTruth) {
   EXPECT_GT(coarse.cost.setupSeconds, 0);
 
   // One that cannot run ends nothing.
-  EXPECT_THAT(study.settings[2].failure, HasSubstr("voxel_m"));
+  EXPECT_THAT(study.settings[2].failure, HasSubstr("voxels: "));
   EXPECT_EQ(study.settings[2].measured.errors.all.beams, 0u);
   EXPECT_THAT(study.candidates(), SizeIs(2));
   EXPECT_DOUBLE_EQ(study.candidates()[1].secondsPerBeam, coarse.cost.scanSeconds / 512);
@@ -206,7 +208,7 @@ TEST_F(RunStudy, RingsOfWhatCannotRunAreLeftOut) {
   ASSERT_THAT(study.rings, SizeIs(1));
   EXPECT_EQ(study.rings[0].setting.name, "ray_tracing");
   EXPECT_FALSE(study.showing.has_value()) << "nothing shows a scan";
-  EXPECT_THAT(study.left, ElementsAre(AllOf(HasSubstr("rings of particle"), HasSubstr("voxel_m"))));
+  EXPECT_THAT(study.left, ElementsAre(AllOf(HasSubstr("rings of particle"), HasSubstr("voxels: "))));
 }
 
 TEST_F(RunStudy, SensorsMayHaveEffectsOfTheirOwn) {

@@ -13,19 +13,17 @@ layout(std140, binding = 0) uniform Parameters {
   uint withOrigins;
   uint shotParticles, shotRays, shotPoses;
   uint firstAlpha;     // triangles from this index on are alpha-tested
-  uint corrected;      // 1: hits are moved to the plane of their triangle
   uint whole;          // 1: the box contains the complete scene
   uint last;           // 1: the CPU continues the particles that pass one more hole
   int lastLevel;
   float reach;         // FieldShape::reach
   float metres;        // voxel size of level 0 (m), like `voxel`, in float32
-  uint unused;
   double voxel;        // voxel size of level 0 (m)
   double ends;         // length of the particles' paths (m)
   dvec4 low, high;     // corners of the box in which particles march (m)
   dvec4 centre;        // x, y, z: the field's centre (m); w: voxels of level 0 per metre
   double trust;        // kTrust of methods/world/resolve.h
-  double aside, layer, alike, trusted, there;  // kAside, kLayer, ... of march_rule.h
+  double aside, layer, alike;  // kAside, kLayer and kAlike of march_rule.h
 };
 
 #include "rays.glsl"

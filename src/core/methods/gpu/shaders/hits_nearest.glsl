@@ -1,21 +1,20 @@
 // Computes the hits in fields without lists, where particles stop at a surface. Further buffers: 4 the levels of the
-// field, 5 its table, 6 distances, 7 words.
+// field, 5 its table, 6 words.
 
 #include "hits.glsl"
 
 layout(binding = 4) uniform usamplerBuffer levels;
 layout(binding = 5) uniform usamplerBuffer table;
-layout(binding = 6) uniform usamplerBuffer distances;
-layout(binding = 7) uniform usamplerBuffer words;
+layout(binding = 6) uniform usamplerBuffer words;
 
 // Converts a point to the field's frame. Returns false if the result's float32 bits could differ from those that the
 // CPU computes.
-bool fieldFrame(dvec3 point, double doubt, out vec3 q) {
+bool fieldFrame(dvec3 point, out vec3 q) {
   precise dvec3 place = (point - centre.xyz) * centre.w;
   bool sure = true;
   for (int k = 0; k < 3; ++k) {
     float rounded;
-    sure = settled(place[k], doubt * centre.w, rounded) && sure;
+    sure = settled(place[k], 0.0LF, rounded) && sure;
     q[k] = rounded;
   }
   return sure;
@@ -56,25 +55,6 @@ Spot spotAt(vec3 q) {
   return spot;
 }
 
-float mixed(float a, float b, float t) {
-  precise float between = a + (b - a) * t;
-  return between;
-}
-
-float row(uint corner, float t) {
-  return mixed(float(texelFetch(distances, int(corner)).x), float(texelFetch(distances, int(corner + 1u)).x), t);
-}
-
-// True if the interpolated distance to a surface is at most `there` voxels. It is larger everywhere in empty bricks.
-bool surfaceAt(vec3 q) {
-  Spot s = spotAt(q);
-  if (!s.full) return false;
-  float below = mixed(row(s.cell, s.f.x), row(s.cell + 9u, s.f.x), s.f.y);
-  float above = mixed(row(s.cell + 81u, s.f.x), row(s.cell + 90u, s.f.x), s.f.y);
-  precise float here = mixed(below, above, s.f.z) * kDistanceStep;
-  return here <= float(there);
-}
-
 // Returns the triangle stored at the corner nearest to a point, or kNoWord.
 uint namedAt(vec3 q) {
   Spot s = spotAt(q);
@@ -82,13 +62,9 @@ uint namedAt(vec3 q) {
   return s.full ? texelFetch(words, int(s.cell + (up.z * 9u + up.y) * 9u + up.x)).x : kNoWord;
 }
 
-// The triangle and the range at which a particle rests.
-struct Rest {
-  uint triangle;
-  double range, doubt;  // m; `doubt`: bound of the error of `range`
-};
-
-uint seenAt(uint triangle, dvec3 place, double doubt, dvec3 d, double size, inout bool sure) {
+// Returns the triangle that a beam with direction `d` hits at `place`, a point on the plane of `triangle`: either
+// `triangle`, or a triangle of a thin layer on it. `size`: voxel size (m).
+uint seenAt(uint triangle, dvec3 place, dvec3 d, double size, inout bool sure) {
   dvec3 normal;
   double offset;
   planeRecord(triangle, normal, offset);
@@ -96,7 +72,7 @@ uint seenAt(uint triangle, dvec3 place, double doubt, dvec3 d, double size, inou
   precise double away = side * aside * size;
   precise dvec3 beside = place + normal * away;
   vec3 q;
-  sure = fieldFrame(beside, doubt, q) && sure;
+  sure = fieldFrame(beside, q) && sure;
   uint named = namedAt(q);
   if (named == kNoWord || named == triangle) return triangle;
   dvec3 otherNormal;
@@ -105,69 +81,28 @@ uint seenAt(uint triangle, dvec3 place, double doubt, dvec3 d, double size, inou
   if (!(abs(sum3(otherNormal, normal)) > alike)) return triangle;
   precise double gap = abs(sum3(otherNormal, place) - otherOffset);
   precise double thick = layer * size;
-  if (doubt > 0.0LF && abs(gap - thick) <= 2.0LF * doubt) sure = false;
   return gap <= thick ? named : triangle;
 }
 
-Rest renamed(Rest rest, dvec3 o, dvec3 d, inout bool sure) {
+uint renamed(uint triangle, double range, dvec3 o, dvec3 d, inout bool sure) {
   dvec3 normal;
   double offset;
-  planeRecord(rest.triangle, normal, offset);
-  dvec3 here = onRay(o, d, rest.range);
+  planeRecord(triangle, normal, offset);
+  dvec3 here = onRay(o, d, range);
   precise dvec3 onPlane = here + normal * (offset - sum3(normal, here));
   vec3 q;
-  sure = fieldFrame(here, 0.0LF, q) && sure;
-  rest.triangle = seenAt(rest.triangle, onPlane, 0.0LF, d, voxelAt(q), sure);
-  return rest;
-}
-
-Rest moved(Rest rest, dvec3 o, dvec3 d, inout bool sure) {
-  for (int round = 0; round < 2; ++round) {
-    dvec3 normal;
-    double offset;
-    planeRecord(rest.triangle, normal, offset);
-    dvec3 here = onRay(o, d, rest.range);
-    double size = (largest(o) + abs(rest.range)) * (4.0LF * kSlack);
-    double hereDoubt = rest.doubt > 0.0LF ? rest.doubt + size : 0.0LF;
-    precise double away = offset - sum3(normal, here);
-    double facing = sum3(normal, d);
-    double further = away / facing;
-    double range = rest.range + further;
-    double doubt = rest.doubt + 4.0LF * hereDoubt / abs(facing) + (abs(further) + abs(range)) * kSlack;
-    vec3 q;
-    sure = fieldFrame(here, hereDoubt, q) && sure;
-    double voxelHere = voxelAt(q);
-    precise double limit = trusted * voxelHere;
-    bool near = hereDoubt > 0.0LF && abs(abs(away) - limit) <= 4.0LF * hereDoubt;
-    if (near || !(abs(range) > doubt)) sure = false;
-    if (!(abs(away) <= limit) || !(range >= 0.0LF)) return rest;
-    dvec3 place = onRay(o, d, range);
-    double placeDoubt = doubt + size + abs(further) * (4.0LF * kSlack);
-    if (any(lessThanEqual(min(abs(place - low.xyz), abs(place - high.xyz)), dvec3(placeDoubt)))) sure = false;
-    if (any(lessThan(place, low.xyz)) || any(greaterThan(place, high.xyz))) return rest;
-    sure = fieldFrame(place, placeDoubt, q) && sure;
-    if (!surfaceAt(q)) return rest;
-    uint seen = seenAt(rest.triangle, place, placeDoubt, d, voxelHere, sure);
-    bool same = seen == rest.triangle;
-    rest = Rest(seen, range, doubt);
-    if (same) break;
-  }
-  return rest;
+  sure = fieldFrame(here, q) && sure;
+  return seenAt(triangle, onPlane, d, voxelAt(q), sure);
 }
 
 bool resolve(uint i, uint ray, uint word, dvec3 o, dvec3 d) {
   precise double way = double(uintBitsToFloat(records[i])) * voxel;
   bool sure = way > 0.0LF;  // hits of particles that start at a surface are computed on the processor
-  Rest rest = Rest(records[count + i], way, 0.0LF);
-  if (corrected != 0u) {
-    rest = moved(rest, o, d, sure);
-  } else {
-    rest = renamed(rest, o, d, sure);
-  }
+  uint triangle = renamed(records[count + i], way, o, d, sure);
   float rounded;
-  sure = settled(rest.range, rest.doubt, rounded) && sure;
+  sure = settled(way, 0.0LF, rounded) && sure;
   if (sure) {
-    hit(ray, planeOf(rest.triangle, d), double(rounded), 0.0LF, o, d);
+    hit(ray, planeOf(triangle, d), double(rounded), 0.0LF, o, d);
   } else {
     leave(ray, kOpen);
   }
