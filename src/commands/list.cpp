@@ -17,7 +17,6 @@
 #include "assets/meshes/off_mesh.h"
 #include "assets/meshes/ply_mesh.h"
 #include "assets/meshes/stl_mesh.h"
-#include "assets/worlds/ogre_material.h"
 #include "assets/worlds/world.h"
 #include "assets/worlds/world_asset.h"
 #include "base/error.h"
@@ -118,12 +117,12 @@ void printCapabilities() {
 
 // Formats whose readers say what they read and what they leave out.
 std::vector<FormatSupport> inputFormats() {
-  return {gltf::gltfFormat(), blendFormat(),    objFormat(),          plyMeshFormat(),   stlFormat(),
-          offFormat(),        colladaFormat(),  fbxFormat(),          ac3dFormat(),      importedFormat(),
-          imageFormat(),      sdfFormat(),      ogreFormat(),         urdfFormat(),      tilesetFormat(),
-          rasterFormat(),     cloudColumns(),   lasFormat(),          plyCloudFormat(),  pcdFormat(),
-          csvFormat(),        dracoFormat(),    pointRecordsFormat(), town::osmFormat(), poseFormat(),
-          ousterFormat(),     velodyneFormat(), beamTableFormat()};
+  return {gltf::gltfFormat(), blendFormat(),        objFormat(),       plyMeshFormat(), stlFormat(),
+          offFormat(),        colladaFormat(),      fbxFormat(),       ac3dFormat(),    importedFormat(),
+          imageFormat(),      sdfFormat(),          urdfFormat(),      tilesetFormat(), rasterFormat(),
+          cloudColumns(),     lasFormat(),          plyCloudFormat(),  pcdFormat(),     csvFormat(),
+          dracoFormat(),      pointRecordsFormat(), town::osmFormat(), poseFormat(),    ousterFormat(),
+          velodyneFormat(),   beamTableFormat()};
 }
 
 Rows inputRows() {
@@ -134,15 +133,23 @@ Rows inputRows() {
   return rows;
 }
 
-// Prints what the reader of each format does with the elements of files, in Markdown: docs/inputs.md holds this text.
+// Prints what the reader of each format reads and leaves out, in Markdown: docs/inputs.md holds this text.
 void printElements() {
   for (const FormatSupport& format : inputFormats()) {
-    printText("\n## {} ({})\n\n| in the file | what becomes of it | |\n|---|---|---|\n", format.name, format.suffixes);
+    std::string how(format.how), read, unused, leftOut;
     for (const FormatElements& row : format.elements) {
       using enum FormatElements::Use;
-      const char* const becomes = row.use == Read ? "read" : row.use == Unused ? "unused" : "left out";
-      printText("| {} | {} | {} |\n", row.names.empty() ? "" : fmt::format("`{}`", row.names), becomes, row.note);
+      const auto append = [](std::string& to, const char* between, std::string_view text) {
+        if (!text.empty()) to += fmt::format("{}{}", to.empty() ? "" : between, text);
+      };
+      if (row.use != LeftOut) append(row.use == Read ? read : unused, " ", row.names);
+      append(row.use == LeftOut ? leftOut : how, "; ", row.note);
     }
+    if (!format.alsoLeftOut.empty()) leftOut += fmt::format("{}{}", leftOut.empty() ? "" : "; ", format.alsoLeftOut);
+    printText("\n## {} ({})\n\n{}.\n", format.name, format.suffixes, how);
+    if (!read.empty()) printText("Names: `{}`.\n", read);
+    if (!unused.empty()) printText("Without effect: `{}`.\n", unused);
+    if (!leftOut.empty()) printText("*Left out*: {}.\n", leftOut);
   }
 }
 

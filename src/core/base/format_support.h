@@ -1,7 +1,7 @@
 #pragma once
 
-// Tables of what the reader of a file format reads and leaves out. Readers look their elements up in them, and
-// `scanmill list inputs` and docs/inputs.md print them.
+// Tables of the keywords that the reader of a file format knows, and of what it leaves out. Readers look keywords up in
+// them, and `scanmill list inputs` and docs/inputs.md print them.
 
 #include <cstdint>
 #include <map>
@@ -11,7 +11,7 @@
 
 namespace scanmill {
 
-// Kinds of elements of a file: statements, XML elements, properties, extensions or columns.
+// Keywords of a file that have one meaning: statements, XML elements, properties, extensions or columns.
 struct FormatElements {
   enum class Use {
     Read,
@@ -19,14 +19,16 @@ struct FormatElements {
     LeftOut,  // counted in the file's warning
   };
   Use use = Use::Read;
-  std::string_view names;  // keywords as they stand in files, separated by spaces
-  std::string_view note;   // what they mean, or how they are read; in warnings it names what is left out, in the plural
+  std::string_view names;      // keywords as they stand in files, separated by spaces
+  std::string_view note = {};  // what is left out, in the plural, as warnings name it
 };
 
 struct FormatSupport {
   std::string_view name;      // "OBJ"
   std::string_view suffixes;  // ".obj, .mtl"
   std::vector<FormatElements> elements;
+  std::string_view how = {};          // what is read, and how: sentences without a stop after the last
+  std::string_view alsoLeftOut = {};  // what warnings name besides what `elements` leaves out, separated by semicolons
 
   // Returns the row that names a keyword; null if none does.
   const FormatElements* find(std::string_view keyword) const;

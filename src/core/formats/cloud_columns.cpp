@@ -48,32 +48,30 @@ const FormatSupport& cloudColumns() {
       ".las, .ply, .pcd, .csv, .xyz, .drc",
       {{Read,
         "label labels label_id class classes class_id class_label classification category category_id semantic "
-        "semantics semantic_label semantic_id sem_class sem_label objtag object_tag predsemantic pred_label",
-        "classes; points that no class was given to are those of the number 0, or of -1 and -100, which become "
-        "65535 beside a 0"},
+        "semantics semantic_label semantic_id sem_class sem_label objtag object_tag predsemantic pred_label"},
        {Read,
-        "instance instances instance_id instanceid instance_label inst_id treeid tree_id predinstance "
-        "pred_instance objidx object_id objectid obj_id",
-        "instances; 0 means none, and so do numbers below 0, where the others are counted from 1 on"},
-       {Read, "intensity intensities reflectance reflectivity remission",
-        "intensities; a column with zeros only gives way to another"},
-       {LeftOut, "", "points at 0, 0, 0, if there are several: misses"},
-       {Read, "ring ring_id ring_index laser_id laserid beam_id channel line", "rings, of recorded scans"},
-       {Read, "return return_number returnnumber", "numbers of returns, of recorded scans"},
-       {Read, "returns number_of_returns numberofreturns num_returns", "counts of returns, of recorded scans"},
-       {Read, "red r diffuse_red", "colours"},
-       {Read, "green g diffuse_green", "colours"},
-       {Read, "blue b diffuse_blue", "colours"},
-       {Read, "rgb rgba", "colours, packed as PCL does, in integers or in the bits of floats"},
-       {LeftOut, "", "colours that are no numbers"},
-       {Read, "nx normal_x", "normals"},
-       {Read, "ny normal_y", "normals"},
-       {Read, "nz normal_z", "normals"},
-       {Unused, "alpha a curvature cosangle confidence range near_ir ambient noise signal", "measures of a sensor"},
+        "instance instances instance_id instanceid instance_label inst_id treeid tree_id predinstance pred_instance "
+        "objidx object_id objectid obj_id"},
+       {Read, "intensity intensities reflectance reflectivity remission"},
+       {Read, "ring ring_id ring_index laser_id laserid beam_id channel line"},
+       {Read, "return return_number returnnumber"},
+       {Read, "returns number_of_returns numberofreturns num_returns"},
+       {Read, "red r diffuse_red"},
+       {Read, "green g diffuse_green"},
+       {Read, "blue b diffuse_blue"},
+       {Read, "rgb rgba"},
+       {Read, "nx normal_x"},
+       {Read, "ny normal_y"},
+       {Read, "nz normal_z"},
+       {Unused, "alpha a curvature cosangle confidence range near_ir ambient noise signal"},
        {Unused,
         "gps_time gpstime timestamp t time_offset offset_time scan_angle scan_angle_rank scan_direction_flag "
-        "edge_of_flight_line user_data point_source_id pointsourceid scanner_channel",
-        "times, angles and flight lines"}}};
+        "edge_of_flight_line user_data point_source_id pointsourceid scanner_channel"}},
+      "Classes: points that no class was given to are those of the number 0, or of -1 and -100, which become 65535 "
+      "beside a 0. Instances: 0 means none, and so do numbers below 0, where the others are counted from 1 on. "
+      "Intensities: a column with zeros only gives way to another. Rings, numbers and counts of returns, of recorded "
+      "scans. Colours, also packed as PCL does (rgb, rgba), and normals",
+      "points at 0, 0, 0, if there are several: misses; colours that are no numbers"};
   return format;
 }
 

@@ -220,14 +220,13 @@ std::unique_ptr<Format> makeCsv(Fields& options) {
 }
 
 const FormatSupport& csvFormat() {
-  using enum FormatElements::Use;
   static const FormatSupport format{
       "Text",
       ".csv, .xyz, .asc",
-      {{Read, "x y z", "and the columns of point clouds, as the first line names them; without names: x y z"},
-       {LeftOut, "", "texts in columns that are none of point clouds"},
-       {Read, ", ;", "separators, as in the first line; tabs and blanks are, too"},
-       {Unused, "# //", "comments; the first of them may hold the names"}}};
+      {},
+      "x, y, z and the columns of point clouds, as the first line names them, which may be a comment (# or //); "
+      "without names: x y z. Commas, semicolons, tabs or blanks separate, as in the first line",
+      "texts in columns that are none of point clouds"};
   return format;
 }
 

@@ -261,14 +261,12 @@ class CloudReader {
 }  // namespace
 
 const FormatSupport& dracoFormat() {
-  using enum FormatElements::Use;
-  static const FormatSupport format{
-      "Draco",
-      ".drc",
-      {{Read, "POSITION", "positions"},
-       {Read, "COLOR NORMAL", "colours and normals"},
-       {Read, "GENERIC", "one value a point, with the metadata `name`: see the columns of point clouds"},
-       {LeftOut, "TEX_COORD", "attributes of several values or without a name"}}};
+  static const FormatSupport format{"Draco",
+                                    ".drc",
+                                    {},
+                                    "Positions, colours and normals; generic attributes of one value a point, with the "
+                                    "metadata `name`, are the columns of point clouds",
+                                    "attributes of several values or without a name"};
   return format;
 }
 

@@ -363,28 +363,16 @@ const FormatSupport& lasFormat() {
   static const FormatSupport format{
       "LAS",
       ".las",
-      {{Read, "X Y Z",
-        "coordinates, in double precision; feet of the coordinate system become metres, depths become heights"},
-       {Read, "intensity intensity_f", "intensities; the latter, of our own exports, goes before the former"},
-       {Read, "classification",
-        "classes, with the names of the specification or of the file; if all are 0, extra bytes can state classes"},
-       {Read, "return_number number_of_returns gps_time red green blue", "columns"},
-       {Read, "LASF_Spec/4", "extra bytes: see the columns of point clouds"},
-       {Read, "LASF_Spec/0", "names of classes"},
-       {Read,
-        "LASF_Projection/2112 LASF_Projection/34735 LASF_Projection/34736 LASF_Projection/34737 "
-        "liblas/2112",
-        "units of the coordinate system"},
-       {Unused,
-        "synthetic key_point overlap scan_direction_flag edge_of_flight_line scanner_channel scan_angle "
-        "user_data point_source_id nir wave_packets",
-        "flags, angles, near infrared and waveforms"},
-       {Unused, "LASF_Spec/2 LASF_Spec/3 LASF_Spec/7", "histograms and texts"},
-       {LeftOut, "LASF_Projection/2111", "transforms of coordinates (LASF_Projection/2111)"},
-       {LeftOut, "withheld", "points marked as withheld"},
-       {LeftOut, "", "points behind the announced ones"},
-       {LeftOut, "", "points of classes of noise, unless `points.labels` is given"},
-       {LeftOut, "", "extra bytes of several values or without a description"}}};
+      {{Read, "LASF_Spec/0 LASF_Spec/4 LASF_Projection/2112 LASF_Projection/34735 LASF_Projection/34736"},
+       {Read, "LASF_Projection/34737 liblas/2112"},
+       {Unused, "LASF_Spec/2 LASF_Spec/3 LASF_Spec/7"},
+       {LeftOut, "LASF_Projection/2111", "transforms of coordinates (LASF_Projection/2111)"}},
+      "Coordinates in double precision; feet of the coordinate system become metres, depths become heights. "
+      "Intensities, of which intensity_f of our own exports goes first; classes, with the names of the specification "
+      "or of the file, or from extra bytes if all are 0; returns, times and colours; extra bytes as columns of point "
+      "clouds. Flags, angles, near infrared and waveforms change nothing",
+      "points marked as withheld; points behind the announced ones; points of classes of noise, unless `points.labels` "
+      "is given; extra bytes of several values or without a description"};
   return format;
 }
 

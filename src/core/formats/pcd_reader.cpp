@@ -92,7 +92,7 @@ class HeaderReader {
   void readLine(const Words& words) {
     if (words.empty()) return;
     const std::string_view key = words[0];
-    if (pcdFormat().has(FormatElements::Use::Unused, key)) return;
+    if (key == "VERSION") return;
     if (key == "VIEWPOINT") {
       readViewpoint(words);
     } else if (key == "FIELDS" || key == "COLUMNS") {
@@ -459,17 +459,14 @@ class BodyReader {
 }  // namespace
 
 const FormatSupport& pcdFormat() {
-  using enum FormatElements::Use;
   static const FormatSupport format{
       "PCD",
       ".pcd",
-      {{Read, "FIELDS COLUMNS SIZE TYPE COUNT WIDTH HEIGHT POINTS DATA",
-        "fields of one value a point: see the columns of point clouds; DATA is ascii, binary or binary_compressed"},
-       {Read, "VIEWPOINT",
-        "pose of the points, where the file is an object of a scene; recorded scans stay in the frame of the sensor"},
-       {Unused, "VERSION", "version"},
-       {LeftOut, "", "fields of several values"},
-       {LeftOut, "", "bytes behind the stated contents"}}};
+      {},
+      "Fields of one value a point: see the columns of point clouds; DATA is ascii, binary or binary_compressed. "
+      "VIEWPOINT is the pose of the points where the file is an object of a scene; recorded scans stay in the frame of "
+      "the sensor",
+      "fields of several values; bytes behind the stated contents"};
   return format;
 }
 

@@ -134,13 +134,13 @@ class PlyReader {
 
 const FormatSupport& plyCloudFormat() {
   using enum FormatElements::Use;
-  static const FormatSupport format{"PLY of points",
-                                    ".ply without faces",
-                                    {{Read, "vertex", "points: their properties are the columns of point clouds"},
-                                     {Unused, "face tristrips camera", "empty elements, and the camera of MeshLab"},
-                                     {LeftOut, "edge", "elements 'edge'"},
-                                     {LeftOut, "", "lists at vertices"},
-                                     {LeftOut, "", "bytes behind the stated contents"}}};
+  static const FormatSupport format{
+      "PLY of points",
+      ".ply without faces",
+      {{Unused, "vertex face tristrips camera"}, {LeftOut, "edge", "elements 'edge'"}},
+      "Points, whose properties are the columns of point clouds. Empty elements and the camera of MeshLab change "
+      "nothing",
+      "lists at vertices; bytes behind the stated contents"};
   return format;
 }
 

@@ -90,16 +90,15 @@ void requireOneEach(std::size_t labels, const Scan& scan, const std::string& wha
 }  // namespace
 
 const FormatSupport& pointRecordsFormat() {
-  using enum FormatElements::Use;
   static const FormatSupport format{
       "KITTI, SemanticKITTI and nuScenes",
       ".bin, .pcd.bin",
-      {{Read, "x y z intensity ring",
-        "float32; four numbers in .bin, five in .pcd.bin; points with NaN or infinite coordinates are misses"},
-       {Read, "labels/*.label", "classes and instances of SemanticKITTI, beside velodyne/"},
-       {Read, "lidarseg.json panoptic.json", "classes and instances of nuScenes, where the tables name their files"},
-       {Unused, "poses.txt calib.txt times.txt label_2 sample_annotation.json",
-        "poses, times and boxes: recorded scans stay in the frame of their sensor"}}};
+      {},
+      "float32: x, y, z, intensity in .bin, and ring in .pcd.bin; points with NaN or infinite coordinates are misses. "
+      "Classes and instances of SemanticKITTI (labels/*.label, beside velodyne/), and of nuScenes where lidarseg.json "
+      "and panoptic.json name their files. Poses, times and boxes count for nothing: recorded scans stay in the frame "
+      "of their sensor",
+      ""};
   return format;
 }
 

@@ -223,28 +223,15 @@ DecodedImage decode(ImageReader& image, const std::string& kind, const std::stri
 }  // namespace
 
 const FormatSupport& imageFormat() {
-  using enum FormatElements::Use;
   static const FormatSupport format{
       "Images of materials",
       ".png, .jpg, .jpeg, .webp, .tga, .sgi, .rgb, .bmp, .tif, .exr, .hdr, .gif, .dds and what else OpenImageIO reads",
-      {{Read, "", "red, green and blue, grey, palettes, CMYK; 1 to 32 bits, which become 8"},
-       {Read, "",
-        "alpha, also of palettes (tRNS); colours that are multiplied by it are divided; in BMP and TGA an alpha that "
-        "is 0 everywhere is none"},
-       {Read, "",
-        "colours in floats, Y of EXR too, as linear light from 0 to 1 (EXR, HDR, TIFF); whole numbers and other single "
-        "channels as sRGB"},
-       {Read, "", "the display window of EXR, and the canvas of GIF; what they do not store is black or clear"},
-       {Read, "",
-        "the first image of the file, such as the first frame of an animation; more than 4096 pixels in a row or "
-        "column are reduced"},
-       {Unused, "", "smaller previews, mipmaps, sizes in inches, texts"},
-       {LeftOut, "iCCP ICC_PROFILE", kProfiles},
-       {LeftOut, "gAMA", kGammas},
-       {LeftOut, "eXIf Exif Orientation", kOrientations},
-       {LeftOut, "acTL", kFurtherImages},
-       {LeftOut, "", kFewColors},
-       {LeftOut, "", kFurtherChannels}}};
+      {},
+      "Red, green and blue, grey, palettes, CMYK; 1 to 32 bits, which become 8. Alpha, also of palettes; colours that "
+      "are multiplied by it are divided; in BMP and TGA an alpha that is 0 everywhere is none. Floats (EXR, HDR, TIFF) "
+      "are linear light from 0 to 1; whole numbers and other single channels are sRGB. The display window of EXR, and "
+      "the canvas of GIF. The first image of the file; more than 4096 pixels in a row or column are reduced",
+      "colour profiles, gammas, orientations, further images and channels; images of few colours that an alpha hides"};
   return format;
 }
 

@@ -127,16 +127,14 @@ class BeamTableFile {
 }  // namespace
 
 const FormatSupport& beamTableFormat() {
-  using enum FormatElements::Use;
   static const FormatSupport format{
-      "table of lasers",
+      "Table of lasers",
       ".csv",
-      {{Read, "Channel LaserID ring", "number of the laser, from 0 or 1"},
-       {Read, "Elevation Azimuth", "Hesai's angle correction file: degrees, azimuths clockwise"},
-       {Read, "elevation_deg azimuth_offset_deg origin_left_m origin_up_m firing_time_us",
-        "a table of your own: azimuths counter-clockwise"},
-       {Read, "firetime(us) firetime(ns) even_firetime odd_firetime",
-        "Hesai's firetime correction file; files with several firing states are refused"}}};
+      {},
+      "Hesai's angle correction file (Channel, Elevation, Azimuth in degrees, clockwise) and firetime correction file, "
+      "with one firing state; or a table of your own with elevation_deg, azimuth_offset_deg (counter-clockwise), "
+      "origin_left_m, origin_up_m and firing_time_us",
+      ""};
   return format;
 }
 

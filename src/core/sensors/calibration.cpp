@@ -210,13 +210,13 @@ const FormatSupport& velodyneFormat() {
   static const FormatSupport format{
       "Velodyne calibration",
       ".yaml",
-      {{Read, "lasers", "list of lasers"},
-       {Read, "num_lasers laser_id", "must agree with the list: ids from 0, each once"},
-       {Read, "vert_correction rot_correction", "elevation and azimuth (rad)"},
-       {Read, "vert_offset_correction horiz_offset_correction", "place of the beam's origin (m)"},
-       {Unused, "dist_correction dist_correction_x dist_correction_y two_pt_correction_available distance_resolution",
-        "corrections of measured ranges; simulated ranges have no such errors"},
-       {Unused, "focal_distance focal_slope min_intensity max_intensity", "corrections of measured intensities"}}};
+      {{Read, "lasers num_lasers laser_id vert_correction rot_correction vert_offset_correction"},
+       {Read, "horiz_offset_correction"},
+       {Unused, "dist_correction dist_correction_x dist_correction_y two_pt_correction_available distance_resolution"},
+       {Unused, "focal_distance focal_slope min_intensity max_intensity"}},
+      "Elevation and azimuth of each laser (rad) and the place of its origin (m). Corrections of measured ranges and "
+      "intensities count for nothing, since simulated ones have no such errors",
+      ""};
   return format;
 }
 

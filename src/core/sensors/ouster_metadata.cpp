@@ -227,22 +227,13 @@ const FormatSupport& ousterFormat() {
   static const FormatSupport format{
       "Ouster metadata",
       ".json",
-      {{Read, "beam_altitude_angles beam_azimuth_angles", "angles of the beams; those of unused lasers are 0"},
-       {Read, "lidar_mode columns_per_frame fps", "columns and rate; a sensor's keys stand in if the file has neither"},
-       {Read, "pixels_per_column", "must be the number of beams, with or without unused ones"},
-       {Read, "column_window", "the part of the revolution that is sent"},
-       {Read, "lidar_to_sensor_transform", "rotation about z and height of the lidar; others are refused"},
-       {Read, "beam_to_lidar_transform lidar_origin_to_beam_origin_mm",
-        "place of the beams' origins; if both are missing, the value of Ouster's software for the model"},
-       {Read, "prod_line", "name of the model"},
-       {Unused, "pixel_shift_by_row columns_per_packet udp_profile_lidar udp_profile_imu header_type",
-        "layout of packets and images; the azimuths of the beams say the same"},
-       {Unused, "imu_to_sensor_transform", "place of the IMU"},
-       {Unused, "signal_multiplier phase_lock_enable phase_lock_offset timestamp_mode operating_mode return_order",
-        "operation of the sensor; ranges and returns are keys of the pipeline"},
-       {LeftOut, "extrinsic", "extrinsic transforms, which `mount` gives"},
+      {{LeftOut, "extrinsic", "extrinsic transforms, which `mount` gives"},
        {LeftOut, "azimuth_window", "azimuth windows that no column_window repeats"},
-       {LeftOut, "lidar_frame_azimuth_offset", "azimuths at which frames begin"}}};
+       {LeftOut, "lidar_frame_azimuth_offset", "azimuths at which frames begin"}},
+      "Angles of the beams, where those of unused lasers are 0; columns and rate, for which a sensor's keys stand in "
+      "if the file has neither; the part of the revolution that is sent; rotation about z and height of the lidar; "
+      "places of the beams' origins, by default those of Ouster's software for the model",
+      ""};
   return format;
 }
 

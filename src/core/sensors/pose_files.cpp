@@ -262,29 +262,22 @@ class PoseColumns {
 const FormatSupport& poseFormat() {
   using enum FormatElements::Use;
   static const FormatSupport format{
-      "recorded poses",
+      "Recorded poses",
       ".csv, .txt, .json",
-      {{Read, "time time_s time_ms time_us time_ns",
-        "table: time, in s without a unit; also Time/s, time (ms), timestamp [ns], and EuRoC's timestamp"},
-       {Read, "%time timestamp sec secs nsec nsecs nanosec",
-        "table: times of ROS and simulators, if there is no column of time; a timestamp of 10, 13, 16 or 19 digits is "
-        "in "
-        "s, ms, us or ns, one with decimals in s; positions and rotations of ROS, such as field.pose.pose.position.x, "
-        "are read, too"},
+      {{Read, "time time_s time_ms time_us time_ns x y z qw qx qy qz"},
+       {Read, "%time timestamp sec secs nsec nsecs nanosec"},
+       {Read, "yaw pitch roll yaw_deg pitch_deg roll_deg yaw_rad pitch_rad roll_rad"},
        {LeftOut, "header.stamp",
         "columns of times in messages (header.stamp), as those of their receipt (%time) count"},
-       {Unused, "header.seq header.frame_id frame_id child_frame_id covariance twist", "table: ROS's further columns"},
-       {Read, "x y z", "table: position (m), also as EuRoC's p_RS_R_x"},
-       {Read, "qw qx qy qz", "table: rotation, also as EuRoC's q_RS_w"},
-       {Read, "yaw pitch roll yaw_deg pitch_deg roll_deg yaw_rad pitch_rad roll_rad",
-        "table: rotation by angles; those without a unit are in radians and at most a turn"},
-       {Unused, "v_rs_r_x v_rs_r_y v_rs_r_z b_w_rs_s_x b_w_rs_s_y b_w_rs_s_z b_a_rs_s_x b_a_rs_s_y b_a_rs_s_z",
-        "table: EuRoC's velocities, which follow from the positions, and biases"},
-       {LeftOut, "", "table: further columns of times, and other columns"},
-       {Read, "", "tum: lines time x y z qx qy qz qw, times in s"},
-       {Read, "", "kitti: lines of 12 numbers, with the line Tr of calib.txt"},
-       {Read, "", "nuscenes: ego_pose.json, beside scene.json, sample.json and sample_data.json"},
-       {LeftOut, "", "table and tum: poses with NaN; kitti, whose times are counted by lines, may have none"}}};
+       {Unused, "header.seq header.frame_id frame_id child_frame_id covariance twist"},
+       {Unused, "v_rs_r_x v_rs_r_y v_rs_r_z b_w_rs_s_x b_w_rs_s_y b_w_rs_s_z b_a_rs_s_x b_a_rs_s_y b_a_rs_s_z"}},
+      "Table: time, in s without a unit, also as Time/s, time (ms) or timestamp [ns]; else %time or a timestamp of "
+      "ROS, of 10, 13, 16 or 19 digits in s, ms, us or ns; position x, y, z (m), rotation qw, qx, qy, qz, or yaw, "
+      "pitch and roll (rad without a unit); EuRoC's and ROS's names for them. tum: lines time x y z qx qy qz qw, times "
+      "in s. kitti: lines of 12 numbers, with the line Tr of calib.txt. nuscenes: ego_pose.json, beside scene.json, "
+      "sample.json and sample_data.json",
+      "further columns of times, and other columns; poses with NaN of table and tum (kitti may have none, as its times "
+      "are counted by lines)"};
   return format;
 }
 

@@ -36,32 +36,18 @@ void checkKind(const std::filesystem::path& file) {
 }  // namespace
 
 const FormatSupport& blendFormat() {
-  using enum FormatElements::Use;
   static const FormatSupport format{
       "Blender",
       ".blend",
-      {{Read, "",
-        "surfaces of the active scene at its saved frame, of objects that both its viewport and its renders show, "
-        "evaluated as in renders: modifiers, levels of subdivision, simplification, particles and other instances"},
-       {Read, "",
-        "surfaces of Principled and other shaders, also mixed with a Transparent one: name, base colour and alpha "
-        "(1 minus it, too; each a constant or an image placed by texture coordinates), roughness and metallic; "
-        "constants are linear light, as in Blender; slots of objects come before "
-        "those of meshes"},
-       {Read, "", "images, packed or beside the file"},
-       {LeftOut, "", "objects that the viewport or renders hide"},
-       {LeftOut, "", "objects of other scenes"},
-       {LeftOut, "", "objects without faces, such as edges and thin curves"},
-       {LeftOut, "", "particle systems of hair, lines or halos"},
-       {LeftOut, "", "hair curves"},
-       {LeftOut, "", "point clouds"},
-       {LeftOut, "", "volumes"},
-       {LeftOut, "", "grease pencil objects"},
-       {LeftOut, "", "missing libraries, with all that is linked from them"},
-       {LeftOut, "", "opacities of materials whose blend mode is opaque"},
-       {LeftOut, "", "materials with nodes that are not read (colour and alpha may differ)"},
-       {LeftOut, "", "animations (the saved frame counts)"},
-       {Unused, "", "cameras, lights, scripts, and other properties of materials, such as normal maps"}}};
+      {},
+      "Surfaces of the active scene at its saved frame, of objects that both its viewport and its renders show, "
+      "evaluated as in renders: modifiers, levels of subdivision, simplification, particles and other instances. "
+      "Principled and other shaders, also mixed with a Transparent one: base colour and alpha (each a constant or an "
+      "image placed by texture coordinates), roughness and metallic; slots of objects come before those of meshes. "
+      "Images, packed or beside the file",
+      "objects that the viewport or renders hide; objects of other scenes; edges, thin curves, hair, halos, point "
+      "clouds, volumes and grease pencil; missing libraries, with all that is linked from them; opacities of materials "
+      "whose blend mode is opaque; nodes of materials that are not read; animations (the saved frame counts)"};
   return format;
 }
 

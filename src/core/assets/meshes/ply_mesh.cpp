@@ -314,24 +314,20 @@ const FormatSupport& plyMeshFormat() {
   static const FormatSupport format{
       "PLY of triangles",
       ".ply with faces",
-      {{Read, "vertex face x y z vertex_indices vertex_index",
-        "polygons of three corners and more; coordinates in double or text lose no digits"},
-       {Read, "s t u v texture_u texture_v texcoord", "texture coordinates of vertices, or of the corners of faces"},
-       {Read, "texnumber", "index of a face's image among the comments 'TextureFile NAME'"},
-       {Read, "material material_index material_indices",
-        "materials of faces, with diffuse_red, diffuse_green and diffuse_blue"},
-       {Unused, "nx ny nz normal_x normal_y normal_z quality confidence curvature radius flags camera",
-        "normals and measures"},
+      {{Read, "vertex face x y z vertex_indices vertex_index s t u v texture_u texture_v texcoord texnumber"},
+       {Read, "material material_index material_indices"},
+       {Unused, "nx ny nz normal_x normal_y normal_z quality confidence curvature radius flags camera"},
        {LeftOut, "red green blue alpha r g b a diffuse_red diffuse_green diffuse_blue",
         "colours of vertices and of faces"},
        {LeftOut, "edge", "elements 'edge'"},
        {LeftOut, "label labels category_id objectid object_id instance",
-        "columns of labels or instances (without its faces, as a cloud, the file keeps them)"},
-       {LeftOut, "", "images that no face shows (TextureFile)"},
-       {LeftOut, "", "textures of parts without texture coordinates"},
-       {LeftOut, "", "faces of fewer than three corners"},
-       {LeftOut, "", "vertices that no face uses, if they are more than half; bytes behind the stated contents"},
-       {LeftOut, "", "all other properties of vertices and faces, such as labels, and all other elements"}}};
+        "columns of labels or instances (without its faces, as a cloud, the file keeps them)"}},
+      "Polygons of three corners and more; coordinates in double or text lose no digits. Texture coordinates of "
+      "vertices or of corners; a face's image is numbered by texnumber among the comments 'TextureFile NAME'. "
+      "Materials of faces, with diffuse_red, diffuse_green and diffuse_blue",
+      "images that no face shows; textures of parts without texture coordinates; faces of fewer than three corners; "
+      "vertices that no face uses, if they are more than half; bytes behind the stated contents; all other properties "
+      "and elements"};
   return format;
 }
 

@@ -109,8 +109,8 @@ class StlReader {
       } else if (word == "endloop") {
         addLoop(loop);
         loop.clear();
-      } else if (!stlFormat().has(FormatElements::Use::Unused, word)) {
-        imported_.leftOut.addKeyword(stlFormat(), word);
+      } else if (word != "normal" && word != "outer" && word != "loop") {
+        imported_.leftOut.add(fmt::format("unknown '{}'", word.substr(0, 40)));
         restOfLine();
       }
     }
@@ -208,16 +208,13 @@ class StlReader {
 }  // namespace
 
 const FormatSupport& stlFormat() {
-  using enum FormatElements::Use;
   static const FormatSupport format{"STL",
                                     ".stl",
-                                    {{Read, "solid endsolid", "names of nodes, with spaces; a file may hold several"},
-                                     {Read, "facet vertex endloop endfacet",
-                                      "triangles, in double precision; longer loops are divided into triangles"},
-                                     {Unused, "normal outer loop", "a facet's normal follows from its corners"},
-                                     {Read, "", "binary files, those that begin with 'solid' too"},
-                                     {LeftOut, "", "colours of triangles (attribute bytes)"},
-                                     {LeftOut, "", "colours in the header (COLOR=)"}}};
+                                    {},
+                                    "Text in double precision, and binary files, those that begin with 'solid' too; a "
+                                    "file may hold several solids, whose names are those of nodes. Loops of more than "
+                                    "three corners are divided into triangles",
+                                    "colours of triangles (attribute bytes) and in the header (COLOR=)"};
   return format;
 }
 

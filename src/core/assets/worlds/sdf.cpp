@@ -14,7 +14,6 @@
 
 #include "assets/worlds/heightmap.h"
 #include "assets/worlds/model_search.h"
-#include "assets/worlds/ogre_material.h"
 #include "assets/worlds/polyline.h"
 #include "assets/worlds/solids.h"
 #include "assets/worlds/world.h"
@@ -386,8 +385,8 @@ class SdfReader {
     const XmlNode* const child = root.child("model");
     if (root.name == "robot") {
       root.fail(fmt::format(
-          "is a URDF, but {} includes it: convert it by `gz sdf -p FILE` and include the SDF, or load it as "
-          "an object of its own",
+          "is a URDF, but {} includes it: convert it by `gz sdf -p FILE` and include the SDF, or load it as an object "
+          "of its own",
           node.where.text()));
     }
     if (child == nullptr) {
@@ -540,36 +539,13 @@ class SdfReader {
     const XmlNode* const script = material->child("script");
     if (script == nullptr) return;
     part.material = script->textOf("name", "");
-    // The <uri>s of the script name folders of scripts and images. URIs that begin with file://media refer to Gazebo's
-    // own materials, such as Gazebo/Grey, and are skipped.
-    std::vector<std::filesystem::path> places;
-    for (const XmlNode& uri : script->children) {
-      if (uri.name != "uri" || uri.text.starts_with("file://media")) continue;
-      try {
-        places.push_back(findModel(uri, file, uri.text));
-      } catch (const InputError&) {
-        continue;  // the file may come from a machine with other models
-      }
+    // Scripts at file://media are Gazebo's own, such as Gazebo/Grey.
+    const bool own = std::all_of(script->children.begin(), script->children.end(), [](const XmlNode& child) {
+      return child.name != "uri" || child.text.starts_with("file://media");
+    });
+    if (!own || (!part.color && part.texture.empty())) {
+      world_.leftOut.add("looks by scripts of OGRE (state them by <diffuse> or <pbr>)");
     }
-    for (const std::filesystem::path& place : places) {
-      const auto [known, isNew] = looks_.try_emplace(place);
-      if (isNew) known->second = readOgreMaterials(place, world_.leftOut);
-      const auto look = known->second.find(part.material);
-      if (look == known->second.end()) continue;
-      if (look->second.color) part.color = look->second.color;
-      if (look->second.texture.empty()) return;
-      part.alphaCutoff = look->second.alphaCutoff;
-      std::error_code ignored;
-      for (const std::filesystem::path& folder : places) {
-        const std::filesystem::path image = folder / look->second.texture;
-        if (!std::filesystem::is_regular_file(image, ignored)) continue;
-        part.texture = image;
-        return;
-      }
-      return world_.leftOut.add(
-          fmt::format("missing images '{}' of the material '{}'", look->second.texture, part.material));
-    }
-    if (!part.color && part.texture.empty()) world_.leftOut.add("colours of scripts that are missing or Gazebo's own");
   }
 
   // Reads the image, roughness and metalness of a physically based material.
@@ -623,7 +599,6 @@ class SdfReader {
   std::map<std::filesystem::path, XmlNode> definitions_;
   // Files of models, by the folder of the file that includes them and their URI.
   std::map<std::pair<std::filesystem::path, std::string>, std::filesystem::path> found_;
-  std::map<std::filesystem::path, std::map<std::string, OgreMaterial>> looks_;  // by script or folder, then by name
 };
 
 }  // namespace
@@ -633,33 +608,10 @@ const FormatSupport& sdfFormat() {
   static const FormatSupport format{
       "SDF",
       ".sdf, .world",
-      {{Read, "sdf gazebo world model link visual geometry name",
-        "things, and their parts by name; the first world of a file, and all models beside it"},
-       {Read, "include uri placement_frame", "models of other files"},
-       {Read, "pose frame joint parent child axis axis2",
-        "poses relative to links, joints, models and frames, in radians, degrees or as quaternions; joints are at 0"},
-       {Read, "state insertions deletions",
-        "the first state of a world, as Gazebo applies it: poses of models and links in the world, scales of their "
-        "visuals, models that were inserted and deleted"},
-       {Read, "mesh submesh center scale",
-        "meshes; the up axis that a COLLADA file states counts for nothing, as in Gazebo; glTF is y up by its "
-        "standard"},
-       {Read, "box capsule cone cylinder ellipsoid plane sphere empty size radius radii length normal", "solids"},
-       {Read, "polyline point height",
-        "outlines, extruded from 0 to the height of the first; an outline within another is a hole"},
-       {Read, "heightmap pos sampling",
-        "terrain from band 1 of an image, whose greatest value has the height of <size>, or from a georeferenced "
-        "raster"},
-       {Read, "transparency", "visuals with 1 are not there for beams"},
-       {Read, "material diffuse pbr metal albedo_map roughness metalness",
-        "look; `diffuse` is taken as linear light, since SDF states no colour space"},
-       {Read, "script", "image, colour and alpha cutoff of an OGRE material"},
-       {LeftOut, "", "elements in a wrong place, and further ones where one may stand"},
-       {LeftOut, "", "transparencies between 0 and 1 (these visuals are solid)"},
-       {LeftOut, "", "numbers of colours above 1 (they count as 1)"},
-       {LeftOut, "", "alphas of diffuse colours (these visuals are solid)"},
-       {LeftOut, "", "colours of scripts that are missing or Gazebo's own"},
-       {LeftOut, "", "textures of parts without texture coordinates"},
+      {{Read, "sdf gazebo world model link visual geometry name include uri placement_frame pose frame joint parent"},
+       {Read, "child axis axis2 state insertions deletions mesh submesh center scale box capsule cone cylinder"},
+       {Read, "ellipsoid plane sphere empty size radius radii length normal polyline point height heightmap pos"},
+       {Read, "sampling transparency material diffuse pbr metal albedo_map roughness metalness script"},
        {LeftOut, "image", "extruded images (image)"},
        {LeftOut, "texture", "textures of heightmaps"},
        {LeftOut, "actor", "actors"},
@@ -671,22 +623,25 @@ const FormatSupport& sdfFormat() {
        {LeftOut, "initial_position", "initial positions of joints"},
        {LeftOut, "model_state joint_state", "states of SDF 1.12 (model_state, joint_state)"},
        {LeftOut, "experimental:params", "changes of included models (experimental:params)"},
-       {LeftOut, "", "worlds and states after the first, states of models and links that the world lacks"},
-       {Unused, "collision inertial surface self_collide static allow_auto_disable kinematic gravity velocity_decay",
-        "physics; beams meet visuals, not collisions"},
-       {Unused, "must_be_base_link enable_wind physics atmosphere magnetic_field wind gripper battery", "physics"},
-       {Unused, "xyz dynamics limit use_parent_model_frame mimic gearbox_ratio gearbox_reference_body thread_pitch",
-        "axes of joints, which are at 0"},
-       {Unused, "screw_thread_pitch angle", "axes of joints, which are at 0"},
-       {Unused, "sim_time wall_time real_time iterations time velocity acceleration wrench light_state",
-        "times and velocities of states"},
-       {Unused, "light projector sensor audio audio_sink audio_source plugin gui scene spherical_coordinates",
-        "light sources, sensors, programs, and where on the earth the world is"},
-       {Unused, "cast_shadows meta lighting shader render_order ambient specular emissive shininess double_sided",
-        "lighting; beams meet both sides"},
-       {Unused, "roughness_map metalness_map environment_map ambient_occlusion_map normal_map emissive_map light_map",
-        "images of lighting"},
-       {Unused, "blend use_terrain_paging convex_decomposition namespace", "physics and display"}}};
+       {Unused, "collision inertial surface self_collide static allow_auto_disable kinematic gravity velocity_decay"},
+       {Unused, "must_be_base_link enable_wind physics atmosphere magnetic_field wind gripper battery"},
+       {Unused, "xyz dynamics limit use_parent_model_frame mimic gearbox_ratio gearbox_reference_body thread_pitch"},
+       {Unused, "screw_thread_pitch angle sim_time wall_time real_time iterations time velocity acceleration wrench"},
+       {Unused, "light_state light projector sensor audio audio_sink audio_source plugin gui scene"},
+       {Unused, "spherical_coordinates cast_shadows meta lighting shader render_order ambient specular emissive"},
+       {Unused, "shininess double_sided roughness_map metalness_map environment_map ambient_occlusion_map normal_map"},
+       {Unused, "emissive_map light_map blend use_terrain_paging convex_decomposition namespace"}},
+      "The first world of a file and all models beside it, with models of other files. Poses relative to links, "
+      "joints, models and frames, in radians, degrees or as quaternions; joints are at 0. Of a world's states the "
+      "first: poses, scales of visuals, models inserted and deleted. Meshes, whose up axis in COLLADA counts for "
+      "nothing, as in Gazebo; solids; outlines, extruded from 0 to the height of the first, where an outline within "
+      "another is a hole; terrain from band 1 of an image, whose greatest value has the height of <size>, or from a "
+      "georeferenced raster. Visuals with transparency 1 are not there for beams, which meet no <collision>. `diffuse` "
+      "is taken as linear light, since SDF states no colour space",
+      "elements in a wrong place, and further ones where one may stand; transparencies between 0 and 1 and alphas of "
+      "colours (these visuals are solid); numbers of colours above 1 (they count as 1); looks by scripts of OGRE; "
+      "textures of parts without texture coordinates; worlds and states after the first, states of models and links "
+      "that the world lacks"};
   return format;
 }
 

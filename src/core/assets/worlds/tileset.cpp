@@ -233,21 +233,19 @@ const FormatSupport& tilesetFormat() {
   static const FormatSupport format{
       "3D Tiles",
       "tileset.json",
-      {{Read, "asset version gltfUpAxis root boundingVolume transform children", "tiles and their places"},
-       {Read, "refine", "REPLACE: the finest tiles alone; ADD: coarser tiles too"},
-       {Read, "content contents 3DTILES_multiple_contents uri url", "files of a tile: nested tilesets and models"},
-       {Read, ".glb .gltf .b3dm 3DTILES_content_gltf", "models"},
+      {{Read, "asset version gltfUpAxis root boundingVolume transform children refine content contents uri url"},
+       {Read, "3DTILES_multiple_contents 3DTILES_content_gltf"},
        {LeftOut, ".i3dm", "instanced models (.i3dm)"},
        {LeftOut, ".pnts", "point clouds (.pnts)"},
        {LeftOut, ".cmpt", "composite tiles (.cmpt)"},
        {LeftOut, ".geom", "tiles of simple shapes (.geom)"},
        {LeftOut, ".vctr", "vector tiles (.vctr)"},
-       {LeftOut, ".subtree implicitTiling 3DTILES_implicit_tiling", "implicit tilings, which are refused"},
        {LeftOut, "metadata group groups schema schemaUri 3DTILES_metadata", "metadata"},
-       {Unused,
-        "geometricError viewerRequestVolume properties statistics tilesetVersion extras 3DTILES_bounding_volume_S2",
-        "what viewers need to load tiles by and by; a tileset on the earth needs a region, box or sphere too"},
-       {Unused, "extensionsUsed extensionsRequired", "names of extensions"}}};
+       {Unused, "geometricError viewerRequestVolume properties statistics tilesetVersion extras"},
+       {Unused, "3DTILES_bounding_volume_S2 extensionsUsed extensionsRequired"}},
+      "Tiles (.glb, .gltf, .b3dm), nested tilesets and their places. With the refine REPLACE the finest tiles alone, "
+      "with ADD coarser tiles too. Implicit tilings are refused",
+      ""};
   return format;
 }
 

@@ -224,26 +224,18 @@ const FormatSupport& urdfFormat() {
   static const FormatSupport format{
       "URDF",
       ".urdf",
-      {{Read, "robot link visual geometry", "one thing, and its parts by name: robot/link/visual"},
-       {Read, "joint origin parent child", "places of links; all joints are at 0"},
-       {Read, "mesh box cylinder sphere capsule",
-        "shapes; the up axis that a COLLADA file states counts for nothing, as in ROS; glTF is y up by its standard"},
-       {Read, "material color texture",
-        "look, which replaces that of the mesh file, except that a colour leaves the images of the mesh; the first "
-        "definition of a name holds for all; `rgba` is taken as linear light, since URDF states no colour space"},
-       {Read, "mimic", "joints that mimic others are at 0 too"},
-       {LeftOut, "", "elements in a wrong place, and further ones where one may stand"},
-       {LeftOut, "", "invisible visuals (alpha 0)"},
-       {LeftOut, "", "transparencies between 0 and 1 (these visuals are solid)"},
-       {LeftOut, "", "numbers of colours above 1 (they count as 1)"},
-       {LeftOut, "", "textures of parts without texture coordinates"},
-       {LeftOut, "", "materials that are defined nowhere"},
-       {LeftOut, "", "offsets of joints that mimic others"},
-       {LeftOut, "", "limits that exclude 0, where all joints are"},
-       {LeftOut, "", "materials, visuals and poses for Gazebo"},
-       {Unused, "collision inertial axis calibration dynamics limit safety_controller transmission contact",
-        "physics; beams meet visuals, not collisions"},
-       {Unused, "gazebo sensor", "sensors and programs"}}};
+      {{Read, "robot link visual geometry joint origin parent child mesh box cylinder sphere capsule material color"},
+       {Read, "texture mimic"},
+       {Unused, "collision inertial axis calibration dynamics limit safety_controller transmission contact"},
+       {Unused, "gazebo sensor"}},
+      "One thing, whose parts are named robot/link/visual; all joints are at 0. Meshes, whose up axis in COLLADA "
+      "counts for nothing, as in ROS, and solids. A material replaces that of the mesh, except that a colour leaves "
+      "the mesh's images; the first definition of a name holds for all; `rgba` is taken as linear light, since URDF "
+      "states no colour space",
+      "elements in a wrong place, and further ones where one may stand; invisible visuals (alpha 0); transparencies "
+      "between 0 and 1 (these visuals are solid); numbers of colours above 1 (they count as 1); textures of parts "
+      "without texture coordinates; materials that are defined nowhere; offsets of joints that mimic others; limits "
+      "that exclude 0, where all joints are; materials, visuals and poses for Gazebo"};
   return format;
 }
 

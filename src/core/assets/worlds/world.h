@@ -26,7 +26,6 @@ struct WorldPart {
   std::string material;  // name of the material of a solid, or of a mesh whose file names no material
   std::optional<std::array<float, 3>> color;
   std::filesystem::path texture;             // replaces the mesh's texture; empty: the mesh keeps its texture
-  std::optional<float> alphaCutoff;          // beams pass where the alpha of `texture` is below this
   std::optional<float> roughness, metallic;  // replace those of the mesh's materials
   Location where;
 };

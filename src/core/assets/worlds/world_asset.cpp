@@ -68,8 +68,8 @@ class WorldAsset {
     if (asset_.parts.empty() && asset_.instanced.empty()) {
       throw InputError(
           {file_.string()},
-          "has no triangle: beams meet the <visual>s of links, not their <collision>s, and no visual has a "
-          "shape that is read");
+          "has no triangle: beams meet the <visual>s of links, not their <collision>s, and no visual has a shape that "
+          "is read");
     }
     return std::move(asset_);
   }
@@ -130,8 +130,7 @@ class WorldAsset {
     if (!from.texture.empty()) {
       part.texture = from.texture.filename().string();
       color.textured = true;
-      color.alpha.wanted = options_.alpha == AlphaUse::Test || (options_.alpha == AlphaUse::Auto && from.alphaCutoff);
-      color.alpha.cutoff = from.alphaCutoff.value_or(0.5f);
+      color.alpha.wanted = options_.alpha == AlphaUse::Test;
       if (options_.textures || color.alpha.wanted) {
         color.image = images_.load(from.texture.string(), from.texture.string(), !options_.textures, color.alpha.wanted,
                                    [] { return nullptr; });

@@ -297,55 +297,13 @@ TEST_F(Sdf, SubmeshesAreTakenAloneAndCentred) {
               HasSubstr("has no submesh 'zz', since none of its parts has a name: leave out <submesh>"));
 }
 
-// An image whose left half is a leaf, the right half nothing, on a mesh that shows all of it.
-TEST_F(Sdf, ScriptsNameImagesAndWhatIsCutOut) {
-  folder_.write(
-      "leaf/materials/scripts/leaf.material",
-      "// leaves\nmaterial Leaf/Green : Base\n{\n technique\n {\n  pass\n  {\n   alpha_rejection greater 128\n"
-      "   diffuse 0.2 0.4 0.1 1\n   texture_unit { \n texture leaf.tga\n }\n  }\n }\n}\nmaterial Other\n{\n}\n");
-  folder_.write("card.obj", "o card\nv 0 0 0\nv 1 0 0\nv 0 0 1\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n");
-  folder_.write("wing.obj", kWing);
-  const std::string look =
-      "<material><script><uri>file://leaf/materials/scripts</uri><uri>file://leaf/materials/textures</uri>"
-      "<name>Leaf/Green</name></script></material>";
-  const auto leaf = [&](const std::string& mesh) { return sdf(model("<mesh><uri>" + mesh + "</uri></mesh>", look)); };
-  // While the image is missing, it says so, and the mesh has the material's colour.
-  testing::internal::CaptureStderr();
-  const Asset without = leaf("card.obj");
-  EXPECT_THAT(testing::internal::GetCapturedStderr(), AllOf(HasSubstr("leaf.tga"), HasSubstr("missing")));
-  EXPECT_EQ(without.parts.at(0).material, "Leaf/Green");
-  EXPECT_NEAR(without.parts[0].fileMaterial.reflectance, 0.2126 * 0.2 + 0.7152 * 0.4 + 0.0722 * 0.1, 1e-6);
-
-  // Truevision's: 2 x 1 pixels of blue, green, red, alpha.
-  std::string image(18, '\0');
-  image[2] = 2;
-  image[12] = 2;
-  image[14] = 1;
-  image[16] = 32;
-  image[17] = 8;
-  image += std::string("\x00\x80\x00\xff", 4) + std::string(4, '\0');
-  folder_.write("leaf/materials/textures/leaf.tga", image);
-  const Material card = leaf("card.obj").parts.at(0).fileMaterial;
-  ASSERT_TRUE(card.texture);
-  EXPECT_TRUE(card.alphaTested);
-  EXPECT_NEAR(card.alphaCutoff, 128 / 255.0, 0.01);
-  EXPECT_GT(card.texture->texel(0.25f, 0.5f)[3], 128);
-  EXPECT_LT(card.texture->texel(0.75f, 0.5f)[3], 128);
-  // A mesh or solid that cannot show it has its mean colour.
-  testing::internal::CaptureStderr();
-  for (const std::string shape : {"<mesh><uri>wing.obj</uri></mesh>", "<box><size>1 1 1</size></box>"}) {
-    const Material plain = sdf(model(shape, look)).parts.at(0).fileMaterial;
-    EXPECT_FALSE(plain.texture || plain.textured || plain.alphaTested);
-    EXPECT_FLOAT_EQ(plain.reflectance, card.reflectance) << shape;
-  }
-  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("1 textures of parts without texture coordinates"));
-}
-
 // Names without colours are names too, and commas, comments and alpha are as users write them.
 TEST_F(Sdf, LooksAndNumbersAreReadAsOthersWriteThem) {
   folder_.write("wing.obj", kWing);
+  testing::internal::CaptureStderr();
   const Asset asset = sdf(wing("m", "<pose>1 2 <!-- z --> 3 0 0 1e-400</pose>",
                                "<material><script><name>Gazebo/Brick</name></script></material>"));
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("1 looks by scripts of OGRE"));
   EXPECT_EQ(asset.parts.at(0).material, "Gazebo/Brick");
   expectWing(corners(asset, "m/l/v/wing"), poseOf(1, 2, 3, 0, 0, 0));
   const Asset red = sdf(wing("m", "", "<material><diffuse>1 0 0</diffuse></material>"));
@@ -612,11 +570,6 @@ TEST_F(Sdf, ModelsOfGazeboAreAsLargeAsWhatTheyStandFor) {
     EXPECT_LT(longest, e.most) << e.model;
     EXPECT_LT(std::fabs(box.low.z), 0.3) << e.model << " stands on the ground";
   }
-  // The mesh of the oak names no image; its script does, and cuts its leaves out.
-  const Asset oak = readAsset(sharedData() / "scenes/gazebo/oak_tree/model.sdf", {});
-  EXPECT_EQ(oak.parts.at(0).texture, "branch_diffuse.png");
-  EXPECT_TRUE(oak.parts[0].fileMaterial.alphaTested);
-  EXPECT_NEAR(oak.parts[0].fileMaterial.alphaCutoff, 128 / 255.0, 1e-6);
 }
 
 }  // namespace

@@ -17,10 +17,10 @@ namespace {
 
 constexpr int kMaxDepth = 512;
 
-// True for extensions that are read here, and for extensions that only affect appearance.
-bool isKnown(std::string_view extension) {
-  return gltfFormat().find(extension) != nullptr || extension.starts_with("KHR_materials_") ||
-         extension.starts_with("KHR_technique") || extension.starts_with("EXT_lights_");
+// True for extensions that only affect appearance. Transmissions are counted by material.
+bool isAppearance(std::string_view extension) {
+  return extension.starts_with("KHR_materials_") || extension.starts_with("KHR_technique") ||
+         extension.starts_with("EXT_lights_");
 }
 
 class ModelReader : JsonReader {
@@ -38,12 +38,13 @@ class ModelReader : JsonReader {
                        version.empty() ? "of no version" : version));
     }
     for (const Json& name : list("extensionsRequired")) {
-      if (isKnown(name.get<std::string>())) continue;
+      const auto extension = name.get<std::string>();
+      if (isAppearance(extension) || gltfFormat().find(extension) != nullptr) continue;
       fail(fmt::format("requires the extension {}, which is not supported: export it without this extension",
-                       name.get<std::string>()));
+                       extension));
     }
     for (const Json& name : list("extensionsUsed")) {
-      if (!isKnown(name.get<std::string>())) m_.leftOut.addKeyword(gltfFormat(), name.get<std::string>());
+      if (!isAppearance(name.get<std::string>())) m_.leftOut.addKeyword(gltfFormat(), name.get<std::string>());
     }
     if (const auto extensions = json_.find("extensions"); extensions != json_.end() && extensions->is_object()) {
       if (const auto rtc = extensions->find("CESIUM_RTC"); rtc != extensions->end()) {
@@ -148,10 +149,10 @@ class ModelReader : JsonReader {
     }
     const Json* const glass = extensionOf(j, "KHR_materials_transmission");
     if (glass != nullptr && glass->value("transmissionFactor", 0.0) > 0) {
-      m.leftOut.addKeyword(gltfFormat(), "KHR_materials_transmission");
+      m.leftOut.add("transmissions of materials (they are solid)");
     }
     if (!m.texture && std::max({m.color[0], m.color[1], m.color[2]}) == 0 && j.contains("emissiveTexture")) {
-      m.leftOut.addKeyword(gltfFormat(), "emissiveTexture");
+      m.leftOut.add("emissive images of materials with a black base colour");
     }
     const std::string mode = j.value("alphaMode", std::string("OPAQUE"));
     m.alpha = mode == "MASK"    ? Material::Alpha::Mask
@@ -283,40 +284,14 @@ class ModelReader : JsonReader {
       channel.sampler = index(c.at("sampler"), a.samplers.size(), what + ": a channel's sampler");
       const Json& target = c.at("target");
       const std::string path = target.at("path").get<std::string>();
-      if (path == "pointer") {
-        if (!pointerOf(target, channel, kPaths, what)) continue;
-      } else {
-        const auto known = kPaths.find(path);
-        if (known == kPaths.end() || !target.contains("node")) continue;  // skips channels with other targets
-        channel.path = known->second;
-        channel.node = index(target["node"], m_.nodes.size(), what + "'s target");
-      }
+      a.pointers += path == "pointer" ? 1 : 0;
+      const auto known = kPaths.find(path);
+      if (known == kPaths.end() || !target.contains("node")) continue;  // skips channels with other targets
+      channel.path = known->second;
+      channel.node = index(target["node"], m_.nodes.size(), what + "'s target");
       a.channels.push_back(channel);
     }
     return a;
-  }
-
-  // Reads a channel's target of KHR_animation_pointer. Returns false if the target has no effect on what beams hit.
-  bool pointerOf(const Json& target, Animation::Channel& channel, const std::map<std::string, Animation::Path>& paths,
-                 const std::string& what) const {
-    const Json* extension = extensionOf(target, "KHR_animation_pointer");
-    if (extension == nullptr) return false;
-    const std::string pointer = extension->value("pointer", std::string());
-    constexpr std::string_view kNodes = "/nodes/";
-    if (!pointer.starts_with(kNodes)) return false;
-    const std::size_t slash = std::min(pointer.find('/', kNodes.size()), pointer.size());
-    const std::string key = pointer.substr(std::min(slash + 1, pointer.size()));
-    const auto path = paths.find(key);
-    if (path != paths.end()) {
-      channel.path = path->second;
-    } else if (key == "extensions/KHR_node_visibility/visible") {
-      channel.path = Animation::Path::Visible;
-    } else {
-      return false;
-    }
-    const Json number = Json::parse(pointer.substr(kNodes.size(), slash - kNodes.size()));
-    channel.node = index(number, m_.nodes.size(), what + "'s target");
-    return true;
   }
 
   // Reads the scene; without one, all nodes that are nobody's children are its roots. Throws unless each of its nodes
@@ -348,31 +323,8 @@ class ModelReader : JsonReader {
       seen[at] = true;
       for (const Index child : m_.nodes[at].children) open.emplace_back(child, depth + 1);
     }
-    dropCoarserLevels(seen);
     for (Index i = 0; i < m_.nodes.size(); ++i) {
       if (!seen[i] && m_.nodes[i].mesh) m_.leftOut.add("nodes outside of the scene");
-    }
-  }
-
-  // Takes the meshes from all nodes, and from their descendants, that a node of the scene names as its coarser levels.
-  void dropCoarserLevels(const std::vector<bool>& inScene) {
-    std::vector<bool> coarser(m_.nodes.size(), false);
-    for (Index i = 0; i < m_.nodes.size(); ++i) {
-      const Json* const lod = extensionOf(list("nodes")[i], "MSFT_lod");
-      if (lod == nullptr || !inScene[i] || coarser[i]) continue;
-      std::vector<Index> open;
-      for (const Json& id : listIn(*lod, "ids", "MSFT_lod.ids")) {
-        open.push_back(index(id, m_.nodes.size(), "a level of MSFT_lod"));
-      }
-      while (!open.empty()) {
-        const Index at = open.back();
-        open.pop_back();
-        if (at == i || coarser[at]) continue;
-        coarser[at] = true;
-        open.insert(open.end(), m_.nodes[at].children.begin(), m_.nodes[at].children.end());
-        if (m_.nodes[at].mesh) m_.leftOut.add("coarser levels of detail (MSFT_lod)");
-        m_.nodes[at].mesh.reset();
-      }
     }
   }
 
@@ -401,42 +353,22 @@ const FormatSupport& gltfFormat() {
   static const FormatSupport format{
       "glTF",
       ".gltf, .glb, .b3dm",
-      {{Read, "scenes nodes",
-        "the default scene, else the first, else all nodes; a node without a name is named by its nearest ancestor "
-        "with "
-        "one, else by its mesh"},
-       {Read, "POSITION TEXCOORD_n indices mode", "triangles, strips and fans; plain, sparse or normalised accessors"},
-       {Read, "skins targets weights animations", "the file's pose, or the pose at a time of an animation"},
-       {Read, "pbrMetallicRoughness KHR_materials_pbrSpecularGlossiness KHR_materials_unlit",
-        "colours, which are linear light as the specification says, and images"},
-       {Read, "alphaMode alphaCutoff", "where beams pass an image: see the key `alpha`"},
-       {Read, "KHR_mesh_quantization EXT_meshopt_compression KHR_meshopt_compression KHR_draco_mesh_compression",
-        "compressed meshes"},
-       {Read, "EXT_mesh_gpu_instancing KHR_node_visibility KHR_animation_pointer CESIUM_RTC", "copies and places"},
-       {Read, "KHR_texture_transform EXT_texture_webp EXT_texture_avif KHR_texture_basisu MSFT_texture_dds",
-        "places and kinds of images; an image that cannot be decoded is warned of"},
-       {Unused, "NORMAL TANGENT cameras extras KHR_lights_punctual KHR_xmp_json_ld KHR_xmp FB_ngon_encoding",
-        "shading and notes"},
-       {Unused, "CESIUM_primitive_outline GODOT_single_root", "outlines and roots"},
-       {Unused, "OMI_physics_body OMI_physics_shape KHR_physics_rigid_bodies KHR_implicit_shapes", "physics"},
-       {Unused,
-        "KHR_materials_emissive_strength KHR_materials_ior KHR_materials_volume KHR_materials_clearcoat "
-        "KHR_materials_sheen KHR_materials_specular KHR_materials_variants",
-        "and other KHR_materials_*: the default variant without coats"},
-       {LeftOut, "KHR_materials_transmission", "transmissions of materials (they are solid)"},
-       {LeftOut, "emissiveTexture", "emissive images of materials with a black base colour"},
-       {LeftOut, "COLOR_n", "colours of vertices (COLOR_0)"},
-       {LeftOut, "_*", "values of vertices and instances with names of their own, such as _BATCHID and _FEATURE_ID_0"},
-       {LeftOut, "", "primitives of points"},
-       {LeftOut, "", "primitives of lines"},
-       {LeftOut, "", "hidden nodes"},
-       {LeftOut, "", "batch tables (.b3dm)"},
-       {LeftOut, "", "nodes outside of the scene"},
-       {LeftOut, "MSFT_lod", "coarser levels of detail (MSFT_lod)"},
-       {LeftOut, "", "opacities of materials (they are solid)"},
-       {LeftOut, "", "images that fade (beams pass where alpha is below 0.5)"},
-       {LeftOut, "wrapS wrapT", "clamped or mirrored textures (they repeat)"},
-       {LeftOut, "", "textures of parts without texture coordinates"}}};
+      {{Read, "KHR_mesh_quantization EXT_meshopt_compression KHR_meshopt_compression KHR_draco_mesh_compression"},
+       {Read, "EXT_mesh_gpu_instancing KHR_node_visibility CESIUM_RTC KHR_texture_transform EXT_texture_webp"},
+       {Read, "EXT_texture_avif KHR_texture_basisu MSFT_texture_dds"},
+       {Unused, "KHR_lights_punctual KHR_xmp_json_ld KHR_xmp FB_ngon_encoding CESIUM_primitive_outline"},
+       {Unused, "GODOT_single_root OMI_physics_body OMI_physics_shape KHR_physics_rigid_bodies KHR_implicit_shapes"},
+       {Unused, "KHR_animation_pointer"},
+       {LeftOut, "MSFT_lod", "levels of detail (MSFT_lod; the nodes of the scene are read, coarser ones too)"}},
+      "The default scene, else the first, else all nodes; a node without a name is named by its nearest ancestor with "
+      "one, else by its mesh. Triangles, strips and fans; skins and morph targets in the file's pose, or in the pose "
+      "at a time of an animation. Colours are linear light, as the specification says; the key `alpha` says where "
+      "beams pass an image. An image that cannot be decoded is warned of. Lights, physics and KHR_materials_* change "
+      "nothing",
+      "transmissions, opacities and images that fade, of materials, which are solid; emissive images of materials with "
+      "a black base colour; colours of vertices; values of vertices and instances, such as _BATCHID; points and lines; "
+      "hidden nodes; nodes outside of the scene; batch tables (.b3dm); clamped or mirrored textures, which repeat; "
+      "textures of parts without texture coordinates; channels of animations by pointers (KHR_animation_pointer)"};
   return format;
 }
 

@@ -101,7 +101,7 @@ struct Skin {
 
 struct Animation {
   enum class Interpolation { Linear, Step, CubicSpline };
-  enum class Path { Translation, Rotation, Scale, Weights, Visible };
+  enum class Path { Translation, Rotation, Scale, Weights };
   struct Sampler {
     Index input = 0, output = 0;
     Interpolation interpolation = Interpolation::Linear;
@@ -113,6 +113,7 @@ struct Animation {
   std::string name;
   std::vector<Sampler> samplers;
   std::vector<Channel> channels;
+  std::uint64_t pointers = 0;  // number of channels of KHR_animation_pointer, which are not read
 };
 
 struct Image {

@@ -110,19 +110,16 @@ void apply(const ClipTime& clip, const Data& data, Model& model) {
   const Index number = animationNamed(model, clip.clip);
   const Animation& animation = model.animations[number];
   const std::string what = fmt::format("animations[{}]", number);
+  model.leftOut.add("channels of animations by pointers (KHR_animation_pointer)", animation.pointers);
   for (const Animation::Channel& channel : animation.channels) {
     using Path = Animation::Path;
     Node& node = model.nodes[channel.node];
     const Animation::Sampler& sampler = animation.samplers[channel.sampler];
     const std::vector<float> times = data.fractions(sampler.input, what);
-    const std::vector<float> values =
-        channel.path == Path::Visible ? data.finiteFloats(sampler.output, what) : data.fractions(sampler.output, what);
+    const std::vector<float> values = data.fractions(sampler.output, what);
     const std::size_t keys = times.size() * (sampler.interpolation == Animation::Interpolation::CubicSpline ? 3 : 1);
     const std::size_t width = keys == 0 ? 0 : values.size() / keys;
-    const std::size_t wanted = channel.path == Path::Rotation  ? 4
-                               : channel.path == Path::Weights ? width
-                               : channel.path == Path::Visible ? 1
-                                                               : 3;
+    const std::size_t wanted = channel.path == Path::Rotation ? 4 : channel.path == Path::Weights ? width : 3;
     if (times.empty() || width == 0 || width != wanted || width * keys != values.size() ||
         !std::is_sorted(times.begin(), times.end())) {
       model.fail(
@@ -132,10 +129,6 @@ void apply(const ClipTime& clip, const Data& data, Model& model) {
         sampled(times, values, width, sampler.interpolation, channel.path == Path::Rotation, clip.time);
     if (channel.path == Path::Weights) {
       node.weights = now;
-      continue;
-    }
-    if (channel.path == Path::Visible) {
-      node.visible = now[0] != 0;
       continue;
     }
     node.matrix.reset();

@@ -297,44 +297,24 @@ const FormatSupport& objFormat() {
   static const FormatSupport format{
       "OBJ",
       ".obj, .mtl",
-      {{Unused, "vn s mg lod bevel c_interp d_interp maplib shadow_obj trace_obj", "normals, smoothing and display"},
-       {Read, "v", "three coordinates in double precision; a weight behind them counts for nothing"},
-       {Read, "vt", "texture coordinates"},
-       {Read, "f fo",
-        "faces of three corners and more, with negative indices too; polygons are divided into triangles"},
-       {Read, "o g", "names of nodes, with spaces; the faces of one object and group are one node"},
-       {Read, "usemtl mtllib", "materials; a library may stand behind the faces"},
-       {Read, "newmtl Kd d Tr Pr Pm",
-        "name, colour, opacity, roughness and metalness of a material; Kd is taken as linear light, as in Blender, "
-        "since OBJ states no colour space; without Kd and map_Kd it states no colour; the first definition of a name "
-        "counts"},
-       {Read, "map_Kd map_kd map_d map_opacity",
-        "images, with their options -s and -o, and names in quotation marks too; the image of map_Kd counts in place "
-        "of Kd, which does not tint it"},
-       {Unused, "-blendu -blendv -boost -t -texres -bm -type -cc", "filters and distortions of images"},
-       {Unused, "vp deg bmat step cstype parm trim hole scrv sp con ctech stech res end",
-        "parts of free-form curves and surfaces, which surf, curv and curv2 count"},
-       {Unused, "Ka Ks Ke Ns Ni Tf illum sharpness Ps Pc Pcr aniso anisor", "lighting"},
-       {Unused, "map_Ka map_Ks map_Ke map_Ns map_bump map_Bump bump norm disp refl map_refl", "images of lighting"},
-       {Unused, "map_Pr map_Pm map_Ps map_aat map_Ni map_Tf", "images of lighting"},
-       {LeftOut, "", kJoined},
+      {{Unused, "vn s mg lod bevel c_interp d_interp maplib shadow_obj trace_obj"},
+       {Unused, "vp deg bmat step cstype parm trim hole scrv sp con ctech stech res end"},
+       {Unused, "Ka Ks Ke Ns Ni Tf illum sharpness Ps Pc Pcr aniso anisor"},
+       {Unused, "map_Ka map_Ks map_Ke map_Ns map_bump map_Bump bump norm disp refl map_refl"},
+       {Unused, "map_Pr map_Pm map_Ps map_aat map_Ni map_Tf"},
        {LeftOut, "l", "lines (l)"},
        {LeftOut, "p", "points (p)"},
        {LeftOut, "surf", "free-form surfaces (surf)"},
        {LeftOut, "curv curv2", "free-form curves (curv, curv2)"},
        {LeftOut, "call csh", "other files and commands (call, csh)"},
-       {LeftOut, "usemap", "images of map libraries (usemap)"},
-       {LeftOut, "#MRGB", "colours of vertices"},
-       {LeftOut, "", obj::kUndefined},
-       {LeftOut, "", obj::kFurther},
-       {LeftOut, "", "Kd spectral and Kd xyz of materials"},
-       {LeftOut, "-clamp", obj::kClamps},
-       {LeftOut, "-mm", obj::kBrightness},
-       {LeftOut, "-imfchan", obj::kChannels},
-       {LeftOut, "", obj::kPlacements},
-       {LeftOut, "", "opacity maps that are the image of the colour too, and have no alpha"},
-       {LeftOut, "", "textures of parts without texture coordinates"},
-       {LeftOut, "", "opacities of materials (they are solid)"}}};
+       {LeftOut, "usemap", "images of map libraries (usemap)"}},
+      "Coordinates in double precision; polygons are divided into triangles. The faces of one object (o) and group (g) "
+      "are one node. Of materials: Kd, d, Tr, Pr, Pm, map_Kd and map_d, with -s and -o of images. Kd is taken as "
+      "linear light, as in Blender, since OBJ states no colour space; an image counts in its place. The first "
+      "definition of a name counts. Normals, lighting and its images change nothing",
+      "further objects with the name of an earlier one, which are one node; colours of vertices; materials that no "
+      "library defines, further definitions of a name; Kd spectral and Kd xyz; -clamp, -mm and -imfchan of images; "
+      "placements of map_d that differ from those of map_Kd; opacities and textures that cannot show"};
   return format;
 }
 
