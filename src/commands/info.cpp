@@ -243,7 +243,6 @@ void printScene(const std::filesystem::path& file, std::uint64_t seed) {
     printText("\n{}", formatTable(rules));
   }
   for (const std::string& line : sizeWarnings(scene)) warn(line);
-  for (const std::string& line : thingSizeWarnings(scene)) warn(line);
   for (const std::string& line : ruleWarnings(scene)) warn(line);
 }
 

@@ -11,9 +11,8 @@
 #include "base/terminal.h"
 #include "commands/table.h"
 #include "pipeline/checks/warnings.h"
-#include "pipeline/checks/way_warnings.h"
+#include "pipeline/scenes/scene_probe.h"
 #include "pipeline/scenes/shot_source.h"
-#include "scene/thing_boxes.h"
 
 namespace scanmill {
 
@@ -89,13 +88,9 @@ SceneFindings checkScenes(ShotSource& source) {
                       grouped(scene.dropped.total()), placeOf(scene)});
     for (const std::string& line : damageWarnings(scene)) warn(line);
     for (const std::string& line : sizeWarnings(scene)) warn(line);
-    for (const std::string& line : thingSizeWarnings(scene)) warn(line);
     for (const std::string& line : seedWarnings(pipeline, s, scene)) warn(line);
     for (const std::string& line : ruleWarnings(scene)) rules.insert(line);
     for (const std::string& line : withoutWarnings(scene)) rules.insert(line);
-    if (pipeline.output.objects) {
-      for (const std::string& line : headingWarnings(scene, ThingBoxes(scene))) warn(line);
-    }
     if (pipeline.recording == nullptr) {
       const SceneProbe probe(scene, method.get(), pipeline.method.entry);
       for (std::size_t k = i; k < pipeline.sequences.size() && pipeline.sequences[k].sameScene(s); ++k) {

@@ -2,11 +2,8 @@
 
 // Reads labels/words.yaml: the classes and materials that words in names usually stand for.
 
-#include <cstdint>
 #include <filesystem>
-#include <map>
 #include <optional>
-#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -47,21 +44,12 @@ const Concept* conceptOf(const std::vector<Concept>& concepts, std::string_view 
 // lamp").
 std::vector<const Concept*> conceptsIn(const std::vector<Concept>& concepts, std::string_view name);
 
-// Returns the usual sizes of thing classes, by class id: the longest edge (m) of the smallest and of the largest thing
-// of the class, over all concepts with the class. Classes without a concept are left out. A class is also left out if
-// some concept uses it only because the ontology lacks the concept's first class (for example "object" for chairs):
-// things of such a class can have any size.
-std::map<std::uint16_t, Between> usualSizes(const std::vector<Concept>& concepts, const Ontology& ontology);
-
 // Returns the class with this name or alias. Throws InputError at `where` if there is none; if the name is a word of a
 // concept, such as "lorry", the message names the concept's class.
 const SemanticClass& requireClass(const Ontology& ontology, const std::string& name, const Location& where);
 
-// Returns the concepts of labels/words.yaml; an empty list if the file is missing. The program then works, but without
-// the warnings that need concepts.
+// Returns the concepts of labels/words.yaml; an empty list if the file is missing. The program then works, but
+// without suggestions of classes.
 std::vector<Concept> knownConcepts();
-
-// Returns the ids of the thing classes that have wheels: the classes of concepts with a detail called "wheel".
-std::set<std::uint16_t> classesWithWheels(const std::vector<Concept>& concepts, const Ontology& ontology);
 
 }  // namespace scanmill

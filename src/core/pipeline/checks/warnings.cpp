@@ -13,26 +13,20 @@
 #include "base/grouped.h"
 #include "base/short_text.h"
 #include "pipeline/read/drawn_sensors.h"
-#include "scenefile/concepts.h"
+#include "scenefile/rules.h"
 #include "sensors/trajectory.h"
 
 namespace scanmill {
 
 namespace {
 
-constexpr double kLargest = 5000;   // maximum extent of a mesh that causes no warning (m)
-constexpr double kSmallest = 1e-3;  // minimum extent of a mesh that causes no warning (m)
+// Extents of meshes that cause no warning (m), in general and if the mesh is a thing such as a car or a house.
+constexpr Between kUsual{1e-3, 5000};
+constexpr Between kUsualOfThings{0.01, 300};
 constexpr std::size_t kMostLines = 5;
 constexpr double kTown = 30;         // a mesh of at least this size (m) is taken to hold more than one object instance
 constexpr std::size_t kSeveral = 3;  // least number of nodes of a class for which one shared instance causes a warning
 constexpr double kMostBlocked = 0.5;
-constexpr double kUnusual = 3;  // factor by which a size may differ from the usual sizes of its class
-// A box points sideways if its width exceeds kWider times its length. Models that are about square may face either way.
-constexpr double kWider = 1.1;
-constexpr double kDriving = 0.5;   // minimum speed of vehicles whose heading is checked (m/s)
-constexpr double kAhead = 0.7071;  // cosine of 45 degrees; at larger angles to its box, a vehicle drives sideways
-// Times at which velocities are checked (s). A vehicle may stand still at first and drive later.
-constexpr double kTimes[] = {0, 1, 3, 10};
 
 // Returns the longest edge (m) of a mesh's bounding box, which is computed in the mesh's frame and scaled by `linear`.
 // A rotation does not change this edge.
@@ -40,43 +34,6 @@ double largestExtent(const Box& box, const Mat3& linear) {
   const Vec3d size = box.high - box.low;
   return std::max({size.x * length(linear * Vec3d{1, 0, 0}), size.y * length(linear * Vec3d{0, 1, 0}),
                    size.z * length(linear * Vec3d{0, 0, 1})});
-}
-
-// An object instance within a mesh: its box in the mesh's frame (m), and the class of most of its triangles.
-struct MeshThing {
-  Box box;
-  std::uint16_t semantic = 0;
-  std::uint32_t object = 0;  // index of the object in its mesh, see Surface::object
-};
-
-std::vector<MeshThing> thingsIn(const Mesh& mesh) {
-  std::vector<MeshThing> things(mesh.objects);
-  std::vector<std::map<std::uint16_t, std::size_t>> triangles(mesh.objects);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const Surface& surface = mesh.surfaces[mesh.surfaceOf[t]];
-    if (surface.object == 0) continue;
-    for (const std::uint32_t corner : mesh.triangles[t]) {
-      things[surface.object - 1].box.add(Vec3d(mesh.positions[corner]));
-    }
-    ++triangles[surface.object - 1][surface.semantic];
-  }
-  for (std::size_t i = 0; i < things.size(); ++i) {
-    const auto most = std::max_element(triangles[i].begin(), triangles[i].end(),
-                                       [](const auto& a, const auto& b) { return a.second < b.second; });
-    if (most != triangles[i].end()) things[i].semantic = most->first;
-    things[i].object = static_cast<std::uint32_t>(i + 1);
-  }
-  std::erase_if(things, [](const MeshThing& thing) { return thing.box.empty(); });
-  return things;
-}
-
-bool drivesSideways(const ThingBoxes& boxes, std::size_t thing) {
-  return std::any_of(std::begin(kTimes), std::end(kTimes), [&](double time) {
-    const Vec3d velocity = boxes.velocity(thing, time);
-    const double speed = length(velocity);
-    const Vec3d ahead = toMatrix(boxes.at(thing, time).worldFromBox.rotation).x;
-    return speed > kDriving && std::fabs(dot(velocity, ahead)) < kAhead * speed;
-  });
 }
 
 // Returns the first kMostLines lines and, if there are more, a line that says how many `others` follow.
@@ -110,70 +67,19 @@ std::vector<std::string> sizeWarnings(const Scene& scene) {
   std::set<std::uint32_t> told;
   for (const Instance& instance : scene.instances) {
     const Box& box = boxes[instance.mesh];
+    const Mesh& mesh = scene.meshes[instance.mesh];
     if (box.empty() || told.contains(instance.mesh)) continue;
     const double extent = largestExtent(box, instance.worldFromMesh.linear);
-    if (extent >= kSmallest && extent <= kLargest) continue;
+    const bool isThing = mesh.objects == 1 && std::all_of(mesh.surfaces.begin(), mesh.surfaces.end(),
+                                                          [](const Surface& s) { return s.object != 0; });
+    if ((isThing ? kUsualOfThings : kUsual).holds(extent)) continue;
     told.insert(instance.mesh);
     lines.push_back(
         fmt::format("scene {}: the object '{}' measures {}: is its `unit` right? (0.001 for millimetres, 0.01 "
                     "for centimetres, 1 for metres)",
                     scene.name, instance.name, shortLength(extent)));
   }
-  return firstOf(std::move(lines), scene, "objects are larger than 5 km or smaller than 1 mm");
-}
-
-std::vector<std::string> thingSizeWarnings(const Scene& scene) {
-  static const std::vector<Concept> concepts = knownConcepts();
-  if (concepts.empty()) return {};
-  const std::map<std::uint16_t, Between> usual = usualSizes(concepts, scene.ontology);
-  std::vector<std::vector<MeshThing>> things;
-  things.reserve(scene.meshes.size());
-  for (const Mesh& mesh : scene.meshes) things.push_back(thingsIn(mesh));
-  std::map<std::uint32_t, std::size_t> meshesOf;  // instance id -> number of placed meshes with this id
-  for (const Instance& instance : scene.instances) {
-    for (const MeshThing& thing : things[instance.mesh]) ++meshesOf[instanceId(instance.firstInstanceId, thing.object)];
-  }
-  std::set<std::pair<std::uint32_t, std::uint16_t>> told;
-  std::vector<std::string> lines;
-  for (const Instance& instance : scene.instances) {
-    for (const MeshThing& thing : things[instance.mesh]) {
-      const auto size = usual.find(thing.semantic);
-      // If several placed meshes share an instance id, the box of one mesh is smaller than the object.
-      if (size == usual.end() || meshesOf[instanceId(instance.firstInstanceId, thing.object)] > 1) continue;
-      const double extent = largestExtent(thing.box, instance.worldFromMesh.linear);
-      const auto& [low, high] = size->second;
-      if (extent >= low / kUnusual && extent <= high * kUnusual) continue;
-      if (!told.emplace(instance.mesh, thing.semantic).second) continue;
-      lines.push_back(fmt::format("scene {}: '{}' is a {} of {}, but {:g} to {:g} m are usual: is its `unit` right?{}",
-                                  scene.name, instance.name.substr(0, instance.name.find('#')),
-                                  scene.ontology.find(thing.semantic)->name, shortLength(extent), low, high,
-                                  extent > high ? " Or have several things one instance id (`instances`)?" : ""));
-    }
-  }
-  return firstOf(std::move(lines), scene, "things have unusual sizes");
-}
-
-std::vector<std::string> headingWarnings(const Scene& scene, const ThingBoxes& boxes) {
-  static const std::vector<Concept> concepts = knownConcepts();
-  const std::set<std::uint16_t> wheels = classesWithWheels(concepts, scene.ontology);
-  std::set<std::string> told;
-  std::vector<std::string> lines;
-  for (std::size_t i = 0; i < boxes.things().size(); ++i) {
-    const Thing& thing = boxes.things()[i];
-    if (!thing.headingKnown || !wheels.contains(thing.semantic)) continue;
-    const Vec3d size = boxes.at(i, 0).size;
-    const bool isAcross = size.y > kWider * size.x;
-    if (!isAcross && !(thing.moves && drivesSideways(boxes, i))) continue;
-    const std::string name = thing.name.substr(0, thing.name.find('#'));
-    if (!told.insert(name).second) continue;
-    const std::string what =
-        isAcross ? fmt::format("is {:.3g} m wide and {:.3g} m long", size.y, size.x) : std::string("drives sideways");
-    lines.push_back(
-        fmt::format("scene {}: '{}', a {}, {}: boxes point along its x axis; `facing: -y`, or whichever way "
-                    "its model looks, turns them (`scanmill view DATASET` draws a line at the front of each box)",
-                    scene.name, name, scene.ontology.find(thing.semantic)->name, what));
-  }
-  return firstOf(std::move(lines), scene, "models have boxes that point sideways");
+  return firstOf(std::move(lines), scene, "objects have such sizes");
 }
 
 std::vector<std::string> unlabeledWarnings(const Scene& scene) {

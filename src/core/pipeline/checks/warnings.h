@@ -2,31 +2,25 @@
 
 // Warnings about scenes and pipelines that are valid, but probably not what the user intended.
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
 #include "pipeline/plan/plan.h"
 #include "scene/scene.h"
-#include "scene/thing_boxes.h"
 
 namespace scanmill {
 
-// Warns of meshes whose size suggests a wrong unit: more than 5 km or less than 1 mm. Returns one line per mesh: at
-// most five lines, then a line with the number of those left out.
+class SceneProbe;
+class ShotSource;
+
+// Warns of meshes whose size suggests a wrong unit: more than 5 km or less than 1 mm; of a mesh that is one thing, such
+// as a car, more than 300 m or less than 1 cm. Returns one line per mesh: at most five lines, then a line with the
+// number of those left out.
 std::vector<std::string> sizeWarnings(const Scene& scene);
 
 // Warns of damaged meshes, in which triangles were left out because a corner is not finite or does not exist.
 std::vector<std::string> damageWarnings(const Scene& scene);
-
-// Warns of object instances far smaller or larger than usual for their class (labels/words.yaml), such as a bus of 12
-// cm. Returns one line per mesh and class: at most five lines, then a line with the number of those left out.
-std::vector<std::string> thingSizeWarnings(const Scene& scene);
-
-// Returns a warning for each vehicle model whose front is not on the side that the scene file states: at most five
-// lines, then a line with the number of those left out. Checks object instances whose heading is known and whose class
-// has wheels according to labels/words.yaml. A heading counts as wrong if the box's width exceeds 1.1 times its length,
-// or if the vehicle drives sideways. `boxes`: the bounding boxes of the scene's objects.
-std::vector<std::string> headingWarnings(const Scene& scene, const ThingBoxes& boxes);
 
 // Warns of triangles to which no rule gives a class, and states their number.
 std::vector<std::string> unlabeledWarnings(const Scene& scene);
@@ -53,5 +47,11 @@ std::vector<std::string> sensorWarnings(const Plan& plan);
 
 // Warns of sensors at least half of whose rays hit the ego vehicle. `blocked`: result of ShotSource::blockedShares().
 std::vector<std::string> vehicleWarnings(const Pipeline& pipeline, const std::vector<double>& blocked);
+
+// Checks a sequence in its scene, with all objects at their positions at time 0 s. Warns of sensors that are on or
+// below surfaces, far above them, farther from the scene than their range, or inside of objects or of surfaces of one
+// class, of vehicles whose box goes through objects, and of paths that leave the ground. Moving objects count neither
+// for the box nor around a sensor. Gives each kind of warning at most once per sensor or path.
+std::vector<std::string> wayWarnings(ShotSource& source, std::size_t sequence, const SceneProbe& probe);
 
 }  // namespace scanmill

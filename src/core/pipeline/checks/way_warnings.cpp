@@ -1,4 +1,4 @@
-#include "pipeline/checks/way_warnings.h"
+// wayWarnings(): warns of sensors and drives that are probably not where the user intended.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -11,6 +11,9 @@
 
 #include "base/short_text.h"
 #include "pipeline/checks/box_sweep.h"
+#include "pipeline/checks/warnings.h"
+#include "pipeline/scenes/scene_probe.h"
+#include "pipeline/scenes/shot_source.h"
 #include "sensors/trajectory.h"
 
 namespace scanmill {

@@ -17,7 +17,6 @@
 #include "base/parallel.h"
 #include "base/tsan_order.h"
 #include "pipeline/checks/warnings.h"
-#include "pipeline/checks/way_warnings.h"
 
 namespace scanmill {
 
@@ -148,13 +147,11 @@ void SceneStore::load(std::size_t sequence, Slot& slot) {
     returnFreedMemoryIfScarce();
     std::vector<std::string> lines;
     for (const auto& more :
-         {damageWarnings(ready.scene), sizeWarnings(ready.scene), thingSizeWarnings(ready.scene),
-          ruleWarnings(ready.scene), unlabeledWarnings(ready.scene), seedWarnings(pipeline, own, ready.scene),
-          withoutWarnings(ready.scene), vehicleWarnings(pipeline, source_.blockedShares()), driveWarnings(pipeline),
-          sensorWarnings(plan_)}) {
+         {damageWarnings(ready.scene), sizeWarnings(ready.scene), ruleWarnings(ready.scene),
+          unlabeledWarnings(ready.scene), seedWarnings(pipeline, own, ready.scene), withoutWarnings(ready.scene),
+          vehicleWarnings(pipeline, source_.blockedShares()), driveWarnings(pipeline), sensorWarnings(plan_)}) {
       appendNew(more, lines);
     }
-    if (ready.objects != nullptr) appendNew(headingWarnings(ready.scene, ready.objects->boxes()), lines);
     const std::scoped_lock lock(mutex_);
     largest_ = std::max(largest_, bytes);
     Told& told = told_[sceneOf_[sequence]];

@@ -81,41 +81,29 @@ TEST(DriveWarnings, TellIfNoDriveTurns) {
               ElementsAre(HasSubstr("no drive with `along: turns` turns")));
 }
 
-// A bus of 12 cm and a tree of 2 km have a wrong unit; what is within three times the usual may be meant.
-TEST(ThingSizeWarnings, TellOfBusesOfCentimetresAndTreesOfKilometres) {
+TEST(SizeWarnings, TellOfWrongUnits) {
   Scene scene;
   scene.name = "depot";
-  scene.ontology = readOntology(SCANMILL_SOURCE_DIR "/labels/scanmill.yaml");
-  const auto add = [&](const char* name, const char* className, double longest, double scale) {
+  const auto add = [&](const char* name, float longest, std::uint32_t object) {
     Mesh mesh;
-    mesh.positions = {{0, 0, 0}, {static_cast<float>(longest), 0, 0}, {0, static_cast<float>(longest / 3), 0}};
+    mesh.positions = {{0, 0, 0}, {longest, 0, 0}, {0, longest / 3, 0}};
     mesh.triangles = {{0, 1, 2}};
     mesh.surfaceOf = {0};
     mesh.surfaces.resize(1);
-    const SemanticClass& semantic = scene.ontology.require(className, {});
-    mesh.surfaces[0].semantic = semantic.id;
-    mesh.surfaces[0].object = semantic.thing ? 1 : 0;
-    mesh.objects = semantic.thing ? 1 : 0;
-    scene.instances.push_back({static_cast<std::uint32_t>(scene.meshes.size()),
-                               {Mat3::scale({scale, scale, scale}), {}},
-                               static_cast<std::uint32_t>(scene.instances.size() + 1),
-                               name});
+    mesh.surfaces[0].object = mesh.objects = object;
+    scene.instances.push_back({static_cast<std::uint32_t>(scene.meshes.size()), {}, 0, name});
     scene.meshes.push_back(mesh);
   };
-  add("bus#1", "bus", 12, 1);
-  add("road", "road", 4000, 1);
-  add("car", "car", 4.5, 2);
-  add("chair", "object", 60, 1);
-  EXPECT_THAT(thingSizeWarnings(scene), IsEmpty());
-  add("toy#3", "bus", 12, 0.01);
-  add("oak", "tree", 2000, 1);
-  EXPECT_THAT(
-      thingSizeWarnings(scene),
-      ElementsAre(AllOf(HasSubstr("depot"), HasSubstr("'toy' is a bus of 0.12 m"), HasSubstr("`unit`")),
-                  AllOf(HasSubstr("'oak' is a tree of 2 km"), HasSubstr("1 to 45 m"), HasSubstr("`instances`"))));
-  for (int i = 0; i < 20; ++i) add("mite", "person", 0.01, 1);
-  EXPECT_THAT(thingSizeWarnings(scene), testing::SizeIs(6));
-  EXPECT_THAT(thingSizeWarnings(scene).back(), HasSubstr("17 more"));
+  add("car", 4.5f, 1);
+  add("terrain", 4000, 0);
+  EXPECT_THAT(sizeWarnings(scene), IsEmpty());
+  add("toy", 0.005f, 1);
+  add("bus", 1200, 1);
+  add("plain", 6000, 0);
+  EXPECT_THAT(sizeWarnings(scene), ElementsAre(HasSubstr("scene depot: the object 'toy' measures 0.005 m"),
+                                               HasSubstr("'bus' measures 1.2 km"), HasSubstr("'plain' measures 6 km")));
+  for (int i = 0; i < 20; ++i) add("mite", 1e-4f, 0);
+  EXPECT_THAT(sizeWarnings(scene).back(), HasSubstr("18 more"));
 }
 
 // Three cars in a file of 100 m, of which `instances: node` makes three things.
@@ -145,52 +133,6 @@ TEST(RuleWarnings, TellOfTownsWhoseCarsAreOne) {
   scene.meshes[0] = mesh;
   scene.meshes[0].positions[1] = {5, 0, 0};
   EXPECT_THAT(ruleWarnings(scene), IsEmpty()) << "one car of several nodes";
-}
-
-class HeadingWarnings : public testing::Test {
- protected:
-  // Returns the warnings about these objects; `objects`: items of the YAML list.
-  std::vector<std::string> of(const std::string& objects) const {
-    const std::string labels = SCANMILL_SOURCE_DIR "/labels/";
-    const auto file = folder_.write("yard.yaml", "ontology: " + labels + "scanmill.yaml\nmaterials: " + labels +
-                                                     "materials.yaml\nobjects:\n" + objects);
-    const Scene scene = readScene(file, {});
-    return headingWarnings(scene, ThingBoxes(scene));
-  }
-
-  TemporaryFolder folder_;
-};
-
-constexpr const char* kAcross =
-    "  - {name: truck, primitive: box, size: [2, 5, 3], class: truck, material: car_paint, position: [9, 0, 1.5]";
-
-TEST_F(HeadingWarnings, TellOfVehiclesThatAreWiderThanLong) {
-  EXPECT_THAT(
-      of(std::string(kAcross) + "}\n"),
-      ElementsAre(AllOf(HasSubstr("scene yard: 'truck', a truck, is 5 m wide and 2 m long"), HasSubstr("facing"))));
-  EXPECT_THAT(of(std::string(kAcross) + ", facing: -y}\n"), IsEmpty());
-  // Nobody minds which way a box, or a square car, looks.
-  EXPECT_THAT(of("  - {primitive: box, size: [2, 5, 3], class: object, material: metal_bare}\n"
-                 "  - {primitive: box, size: [2, 2, 1], class: car, material: car_paint, position: [9, 0, 0]}\n"),
-              IsEmpty());
-}
-
-TEST_F(HeadingWarnings, TellOfVehiclesThatDriveSideways) {
-  const std::string car =
-      "  - {name: car, primitive: box, size: [4, 2, 1.5], class: car, material: car_paint, moving: {velocity: ";
-  EXPECT_THAT(of(car + "[5, 1, 0]}}\n"), IsEmpty());
-  EXPECT_THAT(of(car + "[-5, 0, 0]}}\n"), IsEmpty()) << "backwards";
-  EXPECT_THAT(of(car + "[1, 5, 0]}}\n"), ElementsAre(HasSubstr("'car', a car, drives sideways")));
-}
-
-TEST_F(HeadingWarnings, NameEachModelOnceAndTheFirstFew) {
-  std::string all;
-  for (int i = 0; i < 8; ++i) {
-    std::string line = std::string(kAcross) + "}\n";
-    all += line.replace(line.find("truck"), 5, "truck" + std::to_string(i))
-               .replace(line.find("[9,"), 3, "[" + std::to_string(9 * i) + ",");
-  }
-  EXPECT_THAT(of(all), AllOf(SizeIs(6), testing::Contains(HasSubstr("3 more"))));
 }
 
 }  // namespace

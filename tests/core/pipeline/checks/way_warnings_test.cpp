@@ -1,10 +1,10 @@
-#include "pipeline/checks/way_warnings.h"
-
 #include <fmt/format.h>
 
 #include <numbers>
 
 #include "pipeline/checks/box_sweep.h"
+#include "pipeline/checks/warnings.h"
+#include "pipeline/scenes/scene_probe.h"
 #include "pipeline/scenes/shot_source.h"
 #include "tests/core/pipeline/small_world.h"
 #include "tests/support/labels.h"

@@ -4,7 +4,7 @@
 #include <cstdlib>
 
 #include "pipeline/checks/warnings.h"
-#include "pipeline/checks/way_warnings.h"
+#include "pipeline/scenes/scene_probe.h"
 #include "pipeline/scenes/shot_source.h"
 #include "tests/core/pipeline/small_world.h"
 #include "tests/support/blender.h"
