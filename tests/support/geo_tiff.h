@@ -18,7 +18,6 @@ struct GeoTiff {
   std::uint16_t epsg = 32633;                           // UTM 33N; 4326: longitude and latitude
   std::string none = "";                                // the text of the value that stands for none
   std::vector<std::array<std::uint16_t, 2>> keys = {};  // further keys with their values, ascending from 3073
-  std::string citation = "";                            // of the vertical system; `keys` end before 4097 then
 
   std::string bytes() const {
     std::string out("II*\0\0\0\0\0", 8);
@@ -41,16 +40,10 @@ struct GeoTiff {
       directory.insert(directory.end(), {key, 0, 1, value});
       ++directory[3];
     }
-    if (!citation.empty()) {
-      directory.insert(directory.end(), {4097, 34737, static_cast<std::uint16_t>(citation.size()), 0});
-      ++directory[3];
-    }
     for (const std::uint16_t v : directory) add(v);
     const std::string text = none + std::string(1 + (none.size() + 1) % 2, '\0');
     const std::uint32_t noneAt = static_cast<std::uint32_t>(out.size());
     out += text;
-    const std::uint32_t citationAt = static_cast<std::uint32_t>(out.size());
-    out += citation + std::string(1 + (citation.size() + 1) % 2, '\0');
     struct Tag {
       std::uint16_t tag, type;
       std::uint32_t count, value;
@@ -68,9 +61,6 @@ struct GeoTiff {
                           {33550, 12, 3, scale},
                           {33922, 12, 6, tie},
                           {34735, 3, static_cast<std::uint32_t>(directory.size()), keysAt}};
-    if (!citation.empty()) {
-      tags.push_back({34737, 2, static_cast<std::uint32_t>(citation.size() + 1), citationAt});
-    }
     if (none.size() > 3) tags.push_back({42113, 2, static_cast<std::uint32_t>(none.size() + 1), noneAt});
     const std::uint32_t first = static_cast<std::uint32_t>(out.size());
     std::memcpy(out.data() + 4, &first, 4);

@@ -11,7 +11,7 @@
 #include "config/text.h"
 #include "formats/cloud_columns.h"
 #include "formats/readers.h"
-#include "rasters/system_unit.h"
+#include "rasters/raster.h"
 
 namespace scanmill {
 namespace {
@@ -179,54 +179,45 @@ class LasReader {
   }
 
   void applyUnit(std::uint64_t first, std::uint64_t points) {
+    if (wkt_.empty() && geoKeys_.empty()) return;
     const bool byWkt = !wkt_.empty() && ((at<std::uint16_t>(kEncoding) & kWktBit) != 0 || geoKeys_.empty());
-    const SystemUnit unit = byWkt ? unitOfWkt(wkt_) : unitOfGeoKeys(geoKeys_, geoNumbers_, geoTexts_);
-    constexpr const char* kOtherwise = "or state the metres per unit by the key `unit`, which goes before the file";
+    const Vec3d place = points == 0 ? Vec3d{} : placeAt(first);
+    CoordinateSystem system;
+    std::string why;
+    try {
+      system = byWkt ? coordinateSystem(textAt(wkt_, 0, wkt_.size()), place.x, place.y)
+                     : coordinateSystem({geoKeys_, geoNumbers_, geoTexts_}, place.x, place.y);
+      if (byWkt) why = quotedForMessage(textAt(wkt_, 0, 60));
+    } catch (const Error& e) {
+      why = e.what();
+    }
     constexpr const char* kReproject =
         "reproject it, by `pdal translate a.las b.las reprojection --filters.reprojection.out_srs=EPSG:32632` with the "
         "zone of the place";
-    if (unit.degrees || unit.geocentric) {
-      fail(fmt::format("has {}: {}, {}", unit.degrees ? "coordinates in degrees" : "earth-centred coordinates",
-                       kReproject, kOtherwise));
+    if (system.geographic || !system.foreign.empty()) {
+      fail(fmt::format("has {}: {}, or state the metres per unit by the key `unit`, which goes before the file",
+                       system.foreign.empty() ? "coordinates in degrees" : system.foreign, kReproject));
     }
-    if (unit.mirrored) {
-      fail(fmt::format("has coordinates that mirror the ground, with axes south and west or the like: {}", kReproject));
-    }
-    if (unit.unknown != 0) {
-      fail(fmt::format("has coordinates in the unit EPSG:{}, which is not known: reproject it into metres, {}",
-                       unit.unknown, kOtherwise));
-    }
-    const double vertical = unit.vertical.value_or(unit.horizontal);
-    metres_ = {unit.horizontal, unit.horizontal, vertical};
-    if (unit.unread) {
-      warn(
-          fmt::format("{}: its coordinate system cannot be read ({}), and counts as in metres: give the key `unit` if "
-                      "it is not",
-                      where_.file, quotedForMessage(textAt(wkt_, 0, 60))));
-    } else if (unit.unstated != 0) {
-      warn(
-          fmt::format("{}: its coordinate system EPSG:{} is stated without a unit, and counts as in metres: give the "
-                      "key `unit` if it is not",
-                      where_.file, unit.unstated));
-    } else if (unit.horizontal != 1 || vertical != 1) {
+    const double vertical = system.perHeight.value_or(system.perUnit);
+    metres_ = {system.perUnit, system.perUnit, vertical};
+    if (system.definition.empty() || (!byWkt && system.local)) {
+      warn(fmt::format(
+          "{}: its coordinate system cannot be read ({}), and counts as in units of {:.10g} m: give the key "
+          "`unit` if it is not",
+          where_.file, why.empty() ? "keys of GeoTIFF" : why, system.perUnit));
+    } else if (system.perUnit != 1 || vertical != 1) {
       warn(
           fmt::format("{}: its coordinates, in units of {:.10g} m ({}), and {}, in units of {:.10g} m, become "
                       "metres; the key `unit` would go before the file",
-                      where_.file, unit.horizontal, unit.name.empty() ? "metre" : unit.name,
+                      where_.file, system.perUnit, system.unit,
                       vertical < 0 ? "depths, which become heights below 0" : "heights", std::fabs(vertical)));
     }
-    cloud_.system = byWkt            ? std::string(textAt(wkt_, 0, wkt_.size()))
-                    : unit.code != 0 ? fmt::format("EPSG:{}", unit.code)
-                                     : "";
-    if (points == 0) return;
-    const Vec3d place = placeAt(first);
-    constexpr double kUsual = 1.001;  // largest ratio that is not told
-    const double stretch = std::cosh(place.y / kEarthRadius);
-    if (unit.mercator && stretch > kUsual) {
-      warn(
-          fmt::format("{}: its coordinates are in a Mercator projection, in which lengths are {:.4g} times those on "
-                      "the ground (1/cos(latitude)), heights are not: {}",
-                      where_.file, stretch, kReproject));
+    cloud_.system = system.definition;
+    if (system.isStretched()) {
+      warn(fmt::format(
+          "{}: lengths in its coordinate system are {:.4g} times those on the ground (in Mercator projections "
+          "1/cos(latitude)), heights are not: {}",
+          where_.file, system.stretch, kReproject));
     }
   }
 

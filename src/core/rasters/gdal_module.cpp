@@ -3,17 +3,22 @@
 #include <cpl_conv.h>
 #include <cpl_error.h>
 #include <cpl_string.h>
+#include <cpl_vsi.h>
 #include <gdal.h>
-#include <ogr_srs_api.h>
+#include <ogr_spatialref.h>
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/earth.h"
@@ -35,7 +40,10 @@ constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
 class Reference {
  public:
   explicit Reference(const std::string& definition) : handle_(OSRNewSpatialReference(nullptr)) {
-    known_ = !definition.empty() && OSRSetFromUserInput(handle_, definition.c_str()) == OGRERR_NONE;
+    // Neither opens files nor the network, unlike OSRSetFromUserInput().
+    known_ = !definition.empty() &&
+             OGRSpatialReference::FromHandle(handle_)->SetFromUserInput(
+                 definition.c_str(), OGRSpatialReference::SET_FROM_USER_INPUT_LIMITATIONS_get()) == OGRERR_NONE;
     OSRSetAxisMappingStrategy(handle_, OAMS_TRADITIONAL_GIS_ORDER);
   }
   explicit Reference(OGRSpatialReferenceH handle) : handle_(handle), known_(true) {
@@ -45,80 +53,52 @@ class Reference {
   Reference(const Reference&) = delete;
   Reference& operator=(const Reference&) = delete;
 
-  // Reads a .prj, of Esri's old kind too.
-  void readEsri(const std::string& file) {
-    char** const lines = CSLLoad(file.c_str());
+  void readEsri(const std::string& prj) {
+    char** const lines = CSLLoad(prj.c_str());
     known_ = lines != nullptr && OSRImportFromESRI(handle_, lines) == OGRERR_NONE;
     CSLDestroy(lines);
   }
 
-  std::string text() const {
-    char* text = nullptr;
-    if (known_) OSRExportToWkt(handle_, &text);
-    std::string copy = text == nullptr ? "" : text;
-    CPLFree(text);
-    return copy;
-  }
-
   bool known() const { return known_; }
 
-  void describe(RasterHeader& header) const {
-    if (!known_) return;
-    header.geographic = OSRIsGeographic(handle_) != 0;
-    if (header.geographic) {
-      header.perUnit = degrees(OSRGetAngularUnits(handle_, nullptr));
-      if (std::fabs(header.perUnit - 1) < 1e-9) header.perUnit = 1;  // definitions round it
+  // Describes the system with its stretch at a place.
+  CoordinateSystem at(double x, double y) const {
+    CoordinateSystem system;
+    if (!known_) return system;
+    char* text = nullptr;
+    if (OSRExportToWkt(handle_, &text) == OGRERR_NONE) system.definition = text;
+    CPLFree(text);
+    system.geographic = OSRIsGeographic(handle_) != 0;
+    system.local = !system.geographic && OSRIsProjected(handle_) == 0 && OSRIsGeocentric(handle_) == 0;
+    if (system.geographic) {
+      system.perUnit = degrees(OSRGetAngularUnits(handle_, nullptr));
+      if (std::fabs(system.perUnit - 1) < 1e-9) system.perUnit = 1;  // definitions round it
       const double earth = OSRGetSemiMajor(handle_, nullptr) / kEarthRadius;
-      if (OSRIsDerivedGeographic(handle_) != 0) header.foreign = "degrees of a sphere with another pole";
-      if (!(earth > 0.99 && earth < 1.01)) header.foreign = "degrees of another body than the earth";
+      if (OSRIsDerivedGeographic(handle_) != 0) system.foreign = "degrees of a sphere with another pole";
+      if (!(earth > 0.99 && earth < 1.01)) system.foreign = "degrees of another body than the earth";
     } else {
-      header.perUnit = OSRGetLinearUnits(handle_, nullptr);
-      if (OSRIsGeocentric(handle_) != 0) header.foreign = "earth-centred coordinates";
-      OGRAxisOrientation x = OAO_East, y = OAO_North;
-      OSRGetAxis(handle_, "PROJCS", 0, &x);
-      OSRGetAxis(handle_, "PROJCS", 1, &y);
-      const auto are = [&](OGRAxisOrientation first, OGRAxisOrientation second) { return x == first && y == second; };
+      char* name = nullptr;
+      system.perUnit = OSRGetLinearUnits(handle_, &name);
+      system.unit = name == nullptr ? "unit" : name;
+      if (OSRIsGeocentric(handle_) != 0) system.foreign = "earth-centred coordinates";
+      OGRAxisOrientation along = OAO_East, across = OAO_North;
+      OSRGetAxis(handle_, "PROJCS", 0, &along);
+      OSRGetAxis(handle_, "PROJCS", 1, &across);
+      const auto are = [&](OGRAxisOrientation a, OGRAxisOrientation b) { return along == a && across == b; };
       if (are(OAO_South, OAO_West) || are(OAO_East, OAO_South) || are(OAO_West, OAO_North)) {
-        header.foreign = "coordinates that mirror the ground, with axes south and west or the like";
+        system.foreign = "coordinates that mirror the ground, with axes south and west or the like";
       }
     }
-    if (OSRIsVertical(handle_) == 0) return;
-    char* name = nullptr;
-    header.metresPerHeight = OSRGetTargetLinearUnits(handle_, "VERT_CS", &name);
-    header.heightUnit = name == nullptr ? "unit" : name;
-    OGRAxisOrientation points = OAO_Up;
-    OSRGetAxis(handle_, "VERT_CS", 0, &points);
-    if (points == OAO_Down) header.metresPerHeight *= -1;
-  }
-
-  // Fills stretch and utm of a header.
-  void measure(RasterHeader& header) const {
-    if (!known_ || OSRIsProjected(handle_) == 0) return;
-    const double step = 100;  // m
-    const auto& t = header.transform;
-    const double x = t[0] + header.width / 2.0 * t[1] + header.height / 2.0 * t[2];
-    const double y = t[3] + header.width / 2.0 * t[4] + header.height / 2.0 * t[5];
-    const double unit = OSRGetLinearUnits(handle_, nullptr);
-    std::array<double, 3> east{x, x + step / unit, x};
-    std::array<double, 3> north{y, y, y + step / unit};
-    OSRStripVertical(handle_);
-    const Reference geographic(OSRCloneGeogCS(handle_));
-    if (!transform(geographic, east, north)) return;
-    const double radian = OSRGetAngularUnits(geographic.handle_, nullptr);
-    const double flat = OSRGetInvFlattening(handle_, nullptr);
-    const double eccentricity2 = flat > 1 ? (2 - 1 / flat) / flat : 0;
-    // Radii of curvature of the ellipsoid: along the meridian, and across it.
-    const double w = 1 - eccentricity2 * std::pow(std::sin(north[0] * radian), 2);
-    const double across = OSRGetSemiMajor(handle_, nullptr) / std::sqrt(w);
-    const double along = across * (1 - eccentricity2) / w;
-    for (const std::size_t k : {std::size_t{1}, std::size_t{2}}) {
-      const double dx = (east[k] - east[0]) * radian * std::cos(north[0] * radian) * across;
-      const double dy = (north[k] - north[0]) * radian * along;
-      const double stretch = step / std::hypot(dx, dy);
-      if (std::fabs(std::log(stretch)) >= std::fabs(std::log(header.stretch))) header.stretch = stretch;
+    if (OSRIsVertical(handle_) != 0) {
+      char* name = nullptr;
+      OGRAxisOrientation points = OAO_Up;
+      OSRGetAxis(handle_, "VERT_CS", 0, &points);
+      system.perHeight = OSRGetTargetLinearUnits(handle_, "VERT_CS", &name) * (points == OAO_Down ? -1 : 1);
+      system.heightUnit = name == nullptr ? "unit" : name;
     }
-    const int zone = static_cast<int>(std::floor((degrees(east[0] * radian) + 180) / 6)) % 60 + 1;
-    header.utm = (north[0] < 0 ? 32700 : 32600) + zone;
+    measure(system, x, y);
+    CPLErrorReset();
+    return system;
   }
 
   // Changes coordinates to another system. Returns false if they cannot be.
@@ -148,6 +128,33 @@ class Reference {
   }
 
  private:
+  // Fills stretch and utm.
+  void measure(CoordinateSystem& system, double x, double y) const {
+    if (OSRIsProjected(handle_) == 0) return;
+    const double step = 100;  // m
+    std::array<double, 3> east{x, x + step / system.perUnit, x};
+    std::array<double, 3> north{y, y, y + step / system.perUnit};
+    const Reference flat(OSRClone(handle_));
+    OSRStripVertical(flat.handle_);
+    const Reference geographic(OSRCloneGeogCS(handle_));
+    if (!flat.transform(geographic, east, north)) return;
+    const double radian = OSRGetAngularUnits(geographic.handle_, nullptr);
+    const double inverse = OSRGetInvFlattening(handle_, nullptr);
+    const double eccentricity2 = inverse > 1 ? (2 - 1 / inverse) / inverse : 0;
+    // Radii of curvature of the ellipsoid: along the meridian, and across it.
+    const double w = 1 - eccentricity2 * std::pow(std::sin(north[0] * radian), 2);
+    const double across = OSRGetSemiMajor(handle_, nullptr) / std::sqrt(w);
+    const double along = across * (1 - eccentricity2) / w;
+    for (const std::size_t k : {std::size_t{1}, std::size_t{2}}) {
+      const double dx = (east[k] - east[0]) * radian * std::cos(north[0] * radian) * across;
+      const double dy = (north[k] - north[0]) * radian * along;
+      const double stretch = step / std::hypot(dx, dy);
+      if (std::fabs(std::log(stretch)) >= std::fabs(std::log(system.stretch))) system.stretch = stretch;
+    }
+    const int zone = static_cast<int>(std::floor((degrees(east[0] * radian) + 180) / 6)) % 60 + 1;
+    system.utm = (north[0] < 0 ? 32700 : 32600) + zone;
+  }
+
   OGRSpatialReferenceH handle_;
   bool known_ = false;
 };
@@ -180,34 +187,24 @@ class GdalReader final : public RasterReader {
     const int named = CSLCount(GDALGetMetadata(set_, "SUBDATASETS")) / 2;
     header.others = header.bands.empty() || named == 0 ? named : named - 1;
     header.placed = GDALGetGeoTransform(set_, header.transform.data()) == CE_None;
+    header.driver = driver_;
     const char* const reference = GDALGetProjectionRef(set_);
-    header.reference = reference == nullptr ? "" : reference;
-    Reference system(header.reference);
+    Reference system(reference == nullptr ? "" : reference);
     char** const files = GDALGetFileList(set_);
     for (int i = 0; i < CSLCount(files); ++i) header.files.emplace_back(files[i]);
     CSLDestroy(files);
     for (const char* ending : {".prj", ".PRJ"}) {
       const std::string prj = std::filesystem::path(file_).replace_extension(ending).string();
       std::error_code error;
-      if (!header.reference.empty() || !std::filesystem::exists(prj, error)) continue;
+      if (system.known() || !std::filesystem::exists(prj, error)) continue;
       system.readEsri(prj);
-      header.reference = system.text();
       if (std::find(header.files.begin(), header.files.end(), prj) == header.files.end()) header.files.push_back(prj);
     }
-    system.describe(header);
-    if (header.placed) system.measure(header);
+    const auto& t = header.transform;
+    const double column = header.width / 2.0, row = header.height / 2.0;
+    header.system = system.at(t[0] + column * t[1] + row * t[2], t[3] + column * t[4] + row * t[5]);
     CPLErrorReset();
     return header;
-  }
-
-  bool hasGaps() const override {
-    for (int i = 1; driver_ == "VRT" && i <= GDALGetRasterCount(set_); ++i) {
-      GDALRasterBandH band = GDALGetRasterBand(set_, i);
-      const int covered = GDALGetDataCoverageStatus(band, 0, 0, GDALGetRasterXSize(set_), GDALGetRasterYSize(set_),
-                                                    GDAL_DATA_COVERAGE_STATUS_EMPTY, nullptr);
-      if ((covered & GDAL_DATA_COVERAGE_STATUS_EMPTY) != 0 && GDALGetMaskFlags(band) == GMF_ALL_VALID) return true;
-    }
-    return false;
   }
 
   void read(int band, const std::array<int, 4>& xywh, double* values) override {
@@ -267,6 +264,54 @@ class GdalReader final : public RasterReader {
   std::vector<double> mask_;
 };
 
+// Returns a TIFF ("TIFF", revision 6.0, Adobe 1992) of one pixel with the keys, from which GDAL reads their system.
+std::string tiffOf(const GeoKeys& keys) {
+  std::string bytes("II*\0\0\0\0\0\0\0", 10);  // the first directory's place follows below; the pixel
+  const auto put = [&](auto number) { bytes.append(reinterpret_cast<const char*>(&number), sizeof(number)); };
+  struct Tag {
+    std::uint16_t tag, type;
+    std::uint32_t count, value;
+  };
+  std::vector<Tag> tags{{256, 4, 1, 1}, {257, 4, 1, 1}, {258, 3, 1, 8}, {259, 3, 1, 1}, {262, 3, 1, 1},
+                        {273, 4, 1, 8}, {277, 3, 1, 1}, {278, 4, 1, 1}, {279, 4, 1, 1}};
+  const auto add = [&](std::uint16_t tag, std::uint16_t type, std::string_view values, std::size_t each) {
+    // Values of four bytes or fewer would stand in the tag.
+    if (values.size() <= 4) return;
+    tags.push_back(
+        {tag, type, static_cast<std::uint32_t>(values.size() / each), static_cast<std::uint32_t>(bytes.size())});
+    bytes += values;
+    bytes.resize((bytes.size() + 7) / 8 * 8);
+  };
+  add(34735, 3, keys.directory, 2);
+  add(34736, 12, keys.numbers, 8);
+  add(34737, 2, keys.texts, 1);
+  const auto directory = static_cast<std::uint32_t>(bytes.size());
+  std::memcpy(bytes.data() + 4, &directory, sizeof(directory));
+  put(static_cast<std::uint16_t>(tags.size()));
+  for (const Tag& tag : tags) put(tag.tag), put(tag.type), put(tag.count), put(tag.value);
+  put(std::uint32_t{0});
+  return bytes;
+}
+
+// Takes the key of the unit of heights, which GDAL ignores if the vertical system has another one. LAS files state
+// EPSG:5703, a system in metres, for heights in feet.
+void takeHeightUnit(const GeoKeys& keys, CoordinateSystem& system) {
+  constexpr std::uint16_t kVerticalUnit = 4099;
+  struct Unit {
+    std::uint16_t code;
+    double metres;
+  };
+  constexpr Unit kUnits[] = {{9001, 1}, {9002, 0.3048}, {9003, 1200.0 / 3937}};
+  std::uint16_t key[4];
+  for (std::size_t at = 0; at + sizeof(key) <= keys.directory.size(); at += sizeof(key)) {
+    std::memcpy(key, keys.directory.data() + at, sizeof(key));
+    for (const Unit& unit : kUnits) {
+      const bool states = key[0] == kVerticalUnit && key[1] == 0 && key[3] == unit.code;
+      if (states) system.perHeight = std::copysign(unit.metres, system.perHeight.value_or(1));
+    }
+  }
+}
+
 class Gdal final : public RastersModule {
  public:
   Gdal() {
@@ -274,9 +319,30 @@ class Gdal final : public RastersModule {
     CPLSetErrorHandler(CPLQuietErrorHandler);  // this handler prints nothing; fail() gets the messages
     // GDAL guesses the type of a text grid by its first samples, and would drop the fractions of later ones.
     CPLSetConfigOption("AAIGRID_DATATYPE", "Float64");
+    CPLSetConfigOption("GTIFF_REPORT_COMPD_CS", "YES");  // the vertical system too
   }
   std::unique_ptr<RasterReader> open(const std::string& file) const override {
     return std::make_unique<GdalReader>(file);
+  }
+  CoordinateSystem system(const std::string& definition, double x, double y) const override {
+    return Reference(definition).at(x, y);
+  }
+  CoordinateSystem system(const GeoKeys& keys, double x, double y) const override {
+    const std::string tiff = tiffOf(keys);
+    const std::string name = "/vsimem/" + std::to_string(++keysRead_) + ".tif";
+    auto* const bytes = const_cast<GByte*>(reinterpret_cast<const GByte*>(tiff.data()));
+    VSIFCloseL(VSIFileFromMemBuffer(name.c_str(), bytes, tiff.size(), 0));
+    CoordinateSystem system;
+    if (GDALDatasetH const set = GDALOpen(name.c_str(), GA_ReadOnly); set != nullptr) {
+      if (OGRSpatialReferenceH const stated = GDALGetSpatialRef(set); stated != nullptr) {
+        system = Reference(OSRClone(stated)).at(x, y);
+      }
+      GDALClose(set);
+    }
+    VSIUnlink(name.c_str());
+    CPLErrorReset();
+    takeHeightUnit(keys, system);
+    return system;
   }
   bool same(const std::string& reference, const std::string& other) const override {
     const Reference a(reference);
@@ -288,6 +354,9 @@ class Gdal final : public RastersModule {
     CPLErrorReset();
     return distance;
   }
+
+ private:
+  mutable std::atomic<int> keysRead_ = 0;
 };
 
 }  // namespace

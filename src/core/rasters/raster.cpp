@@ -9,10 +9,9 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <map>
 #include <memory>
 #include <optional>
-#include <sstream>
+#include <set>
 #include <stdexcept>
 #include <string_view>
 
@@ -21,22 +20,12 @@
 #include "base/files_read.h"
 #include "config/text.h"
 #include "rasters/rasters_interface.h"
-#include "rasters/system_unit.h"
 
 namespace scanmill {
 namespace {
 
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& what) {
   throw InputError({file.string()}, what);
-}
-
-// Returns why GDAL does not know a text grid whose heading is almost right; empty if nothing is found.
-std::string whyNoGrid(const std::filesystem::path& file) {
-  const std::string text = readFile(file).substr(0, 1000);
-  if (text.starts_with("\xEF\xBB\xBF")) return ", since it begins with a byte order mark: save it without";
-  if (text.starts_with('#')) return ", since it begins with a comment: remove this line";
-  if (text.find("\xC2\xA0") != text.npos) return ", since its heading has no-break spaces: write plain ones";
-  return "";
 }
 
 std::unique_ptr<RasterReader> open(const std::filesystem::path& file) {
@@ -47,46 +36,16 @@ std::unique_ptr<RasterReader> open(const std::filesystem::path& file) {
   } catch (const Error& e) {
     throw Error(fmt::format("{}: {}", file.string(), e.what()));
   } catch (const std::runtime_error& e) {
-    fail(file, fmt::format("is no raster that can be read{}: {}", lowerExtension(file) == ".asc" ? whyNoGrid(file) : "",
-                           e.what()));
+    fail(file, fmt::format("is no raster that can be read: {}", e.what()));
   }
 }
 
-// Returns the number that a word states, with a decimal point or comma; NaN for the words of C libraries that mean no
-// finite number; nullopt if GDAL would not read every character of the word.
-std::optional<double> numberOf(std::string_view text) {
-  double plain = 0;
-  const char* const last = text.data() + text.size();
-  if (const auto [at, failure] = std::from_chars(text.data(), last, plain);
-      failure == std::errc() && at == last && std::isdigit(static_cast<unsigned char>(text.back())) != 0) {
-    return plain;
-  }
-  std::string word = lowerCase(text);
-  std::replace(word.begin(), word.end(), ',', '.');
-  const double sign = word.starts_with('-') ? -1 : 1;
-  if (word.starts_with('-') || word.starts_with('+')) word.erase(0, 1);
-  for (const char* none : {"nan", "inf", "1.#ind", "1.#qnan", "1.#inf"}) {
-    if (word == none) return std::numeric_limits<double>::quiet_NaN();
-  }
-  double number = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
-  if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
-  if (std::isdigit(static_cast<unsigned char>(word[0])) == 0 && word[0] != '.') return std::nullopt;
-  return sign * number;
-}
-
-// The part of a text grid that GDAL reads wrong.
-struct TextGrid {
-  double factor = 1;        // of the samples
-  std::size_t columns = 0;  // in each row
-  std::vector<bool> holes;  // by sample: true if GRASS marks it by "*"; empty if there are none
-};
-
-// Reads the words of a text grid (Esri's or GRASS's .asc). Throws InputError if the grid does not say where it lies,
-// has a value in its heading or a sample that is not a number, or has too few or too many samples: GDAL would place it
-// at [0, 0], and would read the first characters of such words, and 0 for samples that are missing.
-TextGrid readTextGrid(const std::filesystem::path& file, const RasterHeader& header, LeftOut& leftOut) {
+// Checks a text grid (Esri's .asc): GDAL would place one that does not say where it lies at [0, 0], and read 0 for
+// samples that are missing and for words that are no numbers.
+void checkTextGrid(const std::filesystem::path& file, const RasterHeader& header) {
   constexpr std::string_view kBlanks = " \t\r\n";
+  constexpr std::array<std::string_view, 10> kHeading{
+      "ncols", "nrows", "xllcorner", "yllcorner", "xllcenter", "yllcenter", "cellsize", "dx", "dy", "nodata_value"};
   const std::string text = readFile(file);
   std::string_view rest = text;
   const auto next = [&] {
@@ -95,111 +54,60 @@ TextGrid readTextGrid(const std::filesystem::path& file, const RasterHeader& hea
     rest.remove_prefix(word.size());
     return word;
   };
-  const auto failAt = [&](std::string_view word, const char* what) {
-    const auto line = 1 + std::count(text.data(), word.data(), '\n');
-    throw InputError({file.string(), static_cast<int>(line)}, fmt::format("'{}' {}", word.substr(0, 40), what));
-  };
-  const std::size_t columns = static_cast<std::size_t>(header.width);
-  const std::size_t samples = columns * static_cast<std::size_t>(header.height);
-  if (samples > text.size())
-    fail(file, fmt::format("is too short for the {} samples that its heading promises", samples));
-  TextGrid grid{1, columns, {}};
-  std::map<std::string, double> heading;
+  std::set<std::string> heading;
   std::size_t found = 0;
   for (std::string_view word = next(); !word.empty(); word = next()) {
-    if (found == 0 && std::isalpha(static_cast<unsigned char>(word[0])) != 0 && !numberOf(word)) {
-      const std::string key = lowerCase(word);
-      const std::string_view value = next();
-      const std::optional<double> number = numberOf(value);
-      if (heading.emplace(key, number.value_or(0)).second) leftOut.addKeyword(rasterFormat(), key);
-      if (rasterFormat().has(FormatElements::Use::Read, key) && key != "type:" && !number) {
-        failAt(value,
-               "is no number: write numbers as 1234.5 or -1.2e3, and angles as degrees with decimals, below 0 in the "
-               "west and south; "
-               "leave out `null: *`");
-      }
-      if ((key == "cellsize" || key == "dx" || key == "dy") && number && *number <= 0)
-        failAt(value, "is no size above 0");
-      continue;
+    const std::string key = found == 0 ? lowerCase(word) : "";
+    if (!key.empty() && std::isalpha(static_cast<unsigned char>(key[0])) != 0 && key != "nan" && key != "inf") {
+      heading.insert(key);
+      word = next();
+      if (std::find(kHeading.begin(), kHeading.end(), key) == kHeading.end()) continue;
+    } else {
+      ++found;
     }
-    if (word == "*" && heading.contains("north:")) {
-      grid.holes.resize(samples);
-      if (found < samples) grid.holes[found] = true;
-    } else if (!numberOf(word)) {
-      failAt(word, "is no number: a sample that is not known has the value of NODATA_value");
-    }
-    ++found;
+    double number = 0;
+    const char* const first = word.data() + (word.starts_with('+') ? 1 : 0);
+    const auto [end, error] = std::from_chars(first, word.data() + word.size(), number);
+    if (error == std::errc() && end == word.data() + word.size()) continue;
+    const auto line = 1 + std::count(text.data(), word.data(), '\n');
+    throw InputError({file.string(), static_cast<int>(line)},
+                     fmt::format("'{}' is no number such as 1234.5 or -1.2e3; a sample that is not known has the value "
+                                 "of NODATA_value",
+                                 word.substr(0, 40)));
   }
   const auto has = [&](const char* x, const char* y) { return heading.contains(x) && heading.contains(y); };
-  if (!has("ncols", "nrows") && !has("rows:", "cols:")) {
-    fail(file, "has no heading of a text grid (ncols, nrows ...)");
-  }
-  if (heading.contains("ncols") && !has("xllcorner", "yllcorner") && !has("xllcenter", "yllcenter")) {
+  if (!has("xllcorner", "yllcorner") && !has("xllcenter", "yllcenter")) {
     fail(file, "does not say where it lies: its heading needs xllcorner and yllcorner, or xllcenter and yllcenter");
   }
+  const std::size_t samples = static_cast<std::size_t>(header.width) * static_cast<std::size_t>(header.height);
   if (found != samples) fail(file, fmt::format("has {} samples, but its heading promises {}", found, samples));
-  if (const auto factor = heading.find("multiplier:"); factor != heading.end()) grid.factor = factor->second;
-  return grid;
 }
 
-// Reads the unit of heights of a .prj of Esri's old kind, a list of words with their values.
-void readOldProjection(const std::filesystem::path& prj, RasterHeader& header) {
-  std::istringstream text(readFile(prj));
-  std::string line, key, value;
-  for (int number = 1; std::getline(text, line); ++number) {
-    key = value = "";
-    std::istringstream(lowerCase(line)) >> key >> value;
-    if (key == "zunits" && value != "no" && header.bands[0].unit.empty()) {
-      header.bands[0].unit = value;
-    } else if ((key == "xshift" || key == "yshift") && numberOf(value) != 0.0) {
-      throw InputError({prj.string(), number},
-                       fmt::format("'{}' shifts the coordinates, which is not read: subtract it from those in the "
-                                   "heading of the grid, and write 0 here",
-                                   line));
-    }
-  }
-}
-
-constexpr std::array<std::string_view, 12> kWorldFiles{".wld",  ".tfw", ".tifw", ".pgw", ".pngw", ".jgw",
-                                                       ".jpgw", ".bpw", ".bmpw", ".gfw", ".gifw", ".j2w"};
-
-// Reads what GDAL does not read of the files beside a raster. Throws InputError if a world file has words that are not
-// numbers, of which GDAL would read the first characters.
-void readFilesBeside(const std::filesystem::path& file, RasterHeader& header) {
+// Refuses or warns of files that GDAL reads otherwise than they are meant.
+void checkFiles(const std::filesystem::path& file, const RasterHeader& header) {
+  if (header.driver == "AAIGrid") checkTextGrid(file, header);
+  if (header.driver == "GRASSASCIIGrid") fail(file, "is a text grid of GRASS: write a GeoTIFF by r.out.gdal");
   for (const std::filesystem::path other : header.files) {
     const std::string ending = lowerExtension(other);
-    if (ending == ".prj") {
-      readOldProjection(other, header);
-      if (!header.reference.empty()) continue;
+    // GDAL fills the gaps of mosaics in a mosaic with 0.
+    if (ending == ".vrt" && other.filename() != file.filename()) {
+      fail(file, fmt::format("is a mosaic of mosaics such as {}: build it from their rasters by gdalbuildvrt, or make "
+                             "it one raster by gdalwarp -dstnodata -9999",
+                             other.string()));
+    }
+    if (ending != ".prj") continue;
+    if (lowerCase(readFile(other)).starts_with("projection")) {
+      fail(other,
+           "is of Esri's old kind: replace it by well-known text, which `gdalsrsinfo -o wkt_esri EPSG:CODE` prints");
+    }
+    if (header.system.definition.empty()) {
       warn(fmt::format("{}: is no coordinate system that can be read: x and y of {} count as metres", other.string(),
                        file.string()));
-    } else if (std::find(kWorldFiles.begin(), kWorldFiles.end(), ending) != kWorldFiles.end()) {
-      std::istringstream text(readFile(other));
-      std::string word;
-      for (int line = 1; line <= 6 && text >> word; ++line) {
-        if (numberOf(word)) continue;
-        throw InputError({other.string(), line}, fmt::format("'{}' is no number such as 1234.5 or -1.2e3", word));
-      }
     }
   }
-}
-
-// Warns of mosaics in a mosaic that have gaps without a value: GDAL fills these gaps with 0.
-void tellGaps(const std::filesystem::path& file) {
-  std::vector<std::filesystem::path> mosaics{file};
-  for (std::size_t i = 0; i < mosaics.size(); ++i) {
-    const std::unique_ptr<RasterReader> mosaic = open(mosaics[i]);
-    if (i > 0 && mosaic->hasGaps()) {
-      warn(
-          fmt::format("{}: has gaps, in which {} is 0: mark them by building it again with 'gdalbuildvrt -vrtnodata "
-                      "-9999'",
-                      mosaics[i].string(), file.string()));
-    }
-    for (const std::filesystem::path other : mosaic->header().files) {
-      noteFile(other);
-      const bool known = std::find(mosaics.begin(), mosaics.end(), other) != mosaics.end();
-      if (!known && lowerExtension(other) == ".vrt") mosaics.push_back(other);
-    }
+  if (header.driver == "GTiff" && header.system.local) {
+    warn(fmt::format("{}: its coordinate system is not known: x and y count as units of {:.6g} m", file.string(),
+                     header.system.perUnit));
   }
 }
 
@@ -209,15 +117,11 @@ std::optional<double> metresOf(std::string_view unit) {
     std::string_view names;  // without blanks and marks
     double metres;
   };
-  static constexpr std::array<Unit, 8> kUnits{
+  static constexpr std::array<Unit, 4> kUnits{
       {{"|m|metre|metres|meter|meters|", 1},
-       {"|km|kilometre|kilometer|kilometres|kilometers|", 1000},
-       {"|dm|decimetre|decimeter|decimetres|decimeters|", 0.1},
-       {"|cm|centimetre|centimeter|centimetres|centimeters|", 0.01},
-       {"|mm|millimetre|millimeter|millimetres|millimeters|", 0.001},
-       {"|ft|foot|feet|internationalfoot|internationalfeet|footinternational|", 0.3048},
-       {"|ussurveyfoot|ussurveyfeet|usfoot|usfeet|usft|ftus|footus|feetus|surveyfoot|surveyfeet|", 1200.0 / 3937},
-       {"|yd|yard|yards|", 0.9144}}};
+       {"|cm|centimetre|centimeter|", 0.01},
+       {"|ft|foot|feet|", 0.3048},
+       {"|ussurveyfoot|ussurveyfeet|usfoot|usft|ftus|footus|surveyfoot|", 1200.0 / 3937}}};
   std::string word = "|" + lowerCase(unit) + "|";
   std::erase_if(word, [](char c) { return c != '|' && std::isalnum(static_cast<unsigned char>(c)) == 0; });
   const auto* const known =
@@ -225,42 +129,18 @@ std::optional<double> metresOf(std::string_view unit) {
   return known == kUnits.end() ? std::nullopt : std::optional(known->metres);
 }
 
-// Takes the units that the keys of a GeoTIFF state: GDAL ignores those of user-defined systems, and those of heights if
-// they contradict the system.
-void takeUnitsOfKeys(const std::filesystem::path& file, RasterHeader& header) {
-  const std::string beside = file.string() + ".aux.xml";  // what it states goes before the file
-  std::error_code error;
-  const std::string stated = std::filesystem::exists(beside, error) ? readFile(beside) : "";
-  const SystemUnit unit = unitOfTiff(file);
-  if (!unit.name.empty() && !header.geographic && stated.find("<SRS") == stated.npos) {
-    if (std::fabs(header.perUnit / unit.horizontal - 1) > 1e-5) header.stretch = 1;  // measured with another unit
-    header.perUnit = unit.horizontal;
-  }
-  if (!unit.vertical || stated.find("<UnitType") != stated.npos) return;
-  std::string& ofSystem = header.bands[0].unit;
-  const double metres = std::fabs(*unit.vertical);
-  if (std::fabs(metresOf(ofSystem).value_or(metres) / metres - 1) > 1e-5) {
-    warn(
-        fmt::format("{}: its vertical coordinate system has the unit '{}', but its key of the unit of heights states "
-                    "{:.7g} m, which counts",
-                    file.string(), ofSystem, metres));
-  }
-  ofSystem.clear();
-  header.heightUnit = "unit of the key";
-  header.metresPerHeight = metres * (header.metresPerHeight < 0 || *unit.vertical < 0 ? -1 : 1);
-}
-
 // Returns the metres per unit of the heights, negative if they are depths.
 double metresPerHeight(const std::filesystem::path& file, const RasterHeader& header) {
   const std::string& unit = header.bands[0].unit;
-  if (!header.heightUnit.empty() && (unit.empty() || unit == header.heightUnit)) return header.metresPerHeight;
-  const double sign = header.metresPerHeight < 0 ? -1 : 1;
+  const CoordinateSystem& system = header.system;
+  if (system.perHeight && (unit.empty() || unit == system.heightUnit)) return *system.perHeight;
+  const double sign = system.perHeight.value_or(1) < 0 ? -1 : 1;
   if (unit.empty()) {
-    if (!header.geographic && header.perUnit != 1) {
+    if (!system.geographic && system.perUnit != 1) {
       warn(fmt::format(
           "{}: x and y are in units of {:.6g} m, but nothing states the unit of the heights, which count as "
           "metres: if they are feet, say so by 'gdal_edit.py -units \"{}\" {}'",
-          file.string(), header.perUnit, header.perUnit == 0.3048 ? "ft" : "US survey foot", file.string()));
+          file.string(), system.perUnit, system.perUnit == 0.3048 ? "ft" : "US survey foot", file.string()));
     }
     return sign;
   }
@@ -273,25 +153,14 @@ double metresPerHeight(const std::filesystem::path& file, const RasterHeader& he
 
 // Throws InputError if the bands are no heights.
 void expectHeights(const std::filesystem::path& file, const RasterHeader& header, bool placed) {
-  if (!header.foreign.empty())
-    fail(file, fmt::format("is in {}: convert it by gdalwarp -dstnodata -9999 -t_srs", header.foreign));
+  if (!header.system.foreign.empty())
+    fail(file, fmt::format("is in {}: convert it by gdalwarp -dstnodata -9999 -t_srs", header.system.foreign));
   const std::string& means = header.bands[0].means;
   // Heightmaps of games are often saved as RGB images of grey shades.
   if (means == "Undefined" || means == "Gray" || (means == "Red" && !placed)) return;
   fail(file, fmt::format("holds colours and no heights: GDAL calls its first band '{}'; if it holds heights, say so by "
                          "gdal_translate -colorinterp_1 gray",
                          means));
-}
-
-// Warns if lengths in the raster's coordinate system are not those on the ground.
-void tellStretch(const std::filesystem::path& file, const RasterHeader& header) {
-  constexpr double kUsual = 0.01;  // of UTM and national systems: below this
-  if (std::fabs(header.stretch - 1) <= kUsual) return;
-  warn(fmt::format(
-      "{}: lengths in its coordinate system are {:.4g} times those on the ground at its middle (in Mercator "
-      "projections 1/cos(latitude)), heights are not: convert it by 'gdalwarp -dstnodata -9999 -t_srs EPSG:{} {} "
-      "utm.tif'",
-      file.string(), header.stretch, header.utm, file.string()));
 }
 
 // Returns {first column, first row, end column, end row} of the samples whose centres lie in the bounds or, if
@@ -320,7 +189,7 @@ std::array<int, 4> windowOf(const Raster& whole, const RasterBounds& within, boo
 // Fills the raster's values with the means of equal squares or rectangles of the window, times `factor`.
 // Returns true if samples have the value `marker`, and all others are above it or all are below it.
 bool readMeans(RasterReader& reader, int band, double marker, const std::array<int, 4>& window, double factor,
-               const TextGrid& grid, Raster& raster) {
+               Raster& raster) {
   constexpr int kSamplesAtATime = 4'000'000;
   const int across = window[2] / raster.width;
   const int down = window[3] / raster.height;
@@ -335,11 +204,6 @@ bool readMeans(RasterReader& reader, int band, double marker, const std::array<i
     const int count = std::min(rowsAtATime, window[3] - first);
     rows.resize(static_cast<std::size_t>(count) * static_cast<std::size_t>(window[2]));
     reader.read(band, {window[0], window[1] + first, window[2], count}, rows.data());
-    for (std::size_t i = 0; !grid.holes.empty() && i < rows.size(); ++i) {
-      const auto wide = static_cast<std::size_t>(window[2]), left = static_cast<std::size_t>(window[0]);
-      const std::size_t line = static_cast<std::size_t>(window[1] + first) + i / wide;
-      if (grid.holes[line * grid.columns + left + i % wide]) rows[i] = std::numeric_limits<double>::quiet_NaN();
-    }
     const double* sample = rows.data();
     for (int row = first + 1; row <= first + count; ++row) {
       for (std::size_t i = 0; i < sums.size(); ++i) {
@@ -392,21 +256,16 @@ const FormatSupport& rasterFormat() {
       "Rasters of heights, classes and colours",
       ".tif, .tiff, .asc, .hgt, .vrt, .img, .dem",
       {{Read, "ncols nrows cellsize dx dy xllcorner yllcorner xllcenter yllcenter nodata_value",
-        "heading of Esri's text grids (.asc), in any case; NODATA_value is -9999 if it is absent; commas may stand for "
-        "decimal points"},
-       {Read, "north: south: east: west: rows: cols: null: type: multiplier:",
-        "heading of the text grids of GRASS, whose samples without a value are *"},
+        "heading of Esri's text grids (.asc), in any case; NODATA_value is -9999 if it is absent"},
        {Read, "", "heights: the first band; values of 8 to 64 bits, with the scale and offset of the band"},
        {Read, "",
         "holes: the band's value for missing samples, NaN, masks (in the file or in .msk), alpha bands, gaps of "
-        "mosaics (.vrt), unless these are parts of another mosaic"},
+        "mosaics (.vrt)"},
        {Read, "", "geotransforms, rotated ones and those that run north too, for areas and for points; world files"},
        {Read, "",
         "coordinate systems with x and y in metres, feet or other units of length, or in degrees or grads; .prj "
-        "(Esri's old ones too) and .aux.xml"},
-       {Read, "",
-        "units of heights: the band's unit, else the vertical system's, or that of GeoTIFF's key or citation, else "
-        "metres; depths become heights"},
+        "and .aux.xml"},
+       {Read, "", "units of heights: the band's unit, else the vertical system's, else metres; depths become heights"},
        {Read, "", "images on heights: the bands called red, green and blue, else the first three or the first"},
        {Unused, "",
         "overviews, statistics, histograms, names and colours of classes, bands of images that are no "
@@ -418,7 +277,7 @@ const FormatSupport& rasterFormat() {
 
 Raster readRaster(const std::filesystem::path& file, const RasterRequest& request) {
   const std::unique_ptr<RasterReader> reader = open(file);
-  RasterHeader header = reader->header();
+  const RasterHeader header = reader->header();
   noteFile(file);
   for (const std::filesystem::path other : header.files) noteFile(other);
   if (header.bands.empty() && header.others > 0) {
@@ -426,14 +285,7 @@ Raster readRaster(const std::filesystem::path& file, const RasterRequest& reques
   }
   if (header.width <= 0 || header.height <= 0 || header.bands.empty()) fail(file, "has no samples");
   LeftOut leftOut;
-  TextGrid grid;
-  const std::string ending = lowerExtension(file);
-  if (ending == ".asc") {
-    grid = readTextGrid(file, header, leftOut);
-  }
-  readFilesBeside(file, header);
-  if (ending == ".vrt") tellGaps(file);
-  if (ending == ".tif" || ending == ".tiff") takeUnitsOfKeys(file, header);
+  checkFiles(file, header);
   if (!header.placed && request.placed) {
     fail(file,
          "does not say where it lies: it has no geotransform; set it by gdal_edit.py -a_ullr, or by gdalwarp if it "
@@ -444,12 +296,18 @@ Raster readRaster(const std::filesystem::path& file, const RasterRequest& reques
   }
   const RasterBand& band = header.bands.at(static_cast<std::size_t>(request.band - 1));
   if (band.type.starts_with('C')) fail(file, fmt::format("has complex numbers ({}) and no heights", band.type));
-  double factor = grid.factor;
+  double factor = 1;
   if (request.use == RasterUse::Heights) {
     expectHeights(file, header, request.placed);
-    factor *= metresPerHeight(file, header);
-    if (request.placed) tellStretch(file, header);
-    if (request.placed && band.type == "Byte" && !band.scaled && band.unit.empty() && header.heightUnit.empty()) {
+    factor = metresPerHeight(file, header);
+    if (request.placed && header.system.isStretched()) {
+      warn(fmt::format(
+          "{}: lengths in its coordinate system are {:.4g} times those on the ground at its middle (in Mercator "
+          "projections 1/cos(latitude)), heights are not: convert it by 'gdalwarp -dstnodata -9999 -t_srs EPSG:{} {} "
+          "utm.tif'",
+          file.string(), header.system.stretch, header.system.utm, file.string()));
+    }
+    if (request.placed && band.type == "Byte" && !band.scaled && band.unit.empty() && !header.system.perHeight) {
       warn(
           fmt::format("{}: has samples of 8 bits, which count as metres: they are seldom heights, but often classes or "
                       "shades; if they are heights, say so by 'gdal_edit.py -units m'",
@@ -467,9 +325,9 @@ Raster readRaster(const std::filesystem::path& file, const RasterRequest& reques
   raster.width = header.width;
   raster.height = header.height;
   raster.transform = header.transform;
-  raster.geographic = header.geographic;
-  raster.perUnit = header.perUnit;
-  raster.reference = header.reference;
+  raster.geographic = header.system.geographic;
+  raster.perUnit = header.system.perUnit;
+  raster.reference = header.system.definition;
   raster.placed = header.placed;
   const auto& t = raster.transform;
   const double det = t[1] * t[5] - t[2] * t[4];
@@ -500,7 +358,7 @@ Raster readRaster(const std::filesystem::path& file, const RasterRequest& reques
                       t[3] + window[0] * t[4] + window[1] * t[5], t[4] * columnsEach, t[5] * rowsEach};
   try {
     const bool marked =
-        readMeans(*reader, request.band, band.marker, {window[0], window[1], taken, takenDown}, factor, grid, raster);
+        readMeans(*reader, request.band, band.marker, {window[0], window[1], taken, takenDown}, factor, raster);
     if (marked && request.use == RasterUse::Heights) {
       warn(
           fmt::format("{}: has samples of -9999: if this value marks missing samples, say so by 'gdal_edit.py "
@@ -515,6 +373,14 @@ Raster readRaster(const std::filesystem::path& file, const RasterRequest& reques
     for (float& value : raster.values) value = white - value;
   }
   return raster;
+}
+
+CoordinateSystem coordinateSystem(std::string_view definition, double x, double y) {
+  return moduleOf<RastersModule>().system(std::string(definition), x, y);
+}
+
+CoordinateSystem coordinateSystem(const GeoKeys& keys, double x, double y) {
+  return moduleOf<RastersModule>().system(keys, x, y);
 }
 
 bool sameReference(const Raster& a, const Raster& b) {

@@ -1,18 +1,46 @@
 #pragma once
 
-// Georeferenced rasters (GeoTIFF and all other formats that GDAL reads). The module that links GDAL is loaded at the
-// first call, from any thread. If it cannot be loaded, calls throw an Error that says what to install.
+// Georeferenced rasters (GeoTIFF and all other formats that GDAL reads) and coordinate systems. The module that links
+// GDAL is loaded at the first call, from any thread. If it cannot be loaded, calls throw an Error that says what to
+// install.
 
 #include <array>
-#include <cstdint>
+#include <cmath>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/format_support.h"
 
 namespace scanmill {
+
+struct CoordinateSystem {
+  std::string definition;           // as well-known text; empty: the system is not stated, or cannot be read
+  bool local = false;               // true: the system has no place on the earth that is known
+  bool geographic = false;          // true: x and y are longitude and latitude
+  double perUnit = 1;               // metres per unit of x and y; degrees if geographic
+  std::string unit = "";            // name of the unit of x and y, unless geographic
+  std::optional<double> perHeight;  // metres per unit of heights, negative if these are depths; none: not stated
+  std::string heightUnit = "";      // name of that unit
+  std::string foreign = "";         // says what the coordinates are if they cannot be used, in the plural; else empty
+  double stretch = 1;               // ratio of lengths in a projected system to those on the ground
+  int utm = 0;                      // EPSG's code of the UTM zone of the place; 0 if the ratio is not known
+
+  // True if lengths differ from those on the ground by more than 1 %; in UTM and national systems they do not.
+  bool isStretched() const { return std::fabs(stretch - 1) > 0.01; }
+};
+
+// Reads a definition, such as OGC's or Esri's well-known text. The stretch is that at a place in its coordinates.
+CoordinateSystem coordinateSystem(std::string_view definition, double x, double y);
+
+// The keys of "OGC GeoTIFF Standard", OGC 19-008r4, 7, as they stand in LAS files too: a directory of uint16, and
+// float64 numbers and texts to which it refers.
+struct GeoKeys {
+  std::string_view directory, numbers, texts;
+};
+CoordinateSystem coordinateSystem(const GeoKeys& keys, double x, double y);
 
 // What is read of the files of rasters, with the words in the heading of a text grid (in lower case).
 const FormatSupport& rasterFormat();

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/module.h"
+#include "rasters/raster.h"
 
 namespace scanmill {
 
@@ -28,15 +29,9 @@ struct RasterHeader {
   bool placed = false;                                // true if the file states a geotransform
   std::array<double, 6> transform{0, 1, 0, 0, 0, 1};  // x = t0 + c t1 + r t2, y = t3 + c t4 + r t5; (c, r) = (0, 0)
                                                       // is the outer corner of the first sample
-  bool geographic = false;                            // true: x and y are longitude and latitude
-  double perUnit = 1;                                 // metres per unit of x and y; degrees if geographic
-  std::string heightUnit;      // unit of the vertical coordinate system; empty: no such system is stated
-  double metresPerHeight = 1;  // metres per unit of the vertical coordinate system; negative: its axis points down
-  std::string reference;       // the coordinate system's definition (WKT); empty: not stated
-  double stretch = 1;          // ratio of lengths in a projected system to those on the ground, at the raster's middle
-  int utm = 0;                 // EPSG's code of the UTM zone of the middle; 0 if the ratio is not known
-  std::vector<std::string> files;  // the raster's own file and those beside it of which it consists
-  std::string foreign;             // says what the coordinates are if they cannot be used, in the plural; else empty
+  CoordinateSystem system;                            // its stretch is that at the raster's middle
+  std::vector<std::string> files;                     // the raster's own file and those beside it of which it consists
+  std::string driver;                                 // GDAL's name of the format
 };
 
 // A raster that is open for reading.
@@ -44,8 +39,6 @@ class RasterReader {
  public:
   virtual ~RasterReader() = default;
   virtual RasterHeader header() const = 0;
-  // True if the raster is a mosaic with gaps between its rasters, which no value marks.
-  virtual bool hasGaps() const = 0;
   // Reads all samples in a window of a band. Bands are counted from 1; `xywh` is the window's first column and row,
   // width and height. A sample is NaN if the file says in any way that it has no value. Scale and offset of the band
   // are applied. Throws std::runtime_error with GDAL's message.
@@ -59,6 +52,8 @@ class RastersModule {
   virtual ~RastersModule() = default;
   // Opens a raster. Throws std::runtime_error with GDAL's message.
   virtual std::unique_ptr<RasterReader> open(const std::string& file) const = 0;
+  virtual CoordinateSystem system(const std::string& definition, double x, double y) const = 0;
+  virtual CoordinateSystem system(const GeoKeys& keys, double x, double y) const = 0;
   // True if two coordinate systems are the same, whatever their names, or if one of them is unknown.
   virtual bool same(const std::string& reference, const std::string& other) const = 0;
   // Returns the distance (m) between the points that x and y (m) are in two projected systems; 0 if it is not known.

@@ -213,115 +213,85 @@ std::string keysOf(const std::vector<std::array<std::uint16_t, 2>>& keys) {
   return bytes;
 }
 
-constexpr const char* kStatePlane =
-    R"(PROJCS["NAD83 / New York",GEOGCS["NAD83",DATUM["N",SPHEROID["G",6378137,298.2]],UNIT["degree",0.0174532925]],)"
-    R"(PROJECTION["L"],PARAMETER["false_easting",984250],UNIT["US survey foot",0.3048006096012192],AXIS["X",EAST]])";
+// Well-known text of a projected system in US survey feet, with further nodes behind its unit.
+std::string statePlane(const std::string& more = R"(,AXIS["X",EAST],AXIS["Y",NORTH])") {
+  return R"(PROJCS["NAD83 / New York",GEOGCS["NAD83",DATUM["D",SPHEROID["GRS 1980",6378137,298.257222101]],)"
+         R"(PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]],PROJECTION["Transverse_Mercator"],)"
+         R"(PARAMETER["latitude_of_origin",38.8],PARAMETER["central_meridian",-74.5],PARAMETER["scale_factor",0.9999],)"
+         R"(PARAMETER["false_easting",492125],UNIT["US survey foot",0.304800609601219])" +
+         more + "]";
+}
 
-TEST_F(CloudFiles, FeetOfLasBecomeMetres) {
-  const auto records = [&](const std::string& wkt, std::vector<std::array<std::uint16_t, 2>> keys) {
+// The coordinate system of a LAS file, as well-known text or as keys of GeoTIFF.
+struct LasSystem {
+  std::string wkt;
+  std::vector<std::array<std::uint16_t, 2>> keys;
+  std::string bytes() const {
     return withRecords(las(4, 6), {{"LASF_Projection", 2112, wkt}, {"LASF_Projection", 34735, keysOf(keys)}},
                        wkt.empty() ? 0 : 16);
-  };
-  constexpr double kSurvey = 1200.0 / 3937;
-  const std::string metres = "VERT_CS[\"NAVD88\",VERT_DATUM[\"N\",2005],UNIT[\"metre\",1]]";
-  const std::tuple<std::string, std::vector<std::array<std::uint16_t, 2>>, double, double> cases[] = {
-      {kStatePlane, {}, kSurvey, kSurvey},
-      {"COMPD_CS[\"both\"," + std::string(kStatePlane) + "," + metres + "]", {}, kSurvey, 1},
-      {R"(PROJCRS["N",BASEGEOGCRS["N",ANGLEUNIT["degree",0.017]],CONVERSION["c"],CS[Cartesian,2],AXIS["e",east,)"
-       R"(LENGTHUNIT["foot",0.3048]],AXIS["n",north,LENGTHUNIT["foot",0.3048]]])",
-       {},
-       0.3048,
-       0.3048},
-      {"", {{{1024, 1}, {3072, 2263}, {3076, 9003}}}, kSurvey, kSurvey},
-      {"", {{{1024, 1}, {3072, 25832}, {4096, 6360}}}, 1, kSurvey},
-      {"", {{{1024, 1}, {3076, 9001}, {4099, 9002}}}, 1, 0.3048},
-      {"", {{{1024, 1}, {3072, 2263}}}, 1, 1},
-      {"", {{{1024, 1}, {3072, 32632}, {4096, 5715}}}, 1, -1},
-      {"", {{{1024, 1}, {3072, 32632}, {4096, 6358}}}, 1, -kSurvey},
-      {"COMPD_CS[\"d\"," + std::string(kStatePlane) + ",VERT_CS[\"MSL depth\",UNIT[\"metre\",1],AXIS[\"Depth\",DOWN]]]",
-       {},
-       kSurvey,
-       -1},
-      {std::string(kStatePlane) + ",VERTCS[\"d\",PARAMETER[\"Direction\",-1.0],UNIT[\"Meter\",1.0]]", {}, kSurvey, -1},
-      {R"(DERIVEDPROJCRS["d",BASEPROJCRS["b",LENGTHUNIT["foot",0.3048]],CS[Cartesian,2],AXIS["e",east]])",
-       {},
-       0.3048,
-       0.3048},
-      {R"(LOCAL_CS["scanmill world",LOCAL_DATUM["w",32767],UNIT["metre",1],AXIS["x",EAST],AXIS["y",NORTH]])", {}, 1, 1},
-      {"PROJCS[[[[\"", {{{3076, 9002}}}, 1, 1},
-  };
-  for (const auto& [wkt, keys, horizontal, vertical] : cases) {
-    const auto file = folder_.write("a.las", records(wkt, keys));
-    const Vec3d place{500002.001 * horizontal, 499998 * horizontal, 3.123 * vertical};
-    EXPECT_LT(length(placeOf(readCloud(file), 1) - place), 1e-4) << wkt;
-    EXPECT_LT(length(placeOf(readCloud(file, CloudUnit::Metre), 1) - Vec3d{500002.001, 499998, 3.123}), 1e-5) << wkt;
   }
-  std::string cited = keysOf({{1024, 1}, {3072, 25832}, {4097, 4}});
-  put(cited, 8 + 2 * 8 + 2, std::uint16_t{34737});  // its value is in the texts
-  put(cited, 8 + 2 * 8 + 4, std::uint16_t{21});     // its length
-  const Cloud cloud =
-      read("cited.las", withRecords(las(2, 1), {{"LASF_Projection", 34735, cited},
-                                                {"LASF_Projection", 34737, "UTM|NAVD88 height (ftUS)|"}}));
-  EXPECT_LT(length(placeOf(cloud, 1) - Vec3d{500002.001, 499998, 3.123 * kSurvey}), 1e-4);
-  for (const auto& [wkt, keys, words] :
-       {std::tuple{std::string("GEOGCS[\"WGS 84\",DATUM[\"W\"],UNIT[\"degree\",0.01745]]"),
-                   std::vector<std::array<std::uint16_t, 2>>{}, "in degrees: reproject it"},
-        {"GEODCRS[\"WGS 84\",DATUM[\"W\"],CS[ellipsoidal,2],AXIS[\"lat\",north]]", {}, "in degrees"},
-        {"", {{{1024, 2}, {2048, 4326}}}, "the key `unit`"},
-        {"", {{{2048, 4326}}}, "in degrees"},
-        {"", {{{1024, 3}, {2048, 4978}}}, "earth-centred coordinates: reproject it"},
-        {"GEOCCS[\"WGS 84\",DATUM[\"W\"],UNIT[\"metre\",1]]", {}, "earth-centred"},
-        {"GEODCRS[\"WGS 84\",DATUM[\"W\"],CS[Cartesian,3],AXIS[\"X\",geocentricX]]", {}, "earth-centred"},
-        {"", {{{1024, 1}, {3076, 9005}}}, "EPSG:9005"}}) {
-    const auto file = folder_.write("a.las", records(wkt, keys));
+};
+
+TEST_F(CloudFiles, FeetOfLasBecomeMetres) {
+  constexpr double kSurvey = 1200.0 / 3937;
+  const std::string metres = R"(VERT_CS["NAVD88",VERT_DATUM["N",2005],UNIT["metre",1],AXIS["Up",UP]])";
+  const std::string depth = R"(VERT_CS["MSL",VERT_DATUM["M",2005],UNIT["metre",1],AXIS["Depth",DOWN]])";
+  const std::string esri = R"(VERTCS["NAVD_1988",VDATUM["North_American_Vertical_Datum_1988"],)"
+                           R"(PARAMETER["Vertical_Shift",0.0],PARAMETER["Direction",1.0],UNIT["Meter",1.0]])";
+  const std::tuple<LasSystem, double, double> cases[] = {
+      {{statePlane(), {}}, kSurvey, kSurvey},
+      {{"COMPD_CS[\"both\"," + statePlane() + "," + metres + "]", {}}, kSurvey, 1},
+      {{"COMPD_CS[\"both\"," + statePlane() + "," + depth + "]", {}}, kSurvey, -1},
+      {{statePlane("") + "," + esri, {}}, kSurvey, 1},
+      {{R"(LOCAL_CS["scanmill world",LOCAL_DATUM["w",32767],UNIT["metre",1],AXIS["x",EAST],AXIS["y",NORTH]])", {}},
+       1,
+       1},
+      {{"", {{{1024, 1}, {3072, 2263}, {3076, 9003}}}}, kSurvey, kSurvey},
+      {{"", {{{1024, 1}, {3072, 2263}}}}, kSurvey, kSurvey},
+      {{"", {{{1024, 1}, {3072, 25832}, {4096, 6360}}}}, 1, kSurvey},
+      {{"", {{{1024, 1}, {3072, 25832}, {4096, 5703}, {4099, 9003}}}}, 1, kSurvey},
+      {{"", {{{1024, 1}, {3072, 25832}, {4099, 9002}}}}, 1, 0.3048},
+      {{"", {{{1024, 1}, {3072, 32632}, {4096, 5715}}}}, 1, -1},
+      {{"", {{{1024, 1}, {3072, 32632}, {4096, 6358}}}}, 1, -kSurvey},
+  };
+  for (const auto& [system, horizontal, vertical] : cases) {
+    const auto file = folder_.write("a.las", system.bytes());
+    const Vec3d place{500002.001 * horizontal, 499998 * horizontal, 3.123 * vertical};
+    EXPECT_LT(length(placeOf(readCloud(file), 1) - place), 1e-4) << system.wkt;
+    EXPECT_LT(length(placeOf(readCloud(file, CloudUnit::Metre), 1) - Vec3d{500002.001, 499998, 3.123}), 1e-5);
+  }
+}
+
+TEST_F(CloudFiles, CoordinateSystemsOfLasThatCannotBeUsedAreRefused) {
+  for (const auto& [system, words] :
+       {std::pair{LasSystem{R"(GEOGCS["WGS 84",DATUM["W",SPHEROID["WGS 84",6378137,298.25]],PRIMEM["G",0],)"
+                            R"(UNIT["degree",0.0174532925199433]])",
+                            {}},
+                  "in degrees: reproject it"},
+        {{"", {{{1024, 2}, {2048, 4326}}}}, "the key `unit`"},
+        {{"", {{{1024, 3}, {2048, 4978}}}}, "earth-centred coordinates: reproject it"},
+        {{"", {{{1024, 1}, {3072, 5513}}}}, "mirror the ground"}}) {
+    const auto file = folder_.write("a.las", system.bytes());
     EXPECT_THAT(messageOf([&] { readCloud(file); }), AllOf(HasSubstr("a.las"), HasSubstr(words)));
     EXPECT_NO_THROW(readCloud(file, CloudUnit::Metre));
   }
 }
 
-// Lengths in a Mercator projection are 1/cos(latitude) of those on the ground: at y = 500 km, that is 4.5
-// degrees, 1.0031.
-TEST_F(CloudFiles, LasInMercatorIsTold) {
+TEST_F(CloudFiles, LasInMercatorOrAnUnknownSystemIsTold) {
   int files = 0;
   const auto warned = [&](const std::string& bytes) {
     testing::internal::CaptureStderr();
     read(fmt::format("{}.las", ++files), bytes);  // the same warning is not given twice
     return testing::internal::GetCapturedStderr();
   };
-  const auto withKeys = [&](const std::vector<std::array<std::uint16_t, 2>>& keys) {
-    return withRecords(las(2, 1), {{"LASF_Projection", 34735, keysOf(keys)}});
-  };
-  const std::string wkt =
-      R"(PROJCS["WGS 84 / Pseudo-Mercator",GEOGCS["W"],PROJECTION["Mercator_1SP"],UNIT["metre",1]])";
-  EXPECT_THAT(warned(withRecords(las(4, 6), {{"LASF_Projection", 2112, wkt}}, 16)), HasSubstr("Mercator projection"));
-  EXPECT_THAT(warned(withKeys({{1024, 1}, {3072, 3857}})),
-              AllOf(HasSubstr("2.las: "), HasSubstr("1.003 times"), HasSubstr("pdal translate")));
-  EXPECT_EQ(warned(withKeys({{1024, 1}, {3072, 32632}})), "");
-}
-
-TEST_F(CloudFiles, CoordinateSystemsOfLasThatCannotBeReadAreTold) {
-  const auto placeOfX = [&](const std::string& name, const char* user, const std::string& wkt) {
-    return placeOf(read(name, withRecords(las(4, 6), {{user, 2112, wkt}}, 16)), 0).x;
-  };
-  constexpr double kSurvey = 1200.0 / 3937;
-  std::string lower = kStatePlane;
-  for (const char* word : {"PROJCS", "UNIT", "PROJECTION"}) {
-    for (std::size_t at = lower.find(word); at != lower.npos; at = lower.find(word, at)) lower[at] += 'a' - 'A';
+  // At y = 6000 km, 47.4 degrees, lengths are 1/cos(47.4 degrees) of those on the ground.
+  std::string mercator = LasSystem{"", {{{1024, 1}, {3072, 3857}}}}.bytes();
+  put(mercator, 155 + 8, 6e6);
+  EXPECT_THAT(warned(mercator), AllOf(HasSubstr("1.las: "), HasSubstr("1.478 times"), HasSubstr("pdal translate")));
+  EXPECT_EQ(warned(LasSystem{"", {{{1024, 1}, {3072, 32632}}}}.bytes()), "");
+  for (const LasSystem& system : {LasSystem{statePlane().substr(0, 40), {}}, {"foo", {}}, {"", {{{3072, 1}}}}}) {
+    EXPECT_THAT(warned(system.bytes()), AllOf(HasSubstr("cannot be read ("), HasSubstr("give the key `unit`")));
   }
-  for (const std::string& wkt : {"\xEF\xBB\xBF" + std::string(kStatePlane), lower}) {
-    EXPECT_NEAR(placeOfX("a.las", "LASF_Projection", wkt), 500000.001 * kSurvey, 1e-4) << wkt;
-  }
-  EXPECT_NEAR(placeOfX("a.las", "liblas", kStatePlane), 500000.001 * kSurvey, 1e-4);
-  for (const std::string& wkt : {std::string(kStatePlane).substr(0, 40), std::string("EPSG:2927"),
-                                 std::string("+proj=utm +units=us-ft"), std::string("foo")}) {
-    testing::internal::CaptureStderr();
-    EXPECT_NEAR(placeOfX(fmt::format("unread{}.las", wkt.size()), "LASF_Projection", wkt), 500000.001, 1e-4);
-    EXPECT_THAT(testing::internal::GetCapturedStderr(),
-                AllOf(HasSubstr("cannot be read ('" + wkt + "')"), HasSubstr("give the key `unit`")));
-  }
-  const std::string mirrored = R"(PROJCS["K",UNIT["metre",1],AXIS["Southing",SOUTH],AXIS["Westing",WEST]])";
-  EXPECT_THAT(refused("a.las", withRecords(las(4, 6), {{"LASF_Projection", 2112, mirrored}}, 16)),
-              HasSubstr("mirror the ground"));
 }
 
 TEST_F(CloudFiles, WhatLasHasBesidesItsPointsIsCounted) {

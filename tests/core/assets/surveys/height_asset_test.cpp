@@ -198,22 +198,12 @@ TEST_F(Heights, ThatNoPlaceHasAreRefused) {
   EXPECT_THAT(reading(folder_.path() / "pit.tif").warnings, HasSubstr("pit.tif: has samples of -9999"));
 }
 
-// GDAL fills the gaps of a mosaic in a mosaic with 0.
-TEST_F(Heights, GapsOfMosaicsInMosaicsAreTold) {
+// GDAL would fill the gaps of a mosaic in a mosaic with 0.
+TEST_F(Heights, MosaicsOfMosaicsAreRefused) {
   folder_.write("dem.tif", flat(30, 40).bytes());
-  const auto write = [&](const char* name, const std::string& bands) {
-    return folder_.write(name, readFile(mosaic(bands)));
-  };
-  std::string half = band("dem.tif");
-  const std::string size = "xOff=\"0\" yOff=\"0\" xSize=\"3\" ySize=\"4\"/>";
-  half.insert(half.find("</SimpleSource>"), "<SrcRect " + size + "<DstRect " + size);
-  EXPECT_EQ(reading(write("half.vrt", half)).warnings, "") << "the gaps of the outermost mosaic are holes";
-  write("outer.vrt", band("half.vrt"));
-  EXPECT_THAT(reading(write("third.vrt", band("outer.vrt"))).warnings,
-              AllOf(HasSubstr("half.vrt: has gaps, in which "), HasSubstr("third.vrt is 0"), HasSubstr("-vrtnodata")));
-  half.insert(half.find("<SimpleSource>"), "<NoDataValue>-9999</NoDataValue>");
-  write("half.vrt", half);
-  EXPECT_THAT(reading(write("marked.vrt", band("half.vrt"))).warnings, Not(HasSubstr("has gaps")));
+  folder_.write("inner.vrt", readFile(mosaic(band("dem.tif"))));
+  EXPECT_THAT(messageOf([&] { readAsset(mosaic(band("inner.vrt")), {}); }),
+              AllOf(HasSubstr("is a mosaic of mosaics such as"), HasSubstr("inner.vrt"), HasSubstr("gdalbuildvrt")));
 }
 
 TEST_F(Heights, MissingSamplesAreToldThoughScaledOrAveraged) {
@@ -284,7 +274,6 @@ TEST_F(Heights, UnitsBecomeMetres) {
   EXPECT_NEAR(grads.box.high.y - grads.box.low.y, 300, 1);
 }
 
-// The keys of units count where GDAL ignores them: in a system of the user's, and where they contradict the system.
 TEST_F(Heights, UnitsOfTheKeysOfAGeoTiffCount) {
   constexpr double kSurveyFoot = 1200.0 / 3937;
   const auto with = [&](std::uint16_t system, std::vector<std::array<std::uint16_t, 2>> keys) {
@@ -294,20 +283,11 @@ TEST_F(Heights, UnitsOfTheKeysOfAGeoTiffCount) {
     return reading(folder_.write("k.tif", tiff.bytes()));
   };
   constexpr std::uint16_t kOfTheUser = 32767, kUtm = 32633;
-  const Reading user = with(kOfTheUser, {{3076, 9003}});
-  EXPECT_NEAR(user.box.high.x - user.box.low.x, 25 * kSurveyFoot, 1e-3);
-  EXPECT_THAT(user.warnings, HasSubstr("nothing states the unit of the heights"));
-  const Reading heights = with(kUtm, {{4096, 5703}, {4099, 9003}});
+  EXPECT_THAT(with(kOfTheUser, {{3076, 9003}}).warnings, HasSubstr("k.tif: its coordinate system is not known"));
+  const Reading heights = with(kUtm, {{4096, 6360}});
   EXPECT_NEAR(heights.box.low.z, 30 * kSurveyFoot, 1e-4);
-  EXPECT_THAT(heights.warnings, HasSubstr("k.tif: its vertical coordinate system has the unit 'metre', but its key"));
-  EXPECT_EQ(with(kUtm, {{4096, 5703}, {4099, 9001}}).warnings, "");
+  EXPECT_EQ(heights.warnings, "");
   EXPECT_EQ(with(kUtm, {{4096, 5715}}).box.high.z, -30) << "depths";
-  GeoTiff cited = flat(30, 40);
-  for (const auto& [citation, metres] :
-       {std::pair{"NAVD88 height (ftUS)|", kSurveyFoot}, {"MSL (feet)|", 0.3048}, {"EGM96 height|", 1.0}}) {
-    cited.citation = citation;
-    EXPECT_NEAR(reading(folder_.write("c.tif", cited.bytes())).box.low.z, 30 * metres, 1e-4) << citation;
-  }
 }
 
 TEST_F(Heights, UnitsHaveManyNames) {
@@ -315,10 +295,10 @@ TEST_F(Heights, UnitsHaveManyNames) {
   for (const auto& [unit, metres] : {std::pair{"US_survey_foot", 1200.0 / 3937},
                                      {"US ft", 1200.0 / 3937},
                                      {"ft (US)", 1200.0 / 3937},
-                                     {"International foot", 0.3048},
+                                     {"Foot", 0.3048},
                                      {"[m]", 1.0},
                                      {"m ", 1.0},
-                                     {"decimeter", 0.1}}) {
+                                     {"centimeter", 0.01}}) {
     const std::string states = std::string("<UnitType>") + unit + "</UnitType>";
     EXPECT_NEAR(reading(mosaic(band("dem.tif", states))).box.low.z, 30 * metres, 1e-5) << unit;
   }
@@ -348,18 +328,9 @@ TEST_F(Heights, SystemsBesideTheRasterAreRead) {
   EXPECT_NEAR(reading(file).box.high.y - reading(file).box.low.y, 333.6, 0.5);
   folder_.write("p.prj", "nonsense");
   EXPECT_THAT(reading(file).warnings, HasSubstr("p.prj: is no coordinate system that can be read"));
-  const auto grid = folder_.write(
-      "g.asc", "ncols 2\nnrows 2\nxllcorner 5\nyllcorner 6\ncellsize 10\nNODATA_value -9999\n10 10\n10 10\n");
-  const auto old = [&](const std::string& zUnits, const std::string& shift) {
-    folder_.write("g.prj", "Projection UTM\nZone 10\nDatum NAD83\nZunits " + zUnits + "\nUnits METERS\nXshift " +
-                               shift + "\nParameters\n");
-    return messageOf([&] { readAsset(grid, {}); });
-  };
-  EXPECT_EQ(old("FEET", "0.0"), "accepted");
-  EXPECT_NEAR(reading(grid).box.low.z, 3.048, 1e-5);
-  EXPECT_EQ(old("NO", "0.0"), "accepted");
-  EXPECT_THAT(old("10", "0.0"), HasSubstr("values in '10', which is no known unit"));
-  EXPECT_THAT(old("NO", "100.0"), AllOf(HasSubstr("g.prj:6"), HasSubstr("shifts the coordinates")));
+  folder_.write("p.prj", "Projection UTM\nZone 10\nDatum NAD83\nZunits FEET\n");
+  EXPECT_THAT(messageOf([&] { readAsset(file, {}); }),
+              AllOf(HasSubstr("p.prj: is of Esri's old kind"), HasSubstr("gdalsrsinfo")));
 }
 
 TEST_F(Heights, HaveTheScaleAndTheSignOfTheBand) {
@@ -418,28 +389,17 @@ TEST_F(Heights, TextGridsOfAllKindsAreRead) {
   EXPECT_NEAR(corner.high.y, 5400025, 1e-3);
   EXPECT_EQ(corner.high.z, 9);
   const Box centre =
-      box("ncols 3\nnrows 3\nxllcenter 500000\nyllcenter 5400000\ndx 10\ndy 20\n1,5 2,5 3\n4 5 6\n7 8 9\n");
+      box("ncols 3\nnrows 3\nxllcenter 500000\nyllcenter 5400000\ndx 10\ndy 20\n1.5 2.5 3\n4 5 6\n7 8 9\n");
   EXPECT_NEAR(centre.low.x, 500000, 1e-3);
   EXPECT_NEAR(centre.high.y, 5400040, 1e-3);
   EXPECT_EQ(centre.low.z, 1.5);
   const std::string heading = "ncols 3\nnrows 3\nxllcorner 500000\nyllcorner 5400000\ncellsize 10\n";
   EXPECT_THAT(refusedGrid(heading + samples), HasSubstr("no cell")) << "-9999 is the default of NODATA_value";
   EXPECT_THAT(refusedGrid(heading + "nodata_VALUE 5\n1 2 3\n4 5 6\n7 8 9\n"), HasSubstr("no cell"));
-  EXPECT_THAT(refusedGrid(heading + "1 2 3\n4 5 6\n7 8\n"), HasSubstr("has 8 samples, but its heading promises 9"));
-  EXPECT_THAT(refusedGrid("ncols 3\nnrows 3\nxllcorner 5\nyllcenter 6\ncellsize 10\n1 2 3\n4 5 6\n7 8 9\n"),
-              HasSubstr("does not say where it lies"));
-  // GRASS marks holes by *, and scales the samples.
-  const std::string grass = "north: 30\nsouth: 0\neast: 40\nwest: 0\nrows: 3\ncols: 4\n";
-  const Reading holes = reading(folder_.write("h.asc", grass + "multiplier: 0.1\n1 2 3 4\n5 6 7 8\n* 10 11 12\n"));
-  EXPECT_EQ(holes.triangles, 2u * 5);
-  EXPECT_NEAR(holes.box.low.z, 0.1, 1e-6);
-  EXPECT_NEAR(holes.box.high.z, 1.2, 1e-6);
   // GDAL guesses the type of the samples by the first ones.
-  std::string late = "ncols 600\nnrows 600\nxllcorner 0\nyllcorner 0\ncellsize 1\ndatum 3\n";
+  std::string late = "ncols 600\nnrows 600\nxllcorner 0\nyllcorner 0\ncellsize 1\ndatum WGS84\n";
   for (int i = 0; i < 600 * 600; ++i) late += i < 300 * 600 ? "-9999 " : "7.75 ";
-  const Reading found = reading(folder_.write("late.asc", late));
-  EXPECT_EQ(found.box.low.z, 7.75);
-  EXPECT_THAT(found.warnings, HasSubstr("late.asc: left out: 1 unknown 'datum'"));
+  EXPECT_EQ(reading(folder_.write("late.asc", late)).box.low.z, 7.75);
 }
 
 // Edges of cliffs stay straight: the diagonal that is shorter is taken.
@@ -639,23 +599,21 @@ TEST_F(Heights, MistakesAreNamed) {
   EXPECT_THAT(messageOf([&] { readAsset(folder_.path() / "dem.tif", {}); }),
               AllOf(HasSubstr("dem.tif"), HasSubstr("no raster that can be read")));
   const std::string grid = "ncols 2\nnrows 2\nxllcorner 11\nyllcorner 48\ncellsize 0.1\nNODATA_value -9999\n";
-  const auto asc = [&](const std::string& samples) { return refusedGrid(grid + samples); };
-  EXPECT_EQ(asc("0.01 0.02\n0.03 1e-2\n"), "accepted");
-  EXPECT_THAT(asc("0.01 0.02\n0.03 none\n"), AllOf(HasSubstr("g.asc:8"), HasSubstr("'none' is no number")));
-  EXPECT_THAT(asc("+.5 .5\n-1.#IND 5.0E-01\n"), HasSubstr("no cell whose four samples"));
-  for (const std::string word :
-       {"*", "NA", "-", "--", "#", "e", "A", "F", "i", "-N", "1D+01", "50-3", "105.5f", "1e"}) {
-    EXPECT_THAT(asc("0.01 0.02\n0.03 " + word + "\n"), AllOf(HasSubstr("g.asc:8"), HasSubstr("'" + word + "'")))
-        << word;
+  for (const auto& [text, words] : std::vector<std::pair<std::string, std::string>>{
+           {grid + "+0.01 .02\n0.03 1e-2\n", "accepted"},
+           {grid + "0.01 0.02\n0.03 nan\n", "no cell whose four samples"},
+           {grid + "0.01 0.02\n0.03 none\n", "g.asc:8: 'none' is no number"},
+           {grid + "0.01 *\n0.03 1\n", "g.asc:7: '*' is no number"},
+           {grid + "0.01 1D+01\n0.03 1\n", "g.asc:7: '1D+01' is no number"},
+           {grid + "1,5 2\n3 4\n", "g.asc:7: '1,5' is no number"},
+           {grid + "1 2\n3\n", "has 3 samples, but its heading promises 4"},
+           {grid + "510 512\n530 521\n", "rises by 20 m within"},
+           {"ncols 2\nnrows 2\nxllcorner 1.0D+02\nyllcorner 0\ncellsize 10\n1 2\n3 4\n", "g.asc:3: '1.0D+02' is no"},
+           {"ncols 2\nnrows 2\nxllcorner 5\nyllcenter 6\ncellsize 10\n1 2\n3 4\n", "does not say where it lies"},
+           {"# made by x\n" + grid + "1 2\n3 4\n", "no raster that can be read"},
+           {"north: 30\nsouth: 0\neast: 20\nwest: 0\nrows: 2\ncols: 2\n1 2\n3 *\n", "of GRASS: write a GeoTIFF"}}) {
+    EXPECT_THAT(refusedGrid(text), HasSubstr(words)) << text;
   }
-  EXPECT_THAT(refusedGrid("ncols 2\nnrows 2\nxllcorner 1.0D+02\nyllcorner 0\ncellsize 10\n1 2\n3 4\n"),
-              AllOf(HasSubstr("g.asc:3"), HasSubstr("'1.0D+02' is no number")));
-  EXPECT_THAT(refusedGrid("north: 45:30N\nsouth: 44:30N\neast: 8:30W\nwest: 9:30W\nrows: 2\ncols: 2\n1 2\n3 4\n"),
-              AllOf(HasSubstr("g.asc:1"), HasSubstr("degrees with decimals")));
-  EXPECT_THAT(refusedGrid("\xEF\xBB\xBF" + grid + "1 2\n3 4\n"), HasSubstr("begins with a byte order mark"));
-  EXPECT_THAT(refusedGrid("# made by x\n" + grid + "1 2\n3 4\n"), HasSubstr("begins with a comment"));
-  EXPECT_THAT(asc("1,5,2.5\n3 4\n"), AllOf(HasSubstr("g.asc:7"), HasSubstr("'1,5,2.5'")));
-  EXPECT_THAT(asc("510 512\n530 521\n"), AllOf(HasSubstr("rises by 20 m within"), HasSubstr("EPSG:4326")));
   EXPECT_THAT(refused({1, 3, {1, 2, 3}, 0, 0, 1}), HasSubstr("at least two"));
   EXPECT_THAT(refused({2, 2, {NAN, 2, 3, 4}, 0, 0, 1}), HasSubstr("no cell whose four samples"));
   std::string unplaced = tilted().bytes();
@@ -671,8 +629,6 @@ TEST_F(Heights, MistakesAreNamed) {
   EXPECT_THAT(messageOf([&] { readAsset(folder_.path() / "u.tif", {}); }), HasSubstr("gdal_edit.py"));
   folder_.write("u.tfw", "5\n0\n0\n-5\n500002.5\n5400097.5\n");
   EXPECT_NEAR(reading(folder_.path() / "u.tif").box.low.x, 500002.5, 1e-3) << "a world file names the first centre";
-  folder_.write("u.tfw", "5\n0\n0\n-5\n5.000025D+05\n5400097.5\n");
-  EXPECT_THAT(messageOf([&] { readAsset(folder_.path() / "u.tif", {}); }), HasSubstr("u.tfw:5: '5.000025D+05'"));
   std::string cut = tilted().bytes();
   EXPECT_THAT(refused(tilted(), {.up = 'y'}), HasSubstr("leave out `up`"));
   // Whatever is damaged, it is read or refused.
