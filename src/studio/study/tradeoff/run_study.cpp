@@ -350,15 +350,6 @@ class StudyRun {
 
 }  // namespace
 
-std::vector<Candidate> Study::candidates() const {
-  std::vector<Candidate> list;
-  for (const SettingResult& s : settings) {
-    if (!s.failure.empty()) continue;
-    list.push_back({s.measured.cost.scanSeconds / static_cast<double>(beamsPerShot), s.measured.errors.all});
-  }
-  return list;
-}
-
 Study runStudy(const Plan& plan, const StudyOptions& options) {
   if (plan.pipeline.recording != nullptr) {
     throw InputError({plan.pipeline.file.string()},

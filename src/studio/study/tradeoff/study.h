@@ -11,7 +11,6 @@
 #include <string>
 #include <vector>
 
-#include "evaluate/limits.h"
 #include "evaluate/measure.h"
 #include "evaluate/settings.h"
 #include "pipeline/plan/plan.h"
@@ -109,17 +108,15 @@ struct Study {
   std::vector<std::string> left;  // lines about parts that the study left out, such as settings that it had no time for
   // Pictures of errors. Their contents are not stored in the JSON, but in files beside it.
   std::vector<ErrorPicture> pictures;
-
-  // Returns the costs and errors of all settings that were measured, in the order of `settings`.
-  std::vector<Candidate> candidates() const;
 };
 
-// A paragraph of advice: which setting to use for a need, and its drawbacks.
+// The fastest setting that is good enough for a need.
 struct Advice {
-  std::string need;     // a heading such as "For exact ranges and labels" or "What not to take"
-  std::string setting;  // name of the recommended setting, see Setting::name; empty if none is recommended
-  std::string text;
+  std::string need;     // such as "For exact ranges and labels"
+  std::string setting;  // name of the setting, see Setting::name; empty if none is good enough
+  std::string text;     // its speed and errors; if there is none, those of the nearest
 };
+// Returns one for each need; nothing if no setting was measured.
 std::vector<Advice> advise(const Study& study);
 
 struct StudyOptions {

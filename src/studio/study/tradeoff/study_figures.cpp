@@ -1,6 +1,7 @@
 #include "study/tradeoff/study_figures.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <ranges>
 
@@ -74,18 +75,18 @@ std::vector<std::string> methodsOf(const Study& study) {
 }
 
 std::vector<std::size_t> frontOf(const Study& study, double (*error)(const GroupErrors&)) {
-  const std::vector<std::size_t> measured = measuredSettings(study);
-  std::vector<double> seconds, errors;
-  for (const std::size_t i : measured) {
-    seconds.push_back(study.settings[i].measured.cost.scanSeconds);
-    errors.push_back(error(study.settings[i].measured.errors.all));
+  const auto seconds = [&](std::size_t i) { return study.settings[i].measured.cost.scanSeconds; };
+  const auto errorOf = [&](std::size_t i) { return error(study.settings[i].measured.errors.all); };
+  std::vector<std::size_t> order = measuredSettings(study);
+  std::erase_if(order, [&](std::size_t i) { return std::isnan(seconds(i)) || std::isnan(errorOf(i)); });
+  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return std::pair(seconds(i), errorOf(i)); });
+  std::vector<std::size_t> unbeaten;
+  for (const std::size_t i : order) {
+    if (unbeaten.empty() || errorOf(i) < errorOf(unbeaten.back())) unbeaten.push_back(i);
   }
   std::vector<std::size_t> front;
-  double last = std::numeric_limits<double>::infinity();
-  for (const std::size_t i : std::views::reverse(paretoFront(seconds, errors))) {
-    if (seconds[i] * kFrontStep >= last) continue;
-    last = seconds[i];
-    front.push_back(measured[i]);
+  for (const std::size_t i : std::views::reverse(unbeaten)) {
+    if (front.empty() || seconds(i) * kFrontStep < seconds(front.back())) front.push_back(i);
   }
   return {front.rbegin(), front.rend()};
 }
