@@ -14,15 +14,20 @@
 
 namespace scanmill {
 
-// Triangles that share a node and a material, in the asset's frame: metres, z up (after the conversion of units and
-// axes).
-struct AssetPart {
-  std::string node;             // name of its node, or of the nearest ancestor with a name; "" if no ancestor has one
-  std::uint32_t nodeIndex = 0;  // the node's number in file order (depth first); parts of the same node share it
-  std::string material;         // name of the material in the file
+// How a surface looks, as its file says.
+struct Look {
+  std::string material;   // name of the material in the file
   std::string texture;    // base colour image as the file names it ("textures/leaf.png", without URI escapes), or empty
   Material fileMaterial;  // material in the file; reflectance: luminance of the base colour, or a default
   std::array<float, 3> color{1, 1, 1};  // base colour, or the factor on the texture; linear
+};
+
+// Triangles that share a node and a material, in the asset's frame: metres, z up (after the conversion of units and
+// axes).
+struct AssetPart : Look {
+  std::string node;             // name of its node, or of the nearest ancestor with a name; "" if no ancestor has one
+  std::uint32_t nodeIndex = 0;  // the node's number in file order (depth first); parts of the same node share it
+  std::uint32_t materialIndex = 0;  // index into ImportedFile::materials, from which the look is made
   std::vector<Vec3f> positions;
   std::vector<Vec2f> uvs;  // empty, or one per position; v = 0 is the image's bottom row
   std::vector<Triangle> triangles;

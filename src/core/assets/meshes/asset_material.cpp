@@ -1,15 +1,75 @@
 #include "assets/meshes/asset_material.h"
 
+#include <cmath>
+#include <cstdint>
 #include <memory>
 #include <utility>
 
-#include "assets/meshes/asset_alpha.h"
 #include "assets/meshes/base_color.h"
 #include "scene/texture.h"
 
 namespace scanmill {
 
 namespace {
+
+constexpr int kSteps = 8;  // rows of sample points in a triangle; row i has kSteps - i points
+constexpr int kPoints = kSteps * (kSteps + 1) / 2;
+constexpr std::uint64_t kMaxTriangles = 1 << 14;
+
+constexpr double kLeastLow = 0.01;
+constexpr double kMostGraded = 0.3;
+constexpr double kMostGone = 0.15;
+
+// Sums over triangles. A triangle adds its area times the number of its sample points to `all`; to a member of `parts`
+// it adds its area times the number of its sample points that meet the member's condition.
+struct Sum {
+  double all = 0;
+  AlphaShares parts;
+};
+
+void addTriangle(Sum& sum, const AssetPart& part, const Triangle& at, const Texture& texture) {
+  const auto& p = part.positions;
+  const double area = length(cross(Vec3d(p[at[1]] - p[at[0]]), Vec3d(p[at[2]] - p[at[0]])));
+  if (!std::isfinite(area)) return;
+  const auto& uv = part.uvs;
+  int low = 0;
+  int graded = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    for (int k = 0; k < kSteps - i; ++k) {
+      const float b = (static_cast<float>(i) + 1.0f / 3) / kSteps;
+      const float c = (static_cast<float>(k) + 1.0f / 3) / kSteps;
+      const float a = 1 - b - c;
+      const int alpha = texture.texel(uv[at[0]].x * a + uv[at[1]].x * b + uv[at[2]].x * c,
+                                      uv[at[0]].y * a + uv[at[1]].y * b + uv[at[2]].y * c)[3];
+      low += alpha < 128 ? 1 : 0;
+      graded += alpha >= 26 && alpha < 230 ? 1 : 0;
+    }
+  }
+  sum.all += area * kPoints;
+  sum.parts.low += area * low;
+  sum.parts.graded += area * graded;
+  if (low == kPoints) sum.parts.gone += area * kPoints;
+}
+
+// Measures the fractions for a material's texture at 36 points of each triangle, or of every n-th triangle if there are
+// 16384 or more.
+AlphaShares measureAlpha(const ImportedFile& imported, std::uint32_t material, const Texture& texture) {
+  if (!texture.hasAlpha) return {};
+  const auto shows = [&](const AssetPart& part) { return part.materialIndex == material && !part.uvs.empty(); };
+  std::uint64_t triangles = 0;
+  for (const AssetPart& part : imported.parts) triangles += shows(part) ? part.triangles.size() : 0;
+  const std::uint64_t step = triangles / kMaxTriangles + 1;
+  Sum sum;
+  std::uint64_t number = 0;
+  for (const AssetPart& part : imported.parts) {
+    if (!shows(part)) continue;
+    for (const Triangle& triangle : part.triangles) {
+      if (number++ % step == 0) addTriangle(sum, part, triangle, texture);
+    }
+  }
+  if (!(sum.all > 0)) return {};
+  return {sum.parts.low / sum.all, sum.parts.graded / sum.all, sum.parts.gone / sum.all};
+}
 
 // Reads the materials of one file.
 class MaterialReader {
@@ -20,16 +80,16 @@ class MaterialReader {
         options_(options),
         images_(file, options.allowOutside, options.textureFolders) {}
 
-  AssetMaterial read(std::uint32_t index, LeftOut& leftOut) {
+  Look read(std::uint32_t index, LeftOut& leftOut) {
     ImportedMaterial from = imported_.materials[index];
     for (ImportedMap* const map : {&from.base, &from.opacityMap}) {
       if (map->name == "(null)") *map = {};  // exporters print a missing name so
     }
-    AssetMaterial read;
-    read.material.name = from.name;
-    read.material.source = "base colour of " + file_.filename().string();
-    read.material.roughness = from.roughness;
-    read.material.metallic = from.metallic;
+    Look read;
+    read.material = read.fileMaterial.name = from.name;
+    read.fileMaterial.source = "base colour of " + file_.filename().string();
+    read.fileMaterial.roughness = from.roughness;
+    read.fileMaterial.metallic = from.metallic;
     read.texture = from.base.label;
 
     BaseColor color;
@@ -58,8 +118,8 @@ class MaterialReader {
     if (color.alpha.wanted && opacity.name == from.base.name && color.image && !color.image->hasAlpha) {
       leftOut.add("opacity maps that are the image of the colour too, and have no alpha");
     }
-    setColor(read.material, std::move(color), file_, options_, images_);
-    if (from.opacity < 1 && !read.material.alphaTested && options_.alpha != AlphaUse::Ignore) {
+    setColor(read.fileMaterial, std::move(color), file_, options_, images_);
+    if (from.opacity < 1 && !read.fileMaterial.alphaTested && options_.alpha != AlphaUse::Ignore) {
       leftOut.add("opacities of materials (they are solid)");
     }
     return read;
@@ -94,10 +154,14 @@ class MaterialReader {
 
 }  // namespace
 
-std::vector<AssetMaterial> readMaterials(const ImportedFile& imported, const std::filesystem::path& file,
-                                         const AssetOptions& options, LeftOut& leftOut) {
+bool isCutOut(const AlphaShares& shares) {
+  return shares.low >= kLeastLow && shares.graded <= kMostGraded && shares.gone <= kMostGone;
+}
+
+std::vector<Look> readMaterials(const ImportedFile& imported, const std::filesystem::path& file,
+                                const AssetOptions& options, LeftOut& leftOut) {
   MaterialReader reader(imported, file, options);
-  std::vector<AssetMaterial> materials;
+  std::vector<Look> materials;
   for (std::uint32_t i = 0; i < imported.materials.size(); ++i) materials.push_back(reader.read(i, leftOut));
   return materials;
 }

@@ -16,13 +16,15 @@ Mat3 zUpFrom(char up) {
   return {};
 }
 
-Vec3d originNear(const std::vector<Vec3d>& places) {
+Vec3d originNear(std::size_t count, const std::function<Vec3d(std::size_t)>& place) {
   std::array<std::vector<double>, 3> axes;
-  for (const Vec3d& place : places) {
-    if (!isFinite(place)) continue;
-    axes[0].push_back(place.x);
-    axes[1].push_back(place.y);
-    axes[2].push_back(place.z);
+  const std::size_t every = std::max<std::size_t>(count / 1000, 1);
+  for (std::size_t i = 0; i < count; i += every) {
+    const Vec3d at = place(i);
+    if (!isFinite(at)) continue;
+    axes[0].push_back(at.x);
+    axes[1].push_back(at.y);
+    axes[2].push_back(at.z);
   }
   if (axes[0].empty()) return {};
   const auto median = [](std::vector<double>& values) {

@@ -3,6 +3,7 @@
 // Helpers that the readers of assets share.
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "assets/meshes/asset_data.h"
@@ -20,9 +21,9 @@ constexpr double kBytesPerTriangle = 128;
 // Returns the rotation from an up axis ('x', 'y' or 'z') to z. x-up follows COLLADA: y becomes -x, z becomes -y.
 Mat3 zUpFrom(char up);
 
-// Returns an origin near most of the places (m): the median along each axis, which ignores outliers, in whole metres,
-// or 0 along axes on which it is small. Places that are not finite are ignored.
-Vec3d originNear(const std::vector<Vec3d>& places);
+// Returns an origin near most of `count` places (m): the median along each axis of at most 2000 of them, which ignores
+// outliers, in whole metres, or 0 along axes on which it is small. Places that are not finite are ignored.
+Vec3d originNear(std::size_t count, const std::function<Vec3d(std::size_t)>& place);
 
 // Removes vertices that no triangle uses, and merges bit-identical ones, since some kinds of files have three separate
 // vertices for every triangle.

@@ -99,30 +99,18 @@ Asset readImported(const std::filesystem::path& file, const std::string& kind, c
     warn(fmt::format("{}: may be incomplete, since the importer reports: {}", file.string(),
                      fmt::join(imported.problems, "; ")));
   }
-  const std::vector<AssetMaterial> materials = readMaterials(imported, file, options, imported.leftOut);
+  const std::vector<Look> looks = readMaterials(imported, file, options, imported.leftOut);
   Asset asset;
   asset.up = imported.up;
   asset.upDeclared = imported.upDeclared;
   asset.statedUnit = imported.statedUnit;
   asset.origin = imported.origin;
   asset.dropped.outOfRange = imported.outOfRange;
-  asset.parts.reserve(imported.parts.size());
-  for (ImportedPart& from : imported.parts) {
-    AssetPart& part = asset.parts.emplace_back();
-    part.node = std::move(from.node);
-    part.nodeIndex = from.nodeIndex;
-    if (from.material < materials.size()) {
-      const AssetMaterial& material = materials[from.material];
-      part.fileMaterial = material.material;
-      part.material = part.fileMaterial.name;
-      part.texture = material.texture;
-      part.color = material.color;
-    }
-    part.positions = std::move(from.positions);
-    part.uvs = std::move(from.uvs);
-    part.triangles = std::move(from.triangles);
-    const bool known = from.material < materials.size();
-    checkTexture(part, !known || imported.materials[from.material].base.repeats, imported.leftOut);
+  asset.parts = std::move(imported.parts);
+  for (AssetPart& part : asset.parts) {
+    const bool known = part.materialIndex < looks.size();
+    if (known) static_cast<Look&>(part) = looks[part.materialIndex];
+    checkTexture(part, !known || imported.materials[part.materialIndex].base.repeats, imported.leftOut);
   }
   imported.leftOut.tell(file.string());
   return asset;

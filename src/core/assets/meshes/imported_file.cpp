@@ -30,8 +30,8 @@ void visit(Visitor& visitor, MaybeConst<ImportedImage> auto& image) {
 }
 
 template <class Visitor>
-void visit(Visitor& visitor, MaybeConst<ImportedPart> auto& part) {
-  visitor.each(part.node, part.nodeIndex, part.material, part.positions, part.uvs, part.triangles);
+void visit(Visitor& visitor, MaybeConst<AssetPart> auto& part) {
+  visitor.each(part.node, part.nodeIndex, part.materialIndex, part.positions, part.uvs, part.triangles);
 }
 
 template <class Visitor>
@@ -139,7 +139,7 @@ std::string bytesOf(const ImportedFile& file) {
   Writer writer;
   std::size_t large = 1 << 16;
   for (const ImportedImage& image : file.images) large += image.bytes.size();
-  for (const ImportedPart& part : file.parts) {
+  for (const AssetPart& part : file.parts) {
     large += part.positions.size() * sizeof(Vec3f) + part.uvs.size() * sizeof(Vec2f) +
              part.triangles.size() * sizeof(Triangle);
   }

@@ -8,9 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "assets/meshes/asset_data.h"
 #include "base/format_support.h"
-#include "base/vec.h"
-#include "scene/scene.h"
 
 namespace scanmill {
 
@@ -41,16 +40,6 @@ struct ImportedImage {
   std::string bytes;
 };
 
-// A part of an imported file, from which an AssetPart is made. For the members see AssetPart.
-struct ImportedPart {
-  std::string node;
-  std::uint32_t nodeIndex = 0;
-  std::uint32_t material = 0;  // index into ImportedFile::materials
-  std::vector<Vec3f> positions;
-  std::vector<Vec2f> uvs;
-  std::vector<Triangle> triangles;
-};
-
 struct ImportedFile {
   char up = 'z';  // see Asset::up
   bool upDeclared = false;
@@ -59,7 +48,7 @@ struct ImportedFile {
   std::uint64_t outOfRange = 0;  // number of triangles that were dropped because of indices out of range
   std::vector<ImportedMaterial> materials;
   std::vector<ImportedImage> images;
-  std::vector<ImportedPart> parts;
+  std::vector<AssetPart> parts;       // without looks, which `materials` state
   std::vector<std::string> missing;   // missing material libraries, as the file names them
   std::vector<std::string> problems;  // errors of the file in spite of which the importer went on
   LeftOut leftOut;

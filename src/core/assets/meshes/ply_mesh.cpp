@@ -88,7 +88,7 @@ class PlyMeshReader {
   // Counts vertices that no face uses, where they are more than half: such a file has points besides its faces.
   void countLoose() {
     std::vector<bool> used(vertices_.size());
-    for (const ImportedPart& part : read_.parts) {
+    for (const AssetPart& part : read_.parts) {
       for (const Triangle& triangle : part.triangles) {
         for (const std::uint32_t corner : triangle) used[corner] = true;
       }
@@ -211,8 +211,8 @@ class PlyMeshReader {
     const std::vector<double>& uvs = list(Role::CornerUvs);
     const bool hasUvs = uvs.size() == 2 * corners_.size();
     if (!hasUvs && !uvs.empty()) read_.leftOut.add("texture coordinates of faces that are not two a corner");
-    const Look look{indexOf(value(Role::Material), materials_), indexOf(value(Role::Image), images_.size())};
-    ImportedPart& part = partOf(look, hasUvs);
+    const FaceLook look{indexOf(value(Role::Material), materials_), indexOf(value(Role::Image), images_.size())};
+    AssetPart& part = partOf(look, hasUvs);
     for (const auto& t : polygons_.divide(corners_.size(), [this](std::size_t i) { return vertices_[corners_[i]]; })) {
       part.triangles.push_back({corners_[t[0]], corners_[t[1]], corners_[t[2]]});
       for (const std::uint32_t corner : t) {
@@ -223,13 +223,13 @@ class PlyMeshReader {
   }
 
   // A material and an image, by their indices.
-  using Look = std::pair<std::uint32_t, std::uint32_t>;
+  using FaceLook = std::pair<std::uint32_t, std::uint32_t>;
 
-  ImportedPart& partOf(const Look& look, bool hasUvs) {
+  AssetPart& partOf(const FaceLook& look, bool hasUvs) {
     const auto [at, isNew] = parts_.try_emplace({look, hasUvs}, looks_.size());
     if (isNew) {
       looks_.push_back(look);
-      read_.parts.emplace_back().material = static_cast<std::uint32_t>(at->second);
+      read_.parts.emplace_back().materialIndex = static_cast<std::uint32_t>(at->second);
     }
     return read_.parts[at->second];
   }
@@ -241,7 +241,7 @@ class PlyMeshReader {
     const Mat3 assetFromFile = zUpFrom(read_.up) * Mat3::scale(Vec3d{1, 1, 1} * options_.metresPerUnit);
     for (Vec3d& vertex : vertices_) vertex = assetFromFile * vertex;
     read_.origin = origin();
-    for (ImportedPart& part : read_.parts) {
+    for (AssetPart& part : read_.parts) {
       const auto place = [&](std::size_t i) { return static_cast<Vec3f>(vertices_[i] - read_.origin); };
       if (read_.parts.size() == 1 && part.uvs.empty()) {
         for (std::size_t i = 0; i < vertices_.size(); ++i) part.positions.push_back(place(i));
@@ -257,7 +257,7 @@ class PlyMeshReader {
         }
       }
       weld(part.positions, part.uvs, part.triangles);
-      const auto& [material, image] = looks_[part.material];
+      const auto& [material, image] = looks_[part.materialIndex];
       ImportedMaterial& to = read_.materials.emplace_back();
       to.stated = material < colors_.size();
       if (to.stated) to.color = colors_[material];
@@ -267,8 +267,8 @@ class PlyMeshReader {
     }
   }
 
-  // Returns an origin near most vertices (m, along the asset's axes): the median of at most 2000 vertices, which
-  // ignores outliers. In single precision an origin would not refine the coordinates.
+  // Returns an origin near most vertices (m, along the asset's axes). In single precision it would not refine the
+  // coordinates.
   Vec3d origin() const {
     const auto isExact = [](const PlyProperty& p) { return p.name.size() == 1 && p.value.size == 8; };
     const auto vertex = std::find_if(header_.elements.begin(), header_.elements.end(),
@@ -278,10 +278,7 @@ class PlyMeshReader {
          std::none_of(vertex->properties.begin(), vertex->properties.end(), isExact))) {
       return {};
     }
-    std::vector<Vec3d> places;
-    const std::size_t every = std::max<std::size_t>(vertices_.size() / 1000, 1);
-    for (std::size_t i = 0; i < vertices_.size(); i += every) places.push_back(vertices_[i]);
-    return originNear(places);
+    return originNear(vertices_.size(), [this](std::size_t i) { return vertices_[i]; });
   }
 
   const std::filesystem::path& file_;
@@ -299,9 +296,9 @@ class PlyMeshReader {
   std::vector<std::array<float, 3>> colors_;         // of the materials
   std::vector<std::string> images_;
   std::vector<bool> imageUsed_;
-  std::map<std::pair<Look, bool>, std::size_t> parts_;  // index of the part; the flag: its corners have texture
-                                                        // coordinates of their own
-  std::vector<Look> looks_;                             // by index of the part
+  std::map<std::pair<FaceLook, bool>, std::size_t> parts_;  // index of the part; the flag: its corners have texture
+                                                            // coordinates of their own
+  std::vector<FaceLook> looks_;                             // by index of the part
   Triangulator polygons_;
   std::vector<std::uint32_t> corners_;
   ImportedFile read_;

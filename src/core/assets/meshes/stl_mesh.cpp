@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstring>
 #include <string>
 #include <string_view>
@@ -15,6 +14,7 @@
 #include "assets/meshes/stated_unit.h"
 #include "base/error.h"
 #include "base/file.h"
+#include "base/text_scan.h"
 #include "config/text.h"
 
 namespace scanmill {
@@ -41,7 +41,7 @@ class StlReader {
  private:
   struct Solid {
     std::string name;
-    std::vector<Vec3d> corners;  // three per triangle, in the file's units and axes
+    std::size_t first;  // index of its first corner
   };
 
   [[noreturn]] void fail(const std::string& what) const { throw InputError({file_.string(), line_}, what); }
@@ -68,20 +68,19 @@ class StlReader {
     if (text_.size() < first || held < stated) {
       fail(fmt::format("is truncated, or not an STL file: its header states {} triangles, {} follow", stated, held));
     }
-    triangles_ = stated;
-    checkCount();
+    checkCount(stated);
     imported_.leftOut.add("bytes behind the triangles", text_.size() - first - stated * kStlFacet);
     if (text_.substr(0, kStlHeader).find("COLOR=") != std::string::npos) {
       imported_.leftOut.add("colours in the header (COLOR=)");
     }
-    std::vector<Vec3d>& corners = solids_.emplace_back().corners;
-    corners.reserve(3 * stated);
+    solids_.push_back({"", 0});
+    corners_.reserve(3 * stated);
     std::uint64_t colored = 0;
     for (std::size_t i = 0; i < stated; ++i) {
       std::array<float, 12> numbers{};
       const char* const facet = text_.data() + first + i * kStlFacet;
       std::memcpy(numbers.data(), facet, sizeof numbers);
-      for (std::size_t k = 3; k < 12; k += 3) corners.emplace_back(Vec3f{numbers[k], numbers[k + 1], numbers[k + 2]});
+      for (std::size_t k = 3; k < 12; k += 3) corners_.emplace_back(Vec3f{numbers[k], numbers[k + 1], numbers[k + 2]});
       if (facet[48] != 0 || facet[49] != 0) ++colored;
     }
     imported_.leftOut.add("colours of triangles (attribute bytes)", colored);
@@ -94,7 +93,7 @@ class StlReader {
     std::vector<Vec3d> loop;
     for (std::string word = lowerCase(nextWord()); !word.empty(); word = lowerCase(nextWord())) {
       if (word == "solid" || word.ends_with("\xBFsolid")) {
-        solids_.push_back({std::string(restOfLine()), {}});
+        solids_.push_back({std::string(restOfLine()), corners_.size()});
         inSolid = true;
       } else if (word == "endsolid") {
         restOfLine();
@@ -104,7 +103,10 @@ class StlReader {
         if (inFacet) restOfNormal();
       } else if (word == "vertex") {
         Vec3d corner;
-        for (double* const value : {&corner.x, &corner.y, &corner.z}) *value = number(nextWord());
+        for (double* const value : {&corner.x, &corner.y, &corner.z}) {
+          const std::string_view number = nextWord();
+          if (!parseNumber(number, *value)) fail(fmt::format("'{}' is not a number of a vertex", number.substr(0, 40)));
+        }
         loop.push_back(corner);
       } else if (word == "endloop") {
         addLoop(loop);
@@ -125,22 +127,17 @@ class StlReader {
 
   void addLoop(const std::vector<Vec3d>& loop) {
     if (loop.size() < 3) imported_.leftOut.add("facets of fewer than three corners");
-    if (solids_.empty()) solids_.emplace_back();
-    std::vector<Vec3d>& corners = solids_.back().corners;
-    for (std::size_t i = 2; i < loop.size(); ++i) {
-      corners.insert(corners.end(), {loop[0], loop[i - 1], loop[i]});
-      ++triangles_;
-      checkCount();
-    }
+    if (solids_.empty()) solids_.push_back({"", 0});
+    for (std::size_t i = 2; i < loop.size(); ++i) corners_.insert(corners_.end(), {loop[0], loop[i - 1], loop[i]});
+    checkCount(corners_.size() / 3);
   }
 
-  void checkCount() const {
-    if (triangles_ > kMostTriangles) fail(fmt::format("has more than {} triangles: split it", kMostTriangles));
+  void checkCount(std::uint64_t triangles) const {
+    if (triangles > kMostTriangles) fail(fmt::format("has more than {} triangles: split it", kMostTriangles));
   }
 
   // Returns the next word of the text; empty at its end.
   std::string_view nextWord() {
-    constexpr std::string_view kBlanks = " \t\r\n\v\f";
     const std::size_t from = std::min(text_.find_first_not_of(kBlanks, at_), text_.size());
     line_ += static_cast<int>(std::count(text_.begin() + static_cast<std::ptrdiff_t>(at_),
                                          text_.begin() + static_cast<std::ptrdiff_t>(from), '\n'));
@@ -152,19 +149,7 @@ class StlReader {
     const std::size_t end = std::min(text_.find_first_of("\r\n", at_), text_.size());
     const std::string_view rest = std::string_view(text_).substr(at_, end - at_);
     at_ = end;
-    const std::size_t from = rest.find_first_not_of(" \t\r");
-    return from == std::string_view::npos ? std::string_view()
-                                          : rest.substr(from, rest.find_last_not_of(" \t\r") + 1 - from);
-  }
-
-  double number(std::string_view word) const {
-    double value = 0;
-    const char* const end = word.data() + word.size();
-    const auto [stop, error] = std::from_chars(word.data() + (word.starts_with('+') ? 1 : 0), end, value);
-    if (word.empty() || stop != end || error == std::errc::invalid_argument) {
-      fail(fmt::format("'{}' is not a number of a vertex", word.substr(0, 40)));
-    }
-    return value;
+    return trimmed(rest);
   }
 
   ImportedFile imported() {
@@ -172,26 +157,22 @@ class StlReader {
     imported_.materials.emplace_back().stated = false;
     warnOfStatedUnit(std::string_view(text_).substr(0, line_ > 0 ? text_.size() : kStlHeader), options_, file_);
     const Mat3 assetFromFile = zUpFrom(imported_.up) * Mat3::scale(Vec3d{1, 1, 1} * options_.metresPerUnit);
-    std::vector<Vec3d> places;
-    const std::size_t every = std::max<std::size_t>(3 * triangles_ / 1000, 1);
-    for (const Solid& solid : solids_) {
-      for (std::size_t i = 0; i < solid.corners.size(); i += every) places.push_back(assetFromFile * solid.corners[i]);
-    }
+    for (Vec3d& corner : corners_) corner = assetFromFile * corner;
     // Coordinates of binary files are in single precision, so that an origin would not refine them.
-    if (line_ > 0) imported_.origin = originNear(places);
-    for (Solid& solid : solids_) {
-      ImportedPart& part = imported_.parts.emplace_back();
-      part.node = std::move(solid.name);
+    if (line_ > 0) imported_.origin = originNear(corners_.size(), [this](std::size_t i) { return corners_[i]; });
+    for (std::size_t k = 0; k < solids_.size(); ++k) {
+      AssetPart& part = imported_.parts.emplace_back();
+      part.node = std::move(solids_[k].name);
       part.nodeIndex = static_cast<std::uint32_t>(imported_.parts.size());
-      for (const Vec3d& corner : solid.corners) {
-        part.positions.push_back(static_cast<Vec3f>(assetFromFile * corner - imported_.origin));
+      const std::size_t end = k + 1 < solids_.size() ? solids_[k + 1].first : corners_.size();
+      for (std::size_t i = solids_[k].first; i < end; ++i) {
+        part.positions.push_back(static_cast<Vec3f>(corners_[i] - imported_.origin));
       }
-      solid.corners = {};
       const auto corners = static_cast<std::uint32_t>(part.positions.size());
       for (std::uint32_t i = 0; i < corners; i += 3) part.triangles.push_back({i, i + 1, i + 2});
       weld(part.positions, part.uvs, part.triangles);
     }
-    std::erase_if(imported_.parts, [](const ImportedPart& part) { return part.triangles.empty(); });
+    std::erase_if(imported_.parts, [](const AssetPart& part) { return part.triangles.empty(); });
     return std::move(imported_);
   }
 
@@ -200,8 +181,8 @@ class StlReader {
   std::string text_;
   std::size_t at_ = 0;  // index of the character behind the latest word
   int line_ = 0;        // line of the latest word, counted from 1; 0: the file is binary
-  std::uint64_t triangles_ = 0;
   std::vector<Solid> solids_;
+  std::vector<Vec3d> corners_;  // three per triangle, in the file's units and axes
   ImportedFile imported_;
 };
 

@@ -149,8 +149,8 @@ TEST_F(PlyMesh, CornersHaveTextureCoordinatesOfTheirOwn) {
             "1\n"),
       {});
   ASSERT_EQ(read.parts.size(), 1u);
-  const ImportedPart& part = read.parts[0];
-  EXPECT_EQ(read.materials.at(part.material).base.name, "a wall.png");
+  const AssetPart& part = read.parts[0];
+  EXPECT_EQ(read.materials.at(part.materialIndex).base.name, "a wall.png");
   ASSERT_EQ(part.triangles.size(), 2u);
   EXPECT_EQ(part.positions.size(), 6u);
   EXPECT_EQ(part.positions[part.triangles[0][0]], part.positions[part.triangles[1][0]]);
@@ -176,13 +176,13 @@ TEST_F(PlyMesh, FacesNameTheirImages) {
                                         "3 0 1 2 6 0 0 1 0 1 1 0\n3 0 2 3 6 0 0 1 1 0 1 1\n"),
                                   {});
   ASSERT_EQ(read.parts.size(), 2u);
-  EXPECT_EQ(read.materials.at(read.parts[0].material).base.name, "a.png");
-  EXPECT_EQ(read.materials.at(read.parts[1].material).base.name, "b.png");
+  EXPECT_EQ(read.materials.at(read.parts[0].materialIndex).base.name, "a.png");
+  EXPECT_EQ(read.materials.at(read.parts[1].materialIndex).base.name, "b.png");
   EXPECT_TRUE(read.leftOut.empty()) << read.leftOut.text();
   read = readPlyMesh(
       write(squareHead(images, "", faces) + "end_header\n" + kSquare + "3 0 1 2 6 0 0 1 0 1 1 0\n3 0 2 3 0 -1\n"), {});
   ASSERT_EQ(read.parts.size(), 2u);
-  EXPECT_EQ(read.materials.at(read.parts[1].material).base.name, "");
+  EXPECT_EQ(read.materials.at(read.parts[1].materialIndex).base.name, "");
   EXPECT_TRUE(read.parts[1].uvs.empty());
   EXPECT_EQ(read.leftOut.text(), "1 images that no face shows (TextureFile)");
 }

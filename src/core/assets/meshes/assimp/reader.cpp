@@ -375,8 +375,8 @@ class Importer {
         leftOut_.add("hidden nodes");
       }
     }
-    for (ImportedPart& part : read.parts) weld(part.positions, part.uvs, part.triangles);
-    std::erase_if(read.parts, [](const ImportedPart& part) { return part.triangles.empty(); });
+    for (AssetPart& part : read.parts) weld(part.positions, part.uvs, part.triangles);
+    std::erase_if(read.parts, [](const AssetPart& part) { return part.triangles.empty(); });
   }
 
   // True if a node and all below it are hidden.
@@ -411,7 +411,7 @@ class Importer {
         read.parts.emplace_back();
         read.parts.back().node = name;
         read.parts.back().nodeIndex = index;
-        read.parts.back().material = mesh.mMaterialIndex;
+        read.parts.back().materialIndex = mesh.mMaterialIndex;
       }
       append(read.parts[part], mesh, assetFromNode);
     }
@@ -421,7 +421,7 @@ class Importer {
     return i < materials.size() && !(materials[i].base.name.empty() && materials[i].opacityMap.name.empty());
   }
 
-  void append(ImportedPart& part, const aiMesh& mesh, const Affine& assetFromNode) {
+  void append(AssetPart& part, const aiMesh& mesh, const Affine& assetFromNode) {
     const std::size_t base = part.positions.size();
     if (base + mesh.mNumVertices > UINT32_MAX) fail("has more vertices than 32-bit indices allow: split it");
     part.positions.resize(base + mesh.mNumVertices);
@@ -470,7 +470,7 @@ class Importer {
     return 0;
   }
 
-  void appendUvs(ImportedPart& part, const aiMesh& mesh, std::size_t base) {
+  void appendUvs(AssetPart& part, const aiMesh& mesh, std::size_t base) {
     const UvPlacement placement =
         mesh.mMaterialIndex < placements_.size() ? placements_[mesh.mMaterialIndex] : UvPlacement{};
     const unsigned channel = channelOf(mesh, placement);

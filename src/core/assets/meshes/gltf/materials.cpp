@@ -58,10 +58,10 @@ ReadMaterial read(const Model& model, const Data& data, const Material* m, const
   const Material& from = m == nullptr ? kDefault : *m;
   ReadMaterial to;
   to.leftOut = from.leftOut;
-  to.material.name = from.name;
-  to.material.source = "base colour of " + model.file.filename().string();
-  to.material.roughness = static_cast<float>(fraction(from.roughness, 1.0));
-  to.material.metallic = static_cast<float>(fraction(from.metallic, 0.0));
+  to.material = to.fileMaterial.name = from.name;
+  to.fileMaterial.source = "base colour of " + model.file.filename().string();
+  to.fileMaterial.roughness = static_cast<float>(fraction(from.roughness, 1.0));
+  to.fileMaterial.metallic = static_cast<float>(fraction(from.metallic, 0.0));
   BaseColor color;
   for (std::size_t c = 0; c < 3; ++c) color.factor[c] = static_cast<float>(fraction(from.color[c], 1.0));
   to.color = color.factor;
@@ -90,10 +90,11 @@ ReadMaterial read(const Model& model, const Data& data, const Material* m, const
   if (blends && color.colored && color.image->hasAlpha && fades(*color.image)) {
     to.leftOut.add("images that fade (beams pass where alpha is below 0.5)");
   }
-  setColor(to.material, std::move(color), model.file, options, images);
-  const bool faded = from.alpha == Material::Alpha::Blend ? from.color[3] < 1
-                                                          : from.alpha == Material::Alpha::Mask &&
-                                                                from.color[3] < from.cutoff && !to.material.alphaTested;
+  setColor(to.fileMaterial, std::move(color), model.file, options, images);
+  const bool faded =
+      from.alpha == Material::Alpha::Blend
+          ? from.color[3] < 1
+          : from.alpha == Material::Alpha::Mask && from.color[3] < from.cutoff && !to.fileMaterial.alphaTested;
   if (faded && options.alpha != AlphaUse::Ignore) to.leftOut.add("opacities of materials (they are solid)");
   return to;
 }

@@ -202,10 +202,7 @@ class Reader {
     AssetPart part;
     part.node = placed.name;
     part.nodeIndex = number;
-    part.fileMaterial = materials_[material].material;
-    part.material = part.fileMaterial.name;
-    part.texture = materials_[material].texture;
-    part.color = materials_[material].color;
+    static_cast<Look&>(part) = materials_[material];
     return part;
   }
 

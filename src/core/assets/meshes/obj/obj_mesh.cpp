@@ -47,7 +47,7 @@ class ObjReader {
     read.up = options_.up.value_or('z');
     warnOfStatedUnit(text_, options_, file_);
     assetFromFile_ = zUpFrom(read.up) * Mat3::scale(Vec3d{1, 1, 1} * options_.metresPerUnit);
-    read.origin = origin();
+    read.origin = originNear(vertices_.size(), [&](std::size_t i) { return assetFromFile_ * vertices_[i]; });
     library_.complete(!read_.empty() && missing_.empty());
     for (Part& part : parts_) {
       // A texture must not show on faces without texture coordinates, which stand beside others.
@@ -220,14 +220,6 @@ class ObjReader {
     if (read_.insert(path).second) obj::readLibrary(path, library_);
   }
 
-  // Returns an origin near most vertices (m, along the asset's axes): the median of at most 2000 vertices.
-  Vec3d origin() const {
-    std::vector<Vec3d> places;
-    const std::size_t every = std::max<std::size_t>(vertices_.size() / 1000, 1);
-    for (std::size_t i = 0; i < vertices_.size(); i += every) places.push_back(assetFromFile_ * vertices_[i]);
-    return originNear(places);
-  }
-
   // Returns the number of colours of vertices that ZBrush wrote as comments: "#MRGB " and 8 digits for each colour.
   std::size_t colorsInComments() const {
     constexpr std::string_view kBegin = "#MRGB ";
@@ -244,10 +236,10 @@ class ObjReader {
   }
 
   void addPart(ImportedFile& read, Part& from) const {
-    ImportedPart& part = read.parts.emplace_back();
+    AssetPart& part = read.parts.emplace_back();
     part.node = std::move(from.node);
     part.nodeIndex = from.nodeIndex;
-    part.material = static_cast<std::uint32_t>(from.material);
+    part.materialIndex = static_cast<std::uint32_t>(from.material);
     const obj::ObjMaterial& material = library_.list[from.material];
     const obj::UvPlace& place = material.look.base.name.empty() ? material.opacity : material.base;
     const bool anyUvs = std::any_of(from.triangles.begin(), from.triangles.end(), hasUvs);

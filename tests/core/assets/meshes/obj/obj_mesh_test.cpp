@@ -36,7 +36,7 @@ class ObjMesh : public AssetFiles {
   // Returns the number of triangles by the name of their node.
   std::map<std::string, std::size_t> trianglesByNode(const std::string& text) {
     std::map<std::string, std::size_t> counts;
-    for (const ImportedPart& part : obj(text).parts) counts[part.node] += part.triangles.size();
+    for (const AssetPart& part : obj(text).parts) counts[part.node] += part.triangles.size();
     return counts;
   }
 
@@ -75,7 +75,7 @@ TEST_F(ObjMesh, AnObjectThatComesAgainIsTheSameNode) {
 TEST_F(ObjMesh, GroupsOfTwoObjectsAreTwoNodes) {
   const ImportedFile file = obj(square("f 1 2 3\no Left\ng walls\nf 1 2 3\no Right\nf 1 3 4\ng walls\nf 1 2 4\n"));
   std::vector<std::pair<std::string, std::uint32_t>> nodes;
-  for (const ImportedPart& part : file.parts) nodes.emplace_back(part.node, part.nodeIndex);
+  for (const AssetPart& part : file.parts) nodes.emplace_back(part.node, part.nodeIndex);
   EXPECT_THAT(nodes, ElementsAre(Pair("", 1), Pair("walls", 2), Pair("Right", 3), Pair("walls", 4)));
 }
 
@@ -177,7 +177,7 @@ TEST_F(ObjMesh, MaterialsAreThoseOfLibraries) {
       obj(square("mtllib two words.mtl\nvt 0.5 0.5\nusemtl Brick #25\nf 1/1 2/1 3/1\nusemtl Grey\nf 1 3 4\n"
                  "usemtl Other\nf 1 2 4\nusemtl\nf 2 3 4\n"));
   ASSERT_EQ(file.parts.size(), 4u);
-  const auto material = [&](std::size_t part) { return file.materials.at(file.parts.at(part).material); };
+  const auto material = [&](std::size_t part) { return file.materials.at(file.parts.at(part).materialIndex); };
   EXPECT_EQ(material(0).name, "Brick #25");
   EXPECT_EQ(material(0).color, (std::array<float, 3>{0.2f, 0.4f, 0.6f}));
   EXPECT_EQ(material(0).opacity, 0.5f);
@@ -198,7 +198,7 @@ TEST_F(ObjMesh, MaterialsAreThoseOfLibraries) {
 TEST_F(ObjMesh, LibrariesMayStandBehindTheFaces) {
   write("late.mtl", "newmtl one\nKd 0.1 0.2 0.3\nmap_Kd -s 2 2 a.png\n");
   const ImportedFile file = obj(square("vt 0.5 0.5\nusemtl one\nf 1/1 2/1 3/1\nmtllib late.mtl\n"));
-  EXPECT_EQ(file.materials.at(file.parts.at(0).material).color, (std::array<float, 3>{0.1f, 0.2f, 0.3f}));
+  EXPECT_EQ(file.materials.at(file.parts.at(0).materialIndex).color, (std::array<float, 3>{0.1f, 0.2f, 0.3f}));
   EXPECT_EQ(file.parts[0].uvs.at(0), (Vec2f{1, 1}));
 }
 
@@ -206,7 +206,7 @@ TEST_F(ObjMesh, MaterialsWithoutColourHaveTheDefaultReflectance) {
   write("some.mtl", "newmtl red # wall\nKd 0.4 0 0\nnewmtl shiny\nNs 10\n");
   const ImportedFile file =
       obj(square("mtllib some.mtl\nusemtl red\nf 1 2 3\nusemtl shiny\nf 1 2 3\nusemtl gone\nf 1 2 3\nf 1 3 4\n"));
-  const auto material = [&](std::size_t part) { return file.materials.at(file.parts.at(part).material); };
+  const auto material = [&](std::size_t part) { return file.materials.at(file.parts.at(part).materialIndex); };
   EXPECT_EQ(material(0).name, "red");
   EXPECT_EQ(material(0).color, (std::array<float, 3>{0.4f, 0, 0}));
   EXPECT_TRUE(material(0).stated);
@@ -254,8 +254,8 @@ TEST_F(ObjMesh, TheFirstDefinitionOfANameCountsAndOthersAreCounted) {
   const std::string faces = "usemtl paint\nf 1 2 3\n";
   EXPECT_EQ(obj(square("mtllib one.mtl\nmtllib one.mtl\n" + faces)).leftOut.text(), "");
   const ImportedFile file = obj(square("mtllib one.mtl\nmtllib two.mtl\n" + faces));
-  EXPECT_EQ(file.materials.at(file.parts.at(0).material).color, (std::array<float, 3>{1, 0, 0}));
-  EXPECT_EQ(file.materials.at(file.parts.at(0).material).opacity, 1);
+  EXPECT_EQ(file.materials.at(file.parts.at(0).materialIndex).color, (std::array<float, 3>{1, 0, 0}));
+  EXPECT_EQ(file.materials.at(file.parts.at(0).materialIndex).opacity, 1);
   EXPECT_EQ(file.leftOut.text(), "2 definitions of materials that differ from the first of their name");
 }
 
@@ -263,7 +263,7 @@ TEST_F(ObjMesh, LibrariesMayBeSeveralOrMissing) {
   write("a1.mtl", "newmtl one\nKd 1 0 0\n");
   write("b1.mtl", "newmtl two\nKd 0 1 0\n");
   const ImportedFile file = obj(square("mtllib a1.mtl b1.mtl\nmtllib gone.mtl\nusemtl two\nf 1 2 3\n"));
-  EXPECT_EQ(file.materials.at(file.parts.at(0).material).color, (std::array<float, 3>{0, 1, 0}));
+  EXPECT_EQ(file.materials.at(file.parts.at(0).materialIndex).color, (std::array<float, 3>{0, 1, 0}));
   EXPECT_THAT(file.missing, ElementsAre("gone.mtl"));
   write("bad.mtl", "newmtl one\nKd red\n");
   EXPECT_THAT(refused(square("mtllib bad.mtl\n")), AllOf(HasSubstr("bad.mtl:2"), HasSubstr("'red' is not a number")));
