@@ -1,8 +1,7 @@
 # Scripts, styles and templates that the pages of reports carry.
 
 # Debian's packages of scripts, which the pages of reports carry.
-foreach(script libjs-three:three/build/three.min.js libjs-three:three/examples/js/controls/OrbitControls.js
-               libjs-chart.js:chart.js/chart.min.js)
+foreach(script libjs-three:three/build/three.min.js libjs-three:three/examples/js/controls/OrbitControls.js)
   string(REPLACE : ";" script ${script})
   list(POP_FRONT script package)
   get_filename_component(name ${script} NAME)
@@ -14,11 +13,9 @@ foreach(script libjs-three:three/build/three.min.js libjs-three:three/examples/j
 endforeach()
 scanmill_text(report kThreeScript ${three.min.js})
 scanmill_text(report kOrbitScript ${OrbitControls.js})
-scanmill_text(report kChartLibrary ${chart.min.js})
 foreach(text kScanViewScript:dataset/scan_view.js kScanViewStyle:dataset/scan_view.css
              kDatasetTemplate:dataset/dataset.html kDatasetStyle:dataset/dataset.css
              kPageLayout:page/page.html kPageStyle:page/page.css kPageScript:page/page.js
-             kChartFigure:page/chart.html kChartScript:page/charts.js
              kCompareTemplate:compare/compare.html kRepeatabilityTemplate:repeatability/repeatability.html
              kTradeoffTemplate:tradeoff/tradeoff.html)
   string(REPLACE : ";" text ${text})

@@ -30,7 +30,7 @@ TEST_F(CompareCommand, WritesAPageAndFiguresThatNameTheDifference) {
               AllOf(HasSubstr("range scatter"), HasSubstr("effects range_noise"), HasSubstr("beams that return"),
                     HasSubstr("open " + at("out/index.html")), Not(HasSubstr("nan"))));
   std::string page = readFile(at("out/index.html"));
-  page.resize(page.find("<script>"));  // what follows is the library that draws the charts
+  page.resize(page.find("<script>"));
   EXPECT_THAT(page, AllOf(HasSubstr("What a network would notice first"), HasSubstr("By class"), Not(HasSubstr("nan")),
                           Not(HasSubstr("http://www.w3.org/1999/xhtml\" src"))));
   const nlohmann::json result = nlohmann::json::parse(readFile(at("out/compare.json")));

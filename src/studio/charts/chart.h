@@ -1,7 +1,7 @@
 #pragma once
 
-// Charts, written as SVG files for papers, or as JSON that a page's script draws (report/page/charts.js). Every member
-// has an initialiser, so that a designated initialiser need not list all members.
+// Charts, drawn as SVG for files and pages. Every member has an initialiser, so that a designated initialiser need not
+// list all members.
 
 #include <cstddef>
 #include <optional>
@@ -27,7 +27,7 @@ struct ChartAxis {
   std::optional<double> low{}, high{};
   // A logarithmic axis shows all values of zero and below at one place, in a band before its low end, with this label.
   std::string zero = "0";
-  // Labels for the values 0, 1, 2 and so on, instead of numbers. In a page, value 0 of a y axis is at the top.
+  // Labels for the values 0, 1, 2 and so on, instead of numbers. Value 0 of a y axis is at the top.
   std::vector<std::string> names{};
 };
 
@@ -44,8 +44,9 @@ struct ChartSeries {
   bool labelsFirst = false;  // labels are placed before other series' labels, and farther away if there is little room
   std::vector<Vec2d> points{};  // points that are not finite are left out; lines are interrupted there
   // Each of the following lists is empty or has one entry per point.
-  std::vector<Vec2d> spans{};          // low and high end of an error bar in y
-  std::vector<std::string> labels{};   // drawn beside the point if there is room; an empty text is not drawn
+  std::vector<Vec2d> spans{};  // low and high end of an error bar in y
+  // Texts that are drawn beside the point, or at the end of the bar, if there is room; an empty text is not drawn.
+  std::vector<std::string> labels{};
   std::vector<std::string> details{};  // text that is shown when the pointer is on the point
   std::vector<std::string> fills{};    // "#rrggbb" colours of bars instead of the palette's; the legend shows the first
 
@@ -56,16 +57,16 @@ struct ChartSeries {
 };
 
 struct Chart {
-  std::string name{};  // name of the chart's file without suffix, and id of its element in a page
+  std::string name{};  // name of the chart's file without suffix, and in the template of a page
   std::string title{};
   std::string note{};  // text below the title: what is shown, from which data
   ChartAxis x{}, y{};
   // The series of the chart. A vertical bar is drawn at the name with index point.x on the x axis. If the y axis has
-  // names, pages draw bars horizontally at the name with index point.y.
+  // names, bars are horizontal, at the name with index point.y.
   std::vector<ChartSeries> series{};
-  bool stacked = false;  // pages stack the bars at one name of an axis; not for logarithmic axes
+  bool stacked = false;  // the bars at one name of an axis are stacked; not for logarithmic axes
   int width = 860;       // width of the drawing in pixels
-  int height = 480;      // height of the drawing in pixels
+  int height = 480;  // height of the drawing in pixels, to which that of a title and a legend of many lines is added
 };
 
 // True if at least one point is finite and can be drawn.
@@ -77,8 +78,5 @@ std::string axisNumber(double value, const std::string& unit);
 // Returns an SVG document with a light and a dark colour scheme; the reader's settings decide which is shown. Labels
 // are text elements, not outlines. If no point is finite, the chart shows "no data".
 std::string drawSvg(const Chart& chart);
-
-// Returns the JSON that charts.js draws: {stacked, x, y, series}. Values that are not finite become null.
-std::string chartJson(const Chart& chart);
 
 }  // namespace scanmill

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 
 #include "charts/chart.h"
 #include "charts/svg_text.h"
@@ -185,7 +186,10 @@ struct ChartBox {
 class SvgDrawing {
  public:
   explicit SvgDrawing(const Chart& chart)
-      : chart_(chart), width_(std::max(chart.width, 200)), height_(std::max(chart.height, 160)) {
+      : chart_(chart),
+        lying_(!chart.y.names.empty()),
+        width_(std::max(chart.width, 200)),
+        height_(std::max(chart.height, 160)) {
     for (const ChartSeries& s : chart.series) emphasised_ = emphasised_ || s.emphasised;
   }
 
@@ -198,7 +202,10 @@ class SvgDrawing {
       text("note muted", kMargin, top += kNoteFont * 1.35, "start", line);
     }
     if (hasPoints(chart_)) {
-      plot(legend(top + 8));
+      constexpr double kUsualHead = 90;  // height of a title, a note and a legend of one line each (pixels)
+      const double bottom = legend(top + 8);
+      height_ += std::max(bottom - kUsualHead, 0.0);
+      plot(bottom);
     } else {
       text("nodata muted", width_ / 2, (top + height_) / 2, "middle", "no data");
     }
@@ -222,9 +229,10 @@ class SvgDrawing {
   void line(const char* kind, double x0, double y0, double x1, double y1) {
     path(kind, fmt::format("M{},{}L{},{}", svgNumber(x0), svgNumber(y0), svgNumber(x1), svgNumber(y1)));
   }
-  void rect(const std::string& kind, const ChartBox& b, const std::string& detail = "") {
-    out_ += fmt::format("<rect class=\"{}\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\">{}</rect>\n", kind,
+  void rect(const std::string& kind, const ChartBox& b, const std::string& fill = "", const std::string& detail = "") {
+    out_ += fmt::format("<rect class=\"{}\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"{}>{}</rect>\n", kind,
                         svgNumber(b.left), svgNumber(b.top), svgNumber(b.right - b.left), svgNumber(b.bottom - b.top),
+                        fill.empty() ? "" : fmt::format(" style=\"fill:{}\"", escapeXml(fill)),
                         detail.empty() ? "" : "<title>" + escapeXml(detail) + "</title>");
   }
   void mark(const ChartSeries& s, const Vec2d& p, double radius, const std::string& detail = "") {
@@ -262,7 +270,7 @@ class SvgDrawing {
         }
         if (o.mark == ChartMark::Dots || o.mark == ChartMark::LineAndDots) mark(o, {x + 13, middle}, 4.5);
         if (o.mark == ChartMark::Bars) {
-          rect(fmt::format("f{}", o.color % kChartColors), {x + 8, middle - 5.5, x + 19, middle + 5.5});
+          rect(fmt::format("f{}", o.color % kChartColors), {x + 8, middle - 5.5, x + 19, middle + 5.5}, at(o.fills, 0));
         }
       }
       text("entry", x + 32, y, "start", s.name);
@@ -274,44 +282,58 @@ class SvgDrawing {
 
   void plot(double top) {
     std::vector<double> xs, ys;
-    bool bars = false;
+    std::vector<double>& values = lying_ ? xs : ys;
+    std::map<double, double> ends;  // the sum of the stacked bars at each name
+    bool bars = false, labels = false;
     for (const ChartSeries& s : chart_.series) {
       bars = bars || s.mark == ChartMark::Bars;
+      labels = labels || (s.mark == ChartMark::Bars && !s.labels.empty());
       for (std::size_t i = 0; i < s.points.size(); ++i) {
         if (!isDrawn(s.points[i])) continue;
         xs.push_back(s.points[i].x);
         ys.push_back(s.points[i].y);
+        const auto [name, value] =
+            lying_ ? std::pair(s.points[i].y, s.points[i].x) : std::pair(s.points[i].x, s.points[i].y);
+        if (chart_.stacked) values.push_back(ends[name] += value);
         if (i < s.spans.size() && isDrawn(s.spans[i])) ys.insert(ys.end(), {s.spans[i].x, s.spans[i].y});
       }
     }
+    // Extends the axis, to leave space for the labels beyond the ends of bars.
+    constexpr double kLabelRoom = 1.12;
+    if (labels && (lying_ ? chart_.x : chart_.y).scale == AxisScale::Linear) {
+      values.push_back(kLabelRoom * *std::ranges::max_element(values));
+    }
     area_ = {kMargin, top, width_ - kMargin - 8, height_ - kMargin - kFont * 3.4};
-    if (!chart_.y.title.empty()) text("axistitle muted", kMargin, area_.top + kNoteFont, "start", chart_.y.title);
-    area_.top += kNoteFont * 1.9;
+    if (!chart_.y.title.empty()) {
+      text("axistitle muted", kMargin, area_.top + kNoteFont, "start", chart_.y.title);
+      area_.top += kNoteFont * 1.9;
+    }
     // Angle (degrees) by which names are rotated if they are too long to fit side by side.
     constexpr double kTurned = 26;
+    const auto nameText = [&](const std::string& name) { return shortened(name, width_ < 700 ? 30 : 40); };
     double widest = 0;
-    for (const std::string& name : chart_.x.names) widest = std::max(widest, svgTextWidth(name, kFont));
+    for (const std::string& name : chart_.x.names) widest = std::max(widest, svgTextWidth(nameText(name), kFont));
     const bool turned = widest * static_cast<double>(chart_.x.names.size()) * 1.1 > area_.right - area_.left - 60;
-    if (turned) area_.bottom -= std::min(widest * std::sin(kTurned * kPi / 180), 90.0);
-    const ChartScale y(chart_.y, ys, bars, (area_.bottom - area_.top) / (kFont * 2.8));
+    if (turned) area_.bottom -= widest * std::sin(kTurned * kPi / 180);
+    const ChartScale y(chart_.y, ys, bars && !lying_, (area_.bottom - area_.top) / (kFont * 2.8));
     double left = 0;
-    for (const ChartScale::Tick& t : y.ticks) left = std::max(left, svgTextWidth(t.text, kFont));
+    for (const ChartScale::Tick& t : y.ticks) left = std::max(left, svgTextWidth(nameText(t.text), kFont));
     area_.left += left + 9;
-    const ChartScale x(chart_.x, xs, false, (area_.right - area_.left) / (kFont * 5));
+    const ChartScale x(chart_.x, xs, bars && lying_, (area_.right - area_.left) / (kFont * 5));
     x_ = &x, y_ = &y;
     const double bandRight = area_.left + kBand * (area_.right - area_.left);
     if (x.hasBand()) rect("band", {area_.left, area_.top, bandRight, area_.bottom});
     const double bandTop = area_.bottom - kBand * (area_.bottom - area_.top);
     if (y.hasBand()) rect("band", {area_.left, bandTop, area_.right, area_.bottom});
     for (const ChartScale::Tick& t : y.ticks) {
-      const double at = area_.bottom - t.place * (area_.bottom - area_.top);
+      const double at = heightAt(t.place);
       line("grid", area_.left, at, area_.right, at);
-      text("tick", area_.left - 8, at + kFont * 0.35, "end", t.text);
+      text("tick", area_.left - 8, at + kFont * 0.35, "end", nameText(t.text));
     }
     for (const ChartScale::Tick& t : x.ticks) {
       const double at = area_.left + t.place * (area_.right - area_.left);
       if (chart_.x.names.empty()) line("grid", at, area_.top, at, area_.bottom);
-      text("tick", at, area_.bottom + 6 + kFont, turned ? "end" : "middle", t.text, turned ? -kTurned : 0);
+      text("tick", at, area_.bottom + 6 + kFont, turned ? "end" : "middle", nameText(t.text), turned ? -kTurned : 0);
     }
     line("axis", area_.left, area_.bottom, area_.right, area_.bottom);
     line("axis", area_.left, area_.top, area_.left, area_.bottom);
@@ -319,16 +341,19 @@ class SvgDrawing {
     series();
   }
 
+  // Returns the y (pixels) of a place on the y axis. The first of its names is at the top.
+  double heightAt(double place) const {
+    return lying_ ? area_.top + place * (area_.bottom - area_.top) : area_.bottom - place * (area_.bottom - area_.top);
+  }
   Vec2d pixel(const Vec2d& p) const {
-    return {area_.left + x_->at(p.x) * (area_.right - area_.left),
-            area_.bottom - y_->at(p.y) * (area_.bottom - area_.top)};
+    return {area_.left + x_->at(p.x) * (area_.right - area_.left), heightAt(y_->at(p.y))};
   }
 
   void series() {
     std::size_t groups = 0, place = 0;
     for (const ChartSeries& s : chart_.series) groups += s.mark == ChartMark::Bars ? 1 : 0;
     for (const ChartSeries& s : chart_.series) {
-      if (s.mark == ChartMark::Bars) bars(s, place++, groups);
+      if (s.mark == ChartMark::Bars) bars(s, chart_.stacked ? 0 : place++, chart_.stacked ? 1 : groups);
     }
     for (const bool emphasised : {false, true}) {
       for (const ChartSeries& s : chart_.series) {
@@ -350,22 +375,39 @@ class SvgDrawing {
     // Place the labels of labelsFirst series first, then the labels of emphasised series, then all other labels.
     for (const int rank : {0, 1, 2}) {
       for (const ChartSeries& s : chart_.series) {
-        if (rank == (s.labelsFirst ? 0 : s.emphasised ? 1 : 2)) labels(s);
+        if (s.mark != ChartMark::Bars && rank == (s.labelsFirst ? 0 : s.emphasised ? 1 : 2)) labels(s);
       }
     }
   }
 
+  // Draws the bars of a series, which are horizontal if the y axis has names. `place`: index of the series among the
+  // `groups` bars that are side by side at each name.
   void bars(const ChartSeries& s, std::size_t place, std::size_t groups) {
-    const double slot = std::abs(pixel({1, 1}).x - pixel({0, 1}).x) * 0.76;
+    const Vec2d step = pixel({1, 1}), before = pixel({0, 0});
+    const bool log = (lying_ ? chart_.x : chart_.y).scale == AxisScale::Log;
+    const double slot = std::abs(lying_ ? step.y - before.y : step.x - before.x) * 0.76;
     const double thick = std::min(slot / static_cast<double>(groups), 26.0);
+    const double offset = (static_cast<double>(place) - static_cast<double>(groups) / 2) * thick;
     for (std::size_t i = 0; i < s.points.size(); ++i) {
       if (!isDrawn(s.points[i])) continue;
-      const Vec2d p = pixel(s.points[i]);
-      const double left = p.x + (static_cast<double>(place) - static_cast<double>(groups) / 2) * thick;
-      rect(fmt::format("bar f{}", s.color % kChartColors),
-           {left, p.y, left + thick - (groups > 1 ? 1 : 0),
-            chart_.y.scale == AxisScale::Log ? area_.bottom : pixel({0, 0}).y},
-           at(s.details, i));
+      const auto [value, name] = lying_ ? s.points[i] : Vec2d{s.points[i].y, s.points[i].x};
+      const double from = chart_.stacked ? stacked_[name] : 0;
+      stacked_[name] += value;
+      const Vec2d start = pixel(lying_ ? Vec2d{from, name} : Vec2d{name, from});
+      const Vec2d end = pixel(lying_ ? Vec2d{from + value, name} : Vec2d{name, from + value});
+      const double side = (lying_ ? end.y : end.x) + offset, other = side + thick - (groups > 1 ? 1 : 0);
+      const ChartBox box = lying_ ? ChartBox{log ? area_.left : start.x, side, end.x, other}
+                                  : ChartBox{side, end.y, other, log ? area_.bottom : start.y};
+      rect(fmt::format("bar f{}", s.color % kChartColors), box, at(s.fills, i), at(s.details, i));
+      const std::string words = at(s.labels, i);
+      const double half = svgTextWidth(words, kFont) / 2;
+      const ChartBox around = lying_ ? ChartBox{end.x + 4, side, end.x + 4 + 2 * half, other}
+                                     : ChartBox{end.x - half, end.y - kFont * 1.2, end.x + half, end.y - 2};
+      if (words.empty() || around.right > width_ ||
+          std::ranges::any_of(taken_, [&](const ChartBox& o) { return around.overlaps(o); }))
+        continue;
+      taken_.push_back(around);
+      text("label", around.left, lying_ ? (side + other) / 2 + kFont * 0.35 : around.bottom - 2, "start", words);
     }
   }
 
@@ -431,12 +473,14 @@ class SvgDrawing {
   }
 
   const Chart& chart_;
+  const bool lying_;  // true: the y axis has names, and bars are horizontal
   double width_, height_;
   bool emphasised_ = false;  // true: at least one series is emphasised
   ChartBox area_;            // rectangle of the plot, without title, legend and axis labels
   const ChartScale *x_ = nullptr, *y_ = nullptr;
-  std::vector<ChartBox> taken_;  // boxes of marks and labels, which new labels must not overlap
-  std::vector<ChartBox> lines_;  // boxes of emphasised lines, which labels avoid if there is room elsewhere
+  std::map<double, double> stacked_;  // for each name, the sum of the bars that have been drawn there
+  std::vector<ChartBox> taken_;       // boxes of marks and labels, which new labels must not overlap
+  std::vector<ChartBox> lines_;       // boxes of emphasised lines, which labels avoid if there is room elsewhere
   std::string out_;
 };
 

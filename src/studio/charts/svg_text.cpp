@@ -83,6 +83,14 @@ std::vector<std::string> wrapSvgText(std::string_view text, double fontSize, dou
   return lines;
 }
 
+std::string shortened(const std::string& text, std::size_t most) {
+  constexpr std::size_t kLast = 10;  // number of characters that are kept at the end
+  std::vector<std::size_t> starts;
+  for (std::size_t i = 0; i < text.size(); i += utf8At(text, i).bytes) starts.push_back(i);
+  if (starts.size() <= most) return text;
+  return text.substr(0, starts[most - kLast - 1]) + "\xE2\x80\xA6" + text.substr(starts[starts.size() - kLast]);
+}
+
 std::string svgNumber(double value) {
   std::string text = fmt::format("{:.2f}", value);
   while (text.back() == '0') text.pop_back();

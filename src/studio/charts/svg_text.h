@@ -21,6 +21,10 @@ double svgTextWidth(std::string_view text, double fontSize, bool bold = false);
 // no lines for an empty text.
 std::vector<std::string> wrapSvgText(std::string_view text, double fontSize, double width, bool bold = false);
 
+// Returns the text; if it has more than `most` characters, replaces some in its middle by "...", since names often
+// differ only at their ends.
+std::string shortened(const std::string& text, std::size_t most);
+
 // Formats a number with at most two decimals, without trailing zeros.
 std::string svgNumber(double value);
 

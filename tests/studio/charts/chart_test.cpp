@@ -236,20 +236,39 @@ TEST(Chart, GivenEndsAreKeptUnlessDataLieBeyond) {
   EXPECT_EQ(dotsOf(wider).size(), 3u);
 }
 
-// The JSON of a page has all, six digits of each number, and null for what cannot be drawn.
-TEST(Chart, ThePageIsToldEverything) {
-  Chart chart = dotted({{1.0 / 3, kNaN}, {2e-9, 4}});
-  chart.y.scale = AxisScale::Log;
-  chart.y.low = 1;
-  chart.y.names = {"a"};
-  chart.series[0].spans = {{0, kInfinity}};
-  chart.series[0].fills = {"#123456"};
-  chart.series[0].details = {"\xFF<"};
-  EXPECT_EQ(chartJson(chart),
-            R"({"stacked":false,"x":{"title":"","log":false,"unit":"","zero":"0"},"y":{"title":"","log":true,)"
-            R"("unit":"","zero":"0","low":1.0,"names":["a"]},"series":[{"name":"s","color":0,"mark":"dots",)"
-            R"("strong":false,"first":false,"points":[[0.333333,null],[2e-09,4.0]],"spans":[[0,null]],)"
-            "\"details\":[\"\xEF\xBF\xBD<\"],\"fills\":[\"#123456\"]}]}");
+TEST(Chart, NamesBesideTheChartHaveLyingBarsFromTheTop) {
+  Chart chart;
+  chart.y.names = {"a", "b"};
+  chart.series.push_back({.name = "one",
+                          .mark = ChartMark::Bars,
+                          .points = {{2, 0}, {8, 1}},
+                          .labels = {"two", "eight"},
+                          .fills = {"#123456", "#abcdef"}});
+  const std::string svg = drawSvg(chart);
+  const std::vector<SvgElement> bars = elementsOf(svg, "bar");
+  ASSERT_EQ(bars.size(), 2u);
+  EXPECT_NEAR(4 * numberOf(bars[0], "width"), numberOf(bars[1], "width"), 8 * kPixels);
+  EXPECT_EQ(numberOf(bars[0], "x"), numberOf(bars[1], "x"));
+  EXPECT_LT(numberOf(bars[0], "y"), numberOf(bars[1], "y"));
+  EXPECT_EQ(bars[1].attributes.at("style"), "fill:#abcdef");
+  EXPECT_THAT(textsOf(svg, "label"), testing::ElementsAre("two", "eight"));
+  EXPECT_GT(labelBoxes(svg)[1].left, numberOf(bars[1], "x") + numberOf(bars[1], "width"));
+}
+
+TEST(Chart, StackedBarsBeginWhereTheOneBeforeEnds) {
+  for (const bool lying : {false, true}) {
+    Chart chart{.stacked = true};
+    (lying ? chart.y : chart.x).names = {"a", "b"};
+    const auto point = [&](double value, double name) { return lying ? Vec2d{value, name} : Vec2d{name, value}; };
+    chart.series.push_back({.name = "one", .mark = ChartMark::Bars, .points = {point(3, 0), point(1, 1)}});
+    chart.series.push_back({.name = "two", .color = 1, .mark = ChartMark::Bars, .points = {point(2, 0), point(6, 1)}});
+    const std::vector<SvgElement> bars = elementsOf(drawSvg(chart), "bar");
+    ASSERT_EQ(bars.size(), 4u);
+    const char *along = lying ? "width" : "height", *at = lying ? "x" : "y";
+    EXPECT_NEAR(numberOf(bars[3], along), 6 * numberOf(bars[1], along), 8 * kPixels);
+    const std::size_t low = lying ? 1 : 3, high = lying ? 3 : 1;  // x grows from the first bar, y towards it
+    EXPECT_NEAR(numberOf(bars[low], at) + numberOf(bars[low], along), numberOf(bars[high], at), 2 * kPixels);
+  }
 }
 
 }  // namespace

@@ -47,5 +47,12 @@ TEST(SvgText, Wraps) {
   EXPECT_EQ(svgNumber(12.5), "12.5");
 }
 
+TEST(SvgText, LongNamesKeepTheirEnds) {
+  EXPECT_EQ(shortened("short", 20), "short");
+  EXPECT_EQ(shortened("the first setting of all, number 12", 20), "the first\xE2\x80\xA6 number 12");
+  EXPECT_EQ(shortened("\xC3\xA9\xC3\xA9" + std::string(20, 'x'), 20),
+            "\xC3\xA9\xC3\xA9" + std::string(7, 'x') + "\xE2\x80\xA6" + std::string(10, 'x'));
+}
+
 }  // namespace
 }  // namespace scanmill

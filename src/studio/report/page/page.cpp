@@ -16,7 +16,8 @@ namespace scanmill {
 namespace {
 
 constexpr int kHalfRow = 870;  // maximum width of charts that share a row (pixels)
-constexpr int kAround = 60;    // part of a chart's height for title, note and legend (pixels)
+// Width of a chart in a page that shares a row, and of one alone in a row (pixels).
+constexpr int kHalfWidth = 575, kWholeWidth = 1150;
 
 std::string trimmed(const std::string& text) {
   const std::size_t first = text.find_first_not_of(" \t\n");
@@ -143,7 +144,7 @@ std::string navigation(const std::string& body) {
 
 std::string fillPage(std::string_view body, Json values, const PageExtras& extras) {
   const TextEscape escape = [](const std::string& text) { return escapeXml(text); };
-  values["chart"] = kChartFigure;
+  values["chart"] = "<figure class=\"chart{{#wide}} wide{{/wide}}\">{{{svg}}}</figure>";
   std::string filled = fillTemplate(withoutPartials(std::string(body), values), values, escape,
                                     {{"table", tableTemplate}, {"figures", figuresTemplate}});
   constexpr std::string_view kNavigation = "<nav></nav>";
@@ -151,9 +152,6 @@ std::string fillPage(std::string_view body, Json values, const PageExtras& extra
   if (nav != std::string::npos) filled.insert(nav + 5, navigation(filled));
   Json layout{{"title", values["title"]}, {"css", std::string(kPageStyle) + extras.css}, {"body", std::move(filled)}};
   std::vector<std::string> scripts{std::string(kPageScript)};
-  if (layout["body"].get_ref<const std::string&>().find("<canvas class=\"plot\"") != std::string::npos) {
-    scripts.insert(scripts.end(), {std::string(kChartLibrary), std::string(kChartScript)});
-  }
   scripts.insert(scripts.end(), extras.scripts.begin(), extras.scripts.end());
   std::string sources;
   for (const std::string& script : scripts) sources += scriptSource(script);
@@ -165,9 +163,10 @@ std::string fillPage(std::string_view body, Json values, const PageExtras& extra
 
 Json chartValues(const Chart& chart) {
   if (!hasPoints(chart)) return {};
-  return {{"title", chart.title},           {"note", chart.note},
-          {"y_title", chart.y.title},       {"height", chart.height - kAround},
-          {"wide", chart.width > kHalfRow}, {"json", scriptJson(chartJson(chart))}};
+  const bool wide = chart.width > kHalfRow;
+  Chart fitted = chart;
+  fitted.width = wide ? kWholeWidth : kHalfWidth;
+  return {{"wide", wide}, {"svg", drawSvg(fitted)}};
 }
 
 Json chartValues(const std::vector<Chart>& charts) {

@@ -46,7 +46,7 @@ std::string shellWord(const std::string& word, bool quote = false);
 // Escapes JSON for a <script> element.
 std::string scriptJson(const std::string& json);
 
-// Contents of files that CMake embeds in the program: the files in this folder, and Chart.js.
-extern const std::string_view kPageLayout, kPageStyle, kPageScript, kChartFigure, kChartScript, kChartLibrary;
+// Contents of the files in this folder, which CMake embeds in the program.
+extern const std::string_view kPageLayout, kPageStyle, kPageScript;
 
 }  // namespace scanmill

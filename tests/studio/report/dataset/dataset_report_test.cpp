@@ -384,10 +384,10 @@ TEST_F(MadeDataset, NamesStayText) {
   EXPECT_FALSE(has(page, "<img src=x"));
   EXPECT_TRUE(has(page, "&lt;img src=x onerror=alert(1)&gt;"));
   EXPECT_TRUE(has(page, "\\u003c/script>\\u003cimg src=x"));
-  // Scripts that the program carries, the data of points and charts, and no other.
-  EXPECT_EQ(times(page, "<script>"), 6u);
-  EXPECT_EQ(times(page, "<script type=\"application/json\""), 9u);
-  EXPECT_EQ(times(page, "</script"), 15u);
+  // Scripts that the program carries, the data of points, and no other.
+  EXPECT_EQ(times(page, "<script>"), 4u);
+  EXPECT_EQ(times(page, "<script type=\"application/json\""), 1u);
+  EXPECT_EQ(times(page, "</script"), 5u);
 }
 
 TEST_F(MadeDataset, ThePageAsksForNothing) {
@@ -407,7 +407,7 @@ TEST_F(MadeDataset, ThePageAsksForNothing) {
     }
   }
   for (const char* words : {"@import", "url(", "<link", "<iframe", "<object"}) EXPECT_FALSE(has(own, words)) << words;
-  for (const char* file : {"dataset/scan_view.js", "page/charts.js", "page/page.js"}) {
+  for (const char* file : {"dataset/scan_view.js", "page/page.js"}) {
     const std::string script = readFile(std::filesystem::path(SCANMILL_SOURCE_DIR) / "src/studio/report" / file);
     for (const char* words : {"http", "fetch", "XMLHttpRequest", "import", "innerHTML", "eval"}) {
       EXPECT_FALSE(has(script, words)) << words;
