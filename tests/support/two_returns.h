@@ -126,7 +126,7 @@ inline const MethodEntry& twoReturns() {
 
 // The pipeline with this method in place of its own. `options`: its map in YAML.
 inline Pipeline withTwoReturns(Pipeline pipeline, const std::string& options = "{}") {
-  pipeline.method = {&twoReturns(), parseYaml(options, "two_returns"), false};
+  pipeline.method = {&twoReturns(), parseYaml(options, "two_returns")};
   return pipeline;
 }
 
