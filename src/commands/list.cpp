@@ -28,7 +28,6 @@
 #include "config/fields.h"
 #include "config/resources.h"
 #include "exports/layout.h"
-#include "formats/cloud_columns.h"
 #include "formats/format.h"
 #include "formats/readers.h"
 #include "gpu/compute.h"

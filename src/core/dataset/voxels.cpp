@@ -11,7 +11,6 @@
 #include "base/error.h"
 #include "formats/little_endian.h"
 #include "formats/npy.h"
-#include "formats/zip_file.h"
 
 namespace scanmill {
 

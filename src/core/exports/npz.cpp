@@ -25,7 +25,6 @@
 #include "exports/scan_files.h"
 #include "formats/little_endian.h"
 #include "formats/npy.h"
-#include "formats/zip_file.h"
 
 namespace scanmill {
 

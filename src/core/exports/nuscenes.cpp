@@ -46,7 +46,6 @@
 #include "exports/nuscenes_tables.h"
 #include "formats/little_endian.h"
 #include "formats/npy.h"
-#include "formats/zip_file.h"
 
 namespace scanmill {
 

@@ -1,12 +1,11 @@
-#include "formats/cloud_columns.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <limits>
 
 #include "config/text.h"
-#include "formats/column_value.h"
+#include "formats/readers.h"
+#include "formats/text_rows.h"
 
 namespace scanmill {
 

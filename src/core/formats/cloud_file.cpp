@@ -12,7 +12,7 @@
 #include "base/input_budget.h"
 #include "config/text.h"
 #include "formats/format.h"
-#include "formats/ply_header.h"
+#include "formats/ply_file.h"
 #include "formats/point_records.h"
 #include "formats/readers.h"
 

@@ -43,7 +43,7 @@ enum class CloudUnit {
 };
 
 // Reads a cloud. Columns of the table (scan/columns.h) that other programs call otherwise are found by the names in
-// cloudColumns() (formats/cloud_columns.h). Columns that are not in the table (red, green, blue, nx, ny, nz, gps_time)
+// cloudColumns() (formats/readers.h). Columns that are not in the table (red, green, blue, nx, ny, nz, gps_time)
 // become foreign columns. With a scan of SemanticKITTI its label file is read too. Throws an InputError that names the
 // file, and the line of a text file.
 Cloud readCloud(const std::filesystem::path& file, CloudUnit unit = CloudUnit::OfFile);

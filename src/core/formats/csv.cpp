@@ -18,8 +18,6 @@
 #include <vector>
 
 #include "base/text_scan.h"
-#include "formats/cloud_columns.h"
-#include "formats/makers.h"
 #include "formats/readers.h"
 #include "formats/text_rows.h"
 

@@ -41,11 +41,10 @@
 #include <vector>
 
 #include "base/instruction_sets.h"
+#include "base/raw_vector.h"
 #include "formats/draco_writer.h"
 #include "formats/grid.h"
-#include "formats/makers.h"
 #include "formats/readers.h"
-#include "formats/scratch.h"
 
 namespace scanmill {
 
@@ -100,10 +99,10 @@ std::vector<std::uint16_t> asIntegers(std::span<const float> values) {
 
 // Returns the indices of the grid points nearest to the values. The memory is valid until the next call on this thread.
 SCANMILL_BEST_INSTRUCTIONS QuantisedColumn onGrid(std::span<const float> values, const Grid& grid) {
-  thread_local Scratch<std::int32_t> scratch;
-  std::int32_t* indices = scratch.get(values.size());
-  quantise(values, grid, indices);
-  return {{indices, values.size()}, grid.low, grid.step};
+  thread_local RawVector<std::int32_t> scratch;
+  scratch.resize(values.size());
+  quantise(values, grid, scratch.data());
+  return {scratch, grid.low, grid.step};
 }
 
 class DracoFormat : public Format {

@@ -6,9 +6,8 @@
 #include <memory>
 
 #include "base/error.h"
-#include "formats/cloud_columns.h"
-#include "formats/column_value.h"
 #include "formats/readers.h"
+#include "formats/text_rows.h"
 #include "scan/scan.h"
 
 namespace scanmill {

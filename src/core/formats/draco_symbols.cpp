@@ -1,5 +1,3 @@
-#include "formats/draco_symbols.h"
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -8,7 +6,8 @@
 #include <vector>
 
 #include "base/instruction_sets.h"
-#include "formats/scratch.h"
+#include "base/raw_vector.h"
+#include "formats/draco_writer.h"
 
 namespace scanmill {
 
@@ -162,8 +161,9 @@ void appendRans(const Symbol* symbols, const Histogram& h, int precisionBits, st
   appendTable(probability, out);
   const std::uint32_t base = 4u << precisionBits;
   std::uint32_t state = base;
-  thread_local Scratch<char> scratch;
-  char* const room = scratch.get(3 * h.total + 8);
+  thread_local RawVector<char> scratch;
+  scratch.resize(3 * h.total + 8);
+  char* const room = scratch.data();
   char* to = room;
   if (h.unique > 1) {  // a single symbol has probability 1 and takes no bits
     const std::vector<Step> table = steps(probability, precisionBits);
@@ -195,9 +195,10 @@ std::uint8_t bitLength(std::uint32_t value) {
 // thread.
 template <std::size_t kComponents>
 std::span<const std::uint8_t> bitLengths(std::span<const std::uint32_t> symbols) {
-  thread_local Scratch<std::uint8_t> scratch;
+  thread_local RawVector<std::uint8_t> scratch;
   const std::size_t entries = symbols.size() / kComponents;
-  std::uint8_t* const lengths = scratch.get(entries);
+  scratch.resize(entries);
+  std::uint8_t* const lengths = scratch.data();
   for (std::size_t i = 0; i < entries; ++i) {
     std::uint32_t any = 0;
     for (std::size_t c = 0; c < kComponents; ++c) any |= symbols[i * kComponents + c];
@@ -212,8 +213,9 @@ void appendTagged(std::span<const std::uint32_t> symbols, int components, std::s
                   const Histogram& h, std::string& out) {
   out.push_back(static_cast<char>(kTagged));
   appendRans(lengths.data(), h, kTagPrecisionBits, out);
-  thread_local Scratch<char> scratch;
-  char* const room = scratch.get(4 * symbols.size() + 8);
+  thread_local RawVector<char> scratch;
+  scratch.resize(4 * symbols.size() + 8);
+  char* const room = scratch.data();
   char* to = room;
   std::uint64_t pending = 0;
   unsigned pendingBits = 0;

@@ -9,8 +9,8 @@
 #include <limits>
 
 #include "base/instruction_sets.h"
-#include "formats/draco_symbols.h"
-#include "formats/scratch.h"
+#include "base/raw_vector.h"
+#include "formats/little_endian.h"
 
 namespace scanmill {
 
@@ -19,11 +19,6 @@ namespace {
 // Least number of bits of a quantised attribute. From 25 bits on, float32 rounds 2^bits - 1 to 2^bits, so that a
 // decoder's step, range / float(2^bits - 1), equals the encoder's step, range / 2^bits.
 constexpr int kLeastBits = 25;
-
-template <class T>
-void appendRaw(const T& value, std::string& out) {
-  out.append(reinterpret_cast<const char*>(&value), sizeof(value));
-}
 
 void appendEntry(std::string_view key, std::string_view value, std::string& out) {
   out.push_back(static_cast<char>(key.size()));
@@ -47,8 +42,9 @@ struct Symbols {
 // specification). If the range is too large for that, returns the values themselves.
 template <class T>
 Symbols correct(std::span<const T> values, std::size_t components) {
-  thread_local Scratch<std::uint32_t> scratch;
-  Symbols result{{scratch.get(values.size()), values.size()}, 0, 0, true};
+  thread_local RawVector<std::uint32_t> scratch;
+  scratch.resize(values.size());
+  Symbols result{scratch, 0, 0, true};
   const auto at = [&](std::size_t i) { return static_cast<std::int32_t>(values[i]); };
   std::int32_t low = at(0);
   std::int32_t high = at(0);
@@ -132,13 +128,13 @@ std::string DracoWriter::finish() const {
   out.push_back(static_cast<char>(draco::kDracoPointCloudBitstreamVersionMinor));
   out.push_back(static_cast<char>(draco::POINT_CLOUD));
   out.push_back(static_cast<char>(draco::POINT_CLOUD_SEQUENTIAL_ENCODING));
-  appendRaw(std::uint16_t{METADATA_FLAG_MASK}, out);
+  putNumber(std::uint16_t{METADATA_FLAG_MASK}, out);
   appendVarint(attributes_, out);
   out += names_;
   appendVarint(entries_, out);
   out += entryBytes_;
   appendVarint(0, out);  // no nested metadata
-  appendRaw(points_, out);
+  putNumber(points_, out);
   out.push_back(attributes_ > 0 ? 1 : 0);  // number of groups of attributes
   if (attributes_ == 0) return out;
   appendVarint(attributes_, out);
@@ -182,8 +178,8 @@ void DracoWriter::addSymbols(std::span<const T> values, int components) {
     values_.push_back(draco::PREDICTION_TRANSFORM_WRAP);
     values_.push_back(1);  // the symbols are entropy coded
     appendSymbols(symbols.values, components, level_, values_);
-    appendRaw(symbols.low, values_);
-    appendRaw(symbols.high, values_);
+    putNumber(symbols.low, values_);
+    putNumber(symbols.high, values_);
   } else {
     values_.push_back(static_cast<char>(draco::PREDICTION_NONE));
     values_.push_back(0);  // not entropy coded: stored as integers, whose size in bytes comes next
@@ -197,8 +193,8 @@ void DracoWriter::addGrid(const QuantisedColumn& column) {
   std::uint32_t any = 0;
   for (const std::int32_t index : column.indices) any |= static_cast<std::uint32_t>(index);
   const int bits = std::max(kLeastBits, static_cast<int>(std::bit_width(any)));
-  for (const float low : column.low) appendRaw(low, grids_);
-  appendRaw(std::ldexp(column.step, bits), grids_);
+  for (const float low : column.low) putNumber(low, grids_);
+  putNumber(std::ldexp(column.step, bits), grids_);
   grids_.push_back(static_cast<char>(bits));
 }
 

@@ -13,6 +13,14 @@
 
 namespace scanmill {
 
+// Appends a number as LEB128, which the specification calls varUI32 and varUI64.
+void appendVarint(std::uint64_t value, std::string& out);
+
+// Appends `symbols` as Draco's DecodeSymbols() reads them, by the rANS coder of the specification's section "Symbol
+// decoding" (draco_symbols.cpp). Each symbol is below 2^31, and `components` (1 or 3) successive symbols make one
+// entry. A higher `level` (0 to 10) stores probabilities more precisely and gives fewer bytes.
+void appendSymbols(std::span<const std::uint32_t> symbols, int components, int level, std::string& out);
+
 // A column of values on a regular grid. A component of a value is low + index * step.
 struct QuantisedColumn {
   std::span<const std::int32_t> indices;  // all 0 or more; point by point, with a point's components in succession

@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "formats/makers.h"
+#include "formats/readers.h"
 
 namespace scanmill {
 

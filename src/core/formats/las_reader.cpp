@@ -9,7 +9,6 @@
 #include "base/earth.h"
 #include "base/error.h"
 #include "config/text.h"
-#include "formats/cloud_columns.h"
 #include "formats/readers.h"
 #include "rasters/raster.h"
 

@@ -1,10 +1,8 @@
 #pragma once
 
-// Writes numbers as bytes, the least significant first, on any machine.
+// Writes numbers as bytes, the least significant first.
 
 #include <bit>
-#include <concepts>
-#include <cstdint>
 #include <string>
 #include <type_traits>
 
@@ -13,13 +11,8 @@ namespace scanmill {
 template <class T>
 requires std::is_arithmetic_v<T>
 void putNumber(T value, std::string& bytes) {
-  using Bits = std::conditional_t<sizeof(T) == 8, std::uint64_t,
-                                  std::conditional_t<sizeof(T) == 4, std::uint32_t,
-                                                     std::conditional_t<sizeof(T) == 2, std::uint16_t, std::uint8_t>>>;
-  auto bits = std::bit_cast<Bits>(value);
-  for (std::size_t i = 0; i < sizeof(T); ++i) {
-    bytes += static_cast<char>(static_cast<unsigned char>(bits >> (8 * i)));
-  }
+  static_assert(std::endian::native == std::endian::little, "numbers are written as they lie");
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof(value));
 }
 
 }  // namespace scanmill

@@ -11,8 +11,8 @@ namespace {
 
 constexpr std::ptrdiff_t kLeastMatch = 3;
 constexpr std::size_t kMostMatch = 264;
-constexpr std::size_t kFarthest = 8192;    // largest distance (bytes) back to an earlier occurrence
-constexpr std::size_t kMostLiterals = 32;  // largest number of literals after one control byte
+constexpr std::size_t kMostDistance = 8192;  // largest distance (bytes) back to an earlier occurrence
+constexpr std::size_t kMostLiterals = 32;    // largest number of literals after one control byte
 constexpr unsigned kTableBits = 16;
 
 // Returns the index in the hash table for the three bytes at `p`.
@@ -56,7 +56,7 @@ std::size_t compressLzf(const char* in, std::size_t size, char* out) {
     const auto here = static_cast<std::size_t>(p - begin);
     const std::size_t earlier = slot;
     slot = static_cast<std::uint32_t>(here + 1);
-    if (earlier == 0 || here + 1 - earlier > kFarthest || std::memcmp(begin + earlier - 1, p, kLeastMatch) != 0) {
+    if (earlier == 0 || here + 1 - earlier > kMostDistance || std::memcmp(begin + earlier - 1, p, kLeastMatch) != 0) {
       ++p;
       continue;
     }

@@ -1,11 +1,13 @@
 #pragma once
 
-// Writes NumPy's arrays, and reads the arrays of NumPy's archives
+// Writes and reads NumPy's arrays and the ZIP archives that hold them
 // (numpy.org/doc/stable/reference/generated/numpy.lib.format.html).
 
 #include <cstddef>
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace scanmill {
@@ -14,6 +16,11 @@ namespace scanmill {
 // as NumPy writes it ("<f4", "<u2", "|u1", "<U12"); `bytes` are the elements, little-endian, the last index running
 // fastest. Throws Error if `bytes` does not have the size that type and shape require.
 std::string npyOf(std::string_view descr, const std::vector<std::size_t>& shape, std::string_view bytes);
+
+// Returns the bytes of a ZIP archive that contains these files, compressed, in this order. Each file is a pair of its
+// name in ASCII and its bytes. No time is stored, so the same files always give the same archive. Throws Error if
+// libarchive cannot create the archive.
+std::string zipOf(std::span<const std::pair<std::string, std::string>> files);
 
 struct NpyArray {
   std::string name;                // file name without .npy

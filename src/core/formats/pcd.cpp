@@ -15,10 +15,9 @@
 #include <memory>
 #include <vector>
 
+#include "base/raw_vector.h"
 #include "formats/lzf.h"
-#include "formats/makers.h"
 #include "formats/readers.h"
-#include "formats/scratch.h"
 #include "formats/text_rows.h"
 
 namespace scanmill {
@@ -130,9 +129,10 @@ void appendCompressed(const Scan& scan, std::string& out) {
   if (room > std::numeric_limits<std::uint32_t>::max()) {
     throw Error(fmt::format("{} points are more than a compressed PCD holds: use encoding binary", size));
   }
-  thread_local Scratch<char> planesScratch;
-  thread_local Scratch<char> packedScratch;
-  char* const planes = planesScratch.get(raw);
+  thread_local RawVector<char> planesScratch;
+  thread_local RawVector<char> packedScratch;
+  planesScratch.resize(raw);
+  char* const planes = planesScratch.data();
   char* to = planes;
   for (const auto axis : {&Vec3f::x, &Vec3f::y, &Vec3f::z}) {
     for (std::size_t i = 0; i < size; ++i) {
@@ -144,7 +144,8 @@ void appendCompressed(const Scan& scan, std::string& out) {
     scatterColumn(name, values.data(), size, to, storedSize<T>(name));
     to += storedSize<T>(name) * size;
   });
-  char* const packed = packedScratch.get(room);
+  packedScratch.resize(room);
+  char* const packed = packedScratch.data();
   const std::size_t packedSize = compressLzf(planes, raw, packed);
   const std::uint32_t sizes[2] = {static_cast<std::uint32_t>(packedSize), static_cast<std::uint32_t>(raw)};
   out.reserve(out.size() + sizeof(sizes) + packedSize);

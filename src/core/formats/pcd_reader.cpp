@@ -11,8 +11,6 @@
 
 #include "base/error.h"
 #include "base/text_scan.h"
-#include "formats/cloud_columns.h"
-#include "formats/column_value.h"
 #include "formats/readers.h"
 #include "formats/text_rows.h"
 

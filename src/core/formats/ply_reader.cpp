@@ -8,11 +8,9 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "config/text.h"
-#include "formats/cloud_columns.h"
-#include "formats/column_value.h"
-#include "formats/ply_body.h"
-#include "formats/ply_header.h"
+#include "formats/ply_file.h"
 #include "formats/readers.h"
+#include "formats/text_rows.h"
 
 namespace scanmill {
 namespace {

@@ -9,7 +9,6 @@
 #include <memory>
 
 #include "base/text_scan.h"
-#include "formats/column_value.h"
 
 namespace scanmill {
 

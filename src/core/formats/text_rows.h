@@ -1,10 +1,14 @@
 #pragma once
 
-// Writes scans as lines of numbers and reads numbers, for CSV and ASCII PCD.
+// Writes scans as lines of numbers, for CSV and ASCII PCD, and checks the numbers of files of all formats.
+
+#include <fmt/format.h>
 
 #include <cstddef>
+#include <limits>
 #include <string>
 #include <string_view>
+#include <type_traits>
 
 #include "base/error.h"
 #include "scan/scan.h"
@@ -22,5 +26,33 @@ std::size_t longestRow(ColumnSet columns);
 // that names `column` if the word is not a number or T cannot represent it.
 template <class T>
 void readNumber(std::string_view word, T& value, std::string_view column, const Location& where);
+
+// Returns the end of a message about a number that does not fit the column: what to do. Empty for most columns.
+inline std::string_view columnRemedy(std::string_view column) {
+  return column == "label"
+             ? "; number the classes so, with 0 for none; if the numbers hold class and instance, as "
+               "SemanticKITTI's do, write two columns, label = number & 0xFFFF and instance = number >> 16"
+             : "";
+}
+
+// Returns the number as a value of a column of the type T. If T is an integer type that cannot hold the number (too
+// small, too large, a fraction, or NaN), throws an InputError at `where` that names the column and the point.
+template <class T, class Stored>
+T columnValue(Stored stored, std::string_view name, std::size_t point, const Location& where) {
+  if constexpr (!std::is_same_v<Stored, T> && std::is_integral_v<T>) {
+    // The comparison is written so that NaN fails it, too.
+    using Limits = std::numeric_limits<T>;
+    const auto number = static_cast<long double>(stored);
+    const bool fits = number >= Limits::min() && number <= Limits::max();
+    const T value = fits ? static_cast<T>(stored) : T{};  // NOLINT(bugprone-signed-char-misuse): it fits
+    if (!fits || static_cast<Stored>(value) != stored) {
+      throw InputError(where, fmt::format("{} of point {} is {}: no integer of {} to {}{}", name, point, stored,
+                                          Limits::min(), Limits::max(), where.file.empty() ? "" : columnRemedy(name)));
+    }
+    return value;
+  } else {
+    return static_cast<T>(stored);
+  }
+}
 
 }  // namespace scanmill

@@ -10,7 +10,6 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "formats/npy.h"
-#include "formats/zip_file.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 

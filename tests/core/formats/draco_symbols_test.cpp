@@ -1,5 +1,3 @@
-#include "formats/draco_symbols.h"
-
 #include <draco/compression/entropy/symbol_decoding.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -7,6 +5,8 @@
 #include <cmath>
 #include <random>
 #include <vector>
+
+#include "formats/draco_writer.h"
 
 namespace scanmill {
 namespace {

@@ -19,8 +19,7 @@
 #include "assets/meshes/stated_unit.h"
 #include "base/error.h"
 #include "base/file.h"
-#include "formats/ply_body.h"
-#include "formats/ply_header.h"
+#include "formats/ply_file.h"
 
 namespace scanmill {
 

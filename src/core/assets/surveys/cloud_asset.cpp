@@ -18,8 +18,8 @@
 #include "base/error.h"
 #include "base/grouped.h"
 #include "config/text.h"
-#include "formats/cloud_columns.h"
 #include "formats/cloud_file.h"
+#include "formats/readers.h"
 #include "images/srgb.h"
 #include "scene/texture.h"
 

@@ -1,4 +1,3 @@
-#include "formats/zip_file.h"
 
 #include <fmt/core.h>
 #include <gmock/gmock.h>
