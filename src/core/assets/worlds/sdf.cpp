@@ -12,9 +12,7 @@
 #include <sstream>
 #include <utility>
 
-#include "assets/worlds/heightmap.h"
-#include "assets/worlds/model_search.h"
-#include "assets/worlds/polyline.h"
+#include "assets/worlds/named_files.h"
 #include "assets/worlds/solids.h"
 #include "assets/worlds/world.h"
 #include "assets/worlds/xml.h"

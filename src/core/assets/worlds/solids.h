@@ -1,8 +1,9 @@
 #pragma once
 
-// Shapes, rotations and colours that both SDF and URDF have.
+// Shapes, rotations and colours of SDF and URDF.
 
 #include <array>
+#include <filesystem>
 #include <optional>
 #include <string_view>
 
@@ -15,6 +16,18 @@ namespace scanmill {
 // nullopt for any other element. Sizes are elements in SDF and attributes in URDF. Throws InputError for a size that is
 // missing, not a number or not above 0.
 std::optional<Mesh> solidOf(const XmlNode& shape);
+
+// Returns the floor, the ceiling and the walls of all <polyline>s of a <geometry>, extruded along z from 0 to the
+// <height> of the first one. An outline within another one is a hole, an outline within a hole is solid. Throws
+// InputError for a height that is not above 0, and for outlines that intersect, have no area or have too many points.
+Mesh extrudedPolylines(const XmlNode& geometry);
+
+// Returns the surface of a <heightmap> as Gazebo builds it: centred at <pos>, with the first row of samples at the
+// greatest y. The first band of a PNG, a JPEG or another raster without georeference rises from 0 to <size>'s z, which
+// stands for its greatest value. The heights of a raster with georeference rise from its least to its greatest value;
+// without <size> it has its own size. <sampling> samples per pixel are interpolated. Samples without a value leave
+// holes. Throws InputError that names `shape` or the file.
+Mesh heightmapOf(const XmlNode& shape, const std::filesystem::path& file);
 
 // Returns three sizes above 0 (m) from an element or attribute of a shape. Throws InputError for others.
 Vec3d sizesOf(const XmlNode& shape, std::string_view key);

@@ -11,7 +11,7 @@
 #include "assets/meshes/asset_parts.h"
 #include "assets/meshes/gltf/reader.h"
 #include "assets/meshes/references.h"
-#include "assets/worlds/missing_files.h"
+#include "assets/worlds/named_files.h"
 #include "assets/worlds/world_asset.h"
 #include "base/earth.h"
 #include "base/error.h"

@@ -6,7 +6,7 @@
 #include <map>
 #include <set>
 
-#include "assets/worlds/model_search.h"
+#include "assets/worlds/named_files.h"
 #include "assets/worlds/solids.h"
 #include "assets/worlds/world.h"
 #include "assets/worlds/xml.h"

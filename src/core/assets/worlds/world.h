@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "assets/worlds/missing_files.h"
+#include "assets/worlds/named_files.h"
 #include "base/error.h"
 #include "base/format_support.h"
 #include "base/vec.h"

@@ -3,25 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <pugixml.hpp>
 
 #include "base/file.h"
+#include "base/text_scan.h"
 #include "config/text.h"
 
 namespace scanmill {
 namespace {
 
 constexpr int kDeepestElement = 64;
-
-std::string trimmed(std::string_view text) {
-  constexpr std::string_view kSpaces = " \t\r\n";
-  const std::size_t first = text.find_first_not_of(kSpaces);
-  if (first == std::string_view::npos) return {};
-  return std::string(text.substr(first, text.find_last_not_of(kSpaces) - first + 1));
-}
 
 class Reader {
  public:
@@ -110,19 +102,9 @@ XmlNode readXml(const std::filesystem::path& file) {
 
 std::vector<double> numbersIn(const XmlNode& node, std::string_view text, std::size_t count) {
   std::vector<double> numbers;
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = std::min(text.find_first_of(" \t\r\n", at), text.size());
-    std::string_view word = text.substr(at, end - at);
-    at = end + 1;
-    if (word.empty()) continue;
-    if (word.starts_with('+')) word.remove_prefix(1);
+  for (const std::string_view word : wordsOf(text)) {
     double number = 0;
-    auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), number);
-    if (error == std::errc::result_out_of_range) {  // underflow or overflow of double
-      number = std::strtod(std::string(word).c_str(), nullptr);
-      error = std::errc();
-    }
-    if (error != std::errc() || stop != word.data() + word.size() || !std::isfinite(number)) {
+    if (!parseNumber(word, number) || !std::isfinite(number)) {
       node.fail(fmt::format("has {}, but must have a number here", quotedForMessage(word)));
     }
     numbers.push_back(number);

@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "assets/meshes/asset_material.h"
 #include "assets/meshes/texture_search.h"
 #include "base/error.h"
 #include "base/file.h"

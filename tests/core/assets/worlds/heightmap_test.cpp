@@ -1,8 +1,7 @@
-#include "assets/worlds/heightmap.h"
-
 #include <algorithm>
 #include <cmath>
 
+#include "assets/worlds/solids.h"
 #include "assets/worlds/xml.h"
 #include "tests/support/geo_tiff.h"
 #include "world_files.h"

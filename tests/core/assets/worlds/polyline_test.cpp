@@ -1,7 +1,6 @@
-#include "assets/worlds/polyline.h"
-
 #include <cmath>
 
+#include "assets/worlds/solids.h"
 #include "assets/worlds/xml.h"
 #include "world_files.h"
 

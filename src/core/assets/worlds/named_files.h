@@ -1,10 +1,13 @@
 #pragma once
 
-// Collects the files that a world names and that are missing, so that one message names all of them.
+// Finds the models and meshes that world descriptions name, and collects those that are missing, so that one message
+// names all of them.
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
+#include "assets/worlds/xml.h"
 #include "base/error.h"
 #include "base/format_support.h"
 
@@ -30,5 +33,10 @@ class MissingFiles {
  private:
   std::vector<MissingFileError> errors_;
 };
+
+// Returns the file or folder that the element `from` of `file` calls `uri`: model://NAME/..., package://NAME/... (see
+// assets/meshes/model_folders.h), file://... or a path relative to the file. Throws MissingFileError at `from` if
+// nothing is found.
+std::filesystem::path findModel(const XmlNode& from, const std::filesystem::path& file, const std::string& uri);
 
 }  // namespace scanmill

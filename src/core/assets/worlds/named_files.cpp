@@ -1,15 +1,39 @@
-#include "assets/worlds/model_search.h"
+#include "assets/worlds/named_files.h"
 
 #include <fmt/format.h>
+
+#include <set>
 
 #include "assets/meshes/model_folders.h"
 #include "assets/meshes/references.h"
 
 namespace scanmill {
 
-namespace fs = std::filesystem;
+void MissingFiles::add(const MissingFileError& error) {
+  errors_.push_back(error);
+}
 
-fs::path findModel(const XmlNode& from, const fs::path& file, const std::string& uri) {
+void MissingFiles::noteOrThrow(bool leaveOut, LeftOut& leftOut) const {
+  if (leaveOut) {
+    for (const MissingFileError& e : errors_) leftOut.add(fmt::format("missing models and meshes ('{}')", e.name));
+    return;
+  }
+  if (errors_.empty()) return;
+  const MissingFileError& first = errors_.front();
+  std::set<std::string> named{first.name};
+  std::string others;
+  for (const MissingFileError& e : errors_) {
+    if (!named.insert(e.name).second) continue;
+    const bool sameFile = e.where.file == first.where.file && e.where.line > 0;
+    others += fmt::format("{} '{}' ({})", others.empty() ? "" : ",", e.name,
+                          sameFile ? fmt::format("line {}", e.where.line) : e.where.text());
+  }
+  throw InputError(fmt::format(
+      "{}{}{}; `missing: leave_out` of the object (--leave-out-missing of `info` and `draft`) goes on without {}",
+      first.what(), others.empty() ? "" : "; further ones are missing:", others, named.size() == 1 ? "it" : "them"));
+}
+
+std::filesystem::path findModel(const XmlNode& from, const std::filesystem::path& file, const std::string& uri) {
   if (uri.empty()) from.fail("names no file");
   const auto missing = [&](const std::string& why) {
     return MissingFileError(from.where, uri, fmt::format("<{}> names '{}', {}", from.name, uri, why));
@@ -32,9 +56,9 @@ fs::path findModel(const XmlNode& from, const fs::path& file, const std::string&
   }
   const std::string plain = uri.starts_with("file://") ? uri.substr(7) : uri;
   for (const std::string& name : {plain, decodeUri(plain)}) {
-    fs::path found = file.parent_path() / name;
+    std::filesystem::path found = file.parent_path() / name;
     std::error_code ignored;
-    if (fs::exists(found, ignored)) return found;
+    if (std::filesystem::exists(found, ignored)) return found;
   }
   // A relative name may also be the name of a model.
   if (const auto found = findInModelFolders(file, plain)) return *found;
