@@ -4,7 +4,7 @@
 #include <cstring>
 
 #include "scene/scene.h"
-#include "scene/triangle_faults.h"
+#include "scene/triangles.h"
 
 namespace scanmill {
 namespace {

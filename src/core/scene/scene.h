@@ -111,7 +111,7 @@ struct RuleUse {
   std::uint64_t decided = 0;  // number of triangles that got a class or a material from the rule, or were dropped by it
 };
 
-// Properties of a scene before objects were taken out of it (scene/without.h). They decide how the remaining scene is
+// Properties of a scene before objects were taken out of it (takeOut()). They decide how the remaining scene is
 // traced, so that hits on the remaining objects stay the same to the last bit.
 struct WholeScene {
   Box bounds;  // m, in the world's frame at time 0
@@ -119,6 +119,13 @@ struct WholeScene {
   std::uint64_t placedTriangles = 0;
   std::vector<std::uint64_t> copies;  // number of instances, by mesh
   std::vector<std::string> absent;    // classes to be taken out that had no triangle in the scene
+};
+
+// Lanes of a scene's town: points on the road's surface, some metres apart (m, world frame).
+struct SceneLanes {
+  std::vector<Vec3d> lane;   // the main road's right-hand lane
+  std::vector<Vec3d> turns;  // `lane` with turns from and into side roads, as far as the town has them
+  int turnCount = 0;         // number of turns along `turns`
 };
 
 struct Scene {
@@ -161,5 +168,20 @@ Box boxAround(const Affine& place, const Box& box);
 
 // Freezes every object in its pose and shape at a time (s since the drive began).
 void standStill(Scene& scene, double time);
+
+// Takes out of the scene what the items of `what` name, to get the same scans with and without it: the key `without` of
+// a pipeline's scene. A number takes out the thing with this instance id. A word takes out the objects with this name
+// and all their copies, the copy with this name (NAME#1), and the triangles of the class with this name. All other
+// things keep their ids, and all other hits stay the same to the last bit. Throws an InputError at the place of an item
+// that is neither a class of the scene's ontology nor in the scene.
+void takeOut(Scene& scene, const std::vector<Value>& what);
+
+// Returns the scene with about the fraction `keep` of each mesh's triangles, as proxies such as collision meshes have
+// them. `keep` is above 0 and at most 1; 1 gives an unchanged scene. Edges are collapsed first where the shape changes
+// least (quadric error metric; Garland, Heckbert, "Surface Simplification Using Quadric Error Metrics", SIGGRAPH 1997).
+// Surfaces keep their materials, classes and objects. No triangle crosses from one surface to another, a closed mesh
+// stays closed between surfaces, and no surface vanishes, even if that needs more triangles. Meshes of up to 32
+// triangles stay unchanged.
+[[nodiscard]] Scene simplified(const Scene& scene, double keep);
 
 }  // namespace scanmill

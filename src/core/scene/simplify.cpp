@@ -1,4 +1,4 @@
-#include "scene/simplify.h"
+// simplified(): proxies with few triangles.
 
 #include <fmt/core.h>
 #include <meshoptimizer.h>
@@ -12,6 +12,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "scene/scene.h"
 
 namespace scanmill {
 

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "base/error.h"
-#include "scene/class_triangles.h"
+#include "scene/triangles.h"
 
 namespace scanmill {
 namespace {

@@ -5,8 +5,8 @@
 #include <tuple>
 
 #include "base/error.h"
-#include "scene/class_triangles.h"
 #include "scene/embree.h"
+#include "scene/triangles.h"
 
 namespace scanmill {
 namespace {

@@ -1,4 +1,4 @@
-#include "scene/without.h"
+// takeOut(): takes objects out of a scene.
 
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@
 #include "base/error.h"
 #include "config/fields.h"
 #include "config/text.h"
-#include "scene/triangle_faults.h"
+#include "scene/triangles.h"
 
 namespace scanmill {
 namespace {

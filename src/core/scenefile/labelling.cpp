@@ -11,7 +11,7 @@
 #include "assets/meshes/asset_parts.h"
 #include "base/error.h"
 #include "base/grouped.h"
-#include "scene/triangle_faults.h"
+#include "scene/triangles.h"
 #include "scenefile/part_traits.h"
 
 namespace scanmill {

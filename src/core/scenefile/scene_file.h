@@ -10,7 +10,6 @@
 #include <optional>
 
 #include "scene/builder.h"
-#include "scene/lanes.h"
 #include "scene/scene.h"
 
 namespace scanmill {

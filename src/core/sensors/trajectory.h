@@ -11,8 +11,8 @@
 
 #include "base/vec.h"
 #include "config/value.h"
-#include "scene/lanes.h"
 #include "scene/road_path.h"
+#include "scene/scene.h"
 #include "sensors/ground_profile.h"
 #include "sensors/recorded_poses.h"
 #include "sensors/speed_profile.h"

@@ -9,7 +9,6 @@
 #include "base/vec.h"
 #include "config/fields.h"
 #include "scene/builder.h"
-#include "scene/lanes.h"
 
 namespace scanmill {
 

@@ -1,5 +1,3 @@
-#include "scene/simplify.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "scene/scene.h"
 #include "scenefile/labelling.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/street.h"

@@ -1,8 +1,7 @@
-#include "scene/without.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "scene/scene.h"
 #include "scene/thing_boxes.h"
 #include "tests/support/message_of.h"
 #include "tests/support/test_scene.h"

@@ -18,7 +18,6 @@
 #include "methods/ray_tracing/packet.h"
 #include "methods/ray_tracing/unobstructed.h"
 #include "methods/world/worlds.h"
-#include "scene/simplify.h"
 
 namespace scanmill {
 

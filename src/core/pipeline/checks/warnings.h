@@ -30,7 +30,7 @@ std::vector<std::string> unlabeledWarnings(const Scene& scene);
 // same class.
 std::vector<std::string> ruleWarnings(const Scene& scene);
 
-// Warns if the pipeline removes classes from the scene (scene/without.h) that the scene does not have.
+// Warns if the pipeline removes classes from the scene (takeOut() in scene/scene.h) that the scene does not have.
 std::vector<std::string> withoutWarnings(const Scene& scene);
 
 // Warns if a scene is used with several seeds although nothing in it is procedural: its geometry is then the same for

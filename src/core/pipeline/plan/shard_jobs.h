@@ -24,6 +24,11 @@ struct ShardJob {
   std::vector<SampleAddress> samples;  // sorted by sequence, then by frame
 };
 
+// Returns an upper bound of the size of a sample in its shard (bytes), before the first ray is traced. The bound does
+// not hold if an ontology has very many or very long class names, or if more than a thousand objects are near the
+// sensors.
+double mostSampleBytes(const Plan& plan);
+
 // Returns all shards, split by split. If the pipeline has the key `output.shard_samples`, each shard has this number of
 // samples, except that the last shard of a split may have fewer. Otherwise the samples of a split are distributed
 // evenly over as few shards as possible such that no shard of several samples can exceed `output.shard_mb`, whatever

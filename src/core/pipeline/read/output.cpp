@@ -1,4 +1,4 @@
-#include "pipeline/read/output.h"
+// Reads the key `output` of a pipeline: the contents and formats of samples, and their distribution over shards.
 
 #include <fmt/core.h>
 
@@ -8,6 +8,7 @@
 
 #include "config/fields.h"
 #include "config/named_options.h"
+#include "pipeline/read/pipeline.h"
 
 namespace scanmill {
 

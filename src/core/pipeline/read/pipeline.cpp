@@ -52,7 +52,6 @@
 #include "pipeline/read/corruption.h"
 #include "pipeline/read/drawn_sensors.h"
 #include "pipeline/read/effects.h"
-#include "pipeline/read/output.h"
 #include "pipeline/read/sequences.h"
 
 namespace scanmill {

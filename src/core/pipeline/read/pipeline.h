@@ -117,6 +117,9 @@ struct Pipeline {
   std::string methodName() const;     // name of the method that computes the hits, or that computed the recorded hits
 };
 
+// Reads and checks the key `output` of a pipeline. Throws InputError.
+Output readOutput(const Value& value);
+
 // Reads the pose of a sensor in the vehicle's frame; Null means the vehicle's origin. Throws InputError.
 Pose readMount(const Value& mount);
 

@@ -37,7 +37,7 @@ struct Sequence {
   std::uint32_t frames = 0;
   std::string split;
   bool moving = true;               // false: objects stay at their positions at time 0 s
-  std::vector<Value> without = {};  // classes, names or ids of objects to remove from the scene, see scene/without.h
+  std::vector<Value> without = {};  // classes, names or ids of objects to remove from the scene, see takeOut()
 
   // True if sensors of different rates turn without a break from the start of the sequence: the time from frame to
   // frame is not longer than a revolution of the slowest sensor, and not shorter than one of the fastest.

@@ -13,7 +13,7 @@
 
 #include "base/random.h"
 #include "pipeline/scenes/scene_ground.h"
-#include "scene/class_triangles.h"
+#include "scene/triangles.h"
 
 namespace scanmill {
 namespace {

@@ -1,4 +1,4 @@
-#include "pipeline/scenes/recorded_method.h"
+// The methods of recordings: recorded hits, and hits that are sampled from recorded passes.
 
 #include <fmt/core.h>
 
@@ -9,6 +9,7 @@
 #include "methods/depth_camera/depth_camera.h"
 #include "passes/exr/hits_exr.h"
 #include "passes/exr/pass_exr.h"
+#include "pipeline/scenes/shot_source.h"
 
 namespace scanmill {
 

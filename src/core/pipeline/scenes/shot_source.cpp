@@ -2,18 +2,19 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
+#include <list>
 #include <optional>
 #include <utility>
 
+#include "base/parallel.h"
 #include "base/path.h"
-#include "pipeline/scenes/drawn_settings.h"
+#include "pipeline/read/drawn_sensors.h"
 #include "pipeline/scenes/own_vehicle.h"
 #include "pipeline/scenes/random_way.h"
-#include "pipeline/scenes/recorded_method.h"
 #include "pipeline/scenes/scene_ground.h"
 #include "scene/surface_heights.h"
-#include "scene/without.h"
 #include "scenefile/scene_file.h"
 
 namespace scanmill {
@@ -55,7 +56,70 @@ Trajectory inScene(const Trajectory& trajectory, const SceneProbe& probe, std::u
   return driven;
 }
 
+// Returns the settings of a frame; an entry of `draw` replaces the mounts and effects in Pipeline::sensors.
+FrameSettings settingsOf(const Pipeline& pipeline, const VehicleHits& vehicles, SensorDraw draw = {}) {
+  FrameSettings settings;
+  for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
+    const MountedSensor& sensor = pipeline.sensors[s];
+    const auto& effects = draw.effects.empty() ? sensor.effects : draw.effects[s];
+    settings.sensors.push_back({draw.mounts.empty() ? sensor.vehicleFromSensor : draw.mounts[s], effects,
+                                pipeline.recording == nullptr ? lightPaths(*effects) : nullptr,
+                                vehicles.empty() ? nullptr : vehicles[s]});
+  }
+  settings.draws = std::move(draw.draws);
+  return settings;
+}
+
 }  // namespace
+
+// The settings of a pipeline with random mounts or effects. Caches the settings of the most recently used sequences.
+class DrawnSettings {
+ public:
+  // Returns the settings of a frame. `first`: the hits on the ego vehicle with the mounts of the first frame.
+  // traceVehicles(mounts) returns those for other mounts.
+  std::shared_ptr<const FrameSettings> of(const Pipeline& pipeline, std::size_t sequence, std::uint32_t frame,
+                                          const VehicleHits& first,
+                                          const std::function<VehicleHits(const std::vector<Pose>&)>& traceVehicles) {
+    Kept kept = find(sequence);
+    if (kept.whole != nullptr) return kept.whole;
+    const DrawnSensors& sensors = *pipeline.drawn;
+    SensorDraw drawn = sensors.draw(pipeline, sequence, frame);
+    kept.sequence = sequence;
+    if (!kept.vehicles) kept.vehicles = sensors.drawsMounts() ? traceVehicles(drawn.mounts) : first;
+    auto settings = std::make_shared<const FrameSettings>(settingsOf(pipeline, *kept.vehicles, std::move(drawn)));
+    if (!sensors.drawsPerFrame()) kept.whole = settings;
+    keep(std::move(kept));
+    return settings;
+  }
+
+ private:
+  struct Kept {
+    std::size_t sequence = 0;
+    std::optional<VehicleHits> vehicles;
+    // Settings of all frames of the sequence; null if frames have different settings.
+    std::shared_ptr<const FrameSettings> whole;
+  };
+
+  Kept find(std::size_t sequence) {
+    const std::scoped_lock lock(mutex_);
+    const auto found =
+        std::find_if(kept_.begin(), kept_.end(), [&](const Kept& kept) { return kept.sequence == sequence; });
+    if (found == kept_.end()) return {};
+    kept_.splice(kept_.begin(), kept_, found);
+    return kept_.front();
+  }
+
+  void keep(Kept kept) {
+    const std::scoped_lock lock(mutex_);
+    std::erase_if(kept_, [&](const Kept& known) { return known.sequence == kept.sequence; });
+    kept_.push_front(std::move(kept));
+    // Two cached sequences per thread are enough, since each thread makes samples of one sequence at a time.
+    if (kept_.size() > 2 * static_cast<std::size_t>(threadCount())) kept_.pop_back();
+  }
+
+  std::mutex mutex_;
+  std::list<Kept> kept_;  // settings of sequences, the most recently used first
+};
 
 std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scene) {
   Fields options(choice.options, "method " + std::string(choice.entry->name));
@@ -79,7 +143,8 @@ ShotSource::ShotSource(const Plan& plan, SceneChanges changes)
   }
   std::vector<Pose> mounts;
   for (const MountedSensor& sensor : pipeline_.sensors) mounts.push_back(sensor.vehicleFromSensor);
-  settings_ = std::make_shared<const FrameSettings>(settingsOf(pipeline_, traceOwnVehicle(mounts)));
+  vehicleHits_ = traceOwnVehicle(mounts);
+  settings_ = std::make_shared<const FrameSettings>(settingsOf(pipeline_, vehicleHits_));
 }
 
 ShotSource::~ShotSource() = default;
@@ -106,10 +171,7 @@ VehicleHits ShotSource::traceOwnVehicle(const std::vector<Pose>& mounts) const {
 
 std::vector<double> ShotSource::blockedShares() const {
   std::vector<double> shares;
-  if (vehicle_ == nullptr) return shares;
-  for (const SensorSetting& sensor : settings_->sensors) {
-    shares.push_back(sensor.vehicle->share());
-  }
+  for (const auto& vehicle : vehicleHits_) shares.push_back(vehicle->share());
   return shares;
 }
 
@@ -183,7 +245,7 @@ std::unique_ptr<Method> ShotSource::method(const Scene& scene) const {
 
 std::shared_ptr<const FrameSettings> ShotSource::settings(std::size_t sequence, std::uint32_t frame) {
   if (pipeline_.drawn == nullptr) return settings_;
-  return drawn_->of(pipeline_, sequence, frame, *settings_,
+  return drawn_->of(pipeline_, sequence, frame, vehicleHits_,
                     [&](const std::vector<Pose>& mounts) { return traceOwnVehicle(mounts); });
 }
 

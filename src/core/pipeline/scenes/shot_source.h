@@ -15,21 +15,43 @@
 #include <mutex>
 #include <vector>
 
+#include "config/distribution.h"
 #include "methods/method.h"
 #include "pipeline/plan/plan.h"
-#include "pipeline/scenes/frame_settings.h"
 #include "scene/builder.h"
 #include "scene/scene.h"
 #include "sensors/shot.h"
 
 namespace scanmill {
 
+struct BlockedRays;
 class DrawnSettings;
 class Trajectory;
+
+struct SensorSetting {
+  Pose vehicleFromSensor;
+  std::shared_ptr<const Effects> effects;
+  // How rays continue behind a hit, from the effect light_paths; null: rays end at their first hit.
+  const LightPaths* paths = nullptr;
+  std::shared_ptr<const BlockedRays> vehicle;  // the rays that hit the ego vehicle; null: no ego vehicle
+};
+
+// The mounts of the sensors and the effects of their receivers in a frame. They are the same in all frames, unless the
+// pipeline gives random distributions for them.
+struct FrameSettings {
+  std::vector<SensorSetting> sensors;
+  std::vector<DrawnValue> draws;  // the random values in these settings
+};
+
+// The rays that hit the ego vehicle, by sensor; empty: no ego vehicle.
+using VehicleHits = std::vector<std::shared_ptr<const BlockedRays>>;
 
 // Creates the method that a pipeline or a study names. Throws InputError for wrong options, and if the scene has moving
 // objects that the method cannot trace.
 std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scene);
+// Returns a method that does not trace: it returns the recorded hits of the pipeline's recording, or samples its
+// recorded passes. The pipeline must outlive the method.
+std::unique_ptr<Method> makeRecordedMethod(const Pipeline& pipeline);
 
 // Changes that a program makes to the scenes that it loads.
 struct SceneChanges {
@@ -99,7 +121,8 @@ class ShotSource {
   SceneChanges changes_;
   std::shared_ptr<const Scene> vehicle_;  // null: no ego vehicle
   std::vector<FileRecord> vehicleFiles_;
-  std::shared_ptr<const FrameSettings> settings_;  // settings of the first frame of the first sequence
+  VehicleHits vehicleHits_;                        // with the mounts of the first frame of the first sequence
+  std::shared_ptr<const FrameSettings> settings_;  // settings of that frame
   std::unique_ptr<DrawnSettings> drawn_;
   std::mutex mutex_;  // guards drives_
   // Trajectories that depend on scenes, by index of their sequence.

@@ -1,8 +1,7 @@
 // The bound of a sample's bytes against samples that generate writes.
 
-#include "pipeline/plan/sample_size.h"
-
 #include "dataset/shard.h"
+#include "pipeline/plan/shard_jobs.h"
 #include "tests/core/pipeline/small_world.h"
 
 namespace scanmill {

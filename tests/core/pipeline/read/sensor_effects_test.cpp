@@ -1,7 +1,7 @@
 // Pipelines whose effects come from their sensors' files.
 
 #include "pipeline/checks/warnings.h"
-#include "pipeline/scenes/recorded_method.h"
+#include "pipeline/scenes/shot_source.h"
 #include "tests/core/pipeline/small_world.h"
 #include "tests/support/lines_of.h"
 

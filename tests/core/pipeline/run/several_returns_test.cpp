@@ -5,7 +5,7 @@
 #include <tuple>
 
 #include "formats/format.h"
-#include "pipeline/plan/sample_size.h"
+#include "pipeline/plan/shard_jobs.h"
 #include "tests/core/pipeline/two_returns_yard.h"
 #include "tests/support/lines_of.h"
 

@@ -1,15 +1,34 @@
 #pragma once
 
-// The triangles of given classes, in the world's frame.
+// Tests and drops triangles of a mesh, and visits those of a scene's classes.
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "scene/scene.h"
 
 namespace scanmill {
+
+// True if the triangle can be traced; otherwise counts the reason in `dropped`.
+[[nodiscard]] bool canBeTraced(const Triangle& triangle, const std::vector<Vec3f>& positions, Dropped& dropped);
+
+// Drops the triangles of a mesh for which `keep`, called with their indices, returns false. The remaining triangles
+// keep their order.
+template <class Keep>
+void keepTriangles(Mesh& mesh, const Keep& keep) {
+  std::size_t kept = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (!keep(t)) continue;
+    mesh.triangles[kept] = mesh.triangles[t];
+    mesh.surfaceOf[kept] = mesh.surfaceOf[t];
+    ++kept;
+  }
+  mesh.triangles.resize(kept);
+  mesh.surfaceOf.resize(kept);
+}
 
 // Returns the corners of a triangle of an instance's mesh in the world's frame (m).
 inline std::array<Vec3d, 3> cornersOf(const Instance& instance, const Mesh& mesh, std::uint32_t triangle) {
