@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <map>
 #include <string_view>
 
 #include "base/earth.h"
 #include "base/input_budget.h"
+#include "config/text.h"
 #include "town/map_buildings.h"
 #include "town/osm_interface.h"
 #include "town/osm_tags.h"
@@ -216,26 +219,18 @@ std::optional<models::Fencing> fencingOf(const std::string& barrier) {
 
 // Returns the plane that touches the earth in the middle of the bounds of all roads.
 TangentPlane planeAbout(const OsmExtract& extract, bool mirrored, Map& map) {
-  double south = 90, north = -90, west = 540, east = -180;
-  const auto extend = [&](double turn) {
-    west = 540;
-    east = -180;
-    for (const OsmWay& way : extract.ways) {
-      if (!classOf(way.tags)) continue;
-      for (const OsmNode& n : way.nodes) {
-        const double longitude = n.longitude < 0 ? n.longitude + turn : n.longitude;
-        south = std::min(south, n.latitude);
-        north = std::max(north, n.latitude);
-        west = std::min(west, longitude);
-        east = std::max(east, longitude);
-      }
+  double south = 90, north = -90, west = 180, east = -180;
+  for (const OsmWay& way : extract.ways) {
+    if (!classOf(way.tags)) continue;
+    for (const OsmNode& n : way.nodes) {
+      south = std::min(south, n.latitude);
+      north = std::max(north, n.latitude);
+      west = std::min(west, n.longitude);
+      east = std::max(east, n.longitude);
     }
-  };
-  extend(0);
-  if (east - west > 180) extend(360);  // the roads are on both sides of the meridian of 180 degrees
+  }
   map.latitude = (south + north) / 2;
   map.longitude = (west + east) / 2;
-  if (map.longitude > 180) map.longitude -= 360;
   map.mirrored = mirrored;
   return {map.latitude, map.longitude, mirrored};
 }
@@ -363,6 +358,7 @@ class MapMaker {
   }
 
   void addPoint(const OsmPoint& point) {
+    if (!point.tags["ele"].empty()) map_.leftOut.addKeyword(osmFormat(), "ele");
     if (isAbsent(point.tags)) return;
     if (point.tags["natural"] == "tree") {
       map_.trees.push_back({plane_(point.node), numbers_.read(point.tags, "height", metresOf, 0.5, 130),
@@ -477,9 +473,9 @@ const FormatSupport& osmFormat() {
   using enum FormatElements::Use;
   static const FormatSupport format{
       "OpenStreetMap",
-      ".osm, .osm.gz, .osm.bz2, .osm.pbf, .osh, .osh.pbf, .o5m, .opl",
-      {{Read, "node way relation", "the newest version of each element, in any order, unless it is deleted"},
-       {Read, "visible=false action=delete", "deleted elements, which are not built"},
+      ".osm, .osm.gz, .osm.bz2, .osm.pbf, .o5m, .opl",
+      {{Read, "node way relation", "in this order, each by their ids, as `osmium sort` writes them"},
+       {Read, "visible=false", "deleted elements, which are not built"},
        {Read,
         "highway=motorway highway=trunk highway=primary highway=secondary highway=tertiary highway=residential "
         "highway=unclassified highway=living_street highway=road highway=service highway=track",
@@ -528,7 +524,7 @@ const FormatSupport& osmFormat() {
         "railway=railway_crossing railway=stop railway=halt railway=station railway=tram_stop "
         "railway=subway_entrance public_transport=stop_position public_transport=stop_area public_transport=station",
         "zones and places without a shape of their own"},
-       {Unused, "bounds changeset", "the bounds show whether latitudes and longitudes are swapped"},
+       {Unused, "bounds changeset", "the extent and the history"},
        {LeftOut,
         "highway=pedestrian highway=busway highway=bus_guideway highway=raceway highway=corridor highway=platform "
         "highway=via_ferrata highway=elevator highway=escape",
@@ -622,6 +618,16 @@ void checkDensity(const Map& map) {
   }
 }
 
+// True if the editor JOSM has marked an object of a file as deleted, which libosmium does not tell.
+bool hasDeletions(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  std::string line;
+  while (lowerExtension(file) == ".osm" && std::getline(in, line)) {
+    if (line.find("action='delete'") != line.npos || line.find("action=\"delete\"") != line.npos) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 Map readMap(const std::filesystem::path& file, bool mirrored, const Location& where) {
@@ -631,6 +637,11 @@ Map readMap(const std::filesystem::path& file, bool mirrored, const Location& wh
     throw InputError(where, fmt::format("{} is not a file: a map is an OpenStreetMap extract", file.string()));
   }
   chargeFile(absolute);
+  if (hasDeletions(absolute)) {
+    throw InputError(where, fmt::format("{} has objects that JOSM marks as deleted: upload the changes or purge these "
+                                        "objects (Edit, Purge), and save it again",
+                                        file.string()));
+  }
   OsmExtract extract;
   try {
     extract = moduleOf<OsmModule>().read(absolute.string());

@@ -204,21 +204,6 @@ Polygon polygonOf(const Ring& ring, const Point2& origin, bool hole) {
   return made;
 }
 
-// Adds to a region what is within kSeam of a wall of the ring.
-void addSeams(Region& seams, const Polygon& ring, const Point2& origin) {
-  constexpr double kSeam = 0.08;  // m; more than ringOf() and the rounding of degrees move the points of a wall
-  for (std::size_t i = 0; i < ring.size(); ++i) {
-    const Point2& a = ring[i];
-    const Point2& b = ring[(i + 1) % ring.size()];
-    const models::Footprint wall{models::lerp(a, b, 0.5), distance(a, b) / 2 + kSeam, kSeam,
-                                 std::atan2(b.y - a.y, b.x - a.x)};
-    MapBuilding strip;
-    strip.outline = {wall.at(-wall.halfX, -kSeam), wall.at(wall.halfX, -kSeam), wall.at(wall.halfX, kSeam),
-                     wall.at(-wall.halfX, kSeam)};
-    seams.insert(regionOf(strip, origin));
-  }
-}
-
 // Adds the rest of the outline as further parts, if the parts do not cover it. Returns whether it did.
 bool addRest(MapBuilding& b) {
   constexpr double kCovered = 0.9;  // parts that cover this share of an outline stand for all of it
@@ -229,27 +214,14 @@ bool addRest(MapBuilding& b) {
   const double complete = squareMetres(rest);
   for (const MapBuilding& part : b.parts) rest -= regionOf(part, origin);
   if (squareMetres(rest) <= (1 - kCovered) * complete) return false;
-  // Removes what is thinner than a seam, such as the strip between an outline and a part whose points lie a centimetre
-  // beside it: the rest without the seams, widened by a seam.
-  std::vector<gtl::polygon_with_holes_data<int>> pieces;
+  // Removes what is thinner than two seams, such as the strip between an outline and a part whose points lie a
+  // centimetre beside it: the rest is shrunk by a seam and grown again.
+  constexpr int kSeam = 80;  // units of kUnit; more than ringOf() and the rounding of degrees move points
   Region wide = rest;
-  Region seams;
-  for (const MapBuilding& part : b.parts) {
-    addSeams(seams, part.outline, origin);
-    for (const Polygon& court : part.courts) addSeams(seams, court, origin);
-  }
-  wide -= seams;
-  wide.get(pieces);
-  Region around;
-  for (const auto& piece : pieces) {
-    addSeams(around, polygonOf(piece, origin, false), origin);
-    for (auto hole = gtl::begin_holes(piece); hole != gtl::end_holes(piece); ++hole) {
-      addSeams(around, polygonOf(*hole, origin, true), origin);
-    }
-  }
-  wide |= around;
+  wide.resize(-kSeam);
+  wide.resize(kSeam);
   rest &= wide;
-  pieces.clear();
+  std::vector<gtl::polygon_with_holes_data<int>> pieces;
   rest.get(pieces);
   for (const auto& piece : pieces) {
     MapBuilding part;

@@ -16,8 +16,8 @@ class OsmModule {
                                     "libexpat1 and liblz4-1)"};
 
   virtual ~OsmModule() = default;
-  // Reads the newest version of each element of a file, which may hold the elements in any order. Throws
-  // std::exception with what is wrong.
+  // Reads a file, which has nodes, ways and relations in this order, each by their ids. Throws std::exception with what
+  // is wrong.
   virtual OsmExtract read(const std::string& file) const = 0;
 };
 

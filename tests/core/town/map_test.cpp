@@ -71,16 +71,6 @@ TEST(Osm, PlacesAreInMetresOnTheEllipsoid) {
   EXPECT_NEAR(there.longitude, 9 + kStep, 1e-9);
 }
 
-// Where the longitude jumps from 180 to -180 degrees, places stay metres apart.
-TEST(Osm, RoadsMayCrossTheMeridianOf180Degrees) {
-  OsmExtract extract;
-  extract.ways.push_back({{"way 1", {{"highway", "residential"}}}, {{1, -17, 179.999}, {2, -17, -179.999}}});
-  const Map map = makeMap(extract);
-  ASSERT_EQ(map.roads.size(), 1u);
-  EXPECT_NEAR(map.roads[0].length(), 213, 1);
-  EXPECT_NEAR(std::abs(map.longitude), 180, 1e-9);
-}
-
 TEST(JoinRoads, PiecesBecomeOneRoad) {
   const auto joined = joinRoads({road("A", {{1, {0, 0}}, {2, {50, 0}}}), road("A", {{3, {90, 30}}, {2, {50, 0}}})});
   ASSERT_EQ(joined.size(), 1u);
