@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/wall_timer.h"
+#include "base/stage_clock.h"
 #include "pipeline/run/generate.h"
 #include "tests/support/temporary_folder.h"
 

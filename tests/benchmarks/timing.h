@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "base/wall_timer.h"
+#include "base/stage_clock.h"
 
 namespace scanmill {
 

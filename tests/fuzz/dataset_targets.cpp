@@ -5,7 +5,6 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/hash.h"
-#include "base/scratch_folder.h"
 #include "config/fields.h"
 #include "dataset/manifest.h"
 #include "dataset/objects.h"

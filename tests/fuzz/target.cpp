@@ -3,7 +3,6 @@
 #include "base/file.h"
 #include "base/input_budget.h"
 #include "base/memory.h"
-#include "base/scratch_folder.h"
 
 namespace scanmill {
 

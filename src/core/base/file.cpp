@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/core.h>
+#include <stdlib.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -13,7 +14,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/descriptor.h"
 #include "base/error.h"
 #include "base/files_read.h"
 #include "base/input_budget.h"
@@ -42,6 +42,11 @@ std::string temporarySuffix() {
 }
 
 }  // namespace
+
+void Descriptor::close() {
+  if (open()) ::close(number);
+  number = -1;
+}
 
 void readBlocks(const std::filesystem::path& path, const std::function<void(std::string_view)>& take) {
   // O_NONBLOCK: if the file is a named pipe, the call does not wait for a writer; the pipe is refused below.
@@ -149,6 +154,23 @@ void writeFile(const std::filesystem::path& folder, const std::filesystem::path&
   AtomicFile file(folder, path);
   file.write(bytes);
   file.commit();
+}
+
+ScratchFolder::ScratchFolder() {
+  std::error_code none;
+  std::filesystem::path parent = std::filesystem::temp_directory_path(none);
+  if (none) parent = "/tmp";
+  std::string name = (parent / "scanmill-XXXXXX").string();
+  if (::mkdtemp(name.data()) == nullptr) {
+    throw Error(fmt::format("{}: no temporary folder: {}; set TMPDIR to a folder with room", parent.string(),
+                            std::strerror(errno)));
+  }
+  path_ = name;
+}
+
+ScratchFolder::~ScratchFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
 }
 
 }  // namespace scanmill

@@ -1,15 +1,28 @@
 #pragma once
 
-// Reads and writes whole files. A file that is written gets its final name only when it is complete.
+// Reads and writes whole files, whose final names they get only when they are complete; temporary folders.
 
 #include <filesystem>
 #include <functional>
 #include <string>
 #include <string_view>
-
-#include "base/descriptor.h"
+#include <utility>
 
 namespace scanmill {
+
+// Owns a file descriptor and closes it. `number` is negative if opening the file failed, and after close().
+struct [[nodiscard]] Descriptor {
+  explicit Descriptor(int opened = -1) : number(opened) {}
+  ~Descriptor() { close(); }
+  Descriptor(Descriptor&& other) noexcept : number(std::exchange(other.number, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(number, other.number);
+    return *this;
+  }
+  bool open() const { return number >= 0; }
+  void close();
+  int number;
+};
 
 // Returns the bytes of a whole file. Throws an InputError that names the file if it is absent, a folder, unreadable or
 // larger than the memory that is allowed.
@@ -56,5 +69,20 @@ void writeFile(const std::filesystem::path& folder, const std::filesystem::path&
 // Flushes a folder's list of names to the disk, so that new, renamed and removed files survive a power failure. Does
 // nothing if the file system cannot flush folders or the folder is not readable. Throws Error for all other failures.
 void syncFolder(const std::filesystem::path& folder);
+
+// Creates a new temporary folder in TMPDIR, or in /tmp where TMPDIR is not set. Only this user may enter it. The
+// destructor removes the folder with everything in it.
+class [[nodiscard]] ScratchFolder {
+ public:
+  ScratchFolder();  // throws Error if the folder cannot be created
+  ~ScratchFolder();
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
 
 }  // namespace scanmill

@@ -17,8 +17,8 @@
 #include <ctime>
 #include <string>
 
-#include "base/descriptor.h"
 #include "base/error.h"
+#include "base/file.h"
 #include "base/own_folder.h"
 #include "base/process.h"
 

@@ -10,8 +10,8 @@
 
 #include <filesystem>
 
-#include "base/descriptor.h"
 #include "base/error.h"
+#include "base/file.h"
 
 namespace scanmill {
 

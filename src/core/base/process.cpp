@@ -19,7 +19,7 @@
 #include <list>
 #include <utility>
 
-#include "base/descriptor.h"
+#include "base/file.h"
 
 namespace scanmill {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Measures how much processor time each stage of some work takes. This header is installed because
+// Measures wall-clock time, and how much processor time each stage of some work takes. This header is installed because
 // pipeline/run/generate.h includes it.
 //
 //   StageClock clock;
@@ -10,15 +10,30 @@
 //   const double seconds = clock.seconds().at("trace");
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <initializer_list>
 #include <map>
 #include <mutex>
 #include <string>
 
-#include "base/wall_timer.h"
-
 namespace scanmill {
+
+// Measures the wall-clock time since its construction.
+class WallTimer {
+ public:
+  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+// Calls work() and returns how long it takes (s of wall-clock time).
+double secondsOf(const auto& work) {
+  const WallTimer timer;
+  work();
+  return timer.seconds();
+}
 
 // Seconds by the name of a stage. If several threads work on a stage, their seconds are added up.
 using StageSeconds = std::map<std::string, double>;

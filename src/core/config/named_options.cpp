@@ -2,8 +2,6 @@
 
 #include <fmt/core.h>
 
-#include "config/fields.h"
-
 namespace scanmill {
 
 NamedOptions readNamed(const Value& value, const std::string& what) {

@@ -8,8 +8,8 @@
 #include <system_error>
 #include <utility>
 
-#include "base/descriptor.h"
 #include "base/error.h"
+#include "base/file.h"
 #include "dataset/tar_reader.h"
 
 namespace scanmill {

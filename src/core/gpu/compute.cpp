@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "base/error.h"
-#include "base/wall_timer.h"
+#include "base/stage_clock.h"
 #include "gpu/compute_interface.h"
 #include "gpu/device.h"
 

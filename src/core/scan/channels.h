@@ -92,6 +92,12 @@ constexpr Channels Channels::all() {
 }
 
 // Returns the names of the channels in the set, in the order of kChannels.
-std::vector<std::string> channelNames(Channels channels);
+inline std::vector<std::string> channelNames(Channels channels) {
+  std::vector<std::string> names;
+  for (const ChannelRow& row : kChannels) {
+    if (channels.has(row.channel)) names.emplace_back(row.name);
+  }
+  return names;
+}
 
 }  // namespace scanmill

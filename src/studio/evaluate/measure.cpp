@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/wall_timer.h"
+#include "base/stage_clock.h"
 #include "pipeline/read/pipeline.h"
 
 namespace scanmill {

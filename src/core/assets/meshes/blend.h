@@ -4,8 +4,8 @@
 
 #include <filesystem>
 
+#include "base/file.h"
 #include "base/format_support.h"
-#include "base/scratch_folder.h"
 
 namespace scanmill {
 

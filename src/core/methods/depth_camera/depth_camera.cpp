@@ -19,7 +19,7 @@
 #include "assets/meshes/blender.h"
 #include "base/error.h"
 #include "base/stage_clock.h"
-#include "config/named_choice.h"
+#include "config/named_options.h"
 #include "methods/depth_camera/layout.h"
 #include "methods/depth_camera/revolution.h"
 #include "methods/depth_camera/sample.h"

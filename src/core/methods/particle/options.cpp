@@ -8,7 +8,7 @@
 #include <string>
 
 #include "base/error.h"
-#include "config/named_choice.h"
+#include "config/named_options.h"
 
 namespace scanmill {
 

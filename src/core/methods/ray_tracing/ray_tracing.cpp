@@ -14,7 +14,7 @@
 #include <utility>
 
 #include "base/parallel.h"
-#include "config/named_choice.h"
+#include "config/named_options.h"
 #include "methods/ray_tracing/packet.h"
 #include "methods/ray_tracing/unobstructed.h"
 #include "methods/world/worlds.h"

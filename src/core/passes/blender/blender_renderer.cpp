@@ -15,8 +15,8 @@
 
 #include "assets/meshes/blender.h"
 #include "base/error.h"
+#include "base/file.h"
 #include "base/parallel.h"
-#include "base/scratch_folder.h"
 #include "base/stage_clock.h"
 #include "passes/blender/blender_scene.h"
 #include "passes/exr/exr_file.h"

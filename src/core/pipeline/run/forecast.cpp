@@ -14,7 +14,7 @@
 #include "base/hash.h"
 #include "base/parallel.h"
 #include "base/random.h"
-#include "base/wall_timer.h"
+#include "base/stage_clock.h"
 #include "config/distribution.h"
 #include "config/flow_text.h"
 #include "config/resources.h"

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "base/wall_timer.h"
+#include "base/stage_clock.h"
 
 namespace scanmill {
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "base/wall_timer.h"
+#include "base/stage_clock.h"
 
 namespace scanmill {
 

@@ -6,7 +6,7 @@
 
 #include "base/parallel.h"
 #include "base/short_text.h"
-#include "base/wall_timer.h"
+#include "base/stage_clock.h"
 #include "config/version.h"
 #include "gpu/compute.h"
 #include "pipeline/run/progress.h"

@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "base/wall_timer.h"
+#include "base/stage_clock.h"
 #include "config/named_options.h"
 #include "pipeline/read/effects.h"
 #include "pipeline/run/run_shot.h"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "base/wall_timer.h"
+#include "base/stage_clock.h"
 
 namespace scanmill {
 
