@@ -12,6 +12,7 @@
 #include "assets/meshes/obj/statements.h"
 #include "base/file.h"
 #include "base/format_support.h"
+#include "base/text_scan.h"
 
 namespace scanmill::obj {
 
@@ -36,22 +37,8 @@ constexpr std::array<ImageOption, 13> kImageOptions{{{"-blendu", 1},
                                                      {"-type", 1},
                                                      {"-cc", 1}}};
 
-std::string_view withoutComment(std::string_view name) {
-  const std::size_t comment = std::min(name.find(" #"), name.find("\t#"));
-  name = name.substr(0, comment);
-  return name.substr(0, name.find_last_not_of(" \t") + 1);
-}
-
 bool isNumber(std::string_view word) {
   return !word.empty() && word.find_first_not_of("+-.0123456789eE") == std::string_view::npos;
-}
-
-// Takes the first word of a text off the text.
-std::string_view takeWord(std::string_view& text) {
-  const std::size_t end = std::min(text.find_first_of(" \t"), text.size());
-  const std::string_view word = text.substr(0, end);
-  text.remove_prefix(std::min(text.find_first_not_of(" \t", end), text.size()));
-  return word;
 }
 
 class Library {
@@ -86,7 +73,8 @@ class Library {
   // Ends the definition of a material.
   void end() {
     if (index_ != kNone && !known_) to_.list[index_].definition = definition_;
-    if (known_ && to_.list[index_].definition != definition_) to_.leftOut.add(kFurther);
+    if (known_ && to_.list[index_].definition != definition_)
+      to_.leftOut.add("definitions of materials that differ from the first of their name");
     definition_.clear();
   }
 
@@ -120,10 +108,6 @@ class Library {
 
   void readColor() {
     const auto& words = statements_.words();
-    if (!words.empty() && (words[0] == "spectral" || words[0] == "xyz")) {
-      to_.leftOut.add(fmt::format("Kd {} of materials", words[0]));
-      return;
-    }
     if (words.size() != 1 && words.size() < 3) statements_.fail("give three numbers (red, green, blue)");
     material().stated = true;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -142,23 +126,24 @@ class Library {
       const auto option = std::find_if(kImageOptions.begin(), kImageOptions.end(),
                                        [&](const ImageOption& each) { return each.name == name; });
       if (option == kImageOptions.end()) break;
-      rest = behind;
+      rest = trimmed(behind);
       std::array<std::optional<double>, 3> values;
       for (int i = 0; i < option->values; ++i) {
         std::string_view next = rest;
         const std::string_view word = takeWord(next);
         const bool number = isNumber(word);
-        if (option->values > 1 && (!number || next.empty())) break;
+        if (option->values > 1 && (!number || trimmed(next).empty())) break;
         if (number) values[static_cast<std::size_t>(i)] = statements_.number(word);
-        if (name == "-clamp" && word == "on") to_.leftOut.add(kClamps);
+        if (name == "-clamp" && word == "on") to_.leftOut.add("-clamp on of textures, which repeat");
         if (name == "-imfchan" && &place != &to_.list[index_].base && word.find_first_of("rgbz") == 0) {
-          to_.leftOut.add(kChannels);
+          to_.leftOut.add("-imfchan of opacity maps: alpha or brightness counts");
         }
-        rest = next;
+        rest = trimmed(next);
       }
       if (name == "-s") place.scale = {floatOr(values[0], 1), floatOr(values[1], 1)};
       if (name == "-o") place.offset = {floatOr(values[0], 0), floatOr(values[1], 0)};
-      if (name == "-mm" && (values[0].value_or(0) != 0 || values[1].value_or(1) != 1)) to_.leftOut.add(kBrightness);
+      if (name == "-mm" && (values[0].value_or(0) != 0 || values[1].value_or(1) != 1))
+        to_.leftOut.add("-mm of images, which changes their brightness");
     }
     if (rest.empty()) statements_.fail("names no image");
     map.name = map.label = std::string(rest);
@@ -187,25 +172,13 @@ std::size_t Materials::indexOf(const std::string& name) {
   return at->second;
 }
 
-void Materials::complete(bool allRead) {
-  std::map<std::string, std::size_t> defined;  // the first index of each name without its comment
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    if (list[i].defined) defined.emplace(withoutComment(list[i].look.name), i);
-  }
-  for (ObjMaterial& material : list) {
-    const std::string name = material.look.name;
-    if (!material.defined && !name.empty()) {
-      const auto same = defined.find(std::string(withoutComment(name)));
-      if (same == defined.end()) {
-        leftOut.add(kUndefined, allRead ? 1 : 0);
-      } else {
-        material = list[same->second];
-        material.look.name = name;
-      }
-    }
+void Materials::check(bool allRead) {
+  for (const ObjMaterial& material : list) {
     const ImportedMaterial& look = material.look;
+    if (!material.defined && !look.name.empty())
+      leftOut.add("materials that no library defines (they have the default reflectance)", allRead ? 1 : 0);
     if (!look.base.name.empty() && !look.opacityMap.name.empty() && material.base != material.opacity) {
-      leftOut.add(kPlacements);
+      leftOut.add("placements of map_d (-s, -o) that differ from that of map_Kd");
     }
   }
 }

@@ -25,14 +25,6 @@
 
 namespace scanmill::obj {
 
-// Kinds of things that readers of materials count in LeftOut.
-inline constexpr const char* kUndefined = "materials that no library defines (they have the default reflectance)";
-inline constexpr const char* kFurther = "definitions of materials that differ from the first of their name";
-inline constexpr const char* kClamps = "-clamp on of textures, which repeat";
-inline constexpr const char* kBrightness = "-mm of images, which changes their brightness";
-inline constexpr const char* kChannels = "-imfchan of opacity maps: alpha or brightness counts";
-inline constexpr const char* kPlacements = "placements of map_d (-s, -o) that differ from that of map_Kd";
-
 // How texture coordinates are placed on an image: uv * scale + offset.
 struct UvPlace {
   Vec2f scale{1, 1};
@@ -57,10 +49,9 @@ struct Materials {
 
   // Returns the index of the material; adds one without colour if the name is unknown.
   std::size_t indexOf(const std::string& name);
-  // Completes the materials after all libraries are read: those that faces name and no library defines get the look of
-  // one whose name differs by a comment ("newmtl red # wall"), or are counted if `allRead` says that the file has
-  // libraries and all were read.
-  void complete(bool allRead);
+  // Counts, after all libraries are read, what does not fit together, such as materials that faces name and no library
+  // defines, if `allRead` says that the file has libraries and all were read.
+  void check(bool allRead);
 };
 
 // Reads a library and adds its materials. The first definition of a name counts; other readers take the first, take the

@@ -30,16 +30,10 @@ namespace {
 namespace fs = std::filesystem;
 using obj::Statements;
 
-constexpr const char* kJoined = "further objects with the name of an earlier one (they are one node)";
-
 class ObjReader {
  public:
   ObjReader(std::string text, const fs::path& file, const AssetOptions& options)
-      : file_(file), options_(options), text_(std::move(text)), statements_(text_, file), polygons_(file) {
-    if (text_.starts_with("\xFE\xFF") || text_.starts_with("\xFF\xFE")) {
-      fail("is UTF-16 text: save it as UTF-8, for example with 'iconv -f UTF-16 -t UTF-8'");
-    }
-  }
+      : file_(file), options_(options), text_(std::move(text)), statements_(text_, file), polygons_(file) {}
 
   ImportedFile read() {
     while (statements_.next()) readStatement();
@@ -48,7 +42,7 @@ class ObjReader {
     warnOfStatedUnit(text_, options_, file_);
     assetFromFile_ = zUpFrom(read.up) * Mat3::scale(Vec3d{1, 1, 1} * options_.metresPerUnit);
     read.origin = originNear(vertices_.size(), [&](std::size_t i) { return assetFromFile_ * vertices_[i]; });
-    library_.complete(!read_.empty() && missing_.empty());
+    library_.check(!read_.empty() && missing_.empty());
     for (Part& part : parts_) {
       // A texture must not show on faces without texture coordinates, which stand beside others.
       Part bare{part.node, part.nodeIndex, part.material, {}};
@@ -64,7 +58,7 @@ class ObjReader {
     for (obj::ObjMaterial& material : library_.list) read.materials.push_back(std::move(material.look));
     read.missing = std::move(missing_);
     leftOut_.add(library_.leftOut);
-    leftOut_.add("colours of vertices", colored_ + colorsInComments());
+    leftOut_.add("colours of vertices", colored_);
     read.leftOut = std::move(leftOut_);
     return read;
   }
@@ -96,7 +90,9 @@ class ObjReader {
     } else if (key == "o" || key == "g") {
       if (key == "o") {
         object_ = statements_.rest();
-        if (!objects_.insert(object_).second) leftOut_.add(kJoined);
+        if (!objects_.insert(object_).second) {
+          leftOut_.add("further objects with the name of an earlier one (they are one node)");
+        }
       }
       group_ = key == "g" ? statements_.rest() : std::string_view();
       part_ = nullptr;
@@ -220,17 +216,6 @@ class ObjReader {
     if (read_.insert(path).second) obj::readLibrary(path, library_);
   }
 
-  // Returns the number of colours of vertices that ZBrush wrote as comments: "#MRGB " and 8 digits for each colour.
-  std::size_t colorsInComments() const {
-    constexpr std::string_view kBegin = "#MRGB ";
-    std::size_t digits = 0;
-    for (std::size_t at = 0, end = 0; (at = text_.find(kBegin, end)) != std::string::npos;) {
-      end = std::min(text_.find_first_of("\r\n", at), text_.size());
-      digits += end - at - kBegin.size();
-    }
-    return digits / 8;
-  }
-
   static bool hasUvs(const std::array<Corner, 3>& triangle) {
     return std::none_of(triangle.begin(), triangle.end(), [](const Corner& corner) { return corner.uv == kNone; });
   }
@@ -305,8 +290,8 @@ const FormatSupport& objFormat() {
       "linear light, as in Blender, since OBJ states no colour space; an image counts in its place. The first "
       "definition of a name counts. Normals, lighting and its images change nothing",
       "further objects with the name of an earlier one, which are one node; colours of vertices; materials that no "
-      "library defines, further definitions of a name; Kd spectral and Kd xyz; -clamp, -mm and -imfchan of images; "
-      "placements of map_d that differ from those of map_Kd; opacities and textures that cannot show"};
+      "library defines, further definitions of a name; -clamp, -mm and -imfchan of images; placements of map_d that "
+      "differ from those of map_Kd; opacities and textures that cannot show"};
   return format;
 }
 

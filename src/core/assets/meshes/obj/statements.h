@@ -12,7 +12,6 @@
 namespace scanmill::obj {
 
 // A line that ends with a backslash goes on in the next line. Lines that begin with # are comments.
-// If the text has no line feed, a carriage return ends a line, as on the old Mac OS.
 class Statements {
  public:
   // `text` must outlive the object.
@@ -24,12 +23,10 @@ class Statements {
   std::string_view keyword() const { return keyword_; }
   // The rest of the line, without blanks at both ends. Names may contain #, so a comment behind numbers is part of it.
   std::string_view rest() const { return rest_; }
-  // Splits the rest of the line, up to a comment, into words. A # behind a decimal point begins no comment: numbers
-  // such as "1.#QNAN" have it. The result is valid until the next call.
+  // Splits the rest of the line, up to a comment, into words. The result is valid until the next call.
   const std::vector<std::string_view>& words();
 
-  // Converts a word to a number. Accepts "nan", "inf" and "1.#IND", which damaged files contain. Throws InputError with
-  // the line.
+  // Converts a word to a number, which may be "nan" or "inf". Throws InputError with the line.
   double number(std::string_view word) const;
   // Throws an InputError that names file, line and keyword.
   [[noreturn]] void fail(const std::string& what) const;
@@ -37,10 +34,8 @@ class Statements {
  private:
   std::string_view nextLine();
 
-  std::string_view text_;
+  std::string_view text_;  // the lines that are not read yet
   std::string file_;
-  char lineEnd_;
-  std::size_t at_ = 0;  // index of the next line's first character
   int lines_ = 0;       // number of lines read so far
   int line_ = 0;        // line of the statement, counted from 1
   std::string joined_;  // the text of a statement of several lines
