@@ -182,7 +182,8 @@ int runTradeoff(const std::vector<std::string>& arguments) {
   StudyOptions studyOptions{
       .quiet = parsed.has("quiet"),
       .stop = &stopSignal(),
-      .showScan = [](const Scan& scan, const Ontology& ontology) { drawPicture(scan, &ontology, {}, "scan"); },
+      .showScan = [](const Scan& scan,
+                     const Ontology& ontology) { drawScan(scan, colorScan(scan, {}, {&ontology}), 1600, 900, "scan"); },
       .drawErrors = drawErrors};
   if (parsed.has("budget")) {
     constexpr double kMostMinutes = 1e5;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <map>
 
 #include "base/error.h"
 #include "base/grouped.h"
@@ -24,59 +23,22 @@ namespace {
 // Colours that are used after the colours of methods, from Okabe and Ito's palette ("Color universal design", 2008).
 constexpr Rgb kMoreColors[] = {{0, 158, 115}, {204, 121, 167}, {240, 228, 66}};
 
-// Returns the diameter (pixels) with which a point is drawn, so that it fills the gap to neighbouring beams, which
-// grows with the range. `scale`: pixels per metre at the point. `unit`: 1/850 of the picture's height, at least 0.5.
-double pointDiameter(double range, double scale, double factor, double unit) {
-  constexpr double kWorldDiameter = 0.05;  // diameter of a point near the sensor (m)
-  // Increase of the diameter per range (m/m); points of beams 0.2 degrees apart nearly touch.
-  constexpr double kDiameterPerMetre = 0.003;
-  constexpr double kLeast = 1.3;  // minimum diameter, in multiples of `unit`
-  constexpr double kMost = 16;    // maximum diameter, in multiples of `unit`
-  return factor * std::clamp((kWorldDiameter + kDiameterPerMetre * range) * scale, kLeast * unit, kMost * unit);
-}
-
-// Returns the camera of the view, or one that sees the points if this one does not.
-ViewCamera cameraOf(const std::vector<Vec3f>& points, const PictureOptions& options, const PixelRect& body) {
+// Draws the points with a camera that sees them from behind and above the sensor.
+void drawPoints(Canvas& canvas, const PixelRect& body, const Scan& scan, const std::vector<Rgb>& colors,
+                bool depthEdges) {
+  constexpr ItemId kPoints = 1;
   std::vector<Vec3d> finite;
-  for (const Vec3f& point : points) {
+  for (const Vec3f& point : scan.position) {
     if (isFinite(point)) finite.emplace_back(point);
   }
-  const OrbitCamera preset = presetCamera(options.view);
-  ViewCamera camera = preset.seeing(finite, options.view, body.width, body.height).camera(body.width, body.height);
-  camera.focal *= options.zoom;
-  return camera;
-}
-
-// Draws the points. If several points of equal depth and diameter are in the same pixel, the one with the lowest index
-// is visible.
-void drawPoints(Canvas& canvas, const PixelRect& body, const std::vector<Vec3f>& points, const std::vector<Rgb>& colors,
-                const PictureOptions& options) {
-  constexpr double kMostDiameter = 200;  // maximum diameter of a point in pixels
-  CanvasView view{.rect = body, .camera = cameraOf(points, options, body), .background = kBackground};
-  view.depthEdges = options.depthEdges;
+  const OrbitCamera camera = presetCamera(View::Chase).seeing(finite, View::Chase, body.width, body.height);
+  CanvasView view{.rect = body, .camera = camera.camera(body.width, body.height), .background = kBackground};
+  view.depthEdges = depthEdges;
   view.farthest = 2 * view.camera.nearest;
-  const double unit = std::max(body.height / 850.0, 0.5);
-  struct Item {
-    std::vector<Vec3f> points;
-    std::vector<Rgb> colors;
-  };
-  std::map<int, Item> items;  // keys: diameters of points in pixels
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!isFinite(points[i])) continue;
-    const Projected p = view.camera.project(Vec3d(points[i]));
-    if (!(p.depth >= view.camera.nearest)) continue;
-    view.farthest = std::max(view.farthest, p.depth * 1.01);
-    const double size = pointDiameter(length(Vec3d(points[i])), p.scale, options.pointSize, unit);
-    Item& item = items[static_cast<int>(std::lround(std::clamp(size, 1.0, kMostDiameter)))];
-    item.points.push_back(points[i]);
-    item.colors.push_back(colors[i]);
-  }
+  for (const Vec3d& point : finite) view.farthest = std::max(view.farthest, view.camera.project(point).depth * 1.01);
   canvas.setViews({&view, 1});
-  for (const auto& [size, item] : items) {
-    canvas.setPoints(static_cast<ItemId>(size), item.points, item.colors);
-    // Points of at most 3 pixels have too few pixels for a disc.
-    canvas.setLook(static_cast<ItemId>(size), {.size = static_cast<double>(size), .round = size > 3});
-  }
+  canvas.setPoints(kPoints, scan.position, colors);
+  canvas.setLook(kPoints, {.size = std::max(2.0, std::round(body.height / 240.0))});
 }
 
 std::uint64_t finitePoints(const Scan& scan) {
@@ -90,20 +52,19 @@ Rgb overlayColor(std::size_t scan) {
   return place < methods().size() ? methods()[place].color : kMoreColors[place - methods().size()];
 }
 
-Image drawPicture(const Scan& scan, const Ontology* ontology, const PictureOptions& options, const std::string& title) {
-  return drawColored(scan, colorScan(scan, options.colorBy, {ontology}), options, title);
-}
-
-Image drawColored(const Scan& scan, const Coloring& coloring, const PictureOptions& options, const std::string& title) {
+Image drawScan(const Scan& scan, const Coloring& coloring, int width, int height, const std::string& title,
+               bool depthEdges) {
   const std::uint64_t points = finitePoints(scan);
   const Legend legend = points == 0 ? Legend{} : coloring.legend;
-  const PanelNeeds needs = needsOfPicture(options.width, options.height, legend.scale || !legend.entries.empty());
-  const PanelRooms rooms = roomsOf(options.width, options.height, needs);
-  PictureBoard board(options.width, options.height, needs.letter);
-  drawPoints(board.canvas(), rooms.body, scan.position, coloring.colors, options);
+  const double letter = letterOfPicture(width, height);
+  const PanelNeeds needs{
+      .letter = letter, .row = std::round(1.5 * letter), .side = legend.scale || !legend.entries.empty(), .bar = false};
+  const PanelRooms rooms = roomsOf(width, height, needs);
+  PictureBoard board(width, height, letter);
+  drawPoints(board.canvas(), rooms.body, scan, coloring.colors, depthEdges);
   return board.draw([&] {
     titleRow(rooms.title, fmt::format("{}, {} point{}", title, grouped(points), points == 1 ? "" : "s"),
-             fmt::format("{} view, {}", kViewNames[static_cast<std::size_t>(options.view)], coloring.legend.title));
+             coloring.legend.title);
     panelAt("##side", rooms.side, false, [&] { legendSection(legend, true); });
     drawMessage(rooms.body, points == 0 ? "no points" : "");
   });

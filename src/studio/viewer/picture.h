@@ -20,22 +20,11 @@ constexpr int kMostPictureSide = 8192;
 // Maximum of width * height, slightly more than 8K has; drawing takes about 28 bytes per pixel.
 constexpr int kMostPicturePixels = 36'000'000;
 
-struct PictureOptions {
-  std::optional<ColorBy> colorBy{};  // quantity that colours show; absent: colorScan() chooses it
-  View view = View::Chase;
-  int width = 1600;
-  int height = 900;
-  double zoom = 1;
-  double pointSize = 1;    // factor by which the usual diameter of points is multiplied
-  bool depthEdges = true;  // darkens points behind nearer surfaces (eye-dome lighting)
-};
-
-// Draws the scan as `options.view` requires, or from farther away if hardly any point would be seen, with `title` and
-// the number of points above it and the legend beside it. The picture of an empty scan says that it is empty.
-Image drawPicture(const Scan& scan, const Ontology* ontology, const PictureOptions& options, const std::string& title);
-
-// Draws the scan as drawPicture() does, in the colours of `coloring`; `options.colorBy` is ignored.
-Image drawColored(const Scan& scan, const Coloring& coloring, const PictureOptions& options, const std::string& title);
+// Draws the scan from behind and above the sensor, or from farther away if hardly any point would be seen, with `title`
+// and the number of points above it and the legend beside it. The picture of an empty scan says that it is empty.
+// `depthEdges`: darkens points behind nearer surfaces (eye-dome lighting).
+Image drawScan(const Scan& scan, const Coloring& coloring, int width, int height, const std::string& title,
+               bool depthEdges = true);
 
 // Returns the colour of a scan in an overlay of several scans. `scan`: index of the scan in the overlay.
 Rgb overlayColor(std::size_t scan);

@@ -189,21 +189,6 @@ TEST(Canvas, ColorsAreExactAndTheNearerWins) {
   EXPECT_EQ(countOf(image, kNight), 64u * 48u - 49u);
 }
 
-TEST(Canvas, PointsMayBeDiscs) {
-  CANVAS_OR_SKIP(canvas, 64, 48);
-  setView(canvas);
-  ItemLook look = sized(21);
-  look.round = true;
-  setOnePoint(canvas, 1, {10, 0, 0}, kGreen, look);
-  Image image = drawn(canvas);
-  EXPECT_NEAR(static_cast<double>(countOf(image, kGreen)), kPi * 10.5 * 10.5, 20);
-  EXPECT_EQ(image.at(32, 24), kGreen);
-  EXPECT_EQ(image.at(32 - 9, 24 - 9), kNight);
-  look.round = false;
-  canvas.setLook(1, look);
-  EXPECT_EQ(countOf(drawn(canvas), kGreen), 21u * 21u);
-}
-
 TEST(Canvas, ShowsWhatIsAskedFor) {
   CANVAS_OR_SKIP(canvas, 90, 30);
   setView(canvas);

@@ -90,9 +90,9 @@ TEST(SeveralReturnsStrip, ShowsTheNearest) {
 
 TEST(SeveralReturnsPictures, AreDrawn) {
   for (const Scan& scan : layouts()) {
-    const PictureOptions options{.colorBy = kByReturn, .width = 320, .height = 200};
-    const Image picture = drawPicture(scan, nullptr, options, "two returns");
-    const Rgb second = colorScan(scan, kByReturn, {}).legend.entries.at(1).color;
+    const Coloring coloring = colorScan(scan, kByReturn, {});
+    const Image picture = drawScan(scan, coloring, 320, 200, "two returns");
+    const Rgb second = coloring.legend.entries.at(1).color;
     EXPECT_TRUE(std::ranges::find(picture.pixels, second) != picture.pixels.end());
     EXPECT_GT(drawRangeImage(scan, nullptr, kByReturn, "two returns").pixels.size(), kBeams);
   }

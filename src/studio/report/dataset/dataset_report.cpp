@@ -36,10 +36,10 @@ PicturedScan pictureOf(const Manifest& manifest, const ScanPlace& place, const S
   if (!scan[kIntensity].empty()) colors.push_back(kByIntensity);
   if (colors.empty()) colors.push_back(kByRange);
   for (const ColorBy& color : colors) {
-    const PictureOptions options{.colorBy = color, .width = kPictureWidth, .height = kPictureHeight};
+    const Coloring coloring = colorScan(scan, color, {&manifest.ontology});
     try {
-      pictured.pictures.emplace_back(color.name(),
-                                     encodePng(drawPicture(scan, &manifest.ontology, options, pictured.title)));
+      pictured.pictures.emplace_back(
+          color.name(), encodePng(drawScan(scan, coloring, kPictureWidth, kPictureHeight, pictured.title)));
     } catch (const Error& e) {
       // Pictures need OpenGL, which may be missing; the figures do not need it.
       warn(std::string("the page has no pictures: ") + e.what());

@@ -62,9 +62,8 @@ std::string drawErrors(const TrueShot& truth, const Hits& tested) {
   coloring.legend.entries.push_back({fmt::format("other label: {}", label), kLabelColor});
   coloring.legend.entries.push_back({fmt::format("false negatives: {}", falseNegatives), kFalseNegativeColor});
   coloring.legend.entries.push_back({fmt::format("false positives: {}", falsePositives), kFalsePositiveColor});
-  const PictureOptions options{.width = 1200, .height = 675, .zoom = 1.6, .depthEdges = false};
   const std::string title = fmt::format("{}, {}", truth.shot.sample, truth.shot.sensorName);
-  return encodePng(drawColored(scan, coloring, options, title));
+  return encodePng(drawScan(scan, coloring, 1200, 675, title, false));
 }
 
 }  // namespace scanmill

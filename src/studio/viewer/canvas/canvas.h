@@ -60,7 +60,6 @@ struct ItemLook {
   double opacity = 1;       // opacity from 0 (invisible) to 1
   std::uint32_t views = 1;  // bit k: the item is drawn in view k
   bool lit = true;          // shades triangles with a light at the eye
-  bool round = false;       // draws points as discs instead of squares
 };
 
 // A corner of a triangle of the overlay. The overlay consists of the triangles of panels and their text; it is drawn on

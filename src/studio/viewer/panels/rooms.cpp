@@ -43,11 +43,6 @@ double letterOf(const Canvas& canvas, bool still) {
                : std::clamp(std::round(kLetter * canvas.scale()), 10.0, 60.0);
 }
 
-PanelNeeds needsOfPicture(int width, int height, bool side) {
-  const double letter = letterOfPicture(width, height);
-  return {.letter = letter, .row = std::round(1.5 * letter), .side = side, .bar = false};
-}
-
 PanelRooms roomsOf(int width, int height, const PanelNeeds& needs) {
   constexpr double kSideLetters = 17;
   constexpr double kLeastLetters = 30;  // canvases with a width of fewer letter heights get no side panel

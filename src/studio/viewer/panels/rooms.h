@@ -22,9 +22,6 @@ struct PanelNeeds {
 double letterOfPicture(int width, int height);
 double letterOf(const Canvas& canvas, bool still);
 
-// Returns the panels of a picture: a title and, if `side` is true, the legend.
-PanelNeeds needsOfPicture(int width, int height, bool side);
-
 // The rectangles of the panels; empty for panels that are not shown. `body` is the rectangle for the views; it is never
 // empty.
 struct PanelRooms {

@@ -28,11 +28,6 @@ constexpr const char* kLightAtTheEye = R"(
   gl_FragData[0] = vec4(ambientColor + max(facing, 0.0) * diffuseColor, opacity);
 )";
 
-constexpr const char* kRoundPoint = R"(
-  if (distance(gl_PointCoord, vec2(0.5)) > 0.5) discard;
-//VTK::Color::Impl
-)";
-
 // Returns a pseudorandom number that depends only on k (splitmix64 by Steele, Lea and Flood).
 std::uint64_t scattered(std::uint64_t k) {
   k += 0x9E3779B97F4A7C15u;
@@ -153,11 +148,9 @@ void Item::setLook(const ItemLook& look) {
     part->actor->SetForceOpaque(opaque);
     part->actor->SetForceTranslucent(!opaque);
     vtkShaderProperty* shaders = part->actor->GetShaderProperty();
-    const bool round = kind_ == ItemKind::Points && look.round;
-    if (shaders->GetNumberOfShaderReplacements() != (lit || round ? 1 : 0)) {
+    if (shaders->GetNumberOfShaderReplacements() != (lit ? 1 : 0)) {
       shaders->ClearAllShaderReplacements();
       if (lit) shaders->AddFragmentShaderReplacement("//VTK::Light::Impl", true, kLightAtTheEye, false);
-      if (round) shaders->AddFragmentShaderReplacement("//VTK::Color::Impl", true, kRoundPoint, false);
     }
   }
 }
