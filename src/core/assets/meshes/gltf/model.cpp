@@ -6,7 +6,6 @@
 #include <string_view>
 #include <utility>
 
-#include "assets/meshes/gltf/container.h"
 #include "assets/meshes/gltf/json_reader.h"
 #include "assets/meshes/gltf/storage.h"
 #include "assets/meshes/references.h"

@@ -13,7 +13,6 @@
 #include "assets/meshes/asset_parts.h"
 #include "assets/meshes/child_process.h"
 #include "assets/meshes/gltf/data.h"
-#include "assets/meshes/gltf/draco.h"
 #include "assets/meshes/gltf/materials.h"
 #include "assets/meshes/gltf/model.h"
 #include "assets/meshes/gltf/pose.h"
@@ -228,7 +227,7 @@ class Reader {
   // once.
   std::shared_ptr<const Geometry> knownGeometry(const Primitive& primitive, const PlacedNode& placed,
                                                 const std::optional<TextureUse>& texture) {
-    const bool shares = poser_->isRigid(placed) && (uses_[*model_.nodes[placed.node].mesh] > 1 || copies_);
+    const bool shares = poser_->isRigid(placed) && uses_[*model_.nodes[placed.node].mesh] > 1;
     if (!shares) return std::make_shared<const Geometry>(geometryOf(primitive, placed, texture));
     std::shared_ptr<const Geometry>& known = known_[&primitive];
     if (known == nullptr) known = std::make_shared<const Geometry>(geometryOf(primitive, placed, texture));
@@ -360,13 +359,12 @@ class Reader {
       if (!isSingular((frame * local).linear)) nodeFromMesh.push_back(local);
     }
     if (options_.clip || nodeFromMesh.size() < 2) {
-      copies_ = true;
+      uses_[*model_.nodes[placed.node].mesh] += nodeFromMesh.size();
       // Each copy gets a separate node index.
       const auto nodes = static_cast<std::uint32_t>(placed_.size());
       for (std::uint32_t i = 0; i < nodeFromMesh.size(); ++i) {
         append(asset_.parts, placed, number + i * nodes, frame * nodeFromMesh[i]);
       }
-      copies_ = false;
       return;
     }
     InstancedParts instanced;
@@ -384,8 +382,7 @@ class Reader {
   std::vector<PlacedNode> placed_;
   std::optional<Poser> poser_;
   std::vector<ReadMaterial> materials_;
-  std::vector<std::size_t> uses_;  // number of nodes that place a mesh, by mesh
-  bool copies_ = false;            // true while append() is called for the instances of a node
+  std::vector<std::size_t> uses_;  // number of times that a mesh is placed, by mesh
   std::map<const Primitive*, std::shared_ptr<const Geometry>> known_;
   Asset asset_;
   std::uint64_t triangles_ = 0;
