@@ -19,20 +19,10 @@
 
 namespace scanmill {
 
-// YAML keys of an object besides those of its placement:
-//
-//   copies:
-//     scatter: {on: [terrain], count: 200, spacing: 3, slope_deg: 30, within: [[x, y], [x, y]], covered: false,
-//       distance_from: {road: [1, 4], building: 3}}    # m, as seen from above: least and most, or only least
-//                                      # or density: 0.02 (copies per m^2 as seen from above) in place of count
-//     along: {waypoints: [[x, y, z], ...], every: 8, left: 3}
-//                                      # or {from: [x, y], to: [x, y], on: road, ...}: see scene/road_path.h
-//   vary: {yaw_deg: [0, 360], scale: [0.8, 1.2], position: 0.5, presence: 0.9, material: [car_paint, car_paint_dark]}
-//   stand_on: ground                   # or classes: [terrain, road]
-//
 // Each scattered place, and each place along the path, gets all copies of the object's placement. A scattered place has
 // a random yaw; a place along the path has the heading of the path. `vary` turns a copy about the vertical axis through
 // the copy's own position. Random numbers depend only on the scene's seed and the object's name (or its `thing`).
+// docs/keys.md lists the keys.
 class Arrangement {
  public:
   // Reads `copies.scatter`, `copies.along`, `vary` and `stand_on`. Throws InputError with the place.

@@ -13,15 +13,6 @@
 
 namespace scanmill {
 
-// YAML keys of an object:
-//
-//   position: [x, y, z]                        # m
-//   yaw_deg, pitch_deg, roll_deg: ...          # or rotation: [w, x, y, z]
-//   scale: 2.0 or [x, y, z]                    # negative mirrors; zero is refused
-//   copies:
-//     at: [{position, yaw_deg, ..., scale}]    # in the object's frame, in metres
-//     grid: {count: [nx, ny, nz], spacing: [x, y, z]}
-//
 // Position and rotation define the object's frame. A copy's position in that frame is the position of its grid
 // cell plus its own position; its scale is multiplied by the object's. Scales act only on the geometry, not on the
 // distances between copies. The grid is not centred: its first cell is at the object's position. Copies are ordered by
@@ -50,7 +41,7 @@ struct Placement {
   void forEach(const std::function<void(const Affine&)>& visit) const;
 };
 
-// Reads the keys above from an object's map. Throws InputError with the place; for more than mostCopies() the message
+// Reads the keys `position`, of rotations, `scale`, `copies.at` and `copies.grid` from an object's map (docs/keys.md). Throws InputError with the place; for more than mostCopies() the message
 // gives the number of copies and the factors that it is the product of.
 Placement readPlacement(Fields& object);
 

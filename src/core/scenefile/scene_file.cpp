@@ -1,55 +1,9 @@
-// A scene file, scenes/*.yaml:
+// Reads scene files (scenes/*.yaml), whose keys docs/keys.md lists.
 //
-//   name: town                           # default: the file's name
-//   ontology: ../labels/scanmill.yaml    # a path, which like all paths is relative to this file; or the name of an
-//                                        # ontology of the program: scanmill
-//   materials: ../labels/materials.yaml
-//   assets: ${SCANMILL_ASSETS}/town      # folder in which relative `file`s start; default: this file's folder
-//   rules: [{match: {node: "Road*"}, class: road, material: asphalt}, ...]
-//   objects: [...]
-//
-// An object is one of
-//
-//   file: car.glb                        # an asset; or {one_of: [...]}, files and folders: one at random for each copy
-//   up: y                                # the up axis of the file's coordinates, x, y or z, instead of the axis that
-//                                        # the file declares. Default: the declared axis of COLLADA and FBX, y for glTF
-//                                        # and AC3D, z for OBJ, PLY, STL and all others
-//   unit: 0.01                           # metres per unit of the file; default 1. COLLADA and FBX files declare their
-//                                        # unit; the key is then a further factor
-//   alpha: auto                          # whether beams pass through a surface where its alpha is below 0.5: test
-//                                        # (yes), ignore (no: all is solid), auto (default: as the file's materials
-//                                        # declare; if they declare nothing, yes for textures that look like cut-outs:
-//                                        # see AlphaUse in assets/asset.h)
-//   textures: [images]                   # folders that are searched, too, for images that are missing at their paths
-//   missing: leave_out                   # of a world: models and meshes that it names and that are missing are left
-//                                        # out; refuse (default): they are listed in an error
-//   instances: node                      # the triangles that form one thing. node: of a node with a thing class; part:
-//                                        # of a group of connected triangles; /chair_[0-9]+/: of all nodes with the
-//                                        # same match; object (default, except for point clouds): of the complete
-//                                        # asset. See scenefile/things.h
-//   thing: tree_1                        # the n-th copies of all objects with the same `thing` are one thing
-//   points: {...}, heights: {...}        # for point clouds and height rasters: see scenefile/survey_options.h
-//   animation: {clip: walk}              # glTF: the clip loops, or is frozen at time_s if that is given
-//   rules: [...]                         # see scenefile/rules.h; match: {file: ...} tests `file` as written here
-//   class: car, material: car_paint      # one more rule, which matches everything
-//
-//   A part gets its class from the first of these that matches and has a class: the object's rules in their order, the
-//   object's class, the scene's rules in their order. Its material is found in the same way. An object's class
-//   therefore overrides the classes of all the scene's rules; an object overrides their materials only if it has a
-//   material too.
-//
-//   primitive: box                       # class and material are required. Centred at the origin, in metres:
-//   size: [x, y, z]                      #   box; plane: [x, y] at z = 0, facing up, cut into cells x cells
-//   radius, height, segments: ...        #   sphere (radius), cylinder and cone (along z), capsule (the height of
-//                                        #   the cylinder, without the half spheres)
-//
-//   town: {...}                          # see town/town.h
-//
-// Every object may have a name and a position. Objects other than towns may have copies (see
-// scenefile/placement.h and scenefile/arrangement.h) and move:
-//
-//   facing: -y                           # the axis along which the model faces, for bounding boxes of objects
-//   moving: {velocity: [8, 0, 0]}        # see scene/movement.h; position and rotation are relative to the movement
+// A part of an asset gets its class from the first of these that matches and has a class: the object's rules in their
+// order, the object's class, the scene's rules in their order. Its material is found in the same way. An object's class
+// therefore overrides the classes of all the scene's rules; an object overrides their materials only if it has a
+// material too.
 
 #include "scenefile/scene_file.h"
 

@@ -1,38 +1,4 @@
-// A pipeline, all keys:
-//
-//   name: quickstart                 # default: the file's name
-//   seed: 1                          # for the sensors' noise; scenes have separate seeds
-//   labels: ../labels/x.yaml         # replaces the ontologies of the scenes
-//   wavelength_nm: 905               # 850, 905 or 1064: which column of the material table
-//   scenes:
-//     - scene: ../scenes/street.yaml
-//       seeds: [1, 2, 3]             # one sequence for each seed; default [1]
-//       moving: true                 # false: moving objects stay at their positions at time 0 s
-//       without: [car, 17]           # classes, object names or instance ids to remove from the scene
-//       trajectories: [...]          # default: the pipeline's key `trajectories`
-//   trajectories:                    # see sensors/trajectory.h
-//     - {name: lane, waypoints: [...], speed: 8, frames: 10}
-//   sensors:                         # see sensors/sensor.h
-//     - {name: top, preset: sensors/paper_64.yaml, mount: {position: [0, 0, 1.9]}}
-//   vehicle: vehicle.yaml            # scene file of the ego vehicle, which blocks some beams; or
-//                                    # {scene: vehicle.yaml, returns: drop}: its returns are left out
-//   motion: none                     # none | per_column | {steps: 360, deskew: false}
-//   method: ray_tracing              # or {ray_tracing: {...}}: see docs/keys.md
-//   effects: [sensor, {footprint: {rays: 61}}]   # see pipeline/read/effects.h
-//   corruption: {fog: heavy}         # see pipeline/read/corruption.h
-//   splits: {by: seed, train: 0.8, val: 0.1, test: 0.1}
-//   output:
-//     layout: dense                  # or organised
-//     columns: [intensity, label]    # names in the table of scan/columns.h, which also has the default
-//     formats: [pcd, {draco: {max_error_mm: 1}}]
-//     shard_mb: 256                  # or shard_samples: 100
-//     shuffle: false                 # true: samples are spread over the shards at random
-//     reasons: false                 # true: an image with the reason for each beam's return or miss
-//     voxels: false                  # {size:, from:, to:} or true: labelled voxels around each sensor
-//     objects: false                 # true: boxes of objects, and how much of each a sensor sees
-//   limits: {max_rays: 1e11}
-//   tradeoff: {...}                  # for `scanmill tradeoff`: see docs/keys.md
-//   repeatability: {...}             # for `scanmill repeatability`: see docs/keys.md
+// Reads pipelines, whose keys docs/keys.md lists.
 
 #include "pipeline/read/pipeline.h"
 
