@@ -13,7 +13,6 @@
 #include "config/text.h"
 #include "formats/cloud_file.h"
 #include "rasters/raster.h"
-#include "scenefile/survey_options.h"
 
 namespace scanmill {
 namespace {
@@ -23,51 +22,31 @@ namespace {
 constexpr double kMoment = 0.05;  // s
 constexpr double kMostMoments = 48;
 
-// Returns a key of a file with its options and rules. Objects with equal keys share their meshes.
-std::string meshKey(const std::filesystem::path& file, const AssetOptions& asset, const Labelling& labelling) {
-  // The path through symbolic links: two links to a file may have different textures beside them.
-  const std::filesystem::path path = std::filesystem::absolute(file).lexically_normal();
-  std::string key =
-      fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", path.string(), labelling.file, asset.metresPerUnit,
-                  asset.unitStated, asset.up.value_or('-'), static_cast<int>(asset.alpha), asset.allowOutside,
-                  asset.leaveOutMissing, labelling.things.text());
-  key += '\n' + keyOf(asset.points, asset.heights);
-  for (const std::filesystem::path& folder : asset.textureFolders) key += '\n' + folder.string();
-  if (asset.clip) key += fmt::format("\n{}\n{}", asset.clip->clip, asset.clip->time);
-  for (const Rule& r : labelling.rules) {
-    for (const std::string& text : {describe(r), r.className, r.materialName}) {
-      key += fmt::format("\n{}:{}", text.size(), text);
-    }
-    key += fmt::format("\n{} {}", r.within, r.drop);
-    for (const std::optional<Between>& b : {r.height, r.slope, r.size}) {
-      if (b) key += fmt::format(" {} {}", b->low, b->high);
-    }
-    if (r.box) {
-      for (const Vec3d& c : {r.box->low, r.box->high}) key += fmt::format(" {} {} {}", c.x, c.y, c.z);
-    }
-  }
-  return key;
-}
-
 }  // namespace
 
-const std::vector<PlacedMesh>& FileMeshes::read(const std::filesystem::path& file, const AssetOptions& options,
-                                                const Labelling& labelling, const Location& where) {
-  const std::string key = meshKey(file, options, labelling);
-  auto known = meshes_.find(key);
-  if (known == meshes_.end()) {
-    Asset asset = load(file, options, labelling, where);
-    if (!asset.system.empty()) surveys_[key] = {file, asset.system, asset.ownMiddle, asset.origin};
-    known = meshes_.emplace(key, addAsset(builder_, std::move(asset), labelling, where)).first;
-  }
-  return known->second;
+FileMeshes::Known& FileMeshes::knownOf(const LabelledFile& from) {
+  // The path is not that behind symbolic links: two links to a file may have different textures beside them.
+  std::list<Known>& all = known_[std::filesystem::absolute(from.file).lexically_normal()];
+  const auto found = std::find_if(all.begin(), all.end(), [&](const Known& known) {
+    return known.from.asset == from.asset && known.from.labelling == from.labelling;
+  });
+  return found != all.end() ? *found : all.emplace_back(Known{from, {}, {}, nullptr});
 }
 
-void FileMeshes::compareSurveys(const std::filesystem::path& file, const AssetOptions& options,
-                                const Labelling& labelling, const Vec3d& position, const Location& where) {
-  const auto found = surveys_.find(meshKey(file, options, labelling));
-  if (found == surveys_.end() || misfitTold_) return;
-  const Survey& own = found->second;
+const std::vector<PlacedMesh>& FileMeshes::read(const LabelledFile& from, const Location& where) {
+  Known& known = knownOf(from);
+  if (known.meshes.empty()) {
+    Asset asset = load(from, where);
+    if (!asset.system.empty()) known.survey = Survey{from.file, asset.system, asset.ownMiddle, asset.origin};
+    known.meshes = addAsset(builder_, std::move(asset), from.labelling, where);
+  }
+  return known.meshes;
+}
+
+void FileMeshes::compareSurveys(const LabelledFile& from, const Vec3d& position, const Location& where) {
+  const Known& found = knownOf(from);
+  if (!found.survey || misfitTold_) return;
+  const Survey& own = *found.survey;
   const Survey& first = *firsts_.try_emplace({position.x, position.y}, &own).first->second;
   if (first.system == own.system) return;
   constexpr double kFits = 10;  // m, more than between two realisations of the same system
@@ -88,26 +67,26 @@ void FileMeshes::compareSurveys(const std::filesystem::path& file, const AssetOp
 
 // Returns the animation of a clip. All its moments use the materials of the first moment, so that textures are stored
 // only once.
-std::shared_ptr<const Animation> FileMeshes::playing(const std::filesystem::path& file, AssetOptions options,
-                                                     Labelling labelling, const std::string& clip,
+std::shared_ptr<const Animation> FileMeshes::playing(LabelledFile from, const std::string& clip,
                                                      const Location& where) {
-  std::shared_ptr<const Animation>& known = animations_[clip + '\n' + meshKey(file, options, labelling)];
+  from.asset.clip = {clip, 0};
+  std::shared_ptr<const Animation>& known = knownOf(from).animation;
   if (known != nullptr) return known;
   const auto animation = std::make_shared<Animation>();
   std::map<std::pair<std::uint32_t, std::string>, Material> materials;  // by index of the node and name of the material
   const auto addMoment = [&](double time) {
-    options.clip = {clip, time};
-    Asset moment = load(file, options, labelling, where);
+    from.asset.clip->time = time;
+    Asset moment = load(from, where);
     for (AssetPart& part : moment.parts) {
       const auto [first, isNew] = materials.emplace(std::pair{part.nodeIndex, part.material}, part.fileMaterial);
       if (!isNew) part.fileMaterial = first->second;
     }
-    animation->meshes.push_back(addAsset(builder_, std::move(moment), labelling, where).front().mesh);
-    options.textures = false;
-    labelling.counted = true;
+    animation->meshes.push_back(addAsset(builder_, std::move(moment), from.labelling, where).front().mesh);
+    from.asset.textures = false;
+    from.labelling.counted = true;
   };
   addMoment(0);  // the mesh of time 0 has the pose of the first key frame
-  const auto [first, last] = gltf::clipSpan(file, clip);
+  const auto [first, last] = gltf::clipSpan(from.file, clip);
   const double moments = std::clamp(std::ceil((last - first) / kMoment), 1.0, kMostMoments);
   for (int k = 1; k < moments; ++k) addMoment(first + (last - first) * k / moments);
   animation->period = std::max(last - first, 1e-3);
@@ -118,10 +97,13 @@ std::shared_ptr<const Animation> FileMeshes::playing(const std::filesystem::path
 // If some rule sets a material and no rule tests colours, the asset is first read without textures, and read again with
 // textures only if some part shows its own texture. Decoding textures can cost more than all other work on the file,
 // and materials of the library seldom use them.
-Asset FileMeshes::load(const std::filesystem::path& file, const AssetOptions& options, const Labelling& labelling,
-                       const Location& where) const {
+Asset FileMeshes::load(const LabelledFile& from, const Location& where) const {
+  const std::filesystem::path& file = from.file;
+  const AssetOptions& options = from.asset;
   try {
-    const auto any = [&](const auto& is) { return std::any_of(labelling.rules.begin(), labelling.rules.end(), is); };
+    const auto any = [&](const auto& is) {
+      return std::any_of(from.labelling.rules.begin(), from.labelling.rules.end(), is);
+    };
     if (any([](const Rule& rule) { return !rule.colors.empty(); })) {
       AssetOptions colored = options;
       colored.textures = true;
@@ -134,7 +116,7 @@ Asset FileMeshes::load(const std::filesystem::path& file, const AssetOptions& op
     AssetOptions plain = options;
     plain.textures = false;
     Asset asset = readAsset(file, plain);
-    if (showsTextures(builder_, asset, labelling)) asset = readAsset(file, options);
+    if (showsTextures(builder_, asset, from.labelling)) asset = readAsset(file, options);
     return asset;
   } catch (const InputError& e) {
     throw InputError(where, e.what());

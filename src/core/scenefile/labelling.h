@@ -19,6 +19,7 @@ struct Labelling {
   ThingBounds things = {};  // how triangles of thing classes are divided into things
   bool counted = false;     // true if an earlier moment of the same clip has already counted the dropped and unlabelled
                             // triangles
+  bool operator==(const Labelling&) const = default;
 };
 
 // Returns true if the texture of some part is used: a rule tests its colours, or no rule gives the complete part a

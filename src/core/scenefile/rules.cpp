@@ -8,6 +8,7 @@
 #include <charconv>
 #include <cstdlib>
 #include <map>
+#include <tuple>
 
 #include "base/utf8.h"
 #include "config/fields.h"
@@ -289,6 +290,16 @@ Rule readRule(const Value& value) {
 }
 
 }  // namespace
+
+bool Rule::operator==(const Rule& other) const {
+  const auto fields = [](const Rule& r) {
+    return std::tie(r.node, r.material, r.texture, r.file, r.colors, r.within, r.height, r.slope, r.size, r.className,
+                    r.materialName, r.drop);
+  };
+  const bool sameBox = box.has_value() == other.box.has_value() &&
+                       (!box || (box->low == other.box->low && box->high == other.box->high));
+  return sameBox && fields(*this) == fields(other);
+}
 
 std::vector<Rule> readRules(const Value& value) {
   if (value.kind == Value::Kind::Null) return {};

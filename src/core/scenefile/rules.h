@@ -20,6 +20,7 @@ using Rgb = std::array<std::uint8_t, 3>;  // red, green and blue (sRGB)
 struct Between {
   double low = 0, high = 0;
   bool holds(double value) const { return low <= value && value <= high; }
+  bool operator==(const Between&) const = default;
 };
 
 // In YAML: {match: {node: "House*Mesh", material: roof, texture: "*{leaf,bark}*", file: "/car_[0-9]+/"}, class:
@@ -45,6 +46,7 @@ struct Rule {
   // Returns true if the rule tests single triangles, and not only names.
   bool byTriangle() const { return !colors.empty() || box || height || slope || size; }
   bool decides() const { return drop || !className.empty(); }
+  bool operator==(const Rule& other) const;  // compares all but the place in the file
 };
 
 // Reads a list of rules. Throws InputError with the place.

@@ -156,13 +156,6 @@ class SceneReader {
     return files;
   }
 
-  // A file with its options and rules; each copy of the object gets one variant at random.
-  struct Variant {
-    std::filesystem::path file;
-    AssetOptions asset;
-    Labelling labelling;
-  };
-
   void readFileObject(Fields& f) {
     const Value& fileValue = f.require("file");
     const auto files = filesOf(f, fileValue);
@@ -186,9 +179,9 @@ class SceneReader {
     const std::string name = f.text("name", files.front().first.stem().string());
     Copies copies = copiesOf(f);
     const std::vector<std::string>& materials = copies.arrangement.materials();
-    std::vector<Variant> all;
+    std::vector<LabelledFile> all;  // each copy gets one at random
     for (const auto& [file, called] : files) {
-      Variant variant{file, asset, {}};
+      LabelledFile variant{file, asset, {}};
       const bool cloud = isCloud(file);
       variant.labelling.file = called;
       variant.labelling.things = readThingBounds(f, cloud ? ThingBounds::By::Node : ThingBounds::By::Object);
@@ -213,24 +206,22 @@ class SceneReader {
       throw InputError(f.require("animation").where, "animation is for objects of one file, which has the clip");
     }
     if (clip && !clip->second) {
-      const Variant& one = all.front();
-      if (one.labelling.things.by == ThingBounds::By::Part) {
+      const ThingBounds& things = all.front().labelling.things;
+      if (things.by == ThingBounds::By::Part) {
         throw InputError(
-            one.labelling.things.where,
+            things.where,
             "the connected parts of a playing clip can change at any time: give `instances` node, object or a pattern");
       }
-      const std::shared_ptr<const Animation> animation =
-          files_.playing(one.file, one.asset, one.labelling, clip->first, fileValue.where);
+      const std::shared_ptr<const Animation> animation = files_.playing(all.front(), clip->first, fileValue.where);
       if (animation->meshes.size() > 1) copies.animation = animation;
       return placer_.place(std::vector<PlacedMesh>{{animation->meshes.front(), {}, {}}}, name, copies, f.where());
     }
     if (clip) all.front().asset.clip = {clip->first, *clip->second};
     const auto meshes = [&](std::size_t k) -> const std::vector<PlacedMesh>& {
-      return files_.read(all[k].file, all[k].asset, all[k].labelling, fileValue.where);
+      return files_.read(all[k], fileValue.where);
     };
     placer_.place(Variants{all.size(), meshes}, name, copies, f.where());
-    const Vec3d& position = copies.placement.object.pose.translation;
-    files_.compareSurveys(all[0].file, all[0].asset, all[0].labelling, position, fileValue.where);
+    files_.compareSurveys(all[0], copies.placement.object.pose.translation, fileValue.where);
   }
 
   static void readSurvey(Fields& f, const std::filesystem::path& file, bool cloud, AssetOptions& asset) {

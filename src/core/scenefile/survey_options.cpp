@@ -58,14 +58,4 @@ HeightOptions readHeightOptions(const Value& value) {
   return options;
 }
 
-std::string keyOf(const PointOptions& points, const HeightOptions& heights) {
-  std::string key =
-      fmt::format("{} {} {} {} {} {} ", points.spacing, points.surfels.neighbors, points.surfels.cover,
-                  fmt::join(points.surfels.radius, " "), static_cast<int>(points.reflectance), points.full);
-  for (const auto& [label, name] : points.labels) key += fmt::format("{}:{}\n", label, name);
-  key += fmt::format("{}\n{}\n{}\n", heights.every, heights.classes.string(), heights.image.string());
-  if (heights.within) key += fmt::format("{}", fmt::join(*heights.within, " "));
-  return key;
-}
-
 }  // namespace scanmill

@@ -11,7 +11,4 @@ namespace scanmill {
 PointOptions readPointOptions(const Value& value);
 HeightOptions readHeightOptions(const Value& value);
 
-// Returns a key for comparison: two keys are equal only if all options are equal.
-std::string keyOf(const PointOptions& points, const HeightOptions& heights);
-
 }  // namespace scanmill

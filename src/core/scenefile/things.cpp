@@ -67,10 +67,6 @@ Numbers byConnection(const std::vector<ThingTriangles>& triangles) {
 
 }  // namespace
 
-std::string ThingBounds::text() const {
-  return fmt::format("{} {} {}", static_cast<int>(by), byClass, pattern);
-}
-
 ThingBounds readThingBounds(Fields& object, ThingBounds::By fallback) {
   ThingBounds bounds;
   bounds.by = fallback;

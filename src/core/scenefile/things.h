@@ -19,7 +19,8 @@ struct ThingBounds {
   Location where;
   bool byClass = false;  // true: triangles of different classes are different things (point clouds)
 
-  std::string text() const;  // returns a key for comparison: equal only if all bounds are equal
+  // Compares all but the place in the file.
+  bool operator==(const ThingBounds& o) const { return by == o.by && pattern == o.pattern && byClass == o.byClass; }
 };
 
 // Reads `instances: object | node | part | /regular expression/`. Throws InputError with the place.

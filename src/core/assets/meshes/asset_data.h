@@ -50,6 +50,7 @@ enum class AlphaUse {
 struct ClipTime {
   std::string clip;  // name of the animation, or its number, counted from 0
   double time = 0;   // s, in the time of the key frames; clamped to the first and last key frame
+  bool operator==(const ClipTime&) const = default;
 };
 
 // How the points of a cloud are turned into discs: see assets/surveys/surfels.h.
@@ -57,6 +58,7 @@ struct SurfelOptions {
   int neighbors = 12;  // number of neighbours from which normal and radius are estimated, 3 to 100
   double cover = 1.5;  // ratio of a disc's radius to the radius that covers the point's share of the surface
   std::array<double, 2> radius{0.005, 0.2};  // m, least and greatest radius
+  bool operator==(const SurfelOptions&) const = default;
 };
 
 // How a point cloud is turned into surfaces.
@@ -69,6 +71,7 @@ struct PointOptions {
                                                      // from the greatest intensities
   std::map<std::uint32_t, std::string> labels = {};  // class names by label; empty: names from the file format, if it
                                                      // has them
+  bool operator==(const PointOptions&) const = default;
 };
 
 // The part of a height raster that is read, and the classes and colours of its surface.
@@ -78,6 +81,7 @@ struct HeightOptions {
       std::nullopt;                    // least x, least y, greatest x, greatest y, in the raster's coordinates
   std::filesystem::path classes = {};  // a raster of class numbers; empty: none
   std::filesystem::path image = {};    // a raster of colours; empty: none
+  bool operator==(const HeightOptions&) const = default;
 };
 
 struct AssetOptions {
@@ -99,6 +103,7 @@ struct AssetOptions {
   std::vector<std::filesystem::path> textureFolders = {};  // searched last for images that are missing at their paths
   PointOptions points = {};                                // options for point clouds
   HeightOptions heights = {};                              // options for height rasters
+  bool operator==(const AssetOptions&) const = default;
 };
 
 // Parts that the file places several times: by EXT_mesh_gpu_instancing of glTF, or as models of a world.
