@@ -71,10 +71,6 @@ TEST_F(PlanTest, WhatTheMethodCannotDoIsRefused) {
   EXPECT_THAT(
       messageOf<InputError>([&] { plan({}).requirePasses(); }),
       AllOf(HasSubstr("yard.yaml: the method ray_tracing draws no passes"), HasSubstr("take `method: depth_camera`")));
-  // Nobody knows yet what `auto` will choose.
-  EXPECT_THAT(messageOf<InputError>([&] { plan({"method={auto: {min_rate: 1}}"}).requirePasses(); }),
-              AllOf(HasSubstr("--set method"), HasSubstr("method auto may choose a method that draws no passes")));
-
   MethodEntry still = requireMethod("ray_tracing", {});
   still.name = "still";
   still.can.motion = false;

@@ -221,19 +221,6 @@ TEST_F(RunStudy, SensorsMayHaveEffectsOfTheirOwn) {
   EXPECT_EQ(study.encodings[0].failure, "");
 }
 
-TEST_F(RunStudy, APipelineWhoseMethodIsStillToBeChosenCanBeStudied) {
-  const Plan plan = makePlan(
-      readPipeline(withKey("{settings: [ray_tracing], shots: 1, repeats: 1}"), {"method={auto: {min_rate: 1}}"}));
-  EXPECT_THAT(runStudy(plan, {.quiet = true}).settings, SizeIs(1));
-}
-
-// Its limits are checked all the same.
-TEST_F(RunStudy, AWrongChoiceOfTheMethodIsRefused) {
-  const Plan plan =
-      makePlan(readPipeline(withKey("{settings: [ray_tracing]}"), {"method={auto: {max_error: {p98: 1cm}}}"}));
-  expectInputError([&] { runStudy(plan, {.quiet = true}); }, {"--set method", "unknown key 'p98'"});
-}
-
 TEST_F(RunStudy, RecordingsAreRefused) {
   generate(makePlan(readPipeline(pipeline_, {}), Channels::all()),
            {.folder = out("kept"), .keepHits = out("hits"), .quiet = true});
