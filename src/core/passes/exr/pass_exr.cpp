@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -22,7 +23,7 @@ namespace {
 
 constexpr float kWrittenNoDepth = 1e10f;    // m, depth that is written for a pixel without a surface
 constexpr float kNothing = 1e9f;            // m; in files, a depth of at least this means a pixel without a surface
-constexpr float kFloatIds = 16777216;       // 2^24; float32 cannot represent every integer above it
+constexpr double kFloatIds = 16777216;      // 2^24; float32 cannot represent every integer above it
 constexpr std::size_t kExrGrain = 1 << 16;  // pixels per task
 
 struct SurfaceParameter {
@@ -54,7 +55,7 @@ class PassReader {
     targetDepth();
     if (!planes_.normal.empty()) targetNormal();
     forIds(planes_, [&](const char* name, Channel, auto& plane) {
-      if (!plane.empty()) targetIds(name, plane);
+      if (!plane.empty()) targetIds(name);
     });
     if (!planes_.reflectance.empty()) targetParameter("reflectance", planes_.reflectance);
     for (const SurfaceParameter& parameter : kSurfaceParameters) {
@@ -75,11 +76,13 @@ class PassReader {
   }
 
  private:
-  // A plane's ids as the file stores them, if the file's type differs from the plane's type.
+  // A plane's ids as the file stores them: integers, or the bits of floats, as Blender writes them.
   struct RawIds {
     std::string channel;
-    std::vector<std::uint32_t> wide;
-    std::vector<float> real;
+    bool real = false;
+    std::vector<std::uint32_t> words;
+
+    double at(std::size_t pixel) const { return real ? double{std::bit_cast<float>(words[pixel])} : words[pixel]; }
   };
 
   [[noreturn]] void refuse(const std::string& channel, const std::string& why) const {
@@ -114,23 +117,14 @@ class PassReader {
     if (channel.type == ExrType::Uint32) refuse(channel.name, "is UINT: write it as FLOAT");
   }
 
-  template <class Id>
-  void targetIds(const char* pass, std::vector<Id>& plane) {
+  void targetIds(const char* pass) {
     const ExrChannel& channel = requirePass(file_, pass);
     if (channel.type == ExrType::Float16) {
       refuse(channel.name, "is HALF, which is exact only to 2048: write ids as UINT");
     }
-    RawIds& raw = raw_[pass];
-    raw.channel = channel.name;
-    void* pixels = plane.data();
-    if (channel.type == ExrType::Float32) {
-      raw.real.resize(file_.pixels());
-      pixels = raw.real.data();
-    } else if (sizeof(Id) < sizeof(std::uint32_t)) {
-      raw.wide.resize(file_.pixels());
-      pixels = raw.wide.data();
-    }
-    targets_.push_back({&channel, pixels, sizeof(std::uint32_t)});
+    RawIds& raw = raw_[pass] = {channel.name, channel.type == ExrType::Float32, {}};
+    raw.words.resize(file_.pixels());
+    targets_.push_back({&channel, raw.words.data(), sizeof(std::uint32_t)});
   }
 
   void targetParameter(const char* pass, std::vector<float>& plane) {
@@ -228,37 +222,20 @@ class PassReader {
 
   template <class Id>
   void finishIds(const char* pass, std::vector<Id>& plane) {
-    constexpr std::uint32_t kMost = std::numeric_limits<Id>::max();
     const RawIds raw = std::move(raw_[pass]);
+    double most = std::numeric_limits<Id>::max();
+    if (raw.real) most = std::min(most, kFloatIds - 1);
     Id* const ids = plane.data();
-    if (!raw.real.empty()) {
-      constexpr float kEnd = std::min(kFloatIds, static_cast<float>(kMost) + 1);
-      const std::size_t bad = forPixels([&](std::size_t i) {
-        const float value = raw.real[i];
-        const bool good = value >= 0 && value < kEnd && value == std::floor(value);
-        ids[i] = good && seen(i) ? static_cast<Id>(value) : Id{0};
-        return good;
-      });
-      if (bad < file_.pixels()) {
-        refusePixel(
-            raw.channel, bad,
-            fmt::format("an id of {:g}: as FLOAT, ids must be whole, at least 0 and below {:.0f} (write them as "
-                        "UINT, without filter and antialiasing)",
-                        raw.real[bad], kEnd));
-      }
-    } else if (!raw.wide.empty()) {
-      const std::size_t bad = forPixels([&](std::size_t i) {
-        ids[i] = seen(i) ? static_cast<Id>(raw.wide[i]) : Id{0};
-        return raw.wide[i] <= kMost;
-      });
-      if (bad < file_.pixels()) {
-        refusePixel(raw.channel, bad, fmt::format("an id of {}: it must be at most {}", raw.wide[bad], kMost));
-      }
-    } else {
-      forPixels([&](std::size_t i) {
-        ids[i] = seen(i) ? ids[i] : Id{0};
-        return true;
-      });
+    const std::size_t bad = forPixels([&](std::size_t i) {
+      const double value = raw.at(i);
+      const bool good = value >= 0 && value <= most && value == std::floor(value);
+      ids[i] = good && seen(i) ? static_cast<Id>(value) : Id{0};
+      return good;
+    });
+    if (bad < file_.pixels()) {
+      refusePixel(raw.channel, bad,
+                  fmt::format("an id of {:g}: it must be a whole number from 0 to {:.0f}{}", raw.at(bad), most,
+                              raw.real ? " (write ids as UINT, without filter and antialiasing)" : ""));
     }
   }
 
