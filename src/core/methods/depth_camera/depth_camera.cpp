@@ -56,13 +56,11 @@ constexpr std::pair<const char*, CameraLayout> kLayouts[] = {{"auto", CameraLayo
                                                              {"three_120", CameraLayout::Three120},
                                                              {"four_90", CameraLayout::Four90},
                                                              {"cube_6", CameraLayout::Cube6}};
-constexpr std::pair<const char*, Sampling> kSamplings[] = {
-    {"plane", Sampling::Plane}, {"nearest", Sampling::Nearest}, {"bilinear", Sampling::Bilinear}};
+constexpr std::pair<const char*, Sampling> kSamplings[] = {{"plane", Sampling::Plane}, {"nearest", Sampling::Nearest}};
 constexpr std::pair<const char*, DepthFormat> kDepths[] = {{"float32", DepthFormat::Float32},
                                                            {"uint24", DepthFormat::Unorm24},
                                                            {"uint16", DepthFormat::Unorm16},
                                                            {"half_500", DepthFormat::Half500}};
-constexpr std::pair<const char*, std::uint32_t> kAntialiasing[] = {{"1", 1}, {"2", 2}, {"4", 4}};
 
 DepthCameraOptions readDepthCameraOptions(Fields& fields) {
   DepthCameraOptions options;
@@ -72,7 +70,6 @@ DepthCameraOptions readDepthCameraOptions(Fields& fields) {
   std::tie(options.samplingName, options.sample.sampling) =
       namedChoice(fields, "sampling", kSamplings, Sampling::Plane);
   std::tie(options.depthName, options.sample.depth) = namedChoice(fields, "depth", kDepths, DepthFormat::Float32);
-  options.sample.antialiasing = namedChoice(fields, "antialiasing", kAntialiasing, 1U).second;
   options.sample.nearest = fields.number("near_m", {1e-3, 1}, 0.01);
   options.farthest = fields.number("far_m", {10, 1e4}, 0);
   const Value* renders = fields.find("renders_per_turn");
@@ -177,16 +174,13 @@ class DepthCameraMethod : public DepthCamera {
   }
 
   std::vector<ModelledItem> modelled() const override {
-    const std::uint32_t s = options_.sample.antialiasing;
     std::vector<ModelledItem> items;
     if (makeRenderer_) {
-      items.push_back(
-          {"images", fmt::format("layout {}, resolution {}, drawn by {}{}; moving sensors: {} per revolution",
-                                 options_.layoutName, options_.layout.resolution, options_.renderer,
-                                 s > 1 ? fmt::format(", {} x {} subpixels", s, s) : "",
-                                 options_.rendersPerRevolution > 0
-                                     ? fmt::format("{} renders", options_.rendersPerRevolution)
-                                     : std::string("one render for every 5 cm or degree of motion"))});
+      items.push_back({"images", fmt::format("layout {}, resolution {}, drawn by {}; moving sensors: {} per revolution",
+                                             options_.layoutName, options_.layout.resolution, options_.renderer,
+                                             options_.rendersPerRevolution > 0
+                                                 ? fmt::format("{} renders", options_.rendersPerRevolution)
+                                                 : std::string("one render for every 5 cm or degree of motion"))});
       if (options_.renderer == "blender") items.push_back({"Blender", whereBlenderIs()});
     } else {
       items.push_back({"images", "passes from files"});
@@ -218,7 +212,7 @@ class DepthCameraMethod : public DepthCamera {
     if (scene_ == nullptr) return 0;
     // The layout "auto" is counted as three square images, more than most sensors need. Of a moving sensor, only the
     // images of one step are in memory.
-    const std::uint64_t width = std::uint64_t{options_.layout.resolution} * options_.sample.antialiasing;
+    const std::uint64_t width = options_.layout.resolution;
     const std::uint64_t images = options_.layout.layout == CameraLayout::Cube6    ? 6
                                  : options_.layout.layout == CameraLayout::Four90 ? 4
                                                                                   : 3;
@@ -240,22 +234,8 @@ class DepthCameraMethod : public DepthCamera {
     }
     auto beams = std::make_shared<const RigBeams>(rigBeams(shot, first, end, rig));
     std::vector<Camera> made;
-    if (cameras) made = camerasFor(*beams);
+    if (cameras) made = layOutCameras(viewDirections(*beams), options_.layout);
     return {std::move(beams), std::move(made)};
-  }
-
-  std::vector<Camera> camerasFor(const RigBeams& beams) const {
-    std::vector<Camera> cameras = layOutCameras(viewDirections(beams), options_.layout);
-    const std::uint32_t s = options_.sample.antialiasing;
-    for (Camera& camera : cameras) {
-      camera.width *= s;
-      camera.height *= s;
-      camera.fx *= s;
-      camera.fy *= s;
-      camera.cx *= s;
-      camera.cy *= s;
-    }
-    return cameras;
   }
 
   std::shared_ptr<const StillSensor> stillSensor(const Shot& shot) const {
@@ -268,7 +248,7 @@ class DepthCameraMethod : public DepthCamera {
     auto made = std::make_shared<StillSensor>();
     made->table = shot.beams;
     made->beams = rigBeams(shot, 0, shot.beams->columns, shot.worldFromSensor[0]);
-    if (makeRenderer_) made->cameras = camerasFor(made->beams);
+    if (makeRenderer_) made->cameras = layOutCameras(viewDirections(made->beams), options_.layout);
     if (sensors_.size() >= kSensorsInMemory) sensors_.pop_back();
     sensors_.push_front(std::move(made));
     return sensors_.front();

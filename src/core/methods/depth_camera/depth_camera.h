@@ -36,7 +36,7 @@ class DepthCamera : public Method {
   virtual TraceAccount sample(const Shot& shot, const PassStep& step, Hits& hits) const = 0;
 };
 
-// YAML: depth_camera: {renderer: vtk, layout: auto, resolution: 2048, sampling: plane, depth: float32, antialiasing: 1,
+// YAML: depth_camera: {renderer: vtk, layout: auto, resolution: 2048, sampling: plane, depth: float32,
 //                      near_m: 0.01, far_m: 120, renders_per_turn: auto}
 std::unique_ptr<Method> makeDepthCamera(const Scene& scene, Fields& options);
 

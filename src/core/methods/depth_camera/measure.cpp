@@ -12,9 +12,25 @@ namespace {
 // unreliable.
 constexpr double kPlaneTrust = 2;
 
-// Four pixels are blended if the largest of their depths exceeds the smallest by at most this fraction. The ground 2 m
-// below the sensor satisfies this at up to 120 m (2048 pixels over 120 degrees), a leaf in front of a wall does not.
-constexpr double kDepthStep = 0.1;
+// Returns the nearest half-precision number, ties to even. Finite values beyond the largest one are clamped to it.
+double asHalf(double value) {
+  constexpr double kLargest = 65504;
+  constexpr int kBits = 11;            // bits of the significand
+  constexpr int kSmallestPower = -24;  // exponent of the spacing of subnormal numbers
+  if (!std::isfinite(value)) return value;
+  int power = 0;
+  std::frexp(value, &power);
+  const double step = std::ldexp(1.0, std::max(power - kBits, kSmallestPower));
+  return std::clamp(std::nearbyint(value / step) * step, -kLargest, kLargest);
+}
+
+double asUnorm(double depth, int bits, double nearest, double farthest) {
+  const double steps = std::ldexp(1.0, bits) - 1;
+  const double clamped = std::clamp(depth, nearest, farthest);
+  const double window = (1 / nearest - 1 / clamped) / (1 / nearest - 1 / farthest);
+  const double stored = std::nearbyint(window * steps) / steps;
+  return 1 / (1 / nearest - stored * (1 / nearest - 1 / farthest));
+}
 
 // Rounds the hit points as LiDAR-GEIL's images of coordinates do.
 void keepHalves(std::size_t begin, std::size_t end, Met& met) {
@@ -26,41 +42,6 @@ void keepHalves(std::size_t begin, std::size_t end, Met& met) {
     met.a[i] = kept(met.a[i] * met.depth[i]) / z;
     met.b[i] = kept(met.b[i] * met.depth[i]) / z;
     met.depth[i] = z;
-  }
-}
-
-// Blends the four depths around each beam if they belong to one surface. Their inverses 1 / z are interpolated, because
-// 1 / z is linear across the image of a plane.
-void blendCorners(const SampleOptions& options, const CameraView& view, const BlockPixels& pixels, std::size_t begin,
-                  std::size_t end, Met& met) {
-  const PassPlanes& planes = *pixels.corners;
-  for (std::size_t i = begin; i < end; ++i) {
-    const double u = pixels.u[i];
-    const double v = pixels.v[i];
-    const double right = u - 0.5 - firstCorner(u, view.width);
-    const double down = v - 0.5 - firstCorner(v, view.height);
-    const double weights[] = {(1 - right) * (1 - down), right * (1 - down), (1 - right) * down, right * down};
-    double least = INFINITY;
-    double most = 0;
-    double inverse = 0;
-    bool one = true;
-    for (std::size_t k = 0; k < 4; ++k) {
-      const std::size_t at = k * pixels.stride + pixels.first + i;
-      float kept = planes.depth[at];
-      if (options.depth == DepthFormat::Half500) {
-        kept = storedDepth(kept, DepthFormat::Half500, options.nearest, options.farthest);
-      }
-      const auto z = double{kept};
-      one = one && planes.instance[at] == planes.instance[pixels.first + i] &&
-            planes.material[at] == planes.material[pixels.first + i];
-      least = std::min(least, z);
-      most = std::max(most, z);
-      inverse += weights[k] / z;
-    }
-    if (!one || !(most <= least * (1 + kDepthStep)) || !(inverse > 0)) continue;
-    met.a[i] = (u - view.cx) / view.fx;
-    met.b[i] = (v - view.cy) / view.fy;
-    met.depth[i] = 1 / inverse;
   }
 }
 
@@ -113,6 +94,22 @@ void meetPlanes(std::size_t begin, std::size_t end, const BeamBlock& block, Met&
 
 }  // namespace
 
+float storedDepth(float depth, DepthFormat format, double nearest, double farthest) {
+  constexpr double kShift = 500;  // m, added to coordinates by DepthFormat::Half500
+  if (!(depth < kNoDepth)) return depth;
+  switch (format) {
+    case DepthFormat::Float32:
+      break;
+    case DepthFormat::Unorm24:
+      return static_cast<float>(asUnorm(double{depth}, 24, nearest, farthest));
+    case DepthFormat::Unorm16:
+      return static_cast<float>(asUnorm(double{depth}, 16, nearest, farthest));
+    case DepthFormat::Half500:
+      return static_cast<float>(asHalf(double{depth} + kShift) - kShift);
+  }
+  return depth;
+}
+
 void measure(const SampleOptions& options, const CameraView& view, const Mat3& rigFromWorld, const BlockPixels& pixels,
              std::size_t begin, std::size_t end, const BeamBlock& block, Met& met) {
   const double* u = pixels.u;
@@ -126,16 +123,11 @@ void measure(const SampleOptions& options, const CameraView& view, const Mat3& r
     met.depth[i] = double{depth[i]};
   }
   if (options.depth == DepthFormat::Half500) keepHalves(begin, end, met);
-  if (options.sampling == Sampling::Bilinear) blendCorners(options, view, pixels, begin, end, met);
   placePoints(view, begin, end, met);
   measureNearest(begin, end, block, met);
   if (pixels.planes->normal.empty()) return;
   turnNormals(&pixels.planes->normal[pixels.first], rigFromWorld, begin, end, block, met);
   if (options.sampling == Sampling::Plane) meetPlanes(begin, end, block, met);
-}
-
-double firstCorner(double u, double size) {
-  return std::clamp(std::floor(u - 0.5), 0.0, std::max(size - 2, 0.0));
 }
 
 }  // namespace scanmill

@@ -19,23 +19,16 @@ struct Met {
   bool again[kBlock];                                      // true if the next round must sample another pixel
 };
 
-// Pixels of the beams of a block: their positions in the image, and their values. If four pixels are blended, also the
-// values of these four.
+// Pixels of the beams of a block: their positions in the image, and their values.
 struct BlockPixels {
   const double* u;  // px, column in the image, by beam of the block
   const double* v;
-  const PassPlanes* planes;   // values of the batch's pixels
-  std::size_t first;          // index in `planes` of the block's first pixel
-  const PassPlanes* corners;  // corner k (right k % 2, down k / 2) of beam i has the index k * stride + first + i
-  std::size_t stride;
+  const PassPlanes* planes;  // values of the batch's pixels
+  std::size_t first;         // index in `planes` of the block's first pixel
 };
 
 // Fills `met`, except `again`, for the beams from `begin` to before `end` of a block, all of which fall into one image.
 void measure(const SampleOptions& options, const CameraView& view, const Mat3& rigFromWorld, const BlockPixels& pixels,
              std::size_t begin, std::size_t end, const BeamBlock& block, Met& met);
-
-// Returns the column (or row) of pixels such that u (px) is between its centre and the next column's centre. At the
-// edge of the image (`size` px), returns the nearest column that has a next column.
-double firstCorner(double u, double size);
 
 }  // namespace scanmill

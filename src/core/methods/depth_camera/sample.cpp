@@ -11,7 +11,6 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "methods/depth_camera/measure.h"
-#include "methods/depth_camera/pixels.h"
 #include "methods/depth_camera/views.h"
 
 namespace scanmill {
@@ -49,14 +48,13 @@ class Sampler {
  public:
   Sampler(PixelSource& source, const Pose& worldFromRig, const RigBeams& beams, const SampleOptions& options,
           Hits& hits)
-      : beams_(beams),
+      : source_(source),
+        beams_(beams),
         options_(options),
         hits_(hits),
         choice_(choiceFor(source, hits.channels, options)),
-        views_(viewsOf(source.cameras(), worldFromRig, options.antialiasing)),
+        views_(viewsOf(source.cameras(), worldFromRig)),
         rigFromWorld_(transposed(toMatrix(worldFromRig.rotation))),
-        reader_(source, options, choice_),
-        corners_(source, options, {Channel::Range | Channel::Instance | Channel::Material, false}),
         rounds_(startElsewhere() ? kRounds : 1) {
     if (choice_.surfaceParameters) {
       hits.roughness.resize(hits.size());
@@ -154,31 +152,22 @@ class Sampler {
     }
   }
 
+  // Fetches the batch's pixels, and rounds their depths as a z-buffer would. Half500 is not applied here, because it
+  // rounds points and not depths.
   void fetch(const Batch& batch) {
-    reader_.reset(batch.count);
-    const bool blend = options_.sampling == Sampling::Bilinear;
-    if (blend) corners_.reset(4 * batch.count);
+    addresses_.resize(batch.count);
     parallelFor(batch.count, kSampleGrain, [&](std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last; ++i) {
-        if (batch.view[i] == kNoView) {
-          reader_.aimAtNothing(i);
-          for (std::size_t k = 0; blend && k < 4; ++k) corners_.aimAtNothing(k * batch.count + i);
-          continue;
-        }
-        const CameraView& view = views_[batch.view[i]];
-        reader_.aim(i, view, batch.u[i], batch.v[i]);
-        if (!blend) continue;
-        const double u = firstCorner(batch.u[i], view.width);
-        const double v = firstCorner(batch.v[i], view.height);
-        const double nextU = std::min(u + 1, view.width - 1);
-        const double nextV = std::min(v + 1, view.height - 1);
-        for (std::size_t k = 0; k < 4; ++k) {
-          corners_.aim(k * batch.count + i, view, k % 2 == 0 ? u : nextU, k < 2 ? v : nextV);
-        }
+        addresses_[i] = batch.view[i] == kNoView ? kNoPixel : views_[batch.view[i]].at(batch.u[i], batch.v[i]);
       }
     });
-    reader_.fetch();
-    if (blend) corners_.fetch();
+    source_.fetch(addresses_, choice_, planes_);
+    if (options_.depth != DepthFormat::Unorm24 && options_.depth != DepthFormat::Unorm16) return;
+    parallelFor(batch.count, kSampleGrain, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) {
+        planes_.depth[i] = storedDepth(planes_.depth[i], options_.depth, options_.nearest, options_.farthest);
+      }
+    });
   }
 
   void resolve(Batch& batch, int round) {
@@ -197,8 +186,7 @@ class Sampler {
             std::fill(met.range + i, met.range + next, INFINITY);
             std::fill(met.along + i, met.along + next, 0.0);
           } else {
-            const BlockPixels pixels{&batch.u[first], &batch.v[first],    &reader_.planes(),
-                                     first,           &corners_.planes(), batch.count};
+            const BlockPixels pixels{&batch.u[first], &batch.v[first], &planes_, first};
             measure(options_, views_[view], rigFromWorld_, pixels, i, next, block, met);
           }
           i = next;
@@ -273,16 +261,15 @@ class Sampler {
         column[to[k]] = hit[k] ? plane[first + from[k]] : typename std::decay_t<decltype(plane)>::value_type{};
       }
     };
-    const PassPlanes& planes = reader_.planes();
     forEachPass([&](const ChannelRow& row, auto plane, auto column) {
-      if (row.channel != Channel::Range && row.channel != Channel::Normal) put(hits_.*column, planes.*plane);
+      if (row.channel != Channel::Range && row.channel != Channel::Normal) put(hits_.*column, planes_.*plane);
     });
-    put(hits_.roughness, planes.roughness);
-    put(hits_.metallic, planes.metallic);
-    put(hits_.retroreflectance, planes.retroreflectance);
+    put(hits_.roughness, planes_.roughness);
+    put(hits_.metallic, planes_.metallic);
+    put(hits_.retroreflectance, planes_.retroreflectance);
     if (hits_.channels.has(Channel::Normal)) {
       for (std::size_t k = 0; k < done; ++k) {
-        const Vec3f& n = planes.normal[first + from[k]];
+        const Vec3f& n = planes_.normal[first + from[k]];
         hits_.normal[to[k]] = !hit[k] ? Vec3f{} : met.along[from[k]] > 0 ? -n : n;
       }
     }
@@ -294,14 +281,15 @@ class Sampler {
     }
   }
 
+  PixelSource& source_;
   const RigBeams& beams_;
   const SampleOptions& options_;
   Hits& hits_;
   PassChoice choice_;
   std::vector<CameraView> views_;
   Mat3 rigFromWorld_;
-  PixelReader reader_;
-  PixelReader corners_;
+  std::vector<PixelAddress> addresses_;  // of the batch's pixels
+  PassPlanes planes_;                    // values of the batch's pixels
   int rounds_;
   std::vector<std::uint8_t> again_;
   std::atomic<std::uint64_t> unseen_{0};
@@ -318,7 +306,6 @@ PassChoice passesFor(Channels channels, const SampleOptions& options) {
   PassChoice choice;
   choice.channels = (channels & channelsThat(&ChannelRow::drawn)) | Channel::Range;
   if (channels.has(Channel::Incidence) || options.sampling == Sampling::Plane) choice.channels |= Channel::Normal;
-  if (options.sampling == Sampling::Bilinear) choice.channels |= Channel::Instance | Channel::Material;
   return choice;
 }
 

@@ -13,9 +13,8 @@
 namespace scanmill {
 
 enum class Sampling {
-  Nearest,   // distance of the point shown in the beam's pixel (PreSIL, LiDAR-GEIL)
-  Bilinear,  // interpolates between four pixels; like Nearest if their ids differ or their depths differ too much
-  Plane,     // intersection of the beam with the plane given by depth and normal of its pixel
+  Nearest,  // distance of the point shown in the beam's pixel (PreSIL, LiDAR-GEIL)
+  Plane,    // intersection of the beam with the plane given by depth and normal of its pixel
 };
 
 // The format in which depths are stored before they are sampled. Depths are rounded as if a buffer had this format.
@@ -30,12 +29,7 @@ struct SampleOptions {
   Sampling sampling = Sampling::Plane;
   DepthFormat depth = DepthFormat::Float32;
   double nearest = 0.01;   // m, near plane of the images, and of the z-buffer for Unorm24 and Unorm16
-  double farthest = 1000;  // m, far plane of the z-buffer; with antialiasing also the depth of the background
-  // Subpixels per side of a pixel: 1, 2 or 4. The source's images contain the subpixels, not the pixels. A pixel's
-  // depth, normal and reflectance are the mean over its subpixels, as when a framebuffer is resolved. Subpixels without
-  // a surface contribute the depth `farthest`, to which the framebuffer was cleared, unless no subpixel of the pixel
-  // has a surface. A pixel's ids are those of its central subpixel (below and right of the centre).
-  std::uint32_t antialiasing = 1;
+  double farthest = 1000;  // m, far plane of the z-buffer
 };
 
 // Returns a depth (m) as the format stores it. The spacing of depths near z in a b-bit buffer is z^2 (f - n) / (f n

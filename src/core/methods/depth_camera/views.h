@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "base/vec.h"
 #include "methods/depth_camera/sample.h"
@@ -12,7 +13,7 @@
 
 namespace scanmill {
 
-// An image and its camera, in rig axes. With antialiasing, a pixel of the image is the average of several subpixels.
+// An image and its camera, in rig axes.
 struct CameraView {
   Vec3d right, down, forward;  // unit vectors of the camera's axes
   Vec3d position;              // m, position of the camera
@@ -24,9 +25,17 @@ struct CameraView {
   double height = 0;
   double lastU = 0;             // px, the largest double below `width`
   double lastV = 0;             // px, the largest double below `height`
-  std::uint32_t rowLength = 0;  // number of subpixels in a row
-  PixelAddress first = 0;       // address of the image's first subpixel
+  std::uint32_t rowLength = 0;  // number of pixels in a row
+  PixelAddress first = 0;       // address of the image's first pixel
+
+  PixelAddress at(double u, double v) const {
+    return first + static_cast<PixelAddress>(static_cast<std::int32_t>(v)) * rowLength +
+           static_cast<PixelAddress>(static_cast<std::int32_t>(u));
+  }
 };
+
+// Returns the images of a source. Throws InputError if there are too many.
+std::vector<CameraView> viewsOf(const std::vector<Camera>& cameras, const Pose& worldFromRig);
 
 constexpr std::uint8_t kNoView = 0xFF;
 constexpr std::size_t kBlock = 256;  // beams that are processed together: their arrays stay in the L1 cache

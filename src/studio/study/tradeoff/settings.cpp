@@ -16,7 +16,7 @@ namespace {
 constexpr const char* kDefaultSettings = R"(
 - {ray_tracing: {simplify: [0.5, 0.25, 0.1]}}
 - {depth_camera: {resolution: [512, 1024]}}
-- {depth_camera: {sampling: [nearest, bilinear]}}
+- {depth_camera: {sampling: nearest}}
 - {particle: {refine: none}}
 - {ray_tracing: {packet: 1}}
 - {ray_tracing: {robust: false}}

@@ -196,9 +196,7 @@ TEST(DepthCamera, WhatIsSimplerErrsMore) {
   const auto error = [&](const std::string& sampling) {
     return meanError(traced(scene, shot), photographed(scene, shot, "{resolution: 512, sampling: " + sampling + "}"));
   };
-  const double bilinear = error("bilinear");
-  EXPECT_LT(error("plane"), bilinear);
-  EXPECT_LT(bilinear, error("nearest"));
+  EXPECT_LT(2 * error("plane"), error("nearest"));
 }
 
 TEST(DepthCamera, DrawnAndSampledLaterGivesTheSameBytes) {
@@ -206,8 +204,7 @@ TEST(DepthCamera, DrawnAndSampledLaterGivesTheSameBytes) {
   const auto beams = spinning(24, 360, -25, 5, 120);
   const Value none = parseYaml("{}", "options");
   for (const char* options :
-       {"{resolution: 256}", "{resolution: 256, sampling: bilinear}", "{resolution: 256, antialiasing: 2}",
-        "{resolution: 256, layout: three_120, sampling: nearest, depth: half_500}",
+       {"{resolution: 256}", "{resolution: 256, layout: three_120, sampling: nearest, depth: half_500}",
         "{resolution: 256, renders_per_turn: 5}"}) {
     SCOPED_TRACE(options);
     for (const Shot& shot : {shotAt(beams, {fromYawPitchRoll(0.3, 0, 0), {1, 2, 0}}), moving(beams, 12, 1, 4)}) {
@@ -408,7 +405,6 @@ TEST(DepthCamera, RefusesSenselessOptions) {
   };
   refused("{resolution: 64}", {"resolution", "128"});
   refused("{resolution: 5000}", {"resolution", "4096"});
-  refused("{antialiasing: 3}", {"antialiasing", "3"});
   refused("{sampling: planes}", {"sampling", "did you mean 'plane'"});
   refused("{layout: three}", {"layout"});
   refused("{depth: float16}", {"depth"});

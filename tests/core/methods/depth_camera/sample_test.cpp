@@ -119,55 +119,10 @@ TEST(Sample, NearestErrsByHalfAPixelsFootprint) {
   EXPECT_GT(most, 0.5) << "the bound is tight";
 }
 
-TEST(Sample, BilinearIsExactOnPlanesAwayFromEdges) {
-  const auto fill = [](Mesh& wall) { appendPlane(wall, 0, {}, 500, 500, 1); };
-  const Scene scene = oneMeshScene("ground", fill, {toMatrix(fromYawPitchRoll(0.2, -1.2, 0)), {9, 1, 0}});
-  for (const double field : {20.0, 90.0}) {
-    const Camera camera = ahead(256, field);
-    // Half a pixel at the edges too: there the four pixels lie to one side.
-    const std::vector<Vec3d> directions = across(camera, 61, 0.01);
-    const Hits truth = traced(scene, shotAt(beamsOf(directions, 0, 2000)));
-    SampleOptions options;
-    options.sampling = Sampling::Bilinear;
-    const Hits hits = sampled(drawn(scene, {camera}), beamsAlong(directions), options);
-    const std::vector<double> errors = relativeErrors(truth, hits);
-    EXPECT_EQ(errors.size(), directions.size());
-    EXPECT_LT(largest(errors), 1e-5);
-  }
-}
-
-// Left half near, right half far; told apart by instance, by material, or by the step alone.
-TEST(Sample, BilinearNeverBlendsAcrossEdges) {
-  for (const int by : {0, 1, 2}) {
-    SCOPED_TRACE(by);
-    const float nearDepth = by == 2 ? 5.0f : 19.0f;  // without ids only a step tells
-    PassImage image = flat(64, 20);
-    for (std::size_t i = 0; i < image.planes.size(); ++i) {
-      if (i % 64 >= 32) continue;
-      image.planes.depth[i] = nearDepth;
-      if (by == 0) image.planes.instance[i] = 2;
-      if (by == 1) image.planes.material[i] = 3;
-    }
-    const std::vector<Vec3d> directions = across(image.camera, 201);
-    SampleOptions options;
-    options.sampling = Sampling::Bilinear;
-    const Hits hits = sampled({image}, beamsAlong(directions), options);
-    std::size_t near = 0;
-    for (std::size_t i = 0; i < directions.size(); ++i) {
-      // At the edge the nearest pixel's point stands for the beam: half a pixel off.
-      const double depth = double{hits.range[i]} * directions[i].x;
-      const bool isNear = std::abs(depth - double{nearDepth}) < double{nearDepth} * 0.02;
-      EXPECT_TRUE(isNear || std::abs(depth - 20) < 0.4) << depth;
-      near += isNear ? 1 : 0;
-    }
-    EXPECT_NEAR(static_cast<double>(near) / static_cast<double>(directions.size()), 0.5, 0.02);
-  }
-}
-
 TEST(Sample, RangesOutsideOfTheLimitsAreMisses) {
   const PassImage image = flat(64, 10);
   const std::vector<Vec3d> directions = {{1, 0.001, 0.001}};
-  for (const Sampling sampling : {Sampling::Plane, Sampling::Nearest, Sampling::Bilinear}) {
+  for (const Sampling sampling : {Sampling::Plane, Sampling::Nearest}) {
     SampleOptions options;
     options.sampling = sampling;
     const auto range = [&](double minimum, double maximum) {
@@ -209,35 +164,6 @@ TEST(Sample, APlaneSeenEdgeOnGivesThePixelsPoint) {
     const Hits hits = sampled({image}, beamsAlong(directions));
     EXPECT_NEAR(hits.range[0], 10, 0.1);
   }
-}
-
-TEST(Sample, ResolvesSubpixelsAsAFramebufferDoes) {
-  // Two by two pixels of two by two subpixels; in the first, one subpixel sees the background.
-  PassImage image = flat(4, 10);
-  image.planes.depth[0] = kNoDepth;
-  image.planes.normal[0] = {};
-  image.planes.reflectance[0] = 0;
-  image.planes.instance[5] = 9;  // row 1, column 1: below and right of the first pixel's centre
-  for (const std::size_t i : {2, 3, 6, 7}) image.planes.depth[i] = kNoDepth;  // nothing seen in the second
-  image.planes.depth[8] = 8;
-  SampleOptions options;
-  options.sampling = Sampling::Nearest;
-  options.antialiasing = 2;
-  options.farthest = 1000;
-  const Mat3 axes = toMatrix(image.camera.worldFromCamera.rotation);
-  const auto centre = [&](double u, double v) { return axes * image.camera.ray(u, v); };
-  const std::vector<Vec3d> rays = {centre(1, 1), centre(3, 1), centre(1, 3), centre(3, 3)};
-  const Hits hits = sampled({image}, beamsAlong(rays), options);
-  EXPECT_NEAR(hits.range[0], (3 * 10 + 1000) / 4.0 * length(rays[0]), 1e-3) << "the background's depth is farthest";
-  EXPECT_EQ(hits.instance[0], 9u);
-  EXPECT_NEAR(hits.reflectance[0], 0.75 * 0.5, 1e-6);
-  EXPECT_EQ(hits.normal[0], (Vec3f{-1, 0, 0}));
-  EXPECT_EQ(hits.range[1], kMiss);
-  EXPECT_NEAR(hits.range[2], 9.5 * length(rays[2]), 1e-5);
-  EXPECT_NEAR(hits.range[3], 10 * length(rays[3]), 1e-5);
-  image.camera.width = 3;
-  image.planes.reset(12, {Channels::all(), false});
-  expectInputError([&] { sampled({image}, beamsAlong(rays), options); }, {"front", "3 x 4", "antialiasing 2"});
 }
 
 // z^2 (f - n) / (f n 2^b) is the step of a b-bit z-buffer; what is stored lies within half of it.
@@ -287,7 +213,7 @@ TEST(Sample, StoredDepthsReachTheBeams) {
     return [=](double z) { return z * z * (f - n) / (f * n * std::ldexp(1.0, bits)); };
   };
   for (const Sampling sampling : {Sampling::Nearest, Sampling::Plane}) {
-    SampleOptions options{sampling, DepthFormat::Float32, n, f, 1};
+    SampleOptions options{sampling, DepthFormat::Float32, n, f};
     const Hits exact = sampled(images, beamsAlong(directions), options);
     // Mean error over what an error uniform over half a step to either side gives along the line of sight.
     const auto ofExpected = [&](DepthFormat format, const auto& step) {

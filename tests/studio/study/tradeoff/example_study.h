@@ -139,7 +139,6 @@ inline Study exampleStudy() {
       {"depth_camera", "resolution=512", 31, 0.252, 0.9525, 1.7e-3},
       {"depth_camera", "resolution=1024", 52, 0.142, 0.972, 1.3e-3},
       {"depth_camera", "sampling=nearest", 113, 0.421, 0.9845, 8e-4},
-      {"depth_camera", "sampling=bilinear", 119, 0.142, 0.9845, 8e-4},
       {"particle", "voxels=128", 13.5, 0.65, 0.8917, 6.4e-3},
       {"particle", "refine=none", 10.3, 2.66, 0.8867, 6.6e-3},
       {"ray_tracing", "packet=1", 15.9, 0, 1, 0},

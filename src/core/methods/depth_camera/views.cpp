@@ -1,6 +1,11 @@
-#include <algorithm>
-
 #include "methods/depth_camera/views.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
 
 namespace scanmill {
 
@@ -11,6 +16,35 @@ constexpr double kInFront = 1e-9;    // smallest depth in front of a camera: m f
 constexpr double kNoViewYet = 1000;  // stands for kNoView while views' indices are doubles, so that g++ can vectorise
 
 }  // namespace
+
+std::vector<CameraView> viewsOf(const std::vector<Camera>& cameras, const Pose& worldFromRig) {
+  std::vector<CameraView> views;
+  const Mat3 rigFromWorld = transposed(toMatrix(worldFromRig.rotation));
+  PixelAddress first = 0;
+  for (const Camera& camera : cameras) {
+    const Mat3 axes = rigFromWorld * toMatrix(camera.worldFromCamera.rotation);
+    CameraView view;
+    view.right = axes.x;
+    view.down = axes.y;
+    view.forward = axes.z;
+    // Subtract before rotating: far from the world's origin this keeps a precision of micrometres.
+    view.position = rigFromWorld * (camera.worldFromCamera.translation - worldFromRig.translation);
+    view.fx = camera.fx;
+    view.fy = camera.fy;
+    view.cx = camera.cx;
+    view.cy = camera.cy;
+    view.width = camera.width;
+    view.height = camera.height;
+    view.lastU = std::nextafter(view.width, 0.0);
+    view.lastV = std::nextafter(view.height, 0.0);
+    view.rowLength = camera.width;
+    view.first = first;
+    views.push_back(view);
+    first += static_cast<PixelAddress>(camera.pixels());
+  }
+  if (views.size() >= kNoView) throw InputError(fmt::format("a shot has {} images, which are too many", views.size()));
+  return views;
+}
 
 void place(std::span<const CameraView> views, const double* x, const double* y, const double* z, std::size_t count,
            bool points, ImagePositions places) {
