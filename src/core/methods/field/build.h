@@ -13,7 +13,7 @@ namespace scanmill {
 // Returns the data that particles read of the levels of a field with this shape, one entry per level.
 std::vector<FieldLevel> fieldLevels(const FieldShape& shape);
 
-// Builds the field of a world. Bricks of the fields in `before` are copied or shared (brick_pool.h) and not built
+// Builds the field of a world. Bricks of the fields in `before` are copied or shared (BrickPool) and not built
 // again. All fields in `before` must belong to this world; a field is used only if it has the voxel size and `lists` of
 // `shape`, and the pool of the first field that is used. The data that particles read is the same as without `before`,
 // byte by byte. The world must be flat, without instances. An empty world gives a field of empty bricks. Runs on all

@@ -4,10 +4,10 @@
 // the sensor.
 //
 // A field has nested levels ("clipmaps", as in Unreal's global distance fields), each with voxels twice as large as
-// those of the level before, or one level that covers the complete scene. A level is a box of bricks of 8 x 8 x 8
+// those of the level before. A level is a box of bricks of 8 x 8 x 8
 // voxels. A brick near a surface stores the distances at the 9 x 9 x 9 corners of its voxels; any other brick stores
 // one distance. Memory therefore grows with the surface area and not with the volume. Fields that move share their
-// bricks (brick_pool.h).
+// bricks (BrickPool).
 //
 // Frames. "Lattice": corners of voxels have integer coordinates, counted from the world's origin (world.h) in voxels of
 // the level; brick b has the corners 8b to 8b + 8 along each axis. The values at a corner depend only on the corner's
@@ -17,9 +17,11 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
+#include "base/raw_vector.h"
 #include "base/vec.h"
 
 namespace scanmill {
@@ -65,7 +67,8 @@ struct LevelBox {
   bool operator==(const LevelBox&) const = default;
 };
 
-// The position and extent of a field, which follow from the options and the sensor's position: see shape.h.
+// The position and extent of a field, which follow from the options and the sensor's position
+// (methods/particle/options.h).
 struct FieldShape {
   double voxel = 0.1;            // m, voxel size of level 0; level l has voxel * 2^l
   Vec3d centre;                  // m, relative to the world's origin; a corner of level 0's brick grid
@@ -89,7 +92,7 @@ struct FieldLevel {
   std::uint32_t firstEntry = 0;  // index in DistanceField::table of the level's first brick; x fastest, then y, then z
 };
 
-struct BrickPool;  // defined in brick_pool.h
+struct BrickPool;
 
 // A field is not modified after it is built.
 struct DistanceField {
@@ -113,6 +116,37 @@ struct DistanceField {
   // The pool that owns these arrays. The spans above have the length that the arrays had when the field was built. If
   // the pool also belongs to earlier fields, the spans also contain bricks that only the earlier fields use.
   std::shared_ptr<BrickPool> pool;
+};
+
+// Returns the voxel size (m) of the level that is used at a point.
+double voxelAt(const DistanceField& field, const Vec3f& place);
+
+// Returns the triangle stored at the corner nearest to a point, in a field without lists; kNoWord if no triangle is
+// near.
+std::uint32_t triangleAt(const DistanceField& field, const Vec3f& place);
+
+// The bricks near surfaces ("full bricks") of a moving field: fields at successive positions share a pool, so that
+// their common bricks are stored once. A brick and its lists of triangles have a fixed place in the pool. Moving a
+// field appends the new bricks, and only these are uploaded to a device that has the earlier ones. If the pool is full,
+// the field gets a new pool, to which the bricks that it still needs are copied. The arrays are never reallocated, so
+// that threads may read bricks while others are appended.
+struct BrickPool {
+  // Reserves space for `most` bricks, and none for lists.
+  explicit BrickPool(std::size_t most) {
+    distance.resize(most * kBrickStride);
+    word.resize(most * kBrickStride);
+    firstList.assign(most + 1, 0);
+  }
+  std::size_t room() const { return firstList.size() - 1 - bricks; }
+
+  // The arrays of DistanceField. The elements of the first `bricks` bricks are set.
+  RawVector<std::uint16_t> distance;
+  RawVector<std::uint32_t> word;
+  RawVector<std::uint32_t> lists;
+  std::vector<std::uint32_t> firstList;  // index in `lists` of each brick's first list; entry `bricks`: the end
+
+  std::mutex appending;  // locked while bricks are appended
+  std::size_t bricks = 0;
 };
 
 }  // namespace scanmill

@@ -1,10 +1,16 @@
 #include "methods/gpu/device_march.h"
 
+#include <algorithm>
 #include <array>
+#include <bit>
+#include <iterator>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "base/parallel.h"
+#include "methods/field/distance_field.h"
 
 namespace scanmill {
 
@@ -49,6 +55,21 @@ std::vector<DeviceTriangle> deviceTriangles(const TriangleBlock& block) {
   return made;
 }
 
+using enum ComputeTable::Texel;
+
+const std::string kMend = ": take coarser voxels (voxel_m) or fewer levels";
+
+using DeviceLevel = std::array<std::uint32_t, 8>;
+
+std::vector<DeviceLevel> deviceLevels(const DistanceField& field) {
+  std::vector<DeviceLevel> made;
+  for (const FieldLevel& level : field.levels) {
+    const auto bits = [&](std::size_t k) { return std::bit_cast<std::uint32_t>(level.offset[k]); };
+    made.push_back({bits(0), bits(1), bits(2), level.firstEntry, level.bricks[0], level.bricks[1], level.bricks[2], 0});
+  }
+  return made;
+}
+
 }  // namespace
 
 DeviceMarch::DeviceMarch(const ComputeDevice& device, std::uint64_t mostTableBytes)
@@ -88,6 +109,84 @@ void DeviceMarch::run(const DistanceField& field, std::uint32_t steps, std::size
             fields_.words(),
             fields_.lists(),
             {&triangles_, ComputeTable::Texel::Float32x4}});
+}
+
+DeviceFields::HeldPool::HeldPool(const ComputeDevice& device)
+    : levels(device),
+      table(device),
+      distances{ComputeBuffer(device)},
+      words{ComputeBuffer(device)},
+      lists{ComputeBuffer(device)} {
+  // Buffers without storage cannot be read from.
+  for (ComputeBuffer* buffer : {&table, &distances.buffer, &words.buffer, &lists.buffer}) buffer->reserve(16);
+}
+
+std::uint64_t DeviceFields::HeldPool::bytes() const {
+  return levels.bytes() + table.bytes() + distances.buffer.bytes() + words.buffer.bytes() + lists.buffer.bytes();
+}
+
+DeviceFields::DeviceFields(const ComputeDevice& device, std::uint64_t mostTableBytes)
+    : device_(device), mostTableBytes_(mostTableBytes) {}
+
+// Moves the pool's entry of pools_ to the front. If the pool has none, it gets the entry of a pool that no longer
+// exists, otherwise a new entry if memory suffices, otherwise the least recently used entry.
+void DeviceFields::take(const std::shared_ptr<const BrickPool>& pool) {
+  auto found = std::find_if(pools_.begin(), pools_.end(), [&](const HeldPool& p) { return p.pool.lock() == pool; });
+  if (found == pools_.end()) {
+    found = std::find_if(pools_.begin(), pools_.end(), [](const HeldPool& p) { return p.pool.expired(); });
+    if (found == pools_.end()) {
+      std::uint64_t bytes = 0;
+      for (const HeldPool& held : pools_) bytes += held.bytes();
+      // Assumes that the new pool will have the mean size of the others.
+      const bool fits = pools_.empty() || bytes + bytes / pools_.size() <= kMostBytes;
+      found = fits ? pools_.emplace(pools_.end(), device_) : std::prev(pools_.end());
+    }
+    for (Array* array : {&found->distances, &found->words, &found->lists}) array->there = 0;
+    found->field.reset();
+    found->pool = pool;
+  }
+  pools_.splice(pools_.begin(), pools_, found);
+}
+
+void DeviceFields::hold(const std::shared_ptr<const DistanceField>& field) {
+  take(field->pool);
+  if (pools_.front().field.lock() == field) return;
+  try {
+    upload(field);
+  } catch (const Error&) {
+    if (pools_.size() == 1) throw;
+    pools_.erase(std::next(pools_.begin()), pools_.end());
+    upload(field);
+  }
+}
+
+void DeviceFields::upload(const std::shared_ptr<const DistanceField>& field) {
+  HeldPool& held = pools_.front();
+  held.field.reset();  // the buffers belong to no field until all are filled
+  const std::vector<DeviceLevel> levels = deviceLevels(*field);
+  holdTable(device_, held.levels, Uint32x4, std::as_bytes(std::span(levels)), mostTableBytes_, "levels", kMend);
+  holdTable(device_, held.table, Uint32, std::as_bytes(std::span(field->table)), mostTableBytes_, "table of bricks",
+            kMend);
+  append(held.distances, Uint16, field->distance, field->pool->distance.size(), "distances");
+  append(held.words, Uint32, field->word, field->pool->word.size(), "triangles at corners");
+  append(held.lists, Uint32, field->lists, field->pool->lists.size(), "lists of triangles");
+  held.field = field;
+}
+
+// Uploads the part of `all` that is not on the device yet. `room`: largest number of elements of the array.
+template <class T>
+void DeviceFields::append(Array& array, ComputeTable::Texel texel, std::span<const T> all, std::size_t room,
+                          const char* what) {
+  const auto bytes = std::as_bytes(all);
+  checkTable(device_, texel, bytes.size(), mostTableBytes_, what, kMend);
+  if (array.buffer.bytes() < bytes.size()) {
+    array.there = 0;
+    array.buffer.reserve(std::min(std::uint64_t{room} * sizeof(T), mostTableBytes(device_, texel, mostTableBytes_)));
+  }
+  if (array.there >= bytes.size()) return;
+  const ComputeBuffer::Source fresh{array.there, bytes.subspan(array.there)};
+  array.buffer.write({&fresh, 1});
+  array.there = bytes.size();
 }
 
 }  // namespace scanmill

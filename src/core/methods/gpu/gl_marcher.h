@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -31,7 +33,14 @@ class GlMarcher {
   virtual std::string device() const = 0;  // returns the result of ComputeDevice::nameAndPlace()
 };
 
+// Limits of the work that is submitted at once. Tests set lower limits.
+struct GlMarcherLimits {
+  std::size_t particles = std::size_t{1} << 20;  // greatest number of particles that march at once
+  // Largest size of a table (bytes); the limit of the device applies too.
+  std::uint64_t tableBytes = std::numeric_limits<std::uint64_t>::max();
+};
+
 // Throws Error if the machine has no OpenGL 4.3 through EGL; the message names the CPU backend.
-std::unique_ptr<GlMarcher> makeGlMarcher();
+std::unique_ptr<GlMarcher> makeGlMarcher(const GlMarcherLimits& limits = {});
 
 }  // namespace scanmill

@@ -8,7 +8,7 @@
 
 #include "base/stage_clock.h"
 #include "methods/field/distance_field.h"
-#include "methods/particle/shape.h"
+#include "methods/particle/options.h"
 #include "methods/world/worlds.h"
 
 namespace scanmill {
@@ -21,7 +21,7 @@ class FieldStore {
   static constexpr std::size_t kFewestFields = 6;
 
   // The scene must outlive the store. Throws InputError if the field would be too large for this machine: see
-  // checkField() in shape.h.
+  // checkField() in options.h.
   FieldStore(const Scene& scene, const ParticleOptions& options);
 
   struct Place {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "methods/field/lookup.h"
+#include "methods/field/distance_field.h"
 #include "methods/field/march_rule.h"
 
 namespace scanmill {

@@ -42,6 +42,47 @@ double servedRange(const ParticleOptions& options, std::uint32_t level) {
   return levelReach(options, level) - kHalfBrick * options.voxel;
 }
 
+constexpr double kMostBricks = 268'435'456;  // 2^28; the table of this many bricks takes 1 GiB
+constexpr std::uint32_t kUsualLevels = 5;    // assumed for `levels: auto`; enough for ranges of 120 to 200 m
+constexpr double kFarthestBrick = 1e15;      // largest lattice coordinate of a brick: its corners are exact in double
+
+std::array<double, 3> axes(const Vec3d& v) {
+  return {v.x, v.y, v.z};
+}
+
+// Returns the corner with the smallest coordinates of a brick of level 0 (m, relative to the world's origin).
+Vec3d placeOf(const Corner& brick, double voxel) {
+  const double size = kBrickVoxels * voxel;
+  return {static_cast<double>(brick[0]) * size, static_cast<double>(brick[1]) * size,
+          static_cast<double>(brick[2]) * size};
+}
+
+Corner nearestBrick(const Vec3d& point, double voxel) {
+  Corner brick;
+  const std::array<double, 3> p = axes(point);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double index = std::floor(p[k] / (kBrickVoxels * voxel) + 0.5);
+    if (!(std::fabs(index) < kFarthestBrick)) {
+      throw Error(
+          fmt::format("particle: a sensor is {:g} m from the scene's origin, too far for voxels of {:g} m: take larger "
+                      "voxels (voxel_m)",
+                      p[k], voxel));
+    }
+    brick[k] = static_cast<std::int64_t>(index);
+  }
+  return brick;
+}
+
+// Returns the largest absolute coordinate of the box's corners relative to `centre` (m).
+double reachOf(const Box& box, const Vec3d& centre) {
+  if (box.empty()) return 0;
+  double most = 0;
+  for (const Vec3d& corner : {box.low - centre, box.high - centre}) {
+    for (const double x : axes(corner)) most = std::max(most, std::fabs(x));
+  }
+  return most;
+}
+
 }  // namespace
 
 ParticleOptions readParticleOptions(Fields& fields) {
@@ -88,6 +129,69 @@ double smallestSeen(const ParticleOptions& options, double range) {
     return all ? 0 : kSmallestBall * std::ldexp(options.voxel, static_cast<int>(level));
   }
   return std::numeric_limits<double>::infinity();
+}
+
+FieldShape shapeOf(const ParticleOptions& options, const Vec3d& sensor, const Box& scene, double range) {
+  FieldShape shape;
+  shape.voxel = options.voxel;
+  const Corner centre = nearestBrick(sensor, options.voxel);
+  shape.centre = placeOf(centre, options.voxel);
+  // The middle of a coarse level's box may be half a brick away from the centre; one more voxel is a margin.
+  shape.reach = 0.5f * static_cast<float>(options.voxels) - (kHalfBrick + 1);
+  std::uint32_t levels = options.levels;
+  if (levels == 0) {
+    const double need = std::min(range + kBrickVoxels * options.voxel, reachOf(scene, shape.centre));
+    levels = 1;
+    while (levels < kMaxLevels && std::ldexp(double{shape.reach} * options.voxel, int(levels) - 1) < need) ++levels;
+  }
+  const std::uint32_t across = options.voxels / kBrickVoxels;
+  if (levels * std::pow(across, 3) > kMostBricks) {
+    throw InputError(options.where, fmt::format("particle: {} levels of {} voxels across give a table of more than "
+                                                "{:g} bricks: choose fewer voxels across, such as `voxels: 512`",
+                                                levels, options.voxels, kMostBricks));
+  }
+  for (std::uint32_t l = 0; l < std::min(levels, kMaxLevels); ++l) {
+    LevelBox box;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::int64_t half = (std::int64_t{1} << l) >> 1;
+      box.firstBrick[k] = ((centre[k] + half) >> l) - across / 2;
+      box.bricks[k] = across;
+    }
+    shape.levels.push_back(box);
+  }
+  shape.lists = options.refine == ParticleOptions::Refine::ByTriangle;
+  return shape;
+}
+
+double fieldBytes(const ParticleOptions& options) {
+  return levelBytes(options.voxels, options.refine == ParticleOptions::Refine::ByTriangle) *
+         (options.levels > 0 ? options.levels : kUsualLevels);
+}
+
+void checkField(const ParticleOptions& options, double memory) {
+  constexpr double kTolerance = 2;
+  const double bytes = fieldBytes(options);
+  if (bytes <= kTolerance * memory) return;
+  const auto most = static_cast<std::uint32_t>(options.voxels / std::sqrt(bytes / memory));
+  throw InputError(
+      options.where,
+      fmt::format("particle: the distance field would take about {}, but this process may take {}: choose "
+                  "`voxels: {}` or fewer",
+                  memoryText(bytes), memoryText(memory), std::max(most, kFewestVoxels) / kVoxelsStep * kVoxelsStep));
+}
+
+Box marchBox(const FieldShape& shape) {
+  const LevelBox& last = shape.levels.back();
+  const double voxel = std::ldexp(shape.voxel, int(shape.levels.size()) - 1);
+  const auto corner = [&](double shift, bool high) {
+    std::array<double, 3> p;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::int64_t brick = last.firstBrick[k] + (high ? std::int64_t{last.bricks[k]} : 0);
+      p[k] = (static_cast<double>(brick * kBrickVoxels) + shift) * voxel;
+    }
+    return Vec3d{p[0], p[1], p[2]};
+  };
+  return {corner(1, false), corner(-1, true)};
 }
 
 }  // namespace scanmill

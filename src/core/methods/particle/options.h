@@ -2,7 +2,9 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
+#include "base/vec.h"
 #include "config/fields.h"
 #include "methods/field/distance_field.h"
 
@@ -42,11 +44,27 @@ std::string memoryText(double bytes);
 // Returns the diameter (m) of the smallest ball at `range` m from the sensor that is hit by every beam through its
 // centre; infinite beyond the last level.
 //
-// With `refine: none` the diameter is two voxels, because one step may take a particle through
-// both sides of a thinner object. Of beams through the centre, 0.8 % miss a ball of half a voxel, 0.4 % miss a ball of
+// With `refine: none` the diameter is two voxels, because one step may take a particle through both sides of a thinner
+// object. Of beams through the centre, 0.8 % miss a ball of half a voxel, 0.4 % miss a ball of
 // 1.25 voxels, and none of 30,000 misses a ball of 1.8 voxels or more.
 //
 // With `refine: triangle` the diameter is 0: every triangle is in full bricks, and is intersected exactly.
 double smallestSeen(const ParticleOptions& options, double range);
+
+// Returns the shape of a field that reaches `range` (m) around a sensor at `sensor` (m, relative to the world's
+// origin), but not farther than `scene` (the scene's bounds in the same frame; empty if the scene has no triangles).
+// Depends only on its arguments. Throws InputError, with advice, if the field would have too many bricks.
+FieldShape shapeOf(const ParticleOptions& options, const Vec3d& sensor, const Box& scene, double range);
+
+// Returns approximately how many bytes a field takes.
+double fieldBytes(const ParticleOptions& options);
+
+// Throws InputError, with advice, if the estimated size of a field is more than twice `memory` (bytes). The limit is
+// twice the memory because the estimate may be wrong by this factor.
+void checkField(const ParticleOptions& options, double memory);
+
+// Returns the box inside of which particles march: the box of the outermost level, shrunk by a voxel (m, relative to
+// the world's origin).
+Box marchBox(const FieldShape& shape);
 
 }  // namespace scanmill

@@ -28,7 +28,6 @@
 #include "methods/particle/march.h"
 #include "methods/particle/march_job.h"
 #include "methods/particle/options.h"
-#include "methods/particle/shape.h"
 
 namespace scanmill {
 

@@ -6,7 +6,7 @@
 
 namespace scanmill {
 
-// YAML: particle: {field: sensor, voxel_m: 0.1, voxels: 256, levels: auto, refine: triangle, steps: 512, backend: cpu}
+// YAML: particle: {voxel_m: 0.1, voxels: 256, levels: auto, refine: triangle, steps: 512, backend: cpu}
 std::unique_ptr<Method> makeParticle(const Scene& scene, Fields& options);
 
 }  // namespace scanmill

@@ -9,7 +9,7 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
-#include "methods/particle/shape.h"
+#include "methods/particle/options.h"
 #include "tests/core/methods/field/triangle_soup.h"
 #include "tests/support/message_of.h"
 #include "tests/support/test_scene.h"

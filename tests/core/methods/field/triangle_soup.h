@@ -11,7 +11,7 @@
 
 #include "base/random.h"
 #include "methods/field/build.h"
-#include "methods/particle/shape.h"
+#include "methods/particle/options.h"
 #include "methods/world/world.h"
 #include "tests/core/methods/field/same_field.h"
 #include "tests/support/test_scene.h"

@@ -1,4 +1,3 @@
-#include "methods/gpu/march_gl.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,11 +10,11 @@
 #include <vector>
 
 #include "base/random.h"
-#include "methods/field/brick_pool.h"
 #include "methods/field/build.h"
+#include "methods/field/distance_field.h"
 #include "methods/gpu/gl_marcher.h"
 #include "methods/particle/march.h"
-#include "methods/particle/shape.h"
+#include "methods/particle/options.h"
 #include "methods/world/world.h"
 #include "tests/core/methods/gpu/gl_march.h"
 #include "tests/core/methods/particle/fields.h"

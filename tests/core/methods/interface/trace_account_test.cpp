@@ -1,7 +1,7 @@
-#include "methods/interface/trace_account.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "methods/interface/method.h"
 
 namespace scanmill {
 namespace {

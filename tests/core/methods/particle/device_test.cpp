@@ -10,7 +10,6 @@
 
 #include "base/random.h"
 #include "methods/gpu/gl_marcher.h"
-#include "methods/gpu/march_gl.h"
 #include "methods/particle/field_store.h"
 #include "methods/particle/march.h"
 #include "methods/particle/march_job.h"

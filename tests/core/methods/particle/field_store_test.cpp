@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/parallel.h"
-#include "methods/field/lookup.h"
+#include "methods/field/distance_field.h"
 #include "tests/support/test_scene.h"
 
 namespace scanmill {

@@ -13,12 +13,11 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
-#include "methods/field/brick_pool.h"
 #include "methods/field/build.h"
 #include "methods/field/distance_field.h"
 #include "methods/field/facet.h"
 #include "methods/particle/march.h"
-#include "methods/particle/shape.h"
+#include "methods/particle/options.h"
 #include "methods/world/world.h"
 
 namespace scanmill {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "methods/field/build.h"
-#include "methods/field/lookup.h"
+#include "methods/field/distance_field.h"
 #include "methods/field/march_rule.h"
 #include "tests/core/methods/particle/fields.h"
 #include "tests/support/test_scene.h"

@@ -12,7 +12,6 @@
 #include "base/random.h"
 #include "config/value.h"
 #include "methods/particle/march.h"
-#include "methods/particle/shape.h"
 #include "tests/core/methods/particle/fields.h"
 #include "tests/support/message_of.h"
 

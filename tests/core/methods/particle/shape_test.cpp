@@ -1,5 +1,3 @@
-#include "methods/particle/shape.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,6 +6,7 @@
 #include "base/memory.h"
 #include "base/random.h"
 #include "methods/field/build.h"
+#include "methods/particle/options.h"
 #include "tests/core/methods/trace.h"
 #include "tests/support/message_of.h"
 #include "tests/support/test_scene.h"

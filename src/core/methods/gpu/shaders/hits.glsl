@@ -3,7 +3,7 @@
 // rays.glsl; 4 (hit records) and 6 (particles) are the buffers 1 and 0 of march.glsl; 5 and the tables 0 to 3 are those
 // of resolver.glsl.
 
-// The block has the layout of HitsBlock in march_gl.cpp.
+// The block has the layout of HitsBlock in gl_marcher.cpp.
 layout(std140, binding = 0) uniform Parameters {
   double nearest, farthest;  // range limits of the sensor (m)
   uint channels, rays;

@@ -3,7 +3,7 @@
 
 #include "rays.glsl"
 
-// The same members as the struct LaunchBlock in march_gl.cpp.
+// The same members as the struct LaunchBlock in gl_marcher.cpp.
 layout(std140, binding = 0) uniform LaunchParameters {
   dvec4 low, high;    // corners of the box in which particles march (m)
   dvec4 centre;       // x, y, z: the field's centre (m); w: voxels of level 0 per metre

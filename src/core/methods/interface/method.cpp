@@ -1,4 +1,4 @@
-#include "methods/interface/trace_account.h"
+#include "methods/interface/method.h"
 
 #include <algorithm>
 #include <tuple>

@@ -1,6 +1,6 @@
 // Launches particles, marches them and computes their hits, all on a device, in slices of limited size.
 
-#include "methods/gpu/march_gl.h"
+#include "methods/gpu/gl_marcher.h"
 
 #include <fmt/format.h>
 
@@ -221,10 +221,6 @@ class ComputeMarcher : public GlMarcher {
 
 std::unique_ptr<GlMarcher> makeGlMarcher(const GlMarcherLimits& limits) {
   return std::make_unique<ComputeMarcher>(limits);
-}
-
-std::unique_ptr<GlMarcher> makeGlMarcher() {
-  return makeGlMarcher(GlMarcherLimits{});
 }
 
 }  // namespace scanmill

@@ -1,4 +1,4 @@
-#include "methods/field/lookup.h"
+#include "methods/field/distance_field.h"
 
 #include <algorithm>
 #include <array>
