@@ -5,7 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
@@ -21,6 +23,29 @@ std::string messageOf(Work&& work) {
     return failure.what();
   }
   return "accepted";
+}
+
+// What `work` prints on standard error, such as warnings.
+template <class Work>
+std::string printedBy(Work&& work) {
+  testing::internal::CaptureStderr();
+  work();
+  return testing::internal::GetCapturedStderr();
+}
+
+// Each input of the table is refused with its words, which " | " separates. `refuse` returns the message about an
+// input: see messageOf().
+template <class Refuse>
+void expectRefusals(const Refuse& refuse, const std::vector<std::pair<std::string, std::string>>& table) {
+  for (const auto& [input, words] : table) {
+    const std::string message = refuse(input);
+    EXPECT_NE(message, "accepted") << input;
+    for (std::size_t at = 0; at < words.size();) {
+      const std::size_t end = std::min(words.find(" | ", at), words.size());
+      EXPECT_THAT(message, testing::HasSubstr(words.substr(at, end - at))) << input;
+      at = end + 3;
+    }
+  }
 }
 
 // `work` throws an InputError whose message holds all these words.
