@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <fstream>
+#include <iterator>
 #include <memory>
 #include <new>
 #include <system_error>
@@ -18,9 +19,7 @@
 #include "base/memory.h"
 #include "config/text.h"
 #include "images/images_interface.h"
-#include "images/metadata.h"
-#include "images/readers.h"
-#include "images/reduction.h"
+#include "images/srgb.h"
 
 namespace scanmill {
 
@@ -153,6 +152,59 @@ void checkSize(const ImageHeader& header, const std::string& kind, std::uint64_t
                     size, header.channels, needed * 1e-9, limit * 1e-9));
   }
 }
+
+// Returns the sRGB byte whose linear value is nearest to `light` (linear, 0 to 1).
+std::uint8_t encoded(float light) {
+  const std::array<float, 256>& linear = linearOfBytes();
+  const auto above = std::lower_bound(linear.begin(), linear.end(), light);
+  if (above == linear.begin()) return 0;
+  const auto below = std::prev(above);
+  const auto nearest = above == linear.end() || light - *below < *above - light ? below : above;
+  return static_cast<std::uint8_t>(nearest - linear.begin());
+}
+
+// Reduces an image by a whole factor, row by row: each pixel is the mean of a square of factor x factor pixels. Colours
+// are averaged in linear light, weighted by alpha.
+class Reduction {
+ public:
+  // `width` is the width of the image to reduce (px).
+  Reduction(int width, int factor)
+      : width_(width), factor_(factor), sums_(static_cast<std::size_t>((width + factor - 1) / factor)) {}
+
+  // Adds a row of 8-bit RGBA.
+  void add(const std::uint8_t* rgba) {
+    const std::array<float, 256>& linear = linearOfBytes();
+    for (int x = 0; x < width_; ++x, rgba += 4) {
+      Sum& sum = sums_[static_cast<std::size_t>(x / factor_)];
+      // The weight is above 0 even for alpha 0, so that a square of fully transparent pixels keeps its colour.
+      const float weight = static_cast<float>(rgba[3]) + 1e-3f;
+      for (std::size_t c = 0; c < 3; ++c) sum.light[c] += weight * linear[rgba[c]];
+      sum.weight += weight;
+      sum.alpha += rgba[3];
+      ++sum.count;
+    }
+  }
+  // Writes one reduced row, (width + factor - 1) / factor pixels: the means of the rows added since the last call.
+  void take(std::uint8_t* rgba) {
+    for (Sum& sum : sums_) {
+      for (std::size_t c = 0; c < 3; ++c) *rgba++ = encoded(sum.light[c] / sum.weight);
+      *rgba++ = static_cast<std::uint8_t>((sum.alpha + sum.count / 2) / sum.count);
+      sum = {};
+    }
+  }
+
+ private:
+  struct Sum {
+    std::array<float, 3> light{};
+    float weight = 0;
+    std::uint32_t alpha = 0;
+    std::uint32_t count = 0;
+  };
+
+  int width_;
+  int factor_;
+  std::vector<Sum> sums_;
+};
 
 // Decodes an image of a kind ("png"). In BMP and TGA, an alpha that is 0 everywhere is a byte without a meaning.
 DecodedImage decode(ImageReader& image, const std::string& kind, const std::string& name) {

@@ -1,7 +1,9 @@
 #pragma once
 
-// The interface of libscanmill_images.so, the module that links OpenImageIO (base/module.h).
+// The interface of libscanmill_images.so, the module that links OpenImageIO (base/module.h), and what it shares with
+// the readers of PNG and JPEG. All functions are inline, since modules use them too.
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -12,6 +14,37 @@
 
 namespace scanmill {
 
+// What readers name in ImageHeader::leftOut.
+inline constexpr const char* kProfiles = "colour profiles other than sRGB (colours count as sRGB)";
+inline constexpr const char* kGammas = "gammas other than that of sRGB (gAMA)";
+inline constexpr const char* kOrientations = "orientations (Exif), by which viewers turn the image";
+inline constexpr const char* kFurtherImages = "sets of further images (the first image counts)";
+inline constexpr const char* kFewColors = "images without red, green or blue (EXR; their first channel counts as grey)";
+inline constexpr const char* kFurtherChannels = "channels that are neither colour nor alpha";
+
+// True if an ICC profile has "sRGB" in one of its texts (ASCII, or UTF-16 with the high byte first).
+inline bool isSrgb(std::string_view profile) {
+  return profile.find("sRGB") != profile.npos || profile.find(std::string_view("s\0R\0G\0B", 7)) != profile.npos;
+}
+
+// True if Exif data, which start with the TIFF header, state an orientation other than that of the stored rows.
+inline bool isTurned(std::string_view exif) {
+  const bool little = exif.starts_with("II");
+  const auto number = [&](std::size_t at, std::size_t bytes) {
+    std::size_t value = 0;
+    for (std::size_t i = 0; i < bytes && at < exif.size() && exif.size() - at >= bytes; ++i) {
+      value = value << 8 | static_cast<unsigned char>(exif[at + (little ? bytes - 1 - i : i)]);
+    }
+    return value;
+  };
+  const std::size_t directory = number(4, 4);
+  for (std::size_t k = 0, count = number(directory, 2); k < count; ++k) {
+    const std::size_t entry = directory + 2 + 12 * k;
+    if (number(entry, 2) == 0x112) return number(entry + 8, 2) > 1;
+  }
+  return false;
+}
+
 struct ImageHeader {
   int width = 0;   // px
   int height = 0;  // px
@@ -20,7 +53,7 @@ struct ImageHeader {
   double alphaGamma = 0;    // above 0: (colour ^ alphaGamma) was multiplied by alpha; 0: colours were not multiplied
   bool linear = false;      // true: the file has linear light, which rows() returns as sRGB
   double storedPixels = 0;  // number of pixels that the file stores, if it may differ from width * height
-  std::vector<std::string> leftOut = {};  // what would change the look (images/metadata.h)
+  std::vector<std::string> leftOut = {};  // what would change the look: some of the texts above
 };
 
 // An image that is open for reading.
@@ -33,6 +66,17 @@ class ImageReader {
   // Throws std::runtime_error with the library's message.
   virtual void rows(int count, std::uint8_t* pixels) = 0;
 };
+
+// The readers of PNG and JPEG. The caller must keep the bytes of an image as long as its reader.
+//
+// Opens a PNG and reads its header. Throws std::runtime_error with libpng's message if the file is damaged. Colours are
+// returned as stored: profiles and gamma are not applied, as glTF demands.
+std::unique_ptr<ImageReader> openPng(std::string_view bytes);
+
+// Opens a JPEG and reads its header. Returns null for an image of four inks (CMYK), which OpenImageIO must convert.
+// Throws std::runtime_error with libjpeg's message if the file is damaged, or if libjpeg warns of anything that may
+// change the pixels.
+std::unique_ptr<ImageReader> openJpeg(std::string_view bytes);
 
 class ImagesModule {
  public:

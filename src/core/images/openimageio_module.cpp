@@ -16,7 +16,6 @@
 #include <vector>
 
 #include "images/images_interface.h"
-#include "images/metadata.h"
 #include "images/srgb.h"
 
 namespace scanmill {

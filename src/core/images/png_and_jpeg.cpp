@@ -1,0 +1,307 @@
+// PNG by libpng and JPEG by libjpeg.
+
+#include <cstdio>
+// jpeglib.h does not include the headers that it needs.
+#include <jerror.h>
+#include <jpeglib.h>
+#include <png.h>
+
+#include <array>
+#include <csetjmp>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "images/images.h"
+#include "images/images_interface.h"
+
+namespace scanmill {
+
+namespace {
+
+// Turns the jump by which both libraries report an error into an exception.
+class JumpGuard {
+ public:
+  // Calls `work`, which must not contain objects that need to be destroyed, since the libraries jump out of it. Throws
+  // std::runtime_error with the library's message.
+  template <class Work>
+  void run(const Work& work) {
+    if (setjmp(jump_) != 0) throw std::runtime_error(message_.data());
+    work();
+  }
+
+  [[noreturn]] void fail(const char* message) {
+    std::strncpy(message_.data(), message, message_.size() - 1);
+    std::longjmp(jump_, 1);
+  }
+
+ private:
+  std::jmp_buf jump_{};
+  std::array<char, JMSG_LENGTH_MAX> message_{};
+};
+
+void failPng(png_structp png, png_const_charp message) {
+  static_cast<JumpGuard*>(png_get_error_ptr(png))->fail(message);
+}
+
+void ignoreWarning(png_structp, png_const_charp) {}
+
+class PngReader final : public ImageReader {
+ public:
+  explicit PngReader(std::string_view bytes) : bytes_(bytes), left_(bytes) {
+    png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, &guard_, failPng, ignoreWarning);
+    info_ = png_ != nullptr ? png_create_info_struct(png_) : nullptr;
+    if (info_ == nullptr) throw std::bad_alloc();
+    try {
+      guard_.run([this] { readHeader(); });
+      noteLook();
+    } catch (...) {
+      png_destroy_read_struct(&png_, &info_, nullptr);
+      throw;
+    }
+  }
+  ~PngReader() override { png_destroy_read_struct(&png_, &info_, nullptr); }
+  PngReader(const PngReader&) = delete;
+  PngReader& operator=(const PngReader&) = delete;
+
+  ImageHeader header() const override { return header_; }
+
+  void rows(int count, std::uint8_t* pixels) override {
+    const std::size_t rowBytes = std::size_t(header_.width) * std::size_t(header_.channels);
+    if (interlaced_) {
+      readInterlaced(rowBytes);
+      std::memcpy(pixels, whole_.data() + std::size_t(next_) * rowBytes, std::size_t(count) * rowBytes);
+    } else {
+      guard_.run([=, this] {
+        for (int i = 0; i < count; ++i) png_read_row(png_, pixels + std::size_t(i) * rowBytes, nullptr);
+      });
+    }
+    next_ += count;
+    if (next_ == header_.height) guard_.run([this] { png_read_end(png_, nullptr); });
+  }
+
+ private:
+  static void take(png_structp png, png_bytep to, std::size_t size) {
+    auto& left = *static_cast<std::string_view*>(png_get_io_ptr(png));
+    if (size > left.size()) png_error(png, "it is truncated");
+    std::memcpy(to, left.data(), size);
+    left.remove_prefix(size);
+  }
+
+  void readHeader() {
+    png_set_read_fn(png_, &left_, take);
+    png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);  // skips chunks that do not affect pixels
+    static constexpr char kStated[] = "gAMA\0iCCP\0sRGB\0eXIf";  // except these, which state how the pixels are to look
+    png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_AS_DEFAULT, reinterpret_cast<png_const_bytep>(kStated), 4);
+    png_set_user_limits(png_, 1 << 30, 1 << 30);  // checkSize() checks the size later
+    png_read_info(png_, info_);
+    png_set_expand(png_);
+    png_set_scale_16(png_);
+    interlaced_ = png_set_interlace_handling(png_) > 1;
+    png_read_update_info(png_, info_);
+    const int channels = png_get_channels(png_, info_);
+    header_ = {static_cast<int>(png_get_image_width(png_, info_)), static_cast<int>(png_get_image_height(png_, info_)),
+               channels, channels == 2 || channels == 4 ? channels - 1 : -1, 0};
+  }
+
+  // Notes what the file states of the look, which is not applied.
+  void noteLook() {
+    png_charp name = nullptr;
+    png_bytep bytes = nullptr;
+    png_uint_32 size = 0;
+    int compression = 0;
+    double gamma = 0;
+    if (png_get_iCCP(png_, info_, &name, &compression, &bytes, &size) != 0) {
+      if (!isSrgb({reinterpret_cast<const char*>(bytes), size})) header_.leftOut.emplace_back(kProfiles);
+    } else if (png_get_gAMA(png_, info_, &gamma) != 0 && (gamma < 0.4 || gamma > 0.51)) {
+      header_.leftOut.emplace_back(kGammas);  // that of sRGB is 0.45455
+    }
+    // An animation (APNG) states it before the pixels.
+    const std::string_view before = bytes_.substr(0, bytes_.find("IDAT"));
+    if (before.find("acTL") != before.npos) header_.leftOut.emplace_back(kFurtherImages);
+    if (png_get_eXIf_1(png_, info_, &size, &bytes) != 0 && isTurned({reinterpret_cast<const char*>(bytes), size})) {
+      header_.leftOut.emplace_back(kOrientations);
+    }
+  }
+
+  void readInterlaced(std::size_t rowBytes) {
+    if (!whole_.empty()) return;
+    whole_.resize(std::size_t(header_.height) * rowBytes);
+    std::vector<png_bytep> rows;
+    rows.reserve(static_cast<std::size_t>(header_.height));
+    for (int i = 0; i < header_.height; ++i) rows.push_back(whole_.data() + std::size_t(i) * rowBytes);
+    guard_.run([&] { png_read_image(png_, rows.data()); });
+  }
+
+  std::string_view bytes_;
+  std::string_view left_;  // the bytes that libpng has not read yet
+  png_structp png_ = nullptr;
+  png_infop info_ = nullptr;
+  JumpGuard guard_;
+  ImageHeader header_;
+  bool interlaced_ = false;
+  std::vector<std::uint8_t> whole_;  // all rows of an interlaced image
+  int next_ = 0;                     // index of the next row
+};
+
+// Maximum number of scans of a progressive JPEG: encoders write about ten, but a small hostile file may contain very
+// many, each of which is decoded over the complete image.
+constexpr int kMostScans = 500;  // limitScans() names it
+
+class JpegReader final : public ImageReader {
+ public:
+  explicit JpegReader(std::string_view bytes) {
+    jpeg_.err = jpeg_std_error(&errors_);
+    jpeg_.client_data = this;
+    errors_.error_exit = fail;
+    errors_.emit_message = failWhereDamaged;
+    errors_.output_message = [](j_common_ptr) {};  // drops messages, which libjpeg would print
+    progress_.progress_monitor = limitScans;
+    try {
+      guard_.run([&] { readHeader(bytes); });
+    } catch (...) {
+      jpeg_destroy_decompress(&jpeg_);
+      throw;
+    }
+  }
+  ~JpegReader() override { jpeg_destroy_decompress(&jpeg_); }
+  JpegReader(const JpegReader&) = delete;
+  JpegReader& operator=(const JpegReader&) = delete;
+
+  bool isOfInks() const { return jpeg_.num_components == 4; }
+
+  ImageHeader header() const override {
+    ImageHeader header{static_cast<int>(jpeg_.image_width), static_cast<int>(jpeg_.image_height),
+                       jpeg_.out_color_components, -1, 0};
+    constexpr std::string_view kExif("Exif\0\0", 6);
+    constexpr std::string_view kProfile("ICC_PROFILE\0", 12);
+    bool profiled = false, srgb = false;  // a profile may be stored in several pieces
+    for (const jpeg_marker_struct* marker = jpeg_.marker_list; marker != nullptr; marker = marker->next) {
+      const std::string_view data(reinterpret_cast<const char*>(marker->data), marker->data_length);
+      if (data.starts_with(kExif) && isTurned(data.substr(kExif.size()))) header.leftOut.emplace_back(kOrientations);
+      profiled = profiled || data.starts_with(kProfile);
+      srgb = srgb || (data.starts_with(kProfile) && isSrgb(data));
+    }
+    if (profiled && !srgb) header.leftOut.emplace_back(kProfiles);
+    return header;
+  }
+
+  void rows(int count, std::uint8_t* pixels) override {
+    const std::size_t rowBytes = std::size_t{jpeg_.image_width} * static_cast<std::size_t>(jpeg_.out_color_components);
+    guard_.run([&] {
+      if (!started_) jpeg_start_decompress(&jpeg_);
+      started_ = true;
+      for (int i = 0; i < count; ++i) {
+        JSAMPROW row = pixels + static_cast<std::size_t>(i) * rowBytes;
+        jpeg_read_scanlines(&jpeg_, &row, 1);
+      }
+      if (jpeg_.output_scanline == jpeg_.output_height) jpeg_finish_decompress(&jpeg_);
+    });
+  }
+
+ private:
+  static JumpGuard& guardOf(j_common_ptr common) { return static_cast<JpegReader*>(common->client_data)->guard_; }
+
+  [[noreturn]] static void fail(j_common_ptr common) {
+    std::array<char, JMSG_LENGTH_MAX> message{};
+    common->err->format_message(common, message.data());
+    guardOf(common).fail(message.data());
+  }
+
+  // libjpeg calls this function with a negative level for a warning, and with other levels for traces of its work.
+  static void failWhereDamaged(j_common_ptr common, int level) {
+    const int code = common->err->msg_code;
+    if (level < 0 && code != JWRN_EXTRANEOUS_DATA && code != JWRN_JFIF_MAJOR && code != JWRN_NOT_SEQUENTIAL) {
+      fail(common);
+    }
+  }
+
+  static void limitScans(j_common_ptr common) {
+    if (reinterpret_cast<j_decompress_ptr>(common)->input_scan_number <= kMostScans) return;
+    guardOf(common).fail("it has more than 500 scans");
+  }
+
+  void readHeader(std::string_view bytes) {
+    jpeg_create_decompress(&jpeg_);
+    jpeg_.progress = &progress_;
+    jpeg_mem_src(&jpeg_, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
+    jpeg_save_markers(&jpeg_, JPEG_APP0 + 1, 0xFFFF);
+    jpeg_save_markers(&jpeg_, JPEG_APP0 + 2, 0xFFFF);
+    jpeg_read_header(&jpeg_, TRUE);
+    jpeg_calc_output_dimensions(&jpeg_);
+  }
+
+  jpeg_decompress_struct jpeg_{};
+  jpeg_error_mgr errors_{};
+  jpeg_progress_mgr progress_{};
+  JumpGuard guard_;
+  bool started_ = false;
+};
+
+class PngWriter {
+ public:
+  PngWriter() {
+    png_ = png_create_write_struct(PNG_LIBPNG_VER_STRING, &guard_, failPng, ignoreWarning);
+    info_ = png_ != nullptr ? png_create_info_struct(png_) : nullptr;
+    if (info_ == nullptr) throw std::bad_alloc();
+  }
+  ~PngWriter() { png_destroy_write_struct(&png_, &info_); }
+  PngWriter(const PngWriter&) = delete;
+  PngWriter& operator=(const PngWriter&) = delete;
+
+  std::string encode(const std::uint8_t* rgb, int width, int height) {
+    guard_.run([=, this] {
+      png_set_write_fn(png_, &bytes_, append, nullptr);
+      png_set_IHDR(png_, info_, static_cast<png_uint_32>(width), static_cast<png_uint_32>(height), 8,
+                   PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+      png_set_compression_level(png_, 9);
+      png_set_filter(png_, PNG_FILTER_TYPE_DEFAULT, PNG_FILTER_NONE);  // makes images of points, which have no
+                                                                       // gradients, 1/4 smaller
+      png_write_info(png_, info_);
+      for (int i = 0; i < height; ++i)
+        png_write_row(png_, rgb + std::size_t{3} * static_cast<std::size_t>(width) * static_cast<std::size_t>(i));
+      png_write_end(png_, info_);
+    });
+    return std::move(bytes_);
+  }
+
+ private:
+  static void append(png_structp png, png_bytep data, std::size_t size) {
+    try {
+      static_cast<std::string*>(png_get_io_ptr(png))->append(reinterpret_cast<const char*>(data), size);
+    } catch (const std::bad_alloc&) {
+      png_error(png, "there is too little memory");
+    }
+  }
+
+  png_structp png_ = nullptr;
+  png_infop info_ = nullptr;
+  JumpGuard guard_;
+  std::string bytes_;
+};
+
+}  // namespace
+
+std::unique_ptr<ImageReader> openPng(std::string_view bytes) {
+  return std::make_unique<PngReader>(bytes);
+}
+
+std::unique_ptr<ImageReader> openJpeg(std::string_view bytes) {
+  auto reader = std::make_unique<JpegReader>(bytes);
+  if (reader->isOfInks()) return nullptr;
+  return reader;
+}
+
+std::string encodePng(const std::uint8_t* rgb, int width, int height) try {
+  return PngWriter().encode(rgb, width, height);
+} catch (const std::runtime_error& error) {
+  throw Error(std::string("the PNG could not be encoded: ") + error.what());
+}
+
+}  // namespace scanmill
