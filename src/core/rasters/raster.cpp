@@ -251,27 +251,15 @@ float Raster::at(double x, double y) const {
 }
 
 const FormatSupport& rasterFormat() {
-  using enum FormatElements::Use;
   static const FormatSupport format{
       "Rasters of heights, classes and colours",
       ".tif, .tiff, .asc, .hgt, .vrt, .img, .dem",
-      {{Read, "ncols nrows cellsize dx dy xllcorner yllcorner xllcenter yllcenter nodata_value",
-        "heading of Esri's text grids (.asc), in any case; NODATA_value is -9999 if it is absent"},
-       {Read, "", "heights: the first band; values of 8 to 64 bits, with the scale and offset of the band"},
-       {Read, "",
-        "holes: the band's value for missing samples, NaN, masks (in the file or in .msk), alpha bands, gaps of "
-        "mosaics (.vrt)"},
-       {Read, "", "geotransforms, rotated ones and those that run north too, for areas and for points; world files"},
-       {Read, "",
-        "coordinate systems with x and y in metres, feet or other units of length, or in degrees or grads; .prj "
-        "and .aux.xml"},
-       {Read, "", "units of heights: the band's unit, else the vertical system's, else metres; depths become heights"},
-       {Read, "", "images on heights: the bands called red, green and blue, else the first three or the first"},
-       {Unused, "",
-        "overviews, statistics, histograms, names and colours of classes, bands of images that are no "
-        "colours"},
-       {LeftOut, "", "bands behind the first"},
-       {LeftOut, "", "further rasters of the file"}}};
+      {},
+      "By GDAL: values of 8 to 64 bits with the band's scale and offset; holes by the band's value, NaN, masks, alpha "
+      "bands and gaps of mosaics; geotransforms and world files; coordinate systems in any unit, of .prj and .aux.xml "
+      "too; heights in the band's unit, else that of the vertical system, else metres, and depths as heights; bands "
+      "called red, green and blue, else the first three or the first. Text grids are Esri's",
+      "bands behind the first; further rasters of the file"};
   return format;
 }
 

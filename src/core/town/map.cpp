@@ -474,57 +474,29 @@ const FormatSupport& osmFormat() {
   static const FormatSupport format{
       "OpenStreetMap",
       ".osm, .osm.gz, .osm.bz2, .osm.pbf, .o5m, .opl",
-      {{Read, "node way relation", "in this order, each by their ids, as `osmium sort` writes them"},
-       {Read, "visible=false", "deleted elements, which are not built"},
-       {Read,
+      {{Read,
         "highway=motorway highway=trunk highway=primary highway=secondary highway=tertiary highway=residential "
-        "highway=unclassified highway=living_street highway=road highway=service highway=track",
-        "roads, and their links"},
-       {Read, "highway=footway highway=path highway=cycleway highway=steps highway=bridleway",
-        "paths, unless they are the sidewalks of roads"},
-       {Read,
-        "name width est_width lanes oneway junction sidewalk sidewalk:both sidewalk:left sidewalk:right parking:both "
-        "parking:left parking:right parking:lane:both parking:lane:left parking:lane:right",
-        "properties of roads; lengths are in metres unless they have another unit"},
-       {Read,
-        "building building:part height min_height building:levels building:min_level building:height est_height shop",
-        "buildings and their parts; parts stand in place of the outline that they cover"},
-       {Read, "roof:shape roof:height roof:levels roof:orientation roof:direction roof:angle",
-        "roofs: flat, gabled, hipped, pyramidal, skillion; others are built as one of these, which is counted"},
-       {Read, "natural=tree barrier=hedge barrier=wall barrier=retaining_wall barrier=fence",
-        "objects, with their height and, of trees, diameter_crown"},
-       {Read, "diameter_crown", "diameter of a tree's crown"},
-       {Read, "landuse=forest landuse=orchard natural=wood natural=scrub landcover=trees", "woods"},
-       {Read, "natural=water landuse=basin landuse=reservoir waterway=riverbank waterway=dock", "water"},
-       {Read, "amenity=parking parking", "parking lots on the ground"},
-       {Read,
-        "leisure=park leisure=garden leisure=dog_park landuse=village_green landuse=recreation_ground "
-        "landuse=cemetery amenity=grave_yard",
-        "parks"},
-       {Read,
-        "leisure=pitch leisure=playground leisure=golf_course landuse=grass landuse=meadow landuse=farmland "
-        "natural=grassland natural=heath landcover=grass",
-        "open lawns"},
-       {Read, "amenity=marketplace amenity=fuel area=yes aeroway=apron aeroway=helipad",
-        "paved areas; with area=yes, or as relations, pedestrian streets, roads, paths, runways and taxiways too"},
-       {Read, "type=multipolygon type=boundary type=building", "relations: areas with holes, buildings with parts"},
-       {Read, "tunnel bridge layer location level indoor", "what is not on the ground, which is counted as left out"},
+        "highway=unclassified highway=living_street highway=road highway=service highway=track"},
+       {Read, "highway=footway highway=path highway=cycleway highway=steps highway=bridleway"},
+       {Read, "natural=tree barrier=hedge barrier=wall barrier=retaining_wall barrier=fence"},
+       {Read, "landuse=forest landuse=orchard natural=wood natural=scrub landcover=trees"},
+       {Read, "natural=water landuse=basin landuse=reservoir waterway=riverbank waterway=dock amenity=parking"},
+       {Read, "leisure=park leisure=garden leisure=dog_park landuse=village_green landuse=recreation_ground"},
+       {Read, "landuse=cemetery amenity=grave_yard leisure=pitch leisure=playground leisure=golf_course"},
+       {Read, "landuse=grass landuse=meadow landuse=farmland natural=grassland natural=heath landcover=grass"},
+       {Read, "amenity=marketplace amenity=fuel aeroway=apron aeroway=helipad"},
        {Unused,
         "highway=proposed highway=planned highway=construction highway=razed highway=demolished "
         "highway=abandoned highway=disused highway=no highway=services highway=rest_area railway=abandoned "
-        "railway=razed railway=dismantled "
-        "railway=disused railway=proposed railway=construction railway=subway power=cable parking=underground "
-        "aeroway=abandoned",
-        "what is not there, or not on the ground"},
+        "railway=razed railway=dismantled railway=disused railway=proposed railway=construction railway=subway "
+        "power=cable parking=underground aeroway=abandoned"},
        {Unused,
         "landuse=residential landuse=commercial landuse=retail landuse=industrial landuse=education "
         "landuse=institutional landuse=religious leisure=nature_reserve aeroway=aerodrome "
         "natural=valley natural=cape natural=peninsula natural=strait man_made=survey_point "
         "railway=level_crossing railway=crossing railway=tram_level_crossing railway=tram_crossing railway=switch "
         "railway=railway_crossing railway=stop railway=halt railway=station railway=tram_stop "
-        "railway=subway_entrance public_transport=stop_position public_transport=stop_area public_transport=station",
-        "zones and places without a shape of their own"},
-       {Unused, "bounds changeset", "the extent and the history"},
+        "railway=subway_entrance public_transport=stop_position public_transport=stop_area public_transport=station"},
        {LeftOut,
         "highway=pedestrian highway=busway highway=bus_guideway highway=raceway highway=corridor highway=platform "
         "highway=via_ferrata highway=elevator highway=escape",
@@ -570,12 +542,15 @@ const FormatSupport& osmFormat() {
         "building=construction building=collapsed building=ruins building=abandoned abandoned=yes ruins=yes "
         "collapsed=yes construction=yes",
         "ruins and unfinished, collapsed and abandoned buildings, which are built as if whole"},
-       {LeftOut, "building=roof building=carport wall=no", "open roofs and carports"},
-       {LeftOut, "",
-        "buildings that are nodes; buildings, roads and areas with missing nodes; pitched roofs over "
-        "outlines that are no rectangles; areas of hedges, walls and fences, whose outlines are built; heights and "
-        "roofs of outer ways that differ from those of their multipolygon; values that are no numbers"},
-       {Unused, "", "all further tags, such as names, addresses and opening hours, and types of relations"}}};
+       {LeftOut, "building=roof building=carport wall=no", "open roofs and carports"}},
+      "Nodes, ways and relations in this order, each by their ids. Roads, paths, buildings with their parts and roofs, "
+      "barriers, trees, woods, water, parks, lawns, squares and parking lots, with the tags that town.md names; "
+      "multipolygons, boundaries and relations of buildings; lengths in metres unless they have another unit",
+      "what is on bridges, in tunnels, indoors or underground; buildings that are nodes; buildings, roads and areas "
+      "with "
+      "missing nodes; pitched roofs over outlines that are no rectangles; areas of hedges, walls and fences, whose "
+      "outlines are built; heights and roofs of outer ways that differ from those of their multipolygon; holes of "
+      "multipolygons without tags; values that are no numbers"};
   return format;
 }
 
