@@ -6,11 +6,11 @@
 #include <fstream>
 
 #include "base/terminal.h"
+#include "base/text_scan.h"
 #include "commands/table.h"
 #include "config/text.h"
 #include "sensors/calibration.h"
 #include "sensors/sensor.h"
-#include "sensors/text_table.h"
 
 namespace scanmill {
 
@@ -78,7 +78,9 @@ bool isCalibration(const std::filesystem::path& file) {
   text.resize(static_cast<std::size_t>(stream.gcount()));
   if (kind == ".json") return text.find("\"beam_altitude_angles\"") != std::string::npos;
   const std::string head = lowerCase(std::string_view(text).substr(0, text.find('\n')));
-  const std::vector<std::string_view> names = cellsOf(head);
+  const char separator = head.find(';') == head.npos ? ',' : ';';
+  std::vector<std::string_view> names;
+  splitCells(head, separator, names);
   const auto has = [&](std::string_view name) { return std::find(names.begin(), names.end(), name) != names.end(); };
   // Scans have x or easting; tables of single beams have azimuth_deg.
   return (has("elevation") || has("elevation_deg")) && !has("x") && !has("easting") && !has("azimuth_deg");

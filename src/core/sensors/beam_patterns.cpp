@@ -4,12 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <optional>
-#include <string>
 
-#include "base/file.h"
-#include "config/text.h"
 #include "sensors/text_table.h"
 
 namespace scanmill {
@@ -18,71 +13,17 @@ namespace {
 constexpr std::uint32_t kMostRings = 4096;
 constexpr std::uint32_t kMostColumns = 65536;
 
-// Finds the columns of a table of beams by their names.
-class Columns {
- public:
-  explicit Columns(const TextLine& head) : where_(head.where) {
-    static const std::vector<std::string> kKnown{"azimuth_deg", "elevation_deg", "zenith_deg", "ring",
-                                                 "column",      "origin_x_m",    "origin_y_m", "origin_z_m",
-                                                 "time_s",      "time_ms",       "time_us",    "time_ns"};
-    for (const std::string_view cell : cellsOf(head.text)) {
-      const auto [stated, unit] = columnName(cell);
-      const std::string name = unit.empty() ? stated : stated + "_" + unit;
-      if (stated.starts_with("time") && std::find(kKnown.begin(), kKnown.end(), name) == kKnown.end()) {
-        throw InputError(where_, fmt::format("the column {} states no unit that is known: name it time_s, time_ms, "
-                                             "time_us or time_ns",
-                                             quotedForMessage(cell)));
-      }
-      if (std::find(kKnown.begin(), kKnown.end(), name) == kKnown.end()) {
-        throw InputError(where_,
-                         fmt::format("the column {} is unknown{}", quotedForMessage(cell), suggestion(name, kKnown)));
-      }
-      if (!index_.emplace(name, index_.size()).second) {
-        throw InputError(where_, fmt::format("the column {} is listed twice", name));
-      }
-      if (!stated.starts_with("time")) continue;
-      if (!time_.empty()) {
-        throw InputError(where_, fmt::format("the table has two columns of time: leave out {} or {}", time_, name));
-      }
-      time_ = name;
-    }
-    if (!has("azimuth_deg")) throw InputError(where_, "the table has no column azimuth_deg");
-    if (!has("elevation_deg") && !has("zenith_deg")) {
-      throw InputError(where_, "the table has no column elevation_deg (or zenith_deg)");
-    }
-    if (has("elevation_deg") && has("zenith_deg")) {
-      throw InputError(where_, "the table has both elevation_deg and zenith_deg: leave out one of them");
-    }
-    if (has("ring") != has("column"))
-      throw InputError(where_, "the table has only one of the columns ring and column: give both or none");
+// Checks the columns of a table of beams.
+void checkColumns(const TextTable& table) {
+  table.expectOnly({"azimuth_deg", "elevation_deg", "zenith_deg", "ring", "column", "origin_x_m", "origin_y_m",
+                    "origin_z_m", "time_s", "time_ms", "time_us", "time_ns"});
+  table.require("azimuth_deg");
+  if (table.has("elevation_deg") == table.has("zenith_deg")) {
+    throw InputError(table.head(), "the table needs one of the columns elevation_deg and zenith_deg");
   }
-
-  bool has(const std::string& name) const { return index_.contains(name); }
-  std::size_t count() const { return index_.size(); }
-  // Returns the time of a line (s), or 0 if the table has no times.
-  double time(const std::vector<std::string_view>& cells, const Location& where) const {
-    const double unit = time_ == "time_us" ? 1e-6 : time_ == "time_ns" ? 1e-9 : time_ == "time_ms" ? 1e-3 : 1;
-    return number(time_, cells, where, {0, 100 / unit}) * unit;
-  }
-  double elevation(const std::vector<std::string_view>& cells, const Location& where) const {
-    if (has("zenith_deg")) return radians(90 - number("zenith_deg", cells, where, {0, 180}));
-    return radians(number("elevation_deg", cells, where, {-90, 90}));
-  }
-  double number(const std::string& name, const std::vector<std::string_view>& cells, const Location& where, Range range,
-                double fallback = 0) const {
-    const auto found = index_.find(name);
-    if (found == index_.end()) return fallback;
-    const double value = numberOf(cells[found->second], where);
-    if (value >= range.low && value <= range.high) return value;
-    throw InputError(where,
-                     fmt::format("{} is {:g}, but must be from {:g} to {:g}", name, value, range.low, range.high));
-  }
-
- private:
-  Location where_;
-  std::map<std::string, std::size_t> index_;
-  std::string time_;  // the column of times; empty: none
-};
+  if (table.has("ring") != table.has("column"))
+    throw InputError(table.head(), "the table has only one of the columns ring and column: give both or none");
+}
 
 struct Row {
   double azimuth, elevation, time;
@@ -99,33 +40,29 @@ std::uint32_t countOf(double number, const Location& where) {
 }  // namespace
 
 ListedSensor readListedBeams(const std::filesystem::path& file) {
-  const std::string bytes = readFile(file);
-  const std::vector<TextLine> lines = linesOf(bytes, file);
-  const Columns columns(lines.front());
-  const bool placed = columns.has("ring");
+  const TextTable table(file);
+  checkColumns(table);
   std::vector<Row> rows;
   ListedSensor sensor{1, 0, {}};
-  for (std::size_t i = 1; i < lines.size(); ++i) {
-    const Location& where = lines[i].where;
-    const std::vector<std::string_view> cells = cellsOf(lines[i].text);
-    if (cells.size() != columns.count()) {
-      throw InputError(where, fmt::format("has {} cells, but the first line has {}", cells.size(), columns.count()));
-    }
-    const auto number = [&](const char* name, Range range) { return columns.number(name, cells, where, range); };
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const auto number = [&](const char* name, Range range) { return table.number(i, name, range); };
+    const auto origin = [&](const char* name) { return static_cast<float>(number(name, {-10, 10})); };
+    const Location& where = table.where(i);
+    const double elevation =
+        table.has("zenith_deg") ? 90 - number("zenith_deg", {0, 180}) : number("elevation_deg", {-90, 90});
     Row row{radians(number("azimuth_deg", {-360, 360})),
-            columns.elevation(cells, where),
-            columns.time(cells, where),
-            {static_cast<float>(number("origin_x_m", {-10, 10})), static_cast<float>(number("origin_y_m", {-10, 10})),
-             static_cast<float>(number("origin_z_m", {-10, 10}))},
+            radians(elevation),
+            table.time(i, {0, 100}),
+            {origin("origin_x_m"), origin("origin_y_m"), origin("origin_z_m")},
             countOf(number("ring", {0, kMostRings - 1}), where),
-            placed ? countOf(number("column", {0, kMostColumns - 1}), where) : static_cast<std::uint32_t>(i - 1),
+            table.has("ring") ? countOf(number("column", {0, kMostColumns - 1}), where) : static_cast<std::uint32_t>(i),
             where};
     sensor.rings = std::max(sensor.rings, row.ring + 1);
     sensor.columns = std::max(sensor.columns, row.column + 1);
     rows.push_back(row);
   }
   const std::size_t beams = std::size_t{sensor.rings} * sensor.columns;
-  if (rows.empty() || rows.size() != beams || sensor.columns > kMostColumns) {
+  if (rows.size() != beams || sensor.columns > kMostColumns) {
     throw InputError({file.string()},
                      fmt::format("has {} beams, but {} rings of {} columns (at most {}) need one line for each beam: a "
                                  "file with the beams of several revolutions must be cut to those of one",

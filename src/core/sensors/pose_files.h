@@ -22,8 +22,6 @@ std::vector<Affine> readKittiPoses(const std::filesystem::path& file);
 std::vector<double> readTimes(const std::filesystem::path& file);  // returns the times (s), one per line of the file
 // Returns cameraFromScanner, the row `Tr` of a calib.txt of KITTI's odometry.
 Affine readKittiCalibration(const std::filesystem::path& file);
-// The next two leave out poses with NaN, which trackers write where they lost the vehicle, and warn of them. A table
-// may have its column names behind a #, as in the EuRoC dataset.
 std::vector<StampedPose> readTumPoses(const std::filesystem::path& file);
 std::vector<StampedPose> readPoseTable(const std::filesystem::path& file);
 // Returns the poses of the vehicle at the times of a scene's scans. `file`: the table ego_pose.json, whose folder must

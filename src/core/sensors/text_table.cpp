@@ -3,81 +3,146 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 
+#include "base/file.h"
+#include "base/text_scan.h"
 #include "config/text.h"
 
 namespace scanmill {
+namespace {
 
-std::vector<TextLine> linesOf(const std::string& bytes, const std::filesystem::path& file) {
-  constexpr std::string_view kMark = "\xEF\xBB\xBF";
-  if (bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF")) {
-    throw InputError({file.string()}, "is UTF-16 text: save it as UTF-8, for example with 'iconv -f UTF-16 -t UTF-8'");
+struct TimeUnit {
+  std::string_view name;
+  double seconds;
+};
+constexpr TimeUnit kTimes[] = {{"time", 1}, {"time_s", 1}, {"time_ms", 1e-3}, {"time_us", 1e-6}, {"time_ns", 1e-9}};
+
+// Returns the name of a column as TextTable has it.
+std::string nameOf(std::string_view cell) {
+  static const std::map<std::string, std::string> kUnits{
+      {"s", "_s"},   {"sec", "_s"}, {"ms", "_ms"}, {"us", "_us"},   {"\u00b5s", "_us"}, {"\u03bcs", "_us"},
+      {"ns", "_ns"}, {"m", ""},     {"", ""},      {"deg", "_deg"}, {"\u00b0", "_deg"}, {"rad", "_rad"}};
+  std::string name = lowerCase(cell), unit;
+  const std::size_t bracket = name.find_first_of("[(");
+  const bool inBrackets = bracket != std::string::npos && name.ends_with(name[bracket] == '[' ? ']' : ')');
+  if (const std::size_t sign = inBrackets ? bracket : name.rfind('/'); sign != std::string::npos) {
+    unit = name.substr(sign + 1, name.size() - sign - (inBrackets ? 2 : 1));
+    const auto known = kUnits.find(unit);
+    unit = known == kUnits.end() ? "_" + unit : known->second;
+    name.resize(sign);
   }
+  name += unit;
+  std::erase_if(name, [](char c) { return !('a' <= c && c <= 'z') && !('0' <= c && c <= '9') && c != '_'; });
+  return name;
+}
+
+// Some of Hesai's files end with a checksum.
+bool isChecksum(std::string_view text) {
+  return text.size() >= 32 && text.find_first_not_of("0123456789abcdefABCDEF") == std::string_view::npos;
+}
+
+}  // namespace
+
+std::vector<TextLine> linesOf(std::string_view bytes, const std::filesystem::path& file) {
   std::vector<TextLine> lines;
   int number = 0;
-  for (std::size_t at = bytes.starts_with(kMark) ? kMark.size() : 0; at < bytes.size();) {
-    const std::size_t end = std::min(bytes.find('\n', at), bytes.size());
-    std::string_view text(bytes.data() + at, end - at);
-    at = end + 1;
+  for (std::string_view rest = textOfFile(bytes); !rest.empty();) {
+    const std::string_view text = takeLine(rest);
     ++number;
-    while (!text.empty() && (text.back() == '\r' || text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
-    while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
     if (!text.empty() && text.front() != '#') lines.push_back({{file.string(), number}, text});
   }
   if (lines.empty()) throw InputError({file.string()}, "is empty");
   return lines;
 }
 
-std::vector<std::string_view> cellsOf(std::string_view text) {
-  const bool semicolons = text.find(';') != std::string_view::npos;
-  const bool table = semicolons || text.find(',') != std::string_view::npos;
-  const std::string_view separators = semicolons ? ";" : table ? "," : " \t";
-  std::vector<std::string_view> cells;
-  for (std::size_t at = 0; at <= text.size();) {
-    // Separators between quotes belong to the cell.
-    const std::size_t begin = std::min(text.find_first_not_of(" \t", at), text.size());
-    const std::size_t close = begin < text.size() && text[begin] == '"' ? text.find('"', begin + 1) : text.npos;
-    const std::size_t end = std::min(text.find_first_of(separators, close == text.npos ? at : close), text.size());
-    std::string_view cell = text.substr(at, end - at);
-    at = end + 1;
-    while (!cell.empty() && (cell.front() == ' ' || cell.front() == '\t')) cell.remove_prefix(1);
-    while (!cell.empty() && (cell.back() == ' ' || cell.back() == '\t')) cell.remove_suffix(1);
-    if (cell.size() > 1 && cell.front() == '"' && cell.back() == '"') cell = cell.substr(1, cell.size() - 2);
-    if (table || !cell.empty()) cells.push_back(cell);
-  }
-  return cells;
-}
-
-ColumnName columnName(std::string_view cell) {
-  static const std::map<std::string, std::string> kUnits{
-      {"s", "s"},   {"sec", "s"}, {"ms", "ms"},   {"us", "us"},      {"\u00b5s", "us"}, {"\u03bcs", "us"},
-      {"ns", "ns"}, {"m", "m"},   {"deg", "deg"}, {"\u00b0", "deg"}, {"rad", "rad"}};
-  ColumnName column{lowerCase(cell), {}};
-  std::string& name = column.name;
-  const std::size_t bracket = name.find_first_of("[(");
-  const bool inBrackets = bracket != std::string::npos && name.ends_with(name[bracket] == '[' ? ']' : ')');
-  const std::size_t sign = inBrackets ? bracket : name.rfind('/');
-  if (sign == std::string::npos) return column;
-  const std::string stated = name.substr(sign + 1, name.size() - sign - (inBrackets ? 2 : 1));
-  const auto known = kUnits.find(stated);
-  if (!inBrackets && known == kUnits.end()) return column;
-  column.unit = known == kUnits.end() ? stated : known->second;
-  name.resize(sign);
-  name.erase(name.find_last_not_of(' ') + 1);
-  return column;
-}
-
 double numberOf(std::string_view text, const Location& where) {
   double number = 0;
-  const std::string_view plain = text.substr(text.starts_with('+') && !text.starts_with("+-") ? 1 : 0);
-  const auto [end, error] = std::from_chars(plain.data(), plain.data() + plain.size(), number);
-  if (error != std::errc() || end != plain.data() + plain.size() || !std::isfinite(number)) {
-    throw InputError(where, fmt::format("{} is not a number{}", quotedForMessage(text), numberAdvice(text)));
+  if (parseNumber(text, number) && std::isfinite(number)) return number;
+  throw InputError(where, fmt::format("{} is not a number{}", quotedForMessage(text), numberAdvice(text)));
+}
+
+TextTable::TextTable(const std::filesystem::path& file) : bytes_(readFile(file)) {
+  if (const std::size_t at = bytes_.find_first_not_of("\xEF\xBB\xBF"); at < bytes_.size() && bytes_[at] == '#') {
+    const std::string_view next = linesOf(bytes_, file).front().text;
+    if (next.find_first_of("+-.0123456789") == 0) bytes_[at] = ' ';
   }
-  return number;
+  const std::vector<TextLine> lines = linesOf(bytes_, file);
+  head_ = lines.front().where;
+  std::vector<std::string_view> cells;
+  for (const TextLine& line : lines) {
+    const bool semicolons = line.text.find(';') != line.text.npos;
+    splitCells(line.text, semicolons ? ';' : line.text.find(',') != line.text.npos ? ',' : ' ', cells);
+    if (names_.empty()) {
+      for (const std::string_view cell : cells) names_.push_back(nameOf(cell));
+      while (!names_.empty() && names_.back().empty()) names_.pop_back();
+      continue;
+    }
+    if (&line == &lines.back() && isChecksum(cells.front())) continue;
+    while (cells.size() > names_.size() && cells.back().empty()) cells.pop_back();
+    if (cells.size() != names_.size()) {
+      throw InputError(line.where, fmt::format("has {} cells, but the first line has {}", cells.size(), names_.size()));
+    }
+    rows_.push_back({line.where, cells});
+  }
+  if (rows_.empty()) throw InputError(head_, "the table has no line after the column names");
+}
+
+std::optional<std::size_t> TextTable::find(std::string_view name) const {
+  const auto found = std::find(names_.begin(), names_.end(), name);
+  if (found == names_.end()) return std::nullopt;
+  if (std::find(found + 1, names_.end(), name) != names_.end()) {
+    throw InputError(head_, fmt::format("the column '{}' is listed twice", name));
+  }
+  return static_cast<std::size_t>(found - names_.begin());
+}
+
+void TextTable::rename(std::string_view from, const char* to) {
+  const auto found = std::find(names_.begin(), names_.end(), from);
+  if (found != names_.end()) *found = to;
+}
+
+void TextTable::require(std::string_view name) const {
+  if (!has(name)) throw InputError(head_, fmt::format("the table has no column {}", name));
+}
+
+void TextTable::expectOnly(const std::vector<std::string>& known) const {
+  for (const std::string& name : names_) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    throw InputError(head_, fmt::format("the column '{}' is unknown{}", name, suggestion(name, known)));
+  }
+}
+
+double TextTable::number(std::size_t row, std::string_view name, Range range) const {
+  const std::optional<std::size_t> column = find(name);
+  if (!column) return 0;
+  const double number = numberOf(rows_[row].cells[*column], rows_[row].where);
+  if (number >= range.low && number <= range.high) return number;
+  throw InputError(rows_[row].where,
+                   fmt::format("{} is {:g}, but must be from {:g} to {:g}", name, number, range.low, range.high));
+}
+
+double TextTable::time(std::size_t row, Range range) const {
+  const std::string_view name = timeName();
+  for (const TimeUnit& unit : kTimes) {
+    if (unit.name == name) {
+      return number(row, name, {range.low / unit.seconds, range.high / unit.seconds}) * unit.seconds;
+    }
+  }
+  return 0;
+}
+
+std::string_view TextTable::timeName() const {
+  std::string_view name;
+  for (const TimeUnit& unit : kTimes) {
+    if (!has(unit.name)) continue;
+    if (!name.empty()) {
+      throw InputError(head_, fmt::format("the table has two columns of time: leave out {} or {}", name, unit.name));
+    }
+    name = unit.name;
+  }
+  return name;
 }
 
 }  // namespace scanmill

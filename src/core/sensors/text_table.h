@@ -3,11 +3,14 @@
 // Tables of numbers in text files.
 
 #include <filesystem>
+#include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "base/error.h"
+#include "config/fields.h"
 
 namespace scanmill {
 
@@ -18,21 +21,47 @@ struct TextLine {
 
 // Returns the lines of a file's bytes, without empty lines, lines that begin with #, and a byte order mark. Throws
 // InputError if no line is left. The lines refer to `bytes`.
-std::vector<TextLine> linesOf(const std::string& bytes, const std::filesystem::path& file);
-
-// Splits a line into cells at its semicolons; if it has none, at its commas; if it has neither, at its spaces and tabs,
-// any number of which separate two cells. Quotes around a cell are left out.
-std::vector<std::string_view> cellsOf(std::string_view text);
-
-// The name of a column in lower case, and the unit that stands in brackets or after a slash behind it: "Time/s",
-// "time (s)" and "Time [sec]" are {"time", "s"}, "q_RS_w []" is {"q_rs_w", ""}.
-struct ColumnName {
-  std::string name;
-  std::string unit;  // s, ms, us, ns, m, deg or rad, or as it stands; empty: none is stated
-};
-ColumnName columnName(std::string_view cell);
+std::vector<TextLine> linesOf(std::string_view bytes, const std::filesystem::path& file);
 
 // Returns the number that a text spells. Throws InputError if the text is not a finite number.
 double numberOf(std::string_view text, const Location& where);
+
+// A table whose first line names its columns, perhaps behind a #. Cells are separated by semicolons; if the line has
+// none, by commas; if it has neither, by blanks. Names are in lower case, of letters, digits and _; the unit that
+// stands in brackets or after a slash follows them: "Time/s", "time (s)" and "Time [sec]" are time_s, "x [m]" is x. All
+// methods throw InputError with the line.
+class TextTable {
+ public:
+  explicit TextTable(const std::filesystem::path& file);
+
+  const Location& head() const { return head_; }
+  const std::vector<std::string>& names() const { return names_; }
+  std::size_t size() const { return rows_.size(); }
+  const Location& where(std::size_t row) const { return rows_[row].where; }
+
+  bool has(std::string_view name) const { return find(name).has_value(); }
+  // Calls the first of the columns with the name `from`, if there is one, `to`.
+  void rename(std::string_view from, const char* to);
+  void require(std::string_view name) const;
+  void expectOnly(const std::vector<std::string>& known) const;
+  // Returns the number in a column, or 0 if the table has no such column.
+  double number(std::size_t row, std::string_view name, Range range = {}) const;
+  // Returns the time in a row (s), from the only column time, time_s, time_ms, time_us or time_ns; 0 without one.
+  double time(std::size_t row, Range range = {}) const;
+  // Returns the name of the column of times; empty if there is none.
+  std::string_view timeName() const;
+
+ private:
+  struct Row {
+    Location where;
+    std::vector<std::string_view> cells;
+  };
+  std::optional<std::size_t> find(std::string_view name) const;
+
+  std::string bytes_;
+  Location head_;
+  std::vector<std::string> names_;
+  std::vector<Row> rows_;
+};
 
 }  // namespace scanmill

@@ -89,26 +89,21 @@ TEST_F(BeamPatterns, TablesStateTheirUnits) {
 }
 
 TEST_F(BeamPatterns, TablesThatAreNoneAreRefused) {
-  const auto refused = [&](const std::string& table) {
+  for (const auto& [table, words] : std::vector<std::pair<std::string, const char*>>{
+           {"elevation_deg\n1\n", "b.csv:1: the table has no column azimuth_deg"},
+           {"azimuth_deg\n1\n", "needs one of the columns elevation_deg"},
+           {"azimuth_deg,elevation_dg\n1,2\n", "did you mean 'elevation_deg'"},
+           {"azimuth_rad,elevation_deg\n1,2\n", "did you mean 'azimuth_deg'? Its unit is deg"},
+           {"time,azimuth_deg,elevation_deg\n0,1,2\n", "the column 'time' is unknown"},
+           {"azimuth_deg,elevation_deg,ring\n1,2,0\n", "both or none"},
+           {"azimuth_deg,elevation_deg\n1,91\n", "b.csv:2: elevation_deg is 91, but must be from -90 to 90"},
+           {"azimuth_deg,elevation_deg,ring,column\n1,2,0,0\n1,2,0,0\n", "2 beams, but 1 rings"},
+           {"azimuth_deg,elevation_deg,ring,column\n1,2,0,0\n1,2,1,1\n1,2,1,1\n1,2,0,1\n", "b.csv:4: has ring 1"},
+           {"azimuth_deg,elevation_deg,time_us\n1,2,9\n1,2,3\n", "column 1 fires before column 0"},
+           {"azimuth_deg,elevation_deg,time_us\n1,2,9\n1,2,200000\n", "lower rate_hz"}}) {
     folder_.write("b.csv", table);
-    return refusal("beams: b.csv, rate_hz: 10, range_m: [0, 50]");
-  };
-  EXPECT_THAT(refused("azimuth_deg\n1\n"), AllOf(HasSubstr("b.csv:1"), HasSubstr("no column elevation_deg")));
-  EXPECT_THAT(refused("azimuth_deg,elevation_dg\n1,2\n"), HasSubstr("did you mean 'elevation_deg'"));
-  EXPECT_THAT(refused("azimuth_rad,elevation_deg\n1,2\n"), HasSubstr("did you mean 'azimuth_deg'? Its unit is deg"));
-  for (const char* time : {"time", "Time/min", "timestamp"}) {
-    EXPECT_THAT(refused(std::string(time) + ",azimuth_deg,elevation_deg\n0,1,2\n"),
-                AllOf(HasSubstr("name it time_s"), testing::Not(HasSubstr("did you mean"))));
+    EXPECT_THAT(refusal("beams: b.csv, rate_hz: 10, range_m: [0, 50]"), HasSubstr(words)) << table;
   }
-  EXPECT_THAT(refused("azimuth_deg,elevation_deg,ring\n1,2,0\n"), HasSubstr("both or none"));
-  EXPECT_THAT(refused("azimuth_deg,elevation_deg\n1,91\n"),
-              AllOf(HasSubstr("b.csv:2"), HasSubstr("must be from -90 to 90")));
-  EXPECT_THAT(refused("azimuth_deg,elevation_deg,ring,column\n1,2,0,0\n1,2,0,0\n"), HasSubstr("2 beams, but 1 rings"));
-  EXPECT_THAT(refused("azimuth_deg,elevation_deg,ring,column\n1,2,0,0\n1,2,1,1\n1,2,1,1\n1,2,0,1\n"),
-              AllOf(HasSubstr("b.csv:4"), HasSubstr("of an earlier line")));
-  EXPECT_THAT(refused("azimuth_deg,elevation_deg,time_us\n1,2,9\n1,2,3\n"),
-              HasSubstr("column 1 fires before column 0"));
-  EXPECT_THAT(refused("azimuth_deg,elevation_deg,time_us\n1,2,9\n1,2,200000\n"), HasSubstr("lower rate_hz"));
   EXPECT_THAT(refusal("beams: b.csv, columns: 9, rate_hz: 10, range_m: [0, 50]"), HasSubstr("columns has no effect"));
 }
 

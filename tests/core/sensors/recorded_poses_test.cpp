@@ -100,16 +100,10 @@ TEST_F(RecordedPosesFiles, TablesNameTheirColumns) {
   }
 }
 
-// Angles without a unit that are more than a turn are degrees, or radians that nobody wrapped.
+// Radians that nobody wrapped are read if their column says that they are radians.
 TEST_F(RecordedPosesFiles, AnglesBeyondATurnNeedAUnit) {
-  const auto write = [&](const std::string& name) {
-    folder_.write("a.csv", "time,x,y,z," + name + "\n0,0,0,0,1.5\n1,0,5,0,7.85\n");
-  };
-  write("yaw");
-  EXPECT_THAT(refusal("file: a.csv"),
-              AllOf(HasSubstr("a.csv:3"), HasSubstr("the yaw 7.85"), HasSubstr("yaw_deg"), HasSubstr("yaw_rad")));
   for (const char* name : {"yaw_rad", "yaw [rad]"}) {
-    write(name);
+    folder_.write("a.csv", std::string("time,x,y,z,") + name + "\n0,0,0,0,1.5\n1,0,5,0,7.85\n");
     EXPECT_LT(length(headingOf(drive("file: a.csv").pose(10, 0)) - Vec3d{0, 1, 0}), 0.01) << name;
   }
 }
@@ -192,60 +186,59 @@ TEST_F(RecordedPosesFiles, NuScenesGivesThePosesOfTheScansOfAScene) {
 }
 
 TEST_F(RecordedPosesFiles, MistakesAreNamedWithTheirLine) {
-  const auto refused = [&](const std::string& name, const std::string& text, const std::string& more = "") {
-    folder_.write(name, text);
-    return refusal("file: " + name + more);
-  };
-  EXPECT_THAT(refused("a.txt", "1 2 3"), HasSubstr("give `format: kitti`"));
-  EXPECT_THAT(refused("a.txt", "0 0 0 0 0 0 0 1\n# note\n1 0 0 x 0 0 0 1\n", ", format: tum"),
-              AllOf(HasSubstr("a.txt:3"), HasSubstr("not a number")));
-  EXPECT_THAT(refused("a.txt", "0 0 0 0 0 0 0\n", ", format: tum"),
-              AllOf(HasSubstr("a.txt:1"), HasSubstr("7 numbers")));
-  EXPECT_THAT(refused("a.txt", "0 0 0 0 0 0 0 1\n0 1 0 0 0 0 0 1\n", ", format: tum"),
-              AllOf(HasSubstr("a.txt:2"), HasSubstr("not after that of the pose before it")));
-  EXPECT_THAT(refused("a.txt", "0 0 0 0 1 1 0 1\n1 1 0 0 0 0 0 1\n", ", format: tum"),
-              HasSubstr("order of its numbers"));
-  EXPECT_THAT(refused("a.txt", "", ", format: tum"), HasSubstr("is empty"));
-  EXPECT_THAT(refused("a.txt", "0 0 0 0 0 0 0 1\n", ", format: tum"), HasSubstr("has 1 poses"));
-  EXPECT_THAT(refused("a.txt", "1.4e18 0 0 0 0 0 0 1\n1.5e18 0 0 0 0 0 0 1\n", ", format: tum"),
-              AllOf(HasSubstr("a.txt:1"), HasSubstr("times must be in seconds")));
-  EXPECT_THAT(refused("a.txt", "# timestamp tx ty tz qw qx qy qz\n0 0 0 0 1 0 0 0\n", ", format: tum"),
-              HasSubstr("names qw before qx"));
+  folder_.write("one.txt", "0\n");
+  folder_.write("none.txt", "P0: 1\n");
   const std::string kitti = "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 1\n";
-  EXPECT_THAT(refused("k.txt", kitti, ", format: kitti"), HasSubstr("either `times`"));
-  EXPECT_THAT(refused("k.txt", "2 0 0 0 0 1 0 0 0 0 1 0\n", ", format: kitti, interval: 1"),
-              AllOf(HasSubstr("k.txt:1"), HasSubstr("rigid")));
-  EXPECT_THAT(refused("k.txt", "1 0 0 0 0 1 0 0 0 0 -1 0\n", ", format: kitti, interval: 1"), HasSubstr("left-handed"));
-  EXPECT_THAT(refused("k.txt", kitti + "nan 0 0 0 0 1 0 0 0 0 1 0\n", ", format: kitti, interval: 1"),
-              AllOf(HasSubstr("k.txt:3"), HasSubstr("not a number")));
-  folder_.write("t.txt", "0\n");
-  EXPECT_THAT(refused("k.txt", kitti, ", format: kitti, times: t.txt"), HasSubstr("1 times for the 2 poses"));
-  folder_.write("c.txt", "P0: 1\n");
-  EXPECT_THAT(refused("k.txt", kitti, ", format: kitti, interval: 1, calib: c.txt"), HasSubstr("no line `Tr"));
-  EXPECT_THAT(refused("a.csv", "x,y,z\n0,0,0\n"), AllOf(HasSubstr("a.csv:1"), HasSubstr("no time")));
-  EXPECT_THAT(refused("a.csv", "time,x,y\n0,0,0\n"), HasSubstr("no column z"));
-  EXPECT_THAT(refused("a.csv", "time,x,y,z,qx\n0,0,0,0,0\n"), HasSubstr("no column qw"));
-  EXPECT_THAT(refused("a.csv", "time,x,y,z,x\n0,0,0,0,0\n"), HasSubstr("is listed twice"));
-  EXPECT_THAT(refused("a.csv", "time,x,y,z\n0,0,0,0\n1,0,0\n"), AllOf(HasSubstr("a.csv:3"), HasSubstr("3 cells")));
-  EXPECT_THAT(refused("a.csv", "time,x,y,z\n0,0,0,0\n1,2e9,0,0\n"), HasSubstr("farther than"));
-  EXPECT_THAT(refused("a.csv", "time,x,y,z\n0,0,0,0\n1,2,0,0\n", ", scene: x"), HasSubstr("scene is not for"));
+  const char* const tum = ", format: tum";
+  const char* const byInterval = ", format: kitti, interval: 1";
+  struct Case {
+    const char* name;
+    std::string text, more, words;
+  };
+  for (const Case& c : std::vector<Case>{
+           {"a.txt", "1 2 3", "", "give `format: kitti`"},
+           {"a.txt", "0 0 0 0 0 0 0 1\n# note\n1 0 0 x 0 0 0 1\n", tum, "a.txt:3: 'x' is not a number"},
+           {"a.txt", "0 0 0 0 0 0 0 1\n1 nan 0 0 0 0 0 1\n", tum, "a.txt:2: 'nan' is not a number"},
+           {"a.txt", "0 0 0 0 0 0 0\n", tum, "a.txt:1: has 7 numbers"},
+           {"a.txt", "0 0 0 0 0 0 0 1\n0 1 0 0 0 0 0 1\n", tum, "a.txt:2: pose 2 has the time"},
+           {"a.txt", "0 0 0 0 1 1 0 1\n1 1 0 0 0 0 0 1\n", tum, "order of its numbers"},
+           {"a.txt", "", tum, "is empty"},
+           {"a.txt", "0 0 0 0 0 0 0 1\n", tum, "has 1 poses"},
+           {"a.txt", "1.4e18 0 0 0 0 0 0 1\n1.5e18 0 0 0 0 0 0 1\n", tum, "a.txt:1: has the time 1.4e+18 s"},
+           {"a.txt", "# timestamp tx ty tz qw qx qy qz\n0 0 0 0 1 0 0 0\n", tum, "names qw before qx"},
+           {"k.txt", kitti, ", format: kitti", "either `times`"},
+           {"k.txt", "2 0 0 0 0 1 0 0 0 0 1 0\n", byInterval, "k.txt:1: is not a rigid"},
+           {"k.txt", "1 0 0 0 0 1 0 0 0 0 -1 0\n", byInterval, "left-handed"},
+           {"k.txt", kitti, ", format: kitti, times: one.txt", "1 times for the 2 poses"},
+           {"k.txt", kitti, ", format: kitti, interval: 1, calib: none.txt", "no line `Tr"},
+           {"a.csv", "x,y,z\n0,0,0\n", "", "a.csv:1: the first line must name the columns time"},
+           {"a.csv", "0.0,1,0.0,0.0\n1.0,2,0.0,0.0\n", "", "a.csv:1: the first line must name"},
+           {"a.csv", "timestamp,x,y,z\n0,0,0,0\n1,5,0,0\n", "", "it has no time"},
+           {"a.csv", "%time,field.pose.pose.position.x\n0,0\n1,5\n", "", "it has no time"},
+           {"a.csv", "time,x,y\n0,0,0\n", "", "no column z"},
+           {"a.csv", "time,x [mm],y,z\n0,0,0,0\n1,5,0,0\n", "", "no column x"},
+           {"a.csv", "time,x,y,z,qx\n0,0,0,0,0\n", "", "no column qw"},
+           {"a.csv", "time,x,y,z,x\n0,0,0,0,0\n", "", "'x' is listed twice"},
+           {"a.csv", "time,x,y,z,time_ms\n0,0,0,0,0\n", "", "a.csv:1: the table has two columns of time"},
+           {"a.csv", "time,x,y,z,yaw,yaw_deg\n0,0,0,0,0,0\n", "", "states yaw by two columns"},
+           {"a.csv", "time,x,y,z,yaw\n0,0,0,0,1.5\n1,0,5,0,7.85\n", "", "a.csv:3: has the yaw 7.85"},
+           {"a.csv", "time,x,y,z\n0,0,0,0\n1,0,0\n", "", "a.csv:3: has 3 cells"},
+           {"a.csv", "time,x,y,z\n0,0,0,0\n1,nan,0,0\n", "", "a.csv:3: 'nan' is not a number"},
+           {"a.csv", "time,x,y,z\n0,0,0,0\n1,2e9,0,0\n", "", "farther than"},
+           {"a.csv", "time,x,y,z\n0,0,0,0\n1,2,0,0\n", ", scene: x", "scene is not for"},
+           {"a.csv", "time,x,y,z\n0,0,0,0\n1,1,0,0\n", ", start: {position: [1, 2, 3], pitch_deg: 4}", "pitch_deg"}}) {
+    folder_.write(c.name, c.text);
+    EXPECT_THAT(refusal(std::string("file: ") + c.name + c.more), HasSubstr(c.words)) << c.text;
+  }
   EXPECT_THAT(refusal("file: gone.csv"), HasSubstr("gone.csv"));
   EXPECT_THAT(refusal("file: a.csv", ", speed: 4"), HasSubstr("speed is for paths that are driven: a recording"));
 }
 
-// Trackers write NaN where they lost the vehicle.
-TEST_F(RecordedPosesFiles, PosesWithNanAreLeftOutAndTold) {
-  const auto warnings = [&](const std::string& recorded) {
-    testing::internal::CaptureStderr();
-    EXPECT_LT(length(drive(recorded).pose(10, 0).translation - Vec3d{5, 0, 0}), 1e-9);
-    return testing::internal::GetCapturedStderr();
-  };
-  folder_.write("a.txt", "0 0 0 0 0 0 0 1\r\n0.5 nan nan nan 0 0 0 1\r\n0.6 1 NaN 1 0 0 0 1\r\n2 10 0 0 0 0 0 1");
-  EXPECT_THAT(warnings("file: a.txt, format: tum"),
-              HasSubstr("a.txt: left out: 2 poses with NaN, the first in line 2"));
-  folder_.write("a.csv", "\xEF\xBB\xBFtime,x,y,z,speed,\n0,0,0,0,nan,\n1,nan,0,0,1,\n2,10,0,0,1,\n");
-  EXPECT_THAT(warnings("file: a.csv"),
-              AllOf(HasSubstr("1 poses with NaN, the first in line 3"), HasSubstr("1 unknown 'speed'")));
+TEST_F(RecordedPosesFiles, OtherColumnsAreTold) {
+  folder_.write("a.csv", "\xEF\xBB\xBFtime,x,y,z,speed,\n0,0,0,0,nan,\n2,10,0,0,1,\n");
+  testing::internal::CaptureStderr();
+  EXPECT_LT(length(drive("file: a.csv").pose(10, 0).translation - Vec3d{5, 0, 0}), 1e-9);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("left out: 1 unknown 'speed'"));
 }
 
 // The ground truth of the EuRoC dataset: names behind a #, times in ns, w first.
@@ -257,73 +250,21 @@ TEST_F(RecordedPosesFiles, EurocsTablesAreRead) {
   const Pose pose = drive("file: data.csv").pose(10, 0);
   EXPECT_LT(length(pose.translation - Vec3d{1, 7, 3}), 1e-6);
   EXPECT_LT(length(headingOf(pose) - Vec3d{0, 1, 0}), 1e-9);
-  folder_.write("t.csv", "timestamp [ms],x [m],y [m],z [m],yaw [deg]\n0,0,0,0,90\n1000,0,5,0,90\n");
-  EXPECT_LT(length(headingOf(drive("file: t.csv").pose(5, 0)) - Vec3d{0, 1, 0}), 1e-9);
-  for (const char* x : {"x [mm]", "p_RS_R_x [mm]"}) {
-    folder_.write("t.csv", std::string("time,") + x + ",y,z\n0,0,0,0\n1,5,0,0\n");
-    EXPECT_THAT(refusal("file: t.csv"), HasSubstr("no column x"));
-  }
-  folder_.write("t.csv", "timestamp,x,y,z\n0,0,0,0\n1,5,0,0\n");
-  EXPECT_THAT(refusal("file: t.csv"), HasSubstr("the column timestamp does not show its unit"));
 }
 
-// Clocks of simulators begin at 0: times with decimals are in seconds, and units stand where others write them.
-TEST_F(RecordedPosesFiles, ClocksOfSimulatorsAreRead) {
-  for (const auto& [name, times] :
-       std::map<std::string, std::vector<const char*>>{{"timestamp", {"0.0", "1.0"}},
-                                                       {"timestamp ", {"0", "1.000"}},
-                                                       {"Time/s", {"0", "1"}},
-                                                       {"time (sec)", {"0", "1"}},
-                                                       {"time_s", {"0", "1"}},
-                                                       {"Time [\u00b5s]", {"0", "1000000"}},
-                                                       {"timestamp_ns", {"0", "1000000000"}},
-                                                       {"timestamp/ms", {"0", "1000"}}}) {
-    folder_.write("t.csv", fmt::format("{},x (m),Y/m,z,yaw/deg\n{},0,0,0,90\n{},0,5,0,90\n", name, times[0], times[1]));
+TEST_F(RecordedPosesFiles, TablesStateTheirUnits) {
+  for (const auto& [name, second] : std::map<std::string, const char*>{{"Time/s", "1"},
+                                                                       {"time (sec)", "1"},
+                                                                       {"time_s", "1"},
+                                                                       {"Time [\u00b5s]", "1000000"},
+                                                                       {"timestamp_ns", "1000000000"},
+                                                                       {"timestamp/ms", "1000"}}) {
+    folder_.write("t.csv", fmt::format("{},x (m),Y/m,z,yaw/deg\n0,0,0,0,90\n{},0,5,0,90\n", name, second));
     const Trajectory drive = this->drive("file: t.csv");
     EXPECT_EQ(drive.frames(), 11u) << name;
     EXPECT_LT(length(drive.pose(5, 0).translation - Vec3d{0, 2.5, 0}), 1e-9) << name;
     EXPECT_LT(length(headingOf(drive.pose(5, 0)) - Vec3d{0, 1, 0}), 1e-9) << name;
   }
-}
-
-TEST_F(RecordedPosesFiles, RossTablesAreRead) {
-  const auto ends = [&](const std::string& table, const std::string& leftOut = "") {
-    folder_.write("t.csv", table);
-    testing::internal::CaptureStderr();
-    const Pose pose = drive("file: t.csv").pose(10, 0);
-    const std::string warned = testing::internal::GetCapturedStderr();
-    EXPECT_EQ(warned.empty(), leftOut.empty()) << warned;
-    EXPECT_THAT(warned, HasSubstr(leftOut));
-    EXPECT_LT(length(pose.translation - Vec3d{1, 7, 3}), 1e-6) << table;
-    EXPECT_LT(length(headingOf(pose) - Vec3d{0, 1, 0}), 1e-9) << table;
-  };
-  const std::string first = ",1,2,3,0.5,0.5,0.5,0.5", last = ",1,7,3,0.5,0.5,0.5,0.5";
-  std::string names;
-  for (const char* axis : {"x", "y", "z"}) names += std::string(",field.pose.pose.position.") + axis;
-  for (const char* axis : {"x", "y", "z", "w"}) names += std::string(",field.pose.pose.orientation.") + axis;
-  ends("%time,field.header.seq,field.header.stamp,field.header.frame_id" + names +
-           ",field.pose.covariance0,field.pose.covariance1,field.twist.twist.linear.x\n"
-           "1700000000123456789,0,1700000000123456789,odom" +
-           first +
-           ",0,0,0\n"
-           "1700000001123456789,1,1700000001123456789,odom" +
-           last + ",0,0,0\n",
-       "left out: 1 columns of times in messages (header.stamp)");
-  ends("time,timestamp,secs,x,y,z,qx,qy,qz,qw\n5,0,nan" + first + "\n6,9,8" + last + "\n",
-       "left out: 1 further columns of times ('secs'), 1 further columns of times ('timestamp')\n");
-  ends(
-      "header.stamp.sec,header.stamp.nanosec,pose.position.x,pose.position.y,pose.position.z,pose.orientation.x,"
-      "pose.orientation.y,pose.orientation.z,pose.orientation.w\n1700000000,900000000" +
-      first + "\n1700000001,900000000" + last + "\n");
-  ends("sec,nanosec,x,y,z,qx,qy,qz,qw\n1700000000,900000000" + first + "\n1700000001,900000000" + last + "\n");
-  for (const auto& [from, to] : {std::pair{"1700000000123456789", "1700000001123456789"},
-                                 {"1700000000123456", "1700000001123456"},
-                                 {"1700000000123", "1700000001123"},
-                                 {"1700000000.5", "1700000001.5"}}) {
-    ends("timestamp,x,y,z,qx,qy,qz,qw\n" + (from + first) + "\n" + to + last + "\n");
-  }
-  folder_.write("t.csv", "0.0,1,0.0,0.0\n1.0,2,0.0,0.0\n");
-  EXPECT_THAT(refusal("file: t.csv"), HasSubstr("t.csv:1: the first line must name the columns time"));
 }
 
 // Poses that are closer than 5 cm have a heading too: here a circle, at 100 Hz.
@@ -356,19 +297,6 @@ TEST_F(RecordedPosesFiles, NeverOvershoot) {
     EXPECT_LE(x, 2 + 1e-12) << t;
     before = x;
   }
-}
-
-TEST_F(RecordedPosesFiles, ColumnsThatSayTheSameTwiceAreRefused) {
-  const auto head = [&](const std::string& names) {
-    folder_.write("t.csv", names + "\n0,0,0,0,0,0\n1,1,0,0,0,0\n");
-    return refusal("file: t.csv");
-  };
-  EXPECT_THAT(head("time,x,y,z,time_ms,a"), AllOf(HasSubstr("t.csv:1"), HasSubstr("two columns of time")));
-  EXPECT_THAT(head("time,x,y,z,yaw,yaw_deg"), HasSubstr("states yaw by two columns"));
-  EXPECT_THAT(head("time,x,y,z,qy,qz"), HasSubstr("no column qw"));
-  EXPECT_THAT(head("time,x,y,z,heading_deg,a"), HasSubstr("name it yaw"));
-  folder_.write("u.csv", "time,x,y,z\n0,0,0,0\n1,1,0,0\n");
-  EXPECT_THAT(refusal("file: u.csv, start: {position: [1, 2, 3], pitch_deg: 4}"), HasSubstr("pitch_deg"));
 }
 
 }  // namespace

@@ -150,17 +150,6 @@ TEST_F(VendorFiles, AnAzimuthWindowBesideAllColumnsIsTold) {
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("1 azimuth windows that no column_window repeats"));
 }
 
-TEST_F(VendorFiles, CellsMayHaveQuotes) {
-  folder_.write("q.csv", "\"Channel\", \"Elevation\" ,\"Azimuth\"\n\"1\",\"10\",1.5\n\"2\",\"-10\",\"-1.5\"\n");
-  const auto beams = sensor("calibration: q.csv, columns: 100, rate_hz: 10, range_m: [1, 100]");
-  ASSERT_EQ(beams->rings, 2u);
-  EXPECT_NEAR(degrees(beams->elevation[1]), -10, 1e-12);
-  EXPECT_NEAR(degrees(beams->azimuthOffset[0]), -1.5, 1e-12);
-  folder_.write("q.csv", "\"elevation_deg\",\"azimuth_offset_deg\"\n\"2,5\",1\n");
-  EXPECT_THAT(refusal("calibration: q.csv, columns: 100, rate_hz: 10, range_m: [1, 100]"),
-              AllOf(HasSubstr("q.csv:2"), HasSubstr("'2,5' is not a number (write a point")));
-}
-
 // The beams of an OSDome start above the lidar's origin: lidar_origin_to_beam_origin_mm is then the hypotenuse.
 TEST_F(VendorFiles, TransformsOfMetadataAreReadOrRefused) {
   const auto with = [](const std::string& key, const std::string& numbers) {
@@ -191,24 +180,25 @@ TEST_F(VendorFiles, TransformsOfMetadataAreReadOrRefused) {
 }
 
 TEST_F(VendorFiles, MetadataThatIsNoneIsRefused) {
-  EXPECT_THAT(refusedJson("{"), AllOf(HasSubstr("m.json"), HasSubstr("not JSON")));
-  EXPECT_THAT(refusedJson("[]"), HasSubstr("a map"));
-  EXPECT_THAT(refusedJson("{}"), HasSubstr("no beam_altitude_angles"));
-  const auto with = [&](const std::string& altitude, const std::string& azimuth, const std::string& more) {
-    return refusedJson(
-        fmt::format(R"({{"beam_altitude_angles": {}, "beam_azimuth_angles": {}{}}})", altitude, azimuth, more));
+  const auto with = [](const std::string& altitude, const std::string& azimuth, const std::string& more = "") {
+    return fmt::format(R"({{"beam_altitude_angles": {}, "beam_azimuth_angles": {}{}}})", altitude, azimuth, more);
   };
-  EXPECT_THAT(with("[1, 2]", "[1]", ""), HasSubstr("2 beam_altitude_angles and 1"));
-  EXPECT_THAT(with("[1, \"x\"]", "[1, 2]", ""), HasSubstr("entry 1 must be a number"));
-  EXPECT_THAT(with("[[1], [2]]", "[[1], [2]]", ""), HasSubstr("only metadata of spinning sensors"));
-  EXPECT_THAT(with("[100]", "[1]", ""), HasSubstr("altitude 100"));
-  EXPECT_THAT(with("[1]", "[1]", ""), HasSubstr("has no lidar_mode"));
-  EXPECT_THAT(with("[1]", "[1]", R"(, "lidar_mode": "fast")"), HasSubstr("'fast'"));
-  EXPECT_THAT(with("[1]", "[1]", R"(, "lidar_mode": "0x10")"), HasSubstr("columns x revolutions"));
-  EXPECT_THAT(with("[1]", "[1]", R"(, "lidar_mode": "512x10", "data_format": {"column_window": [0, 600]})"),
-              HasSubstr("column_window"));
-  EXPECT_THAT(with("[1]", "[1]", R"(, "lidar_mode": "512x10", "lidar_to_sensor_transform": [1, 2])"),
-              HasSubstr("16 numbers"));
+  const auto mode = [&](const std::string& more) { return with("[1]", "[1]", ", \"lidar_mode\": " + more); };
+  for (const auto& [json, words] : std::vector<std::pair<std::string, const char*>>{
+           {"{", "m.json: is not JSON"},
+           {"[]", "a map"},
+           {"{}", "no beam_altitude_angles"},
+           {with("[1, 2]", "[1]"), "2 beam_altitude_angles and 1"},
+           {with("[1, \"x\"]", "[1, 2]"), "entry 1 must be a number"},
+           {with("[[1], [2]]", "[[1], [2]]"), "only metadata of spinning sensors"},
+           {with("[100]", "[1]"), "altitude 100"},
+           {with("[1]", "[1]"), "has no lidar_mode"},
+           {mode("\"fast\""), "'fast'"},
+           {mode("\"0x10\""), "columns x revolutions"},
+           {mode(R"("512x10", "data_format": {"column_window": [0, 600]})"), "column_window"},
+           {mode(R"("512x10", "lidar_to_sensor_transform": [1, 2])"), "16 numbers"}}) {
+    EXPECT_THAT(refusedJson(json), HasSubstr(words)) << json;
+  }
 }
 
 // Every real file, whatever its firmware: as many rings as its name says, steps as the angles have them.
@@ -267,9 +257,6 @@ TEST_F(VendorFiles, TablesOfOnesOwnNameTheirColumns) {
   EXPECT_THAT(beams->originLeft, ElementsAre(0.1, 0));
   EXPECT_THAT(beams->originUp, ElementsAre(0.2, 0.3));
   EXPECT_NEAR(beams->firingOffset[1], 9e-6, 1e-12);
-  folder_.write("t.csv", "elevation_deg,azimut_offset_deg\n-3,1\n");
-  EXPECT_THAT(refusal("calibration: t.csv, columns: 100, rate_hz: 10, range_m: [1, 100]"),
-              AllOf(HasSubstr("t.csv:1"), HasSubstr("did you mean 'azimuth_offset_deg'")));
 }
 
 // The firing times of a preset are those of its rings, whichever way a calibration sorts its lasers.
@@ -298,41 +285,43 @@ TEST_F(VendorFiles, FiringTimesComeFromATable) {
   EXPECT_THAT(readFiringTable(folder_.path() / "n.csv"), ElementsAre(0, testing::DoubleNear(0.52, 1e-9)));
   folder_.write("n.csv", "Channel,Even_fire time(ns),Odd_fire time(ns)\n1,4960,4960\n2,5480,5500\n");
   EXPECT_THAT(messageOf([&] { readFiringTable(folder_.path() / "n.csv"); }), HasSubstr("two firing states"));
-  EXPECT_THAT(messageOf([&] { readFiringTable(folder_.write("u.csv", "Channel,fire time\n1,0\n2,1500\n")); }),
-              AllOf(HasSubstr("u.csv:1"), HasSubstr("have no unit"), HasSubstr("'fire time(ns)'")));
   folder_.write("f.csv", "Channel,fire time(us)\n1,0\n2,0\n");
   EXPECT_THAT(
       refusal("calibration: h.csv, columns: 100, rate_hz: 10, range_m: [1, 100], firing_time_us: {file: f.csv}"),
       AllOf(HasSubstr("f.csv"), HasSubstr("2 lasers for 3 rings")));
 }
 
+// A decimal comma, a column too many or a name that is nearly right would give other beams without a word.
 TEST_F(VendorFiles, TablesThatAreNoneAreRefusedWithTheirLine) {
-  const auto refused = [&](const std::string& text) {
-    folder_.write("t.csv", text);
-    return refusal("calibration: t.csv, columns: 100, rate_hz: 10, range_m: [1, 100]");
-  };
-  EXPECT_THAT(refused("a,b\n1,2\n"), AllOf(HasSubstr("t.csv:1"), HasSubstr("Channel,Elevation,Azimuth")));
-  EXPECT_THAT(refused("Channel,Elevation,Azimuth\n"), HasSubstr("no line after the column names"));
-  EXPECT_THAT(refused("Channel,Elevation,Azimuth\n1,2\n"), AllOf(HasSubstr("t.csv:2"), HasSubstr("2 cells")));
-  EXPECT_THAT(refused("Channel,Elevation,Azimuth\n1,2,0\n1,3,0\n"),
-              AllOf(HasSubstr("t.csv:3"), HasSubstr("of an earlier line")));
-  EXPECT_THAT(refused("Channel,Elevation,Azimuth\n1,2,0\n5,3,0\n"),
-              AllOf(HasSubstr("t.csv:3"), HasSubstr("channel 5")));
-  EXPECT_THAT(refused("Channel,Elevation,Azimuth\n1,up,0\n"), HasSubstr("not a number"));
-  EXPECT_THAT(refused("Channel,Elevation,Azimuth\n1,95,0\n"),
-              AllOf(HasSubstr("t.csv:2"), HasSubstr("elevation is 95")));
-  EXPECT_THAT(refused("Channel,Elevation,Elevation\n1,2,3\n"), HasSubstr("'elevation' is listed twice"));
-  EXPECT_THAT(refused("elevation_deg\n+-5\n"), HasSubstr("'+-5' is not a number"));
-  EXPECT_THAT(messageOf([&] { readFiringTable(folder_.write("s.csv", "Channel,fire time(s)\n1,2\n")); }),
-              HasSubstr("fire time(us)"));
-  EXPECT_THAT(refused(""), HasSubstr("is empty"));
-  EXPECT_THAT(refused("\xFF\xFE"
-                      "C"),
-              HasSubstr("UTF-16"));
-  EXPECT_THAT(messageOf([&] { readFiringTable(folder_.write("s.csv", "Operational State,0,0\n1,2,3\n")); }),
-              AllOf(HasSubstr("s.csv:1"), HasSubstr("several firing states")));
+  for (const auto& [table, words] : std::vector<std::pair<std::string, const char*>>{
+           {"", "is empty"},
+           {"a,b\n1,2\n", "t.csv:1: must name the columns, such as Channel,Elevation,Azimuth"},
+           {"Channel,Elevation,Azimuth\n", "no line after the column names"},
+           {"Channel,Elevation,Azimuth\n1,2\n", "t.csv:2: has 2 cells"},
+           {"Channel,Elevation,Azimuth\n1,2,0\n1,3,0\n", "t.csv:3: has the channel of an earlier line"},
+           {"Channel,Elevation,Azimuth\n1,2,0\n5,3,0\n", "t.csv:3: has the channel 5"},
+           {"Channel,Elevation,Azimuth\n1,95,0\n", "t.csv:2: elevation is 95"},
+           {"Channel,Elevation,Elevation\n1,2,3\n", "'elevation' is listed twice"},
+           {"Channel,Elevation,Azimut\n1,2,3\n", "did you mean 'azimuth'"},
+           {"Channel;Elevation;Azimuth\n1;2,5;0,1\n", "t.csv:2: '2,5' is not a number (write a point"},
+           {"elevation_deg\n+-5\n", "'+-5' is not a number"},
+           {"elevation_deg,azimut_offset_deg\n-3,1\n", "t.csv:1: the column 'azimut_offset_deg' is unknown, did you"},
+           {"elevation_deg,azimuth_offset_deg\n2,-2,7\n", "has 3 cells, but the first line has 2"}}) {
+    folder_.write("t.csv", table);
+    EXPECT_THAT(refusal("calibration: t.csv, columns: 100, rate_hz: 10, range_m: [1, 100]"), HasSubstr(words)) << table;
+  }
+  for (const char* table :
+       {"Channel,fire time(s)\n1,2\n", "Channel,fire time\n1,0\n", "Operational State,0,0\n1,2,3\n"}) {
+    EXPECT_THAT(messageOf([&] { readFiringTable(folder_.write("s.csv", table)); }),
+                AllOf(HasSubstr("s.csv:1"), HasSubstr("fire time(us)"), HasSubstr("several firing states")));
+  }
   folder_.write("a.dat", "x");
   EXPECT_THAT(refusal("calibration: a.dat, columns: 100, rate_hz: 10, range_m: [1, 100]"), HasSubstr("mirrors"));
+  folder_.write("f.csv", "Channel,fire time(us)\n1,0\n");
+  folder_.write("e.csv", "elevation_deg\n2\n");
+  EXPECT_THAT(refusal("calibration: e.csv, columns: 100, rate_hz: 10, range_m: [1, 100], "
+                      "firing_time_us: {file: f.csv, step_us: 3}"),
+              HasSubstr("not both"));
 }
 
 // All tables of one state are read, with as many lasers as the sensor's name says; the others are refused with a word.
@@ -365,25 +354,6 @@ TEST_F(VendorFiles, AllOfHesaisRealTablesAreReadOrRefused) {
   }
   EXPECT_EQ(times, 9u);
   EXPECT_EQ(refused, 8u);
-}
-
-// A decimal comma, a column too many or a name that is nearly right would give other beams without a word.
-TEST_F(VendorFiles, TablesAreReadToTheLetter) {
-  const auto refused = [&](const std::string& table) {
-    folder_.write("h.CSV", table);
-    return refusal("calibration: h.CSV, columns: 100, rate_hz: 10, range_m: [1, 100]");
-  };
-  EXPECT_THAT(refused("Channel;Elevation;Azimuth\n1;2,5;0,1\n"),
-              AllOf(HasSubstr("h.CSV:2"), HasSubstr("'2,5' is not a number (write a point")));
-  EXPECT_THAT(refused("elevation_deg,azimuth_offset_deg\n2,-2,7\n"),
-              HasSubstr("has 3 cells, but the first line has 2"));
-  EXPECT_THAT(refused("Channel,Elevation,Azimut\n1,2,3\n"), HasSubstr("did you mean 'azimuth'"));
-  EXPECT_EQ(refused("Channel,Elevation,Azimuth,\n1,2,3,,\n"), "accepted") << "cells that are empty, at the end";
-  folder_.write("f.csv", "Channel,fire time(us)\n1,0\n");
-  folder_.write("e.csv", "elevation_deg\n2\n");
-  EXPECT_THAT(refusal("calibration: e.csv, columns: 100, rate_hz: 10, range_m: [1, 100], "
-                      "firing_time_us: {file: f.csv, step_us: 3}"),
-              HasSubstr("not both"));
 }
 
 // A preset whose rings fire from bottom to top, beside a file that lists its lasers from top to bottom.
