@@ -17,7 +17,6 @@
 #include "passes/exr/pass_exr.h"
 #include "viewer/color_map.h"
 #include "viewer/coloring.h"
-#include "viewer/panels/board.h"
 #include "viewer/panels/parts.h"
 
 namespace scanmill {

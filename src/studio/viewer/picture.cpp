@@ -10,10 +10,9 @@
 #include "base/grouped.h"
 #include "methods/method.h"
 #include "viewer/color_map.h"
-#include "viewer/panels/board.h"
+#include "viewer/coloring.h"
 #include "viewer/panels/parts.h"
 #include "viewer/panels/rooms.h"
-#include "viewer/scale_ticks.h"
 #include "viewer/window/orbit_camera.h"
 
 namespace scanmill {

@@ -1,11 +1,11 @@
-#include "viewer/scale_ticks.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+
+#include "viewer/coloring.h"
 
 namespace scanmill {
 namespace {

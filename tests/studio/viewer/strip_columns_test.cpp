@@ -1,4 +1,3 @@
-#include "viewer/strip_columns.h"
 
 #include <gtest/gtest.h>
 

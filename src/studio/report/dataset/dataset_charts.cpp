@@ -36,10 +36,6 @@ std::string ofScans(const DatasetSummary& summary) {
                                             : fmt::format("of {} of {} scans", summary.scansRead, summary.scans);
 }
 
-void addTo(std::vector<std::uint64_t>& sum, const std::vector<std::uint64_t>& part) {
-  for (std::size_t k = 0; k < std::min(sum.size(), part.size()); ++k) sum[k] += part[k];
-}
-
 // Returns a chart with a bar for each ring of distance, in which the points of the classes are stacked: points per scan
 // or, if `shares` is true, fractions of the ring's points.
 Chart ringsChart(const DatasetSummary& summary, bool shares) {

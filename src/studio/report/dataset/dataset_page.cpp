@@ -98,7 +98,6 @@ class DatasetPage {
              {"scene_lines", sceneLines()},
              {"pipeline_sha256", m_.pipelineSha256},
              {"pipeline_text", m_.pipelineText}};
-    if (m_.chosen) page_["chosen"] = {{"setting", m_.chosen->setting}, {"why", m_.chosen->why}};
     for (const SplitSummary& s : s_.splits) page_["split_texts"].push_back(fmt::format("{} {}", s.name, s.samples));
     for (const SensorRecord& r : m_.sensors) {
       page_["sensor_texts"].push_back(fmt::format("{} ({})", r.name, r.beams.model));

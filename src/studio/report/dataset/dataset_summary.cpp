@@ -29,11 +29,6 @@ double medianOf(std::vector<std::uint64_t> values) {
   return values.size() % 2 == 1 ? upper : (static_cast<double>(values[middle - 1]) + upper) / 2;
 }
 
-void addTo(std::vector<std::uint64_t>& sum, const std::vector<std::uint64_t>& part) {
-  if (sum.size() < part.size()) sum.resize(part.size(), 0);
-  for (std::size_t i = 0; i < part.size(); ++i) sum[i] += part[i];
-}
-
 std::string sequenceOf(const SampleRecord& sample) {
   const std::string sequence = partsOfKey(sample.key).sequence;
   return sequence.empty() ? sample.key : sequence;
@@ -277,6 +272,11 @@ class Summing {
 };
 
 }  // namespace
+
+void addTo(std::vector<std::uint64_t>& sum, const std::vector<std::uint64_t>& part) {
+  if (sum.size() < part.size()) sum.resize(part.size(), 0);
+  for (std::size_t i = 0; i < part.size(); ++i) sum[i] += part[i];
+}
 
 DatasetSummary summarise(const Manifest& manifest, const std::vector<ScanPlace>& places,
                          const std::vector<std::optional<ScanCounts>>& counts, const RangeSteps& steps) {

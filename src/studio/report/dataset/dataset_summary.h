@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "dataset/manifest.h"
-#include "report/dataset/scan_choice.h"
 #include "report/dataset/scan_counts.h"
+#include "report/dataset/scan_reading.h"
 #include "viewer/image.h"
 
 namespace scanmill {
@@ -107,6 +107,9 @@ struct DatasetSummary {
   std::vector<ThingSummary> things;  // sorted by sequence and id; empty if scans have no classes
   std::vector<MixedInstance> mixed;
 };
+
+// Adds counts bin by bin; `sum` grows to the length of `part`.
+void addTo(std::vector<std::uint64_t>& sum, const std::vector<std::uint64_t>& part);
 
 // Computes the summary of a dataset. `counts`: the counts of the scans at `places`, in the same order; absent if a scan
 // could not be read.

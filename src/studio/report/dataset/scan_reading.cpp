@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/parallel.h"
+#include "base/random.h"
 #include "dataset/reader.h"
 #include "dataset/shard_index.h"
 
@@ -115,6 +117,67 @@ std::vector<std::string> readScans(const fs::path& folder, const Manifest& manif
     }
   }
   return problems;
+}
+
+namespace {
+
+// Returns a random number for a seed and a sample, from the Philox generator with the seed as key and the sample in the
+// counter. The counter's last word states the purpose of a random number, so the result is independent of the program's
+// other random numbers.
+std::uint64_t drawOf(std::uint64_t seed, std::size_t sample) {
+  constexpr std::uint32_t kPictures = 0xFFFF0000u;
+  const RandomBlock block = philox4x32(
+      {static_cast<std::uint32_t>(sample), static_cast<std::uint32_t>(std::uint64_t{sample} >> 32), 0, kPictures},
+      {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)});
+  return std::uint64_t{block[0]} << 32 | block[1];
+}
+
+// The samples of a split that have points and are not in damaged shards.
+struct SplitSamples {
+  std::string split;
+  std::vector<std::pair<std::uint64_t, std::size_t>> drawn;  // pairs of random number and index of the sample
+};
+
+}  // namespace
+
+std::vector<ScanPlace> spreadScans(const Manifest& manifest, std::size_t most) {
+  std::vector<ScanPlace> all;
+  for (std::size_t s = 0; s < manifest.samples.size(); ++s) {
+    for (std::size_t i = 0; i < manifest.samples[s].scans.size(); ++i) all.push_back({s, i});
+  }
+  if (all.size() <= most) return all;
+  std::vector<ScanPlace> spread;
+  for (std::size_t k = 0; k < most; ++k) spread.push_back(all[(2 * k + 1) * all.size() / (2 * most)]);
+  return spread;
+}
+
+std::vector<ScanPlace> randomScans(const Manifest& manifest, const std::vector<bool>& sound, std::size_t count,
+                                   std::uint64_t seed) {
+  std::vector<SplitSamples> splits;
+  for (std::size_t s = 0; s < manifest.samples.size(); ++s) {
+    const SampleRecord& sample = manifest.samples[s];
+    const bool any = std::ranges::any_of(sample.scans, [](const auto& r) { return r.points > 0; });
+    if (!any || !sound[sample.shard]) continue;
+    auto split = std::ranges::find_if(splits, [&](const auto& p) { return p.split == sample.split; });
+    if (split == splits.end()) split = splits.insert(splits.end(), {sample.split, {}});
+    split->drawn.emplace_back(drawOf(seed, s), s);
+  }
+  for (SplitSamples& split : splits) std::ranges::sort(split.drawn);
+  std::vector<ScanPlace> chosen;
+  for (std::size_t turn = 0; chosen.size() < count; ++turn) {
+    bool more = false;
+    for (const SplitSamples& split : splits) {
+      if (turn >= split.drawn.size() || chosen.size() == count) continue;
+      more = true;
+      const std::size_t sample = split.drawn[turn].second;
+      const std::vector<ScanRecord>& scans = manifest.samples[sample].scans;
+      std::size_t scan = chosen.size() % scans.size();
+      while (scans[scan].points == 0) scan = (scan + 1) % scans.size();
+      chosen.push_back({sample, scan});
+    }
+    if (!more) break;
+  }
+  return chosen;
 }
 
 }  // namespace scanmill

@@ -3,6 +3,7 @@
 // Writes scans for the 3D view of a report's page, in which users can rotate them. scan_view.js draws the view with
 // three.js.
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -37,5 +38,12 @@ extern const std::string_view kScanViewScript;   // scan_view.js
 extern const std::string_view kScanViewStyle;    // scan_view.css
 extern const std::string_view kDatasetTemplate;  // dataset.html
 extern const std::string_view kDatasetStyle;     // dataset.css
+
+// Returns the indices of the finite points to show, ascending: all points, or `most` of them. Instances and classes
+// with few points are kept complete, the smallest first, as long as they take at most half of `most`. The other points
+// are thinned evenly along the scan, such that the fraction kept is proportional to the square of the distance. Since
+// the density of LiDAR points on a surface decreases with this square, near surfaces lose many points and far surfaces
+// few.
+std::vector<std::size_t> pointsToView(const Scan& scan, std::size_t most);
 
 }  // namespace scanmill

@@ -1,10 +1,9 @@
-#include "report/tradeoff/error_picture.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "report/tradeoff/report.h"
 #include "viewer/color_map.h"
 #include "viewer/picture.h"
 

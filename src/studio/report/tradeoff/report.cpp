@@ -11,8 +11,6 @@
 #include "base/short_text.h"
 #include "pipeline/read/pipeline.h"
 #include "report/page/page.h"
-#include "report/tradeoff/report_charts.h"
-#include "report/tradeoff/report_figures.h"
 #include "study/figure_text.h"
 #include "study/tradeoff/study_figures.h"
 

@@ -2,9 +2,16 @@
 
 // Writes the report of a trade-off study.
 
+#include <array>
+#include <cstddef>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
+#include "charts/chart.h"
+#include "evaluate/beam_errors.h"
+#include "scan/hits.h"
 #include "study/tradeoff/study.h"
 
 namespace scanmill {
@@ -17,5 +24,41 @@ std::string studyReport(const Study& study);
 std::string setArgument(const Setting& setting);
 
 extern const std::string_view kTradeoffTemplate;  // contents of tradeoff.html
+
+// Draws the true points, coloured by the range error of the tested method. The colour map viridis shows errors from 1
+// mm to 1 m on a logarithmic scale. False negatives, false positives (drawn at the tested hit) and beams with a wrong
+// label have separate colours. Returns the contents of a PNG file.
+std::string drawErrors(const TrueShot& truth, const Hits& tested);
+
+inline constexpr std::size_t kReportRows = 40;  // maximum number of settings in a chart with one row per setting
+
+// Returns all charts of the report. If there are no data for a chart, it has no points.
+std::vector<Chart> studyCharts(const Study& study);
+// Names of the charts that are also written as files: speed against error, errors by range and by incidence, encodings,
+// and time by number of rings.
+inline constexpr std::array kStudyFiles{"pareto", "errors_by_range", "errors_by_incidence", "encodings", "rings"};
+
+// Returns the study's models of time by number of rings, each with a name for the legend.
+std::vector<std::pair<std::string, const RingFit*>> ringFits(const Study& study);
+
+// Returns the text for a group of BeamErrors::byPlace: "away from edges" or "at edges".
+std::string placeText(const std::string& group);
+
+using Groups = std::vector<ErrorGroup> BeamErrors::*;
+// Returns the names of the groups in which at least one of the settings has beams, in the order of the groups.
+std::vector<std::string> groupNames(const Study& study, const std::vector<std::size_t>& settings, Groups groups);
+
+// Returns at most `most` noteworthy settings as indices in Study::settings: the methods with their defaults, the
+// fastest setting of each method, and the Pareto fronts of study_figures.h.
+std::vector<std::size_t> shownSettings(const Study& study, std::size_t most);
+// Returns the indices of all measured settings, grouped by method; if there are more than `most`, only noteworthy
+// settings.
+std::vector<std::size_t> settingsByMethod(const Study& study, std::size_t most);
+
+// Returns the index of a method's colour in the charts' palette. All charts of a report use this colour for the method.
+std::size_t methodColor(const Study& study, const std::string& method);
+// Returns colours (indices in the palette) for settings with these methods; all differ if the palette has enough.
+// The first setting of each method gets the method's colour.
+std::vector<std::size_t> settingColors(const Study& study, const std::vector<std::string>& methods);
 
 }  // namespace scanmill

@@ -1,5 +1,3 @@
-#include "report/tradeoff/report_charts.h"
-
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
@@ -8,7 +6,7 @@
 #include <functional>
 #include <map>
 
-#include "report/tradeoff/report_figures.h"
+#include "report/tradeoff/report.h"
 #include "study/figure_text.h"
 #include "study/tradeoff/study_figures.h"
 

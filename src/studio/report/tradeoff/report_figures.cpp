@@ -1,10 +1,9 @@
-#include "report/tradeoff/report_figures.h"
-
 #include <algorithm>
 #include <array>
 #include <optional>
 
 #include "methods/method.h"
+#include "report/tradeoff/report.h"
 #include "study/tradeoff/study_figures.h"
 
 namespace scanmill {

@@ -9,7 +9,7 @@
 
 #include "base/grouped.h"
 #include "viewer/color_map.h"
-#include "viewer/scale_ticks.h"
+#include "viewer/coloring.h"
 
 namespace scanmill {
 

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -93,5 +94,25 @@ bool messages(const PixelRect& within, const std::vector<std::string>& problems,
 
 // Draws a window with the list of keys and their functions. Returns false if the user has closed it.
 bool helpWindow(const NamedValues& keys);
+
+class PictureBoard {
+ public:
+  // `width`, `height`: in pixels. `letter`: height of a line of text in pixels, see Toolkit. Throws Error like
+  // openOffscreen().
+  PictureBoard(int width, int height, double letter)
+      : canvas_(openOffscreen(width, height)), toolkit_(*canvas_, letter) {}
+
+  Canvas& canvas() { return *canvas_; }
+  void setImage(ImageId image, const Image& picture) { scanmill::setImage(*canvas_, image, picture); }
+  Image draw(const std::function<void()>& panels) {
+    for (int i = 0; i < 2; ++i) toolkit_.frame(panels);  // sizes that depend on contents are known in the second frame
+    canvas_->render();
+    return canvas_->read();
+  }
+
+ private:
+  std::unique_ptr<Canvas> canvas_;
+  Toolkit toolkit_;
+};
 
 }  // namespace scanmill

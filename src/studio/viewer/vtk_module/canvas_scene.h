@@ -15,7 +15,6 @@
 
 #include "gpu/opengl_module/gl_window.h"
 #include "viewer/canvas/canvas.h"
-#include "viewer/vtk_module/depth_edges.h"
 #include "viewer/vtk_module/item.h"
 #include "viewer/vtk_module/overlay_painter.h"
 #include "viewer/vtk_module/view_renderer.h"

@@ -9,8 +9,8 @@
 #include <unordered_map>
 
 #include "base/grouped.h"
-#include "viewer/window/class_filter.h"
 #include "viewer/window/picked_rows.h"
+#include "viewer/window/session_context.h"
 
 namespace scanmill {
 

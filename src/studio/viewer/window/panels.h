@@ -60,7 +60,7 @@ struct Panels {
   // Functions in panels.cpp:
   void fillPanes();
   void addLabel(const Vec3d& spot, const std::string& text, bool mark, bool optional = false);
-  // Functions in panels_legends.cpp:
+  // Legends, and the messages of views that show nothing:
   void completeClasses(Legend& legend) const;
   void collectLegends();
   void addMessages();

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "base/grouped.h"
-#include "viewer/window/class_filter.h"
+#include "viewer/window/session_context.h"
 
 namespace scanmill {
 

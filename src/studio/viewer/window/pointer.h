@@ -39,7 +39,7 @@ struct Pointer {
   // Transforms the marked positions when the canvas frame changes.
   void moveBy(const Affine& newFromOld);
 
-  // Functions in pointer.cpp, for dragging, clicking and measuring:
+  // Dragging, clicking and measuring:
   void press(const CanvasEvent& event);
   void moveTo(const CanvasEvent& event);
   void release(const CanvasEvent& event);
@@ -50,7 +50,7 @@ struct Pointer {
   // Returns what is under the pointer, otherwise what was clicked; null if there is neither.
   const PickedThing* shown() const { return hover ? &*hover : pinned ? &*pinned : nullptr; }
 
-  // Functions in pointer_pick.cpp, for the point or triangle at a pixel:
+  // The point or triangle at a pixel:
   std::optional<PickedThing> pick(int px, int py) const;
   // Returns the point at a pixel of the range image. `rect`: rectangle of the canvas in which the image is drawn.
   std::optional<PickedThing> pickStrip(const PixelRect& rect, int px, int py) const;
@@ -65,8 +65,6 @@ struct Pointer {
   void updateHover(bool panels, const std::optional<PixelRect>& strip);
   Rgb colorOf(const PickedThing& thing) const;
   std::optional<std::uint32_t> instanceOf(const PickedThing& thing) const;  // returns the instance id, if there is one
-
-  // Functions in pointer_light.cpp:
 
   // Outlines the points of the instance under the pointer, otherwise those of the clicked instance.
   void lightInstance();

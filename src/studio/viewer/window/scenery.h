@@ -36,7 +36,7 @@ struct Scenery {
   // Sets the poses to those of the context's frame. `index`: index of the frame in the source.
   void takeFrame(std::size_t index);
 
-  // Functions in scenery.cpp, for poses and guides:
+  // Functions in scenery.cpp, for poses, guides and the camera:
   void placeClouds();
   void placeGuides();
   void setLines(ItemId item, const LineSet& lines, double width);
@@ -46,7 +46,6 @@ struct Scenery {
   double pointSize() const;                 // returns the side of a drawn point (pixels)
   double farthest(const Vec3d& eye) const;  // returns an upper bound of the distance from the eye to what is drawn (m)
 
-  // Functions in scenery_camera.cpp, for the camera:
   OrbitCamera preset(View view) const;
   // Returns the camera that the options choose. The result may be different after the first frame or the scene's mesh
   // is loaded, since a named view is fitted to these.
@@ -76,7 +75,7 @@ struct Scenery {
   // Shows a hint if only one part of the mesh is visible and this part encloses all others, such as a closed sky box.
   void tellWhatEncloses();
 
-  // Functions in scenery_boxes.cpp, for instances and for the objects in the list of a sample:
+  // Functions in scenery_mesh.cpp, for instances and for the objects in the list of a sample:
   Affine canvasFromBox(const ObjectRecord& object) const;
   // Returns how the first scan's sensor sees the object; null if this is not known.
   const ObjectView* shownView(const ObjectRecord& object) const;

@@ -2,6 +2,11 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+
+#include "config/resources.h"
+#include "config/text.h"
+#include "exports/class_map.h"
 #include "viewer/color_map.h"
 #include "viewer/window/picked_rows.h"
 #include "viewer/window/scenery.h"
@@ -138,6 +143,142 @@ void Scenery::tellWhatEncloses() {
       fmt::format("nothing but '{}' is seen from here, which encloses all the rest: hide its class ({}), or look from "
                   "another place",
                   mesh->parts[part], className(&mesh->ontology, mesh->semantic[*first])));
+}
+
+namespace {
+
+constexpr Rgb kUnknownClass{200, 200, 200};
+constexpr double kFaint = 0.75;  // fraction of the background in the colour of objects that the sensor does not see
+constexpr double kUnseenWithin = 40;    // largest distance (m) of drawn objects that the sensor does not see
+constexpr std::size_t kMostNames = 30;  // largest number of objects with a label
+
+}  // namespace
+
+const ObjectView* Scenery::shownView(const ObjectRecord& object) const {
+  if (clouds_.list.empty()) return nullptr;
+  const std::string sensor = lowerCase(context_.frame->scans[clouds_.list.front().scan].sensor);
+  for (const ObjectView& view : object.views) {
+    if (lowerCase(view.sensor) == sensor) return &view;
+  }
+  return nullptr;
+}
+
+// Returns the pose of the object's box on the canvas. If the sensor has a view of the object, the box is where it was
+// when the sensor saw it, so that it fits the points. The view's pose is in the frame of the points of the sensor's
+// first revolution. If the points are placed on the canvas, or are those of a later revolution, the pose is computed
+// from the object's velocity.
+Affine Scenery::canvasFromBox(const ObjectRecord& object) const {
+  const ObjectView* const view = shownView(object);
+  const ViewScan& scan = context_.frame->scans[clouds_.list.front().scan];
+  if (view != nullptr && scan.placed.empty() && scan.revolution == 0) {
+    return clouds_.list.front().canvasFromScan * toAffine(view->sensorFromBox);
+  }
+  Pose worldFromBox = object.worldFromBox;
+  if (view != nullptr) {
+    const double time = scan.revolution == 0 ? view->time : scan.time;
+    worldFromBox.translation += object.velocity * (time - context_.frame->objectTime);
+  }
+  return canvasFromWorld * toAffine(worldFromBox);
+}
+
+void Scenery::findRoadUsers() {
+  roadUsers_.clear();
+  const Ontology* const ontology = context_.source->ontology();
+  if (ontology == nullptr) return;
+  const ClassMap kitti(*ontology, readOntology(namedResource("kitti", "labels")));
+  for (const SemanticClass& c : ontology->classes) {
+    if (kitti.of(c.id) != 0) roadUsers_.insert(c.id);
+  }
+}
+
+bool Scenery::boxShown(const ObjectRecord& object) const {
+  if (context_.options.boxes == BoxChoice::None) return false;
+  // Instances that the user names are drawn whatever their class.
+  const bool roadUsers =
+      context_.options.boxes == BoxChoice::RoadUsers && !roadUsers_.empty() && context_.filter.instances.empty();
+  if (roadUsers && !roadUsers_.contains(object.semantic)) return false;
+  return context_.filter.showsInstance(object.id) && context_.filter.classes.shows(object.semantic);
+}
+
+void Scenery::placeBoxes() {
+  LineSet lines;
+  if (context_.frame && worldFromAnchor && !clouds_.list.empty()) {
+    for (const auto& [object, track] : context_.frame->objects) {
+      if (!boxShown(object)) continue;
+      const SemanticClass* const known =
+          context_.source->ontology() == nullptr ? nullptr : context_.source->ontology()->find(object.semantic);
+      const Rgb color = known == nullptr ? kUnknownClass : known->color;
+      const ObjectView* const view = shownView(object);
+      const bool seen = view != nullptr && view->points > 0;
+      const Affine place = canvasFromBox(object);
+      if (!seen && length(place.translation - clouds_.list.front().canvasFromScan.translation) > kUnseenWithin)
+        continue;
+      addBox(lines, place, object.size, object.headingKnown,
+             seen ? color : mix(color, context_.options.background, kFaint));
+      for (std::size_t i = 0; i + 1 < track.size(); ++i) {
+        lines.add(canvasFromWorld * track[i], canvasFromWorld * track[i + 1], color);
+      }
+    }
+  }
+  placeInstanceBoxes(lines);
+  setLines(kBoxesItem, lines, 1);
+  context_.changes.items = context_.changes.panels = true;
+}
+
+std::vector<std::pair<const ObjectRecord*, const ObjectView*>> Scenery::nearestSeen() const {
+  std::vector<std::pair<const ObjectRecord*, const ObjectView*>> seen;
+  if (!context_.frame || !worldFromAnchor || clouds_.list.empty()) return seen;
+  for (const auto& [object, track] : context_.frame->objects) {
+    const ObjectView* const view = shownView(object);
+    if (view != nullptr && view->points > 0 && boxShown(object)) seen.emplace_back(&object, view);
+  }
+  std::ranges::sort(seen, {}, [](const auto& one) { return length(one.second->sensorFromBox.translation); });
+  if (seen.size() > kMostNames) seen.resize(kMostNames);
+  return seen;
+}
+
+void Scenery::addObjectRows(PickedThing& thing, std::uint32_t instance) const {
+  const auto found =
+      std::ranges::find_if(context_.frame->objects, [&](const ViewObject& o) { return o.record.id == instance; });
+  if (found == context_.frame->objects.end()) return;
+  const ObjectRecord& object = found->record;
+  const auto add = [&](const char* what, const std::string& value) { thing.rows.emplace_back(what, value); };
+  add("object", object.name);
+  add("box", fmt::format("{:.2f} x {:.2f} x {:.2f} m{}", object.size.x, object.size.y, object.size.z,
+                         object.headingKnown ? "" : ", heading unknown"));
+  if (object.moves) add("speed", fmt::format("{:.2f} m/s", length(object.velocity)));
+  const std::string& sensor = context_.frame->scans[thing.scan].sensor;
+  for (const ObjectView& view : object.views) {
+    if (lowerCase(view.sensor) != lowerCase(sensor)) continue;
+    add("visible",
+        fmt::format("{:.0f} % ({} of {} beams)", 100 * view.visibility().value_or(0), view.beams, view.beamsAlone));
+    if (view.truncation > 0) add("out of view", fmt::format("{:.0f} %", 100 * view.truncation));
+  }
+}
+
+std::uint16_t classOf(const InstanceSummary& instance) {
+  return instance.classes.empty() ? std::uint16_t{0} : instance.classes.front().first;
+}
+
+const std::vector<InstanceSummary>& Scenery::instances() {
+  const ShownCloud& cloud = clouds_.list.front();
+  const std::pair<const ViewFrame*, std::size_t> of{context_.frame.get(), cloud.scan};
+  if (instancesOf_ != of) {
+    const ViewScan& viewed = context_.frame->scans[cloud.scan];
+    instances_ = summarizeInstances(viewed.scan, viewed.places(), cloud.canvasFromScan);
+    instancesOf_ = of;
+  }
+  return instances_;
+}
+
+// Adds the smallest upright box around each instance's points, in the colour of the instance's most frequent class.
+void Scenery::placeInstanceBoxes(LineSet& lines) {
+  if (!instanceBoxes || clouds_.list.empty() || !context_.frame->objects.empty()) return;
+  for (const InstanceSummary& instance : instances()) {
+    const std::uint16_t semantic = classOf(instance);
+    if (!context_.filter.showsInstance(instance.id) || !context_.filter.classes.shows(semantic)) continue;
+    addBox(lines, instance.levelFromBox, instance.size, false, classColor(context_.source->ontology(), semantic));
+  }
 }
 
 }  // namespace scanmill

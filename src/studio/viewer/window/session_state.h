@@ -39,7 +39,7 @@ struct ViewSession::State {
   std::string sceneLacks(const KeyMeaning& meaning) const;
   std::string sceneLacks(const ColorBy& by) const;
 
-  // Functions in session_frames.cpp, which request, load and show frames and scenes, and draw the picture:
+  // Functions in session.cpp, which request, load and show frames and scenes, and draw the picture:
   void goTo(std::size_t frame, int step);
   void stepBy(std::ptrdiff_t count);
   void togglePlaying();
@@ -57,7 +57,7 @@ struct ViewSession::State {
   void updateHover();
   void flush(bool whole);
 
-  // Functions in session_panels.cpp and session_instances.cpp, which draw with Dear ImGui:
+  // Functions in session_panels.cpp, which draw with Dear ImGui:
   void runPanels();
   void drawPanels();
   void drawMenus();

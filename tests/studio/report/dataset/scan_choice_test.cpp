@@ -1,9 +1,9 @@
-#include "report/dataset/scan_choice.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <set>
+
+#include "report/dataset/scan_reading.h"
 
 namespace scanmill {
 namespace {

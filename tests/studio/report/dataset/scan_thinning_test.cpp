@@ -1,5 +1,3 @@
-#include "report/dataset/scan_thinning.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include <set>
 
 #include "base/random.h"
+#include "report/dataset/scan_view.h"
 
 namespace scanmill {
 namespace {

@@ -1,5 +1,3 @@
-#include "report/tradeoff/error_picture.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include <map>
 
 #include "images/images.h"
+#include "report/tradeoff/report.h"
 #include "tests/support/test_scene.h"
 #include "viewer/color_map.h"
 #include "viewer/image.h"

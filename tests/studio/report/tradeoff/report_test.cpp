@@ -5,8 +5,6 @@
 
 #include <regex>
 
-#include "report/tradeoff/report_charts.h"
-#include "report/tradeoff/report_figures.h"
 #include "study/tradeoff/study_figures.h"
 #include "tests/studio/charts/svg_check.h"
 #include "tests/studio/study/tradeoff/example_study.h"

@@ -1,10 +1,9 @@
-#include "viewer/window/class_filter.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/studio/viewer/window/fake_frames.h"
 #include "tests/support/message_of.h"
+#include "viewer/window/session_context.h"
 
 namespace scanmill {
 namespace {
