@@ -11,11 +11,9 @@
 #include "assets/asset.h"
 #include "assets/meshes/asset_parts.h"
 #include "base/error.h"
-#include "base/file.h"
 #include "config/text.h"
 #include "tests/core/assets/read_assets.h"
 #include "tests/support/shared_data.h"
-#include "tests/support/temporary_folder.h"
 
 namespace scanmill {
 namespace {
@@ -117,25 +115,6 @@ TEST(SharedAssets, GazeboModelsHaveTheirRealSizes) {
   }
 }
 
-// The same through a scene file, with no word of an axis.
-TEST(SharedAssets, GazeboModelsStandUprightInAScene) {
-  SKIP_WITHOUT_SHARED_DATA("scenes/gazebo");
-  const TemporaryFolder folder;
-  for (const auto& [model, height] : {std::pair("house_1", 5.124),
-                                      {"oak_tree", 6.598},
-                                      {"pickup", 1.865},
-                                      {"mailbox", 1.067},
-                                      {"fire_hydrant", 0.931},
-                                      {"lamp_post", 3.091},
-                                      {"telephone_pole", 9.223}}) {
-    const Scene scene =
-        sceneOf(folder, "assets: " + (sharedData() / "scenes/gazebo").string() + "\nobjects:\n  - {file: " + model +
-                            "/meshes/" + model + ".dae, class: object, material: wood}\n");
-    EXPECT_NEAR(scene.bounds().low.z, 0, 0.08) << model;
-    EXPECT_NEAR(scene.bounds().high.z - scene.bounds().low.z, height, 0.002) << model;
-  }
-}
-
 // Their bodies are 42 to 64 % without alpha, where the paint goes; the post's alpha is all outside its surface.
 TEST(SharedAssets, BodiesOfGazeboCarsAreSolid) {
   SKIP_WITHOUT_SHARED_DATA("scenes/gazebo");
@@ -156,51 +135,6 @@ TEST(SharedAssets, BodiesOfGazeboCarsAreSolid) {
     tested = tested || part.fileMaterial.alphaTested;
   }
   EXPECT_TRUE(tested);
-}
-
-// The trees name no texture themselves (scripts of Gazebo's renderer do): here they get those of the scripts.
-TEST(SharedAssets, BranchesOfGazeboTreesAreCutOut) {
-  SKIP_WITHOUT_SHARED_DATA("scenes/gazebo/pine_tree");
-  const TemporaryFolder folder;
-  for (const auto& [tree, image] :
-       {std::pair("oak_tree", "branch_diffuse.png"), {"pine_tree", "branch_2_diffuse.png"}}) {
-    const std::filesystem::path model = sharedData() / "scenes/gazebo" / tree;
-    std::string text = readFile(model / "meshes" / (std::string(tree) + ".dae"));
-    const auto insert = [&](const std::string& mark, const std::string& replacement) {
-      const std::size_t at = text.find(mark);
-      ASSERT_NE(at, std::string::npos) << mark;
-      text.replace(at, mark.size(), replacement);
-    };
-    insert("<library_images/>", "<library_images><image id=\"i\"><init_from>" +
-                                    (model / "materials/textures" / image).string() +
-                                    "</init_from></image></library_images>");
-    insert("<profile_COMMON>",
-           "<profile_COMMON><newparam sid=\"s\"><surface type=\"2D\"><init_from>i</init_from></surface></newparam>"
-           "<newparam sid=\"t\"><sampler2D><source>s</source></sampler2D></newparam>");
-    insert("<color sid=\"diffuse\">0.64 0.64 0.64 1</color>", "<texture texture=\"t\" texcoord=\"UVMap\"/>");
-    int leafy = 0;
-    for (const AssetPart& part :
-         readAsset(folder.write("tree.dae", text), {.textures = false, .allowOutside = true}).parts) {
-      EXPECT_EQ(part.fileMaterial.alphaTested, part.material.starts_with("Branch")) << tree << ' ' << part.material;
-      leafy += part.fileMaterial.alphaTested ? 1 : 0;
-    }
-    EXPECT_EQ(leafy, 1) << tree;
-  }
-}
-
-TEST(SharedAssets, TruncatedFilesNeverCrash) {
-  SKIP_WITHOUT_SHARED_DATA("scenes");
-  const std::filesystem::path scenes = sharedData() / "scenes";
-  const TemporaryFolder folder;
-  for (const char* name :
-       {"truck_town/tree/scene.gltf", "kenney_city/vehicle-truck-red.glb", "helios/toyblocks/sphere.obj",
-        "gazebo/bus_stop/meshes/glass.STL", "gazebo/stop_sign/meshes/stop_sign.dae"}) {
-    const std::string whole = readFile(scenes / name);
-    const std::string file = "cut" + std::filesystem::path(name).extension().string();
-    for (std::size_t k = 0; k < 50; ++k) {
-      isReadOrNamed(folder.write(file, std::string_view(whole).substr(0, whole.size() * k / 50)), {.textures = false});
-    }
-  }
 }
 
 // Debian's assimp-testmodels: hundreds of files of every kind, some broken on purpose.

@@ -301,9 +301,7 @@ TEST_F(AssetFiles, ImagesOfColladaThatAreClampedAreCounted) {
 TEST_F(AssetFiles, OpacitiesThatNoImageShowsAreCounted) {
   const auto warnings = [&](const std::string& mtl) {
     write("a.mtl", "newmtl paint\nKd 0.5 0.5 0.5\n" + mtl);
-    testing::internal::CaptureStderr();
-    read("pane.obj", kObj);
-    return testing::internal::GetCapturedStderr();
+    return printedBy([&] { read("pane.obj", kObj); });
   };
   EXPECT_EQ(warnings("d 1\n"), "");
   EXPECT_THAT(warnings("d 0.5\n"), HasSubstr("pane.obj: left out: 1 opacities of materials (they are solid)\n"));
@@ -323,9 +321,7 @@ TEST_F(AssetFiles, NamesOfImagesMayStandInQuotationMarks) {
 TEST_F(AssetFiles, OpacityMapsThatAreTheImageOfTheColourNeedAlpha) {
   writeColours(folder_.path() / "colours.png");
   write("a.mtl", std::string(kMtl) + "map_d colours.png\n");
-  testing::internal::CaptureStderr();
-  EXPECT_FALSE(read("a.obj", kObj).parts.at(0).fileMaterial.alphaTested);
-  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+  EXPECT_THAT(printedBy([&] { EXPECT_FALSE(read("a.obj", kObj).parts.at(0).fileMaterial.alphaTested); }),
               HasSubstr("left out: 1 opacity maps that are the image of the colour too, and have no alpha\n"));
 }
 
@@ -374,20 +370,6 @@ TEST(AlphaShares, LimitsAreOnTheSideOfCutOuts) {
   EXPECT_FALSE(isCutOut({.low = 0.5, .graded = 0.5, .gone = 0}));
   EXPECT_FALSE(isCutOut({.low = 0.5, .graded = 0, .gone = 0.2}));
   EXPECT_FALSE(isCutOut({}));
-}
-
-TEST_F(AssetFiles, AMissingTextureIsOneWarningAndThePlainColour) {
-  write("a.mtl", kMtl);
-  testing::internal::CaptureStderr();
-  const Asset asset = read("a.obj", kObj);
-  readAsset(folder_.path() / "a.obj", {});
-  const std::string printed = testing::internal::GetCapturedStderr();
-  EXPECT_THAT(printed, HasSubstr("a.obj"));
-  EXPECT_THAT(printed, HasSubstr("colours.png"));
-  EXPECT_EQ(std::count(printed.begin(), printed.end(), '\n'), 1) << printed;
-  EXPECT_NEAR(asset.parts.at(0).fileMaterial.reflectance, 0.5, 1e-6);
-  EXPECT_FALSE(asset.parts[0].fileMaterial.textured);
-  EXPECT_EQ(asset.parts[0].texture, "colours.png");
 }
 
 TEST_F(AssetFiles, TexturesAreFoundWherePeoplePutThem) {
@@ -442,9 +424,11 @@ TEST(AssetMaterials, MissingTexturesAreToldInOneLine) {
   }
   folder.write("a.mtl", library);
   const auto file = folder.write("a.obj", object);
-  testing::internal::CaptureStderr();
-  readAsset(file, {});
-  const std::string shown = testing::internal::GetCapturedStderr();
+  Asset asset;
+  const std::string shown = printedBy([&] { asset = readAsset(file, {}); });
+  EXPECT_NEAR(asset.parts.at(0).fileMaterial.reflectance, 0.5, 1e-6);
+  EXPECT_FALSE(asset.parts[0].fileMaterial.textured);
+  EXPECT_EQ(asset.parts[0].texture, "gone0.jpg");
   EXPECT_EQ(std::count(shown.begin(), shown.end(), '\n'), 1) << shown;
   EXPECT_THAT(shown, testing::HasSubstr("a.obj: missing textures: 'gone0.jpg', 'gone1.jpg'"));
   EXPECT_THAT(shown, testing::HasSubstr("'gone7.jpg' and 2 more; plain colours replace them; "));

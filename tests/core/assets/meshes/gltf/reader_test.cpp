@@ -39,6 +39,19 @@ GltfBuilder wing() {
   return wing(b, {{"POSITION", positions}});
 }
 
+// A wing with texture coordinates, and with one material whose image is this file.
+GltfBuilder pictured(const char* image, const Json& material) {
+  GltfBuilder b;
+  const std::size_t positions = b.numbers<float>(kCorners, "VEC3", 3);
+  const std::size_t uvs = b.numbers<float>({0, 0, 1, 0, 0, 1}, "VEC2", 2);
+  GltfBuilder w = wing(b, {{"POSITION", positions}, {"TEXCOORD_0", uvs}}, {{"material", 0}});
+  w.json["images"] = {{{"uri", image}}};
+  w.json["textures"] = {{{"source", 0}}};
+  w.json["materials"] = Json::array({material});
+  w.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
+  return w;
+}
+
 class GltfReader : public testing::Test {
  protected:
   // As the file has it, which is y-up.
@@ -67,9 +80,7 @@ void expectWing(const Asset& asset, const Vec3d& moved = {}, double tolerance = 
 }
 
 std::string GltfReader::warnings(const GltfBuilder& b) {
-  testing::internal::CaptureStderr();
-  expectWing(read(b));
-  return testing::internal::GetCapturedStderr();
+  return printedBy([&] { expectWing(read(b)); });
 }
 
 TEST_F(GltfReader, ExtensionsThatAreRequiredAndUnknownAreRefused) {
@@ -357,9 +368,8 @@ TEST_F(GltfReader, WhatIsHiddenIsLeftOutWithWhatIsBelowIt) {
       {{"name", "hidden"}, {"children", {2}}, {"extensions", {{"KHR_node_visibility", {{"visible", false}}}}}},
       {{"name", "below"}, {"mesh", 0}}};
   b.json["scenes"][0]["nodes"] = {0, 1};
-  testing::internal::CaptureStderr();
-  const Asset asset = read(b);
-  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("a.gltf: left out: 1 hidden nodes\n"));
+  Asset asset;
+  EXPECT_THAT(printedBy([&] { asset = read(b); }), HasSubstr("a.gltf: left out: 1 hidden nodes\n"));
   EXPECT_EQ(asset.parts.at(0).node, "shown");
   expectWing(asset, {5, 0, 0});
 }
@@ -457,41 +467,30 @@ TEST_F(GltfReader, ANodeWithoutANameIsNamedByAnAncestorOrItsMesh) {
   EXPECT_EQ(read(b).parts.at(0).node, "above");
 }
 
+// Values with names of their own may be labels, such as _BATCHID, or looks.
 TEST_F(GltfReader, WhatIsLeftOutIsCountedInOneWarning) {
-  GltfBuilder b;
-  const std::size_t positions = b.numbers<float>(kCorners, "VEC3", 3);
-  const std::size_t uvs = b.numbers<float>({0, 0, 2, 0, 0, 2}, "VEC2", 2);
-  GltfBuilder w = wing(b, {{"POSITION", positions}, {"TEXCOORD_0", uvs}, {"COLOR_0", positions}}, {{"material", 0}});
+  GltfBuilder w =
+      pictured("colours.png", {{"alphaMode", "BLEND"},
+                               {"extensions", {{"KHR_materials_transmission", {{"transmissionFactor", 1}}}}},
+                               {"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 0.25}}}}});
   writeColours(folder_.path() / "colours.png");
-  w.json["images"] = {{{"uri", "colours.png"}}};
   w.json["samplers"] = {{{"wrapS", 33071}}};
-  w.json["textures"] = {{{"source", 0}, {"sampler", 0}}};
-  w.json["materials"] = {
-      {{"alphaMode", "BLEND"},
-       {"extensions", {{"KHR_materials_transmission", {{"transmissionFactor", 1}}}}},
-       {"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 0.25}}, {"baseColorTexture", {{"index", 0}}}}}}};
+  w.json["textures"][0]["sampler"] = 0;
+  Json& attributes = w.json["meshes"][0]["primitives"][0]["attributes"];
+  attributes["TEXCOORD_0"] = w.numbers<float>({0, 0, 2, 0, 0, 2}, "VEC2", 2);
+  attributes["_BATCHID"] = w.numbers<float>({1, 2, 3}, "SCALAR", 1);
+  attributes["NORMAL"] = attributes["COLOR_0"] = 0;
   for (const int mode : {0, 1, 3}) {
-    w.json["meshes"][0]["primitives"].push_back({{"attributes", {{"POSITION", positions}}}, {"mode", mode}});
+    w.json["meshes"][0]["primitives"].push_back({{"attributes", {{"POSITION", 0}}}, {"mode", mode}});
   }
+  w.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {
+      {"TRANSLATION", w.numbers<float>({0, 0, 0}, "VEC3", 3)}, {"_FEATURE_ID_0", w.numbers<float>({7}, "SCALAR", 1)}};
+  w.json["extensionsUsed"] = {"EXT_instance_features"};
   EXPECT_THAT(warnings(w),
               HasSubstr("a.gltf: left out: 1 clamped or mirrored textures (they repeat), 3 colours of vertices "
                         "(COLOR_0), 1 opacities of materials (they are solid), 2 primitives of lines, 1 primitives of "
-                        "points, 1 transmissions of materials (they are solid)\n"));
-}
-
-// They may be labels, such as _BATCHID, or looks.
-TEST_F(GltfReader, ValuesWithNamesOfTheirOwnAreCounted) {
-  GltfBuilder b;
-  const std::size_t positions = b.numbers<float>(kCorners, "VEC3", 3);
-  const std::size_t ids = b.numbers<float>({1, 2, 3}, "SCALAR", 1);
-  GltfBuilder w = wing(b, {{"POSITION", positions}, {"NORMAL", positions}, {"_BATCHID", ids}, {"COLOR_1", positions}});
-  const Json instances{{"TRANSLATION", w.numbers<float>({0, 0, 0}, "VEC3", 3)},
-                       {"_FEATURE_ID_0", w.numbers<float>({7}, "SCALAR", 1)}};
-  w.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = instances;
-  w.json["extensionsUsed"] = {"EXT_instance_features"};
-  EXPECT_THAT(warnings(w), HasSubstr("a.gltf: left out: 3 colours of vertices (COLOR_1), 1 unknown "
-                                     "'EXT_instance_features', 1 values of instances (_FEATURE_ID_0), 3 values of "
-                                     "vertices (_BATCHID)\n"));
+                        "points, 1 transmissions of materials (they are solid), 1 unknown 'EXT_instance_features', 1 "
+                        "values of instances (_FEATURE_ID_0), 3 values of vertices (_BATCHID)\n"));
 }
 
 TEST_F(GltfReader, MaterialsWithoutTrianglesAreNotToldAndEmissiveImagesAre) {
@@ -506,62 +505,33 @@ TEST_F(GltfReader, MaterialsWithoutTrianglesAreNotToldAndEmissiveImagesAre) {
   w.json["scenes"][0]["nodes"] = {0, 1};
   const auto told = [&](int material) {
     w.json["meshes"][0]["primitives"][0]["material"] = material;
-    testing::internal::CaptureStderr();
-    read(w);
-    return testing::internal::GetCapturedStderr();
+    return printedBy([&] { read(w); });
   };
   EXPECT_THAT(told(0), HasSubstr("left out: 1 emissive images of materials with a black base colour\n"));
   EXPECT_THAT(told(1), HasSubstr("left out: 1 opacities of materials (they are solid)\n"));
 }
 
-// One texel would colour the whole part.
-TEST_F(GltfReader, TexturesNeedTextureCoordinates) {
-  GltfBuilder w = wing();
-  writeColours(folder_.path() / "colours.png");
-  w.json["images"] = {{{"uri", "colours.png"}}};
-  w.json["textures"] = {{{"source", 0}}};
-  w.json["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}, {"texCoord", 1}}}}}}};
-  w.json["meshes"][0]["primitives"][0]["material"] = 0;
-  EXPECT_THAT(warnings(w), HasSubstr("a.gltf: left out: 1 textures of parts without texture coordinates\n"));
-  const Material material = read(w).parts.at(0).fileMaterial;
-  EXPECT_FALSE(material.textured);
-  EXPECT_NEAR(material.reflectance, kColoursMean, 1e-5);
-}
-
 // Primitives without texture coordinates are a part of their own, so that no texture shows on them.
 TEST_F(GltfReader, PrimitivesWithoutTextureCoordinatesAreAPartOfTheirOwn) {
-  GltfBuilder b;
-  const std::size_t positions = b.numbers<float>(kCorners, "VEC3", 3);
-  const std::size_t uvs = b.numbers<float>({0, 0, 1, 0, 0, 1}, "VEC2", 2);
-  GltfBuilder w = wing(b, {{"POSITION", positions}, {"TEXCOORD_0", uvs}}, {{"material", 0}});
-  w.json["meshes"][0]["primitives"].push_back({{"attributes", {{"POSITION", positions}}}, {"material", 0}});
+  GltfBuilder w = pictured("colours.png", Json::object());
+  w.json["meshes"][0]["primitives"].push_back({{"attributes", {{"POSITION", 0}}}, {"material", 0}});
   writeColours(folder_.path() / "colours.png");
-  w.json["images"] = {{{"uri", "colours.png"}}};
-  w.json["textures"] = {{{"source", 0}}};
-  w.json["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}}};
-  testing::internal::CaptureStderr();
-  const Asset asset = readAsset(folder_.write("mixed.gltf", w.text()), {});
-  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+  Asset asset;
+  EXPECT_THAT(printedBy([&] { asset = readAsset(folder_.write("mixed.gltf", w.text()), {}); }),
               HasSubstr("mixed.gltf: left out: 1 textures of parts without texture coordinates\n"));
   ASSERT_EQ(asset.parts.size(), 2u);
   EXPECT_EQ(asset.parts[0].nodeIndex, asset.parts[1].nodeIndex);
   EXPECT_TRUE(asset.parts[0].fileMaterial.textured);
   EXPECT_FALSE(asset.parts[1].fileMaterial.textured);
+  EXPECT_NEAR(asset.parts[1].fileMaterial.reflectance, kColoursMean, 1e-5);
   w.json["materials"][0]["pbrMetallicRoughness"].erase("baseColorTexture");
   EXPECT_EQ(read(w).parts.size(), 1u) << "without an image they are one part";
 }
 
 // glTF 2.0, 3.9.2: the factor multiplies each channel. The image is red, green, blue and white.
 TEST_F(GltfReader, ColouredFactorsMultiplyTheChannelsOfImages) {
-  GltfBuilder b;
-  const std::size_t positions = b.numbers<float>(kCorners, "VEC3", 3);
-  const std::size_t uvs = b.numbers<float>({0, 0, 1, 0, 0, 1}, "VEC2", 2);
-  GltfBuilder w = wing(b, {{"POSITION", positions}, {"TEXCOORD_0", uvs}}, {{"material", 0}});
   writeColours(folder_.path() / "colours.png");
-  w.json["images"] = {{{"uri", "colours.png"}}};
-  w.json["textures"] = {{{"source", 0}}};
-  w.json["materials"] = {
-      {{"pbrMetallicRoughness", {{"baseColorFactor", {0.5, 0.25, 0, 1}}, {"baseColorTexture", {{"index", 0}}}}}}};
+  const GltfBuilder w = pictured("colours.png", {{"pbrMetallicRoughness", {{"baseColorFactor", {0.5, 0.25, 0, 1}}}}});
   const AssetPart part = read(w).parts.at(0);
   const Material& m = part.fileMaterial;
   EXPECT_NEAR(m.reflectance, (0.2126 * 0.5 + 0.7152 * 0.25) / 2, 1e-3);
@@ -571,18 +541,11 @@ TEST_F(GltfReader, ColouredFactorsMultiplyTheChannelsOfImages) {
   EXPECT_NEAR(seen(0.75f, 0.75f), 0.7152 * 0.25, 2e-3) << "green";
   EXPECT_NEAR(seen(0.25f, 0.25f), 0, 2e-3) << "blue";
   EXPECT_EQ(part.color, (std::array<float, 3>{0.5f, 0.5f, 0.5f}));
-  const AssetPart plain = read(w, {.textures = false}).parts.at(0);
-  EXPECT_EQ(plain.color, (std::array<float, 3>{0.5f, 0.25f, 0}));
+  EXPECT_EQ(read(w, {.textures = false}).parts.at(0).color, (std::array<float, 3>{0.5f, 0.25f, 0}));
 }
 
 TEST_F(GltfReader, ImagesThatFadeAreCountedAndAFactorOfZeroMasksAll) {
-  GltfBuilder b;
-  const std::size_t positions = b.numbers<float>(kCorners, "VEC3", 3);
-  const std::size_t uvs = b.numbers<float>({0, 0, 1, 0, 0, 1}, "VEC2", 2);
-  GltfBuilder w = wing(b, {{"POSITION", positions}, {"TEXCOORD_0", uvs}}, {{"material", 0}});
-  w.json["images"] = {{{"uri", "fade.png"}}};
-  w.json["textures"] = {{{"source", 0}}};
-  w.json["materials"] = {{{"alphaMode", "BLEND"}, {"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}}};
+  GltfBuilder w = pictured("fade.png", {{"alphaMode", "BLEND"}});
   writeColours(folder_.path() / "fade.png", 100);
   EXPECT_EQ(warnings(w), "") << "a quarter";
   auto output = OIIO::ImageOutput::create("fade.png");
