@@ -8,20 +8,6 @@
 
 namespace scanmill {
 
-namespace {
-
-// Returns the hint of suggestion(), and adds all names if one of them is near and there are at most six.
-std::string oneOf(std::string_view word, const std::vector<std::string>& names) {
-  constexpr std::size_t kFew = 6;
-  const std::string near = nearest(word, names);
-  if (near.empty() || names.size() > kFew) return suggestion(word, names);
-  std::string hint = suggestion(word, {near});
-  hint.pop_back();  // the bracket
-  return fmt::format("{}{} known: {})", hint, hint.ends_with('?') ? "" : ";", fmt::join(names, ", "));
-}
-
-}  // namespace
-
 Fields::Fields(const Value& value, std::string what) : value_(value), what_(std::move(what)) {
   if (value.kind == Value::Kind::Map || value.kind == Value::Kind::Null) return;
   throw InputError(value.where,
@@ -87,7 +73,7 @@ std::string Fields::choice(std::string_view key, const std::vector<std::string>&
   std::string name = text(key);
   if (std::find(names.begin(), names.end(), name) != names.end()) return name;
   throw InputError(value->where,
-                   fmt::format("{}: {} may not be {}{}", what_, key, quotedForMessage(name), oneOf(name, names)));
+                   fmt::format("{}: {} may not be {}{}", what_, key, quotedForMessage(name), suggestion(name, names)));
 }
 
 Vec3d Fields::vec3(std::string_view key, const Vec3d& fallback) {

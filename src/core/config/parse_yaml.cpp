@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <new>
 #include <sstream>
 #include <unordered_map>
@@ -67,24 +66,6 @@ std::string explain(const std::string& message) {
     if (message == words) return fmt::format("invalid YAML: {} ({})", advice, message);
   }
   return "invalid YAML: " + message;
-}
-
-// Returns a hint if a colour such as #ff8000 lacks quotes on a line up to `before`, else an empty text. Without quotes
-// the colour begins a comment, which hides the rest of its line, closing brackets included.
-std::string bareColor(std::string_view text, int before) {
-  int line = 1;
-  for (std::size_t at = 0; at < text.size() && line <= before; ++at) {
-    if (text[at] == '\n') ++line;
-    if (text[at] != '#' || at < 2 || text[at - 1] != ' ') continue;
-    const std::size_t mark = text.find_last_not_of(' ', at - 1);
-    if (mark == std::string_view::npos || (text[mark] != ':' && text[mark] != '[' && text[mark] != ',')) continue;
-    std::size_t end = at + 1;
-    while (end < text.size() && std::isxdigit(static_cast<unsigned char>(text[end])) != 0) ++end;
-    if (end - at != 4 && end - at != 7) continue;
-    return fmt::format("; line {}: {} begins a comment unless it is in quotes: \"{}\"", line, text.substr(at, end - at),
-                       text.substr(at, end - at));
-  }
-  return {};
 }
 
 // Builds the tree from events.
@@ -288,7 +269,7 @@ Value parseYaml(std::string_view text, const std::string& file) {
   } catch (const YAML::Exception& e) {
     const bool unclosed = e.msg == YAML::ErrorMsg::END_OF_SEQ_FLOW || e.msg == YAML::ErrorMsg::END_OF_MAP_FLOW;
     const Location where = unclosed ? builder.innermost() : builder.place(e.mark);
-    throw InputError(where, explain(e.msg) + bareColor(text, builder.place(e.mark).line));
+    throw InputError(where, explain(e.msg));
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& e) {

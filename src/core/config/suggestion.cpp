@@ -86,14 +86,6 @@ std::string suggestion(std::string_view word, const std::vector<std::string>& na
     return fmt::format(" (did you mean '{}'? Its unit is {}, not {})", name, unit, own);
   }
   if (!name.empty()) return fmt::format(" (did you mean '{}'?)", name);
-  // The only name with the same first two letters is probably meant, but not certainly.
-  const auto startsAlike = [&](const std::string& other) {
-    return word.size() > 2 && folded(other).substr(0, 2) == folded(word).substr(0, 2);
-  };
-  const auto first = std::find_if(names.begin(), names.end(), startsAlike);
-  if (first != names.end() && std::find_if(first + 1, names.end(), startsAlike) == names.end()) {
-    return fmt::format(" (did you mean '{}'? known: {})", *first, fmt::join(names, ", "));
-  }
   return fmt::format(" (known: {})", fmt::join(names, ", "));
 }
 

@@ -130,23 +130,8 @@ std::string quotedForMessage(std::string_view text) {
 }
 
 std::string numberAdvice(std::string_view text) {
-  constexpr std::string_view kDigits = "0123456789";
-  const auto has = [&](std::string_view part) { return text.find(part) != std::string_view::npos; };
-  if (has("\xE2\x88\x92") || has("\xE2\x80\x93")) return " (it has a dash: write the minus sign -)";
-  if (text.find_first_of(kDigits) == std::string_view::npos) return {};
-  if (has(",")) return " (write a point in place of the comma, and no commas between thousands)";
-  if (has(":")) return " (write one number without colons)";
-  if (has("_")) return " (write its digits without _)";
-  const std::string_view unsignedText = text.substr(std::min(text.find_first_not_of("+-"), text.size()));
-  for (const char* base : {"0x", "0o", "0b"}) {
-    if (unsignedText.starts_with(base)) return " (write a decimal number)";
-  }
-  const auto isDigit = [&](char c) { return kDigits.find(c) != std::string_view::npos; };
-  if (unsignedText.front() == '0' && unsignedText.size() > 1 && isDigit(unsignedText[1])) {
-    return " (write it without the leading 0)";
-  }
-  const bool unit = isDigit(unsignedText.front()) && !isDigit(text.back()) && text.back() != '.';
-  return unit ? " (write the number alone, without a unit)" : "";
+  const bool hasDigit = text.find_first_of("0123456789") != std::string_view::npos;
+  return hasDigit ? " (write it as 1234.5 or -1.2e-3, without a unit, and the minus sign as -)" : "";
 }
 
 std::string lowerCase(std::string_view text) {

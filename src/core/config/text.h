@@ -25,8 +25,7 @@ std::string expandVariables(std::string_view text, const Location& where);
 // Returns the text in quotes, on one line, and cut to a length that fits into a message.
 std::string quotedForMessage(std::string_view text);
 
-// Returns what to change in a text that was meant as a number, such as " (write a point in place of the comma)"; empty
-// if nothing is known.
+// Returns how to write a text that was meant as a number; empty if it has no digit.
 std::string numberAdvice(std::string_view text);
 
 // Returns the text with the letters A to Z in lower case.

@@ -206,31 +206,15 @@ class CloudReader {
   // Calls visit(value) with a value of the type in which the attribute is stored.
   template <class Visit>
   void visitStored(const draco::PointAttribute& attribute, std::string_view name, const Visit& visit) const {
-    switch (attribute.data_type()) {
-      case draco::DT_INT8:
-        return visit(std::int8_t{});
-      case draco::DT_UINT8:
-      case draco::DT_BOOL:
-        return visit(std::uint8_t{});
-      case draco::DT_INT16:
-        return visit(std::int16_t{});
-      case draco::DT_UINT16:
-        return visit(std::uint16_t{});
-      case draco::DT_INT32:
-        return visit(std::int32_t{});
-      case draco::DT_UINT32:
-        return visit(std::uint32_t{});
-      case draco::DT_INT64:
-        return visit(std::int64_t{});
-      case draco::DT_UINT64:
-        return visit(std::uint64_t{});
-      case draco::DT_FLOAT32:
-        return visit(float{});
-      case draco::DT_FLOAT64:
-        return visit(double{});
-      default:
-        throw InputError(where_, fmt::format("{} has an unknown type", name));
+    const draco::DataType type = attribute.data_type();
+    if (type == draco::DT_INVALID || type >= draco::DT_TYPES_COUNT) {
+      throw InputError(where_, fmt::format("{} has an unknown type", name));
     }
+    const bool isFloat = type == draco::DT_FLOAT32 || type == draco::DT_FLOAT64;
+    const bool isSigned =
+        type == draco::DT_INT8 || type == draco::DT_INT16 || type == draco::DT_INT32 || type == draco::DT_INT64;
+    const auto size = static_cast<std::uint64_t>(draco::DataTypeLength(type));
+    visitNumberType(isFloat ? 'F' : isSigned ? 'I' : 'U', size, visit);
   }
 
   template <class Stored, class T>

@@ -4,12 +4,13 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <tuple>
+#include <iterator>
 
 #include "base/earth.h"
 #include "base/error.h"
 #include "config/text.h"
 #include "formats/readers.h"
+#include "formats/text_rows.h"
 #include "rasters/raster.h"
 
 namespace scanmill {
@@ -19,9 +20,9 @@ namespace {
 constexpr std::size_t kEncoding = 6, kMinor = 25, kHeaderSize = 94, kPointsAt = 96, kRecords = 100, kFormat = 104,
                       kRecordSize = 105, kLegacyPoints = 107, kScale = 131, kOffset = 155, kWaveformsAt = 227,
                       kLaterRecordsAt = 235, kLaterRecords = 243, kPoints = 247;
-// Types of extra bytes, which the specification numbers from 1.
-using ExtraTypes = std::tuple<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::uint32_t, std::int32_t,
-                              std::uint64_t, std::int64_t, float, double>;
+// Types of extra bytes, which the specification numbers from 1: kind (unsigned, signed or floating-point) and bytes.
+constexpr std::string_view kExtraKinds = "UIUIUIUIFF";
+constexpr std::array<std::uint64_t, 10> kExtraBytes{1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
 constexpr std::uint16_t kWktBit = 1 << 4;  // of the global encoding: the coordinate system is well-known text
 constexpr ColumnKey<columnIndex("returns")> kReturns;
 constexpr std::size_t kLeastHeader = 227;  // size of the header of versions 1.0 to 1.2 (bytes)
@@ -32,34 +33,34 @@ constexpr std::array<std::size_t, 11> kColorsAt{0, 0, 20, 28, 0, 28, 0, 30, 30, 
 constexpr std::uint8_t kCompressed = 0x80;
 
 // Names of classes, by number, from table 17 of the specification of LAS 1.4.
-constexpr std::array<const char*, 23> kClassNames{"never classified",
-                                                  "unclassified",
-                                                  "ground",
-                                                  "low vegetation",
-                                                  "medium vegetation",
-                                                  "high vegetation",
-                                                  "building",
-                                                  "low noise",
-                                                  "key point",
-                                                  "water",
-                                                  "rail",
-                                                  "road surface",
-                                                  "overlap",
-                                                  "wire guard",
-                                                  "wire conductor",
-                                                  "transmission tower",
-                                                  "wire connector",
-                                                  "bridge deck",
-                                                  "high noise",
-                                                  "overhead structure",
-                                                  "ignored ground",
-                                                  "snow",
-                                                  "temporal exclusion"};
+constexpr const char* kClassNames[] = {"never classified",
+                                       "unclassified",
+                                       "ground",
+                                       "low vegetation",
+                                       "medium vegetation",
+                                       "high vegetation",
+                                       "building",
+                                       "low noise",
+                                       "key point",
+                                       "water",
+                                       "rail",
+                                       "road surface",
+                                       "overlap",
+                                       "wire guard",
+                                       "wire conductor",
+                                       "transmission tower",
+                                       "wire connector",
+                                       "bridge deck",
+                                       "high noise",
+                                       "overhead structure",
+                                       "ignored ground",
+                                       "snow",
+                                       "temporal exclusion"};
 
 class LasReader {
  public:
   LasReader(std::string_view bytes, const std::string& what) : bytes_(bytes), where_{what} {
-    for (std::uint32_t k = 0; k < kClassNames.size(); ++k) cloud_.classNames[k] = kClassNames[k];
+    for (std::uint32_t k = 0; k < std::size(kClassNames); ++k) cloud_.classNames[k] = kClassNames[k];
   }
 
   Cloud read(CloudUnit unit) {
@@ -273,7 +274,6 @@ class LasReader {
   }
 
   void readExtraBytes(const std::vector<std::uint64_t>& records) {
-    constexpr std::array<std::uint64_t, 10> kBytes{1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
     constexpr std::size_t kDescription = 192;
     std::uint64_t place = kLeastRecord[format_];
     for (; described_.size() >= kDescription; described_.remove_prefix(kDescription)) {
@@ -281,23 +281,18 @@ class LasReader {
       const std::size_t type = static_cast<unsigned char>(described_[2]);
       const std::size_t options = static_cast<unsigned char>(described_[3]);
       // Types from 11 on are pairs and triples of the first ten.
-      const std::uint64_t size = type == 0 ? options : kBytes[(type - 1) % kBytes.size()] * ((type - 1) / 10 + 1);
+      const std::uint64_t size =
+          type == 0 ? options : kExtraBytes[(type - 1) % kExtraBytes.size()] * ((type - 1) / 10 + 1);
       if (size > record_ - place) break;
-      if (type == 0 || type > kBytes.size()) {
+      if (type == 0 || type > kExtraBytes.size()) {
         cloud_.leftOut.add(fmt::format("extra bytes '{}' of several values", name));
       } else {
-        keepExtraOf(ExtraTypes(), type, records, name, place, options);
+        visitNumberType(kExtraKinds[type - 1], kExtraBytes[type - 1],
+                        [&]<class T>(T) { keepExtra<T>(records, name, place, options); });
       }
       place += size;
     }
     cloud_.leftOut.add("bytes of each point that nothing describes", record_ - place);
-  }
-
-  template <class... T>
-  void keepExtraOf(std::tuple<T...>, std::size_t type, const std::vector<std::uint64_t>& records,
-                   const std::string& name, std::uint64_t place, std::size_t options) {
-    std::size_t number = 0;
-    ((++number == type ? keepExtra<T>(records, name, place, options) : void()), ...);
   }
 
   template <class T>

@@ -209,29 +209,11 @@ void convert(const PcdField& field, const char* first, std::size_t step, T* to, 
   }
 }
 
-// Calls visit(value) with a value of the type in which the field is stored.
-template <class Visit>
-auto visitStored(const PcdField& field, const Visit& visit) {
-  switch (field.type) {
-    case 'F':
-      return field.size == 4 ? visit(float{}) : visit(double{});
-    case 'U':
-      return field.size == 1   ? visit(std::uint8_t{})
-             : field.size == 2 ? visit(std::uint16_t{})
-             : field.size == 4 ? visit(std::uint32_t{})
-                               : visit(std::uint64_t{});
-    default:
-      return field.size == 1   ? visit(std::int8_t{})
-             : field.size == 2 ? visit(std::int16_t{})
-             : field.size == 4 ? visit(std::int32_t{})
-                               : visit(std::int64_t{});
-  }
-}
-
 template <class T>
 void readField(const PcdField& field, const char* first, std::size_t step, T* to, std::size_t stride,
                std::size_t points, const Location& where) {
-  visitStored(field, [&]<class Stored>(Stored) { convert<Stored>(field, first, step, to, stride, points, where); });
+  visitNumberType(field.type, field.size,
+                  [&]<class Stored>(Stored) { convert<Stored>(field, first, step, to, stride, points, where); });
 }
 
 class BodyReader {
@@ -297,7 +279,8 @@ class BodyReader {
   }
 
   ForeignColumn::Values newValues(const PcdField& field) const {
-    return visitStored(field, [&]<class T>(T) { return ForeignColumn::Values(std::vector<T>(header_.points)); });
+    return visitNumberType(field.type, field.size,
+                           [&]<class T>(T) { return ForeignColumn::Values(std::vector<T>(header_.points)); });
   }
 
   const PcdField& require(std::string_view name) const {

@@ -3,9 +3,8 @@
 #include <fmt/core.h>
 #include <fmt/format.h>
 
-#include <array>
-#include <bit>
 #include <cstddef>
+#include <cstring>
 #include <fstream>
 #include <string_view>
 #include <utility>
@@ -21,23 +20,11 @@ namespace {
 constexpr std::size_t kMaxHeader = 1 << 16;  // largest header (bytes)
 
 PlyType typeOf(std::string_view name, const Location& where) {
-  using enum PlyType::Kind;
-  static constexpr std::array<std::pair<std::string_view, PlyType>, 16> kTypes{{{"char", {Signed, 1}},
-                                                                                {"uchar", {Unsigned, 1}},
-                                                                                {"int8", {Signed, 1}},
-                                                                                {"uint8", {Unsigned, 1}},
-                                                                                {"short", {Signed, 2}},
-                                                                                {"ushort", {Unsigned, 2}},
-                                                                                {"int16", {Signed, 2}},
-                                                                                {"uint16", {Unsigned, 2}},
-                                                                                {"int", {Signed, 4}},
-                                                                                {"uint", {Unsigned, 4}},
-                                                                                {"int32", {Signed, 4}},
-                                                                                {"uint32", {Unsigned, 4}},
-                                                                                {"float", {Float, 4}},
-                                                                                {"float32", {Float, 4}},
-                                                                                {"double", {Float, 8}},
-                                                                                {"float64", {Float, 8}}}};
+  static constexpr std::pair<std::string_view, PlyType> kTypes[] = {
+      {"char", {'I', 1}},  {"uchar", {'U', 1}},   {"int8", {'I', 1}},   {"uint8", {'U', 1}},
+      {"short", {'I', 2}}, {"ushort", {'U', 2}},  {"int16", {'I', 2}},  {"uint16", {'U', 2}},
+      {"int", {'I', 4}},   {"uint", {'U', 4}},    {"int32", {'I', 4}},  {"uint32", {'U', 4}},
+      {"float", {'F', 4}}, {"float32", {'F', 4}}, {"double", {'F', 8}}, {"float64", {'F', 8}}};
   for (const auto& [known, type] : kTypes) {
     if (known == name) return type;
   }
@@ -128,14 +115,10 @@ double PlyBody::next(const PlyProperty& property, const PlyType& type) {
     bits |= std::uint64_t{byte} << 8 * (big ? type.size - 1 - i : i);
   }
   at_ += type.size;
-  if (type.kind == PlyType::Kind::Float) {
-    return type.size == 8 ? std::bit_cast<double>(bits)
-                          : double{std::bit_cast<float>(static_cast<std::uint32_t>(bits))};
-  }
-  // Integers have at most four bytes, which a double represents exactly.
-  if (type.kind != PlyType::Kind::Signed) return static_cast<double>(bits);
-  if (type.size == 1) return static_cast<std::int8_t>(bits);
-  return type.size == 2 ? static_cast<std::int16_t>(bits) : static_cast<std::int32_t>(bits);
+  return visitNumberType(type.kind, type.size, [&]<class T>(T value) {
+    std::memcpy(&value, &bits, sizeof(value));  // the first bytes of `bits` are the least significant ones
+    return static_cast<double>(value);
+  });
 }
 
 std::uint64_t PlyBody::length(const PlyProperty& property) {

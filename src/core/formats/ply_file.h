@@ -12,9 +12,7 @@
 namespace scanmill {
 
 struct PlyType {
-  enum class Kind { Unsigned, Signed, Float };
-
-  Kind kind = Kind::Unsigned;
+  char kind = 'U';         // U (unsigned), I (signed) or F (floating-point)
   std::uint64_t size = 0;  // bytes per value in a binary file
 };
 

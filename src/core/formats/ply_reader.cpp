@@ -99,25 +99,13 @@ class PlyReader {
   }
 
   ForeignColumn::Values valuesOf(const PlyColumn& column) const {
-    const auto as = [&]<class T>(T) {
+    return visitNumberType(column.type.kind, column.type.size, [&]<class T>(T) {
       std::vector<T> values;
       for (const double value : column.values) {
         values.push_back(columnValue<T>(value, column.name, values.size(), where_));
       }
-      return values;
-    };
-    const bool isSigned = column.type.kind == PlyType::Kind::Signed;
-    if (column.type.kind == PlyType::Kind::Float) {
-      return column.type.size == 8 ? ForeignColumn::Values(as(double{})) : ForeignColumn::Values(as(float{}));
-    }
-    switch (column.type.size) {
-      case 1:
-        return isSigned ? ForeignColumn::Values(as(std::int8_t{})) : ForeignColumn::Values(as(std::uint8_t{}));
-      case 2:
-        return isSigned ? ForeignColumn::Values(as(std::int16_t{})) : ForeignColumn::Values(as(std::uint16_t{}));
-      default:
-        return isSigned ? ForeignColumn::Values(as(std::int32_t{})) : ForeignColumn::Values(as(std::uint32_t{}));
-    }
+      return ForeignColumn::Values(std::move(values));
+    });
   }
 
   Location where_;

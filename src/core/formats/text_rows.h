@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -52,6 +53,24 @@ T columnValue(Stored stored, std::string_view name, std::size_t point, const Loc
     return value;
   } else {
     return static_cast<T>(stored);
+  }
+}
+
+// Calls visit(T{}), where T is the type of numbers that a file states by its kind, F (floating-point), U (unsigned) or
+// I (signed), and by its size (bytes).
+template <class Visit>
+auto visitNumberType(char kind, std::uint64_t size, const Visit& visit) {
+  if (kind == 'F') return size == 4 ? visit(float{}) : visit(double{});
+  const bool isSigned = kind == 'I';
+  switch (size) {
+    case 1:
+      return isSigned ? visit(std::int8_t{}) : visit(std::uint8_t{});
+    case 2:
+      return isSigned ? visit(std::int16_t{}) : visit(std::uint16_t{});
+    case 4:
+      return isSigned ? visit(std::int32_t{}) : visit(std::uint32_t{});
+    default:
+      return isSigned ? visit(std::int64_t{}) : visit(std::uint64_t{});
   }
 }
 

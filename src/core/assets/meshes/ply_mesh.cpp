@@ -174,7 +174,7 @@ class PlyMeshReader {
 
   // Returns a number of a colour: 255 of a byte is 1.
   static double shareOf(double value, const PlyType& type) {
-    return type.kind == PlyType::Kind::Float ? value : value / (std::ldexp(1.0, static_cast<int>(8 * type.size)) - 1);
+    return type.kind == 'F' ? value : value / (std::ldexp(1.0, static_cast<int>(8 * type.size)) - 1);
   }
 
   double value(Role role) const { return values_[static_cast<std::size_t>(role)]; }
