@@ -4,9 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <map>
-#include <regex>
 #include <set>
 
 #include "assets/asset.h"
@@ -342,41 +340,6 @@ void printParts(std::vector<ListedPart> parts, bool instanced, bool all) {
   if (listed < parts.size()) printText("... and {} more parts: --all lists them\n\n", grouped(parts.size() - listed));
 }
 
-// Throws InputError that says what a file is, if it has no name of a 3D file, and its beginning tells that it is XML or
-// text.
-void refuseText(const std::filesystem::path& file, const std::string& suffix) {
-  static const std::set<std::string> kNoneOf3D{"",    "xml", "txt",  "md",   "html", "log",
-                                               "ini", "cfg", "conf", "toml", "py"};
-  if (!kNoneOf3D.contains(suffix)) return;
-  std::string start(4096, '\0');
-  std::ifstream stream(file, std::ios::binary);
-  stream.read(start.data(), static_cast<std::streamsize>(start.size()));
-  start.resize(static_cast<std::size_t>(stream.gcount()));
-  static const std::regex kRoot(R"(^(?:\xEF\xBB\xBF)?\s*(?:(?:<!--[\s\S]*?-->|<[?!][^>]*>)\s*)*<([A-Za-z][\w.:-]*))");
-  std::smatch root;
-  if (std::regex_search(start, root, kRoot)) {
-    const std::string name = root[1];
-    if (name == "mesh") return;  // Ogre's meshes in XML
-    static const std::map<std::string, std::string> kKnown{
-        {"sdf", "which is read if the file's name ends in .sdf"},
-        {"robot", "which is read if the file's name ends in .urdf"},
-        {"COLLADA", "which is read if the file's name ends in .dae"},
-        {"mujoco", "as MJCF of MuJoCo is: convert it to URDF or SDF, or name its meshes"}};
-    const auto known = kKnown.find(name);
-    throw InputError({file.string()},
-                     fmt::format("is XML with the root element <{}>, {}", name,
-                                 known == kKnown.end() ? "and no 3D file, scene, dataset or scan" : known->second));
-  }
-  const bool isText = !start.empty() && std::none_of(start.begin(), start.end(), [](char c) {
-    return static_cast<unsigned char>(c) < 32 && std::string_view("\t\n\r\f").find(c) == std::string_view::npos;
-  });
-  if (isText) {
-    throw InputError(
-        {file.string()},
-        "is text, and no 3D file, scene, dataset or scan (a table of points is read if its name ends in .csv)");
-  }
-}
-
 void printAsset(const std::filesystem::path& file, const AssetOptions& options, bool all) {
   constexpr std::size_t kMostNodes = 20;
   const Asset asset = readAsset(file, options);
@@ -448,25 +411,6 @@ void printAsset(const std::filesystem::path& file, const AssetOptions& options, 
   if (listed < nodes.size()) printText("... and {} smaller nodes\n", grouped(nodes.size() - listed));
 }
 
-void printOntology(const std::filesystem::path& file) {
-  Rows rows{{"id", "class", "kind", "colour"}};
-  for (const SemanticClass& c : readOntology(file).classes) {
-    rows.push_back({std::to_string(c.id), c.name, c.thing ? "thing" : "stuff",
-                    fmt::format("#{:02x}{:02x}{:02x}", c.color[0], c.color[1], c.color[2])});
-  }
-  printText("{}", formatTable(rows));
-}
-
-void printMaterials(const std::filesystem::path& file) {
-  constexpr int kWavelength = 905;  // the most common wavelength of LiDAR sensors (nm)
-  Rows rows{{"material", fmt::format("reflectance at {} nm", kWavelength), "roughness", "metallic", "source"}};
-  for (const Material& m : readMaterials(file, kWavelength).materials) {
-    rows.push_back({m.name, fmt::format("{:.3f}", m.reflectance), fmt::format("{:.2f}", m.roughness),
-                    fmt::format("{:.0f}", m.metallic), m.source});
-  }
-  printText("{}", formatTable(rows));
-}
-
 void printYaml(const std::filesystem::path& file, std::uint64_t seed) {
   const Value value = readYaml(file);
   if (value.find("lasers") != nullptr) return printCalibration(file);
@@ -480,9 +424,10 @@ void printYaml(const std::filesystem::path& file, std::uint64_t seed) {
     case FileKind::Sensor:
       return printSensor(value);
     case FileKind::Ontology:
-      return printOntology(file);
     case FileKind::Materials:
-      return printMaterials(file);
+      throw InputError({file.string()},
+                       "is a list of classes or materials, which any editor shows: `scanmill list "
+                       "ontologies` and `scanmill list materials` name those of the program");
     case FileKind::Unknown:
       break;
   }
@@ -490,22 +435,6 @@ void printYaml(const std::filesystem::path& file, std::uint64_t seed) {
       {file.string()},
       "is of no known kind: a scene has the key `objects`, a sensor `elevation_deg`, a pipeline `sensors`, an ontology "
       "`classes`, a material table `materials`, a calibration `lasers`");
-}
-
-void printMap(const std::filesystem::path& file) {
-  const town::Map map = town::readMap(file, false, {});
-  Box box;
-  double length = 0;
-  for (const town::MapRoad& road : map.roads) {
-    length += road.length();
-    for (const town::Point2& p : road.line) box.add(Vec3d{p.x, p.y, 0});
-  }
-  const Vec3d size = box.high - box.low;
-  printText("map {}: {} roads ({:.4g} m), {} paths, {} buildings, {} areas of land, {} barriers, {} trees\n",
-            file.string(), map.roads.size(), length, map.paths.size(), map.buildings.size(), map.areas.size(),
-            map.barriers.size(), map.trees.size());
-  printText("the roads extend over {:.4g} x {:.4g} m (east, north) around latitude {:.6f}, longitude {:.6f}\n", size.x,
-            size.y, map.latitude, map.longitude);
 }
 
 AssetOptions assetOptions(const Arguments& parsed) {
@@ -546,8 +475,7 @@ int runInfo(const std::vector<std::string>& arguments) {
                      "  scanmill info out/passes      # a recording, or one of its EXR images\n"
                      "  scanmill info model.glb       # names that labelling rules can match, sizes, animations\n"
                      "  scanmill info model.obj --unit 0.01 --up y\n"
-                     "  scanmill info metadata.json   # a sensor's calibration: Ouster's, Velodyne's or Hesai's\n"
-                     "  scanmill info village.osm\n");
+                     "  scanmill info metadata.json   # a sensor's calibration: Ouster's, Velodyne's or Hesai's\n");
   if (parsed.help) return 0;
   const InputLimitFactor limits(inputLimit(parsed));
   const InputBudget budget;
@@ -580,7 +508,8 @@ int runInfo(const std::vector<std::string>& arguments) {
   } else if (isCalibration(file)) {
     printCalibration(file);
   } else if (isMap(file)) {
-    printMap(file);
+    throw InputError({file.string()},
+                     "is a map: name it in a scene by `town: {map: FILE}`, and give the scene to info");
   } else if (suffix == "yaml" || suffix == "yml") {
     printYaml(file, parsed.options["seed"].as<std::uint64_t>());
   } else if (formatBySuffix(suffix) != nullptr) {
@@ -588,7 +517,6 @@ int runInfo(const std::vector<std::string>& arguments) {
   } else if (suffix == "bin" || suffix == "npz") {
     printScan(scanOf(readCloud(file), file.string()), file.string());
   } else {
-    refuseText(file, suffix);
     printAsset(file, assetOptions(parsed), parsed.has("all"));
     if (suffix == "glb" || suffix == "gltf") printClips(file);
   }

@@ -152,15 +152,6 @@ TEST_F(FirstSteps, InfoOfAnAssetTellsItsSizeAndHowItWasRead) {
   expectRefused(scanmill({"info", at("shed.obj"), "--unit", "cm"}), "--unit");
   folder_.write("shed.zzz", "no 3D file");
   expectRefused(scanmill({"info", at("shed.zzz")}), "FBX, AC or BLEND");
-  folder_.write("track.xml", "<?xml version=\"1.0\"?>\n<!-- a <b> -->\n<!DOCTYPE params>\n<params name=\"x\"/>\n");
-  expectRefused(scanmill({"info", at("track.xml")}),
-                "track.xml: is XML with the root element <params>, and no 3D file");
-  folder_.write("arm.xml", "<robot name=\"x\"/>\n");
-  expectRefused(scanmill({"info", at("arm.xml")}), "<robot>, which is read if the file's name ends in .urdf");
-  folder_.write("hand.xml", "<mujoco model=\"x\"/>\n");
-  expectRefused(scanmill({"info", at("hand.xml")}), "<mujoco>, as MJCF of MuJoCo is: convert it to URDF or SDF");
-  folder_.write("README", "Read me.\n");
-  expectRefused(scanmill({"info", at("README")}), "README: is text, and no 3D file");
 }
 
 TEST_F(FirstSteps, InfoOfAnAssetOfManyPartsSumsThemUp) {
