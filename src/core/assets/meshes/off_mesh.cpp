@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "assets/meshes/obj/obj_mesh.h"
+#include "assets/meshes/imported_file.h"
 #include "assets/meshes/stated_unit.h"
 #include "base/error.h"
 #include "base/file.h"
