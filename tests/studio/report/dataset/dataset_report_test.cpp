@@ -154,6 +154,21 @@ TEST_F(MadeDataset, ThingsThatAreFoundForOneReasonAreOneWarning) {
   EXPECT_THAT(two[0], HasSubstr("And 1 more.\ninstance 6 of street-s1-lane: scanmill view "));
 }
 
+// Whoever gives many objects of a class an id means it, and a part of objects needs no id of its own.
+TEST_F(MadeDataset, ManyIdsAndPartsOfObjectsAreMeant) {
+  std::vector<MadeSample> many = samples_, parts = samples_;
+  for (MadeSample& s : many) {
+    for (std::uint32_t id = 5; id < 9; ++id) s.points.push_back({{9, 2, -1}, 7, id, 1});
+  }
+  for (const std::string& warning : warningsFor(many))
+    EXPECT_THAT(warning, testing::Not(HasSubstr("has an instance id")));
+  std::filesystem::remove_all(at());
+  for (MadeSample& s : parts) s.points.push_back({{12, 2.2f, -1}, 7, 3, 200});
+  for (int i : {0, 5}) parts[static_cast<std::size_t>(i)].points.push_back({{12, 2.2f, -1}, 7, 4, 200});
+  for (const std::string& warning : warningsFor(parts))
+    EXPECT_THAT(warning, testing::Not(HasSubstr("has an instance id")));
+}
+
 TEST_F(MadeDataset, TheTitleTellsTheFolder) {
   EXPECT_TRUE(has(datasetPage(made()), "<h1>Dataset small (made)</h1>"));
   EXPECT_TRUE(has(datasetPage(examined(at() / ".." / "made" / "")), "<h1>Dataset small (made)</h1>"));
