@@ -10,7 +10,6 @@
 #include <set>
 #include <utility>
 
-#include "report/dataset/alike_lines.h"
 #include "report/page/page.h"
 #include "study/figure_text.h"
 #include "viewer/window/orbit_camera.h"
@@ -262,6 +261,32 @@ class Warnings {
 };
 
 }  // namespace
+
+std::vector<std::string> alikeLines(const std::vector<std::string>& lines) {
+  std::vector<std::string> joined;
+  std::vector<std::size_t> more;             // number of further lines that are like the one in `joined`
+  std::map<std::string, std::size_t> known;  // index in `joined` by the line with each number replaced by "#"
+  std::set<std::string> seen;
+  for (const std::string& line : lines) {
+    if (!seen.insert(line).second) continue;
+    std::string form;
+    for (const char c : line) {
+      const bool digit = c >= '0' && c <= '9';
+      if (!digit || !form.ends_with('#')) form += digit ? '#' : c;
+    }
+    const auto [at, first] = known.emplace(form, joined.size());
+    if (first) {
+      joined.push_back(line);
+      more.push_back(0);
+    } else {
+      ++more[at->second];
+    }
+  }
+  for (std::size_t i = 0; i < joined.size(); ++i) {
+    if (more[i] > 0) joined[i] += fmt::format(" and {} alike", more[i]);
+  }
+  return joined;
+}
 
 std::vector<DatasetWarning> warningsOf(const DatasetSummary& summary, const ReadingFaults& faults,
                                        const std::filesystem::path& folder) {

@@ -176,13 +176,18 @@ TEST_F(MadeDataset, TheTitleTellsTheFolder) {
   EXPECT_TRUE(has(datasetPage(examined(folder_.path() / "small")), "<h1>Dataset small</h1>"));
 }
 
+TEST(AlikeLines, DifferOnlyInTheirNumbers) {
+  EXPECT_THAT(alikeLines({"Tree", "Bauble.001", "Bauble.002", "Bauble.017", "Star", "Tree", "lamp 7"}),
+              testing::ElementsAre("Tree", "Bauble.001 and 2 alike", "Star", "lamp 7"));
+}
+
 TEST_F(MadeDataset, WhatWasModelledOfManyScenesIsOneLine) {
   Manifest manifest = madeManifest();
   manifest.modelled = {{"geometry", "exact"},
                        {"instancing", "277 objects", false, "", "", {"street-s1"}},
                        {"instancing", "94 objects", false, "", "", {"street-s2"}}};
   const std::string page = datasetPage(made(manifest));
-  EXPECT_TRUE(has(page, "<li>instancing: 94 to 277 objects (2 times)</li>"));
+  EXPECT_TRUE(has(page, "<li>instancing: 277 objects and 1 alike</li>"));
   EXPECT_TRUE(has(page, "<li>geometry: exact</li>"));
   EXPECT_TRUE(has(page, "<li>street-s1: instancing: 277 objects</li>"));
   EXPECT_TRUE(has(page, "<li>street-s2: instancing: 94 objects</li>"));
