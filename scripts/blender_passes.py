@@ -1,11 +1,11 @@
-"""Runs inside Blender: renders the passes of a scene that Scanmill hands over, or exports the geometry of a .blend.
+"""Runs inside Blender: renders the passes of a scene that Scanmill hands over, or exports the geometry of a file.
 
     blender -b --factory-startup --disable-autoexec -noaudio --python-exit-code 3 --python blender_passes.py -- JOB ...
 
     render FOLDER        takes requests, each a line of JSON on standard input: {"scene": FOLDER} for the scene that
                          scene.json and scene.bin hold there, then one with "file" and a camera for each image
-    export FOLDER BLEND  writes what BLEND shows to FOLDER/scene.glb, z up, in metres; the answer is JSON: numbers of what
-                         it lacks, by the notes of blendFormat()
+    export FOLDER FILE   writes what a .blend, or a file that Blender imports, shows to FOLDER/scene.glb, z up, in
+                         metres; the answer is JSON: numbers of what it lacks, by the notes of blenderFormat()
 
 Every answer is a line of JSON on standard output: {"what": "ready" | "scene" | "image" | "exported" | "error",
 "text": ..., "seconds": since the request}; an error says with "input" whether the user's file is at fault. What Blender
@@ -14,9 +14,11 @@ is a temporary one, and ends at once.
 """
 
 import collections
+import importlib
 import json
 import os
 import queue
+import re
 import shutil
 import struct
 import sys
@@ -320,6 +322,55 @@ def open_blend(path):
         )
 
 
+# The importers by the endings of files, with options.
+IMPORTERS = {
+    ".fbx": ("import_scene", "fbx", {}),
+    ".x3d": ("import_scene", "x3d", {"axis_forward": "-Z", "axis_up": "Y"}),
+    ".abc": ("wm", "alembic_import", {"as_background_job": False}),
+    **dict.fromkeys((".usd", ".usda", ".usdc", ".usdz"), ("wm", "usd_import", {"import_proxy": False})),
+}
+
+
+def import_file(path, kind):
+    version = bpy.app.version_string
+    module, name, options = IMPORTERS[kind]
+    group = getattr(bpy.ops, module)
+    if name not in dir(group):
+        raise BadInput(
+            f"Blender {version} as installed here has no importer of {kind}: set SCANMILL_BLENDER to one of blender.org"
+            " that has it, or convert the file to glTF"
+        )
+    operator = getattr(group, name)
+    if kind.startswith(".usd") and "apply_unit_conversion_scale" not in operator.get_rna_type().properties:
+        raise BadInput(
+            f"Blender {version} ignores the unit of USD files: set SCANMILL_BLENDER to a newer one of blender.org, or"
+            " convert the file to glTF"
+        )
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    if kind == ".x3d":
+        # Blender 3.4 opens X3D in the mode "rU", which Python 3.11 no longer has.
+        importlib.import_module("io_scene_x3d.import_x3d").open = lambda file, mode, **more: open(file, "r", **more)
+    try:
+        operator(filepath=path, **options)
+    except RuntimeError as failure:
+        reason = str(failure).strip().splitlines()[-1].removeprefix("Error: ")
+        raise BadInput(f"Blender {version} cannot import it: {reason}") from failure
+    if kind == ".fbx":
+        hide_coarser_levels(path)
+    bpy.context.scene.frame_set(bpy.context.scene.frame_start)
+
+
+def hide_coarser_levels(path):
+    """Hides all levels of detail of an FBX but the first by name: the importer shows all of them."""
+    with open(path, "rb") as file:
+        groups = re.findall(rb"([^\x00]+)\x00\x01ModelS\x08\x00\x00\x00LodGroup", file.read())
+    for group in (bpy.data.objects.get(name.decode(errors="replace")) for name in groups):
+        levels = sorted(group.children, key=lambda level: level.name) if group is not None else []
+        for level in levels[1:]:
+            for thing in (level, *level.children_recursive):
+                thing.hide_render = True
+
+
 SURFACES = {"MESH", "CURVE", "SURFACE", "FONT"}
 OTHER_SHAPES = {
     "GPENCIL": "grease pencil objects",
@@ -372,7 +423,7 @@ def show_as_renders_do():
 
 
 def count_left_out(shown, bare):
-    """Counts by the notes of blendFormat(). `shown`: the objects that show faces or instances with faces; `bare`: those
+    """Counts by the notes of blenderFormat(). `shown`: the objects that show faces or instances with faces; `bare`: those
     whose surface has none."""
     scene = bpy.context.scene
     hidden = "objects that the viewport or renders hide"
@@ -385,8 +436,12 @@ def count_left_out(shown, bare):
         library.packed_file is None and not os.path.exists(bpy.path.abspath(library.filepath))
         for library in bpy.data.libraries
     )
-    left_out["animations (the saved frame counts)"] = sum(
+    left_out["animations (the saved or first frame counts)"] = sum(
         action.users > action.use_fake_user for action in bpy.data.actions
+    ) + sum(
+        part.type in ("MESH_SEQUENCE_CACHE", "TRANSFORM_CACHE")
+        for thing in scene.objects
+        for part in (*thing.modifiers, *thing.constraints)
     )
     for thing in scene.objects:
         if not thing.visible_get():
@@ -713,10 +768,17 @@ def change_glb(path, nodes, materials):
         file.write(struct.pack("<4sIIII", b"glTF", 2, 20 + len(text) + len(rest), len(text), 0x4E4F534A) + text + rest)
 
 
-def export(owner, blend):
+def export(owner, path):
     glb = os.path.join(owner.folder, "scene.glb")
-    open_blend(blend)
+    kind = os.path.splitext(path)[1].lower()
+    if kind == ".blend":
+        open_blend(path)
+    else:
+        import_file(path, kind)
     nodes, materials, left_out = flatten()
+    if kind == ".x3d":
+        with open(path, "rb") as file:
+            left_out["files that Inline names"] = file.read().count(b"<Inline")
     if not nodes:
         raise BadInput("shows no surface: nothing with faces is visible in its active scene, in viewport and renders")
     # Blender 4.2 and later has one choice of colours for what 3.4 has a switch.

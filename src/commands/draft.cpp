@@ -9,7 +9,7 @@
 #include <map>
 #include <set>
 
-#include "assets/asset_files.h"
+#include "assets/asset_kinds.h"
 #include "base/file.h"
 #include "base/grouped.h"
 #include "base/short_text.h"

@@ -7,14 +7,13 @@
 #include <memory>
 #include <vector>
 
-#include "assets/meshes/assimp/ac3d.h"
-#include "assets/meshes/assimp/collada.h"
-#include "assets/meshes/assimp/fbx.h"
 #include "assets/meshes/assimp/reader.h"
-#include "assets/meshes/blend.h"
+#include "assets/meshes/blender_export.h"
 #include "assets/meshes/gltf/model.h"
-#include "assets/meshes/imported_file.h"
-#include "assets/meshes/off_mesh.h"
+#include "assets/meshes/obj/obj_mesh.h"
+#include "assets/meshes/ply_mesh.h"
+#include "assets/meshes/stl_mesh.h"
+#include "assets/worlds/world.h"
 #include "assets/worlds/world_asset.h"
 #include "base/error.h"
 #include "base/format_support.h"
@@ -113,12 +112,11 @@ void printCapabilities() {
 
 // Formats whose readers say what they read and what they leave out.
 std::vector<FormatSupport> inputFormats() {
-  return {gltf::gltfFormat(), blendFormat(),        objFormat(),       plyMeshFormat(), stlFormat(),
-          offFormat(),        colladaFormat(),      fbxFormat(),       ac3dFormat(),    importedFormat(),
-          imageFormat(),      sdfFormat(),          urdfFormat(),      tilesetFormat(), rasterFormat(),
-          cloudColumns(),     lasFormat(),          plyCloudFormat(),  pcdFormat(),     csvFormat(),
-          dracoFormat(),      pointRecordsFormat(), town::osmFormat(), poseFormat(),    ousterFormat(),
-          velodyneFormat(),   beamTableFormat()};
+  return {gltf::gltfFormat(), blenderFormat(), objFormat(),      plyMeshFormat(),      stlFormat(),
+          colladaFormat(),    ac3dFormat(),    imageFormat(),    sdfFormat(),          urdfFormat(),
+          tilesetFormat(),    rasterFormat(),  cloudColumns(),   lasFormat(),          plyCloudFormat(),
+          pcdFormat(),        csvFormat(),     dracoFormat(),    pointRecordsFormat(), town::osmFormat(),
+          poseFormat(),       ousterFormat(),  velodyneFormat(), beamTableFormat()};
 }
 
 Rows inputRows() {

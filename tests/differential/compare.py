@@ -27,14 +27,11 @@ READERS = {
     ".obj": ["vtk", "open3d", "blender"],
     ".ply": ["vtk", "open3d", "blender"],
     ".stl": ["vtk", "open3d", "blender"],
-    ".off": ["open3d"],
     ".gltf": ["vtk", "blender"],
     ".glb": ["vtk", "blender"],
-    ".fbx": ["blender"],
     ".dae": ["blender"],
     ".ac": ["osg"],
     ".acc": ["osg"],
-    ".3ds": ["osg"],
     ".blend": ["blender"],
 }
 

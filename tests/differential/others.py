@@ -99,8 +99,6 @@ def read_blender(file: str) -> dict:
     suffix = Path(file).suffix.lower()
     if suffix == ".obj":
         bpy.ops.wm.obj_import(filepath=file, forward_axis="Y", up_axis="Z")
-    elif suffix == ".fbx":
-        bpy.ops.import_scene.fbx(filepath=file)
     elif suffix in (".gltf", ".glb"):
         bpy.ops.import_scene.gltf(filepath=file)
     elif suffix == ".dae":

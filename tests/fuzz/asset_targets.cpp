@@ -4,7 +4,7 @@
 #include <array>
 
 #include "assets/asset.h"
-#include "assets/meshes/imported_file.h"
+#include "assets/meshes/obj/obj_mesh.h"
 #include "base/error.h"
 #include "formats/cloud_file.h"
 #include "formats/readers.h"
@@ -19,7 +19,7 @@ const AddFuzzTarget kGltf("gltf", [](std::string_view bytes) {
 });
 
 const AddFuzzTarget kAssets("assets", [](std::string_view bytes) {
-  static constexpr std::array<const char*, 8> kKinds{".obj", ".stl", ".ply", ".dae", ".ac", ".fbx", ".3ds", ".off"};
+  static constexpr std::array<const char*, 5> kKinds{".obj", ".stl", ".ply", ".dae", ".ac"};
   const std::string kind = kKinds[kindOf(bytes, kKinds.size())];
   readAsset(inputFile(bytes, kind), {});
 });

@@ -8,9 +8,9 @@
 #include <limits>
 #include <string_view>
 
-#include "assets/content_kind.h"
+#include "assets/asset_kinds.h"
 #include "assets/meshes/asset_parts.h"
-#include "assets/meshes/blend.h"
+#include "assets/meshes/blender_export.h"
 #include "assets/meshes/gltf/reader.h"
 #include "assets/meshes/imported_asset.h"
 #include "assets/surveys/surveys.h"
@@ -43,20 +43,24 @@ void checkRequest(const std::filesystem::path& file, const std::string& kind, co
   if (std::filesystem::file_size(file, error) == 0) fail("is empty");
 }
 
-// Reads glTF. If `options` do not state the upward axis, it is z in a GLB that Blender exported from a .blend, else y.
-Asset readGltf(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
-  const bool blend = kind == ".blend";
-  const char up = options.up.value_or(blend ? 'z' : 'y');
+// Reads glTF (y up), or a GLB that Blender makes of the file (z up).
+Asset readGltf(const std::filesystem::path& file, const std::string& kind, bool byBlender,
+               const AssetOptions& options) {
+  if (byBlender && kind != ".blend" && options.up) {
+    throw InputError({file.string()},
+                     "is turned upright by Blender: leave out `up`, and turn the object where it is placed");
+  }
+  const char up = options.up.value_or(byBlender ? 'z' : 'y');
   const double scale = options.metresPerUnit;
   const Affine assetFromFile{zUpFrom(up) * Mat3::scale({scale, scale, scale}), {}};
   const auto readExport = [&] {
     const FilesRead temporary;  // keeps the exported temporary file out of the list of files read
-    return gltf::readAsset(BlendExport(file).glb(), file, assetFromFile, options);
+    return gltf::readAsset(BlenderExport(file).glb(), file, assetFromFile, options);
   };
-  Asset asset = blend ? readExport() : gltf::readAsset(file, file, assetFromFile, options);
+  Asset asset = byBlender ? readExport() : gltf::readAsset(file, file, assetFromFile, options);
   asset.up = up;
   asset.upDeclared = true;
-  asset.statedUnit = 1;
+  asset.statedUnit = kind == ".abc" ? 0 : 1;  // Alembic states none
   return asset;
 }
 
@@ -88,11 +92,13 @@ void warnOfSteps(const Asset& asset, const std::filesystem::path& file) {
 
 Asset readByKind(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
   if (isCloud(file)) return readCloudAsset(file, options);
-  if (isHeights(kind)) return readHeightAsset(file, options);
-  const bool gltf = kind == ".gltf" || kind == ".glb" || kind == ".b3dm" || kind == ".blend";
-  Asset asset = gltf            ? readGltf(file, kind, options)
-                : isWorld(kind) ? readWorld(file, kind, options)
-                                : readImported(file, kind, options);
+  const AssetReader reader = readerOf(file);
+  if (reader == AssetReader::Heights) return readHeightAsset(file, options);
+  if (reader == AssetReader::None) throw InputError({file.string()}, whyNoReader(file));
+  const bool byBlender = reader == AssetReader::Blender;
+  Asset asset = byBlender || reader == AssetReader::Gltf ? readGltf(file, kind, byBlender, options)
+                : reader == AssetReader::World           ? readWorld(file, kind, options)
+                                                         : readImported(file, kind, options);
   if (asset.parts.empty() && asset.instanced.empty()) {
     throw InputError({file.string()}, fmt::format("has no triangle{}",
                                                   asset.dropped.outOfRange > 0
@@ -118,7 +124,7 @@ Asset readAsset(const std::filesystem::path& file, const AssetOptions& options) 
   } catch (const InputLimitError&) {
     throw;
   } catch (const InputError& e) {
-    const std::string content = otherContent(file, kind);
+    const std::string content = otherContent(file);
     if (content.empty() || std::string_view(e.what()).find(content) != std::string_view::npos) throw;
     throw InputError(fmt::format("{}; its first bytes look like {}", e.what(), content));
   }

@@ -76,18 +76,6 @@ std::shared_ptr<const Texture> decodeTexture(std::string_view bytes, const std::
   return textureOf(decodeImage(bytes, name), name);
 }
 
-std::shared_ptr<const Texture> plainTexture(std::string_view rgba, std::uint32_t width, std::uint32_t height,
-                                            const std::string& name) {
-  DecodedImage image;
-  image.width = width;
-  image.height = height;
-  image.rgba.assign(rgba.begin(), rgba.end());
-  for (std::size_t alpha = 3; alpha < image.rgba.size(); alpha += 4) {
-    image.hasAlpha = image.hasAlpha || image.rgba[alpha] < 255;
-  }
-  return textureOf(std::move(image), name);
-}
-
 std::shared_ptr<const Texture> withOpacity(const Texture* color, const Texture& opacity, bool inverted) {
   auto texture = std::make_shared<Texture>();
   texture->file = color != nullptr ? color->file : opacity.file;

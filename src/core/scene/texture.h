@@ -19,10 +19,6 @@ std::shared_ptr<const Texture> loadTexture(const std::filesystem::path& path);
 // Decodes an image that is inside another file. `name` is its name in messages and in Texture::file.
 std::shared_ptr<const Texture> decodeTexture(std::string_view bytes, const std::string& name);
 
-// Makes a texture of 8 bit RGBA pixels, the top row first: `rgba` has width * height * 4 bytes.
-std::shared_ptr<const Texture> plainTexture(std::string_view rgba, std::uint32_t width, std::uint32_t height,
-                                            const std::string& name);
-
 // Returns a texture with the colour of `color` and the alpha of an opacity map: the map's alpha if it has one, else its
 // brightness as the file has it; `inverted` inverts that alpha. If `color` is null, the colour is white. The result has
 // the larger width and the larger height of the two images, which are sampled at the nearest texel.

@@ -7,10 +7,10 @@
 #include <limits>
 #include <utility>
 
+#include "assets/asset_kinds.h"
 #include "assets/meshes/gltf/reader.h"
 #include "assets/surveys/surveys.h"
 #include "base/error.h"
-#include "config/text.h"
 #include "formats/cloud_file.h"
 #include "rasters/raster.h"
 
@@ -110,7 +110,7 @@ Asset FileMeshes::load(const LabelledFile& from, const Location& where) const {
       return readAsset(file, colored);
     }
     // Colours and intensities of surveys are stored as textures.
-    if (isCloud(file) || isHeights(lowerExtension(file))) return readAsset(file, options);
+    if (isCloud(file) || readerOf(file) == AssetReader::Heights) return readAsset(file, options);
     const bool mayDoWithout = any([](const Rule& rule) { return !rule.materialName.empty(); });
     if (!options.textures || !mayDoWithout) return readAsset(file, options);
     AssetOptions plain = options;

@@ -14,7 +14,7 @@
 #include <optional>
 
 #include "assets/asset.h"
-#include "assets/asset_files.h"
+#include "assets/asset_kinds.h"
 #include "assets/surveys/surveys.h"
 #include "base/input_budget.h"
 #include "base/random.h"
@@ -233,7 +233,7 @@ class SceneReader {
       asset.points = readPointOptions(*points);
     }
     if (const Value* heights = f.find("heights")) {
-      if (cloud || !isHeights(lowerExtension(file)))
+      if (cloud || readerOf(file) != AssetReader::Heights)
         throw InputError(heights->where, "heights is only for rasters, such as .tif");
       asset.heights = readHeightOptions(*heights);
     }

@@ -1,3 +1,5 @@
+#include "sense/gather.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -5,8 +7,6 @@
 #include <string_view>
 #include <utility>
 #include <vector>
-
-#include "sense/sense.h"
 
 namespace scanmill {
 namespace {

@@ -55,42 +55,15 @@ TEST_F(AssetFiles, ColladaDeclaresItsUnitAndUpAxis) {
   EXPECT_EQ(read("z.dae", dae("Z_UP", "1")).up, 'z');
   EXPECT_EQ(read("z.dae", dae("Z_UP", "1"), {.up = 'y'}).up, 'y');
   EXPECT_EQ(read("silent.dae", silent).up, 'y');
-}
-
-TEST_F(AssetFiles, FbxDeclaresItsUnitAndUpAxis) {
-  expectCorners(read("z.fbx", fbx(2, 100)), {{1, 0, 0}, {0, 2, 0}, {0, 0, 3}}, "z up, metres");
-  expectCorners(read("y.fbx", fbx(1, 100)), {{1, 0, 0}, {0, 0, 2}, {0, -3, 0}}, "y up");
-  expectCorners(read("cm.fbx", fbx(2, 1)), {{0.01f, 0, 0}, {0, 0.02f, 0}, {0, 0, 0.03f}}, "centimetres");
-  expectCorners(read("x.fbx", fbx(0, 100)), {{0, 0, 1}, {-2, 0, 0}, {0, -3, 0}}, "x up");
-  EXPECT_EQ(read("x.fbx", fbx(0, 100)).up, 'x');
-  EXPECT_EQ(read("z.fbx", fbx(2, 100)).up, 'z');
-  expectCorners(read("z.fbx", fbx(2, 100), {.up = 'y'}), {{1, 0, 0}, {0, 0, 2}, {0, -3, 0}}, "replaced");
-  expectCorners(read("y.fbx", fbx(1, 100), {.up = 'z'}), {{1, 0, 0}, {0, 2, 0}, {0, 0, 3}}, "replaced");
-}
-
-// The importer turns them to y-up.
-TEST_F(AssetFiles, FilesOf3dsStandUpright) {
-  const auto chunk = [](std::uint16_t id, const std::string& content) {
-    return bytesOf<std::uint16_t>({id}) + bytesOf<std::uint32_t>({static_cast<std::uint32_t>(6 + content.size())}) +
-           content;
-  };
-  const std::string vertices = chunk(0x4110, bytesOf<std::uint16_t>({3}) + bytesOf<float>({1, 0, 0, 0, 2, 0, 0, 0, 3}));
-  const std::string faces = chunk(0x4120, bytesOf<std::uint16_t>({1, 0, 1, 2, 7}));
-  const std::string object = std::string("wing") + '\0' + chunk(0x4100, vertices + faces);
-  const std::string studio = chunk(0x4D4D, chunk(0x3D3D, chunk(0x4000, object)));
-  expectCorners(read("a.3ds", studio), {{1, 0, 0}, {0, 2, 0}, {0, 0, 3}}, "z up");
-  expectCorners(read("a.3ds", studio, {.up = 'y'}), {{1, 0, 0}, {0, 0, 2}, {0, -3, 0}}, "y up");
+  EXPECT_EQ(read("inch.dae", dae("Z_UP", "0.0254")).statedUnit, 0.0254);
+  EXPECT_EQ(read("a.stl", kStl).statedUnit, 0);
 }
 
 TEST_F(AssetFiles, NamesAreTheFiles) {
   write("a.mtl", kMtl);
   writeColours(folder_.path() / "colours.png");
-  for (const auto& [name, text] : std::vector<std::pair<std::string, std::string>>{{"a.obj", kObj},
-                                                                                   {"a.stl", kStl},
-                                                                                   {"a.ac", kAc},
-                                                                                   {"a.gltf", Gltf().text()},
-                                                                                   {"a.dae", dae("Z_UP", "1")},
-                                                                                   {"a.fbx", fbx(2, 100)}}) {
+  for (const auto& [name, text] : std::vector<std::pair<std::string, std::string>>{
+           {"a.obj", kObj}, {"a.stl", kStl}, {"a.ac", kAc}, {"a.gltf", Gltf().text()}, {"a.dae", dae("Z_UP", "1")}}) {
     EXPECT_EQ(read(name, text).parts.at(0).node, "wing") << name;
   }
   EXPECT_EQ(read("a.obj", kObj).parts.at(0).material, "paint");

@@ -1,4 +1,5 @@
-#include "sense/sense.h"
+#include "sense/reasons.h"
+
 #include "tests/core/sense/several_returns.h"
 
 namespace scanmill {

@@ -38,7 +38,7 @@ struct AssetPart : Look {
 enum class AlphaUse {
   // Beams pass where the file declares transparency. glTF: where alpha is below alphaCutoff (alphaMode MASK) or 0.5
   // (BLEND). Other kinds: where alpha is below 0.5, if the material has an opacity map or an opacity between 0 and 1
-  // (MTL map_d, d and Tr; COLLADA transparent; FBX TransparentColor; AC3D trans). Many of these other files declare
+  // (MTL map_d, d and Tr; COLLADA transparent; AC3D trans). Many of these other files declare
   // nothing, and their alpha can mean cut-outs (leaves) or, for example, which parts of a car are painted. Beams then
   // pass where alpha is below 0.5 if alpha is distributed like cut-outs: see isCutOut() in assets/meshes/asset_alpha.h.
   Auto,
@@ -85,14 +85,14 @@ struct HeightOptions {
 };
 
 struct AssetOptions {
-  // Metres per unit of the file. If the file declares its unit (COLLADA, FBX), this is a factor on the declared unit,
-  // like the <scale> of a mesh in SDF.
+  // Metres per unit of the file. If the file declares its unit (COLLADA, files that Blender imports), this is a factor
+  // on the declared unit, like the <scale> of a mesh in SDF.
   double metresPerUnit = 1.0;
-  bool unitStated = false;  // true: units in LAS files and in comments count for nothing
+  bool unitStated = false;  // true: units in LAS files count for nothing
   // The up axis of the file's coordinates, 'x', 'y' or 'z': (x, y, z) becomes (x, -z, y) from y-up and (-y, -z, x) from
-  // x-up. It overrides the axis that the file declares. If not set, the file decides: COLLADA by up_axis and FBX by
-  // UpAxis (y if absent); glTF and AC3D are y-up by their specifications, .blend is z-up; OBJ, PLY, STL and the
-  // other kinds, which cannot declare an axis, count as z-up.
+  // x-up. It overrides the axis that the file declares. If not set, the file decides: COLLADA by up_axis (y if
+  // absent); glTF and AC3D are y-up by their specifications, .blend is z-up; OBJ, PLY and STL, which cannot declare an
+  // axis, count as z-up. Files that Blender imports, which it turns upright, are refused if the option is set.
   std::optional<char> up = std::nullopt;
   AlphaUse alpha = AlphaUse::Auto;
   bool textures = true;                         // false: only textures with alpha are loaded, for alpha tests

@@ -1,10 +1,11 @@
+#include "assets/meshes/asset_material.h"
+
 #include <cmath>
 #include <cstdint>
 #include <memory>
 #include <utility>
 
 #include "assets/meshes/base_color.h"
-#include "assets/meshes/imported_file.h"
 #include "scene/texture.h"
 
 namespace scanmill {
@@ -89,7 +90,7 @@ class MaterialReader {
     read.fileMaterial.source = "base colour of " + file_.filename().string();
     read.fileMaterial.roughness = from.roughness;
     read.fileMaterial.metallic = from.metallic;
-    read.texture = from.base.label;
+    read.texture = from.base.name;
 
     BaseColor color;
     color.factor = from.color;
@@ -136,13 +137,7 @@ class MaterialReader {
   }
 
   std::shared_ptr<const Texture> load(const ImportedMap& map, bool onlyAlpha, bool cutsOut) {
-    return images_.load(map.name, map.label, onlyAlpha, cutsOut, [&]() -> std::shared_ptr<const Texture> {
-      if (map.embedded < 0) return nullptr;
-      const ImportedImage& image = imported_.images.at(static_cast<std::size_t>(map.embedded));
-      const std::string name = file_.string() + ": " + map.label;
-      return image.height == 0 ? decodeTexture(image.bytes, name)
-                               : plainTexture(image.bytes, image.width, image.height, name);
-    });
+    return images_.load(map.name, map.name, onlyAlpha, cutsOut);
   }
 
   const ImportedFile& imported_;

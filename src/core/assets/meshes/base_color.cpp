@@ -104,7 +104,7 @@ std::shared_ptr<const Texture> ColorImages::find(const std::string& name, bool o
   };
   std::shared_ptr<const Texture> texture;
   try {
-    texture = embedded();
+    if (embedded) texture = embedded();
   } catch (const InputLimitError&) {
     throw;
   } catch (const InputError& e) {

@@ -44,12 +44,12 @@ class ColorImages {
   ColorImages(const ColorImages&) = delete;
   ColorImages& operator=(const ColorImages&) = delete;
 
-  // Returns the image that the asset calls `name`: the result of `embedded`, or if that is null the file `name`.
-  // Returns null if the image is missing (the destructor warns), is broken (warns), or has no alpha although
+  // Returns the image that the asset calls `name`: the result of `embedded`, or if that is absent or null the file
+  // `name`. Returns null if the image is missing (the destructor warns), is broken (warns), or has no alpha although
   // `onlyAlpha` is set. `cutsOut`: the alpha of the image would let beams pass, which the destructor's warning then
   // mentions. `key` identifies the image.
   std::shared_ptr<const Texture> load(const std::string& key, const std::string& name, bool onlyAlpha, bool cutsOut,
-                                      const std::function<std::shared_ptr<const Texture>()>& embedded);
+                                      const std::function<std::shared_ptr<const Texture>()>& embedded = {});
 
   // Returns the image with its linear red, green and blue multiplied by `factor`, of 0 to 1.
   std::shared_ptr<const Texture> tinted(const std::shared_ptr<const Texture>& image,

@@ -15,7 +15,7 @@ concept MaybeConst = std::same_as<std::remove_const_t<T>, S>;
 
 template <class Visitor>
 void visit(Visitor& visitor, MaybeConst<ImportedMap> auto& map) {
-  visitor.each(map.name, map.label, map.inverted, map.repeats, map.embedded);
+  visitor.each(map.name, map.inverted, map.repeats);
 }
 
 template <class Visitor>
@@ -25,19 +25,14 @@ void visit(Visitor& visitor, MaybeConst<ImportedMaterial> auto& material) {
 }
 
 template <class Visitor>
-void visit(Visitor& visitor, MaybeConst<ImportedImage> auto& image) {
-  visitor.each(image.width, image.height, image.bytes);
-}
-
-template <class Visitor>
 void visit(Visitor& visitor, MaybeConst<AssetPart> auto& part) {
   visitor.each(part.node, part.nodeIndex, part.materialIndex, part.positions, part.uvs, part.triangles);
 }
 
 template <class Visitor>
 void visit(Visitor& visitor, MaybeConst<ImportedFile> auto& file) {
-  visitor.each(file.up, file.upDeclared, file.statedUnit, file.origin, file.outOfRange, file.materials, file.images,
-               file.parts, file.missing, file.problems, file.leftOut);
+  visitor.each(file.up, file.upDeclared, file.statedUnit, file.origin, file.outOfRange, file.materials, file.parts,
+               file.missing, file.problems, file.leftOut);
 }
 
 class Writer {
@@ -138,7 +133,6 @@ class Reader {
 std::string bytesOf(const ImportedFile& file) {
   Writer writer;
   std::size_t large = 1 << 16;
-  for (const ImportedImage& image : file.images) large += image.bytes.size();
   for (const AssetPart& part : file.parts) {
     large += part.positions.size() * sizeof(Vec3f) + part.uvs.size() * sizeof(Vec2f) +
              part.triangles.size() * sizeof(Triangle);

@@ -1,11 +1,9 @@
 #pragma once
 
-// The contents of a 3D file as its reader returns them: plain data, which a child process can send to its parent; the
-// readers of OBJ, PLY and STL; and the looks of its materials.
+// The contents of a 3D file as an importer returns them: plain data, which a child process can send to its parent.
 
 #include <array>
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,11 +15,9 @@ namespace scanmill {
 
 // A reference of a material to an image.
 struct ImportedMap {
-  std::string name;   // name of the image in the file; empty: none
-  std::string label;  // name of the image for reports and rules
+  std::string name;  // name of the image in the file; empty: none
   bool inverted = false;
-  bool repeats = true;         // false: the file clamps or mirrors the image outside of 0 to 1
-  std::int64_t embedded = -1;  // index into ImportedFile::images; -1: not embedded
+  bool repeats = true;  // false: the file clamps or mirrors the image outside of 0 to 1
 };
 
 struct ImportedMaterial {
@@ -35,13 +31,6 @@ struct ImportedMaterial {
   ImportedMap opacityMap;
 };
 
-// An image that is embedded in the file.
-struct ImportedImage {
-  std::uint32_t width = 0;
-  std::uint32_t height = 0;  // 0: `bytes` are an image file; else they are 8 bit RGBA, the top row first
-  std::string bytes;
-};
-
 struct ImportedFile {
   char up = 'z';  // see Asset::up
   bool upDeclared = false;
@@ -49,7 +38,6 @@ struct ImportedFile {
   Vec3d origin;                  // m; the positions of the parts are relative to it: see Asset::origin
   std::uint64_t outOfRange = 0;  // number of triangles that were dropped because of indices out of range
   std::vector<ImportedMaterial> materials;
-  std::vector<ImportedImage> images;
   std::vector<AssetPart> parts;       // without looks, which `materials` state
   std::vector<std::string> missing;   // missing material libraries, as the file names them
   std::vector<std::string> problems;  // errors of the file in spite of which the importer went on
@@ -60,37 +48,5 @@ struct ImportedFile {
 std::string bytesOf(const ImportedFile& file);
 // Restores a file from its bytes. Throws Error if they are not valid.
 ImportedFile importedFrom(std::string_view bytes);
-
-// The readers of files. `file` must exist. Triangles with indices out of range are dropped and counted. They throw
-// InputError, with the line of text files, for what cannot be read, and for a file outside of the asset's folder unless
-// AssetOptions::allowOutside is set. Their formats: `scanmill list inputs`.
-const FormatSupport& objFormat();
-const FormatSupport& plyMeshFormat();
-const FormatSupport& stlFormat();
-ImportedFile readObjMesh(const std::filesystem::path& file, const AssetOptions& options);
-// Reads the text of a file as readObjMesh() does. Messages name the file.
-ImportedFile readObjText(std::string text, const std::filesystem::path& file, const AssetOptions& options);
-ImportedFile readPlyMesh(const std::filesystem::path& file, const AssetOptions& options);
-ImportedFile readStlMesh(const std::filesystem::path& file, const AssetOptions& options);
-
-// Returns the looks of the imported file's materials, in its order. Warns of missing and broken textures. Throws
-// InputError for a texture outside of the file's folder, unless AssetOptions::allowOutside is set. Adds what is not
-// modelled to `leftOut`.
-std::vector<Look> readMaterials(const ImportedFile& imported, const std::filesystem::path& file,
-                                const AssetOptions& options, LeftOut& leftOut);
-
-// Fractions of the total area of the triangles that have one material and texture coordinates; all 0 if there are no
-// such triangles or the texture has no alpha.
-struct AlphaShares {
-  double low = 0;     // area with alpha below 0.5
-  double graded = 0;  // area with alpha from 0.1 to 0.9
-  double gone = 0;    // area of triangles on which alpha is below 0.5 everywhere
-};
-
-// True if these are the fractions of cut-outs: some of the surface is cut away, the alpha is mostly 0 or 1, and hardly
-// any triangle would vanish completely, since nobody models triangles that are never seen. If alpha instead marks the
-// painted parts of a car's body, complete panels have a low alpha. In measurements on Gazebo's models, 0 and 8 % of the
-// area would vanish from the branches of oak and pine, and 24, 35 and 53 % from the bodies of bus, hatchback and SUV.
-bool isCutOut(const AlphaShares& shares);
 
 }  // namespace scanmill

@@ -1,11 +1,4 @@
-// Meshes of PLY, in text and binary, whose properties may have any type.
-//
-//   element vertex     x y z; s t, u v or texture_u texture_v: texture coordinates
-//   element face       vertex_indices or vertex_index; texcoord: texture coordinates of its corners; texnumber: index
-//   of
-//                      its image; material_index: index of its material
-//   element material   diffuse_red, diffuse_green, diffuse_blue
-//   comment TextureFile NAME    an image, as MeshLab writes it
+#include "assets/meshes/ply_mesh.h"
 
 #include <fmt/format.h>
 
@@ -22,9 +15,7 @@
 
 #include "assets/meshes/asset_parts.h"
 #include "assets/meshes/base_color.h"
-#include "assets/meshes/imported_file.h"
 #include "assets/meshes/polygon.h"
-#include "assets/meshes/stated_unit.h"
 #include "base/error.h"
 #include "base/file.h"
 #include "formats/ply_file.h"
@@ -107,7 +98,6 @@ class PlyMeshReader {
   void readComments() {
     constexpr std::string_view kImage = "comment TextureFile ";
     const std::string_view head = std::string_view(bytes_).substr(0, header_.size);
-    warnOfStatedUnit(head, options_, file_);
     for (std::size_t at = 0; (at = head.find(kImage, at)) != std::string_view::npos;) {
       at += kImage.size();
       const std::string_view name = head.substr(at, head.find_first_of("\r\n", at) - at);
@@ -269,7 +259,7 @@ class PlyMeshReader {
       to.stated = material < colors_.size();
       if (to.stated) to.color = colors_[material];
       if (image == kNone) continue;
-      to.base.name = to.base.label = images_[image];
+      to.base.name = images_[image];
       imageUsed_[image] = true;
     }
   }

@@ -1,6 +1,4 @@
-// STL, in text and in binary form ("StereoLithography Interface Specification", 3D Systems, 1989). The keywords of the
-// text may be in upper case. Each `solid` is a node; a binary file is one node without a name. A file is binary if its
-// size is that of the number of triangles in its header, or if it does not begin with `solid`.
+#include "assets/meshes/stl_mesh.h"
 
 #include <fmt/format.h>
 
@@ -13,8 +11,6 @@
 #include <vector>
 
 #include "assets/meshes/asset_parts.h"
-#include "assets/meshes/imported_file.h"
-#include "assets/meshes/stated_unit.h"
 #include "base/error.h"
 #include "base/file.h"
 #include "base/text_scan.h"
@@ -158,7 +154,6 @@ class StlReader {
   ImportedFile imported() {
     imported_.up = options_.up.value_or('z');
     imported_.materials.emplace_back().stated = false;
-    warnOfStatedUnit(std::string_view(text_).substr(0, line_ > 0 ? text_.size() : kStlHeader), options_, file_);
     const Mat3 assetFromFile = zUpFrom(imported_.up) * Mat3::scale(Vec3d{1, 1, 1} * options_.metresPerUnit);
     for (Vec3d& corner : corners_) corner = assetFromFile * corner;
     // Coordinates of binary files are in single precision, so that an origin would not refine them.

@@ -332,11 +332,6 @@ class HeightAsset {
 
 }  // namespace
 
-bool isHeights(std::string_view suffix) {
-  return suffix == ".tif" || suffix == ".tiff" || suffix == ".asc" || suffix == ".hgt" || suffix == ".vrt" ||
-         suffix == ".img" || suffix == ".dem";
-}
-
 Asset readHeightAsset(const std::filesystem::path& file, const AssetOptions& options) {
   return HeightAsset(file, options).build();
 }

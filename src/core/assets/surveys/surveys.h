@@ -4,7 +4,6 @@
 // is a digital elevation model.
 
 #include <filesystem>
-#include <string_view>
 
 #include "assets/asset.h"
 
@@ -22,9 +21,6 @@ inline constexpr const char* kPointColor = "color";
 // are dropped. The reflectance comes from the points' intensities, else from their colours. Throws an InputError that
 // names the file.
 Asset readCloudAsset(const std::filesystem::path& file, const AssetOptions& options);
-
-// True if files with this suffix (".tif", lower case) are read as height rasters.
-bool isHeights(std::string_view suffix);
 
 // Reads band 1 of a raster as heights in metres. Each square of four samples becomes two triangles, split along the
 // shorter diagonal; a sample without a value leaves a hole. If the raster's coordinates are projected, the asset has

@@ -7,8 +7,10 @@
 #include <map>
 #include <utility>
 
+#include "assets/asset_kinds.h"
 #include "assets/meshes/asset_parts.h"
 #include "assets/meshes/base_color.h"
+#include "assets/worlds/world.h"
 #include "base/error.h"
 #include "base/input_budget.h"
 #include "config/text.h"
@@ -131,8 +133,8 @@ class WorldAsset {
       color.textured = true;
       color.alpha.wanted = options_.alpha == AlphaUse::Test;
       if (options_.textures || color.alpha.wanted) {
-        color.image = images_.load(from.texture.string(), from.texture.string(), !options_.textures, color.alpha.wanted,
-                                   [] { return nullptr; });
+        color.image =
+            images_.load(from.texture.string(), from.texture.string(), !options_.textures, color.alpha.wanted);
       }
       color.colored = color.image != nullptr;
       if (color.colored) part.color = {1, 1, 1};
@@ -176,10 +178,11 @@ class WorldAsset {
     options.textures = options_.textures;
     options.allowOutside = options_.allowOutside;
     options.textureFolders = options_.textureFolders;
-    const std::string suffix = lowerExtension(from.mesh);
-    if (isWorld(suffix)) throw InputError(from.where, fmt::format("'{}' is not a mesh", from.mesh.string()));
+    const AssetReader reader = readerOf(from.mesh);
+    if (reader == AssetReader::World)
+      throw InputError(from.where, fmt::format("'{}' is not a mesh", from.mesh.string()));
     // Gazebo and ROS ignore the up axis that a file declares, except for glTF.
-    if (suffix != ".gltf" && suffix != ".glb") options.up = 'z';
+    if (reader == AssetReader::Mesh) options.up = 'z';
     try {
       Asset mesh = readAsset(from.mesh, options);
       flatten(mesh);
@@ -204,10 +207,6 @@ class WorldAsset {
 };
 
 }  // namespace
-
-bool isWorld(std::string_view suffix) {
-  return suffix == ".sdf" || suffix == ".world" || suffix == ".urdf" || suffix == ".xacro" || suffix == ".json";
-}
 
 Asset readWorld(const std::filesystem::path& file, std::string_view suffix, const AssetOptions& options) {
   if (suffix == ".json") return readTileset(file, options);

@@ -13,6 +13,7 @@
 #include "evaluate/spread.h"
 #include "exports/class_map.h"
 #include "study/figure_text.h"
+#include "study/median.h"
 
 namespace scanmill {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "evaluate/spread.h"
+#include "study/median.h"
 
 namespace scanmill {
 

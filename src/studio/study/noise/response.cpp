@@ -11,7 +11,7 @@
 #include <unordered_map>
 
 #include "base/error.h"
-#include "evaluate/spread.h"
+#include "study/median.h"
 
 namespace scanmill {
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "evaluate/spread.h"
+#include "study/median.h"
 
 namespace scanmill {
 

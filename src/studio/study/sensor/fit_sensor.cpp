@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "base/error.h"
-#include "evaluate/spread.h"
+#include "study/median.h"
 
 namespace scanmill {
 namespace {

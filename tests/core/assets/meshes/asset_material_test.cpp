@@ -1,8 +1,9 @@
+#include "assets/meshes/asset_material.h"
+
 #include <algorithm>
 #include <string>
 #include <vector>
 
-#include "assets/meshes/imported_file.h"
 #include "assets/meshes/texture_search.h"
 #include "base/error.h"
 #include "base/file.h"
@@ -153,12 +154,6 @@ TEST_F(AssetFiles, AlphaThatNobodyDeclaresCountsWhereItLooksLikeCutOuts) {
   writeColours(folder_.path() / "holes.png", 100);
   EXPECT_TRUE(tested(plain, squares(10, 0, 0)));
   EXPECT_FALSE(tested(plain, squares(18, 0, 2))) << "a third of the surface is neither on nor off";
-}
-
-std::string replaced(std::string text, const std::string& mark, const std::string& by) {
-  const std::size_t at = text.find(mark);
-  EXPECT_NE(at, std::string::npos) << mark;
-  return text.replace(at, mark.size(), by);
 }
 
 // dae() with an image; its texture coordinates are in the quarter without alpha.

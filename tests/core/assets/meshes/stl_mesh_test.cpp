@@ -1,3 +1,5 @@
+#include "assets/meshes/stl_mesh.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "assets/meshes/imported_file.h"
 #include "tests/core/assets/meshes/triangle_files.h"
 #include "tests/core/assets/read_assets.h"
 
@@ -17,7 +18,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-const std::vector<Vec3f> kStlWing{{1, 0, 0}, {0, 2, 0}, {0, 0, 3}};
+const std::vector<Vec3f> kWing{{1, 0, 0}, {0, 2, 0}, {0, 0, 3}};
 
 std::string binary(const std::string& header, std::uint32_t stated = 1, std::uint16_t attribute = 0) {
   std::string head = header;
@@ -40,7 +41,7 @@ TEST_F(StlMesh, KeywordsMayBeInUpperCase) {
   std::string upper = kStl;
   std::transform(upper.begin(), upper.end(), upper.begin(), [](unsigned char c) { return std::toupper(c); });
   const Asset asset = read("a.stl", "\xEF\xBB\xBF" + upper);
-  expectCorners(asset, kStlWing, "upper case");
+  expectCorners(asset, kWing, "upper case");
   EXPECT_EQ(asset.parts.at(0).node, "WING");
 }
 
@@ -68,8 +69,8 @@ TEST_F(StlMesh, CoordinatesOfTextsKeepTheirDigits) {
 // Programs write "solid" at the beginning of binary files, too.
 TEST_F(StlMesh, BinaryFilesAreKnownByTheirSize) {
   for (const char* header : {"", "solid wing", "SOLID"}) {
-    expectCorners(read("a.stl", binary(header)), kStlWing, header);
-    expectCorners(read("a.stl", binary(header) + "end"), kStlWing, header);
+    expectCorners(read("a.stl", binary(header)), kWing, header);
+    expectCorners(read("a.stl", binary(header) + "end"), kWing, header);
   }
   EXPECT_THAT(failure(write("short.stl", binary("solid", 2))),
               AllOf(HasSubstr("short.stl: is truncated"), HasSubstr("states 2 triangles, 1 follow")));
@@ -88,25 +89,6 @@ TEST_F(StlMesh, WhatIsLeftOutIsCounted) {
   std::string open = kStl;
   open.resize(open.find("endsolid"));
   EXPECT_THAT(warnings("open.stl", open), HasSubstr("open.stl: may be incomplete"));
-}
-
-TEST_F(StlMesh, UnitsInNamesAndHeadersAreTold) {
-  EXPECT_THAT(warnings("a.stl", binary("UNITS=mm")), HasSubstr("units are mm: `unit: 0.001` reads it so"));
-  EXPECT_THAT(warnings("a.stl", "solid foo (unit: inch)" + std::string(kStl).substr(10)), HasSubstr("`unit: 0.0254`"));
-}
-
-TEST_F(StlMesh, CarriageReturnsEndLines) {
-  std::string text = kStl;
-  std::replace(text.begin(), text.end(), '\n', '\r');
-  expectCorners(read("a.stl", text), kStlWing, "old Mac OS");
-}
-
-TEST_F(StlMesh, DamagedTextsAreRefusedWithTheirLine) {
-  std::string text = kStl;
-  EXPECT_THAT(failure(write("cut.stl", text.substr(0, text.find("vertex 0 0 3")))),
-              HasSubstr("ends within a facet: is it truncated?"));
-  text.replace(text.find("vertex 0 2 0"), 12, "vertex 0 two 0");
-  EXPECT_THAT(failure(write("word.stl", text)), HasSubstr("word.stl:5: 'two' is not a number"));
 }
 
 }  // namespace

@@ -82,6 +82,13 @@ refs 3
 kids 0
 )";
 
+// Returns the text with `by` in place of the first `mark`.
+inline std::string replaced(std::string text, const std::string& mark, const std::string& by) {
+  const std::size_t at = text.find(mark);
+  EXPECT_NE(at, std::string::npos) << mark;
+  return at == std::string::npos ? text : text.replace(at, mark.size(), by);
+}
+
 inline std::string dae(const std::string& up, const std::string& unit) {
   return R"(<?xml version="1.0"?>
 <COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
@@ -99,40 +106,6 @@ inline std::string dae(const std::string& up, const std::string& unit) {
 </visual_scene></library_visual_scenes>
 <scene><instance_visual_scene url="#s"/></scene>
 </COLLADA>
-)";
-}
-
-inline std::string fbx(int upAxis, double centimetres) {
-  return R"(; FBX 7.4.0 project file
-FBXHeaderExtension:  {
-	FBXHeaderVersion: 1003
-	FBXVersion: 7400
-}
-GlobalSettings:  {
-	Version: 1000
-	Properties70:  {
-		P: "UpAxis", "int", "Integer", "",)" +
-         std::to_string(upAxis) + R"(
-		P: "UnitScaleFactor", "double", "Number", "",)" +
-         std::to_string(centimetres) + R"(
-	}
-}
-Objects:  {
-	Geometry: 1, "Geometry::tri", "Mesh" {
-		Vertices: *9 {
-			a: 1,0,0,0,2,0,0,0,3
-		}
-		PolygonVertexIndex: *3 {
-			a: 0,1,-3
-		}
-	}
-	Model: 2, "Model::wing", "Mesh" {
-	}
-}
-Connections:  {
-	C: "OO",2,0
-	C: "OO",1,2
-}
 )";
 }
 

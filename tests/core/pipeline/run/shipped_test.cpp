@@ -163,5 +163,66 @@ TEST(Shipped, BytesOfATownStayTheSame) {
                 {"train/train-000000.tar", "c932eafb1644bb8fe84dd257d2e1ae4664892514d524ba4b75fc825b3f28e839"}}));
 }
 
+// The same class has nearly the same number of points as by ray tracing: where it has many. Returns what the method's
+// first scan has.
+ScanRecord expectAlike(const std::string& method, const std::string& file, std::vector<std::string> overrides,
+                       std::size_t classes) {
+  const Manifest traced = generateLabelled(file, overrides, classes);
+  overrides.push_back("method=" + method);
+  const Manifest seen = generateLabelled(file, overrides, classes);
+  std::map<std::uint16_t, std::array<double, 2>> points;
+  for (std::size_t m = 0; m < 2; ++m) {
+    for (const SampleRecord& sample : (m == 0 ? traced : seen).samples) {
+      for (const ScanRecord& scan : sample.scans) {
+        for (const auto& [id, count] : scan.pointsPerClass) points[id][m] += static_cast<double>(count);
+      }
+    }
+  }
+  int compared = 0;
+  for (const auto& [id, counts] : points) {
+    if (counts[0] < 2000) continue;
+    EXPECT_NEAR(counts[1] / counts[0], 1, 0.05) << "class " << id;
+    ++compared;
+  }
+  EXPECT_GE(compared, 3);
+  const ScanRecord& first = seen.samples.front().scans.front();
+  EXPECT_THAT(method, testing::HasSubstr(first.method));
+  return first;
+}
+
+const std::vector<std::string> kOneStreet{"scenes.0.seeds=[1]", "splits=", "trajectories.0.frames=1"};
+
+TEST(Shipped, StreetByTheDepthCamera) {
+  SKIP_WITHOUT_GL();
+  EXPECT_GT(expectAlike("depth_camera", "street.yaml", kOneStreet, 10).instances, 5u);
+}
+
+TEST(Shipped, TruckTownByTheDepthCamera) {
+  SKIP_WITHOUT_SHARED_DATA("scenes/truck_town");
+  SKIP_WITHOUT_GL();
+  ::setenv("SCANMILL_ASSETS", sharedData().c_str(), 1);
+  expectAlike("depth_camera", "truck_town.yaml", {"trajectories.0.frames=1"}, 4);
+}
+
+// With the same noise, intensity and motion as by ray tracing.
+TEST(Shipped, StreetByParticles) {
+  std::vector<std::string> twoFrames = kOneStreet;
+  twoFrames.back() = "trajectories.0.frames=2";
+  EXPECT_GT(expectAlike("particle", "street.yaml", twoFrames, 10).instances, 5u);
+}
+
+TEST(Shipped, TruckTownByParticles) {
+  SKIP_WITHOUT_SHARED_DATA("scenes/truck_town");
+  ::setenv("SCANMILL_ASSETS", sharedData().c_str(), 1);
+  expectAlike("particle", "truck_town.yaml", {"trajectories.0.frames=1"}, 4);
+}
+
+TEST(Shipped, StreetByBlender) {
+  SKIP_WITHOUT_BLENDER();
+  std::vector<std::string> still = kOneStreet;
+  still.emplace_back("motion=none");
+  expectAlike("{depth_camera: {renderer: blender, resolution: 512}}", "street.yaml", still, 10);
+}
+
 }  // namespace
 }  // namespace scanmill

@@ -4,7 +4,7 @@
 
 #include <filesystem>
 #include <functional>
-#include <memory>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,34 +15,52 @@ struct aiBone;
 struct aiMesh;
 struct aiScene;
 
-namespace Assimp {
-class IOSystem;
-}
-
 namespace scanmill {
 
-// Returns the file access for the importer. It opens only regular files, no pipes or devices, and without
-// `allowOutside` only files in the asset's folder and its subfolders. `refused` is set to the message about the first
-// file that was refused, and must outlive the result.
-std::unique_ptr<Assimp::IOSystem> filesFor(const std::filesystem::path& asset, bool allowOutside, std::string& refused);
+// Returns the text of an AC3D file (AC3Db or AC3Dc) as assimp reads it, and counts what is left out:
+// - at most one texture per object. Racing games write several. The texture with the role `base`, or else the first
+//   texture, is the colour and is kept; the others are shading and skid marks;
+// - the transform of an object (`rot`, `loc`) in a group around the object and its kids, because assimp shifts surfaces
+//   before it rotates them, and does not shift kids.
+// Throws an Error that states the problem if the file has materials that assimp does not read.
+std::string readAc3d(const std::filesystem::path& file, LeftOut& leftOut);
 
-// How a material's image is placed by texture coordinates: scaled, turned about (0.5, 0.5) and shifted, in this order
-// (aiUVTransform of assimp). The importer's own step, aiProcess_TransformUVCoords, scales about the middle of the
-// image.
+// The name of the material of surfaces that have none, as assimp calls it.
+inline constexpr const char* kDefaultMaterial = "DefaultMaterial";
+
+// A material of COLLADA, as its effect states it.
+struct ColladaMaterial {
+  bool colored = false;                // true: `diffuse` is a colour or an image
+  bool clamps = false;                 // true: a sampler clamps or mirrors its image
+  bool inverted = false;               // true: beams pass where the image of `transparent` is bright or opaque
+  std::optional<double> transparency;  // the number of `transparency`, if `transparent` is an image
+};
+
+// What a COLLADA file (.dae; COLLADA 1.4.1 and 1.5) states and assimp does not report.
+struct ColladaFacts {
+  char up = 'y';                             // axis of `up_axis`
+  double unit = 0;                           // metres per unit; 0: not stated
+  std::map<std::string, std::string> names;  // of nodes, by their ids in `text`; empty: the node has none
+  std::vector<ColladaMaterial> materials;    // those of `text` that have an effect, sorted by their ids, as by assimp
+  LeftOut leftOut;
+  // The file for assimp, in UTF-8: every node has an id, hidden nodes show nothing, and surfaces without a material
+  // have kDefaultMaterial.
+  std::string text;
+};
+
+// Throws an Error that states the problem and the line if the file is not XML, has elements that assimp reads wrong, or
+// copies a node into itself.
+ColladaFacts colladaFacts(const std::filesystem::path& file);
+
+// How a material's image is placed by texture coordinates: scaled and shifted, in this order.
 struct UvPlacement {
   std::uint32_t channel = 0;  // index of the set of texture coordinates
-  std::string set;            // its name, which holds in place of the index; empty: it is not known
   Vec2f scale{1, 1}, offset{0, 0};
-  float rotation = 0;  // rad, counter-clockwise
-  Vec2f apply(const Vec2f& uv) const;
 };
 
 // Returns the materials of an assimp scene. Base colours count as linear, since most exporters write linear ones.
-// `alphaIsOpacity`: the alpha of a colour is the material's opacity. `placements` receives one entry per material.
-std::vector<ImportedMaterial> materialsOf(const aiScene& scene, bool alphaIsOpacity,
-                                          std::vector<UvPlacement>& placements);
-// Returns the embedded images of an assimp scene. Throws Error if an image has no usable size.
-std::vector<ImportedImage> imagesOf(const aiScene& scene);
+// `placements` receives one entry per material. Counts rotations of images, which are not applied.
+std::vector<ImportedMaterial> materialsOf(const aiScene& scene, std::vector<UvPlacement>& placements, LeftOut& leftOut);
 
 // Collects the errors that the assimp library meets in files and reads past, as long as the object lives.
 struct ImporterLog {

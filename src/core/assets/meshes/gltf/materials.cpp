@@ -1,3 +1,5 @@
+#include "assets/meshes/gltf/materials.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,7 +8,6 @@
 #include <memory>
 
 #include "assets/meshes/base_color.h"
-#include "assets/meshes/gltf/data.h"
 #include "assets/meshes/texture_search.h"
 #include "base/error.h"
 #include "scene/texture.h"

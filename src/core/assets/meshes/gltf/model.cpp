@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "assets/meshes/gltf/json_reader.h"
+#include "assets/meshes/gltf/storage.h"
 #include "assets/meshes/references.h"
 #include "base/error.h"
 

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "assets/meshes/base_color.h"
-#include "assets/meshes/imported_file.h"
+#include "assets/meshes/obj/obj_mesh.h"
 #include "assets/meshes/obj/statements.h"
 #include "base/file.h"
 #include "base/format_support.h"
@@ -146,7 +146,7 @@ class Library {
         to_.leftOut.add("-mm of images, which changes their brightness");
     }
     if (rest.empty()) statements_.fail("names no image");
-    map.name = map.label = std::string(rest);
+    map.name = std::string(rest);
     return map;
   }
 

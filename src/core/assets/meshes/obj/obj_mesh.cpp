@@ -1,11 +1,4 @@
-// Polygons of Wavefront OBJ ("Appendix B1. Object Files (.obj)" of the Advanced Visualizer's manual), whose coordinates
-// are read in double precision.
-//
-//   v x y z [w] [r g b [a]]    a vertex; its weight and its colour are not used
-//   vt u [v [w]]               texture coordinates
-//   f v[/vt][/vn] ...          a polygon; negative indices count from the latest vertex
-//   o NAME, g NAME             the node of the faces that follow: the group if there is one, else the object
-//   usemtl NAME, mtllib FILE   materials; a line may name several libraries
+#include "assets/meshes/obj/obj_mesh.h"
 
 #include <fmt/format.h>
 
@@ -21,12 +14,10 @@
 #include <vector>
 
 #include "assets/meshes/asset_parts.h"
-#include "assets/meshes/imported_file.h"
 #include "assets/meshes/obj/materials.h"
 #include "assets/meshes/obj/statements.h"
 #include "assets/meshes/polygon.h"
 #include "assets/meshes/references.h"
-#include "assets/meshes/stated_unit.h"
 #include "base/error.h"
 #include "base/file.h"
 #include "base/format_support.h"
@@ -47,7 +38,6 @@ class ObjReader {
     while (statements_.next()) readStatement();
     ImportedFile read;
     read.up = options_.up.value_or('z');
-    warnOfStatedUnit(text_, options_, file_);
     assetFromFile_ = zUpFrom(read.up) * Mat3::scale(Vec3d{1, 1, 1} * options_.metresPerUnit);
     read.origin = originNear(vertices_.size(), [&](std::size_t i) { return assetFromFile_ * vertices_[i]; });
     library_.check(!read_.empty() && missing_.empty());

@@ -1,3 +1,5 @@
+#include "assets/meshes/obj/obj_mesh.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "assets/meshes/imported_file.h"
 #include "scene/builder.h"
 #include "tests/core/assets/meshes/triangle_files.h"
 #include "tests/core/assets/read_assets.h"
@@ -76,21 +77,6 @@ TEST_F(ObjMesh, CommentsStandBehindNumbersAndInNames) {
   EXPECT_EQ(
       trianglesByNode("v 5 5 5 # corner 1 of 4\nv 6 5 5# corner 2\nv 5 6 5\no Wall #3\nf 1 2 3 # 4\n").at("Wall #3"),
       1u);
-}
-
-TEST_F(ObjMesh, UnitsInCommentsAreTold) {
-  const auto warned = [&](const std::string& comment, bool given = false) {
-    testing::internal::CaptureStderr();
-    obj(comment + square("f 1 2 3\n"), {.unitStated = given});
-    return testing::internal::GetCapturedStderr();
-  };
-  EXPECT_THAT(warned("# Exported\n# File units = inches\n"),
-              HasSubstr("a.obj: its comment says that units are inches: `unit: 0.0254` reads it so"));
-  EXPECT_THAT(warned("# Units:millimeters\n"), HasSubstr("`unit: 0.001`"));
-  EXPECT_EQ(warned("# Units: millimeters\n", true), "");
-  for (const char* comment : {"# File units = meters\n", "# units in the scene\n", "# Units:\n"}) {
-    EXPECT_EQ(warned(comment), "") << comment;
-  }
 }
 
 TEST_F(ObjMesh, VerticesHaveThreeToEightNumbers) {

@@ -1,6 +1,6 @@
-// .blend files: made by a Blender script of this test, third-party ones, and broken ones.
+// .blend files and files that Blender imports: made by Blender scripts of this test, third-party ones, and broken ones.
 
-#include "assets/meshes/blend.h"
+#include "assets/meshes/blender_export.h"
 
 #include <gtest/gtest.h>
 
@@ -342,7 +342,7 @@ TEST_F(Blend, WhatRendersHideAndOtherShapesAreLeftOutAndTold) {
                                             {"volumes", 1}};
   for (const auto& [what, count] : expected) {
     EXPECT_THAT(told, HasSubstr(std::to_string(count) + " " + what));
-    const auto& rows = blendFormat().elements;
+    const auto& rows = blenderFormat().elements;
     EXPECT_TRUE(std::any_of(rows.begin(), rows.end(), [&](const auto& row) { return row.note == what; })) << what;
   }
 }
@@ -550,6 +550,71 @@ TEST_F(Blend, MaterialsAndTheEvaluationAreThoseOfRenders) {
   }
 }
 
+// Makes files of other programs: the triangle of tests as "wing", beside others, and levels of detail.
+constexpr const char* kImports = R"py(
+import os, sys
+import bpy
+from io_scene_fbx import encode_bin
+
+folder = sys.argv[-1]
+bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+scene = bpy.context.scene
+wing = bpy.data.meshes.new("wing")
+wing.from_pydata([(1, 0, 0), (0, 2, 0), (0, 0, 3)], [], [(0, 1, 2)])
+paint = bpy.data.materials.new("paint")
+paint.use_nodes = True
+paint.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (0.5, 0.5, 0.5, 1)
+wing.materials.append(paint)
+for name in ("wing", "moving", "levels", "levels_1", "levels_0"):
+    made = bpy.data.objects.new(name, None if name == "levels" else wing)
+    scene.collection.objects.link(made)
+    made.parent = bpy.data.objects["levels"] if "_" in name else None
+bpy.data.objects["moving"].keyframe_insert("location", frame=1)
+write = encode_bin.FBXElem.add_string
+encode_bin.FBXElem.add_string = lambda element, text: write(
+    element, b"LodGroup" if element.id == b"Model" and text == b"Null" else text)
+bpy.ops.export_scene.fbx(filepath=os.path.join(folder, "y.fbx"), axis_forward="-Z", axis_up="Y")
+bpy.ops.export_scene.fbx(filepath=os.path.join(folder, "z.fbx"), axis_forward="Y", axis_up="Z")
+)py";
+
+// The triangle in X3D, which is y up and in metres.
+constexpr const char* kX3d = R"(<?xml version="1.0"?><X3D version="3.0"><Scene><Transform translation="0 0 5"><Shape>
+<Appearance><Material diffuseColor="0.5 0.5 0.5"/></Appearance><IndexedFaceSet coordIndex="0 1 2 -1">
+<Coordinate point="1 0 0 0 2 0 0 0 3"/></IndexedFaceSet></Shape></Transform><Inline url="other.x3d"/></Scene></X3D>)";
+
+TEST_F(Blend, FilesThatBlenderImportsStandUprightInMetres) {
+  SKIP_WITHOUT_BLENDER();
+  const auto script = folder_.write("imports.py", kImports);
+  ASSERT_EQ(runBlender({"--python", script.string(), "--", folder_.path().string()}), "");
+  for (const char* name : {"y.fbx", "z.fbx"}) {
+    testing::internal::CaptureStderr();
+    const Asset asset = readAsset(folder_.path() / name, {.metresPerUnit = 2});
+    EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("left out: 1 animations (the saved or first frame"));
+    const auto nodes = nodesOf(asset);
+    EXPECT_EQ(nodes.size(), 3u) << name;
+    EXPECT_FALSE(nodes.contains("levels_1")) << "a coarser level of detail";
+    expectBounds(nodes.at("wing").at(0), {0, 0, 0}, {2, 4, 6});
+    EXPECT_EQ(nodes.at("wing")[0].materials, std::vector<std::string>{"paint"});
+    EXPECT_NEAR(asset.parts[0].fileMaterial.reflectance, 0.5, 1e-4) << name;
+  }
+  testing::internal::CaptureStderr();
+  const Asset asset = readAsset(folder_.write("a.x3d", kX3d), {});
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("a.x3d: left out: 1 files that Inline names"));
+  ASSERT_EQ(asset.parts.size(), 1u);
+  expectBounds(nodesOf(asset).begin()->second.at(0), {0, -8, 0}, {1, -5, 2});
+}
+
+// Debian's Blender has no importers of Alembic and USD.
+TEST_F(Blend, ImportersThatBlenderLacksAreNamed) {
+  SKIP_WITHOUT_BLENDER();
+  for (const char* kind : {".abc", ".usda"}) {
+    const std::string message =
+        messageOf<InputError>([&] { readAsset(folder_.write(std::string("a") + kind, "no scene"), {}); });
+    EXPECT_THAT(message, testing::AllOf(HasSubstr(std::string("a") + kind + ": Blender"),
+                                        testing::AnyOf(HasSubstr("set SCANMILL_BLENDER"), HasSubstr("cannot import"))));
+  }
+}
+
 TEST_F(Blend, BadFilesAreNamed) {
   SKIP_WITHOUT_BLENDER();
   make();
@@ -577,6 +642,7 @@ TEST_F(Blend, OtherFilesAreNotGivenToBlender) {
   expectInputError([&] { readAsset(folder_.write("none.blend", ""), {}); }, {"none.blend", "empty"});
   expectInputError([&] { readAsset(folder_.write("old.blend1", "BLENDER-v304"), {}); }, {"rename it to .blend"});
   expectInputError([&] { readAsset(folder_.path() / "absent.blend", {}); }, {"absent.blend"});
+  expectInputError([&] { readAsset(folder_.write("a.usdc", "x"), {.up = 'z'}); }, {"a.usdc", "leave out `up`"});
   const auto whole = folder_.write("whole.blend", "BLENDER-v304");
   EXPECT_THAT(messageOf<Error>([&] { readAsset(whole, {}); }),
               testing::AllOf(HasSubstr("whole.blend"), HasSubstr("/no/such/blender")));

@@ -1,0 +1,38 @@
+#pragma once
+
+// The kinds of files that assets may have, by the endings of their names.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace scanmill {
+
+enum class AssetReader {
+  None,  // the kind is unknown, or known and not read
+  Gltf,
+  Blender,  // the installed Blender opens or imports the file
+  Mesh,
+  World,
+  Cloud,
+  Heights,
+};
+
+// Returns the reader for the ending of a file's name. A PLY without faces and some .asc are clouds: isCloud() in
+// formats/cloud_file.h looks into the file.
+AssetReader readerOf(const std::filesystem::path& file);
+
+// Returns why a file whose kind has no reader is refused, and how it can be converted.
+std::string whyNoReader(const std::filesystem::path& file);
+
+// Returns what the first bytes of a file look like, such as "a PNG image", for the message about a file that cannot be
+// read as its ending says; empty if the bytes fit the ending, or are not recognised.
+std::string otherContent(const std::filesystem::path& file);
+
+// Returns the 3D files in a folder and its subfolders, sorted by path; empty if there are none. Files of most kinds
+// that readAsset() reads are returned, but not .json and .csv, which are seldom assets. If a folder has a model.sdf, as
+// Gazebo's models have, or a tileset.json, only this file is returned for the folder, since it names the meshes and
+// their places. Warns of 3D files of other kinds, with counts.
+std::vector<std::filesystem::path> assetsIn(const std::filesystem::path& folder);
+
+}  // namespace scanmill
