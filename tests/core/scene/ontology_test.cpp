@@ -31,16 +31,6 @@ TEST(Ontology, idsOfOurClassesNeverChange) {
   EXPECT_EQ(o.find(17), nullptr);
 }
 
-TEST(Ontology, thingsAreWhatCanBeCounted) {
-  const Ontology o = readOntology(kLabels / "scanmill.yaml");
-  for (const char* name : {"building", "tree", "trunk", "pole", "car", "pedestrian", "object"}) {
-    EXPECT_TRUE(o.require(name, {}).thing) << name;
-  }
-  for (const char* name : {"road", "sidewalk", "window", "vegetation", "structure", "water"}) {
-    EXPECT_FALSE(o.require(name, {}).thing) << name;
-  }
-}
-
 TEST(Ontology, coloursCanBeToldApart) {
   const Ontology o = readOntology(kLabels / "scanmill.yaml");
   for (std::size_t i = 0; i < o.classes.size(); ++i) {

@@ -142,12 +142,6 @@ TEST(Primitives, sphereAndCapsuleConvergeWithTheSquareOfTheStep) {
   }
 }
 
-TEST(Primitives, sphereVerticesLieOnTheSphere) {
-  Mesh mesh = make();
-  appendSphere(mesh, 0, {}, 3, 48);
-  for (const Vec3f& p : mesh.positions) EXPECT_NEAR(length(Vec3d(p)), 3, 1e-6);
-}
-
 TEST(Primitives, coarsestShapesAreStillClosed) {
   Mesh sphere = make();
   appendSphere(sphere, 0, {}, 1, 3);

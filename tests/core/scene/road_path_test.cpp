@@ -93,32 +93,6 @@ TEST_F(RoadPath, NoWayIsRefused) {
               HasSubstr("did you mean 'road'"));
 }
 
-// The roads of an imported town, over humps of up to 20 degrees.
-TEST_F(RoadPath, LeadsThroughAnImportedTown) {
-  SKIP_WITHOUT_SHARED_DATA("scenes/truck_town/model/town_model.gltf");
-  const std::string town = fmt::format(
-      "  - {{name: town, file: \"{}\", rules: [{{match: {{node: RoadMesh}}, class: road, material: asphalt}}, {{match: "
-      "{{node: \"*\"}}, class: terrain, material: grass}}]}}\n",
-      (sharedData() / "scenes/truck_town/model/town_model.gltf").string());
-  const Scene scene = readScene(folder_.write("town.yaml", sceneYaml(town)), {});
-  SurfaceHeights heights(scene);
-  heights.update();
-  const RoadTrip trip{{"road"}, {29, -14.8, 0}, {-39.8, 4.6, 0}, RoadSide::Right, {}};
-  const Path way(findRoadPath(heights, scene.ontology, trip));
-  EXPECT_LT(std::hypot(way.pose(0).translation.x - 29, way.pose(0).translation.y + 14.8), 3);
-  const Vec3d end = way.pose(way.length()).translation;
-  EXPECT_LT(std::hypot(end.x + 39.8, end.y - 4.6), 3);
-  EXPECT_GT(way.length(), 71);
-  EXPECT_LT(way.length(), 160);
-  for (double at = 0; at < way.length(); at += 1) {
-    const Vec3d p = way.pose(at).translation;
-    const auto road = heights.under(p, [](const SurfaceHeights::Surface&) { return true; });
-    ASSERT_TRUE(road);
-    EXPECT_EQ(scene.ontology.find(road->semantic)->name, "road") << at;
-    EXPECT_NEAR(road->height, p.z, 0.3) << at;
-  }
-}
-
 // Rays that are exactly on the seam between two tiles of a town may miss both tiles: a path crosses it all the same.
 TEST_F(RoadPath, LeadsAcrossTheSeamsOfTiles) {
   SKIP_WITHOUT_SHARED_DATA("scenes/kenney_city/road-straight.glb");

@@ -1,21 +1,15 @@
 #include "scene/texture.h"
 
 #include <OpenImageIO/imageio.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <cmath>
 #include <cstdint>
 #include <string>
 #include <vector>
 
-#include "base/error.h"
 #include "base/file.h"
 #include "base/files_read.h"
 #include "images/images.h"
 #include "images/srgb.h"
-#include "tests/support/message_of.h"
-#include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
 
 namespace scanmill {
@@ -222,25 +216,6 @@ TEST(Texture, ExrWithFurtherPartsOrWithoutAColourIsTold) {
                              HasSubstr("red.exr: left out: 1 images without red, green or blue (EXR; ")));
 }
 
-TEST(Texture, GreyIsReadAsColour) {
-  const TemporaryFolder folder;
-  writeImage(folder.path() / "a.png", 1, 1, 1, Bytes{77});
-  EXPECT_EQ(texel(*loadTexture(folder.path() / "a.png"), 0, 0), (std::vector<int>{77, 77, 77, 255}));
-}
-
-TEST(Texture, MemoryGivesTheSameAsTheFile) {
-  const TemporaryFolder folder;
-  for (const char* name : {"a.png", "a.webp", "a.jpg", "a.tga", "a.bmp"}) {
-    std::vector<std::uint8_t> pixels(16 * 8 * 3);
-    for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<std::uint8_t>(i * 7);
-    writeImage(folder.path() / name, 16, 8, 3, pixels);
-    const auto fromFile = loadTexture(folder.path() / name);
-    const auto fromMemory = decodeTexture(readFile(folder.path() / name), name);
-    EXPECT_EQ(fromFile->rgba, fromMemory->rgba) << name;
-    EXPECT_EQ(fromMemory->file, name);
-  }
-}
-
 TEST(Texture, IsDecodedOnceWhileItIsHeld) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "a.png";
@@ -312,29 +287,6 @@ TEST(Texture, BadFilesAreNamedAndNothingIsPrinted) {
   EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
   EXPECT_GT(refused, 100);
-}
-
-TEST(Texture, HugeImagesAreRefusedByTheirHeader) {
-  const TemporaryFolder folder;
-  // TGA: 18 bytes, uncompressed RGB of 20000 x 4.
-  std::string header(18, '\0');
-  header[2] = 2;
-  header[12] = static_cast<char>(20000 % 256);
-  header[13] = static_cast<char>(20000 / 256);
-  header[14] = 4;
-  header[16] = 24;
-  const auto path = folder.write("huge.tga", header + std::string(20000 * 4 * 3, 'x'));
-  expectInputError([&] { loadTexture(path); }, {"20000 x 4", "16384"});
-}
-
-TEST(Texture, ReadsTheTownsWebp) {
-  SKIP_WITHOUT_SHARED_DATA("scenes/truck_town");
-  const auto texture = loadTexture(sharedData() / "scenes/truck_town/model/textures/grass_lossy.webp");
-  EXPECT_FALSE(texture->hasAlpha);
-  EXPECT_GT(texture->width, 100u);
-  const float mean = meanLuminance(*texture);
-  EXPECT_GT(mean, 0.05f);
-  EXPECT_LT(mean, 0.9f);
 }
 
 }  // namespace

@@ -8,7 +8,6 @@
 #include <map>
 
 #include "base/path.h"
-#include "tests/support/street.h"
 #include "tests/support/test_scene.h"
 
 namespace scanmill {
@@ -157,14 +156,6 @@ TEST(ThingBoxes, OfWhatChangesItsShapeAreThoseOfTheMoment) {
   }
   EXPECT_EQ(lengths.size(), 2u);
   EXPECT_TRUE(boxes.things()[0].moves);
-}
-
-TEST(ThingBoxes, OfTheStreetAreTight) {
-  const Scene scene = proceduralStreet();
-  const ThingBoxes boxes(scene);
-  EXPECT_EQ(boxes.things().size(), scene.things());
-  for (std::size_t thing = 0; thing < boxes.things().size(); thing += 7) expectTight(scene, boxes, thing, 0, 1e-4);
-  for (std::size_t i = 1; i < boxes.things().size(); ++i) EXPECT_LT(boxes.things()[i - 1].id, boxes.things()[i].id);
 }
 
 }  // namespace

@@ -1,14 +1,7 @@
 #include "scene/voxels.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
 #include <functional>
-#include <random>
 
-#include "base/parallel.h"
 #include "tests/support/street.h"
 #include "tests/support/test_scene.h"
 
@@ -99,31 +92,6 @@ TEST(Voxels, OfABoxAreThoseOfItsFacesAndItIsHollow) {
   });
 }
 
-TEST(Voxels, OfASphereAreThoseWithCornersOnBothSides) {
-  constexpr double kRadius = 1.83;
-  constexpr double kFlat = 0.004;  // m, what its facets cut off
-  SceneBuilder builder = testBuilder();
-  Mesh mesh = meshOf(builder, "thing");
-  appendSphere(mesh, 0, at(0.1, 0.2, -0.05), kRadius, 96);
-  const VoxelGrid grid{0.1, {-2, -2, -2}, {40, 44, 40}};
-  const std::vector<std::uint16_t> labels = labelsOf(sceneWith(builder, mesh), grid);
-  std::size_t full = 0;
-  forEachVoxel(grid, [&](std::size_t i, const Vec3d& low) {
-    const Vec3d p = low - Vec3d{0.1, 0.2, -0.05};
-    const auto near = [&](double a) { return std::max({a, -(a + grid.size), 0.0}); };
-    const auto far = [&](double a) { return std::max(std::abs(a), std::abs(a + grid.size)); };
-    const double nearest = length(Vec3d{near(p.x), near(p.y), near(p.z)});
-    const double farthest = length(Vec3d{far(p.x), far(p.y), far(p.z)});
-    const bool empty = nearest > kRadius || farthest < kRadius - kFlat;
-    const bool cut = nearest < kRadius - kFlat && farthest > kRadius;
-    EXPECT_TRUE(empty ? labels[i] == 0 : !cut || labels[i] == 2) << nearest << " " << farthest;
-    full += labels[i] != 0 ? 1 : 0;
-  });
-  // Of a large convex body: the area times the mean, over all directions, of |x| + |y| + |z|, which is 3 / 2.
-  const double expected = 4 * kPi * kRadius * kRadius * 1.5 / (grid.size * grid.size);
-  EXPECT_NEAR(static_cast<double>(full), expected, 0.02 * expected);
-}
-
 TEST(Voxels, AFaceBetweenTwoIsInTheUpperOneWhateverTheRounding) {
   for (const double error : {-1e-5, -1e-7, 0.0, 1e-7, 1e-5}) {
     const Vec3d shift{error, error, error};
@@ -196,44 +164,6 @@ TEST(Voxels, MoveAndTurnWithTheScene) {
     for (std::size_t i = 0; i < labels.size(); ++i) differ += labels[i] != elsewhere[i] ? 1 : 0;
     EXPECT_EQ(differ, 0u) << pose.translation.x;
   }
-}
-
-TEST(Voxels, AreTheSameOnAnyNumberOfThreads) {
-  const Scene street = proceduralStreet();
-  const SceneVoxels voxels(street);
-  const Pose sensor{fromYawPitchRoll(0.4, 0, 0), {20, -1.75, 1.9}};
-  const auto with = [&](int threads) {
-    const ThreadLimit limit(threads);
-    return voxels.labels({}, sensor, 0).label;
-  };
-  const std::vector<std::uint16_t> alone = with(1);
-  for (const int threads : {2, 3}) EXPECT_EQ(with(threads), alone) << threads;
-}
-
-TEST(Voxels, HoldEveryPlaceOnASurface) {
-  const Scene street = proceduralStreet();
-  const Pose sensor{fromYawPitchRoll(0.4, 0.02, 0), {20, -1.75, 1.9}};
-  const VoxelGrid grid;
-  const VoxelLabels labels = SceneVoxels(street).labels(grid, sensor, 0);
-  const Pose gridFromWorld = inverse(sensor);
-  std::mt19937 random(1);
-  std::uniform_real_distribution<double> unit(0, 1);
-  std::size_t places = 0;
-  for (const Instance& instance : street.instances) {
-    const Mesh& mesh = street.meshes[instance.mesh];
-    for (const Triangle& t : mesh.triangles) {
-      const auto corner = [&](std::size_t k) {
-        return gridFromWorld * (instance.worldFromMesh * Vec3d(mesh.positions[t[k]]));
-      };
-      const double u = unit(random);
-      const double v = unit(random) * (1 - u);
-      const auto voxel = grid.at(corner(0) + (corner(1) - corner(0)) * u + (corner(2) - corner(0)) * v);
-      if (!voxel) continue;
-      ++places;
-      EXPECT_NE(labels.label[*voxel], 0);
-    }
-  }
-  EXPECT_GT(places, 10000u);
 }
 
 TEST(Voxels, OfWhatMovesAreWhereItIsAndHaveTheClassForThat) {
