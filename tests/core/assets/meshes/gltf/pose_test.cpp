@@ -5,15 +5,12 @@
 
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
 
 #include "assets/meshes/gltf/reader.h"
-#include "base/process.h"
 #include "tests/core/assets/meshes/gltf/gltf_builder.h"
 #include "tests/core/assets/read_assets.h"
-#include "tests/support/blender.h"
 #include "tests/support/message_of.h"
 
 namespace scanmill {
@@ -224,103 +221,6 @@ TEST_F(GltfPose, AGlbIsPosedAsAGltfIs) {
   b.bytes.resize((b.bytes.size() + 3) / 4 * 4, '\0');
   expectCorners(corners(readAsset(folder_.write("arm.glb", glb(b.json.dump(), b.bytes)), options)),
                 {{0, 0, 0}, {-1, 1, 0}, {0.5, 1.5, 0}});
-}
-
-// A tube on three bones that swing and twist, exported by Blender, and where Blender itself has its vertices.
-constexpr const char* kTube = R"py(
-import math, os, sys
-import bpy
-
-folder = sys.argv[-1]
-bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-scene = bpy.context.scene
-scene.render.fps = 24
-bones = bpy.data.armatures.new("bones")
-rig = bpy.data.objects.new("rig", bones)
-scene.collection.objects.link(rig)
-rig.location = (3, -2, 0.5)
-rig.rotation_euler = (0.1, 0.2, 0.7)
-bpy.context.view_layer.objects.active = rig
-bpy.ops.object.mode_set(mode="EDIT")
-for i in range(3):
-    bone = bones.edit_bones.new(f"bone{i}")
-    bone.head = (0, 0, i)
-    bone.tail = (0, 0, i + 1)
-    if i > 0:
-        bone.parent = bones.edit_bones[f"bone{i - 1}"]
-bpy.ops.object.mode_set(mode="OBJECT")
-bpy.ops.mesh.primitive_cylinder_add(vertices=8, radius=0.3, depth=3, location=(0, 0, 1.5), end_fill_type="NOTHING")
-tube = bpy.context.object
-bpy.ops.object.transform_apply(location=True)
-bpy.ops.object.mode_set(mode="EDIT")
-bpy.ops.mesh.select_all(action="SELECT")
-bpy.ops.mesh.subdivide(number_cuts=5)
-bpy.ops.object.mode_set(mode="OBJECT")
-for i in range(3):
-    group = tube.vertex_groups.new(name=f"bone{i}")
-    for vertex in tube.data.vertices:
-        weight = max(0.0, 1 - abs(vertex.co.z - i - 0.5))
-        if weight > 0:
-            group.add([vertex.index], weight, "REPLACE")
-tube.modifiers.new("skin", "ARMATURE").object = rig
-tube.parent = rig
-for i in range(3):
-    pose = rig.pose.bones[f"bone{i}"]
-    pose.rotation_mode = "QUATERNION"
-    for frame, angle in ((1, 0.0), (13, 0.6 - 0.3 * i), (25, -0.4)):
-        pose.rotation_quaternion = (math.cos(angle / 2), math.sin(angle / 2) * 0.6, 0, math.sin(angle / 2) * 0.8)
-        pose.keyframe_insert("rotation_quaternion", frame=frame)
-rig.animation_data.action.name = "swing"
-scene.frame_start, scene.frame_end = 1, 25
-bpy.ops.export_scene.gltf(filepath=os.path.join(folder, "tube.glb"), export_format="GLB")
-with open(os.path.join(folder, "tube.txt"), "w") as out:
-    for frame in (1, 7, 13, 20):
-        scene.frame_set(frame)
-        made = tube.evaluated_get(bpy.context.evaluated_depsgraph_get())
-        points = [made.matrix_world @ v.co for v in made.to_mesh().vertices]
-        out.write(f"{frame} {len(points)}\n")
-        for p in points:
-            out.write(f"{p.x} {p.y} {p.z}\n")
-)py";
-
-double farthest(const std::vector<Vec3d>& from, const std::vector<Vec3d>& to) {
-  double most = 0;
-  for (const Vec3d& p : from) {
-    double least = 1e9;
-    for (const Vec3d& q : to) least = std::min(least, length(p - q));
-    most = std::max(most, least);
-  }
-  return most;
-}
-
-TEST_F(GltfPose, ASkinIsWhereBlenderHasIt) {
-  SKIP_WITHOUT_BLENDER();
-  const std::filesystem::path script = folder_.write("tube.py", kTube);
-  const std::string folder = folder_.path().string();
-  Process blender({"blender", "--background", "--factory-startup", "--python-exit-code", "1", "--python",
-                   script.string(), "--", folder});
-  blender.closeInput();
-  while (blender.readLine(120)) {
-  }
-  ASSERT_EQ(blender.wait(120), "exit code 0") << blender.lastLines();
-  std::ifstream in(folder_.path() / "tube.txt");
-  int frame = 0;
-  std::size_t count = 0;
-  int frames = 0;
-  while (in >> frame >> count) {
-    std::vector<Vec3d> wanted(count);
-    for (Vec3d& p : wanted) in >> p.x >> p.y >> p.z;
-    // The exporter counts time from frame 0.
-    const Asset asset = readAsset(folder_.path() / "tube.glb", {.clip = ClipTime{"swing", frame / 24.0}});
-    std::vector<Vec3d> found;
-    for (const AssetPart& part : asset.parts) {
-      for (const Vec3f& p : part.positions) found.emplace_back(p);
-    }
-    EXPECT_LT(farthest(found, wanted), 1e-4) << "frame " << frame;
-    EXPECT_LT(farthest(wanted, found), 1e-4) << "frame " << frame;
-    ++frames;
-  }
-  EXPECT_EQ(frames, 4);
 }
 
 // Whatever byte of it is another: an error or some triangle, no crash.
