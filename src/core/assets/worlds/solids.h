@@ -18,8 +18,8 @@ namespace scanmill {
 std::optional<Mesh> solidOf(const XmlNode& shape);
 
 // Returns the floor, the ceiling and the walls of all <polyline>s of a <geometry>, extruded along z from 0 to the
-// <height> of the first one. An outline within another one is a hole, an outline within a hole is solid. Throws
-// InputError for a height that is not above 0, and for outlines that intersect, have no area or have too many points.
+// <height> of the first one. What an odd number of outlines encloses is solid, so that an outline within another one is
+// a hole. Throws InputError for a height that is not above 0, and for outlines without area or with too many points.
 Mesh extrudedPolylines(const XmlNode& geometry);
 
 // Returns the surface of a <heightmap> as Gazebo builds it: centred at <pos>, with the first row of samples at the
