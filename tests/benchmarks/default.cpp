@@ -22,7 +22,7 @@
 #include "pipeline/run/generate.h"
 #include "pipeline/run/run_shot.h"
 #include "scene/embree.h"
-#include "sense/gather.h"
+#include "sense/sense.h"
 #include "tests/support/temporary_folder.h"
 
 namespace scanmill {

@@ -4,7 +4,7 @@
 #include <array>
 
 #include "assets/asset.h"
-#include "assets/meshes/obj/obj_mesh.h"
+#include "assets/meshes/imported_file.h"
 #include "base/error.h"
 #include "formats/cloud_file.h"
 #include "formats/readers.h"

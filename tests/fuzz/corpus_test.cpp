@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <random>
 #include <set>
 #include <vector>
 
@@ -26,21 +27,47 @@ std::vector<std::string> targetNames() {
 
 class Corpus : public testing::TestWithParam<std::string> {};
 
-TEST_P(Corpus, IsReadOrRefused) {
+std::vector<std::string> inputsOf(const std::string& target) {
   std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(kCorpus / GetParam())) files.push_back(entry.path());
+  for (const auto& entry : fs::directory_iterator(kCorpus / target)) files.push_back(entry.path());
   std::sort(files.begin(), files.end());
-  ASSERT_FALSE(files.empty());
-  std::size_t read = 0;
-  for (const fs::path& file : files) {
-    SCOPED_TRACE(file);
-    try {
-      runWithinBudget(fuzzTargets().at(GetParam()), readFile(file));
-      ++read;
-    } catch (const Error&) {
+  std::vector<std::string> inputs;
+  for (const fs::path& file : files) inputs.push_back(readFile(file));
+  return inputs;
+}
+
+// Returns whether the bytes were read; they may be refused instead.
+bool wasRead(const std::string& target, std::string_view bytes) {
+  try {
+    runWithinBudget(fuzzTargets().at(target), bytes);
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+TEST_P(Corpus, IsReadOrRefused) {
+  const std::vector<std::string> inputs = inputsOf(GetParam());
+  ASSERT_FALSE(inputs.empty());
+  EXPECT_GT(std::count_if(inputs.begin(), inputs.end(), [&](const auto& bytes) { return wasRead(GetParam(), bytes); }),
+            0)
+      << "no seed is a sound file";
+}
+
+// Cut short anywhere, or with some bytes changed, most of them in the first 300, where the headers are.
+TEST_P(Corpus, IsReadOrRefusedWhateverIsDamaged) {
+  std::minstd_rand random(5);
+  for (const std::string& good : inputsOf(GetParam())) {
+    for (std::size_t i = 0; i < 16; ++i) wasRead(GetParam(), std::string_view(good).substr(0, good.size() * i / 16));
+    for (std::size_t i = 0; i < 48 && !good.empty(); ++i) {
+      std::string bad = good;
+      for (std::size_t k = 0; k <= i % 3; ++k) {
+        bad[random() % (i % 4 == 0 ? bad.size() : std::min<std::size_t>(bad.size(), 300))] =
+            static_cast<char>(random());
+      }
+      wasRead(GetParam(), bad);
     }
   }
-  EXPECT_GT(read, 0u) << "no seed is a sound file";
 }
 
 TEST(Corpora, AreOfTargets) {

@@ -10,6 +10,7 @@
 #include <initializer_list>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,8 +18,6 @@
 #include "base/error.h"
 #include "base/vec.h"
 #include "config/fields.h"
-#include "dataset/manifest.h"
-#include "scene/ontology.h"
 
 namespace scanmill {
 
@@ -39,36 +38,36 @@ class JsonNode {
   }
 
   // Checks the keys of a map: all keys in `required` must exist, and all other keys must be in `optional`.
-  const JsonNode& keys(std::initializer_list<std::string_view> required,
-                       std::initializer_list<std::string_view> optional = {}) const {
+  const JsonNode& keys(std::span<const std::string_view> required, std::span<const std::string_view> optional) const {
     expect(value_.is_object(), "a map");
     for (const auto& entry : value_.items()) {  // checks unknown keys first, since a missing key may only be misspelt
       const auto is = [&](std::string_view key) { return key == entry.key(); };
-      if (std::any_of(required.begin(), required.end(), is) || std::any_of(optional.begin(), optional.end(), is)) {
-        continue;
-      }
+      if (std::ranges::any_of(required, is) || std::ranges::any_of(optional, is)) continue;
       std::vector<std::string> known(required.begin(), required.end());
       known.insert(known.end(), optional.begin(), optional.end());
       fail(fmt::format("key '{}' is unknown{}", entry.key(), suggestion(entry.key(), known)));
     }
-    expectKeys(required);
-    return *this;
-  }
-  void expectKeys(std::initializer_list<std::string_view> required) const {
     for (const std::string_view key : required) {
       if (!value_.contains(key)) fail(fmt::format("key '{}' is missing", key));
     }
+    return *this;
+  }
+  const JsonNode& keys(std::initializer_list<std::string_view> required,
+                       std::initializer_list<std::string_view> optional = {}) const {
+    return keys(std::span(required.begin(), required.size()), std::span(optional.begin(), optional.size()));
   }
 
   bool isNull() const { return value_.is_null(); }
   bool isText() const { return value_.is_string(); }
   bool has(std::string_view key) const { return value_.is_object() && value_.contains(key); }
   JsonNode operator[](const std::string& key) const { return {value_.at(key), place_ + "/" + key, file_}; }
+  JsonNode item(std::size_t i) const { return {value_.at(i), fmt::format("{}/{}", place_, i), file_}; }
+  std::string dump() const { return value_.dump(); }
 
   template <class Visit>
   void forEach(const Visit& visit) const {
     expect(value_.is_array(), "a list");
-    for (std::size_t i = 0; i < value_.size(); ++i) visit(JsonNode(value_[i], fmt::format("{}/{}", place_, i), file_));
+    for (std::size_t i = 0; i < value_.size(); ++i) visit(item(i));
   }
   template <class Visit>
   void forEachEntry(const Visit& visit) const {
@@ -135,13 +134,5 @@ class JsonNode {
 };
 
 Pose poseOf(const JsonNode& node);
-Ontology ontologyOf(const JsonNode& node);
-
-// Returns the id of a class from a map's key `id`. Throws if the ontology lacks the class, or if the map's key `name`
-// is not the class's name.
-std::uint16_t classOf(const JsonNode& node, const Ontology& ontology, const std::string& id = "id",
-                      const std::string& name = "name");
-// Reads what is modelled. `mayBeTexts`: true accepts texts, too, as earlier versions wrote them.
-std::vector<ModelledItem> modelledOf(const JsonNode& list, bool mayBeTexts);
 
 }  // namespace scanmill

@@ -82,33 +82,10 @@ OrderedJson poseJson(const Pose& pose, std::string_view what) {
   return {{"rotation", finiteList({q.w, q.x, q.y, q.z}, what)}, {"translation", finiteList({t.x, t.y, t.z}, what)}};
 }
 
-OrderedJson modelledJson(const std::vector<ModelledItem>& items) {
-  OrderedJson list = OrderedJson::array();
-  for (const ModelledItem& item : items) {
-    OrderedJson entry{{"topic", item.topic}, {"left_out", item.leftOut}, {"text", item.text}};
-    if (!item.sensor.empty()) entry["sensor"] = item.sensor;
-    if (!item.options.empty()) entry["options"] = item.options;
-    if (!item.scenes.empty()) entry["scenes"] = item.scenes;
-    if (item.parts > 0) entry["parts"] = item.parts;
-    list.push_back(std::move(entry));
-  }
-  return list;
-}
-
 const SemanticClass& requireClass(std::uint16_t id, const std::string& key, const Ontology& ontology) {
   const SemanticClass* const known = ontology.find(id);
   if (known == nullptr) throw Error(fmt::format("{}: class {} is not in ontology '{}'", key, id, ontology.name));
   return *known;
-}
-
-OrderedJson ontologyJson(const Ontology& ontology) {
-  OrderedJson classes = OrderedJson::array();
-  for (const SemanticClass& c : ontology.classes) {
-    OrderedJson entry{{"id", c.id}, {"name", c.name}, {"color", c.color}, {"thing", c.thing}};
-    if (!c.aliases.empty()) entry["aliases"] = c.aliases;
-    classes.push_back(std::move(entry));
-  }
-  return {{"name", ontology.name}, {"source", ontology.source}, {"classes", std::move(classes)}};
 }
 
 }  // namespace scanmill

@@ -33,6 +33,5 @@ OrderedJson poseJson(const Pose& pose, std::string_view what);
 // Returns the class with this id. Throws an Error that begins with `key` if the ontology does not have it.
 const SemanticClass& requireClass(std::uint16_t id, const std::string& key, const Ontology& ontology);
 OrderedJson ontologyJson(const Ontology& ontology);
-OrderedJson modelledJson(const std::vector<ModelledItem>& items);
 
 }  // namespace scanmill

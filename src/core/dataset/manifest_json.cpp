@@ -1,18 +1,17 @@
-// Writes manifests and the members that describe samples as JSON text, with keys in a fixed order and numbers that read
-// back to the same bits, so that the bytes are always the same.
+// Writes and parses manifests and the members that describe samples. Keys have a fixed order, and numbers read back to
+// the same bits, so that the same records always give the same bytes.
 
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
 #include "base/hash.h"
 #include "config/text.h"
-#include "dataset/json_text.h"
 #include "dataset/manifest.h"
+#include "dataset/manifest_records.h"
 #include "dataset/sample_names.h"
 
 namespace scanmill {
@@ -20,40 +19,6 @@ namespace scanmill {
 namespace {
 
 constexpr std::string_view kNoDigest = "0000000000000000000000000000000000000000000000000000000000000000";
-
-// Returns the JSON of a scan; with the names of the classes if `ontology` is not null.
-OrderedJson scanJson(const ScanRecord& scan, const std::string& key, const Ontology* ontology) {
-  if (scan.worldFromSensor.empty()) throw Error(fmt::format("{}: a scan of {} has no pose", key, scan.sensor));
-  OrderedJson poses = OrderedJson::array();
-  for (const Pose& pose : scan.worldFromSensor) poses.push_back(poseJson(pose, key + ": world_from_sensor"));
-  OrderedJson classes = OrderedJson::array();
-  for (const auto& [id, points] : scan.pointsPerClass) {
-    OrderedJson entry = OrderedJson::object();
-    entry["id"] = id;
-    if (ontology != nullptr) entry["name"] = requireClass(id, key, *ontology).name;
-    entry["points"] = points;
-    classes.push_back(std::move(entry));
-  }
-  OrderedJson json{{"sensor", scan.sensor}};
-  if (scan.revolution > 0) json["revolution"] = scan.revolution;
-  json["method"] = scan.method;
-  json["time"] = finite(scan.time, key + ": time");
-  json["world_from_sensor"] = std::move(poses);
-  if (scan.vehicleFromSensor) {
-    json["vehicle_from_sensor"] = poseJson(*scan.vehicleFromSensor, key + ": vehicle_from_sensor");
-  }
-  json["beams"] = scan.beams;
-  json["points"] = scan.points;
-  if (scan.unresolved > 0) json["unresolved"] = scan.unresolved;
-  json["instances"] = scan.instances;
-  json["points_per_class"] = std::move(classes);
-  for (const auto& [reason, beams] : scan.beamsPerReason) {
-    const ReasonEntry* known = findReason(reason);
-    if (known == nullptr) throw Error(fmt::format("{}: no reason has the value {}", key, reason));
-    json["reasons"][std::string(known->name)] = beams;
-  }
-  return json;
-}
 
 OrderedJson framesJson(const Manifest& manifest) {
   return {
@@ -95,150 +60,79 @@ OrderedJson framesJson(const Manifest& manifest) {
   };
 }
 
-OrderedJson sensorJson(const SensorRecord& sensor) {
-  const BeamTable& b = sensor.beams;
-  for (const std::vector<double>* table : {&b.elevation, &b.azimuthOffset, &b.firingOffset}) {
-    if (table->size() != b.rings) {
-      throw Error(fmt::format("sensor {}: a table of {} entries for {} rings", sensor.name, table->size(), b.rings));
+}  // namespace
+
+// Describes the manifest. A writer leaves the samples out.
+static void describe(RecordKeys& keys, Manifest& m) {
+  int version = Manifest::kSchemaVersion;
+  keys("schema_version", version);
+  keys.map("program", [&](RecordKeys& program) {
+    program.custom(
+        true, "name", [] { return OrderedJson("scanmill"); }, [](const JsonNode&) {});
+    program("version", m.programVersion);
+  });
+  keys("name", m.name);
+  keys("seed", m.seed);
+  keys.map("pipeline", [&](RecordKeys& pipeline) {
+    pipeline("sha256", m.pipelineSha256, kSha256Digits);
+    pipeline("text", m.pipelineText);
+  });
+  keys.map("units", [](RecordKeys& units) {
+    constexpr std::pair<const char*, const char*> kUnits[] = {
+        {"length", "metres"}, {"time", "seconds"}, {"angle", "radians"}};
+    for (const auto& [quantity, unit] : kUnits) {
+      units.custom(
+          true, quantity, [&] { return OrderedJson(unit); },
+          [&](const JsonNode& node) {
+            if (node.text() != unit) node.fail(fmt::format("is not '{}'", unit));
+          });
     }
-  }
-  const auto number = [&](double value, std::string_view what) {
-    return finite(value, sensor.name + ": " + what.data());
-  };
-  OrderedJson json{{"name", sensor.name},
-                   {"model", b.model},
-                   {"source", b.source},
-                   {"rings", b.rings},
-                   {"columns", b.columns},
-                   {"period", number(b.period, "period")},
-                   {"clockwise", b.clockwise},
-                   {"top_down", b.topDown},
-                   {"min_range", number(b.minRange, "min_range")},
-                   {"max_range", number(b.maxRange, "max_range")},
-                   {"first_azimuth", number(b.firstAzimuth, "first_azimuth")},
-                   {"field", number(b.field, "field")},
-                   {"origin_offset", number(b.originOffset, "origin_offset")},
-                   {"origin_height", number(b.originHeight, "origin_height")},
-                   {"elevation", finiteList(b.elevation, sensor.name + ": elevation")},
-                   {"azimuth_offset", finiteList(b.azimuthOffset, sensor.name + ": azimuth_offset")},
-                   {"firing_offset", finiteList(b.firingOffset, sensor.name + ": firing_offset")}};
-  if (sensor.vehicleFromSensor) {
-    json["vehicle_from_sensor"] = poseJson(*sensor.vehicleFromSensor, sensor.name + ": vehicle_from_sensor");
-  }
-  if (b.listed != nullptr) {
-    const auto list = [&](const std::vector<double>& values, const char* what) {
-      return finiteList(values, fmt::format("{}: beams.{}", sensor.name, what));
-    };
-    json["beams"] = {{"azimuth", list(b.listed->azimuth, "azimuth")},
-                     {"elevation", list(b.listed->elevation, "elevation")},
-                     {"time", list(b.listed->time, "time")}};
-    if (!b.listed->origin.empty()) {
-      std::vector<double> origin;
-      for (const Vec3f& o : b.listed->origin) origin.insert(origin.end(), {double{o.x}, double{o.y}, double{o.z}});
-      json["beams"]["origin"] = list(origin, "origin");
-    }
-  }
-  if (b.rosette) {
-    const Rosette& r = *b.rosette;
-    json["rosette"] = {{"angle", r.angle}, {"speed", r.speed}, {"phase", r.phase}};
-    if (!r.left.empty()) json["rosette"].update({{"left", r.left}, {"up", r.up}});
-    if (r.mirror) {
-      json["rosette"]["mirror"] = {{"tilt", r.mirror->tilt}, {"speed", r.mirror->speed}, {"phase", r.mirror->phase}};
-    }
-  }
-  if (b.sweep > 0) json["sweep"] = number(b.sweep, "sweep");
-  if (sensor.intensityFullScale != 1)
-    json["intensity_full_scale"] = number(sensor.intensityFullScale, "intensity_full_scale");
-  if (!b.originLeft.empty()) json["origin_left"] = finiteList(b.originLeft, sensor.name + ": origin_left");
-  if (!b.originUp.empty()) json["origin_up"] = finiteList(b.originUp, sensor.name + ": origin_up");
-  return json;
-}
-
-template <class Records, class Make>
-OrderedJson listOf(const Records& records, const Make& make) {
-  OrderedJson list = OrderedJson::array();
-  for (const auto& record : records) list.push_back(make(record));
-  return list;
-}
-
-OrderedJson sequenceJson(const SequenceRecord& s) {
-  OrderedJson json{
-      {"name", s.name}, {"scene", s.scene}, {"seed", s.seed}, {"trajectory", s.trajectory}, {"moving", s.moving}};
-  if (!s.sceneFile.empty()) json["scene_file"] = s.sceneFile;
-  if (!s.vehicle.empty()) json["vehicle"] = s.vehicle;
-  return json;
-}
-
-void addDraws(const SampleRecord& sample, OrderedJson& json) {
-  for (const DrawnValue& draw : sample.draws) {
-    json["draws"][draw.key] = draw.number ? OrderedJson::parse(draw.value) : OrderedJson(draw.value);
+  });
+  keys.custom(
+      true, "frames", [&] { return framesJson(m); },
+      [](const JsonNode& node) {
+        node.forEachEntry([](const std::string&, const JsonNode& meaning) { meaning.text(); });
+      });
+  keys.map("scans", [&](RecordKeys& scans) {
+    scans("organised", m.organised);
+    scans("deskewed", m.deskewed);
+    scans("columns", m.columns);
+  });
+  keys("formats", m.formats);
+  keys("ontology", m.ontology);
+  keys("sensors", m.sensors);
+  keys.optionalIf(true, "sequences", m.sequences);
+  keys.custom(
+      true, "modelled", [&] { return jsonOf(m.modelled, "modelled"); },
+      [&](const JsonNode& list) { readModelled(list, version < 3, m.modelled); });
+  keys.optionalIf(true, "files", m.files);
+  keys("shards", m.shards);
+  keys.custom(
+      true, "samples", [] { return OrderedJson(); },
+      [&](const JsonNode& node) {
+        readJson(node, m.samples, {&m.ontology, &m});
+        distinct("key")(node);
+      });
+  keys.custom(
+      false, "about", [&] { return m.about.empty() ? kLeftOut : OrderedJson(m.about); },
+      [&](const JsonNode& about) {
+        about.keys({}, {"description", "license", "creator", "url", "citation"});
+        about.forEachEntry([&](const std::string& key, const JsonNode& text) { m.about.emplace(key, text.text()); });
+      });
+  keys.optional("plan_sha256", m.planSha256, kSha256Digits);
+  keys.custom(
+      false, "digest", [] { return OrderedJson(kNoDigest); }, [](const JsonNode& node) { node.sha256(); });
+  // Manifests of earlier versions may have the choice of a method, and times, which differ between machines.
+  for (const char* const former : {"method_choice", "stages"}) {
+    keys.custom(
+        false, former, [] { return kLeftOut; }, [](const JsonNode&) {});
   }
 }
 
-OrderedJson sampleEntry(const SampleRecord& s, const Manifest& m) {
-  OrderedJson sample{{"key", s.key}, {"split", s.split}, {"shard", s.shard}, {"members", s.members}};
-  if (!s.xxh3.empty()) sample["xxh3"] = s.xxh3;
-  sample["scans"] = listOf(s.scans, [&](const ScanRecord& scan) { return scanJson(scan, s.key, &m.ontology); });
-  if (s.objects) {
-    sample["objects"] = listOf(*s.objects, [&](const auto& entry) {
-      const auto& [id, count] = entry;
-      return OrderedJson{{"id", id},
-                         {"name", requireClass(id, s.key, m.ontology).name},
-                         {"objects", count.objects},
-                         {"with_points", count.withPoints}};
-    });
-  }
-  addDraws(s, sample);
-  if (s.time) sample["time"] = finite(*s.time, s.key + ": time");
-  return sample;
-}
+namespace {
 
-bool describesInFiles(const Manifest& m) {
-  return std::any_of(m.shards.begin(), m.shards.end(),
-                     [](const ShardRecord& shard) { return !shard.samplesSha256.empty(); });
-}
-
-// Returns the JSON of the manifest without its samples.
-OrderedJson manifestJson(const Manifest& m) {
-  OrderedJson json{
-      {"schema_version", Manifest::kSchemaVersion},
-      {"program", {{"name", "scanmill"}, {"version", m.programVersion}}},
-      {"name", m.name},
-      {"seed", m.seed},
-      {"pipeline", {{"sha256", m.pipelineSha256}, {"text", m.pipelineText}}},
-      {"units", {{"length", "metres"}, {"time", "seconds"}, {"angle", "radians"}}},
-      {"frames", framesJson(m)},
-      {"scans", {{"organised", m.organised}, {"deskewed", m.deskewed}, {"columns", m.columns}}},
-      {"formats", listOf(m.formats,
-                         [](const FormatRecord& f) {
-                           return OrderedJson{{"name", f.name},
-                                              {"suffix", f.suffix},
-                                              {"max_error", finite(f.maxErrorMetres, "max_error of " + f.name)}};
-                         })},
-      {"ontology", ontologyJson(m.ontology)},
-      {"sensors", listOf(m.sensors, sensorJson)},
-      {"sequences", listOf(m.sequences, sequenceJson)},
-      {"modelled", modelledJson(m.modelled)},
-      {"files", listOf(m.files,
-                       [](const FileRecord& f) {
-                         return OrderedJson{{"file", f.file}, {"xxh3", f.xxh3}};
-                       })},
-      {"shards", listOf(m.shards,
-                        [](const ShardRecord& s) {
-                          OrderedJson shard{{"file", s.file},
-                                            {"split", s.split},
-                                            {"sha256", s.sha256},
-                                            {"bytes", s.bytes},
-                                            {"samples", s.samples}};
-                          if (!s.samplesSha256.empty()) shard["samples_sha256"] = s.samplesSha256;
-                          return shard;
-                        })},
-      {"samples", nullptr},
-  };
-  if (!m.about.empty()) json["about"] = m.about;
-  if (!m.planSha256.empty()) json["plan_sha256"] = m.planSha256;
-  json["digest"] = kNoDigest;
-  return json;
+OrderedJson sampleEntry(const SampleRecord& sample, const Manifest& manifest) {
+  return jsonOf(sample, sample.key, {&manifest.ontology, &manifest});
 }
 
 OrderedJson sampleObject(const SampleRecord& sample) {
@@ -247,15 +141,34 @@ OrderedJson sampleObject(const SampleRecord& sample) {
   if (!sample.scans.empty()) {
     json["time"] = finite(sample.time.value_or(sample.scans.front().time), sample.key + ": time");
   }
-  json["scans"] = listOf(sample.scans, [&](const ScanRecord& scan) { return scanJson(scan, sample.key, nullptr); });
-  addDraws(sample, json);
+  json["scans"] = jsonOf(sample.scans, sample.key);
+  if (OrderedJson draws = drawsJson(sample); !draws.is_discarded()) json["draws"] = std::move(draws);
   return json;
+}
+
+bool describesInFiles(const Manifest& m) {
+  return std::any_of(m.shards.begin(), m.shards.end(),
+                     [](const ShardRecord& shard) { return !shard.samplesSha256.empty(); });
+}
+
+void checkVersion(const JsonNode& root, const Json& json, const std::string& file) {
+  const bool ours = json.is_object() && json.contains("schema_version") && json["schema_version"].is_number_integer() &&
+                    json.contains("program") && json["program"].is_object() &&
+                    json["program"].value("name", Json()) == "scanmill";
+  if (!ours) throw InputError({file}, "is not a manifest of scanmill");
+  const JsonNode version = root["schema_version"];
+  const std::int64_t found = json["schema_version"].get<std::int64_t>();
+  if (found > Manifest::kSchemaVersion) {
+    version.fail(fmt::format("{} is newer than this program, which reads up to {}: update scanmill", found,
+                             Manifest::kSchemaVersion));
+  }
+  if (found < 1) version.fail(fmt::format("{} is not a version: the first version is 1", found));
 }
 
 }  // namespace
 
 std::string toJson(const Manifest& manifest) {
-  std::string text = layOut(manifestJson(manifest), 0) + "\n";
+  std::string text = layOut(jsonOf(manifest, manifest.name, {&manifest.ontology, &manifest})) + "\n";
   // Samples are converted to text one by one: the JSON objects of all samples would take ten times as much memory as
   // their text.
   std::vector<std::string> samples;
@@ -277,6 +190,19 @@ std::string samplesJson(const Manifest& manifest, std::uint32_t shard, const std
   OrderedJson samples = OrderedJson::array();
   for (const std::uint64_t number : numbers) samples.push_back(sampleEntry(manifest.samples[number], manifest));
   return layOut({{"shard", manifest.shards[shard].file}, {"numbers", numbers}, {"samples", samples}}) + "\n";
+}
+
+Manifest parseManifest(const std::string& text, const std::string& file) {
+  const Json json = parseJson(text, file);
+  const JsonNode root(json, "", file);
+  checkVersion(root, json, file);
+  Manifest manifest;
+  readJson(root, manifest);
+  for (const char* const key : {"sequences", "files"}) {  // since version 3
+    if (root["schema_version"].integer<int>() >= 3 && !root.has(key))
+      root.fail(fmt::format("key '{}' is missing", key));
+  }
+  return manifest;
 }
 
 std::string digestProblem(std::string text) {

@@ -7,8 +7,7 @@
 
 #include "base/file.h"
 #include "base/hash.h"
-#include "dataset/json_node.h"
-#include "dataset/json_text.h"
+#include "dataset/manifest_records.h"
 #include "methods/method.h"
 
 namespace scanmill {
@@ -24,14 +23,10 @@ std::string shotName(std::string_view sample, std::string_view sensor) {
   return fmt::format("{}.{}", sample, sensor);
 }
 
-OrderedJson posesJson(const std::vector<Pose>& poses, const std::string& what) {
-  OrderedJson list = OrderedJson::array();
-  for (const Pose& p : poses) {
-    const Quat& q = p.rotation;
-    const Vec3d& t = p.translation;
-    list.push_back(finiteList({q.w, q.x, q.y, q.z, t.x, t.y, t.z}, what));
-  }
-  return list;
+OrderedJson numbersOf(const Pose& pose, const std::string& what) {
+  const Quat& q = pose.rotation;
+  const Vec3d& t = pose.translation;
+  return finiteList({q.w, q.x, q.y, q.z, t.x, t.y, t.z}, what);
 }
 
 Pose poseOfNumbers(const JsonNode& node) {
@@ -41,75 +36,6 @@ Pose poseOfNumbers(const JsonNode& node) {
     node.fail(
         "must be a unit quaternion w, x, y, z and then the position x, y, z, but the quaternion has another length");
   return {{n[0], n[1], n[2], n[3]}, {n[4], n[5], n[6]}};
-}
-
-std::string shotJson(const RecordedShot& shot) {
-  OrderedJson json{{"sample", shot.sample},
-                   {"sensor", shot.sensor},
-                   {"time", finite(shot.time, "time")},
-                   {"world_from_sensor", posesJson(shot.worldFromSensor, shot.sample)}};
-  if (!shot.hits.empty()) json["hits"] = shot.hits;
-  if (!shot.steps.empty()) {
-    OrderedJson steps = OrderedJson::array();
-    for (const RecordedStep& s : shot.steps) {
-      steps.push_back({{"columns", {s.firstColumn, s.endColumn}},
-                       {"world_from_rig", posesJson({s.worldFromRig}, shot.sample)[0]},
-                       {"images", s.images}});
-    }
-    json["steps"] = std::move(steps);
-  }
-  return layOut(json) + "\n";
-}
-
-std::string indexJson(const Recording& r) {
-  OrderedJson sensors = OrderedJson::array();
-  for (const RecordedSensor& s : r.sensors) {
-    OrderedJson sensor{{"name", s.name}, {"rings", s.rings}, {"columns", s.columns}};
-    if (!s.beams.empty()) sensor["beams"] = s.beams;
-    if (s.vehicleFromSensor) sensor["vehicle_from_sensor"] = posesJson({*s.vehicleFromSensor}, s.name)[0];
-    sensors.push_back(std::move(sensor));
-  }
-  OrderedJson sequences = OrderedJson::array();
-  for (const RecordedSequence& s : r.sequences) {
-    sequences.push_back({{"scene", s.scene},
-                         {"seed", s.seed},
-                         {"trajectory", s.trajectory},
-                         {"frames", s.frames},
-                         {"materials", s.materials}});
-    if (!s.without.empty()) sequences.back()["without"] = s.without;
-  }
-  OrderedJson tables = OrderedJson::array();
-  for (const std::vector<Material>& table : r.materials) {
-    OrderedJson list = OrderedJson::array();
-    for (const Material& m : table) {
-      list.push_back({{"name", m.name},
-                      {"roughness", finite(double{m.roughness}, m.name)},
-                      {"metallic", finite(double{m.metallic}, m.name)},
-                      {"retroreflectance", finite(double{m.retroreflectance}, m.name)}});
-    }
-    tables.push_back(std::move(list));
-  }
-  const OrderedJson json{{"what", kWhat},
-                         {"schema_version", Recording::kSchemaVersion},
-                         {"program", r.programVersion},
-                         {"kind", nameOf(r.kind)},
-                         {"method", r.method},
-                         {"ontology", ontologyJson(r.ontology)},
-                         {"sensors", std::move(sensors)},
-                         {"sequences", std::move(sequences)},
-                         {"materials", std::move(tables)},
-                         {"modelled", modelledJson(r.modelled)}};
-  return layOut(json) + "\n";
-}
-
-Material materialOf(const JsonNode& node) {
-  node.keys({"name", "roughness", "metallic", "retroreflectance"});
-  Material material;
-  material.name = node["name"].text();
-  material.roughness = static_cast<float>(node["roughness"].number(0, 1));
-  material.metallic = static_cast<float>(node["metallic"].number(0, 1));
-  material.retroreflectance = static_cast<float>(node["retroreflectance"].number(0, 1e9));
-  return material;
 }
 
 // Reads the name of a file, which must be directly in the recording's folder: other paths are refused, because the JSON
@@ -122,26 +48,130 @@ std::string fileOf(const JsonNode& node) {
   return name;
 }
 
-RecordedSequence sequenceOf(const JsonNode& node, std::size_t tables) {
-  node.keys({"scene", "trajectory", "frames"}, {"seed", "materials", "without"});
-  RecordedSequence s;
-  s.scene = node["scene"].text();
-  s.trajectory = node["trajectory"].text();
-  if (s.scene.empty() || s.scene.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-_") != std::string::npos) {
-    node["scene"].fail(
-        fmt::format("'{}' becomes part of file names: use lower-case letters, digits, '-' and '_'", s.scene));
-  }
-  if (s.trajectory.empty()) node["trajectory"].fail("becomes part of file names, so it must not be empty");
-  s.frames = node["frames"].integer<std::uint32_t>(1, 10'000'000);
-  if (node.has("seed")) s.seed = node["seed"].integer<std::uint64_t>();
-  if (node.has("materials")) s.materials = node["materials"].integer<std::uint32_t>();
-  if (node.has("without")) {
-    node["without"].forEach([&](const JsonNode& item) { s.without.push_back(item.text()); });
-  }
-  if (s.materials >= std::max<std::size_t>(tables, 1))
-    node["materials"].fail(fmt::format("is out of range: the recording has {} tables of materials", tables));
-  return s;
+}  // namespace
+
+static void describe(RecordKeys& keys, RecordedSensor& sensor) {
+  keys("name", sensor.name);
+  keys("rings", sensor.rings, whole(1, 65536));
+  keys("columns", sensor.columns, whole(1, 65536));
+  keys.optional("beams", sensor.beams, kSha256Digits);
+  std::optional<Pose>& mount = sensor.vehicleFromSensor;
+  keys.custom(
+      false, "vehicle_from_sensor", [&] { return mount ? numbersOf(*mount, sensor.name) : kLeftOut; },
+      [&](const JsonNode& node) { mount = poseOfNumbers(node); });
 }
+
+static void describe(RecordKeys& keys, RecordedSequence& s) {
+  keys("scene", s.scene, [&](const JsonNode& node) {
+    if (!s.scene.empty() && s.scene.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-_") == std::string::npos) {
+      return;
+    }
+    node.fail(fmt::format("'{}' becomes part of file names: use lower-case letters, digits, '-' and '_'", s.scene));
+  });
+  keys.optionalIf(true, "seed", s.seed);
+  keys("trajectory", s.trajectory, [&](const JsonNode& node) {
+    if (s.trajectory.empty()) node.fail("becomes part of file names, so it must not be empty");
+  });
+  keys("frames", s.frames, whole(1, 10'000'000));
+  keys.optionalIf(true, "materials", s.materials);
+  keys.optional("without", s.without);
+}
+
+static void describe(RecordKeys& keys, Material& material) {
+  keys("name", material.name);
+  keys("roughness", material.roughness, within(0, 1));
+  keys("metallic", material.metallic, within(0, 1));
+  keys("retroreflectance", material.retroreflectance, within(0, 1e9));
+}
+
+static void describe(RecordKeys& keys, Recording& r) {
+  std::uint32_t version = Recording::kSchemaVersion;
+  keys.custom(
+      true, "what", [] { return OrderedJson(kWhat); }, [](const JsonNode&) {});
+  keys("schema_version", version, whole(1), [&](const JsonNode& node) {
+    if (version <= Recording::kSchemaVersion) return;
+    node.fail(fmt::format("{} is newer than this program, which reads up to {}: update scanmill", version,
+                          Recording::kSchemaVersion));
+  });
+  keys.optionalIf(true, "program", r.programVersion);
+  keys.custom(
+      true, "kind", [&] { return OrderedJson(nameOf(r.kind)); },
+      [&](const JsonNode& node) {
+        const std::string found = node.text();
+        if (found == nameOf(r.kind)) return;
+        if (found != "hits" && found != "passes") node.fail(fmt::format("'{}' is neither hits nor passes", found));
+        node.fail(fmt::format("is a recording of {}: read it with --from-{}", found, found));
+      });
+  keys.optionalIf(true, "method", r.method);
+  keys.optionalIf(true, "ontology", r.ontology);
+  keys("sensors", r.sensors, distinct("name"));
+  keys("sequences", r.sequences, [&](const JsonNode& node) {
+    std::set<std::string> known;
+    for (std::size_t i = 0; i < r.sequences.size(); ++i) {
+      const RecordedSequence& s = r.sequences[i];
+      const std::string own = fmt::format("{} {} {}", s.scene, s.seed, s.trajectory);
+      if (!known.insert(own).second) node.item(i).fail("is listed twice");
+    }
+    if (known.empty()) node.fail("is empty: nothing was recorded");
+  });
+  keys.optionalIf(true, "materials", r.materials);
+  keys.custom(
+      false, "modelled", [&] { return jsonOf(r.modelled, "modelled"); },
+      [&](const JsonNode& node) { readModelled(node, true, r.modelled); });
+}
+
+static void describe(RecordKeys& keys, RecordedStep& step) {
+  keys.custom(
+      true, "columns",
+      [&] {
+        return OrderedJson{step.firstColumn, step.endColumn};
+      },
+      [&](const JsonNode& node) {
+        node.numbers(2);
+        step.firstColumn = node.item(0).integer<std::uint32_t>(0, 65535);
+        step.endColumn = node.item(1).integer<std::uint32_t>(step.firstColumn + 1, 65536);
+      });
+  keys.custom(
+      false, "world_from_rig", [&] { return numbersOf(step.worldFromRig, "world_from_rig"); },
+      [&](const JsonNode& node) { step.worldFromRig = poseOfNumbers(node); });
+  keys("images", step.images, [](const JsonNode& images) {
+    std::size_t files = 0;
+    images.forEach([&](const JsonNode& image) { files += fileOf(image).size(); });
+    if (files == 0) images.fail("names no file");
+  });
+}
+
+// Describes the file of a shot, which has either hits or steps.
+static void describe(RecordKeys& keys, RecordedShot& shot) {
+  keys.optional("sample", shot.sample);
+  keys.optional("sensor", shot.sensor);
+  keys("time", shot.time);
+  keys.custom(
+      true, "world_from_sensor",
+      [&] {
+        OrderedJson list = OrderedJson::array();
+        for (const Pose& pose : shot.worldFromSensor) list.push_back(numbersOf(pose, shot.sample));
+        return list;
+      },
+      [&](const JsonNode& node) {
+        node.forEach([&](const JsonNode& pose) { shot.worldFromSensor.push_back(poseOfNumbers(pose)); });
+        if (shot.worldFromSensor.empty()) node.fail("has no pose");
+      });
+  keys.optional("hits", shot.hits, [](const JsonNode& node) { fileOf(node); });
+  keys.optionalIf(!shot.steps.empty(), "steps", shot.steps, [&](const JsonNode& steps) {
+    std::uint32_t next = 0;
+    for (std::size_t i = 0; i < shot.steps.size(); ++i) {
+      if (shot.steps[i].firstColumn != next) {
+        steps.item(i)["columns"].fail(
+            fmt::format("must be [first, end] with first = {}, since steps must have consecutive columns", next));
+      }
+      next = shot.steps[i].endColumn;
+      if (!steps.item(i).has("world_from_rig")) shot.steps[i].worldFromRig = shot.worldFromSensor.front();
+    }
+  });
+}
+
+namespace {
 
 // Returns true if a file has the name of a file that this program writes for the recording `earlier`, such as
 // "street-s1-lane-000012.top.json" for its sequences and sensors.
@@ -234,53 +264,19 @@ Recording readRecording(const fs::path& folder, RecordingKind kind) {
   if (!json.is_object() || json.value("what", Json()) != kWhat) {
     throw InputError({name}, fmt::format("is not a recording: /what must be '{}'", kWhat));
   }
-  root.keys({"what", "schema_version", "kind", "sensors", "sequences"},
-            {"program", "method", "ontology", "materials", "modelled"});
-  if (const auto version = root["schema_version"].integer<std::uint32_t>(1); version > Recording::kSchemaVersion) {
-    root["schema_version"].fail(fmt::format("{} is newer than this program, which reads up to {}: update scanmill",
-                                            version, Recording::kSchemaVersion));
-  }
   Recording r;
   r.kind = kind;
   r.folder = folder;
-  if (const std::string found = root["kind"].text(); found != nameOf(kind)) {
-    if (found != "hits" && found != "passes") root["kind"].fail(fmt::format("'{}' is neither hits nor passes", found));
-    root["kind"].fail(fmt::format("is a recording of {}: read it with --from-{}", found, found));
-  }
-  if (root.has("program")) r.programVersion = root["program"].text();
   // Recordings by other programs contain passes, and do not have to name a method.
-  r.method =
-      root.has("method") ? root["method"].text() : std::string(firstMethodThat(&MethodCapabilities::passes).name);
-  if (root.has("ontology")) r.ontology = ontologyOf(root["ontology"]);
-  if (root.has("modelled")) r.modelled = modelledOf(root["modelled"], true);
-  if (root.has("materials")) {
-    root["materials"].forEach([&](const JsonNode& list) {
-      r.materials.emplace_back();
-      list.forEach([&](const JsonNode& item) { r.materials.back().push_back(materialOf(item)); });
-    });
-  }
+  r.method = firstMethodThat(&MethodCapabilities::passes).name;
+  readJson(root, r);
   const std::size_t tables = r.materials.size();
   if (r.materials.empty()) r.materials.emplace_back();
-  root["sensors"].forEach([&](const JsonNode& item) {
-    item.keys({"name", "rings", "columns"}, {"beams", "vehicle_from_sensor"});
-    RecordedSensor sensor;
-    sensor.name = item["name"].text();
-    for (const RecordedSensor& other : r.sensors) {
-      if (other.name == sensor.name) item["name"].fail(fmt::format("two sensors are named '{}'", sensor.name));
-    }
-    sensor.rings = item["rings"].integer<std::uint32_t>(1, 65536);
-    sensor.columns = item["columns"].integer<std::uint32_t>(1, 65536);
-    if (item.has("beams")) sensor.beams = item["beams"].sha256();
-    if (item.has("vehicle_from_sensor")) sensor.vehicleFromSensor = poseOfNumbers(item["vehicle_from_sensor"]);
-    r.sensors.push_back(std::move(sensor));
-  });
-  std::set<std::string> known;
-  root["sequences"].forEach([&](const JsonNode& item) {
-    r.sequences.push_back(sequenceOf(item, tables));
-    const RecordedSequence& s = r.sequences.back();
-    if (!known.insert(fmt::format("{} {} {}", s.scene, s.seed, s.trajectory)).second) item.fail("is listed twice");
-  });
-  if (r.sequences.empty()) root["sequences"].fail("is empty: nothing was recorded");
+  for (std::size_t i = 0; i < r.sequences.size(); ++i) {
+    if (r.sequences[i].materials < r.materials.size()) continue;
+    root["sequences"].item(i)["materials"].fail(
+        fmt::format("is out of range: the recording has {} tables of materials", tables));
+  }
   return r;
 }
 
@@ -297,39 +293,16 @@ RecordedShot Recording::shot(const std::string& sample, const std::string& senso
   const std::string file = (folder / (shotName(sample, sensor) + ".json")).string();
   const Json json = parseJson(readFile(file), file);
   const JsonNode root(json, "", file);
-  const bool passes = kind == RecordingKind::Passes;
-  root.keys({"time", "world_from_sensor", passes ? "steps" : "hits"}, {"sample", "sensor"});
   RecordedShot shot;
+  readJson(root, shot);
   shot.sample = sample;
   shot.sensor = sensor;
-  shot.time = root["time"].number();
-  root["world_from_sensor"].forEach([&](const JsonNode& pose) { shot.worldFromSensor.push_back(poseOfNumbers(pose)); });
-  if (shot.worldFromSensor.empty()) root["world_from_sensor"].fail("has no pose");
-  if (!passes) {
-    shot.hits = fileOf(root["hits"]);
-    return shot;
-  }
-  std::uint32_t next = 0;
-  root["steps"].forEach([&](const JsonNode& item) {
-    item.keys({"columns", "images"}, {"world_from_rig"});
-    RecordedStep step;
-    const std::vector<double> columns = item["columns"].numbers(2);
-    step.firstColumn = static_cast<std::uint32_t>(std::clamp(columns[0], 0.0, 65536.0));
-    step.endColumn = static_cast<std::uint32_t>(std::clamp(columns[1], 0.0, 65536.0));
-    if (columns[0] != next || !(columns[1] > columns[0]) || step.endColumn != columns[1]) {
-      item["columns"].fail(
-          fmt::format("must be [first, end] with first = {}, since steps must have consecutive columns", next));
-    }
-    next = step.endColumn;
-    step.worldFromRig =
-        item.has("world_from_rig") ? poseOfNumbers(item["world_from_rig"]) : shot.worldFromSensor.front();
-    item["images"].forEach([&](const JsonNode& image) { step.images.push_back(fileOf(image)); });
-    if (step.images.empty()) item["images"].fail("names no file");
-    shot.steps.push_back(std::move(step));
-  });
+  const char* const needed = kind == RecordingKind::Passes ? "steps" : "hits";
+  if (!root.has(needed)) root.fail(fmt::format("key '{}' is missing", needed));
   const auto known = std::find_if(sensors.begin(), sensors.end(), [&](const auto& s) { return s.name == sensor; });
-  if (known != sensors.end() && next != known->columns) {
-    root["steps"].fail(fmt::format("end at column {}, but '{}' has {} columns", next, sensor, known->columns));
+  const std::uint32_t end = shot.steps.empty() ? 0 : shot.steps.back().endColumn;
+  if (kind == RecordingKind::Passes && known != sensors.end() && end != known->columns) {
+    root["steps"].fail(fmt::format("end at column {}, but '{}' has {} columns", end, sensor, known->columns));
   }
   return shot;
 }
@@ -343,11 +316,11 @@ fs::path RecordingWriter::file(std::string_view sample, std::string_view sensor,
 }
 
 void RecordingWriter::add(const RecordedShot& shot) {
-  writeFile(file(shot.sample, shot.sensor, "json"), shotJson(shot));
+  writeFile(file(shot.sample, shot.sensor, "json"), layOut(jsonOf(shot, shot.sample)) + "\n");
 }
 
 void RecordingWriter::finish(const Recording& recording) {
-  writeFile(folder_ / kIndex, indexJson(recording));
+  writeFile(folder_ / kIndex, layOut(jsonOf(recording, "recording")) + "\n");
 }
 
 }  // namespace scanmill

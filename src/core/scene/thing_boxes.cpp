@@ -12,20 +12,15 @@ namespace scanmill {
 
 namespace {
 
-struct Point2 {
-  double x, y;
-  bool operator<(const Point2& o) const { return x != o.x ? x < o.x : y < o.y; }
-};
-
-double turn(const Point2& o, const Point2& a, const Point2& b) {
+double turn(const Vec2d& o, const Vec2d& a, const Vec2d& b) {
   return (a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x);
 }
 
 // Returns the convex hull, counter-clockwise: Andrew, "Another efficient algorithm for convex hulls in two dimensions",
 // Information Processing Letters 9 (1979).
-std::vector<Point2> hullOf(std::vector<Point2> points) {
-  std::sort(points.begin(), points.end());
-  std::vector<Point2> hull;
+std::vector<Vec2d> hullOf(std::vector<Vec2d> points) {
+  std::ranges::sort(points, {}, [](const Vec2d& p) { return std::pair(p.x, p.y); });
+  std::vector<Vec2d> hull;
   const auto half = [&](auto from, auto to) {
     const std::size_t first = hull.size();
     for (; from != to; ++from) {
@@ -37,33 +32,6 @@ std::vector<Point2> hullOf(std::vector<Point2> points) {
   half(points.begin(), points.end());
   half(points.rbegin(), points.rend());
   return hull;
-}
-
-// Returns the direction (rad) of the longer sides of the smallest rectangle around a hull. The rectangle has a side
-// along one of the hull's sides (Freeman and Shapira, "Determining the minimum-area encasing rectangle for an arbitrary
-// closed curve", Communications of the ACM 18 (1975)).
-double longSideOf(const std::vector<Point2>& hull) {
-  double best = std::numeric_limits<double>::infinity();
-  double heading = 0;
-  for (std::size_t i = 0; i < hull.size(); ++i) {
-    const Point2& a = hull[i];
-    const Point2& b = hull[(i + 1) % hull.size()];
-    const double side = std::hypot(b.x - a.x, b.y - a.y);
-    if (!(side > 0)) continue;
-    const Point2 along{(b.x - a.x) / side, (b.y - a.y) / side};
-    double low = 0, high = 0, deep = 0;
-    for (const Point2& p : hull) {
-      const double x = (p.x - a.x) * along.x + (p.y - a.y) * along.y;
-      low = std::min(low, x);
-      high = std::max(high, x);
-      deep = std::max(deep, (p.y - a.y) * along.x - (p.x - a.x) * along.y);
-    }
-    const double area = (high - low) * deep;
-    if (area >= best * (1 - 1e-9)) continue;
-    best = area;
-    heading = std::atan2(along.y, along.x) + (high - low < deep ? kPi / 2 : 0);
-  }
-  return heading;
 }
 
 // Returns the rotation of a placed mesh without its scale: x keeps its direction, z is made perpendicular to x.
@@ -123,6 +91,32 @@ std::vector<Share> sharesOf(const Mesh& mesh) {
 
 }  // namespace
 
+double longSideOf(std::vector<Vec2d> points) {
+  if (points.empty()) return 0;
+  const std::vector<Vec2d> hull = hullOf(std::move(points));
+  double best = std::numeric_limits<double>::infinity();
+  double heading = 0;
+  for (std::size_t i = 0; i < hull.size(); ++i) {
+    const Vec2d& a = hull[i];
+    const Vec2d& b = hull[(i + 1) % hull.size()];
+    const double side = std::hypot(b.x - a.x, b.y - a.y);
+    if (!(side > 0)) continue;
+    const Vec2d along{(b.x - a.x) / side, (b.y - a.y) / side};
+    double low = 0, high = 0, deep = 0;
+    for (const Vec2d& p : hull) {
+      const double x = (p.x - a.x) * along.x + (p.y - a.y) * along.y;
+      low = std::min(low, x);
+      high = std::max(high, x);
+      deep = std::max(deep, (p.y - a.y) * along.x - (p.x - a.x) * along.y);
+    }
+    const double area = (high - low) * deep;
+    if (area >= best * (1 - 1e-9)) continue;
+    best = area;
+    heading = std::atan2(along.y, along.x) + (high - low < deep ? kPi / 2 : 0);
+  }
+  return heading;
+}
+
 std::vector<Vec3d> OrientedBox::corners() const {
   std::vector<Vec3d> all;
   for (const double x : {-0.5, 0.5}) {
@@ -178,7 +172,7 @@ ThingBoxes::ThingBoxes(const Scene& scene) : scene_(scene) {
     if (main.facing) {
       worldFromThing.rotation = worldFromThing.rotation * fromYawPitchRoll(*main.facing, 0, 0);
     } else if (!thing.headingKnown) {
-      std::vector<Point2> ground;
+      std::vector<Vec2d> ground;
       const Pose thingFromWorld = inverse(worldFromThing);
       for (const Part& part : parts) {
         const Instance& instance = scene.instances[part.instance];
@@ -187,7 +181,7 @@ ThingBoxes::ThingBoxes(const Scene& scene) : scene_(scene) {
           ground.push_back({p.x, p.y});
         });
       }
-      worldFromThing.rotation = worldFromThing.rotation * fromYawPitchRoll(longSideOf(hullOf(std::move(ground))), 0, 0);
+      worldFromThing.rotation = worldFromThing.rotation * fromYawPitchRoll(longSideOf(std::move(ground)), 0, 0);
     }
     const Pose thingFromWorld = inverse(worldFromThing);
     for (Part& part : parts) {

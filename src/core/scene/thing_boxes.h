@@ -20,6 +20,11 @@ struct OrientedBox {
   std::vector<Vec3d> corners() const;
 };
 
+// Returns the direction (rad) of the longer sides of the smallest rectangle around the points. The rectangle has a side
+// along one of the sides of their hull (Freeman and Shapira, "Determining the minimum-area encasing rectangle for an
+// arbitrary closed curve", Communications of the ACM 18 (1975)).
+double longSideOf(std::vector<Vec2d> points);
+
 struct Thing {
   std::uint32_t id = 0;            // instance id, 1 or more
   std::uint16_t semantic = 0;      // the most frequent class of the thing's triangles

@@ -1,5 +1,3 @@
-#include "sense/gather.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,6 +5,8 @@
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include "sense/sense.h"
 
 namespace scanmill {
 namespace {

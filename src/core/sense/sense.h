@@ -7,10 +7,13 @@
 //   Scan points;
 //   sense({.materials = scene.materials, .layout = layout}, hits, shot, returns, points);
 
+#include <cstdint>
 #include <span>
+#include <vector>
 
 #include "scan/channels.h"
 #include "scan/hits.h"
+#include "scan/reasons.h"
 #include "scan/scan.h"
 #include "scene/material.h"
 #include "sense/effect.h"
@@ -40,5 +43,16 @@ struct Receiver {
 // Makes a scan from hits: detects returns, applies the effects and gathers the columns. `returns` is a buffer, which
 // later calls can reuse to avoid allocations. Throws Error if the hits lack a channel or belong to another sensor.
 void sense(const Receiver& receiver, const Hits& hits, const Shot& shot, Returns& returns, Scan& scan);
+
+// Returns one value of Reason per beam. All effects must have run, on a table that records reasons
+// (Returns::tellReasons()). A beam without a return has the reason of its strongest echo. If the hits have the channel
+// Material, echoes of mirrors, metals and glass that are too faint get reasons of their own instead of TooFaint.
+std::vector<std::uint8_t> reasonsOf(const Hits& hits, std::span<const Material> materials, const Returns& returns);
+
+// Fills the scan's columns that the layout asks for; intensity and power only if an effect has set them or the table
+// of returns has no rows. Dense scans are ordered by column, then ring, then return, which is the order of firing. The
+// nearest return of a beam is its first. `motions`: motions of the scene's objects; null if nothing moves.
+void gather(const Hits& hits, const Shot& shot, const Returns& returns, const ScanLayout& layout,
+            const ThingMotions* motions, Scan& scan);
 
 }  // namespace scanmill

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/vec.h"
+#include "evaluate/spread.h"
 #include "viewer/color_map.h"
 #include "viewer/picture.h"
 
@@ -109,12 +110,6 @@ namespace {
 
 double wrapped(double angle) {
   return std::remainder(angle, 2 * kPi);
-}
-
-double medianOf(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // The azimuths of the beams that have a hit, by ring and column.

@@ -6,7 +6,6 @@
 
 #include <cstdlib>
 
-#include "base/random.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 
@@ -293,75 +292,6 @@ TEST(SetValue, RefusesWithThePath) {
   EXPECT_THAT(error(deep + "=1"), HasSubstr("has more than"));
   EXPECT_EQ(root.find("a")->find("b")->items.size(), 2u);
   EXPECT_EQ(root.entries.size(), 2u);
-}
-
-const std::string kPipeline = R"(# a pipeline with most of what YAML has
-scene: &scene {file: "../scenes/street.yaml", seed: 7}
-sensors:
-  - name: 'roof'
-    position: [0.0, -0.5, 1.8]
-    yaw_deg: 90
-    ranges: [[0.5, 120], [1e-3, .5]]
-  - name: rear # a comment
-    scene: *scene
-    empty:
-    nothing: ~
-text: |
-  one
-   two
-folded: >-
-  three
-  four
-"quoted \u00e4 key": "\t\x41\n"
-? long
-: - - a
-    - b
-)";
-
-// A mutated text parses or is refused; nothing else may happen.
-bool parses(const std::string& text) {
-  try {
-    parseYaml(text, "x.yaml");
-    return true;
-  } catch (const InputError& e) {
-    EXPECT_THAT(e.what(), StartsWith("x.yaml:"));
-    return false;
-  }
-}
-
-TEST(ParseYamlFuzz, EveryTruncation) {
-  ASSERT_TRUE(parses(kPipeline));
-  for (std::size_t n = 0; n < kPipeline.size(); ++n) parses(kPipeline.substr(0, n));
-}
-
-TEST(ParseYamlFuzz, FlippedBytes) {
-  int refused = 0;
-  for (std::uint32_t i = 0; i < 2000; ++i) {
-    const RandomBlock r = randomBlock({.seed = 5, .beam = i});
-    std::string text = kPipeline;
-    for (std::uint32_t k = 0; k <= r[0] % 3; ++k) text[r[1 + k] % text.size()] = static_cast<char>(r[1 + k] >> 24);
-    refused += parses(text) ? 0 : 1;
-  }
-  EXPECT_GT(refused, 500);
-  EXPECT_LT(refused, 2000);
-}
-
-TEST(ParseYamlFuzz, MisplacedPunctuation) {
-  const std::string punctuation = "[]{}:,?-&*!|>'\"%@`#\n \t\\~";
-  for (std::uint32_t i = 0; i < 4000; ++i) {
-    const RandomBlock r = randomBlock({.seed = 6, .beam = i});
-    std::string text = kPipeline;
-    for (std::uint32_t k = 0; k <= r[0] % 3; ++k) {
-      const std::size_t at = (r[1 + k] >> 8) % text.size();
-      const char c = punctuation[(r[1 + k] & 0xFF) % punctuation.size()];
-      if (k % 2 == 0) {
-        text.insert(at, 1, c);
-      } else {
-        text[at] = c;
-      }
-    }
-    parses(text);
-  }
 }
 
 }  // namespace

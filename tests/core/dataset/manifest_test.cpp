@@ -241,7 +241,7 @@ TEST(Manifest, NamesThePlaceOfWhatIsOutOfRange) {
   const Json json = Json::parse(toJson(filledManifest()));
   const std::vector<std::tuple<std::string, Json, std::string>> damages = {
       {"/samples/1/shard", 2, "2 is out of range: the dataset has 2 shards"},
-      {"/samples/1/shard", 0, "is 'val', but shard 0 belongs to 'train'"},
+      {"/samples/1/shard", 0, "0 belongs to 'train', but the sample to 'val'"},
       {"/samples/0/key", "a.b", "'a.b' is not a key"},
       {"/samples/1/key", "street-1-drive-000000", "does not start with the sample's key"},
       {"/samples/0/members/1", "other.csv", "does not start with"},
@@ -253,9 +253,9 @@ TEST(Manifest, NamesThePlaceOfWhatIsOutOfRange) {
       {"/samples/0/scans/0/points_per_class/0/name", "tree", "is 'unlabeled' in the ontology"},
       {"/samples/0/scans/0/points", -1, "/samples/0/scans/0/points: is number, but must be"},
       {"/ontology/classes/1/id", 65536, "65536 is not within 0 to 65535"},
-      {"/ontology/classes/1/id", 0, "0 is also the id of 'unlabeled'"},
-      {"/ontology/classes/1/name", "car", "'car' is also the name of class 7"},
-      {"/ontology/classes/1/color", {1, 2}, "[red, green, blue]"},
+      {"/ontology/classes/1/id", 0, "another item of the list has 0, too"},
+      {"/ontology/classes/1/name", "car", "another item of the list has \"car\", too"},
+      {"/ontology/classes/1/color", {1, 2}, "has 2 numbers, but must have 3"},
       {"/ontology/classes/1/color/0", 256, "256 is not within 0 to 255"},
       {"/sensors/0/rings", 5, "has 4 numbers, but must have 5"},
       {"/sensors/0/rings", 0, "0 is not within 1"},
@@ -273,7 +273,7 @@ TEST(Manifest, NamesThePlaceOfWhatIsOutOfRange) {
     EXPECT_THAT(refusalWith(json, place, value), HasSubstr(expected)) << place;
   }
   EXPECT_THAT(refusalWith(json, "/samples/1", json["samples"][0]),
-              HasSubstr("/samples/1/key: another sample has this key"));
+              HasSubstr("/samples/1/key: another item of the list has"));
 }
 
 TEST(Manifest, SaysWhereATruncatedFileEnds) {

@@ -88,14 +88,14 @@ TEST(Objects, WhatIsMissingUnknownOrWrongIsNamed) {
     changed[Json::json_pointer(place)] = value;
     return refusal(changed);
   };
-  EXPECT_THAT(with("/objects/1/id", 7), HasSubstr("another object has this id"));
+  EXPECT_THAT(with("/objects/1/id", 7), HasSubstr("/objects/1/id: another item"));
   EXPECT_THAT(with("/objects/1/id", 0), HasSubstr("/objects/1/id"));
   EXPECT_THAT(with("/objects/0/class", 99), HasSubstr("class 99 is not in ontology 'test'"));
   EXPECT_THAT(with("/objects/0/class_name", "dog"), HasSubstr("class 2 is 'thing'"));
   EXPECT_THAT(with("/objects/0/views/0/visibility", 1), HasSubstr("is not beams / beams_alone"));
   EXPECT_THAT(with("/objects/0/views/0/visibility", nullptr), HasSubstr("is not beams / beams_alone"));
-  EXPECT_THAT(with("/objects/0/views/1/sensor", "top"), HasSubstr("two views"));
-  EXPECT_THAT(with("/objects/0/size", {1, -1, 1}), HasSubstr("below 0"));
+  EXPECT_THAT(with("/objects/0/views/1/sensor", "top"), HasSubstr("/views/1/sensor: another item"));
+  EXPECT_THAT(with("/objects/0/size", {1, -1, 1}), HasSubstr("/size/1: -1 is not within 0"));
   EXPECT_THAT(with("/objects/0/world_from_box/rotation", {1, 1, 0, 0}), HasSubstr("unit quaternion"));
   EXPECT_THAT(with("/objects/0/colour", "red"), HasSubstr("unknown"));
 }

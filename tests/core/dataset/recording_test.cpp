@@ -94,7 +94,7 @@ TEST(Recording, BadIndexesAreNamed) {
   refused(kHead + kSensors + "[" + kSequence + "," + kSequence + "]}", {"/sequences/1", "twice"});
   refused(kHead + R"("sensors": [{"name": "top", "rings": 2, "columns": 8}, {"name": "top", "rings": 2, "columns": 8}],
                   "sequences": []})",
-          {"/sensors/1/name", "'top'"});
+          {"/sensors/1/name", "\"top\""});
   refused(R"({"what": "scanmill recording", "schema_version": 1, "kind": "pases", "sensors": [], "sequences": []})",
           {"/kind", "'pases'"});
   std::string newer = kHead + kSensors + "[" + kSequence + "]}";

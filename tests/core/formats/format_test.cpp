@@ -9,6 +9,7 @@ namespace scanmill {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 TEST(Formats, TableAndSuffixesAgree) {
   for (const FormatEntry& entry : formats()) {
@@ -104,6 +105,20 @@ TEST(Formats, ScansWithoutPointsKeepTheirColumns) {
     EXPECT_EQ(back.size(), 0u);
     EXPECT_EQ(columnNames(back), columnNames(scan));
     EXPECT_EQ(columnNames(back).size(), 8u);
+  }
+}
+
+// Other damage: tests/fuzz.
+TEST(Formats, TruncatedFilesAreRefused) {
+  for (const auto& [name, options] : kEncodings) {
+    const auto format = makeFormat(name, options);
+    const std::string good = format->encode(randomScan(77, 8, 40, kAllColumns, format->keepsMisses(), 60));
+    // The last line of a text may lack its end, but no value.
+    const std::size_t end = good.back() == '\n' ? good.find_last_of(", ") : good.size() - 2;
+    for (const std::size_t size : {std::size_t{0}, good.size() / 50, good.size() / 2, end}) {
+      EXPECT_THAT(messageOf([&] { format->decode(good.substr(0, size), "damaged.file"); }), StartsWith("damaged.file"))
+          << name << ' ' << options << ' ' << size;
+    }
   }
 }
 

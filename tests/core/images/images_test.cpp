@@ -21,7 +21,6 @@
 #include "base/file.h"
 #include "images/images_interface.h"
 #include "tests/support/message_of.h"
-#include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
 
 namespace scanmill {
@@ -336,7 +335,6 @@ TEST(Images, GifIsClearWhereItSaysSo) {
   EXPECT_TRUE(readImage(TemporaryFolder().write("a.gif", gif)).hasAlpha);
 }
 
-// A JPEG of equal pixels loses nothing but rounding.
 // The fourth byte of a pixel of BMP is reserved, and TGA may state that it has no meaning.
 TEST(Images, AlphaThatIsZeroEverywhereIsNoneInBmpAndTga) {
   const auto two = [](const std::string& head, int alpha) {
@@ -360,24 +358,6 @@ TEST(Images, AlphaThatIsZeroEverywhereIsNoneInBmpAndTga) {
     EXPECT_TRUE(clear.hasAlpha) << name;
     EXPECT_EQ(clear.rgba[3], 0) << name;
   }
-}
-
-TEST(Images, JpegOfOneColourHasThatColour) {
-  for (const bool progressive : {false, true}) {
-    std::vector<std::uint8_t> rgb;
-    for (int i = 0; i < 33 * 17; ++i) rgb.insert(rgb.end(), {200, 90, 30});
-    const DecodedImage image = decodeImage(jpeg(rgb, 33, 17, {.quality = 100, .progressive = progressive}), "a.jpg");
-    ASSERT_EQ(image.width, 33u);
-    ASSERT_EQ(image.height, 17u);
-    EXPECT_FALSE(image.hasAlpha);
-    for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
-      ASSERT_NEAR(image.rgba[i], 200, 1) << i;
-      ASSERT_NEAR(image.rgba[i + 1], 90, 1) << i;
-      ASSERT_NEAR(image.rgba[i + 2], 30, 1) << i;
-    }
-  }
-  const std::vector<std::uint8_t> gray(64, 77);
-  EXPECT_EQ(decodeImage(jpeg(gray, 8, 8, {.colors = JCS_GRAYSCALE, .channels = 1}), "a").rgba[0], 77);
 }
 
 // OpenImageIO reads the same files by the same libjpeg.
@@ -449,18 +429,6 @@ TEST(Images, JpegOfHundredsOfScansIsReadAndOfMoreRefused) {
   ASSERT_EQ(scansOf(2).size(), 568u);
   EXPECT_THAT(messageOf([&] { decodeImage(jpeg(rgb, 16, 16, {.scans = scansOf(2)}), "a.jpg"); }),
               HasSubstr("a.jpg: the image cannot be decoded: it has more than 500 scans"));
-}
-
-TEST(Images, TheTownsTexturesAreDecoded) {
-  SKIP_WITHOUT_SHARED_DATA("scenes/truck_town");
-  int count = 0;
-  for (const auto& file : std::filesystem::directory_iterator(sharedData() / "scenes/truck_town/model/textures")) {
-    if (file.path().extension() != ".webp" || ++count > 8) continue;
-    const DecodedImage image = readImage(file.path());
-    EXPECT_EQ(image.rgba.size(), std::size_t{image.width} * image.height * 4) << file.path();
-    EXPECT_EQ(decodeImage(readFile(file.path()), "a.webp").rgba, image.rgba) << file.path();
-  }
-  EXPECT_GT(count, 0);
 }
 
 // In a process of its own, in which nothing was loaded yet: `threads` read their first images at the same moment. PNG

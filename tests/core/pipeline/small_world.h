@@ -77,7 +77,7 @@ inline const std::string kTop =
     "{name: top, columns: 64, rate_hz: 10, elevation_deg: {top: 5, bottom: -25, rings: 8}, range_m: [0.5, 100], "
     "mount: {position: [0, 0, 1.8]}}";
 
-using Bytes = std::map<std::string, std::string>;  // by name relative to the dataset's folder
+using MembersByName = std::map<std::string, std::string>;  // by name relative to the dataset's folder
 
 class Yard : public testing::Test {
  protected:
@@ -104,8 +104,8 @@ class Yard : public testing::Test {
   }
 
   // All members of all shards of a dataset.
-  Bytes members(const std::string& name = "out") const {
-    Bytes all;
+  MembersByName members(const std::string& name = "out") const {
+    MembersByName all;
     for (const ShardRecord& shard : readManifest(out(name)).shards) {
       readTar(out(name) / shard.file, [&](const std::string& member, std::string_view bytes) { all[member] = bytes; });
     }
@@ -121,8 +121,8 @@ class Yard : public testing::Test {
     return found;
   }
 
-  Bytes shards(const std::string& name = "out") const {
-    Bytes all;
+  MembersByName shards(const std::string& name = "out") const {
+    MembersByName all;
     for (const ShardRecord& shard : readManifest(out(name)).shards) all[shard.file] = readFile(out(name) / shard.file);
     return all;
   }
@@ -130,17 +130,6 @@ class Yard : public testing::Test {
   std::shared_ptr<const Recording> recordingIn(const std::filesystem::path& folder,
                                                RecordingKind kind = RecordingKind::Hits) const {
     return std::make_shared<const Recording>(readRecording(folder, kind));
-  }
-
-  // One thread makes the same bytes as several do.
-  void expectSameOnAnyThreads(const std::vector<std::string>& overrides) const {
-    std::vector<Bytes> bytes;
-    for (const int threads : {1, 4}) {
-      const ThreadLimit limit(threads);
-      sound(overrides, fmt::format("threads{}", threads));
-      bytes.push_back(shards(fmt::format("threads{}", threads)));
-    }
-    EXPECT_TRUE(bytes[0] == bytes[1]);
   }
 
   TemporaryFolder folder_;

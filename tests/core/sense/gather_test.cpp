@@ -1,9 +1,8 @@
-#include "sense/gather.h"
-
 #include <algorithm>
 #include <map>
 #include <tuple>
 
+#include "sense/sense.h"
 #include "tests/core/sense/several_returns.h"
 
 namespace scanmill {

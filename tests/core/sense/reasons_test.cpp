@@ -1,5 +1,4 @@
-#include "sense/reasons.h"
-
+#include "sense/sense.h"
 #include "tests/core/sense/several_returns.h"
 
 namespace scanmill {

@@ -1,11 +1,10 @@
-#include "assets/meshes/asset_material.h"
-
 #include <cmath>
 #include <cstdint>
 #include <memory>
 #include <utility>
 
 #include "assets/meshes/base_color.h"
+#include "assets/meshes/imported_file.h"
 #include "scene/texture.h"
 
 namespace scanmill {

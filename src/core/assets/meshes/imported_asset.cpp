@@ -8,14 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "assets/meshes/asset_material.h"
 #include "assets/meshes/asset_parts.h"
 #include "assets/meshes/assimp/reader.h"
 #include "assets/meshes/child_process.h"
 #include "assets/meshes/imported_file.h"
-#include "assets/meshes/obj/obj_mesh.h"
-#include "assets/meshes/ply_mesh.h"
-#include "assets/meshes/stl_mesh.h"
 #include "base/error.h"
 #include "base/memory.h"
 

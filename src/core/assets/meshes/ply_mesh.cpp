@@ -1,4 +1,11 @@
-#include "assets/meshes/ply_mesh.h"
+// Meshes of PLY, in text and binary, whose properties may have any type.
+//
+//   element vertex     x y z; s t, u v or texture_u texture_v: texture coordinates
+//   element face       vertex_indices or vertex_index; texcoord: texture coordinates of its corners; texnumber: index
+//   of
+//                      its image; material_index: index of its material
+//   element material   diffuse_red, diffuse_green, diffuse_blue
+//   comment TextureFile NAME    an image, as MeshLab writes it
 
 #include <fmt/format.h>
 
@@ -15,6 +22,7 @@
 
 #include "assets/meshes/asset_parts.h"
 #include "assets/meshes/base_color.h"
+#include "assets/meshes/imported_file.h"
 #include "assets/meshes/polygon.h"
 #include "base/error.h"
 #include "base/file.h"

@@ -1,4 +1,6 @@
-#include "assets/meshes/stl_mesh.h"
+// STL, in text and in binary form ("StereoLithography Interface Specification", 3D Systems, 1989). The keywords of the
+// text may be in upper case. Each `solid` is a node; a binary file is one node without a name. A file is binary if its
+// size is that of the number of triangles in its header, or if it does not begin with `solid`.
 
 #include <fmt/format.h>
 
@@ -11,6 +13,7 @@
 #include <vector>
 
 #include "assets/meshes/asset_parts.h"
+#include "assets/meshes/imported_file.h"
 #include "base/error.h"
 #include "base/file.h"
 #include "base/text_scan.h"

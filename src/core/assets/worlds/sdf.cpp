@@ -14,7 +14,7 @@
 
 #include "assets/worlds/named_files.h"
 #include "assets/worlds/solids.h"
-#include "assets/worlds/world.h"
+#include "assets/worlds/world_asset.h"
 #include "assets/worlds/xml.h"
 #include "base/format_support.h"
 #include "base/input_budget.h"

@@ -10,7 +10,6 @@
 #include "assets/asset_kinds.h"
 #include "assets/meshes/asset_parts.h"
 #include "assets/meshes/base_color.h"
-#include "assets/worlds/world.h"
 #include "base/error.h"
 #include "base/input_budget.h"
 #include "config/text.h"

@@ -9,14 +9,42 @@
 #include <vtkTextureObject.h>
 
 #include <array>
+#include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 
 #include "gpu/opengl_module/gl_objects.h"
 #include "passes/vtk/vtk_interface.h"
-#include "passes/vtk_module/triangle_store.h"
 
 namespace scanmill {
+
+// Locations of the vertex attributes; the shaders have the same numbers.
+enum VertexAttribute : GLuint { kPosition = 0, kRows = 1, kFirstNumber = 4, kUv = 5, kCutout = 6 };
+// Bindings of the shaders' storage buffers.
+enum StorageBinding : GLuint { kCutouts = 0, kWords = 1 };
+
+// The scene's triangles on the device.
+class TriangleStore {
+ public:
+  explicit TriangleStore(const VtkScene& scene);
+
+  // Uploads the placements that the following calls of draw() use.
+  void place(std::span<const VtkPlacement> placements);
+  void draw(bool cut, std::span<const VtkDraw> draws);
+
+ private:
+  GlBuffer solidPositions_;
+  GlBuffer cutPositions_;
+  GlBuffer cutUvs_;
+  GlBuffer cutCutouts_;
+  GlBuffer cutouts_;
+  GlBuffer words_;
+  GlBuffer placements_;
+  GlBuffer commands_;
+  GlVertexArray solid_;
+  GlVertexArray cut_;
+};
 
 class ImagePass : public vtkRenderPass {  // NOLINT(cppcoreguidelines-virtual-class-destructor): VTK counts references
  public:
@@ -47,6 +75,26 @@ class ImagePass : public vtkRenderPass {  // NOLINT(cppcoreguidelines-virtual-cl
   vtkNew<vtkOpenGLFramebufferObject> frame_;
   vtkNew<vtkTextureObject> depth_;
   std::array<vtkNew<vtkTextureObject>, kVtkImages> slots_;
+};
+
+// Reads pixels of images back.
+class GlPixelReader {
+ public:
+  GlPixelReader();
+  ~GlPixelReader();
+  GlPixelReader(const GlPixelReader&) = delete;
+  GlPixelReader& operator=(const GlPixelReader&) = delete;
+
+  // Implement VtkDevice::gather() and VtkDevice::read().
+  void gather(const std::array<vtkTextureObject*, kVtkImages>& images, const VtkPixels& pixels,
+              std::span<const std::uint32_t> addresses, std::uint32_t* numbers);
+  void read(vtkTextureObject* image, std::uint32_t firstRow, std::uint32_t rows, std::uint32_t* numbers);
+
+ private:
+  GlProgram program_;
+  GlBuffer addresses_;
+  GlBuffer numbers_;
+  GLuint frame_ = 0;
 };
 
 }  // namespace scanmill

@@ -11,7 +11,6 @@
 
 #include "base/base64.h"
 #include "dataset/card.h"
-#include "report/dataset/alike_lines.h"
 #include "report/dataset/dataset_charts.h"
 #include "report/dataset/dataset_report.h"
 #include "report/dataset/scan_view.h"

@@ -211,10 +211,6 @@ class Summing {
       thing.bestSensor = sensor;
       thing.bestBox = seen.box;
     }
-    if (points < kWellSeenPoints) return;
-    const SeenSize before = thing.size.value_or(SeenSize());
-    thing.size = SeenSize{std::max(before.length, seen.size.length), std::max(before.width, seen.size.width),
-                          std::max(before.height, seen.size.height)};
   }
 
   void listThings() {

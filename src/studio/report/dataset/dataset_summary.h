@@ -67,17 +67,11 @@ struct ThingSummary {
   std::map<std::uint16_t, std::uint64_t> pointsOfClass{};
   std::uint64_t points = 0, scans = 0;
   std::uint16_t mostClass = 0;  // the most frequent class of the object's points
-  // Largest length, width and height of the object over all scans that show it well; absent if no scan does. The
-  // largest values are used since each scan shows only some sides.
-  std::optional<SeenSize> size{};
   // The scan with the largest number of the object's points:
   std::string bestSample{}, bestSensor{};
   std::uint64_t bestPoints = 0;
   Box bestBox{};  // bounding box of the object's points in the level frame of bestSample
 };
-
-// Least number of an object's points in a scan that shows the object well.
-inline constexpr std::uint64_t kWellSeenPoints = 100;
 
 // An instance with points of several classes.
 struct MixedInstance {

@@ -4,18 +4,37 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <map>
+#include <set>
+#include <utility>
 
-#include "report/dataset/alike_lines.h"
-#include "report/dataset/anomalies.h"
+#include "report/page/page.h"
 #include "study/figure_text.h"
+#include "viewer/window/orbit_camera.h"
 
 namespace scanmill {
 
 namespace {
 
 constexpr double kFewClassPoints = 1e-4;  // fraction of all points below which a class is reported
+
+// Returns a camera that looks at the box from the sensor's side, slightly from above. It is near enough for the box to
+// fill much of the picture.
+OrbitCamera cameraOn(const Box& box) {
+  // Pitch (degrees); factor for the distance that frames the box; least distance (m).
+  constexpr double kPitch = 20, kRoom = 2, kLeastDistance = 4;
+  const auto tenths = [](double v) { return std::round(v * 10) / 10 + 0.0; };
+  OrbitCamera camera;
+  const Vec3d center = box.center();
+  camera.yaw = radians(std::round(degrees(std::atan2(center.y, center.x))) + 0.0);
+  camera.pitch = radians(kPitch);
+  camera.frame(box);
+  camera.distance = tenths(std::max(kRoom * camera.distance, kLeastDistance));
+  camera.target = {tenths(center.x), tenths(center.y), tenths(center.z)};
+  return camera;
+}
 
 class Warnings {
  public:
@@ -165,29 +184,64 @@ class Warnings {
     return *std::ranges::find_if(sum_.classes, [&](const ClassSummary& c) { return c.id == id; });
   }
 
-  // Reports suspicious objects. Objects of the same class with the same reason are combined to one warning, with
-  // further objects listed below the first; for instance, a tree may have fifty baubles.
+  // Returns indices of DatasetSummary::things by class: objects whose points have one class, or classes that are usual
+  // in one object. The others are among the instances with several classes.
+  std::map<std::uint16_t, std::vector<std::size_t>> plainThings() const {
+    std::set<std::pair<std::string, std::uint32_t>> mixed;
+    for (const MixedInstance& m : sum_.mixed) {
+      if (!m.usual) mixed.insert({m.sequence, m.id});
+    }
+    std::map<std::uint16_t, std::vector<std::size_t>> things;
+    for (std::size_t i = 0; i < sum_.things.size(); ++i) {
+      const ThingSummary& thing = sum_.things[i];
+      if (!mixed.contains({thing.sequence, thing.id})) things[thing.mostClass].push_back(i);
+    }
+    return things;
+  }
+
+  // True if the class has few instances and their ids are probably an error, since most points of the class have no id
+  // or the ontology does not mark the class as things. False for classes that usually share objects with another class,
+  // such as trunks.
+  bool isUncounted(const ClassSummary& c, const std::vector<std::size_t>& things) const {
+    constexpr std::size_t kFew = 3;
+    constexpr double kFewShare = 0.02;  // a class with at most kFew objects or this fraction of all counts as rare
+    const auto isPart = [&](const MixedInstance& m) { return m.usual && m.pointsOfClass.contains(c.id); };
+    const auto share = static_cast<std::size_t>(kFewShare * static_cast<double>(sum_.things.size()));
+    if (things.size() > std::max(kFew, share) || std::ranges::any_of(sum_.mixed, isPart)) return false;
+    std::uint64_t points = 0;
+    for (const std::size_t i : things) points += sum_.things[i].points;
+    // If the ontology marks classes as things, instances of a class without this mark are suspicious.
+    const bool counts =
+        std::ranges::any_of(sum_.classes, [](const ClassSummary& o) { return o.thing && o.objects > 0; });
+    return c.pointsWithoutId > points || (counts && c.known && !c.thing);
+  }
+
+  // Reports objects whose id is probably an error. Those of a class are one warning, with further objects listed below
+  // the first; for instance, a tree may have fifty baubles.
   void things() {
     if (!sum_.instanced || !sum_.labelled) return;
-    const std::vector<Anomaly> anomalies = findAnomalies(sum_);
-    std::map<std::uint16_t, std::size_t> withId;
-    for (const Anomaly& a : anomalies) withId[sum_.things[a.thing].mostClass] += a.like ? 0 : 1;
-    std::map<std::pair<std::uint16_t, std::optional<std::uint16_t>>, std::size_t> warningOf;
-    for (const Anomaly& anomaly : anomalies) {
-      const ThingSummary& thing = sum_.things[anomaly.thing];
-      const auto [at, first] = warningOf.try_emplace({thing.mostClass, anomaly.like}, list_.size());
-      const std::string command = viewCommand(folder_, thing, sum_.sensors.size() > 1);
-      if (first) {
-        add(anomaly.like ? sizeText(anomaly) : idText(thing, withId[thing.mostClass]));
-        list_.back().command = command;
-      } else {
-        list_[at->second].places.push_back(fmt::format("instance {} of {}: {}", thing.id, thing.sequence, command));
+    for (const auto& [id, things] : plainThings()) {
+      if (!isUncounted(classOf(id), things)) continue;
+      for (const std::size_t i : things) {
+        const ThingSummary& thing = sum_.things[i];
+        const std::string command = commandFor(thing);
+        if (i == things.front()) {
+          add(idText(thing, things.size()));
+          list_.back().command = command;
+        } else {
+          list_.back().places.push_back(fmt::format("instance {} of {}: {}", thing.id, thing.sequence, command));
+        }
       }
+      if (things.size() > 1) list_.back().text += fmt::format(" And {} more.", things.size() - 1);
     }
-    for (const auto& [key, at] : warningOf) {
-      if (const std::size_t more = list_[at].places.size(); more > 0)
-        list_[at].text += fmt::format(" And {} more.", more);
-    }
+  }
+
+  // Returns a command that shows the object in the scan with most of its points.
+  std::string commandFor(const ThingSummary& thing) const {
+    return fmt::format("scanmill view {} --sample {}{} --camera={} --instance {}", shellWord(folder_.string()),
+                       shellWord(thing.bestSample),
+                       sum_.sensors.size() > 1 ? " --sensor " + shellWord(thing.bestSensor) : "",
+                       cameraOn(thing.bestBox).text(), thing.id);
   }
 
   std::string idText(const ThingSummary& thing, std::size_t likeIt) const {
@@ -200,16 +254,6 @@ class Warnings {
                        c.id == 0 ? "without a" : "with the wrong");
   }
 
-  std::string sizeText(const Anomaly& anomaly) const {
-    const ThingSummary& thing = sum_.things[anomaly.thing];
-    const std::string& own = classOf(thing.mostClass).name;
-    return fmt::format(
-        "{} {} of {} is {:.1f} x {:.1f} x {:.1f} m, like {} ({} of them) and unlike any other {}: is it an object with "
-        "the wrong class?",
-        own, thing.id, thing.sequence, thing.size->length, thing.size->width, thing.size->height,
-        classOf(*anomaly.like).name, anomaly.alike, own);
-  }
-
   const DatasetSummary& sum_;
   const ReadingFaults& faults_;
   std::filesystem::path folder_;
@@ -217,6 +261,32 @@ class Warnings {
 };
 
 }  // namespace
+
+std::vector<std::string> alikeLines(const std::vector<std::string>& lines) {
+  std::vector<std::string> joined;
+  std::vector<std::size_t> more;             // number of further lines that are like the one in `joined`
+  std::map<std::string, std::size_t> known;  // index in `joined` by the line with each number replaced by "#"
+  std::set<std::string> seen;
+  for (const std::string& line : lines) {
+    if (!seen.insert(line).second) continue;
+    std::string form;
+    for (const char c : line) {
+      const bool digit = c >= '0' && c <= '9';
+      if (!digit || !form.ends_with('#')) form += digit ? '#' : c;
+    }
+    const auto [at, first] = known.emplace(form, joined.size());
+    if (first) {
+      joined.push_back(line);
+      more.push_back(0);
+    } else {
+      ++more[at->second];
+    }
+  }
+  for (std::size_t i = 0; i < joined.size(); ++i) {
+    if (more[i] > 0) joined[i] += fmt::format(" and {} alike", more[i]);
+  }
+  return joined;
+}
 
 std::vector<DatasetWarning> warningsOf(const DatasetSummary& summary, const ReadingFaults& faults,
                                        const std::filesystem::path& folder) {

@@ -24,6 +24,10 @@ struct ReadingFaults {
   std::vector<std::string> mistaken;  // scans that contradict the manifest
 };
 
+// Returns the lines without repetitions. Lines that are equal except for their numbers become one: the names
+// "Bauble.001" to "Bauble.050" become "Bauble.001 and 49 alike".
+std::vector<std::string> alikeLines(const std::vector<std::string>& lines);
+
 // Returns the warnings. `folder`: path of the dataset as the user gave it.
 std::vector<DatasetWarning> warningsOf(const DatasetSummary& summary, const ReadingFaults& faults,
                                        const std::filesystem::path& folder);

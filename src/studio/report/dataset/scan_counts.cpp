@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 #include <unordered_map>
 
 #include "sense/echoes.h"
@@ -12,58 +11,25 @@ namespace scanmill {
 
 namespace {
 
-// Returns the size of the upright box with the smallest base that contains the points. Principal axes are not suitable,
-// since they are diagonal if points lie on two or three sides of an object. If only two sides are visible, the smallest
-// base may be diagonal too, but is then hardly longer than the object.
-SeenSize sizeOf(const std::vector<Vec3d>& points, const Box& box) {
-  constexpr int kDirections = 30;  // number of directions tried in 90 degrees, 3 degrees apart
-  constexpr double kNothing = std::numeric_limits<double>::infinity();
-  SeenSize best;
-  double smallest = kNothing;
-  for (int i = 0; i < kDirections; ++i) {
-    const double angle = kPi / 2 * i / kDirections, c = std::cos(angle), s = std::sin(angle);
-    double lowU = kNothing, highU = -kNothing, lowV = kNothing, highV = -kNothing;
-    for (const Vec3d& p : points) {
-      const double u = c * p.x + s * p.y, v = c * p.y - s * p.x;
-      lowU = std::min(lowU, u);
-      highU = std::max(highU, u);
-      lowV = std::min(lowV, v);
-      highV = std::max(highV, v);
-    }
-    const double along = highU - lowU, across = highV - lowV;
-    if (along * across >= smallest) continue;
-    smallest = along * across;
-    best = {std::max(along, across), std::min(along, across), box.high.z - box.low.z};
-  }
-  return best;
-}
-
 bool isElsewhere(std::uint8_t cause) {
   return cause == static_cast<std::uint8_t>(Cause::Mirrored) || cause == static_cast<std::uint8_t>(Cause::StrayLight) ||
          cause == static_cast<std::uint8_t>(Cause::FalsePositive) || cause == static_cast<std::uint8_t>(Cause::Weather);
 }
 
-// Measures the boxes of instances. Points whose position is not on the object (mirror images, stray light, false
-// positives, weather) are used only if an instance has no other points.
-void measure(const Scan& scan, const Mat3& levelFromSensor, std::map<std::uint32_t, InstanceCounts>& instances) {
+// Sets the boxes of instances. Points whose position is not on the object (mirror images, stray light, false positives,
+// weather) are used only if an instance has no other points.
+void addBoxes(const Scan& scan, const Mat3& levelFromSensor, std::map<std::uint32_t, InstanceCounts>& instances) {
   if (instances.empty()) return;
-  struct Places {
-    std::vector<Vec3d> all, ofSurfaces;
-  };
-  std::unordered_map<std::uint32_t, Places> places;
+  std::unordered_map<std::uint32_t, Box> elsewhere;
   const bool told = !scan[kCause].empty();
   for (std::size_t i = 0; i < scan.size(); ++i) {
     if (scan[kInstance][i] == 0 || !isFinite(scan.position[i])) continue;
-    const Vec3d p = levelFromSensor * Vec3d(scan.position[i]);
-    Places& own = places[scan[kInstance][i]];
-    own.all.push_back(p);
-    if (!told || !isElsewhere(scan[kCause][i])) own.ofSurfaces.push_back(p);
+    const bool strayed = told && isElsewhere(scan[kCause][i]);
+    Box& box = strayed ? elsewhere[scan[kInstance][i]] : instances.at(scan[kInstance][i]).box;
+    box.add(levelFromSensor * Vec3d(scan.position[i]));
   }
   for (auto& [id, own] : instances) {
-    const Places& found = places.at(id);
-    const std::vector<Vec3d>& points = found.ofSurfaces.empty() ? found.all : found.ofSurfaces;
-    for (const Vec3d& p : points) own.box.add(p);
-    own.size = sizeOf(points, own.box);
+    if (own.box.empty()) own.box = elsewhere[id];
   }
 }
 
@@ -134,7 +100,7 @@ ScanCounts countScan(const Scan& scan, const RangeSteps& steps, const Mat3& leve
     own.id = id;
     own.pointsOfClass[label] = points;
   }
-  measure(scan, levelFromSensor, instances);
+  addBoxes(scan, levelFromSensor, instances);
   for (auto& [id, own] : instances) counts.instances.push_back(std::move(own));
   return counts;
 }

@@ -31,16 +31,10 @@ RangeSteps rangeStepsFor(double farthest);
 std::uint16_t intensityKey(float intensity);
 float intensityOfKey(std::uint16_t key);  // returns the smallest intensity with this key
 
-// The size (m) of an object's visible part: edges of the upright box with the smallest base that contains its points.
-struct SeenSize {
-  double length = 0, width = 0, height = 0;  // length is at least width
-};
-
 struct InstanceCounts {
   std::uint32_t id = 0;
   std::map<std::uint16_t, std::uint64_t> pointsOfClass;
-  Box box;        // bounding box of the instance's points, in the level frame
-  SeenSize size;  // size of the instance's points, in the level frame
+  Box box;  // bounding box of the instance's points, in the level frame
 };
 
 struct ScanCounts {

@@ -13,7 +13,6 @@
 #include "evaluate/spread.h"
 #include "exports/class_map.h"
 #include "study/figure_text.h"
-#include "study/median.h"
 
 namespace scanmill {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "study/median.h"
+#include "evaluate/spread.h"
 
 namespace scanmill {
 

@@ -13,8 +13,8 @@
 #include "base/parallel.h"
 #include "config/text.h"
 #include "dataset/scan_store.h"
+#include "evaluate/spread.h"
 #include "study/compare/range_grid.h"
-#include "study/median.h"
 
 namespace scanmill {
 

@@ -10,8 +10,8 @@
 
 #include "base/error.h"
 #include "base/random.h"
+#include "evaluate/spread.h"
 #include "study/linear_fit.h"
-#include "study/median.h"
 
 namespace scanmill {
 
@@ -23,7 +23,7 @@ constexpr int kResamples = 200;
 constexpr double kGoodChiSquare = 3;  // largest acceptable chi^2 per degree of freedom
 constexpr double kGoodMisfit = 0.1;   // if no band has a larger relative error, any chi^2 is acceptable
 
-using Patches = std::vector<const FlatPatch*>;
+using FlatPatches = std::vector<const FlatPatch*>;
 
 // Returns the deviation without the effect of rounding ranges to a step, which adds step^2 / 12 to the variance. The
 // formula holds if the ranges on a patch vary by more than a step.
@@ -34,12 +34,12 @@ double withoutStep(double deviation, double step) {
 // Returns the bootstrap standard error of `measure`: its standard deviation over sets of equally many patches, sampled
 // with replacement (Efron, "Bootstrap methods: another look at the jackknife", 1979). Complete patches are sampled,
 // since the points of a patch share a surface and are not independent. `stream`: selects the random numbers.
-double bootstrapError(const Patches& patches, std::uint32_t stream,
-                      const std::function<double(const Patches&)>& measure) {
+double bootstrapError(const FlatPatches& patches, std::uint32_t stream,
+                      const std::function<double(const FlatPatches&)>& measure) {
   if (patches.size() < 2) return 0;
   double sum = 0;
   double squares = 0;
-  Patches drawn(patches.size());
+  FlatPatches drawn(patches.size());
   for (std::uint32_t round = 0; round < kResamples; ++round) {
     for (std::uint32_t i = 0; i < patches.size(); ++i) {
       const RandomBlock block =
@@ -54,8 +54,8 @@ double bootstrapError(const Patches& patches, std::uint32_t stream,
   return std::sqrt(std::max(0.0, squares / kResamples - mean * mean) * kResamples / (kResamples - 1));
 }
 
-MeasuredShare dropOutOf(const Patches& patches, std::uint32_t stream) {
-  const auto count = [](const Patches& chosen) {
+MeasuredShare dropOutOf(const FlatPatches& patches, std::uint32_t stream) {
+  const auto count = [](const FlatPatches& chosen) {
     MeasuredShare share;
     for (const FlatPatch* p : chosen) {
       share.lost += p->holes;
@@ -67,19 +67,20 @@ MeasuredShare dropOutOf(const Patches& patches, std::uint32_t stream) {
   if (all.of == 0) return all;
   // If no return is lost, the bootstrap error is 0, which is too small. The error is then one lost return.
   const double least = std::sqrt(static_cast<double>(all.lost + 1)) / static_cast<double>(all.of);
-  const double spread = bootstrapError(patches, stream, [&](const Patches& chosen) { return count(chosen).share(); });
+  const double spread =
+      bootstrapError(patches, stream, [&](const FlatPatches& chosen) { return count(chosen).share(); });
   all.error = std::max(all.lost == 0 ? least : 0.0, spread);
   return all;
 }
 
-PatchGroup describe(const Patches& patches, std::string name, double low, double high, double step,
+PatchGroup describe(const FlatPatches& patches, std::string name, double low, double high, double step,
                     std::uint32_t stream) {
   PatchGroup group;
   group.name = std::move(name);
   group.low = low;
   group.high = high;
   group.dropOut = dropOutOf(patches, 2 * stream);
-  Patches measured;
+  FlatPatches measured;
   std::vector<double> ranges, planes, variances;
   for (const FlatPatch* p : patches) {
     if (p->freedom <= 0) continue;
@@ -96,7 +97,7 @@ PatchGroup describe(const Patches& patches, std::string name, double low, double
   group.sigma = withoutStep(group.withStep, step);
   group.planeSigma = withoutStep(std::sqrt(medianOf(planes)), step);
   group.error = bootstrapError(measured, 2 * stream + 1,
-                               [&](const Patches& chosen) { return withoutStep(commonDeviation(chosen), step); });
+                               [&](const FlatPatches& chosen) { return withoutStep(commonDeviation(chosen), step); });
   const double freedom = measured.front()->freedom;
   const double median = medianOf(variances);
   if (median > 0) {
@@ -224,7 +225,7 @@ NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans
   const double leastCosine = std::cos(options.mostIncidence);
 
   const std::vector<double> edges = rangeBandEdges();
-  std::vector<Patches> perBand(edges.size());
+  std::vector<FlatPatches> perBand(edges.size());
   for (const FlatPatch& p : patches) {
     if (p.incidence >= leastCosine) perBand[rangeBandOf(p.range)].push_back(&p);
   }
@@ -237,8 +238,8 @@ NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans
     fit.bands.back().leftOut = unfit(fit.bands.back());
     useful[b] = fit.bands.back().leftOut.empty();
   }
-  Patches all;
-  Patches steep;
+  FlatPatches all;
+  FlatPatches steep;
   const std::vector<const PatchGroup*> used = fit.used();
   for (const PatchGroup* band : used) {
     fit.patches += band->patches;
@@ -268,7 +269,7 @@ NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans
 
   constexpr double kAngles[] = {0, 15, 30, 45, 60, 75, 90};
   for (std::uint32_t a = 0; a + 1 < std::size(kAngles); ++a) {
-    Patches group;
+    FlatPatches group;
     for (const FlatPatch* p : all) {
       const double angle = degrees(std::acos(std::min(1.0, p->incidence)));
       if (angle >= kAngles[a] && (angle < kAngles[a + 1] || kAngles[a + 1] == 90)) group.push_back(p);
@@ -289,7 +290,7 @@ NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans
     for (std::uint32_t part = 0; part < kParts; ++part) {
       const bool last = part + 1 == kParts;
       const double high = last ? INFINITY : quantileOf(intensities, (part + 1.0) / kParts);
-      Patches group;
+      FlatPatches group;
       std::ranges::copy_if(steep, std::back_inserter(group),
                            [&](const FlatPatch* p) { return p->intensity >= low && p->intensity < high; });
       if (!group.empty()) {

@@ -6,8 +6,8 @@
 #include <numeric>
 
 #include "base/parallel.h"
+#include "evaluate/spread.h"
 #include "study/linear_fit.h"
-#include "study/median.h"
 
 namespace scanmill {
 

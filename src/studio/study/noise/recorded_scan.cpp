@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "base/error.h"
+#include "evaluate/spread.h"
 #include "study/linear_fit.h"
-#include "study/median.h"
 
 namespace scanmill {
 

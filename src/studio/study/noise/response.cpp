@@ -11,7 +11,7 @@
 #include <unordered_map>
 
 #include "base/error.h"
-#include "study/median.h"
+#include "evaluate/spread.h"
 
 namespace scanmill {
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "study/median.h"
+#include "evaluate/spread.h"
 
 namespace scanmill {
 

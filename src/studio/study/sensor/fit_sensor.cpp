@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "base/error.h"
-#include "study/median.h"
+#include "evaluate/spread.h"
 
 namespace scanmill {
 namespace {

@@ -72,8 +72,6 @@ struct Scenery {
   void applyFilter();
   void chooseMeshColor(MeshColor by);
   std::optional<PickedThing> pickMesh(const SightLine& line) const;
-  // Shows a hint if only one part of the mesh is visible and this part encloses all others, such as a closed sky box.
-  void tellWhatEncloses();
 
   // Functions in scenery_mesh.cpp, for instances and for the objects in the list of a sample:
   Affine canvasFromBox(const ObjectRecord& object) const;

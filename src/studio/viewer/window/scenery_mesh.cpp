@@ -39,7 +39,6 @@ void Scenery::placeMesh() {
   framed_ = true;
   setCamera(firstCamera());
   for (const std::string& warning : mesh->warnings) context_.hint(warning);
-  tellWhatEncloses();
 }
 
 void Scenery::applyFilter() {
@@ -108,41 +107,6 @@ std::optional<PickedThing> Scenery::pickMesh(const SightLine& line) const {
     origin = spot + direction * kBeyond;
   }
   return {};
-}
-
-void Scenery::tellWhatEncloses() {
-  constexpr int kAcross = 7;
-  constexpr double kEnough = 0.1;  // least fraction of the lines of sight that must hit the part
-  const ViewCamera view = camera.camera(context_.canvas.width(), context_.canvas.height());
-  std::optional<std::size_t> first;  // triangle seen along the first line of sight that hits a triangle
-  int met = 0;
-  for (int line = 0; line < kAcross * kAcross; ++line) {
-    const int column = line % kAcross;
-    const int row = line / kAcross;
-    const double x = (column + 0.5) * context_.canvas.width() / kAcross;
-    const double y = (row + 0.5) * context_.canvas.height() / kAcross;
-    const auto thing = pickMesh(sightLine(view, x, y));
-    if (!thing) continue;
-    ++met;
-    if (!first) first = thing->point;
-    if (mesh->surfaceOf(thing->point).part != mesh->surfaceOf(*first).part) return;
-  }
-  if (met < kEnough * kAcross * kAcross) return;
-  const std::uint32_t part = mesh->surfaceOf(*first).part;
-  Box own, others;
-  for (std::size_t t = 0; t < mesh->size(); ++t) {
-    if (!meshShown.empty() && meshShown[t] == 0) continue;
-    Box& box = mesh->surfaceOf(t).part == part ? own : others;
-    for (std::size_t corner = 3 * t; corner < 3 * t + 3; ++corner) box.add(Vec3d(mesh->corners[corner]));
-  }
-  const auto within = [](const Vec3d& low, const Vec3d& high) {
-    return low.x <= high.x && low.y <= high.y && low.z <= high.z;
-  };
-  if (others.empty() || !within(own.low, others.low) || !within(others.high, own.high)) return;
-  context_.hint(
-      fmt::format("nothing but '{}' is seen from here, which encloses all the rest: hide its class ({}), or look from "
-                  "another place",
-                  mesh->parts[part], className(&mesh->ontology, mesh->semantic[*first])));
 }
 
 namespace {

@@ -181,12 +181,8 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
       scenery.setCamera(other);
       return context.say(other.orthographic ? "orthographic" : "perspective");
     }
-    case KeyAction::PresetView: {
-      const auto view = static_cast<View>(meaning.number);
-      scenery.setCamera(scenery.preset(view));
-      if (view == View::Above && context.source->isScene()) scenery.tellWhatEncloses();
-      return;
-    }
+    case KeyAction::PresetView:
+      return scenery.setCamera(scenery.preset(static_cast<View>(meaning.number)));
     case KeyAction::NextPreset:
       if (scenery.camera == scenery.preset(View::Chase)) return scenery.setCamera(scenery.preset(View::Driver));
       return scenery.setCamera(

@@ -1,9 +1,8 @@
-#include "assets/meshes/asset_material.h"
-
 #include <algorithm>
 #include <string>
 #include <vector>
 
+#include "assets/meshes/imported_file.h"
 #include "assets/meshes/texture_search.h"
 #include "base/error.h"
 #include "base/file.h"

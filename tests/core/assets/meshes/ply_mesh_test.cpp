@@ -1,5 +1,3 @@
-#include "assets/meshes/ply_mesh.h"
-
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,6 +12,7 @@
 #include <vector>
 
 #include "assets/asset.h"
+#include "assets/meshes/imported_file.h"
 #include "base/error.h"
 #include "tests/core/assets/read_assets.h"
 #include "tests/support/message_of.h"

@@ -1,5 +1,3 @@
-#include "assets/meshes/stl_mesh.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "assets/meshes/imported_file.h"
 #include "tests/core/assets/meshes/triangle_files.h"
 #include "tests/core/assets/read_assets.h"
 
@@ -18,7 +17,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-const std::vector<Vec3f> kWing{{1, 0, 0}, {0, 2, 0}, {0, 0, 3}};
+const std::vector<Vec3f> kStlWing{{1, 0, 0}, {0, 2, 0}, {0, 0, 3}};
 
 std::string binary(const std::string& header, std::uint32_t stated = 1, std::uint16_t attribute = 0) {
   std::string head = header;
@@ -41,7 +40,7 @@ TEST_F(StlMesh, KeywordsMayBeInUpperCase) {
   std::string upper = kStl;
   std::transform(upper.begin(), upper.end(), upper.begin(), [](unsigned char c) { return std::toupper(c); });
   const Asset asset = read("a.stl", "\xEF\xBB\xBF" + upper);
-  expectCorners(asset, kWing, "upper case");
+  expectCorners(asset, kStlWing, "upper case");
   EXPECT_EQ(asset.parts.at(0).node, "WING");
 }
 
@@ -69,8 +68,8 @@ TEST_F(StlMesh, CoordinatesOfTextsKeepTheirDigits) {
 // Programs write "solid" at the beginning of binary files, too.
 TEST_F(StlMesh, BinaryFilesAreKnownByTheirSize) {
   for (const char* header : {"", "solid wing", "SOLID"}) {
-    expectCorners(read("a.stl", binary(header)), kWing, header);
-    expectCorners(read("a.stl", binary(header) + "end"), kWing, header);
+    expectCorners(read("a.stl", binary(header)), kStlWing, header);
+    expectCorners(read("a.stl", binary(header) + "end"), kStlWing, header);
   }
   EXPECT_THAT(failure(write("short.stl", binary("solid", 2))),
               AllOf(HasSubstr("short.stl: is truncated"), HasSubstr("states 2 triangles, 1 follow")));
@@ -89,6 +88,20 @@ TEST_F(StlMesh, WhatIsLeftOutIsCounted) {
   std::string open = kStl;
   open.resize(open.find("endsolid"));
   EXPECT_THAT(warnings("open.stl", open), HasSubstr("open.stl: may be incomplete"));
+}
+
+TEST_F(StlMesh, CarriageReturnsEndLines) {
+  std::string text = kStl;
+  std::replace(text.begin(), text.end(), '\n', '\r');
+  expectCorners(read("a.stl", text), kStlWing, "old Mac OS");
+}
+
+TEST_F(StlMesh, DamagedTextsAreRefusedWithTheirLine) {
+  std::string text = kStl;
+  EXPECT_THAT(failure(write("cut.stl", text.substr(0, text.find("vertex 0 0 3")))),
+              HasSubstr("ends within a facet: is it truncated?"));
+  text.replace(text.find("vertex 0 2 0"), 12, "vertex 0 two 0");
+  EXPECT_THAT(failure(write("word.stl", text)), HasSubstr("word.stl:5: 'two' is not a number"));
 }
 
 }  // namespace

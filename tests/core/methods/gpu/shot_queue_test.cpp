@@ -31,13 +31,13 @@ using Queue = ShotQueue<Piece>;
 
 // Calls `give` with pieces 0, 1, 2 ... of a queue, each on a thread of its own. The first waits on the device until the
 // others stand in the queue. What became of each: where its rays begin in which batch, or what went wrong.
-struct Outcome {
+struct QueueOutcome {
   std::size_t from = 0, rays = 0;
   std::string failure;
 };
 
-std::vector<Outcome> giveAll(const std::vector<Piece>& pieces, std::uint64_t most,
-                             const std::function<void(const std::vector<int>&)>& given) {
+std::vector<QueueOutcome> giveAll(const std::vector<Piece>& pieces, std::uint64_t most,
+                                  const std::function<void(const std::vector<int>&)>& given) {
   const ComputeDevice device({"the test cannot run", "there is nothing instead"});
   ComputeBuffer buffer(device);
   buffer.reserve(4096);
@@ -50,7 +50,7 @@ std::vector<Outcome> giveAll(const std::vector<Piece>& pieces, std::uint64_t mos
     given(numbers);
     batch.hits->start(buffer, 4096);
   });
-  std::vector<Outcome> outcomes(pieces.size());
+  std::vector<QueueOutcome> outcomes(pieces.size());
   std::vector<std::thread> threads;
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     threads.emplace_back([&, i] {
@@ -98,7 +98,7 @@ TEST(ShotQueue, WhatDoesNotGoTogetherIsTriedAlone) {
     if (numbers.front() == 4) throw Error("this one fails");
   });
   for (const Piece& piece : pieces) {
-    const Outcome& outcome = outcomes[static_cast<std::size_t>(piece.number)];
+    const QueueOutcome& outcome = outcomes[static_cast<std::size_t>(piece.number)];
     EXPECT_EQ(outcome.failure, piece.number == 4 ? "this one fails" : "");
     EXPECT_EQ(outcome.rays, piece.number == 4 ? 0u : 10u);
   }

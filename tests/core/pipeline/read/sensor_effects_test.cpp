@@ -175,12 +175,6 @@ TEST_F(SensorEffectsOf, ChannelsAreThoseOfAllSensors) {
   EXPECT_TRUE(second.channels.has(Channel::Range));
 }
 
-TEST_F(SensorEffectsOf, DoNotChangeTheBeams) {
-  const Plan plain = makePlan(pipeline("", "", ""));
-  const Plan noisy = makePlan(pipeline("effects: sensor\n", "effects: [quantize: {step_m: 0.5}]\n", "effects: []\n"));
-  EXPECT_EQ(beamsHash(*plain.sensors[0].beams), beamsHash(*noisy.sensors[0].beams));
-}
-
 TEST_F(SensorEffectsOf, AreRefusedWithAdvice) {
   const std::string noise = "effects: [range_noise: {sigma_m: 0.1}]\n";
   EXPECT_THAT(refusal("effects: sensor\n", "", ""),

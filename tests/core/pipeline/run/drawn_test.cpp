@@ -57,7 +57,7 @@ TEST_F(Drawn, SamplesTellWhatWasDrawn) {
 // from the height, errors from the standard deviation.
 TEST_F(Drawn, ScansAreThoseOfTheDrawnValues) {
   const Manifest m = sound({kSeeds, kHeight, kNoise}, "drawn");
-  const Bytes drawn = members("drawn");
+  const MembersByName drawn = members("drawn");
   for (const std::size_t i : {0U, 6U, 11U}) {
     std::vector<std::string> written{kSeeds, "effects=[range_noise: {sigma_m: 0}]"};
     for (const DrawnValue& draw : m.samples[i].draws) written.push_back(draw.key + "=" + draw.value);
@@ -66,17 +66,6 @@ TEST_F(Drawn, ScansAreThoseOfTheDrawnValues) {
     const std::string member = m.samples[i].members.back();
     EXPECT_EQ(members(name).at(member), drawn.at(member));
   }
-}
-
-TEST_F(Drawn, BytesAreTheSameOnAnyNumberOfThreads) {
-  const std::vector<std::string> overrides{kSeeds, kHeight, kNoise, "vehicle=vehicle"};
-  {
-    const ThreadLimit one(1);
-    run(overrides, "one");
-  }
-  const ThreadLimit four(4);
-  run(overrides, "four");
-  EXPECT_EQ(shards("one"), shards("four"));
 }
 
 // A choice among effects: weather in some sequences, none in others; and all cases count for what is modelled.

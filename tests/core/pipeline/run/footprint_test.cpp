@@ -27,23 +27,6 @@ class FootprintRun : public Yard {
   }
 };
 
-TEST_F(FootprintRun, OfEveryMethodAgreesWithRayTracing) {
-  SKIP_WITHOUT_GL();
-  const std::string effects = "[intensity, footprint: {rays: 19}]";
-  sound(with(effects), "ray_tracing");
-  const std::vector<Scan> reference = scans(".pcd", "ray_tracing");
-  for (const std::string method : {"depth_camera", "particle"}) {
-    const std::string name = method.substr(0, 5) == "depth" ? "depth_camera" : "particle";
-    sound(with(effects, method), name);
-    const std::vector<Scan> others = scans(".pcd", name);
-    ASSERT_EQ(others.size(), reference.size());
-    const double alike = shareAlike(reference, others, [](const Scan& a, std::size_t i, const Scan& b, std::size_t k) {
-      return a[kLabel][i] == b[kLabel][k] && length(a.position[i] - b.position[k]) < 0.01f;
-    });
-    EXPECT_GT(alike, 0.99) << method;
-  }
-}
-
 // The longer the pulse, the more beams at the cars' edges report a point between car and wall.
 TEST_F(FootprintRun, MixesPixelsAtEdges) {
   sound(with("[intensity, footprint: {rays: 19}]"));
@@ -62,47 +45,6 @@ TEST_F(FootprintRun, MixesPixelsAtEdges) {
   }
   EXPECT_GT(mixed, 20u);
   EXPECT_GT(shared, mixed / 2);
-}
-
-TEST_F(FootprintRun, ReportsTwoReturnsWhereItIsAskedTo) {
-  std::vector<std::string> overrides = with("[intensity, footprint: {rays: 19}, detection: {returns: dual}]");
-  overrides.emplace_back("output.layout=organised");
-  sound(overrides);
-  std::size_t seconds = 0;
-  for (const Scan& scan : scans()) {
-    EXPECT_LE(scan.planes, 2u);
-    for (std::size_t i = 0; i < scan.size(); ++i) {
-      if (!isFinite(scan.position[i])) continue;
-      EXPECT_LE(scan[kReturn][i], scan[kReturns][i]);
-      seconds += scan[kReturn][i] == 2 ? 1 : 0;
-    }
-  }
-  EXPECT_GT(seconds, 20u);
-}
-
-TEST_F(FootprintRun, GivesTheSameBytesOnAnyNumberOfThreads) {
-  const std::vector<std::string> overrides = with(
-      "[intensity, footprint: {rays: 7}, detection: {returns: dual, noise: 0.01}, range_noise: {over_snr_m: 0.3}]");
-  sound(overrides, "many");
-  {
-    const ThreadLimit one(1);
-    sound(overrides, "one");
-  }
-  EXPECT_EQ(members("many"), members("one"));
-}
-
-TEST_F(FootprintRun, FalsePositivesAreSoundPoints) {
-  sound(with("[intensity, detection: {noise: 0.001, threshold: 2.5}]"));
-  std::size_t nothing = 0;
-  for (const Scan& scan : scans()) {
-    for (std::size_t i = 0; i < scan.size(); ++i) {
-      if (scan[kCause][i] != 2) continue;
-      ++nothing;
-      EXPECT_EQ(scan[kLabel][i], 0);
-      EXPECT_TRUE(std::isnan(scan[kRangeTrue][i]));
-    }
-  }
-  EXPECT_GT(nothing, 10u);
 }
 
 // The yard with a glass box around the car at y = 5.

@@ -1,8 +1,9 @@
 #include "pipeline/run/generate.h"
 
 #include <algorithm>
-#include <set>
+#include <array>
 #include <thread>
+#include <tuple>
 
 #include "base/hash.h"
 #include "dataset/card.h"
@@ -36,22 +37,6 @@ std::vector<std::string> everything() {
 
 using GenerateTest = Yard;
 
-TEST_F(GenerateTest, ThreadsDoNotChangeAByte) {
-  std::vector<Bytes> bytes;
-  std::vector<std::string> manifests;
-  for (const int threads : {1, 2, 8}) {
-    const ThreadLimit limit(threads);
-    const std::string name = fmt::format("t{}", threads);
-    manifests.push_back(toJson(sound(everything(), name)));
-    bytes.push_back(shards(name));
-  }
-  EXPECT_EQ(bytes[0].size(), 6u) << "two for each split";
-  EXPECT_TRUE(bytes[0] == bytes[1]);
-  EXPECT_TRUE(bytes[0] == bytes[2]);
-  EXPECT_EQ(manifests[0], manifests[1]);
-  EXPECT_EQ(manifests[0], manifests[2]);
-}
-
 // A random number's address holds the sequence's index in the pipeline: what comes before may not change, what comes
 // after may.
 TEST_F(GenerateTest, LaterSequencesDoNotChangeEarlierOnes) {
@@ -60,8 +45,8 @@ TEST_F(GenerateTest, LaterSequencesDoNotChangeEarlierOnes) {
   alone[2] = "name=alone";
   sound(alone, "alone");
   sound(everything(), "among");
-  const Bytes among = members("among");
-  const Bytes one = members("alone");
+  const MembersByName among = members("among");
+  const MembersByName one = members("alone");
   EXPECT_EQ(one.size(), 4u * (1 + 2 * 3));
   for (const auto& [name, content] : one) EXPECT_TRUE(among.at(name) == content) << name;
 }
@@ -161,214 +146,37 @@ TEST_F(GenerateTest, AnotherSeedChangesTheNoiseAlone) {
   EXPECT_GT(moved, points * 99 / 100);
 }
 
-TEST_F(GenerateTest, ANoiseFreeReferenceJoinsByRingAndColumn) {
-  sound({"motion=per_column"}, "reference");
-  sound({"motion=per_column",
-         "effects=[range_noise: {sigma_m: 0.05}, angular_jitter: {sigma_deg: 0.2}, quantize: {step_m: 0.01}]"},
-        "noisy");
-  const std::vector<Scan> references = scans(".pcd", "reference");
-  const std::vector<Scan> noisy = scans(".pcd", "noisy");
-  ASSERT_EQ(references.size(), noisy.size());
-  for (std::size_t s = 0; s < references.size(); ++s) {
-    const auto referenceRows = rowsByBeam(references[s]);
-    const auto noisyRows = rowsByBeam(noisy[s]);
-    ASSERT_EQ(referenceRows.size(), references[s].size());  // a beam has one row
-    ASSERT_EQ(referenceRows.size(), noisyRows.size());
-    double errors = 0;
-    for (const auto& [beam, row] : referenceRows) {
-      const std::size_t other = noisyRows.at(beam);
-      const double range = length(Vec3d(references[s].position[row]));
-      EXPECT_NEAR(noisy[s][kRangeTrue][other], range, 1e-6 * range);
-      EXPECT_EQ(noisy[s][kLabel][other], references[s][kLabel][row]);
-      errors += std::abs(length(Vec3d(noisy[s].position[other])) - range);
-    }
-    EXPECT_NEAR(errors / static_cast<double>(noisy[s].size()), 0.05 * std::sqrt(2 / kPi), 0.01);
-  }
-}
-
-TEST_F(GenerateTest, OrganisedScansKeepEveryBeamInItsPlace) {
-  sound({}, "dense");
-  sound({"output.layout=organised", "output.formats=[pcd, csv]", "sensors.0.range_m=[0.5, 25]"}, "image");
-  sound({"sensors.0.range_m=[0.5, 25]"}, "short");
-  const std::vector<Scan> images = scans(".pcd", "image");
-  const std::vector<Scan> dense = scans(".pcd", "short");
-  ASSERT_EQ(images.size(), 4u);
-  for (std::size_t s = 0; s < images.size(); ++s) {
-    const Scan& image = images[s];
-    EXPECT_TRUE(image.organised);
-    EXPECT_EQ(image.height(), 8u);
-    EXPECT_EQ(image.width(), 64u);
-    ASSERT_EQ(image.size(), 512u);
-    const auto rows = rowsByBeam(dense[s]);
-    EXPECT_LT(rows.size(), 512u);
-    for (std::size_t i = 0; i < image.size(); ++i) {
-      const auto row = rows.find({static_cast<int>(i / 64), static_cast<int>(i % 64)});
-      if (row == rows.end()) {
-        EXPECT_FALSE(isFinite(image.position[i]));
-        EXPECT_EQ(image[kLabel][i], 0);
-      } else {
-        EXPECT_EQ(image.position[i], dense[s].position[row->second]);
-        EXPECT_EQ(image[kLabel][i], dense[s][kLabel][row->second]);
-      }
-    }
-  }
-}
-
-// The sensor looks at the yard's faces, whose distance has a closed form.
+// The sensor looks at the yard's faces, whose distances and angles of incidence have closed forms.
 TEST_F(GenerateTest, PointsLieOnTheSceneAndBearItsLabels) {
-  const Manifest m = sound();
-  const std::uint16_t ground = m.ontology.require("ground", {}).id;
-  const std::uint16_t wall = m.ontology.require("wall", {}).id;
+  const Manifest m = sound({"output.columns=[label, instance, incidence]"});
   const std::uint16_t car = m.ontology.require("car", {}).id;
+  const std::map<std::uint16_t, std::array<double, 3>> known{
+      {m.ontology.require("ground", {}).id, {INFINITY, INFINITY, 0}},
+      {m.ontology.require("wall", {}).id, {30, 20, INFINITY}}};
   const std::vector<Scan> all = scans();
   std::map<std::uint16_t, int> seen;
   for (std::size_t s = 0; s < all.size(); ++s) {
     const Pose& pose = m.samples[s].scans[0].worldFromSensor.front();
     for (std::size_t i = 0; i < all[s].size(); ++i) {
       const Vec3d p = pose * Vec3d(all[s].position[i]);
+      const Vec3d beam = normalized(p - pose.translation);
       const std::uint16_t label = all[s][kLabel][i];
       ++seen[label];
-      if (label == ground) {
-        EXPECT_NEAR(p.z, 0, 1e-4);
-      }
-      if (label == wall) {
-        EXPECT_NEAR(std::min(30 - std::abs(p.x), 20 - std::abs(p.y)), 0, 1e-4);
-      }
-      if (label == car) {
-        EXPECT_NEAR(std::max({std::abs(p.x - 8) - 2, std::abs(std::abs(p.y) - 5) - 1, p.z - 1.5}), 0, 1e-4);
-        EXPECT_EQ(all[s][kInstance][i], p.y > 0 ? 1u : 2u);
-      } else {
-        EXPECT_EQ(all[s][kInstance][i], 0u);
-      }
+      const auto off = [&](double x, double y,
+                           double z) {  // distances from the faces of these distances from the middle
+        return std::array{std::abs(std::abs(p.x - (label == car ? 8 : 0)) - x),
+                          std::abs(std::abs(std::abs(p.y) - (label == car ? 5 : 0)) - y), std::abs(p.z - z)};
+      };
+      const std::array<double, 3> faces = label == car ? off(2, 1, 1.5) : std::apply(off, known.at(label));
+      const std::size_t nearest = static_cast<std::size_t>(std::ranges::min_element(faces) - faces.begin());
+      EXPECT_NEAR(faces[nearest], 0, 1e-4);
+      const double along[] = {beam.x, beam.y, beam.z};
+      EXPECT_NEAR(all[s][kIncidence][i], std::acos(std::abs(along[nearest])), 5e-4);
+      EXPECT_EQ(all[s][kInstance][i], label != car ? 0u : p.y > 0 ? 1u : 2u);
     }
   }
   EXPECT_EQ(seen.size(), 3u);
   EXPECT_GT(seen[car], 0);
-}
-
-// Of the yard's faces: against the direction of the noise-free beam, in all formats and of all methods.
-class IncidenceTest : public Yard {
- protected:
-  static constexpr const char* kColumns = "output.columns=[label, ring, column, incidence]";
-
-  // The angle between a beam from `from` and the normal of the nearest face to `to`, of a car or of the yard itself.
-  static double angleAt(const Vec3d& from, const Vec3d& to, bool car) {
-    const double alongX = car ? std::abs(std::abs(to.x - 8) - 2) : std::abs(30 - std::abs(to.x));
-    const double alongY = car ? std::abs(std::abs(std::abs(to.y) - 5) - 1) : std::abs(20 - std::abs(to.y));
-    const double alongZ = car ? std::abs(to.z - 1.5) : std::abs(to.z);
-    const Vec3d beam = normalized(to - from);
-    if (alongX < std::min(alongY, alongZ)) return std::acos(std::abs(beam.x));
-    return std::acos(std::abs(alongY < alongZ ? beam.y : beam.z));
-  }
-
-  // The share of the points of all scans whose incidence is the closed form's within `bound`.
-  double shareWithin(double bound, const std::string& name, const std::string& suffix) const {
-    const Manifest m = readManifest(out(name));
-    const std::uint16_t car = m.ontology.require("car", {}).id;
-    const std::vector<Scan> all = scans(suffix, name);
-    std::size_t points = 0;
-    std::size_t right = 0;
-    for (std::size_t s = 0; s < all.size(); ++s) {
-      const Pose& pose = m.samples[s].scans[0].worldFromSensor.front();
-      EXPECT_EQ(all[s][kIncidence].size(), all[s].size());
-      for (std::size_t i = 0; i < all[s].size(); ++i) {
-        ++points;
-        const double expected = angleAt(pose.translation, pose * Vec3d(all[s].position[i]), all[s][kLabel][i] == car);
-        right += std::abs(all[s][kIncidence][i] - expected) < bound ? 1u : 0u;
-      }
-    }
-    EXPECT_GT(points, 1000u);
-    return static_cast<double>(right) / static_cast<double>(points);
-  }
-};
-
-TEST_F(IncidenceTest, IsThatOfTheFacesInEveryFormat) {
-  const Manifest m = sound({kColumns, "output.formats=[pcd, draco, csv]"});
-  EXPECT_THAT(m.columns, ElementsAre("x", "y", "z", "label", "ring", "column", "incidence"));
-  for (const char* suffix : {".pcd", ".csv", ".drc"}) EXPECT_EQ(shareWithin(5e-4, "out", suffix), 1) << suffix;
-}
-
-TEST_F(IncidenceTest, MissesHaveNone) {
-  sound({kColumns, "output.layout=organised", "sensors.0.range_m=[0.5, 15]"});
-  std::size_t misses = 0;
-  for (const Scan& image : scans()) {
-    for (std::size_t i = 0; i < image.size(); ++i) {
-      EXPECT_EQ(std::isnan(image[kIncidence][i]), !isFinite(image.position[i]));
-      misses += isFinite(image.position[i]) ? 0u : 1u;
-    }
-  }
-  EXPECT_GT(misses, 0u);
-}
-
-TEST_F(IncidenceTest, IsTheSameOfEveryMethodWithinItsAccuracy) {
-  sound({kColumns, "method=particle"}, "particle");
-  EXPECT_EQ(shareWithin(1e-3, "particle", ".pcd"), 1);
-  SKIP_WITHOUT_GL();
-  sound({kColumns, "method=depth_camera"}, "camera");
-  EXPECT_EQ(shareWithin(1e-3, "camera", ".pcd"), 1);
-}
-
-TEST_F(GenerateTest, DropOutLosesTheShareItSays) {
-  sound({"trajectories.0.every_s=0.01", "trajectories.0.frames=40"}, "all");
-  sound({"trajectories.0.every_s=0.01", "trajectories.0.frames=40", "effects=[dropout: {probability: 0.3}]"}, "some");
-  std::size_t all = 0;
-  std::size_t kept = 0;
-  for (const Scan& s : scans(".pcd", "all")) all += s.size();
-  for (const Scan& s : scans(".pcd", "some")) kept += s.size();
-  const auto n = static_cast<double>(all);
-  EXPECT_NEAR(static_cast<double>(kept), 0.7 * n, 5 * std::sqrt(n * 0.3 * 0.7));
-}
-
-TEST_F(GenerateTest, QuantisedRangesAreWholeSteps) {
-  sound({"effects=[quantize: {step_m: 0.25}]"});
-  for (const Scan& s : scans()) {
-    ASSERT_GT(s.size(), 0u);
-    for (std::size_t i = 0; i < s.size(); ++i) {
-      const double range = length(Vec3d(s.position[i]));
-      EXPECT_NEAR(range, std::round(range / 0.25) * 0.25, 1e-5);
-      EXPECT_NEAR(range, s[kRangeTrue][i], 0.125 + 1e-5);
-    }
-  }
-}
-
-TEST_F(GenerateTest, AllFormatsHoldTheSameCloud) {
-  sound(everything());
-  const std::vector<Scan> pcd = scans(".pcd");
-  const std::vector<Scan> draco = scans(".drc");
-  const std::vector<Scan> csv = scans(".csv");
-  ASSERT_EQ(pcd.size(), 24u);
-  ASSERT_EQ(draco.size(), 24u);
-  ASSERT_EQ(csv.size(), 24u);
-  for (std::size_t s = 0; s < pcd.size(); ++s) {
-    EXPECT_EQ(csv[s].position, pcd[s].position);
-    EXPECT_EQ(csv[s][kRangeTrue], pcd[s][kRangeTrue]);
-    for (const Scan* other : {&draco[s], &csv[s]}) {
-      ASSERT_EQ(other->size(), pcd[s].size());
-      EXPECT_EQ((*other)[kLabel], pcd[s][kLabel]);
-      EXPECT_EQ((*other)[kInstance], pcd[s][kInstance]);
-      EXPECT_EQ((*other)[kRing], pcd[s][kRing]);
-      EXPECT_EQ((*other)[kColumn], pcd[s][kColumn]);
-      EXPECT_EQ((*other)[kIntensity], pcd[s][kIntensity]);
-    }
-    for (std::size_t i = 0; i < pcd[s].size(); ++i) {
-      EXPECT_LE(length(Vec3d(draco[s].position[i]) - Vec3d(pcd[s].position[i])), 0.002);
-    }
-  }
-}
-
-TEST_F(GenerateTest, ColumnsThatNobodyAskedForAreNotThere) {
-  const Manifest m = sound({"output.columns=[]", "output.formats=[pcd, draco, csv]"});
-  EXPECT_THAT(m.columns, ElementsAre("x", "y", "z"));
-  for (const char* suffix : {".pcd", ".drc", ".csv"}) {
-    EXPECT_THAT(columnNames(scans(suffix).front()), ElementsAre("x", "y", "z")) << suffix;
-  }
-}
-
-TEST_F(GenerateTest, ScansMayBeEmpty) {
-  const Manifest m = sound({"sensors.0.range_m=[0.1, 0.2]", "output.formats=[pcd, draco, csv]",
-                            "effects=[intensity, range_noise: {sigma_m: 1}]"});
-  for (const SampleRecord& s : m.samples) EXPECT_EQ(s.scans[0].points, 0u);
-  sound({"sensors.0.range_m=[0.1, 0.2]", "output.layout=organised"}, "image");
 }
 
 TEST_F(GenerateTest, OneBeamIsEnough) {
@@ -377,23 +185,10 @@ TEST_F(GenerateTest, OneBeamIsEnough) {
   EXPECT_EQ(m.samples.front().scans[0].points, 1u);
 }
 
-TEST_F(GenerateTest, AFolderThatIsNotEmptyIsRefusedUnlessItIsToBeReplaced) {
-  sound();
-  const Bytes before = shards();
-  EXPECT_THAT(messageOf<InputError>([&] {
-                run({"seed=5", "effects=[range_noise: {sigma_m: 1}]"});
-              }),
-              AllOf(HasSubstr(out().string()), HasSubstr("--overwrite")));
-  EXPECT_TRUE(shards() == before);
-  run({"trajectories.0.frames=1"}, "out", true);
-  EXPECT_EQ(readManifest(out()).samples.size(), 1u);
-  EXPECT_THAT(verifyDataset(out()).problems, testing::IsEmpty());
-}
-
 // What --overwrite would replace stays until the new run is known to work.
 TEST_F(GenerateTest, ABrokenRunDoesNotCostTheDatasetThatItWouldReplace) {
   sound();
-  const Bytes before = shards();
+  const MembersByName before = shards();
   folder_.write("scenes/broken.yaml", "objects: []\n");
   const std::pair<std::string, const char*> mistakes[] = {
       {"scenes.0.scene=" + (folder_.path() / "scenes/broken.yaml").string(),

@@ -58,15 +58,6 @@ TEST_F(MotionTest, DeskewedWallsAreFlat) {
   }
 }
 
-TEST_F(MotionTest, DeskewedWallsAreFlatInABend) {
-  const std::vector<std::string> bend{"trajectories.0.waypoints=[[-15, -8, 0], [0, 0, 0], [2, 12, 1]]",
-                                      "motion={steps: per_column, deskew: true}"};
-  EXPECT_LT(worst(wallErrors(sound(bend))), 1e-4);
-  std::vector<std::string> skewed = bend;
-  skewed[1] = "motion=per_column";
-  EXPECT_GT(worst(wallErrors(sound(skewed, "skewed"), "skewed")), 1);
-}
-
 // A number of steps that does not divide the columns keeps every ray.
 TEST_F(MotionTest, StepsKeepEveryRay) {
   const auto beams = [](const std::vector<Scan>& all) {
@@ -83,29 +74,6 @@ TEST_F(MotionTest, StepsKeepEveryRay) {
   sound({"motion=per_column"}, "per_column");
   EXPECT_TRUE(members("per_column") == members("s64"));
   EXPECT_TRUE(members("none") == members("s1"));
-}
-
-TEST_F(MotionTest, TimesFollowTheColumns) {
-  for (const char* motion : {"motion=none", "motion=per_column", "motion={steps: 5}"}) {
-    sound({motion, "sensors.0.firing_time_us={step_us: 10}"}, motion);
-    for (const Scan& s : scans(".pcd", motion)) {
-      for (std::size_t i = 0; i < s.size(); ++i) {
-        EXPECT_NEAR(s[kTime][i], s[kColumn][i] * 0.1 / 64 + s[kRing][i] * 10e-6, 1e-7);
-        if (i > 0) {
-          EXPECT_GE(s[kTime][i], s[kTime][i - 1]);
-        }
-      }
-    }
-  }
-}
-
-// Listed poses stand still in each frame, whatever is asked.
-TEST_F(MotionTest, ListedPosesStandStill) {
-  const Manifest m =
-      sound({"trajectories=[{name: drive, poses: [{position: [0, 0, 0]}, {position: [5, 1, 0], yaw_deg: 30}]}]",
-             "motion=per_column"});
-  EXPECT_LT(worst(wallErrors(m)), 1e-4);
-  EXPECT_EQ(m.samples.size(), 2u);
 }
 
 // From one point to another on the yard's floor, around the cars: as many frames as are asked for, at its speed.

@@ -53,18 +53,6 @@ TEST_F(MovingRun, PointsSayHowFastTheirThingMoves) {
   EXPECT_GT(points[3], 5u);
 }
 
-// In the sensor's own axes, as the points are.
-TEST_F(MovingRun, VelocitiesTurnWithTheSensor) {
-  sound({kColumns, "trajectories=[{name: drive, poses: [{position: [0, 0, 0], yaw_deg: 90}]}]"});
-  for (const Scan& s : scans()) {
-    for (std::size_t i = 0; i < s.size(); ++i) {
-      if (s[kInstance][i] != 1) continue;
-      ASSERT_NEAR(s[kVelocityX][i], 0, 1e-5);
-      ASSERT_NEAR(s[kVelocityY][i], -5, 1e-5);
-    }
-  }
-}
-
 // The rate at which the distance changes, whatever frame the points are given in: the car's velocity minus the
 // sensor's 20 m/s along x, along the beam.
 TEST_F(MovingRun, RadialVelocitiesAreRelativeToTheSensor) {
@@ -111,23 +99,6 @@ TEST_F(MovingRun, RadialVelocitiesOfWhatMovesWithTheSensorAreZero) {
   EXPECT_GT(own, 10u);
 }
 
-TEST_F(MovingRun, MovingThingsHaveTheOntologysClassesForThem) {
-  const Manifest m = sound({fmt::format("labels={}/labels/semantic_kitti.yaml", SCANMILL_SOURCE_DIR), kColumns});
-  const std::uint16_t car = m.ontology.require("car", {}).id;
-  const std::uint16_t moving = m.ontology.require("moving-car", {}).id;
-  EXPECT_EQ(moving, 252);
-  std::map<std::uint32_t, std::size_t> points;
-  for (const Scan& s : scans()) {
-    for (std::size_t i = 0; i < s.size(); ++i) {
-      const std::uint32_t thing = s[kInstance][i];
-      if (thing == 0) continue;
-      ++points[thing];
-      ASSERT_EQ(s[kLabel][i], thing <= 2 ? moving : car) << thing;
-    }
-  }
-  EXPECT_EQ(points.size(), 3u);
-}
-
 TEST_F(MovingRun, StandsWhereTheDriveBeginsIfThePipelineSaysSo) {
   const std::vector<std::string> still{kColumns, "scenes.0.moving=false",
                                        fmt::format("labels={}/labels/semantic_kitti.yaml", SCANMILL_SOURCE_DIR)};
@@ -144,10 +115,6 @@ TEST_F(MovingRun, StandsWhereTheDriveBeginsIfThePipelineSaysSo) {
   sound(particles, "particles");
   EXPECT_THAT(messageOf([&] { run({"method=particle"}, "no"); }),
               testing::AllOf(testing::HasSubstr("moving: false"), testing::HasSubstr("ray_tracing")));
-}
-
-TEST_F(MovingRun, ThreadsDoNotChangeAByte) {
-  expectSameOnAnyThreads({kColumns, "motion=per_column"});
 }
 
 }  // namespace

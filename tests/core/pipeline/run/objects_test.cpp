@@ -169,10 +169,6 @@ TEST_F(ObjectsRun, EveryMethodCountsTheSame) {
   }
 }
 
-TEST_F(ObjectsRun, ThreadsDoNotChangeAByte) {
-  expectSameOnAnyThreads({kAsked, "motion=per_column"});
-}
-
 TEST_F(ObjectsRun, CostNothingWhereNobodyAsks) {
   const Manifest m = sound({"output.columns=[label, ring]", "effects=[]"});
   for (const auto& [name, bytes] : members()) EXPECT_FALSE(name.ends_with(".objects.json"));

@@ -118,16 +118,6 @@ TEST_F(Patterns, AFlashMayHaveAFootprint) {
   sound({flash, "effects=[intensity, footprint: {rays: 7}, detection]", "motion=per_column"}, "moving");
 }
 
-// A flash sees a wall ahead as an image: depths are equal, ranges are not.
-TEST_F(Patterns, AFlashSeesAWallAtOneDepth) {
-  sound({sensor("pattern: flash, columns: 9, first_azimuth_deg: -10, field_deg: 20, elevation_deg: {top: 5, bottom: 1, "
-                "rings: 3}"),
-         "trajectories=[{poses: [{position: [0, 0, 0]}]}]"});
-  const Scan scan = scans().at(0);
-  ASSERT_EQ(scan.size(), 27u);
-  for (const Vec3f& p : scan.position) EXPECT_NEAR(p.x, 30, 1e-4);
-}
-
 TEST_F(Patterns, WhatARosetteCannotHaveIsRefused) {
   const std::string rosette = sensor(std::string(kPatterns[2]) + ", divergence_mrad: 3, pulse_ns: 5");
   EXPECT_THAT(messageOf([&] {

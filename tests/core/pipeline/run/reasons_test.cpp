@@ -58,27 +58,6 @@ TEST_F(ReasonsRun, CostNothingWhereNobodyAsks) {
   EXPECT_EQ(toJson(m).find("\"reasons\""), std::string::npos);
 }
 
-TEST_F(ReasonsRun, ThreadsAndTheOrderOfFramesDoNotChangeWeather) {
-  expectSameOnAnyThreads(
-      with("[intensity, reflectance_variation: {}, speckle: {looks: 4}, weather: {kind: rain, severity: heavy}]"));
-}
-
-// The same patches and the same drops, whatever finds the surfaces.
-TEST_F(ReasonsRun, ParticlesMeetTheSameWeather) {
-  const std::vector<std::string> wet =
-      with("[intensity, reflectance_variation: {}, weather: {kind: snow, severity: heavy}]");
-  sound(wet, "ray_tracing");
-  std::vector<std::string> other = wet;
-  other.emplace_back("method=particle");
-  sound(other, "particle");
-  const double same = shareAlike(scans(".pcd", "ray_tracing"), scans(".pcd", "particle"),
-                                 [](const Scan& a, std::size_t i, const Scan& b, std::size_t k) {
-                                   return a[kCauseColumn][i] == b[kCauseColumn][k] &&
-                                          std::abs(a[kIntensity][i] - b[kIntensity][k]) < 0.02f * a[kIntensity][i];
-                                 });
-  EXPECT_GT(same, 0.98);
-}
-
 TEST_F(ReasonsRun, WeatherAloneReportsTheStrongest) {
   const Plan plan = makePlan(readPipeline(pipeline_, with("[intensity, weather: {kind: rain}]")));
   EXPECT_EQ(plan.pipeline.mostReturns(), 1u);

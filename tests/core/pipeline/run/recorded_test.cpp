@@ -69,22 +69,6 @@ TEST_F(RecordedTest, KeptHitsMakeWhatAnotherPipelineWouldTrace) {
   }
 }
 
-TEST_F(RecordedTest, ThreadsDoNotChangeARecording) {
-  const auto files = [&](const std::string& name) {
-    Bytes bytes;
-    for (const auto& entry : fs::directory_iterator(out(name))) {
-      bytes[entry.path().filename().string()] = readFile(entry.path());
-    }
-    return bytes;
-  };
-  for (const int threads : {1, 8}) {
-    const ThreadLimit limit(threads);
-    keep(kNoisy, fmt::format("d{}", threads), out(fmt::format("hits{}", threads)));
-  }
-  EXPECT_EQ(files("hits1").size(), 1u + 8u * 2u);
-  EXPECT_TRUE(files("hits1") == files("hits8"));
-}
-
 TEST_F(RecordedTest, TheMethodOfAPipelineIsNotNeeded) {
   keep({}, "kept", out("hits"));
   std::string text = kYardPipeline;

@@ -275,23 +275,5 @@ TEST(VoxelView, InputIsWhereThePointsAre) {
   EXPECT_EQ(std::count(voxels.input.begin(), voxels.input.end(), 1), 2);
 }
 
-TEST(VoxelView, IsTheSameOnAnyNumberOfThreads) {
-  const Scene street = proceduralStreet();
-  const Shot shot = streetShot(presetBeams("vlp_16"), 20);
-  const Hits hits = traced(street, shot);
-  const VoxelGrid grid;
-  const VoxelLabels labels = labelsOf(street, grid, shot);
-  const auto with = [&](int threads) {
-    const ThreadLimit limit(threads);
-    return viewVoxels(grid, labels, shot, 1, hits, {});
-  };
-  const ScanVoxels alone = with(1);
-  for (const int threads : {2, 3}) {
-    const ScanVoxels together = with(threads);
-    EXPECT_EQ(together.unseen, alone.unseen);
-    EXPECT_EQ(together.invalid, alone.invalid);
-  }
-}
-
 }  // namespace
 }  // namespace scanmill

@@ -94,19 +94,6 @@ TEST_F(Voxels, PointsOfAMovingSensorLieWhereTheyWere) {
               HasSubstr("add `column`"));
 }
 
-TEST_F(Voxels, AreTheSameOnAnyNumberOfThreadsAndLeaveScansAsTheyAre) {
-  {
-    const ThreadLimit one(1);
-    run({kVoxels}, "one");
-  }
-  const ThreadLimit four(4);
-  run({kVoxels}, "four");
-  EXPECT_EQ(shards("one"), shards("four"));
-  run({}, "without");
-  const Bytes with = members("one");
-  for (const auto& [member, bytes] : members("without")) EXPECT_EQ(with.at(member), bytes);
-}
-
 TEST_F(Voxels, AreCheckedByVerify) {
   sound({kVoxels});
   EXPECT_THAT(linesOf(readManifest(out()).modelled), Contains(HasSubstr("voxels: 180 x 120 x 10 of 0.5 m")));

@@ -127,16 +127,5 @@ TEST_F(WithoutRun, IsSweptIntoSetsThatDifferInNothingElse) {
   EXPECT_EQ(sequences("[car]")[0].key(), sequences("null")[0].key());
 }
 
-TEST_F(WithoutRun, WhatIsNotThereIsRefused) {
-  EXPECT_THAT(messageOf([&] { run(options("[3]")); }),
-              testing::HasSubstr("without: no thing of the scene 'yard' with the seed 1 has the instance id 3"));
-  EXPECT_THAT(messageOf([&] { run(options("[accross]")); }),
-              testing::HasSubstr(
-                  "'accross' is neither a class of the ontology 'scanmill' nor the name of an object of the scene "
-                  "'yard' (did you mean 'across'?)"));
-  EXPECT_THAT(messageOf([&] { run(options("car")); }), testing::HasSubstr("without must be a list"));
-  sound(options("[bus]"));  // a class of which this scene has nothing
-}
-
 }  // namespace
 }  // namespace scanmill

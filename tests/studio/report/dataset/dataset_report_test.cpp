@@ -154,11 +154,31 @@ TEST_F(MadeDataset, ThingsThatAreFoundForOneReasonAreOneWarning) {
   EXPECT_THAT(two[0], HasSubstr("And 1 more.\ninstance 6 of street-s1-lane: scanmill view "));
 }
 
+// Whoever gives many objects of a class an id means it, and a part of objects needs no id of its own.
+TEST_F(MadeDataset, ManyIdsAndPartsOfObjectsAreMeant) {
+  std::vector<MadeSample> many = samples_, parts = samples_;
+  for (MadeSample& s : many) {
+    for (std::uint32_t id = 5; id < 9; ++id) s.points.push_back({{9, 2, -1}, 7, id, 1});
+  }
+  for (const std::string& warning : warningsFor(many))
+    EXPECT_THAT(warning, testing::Not(HasSubstr("has an instance id")));
+  std::filesystem::remove_all(at());
+  for (MadeSample& s : parts) s.points.push_back({{12, 2.2f, -1}, 7, 3, 200});
+  for (int i : {0, 5}) parts[static_cast<std::size_t>(i)].points.push_back({{12, 2.2f, -1}, 7, 4, 200});
+  for (const std::string& warning : warningsFor(parts))
+    EXPECT_THAT(warning, testing::Not(HasSubstr("has an instance id")));
+}
+
 TEST_F(MadeDataset, TheTitleTellsTheFolder) {
   EXPECT_TRUE(has(datasetPage(made()), "<h1>Dataset small (made)</h1>"));
   EXPECT_TRUE(has(datasetPage(examined(at() / ".." / "made" / "")), "<h1>Dataset small (made)</h1>"));
   std::filesystem::rename(at(), folder_.path() / "small");
   EXPECT_TRUE(has(datasetPage(examined(folder_.path() / "small")), "<h1>Dataset small</h1>"));
+}
+
+TEST(AlikeLines, DifferOnlyInTheirNumbers) {
+  EXPECT_THAT(alikeLines({"Tree", "Bauble.001", "Bauble.002", "Bauble.017", "Star", "Tree", "lamp 7"}),
+              testing::ElementsAre("Tree", "Bauble.001 and 2 alike", "Star", "lamp 7"));
 }
 
 TEST_F(MadeDataset, WhatWasModelledOfManyScenesIsOneLine) {
@@ -167,7 +187,7 @@ TEST_F(MadeDataset, WhatWasModelledOfManyScenesIsOneLine) {
                        {"instancing", "277 objects", false, "", "", {"street-s1"}},
                        {"instancing", "94 objects", false, "", "", {"street-s2"}}};
   const std::string page = datasetPage(made(manifest));
-  EXPECT_TRUE(has(page, "<li>instancing: 94 to 277 objects (2 times)</li>"));
+  EXPECT_TRUE(has(page, "<li>instancing: 277 objects and 1 alike</li>"));
   EXPECT_TRUE(has(page, "<li>geometry: exact</li>"));
   EXPECT_TRUE(has(page, "<li>street-s1: instancing: 277 objects</li>"));
   EXPECT_TRUE(has(page, "<li>street-s2: instancing: 94 objects</li>"));

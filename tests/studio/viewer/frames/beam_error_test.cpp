@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sense/gather.h"
+#include "sense/sense.h"
 #include "tests/core/dataset/fixture.h"
 #include "tests/core/sense/several_returns.h"
 

@@ -1,14 +1,16 @@
 #pragma once
 
-// Reads the numbers of a glTF file.
+// Reads the numbers, the compressed meshes and the materials of a glTF file.
 
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "assets/meshes/asset_data.h"
 #include "assets/meshes/gltf/model.h"
 
 namespace scanmill::gltf {
@@ -56,5 +58,14 @@ struct DracoMesh {
 // damaged. Damaged bytes can require any amount of memory: callers decode untrusted bytes in a child process first
 // (assets/meshes/child_process.h).
 DracoMesh decodeDraco(std::string_view bytes, const std::map<std::string, std::uint32_t>& ids);
+
+struct ReadMaterial : Look {
+  std::optional<TextureUse> placed;  // how the base colour uses its texture
+  LeftOut leftOut;                   // what the material has and is not modelled
+};
+
+// Returns the materials in the file's order, and after them the default material of primitives without a material.
+// Warns of missing and broken textures.
+std::vector<ReadMaterial> readMaterials(const Model& model, const Data& data, const AssetOptions& options);
 
 }  // namespace scanmill::gltf

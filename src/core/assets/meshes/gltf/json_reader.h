@@ -1,12 +1,14 @@
 #pragma once
 
-// Checked access to the JSON of a glTF file, for the readers of this folder.
+// The files of glTF 2.0: .gltf, which is JSON; .glb, which contains JSON and binary data; and .b3dm of 3D Tiles 1.0,
+// which contains a .glb. And checked access to the JSON, for the readers of this folder.
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -94,5 +96,20 @@ class JsonReader {
   Model& m_;
   const Json& json_;
 };
+
+struct Container {
+  std::string json;
+  std::string bin;              // the GLB's binary chunk
+  std::optional<Vec3d> center;  // m, RTC_CENTER of a .b3dm, z up
+  bool batchTable = false;      // true if a .b3dm has a batch table with properties
+};
+
+// Reads a file. Throws an InputError that calls the file `name` if the .b3dm or its GLB is damaged, or if the GLB is of
+// glTF 1.0.
+Container readContainer(const std::filesystem::path& file, const std::filesystem::path& name);
+
+// Reads buffers, views and accessors into the model and checks them. Model::bin and Model::file must be set before.
+// `allowOutside`: see AssetOptions.
+void readStorage(Model& model, const Json& json, bool allowOutside);
 
 }  // namespace scanmill::gltf

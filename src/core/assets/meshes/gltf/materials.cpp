@@ -1,5 +1,3 @@
-#include "assets/meshes/gltf/materials.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include <memory>
 
 #include "assets/meshes/base_color.h"
+#include "assets/meshes/gltf/data.h"
 #include "assets/meshes/texture_search.h"
 #include "base/error.h"
 #include "scene/texture.h"

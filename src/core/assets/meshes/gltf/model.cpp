@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "assets/meshes/gltf/json_reader.h"
-#include "assets/meshes/gltf/storage.h"
 #include "assets/meshes/references.h"
 #include "base/error.h"
 

@@ -13,7 +13,6 @@
 #include "assets/meshes/asset_parts.h"
 #include "assets/meshes/child_process.h"
 #include "assets/meshes/gltf/data.h"
-#include "assets/meshes/gltf/materials.h"
 #include "assets/meshes/gltf/model.h"
 #include "assets/meshes/gltf/pose.h"
 #include "base/earth.h"

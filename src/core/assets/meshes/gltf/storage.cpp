@@ -1,10 +1,9 @@
-#include "assets/meshes/gltf/storage.h"
-
 #include <algorithm>
 #include <cstring>
 #include <string_view>
 #include <utility>
 
+#include "assets/meshes/gltf/json_reader.h"
 #include "assets/meshes/references.h"
 #include "base/error.h"
 #include "base/file.h"

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "assets/meshes/base_color.h"
-#include "assets/meshes/obj/obj_mesh.h"
+#include "assets/meshes/imported_file.h"
 #include "assets/meshes/obj/statements.h"
 #include "base/file.h"
 #include "base/format_support.h"

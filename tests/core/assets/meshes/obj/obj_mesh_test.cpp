@@ -1,5 +1,3 @@
-#include "assets/meshes/obj/obj_mesh.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "assets/meshes/imported_file.h"
 #include "scene/builder.h"
 #include "tests/core/assets/meshes/triangle_files.h"
 #include "tests/core/assets/read_assets.h"

@@ -1,0 +1,320 @@
+#include "dataset/manifest_records.h"
+
+#include <algorithm>
+#include <map>
+
+#include "base/terminal.h"
+#include "dataset/shard_name.h"
+
+namespace scanmill {
+
+void describe(RecordKeys& keys, FormatRecord& format) {
+  keys("name", format.name);
+  keys("suffix", format.suffix);
+  keys("max_error", format.maxErrorMetres, within(0));
+}
+
+void describe(RecordKeys& keys, FileRecord& file) {
+  keys("file", file.file);
+  keys("xxh3", file.xxh3, kXxh3Digits);
+}
+
+void describe(RecordKeys& keys, SequenceRecord& sequence) {
+  keys("name", sequence.name);
+  keys("scene", sequence.scene);
+  keys("seed", sequence.seed);
+  keys("trajectory", sequence.trajectory);
+  keys("moving", sequence.moving);
+  keys.optional("scene_file", sequence.sceneFile);
+  keys.optional("vehicle", sequence.vehicle);
+}
+
+void describe(RecordKeys& keys, ModelledItem& item) {
+  keys("topic", item.topic);
+  keys("left_out", item.leftOut);
+  keys("text", item.text);
+  keys.optional("sensor", item.sensor);
+  keys.optional("options", item.options);
+  keys.optional("scenes", item.scenes);
+  keys.optional("parts", item.parts, whole(1));
+}
+
+namespace {
+
+// Returns the item of which an earlier version stored the line, see lineOf().
+ModelledItem itemOfLine(const std::string& line) {
+  constexpr std::string_view kLeftOut = ": left out";
+  const std::size_t at = line.find(kLeftOut);
+  if (at == std::string::npos) return {"", line};
+  std::string why = line.substr(at + kLeftOut.size());
+  if (!why.empty() && !why.starts_with(' ') && !why.starts_with(", ")) return {"", line};
+  why.erase(0, why.find_first_not_of(", "));
+  return {line.substr(0, at), why, true};
+}
+
+}  // namespace
+
+void readModelled(const JsonNode& list, bool mayBeLines, std::vector<ModelledItem>& items) {
+  list.forEach([&](const JsonNode& node) {
+    items.emplace_back();
+    if (mayBeLines && node.isText()) {
+      items.back() = itemOfLine(node.text());
+    } else {
+      readJson(node, items.back());
+    }
+  });
+}
+
+static void describe(RecordKeys& keys, SemanticClass& semantic) {
+  keys("id", semantic.id);
+  keys("name", semantic.name);
+  keys("color", semantic.color);
+  keys("thing", semantic.thing);
+  keys.optional("aliases", semantic.aliases);
+}
+
+void describe(RecordKeys& keys, Ontology& ontology) {
+  keys("name", ontology.name);
+  keys("source", ontology.source);
+  keys("classes", ontology.classes, distinct("id"), distinct("name"));
+}
+
+void describe(RecordKeys& keys, ShardRecord& shard) {
+  constexpr std::uint64_t kTarBlock = 512;  // each sample has at least one member, whose header is one block
+  keys("file", shard.file);
+  // Overwriting a dataset removes the files that its manifest names, so no name may lead outside of the dataset's
+  // folder.
+  keys("split", shard.split, [&](const JsonNode& node) {
+    if (isShardName(shard.file) && shard.file.starts_with(shard.split + "/")) return;
+    node.fail(fmt::format("'{}' is not a shard of the split '{}' (SPLIT/SPLIT-000000.tar)", shard.file, shard.split));
+  });
+  keys("sha256", shard.sha256, kSha256Digits);
+  keys("bytes", shard.bytes);
+  keys("samples", shard.samples, [&](const JsonNode& node) {
+    if (shard.samples <= shard.bytes / kTarBlock) return;
+    node.fail(fmt::format("a shard of {} bytes cannot have {} samples", shard.bytes, shard.samples));
+  });
+  keys.optional("samples_sha256", shard.samplesSha256, kSha256Digits);
+}
+
+static void describe(RecordKeys& keys, ListedBeams& beams) {
+  keys("azimuth", beams.azimuth);
+  keys("elevation", beams.elevation);
+  keys("time", beams.time);
+  std::vector<double> origin;  // x, y, z, x, ...
+  for (const Vec3f& o : beams.origin) origin.insert(origin.end(), {double{o.x}, double{o.y}, double{o.z}});
+  keys.optional("origin", origin);
+  if (!keys.reads()) return;
+  for (std::size_t i = 2; i < origin.size(); i += 3) {
+    beams.origin.push_back(static_cast<Vec3f>(Vec3d{origin[i - 2], origin[i - 1], origin[i]}));
+  }
+}
+
+static void describe(RecordKeys& keys, Rosette::Mirror& mirror) {
+  keys("tilt", mirror.tilt);
+  keys("speed", mirror.speed);
+  keys("phase", mirror.phase);
+}
+
+static void describe(RecordKeys& keys, Rosette& rosette) {
+  keys("angle", rosette.angle);
+  keys("speed", rosette.speed, count(rosette.angle.size()));
+  keys("phase", rosette.phase, count(rosette.angle.size()));
+  keys.optional("left", rosette.left);
+  keys.optionalIf(!rosette.left.empty(), "up", rosette.up, count(rosette.left.size()));
+  keys.optionalIf(rosette.mirror.has_value(), "mirror", rosette.mirror);
+}
+
+void describe(RecordKeys& keys, SensorRecord& sensor) {
+  BeamTable& b = sensor.beams;
+  keys("name", sensor.name, [&](const JsonNode& node) {
+    if (sensor.name != oneLine(sensor.name)) node.fail("has control characters");
+  });
+  keys("model", b.model);
+  keys("source", b.source);
+  keys("rings", b.rings, whole(1, 65536));
+  keys("columns", b.columns, whole(1, 65536));
+  keys("period", b.period, within(0));
+  keys("clockwise", b.clockwise);
+  keys("top_down", b.topDown);
+  keys("min_range", b.minRange, within(0));
+  keys("max_range", b.maxRange, within(b.minRange));
+  keys("first_azimuth", b.firstAzimuth);
+  keys("field", b.field, within(0, 2 * kPi));
+  keys("origin_offset", b.originOffset);
+  keys("origin_height", b.originHeight);
+  keys("elevation", b.elevation, count(b.rings));
+  keys("azimuth_offset", b.azimuthOffset, count(b.rings));
+  keys("firing_offset", b.firingOffset, count(b.rings));
+  keys.optional("vehicle_from_sensor", sensor.vehicleFromSensor);
+  keys.optional("beams", b.listed, [&](const JsonNode& node) {
+    for (const char* const key : {"azimuth", "elevation", "time"}) node[key].numbers(b.size());
+    if (node.has("origin")) node["origin"].numbers(3 * b.size());
+  });
+  keys.optionalIf(b.rosette.has_value(), "rosette", b.rosette, [&](const JsonNode& node) {
+    if (node.has("left")) node["left"].numbers(b.rings);
+  });
+  keys.optionalIf(b.sweep > 0, "sweep", b.sweep, within(0, b.period));
+  keys.optionalIf(sensor.intensityFullScale != 1, "intensity_full_scale", sensor.intensityFullScale, within(1e-9));
+  keys.optional("origin_left", b.originLeft, count(b.rings));
+  keys.optional("origin_up", b.originUp, count(b.rings));
+}
+
+void describeClassName(RecordKeys& keys, const char* key, const std::uint16_t& id) {
+  const Ontology* const ontology = keys.context.ontology;
+  keys.custom(
+      true, key, [&] { return ontology == nullptr ? kLeftOut : OrderedJson(requireClass(id, key, *ontology).name); },
+      [&](const JsonNode& node) {
+        const SemanticClass* const known = ontology->find(id);
+        if (known == nullptr) node.fail(fmt::format("class {} is not in ontology '{}'", id, ontology->name));
+        if (node.text() != known->name) node.fail(fmt::format("class {} is '{}' in the ontology", id, known->name));
+      });
+}
+
+struct ClassPoints {
+  std::uint16_t id = 0;
+  std::uint64_t points = 0;
+};
+
+static void describe(RecordKeys& keys, ClassPoints& counted) {
+  keys("id", counted.id);
+  describeClassName(keys, "name", counted.id);
+  keys("points", counted.points);
+}
+
+struct ClassObjects {
+  std::uint16_t id = 0;
+  ObjectCount count;
+};
+
+static void describe(RecordKeys& keys, ClassObjects& counted) {
+  keys("id", counted.id);
+  describeClassName(keys, "name", counted.id);
+  keys("objects", counted.count.objects, whole(1));
+  keys("with_points", counted.count.withPoints, whole(0, counted.count.objects));
+}
+
+namespace {
+
+OrderedJson reasonsJson(const ScanRecord& scan) {
+  OrderedJson json = OrderedJson::object();
+  for (const auto& [reason, beams] : scan.beamsPerReason) {
+    const ReasonEntry* known = findReason(reason);
+    if (known == nullptr) throw Error(fmt::format("no reason has the value {}", reason));
+    json[std::string(known->name)] = beams;
+  }
+  return json;
+}
+
+ReasonCounts reasonsOf(const JsonNode& node, std::uint64_t beams) {
+  ReasonCounts counts;
+  std::uint64_t sum = 0;
+  node.forEachEntry([&](const std::string& name, const JsonNode& count) {
+    const ReasonEntry* known = findReason(name);
+    if (known == nullptr) count.fail(fmt::format("'{}' is not a reason", name));
+    counts[static_cast<std::uint8_t>(known->reason)] = count.integer<std::uint64_t>(1, beams);
+    sum += count.integer<std::uint64_t>();
+  });
+  if (sum != beams) node.fail(fmt::format("add up to {} beams, not {}", sum, beams));
+  return counts;
+}
+
+}  // namespace
+
+void describe(RecordKeys& keys, ScanRecord& scan) {
+  const auto sensorOf = [&](const JsonNode& name) -> const SensorRecord& {
+    for (const SensorRecord& known : keys.context.head->sensors) {
+      if (known.name == scan.sensor) return known;
+    }
+    name.fail(fmt::format("no sensor is named '{}'", scan.sensor));
+  };
+  keys("sensor", scan.sensor, sensorOf);
+  keys.optional("revolution", scan.revolution);
+  keys("method", scan.method);
+  keys("time", scan.time);
+  keys("world_from_sensor", scan.worldFromSensor, [&](const JsonNode& node) {
+    if (scan.worldFromSensor.empty()) node.fail("has no pose");
+  });
+  keys.optional("vehicle_from_sensor", scan.vehicleFromSensor);
+  keys("beams", scan.beams);
+  keys("points", scan.points);
+  keys.optional("unresolved", scan.unresolved, whole(1, scan.beams));
+  keys("instances", scan.instances);
+  std::vector<ClassPoints> classes;
+  for (const auto& [id, points] : scan.pointsPerClass) classes.push_back({id, points});
+  keys("points_per_class", classes, distinct("id"));
+  if (keys.reads()) {
+    for (const ClassPoints& own : classes) scan.pointsPerClass[own.id] = own.points;
+  }
+  keys.custom(
+      false, "reasons", [&] { return scan.beamsPerReason.empty() ? kLeftOut : reasonsJson(scan); },
+      [&](const JsonNode& node) { scan.beamsPerReason = reasonsOf(node, scan.beams); });
+}
+
+OrderedJson drawsJson(const SampleRecord& sample) {
+  if (sample.draws.empty()) return kLeftOut;
+  OrderedJson json = OrderedJson::object();
+  for (const DrawnValue& draw : sample.draws) {
+    json[draw.key] = draw.number ? OrderedJson::parse(draw.value) : OrderedJson(draw.value);
+  }
+  return json;
+}
+
+void describe(RecordKeys& keys, SampleRecord& s) {
+  const Manifest* const head = keys.context.head;
+  keys("key", s.key, [&](const JsonNode& node) {
+    if (!s.key.empty() && s.key.find_first_of("./") == std::string::npos && s.key == oneLine(s.key)) return;
+    node.fail(fmt::format("'{}' is not a key (text without dots, slashes and control characters)", s.key));
+  });
+  keys("split", s.split);
+  keys("shard", s.shard, [&](const JsonNode& node) {
+    const std::size_t shards = head->shards.size();
+    if (s.shard >= shards) node.fail(fmt::format("{} is out of range: the dataset has {} shards", s.shard, shards));
+    const std::string& split = head->shards[s.shard].split;
+    if (split != s.split) node.fail(fmt::format("{} belongs to '{}', but the sample to '{}'", s.shard, split, s.split));
+  });
+  keys("members", s.members, [&](const JsonNode& node) {
+    node.forEach([&](const JsonNode& item) {
+      if (item.text().starts_with(s.key + ".")) return;
+      item.fail(fmt::format("'{}' does not start with the sample's key '{}'", item.text(), s.key));
+    });
+  });
+  keys.optional("xxh3", s.xxh3, [&](const JsonNode& node) {
+    node.forEach(kXxh3Digits);
+    if (s.xxh3.size() != s.members.size()) {
+      node.fail(fmt::format("has {} entries for {} members", s.xxh3.size(), s.members.size()));
+    }
+  });
+  keys("scans", s.scans, [&](const JsonNode& node) {
+    for (std::size_t i = 0; i < s.scans.size(); ++i) {
+      if (s.scans[i].vehicleFromSensor) continue;
+      const auto random = [&](const SensorRecord& own) {
+        return own.name == s.scans[i].sensor && !own.vehicleFromSensor;
+      };
+      if (std::ranges::none_of(head->sensors, random)) continue;
+      node.item(i).fail("key 'vehicle_from_sensor' is missing, as in the scan's sensor");
+    }
+  });
+  std::vector<ClassObjects> objects;
+  for (const auto& [id, count] : s.objects.value_or(std::map<std::uint16_t, ObjectCount>{})) {
+    objects.push_back({id, count});
+  }
+  keys.optionalIf(s.objects.has_value(), "objects", objects, distinct("id"), [&](const JsonNode&) {
+    s.objects.emplace();
+    for (const ClassObjects& own : objects) (*s.objects)[own.id] = own.count;
+  });
+  keys.custom(
+      false, "draws", [&] { return drawsJson(s); },
+      [&](const JsonNode& node) {
+        node.forEachEntry([&](const std::string& key, const JsonNode& value) {
+          s.draws.push_back(value.isText() ? DrawnValue{key, value.text()} : DrawnValue{key, value.numberText(), true});
+        });
+      });
+  keys.optional("time", s.time);
+}
+
+OrderedJson ontologyJson(const Ontology& ontology) {
+  return jsonOf(ontology, ontology.name);
+}
+
+}  // namespace scanmill
