@@ -10,6 +10,7 @@
 
 #include "base/earth.h"
 #include "base/input_budget.h"
+#include "base/text_scan.h"
 #include "config/text.h"
 #include "town/map_buildings.h"
 #include "town/osm_interface.h"
@@ -69,11 +70,14 @@ std::optional<RoadClass> classOf(const OsmTags& tags) {
   return std::nullopt;
 }
 
+// True if a path is the pavement of a road, with which it is built.
+bool isSidewalk(const OsmTags& tags) {
+  return isOneOf(tags["footway"], {"sidewalk", "crossing", "traffic_island"}) || tags["path"] == "sidewalk" ||
+         tags["is_sidepath"] == "yes";
+}
+
 bool isPath(const OsmTags& tags) {
-  // Footways that are pavements are left out, since they are part of their roads.
-  return isOneOf(tags["highway"], {"footway", "path", "cycleway", "steps", "bridleway"}) &&
-         !isOneOf(tags["footway"], {"sidewalk", "crossing", "traffic_island"}) && tags["path"] != "sidewalk" &&
-         tags["is_sidepath"] != "yes";
+  return isOneOf(tags["highway"], {"footway", "path", "cycleway", "steps", "bridleway"});
 }
 
 // True if an object is on the ground. Objects that are not, such as tunnels and bridges, are left out.
@@ -235,6 +239,32 @@ TangentPlane planeAbout(const OsmExtract& extract, bool mirrored, Map& map) {
   return {map.latitude, map.longitude, mirrored};
 }
 
+// Tags of what is not there, not on the ground, or has no shape of its own.
+constexpr std::string_view kShapeless =
+    "highway=proposed highway=planned highway=construction highway=razed highway=demolished highway=abandoned "
+    "highway=disused highway=services highway=rest_area highway=crossing highway=turning_circle highway=turning_loop "
+    "highway=motorway_junction highway=mini_roundabout highway=passing_place railway=abandoned railway=razed "
+    "railway=dismantled railway=disused railway=proposed railway=construction railway=subway railway=level_crossing "
+    "railway=crossing railway=tram_level_crossing railway=tram_crossing railway=switch railway=railway_crossing "
+    "railway=stop railway=halt railway=station railway=tram_stop railway=subway_entrance power=cable "
+    "parking=underground aeroway=abandoned aeroway=aerodrome landuse=residential landuse=commercial landuse=retail "
+    "landuse=industrial landuse=education landuse=institutional landuse=religious leisure=nature_reserve "
+    "natural=valley natural=cape natural=peninsula natural=strait natural=peak natural=saddle natural=spring "
+    "man_made=survey_point";
+// Tags of things, of keys that mostly stand for places.
+constexpr std::string_view kThings =
+    "amenity=parking amenity=parking_space amenity=bench amenity=waste_basket amenity=recycling amenity=post_box "
+    "amenity=fountain amenity=shelter amenity=telephone amenity=vending_machine amenity=bicycle_parking "
+    "amenity=charging_station emergency=fire_hydrant golf=bunker military=bunker parking=rooftop place=square "
+    "public_transport=platform tourism=artwork";
+
+bool hasWord(std::string_view words, std::string_view wanted) {
+  for (std::string_view word = takeWord(words); !word.empty(); word = takeWord(words)) {
+    if (word == wanted) return true;
+  }
+  return false;
+}
+
 // Makes a map from an extract, and counts what it leaves out.
 class MapMaker {
  public:
@@ -262,12 +292,10 @@ class MapMaker {
     if (isAbsent(tags) || (isHighwayArea(tags) && way.area)) return;
     const std::optional<RoadClass> kind = classOf(tags);
     const std::optional<models::Fencing> fencing = fencingOf(tags["barrier"]);
+    if (!kind && !fencing && isPath(tags) && isSidewalk(tags)) return;
     const char* const what = kind ? "roads" : fencing ? "fences, hedges and walls" : isPath(tags) ? "paths" : nullptr;
     if (what == nullptr) {
       if (first) leaveOut(tags, false);
-      if (first && !tags["highway"].empty() && osmFormat().find("highway=" + tags["highway"]) == nullptr) {
-        map_.leftOut.add("ways with an unknown value of highway");
-      }
       return;
     }
     if (!onGround(tags)) {
@@ -278,7 +306,7 @@ class MapMaker {
       leaveOut({tags.element, {{"railway", railway}}}, false);
     }
     if (first && (kind || !fencing) && !hasSurface(tags, {"asphalt", "paved", "concrete"})) {
-      map_.leftOut.addKeyword(osmFormat(), "surface");
+      map_.leftOut.add(kSurfaces);
     }
     if (way.incomplete) map_.leftOut.add(fmt::format("{} with missing nodes, which are built in part", what));
     if (kind) {
@@ -322,7 +350,7 @@ class MapMaker {
     } else if (!onGround(tags)) {
       map_.leftOut.add(fmt::format("{} {}", what, kOffGround));
     } else if (isOpenRoof(tags)) {
-      map_.leftOut.addKeyword(osmFormat(), "wall=no");
+      map_.leftOut.add("open roofs and carports");
     } else if (outline.size() < 3) {
       map_.leftOut.add(fmt::format("{} that have less than three corners", what));
     } else {
@@ -345,7 +373,7 @@ class MapMaker {
             isOneOf(tags["highway"], {"pedestrian", "footway", "service"}) || tags["amenity"] == "marketplace";
         if ((*land == Land::Lot || *land == Land::Paved) &&
             !hasSurface(tags, {"asphalt", "paved", "concrete", "paving_stones"})) {
-          map_.leftOut.addKeyword(osmFormat(), "surface");
+          map_.leftOut.add(kSurfaces);
         }
         map_.areas.push_back({*land, std::move(outline), std::move(holes), square});
         return;
@@ -358,18 +386,16 @@ class MapMaker {
   }
 
   void addPoint(const OsmPoint& point) {
-    if (!point.tags["ele"].empty()) map_.leftOut.addKeyword(osmFormat(), "ele");
+    if (!point.tags["ele"].empty()) map_.leftOut.add("heights of nodes (ele)");
     if (isAbsent(point.tags)) return;
     if (point.tags["natural"] == "tree") {
       map_.trees.push_back({plane_(point.node), numbers_.read(point.tags, "height", metresOf, 0.5, 130),
                             numbers_.read(point.tags, "diameter_crown", metresOf, 0.3, 60)});
     } else if (!isOneOf(point.tags["building"], {"", "no", "entrance"})) {
       map_.leftOut.add("buildings that are nodes");
-    } else if (const FormatElements* row = point.tags["highway"] == "crossing"
-                                               ? osmFormat().find("crossing=" + point.tags["crossing"])
-                                               : nullptr;
-               row != nullptr) {
-      map_.leftOut.add(std::string(row->note));
+    } else if (point.tags["highway"] == "crossing" &&
+               isOneOf(point.tags["crossing"], {"marked", "zebra", "uncontrolled", "traffic_signals"})) {
+      map_.leftOut.add("marked crossings, which the seed draws");
     } else {
       leaveOut(point.tags, true);
     }
@@ -392,11 +418,11 @@ class MapMaker {
     constexpr const char* kStates[] = {"abandoned", "ruins", "collapsed", "construction"};
     constexpr const char* kLooks[] = {"building:material", "building:colour", "roof:material", "roof:colour"};
     if (std::any_of(std::begin(kLooks), std::end(kLooks), [&](const char* key) { return !tags[key].empty(); })) {
-      map_.leftOut.addKeyword(osmFormat(), kLooks[0]);
+      map_.leftOut.add("buildings with materials or colours, which the seed draws");
     }
     if (std::any_of(std::begin(kStates), std::end(kStates),
                     [&](const char* key) { return tags[key] == "yes" || tags["building"] == key; })) {
-      map_.leftOut.addKeyword(osmFormat(), "ruins=yes");
+      map_.leftOut.add("ruins and unfinished, collapsed and abandoned buildings, which are built as if whole");
     }
   }
 
@@ -424,39 +450,38 @@ class MapMaker {
     }
     if (isAnyOf({"cycleway", "cycleway:left", "cycleway:right", "cycleway:both"},
                 {"track", "lane", "opposite_track", "opposite_lane"})) {
-      map_.leftOut.addKeyword(osmFormat(), "cycleway");
+      map_.leftOut.add("cycleways and cycle lanes beside roads");
     }
     if (tags["driving_side"] == (plane_.mirrored() ? "right" : "left")) {
-      map_.leftOut.addKeyword(osmFormat(), "driving_side");
+      map_.leftOut.add("roads on which traffic keeps to the other side than in the town");
     }
     if (isAnyOf({"embankment", "cutting"}, {"yes", "left", "right", "both"})) {
       map_.leftOut.add("embankments and cuttings of roads");
     }
   }
 
-  // Counts an element that is not built, if the table names one of its tags.
+  // Counts an element that is not built by its first tag that stands for a shape.
   void leaveOut(const OsmTags& tags, bool point) {
-    if (!isOneOf(tags["tunnel"], {"", "no"}) || tags["location"] == "underground") return;
-    using Use = FormatElements::Use;
-    bool unused = false;
-    bool otherKind = false;
+    if (!isOneOf(tags["tunnel"], {"", "no"})) return;
+    if (tags["location"] == "underground" || tags["parking"] == "underground") return;
     for (const auto& [key, value] : tags.pairs) {
-      if (std::find(std::begin(kMappedKeys), std::end(kMappedKeys), key) == std::end(kMappedKeys)) continue;
+      const bool mapped = std::find(std::begin(kMappedKeys), std::end(kMappedKeys), key) != std::end(kMappedKeys);
       // Ways have the key traffic_sign too, without a sign there; nodes with the key place are names.
-      if (key == (point ? "place" : "traffic_sign")) continue;
-      const bool land = isOneOf(key, {"landuse", "landcover", "natural", "leisure"});
-      const FormatElements* row = osmFormat().find(key + "=" + value);
-      if (row == nullptr && value != "no" && !(point && land)) row = osmFormat().find(key + "=*");
-      if (row == nullptr) continue;
-      if (row->use == Use::LeftOut) return map_.leftOut.add(std::string(row->note));
-      unused |= row->use == Use::Unused;
-      otherKind |= row->use == Use::Read && (land || isOneOf(key, {"amenity", "barrier", "waterway"}));
+      if (!mapped || value == "no" || key == (point ? "place" : "traffic_sign")) continue;
+      if (point && isOneOf(key, {"landuse", "landcover", "leisure"})) continue;
+      const std::string tag = key + "=" + value;
+      if (hasWord(kShapeless, tag)) continue;
+      // Most values of these keys are places without a shape of their own.
+      const bool few =
+          isOneOf(key, {"amenity", "emergency", "golf", "military", "parking", "place", "public_transport", "tourism"});
+      if (!few || hasWord(kThings, tag)) return map_.leftOut.add(tag);
     }
-    if (otherKind && !unused) map_.leftOut.add("areas, trees and barriers on other kinds of elements, such as nodes");
   }
 
   static constexpr const char* kHollow =
       "hedges, walls and fences that are areas, of which only the outlines are built";
+  static constexpr const char* kSurfaces =
+      "surfaces of roads, paths and paved areas, such as gravel, which are built of asphalt, concrete or paving";
   static constexpr const char* kOffGround = "on bridges, in tunnels, indoors or underground";
 
   const OsmExtract& extract_;
@@ -470,83 +495,16 @@ class MapMaker {
 }  // namespace
 
 const FormatSupport& osmFormat() {
-  using enum FormatElements::Use;
   static const FormatSupport format{
       "OpenStreetMap",
       ".osm, .osm.gz, .osm.bz2, .osm.pbf, .o5m, .opl",
-      {{Read,
-        "highway=motorway highway=trunk highway=primary highway=secondary highway=tertiary highway=residential "
-        "highway=unclassified highway=living_street highway=road highway=service highway=track"},
-       {Read, "highway=footway highway=path highway=cycleway highway=steps highway=bridleway"},
-       {Read, "natural=tree barrier=hedge barrier=wall barrier=retaining_wall barrier=fence"},
-       {Read, "landuse=forest landuse=orchard natural=wood natural=scrub landcover=trees"},
-       {Read, "natural=water landuse=basin landuse=reservoir waterway=riverbank waterway=dock amenity=parking"},
-       {Read, "leisure=park leisure=garden leisure=dog_park landuse=village_green landuse=recreation_ground"},
-       {Read, "landuse=cemetery amenity=grave_yard leisure=pitch leisure=playground leisure=golf_course"},
-       {Read, "landuse=grass landuse=meadow landuse=farmland natural=grassland natural=heath landcover=grass"},
-       {Read, "amenity=marketplace amenity=fuel aeroway=apron aeroway=helipad"},
-       {Unused,
-        "highway=proposed highway=planned highway=construction highway=razed highway=demolished "
-        "highway=abandoned highway=disused highway=no highway=services highway=rest_area railway=abandoned "
-        "railway=razed railway=dismantled railway=disused railway=proposed railway=construction railway=subway "
-        "power=cable parking=underground aeroway=abandoned"},
-       {Unused,
-        "landuse=residential landuse=commercial landuse=retail landuse=industrial landuse=education "
-        "landuse=institutional landuse=religious leisure=nature_reserve aeroway=aerodrome "
-        "natural=valley natural=cape natural=peninsula natural=strait man_made=survey_point "
-        "railway=level_crossing railway=crossing railway=tram_level_crossing railway=tram_crossing railway=switch "
-        "railway=railway_crossing railway=stop railway=halt railway=station railway=tram_stop "
-        "railway=subway_entrance public_transport=stop_position public_transport=stop_area public_transport=station"},
-       {LeftOut,
-        "highway=pedestrian highway=busway highway=bus_guideway highway=raceway highway=corridor highway=platform "
-        "highway=via_ferrata highway=elevator highway=escape",
-        "pedestrian streets, busways and further ways with the key highway"},
-       {LeftOut, "area:highway=*", "outlines of roads (area:highway)"},
-       {LeftOut, "public_transport=platform", "platforms"},
-       {LeftOut, "traffic_calming=*", "bumps and islands that calm traffic"},
-       {LeftOut, "parking=multi-storey parking=rooftop parking=carports parking=garage_boxes parking=sheds",
-        "parking lots in garages and on roofs"},
-       {LeftOut, "amenity=parking_space", "single parking spaces"},
-       {LeftOut, "place=square", "squares with the key place, which are lawns"},
-       {LeftOut, "railway=*", "railways"},
-       {LeftOut, "waterway=*", "lines of rivers and other waterways"},
-       {LeftOut, "aeroway=*", "lines of runways and further parts of airports"},
-       {LeftOut, "aerialway=*", "cable cars"},
-       {LeftOut, "natural=coastline", "coastlines"},
-       {LeftOut, "natural=tree_row natural=shrub natural=shrubbery", "rows of trees, shrubs"},
-       {LeftOut, "natural=cliff natural=ridge natural=rock natural=stone man_made=embankment", "cliffs and rocks"},
-       {LeftOut,
-        "natural=sand natural=beach natural=bare_rock natural=scree natural=shingle natural=mud "
-        "natural=wetland natural=glacier leisure=swimming_pool golf=bunker",
-        "areas of sand, rock, wetland and other ground, which are lawns"},
-       {LeftOut, "landuse=* landcover=* natural=* leisure=*", "areas of unknown land use, which are lawns"},
-       {LeftOut, "barrier=*", "further barriers"},
-       {LeftOut, "power=* man_made=* military=bunker", "masts, towers, power lines and further man-made objects"},
-       {LeftOut,
-        "highway=street_lamp highway=traffic_sign highway=traffic_signals highway=stop highway=give_way "
-        "highway=bus_stop highway=speed_camera traffic_sign=* advertising=* emergency=fire_hydrant amenity=bench "
-        "amenity=waste_basket amenity=recycling amenity=post_box amenity=fountain amenity=shelter amenity=telephone "
-        "amenity=vending_machine amenity=bicycle_parking amenity=charging_station",
-        "lamps, signs and street furniture, which the seed draws"},
-       {LeftOut, "crossing=marked crossing=zebra crossing=uncontrolled crossing=traffic_signals",
-        "marked crossings, which the seed draws"},
-       {LeftOut, "historic=* tourism=artwork", "monuments, ruins and works of art"},
-       {LeftOut, "ele", "heights of nodes (ele)"},
-       {LeftOut, "surface tracktype",
-        "surfaces of roads, paths and paved areas, such as gravel, which are built of asphalt, concrete or paving"},
-       {LeftOut, "cycleway cycleway:left cycleway:right cycleway:both", "cycleways and cycle lanes beside roads"},
-       {LeftOut, "driving_side", "roads on which traffic keeps to the other side than in the town"},
-       {LeftOut, "building:material building:colour roof:material roof:colour",
-        "buildings with materials or colours, which the seed draws"},
-       {LeftOut,
-        "building=construction building=collapsed building=ruins building=abandoned abandoned=yes ruins=yes "
-        "collapsed=yes construction=yes",
-        "ruins and unfinished, collapsed and abandoned buildings, which are built as if whole"},
-       {LeftOut, "building=roof building=carport wall=no", "open roofs and carports"}},
+      {},
       "Nodes, ways and relations in this order, each by their ids. Roads, paths, buildings with their parts and roofs, "
       "barriers, trees, woods, water, parks, lawns, squares and parking lots, with the tags that town.md names; "
       "multipolygons, boundaries and relations of buildings; lengths in metres unless they have another unit",
-      "what is on bridges, in tunnels, indoors or underground; buildings that are nodes; buildings, roads and areas "
+      "all else that has a shape, by its tag, such as highway=street_lamp; what is on bridges, in tunnels, indoors or "
+      "underground; surfaces of roads, looks and states of buildings, heights of nodes; buildings that are nodes; "
+      "buildings, roads and areas "
       "with "
       "missing nodes; pitched roofs over outlines that are no rectangles; areas of hedges, walls and fences, whose "
       "outlines are built; heights and roofs of outer ways that differ from those of their multipolygon; holes of "
