@@ -33,10 +33,8 @@
 #include "scene/material.h"
 #include "scene/ontology.h"
 #include "sense/effect.h"
-#include "sensors/beam_files.h"
 #include "sensors/calibration.h"
-#include "sensors/ouster_metadata.h"
-#include "sensors/pose_files.h"
+#include "sensors/recorded_poses.h"
 #include "sensors/sensor.h"
 #include "town/map.h"
 

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "scan/scan.h"
-#include "sensors/destagger.h"
+#include "sensors/beams.h"
 
 namespace scanmill {
 

@@ -5,11 +5,9 @@
 
 #include "base/error.h"
 #include "config/value.h"
-#include "sensors/beam_files.h"
 #include "sensors/beam_patterns.h"
 #include "sensors/calibration.h"
-#include "sensors/ouster_metadata.h"
-#include "sensors/pose_files.h"
+#include "sensors/recorded_poses.h"
 #include "tests/fuzz/target.h"
 
 namespace scanmill {

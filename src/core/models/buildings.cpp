@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "models/facade.h"
-#include "models/house_details.h"
 
 namespace scanmill::models {
 namespace {

@@ -1,10 +1,10 @@
 // A body is lofted: cross-sections along x follow a side profile (bonnet, windscreen, roof, rear) and leave out the
 // wheel arches. The position along x and around the cross-section determines the material.
 
-#include "models/car_body.h"
-
 #include <algorithm>
 #include <cmath>
+
+#include "models/facade.h"
 
 namespace scanmill::models {
 namespace {

@@ -165,7 +165,7 @@ void appendWoodPile(Shape& s, Draw& draw) {
 }
 
 // The functions that build each kind of clutter, in the order of Clutter.
-constexpr std::array<void (*)(Shape&, Draw&), static_cast<std::size_t>(Clutter::Count)> kAppend{
+constexpr std::array<void (*)(Shape&, Draw&), static_cast<std::size_t>(Clutter::Count)> kAppendClutter{
     appendCone, appendBarrier,      appendSkip,        appendCart,  appendPallets, appendHeap,
     appendShed, appendBasin<false>, appendBasin<true>, appendSwing, appendWoodPile};
 
@@ -174,7 +174,7 @@ constexpr std::array<void (*)(Shape&, Draw&), static_cast<std::size_t>(Clutter::
 Model makeClutter(SceneBuilder& builder, std::uint64_t seed, Clutter what, int number) {
   Draw draw(seed, Kind::Clutter, static_cast<std::uint32_t>(static_cast<int>(what) * 100 + number));
   Shape s(builder, "clutter");
-  kAppend[static_cast<std::size_t>(what)](s, draw);
+  kAppendClutter[static_cast<std::size_t>(what)](s, draw);
   return s.finish();
 }
 

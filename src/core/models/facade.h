@@ -1,7 +1,8 @@
 #pragma once
 
-// Walls with openings, and the windows and doors that are set back in them.
+// Parts of houses and vehicles: walls with windows and doors, the details of a facade, and lofted bodies.
 
+#include <cstdint>
 #include <vector>
 
 #include "models/models.h"
@@ -26,5 +27,43 @@ struct FacadeLook {
 // and z outwards; `width` is the length of the wall (m). Shutters are added only if `front` is set.
 void addFacade(Shape& shape, const FacadeLook& look, const Affine& wallFrame, double width,
                const std::vector<Opening>& openings, bool front);
+
+// Dimensions of a house (m) and the surfaces of its parts.
+struct HouseMeasures {
+  double base = 0.3;    // height of the ground floor above the ground
+  double storey = 2.9;  // height from floor to floor
+  double wallTop = 6;
+  double sill = 0.8;  // height of the windows' lower edge above the floor of their storey
+  double windowWidth = 1.2, windowHeight = 1.4;
+  double foundation = -0.4;  // height where walls begin
+  SurfaceIndex wall = 0, trim = 0, tile = 0, metal = 0, wood = 0, glass = 0;
+};
+
+// Adds details to the plane facade of a house: rooms behind the glass, bands and corner stones, bays, porches, ivy,
+// awnings, a garage. All coordinates are in the house's frame (see House).
+void addHouseDetails(Shape& shape, std::uint64_t seed, const House& house, const HouseMeasures& measures);
+
+// The lofted body of a car, van, bus or cab. All lengths are in metres; x is measured forward from the middle of the
+// vehicle.
+struct BodyForm {
+  const char* className = "car";
+  double length = 4.3, width = 1.78;
+  double floor = 0.2;
+  double belt = 0.92, beltRise = 0.02;       // lower edge of the windows at x = 0; its rise per metre to the rear
+  double roofHalf = 0.56;                    // half of the roof's width
+  double noseTaper = 0.13, tailTaper = 0.1;  // fraction of the width lost at the nose and at the tail
+  double bulge = 0.09;                       // how far the bumpers protrude
+  std::vector<Point2> profile;               // (x, z) of the upper edge, from the tail to the nose
+  Span windscreen, rearWindow;               // extents along x; empty: no such window
+  std::vector<Span> sideWindows;             // extents along x
+  std::vector<double> axles;                 // positions along x
+  double wheelRadius = 0.31, wheelWidth = 0.2;
+  Span bed;                         // extent along x of a pickup's covered bed
+  bool mirrors = true;              // true: the body has mirrors and door handles
+  const char* paint = "car_paint";  // material of the body
+};
+
+// Appends the body, its wheels, lights and plates.
+void appendBody(Shape& shape, const BodyForm& form);
 
 }  // namespace scanmill::models

@@ -1,8 +1,8 @@
-#include "models/house_details.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+
+#include "models/facade.h"
 
 namespace scanmill::models {
 namespace {

@@ -247,7 +247,7 @@ struct House {
   std::uint32_t number = 0;
   std::optional<double> top;   // m, top of the roof; not set: the height follows from floors and slope
   std::optional<double> rise;  // m, height of a pitched roof if `top` is set; not set: it follows from a random slope
-  // Depth (m) of the ground in front of the house that details may cover, see house_details.h. If it is not set, the
+  // Depth (m) of the ground in front of the house that details may cover, see facade.h. If it is not set, the
   // house has bare walls and no rooms.
   std::optional<double> forecourt;
   bool garage = false, ivy = false;

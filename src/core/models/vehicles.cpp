@@ -5,14 +5,14 @@
 #include <cmath>
 #include <utility>
 
-#include "models/car_body.h"
+#include "models/facade.h"
 
 namespace scanmill::models {
 namespace {
 
 // The body of a kind of car and its side profile (m), before they vary at random; x is 0 in the middle.
 struct CarShape {
-  double length, width, floor, belt, beltRise, roofHalf, wheelRadius;  // as in BodyForm (car_body.h)
+  double length, width, floor, belt, beltRise, roofHalf, wheelRadius;  // as in BodyForm (facade.h)
   double nose, hood, height, tail;                                     // z: tip and base of the bonnet, roof, boot
   double windBase, windTop, roofEnd, rearBase;                         // x: ends of windscreen, roof and rear window
 };

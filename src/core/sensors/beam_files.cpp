@@ -1,5 +1,3 @@
-#include "sensors/beam_files.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 #include <string_view>
 
 #include "base/format_support.h"
+#include "sensors/calibration.h"
 #include "sensors/text_table.h"
 
 namespace scanmill {

@@ -14,8 +14,6 @@
 #include "base/hash.h"
 #include "config/fields.h"
 #include "config/text.h"
-#include "sensors/beam_files.h"
-#include "sensors/ouster_metadata.h"
 
 namespace scanmill {
 

@@ -2,11 +2,16 @@
 
 // Reads calibration files with the beams of one sensor unit. Three kinds are known: the files of Velodyne's ROS drivers
 // (.yaml: a map with a list `lasers`, each with `vert_correction` and `rot_correction` in rad and optionally
-// `vert_offset_correction` and `horiz_offset_correction` in m), Ouster's metadata (.json: see ouster_metadata.h), and
-// tables of beams such as Hesai's (.csv: see beam_files.h).
+// `vert_offset_correction` and `horiz_offset_correction` in m), Ouster's metadata (.json), and tables of beams such as
+// Hesai's (.csv).
 
+#include <cstdint>
 #include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
 
+#include "base/error.h"
 #include "config/value.h"
 
 namespace scanmill {
@@ -22,5 +27,45 @@ const FormatSupport& velodyneFormat();
 // other lasers keep the order of their file. Throws InputError with the place, also if the map has both `calibration`
 // and one of the first five keys. `preset`: the preset that the map overrides; null if there is no preset.
 [[nodiscard]] Value withCalibration(const Value& value, const Value* preset = nullptr);
+
+const FormatSupport& beamTableFormat();
+
+struct Laser {
+  double elevation = 0;  // deg, upwards from the horizontal
+  double azimuth = 0;    // deg, counter-clockwise
+  double left = 0;       // m, offset of the beam's origin to the left: see origin_left_m in sensor.h
+  double up = 0;         // m, offset of the beam's origin upwards: see origin_up_m in sensor.h
+  double firing = 0;     // us, firing time after the start of the column
+};
+
+// Reads the lasers of a table. The table's first line names the columns: either the columns of Hesai's angle correction
+// files (Channel or Laser id, Elevation, Azimuth; degrees, azimuths clockwise), or elevation_deg and optionally
+// azimuth_offset_deg (counter-clockwise), origin_left_m, origin_up_m and firing_time_us. The rows may come in any order
+// if the table has channels, which become the rings. Throws InputError with the line.
+std::vector<Laser> readBeamTable(const std::filesystem::path& file);
+
+// Returns the firing time of each laser (us after the earliest laser). The file is one of Hesai's firetime correction
+// files (Channel, fire time in us or ns) or a table with a column firing_time_us. Throws InputError with the line, also
+// if a file gives several states of the sensor with different firing times.
+std::vector<double> readFiringTable(const std::filesystem::path& file);
+
+const FormatSupport& ousterFormat();
+
+struct OusterMetadata {
+  std::string model;  // "OS-1-128", or empty if the file does not name the model
+  // Angles per ring (deg), in the file's order, without unused lasers; azimuths are counter-clockwise.
+  std::vector<double> elevation, azimuth;
+  std::uint32_t columns = 0;  // columns per revolution; 0: the file does not state them
+  double rate = 0;            // revolutions per second; 0: the file does not state it
+  // First column and number of columns of the window that the sensor reports.
+  std::uint32_t firstColumn = 0, windowColumns = 0;
+  double firstAzimuth = 0;  // deg, azimuth of column 0
+  double originOffset = 0;  // m, distance from the axis of rotation to the beam origins
+  double originHeight = 0;  // m, height of the beam origins above the origin of the sensor's frame
+};
+
+// Reads metadata of old or new firmware, complete or reduced to the beams' angles and the mode. Missing values get the
+// defaults of Ouster's own software (ouster-sdk, types.cpp). Throws InputError with the file and the reason.
+OusterMetadata readOusterMetadata(const std::filesystem::path& file);
 
 }  // namespace scanmill

@@ -1,5 +1,3 @@
-#include "sensors/ouster_metadata.h"
-
 #include <fmt/core.h>
 
 #include <cmath>
@@ -10,6 +8,7 @@
 #include "base/file.h"
 #include "base/format_support.h"
 #include "base/vec.h"
+#include "sensors/calibration.h"
 
 namespace scanmill {
 namespace {

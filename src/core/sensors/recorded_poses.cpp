@@ -8,7 +8,6 @@
 #include "base/file.h"
 #include "config/fields.h"
 #include "config/waypoints.h"
-#include "sensors/pose_files.h"
 
 namespace scanmill {
 namespace {

@@ -1,7 +1,9 @@
 #pragma once
 
-// Recorded poses of a vehicle: from KITTI's odometry, TUM's trajectories, nuScenes and tables.
+// Recorded poses of a vehicle and the readers of their files: KITTI's odometry, TUM's trajectories, nuScenes, tables.
+// All readers throw InputError with the file and, if it has lines, the line.
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -64,5 +66,22 @@ class RecordedPoses {
 // roll (rad, at most a turn; or yaw_deg, yaw_rad, ...), or no rotation, in which case the vehicle heads along its path.
 // Throws InputError with the file and the line number.
 RecordedPoses readRecordedPoses(const Value& value);
+
+struct FormatSupport;
+const FormatSupport& poseFormat();
+
+// Returns the rotation scaled to length 1. Throws InputError if the length of `q` differs from 1 by a hundredth or
+// more.
+Quat checkedRotation(const Quat& q, const Location& where);
+
+std::vector<Affine> readKittiPoses(const std::filesystem::path& file);
+std::vector<double> readTimes(const std::filesystem::path& file);  // returns the times (s), one per line of the file
+// Returns cameraFromScanner, the row `Tr` of a calib.txt of KITTI's odometry.
+Affine readKittiCalibration(const std::filesystem::path& file);
+std::vector<StampedPose> readTumPoses(const std::filesystem::path& file);
+std::vector<StampedPose> readPoseTable(const std::filesystem::path& file);
+// Returns the poses of the vehicle at the times of a scene's scans. `file`: the table ego_pose.json, whose folder must
+// also contain scene.json, sample.json and sample_data.json.
+std::vector<StampedPose> readNuScenesPoses(const std::filesystem::path& file, const std::string& scene);
 
 }  // namespace scanmill

@@ -8,7 +8,6 @@
 
 #include "config/fields.h"
 #include "config/file_kind.h"
-#include "sensors/beam_files.h"
 #include "sensors/beam_patterns.h"
 #include "sensors/calibration.h"
 

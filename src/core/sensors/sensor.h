@@ -29,7 +29,7 @@
 //   calibration: 64e_s2.yaml           # replaces elevation_deg, ring_order, azimuth_offset_deg, origin_left_m and
 //                                      # origin_up_m: see calibration.h
 //   firing_time_us: [0, 2.3, ...]      # time of each ring within a column; or {step_us: 2.3} from ring to ring; or
-//                                      # {file: NAME}, see beam_files.h (default 0)
+//                                      # {file: NAME}, see calibration.h (default 0)
 //   turns_while_firing: true           # adds to each ring's azimuth the head's rotation up to the ring's firing time;
 //                                      # needed for vendors' azimuths, which lack this rotation (default false)
 //   range_m: [0.5, 120]                # nearest and farthest range that is reported

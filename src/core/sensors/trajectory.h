@@ -16,7 +16,6 @@
 #include "sensors/ground_profile.h"
 #include "sensors/recorded_poses.h"
 #include "sensors/speed_profile.h"
-#include "sensors/sway.h"
 
 namespace scanmill {
 
@@ -51,7 +50,7 @@ struct RandomWay {
 //                                                           # slower in bends: see speed_profile.h
 //   stops: [{at: 60, wait: 4}]                              # position (m) and waiting time (s); needs acceleration
 //   lane_changes: [{at: 80, left: 3, over: 30}]             # starts at 80 m of path, ends 30 m later 3 m to the left
-//   sway: {roll_deg: 0.4, pitch_deg: 0.3, heave_m: 0.01}    # see sway.h
+//   sway: {roll_deg: 0.4, pitch_deg: 0.3, heave_m: 0.01}    # see speed_profile.h
 //   ground: drop                                            # see ground_profile.h
 //   every_s: 0.1 | every_m: 1.0                             # from frame to frame (poses, recorded: only every_s)
 //   frames: 40                                              # optional limit; default: to the end of the path

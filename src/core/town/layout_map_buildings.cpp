@@ -8,7 +8,7 @@
 #include <tuple>
 
 #include "town/layout.h"
-#include "town/map_buildings.h"
+#include "town/map.h"
 
 namespace scanmill::town {
 namespace {

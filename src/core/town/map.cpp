@@ -12,9 +12,7 @@
 #include "base/input_budget.h"
 #include "base/text_scan.h"
 #include "config/text.h"
-#include "town/map_buildings.h"
-#include "town/osm_interface.h"
-#include "town/osm_tags.h"
+#include "town/osm.h"
 
 namespace scanmill::town {
 namespace {

@@ -1,7 +1,8 @@
 #pragma once
 
-// A place on an OpenStreetMap extract. A town can be laid out from it instead of at random. Frame: metres, x east, y
-// north, in the plane that touches the WGS 84 ellipsoid in the middle of the extract's roads.
+// A place on an OpenStreetMap extract, with buildings by the scheme "Simple 3D Buildings". A town can be laid out from
+// it instead of at random. Frame: metres, x east, y north, in the plane that touches the WGS 84 ellipsoid in the middle
+// of the extract's roads.
 
 #include <array>
 #include <cstdint>
@@ -117,5 +118,18 @@ Map makeMap(const OsmExtract& extract, bool mirrored = false);
 
 // Joins roads that meet end to end. At crossings, joins the roads that continue straight ahead.
 [[nodiscard]] std::vector<MapRoad> joinRoads(const std::vector<MapRoad>& roads);
+
+// Returns the building, or part of a building, with these tags. `mirrored`: y points south.
+MapBuilding makeBuilding(const OsmTags& tags, Polygon outline, std::vector<Polygon> courts, bool mirrored,
+                         TagNumbers& numbers);
+
+// True if the outline covers at least 90 % of the rectangle about it, or 98 % if it has more than four corners, since a
+// corner that is cut out covers little.
+bool isRectangular(const Polygon& outline, const models::Footprint& about);
+
+// Puts parts into the buildings that contain them, by relations or by place; a part outside of all buildings becomes a
+// building. If the parts of a building do not cover its outline, adds the rest of the outline as a further part.
+// Removes what has no height, and counts in `leftOut` what is built otherwise than the map says.
+void joinParts(std::vector<MapBuilding>& buildings, std::vector<MapBuilding> parts, LeftOut& leftOut);
 
 }  // namespace scanmill::town

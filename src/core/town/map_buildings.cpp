@@ -1,5 +1,3 @@
-#include "town/map_buildings.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,6 +5,8 @@
 #include <cmath>
 #include <map>
 #include <utility>
+
+#include "town/map.h"
 
 namespace scanmill::town {
 namespace {

@@ -1,4 +1,4 @@
-// libscanmill_town.so: libosmium behind the interface of town/osm_interface.h.
+// libscanmill_town.so: libosmium behind the interface of town/osm.h.
 
 #include <algorithm>
 #include <map>
@@ -13,7 +13,7 @@
 #include <string>
 #include <unordered_set>
 
-#include "town/osm_interface.h"
+#include "town/osm.h"
 
 namespace scanmill::town {
 

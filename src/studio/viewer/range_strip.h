@@ -12,7 +12,6 @@
 
 #include "scan/scan.h"
 #include "sensors/beams.h"
-#include "sensors/destagger.h"
 #include "viewer/image.h"
 
 namespace scanmill {

@@ -1,4 +1,4 @@
-#include "sensors/pose_files.h"
+#include "sensors/recorded_poses.h"
 #include "tests/core/exports/nuscenes_world.h"
 
 namespace scanmill {

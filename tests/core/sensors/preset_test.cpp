@@ -14,7 +14,7 @@
 
 #include "base/file.h"
 #include "config/fields.h"
-#include "sensors/beam_files.h"
+#include "sensors/calibration.h"
 #include "sensors/sensor.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"

@@ -10,8 +10,7 @@
 
 #include "base/file.h"
 #include "config/fields.h"
-#include "sensors/beam_files.h"
-#include "sensors/ouster_metadata.h"
+#include "sensors/calibration.h"
 #include "sensors/sensor.h"
 #include "tests/support/message_of.h"
 #include "tests/support/shared_data.h"

@@ -1,5 +1,3 @@
-#include "town/map_buildings.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,6 +5,7 @@
 
 #include "tests/support/labels.h"
 #include "town/layout.h"
+#include "town/map.h"
 #include "town/map_place.h"
 
 namespace scanmill::town {

@@ -8,7 +8,7 @@
 
 #include "tests/support/message_of.h"
 #include "town/map_place.h"
-#include "town/osm_interface.h"
+#include "town/osm.h"
 
 namespace scanmill::town {
 namespace {

@@ -1,7 +1,7 @@
-#include "town/osm_tags.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "town/osm.h"
 
 namespace scanmill::town {
 namespace {

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "base/random.h"
-#include "sensors/destagger.h"
+#include "sensors/beams.h"
 #include "tests/support/shared_data.h"
 #include "viewer/frames/frame_source.h"
 #include "viewer/range_strip.h"

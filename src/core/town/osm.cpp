@@ -1,4 +1,4 @@
-#include "town/osm_tags.h"
+#include "town/osm.h"
 
 #include <fmt/format.h>
 
