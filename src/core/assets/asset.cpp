@@ -16,7 +16,6 @@
 #include "assets/surveys/surveys.h"
 #include "assets/worlds/world_asset.h"
 #include "base/error.h"
-#include "base/files_read.h"
 #include "base/input_budget.h"
 #include "base/memory.h"
 #include "config/text.h"

@@ -15,7 +15,6 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/files_read.h"
 #include "base/input_budget.h"
 #include "base/memory.h"
 #include "base/own_folder.h"

@@ -1,7 +1,8 @@
 #pragma once
 
-// Limits what the files of one scene may cost: a small file can name others twice as many times at each level, place a
-// mesh a million times, or decompress to a thousand times its size. docs/reliability.md lists the limits.
+// Collects which files a thread reads, with hashes of their bytes, and limits what the files of one scene may cost: a
+// small file can name others twice as many times at each level, place a mesh a million times, or decompress to a
+// thousand times its size. docs/reliability.md lists the limits.
 //
 //   const InputBudget budget;                       // around everything that is read for one scene
 //   std::string text = readFile("a.gltf");          // charges the file
@@ -9,7 +10,10 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <string>
+#include <string_view>
 
 #include "base/error.h"
 
@@ -63,5 +67,30 @@ class [[nodiscard]] InputLimitFactor {
  private:
   double before_;
 };
+
+// While such an object lives on a thread, it collects the files that this thread reads. A second object on the thread
+// takes the files from the first one as long as it lives.
+class [[nodiscard]] FilesRead {
+ public:
+  FilesRead();
+  ~FilesRead();
+  FilesRead(const FilesRead&) = delete;
+  FilesRead& operator=(const FilesRead&) = delete;
+
+  // Returns the XXH3 of each file, see xxh3(), by its absolute path. Reads files again that libraries have read.
+  std::map<std::filesystem::path, std::string> hashes() const;
+
+ private:
+  friend void noteFile(const std::filesystem::path& file);
+  friend void noteFile(const std::filesystem::path& file, std::string_view bytes);
+
+  std::map<std::filesystem::path, std::string> hashes_;  // an empty hash is not computed yet
+  FilesRead* outer_;
+};
+
+// Tell the thread's latest FilesRead that a file is read, the second one with the file's bytes. readFile() and
+// chargeFile() call them; readers that leave the reading to a library call the first one.
+void noteFile(const std::filesystem::path& file);
+void noteFile(const std::filesystem::path& file, std::string_view bytes);
 
 }  // namespace scanmill

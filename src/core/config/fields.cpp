@@ -99,28 +99,26 @@ std::vector<std::string> Fields::texts(std::string_view key) {
   return texts;
 }
 
+std::string Fields::pathText(std::string_view key) {
+  std::string name = text(key);
+  if (!name.empty()) return name;
+  throw InputError(require(key).where, fmt::format("{}: {} must be a path, not an empty text", what_, key));
+}
+
 std::filesystem::path Fields::path(std::string_view key) {
-  const Value& value = require(key);
-  const std::string name = text(key);
-  if (name.empty()) throw InputError(value.where, fmt::format("{}: {} must be a path, not an empty text", what_, key));
-  return resolvePath(value, name);
+  return resolvePath(require(key), pathText(key));
 }
 
 std::optional<std::filesystem::path> Fields::optionalPath(std::string_view key) {
-  if (find(key) == nullptr) return std::nullopt;
-  return path(key);
+  return find(key) == nullptr ? std::nullopt : std::optional(path(key));
 }
 
 std::filesystem::path Fields::resource(std::string_view key, const std::string& subfolder) {
-  const Value& value = require(key);
-  const std::string name = text(key);
-  if (name.empty()) throw InputError(value.where, fmt::format("{}: {} must be a path, not an empty text", what_, key));
-  return resolveResource(value, name, subfolder);
+  return resolveResource(require(key), pathText(key), subfolder);
 }
 
 std::optional<std::filesystem::path> Fields::optionalResource(std::string_view key, const std::string& subfolder) {
-  if (find(key) == nullptr) return std::nullopt;
-  return resource(key, subfolder);
+  return find(key) == nullptr ? std::nullopt : std::optional(resource(key, subfolder));
 }
 
 Pose Fields::pose() {

@@ -97,6 +97,7 @@ class Fields {
   void finish() const;
 
  private:
+  std::string pathText(std::string_view key);
   [[noreturn]] void refuseUnknown(std::string_view key, const Value& value, const std::string& advice) const;
 
   const Value& value_;

@@ -6,7 +6,7 @@
 #include <cctype>
 
 #include "base/error.h"
-#include "base/utf8.h"
+#include "base/terminal.h"
 
 namespace scanmill {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "base/utf8.h"
+#include "base/terminal.h"
 
 namespace scanmill {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "base/files_read.h"
+#include "base/input_budget.h"
 
 namespace scanmill {
 

@@ -13,7 +13,6 @@
 #include "config/text.h"
 #include "formats/format.h"
 #include "formats/ply_file.h"
-#include "formats/point_records.h"
 #include "formats/readers.h"
 
 namespace scanmill {

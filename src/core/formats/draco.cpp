@@ -43,7 +43,6 @@
 #include "base/instruction_sets.h"
 #include "base/raw_vector.h"
 #include "formats/draco_writer.h"
-#include "formats/grid.h"
 #include "formats/readers.h"
 
 namespace scanmill {

@@ -122,23 +122,20 @@ class LasReader {
 
   // Reads the records between the header and the points, and those behind the points of LAS 1.4.
   void readRecords(std::uint64_t points) {
-    std::uint64_t place = at<std::uint16_t>(kHeaderSize);
-    for (std::uint32_t left = at<std::uint32_t>(kRecords); left > 0 && place + 54 <= points; --left) {
-      const std::uint64_t length = at<std::uint16_t>(place + 20);
-      if (length > points - place - 54) break;
-      readRecord(place, bytes_.substr(place + 54, length));
-      place += 54 + length;
-    }
-    if (at<std::uint8_t>(kMinor) < 4 || bytes_.size() < kPoints || at<std::uint16_t>(kHeaderSize) < kPoints) {
-      return;
-    }
-    place = at<std::uint64_t>(kLaterRecordsAt);
-    for (std::uint32_t left = at<std::uint32_t>(kLaterRecords); left > 0; --left) {
-      if (place > bytes_.size() || bytes_.size() - place < 60) break;
-      const auto length = at<std::uint64_t>(place + 20);
-      if (length > bytes_.size() - place - 60) break;
-      readRecord(place, bytes_.substr(place + 60, length));
-      place += 60 + length;
+    readRecordsAt<std::uint16_t>(at<std::uint16_t>(kHeaderSize), points, at<std::uint32_t>(kRecords));
+    if (at<std::uint8_t>(kMinor) < 4 || bytes_.size() < kPoints || at<std::uint16_t>(kHeaderSize) < kPoints) return;
+    readRecordsAt<std::uint64_t>(at<std::uint64_t>(kLaterRecordsAt), bytes_.size(), at<std::uint32_t>(kLaterRecords));
+  }
+
+  // Reads records at `place`, which state the size of their data in an integer of this type.
+  template <class Length>
+  void readRecordsAt(std::uint64_t place, std::uint64_t end, std::uint32_t count) {
+    constexpr std::uint64_t kHead = 52 + sizeof(Length);  // size (bytes) of what stands before the data
+    for (; count > 0 && place <= end && end - place >= kHead; --count) {
+      const std::uint64_t length = at<Length>(place + 20);
+      if (length > end - place - kHead) break;
+      readRecord(place, bytes_.substr(place + kHead, length));
+      place += kHead + length;
     }
   }
 

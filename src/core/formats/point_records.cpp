@@ -1,4 +1,3 @@
-#include "formats/point_records.h"
 
 #include <fmt/format.h>
 

@@ -10,7 +10,7 @@
 #include <algorithm>
 
 #include "config/resources.h"
-#include "formats/point_records.h"
+#include "formats/readers.h"
 #include "imports/scan_folder.h"
 
 namespace scanmill {

@@ -7,7 +7,7 @@
 
 #include "base/file.h"
 #include "formats/cloud_file.h"
-#include "formats/point_records.h"
+#include "formats/readers.h"
 
 namespace scanmill {
 

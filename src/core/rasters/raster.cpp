@@ -17,7 +17,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
-#include "base/files_read.h"
+#include "base/input_budget.h"
 #include "config/text.h"
 #include "rasters/rasters_interface.h"
 

@@ -7,7 +7,7 @@
 #include <mutex>
 #include <utility>
 
-#include "base/files_read.h"
+#include "base/input_budget.h"
 #include "images/images.h"
 #include "images/srgb.h"
 

@@ -10,7 +10,7 @@
 #include <map>
 #include <tuple>
 
-#include "base/utf8.h"
+#include "base/terminal.h"
 #include "config/fields.h"
 
 namespace scanmill {

@@ -7,7 +7,7 @@
 #include <iterator>
 #include <utility>
 
-#include "base/utf8.h"
+#include "base/terminal.h"
 
 namespace scanmill {
 

@@ -1,9 +1,8 @@
-#include "base/files_read.h"
-
 #include <gtest/gtest.h>
 
 #include "base/file.h"
 #include "base/hash.h"
+#include "base/input_budget.h"
 #include "tests/support/temporary_folder.h"
 
 namespace scanmill {

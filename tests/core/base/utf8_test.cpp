@@ -1,9 +1,9 @@
-#include "base/utf8.h"
-
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <string>
+
+#include "base/terminal.h"
 
 namespace scanmill {
 namespace {

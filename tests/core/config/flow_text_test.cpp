@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "base/random.h"
-#include "base/utf8.h"
+#include "base/terminal.h"
 #include "tests/support/message_of.h"
 
 namespace scanmill {

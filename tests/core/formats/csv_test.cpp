@@ -10,7 +10,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-Scan decoded(const std::string& text) {
+Scan decodedCsv(const std::string& text) {
   return makeFormat("csv")->decode(text, "test.csv");
 }
 
@@ -20,11 +20,11 @@ TEST(Csv, RoundTripIsExactForSetsOfColumns) {
     for (const bool organised : {false, true}) {
       SCOPED_TRACE(fmt::format("columns {:x} organised {}", columns, organised));
       const Scan scan = randomScan(columns, 5, 40, columns, organised);
-      expectSameColumns(decoded(csv->encode(scan)), scan);
+      expectSameColumns(decodedCsv(csv->encode(scan)), scan);
     }
   }
-  expectSameColumns(decoded(csv->encode(extremeScan())), extremeScan());
-  expectSameColumns(decoded(csv->encode(Scan{})), Scan{});
+  expectSameColumns(decodedCsv(csv->encode(extremeScan())), extremeScan());
+  expectSameColumns(decodedCsv(csv->encode(Scan{})), Scan{});
 }
 
 TEST(Csv, TextIsWhatAPersonWouldWrite) {
@@ -44,14 +44,14 @@ TEST(Csv, HeaderNamesTheColumnsInTheirOrder) {
 }
 
 TEST(Csv, ColumnsMayComeInAnyOrder) {
-  const Scan scan = decoded("label,z,x,y\n7,3,1,2\n");
+  const Scan scan = decodedCsv("label,z,x,y\n7,3,1,2\n");
   EXPECT_EQ(scan.position[0], (Vec3f{1, 2, 3}));
   EXPECT_EQ(scan[kLabel][0], 7);
 }
 
 TEST(Csv, ForeignColumnsAreKept) {
   const std::string text = "x,y,z,label,near_ir,signal\n1,2,3,7,812,-0.25\n4,5,6,8,0,1e-300\n";
-  const Scan scan = decoded(text);
+  const Scan scan = decodedCsv(text);
   ASSERT_EQ(scan.foreign.size(), 2u);
   EXPECT_EQ(scan.foreign[0].name, "near_ir");
   EXPECT_EQ(std::get<std::vector<double>>(scan.foreign[1].values), (std::vector<double>{-0.25, 1e-300}));
@@ -66,36 +66,36 @@ TEST(Csv, TextOfOtherProgramsIsRead) {
            "\xEF\xBB\xBF\"x\"\t\"y\"\t\"z\"\t\"label\"\r\n1\t+2\t3.0e0\t7\r\n\r\n",
            "# by hand\n\nx, y, z, scalar_Classification\n# the only point\n1, 2, 3, 7\n",
        }) {
-    const Scan scan = decoded(text);
+    const Scan scan = decodedCsv(text);
     ASSERT_EQ(scan.size(), 1u) << text;
     EXPECT_EQ(scan.position[0], (Vec3f{1, 2, 3})) << text;
     EXPECT_EQ(scan[kLabel], std::vector<std::uint16_t>{7}) << text;
     EXPECT_TRUE(scan.foreign.empty()) << text;
   }
-  EXPECT_EQ(decoded("1 2 3\n4 5 6").position[1], (Vec3f{4, 5, 6}));
+  EXPECT_EQ(decodedCsv("1 2 3\n4 5 6").position[1], (Vec3f{4, 5, 6}));
 }
 
 TEST(Csv, OtherColumnsMayHaveAnyName) {
-  const Scan scan = decoded(",x,y,z,distance,Slot ID,4\n0,1,2,3,9,7,5\n,4,5,6,9,7,5\n");
+  const Scan scan = decodedCsv(",x,y,z,distance,Slot ID,4\n0,1,2,3,9,7,5\n,4,5,6,9,7,5\n");
   EXPECT_EQ(scan.position, (std::vector<Vec3f>{{1, 2, 3}, {4, 5, 6}}));
   std::vector<std::string> names;
   for (const ForeignColumn& column : scan.foreign) names.push_back(column.name);
   EXPECT_EQ(names, (std::vector<std::string>{"column_1", "distance", "Slot_ID", "_4"}));
   testing::internal::CaptureStderr();
-  decoded("x,y,z,Code\n1,2,3,STN\n");
+  decodedCsv("x,y,z,Code\n1,2,3,STN\n");
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("test.csv: left out: 1 texts in the column 'Code'"));
 }
 
 TEST(Csv, IntensitiesOfZeroGiveWayToOthers) {
-  EXPECT_EQ(decoded("x,y,z,intensity,reflectivity\n1,2,3,0,7\n4,5,6,0,8\n")[kIntensity], (std::vector<float>{7, 8}));
-  EXPECT_EQ(decoded("x,y,z,intensity,reflectivity\n1,2,3,0,7\n4,5,6,1,8\n")[kIntensity], (std::vector<float>{0, 1}));
+  EXPECT_EQ(decodedCsv("x,y,z,intensity,reflectivity\n1,2,3,0,7\n4,5,6,0,8\n")[kIntensity], (std::vector<float>{7, 8}));
+  EXPECT_EQ(decodedCsv("x,y,z,intensity,reflectivity\n1,2,3,0,7\n4,5,6,1,8\n")[kIntensity], (std::vector<float>{0, 1}));
 }
 
 TEST(Csv, LabelsAndInstancesMayBeNone) {
-  const Scan scan = decoded("x,y,z,label,instance\n1,2,3,-100,-1\n4,5,6,8,0\n7,8,9,8,4.0\n");
+  const Scan scan = decodedCsv("x,y,z,label,instance\n1,2,3,-100,-1\n4,5,6,8,0\n7,8,9,8,4.0\n");
   EXPECT_EQ(scan[kLabel], (std::vector<std::uint16_t>{0, 8, 8}));
   EXPECT_EQ(scan[kInstance], (std::vector<std::uint32_t>{0, 1, 5}));
-  EXPECT_EQ(decoded("x,y,z,label\n1,2,3,-1\n1,2,3,0\n")[kLabel], (std::vector<std::uint16_t>{65535, 0}))
+  EXPECT_EQ(decodedCsv("x,y,z,label\n1,2,3,-1\n1,2,3,0\n")[kLabel], (std::vector<std::uint16_t>{65535, 0}))
       << "0 may be a class";
 }
 
@@ -137,7 +137,7 @@ TEST(Csv, ErrorsNameTheLine) {
       {"x,y,z,instance\n1,2,3,4294967296\n", "4294967295"},
   };
   for (const auto& [text, message] : bad) {
-    EXPECT_THAT(messageOf([&] { decoded(text); }), HasSubstr(message)) << text;
+    EXPECT_THAT(messageOf([&] { decodedCsv(text); }), HasSubstr(message)) << text;
   }
 }
 

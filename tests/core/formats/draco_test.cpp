@@ -6,7 +6,7 @@
 #include <cstring>
 
 #include "base/file.h"
-#include "formats/grid.h"
+#include "formats/draco_writer.h"
 #include "tests/core/formats/scans.h"
 #include "tests/support/shared_data.h"
 

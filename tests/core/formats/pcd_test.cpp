@@ -16,20 +16,20 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr const char* kEncodings[] = {"binary_compressed", "binary", "ascii"};
+constexpr const char* kPcdEncodings[] = {"binary_compressed", "binary", "ascii"};
 
 std::unique_ptr<Format> pcd(const char* encoding) {
   return makeFormat("pcd", fmt::format("encoding: {}", encoding));
 }
 
-Scan decoded(const std::string& bytes) {
+Scan decodedPcd(const std::string& bytes) {
   return makeFormat("pcd")->decode(bytes, "test.pcd");
 }
 
 void expectRoundTrips(const Scan& scan) {
-  for (const char* encoding : kEncodings) {
+  for (const char* encoding : kPcdEncodings) {
     SCOPED_TRACE(encoding);
-    expectSame(decoded(pcd(encoding)->encode(scan)), scan);
+    expectSame(decodedPcd(pcd(encoding)->encode(scan)), scan);
   }
 }
 
@@ -44,7 +44,7 @@ TEST(Pcd, RoundTripIsExactForSetsOfColumns) {
 
 // Columns of others stay what they are, whatever their types.
 TEST(Pcd, ForeignColumnsComeBackInTheirTypes) {
-  for (const char* encoding : kEncodings) {
+  for (const char* encoding : kPcdEncodings) {
     for (const bool organised : {false, true}) {
       SCOPED_TRACE(fmt::format("{} organised {}", encoding, organised));
       Scan scan = randomScan(3, 4, 25, kAllColumns, organised, 50);
@@ -60,7 +60,7 @@ TEST(Pcd, ForeignColumnsComeBackInTheirTypes) {
       add("near_ir", std::uint16_t{}), add("t", std::uint32_t{}), add("timestamp", double{}), add("ambient", float{});
       add("u1", std::uint8_t{}), add("u8", std::uint64_t{}), add("i1", std::int8_t{}), add("i2", std::int16_t{});
       add("i4", std::int32_t{}), add("i8", std::int64_t{});
-      const Scan back = decoded(pcd(encoding)->encode(scan));
+      const Scan back = decodedPcd(pcd(encoding)->encode(scan));
       expectSame(back, scan);
       ASSERT_EQ(back.foreign.size(), scan.foreign.size());
       for (std::size_t c = 0; c < scan.foreign.size(); ++c) {
@@ -79,7 +79,7 @@ TEST(Pcd, FurtherReturnsAreFurtherPlanes) {
   expectRoundTrips(scan);
   const std::string text =
       "# scanmill sensor: 4 1 organised\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 1\nHEIGHT 6\n";
-  EXPECT_THAT(messageOf([&] { decoded(text + "POINTS 6\nDATA ascii\n"); }), HasSubstr("disagree with the sensor"));
+  EXPECT_THAT(messageOf([&] { decodedPcd(text + "POINTS 6\nDATA ascii\n"); }), HasSubstr("disagree with the sensor"));
 }
 
 TEST(Pcd, RoundTripHoldsAtTheEdges) {
@@ -133,7 +133,7 @@ void expectPclReads(const Scan& scan, const std::filesystem::path& file) {
 
 TEST(Pcd, PclReadsWhatWeWrite) {
   const TemporaryFolder folder;
-  for (const char* encoding : kEncodings) {
+  for (const char* encoding : kPcdEncodings) {
     for (const unsigned columns : {0u, 1u, 2u, 28u, 60u, 127u, 128u, kAllColumns}) {
       for (const bool organised : {false, true}) {
         SCOPED_TRACE(fmt::format("{} columns {:x} organised {}", encoding, columns, organised));
@@ -149,7 +149,7 @@ TEST(Pcd, PclReadsWhatWeWrite) {
 TEST(Pcd, PclLoadsPointXyz) {
   const TemporaryFolder folder;
   const Scan scan = randomScan(2, 4, 33, kAllColumns, true, 50);
-  for (const char* encoding : kEncodings) {
+  for (const char* encoding : kPcdEncodings) {
     pcl::PointCloud<pcl::PointXYZ> cloud;
     ASSERT_EQ(pcl::io::loadPCDFile(folder.write("scan.pcd", pcd(encoding)->encode(scan)).string(), cloud), 0);
     ASSERT_EQ(cloud.size(), scan.size());
@@ -162,7 +162,7 @@ TEST(Pcd, PclLoadsPointXyz) {
 
 TEST(Pcd, PclReadsAnEmptyScan) {
   const TemporaryFolder folder;
-  for (const char* encoding : kEncodings) {
+  for (const char* encoding : kPcdEncodings) {
     pcl::PCLPointCloud2 cloud;
     EXPECT_EQ(pcl::PCDReader().read(folder.write("empty.pcd", pcd(encoding)->encode(Scan{})).string(), cloud), 0);
     EXPECT_EQ(cloud.width * cloud.height, 0u) << encoding;
@@ -182,7 +182,7 @@ TEST(Pcd, WeReadWhatPclWrites) {
   }
   const std::string file = (folder.path() / "pcl.pcd").string();
   const auto expectRead = [&] {
-    const Scan scan = decoded(readFile(file));
+    const Scan scan = decodedPcd(readFile(file));
     EXPECT_TRUE(scan.organised);
     EXPECT_EQ(scan.rings, 2u);
     EXPECT_EQ(scan.columns, 5u);
@@ -202,7 +202,7 @@ TEST(Pcd, WeReadWhatPclWrites) {
 
 // Foreign files: other orders, types and fields of no interest.
 TEST(Pcd, FieldsMayComeInAnyOrderAndType) {
-  const Scan scan = decoded(
+  const Scan scan = decodedPcd(
       "# a comment\nVERSION .7\nFIELDS label normal z y _ x ring\nSIZE 8 4 8 4 1 4 1\nTYPE I F F F U F U\n"
       "COUNT 1 3 1 1 2 1 1\nWIDTH 2\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\nDATA ascii\n"
       "4 9 9 9 3 2 8 8 1 5\n65535 9 9 9 nan 2.5 8 8 -1e-3 6\n");
@@ -223,7 +223,7 @@ TEST(Pcd, AxesMayBeCapitals) {
 }
 
 TEST(Pcd, IncidenceIsTakenFromForeignFiles) {
-  const Scan scan = decoded(
+  const Scan scan = decodedPcd(
       "VERSION .7\nFIELDS x y incidence z\nSIZE 4 4 8 4\nTYPE F F F F\nCOUNT 1 1 1 1\nWIDTH 2\nHEIGHT 1\n"
       "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\nDATA ascii\n1 2 0.5 3\n4 5 nan 6\n");
   ASSERT_EQ(scan[kIncidence].size(), 2u);
@@ -238,19 +238,19 @@ TEST(Pcd, ValuesThatDoNotFitAreRefused) {
     return fmt::format(fmt::runtime(head), type, "binary") + std::string(reinterpret_cast<const char*>(xyz), 12) +
            std::string(reinterpret_cast<const char*>(&label), 4);
   };
-  EXPECT_EQ(decoded(binary('F', 65535.0f))[kLabel][0], 65535);
-  EXPECT_EQ(decoded(binary('I', 65535))[kLabel][0], 65535);
+  EXPECT_EQ(decodedPcd(binary('F', 65535.0f))[kLabel][0], 65535);
+  EXPECT_EQ(decodedPcd(binary('I', 65535))[kLabel][0], 65535);
   for (const std::string& bytes :
        {binary('U', 65536u), binary('I', -2), binary('F', 0.5f), binary('F', std::nanf("")), binary('F', 1e10f),
         fmt::format(fmt::runtime(head), 'U', "ascii") + "1 2 3 65536\n"}) {
-    EXPECT_THAT(messageOf([&] { decoded(bytes); }),
+    EXPECT_THAT(messageOf([&] { decodedPcd(bytes); }),
                 AllOf(HasSubstr("test.pcd"), HasSubstr("label"), HasSubstr("label = number & 0xFFFF")));
   }
 }
 
 TEST(Pcd, FieldsAreListedIfTheCoordinatesHaveOtherNames) {
   const std::string text = "FIELDS point_x point_y z label\nSIZE 4 4 4 4\nTYPE F F F U\nWIDTH 1\nHEIGHT 1\nPOINTS 1\n";
-  EXPECT_THAT(messageOf([&] { decoded(text + "DATA ascii\n1 2 3 4\n"); }),
+  EXPECT_THAT(messageOf([&] { decodedPcd(text + "DATA ascii\n1 2 3 4\n"); }),
               HasSubstr("there is no field x, but point_x, point_y, z, label: name the coordinates x, y and z"));
 }
 
@@ -294,22 +294,23 @@ TEST(Pcd, LyingHeadersAreRefused) {
       "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH -1\nHEIGHT 1\nPOINTS 0\nDATA ascii\n",
   };
   for (const std::string& bytes : bad) {
-    EXPECT_THAT(messageOf([&] { decoded(bytes); }), HasSubstr("test.pcd")) << bytes;
+    EXPECT_THAT(messageOf([&] { decodedPcd(bytes); }), HasSubstr("test.pcd")) << bytes;
   }
 }
 
 TEST(Pcd, TextErrorsNameTheLine) {
   const std::string text = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA ascii\n1 2 3\n";
-  EXPECT_THAT(messageOf([&] { decoded(text + "4 five 6\n"); }), HasSubstr("test.pcd:9: y"));
-  EXPECT_THAT(messageOf([&] { decoded("FIELDS x y z\nNONSENSE 1\n"); }), HasSubstr("test.pcd:2"));
-  EXPECT_THAT(messageOf([&] { decoded(text + "4,5 5 6\n"); }), HasSubstr("test.pcd:9: x must be a number"));
+  EXPECT_THAT(messageOf([&] { decodedPcd(text + "4 five 6\n"); }), HasSubstr("test.pcd:9: y"));
+  EXPECT_THAT(messageOf([&] { decodedPcd("FIELDS x y z\nNONSENSE 1\n"); }), HasSubstr("test.pcd:2"));
+  EXPECT_THAT(messageOf([&] { decodedPcd(text + "4,5 5 6\n"); }), HasSubstr("test.pcd:9: x must be a number"));
 }
 
 TEST(Pcd, TheLastLineMayHaveNoEnd) {
   const std::string head = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA ascii\n";
-  EXPECT_EQ(decoded(head + "1 2 3\n4 5 6").position[1], (Vec3f{4, 5, 6}));
-  EXPECT_THAT(messageOf([&] { decoded(head + "1 2 3\n4 5"); }), HasSubstr("test.pcd:9: there is no value of field z"));
-  EXPECT_THAT(messageOf([&] { decoded(head + "1 2 3"); }), HasSubstr("truncated"));
+  EXPECT_EQ(decodedPcd(head + "1 2 3\n4 5 6").position[1], (Vec3f{4, 5, 6}));
+  EXPECT_THAT(messageOf([&] { decodedPcd(head + "1 2 3\n4 5"); }),
+              HasSubstr("test.pcd:9: there is no value of field z"));
+  EXPECT_THAT(messageOf([&] { decodedPcd(head + "1 2 3"); }), HasSubstr("truncated"));
 }
 
 std::string withViewpoint(const std::string& numbers) {
@@ -384,9 +385,9 @@ TEST(Pcd, ReflectivityStandsForAnAbsentIntensity) {
            "\nSIZE 4 4 4 1 1\nTYPE F F F U U\nCOUNT 1 1 1 1 1\nWIDTH 2\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\n"
            "POINTS 2\nDATA ascii\n1 2 3 7 9\n4 5 6 8 250\n";
   };
-  EXPECT_EQ(decoded(text("ring reflectivity"))[kIntensity], (std::vector<float>{9, 250}));
-  EXPECT_EQ(decoded(text("intensity reflectivity"))[kIntensity], (std::vector<float>{7, 8}));
-  EXPECT_EQ(decoded(text("reflectivity intensity"))[kIntensity], (std::vector<float>{9, 250}));
+  EXPECT_EQ(decodedPcd(text("ring reflectivity"))[kIntensity], (std::vector<float>{9, 250}));
+  EXPECT_EQ(decodedPcd(text("intensity reflectivity"))[kIntensity], (std::vector<float>{7, 8}));
+  EXPECT_EQ(decodedPcd(text("reflectivity intensity"))[kIntensity], (std::vector<float>{9, 250}));
 }
 
 }  // namespace

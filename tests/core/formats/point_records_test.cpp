@@ -1,8 +1,7 @@
-#include "formats/point_records.h"
-
 #include <cmath>
 
 #include "base/error.h"
+#include "formats/readers.h"
 #include "tests/support/message_of.h"
 
 namespace scanmill {

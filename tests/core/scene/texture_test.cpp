@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/file.h"
-#include "base/files_read.h"
+#include "base/input_budget.h"
 #include "images/images.h"
 #include "images/srgb.h"
 #include "tests/support/temporary_folder.h"

@@ -9,7 +9,7 @@
 #include <set>
 
 #include "base/file.h"
-#include "base/files_read.h"
+#include "base/input_budget.h"
 #include "base/random.h"
 #include "config/file_kind.h"
 #include "config/named_options.h"

@@ -11,7 +11,7 @@
 #include <set>
 
 #include "base/error.h"
-#include "base/utf8.h"
+#include "base/terminal.h"
 #include "config/flow_text.h"
 #include "config/waypoints.h"
 #include "scene/scene.h"

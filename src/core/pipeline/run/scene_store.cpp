@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "base/append_new.h"
-#include "base/files_read.h"
+#include "base/input_budget.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/tsan_order.h"

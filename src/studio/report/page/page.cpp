@@ -8,7 +8,7 @@
 
 #include "base/base64.h"
 #include "base/hash.h"
-#include "base/utf8.h"
+#include "base/terminal.h"
 #include "charts/svg_text.h"
 
 namespace scanmill {
