@@ -124,11 +124,11 @@ TEST(Polygon, DegenerateOnesEnd) {
 
 // An arm between two spirals of many turns: nearly every corner that is tried is no ear.
 TEST(Polygon, StopsWhereASpiralTakesTooLong) {
-  constexpr int kCorners = 4000;
+  constexpr int kSpiralCorners = 4000;
   std::vector<Vec3d> spiral;
   for (const bool inward : {false, true}) {
-    for (int i = 0; i < kCorners / 2; ++i) {
-      const double angle = 0.1 * (inward ? kCorners / 2 - 1 - i : i);
+    for (int i = 0; i < kSpiralCorners / 2; ++i) {
+      const double angle = 0.1 * (inward ? kSpiralCorners / 2 - 1 - i : i);
       const double radius = 1 + angle + (inward ? 1.5 : 0);
       spiral.push_back({radius * std::cos(angle), radius * std::sin(angle), 0});
     }
@@ -136,11 +136,11 @@ TEST(Polygon, StopsWhereASpiralTakesTooLong) {
   Triangles triangles;
   double tests = 0;
   ASSERT_TRUE(triangulate(spiral, triangles, tests));
-  EXPECT_GT(tests, kCorners * double{kCorners});
+  EXPECT_GT(tests, kSpiralCorners * double{kSpiralCorners});
   tests = 2e9 - 1e7;
   EXPECT_FALSE(triangulate(spiral, triangles, tests));
   EXPECT_GT(tests, 2e9);
-  EXPECT_LT(tests, 2e9 + kCorners) << "it stops at once";
+  EXPECT_LT(tests, 2e9 + kSpiralCorners) << "it stops at once";
   tests = 2e9 - 1e6;
   EXPECT_FALSE(triangulate(spiral, triangles, tests));
   EXPECT_EQ(tests, 2e9 - 1e6) << "it does not begin";
