@@ -46,27 +46,6 @@ TEST_F(CompareCommand, WritesAPageAndFiguresThatNameTheDifference) {
   }
 }
 
-TEST_F(CompareCommand, SaysWhatToTryOfThePipeline) {
-  const auto generated = [&](const char* name, const std::string& effects) {
-    EXPECT_EQ(scanmill({"generate", pipeline_, "-o", at(name), "-q", "--overwrite", "--set", effects}).code, 0);
-  };
-  generated("fine", "effects=[range_noise: {sigma_m: 0.02}]");
-  generated("coarse", "effects=[intensity, {range_noise: {sigma_m: 0.08}}]");
-  const Outcome made = scanmill({"compare", at("fine"), at("coarse"), "-o", at("out")});
-  ASSERT_EQ(made.code, 0) << made.error;
-  EXPECT_THAT(made.out, AllOf(HasSubstr("range_noise sigma_m"), HasSubstr("--set 'effects=[intensity, {range_noise")));
-  EXPECT_THAT(readFile(at("out/index.html")), HasSubstr("What to try"));
-  const nlohmann::json result = nlohmann::json::parse(readFile(at("out/compare.json")));
-  EXPECT_EQ(result["advice"][0]["now"], 0.08);
-  EXPECT_NEAR(result["advice"][0]["try"], 0.02, 0.005);
-  // What it says can be given as it is, and brings the sets together.
-  generated("coarse", result["set"]);
-  ASSERT_EQ(scanmill({"compare", at("fine"), at("coarse"), "-o", at("again"), "-q"}).code, 0);
-  EXPECT_TRUE(nlohmann::json::parse(readFile(at("again/compare.json")))["advice"].empty());
-  EXPECT_THAT(readFile(at("again/index.html")),
-              AllOf(Not(HasSubstr("What to try")), HasSubstr("there are no values to try.")));
-}
-
 TEST_F(CompareCommand, FoldersThatOthersReadAreRead) {
   for (const char* layout : {"semantic_kitti", "ply"}) {
     ASSERT_EQ(scanmill({"export", at("plain"), "--to", layout, "-o", at(layout)}).code, 0);
@@ -79,24 +58,6 @@ TEST_F(CompareCommand, FoldersThatOthersReadAreRead) {
   const std::string scan = at("semantic_kitti/sequences/00/velodyne/000000.bin");
   EXPECT_THAT(scanmill({"info", scan}).out, AllOf(HasSubstr("intensity"), HasSubstr("label")));
   EXPECT_EQ(scanmill({"view", scan, "--screenshot", at("single.png")}).code, 0);
-}
-
-TEST_F(CompareCommand, WrongUseIsToldAndNothingIsLost) {
-  expectRefused(scanmill({"compare", at("plain"), "-o", at("out")}),
-                "compare takes two sets, REAL and SIMULATED, not 1");
-  expectRefused(scanmill({"compare", at("plain"), at("noisy")}), "-o DIR is missing");
-  expectRefused(scanmill({"compare", at("plain"), at("absent"), "-o", at("out")}), "does not exist");
-  expectRefused(scanmill({"compare", at("plain"), at("noisy"), "-o", at("out"), "--scans", "0"}),
-                "--scans must be from 1");
-  expectRefused(scanmill({"compare", at("plain"), at("noisy"), "-o", at("out"), "--sensor", "nosuch"}),
-                "neither set has a sensor of this name");
-  folder_.write("none/notes.txt", "none");
-  expectRefused(scanmill({"compare", at("none"), at("noisy"), "-o", at("out")}), "is not a dataset");
-  folder_.write("damaged/velodyne/000000.bin", "abc");
-  expectRefused(scanmill({"compare", at("damaged"), at("noisy"), "-o", at("out")}), "no whole records of 4 float32");
-  folder_.write("filled/mine.txt", "mine");
-  expectRefused(scanmill({"compare", at("plain"), at("noisy"), "-o", at("filled")}), "filled");
-  EXPECT_FALSE(std::filesystem::exists(at("filled/compare.json")));
 }
 
 }  // namespace

@@ -30,35 +30,6 @@ TEST_F(DraftCommand, WritesASceneThatReadsAndAPicture) {
   EXPECT_THAT(info.out, AllOf(HasSubstr("tree"), HasSubstr("road"), HasSubstr("2 instances")));
 }
 
-// Files that differ by a number and are guessed alike have one line together.
-TEST_F(DraftCommand, TellsSeriesTogetherAndDoubts) {
-  for (int i = 0; i < 9; ++i) {
-    folder_.write(fmt::format("models/block_{}.obj", i), "o a\nv 0 0 0\nv 1 1 1\nv 1 0 1\nf 1 2 3\n");
-  }
-  const Outcome o = scanmill({"draft", at("models"), "-o", at("place.yaml")});
-  ASSERT_EQ(o.code, 0) << o.error;
-  EXPECT_THAT(o.out, AllOf(HasSubstr("block_*.obj (9 files)"), HasSubstr("doubtful"), HasSubstr("oak.obj"),
-                           testing::Not(HasSubstr("block_3"))));
-}
-
-TEST_F(DraftCommand, TakesWordsOfItsUsers) {
-  folder_.write("words.yaml", "concepts:\n  - {name: crown, classes: [building], words: [crown]}\n");
-  const std::string words = at("words.yaml");
-  ASSERT_EQ(scanmill({"draft", at("models/oak.obj"), "-o", at("place.yaml"), "--words", words}).code, 0);
-  EXPECT_THAT(readFile(at("place.yaml")), HasSubstr("class: building"));
-}
-
-TEST_F(DraftCommand, ReplacesNothingUnasked) {
-  folder_.write("place.png", "mine");
-  const std::vector<std::string> arguments{"draft", at("models/oak.obj"), "-o", at("place.yaml")};
-  expectRefused(scanmill(arguments), "place.png: exists: name another file");
-  EXPECT_FALSE(std::filesystem::exists(at("place.yaml")));
-  std::vector<std::string> insisting = arguments;
-  insisting.emplace_back("--overwrite");
-  EXPECT_EQ(scanmill(insisting).code, 0);
-  EXPECT_NE(readFile(at("place.png")), "mine");
-}
-
 // One file that has nothing to draft does not spoil a folder, unless a user names it.
 TEST_F(DraftCommand, GoesOnWithoutWhatCannotBeRead) {
   folder_.write("models/frames.urdf", "");
@@ -74,16 +45,6 @@ TEST_F(DraftCommand, GoesOnWithoutWhatCannotBeRead) {
   ASSERT_EQ(whole.code, 0) << whole.error;
   EXPECT_THAT(whole.error, HasSubstr("missing models and meshes ('gone.stl')"));
   EXPECT_THAT(readFile(at("w.yaml")), HasSubstr("missing: leave_out"));
-}
-
-TEST_F(DraftCommand, BadRequestsAreNamed) {
-  expectRefused(scanmill({"draft", "-o", at("a.yaml")}), "name 3D files");
-  expectRefused(scanmill({"draft", at("models")}), "-o FILE.yaml");
-  expectRefused(scanmill({"draft", at("none.obj"), "-o", at("a.yaml")}), "none.obj: the file does not exist");
-  std::filesystem::create_directory(at("empty"));
-  expectRefused(scanmill({"draft", at("empty"), "-o", at("a.yaml")}), "contains no 3D file");
-  expectRefused(scanmill({"draft", at("models"), "-o", at("a.yaml"), "--ontology", "nowhere"}), "nowhere");
-  EXPECT_FALSE(std::filesystem::exists(at("a.yaml")));
 }
 
 }  // namespace

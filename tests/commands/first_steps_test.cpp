@@ -49,87 +49,6 @@ TEST_F(FirstSteps, NamesOfTheProgramsFilesWorkFromAnywhere) {
   EXPECT_THAT(missing.error, HasSubstr("did you mean 'street', which comes with the program?"));
 }
 
-TEST_F(FirstSteps, AbsentFilesAreNamedWhereTheyAreReferredTo) {
-  expectRefused(scanmill({"plan", changed("scene: scene.yaml", "scene: scnee.yaml")}),
-                "changed.yaml:2:18: there is no file '" + at("scnee.yaml") + "' (did you mean 'scene.yaml'?)");
-  expectRefused(scanmill({"plan", pipeline_, "--set", "sensors.0.preset=os1_182"}),
-                "did you mean 'os1_128', which comes with the program?");
-  expectRefused(scanmill({"info", "vlp-17"}),
-                "vlp-17: does not exist (did you mean 'vlp_16', which comes with the program?)");
-  folder_.write("lost.yaml", "ontology: scanmil\nmaterials: materials\nobjects: []\n");
-  expectRefused(scanmill({"info", at("lost.yaml")}), "lost.yaml:1:11: there is no file");
-}
-
-TEST_F(FirstSteps, TyposComeBeforeWhatTheyHide) {
-  expectRefused(scanmill({"plan", changed("output:", "outptu:")}), "unknown key 'outptu' (did you mean 'output'?)");
-  expectRefused(scanmill({"plan", changed("mount:", "mout:")}), "unknown key 'mout' (did you mean 'mount'?)");
-  expectRefused(scanmill({"plan", changed("waypoints:", "waypoint:")}), "did you mean 'waypoints'?");
-  expectRefused(scanmill({"plan", changed("speed: 10", "sped: 10")}), "did you mean 'speed'?");
-  expectRefused(scanmill({"plan", changed("name: drive", "nothing: 1")}),
-                "(known: name, poses, waypoints, along, on, from, to, recorded, path, rounding, keep, drives, speed, "
-                "acceleration, "
-                "stops, lane_changes, sway, ground, every_s, every_m, frames)");
-  expectRefused(scanmill({"plan", changed("[intensity]", "[quantize: {zzz: 1}]")}),
-                "effect quantize: unknown key 'zzz' (known: step_m)");
-  expectRefused(scanmill({"plan", changed("[intensity]", "none")}), "[] for no effects");
-}
-
-TEST_F(FirstSteps, FilesInTheWrongPlaceAreCalledByTheirName) {
-  expectRefused(scanmill({"generate", at("scene.yaml"), "-o", at("out")}),
-                "scene.yaml: this is a scene: name it under `scenes:` of a pipeline");
-  expectRefused(scanmill({"plan", SCANMILL_SOURCE_DIR "/pipelines/sensors/vlp_16.yaml"}), "this is a sensor");
-  expectRefused(scanmill({"plan", SCANMILL_SOURCE_DIR "/labels/scanmill.yaml"}), "this is an ontology");
-  expectRefused(scanmill({"plan", changed("scene: scene.yaml", "scene: small.yaml")}), "this is a pipeline");
-  expectRefused(scanmill({"verify", pipeline_}), "verify takes the folder of a dataset, not a file");
-  expectRefused(scanmill({"verify", at(".")}),
-                "verify takes the folder of a dataset, but the file " + at("./manifest.json"));
-  expectRefused(scanmill({"info", at(".")}), "is not a dataset");
-  folder_.write("begun/.scanmill/plan", "{}");
-  expectRefused(scanmill({"verify", at("begun")}),
-                "this one is unfinished: `scanmill generate PIPELINE -o " + at("begun"));
-}
-
-TEST_F(FirstSteps, OverwriteNeverTouchesFoldersOfOthers) {
-  folder_.write("home/photo.jpg", "mine");
-  folder_.write("home/letters/train-000000.tar", "mine");
-  expectRefused(scanmill({"generate", pipeline_, "-q", "--overwrite", "-o", at("home")}), "has no dataset");
-  EXPECT_EQ(filesEndingIn("", at("home")).size(), 2u);
-}
-
-TEST_F(FirstSteps, GenerateWarnsOfWhatIsSeldomMeant) {
-  const Outcome far = scanmill({"generate", pipeline_, "-q", "-o", at("far"), "--set",
-                                "trajectories=[{name: far, poses: [{position: [9000, 0, 0]}]}]"});
-  EXPECT_EQ(far.code, 0);
-  EXPECT_THAT(far.error, AllOf(HasSubstr("warning: sequence scene-s1-far: the sensor 'top' hits nothing"),
-                               HasSubstr("is the trajectory inside the scene?"),
-                               HasSubstr("m away from the scene in 1 of 1 frames")));
-  EXPECT_THAT(far.out, HasSubstr("; 2 warnings\n"));
-
-  const Outcome same = scanmill({"generate", pipeline_, "-q", "-o", at("same"), "--set", "scenes.0.seeds=[1, 2]",
-                                 "--set", "splits={by: seed, train: [1], val: [2]}"});
-  EXPECT_EQ(same.code, 0);
-  EXPECT_THAT(same.error, AllOf(HasSubstr("its 2 seeds give the same geometry"), HasSubstr("into several splits")));
-  EXPECT_EQ(same.error.find("warning"), same.error.rfind("warning")) << same.error;
-
-  folder_.write("huge.yaml",
-                "ontology: scanmill\nmaterials: materials\nobjects:\n"
-                "  - {name: van, primitive: box, size: [9500, 2000, 2000], class: car, material: brick}\n"
-                "  - {name: nut, primitive: box, size: [1e-4, 1e-4, 1e-4], class: car, material: brick}\n");
-  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
-           {"info", at("huge.yaml")}, {"plan", pipeline_, "--check", "--set", "scenes.0.scene=huge.yaml"}}) {
-    const Outcome o = scanmill(arguments);
-    EXPECT_EQ(o.code, 0) << o.error;
-    EXPECT_THAT(o.error, AllOf(HasSubstr("the object 'van' measures 9.5 km"), HasSubstr("'nut' measures 0.0001 m")));
-  }
-}
-
-TEST_F(FirstSteps, SeedsOfProceduralScenesAreNoMistake) {
-  const Outcome o = scanmill({"plan", pipeline_, "--check", "--set", "scenes=[{scene: street, seeds: [1, 2]}]", "--set",
-                              "splits={by: seed, train: [1], val: [2]}"});
-  EXPECT_EQ(o.code, 0);
-  EXPECT_EQ(o.error, "");
-}
-
 TEST_F(FirstSteps, QuietIsOneLine) {
   const Outcome o = scanmill({"generate", pipeline_, "-q", "-o", at("out")});
   EXPECT_EQ(o.error, "");
@@ -164,13 +83,6 @@ TEST_F(FirstSteps, InfoOfAnAssetOfManyPartsSumsThemUp) {
                              Not(HasSubstr("part48"))));
   const Outcome all = scanmill({"info", at("many.obj"), "--all"});
   EXPECT_THAT(all.out, AllOf(HasSubstr("part48"), Not(HasSubstr("..."))));
-}
-
-TEST_F(FirstSteps, InfoOfASceneTellsTheSizesOfItsObjects) {
-  const Outcome o = scanmill({"info", at("scene.yaml")});
-  EXPECT_THAT(o.out, AllOf(HasSubstr("3 meshes, placed 3 times"), ContainsRegex("wall +1 x 60 x 9 +-0\\.5 +12 +1\n"),
-                           ContainsRegex("car +4 x 2 x 2 +0 +12 +1\n")));
-  EXPECT_EQ(o.error, "");
 }
 
 // The keys that a reader of options asks for, from its own refusal of another.

@@ -21,15 +21,5 @@ TEST_F(FitSensorCommand, WritesAFileThatIsASensor) {
   expectRefused(scanmill({"fit-sensor", frame, "-o", at("unit.yaml")}), "--overwrite");
 }
 
-TEST_F(FitSensorCommand, SaysWhatItNeeds) {
-  expectRefused(scanmill({"fit-sensor", "-o", at("x.yaml")}), "SCAN is missing");
-  expectRefused(scanmill({"fit-sensor", at("a.pcd")}), "--out is missing");
-  folder_.write("a.pcd",
-                "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA "
-                "ascii\n1 2 3\n");
-  expectRefused(scanmill({"fit-sensor", at("a.pcd"), "-o", at("x.yaml")}),
-                "the beams of the scans' points are unknown");
-}
-
 }  // namespace
 }  // namespace scanmill

@@ -86,18 +86,6 @@ TEST_F(Generate, ThreadsAndSeedsDoWhatTheySay) {
   EXPECT_FALSE(one == shard("other", {"--seed", "2"}));
 }
 
-TEST_F(Generate, VerifyFindsAFlippedByte) {
-  ASSERT_EQ(scanmill({"generate", pipeline_, "-q", "-o", at("out")}).code, 0);
-  const std::string shard = at("out/train/train-000000.tar");
-  std::string bytes = readFile(shard);
-  bytes[bytes.size() / 2] ^= 1;
-  std::ofstream(shard, std::ios::binary) << bytes;
-  const Outcome o = scanmill({"verify", at("out")});
-  EXPECT_EQ(o.code, 1);
-  EXPECT_THAT(o.error, AllOf(HasSubstr("train/train-000000.tar"), HasSubstr("SHA-256")));
-  EXPECT_THAT(o.out, AllOf(HasSubstr("problem"), Not(HasSubstr("sound"))));
-}
-
 // What webdataset does: members that follow each other and share the name up to the first dot are a sample.
 TEST_F(Generate, PythonGroupsTheMembersAsWebDatasetDoes) {
   if (std::system("python3 -c 'import tarfile' >/dev/null 2>&1") != 0) GTEST_SKIP() << "no python3";
@@ -177,27 +165,6 @@ TEST_F(Generate, AMemoryLimitIsKeptWithSeveralScenes) {
   EXPECT_LT(limited.peakBytes, std::uint64_t{290} << 20);
 }
 
-TEST_F(Generate, AFolderInUseIsRefusedAndReplacedWhereAsked) {
-  ASSERT_EQ(scanmill({"generate", pipeline_, "-q", "-o", at("out")}).code, 0);
-  expectRefused(scanmill({"generate", pipeline_, "-q", "-o", at("out")}), "--overwrite");
-  expectRefused(scanmill({"generate", pipeline_, "-q", "-o", pipeline_}), "is a file");
-  expectRefused(scanmill({"generate", pipeline_, "-q", "-o", at("scene.yaml/below")}), "scene.yaml");
-  EXPECT_EQ(scanmill({"generate", pipeline_, "-q", "-o", at("out"), "--overwrite"}).code, 0);
-  EXPECT_EQ(scanmill({"verify", "-q", at("out")}).code, 0);
-}
-
-TEST_F(Generate, AFolderInWhichNobodyMayWriteIsNamed) {
-  if (::geteuid() == 0) GTEST_SKIP() << "root may write anywhere";
-  std::filesystem::create_directories(at("shut"));
-  std::filesystem::permissions(at("shut"), std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
-  for (const std::string folder : {"shut", "shut/out"}) {
-    const Outcome o = scanmill({"generate", pipeline_, "-q", "-o", at(folder)});
-    EXPECT_NE(o.code, 0);
-    EXPECT_EQ(o.signal, 0);
-    EXPECT_THAT(o.error, AllOf(HasSubstr(at("shut")), HasSubstr("Permission denied")));
-  }
-}
-
 // In a mount namespace of its own, so that nothing stays mounted whatever happens.
 TEST_F(Generate, AFullDiskIsNamedAndLeavesNothingThatLooksFinished) {
   const std::string disk = at("disk");
@@ -247,42 +214,6 @@ TEST_F(Generate, StoppedRunsSaySo) {
     EXPECT_THAT(o.error, HasSubstr("--resume"));
     EXPECT_TRUE(filesEndingIn(".partial", at("out")).empty());
   }
-}
-
-// Killed at ten moments, and resumed each time: the bytes are those of a run that nobody killed.
-TEST_F(Generate, KilledAgainAndAgainTheResumedDatasetIsTheSame) {
-  const auto command = [&](const std::string& folder, bool resume) {
-    return withSettings({"generate", pipeline_, "-q", "-o", at(folder)},
-                        {"output={formats: [csv], shard_samples: 2}", "trajectories.0.every_s=1e-3",
-                         "trajectories.0.frames=300", "sensors.0.columns=512"},
-                        resume ? std::vector<std::string>{"--resume"} : std::vector<std::string>{});
-  };
-  ASSERT_EQ(scanmill(command("whole", false)).code, 0);
-  int killed = 0;
-  for (int i = 0; i < 10; ++i) {
-    std::vector<std::string> all{testedProgram()};
-    const auto more = command("cut", true);
-    all.insert(all.end(), more.begin(), more.end());
-    RunningProgram process(all);
-    // Some shards later than the last time.
-    const auto wanted = static_cast<std::size_t>(12 * i + 1 + i % 3);
-    while (process.running() && filesEndingIn(".tar.json", at("cut")).size() < wanted) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    process.send(SIGKILL);
-    killed += process.wait().signal == SIGKILL ? 1 : 0;
-    if (std::filesystem::exists(at("cut/manifest.json"))) break;
-  }
-  EXPECT_GT(killed, 1);
-  if (!std::filesystem::exists(at("cut/manifest.json")) || std::filesystem::exists(at("cut/.scanmill/plan"))) {
-    const Outcome last = scanmill(command("cut", true));
-    EXPECT_EQ(last.code, 0) << last.error;
-  }
-  for (const auto& file : filesEndingIn("", at("whole"))) {
-    const auto same = std::filesystem::path(at("cut")) / file.lexically_relative(at("whole"));
-    EXPECT_EQ(readFile(same), readFile(file)) << same;
-  }
-  EXPECT_EQ(filesEndingIn("", at("cut")).size(), filesEndingIn("", at("whole")).size());
 }
 
 // Whatever the number of threads and processes, whoever is killed: one set of bytes.
@@ -338,52 +269,6 @@ TEST_F(Generate, SharedOutOverProcessesTheDatasetIsTheSame) {
     }
     expectSame(folder);
   }
-}
-
-TEST_F(Generate, PartsThatCannotBeMeantAreRefused) {
-  const auto message = [&](const std::vector<std::string>& more) {
-    std::vector<std::string> all{"generate", pipeline_, "-q", "-o", at("out")};
-    all.insert(all.end(), more.begin(), more.end());
-    const Outcome outcome = scanmill(all);
-    EXPECT_EQ(outcome.code, 2) << outcome.error;
-    EXPECT_FALSE(std::filesystem::exists(at("out")));
-    return outcome.error;
-  };
-  EXPECT_THAT(message({"--shards", "0", "--workers", "2"}), HasSubstr("give only one of the two"));
-  EXPECT_THAT(message({"--shards", "1000"}), HasSubstr("such as 0-9,12"));
-  EXPECT_THAT(message({"--worker", "1"}), HasSubstr("give both --worker I and --workers N"));
-  EXPECT_THAT(message({"--workers", "3"}), HasSubstr("give both --worker I and --workers N"));
-  EXPECT_THAT(message({"--worker", "3", "--workers", "3"}), HasSubstr("numbered from 0"));
-  EXPECT_THAT(message({"--worker", "-1", "--workers", "3"}), HasSubstr("whole number"));
-  EXPECT_THAT(message({"--worker", "0", "--workers", "auto"}), HasSubstr("leave it out"));
-  EXPECT_THAT(message({"--workers", "auto", "--overwrite"}), HasSubstr("--overwrite"));
-  EXPECT_THAT(message({"--workers", "auto", "--keep-hits", at("hits")}), HasSubstr("one process"));
-}
-
-// Of two runs into one folder one is refused, and the other is whole.
-TEST_F(Generate, TwoRunsIntoOneFolderDoNotMix) {
-  for (int i = 0; i < 5; ++i) {
-    std::filesystem::remove_all(at("out"));
-    const std::vector<std::string> all{testedProgram(), "generate", pipeline_, "-q", "-o", at("out"), "--overwrite"};
-    RunningProgram a(all);
-    RunningProgram b(all);
-    const Outcome first = a.wait();
-    const Outcome second = b.wait();
-    EXPECT_TRUE(first.code == 0 || second.code == 0) << first.error << second.error;
-    for (const Outcome& o : {first, second}) {
-      if (o.code != 0) {
-        EXPECT_THAT(o.error, HasSubstr("is being written by"));
-      }
-    }
-    EXPECT_EQ(scanmill({"verify", "-q", at("out")}).code, 0);
-  }
-}
-
-TEST_F(Generate, ResumingAndOverwritingContradictEachOther) {
-  expectRefused(scanmill({"generate", pipeline_, "-q", "-o", at("out"), "--resume", "--overwrite"}),
-                "only one of the two");
-  expectRefused(scanmill({"generate", pipeline_, "-q", "-o", at("out"), "--resume", "--keep-hits", at("hits")}),
-                "recordings");
 }
 
 TEST_F(Generate, EndsWithForecastBesideFact) {

@@ -59,25 +59,6 @@ TEST_F(Recordings, OfPasses) {
   EXPECT_THAT(done({"info", depth}).out, AllOf(HasSubstr("roughness"), testing::Not(HasSubstr("N.X"))));
 }
 
-TEST_F(Recordings, WrongUsageIsTold) {
-  done({"generate", pipeline_, "-o", at("a"), "--keep-hits", at("hits")});
-  const std::vector<std::pair<std::vector<std::string>, std::string>> refused{
-      {{"generate", pipeline_, "-o", at("b"), "--from-hits", at("hits"), "--from-passes", at("hits")},
-       "give only one of"},
-      {{"generate", pipeline_, "-o", at("b"), "--from-passes", at("hits")}, "--from-hits"},
-      {{"generate", pipeline_, "-o", at("b"), "--from-hits", at("a")}, "no recording.json"},
-      {{"generate", pipeline_, "-o", at("b"), "--keep-passes", at("passes")}, "method: depth_camera"},
-      {{"generate", pipeline_, "-o", at("b"), "--keep-hits", at("hits")}, "--overwrite"},
-      {{"generate", pipeline_, "-o", at("b"), "--keep-hits", ""}, "--keep-hits: the name of the folder is empty"},
-      {{"render", pipeline_, "-o", at("passes")}, "method: depth_camera"},
-      {{"render", pipeline_, "--set", kCamera}, "-o DIR is missing"},
-      {{"render", pipeline_, "-o", at("passes"), "--set", kCamera, "--passes", "depth,normals"},
-       "did you mean 'normal'"},
-      {{"view", at("a"), "--screenshot", at("p.png"), "--over", at("nowhere")}, "nowhere"},
-  };
-  for (const auto& [arguments, text] : refused) expectRefused(scanmill(arguments), text);
-}
-
 TEST_F(Recordings, WithoutTheDeviceTheErrorSaysWhatToDo) {
   const Outcome gl = scanmill({"generate", pipeline_, "-o", at("b"), "--set", kCamera}, {"SCANMILL_GL_DEVICE=77"});
   EXPECT_NE(gl.code, 0);

@@ -56,25 +56,6 @@ TEST_F(Sweep, FoldersTellKeysApartThatEndAlike) {
   EXPECT_EQ(sets.at(0).folder, "sensors.0.columns=64,sensors.1.columns=32,seed=1");
 }
 
-TEST_F(Sweep, AWrongSweepMakesNothing) {
-  const auto swept = [&](const std::string& sweep) {
-    return scanmill({"generate", pipeline_, "-o", at("sweep"), "--sweep", sweep});
-  };
-  expectRefused(swept("seed"), "--sweep must be KEY=[A, B, ...]");
-  expectRefused(swept("seed=3"), "not a list");
-  expectRefused(swept("seed=[]"), "the list is empty");
-  expectRefused(swept("seed=[1"), "--sweep seed");
-  expectRefused(swept("sed=[1, 2]"), "sed");
-  expectRefused(swept("method=[ray_tracing, nothing]"), "nothing");  // before the first is made
-  const std::string noScene = folder_.write("no_scene.yaml", "objects: 3\n").string();
-  expectRefused(swept("vehicle=[vehicle, " + noScene + "]"), noScene + ":1");  // likewise
-  expectRefused(scanmill({"generate", pipeline_, "-o", at("sweep"), "--sweep", "seed=[1]", "--sweep", "seed=[2]"}),
-                "is given twice");
-  expectRefused(scanmill({"generate", pipeline_, "-o", at("sweep"), "--sweep", "seed=[1]", "--keep-hits", at("hits")}),
-                "--from-hits");
-  EXPECT_FALSE(std::filesystem::exists(at("sweep")));
-}
-
 // The list has each corruption in each severity, and none; a set of it is named in words.
 TEST_F(Sweep, CorruptionsAreASweep) {
   const std::vector<SweepSet> sets = sweepSets({corruptionSweep()});

@@ -92,25 +92,6 @@ TEST_F(Tradeoff, AReportIsReplacedOnlyWhenAsked) {
   EXPECT_EQ(filesIn(at("foreign")).size(), 1u);
 }
 
-TEST_F(Tradeoff, RefusesBadInputBeforeAnyWork) {
-  expectRefused(scanmill({"tradeoff", study_}), "-o DIR is missing");
-  expectRefused(scanmill({"tradeoff", at("absent.yaml"), "-o", at("out")}), "absent.yaml");
-  expectRefused(scanmill({"tradeoff", study_, "-o", at("out"), "--budget", "0"}), "--budget must be above 0");
-  expectRefused(scanmill({"tradeoff", study_, "-o", at("out"), "--budget", "soon"}), "soon");
-  expectRefused(scanmill({"tradeoff", study_, "-o", at("out"), "--set", "tradeoff.settings=[rays]"}),
-                "unknown method 'rays'");
-  expectRefused(scanmill({"tradeoff", study_, "-o", at("out"), "--set", "tradeoff.shot=3"}), "did you mean 'shots'");
-  expectRefused(scanmill({"tradeoff", study_, "-o", study_}), "is a file");
-  EXPECT_FALSE(fs::exists(at("out")));
-}
-
-TEST_F(Tradeoff, WhatTheBudgetDoesNotHoldIsSaid) {
-  const Outcome made = scanmill({"tradeoff", study_, "-o", at("out"), "--budget", "1e-6"});
-  ASSERT_EQ(made.code, 0) << made.error;
-  EXPECT_THAT(made.out, AllOf(HasSubstr("left out: particle refine=none"), HasSubstr("the budget of ")));
-  EXPECT_EQ(studyIn("out").at("settings").size(), 1u);
-}
-
 // An earlier report stays whole where its successor was interrupted.
 TEST_F(Tradeoff, AnInterruptLeavesNoReportBehind) {
   ASSERT_EQ(scanmill({"tradeoff", study_, "-q", "-o", at("out")}).code, 0);

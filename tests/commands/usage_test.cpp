@@ -56,42 +56,6 @@ TEST(Usage, ThePageOfInputsIsWhatTheProgramSays) {
       << "the page's tables are those of 'scanmill list inputs'";
 }
 
-TEST(Usage, WrongUsageIsRefusedWithAdvice) {
-  const std::pair<std::vector<std::string>, std::string> cases[] = {
-      {{"generat"}, "did you mean 'generate'?"},
-      {{"generate"}, "PIPELINE is missing"},
-      {{"generate", "p.yaml"}, "-o DIR is missing"},
-      {{"generate", "p.yaml", "-o", ""}, "-o DIR is missing"},
-      {{"generate", "p.yaml", "-o"}, "--help"},
-      {{"generate", "p.yaml", "q.yaml", "-o", "x"}, "'q.yaml' is a second"},
-      {{"generate", "p.yaml", "-o", "x", "--thread", "2"}, "thread"},
-      {{"generate", "p.yaml", "-o", "x", "--threads", "two"}, "two"},
-      {{"generate", "p.yaml", "-o", "x", "--threads", "-1"}, "--threads must be from 0 to 1024"},
-      {{"generate", "p.yaml", "-o", "x", "--threads", "99999999999999999999"}, "9999"},
-      {{"generate", "p.yaml", "-o", "x", "--memory-limit", "8 parsecs"}, "such as 8G, below 16 EiB, not '8 parsecs'"},
-      {{"generate", "p.yaml", "-o", "x", "--memory-limit", "-1G"}, "such as 8G"},
-      {{"generate", "p.yaml", "-o", "x", "--memory-limit", "1e10T"}, "below 16 EiB, not '1e10T'"},
-      {{"generate", "p.yaml", "-o", "x", "--memory-limit", "0.5"}, "such as 8G, below 16 EiB, not '0.5'"},
-      {{"plan"}, "PIPELINE is missing"},
-      {{"plan", "absent.yaml"}, "absent.yaml"},
-      {{"verify"}, "DIR is missing"},
-      {{"verify", "absent"}, "absent"},
-      {{"info"}, "FILE|DIR is missing"},
-      {{"info", "absent,too.pcd"}, "absent,too.pcd: does not exist"},
-      {{"info", std::string(5000, 'a')}, "File name too long"},
-      {{"list", "format"}, "did you mean 'formats'?"}};
-  std::vector<std::vector<std::string>> all;
-  for (const auto& [arguments, says] : cases) all.push_back(arguments);
-  const std::vector<Outcome> outcomes = scanmillEach(all);
-  for (std::size_t i = 0; i < outcomes.size(); ++i) {
-    SCOPED_TRACE(testing::PrintToString(all[i]));
-    expectRefused(outcomes[i], cases[i].second);
-  }
-  const Outcome nothing = scanmill({});
-  EXPECT_EQ(nothing.code, 2);
-  EXPECT_THAT(nothing.out, HasSubstr("Start with:"));
-}
-
 TEST(Usage, AFullStandardOutputIsAFailure) {
   const Outcome full = RunningProgram({"sh", "-c", testedProgram() + " list > /dev/full"}).wait();
   EXPECT_EQ(full.code, 1);
@@ -138,16 +102,6 @@ TEST_F(Overrides, ListsAreOneValue) {
                               "splits={by: seed, train: [4], val: [5]}", "--seed", "7"});
   EXPECT_EQ(o.code, 0) << o.error;
   EXPECT_THAT(o.out, AllOf(HasSubstr("scene-s4-drive"), HasSubstr("scene-s5-drive"), HasSubstr("val")));
-}
-
-TEST_F(Overrides, MistakesAreNamed) {
-  expectRefused(scanmill({"plan", pipeline_, "--set", "method.depth_camera.renderer=blender"}),
-                "write --set 'method={depth_camera: {renderer: blender}}'");
-  expectRefused(scanmill({"plan", pipeline_, "--set", "nonsense"}), "nonsense");
-  expectRefused(scanmill({"plan", pipeline_, "--set", "output.shard_md=3"}), "did you mean 'shard_mb'?");
-  expectRefused(scanmill({"plan", pipeline_, "--set", "scenes.7.seeds=[1]"}), "scenes");
-  expectRefused(scanmill({"plan", pipeline_, "--seed", "minus"}), "seed");
-  expectRefused(scanmill({"plan", pipeline_, "--set", "name=\xff"}), "UTF-8");
 }
 
 }  // namespace

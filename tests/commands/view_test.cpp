@@ -39,6 +39,12 @@ class View : public SmallWorld {
     EXPECT_THAT(outcome.out, HasSubstr("320 x 200"));
   }
 
+  std::vector<std::string> of(const std::vector<std::string>& more) const {
+    std::vector<std::string> arguments{"view", at("a"), "--screenshot", at("p.png")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+
   std::string only(const std::string& suffix, const std::string& folder) const {
     const auto files = filesEndingIn(suffix, at(folder));
     return files.empty() ? "" : files.front().string();
@@ -102,15 +108,17 @@ TEST_F(View, PicturesOfFiles) {
   expectRefused(scanmill({"view", at("passes"), "--sample", "nowhere", "--screenshot", at("x.png")}), "nowhere");
 }
 
-TEST_F(View, AHiddenClassMakesAnotherPicture) {
-  SKIP_WITHOUT_CANVAS();
-  const auto bytes = [&](const std::vector<std::string>& more) {
-    expectPicture(more);
-    return readFile(at("p.png"));
-  };
-  const std::string all = bytes({at("a"), "--bare"});
-  EXPECT_EQ(bytes({at("a"), "--bare"}), all);  // the same again
-  EXPECT_NE(bytes({at("a"), "--bare", "--hide", "ground"}), all);
+// The range image alone: whole pixels for each beam of the sensor.
+TEST_F(View, OfARangeImageAlone) {
+  const Outcome made = scanmill(of({"--range-image-alone", "--color", "range"}));
+  ASSERT_EQ(made.code, 0) << made.error;
+  const std::string png = readFile(at("p.png"));
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned>(static_cast<unsigned char>(png.at(i))); };
+  const unsigned width = byte(16) << 24 | byte(17) << 16 | byte(18) << 8 | byte(19);  // of the PNG's first chunk
+  EXPECT_GE(width, 1600u);
+  EXPECT_EQ(width % 64, 0u) << "the sensor has 64 columns, and each beam whole pixels";
+  expectRefused(scanmill(of({"--range-image-alone", "--mesh"})), "takes no --mesh");
+  expectRefused(scanmill({"view", at("a"), "--range-image-alone"}), "add --screenshot");
 }
 
 TEST_F(View, TurntablesAreNeverOverwrittenByAccident) {
@@ -191,6 +199,23 @@ TEST_F(View, BadInputIsRefusedWithAdvice) {
       {{at("a"), "--reference", at("absent")}, "absent"},
       {{at("a"), "--plane", "depth"}, "--plane"},
       {{at("absent.exr")}, "absent.exr"},
+      {{at("absent.exr"), "--at", "1,2,3", "--within", "3"}, "takes no --at"},
+      {{at("a"), "--at", "1,2,3"}, "both --at X,Y,Z"},
+      {{at("a"), "--within", "3"}, "both --at X,Y,Z"},
+      {{at("a"), "--at", "1,2", "--within", "3"}, "not '1,2'"},
+      {{at("a"), "--at", "1,2,3,4", "--within", "3"}, "such as 8,-3.5,-1"},
+      {{at("a"), "--at", "1,2,", "--within", "3"}, "not '1,2,'"},
+      {{at("a"), "--at", "1,nan,3", "--within", "3"}, "--at is X,Y,Z"},
+      {{at("a"), "--at", "1,2,1e9", "--within", "3"}, "at most"},
+      {{at("a"), "--at", "", "--within", "3"}, "--at is X,Y,Z"},
+      {{at("a"), "--at", "1,2,3", "--within", "0"}, "--within must be a number from 0.01"},
+      {{at("a"), "--at", "1,2,3", "--within", "-2"}, "--within must be a number from 0.01"},
+      {{at("a"), "--at", "1,2,3", "--within", "nan"}, "nan"},
+      {{at("a"), "--at", "1,2,3", "--within", "near"}, "near"},
+      {{at("a"), "--at", "1,2,3", "--within", "1,5"}, "not '1,5' (write a point"},
+      {{at("a"), "--at", "1,2,3", "--within", "3", "--range-image-alone"}, "takes no --at"},
+      {{at("a"), "--at", "1,2,3", "--within", "3", "--camera", "30,20,25,1,2,3"}, "leave X,Y,Z out"},
+      {{at("a"), "--at", "0,0,9999", "--within", "3"}, "the nearest is"},
   };
   std::vector<std::vector<std::string>> all;
   for (const auto& [arguments, says] : cases) {
@@ -239,13 +264,6 @@ TEST_F(View, DamagedDataIsSaidNotShown) {
   o = scanmill({"view", at("a"), "--sample", "0", "--screenshot", at("p.png"), "--size", "320x200"});
   EXPECT_TRUE(o.code == 0 || o.code == 1) << o.error;
   EXPECT_EQ(o.code == 0, std::filesystem::exists(at("p.png")));
-}
-
-TEST_F(View, HelpNamesOptionsAndKeys) {
-  const Outcome o = scanmill({"view", "--help"});
-  EXPECT_EQ(o.code, 0);
-  EXPECT_THAT(o.out, AllOf(HasSubstr("--screenshot"), HasSubstr("--turntable"), HasSubstr("--pick"),
-                           HasSubstr("Page_Down"), HasSubstr("by the next column")));
 }
 
 TEST(ViewPage, ListsEveryKey) {

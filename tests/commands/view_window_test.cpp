@@ -14,7 +14,6 @@
 #include "dataset/scan_source.h"
 #include "images/images.h"
 #include "tests/commands/program.h"
-#include "tests/support/mislabelled.h"
 #include "tests/support/x_display.h"
 #include "viewer/color_map.h"
 
@@ -177,106 +176,6 @@ TEST_F(ViewWindow, KeysChangeWhatIsSeen) {
   act({"key", "Escape", "key", "q"});
   const Outcome ended = viewer.end();
   EXPECT_EQ(ended.code, 0) << ended.error;
-}
-
-// The mistake stands out by its colour, and pointing at it says which instance it is.
-class MislabelledCar : public ViewWindow {
- protected:
-  void SetUp() override {
-    const ScanSource source = findScan(street(), "0", "");
-    std::map<std::uint32_t, std::uint64_t> points;
-    for (std::size_t i = 0; i < source.scan.size(); ++i) {
-      const Vec3f& p = source.scan.position[i];
-      if (source.scan[kLabel][i] == kCar && p.x > 4 && p.x < 25) ++points[source.scan[kInstance][i]];
-    }
-    ASSERT_FALSE(points.empty());
-    instance_ = std::max_element(points.begin(), points.end(), [](const auto& a, const auto& b) {
-                  return a.second < b.second;
-                })->first;
-    ASSERT_GT(
-        copyMislabelled(street(), at("wrong" + name()), readManifest(street()).samples[0].key, instance_, kBuilding),
-        400u);
-    const Outcome sound = scanmill({"verify", at("wrong" + name())});
-    ASSERT_EQ(sound.code, 0) << sound.out << sound.error;
-    ASSERT_EQ(scanmill(pictureOf(street(), "right")).code, 0);
-    ASSERT_EQ(scanmill(pictureOf(at("wrong" + name()), "wrong")).code, 0);
-    right_ = picture("right");
-    wrong_ = picture("wrong");
-  }
-
-  static std::string name() { return testing::UnitTest::GetInstance()->current_test_info()->name(); }
-
-  static std::vector<std::string> pictureOf(const std::string& dataset, const std::string& name) {
-    return {
-        "view",         dataset,          "--sample", "0", "--flat", "--size", fmt::format("{}x{}", kWidth, kHeight),
-        "--screenshot", at(name + ".png")};
-  }
-
-  static Image picture(const std::string& name) {
-    const DecodedImage decoded = readImage(at(name + ".png"));
-    Image image(static_cast<int>(decoded.width), static_cast<int>(decoded.height), Rgb{});
-    for (std::size_t i = 0; i < image.pixels.size(); ++i) {
-      std::copy_n(decoded.rgba.data() + 4 * i, 3, image.pixels[i].begin());
-    }
-    return image;
-  }
-
-  // In the middle of what has another colour than it should.
-  static Pixel suspicious(const Image& right, const Image& wrong) {
-    std::vector<Pixel> odd;
-    double x = 0;
-    double y = 0;
-    for (const Pixel& p : pixelsOf(wrong, colorOf(kBuilding))) {
-      if (right.at(p.x, p.y) != colorOf(kCar)) continue;
-      odd.push_back(p);
-      x += p.x;
-      y += p.y;
-    }
-    const auto count = static_cast<double>(odd.size());
-    return *std::min_element(odd.begin(), odd.end(), [&](const Pixel& a, const Pixel& b) {
-      return std::hypot(a.x - x / count, a.y - y / count) < std::hypot(b.x - x / count, b.y - y / count);
-    });
-  }
-
-  std::uint32_t instance_ = 0;
-  Image right_;
-  Image wrong_;
-};
-
-TEST_F(MislabelledCar, IsSeenAndNamedByAPictureAndAPick) {
-  const std::size_t missing = pixelsOf(right_, colorOf(kCar)).size() - pixelsOf(wrong_, colorOf(kCar)).size();
-  EXPECT_GT(missing, 200u) << "the mistake is large in the picture";
-  const Pixel p = suspicious(right_, wrong_);
-  std::vector<std::string> pick = pictureOf(at("wrong" + name()), "picked");
-  pick.insert(pick.end(), {"--pick", fmt::format("{},{}", p.x, p.y)});
-  const Outcome picked = scanmill(pick);
-  EXPECT_EQ(picked.code, 0) << picked.error;
-  EXPECT_THAT(picked.out, HasSubstr("building (6)"));
-  EXPECT_THAT(picked.out, testing::ContainsRegex("instance +" + std::to_string(instance_)));
-  pick[1] = street();
-  EXPECT_THAT(scanmill(pick).out, HasSubstr("car (20)"));
-}
-
-TEST_F(MislabelledCar, IsPointedAtInTheWindow) {
-  SKIP_WITHOUT_X();
-  const XDisplay display(fmt::format("{}x{}", kWidth, kHeight));
-  OpenViewer sound(display, street(), {"--sample", "0", "--flat"});
-  const Image right = sound.screenWhen(holdsColor(colorOf(1), 1000));
-  act({"key", "q"});
-  EXPECT_EQ(sound.end().code, 0);
-  OpenViewer viewer(display, at("wrong" + name()), {"--sample", "0", "--flat"});
-  const Image before = viewer.screenWhen(holdsColor(colorOf(1), 1000));
-  const Pixel p = suspicious(right, before);
-  act({"mousemove", std::to_string(p.x), std::to_string(p.y)});
-  // The box beside the pointer, its swatch in the class's colour.
-  viewer.screenWhen([&](const Image& screen) {
-    const std::vector<Pixel> building = pixelsOf(screen, colorOf(kBuilding));
-    const auto swatch = std::count_if(building.begin(), building.end(),
-                                      [&](const Pixel& q) { return before.at(q.x, q.y) != colorOf(kBuilding); });
-    return swatch > 10 && differsFrom(before, 6'000)(screen);
-  });
-  act({"key", "q"});
-  EXPECT_EQ(viewer.end().code, 0);
 }
 
 }  // namespace
