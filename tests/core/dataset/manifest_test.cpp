@@ -18,16 +18,16 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
-std::string refusal(const Json& json) {
+std::string refusal(const OrderedJson& json) {
   return messageOf<InputError>([&] { parseManifest(json.dump(), "manifest.json"); });
 }
 
 // Returns the refusal of the document with another value at `place`.
-std::string refusalWith(const Json& json, const std::string& place, const Json& value) {
-  Json damaged = json;
-  damaged[Json::json_pointer(place)] = value;
+std::string refusalWith(const OrderedJson& json, const std::string& place, const OrderedJson& value) {
+  OrderedJson damaged = json;
+  damaged[OrderedJson::json_pointer(place)] = value;
   return refusal(damaged);
 }
 
@@ -121,10 +121,11 @@ TEST(Manifest, UnresolvedBeamsAreToldWhereThereAreAny) {
   const Manifest read = readBack(m);
   EXPECT_EQ(read.samples[0].scans[0].unresolved, 0u);
   EXPECT_EQ(read.samples[1].scans[0].unresolved, 5u);
-  EXPECT_EQ(Json::parse(sampleJson(m.samples[1]))["scans"][0]["unresolved"], 5);
-  for (const Json& wrong : {Json(0), Json(m.samples[1].scans[0].beams + 1), Json("5"), Json(-1)}) {
+  EXPECT_EQ(OrderedJson::parse(sampleJson(m.samples[1]))["scans"][0]["unresolved"], 5);
+  for (const OrderedJson& wrong :
+       {OrderedJson(0), OrderedJson(m.samples[1].scans[0].beams + 1), OrderedJson("5"), OrderedJson(-1)}) {
     const std::string place = "/samples/1/scans/0/unresolved";
-    EXPECT_THAT(refusalWith(Json::parse(toJson(m)), place, wrong), HasSubstr(place)) << wrong;
+    EXPECT_THAT(refusalWith(OrderedJson::parse(toJson(m)), place, wrong), HasSubstr(place)) << wrong;
   }
 }
 
@@ -140,14 +141,14 @@ TEST(Manifest, DrawsAndMountsOfScansAreToldWhereTheyAre) {
   const Manifest read = readBack(m);
   EXPECT_TRUE(read.samples[0].draws.empty());
   EXPECT_EQ(read.samples[1].draws, m.samples[1].draws);
-  const Json json = Json::parse(toJson(m));
+  const OrderedJson json = OrderedJson::parse(toJson(m));
   EXPECT_EQ(json["samples"][1]["draws"],
-            Json::parse(R"({"effects.0.weather.kind": "fog", "objects.0.town.length": 253.25})"));
+            OrderedJson::parse(R"({"effects.0.weather.kind": "fog", "objects.0.town.length": 253.25})"));
   EXPECT_FALSE(json["sensors"][1].contains("vehicle_from_sensor"));
   EXPECT_EQ(mountOf(m.sensors[0], read.samples[1].scans[0]), *m.samples[1].scans[0].vehicleFromSensor);
   EXPECT_THAT(sampleJson(read.samples[1]), HasSubstr("253.25"));
   const std::string place = "/samples/1/draws/effects.0";
-  EXPECT_THAT(refusalWith(Json::parse(toJson(m)), place, true), HasSubstr(place));
+  EXPECT_THAT(refusalWith(OrderedJson::parse(toJson(m)), place, true), HasSubstr(place));
 }
 
 // Counts of listed objects, and what the intensity calls full, where there are such.
@@ -163,7 +164,7 @@ TEST(Manifest, ObjectsAndFullIntensitiesAreToldWhereTheyAre) {
   EXPECT_EQ(read.samples[0].objects, m.samples[0].objects);
   EXPECT_TRUE(read.samples[1].objects.has_value());
   EXPECT_FALSE(parseManifest(toJson(filledManifest()), "manifest.json").samples[1].objects.has_value());
-  const Json json = Json::parse(toJson(m));
+  const OrderedJson json = OrderedJson::parse(toJson(m));
   const std::string objects = "/samples/0/objects/0";
   EXPECT_THAT(refusalWith(json, objects + "/with_points", 13), HasSubstr(objects + "/with_points"));
   EXPECT_THAT(refusalWith(json, objects + "/id", 5), HasSubstr("class 5 is not in ontology"));
@@ -171,10 +172,10 @@ TEST(Manifest, ObjectsAndFullIntensitiesAreToldWhereTheyAre) {
 }
 
 TEST(Manifest, RefusesEveryMissingKey) {
-  const Json json = Json::parse(toJson(filledManifest()));
+  const OrderedJson json = OrderedJson::parse(toJson(filledManifest()));
   int tried = 0;
-  for (const Json::json_pointer& place : placesIn(json)) {
-    const Json& parent = json[place.parent_pointer()];
+  for (const OrderedJson::json_pointer& place : placesIn(json)) {
+    const OrderedJson& parent = json[place.parent_pointer()];
     const std::string path = place.to_string();
     const std::string top = path.substr(0, 8);
     const bool optional = place.back() == "aliases" || place.back() == "origin_left" || place.back() == "origin_up" ||
@@ -183,7 +184,7 @@ TEST(Manifest, RefusesEveryMissingKey) {
                                                               place.back() == "scenes" || place.back() == "parts")) ||
                           (path.starts_with("/sequences/") && place.back() == "vehicle");
     if (!parent.is_object() || top == "/frames/" || optional) continue;
-    Json damaged = json;
+    OrderedJson damaged = json;
     damaged[place.parent_pointer()].erase(place.back());
     const std::string message = refusal(damaged);
     EXPECT_THAT(message, HasSubstr("manifest.json")) << place;
@@ -198,7 +199,7 @@ TEST(Manifest, RefusesEveryMissingKey) {
 // Datasets of earlier versions state what is modelled as lines, random values as texts, and neither sequences nor
 // files.
 TEST(Manifest, ReadsEarlierVersions) {
-  Json json = Json::parse(toJson(filledManifest()));
+  OrderedJson json = OrderedJson::parse(toJson(filledManifest()));
   json["schema_version"] = 1;
   json["method_choice"] = {{"setting", "ray_tracing"}, {"assignment", "method=ray_tracing"}, {"why", "fast"}};
   json["modelled"] = {"effect speckle {looks: 3}: random echoes", "voxels: left out",
@@ -211,24 +212,26 @@ TEST(Manifest, ReadsEarlierVersions) {
     EXPECT_EQ(lineOf(read.modelled.at(i)), json["modelled"][i].get<std::string>());
     EXPECT_EQ(read.modelled[i].leftOut, i > 0);
   }
-  EXPECT_EQ(Json::parse(sampleJson(read.samples[0]))["draws"], json["samples"][0]["draws"]) << "as its member has it";
+  EXPECT_EQ(OrderedJson::parse(sampleJson(read.samples[0]))["draws"], json["samples"][0]["draws"])
+      << "as its member has it";
   EXPECT_EQ(read.sequenceOf(read.samples[0].key), nullptr);
 }
 
 TEST(Manifest, RefusesEveryUnknownKey) {
-  const Json json = Json::parse(toJson(filledManifest()));
-  std::vector<Json::json_pointer> places = placesIn(json);
+  const OrderedJson json = OrderedJson::parse(toJson(filledManifest()));
+  std::vector<OrderedJson::json_pointer> places = placesIn(json);
   places.emplace_back("");
-  for (const Json::json_pointer& place : places) {
+  for (const OrderedJson::json_pointer& place : places) {
     if (!json[place].is_object() || place.to_string() == "/frames") continue;
     EXPECT_THAT(refusalWith(json, place.to_string() + "/colour", 1), HasSubstr("'colour' is unknown")) << place;
   }
 }
 
 TEST(Manifest, RefusesEveryWrongType) {
-  const Json json = Json::parse(toJson(filledManifest()));
-  for (const Json::json_pointer& place : placesIn(json)) {
-    for (const Json& wrong : {Json(), Json(true), Json("x"), Json::array({nullptr}), Json{{"x", 1}}, Json(-1.5)}) {
+  const OrderedJson json = OrderedJson::parse(toJson(filledManifest()));
+  for (const OrderedJson::json_pointer& place : placesIn(json)) {
+    for (const OrderedJson& wrong : {OrderedJson(), OrderedJson(true), OrderedJson("x"), OrderedJson::array({nullptr}),
+                                     OrderedJson{{"x", 1}}, OrderedJson(-1.5)}) {
       if (wrong.type() == json[place].type()) continue;
       if (wrong.is_number() && json[place].is_number_float()) continue;
       const std::string message = refusalWith(json, place.to_string(), wrong);
@@ -238,15 +241,15 @@ TEST(Manifest, RefusesEveryWrongType) {
 }
 
 TEST(Manifest, NamesThePlaceOfWhatIsOutOfRange) {
-  const Json json = Json::parse(toJson(filledManifest()));
-  const std::vector<std::tuple<std::string, Json, std::string>> damages = {
+  const OrderedJson json = OrderedJson::parse(toJson(filledManifest()));
+  const std::vector<std::tuple<std::string, OrderedJson, std::string>> damages = {
       {"/samples/1/shard", 2, "2 is out of range: the dataset has 2 shards"},
       {"/samples/1/shard", 0, "0 belongs to 'train', but the sample to 'val'"},
       {"/samples/0/key", "a.b", "'a.b' is not a key"},
       {"/samples/1/key", "street-1-drive-000000", "does not start with the sample's key"},
       {"/samples/0/members/1", "other.csv", "does not start with"},
       {"/samples/0/scans/0/sensor", "left", "no sensor is named 'left'"},
-      {"/samples/0/scans/0/world_from_sensor", Json::array(), "has no pose"},
+      {"/samples/0/scans/0/world_from_sensor", OrderedJson::array(), "has no pose"},
       {"/samples/0/scans/0/world_from_sensor/0/rotation", {1, 1, 0, 0}, "not a unit quaternion"},
       {"/samples/0/scans/0/world_from_sensor/0/translation", {1, 1}, "2 numbers, but must have 3"},
       {"/samples/0/scans/0/points_per_class/0/id", 8, "class 8 is not in ontology 'ours'"},
@@ -320,14 +323,14 @@ TEST(Manifest, AbsentOnesAreExplained) {
 }
 
 // Walks the schema beside the document: what is required is there, and what is there is described.
-void compare(const Json& schema, const Json& root, const Json& value, const std::string& place) {
+void compare(const OrderedJson& schema, const OrderedJson& root, const OrderedJson& value, const std::string& place) {
   if (schema.contains("$ref")) {
-    compare(root[Json::json_pointer(schema["$ref"].get<std::string>().substr(1))], root, value, place);
+    compare(root[OrderedJson::json_pointer(schema["$ref"].get<std::string>().substr(1))], root, value, place);
     return;
   }
   if (value.is_object()) {
     ASSERT_EQ(schema.value("type", ""), "object") << place;
-    for (const Json& key : schema.value("required", Json::array())) {
+    for (const OrderedJson& key : schema.value("required", OrderedJson::array())) {
       EXPECT_TRUE(value.contains(key.get<std::string>())) << place << "/" << key;
     }
     ASSERT_TRUE(schema.contains("additionalProperties")) << place;
@@ -339,7 +342,7 @@ void compare(const Json& schema, const Json& root, const Json& value, const std:
     }
   } else if (value.is_array()) {
     ASSERT_EQ(schema.value("type", ""), "array") << place;
-    for (const Json& item : value) compare(schema["items"], root, item, place + "/-");
+    for (const OrderedJson& item : value) compare(schema["items"], root, item, place + "/-");
   } else if (!schema.contains("const") && !schema.contains("enum")) {
     const std::string type = schema.value("type", "");
     EXPECT_TRUE((type == "string" && value.is_string()) || (type == "boolean" && value.is_boolean()) ||
@@ -352,12 +355,12 @@ const std::filesystem::path kSchema = std::filesystem::path(SCANMILL_SOURCE_DIR)
 
 // Every object of the schema: parser, schema and writer name the same keys, or RefusesEveryMissingKey would fail.
 TEST(ManifestSchema, DescribesTheManifest) {
-  const Json schema = Json::parse(readFile(kSchema));
+  const OrderedJson schema = OrderedJson::parse(readFile(kSchema));
   Manifest manifest = filledManifest();
   manifest.samples[0].scans[0].unresolved = 1;
   manifest.samples[0].objects = {{65535, {12, 7}}};
   manifest.sensors[0].intensityFullScale = 255;
-  compare(schema, schema, Json::parse(toJson(manifest)), "");
+  compare(schema, schema, OrderedJson::parse(toJson(manifest)), "");
 }
 
 TEST(ManifestSchema, IsSatisfied) {
@@ -387,7 +390,7 @@ TEST(SampleJson, TellsWhatDiffers) {
   const SampleRecord sample = filledManifest().samples[0];
   const std::string text = sampleJson(sample);
   EXPECT_THAT(differenceOfSampleJson(text, sample), IsEmpty());
-  EXPECT_THAT(differenceOfSampleJson(Json::parse(text).dump(), sample), IsEmpty()) << "blanks do not matter";
+  EXPECT_THAT(differenceOfSampleJson(OrderedJson::parse(text).dump(), sample), IsEmpty()) << "blanks do not matter";
   SampleRecord other = sample;
   other.scans[1].points += 1;
   EXPECT_THAT(differenceOfSampleJson(text, other), HasSubstr("/scans/1/points is "));
@@ -402,7 +405,7 @@ TEST(SampleJson, TellsWhatDiffers) {
 }
 
 TEST(SampleJson, TakesSequenceAndFrameFromTheKey) {
-  const Json json = Json::parse(sampleJson(filledManifest().samples[1]));
+  const OrderedJson json = OrderedJson::parse(sampleJson(filledManifest().samples[1]));
   EXPECT_EQ(json["sequence"], "street-1-drive");
   EXPECT_EQ(json["frame"], "000001");
   EXPECT_EQ(json["time"], 0.1);

@@ -12,7 +12,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-const DatasetPlan kPlan{"abc", 5, {{"train", 2}, {"val", 1}}};
+const DatasetPlan kPartsPlan{"abc", 5, {{"train", 2}, {"val", 1}}};
 
 // The test dataset's shards as parts; sample n of the plan is the nth that is added.
 DatasetPart part(const std::string& file, const std::vector<std::uint64_t>& numbers) {
@@ -35,8 +35,9 @@ std::vector<DatasetPart> allParts() {
 }
 
 TEST(DatasetParts, ReadBackAsWritten) {
-  EXPECT_EQ(parsePlan(toJson(kPlan), "plan"), kPlan);
-  EXPECT_THAT(kPlan.shards(), ElementsAre("train/train-000000.tar", "train/train-000001.tar", "val/val-000000.tar"));
+  EXPECT_EQ(parsePlan(toJson(kPartsPlan), "plan"), kPartsPlan);
+  EXPECT_THAT(kPartsPlan.shards(),
+              ElementsAre("train/train-000000.tar", "train/train-000001.tar", "val/val-000000.tar"));
   for (const DatasetPart& own : allParts()) {
     const DatasetPart read = parsePart(toJson(own), "part");
     EXPECT_EQ(read.plan, own.plan);
@@ -65,7 +66,7 @@ TEST(DatasetParts, DamagedOnesAreRefused) {
 
 // Samples come in the order of the plan, with the shards that hold them.
 TEST(DatasetParts, AreJoinedInTheOrderOfThePlan) {
-  const Manifest whole = joinParts(kPlan, allParts());
+  const Manifest whole = joinParts(kPartsPlan, allParts());
   std::vector<std::string> keys;
   std::vector<std::uint32_t> shards;
   for (const SampleRecord& sample : whole.samples) {
@@ -85,25 +86,26 @@ TEST(DatasetParts, AreJoinedInTheOrderOfThePlan) {
 TEST(DatasetParts, OtherVersionsOfAFileAreRefused) {
   std::vector<DatasetPart> parts = allParts();
   parts[1].manifest.files[1].xxh3 = xxh3("v 1 0 0");
-  EXPECT_THAT(messageOf<Error>([&] { return joinParts(kPlan, parts); }),
+  EXPECT_THAT(messageOf<Error>([&] { return joinParts(kPartsPlan, parts); }),
               testing::AllOf(HasSubstr("scenes/wall.obj changed"), HasSubstr("--resume=anyway")));
-  EXPECT_EQ(joinParts(kPlan, parts, true).files.size(), testManifest().files.size() + 1);
+  EXPECT_EQ(joinParts(kPartsPlan, parts, true).files.size(), testManifest().files.size() + 1);
 }
 
 TEST(DatasetParts, GapsAndDoublesAreRefused) {
   std::vector<DatasetPart> twice = allParts();
   twice[1].numbers = {4};
-  EXPECT_THAT(messageOf<Error>([&] { return joinParts(kPlan, twice); }),
+  EXPECT_THAT(messageOf<Error>([&] { return joinParts(kPartsPlan, twice); }),
               HasSubstr("k-4 is in two shards, train/train-000000.tar and train/train-000001.tar"));
   std::vector<DatasetPart> inOne = allParts();
   inOne[2].numbers = {1, 1};
-  EXPECT_THAT(messageOf<Error>([&] { return joinParts(kPlan, inOne); }), HasSubstr("is in two shards"));
+  EXPECT_THAT(messageOf<Error>([&] { return joinParts(kPartsPlan, inOne); }), HasSubstr("is in two shards"));
   std::vector<DatasetPart> fewer = allParts();
   fewer.pop_back();
-  EXPECT_THAT(messageOf<Error>([&] { return joinParts(kPlan, fewer); }), HasSubstr("sample 1 of 5 is in no shard"));
+  EXPECT_THAT(messageOf<Error>([&] { return joinParts(kPartsPlan, fewer); }),
+              HasSubstr("sample 1 of 5 is in no shard"));
   std::vector<DatasetPart> beyond = allParts();
   beyond[1].numbers = {5};
-  EXPECT_THAT(messageOf<Error>([&] { return joinParts(kPlan, beyond); }), HasSubstr("the plan has 5 samples"));
+  EXPECT_THAT(messageOf<Error>([&] { return joinParts(kPartsPlan, beyond); }), HasSubstr("the plan has 5 samples"));
 }
 
 }  // namespace

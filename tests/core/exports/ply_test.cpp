@@ -14,7 +14,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 
 // A reader of a binary PLY of one element, with numpy and nothing of ours.
-const std::string kReader = R"(
+const std::string kPlyReader = R"(
 class Ply:
     def __init__(self, path):
         head, body = path.read_bytes().split(b'end_header\n', 1)
@@ -39,7 +39,7 @@ class PlyLayout : public ExportWorld {
 
   // Of what Python finds in the file of the first sample's first sensor.
   std::string ply(const std::string& code) const {
-    return python(kReader + "ply = Ply(folder / 'train/street-s1-lane-000000.top.ply')\n" + code);
+    return python(kPlyReader + "ply = Ply(folder / 'train/street-s1-lane-000000.top.ply')\n" + code);
   }
 };
 
@@ -51,7 +51,7 @@ TEST_F(PlyLayout, PointsHaveAllColumnsAndTheColoursOfTheirClasses) {
     const SemanticClass& c = plan_.manifest.ontology.require(name, {});
     classes += fmt::format("{}: ({}, {}, {}), ", c.id, c.color[0], c.color[1], c.color[2]);
   }
-  python(kReader + classes + R"(}
+  python(kPlyReader + classes + R"(}
 ply = Ply(folder / 'val/street-s2-lane-000001.rear.ply')
 assert ply.kind.names == ('x', 'y', 'z', 'red', 'green', 'blue', 'intensity', 'label', 'instance', 'ring', 'column',
                           'time', 'range_true')

@@ -9,10 +9,10 @@
 namespace scanmill {
 namespace {
 
-constexpr PassChoice kEverything{Channels::all(), true};
+constexpr PassChoice kAllPasses{Channels::all(), true};
 
 // Every value of pixel i of image k follows from 1000 * k + i.
-PassImage numbered(std::uint32_t image, std::uint32_t width, std::uint32_t height, PassChoice choice = kEverything) {
+PassImage numbered(std::uint32_t image, std::uint32_t width, std::uint32_t height, PassChoice choice = kAllPasses) {
   PassImage made{squareCamera(width, height, 1.0), {}};
   made.camera.name = "camera" + std::to_string(image);
   made.planes.reset(made.camera.pixels(), choice);
@@ -42,7 +42,7 @@ TEST(PassPlanes, HoldWhatWasAskedForAndSaySo) {
                                 Channel::Primitive, Channel::Reflectance}) {
     for (const bool surfaceParameters : {false, true}) {
       PassPlanes planes;
-      planes.reset(7, kEverything);
+      planes.reset(7, kAllPasses);
       planes.reset(5, {Channel::Range | channel, surfaceParameters});
       EXPECT_EQ(planes.size(), 5u);
       EXPECT_EQ(planes.choice(), (PassChoice{Channel::Range | channel, surfaceParameters}));
@@ -58,7 +58,7 @@ TEST(ImageSource, GivesEachPixelFromItsImage) {
   const std::vector<PixelAddress> addresses{0, 31, 32, 40, 41, 72, kNoPixel, 5, 5};
   const std::vector<std::uint32_t> expected{0, 31, 1000, 1008, 2000, 2031, 0, 5, 5};
   PassPlanes planes;
-  source.fetch(addresses, kEverything, planes);
+  source.fetch(addresses, kAllPasses, planes);
   ASSERT_EQ(planes.size(), addresses.size());
   for (std::size_t i = 0; i < addresses.size(); ++i) {
     if (addresses[i] == kNoPixel) {
@@ -96,7 +96,7 @@ TEST(ImageSource, ManyPixelsComeInTheirOrder) {
 TEST(ImageSource, AllPixelsReadBackAreTheImages) {
   const std::vector<PassImage> images{numbered(0, 8, 4), numbered(1, 3, 3)};
   ImageSource source(images);
-  const std::vector<PassImage> back = readAll(source, kEverything);
+  const std::vector<PassImage> back = readAll(source, kAllPasses);
   ASSERT_EQ(back.size(), images.size());
   for (std::size_t k = 0; k < images.size(); ++k) {
     EXPECT_EQ(back[k].camera.name, images[k].camera.name);

@@ -17,7 +17,7 @@
 namespace scanmill {
 namespace {
 
-constexpr PassChoice kEverything{Channels::all(), true};
+constexpr PassChoice kRendererPasses{Channels::all(), true};
 constexpr std::uint32_t kSide = 256;  // px
 
 // Whether all pixels around one, and itself, see the same triangle of the same thing.
@@ -58,8 +58,8 @@ TEST(Renderers, DrawTheSamePassesOfTheStreet) {
   cameras[1].cx += 60.25;
   cameras[1].cy -= 33.5;
   const DrawLimits limits{0.1, 200};
-  const auto byVtk = readAll(*vtk->draw(cameras, limits, kEverything), kEverything);
-  const auto byBlender = readAll(*blender->draw(cameras, limits, kEverything), kEverything);
+  const auto byVtk = readAll(*vtk->draw(cameras, limits, kRendererPasses), kRendererPasses);
+  const auto byBlender = readAll(*blender->draw(cameras, limits, kRendererPasses), kRendererPasses);
   ASSERT_EQ(byVtk.size(), byBlender.size());
 
   std::size_t pixels = 0;

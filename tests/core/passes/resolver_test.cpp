@@ -12,7 +12,7 @@
 namespace scanmill {
 namespace {
 
-constexpr PassChoice kEverything{Channels::all(), true};
+constexpr PassChoice kResolvedPasses{Channels::all(), true};
 
 // The first triangle that the line of sight through each pixel's centre meets, by trying them all.
 struct Drawn {
@@ -53,8 +53,8 @@ Drawn drawAll(const Scene& scene, const std::vector<Camera>& cameras) {
   return drawn;
 }
 
-Camera cameraAt(const Vec3d& position, double yawDegrees, double pitchDegrees, std::uint32_t size = 32,
-                double fieldDegrees = 80) {
+Camera squareCameraAt(const Vec3d& position, double yawDegrees, double pitchDegrees, std::uint32_t size = 32,
+                      double fieldDegrees = 80) {
   Camera camera = squareCamera(size, size, radians(fieldDegrees));
   camera.worldFromCamera = {fromYawPitchRoll(radians(yawDegrees), radians(pitchDegrees), 0.1) * vehicleFromOptical(),
                             position};
@@ -82,11 +82,11 @@ TEST(Resolver, NormalsAreThoseOfTheTrianglesInTheWorldTurnedToTheCamera) {
   const Mat3 tiny = Mat3::scale({1e-4, 1e-4, 1e-4});
   const Scene scene = spheres({placedAt({10, 0, 0}, turned), placedAt({-10, 1, 0}, squeezed),
                                placedAt({0, 10, 1}, mirrored), placedAt({0.001, -0.002, 0}, tiny)});
-  const std::vector<Camera> cameras{cameraAt({}, 0, 0), cameraAt({}, 180, 5), cameraAt({}, 90, -5),
-                                    cameraAt({}, -63, 0, 16, 15)};
+  const std::vector<Camera> cameras{squareCameraAt({}, 0, 0), squareCameraAt({}, 180, 5), squareCameraAt({}, 90, -5),
+                                    squareCameraAt({}, -63, 0, 16, 15)};
   const Drawn drawn = drawAll(scene, cameras);
   PassPlanes planes;
-  Resolver(scene).resolve(cameras, drawn.addresses, drawn.seen, kEverything, planes);
+  Resolver(scene).resolve(cameras, drawn.addresses, drawn.seen, kResolvedPasses, planes);
   std::size_t seen[5] = {};
   std::size_t address = 0;
   for (const Camera& camera : cameras) {
@@ -117,10 +117,10 @@ TEST(Resolver, NormalsAreThoseOfTheTrianglesInTheWorldTurnedToTheCamera) {
 
 TEST(Resolver, SeenFromInsideNormalsPointInwards) {
   const Scene scene = spheres({placedAt({}, {})});
-  const std::vector<Camera> cameras{cameraAt({0.5, 0, 0}, 20, 10)};
+  const std::vector<Camera> cameras{squareCameraAt({0.5, 0, 0}, 20, 10)};
   const Drawn drawn = drawAll(scene, cameras);
   PassPlanes planes;
-  Resolver(scene).resolve(cameras, drawn.addresses, drawn.seen, kEverything, planes);
+  Resolver(scene).resolve(cameras, drawn.addresses, drawn.seen, kResolvedPasses, planes);
   for (std::size_t i = 0; i < planes.size(); ++i) {
     ASSERT_LT(planes.depth[i], kNoDepth);
     const Camera& camera = cameras[0];
@@ -145,11 +145,11 @@ TEST(Resolver, LabelsAreThoseOfTheSurfaceAndTheInstance) {
   dark.roughness = 0.25f;
   dark.metallic = 1;
   dark.retroreflectance = 3;
-  const std::vector<Camera> cameras{cameraAt({0, 0, 3}, 0, 90, 4)};
+  const std::vector<Camera> cameras{squareCameraAt({0, 0, 3}, 0, 90, 4)};
   const std::vector<SeenTriangle> seen{{1, 1, 0}, {2, 1, 2}, {3, 2, 1}, {4, 2, 3}, {}, {5, 1, 0}};
   const std::vector<PixelAddress> addresses{3, 1, 2, 0, 15, kNoPixel};
   PassPlanes planes;
-  Resolver(scene).resolve(cameras, addresses, seen, kEverything, planes);
+  Resolver(scene).resolve(cameras, addresses, seen, kResolvedPasses, planes);
   const float miss = kNoDepth;
   EXPECT_EQ(planes.depth, (std::vector<float>{1, 2, 3, 4, miss, miss}));
   const std::uint32_t first = scene.instances[0].firstInstanceId;
@@ -169,11 +169,11 @@ TEST(Resolver, LabelsAreThoseOfTheSurfaceAndTheInstance) {
 
 TEST(Resolver, OnlyWhatIsAskedForIsFilled) {
   const Scene scene = spheres({placedAt({5, 0, 0}, {})});
-  const std::vector<Camera> cameras{cameraAt({}, 0, 0, 8)};
+  const std::vector<Camera> cameras{squareCameraAt({}, 0, 0, 8)};
   const Drawn drawn = drawAll(scene, cameras);
   const Resolver resolver(scene);
   PassPlanes all;
-  resolver.resolve(cameras, drawn.addresses, drawn.seen, kEverything, all);
+  resolver.resolve(cameras, drawn.addresses, drawn.seen, kResolvedPasses, all);
   for (const Channel channel : {Channel::Normal, Channel::Instance, Channel::Semantic, Channel::Material,
                                 Channel::Primitive, Channel::Reflectance}) {
     PassPlanes one;
@@ -213,10 +213,10 @@ TEST(Resolver, TexturesScaleTheReflectanceAtThePixelsCentre) {
   for (const Vec3d& origin : {Vec3d{0, 0, 0}, Vec3d{4.5e5, 5.4e6, 300}, Vec3d{1e7, -1e7, 1e7}}) {
     std::shared_ptr<Texture> texture;
     const Scene scene = texturedWall(origin + Vec3d{3, 0, 0}, texture);
-    const std::vector<Camera> cameras{cameraAt(origin + Vec3d{0, 0.5, -0.25}, 10, 4, 24)};
+    const std::vector<Camera> cameras{squareCameraAt(origin + Vec3d{0, 0.5, -0.25}, 10, 4, 24)};
     const Drawn drawn = drawAll(scene, cameras);
     PassPlanes planes;
-    Resolver(scene).resolve(cameras, drawn.addresses, drawn.seen, kEverything, planes);
+    Resolver(scene).resolve(cameras, drawn.addresses, drawn.seen, kResolvedPasses, planes);
     const float mean = meanLuminance(*texture);
     std::size_t checked = 0;
     for (std::size_t i = 0; i < planes.size(); ++i) {
@@ -240,12 +240,12 @@ TEST(Resolver, TexturesScaleTheReflectanceAtThePixelsCentre) {
 TEST(Resolver, BesideTheTriangleTheNearestTexelCounts) {
   std::shared_ptr<Texture> texture;
   const Scene scene = texturedWall({3, 0, 0}, texture);
-  const std::vector<Camera> cameras{cameraAt({}, 0, 0, 64, 150)};
+  const std::vector<Camera> cameras{squareCameraAt({}, 0, 0, 64, 150)};
   const Resolver resolver(scene);
   std::vector<PixelAddress> addresses(cameras[0].pixels());
   for (std::size_t i = 0; i < addresses.size(); ++i) addresses[i] = static_cast<PixelAddress>(i);
   PassPlanes planes;
-  resolver.resolve(cameras, addresses, std::vector<SeenTriangle>(addresses.size(), {1, 1, 0}), kEverything, planes);
+  resolver.resolve(cameras, addresses, std::vector<SeenTriangle>(addresses.size(), {1, 1, 0}), kResolvedPasses, planes);
   const float gain = 0.5f / meanLuminance(*texture);
   for (const float r : planes.reflectance) {
     bool known = false;
@@ -258,10 +258,10 @@ TEST(Resolver, FarFromTheOriginNothingChanges) {
   const Mat3 turned = toMatrix(fromYawPitchRoll(0.25, 0.5, 0));
   const auto resolved = [&](const Vec3d& origin) {
     const Scene scene = spheres({placedAt(origin + Vec3d{6, 0, 0}, turned), placedAt(origin + Vec3d{0, 8, 1}, turned)});
-    const std::vector<Camera> cameras{cameraAt(origin, 30, 0, 48)};
+    const std::vector<Camera> cameras{squareCameraAt(origin, 30, 0, 48)};
     const Drawn drawn = drawAll(scene, cameras);
     PassPlanes planes;
-    Resolver(scene).resolve(cameras, drawn.addresses, drawn.seen, kEverything, planes);
+    Resolver(scene).resolve(cameras, drawn.addresses, drawn.seen, kResolvedPasses, planes);
     return planes;
   };
   const PassPlanes here = resolved({0, 0, 0});
@@ -273,11 +273,11 @@ TEST(Resolver, FarFromTheOriginNothingChanges) {
 
 TEST(Resolver, ThePartsOfManyPixelsAreTheWhole) {
   const Scene scene = spheres({placedAt({6, 0, 0}, {}), placedAt({5, 3, 0}, Mat3::scale({1, -1, 1}))});
-  const std::vector<Camera> cameras{cameraAt({}, 0, 0, 40), cameraAt({}, 40, 0, 24)};
+  const std::vector<Camera> cameras{squareCameraAt({}, 0, 0, 40), squareCameraAt({}, 40, 0, 24)};
   const Drawn drawn = drawAll(scene, cameras);
   const Resolver resolver(scene);
   PassPlanes whole;
-  resolver.resolve(cameras, drawn.addresses, drawn.seen, kEverything, whole);
+  resolver.resolve(cameras, drawn.addresses, drawn.seen, kResolvedPasses, whole);
   std::vector<PixelAddress> addresses;
   std::vector<SeenTriangle> seen;
   for (std::uint32_t i = 0; i < 20'000; ++i) {
@@ -285,7 +285,7 @@ TEST(Resolver, ThePartsOfManyPixelsAreTheWhole) {
     seen.push_back(drawn.seen[addresses.back()]);
   }
   PassPlanes shuffled;
-  resolver.resolve(cameras, addresses, seen, kEverything, shuffled);
+  resolver.resolve(cameras, addresses, seen, kResolvedPasses, shuffled);
   for (std::size_t i = 0; i < addresses.size(); ++i) {
     ASSERT_EQ(shuffled.depth[i], whole.depth[addresses[i]]);
     ASSERT_EQ(shuffled.normal[i], whole.normal[addresses[i]]);
@@ -296,11 +296,11 @@ TEST(Resolver, ThePartsOfManyPixelsAreTheWhole) {
 TEST(Resolver, WhatIsNotThereIsAnError) {
   const Scene scene = spheres({placedAt({6, 0, 0}, {})});
   const auto triangles = static_cast<std::uint32_t>(scene.meshes[0].triangles.size());
-  const std::vector<Camera> cameras{cameraAt({}, 0, 0, 4)};
+  const std::vector<Camera> cameras{squareCameraAt({}, 0, 0, 4)};
   const Resolver resolver(scene);
   PassPlanes planes;
   const auto resolve = [&](PixelAddress address, SeenTriangle seen) {
-    return messageOf<Error>([&] { resolver.resolve(cameras, {{address}}, {{seen}}, kEverything, planes); });
+    return messageOf<Error>([&] { resolver.resolve(cameras, {{address}}, {{seen}}, kResolvedPasses, planes); });
   };
   EXPECT_THAT(resolve(0, {1, 2, 0}), testing::HasSubstr("instance 2"));
   EXPECT_THAT(resolve(0, {1, 0xFFFFFFFFu, 0}), testing::HasSubstr("instance 4294967295"));
@@ -309,7 +309,7 @@ TEST(Resolver, WhatIsNotThereIsAnError) {
   EXPECT_THAT(resolve(16, {1, 1, 0}), testing::HasSubstr("16"));
   EXPECT_EQ(resolve(15, {1, 1, triangles - 1}), "accepted");
   EXPECT_EQ(resolve(kNoPixel, {1, 7, 7}), "accepted");
-  EXPECT_THROW(resolver.resolve(cameras, {}, std::vector<SeenTriangle>(1), kEverything, planes), Error);
+  EXPECT_THROW(resolver.resolve(cameras, {}, std::vector<SeenTriangle>(1), kResolvedPasses, planes), Error);
 }
 
 }  // namespace

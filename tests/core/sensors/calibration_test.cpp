@@ -17,12 +17,12 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-struct Laser {
+struct DriverLaser {
   double vertical, rotation, up, left;
 };
 
-std::vector<Laser> lasersOf(const Value& file) {
-  std::vector<Laser> lasers;
+std::vector<DriverLaser> lasersOf(const Value& file) {
+  std::vector<DriverLaser> lasers;
   for (const Value& item : file.find("lasers")->items) {
     const auto figure = [&](const char* key) {
       const Value* value = item.find(key);
@@ -36,7 +36,7 @@ std::vector<Laser> lasersOf(const Value& file) {
 
 // What velodyne_pointcloud makes of a distance: rawdata.cc, unpack(), with the head turned clockwise by an angle, in
 // the frame of ROS (x forward, y left).
-Vec3d driversPoint(const Laser& laser, double turned, double distance) {
+Vec3d driversPoint(const DriverLaser& laser, double turned, double distance) {
   const double rotation = turned - laser.rotation;
   const double flat = distance * std::cos(laser.vertical) - laser.up * std::sin(laser.vertical);
   const double x = flat * std::sin(rotation) - laser.left * std::cos(rotation);
@@ -50,9 +50,9 @@ void expectTheDriversBeams(const std::filesystem::path& file) {
   const auto beams = makeBeams(resolveSensor(parseYaml(
       "{calibration: " + file.string() + ", columns: 90, rate_hz: 10, direction: clockwise, range_m: [0.9, 120]}",
       "s.yaml")));
-  std::vector<Laser> lasers = lasersOf(text);
+  std::vector<DriverLaser> lasers = lasersOf(text);
   std::stable_sort(lasers.begin(), lasers.end(),
-                   [](const Laser& a, const Laser& b) { return a.vertical > b.vertical; });
+                   [](const DriverLaser& a, const DriverLaser& b) { return a.vertical > b.vertical; });
   ASSERT_EQ(beams->rings, lasers.size());
   EXPECT_TRUE(beams->topDown);
   for (std::uint32_t ring = 0; ring < beams->rings; ++ring) {

@@ -24,7 +24,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-std::shared_ptr<const BeamTable> preset(const std::string& name) {
+std::shared_ptr<const BeamTable> presetFile(const std::string& name) {
   return makeBeams(readYaml(std::filesystem::path(SCANMILL_SOURCE_DIR) / "pipelines" / "sensors" / name));
 }
 
@@ -36,7 +36,7 @@ TEST(Presets, EveryFileIsASensorWithASource) {
   int count = 0;
   const auto folder = std::filesystem::path(SCANMILL_SOURCE_DIR) / "pipelines" / "sensors";
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    const auto beams = preset(entry.path().filename().string());
+    const auto beams = presetFile(entry.path().filename().string());
     EXPECT_NE(beams->model, "custom") << entry.path();
     EXPECT_FALSE(beams->source.empty()) << entry.path();
     EXPECT_GT(beams->maxRange, beams->minRange);
@@ -49,7 +49,7 @@ TEST(Presets, EveryFileIsASensorWithASource) {
 }
 
 TEST(Presets, Vlp16FollowsTheManual) {
-  const auto beams = preset("vlp_16.yaml");
+  const auto beams = presetFile("vlp_16.yaml");
   ASSERT_EQ(beams->rings, 16u);
   EXPECT_FALSE(beams->topDown);
   for (std::uint32_t ring = 0; ring < 16; ++ring) {
@@ -65,7 +65,7 @@ TEST(Presets, Vlp16FollowsTheManual) {
 TEST(Presets, Vlp16AgreesWithTheCalibrationTable) {
   SKIP_WITHOUT_SHARED_DATA("sensors/velodyne/VLP16db.yaml");
   const Value file = readYaml(sharedData() / "sensors/velodyne/VLP16db.yaml");
-  const auto beams = preset("vlp_16.yaml");
+  const auto beams = presetFile("vlp_16.yaml");
   for (const Value& laser : file.find("lasers")->items) {
     const double elevation = readNumber(*laser.find("vert_correction"), "vert_correction");
     const auto id = readInteger(*laser.find("laser_id"), "laser_id", 0, 15);
@@ -78,7 +78,7 @@ TEST(Presets, Vlp16AgreesWithTheCalibrationTable) {
 
 // 7294 and -4664 revolutions a minute: after 30 s, and no sooner, both prisms are where they were.
 TEST(Presets, Mid70DrawsARosetteThatRepeatsAfterHalfAMinute) {
-  const auto first = preset("livox_mid_70.yaml");
+  const auto first = presetFile("livox_mid_70.yaml");
   EXPECT_EQ(first->size(), 10000u);
   EXPECT_NEAR(first->time[1], 1e-5, 1e-9);
   double widest = 0;
@@ -97,7 +97,7 @@ TEST(Presets, Mid70DrawsARosetteThatRepeatsAfterHalfAMinute) {
 }
 
 TEST(Presets, Paper64SpansItsFieldOfView) {
-  const auto beams = preset("paper_64.yaml");
+  const auto beams = presetFile("paper_64.yaml");
   EXPECT_EQ(beams->rings, 64u);
   EXPECT_EQ(beams->columns, 2048u);
   EXPECT_NEAR(degrees(beams->elevation.front() - beams->elevation.back()), 26.8, 1e-12);
@@ -107,7 +107,7 @@ TEST(Presets, Paper64SpansItsFieldOfView) {
 }
 
 TEST(Presets, Hdl64eAgreesWithTheCalibrationTable) {
-  const auto beams = preset("hdl_64e.yaml");
+  const auto beams = presetFile("hdl_64e.yaml");
   ASSERT_EQ(beams->rings, 64u);
   EXPECT_TRUE(beams->topDown);
   SKIP_WITHOUT_SHARED_DATA("sensors/velodyne/64e_utexas.yaml");
@@ -126,7 +126,7 @@ TEST(Presets, Hdl64eAgreesWithTheCalibrationTable) {
 }
 
 TEST(Presets, Os1AgreesWithItsMetadata) {
-  const auto beams = preset("os1_128.yaml");
+  const auto beams = presetFile("os1_128.yaml");
   ASSERT_EQ(beams->rings, 128u);
   EXPECT_EQ(beams->columns, 1024u);
   EXPECT_TRUE(beams->topDown);
@@ -153,7 +153,7 @@ TEST(Presets, Os1BeamsPassThroughARealRecording) {
   const char* row = bytes.data() + bytes.find(marker) + marker.size();
   constexpr std::size_t kRow = 4 * sizeof(float) + 1 + 3 * sizeof(std::uint16_t);
 
-  const auto beams = preset("os1_128.yaml");
+  const auto beams = presetFile("os1_128.yaml");
   ASSERT_GE(bytes.size() - static_cast<std::size_t>(row - bytes.data()), beams->size() * kRow);
   std::size_t hits = 0;
   double worst = 0;
@@ -209,7 +209,7 @@ TEST_P(PresetsOfUnits, AgreeWithTheVendorsFile) {
   const Unit& unit = GetParam();
   const auto file = sharedData() / "sensors" / unit.file;
   SKIP_WITHOUT_SHARED_DATA(std::filesystem::path("sensors") / unit.file);
-  const auto beams = preset(unit.preset);
+  const auto beams = presetFile(unit.preset);
   const auto real = makeBeams(parseYaml(
       "{calibration: \"" + file.string() + "\", columns: 1000, rate_hz: 10, range_m: [1, 100]}", "unit.yaml"));
   ASSERT_EQ(beams->rings, real->rings);
@@ -261,7 +261,7 @@ TEST(Presets, HesaisSensorsFireAsTheirTablesSay) {
                                    std::pair{"pandar_xt_32.yaml", "PandarXT-32_Firetime Correction File.csv"},
                                    std::pair{"pandar_qt_64.yaml", "PandarQT_Firetime Correction File.csv"},
                                    std::pair{"at_128.yaml", "AT128E2X_Firetime Correction File.csv"}}) {
-    const auto beams = preset(name);
+    const auto beams = presetFile(name);
     const std::vector<double> times = readFiringTable(sharedData() / "sensors/hesai/firetime_correction" / file);
     for (std::uint32_t ring = 0; ring < beams->rings; ++ring) {
       EXPECT_NEAR(beams->firingOffset[ring] * 1e6, times.at(ring), 0.01) << name << " " << ring;
@@ -273,7 +273,7 @@ TEST(Presets, HesaisSensorsFireAsTheirTablesSay) {
 TEST(Presets, Pandar128FiresAsItsTableSays) {
   const std::filesystem::path file = "sensors/hesai/firetime_correction/Pandar128E3X_Firetime Correction File.csv";
   SKIP_WITHOUT_SHARED_DATA(file);
-  const auto beams = preset("pandar_128.yaml");
+  const auto beams = presetFile("pandar_128.yaml");
   std::istringstream lines(readFile(sharedData() / file));
   std::string line;
   for (int head = 0; head < 3; ++head) std::getline(lines, line);
@@ -288,7 +288,7 @@ TEST(Presets, Pandar128FiresAsItsTableSays) {
 
 // Hesai's binary file: int32 azimuths from byte 40, elevations from byte 552, in units of `resolution` / 25600 deg.
 TEST(Presets, At128AgreesWithItsAngleFile) {
-  const auto beams = preset("at_128.yaml");
+  const auto beams = presetFile("at_128.yaml");
   EXPECT_EQ(beams->rings, 128u);
   EXPECT_NEAR(beams->columnPeriod(), 41.667e-6, 1e-9);
   const std::filesystem::path file = "sensors/hesai/angle_correction/AT128E2X_Angle Correction File.dat";
@@ -310,7 +310,7 @@ TEST(Presets, At128AgreesWithItsAngleFile) {
 // VLS-128 User Manual 63-9483, section 9.4: groups of eight lasers, 2.665 us apart, with a pause after the eighth
 // group.
 TEST(Presets, Vls128FiresInGroupsOfEight) {
-  const auto beams = preset("vls_128.yaml");
+  const auto beams = presetFile("vls_128.yaml");
   EXPECT_NEAR(beams->columnPeriod(), 53.3e-6, 0.01e-6);
   std::map<long, int> groups;
   for (const double time : beams->firingOffset) ++groups[std::lround(time / 2.665e-6)];
@@ -347,7 +347,7 @@ SeenField seenField(const std::shared_ptr<const BeamTable>& first, int scans, do
 // Livox: 360 deg, -7 to 52 deg, 200,000 points/s. Two recordings of a unit (RoboSim, docs/LIVOX_MID360.md) cover 62 %
 // of the cells of one degree in 0.1 s and 98 % in 1 s.
 TEST(Presets, Mid360CoversItsField) {
-  const auto beams = preset("livox_mid_360.yaml");
+  const auto beams = presetFile("livox_mid_360.yaml");
   EXPECT_EQ(beams->rings, 4u);
   EXPECT_NEAR(static_cast<double>(beams->size()) / beams->period, 200e3, 1);
   const SeenField second = seenField(beams, 10);
@@ -363,8 +363,8 @@ TEST(Presets, Mid360CoversItsField) {
 // Livox's figures: the field, and for the Horizon a coverage near 60 % in 0.1 s and near 100 % in 0.5 s (in cells as
 // high as the beam, 0.28 deg, of what is seen in the end).
 TEST(Presets, AviaAndHorizonFillTheirFields) {
-  const auto avia = preset("livox_avia.yaml");
-  const auto horizon = preset("livox_horizon.yaml");
+  const auto avia = presetFile("livox_avia.yaml");
+  const auto horizon = presetFile("livox_horizon.yaml");
   for (const auto& beams : {avia, horizon}) {
     EXPECT_EQ(beams->rings, 6u);
     EXPECT_NEAR(static_cast<double>(beams->size()) / beams->period, 240e3, 1);
@@ -381,7 +381,7 @@ TEST(Presets, AviaAndHorizonFillTheirFields) {
 
 // RoboSense: 120 x 25 deg, five zones of 126 lines of 125 points, 78,750 points a scan; lines 0.2 deg apart.
 TEST(Presets, M1ScansItsZonesLineByLine) {
-  const auto beams = preset("rs_m1.yaml");
+  const auto beams = presetFile("rs_m1.yaml");
   EXPECT_EQ(beams->size(), 78750u);
   const SeenField field = seenField(beams, 1);
   EXPECT_NEAR(field.left, 60, 1e-9);
@@ -451,7 +451,7 @@ TEST(Presets, OthersFollowTheirDataSheets) {
         Sheet{"at_128.yaml", 128, 1200, 0.1, 119.9, 10, 200}, Sheet{"rs_ruby.yaml", 128, 1800, 0.2, 360, 10, 250},
         Sheet{"vls_128.yaml", 128, 1876, 360 / 1876.0, 360, 10, 262.14}}) {
     SCOPED_TRACE(s.preset);
-    const auto beams = preset(s.preset);
+    const auto beams = presetFile(s.preset);
     EXPECT_EQ(beams->rings, s.rings);
     ASSERT_EQ(beams->columns, s.columns);
     EXPECT_NEAR(degrees(beams->field), s.fieldDeg, 1e-9);
@@ -463,8 +463,8 @@ TEST(Presets, OthersFollowTheirDataSheets) {
     EXPECT_NEAR(beams->azimuth(0), -beams->azimuth(s.columns - 1), 1e-9);
   }
   // Step 384 of the URG-04LX, which begins at 44, looks ahead.
-  EXPECT_NEAR(preset("urg_04lx.yaml")->azimuth(384 - 44), 0, 1e-9);
-  const auto dome = preset("os_dome_128.yaml");
+  EXPECT_NEAR(presetFile("urg_04lx.yaml")->azimuth(384 - 44), 0, 1e-9);
+  const auto dome = presetFile("os_dome_128.yaml");
   EXPECT_NEAR(degrees(dome->elevation.front()), 90, 1e-9);
   EXPECT_NEAR(degrees(dome->elevation.back()), 0, 1e-9);
 }

@@ -18,11 +18,11 @@ Trajectory trajectoryOf(const std::string& text) {
   return readTrajectory(parseYaml(text, "trip.yaml"), "trip", 0.1);
 }
 
-std::string refusal(const std::string& text) {
+std::string trajectoryRefusal(const std::string& text) {
   return messageOf([&] { trajectoryOf(text); });
 }
 
-Vec3d headingOf(const Pose& pose) {
+Vec3d headingAt(const Pose& pose) {
   return toMatrix(pose.rotation).x;
 }
 
@@ -53,14 +53,14 @@ TEST(PathOfLines, KeepsToTheLinesButForItsCorners) {
     }
     return nearest;
   };
-  Vec3d heading = headingOf(path.pose(0));
+  Vec3d heading = headingAt(path.pose(0));
   for (double at = 0; at <= path.length(); at += 0.01) {
     const Pose pose = path.pose(at);
     double corner = INFINITY;
     for (const Vec3d& c : kCorners) corner = std::min(corner, length(c - pose.translation));
     EXPECT_LT(offLines(pose.translation), corner > kRounding ? 1e-9 : 0.36 * kRounding) << at;
-    EXPECT_GT(dot(heading, headingOf(pose)), std::cos(0.03)) << at;  // it never jumps
-    heading = headingOf(pose);
+    EXPECT_GT(dot(heading, headingAt(pose)), std::cos(0.03)) << at;  // it never jumps
+    heading = headingAt(pose);
   }
   EXPECT_EQ(path.pose(0).translation, kCorners.front());
   EXPECT_LT(length(path.pose(path.length()).translation - kCorners.back()), 1e-9);
@@ -109,7 +109,7 @@ TEST(Path, StraightLineIsItsOwnLength) {
   for (double s = 0; s <= 104; s += 0.37) {
     const Pose pose = path.pose(s);
     EXPECT_LT(length(pose.translation - Vec3d{1, 2 + s, 3}), 1e-9);
-    EXPECT_LT(length(headingOf(pose) - Vec3d{0, 1, 0}), 1e-9);
+    EXPECT_LT(length(headingAt(pose) - Vec3d{0, 1, 0}), 1e-9);
   }
 }
 
@@ -121,8 +121,8 @@ TEST(Path, SpeedIsConstantAndHeadingIsContinuousAndAlongTheMotion) {
     const Pose pose = path.pose(s);
     const Vec3d moved = pose.translation - before.translation;
     ASSERT_NEAR(length(moved) / step, 1, 0.01) << s;
-    ASSERT_GT(dot(normalized(moved), headingOf(pose)), 0.9999) << s;
-    ASSERT_GT(dot(headingOf(before), headingOf(pose)), 0.9999) << s;
+    ASSERT_GT(dot(normalized(moved), headingAt(pose)), 0.9999) << s;
+    ASSERT_GT(dot(headingAt(before), headingAt(pose)), 0.9999) << s;
     ASSERT_NEAR(toMatrix(pose.rotation).y.z, 0, 1e-12);  // no roll
     before = pose;
   }
@@ -156,8 +156,8 @@ TEST(Path, MovedFarAwayItKeepsItsShape) {
 
 TEST(Path, UphillPitchesUp) {
   const Pose pose = Path({{0, 0, 0}, {10, 0, 1}}).pose(5);
-  EXPECT_GT(headingOf(pose).z, 0);
-  EXPECT_NEAR(headingOf(pose).z / headingOf(pose).x, 0.1, 1e-12);
+  EXPECT_GT(headingAt(pose).z, 0);
+  EXPECT_NEAR(headingAt(pose).z / headingAt(pose).x, 0.1, 1e-12);
 }
 
 TEST(Trajectory, ConstantVelocityIsLinearInTime) {
@@ -171,7 +171,7 @@ TEST(Trajectory, ConstantVelocityIsLinearInTime) {
       const double time = 0.5 * frame + dt;
       const Pose pose = trip.pose(frame, dt);
       EXPECT_LT(length(pose.translation - Vec3d{3 * time, 4 * time, 1}), 1e-9);
-      EXPECT_LT(length(headingOf(pose) - Vec3d{0.6, 0.8, 0}), 1e-12);
+      EXPECT_LT(length(headingAt(pose) - Vec3d{0.6, 0.8, 0}), 1e-12);
     }
   }
 }
@@ -201,7 +201,7 @@ TEST(Trajectory, ListedPosesStandStill) {
   ASSERT_EQ(trip.frames(), 3u);
   EXPECT_EQ(trip.pose(1, 0), trip.pose(1, 1.5));
   EXPECT_EQ(trip.pose(1, 0).translation, (Vec3d{4, 5, 6}));
-  EXPECT_LT(length(headingOf(trip.pose(1, 0)) - Vec3d{0, 1, 0}), 1e-12);
+  EXPECT_LT(length(headingAt(trip.pose(1, 0)) - Vec3d{0, 1, 0}), 1e-12);
   EXPECT_DOUBLE_EQ(trip.frameTime(2), 4);
   EXPECT_EQ(trajectoryOf("{poses: [{}, {}, {}], frames: 2}").frames(), 2u);
   EXPECT_DOUBLE_EQ(trajectoryOf("{poses: [{}, {}]}").frameTime(1), 0.1);
@@ -209,39 +209,41 @@ TEST(Trajectory, ListedPosesStandStill) {
 
 TEST(Trajectory, MalformedOnesAreRefusedWithTheirPlace) {
   const std::string line = "waypoints: [[0, 0, 0], [100, 0, 0]]\n";
-  EXPECT_THAT(refusal(""), HasSubstr("give exactly one of poses, waypoints, along, on and recorded"));
-  EXPECT_THAT(refusal("{poses: []}"), HasSubstr("trip.yaml:1:9: "));
-  EXPECT_THAT(refusal("{poses: [{position: [0, 0]}]}"), HasSubstr("trip.yaml:1:"));
-  EXPECT_THAT(refusal("{poses: [{yaw: 3}]}"), HasSubstr("yaw_deg"));
-  EXPECT_THAT(refusal("{poses: [{}], speed: 3}"), HasSubstr("speed"));
-  EXPECT_THAT(refusal("{poses: [{position: [1e300, 0, 0]}]}"), HasSubstr("farther than"));
-  EXPECT_THAT(refusal(line + "speed: 3\nposes: [{}]"), HasSubstr("has poses and waypoints: give exactly one of"));
-  EXPECT_THAT(refusal(line), HasSubstr("speed"));
-  EXPECT_THAT(refusal("{along: lane, speed: 3}"), HasSubstr("here is no town"));
-  EXPECT_THAT(refusal(line + "along: lane\nspeed: 3"), HasSubstr("has waypoints and along"));
-  EXPECT_THAT(refusal("{along: lane, poses: [{}]}"), HasSubstr("has poses and along: give exactly one of"));
-  EXPECT_THAT(refusal(line + "speed: 0"), HasSubstr("trip.yaml:2:8: "));
-  EXPECT_THAT(refusal(line + "speed: -1"), HasSubstr("trip.yaml:2:8: "));
-  EXPECT_THAT(refusal(line + "speed: 101"), HasSubstr("trip.yaml:2:8: "));
-  EXPECT_THAT(refusal(line + "speed: 1\nevery_s: 0"), HasSubstr("trip.yaml:3:10: "));
-  EXPECT_THAT(refusal(line + "speed: 1\nevery_s: 1\nevery_m: 1"), HasSubstr("trip.yaml:4:10: "));
-  EXPECT_THAT(refusal(line + "speed: 1\nframes: 0"), HasSubstr("trip.yaml:3:9: "));
-  EXPECT_THAT(refusal(line + "speed: 1\nframes: 1e9"), HasSubstr("trip.yaml:3:9: "));
-  EXPECT_THAT(refusal(line + "speed: 1\nevery: 2"), HasSubstr("trip.yaml:3:"));
-  EXPECT_THAT(refusal("{along: lanes, speed: 3}"), HasSubstr("did you mean 'lane'"));
-  EXPECT_THAT(refusal(line + "speed: 9\nstops: [{at: 9}]"), HasSubstr("stops need the key `acceleration`"));
+  EXPECT_THAT(trajectoryRefusal(""), HasSubstr("give exactly one of poses, waypoints, along, on and recorded"));
+  EXPECT_THAT(trajectoryRefusal("{poses: []}"), HasSubstr("trip.yaml:1:9: "));
+  EXPECT_THAT(trajectoryRefusal("{poses: [{position: [0, 0]}]}"), HasSubstr("trip.yaml:1:"));
+  EXPECT_THAT(trajectoryRefusal("{poses: [{yaw: 3}]}"), HasSubstr("yaw_deg"));
+  EXPECT_THAT(trajectoryRefusal("{poses: [{}], speed: 3}"), HasSubstr("speed"));
+  EXPECT_THAT(trajectoryRefusal("{poses: [{position: [1e300, 0, 0]}]}"), HasSubstr("farther than"));
+  EXPECT_THAT(trajectoryRefusal(line + "speed: 3\nposes: [{}]"),
+              HasSubstr("has poses and waypoints: give exactly one of"));
+  EXPECT_THAT(trajectoryRefusal(line), HasSubstr("speed"));
+  EXPECT_THAT(trajectoryRefusal("{along: lane, speed: 3}"), HasSubstr("here is no town"));
+  EXPECT_THAT(trajectoryRefusal(line + "along: lane\nspeed: 3"), HasSubstr("has waypoints and along"));
+  EXPECT_THAT(trajectoryRefusal("{along: lane, poses: [{}]}"), HasSubstr("has poses and along: give exactly one of"));
+  EXPECT_THAT(trajectoryRefusal(line + "speed: 0"), HasSubstr("trip.yaml:2:8: "));
+  EXPECT_THAT(trajectoryRefusal(line + "speed: -1"), HasSubstr("trip.yaml:2:8: "));
+  EXPECT_THAT(trajectoryRefusal(line + "speed: 101"), HasSubstr("trip.yaml:2:8: "));
+  EXPECT_THAT(trajectoryRefusal(line + "speed: 1\nevery_s: 0"), HasSubstr("trip.yaml:3:10: "));
+  EXPECT_THAT(trajectoryRefusal(line + "speed: 1\nevery_s: 1\nevery_m: 1"), HasSubstr("trip.yaml:4:10: "));
+  EXPECT_THAT(trajectoryRefusal(line + "speed: 1\nframes: 0"), HasSubstr("trip.yaml:3:9: "));
+  EXPECT_THAT(trajectoryRefusal(line + "speed: 1\nframes: 1e9"), HasSubstr("trip.yaml:3:9: "));
+  EXPECT_THAT(trajectoryRefusal(line + "speed: 1\nevery: 2"), HasSubstr("trip.yaml:3:"));
+  EXPECT_THAT(trajectoryRefusal("{along: lanes, speed: 3}"), HasSubstr("did you mean 'lane'"));
+  EXPECT_THAT(trajectoryRefusal(line + "speed: 9\nstops: [{at: 9}]"), HasSubstr("stops need the key `acceleration`"));
   const std::string driven = line + "speed: 9\nacceleration: 2\n";
-  EXPECT_THAT(refusal(driven + "stops: 3"), HasSubstr("trip.yaml:4:"));
-  EXPECT_THAT(refusal(driven + "stops: [{at: 200}]"), HasSubstr("trip.yaml:4:"));
-  EXPECT_THAT(refusal(driven + "stops: [{at: 20}, {at: 20.5}]"), HasSubstr("at least 1 m apart"));
-  EXPECT_THAT(refusal(driven + "lane_changes: [{at: 3}]"), HasSubstr("left"));
-  EXPECT_THAT(refusal(driven + "sway: {yaw_deg: 3}"), HasSubstr("yaw_deg"));
-  EXPECT_THAT(refusal("{poses: [{}], acceleration: 3}"), HasSubstr("acceleration"));
-  EXPECT_THAT(refusal("{waypoints: [[0, 0, 0]], speed: 1}"), HasSubstr("at least two"));
-  EXPECT_THAT(refusal("{waypoints: [[0, 0, 0], [0, 0, 0]], speed: 1}"), HasSubstr("trip.yaml:1:25: "));
-  EXPECT_THAT(refusal("{waypoints: [[0, 0, 0], [0, 0, 9]], speed: 1}"), HasSubstr("steeper"));
-  EXPECT_THAT(refusal("{waypoints: [[0, 0, 0], [9, 0, 0], [1, 0, 0]], speed: 1}"), HasSubstr("straight back"));
-  EXPECT_THAT(refusal("{waypoints: [[0, 0, 0], [1e12, 0, 0]], speed: 1}"), HasSubstr("farther than"));
+  EXPECT_THAT(trajectoryRefusal(driven + "stops: 3"), HasSubstr("trip.yaml:4:"));
+  EXPECT_THAT(trajectoryRefusal(driven + "stops: [{at: 200}]"), HasSubstr("trip.yaml:4:"));
+  EXPECT_THAT(trajectoryRefusal(driven + "stops: [{at: 20}, {at: 20.5}]"), HasSubstr("at least 1 m apart"));
+  EXPECT_THAT(trajectoryRefusal(driven + "lane_changes: [{at: 3}]"), HasSubstr("left"));
+  EXPECT_THAT(trajectoryRefusal(driven + "sway: {yaw_deg: 3}"), HasSubstr("yaw_deg"));
+  EXPECT_THAT(trajectoryRefusal("{poses: [{}], acceleration: 3}"), HasSubstr("acceleration"));
+  EXPECT_THAT(trajectoryRefusal("{waypoints: [[0, 0, 0]], speed: 1}"), HasSubstr("at least two"));
+  EXPECT_THAT(trajectoryRefusal("{waypoints: [[0, 0, 0], [0, 0, 0]], speed: 1}"), HasSubstr("trip.yaml:1:25: "));
+  EXPECT_THAT(trajectoryRefusal("{waypoints: [[0, 0, 0], [0, 0, 9]], speed: 1}"), HasSubstr("steeper"));
+  EXPECT_THAT(trajectoryRefusal("{waypoints: [[0, 0, 0], [9, 0, 0], [1, 0, 0]], speed: 1}"),
+              HasSubstr("straight back"));
+  EXPECT_THAT(trajectoryRefusal("{waypoints: [[0, 0, 0], [1e12, 0, 0]], speed: 1}"), HasSubstr("farther than"));
 }
 
 TEST(Trajectory, AcceleratesFromRestAndStops) {
@@ -269,7 +271,7 @@ TEST(Trajectory, ChangesLanes) {
   EXPECT_NEAR(t.pose(300, 0).translation.y, 1, 1e-9);
   for (std::uint32_t f = 0; f + 1 < t.frames(); ++f) {
     const Vec3d moved = t.pose(f + 1, 0).translation - t.pose(f, 0).translation;
-    const Vec3d along = (headingOf(t.pose(f, 0)) + headingOf(t.pose(f + 1, 0))) * 0.5;
+    const Vec3d along = (headingAt(t.pose(f, 0)) + headingAt(t.pose(f + 1, 0))) * 0.5;
     ASSERT_NEAR(std::atan2(moved.y, moved.x), std::atan2(along.y, along.x), 2e-3) << f;
   }
 }
@@ -305,7 +307,7 @@ TEST(Trajectory, DoesNotSwayAtRest) {
 }
 
 TEST(Trajectory, HugeFrameCountsAreRefusedWithTheArithmetic) {
-  const std::string message = refusal("{waypoints: [[0, 0, 0], [1000, 0, 0]], speed: 10, every_m: 1e-6}");
+  const std::string message = trajectoryRefusal("{waypoints: [[0, 0, 0], [1000, 0, 0]], speed: 10, every_m: 1e-6}");
   EXPECT_THAT(message, HasSubstr("1000 m of path / 10 m/s / 1e-07 s per frame = 1e+09 frames"));
   EXPECT_THAT(message, HasSubstr("10000000"));
   EXPECT_EQ(trajectoryOf("{waypoints: [[0, 0, 0], [1000, 0, 0]], speed: 10, every_m: 1e-6, frames: 9}").frames(), 9u);
@@ -323,15 +325,15 @@ TEST(TrajectoryWay, LinesAreDrivenThroughTheirCorners) {
 
 TEST(TrajectoryWay, RefusesKeysOfOtherWays) {
   const std::string line = "waypoints: [[0, 0, 0], [50, 0, 0]], speed: 3";
-  EXPECT_THAT(refusal("{path: curve, " + line + "}"), HasSubstr("may not be"));
-  EXPECT_THAT(refusal("{rounding: 1, " + line + "}"), HasSubstr("rounding is for `path: line`"));
-  EXPECT_THAT(refusal("{path: line, along: lane, speed: 3}"), HasSubstr("path is for waypoints"));
-  EXPECT_THAT(refusal("{keep: left, " + line + "}"), HasSubstr("keep is for drives that have `on`"));
-  EXPECT_THAT(refusal("{drives: 2, " + line + "}"), HasSubstr("drives is for random drives"));
-  EXPECT_THAT(refusal("{path: line, poses: [{}]}"),
+  EXPECT_THAT(trajectoryRefusal("{path: curve, " + line + "}"), HasSubstr("may not be"));
+  EXPECT_THAT(trajectoryRefusal("{rounding: 1, " + line + "}"), HasSubstr("rounding is for `path: line`"));
+  EXPECT_THAT(trajectoryRefusal("{path: line, along: lane, speed: 3}"), HasSubstr("path is for waypoints"));
+  EXPECT_THAT(trajectoryRefusal("{keep: left, " + line + "}"), HasSubstr("keep is for drives that have `on`"));
+  EXPECT_THAT(trajectoryRefusal("{drives: 2, " + line + "}"), HasSubstr("drives is for random drives"));
+  EXPECT_THAT(trajectoryRefusal("{path: line, poses: [{}]}"),
               HasSubstr("path is for paths that are driven: the vehicle stands still"));
-  EXPECT_THAT(refusal("{ground: fall, " + line + "}"), HasSubstr("ground must be `drop`"));
-  EXPECT_THAT(refusal("{ground: {wheels: [1, 2, 3]}, " + line + "}"), HasSubstr("[wheelbase, track]"));
+  EXPECT_THAT(trajectoryRefusal("{ground: fall, " + line + "}"), HasSubstr("ground must be `drop`"));
+  EXPECT_THAT(trajectoryRefusal("{ground: {wheels: [1, 2, 3]}, " + line + "}"), HasSubstr("[wheelbase, track]"));
 }
 
 TEST(RandomDrive, IsAsLongAsItsFramesAtItsSpeedAndKnownByItsNumber) {
@@ -346,8 +348,8 @@ TEST(RandomDrive, IsAsLongAsItsFramesAtItsSpeedAndKnownByItsNumber) {
   EXPECT_THROW(second.pose(0, 0), Error) << "its way is not known yet";
   const Trajectory known = second.along({{0, 0, 0}, {30, 0, 0}, {60, 0, 0}});
   EXPECT_NEAR(known.pose(10, 0).translation.x, 40, 1e-9);
-  EXPECT_THAT(refusal("{\"on\": [road], speed: 8}"), HasSubstr("the number of `frames`"));
-  EXPECT_THAT(refusal("{\"on\": [road], speed: 8, frames: 3, lane_changes: [{at: 1, left: 3}]}"),
+  EXPECT_THAT(trajectoryRefusal("{\"on\": [road], speed: 8}"), HasSubstr("the number of `frames`"));
+  EXPECT_THAT(trajectoryRefusal("{\"on\": [road], speed: 8, frames: 3, lane_changes: [{at: 1, left: 3}]}"),
               HasSubstr("leave them out of a random drive"));
 }
 

@@ -5,13 +5,13 @@
 namespace scanmill::town {
 namespace {
 
-const Polygon kSquare{{0, 0}, {10, 0}, {10, 10}, {0, 10}};
-const Polygon kHole{{4, 4}, {4, 6}, {6, 6}, {6, 4}};
+const Polygon kPlot{{0, 0}, {10, 0}, {10, 10}, {0, 10}};
+const Polygon kPond{{4, 4}, {4, 6}, {6, 6}, {6, 4}};
 
 TEST(Areas, TheSmallestAreaIsTold) {
   Areas areas;
   areas.add({Land::Grass, {{-100, -100}, {100, -100}, {100, 100}, {-100, 100}}, {}});
-  areas.add({Land::Water, kSquare, {kHole}});
+  areas.add({Land::Water, kPlot, {kPond}});
   EXPECT_EQ(areas.at({50, 50}), Land::Grass);
   EXPECT_EQ(areas.at({2, 2}), Land::Water);
   EXPECT_EQ(areas.at({5, 5}), Land::Grass) << "an island";

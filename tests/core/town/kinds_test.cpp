@@ -29,7 +29,7 @@
 namespace scanmill {
 namespace {
 
-constexpr const char* kSmall = "{length: 120}";
+constexpr const char* kShortTown = "{length: 120}";
 
 // The kinds that seeds choose.
 constexpr std::array<const char*, 8> kKinds{"rural",    "suburban", "dense",      "boulevard",
@@ -40,7 +40,7 @@ TEST(Town, SuccessiveSeedsHaveEachKind) {
   for (const std::uint64_t first : {1, 6, 1000}) {
     std::set<std::string> kinds;
     for (std::uint64_t seed = first; seed < first + 16; ++seed) {
-      const std::string about = layoutOf(kSmall, seed).about();
+      const std::string about = layoutOf(kShortTown, seed).about();
       kinds.insert(about.substr(0, about.find(',')));
     }
     EXPECT_THAT(kinds, testing::UnorderedElementsAreArray(kKinds));

@@ -152,7 +152,7 @@ std::string relation(const std::vector<std::pair<int, const char*>>& ways,
   return text + "</relation>";
 }
 
-const std::vector<int> kSquare{4, 5, 6, 7, 4};
+const std::vector<int> kRingNodes{4, 5, 6, 7, 4};
 
 // Until 2017 the tags of a multipolygon stood on its outer ways.
 TEST_F(ReadOsm, RelationsWithoutTagsOfAnAreaAreCounted) {
@@ -167,13 +167,13 @@ TEST_F(ReadOsm, BuildingsOfRelationsHaveTheHeightOfTheirOuterWay) {
   const std::string start = kRoadNodes + kHouseNodes + kRoad;
   const auto top = [&](const std::vector<std::pair<const char*, const char*>>& outer,
                        const std::vector<std::pair<const char*, const char*>>& own) {
-    return read(start + way(11, kSquare, outer) + relation({{11, "outer"}}, own)).buildings.at(0).top;
+    return read(start + way(11, kRingNodes, outer) + relation({{11, "outer"}}, own)).buildings.at(0).top;
   };
   EXPECT_EQ(top({{"height", "20"}}, {{"building", "yes"}}), 20);
   EXPECT_EQ(top({{"height", "20"}}, {{"building", "yes"}, {"height", "8"}}), 8);
   EXPECT_EQ(top({{"height", "2"}, {"barrier", "wall"}}, {{"building", "yes"}}), std::nullopt) << "of the wall";
   const Map map =
-      read(start + node(24, 100, 30) + node(25, 120, 30) + node(26, 120, 40) + way(11, kSquare, {{"height", "20"}}) +
+      read(start + node(24, 100, 30) + node(25, 120, 30) + node(26, 120, 40) + way(11, kRingNodes, {{"height", "20"}}) +
            way(12, {24, 25, 26, 24}, {{"height", "30"}, {"building:levels", "9"}}) +
            relation({{11, "outer"}, {12, "outer"}}, {{"building", "yes"}}));
   EXPECT_EQ(map.buildings.size(), 2u);
@@ -184,7 +184,7 @@ TEST_F(ReadOsm, PavedAreasAndWaterAreBuilt) {
   const auto land = [&](const std::vector<std::pair<const char*, const char*>>& tags, bool asRelation) {
     const Map map =
         read(kRoadNodes + kHouseNodes + kRoad +
-             (asRelation ? way(11, kSquare, {}) + relation({{11, "outer"}}, tags) : way(11, kSquare, tags)));
+             (asRelation ? way(11, kRingNodes, {}) + relation({{11, "outer"}}, tags) : way(11, kRingNodes, tags)));
     EXPECT_EQ(map.roads.size(), 1u);
     EXPECT_TRUE(map.paths.empty());
     EXPECT_EQ(map.leftOut.text(), "");
@@ -269,8 +269,8 @@ TEST_F(ReadOsm, EveryShapeThatIsNotBuiltIsCounted) {
                                                                                    {"public_transport", "platform"},
                                                                                    {"parking", "rooftop"}}) {
     const std::string words = fmt::format("1 {}={}", key, value);
-    EXPECT_EQ(counted(way(11, kSquare, {{key, value}})), words);
-    EXPECT_EQ(counted(way(11, kSquare, {}) + relation({{11, "outer"}}, {{key, value}})), words) << "relation";
+    EXPECT_EQ(counted(way(11, kRingNodes, {{key, value}})), words);
+    EXPECT_EQ(counted(way(11, kRingNodes, {}) + relation({{11, "outer"}}, {{key, value}})), words) << "relation";
   }
   EXPECT_EQ(counted(way(11, {4, 5}, {{"man_made", "pipeline"}, {"location", "underground"}})), "");
   EXPECT_EQ(counted(way(11, {4, 5}, {{"highway", "footway"}, {"footway", "sidewalk"}, {"traffic_sign", "DE:240"}})),
@@ -291,7 +291,7 @@ TEST_F(ReadOsm, WhatTheMapSaysOfLooksAndStatesIsCounted) {
     return read(kRoadNodes + kHouseNodes + kRoad + way(11, {4, 5}, tags)).leftOut.text();
   };
   const auto building = [&](const Tags& tags) {
-    return read(kRoadNodes + kHouseNodes + kRoad + way(11, kSquare, tags)).leftOut.text();
+    return read(kRoadNodes + kHouseNodes + kRoad + way(11, kRingNodes, tags)).leftOut.text();
   };
   const std::string surface =
       "1 surfaces of roads, paths and paved areas, such as gravel, which are built of asphalt, concrete or paving";
@@ -327,7 +327,7 @@ TEST_F(ReadOsm, WhatTheMapSaysOfLooksAndStatesIsCounted) {
 TEST_F(ReadOsm, LandcoverAndEstimatedWidthsAreRead) {
   const auto place = [&](const char* cover) {
     return read(kRoadNodes + kHouseNodes + way(10, {1, 2, 3}, {{"highway", "residential"}, {"est_width", "9"}}) +
-                way(11, kSquare, {{"landcover", cover}}));
+                way(11, kRingNodes, {{"landcover", cover}}));
   };
   const Map wood = place("trees");
   ASSERT_EQ(wood.areas.size(), 1u);
@@ -339,7 +339,7 @@ TEST_F(ReadOsm, LandcoverAndEstimatedWidthsAreRead) {
 
 TEST_F(ReadOsm, OuterRingsOfARelationAreOneBuilding) {
   const std::string other = node(24, 50, 20) + node(25, 60, 20) + node(26, 60, 30) + way(12, {24, 25, 26, 24}, {});
-  const std::string start = kRoadNodes + kHouseNodes + other + kRoad + way(11, kSquare, {});
+  const std::string start = kRoadNodes + kHouseNodes + other + kRoad + way(11, kRingNodes, {});
   const auto relations = [&](const std::vector<std::pair<int, const char*>>& rings) {
     std::vector<std::int64_t> ids;
     for (const MapBuilding& b : read(start + relation(rings, {{"building", "yes"}})).buildings) {

@@ -25,7 +25,7 @@ constexpr Rgb kGreen{10, 240, 30};
 constexpr Rgb kBlue{30, 60, 251};
 constexpr Rgb kNight{13, 15, 20};
 constexpr Rgb kBlack{0, 0, 0};
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kCanvasNan = std::numeric_limits<float>::quiet_NaN();
 
 // Null where this machine has no OpenGL.
 std::unique_ptr<Canvas> canvasOrNull(int width, int height) {
@@ -192,7 +192,7 @@ TEST(Canvas, ColorsAreExactAndTheNearerWins) {
 TEST(Canvas, ShowsWhatIsAskedFor) {
   CANVAS_OR_SKIP(canvas, 90, 30);
   setView(canvas);
-  const std::vector<Vec3f> points{{10, 2, 0}, {10, 0, 0}, {10, -2, 0}, {kNan, 0, 0}, {10, INFINITY, 0}};
+  const std::vector<Vec3f> points{{10, 2, 0}, {10, 0, 0}, {10, -2, 0}, {kCanvasNan, 0, 0}, {10, INFINITY, 0}};
   std::vector<Rgb> colors{kRed, kGreen, kBlue, kRed, kRed};
   const auto counts = [&] {
     const Image image = drawn(canvas);

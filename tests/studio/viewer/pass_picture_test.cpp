@@ -40,7 +40,7 @@ Ontology walls() {
   return ontology;
 }
 
-std::size_t countOf(const Image& picture, const Rgb& color) {
+std::size_t pixelsOf(const Image& picture, const Rgb& color) {
   return static_cast<std::size_t>(std::ranges::count(picture.pixels, color));
 }
 
@@ -51,11 +51,11 @@ TEST(PassPicture, EveryPlaneIsThereAndHalfOfItIsEmpty) {
   EXPECT_EQ(picture.width, 600);
   // Five planes side by side: (600 - 6 * 8) / 5 = 110 columns and half as many rows each, of which 20 / 40 are seen.
   const std::size_t half = 55 * 55;
-  EXPECT_NEAR(static_cast<double>(countOf(picture, {200, 30, 40})), half, 200);     // semantic
-  EXPECT_NEAR(static_cast<double>(countOf(picture, instanceColor(3))), half, 200);  // instance
-  EXPECT_NEAR(static_cast<double>(countOf(picture, Rgb{0, 128, 128})), half, 200);  // normal -x
-  EXPECT_GT(countOf(picture, viridis(1)), half - 200);                              // reflectance
-  EXPECT_EQ(countOf(picture, kBackground), 10 * half);                              // nothing seen, ten times
+  EXPECT_NEAR(static_cast<double>(pixelsOf(picture, {200, 30, 40})), half, 200);     // semantic
+  EXPECT_NEAR(static_cast<double>(pixelsOf(picture, instanceColor(3))), half, 200);  // instance
+  EXPECT_NEAR(static_cast<double>(pixelsOf(picture, Rgb{0, 128, 128})), half, 200);  // normal -x
+  EXPECT_GT(pixelsOf(picture, viridis(1)), half - 200);                              // reflectance
+  EXPECT_EQ(pixelsOf(picture, kBackground), 10 * half);                              // nothing seen, ten times
 }
 
 TEST(PassPicture, OnePlaneHasItsLegend) {
@@ -64,8 +64,8 @@ TEST(PassPicture, OnePlaneHasItsLegend) {
   const ExrSource source{folder.path() / "front.exr", walls()};
   const Image picture = drawExr(source, "semantic", 600);
   const std::size_t half = 292 * 292;  // (600 - 2 * 8) / 2 columns and as many rows
-  EXPECT_GT(countOf(picture, {200, 30, 40}), half + 100) << "a sample of the colour is in the legend";
-  EXPECT_EQ(countOf(picture, instanceColor(3)), 0u);
+  EXPECT_GT(pixelsOf(picture, {200, 30, 40}), half + 100) << "a sample of the colour is in the legend";
+  EXPECT_EQ(pixelsOf(picture, instanceColor(3)), 0u);
   expectInputError([&] { drawExr(source, "colour", 600); }, {"front.exr", "colour", "depth, normal, semantic"});
 }
 
@@ -79,7 +79,7 @@ TEST(PassPicture, ReadsHitsToo) {
   writeHits(folder.path() / "hits.exr", hits);
   const Image picture = drawExr({folder.path() / "hits.exr", walls()}, "", 600);
   EXPECT_EQ(picture.width, 600);
-  EXPECT_GT(countOf(picture, {200, 30, 40}), 584u * 70);
+  EXPECT_GT(pixelsOf(picture, {200, 30, 40}), 584u * 70);
   folder.write("no.exr", "not an image");
   expectInputError([&] { drawExr({folder.path() / "no.exr"}, "", 600); }, {"no.exr"});
 }

@@ -28,8 +28,8 @@ using testing::HasSubstr;
 
 constexpr PassChoice kEverything{Channels::all(), true};
 
-Camera cameraAt(const Vec3d& position, double yawDeg, double pitchDeg, std::uint32_t width, std::uint32_t height,
-                double fieldDeg) {
+Camera uprightCamera(const Vec3d& position, double yawDeg, double pitchDeg, std::uint32_t width, std::uint32_t height,
+                     double fieldDeg) {
   Camera camera = squareCamera(width, height, radians(fieldDeg));
   const Quat heading = fromYawPitchRoll(radians(yawDeg), radians(pitchDeg), 0);
   camera.worldFromCamera = {heading * vehicleFromOptical(), position};
@@ -88,21 +88,21 @@ Scene smallScene(const Vec3d& where) {
 std::vector<Camera> variousCameras(const Vec3d& where) {
   const Vec3d eye = where + Vec3d{0, 0, 1.7};
   std::vector<Camera> cameras;
-  cameras.push_back(cameraAt(eye, 0, 5, 160, 120, 60));
-  cameras.push_back(cameraAt(eye, -8, 2, 120, 160, 10));
-  cameras.push_back(cameraAt(eye, 20, 10, 200, 100, 150));
-  cameras.push_back(cameraAt(eye + Vec3d{0, -1, 0.5}, -30, 0, 151, 97, 90));  // the principal point far off
+  cameras.push_back(uprightCamera(eye, 0, 5, 160, 120, 60));
+  cameras.push_back(uprightCamera(eye, -8, 2, 120, 160, 10));
+  cameras.push_back(uprightCamera(eye, 20, 10, 200, 100, 150));
+  cameras.push_back(uprightCamera(eye + Vec3d{0, -1, 0.5}, -30, 0, 151, 97, 90));  // the principal point far off
   cameras.back().cx += 40.25;
   cameras.back().cy -= 71.5;
-  cameras.push_back(cameraAt(eye, 5, 3, 96, 144, 80));  // pixels that are not square
+  cameras.push_back(uprightCamera(eye, 5, 3, 96, 144, 80));  // pixels that are not square
   cameras.back().fy *= 1.7;
-  cameras.push_back(cameraAt(eye, 5, 3, 144, 96, 80));
+  cameras.push_back(uprightCamera(eye, 5, 3, 144, 96, 80));
   cameras.back().fy *= 0.4;
   cameras.back().cx -= 30;
-  cameras.push_back(cameraAt(eye, -15, 0, 128, 128, 120));  // rolled
+  cameras.push_back(uprightCamera(eye, -15, 0, 128, 128, 120));  // rolled
   cameras.back().worldFromCamera.rotation =
       cameras.back().worldFromCamera.rotation * Quat{std::cos(0.3), 0, 0, std::sin(0.3)};
-  cameras.push_back(cameraAt(eye, 0, 0, 3, 2, 70));  // smaller than Blender's images can be
+  cameras.push_back(uprightCamera(eye, 0, 0, 3, 2, 70));  // smaller than Blender's images can be
   return cameras;
 }
 
@@ -184,8 +184,8 @@ TEST(BlenderRenderer, FarFromTheOriginAndFarFromTheFirstImage) {
   const auto renderer = makeBlenderRenderer(scene);
   const DrawLimits limits{0.01, 1000};
   // The first looks from 5 km away: the scene is then handed over again, relative to another place.
-  const auto elsewhere =
-      readAll(*renderer->draw({cameraAt(far + Vec3d{5000, 0, 2}, 0, 0, 16, 16, 60)}, limits, kEverything), kEverything);
+  const auto elsewhere = readAll(
+      *renderer->draw({uprightCamera(far + Vec3d{5000, 0, 2}, 0, 0, 16, 16, 60)}, limits, kEverything), kEverything);
   for (const float depth : elsewhere[0].planes.depth) EXPECT_TRUE(std::isinf(depth));
   const std::vector<Camera> all = variousCameras(far);
   const std::vector<Camera> cameras(all.begin(), all.begin() + 5);
@@ -347,9 +347,9 @@ TEST(BlenderRenderer, DrawsABlendThatASceneNames) {
                         "      - {match: any, class: object}\n");
   const Scene scene = readScene(file, {});
   // As the file's own camera stands.
-  const auto images =
-      readAll(*makeBlenderRenderer(scene)->draw({cameraAt({-1, 3, 2}, 20, 0, 200, 120, 80)}, {0.1, 100}, kEverything),
-              kEverything);
+  const auto images = readAll(
+      *makeBlenderRenderer(scene)->draw({uprightCamera({-1, 3, 2}, 20, 0, 200, 120, 80)}, {0.1, 100}, kEverything),
+      kEverything);
   const Agreement found = compare(scene, images[0], {0.1, 100});
   EXPECT_EQ(found.differInside, 0u);
   EXPECT_GT(found.seen, 200u);
@@ -383,10 +383,10 @@ TEST(BlenderRenderer, RefusesWhatBlenderCannotDraw) {
   SKIP_WITHOUT_BLENDER();
   const Scene scene = smallScene({0, 0, 0});
   const auto renderer = makeBlenderRenderer(scene);
-  Camera odd = cameraAt({0, 0, 2}, 0, 0, 16, 16, 60);
+  Camera odd = uprightCamera({0, 0, 2}, 0, 0, 16, 16, 60);
   odd.fy *= 300;
   EXPECT_THAT(messageOf<Error>([&] { renderer->draw({odd}, {}, {}); }), HasSubstr("test"));
-  const Camera good = cameraAt({0, 0, 2}, 0, 10, 16, 16, 60);
+  const Camera good = uprightCamera({0, 0, 2}, 0, 10, 16, 16, 60);
   EXPECT_THAT(messageOf<Error>([&] { renderer->draw({good}, {5, 5}, {}); }), HasSubstr("5"));
   EXPECT_THROW(renderer->draw(std::vector<Camera>(9, good), {}, {}), Error);
   // It goes on thereafter, and draws nothing where nothing is asked.

@@ -11,7 +11,7 @@
 namespace scanmill {
 namespace {
 
-constexpr PassChoice kEverything{Channels::all(), true};
+constexpr PassChoice kExrPasses{Channels::all(), true};
 
 Camera testCamera(std::uint32_t width, std::uint32_t height) {
   Camera camera = squareCamera(width, height, radians(100));
@@ -23,7 +23,7 @@ Camera testCamera(std::uint32_t width, std::uint32_t height) {
 }
 
 // Noise in every plane; every fourth pixel sees nothing.
-PassImage testImage(std::uint32_t width, std::uint32_t height, PassChoice choice = kEverything) {
+PassImage testImage(std::uint32_t width, std::uint32_t height, PassChoice choice = kExrPasses) {
   PassImage image{testCamera(width, height), {}};
   PassPlanes& planes = image.planes;
   planes.reset(image.camera.pixels(), choice);
@@ -85,7 +85,7 @@ TEST_F(PassExr, EveryBitComesBack) {
   for (const auto& [width, height] : {std::pair{1u, 1u}, {63u, 129u}, {300u, 7u}, {5u, 700u}}) {
     const PassImage image = testImage(width, height);
     writePasses(path, image);
-    const PassImage back = readPasses(path, kEverything);
+    const PassImage back = readPasses(path, kExrPasses);
     expectSame(image.camera, back.camera);
     expectSame(image.planes, back.planes);
   }
@@ -148,7 +148,7 @@ TEST_F(PassExr, PlanesThatDoNotFitAreNotWritten) {
 
 TEST_F(PassExr, DamageIsAnErrorAndNeverACrash) {
   writePasses(path, testImage(40, 50));
-  expectDamageIsRefused([&] { readPasses(path, kEverything); });
+  expectDamageIsRefused([&] { readPasses(path, kExrPasses); });
   folder.write("file.exr", "not an image at all");
   expectInputError([&] { readPasses(path, {}); }, {path.string(), "not an OpenEXR file"});
   expectInputError([&] { readPasses(folder.path() / "absent.exr", {}); }, {"absent.exr"});
@@ -165,7 +165,7 @@ TEST_F(PassExr, ClaimsThatTheFileCannotHoldAreRefused) {
       std::memcpy(&huge[place], corners, sizeof corners);
     }
     folder.write("huge.exr", huge);
-    return messageOf([&] { readPasses(folder.path() / "huge.exr", kEverything); });
+    return messageOf([&] { readPasses(folder.path() / "huge.exr", kExrPasses); });
   };
   EXPECT_EQ(claiming(40, 50), "accepted");
   EXPECT_THAT(claiming(100000, 100000), testing::HasSubstr("huge.exr"));

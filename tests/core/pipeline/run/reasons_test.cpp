@@ -10,7 +10,7 @@ namespace {
 using testing::Contains;
 using testing::HasSubstr;
 
-const std::string kWide =
+const std::string kWideYard =
     "sensors=[{name: top, columns: 256, rate_hz: 10, elevation_deg: {top: 5, bottom: -25, rings: 16}, range_m: [0.5, "
     "100], mount: {position: [0, 0, 1.8]}, divergence_mrad: 3, pulse_ns: 5}]";
 constexpr ColumnKey<columnIndex("cause")> kCauseColumn;
@@ -18,7 +18,7 @@ constexpr ColumnKey<columnIndex("cause")> kCauseColumn;
 class ReasonsRun : public Yard {
  protected:
   static std::vector<std::string> with(const std::string& effects) {
-    return {kWide, "effects=" + effects, "output.reasons=true",
+    return {kWideYard, "effects=" + effects, "output.reasons=true",
             "output.columns=[intensity, label, ring, column, return, cause]"};
   }
 };

@@ -6,11 +6,11 @@ namespace {
 
 using testing::HasSubstr;
 
-double elevationOf(const Vec3d& p) {
+double reportedElevation(const Vec3d& p) {
   return std::atan2(p.z, std::hypot(p.x, p.y));
 }
 
-Vec3d reported(const World& world, const Returns& returns, std::size_t row) {
+Vec3d reportedPoint(const World& world, const Returns& returns, std::size_t row) {
   const Vec3d along = world.shot.beams->direction[returns.beam(row)] * double{returns.range[row]};
   return returns.displacement.empty() ? along : along + Vec3d(returns.displacement[row]);
 }
@@ -30,8 +30,8 @@ TEST(RingBias, ListsAreTakenRingByRing) {
     // The hit is where it is; the report says another elevation for it, and then another range along the beam.
     const Vec3d turned = world.shot.beams->direction[row] * 10.0 + Vec3d(returns.displacement[row]);
     EXPECT_NEAR(length(turned), 10, 1e-5);
-    const double before = elevationOf(world.shot.beams->direction[row]);
-    EXPECT_NEAR(degrees(elevationOf(turned) - before), tilt[ring], 1e-4);
+    const double before = reportedElevation(world.shot.beams->direction[row]);
+    EXPECT_NEAR(degrees(reportedElevation(turned) - before), tilt[ring], 1e-4);
     const double azimuth = std::atan2(world.shot.beams->direction[row].y, world.shot.beams->direction[row].x);
     EXPECT_NEAR(std::remainder(std::atan2(turned.y, turned.x) - azimuth, 2 * kPi), 0, 1e-6);
   }
@@ -47,7 +47,7 @@ TEST(RingBias, SpreadsAreGaussianOverTheRings) {
   for (std::size_t row = 0; row < returns.size(); ++row) {
     offset.push_back(returns.range[row] - 10.0);
     const Vec3d turned = world.shot.beams->direction[row] * 10.0 + Vec3d(returns.displacement[row]);
-    tilt.push_back(degrees(elevationOf(turned) - elevationOf(world.shot.beams->direction[row])));
+    tilt.push_back(degrees(reportedElevation(turned) - reportedElevation(world.shot.beams->direction[row])));
     logGain.push_back(std::log(returns.gain[row]));
   }
   const double sigmas[] = {0.03, 0.1, 0.2};
@@ -100,8 +100,9 @@ TEST(RingBias, AllReturnsOfABeamHaveTheErrorsOfItsRing) {
     const std::uint32_t beam = returns.beam(row);
     const float exact = world.hits.range[returns.hit(row)];
     EXPECT_FLOAT_EQ(returns.range[row], static_cast<float>(exact + offset[beam / 60]));
-    EXPECT_NEAR(degrees(elevationOf(reported(world, returns, row)) - elevationOf(world.shot.beams->direction[beam])), 1,
-                0.1);
+    EXPECT_NEAR(degrees(reportedElevation(reportedPoint(world, returns, row)) -
+                        reportedElevation(world.shot.beams->direction[beam])),
+                1, 0.1);
   }
 }
 

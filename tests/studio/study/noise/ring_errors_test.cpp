@@ -16,7 +16,7 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-const std::vector<double> kDistances{3.5, 6, 8.5, 11, 13.5, 17};
+const std::vector<double> kWallDistances{3.5, 6, 8.5, 11, 13.5, 17};
 
 double normal(std::uint32_t stream, std::uint32_t i) {
   const RandomBlock w = randomBlock({.scene = stream, .beam = i});
@@ -36,7 +36,7 @@ void light(std::vector<RecordedScan>& scans, const BeamTable& beams, double sigm
 
 NoiseFit fitOf(const std::string& effects, double gain) {
   const auto beams = wallBeams();
-  std::vector<RecordedScan> recorded = recordedOf(wallScans(beams, kDistances, effects), *beams);
+  std::vector<RecordedScan> recorded = recordedOf(wallScans(beams, kWallDistances, effects), *beams);
   light(recorded, *beams, gain);
   return fitNoise(*beams, recorded, findFlatPatches(*beams, recorded));
 }
@@ -69,7 +69,7 @@ TEST(RingErrors, AreThoseOfEachRing) {
     offsets += (ring == 0 ? "" : ", ") + std::to_string(drawn.back());
   }
   const auto scans =
-      wallScans(beams, kDistances, "[ring_bias: {range_m: [" + offsets + "]}, range_noise: {sigma_m: 0.008}]");
+      wallScans(beams, kWallDistances, "[ring_bias: {range_m: [" + offsets + "]}, range_noise: {sigma_m: 0.008}]");
   const std::vector<RecordedScan> recorded = recordedOf(scans, *beams);
   const RingErrors errors = fitRingErrors(*beams, recorded, findFlatPatches(*beams, recorded));
   double both = 0, truth = 0, found = 0;

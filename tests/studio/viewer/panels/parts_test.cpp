@@ -15,8 +15,8 @@ namespace scanmill {
 namespace {
 
 constexpr Rgb kRoad{200, 30, 40};
-constexpr Rgb kCar{30, 60, 220};
-constexpr Rgb kTree{20, 190, 60};
+constexpr Rgb kCarColor{30, 60, 220};
+constexpr Rgb kTreeColor{20, 190, 60};
 
 class Panels : public testing::Test {
  protected:
@@ -38,7 +38,8 @@ class Panels : public testing::Test {
   }
 
   static Legend classes() {
-    return {.title = "class", .entries = {{"road", kRoad, 1, 123456}, {"car", kCar, 6, 789}, {"tree", kTree, 9, 0}}};
+    return {.title = "class",
+            .entries = {{"road", kRoad, 1, 123456}, {"car", kCarColor, 6, 789}, {"tree", kTreeColor, 9, 0}}};
   }
 
   static constexpr int kWidth = 500;
@@ -81,11 +82,11 @@ TEST_F(Panels, RowsOfALegendShowAndTell) {
   draw(panel);
   const auto filled = count(kRoad);
   EXPECT_GT(filled, 80);
-  EXPECT_EQ(count(kTree), filled) << "of this frame there are none, but it is not hidden";
-  EXPECT_EQ(count(kCar), 0);
+  EXPECT_EQ(count(kTreeColor), filled) << "of this frame there are none, but it is not hidden";
+  EXPECT_EQ(count(kCarColor), 0);
   hidden.clear();
   draw(panel);
-  for (const auto& [color, entry] : {std::pair(kRoad, 0u), std::pair(kCar, 1u), std::pair(kTree, 2u)}) {
+  for (const auto& [color, entry] : {std::pair(kRoad, 0u), std::pair(kCarColor, 1u), std::pair(kTreeColor, 2u)}) {
     const auto sample = canvas_.inOverlay(color);
     ASSERT_TRUE(sample);
     const int x = sample->first + 60, y = sample->second + 3;  // the whole row counts
@@ -230,7 +231,7 @@ TEST_F(Panels, AnyTextAndAnySizeWillDo) {
           heading(text, kRoad);
           valueRows("rows", {{text, text}, {"name", text}}, text);
         });
-        tip(text, kCar, {{text, text}}, text);
+        tip(text, kCarColor, {{text, text}}, text);
         messages(all, {text, text}, std::vector<std::string>(9, text));
         helpWindow({{text, text}});
       })) << width;

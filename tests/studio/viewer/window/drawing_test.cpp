@@ -22,8 +22,8 @@ class SlowCanvas : public FakeCanvas {
   std::uint64_t points = 0;  // of the only item
 };
 
-struct World {
-  explicit World(std::uint64_t points) : drawing(canvas, [this] { return canvas.now; }) { canvas.points = points; }
+struct DrawnWorld {
+  explicit DrawnWorld(std::uint64_t points) : drawing(canvas, [this] { return canvas.now; }) { canvas.points = points; }
   void draw(bool whole = false) { drawing.draw(whole, canvas.points, 1, canvas.now); }
 
   SlowCanvas canvas;
@@ -34,7 +34,7 @@ constexpr std::uint64_t kFew = 1000;
 constexpr std::uint64_t kMany = 20'000'000;
 
 TEST(Drawing, DrawsOnlyWhatHasChanged) {
-  World world(kFew);
+  DrawnWorld world(kFew);
   world.draw();
   EXPECT_EQ(world.canvas.renders, 1);
   world.draw();
@@ -54,7 +54,7 @@ TEST(Drawing, DrawsOnlyWhatHasChanged) {
 
 // While something moves, a picture has as many points as 30 ms allow, measured; afterwards all of them.
 TEST(Drawing, LimitsPointsUntilNothingMoves) {
-  World world(kMany);
+  DrawnWorld world(kMany);
   for (int picture = 0; picture < 20; ++picture) {
     world.drawing.changes.views = true;
     world.draw();
@@ -79,7 +79,7 @@ TEST(Drawing, LimitsPointsUntilNothingMoves) {
 }
 
 TEST(Drawing, KeepsTheLimitWhereOnlyPanelsChange) {
-  World world(kMany);
+  DrawnWorld world(kMany);
   world.draw();
   const std::uint64_t most = world.canvas.lastMost;
   ASSERT_GT(most, 0u);
@@ -89,7 +89,7 @@ TEST(Drawing, KeepsTheLimitWhereOnlyPanelsChange) {
 }
 
 TEST(Drawing, DrawsFewPointsAllAtOnce) {
-  World world(kFew);
+  DrawnWorld world(kFew);
   world.draw();
   EXPECT_EQ(world.canvas.lastMost, 0u);
   world.canvas.now += 100;
@@ -99,13 +99,13 @@ TEST(Drawing, DrawsFewPointsAllAtOnce) {
 
 // Moves of the pointer in quick succession are drawn together, in slow pictures more of them.
 TEST(Drawing, FollowsThePointerAsFastAsItDraws) {
-  World quick(kFew);
+  DrawnWorld quick(kFew);
   quick.draw();
   quick.canvas.now += 0.011;
   EXPECT_FALSE(quick.drawing.mayFollowPointer());
   quick.canvas.now += 0.002;
   EXPECT_TRUE(quick.drawing.mayFollowPointer());
-  World slow(kMany);
+  DrawnWorld slow(kMany);
   slow.draw(true);
   slow.canvas.now += 19;
   EXPECT_FALSE(slow.drawing.mayFollowPointer());
@@ -114,7 +114,7 @@ TEST(Drawing, FollowsThePointerAsFastAsItDraws) {
 }
 
 TEST(Drawing, GivesTheCanvasNewRectanglesAndCameras) {
-  World world(kFew);
+  DrawnWorld world(kFew);
   CanvasView view{.rect = {0, 0, 64, 48}};
   world.drawing.setViews({view});
   world.draw();
