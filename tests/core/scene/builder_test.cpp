@@ -1,8 +1,5 @@
 #include "scene/builder.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <limits>
 
 #include "scene/primitives.h"

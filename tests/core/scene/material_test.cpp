@@ -1,7 +1,6 @@
 #include "scene/material.h"
 
 #include <fmt/format.h>
-#include <gtest/gtest.h>
 
 #include <fstream>
 #include <map>

@@ -1,8 +1,5 @@
 #include "scene/ontology.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <cstdlib>
 #include <set>
 

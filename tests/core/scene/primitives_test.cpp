@@ -1,8 +1,5 @@
 #include "scene/primitives.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <map>
 #include <set>
 

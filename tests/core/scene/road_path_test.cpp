@@ -1,11 +1,6 @@
 #include "scene/road_path.h"
 
 #include <fmt/core.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
 
 #include "base/path.h"
 #include "scenefile/scene_file.h"

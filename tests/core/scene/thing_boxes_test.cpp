@@ -1,10 +1,5 @@
 #include "scene/thing_boxes.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "base/path.h"

@@ -1,8 +1,5 @@
 #include "scene/triangle_pieces.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <map>
 #include <random>
 #include <vector>

@@ -1,6 +1,3 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "scene/scene.h"
 #include "scene/thing_boxes.h"
 #include "tests/support/message_of.h"

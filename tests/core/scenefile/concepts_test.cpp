@@ -1,7 +1,5 @@
 #include "scenefile/concepts.h"
 
-#include <gtest/gtest.h>
-
 #include <map>
 
 #include "scene/material.h"

@@ -1,7 +1,5 @@
 #include "scenefile/file_meshes.h"
 
-#include <gtest/gtest.h>
-
 #include <map>
 #include <set>
 

@@ -1,10 +1,5 @@
 #include "scenefile/labelling.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "tests/support/labels.h"
 #include "tests/support/message_of.h"
 #include "tests/support/test_scene.h"

@@ -1,8 +1,5 @@
 #include "scenefile/things.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <map>
 #include <set>
 

@@ -1,10 +1,6 @@
 #include "pipeline/checks/warnings.h"
 
 #include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
 
 #include "pipeline/read/pipeline.h"
 #include "scene/scene.h"

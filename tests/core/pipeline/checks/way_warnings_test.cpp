@@ -205,21 +205,6 @@ TEST_F(WayWarnings, TellOfWaysThatLeaveTheGround) {
               testing::Contains(HasSubstr("% of its path has no ground below or above")));
 }
 
-// The same scans whatever heights the way is given with.
-TEST_F(WayWarnings, DrivesOnTheGroundGiveTheScansOfItsHeight) {
-  sound({drive("[[-10, 0, 0], [10, 0, 0]]")}, "flat");
-  sound({drive("[[-10, 0, 7], [10, 0, -9]]", ", ground: drop")}, "dropped");
-  const std::vector<Scan> flat = scans(".pcd", "flat");
-  const std::vector<Scan> dropped = scans(".pcd", "dropped");
-  ASSERT_EQ(flat.size(), 11u);
-  for (std::size_t i = 0; i < std::min(flat.size(), dropped.size()); ++i) {
-    ASSERT_EQ(flat[i].position.size(), dropped[i].position.size()) << i;
-    for (std::size_t k = 0; k < flat[i].position.size(); ++k) {
-      ASSERT_LT(length(flat[i].position[k] - dropped[i].position[k]), 1e-3f) << i << " " << k;
-    }
-  }
-}
-
 TEST_F(WayWarnings, RandomDrivesMakeSoundDatasetsThatFollowFromTheSeed) {
   const std::string roam = "trajectories=[{name: roam, on: [ground], speed: 10, every_s: 0.2, frames: 12, drives: 2}]";
   sound({roam}, "one");

@@ -144,13 +144,6 @@ TEST_F(PlanTest, AnAbsentSceneIsFoundAtOnce) {
   EXPECT_THAT(messageOf<InputError>([&] { plan({"scenes.0.scene=nowhere.yaml"}); }), HasSubstr("nowhere.yaml"));
 }
 
-TEST_F(PlanTest, TheOntologyOfThePipelineReplacesTheScenes) {
-  const Plan p = plan({fmt::format("labels={}/labels/semantic_kitti.yaml", SCANMILL_SOURCE_DIR)});
-  ShotSource source(p);
-  const Scene scene = source.load(0);
-  EXPECT_EQ(scene.ontology.require("car", {}).id, 10);  // SemanticKITTI's
-}
-
 TEST_F(PlanTest, MethodsThatStopObjectsRefuseScenesInWhichTheyMove) {
   std::string yard = yardScene();
   yard += "  - {primitive: box, size: [1, 1, 1], class: car, material: car_paint, moving: {velocity: [1, 0, 0]}}\n";

@@ -21,9 +21,6 @@ const std::string kNoise = "effects=[{range_noise: {sigma_m: {uniform: [0.01, 0.
 
 class Drawn : public Yard {
  protected:
-  std::string refusal(const std::vector<std::string>& overrides) const {
-    return messageOf([&] { makePlan(readPipeline(pipeline_, overrides)); });
-  }
   static std::string drawOf(const SampleRecord& sample, const std::string& key) {
     for (const DrawnValue& draw : sample.draws) {
       if (draw.key == key) return draw.value;
@@ -173,17 +170,15 @@ TEST_F(Drawn, ValuesDoNotDependOnOtherKeys) {
 
 // The ends of what may be drawn are checked before the first ray, whether or not they will be met.
 TEST_F(Drawn, RefusesWhatMightNotWork) {
-  EXPECT_THAT(refusal({"effects=[{range_noise: {sigma_m: {normal: [0.1, 0.03]}}}]"}), HasSubstr("sigma_m must be"));
-  EXPECT_THAT(refusal({"effects=[{footprint: {rays: {choice: [7, 19]}}}, intensity]"}),
-              HasSubstr("the number of rays per beam"));
-  EXPECT_THAT(refusal({"effects=[{choice: [none, intensity]}]"}),
-              HasSubstr("the existence or the unit of its intensity"));
-  EXPECT_THAT(refusal({"effects=[{intensity: {output: {choice: [float, u8]}}}]"}),
-              HasSubstr("the unit of its intensity"));
-  EXPECT_THAT(refusal({"sensors.0.mount.position.2={uniform: [1, 2], per: frame}"}), HasSubstr("per: frame"));
-  EXPECT_THAT(refusal({"sensors.0.columns={choice: [64, 128]}"}), HasSubstr("cannot be random"));
-  EXPECT_THAT(refusal({"effects=[{choice: [{speckle: {looks: 2}}, none]}, {quantise: {step_m: 1}}]"}),
-              HasSubstr("quantize"));
+  expectRefusals(
+      [&](const std::string& override) { return messageOf([&] { makePlan(readPipeline(pipeline_, {override})); }); },
+      {{"effects=[{range_noise: {sigma_m: {normal: [0.1, 0.03]}}}]", "sigma_m must be"},
+       {"effects=[{footprint: {rays: {choice: [7, 19]}}}, intensity]", "the number of rays per beam"},
+       {"effects=[{choice: [none, intensity]}]", "the existence or the unit of its intensity"},
+       {"effects=[{intensity: {output: {choice: [float, u8]}}}]", "the unit of its intensity"},
+       {"sensors.0.mount.position.2={uniform: [1, 2], per: frame}", "per: frame"},
+       {"sensors.0.columns={choice: [64, 128]}", "cannot be random"},
+       {"effects=[{choice: [{speckle: {looks: 2}}, none]}, {quantise: {step_m: 1}}]", "quantize"}});
   EXPECT_THAT(messageOf([&] {
                 generate(makePlan(readPipeline(pipeline_, {kHeight})),
                          {.folder = out("kept"), .keepHits = out("hits"), .quiet = true});

@@ -1,6 +1,5 @@
 // The vehicle drives while the sensor turns.
 
-#include <algorithm>
 #include <set>
 
 #include "tests/core/pipeline/small_world.h"

@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <cmath>
-#include <map>
 
 #include "sensors/beams.h"
 #include "tests/core/pipeline/small_world.h"

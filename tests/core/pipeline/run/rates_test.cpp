@@ -1,6 +1,5 @@
 // Sensors that turn at different rates.
 
-#include <cmath>
 #include <set>
 
 #include "dataset/scan_store.h"

@@ -1,9 +1,6 @@
 // Recordings: what is traced once makes the same scans again, byte for byte, and others, without the scene.
 
-#include <algorithm>
-
 #include "passes/exr/hits_exr.h"
-#include "pipeline/run/generate.h"
 #include "pipeline/run/recorder.h"
 #include "pipeline/run/render.h"
 #include "tests/core/pipeline/small_world.h"

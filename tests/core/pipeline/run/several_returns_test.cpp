@@ -1,6 +1,5 @@
 // Beams with two returns, one or none, all the way from a method to a dataset.
 
-#include <algorithm>
 #include <set>
 #include <tuple>
 

@@ -1,9 +1,5 @@
 #include "pipeline/run/shard_workers.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <atomic>
 #include <functional>
 #include <mutex>

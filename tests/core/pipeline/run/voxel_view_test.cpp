@@ -1,13 +1,7 @@
 #include "pipeline/run/voxel_view.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
 #include <set>
 
-#include "base/parallel.h"
 #include "sense/sense.h"
 #include "sensors/footprint.h"
 #include "tests/core/methods/trace.h"

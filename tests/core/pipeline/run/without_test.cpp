@@ -63,44 +63,6 @@ TEST_F(WithoutRun, AClassANameAndTheIdsAreTheSame) {
   EXPECT_EQ(members("class"), members("never"));
 }
 
-// In a town, too, by rays of every kind, but for the beams that saw what is gone, or part of it.
-TEST_F(WithoutRun, TownsStayAsTheyAre) {
-  const std::string town = std::string(SCANMILL_SOURCE_DIR) + "/scenes/town.yaml";
-  const std::filesystem::path pipeline =
-      folder_.write("town.yaml", "name: town\nscenes: [{scene: " + town + R"(, seeds: [2]}]
-trajectories: [{name: drive, along: lane, speed: 9, every_m: 20, frames: 2}]
-sensors: [{name: top, columns: 512, rate_hz: 10, elevation_deg: {top: 5, bottom: -25, rings: 32}, range_m: [0.5, 100],
-           mount: {position: [0, 0, 1.8]}}]
-method: ray_tracing
-effects: [relief, intensity, {range_noise: {sigma_m: 0.02}}]
-output:
-  layout: organised
-  columns: [intensity, label, instance, incidence]
-  formats: [pcd]
-)");
-  const auto made = [&](const char* name, const std::string& without) {
-    generate(makePlan(readPipeline(pipeline, {"scenes.0.without=" + without})), {.folder = out(name), .quiet = true});
-    return scans(".pcd", name);
-  };
-  const std::vector<Scan> all = made("all", "[]");
-  for (const char* gone : {"car", "truck"}) {
-    const std::vector<Scan> rest = made(gone, "[" + std::string(gone) + "]");
-    const std::uint16_t id = readManifest(out(gone)).ontology.require(gone, {}).id;
-    std::size_t differ = 0;
-    for (std::size_t s = 0; s < all.size(); ++s) {
-      ASSERT_EQ(all[s].size(), rest[s].size());
-      for (std::size_t i = 0; i < all[s].size(); ++i) {
-        if (all[s][kLabel][i] == id) continue;
-        const auto same = [](float a, float b) { return a == b || (std::isnan(a) && std::isnan(b)); };
-        const Vec3f &a = all[s].position[i], &b = rest[s].position[i];
-        differ +=
-            same(a.x, b.x) && same(a.y, b.y) && same(a.z, b.z) && all[s][kInstance][i] == rest[s][kInstance][i] ? 0 : 1;
-      }
-    }
-    EXPECT_EQ(differ, 0u) << gone;
-  }
-}
-
 TEST_F(WithoutRun, KeptHitsAreOfWhatTheSceneWas) {
   const auto kept = [&](const std::string& without, const std::string& hits) {
     generate(makePlan(readPipeline(pipeline_, {"scenes.0.without=" + without})),

@@ -161,19 +161,5 @@ TEST_F(OwnVehicle, IsPlannedAndRefusedWhereItMeansNothing) {
   EXPECT_THAT(messageOf([&] { readPipeline(pipeline_, {"vehicle=scenes/none.yaml"}); }), HasSubstr("none.yaml"));
 }
 
-TEST_F(OwnVehicle, TheShippedOneStandsUnderItsSensor) {
-  const Plan plan = makePlan(readPipeline(pipeline_, {"vehicle=vehicle",
-                                                      "sensors=[{name: top, preset: hdl_64e, mount: {position: "
-                                                      "[0, 0, 1.73]}}]"}));
-  const ShotSource source(plan);
-  const BlockedRays& vehicle = *source.settings().sensors[0].vehicle;
-  const std::uint32_t columns = plan.sensors[0].beams->columns;
-  std::size_t lowest = 0;
-  for (const std::uint32_t ray : vehicle.blocked) lowest += ray >= 56u * columns ? 1 : 0;
-  const double share = static_cast<double>(lowest) / (8.0 * columns);
-  EXPECT_GT(share, 0.25) << "of the lowest eight rings";
-  EXPECT_LT(share, 0.7);
-}
-
 }  // namespace
 }  // namespace scanmill

@@ -1,11 +1,5 @@
 #include "pipeline/scenes/random_way.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include "base/path.h"
 #include "drive_world.h"
 #include "tests/support/message_of.h"

@@ -1,8 +1,5 @@
 #include "pipeline/scenes/scene_ground.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "drive_world.h"
 #include "tests/support/message_of.h"
 
