@@ -22,17 +22,6 @@ inline std::size_t trianglesOf(const Asset& asset) {
   return count;
 }
 
-// Reads a file that may be damaged. Returns false if the file is refused; the message must then name it.
-inline bool isReadOrNamed(const std::filesystem::path& file, const AssetOptions& options = {}) {
-  try {
-    readAsset(file, options);
-    return true;
-  } catch (const InputError& e) {
-    EXPECT_THAT(e.what(), testing::HasSubstr(file.filename().string()));
-    return false;
-  }
-}
-
 // Reads a scene with the classes and materials of labels/. `rest`: the YAML after these, from its keys on.
 inline Scene sceneOf(const TemporaryFolder& folder, const std::string& rest) {
   const std::string labels = SCANMILL_SOURCE_DIR "/labels/";

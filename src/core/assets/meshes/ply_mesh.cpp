@@ -3,8 +3,7 @@
 //   element vertex     x y z; s t, u v or texture_u texture_v: texture coordinates
 //   element face       vertex_indices or vertex_index; texcoord: texture coordinates of its corners; texnumber: index
 //   of
-//                      its image; material_index: index of its material
-//   element material   diffuse_red, diffuse_green, diffuse_blue
+//                      its image
 //   comment TextureFile NAME    an image, as MeshLab writes it
 
 #include <fmt/format.h>
@@ -21,11 +20,11 @@
 #include <vector>
 
 #include "assets/meshes/asset_parts.h"
-#include "assets/meshes/base_color.h"
 #include "assets/meshes/imported_file.h"
 #include "assets/meshes/polygon.h"
 #include "base/error.h"
 #include "base/file.h"
+#include "base/text_scan.h"
 #include "formats/ply_file.h"
 
 namespace scanmill {
@@ -33,8 +32,8 @@ namespace scanmill {
 namespace {
 
 // The meaning of a property.
-enum class Role { None, X, Y, Z, U, V, Corners, CornerUvs, Image, Material, Red, Green, Blue };
-constexpr std::size_t kRoles = 13;
+enum class Role { None, X, Y, Z, U, V, Corners, CornerUvs, Image };
+constexpr std::size_t kRoles = 9;
 
 Role roleOf(std::string_view element, const PlyProperty& property) {
   struct Row {
@@ -42,18 +41,14 @@ Role roleOf(std::string_view element, const PlyProperty& property) {
     bool isList;
     Role role;
   };
-  static constexpr std::array<Row, 12> kRows{{{"vertex", " x ", false, Role::X},
-                                              {"vertex", " y ", false, Role::Y},
-                                              {"vertex", " z ", false, Role::Z},
-                                              {"vertex", " s u texture_u ", false, Role::U},
-                                              {"vertex", " t v texture_v ", false, Role::V},
-                                              {"face", " vertex_indices vertex_index ", true, Role::Corners},
-                                              {"face", " texcoord ", true, Role::CornerUvs},
-                                              {"face", " texnumber ", false, Role::Image},
-                                              {"face", " material_index material_indices ", false, Role::Material},
-                                              {"material", " diffuse_red ", false, Role::Red},
-                                              {"material", " diffuse_green ", false, Role::Green},
-                                              {"material", " diffuse_blue ", false, Role::Blue}}};
+  static constexpr std::array<Row, 8> kRows{{{"vertex", " x ", false, Role::X},
+                                             {"vertex", " y ", false, Role::Y},
+                                             {"vertex", " z ", false, Role::Z},
+                                             {"vertex", " s u texture_u ", false, Role::U},
+                                             {"vertex", " t v texture_v ", false, Role::V},
+                                             {"face", " vertex_indices vertex_index ", true, Role::Corners},
+                                             {"face", " texcoord ", true, Role::CornerUvs},
+                                             {"face", " texnumber ", false, Role::Image}}};
   for (const Row& row : kRows) {
     if (row.element == element && row.isList == property.isList() &&
         row.names.find(fmt::format(" {} ", property.name)) != std::string_view::npos) {
@@ -75,9 +70,6 @@ class PlyMeshReader {
 
   ImportedFile read() {
     readComments();
-    for (const PlyElement& element : header_.elements) {
-      if (element.name == "material") materials_ = element.count;
-    }
     for (const PlyElement& element : header_.elements) readElement(element);
     read_.leftOut.addRest(body_.rest());
     countLoose();
@@ -105,11 +97,9 @@ class PlyMeshReader {
 
   void readComments() {
     constexpr std::string_view kImage = "comment TextureFile ";
-    const std::string_view head = std::string_view(bytes_).substr(0, header_.size);
-    for (std::size_t at = 0; (at = head.find(kImage, at)) != std::string_view::npos;) {
-      at += kImage.size();
-      const std::string_view name = head.substr(at, head.find_first_of("\r\n", at) - at);
-      images_.emplace_back(name.substr(0, name.find_last_not_of(" \t") + 1));
+    for (std::string_view head = std::string_view(bytes_).substr(0, header_.size); !head.empty();) {
+      const std::string_view line = takeLine(head);
+      if (line.starts_with(kImage)) images_.emplace_back(trimmed(line.substr(kImage.size())));
     }
     imageUsed_.resize(images_.size());
   }
@@ -121,7 +111,6 @@ class PlyMeshReader {
     const auto has = [&](Role role) { return std::find(roles.begin(), roles.end(), role) != roles.end(); };
     const bool isVertex = element.name == "vertex";
     const bool isFace = element.name == "face";
-    const bool isMaterial = element.name == "material";
     if (isVertex && !(has(Role::X) && has(Role::Y) && has(Role::Z))) {
       fail(fmt::format("its vertices have no property {}: export it with x, y and z", !has(Role::X)   ? "x"
                                                                                       : !has(Role::Y) ? "y"
@@ -134,7 +123,6 @@ class PlyMeshReader {
     if (element.name == "tristrips") fail("has triangle strips, which are not supported: export it with faces");
     countLeftOut(element, roles);
     hasUvs_ = hasUvs_ || (isVertex && has(Role::U) && has(Role::V));
-    colored_ = has(Role::Red) && has(Role::Green) && has(Role::Blue);
     if (element.properties.empty()) return;
     values_ = {};
     for (std::vector<double>& numbers : lists_) numbers.clear();
@@ -145,7 +133,6 @@ class PlyMeshReader {
         const auto role = static_cast<std::size_t>(roles[i]);
         if (!property.isList()) {
           values_[role] = body_.number(property);
-          if (isMaterial) values_[role] = shareOf(values_[role], property.value);
           continue;
         }
         lists_[role].clear();
@@ -155,7 +142,6 @@ class PlyMeshReader {
       }
       if (isVertex) addVertex();
       if (isFace) addFace();
-      if (isMaterial) addMaterial();
     }
   }
 
@@ -178,25 +164,12 @@ class PlyMeshReader {
     if (colored) read_.leftOut.add(isVertex ? "colours of vertices" : "colours of faces", element.count);
   }
 
-  // Returns a number of a colour: 255 of a byte is 1.
-  static double shareOf(double value, const PlyType& type) {
-    return type.kind == 'F' ? value : value / (std::ldexp(1.0, static_cast<int>(8 * type.size)) - 1);
-  }
-
   double value(Role role) const { return values_[static_cast<std::size_t>(role)]; }
   const std::vector<double>& list(Role role) const { return lists_[static_cast<std::size_t>(role)]; }
 
   void addVertex() {
     vertices_.push_back({value(Role::X), value(Role::Y), value(Role::Z)});
     if (hasUvs_) uvs_.push_back({static_cast<float>(value(Role::U)), static_cast<float>(value(Role::V))});
-  }
-
-  void addMaterial() {
-    if (!colored_) return;
-    std::array<float, 3>& color = colors_.emplace_back();
-    for (std::size_t k = 0; k < 3; ++k) {
-      color[k] = fraction(static_cast<float>(values_[static_cast<std::size_t>(Role::Red) + k]), 1.0f);
-    }
   }
 
   // Returns the number as an index; kNone if it is none of `count` indices.
@@ -216,8 +189,7 @@ class PlyMeshReader {
     const std::vector<double>& uvs = list(Role::CornerUvs);
     const bool hasUvs = uvs.size() == 2 * corners_.size();
     if (!hasUvs && !uvs.empty()) read_.leftOut.add("texture coordinates of faces that are not two a corner");
-    const FaceLook look{indexOf(value(Role::Material), materials_), indexOf(value(Role::Image), images_.size())};
-    AssetPart& part = partOf(look, hasUvs);
+    AssetPart& part = partOf(indexOf(value(Role::Image), images_.size()), hasUvs);
     for (const auto& t : polygons_.divide(corners_.size(), [this](std::size_t i) { return vertices_[corners_[i]]; })) {
       part.triangles.push_back({corners_[t[0]], corners_[t[1]], corners_[t[2]]});
       for (const std::uint32_t corner : t) {
@@ -227,20 +199,22 @@ class PlyMeshReader {
     }
   }
 
-  // A material and an image, by their indices.
-  using FaceLook = std::pair<std::uint32_t, std::uint32_t>;
-
-  AssetPart& partOf(const FaceLook& look, bool hasUvs) {
-    const auto [at, isNew] = parts_.try_emplace({look, hasUvs}, looks_.size());
+  AssetPart& partOf(std::uint32_t image, bool hasUvs) {
+    const auto [at, isNew] = parts_.try_emplace({image, hasUvs}, read_.parts.size());
     if (isNew) {
-      looks_.push_back(look);
       read_.parts.emplace_back().materialIndex = static_cast<std::uint32_t>(at->second);
+      ImportedMaterial& material = read_.materials.emplace_back();
+      material.stated = false;
+      if (image != kNone) {
+        material.base.name = images_[image];
+        imageUsed_[image] = true;
+      }
     }
     return read_.parts[at->second];
   }
 
   // Gives the parts, whose triangles have indices of the file and whose texture coordinates are those of corners, their
-  // vertices and materials.
+  // vertices.
   void makeParts() {
     read_.up = options_.up.value_or('z');
     const Mat3 assetFromFile = zUpFrom(read_.up) * Mat3::scale(Vec3d{1, 1, 1} * options_.metresPerUnit);
@@ -262,13 +236,6 @@ class PlyMeshReader {
         }
       }
       weld(part.positions, part.uvs, part.triangles);
-      const auto& [material, image] = looks_[part.materialIndex];
-      ImportedMaterial& to = read_.materials.emplace_back();
-      to.stated = material < colors_.size();
-      if (to.stated) to.color = colors_[material];
-      if (image == kNone) continue;
-      to.base.name = images_[image];
-      imageUsed_[image] = true;
     }
   }
 
@@ -296,14 +263,10 @@ class PlyMeshReader {
   std::vector<Vec3d> vertices_;                      // in the file's units and axes, until makeParts()
   bool hasUvs_ = false;                              // true: vertices have texture coordinates
   std::vector<Vec2f> uvs_;                           // of the vertices
-  std::uint64_t materials_ = 0;                      // number of materials
-  bool colored_ = false;                             // true: materials have colours
-  std::vector<std::array<float, 3>> colors_;         // of the materials
   std::vector<std::string> images_;
   std::vector<bool> imageUsed_;
-  std::map<std::pair<FaceLook, bool>, std::size_t> parts_;  // index of the part; the flag: its corners have texture
-                                                            // coordinates of their own
-  std::vector<FaceLook> looks_;                             // by index of the part
+  // Indices of the parts, by image (kNone: none) and by whether corners have texture coordinates of their own.
+  std::map<std::pair<std::uint32_t, bool>, std::size_t> parts_;
   Triangulator polygons_;
   std::vector<std::uint32_t> corners_;
   ImportedFile read_;
@@ -317,16 +280,15 @@ const FormatSupport& plyMeshFormat() {
       "PLY of triangles",
       ".ply with faces",
       {{Read, "vertex face x y z vertex_indices vertex_index s t u v texture_u texture_v texcoord texnumber"},
-       {Read, "material material_index material_indices"},
        {Unused, "nx ny nz normal_x normal_y normal_z quality confidence curvature radius flags camera"},
        {LeftOut, "red green blue alpha r g b a diffuse_red diffuse_green diffuse_blue",
         "colours of vertices and of faces"},
        {LeftOut, "edge", "elements 'edge'"},
+       {LeftOut, "material material_index material_indices", "materials of faces (material_index)"},
        {LeftOut, "label labels category_id objectid object_id instance",
         "columns of labels or instances (without its faces, as a cloud, the file keeps them)"}},
       "Polygons of three corners and more; coordinates in double or text lose no digits. Texture coordinates of "
-      "vertices or of corners; a face's image is numbered by texnumber among the comments 'TextureFile NAME'. "
-      "Materials of faces, with diffuse_red, diffuse_green and diffuse_blue",
+      "vertices or of corners; a face's image is numbered by texnumber among the comments 'TextureFile NAME'",
       "images that no face shows; textures of parts without texture coordinates; faces of fewer than three corners; "
       "vertices that no face uses, if they are more than half; bytes behind the stated contents; all other properties "
       "and elements"};

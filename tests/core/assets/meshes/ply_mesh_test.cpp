@@ -174,32 +174,16 @@ TEST_F(PlyMesh, FacesNameTheirImages) {
   EXPECT_EQ(read.leftOut.text(), "1 images that no face shows (TextureFile)");
 }
 
-TEST_F(PlyMesh, FacesNameTheirMaterials) {
-  const ImportedFile read = readPlyMesh(
-      write(
-          squareHead("", "property int material_index\n", "property int material_index\n") +
-          "element material 2\nproperty uchar diffuse_red\nproperty uchar diffuse_green\nproperty uchar diffuse_blue\n"
-          "end_header\n0 0 0 0\n1 0 0 0\n1 1 0 0\n0 1 0 0\n4 0 1 2 3 1\n3 0 2 3 7\n51 51 51\n204 204 0\n"),
-      {});
-  ASSERT_EQ(read.parts.size(), 2u);
-  EXPECT_EQ(read.parts[0].triangles.size(), 2u);
-  EXPECT_EQ(read.materials.at(0).color, (std::array<float, 3>{0.8f, 0.8f, 0}));
-  EXPECT_TRUE(read.materials[0].stated);
-  EXPECT_FALSE(read.materials.at(1).stated) << "there is no material 7";
-  EXPECT_EQ(read.leftOut.text(), "1 'material_index' of vertices");
-}
-
 TEST_F(PlyMesh, WhatNoSurfaceIsMadeFromIsTold) {
-  const std::string text =
-      squareHead("comment units: mm\n", "property uchar red\nproperty uchar green\nproperty int label\n",
-                 "property uchar red\nproperty int object_id\n") +
-      "element edge 1\nproperty int vertex1\nend_header\n0 0 0 1 1 1\n1 0 0 1 1 1\n1 1 0 1 1 1\n"
-      "0 1 0 1 1 1\n3 0 1 2 1 1\n2 0 1 1 1\n5\n";
-  EXPECT_THAT(printedBy([&] { readAsset(write(text), {}); }),
-              AllOf(HasSubstr("left out: 2 colours of faces, 4 colours of vertices, 2 columns of labels "
-                              "or instances (without its faces, as a cloud, the file keeps them), 1 elements 'edge', 1 "
-                              "faces of fewer than three corners\n"),
-                    HasSubstr("its comment says that units are mm: `unit: 0.001` reads it so")));
+  const std::string text = squareHead("", "property uchar red\nproperty uchar green\nproperty int label\n",
+                                      "property uchar red\nproperty int object_id\nproperty int material_index\n") +
+                           "element edge 1\nproperty int vertex1\nend_header\n0 0 0 1 1 1\n1 0 0 1 1 1\n1 1 0 1 1 1\n"
+                           "0 1 0 1 1 1\n3 0 1 2 1 1 1\n2 0 1 1 1 1\n5\n";
+  EXPECT_THAT(
+      printedBy([&] { readAsset(write(text), {}); }),
+      HasSubstr("left out: 2 colours of faces, 4 colours of vertices, 2 columns of labels or instances (without "
+                "its faces, as a cloud, the file keeps them), 1 elements 'edge', 1 faces of fewer than three "
+                "corners, 1 materials of faces (material_index)\n"));
 }
 
 TEST_F(PlyMesh, WholeFilesAreRead) {
