@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -22,29 +21,6 @@ namespace {
 constexpr std::array<const char*, 5> kMadeKeys{"elevation_deg", "ring_order", "azimuth_offset_deg", "origin_left_m",
                                                "origin_up_m"};
 
-// Throws InputError unless the lasers have the ids 0, 1, 2 and so on, in any order, or no ids at all.
-void checkIds(const Value& lasers) {
-  const auto hasId = [](const Value& laser) { return laser.find("laser_id") != nullptr; };
-  if (std::none_of(lasers.items.begin(), lasers.items.end(), hasId)) return;
-  std::vector<int> lines(lasers.items.size());  // line of the laser with each id; 0: none yet
-  for (const Value& item : lasers.items) {
-    const std::int64_t id = Fields(item, "laser").integer("laser_id", 0, UINT16_MAX);
-    if (id >= std::ssize(lines)) {
-      throw InputError(item.where,
-                       fmt::format("has the laser_id {0}, but the {1} lasers of a file have the ids 0 to {2}: add the "
-                                   "lasers that are missing, or count from 0",
-                                   id, lines.size(), lines.size() - 1));
-    }
-    int& line = lines[static_cast<std::size_t>(id)];
-    if (line != 0) {
-      throw InputError(item.where, fmt::format("has the laser_id {} of the laser in line {}: give each laser an id of "
-                                               "its own",
-                                               id, line));
-    }
-    line = item.where.line;
-  }
-}
-
 // Reads a file of Velodyne's ROS drivers; sorts the lasers from top to bottom.
 std::vector<Laser> readLasers(const Value& file) {
   const Value* lasers = file.find("lasers");
@@ -53,14 +29,6 @@ std::vector<Laser> readLasers(const Value& file) {
     throw InputError(file.where,
                      "is not a calibration: it must be a map with a list `lasers`, as in the ROS drivers of Velodyne "
                      "sensors; Ouster's metadata need the suffix .json, tables of beams .csv");
-  }
-  if (const Value* const count = file.find("num_lasers")) {
-    const std::int64_t lasersSaid = readInteger(*count, "num_lasers", 1, UINT16_MAX);
-    if (lasersSaid != std::ssize(lasers->items)) {
-      throw InputError(count->where, fmt::format("num_lasers is {}, but `lasers` lists {}: add the lasers that are "
-                                                 "missing, or correct num_lasers",
-                                                 lasersSaid, lasers->items.size()));
-    }
   }
   LeftOut leftOut;
   for (const Value::Entry& entry : file.entries) leftOut.addKeyword(velodyneFormat(), entry.key);
@@ -82,7 +50,6 @@ std::vector<Laser> readLasers(const Value& file) {
     read.push_back({angle("vert_correction", kPi / 2), angle("rot_correction", kPi), offset("horiz_offset_correction"),
                     offset("vert_offset_correction"), 0});
   }
-  checkIds(*lasers);
   leftOut.tell(file.where.file);
   std::stable_sort(read.begin(), read.end(), [](const Laser& a, const Laser& b) { return a.elevation > b.elevation; });
   return read;

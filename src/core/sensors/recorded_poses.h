@@ -36,8 +36,8 @@ class RecordedPoses {
   std::vector<double> times() const;                      // s since the first pose, one per pose
   // Returns a description for messages: "412 poses in 41.2 s, 310 m, at most 0.31 s apart, 7.52 m/s".
   std::string about() const;
-  // Returns a warning about poses that are possible but probably wrong: too fast, upside down, tilted, or with a
-  // heading far from the direction of travel. Empty if the poses are plausible.
+  // Returns a warning about poses that are possible but probably wrong: too fast, tilted, or with a heading far from
+  // the direction of travel. Empty if the poses are plausible.
   std::string doubt() const;
 
  private:

@@ -105,53 +105,30 @@ TEST(Calibration, StandsInPlaceOfThePresetsAngles) {
 
 TEST(Calibration, RefusesWhatIsNone) {
   const TemporaryFolder folder;
-  folder.write("none.yaml", "laser: []\n");
-  folder.write("half.yaml", "lasers: [{vert_correction: 0.1}]\n");
-  folder.write("wild.yaml", "lasers: [{vert_correction: 8, rot_correction: 0}]\n");
-  folder.write("good.yaml", "lasers: [{vert_correction: 0, rot_correction: 0}]\n");
-  const auto refusal = [&](const std::string& keys) {
-    const std::string file = folder.write("sensor.yaml", "{columns: 10, rate_hz: 5, range_m: [1, 50], " + keys + "}\n");
-    return messageOf([&] { makeBeams(readYaml(file)); });
+  struct Case {
+    const char* name;
+    std::string text, words;
+    const char* more = "";
   };
-  EXPECT_THAT(refusal("calibration: none.yaml"), AllOf(HasSubstr("none.yaml:1"), HasSubstr("`lasers`")));
-  EXPECT_THAT(refusal("calibration: half.yaml"), AllOf(HasSubstr("half.yaml:1"), HasSubstr("rot_correction")));
-  EXPECT_THAT(refusal("calibration: wild.yaml"), AllOf(HasSubstr("wild.yaml:1"), HasSubstr("vert_correction")));
-  EXPECT_THAT(refusal("calibration: absent.yaml"), HasSubstr("absent.yaml"));
-  EXPECT_THAT(refusal("calibration: good.yaml, elevation_deg: [1]"),
-              AllOf(HasSubstr("sensor.yaml:1"), HasSubstr("`elevation_deg` follows from the `calibration`")));
-}
-
-TEST(Calibration, LasersThatAreListedTwiceOrMissingAreRefused) {
-  const TemporaryFolder folder;
-  const auto refusal = [&](const std::string& text, const std::string& name = "u.yaml") {
-    folder.write(name, text);
-    return messageOf([&] {
-      const std::string keys = "{columns: 10, rate_hz: 5, range_m: [1, 50], calibration: " + name + "}";
-      makeBeams(parseYaml(keys, (folder.path() / "s.yaml").string()));
-    });
-  };
-  const auto lasers = [](std::initializer_list<int> ids) {
-    std::string text = "lasers:\n";
-    for (const int id : ids) {
-      text += "- {laser_id: " + std::to_string(id) + ", rot_correction: 0, vert_correction: 0}\n";
-    }
-    return text;
-  };
-  EXPECT_EQ(refusal(lasers({2, 0, 1}) + "num_lasers: 3\n"), "accepted");
-  EXPECT_THAT(refusal(lasers({0, 1, 0})), AllOf(HasSubstr("u.yaml:4"), HasSubstr("laser_id 0 of the laser in line 2")));
-  EXPECT_THAT(refusal(lasers({0, 2})), AllOf(HasSubstr("u.yaml:3"), HasSubstr("laser_id 2, but"), HasSubstr("0 to 1")));
-  EXPECT_THAT(refusal(lasers({0, 1}) + "num_lasers: 16\n"),
-              AllOf(HasSubstr("u.yaml:4"), HasSubstr("num_lasers is 16, but `lasers` lists 2")));
-  EXPECT_THAT(refusal(lasers({0}) + "- {rot_correction: 0, vert_correction: 0}\n"),
-              AllOf(HasSubstr("u.yaml:3"), HasSubstr("'laser_id' is missing")));
   // Neither a distance in place of an angle nor other units.
-  EXPECT_THAT(refusal("lasers: [{rot_correction: 0, vert_offset_correction: 0}]"),
-              HasSubstr("the key 'vert_correction' is missing"));
-  EXPECT_THAT(refusal("lasers: [{rot_correction: 4.2, vert_correction: 0}]"), HasSubstr("rot_correction (rad)"));
-  EXPECT_THAT(refusal("lasers: [{rot_correction: 0, vert_correction: 0, horiz_offset_correction: 2.6}]"),
-              HasSubstr("horiz_offset_correction (m) must be a number from -0.5 to 0.5"));
-  EXPECT_THAT(refusal("<boost_serialization/>", "u.xml"), HasSubstr("gen_calibration.py"));
-  EXPECT_THAT(refusal("Channel\tElevation\tAzimuth\n1\t2\t3\n", "u.calib"), HasSubstr("tables of beams .csv"));
+  for (const Case& c :
+       {Case{"u.yaml", "laser: []\n", "u.yaml:1: is not a calibration"},
+        {"u.yaml", "lasers: [{vert_correction: 0.1}]\n", "u.yaml:1:10: the key 'rot_correction' is missing"},
+        {"u.yaml", "lasers: [{vert_correction: 8, rot_correction: 0}]\n", "vert_correction (rad)"},
+        {"u.yaml", "lasers: [{rot_correction: 0, vert_offset_correction: 0}]", "'vert_correction' is missing"},
+        {"u.yaml", "lasers: [{rot_correction: 0, vert_correction: 0, horiz_offset_correction: 2.6}]",
+         "horiz_offset_correction (m) must be a number from -0.5 to 0.5"},
+        {"u.yaml", "lasers: [{vert_correction: 0, rot_correction: 0}]\n",
+         "`elevation_deg` follows from the `calibration`", ", elevation_deg: [1]"},
+        {"u.xml", "<boost_serialization/>", "gen_calibration.py"},
+        {"u.calib", "Channel\tElevation\tAzimuth\n1\t2\t3\n", "tables of beams .csv"}}) {
+    folder.write(c.name, c.text);
+    const std::string keys =
+        std::string("{columns: 10, rate_hz: 5, range_m: [1, 50], calibration: ") + c.name + c.more + "}";
+    EXPECT_THAT(messageOf([&] { makeBeams(parseYaml(keys, (folder.path() / "s.yaml").string())); }), HasSubstr(c.words))
+        << c.text;
+  }
+  EXPECT_THAT(messageOf([] { makeBeams(parseYaml("calibration: absent.yaml", "s.yaml")); }), HasSubstr("absent.yaml"));
 }
 
 TEST(Calibration, UnknownKeysAreTold) {

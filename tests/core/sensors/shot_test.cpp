@@ -27,7 +27,7 @@ Motion motionOf(const std::string& text) {
   return readMotion(&value);
 }
 
-std::string refusal(const std::string& text) {
+std::string refusedShot(const std::string& text) {
   return messageOf([&] { motionOf(text); });
 }
 
@@ -45,7 +45,7 @@ TEST(Motion, ReadsEveryForm) {
 TEST(Motion, MalformedOnesAreRefusedWithTheirPlace) {
   for (const char* text : {"per_colum", "360", "[1]", "{steps: 0}", "{steps: 65537}", "{steps: 1.5}", "{steps: -1}",
                            "{deskew: true}", "{steps: 3, deskew: maybe}", "{steps: 3, skew: true}"}) {
-    EXPECT_THAT(refusal(text), HasSubstr("motion.yaml:1:")) << text;
+    EXPECT_THAT(refusedShot(text), HasSubstr("motion.yaml:1:")) << text;
   }
 }
 
