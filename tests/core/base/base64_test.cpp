@@ -1,7 +1,5 @@
 #include "base/base64.h"
 
-#include <gtest/gtest.h>
-
 namespace scanmill {
 namespace {
 

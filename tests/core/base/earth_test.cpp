@@ -1,9 +1,5 @@
 #include "base/earth.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 namespace scanmill {
 namespace {
 

@@ -1,7 +1,5 @@
 #include "base/error.h"
 
-#include <gtest/gtest.h>
-
 #include <new>
 #include <stdexcept>
 #include <thread>

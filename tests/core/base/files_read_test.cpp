@@ -1,5 +1,3 @@
-#include <gtest/gtest.h>
-
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/input_budget.h"

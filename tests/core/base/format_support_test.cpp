@@ -1,7 +1,5 @@
 #include "base/format_support.h"
 
-#include <gmock/gmock.h>
-
 #include <string>
 
 namespace scanmill {

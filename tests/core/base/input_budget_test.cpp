@@ -1,8 +1,5 @@
 #include "base/input_budget.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <thread>
 
 #include "base/file.h"

@@ -1,6 +1,5 @@
 #include "base/memory.h"
 
-#include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <cstring>

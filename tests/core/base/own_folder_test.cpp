@@ -1,9 +1,5 @@
 #include "base/own_folder.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <filesystem>
 #include <functional>
 #include <vector>
 

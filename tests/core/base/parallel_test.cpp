@@ -1,6 +1,5 @@
 #include "base/parallel.h"
 
-#include <gtest/gtest.h>
 #include <tbb/blocked_range.h>
 #include <tbb/collaborative_call_once.h>
 #include <tbb/parallel_for.h>

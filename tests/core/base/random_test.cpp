@@ -1,9 +1,6 @@
 #include "base/random.h"
 
-#include <gtest/gtest.h>
-
 #include <bit>
-#include <cmath>
 #include <set>
 #include <vector>
 

@@ -1,7 +1,5 @@
 #include "base/short_text.h"
 
-#include <gtest/gtest.h>
-
 namespace scanmill {
 namespace {
 

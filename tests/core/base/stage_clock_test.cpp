@@ -1,8 +1,5 @@
 #include "base/stage_clock.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <chrono>
 #include <thread>
 

@@ -1,7 +1,5 @@
 #include "base/text_scan.h"
 
-#include <gmock/gmock.h>
-
 namespace scanmill {
 namespace {
 

@@ -1,7 +1,5 @@
 #include "base/vec.h"
 
-#include <gtest/gtest.h>
-
 #include <limits>
 
 #include "base/random.h"

@@ -1,11 +1,7 @@
 #include "config/distribution.h"
 
 #include <fmt/core.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
 #include <map>
 #include <numbers>
 #include <set>

@@ -1,8 +1,5 @@
 #include "config/fields.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <limits>
 
 #include "tests/support/message_of.h"

@@ -1,7 +1,6 @@
 #include "config/flow_text.h"
 
 #include <fmt/core.h>
-#include <gtest/gtest.h>
 
 #include "base/random.h"
 #include "base/terminal.h"

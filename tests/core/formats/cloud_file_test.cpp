@@ -1,8 +1,6 @@
 #include "formats/cloud_file.h"
 
 #include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <array>
 #include <cstring>

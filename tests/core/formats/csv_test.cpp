@@ -1,7 +1,4 @@
 #include <fmt/format.h>
-#include <gmock/gmock.h>
-
-#include <algorithm>
 
 #include "tests/core/formats/scans.h"
 

@@ -1,8 +1,6 @@
 #include <draco/compression/entropy/symbol_decoding.h>
 #include <fmt/format.h>
-#include <gtest/gtest.h>
 
-#include <cmath>
 #include <random>
 #include <vector>
 

@@ -1,7 +1,6 @@
 #include <draco/compression/decode.h>
 #include <draco/compression/expert_encode.h>
 #include <fmt/format.h>
-#include <gmock/gmock.h>
 
 #include <cstring>
 

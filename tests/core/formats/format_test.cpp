@@ -1,7 +1,6 @@
 #include "formats/format.h"
 
 #include <fmt/format.h>
-#include <gmock/gmock.h>
 
 #include "tests/core/formats/scans.h"
 

@@ -1,6 +1,5 @@
 #include "formats/lzf.h"
 
-#include <gtest/gtest.h>
 #include <lzf.h>
 
 #include <random>

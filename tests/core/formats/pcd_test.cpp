@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <gmock/gmock.h>
 #include <pcl/io/pcd_io.h>
 #include <pcl/point_types.h>
 

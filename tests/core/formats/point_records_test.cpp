@@ -1,5 +1,3 @@
-#include <cmath>
-
 #include "base/error.h"
 #include "formats/readers.h"
 #include "tests/support/message_of.h"

@@ -1,8 +1,5 @@
 #include "formats/reasons_png.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "base/error.h"
 #include "images/images.h"
 #include "scan/reasons.h"

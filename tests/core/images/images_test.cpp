@@ -1,8 +1,6 @@
 #include "images/images.h"
 
 #include <dlfcn.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <png.h>
 
 #include <atomic>

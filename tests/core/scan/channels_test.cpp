@@ -1,8 +1,5 @@
 #include "scan/channels.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 namespace scanmill {
 namespace {
 

@@ -1,10 +1,7 @@
 #include "scan/columns.h"
 
 #include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <cmath>
 #include <set>
 
 #include "base/file.h"

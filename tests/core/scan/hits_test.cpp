@@ -1,8 +1,5 @@
 #include "scan/hits.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <vector>
 
 namespace scanmill {

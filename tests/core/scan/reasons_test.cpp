@@ -1,7 +1,5 @@
 #include "scan/reasons.h"
 
-#include <gtest/gtest.h>
-
 #include <set>
 #include <vector>
 

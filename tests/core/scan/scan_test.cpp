@@ -1,10 +1,5 @@
 #include "scan/scan.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 namespace scanmill {
 namespace {
 
