@@ -70,11 +70,6 @@ TEST(Mat3, InverseUndoes) {
   }
 }
 
-TEST(Mat3, ScaleHasTheVolumeOfItsBox) {
-  EXPECT_EQ(Mat3::scale({2, 3, 4}) * (Vec3d{1, 1, 1}), (Vec3d{2, 3, 4}));
-  EXPECT_EQ(determinant(Mat3::scale({2, 3, -4})), -24);
-}
-
 TEST(Affine, ComposesAndInverts) {
   for (std::uint32_t i = 0; i < 50; ++i) {
     const Affine a = toAffine(randomPose(i)) * Affine{Mat3::scale({2, 0.5, -3}), randomVector(i)};
@@ -116,15 +111,6 @@ TEST(Quat, YawPitchRollFollowsRep103) {
   const Quat together = fromYawPitchRoll(0.3, -0.7, 1.1);
   const Quat oneByOne = fromYawPitchRoll(0.3, 0, 0) * fromYawPitchRoll(0, -0.7, 0) * fromYawPitchRoll(0, 0, 1.1);
   EXPECT_NEAR(std::fabs(dot4(together, oneByOne)), 1, 1e-15);
-}
-
-TEST(Slerp, EndsAtItsEnds) {
-  for (std::uint32_t i = 0; i < 100; ++i) {
-    const Quat a = randomRotation(i);
-    const Quat b = randomRotation(i + 100);
-    EXPECT_NEAR(std::fabs(dot4(slerp(a, b, 0), a)), 1, 1e-12);
-    EXPECT_NEAR(std::fabs(dot4(slerp(a, b, 1), b)), 1, 1e-12);
-  }
 }
 
 TEST(Slerp, TurnsAtConstantSpeed) {

