@@ -1,9 +1,5 @@
 #include "gpu/compute.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <bit>
 #include <cstdlib>
 #include <cstring>

@@ -1,9 +1,5 @@
 // Modules of other sources and other interfaces than the program's.
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <filesystem>
 #include <string>
 
 #include "base/error.h"

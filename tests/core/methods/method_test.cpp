@@ -1,7 +1,5 @@
 #include "methods/method.h"
 
-#include <gtest/gtest.h>
-
 #include <set>
 
 #include "tests/core/methods/trace.h"

@@ -1,9 +1,5 @@
 #include "passes/camera.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "tests/support/message_of.h"
 
 namespace scanmill {

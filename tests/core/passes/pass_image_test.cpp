@@ -1,7 +1,5 @@
 #include "passes/pass_image.h"
 
-#include <gtest/gtest.h>
-
 #include <numeric>
 
 #include "tests/support/message_of.h"

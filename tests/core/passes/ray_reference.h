@@ -2,7 +2,6 @@
 
 // What a pinhole sees of a small scene, by brute force in double: every triangle at every pixel's centre.
 
-#include <cmath>
 #include <vector>
 
 #include "passes/camera.h"

@@ -1,9 +1,5 @@
 #include "passes/resolver.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "base/random.h"
 #include "scene/texture.h"
 #include "tests/support/message_of.h"

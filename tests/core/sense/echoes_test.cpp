@@ -1,8 +1,5 @@
 #include "sense/echoes.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <vector>
 
 #include "base/random.h"

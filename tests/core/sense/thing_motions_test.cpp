@@ -1,9 +1,5 @@
 #include "sense/thing_motions.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "base/path.h"
 #include "tests/support/test_scene.h"
 

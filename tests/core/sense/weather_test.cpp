@@ -1,9 +1,5 @@
 #include "sense/weather.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "base/vec.h"
 #include "methods/interface/light_paths.h"
 

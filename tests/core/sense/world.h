@@ -2,10 +2,6 @@
 
 // Hits as tests want them: a sensor on a grid of azimuths and elevations, with chosen ranges.
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <memory>
 #include <string>
 #include <utility>

@@ -1,9 +1,5 @@
 #include "evaluate/beam_errors.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "base/error.h"

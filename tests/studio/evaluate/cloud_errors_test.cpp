@@ -1,9 +1,5 @@
 #include "evaluate/cloud_errors.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "tests/support/directions.h"

@@ -1,9 +1,5 @@
 #include "evaluate/measure.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <chrono>
 #include <numeric>
 #include <thread>

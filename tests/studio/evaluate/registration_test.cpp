@@ -1,8 +1,5 @@
 #include "evaluate/registration.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <random>
 
 #include "base/parallel.h"

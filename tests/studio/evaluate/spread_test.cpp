@@ -1,8 +1,5 @@
 #include "evaluate/spread.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <random>
 
 namespace scanmill {

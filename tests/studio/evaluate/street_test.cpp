@@ -3,9 +3,6 @@
 
 #include "tests/support/street.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <span>
 
 #include "base/error.h"

@@ -1,7 +1,5 @@
 #include "study/figure_text.h"
 
-#include <gtest/gtest.h>
-
 namespace scanmill {
 namespace {
 

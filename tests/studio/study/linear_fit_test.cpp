@@ -1,7 +1,5 @@
 #include "study/linear_fit.h"
 
-#include <gtest/gtest.h>
-
 namespace scanmill {
 namespace {
 

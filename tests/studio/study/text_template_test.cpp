@@ -1,7 +1,5 @@
 #include "study/text_template.h"
 
-#include <gtest/gtest.h>
-
 #include <limits>
 
 namespace scanmill {

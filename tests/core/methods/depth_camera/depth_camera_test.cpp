@@ -1,11 +1,7 @@
 #include "methods/depth_camera/depth_camera.h"
 
 #include <fmt/core.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
 #include <thread>
 #include <vector>
 

@@ -1,9 +1,5 @@
 #include "methods/depth_camera/layout.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <filesystem>
 #include <string>
 #include <vector>
 

@@ -1,8 +1,5 @@
 #include "methods/depth_camera/sample.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <vector>
 
 #include "methods/depth_camera/layout.h"

@@ -3,8 +3,6 @@
 // What the tests of the depth camera share: scenes, the method with a ray-tracing renderer, and how far two Hits are
 // apart.
 
-#include <algorithm>
-#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>

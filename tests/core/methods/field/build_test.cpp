@@ -1,10 +1,6 @@
 #include "methods/field/build.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <bit>
-#include <cmath>
 #include <functional>
 
 #include "base/parallel.h"

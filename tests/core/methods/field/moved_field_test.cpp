@@ -1,8 +1,5 @@
 // Fields that move share their bricks.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <memory>
 #include <thread>
 #include <vector>

@@ -1,6 +1,5 @@
 #include "tests/core/methods/field/same_field.h"
 
-#include <algorithm>
 #include <cstddef>
 
 namespace scanmill {

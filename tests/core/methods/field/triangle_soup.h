@@ -2,9 +2,7 @@
 
 // Scenes of loose triangles, and fields of them.
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <vector>

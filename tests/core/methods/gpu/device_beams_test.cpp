@@ -2,8 +2,6 @@
 
 #include "methods/gpu/device_beams.h"
 
-#include <gtest/gtest.h>
-
 #include <cstring>
 #include <vector>
 

@@ -3,8 +3,6 @@
 
 #include "methods/gpu/device_resolver.h"
 
-#include <gtest/gtest.h>
-
 #include <bit>
 #include <cstring>
 #include <vector>

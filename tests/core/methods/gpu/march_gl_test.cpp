@@ -1,10 +1,5 @@
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <bit>
-#include <cmath>
 #include <cstdlib>
 #include <thread>
 #include <vector>

@@ -2,12 +2,9 @@
 
 #include "methods/gpu/shaders.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <sys/wait.h>
 
 #include <cstdio>
-#include <filesystem>
 #include <map>
 
 #include "base/file.h"

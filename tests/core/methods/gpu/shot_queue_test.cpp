@@ -1,8 +1,5 @@
 #include "methods/gpu/shot_queue.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <atomic>
 #include <chrono>
 #include <memory>

@@ -1,9 +1,5 @@
 #include "methods/interface/light_paths.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "tests/core/methods/trace.h"
 #include "tests/support/test_scene.h"
 

@@ -1,6 +1,3 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "methods/interface/method.h"
 
 namespace scanmill {

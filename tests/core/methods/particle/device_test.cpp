@@ -1,9 +1,5 @@
 // Particles that a device launches and flies give the processor's bytes.
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>

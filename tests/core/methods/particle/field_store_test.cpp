@@ -1,8 +1,5 @@
 #include "methods/particle/field_store.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <memory>
 #include <thread>
 #include <vector>

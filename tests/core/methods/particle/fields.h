@@ -2,10 +2,8 @@
 
 // Fields without a builder, from a closed-form distance and a list of triangles; and particles to fly through them.
 
-#include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 #include <functional>
 #include <numeric>
 #include <span>

@@ -1,10 +1,7 @@
 #include "methods/particle/march.h"
 
-#include <gtest/gtest.h>
 #include <hwy/targets.h>
 
-#include <algorithm>
-#include <cmath>
 #include <memory>
 #include <numeric>
 #include <vector>

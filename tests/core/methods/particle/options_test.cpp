@@ -1,10 +1,7 @@
 #include "methods/particle/options.h"
 
 #include <fmt/core.h>
-#include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>

@@ -2,10 +2,6 @@
 
 #include "methods/particle/particle.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
 #include <cstdlib>
 #include <string>
 #include <vector>

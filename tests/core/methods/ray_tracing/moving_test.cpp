@@ -1,10 +1,5 @@
 // Objects that move while the sensor rotates: every beam meets them where they are when it fires.
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "base/path.h"
 #include "scene/movement.h"
 #include "tests/core/methods/trace.h"

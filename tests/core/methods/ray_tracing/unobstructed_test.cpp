@@ -1,8 +1,5 @@
 #include "methods/ray_tracing/unobstructed.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <set>
 #include <string>
 

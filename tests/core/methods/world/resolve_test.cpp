@@ -1,8 +1,5 @@
 #include "methods/world/resolve.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <memory>
 #include <utility>
 #include <vector>

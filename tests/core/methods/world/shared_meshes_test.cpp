@@ -1,9 +1,5 @@
 #include "methods/world/shared_meshes.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
 #include <map>
 #include <numeric>
 #include <set>

@@ -1,8 +1,5 @@
 // Blender's images against a reference that intersects every triangle in double precision.
 
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>

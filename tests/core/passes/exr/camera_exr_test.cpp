@@ -1,9 +1,5 @@
 #include "passes/exr/camera_exr.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "base/random.h"
 #include "tests/core/passes/exr/foreign_file.h"
 

@@ -4,7 +4,6 @@
 #include <OpenEXR/ImfOutputPart.h>
 #include <OpenEXR/ImfPartType.h>
 #include <OpenEXR/ImfTiledOutputFile.h>
-#include <gtest/gtest.h>
 
 #include "passes/exr/exr_file.h"
 #include "tests/core/passes/exr/foreign_file.h"

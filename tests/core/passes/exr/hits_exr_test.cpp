@@ -1,7 +1,6 @@
 #include "passes/exr/hits_exr.h"
 
 #include <bit>
-#include <cmath>
 
 #include "passes/exr/exr_file.h"
 #include "tests/core/passes/exr/one_file.h"

@@ -2,11 +2,7 @@
 
 // Tests of one EXR file in a folder of its own.
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <cstdint>
-#include <filesystem>
 #include <string>
 
 #include "base/error.h"

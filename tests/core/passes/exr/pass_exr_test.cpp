@@ -1,9 +1,7 @@
 #include "passes/exr/pass_exr.h"
 
 #include <OpenEXR/ImfInputFile.h>
-#include <gtest/gtest.h>
 
-#include <cmath>
 #include <cstring>
 
 #include "tests/core/passes/exr/foreign_file.h"

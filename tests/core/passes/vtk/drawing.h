@@ -2,11 +2,6 @@
 
 // Scenes and cameras for tests of the VTK renderer, and a judge: every pixel against a reference in double precision.
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
 #include <memory>
 #include <utility>
 #include <vector>

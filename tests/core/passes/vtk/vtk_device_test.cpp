@@ -1,9 +1,5 @@
 // The VTK renderer as a device: images of any shape, pixels in any order, threads, wrong use.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
 #include <cstdlib>
 #include <limits>
 #include <thread>

@@ -1,9 +1,5 @@
 #include "passes/vtk/vtk_geometry.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
 #include <limits>
 #include <set>
 

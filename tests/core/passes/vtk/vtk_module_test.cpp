@@ -1,5 +1,3 @@
-#include <gtest/gtest.h>
-
 #include "passes/vtk/vtk_interface.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"

@@ -1,9 +1,5 @@
 // VTK's images against closed forms, and against a reference that intersects every triangle in double precision.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
 #include <limits>
 #include <map>
 

@@ -1,7 +1,5 @@
 #include "sense/effects/batches.h"
 
-#include <algorithm>
-
 #include "tests/core/sense/world.h"
 
 namespace scanmill {

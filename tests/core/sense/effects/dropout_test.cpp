@@ -1,5 +1,3 @@
-#include <algorithm>
-
 #include "tests/core/sense/world.h"
 
 namespace scanmill {

@@ -1,8 +1,5 @@
 #include "sense/effects/elementary.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <limits>
 
 namespace scanmill {

@@ -1,7 +1,5 @@
 #include "sense/effects/spatial_noise.h"
 
-#include <algorithm>
-
 #include "base/random.h"
 #include "tests/core/sense/world.h"
 

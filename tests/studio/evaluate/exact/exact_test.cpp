@@ -1,9 +1,5 @@
 #include "evaluate/exact/exact.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
 #include <thread>
 #include <vector>
 

@@ -1,8 +1,5 @@
 #include "study/compare/compare.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <nlohmann/json.hpp>
 
 #include "base/parallel.h"

@@ -1,10 +1,5 @@
 #include "study/compare/key_changes.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "tests/studio/study/compare/compare_scans.h"

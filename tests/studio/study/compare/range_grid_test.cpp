@@ -1,9 +1,5 @@
 #include "study/compare/range_grid.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-
 #include "dataset/scan_store.h"
 #include "tests/studio/study/compare/compare_scans.h"
 #include "tests/support/shared_data.h"

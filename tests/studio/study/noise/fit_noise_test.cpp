@@ -1,11 +1,7 @@
 #include "study/noise/fit_noise.h"
 
 #include <fmt/core.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "base/error.h"

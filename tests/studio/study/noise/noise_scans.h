@@ -2,9 +2,6 @@
 
 // Scans whose noise is known, as recordings.
 
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <string>
 #include <vector>
 

@@ -2,11 +2,6 @@
 
 #include "study/noise/response.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
 #include <functional>
 
 #include "base/random.h"

@@ -1,10 +1,5 @@
 #include "study/noise/ring_errors.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "base/random.h"
 #include "study/noise/fit_noise.h"
 #include "study/noise/sensor_effects.h"

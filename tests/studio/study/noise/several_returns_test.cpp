@@ -1,9 +1,5 @@
 // Recordings whose beams have further returns: the noise is measured of the first ones.
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "tests/studio/study/noise/noise_scans.h"
 
 namespace scanmill {

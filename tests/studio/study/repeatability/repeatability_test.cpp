@@ -1,9 +1,5 @@
 #include "study/repeatability/repeatability.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <random>
 

@@ -3,9 +3,7 @@
 // A wall that is scanned again and again.
 
 #include <fmt/core.h>
-#include <gtest/gtest.h>
 
-#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>

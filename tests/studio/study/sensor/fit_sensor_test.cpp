@@ -1,10 +1,5 @@
 #include "study/sensor/fit_sensor.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "base/random.h"
 #include "dataset/scan_source.h"
 #include "sensors/sensor.h"

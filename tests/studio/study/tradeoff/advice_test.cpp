@@ -1,6 +1,3 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "tests/studio/study/tradeoff/example_study.h"
 
 namespace scanmill {

@@ -1,9 +1,5 @@
 #include "study/tradeoff/encodings.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <limits>
 
 #include "base/random.h"

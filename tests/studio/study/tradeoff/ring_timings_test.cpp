@@ -1,11 +1,5 @@
 #include "study/tradeoff/ring_timings.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include "base/error.h"
 #include "base/random.h"
 #include "sensors/sensor.h"

@@ -1,4 +1,3 @@
-
 #include "base/memory.h"
 #include "study/tradeoff/study.h"
 #include "tests/core/pipeline/small_world.h"

@@ -1,9 +1,5 @@
 #include "study/tradeoff/study_figures.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <set>
 
 #include "base/random.h"
