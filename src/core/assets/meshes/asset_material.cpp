@@ -11,6 +11,14 @@ namespace scanmill {
 
 namespace {
 
+// Fractions of the total area of the triangles that have one material and texture coordinates; all 0 if there are no
+// such triangles or the texture has no alpha.
+struct AlphaShares {
+  double low = 0;     // area with alpha below 0.5
+  double graded = 0;  // area with alpha from 0.1 to 0.9
+  double gone = 0;    // area of triangles on which alpha is below 0.5 everywhere
+};
+
 constexpr int kSteps = 8;  // rows of sample points in a triangle; row i has kSteps - i points
 constexpr int kPoints = kSteps * (kSteps + 1) / 2;
 constexpr std::uint64_t kMaxTriangles = 1 << 14;
@@ -68,6 +76,14 @@ AlphaShares measureAlpha(const ImportedFile& imported, std::uint32_t material, c
   }
   if (!(sum.all > 0)) return {};
   return {sum.parts.low / sum.all, sum.parts.graded / sum.all, sum.parts.gone / sum.all};
+}
+
+// True if these are the fractions of cut-outs: some of the surface is cut away, the alpha is mostly 0 or 1, and hardly
+// any triangle would vanish completely, since nobody models triangles that are never seen. If alpha instead marks the
+// painted parts of a car's body, complete panels have a low alpha. In measurements on Gazebo's models, 0 and 8 % of the
+// area would vanish from the branches of oak and pine, and 24, 35 and 53 % from the bodies of bus, hatchback and SUV.
+bool isCutOut(const AlphaShares& shares) {
+  return shares.low >= kLeastLow && shares.graded <= kMostGraded && shares.gone <= kMostGone;
 }
 
 // Reads the materials of one file.
@@ -146,10 +162,6 @@ class MaterialReader {
 };
 
 }  // namespace
-
-bool isCutOut(const AlphaShares& shares) {
-  return shares.low >= kLeastLow && shares.graded <= kMostGraded && shares.gone <= kMostGone;
-}
 
 std::vector<Look> readMaterials(const ImportedFile& imported, const std::filesystem::path& file,
                                 const AssetOptions& options, LeftOut& leftOut) {

@@ -158,8 +158,8 @@ TEST_F(AssetFiles, AlphaThatNobodyDeclaresCountsWhereItLooksLikeCutOuts) {
 // dae() with an image; its texture coordinates are in the quarter without alpha.
 std::string texturedDae() {
   std::string collada = dae("Z_UP", "1");
-  collada = withReplaced(collada, "<library_geometries>",
-                         R"(<library_images><image id="i"><init_from>holes.png</init_from></image></library_images>
+  collada = replaced(collada, "<library_geometries>",
+                     R"(<library_images><image id="i"><init_from>holes.png</init_from></image></library_images>
 <library_effects><effect id="e"><profile_COMMON>
 <newparam sid="s"><surface type="2D"><init_from>i</init_from></surface></newparam>
 <newparam sid="t"><sampler2D><source>s</source></sampler2D></newparam>
@@ -167,15 +167,15 @@ std::string texturedDae() {
 </profile_COMMON></effect></library_effects>
 <library_materials><material id="m" name="paint"><instance_effect url="#e"/></material></library_materials>
 <library_geometries>)");
-  collada = withReplaced(collada, "<vertices ",
-                         R"(<source id="u"><float_array id="ua" count="6">0.1 0.1 0.4 0.1 0.1 0.4</float_array>
+  collada = replaced(collada, "<vertices ",
+                     R"(<source id="u"><float_array id="ua" count="6">0.1 0.1 0.4 0.1 0.1 0.4</float_array>
 <technique_common><accessor source="#ua" count="3" stride="2"><param name="S" type="float"/><param name="T" type="float"/>
 </accessor></technique_common></source><vertices )");
-  collada = withReplaced(collada, R"(<triangles count="1">)", R"(<triangles count="1" material="p">)");
-  collada = withReplaced(collada, "<p>0 1 2</p>",
-                         R"(<input semantic="TEXCOORD" source="#u" offset="1" set="0"/><p>0 0 1 1 2 2</p>)");
-  collada = withReplaced(collada, R"(<instance_geometry url="#g"/>)",
-                         R"(<instance_geometry url="#g"><bind_material><technique_common>
+  collada = replaced(collada, R"(<triangles count="1">)", R"(<triangles count="1" material="p">)");
+  collada = replaced(collada, "<p>0 1 2</p>",
+                     R"(<input semantic="TEXCOORD" source="#u" offset="1" set="0"/><p>0 0 1 1 2 2</p>)");
+  collada = replaced(collada, R"(<instance_geometry url="#g"/>)",
+                     R"(<instance_geometry url="#g"><bind_material><technique_common>
 <instance_material symbol="p" target="#m"/></technique_common></bind_material></instance_geometry>)");
   return collada;
 }
@@ -188,15 +188,13 @@ TEST_F(AssetFiles, TransparencyOfColladaAndAc3dIsADeclaration) {
     EXPECT_TRUE(material.texture) << name;
     return material.alphaTested;
   };
-  std::string ac = withReplaced(kAc, "colours.png", "holes.png");
-  ac = withReplaced(withReplaced(ac, "1 0.75 0.25", "1 0.4 0.25"), "2 0.25 0.75", "2 0.25 0.4");
+  std::string ac = replaced(kAc, "colours.png", "holes.png");
+  ac = replaced(replaced(ac, "1 0.75 0.25", "1 0.4 0.25"), "2 0.25 0.75", "2 0.25 0.4");
   EXPECT_FALSE(tested("a.ac", ac));
-  EXPECT_TRUE(tested("a.ac", withReplaced(ac, "trans 0", "trans 0.25")));
+  EXPECT_TRUE(tested("a.ac", replaced(ac, "trans 0", "trans 0.25")));
 
   const std::string collada = texturedDae();
-  const auto with = [&](const std::string& alpha) {
-    return tested("a.dae", withReplaced(collada, "<!--alpha-->", alpha));
-  };
+  const auto with = [&](const std::string& alpha) { return tested("a.dae", replaced(collada, "<!--alpha-->", alpha)); };
   EXPECT_FALSE(with(""));
   EXPECT_FALSE(with(R"(<transparent opaque="A_ONE"><color>1 1 1 1</color></transparent>
                        <transparency><float>1</float></transparency>)"));
@@ -214,8 +212,7 @@ TEST_F(AssetFiles, ImagesOfTransparencyAreInvertedWhereTheFileSaysSo) {
 <transparency><float>)" + number +
                               "</float></transparency>";
     testing::internal::CaptureStderr();
-    const Material material =
-        read("a.dae", withReplaced(texturedDae(), "<!--alpha-->", alpha)).parts.at(0).fileMaterial;
+    const Material material = read("a.dae", replaced(texturedDae(), "<!--alpha-->", alpha)).parts.at(0).fileMaterial;
     const std::string told = testing::internal::GetCapturedStderr();
     EXPECT_EQ(told.find("1 numbers of `transparency` beside images") != std::string::npos, number == "0.5") << told;
     if (!material.alphaTested) return std::string("solid");
@@ -235,20 +232,20 @@ TEST_F(AssetFiles, MaterialsOfColladaWithoutAPlainColourAreCounted) {
   for (const auto& [name, other] : {std::pair("param.dae", R"(<diffuse><param ref="c"/></diffuse>)"),
                                     {"light.dae", "<emission><color>1 1 1 1</color></emission>"}}) {
     testing::internal::CaptureStderr();
-    const Material material = read(name, withReplaced(texturedDae(), image, other)).parts.at(0).fileMaterial;
+    const Material material = read(name, replaced(texturedDae(), image, other)).parts.at(0).fileMaterial;
     EXPECT_THAT(testing::internal::GetCapturedStderr(),
                 HasSubstr(std::string(name) + ": left out: 1 materials without a plain diffuse colour\n"));
     EXPECT_EQ(material.reflectance, Material().reflectance);
     EXPECT_THAT(material.source, HasSubstr("has no colour"));
   }
   const std::string grey = "<diffuse><color>0.5 0.5 0.5 1</color></diffuse>";
-  EXPECT_EQ(read("a.dae", withReplaced(texturedDae(), image, grey)).parts.at(0).fileMaterial.reflectance, 0.5f);
+  EXPECT_EQ(read("a.dae", replaced(texturedDae(), image, grey)).parts.at(0).fileMaterial.reflectance, 0.5f);
 }
 
 // The second triangle would have the texel at (0, 0).
 TEST_F(AssetFiles, FacesWithoutTextureCoordinatesAreAPartOfTheirOwn) {
   writeColours(folder_.path() / "holes.png");
-  const std::string text = withReplaced(texturedDae(), "</mesh>", R"(<triangles count="1" material="p">
+  const std::string text = replaced(texturedDae(), "</mesh>", R"(<triangles count="1" material="p">
 <input semantic="VERTEX" source="#v" offset="0"/><p>2 1 0</p></triangles></mesh>)");
   testing::internal::CaptureStderr();
   const Asset asset = read("a.dae", text);
@@ -266,10 +263,10 @@ TEST_F(AssetFiles, ImagesOfColladaThatAreClampedAreCounted) {
   AssetPart part;
   std::string sampler, name = "a.dae";  // a warning is printed once, so that each needs a name of its own
   const auto warnings = [&](const std::string& extra, const std::string& uvs) {
-    std::string text = withReplaced(withReplaced(withReplaced(texturedDae(), "holes.png", "colours.png"),
-                                                 R"(texcoord="UV"/>)", R"(texcoord="UV">)" + extra + "</texture>"),
-                                    "0.1 0.1 0.4 0.1 0.1 0.4", uvs);
-    text = withReplaced(text, "<source>s</source>", "<source>s</source>" + sampler);
+    std::string text = replaced(replaced(replaced(texturedDae(), "holes.png", "colours.png"), R"(texcoord="UV"/>)",
+                                         R"(texcoord="UV">)" + extra + "</texture>"),
+                                "0.1 0.1 0.4 0.1 0.1 0.4", uvs);
+    text = replaced(text, "<source>s</source>", "<source>s</source>" + sampler);
     testing::internal::CaptureStderr();
     part = read(name, text).parts.at(0);
     return testing::internal::GetCapturedStderr();
@@ -358,14 +355,6 @@ TEST_F(AssetFiles, AlphaUseOverridesTheModeOfGltf) {
   EXPECT_EQ(material(mask, AlphaUse::Test).alphaCutoff, 0.25f);
   EXPECT_TRUE(material("", AlphaUse::Test).alphaTested);
   EXPECT_EQ(material("", AlphaUse::Test).alphaCutoff, 0.5f);
-}
-
-TEST(AlphaShares, LimitsAreOnTheSideOfCutOuts) {
-  EXPECT_TRUE(isCutOut({.low = 0.5, .graded = 0.1, .gone = 0.1}));
-  EXPECT_FALSE(isCutOut({.low = 0.001, .graded = 0, .gone = 0}));
-  EXPECT_FALSE(isCutOut({.low = 0.5, .graded = 0.5, .gone = 0}));
-  EXPECT_FALSE(isCutOut({.low = 0.5, .graded = 0, .gone = 0.2}));
-  EXPECT_FALSE(isCutOut({}));
 }
 
 TEST_F(AssetFiles, TexturesAreFoundWherePeoplePutThem) {

@@ -39,8 +39,8 @@ using obj::Statements;
 
 class ObjReader {
  public:
-  ObjReader(std::string text, const fs::path& file, const AssetOptions& options)
-      : file_(file), options_(options), text_(std::move(text)), statements_(text_, file), polygons_(file) {}
+  ObjReader(const fs::path& file, const AssetOptions& options)
+      : file_(file), options_(options), text_(readFile(file)), statements_(text_, file), polygons_(file) {}
 
   ImportedFile read() {
     while (statements_.next()) readStatement();
@@ -302,11 +302,7 @@ const FormatSupport& objFormat() {
 }
 
 ImportedFile readObjMesh(const std::filesystem::path& file, const AssetOptions& options) {
-  return readObjText(readFile(file), file, options);
-}
-
-ImportedFile readObjText(std::string text, const std::filesystem::path& file, const AssetOptions& options) {
-  return ObjReader(std::move(text), file, options).read();
+  return ObjReader(file, options).read();
 }
 
 }  // namespace scanmill
