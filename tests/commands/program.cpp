@@ -17,17 +17,8 @@
 
 namespace scanmill {
 
-namespace {
-
-// scripts/sanitize names another program than the one that was built with these tests.
-const char* otherProgram() {
-  return std::getenv("SCANMILL_TESTED_PROGRAM");
-}
-
-}  // namespace
-
 std::string testedProgram() {
-  return otherProgram() != nullptr ? otherProgram() : SCANMILL_PROGRAM;
+  return SCANMILL_PROGRAM;
 }
 
 RunningProgram::RunningProgram(std::vector<std::string> command, const std::vector<std::string>& variables) {
@@ -76,8 +67,7 @@ bool RunningProgram::running() {
 }
 
 Outcome RunningProgram::wait(double seconds) {
-  const double limit = otherProgram() != nullptr ? 10 * seconds : seconds;
-  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(limit);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
   while (!reap(false)) {
     if (std::chrono::steady_clock::now() > end) {
       outcome_.late = true;

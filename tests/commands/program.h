@@ -33,8 +33,7 @@ class RunningProgram {
 
   void send(int signal) const;
   bool running();
-  // Kills it after so many seconds; a program that another build made (SCANMILL_TESTED_PROGRAM: with sanitizers) has
-  // ten times as many.
+  // Waits for the end of the program, which is killed after so many seconds.
   Outcome wait(double seconds = 60);
 
  private:
@@ -46,7 +45,7 @@ class RunningProgram {
   Outcome outcome_;
 };
 
-// The program that tests run: SCANMILL_TESTED_PROGRAM, or else the one that was built with them.
+// Returns the path of the program that was built with the tests.
 std::string testedProgram();
 
 // `scanmill ARGUMENTS`, to its end.
