@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "assets/asset.h"
+#include "config/fields.h"
 #include "scene/builder.h"
 #include "scenefile/labelling.h"
 
@@ -22,6 +23,10 @@ struct LabelledFile {
   AssetOptions asset;
   Labelling labelling;
 };
+
+// Reads the keys `points` and `heights` of an object whose file is a point cloud or a height raster. Throws InputError,
+// also if the file is not what a key is for.
+void readSurveyOptions(Fields& object, const std::filesystem::path& file, AssetOptions& asset);
 
 // Loads each combination of file, options and rules once: objects with the same combination share their meshes.
 class FileMeshes {

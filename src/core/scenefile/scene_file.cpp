@@ -30,7 +30,6 @@
 #include "scenefile/object_placer.h"
 #include "scenefile/placement.h"
 #include "scenefile/rules.h"
-#include "scenefile/survey_options.h"
 #include "town/town.h"
 
 namespace scanmill {
@@ -187,7 +186,7 @@ class SceneReader {
       variant.labelling.things = readThingBounds(f, cloud ? ThingBounds::By::Node : ThingBounds::By::Object);
       variant.labelling.things.byClass = cloud;
       variant.labelling.rules = rules;
-      readSurvey(f, file, cloud, variant.asset);
+      readSurveyOptions(f, file, variant.asset);
       for (const std::string& material : materials) {
         Rule own;
         own.where = f.require("vary").where;
@@ -222,21 +221,6 @@ class SceneReader {
     };
     placer_.place(Variants{all.size(), meshes}, name, copies, f.where());
     files_.compareSurveys(all[0], copies.placement.object.pose.translation, fileValue.where);
-  }
-
-  static void readSurvey(Fields& f, const std::filesystem::path& file, bool cloud, AssetOptions& asset) {
-    if (const Value* points = f.find("points")) {
-      if (!cloud)
-        throw InputError(
-            points->where,
-            "points is only for point clouds: .las, .pcd, .drc, .csv, .xyz, .asc of points, and .ply without faces");
-      asset.points = readPointOptions(*points);
-    }
-    if (const Value* heights = f.find("heights")) {
-      if (cloud || readerOf(file) != AssetReader::Heights)
-        throw InputError(heights->where, "heights is only for rasters, such as .tif");
-      asset.heights = readHeightOptions(*heights);
-    }
   }
 
   // A clip's name and the time (s) at which the clip is frozen; without a time the clip loops. Read from {clip: NAME,

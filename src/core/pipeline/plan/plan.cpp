@@ -21,6 +21,10 @@ const MethodEntry* methodOf(const Pipeline& pipeline) {
   return pipeline.recording == nullptr ? pipeline.method.entry : nullptr;
 }
 
+[[noreturn]] void refuse(const Pipeline& pipeline, const std::string& why) {
+  throw InputError({pipeline.file.string()}, why);
+}
+
 void checkMotion(const Pipeline& pipeline) {
   const MethodEntry* const method = methodOf(pipeline);
   if (pipeline.motion.kind == MotionKind::None || method == nullptr || method->can.motion) return;
@@ -45,8 +49,7 @@ void checkRays(const Pipeline& pipeline) {
   const auto want = [&](bool wanted, bool MethodCapabilities::*can, std::string_view effect, std::string_view what) {
     if (!wanted) return;
     if (method != nullptr && method->can.*can) return;
-    throw InputError({pipeline.file.string()},
-                     fmt::format("the method {} {}: leave the effect {} out, or take `method: {}`",
+    refuse(pipeline, fmt::format("the method {} {}: leave the effect {} out, or take `method: {}`",
                                  pipeline.methodName(), what, effect, firstMethodThat(can).name));
   };
   for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
@@ -72,11 +75,10 @@ void checkOntologies(const Pipeline& pipeline) {
     if (known.contains(file)) continue;
     const Ontology ontology = readSceneOntology(file);
     if (!known.empty() && !sameClasses(ontology, known.begin()->second)) {
-      throw InputError(
-          {pipeline.file.string()},
-          fmt::format(
-              "the scenes {} and {} have different classes: name one ontology for all scenes by the key `labels`",
-              known.begin()->first.string(), file.string()));
+      refuse(pipeline,
+             fmt::format(
+                 "the scenes {} and {} have different classes: name one ontology for all scenes by the key `labels`",
+                 known.begin()->first.string(), file.string()));
     }
     known.emplace(file, ontology);
   }
@@ -95,22 +97,14 @@ bool tellsMovingClasses(const Pipeline& pipeline) {
 // hit.
 void checkObjects(const Pipeline& pipeline) {
   if (pipeline.recording == nullptr) return;
-  if (pipeline.output.objects) {
-    throw InputError(
-        {pipeline.file.string()},
-        "a recording does not have the boxes of objects: leave `output.objects` out, or trace the scene again");
-  }
-  if (pipeline.output.voxels) {
-    throw InputError(
-        {pipeline.file.string()},
-        "a recording does not have the geometry that no beam hit: leave `output.voxels` out, or trace the scene again");
-  }
+  const auto lacks = [&](std::string_view what, const std::string& key) {
+    refuse(pipeline, fmt::format("a recording does not have {}: leave {} out, or trace the scene again", what, key));
+  };
+  if (pipeline.output.objects) lacks("the boxes of objects", "`output.objects`");
+  if (pipeline.output.voxels) lacks("the geometry that no beam hit", "`output.voxels`");
   for (std::size_t i = 0; i < kColumnCount; ++i) {
     if (!pipeline.output.layout.columns.has(i) || !tellsMotion(kColumns[i])) continue;
-    throw InputError({pipeline.file.string()},
-                     fmt::format("a recording does not have the motions of objects and of the sensor: leave the column "
-                                 "{} out, or trace the scene again",
-                                 kColumns[i].name));
+    lacks("the motions of objects and of the sensor", fmt::format("the column {}", kColumns[i].name));
   }
 }
 
@@ -168,9 +162,8 @@ Plan makePlan(Pipeline read, Channels kept) {
   const Pipeline& pipeline = plan.pipeline;
   Channels& channels = plan.channels;
   if (pipeline.recording != nullptr && pipeline.drawn != nullptr && pipeline.drawn->drawsMounts()) {
-    throw InputError(
-        {pipeline.file.string()},
-        "the sensors of a recording cannot be moved: give each `mount` fixed values, or trace the scene again");
+    refuse(pipeline,
+           "the sensors of a recording cannot be moved: give each `mount` fixed values, or trace the scene again");
   }
   checkOntologies(pipeline);
   checkMotion(pipeline);
@@ -188,8 +181,7 @@ Plan makePlan(Pipeline read, Channels kept) {
   const std::uint64_t rays = pipeline.raysPerFrame();
   const std::uint64_t bytes = rays * kBeamBytes + plan.bytesPerFrameInMemory();
   if (bytes + kProgramBytes > memoryLimitBytes()) {
-    throw InputError({pipeline.file.string()},
-                     fmt::format("{} {} per frame x {} bytes and {} of the program are {}, but only {} of memory are "
+    refuse(pipeline, fmt::format("{} {} per frame x {} bytes and {} of the program are {}, but only {} of memory are "
                                  "allowed (by --memory-limit, the machine or its container): allow more, or take fewer "
                                  "sensors, rings, columns or rays per beam",
                                  rays, rays == pipeline.beamsPerFrame() ? "beams" : "rays", bytes / rays,
@@ -219,8 +211,7 @@ Plan makePlan(Pipeline read, Channels kept) {
         {beams, raysPerBeam == 1 ? nullptr : std::make_shared<const Footprint>(makeFootprint(*beams, raysPerBeam))});
   }
   if (!pipeline.vehicle.empty() && pipeline.recording != nullptr) {
-    throw InputError({pipeline.file.string()},
-                     fmt::format("the recording in {} has no data of a vehicle: leave out `vehicle`",
+    refuse(pipeline, fmt::format("the recording in {} has no data of a vehicle: leave out `vehicle`",
                                  pipeline.recording->folder.string()));
   }
   checkDraws(plan);
@@ -230,51 +221,47 @@ Plan makePlan(Pipeline read, Channels kept) {
 void Plan::requirePasses() const {
   requireOneRevolution();
   if (pipeline.recording != nullptr) {
-    throw InputError(
-        {pipeline.file.string()},
-        fmt::format("the scans are made from the {} in {}, so that no passes are drawn: leave --keep-passes out",
-                    nameOf(pipeline.recording->kind), pipeline.recording->folder.string()));
+    refuse(pipeline,
+           fmt::format("the scans are made from the {} in {}, so that no passes are drawn: leave --keep-passes out",
+                       nameOf(pipeline.recording->kind), pipeline.recording->folder.string()));
   }
   if (pipeline.method.entry->can.passes) return;
-  throw InputError({pipeline.file.string()},
-                   fmt::format("the method {} draws no passes to save: take `method: {}`", pipeline.methodName(),
+  refuse(pipeline, fmt::format("the method {} draws no passes to save: take `method: {}`", pipeline.methodName(),
                                firstMethodThat(&MethodCapabilities::passes).name));
 }
 
 void Plan::requireOneRevolution() const {
   if (pipeline.oneRevolution()) return;
-  throw InputError({pipeline.file.string()},
-                   "saved hits and passes have one revolution of each sensor in each sample, but these sensors turn at "
-                   "different rates: save none, or scan with sensors of one rate");
+  refuse(pipeline,
+         "saved hits and passes have one revolution of each sensor in each sample, but these sensors turn at "
+         "different rates: save none, or scan with sensors of one rate");
 }
 
 void Plan::requireOneRay() const {
   requireOneRevolution();
   if (!pipeline.vehicle.empty()) {
-    throw InputError(
-        {pipeline.file.string()},
-        "saved hits and passes have only the scene, not the own vehicle: save none, or leave out `vehicle`");
+    refuse(pipeline,
+           "saved hits and passes have only the scene, not the own vehicle: save none, or leave out `vehicle`");
   }
   if (pipeline.drawn != nullptr && pipeline.drawn->drawsMounts()) {
-    throw InputError({pipeline.file.string()},
-                     "saved hits and passes need the same mounts of sensors in all sequences: save none, or give each "
-                     "`mount` fixed values");
+    refuse(pipeline,
+           "saved hits and passes need the same mounts of sensors in all sequences: save none, or give each "
+           "`mount` fixed values");
   }
   bool one = true;
   for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
     one = one && pipeline.raysPerBeam(s) == 1 && !anyLightPaths(pipeline, s);
   }
   if (!one) {
-    throw InputError({pipeline.file.string()},
-                     "the effects footprint and light_paths trace several rays per beam, but saved hits and passes "
-                     "have one: save none, or leave these effects out");
+    refuse(pipeline,
+           "the effects footprint and light_paths trace several rays per beam, but saved hits and passes "
+           "have one: save none, or leave these effects out");
   }
   if (pipeline.recording != nullptr || !pipeline.method.entry->can.severalHits) return;
-  throw InputError(
-      {pipeline.file.string()},
-      fmt::format(
-          "the method {} traces several rays per beam, but saved hits have one: save none, or take `method: {}`",
-          pipeline.methodName(), firstMethodThat(&MethodCapabilities::reference).name));
+  refuse(pipeline,
+         fmt::format(
+             "the method {} traces several rays per beam, but saved hits have one: save none, or take `method: {}`",
+             pipeline.methodName(), firstMethodThat(&MethodCapabilities::reference).name));
 }
 
 std::uint64_t Plan::bytesPerFrameInMemory() const {
@@ -316,8 +303,7 @@ std::uint64_t Plan::bytesInMemory(std::uint64_t scenes) const {
 void Plan::checkMemory(std::uint64_t bytes, const std::string& scene) const {
   const std::uint64_t needed = bytesInMemory(bytes);
   if (needed <= memoryLimitBytes()) return;
-  throw InputError({pipeline.file.string()},
-                   fmt::format("{} takes about {} with this method, {} with the frames in flight and the program, but "
+  refuse(pipeline, fmt::format("{} takes about {} with this method, {} with the frames in flight and the program, but "
                                "only {} of memory are allowed (by --memory-limit, the machine or its container): allow "
                                "more, or take a smaller scene, a coarser method, or fewer rings or columns",
                                scene, shortBytes(static_cast<double>(bytes)), shortBytes(static_cast<double>(needed)),

@@ -23,7 +23,6 @@
 #include "dataset/shard_writer.h"
 #include "pipeline/plan/shard_jobs.h"
 #include "pipeline/run/progress.h"
-#include "pipeline/run/run_records.h"
 #include "pipeline/run/sample_maker.h"
 #include "pipeline/run/shard_workers.h"
 #include "pipeline/scenes/shot_source.h"

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/stage_clock.h"
+#include "dataset/parts.h"
 #include "dataset/shard_writer.h"
 #include "pipeline/plan/plan.h"
 #include "pipeline/plan/shard_jobs.h"
@@ -19,6 +20,9 @@
 #include "pipeline/run/scene_store.h"
 
 namespace scanmill {
+
+// Returns a manifest with everything that is known before the first ray is traced.
+Manifest startManifest(const ShotSource& source, const DatasetPlan& planned);
 
 // Buffers that are reused for later frames, so that memory use stays constant. take() returns an idle buffer, or a new
 // one if none is idle; give() returns it to the pool. Safe to use from several threads.

@@ -12,7 +12,6 @@
 #include <tuple>
 
 #include "base/random.h"
-#include "pipeline/scenes/scene_ground.h"
 #include "scene/triangles.h"
 
 namespace scanmill {

@@ -4,15 +4,19 @@
 #include <cmath>
 #include <memory>
 
+#include "scene/surface_heights.h"
+
 namespace scanmill {
 namespace {
 
 constexpr double kBehind = 1e-3;  // distance behind a hit at which the next ray starts (m)
-constexpr std::size_t kMost = 100;
+constexpr std::size_t kMostMet = 100;
 // The places at which the method sees a sensor are at least this far apart along a ray (m), since the method may build
 // a hierarchy for each. Ray tracing's tie rule covers rounding up to 64 m from the sensor (kCoplanarCorners).
 constexpr double kNearAnchor = 48;
-constexpr double kSlack = 1;  // m, margin around the scene's bounds
+constexpr double kSlack = 1;   // m, margin around the scene's bounds
+constexpr double kNear = 1.5;  // maximum height difference between a place and the ground that near() finds (m)
+constexpr Vec3d kDown{0, 0, -1};
 
 // Returns the distance along a ray at which it leaves the slab from `low` to `high` of one axis (m); negative if it
 // never enters the part of the slab ahead.
@@ -78,7 +82,7 @@ std::vector<SceneProbe::Met> SceneProbe::all(const Ray& ray, double reach) const
   std::vector<Met> found;
   double from = 0;
   double anchor = 0;  // distance along the ray (m) of the place at which the method sees a sensor
-  while (found.size() < kMost && from < reach) {
+  while (found.size() < kMostMet && from < reach) {
     if (from - anchor > kNearAnchor) anchor = from;
     const std::vector<Ray> onward{{ray.from + ray.direction * from, ray.direction}};
     std::optional<Met> met = first(onward, reach - from, ray.from + ray.direction * anchor).front();
@@ -88,6 +92,36 @@ std::vector<SceneProbe::Met> SceneProbe::all(const Ray& ray, double reach) const
     found.push_back(*met);
   }
   return found;
+}
+
+SceneGround::SceneGround(const SceneProbe& probe, std::vector<std::uint16_t> classes)
+    : probe_(probe), classes_(std::move(classes)), bounds_(probe.bounds()) {}
+
+bool SceneGround::holds(const SceneProbe::Met& met) const {
+  if (std::fabs(met.normal.z) < kSteepestGroundCosine) return false;
+  if (!classes_.empty()) return std::find(classes_.begin(), classes_.end(), met.semantic) != classes_.end();
+  const SemanticClass* const own = probe_.scene().ontology.find(met.semantic);
+  return own == nullptr || !own->thing;
+}
+
+std::optional<double> SceneGround::under(const Vec3d& place) const {
+  if (bounds_.empty()) return std::nullopt;
+  const double top = bounds_.high.z + 1;
+  const auto met = probe_.all({{place.x, place.y, top}, kDown}, top - bounds_.low.z + 1);
+  const SceneProbe::Met* const found = groundUnder(
+      met, place.z, [](const SceneProbe::Met& m) { return m.place.z; },
+      [&](const SceneProbe::Met& m) { return holds(m); });
+  return found == nullptr ? std::nullopt : std::optional(found->place.z);
+}
+
+std::optional<double> SceneGround::near(const Vec3d& place) const {
+  std::optional<double> nearest;
+  for (const SceneProbe::Met& met : probe_.all({place - kDown * kNear, kDown}, 2 * kNear)) {
+    if (holds(met) && (!nearest || std::fabs(met.place.z - place.z) < std::fabs(*nearest - place.z))) {
+      nearest = met.place.z;
+    }
+  }
+  return nearest;
 }
 
 }  // namespace scanmill

@@ -1,6 +1,7 @@
 #pragma once
 
-// Traces single rays in a scene before it is scanned: to find paths and ground heights, and for checks.
+// Traces single rays in a scene before it is scanned, to find paths and for checks, and finds the ground on which
+// vehicles can stand.
 
 #include <memory>
 #include <optional>
@@ -9,6 +10,7 @@
 #include "base/vec.h"
 #include "methods/method.h"
 #include "scene/scene.h"
+#include "sensors/ground_profile.h"
 
 namespace scanmill {
 
@@ -48,6 +50,24 @@ class SceneProbe {
   Box bounds_;
   std::unique_ptr<Method> own_;
   const Method* method_;
+};
+
+// The surfaces of a scene that count as ground: those of the given classes, no steeper than 60 degrees. If no class is
+// given, surfaces of all classes count except those of object instances such as cars.
+class SceneGround : public Ground {
+ public:
+  // `probe` must outlive this object.
+  SceneGround(const SceneProbe& probe, std::vector<std::uint16_t> classes);
+
+  std::optional<double> under(const Vec3d& place) const override;
+  std::optional<double> near(const Vec3d& place) const override;
+
+ private:
+  bool holds(const SceneProbe::Met& met) const;
+
+  const SceneProbe& probe_;
+  std::vector<std::uint16_t> classes_;
+  Box bounds_;
 };
 
 }  // namespace scanmill

@@ -13,7 +13,7 @@
 #include "pipeline/read/drawn_sensors.h"
 #include "pipeline/scenes/own_vehicle.h"
 #include "pipeline/scenes/random_way.h"
-#include "pipeline/scenes/scene_ground.h"
+#include "pipeline/scenes/scene_probe.h"
 #include "scene/surface_heights.h"
 #include "scenefile/scene_file.h"
 

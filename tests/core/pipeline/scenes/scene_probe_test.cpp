@@ -1,4 +1,4 @@
-#include "pipeline/scenes/scene_ground.h"
+#include "pipeline/scenes/scene_probe.h"
 
 #include "drive_world.h"
 #include "tests/support/message_of.h"
