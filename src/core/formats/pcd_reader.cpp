@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/text_scan.h"
+#include "formats/little_endian.h"
 #include "formats/readers.h"
 #include "formats/text_rows.h"
 
@@ -34,13 +35,21 @@ struct PcdHeader {
   std::uint64_t height = 0;
   std::uint64_t points = 0;
   std::uint64_t rowBytes = 0;
-  std::uint64_t rowWords = 0;  // elements per row, over all fields
   std::string_view data;
   std::string_view body;
   int bodyLine = 0;                                    // line where the body starts
   std::optional<std::array<std::uint64_t, 2>> sensor;  // rings and columns, if a comment states them
   bool organised = false;
   Pose worldFromFile;
+
+  // Sets the offsets of the fields, and the size of a row.
+  void placeFields() {
+    rowBytes = 0;
+    for (PcdField& field : fields) {
+      field.offset = rowBytes;
+      rowBytes += field.size * field.count;
+    }
+  }
 };
 
 constexpr std::uint64_t kMostFields = 1024;
@@ -169,11 +178,9 @@ class HeaderReader {
         throw InputError(where, fmt::format("field {} has type {} and size {}: PCD knows F 4 8 and U, I 1 2 4 8",
                                             field.name, field.type == 0 ? '?' : field.type, field.size));
       }
-      field.offset = h.rowBytes;
-      h.rowBytes += field.size * field.count;
-      h.rowWords += field.count;
     }
-    if (h.rowWords == 0) throw InputError(where, "the header's fields hold no values: every COUNT is 0");
+    h.placeFields();
+    if (h.rowBytes == 0) throw InputError(where, "the header's fields hold no values: every COUNT is 0");
     if (!heightKnown_) h.height = 1;
     if (!pointsKnown_) h.points = h.width * h.height;
     if (h.points > UINT32_MAX) {
@@ -218,8 +225,13 @@ void readField(const PcdField& field, const char* first, std::size_t step, T* to
 
 class BodyReader {
  public:
-  BodyReader(const PcdHeader& header, const std::string& what, bool exact)
-      : header_(header), where_{what, 0, 0}, exact_(exact) {}
+  BodyReader(PcdHeader header, const std::string& what, bool exact)
+      : header_(std::move(header)), where_{what, 0, 0}, exact_(exact) {
+    if (!exact_ || header_.data != "ascii") return;
+    // Digits of a text may be more than its header's type holds.
+    for (PcdField& field : header_.fields) field.size = field.type == 'F' ? 8 : field.size;
+    header_.placeFields();
+  }
 
   Cloud read() {
     Cloud cloud;
@@ -373,64 +385,36 @@ class BodyReader {
   }
 
   Scan readAscii() {
-    // Each element takes at least a digit and a separator. The size of the body therefore bounds the memory that this
-    // function reserves if the header announces too many points.
-    if (header_.points > 0 && header_.points > header_.body.size() / (2 * header_.rowWords) + 1) {
-      throw InputError(where_,
-                       fmt::format("truncated: {} points do not fit in {} bytes", header_.points, header_.body.size()));
-    }
-    Scan scan = newScan();
-    if (exact_) {
-      places_.resize(header_.points);
-    } else {
-      scan.position.resize(header_.points);
-    }
-    visitTable(scan, [&](auto key, auto& values) {
-      if (findColumn(key.row.name)) values.resize(header_.points);
-    });
+    std::string table;  // the points as in a binary file
     std::string_view rest = header_.body;
     Location where{where_.file, header_.bodyLine - 1, 0};
     for (std::size_t point = 0; point < header_.points;) {
       if (rest.empty()) throw InputError(where, fmt::format("truncated after {} of {} points", point, header_.points));
       ++where.line;
-      const std::string_view line = takeLine(rest);
-      if (!line.empty()) readAsciiRow(line, point++, where, scan);
-    }
-    rest_ = rest;
-    return scan;
-  }
-
-  void readAsciiRow(std::string_view line, std::size_t point, const Location& where, Scan& scan) {
-    for (const PcdField& field : header_.fields) {
-      for (std::uint64_t element = 0; element < field.count; ++element) {
-        const std::string_view word = takeWord(line);
-        if (word.empty()) throw InputError(where, fmt::format("there is no value of field {}", field.name));
-        readWord(field, word, point, where, scan);
+      std::string_view line = takeLine(rest);
+      if (line.empty()) continue;
+      ++point;
+      for (const PcdField& field : header_.fields) {
+        for (std::uint64_t element = 0; element < field.count; ++element)
+          appendWord(field, takeWord(line), where, table);
+      }
+      if (!line.empty()) {
+        throw InputError(where, fmt::format("more values than the {} fields have", header_.fields.size()));
       }
     }
-    if (!line.empty()) {
-      throw InputError(where, fmt::format("more values than the {} fields have", header_.fields.size()));
-    }
+    rest_ = rest;
+    return readTable(table.data(), false);
   }
 
-  void readWord(const PcdField& field, std::string_view word, std::size_t point, const Location& where, Scan& scan) {
-    const auto readPlace = [&](auto& place) {
-      const auto found = std::string_view("xyz").find(field.name);
-      if (field.name.size() != 1 || found == std::string_view::npos) return false;
-      readNumber(word, found == 0 ? place.x : found == 1 ? place.y : place.z, field.name, where);
-      return true;
-    };
-    if (exact_ ? readPlace(places_[point]) : readPlace(scan.position[point])) return;
-    visitTable(scan, [&](auto key, auto& values) {
-      if (findColumn(key.row.name) == &field) readNumber(word, values[point], key.row.name, where);
+  static void appendWord(const PcdField& field, std::string_view word, const Location& where, std::string& table) {
+    if (word.empty()) throw InputError(where, fmt::format("there is no value of field {}", field.name));
+    visitNumberType(field.type, field.size, [&](auto value) {
+      if (field.count == 1 && field.name != "_") readNumber(word, value, field.name, where);
+      putNumber(value, table);
     });
-    for (ForeignColumn& column : scan.foreign) {
-      if (column.name != field.name) continue;
-      std::visit([&](auto& values) { readNumber(word, values[point], field.name, where); }, column.values);
-    }
   }
 
-  const PcdHeader& header_;
+  PcdHeader header_;
   Location where_;
   bool exact_;
   std::string_view rest_;      // bytes behind the points
@@ -452,8 +436,7 @@ const FormatSupport& pcdFormat() {
 }
 
 Cloud readPcd(std::string_view bytes, const std::string& what, bool exact) {
-  const PcdHeader header = HeaderReader(bytes, what).read();
-  return BodyReader(header, what, exact).read();
+  return BodyReader(HeaderReader(bytes, what).read(), what, exact).read();
 }
 
 }  // namespace scanmill
