@@ -72,6 +72,9 @@ struct Chart {
 // True if at least one point is finite and can be drawn.
 bool hasPoints(const Chart& chart);
 
+// Returns the smallest number that is at least `least` and equals 1, 2 or 5 times a power of ten.
+double niceStep(double least);
+
 // Formats a number like the labels of an axis with this unit, such as "0.001", "10 k", "1 M", "10 µm" or "0.1 %".
 std::string axisNumber(double value, const std::string& unit);
 

@@ -78,15 +78,6 @@ std::string plain(double value) {
   return text;
 }
 
-// Returns the smallest number that is at least `least` and equals 1, 2 or 5 times a power of ten.
-double niceStep(double least) {
-  const double power = std::pow(10, std::floor(std::log10(least)));
-  for (const double factor : {1.0, 2.0, 5.0}) {
-    if (factor * power >= least * (1 - 1e-9)) return factor * power;
-  }
-  return 10 * power;
-}
-
 // Returns the logarithm of the largest number that equals 1, 2 or 5 times a power of ten and whose logarithm is at most
 // `log`.
 double niceLog(double log) {
@@ -485,6 +476,14 @@ class SvgDrawing {
 };
 
 }  // namespace
+
+double niceStep(double least) {
+  const double power = std::pow(10, std::floor(std::log10(least)));
+  for (const double factor : {1.0, 2.0, 5.0}) {
+    if (factor * power >= least * (1 - 1e-9)) return factor * power;
+  }
+  return 10 * power;
+}
 
 std::string axisNumber(double value, const std::string& unit) {
   if (unit == "%") return plain(value * 100) + " %";

@@ -17,96 +17,26 @@ namespace scanmill {
 
 namespace {
 
-// True if elevations increase with the ring number, determined by the sign of their covariance.
-bool elevationsRise(const Scan& scan) {
-  double sumRing = 0, sumElevation = 0, sumBoth = 0, count = 0;
-  for (std::size_t i = 0; i < scan.size(); ++i) {
-    if (!isFinite(scan.position[i])) continue;
-    const Vec3d p(scan.position[i]);
-    const double elevation = std::atan2(p.z, std::hypot(p.x, p.y));
-    const auto ring = static_cast<double>(keyOf(scan, i).ring);
-    sumRing += ring;
-    sumElevation += elevation;
-    sumBoth += ring * elevation;
-    count += 1;
-  }
-  return sumBoth * count > sumRing * sumElevation;
-}
-
-struct GridSize {
-  std::size_t rings = 1;
-  std::size_t columns = 1;
+// The azimuths of all beams. The azimuth of a beam is first + offset[ring] + step * column (rad).
+struct StripColumns {
+  double first = 0;            // azimuth of column 0 (rad)
+  std::vector<double> offset;  // azimuth of each ring relative to the column (rad)
+  double step = 0;             // angle from column to column (rad); negative if the sensor rotates clockwise
+  bool fullTurn = false;       // true: a full revolution, where the first column follows the last
 };
 
-// Returns the scan's numbers of rings and columns; if it is not organised, as many as its points need.
-GridSize gridOf(const Scan& scan) {
-  GridSize size{std::max<std::size_t>(scan.rings, 1), std::max<std::size_t>(scan.columns, 1)};
-  if (!scan.organised) {
-    for (const char* name : {"ring", "column"}) {
-      const auto& column = name[0] == 'r' ? scan[kRing] : scan[kColumn];
-      if (column.empty() && scan.size() > 0) {
-        throw InputError(
-            fmt::format("the scan has no column '{}', which a range image needs where a scan is not organised: name "
-                        "it in the pipeline's output.columns",
-                        name));
-      }
-    }
-    for (const std::uint16_t r : scan[kRing]) size.rings = std::max(size.rings, r + std::size_t{1});
-    for (const std::uint16_t c : scan[kColumn]) size.columns = std::max(size.columns, c + std::size_t{1});
-  }
-  if (size.rings <= kMostPictureSide && size.columns <= kMostPictureSide) return size;
-  throw InputError(fmt::format("{} rings x {} columns do not fit a picture of at most {} x {}", size.rings,
-                               size.columns, kMostPictureSide, kMostPictureSide));
-}
+// The pixels of beams in a range image that looks outward: the image is destaggered, mirrored if the sensor rotates
+// counter-clockwise, and rotated in a full revolution.
+struct StripPlaces {
+  Destagger image;
+  bool mirrored = false;
+  std::size_t start = 0;  // pixel column of column 0 of the destaggered image
 
-}  // namespace
-
-RangeStrip makeRangeStrip(const Scan& scan, std::span<const Rgb> colors, const std::vector<bool>& shown,
-                          const BeamTable* beams) {
-  const GridSize grid = gridOf(scan);
-  RangeStrip strip;
-  strip.columns = grid.columns;
-  std::vector<std::size_t> ring(scan.size());
-  std::vector<std::size_t> column(scan.size());
-  for (std::size_t i = 0; i < scan.size(); ++i) {
-    const PointKey key = keyOf(scan, i);
-    ring[i] = key.ring;
-    column[i] = key.column;
+  std::size_t place(std::size_t ring, std::size_t column) const {
+    const std::size_t c = image.place(ring, static_cast<std::uint32_t>(column));
+    return (start + (mirrored ? image.width - c : c)) % image.width;
   }
-  std::size_t width = grid.columns;
-  const auto look = stripColumns(scan, ring, column, grid.rings, grid.columns, beams);
-  const auto places = look ? lookingOutward(*look, grid.columns) : std::nullopt;
-  if (places && places->image.width <= kMostPictureSide) {
-    for (std::size_t i = 0; i < scan.size(); ++i) column[i] = places->place(ring[i], column[i]);
-    width = places->image.width;
-    strip.outward = true;
-    strip.fullTurn = look->fullTurn;
-  }
-  strip.image = Image(static_cast<int>(width), static_cast<int>(grid.rings), kBackground);
-  strip.ringsRise = elevationsRise(scan);
-  strip.pointAt.assign(strip.image.pixels.size(), kNoPoint);
-  strip.pixelOf.resize(scan.size());
-  std::vector<double> nearest(strip.image.pixels.size(), std::numeric_limits<double>::infinity());
-  for (std::size_t i = 0; i < scan.size(); ++i) {
-    const std::size_t row = strip.ringsRise ? grid.rings - 1 - ring[i] : ring[i];
-    const std::size_t pixel = row * width + column[i];
-    strip.pixelOf[i] = static_cast<std::uint32_t>(pixel);
-    const double range = length(Vec3d(scan.position[i]));
-    if (!(range < nearest[pixel]) || (!shown.empty() && !shown[i])) continue;  // also skips misses, whose range is NaN
-    nearest[pixel] = range;
-    strip.image.pixels[pixel] = colors[i];
-    strip.pointAt[pixel] = static_cast<std::uint32_t>(i);
-  }
-  return strip;
-}
-
-std::string describeStrip(const RangeStrip& strip) {
-  const char* how = "in the sensor's order: its columns do not follow the azimuth";
-  if (strip.outward) how = strip.fullTurn ? "looking outward, straight ahead in the middle" : "looking outward";
-  return fmt::format("{} rings x {} columns, {}", strip.image.height, strip.columns, how);
-}
-
-namespace {
+};
 
 double wrapped(double angle) {
   return std::remainder(angle, 2 * kPi);
@@ -215,8 +145,12 @@ std::optional<StripColumns> estimated(const AzimuthGrid& grid, std::size_t rings
   return look;
 }
 
-}  // namespace
-
+// Returns the azimuths of the beams. They are taken from the sensor's beam table `beams` if it has `rings` rings and
+// `columns` columns and its rings are cones; otherwise they are estimated from the points. The estimated step is the
+// median of the steps between neighbouring columns. The estimated offset of a ring is the median of (azimuth - first -
+// step * column) over its points, so that a few near or noisy points have no influence. If azimuths increase or
+// decrease steadily but not evenly, as in a camera image, all offsets are 0. Returns nothing if there are too
+// few points, or if azimuths neither increase nor decrease with the column. `ring` and `column`: one per point.
 std::optional<StripColumns> stripColumns(const Scan& scan, const std::vector<std::size_t>& ring,
                                          const std::vector<std::size_t>& column, std::size_t rings, std::size_t columns,
                                          const BeamTable* beams) {
@@ -234,6 +168,9 @@ std::optional<StripColumns> stripColumns(const Scan& scan, const std::vector<std
   return look;
 }
 
+// Returns the places of the beams such that the left side of the image shows what is on the sensor's left. If the field
+// of view is a full revolution, the middle of the image shows straight ahead. Returns nothing if the azimuths of two
+// rings differ so much that their rows would not overlap.
 std::optional<StripPlaces> lookingOutward(const StripColumns& look, std::size_t columns) {
   StripPlaces places;
   places.image = destagger(look.offset, look.step, static_cast<std::uint32_t>(columns), look.fullTurn);
@@ -247,6 +184,95 @@ std::optional<StripPlaces> lookingOutward(const StripColumns& look, std::size_t 
     places.start = places.image.width - 1;
   }
   return places;
+}
+
+// True if elevations increase with the ring number, determined by the sign of their covariance.
+bool elevationsRise(const Scan& scan) {
+  double sumRing = 0, sumElevation = 0, sumBoth = 0, count = 0;
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    if (!isFinite(scan.position[i])) continue;
+    const Vec3d p(scan.position[i]);
+    const double elevation = std::atan2(p.z, std::hypot(p.x, p.y));
+    const auto ring = static_cast<double>(keyOf(scan, i).ring);
+    sumRing += ring;
+    sumElevation += elevation;
+    sumBoth += ring * elevation;
+    count += 1;
+  }
+  return sumBoth * count > sumRing * sumElevation;
+}
+
+struct GridSize {
+  std::size_t rings = 1;
+  std::size_t columns = 1;
+};
+
+// Returns the scan's numbers of rings and columns; if it is not organised, as many as its points need.
+GridSize gridOf(const Scan& scan) {
+  GridSize size{std::max<std::size_t>(scan.rings, 1), std::max<std::size_t>(scan.columns, 1)};
+  if (!scan.organised) {
+    for (const char* name : {"ring", "column"}) {
+      const auto& column = name[0] == 'r' ? scan[kRing] : scan[kColumn];
+      if (column.empty() && scan.size() > 0) {
+        throw InputError(
+            fmt::format("the scan has no column '{}', which a range image needs where a scan is not organised: name "
+                        "it in the pipeline's output.columns",
+                        name));
+      }
+    }
+    for (const std::uint16_t r : scan[kRing]) size.rings = std::max(size.rings, r + std::size_t{1});
+    for (const std::uint16_t c : scan[kColumn]) size.columns = std::max(size.columns, c + std::size_t{1});
+  }
+  if (size.rings <= kMostPictureSide && size.columns <= kMostPictureSide) return size;
+  throw InputError(fmt::format("{} rings x {} columns do not fit a picture of at most {} x {}", size.rings,
+                               size.columns, kMostPictureSide, kMostPictureSide));
+}
+
+}  // namespace
+
+RangeStrip makeRangeStrip(const Scan& scan, std::span<const Rgb> colors, const std::vector<bool>& shown,
+                          const BeamTable* beams) {
+  const GridSize grid = gridOf(scan);
+  RangeStrip strip;
+  strip.columns = grid.columns;
+  std::vector<std::size_t> ring(scan.size());
+  std::vector<std::size_t> column(scan.size());
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    const PointKey key = keyOf(scan, i);
+    ring[i] = key.ring;
+    column[i] = key.column;
+  }
+  std::size_t width = grid.columns;
+  const auto look = stripColumns(scan, ring, column, grid.rings, grid.columns, beams);
+  const auto places = look ? lookingOutward(*look, grid.columns) : std::nullopt;
+  if (places && places->image.width <= kMostPictureSide) {
+    for (std::size_t i = 0; i < scan.size(); ++i) column[i] = places->place(ring[i], column[i]);
+    width = places->image.width;
+    strip.outward = true;
+    strip.fullTurn = look->fullTurn;
+  }
+  strip.image = Image(static_cast<int>(width), static_cast<int>(grid.rings), kBackground);
+  strip.ringsRise = elevationsRise(scan);
+  strip.pointAt.assign(strip.image.pixels.size(), kNoPoint);
+  strip.pixelOf.resize(scan.size());
+  std::vector<double> nearest(strip.image.pixels.size(), std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    const std::size_t row = strip.ringsRise ? grid.rings - 1 - ring[i] : ring[i];
+    const std::size_t pixel = row * width + column[i];
+    strip.pixelOf[i] = static_cast<std::uint32_t>(pixel);
+    const double range = length(Vec3d(scan.position[i]));
+    if (!(range < nearest[pixel]) || (!shown.empty() && !shown[i])) continue;  // also skips misses, whose range is NaN
+    nearest[pixel] = range;
+    strip.image.pixels[pixel] = colors[i];
+    strip.pointAt[pixel] = static_cast<std::uint32_t>(i);
+  }
+  return strip;
+}
+
+std::string describeStrip(const RangeStrip& strip) {
+  const char* how = "in the sensor's order: its columns do not follow the azimuth";
+  if (strip.outward) how = strip.fullTurn ? "looking outward, straight ahead in the middle" : "looking outward";
+  return fmt::format("{} rings x {} columns, {}", strip.image.height, strip.columns, how);
 }
 
 }  // namespace scanmill
