@@ -1,10 +1,5 @@
 #include "charts/chart.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <limits>
 

@@ -3,7 +3,6 @@
 // Reads a chart back from its SVG.
 
 #include <expat.h>
-#include <gtest/gtest.h>
 
 #include <map>
 #include <memory>

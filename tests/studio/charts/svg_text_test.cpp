@@ -1,8 +1,5 @@
 #include "charts/svg_text.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "charts/chart.h"
 
 namespace scanmill {

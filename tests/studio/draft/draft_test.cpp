@@ -1,8 +1,5 @@
 #include "draft/draft.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <array>
 #include <functional>
 #include <map>

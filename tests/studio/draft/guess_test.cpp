@@ -1,8 +1,5 @@
 #include "draft/guess.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 namespace scanmill::draft {
 namespace {
 

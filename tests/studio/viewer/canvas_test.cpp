@@ -2,10 +2,6 @@
 
 #include "viewer/canvas/canvas.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
 #include <limits>
 #include <random>
 #include <set>

@@ -1,9 +1,5 @@
 // The canvas as a window, under an X server of the test's own, with real keys and clicks.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-
 #include "tests/support/message_of.h"
 #include "tests/support/x_display.h"
 #include "viewer/canvas/canvas.h"

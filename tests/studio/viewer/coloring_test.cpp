@@ -1,9 +1,5 @@
 #include "viewer/coloring.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <limits>
 #include <set>
 

@@ -1,9 +1,5 @@
 #include "viewer/pass_picture.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-
 #include "passes/exr/hits_exr.h"
 #include "passes/exr/pass_exr.h"
 #include "tests/support/message_of.h"

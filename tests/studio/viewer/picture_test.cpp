@@ -1,10 +1,5 @@
 #include "viewer/picture.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include "dataset/scan_source.h"
 #include "methods/method.h"
 #include "tests/support/shared_data.h"

@@ -1,9 +1,5 @@
 #include "viewer/range_strip.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "tests/support/message_of.h"
 #include "viewer/color_map.h"
 #include "viewer/picture.h"

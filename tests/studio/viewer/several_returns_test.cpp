@@ -2,8 +2,6 @@
 
 #include "tests/core/sense/several_returns.h"
 
-#include <gtest/gtest.h>
-
 #include "viewer/color_map.h"
 #include "viewer/coloring.h"
 #include "viewer/picture.h"

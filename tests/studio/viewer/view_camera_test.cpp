@@ -1,10 +1,5 @@
 #include "viewer/view_camera.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include "viewer/window/orbit_camera.h"
 
 namespace scanmill {

@@ -1,10 +1,5 @@
 #include "report/dataset/dataset_report.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <filesystem>
-
 #include "base/file.h"
 #include "base/parallel.h"
 #include "report/dataset/dataset_charts.h"

@@ -2,7 +2,6 @@
 
 // Datasets that say exactly what a test wants: scans of a handful of points.
 
-#include <filesystem>
 #include <string>
 #include <vector>
 

@@ -1,6 +1,4 @@
-#include <gtest/gtest.h>
 
-#include <algorithm>
 #include <set>
 
 #include "report/dataset/scan_reading.h"

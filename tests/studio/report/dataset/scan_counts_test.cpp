@@ -1,9 +1,5 @@
 #include "report/dataset/scan_counts.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "sense/echoes.h"
 #include "tests/studio/report/dataset/made_dataset.h"
 

@@ -1,8 +1,5 @@
 #include "report/dataset/scan_view.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "base/base64.h"

@@ -2,7 +2,6 @@
 
 // Opens pages in Chromium, as somebody opens them.
 
-#include <filesystem>
 #include <string>
 #include <vector>
 

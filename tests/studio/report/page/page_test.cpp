@@ -1,7 +1,5 @@
 #include "report/page/page.h"
 
-#include <gmock/gmock.h>
-
 #include "base/error.h"
 
 namespace scanmill {

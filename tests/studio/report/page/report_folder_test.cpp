@@ -1,8 +1,5 @@
 #include "report/page/report_folder.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <set>
 
 #include "base/file.h"

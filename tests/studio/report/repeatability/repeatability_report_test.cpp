@@ -1,7 +1,5 @@
 #include "report/repeatability/repeatability_report.h"
 
-#include <gmock/gmock.h>
-
 #include "charts/svg_text.h"
 #include "tests/studio/study/repeatability/repeated_scans.h"
 

@@ -1,8 +1,5 @@
 #include "report/tradeoff/report.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <regex>
 
 #include "study/tradeoff/study_figures.h"

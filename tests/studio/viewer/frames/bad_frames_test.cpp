@@ -1,8 +1,5 @@
 // What cannot be opened says so at once; what is wrong with a part of a dataset leaves the rest to be seen.
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "base/file.h"
 #include "tests/studio/viewer/frames/frame_fixture.h"
 

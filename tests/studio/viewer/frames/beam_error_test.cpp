@@ -1,8 +1,5 @@
 #include "viewer/frames/beam_error.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "sense/sense.h"
 #include "tests/core/dataset/fixture.h"
 #include "tests/core/sense/several_returns.h"

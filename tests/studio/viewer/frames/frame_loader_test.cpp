@@ -1,8 +1,5 @@
 #include "viewer/frames/frame_loader.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <condition_variable>
 #include <mutex>
 #include <stdexcept>

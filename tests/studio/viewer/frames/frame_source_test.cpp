@@ -1,8 +1,5 @@
 #include "viewer/frames/frame_source.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <atomic>
 
 #include "base/file.h"

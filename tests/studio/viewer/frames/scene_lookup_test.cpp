@@ -1,8 +1,5 @@
 #include "viewer/frames/scene_lookup.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "tests/studio/viewer/frames/frame_fixture.h"
 
 namespace scanmill {

@@ -1,7 +1,5 @@
 // What lies between a noisy scan and its noise-free reference where beams have two returns, one or none.
 
-#include <cmath>
-
 #include "tests/core/pipeline/two_returns_yard.h"
 #include "viewer/frames/beam_error.h"
 #include "viewer/frames/frame_source.h"

@@ -1,8 +1,5 @@
 #include "viewer/frames/view_mesh.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <limits>
 
 #include "base/parallel.h"

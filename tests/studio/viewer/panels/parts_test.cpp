@@ -2,10 +2,6 @@
 
 #include "viewer/panels/parts.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
 #include <set>
 
 #include "tests/studio/viewer/window/fake_canvas.h"

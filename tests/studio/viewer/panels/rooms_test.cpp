@@ -1,9 +1,5 @@
 #include "viewer/panels/rooms.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 namespace scanmill {
 namespace {
 

@@ -1,5 +1,3 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "tests/studio/viewer/window/fake_frames.h"
 #include "tests/support/message_of.h"

@@ -1,7 +1,5 @@
 #include "viewer/window/drawing.h"
 
-#include <gtest/gtest.h>
-
 #include "tests/studio/viewer/window/fake_canvas.h"
 
 namespace scanmill {

@@ -2,9 +2,7 @@
 
 // A canvas in memory: remembers what it was given and draws points as plain squares, the same on every machine.
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 #include <map>
 #include <optional>

@@ -1,7 +1,5 @@
 #include "viewer/window/guides.h"
 
-#include <gtest/gtest.h>
-
 #include <limits>
 #include <random>
 

@@ -1,7 +1,5 @@
 #include "viewer/window/instance_summary.h"
 
-#include <gtest/gtest.h>
-
 #include <random>
 
 namespace scanmill {

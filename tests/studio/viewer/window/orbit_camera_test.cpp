@@ -1,8 +1,5 @@
 #include "viewer/window/orbit_camera.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <random>
 
 #include "tests/support/message_of.h"

@@ -1,8 +1,5 @@
 #include "viewer/window/playback.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "tests/studio/viewer/window/fake_frames.h"
 
 namespace scanmill {

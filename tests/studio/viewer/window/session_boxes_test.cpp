@@ -1,9 +1,6 @@
 // The objects that a sample lists: boxes, tracks, names.
 
 #include <fmt/core.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
 
 #include "tests/studio/viewer/window/session_world.h"
 #include "viewer/window/session_items.h"

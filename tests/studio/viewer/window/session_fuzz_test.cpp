@@ -1,7 +1,5 @@
 // Whatever a person does in whatever order, the viewer goes on.
 
-#include <gtest/gtest.h>
-
 #include "tests/studio/viewer/window/session_world.h"
 #include "tests/support/temporary_folder.h"
 #include "viewer/window/session.h"

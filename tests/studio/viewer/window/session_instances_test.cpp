@@ -1,7 +1,5 @@
 // One instance among the points: shown alone, edged, measured, in a box; and the returns of one beam.
 
-#include <gtest/gtest.h>
-
 #include <set>
 
 #include "tests/studio/viewer/window/session_world.h"

@@ -1,9 +1,5 @@
 // What is shown of scans: filters, colours, views, what lies under the pointer.
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <cstdlib>
 #include <set>
 

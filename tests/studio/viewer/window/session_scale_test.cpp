@@ -1,8 +1,5 @@
 // Scales, legends, and frames that cannot be shown.
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <chrono>
 #include <thread>
 

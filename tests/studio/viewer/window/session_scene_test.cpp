@@ -1,11 +1,7 @@
 // A scene shown by itself, help that does not fit, and the range image of an overlay.
 
 #include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
 #include <set>
 #include <string>
 

@@ -2,11 +2,7 @@
 
 #include "viewer/window/session.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <chrono>
-#include <filesystem>
 #include <map>
 #include <set>
 #include <sstream>

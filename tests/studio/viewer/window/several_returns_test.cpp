@@ -2,8 +2,6 @@
 
 #include "tests/core/sense/several_returns.h"
 
-#include <gtest/gtest.h>
-
 #include <set>
 
 #include "tests/studio/viewer/window/session_world.h"
