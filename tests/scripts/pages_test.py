@@ -158,6 +158,7 @@ def main():
         here = Path(folder) / "here"
         here.mkdir()
         (here / "pipelines").symlink_to(Path(folder) / "resources" / "pipelines")
+        (here / "tests").symlink_to(ROOT / "tests")
         environment = os.environ | {"PATH": f"{tools}:{os.environ['PATH']}", "PROGRAM": str(PROGRAM),
                                     "SCANMILL_RESOURCES": str(Path(folder) / "resources")}
         assets = ROOT.parent / "shared" / "data"

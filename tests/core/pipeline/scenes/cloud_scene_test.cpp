@@ -13,7 +13,7 @@ namespace {
 TEST(CloudScenes, OfARealRevolutionAreMetAtItsRanges) {
   SKIP_WITHOUT_SHARED_DATA("lidar/ouster_os1_128");
   ::setenv("SCANMILL_ASSETS", sharedData().c_str(), 1);
-  const Scene scene = readScene(SCANMILL_SOURCE_DIR "/scenes/recorded_place.yaml", {});
+  const Scene scene = readScene(SCANMILL_SOURCE_DIR "/tests/data/scenes/recorded_place.yaml", {});
   const Cloud cloud = readCloud(sharedData() / "lidar/ouster_os1_128/frame_1795.pcd");
   const SceneProbe probe(scene);
   std::vector<SceneProbe::Ray> rays;
