@@ -11,7 +11,6 @@
 
 #include "assets/asset_kinds.h"
 #include "base/file.h"
-#include "base/grouped.h"
 #include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"

@@ -11,8 +11,8 @@
 
 #include "base/error.h"
 #include "base/file.h"
-#include "base/grouped.h"
 #include "base/parallel.h"
+#include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"
 #include "commands/recorded_scans.h"

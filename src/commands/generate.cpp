@@ -7,7 +7,6 @@
 #include <optional>
 #include <utility>
 
-#include "base/grouped.h"
 #include "base/parallel.h"
 #include "base/short_text.h"
 #include "base/terminal.h"

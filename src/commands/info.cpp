@@ -10,7 +10,6 @@
 #include "assets/asset.h"
 #include "assets/meshes/gltf/reader.h"
 #include "base/file.h"
-#include "base/grouped.h"
 #include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/grouped.h"
 #include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/table.h"

@@ -9,7 +9,6 @@
 #include <set>
 #include <utility>
 
-#include "base/grouped.h"
 #include "base/parallel.h"
 #include "base/short_text.h"
 #include "base/terminal.h"

@@ -6,7 +6,6 @@
 #include <map>
 #include <set>
 
-#include "base/grouped.h"
 #include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/table.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "base/error.h"
-#include "base/grouped.h"
+#include "base/short_text.h"
 #include "base/terminal.h"
 #include "config/value.h"
 #include "dataset/scan_store.h"

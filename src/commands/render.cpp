@@ -5,7 +5,6 @@
 #include <array>
 #include <utility>
 
-#include "base/grouped.h"
 #include "base/parallel.h"
 #include "base/short_text.h"
 #include "base/terminal.h"

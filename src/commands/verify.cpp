@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <optional>
 
-#include "base/grouped.h"
 #include "base/parallel.h"
+#include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"
 #include "dataset/shard_name.h"

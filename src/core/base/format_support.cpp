@@ -8,7 +8,7 @@
 #include <set>
 
 #include "base/error.h"
-#include "base/grouped.h"
+#include "base/short_text.h"
 
 namespace scanmill {
 

@@ -2,6 +2,8 @@
 
 // Formats numbers, sizes, times and positions as short text for people.
 
+#include <cstddef>
+#include <cstdint>
 #include <string>
 
 #include "base/vec.h"
@@ -10,6 +12,13 @@ namespace scanmill {
 
 // Returns a number with three digits and a decimal prefix: "12.3 M", "456 k", "7".
 std::string shortNumber(double value);
+
+// Returns a number with its digits in groups of three: "1,234,567".
+inline std::string grouped(std::uint64_t number) {
+  std::string digits = std::to_string(number);
+  for (std::size_t i = digits.size(); i > 3; i -= 3) digits.insert(i - 3, ",");
+  return digits;
+}
 
 // Returns a size with a binary prefix: "1.2 GiB", "34.0 MiB", "12 B".
 std::string shortBytes(double bytes);

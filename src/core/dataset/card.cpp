@@ -8,7 +8,7 @@
 #include <map>
 #include <set>
 
-#include "base/grouped.h"
+#include "base/short_text.h"
 #include "dataset/json_text.h"
 #include "dataset/objects.h"
 #include "dataset/sample_names.h"

@@ -10,7 +10,7 @@
 
 #include "assets/meshes/asset_parts.h"
 #include "base/error.h"
-#include "base/grouped.h"
+#include "base/short_text.h"
 #include "scene/triangles.h"
 #include "scenefile/part_traits.h"
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "base/grouped.h"
 #include "base/memory.h"
 #include "base/short_text.h"
 

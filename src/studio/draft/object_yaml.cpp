@@ -10,7 +10,7 @@
 #include <set>
 #include <utility>
 
-#include "base/grouped.h"
+#include "base/short_text.h"
 #include "base/terminal.h"
 #include "config/flow_text.h"
 

@@ -8,7 +8,6 @@
 #include <optional>
 
 #include "base/error.h"
-#include "base/grouped.h"
 #include "base/short_text.h"
 #include "study/figure_text.h"
 

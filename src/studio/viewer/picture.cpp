@@ -7,7 +7,7 @@
 #include <iterator>
 
 #include "base/error.h"
-#include "base/grouped.h"
+#include "base/short_text.h"
 #include "methods/method.h"
 #include "viewer/color_map.h"
 #include "viewer/coloring.h"

@@ -16,7 +16,7 @@
 #include "assets/surveys/surfels.h"
 #include "assets/surveys/surveys.h"
 #include "base/error.h"
-#include "base/grouped.h"
+#include "base/short_text.h"
 #include "config/text.h"
 #include "formats/cloud_file.h"
 #include "formats/readers.h"

@@ -14,7 +14,7 @@
 #include "assets/surveys/surveys.h"
 #include "base/earth.h"
 #include "base/error.h"
-#include "base/grouped.h"
+#include "base/short_text.h"
 #include "rasters/raster.h"
 
 namespace scanmill {

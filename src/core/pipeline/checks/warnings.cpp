@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "base/append_new.h"
-#include "base/grouped.h"
 #include "base/short_text.h"
 #include "pipeline/read/drawn_sensors.h"
 #include "scenefile/rules.h"

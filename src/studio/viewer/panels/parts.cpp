@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "base/grouped.h"
+#include "base/short_text.h"
 #include "viewer/color_map.h"
 #include "viewer/coloring.h"
 

@@ -8,7 +8,7 @@
 #include <ranges>
 #include <unordered_map>
 
-#include "base/grouped.h"
+#include "base/short_text.h"
 #include "viewer/window/picked_rows.h"
 #include "viewer/window/session_context.h"
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/grouped.h"
+#include "base/short_text.h"
 #include "viewer/color_map.h"
 #include "viewer/picture.h"
 #include "viewer/window/guides.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "base/grouped.h"
+#include "base/short_text.h"
 #include "viewer/window/session_context.h"
 
 namespace scanmill {

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <array>
 
-#include "base/grouped.h"
+#include "base/short_text.h"
 #include "viewer/color_map.h"
 #include "viewer/coloring.h"
 #include "viewer/picture.h"
