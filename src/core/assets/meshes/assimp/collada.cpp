@@ -22,9 +22,9 @@ namespace {
 // What the importer cannot read, or reads wrong, by paths of XPath, and what can be done.
 constexpr std::pair<const char*, const char*> kRefused[] = {
     {"//skew", "bake transforms into matrices, or convert it to glTF"},
-    {"//node/lookat[..//instance_geometry or ..//instance_controller or ..//instance_node]",
+    {"//node/lookat[..//instance_geometry or ..//instance_node]",
      "bake transforms into matrices, or convert it to glTF"},
-    {"//morph", "convert it to glTF, for example with Blender"},
+    {"//controller/*[//instance_controller]", "convert it to glTF, for example with Blender"},
     {"//instance_image", "export it as COLLADA 1.4.1, or convert it to glTF"}};
 
 // Reads an effect.
@@ -64,7 +64,7 @@ class Collada {
     readAsset();
     countRest();
     nameSets();
-    for (const pugi::xpath_node& node : root_.select_nodes("//node")) nameNode(node.node());
+    for (const pugi::xpath_node& node : root_.select_nodes("//node")) readNode(node.node());
     for (const pugi::xpath_node& scene : root_.select_nodes("//visual_scene")) copies_ += countIn(scene.node());
     chargeCopies(static_cast<std::uint64_t>(std::min(copies_, 1e18)), {});
     readMaterials();
@@ -135,23 +135,17 @@ class Collada {
     }
   }
 
-  // Gives a node an id, by which the importer then names it and joints find it, and hides what it shows.
-  void nameNode(pugi::xml_node node) {
-    const std::string own = node.attribute("id").value();
-    const std::string id = own.empty() ? fmt::format("node without an id {}", facts_.names.size()) : own;
-    if (own.empty()) node.remove_attribute("id"), node.append_attribute("id") = id.c_str();
-    const std::string name = node.attribute("name").value();
-    facts_.names.emplace(id, name.empty() ? own : name);
-    byId_.emplace(id, node);
+  // Names a node without a name by its id, and hides what it shows if it is not visible.
+  void readNode(pugi::xml_node node) {
+    const pugi::xml_attribute id = node.attribute("id");
+    byId_.emplace(id.value(), node);
+    if (node.attribute("name").empty() && !id.empty()) node.append_attribute("name") = id.value();
     const std::string_view visible = trimmed(node.select_node("extra/technique/visibility").node().text().get());
-    if (visible == "0" || visible == "false") hide(node);
-  }
-
-  void hide(const pugi::xml_node& node) {
+    if (visible != "0" && visible != "false") return;
     for (const pugi::xpath_node& hidden :
-         node.select_nodes("descendant-or-self::node[instance_geometry or instance_controller or instance_node]")) {
+         node.select_nodes("descendant-or-self::node[instance_geometry or instance_node]")) {
       facts_.leftOut.add("hidden nodes");
-      for (const char* shown : {"instance_geometry", "instance_controller", "instance_node"}) {
+      for (const char* shown : {"instance_geometry", "instance_node"}) {
         while (hidden.node().remove_child(shown)) continue;
       }
     }
@@ -223,7 +217,7 @@ const FormatSupport& colladaFormat() {
        {LeftOut, "spline", "splines"},
        {LeftOut, "brep", "solids by their borders (brep)"},
        {LeftOut, "convex_mesh", "convex meshes (convex_mesh)"}},
-      "Names and transforms of nodes; their surfaces and skins, in the pose in which the nodes stand. The unit "
+      "Names, transforms and surfaces of nodes. The unit "
       "multiplies the key `unit`; the axis holds unless the key `up` is given. Nodes with `visibility` 0 are left out "
       "with all below them. Colours, images, their places and opacity; colours are taken as linear light, as Blender "
       "writes them: COLLADA states no colour space. Files with `skew`, `lookat`, `morph` or `instance_image` are "

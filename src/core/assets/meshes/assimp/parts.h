@@ -3,16 +3,12 @@
 // The parts of the reader that uses the assimp library (assets/meshes/assimp/reader.h).
 
 #include <filesystem>
-#include <functional>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "assets/meshes/imported_file.h"
 
-struct aiBone;
-struct aiMesh;
 struct aiScene;
 
 namespace scanmill {
@@ -38,13 +34,12 @@ struct ColladaMaterial {
 
 // What a COLLADA file (.dae; COLLADA 1.4.1 and 1.5) states and assimp does not report.
 struct ColladaFacts {
-  char up = 'y';                             // axis of `up_axis`
-  double unit = 0;                           // metres per unit; 0: not stated
-  std::map<std::string, std::string> names;  // of nodes, by their ids in `text`; empty: the node has none
-  std::vector<ColladaMaterial> materials;    // those of `text` that have an effect, sorted by their ids, as by assimp
+  char up = 'y';                           // axis of `up_axis`
+  double unit = 0;                         // metres per unit; 0: not stated
+  std::vector<ColladaMaterial> materials;  // those of `text` that have an effect, sorted by their ids, as by assimp
   LeftOut leftOut;
-  // The file for assimp, in UTF-8: every node has an id, hidden nodes show nothing, and surfaces without a material
-  // have kDefaultMaterial.
+  // The file for assimp, in UTF-8: nodes without a name have their id as one, hidden nodes show nothing, and surfaces
+  // without a material have kDefaultMaterial.
   std::string text;
 };
 
@@ -61,28 +56,5 @@ struct UvPlacement {
 // Returns the materials of an assimp scene. Base colours count as linear, since most exporters write linear ones.
 // `placements` receives one entry per material. Counts rotations of images, which are not applied.
 std::vector<ImportedMaterial> materialsOf(const aiScene& scene, std::vector<UvPlacement>& placements, LeftOut& leftOut);
-
-// Collects the errors that the assimp library meets in files and reads past, as long as the object lives.
-struct ImporterLog {
-  ImporterLog();
-  ~ImporterLog();
-  ImporterLog(const ImporterLog&) = delete;
-  ImporterLog& operator=(const ImporterLog&) = delete;
-  std::vector<std::string> problems;  // the first ones
-};
-
-// The vertices of a mesh with a skin, in the asset's frame.
-struct SkinnedMesh {
-  std::vector<Vec3d> vertices;
-  bool mirrored = false;  // true: the joints' transforms mirror
-};
-
-// Returns the vertices of a mesh where its joints take them, each by the mean of their transforms, weighted (linear
-// blend skinning). `assetFromMesh` returns a joint's transform; nullopt if the file has no node for it, which `leftOut`
-// then counts. Vertices without such a joint follow the mesh's node. Returns nullopt if the mesh has no skin, or if all
-// joints take it where its node does.
-std::optional<SkinnedMesh> skinned(const aiMesh& mesh, const Affine& assetFromNode,
-                                   const std::function<std::optional<Affine>(const aiBone&)>& assetFromMesh,
-                                   LeftOut& leftOut);
 
 }  // namespace scanmill

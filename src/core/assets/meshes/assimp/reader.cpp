@@ -7,7 +7,9 @@
 
 #include <algorithm>
 #include <array>
+#include <assimp/DefaultLogger.hpp>
 #include <assimp/Importer.hpp>
+#include <assimp/LogStream.hpp>
 #include <cmath>
 #include <cstdint>
 #include <exception>
@@ -38,6 +40,39 @@ T metadataOf(const auto& owner, const char* key, T fallback) {
   return owner.mMetaData != nullptr && owner.mMetaData->Get(key, value) ? value : fallback;
 }
 
+// Collects the errors that the library meets in files and reads past, as long as the object lives.
+class ImporterLog {
+ public:
+  ImporterLog() {
+    Assimp::DefaultLogger::create("", Assimp::Logger::NORMAL, 0, nullptr);
+    Assimp::DefaultLogger::get()->attachStream(new Stream(problems), Assimp::Logger::Err);
+  }
+  ~ImporterLog() { Assimp::DefaultLogger::kill(); }
+  ImporterLog(const ImporterLog&) = delete;
+  ImporterLog& operator=(const ImporterLog&) = delete;
+
+  std::vector<std::string> problems;  // the first ones
+
+ private:
+  class Stream final : public Assimp::LogStream {
+   public:
+    explicit Stream(std::vector<std::string>& problems) : problems_(problems) {}
+
+    // Takes a line such as "Error, T0: AC3D: Unexpected EOF".
+    void write(const char* message) override {
+      constexpr std::size_t kMostProblems = 4;
+      std::string_view text(message);
+      text.remove_prefix(std::min(text.find(": ") + 2, text.size()));
+      const std::string problem(text.substr(0, std::min<std::size_t>(text.find('\n'), 200)));
+      const bool isKnown = std::find(problems_.begin(), problems_.end(), problem) != problems_.end();
+      if (problems_.size() < kMostProblems && !isKnown) problems_.push_back(problem);
+    }
+
+   private:
+    std::vector<std::string>& problems_;
+  };
+};
+
 class Importer {
  public:
   Importer(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options)
@@ -63,7 +98,7 @@ class Importer {
   [[noreturn]] static void fail(const std::string& what) { throw Error(what); }
 
   void import() {
-    importer_.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, false);  // nodes are called by their ids
+    importer_.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, true);
     importer_.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, options_.up.has_value());
     importer_.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
     std::string text;
@@ -162,10 +197,9 @@ class Importer {
     return {zUpFrom(up) * Mat3::scale({scale, scale, scale}), {}};
   }
 
-  std::string nodeName(const aiNode& node) const {
-    if (!collada_) return node.mName.C_Str();
-    const auto known = facts_.names.find(node.mName.C_Str());
-    return known == facts_.names.end() ? std::string() : known->second;
+  static std::string nodeName(const aiNode& node) {
+    std::string name = node.mName.C_Str();
+    return name.starts_with("$ColladaAutoName$") ? std::string() : name;  // which the importer invents
   }
 
   struct Placed {
@@ -187,7 +221,6 @@ class Importer {
       for (unsigned i = item.node->mNumChildren; i-- > 0;) {
         if (const aiNode* child = item.node->mChildren[i]) open.push_back({child, item.assetFromNode, inherited});
       }
-      joints_.emplace(item.node->mName.C_Str(), item.assetFromNode);
       placed.push_back(std::move(item));
     }
     for (std::uint32_t index = 0; index < placed.size(); ++index) {
@@ -232,19 +265,13 @@ class Importer {
     const std::size_t base = part.positions.size();
     if (base + mesh.mNumVertices > UINT32_MAX) fail("has more vertices than 32-bit indices allow: split it");
     part.positions.resize(base + mesh.mNumVertices);
-    const auto assetFromMesh = [&](const aiBone& bone) -> std::optional<Affine> {
-      const auto joint = joints_.find(bone.mName.C_Str());
-      if (joint == joints_.end()) return std::nullopt;
-      return joint->second * toAffine(bone.mOffsetMatrix);
-    };
-    const std::optional<SkinnedMesh> posed = skinned(mesh, assetFromNode, assetFromMesh, leftOut_);
     for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
       const aiVector3D& v = mesh.mVertices[i];
-      part.positions[base + i] = static_cast<Vec3f>(posed ? posed->vertices[i] : assetFromNode * Vec3d{v.x, v.y, v.z});
+      part.positions[base + i] = static_cast<Vec3f>(assetFromNode * Vec3d{v.x, v.y, v.z});
     }
     appendUvs(part, mesh, base);
     // If the transform mirrors, swaps two corners, so that surfaces are not turned inside out.
-    const bool mirrored = posed ? posed->mirrored : determinant(assetFromNode.linear) < 0;
+    const bool mirrored = determinant(assetFromNode.linear) < 0;
     const auto offset = static_cast<std::uint32_t>(base);
     part.triangles.reserve(part.triangles.size() + mesh.mNumFaces);
     for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
@@ -289,7 +316,6 @@ class Importer {
   std::uint64_t triangles_ = 0;
   Triangulator polygons_{std::filesystem::path()};  // without the file's name, which the parent process adds
   ColladaFacts facts_;
-  std::map<std::string, Affine> joints_;  // assetFromNode by the name of the node
   LeftOut leftOut_;
 };
 
