@@ -7,7 +7,6 @@
 #include <memory>
 #include <vector>
 
-#include "assets/meshes/assimp/reader.h"
 #include "assets/meshes/blender_export.h"
 #include "assets/meshes/gltf/model.h"
 #include "assets/meshes/imported_file.h"

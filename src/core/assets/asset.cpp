@@ -12,7 +12,7 @@
 #include "assets/meshes/asset_parts.h"
 #include "assets/meshes/blender_export.h"
 #include "assets/meshes/gltf/reader.h"
-#include "assets/meshes/imported_asset.h"
+#include "assets/meshes/imported_file.h"
 #include "assets/surveys/surveys.h"
 #include "assets/worlds/world_asset.h"
 #include "base/error.h"

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "assets/meshes/texture_search.h"
+#include "assets/meshes/references.h"
 #include "base/error.h"
 #include "base/input_budget.h"
 #include "config/text.h"

@@ -1,7 +1,7 @@
 #pragma once
 
-// The contents of a 3D file as its reader returns them: plain data, which a child process can send to its parent; the
-// readers of OBJ, PLY and STL; and the looks of its materials.
+// The contents of a mesh file as its reader returns them: plain data, which a child process can send to its parent; the
+// readers of OBJ, PLY and STL, and by the assimp library of COLLADA and AC3D; and the looks of its materials.
 
 #include <array>
 #include <cstdint>
@@ -57,9 +57,16 @@ ImportedFile importedFrom(std::string_view bytes);
 const FormatSupport& objFormat();
 const FormatSupport& plyMeshFormat();
 const FormatSupport& stlFormat();
+const FormatSupport& colladaFormat();
+const FormatSupport& ac3dFormat();
 ImportedFile readObjMesh(const std::filesystem::path& file, const AssetOptions& options);
 ImportedFile readPlyMesh(const std::filesystem::path& file, const AssetOptions& options);
 ImportedFile readStlMesh(const std::filesystem::path& file, const AssetOptions& options);
+
+// Reads a file of any of these kinds as readAsset() does, but also accepts a file without triangles. `kind` is its
+// extension in lower case. The assimp library is made for trusted files. Therefore it runs in a child process, which
+// may crash or exceed its time or memory without harm to this process.
+Asset readImported(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options);
 
 // Returns the looks of the imported file's materials, in its order. Warns of missing and broken textures. Throws
 // InputError for a texture outside of the file's folder, unless AssetOptions::allowOutside is set. Adds what is not

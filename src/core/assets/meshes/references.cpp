@@ -1,8 +1,67 @@
 #include "assets/meshes/references.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "base/error.h"
+#include "config/text.h"
 
 namespace scanmill {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kMostAbove = 8;  // largest number of folders to search, from the file's folder upwards
+constexpr const char* kVariables[] = {"SDF_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH",
+                                      "GAZEBO_MODEL_PATH", "ROS_PACKAGE_PATH"};
+
+bool isThere(const fs::path& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored);
+}
+
+std::vector<fs::path> modelFolders(const fs::path& file) {
+  std::vector<fs::path> folders;
+  std::error_code ignored;
+  fs::path above = fs::absolute(file, ignored).lexically_normal().parent_path();
+  for (int i = 0; i < kMostAbove; ++i) {
+    folders.push_back(above);
+    folders.push_back(above / "models");
+    if (above == above.parent_path()) break;
+    above = above.parent_path();
+  }
+  for (const char* variable : kVariables) {
+    const char* const value = std::getenv(variable);
+    const std::string list = value == nullptr ? "" : value;
+    for (std::size_t at = 0; at < list.size();) {
+      const std::size_t end = std::min(list.find(':', at), list.size());
+      if (end > at) folders.emplace_back(list.substr(at, end - at));
+      at = end + 1;
+    }
+  }
+  return folders;
+}
+
+bool isFile(const std::filesystem::path& path) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(path, error);
+}
+
+// Returns the file of this name in a folder, ignoring case; empty if there is none.
+std::filesystem::path findIgnoringCase(const std::filesystem::path& folder, const std::string& name) {
+  std::error_code error;
+  std::filesystem::path best;  // the first match by name, since a folder's entries have no stable order
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    if (lowerCase(entry.path().filename().string()) != lowerCase(name) || !isFile(entry.path())) continue;
+    if (best.empty() || entry.path() < best) best = entry.path();
+  }
+  return best;
+}
+
+}  // namespace
 
 bool leadsOutside(const std::string& name) {
   const std::filesystem::path path = std::filesystem::path(name).lexically_normal();
@@ -33,6 +92,66 @@ std::string decodeUri(std::string_view uri) {
     }
   }
   return out;
+}
+
+std::optional<fs::path> findInModelFolders(const fs::path& file, const std::string& name) {
+  for (const fs::path& folder : modelFolders(file)) {
+    for (const std::string& spelling : {name, decodeUri(name)}) {
+      // If a file inside of a model's folder names that model, the model is found from the folder above.
+      if (!spelling.empty() && isThere(folder / spelling)) return folder / spelling;
+    }
+  }
+  return std::nullopt;
+}
+
+std::string modelFolderVariables() {
+  return fmt::format("{}", fmt::join(kVariables, ", "));
+}
+
+std::filesystem::path findTexture(const std::filesystem::path& asset, const std::string& name, bool allowOutside,
+                                  const std::vector<std::filesystem::path>& folders) {
+  std::string plain = name;
+  std::replace(plain.begin(), plain.end(), '\\', '/');
+  const std::filesystem::path folder = asset.parent_path();
+  std::vector<std::filesystem::path> candidates;
+  std::filesystem::path outside;
+  if (plain.starts_with("file://")) plain = plain.substr(7);
+  if (plain.starts_with("model://")) {  // Gazebo: model://MODEL/...; all models are in one folder
+    plain = plain.substr(8);
+    if (!leadsOutside(plain) && !leadsOutside(decodeUri(plain))) {
+      if (const auto found = findInModelFolders(asset, plain)) candidates.push_back(*found);
+    }
+  }
+  for (const std::string& spelling : {plain, decodeUri(plain)}) {
+    const std::filesystem::path path = folder / spelling;  // `folder` is ignored if the spelling is absolute
+    if (allowOutside || !leadsOutside(spelling)) {
+      candidates.push_back(path);
+    } else if (isFile(path)) {
+      outside = path;
+    }
+  }
+  std::vector<std::filesystem::path> places{folder,
+                                            folder / "textures",
+                                            folder / "Textures",
+                                            folder / ".." / "materials" / "textures",
+                                            folder / ".." / "textures",
+                                            folder / "materials" / "textures"};
+  places.insert(places.end(), folders.begin(), folders.end());
+  const std::string bare = std::filesystem::path(decodeUri(plain)).filename().string();
+  if (bare.empty() || bare == "..") return {};
+  for (const auto& place : places) candidates.push_back(place / bare);
+  for (const auto& candidate : candidates) {
+    if (isFile(candidate)) return candidate;
+  }
+  for (const auto& place : places) {
+    if (auto found = findIgnoringCase(place.empty() ? "." : place, bare); !found.empty()) return found;
+  }
+  if (!outside.empty()) throw InputError({asset.string()}, refusalOf(name));
+  // Some exporters write a name with blanks in quotation marks.
+  if (name.size() > 2 && name.starts_with('"') && name.ends_with('"')) {
+    return findTexture(asset, name.substr(1, name.size() - 2), allowOutside, folders);
+  }
+  return {};
 }
 
 }  // namespace scanmill

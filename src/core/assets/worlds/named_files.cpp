@@ -4,7 +4,6 @@
 
 #include <set>
 
-#include "assets/meshes/model_folders.h"
 #include "assets/meshes/references.h"
 
 namespace scanmill {

@@ -35,7 +35,7 @@ class MissingFiles {
 };
 
 // Returns the file or folder that the element `from` of `file` calls `uri`: model://NAME/..., package://NAME/... (see
-// assets/meshes/model_folders.h), file://... or a path relative to the file. Throws MissingFileError at `from` if
+// assets/meshes/references.h), file://... or a path relative to the file. Throws MissingFileError at `from` if
 // nothing is found.
 std::filesystem::path findModel(const XmlNode& from, const std::filesystem::path& file, const std::string& uri);
 

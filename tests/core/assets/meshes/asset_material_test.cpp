@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "assets/meshes/imported_file.h"
-#include "assets/meshes/texture_search.h"
+#include "assets/meshes/references.h"
 #include "base/error.h"
 #include "base/file.h"
 #include "tests/core/assets/meshes/triangle_files.h"

@@ -5,7 +5,6 @@
 #include <string_view>
 
 #include "assets/meshes/assimp/parts.h"
-#include "assets/meshes/assimp/reader.h"
 #include "base/error.h"
 #include "base/file.h"
 #include "base/text_scan.h"

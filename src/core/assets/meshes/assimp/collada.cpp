@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "assets/meshes/assimp/parts.h"
-#include "assets/meshes/assimp/reader.h"
 #include "base/error.h"
 #include "base/file.h"
 #include "base/input_budget.h"

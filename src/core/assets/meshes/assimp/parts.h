@@ -1,6 +1,7 @@
 #pragma once
 
-// The parts of the reader that uses the assimp library (assets/meshes/assimp/reader.h).
+// Reads COLLADA and AC3D with the assimp library. A damaged file can crash it, or make it use much time and memory:
+// readImported() runs it in a child process.
 
 #include <filesystem>
 #include <optional>
@@ -12,6 +13,13 @@
 struct aiScene;
 
 namespace scanmill {
+
+// Reads a file. `kind` is its extension in lower case: ".dae", or one of AC3D. Throws an Error that states the problem,
+// but not the file's name.
+ImportedFile readByAssimp(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options);
+
+// Returns advice for messages about a file of this kind that cannot be read.
+std::string remedyFor(const std::string& kind);
 
 // Returns the text of an AC3D file (AC3Db or AC3Dc) as assimp reads it, and counts what is left out:
 // - at most one texture per object. Racing games write several. The texture with the role `base`, or else the first

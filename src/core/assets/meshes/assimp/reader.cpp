@@ -1,21 +1,14 @@
-#include "assets/meshes/assimp/reader.h"
-
 #include <assimp/commonMetaData.h>
 #include <assimp/config.h>
 #include <assimp/scene.h>
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <assimp/DefaultLogger.hpp>
 #include <assimp/Importer.hpp>
 #include <assimp/LogStream.hpp>
-#include <cmath>
-#include <cstdint>
 #include <exception>
-#include <map>
 #include <new>
-#include <optional>
 #include <stdexcept>
 #include <string_view>
 #include <utility>

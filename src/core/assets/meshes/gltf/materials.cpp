@@ -7,7 +7,7 @@
 
 #include "assets/meshes/base_color.h"
 #include "assets/meshes/gltf/data.h"
-#include "assets/meshes/texture_search.h"
+#include "assets/meshes/references.h"
 #include "base/error.h"
 #include "scene/texture.h"
 

@@ -1,5 +1,3 @@
-#include "assets/meshes/assimp/reader.h"
-
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
