@@ -18,10 +18,7 @@ namespace {
 constexpr std::array kMethods{
     MethodEntry{.name = "ray_tracing",
                 .summary = "Embree on all cores: exact, the reference of the other methods",
-                .keys = "packet: 16, rays per call of Embree: 16 or 1\n"
-                        "robust: true, watertight at the edges of triangles\n"
-                        "bvh: medium, quality of the hierarchy against time to build it: low, medium or high\n"
-                        "instancing: auto, whether copies share geometry in the hierarchy: auto, always or never\n"
+                .keys = "instancing: auto, whether copies share geometry in the hierarchy: auto, always or never\n"
                         "simplify: 1, share of the triangles that is kept, for meshes like collision meshes, 0.01 to "
                         "1; 1: all",
                 .can = {.footprints = true, .transmission = true, .motion = true, .moving = true, .reference = true},

@@ -13,7 +13,7 @@
 
 namespace scanmill {
 
-// A method with options such as "{packet: 1}".
+// A method with options such as "{instancing: never}".
 inline std::unique_ptr<Method> methodOf(std::string_view name, const Scene& scene, const std::string& options = "{}") {
   const Value value = parseYaml(options, "options");
   Fields fields(value, "method " + std::string(name));

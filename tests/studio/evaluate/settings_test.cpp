@@ -84,12 +84,12 @@ TEST(ReadSettings, EveryWrongTextHasItsPlaceAndAWayOut) {
       {"ray_tracing", {"f.yaml:1:1", "must be a list"}},
       {"\n- ray_traicing", {"f.yaml:2:3", "unknown method 'ray_traicing'", "did you mean 'ray_tracing'"}},
       {"\n- auto", {"f.yaml:2:3", "unknown method 'auto'"}},
-      {"\n- {ray_tracing: {paket: 1}}", {"f.yaml:2:18", "unknown key 'paket'", "did you mean 'packet'"}},
-      {"\n- {ray_tracing: {paket: [1, 16]}}", {"f.yaml:2:", "unknown key 'paket'", "did you mean 'packet'"}},
-      {"- {ray_tracing: {packet: [1, 3]}}", {"f.yaml:1:30", "packet may not be '3'"}},
-      {"- {ray_tracing: {packet: []}}", {"f.yaml:1:26", "the list is empty"}},
+      {"\n- {ray_tracing: {simplfy: 1}}", {"f.yaml:2:18", "unknown key 'simplfy'", "did you mean 'simplify'"}},
+      {"\n- {ray_tracing: {simplfy: [1, 0.5]}}", {"f.yaml:2:", "unknown key 'simplfy'", "did you mean 'simplify'"}},
+      {"- {ray_tracing: {instancing: [auto, some]}}", {"f.yaml:1:37", "instancing may not be 'some'"}},
+      {"- {ray_tracing: {simplify: []}}", {"f.yaml:1:28", "the list is empty"}},
       {"- {ray_tracing: 5}", {"f.yaml:1:17", "must be a map", "'5'"}},
-      {"- {ray_tracing: [packet]}", {"f.yaml:1:17", "must be a map", "a list"}},
+      {"- {ray_tracing: [simplify]}", {"f.yaml:1:17", "must be a map", "a list"}},
       {"- {ray_tracing: {}, particle: {}}", {"f.yaml:1:3", "one pair"}},
       {"- [ray_tracing]", {"f.yaml:1:3", "must be a name or one pair"}},
       {"- ray_tracing\n- particle\n- ray_tracing", {"f.yaml:3:3", "'ray_tracing' is listed twice"}},
@@ -113,7 +113,7 @@ class SettingOfYard : public Yard {};
 // What --set makes of a setting is the method that was measured.
 TEST_F(SettingOfYard, AnAssignmentGivesTheSameMethod) {
   const std::vector<MethodSetting> settings = settingsIn(
-      "[ray_tracing, {ray_tracing: {packet: 1, robust: false, bvh: [low, high]}}, {ray_tracing: {simplify: 0.5}}, "
+      "[ray_tracing, {ray_tracing: {simplify: 0.5, instancing: [never, always]}}, "
       "{particle: {refine: [triangle, none], voxel_m: 0.5}}]");
   for (const MethodSetting& s : settings) {
     SCOPED_TRACE(s.setting.assignment());

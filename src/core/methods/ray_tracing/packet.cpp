@@ -71,27 +71,6 @@ void intersectAll(const PacketJob& job, const Rays& rays, const float* parts, co
   intersectPacket(job.world.embree.get(), context.embree, valid, packet);
 }
 
-void intersectEach(const PacketJob& job, const Rays& rays, const float* parts, const float* ends, TieContext& context) {
-  for (int i = 0; i < rays.count; ++i) {
-    RTCRayHit one;
-    one.ray = {static_cast<float>(rays.ox[i]),
-               static_cast<float>(rays.oy[i]),
-               static_cast<float>(rays.oz[i]),
-               0,
-               component(rays.dx[i]),
-               component(rays.dy[i]),
-               component(rays.dz[i]),
-               parts[i],
-               ends[i],
-               ~0u,
-               static_cast<unsigned>(i),
-               0};
-    one.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    one.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    intersectOne(job.world.embree.get(), context.embree, one);
-  }
-}
-
 // Returns the triangle that a lane hits. `before`: those of the lanes before it, often the same one.
 HitTriangle triangleOf(const World& world, const TieContext& context, int lane, const HitTriangle* before) {
   if (!(context.distance[lane] < INFINITY)) return {};
@@ -123,11 +102,7 @@ void intersect(const PacketJob& job, Pending& p) {
   context.reset();
   alignas(64) float ends[kPacket];
   findEnds(job, p.tile, ends);
-  if (job.raysPerCall == 1) {
-    intersectEach(job, p.rays, p.parts, ends, context);
-  } else {
-    intersectAll(job, p.rays, p.parts, ends, context);
-  }
+  intersectAll(job, p.rays, p.parts, ends, context);
   for (int i = 0; i < kPacket; ++i) {
     p.triangles[i] = i < p.rays.count ? triangleOf(job.world, context, i, p.triangles) : HitTriangle{};
     p.traced[i] = context.distance[i];

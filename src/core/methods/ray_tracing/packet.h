@@ -19,7 +19,6 @@ struct PacketJob {
   const std::vector<CompactMaterial>& materials;
   const Shot& shot;
   const ShotFrame& frame;
-  int raysPerCall;
   float coplanarFloor;  // m, see coplanarFloor()
 };
 

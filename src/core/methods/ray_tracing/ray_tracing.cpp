@@ -26,26 +26,17 @@ namespace {
 constexpr double kRingWeight = 3.5;
 constexpr std::uint64_t kBytesPerSceneTriangle = 40;  // memory of the scene itself, measured
 
-// The map `ray_tracing: {...}` of a pipeline. All options except `simplify` give the same hits, up to float32 rounding.
+// The map `ray_tracing: {...}` of a pipeline. `instancing` gives the same hits, up to float32 rounding.
 struct RayTracingOptions {
-  int packet = 16;     // rays per Embree call: 16, or 1 for comparison in tests
-  bool robust = true;  // true: watertight at edges (RTC_SCENE_FLAG_ROBUST)
-  HierarchyQuality quality = HierarchyQuality::Medium;
   Instancing instancing = Instancing::Auto;
   double simplify = 1;  // fraction of each mesh's triangles that remains; 1: all
 };
 
-constexpr std::pair<const char*, int> kPackets[] = {{"16", 16}, {"1", 1}};
-constexpr std::pair<const char*, HierarchyQuality> kQualities[] = {
-    {"low", HierarchyQuality::Low}, {"medium", HierarchyQuality::Medium}, {"high", HierarchyQuality::High}};
 constexpr std::pair<const char*, Instancing> kInstancings[] = {
     {"auto", Instancing::Auto}, {"always", Instancing::Always}, {"never", Instancing::Never}};
 
 RayTracingOptions readRayTracingOptions(Fields& fields) {
   RayTracingOptions options;
-  options.packet = namedChoice(fields, "packet", kPackets, options.packet).second;
-  options.robust = fields.boolean("robust", true);
-  options.quality = namedChoice(fields, "bvh", kQualities, options.quality).second;
   options.instancing = namedChoice(fields, "instancing", kInstancings, options.instancing).second;
   options.simplify = fields.number("simplify", {0.01, 1}, 1);
   fields.finish();
@@ -94,10 +85,6 @@ class Tiling {
   std::uint32_t width_, rows_, across_;
 };
 
-HierarchyOptions hierarchy(const RayTracingOptions& options) {
-  return {options.robust, options.quality, tieFilter, alphaTieFilter, thingFilter};
-}
-
 class RayTracing : public Method {
  public:
   RayTracing(const Scene& scene, const RayTracingOptions& options)
@@ -105,8 +92,7 @@ class RayTracing : public Method {
         simplified_(options.simplify < 1 ? std::make_unique<const Scene>(simplified(scene, options.simplify))
                                          : nullptr),
         scene_(simplified_ ? *simplified_ : scene),
-        options_(options),
-        worlds_(scene_, options.instancing, hierarchy(options)),
+        worlds_(scene_, options.instancing, {tieFilter, alphaTieFilter, thingFilter}),
         materials_(compactMaterials(scene_)) {}
 
   TraceAccount prepare(const Shot& shot) const override {
@@ -117,8 +103,8 @@ class RayTracing : public Method {
   TraceAccount trace(const Shot& shot, Channels channels, Hits& hits) const override {
     const std::shared_ptr<const World> world = worldOf(shot);
     const ShotFrame frame = frameOf(shot, world->origin, world->revolution.duration);
-    const PacketJob job{*world, materials_,      shot,
-                        frame,  options_.packet, coplanarFloor(static_cast<float>(length(frame.position.front())))};
+    const PacketJob job{*world, materials_, shot, frame,
+                        coplanarFloor(static_cast<float>(length(frame.position.front())))};
     const BeamTable& beams = *shot.beams;
     hits.reset(beams.rings, beams.columns, channels);
     const Tiling tiling(beams);
@@ -139,11 +125,10 @@ class RayTracing : public Method {
     const bool textured = std::any_of(materials_.begin(), materials_.end(),
                                       [](const CompactMaterial& m) { return m.texture != nullptr; });
     return {
-        {"geometry", fmt::format("{}, one hit per ray{}",
+        {"geometry", fmt::format("{}, one hit per ray, watertight",
                                  simplified_ ? fmt::format("simplified meshes, {} of {} placed triangles",
                                                            scene_.placedTriangles(), original_.placedTriangles())
-                                             : std::string("exact triangles"),
-                                 options_.robust ? ", watertight" : "")},
+                                             : std::string("exact triangles"))},
         {"instancing",
          instanced ? "placed objects share meshes" : "since the scene is small enough for a copy of each mesh",
          !instanced},
@@ -174,7 +159,6 @@ class RayTracing : public Method {
   const Scene& original_;
   std::unique_ptr<const Scene> simplified_;  // null: the original scene is traced
   const Scene& scene_;                       // the scene that is traced
-  RayTracingOptions options_;
   Worlds worlds_;
   std::vector<CompactMaterial> materials_;
 };

@@ -79,18 +79,6 @@ void appendUvs(TriangleBlock& block, const Mesh& mesh) {
   }
 }
 
-RTCBuildQuality qualityOf(const HierarchyOptions& options) {
-  switch (options.quality) {
-    case HierarchyQuality::Low:
-      return RTC_BUILD_QUALITY_LOW;
-    case HierarchyQuality::High:
-      return RTC_BUILD_QUALITY_HIGH;
-    case HierarchyQuality::Medium:
-      break;
-  }
-  return RTC_BUILD_QUALITY_MEDIUM;
-}
-
 void attachTriangles(RTCDevice device, RTCScene scene, const TriangleBlock& block, std::uint32_t first,
                      std::uint32_t last, unsigned id, const HierarchyOptions& options, RTCFilterFunctionN filter) {
   if (first == last) return;
@@ -102,7 +90,7 @@ void attachTriangles(RTCDevice device, RTCScene scene, const TriangleBlock& bloc
   if (filter != nullptr) rtcSetGeometryIntersectFilterFunction(geometry, filter);
   if (options.occlusionFilter != nullptr) rtcSetGeometryOccludedFilterFunction(geometry, options.occlusionFilter);
   // A scene of low quality builds each geometry with the quality set for the geometry.
-  rtcSetGeometryBuildQuality(geometry, qualityOf(options));
+  rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_MEDIUM);
   rtcCommitGeometry(geometry);
   rtcAttachGeometryByID(scene, geometry, id);
   rtcReleaseGeometry(geometry);
@@ -142,10 +130,10 @@ void attachBlock(RTCDevice device, RTCScene scene, const TriangleBlock& block, c
   attachTriangles(device, scene, block, block.firstAlpha, count, 1, options, options.alphaFilter);
 }
 
-SceneHandle newScene(RTCDevice device, const HierarchyOptions& options) {
+SceneHandle newScene(RTCDevice device) {
   SceneHandle scene(rtcNewScene(device));
-  rtcSetSceneFlags(scene.get(), options.robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
-  rtcSetSceneBuildQuality(scene.get(), qualityOf(options));
+  rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
+  rtcSetSceneBuildQuality(scene.get(), RTC_BUILD_QUALITY_MEDIUM);
   return scene;
 }
 

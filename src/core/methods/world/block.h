@@ -63,14 +63,9 @@ DeviceHandle makeDevice();
 // Returns the version of the Embree library in use, such as "4.3.3".
 std::string embreeVersion(RTCDeviceTy* device);
 
-enum class HierarchyQuality { Low, Medium, High };
-
-// Options for building Embree's hierarchy.
+// Embree's filter functions: for intersections with opaque and with alpha-tested triangles, and for occlusions. Null:
+// no filter.
 struct HierarchyOptions {
-  bool robust = true;  // true: watertight at edges (RTC_SCENE_FLAG_ROBUST)
-  HierarchyQuality quality = HierarchyQuality::Medium;
-  // Embree's filter functions: for intersections with opaque and with alpha-tested triangles, and for occlusions. Null:
-  // no filter.
   void (*solidFilter)(const RTCFilterFunctionNArguments*) = nullptr;
   void (*alphaFilter)(const RTCFilterFunctionNArguments*) = nullptr;
   void (*occlusionFilter)(const RTCFilterFunctionNArguments*) = nullptr;
@@ -89,7 +84,7 @@ void fillBlock(TriangleBlock& block, const Scene& scene, const std::vector<Block
 // Returns the block of a mesh in the mesh's own axes. Its HitSurface::instance are the objects' numbers.
 std::unique_ptr<TriangleBlock> blockOf(const Scene& scene, const Mesh& mesh);
 
-SceneHandle newScene(RTCDeviceTy* device, const HierarchyOptions& options);
+SceneHandle newScene(RTCDeviceTy* device);  // watertight at the edges of triangles
 // Adds a block's triangles to an Embree scene as geometries 0 and 1. Embree reads the block as long as the scene lives.
 void attachBlock(RTCDeviceTy* device, RTCSceneTy* scene, const TriangleBlock& block, const HierarchyOptions& options);
 // Throws Error if Embree has failed on this thread: "Embree could not `what`".

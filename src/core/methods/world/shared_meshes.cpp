@@ -126,7 +126,7 @@ void SharedMeshes::make(Part& part) const {
     for (BlockTriangle& triangle : part.block_->triangles) triangle.primitive = part.triangles_[triangle.primitive];
     std::vector<std::uint32_t>().swap(part.triangles_);
   }
-  part.hierarchy_ = newScene(device_, options_);
+  part.hierarchy_ = newScene(device_);
   attachBlock(device_, part.hierarchy_.get(), *part.block_, options_);
   isolated([&] { rtcCommitScene(part.hierarchy_.get()); });
   checkEmbree(device_, "build the shared meshes");  // Embree keeps an error for the thread in which it occurs

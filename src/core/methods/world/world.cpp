@@ -138,7 +138,7 @@ std::unique_ptr<World> buildWorld(RTCDeviceTy* device, const Scene& scene, const
   world->scene = &scene;
   world->revolution = revolution;
   bake(*world, instanced);
-  world->embree = newScene(device, options);
+  world->embree = newScene(device);
   attachBlock(device, world->embree.get(), world->baked, options);
   const std::vector<std::size_t> parts = place(*world, instanced, shared);
   shared.build(parts);

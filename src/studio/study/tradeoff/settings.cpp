@@ -18,9 +18,6 @@ constexpr const char* kDefaultSettings = R"(
 - {depth_camera: {resolution: [512, 1024]}}
 - {depth_camera: {sampling: nearest}}
 - {particle: {refine: none}}
-- {ray_tracing: {packet: 1}}
-- {ray_tracing: {robust: false}}
-- {ray_tracing: {bvh: [low, high]}}
 - {particle: {refine: none, voxel_m: 0.2}}
 - {particle: {refine: none, voxels: 512}}
 - {particle: {refine: none, levels: 3}}

@@ -322,20 +322,6 @@ TEST(Build, SameBytesWithAnyNumberOfThreads) {
   }
 }
 
-// Nor on how Embree arranges the triangles.
-TEST(Build, SameBytesWithAnyHierarchy) {
-  auto triangles = soup(200, 2, 0.05, 6);
-  for (const auto& leaf : soup(3000, 0.5, 0.01, 0.1)) triangles.push_back(leaf);
-  const Scene scene = sceneOf(triangles);
-  const FieldShape shape = shapeAt({}, 0.1, 32, 3, true);
-  const auto medium = worldOf(scene);
-  const auto field = buildField(*medium, shape);
-  for (const HierarchyQuality quality : {HierarchyQuality::Low, HierarchyQuality::High}) {
-    const auto world = worldOf(scene, {}, quality);
-    EXPECT_TRUE(sameField(*buildField(*world, shape), *field));
-  }
-}
-
 TEST(Build, MovesWithSceneAndOrigin) {
   const auto triangles = soup(100, 2, 0.05, 3);
   const Scene here = sceneOf(triangles);

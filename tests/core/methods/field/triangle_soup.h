@@ -34,14 +34,11 @@ inline Scene sceneOf(const std::vector<std::array<Vec3f, 3>>& triangles, const V
   return scene;
 }
 
-inline std::unique_ptr<World> worldOf(const Scene& scene, const Vec3d& origin = {},
-                                      HierarchyQuality quality = HierarchyQuality::Medium) {
+inline std::unique_ptr<World> worldOf(const Scene& scene, const Vec3d& origin = {}) {
   const DeviceHandle device = makeDevice();
-  HierarchyOptions options;
-  options.quality = quality;
   const std::vector<bool> instanced(scene.meshes.size(), false);
-  const SharedMeshes shared(device.get(), scene, instanced, options);
-  return buildWorld(device.get(), scene, origin, instanced, shared, options);
+  const SharedMeshes shared(device.get(), scene, instanced, {});
+  return buildWorld(device.get(), scene, origin, instanced, shared, {});
 }
 
 inline Vec3d randomPoint(std::uint32_t i, std::uint32_t j) {

@@ -28,42 +28,8 @@ Hits flown(const Scene& scene, const Shot& shot, const std::string& options = ""
   return traced(*particle(scene, options), shot);
 }
 
-// m, of the level that serves a place so far from the sensor along the axis that is farthest; a level further out where
-// the place is near a border.
-double voxelAt(const Vec3d& fromSensor, double finest, int voxels) {
-  const double reach = (voxels / 2 - 9) * finest - 9 * finest;
-  const double most = std::max({std::abs(fromSensor.x), std::abs(fromSensor.y), std::abs(fromSensor.z)});
-  double voxel = finest;
-  for (double r = reach; most > r; r *= 2) voxel *= 2;
-  return voxel;
-}
-
 Scene groundScene(double depth) {
   return flatGround({0, 0, -depth}, 400, 8);
-}
-
-TEST(Particle, PlaneIsMetToHalfAVoxelWithoutRefinement) {
-  for (const double depth : {1.7, 1.73, 1.75, 1.777}) {
-    const Scene scene = groundScene(depth);
-    const std::vector<Vec3d> directions = fan({0, 20, 45, 60, 75, 80, 84});
-    const Hits hits = flown(scene, shotAt(beamsOf(directions, 0, 200)), "refine: none");
-    for (std::size_t b = 0; b < directions.size(); ++b) {
-      ASSERT_TRUE(hits.hit(b)) << b;
-      const Vec3d point = directions[b] * double{hits.range[b]};
-      EXPECT_LE(std::abs(point.z + depth), 0.502 * voxelAt(point, 0.1, 256)) << b << " depth " << depth;
-      EXPECT_EQ(hits.semantic[b], 1);
-    }
-  }
-}
-
-TEST(Particle, PlaneIsMetExactlyByItsTriangles) {
-  const Scene scene = groundScene(1.73);
-  const std::vector<Vec3d> directions = fan({0, 20, 45, 60, 75, 80, 84, 87, 89});
-  const Hits hits = flown(scene, shotAt(beamsOf(directions, 0, 200)));
-  for (std::size_t b = 0; b < directions.size(); ++b) {
-    EXPECT_NEAR(hits.range[b], 1.73 / -directions[b].z, 1e-4) << b;
-    EXPECT_EQ(hits.normal[b], (Vec3f{0, 0, 1}));
-  }
 }
 
 struct TurnedBox {
@@ -85,30 +51,6 @@ struct TurnedBox {
     return within > 0 ? length(out) : -within;
   }
 };
-
-TEST(Particle, RoomFromInside) {
-  const TurnedBox room;
-  const Scene scene = room.scene();
-  const Shot shot = shotAt(beamsOf(randomDirections(20000, 1), 0, 100), {{}, {0.3, -0.2, 0.1}});
-  const Hits truth = traced(scene, shot);
-  for (const char* refine : {"none", "triangle"}) {
-    const Hits hits = flown(scene, shot, std::string("refine: ") + refine);
-    double worst = 0;
-    double worstRange = 0;
-    for (std::size_t b = 0; b < hits.size(); ++b) {
-      ASSERT_TRUE(hits.hit(b)) << refine << b;
-      const Vec3d point = shot.worldFromSensor[0].translation + shot.beams->direction[b] * double{hits.range[b]};
-      worst = std::max(worst, room.toWalls(point));
-      worstRange = std::max(worstRange, std::abs(double{hits.range[b]} - double{truth.range[b]}));
-    }
-    if (std::string(refine) == "none") {
-      EXPECT_LE(worst, 0.08);  // in the edges, where interpolated distances are too small
-    } else {
-      EXPECT_LE(worstRange, 1e-4);
-      EXPECT_EQ(hits.primitive, truth.primitive);
-    }
-  }
-}
 
 // Ten million beams of each kind, from ten places in rooms turned at random. Sanitized builds fly a tenth. Without
 // triangles one of a thousand may pass where walls meet.
@@ -159,21 +101,6 @@ TEST(Particle, BoxFromOutside) {
     const Vec3d point = shot.beams->direction[b] * double{rough.range[b]};
     EXPECT_LE(box.toWalls(point), 0.0502) << b;
     EXPECT_EQ(rough.instance[b], 1u);
-  }
-}
-
-TEST(Particle, SphereIsMetLikeByRayTracing) {
-  const auto fill = [](Mesh& sphere) { appendSphere(sphere, 0, {}, 2.0, 128); };
-  const Scene scene = oneMeshScene("thing", fill, at(0.2, 0.1, 0));
-  const Shot shot = shotAt(beamsOf(randomDirections(20000, 2), 0, 100));
-  const Hits truth = traced(scene, shot);
-  const Hits exact = flown(scene, shot);
-  const Hits rough = flown(scene, shot, "refine: none");
-  for (std::size_t b = 0; b < truth.size(); ++b) {
-    ASSERT_TRUE(exact.hit(b) && rough.hit(b)) << b;
-    EXPECT_NEAR(exact.range[b], truth.range[b], 1e-4);
-    const Vec3d point = shot.beams->direction[b] * double{rough.range[b]} - Vec3d{0.2, 0.1, 0};
-    EXPECT_NEAR(length(point), 2.0, 0.0504 + 0.0013) << "half a voxel, and the facets' sagitta";
   }
 }
 
@@ -433,21 +360,6 @@ TEST(Particle, MovingSensorsKeepEachColumnsPose) {
   const Hits truth = traced(scene, shot);
   const Hits hits = flown(scene, shot);
   for (std::size_t b = 0; b < hits.size(); ++b) EXPECT_NEAR(hits.range[b], truth.range[b], 1e-4) << b;
-}
-
-TEST(Particle, BothBackendsGiveTheSameBytes) {
-  const Scene scene = things();
-  const Shot shot = shotAt(spinning(32, 500, -25, 5, 120));
-  for (const char* refine : {"none", "triangle"}) {
-    const std::string options = std::string("refine: ") + refine;
-    Hits device;
-    try {
-      device = flown(scene, shot, options + ", backend: gl");
-    } catch (const Error& e) {
-      GTEST_SKIP() << e.what();
-    }
-    expectSameHits(flown(scene, shot, options), device);
-  }
 }
 
 }  // namespace

@@ -57,7 +57,7 @@ class SharedParts : public testing::Test {
   Scene scene_ = largeMeshes();
   std::vector<bool> all_ = std::vector<bool>(scene_.meshes.size(), true);
   DeviceHandle device_ = makeDevice();
-  HierarchyOptions options_{true, HierarchyQuality::Medium, tieFilter, alphaTieFilter, nullptr};
+  HierarchyOptions options_{tieFilter, alphaTieFilter, nullptr};
 
   Hits traced(bool divided, double reach, const Shot& shot) {
     const SharedMeshes shared(device_.get(), scene_, all_, options_, divided);
@@ -77,7 +77,7 @@ class SharedParts : public testing::Test {
         tiles.push_back({ring, column, 1, std::min<std::uint32_t>(kPacket, beams.columns - column)});
       }
     }
-    tracePackets({world, materials, shot, frame, kPacket, coplanarFloor(0)}, tiles, hits);
+    tracePackets({world, materials, shot, frame, coplanarFloor(0)}, tiles, hits);
     return hits;
   }
 };

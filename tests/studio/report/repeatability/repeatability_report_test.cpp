@@ -33,9 +33,9 @@ TEST_F(RepeatedScans, TheReportNamesWhatWasLookedAtAndWhatIsWrong) {
 }
 
 TEST_F(RepeatedScans, TheReportNamesEveryMethod) {
-  const std::string methods = "  methods: [ray_tracing, {ray_tracing: {packet: 1}}]\n";
+  const std::string methods = "  methods: [ray_tracing, {ray_tracing: {instancing: always}}]\n";
   EXPECT_THAT(repeatabilityReport(measure(pipeline(kShells + methods)), "2026-01-02"),
-              HasSubstr("ray_tracing packet=1"));
+              HasSubstr("ray_tracing instancing=always"));
 }
 
 }  // namespace

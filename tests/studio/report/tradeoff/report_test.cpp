@@ -165,7 +165,7 @@ TEST(ReportFigures, ColoursAreOfMethodsWhateverTheirOrder) {
   EXPECT_THAT(settingColors(study, {"particle", "ray_tracing", "particle", "ray_tracing", "depth_camera", "particle"}),
               testing::ElementsAre(2, 0, 3, 4, 1, 5));
   const std::string marks = R"(class="mark f0)";
-  study = studyOf({{"ray_tracing", "packet=1", 5, 0, 1, 0}});
+  study = studyOf({{"ray_tracing", "instancing=always", 5, 0, 1, 0}});
   EXPECT_THAT(paretoSvg(study), HasSubstr(marks));
   study.settings[0].setting.method = "particle";
   EXPECT_THAT(paretoSvg(study), Not(HasSubstr(marks)));

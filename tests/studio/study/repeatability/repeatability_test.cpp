@@ -159,10 +159,10 @@ TEST(HasDeviation, TakesThreePairs) {
 }
 
 TEST_F(RepeatedScans, MethodsAreMeasuredSideBySide) {
-  const std::string methods = "  methods: [ray_tracing, {ray_tracing: {packet: 1}}]\n";
+  const std::string methods = "  methods: [ray_tracing, {ray_tracing: {instancing: always}}]\n";
   const Repeatability result = measure(pipeline(kShells + methods));
   ASSERT_EQ(result.views.size(), 2u);
-  EXPECT_THAT(result.methods, testing::ElementsAre("ray_tracing", "ray_tracing packet=1"));
+  EXPECT_THAT(result.methods, testing::ElementsAre("ray_tracing", "ray_tracing instancing=always"));
   EXPECT_EQ(result.views[0].name, result.views[1].name);
   for (std::size_t p = 0; p < 3; ++p) {
     EXPECT_EQ(result.views[0].places[p].points[0].mean, result.views[1].places[p].points[0].mean);

@@ -161,9 +161,10 @@ TEST_F(RunStudy, AStopEndsItWithoutAStudy) {
 TEST_F(RunStudy, WhatTheBudgetDoesNotHoldIsLeftOutAndSaid) {
   const StudyOptions options{.budgetSeconds = 1e-6};
   const Study study =
-      studied(withKey(fmt::format("{{settings: [ray_tracing, {}, {{ray_tracing: {{packet: 1}}}}], shots: 4, rings: [2, "
-                                  "4, 8], repeats: 1}}",
-                                  kCoarse)),
+      studied(withKey(fmt::format(
+                  "{{settings: [ray_tracing, {}, {{ray_tracing: {{instancing: always}}}}], shots: 4, rings: [2, "
+                  "4, 8], repeats: 1}}",
+                  kCoarse)),
               options);
   ASSERT_THAT(study.settings, SizeIs(1)) << "something to report";
   EXPECT_EQ(study.settings[0].setting.name, "ray_tracing");
@@ -178,11 +179,12 @@ TEST_F(RunStudy, WhatTheBudgetDoesNotHoldIsLeftOutAndSaid) {
 TEST_F(RunStudy, RingsAreTimedForTheFirstSettingOfEachMethod) {
   std::vector<std::uint32_t> shown;
   const StudyOptions options{.showScan = [&](const Scan& scan, const Ontology&) { shown.push_back(scan.rings); }};
-  const Study study = studied(
-      withKey(fmt::format("{{settings: [ray_tracing, {{ray_tracing: {{packet: 1}}}}, {0}, {1}], shots: 1, rings: [2, "
-                          "8, 32], repeats: 1}}",
-                          kCoarse, kTooLarge)),
-      options);
+  const Study study =
+      studied(withKey(fmt::format(
+                  "{{settings: [ray_tracing, {{ray_tracing: {{instancing: always}}}}, {0}, {1}], shots: 1, rings: [2, "
+                  "8, 32], repeats: 1}}",
+                  kCoarse, kTooLarge)),
+              options);
   ASSERT_THAT(study.rings, SizeIs(2));
   EXPECT_EQ(study.rings[0].setting.name, "ray_tracing");
   EXPECT_EQ(study.rings[1].setting.method, "particle");

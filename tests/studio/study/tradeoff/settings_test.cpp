@@ -49,10 +49,11 @@ TEST_F(TradeoffKey, AllOfItMayBeLeftOut) {
 
 TEST_F(TradeoffKey, SaysWhatIsCompared) {
   const StudyChoice c = choice(
-      "{settings: [{ray_tracing: {packet: [1, 16]}}, particle], encodings: [csv, {draco: {max_error_mm: [1, 2.5]}}], "
+      "{settings: [{ray_tracing: {instancing: [never, always]}}, particle], encodings: [csv, {draco: {max_error_mm: "
+      "[1, 2.5]}}], "
       "rings: [4, 8, 12], sequence: yard-s1-drive, shots: 2, repeats: 1, budget_s: 20}");
   ASSERT_THAT(c.settings, SizeIs(3));
-  EXPECT_EQ(c.settings[1].setting.name, "ray_tracing packet=16");
+  EXPECT_EQ(c.settings[1].setting.name, "ray_tracing instancing=always");
   ASSERT_THAT(c.encodings, SizeIs(3));
   EXPECT_EQ(c.encodings[0].name, "csv");
   EXPECT_EQ(c.encodings[0].options, "{}");
