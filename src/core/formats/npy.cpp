@@ -9,13 +9,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <charconv>
 #include <cstdint>
 #include <memory>
 
 #include "base/error.h"
 #include "base/input_budget.h"
+#include "base/text_scan.h"
 #include "formats/little_endian.h"
 
 namespace scanmill {
@@ -42,81 +42,42 @@ la_ssize_t append(archive*, void* bytes, const void* piece, std::size_t size) {
 
 constexpr std::size_t kMostBytes = std::size_t{4} << 30;  // largest size of an array (bytes)
 
-// Calls visit(name, bytes) for each .npy file of a ZIP archive.
-template <class Visit>
-void readZip(std::string_view bytes, const std::string& what, const Visit& visit) {
-  const std::unique_ptr<archive, decltype(&archive_read_free)> zip(archive_read_new(), &archive_read_free);
-  const auto fail = [&] {
-    const char* const text = archive_error_string(zip.get());
-    throw InputError({what}, fmt::format("is no sound archive .npz: {}", text != nullptr ? text : "unknown"));
-  };
-  archive_read_support_format_zip(zip.get());
-  if (archive_read_open_memory(zip.get(), bytes.data(), bytes.size()) != ARCHIVE_OK) fail();
-  archive_entry* entry = nullptr;
-  for (;;) {
-    const int result = archive_read_next_header(zip.get(), &entry);
-    if (result == ARCHIVE_EOF) return;
-    if (result != ARCHIVE_OK) fail();
-    const char* const path = archive_entry_pathname(entry);
-    const std::string name = path != nullptr ? path : "";
-    if (!name.ends_with(".npy")) continue;
-    std::string content;
-    std::string piece(std::size_t{1} << 16, '\0');
-    la_ssize_t read = 0;
-    while ((read = archive_read_data(zip.get(), piece.data(), piece.size())) > 0) {
-      chargeBytes(static_cast<double>(read), {what});
-      content.append(piece, 0, static_cast<std::size_t>(read));
-    }
-    if (read < 0) fail();
-    visit(name, std::move(content));
-  }
-}
-
-// Returns the text that follows `key` in a Python dictionary, up to the end of the header; empty if the key is absent.
+// Returns the text that follows `key` in the header, which is a Python dictionary; empty if the key is absent.
 std::string_view valueIn(std::string_view header, std::string_view key) {
-  for (const char quote : {'\'', '"'}) {
-    const std::string quoted = fmt::format("{}{}{}:", quote, key, quote);
-    const std::size_t at = header.find(quoted);
-    if (at == std::string_view::npos) continue;
-    const std::string_view rest = header.substr(at + quoted.size());
-    return rest.substr(std::min(rest.find_first_not_of(' '), rest.size()));
-  }
-  return {};
+  const std::string quoted = fmt::format("'{}': ", key);
+  const std::size_t at = header.find(quoted);
+  return at == std::string_view::npos ? std::string_view() : header.substr(at + quoted.size());
 }
 
 NpyArray parseNpy(const std::string& name, const std::string& file, const std::string& what) {
-  const std::string place = what + ": " + name;
-  const auto fail = [&](const std::string& why) { throw InputError({place}, why); };
-  if (file.size() < 12 || file.compare(0, 6, "\x93NUMPY") != 0) fail("is no array of NumPy");
+  const auto fail = [&](const std::string& why) { throw InputError({what + ": " + name}, why); };
+  if (file.size() < kBeforeHeader || !file.starts_with("\x93NUMPY\1")) fail("is no array in NumPy's format 1.0");
   const auto byte = [&](std::size_t at) { return static_cast<std::size_t>(static_cast<unsigned char>(file[at])); };
-  const bool first = byte(6) == 1;
-  const std::size_t before = first ? 10 : 12;
-  const std::size_t length = first ? byte(8) | byte(9) << 8 : byte(8) | byte(9) << 8 | byte(10) << 16 | byte(11) << 24;
-  if (before + length > file.size()) fail("ends within its header");
-  const std::string_view header = std::string_view(file).substr(before, length);
+  const std::size_t length = byte(8) | byte(9) << 8;
+  if (kBeforeHeader + length > file.size()) fail("ends within its header");
+  const std::string_view header = std::string_view(file).substr(kBeforeHeader, length);
   NpyArray array;
   array.name = name.substr(0, name.size() - std::string_view(".npy").size());
   const std::string_view type = valueIn(header, "descr");
   if (type.size() > 4) array.type = type.substr(1, 3);
   if (!valueIn(header, "fortran_order").starts_with("False")) fail("is in Fortran's order: save it in C's");
   const std::string_view shape = valueIn(header, "shape");
-  const char* at = shape.data();
-  const char* const end = shape.data() + shape.size();
-  if (at == end || *at != '(') fail("its header states no shape");
-  for (++at; at != end && *at != ')';) {
-    std::size_t size = 0;
-    const auto read = std::from_chars(at, end, size);
-    if (read.ec != std::errc()) fail("its header states no shape");
-    array.shape.push_back(size);
-    at = read.ptr;
-    while (at != end && (*at == ',' || *at == ' ' || *at == 'L')) ++at;
+  std::vector<std::string_view> sizes;
+  splitCells(shape.substr(0, shape.find(')')), ',', sizes);
+  if (!sizes[0].starts_with('(')) fail("its header states no shape");
+  sizes[0].remove_prefix(1);
+  for (const std::string_view size : sizes) {  // "(3,)" has an empty one
+    if (!size.empty() && !parseNumber(size, array.shape.emplace_back())) fail("its header states no shape");
   }
-  const std::size_t element = npyNumberBytes(array.type);
-  array.bytes = file.substr(before + length);
-  if (element == 0) return array;  // no array of numbers; callers that need numbers refuse it
-  if (element > 1 && array.type[0] != '<')
+  array.bytes = file.substr(kBeforeHeader + length);
+  const bool isNumber = array.type.size() == 3 &&
+                        std::string_view("fui").find(array.type[1]) != std::string_view::npos && array.type[2] >= '1' &&
+                        array.type[2] <= '8';
+  if (!isNumber) return array;  // callers that need numbers refuse it
+  std::size_t expected = elementSize(array.type);
+  if (expected > 1 && array.type[0] != '<') {
     fail(fmt::format("is of the type {}, big-endian: save it as <f4", array.type));
-  std::size_t expected = element;
+  }
   for (const std::size_t size : array.shape) {
     if (size != 0 && expected > kMostBytes / size) fail("states a shape of more than 4 GiB");
     expected *= size;
@@ -179,18 +140,33 @@ std::string zipOf(std::span<const std::pair<std::string, std::string>> files) {
   return bytes;
 }
 
-std::size_t npyNumberBytes(std::string_view type) {
-  for (const std::string_view known : {"f4", "f8", "u1", "u2", "u4", "u8", "i1", "i2", "i4", "i8"}) {
-    if (type.size() == 3 && type.substr(1) == known) return static_cast<std::size_t>(type[2] - '0');
-  }
-  return 0;
-}
-
 std::vector<NpyArray> readNpzArrays(std::string_view bytes, const std::string& what) {
   std::vector<NpyArray> arrays;
-  readZip(bytes, what,
-          [&](const std::string& name, const std::string& file) { arrays.push_back(parseNpy(name, file, what)); });
-  return arrays;
+  const std::unique_ptr<archive, decltype(&archive_read_free)> zip(archive_read_new(), &archive_read_free);
+  const auto fail = [&] {
+    const char* const text = archive_error_string(zip.get());
+    throw InputError({what}, fmt::format("is no sound archive .npz: {}", text != nullptr ? text : "unknown"));
+  };
+  archive_read_support_format_zip(zip.get());
+  if (archive_read_open_memory(zip.get(), bytes.data(), bytes.size()) != ARCHIVE_OK) fail();
+  archive_entry* entry = nullptr;
+  for (;;) {
+    const int result = archive_read_next_header(zip.get(), &entry);
+    if (result == ARCHIVE_EOF) return arrays;
+    if (result != ARCHIVE_OK) fail();
+    const char* const path = archive_entry_pathname(entry);
+    const std::string name = path != nullptr ? path : "";
+    if (!name.ends_with(".npy")) continue;
+    std::string content;
+    std::string piece(std::size_t{1} << 16, '\0');
+    la_ssize_t read = 0;
+    while ((read = archive_read_data(zip.get(), piece.data(), piece.size())) > 0) {
+      chargeBytes(static_cast<double>(read), {what});
+      content.append(piece, 0, static_cast<std::size_t>(read));
+    }
+    if (read < 0) fail();
+    arrays.push_back(parseNpy(name, content, what));
+  }
 }
 
 }  // namespace scanmill

@@ -30,11 +30,8 @@ struct NpyArray {
 };
 
 // Returns all .npy files of the archive, in its order. Throws an InputError that begins with `what` if the bytes are
-// not a ZIP archive, exceed the limits of base/input_budget.h when unpacked, or an array is damaged, in Fortran's order
-// or big-endian.
+// not a ZIP archive, exceed the limits of base/input_budget.h when unpacked, or an array is damaged, in another format
+// than 1.0, in Fortran's order or big-endian.
 std::vector<NpyArray> readNpzArrays(std::string_view bytes, const std::string& what);
-
-// Returns the size (bytes) of an element of a NumPy type such as "<f4"; 0 unless it is a number of 1 to 8 bytes.
-std::size_t npyNumberBytes(std::string_view type);
 
 }  // namespace scanmill
