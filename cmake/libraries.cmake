@@ -1,13 +1,18 @@
 # What makes libraries, modules and texts of folders and files.
 
-# scanmill_library(LAYER NAME "subject" ...): the folder src/LAYER/NAME becomes a static library. It may include the libraries
-# before it; the studio may include the core, never the other way round (scripts/check_layers). BATCH: how many sources are
-# compiled as one; the fewer, the less a change of one of them compiles. OPTIMIZE: the level of a release, 3 where none is
-# said; 1 where no loop of the library takes time. PRIVATE: the libraries of others that it links.
-# A library may have folders that are libraries of their own and stand before it: methods/world is scanmill_methods_world.
+# scanmill_caps(src N tests N): the most lines of both folders (scripts/check_layers).
+function(scanmill_caps)
+endfunction()
+
+# scanmill_library(LAYER NAME "subject" CAP N ...): the folder src/LAYER/NAME becomes a static library. It may include the
+# libraries before it; the studio may include the core, never the other way round (scripts/check_layers). CAP: its most
+# lines. BATCH: how many sources are compiled as one; the fewer, the less a change of one of them compiles. OPTIMIZE: the
+# level of a release, 3 where none is said; 1 where no loop of the library takes time. PRIVATE: the libraries of others that
+# it links. A library may have folders that are libraries of their own and stand before it: methods/world is
+# scanmill_methods_world.
 function(scanmill_library layer path subject)
   string(REPLACE / _ name ${path})
-  cmake_parse_arguments(LIBRARY "" "BATCH;OPTIMIZE" "PRIVATE" ${ARGN})
+  cmake_parse_arguments(LIBRARY "" "CAP;BATCH;OPTIMIZE" "PRIVATE" ${ARGN})
   if(NOT LIBRARY_BATCH)
     set(LIBRARY_BATCH 6)
   endif()

@@ -8,12 +8,13 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 CMAKE = """
-scanmill_library(core base "errors and files" PRIVATE TBB::tbb)
-scanmill_library(core scan "points")
+scanmill_caps(src 30 tests 5)
+scanmill_library(core base "errors and files" CAP 10 PRIVATE TBB::tbb)
+scanmill_library(core scan "points" CAP 10)
 if(SCANMILL_STUDIO)
-  scanmill_library(studio charts "charts")
-  scanmill_library(studio viewer "a window" OPTIMIZE 1)
-  scanmill_library(. commands "subcommands")
+  scanmill_library(studio charts "charts" CAP 10)
+  scanmill_library(studio viewer "a window" CAP 10 OPTIMIZE 1)
+  scanmill_library(. commands "subcommands" CAP 10)
 endif()
 """
 SOUND = {
@@ -104,6 +105,15 @@ class CheckLayers(unittest.TestCase):
             self.assertIn("| `core/scan` | points | base |", page.read_text())
             self.assertIn("| `studio/charts` | charts | scan |", page.read_text())
             self.assertIn(">a window</text>", (page.parent / "architecture.svg").read_text())
+
+    def test_what_outgrows_its_cap(self):
+        for file, lines, words in (("src/core/base/large.cpp", 9, "src/core/base has 11 lines, its cap in CMakeLists.txt is 10"),
+                                   ("src/core/base/large.cpp", 8, ""),
+                                   ("src/python/large.cpp", 20, "src has 34 lines"),
+                                   ("tests/large.py", 6, "tests has 6 lines")):
+            code, said = check({file: "\n" * lines})
+            self.assertEqual(code, 1 if words else 0, said)
+            self.assertIn(words, said)
 
     def test_a_library_in_a_header(self):
         for header in ("vtkNew.h", "pcl/point_types.h", "embree3/rtcore.h", "X11/Xlib.h", "nlohmann/json.hpp"):
