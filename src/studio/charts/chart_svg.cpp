@@ -23,7 +23,7 @@ bool isDrawn(const Vec2d& p) {
   return std::isfinite(p.x) && std::isfinite(p.y);
 }
 
-// The palette of M. Okabe and K. Ito, Color Universal Design, 2008, in the same order as in charts.js. Black is
+// The palette of M. Okabe and K. Ito, Color Universal Design, 2008. Black is
 // replaced by the ink colour. Yellow comes last, since it is hardly visible on a white page. On a dark page, both
 // blues, vermilion and green are lighter.
 using SeriesColors = std::array<const char*, kChartColors>;

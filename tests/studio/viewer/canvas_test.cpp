@@ -552,16 +552,5 @@ TEST(CanvasModule, TakesTheDeviceThatIsNamed) {
   EXPECT_THAT(messageOf<Error>([] { openOffscreen(8, 8); }), HasSubstr("there is no device 'toaster'"));
 }
 
-TEST(CanvasModule, WithoutADisplayThereIsNoWindow) {
-  {
-    const ScopedVariable none("DISPLAY", std::nullopt);
-    const std::string message = messageOf<NoDisplay>([] { openWindow("", 80, 60); });
-    EXPECT_THAT(message, HasSubstr("DISPLAY is not set"));
-    EXPECT_THAT(message, HasSubstr("--screenshot FILE.png"));
-  }
-  const ScopedVariable dead("DISPLAY", ":987");
-  EXPECT_THAT(messageOf<NoDisplay>([] { openWindow("", 80, 60); }), HasSubstr(":987"));
-}
-
 }  // namespace
 }  // namespace scanmill

@@ -142,18 +142,6 @@ TEST(CanvasWindow, ChangesItsSize) {
   EXPECT_EQ(canvas->read().at(160, 120), kDot);
 }
 
-TEST(CanvasWindow, MayBeLargerThanTheScreen) {
-  SKIP_WITHOUT_X();
-  XDisplay server;
-  const auto canvas = openWindow("Scanmill", 1600, 900);
-  addDot(*canvas, 5);
-  watch(*canvas, [&](int tick) { return tick < 3; });
-  const Image image = canvas->read();
-  ASSERT_EQ(image.width, 1600);
-  EXPECT_EQ(image.at(800, 450), kDot);
-  EXPECT_EQ(image.at(1599, 899), kGround);
-}
-
 TEST(CanvasWindow, PassesOnWhatItsHandlerThrows) {
   SKIP_WITHOUT_X();
   XDisplay server;

@@ -118,51 +118,6 @@ TEST(StripColumns, PixelColumnsAreAzimuths) {
   }
 }
 
-// Images of a sensor with a table are those of destagger(), mirrored or not, and rotated.
-TEST(StripColumns, RingsAreShiftedAsDestaggerSays) {
-  for (const Turning& turning : allTurnings()) {
-    if (!turning.known) continue;
-    const BeamTable table = tableOf(turning);
-    const Scan scan = scanOf(table);
-    const RangeStrip strip = stripOf(scan, &table);
-    const Destagger image = destagger(table);
-    ASSERT_EQ(strip.image.width, static_cast<int>(image.width));
-    const int width = strip.image.width;
-    std::set<int> turned;
-    for (std::size_t i = 0; i < scan.size(); ++i) {
-      const int place = static_cast<int>(image.place(scan[kRing][i], scan[kColumn][i]));
-      turned.insert((strip.place(i).first + (turning.clockwise ? width - place : place)) % width);
-    }
-    EXPECT_EQ(turned.size(), 1u) << turning.first << ' ' << turning.offset << ' ' << turning.clockwise;
-  }
-}
-
-TEST(StripColumns, AheadIsInTheMiddleAndLeftIsLeft) {
-  for (const Turning& turning : allTurnings()) {
-    const BeamTable table = tableOf(turning);
-    if (!table.fullTurn()) continue;
-    const Scan scan = scanOf(table);
-    const RangeStrip strip = stripOf(scan, turning.known ? &table : nullptr);
-    for (std::size_t i = 0; i < scan.size(); ++i) {
-      const int x = strip.place(i).first;
-      const Vec3f& p = scan.position[i];
-      const double azimuth = azimuthOf(p);
-      if (std::abs(azimuth) < 0.02) {
-        ASSERT_NEAR(x, 60, 1);
-      }
-      if (azimuth > 0.06 && azimuth < 3.08) {
-        ASSERT_LT(x, 60);
-      }
-      if (azimuth < -0.06 && azimuth > -3.08) {
-        ASSERT_GT(x, 60);
-      }
-      if (std::abs(azimuth - kPi / 2) < 0.02) {
-        ASSERT_NEAR(x, 30, 1);
-      }
-    }
-  }
-}
-
 TEST(StripColumns, AFewWrongPointsDoNotMoveIt) {
   const BeamTable table = tableOf({true, 2 * kPi, 0.7, 0.055, false});
   Scan scan = scanOf(table);

@@ -44,14 +44,6 @@ class ReturnErrors : public TwoReturnsYard {
   }
 };
 
-TEST_F(ReturnErrors, AreTheNoiseThatWasPutIn) {
-  make({kAllColumns}, "clean");
-  make({kAllColumns, "effects=[range_noise: {sigma_m: 0.02}]"}, "noisy");
-  make({kAllColumns, "effects=[range_noise: {sigma_m: 0.02}]", "output.layout=organised"}, "image");
-  EXPECT_EQ(expectNoise("noisy", "clean"), 0u);
-  EXPECT_EQ(expectNoise("image", "clean"), 0u);
-}
-
 TEST_F(ReturnErrors, AreTheNoiseWhereReturnsWereLost) {
   const std::string effects = "effects=[range_noise: {sigma_m: 0.02}, dropout: {probability: 0.3}]";
   make({kAllColumns}, "clean");
@@ -68,16 +60,6 @@ TEST_F(ReturnErrors, AreTheNoiseWhereReturnsWereLost) {
   }
   make({kWithoutReturn, effects}, "noisy_unnumbered");
   EXPECT_GT(expectNoise("noisy_unnumbered", "clean"), 20u);
-}
-
-// Range errors need no partner.
-TEST_F(ReturnErrors, OfRangeTrueAreTheNoiseToo) {
-  make({kAllColumns, "effects=[range_noise: {sigma_m: 0.02}, dropout: {probability: 0.3}]"}, "noisy");
-  for (const Scan& scan : scans(".pcd", "noisy")) {
-    const std::vector<float> errors = rangeErrors(scan, nullptr);
-    ASSERT_EQ(errors.size(), scan.size());
-    for (std::size_t i = 0; i < scan.size(); ++i) EXPECT_LT(errors[i], 0.2);
-  }
 }
 
 }  // namespace

@@ -2,8 +2,6 @@
 
 #include "tests/core/sense/several_returns.h"
 
-#include <set>
-
 #include "tests/studio/viewer/window/session_world.h"
 #include "viewer/window/picked_rows.h"
 
@@ -59,51 +57,6 @@ TEST_F(ReturnRows, JoinByBeamAndReturn) {
   EXPECT_EQ(ofOther(dense_, single, {1, 2, 0}), "12.00 m");
   EXPECT_EQ(ofOther(dense_, single, {1, 2, 1}), "no return");
 }
-
-class ReturnsSession : public testing::TestWithParam<bool> {};
-
-// Every key and a click on every part of the range image, in both layouts.
-TEST_P(ReturnsSession, ShowsAndPicks) {
-  auto frames = std::make_shared<FakeFrames>(2, std::vector<std::string>{"ray_tracing", "depth_camera"});
-  const World world = makeSeveralReturns(8, 72);
-  for (ViewFrame& frame : frames->frames) {
-    for (ViewScan& view : frame.scans) {
-      view.scan = senseOnce(world, {"intensity: {}"}, {ColumnSet::all(), GetParam()});
-      view.error.assign(view.scan.size(), 0.01F);
-    }
-  }
-  const Scan& scan = frames->frames[0].scans[0].scan;
-  SessionWorld shown(frames, {.rangeImage = true});
-  for (const char key : std::string("1234567890vnv8")) {
-    shown.key(std::string(1, key));
-    EXPECT_GT(shown.session->picture().pixels.size(), 0u);
-  }
-  const auto& cloud = shown.canvas.items.at(firstCloud(shown));
-  std::set<Rgb> colors;
-  for (std::size_t i = 0; i < cloud.places.size(); ++i) {
-    if (isFinite(cloud.places[i])) colors.insert(cloud.colors.at(i));
-  }
-  EXPECT_EQ(colors.size(), 2u) << "first returns and second ones";
-
-  const PixelRect& view = shown.canvas.views().front().rect;
-  std::set<std::pair<std::uint32_t, std::uint32_t>> beams;
-  for (int y = view.top + view.height; y < SessionWorld::kHeight; y += 5) {
-    for (int x = 2; x < SessionWorld::kWidth; x += 13) {
-      const OrbitCamera before = shown.session->camera();
-      shown.click(x, y);
-      if (shown.session->camera() == before) continue;
-      for (std::size_t i = 0; i < scan.size(); ++i) {
-        if (Vec3d(scan.position[i]) != shown.session->camera().target) continue;
-        EXPECT_EQ(keyOf(scan, i).number, 0u) << "the nearest return stands in front";
-        beams.emplace(keyOf(scan, i).ring, keyOf(scan, i).column);
-      }
-    }
-  }
-  EXPECT_GT(beams.size(), 100u);
-}
-
-INSTANTIATE_TEST_SUITE_P(, ReturnsSession, testing::Bool(),
-                         [](const auto& layout) { return layout.param ? "Organised" : "Dense"; });
 
 }  // namespace
 }  // namespace scanmill
