@@ -24,23 +24,6 @@ std::vector<std::string> names() {
   return all;
 }
 
-// The words of a command, without `scanmill`; '...' is one word.
-std::vector<std::string> wordsOf(const std::string& command) {
-  std::vector<std::string> words(1);
-  bool quoted = false;
-  for (const char c : command) {
-    if (c == '\'') quoted = !quoted;
-    if (c == '\'') continue;
-    if (c == ' ' && !quoted) {
-      words.emplace_back();
-    } else {
-      words.back() += c;
-    }
-  }
-  words.erase(words.begin());
-  return words;
-}
-
 class Examples : public testing::TestWithParam<std::string> {
  protected:
   void SetUp() override { fs::current_path(folder_.path()); }
@@ -58,7 +41,7 @@ TEST_P(Examples, CommandsMakeThePicture) {
   int commands = 0;
   while (std::getline(lines, line)) {
     ASSERT_TRUE(line.starts_with("  scanmill ")) << line;
-    const Outcome outcome = scanmill(wordsOf(line.substr(2)));
+    const Outcome outcome = scanmill(wordsOf(line.substr(std::string("  scanmill ").size())));
     EXPECT_EQ(outcome.code, 0) << line << "\n" << outcome.error;
     ++commands;
   }

@@ -165,26 +165,6 @@ TEST_F(Generate, AMemoryLimitIsKeptWithSeveralScenes) {
   EXPECT_LT(limited.peakBytes, std::uint64_t{290} << 20);
 }
 
-// In a mount namespace of its own, so that nothing stays mounted whatever happens.
-TEST_F(Generate, AFullDiskIsNamedAndLeavesNothingThatLooksFinished) {
-  const std::string disk = at("disk");
-  std::filesystem::create_directories(disk);
-  const auto onTinyDisk = [&](const std::string& command) {
-    return RunningProgram({"unshare", "-m", "sh", "-c", "mount -t tmpfs -o size=200k none " + disk + " && " + command})
-        .wait();
-  };
-  if (onTinyDisk("true").code != 0) GTEST_SKIP() << "a tiny file system cannot be mounted here";
-  const std::string list = "; code=$?; find " + disk + " -type f; exit $code";
-  for (const std::string more : {"--set output.formats=[csv] --set sensors.0.columns=2000",  // a shard is too large
-                                 "--set trajectories.0.every_s=0.0001 --set trajectories.0.frames=2000"}) {
-    const Outcome o =
-        onTinyDisk(fmt::format("{} generate {} -q -o {}/out {}", testedProgram(), pipeline_, disk, more) + list);
-    EXPECT_EQ(o.code, 1) << o.error;
-    EXPECT_THAT(o.error, AllOf(HasSubstr(disk + "/out/.scanmill/train"), HasSubstr("No space left on device")));
-    EXPECT_EQ(o.out, "");
-  }
-}
-
 TEST_F(Generate, KilledRunsLeaveWholeShardsOnly) {
   RunningProgram process(longRun());
   awaitShards(process, 2);

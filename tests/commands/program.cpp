@@ -92,6 +92,21 @@ std::vector<std::string> withSettings(std::vector<std::string> arguments, const 
   return arguments;
 }
 
+std::vector<std::string> wordsOf(const std::string& command) {
+  std::vector<std::string> words(1);
+  bool quoted = false;
+  for (const char c : command) {
+    if (c == '\'') {
+      quoted = !quoted;
+    } else if (c == ' ' && !quoted) {
+      words.emplace_back();
+    } else {
+      words.back() += c;
+    }
+  }
+  return words;
+}
+
 std::vector<Outcome> scanmillEach(const std::vector<std::vector<std::string>>& arguments) {
   constexpr std::size_t kAtATime = 4;
   std::vector<Outcome> outcomes;

@@ -55,6 +55,9 @@ Outcome scanmill(const std::vector<std::string>& arguments, const std::vector<st
 std::vector<std::string> withSettings(std::vector<std::string> arguments, const std::vector<std::string>& settings,
                                       const std::vector<std::string>& more = {});
 
+// Returns the words of a command, which blanks separate; '...' is one word.
+std::vector<std::string> wordsOf(const std::string& command);
+
 // Several, some at a time.
 std::vector<Outcome> scanmillEach(const std::vector<std::vector<std::string>>& arguments);
 

@@ -158,21 +158,6 @@ const Refusal kRefusals[] = {
     {"render P -o @x --set method=depth_camera --passes depth,normals", "did you mean 'normal'"},
 };
 
-std::vector<std::string> wordsOf(const std::string& command) {
-  std::vector<std::string> words(1);
-  bool quoted = false;
-  for (const char c : command) {
-    if (c == '\'') {
-      quoted = !quoted;
-    } else if (c == ' ' && !quoted) {
-      words.emplace_back();
-    } else {
-      words.back() += c;
-    }
-  }
-  return words;
-}
-
 TEST_F(SmallWorld, WrongUseIsRefusedWithAdviceAndMakesNothing) {
   ASSERT_EQ(scanmill({"generate", pipeline_, "-q", "-o", at("a"), "--keep-hits", at("hits")}).code, 0);
   for (const char* name : {"there.html", "there.yaml", "filled/mine.txt", "notes.zzz"}) folder_.write(name, "mine");

@@ -17,7 +17,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
-using Json = nlohmann::json;
+using OrderedJson = nlohmann::ordered_json;
 
 // The cells of the table under a heading, by rows.
 std::vector<std::vector<std::string>> tableIn(const std::string& card, const std::string& heading) {
@@ -80,18 +80,18 @@ TEST(Card, TextOfOthersStaysText) {
   m.about = {};
   const std::string card = cardText(m);
   EXPECT_THAT(card, AllOf(HasSubstr("| a\\|b |"), HasSubstr("\n`````yaml\n"), HasSubstr("License: not stated")));
-  EXPECT_FALSE(Json::parse(croissantJson(m)).contains("license"));
+  EXPECT_FALSE(OrderedJson::parse(croissantJson(m)).contains("license"));
 }
 
 // Croissant 1.0: ids are unique, references lead somewhere, and the patterns select the members that they are for.
 TEST(Card, CroissantDescribesEveryShardAndMember) {
   const Manifest m = filledManifest();
-  const Json json = Json::parse(croissantJson(m));
+  const OrderedJson json = OrderedJson::parse(croissantJson(m));
   EXPECT_EQ(json["conformsTo"], "http://mlcommons.org/croissant/1.0");
   EXPECT_EQ(json["license"], "CC-BY-4.0");
   std::set<std::string> ids;
-  std::map<std::string, Json> sets;
-  for (const Json& file : json["distribution"]) {
+  std::map<std::string, OrderedJson> sets;
+  for (const OrderedJson& file : json["distribution"]) {
     EXPECT_TRUE(ids.insert(file["@id"]).second) << file["@id"];
     if (file["@type"] == "cr:FileSet") sets[file["@id"]] = file;
   }
@@ -99,15 +99,15 @@ TEST(Card, CroissantDescribesEveryShardAndMember) {
   EXPECT_EQ(json["distribution"][1]["sha256"], m.shards[1].sha256);
   for (const auto& [id, set] : sets) {
     EXPECT_EQ(set["containedIn"].size(), m.shards.size());
-    for (const Json& in : set["containedIn"]) EXPECT_TRUE(ids.contains(in["@id"]));
+    for (const OrderedJson& in : set["containedIn"]) EXPECT_TRUE(ids.contains(in["@id"]));
   }
-  const Json& classes = json["recordSet"][0]["data"];
+  const OrderedJson& classes = json["recordSet"][0]["data"];
   ASSERT_EQ(classes.size(), m.ontology.classes.size());
   for (std::size_t i = 0; i < classes.size(); ++i) EXPECT_EQ(classes[i]["classes/name"], m.ontology.classes[i].name);
-  const Json& fields = json["recordSet"][1]["field"];
-  for (const Json& field : fields) EXPECT_TRUE(sets.contains(field["source"]["fileSet"]["@id"]));
+  const OrderedJson& fields = json["recordSet"][1]["field"];
+  for (const OrderedJson& field : fields) EXPECT_TRUE(sets.contains(field["source"]["fileSet"]["@id"]));
   const std::regex key(fields[0]["source"]["transform"]["regex"].get<std::string>());
-  const auto in = [&](const Json& set, const std::string& member) {
+  const auto in = [&](const OrderedJson& set, const std::string& member) {
     const auto matches = [&](const char* which) {
       return set.contains(which) && fnmatch(set[which].get<std::string>().c_str(), member.c_str(), 0) == 0;
     };

@@ -2,16 +2,19 @@
 
 // A small dataset: two sensors, two formats, three splits, scans that follow from sample and sensor numbers.
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "base/file.h"
 #include "base/hash.h"
 #include "base/random.h"
 #include "dataset/manifest.h"
@@ -218,6 +221,20 @@ inline Manifest addShard(DatasetFolder& folder, std::uint64_t number, std::size_
   manifest.samples = part.samples;
   folder.keep({"plan", {number}, manifest});
   return manifest;
+}
+
+// Returns what python3-jsonschema says against a text by docs/NAME.schema.json; empty: it satisfies the schema.
+inline std::string schemaErrors(const std::string& schema, const std::string& text) {
+  const TemporaryFolder folder;
+  const auto script = folder.write("validate.py",
+                                   "import json, sys, jsonschema\nschema = json.load(open(sys.argv[1]))\n"
+                                   "validator = jsonschema.Draft202012Validator\nvalidator.check_schema(schema)\n"
+                                   "validator(schema).validate(json.load(open(sys.argv[2])))\n");
+  const auto errors = folder.path() / "errors";
+  const std::string command =
+      fmt::format("/usr/bin/python3 '{}' '{}/docs/{}.schema.json' '{}' 2> '{}'", script.string(), SCANMILL_SOURCE_DIR,
+                  schema, folder.write("text.json", text).string(), errors.string());
+  return std::system(command.c_str()) == 0 ? std::string() : readFile(errors);
 }
 
 // Two samples in two splits, each in a shard of its own.

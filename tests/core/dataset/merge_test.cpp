@@ -14,11 +14,11 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-const DatasetPlan kMergedPlan{"plan", 4, {{"train", 4}}};
+const DatasetPlan kMergePlan{"plan", 4, {{"train", 4}}};
 
 // Shards of one sample each, as processes that share the folder leave them.
 void make(const std::filesystem::path& folder, const std::vector<std::uint64_t>& shards) {
-  DatasetFolder opened(folder, FolderUse::Share, kMergedPlan);
+  DatasetFolder opened(folder, FolderUse::Share, kMergePlan);
   for (const std::uint64_t number : shards) addShard(opened, number);
 }
 
@@ -69,7 +69,7 @@ TEST_F(Merge, RefusesPartsOfAnotherPlanAndFoldersThatAreInUse) {
   EXPECT_THAT(message(), AllOf(HasSubstr("train-000001"), HasSubstr("another pipeline")));
   writeFile(file, record);
   {
-    const DatasetFolder used(data_, FolderUse::Share, kMergedPlan);
+    const DatasetFolder used(data_, FolderUse::Share, kMergePlan);
     EXPECT_THAT(message(), HasSubstr("is being written by"));
   }
   EXPECT_EQ(mergeDataset(data_).samples.size(), 4u);

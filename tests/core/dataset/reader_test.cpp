@@ -17,21 +17,6 @@ std::string refusal(const fs::path& file) {
   return messageOf<InputError>([&] { membersOf(file); });
 }
 
-TEST(ReadTar, GivesBackWhatWasWritten) {
-  const TemporaryFolder folder;
-  writeMembers(folder.path() / "x.tar", oddMembers());
-  EXPECT_EQ(membersOf(folder.path() / "x.tar"), oddMembers());
-}
-
-TEST(ReadTar, ReadsWhatTarWrites) {
-  if (std::system("tar --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "tar is absent";
-  const TemporaryFolder folder;
-  folder.write("in/a-0.json", "{}");
-  folder.write("in/a-0.pcd", std::string(1000, 'p'));
-  ASSERT_EQ(std::system(("cd '" + folder.path().string() + "/in' && tar -cf ../x.tar a-0.json a-0.pcd").c_str()), 0);
-  EXPECT_EQ(membersOf(folder.path() / "x.tar"), (Members{{"a-0.json", "{}"}, {"a-0.pcd", std::string(1000, 'p')}}));
-}
-
 // What shows names would be busy with it for minutes.
 TEST(ReadTar, RefusesNamesOfThousandsOfBytes) {
   const TemporaryFolder folder;

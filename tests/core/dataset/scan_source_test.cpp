@@ -70,16 +70,6 @@ TEST_F(FindScan, ByKeyByIndexAndBySensor) {
   EXPECT_EQ(findScan(dataset, "drive-000005", "").scan.position, expected(5, 0).position);
 }
 
-TEST_F(FindScan, UnknownNamesGetTheNearest) {
-  EXPECT_THAT(complaint(dataset, "train_street-1-drive-000009"),
-              AllOf(HasSubstr("train_street-1-drive-000009"), HasSubstr("train_street-1-drive-000000"),
-                    HasSubstr("most similar of 9")));
-  EXPECT_THAT(complaint(dataset, "test_street-1-drive-8"), HasSubstr("keys are: test_street-1-drive-000008"));
-  EXPECT_THAT(complaint(dataset, "9"), HasSubstr("0 to 8"));
-  EXPECT_THAT(complaint(dataset, "99999999999999999999999"), HasSubstr("0 to 8"));
-  EXPECT_THAT(complaint(dataset, "", "left"), AllOf(HasSubstr("'left'"), HasSubstr("top, rear")));
-}
-
 TEST_F(FindScan, AShardFindsItsManifest) {
   const std::filesystem::path shard = dataset / manifest.shards.front().file;
   const ScanSource source = findScan(shard, "0", "");

@@ -3,11 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <atomic>
-
 #include "base/error.h"
 #include "base/file.h"
-#include "base/parallel.h"
 #include "tests/core/dataset/fixture.h"
 
 namespace scanmill {
@@ -141,23 +138,6 @@ TEST(ShardIndex, AFileThatChangedIsNoticed) {
               testing::AllOf(HasSubstr("x.tar"), HasSubstr("truncated in 'b-0.last'")));
   fs::remove(file);
   EXPECT_THAT(messageOf<InputError>([&] { index.read(index.members().front()); }), HasSubstr("x.tar: cannot be read"));
-}
-
-TEST(ShardIndex, ThreadsReadTheSame) {
-  const TemporaryFolder folder;
-  Members members;
-  for (int i = 0; i < 200; ++i)
-    members.emplace_back(std::to_string(i) + ".x", std::string(100 + 37 * i, char('a' + i % 26)));
-  writeMembers(folder.path() / "x.tar", members);
-  const ShardIndex index(folder.path() / "x.tar");
-  std::atomic<int> wrong = 0;
-  parallelFor(2000, 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i) {
-      const auto& [name, bytes] = members[i * 7 % members.size()];
-      if (index.read(*index.find(name)) != bytes) ++wrong;
-    }
-  });
-  EXPECT_EQ(wrong, 0);
 }
 
 }  // namespace

@@ -40,17 +40,6 @@ TEST(ShardWriter, WritesShardsAndTheManifest) {
   EXPECT_EQ(filesOf(folder.path() / "new" / "data"), expected);
 }
 
-TEST(ShardWriter, SameSamplesGiveTheSameBytes) {
-  const TemporaryFolder a;
-  const TemporaryFolder b;
-  writeTestDataset(a.path());
-  writeTestDataset(b.path());
-  ASSERT_EQ(filesOf(a.path()), filesOf(b.path()));
-  for (const std::string& name : filesOf(a.path())) {
-    EXPECT_EQ(readFile(a.path() / name), readFile(b.path() / name)) << name;
-  }
-}
-
 // What add() was given comes back, with the JSON member first; members of a sample follow each other and share the name
 // up to the first dot; suffixes are lower-case and unique.
 TEST(ShardWriter, FollowsTheLawOfWebDataset) {

@@ -39,7 +39,7 @@ std::map<std::string, int> countsOf(const std::vector<std::string>& splits) {
   return counts;
 }
 
-std::string refusal(const std::string& yaml, std::uint64_t seeds) {
+std::string refusalOfSplit(const std::string& yaml, std::uint64_t seeds) {
   return messageOf<InputError>([&] { assign(yaml, sequencesOf(seeds)); });
 }
 
@@ -117,20 +117,21 @@ TEST(Splits, ListsAreTakenLiterally) {
 }
 
 TEST(Splits, RefusesWhatCannotBe) {
-  EXPECT_THAT(refusal(kShares, 4), HasSubstr("test: a share of 0.1 of 4 seeds is less than one"));
-  EXPECT_THAT(refusal("{train: 0.5, val: 0.4}", 10), HasSubstr("sum of the shares is 0.9"));
-  EXPECT_THAT(refusal("{train: 1.5, val: -0.5}", 10), HasSubstr("pipeline.yaml:1"));
-  EXPECT_THAT(refusal("{by: seed}", 10), AllOf(HasSubstr("no train, val or test"), HasSubstr("--set splits=null")));
-  EXPECT_THAT(refusal("{by: frame, train: 1}", 10), HasSubstr("seed"));
-  EXPECT_THAT(refusal("{trian: 1}", 10), HasSubstr("train"));
-  EXPECT_THAT(refusal("{train: [1], val: 0.5}", 2), HasSubstr("either all shares or all lists"));
-  EXPECT_THAT(refusal("{train: [1], val: [1, 2]}", 2), HasSubstr("seed 1 is in 'train' already"));
-  EXPECT_THAT(refusal("{train: [1], val: [7]}", 2),
+  EXPECT_THAT(refusalOfSplit(kShares, 4), HasSubstr("test: a share of 0.1 of 4 seeds is less than one"));
+  EXPECT_THAT(refusalOfSplit("{train: 0.5, val: 0.4}", 10), HasSubstr("sum of the shares is 0.9"));
+  EXPECT_THAT(refusalOfSplit("{train: 1.5, val: -0.5}", 10), HasSubstr("pipeline.yaml:1"));
+  EXPECT_THAT(refusalOfSplit("{by: seed}", 10),
+              AllOf(HasSubstr("no train, val or test"), HasSubstr("--set splits=null")));
+  EXPECT_THAT(refusalOfSplit("{by: frame, train: 1}", 10), HasSubstr("seed"));
+  EXPECT_THAT(refusalOfSplit("{trian: 1}", 10), HasSubstr("train"));
+  EXPECT_THAT(refusalOfSplit("{train: [1], val: 0.5}", 2), HasSubstr("either all shares or all lists"));
+  EXPECT_THAT(refusalOfSplit("{train: [1], val: [1, 2]}", 2), HasSubstr("seed 1 is in 'train' already"));
+  EXPECT_THAT(refusalOfSplit("{train: [1], val: [7]}", 2),
               HasSubstr("no sequence has the seed 7 (known: 1, 2); --set splits=null puts all sequences into train"));
-  EXPECT_THAT(refusal("{train: [1]}", 2), HasSubstr("seed 2 is in no list"));
-  EXPECT_THAT(refusal("{train: [one]}", 1), HasSubstr("pipeline.yaml:1"));
-  EXPECT_THAT(refusal("[train]", 1), HasSubstr("pipeline.yaml:1"));
-  EXPECT_THAT(refusal("{train: {a: 1}}", 1), HasSubstr("pipeline.yaml:1"));
+  EXPECT_THAT(refusalOfSplit("{train: [1]}", 2), HasSubstr("seed 2 is in no list"));
+  EXPECT_THAT(refusalOfSplit("{train: [one]}", 1), HasSubstr("pipeline.yaml:1"));
+  EXPECT_THAT(refusalOfSplit("[train]", 1), HasSubstr("pipeline.yaml:1"));
+  EXPECT_THAT(refusalOfSplit("{train: {a: 1}}", 1), HasSubstr("pipeline.yaml:1"));
 }
 
 }  // namespace

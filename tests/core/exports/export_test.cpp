@@ -182,19 +182,15 @@ TEST_F(Exports, ReplaceOthersWhenAsked) {
   EXPECT_EQ(filesIn(first.folder), whole);
   folder_.write("notes/mine.txt", "mine");
   ExportOptions mine = options("ply", "notes");
-  mine.overwrite = true;
-  EXPECT_THAT(messageOf<InputError>([&] { exportDataset(mine); }), HasSubstr("is not empty"));
-}
-
-TEST_F(Exports, WhatIsThereIsNeverWrittenOver) {
-  exportDataset(options("ply", "out"));
+  for (const bool overwrite : {false, true}) {
+    mine.overwrite = overwrite;
+    EXPECT_THAT(messageOf<InputError>([&] { exportDataset(mine); }), HasSubstr("is not empty"));
+  }
   EXPECT_THAT(messageOf<InputError>([&] { exportDataset(options("ply", "out")); }), HasSubstr("has a complete export"));
-  folder_.write("notes/mine.txt", "mine");
-  EXPECT_THAT(messageOf<InputError>([&] { exportDataset(options("ply", "notes")); }), HasSubstr("is not empty"));
   folder_.write("other/.scanmill_export.json", "of something else");
-  ExportOptions other = options("ply", "other");
-  other.resume = true;
-  EXPECT_THAT(messageOf<InputError>([&] { exportDataset(other); }), HasSubstr("another dataset"));
+  ExportOptions unfinished = options("ply", "other");
+  unfinished.resume = true;
+  EXPECT_THAT(messageOf<InputError>([&] { exportDataset(unfinished); }), HasSubstr("another dataset"));
 }
 
 TEST_F(Exports, ClassesThatTheLayoutLacksAreNamed) {

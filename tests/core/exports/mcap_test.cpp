@@ -238,13 +238,6 @@ assert on(file, '/front_left/points')[0]['header']['frame_id'] == 'front-left'
   EXPECT_THAT(messageOf<InputError>([&] { layout_->check(plan_); }), HasSubstr("'vehicle'"));
 }
 
-TEST_F(McapLayout, TheSameInputGivesTheSameBytes) {
-  write(*layout_);
-  const std::map<std::string, std::string> first = written();
-  write(*layout_);
-  EXPECT_EQ(written(), first);
-}
-
 TEST_F(McapLayout, NothingIsLeftOfAFileThatBreaksOff) {
   EXPECT_THROW(writeChanged(*layout_, 0, 0,
                             [](ExportSample& sample) {

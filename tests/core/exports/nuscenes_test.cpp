@@ -146,15 +146,6 @@ TEST_F(NuScenesLayout, SensorsOfOneChannelAreRefused) {
               testing::AllOf(HasSubstr("'re-ar' and 're_ar'"), HasSubstr("LIDAR_RE_AR"), HasSubstr("--sensor")));
 }
 
-// Points of a moving sensor cannot be placed by one pose unless they are deskewed.
-TEST_F(NuScenesLayout, PointsThatAreNotDeskewedAreToldOf) {
-  std::vector<Pose>& poses = plan_.manifest.samples[1].scans[0].worldFromSensor;
-  poses.push_back(poses.front());
-  EXPECT_THAT(write(*layout_), testing::Contains(HasSubstr("deskew: true")));
-  plan_.manifest.deskewed = true;
-  EXPECT_THAT(write(*layout_), testing::Not(testing::Contains(HasSubstr("deskew"))));
-}
-
 // A scene has the mount of its sequence, and the vehicle stands where it stood.
 TEST_F(NuScenesLayout, MountsMayDifferFromSequenceToSequence) {
   for (SampleRecord& sample : plan_.manifest.samples) sample.scans[0].vehicleFromSensor = Pose{{}, {0, 0, 1.5}};
@@ -390,22 +381,6 @@ TEST_F(NuScenesLayout, RowsOfOrganisedScansAreRings) {
     std::memcpy(&ring, bytes.data() + 20 * i + 16, 4);
     EXPECT_EQ(ring, "00011222333000111222333"[i] - '0');
   }
-}
-
-TEST_F(NuScenesLayout, TheSameDatasetGivesTheSameBytes) {
-  write(*layout_);
-  const std::map<std::string, std::string> once = written();
-  EXPECT_EQ(once.size(), 4u * 3 + 15 + 1 + 1 + 6);  // files of frames, tables, splits, the map, black images
-  write(*makeNuScenes());
-  EXPECT_EQ(written(), once);
-}
-
-TEST_F(NuScenesLayout, ScansMayBeEmpty) {
-  writeChanged(*layout_, 1, 1, [](ExportSample& changed) { changed.scans[0].scan = Scan(); });
-  const std::vector<std::filesystem::path> files = layout_->filesOf(plan_, 1, 1);
-  EXPECT_EQ(bytesOf(files[0]).size(), 0u);
-  EXPECT_EQ(bytesOf(files[1]).size(), 0u);
-  python(fmt::format("assert np.load(folder / '{}')['data'].shape == (0,)\n", files[2].string()));
 }
 
 }  // namespace

@@ -70,21 +70,6 @@ for id, color in colors.items():
 )");
 }
 
-TEST_F(PlyLayout, OurOwnReaderFindsTheSameScan) {
-  write(*layout_);
-  const std::filesystem::path file = folder_.path() / "train/street-s1-lane-000001.top.ply";
-  EXPECT_TRUE(isCloud(file));
-  const Cloud cloud = readCloud(file);
-  const Scan own = scan(0, 1);
-  EXPECT_EQ(cloud.origin, Vec3d{});
-  EXPECT_EQ(cloud.scan.position, own.position);
-  EXPECT_EQ(columnsOf(cloud.scan), columnsOf(own));
-  visitTable(own, [&](auto key, const auto& values) { EXPECT_EQ(cloud.scan[key], values) << key.row.name; });
-  std::vector<std::string> others;
-  for (const ForeignColumn& column : cloud.scan.foreign) others.push_back(column.name);
-  EXPECT_THAT(others, ElementsAre("red", "green", "blue"));
-}
-
 TEST_F(PlyLayout, CommentsTellWhatTheScanIs) {
   plan_.manifest.name = "two\nlines";
   write(*layout_);
@@ -104,11 +89,6 @@ assert np.abs(turned + list(map(float, words[0][7:])) - moved).max() < 1e-9
 )");
 }
 
-TEST_F(PlyLayout, MissesAreLeftOut) {
-  writeSample(sample(0, 0, true));
-  ply("assert len(ply.points) == 356 and np.isfinite(ply.xyz).all() and 89 not in ply['column']\n");
-}
-
 TEST_F(PlyLayout, WithoutClassesPointsAreGreyByTheirIntensity) {
   ExportSample sample = this->sample(0, 0);
   Scan& scan = sample.scans[0].scan;
@@ -123,30 +103,6 @@ assert (ply.colors == ply.colors[:, :1]).all() and 'label' not in ply.kind.names
   scan[kIntensity].clear();
   writeSample(sample);
   ply("assert (ply.colors == 128).all() and 'intensity' not in ply.kind.names\n");
-}
-
-TEST_F(PlyLayout, ScansWithoutPointsHaveTheDatasetsColumns) {
-  ExportSample sample = this->sample(0, 0);
-  Scan& scan = sample.scans[0].scan;
-  scan.position.clear();
-  visitTable(scan, [](auto, auto& values) { values.clear(); });
-  writeSample(sample);
-  ply("assert len(ply.points) == 0 and ply.kind.names[6:] == ('intensity', 'label', 'instance', 'ring', 'column', "
-      "'time', 'range_true')\n");
-  EXPECT_EQ(readCloud(folder_.path() / "train/street-s1-lane-000000.top.ply").scan.size(), 0u);
-}
-
-TEST_F(PlyLayout, BothColumnsOfClassesAreThoseOfTheOntologyThatIsExported) {
-  use("cityscapes");
-  ExportSample sample = this->sample(0, 0);
-  Scan& scan = sample.scans[0].scan;
-  scan[ColumnKey<columnIndex("label_2")>()].assign(scan.size(), classId("car"));
-  writeSample(sample);
-  ply(R"(
-assert set(ply['label']) == {26, 24, 11}, set(ply['label'])
-assert set(ply['label_2']) == {26}
-assert 'class 26 car' in ply.comments
-)");
 }
 
 }  // namespace

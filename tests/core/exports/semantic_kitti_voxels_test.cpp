@@ -87,26 +87,6 @@ TEST(OccludedVoxels, FollowLinesOfSight) {
   EXPECT_GT(hidden, 100u);
 }
 
-TEST(OccludedVoxels, AreMirroredWithTheirGrid) {
-  ScanVoxels voxels = emptyGrid({24, 24, 8}, {-12, -12, -4});
-  ScanVoxels mirrored = voxels;
-  std::mt19937 random(3);
-  forVoxels(voxels.grid, [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, std::size_t i) {
-    const std::uint16_t label = random() % 20 == 0 ? 1 : 0;
-    voxels.label[i] = label;
-    mirrored.label[voxels.grid.index(23 - x, y, z)] = label;
-  });
-  // Places that are cut between two voxels fall to the upper one, so that few of them differ.
-  const std::vector<std::uint8_t> own = occludedVoxels(voxels), other = occludedVoxels(mirrored);
-  std::size_t differ = 0, all = 0;
-  forVoxels(voxels.grid, [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, std::size_t i) {
-    differ += own[i] != other[voxels.grid.index(23 - x, y, z)] ? 1 : 0;
-    all += own[i];
-  });
-  EXPECT_GT(all, 500u);
-  EXPECT_LT(differ, voxels.grid.voxels() / 50);
-}
-
 class VoxelExport : public ExportWorld {
  protected:
   VoxelExport() {
