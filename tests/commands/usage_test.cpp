@@ -1,6 +1,5 @@
 // Help, lists, and wrong usage.
 
-#include <fstream>
 #include <iterator>
 
 #include "commands/command.h"
@@ -46,14 +45,6 @@ TEST(Usage, ListNamesWhatThePipelineMayName) {
   EXPECT_THAT(all.out, HasSubstr(formats.out.substr(0, formats.out.find("\n\nkeys"))));
   EXPECT_THAT(scanmill({"list", "scenes"}).out, AllOf(HasSubstr("hamlet"), testing::Not(HasSubstr("empty"))))
       << "which has nothing to scan";
-}
-
-TEST(Usage, ThePageOfInputsIsWhatTheProgramSays) {
-  std::ifstream file(SCANMILL_SOURCE_DIR "/docs/inputs.md");
-  const std::string page{std::istreambuf_iterator<char>(file), {}};
-  const std::string said = scanmill({"list", "inputs"}).out;
-  EXPECT_EQ(page.substr(page.find("\n## ")), said.substr(said.find("\n## ")))
-      << "the page's tables are those of 'scanmill list inputs'";
 }
 
 TEST(Usage, AFullStandardOutputIsAFailure) {

@@ -9,7 +9,6 @@
 namespace scanmill {
 namespace {
 
-using testing::AllOf;
 using testing::HasSubstr;
 
 class Heightmaps : public WorldFiles {
@@ -68,33 +67,18 @@ TEST_F(Heightmaps, OfElevationModelsHaveTheSizeOfTheModel) {
 TEST_F(Heightmaps, MistakesAreNamed) {
   image("t.pgm", 2, {0, 1, 2, 3});
   image("row.pgm", 3, {0, 1, 2});
-  const auto refused = [&](const std::string& file, const std::string& more) { return refusal(map(file, more)); };
-  EXPECT_THAT(refused("gone.png", ""), AllOf(HasSubstr("a.sdf:3"), HasSubstr("gone.png")));
-  EXPECT_THAT(refused("row.pgm", ""), AllOf(HasSubstr("a.sdf:3"), HasSubstr("two rows")));
-  EXPECT_THAT(refused("t.pgm", "<size>1 1 -1</size>"), HasSubstr("above 0"));
-  EXPECT_THAT(refused("t.pgm", "<sampling>1.5</sampling>"), HasSubstr("whole number"));
-  EXPECT_THAT(refusal(model("<heightmap/>")), HasSubstr("has no <uri>"));
   folder_.write("text.png", "no image");
-  EXPECT_THAT(refused("text.png", ""), HasSubstr("text.png"));
-  // A bitmap of 2 x 2 pixels whose values are those of a palette.
-  std::string bitmap = "BM";
-  const auto word = [&](std::uint32_t value, int bytes) {
-    for (int i = 0; i < bytes; ++i) bitmap += static_cast<char>(value >> (8 * i) & 255);
-  };
-  for (const std::uint32_t value : {78u, 0u, 62u, 40u, 2u, 2u}) word(value, 4);
-  word(1, 2);
-  word(8, 2);
-  for (const std::uint32_t value : {0u, 8u, 0u, 0u, 2u, 0u, 0x00ffffffu, 0u}) word(value, 4);
-  word(0x00000100, 4);
-  word(0x00000001, 4);
-  folder_.write("palette.bmp", bitmap);
-  EXPECT_THAT(refused("palette.bmp", ""), AllOf(HasSubstr("palette.bmp"), HasSubstr("colours and no heights")));
+  expectRefusals([&](const std::string& inside) { return refusal(inside); },
+                 {{map("gone.png", ""), "a.sdf:3 | gone.png"},
+                  {map("row.pgm", ""), "a.sdf:3 | two rows"},
+                  {map("t.pgm", "<size>1 1 -1</size>"), "above 0"},
+                  {map("t.pgm", "<sampling>1.5</sampling>"), "whole number"},
+                  {map("text.png", ""), "text.png"},
+                  {model("<heightmap/>"), "has no <uri>"}});
   // Gazebo's own images are told, and the rest of the world is read.
-  testing::internal::CaptureStderr();
-  EXPECT_EQ(sdf("<world name=\"w\">" + map("file://media/materials/textures/terrain.png", "") + wing("n") + "</world>")
-                .parts.size(),
-            1u);
-  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("1 heightmaps of Gazebo's own"));
+  const std::string world =
+      "<world name=\"w\">" + map("file://media/materials/textures/terrain.png", "") + wing("n") + "</world>";
+  EXPECT_THAT(printedBy([&] { EXPECT_EQ(sdf(world).parts.size(), 1u); }), HasSubstr("1 heightmaps of Gazebo's own"));
 }
 
 }  // namespace
