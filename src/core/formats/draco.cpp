@@ -3,7 +3,6 @@
 //   format: draco
 //   max_error_mm: 1     # largest Euclidean error of a position
 //   speed: 7            # Draco's scale: 10 is the least effort; here it only sets the precision of the probabilities
-//   intensity_bits: 0   # 0 keeps every bit; else this many bits over the range of each scan's intensities
 //   time: false         # time follows from ring and column by the beam table in the manifest, so it is left out
 //
 // POSITION is a quantised float32 attribute, so that every reader gets metres. The other columns are GENERIC attributes
@@ -64,7 +63,6 @@ double symbolBits(int bits, int components) {
 struct DracoOptions {
   double maxError = 0;  // m, largest error of a position
   int speed = 0;
-  int intensityBits = 0;
   bool time = false;
 };
 
@@ -227,16 +225,6 @@ class DracoFormat : public Format {
     const std::string_view name = kIntensity.row.name;
     const std::vector<std::uint16_t> integers = asIntegers(values);
     if (!integers.empty()) return writer.addIntegers(name, std::span<const std::uint16_t>(integers));
-    if (options_.intensityBits > 0 && allFinite(values)) {
-      const auto [low, high] = std::minmax_element(values.begin(), values.end());
-      const double bound = (double{*high} - double{*low}) / (std::exp2(options_.intensityBits) - 1) / 2;
-      // If all values are in a narrow range far from zero, float32 has hardly more bits than intensity_bits, so the
-      // values are stored exactly.
-      if (bound > std::max(std::fabs(*low), std::fabs(*high)) * 0x1p-21) {
-        const Grid grid = chooseGrid({&*low, 1}, {&*high, 1}, bound, "draco: intensity");
-        return writer.addQuantised(name, onGrid(values, grid));
-      }
-    }
     writer.addFloats(name, values);
   }
 
@@ -255,7 +243,6 @@ std::unique_ptr<Format> makeDraco(Fields& options) {
   DracoOptions draco;
   draco.maxError = options.number("max_error_mm", {0.001, 1000}, 1) * 1e-3;
   draco.speed = static_cast<int>(options.integer("speed", 0, 10, 7));
-  draco.intensityBits = static_cast<int>(options.integer("intensity_bits", 0, 16, 0));
   draco.time = options.boolean("time", false);
   options.finish();
   return std::make_unique<DracoFormat>(draco);

@@ -18,7 +18,6 @@ std::span<const FormatEntry> formats() {
        "where asked for, as it follows from ring and column",
        "max_error_mm: 1 mm, largest error of a position, 0.001 to 1000\n"
        "speed: 7, 0 (smallest file) to 10 (fastest)\n"
-       "intensity_bits: 0, 1 to 16 quantise the intensity; 0 keeps it exact\n"
        "time: false, true: keeps the time of each point",
        makeDraco},
       {"csv", "csv", "comma-separated text with a header line, lossless", "", makeCsv},

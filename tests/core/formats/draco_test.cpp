@@ -185,19 +185,6 @@ TEST(Draco, IntensitiesAreNarrowedOnlyWhereNothingIsLost) {
   }
 }
 
-TEST(Draco, IntensityBitsBoundTheError) {
-  Scan scan = randomScan(3, 10, 100, 0, false, 10);
-  std::mt19937 generator(8);
-  std::uniform_real_distribution<float> uniform(-3, 7);
-  for (std::size_t i = 0; i < scan.size(); ++i) scan[kIntensity].push_back(uniform(generator));
-  for (const int bits : {1, 4, 8, 12, 16}) {
-    const Scan read = roundTrip(scan, fmt::format("intensity_bits: {}", bits));
-    EXPECT_LE(largestError(read[kIntensity], scan[kIntensity]), 10 / (std::exp2(bits) - 1) / 2) << bits;
-  }
-  scan[kIntensity].assign(scan.size(), 0.3f);
-  EXPECT_EQ(roundTrip(scan, "intensity_bits: 8")[kIntensity], scan[kIntensity]);
-}
-
 // Whatever the bound of positions; what is no angle is kept bit by bit.
 TEST(Draco, IncidencesKeepTheirOwnBound) {
   for (const char* options : {"max_error_mm: 0.1", "max_error_mm: 100"}) {

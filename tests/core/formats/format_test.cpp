@@ -61,7 +61,7 @@ const std::pair<const char*, const char*> kEncodings[] = {
     {"csv", "{}"},
     {"draco", "{}"},
     {"draco", "{max_error_mm: 50, speed: 10}"},
-    {"draco", "{max_error_mm: 0.1, speed: 0, time: true, intensity_bits: 9}"},
+    {"draco", "{max_error_mm: 0.1, speed: 0, time: true}"},
 };
 
 ScanOutline outlineOf(const Scan& scan, double reach) {

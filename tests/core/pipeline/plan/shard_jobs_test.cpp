@@ -124,7 +124,7 @@ class SampleSize : public Yard {
 
 TEST_F(SampleSize, BoundsSamplesAndIsNotFarAboveLargeOnes) {
   const std::vector<std::string> formats{"pcd", "pcd: {encoding: ascii}", "csv",
-                                         "draco: {max_error_mm: 20, time: true, intensity_bits: 8}", "pcd, draco, csv"};
+                                         "draco: {max_error_mm: 20, time: true}", "pcd, draco, csv"};
   const std::vector<std::string> noisy{
       "sensors.0.columns=1024", "motion=per_column",
       "effects=[intensity, range_noise: {sigma_m: 0.05}, angular_jitter: {sigma_deg: 0.1}]"};
