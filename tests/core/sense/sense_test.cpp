@@ -110,16 +110,6 @@ TEST(Sense, NoisyScansJoinTheirNoiseFreeTwins) {
   EXPECT_LT(unmoved, noisy.size() / 100);
 }
 
-TEST(Sense, ZeroNoiseIsBitIdenticalToNone) {
-  const World world = makeRaggedWorld(32, 100);
-  const Scan none = senseOnce(world, {}, kEvery);
-  const Scan zero = senseOnce(world,
-                              {"dropout: {probability: 0, threshold: 0}", "range_noise: {sigma_m: 0}",
-                               "shell: {scale_m: 0}", "angular_jitter: {sigma_deg: 0}"},
-                              kEvery);
-  EXPECT_TRUE(sameBytes(none, zero));
-}
-
 TEST(Sense, ReusedBuffersAndOtherThreadsGiveTheSameBytes) {
   const World big = makeRaggedWorld(40, 300);
   const World small = makeRaggedWorld(3, 7);

@@ -74,21 +74,5 @@ TEST(AngularJitter, VerticalBeamsTiltWithoutNaN) {
   EXPECT_NEAR(degrees(std::sqrt(squares / 2000)), 1, 5 / std::sqrt(2 * 2000.0));
 }
 
-TEST(AngularJitter, ZeroSigmaKeepsEveryBit) {
-  const World world = makeRaggedWorld(8, 100);
-  const Returns returns = run(world, {"angular_jitter: {sigma_deg: 0}"});
-  EXPECT_EQ(returns.range, world.hits.range);
-  EXPECT_TRUE(returns.displacement.empty());
-}
-
-TEST(AngularJitter, RefusesBadOptions) {
-  EXPECT_THAT(refusal("angular_jitter: {}"),
-              testing::HasSubstr("give either sigma_deg or azimuth_sigma_deg and elevation_sigma_deg"));
-  EXPECT_THAT(refusal("angular_jitter: {sigma_deg: 6}"), testing::HasSubstr("sigma_deg must be a number from 0 to 5"));
-  EXPECT_THAT(refusal("angular_jitter: {sigma_deg: -1}"), testing::HasSubstr("sigma_deg must be a number from 0 to 5"));
-  EXPECT_THAT(refusal("angular_jitter: {sigma_deg: 1, azimuth_sigma_deg: 1}"),
-              testing::HasSubstr("give either sigma_deg or azimuth_sigma_deg and elevation_sigma_deg"));
-}
-
 }  // namespace
 }  // namespace scanmill

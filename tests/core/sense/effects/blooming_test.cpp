@@ -4,8 +4,6 @@
 namespace scanmill {
 namespace {
 
-using testing::HasSubstr;
-
 // 5 rings 15 deg apart, 720 columns half a degree apart: a sign of 200 white targets at 10 m in the middle of ring 2,
 // around it a wall at 30 m.
 World sign() {
@@ -94,7 +92,6 @@ TEST(RangeWalk, StrongReturnsSeemNearer) {
   EXPECT_NEAR(returns.range[1], 10 - 0.02 * std::log10(99.5), 1e-5);
   world.materials[0].retroreflectance = 0;
   EXPECT_EQ(run(world, {"intensity: {}", "range_walk: {per_decade_m: 0.02}"}).range[1], 10);
-  EXPECT_THAT(refusal("range_walk: {}"), HasSubstr("per_decade_m"));
 }
 
 TEST(Daylight, SunlitBrightSurfacesAreLostEarlier) {
@@ -119,7 +116,6 @@ TEST(Daylight, SunlitBrightSurfacesAreLostEarlier) {
   const double n = static_cast<double>(world.hits.size()) / 2;
   EXPECT_NEAR(found[0] / n, tail(4 - 0.5 / std::sqrt(0.02)), 0.02);
   EXPECT_NEAR(found[1] / n, tail(4 - 5.0), 0.02);
-  EXPECT_THAT(refusal("detection: {sun: {azimuth_deg: 0, elevation_deg: 10, noise: 1}}"), HasSubstr("need `noise`"));
 }
 
 TEST(Interference, IsAsRareAsItsProbability) {

@@ -206,19 +206,6 @@ TEST(Intensity, MissesAndUnknownMaterials) {
   EXPECT_EQ(returns.range, world.hits.range);
 }
 
-TEST(Intensity, RefusesBadOptions) {
-  EXPECT_THAT(refusal("intensity: {gian: 2}"), testing::HasSubstr("gain"));
-  EXPECT_THAT(refusal("intensity: {falloff: cubic}"),
-              testing::HasSubstr("falloff may not be 'cubic' (known: inverse_square, none)"));
-  EXPECT_THAT(refusal("intensity: {reference_range_m: 0}"),
-              testing::HasSubstr("reference_range_m must be a number from 0.1 to 1000"));
-  EXPECT_THAT(refusal("intensity: {saturation: 0}"),
-              testing::HasSubstr("saturation must be a number from 1e-09 to 1e+30"));
-  EXPECT_THAT(refusal("intensity: {attenuation_per_m: -1}"),
-              testing::HasSubstr("attenuation_per_m must be a number from 0 to 10"));
-  EXPECT_THAT(refusal("intensity: {gain: .nan}"), testing::HasSubstr("gain must be a number from 0 to 1000000000"));
-}
-
 // Passes drawn by others bring the look of each beam with them; the same figures give the same bits.
 TEST(Intensity, TheLookOfABeamStandsForItsMaterials) {
   World world = makeRaggedWorld(4, 100);
@@ -324,16 +311,6 @@ TEST(Intensity, ARoadKeepsItsReflectivity) {
   EXPECT_GT(spread("{model: reflectivity}"), 0.6);
 }
 
-TEST(Intensity, RefusesResponsesThatContradictEachOther) {
-  EXPECT_THAT(refusal("intensity: {retro_full_scale: 100}"), testing::HasSubstr("model: reflectivity"));
-  EXPECT_THAT(refusal("intensity: {model: reflectivity, retro_full_scale: 100}"), testing::HasSubstr("output: u8"));
-  EXPECT_THAT(refusal("intensity: {model: reflectivity, output: u8, retro_full_scale: 100, gamma: 2}"),
-              testing::HasSubstr("gamma"));
-  EXPECT_THAT(refusal("intensity: {model: reflectivty}"), testing::HasSubstr("reflectivity"));
-  EXPECT_THAT(refusal("intensity: {diffuse: rough}"),
-              testing::HasSubstr("diffuse may not be 'rough' (known: lambertian, oren_nayar)"));
-}
-
 // The curve passes its rows, is linear in the logarithm between them, and constant outside.
 TEST(Intensity, ResponseTable) {
   const auto at = [](float value, const std::string& more = "") {
@@ -399,15 +376,6 @@ TEST(Intensity, NoiseOfTheReportedNumber) {
   for (const float value : intensities(", noise: 1")) EXPECT_GE(value, 0);
   const std::vector<float> bytes = run(world, {"intensity: {output: u8, gain: 0.5, noise: 0.02, step: 0.1}"}).intensity;
   for (const float value : bytes) EXPECT_NEAR(std::remainder(value, 25.5f), 0, 0.51f);
-}
-
-TEST(Intensity, RefusesWrongTables) {
-  EXPECT_THAT(refusal("intensity: {table: [[1, 2]]}"), testing::HasSubstr("at least two pairs"));
-  EXPECT_THAT(refusal("intensity: {table: [[1, 2], [1, 3]]}"), testing::HasSubstr("rise from row to row"));
-  EXPECT_THAT(refusal("intensity: {table: [[0, 2], [1, 3]]}"), testing::HasSubstr("above 0"));
-  EXPECT_THAT(refusal("intensity: {table: [[1, 2, 3], [2, 3]]}"), testing::HasSubstr("[value, intensity]"));
-  EXPECT_THAT(refusal("intensity: {output: u8, table: [[1, 2], [2, 300]]}"), testing::HasSubstr("at most 255"));
-  EXPECT_THAT(refusal("intensity: {gamma: 2, table: [[1, 2], [2, 3]]}"), testing::HasSubstr("leave out gamma"));
 }
 
 }  // namespace

@@ -39,15 +39,6 @@ TEST(RangeNoise, TableIsLinearBetweenItsRowsAndConstantBeyond) {
   expectSigma(errorsAt(30, "{table: [[10, 0.02]]}"), 0.02);
 }
 
-TEST(RangeNoise, ZeroSigmaKeepsEveryBit) {
-  const World world = makeRaggedWorld(33, 77);
-  for (const char* options : {"{sigma_m: 0}", "{sigma_m: 0, sigma_per_m: 0}", "{table: [[1, 0], [50, 0]]}"}) {
-    const Returns returns = run(world, {std::string("range_noise: ") + options});
-    EXPECT_EQ(returns.range, world.hits.range);
-    EXPECT_TRUE(returns.displacement.empty());
-  }
-}
-
 TEST(RangeNoise, NeverFlipsARay) {
   for (float range : {1e-4f, 1e-3f, 0.01f, 1.0f, 1e4f}) {
     const World world = makeWorld(64, 256, range);
@@ -134,21 +125,6 @@ TEST(RangeNoise, GrowsAsTheEchoIsStretched) {
   }
   EXPECT_NEAR(std::sqrt(momentsOf(errors[0]).variance), 0.04, 0.002);
   EXPECT_NEAR(std::sqrt(momentsOf(errors[1]).variance), 0.04 * std::sqrt(2.0), 0.003);
-}
-
-TEST(RangeNoise, RefusesBadOptions) {
-  EXPECT_THAT(refusal("range_noise: {}"), testing::HasSubstr("sigma_m"));
-  EXPECT_THAT(refusal("range_noise: {sigma_m: -0.1}"), testing::HasSubstr("sigma_m must be a number from 0 to 100"));
-  EXPECT_THAT(refusal("range_noise: {table: []}"),
-              testing::HasSubstr("table must be a list of [range, sigma] pairs in metres"));
-  EXPECT_THAT(refusal("range_noise: {table: 3}"),
-              testing::HasSubstr("table must be a list of [range, sigma] pairs in metres"));
-  EXPECT_THAT(refusal("range_noise: {table: [[1, 2, 3]]}"),
-              testing::HasSubstr("table: each row is [range, sigma] in metres"));
-  EXPECT_THAT(refusal("range_noise: {table: [[5, 0.1], [5, 0.2]]}"), testing::HasSubstr("rise"));
-  EXPECT_THAT(refusal("range_noise: {table: [[5, 0.1]], sigma_m: 1}"),
-              testing::HasSubstr("give either a table or sigma_m and sigma_per_m (beside `sensor`,"));
-  EXPECT_THAT(refusal("range_noise: {sigma: 0.1, sigma_m: 0.1}"), testing::HasSubstr("test.yaml:1"));
 }
 
 }  // namespace

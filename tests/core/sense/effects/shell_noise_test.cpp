@@ -45,16 +45,5 @@ TEST(ShellNoise, NoPointPassesBehindTheSensor) {
   }
 }
 
-TEST(ShellNoise, ZeroScaleKeepsEveryBit) {
-  const World world = makeRaggedWorld(8, 100);
-  EXPECT_TRUE(run(world, {"shell: {scale_m: 0, growth_per_m: 0}"}).displacement.empty());
-}
-
-TEST(ShellNoise, RefusesBadOptions) {
-  EXPECT_THAT(refusal("shell: {}"), testing::HasSubstr("give scale_m, growth_per_m or both"));
-  EXPECT_THAT(refusal("shell: {growth_per_m: 0.6}"), testing::HasSubstr("growth_per_m must be a number from 0 to 0.5"));
-  EXPECT_THAT(refusal("shell: {scale: 1}"), testing::HasSubstr("unknown key 'scale' (did you mean 'scale_m'?)"));
-}
-
 }  // namespace
 }  // namespace scanmill

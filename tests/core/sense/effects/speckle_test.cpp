@@ -71,12 +71,5 @@ TEST(Speckle, EachReturnOfABeamHasItsOwn) {
   EXPECT_NEAR(correlation(nearer, farther), 0, 0.09);
 }
 
-TEST(Speckle, RefusesBadOptions) {
-  EXPECT_THAT(refusal("speckle: {}"), testing::HasSubstr("looks"));
-  EXPECT_THAT(refusal("speckle: {looks: 0}"), testing::HasSubstr("looks must be a whole number from 1 to 30"));
-  EXPECT_THAT(refusal("speckle: {looks: 31}"), testing::HasSubstr("looks must be a whole number from 1 to 30"));
-  EXPECT_THAT(refusal("speckle: {looks: 2.5}"), testing::HasSubstr("looks must be a whole number from 1 to 30"));
-}
-
 }  // namespace
 }  // namespace scanmill

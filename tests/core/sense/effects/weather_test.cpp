@@ -11,8 +11,6 @@
 namespace scanmill {
 namespace {
 
-using testing::HasSubstr;
-
 World wallAt(float range) {
   return makeWideWorld(64, 1000, range);
 }
@@ -242,13 +240,6 @@ TEST(WeatherEffect, SeveritiesAreALadder) {
     }
     EXPECT_LT(last, 0.95) << kind;
   }
-}
-
-TEST(WeatherEffect, RefusesWhatIsWrong) {
-  EXPECT_THAT(refusal("weather: {}"), HasSubstr("kind"));
-  EXPECT_THAT(refusal("weather: {kind: hail}"), HasSubstr("rain"));
-  EXPECT_THAT(refusal("weather: {kind: fog, rate_mm_h: 3}"), HasSubstr("by `visibility_m`"));
-  EXPECT_THAT(refusal("weather: {kind: fog, severity: heavy, visibility_m: 30}"), HasSubstr("not both"));
 }
 
 // A sensor whose file gives no width of the beam or no pulse has the usual ones, and this is reported.
