@@ -1,8 +1,5 @@
 #include "sensors/beam_grid.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <set>
 
 #include "base/random.h"

@@ -1,10 +1,7 @@
 #include "sensors/beam_patterns.h"
 
 #include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <cmath>
 #include <set>
 
 #include "sensors/sensor.h"

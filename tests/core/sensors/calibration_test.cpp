@@ -1,10 +1,5 @@
 #include "sensors/calibration.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "config/fields.h"
 #include "sensors/sensor.h"
 #include "tests/support/message_of.h"

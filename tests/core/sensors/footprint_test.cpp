@@ -1,8 +1,5 @@
 #include "sensors/footprint.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <set>
 
 #include "base/error.h"

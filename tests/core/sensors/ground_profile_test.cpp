@@ -1,10 +1,6 @@
 #include "sensors/ground_profile.h"
 
 #include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
 
 #include "sensors/trajectory.h"
 #include "tests/support/message_of.h"

@@ -1,10 +1,7 @@
 #include "sensors/recorded_poses.h"
 
 #include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <cmath>
 #include <map>
 
 #include "sensors/trajectory.h"

@@ -1,11 +1,7 @@
 #include "sensors/sensor.h"
 
 #include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
 #include <set>
 
 #include "config/fields.h"

@@ -1,8 +1,6 @@
 #include "sensors/shot.h"
 
 #include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "sensors/sensor.h"
 #include "sensors/trajectory.h"

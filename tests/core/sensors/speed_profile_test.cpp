@@ -1,9 +1,5 @@
 #include "sensors/speed_profile.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "base/path.h"
 
 namespace scanmill {

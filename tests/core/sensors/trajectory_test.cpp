@@ -1,11 +1,5 @@
 #include "sensors/trajectory.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include "base/path.h"
 #include "tests/support/message_of.h"
 

@@ -1,11 +1,7 @@
 // What vendors say of their sensors' beams: Ouster's metadata, Hesai's correction files, tables.
 
 #include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "base/file.h"

@@ -1,7 +1,5 @@
 #include "town/areas.h"
 
-#include <gtest/gtest.h>
-
 namespace scanmill::town {
 namespace {
 

@@ -1,10 +1,5 @@
 #include "town/flow.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-
 namespace scanmill::town {
 namespace {
 

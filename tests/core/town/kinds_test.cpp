@@ -1,30 +1,10 @@
 #include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <map>
 #include <set>
-#include <string>
-#include <string_view>
-#include <tuple>
 
-#include "base/path.h"
-#include "config/fields.h"
-#include "config/value.h"
-#include "models/occupancy.h"
-#include "scene/scene.h"
-#include "tests/support/labels.h"
-#include "tests/support/message_of.h"
-#include "tests/support/temporary_folder.h"
 #include "tests/support/test_scene.h"
 #include "tests/support/town.h"
-#include "town/lanes.h"
-#include "town/layout.h"
-#include "town/placer.h"
-#include "town/town.h"
 
 namespace scanmill {
 namespace {

@@ -1,8 +1,3 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "tests/support/labels.h"
 #include "town/layout.h"
 #include "town/map.h"
@@ -212,19 +207,11 @@ TEST(MapBuildings, AMainRoadThatABridgeInterruptsIsTold) {
               HasSubstr("'A' is a main road of 140 m, less than `length: 200`"));
 }
 
-TEST(MapBuildings, HollowHedgesAndMarkedCrossingsAreCounted) {
+TEST(MapBuildings, MarkedCrossingsAreCounted) {
   OsmExtract extract = road();
-  const std::vector<Point2> ring = rectangle(10, 20, 20, 30);
-  OsmWay hedge{{"way 2", {{"barrier", "hedge"}, {"area", "yes"}}}, {}};
-  for (const Point2& p : ring) hedge.nodes.push_back(at(p.x, p.y));
-  hedge.nodes.push_back(hedge.nodes.front());
-  hedge.area = true;
-  extract.ways.push_back(hedge);
   extract.points.push_back({at(5, 0), {"node 1", {{"highway", "crossing"}, {"crossing", "marked"}}}});
   extract.points.push_back({at(9, 0), {"node 2", {{"highway", "crossing"}, {"crossing", "unmarked"}}}});
-  EXPECT_EQ(makeMap(extract).leftOut.text(),
-            "1 hedges, walls and fences that are areas, of which only the outlines are built, "
-            "1 marked crossings, which the seed draws");
+  EXPECT_EQ(makeMap(extract).leftOut.text(), "1 marked crossings, which the seed draws");
 }
 
 // The ridge is along the longer side unless the map says otherwise; a skillion roof falls in its direction.

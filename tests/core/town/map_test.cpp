@@ -1,11 +1,5 @@
 #include "town/map.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include "tests/support/message_of.h"
 #include "town/map_place.h"
 #include "town/osm.h"

@@ -1,7 +1,5 @@
 #include "town/relief.h"
 
-#include <gtest/gtest.h>
-
 #include <array>
 #include <set>
 

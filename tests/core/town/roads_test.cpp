@@ -1,10 +1,5 @@
 #include "town/roads.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include "base/random.h"
 
 namespace scanmill::town {

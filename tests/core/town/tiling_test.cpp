@@ -1,8 +1,5 @@
 #include "town/tiling.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <map>
 #include <utility>
 #include <vector>

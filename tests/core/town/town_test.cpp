@@ -1,30 +1,15 @@
 #include "town/town.h"
 
 #include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <map>
 #include <set>
-#include <string>
-#include <string_view>
 #include <tuple>
 
-#include "base/path.h"
-#include "config/fields.h"
-#include "config/value.h"
-#include "models/occupancy.h"
-#include "scene/scene.h"
-#include "tests/support/labels.h"
 #include "tests/support/message_of.h"
-#include "tests/support/temporary_folder.h"
 #include "tests/support/test_scene.h"
 #include "tests/support/town.h"
 #include "town/lanes.h"
-#include "town/layout.h"
 #include "town/placer.h"
 
 namespace scanmill {
@@ -219,27 +204,6 @@ TEST(Town, HasSeasons) {
   EXPECT_THAT(summer.ground, Not(Contains("snow")));
   EXPECT_GT(winter.top, summer.top + 0.03);
   EXPECT_LT(winter.top, summer.top + 0.4);
-}
-
-// What the seeds draw differs from place to place: districts, widths, greenery.
-TEST(Town, NoTwoSeedsAreAlike) {
-  std::set<int> widths;
-  std::size_t fewest = SIZE_MAX;
-  std::size_t most = 0;
-  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
-    const Scene scene = makeTown("{length: 100}", seed);
-    const auto trees =
-        static_cast<std::size_t>(std::count_if(scene.instances.begin(), scene.instances.end(), [](const Instance& i) {
-          return i.name.starts_with("tree") || i.name.starts_with("wood") || i.name.starts_with("undergrowth");
-        }));
-    fewest = std::min(fewest, trees);
-    most = std::max(most, trees);
-    const std::vector<Vec3d> lane = laneOf("{length: 100}", seed);
-    widths.insert(static_cast<int>(std::lround(100 * std::hypot(lane[3].x - lane[0].x, lane[3].y - lane[0].y))));
-    widths.insert(static_cast<int>(std::lround(100 * lane[5].y)));
-  }
-  EXPECT_GT(most, 3 * fewest);
-  EXPECT_GE(widths.size(), 8u);
 }
 
 TEST(Town, RefusesWhatItDoesNotKnow) {

@@ -1,14 +1,8 @@
 #include <fmt/format.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <string>
 
 #include "base/path.h"
 #include "models/models.h"
 #include "models/occupancy.h"
-#include "scene/scene.h"
 #include "tests/support/town.h"
 
 namespace scanmill {
