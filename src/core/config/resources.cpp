@@ -35,11 +35,12 @@ std::optional<fs::path> fileAt(const fs::path& path) {
   return std::nullopt;
 }
 
+// Returns the names of the YAML files in a folder, without their suffix.
 std::vector<std::string> yamlNames(const fs::path& folder) {
   std::vector<std::string> names;
   std::error_code unreadable;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder.empty() ? "." : folder, unreadable)) {
-    if (entry.path().extension() == kSuffix) names.push_back(entry.path().filename().string());
+    if (entry.path().extension() == kSuffix) names.push_back(entry.path().stem().string());
   }
   std::sort(names.begin(), names.end());
   return names;
@@ -64,25 +65,13 @@ std::optional<fs::path> builtIn(const fs::path& name, const fs::path& subfolder)
   return std::nullopt;
 }
 
-// Returns a hint such as " (did you mean 'street.yaml'?)" from the files of the folders; if no file has a similar name,
-// the names of the files that come with the program.
-std::string advice(const fs::path& path, const std::vector<fs::path>& folders, const fs::path& builtInFolder) {
-  std::string word = path.filename().string();
-  if (path.extension() != kSuffix) word += kSuffix;
+// Returns the hint of suggestion() for a name that no YAML file in the folders has.
+std::string advice(const fs::path& path, const std::vector<fs::path>& folders) {
   std::vector<std::string> names;
   for (const fs::path& folder : folders) {
     for (std::string& name : yamlNames(folder)) names.push_back(std::move(name));
   }
-  const std::string near = nearest(word, names);
-  if (!near.empty()) {
-    const bool own =
-        std::any_of(folders.begin(), folders.end() - 1, [&](const fs::path& f) { return isThere(f / near); });
-    return own ? fmt::format(" (did you mean '{}'?)", near)
-               : fmt::format(" (did you mean '{}', which comes with the program?)", fs::path(near).stem().string());
-  }
-  std::vector<std::string> stems;
-  for (const std::string& name : yamlNames(builtInFolder)) stems.push_back(fs::path(name).stem().string());
-  return stems.empty() ? "" : fmt::format(" (the program comes with {})", fmt::join(stems, ", "));
+  return suggestion(path.stem().string(), names);
 }
 
 }  // namespace
@@ -138,7 +127,7 @@ fs::path resolveResource(const Value& value, const std::string& name, const std:
     places += fmt::format(", nor '{}' in the current folder", name);
   }
   folders.push_back(resourceFolder() / subfolder);
-  throw InputError(value.where, places + advice(name, folders, folders.back()));
+  throw InputError(value.where, places + advice(name, folders));
 }
 
 fs::path namedResource(const std::string& name, const std::string& subfolder) {
@@ -151,9 +140,7 @@ fs::path namedResource(const std::string& name, const std::string& subfolder) {
 std::string nearestResource(const std::string& name, const std::string& subfolder) {
   const fs::path path = name;
   if (path.has_parent_path() || (path.has_extension() && path.extension() != kSuffix)) return {};
-  std::vector<std::string> names;
-  for (const std::string& known : yamlNames(resourceFolder() / subfolder)) names.push_back(fs::path(known).stem());
-  return nearest(path.stem().string(), names);
+  return nearest(path.stem().string(), yamlNames(resourceFolder() / subfolder));
 }
 
 std::string savedPath(const fs::path& file, const fs::path& folder) {

@@ -124,16 +124,13 @@ TEST_F(Resources, PathsOfSetStartInTheFolderOfTheFileThenInTheCurrentOne) {
 TEST_F(Resources, WhatIsAbsentIsNamedWithPlaceAndTheNearestName) {
   EXPECT_THAT(messageOf([&] { found("own/yrad.yaml", "scenes"); }),
               AllOf(HasSubstr("project/p.yaml:2:7: there is no file '"), HasSubstr("project/own/yrad.yaml'"),
-                    HasSubstr("did you mean 'yard.yaml'?")));
-  EXPECT_THAT(messageOf([&] { found("stret", "scenes"); }),
-              HasSubstr("did you mean 'street', which comes with the program?"));
+                    HasSubstr("did you mean 'yard'?")));
+  EXPECT_THAT(messageOf([&] { found("stret", "scenes"); }), HasSubstr("did you mean 'street'?"));
   // The nearest of all places, not of the first that has one which is near.
   folder_.write("project/lot.yaml", "");
   folder_.write("share/scenes/town.yaml", "");
-  EXPECT_THAT(messageOf([&] { found("twon", "scenes"); }),
-              HasSubstr("did you mean 'town', which comes with the program?"));
-  EXPECT_THAT(messageOf([&] { found("zzz", "labels"); }),
-              HasSubstr("the program comes with materials, semantic_kitti"));
+  EXPECT_THAT(messageOf([&] { found("twon", "scenes"); }), HasSubstr("did you mean 'town'?"));
+  EXPECT_THAT(messageOf([&] { found("zzz", "labels"); }), HasSubstr("materials, semantic_kitti"));
   EXPECT_THAT(messageOf([&] { found("own", "labels"); }), HasSubstr("project/own'"));
 }
 
