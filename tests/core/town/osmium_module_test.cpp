@@ -316,7 +316,8 @@ TEST_F(ReadOsm, WhatTheMapSaysOfLooksAndStatesIsCounted) {
                                                  {{{"building", "yes"}, {"wall", "no"}}, "1 open roofs and carports"},
                                                  {{{"barrier", "wall"}}, ""},
                                                  {{{"barrier", "hedge"}, {"area", "yes"}}, hollow}}) {
-    EXPECT_EQ(read(kRoadNodes + kHouseNodes + kRoad + way(11, kSquare, tags)).leftOut.text(), words) << tags[0].second;
+    EXPECT_EQ(read(kRoadNodes + kHouseNodes + kRoad + way(11, kRingNodes, tags)).leftOut.text(), words)
+        << tags[0].second;
   }
 }
 
