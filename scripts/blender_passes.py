@@ -29,7 +29,6 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-MAX_INDEX = 32767  # of objects and materials, by Blender's own limit
 EXACT = 1 << 24  # float32 holds whole numbers up to here
 
 
@@ -100,7 +99,6 @@ def make_material(index, mask, read):
     of its mesh (blue). Cycles adds up what the surfaces along a line of sight write: those that let it pass write
     zeroes."""
     material = bpy.data.materials.new(f"material{index}")
-    material.pass_index = index if index <= MAX_INDEX else 0
     material.use_nodes = True
     material.cycles.sample_as_light = False
     tree = material.node_tree
@@ -177,14 +175,12 @@ def make_objects(index, read, meshes):
     matrices[:, :3, :] = read(index["matrices"])
     matrices[:, 3, 3] = 1
     mesh_of = read(index["mesh_of"])
-    instances = read(index["instances"])
     scene = bpy.context.scene
     world = scene.camera.parent
     for i in range(index["objects"]):
         made = bpy.data.objects.new("object", meshes[mesh_of[i]])
         place(made, world, matrices[i])
         made.color = ((i + 1) % EXACT, (i + 1) // EXACT, 0, 1)
-        made.pass_index = int(instances[i]) if instances[i] <= MAX_INDEX else 0
         scene.collection.objects.link(made)
 
 
@@ -268,11 +264,6 @@ def place_camera(scene, asked):
 
 def draw(scene, asked):
     place_camera(scene, asked)
-    layer = bpy.context.view_layer
-    passes = asked.get("passes", [])
-    layer.use_pass_normal = "Normal" in passes
-    layer.use_pass_object_index = "IndexOB" in passes
-    layer.use_pass_material_index = "IndexMA" in passes
     scene.render.filepath = asked["file"]
     bpy.ops.render.render(write_still=True)
     if not os.path.exists(asked["file"]):

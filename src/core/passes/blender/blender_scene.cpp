@@ -72,9 +72,6 @@ class SceneWriter {
     index_["objects"] = count;
     index_["matrices"] = arrays_.add<double>(matrices_, "f8", {count, 3, 4});
     index_["mesh_of"] = arrays_.add<std::uint32_t>(meshOf_, "u4", {count});
-    std::vector<std::uint32_t> instances;
-    for (const BlenderObject& object : objects_) instances.push_back(object.instance);
-    index_["instances"] = arrays_.add<std::uint32_t>(instances, "u4", {count});
     arrays_.finish();
     writeFile(folder_ / "scene.json", index_.dump());
     return std::move(objects_);

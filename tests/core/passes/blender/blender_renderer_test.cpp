@@ -192,13 +192,14 @@ TEST(BlenderRenderer, FarFromTheOriginAndFarFromTheFirstImage) {
 }
 
 // On surfaces seen at a slant, the depth tells where in the image it was taken: Blender's own depth, as it writes it.
+// Their triangles have numbers beyond what 16 bits and HALF hold.
 TEST(BlenderRenderer, TakesThePixelsCentre) {
   SKIP_WITHOUT_BLENDER();
   SceneBuilder builder = testBuilder();
   Mesh corner = meshOf(builder, "ground");
   corner.surfaces.push_back(builder.surface("other", "dark"));
-  appendPlane(corner, 0, at(0, 0, -2), 100, 100, 100);                                     // 2 m below
-  appendPlane(corner, 1, {{{1, 0, 0}, {0, 0, 1}, {0, -1, 0}}, {0, 3, 0}}, 100, 100, 100);  // 3 m to the left
+  appendPlane(corner, 0, at(0, 0, -2), 100, 100, 200);                                     // 2 m below
+  appendPlane(corner, 1, {{{1, 0, 0}, {0, 0, 1}, {0, -1, 0}}, {0, 3, 0}}, 100, 100, 200);  // 3 m to the left
   builder.place(builder.addMesh(corner), {}, "corner");
   const Scene scene = builder.finish();
   const TemporaryFolder folder;
@@ -228,6 +229,7 @@ TEST(BlenderRenderer, TakesThePixelsCentre) {
     std::vector<float> depth(reader.pixels());
     std::vector<float> triangle(reader.pixels());
     for (const ExrChannel& channel : reader.channels()) {
+      EXPECT_EQ(channel.type, ExrType::Float32) << channel.name;
       float* plane = channel.name.ends_with("Depth.Z") ? depth.data() : triangle.data();
       if (!channel.name.ends_with("Depth.Z") && !channel.name.ends_with("ids.B")) continue;
       reader.read(std::vector<ExrTarget>{{&channel, plane, 4}});
@@ -240,7 +242,7 @@ TEST(BlenderRenderer, TakesThePixelsCentre) {
       const double u = static_cast<double>(i % camera.width) + 0.5;
       const double v = static_cast<double>(i / camera.width) + 0.5;
       // z = fy 2 / (v - cy) on the ground and z = fx 3 / (cx - u) on the wall.
-      const int wall = triangle[i] < 20000 ? 0 : 1;
+      const int wall = triangle[i] < 80000 ? 0 : 1;
       const double offset = wall == 0 ? camera.cy + camera.fy * 2 / z - v : camera.cx - camera.fx * 3 / z - u;
       sum[wall] += offset;
       ++count[wall];
@@ -251,82 +253,6 @@ TEST(BlenderRenderer, TakesThePixelsCentre) {
       EXPECT_LT(std::abs(sum[wall] / static_cast<double>(count[wall])), 1e-4) << "field " << field;
     }
   }
-}
-
-// Numbers beyond what 16 bits and HALF hold come back exactly, as do Blender's own passes.
-TEST(BlenderRenderer, FileHoldsThePassesAsBlenderNamesThem) {
-  SKIP_WITHOUT_BLENDER();
-  SceneBuilder builder = testBuilder();
-  Mesh ground = meshOf(builder, "ground", "dark");
-  ground.surfaces.push_back(builder.surface("other", "grey"));
-  appendPlane(ground, 0, {}, 300, 300, 300);  // 180,000 triangles
-  appendPlane(ground, 1, at(0, 0, 20), 40, 40, 10);
-  builder.place(builder.addMesh(ground), at(0, 0, -80), "ground");
-  const Scene scene = builder.finish();
-  const Mesh& mesh = scene.meshes[0];
-  const TemporaryFolder folder;
-  const Vec3d eye{0, 0, 20};
-  ASSERT_EQ(writeBlenderScene(scene, eye, threadCount(), folder.path()).size(), 1u);
-  BlenderJob job("render", folder.path(), {});
-  EXPECT_EQ(job.answer().what, "ready");
-  job.ask(nlohmann::json{{"scene", folder.path().string()}}.dump());
-  EXPECT_EQ(job.answer().what, "scene");
-  // From 100 m above, looking down: x right and y down are the world's x and -y.
-  constexpr std::uint32_t kWidth = 300;
-  constexpr std::uint32_t kHeight = 200;
-  const auto file = folder.path() / "image.exr";
-  job.ask(nlohmann::json{{"file", file.string()},
-                         {"width", kWidth},
-                         {"height", kHeight},
-                         {"fx", 120},
-                         {"fy", 110},
-                         {"cx", 140},
-                         {"cy", 103.3},
-                         {"near", 0.1},
-                         {"far", 1000},
-                         {"passes", {"Normal", "IndexOB", "IndexMA"}},
-                         {"pose", {1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0}}}
-              .dump());
-  EXPECT_EQ(job.answer().what, "image");
-
-  const ExrReader reader(file);
-  ASSERT_EQ(reader.width(), kWidth);
-  ASSERT_EQ(reader.height(), kHeight);
-  std::map<std::string, std::vector<float>> planes;
-  std::vector<ExrTarget> targets;
-  for (const ExrChannel& channel : reader.channels()) {
-    EXPECT_EQ(channel.type, ExrType::Float32) << channel.name;
-    const std::string name = channel.name.substr(channel.name.find('.') + 1);  // without the view layer's
-    planes[name].resize(reader.pixels());
-    targets.push_back({&channel, planes[name].data(), 4});
-  }
-  reader.read(targets);
-  std::size_t wrong = 0;
-  std::size_t largest = 0;
-  for (std::size_t i = 0; i < reader.pixels(); ++i) {
-    const double x = (static_cast<double>(i % kWidth) + 0.5 - 140) / 120;  // at depth 1
-    const double y = -(static_cast<double>(i / kWidth) + 0.5 - 103.3) / 110;
-    const bool table = std::abs(x * 80) < 20 && std::abs(y * 80) < 20;
-    const double depth = table ? 80 : 100;
-    const auto triangle = static_cast<std::size_t>(planes.at("ids.B")[i]);
-    ASSERT_LT(triangle, mesh.triangles.size());
-    Box bounds;
-    for (const std::uint32_t corner : mesh.triangles[triangle]) bounds.add(Vec3d(mesh.positions[corner]));
-    const double px = x * depth;
-    const double py = y * depth;
-    const bool hit = px > bounds.low.x - 1e-3 && px < bounds.high.x + 1e-3 && py > bounds.low.y - 1e-3 &&
-                     py < bounds.high.y + 1e-3 && bounds.low.z == (table ? 20 : 0);
-    const auto is = [&](const char* plane, double value, double tolerance) {
-      return std::abs(double{planes.at(plane)[i]} - value) <= tolerance;
-    };
-    const bool right = hit && is("Depth.Z", depth, 1e-5 * depth) && is("ids.R", 1, 0) && is("ids.G", 0, 0) &&
-                       is("IndexOB.X", 1, 0) && is("IndexMA.X", mesh.surfaces[table ? 1 : 0].material, 0) &&
-                       is("Normal.X", 0, 1e-6) && is("Normal.Y", 0, 1e-6) && is("Normal.Z", 1, 1e-6);
-    wrong += right ? 0 : 1;
-    largest = std::max(largest, triangle);
-  }
-  EXPECT_EQ(wrong, 0u);
-  EXPECT_GT(largest, 170000u);
 }
 
 // A third-party .blend, read as a scene and drawn by the program that it is for.

@@ -9,7 +9,6 @@
 #include "tests/support/directions.h"
 #include "tests/support/ray_scenes.h"
 #include "tests/support/same_hits.h"
-#include "tests/support/sanitizers.h"
 #include "tests/support/street.h"
 #include "tests/support/test_scene.h"
 
@@ -105,44 +104,6 @@ TEST(Exact, PlaneFollowsItsClosedForm) {
   }
 }
 
-TEST(Exact, BoxFollowsItsClosedForm) {
-  for (const Vec3d& offset : kOffsets) {
-    const auto fill = [](Mesh& box) { appendBox(box, 0, {}, {8, 6, 4}); };
-    const Scene scene = oneMeshScene("thing", fill, {{}, offset});
-    const Vec3d sensor{0.5, -1.25, 0.75};
-    const auto beams = beamsOf(randomDirections(5000));
-    const ExactHits hits = exactly(scene, shotAt(beams, {{}, offset + sensor}));
-    for (std::size_t b = 0; b < beams->size(); ++b) {
-      const Vec3d& d = beams->direction[b];
-      const auto wall = [](double half, double from, double along) {
-        return (std::copysign(half, along) - from) / along;
-      };
-      const double expected = std::min({wall(4, sensor.x, d.x), wall(3, sensor.y, d.y), wall(2, sensor.z, d.z)});
-      EXPECT_NEAR(hits.range[b], expected, 1e-12 * expected);
-    }
-  }
-}
-
-// A sphere's vertices are where floats put them; a beam that is aimed at one meets it there.
-TEST(Exact, SphereIsMetAtItsVertices) {
-  for (const Vec3d& offset : kOffsets) {
-    SceneBuilder builder = testBuilder();
-    Mesh sphere = meshOf(builder, "thing");
-    appendSphere(sphere, 0, {}, 2.0, 64);
-    const std::uint32_t mesh = builder.addMesh(sphere);
-    const Affine place{toMatrix(fromYawPitchRoll(0.3, 0.2, 0.1)) * Mat3::scale({-1, 1.5, 1}), offset};
-    builder.place(mesh, place, "sphere");
-    const Scene scene = builder.finish();
-    const Vec3d sensor{0.25, -0.5, 0.125};
-    std::vector<Vec3d> corners;
-    for (const Vec3f& p : sphere.positions) corners.push_back(place.linear * Vec3d(p) - sensor);
-    const ExactHits hits = exactly(scene, shotAt(beamsOf(corners), {{}, offset + sensor}));
-    for (std::size_t b = 0; b < corners.size(); ++b) {
-      EXPECT_NEAR(hits.range[b], length(corners[b]), 1e-12 * length(corners[b]));
-    }
-  }
-}
-
 TEST(Exact, BruteForceFindsTheSameTriangle) {
   const Vec3d sensor{0.1, 0.2, 0.3};
   for (std::uint32_t seed = 0; seed < 4; ++seed) {
@@ -205,17 +166,6 @@ TEST(Exact, ClosedMeshesHaveNoEscapes) {
   EXPECT_EQ(escapes, 0u) << "of " << rays;
 }
 
-TEST(Exact, RandomBeamsStayInsideToo) {
-  const Scene scene = ballRoom();
-  const ExactTracer tracer(scene);
-  const std::uint32_t shots = kSanitized ? 2 : 40;
-  for (std::uint32_t shot = 0; shot < shots; ++shot) {
-    const Pose pose{fromYawPitchRoll(0.31 * shot, 0.17 * shot, 0.05 * shot), {0.3 * shot, -0.2 * shot, 0.1 * shot}};
-    const ExactHits hits = exactly(tracer, shotAt(beamsOf(randomDirections(50'000, shot)), pose), Channel::Range);
-    EXPECT_EQ(std::ranges::count(hits.range, INFINITY), 0) << shot;
-  }
-}
-
 // Along axes, and an ulp off them.
 TEST(Exact, ComponentsThatAreNearlyZeroLoseNothing) {
   const Scene scene = oneMeshScene("thing", [](Mesh& box) { appendBox(box, 0, {}, {2, 2, 2}); });
@@ -258,18 +208,12 @@ TEST(Exact, NearSurfaceBlocksWhatLiesBehind) {
 }
 
 TEST(Exact, MissesAreZeroed) {
-  const ExactHits hits = exactly(heap(1), shotAt(beamsOf({{0, 0, 1}})));
-  EXPECT_EQ(hits.range[0], INFINITY);
-  expectZeroedMiss(hits.hits);
-}
-
-TEST(Exact, EmptySceneIsAllMisses) {
-  const Scene scene;
-  const auto beams = spinning(3, 37, -20, 10);
-  const ExactHits hits = exactly(scene, shotAt(beams, {{}, {5e5, 5e6, 3}}));
-  ASSERT_EQ(hits.range.size(), beams->size());
-  EXPECT_EQ(std::ranges::count(hits.range, INFINITY), static_cast<std::ptrdiff_t>(beams->size()));
-  EXPECT_EQ(std::ranges::count(hits.hits.range, kMiss), static_cast<std::ptrdiff_t>(beams->size()));
+  for (const Scene& scene : {heap(1), Scene()}) {
+    const ExactHits hits = exactly(scene, shotAt(beamsOf({{0, 0, 1}})));
+    ASSERT_EQ(hits.range.size(), 1u);
+    EXPECT_EQ(hits.range[0], INFINITY);
+    expectZeroedMiss(hits.hits);
+  }
 }
 
 TEST(Exact, OnlyAskedChannelsAreFilled) {

@@ -9,8 +9,6 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "formats/format.h"
-#include "pipeline/plan/plan.h"
-#include "pipeline/scenes/shot_source.h"
 #include "study/noise/sensor_effects.h"
 #include "tests/studio/study/noise/noise_scans.h"
 #include "tests/support/message_of.h"
@@ -297,53 +295,6 @@ TEST(WithEffects, LeavesTheBeamsAsTheyWere) {
     EXPECT_NE(requireEffect(names.back(), item.where).make(options), nullptr);
   }
   EXPECT_THAT(names, testing::ElementsAre("dropout", "range_noise", "quantize"));
-}
-
-// The pipeline that takes the noise of the sensor's file: what is found in its scans is what the file says.
-TEST(FitNoise, FindsInASimulatedRecordingWhatItsSensorFileSays) {
-  const auto file = std::filesystem::path(SCANMILL_SOURCE_DIR) / "pipelines/paper/recording.yaml";
-  const Plan plan = makePlan(readPipeline(file, {}));
-  ShotSource source(plan);
-  const Scene scene = source.load(0);
-  const auto method = source.method(scene);
-  std::vector<Scan> scans;
-  for (std::uint32_t frame = 0; frame < plan.pipeline.frames(); ++frame) {
-    const std::vector<Shot> shots = source.frame(0, frame).shots;
-    if (frame == 0) method->prepare(shots.front());
-    Hits hits;
-    Returns returns;
-    scans.emplace_back();
-    method->trace(shots.front(), plan.channels, hits);
-    sense({*plan.pipeline.sensors.front().effects, scene.materials, plan.pipeline.output.layout}, hits, shots.front(),
-          returns, scans.back());
-  }
-  const BeamTable& beams = *plan.sensors.front().beams;
-  const NoiseFit fit = fitOf(scans, beams);
-  const Value* effects = plan.pipeline.sensors.front().description.find("effects");
-  const auto option = [&](const char* effect, const char* key) -> const Value& {
-    for (const Value& item : effects->items) {
-      if (item.entries.front().key == effect) return *item.entries.front().value.find(key);
-    }
-    throw Error(effect);
-  };
-  EXPECT_NEAR(fit.step, readNumber(option("quantize", "step_m"), "step_m"), 1e-6);
-  EXPECT_NEAR(fit.dropOut.share(), readNumber(option("dropout", "probability"), "probability"), 4 * fit.dropOut.error);
-  std::vector<Vec2d> table;
-  for (const Value& row : option("range_noise", "table").items) {
-    const std::vector<double> pair = readNumbers(row, "table");
-    table.push_back({pair[0], pair[1]});
-  }
-  for (const PatchGroup* band : fit.used()) {
-    const double range = band->range;
-    const auto above = std::ranges::find_if(table, [&](const Vec2d& row) { return row.x > range; });
-    double sigma = above == table.end() ? table.back().y : above->y;
-    if (above != table.end() && above != table.begin()) {
-      const Vec2d& below = *(above - 1);
-      sigma = below.y + (above->y - below.y) * (range - below.x) / (above->x - below.x);
-    }
-    EXPECT_NEAR(band->sigma, sigma, 4 * band->error + 0.05 * sigma) << band->name;
-  }
-  EXPECT_GE(fit.used().size(), 6u);
 }
 
 // A sensor and a place of which others' figures are known: 7 mm at 5-10 m, 8 mm at 10-20 m, 17 mm at 20-30 m.

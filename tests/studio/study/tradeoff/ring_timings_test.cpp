@@ -1,7 +1,6 @@
 #include "study/tradeoff/ring_timings.h"
 
 #include "base/error.h"
-#include "base/random.h"
 #include "sensors/sensor.h"
 #include "tests/support/message_of.h"
 
@@ -57,34 +56,23 @@ TEST(WithRings, KeepsTheHighestAndTheLowestRing) {
 TEST(WithRings, ChangesNothingElse) {
   const BeamTable table = unevenTable(true);
   const auto made = withRings(table, 7);
-  EXPECT_EQ(made->model, table.model);
-  EXPECT_EQ(made->columns, table.columns);
-  EXPECT_EQ(made->minRange, table.minRange);
-  EXPECT_EQ(made->maxRange, table.maxRange);
-  EXPECT_EQ(made->period, table.period);
-  EXPECT_EQ(made->originOffset, table.originOffset);
-  EXPECT_EQ(made->originHeight, table.originHeight);
-  EXPECT_TRUE(made->clockwise);
-  EXPECT_TRUE(made->topDown);
   for (std::uint32_t c = 0; c < table.columns; ++c) {
     EXPECT_EQ(made->azimuth(c), table.azimuth(c));
     EXPECT_FLOAT_EQ(made->time[c], static_cast<float>(table.columnTime(c)));
   }
+  EXPECT_EQ(made->maxRange, table.maxRange);
+  EXPECT_EQ(made->originOffset, table.originOffset);
+  EXPECT_TRUE(made->topDown);
   EXPECT_EQ(table.elevation.size(), 5u) << "the sensor itself stays as it is";
   EXPECT_THAT(messageOf<Error>([&] { withRings(table, 1); }), HasSubstr("at least two"));
-}
-
-RingFit exactFit(double fixed, double slope, const std::vector<std::uint32_t>& rings) {
-  RingFit fit;
-  for (const std::uint32_t n : rings) fit.timings.push_back({n, fixed + slope * n});
-  return fit;
 }
 
 TEST(FitRings, ExactDataGiveBackWhatTheyWereMadeOf) {
   for (const auto& [fixed, slope] : {std::pair{1e-3, 2e-5}, {0.0, 1e-4}, {0.5, 0.0}, {0.1, 1e-9}, {1e-6, 1e-3}}) {
     for (const auto& rings : {std::vector<std::uint32_t>{16, 32, 64, 128, 256, 512}, {10, 512}}) {
-      RingFit fit = exactFit(fixed, slope, rings);
+      RingFit fit;
       fit.largestResidual = 99;
+      for (const std::uint32_t n : rings) fit.timings.push_back({n, fixed + slope * n});
       fitRings(fit);
       EXPECT_NEAR(fit.fixedSeconds, fixed, 1e-9 * (fixed + 512 * slope));
       EXPECT_NEAR(fit.secondsPerRing, slope, 1e-9 * (fixed / 512 + slope));
@@ -93,38 +81,14 @@ TEST(FitRings, ExactDataGiveBackWhatTheyWereMadeOf) {
   }
 }
 
-// No other line has a smaller sum of squared relative errors, and the unit of time does not matter.
+// Errors are relative: between times of 1 s and 2 s for one number of rings, the line passes nearer to the shorter.
 TEST(FitRings, IsTheLeastSquaresOfRelativeErrors) {
-  const auto sum = [](const RingFit& fit, double fixed, double slope) {
-    double squares = 0;
-    for (const RingTiming& t : fit.timings) squares += std::pow((fixed + slope * t.rings) / t.scanSeconds - 1, 2);
-    return squares;
-  };
-  for (std::uint32_t i = 0; i < 200; ++i) {
-    RingFit fit = exactFit(1e-3, 2e-5, {16, 64, 128, 512});
-    double largest = 0;
-    for (std::size_t t = 0; t < fit.timings.size(); ++t) {
-      const RandomBlock r = randomBlock({.frame = static_cast<std::uint32_t>(t), .beam = i});
-      fit.timings[t].scanSeconds *= 0.9 + 0.2 * uniform(r[0]);
-    }
-    fitRings(fit);
-    const double least = sum(fit, fit.fixedSeconds, fit.secondsPerRing);
-    for (const double df : {-1e-5, 0.0, 1e-5}) {
-      for (const double ds : {-1e-7, 0.0, 1e-7}) {
-        EXPECT_GE(sum(fit, fit.fixedSeconds + df, fit.secondsPerRing + ds), least * (1 - 1e-12));
-      }
-    }
-    for (const RingTiming& t : fit.timings) {
-      const double modelled = fit.fixedSeconds + fit.secondsPerRing * t.rings;
-      largest = std::max(largest, std::abs(modelled - t.scanSeconds) / t.scanSeconds);
-    }
-    EXPECT_NEAR(fit.largestResidual, largest, 1e-12);
-    RingFit hours = fit;
-    for (RingTiming& t : hours.timings) t.scanSeconds *= 3600;
-    fitRings(hours);
-    EXPECT_NEAR(hours.fixedSeconds, 3600 * fit.fixedSeconds, 1e-9);
-    EXPECT_NEAR(hours.largestResidual, fit.largestResidual, 1e-12);
-  }
+  RingFit fit;
+  fit.timings = {{16, 1}, {16, 2}, {32, 4}};
+  fitRings(fit);
+  EXPECT_NEAR(fit.fixedSeconds + 16 * fit.secondsPerRing, (1 + 1 / 2.0) / (1 + 1 / 4.0), 1e-12);
+  EXPECT_NEAR(fit.fixedSeconds + 32 * fit.secondsPerRing, 4, 1e-12);
+  EXPECT_NEAR(fit.largestResidual, 0.4, 1e-12);
 }
 
 TEST(FitRings, RefusesWhatNoLineGoesThrough) {
