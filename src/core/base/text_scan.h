@@ -17,13 +17,15 @@
 
 namespace scanmill {
 
-inline constexpr std::string_view kBlanks = " \t\r\n\v\f";
+inline bool isBlank(char c) {
+  return c == ' ' || ('\t' <= c && c <= '\r');
+}
 
 // Returns the text without blanks at its ends.
-inline std::string_view trimmed(std::string_view text, std::string_view blanks = kBlanks) {
-  const std::size_t from = text.find_first_not_of(blanks);
-  if (from == std::string_view::npos) return {};
-  return text.substr(from, text.find_last_not_of(blanks) - from + 1);
+inline std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && isBlank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && isBlank(text.back())) text.remove_suffix(1);
+  return text;
 }
 
 // Returns the text without a byte order mark of UTF-8.
@@ -41,10 +43,11 @@ inline std::string_view takeLine(std::string_view& rest, char lineEnd = '\n') {
 }
 
 // Removes the next word and the blanks before it from `rest`, and returns the word; it is empty if none is left.
-inline std::string_view takeWord(std::string_view& rest, std::string_view blanks = kBlanks) {
-  const std::size_t from = std::min(rest.find_first_not_of(blanks), rest.size());
-  const std::size_t end = std::min(rest.find_first_of(blanks, from), rest.size());
-  const std::string_view word = rest.substr(from, end - from);
+inline std::string_view takeWord(std::string_view& rest) {
+  while (!rest.empty() && isBlank(rest.front())) rest.remove_prefix(1);
+  std::size_t end = 0;
+  while (end < rest.size() && !isBlank(rest[end])) ++end;
+  const std::string_view word = rest.substr(0, end);
   rest.remove_prefix(end);
   return word;
 }
@@ -66,11 +69,15 @@ inline std::vector<std::string_view> wordsOf(std::string_view text) {
 inline void splitCells(std::string_view line, char separator, std::vector<std::string_view>& cells) {
   cells.clear();
   line = trimmed(line);
+  const bool hasQuotes = line.find('"') != line.npos;
   for (bool more = true; more;) {
-    const std::size_t begin = std::min(line.find_first_not_of(" \t"), line.size());
-    const std::size_t quote = line.substr(begin).starts_with('"') ? line.find('"', begin + 1) : line.npos;
-    const std::size_t from = quote == line.npos ? 0 : quote;
-    const std::size_t end = separator == ' ' ? line.find_first_of(kBlanks, from) : line.find(separator, from);
+    std::size_t from = 0;
+    if (hasQuotes) {
+      const std::size_t begin = std::min(line.find_first_not_of(" \t"), line.size());
+      const std::size_t quote = line.substr(begin).starts_with('"') ? line.find('"', begin + 1) : line.npos;
+      if (quote != line.npos) from = quote;
+    }
+    const std::size_t end = separator == ' ' ? line.find_first_of(" \t", from) : line.find(separator, from);
     more = end != line.npos;
     std::string_view cell = trimmed(line.substr(0, end));
     if (cell.size() > 1 && cell.front() == '"' && cell.back() == '"') cell = trimmed(cell.substr(1, cell.size() - 2));

@@ -140,11 +140,13 @@ class StlReader {
 
   // Returns the next word of the text; empty at its end.
   std::string_view nextWord() {
-    const std::size_t from = std::min(text_.find_first_not_of(kBlanks, at_), text_.size());
-    line_ += static_cast<int>(std::count(text_.begin() + static_cast<std::ptrdiff_t>(at_),
-                                         text_.begin() + static_cast<std::ptrdiff_t>(from), '\n'));
-    at_ = std::min(text_.find_first_of(kBlanks, from), text_.size());
-    return std::string_view(text_).substr(from, at_ - from);
+    std::string_view rest = std::string_view(text_).substr(at_);
+    const std::string_view word = takeWord(rest);
+    const auto blanks = static_cast<std::ptrdiff_t>(text_.size() - rest.size() - word.size() - at_);
+    const auto from = text_.begin() + static_cast<std::ptrdiff_t>(at_);
+    line_ += static_cast<int>(std::count(from, from + blanks, '\n'));
+    at_ = text_.size() - rest.size();
+    return word;
   }
 
   std::string_view restOfLine() {
