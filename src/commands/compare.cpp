@@ -14,7 +14,7 @@
 #include "commands/stop_signal.h"
 #include "commands/table.h"
 #include "report/compare/compare_report.h"
-#include "report/page/report_folder.h"
+#include "report/page/page.h"
 #include "study/compare/key_changes.h"
 #include "study/figure_text.h"
 

@@ -17,7 +17,7 @@
 #include "commands/table.h"
 #include "pipeline/plan/plan.h"
 #include "pipeline/scenes/shot_source.h"
-#include "report/page/report_folder.h"
+#include "report/page/page.h"
 #include "report/repeatability/repeatability_report.h"
 #include "study/figure_text.h"
 #include "study/repeatability/repeatability_choice.h"

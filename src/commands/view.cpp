@@ -13,10 +13,10 @@
 #include "config/text.h"
 #include "dataset/recording.h"
 #include "dataset/scan_source.h"
-#include "viewer/frames/scene_lookup.h"
+#include "viewer/frames/frame_source.h"
 #include "viewer/pass_picture.h"
 #include "viewer/picture.h"
-#include "viewer/window/mesh_coloring.h"
+#include "viewer/window/scenery.h"
 #include "viewer/window/session.h"
 
 namespace scanmill {

@@ -1,5 +1,3 @@
-#include "report/dataset/dataset_charts.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include <numeric>
 
 #include "charts/chart.h"
+#include "report/dataset/dataset_summary.h"
 #include "study/figure_text.h"
 
 namespace scanmill {

@@ -11,8 +11,8 @@
 
 #include "base/base64.h"
 #include "dataset/card.h"
-#include "report/dataset/dataset_charts.h"
 #include "report/dataset/dataset_report.h"
+#include "report/dataset/dataset_summary.h"
 #include "report/dataset/scan_view.h"
 #include "report/page/page.h"
 #include "scan/columns.h"

@@ -11,7 +11,7 @@
 #include "dataset/manifest.h"
 #include "report/dataset/dataset_summary.h"
 #include "report/dataset/dataset_warnings.h"
-#include "report/dataset/object_counts.h"
+#include "report/dataset/scan_counts.h"
 #include "viewer/image.h"
 
 namespace scanmill {

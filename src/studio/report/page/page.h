@@ -2,6 +2,7 @@
 
 // Builds the page of a report: one HTML file that needs no other file and no network.
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -48,5 +49,13 @@ std::string scriptJson(const std::string& json);
 
 // Contents of the files in this folder, which CMake embeds in the program.
 extern const std::string_view kPageLayout, kPageStyle, kPageScript;
+
+// Creates the folder before the study starts. Throws InputError if the folder contains files. With `overwrite`, the
+// folder may contain files if one of them is `result`, the file that shows that the folder has results of the same kind
+// of study. Removes nothing; old files remain until new files replace them.
+void prepareReportFolder(const std::filesystem::path& folder, const std::string& result, bool overwrite);
+
+// Removes the file `result` if it exists, so that the folder does not look complete while its other files are written.
+void beginReport(const std::filesystem::path& folder, const std::string& result);
 
 }  // namespace scanmill

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/vec.h"
+#include "dataset/manifest.h"
 #include "dataset/objects.h"
 #include "scan/scan.h"
 #include "scene/ontology.h"
@@ -119,5 +120,17 @@ std::unique_ptr<FrameSource> openFrames(const ViewInput& input);
 // starting at 0; if empty, the middle frame is returned. Throws InputError if there is no such frame; the message lists
 // similar keys.
 std::size_t findFrame(const FrameSource& source, const std::string& wanted);
+
+// Returns the scene of a sequence at a time (s since the drive began). The manifest does not record the pipeline's
+// folder, so the scene's path is tried from each of pipelineFolders(). If the scene is not found or `sequence` is null,
+// returns nothing, and `why` receives the reason.
+std::optional<SceneChoice> sceneOf(const SequenceRecord* sequence, const std::filesystem::path& datasetFolder,
+                                   double time, std::string& why);
+
+// Returns the scene file of a dataset's own vehicle; nothing if there is none, or if it is not found.
+std::optional<std::filesystem::path> vehicleOf(const Manifest& manifest, const std::filesystem::path& datasetFolder);
+
+// Throws InputError if the file is not a scene.
+void requireScene(const std::filesystem::path& file);
 
 }  // namespace scanmill

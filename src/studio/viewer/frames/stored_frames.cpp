@@ -14,7 +14,7 @@
 #include "dataset/sample_names.h"
 #include "dataset/world_places.h"
 #include "viewer/frames/beam_error.h"
-#include "viewer/frames/scene_lookup.h"
+#include "viewer/frames/frame_source.h"
 
 namespace scanmill {
 

@@ -3,7 +3,9 @@
 // Draws the items, views and overlay of a canvas.
 
 #include <vtkNew.h>
+#include <vtkOpenGLRenderWindow.h>
 #include <vtkRenderer.h>
+#include <vtkTextureObject.h>
 
 #include <array>
 #include <cstdint>
@@ -16,10 +18,28 @@
 #include "gpu/opengl_module/gl_window.h"
 #include "viewer/canvas/canvas.h"
 #include "viewer/vtk_module/item.h"
-#include "viewer/vtk_module/overlay_painter.h"
 #include "viewer/vtk_module/view_renderer.h"
 
 namespace scanmill {
+
+// Draws the overlay on top of the views.
+class OverlayPainter {
+ public:
+  void setImage(vtkOpenGLRenderWindow* window, ImageId image, int width, int height, std::span<const Rgba> pixels);
+  // Throws std::invalid_argument if an index in the overlay is out of range, or if one of its images does not exist.
+  void set(Overlay overlay);
+  // Draws to the framebuffer that is bound, which has this size (pixels).
+  void draw(vtkOpenGLRenderWindow* window, int width, int height);
+  void release(vtkWindow* window);
+
+ private:
+  std::map<ImageId, vtkNew<vtkTextureObject>> images_;
+  Overlay overlay_;
+  bool uploaded_ = false;  // true: the buffers contain the current overlay
+  unsigned vertexArray_ = 0;
+  unsigned vertices_ = 0;
+  unsigned corners_ = 0;
+};
 
 // Holds the items, views and overlay of a canvas. Belongs to one OpenGL context, which must be current in all calls.
 // The views that VTK has drawn are cached: if only the overlay changes, only the overlay is drawn again. Throws

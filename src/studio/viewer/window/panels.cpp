@@ -8,7 +8,7 @@
 #include "base/short_text.h"
 #include "viewer/color_map.h"
 #include "viewer/picture.h"
-#include "viewer/window/guides.h"
+#include "viewer/window/session_items.h"
 
 namespace scanmill {
 

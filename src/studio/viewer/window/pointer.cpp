@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "viewer/color_map.h"
-#include "viewer/window/guides.h"
 #include "viewer/window/picked_rows.h"
+#include "viewer/window/session_items.h"
 
 namespace scanmill {
 

@@ -3,26 +3,35 @@
 // Everything on the canvas except points: the camera, the frames of reference, the scene's mesh, axes, range rings, the
 // trajectory, and the boxes of objects and instances.
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "viewer/coloring.h"
 #include "viewer/frames/view_mesh.h"
 #include "viewer/window/clouds.h"
-#include "viewer/window/guides.h"
-#include "viewer/window/instance_summary.h"
-#include "viewer/window/mesh_coloring.h"
 #include "viewer/window/orbit_camera.h"
 #include "viewer/window/picking.h"
 #include "viewer/window/session_context.h"
 #include "viewer/window/session_items.h"
 
 namespace scanmill {
+
+// Quantities that colours can show. Object: the placed object and the node in its file. Rule: the source of the
+// class, see ViewMesh::rules.
+enum class MeshColor { Class, Instance, Object, Material, Texture, Rule, Reflectance };
+constexpr std::array<std::string_view, 7> kMeshColorNames{"class",   "instance", "object",     "material",
+                                                          "texture", "rule",     "reflectance"};
+
+// Returns one colour per triangle. The legend counts triangles.
+Coloring colorMesh(const ViewMesh& mesh, MeshColor by);
 
 // A ball around a sensor that encloses the points of its scan.
 struct ContentBall {

@@ -1,8 +1,7 @@
-#include "report/dataset/object_counts.h"
-
 #include "base/file.h"
 #include "dataset/objects.h"
 #include "report/dataset/dataset_report.h"
+#include "report/dataset/scan_counts.h"
 #include "tests/studio/report/dataset/made_dataset.h"
 
 namespace scanmill {

@@ -1,8 +1,7 @@
-#include "report/page/report_folder.h"
-
 #include <set>
 
 #include "base/file.h"
+#include "report/page/page.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 

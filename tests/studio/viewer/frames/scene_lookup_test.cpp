@@ -1,6 +1,5 @@
-#include "viewer/frames/scene_lookup.h"
-
 #include "tests/studio/viewer/frames/frame_fixture.h"
+#include "viewer/frames/frame_source.h"
 
 namespace scanmill {
 

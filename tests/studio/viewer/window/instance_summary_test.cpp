@@ -1,6 +1,6 @@
-#include "viewer/window/instance_summary.h"
-
 #include <random>
+
+#include "viewer/window/session_context.h"
 
 namespace scanmill {
 namespace {

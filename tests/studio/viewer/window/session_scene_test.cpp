@@ -10,8 +10,8 @@
 #include "tests/support/temporary_folder.h"
 #include "viewer/frames/view_mesh.h"
 #include "viewer/image.h"
-#include "viewer/window/mesh_coloring.h"
 #include "viewer/window/picked_rows.h"
+#include "viewer/window/scenery.h"
 #include "viewer/window/session_items.h"
 
 namespace scanmill {

@@ -1,4 +1,4 @@
-#include "viewer/window/guides.h"
+#include "viewer/window/session_items.h"
 
 #include <algorithm>
 
