@@ -112,21 +112,9 @@ std::string expandVariables(std::string_view text, const Location& where) {
 }
 
 std::string quotedForMessage(std::string_view text) {
-  constexpr std::size_t kLongest = 60;
-  std::string shown = "'";
-  std::size_t i = 0;
-  while (i < text.size() && shown.size() <= kLongest) {
-    const std::size_t length = utf8Length(text, i);
-    const unsigned char c = byteAt(text, i);
-    if (length == 0 || c < 0x20 || c == 0x7F) {
-      shown += fmt::format("\\x{:02x}", c);
-      ++i;
-    } else {
-      shown += text.substr(i, length);
-      i += length;
-    }
-  }
-  return shown + (i < text.size() ? "...'" : "'");
+  std::size_t end = std::min<std::size_t>(text.size(), 60);
+  for (int k = 0; k < 3 && (byteAt(text, end) & 0xC0) == 0x80; ++k) ++end;  // not within a character
+  return fmt::format("'{}{}'", oneLine(text.substr(0, end)), end < text.size() ? "..." : "");
 }
 
 std::string numberAdvice(std::string_view text) {
