@@ -26,10 +26,6 @@ std::vector<std::string> ColumnSet::names() const {
   return names;
 }
 
-std::vector<std::string> allColumnNames() {
-  return ColumnSet::all().names();
-}
-
 std::vector<std::string> scanColumnNames(ColumnSet columns) {
   std::vector<std::string> names{"x", "y", "z"};
   for (std::string& name : columns.names()) names.push_back(std::move(name));

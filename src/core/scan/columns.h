@@ -427,9 +427,6 @@ struct ScanLayout {
   bool reasons = false;  // true: Scan::reasonOfBeam is filled
 };
 
-// Returns the names of all rows of kColumns, in the order of kColumns.
-std::vector<std::string> allColumnNames();
-
 // Returns the names of all columns of a scan as its files list them: "x", "y", "z" and then `columns`.
 std::vector<std::string> scanColumnNames(ColumnSet columns);
 

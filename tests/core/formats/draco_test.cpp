@@ -217,7 +217,7 @@ TEST(Draco, AnyDracoReaderFindsMetresAndNames) {
     position->GetMappedValue(draco::PointIndex(i), &p);
     ASSERT_LE(distance(p, scan.position[i]), 1e-3);
   }
-  std::vector<std::string> names = allColumnNames();
+  std::vector<std::string> names = ColumnSet::all().names();
   names.insert(names.begin(), "position");
   ASSERT_EQ(cloud->num_attributes(), static_cast<int>(names.size()));
   for (int i = 0; i < cloud->num_attributes(); ++i) {

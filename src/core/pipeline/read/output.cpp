@@ -76,7 +76,7 @@ Output readOutput(const Value& value) {
       const std::string name = readText(item, "columns");
       const std::size_t column = columnIndex(name);
       if (column == kColumnCount) {
-        throw InputError(item.where, "unknown column '" + name + "'" + suggestion(name, allColumnNames()));
+        throw InputError(item.where, "unknown column '" + name + "'" + suggestion(name, ColumnSet::all().names()));
       }
       read.layout.columns.add(column);
     }
