@@ -9,6 +9,7 @@
 #include <memory>
 #include <vector>
 
+#include "base/random.h"
 #include "scan/hits.h"
 #include "tests/support/test_scene.h"
 
@@ -29,6 +30,41 @@ inline Scene wallsAhead(const std::vector<double>& distances) {
   const std::uint32_t mesh = builder.addMesh(wall);
   for (const double distance : distances) builder.place(mesh, at(distance, 0, 0), "wall");
   return builder.finish();
+}
+
+// Boxes and spheres on a wide ground 2 m below a sensor at (shift, shift, 0).
+inline Scene yard(double shift = 0) {
+  SceneBuilder builder = testBuilder();
+  Mesh ground = meshOf(builder, "ground");
+  appendPlane(ground, 0, {}, 400, 400, 8);
+  builder.place(builder.addMesh(ground), at(shift, shift, -2), "ground");
+  Mesh box = meshOf(builder, "thing");
+  appendBox(box, 0, {}, {2, 3, 3});
+  const std::uint32_t boxMesh = builder.addMesh(box);
+  Mesh sphere = meshOf(builder, "other", "dark");
+  appendSphere(sphere, 0, {}, 1.2, 32);
+  const std::uint32_t sphereMesh = builder.addMesh(sphere);
+  for (std::uint32_t i = 0; i < 50; ++i) {
+    const RandomBlock b = randomBlock({11, 0, 0, 0, i, 0, Purpose::Test});
+    const double r = 6 + 40 * uniform(b[0]);
+    const double a = 2 * kPi * uniform(b[1]);
+    builder.place(
+        i % 3 == 0 ? sphereMesh : boxMesh,
+        {toMatrix(fromYawPitchRoll(6 * uniform(b[2]), 0, 0)), {shift + r * std::cos(a), shift + r * std::sin(a), -0.7}},
+        "object");
+  }
+  return builder.finish();
+}
+
+// A revolution on a vehicle that drives `metres` along x and turns by `turnDeg`, with so many poses.
+inline Shot moving(std::shared_ptr<const BeamTable> beams, std::size_t poses, double metres, double turnDeg = 0) {
+  Shot shot = shotAt(std::move(beams));
+  shot.worldFromSensor.clear();
+  for (std::size_t i = 0; i < poses; ++i) {
+    const double share = static_cast<double>(i) / static_cast<double>(poses);
+    shot.worldFromSensor.push_back({fromYawPitchRoll(radians(turnDeg) * share, 0, 0), {metres * share, 0, 0}});
+  }
+  return shot;
 }
 
 // A box of 2 m whose transform mirrors it, 5 m ahead.

@@ -2,10 +2,8 @@
 
 #include <fmt/core.h>
 
-#include <thread>
 #include <vector>
 
-#include "base/parallel.h"
 #include "scenefile/scene_file.h"
 #include "sensors/sensor.h"
 #include "tests/core/methods/depth_camera/worlds.h"
@@ -20,19 +18,6 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
-
-// A revolution on a vehicle that drives `metres` along x and turns by `turnDeg`, with so many poses.
-Shot moving(std::shared_ptr<const BeamTable> beams, std::size_t poses, double metres, double turnDeg = 0,
-            const Vec3d& from = {}) {
-  Shot shot = shotAt(std::move(beams));
-  shot.worldFromSensor.clear();
-  for (std::size_t i = 0; i < poses; ++i) {
-    const double share = static_cast<double>(i) / static_cast<double>(poses);
-    shot.worldFromSensor.push_back(
-        {fromYawPitchRoll(radians(turnDeg) * share, 0, 0), from + Vec3d{metres * share, 0, 0}});
-  }
-  return shot;
-}
 
 std::shared_ptr<const BeamTable> shipped(const std::string& name) {
   const Value value = readYaml(std::filesystem::path(SCANMILL_SOURCE_DIR "/pipelines/sensors") / (name + ".yaml"));
@@ -69,29 +54,6 @@ TEST(DepthCamera, GrazesTheGroundTo200Metres) {
   for (std::size_t i = 0; i < directions.size(); ++i) {
     const double expected = length(directions[i]);
     ASSERT_NEAR(hits.range[i], expected, 1e-5 * expected) << expected;
-  }
-}
-
-TEST(DepthCamera, MovedSceneGivesTheSameCloud) {
-  const auto beams = spinning(24, 512, -30, 10);
-  for (const bool driving : {false, true}) {
-    const auto cloud = [&](double shift) {
-      const Scene scene = room(shift);
-      const Shot shot = driving ? moving(beams, 16, 0.5, 3, {shift, shift, 0}) : shotAt(beams, {{}, {shift, shift, 0}});
-      return photographed(scene, shot, "{resolution: 512}");
-    };
-    const Hits near = cloud(0);
-    const Hits far = cloud(1e7);
-    std::size_t different = 0;
-    for (std::size_t i = 0; i < near.size(); ++i) {
-      ASSERT_EQ(near.hit(i), far.hit(i));
-      if (near.primitive[i] != far.primitive[i] || near.instance[i] != far.instance[i]) {
-        ++different;  // a pixel's centre at a nanometre from an edge
-      } else {
-        EXPECT_NEAR(far.range[i], near.range[i], 2e-6 * near.range[i]) << i;
-      }
-    }
-    EXPECT_LE(different, near.size() / 2000);
   }
 }
 
@@ -226,30 +188,6 @@ TEST(DepthCamera, DrawnAndSampledLaterGivesTheSameBytes) {
   }
 }
 
-TEST(DepthCamera, ThreadsDoNotMatter) {
-  const Scene scene = yard();
-  const Shot still = shotAt(shipped("os1_128"));
-  const Shot driving = moving(spinning(32, 720, -25, 5, 120), 720, 0.4);
-  for (const Shot& shot : {still, driving}) {
-    expectSameOnAnyThreads([&] { return photographed(scene, shot, "{resolution: 512}"); });
-  }
-}
-
-TEST(DepthCamera, ShotsMayBeTracedAtOnce) {
-  const Scene scene = yard();
-  const auto beams = spinning(16, 512, -25, 5, 120);
-  const auto camera = depthCamera(scene, "{resolution: 256}");
-  const Shot shots[] = {shotAt(beams), shotAt(beams, {{}, {3, 1, 0}}), moving(beams, 8, 0.3)};
-  Hits hits[3];
-  {
-    std::vector<std::jthread> threads;
-    for (std::size_t i = 0; i < 3; ++i) {
-      threads.emplace_back([&, i] { camera->trace(shots[i], Channels::all(), hits[i]); });
-    }
-  }
-  for (std::size_t i = 0; i < 3; ++i) expectSameHits(hits[i], photographed(scene, shots[i], "{resolution: 256}"));
-}
-
 TEST(DepthCamera, MovingSensorsStayExactOnFlatSurfaces) {
   const Scene scene = room();
   const auto beams = spinning(24, 512, -40, 40);
@@ -344,15 +282,6 @@ TEST(DepthCamera, NearAndFarBoundWhatIsDrawn) {
   EXPECT_EQ(range("{near_m: 0.8, far_m: 49}"), kMiss);
   EXPECT_NEAR(range("{near_m: 0.8, far_m: 10000}"), 50, 1e-4);
   EXPECT_NEAR(range("{near_m: 1, depth: uint16, far_m: 60}"), 50, 50 * 50 / 65536.0);
-}
-
-TEST(DepthCamera, OnlyAskedChannelsAreFilled) {
-  const Scene scene = yard();
-  const Hits hits =
-      photographed(scene, shotAt(spinning(4, 64, -20, 0)), "{resolution: 128}", Channel::Range | Channel::Semantic);
-  EXPECT_EQ(hits.range.size(), 256u);
-  EXPECT_EQ(hits.semantic.size(), 256u);
-  EXPECT_TRUE(hits.instance.empty() && hits.normal.empty() && hits.reflectance.empty() && hits.incidence.empty());
 }
 
 TEST(DepthCamera, PlanningMakesNoRenderer) {

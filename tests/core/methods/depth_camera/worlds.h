@@ -7,12 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "base/random.h"
 #include "methods/depth_camera/depth_camera.h"
 #include "tests/core/methods/trace.h"
 #include "tests/support/embree_passes.h"
+#include "tests/support/ray_scenes.h"
 #include "tests/support/same_hits.h"
-#include "tests/support/test_scene.h"
 
 namespace scanmill {
 
@@ -39,38 +38,14 @@ inline Hits photographed(const Scene& scene, const Shot& shot, const std::string
 
 // A closed room of flat walls around the origin, turned so that no wall is parallel to an axis. Its ceiling reflects
 // differently.
-inline Scene room(double shift = 0) {
+inline Scene room() {
   SceneBuilder builder = testBuilder();
   Mesh walls = meshOf(builder, "ground");
   appendBox(walls, 0, {}, {42, 30, 9});
-  builder.place(builder.addMesh(walls), {toMatrix(fromYawPitchRoll(0.4, 0.15, 0.1)), {shift + 3, shift - 2, 1}},
-                "room");
+  builder.place(builder.addMesh(walls), {toMatrix(fromYawPitchRoll(0.4, 0.15, 0.1)), {3, -2, 1}}, "room");
   Mesh box = meshOf(builder, "thing", "dark");
   appendBox(box, 0, {}, {2, 1, 3});
-  builder.place(builder.addMesh(box), {toMatrix(fromYawPitchRoll(1, 0.2, 0)), {shift + 8, shift + 3, 0}}, "box");
-  return builder.finish();
-}
-
-// Boxes, spheres and posts on a wide ground 2 m below the sensor.
-inline Scene yard() {
-  SceneBuilder builder = testBuilder();
-  Mesh ground = meshOf(builder, "ground");
-  appendPlane(ground, 0, {}, 400, 400, 8);
-  builder.place(builder.addMesh(ground), at(0, 0, -2), "ground");
-  Mesh box = meshOf(builder, "thing");
-  appendBox(box, 0, {}, {2, 3, 3});
-  const std::uint32_t boxMesh = builder.addMesh(box);
-  Mesh sphere = meshOf(builder, "other", "dark");
-  appendSphere(sphere, 0, {}, 1.2, 32);
-  const std::uint32_t sphereMesh = builder.addMesh(sphere);
-  for (std::uint32_t i = 0; i < 50; ++i) {
-    const RandomBlock b = randomBlock({11, 0, 0, 0, i, 0, Purpose::Test});
-    const double r = 6 + 40 * uniform(b[0]);
-    const double a = 2 * kPi * uniform(b[1]);
-    builder.place(i % 3 == 0 ? sphereMesh : boxMesh,
-                  {toMatrix(fromYawPitchRoll(6 * uniform(b[2]), 0, 0)), {r * std::cos(a), r * std::sin(a), -0.7}},
-                  "object");
-  }
+  builder.place(builder.addMesh(box), {toMatrix(fromYawPitchRoll(1, 0.2, 0)), {8, 3, 0}}, "box");
   return builder.finish();
 }
 
