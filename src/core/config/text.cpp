@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "base/terminal.h"
+#include "base/text_scan.h"
 
 namespace scanmill {
 
@@ -118,8 +119,14 @@ std::string quotedForMessage(std::string_view text) {
 }
 
 std::string numberAdvice(std::string_view text) {
-  const bool hasDigit = text.find_first_of("0123456789") != std::string_view::npos;
-  return hasDigit ? " (write it as 1234.5 or -1.2e-3, without a unit, and the minus sign as -)" : "";
+  constexpr std::string_view kDigits = "0123456789";
+  const std::size_t first = text.find_first_of(kDigits);
+  if (first == std::string_view::npos) return {};
+  const char next = first + 1 < text.size() ? text[first + 1] : ' ';
+  const bool startsWithZero = text[first] == '0' && '0' <= next && next <= '9';
+  double number = 0;
+  if (parseNumber(text, number) && !startsWithZero) return {};
+  return " (write it as 1234.5 or -1.2e-3, without leading zeros or a unit, and the minus sign as -)";
 }
 
 std::string lowerCase(std::string_view text) {
