@@ -30,7 +30,7 @@ TEST(ParticlesOnADevice, GiveTheProcessorsBytes) {
   SKIP_WITHOUT_GL();
   const Scene street = proceduralStreet();
   const Shot shot = streetShot(spinning(16, 500, -25, 5, 60), -20);  // the last columns lack particles
-  for (const char* refine : {"none", "normal", "triangle"}) {
+  for (const char* refine : {"none", "triangle"}) {
     expectTheProcessorsBytes(street, shot, std::string("voxel_m: 0.2, voxels: 128, refine: ") + refine);
   }
 }
@@ -184,7 +184,7 @@ TEST(ParticlesOnADevice, ShotsOfManyThreadsShareIt) {
     }
     return shot;
   };
-  for (const char* refine : {"normal", "triangle"}) {
+  for (const char* refine : {"none", "triangle"}) {
     const std::string options = std::string("voxel_m: 0.2, voxels: 128, refine: ") + refine;
     const auto here = methodOf("particle", street, "{backend: cpu, " + options + "}");
     const auto there = methodOf("particle", street, "{backend: gl, " + options + "}");

@@ -1,4 +1,3 @@
-
 #include <set>
 
 #include "report/dataset/scan_reading.h"

@@ -1,4 +1,3 @@
-
 #include "tests/studio/viewer/window/fake_frames.h"
 #include "tests/support/message_of.h"
 #include "viewer/window/session_context.h"
