@@ -1,36 +1,31 @@
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <nlohmann/json.hpp>
 
 #include "base/error.h"
 #include "base/file.h"
 #include "base/format_support.h"
 #include "base/vec.h"
+#include "config/fields.h"
 #include "sensors/calibration.h"
 
 namespace scanmill {
 namespace {
 
-using Json = nlohmann::json;
-
 class Reader {
  public:
   explicit Reader(const std::filesystem::path& file) : file_(file.string()) {
-    try {
-      root_ = Json::parse(readFile(file));
-    } catch (const Json::exception& e) {
-      fail(fmt::format("is not JSON: {}", reasonOf(e)));
-    }
-    if (!root_.is_object()) fail("is not the metadata of an Ouster sensor: it must be a map");
+    std::string text = readFile(file);
+    std::replace(text.begin(), text.end(), '\t', ' ');  // JSON is YAML but for its tabs
+    root_ = parseYaml(text, file_);
+    if (root_.kind != Value::Kind::Map) fail("is not the metadata of an Ouster sensor: it must be a map");
   }
 
   OusterMetadata read() {
     OusterMetadata m;
-    if (const Json* line = find("sensor_info", "prod_line"); line != nullptr && line->is_string()) {
-      m.model = line->get<std::string>();
-    }
+    if (const Value* line = find("sensor_info", "prod_line")) m.model = line->text;
     readBeams(m);
     readMode(m);
     readWindow(m);
@@ -44,37 +39,29 @@ class Reader {
 
   // Returns the value of a key in a group (new firmware) or at the top level (old firmware); null if the key is
   // in neither place.
-  const Json* find(const char* group, const char* key) const {
-    if (const auto g = root_.find(group); g != root_.end() && g->is_object()) {
-      if (const auto found = g->find(key); found != g->end() && !found->is_null()) return &*found;
+  const Value* find(const char* group, const char* key) const {
+    for (const Value* map : {&root_.valueOf(group), &root_}) {
+      const Value* const found = map->kind == Value::Kind::Map ? map->find(key) : nullptr;
+      if (found != nullptr && found->kind != Value::Kind::Null) return found;
     }
-    const auto found = root_.find(key);
-    return found == root_.end() || found->is_null() ? nullptr : &*found;
+    return nullptr;
   }
-
-  std::vector<double> numbers(const Json& list, const char* key) const {
-    if (!list.is_array()) fail(fmt::format("{} must be a list of numbers", key));
-    std::vector<double> read;
-    for (const Json& item : list) {
-      if (!item.is_number() || !std::isfinite(item.get<double>())) {
-        fail(fmt::format("{}: entry {} must be a number", key, read.size()));
-      }
-      read.push_back(item.get<double>());
-    }
-    return read;
+  const Value* format(const char* key) const {
+    const Value* const found = find("lidar_data_format", key);
+    return found != nullptr ? found : find("data_format", key);
   }
 
   void readBeams(OusterMetadata& m) const {
-    const Json* const altitude = find("beam_intrinsics", "beam_altitude_angles");
-    const Json* const azimuth = find("beam_intrinsics", "beam_azimuth_angles");
+    const Value* const altitude = find("beam_intrinsics", "beam_altitude_angles");
+    const Value* const azimuth = find("beam_intrinsics", "beam_azimuth_angles");
     if (altitude == nullptr || azimuth == nullptr) {
       fail("has no beam_altitude_angles and beam_azimuth_angles: is it the metadata of an Ouster sensor?");
     }
-    if (!altitude->empty() && altitude->front().is_array()) {
+    if (!altitude->items.empty() && altitude->items.front().kind == Value::Kind::Sequence) {
       fail("has an angle for each pixel, as of a flash sensor (DF, ES): only metadata of spinning sensors is read");
     }
-    const std::vector<double> up = numbers(*altitude, "beam_altitude_angles");
-    const std::vector<double> around = numbers(*azimuth, "beam_azimuth_angles");
+    const std::vector<double> up = readNumbers(*altitude, "beam_altitude_angles");
+    const std::vector<double> around = readNumbers(*azimuth, "beam_azimuth_angles");
     if (up.empty() || up.size() != around.size()) {
       fail(fmt::format("has {} beam_altitude_angles and {} beam_azimuth_angles", up.size(), around.size()));
     }
@@ -89,17 +76,19 @@ class Reader {
       m.azimuth.push_back(around[i] == 0 ? 0 : -around[i]);
     }
     if (m.elevation.empty()) fail("gives all beams the angles 0");
-    if (const Json* const rows = format("pixels_per_column");
-        rows != nullptr && *rows != m.elevation.size() && *rows != up.size()) {
-      fail(fmt::format("has angles of {} beams, {} of which are unused, but its pixels_per_column are {}", up.size(),
-                       up.size() - m.elevation.size(), rows->dump()));
+    const Value* const rows = format("pixels_per_column");
+    const double pixels = rows == nullptr ? 0 : readNumber(*rows, "pixels_per_column");
+    if (rows != nullptr && pixels != static_cast<double>(m.elevation.size()) &&
+        pixels != static_cast<double>(up.size())) {
+      fail(fmt::format("has angles of {} beams, {} of which are unused, but its pixels_per_column are {:g}", up.size(),
+                       up.size() - m.elevation.size(), pixels));
     }
   }
 
   // Early firmware may lack the mode; the columns and the rate then stand in the format of the packets, or nowhere.
   void readMode(OusterMetadata& m) const {
-    const Json* const mode = find("config_params", "lidar_mode");
-    const std::string text = mode != nullptr && mode->is_string() ? mode->get<std::string>() : "";
+    const Value* const mode = find("config_params", "lidar_mode");
+    const std::string text = mode == nullptr ? "" : mode->text;
     if (!text.empty()) {
       char rest = 0;
       unsigned rate = 0;
@@ -110,41 +99,33 @@ class Reader {
       }
       m.rate = rate;
     }
-    const Json* const fps = format("fps");
-    if (fps != nullptr) {
-      const double said = number(*fps, "fps", 0.01, kHighestRate);
+    if (const Value* const fps = format("fps")) {
+      const double said = readNumber(*fps, "fps", {0.01, kHighestRate});
       if (m.rate != 0 && said != m.rate) {
         fail(fmt::format("has fps {:g} and the lidar_mode '{}': correct one of them", said, text));
       }
       m.rate = said;
     }
-    const Json* const columns = format("columns_per_frame");
+    const Value* const columns = format("columns_per_frame");
     if (columns == nullptr) return;
-    const double count = number(*columns, "columns_per_frame", 1, kMostColumns);
+    const double count = readNumber(*columns, "columns_per_frame", {1, kMostColumns});
     if (count != std::floor(count) || (m.columns != 0 && count != m.columns)) {
       fail(fmt::format("has columns_per_frame {:g} and the lidar_mode '{}': correct one of them", count, text));
     }
     m.columns = static_cast<std::uint32_t>(count);
   }
 
-  const Json* format(const char* key) const {
-    const Json* const found = find("lidar_data_format", key);
-    if (found != nullptr) return found;
-    const auto old = root_.find("data_format");
-    if (old == root_.end() || !old->is_object() || !old->contains(key) || old->at(key).is_null()) return nullptr;
-    return &old->at(key);
-  }
-
   void readWindow(OusterMetadata& m) {
     m.windowColumns = m.columns;
-    const Json* const window = format("column_window");
-    const Json* const azimuths = find("config_params", "azimuth_window");
+    const Value* const window = format("column_window");
+    const Value* const azimuths = find("config_params", "azimuth_window");
+    using Ends = std::vector<double>;
+    const Ends turn = azimuths == nullptr ? Ends{0, 360e3} : readNumbers(*azimuths, "azimuth_window");
+    const Ends ends = window == nullptr ? Ends{0, m.columns - 1.0} : readNumbers(*window, "column_window");
     // Firmware 1.13 counts in hundredths of a degree, later firmware in thousandths.
-    const bool full = azimuths == nullptr || *azimuths == Json{0, 36000} || *azimuths == Json{0, 360000};
-    const bool fullColumns = window == nullptr || *window == Json{0, m.columns - 1};
-    if (!full && fullColumns) leftOut_.addKeyword(ousterFormat(), "azimuth_window");
+    const bool full = turn == Ends{0, 36e3} || turn == Ends{0, 360e3};
+    if (!full && ends == Ends{0, m.columns - 1.0}) leftOut_.addKeyword(ousterFormat(), "azimuth_window");
     if (window == nullptr || m.columns == 0) return;
-    const std::vector<double> ends = numbers(*window, "column_window");
     const auto isColumn = [&](double c) { return c >= 0 && c < m.columns && c == std::floor(c); };
     if (ends.size() != 2 || !isColumn(ends[0]) || !isColumn(ends[1])) {
       fail(fmt::format("has a column_window that is not [first, last] within its {} columns", m.columns));
@@ -163,8 +144,8 @@ class Reader {
                                                    : 0.012163;
     m.originHeight = 0.03618;
     m.firstAzimuth = 180;
-    if (const Json* offset = find("beam_intrinsics", "lidar_origin_to_beam_origin_mm")) {
-      m.originOffset = number(*offset, "lidar_origin_to_beam_origin_mm", 0, kFarthestOrigin) * 1e-3;
+    if (const Value* offset = find("beam_intrinsics", "lidar_origin_to_beam_origin_mm")) {
+      m.originOffset = readNumber(*offset, "lidar_origin_to_beam_origin_mm", {0, kFarthestOrigin}) * 1e-3;
     }
     if (const auto t = transform("lidar_intrinsics", "lidar_to_sensor_transform")) {
       m.firstAzimuth = degrees(std::atan2((*t)[4], (*t)[0]));
@@ -177,16 +158,13 @@ class Reader {
       m.originHeight += (*t)[11] * 1e-3;
       if (std::fabs((*t)[0] - 1) > kRounding || (*t)[7] != 0) failTransform("beam_to_lidar_transform");
     }
-    const Json* const mount = find("ouster-sdk", "extrinsic");
-    static const Json kIdentity{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-    if (mount != nullptr && *mount != kIdentity) leftOut_.addKeyword(ousterFormat(), "extrinsic");
-    const Json* const start = find("config_params", "lidar_frame_azimuth_offset");
-    if (start != nullptr && *start != 0) leftOut_.addKeyword(ousterFormat(), "lidar_frame_azimuth_offset");
-  }
-
-  double number(const Json& value, const char* key, double low, double high) const {
-    if (value.is_number() && value.get<double>() >= low && value.get<double>() <= high) return value.get<double>();
-    fail(fmt::format("{} must be a number from {:g} to {:g}, not {}", key, low, high, value.dump().substr(0, 40)));
+    const Value* const mount = find("ouster-sdk", "extrinsic");
+    const std::vector<double> none{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    if (mount != nullptr && readNumbers(*mount, "extrinsic") != none) leftOut_.addKeyword(ousterFormat(), "extrinsic");
+    const Value* const start = find("config_params", "lidar_frame_azimuth_offset");
+    if (start != nullptr && readNumber(*start, "lidar_frame_azimuth_offset") != 0) {
+      leftOut_.addKeyword(ousterFormat(), "lidar_frame_azimuth_offset");
+    }
   }
 
   [[noreturn]] void failTransform(const char* key) const {
@@ -199,9 +177,9 @@ class Reader {
   // Returns the 16 numbers of a transform, row by row; nullopt if the file has none. Throws InputError unless the
   // transform rotates about z alone.
   std::optional<std::vector<double>> transform(const char* group, const char* key) const {
-    const Json* const found = find(group, key);
+    const Value* const found = find(group, key);
     if (found == nullptr) return std::nullopt;
-    const std::vector<double> t = numbers(*found, key);
+    const std::vector<double> t = readNumbers(*found, key);
     if (t.size() != 16) fail(fmt::format("{} must have 16 numbers", key));
     const double off = std::fabs(t[0] - t[5]) + std::fabs(t[1] + t[4]) + std::fabs(t[0] * t[0] + t[4] * t[4] - 1) +
                        std::fabs(t[2]) + std::fabs(t[6]) + std::fabs(t[8]) + std::fabs(t[9]) + std::fabs(t[10] - 1);
@@ -215,7 +193,7 @@ class Reader {
   static constexpr double kHighestRate = 1000;  // revolutions per second
 
   std::string file_;
-  Json root_;
+  Value root_;
   LeftOut leftOut_;
 };
 

@@ -180,11 +180,11 @@ TEST_F(VendorFiles, MetadataThatIsNoneIsRefused) {
   };
   const auto mode = [&](const std::string& more) { return with("[1]", "[1]", ", \"lidar_mode\": " + more); };
   for (const auto& [json, words] : std::vector<std::pair<std::string, const char*>>{
-           {"{", "m.json: is not JSON"},
+           {"{", "m.json:"},
            {"[]", "a map"},
            {"{}", "no beam_altitude_angles"},
            {with("[1, 2]", "[1]"), "2 beam_altitude_angles and 1"},
-           {with("[1, \"x\"]", "[1, 2]"), "entry 1 must be a number"},
+           {with("[1, \"x\"]", "[1, 2]"), "beam_altitude_angles[1] must be a number"},
            {with("[[1], [2]]", "[[1], [2]]"), "only metadata of spinning sensors"},
            {with("[100]", "[1]"), "altitude 100"},
            {with("[1]", "[1]"), "has no lidar_mode"},
