@@ -194,13 +194,6 @@ TEST(Chart, SeriesOfOneNameAndColourShareALegendEntry) {
   EXPECT_THAT(entries, testing::ElementsAre("s", "other"));
 }
 
-TEST(Chart, SameInputSameBytes) {
-  Chart chart = dotted({{1, 1e-3}, {2, 0}, {3, 7}});
-  chart.y.scale = AxisScale::Log;
-  chart.series[0].labels = {"a", "b", "c"};
-  EXPECT_EQ(drawSvg(chart), drawSvg(chart));
-}
-
 TEST(Chart, ExtremeValuesStayWithinThePicture) {
   for (const AxisScale scale : {AxisScale::Linear, AxisScale::Log}) {
     for (const std::vector<Vec2d>& points :

@@ -8,8 +8,6 @@
 
 #include "tests/support/blender.h"
 #include "tests/support/message_of.h"
-#include "tests/support/temporary_folder.h"
-#include "viewer/canvas/canvas_interface.h"
 
 namespace scanmill {
 namespace {
@@ -532,17 +530,6 @@ TEST(Canvas, WrongUseIsTold) {
   EXPECT_THAT(messageOf<Error>([&] { canvas.read(); }), HasSubstr("nothing has been drawn"));
   EXPECT_THAT(messageOf<Error>([] { openOffscreen(0, 10); }), HasSubstr("0 x 10"));
   EXPECT_THAT(messageOf<Error>([] { openOffscreen(1000000, 10); }), HasSubstr("1000000 x 10"));
-}
-
-TEST(CanvasModule, SaysWhatIsMissing) {
-  const TemporaryFolder folder;
-  EXPECT_THAT(messageOf<Error>([&] {
-                loadModule<CanvasModule>({"/absent", folder.path()});
-              }),
-              HasSubstr("looked for in /absent, " + folder.path().string()));
-  EXPECT_THAT(messageOf<Error>(
-                  [&] { loadModule<CanvasModule>({folder.write("libscanmill_viewer.so", "text").parent_path()}); }),
-              HasSubstr("cannot be loaded"));
 }
 
 TEST(CanvasModule, TakesTheDeviceThatIsNamed) {

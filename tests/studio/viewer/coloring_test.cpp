@@ -99,22 +99,6 @@ TEST(ColorScan, RangeAndHeightNeedNoColumn) {
   EXPECT_EQ(height.colors[0], viridis(0.5)) << "one value alone is in the middle";
 }
 
-TEST(ColorScan, NoNumberIsGrey) {
-  Scan scan = scanOf(2);
-  scan[kIntensity] = {1, std::numeric_limits<float>::quiet_NaN()};
-  EXPECT_EQ(colorScan(scan, ColorBy("intensity"), {}).colors[1], kNoValue);
-}
-
-TEST(ColorScan, InstancesDiffer) {
-  Scan scan = scanOf(4);
-  scan[kInstance] = {0, 7, 8, 7};
-  const Coloring c = colorScan(scan, ColorBy("instance"), {});
-  EXPECT_EQ(c.colors[0], kNoValue);
-  EXPECT_EQ(c.colors[1], c.colors[3]);
-  EXPECT_NE(c.colors[1], c.colors[2]);
-  EXPECT_THAT(names(c.legend), testing::ElementsAre("2 instances, a colour each", "no instance"));
-}
-
 TEST(ColorScan, SaysWhichColumnIsMissing) {
   Scan scan = scanOf(2);
   scan[kRing] = {0, 1};
@@ -144,7 +128,11 @@ TEST(ColorScan, EntriesKnowTheirClassAndHowManyPointsTheyHave) {
   for (const LegendEntry& e : classes.entries) ids.push_back(e.id);
   EXPECT_THAT(ids, testing::ElementsAre(1, 3, 500));
   EXPECT_THAT(counts(classes), testing::ElementsAre(1, 2, 1));
-  const Legend instances = colorScan(scan, ColorBy("instance"), {&ontology}).legend;
+  const Coloring byInstance = colorScan(scan, ColorBy("instance"), {&ontology});
+  EXPECT_EQ(byInstance.colors[0], kNoValue);
+  EXPECT_EQ(byInstance.colors[1], byInstance.colors[3]);
+  EXPECT_NE(byInstance.colors[1], byInstance.colors[2]);
+  const Legend& instances = byInstance.legend;
   EXPECT_THAT(names(instances), testing::ElementsAre("2 instances, a colour each", "no instance"));
   EXPECT_THAT(counts(instances), testing::ElementsAre(3, 1));
   EXPECT_EQ(instances.entries[0].id, -1) << "of no class";

@@ -208,28 +208,63 @@ TEST(OrbitCamera, TextsSayWhatTheyName) {
 }
 
 TEST(OrbitCamera, WrongTextsAreRefusedWithAnExample) {
-  for (const char* text : {"",
-                           "behind",
-                           "1,2",
-                           "1,2,3,4",
-                           "1,2,3,4,5",
-                           "1,2,nan",
-                           "1,91,3",
-                           "1,2,0",
-                           "1,2,-5",
-                           "1,2,1e9",
-                           "1,2,3,1e9,0,0",
-                           "1,2,3,",
-                           ",1,2,3",
-                           "1;2;3",
-                           "1,2,3,4,5,6,0",
-                           "1,2,3,4,5,6,7,8",
-                           "1,2,3 ",
-                           "Chase",
-                           "1,2,3,ortho,ortho",
-                           "ortho"}) {
+  const std::vector<std::string> texts{"",
+                                       "behind",
+                                       "1,2",
+                                       "1,2,3,4",
+                                       "1,2,3,4,5",
+                                       "1,2,nan",
+                                       "1,91,3",
+                                       "1,2,0",
+                                       "1,2,-5",
+                                       "1,2,1e9",
+                                       "1,2,3,",
+                                       ",1,2,3",
+                                       "1;2;3",
+                                       "1,2,3,4,5,6,0",
+                                       "1,2,3,4,5,6,7,8",
+                                       "1,2,3 ",
+                                       "Chase",
+                                       "1,2,3,1e9,0,0",
+                                       "1,2,3,ortho,ortho",
+                                       "ortho"};
+  for (const std::string& text : texts) {
     EXPECT_THAT(messageOf([&] { parseCamera(text); }), testing::HasSubstr("YAW,PITCH,DISTANCE")) << text;
   }
+}
+
+// x = c + f X / Z, from the driver's seat: left is +y, up is +z.
+TEST(ViewCamera, DriverIsAPinholeAtTheSensor) {
+  const ViewCamera camera = presetCamera(View::Driver).camera(1600, 900);
+  const Projected p = camera.project({20, 3, -2});
+  EXPECT_NEAR(p.x, 800 - camera.focal * 3 / 20, 1e-9);
+  EXPECT_NEAR(p.y, 450 + camera.focal * 2 / 20, 1e-9);
+  EXPECT_NEAR(p.scale, camera.focal / 20, 1e-9);
+  const Projected twiceAsFar = camera.project({40, 3, -2});
+  EXPECT_NEAR(twiceAsFar.x - 800, (p.x - 800) / 2, 1e-9);
+}
+
+TEST(ViewCamera, AboveIsAMap) {
+  const ViewCamera camera = presetCamera(View::Above).camera(1600, 900);
+  const Projected origin = camera.project({0, 0, 0});
+  const Projected p = camera.project({10, 5, -1.7});
+  EXPECT_NEAR(origin.x, 800, 1e-9);
+  EXPECT_NEAR(origin.y, 450, 1e-9);
+  EXPECT_NEAR(p.x - origin.x, 10 * camera.focal, 1e-9);
+  EXPECT_NEAR(p.y - origin.y, -5 * camera.focal, 1e-9);
+  EXPECT_GT(p.depth, origin.depth) << "lower is farther";
+  EXPECT_NEAR(camera.project({10, 5, 30}).x, p.x, 1e-9);
+}
+
+TEST(ViewCamera, ChaseSeesTheSensorBelowAndForwardAbove) {
+  const ViewCamera camera = presetCamera(View::Chase).camera(1600, 900);
+  const Projected sensor = camera.project({0, 0, 0});
+  const Projected ahead = camera.project({40, 0, 0});
+  EXPECT_NEAR(sensor.x, 800, 1e-9);
+  EXPECT_GT(sensor.depth, 0);
+  EXPECT_GT(ahead.depth, sensor.depth);
+  EXPECT_LT(ahead.y, sensor.y);
+  EXPECT_LT(camera.project({10, 5, -2}).x, 800) << "left of the vehicle is left on the picture";
 }
 
 }  // namespace

@@ -1,8 +1,5 @@
 // Scales, legends, and frames that cannot be shown.
 
-#include <chrono>
-#include <thread>
-
 #include "tests/studio/viewer/window/session_world.h"
 #include "viewer/color_map.h"
 
@@ -11,7 +8,6 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
-using testing::IsEmpty;
 
 const std::vector<std::string> kThree{"ray_tracing", "depth_camera", "particle"};
 
@@ -117,23 +113,6 @@ TEST(SessionLegend, IsDrawnOnceWhereAllViewsMeanTheSame) {
   EXPECT_NE(world.drawn(), classes);
 }
 
-TEST(SessionDamage, WithoutAChoiceTheFirstFrameThatCanBeReadIsOpened) {
-  auto frames = std::make_shared<FakeFrames>(7);
-  for (const std::size_t bad : {0u, 1u, 3u}) {
-    frames->frames[bad].scans.clear();
-    frames->frames[bad].problems = {"train-000000.tar: is damaged"};
-  }
-  SessionWorld world(frames);
-  EXPECT_NO_THROW(world.session->check());
-  EXPECT_THAT(world.session->problems(), IsEmpty());
-  EXPECT_THAT(world.session->hints(), ElementsAre("sample-103 cannot be read: sample-102 is the first that can"));
-  EXPECT_EQ(world.canvas.items.at(firstCloud(world)).places, frames->frames[2].scans[0].scan.position);
-  // What was asked for is shown, whatever it is.
-  SessionWorld chosen(frames, {.sample = "3"});
-  EXPECT_THROW(chosen.session->check(), Error);
-  EXPECT_THAT(chosen.session->hints(), IsEmpty());
-}
-
 TEST(SessionDamage, WhereNoFrameCanBeReadTheReasonIsSaid) {
   auto frames = std::make_shared<FakeFrames>(4);
   for (ViewFrame& frame : frames->frames) {
@@ -169,21 +148,6 @@ TEST(SessionHints, ClassesWithoutNamesAreSaidOnce) {
   SessionWorld world(frames);
   world.press("Right");
   EXPECT_THAT(world.session->hints(), ElementsAre(HasSubstr("--ontology")));
-}
-
-TEST(SessionPlaying, AsFastAsTheyLoadLeavesNoFrameOut) {
-  auto frames = std::make_shared<FakeFrames>(40);
-  SessionWorld world(frames, {.sample = "0"});
-  for (int i = 0; i < 5; ++i) world.key(")");
-  world.key(" ");
-  const auto& places = [&]() -> const std::vector<Vec3f>& { return world.canvas.items.at(firstCloud(world)).places; };
-  std::size_t at = 0;
-  for (int i = 0; i < 10000 && at + 1 < 12; ++i) {
-    world.tick();
-    if (places() == frames->frames[at + 1].scans[0].scan.position) ++at;
-    std::this_thread::sleep_for(std::chrono::microseconds(200));
-  }
-  EXPECT_EQ(at, 11u);
 }
 
 }  // namespace

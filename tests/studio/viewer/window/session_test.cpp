@@ -6,7 +6,6 @@
 #include <map>
 #include <set>
 #include <sstream>
-#include <thread>
 
 #include "tests/studio/viewer/window/session_world.h"
 #include "tests/support/message_of.h"
@@ -301,37 +300,6 @@ TEST(ViewSession, TypesNothingWhereThereAreNoPanels) {
   SessionWorld world(25, {"ray_tracing"}, {.bare = true});
   world.key("g");
   EXPECT_FALSE(world.key("q"));
-}
-
-TEST(ViewSession, PlaysToTheEndAndStops) {
-  SessionWorld world(4);
-  world.press("<");
-  world.key(" ");
-  std::set<std::size_t> seen{frameOn(world)};
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  while (!seen.contains(3) && std::chrono::steady_clock::now() < end) {
-    world.tick();
-    seen.insert(frameOn(world));
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  EXPECT_EQ(seen, (std::set<std::size_t>{0, 1, 2, 3}));
-}
-
-TEST(ViewSession, ShowsWhatIsThereWhileItLoads) {
-  const auto frames = std::make_shared<FakeFrames>(30);
-  frames->setOpen(false, 29);
-  SessionWorld world(frames);
-  const std::size_t before = frameOn(world);
-  world.key(">");
-  for (int i = 0; i < 20; ++i) {
-    world.tick();
-    world.key("Right");
-    world.drag(300, 300, 10, 5);
-  }
-  EXPECT_EQ(frameOn(world), before);
-  frames->setOpen(true);
-  world.session->settle();
-  EXPECT_EQ(frameOn(world), 29u);
 }
 
 TEST(ViewSession, ProblemsOfAFrameAreShownAndTheOthersStayGood) {
