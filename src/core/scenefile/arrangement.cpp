@@ -28,16 +28,6 @@ RandomBlock draw(std::uint64_t seed, std::uint32_t object, std::uint64_t n, std:
       {seed, object, static_cast<std::uint32_t>(n), what, static_cast<std::uint32_t>(n >> 32), 0, Purpose::Placement});
 }
 
-std::array<double, 2> readRange(Fields& f, const char* key, Range range, std::array<double, 2> fallback) {
-  const Value* const value = f.find(key);
-  if (value == nullptr) return fallback;
-  const std::vector<double> ends = f.numbers(key, range);
-  if (ends.size() != 2 || ends[0] > ends[1]) {
-    throw InputError(value->where, fmt::format("{} must be [least, most]", key));
-  }
-  return {ends[0], ends[1]};
-}
-
 void refuseTooMany(double count, const Location& where) {
   if (count > static_cast<double>(Placement::mostCopies())) {
     throw InputError(where, fmt::format("{:.4g} copies are too many: {}", count, Placement::mostCopiesText()));
@@ -96,21 +86,7 @@ Arrangement::Arrangement(Fields& object, const Ontology& ontology) {
       s.slope = radians(f.number("slope_deg", {0, 90}, 90));
       s.covered = f.boolean("covered", false);
       if (const Value* from = f.find("distance_from")) s.distances = readDistances(*from, ontology);
-      if (const Value* within = f.find("within")) {
-        const bool pair = within->kind == Value::Kind::Sequence && within->items.size() == 2;
-        std::array<Vec3d, 2> corners;
-        for (std::size_t i = 0; pair && i < 2; ++i) {
-          const std::vector<double> c = readNumbers(within->items[i], "within");
-          if (c.size() != 2) throw InputError(within->items[i].where, "a corner of within is [x, y] in m");
-          corners[i] = {c[0], c[1], 0};
-        }
-        if (!pair || corners[0].x >= corners[1].x || corners[0].y >= corners[1].y) {
-          throw InputError(within->where,
-                           "within must be [[x, y], [x, y]] in m: the corner with the least coordinates, then the one "
-                           "with the greatest");
-        }
-        s.within = corners;
-      }
+      if (const Value* within = f.find("within")) s.within = readRectangle(*within, "within");
       scatter_ = std::move(s);
     }
     if (const Value* value = copies->find("along")) {
@@ -130,9 +106,9 @@ Arrangement::Arrangement(Fields& object, const Ontology& ontology) {
     f.also({"yaw_deg", "scale", "position", "presence", "material"}).finish();
     materials_ = f.texts("material");
     Vary v;
-    const std::array<double, 2> yaw = readRange(f, "yaw_deg", {-360, 360}, {0, 0});
-    v.yaw = {radians(yaw[0]), radians(yaw[1])};
-    v.scale = readRange(f, "scale", {1e-3, 1e3}, {1, 1});
+    const Between yaw = readBetween(f, "yaw_deg", {-360, 360}).value_or(Between{0, 0});
+    v.yaw = {radians(yaw.low), radians(yaw.high)};
+    v.scale = readBetween(f, "scale", {1e-3, 1e3}).value_or(Between{1, 1});
     v.position = f.number("position", {0, 1e5}, 0);
     v.presence = f.number("presence", {0, 1}, 1);
     if (v.position > 0 && scatter_ && !object.has("stand_on")) {
@@ -186,8 +162,8 @@ std::vector<Pose> Arrangement::scattered(const Scene& scene, const SurfaceHeight
                      "up (`scanmill info` of the scene lists its classes), and later objects are placed afterwards");
   }
   const bool bounded = s.within.has_value();
-  const double own =
-      bounded ? (s.within->at(1).x - s.within->at(0).x) * (s.within->at(1).y - s.within->at(0).y) : area.squareMetres();
+  const auto [left, front, right, back] = s.within.value_or(std::array<double, 4>{});
+  const double own = bounded ? (right - left) * (back - front) : area.squareMetres();
   const double wanted = s.count ? static_cast<double>(*s.count) : s.density * own;
   refuseTooMany(wanted, s.where);
   std::vector<Pose> places;
@@ -223,8 +199,7 @@ std::vector<Pose> Arrangement::scattered(const Scene& scene, const SurfaceHeight
     const RandomBlock b = draw(seed, object, n, 0);
     Vec3d p;
     if (bounded) {
-      const auto& [low, high] = *s.within;
-      p = {low.x + (high.x - low.x) * uniform(b[0]), low.y + (high.y - low.y) * uniform(b[1]), 0};
+      p = {left + (right - left) * uniform(b[0]), front + (back - front) * uniform(b[1]), 0};
     } else {
       p = area.place({uniform(b[0]), uniform(b[1]), uniform(b[2])});
     }
@@ -294,8 +269,8 @@ std::vector<Arrangement::Copy> Arrangement::places(const Placement& placement, c
       const RandomBlock b = draw(seed, object, n, 1);
       const RandomBlock c = draw(seed, object, n, 2);
       if (uniform(b[0]) >= vary_->presence) continue;
-      const double yaw = vary_->yaw[0] + (vary_->yaw[1] - vary_->yaw[0]) * uniform(b[1]);
-      const double scale = vary_->scale[0] + (vary_->scale[1] - vary_->scale[0]) * uniform(b[2]);
+      const double yaw = vary_->yaw.low + (vary_->yaw.high - vary_->yaw.low) * uniform(b[1]);
+      const double scale = vary_->scale.low + (vary_->scale.high - vary_->scale.low) * uniform(b[2]);
       const double far = vary_->position * std::sqrt(uniform(b[3]));
       const double around = 2 * kPi * uniform(c[0]);
       Affine copy = all[n].worldFromMesh;

@@ -16,6 +16,7 @@
 #include "scene/road_path.h"
 #include "scene/surface_heights.h"
 #include "scenefile/placement.h"
+#include "scenefile/rules.h"
 
 namespace scanmill {
 
@@ -57,10 +58,10 @@ class Arrangement {
     std::vector<std::uint16_t> classes;
     std::vector<Distance> distances;
     std::optional<std::uint64_t> count;
-    double density = 0;  // places per m^2, as seen from above
-    double spacing = 0;  // m, least distance between places, as seen from above
-    double slope = 0;    // rad, largest slope of a surface that gets copies
-    std::optional<std::array<Vec3d, 2>> within;
+    double density = 0;                           // places per m^2, as seen from above
+    double spacing = 0;                           // m, least distance between places, as seen from above
+    double slope = 0;                             // rad, largest slope of a surface that gets copies
+    std::optional<std::array<double, 4>> within;  // m, least x and y, then the greatest
     bool covered = false;
     Location where;
   };
@@ -71,8 +72,8 @@ class Arrangement {
     Location where;
   };
   struct Vary {
-    std::array<double, 2> yaw{}, scale{1, 1};  // ranges of a copy's random yaw (rad) and scale
-    double position = 0;                       // m, largest horizontal displacement of a copy
+    Between yaw, scale{1, 1};  // ranges of a copy's random yaw (rad) and scale
+    double position = 0;       // m, largest horizontal displacement of a copy
     double presence = 1;
   };
   struct StandOn {

@@ -14,6 +14,8 @@
 #include "formats/cloud_file.h"
 #include "rasters/raster.h"
 #include "scene/ontology.h"
+#include "scenefile/placement.h"
+#include "scenefile/rules.h"
 
 namespace scanmill {
 namespace {
@@ -30,14 +32,12 @@ PointOptions readPointOptions(const Value& value) {
   if (f.has("spacing")) options.spacing = f.number("spacing", {1e-4, 1e3});
   options.surfels.neighbors = static_cast<int>(f.integer("neighbors", 3, 100, options.surfels.neighbors));
   options.surfels.cover = f.number("cover", {0.1, 10}, options.surfels.cover);
+  constexpr Range kRadii{1e-4, 100};  // m
   if (const Value* radius = f.find("radius")) {
     const bool one = radius->kind == Value::Kind::Scalar;
-    const std::vector<double> ends =
-        one ? std::vector(2, f.number("radius", {1e-4, 100})) : f.numbers("radius", {1e-4, 100});
-    if (ends.size() != 2 || ends[0] > ends[1]) {
-      throw InputError(radius->where, "radius must be one length in m, or [least, most]");
-    }
-    options.surfels.radius = {ends[0], ends[1]};
+    const Between ends =
+        one ? Between{f.number("radius", kRadii), f.number("radius", kRadii)} : *readBetween(f, "radius", kRadii);
+    options.surfels.radius = {ends.low, ends.high};
   }
   const std::string source = f.choice("reflectance", {"auto", "intensity", "color", "none"}, "auto");
   using Reflectance = PointOptions::Reflectance;
@@ -56,18 +56,7 @@ HeightOptions readHeightOptions(const Value& value) {
   f.also({"every", "within", "classes", "image"}).finish();
   HeightOptions options;
   options.every = static_cast<int>(f.integer("every", 1, 10'000, 1));
-  if (const Value* within = f.find("within")) {
-    std::vector<double> ends;
-    for (const Value& corner : within->items) {
-      for (const double c : readNumbers(corner, "within")) ends.push_back(c);
-    }
-    if (within->kind != Value::Kind::Sequence || ends.size() != 4 || ends[0] >= ends[2] || ends[1] >= ends[3]) {
-      throw InputError(
-          within->where,
-          "within must be [[x, y], [x, y]]: the corner with the least coordinates, then the one with the greatest");
-    }
-    options.within = {{ends[0], ends[1], ends[2], ends[3]}};
-  }
+  if (const Value* within = f.find("within")) options.within = readRectangle(*within, "within");
   options.classes = f.optionalPath("classes").value_or("");
   options.image = f.optionalPath("image").value_or("");
   return options;

@@ -118,4 +118,17 @@ Placement readPlacement(Fields& object) {
   return placement;
 }
 
+std::array<double, 4> readRectangle(const Value& value, std::string_view key) {
+  std::vector<double> ends;
+  for (const Value& corner : value.items) {
+    for (const double c : readNumbers(corner, key)) ends.push_back(c);
+  }
+  if (value.kind != Value::Kind::Sequence || ends.size() != 4 || ends[0] >= ends[2] || ends[1] >= ends[3]) {
+    throw InputError(value.where, fmt::format("{} must be [[x, y], [x, y]]: the corner with the least coordinates, "
+                                              "then the one with the greatest",
+                                              key));
+  }
+  return {ends[0], ends[1], ends[2], ends[3]};
+}
+
 }  // namespace scanmill

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/vec.h"
@@ -41,8 +42,12 @@ struct Placement {
   void forEach(const std::function<void(const Affine&)>& visit) const;
 };
 
-// Reads the keys `position`, of rotations, `scale`, `copies.at` and `copies.grid` from an object's map (docs/keys.md). Throws InputError with the place; for more than mostCopies() the message
-// gives the number of copies and the factors that it is the product of.
+// Reads the keys `position`, of rotations, `scale`, `copies.at` and `copies.grid` from an object's map (docs/keys.md).
+// Throws InputError with the place; for more than mostCopies() the message gives the number of copies and the factors
+// that it is the product of.
 Placement readPlacement(Fields& object);
+
+// Reads [[x, y], [x, y]], two corners of a rectangle; returns the least x and y, then the greatest. Throws InputError.
+std::array<double, 4> readRectangle(const Value& value, std::string_view key);
 
 }  // namespace scanmill

@@ -11,7 +11,6 @@
 #include <tuple>
 
 #include "base/terminal.h"
-#include "config/fields.h"
 
 namespace scanmill {
 namespace {
@@ -205,16 +204,6 @@ std::vector<Rgb> readColors(const Value* value) {
 
 constexpr Range kLengths{-1e7, 1e7};  // m, limits of boxes, heights and sizes; deg, limits of slopes
 
-std::optional<Between> readBetween(Fields& match, std::string_view key) {
-  const Value* const value = match.find(key);
-  if (value == nullptr) return std::nullopt;
-  const std::vector<double> bounds = match.numbers(key, kLengths);
-  if (bounds.size() != 2 || bounds[0] > bounds[1]) {
-    throw InputError(value->where, fmt::format("{0} must be [least, most], such as {0}: [0, 2.5]", key));
-  }
-  return Between{bounds[0], bounds[1]};
-}
-
 std::optional<Box> readBox(const Value* value) {
   if (value == nullptr) return std::nullopt;
   std::vector<std::vector<double>> corners;
@@ -263,10 +252,10 @@ Rule readRule(const Value& value) {
       rule.within = static_cast<int>(m.integer("within", 0, 255));
     }
     rule.box = readBox(m.find("box"));
-    rule.height = readBetween(m, "height");
-    rule.slope = readBetween(m, "slope_deg");
+    rule.height = readBetween(m, "height", kLengths);
+    rule.slope = readBetween(m, "slope_deg", kLengths);
     if (rule.slope) rule.slope = Between{radians(rule.slope->low), radians(rule.slope->high)};
-    rule.size = readBetween(m, "size");
+    rule.size = readBetween(m, "size", kLengths);
     m.finish();
     if (rule.node.empty() && rule.material.empty() && rule.texture.empty() && rule.file.empty() && !rule.byTriangle()) {
       throw InputError(
@@ -290,6 +279,16 @@ Rule readRule(const Value& value) {
 }
 
 }  // namespace
+
+std::optional<Between> readBetween(Fields& fields, std::string_view key, Range range) {
+  const Value* const value = fields.find(key);
+  if (value == nullptr) return std::nullopt;
+  const std::vector<double> bounds = fields.numbers(key, range);
+  if (bounds.size() != 2 || bounds[0] > bounds[1]) {
+    throw InputError(value->where, fmt::format("{0} must be [least, most], such as {0}: [0, 2.5]", key));
+  }
+  return Between{bounds[0], bounds[1]};
+}
 
 bool Rule::operator==(const Rule& other) const {
   const auto fields = [](const Rule& r) {

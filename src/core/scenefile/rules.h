@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/vec.h"
+#include "config/fields.h"
 #include "config/value.h"
 
 namespace scanmill {
@@ -48,6 +49,9 @@ struct Rule {
   bool decides() const { return drop || !className.empty(); }
   bool operator==(const Rule& other) const;  // compares all but the place in the file
 };
+
+// Reads the two numbers of [least, most]; nullopt if there is no such key. Throws InputError.
+std::optional<Between> readBetween(Fields& fields, std::string_view key, Range range);
 
 // Reads a list of rules. Throws InputError with the place.
 std::vector<Rule> readRules(const Value& value);
