@@ -14,12 +14,13 @@
 #include <cerrno>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <list>
 #include <utility>
 
 #include "base/file.h"
+#include "base/text_scan.h"
 
 namespace scanmill {
 
@@ -27,9 +28,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kKeptLines = 12;
-// Largest number of bytes that are kept of a line of the child's standard error.
-constexpr std::size_t kKeptLength = 400;
 constexpr std::size_t kMaxLine = std::size_t{16} << 20;
 constexpr double kSlice = 0.05;  // s, longest wait for a child's pipes before it is checked whether the child has ended
 
@@ -78,6 +76,13 @@ Pipe makeSocket() {
   Pipe pipe{lifted(ends[0]), lifted(ends[1])};
   ::shutdown(pipe.theirs.number, SHUT_WR);
   return pipe;
+}
+
+// Creates a temporary file without a name.
+Descriptor makeFile() {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::tmpfile(), std::fclose);
+  if (file == nullptr) throw Error("no temporary file: " + reason(errno));
+  return Descriptor(::fcntl(::fileno(file.get()), F_DUPFD_CLOEXEC, STDERR_FILENO + 1));
 }
 
 // Owns the arguments of posix_spawn().
@@ -155,20 +160,18 @@ struct Process::State {
   int status = 0;
   Descriptor input;
   Descriptor output;
-  Descriptor errors;
-  std::string outputText;      // output that was read but not yet returned by readLine()
-  std::size_t searched = 0;    // number of bytes at the start of outputText known to contain no line feed
-  std::string unfinishedLine;  // the start of a line of the child's standard error
-  std::list<std::string> lines;
+  Descriptor errors;         // a file
+  std::string outputText;    // output that was read but not yet returned by readLine()
+  std::size_t searched = 0;  // number of bytes at the start of outputText known to contain no line feed
 
   void start(const std::vector<std::string>& command, const std::map<std::string, std::string>& environment) {
     Pipe in = makeSocket();
     Pipe out = makePipe();
-    Pipe err = makePipe();
+    errors = makeFile();
     SpawnActions actions;
     ::posix_spawn_file_actions_adddup2(&actions.files, in.theirs.number, STDIN_FILENO);
     ::posix_spawn_file_actions_adddup2(&actions.files, out.theirs.number, STDOUT_FILENO);
-    ::posix_spawn_file_actions_adddup2(&actions.files, err.theirs.number, STDERR_FILENO);
+    ::posix_spawn_file_actions_adddup2(&actions.files, errors.number, STDERR_FILENO);
     ::posix_spawn_file_actions_addclosefrom_np(&actions.files, STDERR_FILENO + 1);
     std::vector<std::string> words = command;
     std::vector<std::string> variables = environmentWith(environment);
@@ -177,7 +180,6 @@ struct Process::State {
     if (failure != 0) throw Error(fmt::format("{}: cannot be started: {}", name, reason(failure)));
     input = std::move(in.ours);
     output = std::move(out.ours);
-    errors = std::move(err.ours);
   }
 
   // True if the child has ended. Processes that the child started and left running are then killed, since they would
@@ -203,65 +205,31 @@ struct Process::State {
     reap(true);
   }
 
-  // Appends the bytes that can be read from `from` to `into`, without waiting for more. Stops when `into` has more than
+  // Appends the output that can be read to outputText, without waiting for more. Stops when outputText has more than
   // kMaxLine bytes.
-  void take(Descriptor& from, std::string& into) const {
+  void take() {
     std::array<char, 1 << 16> block;
-    while (from.open() && into.size() <= kMaxLine) {
-      const ssize_t n = ::read(from.number, block.data(), block.size());
+    while (output.open() && outputText.size() <= kMaxLine) {
+      const ssize_t n = ::read(output.number, block.data(), block.size());
       if (n < 0 && errno == EINTR) continue;
       if (n < 0 && errno == EAGAIN) return;
-      if (n <= 0) from.close();
-      if (n > 0) into.append(block.data(), static_cast<std::size_t>(n));
+      if (n <= 0) output.close();
+      if (n > 0) outputText.append(block.data(), static_cast<std::size_t>(n));
     }
   }
 
-  void takeErrors() {
-    take(errors, unfinishedLine);
-    std::size_t begin = 0;
-    for (std::size_t end; (end = unfinishedLine.find('\n', begin)) != std::string::npos; begin = end + 1) {
-      keep(std::string_view(unfinishedLine).substr(begin, end - begin));
-    }
-    unfinishedLine.erase(0, begin);
-    if (!errors.open() || unfinishedLine.size() > kMaxLine) {
-      keep(unfinishedLine);
-      unfinishedLine.clear();
-    }
-  }
-
-  void keep(std::string_view line) {
-    while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.remove_suffix(1);
-    if (line.empty()) return;
-    lines.emplace_back(line.substr(0, kKeptLength));
-    if (lines.size() > kKeptLines) lines.pop_front();
-  }
-
-  // Waits at most `seconds` until the child can be read from or written to, and then reads or writes without blocking.
-  // Removes from `toWrite` what was written.
-  void pump(double seconds, std::string_view& toWrite) {
-    std::array<pollfd, 3> polled{{{output.number, POLLIN, 0}, {errors.number, POLLIN, 0}, {-1, POLLOUT, 0}}};
-    if (!toWrite.empty()) polled[2].fd = input.number;
-    const int ready = ::poll(polled.data(), polled.size(), static_cast<int>(std::ceil(seconds * 1000)));
+  // Waits at most `seconds` until output can be read, and then reads it without blocking.
+  void pump(double seconds) {
+    pollfd polled{output.number, POLLIN, 0};
+    const int ready = ::poll(&polled, 1, static_cast<int>(std::ceil(seconds * 1000)));
     if (ready < 0 && errno != EINTR) throw Error(fmt::format("{}: cannot be waited for: {}", name, reason(errno)));
-    if (ready <= 0) return;
-    if (polled[0].revents != 0) take(output, outputText);
-    if (polled[1].revents != 0) takeErrors();
-    if (polled[2].revents == 0) return;
-    const ssize_t n = ::send(input.number, toWrite.data(), toWrite.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
-    if (n > 0) toWrite.remove_prefix(static_cast<std::size_t>(n));
-    if (n < 0 && errno != EAGAIN && errno != EINTR) {
-      input.close();
-      toWrite = {};
-    }
+    if (ready > 0) take();
   }
 
-  // Reads what an ended child has left in its pipes, even if other processes hold the pipes open.
+  // Reads what an ended child has left in its output, even if other processes hold the pipe open.
   void finish() {
-    take(output, outputText);
+    take();
     output.close();
-    takeErrors();
-    errors.close();
-    keep(std::exchange(unfinishedLine, {}));
   }
 };
 
@@ -275,12 +243,12 @@ Process::~Process() {
   state_->kill();
 }
 
-void Process::write(std::string_view text, double seconds) {
-  const Deadline deadline(seconds);
+void Process::write(std::string_view text) {
   while (!text.empty() && state_->input.open()) {
-    if (deadline.left() <= 0) throw TimeOut(fmt::format("{}: took no input for {} s", state_->name, seconds));
-    state_->pump(std::min(deadline.left(), kSlice), text);
-    if (state_->reap(false)) return;
+    const ssize_t n = ::send(state_->input.number, text.data(), text.size(), MSG_NOSIGNAL);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return closeInput();
+    text.remove_prefix(static_cast<std::size_t>(n));
   }
 }
 
@@ -291,7 +259,6 @@ void Process::closeInput() {
 std::optional<std::string> Process::readLine(double seconds) {
   const Deadline deadline(seconds);
   std::string& text = state_->outputText;
-  std::string_view nothing;
   while (true) {
     const std::size_t newline = text.find('\n', state_->searched);
     if (newline != std::string::npos || (!state_->output.open() && !text.empty())) {
@@ -307,17 +274,16 @@ std::optional<std::string> Process::readLine(double seconds) {
     if (state_->reap(false)) {
       state_->finish();
     } else {
-      state_->pump(std::min(deadline.left(), kSlice), nothing);
+      state_->pump(std::min(deadline.left(), kSlice));
     }
   }
 }
 
 std::string Process::wait(double seconds) {
   const Deadline deadline(seconds);
-  std::string_view nothing;
   while (!state_->reap(false)) {
     if (deadline.left() <= 0) throw TimeOut(fmt::format("{}: did not end within {} s", state_->name, seconds));
-    state_->pump(std::min(deadline.left(), kSlice), nothing);
+    state_->pump(std::min(deadline.left(), kSlice));
   }
   state_->finish();
   const int status = state_->status;
@@ -327,7 +293,20 @@ std::string Process::wait(double seconds) {
 }
 
 std::string Process::lastLines() const {
-  return fmt::format("{}", fmt::join(state_->lines, "\n"));
+  constexpr std::size_t kMost = 4096;  // bytes
+  constexpr std::size_t kLines = 12;
+  std::string text(kMost, '\0');
+  const int file = state_->errors.number;
+  const off_t from = std::max<off_t>(0, ::lseek(file, 0, SEEK_END) - off_t{kMost});
+  text.resize(static_cast<std::size_t>(std::max<ssize_t>(0, ::pread(file, text.data(), kMost, from))));
+  std::string_view rest = text;
+  if (from > 0) takeLine(rest);  // the end of a line
+  std::vector<std::string_view> lines;
+  while (!rest.empty()) {
+    if (const std::string_view line = takeLine(rest); !line.empty()) lines.push_back(line);
+  }
+  lines.erase(lines.begin(), lines.end() - static_cast<std::ptrdiff_t>(std::min(kLines, lines.size())));
+  return fmt::format("{}", fmt::join(lines, "\n"));
 }
 
 }  // namespace scanmill

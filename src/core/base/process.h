@@ -40,9 +40,9 @@ class Process {
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
 
-  // Writes to the child's standard input. If the child has closed its input, the text is dropped without an error.
-  // Throws TimeOut after `seconds`.
-  void write(std::string_view text, double seconds);
+  // Writes to the child's standard input a text that is short enough for the system to hold it (64 KiB). If the child
+  // has closed its input, the text is dropped without an error.
+  void write(std::string_view text);
   // Ends the child's standard input.
   void closeInput();
   // Waits for the next line of the child's standard output and returns it without its line feed; nullopt if the output
@@ -51,7 +51,7 @@ class Process {
   // Waits until the child has ended and returns how: "exit code 3", "signal 11 (Segmentation fault)". Throws TimeOut
   // after `seconds`.
   std::string wait(double seconds);
-  // Returns the last lines of the child's standard error, at most twelve, as far as the calls above have read it.
+  // Returns the last lines of the child's standard error, at most twelve and 4 KiB.
   std::string lastLines() const;
 
  private:

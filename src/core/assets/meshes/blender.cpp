@@ -92,7 +92,7 @@ void BlenderJob::fail(const std::string& what) const {
 }
 
 void BlenderJob::ask(const std::string& line) {
-  process_.write(line + "\n", patience_);
+  process_.write(line + "\n");
 }
 
 BlenderAnswer BlenderJob::answer() {
