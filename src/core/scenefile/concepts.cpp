@@ -55,17 +55,6 @@ ConceptKind kindOf(const std::string& name) {
                             : ConceptKind::Whole;
 }
 
-std::vector<std::string> textsOf(Fields& f, std::string_view key) {
-  std::vector<std::string> texts;
-  const Value* const list = f.find(key);
-  if (list == nullptr) return texts;
-  if (list->kind != Value::Kind::Sequence) {
-    throw InputError(list->where, std::string(key) + " must be a list of texts");
-  }
-  for (const Value& item : list->items) texts.push_back(readText(item, key));
-  return texts;
-}
-
 // Replaces each detail without classes by one copy for each concept that it belongs to, with that concept's classes.
 std::vector<Concept> withDetails(const std::vector<Concept>& concepts) {
   std::vector<Concept> all;
@@ -98,20 +87,16 @@ std::vector<Concept> readConcepts(const std::filesystem::path& path) {
     Fields f(item, "concept");
     Concept c;
     c.name = f.text("name");
-    c.classes = textsOf(f, "classes");
+    c.classes = f.texts("classes");
     c.material = f.text("material", "");
     c.kind = kindOf(f.choice("kind", {"ground", "whole", "detail", "drop"}, "whole"));
-    c.of = textsOf(f, "of");
+    c.of = f.texts("of");
     if (c.kind == ConceptKind::Detail && c.of.empty()) {
       throw InputError(item.where,
                        "a concept of the kind detail needs `of`: the names of the concepts that have this detail");
     }
-    if (f.has("size")) {
-      const std::vector<double> size = f.numbers("size", {0, 1e6});
-      if (size.size() != 2) throw InputError(f.require("size").where, "size must be two lengths [least, most] in m");
-      c.size = Between{size[0], size[1]};
-    }
-    for (const std::string& word : textsOf(f, "words")) c.words.push_back(foldedName(word));
+    c.size = readBetween(f, "size", {0, 1e6});
+    for (const std::string& word : f.texts("words")) c.words.push_back(foldedName(word));
     f.finish();
     concepts.push_back(std::move(c));
   }
