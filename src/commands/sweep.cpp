@@ -7,7 +7,6 @@
 #include <set>
 
 #include "base/error.h"
-#include "config/flow_text.h"
 #include "config/value.h"
 #include "pipeline/read/corruption.h"
 

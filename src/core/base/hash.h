@@ -1,8 +1,11 @@
 #pragma once
 
+// Hashes of bytes, and bytes as text in base64 (RFC 4648, section 4).
+
 #include <cstddef>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -37,5 +40,9 @@ std::string xxh3(std::string_view bytes);
 
 // Returns the XXH3 hash of a whole file, as xxh3() does. Throws an InputError that names the file if it cannot be read.
 std::string xxh3OfFile(const std::filesystem::path& file);
+
+std::string base64(std::string_view bytes);
+// Returns the bytes that the text encodes; nullopt if the text is not base64. Padding at the end may be left out.
+std::optional<std::string> fromBase64(std::string_view text);
 
 }  // namespace scanmill

@@ -14,7 +14,6 @@
 #include "base/hash.h"
 #include "base/random.h"
 #include "config/fields.h"
-#include "config/flow_text.h"
 
 namespace scanmill {
 

@@ -1,5 +1,3 @@
-#include "config/flow_text.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/terminal.h"
+#include "config/value.h"
 
 namespace scanmill {
 

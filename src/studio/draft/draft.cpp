@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "config/flow_text.h"
 #include "config/resources.h"
+#include "config/value.h"
 #include "draft/model.h"
 #include "draft/object_yaml.h"
 #include "scene/material.h"

@@ -12,7 +12,7 @@
 
 #include "base/short_text.h"
 #include "base/terminal.h"
-#include "config/flow_text.h"
+#include "config/value.h"
 
 namespace scanmill::draft {
 namespace {

@@ -8,7 +8,6 @@
 
 #include "base/random.h"
 #include "config/fields.h"
-#include "config/flow_text.h"
 #include "tests/support/message_of.h"
 
 namespace scanmill {

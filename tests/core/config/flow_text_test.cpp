@@ -1,9 +1,8 @@
-#include "config/flow_text.h"
-
 #include <fmt/core.h>
 
 #include "base/random.h"
 #include "base/terminal.h"
+#include "config/value.h"
 #include "tests/support/message_of.h"
 
 namespace scanmill {

@@ -1,7 +1,7 @@
 #include "evaluate/settings.h"
 
 #include "base/random.h"
-#include "config/flow_text.h"
+#include "config/value.h"
 #include "pipeline/scenes/shot_source.h"
 #include "tests/core/pipeline/small_world.h"
 #include "tests/support/same_hits.h"

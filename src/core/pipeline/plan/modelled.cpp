@@ -7,8 +7,8 @@
 #include <map>
 #include <set>
 
-#include "config/flow_text.h"
 #include "config/named_options.h"
+#include "config/value.h"
 #include "methods/interface/light_paths.h"
 #include "pipeline/plan/plan.h"
 #include "pipeline/read/drawn_sensors.h"

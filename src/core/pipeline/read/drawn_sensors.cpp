@@ -10,7 +10,6 @@
 
 #include "base/random.h"
 #include "config/fields.h"
-#include "config/flow_text.h"
 #include "pipeline/read/effects.h"
 
 namespace scanmill {

@@ -16,7 +16,6 @@
 #include "base/random.h"
 #include "base/stage_clock.h"
 #include "config/distribution.h"
-#include "config/flow_text.h"
 #include "config/resources.h"
 #include "config/value.h"
 #include "dataset/shard_writer.h"

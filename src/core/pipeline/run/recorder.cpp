@@ -6,7 +6,7 @@
 
 #include "base/append_new.h"
 #include "base/parallel.h"
-#include "config/flow_text.h"
+#include "config/value.h"
 #include "config/version.h"
 #include "passes/exr/hits_exr.h"
 #include "passes/exr/pass_exr.h"

@@ -9,7 +9,7 @@
 #include <set>
 #include <string_view>
 
-#include "base/base64.h"
+#include "base/hash.h"
 #include "dataset/card.h"
 #include "report/dataset/dataset_report.h"
 #include "report/dataset/dataset_summary.h"

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "base/base64.h"
+#include "base/hash.h"
 #include "report/page/page.h"
 #include "viewer/color_map.h"
 

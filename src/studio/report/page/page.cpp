@@ -6,7 +6,6 @@
 #include <regex>
 #include <sstream>
 
-#include "base/base64.h"
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/terminal.h"

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "base/base64.h"
+#include "base/hash.h"
 #include "base/short_text.h"
 #include "methods/method.h"
 #include "pipeline/read/pipeline.h"

@@ -8,8 +8,8 @@
 #include <optional>
 
 #include "base/error.h"
-#include "config/flow_text.h"
 #include "config/named_options.h"
+#include "config/value.h"
 #include "dataset/manifest.h"
 #include "dataset/shard_name.h"
 #include "pipeline/plan/dataset_plan.h"

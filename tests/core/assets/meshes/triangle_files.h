@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "assets/asset.h"
-#include "base/base64.h"
 #include "base/error.h"
+#include "base/hash.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,6 +1,6 @@
 #include "pipeline/read/corruption.h"
 
-#include "config/flow_text.h"
+#include "config/value.h"
 #include "tests/core/pipeline/small_world.h"
 
 namespace scanmill {

@@ -2,8 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "base/base64.h"
 #include "base/file.h"
+#include "base/hash.h"
 #include "report/dataset/dataset_report.h"
 #include "tests/studio/report/dataset/made_dataset.h"
 #include "tests/studio/report/page/browser.h"

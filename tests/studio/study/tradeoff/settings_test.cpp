@@ -2,7 +2,7 @@
 
 #include <set>
 
-#include "config/flow_text.h"
+#include "config/value.h"
 #include "tests/core/pipeline/small_world.h"
 
 namespace scanmill {

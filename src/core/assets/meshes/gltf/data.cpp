@@ -11,8 +11,8 @@
 #include <optional>
 #include <type_traits>
 
-#include "base/base64.h"
 #include "base/file.h"
+#include "base/hash.h"
 #include "base/input_budget.h"
 
 namespace scanmill::gltf {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "base/base64.h"
+#include "base/hash.h"
 #include "tests/core/assets/meshes/triangle_files.h"
 
 namespace scanmill {
