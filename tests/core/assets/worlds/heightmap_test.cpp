@@ -76,9 +76,8 @@ TEST_F(Heightmaps, MistakesAreNamed) {
                   {map("text.png", ""), "text.png"},
                   {model("<heightmap/>"), "has no <uri>"}});
   // Gazebo's own images are told, and the rest of the world is read.
-  const std::string world =
-      "<world name=\"w\">" + map("file://media/materials/textures/terrain.png", "") + wing("n") + "</world>";
-  EXPECT_THAT(printedBy([&] { EXPECT_EQ(sdf(world).parts.size(), 1u); }), HasSubstr("1 heightmaps of Gazebo's own"));
+  const std::string terrain = world(map("file://media/materials/textures/terrain.png", "") + wing("n"));
+  EXPECT_THAT(printedBy([&] { EXPECT_EQ(sdf(terrain).parts.size(), 1u); }), HasSubstr("1 heightmaps of Gazebo's own"));
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ TEST_F(Sdf, PosesOfModelLinkAndVisualFollowEachOther) {
     <link name="l"><pose>4 5 6 0.4 0.5 0.6</pose>
       <visual name="v"><pose>-1 0.5 2 -0.3 0.2 1</pose><geometry><mesh><uri>wing.obj</uri></mesh></geometry></visual>
     </link></model></world>)");
-  expectWing(corners(asset, "m/l/v/wing"),
+  expectWing(asset, "m/l/v/wing",
              poseOf(1, 2, 3, 0.1, 0.2, 0.3) * poseOf(4, 5, 6, 0.4, 0.5, 0.6) * poseOf(-1, 0.5, 2, -0.3, 0.2, 1));
 }
 
@@ -46,8 +46,8 @@ TEST_F(Sdf, PosesMayBeRelativeToLinksJointsAndFrames) {
     </link></model>)");
   const Pose b =
       poseOf(7, 0, 0, 0, 0, 1) * poseOf(0, 3, 0, 0.1, 0, 0) * poseOf(1, 0, 0, 0, 0.25, 0) * poseOf(0, 0, 1, 0, 0, 0.5);
-  expectWing(corners(asset, "m/b/v/wing"), b);
-  expectWing(corners(asset, "m/a/v/wing"), b * poseOf(0, 1, 0, 0, 0, 0));
+  expectWing(asset, "m/b/v/wing", b);
+  expectWing(asset, "m/a/v/wing", b * poseOf(0, 1, 0, 0, 0, 0));
 }
 
 // SDF 1.6 allows a joint of the same name.
@@ -56,7 +56,7 @@ TEST_F(Sdf, LinksStandAtTheirPosesWhateverJointsAreCalled) {
                                "<joint name=\"l\"><child>o</child></joint><link name=\"o\"><pose>5 0 0 0 0 0</pose>"
                                "</link>") +
                           wing("n", "<link name=\"o\"><pose>5 0 0 0 0 0</pose></link>"));
-  expectWing(corners(asset, "m/l/v/wing"), {});
+  expectWing(asset, "m/l/v/wing", {});
 }
 
 TEST_F(Sdf, ModelsMayBeRelativeToOthersAndPlacedByAFrame) {
@@ -66,23 +66,23 @@ TEST_F(Sdf, ModelsMayBeRelativeToOthersAndPlacedByAFrame) {
           "<model name=\"c\" placement_frame=\"l\"><pose>2 2 0 0 0 0</pose><link name=\"l\"><pose>0 0 9 "
           "0 0 1</pose><visual name=\"v\"><geometry><mesh><uri>wing.obj</uri></mesh></geometry>"
           "</visual></link></model></world>");
-  expectWing(corners(asset, "a/l/v/wing"), poseOf(0, 6, 0, 0, 0, kPi / 2));
-  expectWing(corners(asset, "c/l/v/wing"), poseOf(2, 2, 0, 0, 0, 0));
+  expectWing(asset, "a/l/v/wing", poseOf(0, 6, 0, 0, 0, kPi / 2));
+  expectWing(asset, "c/l/v/wing", poseOf(2, 2, 0, 0, 0, 0));
 }
 
 TEST_F(Sdf, ModelsOfModelsAreThingsWhereTheyAreNoMoreThanThat) {
   const Asset street =
       sdf("<model name=\"street\"><pose>10 0 0 0 0 0</pose>" + wing("left", "<pose>0 1 0 0 0 0</pose>") +
           wing("right", "<pose>0 -1 0 0 0 0</pose>") + "</model>");
-  expectWing(corners(street, "street/left/l/v/wing"), poseOf(10, 1, 0, 0, 0, 0));
-  expectWing(corners(street, "street/right/l/v/wing"), poseOf(10, -1, 0, 0, 0, 0));
+  expectWing(street, "street/left/l/v/wing", poseOf(10, 1, 0, 0, 0, 0));
+  expectWing(street, "street/right/l/v/wing", poseOf(10, -1, 0, 0, 0, 0));
   EXPECT_NE(street.parts[0].nodeIndex, street.parts[1].nodeIndex);
 
   const Asset car =
       sdf("<model name=\"car\"><link name=\"body\"><visual name=\"v\"><geometry><box><size>4 2 1</size></box>"
           "</geometry></visual></link>" +
           wing("wheel", "<pose>1 0 0 0 0 0</pose>") + "</model>");
-  expectWing(corners(car, "car/wheel/l/v/wing"), poseOf(1, 0, 0, 0, 0, 0));
+  expectWing(car, "car/wheel/l/v/wing", poseOf(1, 0, 0, 0, 0, 0));
   EXPECT_EQ(car.parts[0].nodeIndex, car.parts[1].nodeIndex);
 }
 
@@ -113,15 +113,13 @@ TEST_F(IncludedSdf, AreOfTheHighestVersionAndStandWhereTheIncludeSays) {
   EXPECT_LT(length(found[0] - Vec3d{7, 0, 0}), 1e-6);  // scaled by 2, and not 9 m up
   EXPECT_LT(length(found[2] - Vec3d{5, 0, 6}), 1e-6);
   // Without a pose it stands where its own file says.
-  EXPECT_LT(
-      length(corners(sdf("<world name=\"w\">" + include("") + "</world>"), "post/l/v1.10/wing")[2] - Vec3d{0, 0, 15}),
-      1e-6);
+  EXPECT_LT(length(corners(sdf(world(include(""))), "post/l/v1.10/wing")[2] - Vec3d{0, 0, 15}), 1e-6);
 }
 
 TEST_F(IncludedSdf, SeveralOfOneShareTheirMeshes) {
   const Asset asset =
-      sdf("<world name=\"w\">" + include("<name>a_1</name><pose>5 0 0 0 0 0</pose>") +
-          include("<name>a_02</name><pose relative_to=\"a_1\">0 5 0 0 0 1</pose>") + wing("own") + "</world>");
+      sdf(world(include("<name>a_1</name><pose>5 0 0 0 0 0</pose>") +
+                include("<name>a_02</name><pose relative_to=\"a_1\">0 5 0 0 0 1</pose>") + wing("own")));
   ASSERT_EQ(asset.instanced.size(), 1u);
   const InstancedParts& posts = asset.instanced[0];
   ASSERT_EQ(posts.assetFromParts.size(), 2u);
@@ -132,8 +130,7 @@ TEST_F(IncludedSdf, SeveralOfOneShareTheirMeshes) {
 }
 
 TEST_F(IncludedSdf, AreCalledAsTheyAreIncluded) {
-  const Asset asset = sdf("<world name=\"w\">" + include("<name>left</name>") +
-                          include("<name>right</name><pose>0 1 0 0 0 0</pose>") + "</world>");
+  const Asset asset = sdf(world(include("<name>left</name>") + include("<name>right</name><pose>0 1 0 0 0 0</pose>")));
   EXPECT_TRUE(asset.instanced.empty());
   EXPECT_LT(length(corners(asset, "right/l/v1.10/wing")[0] - Vec3d{2, 1, 0}), 1e-6);
   EXPECT_NE(corners(asset, "left/l/v1.10/wing")[2].z, 0);
@@ -144,9 +141,9 @@ TEST_F(IncludedSdf, HaveTheNameOfTheModelAroundThem) {
   const auto around = [](const std::string& name, const std::string& inside) {
     return "<model name=\"" + name + "\">" + inside + "</model>";
   };
-  corners(sdf("<world name=\"w\">" + around("my_table", include("")) + "</world>"), "my_table/l/v1.10/wing");
+  corners(sdf(world(around("my_table", include("")))), "my_table/l/v1.10/wing");
   const std::string two = include("<name>left</name>") + include("<name>right</name>");
-  const Asset rows = sdf("<world name=\"w\">" + around("row_1", two) + around("row_2", two) + "</world>");
+  const Asset rows = sdf(world(around("row_1", two) + around("row_2", two)));
   ASSERT_EQ(rows.instanced.size(), 2u);
   EXPECT_EQ(rows.instanced[0].parts.at(0).node, "row/left/l/v1.10/wing");
   EXPECT_EQ(rows.instanced[1].parts.at(0).node, "row/right/l/v1.10/wing");
@@ -202,8 +199,7 @@ TEST_F(IncludedSdf, AreFoundWhereTheEnvironmentSays) {
 }
 
 TEST_F(IncludedSdf, TheSunIsALightAndTheGroundPlaneAPlane) {
-  const Asset asset =
-      sdf("<world name=\"w\">" + include("", "model://sun") + include("", "model://ground_plane") + "</world>");
+  const Asset asset = sdf(world(include("", "model://sun") + include("", "model://ground_plane")));
   const Box box = boundsOf(asset);
   EXPECT_EQ(box.low, (Vec3d{-50, -50, 0}));
   EXPECT_EQ(box.high, (Vec3d{50, 50, 0}));
@@ -220,9 +216,9 @@ TEST_F(IncludedSdf, MergedOnesLendTheirFrames) {
       sdf("<model name=\"m\"><include merge=\"true\"><uri>model://arm</uri><pose>1 0 0 0 0 0</pose></include>" +
           wing("own", "<pose relative_to=\"arm\">0 1 0 0 0 0</pose>") +
           wing("two", "<pose relative_to=\"f\">0 1 0 0 0 0</pose>") + "</model>");
-  expectWing(corners(asset, "m/arm/v/wing"), poseOf(1, 0, 2, 0, 0, 0));
-  expectWing(corners(asset, "m/own/l/v/wing"), poseOf(1, 1, 2, 0, 0, 0));
-  expectWing(corners(asset, "m/two/l/v/wing"), poseOf(1, 1, 4, 0, 0, 0));
+  expectWing(asset, "m/arm/v/wing", poseOf(1, 0, 2, 0, 0, 0));
+  expectWing(asset, "m/own/l/v/wing", poseOf(1, 1, 2, 0, 0, 0));
+  expectWing(asset, "m/two/l/v/wing", poseOf(1, 1, 4, 0, 0, 0));
 }
 
 TEST_F(Sdf, SolidsHaveTheirSizes) {
@@ -283,7 +279,7 @@ TEST_F(Sdf, LooksAndNumbersAreReadAsOthersWriteThem) {
                                "<material><script><name>Gazebo/Brick</name></script></material>"));
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("1 looks by scripts of OGRE"));
   EXPECT_EQ(asset.parts.at(0).material, "Gazebo/Brick");
-  expectWing(corners(asset, "m/l/v/wing"), poseOf(1, 2, 3, 0, 0, 0));
+  expectWing(asset, "m/l/v/wing", poseOf(1, 2, 3, 0, 0, 0));
   const Asset red = sdf(wing("m", "", "<material><diffuse>1 0 0</diffuse></material>"));
   EXPECT_FLOAT_EQ(red.parts.at(0).color[1], 0);
 }
@@ -295,17 +291,15 @@ TEST_F(Sdf, ChainsOfFramesMayBeLong) {
     const std::string on = i == 0 ? "" : " attached_to=\"f" + std::to_string(i - 1) + "\"";
     frames += "<frame name=\"f" + std::to_string(i) + "\"" + on + "><pose>1 0 0 0 0 0</pose></frame>";
   }
-  const Asset asset =
-      sdf("<world name=\"w\">" + frames + wing("m", "<pose relative_to=\"f99\">0 1 0 0 0 0</pose>") + "</world>");
-  expectWing(corners(asset, "m/l/v/wing"), poseOf(100, 1, 0, 0, 0, 0));
+  const Asset asset = sdf(world(frames + wing("m", "<pose relative_to=\"f99\">0 1 0 0 0 0</pose>")));
+  expectWing(asset, "m/l/v/wing", poseOf(100, 1, 0, 0, 0, 0));
 }
 
 class StateSdf : public Sdf {
  protected:
   // A world with two wings, at x = 1 and 2, and a state.
-  std::string world(const std::string& state, const std::string& more = "") const {
-    return "<world name=\"w\">" + wing("a", "<pose>1 0 0 0 0 0</pose>") + wing("b", "<pose>2 0 0 0 0 0</pose>") + more +
-           state + "</world>";
+  std::string wings(const std::string& state, const std::string& more = "") const {
+    return world(wing("a", "<pose>1 0 0 0 0 0</pose>") + wing("b", "<pose>2 0 0 0 0 0</pose>") + more + state);
   }
   static std::string state(const std::string& inside) {
     return "<state world_name=\"w\"><sim_time>1 0</sim_time>" + inside + "</state>";
@@ -318,12 +312,12 @@ class StateSdf : public Sdf {
 // Worlds that Gazebo saves have the models as they were inserted, and where they stood at last in a state: the poses of
 // models and links are those in the world.
 TEST_F(StateSdf, MovesModelsAndLinks) {
-  const Asset asset = sdf(world(state(R"(
+  const Asset asset = sdf(wings(state(R"(
     <model name="a"><pose>5 6 7 0.1 0.2 0.3</pose><scale>1 1 1</scale>
       <link name="l"><pose>8 9 10 0.4 0.5 0.6</pose><velocity>1 0 0 0 0 0</velocity></link></model>
     <model name="b"><pose>3 0 0 0 0 1</pose></model><light name="sun"><pose>0 0 10 0 0 0</pose></light>)")));
-  expectWing(corners(asset, "a/l/v/wing"), poseOf(8, 9, 10, 0.4, 0.5, 0.6));
-  expectWing(corners(asset, "b/l/v/wing"), poseOf(3, 0, 0, 0, 0, 1));
+  expectWing(asset, "a/l/v/wing", poseOf(8, 9, 10, 0.4, 0.5, 0.6));
+  expectWing(asset, "b/l/v/wing", poseOf(3, 0, 0, 0, 0, 1));
 }
 
 TEST_F(StateSdf, MovesNestedModels) {
@@ -332,13 +326,13 @@ TEST_F(StateSdf, MovesNestedModels) {
       wing("still", "<pose>0 0 5 0 0 0</pose>") +
       "<link name=\"l\"><pose>0 0 1 0 0 0</pose><visual name=\"v\"><pose>1 0 0 0 0 0</pose><geometry>"
       "<mesh><uri>wing.obj</uri></mesh></geometry></visual></link></model>";
-  const Asset asset = sdf(world(state(R"(<model name="outer"><pose>10 0 0 0 0 1</pose>
+  const Asset asset = sdf(wings(state(R"(<model name="outer"><pose>10 0 0 0 0 1</pose>
     <link name="l"><pose>10 0 3 0 0 2</pose></link>
     <model name="in"><pose>20 1 0 0.3 0 0</pose><link name="l"><pose>20 1 2 0.3 0 0</pose></link></model></model>)"),
                                 outer));
-  expectWing(corners(asset, "outer/l/v/wing"), poseOf(10, 0, 3, 0, 0, 2) * poseOf(1, 0, 0, 0, 0, 0));
-  expectWing(corners(asset, "outer/in/l/v/wing"), poseOf(20, 1, 2, 0.3, 0, 0));
-  expectWing(corners(asset, "outer/still/l/v/wing"), poseOf(10, 0, 0, 0, 0, 1) * poseOf(0, 0, 5, 0, 0, 0));
+  expectWing(asset, "outer/l/v/wing", poseOf(10, 0, 3, 0, 0, 2) * poseOf(1, 0, 0, 0, 0, 0));
+  expectWing(asset, "outer/in/l/v/wing", poseOf(20, 1, 2, 0.3, 0, 0));
+  expectWing(asset, "outer/still/l/v/wing", poseOf(10, 0, 0, 0, 0, 1) * poseOf(0, 0, 5, 0, 0, 0));
 }
 
 // A state's scale enlarges shapes in their own frames, and leaves them where they are; round ones stay round.
@@ -355,26 +349,26 @@ TEST_F(StateSdf, ScalesVisuals) {
   EXPECT_TRUE(near(sizeOf("<box><size>1 1 2</size></box>"), {2, 3, 8}));
   EXPECT_TRUE(near(sizeOf("<sphere><radius>1</radius></sphere>"), {8, 8, 8}));
   EXPECT_TRUE(near(sizeOf("<cylinder><radius>1</radius><length>2</length></cylinder>"), {6, 6, 8}));
-  EXPECT_THAT(refusal(world(state("<model name=\"a\"><scale>0 1 1</scale></model>"))), HasSubstr("above 0"));
+  EXPECT_THAT(refusal(wings(state("<model name=\"a\"><scale>0 1 1</scale></model>"))), HasSubstr("above 0"));
 }
 
 TEST_F(StateSdf, InsertsAndDeletesModels) {
   const Asset asset =
-      sdf(world(state("<insertions>" + wing("c") + "</insertions><deletions><name>a</name></deletions>" +
+      sdf(wings(state("<insertions>" + wing("c") + "</insertions><deletions><name>a</name></deletions>" +
                       "<model name=\"c\"><pose>0 0 9 0 0 0</pose></model>")));
   ASSERT_EQ(asset.parts.size(), 2u);
-  expectWing(corners(asset, "b/l/v/wing"), poseOf(2, 0, 0, 0, 0, 0));
-  expectWing(corners(asset, "c/l/v/wing"), poseOf(0, 0, 9, 0, 0, 0));
+  expectWing(asset, "b/l/v/wing", poseOf(2, 0, 0, 0, 0, 0));
+  expectWing(asset, "c/l/v/wing", poseOf(0, 0, 9, 0, 0, 0));
 }
 
 // Gazebo applies the first state alone.
 TEST_F(StateSdf, OthersThanTheFirstAndOfUnknownModelsAreTold) {
   const std::string first =
       state("<model name=\"a\"><pose>4 0 0 0 0 0</pose><link name=\"x\"/></model><model name=\"z\"/>");
-  const std::string told = toldOf(world(first + state("<model name=\"a\"><pose>5 0 0 0 0 0</pose></model>")));
+  const std::string told = toldOf(wings(first + state("<model name=\"a\"><pose>5 0 0 0 0 0</pose></model>")));
   EXPECT_THAT(told, AllOf(HasSubstr("1 states after the first"), HasSubstr("2 states of models and links that")));
-  expectWing(corners(sdf(world(first + state(""))), "a/l/v/wing"), poseOf(4, 0, 0, 0, 0, 0));
-  EXPECT_EQ(toldOf(world(state("<model name=\"a\"><pose>4 0 0 0 0 0</pose></model>"))), "");
+  expectWing(corners(sdf(wings(first + state(""))), "a/l/v/wing"), poseOf(4, 0, 0, 0, 0, 0));
+  EXPECT_EQ(toldOf(wings(state("<model name=\"a\"><pose>4 0 0 0 0 0</pose></model>"))), "");
 }
 
 TEST_F(StateSdf, MovesTheGroundPlaneThatNeedsNoFile) {
@@ -394,12 +388,11 @@ TEST_F(StateSdf, OfIncludedModelsIsTheirOwn) {
   folder_.write("post/model.sdf", "<sdf version=\"1.6\">" + wing("Post") + "</sdf>");
   const std::string include = "<include><uri>post</uri><name>p_";
   const Asset asset =
-      sdf("<world name=\"w\">" + include + "1</name></include>" + include + "2</name></include>" + include +
-          "3</name></include>" + state("<model name=\"p_2\"><link name=\"l\"><pose>0 0 5 0 0 0</pose></link></model>") +
-          "</world>");
+      sdf(world(include + "1</name></include>" + include + "2</name></include>" + include + "3</name></include>" +
+                state("<model name=\"p_2\"><link name=\"l\"><pose>0 0 5 0 0 0</pose></link></model>")));
   ASSERT_EQ(asset.instanced.size(), 1u);
   EXPECT_EQ(asset.instanced[0].assetFromParts.size(), 2u);
-  expectWing(corners(asset, "p_2/l/v/wing"), poseOf(0, 0, 5, 0, 0, 0));
+  expectWing(asset, "p_2/l/v/wing", poseOf(0, 0, 5, 0, 0, 0));
 }
 
 // One warning for a file with all that it includes, and none for elements that beams do not see.
@@ -437,13 +430,13 @@ TEST_F(Sdf, NumbersAndNamesOfPosesAreThoseOfTheSpecification) {
       sdf("<model name=\"m\"><frame name=\"in::__model__\"><pose>0 0 2 0 0 0</pose></frame><link name=\"in::l\">"
           "<pose relative_to=\"in::__model__\">1 0 0 0 0 0</pose><visual name=\"v\"><geometry><mesh><uri>wing.obj"
           "</uri></mesh></geometry></visual></link></model>");
-  expectWing(corners(flat, "m/in::l/v/wing"), poseOf(1, 0, 2, 0, 0, 0));
+  expectWing(flat, "m/in::l/v/wing", poseOf(1, 0, 2, 0, 0, 0));
 }
 
 TEST_F(IncludedSdf, MayBeReferredToByTheNameInTheirFile) {
-  const Asset asset = sdf("<world name=\"w\">" + include("<pose>1 0 0 0 0 0</pose>") +
-                          wing("own", "<pose relative_to=\"Post\">0 1 0 0 0 0</pose>") + "</world>");
-  expectWing(corners(asset, "own/l/v/wing"), poseOf(1, 1, 0, 0, 0, 0));
+  const Asset asset =
+      sdf(world(include("<pose>1 0 0 0 0 0</pose>") + wing("own", "<pose relative_to=\"Post\">0 1 0 0 0 0</pose>")));
+  expectWing(asset, "own/l/v/wing", poseOf(1, 1, 0, 0, 0, 0));
 }
 
 TEST_F(Sdf, PhysicallyBasedMaterialsHaveTheirGloss) {

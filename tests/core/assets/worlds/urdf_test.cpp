@@ -26,7 +26,7 @@ TEST_F(Urdf, LinksHangOnTheirJoints) {
     <link name="base"/>
     <joint name="a" type="fixed"><origin xyz="1 0 0" rpy="0.2 0.3 0.4"/><parent link="base"/><child link="arm"/></joint>
     <link name="arm"/>)");
-  expectWing(corners(asset, "r/tip/visual_1/wing"),
+  expectWing(asset, "r/tip/visual_1/wing",
              poseOf(1, 0, 0, 0.2, 0.3, 0.4) * poseOf(0, 0, 2, 0, 0, 1) * poseOf(0, 1, 0, 0.1, 0, 0));
 }
 
@@ -59,7 +59,7 @@ TEST_F(Urdf, RotationsMayBeQuaternions) {
     <link name="base"/><link name="tip"><visual><origin xyz="0 1 0" quat_xyzw="2 0 0 2"/>
       <geometry><mesh filename="wing.obj"/></geometry></visual></link>
     <joint name="a" type="fixed"><origin xyz="1 0 0" quat_xyzw="0 0 1 0"/><parent link="base"/><child link="tip"/></joint>)");
-  expectWing(corners(asset, "r/tip/visual_1/wing"), poseOf(1, 0, 0, 0, 0, kPi) * poseOf(0, 1, 0, kPi / 2, 0, 0));
+  expectWing(asset, "r/tip/visual_1/wing", poseOf(1, 0, 0, 0, 0, kPi) * poseOf(0, 1, 0, kPi / 2, 0, 0));
 }
 
 // The first definition of a name holds, as in urdfdom; alpha 0 is invisible, as in RViz.

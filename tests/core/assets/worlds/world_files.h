@@ -34,6 +34,7 @@ class WorldFiles : public testing::Test {
   std::string refusal(const std::string& inside) const {
     return messageOf([&] { sdf(inside); });
   }
+  static std::string world(const std::string& inside) { return "<world name=\"w\">" + inside + "</world>"; }
   // A model of one link with one visual of this geometry; `look`: what follows the geometry.
   static std::string model(const std::string& geometry, const std::string& look = "") {
     return "<model name=\"m\"><link name=\"l\"><visual name=\"v\"><geometry>" + geometry + "</geometry>" + look +
@@ -60,6 +61,9 @@ class WorldFiles : public testing::Test {
   static void expectWing(const std::vector<Vec3d>& corners, const Pose& pose) {
     const Vec3d wing[] = {{1, 0, 0}, {0, 2, 0}, {0, 0, 3}};
     for (int i = 0; i < 3; ++i) EXPECT_LT(length(corners.at(i) - pose * wing[i]), 1e-5) << i;
+  }
+  static void expectWing(const Asset& asset, const std::string& node, const Pose& pose) {
+    expectWing(corners(asset, node), pose);
   }
 
   TemporaryFolder folder_;
