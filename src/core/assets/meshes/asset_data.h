@@ -53,7 +53,7 @@ struct ClipTime {
   bool operator==(const ClipTime&) const = default;
 };
 
-// How the points of a cloud are turned into discs: see assets/surveys/surfels.h.
+// How the points of a cloud are turned into discs: see assets/surveys/surveys.h.
 struct SurfelOptions {
   int neighbors = 12;  // number of neighbours from which normal and radius are estimated, 3 to 100
   double cover = 1.5;  // ratio of a disc's radius to the radius that covers the point's share of the surface

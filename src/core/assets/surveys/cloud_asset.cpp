@@ -13,7 +13,6 @@
 
 #include "assets/meshes/asset_parts.h"
 #include "assets/meshes/base_color.h"
-#include "assets/surveys/surfels.h"
 #include "assets/surveys/surveys.h"
 #include "base/error.h"
 #include "base/short_text.h"
@@ -329,13 +328,9 @@ class CloudAsset {
       if (!channels[0] || !channels[1] || !channels[2]) return false;
       double greatest = 0;
       bool whole = true;
-      std::size_t lit = 0;        // values above 0
-      std::size_t aboveByte = 0;  // values above 255
       for (const auto& channel : channels) {
         for (const double value : *channel) {
           greatest = std::max(greatest, value);
-          lit += value > 0 ? 1u : 0u;
-          aboveByte += value > 255 ? 1u : 0u;
           whole = whole && (value == std::floor(value) || std::isnan(value));
         }
       }
@@ -345,15 +340,12 @@ class CloudAsset {
       const bool fractions = std::visit([]<class T>(const std::vector<T>&) { return std::is_floating_point_v<T>; },
                                         foreign("red")->values);
       const bool upToOne = fractions && (greatest <= 1 || (greatest < 2 && !whole));
-      constexpr double kStray = 0.001;  // largest fraction of values above 255 in a cloud of 8 bits
-      constexpr double kTwelveBits = 4095, kSixteenBits = 65535;
-      const bool bytes = greatest < 256 || static_cast<double>(aboveByte) <= kStray * static_cast<double>(lit);
-      const double full = upToOne ? 1 : bytes ? 255 : greatest == kTwelveBits ? kTwelveBits : kSixteenBits;
-      if (greatest >= 256 && (bytes || greatest < full / 4)) {
-        warn(
-            fmt::format("{}: its greatest colour is {}, but {} is taken as white, since {} of {} values above 0 are "
-                        "above 255: scale the colours in the file to 8 or 16 bits",
-                        file_.string(), greatest, full, grouped(aboveByte), grouped(lit)));
+      const double full = upToOne ? 1 : greatest < 256 ? 255 : 65535;
+      if (greatest >= 256 && greatest < full / 4) {
+        warn(fmt::format(
+            "{}: its greatest colour is {}, but {} is taken as white: scale the colours in the file to 8 or "
+            "16 bits",
+            file_.string(), greatest, full));
       }
       for (std::size_t k = 0; k < chosen_.size(); ++k) {
         put(k, {255 * (*channels[0])[k] / full, 255 * (*channels[1])[k] / full, 255 * (*channels[2])[k] / full});

@@ -1,5 +1,3 @@
-#include "assets/surveys/surfels.h"
-
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -7,6 +5,7 @@
 #include <nanoflann.hpp>
 #include <numeric>
 
+#include "assets/surveys/surveys.h"
 #include "base/parallel.h"
 
 namespace scanmill {

@@ -3,18 +3,40 @@
 // Surveys as assets. A point cloud is a recorded place, which can be scanned again by another sensor; a height raster
 // is a digital elevation model.
 
+#include <cstddef>
 #include <filesystem>
+#include <vector>
 
 #include "assets/asset.h"
+#include "base/vec.h"
 
 namespace scanmill {
+
+// A surface element (surfel): a disc that approximates a surface near a measured point (Pfister, Zwicker, van Baar,
+// Gross, "Surfels: surface elements as rendering primitives", SIGGRAPH 2000).
+struct Surfel {
+  Vec3f normal;      // unit length; its sign is arbitrary
+  float radius = 0;  // m, radius of the disc
+};
+
+// Returns one surfel per point, in the order of the points. The normal is the direction in which a point and its
+// neighbours scatter least (Hoppe et al., "Surface reconstruction from unorganized points", SIGGRAPH 1992). If these
+// points lie on a line, as along one ring of a scan, up to eight times as many neighbours are used. A point with n
+// neighbours within the distance d represents the area pi d^2 / n of the surface. `normals` is empty or has one normal
+// per point, which replaces the estimate unless it is zero. Positions must be finite. Runs on all cores.
+std::vector<Surfel> surfelsOf(const std::vector<Vec3f>& positions, const std::vector<Vec3f>& normals,
+                              const SurfelOptions& options);
+
+// Thins points to one in each cube of a grid of this spacing (m): the point nearest to the cube's centre. Returns the
+// indices of the kept points, ascending.
+std::vector<std::size_t> thinned(const std::vector<Vec3f>& positions, double spacing);
 
 // Values of AssetPart::texture for points: the source of their reflectance.
 inline constexpr const char* kPointIntensity = "intensity";
 inline constexpr const char* kPointColor = "color";
 
 // Reads a file for which isCloud() is true (formats/cloud_file.h). Each point becomes a square with the area of its
-// surfel's disc (surfels.h): two triangles, which every method can trace. The points with the same label and instance
+// surfel's disc: two triangles, which every method can trace. The points with the same label and instance
 // form a part. The part's material and AssetPart::ownClass are the label's name (AssetOptions::points), or else its
 // number; the part's node is "instance 7" if the points have instances. Unless AssetOptions::points has names, labels
 // of LAS have the names of its specification ("ground", "building", "high vegetation"), and points labelled as noise

@@ -27,28 +27,36 @@ using testing::HasSubstr;
 
 constexpr const char* kFile = "it's a 'thing' \xC3\xA4.blend";
 
-// Makes files in FOLDER: one with everything, one in centimetres, one with nothing. All carry a text that wants to run
-// when the file is opened, and a driver whose expression writes a file.
-constexpr const char* kScript = R"py(
+// The beginning of all scripts: an empty scene, and functions that fill it.
+constexpr const char* kPrelude = R"py(
 import math, os, sys
 import bpy
 import numpy as np
-from mathutils import Matrix
 
-folder, name = sys.argv[-2:]
+folder = sys.argv[sys.argv.index("--") + 1]
 bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
 scene = bpy.context.scene
 
 
-def box(name, size):
-    mesh = bpy.data.meshes.new(name)
-    h = size / 2
-    corners = [(x, y, z) for x in (-h, h) for y in (-h, h) for z in (-h, h)]
-    mesh.from_pydata(corners, [], [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)])
-    return mesh
+def mesh(name, corners, faces, edges=()):
+    made = bpy.data.meshes.new(name)
+    made.from_pydata(corners, edges, faces)
+    return made
 
 
-def put(name, data, collection=scene.collection, **settings):
+def box(name, low=0, high=1):
+    corners = [(x, y, z) for x in (low, high) for y in (low, high) for z in (low, high)]
+    return mesh(name, corners, [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)])
+
+
+def square(name, material):
+    made = mesh(name, [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2, 3)])
+    made.uv_layers.new(name="map")
+    made.materials.append(material)
+    return made
+
+
+def put(name, data=None, collection=scene.collection, **settings):
     made = bpy.data.objects.new(name, data)
     collection.objects.link(made)
     for key, value in settings.items():
@@ -56,45 +64,58 @@ def put(name, data, collection=scene.collection, **settings):
     return made
 
 
-def material(name, color):
+def material(name, color=None):
     made = bpy.data.materials.new(name)
     made.use_nodes = True
     shader = made.node_tree.nodes["Principled BSDF"]
-    shader.inputs["Base Color"].default_value = (*color, 1)
-    shader.inputs["Roughness"].default_value = 0.25
-    return made
+    if color is not None:
+        shader.inputs["Base Color"].default_value = (*color, 1)
+    return made, made.node_tree, shader
 
 
-unit = box("unit", 1)
-unit.materials.append(material("Red Paint", (0.8, 0.1, 0.1)))
+def geometry_nodes(kinds):
+    group = bpy.data.node_groups.new("group", "GeometryNodeTree")
+    if bpy.app.version >= (4, 0):
+        group.interface.new_socket("in", in_out="INPUT", socket_type="NodeSocketGeometry")
+        group.interface.new_socket("out", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    else:
+        group.inputs.new("NodeSocketGeometry", "in")
+        group.outputs.new("NodeSocketGeometry", "out")
+    return group, [group.nodes.new(kind) for kind in ("NodeGroupInput", "NodeGroupOutput", *kinds)]
+
+
+def save(name, **options):
+    bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, name), **options)
+)py";
+
+// Makes one file with everything, one in centimetres, one with nothing. All carry a text that wants to run when the
+// file is opened, and a driver whose expression writes a file.
+constexpr const char* kScript = R"py(
+unit = box("unit", -0.5, 0.5)
+paint, _, shader = material("Red Paint", (0.8, 0.1, 0.1))
+shader.inputs["Roughness"].default_value = 0.25
+unit.materials.append(paint)
 wall = put("Wall.a", unit, location=(0, 0, 1))
 wall.modifiers.new("array", "ARRAY").count = 3
-put("Hidden", box("hidden", 1), hide_viewport=True)
-put("Helper", box("helper", 1), hide_render=True)
+put("Hidden", unit, hide_viewport=True)
+put("Helper", unit, hide_render=True)
 put("Mirrored", unit, location=(0, 5, 1), scale=(-1, 1, 2))
-parent = put("Frame", None, scale=(1, 3, 1))
+parent = put("Frame", scale=(1, 3, 1))
 put("Sheared", unit, parent=parent, rotation_euler=(0, 0, math.pi / 4), location=(-20, 0, 0))
 tree = bpy.data.collections.new("tree")
-put("Crown", box("crown", 0.5), tree)
-put("Stem", box("stem", 0.25), tree, location=(0, 0, -1))
+put("Crown", box("crown", -0.25, 0.25), tree)
+put("Stem", box("stem", -0.125, 0.125), tree, location=(0, 0, -1))
 for i in range(3):
-    put(f"Tree{i}", None, instance_type="COLLECTION", instance_collection=tree, location=(10, 3 * i, 2))
+    put(f"Tree{i}", instance_type="COLLECTION", instance_collection=tree, location=(10, 3 * i, 2))
 text = bpy.data.curves.new("sign", "FONT")
 text.body = "Hi"
 put("Sign", text, location=(0, -9, 0))
-group = bpy.data.node_groups.new("scatter", "GeometryNodeTree")
-if bpy.app.version >= (4, 0):
-    group.interface.new_socket("in", in_out="INPUT", socket_type="NodeSocketGeometry")
-    group.interface.new_socket("out", in_out="OUTPUT", socket_type="NodeSocketGeometry")
-else:
-    group.inputs.new("NodeSocketGeometry", "in")
-    group.outputs.new("NodeSocketGeometry", "out")
-nodes = [group.nodes.new(kind) for kind in
-         ("NodeGroupInput", "GeometryNodeInstanceOnPoints", "GeometryNodeMeshCube", "NodeGroupOutput")]
-group.links.new(nodes[0].outputs[0], nodes[1].inputs["Points"])
-group.links.new(nodes[2].outputs["Mesh"], nodes[1].inputs["Instance"])
-group.links.new(nodes[1].outputs[0], nodes[3].inputs[0])
-put("Scatter", box("points", 8), location=(30, 0, 0)).modifiers.new("scatter", "NODES").node_group = group
+group, nodes = geometry_nodes(("GeometryNodeInstanceOnPoints", "GeometryNodeMeshCube"))
+group.links.new(nodes[0].outputs[0], nodes[2].inputs["Points"])
+group.links.new(nodes[3].outputs["Mesh"], nodes[2].inputs["Instance"])
+group.links.new(nodes[2].outputs[0], nodes[1].inputs[0])
+scatter = put("Scatter", box("points", -4, 4), location=(30, 0, 0))
+scatter.modifiers.new("scatter", "NODES").node_group = group
 
 pixels = np.ones((8, 8, 4), np.float32)
 pixels[:4, :, 3] = 0
@@ -103,18 +124,14 @@ image = bpy.data.images.new("leaf picture", 8, 8, alpha=True)
 image.pixels.foreach_set(pixels.ravel())
 image.update()
 image.pack()
-leaf = material("Leaf", (1, 1, 1))
+leaf, nodes, shader = material("Leaf", (1, 1, 1))
 leaf.blend_method = "CLIP"
 leaf.alpha_threshold = 0.4
-picture = leaf.node_tree.nodes.new("ShaderNodeTexImage")
+picture = nodes.nodes.new("ShaderNodeTexImage")
 picture.image = image
 for output, name_in in (("Color", "Base Color"), ("Alpha", "Alpha")):
-    leaf.node_tree.links.new(picture.outputs[output], leaf.node_tree.nodes["Principled BSDF"].inputs[name_in])
-card = bpy.data.meshes.new("card")
-card.from_pydata([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [], [(0, 1, 2, 3)])
-card.uv_layers.new(name="map")
-card.materials.append(leaf)
-put("Card", card, location=(0, 0, 7))
+    nodes.links.new(picture.outputs[output], shader.inputs[name_in])
+put("Card", square("card", leaf), location=(0, 0, 7))
 
 marker = os.path.join(folder, "ran_")
 evil = bpy.data.texts.new("evil.py")
@@ -124,13 +141,13 @@ driver = wall.driver_add("location", 0).driver
 driver.type = "SCRIPTED"
 driver.expression = f"[open({marker + 'driver'!r}, 'w').write('x'), 0.0][1]"
 
-bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, name), compress=False)
+save(sys.argv[-1], compress=False)
 scene.unit_settings.scale_length = 0.01
-bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, "cm.blend"), compress=True)
+save("cm.blend", compress=True)
 for old in list(bpy.data.objects):
     bpy.data.objects.remove(old)
 put("Only points", bpy.data.meshes.new("empty"))
-bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, "empty.blend"), compress=False)
+save("empty.blend", compress=False)
 )py";
 
 std::string runBlender(const std::vector<std::string>& words) {
@@ -172,9 +189,12 @@ void expectBounds(const Node& node, const Vec3d& low, const Vec3d& high) {
 
 class Blend : public testing::Test {
  protected:
+  void run(const char* script) {
+    const auto file = folder_.write("make.py", std::string(kPrelude) + script);
+    ASSERT_EQ(runBlender({"--python", file.string(), "--", folder_.path().string(), kFile}), "");
+  }
   void make() {
-    const auto script = folder_.write("make.py", kScript);
-    ASSERT_EQ(runBlender({"--python", script.string(), "--", folder_.path().string(), kFile}), "");
+    run(kScript);
     made_ = folder_.path() / kFile;
     for (const char* marker : {"ran_text", "ran_driver"}) std::filesystem::remove(folder_.path() / marker);
   }
@@ -275,58 +295,36 @@ TEST_F(Blend, InASceneWithRulesByNodeAndMaterialAndItsUnit) {
 
 // Makes hidden.blend: "shown" and eight copies of "leaf" in instances, and what is left out.
 constexpr const char* kHiding = R"py(
-import os, sys
-import bpy
-
-folder = sys.argv[-1]
-bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-scene = bpy.context.scene
-cube = bpy.data.meshes.new("cube")
-cube.from_pydata([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], [],
-                 [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)])
-
-
-def put(name, data=cube, collection=scene.collection, **settings):
-    made = bpy.data.objects.new(name, data)
-    collection.objects.link(made)
-    for key, value in settings.items():
-        setattr(made, key, value)
-    return made
-
-
-glass = bpy.data.materials.new("glass")
-glass.use_nodes = True
-glass.node_tree.nodes["Principled BSDF"].inputs["Alpha"].default_value = 0.2
+cube = box("cube")
+glass, _, shader = material("glass")
+shader.inputs["Alpha"].default_value = 0.2
 shown = put("shown", cube.copy())
 shown.data.materials.append(glass)
 hidden = bpy.data.collections.new("hidden")
 scene.collection.children.link(hidden)
 hidden.hide_render = True
-put("in hidden", collection=hidden)
+put("in hidden", cube, hidden)
 library = bpy.data.collections.new("library")
-put("of library", collection=library)
-put("hidden instance", None, instance_type="COLLECTION", instance_collection=library, hide_render=True)
-put("leaf", parent=put("crown", instance_type="VERTS", show_instancer_for_render=False))
-put("eye").hide_set(True)
-edge = bpy.data.meshes.new("edge")
-edge.from_pydata([(0, 0, 0), (1, 0, 0)], [(0, 1)], [])
-put("edge", edge)
+put("of library", cube, library)
+put("hidden instance", instance_type="COLLECTION", instance_collection=library, hide_render=True)
+put("leaf", cube, parent=put("crown", cube, instance_type="VERTS", show_instancer_for_render=False))
+put("eye", cube).hide_set(True)
+put("edge", mesh("edge", [(0, 0, 0), (1, 0, 0)], [], [(0, 1)]))
 put("cloud", bpy.data.volumes.new("cloud"))
 settings = shown.modifiers.new("hair", "PARTICLE_SYSTEM").particle_system.settings
 settings.type = "HAIR"
 bpy.data.scenes.new("other").collection.objects.link(bpy.data.objects.new("elsewhere", cube))
-bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, "library.blend"), copy=True)
+save("library.blend", copy=True)
 with bpy.data.libraries.load(os.path.join(folder, "library.blend"), link=True) as (found, wanted):
     wanted.objects = ["in hidden"]
 scene.collection.objects.link(wanted.objects[0])
-bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, "hidden.blend"))
+save("hidden.blend")
 os.remove(os.path.join(folder, "library.blend"))
 )py";
 
 TEST_F(Blend, WhatRendersHideAndOtherShapesAreLeftOutAndTold) {
   SKIP_WITHOUT_BLENDER();
-  const auto script = folder_.write("hide.py", kHiding);
-  ASSERT_EQ(runBlender({"--python", script.string(), "--", folder_.path().string()}), "");
+  run(kHiding);
   testing::internal::CaptureStderr();
   const auto nodes = nodesOf(readAsset(folder_.path() / "hidden.blend", {}));
   std::string told = testing::internal::GetCapturedStderr();
@@ -349,26 +347,6 @@ TEST_F(Blend, WhatRendersHideAndOtherShapesAreLeftOutAndTold) {
 
 // Makes looks.blend: a square for each material, and objects that renders show otherwise than the viewport.
 constexpr const char* kLooks = R"py(
-import os, sys
-import bpy
-import numpy as np
-
-folder = sys.argv[-1]
-bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-scene = bpy.context.scene
-
-
-def mesh(name, corners, faces):
-    made = bpy.data.meshes.new(name)
-    made.from_pydata(corners, [], faces)
-    return made
-
-
-def put(name, data):
-    made = bpy.data.objects.new(name, data)
-    scene.collection.objects.link(made)
-    return made
-
 
 def image(name):
     made = bpy.data.images.new(name, 2, 2, alpha=True)
@@ -379,16 +357,12 @@ def image(name):
     return made
 
 
-def material(name):
-    made = bpy.data.materials.new(name)
-    made.use_nodes = True
+def on_square(name):
+    made, tree, shader = material(name)
     made.diffuse_color = (0.1, 0.1, 0.1, 1)
     made.blend_method = "CLIP"
-    square = mesh(name, [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2, 3)])
-    square.uv_layers.new(name="map")
-    square.materials.append(made)
-    put(name, square)
-    return made, made.node_tree, made.node_tree.nodes["Principled BSDF"]
+    put(name, square(name, made))
+    return made, tree, shader
 
 
 def node(tree, kind, into=None, **settings):
@@ -401,7 +375,7 @@ def node(tree, kind, into=None, **settings):
 
 
 def textured(name, picture):
-    made, tree, shader = material(name)
+    made, tree, shader = on_square(name)
     texture = node(tree, "TexImage", shader.inputs["Base Color"], image=picture)
     tree.links.new(texture.outputs["Alpha"], shader.inputs["Alpha"])
     return tree, shader, texture
@@ -412,23 +386,23 @@ half.pack()
 solid = half.copy()
 solid.alpha_mode = "NONE"
 
-green, _, _ = material("of the object")
+green, _, _ = on_square("of the object")
 put("slot", bpy.data.objects["of the object"].data.copy())
 slot = bpy.data.objects["slot"].material_slots[0]
 slot.link = "OBJECT"
-slot.material = material("other")[0]
+slot.material = on_square("other")[0]
 slot.material.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (0.25, 0.25, 0.25, 1)
 
-_, tree, shader = material("diffuse")
+_, tree, shader = on_square("diffuse")
 tree.nodes.remove(shader)
 node(tree, "BsdfDiffuse", tree.nodes["Material Output"].inputs[0]).inputs[0].default_value = (0.5, 0.5, 0.5, 1)
-_, tree, shader = material("mixed")
+_, tree, shader = on_square("mixed")
 tree.nodes.remove(shader)
 mix = node(tree, "MixShader", tree.nodes["Material Output"].inputs[0])
 tree.links.new(node(tree, "TexImage", image=half).outputs["Alpha"], mix.inputs[0])
 node(tree, "BsdfTransparent", mix.inputs[1])
 node(tree, "Emission", mix.inputs[2])
-_, tree, shader = material("clear behind")
+_, tree, shader = on_square("clear behind")
 mix = node(tree, "MixShader", tree.nodes["Material Output"].inputs[0])
 tree.links.new(node(tree, "TexImage", image=half).outputs["Alpha"], mix.inputs[0])
 tree.links.new(shader.outputs[0], mix.inputs[1])
@@ -447,7 +421,7 @@ tree, shader, texture = textured("below", half)
 more = node(tree, "Math", shader.inputs["Alpha"], operation="LESS_THAN")
 tree.links.new(texture.outputs["Alpha"], more.inputs[0])
 more.inputs[1].default_value = 0.75
-_, tree, shader = material("checker")
+_, tree, shader = on_square("checker")
 node(tree, "TexChecker", shader.inputs["Base Color"])
 tree, shader, texture = textured("inverted", half)
 rest = node(tree, "Math", shader.inputs["Alpha"], operation="SUBTRACT")
@@ -462,8 +436,7 @@ for name in ("moved", "lost"):
     textured(name, image(name))
 os.mkdir(os.path.join(folder, "textures"))
 
-corners = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
-cube = mesh("cube", corners, [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)])
+cube = box("cube")
 put("twice", cube).modifiers.new("array", "ARRAY").show_viewport = False
 put("once", cube).modifiers.new("array", "ARRAY").show_render = False
 scene.render.use_simplify = True
@@ -475,32 +448,21 @@ emitter = put("emitter", cube.copy())
 particles = emitter.modifiers.new("particles", "PARTICLE_SYSTEM").particle_system.settings
 particles.type, particles.render_type, particles.instance_object = "HAIR", "OBJECT", put("particle", cube)
 particles.count, particles.display_percentage = 20, 10
-group = bpy.data.node_groups.new("group", "GeometryNodeTree")
-if bpy.app.version >= (4, 0):
-    group.interface.new_socket("in", in_out="INPUT", socket_type="NodeSocketGeometry")
-    group.interface.new_socket("out", in_out="OUTPUT", socket_type="NodeSocketGeometry")
-else:
-    group.inputs.new("NodeSocketGeometry", "in")
-    group.outputs.new("NodeSocketGeometry", "out")
-given, clear, out, viewport = (
-    group.nodes.new(kind)
-    for kind in ("NodeGroupInput", "GeometryNodeDeleteGeometry", "NodeGroupOutput", "GeometryNodeIsViewport")
-)
+group, (given, out, clear, viewport) = geometry_nodes(("GeometryNodeDeleteGeometry", "GeometryNodeIsViewport"))
 group.links.new(given.outputs[0], clear.inputs["Geometry"])
 group.links.new(viewport.outputs[0], clear.inputs["Selection"])
 group.links.new(clear.outputs[0], out.inputs[0])
 by_nodes = put("by nodes", cube)
 by_nodes.modifiers.new("nodes", "NODES").node_group = group
 by_nodes.keyframe_insert("location")
-bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, "looks.blend"))
+save("looks.blend")
 os.remove(os.path.join(folder, "lost.png"))
 os.rename(os.path.join(folder, "moved.png"), os.path.join(folder, "textures", "moved.png"))
 )py";
 
 TEST_F(Blend, MaterialsAndTheEvaluationAreThoseOfRenders) {
   SKIP_WITHOUT_BLENDER();
-  const auto script = folder_.write("looks.py", kLooks);
-  ASSERT_EQ(runBlender({"--python", script.string(), "--", folder_.path().string()}), "");
+  run(kLooks);
   testing::internal::CaptureStderr();
   const Asset asset = readAsset(folder_.path() / "looks.blend", {});
   const std::string told = testing::internal::GetCapturedStderr();
@@ -552,23 +514,12 @@ TEST_F(Blend, MaterialsAndTheEvaluationAreThoseOfRenders) {
 
 // Makes files of other programs: the triangle of tests as "wing", beside others, and levels of detail.
 constexpr const char* kImports = R"py(
-import os, sys
-import bpy
 from io_scene_fbx import encode_bin
 
-folder = sys.argv[-1]
-bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-scene = bpy.context.scene
-wing = bpy.data.meshes.new("wing")
-wing.from_pydata([(1, 0, 0), (0, 2, 0), (0, 0, 3)], [], [(0, 1, 2)])
-paint = bpy.data.materials.new("paint")
-paint.use_nodes = True
-paint.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (0.5, 0.5, 0.5, 1)
-wing.materials.append(paint)
+wing = mesh("wing", [(1, 0, 0), (0, 2, 0), (0, 0, 3)], [(0, 1, 2)])
+wing.materials.append(material("paint", (0.5, 0.5, 0.5))[0])
 for name in ("wing", "moving", "levels", "levels_1", "levels_0"):
-    made = bpy.data.objects.new(name, None if name == "levels" else wing)
-    scene.collection.objects.link(made)
-    made.parent = bpy.data.objects["levels"] if "_" in name else None
+    put(name, None if name == "levels" else wing, parent=bpy.data.objects["levels"] if "_" in name else None)
 bpy.data.objects["moving"].keyframe_insert("location", frame=1)
 write = encode_bin.FBXElem.add_string
 encode_bin.FBXElem.add_string = lambda element, text: write(
@@ -584,8 +535,7 @@ constexpr const char* kX3d = R"(<?xml version="1.0"?><X3D version="3.0"><Scene><
 
 TEST_F(Blend, FilesThatBlenderImportsStandUprightInMetres) {
   SKIP_WITHOUT_BLENDER();
-  const auto script = folder_.write("imports.py", kImports);
-  ASSERT_EQ(runBlender({"--python", script.string(), "--", folder_.path().string()}), "");
+  run(kImports);
   for (const char* name : {"y.fbx", "z.fbx"}) {
     testing::internal::CaptureStderr();
     const Asset asset = readAsset(folder_.path() / name, {.metresPerUnit = 2});

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <set>
+#include <tuple>
 
 #include "assets/meshes/asset_parts.h"
 #include "assets/surveys/surveys.h"
@@ -38,6 +39,14 @@ std::vector<std::string> lawn(const std::string& more, double x0 = 0, double y0 
     for (int j = 0; j < 20; ++j) lines.push_back(fmt::format("{} {} 5 {}", x0 + 0.1 * i, y0 + 0.1 * j, more));
   }
   return lines;
+}
+
+// Returns the reflectance of a point.
+double reflectanceAt(const Asset& asset, std::size_t k) {
+  const AssetPart& part = asset.parts.at(0);
+  const Vec2f uv = part.uvs.at(4 * k);
+  const Material& own = part.fileMaterial;
+  return own.reflectance * luminance(own.texture->texel(uv.x, uv.y)) / own.textureMean;
 }
 
 class Clouds : public testing::Test {
@@ -141,12 +150,6 @@ TEST_F(Clouds, IntensitiesAreReflectances) {
   std::vector<std::string> lines = lawn("51");
   for (const std::string& line : lawn("204", 50)) lines.push_back(line);
   const std::string text = ply("property float intensity\n", lines);
-  const auto reflectanceAt = [&](const Asset& asset, std::size_t k) {
-    const AssetPart& part = asset.parts[0];
-    const Vec2f uv = part.uvs[4 * k];
-    const Material& own = part.fileMaterial;
-    return own.reflectance * luminance(own.texture->texel(uv.x, uv.y)) / own.textureMean;
-  };
   const Asset asset = read(text);
   const Material& m = asset.parts.at(0).fileMaterial;
   EXPECT_TRUE(m.textured);
@@ -162,58 +165,42 @@ TEST_F(Clouds, IntensitiesAreReflectances) {
   EXPECT_THAT(messageOf([&] { read(text, options); }), HasSubstr("has no colours"));
 }
 
-class Intensities : public Clouds {
- protected:
-  // Returns the reflectances of a wall whose points have `usual`, and of one more point. `warnings`: what it tells.
-  std::array<double, 2> reflectances(const std::string& usual, const std::string& last,
-                                     const AssetOptions& options = {}) {
-    std::vector<std::string> lines = lawn(usual);
-    lines.back() = "1.9 1.9 5 " + last;
+// A wall whose points have the intensity `usual`, and one more point: one that is saturated does not darken the others,
+// ordinary scales are taken in silence, and what is no reflectance is told.
+TEST_F(Clouds, IntensitiesHaveAScaleThatIsGuessedOrStated) {
+  struct Row {
+    const char *usual, *last;
+    double full;  // stated; 0: it is guessed
+    double reflectance;
+    std::vector<const char*> told;
+  };
+  int files = 0;
+  for (const Row& row : {Row{"300",
+                             "65535",
+                             0,
+                             1,
+                             {"the intensity 300 is taken as a reflectance of 1: 1 of 400 points are above",
+                              "the greatest is 65535", "points: {full: ...}"}},
+                         {"300", "65535", 65535, 300.0 / 65535, {}},
+                         {"100", "65535", 0, 100.0 / 255, {"the intensity 255 is taken"}},
+                         {"0.5", "1", 0, 0.5, {}},
+                         {"51", "255", 0, 0.2, {}},
+                         {"1000", "2000", 0, 0.5, {}},
+                         {"0.5", "1.2", 0, 0.5, {"the intensity 1 is taken"}},
+                         {"nan", "200", 0, 0, {"399 are no numbers"}},
+                         {"-3.5", "2", 0, 0, {"399 are below 0"}}}) {
+    std::vector<std::string> lines = lawn(row.usual);
+    lines.back() = fmt::format("1.9 1.9 5 {}", row.last);
+    AssetOptions options;
+    options.points.full = row.full;
     testing::internal::CaptureStderr();
     const Asset asset =
-        readAsset(folder_.write(fmt::format("{}.ply", ++files_), ply("property float intensity\n", lines)), options);
-    warnings_ = testing::internal::GetCapturedStderr();
-    std::array<double, 2> found{};
-    for (const std::size_t k : {0, 399}) {
-      const AssetPart& part = asset.parts.at(0);
-      const Vec2f uv = part.uvs.at(4 * k);
-      const Material& own = part.fileMaterial;
-      found[k == 0 ? 0 : 1] = own.reflectance * luminance(own.texture->texel(uv.x, uv.y)) / own.textureMean;
-    }
-    return found;
+        readAsset(folder_.write(fmt::format("{}.ply", ++files), ply("property float intensity\n", lines)), options);
+    const std::string told = testing::internal::GetCapturedStderr();
+    EXPECT_NEAR(reflectanceAt(asset, 0), row.reflectance, 0.01) << row.usual << ' ' << row.last;
+    EXPECT_EQ(told.empty(), row.told.empty()) << told;
+    for (const char* words : row.told) EXPECT_THAT(told, HasSubstr(words));
   }
-  int files_ = 0;
-  std::string warnings_;
-};
-
-TEST_F(Intensities, OneSaturatedPointDoesNotDarkenTheOthers) {
-  std::array<double, 2> found = reflectances("300", "65535");
-  EXPECT_NEAR(found[0], 1, 0.01);
-  EXPECT_NEAR(found[1], 1, 0.01);
-  EXPECT_THAT(warnings_, AllOf(HasSubstr("the intensity 300 is taken as a reflectance of 1: 1 of 400 points are above"),
-                               HasSubstr("the greatest is 65535"), HasSubstr("points: {full: ...}")));
-  AssetOptions options;
-  options.points.full = 65535;
-  found = reflectances("300", "65535", options);
-  EXPECT_LT(found[0], 0.01) << "as it is stated";
-  EXPECT_EQ(warnings_, "");
-  EXPECT_NEAR(reflectances("100", "65535")[0], 100.0 / 255, 0.01) << "of bytes";
-}
-
-TEST_F(Intensities, OrdinaryScalesAreTakenInSilence) {
-  EXPECT_NEAR(reflectances("0.5", "1")[0], 0.5, 0.01);
-  EXPECT_NEAR(reflectances("51", "255")[0], 0.2, 0.01);
-  EXPECT_NEAR(reflectances("1000", "2000")[0], 0.5, 0.01);
-  EXPECT_EQ(warnings_, "");
-}
-
-TEST_F(Intensities, ThatAreNoReflectancesAreTold) {
-  EXPECT_NEAR(reflectances("0.5", "1.2")[0], 0.5, 0.01) << "a reflectance above 1 makes no bytes of the others";
-  EXPECT_THAT(warnings_, HasSubstr("the intensity 1 is taken"));
-  EXPECT_NEAR(reflectances("nan", "200")[0], 0, 0.01);
-  EXPECT_THAT(warnings_, HasSubstr("399 are no numbers"));
-  reflectances("-3.5", "2");
-  EXPECT_THAT(warnings_, HasSubstr("399 are below 0"));
 }
 
 TEST_F(Clouds, ColumnsWithoutAUseAreTold) {
@@ -303,6 +290,9 @@ TEST_F(Clouds, ColoursHaveTheScaleOfTheirTypeAndPackedOnesThatOfTheirBits) {
   EXPECT_EQ(plyOf("float", "1.0000001 0.5 0"), (std::vector{255, 128, 0}));
   EXPECT_EQ(plyOf("uchar", "1 1 0"), (std::vector{1, 1, 0}));
   EXPECT_EQ(plyOf("ushort", "65535 32896 0"), (std::vector{255, 128, 0}));
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(plyOf("ushort", "3840 100 0"), (std::vector{15, 0, 0}));
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("its greatest colour is 3840, but 65535 is taken"));
   const std::vector packed{0xFF, 0x80, 0x40};
   for (const char* number : {"16744512", "2.3464059e-38"}) {  // an integer, and the float of its bits
     EXPECT_EQ(first("a.csv", fmt::format("x,y,z,rgb\n0,0,0,{0}\n1,0,0,{0}\n0,1,0,{0}\n1,1,0,{0}\n", number)), packed)
@@ -312,21 +302,6 @@ TEST_F(Clouds, ColoursHaveTheScaleOfTheirTypeAndPackedOnesThatOfTheirBits) {
   EXPECT_EQ(first("a.ply", ply("property float rgb\n", {"0 0 0 nan", "1 0 0 2.3464059e-38", "0 1 0 0", "1 1 0 0"})),
             (std::vector{0, 0, 0}));
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("left out: 1 colours that are no numbers"));
-}
-
-TEST_F(Clouds, ColoursOfTwelveBitsAndStrayOnesAreTold) {
-  const auto colored = [&](const std::string& usual, const std::string& last) {
-    std::vector<std::string> lines = lawn(usual);
-    lines.push_back("5 5 5 " + last);
-    testing::internal::CaptureStderr();
-    const Asset asset = read(ply("property ushort red\nproperty ushort green\nproperty ushort blue\n", lines));
-    return std::pair{int{asset.parts.at(0).fileMaterial.texture->rgba.at(0)}, testing::internal::GetCapturedStderr()};
-  };
-  EXPECT_EQ(colored("2048 100 0", "4095 0 0"), (std::pair{128, std::string()}));
-  EXPECT_THAT(colored("2000 100 0", "3840 0 0").second, HasSubstr("its greatest colour is 3840, but 65535 is taken"));
-  const auto [red, told] = colored("200 100 50", "256 0 0");
-  EXPECT_EQ(red, 200);
-  EXPECT_THAT(told, HasSubstr("its greatest colour is 256, but 255 is taken as white, since 1 of 1,201"));
 }
 
 TEST_F(Clouds, SeveralPointsAtZeroAreMisses) {
@@ -347,26 +322,24 @@ TEST_F(Clouds, MayBeThinnedOut) {
 }
 
 TEST_F(Clouds, MistakesAreNamed) {
-  EXPECT_THAT(messageOf([&] { read(ply("", {})); }), AllOf(HasSubstr("a.ply"), HasSubstr("has no point")));
-  EXPECT_THAT(messageOf([&] { read(ply("", {"nan nan nan"})); }), HasSubstr("has no point"));
-  read(ply("", lawn("")));
-  EXPECT_THAT(messageOf([&] { scene(", points: {spacng: 3}"); }),
-              AllOf(HasSubstr("scene.yaml:4"), HasSubstr("'spacng'")));
-  EXPECT_THAT(messageOf([&] { scene(", points: {radius: [2, 1]}"); }), HasSubstr("[least, most]"));
-  EXPECT_THAT(messageOf([&] { scene(", heights: {every: 2}"); }), HasSubstr("rasters, such as .tif"));
-  EXPECT_THAT(messageOf([&] { scene(", points: {labels: scanmill}"); }),
-              AllOf(HasSubstr("a.ply"), HasSubstr("has no labels (a column `label`, or LAS classes), but x, y, z")));
-  read(ply("property int class\n", lawn("70000")));
-  EXPECT_THAT(messageOf([&] { scene(", points: {labels: scanmill}"); }),
-              HasSubstr("; left out: 1 columns 'class' (label of point 0 is 70000: no integer of 0 to 65535): leave"));
+  for (const char* point : {"", "nan nan nan"}) {
+    EXPECT_THAT(messageOf([&] { read(ply("", std::vector<std::string>(*point == '\0' ? 0 : 1, point))); }),
+                AllOf(HasSubstr("a.ply"), HasSubstr("has no point")));
+  }
   folder_.write("b.obj", "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-  EXPECT_THAT(messageOf([&] {
-                readScene(folder_.write("t.yaml",
-                                        "ontology: scanmill\nmaterials: materials\nobjects: "
-                                        "[{file: b.obj, points: {}}]"),
-                          {});
-              }),
-              HasSubstr("point clouds"));
+  for (const auto& [properties, values, object, words] :
+       {std::tuple{"", "", ", points: {spacng: 3}", "scene.yaml:4:"},
+        {"", "", ", points: {spacng: 3}", "'spacng'"},
+        {"", "", ", points: {radius: [2, 1]}", "[least, most]"},
+        {"", "", ", heights: {every: 2}", "rasters, such as .tif"},
+        {"", "", ", points: {labels: scanmill}",
+         "a.ply: has no labels (a column `label`, or LAS classes), but x, y, z"},
+        {"property int class\n", "70000", ", points: {labels: scanmill}",
+         "; left out: 1 columns 'class' (label of point 0 is 70000: no integer of 0 to 65535): leave"},
+        {"", "", "}\n  - {file: b.obj, points: {}", "point clouds"}}) {
+    read(ply(properties, lawn(values)));
+    EXPECT_THAT(messageOf([&] { scene(object); }), HasSubstr(words));
+  }
 }
 
 // A revolution of a real sensor: its points are where the surfaces are.

@@ -1,11 +1,10 @@
-#include "assets/surveys/surfels.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <set>
 
+#include "assets/surveys/surveys.h"
 #include "base/parallel.h"
 #include "base/random.h"
 
