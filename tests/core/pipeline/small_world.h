@@ -25,6 +25,13 @@
 
 namespace scanmill {
 
+using testing::AllOf;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
 // The yard's inner faces are at x = +-30 and y = +-20; the cars stand at x = 8.
 inline std::string yardScene() {
   return fmt::format(R"(ontology: {0}/labels/scanmill.yaml
@@ -88,10 +95,19 @@ class Yard : public testing::Test {
 
   std::filesystem::path out(const std::string& name = "out") const { return folder_.path() / name; }
 
+  Plan planOf(const std::vector<std::string>& overrides = {},
+              std::shared_ptr<const Recording> recording = nullptr) const {
+    return makePlan(readPipeline(pipeline_, overrides, std::move(recording)));
+  }
+
+  // What planning with these overrides is refused with.
+  std::string refusal(const std::vector<std::string>& overrides) const {
+    return messageOf([&] { planOf(overrides); });
+  }
+
   GenerateSummary run(const std::vector<std::string>& overrides = {}, const std::string& name = "out",
                       bool overwrite = false, const std::atomic<bool>* stop = nullptr) const {
-    return generate(makePlan(readPipeline(pipeline_, overrides)),
-                    {.folder = out(name), .overwrite = overwrite, .quiet = true, .stop = stop});
+    return generate(planOf(overrides), {.folder = out(name), .overwrite = overwrite, .quiet = true, .stop = stop});
   }
 
   // Every dataset that these tests make must be sound.

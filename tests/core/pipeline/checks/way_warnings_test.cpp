@@ -12,15 +12,10 @@
 namespace scanmill {
 namespace {
 
-using testing::AllOf;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
-
 class WayWarnings : public Yard {
  protected:
   std::vector<std::string> warnings(const std::vector<std::string>& overrides) const {
-    const Plan plan = makePlan(readPipeline(pipeline_, overrides));
+    const Plan plan = planOf(overrides);
     ShotSource source(plan);
     const Scene scene = source.load(0);
     return wayWarnings(source, 0, SceneProbe(scene));
@@ -50,8 +45,8 @@ TEST_F(WayWarnings, TellOfSensorsUnderTheGround) {
                         HasSubstr("`mount`"))));
   // A sensor that is mounted at this height may touch something else.
   EXPECT_THAT(warnings({"trajectories=[{poses: [{position: [8, 5, 0]}]}]", "sensors.0.mount={position: [0, 0, 1.52]}"}),
-              testing::Contains(AllOf(HasSubstr("'top' is on the surface of 'car#1' (car) in 1 of 1 frames"),
-                                      testing::Not(HasSubstr("`mount`")))));
+              Contains(AllOf(HasSubstr("'top' is on the surface of 'car#1' (car) in 1 of 1 frames"),
+                             Not(HasSubstr("`mount`")))));
 }
 
 TEST_F(WayWarnings, TellOfSensorsFarAboveAndBeside) {
@@ -66,7 +61,7 @@ TEST_F(WayWarnings, TellOfSensorsFarAboveAndBeside) {
 
 TEST_F(WayWarnings, TellOfSensorsInsideOfThings) {
   EXPECT_THAT(warnings({"trajectories=[{poses: [{position: [8, 5, -1]}]}]"}),
-              testing::Contains(AllOf(HasSubstr("'top' is inside 'car#1' (car)"), HasSubstr("[8.00, 5.00, 0.80]"))));
+              Contains(AllOf(HasSubstr("'top' is inside 'car#1' (car)"), HasSubstr("[8.00, 5.00, 0.80]"))));
 }
 
 // A house with panels within, which make it look open to a ray that counts its walls.
@@ -87,9 +82,9 @@ TEST_F(WayWarnings, TellOfSensorsThatSeeOneThingAlone) {
                                                                  SCANMILL_SOURCE_DIR))
                                 .string();
   EXPECT_THAT(warnings({"scenes.0.scene=" + scene, "trajectories=[{poses: [{position: [0, 0, -2]}]}]"}),
-              testing::Contains(HasSubstr("'top' sees nothing but 'house' (building)")));
+              Contains(HasSubstr("'top' sees nothing but 'house' (building)")));
   EXPECT_THAT(warnings({"scenes.0.scene=" + scene, "trajectories=[{poses: [{position: [0, 7, -2]}]}]"}),
-              testing::Not(testing::Contains(HasSubstr("nothing but"))));
+              Not(Contains(HasSubstr("nothing but"))));
 }
 
 // A tower whose walls and roof are objects of their own, and a rail that is lower than most of a car.
@@ -113,18 +108,18 @@ TEST_F(WayWarnings, TellOfTowersOfSeveralPartsAndOfLowRails) {
   EXPECT_THAT(warnings({"scenes.0.scene=" + scene, "trajectories=[{poses: [{position: [0, 7, 0.5]}]}]"}), IsEmpty());
   EXPECT_THAT(warnings({"scenes.0.scene=" + scene, drive("[[20, 0, 0], [5, 0, 0]]", ", ground: drop")}),
               ElementsAre(HasSubstr("its path goes through 'rail' (fence) at [10.05, ")));
-  EXPECT_THAT(warnings({"scenes.0.scene=" + scene, drive("[[20, 0, 0], [-8, 0, 0]]", ", ground: drop")}),
-              testing::Contains(
-                  AllOf(HasSubstr("'rail' (fence) at [10.05, "), HasSubstr("and through 2 more objects (building)"))));
+  EXPECT_THAT(
+      warnings({"scenes.0.scene=" + scene, drive("[[20, 0, 0], [-8, 0, 0]]", ", ground: drop")}),
+      Contains(AllOf(HasSubstr("'rail' (fence) at [10.05, "), HasSubstr("and through 2 more objects (building)"))));
 }
 
 TEST_F(WayWarnings, TellOfWaysThroughWallsAndLowThings) {
   EXPECT_THAT(warnings({drive("[[0, 0, 0], [45, 0, 0]]")}),
-              testing::Contains(HasSubstr("its path goes through 'across#1' (wall) at [30.00, 0.00")));
+              Contains(HasSubstr("its path goes through 'across#1' (wall) at [30.00, 0.00")));
   // Both cars of the yard, one behind the other, however often it comes by; and a circle that one frame is long.
   EXPECT_THAT(warnings({"trajectories=[{name: loop, path: line, waypoints: [[-10, 5, 0], [20, 5, 0], [20, 9, 0], "
                         "[-10, 9, 0], [-10, 5.1, 0]], speed: 20, every_m: 60}]"}),
-              testing::Contains(AllOf(HasSubstr("'car#1' (car) at [6.00, 5.00, "), HasSubstr("(frame 0)"))));
+              Contains(AllOf(HasSubstr("'car#1' (car) at [6.00, 5.00, "), HasSubstr("(frame 0)"))));
   // The cars are lower than the sensor.
   EXPECT_THAT(warnings({drive("[[-10, 5, 0], [20, 5, 0]]")}),
               ElementsAre(AllOf(HasSubstr("'car#1' (car) at [6.00, 5.00, "))));
@@ -163,14 +158,14 @@ TEST_F(WayWarnings, TellWhatTheVehicleMeetsFirst) {
                                 HasSubstr("the box of its `vehicle`, 0.50 x 0.40 m, from 0.10 to 0.35 m"))));
   // The robot is wide enough to touch a leg, in whichever direction it drives.
   EXPECT_THAT(told("waypoints: [[2.45, -3, 0], [2.45, -0.6, 0]]" + speed),
-              ElementsAre(AllOf(HasSubstr("'leg' (object) at [2.4"), testing::Not(HasSubstr("more")))));
+              ElementsAre(AllOf(HasSubstr("'leg' (object) at [2.4"), Not(HasSubstr("more")))));
   // Without a model of the vehicle, its sensors and the wheels that are given.
   EXPECT_THAT(told("waypoints: [[-3, -0.47, 0], [5, -0.47, 0]]" + speed, "vehicle=null"),
               ElementsAre(AllOf(HasSubstr("'leg' (object) at [1.5"), HasSubstr("and through 1 more object (object)"),
                                 HasSubstr("its sensors, 0.40 x 0.30 m, from 0.10 to 0.42"))));
   EXPECT_THAT(told("waypoints: [[-3, -0.55, 0], [5, -0.55, 0]]" + speed, "vehicle=null"), IsEmpty());
   EXPECT_THAT(told("waypoints: [[-3, 4, 0], [5, 4, 0]]" + speed),
-              testing::Contains(HasSubstr("its path goes through 'bed' (structure) at [1.00, 4.00")));
+              Contains(HasSubstr("its path goes through 'bed' (structure) at [1.00, 4.00")));
   EXPECT_THAT(told("poses: [{position: [5.74, -5, 0]}]"),
               ElementsAre(HasSubstr("it stands in 'wall' (wall) at [5.85,")));
   EXPECT_THAT(told("poses: [{position: [5.5, -5, 0]}]"), IsEmpty());
@@ -180,7 +175,7 @@ TEST_F(WayWarnings, TellWhatTheVehicleMeetsFirst) {
 }
 
 TEST_F(WayWarnings, BoxesTouchTheNearSideForwardsAndBackwards) {
-  const Plan plan = makePlan(readPipeline(pipeline_, {}));
+  const Plan plan = planOf();
   const Scene scene = ShotSource(plan).load(0);
   for (const double yaw : {0.0, std::numbers::pi}) {
     const Quat heading = fromYawPitchRoll(yaw, 0, 0);
@@ -202,7 +197,7 @@ TEST_F(WayWarnings, TellHowFarLongWaysAreChecked) {
 
 TEST_F(WayWarnings, TellOfWaysThatLeaveTheGround) {
   EXPECT_THAT(warnings({drive("[[0, 0, 0], [0, 30, 0], [0, 70, 0]]", ", ground: drop")}),
-              testing::Contains(HasSubstr("% of its path has no ground below or above")));
+              Contains(HasSubstr("% of its path has no ground below or above")));
 }
 
 TEST_F(WayWarnings, RandomDrivesMakeSoundDatasetsThatFollowFromTheSeed) {

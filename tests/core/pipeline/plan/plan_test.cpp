@@ -8,43 +8,36 @@
 namespace scanmill {
 namespace {
 
-using testing::AllOf;
-using testing::Contains;
-using testing::HasSubstr;
-
-class PlanTest : public Yard {
- protected:
-  Plan plan(const std::vector<std::string>& overrides) const { return makePlan(readPipeline(pipeline_, overrides)); }
-};
+using PlanTest = Yard;
 
 TEST_F(PlanTest, OnlyChannelsThatSomebodyReads) {
-  EXPECT_EQ(plan({"output.columns=[ring]"}).channels, Channels(Channel::Range));
-  EXPECT_EQ(plan({"output.columns=[label, instance]"}).channels,
+  EXPECT_EQ(planOf({"output.columns=[ring]"}).channels, Channels(Channel::Range));
+  EXPECT_EQ(planOf({"output.columns=[label, instance]"}).channels,
             Channel::Range | Channel::Semantic | Channel::Instance);
-  EXPECT_EQ(plan({"output.columns=[incidence]"}).channels, Channel::Range | Channel::Incidence);
-  EXPECT_FALSE(plan({}).channels.has(Channel::Incidence));
-  const Channels lit = plan({"output.columns=[intensity]", "effects=[intensity]"}).channels;
+  EXPECT_EQ(planOf({"output.columns=[incidence]"}).channels, Channel::Range | Channel::Incidence);
+  EXPECT_FALSE(planOf({}).channels.has(Channel::Incidence));
+  const Channels lit = planOf({"output.columns=[intensity]", "effects=[intensity]"}).channels;
   EXPECT_TRUE(lit.has(Channel::Reflectance) && lit.has(Channel::Incidence));
   EXPECT_FALSE(lit.has(Channel::Semantic) || lit.has(Channel::Primitive));
 }
 
 TEST_F(PlanTest, TellsWhatIsLeftOutAndWhy) {
-  EXPECT_THAT(linesOf(modelled(plan({}), {})),
+  EXPECT_THAT(linesOf(modelled(planOf({}), {})),
               AllOf(Contains(HasSubstr("channels: range, instance, semantic")),
                     Contains(HasSubstr("properties of hits that nothing reads: left out, normal")),
                     Contains(HasSubstr("intensity: left out, no effect sets it")), Contains(HasSubstr("effects: none")),
                     Contains(HasSubstr("one pose"))));
-  EXPECT_THAT(
-      linesOf(modelled(plan({"motion={steps: 9}", "output.layout=organised", "effects=[quantize: {step_m: 1}]"}), {})),
-      AllOf(Contains(HasSubstr("9 poses per revolution")), Contains(HasSubstr("misses: written")),
-            Contains(HasSubstr("effect quantize {step_m: 1}: "))));
+  EXPECT_THAT(linesOf(modelled(
+                  planOf({"motion={steps: 9}", "output.layout=organised", "effects=[quantize: {step_m: 1}]"}), {})),
+              AllOf(Contains(HasSubstr("9 poses per revolution")), Contains(HasSubstr("misses: written")),
+                    Contains(HasSubstr("effect quantize {step_m: 1}: "))));
 }
 
 TEST_F(PlanTest, ShotsHaveTheirPosesAndAddresses) {
-  const Plan p = plan({"scenes.0.seeds=[1, 2]", "seed=77",
-                       "sensors=[" + kTop +
-                           ", {name: rear, columns: 4, rate_hz: 10, elevation_deg: [0], range_m: [1, 9], "
-                           "mount: {position: [-1, 0, 1], yaw_deg: 180}}]"});
+  const Plan p = planOf({"scenes.0.seeds=[1, 2]", "seed=77",
+                         "sensors=[" + kTop +
+                             ", {name: rear, columns: 4, rate_hz: 10, elevation_deg: [0], range_m: [1, 9], "
+                             "mount: {position: [-1, 0, 1], yaw_deg: 180}}]"});
   const std::vector<Shot> shots = ShotSource(p).frame(1, 3).shots;
   ASSERT_EQ(shots.size(), 2u);
   EXPECT_EQ(shots[1].seed, 77u);
@@ -60,16 +53,16 @@ TEST_F(PlanTest, ShotsHaveTheirPosesAndAddresses) {
 }
 
 TEST_F(PlanTest, MoreStepsThanColumnsAreRefused) {
-  EXPECT_THAT(messageOf<InputError>([&] { plan({"motion={steps: 65}"}); }),
+  EXPECT_THAT(refusal({"motion={steps: 65}"}),
               AllOf(HasSubstr("--set motion"), HasSubstr("65 steps"), HasSubstr("64 columns"), HasSubstr("'top'")));
-  const Plan steps = plan({"motion={steps: 64}"});
+  const Plan steps = planOf({"motion={steps: 64}"});
   EXPECT_EQ(ShotSource(steps).frame(0, 0).shots.at(0).worldFromSensor.size(), 64u);
 }
 
 TEST_F(PlanTest, WhatTheMethodCannotDoIsRefused) {
-  EXPECT_NO_THROW(plan({"method=depth_camera"}).requirePasses());
+  EXPECT_NO_THROW(planOf({"method=depth_camera"}).requirePasses());
   EXPECT_THAT(
-      messageOf<InputError>([&] { plan({}).requirePasses(); }),
+      messageOf<InputError>([&] { planOf({}).requirePasses(); }),
       AllOf(HasSubstr("yard.yaml: the method ray_tracing draws no passes"), HasSubstr("take `method: depth_camera`")));
   MethodEntry still = requireMethod("ray_tracing", {});
   still.name = "still";
@@ -93,17 +86,15 @@ TEST_F(PlanTest, FramesThatNoMemoryHoldsAreRefusedWithTheArithmetic) {
         ", range_m: [1, 9]}}, ",
         i);
   }
-  EXPECT_THAT(messageOf<InputError>([&] {
-                plan({sensors + "]", "trajectories.0.frames=1"});
-              }),
+  EXPECT_THAT(refusal({sensors + "]", "trajectories.0.frames=1"}),
               AllOf(HasSubstr("yard.yaml: 80530636800 beams per frame x "), HasSubstr("GiB of memory")));
 }
 
 TEST_F(PlanTest, FramesInFlightFitTheThreadsAndTheMemory) {
   const ThreadLimit limit(2);
-  EXPECT_EQ(plan({}).framesInFlight(), 2u);
-  const Plan wide = plan({"sensors.0.columns=65536"});
-  EXPECT_EQ(wide.bytesPerFrameInMemory(), 1024 * plan({}).bytesPerFrameInMemory());
+  EXPECT_EQ(planOf({}).framesInFlight(), 2u);
+  const Plan wide = planOf({"sensors.0.columns=65536"});
+  EXPECT_EQ(wide.bytesPerFrameInMemory(), 1024 * planOf({}).bytesPerFrameInMemory());
   EXPECT_GE(wide.framesInFlight(), 1u);
   // Half of what the program itself leaves.
   const std::uint64_t own = std::uint64_t{72} << 20;
@@ -115,7 +106,7 @@ TEST_F(PlanTest, FramesInFlightFitTheThreadsAndTheMemory) {
 }
 
 TEST_F(PlanTest, ScenesAndFramesThatDoNotFitAreRefused) {
-  const Plan fits = plan({});
+  const Plan fits = planOf({});
   ShotSource source(fits);
   const Scene scene = source.load(0);
   const std::unique_ptr<Method> method = source.method(scene);
@@ -132,16 +123,15 @@ TEST_F(PlanTest, ScenesMustShareTheirClassesBeforeAnythingIsTraced) {
   folder_.write("scenes/other.yaml", other);
   const std::vector<std::string> two{fmt::format("scenes=[{{scene: {0}/yard.yaml}}, {{scene: {0}/other.yaml}}]",
                                                  (folder_.path() / "scenes").string())};
-  EXPECT_THAT(messageOf<InputError>([&] { plan(two); }),
-              AllOf(HasSubstr("yard.yaml: the scenes"), HasSubstr("other.yaml"), HasSubstr("different classes"),
-                    HasSubstr("`labels`")));
+  EXPECT_THAT(refusal(two), AllOf(HasSubstr("yard.yaml: the scenes"), HasSubstr("other.yaml"),
+                                  HasSubstr("different classes"), HasSubstr("`labels`")));
   std::vector<std::string> agreed = two;
   agreed.push_back(fmt::format("labels={}/labels/scanmill.yaml", SCANMILL_SOURCE_DIR));
-  EXPECT_NO_THROW(plan(agreed));
+  EXPECT_NO_THROW(planOf(agreed));
 }
 
 TEST_F(PlanTest, AnAbsentSceneIsFoundAtOnce) {
-  EXPECT_THAT(messageOf<InputError>([&] { plan({"scenes.0.scene=nowhere.yaml"}); }), HasSubstr("nowhere.yaml"));
+  EXPECT_THAT(refusal({"scenes.0.scene=nowhere.yaml"}), HasSubstr("nowhere.yaml"));
 }
 
 TEST_F(PlanTest, MethodsThatStopObjectsRefuseScenesInWhichTheyMove) {
@@ -149,7 +139,7 @@ TEST_F(PlanTest, MethodsThatStopObjectsRefuseScenesInWhichTheyMove) {
   yard += "  - {primitive: box, size: [1, 1, 1], class: car, material: car_paint, moving: {velocity: [1, 0, 0]}}\n";
   folder_.write("scenes/yard.yaml", yard);
   const auto methodOf = [&](const std::string& name) {
-    const Plan p = plan({"method=" + name});
+    const Plan p = planOf({"method=" + name});
     ShotSource source(p);
     const Scene scene = source.load(0);
     source.method(scene);

@@ -8,13 +8,9 @@
 namespace scanmill {
 namespace {
 
-using testing::ElementsAre;
-
 class ShardJobs : public Yard {
  protected:
-  std::vector<ShardJob> jobs(const std::vector<std::string>& overrides) const {
-    return shardJobs(makePlan(readPipeline(pipeline_, overrides)));
-  }
+  std::vector<ShardJob> jobs(const std::vector<std::string>& overrides) const { return shardJobs(planOf(overrides)); }
   static std::vector<std::size_t> sizes(const std::vector<ShardJob>& jobs) {
     std::vector<std::size_t> found;
     for (const ShardJob& job : jobs) found.push_back(job.samples.size());
@@ -110,7 +106,7 @@ class SampleSize : public Yard {
  protected:
   // The bound over the bytes of the largest sample that is made.
   double excess(const std::vector<std::string>& overrides, const std::string& name) const {
-    const Plan plan = makePlan(readPipeline(pipeline_, overrides));
+    const Plan plan = planOf(overrides);
     EXPECT_EQ(run(overrides, name).manifest.columns, scanColumnNames(plan.columns()));
     std::map<std::string, std::uint64_t> bytes;  // by sample
     for (const auto& [member, contents] : members(name)) {

@@ -6,10 +6,6 @@
 namespace scanmill {
 namespace {
 
-using testing::AllOf;
-using testing::ElementsAre;
-using testing::HasSubstr;
-
 std::string corrupted(const std::string& effects, const std::string& corruption) {
   return flowText(withCorruption(parseYaml(effects, "x.yaml"), parseYaml(corruption, "y.yaml")));
 }

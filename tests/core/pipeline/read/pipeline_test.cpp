@@ -7,10 +7,6 @@
 namespace scanmill {
 namespace {
 
-using testing::AllOf;
-using testing::ElementsAre;
-using testing::HasSubstr;
-
 // "line:column" of the first place at which a text stands.
 std::string placeOf(const std::string& text, const std::string& what) {
   const std::size_t at = text.find(what);

@@ -8,10 +8,6 @@
 namespace scanmill {
 namespace {
 
-using testing::AllOf;
-using testing::Contains;
-using testing::ElementsAre;
-using testing::HasSubstr;
 using testing::IsSupersetOf;
 
 class SensorEffectsOf : public testing::Test {
@@ -117,7 +113,7 @@ TEST_F(SensorEffectsOf, ThoseOfThePipelineAreNotLeftOutInSilence) {
                      {})));
   };
   EXPECT_THAT(warnings("effects: [intensity]\n"), ElementsAre(AllOf(HasSubstr("own.yaml:"), HasSubstr("not applied"))));
-  EXPECT_THAT(warnings("effects: sensor\n"), testing::IsEmpty());
+  EXPECT_THAT(warnings("effects: sensor\n"), IsEmpty());
 }
 
 TEST_F(SensorEffectsOf, EachScanHasItsOwn) {
@@ -148,8 +144,7 @@ TEST_F(SensorEffectsOf, AreLeftOutForASensorWithoutAny) {
               Contains(HasSubstr("effects of the sensor's file of 'b': left out")));
   const char* random = "effects: [sensor, dropout: {probability: {uniform: [0, 1], per: frame}}]\n";
   EXPECT_NE(pipeline(random, "effects: [intensity]\n", "").drawn, nullptr);
-  EXPECT_THAT(sensorWarnings(makePlan(pipeline("effects: [intensity]\n", "effects: [intensity]\n", ""))),
-              testing::IsEmpty());
+  EXPECT_THAT(sensorWarnings(makePlan(pipeline("effects: [intensity]\n", "effects: [intensity]\n", ""))), IsEmpty());
 }
 
 // Rain and fog need the width of the beam, the pulse and the near range; usual values stand for those that a sensor's

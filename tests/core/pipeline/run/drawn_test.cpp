@@ -9,12 +9,6 @@
 namespace scanmill {
 namespace {
 
-using testing::AllOf;
-using testing::Contains;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::Not;
-
 const std::string kSeeds = "scenes.0.seeds=[1, 2, 3]";
 const std::string kHeight = "sensors.0.mount.position.2={uniform: [1.2, 2.4]}";
 const std::string kNoise = "effects=[{range_noise: {sigma_m: {uniform: [0.01, 0.2], per: frame}}}]";
@@ -78,7 +72,7 @@ TEST_F(Drawn, EffectsMayBeDrawn) {
     EXPECT_EQ(draw.number, draw.value != "none") << draw.value;
     EXPECT_EQ(sample.scans[0].points == 0, draw.key == "effects.1.dropout.probability") << draw.key;
   }
-  EXPECT_THAT(keys, testing::ElementsAre("effects.1", "effects.1.dropout.probability", "effects.1.dropout.threshold"));
+  EXPECT_THAT(keys, ElementsAre("effects.1", "effects.1.dropout.probability", "effects.1.dropout.threshold"));
 }
 
 // Each split has rain and dry weather, however few sequences it has, and as many frames of a value as its share.
@@ -111,11 +105,9 @@ TEST_F(Drawn, SplitsShareStratifiedValuesEvenly) {
 // Recorded hits are sensed as traced ones are, but for the rays that a recording does not hold.
 TEST_F(Drawn, RecordedHitsHaveDrawnEffects) {
   const std::string lit = "effects=[intensity, {range_noise: {sigma_m: {uniform: [0.01, 0.2], per: frame}}}]";
-  generate(makePlan(readPipeline(pipeline_, {kSeeds, lit})),
-           {.folder = out("traced"), .keepHits = out("hits"), .quiet = true});
+  generate(planOf({kSeeds, lit}), {.folder = out("traced"), .keepHits = out("hits"), .quiet = true});
   const auto fromHits = [&](const std::vector<std::string>& overrides, const std::string& name) {
-    generate(makePlan(readPipeline(pipeline_, overrides, recordingIn(out("hits")))),
-             {.folder = out(name), .quiet = true});
+    generate(planOf(overrides, recordingIn(out("hits"))), {.folder = out(name), .quiet = true});
   };
   fromHits({kSeeds, lit}, "sensed");
   EXPECT_EQ(members("sensed"), members("traced"));
@@ -170,20 +162,17 @@ TEST_F(Drawn, ValuesDoNotDependOnOtherKeys) {
 
 // The ends of what may be drawn are checked before the first ray, whether or not they will be met.
 TEST_F(Drawn, RefusesWhatMightNotWork) {
-  expectRefusals(
-      [&](const std::string& override) { return messageOf([&] { makePlan(readPipeline(pipeline_, {override})); }); },
-      {{"effects=[{range_noise: {sigma_m: {normal: [0.1, 0.03]}}}]", "sigma_m must be"},
-       {"effects=[{footprint: {rays: {choice: [7, 19]}}}, intensity]", "the number of rays per beam"},
-       {"effects=[{choice: [none, intensity]}]", "the existence or the unit of its intensity"},
-       {"effects=[{intensity: {output: {choice: [float, u8]}}}]", "the unit of its intensity"},
-       {"sensors.0.mount.position.2={uniform: [1, 2], per: frame}", "per: frame"},
-       {"sensors.0.columns={choice: [64, 128]}", "cannot be random"},
-       {"effects=[{choice: [{speckle: {looks: 2}}, none]}, {quantise: {step_m: 1}}]", "quantize"}});
-  EXPECT_THAT(messageOf([&] {
-                generate(makePlan(readPipeline(pipeline_, {kHeight})),
-                         {.folder = out("kept"), .keepHits = out("hits"), .quiet = true});
-              }),
-              HasSubstr("give each `mount` fixed values"));
+  expectRefusals([&](const std::string& override) { return refusal({override}); },
+                 {{"effects=[{range_noise: {sigma_m: {normal: [0.1, 0.03]}}}]", "sigma_m must be"},
+                  {"effects=[{footprint: {rays: {choice: [7, 19]}}}, intensity]", "the number of rays per beam"},
+                  {"effects=[{choice: [none, intensity]}]", "the existence or the unit of its intensity"},
+                  {"effects=[{intensity: {output: {choice: [float, u8]}}}]", "the unit of its intensity"},
+                  {"sensors.0.mount.position.2={uniform: [1, 2], per: frame}", "per: frame"},
+                  {"sensors.0.columns={choice: [64, 128]}", "cannot be random"},
+                  {"effects=[{choice: [{speckle: {looks: 2}}, none]}, {quantise: {step_m: 1}}]", "quantize"}});
+  EXPECT_THAT(
+      messageOf([&] { generate(planOf({kHeight}), {.folder = out("kept"), .keepHits = out("hits"), .quiet = true}); }),
+      HasSubstr("give each `mount` fixed values"));
 }
 
 }  // namespace

@@ -8,9 +8,6 @@
 namespace scanmill {
 namespace {
 
-using testing::AllOf;
-using testing::HasSubstr;
-
 const std::string kWide =
     "sensors=[{name: top, columns: 256, rate_hz: 10, elevation_deg: {top: 5, bottom: -25, rings: 16}, range_m: [0.5, "
     "100], mount: {position: [0, 0, 1.8]}, divergence_mrad: 12, pulse_ns: 20}]";
@@ -71,23 +68,20 @@ TEST_F(FootprintRun, LooksThroughGlass) {
     for (const std::uint8_t cause : scan[kCause]) EXPECT_EQ(cause, 1);
   }
   EXPECT_THAT(linesOf(through.modelled),
-              testing::Contains("parts that let light through: beams continue behind them (1 in a scene)"));
+              Contains("parts that let light through: beams continue behind them (1 in a scene)"));
   EXPECT_THAT(linesOf(opaque.modelled),
-              AllOf(testing::Contains("parts that let light through: left out, opaque here (1 in a scene)"),
-                    testing::Contains(HasSubstr("light through glass and off mirrors: left out"))));
-  EXPECT_THAT(
-      messageOf([&] { makePlan(readPipeline(pipeline_, with("[intensity, light_paths: {}]", "depth_camera"))); }),
-      AllOf(HasSubstr("depth_camera ends each ray"), HasSubstr("`method: ray_tracing`")));
+              AllOf(Contains("parts that let light through: left out, opaque here (1 in a scene)"),
+                    Contains(HasSubstr("light through glass and off mirrors: left out"))));
+  EXPECT_THAT(refusal(with("[intensity, light_paths: {}]", "depth_camera")),
+              AllOf(HasSubstr("depth_camera ends each ray"), HasSubstr("`method: ray_tracing`")));
 }
 
 // A recording of hits holds one ray a beam: sensors' own effects stay usable, and the plan says what is left out.
 TEST_F(FootprintRun, IsLeftOutOfRecordings) {
-  generate(makePlan(readPipeline(pipeline_, with("[intensity]"))),
-           {.folder = out("kept"), .keepHits = out("hits"), .quiet = true});
+  generate(planOf(with("[intensity]")), {.folder = out("kept"), .keepHits = out("hits"), .quiet = true});
   const Plan plan = makePlan(
       readPipeline(pipeline_, with("[intensity, footprint: {rays: 7}, light_paths: {}]"), recordingIn(out("hits"))));
-  EXPECT_THAT(linesOf(modelled(plan, {})),
-              testing::Contains("effect footprint: left out, a recording holds one ray per beam"));
+  EXPECT_THAT(linesOf(modelled(plan, {})), Contains("effect footprint: left out, a recording holds one ray per beam"));
   EXPECT_EQ(plan.pipeline.raysPerFrame(), plan.pipeline.beamsPerFrame());
   generate(plan, {.folder = out("again"), .quiet = true});
   EXPECT_EQ(scans(".pcd", "again").size(), scans(".pcd", "kept").size());
@@ -95,17 +89,12 @@ TEST_F(FootprintRun, IsLeftOutOfRecordings) {
 }
 
 TEST_F(FootprintRun, IsRefusedWhereItMeansNothing) {
-  const auto refusal = [&](const std::vector<std::string>& overrides) {
-    return messageOf([&] { makePlan(readPipeline(pipeline_, overrides)); });
-  };
   EXPECT_THAT(refusal({"effects=[intensity, footprint: {rays: 7}]"}), HasSubstr("divergence_mrad"));
   EXPECT_THAT(refusal(with("[footprint: {rays: 7}]")), AllOf(HasSubstr("intensity"), HasSubstr("detection")));
   EXPECT_THAT(refusal(with("[intensity, range_noise: {over_snr_m: 1}]")), HasSubstr("detection: {noise"));
-  EXPECT_THAT(
-      messageOf([&] { makePlan(readPipeline(pipeline_, with("[intensity, footprint: {rays: 7}]"))).requireOneRay(); }),
-      HasSubstr("footprint"));
-  EXPECT_EQ(makePlan(readPipeline(pipeline_, with("[intensity, footprint: {rays: 7}]"))).pipeline.raysPerFrame(),
-            7u * 16u * 256u);
+  EXPECT_THAT(messageOf([&] { planOf(with("[intensity, footprint: {rays: 7}]")).requireOneRay(); }),
+              HasSubstr("footprint"));
+  EXPECT_EQ(planOf(with("[intensity, footprint: {rays: 7}]")).pipeline.raysPerFrame(), 7u * 16u * 256u);
 }
 
 }  // namespace

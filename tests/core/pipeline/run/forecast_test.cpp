@@ -9,8 +9,6 @@
 namespace scanmill {
 namespace {
 
-using testing::HasSubstr;
-
 class ForecastTest : public Yard {
  protected:
   Reread rereadWith(const std::vector<std::string>& overrides) const {
@@ -104,7 +102,7 @@ TEST_F(ForecastTest, OfManyBeamsIsMeasuredOnSome) {
     return all(more);
   };
   const SampleCosts many = measureSampleCosts(makePlan(all({})), reread);
-  EXPECT_THAT(changed, testing::Contains("sensors.0.columns=1000"));
+  EXPECT_THAT(changed, Contains("sensors.0.columns=1000"));
   EXPECT_DOUBLE_EQ(many.frameBytes, 6 * some.frameBytes);
 }
 

@@ -15,10 +15,6 @@
 namespace scanmill {
 namespace {
 
-using testing::AllOf;
-using testing::ElementsAre;
-using testing::HasSubstr;
-
 // Two sensors, three formats, all effects, three splits.
 std::vector<std::string> everything() {
   return {"sensors=[" + kTop +
@@ -52,7 +48,7 @@ TEST_F(GenerateTest, LaterSequencesDoNotChangeEarlierOnes) {
 
 TEST_F(GenerateTest, TheManifestAndTheSummaryTellWhatWasMade) {
   const GenerateSummary s = run(everything());
-  EXPECT_THAT(verifyDataset(out()).problems, testing::IsEmpty());
+  EXPECT_THAT(verifyDataset(out()).problems, IsEmpty());
   const Manifest m = readManifest(out());
   EXPECT_EQ(m.name, "yard");
   EXPECT_EQ(m.seed, 3u);
@@ -100,10 +96,10 @@ TEST_F(GenerateTest, ACardAndMetadataStandBesideTheManifest) {
   EXPECT_EQ(m.about.size(), 3u);
   EXPECT_EQ(readFile(out() / kCardName), cardText(m));
   EXPECT_EQ(readFile(out() / kCroissantName), croissantJson(m));
-  EXPECT_THAT(readFile(out() / kCardName), testing::HasSubstr("A yard."));
+  EXPECT_THAT(readFile(out() / kCardName), HasSubstr("A yard."));
   run({}, "out", true);
-  EXPECT_THAT(readFile(out() / kCardName), testing::HasSubstr("License: not stated"));
-  EXPECT_THAT(messageOf([&] { run({"about={licence: MIT}"}, "no"); }), testing::HasSubstr("did you mean 'license'"));
+  EXPECT_THAT(readFile(out() / kCardName), HasSubstr("License: not stated"));
+  EXPECT_THAT(messageOf([&] { run({"about={licence: MIT}"}, "no"); }), HasSubstr("did you mean 'license'"));
 }
 
 // The seed is that of the noise: beams, labels and noise-free ranges stay.
@@ -229,7 +225,7 @@ TEST_F(GenerateTest, ResumedRunsGiveTheSameBytes) {
   overrides.emplace_back("output.shard_samples=1");
   const Manifest whole = sound(overrides, "whole");
   ASSERT_EQ(whole.shards.size(), 12u);
-  const Plan plan = makePlan(readPipeline(pipeline_, overrides));
+  const Plan plan = planOf(overrides);
   int run = 0;
   for (const std::vector<std::size_t>& made :
        {std::vector<std::size_t>{0}, {11}, {0, 1, 2, 5, 9}, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}}) {
@@ -258,10 +254,10 @@ TEST_F(GenerateTest, ResumedRunsGiveTheSameBytes) {
 TEST_F(GenerateTest, ResumingRefusesOtherPipelines) {
   const std::vector<std::string> overrides{"output.shard_samples=1", "trajectories.0.frames=3"};
   sound(overrides, "whole");
-  const Plan plan = makePlan(readPipeline(pipeline_, overrides));
+  const Plan plan = planOf(overrides);
   interrupt(out(), plan, out("whole"), {1});
   const GenerateOptions options{.folder = out(), .resume = true, .quiet = true};
-  const Plan other = makePlan(readPipeline(pipeline_, {"output.shard_samples=1", "trajectories.0.frames=4"}));
+  const Plan other = planOf({"output.shard_samples=1", "trajectories.0.frames=4"});
   EXPECT_THAT(messageOf<InputError>([&] { generate(other, options); }), HasSubstr("another pipeline"));
   const std::filesystem::path scene = plan.pipeline.sequences[0].sceneFile;
   const std::string text = readFile(scene);
@@ -296,7 +292,7 @@ TEST_F(GenerateTest, ResumingRefusesAssetsThatHaveChanged) {
   EXPECT_EQ(hashOf(whole, "scenes/yard.yaml"), xxh3(readFile(folder_.path() / "scenes/yard.yaml")));
   EXPECT_FALSE(hashOf(whole, "scanmill:labels/materials.yaml").empty());
 
-  const Plan plan = makePlan(readPipeline(pipeline_, overrides));
+  const Plan plan = planOf(overrides);
   // All shards are made in one run, then the last one, of the second seed, is all that is left of it.
   generate(plan, {.folder = out("listed"), .shards = {ShardChoice::Kind::Listed, {0, 1, 2, 3}}, .quiet = true});
   DatasetFolder listed(out("listed"), FolderUse::Share, datasetPlan(plan, shardJobs(plan)));
@@ -317,7 +313,7 @@ TEST_F(GenerateTest, ResumingRefusesAssetsThatHaveChanged) {
   const GenerateOptions again{.folder = out("whole"), .shards = {ShardChoice::Kind::Any, {}}, .quiet = true};
   EXPECT_THAT(messageOf<InputError>([&] { generate(plan, again); }), HasSubstr("crate.obj")) << "of a whole dataset";
   EXPECT_THAT(messageOf<InputError>([&] { generate(plan, options); }),
-              testing::AllOf(HasSubstr("crate.obj"), HasSubstr("--overwrite"), HasSubstr("--resume=anyway")));
+              AllOf(HasSubstr("crate.obj"), HasSubstr("--overwrite"), HasSubstr("--resume=anyway")));
   EXPECT_TRUE(std::filesystem::exists(out() / ".scanmill" / whole.shards[1].file)) << "nothing is lost";
   GenerateOptions others{.folder = out(), .shards = {ShardChoice::Kind::Any, {}}, .quiet = true};
   EXPECT_THAT(messageOf<InputError>([&] { generate(plan, others); }), HasSubstr("crate.obj"));
@@ -329,7 +325,7 @@ TEST_F(GenerateTest, ResumingRefusesAssetsThatHaveChanged) {
 
 // A file that changes after the pipeline was read is refused with the first scene, not after all shards are made.
 TEST_F(GenerateTest, FilesThatChangeBeforeTheFirstSceneAreRefused) {
-  Plan plan = makePlan(readPipeline(pipeline_, {}));
+  Plan plan = planOf();
   plan.pipeline.files.push_back({"scenes/yard.yaml", "0123456789abcdef0123456789abcdef"});
   EXPECT_THAT(messageOf<InputError>([&] { generate(plan, {.folder = out(), .quiet = true}); }),
               AllOf(HasSubstr("yard.yaml"), HasSubstr("--resume=anyway")));

@@ -92,13 +92,12 @@ TEST_F(MotionTest, DrivesFromOnePointToAnother) {
   }
   EXPECT_LT(length(places.front() - Vec3d{-22, 5, 1.8}), 1.6);
   for (std::size_t i = 1; i < places.size(); ++i) EXPECT_NEAR(length(places[i] - places[i - 1]), 2, 0.1) << i;
-  EXPECT_THAT(messageOf([&] { run({trip(40)}, "long"); }),
-              testing::AllOf(testing::HasSubstr("m long, but"), testing::HasSubstr("frames less")));
+  EXPECT_THAT(messageOf([&] { run({trip(40)}, "long"); }), AllOf(HasSubstr("m long, but"), HasSubstr("frames less")));
   EXPECT_THAT(messageOf([&] { run({"trajectories=[{on: ground, to: [1, 2], speed: 2, frames: 2}]"}, "no"); }),
-              testing::HasSubstr("'from' is missing"));
+              HasSubstr("'from' is missing"));
   EXPECT_THAT(
       messageOf([&] { run({"trajectories=[{waypoints: [[0, 0, 0], [9, 0, 0]], to: [1, 2], speed: 2}]"}, "no"); }),
-      testing::HasSubstr("to is for drives that have `on`"));
+      HasSubstr("to is for drives that have `on`"));
 }
 
 }  // namespace

@@ -114,7 +114,7 @@ TEST_F(MovingRun, StandsWhereTheDriveBeginsIfThePipelineSaysSo) {
   particles.emplace_back("method=particle");
   sound(particles, "particles");
   EXPECT_THAT(messageOf([&] { run({"method=particle"}, "no"); }),
-              testing::AllOf(testing::HasSubstr("moving: false"), testing::HasSubstr("ray_tracing")));
+              AllOf(HasSubstr("moving: false"), HasSubstr("ray_tracing")));
 }
 
 }  // namespace

@@ -8,8 +8,6 @@
 namespace scanmill {
 namespace {
 
-using testing::HasSubstr;
-
 const std::string kAsked = "output.objects=true";
 const std::string kFine =
     "sensors=[{name: top, columns: 720, rate_hz: 10, elevation_deg: {top: 5, bottom: -25, rings: 32}, range_m: [0.5, "
@@ -174,8 +172,8 @@ TEST_F(ObjectsRun, CostNothingWhereNobodyAsks) {
   for (const auto& [name, bytes] : members()) EXPECT_FALSE(name.ends_with(".objects.json"));
   EXPECT_FALSE(m.samples[0].objects.has_value());
   EXPECT_EQ(toJson(m).find("\"with_points\""), std::string::npos);
-  EXPECT_FALSE(makePlan(readPipeline(pipeline_, {"output.columns=[label]"})).channels.has(Channel::Instance));
-  EXPECT_TRUE(makePlan(readPipeline(pipeline_, {"output.columns=[label]", kAsked})).channels.has(Channel::Instance));
+  EXPECT_FALSE(planOf({"output.columns=[label]"}).channels.has(Channel::Instance));
+  EXPECT_TRUE(planOf({"output.columns=[label]", kAsked}).channels.has(Channel::Instance));
 }
 
 TEST_F(ObjectsRun, WrongListsAreFound) {

@@ -11,8 +11,6 @@
 namespace scanmill {
 namespace {
 
-using testing::HasSubstr;
-
 class Patterns : public Yard {
  protected:
   Patterns() {
@@ -121,7 +119,7 @@ TEST_F(Patterns, WhatARosetteCannotHaveIsRefused) {
   EXPECT_THAT(messageOf([&] {
                 run({rosette, "effects=[intensity, footprint: {rays: 7}, detection]"});
               }),
-              testing::AllOf(HasSubstr("effect footprint"), HasSubstr("effects: sensor")));
+              AllOf(HasSubstr("effect footprint"), HasSubstr("effects: sensor")));
 }
 
 }  // namespace

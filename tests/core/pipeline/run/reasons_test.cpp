@@ -7,9 +7,6 @@
 namespace scanmill {
 namespace {
 
-using testing::Contains;
-using testing::HasSubstr;
-
 const std::string kWideYard =
     "sensors=[{name: top, columns: 256, rate_hz: 10, elevation_deg: {top: 5, bottom: -25, rings: 16}, range_m: [0.5, "
     "100], mount: {position: [0, 0, 1.8]}, divergence_mrad: 3, pulse_ns: 5}]";
@@ -59,10 +56,9 @@ TEST_F(ReasonsRun, CostNothingWhereNobodyAsks) {
 }
 
 TEST_F(ReasonsRun, WeatherAloneReportsTheStrongest) {
-  const Plan plan = makePlan(readPipeline(pipeline_, with("[intensity, weather: {kind: rain}]")));
+  const Plan plan = planOf(with("[intensity, weather: {kind: rain}]"));
   EXPECT_EQ(plan.pipeline.mostReturns(), 1u);
-  expectInputError([&] { makePlan(readPipeline(pipeline_, with("[weather: {kind: rain}]"))); },
-                   {"weather", "intensity"});
+  expectInputError([&] { planOf(with("[weather: {kind: rain}]")); }, {"weather", "intensity"});
 }
 
 TEST_F(ReasonsRun, AForgedImageIsFound) {

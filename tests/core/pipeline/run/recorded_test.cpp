@@ -11,8 +11,6 @@ namespace scanmill {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::HasSubstr;
-using testing::IsEmpty;
 
 const std::vector<std::string> kNoisy = {
     "motion=per_column", "scenes.0.seeds=[1, 2]",
@@ -34,8 +32,7 @@ class RecordedTest : public Yard {
 
   void remake(const std::vector<std::string>& overrides, const std::string& name, const fs::path& recording,
               RecordingKind kind = RecordingKind::Hits) const {
-    generate(makePlan(readPipeline(pipeline_, overrides, recordingIn(recording, kind))),
-             {.folder = out(name), .quiet = true});
+    generate(planOf(overrides, recordingIn(recording, kind)), {.folder = out(name), .quiet = true});
     EXPECT_THAT(verifyDataset(out(name)).problems, IsEmpty());
   }
 };
@@ -100,10 +97,7 @@ TEST_F(RecordedTest, WhatDoesNotFitIsRefused) {
   expectInputError([&] { keep({}, "third", {}, out("passes")); }, {"ray_tracing", "depth_camera"});
   EXPECT_FALSE(fs::exists(out("passes"))) << "nothing is begun";
   expectInputError(
-      [&] {
-        generate(makePlan(readPipeline(pipeline_, {}, recordingIn(out("hits")))),
-                 {.folder = out("fourth"), .keepPasses = out("passes")});
-      },
+      [&] { generate(planOf({}, recordingIn(out("hits"))), {.folder = out("fourth"), .keepPasses = out("passes")}); },
       {"made from the hits in", "no passes are drawn"});
 }
 
@@ -125,7 +119,7 @@ TEST_F(RecordedTest, WhatWasMetCannotBeTurnedOrMoved) {
       generate(makePlan(readPipeline(bare, {}, recordingIn(out("hits")))), {.folder = out("bare"), .quiet = true})
           .manifest;
   EXPECT_EQ(manifest.sensors.front().vehicleFromSensor->translation.z, 1.8);
-  EXPECT_THAT(linesOf(manifest.modelled), testing::Contains("ego motion: as in the recording"));
+  EXPECT_THAT(linesOf(manifest.modelled), Contains("ego motion: as in the recording"));
 }
 
 TEST_F(RecordedTest, FoldersDoNotOverlap) {
@@ -200,32 +194,31 @@ TEST_F(RecordedTest, AStoppedRunIsNoRecording) {
   GenerateOptions options{.folder = out("stopped"), .keepHits = out("hits"), .quiet = true};
   const std::atomic<bool> stop = true;
   options.stop = &stop;
-  EXPECT_THROW(generate(makePlan(readPipeline(pipeline_, {})), options), Error);
+  EXPECT_THROW(generate(planOf(), options), Error);
   EXPECT_FALSE(fs::exists(out("hits") / "recording.json"));
 }
 
 TEST_F(RecordedTest, OverwriteReplacesRecordingsOnly) {
   keep({}, "kept", out("hits"));
   GenerateOptions options{.folder = out("kept"), .keepHits = out("hits"), .overwrite = true, .quiet = true};
-  generate(makePlan(readPipeline(pipeline_, {"trajectories.0.frames=2"})), options);
+  generate(planOf({"trajectories.0.frames=2"}), options);
   EXPECT_FALSE(fs::exists(out("hits") / "yard-s1-drive-000003.top.json"));
   writeFile(out("hits") / "thesis.txt", "years of work");
-  expectInputError([&] { generate(makePlan(readPipeline(pipeline_, {})), options); }, {"thesis.txt"});
+  expectInputError([&] { generate(planOf(), options); }, {"thesis.txt"});
   EXPECT_TRUE(fs::exists(out("hits") / "thesis.txt"));
   // What looks like ours, but is not: another's image beside a recording, another's recording, images alone.
   fs::remove(out("hits") / "thesis.txt");
   writeFile(out("hits") / "beauty.0001.exr", "art");
-  expectInputError([&] { generate(makePlan(readPipeline(pipeline_, {})), options); }, {"beauty.0001.exr"});
+  expectInputError([&] { generate(planOf(), options); }, {"beauty.0001.exr"});
   EXPECT_TRUE(fs::exists(out("hits") / "recording.json"));
   options.keepHits = out("studio");
   folder_.write("studio/recording.json",
                 R"({"what": "scanmill recording", "schema_version": 1, "kind": "passes", "sensors": [],
                     "sequences": [{"scene": "yard", "trajectory": "drive", "frames": 1}]})");
   writeFile(out("studio") / "yard-s1-drive-000000.top.0.front.exr", "days of rendering");
-  expectInputError([&] { generate(makePlan(readPipeline(pipeline_, {})), options); }, {"studio", "another program"});
+  expectInputError([&] { generate(planOf(), options); }, {"studio", "another program"});
   fs::remove(out("studio") / "recording.json");
-  expectInputError([&] { generate(makePlan(readPipeline(pipeline_, {})), options); },
-                   {"studio", "no finished recording"});
+  expectInputError([&] { generate(planOf(), options); }, {"studio", "no finished recording"});
   EXPECT_EQ(readFile(out("studio") / "yard-s1-drive-000000.top.0.front.exr"), "days of rendering");
 }
 
@@ -311,14 +304,14 @@ TEST_F(RecordedPassesTest, MaterialsThatNobodyListsAreNamed) {
 TEST_F(RecordedPassesTest, WhatIsNotThereIsNamed) {
   SKIP_WITHOUT_GL();
   RenderOptions options{.folder = out("passes"), .passes = {Channel::Range, false}, .quiet = true};
-  render(makePlan(readPipeline(pipeline_, {kCamera})), options);
+  render(planOf({kCamera}), options);
   expectInputError([&] { remake({kCamera}, "again", out("passes"), RecordingKind::Passes); },
                    {".exr", "channel", "normal"});
   options.folder = out("none");
-  expectInputError([&] { render(makePlan(readPipeline(pipeline_, {})), options); }, {"ray_tracing", "depth_camera"});
+  expectInputError([&] { render(planOf(), options); }, {"ray_tracing", "depth_camera"});
   expectInputError(
       [&] {
-        render(makePlan(readPipeline(pipeline_, {kCamera})), {out("passes"), {}, false, true, nullptr});
+        render(planOf({kCamera}), {out("passes"), {}, false, true, nullptr});
       },
       {"passes", "--overwrite"});
 }

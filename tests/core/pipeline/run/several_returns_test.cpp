@@ -11,10 +11,6 @@
 namespace scanmill {
 namespace {
 
-using testing::AllOf;
-using testing::Contains;
-using testing::HasSubstr;
-
 class SeveralReturns : public TwoReturnsYard {
  protected:
   // The point of a beam's return: what the method says of it. Which it is follows from `beam` and `number` alone.
@@ -140,7 +136,7 @@ TEST_F(SeveralReturns, FitTheSizeThatThePlanSays) {
     EXPECT_GE(mostSampleBytes(planned(overrides)) * static_cast<double>(summary.samples),
               static_cast<double>(summary.bytes));
   }
-  EXPECT_EQ(planned({}).bytesPerFrameInMemory(), 2 * makePlan(readPipeline(pipeline_, {})).bytesPerFrameInMemory());
+  EXPECT_EQ(planned({}).bytesPerFrameInMemory(), 2 * planOf().bytesPerFrameInMemory());
 }
 
 TEST_F(SeveralReturns, AreNoImagesOfHits) {

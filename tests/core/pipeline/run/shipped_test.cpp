@@ -23,7 +23,7 @@ Manifest generateLabelled(const std::string& pipeline, const std::vector<std::st
       makePlan(readPipeline(std::filesystem::path(SCANMILL_SOURCE_DIR) / "pipelines" / pipeline, overrides));
   const GenerateSummary summary = generate(plan, options);
   const Verification verification = verifyDataset(options.folder);
-  EXPECT_THAT(verification.problems, testing::IsEmpty());
+  EXPECT_THAT(verification.problems, IsEmpty());
   EXPECT_GT(static_cast<double>(summary.points), 0.5 * static_cast<double>(summary.beams));
   EXPECT_EQ(summary.pointsPerClass.count(0), 0u) << "unlabelled points";
   std::uint64_t labelled = 0;
@@ -49,7 +49,7 @@ TEST(Shipped, Quickstart) {
   const Plan plan = makePlan(readPipeline(std::filesystem::path(SCANMILL_SOURCE_DIR) / "pipelines/quickstart.yaml",
                                           {"splits=", "trajectories.0.frames=1", "trajectories.1.frames=1"}));
   const GenerateSummary summary = generate(plan, options);
-  EXPECT_THAT(verifyDataset(options.folder).problems, testing::IsEmpty());
+  EXPECT_THAT(verifyDataset(options.folder).problems, IsEmpty());
   EXPECT_GE(summary.pointsPerClass.size(), 20u);
   ReasonCounts beams;
   for (const SampleRecord& sample : summary.manifest.samples) {
@@ -90,10 +90,10 @@ TEST_P(ShippedSets, AreLabelledAndDrivenThrough) {
   ShotSource source(plan);
   const Scene scene = source.load(0);
   EXPECT_TRUE(scene.unlabeled.empty());
-  EXPECT_THAT(ruleWarnings(scene), testing::IsEmpty());
+  EXPECT_THAT(ruleWarnings(scene), IsEmpty());
   const SceneProbe probe(scene);
   for (std::size_t s = 0; s < plan.pipeline.sequences.size(); ++s) {
-    EXPECT_THAT(wayWarnings(source, s, probe), testing::IsEmpty());
+    EXPECT_THAT(wayWarnings(source, s, probe), IsEmpty());
   }
 }
 

@@ -60,7 +60,7 @@ TEST_P(Threads, DoNotChangeAByte) {
     Pipeline pipeline = readPipeline(pipeline_, GetParam().overrides);
     if (GetParam().twoReturns) pipeline = withTwoReturns(pipeline);
     generate(makePlan(std::move(pipeline)), {.folder = out(name), .keepHits = hits, .quiet = true});
-    EXPECT_THAT(verifyDataset(out(name)).problems, testing::IsEmpty());
+    EXPECT_THAT(verifyDataset(out(name)).problems, IsEmpty());
     MembersByName& made = bytes.emplace_back(shards(name));
     made["manifest.json"] = readFile(out(name) / "manifest.json");
     if (hits.empty()) continue;

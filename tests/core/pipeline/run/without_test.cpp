@@ -65,16 +65,16 @@ TEST_F(WithoutRun, AClassANameAndTheIdsAreTheSame) {
 
 TEST_F(WithoutRun, KeptHitsAreOfWhatTheSceneWas) {
   const auto kept = [&](const std::string& without, const std::string& hits) {
-    generate(makePlan(readPipeline(pipeline_, {"scenes.0.without=" + without})),
+    generate(planOf({"scenes.0.without=" + without}),
              {.folder = out("of" + hits), .keepHits = out(hits), .quiet = true});
     return recordingIn(out(hits));
   };
   const auto all = kept("[]", "all"), rest = kept("[car]", "rest");
   EXPECT_EQ(rest->sequences[0].without, (std::vector<std::string>{"car"}));
   EXPECT_THAT(messageOf([&] { readPipeline(pipeline_, {"scenes.0.without=[car]"}, all); }),
-              testing::HasSubstr("was recorded with all objects"));
+              HasSubstr("was recorded with all objects"));
   EXPECT_THAT(messageOf([&] { readPipeline(pipeline_, {"scenes.0.without=[1]"}, rest); }),
-              testing::HasSubstr("with other objects removed"));
+              HasSubstr("with other objects removed"));
   EXPECT_EQ(readPipeline(pipeline_, {}, rest).sequences[0].without.size(), 1u);
   EXPECT_EQ(readPipeline(pipeline_, {"scenes.0.without=[car]"}, rest).sequences[0].without[0].text, "car");
 }

@@ -10,8 +10,6 @@
 namespace scanmill {
 namespace {
 
-using testing::HasSubstr;
-
 constexpr ColumnKey<columnIndex("elevation")> kElevation;
 
 // A roof 0.3 m below the sensor, 2 m long and 1.6 m wide, and far behind it a trailer.
@@ -94,7 +92,7 @@ TEST_F(OwnVehicle, IsSeenByARosette) {
       "range_m: [0.1, 100], mount: {position: [0, 0, 1.8], pitch_deg: 50}}]";
   sound(with({rosette, "effects=[intensity]"}), "with");
   sound({rosette, "effects=[intensity]", "output.columns=[column]"}, "without");
-  const Pose vehicleFromSensor = makePlan(readPipeline(pipeline_, {rosette})).pipeline.sensors[0].vehicleFromSensor;
+  const Pose vehicleFromSensor = planOf({rosette}).pipeline.sensors[0].vehicleFromSensor;
   std::set<std::vector<std::uint16_t>> blocked;
   for (std::size_t s = 0; s < 4; ++s) {
     const Scan seen = scans(".pcd", "with")[s];
@@ -119,14 +117,14 @@ TEST_F(OwnVehicle, IsSeenByARosette) {
 
 TEST_F(OwnVehicle, IsWarnedOfWhereASensorSeesNothingElse) {
   const auto warnings = [&](const std::string& sensors) {
-    const Plan plan = makePlan(readPipeline(pipeline_, with({"effects=[]", "sensors=[" + sensors + "]"})));
+    const Plan plan = planOf(with({"effects=[]", "sensors=[" + sensors + "]"}));
     return vehicleWarnings(plan.pipeline, ShotSource(plan).blockedShares());
   };
   const std::string inside =
       std::string(kTop).replace(kTop.find("[0, 0, 1.8]"), 11, "[0, 0, 1.2]").replace(7, 3, "low");
-  EXPECT_THAT(warnings(kTop), testing::IsEmpty());
+  EXPECT_THAT(warnings(kTop), IsEmpty());
   EXPECT_THAT(warnings(kTop + ", " + inside),
-              testing::ElementsAre(testing::AllOf(HasSubstr("100 %"), HasSubstr("'low'"), HasSubstr("[0, 0, 1.2]"))));
+              ElementsAre(AllOf(HasSubstr("100 %"), HasSubstr("'low'"), HasSubstr("[0, 0, 1.2]"))));
 }
 
 // What is nearer than the sensor reports is a gap, not a point.
@@ -154,10 +152,10 @@ TEST_F(OwnVehicle, BlocksTheRaysOfFootprintsAndBehindGlass) {
 }
 
 TEST_F(OwnVehicle, IsPlannedAndRefusedWhereItMeansNothing) {
-  const Plan planned = makePlan(readPipeline(pipeline_, with()));
+  const Plan planned = planOf(with());
   const auto lines = linesOf(modelled(planned, ShotSource(planned).blockedShares()));
-  EXPECT_THAT(lines, testing::Contains(HasSubstr("own vehicle: roof.yaml, blocks")));
-  EXPECT_THAT(messageOf([&] { makePlan(readPipeline(pipeline_, with())).requireOneRay(); }), HasSubstr("vehicle"));
+  EXPECT_THAT(lines, Contains(HasSubstr("own vehicle: roof.yaml, blocks")));
+  EXPECT_THAT(messageOf([&] { planOf(with()).requireOneRay(); }), HasSubstr("vehicle"));
   EXPECT_THAT(messageOf([&] { readPipeline(pipeline_, {"vehicle=scenes/none.yaml"}); }), HasSubstr("none.yaml"));
 }
 
