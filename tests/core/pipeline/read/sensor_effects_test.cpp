@@ -172,24 +172,22 @@ TEST_F(SensorEffectsOf, ChannelsAreThoseOfAllSensors) {
 
 TEST_F(SensorEffectsOf, AreRefusedWithAdvice) {
   const std::string noise = "effects: [range_noise: {sigma_m: 0.1}]\n";
-  EXPECT_THAT(refusal("effects: sensor\n", "", ""),
-              AllOf(HasSubstr("yard.yaml:"), HasSubstr("'a'"), HasSubstr("fit-noise"), HasSubstr("name effects here")));
-  EXPECT_THAT(refusal("effects: [range_noise: {sigma_m: 1}, sensor, range_noise: {sigma_m: 2}]\n", noise, noise),
-              AllOf(HasSubstr("yard.yaml:"), HasSubstr("'range_noise' is listed twice")));
-  EXPECT_THAT(refusal("effects: [sensor, sensor]\n", noise, noise), HasSubstr("`sensor` is listed twice"));
-  EXPECT_THAT(refusal("effects: [sensor, range_nois: none]\n", noise, noise), HasSubstr("did you mean 'range_noise'"));
-  EXPECT_THAT(refusal("effects: [sensor, range_noise: 3]\n", noise, noise), HasSubstr("the keys to change"));
-  EXPECT_THAT(refusal("effects: [sensor, range_noise: {sigma: 3}]\n", noise, noise),
-              AllOf(HasSubstr("yard.yaml:"), HasSubstr("did you mean 'sigma_m'")));
+  expectRefusals([&](const std::string& effects) { return refusal(effects + "\n", noise, noise); },
+                 {{"effects: [range_noise: {sigma_m: 1}, sensor, range_noise: {sigma_m: 2}]",
+                   "yard.yaml: | 'range_noise' is listed twice"},
+                  {"effects: [sensor, sensor]", "`sensor` is listed twice"},
+                  {"effects: [sensor, range_nois: none]", "did you mean 'range_noise'"},
+                  {"effects: [sensor, range_noise: 3]", "the keys to change"},
+                  {"effects: [sensor, range_noise: {sigma: 3}]", "yard.yaml: | did you mean 'sigma_m'"},
+                  {"effects: sensors", "`sensor`"}});
+  expectRefusals([&](const std::string& own) { return refusal("", own + "\n", ""); },
+                 {{"effects: {range_noise: {sigma_m: 1}}", "first.yaml: | must be a list"},
+                  {"effects: [range_nois]", "first.yaml: | did you mean 'range_noise'"},
+                  {"effects: [sensor]", "unknown effect 'sensor'"}});
+  expectRefusals([&](const std::string& own) { return refusal("effects: sensor\n", own, own.empty() ? "" : noise); },
+                 {{"", "yard.yaml: | 'a' | fit-noise | name effects here"},
+                  {"effects: [intensity]\n", "has an intensity, but all scans | 'b'"}});
   EXPECT_TRUE(names(pipeline("effects: [range_noise: none, none]\n", noise, noise), 0).empty());
-  EXPECT_THAT(refusal("effects: sensor\n", "effects: [intensity]\n", noise),
-              AllOf(HasSubstr("has an intensity, but all scans"), HasSubstr("'b'")));
-  EXPECT_THAT(refusal("effects: sensors\n", noise, noise), HasSubstr("`sensor`"));
-  EXPECT_THAT(refusal("", "effects: {range_noise: {sigma_m: 1}}\n", ""),
-              AllOf(HasSubstr("first.yaml:"), HasSubstr("must be a list")));
-  EXPECT_THAT(refusal("", "effects: [range_nois]\n", ""),
-              AllOf(HasSubstr("first.yaml:"), HasSubstr("did you mean 'range_noise'")));
-  EXPECT_THAT(refusal("", "effects: [sensor]\n", ""), HasSubstr("unknown effect 'sensor'"));
 }
 
 TEST_F(SensorEffectsOf, OfEveryPresetArePlanned) {
