@@ -65,14 +65,18 @@ TEST_F(AssetFiles, WebpAndEmbeddedTexturesOfGltfAreFound) {
 TEST_F(AssetFiles, AlphaIsTestedWhereTheFileAndItsTextureSaySo) {
   writeColours(folder_.path() / "opaque.png");
   writeColours(folder_.path() / "holes.png", 0);
-  const auto material = [&](const std::string& mode, const std::string& image, bool textures) {
+  const auto material = [&](const std::string& mode, const std::string& image, bool textures,
+                            AlphaUse alpha = AlphaUse::Auto) {
     Gltf gltf;
     gltf.material = R"({"name":"leaf",)" + mode + R"("pbrMetallicRoughness":{"baseColorTexture":{"index":0}}})";
     gltf.extra = R"(,"textures":[{"source":0}],"images":[{"uri":")" + image + R"("}])";
-    return read("a.gltf", gltf.text(), {.textures = textures}).parts.at(0).fileMaterial;
+    return read("a.gltf", gltf.text(), {.alpha = alpha, .textures = textures}).parts.at(0).fileMaterial;
   };
   for (const bool textures : {true, false}) {
     EXPECT_FALSE(material("", "holes.png", textures).alphaTested);
+    EXPECT_EQ(material("", "holes.png", textures, AlphaUse::Test).alphaTested, true);
+    EXPECT_EQ(material("", "holes.png", textures, AlphaUse::Test).alphaCutoff, 0.5f);
+    EXPECT_FALSE(material(R"("alphaMode":"BLEND",)", "holes.png", textures, AlphaUse::Ignore).alphaTested);
     EXPECT_FALSE(material(R"("alphaMode":"MASK",)", "opaque.png", textures).alphaTested);
     EXPECT_EQ(material(R"("alphaMode":"MASK",)", "opaque.png", textures).texture != nullptr, textures);
     const Material mask = material(R"("alphaMode":"MASK","alphaCutoff":0.25,)", "holes.png", textures);
@@ -338,23 +342,6 @@ TEST_F(AssetFiles, ScenesOverrideTheUpAxisAndTheAlpha) {
   EXPECT_EQ(scene("file: z.dae, ").bounds().low, (Vec3d{10, 20, 30}));
   EXPECT_EQ(scene("file: z.dae, up: z, ").bounds().low, (Vec3d{10, 20, 30}));
   EXPECT_EQ(scene("file: z.dae, up: y, ").bounds().low, (Vec3d{10, -33, 20}));
-}
-
-TEST_F(AssetFiles, AlphaUseOverridesTheModeOfGltf) {
-  writeColours(folder_.path() / "holes.png", 0);
-  const auto material = [&](const std::string& mode, AlphaUse alpha) {
-    Gltf gltf;
-    gltf.material = R"({"name":"leaf",)" + mode + R"("pbrMetallicRoughness":{"baseColorTexture":{"index":0}}})";
-    gltf.extra = R"(,"textures":[{"source":0}],"images":[{"uri":"holes.png"}])";
-    return read("a.gltf", gltf.text(), {.alpha = alpha}).parts.at(0).fileMaterial;
-  };
-  const std::string mask = R"("alphaMode":"MASK","alphaCutoff":0.25,)";
-  EXPECT_FALSE(material(mask, AlphaUse::Ignore).alphaTested);
-  EXPECT_TRUE(material(mask, AlphaUse::Ignore).textured);
-  EXPECT_TRUE(material(mask, AlphaUse::Test).alphaTested);
-  EXPECT_EQ(material(mask, AlphaUse::Test).alphaCutoff, 0.25f);
-  EXPECT_TRUE(material("", AlphaUse::Test).alphaTested);
-  EXPECT_EQ(material("", AlphaUse::Test).alphaCutoff, 0.5f);
 }
 
 TEST_F(AssetFiles, TexturesAreFoundWherePeoplePutThem) {
