@@ -1,8 +1,5 @@
 #include "assets/asset_kinds.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <string>
 #include <tuple>
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 
-#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <string>

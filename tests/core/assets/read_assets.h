@@ -2,10 +2,6 @@
 
 // Helpers of the tests of all kinds of assets.
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <filesystem>
 #include <string>
 
 #include "assets/asset.h"

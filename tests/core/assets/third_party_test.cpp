@@ -1,9 +1,5 @@
 // Assets made by others.
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <set>
 #include <string>
 #include <vector>

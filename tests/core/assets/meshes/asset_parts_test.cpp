@@ -1,7 +1,5 @@
 #include "assets/meshes/asset_parts.h"
 
-#include <gtest/gtest.h>
-
 namespace scanmill {
 namespace {
 

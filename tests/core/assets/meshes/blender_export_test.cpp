@@ -2,10 +2,6 @@
 
 #include "assets/meshes/blender_export.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <filesystem>
 #include <map>
 #include <string>
 #include <string_view>

@@ -1,8 +1,5 @@
 #include "assets/meshes/child_process.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>

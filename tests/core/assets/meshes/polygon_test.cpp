@@ -1,9 +1,5 @@
 #include "assets/meshes/polygon.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
 #include <random>
 #include <set>
 

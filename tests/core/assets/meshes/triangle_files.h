@@ -3,11 +3,7 @@
 // A triangle in every kind of file, and what tests ask of it.
 
 #include <OpenImageIO/imageio.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <string>
 #include <string_view>

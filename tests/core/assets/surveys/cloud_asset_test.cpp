@@ -1,9 +1,6 @@
 #include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <array>
-#include <cmath>
 #include <cstring>
 #include <set>
 #include <tuple>

@@ -1,5 +1,3 @@
-#include <algorithm>
-#include <cmath>
 
 #include "assets/worlds/solids.h"
 #include "assets/worlds/xml.h"

@@ -1,4 +1,3 @@
-#include <cmath>
 
 #include "assets/worlds/solids.h"
 #include "assets/worlds/xml.h"

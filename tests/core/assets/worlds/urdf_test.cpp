@@ -1,4 +1,3 @@
-#include <algorithm>
 
 #include "world_files.h"
 

@@ -2,9 +2,6 @@
 
 // Worlds in a folder of their own, and what their parts are.
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <string>
 #include <vector>
 

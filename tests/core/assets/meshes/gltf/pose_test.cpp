@@ -1,10 +1,6 @@
 #include "assets/meshes/gltf/pose.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <array>
-#include <cmath>
 #include <functional>
 #include <nlohmann/json.hpp>
 

@@ -2,11 +2,8 @@
 
 #include <draco/compression/expert_encode.h>
 #include <draco/mesh/triangle_soup_mesh_builder.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <meshoptimizer.h>
 
-#include <cmath>
 #include <map>
 
 #include "scene/material.h"
