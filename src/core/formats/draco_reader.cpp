@@ -150,15 +150,11 @@ class CloudReader {
   }
 
   const draco::PointAttribute* find(std::string_view name) const {
-    if (!cloud_.GetMetadata()) return nullptr;
-    for (int i = 0; i < cloud_.num_attributes(); ++i) {
-      if (nameOf(i) != name) continue;
-      if (cloud_.attribute(i)->num_components() != 1) {
-        throw InputError(where_, fmt::format("{} has {} values a point", name, cloud_.attribute(i)->num_components()));
-      }
-      return cloud_.attribute(i);
-    }
-    return nullptr;
+    const int id = cloud_.GetAttributeIdByMetadataEntry("name", std::string(name));
+    if (id < 0) return nullptr;
+    const draco::PointAttribute* const attribute = cloud_.attribute(id);
+    if (attribute->num_components() == 1) return attribute;
+    throw InputError(where_, fmt::format("{} has {} values a point", name, attribute->num_components()));
   }
 
   // Returns the attribute's name; empty if it has none.
