@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "assets/meshes/blender_export.h"
+#include "assets/meshes/blender.h"
 #include "assets/meshes/gltf/model.h"
 #include "assets/meshes/imported_file.h"
 #include "assets/worlds/world_asset.h"

@@ -10,7 +10,7 @@
 
 #include "assets/asset_kinds.h"
 #include "assets/meshes/asset_parts.h"
-#include "assets/meshes/blender_export.h"
+#include "assets/meshes/blender.h"
 #include "assets/meshes/gltf/reader.h"
 #include "assets/meshes/imported_file.h"
 #include "assets/surveys/surveys.h"

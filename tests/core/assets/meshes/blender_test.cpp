@@ -1,6 +1,6 @@
 // .blend files and files that Blender imports: made by Blender scripts of this test, third-party ones, and broken ones.
 
-#include "assets/meshes/blender_export.h"
+#include "assets/meshes/blender.h"
 
 #include <map>
 #include <string>
@@ -10,7 +10,6 @@
 #include "assets/asset.h"
 #include "base/file.h"
 #include "base/process.h"
-#include "tests/core/assets/read_assets.h"
 #include "tests/support/blender.h"
 #include "tests/support/message_of.h"
 #include "tests/support/shared_data.h"
@@ -253,40 +252,15 @@ TEST_F(Blend, ShowsWhatBlenderShowsAndRunsNothing) {
     EXPECT_NEAR(volume, part.node == "Mirrored" ? 2 : 3, 1e-3) << part.node;
   }
 
+  // The same file in centimetres.
+  const auto small = nodesOf(readAsset(folder_.path() / "cm.blend", {.metresPerUnit = 10}));
+  expectBounds(small.at("Wall.a").at(0), {-0.05, -0.05, 0.05}, {0.25, 0.05, 0.15});
+  expectBounds(small.at("Stem").at(0), Vec3d{9.875, -0.125, 0.875} * 0.1, Vec3d{10.125, 0.125, 1.125} * 0.1);
+
   // The files that must not run are ones that would.
   runBlender({"--enable-autoexec", made_.string()});
   EXPECT_TRUE(ran("ran_text"));
   EXPECT_TRUE(ran("ran_driver"));
-}
-
-TEST_F(Blend, InASceneWithRulesByNodeAndMaterialAndItsUnit) {
-  SKIP_WITHOUT_BLENDER();
-  make();
-  const Scene scene = sceneOf(folder_,
-                              "objects:\n  - file: cm.blend\n    unit: 100\n    instances: node\n    rules:\n"
-                              "      - {match: {node: Crown}, class: tree}\n"
-                              "      - {match: {material: 'Red*'}, class: wall}\n"
-                              "      - {match: any, class: object}\n");
-  EXPECT_FALSE(ran("ran_text"));
-  EXPECT_FALSE(ran("ran_driver"));
-  // The file's unit is a centimetre, and `unit` undoes it.
-  EXPECT_NEAR(scene.bounds().high.x, 34.5, 1e-4);
-  std::map<std::string, std::size_t> triangles;
-  for (const Mesh& mesh : scene.meshes) {
-    for (const std::uint16_t s : mesh.surfaceOf) {
-      for (const SemanticClass& c : scene.ontology.classes) {
-        if (c.id == mesh.surfaces[s].semantic) ++triangles[c.name];
-      }
-    }
-  }
-  EXPECT_EQ(triangles["tree"], 36u);
-  EXPECT_EQ(triangles["wall"], 60u);
-  EXPECT_GT(triangles["object"], 100u);
-  EXPECT_GE(scene.things(), 3u + 3 + 8 + 2) << "a thing for each node of a thing class";
-
-  const auto nodes = nodesOf(readAsset(folder_.path() / "cm.blend", {}));
-  expectBounds(nodes.at("Wall.a").at(0), {-0.005, -0.005, 0.005}, {0.025, 0.005, 0.015});
-  expectBounds(nodes.at("Stem").at(0), Vec3d{9.875, -0.125, 0.875} * 0.01, Vec3d{10.125, 0.125, 1.125} * 0.01);
 }
 
 // Makes hidden.blend: "shown" and eight copies of "leaf" in instances, and what is left out.
