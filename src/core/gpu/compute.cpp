@@ -79,10 +79,6 @@ const std::string& ComputeDevice::name() const {
   return context_->name;
 }
 
-std::string ComputeDevice::driver() const {
-  return context_->backend->driver();
-}
-
 std::string ComputeDevice::nameAndPlace() const {
   return name() + (software() ? ", on the processor" : "");
 }
@@ -97,10 +93,6 @@ std::uint64_t ComputeDevice::mostBufferBytes() const {
 
 std::uint64_t ComputeDevice::mostTableTexels() const {
   return context_->limits.tableTexels;
-}
-
-void ComputeDevice::finish() {
-  context_->told([&] { context_->backend->finish(); });
 }
 
 void ComputeDevice::atOnce(const std::function<void()>& work) const {

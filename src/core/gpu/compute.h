@@ -33,13 +33,10 @@ class ComputeDevice {
   explicit ComputeDevice(ComputeErrorWords words);
 
   const std::string& name() const;        // name of the device, such as "llvmpipe (LLVM 15.0.6, 256 bits)"
-  std::string driver() const;             // OpenGL version of the driver, such as "4.5 (Core Profile) Mesa 22.3.6"
   std::string nameAndPlace() const;       // name(); for software rasterisers followed by ", on the processor"
   bool software() const;                  // true: a software rasteriser that runs on the processor
   std::uint64_t mostBufferBytes() const;  // maximum size of a buffer that a program reads and writes
   std::uint64_t mostTableTexels() const;  // maximum number of texels of a table, which a program only reads
-  // Waits until all requested work is done.
-  void finish();
   // Calls `work`, which makes several calls of this device, its buffers and programs, on the thread that makes all
   // calls of OpenGL. This saves waiting for that thread at each call.
   void atOnce(const std::function<void()>& work) const;

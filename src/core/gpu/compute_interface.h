@@ -48,7 +48,6 @@ class ComputeBackend {
  public:
   virtual ~ComputeBackend() = default;
   virtual std::string name() const = 0;
-  virtual std::string driver() const = 0;
   virtual bool software() const = 0;  // true: runs on the processor
   virtual ComputeLimits limits() const = 0;
   // Compiles a program and returns its number. `text`: GLSL as described at ComputeProgram's constructor.
@@ -68,8 +67,6 @@ class ComputeBackend {
   virtual const std::byte* copied(std::uint32_t readback) = 0;
   // Calls the program's invoke() for 0 to invocations - 1. The data that it writes is visible to later runs and reads.
   virtual void run(const ComputeRun& run) = 0;
-  // Waits until all requested work is done.
-  virtual void finish() = 0;
   // Calls `work`, which makes several calls of this backend, on the OpenGL thread, so that threads are not switched at
   // each call.
   virtual void atOnce(const std::function<void()>& work) = 0;

@@ -190,7 +190,6 @@ class GlCompute final : public ComputeBackend {
     thread_->run([&] {
       auto made = std::make_unique<ContextState>(device);
       name_ = textOf(GL_RENDERER, "an unknown device");
-      driver_ = textOf(GL_VERSION, "an unknown driver");
       software_ = isSoftware(name_);
       groups_ = groupsAtOnce(software_);
       limits_ = {limitOf(GL_MAX_SHADER_STORAGE_BLOCK_SIZE), limitOf(GL_MAX_TEXTURE_BUFFER_SIZE),
@@ -212,7 +211,6 @@ class GlCompute final : public ComputeBackend {
   GlCompute& operator=(const GlCompute&) = delete;
 
   std::string name() const override { return name_; }
-  std::string driver() const override { return driver_; }
   bool software() const override { return software_; }
   ComputeLimits limits() const override { return limits_; }
 
@@ -297,13 +295,6 @@ class GlCompute final : public ComputeBackend {
     });
   }
 
-  void finish() override {
-    withContext([](ContextState&) {
-      glFinish();
-      checkGl("the device failed");
-    });
-  }
-
  private:
   // Makes the context current on the OpenGL thread, and calls `work` with it there.
   template <class Work>
@@ -337,7 +328,6 @@ class GlCompute final : public ComputeBackend {
   std::shared_ptr<GlThread> thread_ = GlThread::shared();
   std::unique_ptr<ContextState> state_;
   std::string name_;
-  std::string driver_;
   bool software_ = false;
   ComputeLimits limits_;
   std::uint64_t groups_ = 0;  // maximum number of work groups per dispatch

@@ -56,7 +56,7 @@ TEST(ParticleOptions, RefusesWhatIsOutOfRange) {
       {"levels: 17", {"levels"}},
       {"levels: all", {"levels"}},
       {"field: scene", {"unknown key 'field'"}},
-      {"refine: normal", {"refine", "'none'", "'triangle'"}},
+      {"refine: normal", {"refine may not be 'normal' (known: none, triangle)"}},
       {"refine: triangles", {"refine", "did you mean 'triangle'"}},
       {"steps: 15", {"steps"}},
       {"steps: 65536", {"steps"}},
