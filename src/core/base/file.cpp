@@ -96,7 +96,7 @@ AtomicFile::AtomicFile(const std::filesystem::path& folder, std::filesystem::pat
     constexpr mode_t kMode = 0644;
     file_ = Descriptor(::openat(place_.number, temporary_.c_str(), kHow, kMode));
   } while (!file_.open() && errno == EEXIST);
-  if (!file_.open()) throw Error(fmt::format("{}: cannot be written: {}", path_.string(), reason()));
+  if (!file_.open()) failBySystem(path_, "cannot be written");
 }
 
 AtomicFile::~AtomicFile() {
@@ -107,40 +107,32 @@ void AtomicFile::write(std::string_view bytes) {
   flushed_ = false;
   while (!bytes.empty()) {
     const ssize_t n = ::write(file_.number, bytes.data(), bytes.size());
-    if (n < 0) {
-      if (errno == EINTR) continue;
-      throw Error(fmt::format("{}: cannot be written: {}", path_.string(), reason()));
-    }
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) failBySystem(path_, "cannot be written");
     bytes.remove_prefix(static_cast<std::size_t>(n));
     size_ += static_cast<std::size_t>(n);
   }
 }
 
 void AtomicFile::flush() {
-  if (!flushed_ && ::fsync(file_.number) != 0) {
-    throw Error(fmt::format("{}: cannot be written: {}", path_.string(), reason()));
-  }
+  if (!flushed_ && ::fsync(file_.number) != 0) failBySystem(path_, "cannot be written");
   flushed_ = true;
 }
 
 void AtomicFile::commit() {
   flush();
   if (::renameat(place_.number, temporary_.c_str(), place_.number, path_.filename().c_str()) != 0) {
-    throw Error(fmt::format("{}: cannot be written: {}", path_.string(), reason()));
+    failBySystem(path_, "cannot be written");
   }
   file_.close();
   syncFolder(path_.parent_path());
 }
 
 void syncFolder(const std::filesystem::path& folder) {
-  const int descriptor = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  const int synced = descriptor < 0 ? -1 : ::fsync(descriptor);
-  const int reason = errno;
-  if (descriptor >= 0) ::close(descriptor);
+  const Descriptor opened(::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (opened.open() && ::fsync(opened.number) == 0) return;
   // Some file systems cannot flush folders, and a folder may be writable without being readable.
-  if (synced != 0 && reason != EINVAL && reason != ENOTSUP && reason != EACCES) {
-    throw Error(fmt::format("{}: cannot be flushed: {}", folder.string(), std::strerror(reason)));
-  }
+  if (errno != EINVAL && errno != ENOTSUP && errno != EACCES) failBySystem(folder, "cannot be flushed");
 }
 
 void writeFile(const std::filesystem::path& path, std::string_view bytes) {

@@ -25,10 +25,6 @@
 namespace scanmill {
 namespace {
 
-[[noreturn]] void failToLock(const std::filesystem::path& file, const char* what) {
-  throw Error(fmt::format("{}: {}: {}", file.string(), what, std::strerror(errno)));
-}
-
 // Returns the text of a lock file: "process 4711 on node3 since 2026-01-31 12:00:00 UTC".
 std::string ownWords() {
   const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
@@ -118,7 +114,7 @@ bool FolderLock::take(const std::filesystem::path& folder, const std::filesystem
       if (reason == ELOOP) refuseForeign(file, "a link");
       if (reason == EISDIR) refuseForeign(file, "a folder");
       errno = reason;
-      failToLock(file, "cannot be made");
+      failBySystem(file, "cannot be made");
     }
     if (!S_ISREG(status.st_mode) || status.st_nlink > 1) {
       release();
@@ -148,7 +144,7 @@ bool FolderLock::take(const std::filesystem::path& folder, const std::filesystem
     const int reason = errno;
     release();
     errno = reason;
-    failToLock(file, "cannot be written");
+    failBySystem(file, "cannot be written");
   }
   return true;
 }

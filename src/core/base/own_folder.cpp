@@ -16,10 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void fail(const fs::path& path, const char* what) {
-  throw Error(fmt::format("{}: {}: {}", path.string(), what, std::strerror(errno)));
-}
-
 // Opens the folder `below`, step by step from `folder`. Where this fails, what the caller wants, such as "a.txt: cannot
 // be written", is the beginning of the message. If `made` is given, creates the folders that are missing and sets it to
 // true if the last one is new.
@@ -28,26 +24,30 @@ Descriptor openFolder(const fs::path& folder, const fs::path& below, const fs::p
   constexpr int kHow = O_PATH | O_DIRECTORY | O_CLOEXEC;
   constexpr mode_t kMode = 0777;
   Descriptor at(::open(folder.empty() ? "." : folder.c_str(), kHow));
-  if (!at.open()) fail(file, what);
+  if (!at.open()) failBySystem(file, what);
   fs::path path = folder;
   for (const fs::path& step : below.lexically_relative(folder)) {
     if (step == "." || step.empty()) continue;
     path /= step;
     if (made != nullptr) {
       *made = ::mkdirat(at.number, step.c_str(), kMode) == 0;
-      if (!*made && errno != EEXIST) fail(file, what);
+      if (!*made && errno != EEXIST) failBySystem(file, what);
     }
     Descriptor next(::openat(at.number, step.c_str(), kHow | O_NOFOLLOW));
     if (!next.open() && (errno == ELOOP || errno == ENOTDIR)) {
       throw ForeignFile({path.string()}, "is a link or a file, where this program has a folder: remove it");
     }
-    if (!next.open()) fail(file, what);
+    if (!next.open()) failBySystem(file, what);
     at = std::move(next);
   }
   return at;
 }
 
 }  // namespace
+
+void failBySystem(const fs::path& path, std::string_view what) {
+  throw Error(fmt::format("{}: {}: {}", path.string(), what, std::strerror(errno)));
+}
 
 bool isWithin(const fs::path& path, const fs::path& folder) {
   const auto plain = [](const fs::path& given) {
@@ -76,14 +76,15 @@ void moveFile(const fs::path& folder, const fs::path& from, const fs::path& to) 
   bool made = false;
   const Descriptor place = openFolder(folder, to.parent_path(), from, "cannot be moved", &made);
   if (::renameat(old.number, from.filename().c_str(), place.number, to.filename().c_str()) == 0) return;
-  throw Error(fmt::format("{}: cannot be moved to {}: {}", from.string(), to.string(), std::strerror(errno)));
+  failBySystem(from, "cannot be moved to " + to.string());
 }
 
 void removeFile(const fs::path& folder, const fs::path& file) {
   std::error_code unreadable;
   if (!fs::exists(fs::symlink_status(file, unreadable))) return;
   const Descriptor place = openFolderOf(folder, file, "cannot be removed");
-  if (::unlinkat(place.number, file.filename().c_str(), 0) != 0 && errno != ENOENT) fail(file, "cannot be removed");
+  if (::unlinkat(place.number, file.filename().c_str(), 0) != 0 && errno != ENOENT)
+    failBySystem(file, "cannot be removed");
 }
 
 }  // namespace scanmill

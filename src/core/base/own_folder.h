@@ -9,6 +9,7 @@
 // failures.
 
 #include <filesystem>
+#include <string_view>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -21,6 +22,9 @@ class ForeignFile : public InputError {
  public:
   using InputError::InputError;
 };
+
+// Throws an Error "PATH: WHAT: No such file or directory" with the reason of the latest failing call of the system.
+[[noreturn]] void failBySystem(const std::filesystem::path& path, std::string_view what);
 
 // True if `path` is `folder` or lies in it, also through links. Neither path needs to exist. Throws Error if links
 // cannot be followed, such as links in a circle.
