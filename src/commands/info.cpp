@@ -13,7 +13,6 @@
 #include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"
-#include "commands/info_recording.h"
 #include "commands/info_sensor.h"
 #include "commands/table.h"
 #include "config/file_kind.h"

@@ -1,5 +1,3 @@
-#include "commands/info_recording.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 #include "base/error.h"
 #include "base/short_text.h"
 #include "base/terminal.h"
+#include "commands/info_sensor.h"
 #include "commands/table.h"
 #include "dataset/recording.h"
 #include "passes/exr/camera_exr.h"

@@ -19,4 +19,8 @@ bool isCalibration(const std::filesystem::path& file);
 // Prints what `scanmill info` shows of a calibration of Velodyne, Ouster or Hesai: see sensors/calibration.h.
 void printCalibration(const std::filesystem::path& file);
 
+// Print what `scanmill info` shows of a recording's folder, and of one EXR image of passes or hits.
+void printRecording(const std::filesystem::path& folder);
+void printExr(const std::filesystem::path& file);
+
 }  // namespace scanmill

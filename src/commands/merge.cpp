@@ -1,8 +1,7 @@
-#include "dataset/merge.h"
-
 #include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"
+#include "dataset/parts.h"
 
 namespace scanmill {
 

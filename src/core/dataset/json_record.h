@@ -10,6 +10,7 @@
 //
 // Limits are functions of the JsonNode that has been read, which fail if they do not allow its value.
 
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -20,7 +21,7 @@
 #include <utility>
 #include <vector>
 
-#include "dataset/json_node.h"
+#include "dataset/json_record.h"
 #include "dataset/json_text.h"
 #include "dataset/manifest.h"
 
@@ -204,5 +205,22 @@ inline auto distinct(const char* key) {
     });
   };
 }
+
+void describe(RecordKeys& keys, FormatRecord& format);
+void describe(RecordKeys& keys, FileRecord& file);
+void describe(RecordKeys& keys, SequenceRecord& sequence);
+void describe(RecordKeys& keys, ModelledItem& item);
+void describe(RecordKeys& keys, Ontology& ontology);
+void describe(RecordKeys& keys, ShardRecord& shard);
+void describe(RecordKeys& keys, SensorRecord& sensor);
+void describe(RecordKeys& keys, ScanRecord& scan);
+void describe(RecordKeys& keys, SampleRecord& sample);
+
+// Describes a key with the name that the ontology gives to a class.
+void describeClassName(RecordKeys& keys, const char* key, const std::uint16_t& id);
+// Reads what is modelled. `mayBeLines`: true accepts lines of text, too, as earlier versions wrote them.
+void readModelled(const JsonNode& list, bool mayBeLines, std::vector<ModelledItem>& items);
+// Returns the JSON of the values that were drawn at random, or kLeftOut.
+OrderedJson drawsJson(const SampleRecord& sample);
 
 }  // namespace scanmill

@@ -3,12 +3,21 @@
 // Writes JSON as text. Keys keep their order, and numbers read back to the same bits. The same values therefore always
 // give the same bytes.
 
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <initializer_list>
+#include <limits>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "base/error.h"
 #include "base/vec.h"
+#include "config/fields.h"
 #include "dataset/manifest.h"
 #include "scene/ontology.h"
 
@@ -33,5 +42,119 @@ OrderedJson poseJson(const Pose& pose, std::string_view what);
 // Returns the class with this id. Throws an Error that begins with `key` if the ontology does not have it.
 const SemanticClass& requireClass(std::uint16_t id, const std::string& key, const Ontology& ontology);
 OrderedJson ontologyJson(const Ontology& ontology);
+
+using Json = nlohmann::json;
+
+// Parses a JSON text. Throws InputError with file, line and column.
+Json parseJson(const std::string& text, const std::string& file);
+
+// A JSON value and its place in the document. The node refers to the parsed document and to the file's name, both of
+// which must outlive it.
+class JsonNode {
+ public:
+  JsonNode(const Json& value, std::string place, const std::string& file)
+      : value_(value), place_(std::move(place)), file_(file) {}
+
+  [[noreturn]] void fail(const std::string& what) const {
+    throw InputError({file_}, fmt::format("{}: {}", place_.empty() ? "/" : place_, what));
+  }
+
+  // Checks the keys of a map: all keys in `required` must exist, and all other keys must be in `optional`.
+  const JsonNode& keys(std::span<const std::string_view> required, std::span<const std::string_view> optional) const {
+    expect(value_.is_object(), "a map");
+    for (const auto& entry : value_.items()) {  // checks unknown keys first, since a missing key may only be misspelt
+      const auto is = [&](std::string_view key) { return key == entry.key(); };
+      if (std::ranges::any_of(required, is) || std::ranges::any_of(optional, is)) continue;
+      std::vector<std::string> known(required.begin(), required.end());
+      known.insert(known.end(), optional.begin(), optional.end());
+      fail(fmt::format("key '{}' is unknown{}", entry.key(), suggestion(entry.key(), known)));
+    }
+    for (const std::string_view key : required) {
+      if (!value_.contains(key)) fail(fmt::format("key '{}' is missing", key));
+    }
+    return *this;
+  }
+  const JsonNode& keys(std::initializer_list<std::string_view> required,
+                       std::initializer_list<std::string_view> optional = {}) const {
+    return keys(std::span(required.begin(), required.size()), std::span(optional.begin(), optional.size()));
+  }
+
+  bool isNull() const { return value_.is_null(); }
+  bool isText() const { return value_.is_string(); }
+  bool has(std::string_view key) const { return value_.is_object() && value_.contains(key); }
+  JsonNode operator[](const std::string& key) const { return {value_.at(key), place_ + "/" + key, file_}; }
+  JsonNode item(std::size_t i) const { return {value_.at(i), fmt::format("{}/{}", place_, i), file_}; }
+  std::string dump() const { return value_.dump(); }
+
+  template <class Visit>
+  void forEach(const Visit& visit) const {
+    expect(value_.is_array(), "a list");
+    for (std::size_t i = 0; i < value_.size(); ++i) visit(item(i));
+  }
+  template <class Visit>
+  void forEachEntry(const Visit& visit) const {
+    expect(value_.is_object(), "a map");
+    for (const auto& entry : value_.items()) visit(entry.key(), (*this)[entry.key()]);
+  }
+
+  std::string text() const {
+    expect(value_.is_string(), "text");
+    return value_.get<std::string>();
+  }
+  bool boolean() const {
+    expect(value_.is_boolean(), "true or false");
+    return value_.get<bool>();
+  }
+  double number(double low = -std::numeric_limits<double>::max(),
+                double high = std::numeric_limits<double>::max()) const {
+    expect(value_.is_number(), "a number");
+    const double number = value_.get<double>();
+    if (!(number >= low && number <= high)) fail(fmt::format("{} is not within {} to {}", number, low, high));
+    return number;
+  }
+  template <class Integer>
+  Integer integer(std::uint64_t low = 0, std::uint64_t high = std::numeric_limits<Integer>::max()) const {
+    expect(value_.is_number_unsigned(), "a whole number of at least 0");
+    const std::uint64_t number = value_.get<std::uint64_t>();
+    if (number < low || number > high) fail(fmt::format("{} is not within {} to {}", number, low, high));
+    return static_cast<Integer>(number);
+  }
+  // Returns the text of a finite number, from which the same number is read again.
+  std::string numberText() const {
+    number();
+    return value_.dump();
+  }
+  std::string sha256() const { return hash("a SHA-256", 64); }
+  std::string xxh3() const { return hash("an XXH3", 16); }
+  std::vector<std::string> texts() const {
+    std::vector<std::string> list;
+    forEach([&](const JsonNode& item) { list.push_back(item.text()); });
+    return list;
+  }
+  std::vector<double> numbers(std::size_t count) const {
+    std::vector<double> list;
+    forEach([&](const JsonNode& item) { list.push_back(item.number()); });
+    if (list.size() != count) fail(fmt::format("has {} numbers, but must have {}", list.size(), count));
+    return list;
+  }
+
+ private:
+  std::string hash(std::string_view kind, std::size_t digits) const {
+    std::string hash = text();
+    if (hash.size() != digits || hash.find_first_not_of("0123456789abcdef") != std::string::npos) {
+      fail(fmt::format("is not {} ({} hexadecimal digits in lower case)", kind, digits));
+    }
+    return hash;
+  }
+  void expect(bool holds, std::string_view what) const {
+    if (!holds) fail(fmt::format("is {}, but must be {}", value_.type_name(), what));
+  }
+
+  const Json& value_;
+  std::string place_;
+  const std::string& file_;
+};
+
+Pose poseOf(const JsonNode& node);
 
 }  // namespace scanmill

@@ -55,6 +55,8 @@ inline const Pose& mountOf(const SensorRecord& sensor, const ScanRecord& scan) {
 // Returns the part of a member's name that follows the sample's key and a dot, in lower case: "top.ray_tracing.pcd", or
 // "top.1.ray_tracing.pcd" for the sensor's second revolution.
 std::string memberSuffix(const ScanRecord& scan, std::string_view formatSuffix);
+// Returns the beginning of that part, without the method: "top", or "top.1".
+std::string revolutionName(const ScanRecord& scan);
 
 // Counts of the object instances of one class near the sensors of a sample.
 struct ObjectCount {

@@ -10,8 +10,8 @@
 #include "base/error.h"
 #include "base/hash.h"
 #include "config/text.h"
+#include "dataset/json_record.h"
 #include "dataset/manifest.h"
-#include "dataset/manifest_records.h"
 #include "dataset/sample_names.h"
 
 namespace scanmill {
@@ -258,8 +258,11 @@ const SequenceRecord* Manifest::sequenceOf(const std::string& key) const {
 }
 
 std::string memberSuffix(const ScanRecord& scan, std::string_view formatSuffix) {
-  const std::string revolution = scan.revolution == 0 ? "" : fmt::format(".{}", scan.revolution);
-  return lowerCase(fmt::format("{}{}.{}.{}", scan.sensor, revolution, scan.method, formatSuffix));
+  return lowerCase(fmt::format("{}.{}.{}", revolutionName(scan), scan.method, formatSuffix));
+}
+
+std::string revolutionName(const ScanRecord& scan) {
+  return lowerCase(scan.sensor) + (scan.revolution == 0 ? "" : fmt::format(".{}", scan.revolution));
 }
 
 }  // namespace scanmill

@@ -9,8 +9,8 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/hash.h"
+#include "dataset/json_record.h"
 #include "dataset/manifest.h"
-#include "dataset/manifest_records.h"
 #include "dataset/shard_name.h"
 
 namespace scanmill {

@@ -1,9 +1,8 @@
-#include "dataset/manifest_records.h"
-
 #include <algorithm>
 #include <map>
 
 #include "base/terminal.h"
+#include "dataset/json_record.h"
 #include "dataset/shard_name.h"
 
 namespace scanmill {

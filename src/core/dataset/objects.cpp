@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "dataset/manifest_records.h"
+#include "dataset/json_record.h"
 
 namespace scanmill {
 

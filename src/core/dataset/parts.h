@@ -6,6 +6,7 @@
 // that parts of another plan, missing samples and duplicates are detected.
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -41,5 +42,11 @@ DatasetPart parsePart(const std::string& text, const std::string& file);
 // a sample is missing, occurs twice or is not in the plan, and, unless `anyFiles` is true, if two parts were made of
 // different bytes of a file.
 [[nodiscard]] Manifest joinParts(const DatasetPlan& plan, std::vector<DatasetPart> parts, bool anyFiles = false);
+
+// Joins the parts in a folder, writes the manifest, and returns it. If the dataset is already complete, only returns
+// its manifest. Shards are checked by their records and sizes, but not read; verifyDataset() reads them. Throws
+// InputError if shards are missing (with their numbers), if parts belong to another plan, or if a process is writing
+// into the folder. Throws Error if a sample occurs twice or the disk fails.
+Manifest mergeDataset(const std::filesystem::path& folder);
 
 }  // namespace scanmill

@@ -7,7 +7,7 @@
 
 #include "base/file.h"
 #include "base/hash.h"
-#include "dataset/manifest_records.h"
+#include "dataset/json_record.h"
 #include "methods/method.h"
 
 namespace scanmill {

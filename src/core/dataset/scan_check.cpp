@@ -1,11 +1,11 @@
-#include "dataset/scan_check.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <unordered_set>
+
+#include "dataset/verify.h"
 
 namespace scanmill {
 

@@ -19,11 +19,11 @@ namespace {
 constexpr std::size_t kPieceBytes = 1 << 17;
 // Size up to which headers, padding and short members are collected before they are written.
 constexpr std::size_t kShortBytes = 1 << 14;
-constexpr std::uint64_t kTarBlock = 512;
+constexpr std::uint64_t kTarBytes = 512;
 constexpr std::size_t kUstarName = 100;
 
 std::uint64_t wholeBlocks(std::uint64_t bytes) {
-  return (bytes + kTarBlock - 1) / kTarBlock * kTarBlock;
+  return (bytes + kTarBytes - 1) / kTarBytes * kTarBytes;
 }
 
 }  // namespace
@@ -121,9 +121,9 @@ ShardFile::Whole ShardFile::close() {
 }
 
 std::uint64_t ShardFile::memberBytes(std::size_t nameLength, std::uint64_t bytes) {
-  std::uint64_t size = kTarBlock + wholeBlocks(bytes);
+  std::uint64_t size = kTarBytes + wholeBlocks(bytes);
   // A long name needs a pax header with one record: "<length> path=<name>\n".
-  if (nameLength > kUstarName) size += kTarBlock + wholeBlocks(nameLength + 16);
+  if (nameLength > kUstarName) size += kTarBytes + wholeBlocks(nameLength + 16);
   return size;
 }
 

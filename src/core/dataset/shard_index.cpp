@@ -19,7 +19,7 @@ namespace {
 // Number of bytes to read at a time: enough for a header and a preceding pax header.
 constexpr std::size_t kHeaderBytes = 2048;
 
-std::string reasonOf(int error) {
+std::string errnoText(int error) {
   return std::generic_category().message(error);
 }
 
@@ -44,14 +44,14 @@ const ShardMember* ShardIndex::find(std::string_view name) const {
 
 std::string ShardIndex::read(const ShardMember& member) const {
   const Descriptor file(::open(file_.c_str(), O_RDONLY | O_CLOEXEC));
-  if (file.number < 0) throw InputError({file_.string()}, "cannot be read: " + reasonOf(errno));
+  if (file.number < 0) throw InputError({file_.string()}, "cannot be read: " + errnoText(errno));
   std::string bytes(member.bytes, '\0');
   std::size_t done = 0;
   while (done < bytes.size()) {
     const ssize_t got =
         ::pread(file.number, bytes.data() + done, bytes.size() - done, static_cast<off_t>(member.offset + done));
     if (got < 0 && errno == EINTR) continue;
-    if (got < 0) throw InputError({file_.string()}, fmt::format("cannot read '{}': {}", member.name, reasonOf(errno)));
+    if (got < 0) throw InputError({file_.string()}, fmt::format("cannot read '{}': {}", member.name, errnoText(errno)));
     if (got == 0) {
       throw InputError({file_.string()},
                        fmt::format("is truncated in '{}': it was longer when it was opened", member.name));

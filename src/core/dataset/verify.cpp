@@ -17,7 +17,6 @@
 #include "dataset/objects.h"
 #include "dataset/reader.h"
 #include "dataset/sample_names.h"
-#include "dataset/scan_check.h"
 #include "dataset/shard_name.h"
 #include "dataset/voxels.h"
 #include "formats/reasons_png.h"

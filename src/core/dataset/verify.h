@@ -10,6 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "dataset/manifest.h"
+#include "scan/scan.h"
+
 namespace scanmill {
 
 struct Verification {
@@ -28,5 +31,10 @@ struct Verification {
 // be read. Calls progress(done, total), the numbers of shards, after each shard.
 [[nodiscard]] Verification verifyDataset(const std::filesystem::path& folder,
                                          const std::function<void(std::uint64_t, std::uint64_t)>& progress = {});
+
+// Returns one line for each fault; none for a sound scan. `record`: the scan's record in the manifest, which must list
+// the record's sensor. `maxError`: largest error of a position in the scan's format (m).
+[[nodiscard]] std::vector<std::string> checkScan(const Scan& scan, const ScanRecord& record, const Manifest& manifest,
+                                                 double maxError);
 
 }  // namespace scanmill

@@ -43,7 +43,6 @@
 #include "exports/instance_numbers.h"
 #include "exports/layout.h"
 #include "exports/nuscenes_names.h"
-#include "exports/nuscenes_tables.h"
 #include "formats/little_endian.h"
 #include "formats/npy.h"
 

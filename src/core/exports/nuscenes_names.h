@@ -39,4 +39,7 @@ std::filesystem::path pointsFile(const ExportPlan& plan, std::size_t sequence, c
 std::filesystem::path lidarsegFile(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor);
 std::filesystem::path panopticFile(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor);
 
+// Writes all tables, splits.json and the map, and creates the folders that may stay empty. Returns the number of boxes.
+std::size_t writeNuScenesTables(const ExportPlan& plan, const ReadObjects& read, const ExportFolder& folder);
+
 }  // namespace scanmill

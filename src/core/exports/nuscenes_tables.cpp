@@ -1,8 +1,6 @@
 // Writes the tables of nuScenes: lists of rows that refer to each other by tokens. docs/schema_nuscenes.md in
 // github.com/nutonomy/nuscenes-devkit describes their fields.
 
-#include "exports/nuscenes_tables.h"
-
 #include <fmt/core.h>
 #include <png.h>
 

@@ -2,15 +2,10 @@
 
 #include <fmt/core.h>
 
-#include "config/text.h"
-
 namespace scanmill {
 
-// The sensor's name in the file name is in lower case, as in the names of the dataset's members.
 std::filesystem::path ScanFiles::fileOf(const SampleRecord& sample, const ScanRecord& scan) const {
-  const std::string revolution = scan.revolution == 0 ? "" : fmt::format(".{}", scan.revolution);
-  return std::filesystem::path(sample.split) /
-         fmt::format("{}.{}{}.{}", sample.key, lowerCase(scan.sensor), revolution, suffix_);
+  return std::filesystem::path(sample.split) / fmt::format("{}.{}.{}", sample.key, revolutionName(scan), suffix_);
 }
 
 std::vector<std::filesystem::path> ScanFiles::filesOf(const ExportPlan& plan, std::size_t sequence,

@@ -34,8 +34,8 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::uint32_t kMostInstances = 32767;  // largest instance id; a larger id would set the sign bit of an int32
-constexpr std::size_t kMostSequences = 100;      // largest number of sequences, because their numbers have two digits
+constexpr std::uint32_t kMostInstanceId = 32767;  // largest instance id; a larger id would set the sign bit of an int32
+constexpr std::size_t kMostSequences = 100;       // largest number of sequences, because their numbers have two digits
 
 // The rotation to camera axes: x right, y down, z forward.
 const Quat kCameraFromSensor{0.5, 0.5, -0.5, 0.5};
@@ -74,7 +74,7 @@ std::filesystem::path sequenceFolder(std::size_t number) {
 }
 
 // Returns the instances that a scan has, all in one group.
-std::set<InstanceNumbers::Instance> instancesOf(const ExportPlan&, const Scan& scan) {
+std::set<InstanceNumbers::Instance> instanceIdsOf(const ExportPlan&, const Scan& scan) {
   const std::set<std::uint32_t> ids(scan[kInstance].begin(), scan[kInstance].end());
   std::set<InstanceNumbers::Instance> here;
   for (const std::uint32_t id : ids) {
@@ -188,7 +188,7 @@ class SemanticKitti : public Layout {
       warnings.push_back(
           fmt::format("instances have new numbers from 1 in {} of {} sequences, since SemanticKITTI's labels store ids "
                       "up to {}; they do not join the dataset's",
-                      renumbered_.size(), plan.sequences.size(), kMostInstances));
+                      renumbered_.size(), plan.sequences.size(), kMostInstanceId));
     }
     if (!hasColumn(plan, "label") || listsObjects(plan)) return warnings;
     warnings.emplace_back(
@@ -227,7 +227,7 @@ class SemanticKitti : public Layout {
     if (!hasColumn(plan, "instance")) return {};
     numbers_.add(plan, sample);
     std::map<InstanceNumbers::Instance, std::uint16_t> numbers = numbers_.of(plan, sample.sequence, read);
-    if (numbers.empty() || numbers.rbegin()->first.second <= kMostInstances) return {};
+    if (numbers.empty() || numbers.rbegin()->first.second <= kMostInstanceId) return {};
     const std::scoped_lock lock(mutex_);
     renumbered_.insert(sample.sequence);
     return numbers;
@@ -273,7 +273,7 @@ class SemanticKitti : public Layout {
     return text;
   }
 
-  mutable InstanceNumbers numbers_{"SemanticKITTI", kMostInstances, instancesOf,
+  mutable InstanceNumbers numbers_{"SemanticKITTI", kMostInstanceId, instanceIdsOf,
                                    [](const ExportPlan&, std::uint16_t) { return std::string("instances"); }};
   mutable std::mutex mutex_;
   mutable std::set<std::size_t> renumbered_;  // sequences with new numbers

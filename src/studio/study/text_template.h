@@ -20,7 +20,7 @@
 #include <map>
 #include <string>
 
-#include "dataset/json_node.h"
+#include "dataset/json_text.h"
 
 namespace scanmill {
 

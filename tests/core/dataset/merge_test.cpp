@@ -1,10 +1,9 @@
-#include "dataset/merge.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "base/error.h"
 #include "base/file.h"
+#include "dataset/parts.h"
 #include "tests/core/dataset/fixture.h"
 
 namespace scanmill {

@@ -8,7 +8,6 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/parallel.h"
-#include "dataset/scan_check.h"
 #include "tests/core/dataset/fixture.h"
 #include "tests/support/described_beside.h"
 

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "base/error.h"
-#include "dataset/scan_check.h"
 #include "dataset/shard_index.h"
+#include "dataset/verify.h"
 #include "formats/reasons_png.h"
 #include "pipeline/run/progress.h"
 #include "report/dataset/scan_counts.h"
