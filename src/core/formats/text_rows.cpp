@@ -1,14 +1,9 @@
 #include "formats/text_rows.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <limits>
 #include <memory>
-
-#include "base/text_scan.h"
 
 namespace scanmill {
 
@@ -66,40 +61,5 @@ void appendRows(const Scan& scan, char separator, std::string& out) {
   }
   out.append(buffer.get(), to);
 }
-
-template <class T>
-void readNumber(std::string_view word, T& value, std::string_view column, const Location& where) {
-  if (parseNumber(word, value)) return;
-  if constexpr (std::is_integral_v<T>) {
-    // Other programs write whole numbers as 7.000000, too.
-    double number = 0;
-    if (parseNumber(word, number)) {
-      constexpr double kExact = 9007199254740992.0;  // 2^53: up to here doubles hold all whole numbers
-      const bool fits = number >= static_cast<double>(std::numeric_limits<T>::min()) && std::fabs(number) <= kExact &&
-                        number <= static_cast<double>(std::numeric_limits<T>::max());
-      if (fits && number == std::floor(number)) {
-        value = static_cast<T>(number);
-        return;
-      }
-    }
-  }
-  const std::string kind =
-      std::is_floating_point_v<T>
-          ? std::string("a number such as 1234.5 or -1.2e-3")
-          : fmt::format("an integer of {} to {}", std::numeric_limits<T>::min(), std::numeric_limits<T>::max());
-  throw InputError(where, fmt::format("{} must be {}, not '{}'{}", column, kind, word.substr(0, 40),
-                                      std::is_integral_v<T> ? columnRemedy(column) : ""));
-}
-
-template void readNumber(std::string_view, float&, std::string_view, const Location&);
-template void readNumber(std::string_view, double&, std::string_view, const Location&);
-template void readNumber(std::string_view, std::uint8_t&, std::string_view, const Location&);
-template void readNumber(std::string_view, std::uint16_t&, std::string_view, const Location&);
-template void readNumber(std::string_view, std::uint32_t&, std::string_view, const Location&);
-template void readNumber(std::string_view, std::uint64_t&, std::string_view, const Location&);
-template void readNumber(std::string_view, std::int8_t&, std::string_view, const Location&);
-template void readNumber(std::string_view, std::int16_t&, std::string_view, const Location&);
-template void readNumber(std::string_view, std::int32_t&, std::string_view, const Location&);
-template void readNumber(std::string_view, std::int64_t&, std::string_view, const Location&);
 
 }  // namespace scanmill

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -12,6 +13,7 @@
 #include <type_traits>
 
 #include "base/error.h"
+#include "base/text_scan.h"
 #include "scan/scan.h"
 
 namespace scanmill {
@@ -23,17 +25,38 @@ void appendRows(const Scan& scan, char separator, std::string& out);
 // Returns an upper bound of the characters in a line of a scan with these columns.
 std::size_t longestRow(ColumnSet columns);
 
-// Reads the complete `word` as a number of type T, which may be any type of a column. Throws an InputError at `where`
-// that names `column` if the word is not a number or T cannot represent it.
-template <class T>
-void readNumber(std::string_view word, T& value, std::string_view column, const Location& where);
-
 // Returns the end of a message about a number that does not fit the column: what to do. Empty for most columns.
 inline std::string_view columnRemedy(std::string_view column) {
   return column == "label"
              ? "; number the classes so, with 0 for none; if the numbers hold class and instance, as "
                "SemanticKITTI's do, write two columns, label = number & 0xFFFF and instance = number >> 16"
              : "";
+}
+
+// Reads the complete `word` as a number of type T, which may be any type of a column. Throws an InputError at `where`
+// that names `column` if the word is not a number or T cannot represent it.
+template <class T>
+void readNumber(std::string_view word, T& value, std::string_view column, const Location& where) {
+  if (parseNumber(word, value)) return;
+  if constexpr (std::is_integral_v<T>) {
+    // Other programs write whole numbers as 7.000000, too.
+    double number = 0;
+    if (parseNumber(word, number)) {
+      constexpr double kExact = 9007199254740992.0;  // 2^53: up to here doubles hold all whole numbers
+      const bool fits = number >= static_cast<double>(std::numeric_limits<T>::min()) && std::fabs(number) <= kExact &&
+                        number <= static_cast<double>(std::numeric_limits<T>::max());
+      if (fits && number == std::floor(number)) {
+        value = static_cast<T>(number);
+        return;
+      }
+    }
+  }
+  const std::string kind =
+      std::is_floating_point_v<T>
+          ? std::string("a number such as 1234.5 or -1.2e-3")
+          : fmt::format("an integer of {} to {}", std::numeric_limits<T>::min(), std::numeric_limits<T>::max());
+  throw InputError(where, fmt::format("{} must be {}, not '{}'{}", column, kind, word.substr(0, 40),
+                                      std::is_integral_v<T> ? columnRemedy(column) : ""));
 }
 
 // Returns the number as a value of a column of the type T. If T is an integer type that cannot hold the number (too
