@@ -63,74 +63,13 @@ void printSettings(const Study& study) {
   }
 }
 
-void printEncodings(const Study& study) {
-  if (study.encodings.empty()) return;
-  Rows rows{{"encoding", "points/s", "decoded/s", "bytes/point", "largest error"}};
-  for (const EncodingResult& e : study.encodings) {
-    if (!e.failure.empty()) {
-      rows.push_back({e.name, "failed", "", "", e.failure});
-      continue;
-    }
-    rows.push_back({e.name, shortNumber(e.encodePointsPerSecond), shortNumber(e.decodePointsPerSecond),
-                    fmt::format("{:.2f}", e.bytesPerPoint), metresText(e.largestError)});
-  }
-  printText("{}\n", formatTable(rows));
-}
-
-void printSensing(const Study& study) {
-  if (study.sensing.empty()) return;
-  Rows rows{{"footprint, glass, weather", "trace", "effects", "missing", "added", "median", "p95", "p99", "other class",
-             "intensity"}};
-  for (const SensingResult& r : study.sensing) {
-    if (!r.failure.empty()) {
-      rows.push_back({r.name, "failed", "", "", "", "", "", "", "", r.failure});
-      continue;
-    }
-    const auto share = [](std::uint64_t part, std::uint64_t whole) {
-      return fmt::format("{:.3f} %", whole > 0 ? 100 * static_cast<double>(part) / static_cast<double>(whole) : 0);
-    };
-    rows.push_back({r.name, secondsText(r.traceSeconds), secondsText(r.effectsSeconds), share(r.missing, r.beams),
-                    share(r.added, r.beams), metresText(r.distance.median), metresText(r.distance.p95),
-                    metresText(r.distance.p99), share(r.both - r.sameClass, r.both),
-                    fmt::format("{:.3g}", r.intensity)});
-  }
-  printText(
-      "{}missing: beams that return only in truth (the first row); added: beams that return only by the setting; the\n"
-      "columns after these compare beams that return in both\n\n",
-      formatTable(rows));
-}
-
-void printRings(const Study& study) {
-  if (study.rings.empty()) return;
-  Rows rows{{"time per scan"}};
-  for (const RingTiming& t : study.rings.front().timings) rows.front().push_back(fmt::format("{} rings", t.rings));
-  rows.front().insert(rows.front().end(), {"fixed", "per ring"});
-  const auto add = [&](const std::string& name, const RingFit& fit) {
-    rows.push_back({name});
-    for (const RingTiming& t : fit.timings) rows.back().push_back(secondsText(t.scanSeconds));
-    rows.back().push_back(secondsText(fit.fixedSeconds));
-    rows.back().push_back(secondsText(fit.secondsPerRing));
-  };
-  for (const RingFit& fit : study.rings) add(fit.setting.name, fit);
-  if (study.showing) add("drawing a scan (a picture)", *study.showing);
-  printText("{}\n", formatTable(rows));
-}
-
 void printStudy(const Study& study) {
   printText("{}: {} of {} beams, {} triangles; {}, {}{}{}\n\n", study.scene.key, pluralOf(study.shots, "scan"),
             grouped(study.beamsPerShot), grouped(study.scene.triangles), study.machine.processor,
             pluralOf(static_cast<std::uint64_t>(study.machine.threads), "thread"),
             study.machine.renderer.empty() ? "" : "; OpenGL: ", study.machine.renderer);
   printSettings(study);
-  printRings(study);
-  printEncodings(study);
-  printSensing(study);
   for (const std::string& line : study.left) printText("left out: {}\n", line);
-  if (!study.sensing.empty()) {
-    printText(
-        "the methods were compared with one ray per beam that ends at the first surface, without the effects footprint "
-        "and light_paths\n");
-  }
   for (const Advice& a : advise(study)) {
     printText("{}: {}\n", a.need, a.setting.empty() ? a.text : fmt::format("{}\n  {}", a.setting, a.text));
   }

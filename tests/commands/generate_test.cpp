@@ -86,35 +86,6 @@ TEST_F(Generate, ThreadsAndSeedsDoWhatTheySay) {
   EXPECT_FALSE(one == shard("other", {"--seed", "2"}));
 }
 
-// What webdataset does: members that follow each other and share the name up to the first dot are a sample.
-TEST_F(Generate, PythonGroupsTheMembersAsWebDatasetDoes) {
-  if (std::system("python3 -c 'import tarfile' >/dev/null 2>&1") != 0) GTEST_SKIP() << "no python3";
-  ASSERT_EQ(scanmill({"generate", pipeline_, "-q", "-o", at("out"), "--set", "trajectories.0.frames=9"}).code, 0);
-  const std::string script = folder_
-                                 .write("group.py", R"(import json, sys, tarfile
-samples, seen = [], set()
-with tarfile.open(sys.argv[1]) as tar:
-    for member in tar:
-        key, suffix = member.name.split(".", 1)
-        if not samples or samples[-1]["__key__"] != key:
-            assert key not in seen, key + " is not contiguous"
-            seen.add(key)
-            samples.append({"__key__": key})
-        assert suffix == suffix.lower() and suffix not in samples[-1], suffix
-        samples[-1][suffix] = tar.extractfile(member).read()
-for sample in samples:
-    assert json.loads(sample["json"])["key"] == sample["__key__"]
-    header, *rows = sample["top.ray_tracing.csv"].decode().splitlines()
-    points = json.loads(sample["json"])["scans"][0]["points"]
-    assert len(rows) == points and header.startswith("x,y,z,"), (len(rows), points, header)
-print(len(samples), *sorted(samples[0]))
-)")
-                                 .string();
-  const Outcome o = RunningProgram({"python3", script, at("out/train/train-000000.tar")}).wait();
-  EXPECT_EQ(o.code, 0) << o.error;
-  EXPECT_EQ(o.out, "9 __key__ json top.ray_tracing.csv top.ray_tracing.drc top.ray_tracing.pcd\n");
-}
-
 TEST_F(Generate, MemoryStaysFlatHoweverManyScansAreMade) {
   if (kSanitized) GTEST_SKIP() << "sanitizers keep freed memory";
   const auto peak = [&](int frames) {
@@ -163,20 +134,6 @@ TEST_F(Generate, AMemoryLimitIsKeptWithSeveralScenes) {
       scanmill({"generate", pipeline, "-q", "-o", at("seeds"), "--threads", "2", "--memory-limit", "290M"});
   ASSERT_EQ(limited.code, 0) << limited.error;
   EXPECT_LT(limited.peakBytes, std::uint64_t{290} << 20);
-}
-
-TEST_F(Generate, KilledRunsLeaveWholeShardsOnly) {
-  RunningProgram process(longRun());
-  awaitShards(process, 2);
-  process.send(SIGKILL);
-  EXPECT_EQ(process.wait().signal, SIGKILL);
-  expectWholeShardsAndNoManifest();
-  // The next run cleans up.
-  expectRefused(scanmill({"generate", pipeline_, "-q", "-o", at("out")}), "--overwrite");
-  expectRefused(scanmill({"generate", pipeline_, "-q", "-o", at("out"), "--resume"}), "another pipeline");
-  EXPECT_EQ(scanmill({"generate", pipeline_, "-q", "--overwrite", "-o", at("out")}).code, 0);
-  EXPECT_EQ(filesEndingIn("", at("out")).size(), 3 + readManifest(at("out")).shards.size());
-  EXPECT_EQ(scanmill({"verify", "-q", at("out")}).code, 0);
 }
 
 TEST_F(Generate, StoppedRunsSaySo) {

@@ -53,8 +53,7 @@ TEST_F(Tradeoff, WritesTablesChartsAndAReport) {
   const Outcome made = scanmill({"tradeoff", study_, "-o", at("out")});
   ASSERT_EQ(made.code, 0) << made.error;
   EXPECT_THAT(made.out, AllOf(HasSubstr("scene-s1-drive: 2 scans of 512 beams"), HasSubstr("beams/s"),
-                              HasSubstr("particle refine=none voxel_m=0.5"), HasSubstr("2 rings"),
-                              HasSubstr("bytes/point"), HasSubstr("draco max_error_mm=20"), HasSubstr("2 settings in "),
+                              HasSubstr("particle refine=none voxel_m=0.5"), HasSubstr("2 settings in "),
                               HasSubstr("open " + at("out/index.html"))));
   EXPECT_THAT(made.out, AllOf(Not(HasSubstr("nan")), Not(HasSubstr("inf ")), Not(ContainsRegex(":\\s*\n\n")),
                               Not(ContainsRegex(": \n"))));

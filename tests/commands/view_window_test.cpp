@@ -152,31 +152,5 @@ TEST_F(ViewWindow, AClassIsHiddenByAClickInTheLegend) {
   EXPECT_EQ(ended.error, "");
 }
 
-TEST_F(ViewWindow, KeysChangeWhatIsSeen) {
-  SKIP_WITHOUT_X();
-  const XDisplay display(fmt::format("{}x{}", kWidth, kHeight));
-  const Rgb road = colorOf(1);
-  OpenViewer viewer(display, street(), {"--sample", "0", "--flat"});
-  const Image byClass = viewer.screenWhen(holdsColor(road, 1000));
-  act({"mousemove", "300", "650", "key", "4"});  // by range
-  const Image byRange = viewer.screenWhen(lacksColor(road, 60));
-  EXPECT_FALSE(swatchOf(byRange, road).has_value());
-  act({"key", "1"});
-  viewer.screenWhen(holdsColor(road, 1000));
-  act({"key", "h"});
-  const Image help = viewer.screenWhen(differsFrom(byClass, 40'000));
-  act({"key", "h", "key", "b", "key", "b"});  // a white background
-  viewer.screenWhen(holdsColor({255, 255, 255}, 200'000));
-  act({"key", "b", "key", "Right"});  // the next frame
-  viewer.screenWhen(
-      [&](const Image& screen) { return holdsColor(road, 1000)(screen) && differsFrom(byClass, 3000)(screen); });
-  act({"mousemove", "300", "400", "mousedown", "1", "mousemove_relative", "--sync", "120", "0", "mouseup", "1"});
-  const Image turned = viewer.screenWhen(differsFrom(byClass, 10'000));
-  EXPECT_GT(pixelsOf(turned, road).size(), 300u);
-  act({"key", "Escape", "key", "q"});
-  const Outcome ended = viewer.end();
-  EXPECT_EQ(ended.code, 0) << ended.error;
-}
-
 }  // namespace
 }  // namespace scanmill

@@ -70,34 +70,6 @@ TEST(ShardIndex, FindsMembersByName) {
   EXPECT_EQ(index.find(""), nullptr);
 }
 
-// Wherever a shard is cut or damaged: the same answer as when all of it is read.
-TEST(ShardIndex, RefusesWhatReadTarRefuses) {
-  const TemporaryFolder folder;
-  Members members = oddMembers();
-  members[5].second.resize(3000);
-  writeMembers(folder.path() / "x.tar", members);
-  const std::string bytes = readFile(folder.path() / "x.tar");
-  for (std::size_t size = 0; size < bytes.size(); size += 256) {
-    const fs::path cut = folder.write("cut.tar", bytes.substr(0, size));
-    EXPECT_EQ(refusalOfIndex(cut), refusalOfTar(cut)) << size;
-    EXPECT_THAT(refusalOfIndex(cut), HasSubstr("cut.tar: ")) << size;
-  }
-  int refused = 0;
-  for (std::uint32_t i = 0; i < 300; ++i) {
-    const RandomBlock random = randomBlock({.beam = i});
-    std::string damaged = bytes;
-    damaged[random[0] % damaged.size()] = static_cast<char>(random[1]);
-    const fs::path file = folder.write("damaged.tar", damaged);
-    EXPECT_EQ(refusalOfIndex(file) == "accepted", refusalOfTar(file) == "accepted") << i;
-    refused += refusalOfIndex(file) == "accepted" ? 0 : 1;
-  }
-  EXPECT_GT(refused, 60);
-  const fs::path text = folder.write("text.tar", std::string(5000, 'a'));
-  EXPECT_EQ(refusalOfIndex(text), refusalOfTar(text));
-  EXPECT_EQ(refusalOfIndex(folder.path() / "absent.tar"), refusalOfTar(folder.path() / "absent.tar"));
-  EXPECT_EQ(refusalOfIndex(folder.path()), refusalOfTar(folder.path()));
-}
-
 // Wherever a shard is cut: the members before that, as they were.
 TEST(ShardIndex, GivesWhatIsWholeWhereThatIsAskedFor) {
   const TemporaryFolder folder;

@@ -255,107 +255,97 @@ TEST(Verify, AnUnreadableManifestIsRefused) {
   EXPECT_THROW(verifyDataset(folder.path()), InputError);
 }
 
-// Each law of a scan, broken one at a time.
-class ScanCheckTest : public ::testing::Test {
- protected:
-  std::vector<std::string> check() const { return checkScan(scan_, record_, manifest_, 0.001); }
-
-  Manifest manifest_ = testManifest();
-  Scan scan_ = testScan(manifest_.sensors[0].beams, 1);
-  ScanRecord record_ = testRecord(manifest_.sensors[0], scan_, 0);
+// A scan, its record and its manifest, one of which breaks a law, and what is said of it.
+struct CheckedScan {
+  Manifest manifest = testManifest();
+  Scan scan = testScan(manifest.sensors[0].beams, 1);
+  ScanRecord record = testRecord(manifest.sensors[0], scan, 0);
 };
 
-TEST_F(ScanCheckTest, SoundScans) {
-  EXPECT_THAT(check(), IsEmpty());
-  scan_ = organised(scan_);
-  manifest_.organised = true;
-  EXPECT_THAT(check(), IsEmpty());
+struct BrokenLaw {
+  void (*change)(CheckedScan&);
+  std::vector<std::string> says;  // the beginnings of all lines
+};
+
+void makeImage(CheckedScan& c) {
+  c.scan = organised(c.scan);
+  c.manifest.organised = true;
 }
 
-TEST_F(ScanCheckTest, PointsMustBeFiniteUnlessTheyAreMisses) {
-  scan_.position[5].y = NAN;
-  EXPECT_THAT(check(), ElementsAre("1 point not finite (the first is point 5)"));
-  scan_.position[5] = {NAN, NAN, NAN};
-  scan_.position[7].x = INFINITY;
-  EXPECT_THAT(check(), ElementsAre("2 points not finite (the first is point 5)")) << "a dense scan has no misses";
+const BrokenLaw kBrokenLaws[] = {
+    {[](CheckedScan&) {}, {}},
+    {makeImage, {}},
+    {[](CheckedScan& c) { c.scan.position[5].y = NAN; }, {"1 point not finite (the first is point 5)"}},
+    {[](CheckedScan& c) {
+       c.scan.position[5] = {NAN, NAN, NAN};
+     },
+     {"1 point not finite"}},  // a dense scan has no misses
+    {[](CheckedScan& c) {
+       c.scan.position[3] = {200, 0, 0};
+     },
+     {"1 point farther than 120"}},
+    {[](CheckedScan& c) { c.record.instances = 9; }, {"3 instances, but the manifest says 9"}},
+    {[](CheckedScan& c) { c.record.beams = 63; }, {"63 beams, but its sensor has 64"}},
+    {[](CheckedScan& c) { c.scan[kRing][0] = 4; }, {"1 point with a ring above 3 (the first is point 0)"}},
+    {[](CheckedScan& c) { c.scan[kColumn][1] = 16; }, {"1 point with a column above 15 (the first is point 1)"}},
+    {[](CheckedScan& c) { c.scan[kTime][5] = NAN; }, {"1 point with time not finite (the first is point 5)"}},
+    {[](CheckedScan& c) { c.scan[kIntensity][6] = INFINITY; }, {"1 point with intensity not finite"}},
+    {[](CheckedScan& c) {
+       c.scan[kRangeTrue][2] = 80.1f;
+       c.scan[kRangeTrue][3] = 0.4f;
+       c.scan[kRangeTrue][4] = NAN;  // a false positive has none
+     },
+     {"2 points with range_true outside 0.5 to 80 m (the first is point 2)"}},
+    {[](CheckedScan& c) {
+       c.manifest.columns.emplace_back("cause");
+       c.scan[kCause].assign(c.scan.size(), 1);
+       c.scan[kRangeTrue][4] = NAN;
+     },
+     {"1 point with range_true"}},
+    {[](CheckedScan& c) { c.manifest.columns.emplace_back("incidence"); },
+     {"the scan has no column incidence, but the manifest lists it"}},
+    {[](CheckedScan& c) {
+       c.manifest.columns.emplace_back("incidence");
+       c.scan[kIncidence].assign(c.scan.size(), static_cast<float>(kPi / 2));
+       c.scan[kIncidence][1] = NAN;  // a recording may not know a normal
+       c.scan[kIncidence][2] = 1.58f;
+       c.scan[kIncidence][3] = -0.01f;
+     },
+     {"2 points with incidence outside 0 to 1.5708 rad (the first is point 2)"}},
+    {[](CheckedScan& c) { c.scan[kTime].clear(); }, {}},  // it follows from ring and column
+    {[](CheckedScan& c) { c.scan[kIntensity].clear(); },
+     {"the scan has no column intensity, but the manifest lists it"}},
+    {[](CheckedScan& c) { c.manifest.columns.pop_back(); },
+     {"the scan has the column range_true, but the manifest does not list it"}},
+};
+
+TEST(ScanCheck, NamesEveryBrokenLaw) {
+  for (std::size_t i = 0; i < std::size(kBrokenLaws); ++i) {
+    CheckedScan c;
+    kBrokenLaws[i].change(c);
+    const std::vector<std::string> lines = checkScan(c.scan, c.record, c.manifest, 0.001);
+    ASSERT_EQ(lines.size(), kBrokenLaws[i].says.size()) << i << testing::PrintToString(lines);
+    for (std::size_t k = 0; k < lines.size(); ++k) EXPECT_THAT(lines[k], testing::StartsWith(kBrokenLaws[i].says[k]));
+  }
 }
 
-TEST_F(ScanCheckTest, PointsMustLieWithinReach) {
-  scan_.position[3] = {200, 0, 0};
-  EXPECT_THAT(check(), ElementsAre(AllOf(HasSubstr("1 point farther than 120"), HasSubstr("point 3"))));
-}
-
-TEST_F(ScanCheckTest, CountsMustAgree) {
-  record_.points += 1;
-  EXPECT_THAT(check(), ElementsAre(HasSubstr("points, but the manifest says " + std::to_string(record_.points))));
-  record_.points -= 1;
-  record_.instances = 9;
-  EXPECT_THAT(check(), ElementsAre("3 instances, but the manifest says 9"));
-  record_.instances = 3;
-  record_.pointsPerClass[7] += 2;
-  EXPECT_THAT(check(), ElementsAre(HasSubstr("points of road, but the manifest says")));
-  record_.pointsPerClass.erase(7);
-  EXPECT_THAT(check(), ElementsAre(HasSubstr("points of road, but the manifest says 0")));
-}
-
-TEST_F(ScanCheckTest, ClassesMustBeKnown) {
-  for (std::uint16_t& label : scan_[kLabel]) label = label == 7 ? 8 : label;
-  EXPECT_THAT(check(), ElementsAre(HasSubstr("points of class 8, which is not in the ontology 'ours'"),
-                                   HasSubstr("no points of road")));
-}
-
-TEST_F(ScanCheckTest, RingColumnAndRangeMustFitTheSensor) {
-  scan_[kRing][0] = 4;
-  scan_[kColumn][1] = 16;
-  scan_[kRangeTrue][2] = 80.1f;
-  scan_[kRangeTrue][3] = 0.4f;
-  scan_[kRangeTrue][4] = NAN;
-  scan_[kTime][5] = NAN;
-  scan_[kIntensity][6] = INFINITY;
-  EXPECT_THAT(check(), ElementsAre("1 point with intensity not finite (the first is point 6)",
-                                   "1 point with a ring above 3 (the first is point 0)",
-                                   "1 point with a column above 15 (the first is point 1)",
-                                   "1 point with time not finite (the first is point 5)",
-                                   "2 points with range_true outside 0.5 to 80 m (the first is point 2)"))
-      << "a false positive has none";
-  manifest_.columns.emplace_back("cause");
-  scan_[kCause].assign(scan_.size(), 1);
-  scan_[kCause][4] = 2;
-  EXPECT_THAT(check(), testing::Contains(HasSubstr("2 points with range_true")));
-  scan_[kCause][4] = 1;
-  EXPECT_THAT(check(), testing::Contains(HasSubstr("3 points with range_true")));
-  record_.beams = 63;
-  EXPECT_THAT(check(), ElementsAre("63 beams, but its sensor has 64"));
-}
-
-TEST_F(ScanCheckTest, IncidencesMustBeAngles) {
-  manifest_.columns.emplace_back("incidence");
-  EXPECT_THAT(check(), ElementsAre("the scan has no column incidence, but the manifest lists it"));
-  scan_[kIncidence].assign(scan_.size(), static_cast<float>(kPi / 2));
-  scan_[kIncidence][0] = 0;
-  scan_[kIncidence][1] = NAN;
-  EXPECT_THAT(check(), IsEmpty()) << "a recording may not know a normal";
-  scan_[kIncidence][2] = 1.58f;
-  scan_[kIncidence][3] = -0.01f;
-  scan_[kIncidence][4] = INFINITY;
-  EXPECT_THAT(check(), ElementsAre("3 points with incidence outside 0 to 1.5708 rad (the first is point 2)"));
-}
-
-TEST_F(ScanCheckTest, ColumnsMustBeThoseOfTheManifest) {
-  scan_[kTime].clear();
-  EXPECT_THAT(check(), IsEmpty()) << "it follows from ring and column";
-  scan_[kIntensity].clear();
-  EXPECT_THAT(check(), ElementsAre("the scan has no column intensity, but the manifest lists it"));
-  manifest_.columns = {"x", "y", "z", "label", "instance", "ring", "column"};
-  EXPECT_THAT(check(), ElementsAre("the scan has the column range_true, but the manifest does not list it"));
-}
-
-TEST_F(ScanCheckTest, ImagesHaveTheSensorsSize) {
-  scan_ = organised(scan_);
-  manifest_.organised = true;
-  scan_.columns = 8;
-  scan_.position.resize(32);
-  EXPECT_THAT(check(), testing::Contains(HasSubstr("4 x 8 points, but its sensor has 4 rings of 16 columns")));
+TEST(ScanCheck, CountsClassesAndSizesMustAgree) {
+  const auto check = [](const CheckedScan& c) { return checkScan(c.scan, c.record, c.manifest, 0.001); };
+  CheckedScan c;
+  c.record.points += 1;
+  EXPECT_THAT(check(c), ElementsAre(HasSubstr("points, but the manifest says " + std::to_string(c.record.points))));
+  c = {};
+  c.record.pointsPerClass[7] += 2;
+  EXPECT_THAT(check(c), ElementsAre(HasSubstr("points of road, but the manifest says")));
+  c = {};
+  for (std::uint16_t& label : c.scan[kLabel]) label = label == 7 ? 8 : label;
+  EXPECT_THAT(check(c), ElementsAre(HasSubstr("points of class 8, which is not in the ontology 'ours'"),
+                                    HasSubstr("no points of road")));
+  c = {};
+  makeImage(c);
+  c.scan.columns = 8;
+  c.scan.position.resize(32);
+  EXPECT_THAT(check(c), Contains(HasSubstr("4 x 8 points, but its sensor has 4 rings of 16 columns")));
 }
 
 }  // namespace
