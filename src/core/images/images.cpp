@@ -142,8 +142,8 @@ void checkSize(const ImageHeader& header, const std::string& kind, std::uint64_t
   }
   // Most readers decode the complete image at once, with up to four bytes per channel.
   const bool byRows = kind == "png" || kind == "jpg" || kind == "jpeg";
-  const double needed = std::max(pixels, header.storedPixels) * header.channels * 4;
-  chargePixels(std::max(pixels, header.storedPixels), {name});
+  const double needed = pixels * header.channels * 4;
+  chargePixels(pixels, {name});
   const auto limit = static_cast<double>(memoryLimitBytes());
   if (!byRows && needed > limit) {
     fail(
@@ -281,8 +281,8 @@ const FormatSupport& imageFormat() {
       {},
       "Red, green and blue, grey, palettes, CMYK; 1 to 32 bits, which become 8. Alpha, also of palettes; colours that "
       "are multiplied by it are divided; in BMP and TGA an alpha that is 0 everywhere is none. Floats (EXR, HDR, TIFF) "
-      "are linear light from 0 to 1; whole numbers and other single channels are sRGB. The display window of EXR, and "
-      "the canvas of GIF. The first image of the file; more than 4096 pixels in a row or column are reduced",
+      "are linear light from 0 to 1; whole numbers and other single channels are sRGB. The canvas of GIF. The "
+      "first image of the file; more than 4096 pixels in a row or column are reduced",
       "colour profiles, gammas, orientations, further images and channels; images of few colours that an alpha hides"};
   return format;
 }

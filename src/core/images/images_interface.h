@@ -52,7 +52,6 @@ struct ImageHeader {
   int alphaChannel = -1;    // index of the alpha channel; -1: none
   double alphaGamma = 0;    // above 0: (colour ^ alphaGamma) was multiplied by alpha; 0: colours were not multiplied
   bool linear = false;      // true: the file has linear light, which rows() returns as sRGB
-  double storedPixels = 0;  // number of pixels that the file stores, if it may differ from width * height
   std::vector<std::string> leftOut = {};  // what would change the look: some of the texts above
 };
 

@@ -47,45 +47,27 @@ class OpenImageIoReader final : public ImageReader {
   void rows(int count, std::uint8_t* pixels) override {
     const OIIO::ImageSpec& spec = input_->spec();
     const OIIO::TypeDesc type = isLinear() ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8;
-    const std::size_t rowValues = static_cast<std::size_t>(shown_.width()) * static_cast<std::size_t>(spec.nchannels);
+    const std::size_t rowValues = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.nchannels);
     const std::size_t values = static_cast<std::size_t>(count) * rowValues;
     light_.resize(isLinear() ? values : 0);
     void* const to = isLinear() ? static_cast<void*>(light_.data()) : pixels;
-    if (spec.tile_width == 0 && shown_ == spec.roi()) {
+    if (spec.tile_width == 0) {
       const int first = spec.y + next_;
       if (!input_->read_scanlines(0, 0, first, first + count, spec.z, 0, spec.nchannels, type, to)) {
         fail(input_.get());
       }
     } else {
-      std::memset(to, 0, values * type.size());
-      copyStored(count, type, static_cast<std::uint8_t*>(to));
+      if (whole_.empty()) {
+        whole_.resize(static_cast<std::size_t>(spec.height) * rowValues * type.size());
+        if (!input_->read_image(0, 0, 0, spec.nchannels, type, whole_.data())) fail(input_.get());
+      }
+      std::memcpy(to, whole_.data() + static_cast<std::size_t>(next_) * rowValues * type.size(), values * type.size());
     }
     next_ += count;
     if (isLinear()) encode(pixels);
   }
 
  private:
-  // Copies what the file stores of the next rows.
-  void copyStored(int count, const OIIO::TypeDesc& type, std::uint8_t* to) {
-    const OIIO::ROI stored = input_->spec().roi();
-    const std::size_t pixelBytes = static_cast<std::size_t>(stored.chend) * type.size();
-    if (whole_.empty()) {
-      whole_.resize(static_cast<std::size_t>(stored.npixels()) * pixelBytes);
-      if (!input_->read_image(0, 0, 0, stored.chend, type, whole_.data())) fail(input_.get());
-    }
-    const OIIO::ROI both = OIIO::roi_intersection(shown_, stored);
-    const int first = shown_.ybegin + next_;
-    // Returns the byte of the first common pixel of row y, in the rows of a window from row `top` on.
-    const auto byteOf = [&](const OIIO::ROI& window, int top, int y) {
-      const auto row = static_cast<std::size_t>(y - top) * static_cast<std::size_t>(window.width());
-      return (row + static_cast<std::size_t>(both.xbegin - window.xbegin)) * pixelBytes;
-    };
-    for (int y = std::max(first, both.ybegin); y < std::min(first + count, both.yend) && both.width() > 0; ++y) {
-      std::memcpy(to + byteOf(shown_, first, y), whole_.data() + byteOf(stored, stored.ybegin, y),
-                  static_cast<std::size_t>(both.width()) * pixelBytes);
-    }
-  }
-
   // Returns the index of the alpha channel; -1: none. The reader of GIF names the channel behind it.
   int alphaChannel() const { return std::min(input_->spec().alpha_channel, input_->spec().nchannels - 1); }
 
@@ -95,10 +77,10 @@ class OpenImageIoReader final : public ImageReader {
     // The reader of WebP multiplies in linear light. encode() divides linear colours.
     const double gamma = !isMultiplied() || isLinear() ? 0.0 : format == "webp" ? 2.2 : 1.0;
     const bool exr = format == "openexr";
-    shown_ = exr ? spec.roi_full() : spec.roi();
-    header_ = {shown_.width(), shown_.height(), spec.nchannels, alphaChannel(), gamma};
-    header_.linear = isLinear();
-    header_.storedPixels = static_cast<double>(spec.width) * spec.height;
+    if (exr && spec.roi() != spec.roi_full()) {
+      throw std::runtime_error("its data window is not its display window: save it with one window");
+    }
+    header_ = {spec.width, spec.height, spec.nchannels, alphaChannel(), gamma, isLinear()};
     const int colors = alphaChannel() < 0 ? spec.nchannels : alphaChannel();
     if (exr && colors < 3 && isOneOf("RGB", spec.channelnames[0])) header_.leftOut.emplace_back(kFewColors);
     if (spec.get_int_attribute("Orientation", 1) > 1) header_.leftOut.emplace_back(kOrientations);
@@ -157,8 +139,7 @@ class OpenImageIoReader final : public ImageReader {
   OIIO::Filesystem::IOMemReader memory_;
   std::unique_ptr<OIIO::ImageInput> input_;  // uses memory_, and must be destroyed before memory_
   ImageHeader header_;
-  OIIO::ROI shown_;                  // the pixels that the image shows: EXR may store more or fewer
-  std::vector<std::uint8_t> whole_;  // all that the file stores, if it has tiles or another window than it shows
+  std::vector<std::uint8_t> whole_;  // all rows, if the file has tiles
   std::vector<float> light_;         // the latest rows, if colours are linear
   int next_ = 0;                     // index of the next row
 };
