@@ -82,33 +82,29 @@ const ImagesModule& moduleFor(const std::string& name, std::string_view kind) {
   }
 }
 
-// Opens the image in `bytes`, or the file `kind` if `bytes` is empty. If the image is neither PNG nor JPEG, the ending
-// of `kind` states its format. `name` is the name of the image in messages.
-std::unique_ptr<ImageReader> openImage(const std::string& kind, std::string_view bytes, const std::string& name) {
+// Calls work(), and turns what the libraries throw into an InputError "NAME: the image cannot be DONE: ...".
+template <class Work>
+auto withReason(const std::string& name, const char* done, const Work& work) {
   try {
-    const std::string known = kindOf(bytes);
-    if (known == "png") return openPng(bytes);
-    if (known == "jpg") {
-      if (auto reader = openJpeg(bytes)) return reader;
-    }
-    return moduleFor(name, known).open(kind, bytes);
+    return work();
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const Error&) {
     throw;
   } catch (const std::exception& e) {
-    throw InputError({name}, "the image cannot be read: " + reason(e));
+    throw InputError({name}, fmt::format("the image cannot be {}: {}", done, reason(e)));
   }
 }
 
-void readRows(ImageReader& image, int count, std::uint8_t* pixels, const std::string& name) {
-  try {
-    image.rows(count, pixels);
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (const std::exception& e) {
-    throw InputError({name}, "the image cannot be decoded: " + reason(e));
-  }
+// Opens the image in `bytes`, or the file `kind` if `bytes` is empty. If the image is neither PNG nor JPEG, the ending
+// of `kind` states its format. `name` is the name of the image in messages.
+std::unique_ptr<ImageReader> openImage(const std::string& kind, std::string_view bytes, const std::string& name) {
+  return withReason(name, "read", [&] {
+    const std::string known = kindOf(bytes);
+    if (known == "png") return openPng(bytes);
+    auto jpeg = known == "jpg" ? openJpeg(bytes) : nullptr;
+    return jpeg != nullptr ? std::move(jpeg) : moduleFor(name, known).open(kind, bytes);
+  });
 }
 
 // Returns the factors that undo a multiplication of 8-bit colours by alpha, one factor for each alpha (0 to 255).
@@ -243,7 +239,7 @@ DecodedImage decode(ImageReader& image, const std::string& kind, const std::stri
   std::vector<std::uint8_t> row(width * 4);
   for (int first = 0; first < info.height; first += kBand) {
     const int count = std::min(kBand, info.height - first);
-    readRows(image, count, rows.data(), name);
+    withReason(name, "decoded", [&] { image.rows(count, rows.data()); });
     if (factor == 1) {
       toRgba(rows.data(), width * static_cast<std::size_t>(count), out);
       out += width * 4 * static_cast<std::size_t>(count);
