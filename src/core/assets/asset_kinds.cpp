@@ -53,7 +53,7 @@ constexpr std::array<AssetKind, 16> kKinds{{
     {".3ds .x", AssetReader::None, InFolders::Told, kByAssimp},
     {".off", AssetReader::None, InFolders::Told, kByTrimesh},
     {".hdr", AssetReader::None, InFolders::Ignored,
-     "convert the file of its values, in place of this heading of them, by `gdal_translate FILE {1}.tif`"},
+     "convert it by `gdal_translate {0} {1}.tif`, with the file of the values in place of their header"},
     {".adf .bil .bip .bsq .bt .ers .flt .gpkg .grd .gtx .jp2 .nc .pix .rst .sdat", AssetReader::None,
      InFolders::Ignored, kByGdal},
     {".txt", AssetReader::None, InFolders::Ignored,

@@ -310,8 +310,6 @@ TEST_F(Blend, WhatRendersHideAndOtherShapesAreLeftOutAndTold) {
                                             {"volumes", 1}};
   for (const auto& [what, count] : expected) {
     EXPECT_THAT(told, HasSubstr(std::to_string(count) + " " + what));
-    const auto& rows = blenderFormat().elements;
-    EXPECT_TRUE(std::any_of(rows.begin(), rows.end(), [&](const auto& row) { return row.note == what; })) << what;
   }
 }
 
@@ -475,7 +473,7 @@ TEST_F(Blend, MaterialsAndTheEvaluationAreThoseOfRenders) {
   EXPECT_EQ(nodes.at("particle").size(), 21u);
   EXPECT_EQ(nodes.at("by nodes").at(0).triangles, 12u) << "not deleted, as in the viewport";
 
-  for (const char* what : {"1 animations (the saved frame counts)",
+  for (const char* what : {"1 animations (the saved or first frame counts)",
                            "2 materials with nodes that are not read (colour and alpha may differ)",
                            "missing textures: 'lost.png'; plain colours replace them, and surfaces that their alpha"}) {
     EXPECT_THAT(told, HasSubstr(what));

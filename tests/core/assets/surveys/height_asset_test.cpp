@@ -243,7 +243,7 @@ TEST_F(Heights, OfMosaicsAreReadOrSaidWhatTheyAre) {
         {plain, "EPSG:3857", alps, {"are 1.46", "gdalwarp -dstnodata -9999 -t_srs EPSG:32632"}},
         {plain, "EPSG:3395", alps, {"are 1.46", "gdalwarp -dstnodata -9999 -t_srs EPSG:32632"}},
         {plain, "EPSG:5513", "", {"mirror the ground"}},  // x to the south and y to the west
-        {plain, "EPSG:5514", "", {}},
+        {plain, "EPSG:5514", "", {"lengths in its coordinate system are 1.141"}},
         {plain, "EPSG:2180", "", {}},
         {called("Palette"), utm, "", {"holds colours and no heights", "Palette"}},
         {called("Red"), utm, "", {"holds colours and no heights", "Red"}},

@@ -48,7 +48,8 @@ class Collada {
   explicit Collada(const std::filesystem::path& file) : bytes_(readFile(file)) {
     const pugi::xml_parse_result result = document_.load_buffer(bytes_.data(), bytes_.size());
     if (!result) {
-      throw Error(fmt::format("is not XML: {}, in line {}", result.description(), lineOf(result.offset)));
+      throw Error(fmt::format("is not XML: {}, in line {}; {}", result.description(), lineOf(result.offset),
+                              remedyFor(".dae")));
     }
     root_ = document_.child("COLLADA");
   }
