@@ -15,7 +15,6 @@
 #include "commands/table.h"
 #include "report/compare/compare_report.h"
 #include "report/page/page.h"
-#include "study/compare/key_changes.h"
 #include "study/figure_text.h"
 
 namespace scanmill {

@@ -10,7 +10,6 @@
 #include "commands/info_sensor.h"
 #include "commands/table.h"
 #include "dataset/recording.h"
-#include "passes/exr/camera_exr.h"
 #include "passes/exr/exr_file.h"
 
 namespace scanmill {

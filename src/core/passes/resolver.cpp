@@ -18,7 +18,7 @@ constexpr std::size_t kLanes = 64;  // pixels that are processed together, so th
 
 // A camera's view. The line of sight through pixel (i, j) has the direction corner + right * i + down * j, in world
 // axes.
-struct DrawnView {
+struct ImageView {
   PixelAddress first = 0;
   std::uint32_t width = 0;
   Vec3d corner, right, down;
@@ -28,14 +28,14 @@ struct DrawnView {
 }  // namespace
 
 struct Resolver::Job {
-  std::vector<DrawnView> views;
+  std::vector<ImageView> views;
   PixelAddress pixels = 0;  // number of pixels of all cameras
   std::span<const PixelAddress> addresses;
   std::span<const SeenTriangle> seen;
   PassChoice asked;
   PassPlanes& planes;
 
-  const DrawnView& viewOf(PixelAddress address) const {
+  const ImageView& viewOf(PixelAddress address) const {
     std::size_t view = 0;
     while (view + 1 < views.size() && address >= views[view + 1].first) ++view;
     return views[view];
@@ -44,14 +44,14 @@ struct Resolver::Job {
 
 namespace {
 
-Vec3d sightOf(const DrawnView& view, PixelAddress address) {
+Vec3d sightOf(const ImageView& view, PixelAddress address) {
   const std::uint32_t pixel = address - view.first;
   const std::uint32_t row = pixel / view.width;
   return view.corner + view.right * (pixel - row * view.width) + view.down * row;
 }
 
-std::vector<DrawnView> viewsOf(std::span<const Camera> cameras, PixelAddress& pixels) {
-  std::vector<DrawnView> views;
+std::vector<ImageView> viewsOf(std::span<const Camera> cameras, PixelAddress& pixels) {
+  std::vector<ImageView> views;
   std::size_t first = 0;
   for (const Camera& camera : cameras) {
     const Mat3 rotation = toMatrix(camera.worldFromCamera.rotation);
@@ -164,7 +164,7 @@ void Resolver::resolveBlock(const Job& job, std::size_t first, std::size_t last)
   store(planes.reflectance, [&](std::size_t i) {
     const CompactMaterial& material = finishOf(i).base;
     if (material.texture == nullptr) return material.reflectance;
-    const DrawnView& view = job.viewOf(addresses[i]);
+    const ImageView& view = job.viewOf(addresses[i]);
     return texturedReflectance(seen[i], material, view.eye, sightOf(view, addresses[i]));
   });
   if (planes.normal.empty()) return;

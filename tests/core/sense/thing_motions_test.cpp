@@ -1,6 +1,5 @@
-#include "sense/thing_motions.h"
-
 #include "base/path.h"
+#include "sense/sense.h"
 #include "tests/support/test_scene.h"
 
 namespace scanmill {

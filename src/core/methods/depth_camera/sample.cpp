@@ -10,7 +10,6 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "methods/depth_camera/measure.h"
 #include "methods/depth_camera/views.h"
 
 namespace scanmill {

@@ -9,7 +9,6 @@
 #include "methods/field/march_rule.h"
 #include "methods/field/particle_launch.h"
 #include "methods/gpu/device_resolver.h"
-#include "methods/gpu/device_tables.h"
 
 namespace scanmill {
 

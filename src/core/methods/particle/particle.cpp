@@ -22,7 +22,7 @@
 #include "base/parallel.h"
 #include "base/stage_clock.h"
 #include "methods/field/particle_launch.h"
-#include "methods/gpu/device_tables.h"
+#include "methods/gpu/device_resolver.h"
 #include "methods/gpu/gl_marcher.h"
 #include "methods/particle/field_store.h"
 #include "methods/particle/march.h"

@@ -1,5 +1,3 @@
-#include "passes/exr/camera_exr.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include <filesystem>
 
 #include "base/error.h"
+#include "passes/exr/exr_file.h"
 
 namespace scanmill {
 

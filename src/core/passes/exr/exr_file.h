@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "base/vec.h"
+#include "passes/camera.h"
 
 namespace scanmill {
 
@@ -87,5 +88,11 @@ class ExrReader {
   std::vector<ExrChannel> channels_;
   ExrAttributes attributes_;
 };
+
+// Returns a camera as attributes of a file: see pass_exr.h for their names.
+ExrAttributes cameraAttributes(const Camera& camera);
+
+// Returns the camera of a file's image. Throws InputError that names the file and the attribute.
+Camera readCamera(const ExrReader& file);
 
 }  // namespace scanmill

@@ -13,7 +13,6 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "config/version.h"
-#include "passes/exr/camera_exr.h"
 #include "passes/exr/exr_file.h"
 #include "passes/exr/pass_channels.h"
 

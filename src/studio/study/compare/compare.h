@@ -4,10 +4,12 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "config/value.h"
 #include "study/compare/scan_set.h"
 
 namespace scanmill {
@@ -44,7 +46,7 @@ struct IntensityRow {
   double real = 0, simulated = 0;  // NaN if there are too few patches
 };
 
-// A key of the simulated pipeline and a better value for it, see study/compare/key_changes.h.
+// A key of the simulated pipeline and a better value for it.
 struct KeyChange {
   std::string_view effect, key;    // an effect of the pipeline, and a key of this effect
   std::string_view figure;         // title of the figure in kPatchFeatures or kSetFigures that suggests the change
@@ -80,5 +82,20 @@ SetComparison compareSets(ScanSet real, ScanSet simulated);
 
 // Returns the comparison as JSON. `date`: written into the JSON.
 std::string comparisonJson(const SetComparison& comparison, const std::string& date);
+
+// Returns the suggested changes. `own`: effects of the simulated sensor, as returned by sensorEffectItems(). Nothing is
+// suggested for effects that the sensor lacks, for keys that are missing or not a positive number (0, lists, random
+// values), or for figures that differ by less than a tenth.
+std::vector<KeyChange> adviceFor(const SetComparison& comparison, const std::vector<Value>& own);
+
+// Returns an argument of --set that applies all advice, such as "effects=[sensor, ring_bias: {gain_sigma: 0.07}]".
+// `items`: the effects list of the pipeline file.
+std::string assignmentOf(const std::vector<KeyChange>& advice, const std::vector<Value>& items);
+
+// Reads the pipeline of the simulated set, and sets `advice` and `assignment` of the comparison; if there is no advice,
+// sets `unadvised` to the reason. `simulated`: folder of the set. `sensor`: name of the compared sensor; empty: the
+// first sensor. `pipeline`: path of the pipeline file; empty: search for the file.
+void addKeyChanges(SetComparison& comparison, const std::filesystem::path& simulated, const std::string& sensor,
+                   const std::filesystem::path& pipeline);
 
 }  // namespace scanmill

@@ -1,5 +1,3 @@
-#include "study/compare/key_changes.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,6 +12,7 @@
 #include "dataset/shard_name.h"
 #include "pipeline/plan/dataset_plan.h"
 #include "pipeline/read/effects.h"
+#include "study/compare/compare.h"
 
 namespace scanmill {
 namespace {

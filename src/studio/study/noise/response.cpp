@@ -26,19 +26,19 @@ constexpr double kReference = 10;          // m, range at which a white target h
 // A band of ranges (index into kBands) and whether the surface is ground.
 using SurfaceKind = std::pair<std::size_t, bool>;
 
-struct Echo {
+struct SurfaceReturn {
   double range = 0;
   double number = 0;  // recorded intensity or simulated power
 };
 
 struct SurfaceCell {
   SurfaceKind kind;
-  std::vector<Echo> samples;
+  std::vector<SurfaceReturn> samples;
 };
 
 // The returns of all scans, by kind, and the cells with enough returns.
 struct Surfaces {
-  std::map<SurfaceKind, std::vector<Echo>> returns;
+  std::map<SurfaceKind, std::vector<SurfaceReturn>> returns;
   std::vector<SurfaceCell> cells;
 };
 
@@ -71,7 +71,7 @@ void collect(const Scan& scan, const std::vector<float>& numbers, Surfaces& foun
     const auto part = [](double v) { return static_cast<std::uint64_t>(std::floor(v / kSurfaceCell)) & 0x1fffffu; };
     SurfaceCell& cell = cells[part(p.x) << 42 | part(p.y) << 21 | part(p.z)];
     if (cell.samples.empty()) cell.kind = kind;
-    const Echo sample{range, double{numbers[i]}};
+    const SurfaceReturn sample{range, double{numbers[i]}};
     cell.samples.push_back(sample);
     found.returns[kind].push_back(sample);
   }
@@ -142,11 +142,11 @@ double stepOf(const std::vector<double>& numbers) {
   return static_cast<double>(fits) >= 0.99 * static_cast<double>(values.size()) ? step : 0;
 }
 
-double powerAtReference(const Echo& s) {
+double powerAtReference(const SurfaceReturn& s) {
   return s.number * (s.range / kReference) * (s.range / kReference);
 }
 
-double valueOf(const Echo& s, double floor, bool reflectivity) {
+double valueOf(const SurfaceReturn& s, double floor, bool reflectivity) {
   const double above = std::max(0.0, s.number - floor);
   return reflectivity ? powerAtReference({s.range, above}) : above;
 }
@@ -164,7 +164,7 @@ Darkness darknessOf(const Surfaces& recorded, const Surfaces& simulated, bool re
   constexpr double kBetter = 0.98;       // ratio of sums of squares, for larger numbers
   struct Group {
     double zeros = 0, weight = 0;
-    std::vector<Echo> echoes;
+    std::vector<SurfaceReturn> echoes;
   };
   std::vector<Group> groups;
   double zeros = 0, count = 0;
@@ -173,7 +173,7 @@ Darkness darknessOf(const Surfaces& recorded, const Surfaces& simulated, bool re
     if (same == simulated.returns.end() || std::min(returns.size(), same->second.size()) < kFewestOfKind) continue;
     Group group;
     group.weight = static_cast<double>(returns.size());
-    for (const Echo& s : returns) group.zeros += s.number <= 0 ? 1 / group.weight : 0;
+    for (const SurfaceReturn& s : returns) group.zeros += s.number <= 0 ? 1 / group.weight : 0;
     const std::size_t every = 1 + same->second.size() / kTested;
     for (std::size_t i = 0; i < same->second.size(); i += every) group.echoes.push_back(same->second[i]);
     zeros += group.zeros * group.weight;
@@ -186,7 +186,7 @@ Darkness darknessOf(const Surfaces& recorded, const Surfaces& simulated, bool re
     double sum = 0;
     for (const Group& group : groups) {
       const auto none = std::ranges::count_if(
-          group.echoes, [&](const Echo& s) { return valueOf(s, d.floor, reflectivity) <= d.dark; });
+          group.echoes, [&](const SurfaceReturn& s) { return valueOf(s, d.floor, reflectivity) <= d.dark; });
       const double difference = static_cast<double>(none) / static_cast<double>(group.echoes.size()) - group.zeros;
       sum += group.weight * difference * difference;
     }
@@ -211,13 +211,13 @@ Darkness darknessOf(const Surfaces& recorded, const Surfaces& simulated, bool re
 
 double medianNumber(const SurfaceCell& cell) {
   std::vector<double> numbers;
-  for (const Echo& s : cell.samples) numbers.push_back(s.number);
+  for (const SurfaceReturn& s : cell.samples) numbers.push_back(s.number);
   return medianOf(std::move(numbers));
 }
 
 double medianValue(const SurfaceCell& cell, double floor, bool reflectivity) {
   std::vector<double> values;
-  for (const Echo& s : cell.samples) values.push_back(valueOf(s, floor, reflectivity));
+  for (const SurfaceReturn& s : cell.samples) values.push_back(valueOf(s, floor, reflectivity));
   return medianOf(std::move(values));
 }
 
@@ -332,11 +332,11 @@ void fillTable(const Surfaces& recorded, const Surfaces& simulated, const std::m
   // The brightest returns come from small things, such as signs and plates, which fill no cell.
   std::vector<Weighted> brightHere, brightThere;
   for (const auto& [kind, weight] : weights) {
-    const std::vector<Echo>& mine = recorded.returns.at(kind);
-    const std::vector<Echo>& theirs = simulated.returns.at(kind);
-    for (const Echo& s : mine) brightHere.push_back({s.number});
+    const std::vector<SurfaceReturn>& mine = recorded.returns.at(kind);
+    const std::vector<SurfaceReturn>& theirs = simulated.returns.at(kind);
+    for (const SurfaceReturn& s : mine) brightHere.push_back({s.number});
     const double each = static_cast<double>(mine.size()) / static_cast<double>(theirs.size());
-    for (const Echo& s : theirs) brightThere.push_back({valueOf(s, floor, reflectivity), each});
+    for (const SurfaceReturn& s : theirs) brightThere.push_back({valueOf(s, floor, reflectivity), each});
   }
   const Distribution allHere(std::move(brightHere));
   const Distribution allThere(std::move(brightThere));
@@ -380,7 +380,7 @@ double scatterOf(const std::vector<SurfaceCell>& cells, const Number& number) {
   for (const SurfaceCell& cell : cells) {
     double sum = 0, squares = 0;
     bool dark = false;
-    for (const Echo& s : cell.samples) {
+    for (const SurfaceReturn& s : cell.samples) {
       const double v = number(s);
       dark |= v <= 0;
       sum += v;
@@ -448,9 +448,10 @@ ResponseFit fitResponse(const std::vector<Scan>& recorded, const std::vector<Sca
     }
   }
   // The receiver's noise is the scatter that the simulated scans do not have.
-  const double here = scatterOf(mine.cells, [](const Echo& s) { return s.number; });
-  const double there = scatterOf(
-      theirs.cells, [&](const Echo& s) { return respond(fit.table, valueOf(s, fit.floor, fit.reflectivity)); });
+  const double here = scatterOf(mine.cells, [](const SurfaceReturn& s) { return s.number; });
+  const double there = scatterOf(theirs.cells, [&](const SurfaceReturn& s) {
+    return respond(fit.table, valueOf(s, fit.floor, fit.reflectivity));
+  });
   fit.noise = std::sqrt(std::max(0.0, here * here - there * there)) / fullScale;
   return fit;
 }

@@ -13,7 +13,6 @@
 #include "pipeline/run/run_shot.h"
 #include "pipeline/scenes/shot_source.h"
 #include "study/repeatability/repeatability_choice.h"
-#include "study/repeatability/repeatability_object.h"
 
 namespace scanmill {
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// Reads the options of a repeatability study, which are the key `repeatability:` of a pipeline. All keys in it are
-// optional.
+// Reads the options of a repeatability study, which are the key `repeatability:` of a pipeline, and finds the object
+// that the scans look at. All keys are optional.
 //
 //   repeatability:
 //     scans: 5                      # number of scans from each pose, with consecutive seeds
@@ -19,9 +19,11 @@
 #include <string>
 #include <vector>
 
+#include "base/vec.h"
 #include "evaluate/registration.h"
 #include "evaluate/settings.h"
 #include "pipeline/read/pipeline.h"
+#include "scene/scene.h"
 #include "sense/sense.h"
 
 namespace scanmill {
@@ -50,5 +52,30 @@ ScanLayout repeatabilityLayout();
 // Returns the channels that the effects of all noise levels read. A plan with these channels loads the textures that
 // they need.
 Channels repeatabilityChannels(const Pipeline& pipeline);
+
+// An object of a scene, with a bounding box along the axes of the object's mesh.
+class BoxedThing {
+ public:
+  BoxedThing(std::string name, const Affine& worldFromMesh, const Box& box);
+
+  const std::string& name() const { return name_; }
+  Vec3d center() const { return worldFromMesh_ * box_.center(); }
+  // Returns the distance (m) from a point in the world frame to the bounding box; 0 inside of the box. The result is
+  // exact if the mesh's axes are perpendicular in the world frame too.
+  double distance(const Vec3d& point) const;
+
+ private:
+  std::string name_;
+  Affine worldFromMesh_, meshFromWorld_;
+  Box box_;
+};
+
+// Returns all object instances of a scene, sorted by instance id.
+std::vector<BoxedThing> boxedThings(const Scene& scene);
+
+// Returns the object with this name that is nearest to the point `from` (world frame, m); if the name is empty, the
+// nearest of all objects. Throws InputError with the scene's name if there is no such object.
+const BoxedThing& thingToWatch(const std::vector<BoxedThing>& things, const std::string& name, const Vec3d& from,
+                               const Scene& scene);
 
 }  // namespace scanmill

@@ -7,7 +7,6 @@
 #include <cstring>
 #include <vector>
 
-#include "methods/gpu/device_tables.h"
 #include "methods/world/worlds.h"
 #include "scene/reflectance.h"
 #include "tests/support/street.h"

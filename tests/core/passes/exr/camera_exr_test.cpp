@@ -1,6 +1,5 @@
-#include "passes/exr/camera_exr.h"
-
 #include "base/random.h"
+#include "passes/exr/exr_file.h"
 #include "tests/core/passes/exr/foreign_file.h"
 
 namespace scanmill {

@@ -1,7 +1,6 @@
-#include "study/compare/key_changes.h"
-
 #include <map>
 
+#include "study/compare/compare.h"
 #include "tests/studio/study/compare/compare_scans.h"
 
 namespace scanmill {
