@@ -12,7 +12,7 @@
 #include "commands/view_options.h"
 #include "config/text.h"
 #include "dataset/recording.h"
-#include "dataset/scan_source.h"
+#include "dataset/scan_store.h"
 #include "viewer/frames/frame_source.h"
 #include "viewer/pass_picture.h"
 #include "viewer/picture.h"

@@ -11,7 +11,7 @@
 
 #include "base/file.h"
 #include "dataset/manifest.h"
-#include "dataset/scan_source.h"
+#include "dataset/scan_store.h"
 #include "images/images.h"
 #include "tests/commands/program.h"
 #include "tests/support/x_display.h"

@@ -1,4 +1,3 @@
-#include "dataset/scan_source.h"
 
 #include <algorithm>
 

@@ -190,16 +190,7 @@ class Kitti : public Layout {
               "has {} frames, but the numbers of KITTI's frames have six digits: take fewer frames with --split",
               frames));
     }
-    std::map<std::string, std::string> folders;
-    for (std::size_t k = 0; k < plan.sensors.size(); ++k) {
-      const auto [other, isNew] = folders.emplace(pointsFolder(plan, k), plan.sensors[k]->name);
-      if (isNew) continue;
-      throw InputError(
-          {plan.dataset.string()},
-          fmt::format("the points of the sensors '{}' and '{}' would both be in the folder {}: choose one of "
-                      "them with --sensor",
-                      other->second, plan.sensors[k]->name, other->first));
-    }
+    requireDistinct(plan, "folder", [&](std::size_t sensor) { return pointsFolder(plan, sensor); });
     if (listsObjects(plan)) return;
     throw InputError({plan.dataset.string()},
                      "lists no objects, but KITTI's labels are boxes: generate it with `output: {objects: true}`");

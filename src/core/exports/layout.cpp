@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <tuple>
 
 #include "base/error.h"
@@ -131,6 +132,19 @@ std::vector<const ScanRecord*> revolutionsOf(const ExportPlan& plan, const Sampl
     if (own && (scans.empty() || scan.method == scans.front()->method)) scans.push_back(&scan);
   }
   return scans;
+}
+
+void requireDistinct(const ExportPlan& plan, std::string_view what,
+                     const std::function<std::string(std::size_t)>& nameOf) {
+  std::map<std::string, std::string> sensors;  // names of the sensors, by their names in the layout
+  for (std::size_t i = 0; i < plan.sensors.size(); ++i) {
+    const auto [other, isNew] = sensors.emplace(nameOf(i), plan.sensors[i]->name);
+    if (isNew) continue;
+    throw InputError({plan.dataset.string()},
+                     fmt::format("the sensors '{}' and '{}' would share the {} {}: export them one by one with "
+                                 "--sensor, or give one another name",
+                                 other->second, plan.sensors[i]->name, what, other->first));
+  }
 }
 
 const ScanRecord& scanOf(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor) {

@@ -85,6 +85,11 @@ std::vector<const ScanRecord*> revolutionsOf(const ExportPlan& plan, const Sampl
 // Returns the first of these scans. Throws InputError if there is none.
 const ScanRecord& scanOf(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor = 0);
 
+// Throws InputError if two exported sensors have the same name in the layout. `what`: what bears the name, such as
+// "folder"; nameOf() takes the index in ExportPlan::sensors.
+void requireDistinct(const ExportPlan& plan, std::string_view what,
+                     const std::function<std::string(std::size_t)>& nameOf);
+
 using ReadSample = std::function<ExportSample(std::size_t sequence, std::size_t frame)>;
 using ReadObjects = std::function<std::optional<SampleObjects>(std::size_t sequence, std::size_t frame)>;
 

@@ -192,7 +192,6 @@ class Bag {
 class Mcap : public Layout {
  public:
   void check(const ExportPlan& plan) const override {
-    std::map<std::string, std::string> sensors;  // name of a sensor, by topic
     for (const SensorRecord* sensor : plan.sensors) {
       if (sensor->name == kWorld || sensor->name == kVehicle) {
         throw InputError({plan.dataset.string()},
@@ -200,12 +199,8 @@ class Mcap : public Layout {
                                      "'{1}' and that of the vehicle '{2}'. Select other sensors with --sensor",
                                      sensor->name, kWorld, kVehicle));
       }
-      const auto [known, isNew] = sensors.emplace(topicOf(*sensor), sensor->name);
-      if (isNew) continue;
-      throw InputError({plan.dataset.string()},
-                       fmt::format("the sensors '{}' and '{}' would share the topic {}: select one with --sensor",
-                                   known->second, sensor->name, known->first));
     }
+    requireDistinct(plan, "topic", [&](std::size_t sensor) { return topicOf(*plan.sensors[sensor]); });
   }
 
   bool bySequence() const override { return true; }

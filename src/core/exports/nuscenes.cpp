@@ -111,7 +111,7 @@ class NuScenes : public Layout {
  public:
   void check(const ExportPlan& plan) const override {
     checkClasses(plan);
-    checkChannels(plan);
+    requireDistinct(plan, "channel", [&](std::size_t sensor) { return nuScenesChannel(plan, sensor); });
     for (std::size_t s = 0; s < plan.sequences.size(); ++s) {
       std::int64_t last = -1;
       for (const std::size_t number : plan.sequences[s].samples) {
@@ -231,20 +231,6 @@ class NuScenes : public Layout {
     if (!isPanoptic(plan)) return;
     const std::pair<std::string, std::string> array{"data.npy", npyOf("<u2", {classes.size()}, panoptic)};
     folder.write(panopticFile(plan, sample, exported.sensorNumber), zipOf({&array, 1}));
-  }
-
-  // Throws InputError if two sensors would have the same channel and so the same files.
-  static void checkChannels(const ExportPlan& plan) {
-    std::map<std::string, std::size_t> channels;
-    for (std::size_t sensor = 0; sensor < plan.sensors.size(); ++sensor) {
-      const auto [other, isNew] = channels.emplace(nuScenesChannel(plan, sensor), sensor);
-      if (isNew) continue;
-      throw InputError(
-          {plan.dataset.string()},
-          fmt::format("the sensors '{}' and '{}' would both be the channel {}: export them one by one with "
-                      "--sensor, or give one another name",
-                      plan.sensors[other->second]->name, plan.sensors[sensor]->name, other->first));
-    }
   }
 
   // Throws InputError if the class ids are not 0, 1, 2, ... without gaps, which the devkit requires to count points by

@@ -1,11 +1,10 @@
-#include "dataset/scan_source.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
 
 #include "base/error.h"
+#include "dataset/scan_store.h"
 #include "tests/core/dataset/fixture.h"
 
 namespace scanmill {

@@ -1,6 +1,6 @@
 #include "viewer/picture.h"
 
-#include "dataset/scan_source.h"
+#include "dataset/scan_store.h"
 #include "methods/method.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/test_scene.h"

@@ -1,7 +1,7 @@
 #include "study/sensor/fit_sensor.h"
 
 #include "base/random.h"
-#include "dataset/scan_source.h"
+#include "dataset/scan_store.h"
 #include "sensors/sensor.h"
 #include "tests/support/message_of.h"
 #include "tests/support/shared_data.h"

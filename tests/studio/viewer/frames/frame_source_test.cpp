@@ -4,7 +4,7 @@
 
 #include "base/file.h"
 #include "base/parallel.h"
-#include "dataset/scan_source.h"
+#include "dataset/scan_store.h"
 #include "scan/scan.h"
 #include "tests/studio/viewer/frames/frame_fixture.h"
 #include "tests/support/shared_data.h"
