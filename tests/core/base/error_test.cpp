@@ -3,7 +3,6 @@
 #include <new>
 #include <stdexcept>
 #include <thread>
-#include <vector>
 
 namespace scanmill {
 namespace {

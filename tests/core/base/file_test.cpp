@@ -5,7 +5,6 @@
 
 #include <csignal>
 #include <fstream>
-#include <iterator>
 
 #include "base/error.h"
 #include "base/memory.h"

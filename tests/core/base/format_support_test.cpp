@@ -1,7 +1,5 @@
 #include "base/format_support.h"
 
-#include <string>
-
 namespace scanmill {
 namespace {
 

@@ -1,7 +1,5 @@
 #include "base/hash.h"
 
-#include <utility>
-
 namespace scanmill {
 namespace {
 

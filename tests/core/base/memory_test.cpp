@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <cstring>
-#include <memory>
 
 namespace scanmill {
 namespace {

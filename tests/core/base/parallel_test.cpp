@@ -8,9 +8,7 @@
 #include <atomic>
 #include <chrono>
 #include <mutex>
-#include <set>
 #include <thread>
-#include <vector>
 
 #include "base/error.h"
 

@@ -8,7 +8,6 @@
 #include <array>
 #include <chrono>
 #include <cstdio>
-#include <string>
 #include <thread>
 
 #include "tests/support/message_of.h"

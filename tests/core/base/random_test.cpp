@@ -1,8 +1,6 @@
 #include "base/random.h"
 
 #include <bit>
-#include <set>
-#include <vector>
 
 namespace scanmill {
 namespace {

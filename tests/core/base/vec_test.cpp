@@ -1,7 +1,5 @@
 #include "base/vec.h"
 
-#include <limits>
-
 #include "base/random.h"
 
 namespace scanmill {

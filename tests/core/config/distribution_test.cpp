@@ -2,9 +2,7 @@
 
 #include <fmt/core.h>
 
-#include <map>
 #include <numbers>
-#include <set>
 
 #include "base/random.h"
 #include "config/fields.h"

@@ -1,7 +1,5 @@
 #include "config/fields.h"
 
-#include <limits>
-
 #include "tests/support/message_of.h"
 
 namespace scanmill {

@@ -5,7 +5,6 @@
 #include <array>
 #include <cstring>
 #include <optional>
-#include <tuple>
 
 #include "base/file.h"
 #include "tests/support/message_of.h"

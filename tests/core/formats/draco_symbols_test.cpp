@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <random>
-#include <vector>
 
 #include "formats/draco_writer.h"
 

@@ -3,8 +3,6 @@
 #include <lzf.h>
 
 #include <random>
-#include <string>
-#include <vector>
 
 namespace scanmill {
 namespace {

@@ -2,7 +2,6 @@
 
 #include <cstdlib>
 #include <ctime>
-#include <vector>
 
 #include "base/error.h"
 #include "base/file.h"

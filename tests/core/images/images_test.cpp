@@ -10,10 +10,7 @@
 // jpeglib.h includes nothing that it needs.
 #include <jpeglib.h>
 
-#include <string>
 #include <thread>
-#include <utility>
-#include <vector>
 
 #include "base/error.h"
 #include "base/file.h"

@@ -1,7 +1,5 @@
 #include "scan/hits.h"
 
-#include <vector>
-
 namespace scanmill {
 namespace {
 

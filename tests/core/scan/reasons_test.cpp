@@ -1,8 +1,5 @@
 #include "scan/reasons.h"
 
-#include <set>
-#include <vector>
-
 namespace scanmill {
 namespace {
 
