@@ -99,8 +99,7 @@ class Examination {
     };
     reading.take = [&](std::size_t k, Scan&& scan) {
       mistakes[k] = checkScan(scan, recordOf(spread[k]), report_.manifest, largestError());
-      const std::vector<Pose>& poses = recordOf(spread[k]).worldFromSensor;
-      counts[k] = countScan(scan, steps, poses.empty() ? Mat3() : levelFromSensor(poses.front().rotation));
+      counts[k] = countScan(scan, steps);
     };
     faults_.scans = readScans(folder_, report_.manifest, spread, reading);
     for (std::size_t k = 0; k < spread.size(); ++k) {

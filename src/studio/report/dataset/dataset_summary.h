@@ -71,7 +71,7 @@ struct ThingSummary {
   // The scan with the largest number of the object's points:
   std::string bestSample{}, bestSensor{};
   std::uint64_t bestPoints = 0;
-  Box bestBox{};  // bounding box of the object's points in the level frame of bestSample
+  Box bestBox{};  // bounding box of the object's points, as bestSample has them
 };
 
 // An instance with points of several classes.

@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <map>
 #include <set>
@@ -12,29 +11,12 @@
 
 #include "report/page/page.h"
 #include "study/figure_text.h"
-#include "viewer/window/orbit_camera.h"
 
 namespace scanmill {
 
 namespace {
 
 constexpr double kFewClassPoints = 1e-4;  // fraction of all points below which a class is reported
-
-// Returns a camera that looks at the box from the sensor's side, slightly from above. It is near enough for the box to
-// fill much of the picture.
-OrbitCamera cameraOn(const Box& box) {
-  // Pitch (degrees); factor for the distance that frames the box; least distance (m).
-  constexpr double kPitch = 20, kRoom = 2, kLeastDistance = 4;
-  const auto tenths = [](double v) { return std::round(v * 10) / 10 + 0.0; };
-  OrbitCamera camera;
-  const Vec3d center = box.center();
-  camera.yaw = radians(std::round(degrees(std::atan2(center.y, center.x))) + 0.0);
-  camera.pitch = radians(kPitch);
-  camera.frame(box);
-  camera.distance = tenths(std::max(kRoom * camera.distance, kLeastDistance));
-  camera.target = {tenths(center.x), tenths(center.y), tenths(center.z)};
-  return camera;
-}
 
 class Warnings {
  public:
@@ -238,10 +220,11 @@ class Warnings {
 
   // Returns a command that shows the object in the scan with most of its points.
   std::string commandFor(const ThingSummary& thing) const {
-    return fmt::format("scanmill view {} --sample {}{} --camera={} --instance {}", shellWord(folder_.string()),
-                       shellWord(thing.bestSample),
-                       sum_.sensors.size() > 1 ? " --sensor " + shellWord(thing.bestSensor) : "",
-                       cameraOn(thing.bestBox).text(), thing.id);
+    const Vec3d at = thing.bestBox.center();
+    return fmt::format("scanmill view {} --sample {}{} --at={:.1f},{:.1f},{:.1f} --within {:.1f} --instance {}",
+                       shellWord(folder_.string()), shellWord(thing.bestSample),
+                       sum_.sensors.size() > 1 ? " --sensor " + shellWord(thing.bestSensor) : "", at.x, at.y, at.z,
+                       length(thing.bestBox.high - at) + 0.2, thing.id);
   }
 
   std::string idText(const ThingSummary& thing, std::size_t likeIt) const {

@@ -9,35 +9,8 @@
 #include "base/error.h"
 #include "dataset/objects.h"
 #include "dataset/shard_index.h"
-#include "sense/echoes.h"
 
 namespace scanmill {
-
-namespace {
-
-bool isElsewhere(std::uint8_t cause) {
-  return cause == static_cast<std::uint8_t>(Cause::Mirrored) || cause == static_cast<std::uint8_t>(Cause::StrayLight) ||
-         cause == static_cast<std::uint8_t>(Cause::FalsePositive) || cause == static_cast<std::uint8_t>(Cause::Weather);
-}
-
-// Sets the boxes of instances. Points whose position is not on the object (mirror images, stray light, false positives,
-// weather) are used only if an instance has no other points.
-void addBoxes(const Scan& scan, const Mat3& levelFromSensor, std::map<std::uint32_t, InstanceCounts>& instances) {
-  if (instances.empty()) return;
-  std::unordered_map<std::uint32_t, Box> elsewhere;
-  const bool told = !scan[kCause].empty();
-  for (std::size_t i = 0; i < scan.size(); ++i) {
-    if (scan[kInstance][i] == 0 || !isFinite(scan.position[i])) continue;
-    const bool strayed = told && isElsewhere(scan[kCause][i]);
-    Box& box = strayed ? elsewhere[scan[kInstance][i]] : instances.at(scan[kInstance][i]).box;
-    box.add(levelFromSensor * Vec3d(scan.position[i]));
-  }
-  for (auto& [id, own] : instances) {
-    if (own.box.empty()) own.box = elsewhere[id];
-  }
-}
-
-}  // namespace
 
 RangeSteps rangeStepsFor(double farthest) {
   constexpr double kMostSteps = 120;
@@ -54,13 +27,7 @@ float intensityOfKey(std::uint16_t key) {
   return std::bit_cast<float>(std::uint32_t{key} << 16);
 }
 
-Mat3 levelFromSensor(const Quat& worldFromSensor) {
-  const Mat3 world = toMatrix(worldFromSensor);
-  const double yaw = std::hypot(world.x.x, world.x.y) > 1e-6 ? std::atan2(world.x.y, world.x.x) : 0;
-  return transposed(toMatrix(fromYawPitchRoll(yaw, 0, 0))) * world;
-}
-
-ScanCounts countScan(const Scan& scan, const RangeSteps& steps, const Mat3& levelFromSensor) {
+ScanCounts countScan(const Scan& scan, const RangeSteps& steps) {
   ScanCounts counts;
   // Counts of the previous point's class; neighbouring points mostly have the same class.
   std::vector<std::uint64_t>* ranges = nullptr;
@@ -104,7 +71,10 @@ ScanCounts countScan(const Scan& scan, const RangeSteps& steps, const Mat3& leve
     own.id = id;
     own.pointsOfClass[label] = points;
   }
-  addBoxes(scan, levelFromSensor, instances);
+  for (std::size_t i = 0; i < scan[kInstance].size(); ++i) {
+    if (scan[kInstance][i] == 0 || !isFinite(scan.position[i])) continue;
+    instances.at(scan[kInstance][i]).box.add(Vec3d(scan.position[i]));
+  }
   for (auto& [id, own] : instances) counts.instances.push_back(std::move(own));
   return counts;
 }

@@ -38,7 +38,7 @@ float intensityOfKey(std::uint16_t key);  // returns the smallest intensity with
 struct InstanceCounts {
   std::uint32_t id = 0;
   std::map<std::uint16_t, std::uint64_t> pointsOfClass;
-  Box box;  // bounding box of the instance's points, in the level frame
+  Box box;  // bounding box of the instance's points, as the scan has them
 };
 
 struct ScanCounts {
@@ -50,12 +50,7 @@ struct ScanCounts {
   std::map<std::uint16_t, std::uint64_t> withoutId;    // number of points without an instance id, by class
 };
 
-// Returns the rotation from the sensor's frame to a level frame with the same origin. The x axis of the level frame is
-// the sensor's x axis, projected onto the horizontal plane. `worldFromSensor`: orientation at the start of the
-// revolution.
-Mat3 levelFromSensor(const Quat& worldFromSensor);
-
-ScanCounts countScan(const Scan& scan, const RangeSteps& steps, const Mat3& levelFromSensor = {});
+ScanCounts countScan(const Scan& scan, const RangeSteps& steps);
 
 // Bins for views by visibility, as in nuScenes. A view is one object seen by one sensor in one sample. The first bin is
 // for views without points.

@@ -1,6 +1,5 @@
 #include "report/dataset/scan_counts.h"
 
-#include "sense/echoes.h"
 #include "tests/studio/report/dataset/made_dataset.h"
 
 namespace scanmill {
@@ -64,39 +63,6 @@ TEST(ScanCounts, AScanWithoutColumnsIsCountedToo) {
   EXPECT_EQ(counts.points, 2u);
   EXPECT_EQ(counts.rangesOfClass.at(0), (std::vector<std::uint64_t>{0, 1, 1, 0}));
   EXPECT_TRUE(counts.intensities.empty() && counts.instances.empty() && counts.withoutId.empty());
-}
-
-// What a window mirrors, and what light strayed from, lies elsewhere than the thing.
-TEST(ScanCounts, MirrorImagesAreNoPartOfAThingsSize) {
-  const Manifest manifest = madeManifest();
-  std::vector<MadePoint> points;
-  for (int k = 0; k <= 20; ++k) points.push_back({{5 + 0.1f * float(k), 3, 0.05f * float(k)}, 7, 9, 10});
-  points.push_back({{11, 9, 0}, 7, 9, 10});
-  points.push_back({{14, 3, 0}, 7, 4, 10});
-  Scan scan = madeScan(manifest.sensors[0].beams, points);
-  const auto boxOfFirst = [&] { return countScan(scan, {1, 30}).instances.back().box; };
-  EXPECT_NEAR(boxOfFirst().high.x, 11, 1e-5) << "nothing tells where points come from";
-  scan[kCause].assign(points.size(), static_cast<std::uint8_t>(Cause::Surface));
-  scan[kCause][3] = static_cast<std::uint8_t>(Cause::ThroughGlass);
-  scan[kCause][21] = static_cast<std::uint8_t>(Cause::Mirrored);
-  scan[kCause][22] = static_cast<std::uint8_t>(Cause::Mirrored);
-  EXPECT_NEAR(boxOfFirst().high.x, 7, 1e-5);
-  EXPECT_NEAR(boxOfFirst().high.z, 1, 1e-5);
-  EXPECT_NEAR(countScan(scan, {1, 30}).instances.front().box.high.x, 14, 1e-5) << "all that there is";
-}
-
-TEST(ScanCounts, BoxesAreLevelHoweverTheSensorLeans) {
-  const Mat3 level = levelFromSensor(fromYawPitchRoll(0.8, 0.2, -0.15));
-  EXPECT_NEAR((level * Vec3d{1, 0, 0}).y, 0, 1e-12);
-  Scan scan;
-  for (const Vec3d& p : {Vec3d{12, 3, -2}, Vec3d{16, 5, -0.5}}) {
-    scan.position.push_back(Vec3f(inverse(level) * p));
-    scan[kLabel].push_back(1);
-    scan[kInstance].push_back(5);
-  }
-  const Box box = countScan(scan, {1, 40}, level).instances.at(0).box;
-  EXPECT_NEAR(length(box.low - Vec3d{12, 3, -2}), 0, 1e-5);
-  EXPECT_NEAR(length(box.high - Vec3d{16, 5, -0.5}), 0, 1e-5);
 }
 
 }  // namespace
