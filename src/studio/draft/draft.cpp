@@ -9,7 +9,6 @@
 #include "config/resources.h"
 #include "config/value.h"
 #include "draft/model.h"
-#include "draft/object_yaml.h"
 #include "scene/material.h"
 
 namespace scanmill::draft {

@@ -1,6 +1,6 @@
 #pragma once
 
-// Reads names and sizes from 3D files, and guesses what the files contain.
+// Reads names and sizes from 3D files, guesses what the files contain, and writes it as lines of a scene file.
 
 #include <cstdint>
 #include <filesystem>
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "draft/guess.h"
+#include "scene/ontology.h"
 
 namespace scanmill::draft {
 
@@ -57,5 +58,15 @@ struct DraftOptions {
 // read.
 std::vector<Model> readModels(const std::vector<std::filesystem::path>& files, const std::vector<Concept>& concepts,
                               const DraftOptions& options);
+
+// Returns the concepts that have a class in the ontology, and those that need no class, such as parts to be removed.
+// Example: if an ontology for rooms has no class for buildings, "office.glb" is not taken for a building. Names of the
+// ontology's classes are words, too.
+std::vector<Concept> conceptsFor(const std::vector<Concept>& concepts, const Ontology& ontology);
+
+// Returns the YAML of an object without its position. `folder`: future folder of the scene file, to which paths are
+// relative.
+std::string objectYaml(const Model& model, const std::vector<Concept>& concepts, const Ontology& ontology,
+                       const std::filesystem::path& folder, const DraftOptions& options);
 
 }  // namespace scanmill::draft

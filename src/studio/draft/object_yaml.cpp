@@ -1,5 +1,3 @@
-#include "draft/object_yaml.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

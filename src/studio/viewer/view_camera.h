@@ -45,7 +45,12 @@ struct ViewCamera {
   double nearest = 0.5;  // points nearer than this (m) are not drawn
 
   // Projects a point. If its depth is less than `nearest`, x, y and scale are meaningless.
-  Projected project(const Vec3d& point) const;
+  Projected project(const Vec3d& point) const {
+    const Vec3d p = point - eye;
+    const double depth = dot(p, forward);
+    const double scale = orthographic ? focal : focal / depth;
+    return {centerX + dot(p, right) * scale, centerY + dot(p, down) * scale, depth, scale};
+  }
 };
 
 }  // namespace scanmill

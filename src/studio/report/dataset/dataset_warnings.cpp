@@ -1,5 +1,3 @@
-#include "report/dataset/dataset_warnings.h"
-
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
@@ -9,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "report/dataset/dataset_report.h"
 #include "report/page/page.h"
 #include "study/figure_text.h"
 

@@ -4,7 +4,6 @@
 
 #include "base/file.h"
 #include "gpu/device.h"
-#include "viewer/canvas/canvas_interface.h"
 
 namespace scanmill {
 

@@ -4,7 +4,7 @@
 // depend on scans. All coordinates are in metres in one frame, the canvas frame; they are float32, so they are exact
 // only near its origin. Each item may have a pose in this frame. Pixel coordinates start at the upper left corner. All
 // functions of a canvas must be called on the thread that opened it. Only one window can be open at a time. VTK is in a
-// plug-in (viewer/canvas/canvas_interface.h), which is loaded when the first canvas is opened.
+// plug-in, which is loaded when the first canvas is opened.
 
 #include <array>
 #include <cstdint>
@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/module.h"
 #include "base/vec.h"
 #include "viewer/image.h"
 #include "viewer/view_camera.h"
@@ -161,5 +162,18 @@ std::unique_ptr<Canvas> openOffscreen(int width, int height);
 // Writes the picture that was drawn last to scanmill_view_000.png in the current folder, or to the file with the first
 // number that is not used yet. Returns the file. Throws Error.
 std::filesystem::path savePictureOf(Canvas& canvas);
+
+// The interface of the plug-in libscanmill_viewer.so (base/module.h), which draws with VTK, in a GLFW window or,
+// without a window, with EGL.
+class CanvasModule {
+ public:
+  static constexpr ModuleFile kFile{
+      "libscanmill_viewer.so", "nothing can be shown by VTK",
+      "install VTK, EGL and GLFW (on Debian the packages libvtk9-dev, libegl-dev and libglfw3-dev)"};
+  virtual ~CanvasModule() = default;
+  // These functions implement openWindow() and openOffscreen().
+  virtual std::unique_ptr<Canvas> openWindow(const std::string& title, int width, int height) const = 0;
+  virtual std::unique_ptr<Canvas> openOffscreen(const std::string& device, int width, int height) const = 0;
+};
 
 }  // namespace scanmill

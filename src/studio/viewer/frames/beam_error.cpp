@@ -1,5 +1,3 @@
-#include "viewer/frames/beam_error.h"
-
 #include <fmt/core.h>
 
 #include <cmath>
@@ -10,6 +8,7 @@
 
 #include "base/parallel.h"
 #include "sense/returns.h"
+#include "viewer/frames/stored_frames.h"
 
 namespace scanmill {
 

@@ -1,5 +1,5 @@
-// The plug-in libscanmill_viewer.so, which implements viewer/canvas/canvas_interface.h: canvases in a GLFW window or,
-// without a window, with EGL.
+// The plug-in libscanmill_viewer.so, which implements CanvasModule (viewer/canvas/canvas.h): canvases in a GLFW window
+// or, without a window, with EGL.
 
 #include <fmt/format.h>
 #include <vtkAutoInit.h>
@@ -16,7 +16,7 @@
 #include "gpu/device.h"
 #include "gpu/opengl_module/egl_context.h"
 #include "gpu/opengl_module/gl_window.h"
-#include "viewer/canvas/canvas_interface.h"
+#include "viewer/canvas/canvas.h"
 #include "viewer/vtk_module/canvas_scene.h"
 #include "viewer/vtk_module/glfw_window.h"
 

@@ -1,5 +1,3 @@
-#include "viewer/vtk_module/view_renderer.h"
-
 #include <vtkCamera.h>
 #include <vtkCullerCollection.h>
 #include <vtkObjectFactory.h>
@@ -13,6 +11,8 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+
+#include "viewer/vtk_module/canvas_scene.h"
 
 namespace scanmill {
 

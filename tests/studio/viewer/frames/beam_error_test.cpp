@@ -1,8 +1,7 @@
-#include "viewer/frames/beam_error.h"
-
 #include "sense/sense.h"
 #include "tests/core/dataset/fixture.h"
 #include "tests/core/sense/several_returns.h"
+#include "viewer/frames/stored_frames.h"
 
 namespace scanmill {
 

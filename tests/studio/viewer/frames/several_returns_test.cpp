@@ -1,8 +1,8 @@
 // What lies between a noisy scan and its noise-free reference where beams have two returns, one or none.
 
 #include "tests/core/pipeline/two_returns_yard.h"
-#include "viewer/frames/beam_error.h"
 #include "viewer/frames/frame_source.h"
+#include "viewer/frames/stored_frames.h"
 
 namespace scanmill {
 namespace {
