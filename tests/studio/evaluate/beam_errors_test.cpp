@@ -264,30 +264,6 @@ TEST(BeamErrors, GroupsAddUpToTheWhole) {
   EXPECT_EQ(totalOf(e.byIncidence).beams, trueHits);
 }
 
-// Whatever the order in which shots come.
-TEST(BeamErrors, TheOrderOfShotsDoesNotMatter) {
-  const Scene scene = sceneOf();
-  const RandomPair first = randomPair(1, 3000);
-  const RandomPair second = randomPair(2, 2000);
-  const auto inOrder = [&](const RandomPair* one, const RandomPair* other) {
-    BeamErrorSum sum(scene);
-    for (const RandomPair* p : {one, other}) sum.add(p->truth, p->tested, p->intensity);
-    return sum.finish();
-  };
-  const BeamErrors a = inOrder(&first, &second), b = inOrder(&second, &first);
-  // Sums differ by the order of their terms alone.
-  EXPECT_NEAR(a.all.range.mean, b.all.range.mean, 1e-12 * a.all.range.mean);
-  EXPECT_NEAR(a.all.intensity.rms, b.all.intensity.rms, 1e-12);
-  EXPECT_EQ(a.all.range.median, b.all.range.median);
-  EXPECT_EQ(a.all.range.p999, b.all.range.p999);
-  EXPECT_EQ(a.all.range.max, b.all.range.max);
-  ASSERT_EQ(a.byRange.size(), b.byRange.size());
-  for (std::size_t i = 0; i < a.byRange.size(); ++i) {
-    EXPECT_NEAR(a.byRange[i].errors.range.rms, b.byRange[i].errors.range.rms, 1e-9);
-    EXPECT_EQ(a.byRange[i].errors.range.p99, b.byRange[i].errors.range.p99);
-  }
-}
-
 // A distance lies where its beam does, however far off the nearest point; Hausdorff's is the larger of the two.
 TEST(BeamErrors, NearestDistancesBelongToTheGroupOfTheirBeam) {
   const Scene scene = sceneOf();

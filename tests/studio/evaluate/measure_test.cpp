@@ -211,6 +211,9 @@ TEST(Measure, RaysAreTrueAndCoarseParticlesAreNot) {
   EXPECT_GT(particles.errors.all.missRate(), 0);
   EXPECT_LT(particles.errors.all.labels(), 1);
   EXPECT_GT(particles.cloud.to.mean, 0.01);
+  EXPECT_EQ(particles.errors.all.nearestTo, particles.cloud.to);
+  EXPECT_EQ(particles.errors.all.nearestFrom, particles.cloud.from);
+  EXPECT_EQ(particles.errors.all.hausdorff(), particles.cloud.hausdorff);
   EXPECT_GT(particles.cost.memoryBytes, 0u);
   // Silhouettes are where it errs.
   const GroupErrors& interior = particles.errors.byPlace[0].errors;
@@ -218,80 +221,6 @@ TEST(Measure, RaysAreTrueAndCoarseParticlesAreNot) {
   EXPECT_GT(edges.beams, 0u);
   EXPECT_GT(interior.beams, edges.beams);
   EXPECT_GT(edges.missRate() + 1 - edges.labels(), interior.missRate() + 1 - interior.labels());
-}
-
-// Against another scene: what it lacks are false negatives, what it has beyond are false positives.
-TEST(Measure, NearestDistancesOfTheGroupsAreThoseOfTheClouds) {
-  const Scene scene = courtyard();
-  SceneBuilder builder = testBuilder();
-  Mesh ground = meshOf(builder, "ground");
-  appendPlane(ground, 0, {}, 15, 15);
-  builder.place(builder.addMesh(ground), at(0, 0, -2.1), "ground");
-  Mesh tower = meshOf(builder, "thing");
-  appendBox(tower, 0, {}, {2, 6, 20});
-  builder.place(builder.addMesh(tower), at(-9, 4, 0), "tower");
-  const Scene other = builder.finish();
-  const Measurement m = measure([&] { return rayTracing(other); }, scene, seenByRays(scene), {.repeats = 0});
-  const BeamErrors& e = m.errors;
-  EXPECT_GT(e.all.falseNegatives, 0u);
-  EXPECT_GT(e.all.falsePositives, 0u);
-  EXPECT_GT(m.cloud.hausdorff, 0.1);
-  EXPECT_EQ(e.all.nearestTo, m.cloud.to);
-  EXPECT_EQ(e.all.nearestFrom, m.cloud.from);
-  EXPECT_EQ(e.all.hausdorff(), m.cloud.hausdorff);
-  EXPECT_EQ(e.all.nearestTo.count, e.all.bothHit + e.all.falseNegatives);
-  EXPECT_EQ(e.all.nearestFrom.count, e.all.bothHit + e.all.falsePositives);
-  for (const auto* groups : {&e.byRange, &e.byPlace, &e.byClass}) {
-    std::size_t to = 0, from = 0;
-    double sum = 0, largest = 0;
-    for (const ErrorGroup& g : *groups) {
-      to += g.errors.nearestTo.count;
-      from += g.errors.nearestFrom.count;
-      sum += g.errors.nearestTo.mean * static_cast<double>(g.errors.nearestTo.count);
-      largest = std::max(largest, g.errors.hausdorff());
-    }
-    EXPECT_EQ(to, m.cloud.to.count);
-    EXPECT_EQ(from, m.cloud.from.count);
-    EXPECT_NEAR(sum, m.cloud.to.mean * static_cast<double>(to), 1e-9 * sum);
-    EXPECT_EQ(largest, m.cloud.hausdorff);
-  }
-}
-
-// Ground that lies lower: no point is nearer than the planes are, and none farther than the one of the same beam.
-TEST(Measure, NearestDistancesOfLoweredGroundAreItsOffsetAndMore) {
-  constexpr double kHeight = 2, kOffset = 0.05;
-  const Scene upper = flatGround({0, 0, -kHeight}, 4000, 1);
-  const Scene lower = flatGround({0, 0, -kHeight - kOffset}, 4000, 1);
-  const MeasureOptions options{.repeats = 0};
-  const std::vector<TrueShot> shots = trueShots(upper, {shotAt(spinning(60, 512, -85, -5))}, options);
-  const Measurement m = measure([&] { return rayTracing(lower); }, upper, shots, options);
-  std::size_t bands = 0;
-  for (const ErrorGroup& band : m.errors.byRange) {
-    const GroupErrors& e = band.errors;
-    if (e.beams == 0) continue;
-    ++bands;
-    EXPECT_EQ(e.nearestTo.count, e.beams) << band.name;
-    EXPECT_GE(e.nearestTo.mean, kOffset * (1 - 1e-5)) << band.name;
-    EXPECT_LE(e.nearestTo.mean, e.range.mean * (1 + 1e-5)) << band.name;
-    EXPECT_LE(e.hausdorff(), e.range.max * (1 + 1e-5)) << band.name;
-  }
-  EXPECT_GE(bands, 3u);
-}
-
-TEST(Measure, WhereNothingIsHitNoDistanceIsKnown) {
-  const Scene scene = courtyard();
-  std::vector<TrueShot> shots = seenByRays(scene);
-  for (TrueShot& shot : shots) {
-    Hits& hits = shot.truth.hits;
-    hits.range.assign(hits.size(), kMiss);
-    shot.truth.range.assign(hits.size(), kMiss);
-  }
-  const Measurement m = measure([&] { return rayTracing(scene); }, scene, shots, {.repeats = 0});
-  EXPECT_GT(m.errors.all.falsePositives, 0u);
-  EXPECT_EQ(m.cloud.unmatched, m.errors.all.falsePositives);
-  EXPECT_EQ(m.errors.all.nearestTo.count, 0u);
-  EXPECT_EQ(m.errors.all.nearestFrom.count, 0u);
-  EXPECT_EQ(m.errors.all.hausdorff(), 0);
 }
 
 TEST(Measure, ErrorsDoNotDependOnThreads) {

@@ -3,152 +3,70 @@
 
 #include "tests/support/street.h"
 
-#include <span>
-
-#include "base/error.h"
-#include "evaluate/cloud_errors.h"
 #include "evaluate/measure.h"
 #include "tests/core/methods/trace.h"
+#include "tests/support/gl.h"
 
 namespace scanmill {
 namespace {
 
-struct HitErrors {
-  std::uint64_t beams = 0;
-  std::uint64_t bothHit = 0;
-  std::uint64_t falseNegatives = 0;  // beams that hit only with the reference method
-  std::uint64_t falsePositives = 0;  // beams that hit only with the tested method
-  std::uint64_t sameLabel = 0;       // beams of bothHit with the same class and instance
-  std::uint64_t interior = 0;        // beams that are not near an edge
-  // Interior beams that miss with both methods, or hit with the same class and instance.
-  std::uint64_t interiorAgree = 0;
-  Spread rangeSameSurface;  // |tested - reference range| of beams in bothHit with the same instance and class (m)
-  Spread rangeInterior;     // |tested - reference range| of interior beams in bothHit (m)
-};
-
-// Compares hits, which must have the channels Range, Instance and Semantic. `edges`: for each beam 1 if it is near an
-// edge, as returned by edgeBeams(); if it is empty, all beams are interior. Throws Error if the sizes differ, or if
-// beams fire several rays.
-HitErrors compareHits(const Hits& reference, const Hits& tested, std::span<const std::uint8_t> edges) {
-  if (reference.size() != tested.size() || (!edges.empty() && edges.size() != reference.size())) {
-    throw Error("hits of different numbers of beams cannot be compared");
-  }
-  requireOneRay(reference);
-  requireOneRay(tested);
-  HitErrors e;
-  e.beams = reference.size();
-  std::vector<double> same;
-  std::vector<double> interior;
-  for (std::size_t i = 0; i < reference.size(); ++i) {
-    const bool inside = edges.empty() || edges[i] == 0;
-    e.interior += inside ? 1 : 0;
-    if (!reference.hit(i) || !tested.hit(i)) {
-      e.falseNegatives += reference.hit(i) ? 1 : 0;
-      e.falsePositives += tested.hit(i) ? 1 : 0;
-      e.interiorAgree += inside && reference.hit(i) == tested.hit(i) ? 1 : 0;
-      continue;
-    }
-    ++e.bothHit;
-    const double error = std::abs(double{tested.range[i]} - double{reference.range[i]});
-    const bool label = reference.semantic[i] == tested.semantic[i] && reference.instance[i] == tested.instance[i];
-    if (label) same.push_back(error);
-    if (inside) interior.push_back(error);
-    e.sameLabel += label ? 1 : 0;
-    e.interiorAgree += inside && label ? 1 : 0;
-  }
-  e.rangeSameSurface = spreadOf(std::move(same));
-  e.rangeInterior = spreadOf(std::move(interior));
-  return e;
-}
-
-// rad, at the centre of an image of 120 degrees and 2048 pixels: 2 tan(60 degrees) / 2048.
-constexpr double kPixel = 0.0016915;
-
 class Street : public testing::Test {
  protected:
-  static void SetUpTestSuite() {
-    scene_ = std::make_unique<Scene>(proceduralStreet());
-    tracing_ = rayTracing(*scene_);
-  }
-  static void TearDownTestSuite() {
-    tracing_.reset();
-    scene_.reset();
-  }
+  static void SetUpTestSuite() { scene_ = std::make_unique<Scene>(proceduralStreet()); }
+  static void TearDownTestSuite() { scene_.reset(); }
 
-  Hits seen(const Shot& shot, const std::string& options) const {
-    const auto method = methodOf("depth_camera", *scene_, options);
-    try {
-      method->prepare(shot);
-    } catch (const InputError&) {
-      throw;
-    } catch (const Error& e) {
-      skipped_ = e.what();  // no OpenGL
-      return {};
-    }
-    return traced(*method, shot);
+  // What rays see from a place on the street, and how a method sees it.
+  static std::vector<TrueShot> truthAt(double x) {
+    return trueShots(*scene_, {streetShot(presetBeams("paper_64"), x)}, {});
   }
+  static Measurement compared(const std::vector<TrueShot>& truth, const char* method, const std::string& options) {
+    return measure([&] { return methodOf(method, *scene_, options); }, *scene_, truth, {.repeats = 0});
+  }
+  static const GroupErrors& interiorOf(const Measurement& m) { return m.errors.byPlace.front().errors; }
 
   static std::unique_ptr<Scene> scene_;
-  static std::unique_ptr<Method> tracing_;
-  mutable std::string skipped_;
 };
 
 std::unique_ptr<Scene> Street::scene_;
-std::unique_ptr<Method> Street::tracing_;
 
-TEST_F(Street, PlaneSamplingIsAsGoodAsTheTableSays) {
-  const Shot shot = streetShot(presetBeams("paper_64"), -20);
-  const Hits tested = seen(shot, "{layout: three_120, resolution: 2048}");
-  if (!skipped_.empty()) GTEST_SKIP() << skipped_;
-  const Hits truth = traced(*tracing_, shot);
-  const HitErrors e = compareHits(truth, tested, edgeBeams(*tracing_, shot, kPixel));
-  EXPECT_GT(e.bothHit, 90'000u);
-  EXPECT_LT(e.rangeSameSurface.median, 1e-3);
-  EXPECT_LT(e.rangeSameSurface.p99, 0.05);
-  EXPECT_GT(e.interior, 80'000u);
-  EXPECT_GT(static_cast<double>(e.interiorAgree), 0.995 * static_cast<double>(e.interior));
-  const CloudErrors clouds = cloudErrors(hitPoints(shot, truth), hitPoints(shot, tested));
-  EXPECT_LT(clouds.to.mean, 0.01);
-  EXPECT_LT(clouds.from.mean, 0.01);
-}
+// The depth camera's images need OpenGL.
+class StreetInImages : public Street {
+ protected:
+  void SetUp() override { SKIP_WITHOUT_GL(); }
+};
 
-// Where the trees are nearest; the default layout.
-TEST_F(Street, TheDefaultHoldsItsBoundsAmongTrees) {
-  const Shot shot = streetShot(presetBeams("paper_64"), 3);
-  const Hits tested = seen(shot, "{}");
-  if (!skipped_.empty()) GTEST_SKIP() << skipped_;
-  const Hits truth = traced(*tracing_, shot);
-  const HitErrors e = compareHits(truth, tested, edgeBeams(*tracing_, shot, kPixel));
-  EXPECT_LT(e.rangeSameSurface.median, 1e-3);
-  EXPECT_LT(e.rangeSameSurface.p99, 0.05);
-  EXPECT_GT(static_cast<double>(e.interiorAgree), 0.995 * static_cast<double>(e.interior));
+// Bounds away from edges, as the tables say; also where the trees are nearest, with the default layout.
+TEST_F(StreetInImages, PlaneSamplingIsAsGoodAsTheTableSays) {
+  for (const auto& [x, options] : {std::pair{-20.0, "{layout: three_120, resolution: 2048}"}, {3.0, "{}"}}) {
+    const Measurement m = compared(truthAt(x), "depth_camera", options);
+    const GroupErrors& e = interiorOf(m);
+    EXPECT_GT(m.errors.all.bothHit, 90'000u);
+    EXPECT_GT(e.beams, 60'000u);
+    EXPECT_LT(e.range.median, 1e-3);
+    EXPECT_LT(e.range.p99, 0.05);
+    EXPECT_GT(static_cast<double>(e.bothMiss + e.sameLabel), 0.995 * static_cast<double>(e.beams));
+    EXPECT_LT(m.cloud.to.mean, 0.01);
+    EXPECT_LT(m.cloud.from.mean, 0.01);
+  }
 }
 
 // Samplings err in the order in which they simplify, and finer images err less.
-TEST_F(Street, WhatIsSimplerErrsMore) {
-  const Shot shot = streetShot(presetBeams("paper_64"), 12);
-  const Hits truth = traced(*tracing_, shot);
-  const std::vector<std::uint8_t> edges = edgeBeams(*tracing_, shot, kPixel);
+TEST_F(StreetInImages, WhatIsSimplerErrsMore) {
+  const std::vector<TrueShot> truth = truthAt(12);
   const auto median = [&](const std::string& options) {
-    const Hits tested = seen(shot, options);
-    return skipped_.empty() ? compareHits(truth, tested, edges).rangeInterior.median : 0;
+    return interiorOf(compared(truth, "depth_camera", "{layout: three_120, " + options + "}")).range.median;
   };
-  const double plane = median("{layout: three_120, resolution: 1024}");
-  if (!skipped_.empty()) GTEST_SKIP() << skipped_;
-  const double nearest = median("{layout: three_120, resolution: 1024, sampling: nearest}");
-  const double finer = median("{layout: three_120, resolution: 2048, sampling: nearest}");
-  const double coarse = median("{layout: three_120, resolution: 1024, depth: half_500}");
-  EXPECT_LT(10 * plane, nearest);
-  EXPECT_LT(1.5 * finer, nearest);
-  EXPECT_GT(coarse, 0.02);  // steps of 0.25 to 0.5 m
+  const double nearest = median("resolution: 1024, sampling: nearest");
+  EXPECT_LT(10 * median("resolution: 1024"), nearest);
+  EXPECT_LT(1.5 * median("resolution: 2048, sampling: nearest"), nearest);
+  EXPECT_GT(median("resolution: 1024, depth: half_500"), 0.02);  // steps of 0.25 to 0.5 m
 }
 
 // The same effect reads the same figures: on flat surfaces intensities are the same.
-TEST_F(Street, WhatIntensityIsMadeOfIsTheSameOnFlatSurfaces) {
+TEST_F(StreetInImages, WhatIntensityIsMadeOfIsTheSameOnFlatSurfaces) {
   const Shot shot = streetShot(presetBeams("paper_64"), -41);
-  const Hits tested = seen(shot, "{}");
-  if (!skipped_.empty()) GTEST_SKIP() << skipped_;
-  const Hits truth = traced(*tracing_, shot);
+  const Hits tested = traced(*methodOf("depth_camera", *scene_), shot);
+  const Hits truth = traced(*scene_, shot);
   std::size_t flat = 0;
   for (std::size_t i = 0; i < truth.size(); ++i) {
     if (!truth.hit(i) || !tested.hit(i) || truth.instance[i] != tested.instance[i]) continue;
@@ -161,37 +79,27 @@ TEST_F(Street, WhatIntensityIsMadeOfIsTheSameOnFlatSurfaces) {
   EXPECT_GT(flat, 60'000u);
 }
 
-Hits flownOver(const Scene& scene, const Shot& shot, const std::string& options) {
-  return traced(*methodOf("particle", scene, "{backend: cpu, " + options + "}"), shot);
-}
-
 TEST_F(Street, ParticlesThatMeetTrianglesSeeWhatRaysSee) {
   for (const double x : {-20.0, 3.0}) {
-    const Shot shot = streetShot(presetBeams("paper_64"), x);
-    const Hits truth = traced(*tracing_, shot);
-    const Hits tested = flownOver(*scene_, shot, "refine: triangle");
-    const HitErrors e = compareHits(truth, tested, {});
+    const Measurement m = compared(truthAt(x), "particle", "{backend: cpu, refine: triangle}");
+    const GroupErrors& e = m.errors.all;
     EXPECT_GT(e.bothHit, 90'000u);
     EXPECT_LT(e.falseNegatives + e.falsePositives, e.beams / 10'000);
     EXPECT_GT(static_cast<double>(e.sameLabel), 0.9999 * static_cast<double>(e.bothHit));
-    EXPECT_LT(e.rangeSameSurface.p999, 1e-4);
-    const CloudErrors clouds = cloudErrors(hitPoints(shot, truth), hitPoints(shot, tested));
-    EXPECT_LT(clouds.to.mean, 1e-3);
-    EXPECT_LT(clouds.from.mean, 1e-3);
-    EXPECT_TRUE(tested.unresolved.empty());
+    EXPECT_LT(e.range.p999, 1e-4);
+    EXPECT_LT(m.cloud.to.mean, 1e-3);
+    EXPECT_LT(m.cloud.from.mean, 1e-3);
+    EXPECT_EQ(e.unresolved, 0u);
   }
 }
 
 TEST_F(Street, ParticlesErrInTheOrderInWhichTheySimplify) {
-  const Shot shot = streetShot(presetBeams("paper_64"), -20);
-  const Hits truth = traced(*tracing_, shot);
-  const auto errors = [&](const std::string& options) {
-    return compareHits(truth, flownOver(*scene_, shot, options), {});
-  };
-  const HitErrors none = errors("refine: none");
-  const HitErrors coarse = errors("refine: none, voxel_m: 0.4, voxels: 64");
-  EXPECT_LT(none.rangeSameSurface.median, 0.1);
-  EXPECT_GT(coarse.rangeSameSurface.median, 2 * none.rangeSameSurface.median);
+  const std::vector<TrueShot> truth = truthAt(-20);
+  const GroupErrors none = compared(truth, "particle", "{backend: cpu, refine: none}").errors.all;
+  const GroupErrors coarse =
+      compared(truth, "particle", "{backend: cpu, refine: none, voxel_m: 0.4, voxels: 64}").errors.all;
+  EXPECT_LT(none.range.median, 0.1);
+  EXPECT_GT(coarse.range.median, 2 * none.range.median);
   // Half a voxel thicker than it is, everything is seen: only beams past silhouettes are false positives.
   EXPECT_LT(none.falseNegatives, none.beams / 1000);
   EXPECT_GT(static_cast<double>(none.sameLabel), 0.85 * static_cast<double>(none.bothHit));

@@ -4,7 +4,6 @@
 
 #include <vector>
 
-#include "scenefile/scene_file.h"
 #include "sensors/sensor.h"
 #include "tests/core/methods/depth_camera/worlds.h"
 #include "tests/support/blender.h"
@@ -73,88 +72,6 @@ TEST(DepthCamera, SeesTheMaterialsThatRayTracingSees) {
     EXPECT_NEAR(hits.normal[i].x, truth.normal[i].x, 1e-6);
   }
   EXPECT_GT(same, truth.size() * 96 / 100);
-}
-
-TEST(DepthCamera, AgreesWithRayTracingAmongObjects) {
-  const Scene scene = yard();
-  const Shot shot = shotAt(spinning(48, 1024, -25, 5, 120));
-  const Hits truth = traced(scene, shot);
-  const Hits hits = photographed(scene, shot, "{resolution: 1024}");
-  std::size_t both = 0;
-  std::size_t same = 0;
-  std::size_t oneOnly = 0;
-  for (std::size_t i = 0; i < truth.size(); ++i) {
-    oneOnly += truth.hit(i) != hits.hit(i) ? 1 : 0;
-    if (!truth.hit(i) || !hits.hit(i)) continue;
-    ++both;
-    same += truth.instance[i] == hits.instance[i] ? 1 : 0;
-  }
-  EXPECT_GT(same, both * 98 / 100);
-  EXPECT_LT(oneOnly, truth.size() / 100);
-  EXPECT_LT(meanError(truth, hits), 0.01);
-}
-
-// Whether the pixel that a direction falls into and the eight around it see one object of one class.
-bool awayFromEdges(const std::vector<PassImage>& images, const Pose& worldFromSensor, const Vec3d& direction) {
-  const Vec3d world = toMatrix(worldFromSensor.rotation) * direction;
-  for (const PassImage& image : images) {
-    const Camera& c = image.camera;
-    const Vec3d d = transposed(toMatrix(c.worldFromCamera.rotation)) * world;
-    const double u = std::floor(c.cx + c.fx * d.x / d.z);
-    const double v = std::floor(c.cy + c.fy * d.y / d.z);
-    if (!(d.z > 0) || u < 1 || v < 1 || u > c.width - 2.0 || v > c.height - 2.0) continue;
-    const auto centre = static_cast<std::size_t>(v) * c.width + static_cast<std::size_t>(u);
-    for (const std::size_t row : {centre - c.width, centre, centre + c.width}) {
-      for (const std::size_t pixel : {row - 1, row, row + 1}) {
-        if (image.planes.instance[pixel] != image.planes.instance[centre] ||
-            image.planes.semantic[pixel] != image.planes.semantic[centre]) {
-          return false;
-        }
-      }
-    }
-    return true;
-  }
-  return false;
-}
-
-TEST(DepthCamera, AgreesWithRayTracingOnTheStreet) {
-  const Scene scene = readScene(SCANMILL_SOURCE_DIR "/scenes/street.yaml", {});
-  const Shot shot = shotAt(shipped("paper_64"), {fromYawPitchRoll(0.3, 0, 0), {3, -1.75, 1.9}});
-  const Hits truth = traced(scene, shot);
-  // As fine at the centre as images of 90 degrees and 2048 x 2048 pixels.
-  const auto camera = depthCamera(scene, "{}");
-  std::vector<PassImage> images;
-  Hits hits;
-  hits.reset(truth.rings, truth.columns, Channels::all());
-  camera->draw(shot, camera->passes(Channels::all()), [&](PassStep&& step) {
-    camera->sample(shot, step, hits);
-    images = std::move(step.images);
-  });
-  std::vector<double> errors;
-  std::size_t away = 0;
-  std::size_t agreeing = 0;
-  for (std::size_t i = 0; i < truth.size(); ++i) {
-    const bool same = truth.instance[i] == hits.instance[i] && truth.semantic[i] == hits.semantic[i];
-    if (truth.hit(i) && hits.hit(i) && same) errors.push_back(std::abs(double{truth.range[i]} - double{hits.range[i]}));
-    if (!awayFromEdges(images, shot.worldFromSensor[0], shot.beams->direction[i])) continue;
-    ++away;
-    agreeing += same ? 1 : 0;
-  }
-  ASSERT_GT(errors.size(), truth.size() * 9 / 10);
-  std::sort(errors.begin(), errors.end());
-  EXPECT_LT(errors[errors.size() / 2], 0.001);
-  EXPECT_LT(errors[errors.size() * 99 / 100], 0.05);
-  EXPECT_GT(away, truth.size() * 8 / 10);
-  EXPECT_GE(static_cast<double>(agreeing), 0.995 * static_cast<double>(away));
-}
-
-TEST(DepthCamera, WhatIsSimplerErrsMore) {
-  const Scene scene = yard();
-  const Shot shot = shotAt(spinning(32, 1024, -25, -2, 120));
-  const auto error = [&](const std::string& sampling) {
-    return meanError(traced(scene, shot), photographed(scene, shot, "{resolution: 512, sampling: " + sampling + "}"));
-  };
-  EXPECT_LT(2 * error("plane"), error("nearest"));
 }
 
 TEST(DepthCamera, DrawnAndSampledLaterGivesTheSameBytes) {

@@ -3,7 +3,6 @@
 // Particles of any kind through the program that takes steps on a device.
 
 #include <memory>
-#include <mutex>
 #include <span>
 #include <vector>
 
@@ -18,10 +17,9 @@ class GlMarch {
   explicit GlMarch(std::uint64_t mostTableBytes = std::numeric_limits<std::uint64_t>::max())
       : march_(device_, mostTableBytes) {}
 
-  // As marchCpu() does with particles that have taken no step. Several threads take turns.
+  // As marchCpu() does with particles that have taken no step.
   HitRecords march(const std::shared_ptr<const DistanceField>& field, const std::shared_ptr<const World>& world,
                    std::uint32_t steps, const Particles& p) {
-    const std::scoped_lock lock(mutex_);
     march_.hold(field, world);
     HitRecords records;
     records.reset(p.size());
@@ -57,7 +55,6 @@ class GlMarch {
   }
 
  private:
-  std::mutex mutex_;
   ComputeDevice device_{{"particles cannot march by OpenGL", "`backend: cpu` does not need it"}};
   DeviceMarch march_;
 };

@@ -1,6 +1,5 @@
 #include <bit>
 #include <cstdlib>
-#include <thread>
 #include <vector>
 
 #include "base/random.h"
@@ -14,7 +13,6 @@
 #include "tests/core/methods/particle/fields.h"
 #include "tests/support/gl.h"
 #include "tests/support/message_of.h"
-#include "tests/support/sanitizers.h"
 #include "tests/support/test_scene.h"
 
 namespace scanmill {
@@ -283,50 +281,6 @@ TEST(GlMarcher, FieldsOfSeveralDrivesStay) {
     const Particles particles = particlesIn(*place.field, 500);
     const HitRecords records = marcher.march(other, place.world, kUsual, particles);
     compared(place, kUsual, particles, records);
-  }
-}
-
-TEST(GlMarcher, NoParticlesAndOne) {
-  SKIP_WITHOUT_GL();
-  GlMarch marcher;
-  const Scene scene = furnished();
-  const Surroundings place = surroundingsOf(scene, true);
-  EXPECT_EQ(marcher.march(place.field, place.world, kUsual, particlesIn(*place.field, 0)).size(), 0u);
-  EXPECT_EQ(flown(marcher, place, kUsual, particlesIn(*place.field, 2)).wrong, 0u);
-  Particles one;
-  addParticle(*place.field, {0, 0, 0}, {0, 0, -1}, 0, INFINITY, one);
-  EXPECT_EQ(flown(marcher, place, kUsual, one).hits, 1u);
-}
-
-TEST(GlMarcher, ThreadsTakeTurns) {
-  SKIP_WITHOUT_GL();
-  GlMarch marcher;
-  const Scene room = furnished();
-  const Scene ground = openGround();
-  const std::vector<Surroundings> places{surroundingsOf(room, true), surroundingsOf(ground, false)};
-  constexpr int kThreads = 4;
-  const int rounds = kSanitized ? 2 : 6;
-  std::vector<HitRecords> got(std::size_t{kThreads} * static_cast<std::size_t>(rounds));
-  {
-    std::vector<std::jthread> threads;
-    for (std::size_t t = 0; t < kThreads; ++t) {
-      threads.emplace_back([&, t] {
-        const Surroundings& place = places[t % 2];
-        const auto own = t == 3 ? std::make_unique<GlMarch>() : nullptr;
-        for (std::size_t round = 0; round < static_cast<std::size_t>(rounds); ++round) {
-          const auto stream = static_cast<std::uint32_t>(10 * t + round);
-          GlMarch& taken = own != nullptr ? *own : marcher;
-          got[t * static_cast<std::size_t>(rounds) + round] =
-              taken.march(place.field, place.world, kUsual, particlesIn(*place.field, 300 + t, stream));
-        }
-      });
-    }
-  }
-  for (std::size_t k = 0; k < got.size(); ++k) {
-    const std::size_t t = k / static_cast<std::size_t>(rounds);
-    const std::size_t round = k % static_cast<std::size_t>(rounds);
-    const Surroundings& place = places[t % 2];
-    compared(place, kUsual, particlesIn(*place.field, 300 + t, static_cast<std::uint32_t>(10 * t + round)), got[k]);
   }
 }
 

@@ -140,17 +140,6 @@ TEST_F(RunStudy, ThePipelineThatItHoldsGivesTheSameStudy) {
   EXPECT_EQ(errorsOf(again), errorsOf(first));
 }
 
-TEST_F(RunStudy, NumbersOfThreadsDoNotMatter) {
-  const auto file = withKey(three());
-  const auto with = [&](int threads) {
-    const ThreadLimit limit(threads);
-    Study study = studied(file);
-    study.machine.threads = 0;
-    return errorsOf(study);
-  };
-  EXPECT_EQ(with(1), with(3));
-}
-
 TEST_F(RunStudy, AStopEndsItWithoutAStudy) {
   const std::atomic<bool> stop = true;
   const StudyOptions options{.stop = &stop};
