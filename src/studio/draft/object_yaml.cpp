@@ -1,3 +1,5 @@
+#include "draft/model.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
