@@ -10,7 +10,7 @@ namespace {
 constexpr const char* kScan =
     "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA ascii\n1 2 3\n";
 
-// Words are separated by blanks but in '...'. P is the small pipeline and A its dataset, @x a file of the folder.
+// P is the small pipeline and A its dataset, @x a file of the folder, S the project.
 struct Refusal {
   const char* command;
   std::string says;
@@ -71,7 +71,7 @@ const Refusal kRefusals[] = {
     {"plan", "PIPELINE is missing"},
     {"plan absent.yaml", "absent.yaml"},
     {"plan streat", "did you mean 'street'"},
-    {"plan vlp_16", "this is a sensor"},
+    {"plan S/pipelines/sensors/vlp_16.yaml", "this is a sensor"},
     {"plan P --set method.depth_camera.renderer=blender", "write --set 'method={depth_camera: {renderer: blender}}'"},
     {"plan P --set nonsense", "nonsense"},
     {"plan P --set output.shard_md=3", "did you mean 'shard_mb'?"},
@@ -101,7 +101,7 @@ const Refusal kRefusals[] = {
     {"info @shed.obj --up w", "--up must be x, y or z"},
     {"info @shed.obj --unit cm", "--unit"},
     {"info semantic_kitti", "scanmill list ontologies"},
-    {"info scenes/village.osm", "town: {map: FILE}"},
+    {"info S/scenes/village.osm", "town: {map: FILE}"},
 
     {"report", "DATASET is missing"},
     {"report absent", "manifest.json does not exist"},
@@ -117,22 +117,22 @@ const Refusal kRefusals[] = {
     {"tradeoff P", "-o DIR is missing"},
     {"tradeoff P -o @x --budget 0", "--budget must be above 0"},
     {"tradeoff P -o @x --budget soon", "soon"},
-    {"tradeoff P -o @x --set tradeoff={settings: [rays]}", "tradeoff"},
+    {"tradeoff P -o @x --set 'tradeoff={settings: [rays]}'", "unknown method 'rays'"},
     {"tradeoff P -o P", "is a file"},
     {"tradeoff P -o @filled --overwrite", "no tradeoff.json"},
 
     {"repeatability", "PIPELINE is missing"},
     {"repeatability P", "-o DIR is missing"},
     {"repeatability P -o @x --set repeatability.scan=3", "did you mean 'scans'?"},
-    {"repeatability P -o @x --set repeatability.object=nothing", "no thing 'nothing'"},
+    {"repeatability P -o @r --set repeatability.object=nothing", "no thing 'nothing'"},
     {"repeatability P -o @filled --overwrite", "filled"},
 
-    {"compare A -o @x", "compare takes two sets, REAL and SIMULATED, not 1"},
+    {"compare A -o @c", "compare takes two sets, REAL and SIMULATED, not 1"},
     {"compare A A", "-o DIR is missing"},
-    {"compare A absent -o @x", "does not exist"},
-    {"compare A A -o @x --sensor nosuch", "neither set has a sensor of this name"},
-    {"compare @filled A -o @x", "is not a dataset"},
-    {"compare @damaged A -o @x", "no whole records of 4 float32"},
+    {"compare A absent -o @c", "does not exist"},
+    {"compare A A -o @c --sensor nosuch", "neither set has a sensor of this name"},
+    {"compare @filled A -o @c", "is not a dataset"},
+    {"compare @damaged A -o @c", "no whole records of 4 float32"},
     {"compare A A -o @filled", "filled"},
 
     {"fit-noise --sensor os1_128 -o @x", "SCAN is missing"},
@@ -172,6 +172,7 @@ TEST_F(SmallWorld, WrongUseIsRefusedWithAdviceAndMakesNothing) {
     for (std::string& word : commands.back()) {
       if (word == "P") word = pipeline_;
       if (word == "A") word = at("a");
+      if (word.starts_with("S/")) word.replace(0, 1, SCANMILL_SOURCE_DIR);
       if (const std::size_t file = word.find('@'); file != std::string::npos) word.replace(file, 1, at(""));
     }
   }
