@@ -32,7 +32,7 @@ struct PcdField {
 struct PcdHeader {
   std::vector<PcdField> fields;
   std::uint64_t width = 0;
-  std::uint64_t height = 0;
+  std::uint64_t height = 1;
   std::uint64_t points = 0;
   std::uint64_t rowBytes = 0;
   std::string_view data;
@@ -100,32 +100,29 @@ class HeaderReader {
     if (words.empty()) return;
     const std::string_view key = words[0];
     if (key == "VERSION") return;
-    if (key == "VIEWPOINT") {
-      readViewpoint(words);
-    } else if (key == "FIELDS" || key == "COLUMNS") {
+    if (key == "VIEWPOINT") return readViewpoint(words);
+    if (key == "FIELDS" || key == "COLUMNS") {
       if (words.size() - 1 > kMostFields) throw InputError(where_, fmt::format("more than {} fields", kMostFields));
       header_.fields.resize(words.size() - 1);
-      perField(words, [&](PcdField& field, std::string_view word) { field.name = word; });
-    } else if (key == "SIZE") {
-      perField(words, [&](PcdField& field, std::string_view word) { field.size = readCount(word, key, 8, where_); });
-    } else if (key == "TYPE") {
-      perField(words, [&](PcdField& field, std::string_view word) { field.type = word[0]; });
-    } else if (key == "COUNT") {
-      perField(words, [&](PcdField& field, std::string_view word) {
-        field.count = readCount(word, key, kMostElements, where_);
-      });
-    } else if (key == "WIDTH") {
-      header_.width = single(words, UINT32_MAX);
-    } else if (key == "HEIGHT") {
-      header_.height = single(words, UINT32_MAX);
-      heightKnown_ = true;
-    } else if (key == "POINTS") {
-      header_.points = single(words, UINT32_MAX);
-      pointsKnown_ = true;
-    } else if (key == "DATA" && words.size() == 2) {
+      return perField(words, [&](PcdField& field, std::string_view word) { field.name = word; });
+    }
+    const auto count = [&](std::string_view word, std::uint64_t most) { return readCount(word, key, most, where_); };
+    if (key == "SIZE") return perField(words, [&](PcdField& field, auto word) { field.size = count(word, 8); });
+    if (key == "TYPE") return perField(words, [&](PcdField& field, auto word) { field.type = word[0]; });
+    if (key == "COUNT") {
+      return perField(words, [&](PcdField& field, auto word) { field.count = count(word, kMostElements); });
+    }
+    std::uint64_t* const number = key == "WIDTH"    ? &header_.width
+                                  : key == "HEIGHT" ? &header_.height
+                                  : key == "POINTS" ? &points_.emplace()
+                                                    : nullptr;
+    if ((number == nullptr && key != "DATA") || words.size() != 2) {
+      throw InputError(where_, fmt::format("not a line of a PCD header: '{}'", key.substr(0, 40)));
+    }
+    if (number == nullptr) {
       header_.data = words[1];
     } else {
-      throw InputError(where_, fmt::format("not a PCD header line: '{}'", key.substr(0, 40)));
+      *number = count(words[1], UINT32_MAX);
     }
   }
 
@@ -154,21 +151,10 @@ class HeaderReader {
     for (std::size_t i = 0; i < header_.fields.size(); ++i) set(header_.fields[i], words[i + 1]);
   }
 
-  std::uint64_t single(const Words& words, std::uint64_t most) {
-    if (words.size() != 2) throw InputError(where_, fmt::format("{} must have one value", words[0]));
-    return readCount(words[1], words[0], most, where_);
-  }
-
   void check() {
     const Location where{where_.file, 0, 0};
     PcdHeader& h = header_;
     if (h.fields.empty()) throw InputError(where, "the header names no fields");
-    for (const auto& [capital, name] : {std::pair{"X", "x"}, {"Y", "y"}, {"Z", "z"}}) {
-      const auto called = [&](const char* text) {
-        return std::find_if(h.fields.begin(), h.fields.end(), [&](const PcdField& f) { return f.name == text; });
-      };
-      if (called(name) == h.fields.end() && called(capital) != h.fields.end()) called(capital)->name = name;
-    }
     for (PcdField& field : h.fields) {
       const bool integer = field.type == 'U' || field.type == 'I';
       const bool known = field.type == 'F'
@@ -181,8 +167,7 @@ class HeaderReader {
     }
     h.placeFields();
     if (h.rowBytes == 0) throw InputError(where, "the header's fields hold no values: every COUNT is 0");
-    if (!heightKnown_) h.height = 1;
-    if (!pointsKnown_) h.points = h.width * h.height;
+    h.points = points_.value_or(h.width * h.height);
     if (h.points > UINT32_MAX) {
       throw InputError(where,
                        fmt::format("{} x {} (WIDTH x HEIGHT) are more than {} points", h.width, h.height, UINT32_MAX));
@@ -200,8 +185,7 @@ class HeaderReader {
   std::string_view rest_;
   Location where_;
   PcdHeader header_;
-  bool heightKnown_ = false;
-  bool pointsKnown_ = false;
+  std::optional<std::uint64_t> points_;  // as the header states them
 };
 
 // Converts the values of one field: `first` points to the first value, and values are `step` bytes apart. Fills to[0],

@@ -183,12 +183,6 @@ TEST(Pcd, FieldsMayComeInAnyOrderAndType) {
   EXPECT_FALSE(scan.organised);
 }
 
-TEST(Pcd, AxesMayBeCapitals) {
-  const Cloud cloud = readPcd(
-      "FIELDS X Y Z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA ascii\n1 2 3\n", "a.pcd");
-  EXPECT_EQ(cloud.scan.position.at(0), (Vec3f{1, 2, 3}));
-}
-
 TEST(Pcd, ValuesThatDoNotFitAreRefused) {
   const std::string head = "FIELDS x y z label\nSIZE 4 4 4 4\nTYPE F F F {}\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA {}\n";
   const float xyz[3] = {1, 2, 3};
