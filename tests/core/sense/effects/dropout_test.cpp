@@ -16,17 +16,6 @@ TEST(DropOut, RandomLossesAreBinomial) {
   }
 }
 
-TEST(DropOut, NeighboursAreLostIndependently) {
-  const World world = makeWorld(256, 1024);
-  const Returns returns = run(world, {"dropout: {probability: 0.3}"});
-  std::size_t pairs = 0;
-  for (std::size_t b = 0; b + 1 < returns.range.size(); b += 2) {
-    pairs += returns.range[b] == kMiss && returns.range[b + 1] == kMiss ? 1u : 0u;
-  }
-  const double n = static_cast<double>(returns.range.size() / 2);
-  EXPECT_NEAR(static_cast<double>(pairs), n * 0.09, 5 * std::sqrt(n * 0.09 * 0.91));
-}
-
 // A share of the rings, to the nearest number; the same in all frames, others of another sensor or seed; more of them
 // are those and others.
 TEST(DropOut, RingsAreLostAsAWhole) {

@@ -19,13 +19,6 @@ TEST(Quantize, RangesAreWholeStepsAtMostHalfAStepAway) {
   }
 }
 
-TEST(Quantize, IsIdempotent) {
-  World world = makeRaggedWorld(16, 512);
-  const Returns once = run(world, {"quantize: {step_m: 0.008}"});
-  world.hits.range = once.range;
-  EXPECT_EQ(run(world, {"quantize: {step_m: 0.008}"}).range, once.range);
-}
-
 TEST(Quantize, AReturnStaysAReturn) {
   for (float range : {1e-6f, 1e-3f, 0.0039f, 0.0041f, 0.0119f}) {
     EXPECT_EQ(run(makeWorld(1, 1, range), {"quantize: {step_m: 0.008}"}).range[0], 0.008f) << range;

@@ -69,20 +69,6 @@ TEST(Relief, GrazingBeamsMeetTheTips) {
   EXPECT_LT(heightGrazing, 2.5 * 0.02);
 }
 
-TEST(Relief, BelongsToTheWorldAndNotToTheBeam) {
-  World world = rough({{0.3f, 0.02f}}, 60);
-  const std::vector<double> before = shifts(world);
-  // A quarter of a turn to the left, and the beams a quarter of a turn to the right: another frame, the same places.
-  world.shot.frame = 7;
-  world.shot.worldFromSensor[0].rotation = fromYawPitchRoll(kPi / 2, 0, 0);
-  const std::vector<double> after = shifts(world);
-  for (std::size_t ring = 0; ring < 64; ++ring) {
-    for (std::size_t column = 0; column < 512; ++column) {
-      ASSERT_NEAR(after[ring * 512 + (column + 384) % 512], before[ring * 512 + column], 1e-4);
-    }
-  }
-}
-
 TEST(Relief, IsTheSameInWhateverBatchARowIs) {
   World world = rough({{0.1f, 0.01f}}, 75, 4);
   const std::vector<double> whole = shifts(world);
@@ -95,28 +81,12 @@ TEST(Relief, IsTheSameInWhateverBatchARowIs) {
   for (std::size_t beam = 0; beam < 4 * 512; beam += 3) EXPECT_EQ(some[beam], whole[beam]);
 }
 
-TEST(Relief, LeavesMaterialsWithoutItAlone) {
-  for (const double shift : shifts(makeWorld(4, 64))) EXPECT_EQ(shift, 0);
-  World missed = rough({{0.1f, 0.01f}});
-  miss(missed, 5);
-  EXPECT_FALSE(run(missed, {"relief: {}"}).returned(5));
-  for (const double shift : shifts(rough({{0.1f, 0.01f}}), "relief: {strength: 0}")) EXPECT_EQ(shift, 0);
-}
-
 // A beam of 20 mm at 10 m lights 1.57 cm^2 evenly; heights over 2 cm keep 1 / (1 + pi / 8) of their variance.
 TEST(Relief, IsAveragedOverTheBeam) {
   World world = rough({{0.02f, 0.002f}});
   world.beams().divergence = {2e-3, 2e-3};
   EXPECT_NEAR(momentsOf(shifts(world)).variance / momentsOf(shifts(rough({{0.02f, 0.002f}}))).variance,
               1 / (1 + kPi / 8), 0.03);
-}
-
-TEST(Relief, IsTheSameForEchoesOfSeveralRays) {
-  World world = rough({{0.1f, 0.01f}}, 60);
-  const std::vector<double> single = shifts(world);
-  for (std::uint32_t beam = 0; beam < world.hits.size(); ++beam) world.hits.beamOfRay.push_back(beam);
-  world.hits.weightOfRay.assign(world.hits.size(), 1.0f);
-  EXPECT_EQ(shifts(world), single);
 }
 
 TEST(Relief, NearestBeamsStayBeforeTheSensor) {

@@ -99,5 +99,58 @@ TEST(SpatialNoise, LiesWhereTheHitsAre) {
   EXPECT_EQ(places.x[2], 0);
 }
 
+// The effects that such fields make, on a rough and mottled surface that beams meet at a slant.
+constexpr const char* kOfTheWorld[] = {"relief: {}", "reflectance_variation: {}"};
+
+World roughWorld() {
+  World world = makeWorld(64, 512);
+  world.materials[0].relief = {{0.3f, 0.02f}};
+  world.materials[0].variations = {{1, 0.5f}};
+  world.hits.incidence.assign(world.hits.size(), 0.5f);
+  return world;
+}
+
+// A quarter of a turn to the left, and the beams a quarter of a turn to the right: another frame, the same places.
+TEST(FieldsOfTheWorld, BelongToPlacesAndNotToBeams) {
+  World world = roughWorld();
+  World turned = world;
+  turned.shot.frame = 7;
+  turned.shot.worldFromSensor[0].rotation = fromYawPitchRoll(kPi / 2, 0, 0);
+  for (const char* yaml : kOfTheWorld) {
+    const Returns before = run(world, {yaml, "intensity: {}"});
+    const Returns after = run(turned, {yaml, "intensity: {}"});
+    EXPECT_GT(momentsOf({before.power.begin(), before.power.end()}).variance, 0) << yaml;
+    for (std::size_t beam = 0; beam < world.hits.size(); ++beam) {
+      const std::size_t same = beam / 512 * 512 + (beam + 384) % 512;
+      ASSERT_NEAR(after.range[same], before.range[beam], 1e-4) << yaml;
+      ASSERT_NEAR(after.power[same], before.power[beam], 1e-4) << yaml;
+    }
+  }
+}
+
+TEST(FieldsOfTheWorld, LeaveOtherMaterialsAlone) {
+  World unknown = roughWorld();
+  unknown.hits.material.assign(unknown.hits.size(), kNoMaterial);
+  miss(unknown, 5);
+  for (const World& world : {makeWorld(4, 64), unknown}) {
+    for (const char* yaml : kOfTheWorld) {
+      const Returns returns = run(world, {yaml});
+      EXPECT_EQ(returns.range, world.hits.range) << yaml;
+      EXPECT_THAT(returns.gain, testing::Each(1.0f)) << yaml;
+    }
+  }
+}
+
+TEST(FieldsOfTheWorld, AreTheSameForEchoesOfSeveralRays) {
+  const World single = roughWorld();
+  World several = single;
+  for (std::uint32_t beam = 0; beam < several.hits.size(); ++beam) several.hits.beamOfRay.push_back(beam);
+  several.hits.weightOfRay.assign(several.hits.size(), 1.0f);
+  for (const char* yaml : kOfTheWorld) {
+    EXPECT_EQ(run(several, {yaml}).range, run(single, {yaml}).range);
+    EXPECT_EQ(run(several, {yaml}).gain, run(single, {yaml}).gain);
+  }
+}
+
 }  // namespace
 }  // namespace scanmill

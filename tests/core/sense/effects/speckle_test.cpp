@@ -23,24 +23,6 @@ TEST(Speckle, FollowsTheGammaLaw) {
   }
 }
 
-TEST(Speckle, OneLookIsExponential) {
-  const World world = makeWorld(256, 1024);
-  const Returns returns = run(world, {looks(1), "intensity: {}"});
-  for (const double limit : {0.1, 0.5, 1.0, 3.0}) {
-    const auto below = std::count_if(returns.power.begin(), returns.power.end(), [&](float p) { return p < limit; });
-    const double share = static_cast<double>(below) / static_cast<double>(returns.power.size());
-    EXPECT_NEAR(share, 1 - std::exp(-limit), 0.005) << limit;
-  }
-}
-
-TEST(Speckle, NeighboursAreIndependent) {
-  const World world = makeWorld(64, 2048);
-  const Returns returns = run(world, {looks(4), "intensity: {}"});
-  const std::vector<double> here(returns.power.begin(), returns.power.end() - 1);
-  const std::vector<double> next(returns.power.begin() + 1, returns.power.end());
-  EXPECT_NEAR(correlation(here, next), 0, 5 / std::sqrt(static_cast<double>(here.size())));
-}
-
 TEST(Speckle, LeavesRangesAndMissesAlone) {
   const World world = makeRaggedWorld(16, 100);
   const Returns returns = run(world, {looks(12), "intensity: {}"});
