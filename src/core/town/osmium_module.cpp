@@ -74,7 +74,7 @@ class ExtractReader : public osmium::relations::RelationsManager<ExtractReader, 
   OsmExtract read(const osmium::io::File& file) {
     osmium::handler::CheckOrder order;
     osmium::io::Reader relations(file, osmium::osm_entity_bits::relation);
-    if (relations.header().has_multiple_object_versions()) {
+    if (file.has_multiple_object_versions() || relations.header().has_multiple_object_versions()) {
       throw std::runtime_error(
           "it holds a history or changes of a map, not the map: `osmium time-filter` takes the map of one time out of "
           "a "
