@@ -107,8 +107,8 @@ TEST(Calibration, RefusesWhatIsNone) {
   };
   // Neither a distance in place of an angle nor other units.
   for (const Case& c :
-       {Case{"u.yaml", "laser: []\n", "u.yaml:1: is not a calibration"},
-        {"u.yaml", "lasers: [{vert_correction: 0.1}]\n", "u.yaml:1:10: the key 'rot_correction' is missing"},
+       {Case{"u.yaml", "laser: []\n", "u.yaml:1:1: is not a calibration"},
+        {"u.yaml", "lasers: [{vert_correction: 0.1}]\n", "u.yaml:1:10: laser: the key 'rot_correction' is missing"},
         {"u.yaml", "lasers: [{vert_correction: 8, rot_correction: 0}]\n", "vert_correction (rad)"},
         {"u.yaml", "lasers: [{rot_correction: 0, vert_offset_correction: 0}]", "'vert_correction' is missing"},
         {"u.yaml", "lasers: [{rot_correction: 0, vert_correction: 0, horiz_offset_correction: 2.6}]",

@@ -207,7 +207,7 @@ TEST_F(RecordedPosesFiles, MistakesAreNamedWithTheirLine) {
            {"a.csv", "x,y,z\n0,0,0\n", "", "a.csv:1: the first line must name the columns time"},
            {"a.csv", "0.0,1,0.0,0.0\n1.0,2,0.0,0.0\n", "", "a.csv:1: the first line must name"},
            {"a.csv", "timestamp,x,y,z\n0,0,0,0\n1,5,0,0\n", "", "it has no time"},
-           {"a.csv", "%time,field.pose.pose.position.x\n0,0\n1,5\n", "", "it has no time"},
+           {"a.csv", "%time,field.pose.pose.position.x\n0,0\n1,5\n", "", "no column x"},
            {"a.csv", "time,x,y\n0,0,0\n", "", "no column z"},
            {"a.csv", "time,x [mm],y,z\n0,0,0,0\n1,5,0,0\n", "", "no column x"},
            {"a.csv", "time,x,y,z,qx\n0,0,0,0,0\n", "", "no column qw"},
