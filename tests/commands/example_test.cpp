@@ -1,6 +1,5 @@
 // The examples: what docs/gallery.md shows is what the program copies, and its commands work.
 
-#include <algorithm>
 #include <sstream>
 
 #include "base/file.h"

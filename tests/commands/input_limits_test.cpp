@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
-#include <cmath>
 #include <numbers>
 
 #include "base/file.h"

@@ -2,8 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <cmath>
-
 #include "base/file.h"
 #include "dataset/manifest.h"
 #include "dataset/reader.h"

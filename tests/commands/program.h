@@ -2,10 +2,6 @@
 
 // Runs the program as a user does.
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <filesystem>
 #include <string>
 #include <vector>
 

@@ -1,7 +1,5 @@
 // `scanmill repeatability`: a report of repeated scans.
 
-#include <algorithm>
-
 #include "base/file.h"
 #include "tests/commands/program.h"
 

@@ -2,7 +2,6 @@
 
 #include "commands/sweep.h"
 
-#include <filesystem>
 #include <set>
 
 #include "dataset/manifest.h"

@@ -1,8 +1,6 @@
 #include "dataset/card.h"
 
 #include <fnmatch.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 #include <regex>

@@ -1,7 +1,5 @@
 #include "dataset/dataset_folder.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
 

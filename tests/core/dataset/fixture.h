@@ -3,12 +3,8 @@
 // A small dataset: two sensors, two formats, three splits, scans that follow from sample and sensor numbers.
 
 #include <fmt/core.h>
-#include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
 #include <cstdlib>
-#include <filesystem>
 #include <limits>
 #include <string>
 #include <utility>

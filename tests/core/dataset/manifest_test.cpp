@@ -1,8 +1,5 @@
 #include "dataset/manifest.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <bit>
 #include <nlohmann/json.hpp>
 

@@ -1,8 +1,5 @@
 #include "dataset/parts.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "base/error.h"
 #include "tests/core/dataset/fixture.h"
 

@@ -1,8 +1,5 @@
 #include "dataset/scan_store.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <string>
 
 #include "tests/support/message_of.h"

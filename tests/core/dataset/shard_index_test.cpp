@@ -1,8 +1,5 @@
 #include "dataset/shard_index.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "base/error.h"
 #include "base/file.h"
 #include "tests/core/dataset/fixture.h"

@@ -1,7 +1,5 @@
 #include "dataset/shard_writer.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <sys/resource.h>
 
 #include <csignal>

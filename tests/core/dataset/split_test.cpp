@@ -1,8 +1,5 @@
 #include "dataset/split.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <map>
 #include <set>
 

@@ -1,8 +1,5 @@
 #include "dataset/verify.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <functional>
 
 #include "base/error.h"

@@ -1,11 +1,8 @@
 #include "dataset/voxels.h"
 
 #include <fmt/core.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cstdlib>
-#include <filesystem>
 
 #include "base/error.h"
 #include "base/file.h"

@@ -2,11 +2,6 @@
 
 // Two sequences of two frames with one or two sensors, a car and a pedestrian, as layouts get them.
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <filesystem>
 #include <limits>
 #include <map>
 #include <memory>

@@ -1,7 +1,5 @@
 #include <fmt/ranges.h>
 
-#include <algorithm>
-
 #include "tests/core/exports/export_world.h"
 
 namespace scanmill {

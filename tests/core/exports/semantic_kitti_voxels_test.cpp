@@ -1,7 +1,5 @@
 #include "exports/semantic_kitti_voxels.h"
 
-#include <algorithm>
-#include <cmath>
 #include <cstdlib>
 #include <random>
 
