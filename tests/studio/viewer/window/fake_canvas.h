@@ -1,9 +1,8 @@
 #pragma once
 
-// A canvas in memory: remembers what it was given and draws points as plain squares, the same on every machine.
+// A canvas in memory: remembers what it was given and draws the overlay alone, the same on every machine.
 
 #include <array>
-#include <limits>
 #include <map>
 #include <optional>
 #include <stdexcept>
@@ -84,7 +83,6 @@ class FakeCanvas : public Canvas {
 
   Image read() override {
     Image image(width_, height_, {});
-    for (std::size_t v = 0; v < views_.size(); ++v) drawView(image, v);
     for (std::size_t i = 0; i < image.pixels.size(); ++i) {
       const Rgba& o = overlay()[i];
       image.pixels[i] = mix(image.pixels[i], {o[0], o[1], o[2]}, o[3] / 255.0);
@@ -160,38 +158,6 @@ class FakeCanvas : public Canvas {
     i.places.assign(places.begin(), places.end());
     i.colors.assign(colors.begin(), colors.end());
     i.shown.reset();
-  }
-
-  void drawView(Image& image, std::size_t number) const {
-    const CanvasView& view = views_[number];
-    const PixelRect& rect = view.rect;
-    for (int y = std::max(rect.top, 0); y < std::min(rect.top + rect.height, height_); ++y) {
-      for (int x = std::max(rect.left, 0); x < std::min(rect.left + rect.width, width_); ++x) {
-        image.at(x, y) = view.background;
-      }
-    }
-    std::vector<double> depths(image.pixels.size(), std::numeric_limits<double>::infinity());
-    for (const ItemId id : pointItems()) {
-      const Item& item = items.at(id);
-      if ((item.look.views >> number & 1) == 0) continue;
-      for (const std::uint32_t i : shownOf(id)) {
-        if (!isFinite(item.places[i])) continue;
-        const Projected p = view.camera.project(item.look.canvasFromItem * Vec3d(item.places[i]));
-        if (!(p.depth >= view.camera.nearest && p.depth <= view.farthest)) continue;
-        if (!(std::abs(p.x) < 1e6 && std::abs(p.y) < 1e6)) continue;
-        const double half = item.look.size / 2;
-        for (int y = static_cast<int>(std::ceil(p.y - half - 0.5)); y + 0.5 < p.y + half; ++y) {
-          for (int x = static_cast<int>(std::ceil(p.x - half - 0.5)); x + 0.5 < p.x + half; ++x) {
-            if (x < 0 || y < 0 || x >= rect.width || y >= rect.height) continue;
-            const std::size_t pixel = static_cast<std::size_t>(rect.top + y) * static_cast<std::size_t>(image.width) +
-                                      static_cast<std::size_t>(rect.left + x);
-            if (pixel >= depths.size() || p.depth >= depths[pixel]) continue;
-            depths[pixel] = p.depth;
-            image.pixels[pixel] = item.colors[i];
-          }
-        }
-      }
-    }
   }
 
   struct Picture {
