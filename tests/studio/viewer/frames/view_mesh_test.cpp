@@ -153,58 +153,56 @@ TEST(MakeViewMesh, TheQuickstartStreet) {
   expectPicksLikeAll(view, 30, 10);
 }
 
-// A wide ground counts for no more than its few triangles.
-TEST(MakeViewMesh, TheCoreIsWhereMostOfItIs) {
-  SceneBuilder builder = testBuilder();
-  Mesh ground = meshOf(builder, "ground");
-  appendPlane(ground, 0, {}, 1000, 1000);
-  builder.place(builder.addMesh(std::move(ground)), at(0, 0, 0), "ground");
+// Places a sphere of 5 m radius as a thing, with a node that is called as it is.
+std::uint32_t addBall(SceneBuilder& builder, double radius = 5, std::uint32_t steps = 24) {
   Mesh ball = meshOf(builder, "thing");
   ball.surfaces[0].node = "ball";
-  appendSphere(ball, 0, {}, 5, 24);
-  builder.place(builder.addMesh(std::move(ball)), at(30, -20, 5), "ball#2");
-  const ViewMesh view = makeViewMesh(builder.finish());
-  const Vec3d low = view.core.low + view.origin;
-  const Vec3d high = view.core.high + view.origin;
-  EXPECT_LT(length(low - Vec3d{25, -25, 0}), 2);
-  EXPECT_LT(length(high - Vec3d{35, -15, 10}), 2);
-  EXPECT_THAT(view.parts, testing::ElementsAre("ground", "ball#2"));
+  appendSphere(ball, 0, {}, radius, steps);
+  return builder.addMesh(std::move(ball));
 }
 
-// Nor does ground of many triangles that reaches farther than all else; if other classes reach as far, it counts.
-TEST(MakeViewMesh, TheCoreLeavesOutTheGroundAround) {
-  for (const double apart : {60.0, 240.0}) {  // m, from one ball to the other
-    SceneBuilder builder = testBuilder();
-    Mesh ground = meshOf(builder, "ground");
-    for (int i = 0; i < 25; ++i) {
-      for (int k = 0; k < 25; ++k) appendPlane(ground, 0, {{}, {10.0 * i - 120, 10.0 * k - 120, 0}}, 10, 10);
+void addGround(SceneBuilder& builder, int tiles, double side) {
+  Mesh ground = meshOf(builder, "ground");
+  for (int i = 0; i < tiles; ++i) {
+    for (int k = 0; k < tiles; ++k) {
+      appendPlane(ground, 0, {{}, {side * (i - tiles / 2), side * (k - tiles / 2), 0}}, side, side);
     }
-    builder.place(builder.addMesh(std::move(ground)), at(0, 0, 0), "ground");
-    Mesh ball = meshOf(builder, "thing");
-    appendSphere(ball, 0, {}, 5, 24);
-    const auto balls = builder.addMesh(std::move(ball));
-    for (const double x : {-apart / 2, apart / 2}) builder.place(balls, at(x, 0, 5), "ball");
-    const ViewMesh view = makeViewMesh(builder.finish());
-    EXPECT_NEAR(view.core.high.x - view.core.low.x, apart < 100 ? 70 : 235, 12);
-    EXPECT_NEAR(view.core.high.y - view.core.low.y, apart < 100 ? 10 : 235, 12);
+  }
+  builder.place(builder.addMesh(std::move(ground)), at(0, 0, 0), "ground");
+}
+
+// The core is where most of a scene is, in the plane: `within` m of the expected corners.
+void expectCore(SceneBuilder& builder, const Vec3d& low, const Vec3d& high, double within) {
+  const ViewMesh view = makeViewMesh(builder.finish());
+  for (const auto& [found, expected] : {std::pair(view.core.low, low), {view.core.high, high}}) {
+    EXPECT_NEAR(found.x + view.origin.x, expected.x, within);
+    EXPECT_NEAR(found.y + view.origin.y, expected.y, within);
   }
 }
 
-// Nor does one thing of many triangles count for more than all around it.
-TEST(MakeViewMesh, TheCoreHoldsPlainThingsBesideAFineOne) {
-  SceneBuilder builder = testBuilder();
-  Mesh block = meshOf(builder, "thing");
+// A wide ground counts for no more than its few triangles. Nor does ground of many triangles that reaches farther than
+// all else; if other classes reach as far, it counts. Nor does one thing of many triangles count for more than all
+// around it.
+TEST(MakeViewMesh, TheCoreIsWhereMostOfItIs) {
+  SceneBuilder wide = testBuilder();
+  addGround(wide, 1, 1000);
+  wide.place(addBall(wide), at(30, -20, 5), "ball#2");
+  expectCore(wide, {25, -25, 0}, {35, -15, 10}, 2);
+  for (const double apart : {60.0, 240.0}) {  // m, from one ball to the other
+    SceneBuilder fine = testBuilder();
+    addGround(fine, 25, 10);
+    const auto balls = addBall(fine);
+    for (const double x : {-apart / 2, apart / 2}) fine.place(balls, at(x, 0, 5), "ball");
+    const double x = apart < 100 ? 35 : 117, y = apart < 100 ? 5 : 117;
+    expectCore(fine, {-x, -y, 0}, {x, y, 0}, 6);
+  }
+  SceneBuilder plain = testBuilder();
+  Mesh block = meshOf(plain, "thing");
   appendBox(block, 0, {}, {4, 4, 4});
-  const auto blocks = builder.addMesh(std::move(block));
-  for (int i = 0; i < 20; ++i) builder.place(blocks, at(10.0 * (i % 5), 10.0 * (i / 5), 0), "block");
-  Mesh ball = meshOf(builder, "thing");
-  appendSphere(ball, 0, {}, 1, 200);
-  builder.place(builder.addMesh(std::move(ball)), at(5, 5, 2), "ball");
-  const ViewMesh view = makeViewMesh(builder.finish());
-  const Vec3d low = view.core.low + view.origin;
-  const Vec3d high = view.core.high + view.origin;
-  EXPECT_LT(length(low - Vec3d{-2, -2, 0}), 5);
-  EXPECT_LT(length(high - Vec3d{42, 32, 4}), 5);
+  const auto blocks = plain.addMesh(std::move(block));
+  for (int i = 0; i < 20; ++i) plain.place(blocks, at(10.0 * (i % 5), 10.0 * (i / 5), 0), "block");
+  plain.place(addBall(plain, 1, 200), at(5, 5, 2), "ball");
+  expectCore(plain, {-2, -2, 0}, {42, 32, 0}, 5);
 }
 
 TEST(MakeViewMesh, ASceneThatIsTooLargeIsAProblem) {
