@@ -62,23 +62,6 @@ TEST_F(StreetInImages, WhatIsSimplerErrsMore) {
   EXPECT_GT(median("resolution: 1024, depth: half_500"), 0.02);  // steps of 0.25 to 0.5 m
 }
 
-// The same effect reads the same figures: on flat surfaces intensities are the same.
-TEST_F(StreetInImages, WhatIntensityIsMadeOfIsTheSameOnFlatSurfaces) {
-  const Shot shot = streetShot(presetBeams("paper_64"), -41);
-  const Hits tested = traced(*methodOf("depth_camera", *scene_), shot);
-  const Hits truth = traced(*scene_, shot);
-  std::size_t flat = 0;
-  for (std::size_t i = 0; i < truth.size(); ++i) {
-    if (!truth.hit(i) || !tested.hit(i) || truth.instance[i] != tested.instance[i]) continue;
-    if (truth.primitive[i] != tested.primitive[i] || std::abs(truth.range[i] - tested.range[i]) > 1e-3f) continue;
-    ++flat;
-    EXPECT_EQ(tested.material[i], truth.material[i]);
-    EXPECT_NEAR(tested.incidence[i], truth.incidence[i], 1e-3f) << i;
-    EXPECT_NEAR(tested.reflectance[i], truth.reflectance[i], 1e-3f) << i;
-  }
-  EXPECT_GT(flat, 60'000u);
-}
-
 TEST_F(Street, ParticlesThatMeetTrianglesSeeWhatRaysSee) {
   for (const double x : {-20.0, 3.0}) {
     const Measurement m = compared(truthAt(x), "particle", "{backend: cpu, refine: triangle}");

@@ -129,24 +129,6 @@ Scene things() {
   return builder.finish();
 }
 
-TEST(Particle, TrianglesAreMetLikeByRayTracing) {
-  const Scene scene = things();
-  const Shot shot = shotAt(spinning(64, 1024, -25, 5, 120));
-  const Hits truth = traced(scene, shot);
-  const Hits hits = flown(scene, shot);
-  std::size_t differ = 0;
-  for (std::size_t b = 0; b < truth.size(); ++b) {
-    if (truth.instance[b] != hits.instance[b] || truth.hit(b) != hits.hit(b)) {
-      ++differ;
-    } else if (truth.hit(b)) {
-      EXPECT_NEAR(hits.range[b], truth.range[b], 1e-4) << b;
-      EXPECT_EQ(hits.material[b], truth.material[b]);
-      EXPECT_EQ(hits.semantic[b], truth.semantic[b]);
-    }
-  }
-  EXPECT_LE(differ, truth.size() / 10000);  // at silhouettes, to rounding
-}
-
 TEST(Particle, ExhaustedBudgetIsNeitherHitNorMiss) {
   const Scene scene = groundScene(1.73);
   const Shot shot = shotAt(beamsOf(fan({0, 30, 89, 89.9}), 0, 150));
@@ -178,16 +160,6 @@ TEST(Particle, TouchingASurfaceIsSaid) {
   EXPECT_FALSE(hits.hit(0));
   ASSERT_EQ(account.warnings.size(), 1u);
   EXPECT_NE(account.warnings[0].text.find("start within half a voxel"), std::string::npos);
-}
-
-TEST(Particle, SensorInsideASolid) {
-  TurnedBox solid;
-  solid.half = {0.5, 0.5, 0.5};  // its walls are seen from inside, as by ray tracing
-  const Scene scene = solid.scene();
-  const Shot shot = shotAt(beamsOf(randomDirections(2000, 4), 0, 50));
-  const Hits truth = traced(scene, shot);
-  const Hits hits = flown(scene, shot);
-  for (std::size_t b = 0; b < hits.size(); ++b) EXPECT_NEAR(hits.range[b], truth.range[b], 1e-4);
 }
 
 TEST(Particle, SensorOutsideOfTheSceneAndOfItsField) {

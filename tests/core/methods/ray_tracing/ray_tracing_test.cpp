@@ -55,16 +55,6 @@ TEST(RayTracing, BlockedRaysKeepWhatIsBeforeTheVehicle) {
   EXPECT_GT(before, 500u);
 }
 
-TEST(RayTracing, SphereIsWithinItsFacets) {
-  const Scene scene = oneMeshScene("thing", [](Mesh& sphere) { appendSphere(sphere, 0, {}, 2.0, 256); });
-  const Hits hits = traced(scene, shotAt(beamsOf(randomDirections(20000))));
-  const double sagitta = 2.0 * (1 - std::cos(kPi / 128) * std::cos(kPi / 128));
-  for (const float range : hits.range) {
-    EXPECT_LE(range, 2.0 + 1e-6);
-    EXPECT_GE(range, 2.0 - 1.01 * sagitta);
-  }
-}
-
 // A turned sensor's axes are often an ulp off the world's.
 TEST(RayTracing, ComponentsThatAreNearlyZeroLoseNothing) {
   const Scene scene = yard();
@@ -137,7 +127,8 @@ TEST(RayTracing, ClosedRoomHasNoEscapes) {
 // Tables of few and of many rings are traced in tiles of all shapes, from one column to sixteen.
 TEST(RayTracing, AnyTileGivesTheSame) {
   const Scene scene = yard();
-  for (const auto& [rings, columns] : {std::pair(257u, 67u), {129u, 133u}, {65u, 261u}, {33u, 517u}, {9u, 2051u}}) {
+  for (const auto& [rings, columns] :
+       {std::pair(257u, 67u), {129u, 133u}, {65u, 261u}, {33u, 517u}, {9u, 2051u}, {1u, 17u}, {17u, 1u}}) {
     SCOPED_TRACE(rings);
     const auto beams = spinning(rings, columns, -25, 5);
     Hits inOneRing = traced(scene, shotAt(beamsOf(beams->direction, beams->minRange, beams->maxRange)));
@@ -164,16 +155,6 @@ TEST(RayTracing, InstancedOrFlattenedGivesTheSame) {
     }
   }
   EXPECT_LE(different, flat.size() / 10000);
-}
-
-TEST(RayTracing, OddSizes) {
-  const Scene scene = yard();
-  for (const auto& [rings, columns] : {std::pair{1u, 1u}, {1u, 17u}, {17u, 1u}, {3u, 5u}, {2048u, 2048u}}) {
-    const auto beams = spinning(rings, columns, -30, -5);
-    const Hits hits = traced(scene, shotAt(beams));
-    ASSERT_EQ(hits.range.size(), std::size_t{rings} * columns);
-    for (std::size_t b = 0; b < hits.size(); ++b) ASSERT_TRUE(hits.hit(b)) << rings << "x" << columns << " " << b;
-  }
 }
 
 TEST(RayTracing, TinyAndHugeTrianglesInOneScene) {
@@ -275,7 +256,7 @@ TEST(RayTracing, SimplifiedMeshesAreTraced) {
   const Scene scene = builder.finish();
   const Shot shot = shotAt(beamsOf(randomDirections(20000)));
   for (const char* instancing : {"never", "always"}) {
-    double last = 1e-6;  // of all triangles: see SphereIsWithinItsFacets
+    double last = 1e-6;
     for (const double keep : {1.0, 0.3, 0.05}) {
       const auto method = rayTracing(scene, fmt::format("{{simplify: {}, instancing: {}}}", keep, instancing));
       const Hits hits = traced(*method, shot);

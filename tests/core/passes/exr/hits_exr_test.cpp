@@ -1,7 +1,5 @@
 #include "passes/exr/hits_exr.h"
 
-#include <bit>
-
 #include "passes/exr/exr_file.h"
 #include "tests/core/passes/exr/one_file.h"
 #include "tests/support/same_hits.h"
@@ -52,7 +50,11 @@ class HitsExr : public OneFile {
 TEST_F(HitsExr, EveryBitComesBack) {
   for (const auto& [rings, columns] : {std::pair{1u, 1u}, {64u, 512u}, {3u, 2001u}, {512u, 1u}}) {
     for (const bool surfaceParameters : {false, true}) {
-      const Hits hits = someHits(rings, columns, Channels::all(), surfaceParameters);
+      Hits hits = someHits(rings, columns, Channels::all(), surfaceParameters);
+      if (hits.size() > 1) {
+        hits.range[1] = 1e-45f;
+        hits.normal[1] = {-0.0f, 1e-45f, -1};
+      }
       writeHits(path, hits);
       const Hits back = readHitsOf(Channels::all());
       expectSameHits(hits, back);
@@ -96,21 +98,6 @@ TEST_F(HitsExr, OnlyWhatIsAskedForIsRead) {
   readHits(path, Channel::Instance, back);
   Hits expected = someHits(8, 100, Channel::Instance, false);
   expectSameHits(expected, back);
-}
-
-TEST_F(HitsExr, NegativeZeroAndTheSmallestNumbersStay) {
-  Hits hits;
-  hits.reset(1, 4, Channel::Range | Channel::Normal);
-  hits.range = {1e-45f, 3.4e38f, kMiss, 0.1f};
-  hits.normal = {{-0.0f, 0, 1}, {1e-45f, -0.0f, -1}, {}, {0, 0, -0.0f}};
-  writeHits(path, hits);
-  const Hits back = readHitsOf(hits.channels);
-  for (std::size_t i = 0; i < hits.size(); ++i) {
-    EXPECT_EQ(std::bit_cast<std::uint32_t>(hits.range[i]), std::bit_cast<std::uint32_t>(back.range[i]));
-    EXPECT_EQ(std::signbit(hits.normal[i].x), std::signbit(back.normal[i].x));
-    EXPECT_EQ(std::signbit(hits.normal[i].y), std::signbit(back.normal[i].y));
-    EXPECT_EQ(std::signbit(hits.normal[i].z), std::signbit(back.normal[i].z));
-  }
 }
 
 TEST_F(HitsExr, TheSameHitsGiveTheSameBytes) {

@@ -94,13 +94,6 @@ TEST(VtkRenderer, NothingIsSeenOfNothing) {
   EXPECT_EQ(none.size(), 0u);
 }
 
-TEST(VtkRenderer, SeesNothingBehindOrBesideIt) {
-  const Scene scene = randomScene();
-  RENDERER_OR_SKIP(renderer, scene);
-  EXPECT_EQ(seenPixels(drawnOne(*renderer, cameraAt({40, 0, 0}, 0, 0, 0, 64, 64, 120))), 0u);
-  EXPECT_EQ(seenPixels(drawnOne(*renderer, cameraAt({-40, 0, 0}, 90, 0, 0, 64, 64, 60))), 0u);
-}
-
 TEST(VtkRenderer, ThreadsTakeTurns) {
   const Scene scene = randomScene();
   RENDERER_OR_SKIP(renderer, scene);

@@ -64,23 +64,6 @@ TEST(VtkRenderer, NearAndFarEndsAreSharp) {
   }
 }
 
-// Limits are depths: a wall just before the far one is seen out to the corners, where its distance is larger.
-TEST(VtkRenderer, LimitsAreDepths) {
-  SceneBuilder builder = testBuilder();
-  Mesh mesh = meshOf(builder, "thing");
-  appendPlane(mesh, 0, {toMatrix(fromYawPitchRoll(0, -kPi / 2, 0)), {9, 0, 0}}, 100, 100);
-  builder.place(builder.addMesh(std::move(mesh)), {}, "wall");
-  const Scene scene = builder.finish();
-  RENDERER_OR_SKIP(renderer, scene);
-  const Camera camera = cameraAt({}, 0, 0, 0, 40, 30, 120);
-  for (const DrawLimits& limits : {DrawLimits{0.01, 9.001}, {8.999, 1000}, {8.999, 9.001}}) {
-    EXPECT_EQ(seenPixels(drawnOne(*renderer, camera, limits)), camera.pixels());
-  }
-  for (const DrawLimits& limits : {DrawLimits{0.01, 8.999}, {9.001, 1000}}) {
-    EXPECT_EQ(seenPixels(drawnOne(*renderer, camera, limits)), 0u);
-  }
-}
-
 TEST(VtkRenderer, FarScenesAreAsSharpAsNearOnes) {
   const Scene scene = randomScene({}, 400);
   RENDERER_OR_SKIP(renderer, scene);
