@@ -1,7 +1,13 @@
 #include "viewer/range_strip.h"
 
+#include <set>
+
+#include "base/random.h"
+#include "sensors/beams.h"
 #include "tests/support/message_of.h"
+#include "tests/support/shared_data.h"
 #include "viewer/color_map.h"
+#include "viewer/frames/frame_source.h"
 #include "viewer/picture.h"
 
 namespace scanmill {
@@ -92,6 +98,196 @@ TEST(RangeStrip, SaysWhatIsMissing) {
   scan[kColumn][3] = 65535;
   expectInputError([&] { makeRangeStrip(scan, colors, {}); }, {"65536"});
   EXPECT_NO_THROW(makeRangeStrip({}, {}, {}));
+}
+
+struct Turning {
+  bool clockwise = false;
+  double field = 2 * kPi;
+  double first = 0;    // rad
+  double offset = 0;   // rad, of the rings, which take turns
+  bool known = false;  // by the beam table
+};
+
+BeamTable tableOf(const Turning& turning) {
+  BeamTable table;
+  table.rings = 8;
+  table.columns = 120;
+  table.clockwise = turning.clockwise;
+  table.field = turning.field;
+  table.firstAzimuth = turning.first;
+  table.period = 0.1;
+  for (std::uint32_t ring = 0; ring < table.rings; ++ring) {
+    table.elevation.push_back(0.05 * (ring - 3.5));
+    table.azimuthOffset.push_back(turning.offset * (ring % 4 - 1.5) / 1.5);
+    table.firingOffset.push_back(0);
+  }
+  fillBeams(table);
+  return table;
+}
+
+// Walls at all distances; every 7th beam misses.
+Scan scanOf(const BeamTable& table) {
+  Scan scan;
+  scan.rings = table.rings;
+  scan.columns = table.columns;
+  for (std::uint32_t beam = 0; beam < table.size(); ++beam) {
+    const RandomBlock random = randomBlock({.beam = beam});
+    if (random[0] % 7 == 0) continue;
+    scan.position.push_back(Vec3f(table.direction[beam] * (2 + 60 * uniform(random[1]))));
+    scan[kRing].push_back(static_cast<std::uint16_t>(beam / table.columns));
+    scan[kColumn].push_back(static_cast<std::uint16_t>(beam % table.columns));
+  }
+  return scan;
+}
+
+RangeStrip stripOf(const Scan& scan, const BeamTable* beams) {
+  return makeRangeStrip(scan, std::vector<Rgb>(scan.size(), Rgb{255, 255, 255}), {}, beams);
+}
+
+double azimuthOf(const Vec3f& p) {
+  return std::atan2(p.y, p.x);
+}
+
+std::vector<Turning> allTurnings() {
+  std::vector<Turning> all;
+  for (const bool clockwise : {false, true}) {
+    for (const double first : {0.0, 1.234, -3.1}) {
+      for (const double offset : {0.0, 0.055}) {
+        for (const bool known : {false, true}) {
+          all.push_back({clockwise, 2 * kPi, first, offset, known});
+          all.push_back({clockwise, radians(120), first, offset, known});
+        }
+      }
+    }
+  }
+  return all;
+}
+
+TEST(StripColumns, EveryPointKeepsItsOwnPixel) {
+  for (const Turning& turning : allTurnings()) {
+    const BeamTable table = tableOf(turning);
+    const Scan scan = scanOf(table);
+    const RangeStrip strip = stripOf(scan, turning.known ? &table : nullptr);
+    ASSERT_TRUE(strip.outward);
+    const bool full = table.fullTurn();
+    EXPECT_EQ(strip.fullTurn, full);
+    EXPECT_EQ(strip.columns, 120u);
+    EXPECT_EQ(strip.image.width == 120, full || turning.offset == 0) << strip.image.width;
+    EXPECT_LE(strip.image.width, 128);
+    std::set<std::uint32_t> pixels;
+    for (std::size_t i = 0; i < scan.size(); ++i) {
+      ASSERT_LT(strip.pixelOf[i], strip.pointAt.size());
+      ASSERT_EQ(strip.pointAt[strip.pixelOf[i]], i);
+      pixels.insert(strip.pixelOf[i]);
+      ASSERT_EQ(strip.place(i).second, strip.ringsRise ? 7 - scan[kRing][i] : scan[kRing][i]);
+    }
+    EXPECT_EQ(pixels.size(), scan.size());
+    EXPECT_EQ(static_cast<std::size_t>(std::ranges::count(strip.pointAt, kNoPoint)),
+              strip.pointAt.size() - scan.size());
+  }
+}
+
+// A pixel's azimuth is known by its column alone, whatever the ring: half a column may be lost where rings are shifted,
+// half a one where straight ahead is between two columns, and half a one more where the offsets are estimated.
+TEST(StripColumns, PixelColumnsAreAzimuths) {
+  for (const Turning& turning : allTurnings()) {
+    const BeamTable table = tableOf(turning);
+    const Scan scan = scanOf(table);
+    const RangeStrip strip = stripOf(scan, turning.known ? &table : nullptr);
+    const bool full = table.fullTurn();
+    const double step = table.field / (full ? 120 : 119);
+    double middle = 0;
+    if (!full) middle = turning.first + (turning.clockwise ? -0.5 : 0.5) * turning.field;
+    const double center = full ? 60 : (strip.image.width - 1) / 2.0;
+    for (std::size_t i = 0; i < scan.size(); ++i) {
+      const double left = std::remainder(azimuthOf(scan.position[i]) - middle, 2 * kPi) / step;
+      const double found = center - strip.place(i).first;
+      ASSERT_LE(std::abs(full ? std::remainder(found - left, 120) : found - left), full && turning.known ? 1.02 : 1.52)
+          << turning.first << ' ' << turning.offset << ' ' << turning.clockwise << turning.known;
+    }
+  }
+}
+
+TEST(StripColumns, AFewWrongPointsDoNotMoveIt) {
+  const BeamTable table = tableOf({true, 2 * kPi, 0.7, 0.055, false});
+  Scan scan = scanOf(table);
+  const RangeStrip sound = stripOf(scan, nullptr);
+  for (std::size_t i = 0; i < scan.size(); i += 6) scan.position[i] = {-scan.position[i].y, 3, 1};
+  EXPECT_EQ(stripOf(scan, nullptr).pixelOf, sound.pixelOf);
+}
+
+TEST(StripColumns, ColumnsOfNoAzimuthStayAsTheyAre) {
+  Scan scan = scanOf(tableOf({}));
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    const RandomBlock random = randomBlock({.frame = 3, .beam = static_cast<std::uint32_t>(i)});
+    const double azimuth = 6 * uniform(random[0]);
+    scan.position[i] = Vec3f(Vec3d{5 * std::cos(azimuth), 5 * std::sin(azimuth), 0});
+  }
+  const RangeStrip strip = stripOf(scan, nullptr);
+  EXPECT_FALSE(strip.outward);
+  EXPECT_NE(describeStrip(strip).find("do not follow the azimuth"), std::string::npos);
+  for (std::size_t i = 0; i < scan.size(); ++i) ASSERT_EQ(strip.place(i).first, scan[kColumn][i]);
+  Scan one;
+  one.position = {{5, 0, 0}};
+  one[kRing] = one[kColumn] = {0};
+  EXPECT_FALSE(stripOf(one, nullptr).outward);
+  EXPECT_FALSE(stripOf({}, nullptr).outward);
+}
+
+// Columns of an image are not evenly apart in azimuth, and rows do not keep their elevation.
+TEST(StripColumns, AnImageStaysAnImage) {
+  for (const double side : {1.0, -1.0}) {
+    Scan scan;
+    scan.rings = 20;
+    scan.columns = 100;
+    BeamTable table;
+    table.rings = scan.rings;
+    table.columns = scan.columns;
+    auto listed = std::make_shared<ListedBeams>();
+    for (std::uint32_t beam = 0; beam < table.size(); ++beam) {
+      const double left = 2.5 * side * ((beam % 100) - 49.5) / 50;
+      const Vec3d towards = normalized(Vec3d{1, left, 0.3 - 0.03 * (beam / 100)});
+      listed->azimuth.push_back(std::atan2(towards.y, towards.x));
+      listed->elevation.push_back(std::asin(towards.z));
+      listed->time.push_back(0);
+      scan.position.push_back(Vec3f(towards * (5 + uniform(randomBlock({.beam = beam})[0]))));
+      scan[kRing].push_back(static_cast<std::uint16_t>(beam / 100));
+      scan[kColumn].push_back(static_cast<std::uint16_t>(beam % 100));
+    }
+    table.listed = listed;
+    fillBeams(table);
+    for (const BeamTable* beams : {static_cast<const BeamTable*>(nullptr), static_cast<const BeamTable*>(&table)}) {
+      const RangeStrip strip = stripOf(scan, beams);
+      EXPECT_TRUE(strip.outward);
+      EXPECT_EQ(strip.image.width, 100);
+      for (std::size_t i = 0; i < scan.size(); ++i) {
+        const int column = scan[kColumn][i];
+        ASSERT_EQ(strip.place(i).first, side < 0 ? column : 99 - column);  // left is left
+      }
+    }
+  }
+}
+
+TEST(StripColumns, ARealSensorsColumnsAreWhereItsPointsAre) {
+  SKIP_WITHOUT_SHARED_DATA("lidar/ouster_os1_128/frame_1795.pcd");
+  const auto source = openFrames({.path = sharedData() / "lidar/ouster_os1_128/frame_1795.pcd"});
+  const Scan scan = source->load(0).scans.at(0).scan;
+  const RangeStrip outward = stripOf(scan, nullptr);
+  ASSERT_TRUE(outward.outward);
+  EXPECT_TRUE(outward.fullTurn);
+  ASSERT_EQ(outward.image.width, 1024);
+  double strayed = 0;
+  double count = 0;
+  const double step = 2 * kPi / outward.image.width;
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    if (!isFinite(scan.position[i])) continue;
+    ASSERT_EQ(outward.pointAt[outward.pixelOf[i]], i);
+    const double left = azimuthOf(scan.position[i]) / step;
+    const double found = outward.image.width / 2 - outward.place(i).first;
+    strayed += std::abs(std::remainder(found - left, outward.image.width)) > 1.5 ? 1 : 0;
+    count += 1;
+  }
+  EXPECT_LT(strayed, 0.1 * count);
 }
 
 }  // namespace

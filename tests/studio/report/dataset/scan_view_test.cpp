@@ -1,12 +1,14 @@
 #include "report/dataset/scan_view.h"
 
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "base/file.h"
 #include "base/hash.h"
+#include "base/process.h"
+#include "base/random.h"
 #include "report/dataset/dataset_report.h"
 #include "tests/studio/report/dataset/made_dataset.h"
-#include "tests/studio/report/page/browser.h"
 
 namespace scanmill {
 namespace {
@@ -107,6 +109,44 @@ TEST(ScanView, NamesCannotEndTheData) {
   EXPECT_EQ(data.at("scans").at(0).at("classes").at(0).at("name"), "</script><!--\xEF\xBF\xBD");
 }
 
+bool hasBrowser() {
+  return !findProgram("chromium").empty();
+}
+
+// The <body ...> of a page once its scripts have run. The browser keeps its files in `folder`.
+std::string bodyInBrowser(const std::filesystem::path& folder, const std::string& page,
+                          const std::vector<std::string>& flags = {}) {
+  std::vector<std::string> command{"chromium",
+                                   "--headless=new",
+                                   "--no-sandbox",
+                                   "--disable-quic",
+                                   "--no-first-run",
+                                   "--disable-background-networking",
+                                   "--disable-component-update",
+                                   "--disable-sync",
+                                   "--window-size=1200,2400",
+                                   "--virtual-time-budget=5000",
+                                   "--dump-dom",
+                                   "--user-data-dir=" + (folder / "profile").string()};
+  command.insert(command.end(), flags.begin(), flags.end());
+  command.push_back("file://" + page);
+  Process browser(command, {{"HOME", folder.string()}});
+  browser.closeInput();
+  std::string dom;
+  while (const auto line = browser.readLine(120)) dom += *line + "\n";
+  browser.wait(60);
+  const std::size_t begin = dom.find("<body");
+  return begin == std::string::npos ? "" : dom.substr(begin, dom.find('>', begin) - begin);
+}
+
+// The attribute data-NAME of such a body.
+std::string dataOf(const std::string& body, const std::string& name) {
+  const std::string mark = "data-" + name + "=\"";
+  const std::size_t begin = body.find(mark);
+  if (begin == std::string::npos) return "absent";
+  return body.substr(begin + mark.size(), body.find('"', begin + mark.size()) - begin - mark.size());
+}
+
 // In a browser, as somebody opens it.
 class InBrowser : public testing::Test {
  protected:
@@ -160,6 +200,94 @@ TEST_F(InBrowser, DrawsHidesAndPicks) {
 
 TEST_F(InBrowser, SaysSoWithoutWebGl) {
   EXPECT_EQ(dataOf(body({"--disable-3d-apis", "--disable-gpu"}), "scan-view"), "unavailable");
+}
+
+// A sensor 2 m above level ground, as many points in every step of elevation; without labels.
+Scan groundScan(std::size_t count) {
+  Scan scan;
+  for (std::size_t i = 0; i < count; ++i) {
+    const RandomBlock random = randomBlock({.scene = 1, .beam = static_cast<std::uint32_t>(i)});
+    const double down = radians(1.5 + 30 * uniform(random[0])), azimuth = 2 * kPi * uniform(random[1]);
+    const double away = 2 / std::tan(down);
+    scan.position.push_back(Vec3f(Vec3d{away * std::cos(azimuth), away * std::sin(azimuth), -2}));
+  }
+  return scan;
+}
+
+std::size_t countBetween(const Scan& scan, const std::vector<std::size_t>& points, double from, double to) {
+  return static_cast<std::size_t>(std::ranges::count_if(points, [&](std::size_t i) {
+    const double away = length(Vec3d(scan.position[i]));
+    return away >= from && away < to;
+  }));
+}
+
+std::vector<std::size_t> everyPoint(const Scan& scan) {
+  std::vector<std::size_t> all;
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    if (isFinite(scan.position[i])) all.push_back(i);
+  }
+  return all;
+}
+
+TEST(ScanThinning, SmallScansStayWhole) {
+  Scan scan = groundScan(500);
+  scan.position[7] = {NAN, NAN, NAN};
+  EXPECT_EQ(pointsToView(scan, 499), everyPoint(scan));
+  EXPECT_TRUE(pointsToView(Scan(), 10).empty());
+}
+
+TEST(ScanThinning, FarPointsStayAndNearOnesAreThinnedByTheSquare) {
+  const Scan scan = groundScan(50'000);
+  const std::vector<std::size_t> kept = pointsToView(scan, 15'000), all = everyPoint(scan);
+  EXPECT_NEAR(double(kept.size()), 15'000, 1);
+  EXPECT_LE(kept.size(), 15'000u);
+  EXPECT_TRUE(std::ranges::is_sorted(kept));
+  EXPECT_EQ(std::set<std::size_t>(kept.begin(), kept.end()).size(), kept.size());
+  EXPECT_EQ(countBetween(scan, kept, 40, 100), countBetween(scan, all, 40, 100));
+  const auto share = [&](double from, double to) {
+    return double(countBetween(scan, kept, from, to)) / double(countBetween(scan, all, from, to));
+  };
+  EXPECT_NEAR(share(6, 6.3) / share(4, 4.2), 2.25, 0.3);
+  EXPECT_EQ(pointsToView(scan, 15'000), kept);
+}
+
+TEST(ScanThinning, SmallThingsAndRareClassesStayWhole) {
+  Scan scan = groundScan(30'000);
+  scan[kLabel].assign(scan.size(), 1);
+  scan[kInstance].assign(scan.size(), 0);
+  for (std::size_t i = 0; i < 300; ++i) {
+    scan.position[50 * i] = {2, 0.01f * float(i), -2};  // near: thinned but for its id
+    scan[kInstance][50 * i] = 9;
+    scan.position[50 * i + 1] = {2, 0.01f * float(i), -2};
+    scan[kLabel][50 * i + 1] = 3;
+    scan.position[50 * i + 2] = {2, 0.01f * float(i), -2};
+  }
+  std::size_t thing = 0, rare = 0, plain = 0;
+  for (const std::size_t i : pointsToView(scan, 6'000)) {
+    thing += scan[kInstance][i] == 9;
+    rare += scan[kLabel][i] == 3;
+    plain += i % 50 == 2 && i < 15'000;
+  }
+  EXPECT_EQ(thing, 300u);
+  EXPECT_EQ(rare, 300u);
+  EXPECT_LT(plain, 30u);
+}
+
+// Many small things cannot displace all else.
+TEST(ScanThinning, HalfIsLeftForTheRest) {
+  Scan scan = groundScan(20'000);
+  for (std::size_t i = 0; i < scan.size(); ++i) scan[kInstance].push_back(i < 10'000 ? 1 + std::uint32_t(i / 500) : 0);
+  std::size_t without = 0;
+  const std::vector<std::size_t> kept = pointsToView(scan, 4'000);
+  for (const std::size_t i : kept) without += scan[kInstance][i] == 0;
+  EXPECT_NEAR(double(kept.size()), 4'000, 1);
+  EXPECT_GE(without, 500u);
+}
+
+TEST(ScanThinning, PointsInOnePlaceAreThinnedToo) {
+  Scan scan;
+  scan.position.assign(5000, Vec3f{0, 0, 0});
+  EXPECT_NEAR(double(pointsToView(scan, 1000).size()), 1000, 1);
 }
 
 }  // namespace
