@@ -20,7 +20,6 @@
 #include "study/tradeoff/settings.h"
 #include "study/tradeoff/study.h"
 #include "study/tradeoff/study_figures.h"
-#include "viewer/picture.h"
 
 namespace scanmill {
 
@@ -115,12 +114,7 @@ int runTradeoff(const std::vector<std::string>& arguments) {
   if (folder.empty()) throw InputError("-o DIR is missing: where should the report go?");
   const bool overwrite = parsed.has("overwrite");
   const ResourceLimits limits(parsed);
-  StudyOptions studyOptions{
-      .quiet = parsed.has("quiet"),
-      .stop = &stopSignal(),
-      .showScan = [](const Scan& scan,
-                     const Ontology& ontology) { drawScan(scan, colorScan(scan, {}, {&ontology}), 1600, 900, "scan"); },
-      .drawErrors = drawErrors};
+  StudyOptions studyOptions{.quiet = parsed.has("quiet"), .stop = &stopSignal(), .drawErrors = drawErrors};
   if (parsed.has("budget")) {
     constexpr double kMostMinutes = 1e5;
     const double minutes = parsed.number("budget", -INFINITY, INFINITY);

@@ -375,7 +375,6 @@ Chart ringsChart(const Study& study) {
 std::vector<std::pair<std::string, const RingFit*>> ringFits(const Study& study) {
   std::vector<std::pair<std::string, const RingFit*>> fits;
   for (const RingFit& f : study.rings) fits.emplace_back(f.setting.name, &f);
-  if (study.showing) fits.emplace_back("drawing a picture of the scan", &*study.showing);
   return fits;
 }
 

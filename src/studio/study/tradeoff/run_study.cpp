@@ -215,12 +215,6 @@ class StudyRun {
       }
       study_.rings.push_back(std::move(fit));
     }
-    if (!study_.showing) return;
-    if (study_.showing->timings.size() == choice_.rings.size()) {
-      fitRings(*study_.showing);
-    } else {
-      study_.showing.reset();
-    }
   }
 
   void timeRings(const MethodSetting& setting, std::uint32_t rings, RingFit& fit) {
@@ -230,31 +224,11 @@ class StudyRun {
     method->prepare(shot);
     Hits hits;
     method->trace(shot, measureOptions_.channels, hits);
-    fit.timings.push_back({rings, medianSeconds([&] { method->trace(shot, measureOptions_.channels, hits); })});
-    const bool first = study_.rings.empty() && setting.setting.name == choice_.settings.front().setting.name;
-    if (first && options_.showScan) timeShowing(*method, shot, hits);
-  }
-
-  double medianSeconds(const std::function<void()>& work) const {
     std::vector<double> seconds;
-    for (int i = 0; i < std::max(choice_.repeats, 3); ++i) seconds.push_back(secondsOf(work));
-    return spreadOf(std::move(seconds)).median;
-  }
-
-  // Times the display of a scan. Errors are ignored: if nothing can be displayed, the study continues without this
-  // timing.
-  void timeShowing(const Method& method, const Shot& shot, const Hits& hits) {
-    Returns returns;
-    Scan scan;
-    senseShot(setupOf(source_, scene_, method, shot.sensor), shot, hits, returns, scan);
-    try {
-      const double seconds = medianSeconds([&] { options_.showScan(scan, scene_.ontology); });
-      if (!study_.showing) study_.showing = RingFit{};
-      study_.showing->timings.push_back({shot.beams->rings, seconds});
-    } catch (const Error& error) {
-      options_.showScan = nullptr;
-      study_.left.push_back(fmt::format("showing a scan: {}", error.what()));
+    for (int i = 0; i < std::max(choice_.repeats, 3); ++i) {
+      seconds.push_back(secondsOf([&] { method->trace(shot, measureOptions_.channels, hits); }));
     }
+    fit.timings.push_back({rings, spreadOf(std::move(seconds)).median});
   }
 
   void takeEncodings() {

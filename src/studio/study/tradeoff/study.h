@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <functional>
 #include <map>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -75,7 +74,7 @@ struct ErrorPicture {
 };
 
 struct Study {
-  static constexpr int kSchemaVersion = 3;
+  static constexpr int kSchemaVersion = 4;
   std::string programVersion;
   std::string date;  // UTC date of the study, such as "2026-11-20"
   StudyMachine machine;
@@ -102,9 +101,6 @@ struct Study {
   // Methods that the pipeline cannot use, since they do not support its footprint, light paths or moving objects.
   std::vector<std::string> refused;
   std::vector<RingFit> rings;
-  // The time that StudyOptions::showScan takes to show a scan on the screen, by number of rings. The scans are those of
-  // the first setting, but RingFit::setting is empty. Absent if the time was not measured.
-  std::optional<RingFit> showing;
   std::vector<std::string> left;  // lines about parts that the study left out, such as settings that it had no time for
   // Pictures of errors. Their contents are not stored in the JSON, but in files beside it.
   std::vector<ErrorPicture> pictures;
@@ -123,8 +119,6 @@ struct StudyOptions {
   double budgetSeconds = 0;  // approximate duration of the study (s); 0: the pipeline's budget, or 300 s
   bool quiet = false;
   const std::atomic<bool>* stop = nullptr;  // if it becomes true, runStudy() throws Error; may be null
-  // Shows a scan on the screen; its duration is stored in Study::showing. If empty, showing is not measured.
-  std::function<void(const Scan& scan, const Ontology& ontology)> showScan{};
   // Draws which beams of a setting are wrong, and returns the contents of a PNG file. If empty, no pictures are drawn.
   std::function<std::string(const TrueShot& truth, const Hits& tested)> drawErrors{};
 };

@@ -101,7 +101,7 @@ void describe(auto& a, const Study& s) {
       "budget_s", s.budgetSeconds)("repeats", s.repeats)("seconds", s.seconds)("scene", s.scene)("sensors", s.sensors)(
       "shots", s.shots)("beams_per_shot", s.beamsPerShot)("ontology", s.ontology)("settings", s.settings)(
       "common_stages_s", s.commonStages)("encodings", s.encodings)("sensing", s.sensing)("refused_methods", s.refused)(
-      "rings", s.rings)("showing", s.showing)("left", s.left)("pictures", s.pictures);
+      "rings", s.rings)("left", s.left)("pictures", s.pictures);
 }
 
 class JsonWriter {
@@ -130,10 +130,6 @@ class JsonWriter {
     OrderedJson object = OrderedJson::object();
     for (const auto& [key, value] : map) object[key] = json(value);
     return object;
-  }
-  template <class T>
-  static OrderedJson json(const std::optional<T>& value) {
-    return value ? json(*value) : OrderedJson();
   }
   template <class T>
   requires std::is_class_v<T>

@@ -209,7 +209,6 @@ TEST(Report, OfFailuresOrOneSettingIsWhole) {
   study = exampleStudy();
   for (SettingResult& s : study.settings) s.measured = {}, s.failure = "nothing runs here";
   study.rings.clear();
-  study.showing.reset();
   html = pageOf(study);
   expectBalanced(html);
   EXPECT_EQ(countOf(html, "not measured: nothing runs here"), study.settings.size());

@@ -171,7 +171,6 @@ inline Study exampleStudy() {
                      {"draco max_error_mm=50", "draco", "{max_error_mm: 50}", "", 11.9e6, 15e6, 1.6, 0.042, 0.05}};
   study.rings = {exampleRings("ray_tracing", 4e-4, 7.6e-5), exampleRings("depth_camera", 0.1, 1.6e-4),
                  exampleRings("particle", 3e-3, 2.6e-4)};
-  study.showing = exampleRings("", 0.04, 3e-5);
   study.left = {"depth_camera resolution=4096: the budget of 5 min was used up"};
   return study;
 }

@@ -59,7 +59,6 @@ class RunStudy : public Yard {
     }
     for (EncodingResult& e : study.encodings) e.encodePointsPerSecond = e.decodePointsPerSecond = 0;
     for (RingFit& fit : study.rings) fit = {fit.setting, {}, 0, 0, 0};
-    study.showing.reset();
     return toJson(study);
   }
 };
@@ -166,14 +165,10 @@ TEST_F(RunStudy, WhatTheBudgetDoesNotHoldIsLeftOutAndSaid) {
 }
 
 TEST_F(RunStudy, RingsAreTimedForTheFirstSettingOfEachMethod) {
-  std::vector<std::uint32_t> shown;
-  const StudyOptions options{.showScan = [&](const Scan& scan, const Ontology&) { shown.push_back(scan.rings); }};
-  const Study study =
-      studied(withKey(fmt::format(
-                  "{{settings: [ray_tracing, {{ray_tracing: {{instancing: always}}}}, {0}, {1}], shots: 1, rings: [2, "
+  const Study study = studied(withKey(
+      fmt::format("{{settings: [ray_tracing, {{ray_tracing: {{instancing: always}}}}, {0}, {1}], shots: 1, rings: [2, "
                   "8, 32], repeats: 1}}",
-                  kCoarse, kTooLarge)),
-              options);
+                  kCoarse, kTooLarge)));
   ASSERT_THAT(study.rings, SizeIs(2));
   EXPECT_EQ(study.rings[0].setting.name, "ray_tracing");
   EXPECT_EQ(study.rings[1].setting.method, "particle");
@@ -183,10 +178,6 @@ TEST_F(RunStudy, RingsAreTimedForTheFirstSettingOfEachMethod) {
     EXPECT_EQ(fit.timings[2].rings, 32u);
     for (const RingTiming& t : fit.timings) EXPECT_GT(t.scanSeconds, 0);
   }
-  ASSERT_TRUE(study.showing.has_value());
-  EXPECT_THAT(study.showing->timings, SizeIs(3));
-  EXPECT_EQ(study.showing->setting.name, "");
-  EXPECT_THAT(shown, ElementsAre(2, 2, 2, 8, 8, 8, 32, 32, 32)) << "three times each";
 }
 
 // A method that cannot run has no line; the others do.
@@ -195,7 +186,6 @@ TEST_F(RunStudy, RingsOfWhatCannotRunAreLeftOut) {
       withKey(fmt::format("{{settings: [{}, ray_tracing], shots: 1, rings: [2, 4, 8], repeats: 1}}", kTooLarge)));
   ASSERT_THAT(study.rings, SizeIs(1));
   EXPECT_EQ(study.rings[0].setting.name, "ray_tracing");
-  EXPECT_FALSE(study.showing.has_value()) << "nothing shows a scan";
   EXPECT_THAT(study.left, ElementsAre(AllOf(HasSubstr("rings of particle"), HasSubstr("voxels: "))));
 }
 

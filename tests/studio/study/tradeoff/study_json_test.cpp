@@ -54,11 +54,9 @@ TEST(StudyJson, HoldsWhatTheReportIsMadeOf) {
   EXPECT_EQ(third["errors"].at("by_range").at(1).at("errors").at("nearest_to_m").at("p95"), 0.125);
   EXPECT_EQ(third["errors"]["by_range"][1]["errors"].at("nearest_from_m").at("max"), 77.5);
   EXPECT_EQ(json.at("ontology").at("classes").at(1).at("aliases"), Json({"auto", "vehicle"}));
-  EXPECT_EQ(json.at("showing").at("timings").size(), study.showing->timings.size());
   ASSERT_EQ(json.at("pictures").size(), 2u);
   EXPECT_EQ(json["pictures"][0], (Json{{"setting", "particle refine=none"}, {"title", "particle refine=none"}}))
       << "pictures are files beside it";
-  EXPECT_TRUE(Json::parse(toJson(Study{})).at("showing").is_null());
 }
 
 TEST(StudyJson, FiguresThatAreNoNumberAreAnError) {
