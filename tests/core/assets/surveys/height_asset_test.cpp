@@ -1,4 +1,3 @@
-
 #include <iterator>
 #include <string>
 #include <tuple>

@@ -1,4 +1,3 @@
-
 #include "assets/worlds/solids.h"
 #include "assets/worlds/xml.h"
 #include "tests/support/geo_tiff.h"

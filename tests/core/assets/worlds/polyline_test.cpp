@@ -1,4 +1,3 @@
-
 #include "assets/worlds/solids.h"
 #include "assets/worlds/xml.h"
 #include "world_files.h"

@@ -1,4 +1,3 @@
-
 #include "world_files.h"
 
 namespace scanmill {
