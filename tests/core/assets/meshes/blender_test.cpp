@@ -32,20 +32,24 @@ folder = sys.argv[sys.argv.index("--") + 1]
 bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
 scene = bpy.context.scene
 
+
 def mesh(name, corners, faces, edges=()):
     made = bpy.data.meshes.new(name)
     made.from_pydata(corners, edges, faces)
     return made
 
+
 def box(name, low=0, high=1):
     corners = [(x, y, z) for x in (low, high) for y in (low, high) for z in (low, high)]
     return mesh(name, corners, [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)])
+
 
 def square(name, material):
     made = mesh(name, [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2, 3)])
     made.uv_layers.new(name="map")
     made.materials.append(material)
     return made
+
 
 def put(name, data=None, collection=scene.collection, **settings):
     made = bpy.data.objects.new(name, data)
@@ -54,6 +58,7 @@ def put(name, data=None, collection=scene.collection, **settings):
         setattr(made, key, value)
     return made
 
+
 def material(name, color=None):
     made = bpy.data.materials.new(name)
     made.use_nodes = True
@@ -61,6 +66,7 @@ def material(name, color=None):
     if color is not None:
         shader.inputs["Base Color"].default_value = (*color, 1)
     return made, made.node_tree, shader
+
 
 def geometry_nodes(kinds):
     group = bpy.data.node_groups.new("group", "GeometryNodeTree")
@@ -71,6 +77,7 @@ def geometry_nodes(kinds):
         group.inputs.new("NodeSocketGeometry", "in")
         group.outputs.new("NodeSocketGeometry", "out")
     return group, [group.nodes.new(kind) for kind in ("NodeGroupInput", "NodeGroupOutput", *kinds)]
+
 
 def save(name, **options):
     bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, name), **options)
@@ -317,12 +324,14 @@ def image(name):
     made.save()
     return made
 
+
 def on_square(name):
     made, tree, shader = material(name)
     made.diffuse_color = (0.1, 0.1, 0.1, 1)
     made.blend_method = "CLIP"
     put(name, square(name, made))
     return made, tree, shader
+
 
 def node(tree, kind, into=None, **settings):
     made = tree.nodes.new("ShaderNode" + kind)
@@ -332,11 +341,13 @@ def node(tree, kind, into=None, **settings):
         tree.links.new(made.outputs[0], into)
     return made
 
+
 def textured(name, picture):
     made, tree, shader = on_square(name)
     texture = node(tree, "TexImage", shader.inputs["Base Color"], image=picture)
     tree.links.new(texture.outputs["Alpha"], shader.inputs["Alpha"])
     return tree, shader, texture
+
 
 half = image("half")
 half.pack()
