@@ -121,10 +121,6 @@ void ComputeBuffer::write(std::span<const Source> pieces) {
   context_->told([&] { context_->backend->write(number_, pieces); });
 }
 
-void ComputeBuffer::read(std::span<const Target> pieces) const {
-  context_->told([&] { context_->backend->read(number_, pieces); });
-}
-
 ComputeReadback::ComputeReadback(const ComputeDevice& device)
     : context_(device.context_), number_(context_->told([&] { return context_->backend->makeReadback(); })) {}
 

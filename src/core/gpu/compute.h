@@ -75,17 +75,12 @@ class ComputeBuffer {
   void reserve(std::uint64_t bytes);
   std::uint64_t bytes() const { return bytes_; }
 
-  // A part of the buffer that starts at `offset` (bytes), and the host memory to copy from (Source) or to (Target).
+  // A part of the buffer that starts at `offset` (bytes), and the host memory to copy from.
   struct Source {
     std::uint64_t offset;
     std::span<const std::byte> bytes;
   };
-  struct Target {
-    std::uint64_t offset;
-    std::span<std::byte> bytes;
-  };
   void write(std::span<const Source> pieces);
-  void read(std::span<const Target> pieces) const;
 
   // Uploads an array to the start of the buffer, after growing the buffer if it is too small.
   template <class T>
@@ -197,7 +192,7 @@ class ComputeProgram {
   ComputeProgram& operator=(const ComputeProgram&) = delete;
 
   // Calls invoke(i) for i from 0 to invocations - 1, in any order; `invocations` must be less than 2^32. The data that
-  // these calls write is visible to the next run() and to read().
+  // these calls write is visible to the next run() and to readbacks.
   void run(std::uint64_t invocations, std::initializer_list<const ComputeBuffer*> buffers,
            std::span<const std::byte> parameters = {}, std::initializer_list<ComputeTable> tables = {});
 

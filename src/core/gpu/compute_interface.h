@@ -58,7 +58,6 @@ class ComputeBackend {
   // Gives the buffer this size (bytes). Its contents are undefined afterwards.
   virtual void resize(std::uint32_t buffer, std::uint64_t bytes) = 0;
   virtual void write(std::uint32_t buffer, std::span<const ComputeBuffer::Source> pieces) = 0;
-  virtual void read(std::uint32_t buffer, std::span<const ComputeBuffer::Target> pieces) = 0;
   // Creates host memory into which the device copies (see ComputeReadback), and returns its number.
   virtual std::uint32_t makeReadback() = 0;
   virtual void dropReadback(std::uint32_t readback) noexcept = 0;

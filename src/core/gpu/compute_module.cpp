@@ -256,17 +256,6 @@ class GlCompute final : public ComputeBackend {
     });
   }
 
-  void read(std::uint32_t buffer, std::span<const ComputeBuffer::Target> pieces) override {
-    withContext([&](ContextState& state) {
-      glBindBuffer(GL_COPY_READ_BUFFER, state.buffers.at(buffer)->name());
-      for (const ComputeBuffer::Target& piece : pieces) {
-        glGetBufferSubData(GL_COPY_READ_BUFFER, static_cast<GLintptr>(piece.offset),
-                           static_cast<GLsizeiptr>(piece.bytes.size()), piece.bytes.data());
-      }
-      checkGl("a buffer cannot be read back");
-    });
-  }
-
   void run(const ComputeRun& run) override {
     withContext([&](ContextState& state) {
       GlProgram& program = *state.programs.at(run.program);

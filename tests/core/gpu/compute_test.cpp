@@ -32,13 +32,6 @@ Words counted(std::size_t count) {
   return words;
 }
 
-Words read(const ComputeBuffer& buffer, std::size_t count) {
-  Words words(count, 0xDEADu);
-  const ComputeBuffer::Target piece{0, std::as_writable_bytes(std::span(words))};
-  buffer.read({&piece, 1});
-  return words;
-}
-
 std::uint32_t hashed(std::uint32_t before, std::uint32_t from, std::uint32_t factor, std::uint32_t i) {
   return before + from * factor + i;
 }
@@ -57,8 +50,8 @@ TEST(Compute, RunsEveryInvocationOnce) {
     program.run(count, {&from, &to}, std::as_bytes(std::span(&factor, 1)));
     Words expected = start;  // what lies behind stays
     for (std::uint32_t i = 0; i < count; ++i) expected[i] = hashed(start[i], start[i], factor, i);
-    EXPECT_EQ(read(to, count + 1), expected) << count;
-    EXPECT_EQ(read(from, count + 1), start);
+    EXPECT_EQ(copyOf<std::uint32_t>(device, to, count + 1), expected) << count;
+    EXPECT_EQ(copyOf<std::uint32_t>(device, from, count + 1), start);
   }
 }
 
@@ -75,7 +68,7 @@ void invoke(uint i) { atomicAdd(counts[i], i ^ 7u); }
   const std::size_t count = 5'000'000;
   counts.hold(std::span<const std::uint32_t>(Words(count + 1, 1u)));
   program.run(count, {&counts});
-  const Words got = read(counts, count + 1);
+  const Words got = copyOf<std::uint32_t>(device, counts, count + 1);
   std::size_t wrong = 0;
   for (std::uint32_t i = 0; i < count; ++i) wrong += got[i] != 1 + (i ^ 7u);
   EXPECT_EQ(wrong, 0u);
@@ -100,10 +93,10 @@ void invoke(uint i) { to[i] = from[(i + 1u) % 1000u]; }
     program.run(1000, {&b, &a});
   }
   std::rotate(expected.begin(), expected.begin() + 20, expected.end());
-  EXPECT_EQ(read(a, 1000), expected);
+  EXPECT_EQ(copyOf<std::uint32_t>(device, a, 1000), expected);
 }
 
-TEST(Compute, WritesAndReadsPieces) {
+TEST(Compute, WritesPieces) {
   SKIP_WITHOUT_GL();
   const ComputeDevice device(kWords);
   ComputeBuffer buffer(device);
@@ -112,17 +105,10 @@ TEST(Compute, WritesAndReadsPieces) {
   const Words one{9};
   const ComputeBuffer::Source pieces[] = {{4, std::as_bytes(std::span(two))}, {24, std::as_bytes(std::span(one))}};
   buffer.write(pieces);
-  EXPECT_EQ(read(buffer, 8), (Words{0, 1, 2, 0, 0, 0, 9, 0}));
-  Words first(1);
-  Words rest(3);
-  const ComputeBuffer::Target wanted[] = {{8, std::as_writable_bytes(std::span(first))},
-                                          {20, std::as_writable_bytes(std::span(rest))}};
-  buffer.read(wanted);
-  EXPECT_EQ(first, (Words{2}));
-  EXPECT_EQ(rest, (Words{0, 9, 0}));
+  EXPECT_EQ(copyOf<std::uint32_t>(device, buffer, 8), (Words{0, 1, 2, 0, 0, 0, 9, 0}));
   buffer.reserve(4);  // large enough: nothing is lost
   EXPECT_EQ(buffer.bytes(), 32u);
-  EXPECT_EQ(read(buffer, 8)[6], 9u);
+  EXPECT_EQ(copyOf<std::uint32_t>(device, buffer, 8)[6], 9u);
 }
 
 // A copy holds what programs had written when it was asked for, however they go on.
@@ -189,9 +175,7 @@ void invoke(uint i) {
   ComputeBuffer buffer(device);
   buffer.hold(std::span<const float>(numbers));
   program.run(count, {&buffer});
-  std::vector<float> got(numbers.size());
-  const ComputeBuffer::Target piece{0, std::as_writable_bytes(std::span(got))};
-  buffer.read({&piece, 1});
+  const auto got = copyOf<float>(device, buffer, numbers.size());
   for (std::size_t i = 0; i < count; ++i) {
     const float* n = &numbers[4 * i];
     ASSERT_EQ(got[4 * i + 3], n[0] * n[1] + n[2] - (n[0] - n[1]) * n[2] * 0.1f) << i;
@@ -218,10 +202,7 @@ TEST(Compute, SaysWhatIsAmiss) {
   EXPECT_THAT(compiler, HasSubstr("; do it by hand"));
   ComputeBuffer buffer(device);
   buffer.hold(std::span<const std::uint32_t>(Words{1, 2, 3}));
-  Words beyond(4);
-  const ComputeBuffer::Target piece{0, std::as_writable_bytes(std::span(beyond))};
-  EXPECT_THAT(messageOf<Error>([&] { buffer.read({&piece, 1}); }), HasSubstr("a buffer cannot be read back"));
-  EXPECT_EQ(read(buffer, 3), (Words{1, 2, 3}));  // the device goes on
+  EXPECT_EQ(copyOf<std::uint32_t>(device, buffer, 3), (Words{1, 2, 3}));  // the device goes on
   ComputeProgram program(device, "none", "void invoke(uint i) {}");
   EXPECT_THAT(messageOf<Error>([&] { program.run(std::uint64_t{1} << 32, {}); }), HasSubstr("4294967296 invocations"));
   const std::vector<std::byte> parameters(std::size_t{1} << 24);
@@ -240,7 +221,7 @@ void invoke(uint i) { numbers[i] = i; }
   ComputeBuffer buffer(device);
   buffer.reserve(most);
   program.run(10, {&buffer});
-  EXPECT_EQ(read(buffer, 10)[9], 9u);
+  EXPECT_EQ(copyOf<std::uint32_t>(device, buffer, 10)[9], 9u);
   buffer.reserve(most + 4);
   const std::string message = messageOf<Error>([&] { program.run(10, {&buffer}); });
   EXPECT_THAT(message, HasSubstr(std::to_string(most + 4)));
@@ -288,7 +269,7 @@ void invoke(uint i) {
   using enum ComputeTable::Texel;
   program.run(kCount, {&buffers[4]}, {},
               {{&buffers[0], Uint16}, {&buffers[1], Uint32}, {&buffers[2], Uint32x4}, {&buffers[3], Float32x4}});
-  const Words got = read(buffers[4], 4 * kCount);
+  const Words got = copyOf<std::uint32_t>(device, buffers[4], 4 * kCount);
   const auto bits = [&](std::size_t i) { return std::bit_cast<std::uint32_t>(numbers[i]); };
   for (std::size_t i = 0; i < kCount; ++i) {
     const std::size_t k = i ^ 1u;
@@ -331,13 +312,14 @@ TEST(Compute, BuffersAndProgramsMayOutliveTheDevice) {
   ComputeProgram program(*device, "hash", kHash);
   ComputeBuffer buffer(*device);
   ComputeBuffer to(*device);
+  ComputeReadback readback(*device);
   device.reset();
   const Words start = counted(10);
   buffer.hold(std::span<const std::uint32_t>(start));
   to.hold(std::span<const std::uint32_t>(start));
   const std::uint32_t factor = 0;
   program.run(10, {&buffer, &to}, std::as_bytes(std::span(&factor, 1)));
-  EXPECT_EQ(read(to, 10)[9], start[9] + 9);
+  EXPECT_EQ(copyOf<std::uint32_t>(readback, to, 10)[9], start[9] + 9);
 }
 
 }  // namespace

@@ -49,13 +49,11 @@ struct Maker {
     const std::uint32_t parameters[4]{table.columns, count,
                                       static_cast<std::uint32_t>(shots.front().worldFromSensor.size()),
                                       table.origin.empty() ? 0u : 1u};
-    std::vector<double> made(6 * shots.size() * count);
-    written.reserve(made.size() * sizeof(double));
+    const std::size_t numbers = 6 * shots.size() * count;
+    written.reserve(numbers * sizeof(double));
     program.run(shots.size() * count, {&beams.directions(), &beams.origins(), &beams.poses(), &beams.steps(), &written},
                 std::as_bytes(std::span(parameters)));
-    const ComputeBuffer::Target target{0, std::as_writable_bytes(std::span(made))};
-    written.read({&target, 1});
-    return made;
+    return copyOf<double>(device, written, numbers);
   }
 };
 

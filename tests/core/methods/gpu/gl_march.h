@@ -8,6 +8,7 @@
 
 #include "methods/gpu/device_march.h"
 #include "methods/particle/march.h"
+#include "tests/support/gl.h"
 
 namespace scanmill {
 
@@ -37,16 +38,14 @@ class GlMarch {
     // The quotient of the last two is m, and lacks in the way.
     std::vector<float> numerator(p.size());
     std::vector<float> denominator(p.size());
-    std::vector<ComputeBuffer::Target> made;
-    const auto take = [&](auto& column) {
-      made.push_back({made.size() * bytes, std::as_writable_bytes(std::span(column))});
-    };
+    const auto made = copyOf<std::byte>(device_, march_.records(), (lists ? 5 : 3) * bytes);
+    std::size_t taken = 0;
+    const auto take = [&](auto& column) { std::memcpy(column.data(), &made[taken++ * bytes], bytes); };
     take(records.way);
     take(records.triangle);
     take(records.outcome);
     if (lists) take(numerator);
     if (lists) take(denominator);
-    march_.records().read(made);
     const auto metres = static_cast<float>(field->shape.voxel);
     for (std::size_t i = 0; i < p.size() && lists; ++i) {
       if (records.outcomeOf(i) == Outcome::Hit) records.way[i] += numerator[i] / (denominator[i] * metres);

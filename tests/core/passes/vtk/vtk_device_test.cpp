@@ -218,9 +218,7 @@ void invoke(uint i) { sums[i] += added * i; }
           buffer.hold(std::span<const std::uint32_t>(sums));
           const auto added = static_cast<std::uint32_t>(t);
           program.run(sums.size(), {&buffer}, std::as_bytes(std::span(&added, 1)));
-          std::vector<std::uint32_t> got(sums.size());
-          const ComputeBuffer::Target all{0, std::as_writable_bytes(std::span(got))};
-          buffer.read({&all, 1});
+          const auto got = copyOf<std::uint32_t>(device, buffer, sums.size());
           for (std::uint32_t i = 0; i < sums.size(); ++i) sums[i] += added * i;
           right[t] += got == sums;
         }
