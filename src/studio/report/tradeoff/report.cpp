@@ -202,22 +202,20 @@ class StudyPage {
 
   void rings() {
     std::map<std::uint32_t, std::size_t> counts;
-    const std::vector<std::pair<std::string, const RingFit*>> fits = ringFits(study_);
-    for (const auto& [name, fit] : fits) {
-      for (const RingTiming& t : fit->timings) counts[t.rings] = 0;
+    for (const RingFit& fit : study_.rings) {
+      for (const RingTiming& t : fit.timings) counts[t.rings] = 0;
     }
     for (const auto& entry : counts) page_["ring_counts"].push_back({{"rings", entry.first}});
-    for (const auto& [name, fit] : fits) {
-      Json row{{"name", name},
-               {"fixed_s", fit->fixedSeconds},
-               {"per_ring_s", fit->secondsPerRing},
-               {"off_percent", 100 * fit->largestResidual},
+    for (const RingFit& fit : study_.rings) {
+      Json row{{"name", fit.setting.name},
+               {"fixed_s", fit.fixedSeconds},
+               {"per_ring_s", fit.secondsPerRing},
+               {"off_percent", 100 * fit.largestResidual},
                {"ring_counts", Json::array()}};
       for (const auto& entry : counts) {
-        const auto timing =
-            std::ranges::find_if(fit->timings, [&](const RingTiming& t) { return t.rings == entry.first; });
-        row["ring_counts"].push_back(timing == fit->timings.end() ? Json::object()
-                                                                  : Json{{"scan_s", timing->scanSeconds}});
+        const auto timing = std::ranges::find(fit.timings, entry.first, &RingTiming::rings);
+        row["ring_counts"].push_back(timing == fit.timings.end() ? Json::object()
+                                                                 : Json{{"scan_s", timing->scanSeconds}});
       }
       page_["ring_fits"].push_back(std::move(row));
     }

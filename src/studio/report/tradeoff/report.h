@@ -38,9 +38,6 @@ std::vector<Chart> studyCharts(const Study& study);
 // and time by number of rings.
 inline constexpr std::array kStudyFiles{"pareto", "errors_by_range", "errors_by_incidence", "encodings", "rings"};
 
-// Returns the study's models of time by number of rings, each with a name for the legend.
-std::vector<std::pair<std::string, const RingFit*>> ringFits(const Study& study);
-
 // Returns the text for a group of BeamErrors::byPlace: "away from edges" or "at edges".
 std::string placeText(const std::string& group);
 

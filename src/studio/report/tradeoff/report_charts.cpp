@@ -342,19 +342,17 @@ Chart ringsChart(const Study& study) {
       .y = {.title = "time a scan", .scale = AxisScale::Log, .unit = "s"},
       .width = kWide,
       .height = 420};
-  const std::vector<std::pair<std::string, const RingFit*>> fits = ringFits(study);
-  // The model of the time to display a scan belongs to no method, so it must not get the colour of a method.
   std::vector<std::string> methods;
-  methods.reserve(fits.size());
-  for (const auto& entry : fits) methods.push_back(entry.second->setting.method);
+  for (const RingFit& fit : study.rings) methods.push_back(fit.setting.method);
   const std::vector<std::size_t> colors = settingColors(study, methods);
-  for (std::size_t k = 0; k < fits.size(); ++k) {
-    const auto& [name, fit] = fits[k];
-    if (fit->timings.empty()) continue;
+  for (std::size_t k = 0; k < study.rings.size(); ++k) {
+    const RingFit& fit = study.rings[k];
+    const std::string& name = fit.setting.name;
+    if (fit.timings.empty()) continue;
     ChartSeries dots{.name = name, .color = colors[k]};
     ChartSeries line{.name = name, .color = colors[k], .mark = ChartMark::Line};
-    double least = fit->timings.front().rings, most = least;
-    for (const RingTiming& t : fit->timings) {
+    double least = fit.timings.front().rings, most = least;
+    for (const RingTiming& t : fit.timings) {
       dots.add({static_cast<double>(t.rings), t.scanSeconds},
                fmt::format("{}\n{} rings: {}", name, t.rings, secondsText(t.scanSeconds)));
       least = std::min<double>(least, t.rings);
@@ -362,7 +360,7 @@ Chart ringsChart(const Study& study) {
     }
     for (int i = 0; i <= kSteps; ++i) {
       const double rings = least * std::pow(most / least, static_cast<double>(i) / kSteps);
-      const double seconds = fit->fixedSeconds + fit->secondsPerRing * rings;
+      const double seconds = fit.fixedSeconds + fit.secondsPerRing * rings;
       line.points.push_back({rings, seconds > 0 ? seconds : kNone});
     }
     chart.series.insert(chart.series.end(), {line, dots});
@@ -371,12 +369,6 @@ Chart ringsChart(const Study& study) {
 }
 
 }  // namespace
-
-std::vector<std::pair<std::string, const RingFit*>> ringFits(const Study& study) {
-  std::vector<std::pair<std::string, const RingFit*>> fits;
-  for (const RingFit& f : study.rings) fits.emplace_back(f.setting.name, &f);
-  return fits;
-}
 
 std::vector<Chart> studyCharts(const Study& study) {
   const char* const range = "range";
