@@ -122,5 +122,22 @@ assert np.allclose(last, [[0, -1, 0, 4], [1, 0, 0, 5], [0, 0, 1, 6], [0, 0, 0, 1
 )");
 }
 
+TEST_F(NpzLayout, ScansWithoutColumnsOrPointsAreFiles) {
+  ExportSample sample = this->sample(0, 0);
+  Scan& scan = sample.scans[0].scan;
+  visitTable(scan, [](auto, auto& values) { values.clear(); });
+  writeSample(sample);
+  npz("assert sorted(n for n in npz if not n.startswith('box')) == ['world_from_sensor', 'xyz']\n");
+  scan.position.clear();
+  writeSample(sample);
+  npz("assert npz['xyz'].shape == (0, 3) and npz['label'].shape == (0,) and npz['label'].dtype == np.uint16\n");
+}
+
+TEST_F(NpzLayout, ClassesAreThoseOfTheOntologyThatIsExported) {
+  use("cityscapes");
+  write(*layout_);
+  npz("assert set(npz['label']) == {26, 24, 11} and npz['box_class'].tolist() == [26, 24]\n");
+}
+
 }  // namespace
 }  // namespace scanmill

@@ -41,7 +41,6 @@ const Trip kTrips[] = {
      .place = 5e-4,
      .lost = {{"time", "is added to that of the scan: gps_time, seconds since the start of the sequence"}}},
     {.name = "ply", .labels = "cityscapes"},
-    {.name = "npz", .labels = "cityscapes"},
     {.name = "kitti", .labels = "kitti", .held = {"intensity"}},
     {.name = "semantic_kitti", .labels = "semantic_kitti", .held = {"intensity", "label", "instance"}},
     {.name = "nuscenes",
