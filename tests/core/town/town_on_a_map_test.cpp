@@ -95,27 +95,27 @@ class StreetOnAMap {
   StreetOnAMap() { way({{-102, 0}, {0, 0}, {102, 0}}, "<tag k='highway' v='residential'/>"); }
   // Returns the id of the way. The last point of a closed way is the first.
   int way(const std::vector<town::Point2>& points, const std::string& tags) {
-    std::string nodes;
+    std::string refs;
     const int first = id_ + 1;
     for (std::size_t i = 0; i < points.size(); ++i) {
       const bool closes = i > 0 && town::distance(points[i], points[0]) == 0;
       if (!closes) {
-        add(fmt::format("<node id='{}' lat='{:.9f}' lon='{:.9f}'/>", ++id_, 51 + points[i].y / 111250,
-                        0.5 + points[i].x / 70200));
+        nodes_ += fmt::format("<node id='{}' lat='{:.9f}' lon='{:.9f}'/>", ++id_, 51 + points[i].y / 111250,
+                              0.5 + points[i].x / 70200);
       }
-      nodes += fmt::format("<nd ref='{}'/>", closes ? first : id_);
+      refs += fmt::format("<nd ref='{}'/>", closes ? first : id_);
     }
-    add(fmt::format("<way id='{}'>{}{}</way>", ++id_, nodes, tags));
+    add(fmt::format("<way id='{}'>{}{}</way>", ++id_, refs, tags));
     return id_;
   }
-  void add(const std::string& element) { text_ += element; }
+  void add(const std::string& element) { behindNodes_ += element; }
   std::string yaml() const {
     return fmt::format(
         "{{map: {}, length: 200, slope: 0, greenery: 0, people: 0, vehicles: 0, traffic: 0, detail: 0.05}}",
-        folder_.write("street.osm", text_ + "</osm>").string());
+        write().string());
   }
   Scene scene() const { return makeTown(yaml(), 1); }
-  town::Map map() const { return town::readMap(folder_.write("street.osm", text_ + "</osm>"), false, {}); }
+  town::Map map() const { return town::readMap(write(), false, {}); }
   // Returns the part of the map around the town of seed 1, in the town's frame.
   town::MapPlace place() const {
     const Value value = parseYaml(yaml(), "town.yaml");
@@ -124,8 +124,13 @@ class StreetOnAMap {
   }
 
  private:
+  std::filesystem::path write() const {
+    return folder_.write("street.osm", "<osm version='0.6'>" + nodes_ + behindNodes_ + "</osm>");
+  }
+
   TemporaryFolder folder_;
-  std::string text_ = "<osm version='0.6'>";
+  std::string nodes_;
+  std::string behindNodes_;
   int id_ = 0;
 };
 
