@@ -1,5 +1,4 @@
-#include "passes/camera.h"
-
+#include "passes/pass_image.h"
 #include "tests/support/message_of.h"
 
 namespace scanmill {

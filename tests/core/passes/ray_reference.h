@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "passes/camera.h"
+#include "passes/pass_image.h"
 #include "passes/renderer.h"
 #include "scene/scene.h"
 

@@ -8,18 +8,34 @@
 #include <list>
 #include <memory>
 #include <span>
+#include <string>
+#include <string_view>
 
 #include "gpu/compute.h"
 #include "methods/field/distance_field.h"
-#include "methods/gpu/shaders.h"
 #include "methods/world/world.h"
 
 namespace scanmill {
 
-// Distance fields on a device. When a field moves with its sensor, the field at the new position shares a pool of
-// bricks with the field at the previous position (BrickPool). Only bricks that are not on the device
-// yet are uploaded.
+constexpr float kLeftOut = -1;  // Particles::begin of a particle that is left to the processor
 
+// Values that the outcome column of hit records can have besides those of Outcome.
+constexpr std::uint32_t kGoOn = 3;                    // the particle continues behind a hole
+constexpr std::uint32_t kParticleDone = 0x80000000u;  // flag: the particle's result is complete
+
+// The compute programs of particles, assembled from the files in methods/gpu/shaders and the constants that the
+// processor's code uses. A comment at the top of each file lists the program's buffers and tables. See gpu/compute.h.
+// The text of rays.glsl alone, for programs that need the rays of shots:
+extern const std::string_view kRaysShader;
+
+// These functions return programs for fields with or without lists of triangles: the launch program creates particles,
+// the march program takes their steps, and the last program computes hits from their records.
+std::string launchShader(bool lists);
+std::string marchShader(bool lists);
+std::string particleHitsShader(bool lists);
+
+// Distance fields on a device. When a field moves with its sensor, the field at the new position shares a pool of
+// bricks with the field at the previous position (BrickPool). Only bricks that are not on the device yet are uploaded.
 class DeviceFields {
  public:
   // `mostTableBytes`: largest size of a table (bytes).

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "base/vec.h"
-#include "passes/camera.h"
+#include "passes/pass_image.h"
 
 namespace scanmill {
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "passes/camera.h"
+#include "passes/pass_image.h"
 #include "passes/renderer.h"
 #include "passes/resolver.h"
 #include "passes/vtk/vtk_geometry.h"

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <vector>
 
-#include "methods/gpu/shaders.h"
+#include "methods/gpu/device_march.h"
 #include "methods/world/resolve.h"
 #include "tests/support/gl.h"
 #include "tests/support/test_scene.h"

@@ -1,7 +1,5 @@
 // The compute programs are valid GLSL on any machine: the reference compiler reads each of them as a device would.
 
-#include "methods/gpu/shaders.h"
-
 #include <sys/wait.h>
 
 #include <cstdio>
@@ -9,6 +7,7 @@
 
 #include "base/file.h"
 #include "gpu/compute.h"
+#include "methods/gpu/device_march.h"
 #include "tests/support/temporary_folder.h"
 
 namespace scanmill {
