@@ -84,10 +84,4 @@ CloudErrors CloudErrorSum::finish() const {
   return {to, from, std::max(to.max, from.max), unmatched_};
 }
 
-CloudErrors cloudErrors(std::span<const Vec3f> truth, std::span<const Vec3f> tested) {
-  CloudErrorSum sum;
-  sum.add(cloudDistances(truth, tested));
-  return sum.finish();
-}
-
 }  // namespace scanmill

@@ -20,7 +20,7 @@ struct CloudErrors {
   std::size_t unmatched = 0;
 };
 
-// The distances between a true and a tested cloud.
+// The distances between a true and a tested cloud. Points that are not finite are ignored.
 struct CloudDistances {
   // Distance (m) of each true point to the tested cloud; NaN if the point is not finite or the tested cloud is empty.
   std::vector<float> to;
@@ -29,9 +29,6 @@ struct CloudDistances {
   std::size_t unmatched = 0;  // number of finite points in one cloud if the other cloud has none; otherwise 0
 };
 CloudDistances cloudDistances(std::span<const Vec3f> truth, std::span<const Vec3f> tested);
-
-// Returns the distances between two clouds. Points that are not finite are ignored.
-CloudErrors cloudErrors(std::span<const Vec3f> truth, std::span<const Vec3f> tested);
 
 // Accumulates the distances of several pairs of clouds, all with the same weight. The nearest point is searched only
 // within the same pair.

@@ -24,6 +24,12 @@ std::vector<Vec3f> scattered(std::size_t count, std::uint32_t stream, double rad
   return points;
 }
 
+CloudErrors cloudErrors(std::span<const Vec3f> truth, std::span<const Vec3f> tested) {
+  CloudErrorSum sum;
+  sum.add(cloudDistances(truth, tested));
+  return sum.finish();
+}
+
 TEST(CloudErrors, OfParallelGridsAreTheirDistance) {
   const CloudErrors e = cloudErrors(gridAt({}), gridAt({0, 0, 0.25f}));
   for (const Spread& s : {e.to, e.from}) {
