@@ -213,7 +213,10 @@ class BodyReader {
       : header_(std::move(header)), where_{what, 0, 0}, exact_(exact) {
     if (!exact_ || header_.data != "ascii") return;
     // Digits of a text may be more than its header's type holds.
-    for (PcdField& field : header_.fields) field.size = field.type == 'F' ? 8 : field.size;
+    for (PcdField& field : header_.fields) {
+      const bool isPlace = field.type == 'F' && (field.name == "x" || field.name == "y" || field.name == "z");
+      if (isPlace) field.size = sizeof(double);
+    }
     header_.placeFields();
   }
 
