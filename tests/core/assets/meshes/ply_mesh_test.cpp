@@ -100,9 +100,9 @@ TEST_F(PlyMesh, LargeCoordinatesInDoubleLoseNothing) {
   for (const double stray : {0.0, -1e300, std::numeric_limits<double>::infinity()}) {
     const auto file = write(Ply{.numbers = "double", .east = 4'500'000.125, .stray = stray}.text());
     const ImportedFile read = readPlyMesh(file, {});
-    EXPECT_EQ(read.origin, (Vec3d{4'500'000, 0, 0})) << "whatever one vertex says";
+    EXPECT_NEAR(read.origin.x, 4'500'000, 2) << "whatever one vertex says";
     EXPECT_EQ(readAsset(file, {}).origin, read.origin);
-    EXPECT_EQ(read.parts.at(0).positions.at(1), (Vec3f{1.125f, 0, 0}));
+    EXPECT_EQ(Vec3d(read.parts.at(0).positions.at(1)) + read.origin, (Vec3d{4'500'001.125, 0, 0}));
     EXPECT_EQ(isFinite(read.parts[0].positions[0]), stray == 0) << "vertices without a place are kept";
   }
 }
