@@ -354,7 +354,9 @@ def import_file(path, kind):
 def hide_coarser_levels(path):
     """Hides all levels of detail of an FBX but the first by name: the importer shows all of them."""
     with open(path, "rb") as file:
-        groups = re.findall(rb"([^\x00]+)\x00\x01ModelS\x08\x00\x00\x00LodGroup", file.read())
+        data = file.read()
+    ends = [found.start() for found in re.finditer(rb"\x00\x01ModelS\x08\x00\x00\x00LodGroup", data)]
+    groups = [data[data.rfind(b"\0", 0, end) + 1 : end] for end in ends]
     for group in (bpy.data.objects.get(name.decode(errors="replace")) for name in groups):
         levels = sorted(group.children, key=lambda level: level.name) if group is not None else []
         for level in levels[1:]:
