@@ -338,7 +338,7 @@ def import_file(path, kind):
             " convert the file to glTF"
         )
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    if kind == ".x3d":
+    if kind == ".x3d" and bpy.app.version < (4, 2):
         # Blender 3.4 opens X3D in the mode "rU", which Python 3.11 no longer has.
         importlib.import_module("io_scene_x3d.import_x3d").open = lambda file, mode, **more: open(file, "r", **more)
     try:
