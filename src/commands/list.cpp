@@ -135,9 +135,10 @@ void printElements() {
     }
     if (!format.alsoLeftOut.empty()) leftOut += fmt::format("{}{}", leftOut.empty() ? "" : "; ", format.alsoLeftOut);
     printText("\n## {} ({})\n\n{}.\n", format.name, format.suffixes, how);
-    if (!read.empty()) printText("Names: `{}`.\n", read);
-    if (!unused.empty()) printText("Without effect: `{}`.\n", unused);
-    if (!leftOut.empty()) printText("*Left out*: {}.\n", leftOut);
+    if (!(read + unused + leftOut).empty()) printText("\n");
+    if (!read.empty()) printText("- Names: `{}`\n", read);
+    if (!unused.empty()) printText("- *Without effect*: `{}`\n", unused);
+    if (!leftOut.empty()) printText("- *Left out*: {}\n", leftOut);
   }
 }
 

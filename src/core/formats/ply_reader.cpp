@@ -123,7 +123,7 @@ const FormatSupport& plyCloudFormat() {
   static const FormatSupport format{
       "PLY of points",
       ".ply without faces",
-      {{Unused, "vertex face tristrips camera"}, {LeftOut, "edge", "elements 'edge'"}},
+      {{Read, "vertex"}, {Unused, "face tristrips camera"}, {LeftOut, "edge", "elements 'edge'"}},
       "Points, whose properties are the columns of point clouds. Empty elements and the camera of MeshLab change "
       "nothing",
       "lists at vertices; bytes behind the stated contents"};
