@@ -4,21 +4,15 @@
 
 #include <chrono>
 #include <functional>
-#include <sstream>
 #include <thread>
 
-#include "base/file.h"
 #include "dataset/manifest.h"
-#include "dataset/scan_store.h"
-#include "images/images.h"
 #include "tests/commands/program.h"
 #include "tests/support/x_display.h"
 #include "viewer/color_map.h"
 
 namespace scanmill {
 namespace {
-
-using testing::HasSubstr;
 
 constexpr int kWidth = 1000;
 constexpr int kHeight = 700;
@@ -105,14 +99,6 @@ auto holdsColor(const Rgb& color, std::size_t atLeast) {
 
 auto lacksColor(const Rgb& color, std::size_t atMost) {
   return [=](const Image& screen) { return pixelsOf(screen, color).size() <= atMost; };
-}
-
-auto differsFrom(const Image& before, std::size_t atLeast) {
-  return [&before, atLeast](const Image& screen) {
-    std::size_t different = 0;
-    for (std::size_t i = 0; i < screen.pixels.size(); ++i) different += screen.pixels[i] != before.pixels[i] ? 1 : 0;
-    return different >= atLeast;
-  };
 }
 
 // The swatch of the legend: where the colour fills a square.

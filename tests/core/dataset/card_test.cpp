@@ -14,7 +14,6 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
-using testing::Not;
 using OrderedJson = nlohmann::ordered_json;
 
 // The cells of the table under a heading, by rows.

@@ -21,10 +21,6 @@ std::string refusalOfIndex(const fs::path& file) {
   return messageOf<InputError>([&] { ShardIndex index(file); });
 }
 
-std::string refusalOfTar(const fs::path& file) {
-  return messageOf<InputError>([&] { membersOf(file); });
-}
-
 TEST(ShardIndex, EqualsReadTar) {
   const TemporaryFolder folder;
   writeMembers(folder.path() / "x.tar", oddMembers());

@@ -10,7 +10,6 @@ namespace scanmill {
 namespace {
 
 using testing::AllOf;
-using testing::ElementsAre;
 using testing::HasSubstr;
 
 // A reader of a binary PLY of one element, with numpy and nothing of ours.
