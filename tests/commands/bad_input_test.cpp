@@ -6,7 +6,7 @@
 #include <random>
 
 #include "base/file.h"
-#include "dataset/shard.h"
+#include "dataset/shard_writer.h"
 #include "tests/commands/program.h"
 
 namespace scanmill {

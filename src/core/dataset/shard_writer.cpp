@@ -1,19 +1,138 @@
 #include "dataset/shard_writer.h"
 
+#include <archive.h>
+#include <archive_entry.h>
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <exception>
 #include <set>
+#include <string>
 #include <string_view>
 #include <utility>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "base/hash.h"
 #include "base/own_folder.h"
 #include "dataset/manifest.h"
 #include "dataset/shard_name.h"
 
 namespace scanmill {
+
+namespace {
+
+// Number of bytes that are hashed and then written at a time, while they are still in the cache.
+constexpr std::size_t kPieceBytes = 1 << 17;
+// Size up to which headers, padding and short members are collected before they are written.
+constexpr std::size_t kShortBytes = 1 << 14;
+constexpr std::uint64_t kTarBytes = 512;
+constexpr std::size_t kUstarName = 100;
+
+std::uint64_t wholeBlocks(std::uint64_t bytes) {
+  return (bytes + kTarBytes - 1) / kTarBytes * kTarBytes;
+}
+
+}  // namespace
+
+struct ShardFile::State {
+  std::filesystem::path path;
+  AtomicFile file;
+  Sha256 hash;
+  archive* tar = archive_write_new();
+  archive_entry* entry = archive_entry_new();
+  std::string waiting;         // bytes that are not hashed and written yet
+  std::exception_ptr failure;  // exception from writeBytes(), which must not pass through libarchive's C code
+  bool discard = false;        // if true, nothing more is written
+
+  State(const std::filesystem::path& folder, const std::filesystem::path& where) : path(where), file(folder, where) {}
+  ~State() {
+    archive_entry_free(entry);
+    discard = true;  // set first, because freeing an unfinished archive flushes it
+    archive_write_free(tar);
+  }
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+
+  static la_ssize_t writeBytes(archive*, void* self, const void* data, std::size_t size) {
+    State& state = *static_cast<State*>(self);
+    if (state.discard) return static_cast<la_ssize_t>(size);
+    try {
+      state.put({static_cast<const char*>(data), size});
+    } catch (...) {
+      // The failure is hidden from libarchive, which leaks its buffers after a failed write; check() throws it to the
+      // caller.
+      state.failure = std::current_exception();
+      state.discard = true;
+    }
+    return static_cast<la_ssize_t>(size);
+  }
+
+  void put(std::string_view bytes) {
+    if (bytes.size() + waiting.size() <= kShortBytes) {
+      waiting += bytes;
+      return;
+    }
+    flush();
+    for (std::size_t first = 0; first < bytes.size(); first += kPieceBytes) {
+      const std::string_view piece = bytes.substr(first, kPieceBytes);
+      hash.add(piece);
+      file.write(piece);
+    }
+  }
+
+  void flush() {
+    hash.add(waiting);
+    file.write(waiting);
+    waiting.clear();
+  }
+
+  void check(la_ssize_t result) {
+    if (failure) std::rethrow_exception(failure);
+    if (result < ARCHIVE_OK) {
+      throw Error(fmt::format("{}: cannot be written as tar: {}", path.string(), archive_error_string(tar)));
+    }
+  }
+};
+
+ShardFile::ShardFile(const std::filesystem::path& folder, const std::filesystem::path& path)
+    : state_(std::make_unique<State>(folder, path)) {
+  State& s = *state_;
+  s.check(archive_write_set_format_pax_restricted(s.tar));
+  s.check(archive_write_set_bytes_per_block(s.tar, 0));      // no blocks: libarchive passes bytes on without a copy
+  s.check(archive_write_set_bytes_in_last_block(s.tar, 1));  // the end is not padded to a complete block
+  s.check(archive_write_open(s.tar, &s, nullptr, &State::writeBytes, nullptr));
+}
+
+ShardFile::~ShardFile() = default;
+
+void ShardFile::add(const std::string& name, std::string_view bytes) {
+  State& s = *state_;
+  archive_entry_clear(s.entry);
+  archive_entry_set_pathname(s.entry, name.c_str());
+  archive_entry_set_filetype(s.entry, AE_IFREG);
+  archive_entry_set_perm(s.entry, 0644);
+  archive_entry_set_size(s.entry, static_cast<la_int64_t>(bytes.size()));
+  archive_entry_set_mtime(s.entry, 0, 0);
+  s.check(archive_write_header(s.tar, s.entry));
+  s.check(archive_write_data(s.tar, bytes.data(), bytes.size()));
+  s.check(archive_write_finish_entry(s.tar));
+}
+
+ShardFile::Whole ShardFile::close() {
+  State& s = *state_;
+  s.check(archive_write_close(s.tar));
+  s.flush();
+  s.file.commit();
+  return {s.hash.hex(), s.file.size()};
+}
+
+std::uint64_t ShardFile::memberBytes(std::size_t nameLength, std::uint64_t bytes) {
+  std::uint64_t size = kTarBytes + wholeBlocks(bytes);
+  // A long name needs a pax header with one record: "<length> path=<name>\n".
+  if (nameLength > kUstarName) size += kTarBytes + wholeBlocks(nameLength + 16);
+  return size;
+}
 
 namespace {
 

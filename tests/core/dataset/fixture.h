@@ -15,7 +15,7 @@
 #include "base/random.h"
 #include "dataset/manifest.h"
 #include "dataset/reader.h"
-#include "dataset/shard.h"
+#include "dataset/shard_writer.h"
 #include "formats/format.h"
 #include "tests/support/message_of.h"
 #include "tests/support/packed_dataset.h"

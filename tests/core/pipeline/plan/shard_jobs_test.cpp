@@ -2,7 +2,7 @@
 
 #include <set>
 
-#include "dataset/shard.h"
+#include "dataset/shard_writer.h"
 #include "tests/core/pipeline/small_world.h"
 
 namespace scanmill {
