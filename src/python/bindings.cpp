@@ -31,8 +31,7 @@
 #include "dataset/reader.h"
 #include "dataset/scan_store.h"
 #include "python/arrays.h"
-#include "python/pass_recorder.h"
-#include "python/simulator_bindings.h"
+#include "python/classes.h"
 
 namespace py = pybind11;
 

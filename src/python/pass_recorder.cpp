@@ -1,5 +1,3 @@
-#include "python/pass_recorder.h"
-
 #include <fmt/core.h>
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
@@ -15,6 +13,7 @@
 #include "config/version.h"
 #include "dataset/recording.h"
 #include "passes/exr/pass_exr.h"
+#include "python/classes.h"
 #include "sensors/sensor.h"
 
 namespace py = pybind11;

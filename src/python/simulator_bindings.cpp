@@ -1,5 +1,3 @@
-#include "python/simulator_bindings.h"
-
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
@@ -16,6 +14,7 @@
 #include "dataset/json_text.h"
 #include "dataset/manifest.h"
 #include "python/arrays.h"
+#include "python/classes.h"
 #include "python/simulator.h"
 
 namespace py = pybind11;
