@@ -184,7 +184,7 @@ TEST_F(VendorFiles, MetadataThatIsNoneIsRefused) {
            {"[]", "a map"},
            {"{}", "no beam_altitude_angles"},
            {with("[1, 2]", "[1]"), "2 beam_altitude_angles and 1"},
-           {with("[1, \"x\"]", "[1, 2]"), "beam_altitude_angles: entry 1 must be a number"},
+           {with("[1, \"x\"]", "[1, 2]"), "beam_altitude_angles[1] must be a number"},
            {with("[[1], [2]]", "[[1], [2]]"), "only metadata of spinning sensors"},
            {with("[100]", "[1]"), "altitude 100"},
            {with("[1]", "[1]"), "has no lidar_mode"},

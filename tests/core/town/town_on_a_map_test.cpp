@@ -15,115 +15,46 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::IsSupersetOf;
 
-// Walls and trees are as high as the map says, crowns and paths as wide.
-TEST(Town, SizesOfTheMapAreBuilt) {
-  TemporaryFolder folder;
-  std::string map = "<osm version='0.6'>";
-  const auto add = [&](int id, double x, double y, const std::string& tags = "") {
-    map += fmt::format("<node id='{}' lat='{:.7f}' lon='{:.7f}'>{}</node>", id, 51 + y / 111250, 0.5 + x / 70200, tags);
-  };
-  for (int k = 0; k < 3; ++k) add(1 + k, -150 + 150 * k, 0);
-  for (int k = 0; k < 4; ++k) add(4 + k, k % 2 == 0 ? -30 : 30, k < 2 ? 40 : 50);
-  add(8, 0, 30, "<tag k='natural' v='tree'/><tag k='height' v='21'/><tag k='diameter_crown' v='5'/>");
-  map +=
-      "<way id='1'><nd ref='1'/><nd ref='2'/><nd ref='3'/><tag k='highway' v='residential'/></way>"
-      "<way id='2'><nd ref='4'/><nd ref='5'/><tag k='barrier' v='wall'/><tag k='height' v='5'/></way>"
-      "<way id='3'><nd ref='6'/><nd ref='7'/><tag k='highway' v='footway'/><tag k='width' v='4'/></way></osm>";
-  const std::string keys =
-      fmt::format("{{map: {}, length: 200, slope: 0, greenery: 0, people: 0, vehicles: 0, traffic: 0, detail: 0.1}}",
-                  folder.write("sizes.osm", map).string());
-  const Scene scene = makeTown(keys, 1);
-  const auto boxOf = [&](const std::string& name) {
-    Box box;
-    forPoints(scene, [&](const Instance& i, const Vec3d& p) {
-      if (i.name.starts_with(name)) box.add(p);
-    });
-    return box;
-  };
-  const Box tree = boxOf("tree 1");
-  EXPECT_NEAR(tree.high.z, 21, 0.5);
-  EXPECT_NEAR((tree.high.x - tree.low.x + tree.high.y - tree.low.y) / 2, 5, 1.5);
-  Box panel;
-  forPoints(scene, [&](const Instance& i, const Vec3d& p) {
-    if (i.name == "boundary 1") panel.add(p);
-  });
-  const Value value = parseYaml(keys, "town.yaml");
-  Fields fields(value, "town");
-  const town::Parameters parameters = town::readParameters(fields);
-  const town::Layout layout{parameters, 1,
-                            town::cutOut(town::readMap(parameters.map, false, {}), parameters, 1, 200, {})};
-  EXPECT_NEAR(panel.high.z, layout.heightAt({panel.center().x, panel.center().y}) + 5, 0.1);
-  EXPECT_TRUE(std::any_of(layout.patches().begin(), layout.patches().end(), [](const town::Patch& patch) {
-    return patch.kind == town::GroundKind::Path && patch.place.halfY == 2;
-  }));
-}
-
-TEST(Town, TreesAndShortWallsOfTheMapAreBuilt) {
-  TemporaryFolder folder;
-  std::string map = "<osm version='0.6'>";
-  int nodes = 0;
-  const auto add = [&](double x, double y, const std::string& tags = "") {
-    map += fmt::format("<node id='{}' lat='{:.7f}' lon='{:.7f}'>{}</node>", ++nodes, 51 + y / 111250, 0.5 + x / 70200,
-                       tags);
-  };
-  for (int k = 0; k < 3; ++k) add(-150 + 150 * k, 0);
-  std::string walls;
-  for (int k = 0; k < 5; ++k) {
-    add(-60 + 4 * k, 12);
-    add(-59.1 + 4 * k, 12);
-    walls += fmt::format("<way id='{}'><nd ref='{}'/><nd ref='{}'/><tag k='barrier' v='wall'/></way>", 2 + k, nodes - 1,
-                         nodes);
-  }
-  for (int k = 0; k < 40; ++k) {
-    add(-78 + 4 * k, k % 2 == 0 ? 4.5 : -5.5, "<tag k='natural' v='tree'/><tag k='diameter_crown' v='3'/>");
-  }
-  map +=
-      "<way id='1'><nd ref='1'/><nd ref='2'/><nd ref='3'/><tag k='highway' v='residential'/><tag k='width' v='6'/>"
-      "<tag k='sidewalk' v='no'/><tag k='parking:both' v='no'/></way>" +
-      walls + "</osm>";
-  const Scene scene = makeTown(
-      fmt::format("{{map: {}, length: 200, slope: 0, detail: 0.1}}", folder.write("trees.osm", map).string()), 1);
-  std::set<std::string> built;
-  for (const Instance& i : scene.instances) built.insert(i.name);
-  for (int k = 1; k <= 40; ++k) EXPECT_TRUE(built.contains(fmt::format("tree {}", k))) << k;
-  for (int k = 1; k <= 5; ++k) EXPECT_TRUE(built.contains(fmt::format("boundary {}", k))) << k;
-}
-
-// A street on a map to which tests add ways and relations, and nothing that the seed places on its lawns.
+// A street on a map to which tests add nodes, ways and relations, and nothing that the seed places on its lawns.
 class StreetOnAMap {
  public:
-  StreetOnAMap() { way({{-102, 0}, {0, 0}, {102, 0}}, "<tag k='highway' v='residential'/>"); }
+  explicit StreetOnAMap(const std::string& tags = "") {
+    way({{-102, 0}, {0, 0}, {102, 0}}, "<tag k='highway' v='residential'/>" + tags);
+  }
+  // Returns the id of the node.
+  int node(const town::Point2& at, const std::string& tags = "") {
+    nodes_ += fmt::format("<node id='{}' lat='{:.9f}' lon='{:.9f}'>{}</node>", ++id_, 51 + at.y / 111250,
+                          0.5 + at.x / 70200, tags);
+    return id_;
+  }
   // Returns the id of the way. The last point of a closed way is the first.
   int way(const std::vector<town::Point2>& points, const std::string& tags) {
     std::string refs;
     const int first = id_ + 1;
     for (std::size_t i = 0; i < points.size(); ++i) {
       const bool closes = i > 0 && town::distance(points[i], points[0]) == 0;
-      if (!closes) {
-        nodes_ += fmt::format("<node id='{}' lat='{:.9f}' lon='{:.9f}'/>", ++id_, 51 + points[i].y / 111250,
-                              0.5 + points[i].x / 70200);
-      }
-      refs += fmt::format("<nd ref='{}'/>", closes ? first : id_);
+      refs += fmt::format("<nd ref='{}'/>", closes ? first : node(points[i]));
     }
     add(fmt::format("<way id='{}'>{}{}</way>", ++id_, refs, tags));
     return id_;
   }
   void add(const std::string& element) { behindNodes_ += element; }
-  std::string yaml() const {
-    return fmt::format(
-        "{{map: {}, length: 200, slope: 0, greenery: 0, people: 0, vehicles: 0, traffic: 0, detail: 0.05}}",
-        write().string());
+  Scene scene(const std::string& keys = kBare) const { return makeTown(yaml(keys), 1); }
+  town::Parameters parameters() const {
+    const Value value = parseYaml(yaml(kBare), "town.yaml");
+    Fields fields(value, "town");
+    return town::readParameters(fields);
   }
-  Scene scene() const { return makeTown(yaml(), 1); }
   town::Map map() const { return town::readMap(write(), false, {}); }
   // Returns the part of the map around the town of seed 1, in the town's frame.
-  town::MapPlace place() const {
-    const Value value = parseYaml(yaml(), "town.yaml");
-    Fields fields(value, "town");
-    return town::cutOut(map(), town::readParameters(fields), 1, 150, {});
-  }
+  town::MapPlace place() const { return town::cutOut(map(), parameters(), 1, 150, {}); }
 
  private:
+  static constexpr const char* kBare = "greenery: 0, people: 0, vehicles: 0, traffic: 0, detail: 0.05";
+
+  std::string yaml(const std::string& keys) const {
+    return fmt::format("{{map: {}, length: 200, slope: 0, {}}}", write().string(), keys);
+  }
   std::filesystem::path write() const {
     return folder_.write("street.osm", "<osm version='0.6'>" + nodes_ + behindNodes_ + "</osm>");
   }
@@ -133,6 +64,45 @@ class StreetOnAMap {
   std::string behindNodes_;
   int id_ = 0;
 };
+
+// Walls and trees are as high as the map says, crowns and paths as wide.
+TEST(Town, SizesOfTheMapAreBuilt) {
+  StreetOnAMap street;
+  street.node({0, 30}, "<tag k='natural' v='tree'/><tag k='height' v='21'/><tag k='diameter_crown' v='5'/>");
+  street.way({{-30, 40}, {30, 40}}, "<tag k='barrier' v='wall'/><tag k='height' v='5'/>");
+  street.way({{-30, 50}, {30, 50}}, "<tag k='highway' v='footway'/><tag k='width' v='4'/>");
+  const Scene scene = street.scene();
+  const auto boxOf = [&](const std::string& name) {
+    Box box;
+    forPoints(scene, [&](const Instance& i, const Vec3d& p) {
+      if (i.name == name) box.add(p);
+    });
+    return box;
+  };
+  const Box tree = boxOf("tree 1");
+  EXPECT_NEAR(tree.high.z, 21, 0.5);
+  EXPECT_NEAR((tree.high.x - tree.low.x + tree.high.y - tree.low.y) / 2, 5, 1.5);
+  const Box panel = boxOf("boundary 1");
+  const town::Layout layout{street.parameters(), 1, street.place()};
+  EXPECT_NEAR(panel.high.z, layout.heightAt({panel.center().x, panel.center().y}) + 5, 0.1);
+  EXPECT_TRUE(std::any_of(layout.patches().begin(), layout.patches().end(), [](const town::Patch& patch) {
+    return patch.kind == town::GroundKind::Path && patch.place.halfY == 2;
+  }));
+}
+
+TEST(Town, TreesAndShortWallsOfTheMapAreBuilt) {
+  StreetOnAMap street("<tag k='width' v='6'/><tag k='sidewalk' v='no'/><tag k='parking:both' v='no'/>");
+  for (const double west : {-60.0, -56.0, -52.0, -48.0, -44.0}) {
+    street.way({{west, 12}, {west + 0.9, 12}}, "<tag k='barrier' v='wall'/>");
+  }
+  for (int k = 0; k < 40; ++k) {
+    street.node({-78.0 + 4 * k, k % 2 == 0 ? 4.5 : -5.5}, "<tag k='natural' v='tree'/><tag k='diameter_crown' v='3'/>");
+  }
+  std::set<std::string> built;
+  for (const Instance& i : street.scene("detail: 0.1").instances) built.insert(i.name);
+  for (int k = 1; k <= 40; ++k) EXPECT_TRUE(built.contains(fmt::format("tree {}", k))) << k;
+  for (int k = 1; k <= 5; ++k) EXPECT_TRUE(built.contains(fmt::format("boundary {}", k))) << k;
+}
 
 // No point of a barrier is farther from its pieces than half of their thickness, whatever its corners are.
 TEST(Town, BarriersOfTheMapHaveNoGaps) {
