@@ -278,7 +278,7 @@ TEST_F(MadeDataset, WarnsOfMistakes) {
       {"1 scan has unusually few points: less than half of their sensor's median.\n"
        "street-s1-lane-000003, top: 12 points, where the sensor's median is 25",
        [](auto& samples) { samples[3].points.resize(12); }},
-      {"The method gave up 2 beams (0.010 %), so that it is unknown whether they hit.\n"
+      {"The method gave up 2 beams (0.52 %), so that it is unknown whether they hit.\n"
        "street-s2-lane-000004, top: 2 beams",
        [](auto& samples) { samples[4].unresolved = 2; }},
       {mixed + "street-s1-lane-000003, instance 3: 1 road, 20 car points",
