@@ -502,11 +502,9 @@ const FormatSupport& osmFormat() {
       "multipolygons, boundaries and relations of buildings; lengths in metres unless they have another unit",
       "all else that has a shape, by its tag, such as highway=street_lamp; what is on bridges, in tunnels, indoors or "
       "underground; surfaces of roads, looks and states of buildings, heights of nodes; buildings that are nodes; "
-      "buildings, roads and areas "
-      "with "
-      "missing nodes; pitched roofs over outlines that are no rectangles; areas of hedges, walls and fences, whose "
-      "outlines are built; heights and roofs of outer ways that differ from those of their multipolygon; holes of "
-      "multipolygons without tags; values that are no numbers"};
+      "buildings, roads and areas with missing nodes; pitched roofs over outlines that are no rectangles; areas of "
+      "hedges, walls and fences, whose outlines are built; heights and roofs of outer ways that differ from those of "
+      "their multipolygon; holes of multipolygons without tags; values that are no numbers"};
   return format;
 }
 
@@ -580,9 +578,8 @@ Map readMap(const std::filesystem::path& file, bool mirrored, const Location& wh
     throw;
   } catch (const std::exception& e) {
     throw InputError(where, fmt::format("{} cannot be read as an OpenStreetMap extract ({}): {}; the Overpass API "
-                                        "writes such files with `[out:xml]` and "
-                                        "`(._;>;); out meta;`, and `osmium cat -o place.osm.pbf` rewrites files with "
-                                        "another compression",
+                                        "writes such files with `[out:xml]` and `(._;>;); out meta;`, and `osmium cat "
+                                        "-o place.osm.pbf` rewrites files with another compression",
                                         file.string(), osmFormat().suffixes, reasonOf(e)));
   }
   Map map = makeMap(extract, mirrored);

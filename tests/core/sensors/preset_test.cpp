@@ -73,16 +73,6 @@ TEST(Presets, Mid70DrawsARosetteThatRepeatsAfterHalfAMinute) {
   for (int tenths = 1; tenths < 300; tenths += 7) EXPECT_GT(apart(0.1 * tenths), 0.02) << tenths;
 }
 
-TEST(Presets, Paper64SpansItsFieldOfView) {
-  const auto beams = presetFile("paper_64.yaml");
-  EXPECT_EQ(beams->rings, 64u);
-  EXPECT_EQ(beams->columns, 2048u);
-  EXPECT_NEAR(degrees(beams->elevation.front() - beams->elevation.back()), 26.8, 1e-12);
-  for (std::size_t ring = 1; ring < 64; ++ring) {
-    EXPECT_NEAR(degrees(beams->elevation[ring - 1] - beams->elevation[ring]), 26.8 / 63, 1e-12);
-  }
-}
-
 // Every point of a real turn lies on our beam: the vendor's decoder and our table agree on directions, origins, the way
 // the sensor turns and the order of rings and columns.
 TEST(Presets, Os1BeamsPassThroughARealRecording) {
