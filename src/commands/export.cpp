@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
-#include <memory>
 #include <optional>
 
 #include "base/terminal.h"

@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <array>
-#include <utility>
-
 #include "base/parallel.h"
 #include "base/short_text.h"
 #include "base/terminal.h"

@@ -1,7 +1,6 @@
 #include "commands/stop_signal.h"
 
 #include <csignal>
-#include <initializer_list>
 
 namespace scanmill {
 

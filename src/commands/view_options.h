@@ -9,7 +9,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "commands/arguments.h"
 #include "viewer/coloring.h"

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
-#include <array>
 #include <cmath>
 #include <cstring>
 #include <memory>

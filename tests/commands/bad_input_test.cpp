@@ -1,8 +1,6 @@
 // Damaged files of every kind that the program reads, and files that ask for attention: it refuses them by name and
 // never crashes. The readers' own tests and the fuzzer try more.
 
-#include <cstdlib>
-#include <memory>
 #include <random>
 
 #include "base/file.h"

@@ -1,4 +1,3 @@
-#include <fstream>
 
 #include "base/file.h"
 #include "config/value.h"

@@ -4,8 +4,6 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
-#include <numbers>
-
 #include "base/file.h"
 #include "tests/commands/program.h"
 

@@ -1,7 +1,5 @@
 // Help, lists, and wrong usage.
 
-#include <iterator>
-
 #include "commands/command.h"
 #include "tests/commands/program.h"
 

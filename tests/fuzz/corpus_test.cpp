@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <random>
-#include <set>
 #include <vector>
 
 #include "base/error.h"

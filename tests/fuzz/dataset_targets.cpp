@@ -1,7 +1,5 @@
 // Datasets and recordings: scans, shards, manifests, images, caches.
 
-#include <stdexcept>
-
 #include "base/error.h"
 #include "base/file.h"
 #include "base/hash.h"

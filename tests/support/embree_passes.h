@@ -3,7 +3,6 @@
 // A renderer for tests and benchmarks: ray tracing with a beam through each pixel's centre.
 
 #include <algorithm>
-#include <map>
 #include <memory>
 #include <string>
 #include <utility>

@@ -11,7 +11,6 @@
 #include <cerrno>
 #include <cstring>
 #include <random>
-#include <utility>
 #include <vector>
 
 #include "base/error.h"

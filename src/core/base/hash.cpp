@@ -4,7 +4,6 @@
 #include <openssl/evp.h>
 
 #include <algorithm>
-#include <cstddef>
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>

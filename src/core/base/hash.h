@@ -2,7 +2,6 @@
 
 // Hashes of bytes, and bytes as text in base64 (RFC 4648, section 4).
 
-#include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <optional>

@@ -7,7 +7,6 @@
 //   const Vec3d point = worldFromSensor * Vec3d{10, 0, 0};  // (0, 10, 1.9)
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace scanmill {

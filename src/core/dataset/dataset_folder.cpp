@@ -9,9 +9,7 @@
 #include <chrono>
 #include <cstring>
 #include <exception>
-#include <string>
 #include <thread>
-#include <utility>
 #include <vector>
 
 #include "base/error.h"

@@ -1,11 +1,6 @@
 #include "dataset/json_text.h"
 
-#include <fmt/core.h>
-
-#include <algorithm>
 #include <cmath>
-
-#include "base/error.h"
 
 namespace scanmill {
 

@@ -5,7 +5,6 @@
 //   const Manifest manifest = readManifest("out/quickstart");
 //   for (const SampleRecord& sample : manifest.samples) std::puts(sample.key.c_str());
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <map>

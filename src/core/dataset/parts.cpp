@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <optional>
 #include <set>
-#include <utility>
-#include <vector>
 
 #include "base/append_new.h"
 #include "base/error.h"

@@ -6,12 +6,10 @@
 //     if (name.ends_with(".drc")) std::printf("%s: %zu points\n", name.c_str(), decodeMember(name, bytes).size());
 //   });
 
-#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "dataset/manifest.h"
 #include "scan/scan.h"

@@ -15,7 +15,6 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/own_folder.h"
-#include "dataset/manifest.h"
 #include "dataset/shard_name.h"
 
 namespace scanmill {

@@ -13,7 +13,6 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/parallel.h"
-#include "dataset/manifest.h"
 #include "dataset/objects.h"
 #include "dataset/reader.h"
 #include "dataset/sample_names.h"

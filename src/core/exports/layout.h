@@ -4,7 +4,6 @@
 // layouts().
 
 #include <cstddef>
-#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>

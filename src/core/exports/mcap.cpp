@@ -20,7 +20,6 @@
 #include <array>
 #include <cctype>
 #include <cmath>
-#include <map>
 #include <optional>
 #include <set>
 #include <utility>

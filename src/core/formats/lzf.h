@@ -5,7 +5,6 @@
 // the memory held).
 
 #include <cstddef>
-#include <string>
 
 namespace scanmill {
 

@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <cstring>
 #include <fstream>
-#include <string_view>
 #include <utility>
 
 #include "base/error.h"

@@ -7,8 +7,6 @@
 //
 // The given folder may be the root, a folder of sequences or drives, one sequence or drive, or a folder velodyne.
 
-#include <algorithm>
-
 #include "config/resources.h"
 #include "formats/readers.h"
 #include "imports/scan_folder.h"

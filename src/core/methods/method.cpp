@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "config/value.h"
 #include "methods/depth_camera/depth_camera.h"
 #include "methods/particle/particle.h"
 #include "methods/ray_tracing/ray_tracing.h"

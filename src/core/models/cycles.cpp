@@ -1,7 +1,6 @@
 // Bicycles and motorcycles.
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "models/models.h"

@@ -1,7 +1,6 @@
 #include "models/occupancy.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace scanmill::models {
 namespace {

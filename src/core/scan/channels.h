@@ -9,7 +9,6 @@
 //   const bool normals = asked.has(Channel::Normal);  // false
 
 #include <array>
-#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>

@@ -8,7 +8,6 @@
 #include <map>
 #include <optional>
 #include <queue>
-#include <tuple>
 
 #include "config/fields.h"
 

@@ -3,12 +3,10 @@
 #include <fmt/core.h>
 #include <meshoptimizer.h>
 
-#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
 #include <unordered_map>
-#include <utility>
 
 #include "base/error.h"
 #include "base/parallel.h"

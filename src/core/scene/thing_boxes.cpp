@@ -1,7 +1,6 @@
 #include "scene/thing_boxes.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <map>

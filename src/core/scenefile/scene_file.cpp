@@ -9,9 +9,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <map>
-#include <optional>
 
 #include "assets/asset.h"
 #include "assets/asset_kinds.h"
@@ -22,7 +20,6 @@
 #include "config/file_kind.h"
 #include "config/text.h"
 #include "formats/cloud_file.h"
-#include "scene/builder.h"
 #include "scene/primitives.h"
 #include "scenefile/concepts.h"
 #include "scenefile/file_meshes.h"

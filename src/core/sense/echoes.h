@@ -4,7 +4,6 @@
 //
 //   const std::vector<Echo> echoes = findEchoes(hits, {}, 0.9);  // a pulse of 6 ns is 0.9 m long
 
-#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>

@@ -1,7 +1,5 @@
 #include "sense/weather.h"
 
-#include <cmath>
-
 #include "base/vec.h"
 #include "methods/interface/light_paths.h"
 #include "sense/effects/elementary.h"

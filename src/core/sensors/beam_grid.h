@@ -3,7 +3,6 @@
 // Finds the beams of a sensor that point into a cone, without testing all beams.
 
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 #include "sensors/beams.h"

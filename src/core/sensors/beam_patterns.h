@@ -5,8 +5,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <memory>
-#include <utility>
 
 #include "config/fields.h"
 #include "sensors/beams.h"

@@ -42,9 +42,7 @@
 //   effects: [range_noise: {...}]      # for pipelines with `effects: sensor`; not part of the beam table
 
 #include <cstdint>
-#include <filesystem>
 #include <memory>
-#include <string>
 
 #include "config/value.h"
 #include "sensors/beams.h"

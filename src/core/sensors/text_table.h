@@ -3,7 +3,6 @@
 // Tables of numbers in text files.
 
 #include <filesystem>
-#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>

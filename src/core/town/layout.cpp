@@ -1,8 +1,5 @@
 #include "town/layout.h"
 
-#include <algorithm>
-#include <cmath>
-
 namespace scanmill::town {
 namespace {
 

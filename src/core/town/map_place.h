@@ -2,7 +2,6 @@
 
 // The part of a map from which a town is laid out: a part of one road and its surroundings.
 
-#include <string>
 #include <vector>
 
 #include "town/character.h"

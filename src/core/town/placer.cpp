@@ -1,7 +1,5 @@
 #include "town/placer.h"
 
-#include <cmath>
-
 namespace scanmill::town {
 
 Placer::Placer(SceneBuilder& sceneBuilder, const Layout& townLayout, const Affine& frame)

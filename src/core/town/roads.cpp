@@ -1,6 +1,5 @@
 #include "town/roads.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace scanmill::town {

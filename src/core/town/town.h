@@ -4,7 +4,6 @@
 // another town.
 
 #include <cstdint>
-#include <vector>
 
 #include "base/vec.h"
 #include "config/fields.h"

@@ -8,7 +8,6 @@
 
 #include "config/resources.h"
 #include "config/value.h"
-#include "draft/model.h"
 #include "scene/material.h"
 
 namespace scanmill::draft {

@@ -3,11 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
 #include <map>
-#include <set>
 #include <sstream>
 
 #include "assets/meshes/asset_parts.h"

@@ -6,7 +6,6 @@
 #include <array>
 #include <exception>
 #include <map>
-#include <set>
 #include <utility>
 
 #include "assets/meshes/asset_parts.h"

@@ -1,8 +1,5 @@
 #include "evaluate/spread.h"
 
-#include <algorithm>
-#include <cmath>
-
 namespace scanmill {
 
 Spread spreadOf(std::vector<double> values) {

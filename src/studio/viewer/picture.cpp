@@ -10,7 +10,6 @@
 #include "base/short_text.h"
 #include "methods/method.h"
 #include "viewer/color_map.h"
-#include "viewer/coloring.h"
 #include "viewer/panels/parts.h"
 #include "viewer/panels/rooms.h"
 #include "viewer/window/orbit_camera.h"

@@ -1,6 +1,5 @@
 #include "assets/asset_kinds.h"
 
-#include <string>
 #include <tuple>
 
 #include "tests/core/assets/meshes/triangle_files.h"

@@ -1,6 +1,5 @@
 #include "assets/asset.h"
 
-#include <cstdint>
 #include <regex>
 #include <string>
 #include <vector>

@@ -2,7 +2,6 @@
 
 #include <set>
 #include <string>
-#include <vector>
 
 #include "assets/asset.h"
 #include "assets/meshes/asset_parts.h"

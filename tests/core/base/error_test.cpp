@@ -1,7 +1,6 @@
 #include "base/error.h"
 
 #include <new>
-#include <stdexcept>
 #include <thread>
 
 namespace scanmill {

@@ -1,6 +1,5 @@
 #include "base/own_folder.h"
 
-#include "base/file.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,6 +1,5 @@
 #include "base/stage_clock.h"
 
-#include <chrono>
 #include <thread>
 
 #include "base/parallel.h"

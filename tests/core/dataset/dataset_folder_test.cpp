@@ -4,8 +4,6 @@
 #include <unistd.h>
 
 #include <csignal>
-#include <memory>
-#include <utility>
 
 #include "base/error.h"
 #include "base/file.h"

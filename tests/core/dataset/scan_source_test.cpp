@@ -1,4 +1,3 @@
-#include <fstream>
 
 #include "base/error.h"
 #include "dataset/scan_store.h"

@@ -1,7 +1,5 @@
 #include "dataset/scan_store.h"
 
-#include <string>
-
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 

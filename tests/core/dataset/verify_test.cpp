@@ -1,7 +1,5 @@
 #include "dataset/verify.h"
 
-#include <functional>
-
 #include "base/error.h"
 #include "base/file.h"
 #include "base/parallel.h"

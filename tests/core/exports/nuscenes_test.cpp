@@ -1,5 +1,4 @@
 #include <cstring>
-#include <map>
 
 #include "tests/core/exports/nuscenes_world.h"
 

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <vector>
 
 #include "formats/cloud_file.h"
 #include "tests/core/exports/export_world.h"

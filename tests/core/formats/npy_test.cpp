@@ -1,12 +1,12 @@
+#include "formats/npy.h"
+
 #include <fmt/core.h>
 
 #include <cstdlib>
-#include <ctime>
 
 #include "base/error.h"
 #include "base/file.h"
 #include "base/input_budget.h"
-#include "formats/npy.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 

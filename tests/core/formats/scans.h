@@ -9,7 +9,6 @@
 #include <limits>
 #include <memory>
 #include <random>
-#include <string>
 #include <string_view>
 #include <vector>
 

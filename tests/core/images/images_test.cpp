@@ -4,7 +4,6 @@
 #include <png.h>
 
 #include <atomic>
-#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 // jpeglib.h includes nothing that it needs.

@@ -2,8 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <cstring>
-
 #include "base/error.h"
 #include "formats/npy.h"
 #include "tests/support/message_of.h"

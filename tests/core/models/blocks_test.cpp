@@ -1,5 +1,4 @@
 #include <map>
-#include <numeric>
 
 #include "models/models.h"
 #include "tests/support/labels.h"

@@ -1,7 +1,5 @@
 #include "passes/pass_image.h"
 
-#include <numeric>
-
 #include "tests/support/message_of.h"
 
 namespace scanmill {

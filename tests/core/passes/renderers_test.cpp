@@ -1,6 +1,5 @@
 // Both renderers draw the same passes.
 
-#include <cstring>
 #include <string>
 #include <vector>
 

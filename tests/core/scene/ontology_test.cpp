@@ -1,7 +1,6 @@
 #include "scene/ontology.h"
 
 #include <cstdlib>
-#include <set>
 
 #include "tests/support/labels.h"
 #include "tests/support/message_of.h"

@@ -2,8 +2,6 @@
 
 #include <OpenImageIO/imageio.h>
 
-#include <cstdint>
-#include <string>
 #include <vector>
 
 #include "base/file.h"

@@ -3,7 +3,6 @@
 #include <map>
 
 #include "scene/material.h"
-#include "scene/ontology.h"
 #include "tests/support/labels.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"

@@ -1,6 +1,5 @@
 #include "scenefile/file_meshes.h"
 
-#include <map>
 #include <set>
 
 #include "images/images.h"

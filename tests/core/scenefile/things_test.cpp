@@ -3,7 +3,6 @@
 #include <map>
 #include <set>
 
-#include "config/fields.h"
 #include "scenefile/connected_parts.h"
 #include "tests/support/message_of.h"
 

@@ -1,7 +1,5 @@
 #include "sense/echoes.h"
 
-#include <vector>
-
 #include "base/random.h"
 #include "sensors/footprint.h"
 #include "tests/support/test_scene.h"

@@ -2,7 +2,6 @@
 
 #include "tests/support/message_of.h"
 #include "town/map_place.h"
-#include "town/osm.h"
 
 namespace scanmill::town {
 namespace {

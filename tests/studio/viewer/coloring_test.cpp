@@ -8,7 +8,6 @@
 #include "base/parallel.h"
 #include "tests/support/message_of.h"
 #include "tests/support/test_scene.h"
-#include "viewer/color_map.h"
 
 namespace scanmill {
 namespace {

@@ -3,7 +3,6 @@
 #include <set>
 
 #include "base/random.h"
-#include "sensors/beams.h"
 #include "tests/support/message_of.h"
 #include "tests/support/shared_data.h"
 #include "viewer/color_map.h"

@@ -4,7 +4,6 @@
 #include <array>
 #include <bit>
 #include <utility>
-#include <vector>
 
 #include "formats/cloud_file.h"
 

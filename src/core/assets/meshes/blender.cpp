@@ -11,9 +11,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <string>
 #include <string_view>
-#include <vector>
 
 #include "base/error.h"
 #include "config/resources.h"

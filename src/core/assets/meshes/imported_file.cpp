@@ -5,11 +5,9 @@
 
 #include <algorithm>
 #include <concepts>
-#include <cstdint>
 #include <cstring>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 #include "assets/meshes/asset_parts.h"
 #include "assets/meshes/assimp/parts.h"

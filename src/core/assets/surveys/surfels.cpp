@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstdint>
 #include <nanoflann.hpp>
-#include <numeric>
 
 #include "assets/surveys/surveys.h"
 #include "base/parallel.h"

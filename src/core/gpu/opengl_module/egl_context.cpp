@@ -7,7 +7,6 @@
 #include <array>
 #include <stdexcept>
 #include <string_view>
-#include <vector>
 
 #include "gpu/device.h"
 

@@ -20,9 +20,7 @@
 #include "base/error.h"
 #include "base/stage_clock.h"
 #include "config/named_options.h"
-#include "methods/depth_camera/layout.h"
 #include "methods/depth_camera/revolution.h"
-#include "methods/depth_camera/sample.h"
 
 namespace scanmill {
 

@@ -3,7 +3,6 @@
 // Samples images at the beams of a sensor.
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "base/vec.h"

@@ -11,7 +11,6 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "methods/field/brick.h"
-#include "methods/field/distance_field.h"
 #include "methods/field/nearby.h"
 
 namespace scanmill {

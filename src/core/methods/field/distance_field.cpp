@@ -1,7 +1,6 @@
 #include "methods/field/distance_field.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace scanmill {

@@ -3,17 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <iterator>
-#include <span>
-#include <string>
 #include <vector>
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "gpu/compute.h"
-#include "methods/field/distance_field.h"
 #include "methods/field/march_rule.h"
 #include "methods/field/particle_launch.h"
 #include "methods/gpu/device_resolver.h"

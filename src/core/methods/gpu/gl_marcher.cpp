@@ -6,17 +6,12 @@
 
 #include <algorithm>
 #include <array>
-#include <memory>
 #include <span>
-#include <string>
-#include <vector>
 
-#include "base/stage_clock.h"
 #include "gpu/compute.h"
 #include "methods/field/march_rule.h"
 #include "methods/gpu/device_beams.h"
 #include "methods/gpu/device_march.h"
-#include "methods/gpu/device_resolver.h"
 #include "methods/gpu/shot_queue.h"
 
 namespace scanmill {

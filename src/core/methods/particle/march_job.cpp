@@ -4,7 +4,6 @@
 #include <cmath>
 #include <iterator>
 
-#include "methods/field/distance_field.h"
 #include "methods/field/march_rule.h"
 
 namespace scanmill {

@@ -2,7 +2,6 @@
 
 // Traces packets of beams, which are set up in double, traced by Embree in float32, and resolved in double.
 
-#include <cstdint>
 #include <span>
 #include <vector>
 

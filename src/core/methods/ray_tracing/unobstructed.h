@@ -4,7 +4,6 @@
 // thing is measured relative to this count.
 
 #include <cstdint>
-#include <memory>
 
 #include "methods/world/worlds.h"
 #include "scene/thing_boxes.h"

@@ -34,7 +34,6 @@
 // have been rounded or blended. Depth and ids must not be HALF, all other channels may be.
 
 #include <filesystem>
-#include <string>
 
 #include "passes/pass_image.h"
 

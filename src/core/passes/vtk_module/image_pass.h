@@ -12,7 +12,6 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <string>
 
 #include "gpu/opengl_module/gl_objects.h"
 #include "passes/vtk/vtk_interface.h"

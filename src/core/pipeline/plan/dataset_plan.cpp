@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <string>
-#include <utility>
 
 #include "base/error.h"
 #include "config/resources.h"

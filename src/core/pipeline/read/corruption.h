@@ -13,7 +13,6 @@
 //   moderate: [...]
 //   heavy: [...]
 
-#include <filesystem>
 #include <string>
 #include <vector>
 

@@ -5,12 +5,10 @@
 #include <algorithm>
 #include <functional>
 #include <map>
-#include <memory>
 #include <utility>
 
 #include "base/random.h"
 #include "config/fields.h"
-#include "pipeline/read/effects.h"
 
 namespace scanmill {
 

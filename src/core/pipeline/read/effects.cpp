@@ -10,7 +10,6 @@
 #include "base/error.h"
 #include "base/random.h"
 #include "config/fields.h"
-#include "config/named_options.h"
 #include "pipeline/read/corruption.h"
 #include "scenefile/scene_file.h"
 

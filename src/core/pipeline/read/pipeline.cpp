@@ -5,8 +5,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cctype>
-#include <set>
 
 #include "base/file.h"
 #include "base/input_budget.h"
@@ -18,7 +16,6 @@
 #include "pipeline/read/corruption.h"
 #include "pipeline/read/drawn_sensors.h"
 #include "pipeline/read/effects.h"
-#include "pipeline/read/sequences.h"
 
 namespace scanmill {
 

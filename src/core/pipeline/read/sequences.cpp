@@ -12,7 +12,6 @@
 
 #include "base/error.h"
 #include "base/terminal.h"
-#include "config/value.h"
 #include "config/waypoints.h"
 #include "scene/scene.h"
 #include "scenefile/scene_file.h"

@@ -2,19 +2,14 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <chrono>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <numeric>
-#include <optional>
 #include <thread>
 #include <utility>
-#include <vector>
 
 #include "base/own_folder.h"
-#include "base/stage_clock.h"
 #include "config/resources.h"
 #include "dataset/dataset_folder.h"
 #include "dataset/folder_contents.h"

@@ -2,12 +2,10 @@
 
 // Records what a run traces: hits, passes, both or neither.
 
-#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <mutex>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "base/stage_clock.h"

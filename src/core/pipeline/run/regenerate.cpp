@@ -2,7 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <map>
 #include <utility>
 
@@ -14,7 +13,6 @@
 #include "base/parallel.h"
 #include "config/version.h"
 #include "dataset/folder_contents.h"
-#include "dataset/manifest.h"
 #include "dataset/parts.h"
 #include "dataset/shard_name.h"
 #include "pipeline/run/generate.h"

@@ -1,11 +1,8 @@
 #include "pipeline/run/sample_maker.h"
 
 #include <algorithm>
-#include <memory>
 #include <optional>
 #include <string_view>
-#include <utility>
-#include <vector>
 
 #include "base/hash.h"
 #include "config/resources.h"

@@ -2,7 +2,6 @@
 
 // Makes the samples of a dataset: traces the shots of all sensors of a frame, makes their scans and encodes these.
 
-#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>

@@ -7,7 +7,6 @@
 #include <exception>
 #include <iterator>
 #include <list>
-#include <set>
 #include <thread>
 #include <utility>
 

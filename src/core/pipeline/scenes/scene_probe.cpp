@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
 #include "scene/surface_heights.h"
 
@@ -14,7 +13,7 @@ constexpr std::size_t kMostMet = 100;
 // The places at which the method sees a sensor are at least this far apart along a ray (m), since the method may build
 // a hierarchy for each. Ray tracing's tie rule covers rounding up to 64 m from the sensor (kCoplanarCorners).
 constexpr double kNearAnchor = 48;
-constexpr double kSlack = 1;   // m, margin around the scene's bounds
+constexpr double kProbeSlack = 1;   // m, margin around the scene's bounds
 constexpr double kNear = 1.5;  // maximum height difference between a place and the ground that near() finds (m)
 constexpr Vec3d kDown{0, 0, -1};
 
@@ -35,7 +34,7 @@ SceneProbe::SceneProbe(const Scene& scene, const Method* method, const MethodEnt
 }
 
 double SceneProbe::endOf(const Ray& ray) const {
-  const Vec3d slack{kSlack, kSlack, kSlack};
+  const Vec3d slack{kProbeSlack, kProbeSlack, kProbeSlack};
   const Box box{bounds_.low - slack, bounds_.high + slack};
   return std::min({leaves(box.low.x, box.high.x, ray.from.x, ray.direction.x),
                    leaves(box.low.y, box.high.y, ray.from.y, ray.direction.y),

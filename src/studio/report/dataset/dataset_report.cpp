@@ -11,7 +11,6 @@
 #include "dataset/verify.h"
 #include "formats/reasons_png.h"
 #include "pipeline/run/progress.h"
-#include "report/dataset/scan_counts.h"
 #include "report/dataset/scan_reading.h"
 #include "report/dataset/scan_view.h"
 #include "viewer/picture.h"

@@ -3,11 +3,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <optional>
-#include <string>
-#include <vector>
 
 #include "base/hash.h"
 #include "base/short_text.h"

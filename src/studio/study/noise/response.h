@@ -10,7 +10,6 @@
 // as in the recording.
 
 #include <cstddef>
-#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>

@@ -13,7 +13,6 @@
 #include "config/text.h"
 #include "dataset/sample_names.h"
 #include "dataset/world_places.h"
-#include "viewer/frames/frame_source.h"
 
 namespace scanmill {
 

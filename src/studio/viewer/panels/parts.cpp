@@ -9,7 +9,6 @@
 
 #include "base/short_text.h"
 #include "viewer/color_map.h"
-#include "viewer/coloring.h"
 
 namespace scanmill {
 

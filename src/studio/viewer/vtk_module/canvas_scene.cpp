@@ -1,7 +1,6 @@
 #include "viewer/vtk_module/canvas_scene.h"
 
 #include <fmt/format.h>
-#include <vtkOpenGLFramebufferObject.h>
 #include <vtkOpenGLShaderCache.h>
 #include <vtkOpenGLState.h>
 #include <vtkShaderProgram.h>

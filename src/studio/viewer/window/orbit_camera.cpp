@@ -8,7 +8,6 @@
 #include <charconv>
 #include <iterator>
 #include <string_view>
-#include <vector>
 
 #include "base/error.h"
 

@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "base/short_text.h"
-#include "viewer/window/session_context.h"
 
 namespace scanmill {
 

@@ -4,7 +4,6 @@
 
 #include "viewer/color_map.h"
 #include "viewer/window/picked_rows.h"
-#include "viewer/window/session_items.h"
 
 namespace scanmill {
 

@@ -2,10 +2,7 @@
 
 #include <csignal>
 #include <cstdio>
-#include <cstdlib>
-#include <functional>
 #include <stdexcept>
-#include <string>
 
 #include "tests/support/message_of.h"
 #include "tests/support/sanitizers.h"

@@ -1,7 +1,6 @@
 #include "assets/meshes/polygon.h"
 
 #include <random>
-#include <set>
 
 namespace scanmill {
 namespace {

@@ -1,5 +1,4 @@
 #include "assets/worlds/solids.h"
-#include "assets/worlds/xml.h"
 #include "tests/support/geo_tiff.h"
 #include "world_files.h"
 

@@ -1,5 +1,4 @@
 #include "assets/worlds/solids.h"
-#include "assets/worlds/xml.h"
 #include "world_files.h"
 
 namespace scanmill {

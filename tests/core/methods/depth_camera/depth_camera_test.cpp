@@ -2,8 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <vector>
-
 #include "sensors/sensor.h"
 #include "tests/core/methods/depth_camera/worlds.h"
 #include "tests/support/blender.h"

@@ -1,8 +1,5 @@
 #include "methods/depth_camera/layout.h"
 
-#include <string>
-#include <vector>
-
 #include "base/random.h"
 #include "sensors/sensor.h"
 #include "tests/support/message_of.h"

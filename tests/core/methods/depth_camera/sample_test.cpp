@@ -1,7 +1,5 @@
 #include "methods/depth_camera/sample.h"
 
-#include <vector>
-
 #include "methods/depth_camera/layout.h"
 #include "tests/core/methods/depth_camera/worlds.h"
 #include "tests/support/message_of.h"

@@ -2,7 +2,6 @@
 
 #include "methods/gpu/device_beams.h"
 
-#include <cstring>
 #include <vector>
 
 #include "methods/gpu/device_march.h"

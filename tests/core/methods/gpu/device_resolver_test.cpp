@@ -4,7 +4,6 @@
 #include "methods/gpu/device_resolver.h"
 
 #include <bit>
-#include <cstring>
 #include <vector>
 
 #include "methods/world/worlds.h"

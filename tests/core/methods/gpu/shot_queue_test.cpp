@@ -2,10 +2,8 @@
 
 #include <atomic>
 #include <chrono>
-#include <memory>
 #include <string>
 #include <thread>
-#include <vector>
 
 #include "base/error.h"
 #include "tests/support/gl.h"

@@ -1,11 +1,9 @@
 #include "methods/particle/field_store.h"
 
-#include <memory>
 #include <thread>
 #include <vector>
 
 #include "base/parallel.h"
-#include "methods/field/distance_field.h"
 #include "tests/support/test_scene.h"
 
 namespace scanmill {

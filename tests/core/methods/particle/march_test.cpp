@@ -4,11 +4,8 @@
 
 #include <memory>
 #include <numeric>
-#include <vector>
 
 #include "methods/field/build.h"
-#include "methods/field/distance_field.h"
-#include "methods/field/march_rule.h"
 #include "tests/core/methods/particle/fields.h"
 #include "tests/support/test_scene.h"
 

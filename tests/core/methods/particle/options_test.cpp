@@ -2,9 +2,7 @@
 
 #include <fmt/core.h>
 
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "base/random.h"
 #include "config/value.h"

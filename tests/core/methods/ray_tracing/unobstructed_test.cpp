@@ -1,8 +1,5 @@
 #include "methods/ray_tracing/unobstructed.h"
 
-#include <set>
-#include <string>
-
 #include "methods/ray_tracing/filter.h"
 #include "tests/core/methods/trace.h"
 #include "tests/support/street.h"

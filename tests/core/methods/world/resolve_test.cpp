@@ -2,7 +2,6 @@
 
 #include <memory>
 #include <utility>
-#include <vector>
 
 #include "sensors/footprint.h"
 #include "tests/support/test_scene.h"

@@ -4,7 +4,6 @@
 #include <numeric>
 #include <set>
 #include <thread>
-#include <vector>
 
 #include "base/random.h"
 #include "methods/ray_tracing/packet.h"

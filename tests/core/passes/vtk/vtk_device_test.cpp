@@ -1,7 +1,6 @@
 // The VTK renderer as a device: images of any shape, pixels in any order, threads, wrong use.
 
 #include <cstdlib>
-#include <limits>
 #include <thread>
 
 #include "gpu/compute.h"

@@ -1,6 +1,5 @@
 #include "passes/vtk/vtk_geometry.h"
 
-#include <limits>
 #include <set>
 
 #include "passes/renderer.h"

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "pipeline/read/pipeline.h"
-#include "scene/scene.h"
 #include "scenefile/scene_file.h"
 #include "sensors/trajectory.h"
 #include "tests/support/temporary_folder.h"

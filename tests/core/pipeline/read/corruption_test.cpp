@@ -1,6 +1,5 @@
 #include "pipeline/read/corruption.h"
 
-#include "config/value.h"
 #include "tests/core/pipeline/small_world.h"
 
 namespace scanmill {

@@ -1,7 +1,5 @@
 // The vehicle drives while the sensor turns.
 
-#include <set>
-
 #include "tests/core/pipeline/small_world.h"
 
 namespace scanmill {

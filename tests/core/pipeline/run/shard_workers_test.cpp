@@ -1,7 +1,5 @@
 #include "pipeline/run/shard_workers.h"
 
-#include <atomic>
-#include <functional>
 #include <mutex>
 #include <numeric>
 #include <random>

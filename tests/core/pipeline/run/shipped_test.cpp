@@ -1,6 +1,5 @@
 // The pipelines that come with the program, cut to one frame.
 
-#include <array>
 #include <cstdlib>
 
 #include "pipeline/checks/warnings.h"

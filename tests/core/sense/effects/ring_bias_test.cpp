@@ -1,5 +1,4 @@
 #include "tests/core/sense/several_returns.h"
-#include "tests/core/sense/world.h"
 
 namespace scanmill {
 namespace {

@@ -1,6 +1,5 @@
 #include "sense/effects/spatial_noise.h"
 
-#include "base/random.h"
 #include "tests/core/sense/world.h"
 
 namespace scanmill {

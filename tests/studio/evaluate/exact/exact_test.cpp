@@ -1,7 +1,6 @@
 #include "evaluate/exact/exact.h"
 
 #include <thread>
-#include <vector>
 
 #include "base/parallel.h"
 #include "base/random.h"

@@ -2,7 +2,6 @@
 
 #include "base/file.h"
 #include "base/parallel.h"
-#include "report/dataset/dataset_summary.h"
 #include "tests/studio/report/dataset/made_dataset.h"
 
 namespace scanmill {

@@ -3,7 +3,6 @@
 // Scans of a place that is known: ground at 2 m below the sensor, a round wall 18 m away, and posts before it.
 
 #include <random>
-#include <string>
 #include <utility>
 #include <vector>
 

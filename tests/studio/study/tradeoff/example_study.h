@@ -2,7 +2,6 @@
 
 // A study with figures such as a street gives, though none was measured.
 
-#include <limits>
 #include <string>
 #include <vector>
 

@@ -5,7 +5,6 @@
 #include "base/file.h"
 #include "base/parallel.h"
 #include "dataset/scan_store.h"
-#include "scan/scan.h"
 #include "tests/studio/viewer/frames/frame_fixture.h"
 #include "tests/support/shared_data.h"
 

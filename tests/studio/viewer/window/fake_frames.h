@@ -3,7 +3,6 @@
 // Frames in memory: rings of points about a sensor that drives along x.
 
 #include <condition_variable>
-#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>

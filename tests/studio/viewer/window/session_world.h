@@ -3,7 +3,6 @@
 // A viewer without a window, whose keys and pointer a test moves.
 
 #include <memory>
-#include <random>
 #include <sstream>
 
 #include "tests/studio/viewer/window/fake_canvas.h"

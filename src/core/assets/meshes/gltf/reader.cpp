@@ -8,7 +8,6 @@
 #include <memory>
 #include <optional>
 #include <set>
-#include <utility>
 
 #include "assets/meshes/asset_parts.h"
 #include "assets/meshes/child_process.h"

@@ -8,10 +8,8 @@
 #include <string_view>
 
 #include "assets/meshes/base_color.h"
-#include "assets/meshes/imported_file.h"
 #include "assets/meshes/obj/statements.h"
 #include "base/file.h"
-#include "base/format_support.h"
 #include "base/text_scan.h"
 
 namespace scanmill::obj {

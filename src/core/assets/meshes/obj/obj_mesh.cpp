@@ -13,7 +13,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <optional>
 #include <set>
 #include <string>
 #include <string_view>

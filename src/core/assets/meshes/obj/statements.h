@@ -3,7 +3,6 @@
 // The statements of OBJ files and of their material libraries, one after the other: a keyword, and the rest of its
 // line.
 
-#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <string_view>

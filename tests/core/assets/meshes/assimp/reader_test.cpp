@@ -4,7 +4,6 @@
 #include <string>
 #include <tuple>
 #include <utility>
-#include <vector>
 
 #include "tests/core/assets/meshes/triangle_files.h"
 #include "tests/core/assets/read_assets.h"

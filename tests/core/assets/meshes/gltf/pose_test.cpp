@@ -1,7 +1,6 @@
 #include "assets/meshes/gltf/pose.h"
 
 #include <array>
-#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "assets/meshes/gltf/reader.h"

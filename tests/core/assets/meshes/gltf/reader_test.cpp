@@ -4,8 +4,6 @@
 #include <draco/mesh/triangle_soup_mesh_builder.h>
 #include <meshoptimizer.h>
 
-#include <map>
-
 #include "scene/material.h"
 #include "scene/texture.h"
 #include "tests/core/assets/meshes/gltf/gltf_builder.h"
