@@ -241,10 +241,12 @@ void describe(RecordKeys& keys, ScanRecord& scan) {
   keys("instances", scan.instances);
   std::vector<ClassPoints> classes;
   for (const auto& [id, points] : scan.pointsPerClass) classes.push_back({id, points});
-  keys("points_per_class", classes, distinct("id"));
-  if (keys.reads()) {
-    for (const ClassPoints& own : classes) scan.pointsPerClass[own.id] = own.points;
-  }
+  keys("points_per_class", classes, [&](const JsonNode& node) {
+    for (std::size_t i = 0; i < classes.size(); ++i) {
+      const bool isNew = scan.pointsPerClass.emplace(classes[i].id, classes[i].points).second;
+      if (!isNew) node.item(i)["id"].fail(fmt::format("class {} is counted twice", classes[i].id));
+    }
+  });
   keys.custom(
       false, "reasons", [&] { return scan.beamsPerReason.empty() ? kLeftOut : reasonsJson(scan); },
       [&](const JsonNode& node) { scan.beamsPerReason = reasonsOf(node, scan.beams); });
