@@ -1,6 +1,5 @@
 #include "images/images.h"
 
-#include <dlfcn.h>
 #include <png.h>
 
 #include <atomic>
@@ -453,35 +452,6 @@ TEST(Images, JpegOfHundredsOfScansIsReadAndOfMoreRefused) {
 TEST(ImagesModule, IsLoadedAtTheFirstUseByAnyNumberOfThreads) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");  // which starts this program anew
   for (const int threads : {1, 2, 8}) EXPECT_EXIT(firstUse(threads), testing::ExitedWithCode(0), "");
-}
-
-std::string loadFailure(const std::vector<std::string>& folders) {
-  try {
-    loadModule<ImagesModule>(folders);
-  } catch (const InputError& e) {
-    ADD_FAILURE() << "is no error of the input: " << e.what();
-  } catch (const Error& e) {
-    return e.what();
-  }
-  ADD_FAILURE() << "was loaded";
-  return {};
-}
-
-TEST(ImagesModule, SaysWhatIsMissing) {
-  const TemporaryFolder folder;
-  const std::string missing = loadFailure({folder.path(), "/absent"});
-  EXPECT_THAT(missing, HasSubstr("libscanmill_images.so is missing"));
-  EXPECT_THAT(missing, HasSubstr("looked for in " + folder.path().string() + ", /absent"));
-  EXPECT_THAT(missing, HasSubstr("the archive and the Debian packages have it"));
-  EXPECT_THAT(missing, HasSubstr("cmake --install"));
-  const std::string garbage = loadFailure({"/absent", folder.write("libscanmill_images.so", "text").parent_path()});
-  EXPECT_THAT(garbage, HasSubstr(folder.path().string() + "/libscanmill_images.so cannot be loaded: "));
-  EXPECT_THAT(garbage, HasSubstr("libopenimageio-dev"));
-  std::filesystem::remove(folder.path() / "libscanmill_images.so");
-  Dl_info other{};
-  ASSERT_NE(dladdr(reinterpret_cast<void*>(&std::exit), &other), 0);
-  std::filesystem::create_symlink(other.dli_fname, folder.path() / "libscanmill_images.so");
-  EXPECT_THAT(loadFailure({folder.path()}), HasSubstr("another version"));
 }
 
 }  // namespace
