@@ -32,18 +32,6 @@ TEST_F(AssetFiles, IndicesOutOfRangeAreDroppedAndCounted) {
   EXPECT_EQ(asset.dropped.outOfRange, 3u);
 }
 
-TEST_F(AssetFiles, VerticesThatAreNotNumbersAreKeptForCleaning) {
-  Gltf gltf;
-  gltf.buffer = R"("uri":"a.bin")";
-  std::string bytes = gltfBuffer();
-  const float bad = NAN;
-  std::memcpy(bytes.data(), &bad, sizeof bad);
-  write("a.bin", bytes);
-  const Asset asset = read("a.gltf", gltf.text());
-  EXPECT_EQ(asset.parts.at(0).triangles.size(), 1u);
-  EXPECT_FALSE(isFinite(asset.parts[0].positions[0]));
-}
-
 TEST_F(AssetFiles, BadRequestsAreNamed) {
   EXPECT_THAT(failure(folder_.path() / "absent.obj"), HasSubstr("absent.obj: the file does not exist"));
   EXPECT_THAT(failure(folder_.path()), HasSubstr("is not a file"));
@@ -94,17 +82,6 @@ TEST_F(AssetFiles, GltfIsCheckedBeforeItIsRead) {
                   {"[1, 2", "not valid glTF"},
                   {std::string(100000, '['), "not valid glTF"}});
   EXPECT_THAT(failure(write("other.glb", "not a GLB at all, although it is named like one")), HasSubstr("other.glb"));
-}
-
-TEST_F(AssetFiles, AbsurdCountsAreRefusedWithoutAskingForTheMemory) {
-  for (const char* count : {"4000000000", "2000000000", "-1", "99999999999999999999"}) {
-    for (const char* format : {"ascii", "binary_little_endian"}) {
-      failure(write("a.ply", std::string("ply\nformat ") + format + " 1.0\nelement vertex " + count +
-                                 "\nproperty float x\nproperty float y\nproperty float z\nelement face " + count +
-                                 "\nproperty list uchar int vertex_indices\nend_header\n1 2 3\n"));
-    }
-  }
-  failure(write("a.stl", std::string(80, ' ') + bytesOf<std::uint32_t>({4000000000u}) + std::string(50, '\0')));
 }
 
 // Costs are known, or bounded, before they are paid.

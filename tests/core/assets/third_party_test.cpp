@@ -66,19 +66,6 @@ TEST(SharedAssets, TheTownHasItsTrianglesNodesAndTextures) {
   EXPECT_EQ(found, 2);
 }
 
-TEST(SharedAssets, OnlyTheLeavesOfTheTreeAreAlphaTested) {
-  SKIP_WITHOUT_SHARED_DATA("scenes/truck_town/tree");
-  const Asset tree = readAsset(sharedData() / "scenes/truck_town/tree/scene.gltf", {.textures = false});
-  ASSERT_EQ(tree.parts.size(), 2u);
-  for (const AssetPart& part : tree.parts) {
-    EXPECT_EQ(part.fileMaterial.alphaTested, part.material == "Leav_material");
-    EXPECT_EQ(part.fileMaterial.texture != nullptr, part.fileMaterial.alphaTested);
-  }
-  const Box box = boundsOf(tree);
-  EXPECT_NEAR(box.low.z, 0, 1);  // it stands upright on the ground, in centimetres
-  EXPECT_NEAR(box.high.z, 2470, 10);
-}
-
 TEST(SharedAssets, GazeboModelsHaveTheirRealSizes) {
   SKIP_WITHOUT_SHARED_DATA("scenes/gazebo");
   struct Case {

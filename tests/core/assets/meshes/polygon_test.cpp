@@ -55,24 +55,6 @@ TEST(Polygon, IsCoveredOnceInAnyPlane) {
   }
 }
 
-TEST(Polygon, AConcaveQuadIsCutThroughItsConcaveCorner) {
-  const std::vector<Vec3d> arrow{{0, 0, 0}, {2, -1, 0}, {0.5, 0, 0}, {2, 1, 0}};
-  const std::vector<double> parts = areas({arrow[0], arrow[1], arrow[2], arrow[3]}, {0, 0, 1});
-  ASSERT_EQ(parts.size(), 2u);
-  EXPECT_NEAR(parts[0], 0.25, 1e-12);
-  EXPECT_NEAR(parts[1], 0.25, 1e-12);
-}
-
-// A hole that a bridge of two equal edges joins to the outline, as exporters write it.
-TEST(Polygon, ABridgeToAHoleIsCut) {
-  const std::vector<Vec3d> frame{{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}, {0, 0, 0},
-                                 {1, 1, 0}, {1, 3, 0}, {3, 3, 0}, {3, 1, 0}, {1, 1, 0}};
-  const std::vector<double> parts = areas(frame, {0, 0, 1});
-  EXPECT_EQ(parts.size(), frame.size() - 2);
-  for (const double part : parts) EXPECT_GE(part, 0);
-  EXPECT_NEAR(sum(parts), 12, 1e-12);
-}
-
 // Exporters write corners twice, and outlines that touch themselves in a corner.
 TEST(Polygon, MayRepeatCornersAndTouchItself) {
   const std::vector<Vec3d> u{{0, 0, 0}, {3, 0, 0}, {3, 3, 0}, {2, 3, 0}, {2, 1, 0}, {1, 1, 0}, {1, 3, 0}, {0, 3, 0}};
