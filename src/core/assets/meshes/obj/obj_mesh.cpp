@@ -22,7 +22,6 @@
 #include "assets/meshes/asset_parts.h"
 #include "assets/meshes/imported_file.h"
 #include "assets/meshes/obj/materials.h"
-#include "assets/meshes/obj/statements.h"
 #include "assets/meshes/polygon.h"
 #include "assets/meshes/references.h"
 #include "base/error.h"
