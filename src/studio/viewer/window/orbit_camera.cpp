@@ -39,7 +39,7 @@ Vec3d within(const Vec3d& place) {
   return {limited(place.x), limited(place.y), limited(place.z)};
 }
 
-double wrapped(double angle) {
+double wrappedYaw(double angle) {
   return std::remainder(angle, 2 * kPi);
 }
 
@@ -128,7 +128,7 @@ ViewCamera OrbitCamera::camera(int width, int height) const {
 
 void OrbitCamera::orbit(double right, double down, int height) {
   const double perPixel = kPi / std::max(height, 1);
-  yaw = wrapped(yaw - right * perPixel);
+  yaw = wrappedYaw(yaw - right * perPixel);
   pitch = std::clamp(pitch + down * perPixel, -kPi / 2, kPi / 2);
 }
 
@@ -199,7 +199,7 @@ OrbitCamera OrbitCamera::seeing(const std::vector<Vec3d>& points, View view, int
 
 void OrbitCamera::moveBy(const Affine& newFromOld) {
   target = within(newFromOld * target);
-  yaw = wrapped(yaw + std::atan2(newFromOld.linear.x.y, newFromOld.linear.x.x));
+  yaw = wrappedYaw(yaw + std::atan2(newFromOld.linear.x.y, newFromOld.linear.x.x));
 }
 
 std::string OrbitCamera::text() const {
@@ -263,7 +263,7 @@ CameraChoice parseCamera(const std::string& text) {
   }
   const bool counted = values.size() == 3 || values.size() == 6 || values.size() == 7;
   if (!counted || std::abs(values[1]) > 90 || values[2] < kLeastDistance || values[2] > kMostDistance) refuse(text);
-  camera.yaw = wrapped(radians(values[0]));
+  camera.yaw = wrappedYaw(radians(values[0]));
   camera.pitch = radians(values[1]);
   camera.distance = values[2];
   if (values.size() >= 6) {
