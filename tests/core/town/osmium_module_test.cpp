@@ -178,7 +178,7 @@ TEST_F(ReadOsm, BuildingsOfRelationsHaveTheHeightOfTheirOuterWay) {
   EXPECT_EQ(map.leftOut.text(), "1 heights and roofs of outer ways that differ from those of their multipolygon");
 }
 
-TEST_F(ReadOsm, PavedAreasAndWaterAreBuilt) {
+TEST_F(ReadOsm, LandIsBuilt) {
   const auto land = [&](const std::vector<std::pair<const char*, const char*>>& tags, bool asRelation) {
     const Map map =
         read(kRoadNodes + kHouseNodes + kRoad +
@@ -193,6 +193,7 @@ TEST_F(ReadOsm, PavedAreasAndWaterAreBuilt) {
     EXPECT_EQ(land({{"highway", highway}, {"area", "yes"}}, false), Land::Paved) << highway;
     EXPECT_EQ(land({{"highway", highway}}, true), Land::Paved) << highway;
   }
+  EXPECT_EQ(land({{"landcover", "trees"}}, false), Land::Wood);
   EXPECT_EQ(land({{"aeroway", "apron"}}, false), Land::Paved);
   EXPECT_EQ(land({{"aeroway", "runway"}, {"area", "yes"}}, false), Land::Paved);
   EXPECT_EQ(land({{"amenity", "fuel"}}, false), Land::Paved);
@@ -201,13 +202,15 @@ TEST_F(ReadOsm, PavedAreasAndWaterAreBuilt) {
   EXPECT_EQ(land({{"amenity", "parking"}, {"parking", "street_side"}}, false), Land::Lot);
 }
 
-TEST_F(ReadOsm, SizesOfBarriersTreesAndPathsAreRead) {
-  const Map map = read(kRoadNodes + kHouseNodes + kCourtNodes + kRoad +
+TEST_F(ReadOsm, SizesAreRead) {
+  const Map map = read(kRoadNodes + kHouseNodes + kCourtNodes +
+                       way(10, {1, 2, 3}, {{"highway", "residential"}, {"est_width", "9"}}) +
                        way(11, {4, 5}, {{"barrier", "wall"}, {"height", "16 ft"}}) +
                        way(12, {5, 6}, {{"highway", "footway"}, {"width", "4"}}) + way(13, {20, 21, 22, 23, 20}, {}) +
                        relation({{13, "outer"}}, {{"barrier", "hedge"}, {"height", "tall"}}) +
                        "<node id='60' lat='51' lon='0.5'><tag k='natural' v='tree'/><tag k='height' v='25 m'/>"
                        "<tag k='diameter_crown' v='12'/></node>");
+  EXPECT_EQ(map.roads.at(0).width, 9);
   ASSERT_EQ(map.barriers.size(), 2u);
   EXPECT_NEAR(map.barriers[0].height.value_or(0), 4.8768, 1e-9);
   EXPECT_EQ(map.barriers[1].kind, models::Fencing::Hedge);
@@ -220,23 +223,6 @@ TEST_F(ReadOsm, SizesOfBarriersTreesAndPathsAreRead) {
   EXPECT_EQ(map.leftOut.text(),
             "1 hedges, walls and fences that are areas, of which only the outlines are built, 1 values of height that "
             "cannot be used, such as 'tall' of relation 30");
-}
-
-TEST_F(ReadOsm, SidesOfRoadsThatDifferAreCounted) {
-  const auto counted = [&](const std::vector<std::pair<const char*, const char*>>& tags) {
-    auto all = tags;
-    all.emplace_back("highway", "residential");
-    return read(kRoadNodes + way(10, {1, 2, 3}, all)).leftOut.text();
-  };
-  const std::string oneSided = "1 sidewalks and parking lanes on one side, which are on both";
-  EXPECT_EQ(counted({{"parking:lane:left", "parallel"}, {"parking:lane:right", "no_parking"}}), oneSided);
-  EXPECT_EQ(counted({{"sidewalk:left", "yes"}}), oneSided);
-  EXPECT_EQ(counted({{"parking:left", "lane"}, {"parking:right", "no"}}), oneSided);
-  EXPECT_EQ(counted({{"sidewalk:left", "yes"}, {"sidewalk:right", "separate"}, {"parking:both", "no"}}), "");
-  EXPECT_EQ(counted({{"parking:lane:both", "perpendicular"}}),
-            "1 lanes of perpendicular and diagonal parking, where cars stand along the road");
-  EXPECT_EQ(counted({{"parking:both", "sometimes"}, {"parking:condition:both", "free"}}),
-            "1 parking lanes with an unknown value, which the seed draws");
 }
 
 // Whatever has a shape and is not built is counted; names and properties are not.
@@ -259,6 +245,7 @@ TEST_F(ReadOsm, EveryShapeThatIsNotBuiltIsCounted) {
     EXPECT_EQ(counted(node(tag)), "") << tag;
   }
   for (const auto& [key, value] : std::vector<std::pair<const char*, const char*>>{{"landuse", "vineyard"},
+                                                                                   {"landcover", "gravel"},
                                                                                    {"waterway", "dam"},
                                                                                    {"aeroway", "hangar"},
                                                                                    {"area:highway", "primary"},
@@ -283,9 +270,18 @@ TEST_F(ReadOsm, WhatTheMapSaysOfLooksAndStatesIsCounted) {
   const std::string surface =
       "1 surfaces of roads, paths and paved areas, such as gravel, which are built of asphalt, concrete or paving";
   const std::string ruins = "1 ruins and unfinished, collapsed and abandoned buildings, which are built as if whole";
+  const std::string oneSided = "1 sidewalks and parking lanes on one side, which are on both";
   const std::string hollow = "1 hedges, walls and fences that are areas, of which only the outlines are built";
   // Tags of a road, of a path and of a closed outline.
   for (const auto& [tags, words] : std::vector<std::pair<Tags, std::string>>{
+           {{{"parking:lane:left", "parallel"}, {"parking:lane:right", "no_parking"}}, oneSided},
+           {{{"sidewalk:left", "yes"}}, oneSided},
+           {{{"parking:left", "lane"}, {"parking:right", "no"}}, oneSided},
+           {{{"sidewalk:left", "yes"}, {"sidewalk:right", "separate"}, {"parking:both", "no"}}, ""},
+           {{{"parking:lane:both", "perpendicular"}},
+            "1 lanes of perpendicular and diagonal parking, where cars stand along the road"},
+           {{{"parking:both", "sometimes"}, {"parking:condition:both", "free"}},
+            "1 parking lanes with an unknown value, which the seed draws"},
            {{{"surface", "asphalt"}}, ""},
            {{{"surface", "cobblestone"}}, surface},
            {{{"tracktype", "grade3"}}, surface},
@@ -319,19 +315,6 @@ TEST_F(ReadOsm, WhatTheMapSaysOfLooksAndStatesIsCounted) {
     EXPECT_EQ(read(kRoadNodes + kHouseNodes + kRoad + way(11, kRingNodes, tags)).leftOut.text(), words)
         << tags[0].second;
   }
-}
-
-TEST_F(ReadOsm, LandcoverAndEstimatedWidthsAreRead) {
-  const auto place = [&](const char* cover) {
-    return read(kRoadNodes + kHouseNodes + way(10, {1, 2, 3}, {{"highway", "residential"}, {"est_width", "9"}}) +
-                way(11, kRingNodes, {{"landcover", cover}}));
-  };
-  const Map wood = place("trees");
-  ASSERT_EQ(wood.areas.size(), 1u);
-  EXPECT_EQ(wood.areas[0].land, Land::Wood);
-  EXPECT_EQ(wood.leftOut.text(), "");
-  EXPECT_EQ(wood.roads.at(0).width, 9);
-  EXPECT_EQ(place("gravel").leftOut.text(), "1 landcover=gravel");
 }
 
 TEST_F(ReadOsm, OuterRingsOfARelationAreOneBuilding) {
