@@ -177,30 +177,12 @@ double overlap(const MapBuilding& a, const MapBuilding& b) {
   return squareMetres(Region(regionOf(a, origin) & regionOf(b, origin)));
 }
 
-// Returns a ring without spikes and without walls that are shorter than the least thickness.
 template <class Ring>
-Polygon polygonOf(const Ring& ring, const Point2& origin, bool hole) {
-  constexpr double kThin = 0.1;  // m, least thickness
+Polygon polygonOf(const Ring& ring, const Point2& origin) {
   Polygon made;
   for (auto p = gtl::begin_points(ring); p != gtl::end_points(ring); ++p) {
     made.push_back({origin.x + kUnit * gtl::x(*p), origin.y + kUnit * gtl::y(*p)});
   }
-  // Removes a corner if one of its walls returns along the other.
-  std::size_t i = 0;
-  for (std::size_t kept = 0; kept < made.size() && made.size() > 2;) {
-    const Polygon in{made[(i + made.size() - 1) % made.size()], made[i]};
-    const Polygon out{made[i], made[(i + 1) % made.size()]};
-    const bool spike = distanceToRings({&in}, out[1]) < kThin || distanceToRings({&out}, in[0]) < kThin;
-    if (spike) {
-      made.erase(made.begin() + static_cast<std::ptrdiff_t>(i));
-      i = (i + made.size() - 1) % made.size();  // the corner before may now be one
-      kept -= std::min<std::size_t>(kept, 2);
-    } else {
-      i = (i + 1) % made.size();
-      ++kept;
-    }
-  }
-  if ((sizeOf(made) < 0) != hole) std::reverse(made.begin(), made.end());
   return made;
 }
 
@@ -225,10 +207,10 @@ bool addRest(MapBuilding& b) {
   rest.get(pieces);
   for (const auto& piece : pieces) {
     MapBuilding part;
-    part.outline = polygonOf(piece, origin, false);
+    part.outline = polygonOf(piece, origin);
     if (part.outline.size() < 3 || sizeOf(part.outline) < kSmallest) continue;
     for (auto hole = gtl::begin_holes(piece); hole != gtl::end_holes(piece); ++hole) {
-      part.courts.push_back(polygonOf(*hole, origin, true));
+      part.courts.push_back(polygonOf(*hole, origin));
     }
     part.base = b.base;
     part.top = b.top;
