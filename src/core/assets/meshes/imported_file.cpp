@@ -39,8 +39,8 @@ void visit(Visitor& visitor, MaybeConst<AssetPart> auto& part) {
 
 template <class Visitor>
 void visit(Visitor& visitor, MaybeConst<ImportedFile> auto& file) {
-  visitor.each(file.up, file.upDeclared, file.statedUnit, file.origin, file.outOfRange, file.materials, file.parts,
-               file.missing, file.problems, file.leftOut);
+  visitor.each(file.up, file.upDeclared, file.statedUnit, file.origin, file.dropped.outOfRange, file.materials,
+               file.parts, file.missing, file.problems, file.leftOut);
 }
 
 class Writer {
@@ -189,20 +189,13 @@ Asset readImported(const std::filesystem::path& file, const std::string& kind, c
                      fmt::join(imported.problems, "; ")));
   }
   const std::vector<Look> looks = readMaterials(imported, file, options, imported.leftOut);
-  Asset asset;
-  asset.up = imported.up;
-  asset.upDeclared = imported.upDeclared;
-  asset.statedUnit = imported.statedUnit;
-  asset.origin = imported.origin;
-  asset.dropped.outOfRange = imported.outOfRange;
-  asset.parts = std::move(imported.parts);
-  for (AssetPart& part : asset.parts) {
+  for (AssetPart& part : imported.parts) {
     const bool known = part.materialIndex < looks.size();
     if (known) static_cast<Look&>(part) = looks[part.materialIndex];
     checkTexture(part, !known || imported.materials[part.materialIndex].base.repeats, imported.leftOut);
   }
   imported.leftOut.tell(file.string());
-  return asset;
+  return std::move(static_cast<Asset&>(imported));
 }
 
 }  // namespace scanmill

@@ -33,14 +33,9 @@ struct ImportedMaterial {
   ImportedMap opacityMap;
 };
 
-struct ImportedFile {
-  char up = 'z';  // see Asset::up
-  bool upDeclared = false;
-  double statedUnit = 0;         // see Asset::statedUnit
-  Vec3d origin;                  // m; the positions of the parts are relative to it: see Asset::origin
-  std::uint64_t outOfRange = 0;  // number of triangles that were dropped because of indices out of range
+// The parts of the asset have no looks, which `materials` state.
+struct ImportedFile : Asset {
   std::vector<ImportedMaterial> materials;
-  std::vector<AssetPart> parts;       // without looks, which `materials` state
   std::vector<std::string> missing;   // missing material libraries, as the file names them
   std::vector<std::string> problems;  // errors of the file in spite of which the importer went on
   LeftOut leftOut;

@@ -183,7 +183,7 @@ class PlyMeshReader {
     corners_.clear();
     for (const double corner : indices) corners_.push_back(indexOf(corner, vertices_.size()));
     if (std::find(corners_.begin(), corners_.end(), kNone) != corners_.end()) {
-      read_.outOfRange += corners_.size() - 2;
+      read_.dropped.outOfRange += corners_.size() - 2;
       return;
     }
     const std::vector<double>& uvs = list(Role::CornerUvs);

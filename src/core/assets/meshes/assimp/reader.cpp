@@ -78,7 +78,7 @@ class Importer {
     read.upDeclared = true;
     read.statedUnit = facts_.unit;
     countRest();
-    read.outOfRange = dropBadFaces();
+    read.dropped.outOfRange = dropBadFaces();
     read.materials = materialsOf(*scene_, placements_, leftOut_);
     mendMaterials(read.materials);
     walk(read);

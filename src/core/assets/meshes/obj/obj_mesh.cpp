@@ -58,7 +58,7 @@ class ObjReader {
       if (!part.triangles.empty()) addPart(read, part);
       if (!bare.triangles.empty()) addPart(read, bare);
     }
-    read.outOfRange = outOfRange_;
+    read.dropped.outOfRange = outOfRange_;
     for (obj::ObjMaterial& material : library_.list) read.materials.push_back(std::move(material.look));
     read.missing = std::move(missing_);
     leftOut_.add(library_.leftOut);

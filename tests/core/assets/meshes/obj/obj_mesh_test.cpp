@@ -89,7 +89,7 @@ TEST_F(ObjMesh, IndicesCountFromTheEndToo) {
   EXPECT_EQ(a.parts.at(0).positions, b.parts.at(0).positions);
   EXPECT_EQ(a.parts.at(0).triangles, b.parts.at(0).triangles);
   const ImportedFile bad = obj(square("f 1 2 5\nf 0 1 2\nf -5 1 2\nf 1 2 3 9\nf 1 2 3\n"));
-  EXPECT_EQ(bad.outOfRange, 5u);
+  EXPECT_EQ(bad.dropped.outOfRange, 5u);
   EXPECT_EQ(bad.parts.at(0).triangles.size(), 1u);
 }
 
