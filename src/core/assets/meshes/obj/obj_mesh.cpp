@@ -42,11 +42,10 @@ class ObjReader {
 
   ImportedFile read() {
     while (statements_.next()) readStatement();
-    ImportedFile read;
-    read.up = options_.up.value_or('z');
-    assetFromFile_ = zUpFrom(read.up) * Mat3::scale(Vec3d{1, 1, 1} * options_.metresPerUnit);
-    read.origin = originNear(vertices_.size(), [&](std::size_t i) { return assetFromFile_ * vertices_[i]; });
-    library_.check(!read_.empty() && missing_.empty());
+    read_.up = options_.up.value_or('z');
+    assetFromFile_ = zUpFrom(read_.up) * Mat3::scale(Vec3d{1, 1, 1} * options_.metresPerUnit);
+    read_.origin = originNear(vertices_.size(), [&](std::size_t i) { return assetFromFile_ * vertices_[i]; });
+    library_.check(!libraries_.empty() && read_.missing.empty());
     for (Part& part : parts_) {
       // A texture must not show on faces without texture coordinates, which stand beside others.
       Part bare{part.node, part.nodeIndex, part.material, {}};
@@ -55,16 +54,13 @@ class ObjReader {
         bare.triangles.assign(first, part.triangles.end());
         part.triangles.erase(first, part.triangles.end());
       }
-      if (!part.triangles.empty()) addPart(read, part);
-      if (!bare.triangles.empty()) addPart(read, bare);
+      if (!part.triangles.empty()) addPart(part);
+      if (!bare.triangles.empty()) addPart(bare);
     }
-    read.dropped.outOfRange = outOfRange_;
-    for (obj::ObjMaterial& material : library_.list) read.materials.push_back(std::move(material.look));
-    read.missing = std::move(missing_);
-    leftOut_.add(library_.leftOut);
-    leftOut_.add("colours of vertices", colored_);
-    read.leftOut = std::move(leftOut_);
-    return read;
+    for (obj::ObjMaterial& material : library_.list) read_.materials.push_back(std::move(material.look));
+    read_.leftOut.add(library_.leftOut);
+    read_.leftOut.add("colours of vertices", colored_);
+    return std::move(read_);
   }
 
  private:
@@ -95,7 +91,7 @@ class ObjReader {
       if (key == "o") {
         object_ = statements_.rest();
         if (!objects_.insert(object_).second) {
-          leftOut_.add("further objects with the name of an earlier one (they are one node)");
+          read_.leftOut.add("further objects with the name of an earlier one (they are one node)");
         }
       }
       group_ = key == "g" ? statements_.rest() : std::string_view();
@@ -107,7 +103,7 @@ class ObjReader {
     } else if (vertices_.empty() && objFormat().find(key) == nullptr && statements_.rest().empty()) {
       statements_.fail("is no statement of an OBJ file: is it text?");
     } else {
-      leftOut_.addKeyword(objFormat(), key);
+      read_.leftOut.addKeyword(objFormat(), key);
     }
   }
 
@@ -155,7 +151,7 @@ class ObjReader {
     face_.clear();
     for (const std::string_view word : words) face_.push_back(corner(word));
     if (std::any_of(face_.begin(), face_.end(), [](const Corner& c) { return c.vertex == kNone; })) {
-      outOfRange_ += face_.size() - 2;
+      read_.dropped.outOfRange += face_.size() - 2;
       return;
     }
     Part& part = currentPart();
@@ -213,19 +209,20 @@ class ObjReader {
       // Exporters that rename the mesh leave the old name in it.
       path = fs::absolute(file_).replace_extension(".mtl");
       if (!fs::is_regular_file(path, ignored)) {
-        if (std::find(missing_.begin(), missing_.end(), name) == missing_.end()) missing_.push_back(name);
+        if (std::find(read_.missing.begin(), read_.missing.end(), name) == read_.missing.end())
+          read_.missing.push_back(name);
         return;
       }
     }
-    if (read_.insert(path).second) obj::readLibrary(path, library_);
+    if (libraries_.insert(path).second) obj::readLibrary(path, library_);
   }
 
   static bool hasUvs(const std::array<Corner, 3>& triangle) {
     return std::none_of(triangle.begin(), triangle.end(), [](const Corner& corner) { return corner.uv == kNone; });
   }
 
-  void addPart(ImportedFile& read, Part& from) const {
-    AssetPart& part = read.parts.emplace_back();
+  void addPart(Part& from) {
+    AssetPart& part = read_.parts.emplace_back();
     part.node = std::move(from.node);
     part.nodeIndex = from.nodeIndex;
     part.materialIndex = static_cast<std::uint32_t>(from.material);
@@ -236,7 +233,7 @@ class ObjReader {
       const auto first = static_cast<std::uint32_t>(part.positions.size());
       part.triangles.push_back({first, first + 1, first + 2});
       for (const Corner& corner : triangle) {
-        part.positions.push_back(static_cast<Vec3f>(assetFromFile_ * vertices_[corner.vertex] - read.origin));
+        part.positions.push_back(static_cast<Vec3f>(assetFromFile_ * vertices_[corner.vertex] - read_.origin));
         if (!anyUvs) continue;
         const Vec2f uv = corner.uv == kNone ? Vec2f{} : uvs_[corner.uv];
         part.uvs.push_back({uv.x * place.scale.x + place.offset.x, uv.y * place.scale.y + place.offset.y});
@@ -262,13 +259,11 @@ class ObjReader {
   std::vector<Part> parts_;
   Part* part_ = nullptr;  // part of the faces that follow; null: not looked up yet
   obj::Materials library_;
-  std::set<fs::path> read_;           // libraries
-  std::vector<std::string> missing_;  // libraries that do not exist
-  LeftOut leftOut_;
-  std::uint64_t colored_ = 0;  // number of vertices with a colour
-  std::uint64_t outOfRange_ = 0;
+  std::set<fs::path> libraries_;  // that were read
+  std::uint64_t colored_ = 0;     // number of vertices with a colour
   Triangulator polygons_;
   std::vector<Corner> face_;
+  ImportedFile read_;
 };
 
 }  // namespace
