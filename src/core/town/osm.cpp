@@ -6,6 +6,7 @@
 #include <charconv>
 #include <iterator>
 
+#include "base/text_scan.h"
 #include "config/text.h"
 
 namespace scanmill::town {
@@ -13,21 +14,12 @@ namespace {
 
 // Takes a number without a sign and the blanks around it from the front of a text.
 std::optional<double> takeNumber(std::string_view& text) {
-  constexpr std::string_view kDigits = "0123456789";
-  const auto skipBlanks = [&] { text.remove_prefix(std::min(text.find_first_not_of(' '), text.size())); };
-  skipBlanks();
-  std::string digits(text.substr(0, std::min(text.find_first_not_of("0123456789.,"), text.size())));
-  if (const std::size_t comma = digits.find(','); comma != std::string::npos) {
-    const std::size_t after = digits.size() - comma - 1;
-    if (after < 1 || after > 2 || digits.find('.') != std::string::npos) return std::nullopt;
-    digits[comma] = '.';
-  }
-  if (digits.find_first_of(kDigits) == std::string::npos) return std::nullopt;
+  text = trimmed(text);
+  if (text.empty() || std::string_view("0123456789.").find(text.front()) == text.npos) return std::nullopt;
   double number = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
-  if (error != std::errc() || end != digits.data() + digits.size()) return std::nullopt;
-  text.remove_prefix(digits.size());
-  skipBlanks();
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number, std::chars_format::fixed);
+  if (error != std::errc()) return std::nullopt;
+  text = trimmed({end, text.data() + text.size()});
   return number;
 }
 
@@ -40,19 +32,15 @@ bool isOneOf(std::string_view value, std::initializer_list<std::string_view> wor
 std::optional<double> metresOf(std::string_view value) {
   constexpr double kFoot = 0.3048;  // m
   static const std::map<std::string_view, double> kUnits = {
-      {"", 1},         {"m", 1},     {"metre", 1},       {"metres", 1},     {"meter", 1},  {"meters", 1},
-      {"km", 1000},    {"cm", 0.01}, {"mm", 0.001},      {"mi", 1609.344},  {"nmi", 1852}, {"ft", kFoot},
-      {"feet", kFoot}, {"'", kFoot}, {"in", kFoot / 12}, {"\"", kFoot / 12}};
+      {"", 1},       {"m", 1},      {"km", 1000}, {"cm", 0.01},       {"mi", 1609.344},
+      {"nmi", 1852}, {"ft", kFoot}, {"'", kFoot}, {"in", kFoot / 12}, {"\"", kFoot / 12}};
   const std::optional<double> number = takeNumber(value);
   if (!number) return std::nullopt;
   if (const auto unit = kUnits.find(value); unit != kUnits.end()) return unit->second * *number;
-  for (const std::string_view foot : {"'", "ft"}) {
-    if (!value.starts_with(foot)) continue;
-    value.remove_prefix(foot.size());
-    const std::optional<double> inches = takeNumber(value);
-    if (inches && isOneOf(value, {"\"", "in"})) return kFoot * (*number + *inches / 12);
-  }
-  return std::nullopt;
+  if (!value.starts_with("'")) return std::nullopt;
+  value.remove_prefix(1);
+  const std::optional<double> inches = takeNumber(value);
+  return inches && value == "\"" ? std::optional(kFoot * (*number + *inches / 12)) : std::nullopt;
 }
 
 std::optional<double> numberOf(std::string_view value) {
