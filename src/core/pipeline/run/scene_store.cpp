@@ -7,6 +7,7 @@
 #include <exception>
 #include <iterator>
 #include <list>
+#include <set>
 #include <thread>
 #include <utility>
 
