@@ -212,7 +212,7 @@ TEST_F(View, BadInputIsRefusedWithAdvice) {
       {{at("a"), "--at", "1,2,3", "--within", "-2"}, "--within must be a number from 0.01"},
       {{at("a"), "--at", "1,2,3", "--within", "nan"}, "nan"},
       {{at("a"), "--at", "1,2,3", "--within", "near"}, "near"},
-      {{at("a"), "--at", "1,2,3", "--within", "1,5"}, "not '1,5' (write a point"},
+      {{at("a"), "--at", "1,2,3", "--within", "1,5"}, "not '1,5' (write it as"},
       {{at("a"), "--at", "1,2,3", "--within", "3", "--range-image-alone"}, "takes no --at"},
       {{at("a"), "--at", "1,2,3", "--within", "3", "--camera", "30,20,25,1,2,3"}, "leave X,Y,Z out"},
       {{at("a"), "--at", "0,0,9999", "--within", "3"}, "the nearest is"},

@@ -69,6 +69,7 @@ class AngularJitter : public Effect {
 }  // namespace
 
 std::unique_ptr<Effect> makeAngularJitter(Fields& options) {
+  options.also({"sigma_deg", "azimuth_sigma_deg", "elevation_sigma_deg"}).finish();
   const bool both = options.has("sigma_deg");
   const bool each = options.has("azimuth_sigma_deg") || options.has("elevation_sigma_deg");
   if (both == each) {

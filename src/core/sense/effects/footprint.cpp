@@ -51,6 +51,7 @@ class FootprintEffect : public Effect {
 }  // namespace
 
 std::unique_ptr<Effect> makeFootprintEffect(Fields& options) {
+  options.also({"rays"}).finish();
   const auto rays = static_cast<std::uint32_t>(options.integer("rays", 7, 127));
   options.finish();
   if (std::find(std::begin(kFootprintRays), std::end(kFootprintRays), rays) == std::end(kFootprintRays)) {

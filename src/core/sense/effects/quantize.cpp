@@ -33,6 +33,7 @@ class Quantize : public Effect {
 }  // namespace
 
 std::unique_ptr<Effect> makeQuantize(Fields& options) {
+  options.also({"step_m"}).finish();
   const double step = options.number("step_m", {1e-6, 10});
   options.finish();
   return std::make_unique<Quantize>(step);

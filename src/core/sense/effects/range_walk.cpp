@@ -39,6 +39,7 @@ class RangeWalk : public Effect {
 }  // namespace
 
 std::unique_ptr<Effect> makeRangeWalk(Fields& options) {
+  options.also({"per_decade_m", "above"}).finish();
   const double perDecade = options.number("per_decade_m", {0, 10});
   const double above = options.number("above", {1e-6, 1e6}, 1);
   options.finish();

@@ -56,6 +56,7 @@ class Speckle : public Effect {
 }  // namespace
 
 std::unique_ptr<Effect> makeSpeckle(Fields& options) {
+  options.also({"looks"}).finish();
   const int looks = static_cast<int>(options.integer("looks", 1, kMostLooks));
   options.finish();
   return std::make_unique<Speckle>(looks);

@@ -351,6 +351,7 @@ std::unique_ptr<Effect> makeWeather(Fields& options) {
   std::vector<std::string> names;
   names.reserve(kKinds.size());
   for (const Kind& kind : kKinds) names.emplace_back(kind.name);
+  options.also({"kind", "severity", "rate_mm_h", "visibility_m", "wet", "least", "label"}).finish();
   options.require("kind");
   const std::string name = options.choice("kind", names, "");
   const Kind& kind = *std::find_if(kKinds.begin(), kKinds.end(), [&](const Kind& k) { return k.name == name; });
