@@ -1,5 +1,7 @@
 // Whatever a person does in whatever order, the viewer goes on.
 
+#include <random>
+
 #include "tests/studio/viewer/window/session_world.h"
 #include "tests/support/temporary_folder.h"
 #include "viewer/window/session.h"

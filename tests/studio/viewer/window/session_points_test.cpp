@@ -1,6 +1,7 @@
 // What is shown of scans: filters, colours, views, what lies under the pointer.
 
 #include <cstdlib>
+#include <random>
 #include <set>
 
 #include "tests/studio/viewer/window/session_world.h"
