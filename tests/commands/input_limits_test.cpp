@@ -199,11 +199,12 @@ TEST_F(InputLimits, AMapOfThreeThousandCrossingRoads) {
 TEST_F(InputLimits, ARoadThatGoesToAndFroThirtyThousandTimes) {
   std::string refs;
   for (int i = 0; i < 30'000; ++i) refs += "<nd ref='1'/><nd ref='2'/>";
-  const std::string file = write("fro.osm",
-                                 "<osm version='0.6'><node id='1' lat='48' lon='11'/><node id='2' lat='48.009' "
-                                 "lon='11'/><way id='1'>" +
-                                     refs + "<tag k='highway' v='residential'/></way></osm>");
-  const Outcome outcome = scanmill({"info", file});
+  write("fro.osm",
+        "<osm version='0.6'><node id='1' lat='48' lon='11'/><node id='2' lat='48.009' lon='11'/><way id='1'>" + refs +
+            "<tag k='highway' v='residential'/></way></osm>");
+  const std::string scene =
+      write("fro.yaml", "ontology: scanmill\nmaterials: materials\nobjects:\n  - town: {map: fro.osm}\n");
+  const Outcome outcome = scanmill({"info", scene});
   expectRefused(outcome, "km of roads in a square of 100 m");
   EXPECT_LT(outcome.peakBytes, 500'000'000);
 }
