@@ -66,10 +66,10 @@ TEST_F(Regenerate, MendsWhatIsDamagedOrMissing) {
 TEST_F(Regenerate, MendsDescriptionsBesideTheShards) {
   describeBesideShards(at("out"));
   whole_ = contents();
+  damage(shard(0));
   damage(beside(0));
   std::filesystem::remove(beside(1));
   std::filesystem::resize_file(beside(2), 100);
-  damage(shard(0));
   const auto names = AllOf(HasSubstr("train-000000.json: was changed"), HasSubstr("train-000001.json: cannot be read"),
                            HasSubstr("train-000002.json: was changed"));
   const Outcome bad = scanmill({"verify", "-q", at("out")});

@@ -64,7 +64,7 @@ TEST_F(Tradeoff, WritesTablesChartsAndAReport) {
     EXPECT_GT(files.at(name).size(), 500u) << name;
   }
   EXPECT_EQ(files.size(), 8u);
-  EXPECT_THAT(files.at("index.html"), AllOf(HasSubstr("</html>"), HasSubstr("<canvas"), HasSubstr("voxel_m=0.5")));
+  EXPECT_THAT(files.at("index.html"), AllOf(HasSubstr("</html>"), HasSubstr("<svg"), HasSubstr("voxel_m=0.5")));
   EXPECT_THAT(files.at("pareto.svg"), AllOf(HasSubstr("<svg"), HasSubstr("</svg>")));
   EXPECT_EQ(studyIn("out").at("settings").size(), 2u);
 }
