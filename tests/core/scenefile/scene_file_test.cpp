@@ -242,14 +242,14 @@ TEST_F(SceneReader, rulesDecideWhetherBaseColoursAreRead) {
   EXPECT_EQ(materialOf(ruled).texture, nullptr);
   EXPECT_TRUE(ruled.meshes[0].uvs.empty());
   EXPECT_EQ(materialOf(ruled).name, "wood");
+  SceneOptions plain;
+  plain.textures = false;
+  EXPECT_EQ(materialOf(read("  - {file: textured.obj, class: car}\n", "", plain)).texture, nullptr);
   folder_.write("textured.mtl", "newmtl own\nKd 1 1 1\nmap_d bw.ppm\n");
   const Scene cut = read("  - {file: textured.obj, class: car, material: wood}\n");
   EXPECT_TRUE(materialOf(cut).alphaTested);
   ASSERT_NE(materialOf(cut).texture, nullptr) << "for what is cut out, whatever its reflectance";
   EXPECT_EQ(materialOf(cut).reflectance, materialOf(ruled).reflectance);
-  SceneOptions plain;
-  plain.textures = false;
-  EXPECT_EQ(materialOf(read("  - {file: textured.obj, class: car}\n", "", plain)).texture, nullptr);
 }
 
 // In a table of its own, wood may be textured: then it takes the picture's pattern and keeps its own reflectance.
