@@ -13,13 +13,18 @@
 namespace scanmill {
 namespace {
 
+// The file of a pipeline of the program, or of one whose assets are not part of the project.
+std::filesystem::path pipelineFile(const std::string& name) {
+  const std::filesystem::path source(SCANMILL_SOURCE_DIR);
+  return exists(source / "pipelines" / name) ? source / "pipelines" / name : source / "tests/data/pipelines" / name;
+}
+
 // Generates, verifies, and expects every point to have a class that is not `unlabeled`.
 Manifest generateLabelled(const std::string& pipeline, const std::vector<std::string>& overrides,
                           std::size_t leastClasses) {
   const TemporaryFolder folder;
   const GenerateOptions options{.folder = folder.path() / "out", .quiet = true};
-  const Plan plan =
-      makePlan(readPipeline(std::filesystem::path(SCANMILL_SOURCE_DIR) / "pipelines" / pipeline, overrides));
+  const Plan plan = makePlan(readPipeline(pipelineFile(pipeline), overrides));
   const GenerateSummary summary = generate(plan, options);
   const Verification verification = verifyDataset(options.folder);
   EXPECT_THAT(verification.problems, IsEmpty());
@@ -84,8 +89,7 @@ TEST_P(ShippedSets, AreLabelledAndDrivenThrough) {
   std::vector<std::string> overrides = set.overrides;
   overrides.insert(overrides.end(), {"effects=[intensity]", "motion=none", "output.formats=[pcd]"});
   generateLabelled(std::string(set.set) + ".yaml", overrides, set.leastClasses);
-  const Plan plan = makePlan(
-      readPipeline(std::filesystem::path(SCANMILL_SOURCE_DIR) / "pipelines" / (std::string(set.set) + ".yaml"), {}));
+  const Plan plan = makePlan(readPipeline(pipelineFile(std::string(set.set) + ".yaml"), {}));
   ShotSource source(plan);
   const Scene scene = source.load(0);
   EXPECT_TRUE(scene.unlabeled.empty());
@@ -115,8 +119,7 @@ TEST(Shipped, TruckTown) {
 std::map<std::string, std::string> shardsOf(const std::string& pipeline, std::vector<std::string> overrides) {
   const TemporaryFolder folder;
   overrides.emplace_back("output.shard_samples=1000");
-  const Plan plan =
-      makePlan(readPipeline(std::filesystem::path(SCANMILL_SOURCE_DIR) / "pipelines" / pipeline, overrides));
+  const Plan plan = makePlan(readPipeline(pipelineFile(pipeline), overrides));
   std::map<std::string, std::string> hashes;
   for (const ShardRecord& shard : generate(plan, {.folder = folder.path() / "out", .quiet = true}).manifest.shards)
     hashes[shard.file] = shard.sha256;
