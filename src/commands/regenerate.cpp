@@ -51,8 +51,9 @@ int runRegenerate(const std::vector<std::string>& arguments) {
                      "is not a file, so that the damaged one cannot be made again there: remove it");
   };
   for (const std::uint64_t shard : shards) {
-    expectPlace(manifest.shards[shard].file);
-    expectPlace(samplesFileOf(manifest.shards[shard].file));
+    const ShardRecord& record = manifest.shards[shard];
+    expectPlace(record.file);
+    if (!record.samplesSha256.empty()) expectPlace(samplesFileOf(record.file));
   }
   if (shards.empty()) {
     printText("all {} shards are undamaged: there is nothing to make\n", manifest.shards.size());
