@@ -29,7 +29,7 @@ std::span<const Command> commands() {
       Command{"report", "DATASET [-o FILE.html]",
               "write a page that shows a dataset: pictures, figures, warnings, points in 3D", runReport},
       Command{"view", "DATASET|SHARD|SCAN|EXR|SCENE",
-              "show scans, images and scenes in a window, or write pictures of them", runView},
+              "show scans and scenes in a window, or write pictures of them and of EXR images", runView},
       Command{"info", "FILE|DIR", "describe a dataset, shard, scan, recording, scene, sensor or pipeline", runInfo},
       Command{"example", "[NAME]", "copy an example and print its commands; without NAME: list all (docs/gallery.md)",
               runExample},
