@@ -25,7 +25,7 @@ TEST(Advice, EachNeedTakesTheFastestThatHolds) {
   EXPECT_EQ(adviceFor(study, "speed at any price").setting, "particle refine=none");
   const std::string camera = adviceFor(study, "centimetres").text;
   EXPECT_THAT(camera, HasSubstr("26.2 M beams a second, 2.0 x as fast as ray tracing with defaults"));
-  EXPECT_THAT(camera, HasSubstr("99 % of the ranges within 15 mm; 99.70 % of the labels agree; 0.10 % of the beams"));
+  EXPECT_THAT(camera, HasSubstr("99 % of the ranges within 15 mm; 99.70 % of the labels agree; 0.100 % of the beams"));
 }
 
 // A method that cannot fire several rays a beam is no advice for a pipeline that asks for them, without a word.

@@ -1,6 +1,6 @@
-#include "base/memory.h"
 #include "study/tradeoff/study.h"
 #include "tests/core/pipeline/small_world.h"
+#include "tests/support/blender.h"
 
 namespace scanmill {
 namespace {
@@ -14,11 +14,11 @@ using testing::Not;
 using testing::SizeIs;
 
 constexpr const char* kCoarse = "{particle: {refine: none, voxel_m: 0.5}}";
-constexpr const char* kTooLarge = "{particle: {levels: 16, voxels: 1024}}";  // about 6 GiB
+constexpr const char* kNoRenderer = "{depth_camera: {renderer: blender}}";
 
 class RunStudy : public Yard {
  protected:
-  const MemoryLimit memory_{std::uint64_t{2} << 30};
+  const ScopedVariable blender_{"SCANMILL_BLENDER", "/no/such/blender"};
 
   // The pipeline with such a key of its own, as a file.
   std::filesystem::path withKey(const std::string& tradeoff, const std::string& name = "study.yaml") const {
@@ -44,7 +44,7 @@ class RunStudy : public Yard {
     return fmt::format(
         "{{settings: [ray_tracing, {}, {}], encodings: [pcd, {{draco: {{max_error_mm: [1, 20]}}}}], "
         "shots: 3, repeats: 1}}",
-        kCoarse, kTooLarge);
+        kCoarse, kNoRenderer);
   }
 
   // What two runs of a study must agree on: all but times, of processors and of the study.
@@ -100,7 +100,7 @@ TEST_F(RunStudy, MeasuresEverySettingAgainstTheTruth) {
   EXPECT_GT(coarse.cost.setupSeconds, 0);
 
   // One that cannot run ends nothing.
-  EXPECT_THAT(study.settings[2].failure, HasSubstr("voxels: "));
+  EXPECT_THAT(study.settings[2].failure, HasSubstr("/no/such/blender"));
   EXPECT_EQ(study.settings[2].measured.errors.all.beams, 0u);
 }
 
@@ -168,7 +168,7 @@ TEST_F(RunStudy, RingsAreTimedForTheFirstSettingOfEachMethod) {
   const Study study = studied(withKey(
       fmt::format("{{settings: [ray_tracing, {{ray_tracing: {{instancing: always}}}}, {0}, {1}], shots: 1, rings: [2, "
                   "8, 32], repeats: 1}}",
-                  kCoarse, kTooLarge)));
+                  kCoarse, kNoRenderer)));
   ASSERT_THAT(study.rings, SizeIs(2));
   EXPECT_EQ(study.rings[0].setting.name, "ray_tracing");
   EXPECT_EQ(study.rings[1].setting.method, "particle");
@@ -183,10 +183,10 @@ TEST_F(RunStudy, RingsAreTimedForTheFirstSettingOfEachMethod) {
 // A method that cannot run has no line; the others do.
 TEST_F(RunStudy, RingsOfWhatCannotRunAreLeftOut) {
   const Study study = studied(
-      withKey(fmt::format("{{settings: [{}, ray_tracing], shots: 1, rings: [2, 4, 8], repeats: 1}}", kTooLarge)));
+      withKey(fmt::format("{{settings: [{}, ray_tracing], shots: 1, rings: [2, 4, 8], repeats: 1}}", kNoRenderer)));
   ASSERT_THAT(study.rings, SizeIs(1));
   EXPECT_EQ(study.rings[0].setting.name, "ray_tracing");
-  EXPECT_THAT(study.left, ElementsAre(AllOf(HasSubstr("rings of particle"), HasSubstr("voxels: "))));
+  EXPECT_THAT(study.left, ElementsAre(AllOf(HasSubstr("rings of depth_camera"), HasSubstr("/no/such/blender"))));
 }
 
 TEST_F(RunStudy, SensorsMayHaveEffectsOfTheirOwn) {
