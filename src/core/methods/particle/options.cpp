@@ -41,9 +41,8 @@ double servedRange(const ParticleOptions& options, std::uint32_t level) {
   return levelReach(options, level) - kHalfBrick * options.voxel;
 }
 
-constexpr double kMostBricks = 268'435'456;  // 2^28; the table of this many bricks takes 1 GiB
-constexpr std::uint32_t kUsualLevels = 5;    // assumed for `levels: auto`; enough for ranges of 120 to 200 m
-constexpr double kFarthestBrick = 1e15;      // largest lattice coordinate of a brick: its corners are exact in double
+constexpr std::uint32_t kUsualLevels = 5;  // assumed for `levels: auto`; enough for ranges of 120 to 200 m
+constexpr double kFarthestBrick = 1e15;    // largest lattice coordinate of a brick: its corners are exact in double
 
 std::array<double, 3> axes(const Vec3d& v) {
   return {v.x, v.y, v.z};
@@ -144,11 +143,6 @@ FieldShape shapeOf(const ParticleOptions& options, const Vec3d& sensor, const Bo
     while (levels < kMaxLevels && std::ldexp(double{shape.reach} * options.voxel, int(levels) - 1) < need) ++levels;
   }
   const std::uint32_t across = options.voxels / kBrickVoxels;
-  if (levels * std::pow(across, 3) > kMostBricks) {
-    throw InputError(options.where, fmt::format("particle: {} levels of {} voxels across give a table of more than "
-                                                "{:g} bricks: choose fewer voxels across, such as `voxels: 512`",
-                                                levels, options.voxels, kMostBricks));
-  }
   for (std::uint32_t l = 0; l < std::min(levels, kMaxLevels); ++l) {
     LevelBox box;
     for (std::size_t k = 0; k < 3; ++k) {
