@@ -153,7 +153,7 @@ TEST_F(BadFrames, WhatCannotBeOpened) {
       {{.path = data, .reference = none}, {"does not exist"}},
       {{.path = data, .ontology = noneYaml}, {"none.yaml"}},
       {{.path = data, .scene = noneYaml}, {"none.yaml"}},
-      {{.path = folder.path()}, {"is not a dataset", "manifest.json"}},
+      {{.path = folder.write("empty/notes.txt", "x").parent_path()}, {"is not a dataset", "manifest.json"}},
       {{.path = recording}, {"is a recording"}},
       {{.path = cut}, {"manifest.json"}},
       {{.path = folder.path() / "notes.tar"}, {"holds no sample"}},
