@@ -13,7 +13,7 @@
 namespace scanmill {
 namespace {
 
-constexpr double kCell = 2;  // m, side of the cells in which boxes are found
+constexpr double kBoxCell = 2;  // m, side of the cells in which boxes are found
 
 bool overlaps(const Box& a, const Box& b) {
   return a.low.x <= b.high.x && b.low.x <= a.high.x && a.low.y <= b.high.y && b.low.y <= a.high.y &&
@@ -55,7 +55,7 @@ class StepCells {
     if (!overlaps(box, around_)) return;
     const Box within{{std::max(box.low.x, around_.low.x), std::max(box.low.y, around_.low.y), 0},
                      {std::min(box.high.x, around_.high.x), std::min(box.high.y, around_.high.y), 0}};
-    const double cells = (within.high.x - within.low.x) * (within.high.y - within.low.y) / (kCell * kCell);
+    const double cells = (within.high.x - within.low.x) * (within.high.y - within.low.y) / (kBoxCell * kBoxCell);
     if (cells > static_cast<double>(steps_.size())) {
       for (const auto& [cell, steps] : steps_) std::ranges::for_each(steps, visit);
       return;
@@ -68,7 +68,7 @@ class StepCells {
 
  private:
   static void eachCell(const Box& box, const auto& visit) {
-    const auto cell = [](double at) { return static_cast<std::int64_t>(std::floor(at / kCell)); };
+    const auto cell = [](double at) { return static_cast<std::int64_t>(std::floor(at / kBoxCell)); };
     for (std::int64_t x = cell(box.low.x); x <= cell(box.high.x); ++x) {
       for (std::int64_t y = cell(box.low.y); y <= cell(box.high.y); ++y) visit(x * (std::int64_t{1} << 32) + y);
     }

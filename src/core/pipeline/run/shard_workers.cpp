@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t kAhead = 2;  // maximum number of samples per worker that are being made or wait to be taken
 
-struct OpenShard {
+struct SharedShard {
   std::size_t shard = 0;
   std::size_t samples = 0;
   std::size_t begun = 0;
@@ -58,14 +58,14 @@ class ShardWorkers {
   void worker() {
     Lock lock(mutex_);
     try {
-      std::shared_ptr<OpenShard> own;
+      std::shared_ptr<SharedShard> own;
       while (!ended()) {
         if (own != nullptr && own->begun == own->samples) own = nullptr;
         if (own == nullptr && next_ < shards_) {
           own = open(lock);
           continue;
         }
-        const std::shared_ptr<OpenShard> shard = own != nullptr ? own : mostLeft();
+        const std::shared_ptr<SharedShard> shard = own != nullptr ? own : mostLeft();
         if (shard == nullptr) return;
         if (inFlight_ < kAhead * workers_) {
           makeNext(*shard, lock);
@@ -82,18 +82,18 @@ class ShardWorkers {
 
   bool ended() const { return failure_ != nullptr || (stop_ != nullptr && *stop_); }
 
-  std::shared_ptr<OpenShard> open(Lock& lock) {
+  std::shared_ptr<SharedShard> open(Lock& lock) {
     const std::size_t shard = next_++;
     lock.unlock();
     const std::size_t samples = work_.open(shard);
     lock.lock();
     if (samples == 0) return nullptr;
-    return open_.emplace_back(std::make_shared<OpenShard>(OpenShard{shard, samples, 0, 0, {}, false}));
+    return open_.emplace_back(std::make_shared<SharedShard>(SharedShard{shard, samples, 0, 0, {}, false}));
   }
 
   // Returns the open shard with the most samples that no thread has started; null if all samples are started.
-  std::shared_ptr<OpenShard> mostLeft() const {
-    std::shared_ptr<OpenShard> most;
+  std::shared_ptr<SharedShard> mostLeft() const {
+    std::shared_ptr<SharedShard> most;
     for (const auto& shard : open_) {
       const std::size_t left = shard->samples - shard->begun;
       if (left > 0 && (most == nullptr || left > most->samples - most->begun)) most = shard;
@@ -101,7 +101,7 @@ class ShardWorkers {
     return most;
   }
 
-  void makeNext(OpenShard& shard, Lock& lock) {
+  void makeNext(SharedShard& shard, Lock& lock) {
     const std::size_t sample = shard.begun++;
     ++inFlight_;
     lock.unlock();
@@ -111,7 +111,7 @@ class ShardWorkers {
     if (!shard.beingTaken) takeMade(shard, lock);
   }
 
-  void takeMade(OpenShard& shard, Lock& lock) {
+  void takeMade(SharedShard& shard, Lock& lock) {
     shard.beingTaken = true;
     while (shard.made.erase(shard.taken) > 0) {
       lock.unlock();
@@ -136,7 +136,7 @@ class ShardWorkers {
   std::mutex mutex_;
   std::condition_variable changed_;  // signals that a sample was taken, or that the work ends early
   std::size_t next_ = 0;             // index of the next shard to open
-  std::list<std::shared_ptr<OpenShard>> open_;
+  std::list<std::shared_ptr<SharedShard>> open_;
   std::size_t inFlight_ = 0;    // number of samples that are started but not taken yet
   std::exception_ptr failure_;  // the first exception of any call; null: none
 };
