@@ -49,9 +49,9 @@ struct ImageHeader {
   int width = 0;   // px
   int height = 0;  // px
   int channels = 0;
-  int alphaChannel = -1;    // index of the alpha channel; -1: none
-  double alphaGamma = 0;    // above 0: (colour ^ alphaGamma) was multiplied by alpha; 0: colours were not multiplied
-  bool linear = false;      // true: the file has linear light, which rows() returns as sRGB
+  int alphaChannel = -1;  // index of the alpha channel; -1: none
+  double alphaGamma = 0;  // above 0: (colour ^ alphaGamma) was multiplied by alpha; 0: colours were not multiplied
+  bool linear = false;    // true: the file has linear light, which rows() returns as sRGB
   std::vector<std::string> leftOut = {};  // what would change the look: some of the texts above
 };
 

@@ -1,5 +1,3 @@
-#include "draft/model.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -13,6 +11,7 @@
 #include "base/short_text.h"
 #include "base/terminal.h"
 #include "config/value.h"
+#include "draft/model.h"
 
 namespace scanmill::draft {
 namespace {

@@ -17,8 +17,8 @@
 #include "config/version.h"
 #include "dataset/manifest.h"
 #include "dataset/recording.h"
-#include "dataset/shard_writer.h"
 #include "dataset/shard_name.h"
+#include "dataset/shard_writer.h"
 #include "dataset/voxels.h"
 #include "formats/reasons_png.h"
 

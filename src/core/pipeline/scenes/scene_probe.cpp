@@ -13,8 +13,8 @@ constexpr std::size_t kMostMet = 100;
 // The places at which the method sees a sensor are at least this far apart along a ray (m), since the method may build
 // a hierarchy for each. Ray tracing's tie rule covers rounding up to 64 m from the sensor (kCoplanarCorners).
 constexpr double kNearAnchor = 48;
-constexpr double kProbeSlack = 1;   // m, margin around the scene's bounds
-constexpr double kNear = 1.5;  // maximum height difference between a place and the ground that near() finds (m)
+constexpr double kProbeSlack = 1;  // m, margin around the scene's bounds
+constexpr double kNear = 1.5;      // maximum height difference between a place and the ground that near() finds (m)
 constexpr Vec3d kDown{0, 0, -1};
 
 // Returns the distance along a ray at which it leaves the slab from `low` to `high` of one axis (m); negative if it

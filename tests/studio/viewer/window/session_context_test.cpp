@@ -1,8 +1,9 @@
+#include "viewer/window/session_context.h"
+
 #include <random>
 
 #include "tests/studio/viewer/window/fake_frames.h"
 #include "tests/support/message_of.h"
-#include "viewer/window/session_context.h"
 
 namespace scanmill {
 namespace {
