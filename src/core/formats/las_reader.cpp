@@ -78,11 +78,9 @@ class LasReader {
     if (record_ < kLeastRecord[format_]) {
       fail(fmt::format("has points of {} bytes; format {} has {}", record_, format_, kLeastRecord[format_]));
     }
+    if (bytes_.size() < at<std::uint16_t>(kHeaderSize)) fail("is truncated: it ends within its header");
     std::uint64_t points = at<std::uint32_t>(kLegacyPoints);
-    if (minor == 4 && at<std::uint16_t>(kHeaderSize) >= kPoints + 8) {
-      if (bytes_.size() < kPoints + 8) fail("is truncated: it ends within its header");
-      points = at<std::uint64_t>(kPoints);
-    }
+    if (minor == 4 && at<std::uint16_t>(kHeaderSize) >= kPoints + 8) points = at<std::uint64_t>(kPoints);
     const std::uint64_t first = at<std::uint32_t>(kPointsAt);
     if (first > bytes_.size() || points > (bytes_.size() - first) / record_) {
       fail(fmt::format("is truncated: it announces {} points of {} bytes and has {} bytes for them", points, record_,
@@ -123,7 +121,7 @@ class LasReader {
   // Reads the records between the header and the points, and those behind the points of LAS 1.4.
   void readRecords(std::uint64_t points) {
     readRecordsAt<std::uint16_t>(at<std::uint16_t>(kHeaderSize), points, at<std::uint32_t>(kRecords));
-    if (at<std::uint8_t>(kMinor) < 4 || bytes_.size() < kPoints || at<std::uint16_t>(kHeaderSize) < kPoints) return;
+    if (at<std::uint8_t>(kMinor) < 4 || at<std::uint16_t>(kHeaderSize) < kPoints) return;
     readRecordsAt<std::uint64_t>(at<std::uint64_t>(kLaterRecordsAt), bytes_.size(), at<std::uint32_t>(kLaterRecords));
   }
 
