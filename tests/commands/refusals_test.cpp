@@ -1,5 +1,5 @@
-// What the program refuses: arguments, and words of the error. Where a library's test states the law, a row here shows
-// that its error reaches the user.
+// Each row holds arguments that the program refuses and words of the error. Where a library's test states the law, the
+// row shows that the error reaches the user.
 
 #include "base/file.h"
 #include "tests/commands/program.h"

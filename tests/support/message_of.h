@@ -25,7 +25,7 @@ std::string messageOf(Work&& work) {
   return "accepted";
 }
 
-// What `work` prints on standard error, such as warnings.
+// Returns what `work` prints on standard error, such as warnings.
 template <class Work>
 std::string printedBy(Work&& work) {
   testing::internal::CaptureStderr();

@@ -28,7 +28,8 @@ namespace scanmill {
 
 inline const OrderedJson kLeftOut(OrderedJson::value_t::discarded);
 
-// What records refer to. `ontology`: null leaves the names of classes out. `head`: the manifest without its samples.
+// Things that records refer to. `ontology`: null leaves the names of classes out. `head`: the manifest without its
+// samples.
 struct RecordContext {
   const Ontology* ontology = nullptr;
   const Manifest* head = nullptr;
@@ -41,7 +42,7 @@ OrderedJson jsonOf(const T& value, const std::string& name, const RecordContext&
 template <class T>
 void readJson(const JsonNode& node, T& value, const RecordContext& context = {});
 
-// What describe() is given: it lists a record's keys, writes a record, or reads one.
+// The argument of describe(): it lists a record's keys, writes a record, or reads one.
 class RecordKeys {
  public:
   RecordKeys() = default;  // lists the keys

@@ -14,7 +14,7 @@
 
 namespace scanmill {
 
-// What readers name in ImageHeader::leftOut.
+// Texts that readers store in ImageHeader::leftOut.
 inline constexpr const char* kProfiles = "colour profiles other than sRGB (colours count as sRGB)";
 inline constexpr const char* kGammas = "gammas other than that of sRGB (gAMA)";
 inline constexpr const char* kOrientations = "orientations (Exif), by which viewers turn the image";

@@ -100,7 +100,7 @@ class Yard : public testing::Test {
     return makePlan(readPipeline(pipeline_, overrides, std::move(recording)));
   }
 
-  // What planning with these overrides is refused with.
+  // Returns the message by which planning with these overrides is refused.
   std::string refusal(const std::vector<std::string>& overrides) const {
     return messageOf([&] { planOf(overrides); });
   }

@@ -64,7 +64,7 @@ bool closed(const Mesh& mesh) {
   return std::all_of(sides.begin(), sides.end(), [](const auto& side) { return side.second == 0; });
 }
 
-// By how much corners, and middles of triangles, are off a sphere of this radius (m).
+// Returns the largest distance of corners and middles of triangles from a sphere of this radius (m).
 double offSphere(const Mesh& mesh, double radius) {
   double largest = 0;
   for (const Triangle& t : mesh.triangles) {

@@ -97,7 +97,7 @@ TEST(Effects, BadOptionsAreRefused) {
   for (const auto& [yaml, words] : wrong) EXPECT_THAT(refusal(yaml), testing::HasSubstr(words)) << yaml;
 }
 
-// What is of size 0 changes no bit.
+// Effects of size 0 change no bit.
 TEST(Effects, ZeroKeepsEveryBit) {
   const World world = makeRaggedWorld(33, 77);
   for (const char* yaml : {"range_noise: {sigma_m: 0}", "range_noise: {sigma_m: 0, sigma_per_m: 0}",

@@ -15,7 +15,7 @@ class Street : public testing::Test {
   static void SetUpTestSuite() { scene_ = std::make_unique<Scene>(proceduralStreet()); }
   static void TearDownTestSuite() { scene_.reset(); }
 
-  // What rays see from a place on the street, and how a method sees it.
+  // Returns the exact hits from a place on the street; compared() measures a method against them.
   static std::vector<TrueShot> truthAt(double x) {
     return trueShots(*scene_, {streetShot(presetBeams("paper_64"), x)}, {});
   }

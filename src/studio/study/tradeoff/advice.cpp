@@ -19,7 +19,7 @@ namespace {
 constexpr double kSameTime = 0.10;
 constexpr double kAny = std::numeric_limits<double>::infinity();
 
-// What a use of the scans allows; fractions are of beams.
+// A use of the scans and the errors that it tolerates; fractions are of beams.
 struct Need {
   const char* name;
   const char* limits;         // the limits below in words; empty: none

@@ -18,7 +18,7 @@ class GlMarch {
   explicit GlMarch(std::uint64_t mostTableBytes = std::numeric_limits<std::uint64_t>::max())
       : march_(device_, mostTableBytes) {}
 
-  // As marchCpu() does with particles that have taken no step.
+  // Marches particles that have taken no step, as marchCpu() does.
   HitRecords march(const std::shared_ptr<const DistanceField>& field, const std::shared_ptr<const World>& world,
                    std::uint32_t steps, const Particles& p) {
     march_.hold(field, world);

@@ -33,7 +33,7 @@ ParticleOptions smallField() {
 
 constexpr double kRange = 20;  // m
 
-// Which triangles are the nearest to places around the sensor.
+// Returns the nearest triangles to places around the sensor.
 std::vector<std::uint32_t> trianglesAt(const FieldStore::Place& place) {
   std::vector<std::uint32_t> triangles;
   for (int i = 0; i < 500; ++i) {

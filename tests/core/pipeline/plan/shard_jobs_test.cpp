@@ -141,14 +141,14 @@ TEST_F(SampleSize, HoldsForLayoutsColumnsAndShards) {
       excess({"output.layout=organised", "sensors.0.elevation_deg.top=60", "output.formats=[pcd, csv]"}, "misses"), 1);
   EXPECT_GE(excess({"output.columns=[]", "output.formats=[pcd: {encoding: binary}]"}, "positions"), 1);
   EXPECT_GE(excess({"output.voxels={size: 1, from: [-20, -20, -2], to: [20, 20, 2]}"}, "voxels"), 1);
-  // Where what was drawn is most of a sample, which has no beams to speak of.
+  // Random values are most of this sample, which has few beams.
   EXPECT_GE(excess({"output.columns=[]", "sensors.0.columns=4", "sensors.0.elevation_deg=[-10]",
                     "sensors.0.mount.position.2={uniform: [1, 2]}", "sensors.0.mount.roll_deg={normal: [0, 1]}",
                     "effects=[{choice: [{range_noise: {sigma_m: {uniform: [0.1, 0.2], per: frame}}}, {angular_jitter: "
                     "{azimuth_sigma_deg: {uniform: [0.1, 0.2]}, elevation_sigma_deg: {uniform: [0.1, 0.2]}}}]}]"},
                    "draws"),
             1);
-  // Where the list of objects is most of a sample: two sensors of few beams.
+  // The list of objects is most of this sample: two sensors of few beams.
   EXPECT_GE(excess({"output.objects=true", "output.columns=[]", "output.formats=[{draco: {max_error_mm: 50}}]",
                     "sensors=[" + kTop +
                         ", {name: a-sensor-with-a-long-name, columns: 4, rate_hz: 10, elevation_deg: "

@@ -121,7 +121,7 @@ TEST(ObjectCounts, AreByClassDistanceAndVisibility) {
   EXPECT_NE(table.find("30 to 50 m"), std::string::npos);
   EXPECT_EQ(table.find("50 to 80 m"), std::string::npos) << "nothing stands there";
 
-  // What is damaged is a fault, not an end.
+  // Damage is an error, not the end of the shard.
   const std::string shard = (folder.path() / "data" / manifest.shards[0].file).string();
   std::string bytes = readFile(shard);
   bytes[bytes.find("\"beams_alone\"") + 3] = 'X';

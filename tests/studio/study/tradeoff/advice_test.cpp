@@ -59,7 +59,7 @@ TEST(Advice, OfEquallyFastSettingsTheMostExactIsTaken) {
   EXPECT_EQ(fastest(0.90, 0.5), "ray_tracing simplify=0.2");
 }
 
-// Which factor is the largest is worked out by hand.
+// The largest factors are worked out by hand.
 TEST(Advice, WhereNoneHoldsTheNearestIsNamed) {
   const auto nearest = [](const std::vector<ExampleSetting>& settings) {
     const Advice exact = adviceFor(studyOf(settings), "centimetres");

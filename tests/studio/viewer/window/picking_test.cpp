@@ -172,7 +172,7 @@ std::size_t pointWith(const Scan& scan, const PointKey& key) {
   throw std::runtime_error("no such point");
 }
 
-// Of 9 columns: beam 11 of ring 1, column 2 has two returns, beam 10 one, beam 9 none.
+// The scan has 9 columns: beam 11 (ring 1, column 2) has two returns, beam 10 one, beam 9 none.
 class ReturnRows : public testing::Test {
  protected:
   World world_ = makeSeveralReturns(4, 9);

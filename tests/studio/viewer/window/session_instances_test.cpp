@@ -232,7 +232,7 @@ TEST(SessionBoxes, AreDrawnInTheColoursOfTheirClasses) {
   ASSERT_EQ(colors.size(), kEdges + 1 + 2 + kEdges) << "two boxes, a front, a track of three places";
   EXPECT_EQ(std::ranges::count(colors, kFakeCarColor), static_cast<long>(kEdges + 3));
   EXPECT_EQ(std::ranges::count(colors, kFakeTreeColor), 0) << "nothing is seen of it: it is faint";
-  // As the points of its sensor lie: 10 m ahead and 10 m to the right of it.
+  // The box lies where the points of its sensor lie: 10 m ahead and 10 m to the right of the sensor.
   Box car;
   for (std::size_t i = 0; i < 2 * kEdges; ++i) car.add(Vec3d(boxes(world).places[i]));
   EXPECT_NEAR(length(car.center() - Vec3d{10, -10, -0.8}), 0, 1e-5);

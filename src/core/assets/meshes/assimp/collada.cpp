@@ -18,7 +18,7 @@ namespace scanmill {
 
 namespace {
 
-// What the importer cannot read, or reads wrong, by paths of XPath, and what can be done.
+// Elements that the importer cannot read or reads wrong, as XPath expressions, and what the user can do.
 constexpr std::pair<const char*, const char*> kRefused[] = {
     {"//skew", "bake transforms into matrices, or convert it to glTF"},
     {"//node/lookat[..//instance_geometry or ..//instance_node]",

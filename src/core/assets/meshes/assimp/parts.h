@@ -40,7 +40,7 @@ struct ColladaMaterial {
   std::optional<double> transparency;  // the number of `transparency`, if `transparent` is an image
 };
 
-// What a COLLADA file (.dae; COLLADA 1.4.1 and 1.5) states and assimp does not report.
+// Facts of a COLLADA file (.dae; COLLADA 1.4.1 and 1.5) that assimp does not report.
 struct ColladaFacts {
   char up = 'y';                           // axis of `up_axis`
   double unit = 0;                         // metres per unit; 0: not stated

@@ -134,7 +134,7 @@ TEST_F(Imported, ImagesOfColladaUseTheSetOfTextureCoordinatesThatTheirUseNames) 
                                    "(bind_vertex_input; the first is taken)\n"));
 }
 
-// What the importer reads wrong, or not at all, is refused.
+// Elements that the importer reads wrong, or not at all, are refused.
 TEST_F(Imported, ElementsOfColladaThatTheImporterCannotReadAreRefused) {
   const std::string text = dae("Z_UP", "1");
   const std::string turned = "<translate>10 20 30</translate>";
