@@ -50,7 +50,7 @@ void printSettings(const Study& study) {
                     metresText(e.range.p99), awayText(s.measured.errors), fmt::format("{:.3f} %", 100 * e.labels()),
                     fmt::format("{:.3f} %", 100 * static_cast<double>(e.falseNegatives) / beams),
                     fmt::format("{:.3f} %", 100 * static_cast<double>(e.falsePositives) / beams),
-                    metresText(s.measured.cloud.to.mean), metresText(s.measured.cloud.from.mean)});
+                    metresText(e.nearestTo.mean), metresText(e.nearestFrom.mean)});
   }
   printText(
       "{}median, p99: of the range error; away from edges: p99 there; false negatives: beams that hit only in truth;\n"

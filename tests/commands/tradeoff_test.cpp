@@ -28,7 +28,7 @@ class Tradeoff : public SmallWorld {
         folder_
             .write("study.yaml", readFile(pipeline_) +
                                      "tradeoff: {settings: [ray_tracing, {particle: {refine: none, voxel_m: 0.5}}], "
-                                     "encodings: [pcd, {draco: {max_error_mm: [1, 20]}}], rings: [2, 4, 8], shots: "
+                                     "encodings: [pcd, {draco: {max_error_mm: [1, 20]}}], shots: "
                                      "2, repeats: 1}\n")
             .string();
   }
@@ -59,11 +59,11 @@ TEST_F(Tradeoff, WritesTablesChartsAndAReport) {
   EXPECT_THAT(made.error, HasSubstr("tradeoff 2/2 settings"));
   const auto files = filesIn(at("out"));
   for (const char* name : {"index.html", "tradeoff.json", "pareto.svg", "errors_by_range.svg",
-                           "errors_by_incidence.svg", "encodings.svg", "rings.svg", "errors-1.png"}) {
+                           "errors_by_incidence.svg", "encodings.svg", "errors-1.png"}) {
     ASSERT_THAT(files, Contains(testing::Key(name)));
     EXPECT_GT(files.at(name).size(), 500u) << name;
   }
-  EXPECT_EQ(files.size(), 8u);
+  EXPECT_EQ(files.size(), 7u);
   EXPECT_THAT(files.at("index.html"), AllOf(HasSubstr("</html>"), HasSubstr("<svg"), HasSubstr("voxel_m=0.5")));
   EXPECT_THAT(files.at("pareto.svg"), AllOf(HasSubstr("<svg"), HasSubstr("</svg>")));
   EXPECT_EQ(studyIn("out").at("settings").size(), 2u);

@@ -97,28 +97,6 @@ double share(std::uint64_t part, std::uint64_t whole, double ofNone) {
   return whole == 0 ? ofNone : static_cast<double>(part) / static_cast<double>(whole);
 }
 
-void checkSizes(const TrueShot& truth, const Hits& tested, std::span<const float> intensity,
-                std::span<const float> nearestTo, std::span<const float> nearestFrom) {
-  const std::size_t beams = truth.truth.range.size();
-  const auto fits = [&](std::size_t size) { return size == beams; };
-  const auto fitsOrNone = [&](std::size_t size) { return size == 0 || size == beams; };
-  const Hits& exact = truth.truth.hits;
-  if (!fits(tested.size()) || !fits(tested.range.size())) {
-    throw Error(fmt::format("hits of {} and of {} beams cannot be compared", beams, tested.size()));
-  }
-  if (!fits(exact.instance.size()) || !fits(exact.semantic.size()) || !fits(exact.incidence.size()) ||
-      !fits(tested.instance.size()) || !fits(tested.semantic.size())) {
-    throw Error(
-        "hits can be compared only with the channels instance and semantic, and the truth also needs incidence");
-  }
-  if (!fitsOrNone(truth.edges.size()) || !fitsOrNone(truth.intensity.size()) || !fitsOrNone(intensity.size())) {
-    throw Error(fmt::format("edges and intensities must have the {} beams that are compared", beams));
-  }
-  if (!fitsOrNone(nearestTo.size()) || !fitsOrNone(nearestFrom.size())) {
-    throw Error(fmt::format("distances to the nearest points must have the {} beams that are compared", beams));
-  }
-}
-
 }  // namespace
 
 double GroupErrors::missRate() const {
@@ -143,8 +121,10 @@ class BeamErrorSum::Impl {
 
   void add(const TrueShot& shot, const Hits& tested, std::span<const float> intensity, std::span<const float> nearestTo,
            std::span<const float> nearestFrom) {
-    checkSizes(shot, tested, intensity, nearestTo, nearestFrom);
     const Hits& exact = shot.truth.hits;
+    if (tested.size() != exact.size()) {
+      throw Error(fmt::format("hits of {} and of {} beams cannot be compared", exact.size(), tested.size()));
+    }
     const bool lit = !shot.intensity.empty() && !intensity.empty();
     auto unresolved = tested.unresolved.begin();
     for (std::size_t i = 0; i < exact.size(); ++i) {

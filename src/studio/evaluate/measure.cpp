@@ -162,7 +162,6 @@ Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const 
   const Channels compared = kErrorChannels | timed;
   Measurement result;
   BeamErrorSum errors(scene);
-  CloudErrorSum clouds;
   Hits hits;
   ResidentGrowth growth;
   // Durations by sensor, since the sizes of scans differ between sensors.
@@ -193,13 +192,8 @@ Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const 
     if (timed != compared) otherAccount += method->trace(truth.shot, compared, hits);
     const bool lit = options.intensity && !truth.intensity.empty();
     const std::vector<float> intensity = lit ? options.intensity(truth.shot, hits) : std::vector<float>();
-    if (!options.clouds) {
-      errors.add(truth, hits, intensity);
-      continue;
-    }
     const Hits& exact = truth.truth.hits;
     const CloudDistances distances = cloudDistances(hitPoints(truth.shot, exact), hitPoints(truth.shot, hits));
-    clouds.add(distances);
     errors.add(truth, hits, intensity, byBeam(exact, distances.to), byBeam(hits, distances.from));
   }
 
@@ -222,7 +216,6 @@ Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const 
   result.cost.memoryBytes = method->memoryBytes();
   result.cost.residentBytes = growth.bytes();
   result.errors = errors.finish();
-  result.cloud = clouds.finish();
   otherAccount += timedAccount;
   result.warnings = otherAccount.warningTexts();
   return result;

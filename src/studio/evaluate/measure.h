@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "evaluate/beam_errors.h"
-#include "evaluate/cloud_errors.h"
+#include "evaluate/cloud_distances.h"
 #include "methods/method.h"
 
 namespace scanmill {
@@ -37,7 +37,6 @@ struct Cost {
 struct Measurement {
   Cost cost;
   BeamErrors errors;
-  CloudErrors cloud;
   std::vector<std::string> warnings;
 };
 
@@ -46,7 +45,6 @@ struct MeasureOptions {
   // Scans of a shot are repeated until they took this time (s) together, or until there are 30 scans: other processes
   // easily disturb measurements of a few milliseconds.
   double leastSeconds = 0;
-  bool clouds = true;  // true: distances between point clouds are measured, for all beams and for each group
   // The channels that are traced while time is measured. For the errors, kErrorChannels are traced in addition.
   Channels channels{};
   // Returns the noise-free intensity of each beam from a method's hits; null: intensities are not compared.

@@ -348,16 +348,6 @@ TEST(BeamErrors, WhatDoesNotFitIsRefused) {
   const Scene scene = sceneOf();
   const TrueShot truth = truthFrom(hitsAt({1, 2}));
   EXPECT_THROW(errorsOf(scene, truth, hitsAt({1})), Error);
-  EXPECT_THROW(errorsOf(scene, truth, hitsAt({1, 2}), {1}), Error);
-  Hits bare;
-  bare.reset(1, 2, Channel::Range);
-  EXPECT_THROW(errorsOf(scene, truth, bare), Error);
-  const std::vector<float> one{1};
-  EXPECT_THROW(BeamErrorSum(scene).add(truth, hitsAt({1, 2}), {}, one, {}), Error);
-  EXPECT_THROW(BeamErrorSum(scene).add(truth, hitsAt({1, 2}), {}, {}, one), Error);
-  TrueShot edgy = truth;
-  edgy.edges = {1};
-  EXPECT_THROW(errorsOf(scene, edgy, hitsAt({1, 2})), Error);
   TrueShot foreign = truth;
   foreign.truth.hits.instance[1] = 4'000'000'000u;
   EXPECT_THROW(errorsOf(scene, foreign, hitsAt({1, 2})), Error);

@@ -104,7 +104,7 @@ TEST(Measure, TimesOnlyTheScansAndChannelsThatAreAskedFor) {
 
 TEST(Measure, FastScansAreRepeatedFurther) {
   const Scene scene = courtyard();
-  MeasureOptions options{.repeats = 2, .clouds = false, .channels = kErrorChannels};
+  MeasureOptions options{.repeats = 2, .channels = kErrorChannels};
   const std::vector<TrueShot> truth = trueShots(scene, {twoShots().front()}, options);
   const auto scansWith = [&](double leastSeconds) {
     options.leastSeconds = leastSeconds;
@@ -133,7 +133,7 @@ TEST(Measure, SensorsCountByTheirNumberOfScans) {
   shots.push_back(shots.front());
   shots.push_back(shots.front());
   shots[3].sensor = 1;
-  const MeasureOptions options{.repeats = 1, .clouds = false};
+  const MeasureOptions options{.repeats = 1};
   const std::vector<TrueShot> truth = trueShots(scene, shots, options);
   std::vector<Channels> scans;
   const Cost cost = measure([&] { return std::make_unique<Slow>(scene, 1, scans); }, scene, truth, options).cost;
@@ -165,16 +165,13 @@ TEST(Measure, StopsBetweenScans) {
 TEST(Measure, WithoutRepeatsOnlyErrorsAreMeasured) {
   const Scene scene = courtyard();
   const std::vector<TrueShot> shots = seenByRays(scene);
-  const MeasureOptions options{.repeats = 0, .clouds = false};
+  const MeasureOptions options{.repeats = 0};
   std::vector<Channels> scans;
   const Measurement m = measure([&] { return std::make_unique<Counting>(scene, 0, scans); }, scene, shots, options);
   EXPECT_EQ(m.cost.scanSeconds, 0);
   EXPECT_EQ(m.cost.beamsPerSecond(1000), 0);
   EXPECT_TRUE(m.cost.stages.empty());
   EXPECT_EQ(m.errors.all.beams, 2u * 24 * 256);
-  EXPECT_EQ(m.cloud.to.count, 0u);
-  EXPECT_EQ(m.errors.all.nearestTo.count, 0u);
-  EXPECT_EQ(m.errors.all.nearestFrom.count, 0u);
 }
 
 TEST(Measure, RaysAreTrueAndCoarseParticlesAreNot) {
@@ -199,8 +196,8 @@ TEST(Measure, RaysAreTrueAndCoarseParticlesAreNot) {
   EXPECT_EQ(exact.labels(), 1);
   EXPECT_EQ(exact.intensity.count, exact.bothHit);
   EXPECT_LT(exact.intensity.max, 1e-5);
-  EXPECT_LT(rays.cloud.hausdorff, 2e-6);
-  EXPECT_EQ(rays.cloud.to.count, exact.bothHit);
+  EXPECT_LT(exact.hausdorff(), 2e-6);
+  EXPECT_EQ(exact.nearestTo.count, exact.bothHit);
   for (const SizeRecall& size : rays.errors.byThickness) EXPECT_EQ(size.thingsFound, size.things) << size.name;
 
   const auto coarse = [&] {
@@ -210,10 +207,7 @@ TEST(Measure, RaysAreTrueAndCoarseParticlesAreNot) {
   EXPECT_GT(particles.errors.all.range.median, 0.01);
   EXPECT_GT(particles.errors.all.missRate(), 0);
   EXPECT_LT(particles.errors.all.labels(), 1);
-  EXPECT_GT(particles.cloud.to.mean, 0.01);
-  EXPECT_EQ(particles.errors.all.nearestTo, particles.cloud.to);
-  EXPECT_EQ(particles.errors.all.nearestFrom, particles.cloud.from);
-  EXPECT_EQ(particles.errors.all.hausdorff(), particles.cloud.hausdorff);
+  EXPECT_GT(particles.errors.all.nearestTo.mean, 0.01);
   EXPECT_GT(particles.cost.memoryBytes, 0u);
   // Silhouettes are where it errs.
   const GroupErrors& interior = particles.errors.byPlace[0].errors;
@@ -238,9 +232,8 @@ TEST(Measure, ErrorsDoNotDependOnThreads) {
   EXPECT_EQ(one.errors.all.sameLabel, three.errors.all.sameLabel);
   EXPECT_EQ(one.errors.all.falseNegatives, three.errors.all.falseNegatives);
   EXPECT_EQ(one.errors.byPlace[1].errors.beams, three.errors.byPlace[1].errors.beams);
-  EXPECT_EQ(one.cloud.to, three.cloud.to);
-  EXPECT_EQ(one.cloud.from, three.cloud.from);
-  EXPECT_EQ(one.cloud.hausdorff, three.cloud.hausdorff);
+  EXPECT_EQ(one.errors.all.nearestTo, three.errors.all.nearestTo);
+  EXPECT_EQ(one.errors.all.nearestFrom, three.errors.all.nearestFrom);
   EXPECT_EQ(one.errors.byPlace[1].errors.nearestTo, three.errors.byPlace[1].errors.nearestTo);
 }
 

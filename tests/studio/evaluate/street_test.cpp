@@ -45,8 +45,8 @@ TEST_F(StreetInImages, PlaneSamplingIsAsGoodAsTheTableSays) {
     EXPECT_LT(e.range.median, 1e-3);
     EXPECT_LT(e.range.p99, 0.05);
     EXPECT_GT(static_cast<double>(e.bothMiss + e.sameLabel), 0.995 * static_cast<double>(e.beams));
-    EXPECT_LT(m.cloud.to.mean, 0.01);
-    EXPECT_LT(m.cloud.from.mean, 0.01);
+    EXPECT_LT(m.errors.all.nearestTo.mean, 0.01);
+    EXPECT_LT(m.errors.all.nearestFrom.mean, 0.01);
   }
 }
 
@@ -70,8 +70,8 @@ TEST_F(Street, ParticlesThatMeetTrianglesSeeWhatRaysSee) {
     EXPECT_LT(e.falseNegatives + e.falsePositives, e.beams / 10'000);
     EXPECT_GT(static_cast<double>(e.sameLabel), 0.9999 * static_cast<double>(e.bothHit));
     EXPECT_LT(e.range.p999, 1e-4);
-    EXPECT_LT(m.cloud.to.mean, 1e-3);
-    EXPECT_LT(m.cloud.from.mean, 1e-3);
+    EXPECT_LT(m.errors.all.nearestTo.mean, 1e-3);
+    EXPECT_LT(m.errors.all.nearestFrom.mean, 1e-3);
     EXPECT_EQ(e.unresolved, 0u);
   }
 }

@@ -55,7 +55,6 @@ class StudyPage {
     places();
     classes();
     stages();
-    rings();
     use();
     page_["charts"] = chartValues(studyCharts(study_));
     return std::move(page_);
@@ -116,7 +115,6 @@ class StudyPage {
         const double its = base ? study_.settings[*base].measured.cost.scanSeconds : 0;
         if (own > 0 && its > 0) row["times_tracing"] = own / its;
         row["strong"] = std::ranges::find(front, i) != front.end();
-        if (s.measured.cloud.to.count + s.measured.cloud.from.count == 0) row.erase("cloud");
       }
       row.erase("measured");
       page_["settings"].push_back(std::move(row));
@@ -126,7 +124,9 @@ class StudyPage {
   void places() {
     const std::vector<std::string> names = groupNames(study_, measuredSettings(study_), &BeamErrors::byPlace);
     page_["places"] = Json::array();
-    for (const std::string& name : names) page_["places"].push_back({{"title", placeText(name)}});
+    for (const std::string& name : names) {
+      page_["places"].push_back({{"title", name == kAwayFromEdges ? "away from edges" : "at edges"}});
+    }
     for (const std::size_t i : measuredSettings(study_)) {
       Json row{{"name", nameOf(i)}, {"places", Json::array()}};
       for (const std::string& name : names) {
@@ -162,11 +162,11 @@ class StudyPage {
       if (seconds <= 0) return Json::object();
       return Json{{"stage_s", seconds}, {"stage_beams_per_s", static_cast<double>(study_.beamsPerShot) / seconds}};
     };
-    const std::vector<std::size_t> rows = settingsByMethod(study_, kReportRows);
+    const std::vector<std::size_t> measured = measuredSettings(study_);
     page_["methods"] = Json::array();
     for (const std::string& method : methodsOf(study_)) {
       std::vector<std::size_t> own;
-      std::ranges::copy_if(rows, std::back_inserter(own),
+      std::ranges::copy_if(measured, std::back_inserter(own),
                            [&](std::size_t i) { return study_.settings[i].setting.method == method; });
       std::vector<std::string> names;
       Json table{{"stages", Json::array()}, {"rows", Json::array()}};
@@ -194,27 +194,6 @@ class StudyPage {
         table["rows"].push_back(std::move(row));
       }
       page_["methods"].push_back(std::move(table));
-    }
-  }
-
-  void rings() {
-    std::map<std::uint32_t, std::size_t> counts;
-    for (const RingFit& fit : study_.rings) {
-      for (const RingTiming& t : fit.timings) counts[t.rings] = 0;
-    }
-    for (const auto& entry : counts) page_["ring_counts"].push_back({{"rings", entry.first}});
-    for (const RingFit& fit : study_.rings) {
-      Json row{{"name", fit.setting.name},
-               {"fixed_s", fit.fixedSeconds},
-               {"per_ring_s", fit.secondsPerRing},
-               {"off_percent", 100 * fit.largestResidual},
-               {"ring_counts", Json::array()}};
-      for (const auto& entry : counts) {
-        const auto timing = std::ranges::find(fit.timings, entry.first, &RingTiming::rings);
-        row["ring_counts"].push_back(timing == fit.timings.end() ? Json::object()
-                                                                 : Json{{"scan_s", timing->scanSeconds}});
-      }
-      page_["ring_fits"].push_back(std::move(row));
     }
   }
 
@@ -264,10 +243,6 @@ std::optional<std::size_t> ownColor(const std::string& method) {
 }
 
 }  // namespace
-
-std::string placeText(const std::string& group) {
-  return group == kAwayFromEdges ? "away from edges" : group == "edges" ? "at edges" : group;
-}
 
 std::vector<std::string> groupNames(const Study& study, const std::vector<std::size_t>& settings, Groups groups) {
   std::vector<std::string> names;
@@ -328,15 +303,6 @@ std::vector<std::size_t> shownSettings(const Study& study, std::size_t most) {
   for (const std::size_t i : frontOf(study, rangeP99)) show(i);
   for (const std::size_t i : frontOf(study, wrongShare)) show(i);
   return shown;
-}
-
-std::vector<std::size_t> settingsByMethod(const Study& study, std::size_t most) {
-  std::vector<std::size_t> rows = measuredSettings(study);
-  if (rows.size() > most) rows = shownSettings(study, most);
-  const std::vector<std::string> methods = methodsOf(study);
-  const auto place = [&](std::size_t i) { return std::ranges::find(methods, study.settings[i].setting.method); };
-  std::ranges::stable_sort(rows, [&](std::size_t a, std::size_t b) { return place(a) < place(b); });
-  return rows;
 }
 
 }  // namespace scanmill

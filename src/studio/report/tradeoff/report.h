@@ -29,16 +29,10 @@ extern const std::string_view kTradeoffTemplate;  // contents of tradeoff.html
 // label have separate colours. Returns the contents of a PNG file.
 std::string drawErrors(const TrueShot& truth, const Hits& tested);
 
-inline constexpr std::size_t kReportRows = 40;  // maximum number of settings in a chart with one row per setting
-
 // Returns all charts of the report. If there are no data for a chart, it has no points.
 std::vector<Chart> studyCharts(const Study& study);
-// Names of the charts that are also written as files: speed against error, errors by range and by incidence, encodings,
-// and time by number of rings.
-inline constexpr std::array kStudyFiles{"pareto", "errors_by_range", "errors_by_incidence", "encodings", "rings"};
-
-// Returns the text for a group of BeamErrors::byPlace: "away from edges" or "at edges".
-std::string placeText(const std::string& group);
+// Names of the charts that are also written as files: speed against error, errors by range and by incidence, encodings.
+inline constexpr std::array kStudyFiles{"pareto", "errors_by_range", "errors_by_incidence", "encodings"};
 
 using Groups = std::vector<ErrorGroup> BeamErrors::*;
 // Returns the names of the groups in which at least one of the settings has beams, in the order of the groups.
@@ -47,9 +41,6 @@ std::vector<std::string> groupNames(const Study& study, const std::vector<std::s
 // Returns at most `most` noteworthy settings as indices in Study::settings: the methods with their defaults, the
 // fastest setting of each method, and the Pareto fronts of study_figures.h.
 std::vector<std::size_t> shownSettings(const Study& study, std::size_t most);
-// Returns the indices of all measured settings, grouped by method; if there are more than `most`, only noteworthy
-// settings.
-std::vector<std::size_t> settingsByMethod(const Study& study, std::size_t most);
 
 // Returns the index of a method's colour in the charts' palette. All charts of a report use this colour for the method.
 std::size_t methodColor(const Study& study, const std::string& method);

@@ -14,7 +14,6 @@
 #include "pipeline/scenes/shot_source.h"
 #include "study/figure_text.h"
 #include "study/tradeoff/encodings.h"
-#include "study/tradeoff/ring_timings.h"
 #include "study/tradeoff/settings.h"
 #include "study/tradeoff/study.h"
 
@@ -67,7 +66,6 @@ class StudyRun {
     measureOptions_.stop = [this] { return options_.stop != nullptr && *options_.stop; };
     takeShots(choice_.shots);
     measureSettings();
-    takeRings();
     takeEncodings();
     takeSensing();
     takePictures();
@@ -185,50 +183,6 @@ class StudyRun {
       study_.settings.push_back(std::move(result));
       progress_.advance(1, static_cast<double>(study_.beamsPerShot * study_.shots) * (choice_.repeats + 1));
     }
-  }
-
-  // Times scans with different numbers of rings, at the first shot's pose, with the first setting of each method and of
-  // each of its backends.
-  void takeRings() {
-    if (choice_.rings.empty()) return;
-    std::set<std::string> seen;
-    for (const MethodSetting& s : choice_.settings) {
-      const Value* backend = s.choice.options.find("backend");
-      if (!seen.insert(s.setting.method + (backend != nullptr ? backend->text : "")).second) continue;
-      if (timer_.seconds() > budget_) {
-        study_.left.push_back(
-            fmt::format("rings of {}: the budget of {} was used up", s.setting.name, shortTime(budget_)));
-        continue;
-      }
-      RingFit fit{s.setting, {}, 0, 0, 0};
-      try {
-        for (const std::uint32_t rings : choice_.rings) {
-          checkStopped();
-          progress_.say(fmt::format("{}, {} rings", s.setting.name, rings));
-          timeRings(s, rings, fit);
-        }
-        fitRings(fit);
-      } catch (const Error& error) {
-        checkStopped();
-        study_.left.push_back(fmt::format("rings of {}: {}", s.setting.name, error.what()));
-        continue;
-      }
-      study_.rings.push_back(std::move(fit));
-    }
-  }
-
-  void timeRings(const MethodSetting& setting, std::uint32_t rings, RingFit& fit) {
-    Shot shot = truth_.front().shot;
-    shot.beams = withRings(*shot.beams, rings);
-    const auto method = makeMethod(setting.choice, scene_);
-    method->prepare(shot);
-    Hits hits;
-    method->trace(shot, measureOptions_.channels, hits);
-    std::vector<double> seconds;
-    for (int i = 0; i < std::max(choice_.repeats, 3); ++i) {
-      seconds.push_back(secondsOf([&] { method->trace(shot, measureOptions_.channels, hits); }));
-    }
-    fit.timings.push_back({rings, spreadOf(std::move(seconds)).median});
   }
 
   void takeEncodings() {

@@ -73,23 +73,12 @@ std::vector<MethodSetting> defaultSettings() {
 StudyChoice readStudyChoice(const Pipeline& pipeline) {
   StudyChoice choice;
   Fields fields(pipeline.root.valueOf("tradeoff"), "tradeoff");
-  fields.also({"settings", "encodings", "rings", "sequence", "shots", "repeats", "budget_s"}).finish();
+  fields.also({"settings", "encodings", "sequence", "shots", "repeats", "budget_s"}).finish();
   const Value* settings = fields.find("settings");
   choice.settings = settings == nullptr ? defaultSettings() : readSettings(*settings, "tradeoff.settings");
   const Value* encodings = fields.find("encodings");
   choice.encodings =
       readEncodings(encodings == nullptr ? parseYaml(kDefaultEncodings, "default encodings") : *encodings);
-  if (const Value* rings = fields.find("rings")) {
-    for (const Value& item : requireItems(*rings, "tradeoff.rings").items) {
-      choice.rings.push_back(static_cast<std::uint32_t>(readInteger(item, "tradeoff.rings", 2, 4096)));
-      if (choice.rings.size() > 1 && choice.rings.back() <= choice.rings[choice.rings.size() - 2]) {
-        throw InputError(item.where, "tradeoff.rings: each number of rings must be larger than the one before");
-      }
-    }
-    if (choice.rings.size() < 3) {
-      throw InputError(rings->where, "tradeoff.rings: a fixed cost and a slope need at least three numbers of rings");
-    }
-  }
   if (const Value* sequence = fields.find("sequence")) choice.sequence = sequenceNamed(pipeline, *sequence);
   choice.shots = static_cast<std::uint32_t>(fields.integer("shots", 1, 1000, 8));
   choice.repeats = static_cast<int>(fields.integer("repeats", 1, 100, 3));

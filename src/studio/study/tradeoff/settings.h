@@ -7,7 +7,6 @@
 //       - ray_tracing
 //       - {depth_camera: {resolution: [512, 1024, 2048], sampling: [plane, nearest]}}
 //     encodings: [pcd, {draco: {max_error_mm: [1, 10]}}]
-//     rings: [16, 64, 256]          # numbers of rings with which each method is also timed (default: none)
 //     sequence: street-s1-lane      # key of the sequence to scan (default: the first)
 //     shots: 8                      # maximum number of frames to scan
 //     repeats: 3                    # least number of timed scans per frame
@@ -31,7 +30,6 @@ struct StudyEncoding {
 struct StudyChoice {
   std::vector<MethodSetting> settings;
   std::vector<StudyEncoding> encodings;
-  std::vector<std::uint32_t> rings;
   std::size_t sequence = 0;  // index in Pipeline::sequences
   std::uint32_t shots = 8;
   int repeats = 3;

@@ -26,20 +26,6 @@ struct SettingResult {
   Measurement measured;
 };
 
-// The time of a scan with this number of rings.
-struct RingTiming {
-  std::uint32_t rings = 0;
-  double scanSeconds = 0;  // median time of repeated scans (s)
-};
-// The model seconds = fixedSeconds + secondsPerRing * rings, fitted by least squares of relative errors.
-struct RingFit {
-  Setting setting;
-  std::vector<RingTiming> timings;
-  double fixedSeconds = 0;
-  double secondsPerRing = 0;
-  double largestResidual = 0;  // largest relative error of the model
-};
-
 // Speed, size and error of encoding scans in one format with given options.
 struct EncodingResult {
   std::string name;     // format and options, such as "draco max_error_mm=10"
@@ -74,7 +60,7 @@ struct ErrorPicture {
 };
 
 struct Study {
-  static constexpr int kSchemaVersion = 4;
+  static constexpr int kSchemaVersion = 5;
   std::string programVersion;
   std::string date;  // UTC date of the study, such as "2026-11-20"
   StudyMachine machine;
@@ -100,7 +86,6 @@ struct Study {
   std::vector<SensingResult> sensing;
   // Methods that the pipeline cannot use, since they do not support its footprint, light paths or moving objects.
   std::vector<std::string> refused;
-  std::vector<RingFit> rings;
   std::vector<std::string> left;  // lines about parts that the study left out, such as settings that it had no time for
   // Pictures of errors. Their contents are not stored in the JSON, but in files beside it.
   std::vector<ErrorPicture> pictures;

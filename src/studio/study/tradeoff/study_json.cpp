@@ -40,17 +40,13 @@ void describe(auto& a, const BeamErrors& e) {
       "by_thickness", e.byThickness)("by_length", e.byLength);
 }
 
-void describe(auto& a, const CloudErrors& c) {
-  a("to_m", c.to)("from_m", c.from)("hausdorff_m", c.hausdorff)("unmatched", c.unmatched);
-}
-
 void describe(auto& a, const Cost& c) {
   a("setup_s", c.setupSeconds)("scan_s", c.scanSeconds)("fastest_s", c.fastest)("slowest_s", c.slowest)(
       "stages_s", c.stages)("memory_bytes", c.memoryBytes)("resident_bytes", c.residentBytes);
 }
 
 void describe(auto& a, const Measurement& m) {
-  a("cost", m.cost)("errors", m.errors)("cloud", m.cloud)("warnings", m.warnings);
+  a("cost", m.cost)("errors", m.errors)("warnings", m.warnings);
 }
 
 void describe(auto& a, const Setting& s) {
@@ -59,15 +55,6 @@ void describe(auto& a, const Setting& s) {
 
 void describe(auto& a, const SettingResult& r) {
   a("setting", r.setting)("failure", r.failure)("measured", r.measured);
-}
-
-void describe(auto& a, const RingTiming& t) {
-  a("rings", t.rings)("scan_s", t.scanSeconds);
-}
-
-void describe(auto& a, const RingFit& f) {
-  a("setting", f.setting)("timings", f.timings)("fixed_s", f.fixedSeconds)("per_ring_s", f.secondsPerRing)(
-      "largest_residual", f.largestResidual);
 }
 
 void describe(auto& a, const EncodingResult& e) {
@@ -101,7 +88,7 @@ void describe(auto& a, const Study& s) {
       "budget_s", s.budgetSeconds)("repeats", s.repeats)("seconds", s.seconds)("scene", s.scene)("sensors", s.sensors)(
       "shots", s.shots)("beams_per_shot", s.beamsPerShot)("ontology", s.ontology)("settings", s.settings)(
       "common_stages_s", s.commonStages)("encodings", s.encodings)("sensing", s.sensing)("refused_methods", s.refused)(
-      "rings", s.rings)("left", s.left)("pictures", s.pictures);
+      "left", s.left)("pictures", s.pictures);
 }
 
 class JsonWriter {

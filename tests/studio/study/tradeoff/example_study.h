@@ -99,18 +99,7 @@ inline SettingResult exampleResult(const ExampleSetting& given) {
     errors.byThickness.push_back({thickness[i], 0, 0, things, found, things * 100, found * 90});
     errors.byLength.push_back({lengths[i], 0, 0, things + 3, found + 3, things * 100, found * 90});
   }
-  result.measured.cloud = {exampleSpread(350'000, p99 / 3), exampleSpread(350'000, p99 / 2), p99 * 60, 0};
   return result;
-}
-
-// The fit itself, with a little noise on the timings.
-inline RingFit exampleRings(const std::string& method, double fixed, double perRing) {
-  RingFit fit{{method, method, "{}"}, {}, fixed, perRing, 0.03};
-  double sign = 1;
-  for (const std::uint32_t rings : {16u, 32u, 64u, 128u, 256u, 512u}) {
-    fit.timings.push_back({rings, (fixed + perRing * rings) * (1 + 0.02 * (sign = -sign))});
-  }
-  return fit;
 }
 
 inline Study exampleStudy() {
@@ -168,8 +157,6 @@ inline Study exampleStudy() {
                      {"draco max_error_mm=1", "draco", "{max_error_mm: 1}", "", 9.1e6, 12.1e6, 3.1, 8.8e-4, 1e-3},
                      {"draco max_error_mm=10", "draco", "{max_error_mm: 10}", "", 10.6e6, 14e6, 2.2, 8.1e-3, 1e-2},
                      {"draco max_error_mm=50", "draco", "{max_error_mm: 50}", "", 11.9e6, 15e6, 1.6, 0.042, 0.05}};
-  study.rings = {exampleRings("ray_tracing", 4e-4, 7.6e-5), exampleRings("depth_camera", 0.1, 1.6e-4),
-                 exampleRings("particle", 3e-3, 2.6e-4)};
   study.left = {"depth_camera resolution=4096: the budget of 5 min was used up"};
   return study;
 }

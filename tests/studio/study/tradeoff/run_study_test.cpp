@@ -58,7 +58,6 @@ class RunStudy : public Yard {
       s.measured.cost.memoryBytes = memory;
     }
     for (EncodingResult& e : study.encodings) e.encodePointsPerSecond = e.decodePointsPerSecond = 0;
-    for (RingFit& fit : study.rings) fit = {fit.setting, {}, 0, 0, 0};
     return toJson(study);
   }
 };
@@ -90,13 +89,13 @@ TEST_F(RunStudy, MeasuresEverySettingAgainstTheTruth) {
   EXPECT_EQ(rays.errors.all.labels(), 1);
   EXPECT_LT(rays.errors.all.intensity.max, 1e-5);
   EXPECT_EQ(rays.errors.all.intensity.count, rays.errors.all.bothHit);
-  EXPECT_LT(rays.cloud.hausdorff, 1e-4);
+  EXPECT_LT(rays.errors.all.hausdorff(), 1e-4);
   EXPECT_GT(rays.cost.scanSeconds, 0);
 
   const Measurement& coarse = study.settings[1].measured;
   EXPECT_THAT(study.settings[1].failure, IsEmpty());
   EXPECT_GT(coarse.errors.all.range.p99, 0.01);
-  EXPECT_GT(coarse.cloud.hausdorff, 0.01);
+  EXPECT_GT(coarse.errors.all.hausdorff(), 0.01);
   EXPECT_GT(coarse.cost.setupSeconds, 0);
 
   // One that cannot run ends nothing.
@@ -149,44 +148,16 @@ TEST_F(RunStudy, AStopEndsItWithoutAStudy) {
 TEST_F(RunStudy, WhatTheBudgetDoesNotHoldIsLeftOutAndSaid) {
   const StudyOptions options{.budgetSeconds = 1e-6};
   const Study study =
-      studied(withKey(fmt::format(
-                  "{{settings: [ray_tracing, {}, {{ray_tracing: {{instancing: always}}}}], shots: 4, rings: [2, "
-                  "4, 8], repeats: 1}}",
-                  kCoarse)),
+      studied(withKey(fmt::format("{{settings: [ray_tracing, {}, {{ray_tracing: {{instancing: always}}}}], shots: 4, "
+                                  "repeats: 1}}",
+                                  kCoarse)),
               options);
   ASSERT_THAT(study.settings, SizeIs(1)) << "something to report";
   EXPECT_EQ(study.settings[0].setting.name, "ray_tracing");
   EXPECT_EQ(study.shots, 1u) << "one frame is the least";
-  EXPECT_THAT(study.rings, IsEmpty());
-  EXPECT_THAT(study.left, SizeIs(4));
+  EXPECT_THAT(study.left, SizeIs(2));
   EXPECT_THAT(study.left, Each(HasSubstr("the budget of ")));
   EXPECT_THAT(study.left[0], testing::StartsWith("particle refine=none"));
-  EXPECT_THAT(study.left[2], testing::StartsWith("rings of ray_tracing"));
-}
-
-TEST_F(RunStudy, RingsAreTimedForTheFirstSettingOfEachMethod) {
-  const Study study = studied(withKey(
-      fmt::format("{{settings: [ray_tracing, {{ray_tracing: {{instancing: always}}}}, {0}, {1}], shots: 1, rings: [2, "
-                  "8, 32], repeats: 1}}",
-                  kCoarse, kNoRenderer)));
-  ASSERT_THAT(study.rings, SizeIs(2));
-  EXPECT_EQ(study.rings[0].setting.name, "ray_tracing");
-  EXPECT_EQ(study.rings[1].setting.method, "particle");
-  for (const RingFit& fit : study.rings) {
-    ASSERT_THAT(fit.timings, SizeIs(3));
-    EXPECT_EQ(fit.timings[0].rings, 2u);
-    EXPECT_EQ(fit.timings[2].rings, 32u);
-    for (const RingTiming& t : fit.timings) EXPECT_GT(t.scanSeconds, 0);
-  }
-}
-
-// A method that cannot run has no line; the others do.
-TEST_F(RunStudy, RingsOfWhatCannotRunAreLeftOut) {
-  const Study study = studied(
-      withKey(fmt::format("{{settings: [{}, ray_tracing], shots: 1, rings: [2, 4, 8], repeats: 1}}", kNoRenderer)));
-  ASSERT_THAT(study.rings, SizeIs(1));
-  EXPECT_EQ(study.rings[0].setting.name, "ray_tracing");
-  EXPECT_THAT(study.left, ElementsAre(AllOf(HasSubstr("rings of depth_camera"), HasSubstr("/no/such/blender"))));
 }
 
 TEST_F(RunStudy, SensorsMayHaveEffectsOfTheirOwn) {

@@ -40,7 +40,6 @@ TEST_F(TradeoffKey, AllOfItMayBeLeftOut) {
   for (const MethodSetting& s : c.settings) names.insert(s.setting.name);
   EXPECT_TRUE(names.contains("particle refine=none levels=3"));
   EXPECT_FALSE(c.encodings.empty());
-  EXPECT_THAT(c.rings, testing::IsEmpty());
   EXPECT_EQ(c.shots, 8u);
   EXPECT_EQ(c.repeats, 3);
   EXPECT_EQ(c.budgetSeconds, 300);
@@ -51,7 +50,7 @@ TEST_F(TradeoffKey, SaysWhatIsCompared) {
   const StudyChoice c = choice(
       "{settings: [{ray_tracing: {instancing: [never, always]}}, particle], encodings: [csv, {draco: {max_error_mm: "
       "[1, 2.5]}}], "
-      "rings: [4, 8, 12], sequence: yard-s1-drive, shots: 2, repeats: 1, budget_s: 20}");
+      "sequence: yard-s1-drive, shots: 2, repeats: 1, budget_s: 20}");
   ASSERT_THAT(c.settings, SizeIs(3));
   EXPECT_EQ(c.settings[1].setting.name, "ray_tracing instancing=always");
   ASSERT_THAT(c.encodings, SizeIs(3));
@@ -61,7 +60,6 @@ TEST_F(TradeoffKey, SaysWhatIsCompared) {
   EXPECT_EQ(c.encodings[2].options, "{max_error_mm: 2.5}");
   EXPECT_EQ(c.encodings[2].choice.entry->name, "draco");
   EXPECT_LE(c.encodings[2].choice.format->maxError(), 0.0025 * (1 + 1e-9));
-  EXPECT_THAT(c.rings, ElementsAre(4, 8, 12));
   EXPECT_EQ(c.shots, 2u);
   EXPECT_EQ(c.repeats, 1);
   EXPECT_EQ(c.budgetSeconds, 20);
@@ -95,11 +93,6 @@ TEST_F(TradeoffKey, EveryWrongTextHasItsPlaceAndAWayOut) {
   expectRefusedKey("  encodings: [{draco: {max_error: 1}}]", {"study.yaml:2:", "unknown key 'max_error'"});
   expectRefusedKey("  encodings: [{draco: {max_error_mm: [1, no]}}]", {"study.yaml:2:", "max_error_mm", "'no'"});
   expectRefusedKey("  encodings: [pcd, pcd]", {"study.yaml:2:20", "'pcd' is listed twice"});
-  expectRefusedKey("  rings: 16", {"study.yaml:2:10", "tradeoff.rings must be a list"});
-  expectRefusedKey("  rings: [16, 32]", {"study.yaml:2:10", "at least three"});
-  expectRefusedKey("  rings: [1, 16, 32]", {"study.yaml:2:11", "tradeoff.rings"});
-  expectRefusedKey("  rings: [16, 32, 9999]", {"study.yaml:2:19", "tradeoff.rings", "9999"});
-  expectRefusedKey("  rings: [16, 32, 32]", {"study.yaml:2:19", "larger than the one before"});
   expectRefusedKey("  sequence: yard-s1-drivel", {"study.yaml:2:13", "no sequence", "did you mean 'yard-s1-drive'"});
   expectRefusedKey("  shots: 0", {"study.yaml:2:10", "shots"});
   expectRefusedKey("  repeats: many", {"study.yaml:2:12", "repeats", "'many'"});

@@ -1,8 +1,6 @@
-#include "evaluate/cloud_errors.h"
+#include "evaluate/cloud_distances.h"
 
-#include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <nanoflann.hpp>
 
@@ -39,11 +37,13 @@ Cloud finitePoints(std::span<const Vec3f> points) {
   return cloud;
 }
 
-// Returns for each point of `from` the distance to the nearest point of `to`, which has at least one point; NaN for
-// points that are not finite. Float is exact enough, since the points are float32 too.
-std::vector<float> distancesByPoint(std::span<const Vec3f> from, const Cloud& to) {
-  const Tree tree(3, to);
+// Returns for each point of `from` the distance to the nearest finite point of `points`; NaN for points that are not
+// finite, and if there is no finite point. Float is exact enough, since the points are float32 too.
+std::vector<float> distancesByPoint(std::span<const Vec3f> from, std::span<const Vec3f> points) {
   std::vector<float> distances(from.size(), kNoDistance);
+  const Cloud to = finitePoints(points);
+  if (to.points.empty()) return distances;
+  const Tree tree(3, to);
   parallelFor(from.size(), 1024, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
       if (!isFinite(from[i])) continue;
@@ -56,32 +56,10 @@ std::vector<float> distancesByPoint(std::span<const Vec3f> from, const Cloud& to
   return distances;
 }
 
-void appendKnown(std::vector<float>& all, const std::vector<float>& more) {
-  std::ranges::copy_if(more, std::back_inserter(all), [](float d) { return !std::isnan(d); });
-}
-
 }  // namespace
 
 CloudDistances cloudDistances(std::span<const Vec3f> truth, std::span<const Vec3f> tested) {
-  const Cloud there = finitePoints(truth);
-  const Cloud here = finitePoints(tested);
-  if (!there.points.empty() && !here.points.empty()) {
-    return {distancesByPoint(truth, here), distancesByPoint(tested, there), 0};
-  }
-  return {std::vector<float>(truth.size(), kNoDistance), std::vector<float>(tested.size(), kNoDistance),
-          there.points.size() + here.points.size()};
-}
-
-void CloudErrorSum::add(const CloudDistances& distances) {
-  appendKnown(to_, distances.to);
-  appendKnown(from_, distances.from);
-  unmatched_ += distances.unmatched;
-}
-
-CloudErrors CloudErrorSum::finish() const {
-  const Spread to = spreadOf({to_.begin(), to_.end()});
-  const Spread from = spreadOf({from_.begin(), from_.end()});
-  return {to, from, std::max(to.max, from.max), unmatched_};
+  return {distancesByPoint(truth, tested), distancesByPoint(tested, truth)};
 }
 
 }  // namespace scanmill
