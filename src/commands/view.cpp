@@ -264,7 +264,7 @@ void viewFrames(const ViewInput& input, const ViewOptions& view, const PictureSi
   // The frame loads while the canvas opens.
   if (!source->keys().empty()) loader->want(findFrame(*source, view.sample), 0);
   const std::unique_ptr<Canvas> canvas = openCanvas(input.path, size, outputs.window());
-  ViewSession session(source, std::move(loader), *canvas, view);
+  ViewSession session(source, *canvas, view, std::move(loader));
   if (outputs.window()) return canvas->run(kTickMs, [&](const CanvasEvent& event) { return session.handle(event); });
   session.settle();
   session.check();

@@ -474,22 +474,8 @@ bool helpWindow(const NamedValues& keys) {
   bool open = true;
   if (ImGui::Begin("Keys", &open,
                    ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse |
-                       ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav)) {
-    if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_NoSavedSettings | ImGuiTableFlags_RowBg)) {
-      ImGui::TableSetupColumn("key", ImGuiTableColumnFlags_WidthStretch, 0.3F);
-      ImGui::TableSetupColumn("does", ImGuiTableColumnFlags_WidthStretch, 0.7F);
-      for (const auto& [key, does] : keys) {
-        ImGui::TableNextRow();
-        ImGui::TableNextColumn();
-        ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_CheckMark));
-        wrappedWords(key);
-        ImGui::PopStyleColor();
-        ImGui::TableNextColumn();
-        wrappedWords(does);
-      }
-      ImGui::EndTable();
-    }
-  }
+                       ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav))
+    valueRows("keys", keys);
   ImGui::End();
   return open;
 }

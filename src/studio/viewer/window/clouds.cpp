@@ -13,25 +13,6 @@ namespace scanmill {
 
 namespace {
 
-ScaleRange changedScale(const Legend& legend, KeyAction change) {
-  ScaleRange scale{legend.low, legend.high};
-  const double span = scale.high > scale.low ? scale.high - scale.low : std::max(std::abs(scale.high), 1.0);
-  switch (change) {
-    case KeyAction::LowerHighEnd:
-      scale.high = scale.high > 0 && scale.high / 2 > scale.low ? scale.high / 2 : scale.low + span / 2;
-      break;
-    case KeyAction::RaiseHighEnd:
-      scale.high = scale.high > 0 ? scale.high * 2 : scale.low + 2 * span;
-      break;
-    case KeyAction::LowerLowEnd:  // a low end of at least 0 stays at least 0
-      scale.low = scale.low >= 0 ? std::max(scale.low - span / 3, 0.0) : scale.low - span / 3;
-      break;
-    default:
-      scale.low += span / 4;
-  }
-  return scale;
-}
-
 void notePresent(const Scan& scan, std::set<std::uint16_t>& present) {
   std::vector<bool> held(std::size_t{UINT16_MAX} + 1, false);
   for (std::size_t i = 0; i < scan[kLabel].size(); ++i) {
@@ -257,24 +238,13 @@ void Clouds::chooseColor(const ColorBy& by) {
   }
 }
 
-void Clouds::changeScale(KeyAction change) {
+void Clouds::resetScales() {
   if (list.empty()) return;
   if (overlaid()) return context_.say("the overlay has fixed colours: l closes it");
-  std::string said;
   for (const std::size_t view : actedViews()) {
-    const ShownCloud* const cloud = inView(view);
-    if (cloud == nullptr || !cloud->coloring.legend.scale) continue;
-    if (change == KeyAction::AutomaticScale) {
-      scales[view].reset();
-    } else {
-      scales[view] = changedScale(cloud->coloring.legend, change);
-    }
+    scales[view].reset();
     recolor(view);
-    const Legend& now = cloud->coloring.legend;
-    said = fmt::format("{}: {:.3g} to {:.3g}", now.title, now.low, now.high);
   }
-  if (said.empty()) return context_.say("these colours have no scale; numbers have one, such as range (4)");
-  context_.say(change == KeyAction::AutomaticScale ? said : said + "; \\ takes what the values give");
 }
 
 void Clouds::cycleColor(int step) {

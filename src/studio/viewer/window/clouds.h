@@ -53,7 +53,8 @@ struct Clouds {
 
   void chooseColor(const ColorBy& by);
   void cycleColor(int step);
-  void changeScale(KeyAction change);
+  // Computes the ends of the scales from the values again.
+  void resetScales();
   // Computes the colours of a view's points again.
   void recolor(std::size_t view);
 

@@ -6,8 +6,8 @@
 
 #include "viewer/frames/frame_source.h"
 #include "viewer/frames/view_mesh.h"
-#include "viewer/window/session.h"
 #include "viewer/window/session_context.h"
+#include "viewer/window/view_options.h"
 
 namespace scanmill {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "viewer/window/session_state.h"
+#include "base/error.h"
 
 namespace scanmill {
 
@@ -42,236 +42,202 @@ void requirePoints(const ViewFrame& frame, const CloseUp& closeUp) {
 
 }  // namespace
 
-ViewSession::State::State(std::shared_ptr<const FrameSource> frames, std::unique_ptr<FrameLoader> loader,
-                          Canvas& canvas, const ViewOptions& chosen)
-    : context(notEmpty(std::move(frames)), canvas, chosen),
-      playback(context.source, std::move(loader), chosen.sample),
-      clouds(context),
-      scenery(context, clouds),
-      pointer(context, clouds, scenery),
-      panels(context, playback, clouds, scenery, pointer) {
-  if (context.source->isScene() && !chosen.colors.empty()) {
-    const ColorBy& by = chosen.colors.front();
+ViewSession::ViewSession(std::shared_ptr<const FrameSource> source, Canvas& canvas, const ViewOptions& options,
+                         std::unique_ptr<FrameLoader> loader)
+    : context_(notEmpty(std::move(source)), canvas, options),
+      playback_(context_.source, loader ? std::move(loader) : std::make_unique<FrameLoader>(context_.source),
+                options.sample),
+      clouds_(context_),
+      scenery_(context_, clouds_),
+      pointer_(context_, clouds_, scenery_),
+      panels_(context_, playback_, clouds_, scenery_, pointer_) {
+  if (context_.source->isScene() && !options.colors.empty()) {
+    const ColorBy& by = options.colors.front();
     if (const std::string why = sceneLacks(by); !why.empty()) {
-      throw InputError(fmt::format("{}: {}", context.source->title(), why));
+      throw InputError(fmt::format("{}: {}", context_.source->title(), why));
     }
     chooseColor(by);
   }
   takeWhatIsLoaded();
 }
 
-ViewSession::ViewSession(const std::shared_ptr<const FrameSource>& source, Canvas& canvas, const ViewOptions& options)
-    : ViewSession(source, std::make_unique<FrameLoader>(source), canvas, options) {}
-
-ViewSession::ViewSession(std::shared_ptr<const FrameSource> source, std::unique_ptr<FrameLoader> loader, Canvas& canvas,
-                         const ViewOptions& options)
-    : state_(std::make_unique<State>(std::move(source), std::move(loader), canvas, options)) {}
-
-ViewSession::~ViewSession() = default;
-
-bool ViewSession::handle(const CanvasEvent& event) {
-  return state_->handle(event);
-}
-
 void ViewSession::settle() {
-  State& s = *state_;
-  if (auto loaded = s.playback.take(s.context.drawing.now(), true)) s.showFrame(std::move(loaded));
-  if (s.scenery.meshOn() && s.scenery.meshWanted) {
-    auto loaded = s.playback.loader().waitMesh(*s.scenery.meshWanted);
-    if (loaded != s.scenery.mesh) s.takeMesh(std::move(loaded));
+  if (auto loaded = playback_.take(context_.drawing.now(), true)) showFrame(std::move(loaded));
+  if (scenery_.meshOn() && scenery_.meshWanted) {
+    auto loaded = playback_.loader().waitMesh(*scenery_.meshWanted);
+    if (loaded != scenery_.mesh) takeMesh(std::move(loaded));
   }
-  s.playback.clearBusy();
-  s.context.notices.clear();
-  s.context.changes.panels = true;
-  s.flush(true);
+  playback_.clearBusy();
+  context_.notices.clear();
+  context_.changes.panels = true;
+  flush(true);
 }
 
 void ViewSession::check() const {
-  const State& s = *state_;
-  if (s.clouds.columnMissing) throw InputError(*s.clouds.columnMissing);
-  const auto& frame = s.context.frame;
-  const auto& mesh = s.scenery.mesh;
+  if (clouds_.columnMissing) throw InputError(*clouds_.columnMissing);
+  const auto& frame = context_.frame;
+  const auto& mesh = scenery_.mesh;
   const bool nothing =
-      s.context.source->isScene() ? mesh == nullptr || mesh->size() == 0 : !frame || frame->scans.empty();
-  if (!nothing && s.context.filter.closeUp) return requirePoints(*frame, *s.context.filter.closeUp);
+      context_.source->isScene() ? mesh == nullptr || mesh->size() == 0 : !frame || frame->scans.empty();
+  if (!nothing && context_.filter.closeUp) return requirePoints(*frame, *context_.filter.closeUp);
   if (!nothing) return;
-  const auto all = s.problems();
+  const auto all = problems();
   throw Error(all.empty() ? "nothing could be loaded" : all.front());
 }
 
-Image ViewSession::picture() {
-  return state_->context.canvas.read();
-}
-
-const OrbitCamera& ViewSession::camera() const {
-  return state_->scenery.camera;
-}
-
-void ViewSession::setCamera(const OrbitCamera& camera) {
-  state_->scenery.setCamera(camera);
-}
-
-std::optional<PickedThing> ViewSession::pick(int x, int y) const {
-  state_->refresh();
-  auto thing = state_->pointer.pick(x, y);
-  if (thing) thing = state_->pointer.inFull(std::move(*thing));
+std::optional<PickedThing> ViewSession::pick(int x, int y) {
+  refresh();
+  auto thing = pointer_.pick(x, y);
+  if (thing) thing = pointer_.inFull(std::move(*thing));
   return thing;
 }
 
 void ViewSession::pin(const PickedThing& thing) {
-  state_->pointer.pinned = thing;
-  state_->context.changes.panels = true;
+  pointer_.pinned = thing;
+  context_.changes.panels = true;
 }
 
-std::vector<std::string> ViewSession::problems() const {
-  return state_->problems();
-}
-
-const std::vector<std::string>& ViewSession::hints() const {
-  return state_->context.hints;
-}
-
-void ViewSession::State::goTo(std::size_t target, int step) {
-  playback.goTo(target, step);
-  context.changes.panels = true;
+void ViewSession::goTo(std::size_t target, int step) {
+  playback_.goTo(target, step);
+  context_.changes.panels = true;
   takeWhatIsLoaded();
 }
 
-void ViewSession::State::stepBy(std::ptrdiff_t count) {
-  if (!playback.stepBy(count)) return context.say(count > 0 ? "this is the last frame" : "this is the first frame");
-  context.changes.panels = true;
+void ViewSession::stepBy(std::ptrdiff_t count) {
+  if (!playback_.stepBy(count)) return context_.say(count > 0 ? "this is the last frame" : "this is the first frame");
+  context_.changes.panels = true;
   takeWhatIsLoaded();
 }
 
-void ViewSession::State::togglePlaying() {
-  if (!playback.playing() && playback.count() < 2) return context.say("there is one frame only");
-  playback.togglePlaying(context.drawing.now());
-  context.changes.panels = true;
+void ViewSession::togglePlaying() {
+  if (!playback_.playing() && playback_.count() < 2) return context_.say("there is one frame only");
+  playback_.togglePlaying(context_.drawing.now());
+  context_.changes.panels = true;
   takeWhatIsLoaded();
 }
 
-void ViewSession::State::changeSpeed(int step) {
-  if (playback.count() < 2) return context.say("there is one frame only");
-  playback.changeSpeed(step);
-  context.say("playing speed: " + playback.speedText());
+void ViewSession::changeSpeed(int step) {
+  if (playback_.count() < 2) return context_.say("there is one frame only");
+  playback_.changeSpeed(step);
+  context_.say("playing speed: " + playback_.speedText());
 }
 
-void ViewSession::State::hintAtNames() {
-  if (context.source->ontology() != nullptr) return;
+void ViewSession::hintAtNames() {
+  if (context_.source->ontology() != nullptr) return;
   const bool labelled =
-      std::ranges::any_of(context.frame->scans, [](const ViewScan& scan) { return !scan.scan[kLabel].empty(); });
+      std::ranges::any_of(context_.frame->scans, [](const ViewScan& scan) { return !scan.scan[kLabel].empty(); });
   if (!labelled) return;
-  context.hint(
+  context_.hint(
       "the classes have no names here: a scan or shard away from its dataset does not know them; "
       "open it with --ontology labels/scanmill.yaml, or the file of its own classes");
 }
 
-void ViewSession::State::takeWhatIsLoaded() {
-  if (auto loaded = playback.take(context.drawing.now())) showFrame(std::move(loaded));
-  if (scenery.meshOn() && scenery.meshWanted) {
-    auto loaded = playback.loader().mesh(*scenery.meshWanted);
-    if (loaded && loaded != scenery.mesh) takeMesh(std::move(loaded));
+void ViewSession::takeWhatIsLoaded() {
+  if (auto loaded = playback_.take(context_.drawing.now())) showFrame(std::move(loaded));
+  if (scenery_.meshOn() && scenery_.meshWanted) {
+    auto loaded = playback_.loader().mesh(*scenery_.meshWanted);
+    if (loaded && loaded != scenery_.mesh) takeMesh(std::move(loaded));
   }
 }
 
-void ViewSession::State::showFrame(std::shared_ptr<const ViewFrame> loaded) {
-  context.frame = std::move(loaded);
-  if (!playback.substituted().empty()) context.hint(playback.substituted());
+void ViewSession::showFrame(std::shared_ptr<const ViewFrame> loaded) {
+  context_.frame = std::move(loaded);
+  if (!playback_.substituted().empty()) context_.hint(playback_.substituted());
   hintAtNames();
-  pointer.leaveFrame();
-  scenery.takeFrame(*playback.current());
+  pointer_.leaveFrame();
+  scenery_.takeFrame(*playback_.current());
   arrange();
-  scenery.lookAtFirstPoints();
-  if (scenery.meshOn()) wantMesh();
-  if (scenery.meshItem.there() != scenery.meshSeen()) placeMesh();
+  scenery_.lookAtFirstPoints();
+  if (scenery_.meshOn()) wantMesh();
+  if (scenery_.meshItem.there() != scenery_.meshSeen()) placeMesh();
 }
 
 // Updates everything that depends on the frame and the layout.
-void ViewSession::State::arrange() {
-  clouds.arrange();
-  scenery.placeClouds();
+void ViewSession::arrange() {
+  clouds_.arrange();
+  scenery_.placeClouds();
   applyFilter();
-  scenery.placeGuides();
-  pointer.placeMeasure();
-  scenery.placeMeshLook();
+  scenery_.placeGuides();
+  pointer_.placeMeasure();
+  scenery_.placeMeshLook();
 }
 
-void ViewSession::State::applyFilter() {
-  clouds.applyFilter();
-  scenery.applyFilter();
-  scenery.placeBoxes();
-  pointer.hover.reset();
+void ViewSession::applyFilter() {
+  clouds_.applyFilter();
+  scenery_.applyFilter();
+  scenery_.placeBoxes();
+  pointer_.hover.reset();
 }
 
-void ViewSession::State::wantMesh() {
-  if (!playback.current()) return;
+void ViewSession::wantMesh() {
+  if (!playback_.current()) return;
   std::string why;
-  const auto choice = context.source->scene(*playback.current(), why);
-  scenery.meshProblem.clear();
+  const auto choice = context_.source->scene(*playback_.current(), why);
+  scenery_.meshProblem.clear();
   if (!choice) {
-    scenery.meshWanted.reset();
-    if (scenery.mesh) takeMesh(nullptr);
-    scenery.meshProblem = context.source->isScene() ? why : "no mesh: " + why;
+    scenery_.meshWanted.reset();
+    if (scenery_.mesh) takeMesh(nullptr);
+    scenery_.meshProblem = context_.source->isScene() ? why : "no mesh: " + why;
     return;
   }
-  scenery.meshWanted = choice;
-  playback.loader().wantMesh(*choice);
+  scenery_.meshWanted = choice;
+  playback_.loader().wantMesh(*choice);
   takeWhatIsLoaded();
 }
 
-void ViewSession::State::takeMesh(std::shared_ptr<const ViewMesh> loaded) {
-  scenery.takeMesh(std::move(loaded));
-  pointer.hover.reset();
+void ViewSession::takeMesh(std::shared_ptr<const ViewMesh> loaded) {
+  scenery_.takeMesh(std::move(loaded));
+  pointer_.hover.reset();
 }
 
-void ViewSession::State::placeMesh() {
-  scenery.placeMesh();
-  pointer.hover.reset();
+void ViewSession::placeMesh() {
+  scenery_.placeMesh();
+  pointer_.hover.reset();
 }
 
-std::vector<std::string> ViewSession::State::problems() const {
+std::vector<std::string> ViewSession::problems() const {
   std::vector<std::string> all;
-  if (context.frame) all = context.frame->problems;
+  if (context_.frame) all = context_.frame->problems;
   for (const std::string* one :
-       {&clouds.colorProblem, &scenery.meshProblem, &clouds.stripProblem, &clouds.instanceProblem}) {
+       {&clouds_.colorProblem, &scenery_.meshProblem, &clouds_.stripProblem, &clouds_.instanceProblem}) {
     if (!one->empty() && std::ranges::find(all, *one) == all.end()) all.push_back(*one);
   }
   return all;
 }
 
-void ViewSession::State::refresh() {
-  panels.arrange();
-  context.drawing.setViews(panels.views());
+void ViewSession::refresh() {
+  panels_.arrange();
+  context_.drawing.setViews(panels_.views());
 }
 
-void ViewSession::State::updateHover() {
-  const bool covered = panels.help || panels.toolkit.hasPointer();
-  pointer.updateHover(covered, panels.overStrip && !panels.help ? std::optional(panels.stripRect()) : std::nullopt);
+void ViewSession::updateHover() {
+  const bool covered = panels_.help || panels_.toolkit.hasPointer();
+  pointer_.updateHover(covered, panels_.overStrip && !panels_.help ? std::optional(panels_.stripRect()) : std::nullopt);
 }
 
-void ViewSession::State::flush(bool whole) {
-  const double began = context.drawing.now();
-  const Changes& changes = context.changes;
+void ViewSession::flush(bool whole) {
+  const double began = context_.drawing.now();
+  const Changes& changes = context_.changes;
   if (changes.views || changes.items || changes.panels) refresh();
-  if (changes.items && pointer.pinned && !pointer.isShown(*pointer.pinned)) pointer.pinned.reset();
-  // When the picture changes, another point may be under the pointer, even if the pointer rests.
+  if (changes.items && pointer_.pinned && !pointer_.isShown(*pointer_.pinned)) pointer_.pinned.reset();
+  // When the picture changes, another point may be under the pointer_, even if the pointer rests.
   if (changes.hover || changes.views || changes.items) {
-    const bool held = panels.toolkit.hasPointer();
+    const bool held = panels_.toolkit.hasPointer();
     runPanels();
-    if (held || panels.toolkit.hasPointer())
-      context.changes.panels = true;  // panels highlight their parts under the pointer
+    if (held || panels_.toolkit.hasPointer())
+      context_.changes.panels = true;  // panels highlight their parts under the pointer
     updateHover();
   }
-  pointer.lightInstance();
-  pointer.placeBeam();
+  pointer_.lightInstance();
+  pointer_.placeBeam();
   if (changes.views || changes.items || changes.panels || changes.light) {
-    panels.addLabels();
+    panels_.addLabels();
     runPanels();
     runPanels();  // sizes that depend on contents are known in the second run
   }
   std::uint64_t points = 0;
-  for (const ShownCloud& cloud : clouds.list) points += cloud.visible;
-  context.drawing.draw(whole, points, clouds.list.size(), began);
+  for (const ShownCloud& cloud : clouds_.list) points += cloud.visible;
+  context_.drawing.draw(whole, points, clouds_.list.size(), began);
 }
 
 }  // namespace scanmill

@@ -3,85 +3,29 @@
 // The viewer: its contents, and its response to keys and the pointer. It draws on a canvas and does not depend on a
 // window system, so the same code draws windows and pictures, and tests can send key events without a display.
 
-#include <array>
-#include <cstddef>
-#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
-#include "viewer/canvas/canvas.h"
-#include "viewer/coloring.h"
-#include "viewer/frames/frame_loader.h"
-#include "viewer/frames/frame_source.h"
-#include "viewer/range_strip.h"
-#include "viewer/window/orbit_camera.h"
+#include "viewer/window/clouds.h"
+#include "viewer/window/panels.h"
+#include "viewer/window/playback.h"
+#include "viewer/window/pointer.h"
+#include "viewer/window/scenery.h"
+#include "viewer/window/session_context.h"
+#include "viewer/window/view_keys.h"
+#include "viewer/window/view_options.h"
 
 namespace scanmill {
 
-enum class ViewLayout {
-  One,      // one scan of the sample
-  Overlay,  // all scans in one view, each in a fixed colour
-  Split,    // views side by side with the same camera; they show different scans, or one scan in different colours
-};
-
-// The objects whose boxes are drawn. Road users are the classes that KITTI's object benchmark knows
-// (labels/kitti.yaml), or all objects if the ontology has none of these.
-enum class BoxChoice { RoadUsers, All, None };
-constexpr std::array<std::string_view, 3> kBoxChoiceNames{"road_users", "all", "none"};
-
-struct ViewOptions {
-  // Quantities that the views' colours show, in the order of the views; the viewer chooses missing quantities.
-  std::vector<ColorBy> colors{};
-  std::optional<ScaleRange> scale{};  // ends of the scale of views that show numbers; absent: computed from the values
-  ViewLayout layout = ViewLayout::One;
-  // A named view is fitted to a scene that is shown without scans, and to scans of which it would show hardly any
-  // point. A given target is in the coordinates of a scene that is shown without scans.
-  CameraChoice camera{};
-  std::string sample{};  // key or index of the first frame; empty: the middle frame, or the first that can be read
-  double pointSize = 0;  // side of a drawn point (pixels); 0: depends on the canvas's height
-  Rgb background{13, 15, 20};
-  bool depthEdges = true;
-  bool legends = true;
-  bool mesh = false;  // draws the scene's mesh, translucent
-  bool axes = true;   // draws the axes of the sensors
-  bool rangeRings = false;
-  BoxChoice boxes = BoxChoice::RoadUsers;  // the objects in the samples' lists whose boxes are drawn
-  bool trajectory = true;
-  bool rangeImage = false;
-  bool still = false;                 // true: draws a picture, without buttons, menus and fields
-  bool bare = false;                  // true: draws no panels
-  std::vector<std::string> hidden{};  // names or ids of the hidden classes; if `only` is true, of the shown classes
-  bool only = false;
-  std::vector<std::uint32_t> instances{};  // ids of the only instances that are shown; empty: all are shown
-  std::optional<CloseUp> closeUp{};        // only points in this ball are shown, and the camera looks at it
-};
-
-constexpr std::size_t kNoScan = SIZE_MAX;
-
-// A point, or a triangle of a scene, that is under the pointer or was clicked, described for the user.
-struct PickedThing {
-  std::string heading;  // class and instance id, such as "car 4711"
-  std::vector<std::pair<std::string, std::string>> rows;
-  std::vector<std::pair<std::string, std::string>> brief;  // rows of the tooltip beside the pointer
-  std::string alarm;                                       // name of the row that is shown as a warning; empty: none
-  std::size_t scan = 0;                                    // index of the scan in the frame; kNoScan: a triangle
-  std::size_t point = 0;                                   // index of the point in the scan or the triangle in the mesh
-  Vec3d place;                                             // position (m, canvas frame)
-};
-
 class ViewSession {
  public:
-  // Throws InputError if an option names a sample or a class that does not exist, or colours that a scene cannot have.
-  ViewSession(const std::shared_ptr<const FrameSource>& source, Canvas& canvas, const ViewOptions& options);
-  // Uses a loader that may have been started before the canvas was opened. Throws the errors of the constructor
-  // above.
-  ViewSession(std::shared_ptr<const FrameSource> source, std::unique_ptr<FrameLoader> loader, Canvas& canvas,
-              const ViewOptions& options);
-  ~ViewSession();
+  // `loader`: a loader of the source that was started before the canvas was opened; null: a new one. Throws InputError
+  // if an option names a sample or a class that does not exist, or colours that a scene cannot have.
+  ViewSession(std::shared_ptr<const FrameSource> source, Canvas& canvas, const ViewOptions& options,
+              std::unique_ptr<FrameLoader> loader = nullptr);
   ViewSession(const ViewSession&) = delete;
   ViewSession& operator=(const ViewSession&) = delete;
 
@@ -93,25 +37,74 @@ class ViewSession {
   // is in the close-up; throws Error if nothing of the frame could be loaded.
   void check() const;
   // Returns the picture that settle() has drawn.
-  Image picture();
+  Image picture() { return context_.canvas.read(); }
 
-  const OrbitCamera& camera() const;
-  void setCamera(const OrbitCamera& camera);
+  const OrbitCamera& camera() const { return scenery_.camera; }
+  void setCamera(const OrbitCamera& camera) { scenery_.setCamera(camera); }
   // Returns the point or the triangle at a pixel of the canvas.
-  std::optional<PickedThing> pick(int x, int y) const;
+  std::optional<PickedThing> pick(int x, int y);
   // Selects a point or a triangle as a click does.
   void pin(const PickedThing& thing);
   // Returns a line for each part of the shown frame that could not be loaded or coloured.
   std::vector<std::string> problems() const;
   // Returns hints for the user, each of which is shown once.
-  const std::vector<std::string>& hints() const;
+  const std::vector<std::string>& hints() const { return context_.hints; }
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
-};
+  // Functions in session_events.cpp:
+  void tick();
+  void key(const CanvasEvent& event);
+  void act(const KeyMeaning& meaning);
+  void escape();
+  std::pair<bool*, const char*> switchOf(KeyAction action);
+  void chooseColor(const ColorBy& by);
+  void cycleColor(int step);
+  void toggleWorld();
+  void toggleAlone();
+  void savePicture();
+  // Return why a key or quantity cannot be used for a scene; empty: it can.
+  std::string sceneLacks(const KeyMeaning& meaning) const;
+  std::string sceneLacks(const ColorBy& by) const;
 
-// Returns pairs of keys and their functions, for the help and the documentation.
-std::vector<std::pair<std::string, std::string>> viewKeys();
+  // Functions in session.cpp, which request, load and show frames and scenes, and draw the picture:
+  void goTo(std::size_t frame, int step);
+  void stepBy(std::ptrdiff_t count);
+  void togglePlaying();
+  void changeSpeed(int step);
+  void hintAtNames();
+  void takeWhatIsLoaded();
+  void showFrame(std::shared_ptr<const ViewFrame> loaded);
+  void arrange();
+  void applyFilter();
+  void wantMesh();
+  void takeMesh(std::shared_ptr<const ViewMesh> loaded);
+  void placeMesh();
+  void refresh();  // updates the panels and the views
+  void updateHover();
+  void flush(bool whole);
+
+  // Functions in session_panels.cpp, which draw with Dear ImGui:
+  void runPanels();
+  void drawPanels();
+  void drawMenus();
+  bool isOn(KeyAction action);
+  void drawColumns();
+  void drawLegends(bool ofScales);
+  void pressLegend(const LegendEntry& entry, bool alone);
+  void drawInstances();
+  void drawStrip();
+  void drawFrameBar();
+  void drawPrompt();
+  void drawTips();
+
+  // Each part uses only the parts that are listed before it.
+  SessionContext context_;
+  Playback playback_;
+  Clouds clouds_;
+  Scenery scenery_;
+  Pointer pointer_;
+  Panels panels_;
+  bool quit_ = false;
+};
 
 }  // namespace scanmill

@@ -17,8 +17,8 @@
 #include "viewer/canvas/canvas.h"
 #include "viewer/frames/frame_source.h"
 #include "viewer/window/drawing.h"
-#include "viewer/window/session.h"
 #include "viewer/window/view_keys.h"
+#include "viewer/window/view_options.h"
 
 namespace scanmill {
 

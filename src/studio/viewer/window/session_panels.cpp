@@ -1,4 +1,4 @@
-// Draws menus and panels. Menus and buttons execute the same actions as keys.
+// Draws menus and panels_. Menus and buttons execute the same actions as keys.
 
 #include <fmt/core.h>
 #include <imgui.h>
@@ -12,73 +12,72 @@
 #include "viewer/coloring.h"
 #include "viewer/picture.h"
 #include "viewer/window/picked_rows.h"
-#include "viewer/window/session_state.h"
+#include "viewer/window/session.h"
 
 namespace scanmill {
 
 // Draws all panels once and executes what the user has clicked.
-void ViewSession::State::runPanels() {
-  panels.toolkit.suit(context.options.background);
-  panels.toolkit.frame([&] { drawPanels(); });
+void ViewSession::runPanels() {
+  panels_.toolkit.suit(context_.options.background);
+  panels_.toolkit.frame([&] { drawPanels(); });
 }
 
-void ViewSession::State::drawPanels() {
-  panels.overStrip = false;
-  drawLabels(panels.labels,
-             {0, panels.rooms.body.top, context.canvas.width(), context.canvas.height() - panels.rooms.body.top});
-  for (std::size_t v = 0; v < std::min(panels.panes.size(), context.drawing.views().size()); ++v) {
-    drawMessage(context.drawing.views()[v].rect, panels.panes[v].message);
-    if (panels.panes.size() > 1)
-      drawCaption(context.drawing.views()[v].rect, panels.panes[v].caption, panels.panes[v].active);
+void ViewSession::drawPanels() {
+  panels_.overStrip = false;
+  drawLabels(panels_.labels,
+             {0, panels_.rooms.body.top, context_.canvas.width(), context_.canvas.height() - panels_.rooms.body.top});
+  for (std::size_t v = 0; v < std::min(panels_.panes.size(), context_.drawing.views().size()); ++v) {
+    drawMessage(context_.drawing.views()[v].rect, panels_.panes[v].message);
+    if (panels_.panes.size() > 1)
+      drawCaption(context_.drawing.views()[v].rect, panels_.panes[v].caption, panels_.panes[v].active);
   }
-  if (context.options.bare) return;
-  context.options.still ? titleRow(panels.rooms.title, panels.title(), panels.summary()) : drawMenus();
-  panelAt("##side", panels.rooms.side, !context.options.still, [&] {
-    if (!context.options.still) drawColumns();
+  if (context_.options.bare) return;
+  context_.options.still ? titleRow(panels_.rooms.title, panels_.title(), panels_.summary()) : drawMenus();
+  panelAt("##side", panels_.rooms.side, !context_.options.still, [&] {
+    if (!context_.options.still) drawColumns();
     drawLegends(true);
-    if (pointer.pinned) {
-      section("Point", context.options.still, [&] {
-        heading(pointer.pinned->heading, pointer.colorOf(*pointer.pinned));
-        valueRows("point", pointer.pinned->rows, pointer.pinned->alarm);
+    if (pointer_.pinned) {
+      section("Point", context_.options.still, [&] {
+        heading(pointer_.pinned->heading, pointer_.colorOf(*pointer_.pinned));
+        valueRows("point", pointer_.pinned->rows, pointer_.pinned->alarm);
       });
     }
-    if (!context.options.still && !clouds.list.empty()) {
-      const bool known = !context.frame->scans[clouds.list.front().scan].scan[kInstance].empty();
+    if (!context_.options.still && !clouds_.list.empty()) {
+      const bool known = !context_.frame->scans[clouds_.list.front().scan].scan[kInstance].empty();
       if (known) folded("Instances", [&] { drawInstances(); });
-      folded("Scans", [&] { drawSources(); });
     }
     drawLegends(false);
   });
   drawStrip();
-  if (!context.options.still) {
+  if (!context_.options.still) {
     drawFrameBar();
     std::vector<std::string> said;
-    for (const ViewNotice& notice : context.notices) said.push_back(notice.text);
-    if (messages(panels.rooms.body, problems(), said)) {  // the frame's own problems cannot be dismissed
-      clouds.colorProblem.clear();
-      scenery.meshProblem.clear();
-      clouds.stripProblem.clear();
-      clouds.instanceProblem.clear();
-      context.changes.panels = true;
+    for (const ViewNotice& notice : context_.notices) said.push_back(notice.text);
+    if (messages(panels_.rooms.body, problems(), said)) {  // the frame's own problems cannot be dismissed
+      clouds_.colorProblem.clear();
+      scenery_.meshProblem.clear();
+      clouds_.stripProblem.clear();
+      clouds_.instanceProblem.clear();
+      context_.changes.panels = true;
     }
-    if (panels.prompt) drawPrompt();
-    if (panels.help && !helpWindow(viewKeys())) panels.help = false;
+    if (panels_.prompt) drawPrompt();
+    if (panels_.help && !helpWindow(viewKeys())) panels_.help = false;
   }
   drawTips();
 }
 
 // True if the option that the action switches is on.
-bool ViewSession::State::isOn(KeyAction action) {
+bool ViewSession::isOn(KeyAction action) {
   if (const bool* const option = switchOf(action).first) return *option;
-  return (action == KeyAction::ToggleMesh && scenery.meshOn()) ||
-         (action == KeyAction::ToggleRangeImage && context.options.rangeImage) ||
-         (action == KeyAction::ToggleOverlay && clouds.overlaid()) ||
-         (action == KeyAction::ToggleSplit && context.options.layout == ViewLayout::Split) ||
-         (action == KeyAction::ToggleWorld && scenery.world) ||
-         (action == KeyAction::InstanceAlone && !context.filter.instances.empty());
+  return (action == KeyAction::ToggleMesh && scenery_.meshOn()) ||
+         (action == KeyAction::ToggleRangeImage && context_.options.rangeImage) ||
+         (action == KeyAction::ToggleOverlay && clouds_.overlaid()) ||
+         (action == KeyAction::ToggleSplit && context_.options.layout == ViewLayout::Split) ||
+         (action == KeyAction::ToggleWorld && scenery_.world) ||
+         (action == KeyAction::InstanceAlone && !context_.filter.instances.empty());
 }
 
-void ViewSession::State::drawMenus() {
+void ViewSession::drawMenus() {
   if (!ImGui::BeginMainMenuBar()) return;
   std::string_view open;
   bool drawn = false;
@@ -90,37 +89,37 @@ void ViewSession::State::drawMenus() {
       drawn = ImGui::BeginMenu(open.data());
     }
     if (!drawn) continue;
-    const std::string lacks = context.source->isScene() ? sceneLacks(command.meaning) : "";
+    const std::string lacks = context_.source->isScene() ? sceneLacks(command.meaning) : "";
     const bool on = isOn(command.meaning.action);
     if (ImGui::MenuItem(command.label.c_str(), keysText(command).c_str(), on, lacks.empty())) act(command.meaning);
   }
   if (drawn) ImGui::EndMenu();
-  const std::string text = fmt::format("{}   {}", panels.title(), panels.summary());
+  const std::string text = fmt::format("{}   {}", panels_.title(), panels_.summary());
   const float wide = ImGui::CalcTextSize(text.c_str()).x;
-  const float left = static_cast<float>(context.canvas.width()) - wide - ImGui::GetFontSize();
+  const float left = static_cast<float>(context_.canvas.width()) - wide - ImGui::GetFontSize();
   ImGui::SameLine(std::max(left, ImGui::GetCursorPosX() + ImGui::GetFontSize()));
-  ImGui::TextUnformatted(panels.title().c_str());
+  ImGui::TextUnformatted(panels_.title().c_str());
   ImGui::SameLine();
-  ImGui::TextDisabled("%s", panels.summary().c_str());
+  ImGui::TextDisabled("%s", panels_.summary().c_str());
   ImGui::EndMainMenuBar();
 }
 
 // Draws the menu of quantities that colours can show: those of colorsOf() that the scan has, or kMeshColorNames.
-void ViewSession::State::drawColumns() {
+void ViewSession::drawColumns() {
   std::vector<ColorBy> all;
   std::string shown;
-  if (context.source->isScene()) {
+  if (context_.source->isScene()) {
     for (const std::string_view name : kMeshColorNames) all.emplace_back(std::string(name));
-    shown = kMeshColorNames[static_cast<std::size_t>(scenery.meshColor)];
-  } else if (!clouds.list.empty() && !clouds.overlaid()) {
-    const std::size_t view = clouds.activeView.value_or(0);
-    const ShownCloud* const cloud = clouds.inView(view);
+    shown = kMeshColorNames[static_cast<std::size_t>(scenery_.meshColor)];
+  } else if (!clouds_.list.empty() && !clouds_.overlaid()) {
+    const std::size_t view = clouds_.activeView.value_or(0);
+    const ShownCloud* const cloud = clouds_.inView(view);
     if (cloud == nullptr) return;
-    const ViewScan& scan = context.frame->scans[cloud->scan];
+    const ViewScan& scan = context_.frame->scans[cloud->scan];
     for (const ColorBy& by : colorsOf(scan.scan)) {
-      if (clouds.hasColor(scan, by)) all.push_back(by);
+      if (clouds_.hasColor(scan, by)) all.push_back(by);
     }
-    shown = clouds.colorOf(view).name();
+    shown = clouds_.colorOf(view).name();
   }
   if (all.empty()) return;
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
@@ -134,110 +133,110 @@ void ViewSession::State::drawColumns() {
 }
 
 // Draws the legends that are scales if `ofScales` is true; otherwise draws those that are lists.
-void ViewSession::State::drawLegends(bool ofScales) {
-  const bool choose = !context.options.still && !clouds.overlaid() && !clouds.list.empty();
-  const auto blocks = panels.legends;  // a copy, since a click changes `legends`
+void ViewSession::drawLegends(bool ofScales) {
+  const bool choose = !context_.options.still && !clouds_.overlaid() && !clouds_.list.empty();
+  const auto blocks = panels_.legends;  // a copy, since a click changes `legends`
   for (const LegendBlock& block : blocks) {
     const Legend& legend = block.legend;
     if (legend.scale != ofScales) continue;
     std::string name = legend.scale ? scaleTitle(legend) : legend.title;
-    if (blocks.size() > 1 && context.frame && context.frame->scans.size() > 1) {
-      name += ": " + panels.panes[block.views.front()].caption;
+    if (blocks.size() > 1 && context_.frame && context_.frame->scans.size() > 1) {
+      name += ": " + panels_.panes[block.views.front()].caption;
     }
-    section(name, context.options.still, [&] {
+    section(name, context_.options.still, [&] {
       if (legend.scale) {
         const auto range = scaleBar(legend, !choose);
         if (!range) return;
         for (const std::size_t view : block.views) {
-          clouds.scales[view] = range;
-          clouds.recolor(view);
+          clouds_.scales[view] = range;
+          clouds_.recolor(view);
         }
         return;
       }
       std::vector<bool> hidden;
-      for (const LegendEntry& entry : legend.entries) hidden.push_back(panels.isHidden(entry));
+      for (const LegendEntry& entry : legend.entries) hidden.push_back(panels_.isHidden(entry));
       const bool clickable =
           std::ranges::any_of(legend.entries, [](const LegendEntry& entry) { return entry.id >= 0; });
-      const LegendUse use = legendRows(legend, hidden, clickable, context.options.still);
+      const LegendUse use = legendRows(legend, hidden, clickable, context_.options.still);
       if (use.all) act({KeyAction::ShowAllClasses});
-      if (use.entry) pressLegend(legend.entries[*use.entry], panels.toolkit.shift() || panels.toolkit.clicks() == 2);
+      if (use.entry) pressLegend(legend.entries[*use.entry], panels_.toolkit.shift() || panels_.toolkit.clicks() == 2);
     });
   }
 }
 
 // Hides or shows the class or the scan of a legend's row; if `alone` is true, shows this class or scan and no other.
-void ViewSession::State::pressLegend(const LegendEntry& entry, bool alone) {
+void ViewSession::pressLegend(const LegendEntry& entry, bool alone) {
   if (entry.id < 0) return;
-  if (clouds.overlaid()) {
+  if (clouds_.overlaid()) {
     const auto chosen = static_cast<std::size_t>(entry.id);
     if (alone) {
-      context.filter.hiddenScans.clear();
-      for (std::size_t s = 0; s < context.frame->scans.size(); ++s) {
-        if (s != chosen) context.filter.hiddenScans.insert(context.frame->scans[s].name);
+      context_.filter.hiddenScans.clear();
+      for (std::size_t s = 0; s < context_.frame->scans.size(); ++s) {
+        if (s != chosen) context_.filter.hiddenScans.insert(context_.frame->scans[s].name);
       }
-    } else if (context.filter.hiddenScans.erase(context.frame->scans[chosen].name) == 0) {
-      context.filter.hiddenScans.insert(context.frame->scans[chosen].name);
+    } else if (context_.filter.hiddenScans.erase(context_.frame->scans[chosen].name) == 0) {
+      context_.filter.hiddenScans.insert(context_.frame->scans[chosen].name);
     }
   } else if (const auto id = static_cast<std::uint16_t>(entry.id); alone) {
-    context.filter.classes.showOnly(id);
+    context_.filter.classes.showOnly(id);
   } else {
-    context.filter.classes.toggle(id);
+    context_.filter.classes.toggle(id);
   }
   applyFilter();
 }
 
-void ViewSession::State::drawStrip() {
-  if (!clouds.strip || panels.rooms.strip.height < 1) return;
-  const PixelRect rect = panels.stripRect();
+void ViewSession::drawStrip() {
+  if (!clouds_.strip || panels_.rooms.strip.height < 1) return;
+  const PixelRect rect = panels_.stripRect();
   std::optional<std::pair<double, double>> mark;
-  const PickedThing* const thing = pointer.shown();
-  if (thing != nullptr && thing->scan == clouds.list[clouds.stripCloud].scan) {
-    const auto [column, row] = clouds.strip->place(thing->point);
-    mark = std::pair(rect.left + (column + 0.5) * rect.width / clouds.strip->image.width,
-                     rect.top + (row + 0.5) * rect.height / clouds.strip->image.height);
+  const PickedThing* const thing = pointer_.shown();
+  if (thing != nullptr && thing->scan == clouds_.list[clouds_.stripCloud].scan) {
+    const auto [column, row] = clouds_.strip->place(thing->point);
+    mark = std::pair(rect.left + (column + 0.5) * rect.width / clouds_.strip->image.width,
+                     rect.top + (row + 0.5) * rect.height / clouds_.strip->image.height);
   }
   const std::string caption =
-      context.frame->scans[clouds.list[clouds.stripCloud].scan].name + ": " + describeStrip(*clouds.strip);
+      context_.frame->scans[clouds_.list[clouds_.stripCloud].scan].name + ": " + describeStrip(*clouds_.strip);
   bool pressed = false;
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, ImGui::GetFontSize() * 0.2F});
-  panelAt("##strip", panels.rooms.strip, false, [&] {
+  panelAt("##strip", panels_.rooms.strip, false, [&] {
     ImGui::SetCursorPosX(ImGui::GetFontSize() * 0.5F);
-    if (rect.top > panels.rooms.strip.top) ImGui::TextDisabled("%s", caption.c_str());
-    panels.overStrip = imageAt(kStripImage, rect, mark);
-    pressed = panels.overStrip && ImGui::IsMouseClicked(0);
+    if (rect.top > panels_.rooms.strip.top) ImGui::TextDisabled("%s", caption.c_str());
+    panels_.overStrip = imageAt(kStripImage, rect, mark);
+    pressed = panels_.overStrip && ImGui::IsMouseClicked(0);
   });
   ImGui::PopStyleVar();
   if (!pressed) return;
-  if (auto picked = pointer.pickStrip(rect, pointer.x, pointer.y)) {
-    pointer.lookAt(picked->place);
-    pointer.pinned = pointer.inFull(std::move(*picked));
+  if (auto picked = pointer_.pickStrip(rect, pointer_.x, pointer_.y)) {
+    pointer_.lookAt(picked->place);
+    pointer_.pinned = pointer_.inFull(std::move(*picked));
   }
 }
 
-void ViewSession::State::drawFrameBar() {
-  const std::size_t requested = playback.requested();
+void ViewSession::drawFrameBar() {
+  const std::size_t requested = playback_.requested();
   const FrameBar bar{.frame = requested,
-                     .frames = playback.count(),
-                     .key = context.source->keys()[requested],
-                     .speed = playback.speedText(),
-                     .busy = playback.busy(),
-                     .playing = playback.playing(),
-                     .damaged = playback.damaged()};
-  const FrameBarUse use = frameBar(panels.rooms.bar, bar);
+                     .frames = playback_.count(),
+                     .key = context_.source->keys()[requested],
+                     .speed = playback_.speedText(),
+                     .busy = playback_.busy(),
+                     .playing = playback_.playing(),
+                     .damaged = playback_.damaged()};
+  const FrameBarUse use = frameBar(panels_.rooms.bar, bar);
   if (use.play) togglePlaying();
   if (use.frame && *use.frame != requested) {
-    playback.stop();
+    playback_.stop();
     goTo(*use.frame, *use.frame > requested ? 1 : -1);
   }
 }
 
-void ViewSession::State::drawPrompt() {
+void ViewSession::drawPrompt() {
   constexpr std::size_t kMost = 200;
   const float letter = ImGui::GetFontSize();
-  const float middle = static_cast<float>(panels.rooms.body.left) + static_cast<float>(panels.rooms.body.width) / 2;
-  const auto wide = static_cast<float>(panels.rooms.body.width);
-  const auto high = static_cast<float>(panels.rooms.body.height);
-  ImGui::SetNextWindowPos({middle, static_cast<float>(panels.rooms.body.top) + letter}, ImGuiCond_Always, {0.5F, 0});
+  const float middle = static_cast<float>(panels_.rooms.body.left) + static_cast<float>(panels_.rooms.body.width) / 2;
+  const auto wide = static_cast<float>(panels_.rooms.body.width);
+  const auto high = static_cast<float>(panels_.rooms.body.height);
+  ImGui::SetNextWindowPos({middle, static_cast<float>(panels_.rooms.body.top) + letter}, ImGuiCond_Always, {0.5F, 0});
   ImGui::SetNextWindowSize({std::min(letter * 28, wide), std::min(letter * 22, high - 2 * letter)});
   ImGui::Begin("Go to sample", nullptr,
                ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse |
@@ -245,59 +244,41 @@ void ViewSession::State::drawPrompt() {
   ImGui::TextDisabled("a key, a part of one, or #index from 0");
   ImGui::SetNextItemWidth(-1);
   if (!ImGui::IsAnyItemActive()) ImGui::SetKeyboardFocusHere();
-  const bool entered = ImGui::InputText("##key", &*panels.prompt, ImGuiInputTextFlags_EnterReturnsTrue);
+  const bool entered = ImGui::InputText("##key", &*panels_.prompt, ImGuiInputTextFlags_EnterReturnsTrue);
   ImGui::Separator();
   std::size_t found = 0;
   std::optional<std::string> chosen;
-  const bool byIndex = panels.prompt->starts_with('#');
-  for (std::size_t i = 0; i < context.source->keys().size(); ++i) {
-    const std::string& key = context.source->keys()[i];
+  const bool byIndex = panels_.prompt->starts_with('#');
+  for (std::size_t i = 0; i < context_.source->keys().size(); ++i) {
+    const std::string& key = context_.source->keys()[i];
     const bool fits =
-        byIndex ? fmt::format("#{}", i).starts_with(*panels.prompt) : key.find(*panels.prompt) != std::string::npos;
+        byIndex ? fmt::format("#{}", i).starts_with(*panels_.prompt) : key.find(*panels_.prompt) != std::string::npos;
     if (!fits) continue;
     if (found++ < kMost && ImGui::Selectable(key.c_str())) chosen = key;
   }
   if (found > kMost) ImGui::TextDisabled("and %s more", grouped(found - kMost).c_str());
   if (found == 0) ImGui::TextDisabled("no key holds this");
   ImGui::End();
-  if (entered) chosen = *panels.prompt;
-  if (ImGui::IsKeyPressed(ImGuiKey_Escape) || (entered && panels.prompt->empty())) return panels.prompt.reset();
+  if (entered) chosen = *panels_.prompt;
+  if (ImGui::IsKeyPressed(ImGuiKey_Escape) || (entered && panels_.prompt->empty())) return panels_.prompt.reset();
   if (!chosen) return;
   try {
-    goTo(findFrame(*context.source, *chosen), 1);
-    panels.prompt.reset();
+    goTo(findFrame(*context_.source, *chosen), 1);
+    panels_.prompt.reset();
   } catch (const InputError& e) {
-    context.say(e.what());
+    context_.say(e.what());
   }
 }
 
-// Lists the sample's scans with their datasets, sensors and methods.
-void ViewSession::State::drawSources() {
-  for (std::size_t s = 0; s < context.frame->scans.size(); ++s) {
-    const ViewScan& scan = context.frame->scans[s];
-    NamedValues rows{
-        {"from", wholeName(scan, context.source->title())}, {"sensor", scan.sensor}, {"method", scan.method}};
-    rows.emplace_back("points", grouped(scan.scan.size()));
-    if (scan.scan.rings > 0) rows.emplace_back("beams", fmt::format("{} x {}", scan.scan.rings, scan.scan.columns));
-    if (scan.worldFromSensor) {
-      const Vec3d& place = scan.worldFromSensor->translation;
-      rows.emplace_back("stands at", fmt::format("{:.2f}, {:.2f}, {:.2f} m", place.x, place.y, place.z));
-    }
-    std::erase_if(rows, [](const auto& row) { return row.second.empty(); });
-    valueRows(fmt::format("open {}", s).c_str(), rows);
-    if (s + 1 < context.frame->scans.size()) ImGui::Separator();
-  }
+// Draws the tooltip beside the pointer_.
+void ViewSession::drawTips() {
+  const bool told = pointer_.pinned && pointer_.hover && pointer_.pinned->scan == pointer_.hover->scan &&
+                    pointer_.pinned->point == pointer_.hover->point;
+  if (pointer_.hover && !told && !pointer_.measuring && !panels_.help)
+    tip(pointer_.hover->heading, pointer_.colorOf(*pointer_.hover), pointer_.hover->brief, pointer_.hover->alarm);
 }
 
-// Draws the tooltip beside the pointer.
-void ViewSession::State::drawTips() {
-  const bool told = pointer.pinned && pointer.hover && pointer.pinned->scan == pointer.hover->scan &&
-                    pointer.pinned->point == pointer.hover->point;
-  if (pointer.hover && !told && !pointer.measuring && !panels.help)
-    tip(pointer.hover->heading, pointer.colorOf(*pointer.hover), pointer.hover->brief, pointer.hover->alarm);
-}
-
-void ViewSession::State::drawInstances() {
+void ViewSession::drawInstances() {
   constexpr int kRows = 14;
   constexpr ImGuiTableFlags kTable = ImGuiTableFlags_Sortable | ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg |
                                      ImGuiTableFlags_NoSavedSettings | ImGuiTableFlags_SizingStretchProp;
@@ -312,7 +293,7 @@ void ViewSession::State::drawInstances() {
   }
   ImGui::TableHeadersRow();
   std::vector<const InstanceSummary*> rows;
-  for (const InstanceSummary& instance : scenery.instances()) rows.push_back(&instance);
+  for (const InstanceSummary& instance : scenery_.instances()) rows.push_back(&instance);
   if (const ImGuiTableSortSpecs* const sort = ImGui::TableGetSortSpecs(); sort != nullptr && sort->SpecsCount > 0) {
     const auto value = [&](const InstanceSummary* instance) {
       const std::array<double, 4> columns{static_cast<double>(classOf(*instance)), static_cast<double>(instance->id),
@@ -332,8 +313,8 @@ void ViewSession::State::drawInstances() {
       ImGui::TableNextRow();
       ImGui::TableNextColumn();
       ImGui::PushID(static_cast<int>(instance.id));
-      const std::string name = className(context.source->ontology(), classOf(instance)) + "##row";
-      const bool marked = pointer.pinned && pointer.instanceOf(*pointer.pinned) == instance.id;
+      const std::string name = className(context_.source->ontology(), classOf(instance)) + "##row";
+      const bool marked = pointer_.pinned && pointer_.instanceOf(*pointer_.pinned) == instance.id;
       if (ImGui::Selectable(name.c_str(), marked, ImGuiSelectableFlags_SpanAllColumns)) chosen = &instance;
       ImGui::PopID();
       ImGui::TableNextColumn();
@@ -346,9 +327,9 @@ void ViewSession::State::drawInstances() {
   }
   ImGui::EndTable();
   if (chosen == nullptr) return;
-  pointer.pinned = pointer.inFull(pointer.pickedPoint(0, chosen->points[chosen->points.size() / 2]));
-  pointer.lookAt(chosen->levelFromBox.translation);
-  context.changes.panels = true;
+  pointer_.pinned = pointer_.inFull(pointer_.pickedPoint(0, chosen->points[chosen->points.size() / 2]));
+  pointer_.lookAt(chosen->levelFromBox.translation);
+  context_.changes.panels = true;
 }
 
 }  // namespace scanmill

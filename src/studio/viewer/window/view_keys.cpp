@@ -6,7 +6,6 @@
 #include <algorithm>
 
 #include "viewer/coloring.h"
-#include "viewer/window/session.h"
 
 namespace scanmill {
 
@@ -19,8 +18,8 @@ std::vector<ViewCommand> listCommands() {
       {"Frames", {A::StepFrames, -1}, "previous", {"Left", ","}},
       {"Frames", {A::StepFrames, 10}, "ten on", {"Page_Down"}},
       {"Frames", {A::StepFrames, -10}, "ten back", {"Page_Up"}},
-      {"Frames", {A::FirstFrame}, "first", {"<", "shift + Left"}},
-      {"Frames", {A::LastFrame}, "last", {">", "shift + Right", "End"}},
+      {"Frames", {A::FirstFrame}, "first", {"<"}},
+      {"Frames", {A::LastFrame}, "last", {">", "End"}},
       {"Frames", {A::Play}, "play, pause", {" "}},
       {"Frames", {A::ChangeSpeed, -1}, "play slower", {"("}},
       {"Frames", {A::ChangeSpeed, 1}, "play faster", {")"}},
@@ -38,10 +37,6 @@ std::vector<ViewCommand> listCommands() {
   const std::vector<ViewCommand> more{
       {"Colours", {A::StepColor, 1}, "by the next column", {"c"}},
       {"Colours", {A::StepColor, -1}, "by the previous column", {"C"}},
-      {"Colours", {A::LowerHighEnd}, "halve the scale's upper end", {"["}},
-      {"Colours", {A::RaiseHighEnd}, "double the scale's upper end", {"]"}},
-      {"Colours", {A::LowerLowEnd}, "lower the scale's lower end", {"{"}},
-      {"Colours", {A::RaiseLowEnd}, "raise the scale's lower end", {"}"}},
       {"Colours", {A::AutomaticScale}, "the scale that the values give", {"\\"}},
       {"Show", {A::ShowAllClasses}, "all points", {"A"}},
       {"Show", {A::InstanceAlone}, "the instance that is pointed at alone", {"x"}},
@@ -61,7 +56,6 @@ std::vector<ViewCommand> listCommands() {
       {"Camera", {A::PresetView, static_cast<int>(View::Chase)}, "chase", {"F1"}},
       {"Camera", {A::PresetView, static_cast<int>(View::Driver)}, "driver's", {"F2"}},
       {"Camera", {A::PresetView, static_cast<int>(View::Above)}, "from above", {"F3"}},
-      {"Camera", {A::NextPreset}, "the next of these", {"v"}},
       {"Camera", {A::ResetView}, "the first view again", {"Home"}},
       {"Camera", {A::TurnAbout}, "turn about what is pointed at", {"f"}},
       {"Camera", {A::ToggleProjection}, "perspective, orthographic", {"o"}},
@@ -83,15 +77,11 @@ const std::vector<ViewCommand>& viewCommands() {
   return all;
 }
 
-std::optional<KeyMeaning> keyMeaning(std::string_view key, bool shift) {
-  const auto meaningOf = [](const std::string& wanted) -> std::optional<KeyMeaning> {
-    for (const ViewCommand& command : viewCommands()) {
-      if (std::ranges::find(command.keys, wanted) != command.keys.end()) return command.meaning;
-    }
-    return {};
-  };
-  const auto shifted = shift ? meaningOf("shift + " + std::string(key)) : std::nullopt;
-  return shifted ? shifted : meaningOf(std::string(key));
+std::optional<KeyMeaning> keyMeaning(std::string_view key) {
+  for (const ViewCommand& command : viewCommands()) {
+    if (std::ranges::find(command.keys, key) != command.keys.end()) return command.meaning;
+  }
+  return {};
 }
 
 std::string keysText(const ViewCommand& command) {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace scanmill {
@@ -12,10 +13,6 @@ namespace scanmill {
 enum class KeyAction {
   StepColor,      // number: 1 or -1
   ColorByNumber,  // number: index in colorNames()
-  LowerHighEnd,
-  RaiseHighEnd,
-  LowerLowEnd,
-  RaiseLowEnd,
   AutomaticScale,
   ResizePoints,  // number: pixels
   NextBackground,
@@ -28,7 +25,6 @@ enum class KeyAction {
   ToggleLegends,
   ToggleProjection,
   PresetView,  // number: a value of View
-  NextPreset,
   TurnAbout,
   ResetView,
   StepFrames,  // number: how many
@@ -63,15 +59,18 @@ struct ViewCommand {
   std::string_view menu;
   KeyMeaning meaning;
   std::string label;
-  std::vector<std::string> keys;  // typed characters, such as "c", or names of keys, such as "Left" or "shift + Left"
+  std::vector<std::string> keys;  // typed characters, such as "c", or names of keys, such as "Left"
 };
 // Returns all commands, in the order of the menus.
 const std::vector<ViewCommand>& viewCommands();
 
 // Returns the meaning of a key; nothing if the key has no function.
-std::optional<KeyMeaning> keyMeaning(std::string_view key, bool shift);
+std::optional<KeyMeaning> keyMeaning(std::string_view key);
 
 // Returns the command's keys as text for menus and help, such as "space" or "F1 or v".
 std::string keysText(const ViewCommand& command);
+
+// Returns pairs of keys or gestures and their functions, for the help and the documentation.
+std::vector<std::pair<std::string, std::string>> viewKeys();
 
 }  // namespace scanmill

@@ -10,10 +10,10 @@ namespace scanmill {
 namespace {
 
 constexpr const char* kNames[] = {
-    "c",    "C",     "1",    "2",         "3",       "4",      "5",         "6", "7",       "8",  "9",  "0",   "+", "-",
-    "b",    "a",     "A",    "r",         "m",       "t",      "e",         "k", "o",       "F1", "F2", "F3",  "v", "f",
-    "Home", "Right", "Left", "Page_Down", "Page_Up", "<",      ">",         " ", "g",       "l",  "s",  "Tab", "n", "w",
-    "d",    "i",     "x",    "h",         "Escape",  "Return", "BackSpace", "z", "Shift_L", "End"};
+    "c", "C",    "1",     "2",    "3",         "4",       "5",      "6",      "7",         "8", "9",       "0",  "+",
+    "-", "b",    "a",     "A",    "r",         "m",       "t",      "e",      "k",         "o", "F1",      "F2", "F3",
+    "f", "Home", "Right", "Left", "Page_Down", "Page_Up", "<",      ">",      " ",         "g", "l",       "s",  "Tab",
+    "n", "w",    "d",     "i",    "x",         "h",       "Escape", "Return", "BackSpace", "z", "Shift_L", "End"};
 
 CanvasEvent randomEvent(std::mt19937& random, FakeCanvas& canvas) {
   const auto below = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };

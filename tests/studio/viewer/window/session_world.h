@@ -26,14 +26,12 @@ struct SessionWorld {
       : SessionWorld(std::make_shared<FakeFrames>(count, std::move(methods)), options) {}
 
   bool send(CanvasEvent event) { return session->handle(event); }
-  bool key(const std::string& name, bool shift = false) {
-    const CanvasEvent event{
-        .kind = CanvasEvent::Kind::Key, .key = name, .text = name.size() == 1 ? name : "", .shift = shift};
-    return send(event);
+  bool key(const std::string& name) {
+    return send({.kind = CanvasEvent::Kind::Key, .key = name, .text = name.size() == 1 ? name : ""});
   }
   // A key, and all that it has loaded in the background.
-  void press(const std::string& name, bool shift = false) {
-    key(name, shift);
+  void press(const std::string& name) {
+    key(name);
     session->settle();
   }
   void type(const std::string& text) {

@@ -1,0 +1,70 @@
+#pragma once
+
+// The user's choices for the viewer, and the description of what is under the pointer.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "viewer/coloring.h"
+#include "viewer/window/orbit_camera.h"
+
+namespace scanmill {
+
+enum class ViewLayout {
+  One,      // one scan of the sample
+  Overlay,  // all scans in one view, each in a fixed colour
+  Split,    // views side by side with the same camera; they show different scans, or one scan in different colours
+};
+
+// The objects whose boxes are drawn. Road users are the classes that KITTI's object benchmark knows
+// (labels/kitti.yaml), or all objects if the ontology has none of these.
+enum class BoxChoice { RoadUsers, All, None };
+constexpr std::array<std::string_view, 3> kBoxChoiceNames{"road_users", "all", "none"};
+
+struct ViewOptions {
+  // Quantities that the views' colours show, in the order of the views; the viewer chooses missing quantities.
+  std::vector<ColorBy> colors{};
+  std::optional<ScaleRange> scale{};  // ends of the scale of views that show numbers; absent: computed from the values
+  ViewLayout layout = ViewLayout::One;
+  // A named view is fitted to a scene that is shown without scans, and to scans of which it would show hardly any
+  // point. A given target is in the coordinates of a scene that is shown without scans.
+  CameraChoice camera{};
+  std::string sample{};  // key or index of the first frame; empty: the middle frame, or the first that can be read
+  double pointSize = 0;  // side of a drawn point (pixels); 0: depends on the canvas's height
+  Rgb background{13, 15, 20};
+  bool depthEdges = true;
+  bool legends = true;
+  bool mesh = false;  // draws the scene's mesh, translucent
+  bool axes = true;   // draws the axes of the sensors
+  bool rangeRings = false;
+  BoxChoice boxes = BoxChoice::RoadUsers;  // the objects in the samples' lists whose boxes are drawn
+  bool trajectory = true;
+  bool rangeImage = false;
+  bool still = false;                 // true: draws a picture, without buttons, menus and fields
+  bool bare = false;                  // true: draws no panels
+  std::vector<std::string> hidden{};  // names or ids of the hidden classes; if `only` is true, of the shown classes
+  bool only = false;
+  std::vector<std::uint32_t> instances{};  // ids of the only instances that are shown; empty: all are shown
+  std::optional<CloseUp> closeUp{};        // only points in this ball are shown, and the camera looks at it
+};
+
+constexpr std::size_t kNoScan = SIZE_MAX;
+
+// A point, or a triangle of a scene, that is under the pointer or was clicked, described for the user.
+struct PickedThing {
+  std::string heading;  // class and instance id, such as "car 4711"
+  std::vector<std::pair<std::string, std::string>> rows;
+  std::vector<std::pair<std::string, std::string>> brief;  // rows of the tooltip beside the pointer
+  std::string alarm;                                       // name of the row that is shown as a warning; empty: none
+  std::size_t scan = 0;                                    // index of the scan in the frame; kNoScan: a triangle
+  std::size_t point = 0;                                   // index of the point in the scan or the triangle in the mesh
+  Vec3d place;                                             // position (m, canvas frame)
+};
+
+}  // namespace scanmill
