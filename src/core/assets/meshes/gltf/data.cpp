@@ -2,7 +2,6 @@
 
 #include <draco/compression/decode.h>
 #include <fmt/format.h>
-#include <meshoptimizer.h>
 
 #include <algorithm>
 #include <array>
@@ -19,6 +18,7 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/input_budget.h"
+#include "formats/text_rows.h"
 #include "scene/texture.h"
 
 namespace scanmill::gltf {
@@ -29,37 +29,18 @@ constexpr std::uint64_t kMostZeroes = std::uint64_t{1} << 24;
 // Largest number of bytes that one compressed byte of a view may decode to.
 constexpr std::uint64_t kMostExpansion = 4096;
 
-template <class Stored, class Number>
-Number numberAt(const char* at, bool normalized) {
-  Stored value{};
-  std::memcpy(&value, at, sizeof value);
-  if constexpr (std::is_floating_point_v<Number> && !std::is_floating_point_v<Stored>) {
-    if (normalized) {
-      return std::max(static_cast<Number>(value) / static_cast<Number>(std::numeric_limits<Stored>::max()),
-                      static_cast<Number>(-1));
-    }
-  }
-  return static_cast<Number>(value);
-}
-
 template <class Number>
-Number readNumber(const char* at, Component component, bool normalized) {
-  switch (component) {
-    case Component::Int8:
-      return numberAt<std::int8_t, Number>(at, normalized);
-    case Component::UInt8:
-      return numberAt<std::uint8_t, Number>(at, normalized);
-    case Component::Int16:
-      return numberAt<std::int16_t, Number>(at, normalized);
-    case Component::UInt16:
-      return numberAt<std::uint16_t, Number>(at, normalized);
-    case Component::UInt32:
-      return numberAt<std::uint32_t, Number>(at, normalized);
-    case Component::Float:
-      break;
-  }
-  if constexpr (std::is_floating_point_v<Number>) return numberAt<float, Number>(at, false);
-  return 0;
+Number readNumber(const char* at, const Component& component, bool normalized) {
+  return visitNumberType(component.kind, component.size, [&]<class Stored>(Stored value) {
+    std::memcpy(&value, at, sizeof value);
+    if constexpr (std::is_floating_point_v<Number> && !std::is_floating_point_v<Stored>) {
+      if (normalized) {
+        return std::max(static_cast<Number>(value) / static_cast<Number>(std::numeric_limits<Stored>::max()),
+                        static_cast<Number>(-1));
+      }
+    }
+    return static_cast<Number>(value);
+  });
 }
 
 DracoMesh::Values valuesOf(const draco::Mesh& mesh, const draco::PointAttribute& attribute) {
@@ -164,165 +145,120 @@ ReadMaterial read(const Model& model, const Data& data, const Material* m, const
 
 }  // namespace
 
-struct Data::State {
-  const Model& model;
-  std::vector<std::optional<std::string>> buffers;
-  std::vector<std::optional<std::string>> decoded;  // decoded bytes of compressed views, by view
+Data::Data(const Model& model) : model_(model), buffers_(model.buffers.size()), decoded_(model.views.size()) {}
 
-  std::string_view buffer(Index index) {
-    const Buffer& described = model.buffers[index];
-    if (!described.problem.empty()) model.fail(described.problem);
-    if (described.uri.empty()) return model.bin;
-    std::optional<std::string>& bytes = buffers[index];
-    if (!bytes) {
-      bytes = described.uri.starts_with("data:") ? fromUri(described.uri, fmt::format("buffers[{}]", index))
-                                                 : readFile(model.file.parent_path() / described.uri);
-    }
-    return *bytes;
+std::string_view Data::buffer(Index index) const {
+  const Buffer& described = model_.buffers[index];
+  if (!described.problem.empty()) model_.fail(described.problem);
+  if (described.uri.empty()) return model_.bin;
+  std::optional<std::string>& bytes = buffers_[index];
+  if (!bytes) {
+    bytes = described.uri.starts_with("data:") ? embedded(described.uri, fmt::format("buffers[{}]", index))
+                                               : readFile(model_.file.parent_path() / described.uri);
   }
+  return *bytes;
+}
 
-  std::string fromUri(const std::string& uri, const std::string& what) const {
-    const std::size_t comma = uri.find(',');
-    std::optional<std::string> bytes;
-    if (comma != std::string::npos) bytes = fromBase64(std::string_view(uri).substr(comma + 1));
-    if (!bytes) model.fail(fmt::format("is not valid glTF: the data of {} are not base64", what));
-    return std::move(*bytes);
+std::string_view Data::part(Index index, std::uint64_t offset, std::uint64_t length) const {
+  const std::string_view whole = buffer(index);
+  if (offset + length > whole.size()) {
+    model_.fail(fmt::format("is truncated: buffers[{}] has {} bytes", index, whole.size()));
   }
+  return whole.substr(offset, length);
+}
 
-  // Returns a part of a buffer. Checks the buffer's size again, since the file may have shrunk after readModel().
-  std::string_view part(Index index, std::uint64_t offset, std::uint64_t length) {
-    const std::string_view whole = buffer(index);
-    if (offset + length > whole.size()) {
-      model.fail(fmt::format("is truncated: buffers[{}] has {} bytes", index, whole.size()));
-    }
-    return whole.substr(offset, length);
+std::string Data::decode(const Meshopt& m, const std::string& what) const {
+  const std::string_view from = part(m.buffer, m.offset, m.length);
+  if (m.count * m.stride > kMostExpansion * (m.length + 1)) {
+    model_.fail(fmt::format("is damaged: {} has {} elements in {} bytes", what, m.count, m.length));
   }
-
-  std::string_view view(Index index) {
-    const View& v = model.views[index];
-    if (!v.compressed) return part(v.buffer, v.offset, v.length);
-    std::optional<std::string>& bytes = decoded[index];
-    if (!bytes) bytes = decode(*v.compressed, fmt::format("bufferViews[{}]", index));
-    return *bytes;
+  chargeBytes(static_cast<double>(m.count * m.stride), {model_.file.string()});
+  std::string out(m.count * m.stride, '\0');
+  if (m.decode(out.data(), m.count, m.stride, reinterpret_cast<const unsigned char*>(from.data()), from.size()) != 0) {
+    model_.fail(fmt::format(
+        "has {} with compressed data that is damaged or of an unknown version: export it without compression", what));
   }
+  if (m.filter != nullptr) m.filter(out.data(), m.count, m.stride);
+  return out;
+}
 
-  std::string decode(const Meshopt& m, const std::string& what) {
-    if (!m.problem.empty()) model.fail(m.problem);
-    const std::string_view from = part(m.buffer, m.offset, m.length);
-    const auto* const source = reinterpret_cast<const unsigned char*>(from.data());
-    if (m.count * m.stride > kMostExpansion * (m.length + 1)) {
-      model.fail(fmt::format("is damaged: {} has {} elements in {} bytes", what, m.count, m.length));
-    }
-    chargeBytes(static_cast<double>(m.count * m.stride), {model.file.string()});
-    std::string out(m.count * m.stride, '\0');
-    int failed = 0;
-    switch (m.mode) {
-      case Meshopt::Mode::Attributes:
-        failed = meshopt_decodeVertexBuffer(out.data(), m.count, m.stride, source, from.size());
-        break;
-      case Meshopt::Mode::Triangles:
-        failed = meshopt_decodeIndexBuffer(out.data(), m.count, m.stride, source, from.size());
-        break;
-      case Meshopt::Mode::Indices:
-        failed = meshopt_decodeIndexSequence(out.data(), m.count, m.stride, source, from.size());
-        break;
-    }
-    if (failed != 0) {
-      model.fail(fmt::format(
-          "has {} with compressed data that is damaged or of an unknown version: export it without compression", what));
-    }
-    switch (m.filter) {
-      case Meshopt::Filter::None:
-        break;
-      case Meshopt::Filter::Octahedral:
-        meshopt_decodeFilterOct(out.data(), m.count, m.stride);
-        break;
-      case Meshopt::Filter::Quaternion:
-        meshopt_decodeFilterQuat(out.data(), m.count, m.stride);
-        break;
-      case Meshopt::Filter::Exponential:
-        meshopt_decodeFilterExp(out.data(), m.count, m.stride);
-        break;
-    }
-    return out;
+template <class Number>
+std::vector<Number> Data::numbers(Index index, const std::string& what) const {
+  const Accessor& a = model_.accessors[index];
+  const std::size_t size = a.component.size;
+  if (!a.view && a.count > kMostZeroes / a.width) {
+    model_.fail(fmt::format("is damaged: {} has {} elements without data", what, a.count));
   }
-
-  template <class Number>
-  std::vector<Number> numbers(Index index, const std::string& what) {
-    const Accessor& a = model.accessors[index];
-    const std::size_t size = sizeOf(a.component);
-    if (!a.view && a.count > kMostZeroes / a.width) {
-      model.fail(fmt::format("is damaged: {} has {} elements without data", what, a.count));
+  // Get the bytes before the output is allocated, so that a bad view throws first.
+  const std::string_view bytes = a.view ? view(*a.view).substr(a.offset) : std::string_view();
+  std::vector<Number> out(a.count * a.width, 0);
+  const auto take = [&](const char* at, std::size_t element) {
+    for (std::size_t k = 0; k < a.width; ++k) {
+      out[element * a.width + k] = readNumber<Number>(at + k * size, a.component, a.normalized);
     }
-    // Get the bytes before the output is allocated, so that a bad view throws first.
-    const std::string_view bytes = a.view ? view(*a.view).substr(a.offset) : std::string_view();
-    std::vector<Number> out(a.count * a.width, 0);
-    const auto take = [&](const char* at, std::size_t element) {
-      for (std::size_t k = 0; k < a.width; ++k) {
-        out[element * a.width + k] = readNumber<Number>(at + k * size, a.component, a.normalized);
+  };
+  if (a.view) {
+    const std::uint64_t own = model_.views[*a.view].stride;
+    const std::size_t stride = own > 0 ? own : size * a.width;
+    for (std::size_t i = 0; i < a.count; ++i) take(bytes.data() + i * stride, i);
+  }
+  if (a.sparse) {
+    const std::string_view places = view(a.sparse->indicesView).substr(a.sparse->indicesOffset);
+    const std::string_view values = view(a.sparse->valuesView).substr(a.sparse->valuesOffset);
+    for (std::size_t i = 0; i < a.sparse->count; ++i) {
+      const auto element =
+          readNumber<std::uint32_t>(places.data() + i * a.sparse->indices.size, a.sparse->indices, false);
+      if (element >= a.count) {
+        model_.fail(fmt::format("is not valid glTF: {} replaces the element {} of {}", what, element, a.count));
       }
-    };
-    if (a.view) {
-      const std::uint64_t own = model.views[*a.view].stride;
-      const std::size_t stride = own > 0 ? own : size * a.width;
-      for (std::size_t i = 0; i < a.count; ++i) take(bytes.data() + i * stride, i);
+      take(values.data() + i * size * a.width, element);
     }
-    if (a.sparse) {
-      const std::string_view places = view(a.sparse->indicesView).substr(a.sparse->indicesOffset);
-      const std::string_view values = view(a.sparse->valuesView).substr(a.sparse->valuesOffset);
-      for (std::size_t i = 0; i < a.sparse->count; ++i) {
-        const auto element =
-            readNumber<std::uint32_t>(places.data() + i * sizeOf(a.sparse->indices), a.sparse->indices, false);
-        if (element >= a.count) {
-          model.fail(fmt::format("is not valid glTF: {} replaces the element {} of {}", what, element, a.count));
-        }
-        take(values.data() + i * size * a.width, element);
-      }
-    }
-    return out;
   }
-};
-
-Data::Data(const Model& model)
-    : state_(std::make_unique<State>(State{model, std::vector<std::optional<std::string>>(model.buffers.size()),
-                                           std::vector<std::optional<std::string>>(model.views.size())})) {}
-Data::~Data() = default;
+  return out;
+}
 
 std::vector<float> Data::floats(Index accessor, const std::string& what) const {
-  return state_->numbers<float>(accessor, what);
+  return numbers<float>(accessor, what);
 }
 
 std::vector<float> Data::finiteFloats(Index accessor, const std::string& what) const {
   std::vector<float> out = floats(accessor, what);
   if (!std::all_of(out.begin(), out.end(), [](float v) { return std::isfinite(v); })) {
-    state_->model.fail(fmt::format("is damaged: {} has numbers that are not finite", what));
+    model_.fail(fmt::format("is damaged: {} has numbers that are not finite", what));
   }
   return out;
 }
 
 std::vector<float> Data::fractions(Index accessor, const std::string& what) const {
-  const Accessor& a = state_->model.accessors[accessor];
-  if (a.component != Component::Float && !a.normalized) {
-    state_->model.fail(
+  const Accessor& a = model_.accessors[accessor];
+  if (a.component.kind != 'F' && !a.normalized) {
+    model_.fail(
         fmt::format("is not valid glTF: {} must have floating-point or normalised numbers, not whole numbers", what));
   }
   return finiteFloats(accessor, what);
 }
 
 std::vector<std::uint32_t> Data::integers(Index accessor, const std::string& what) const {
-  const Component c = state_->model.accessors[accessor].component;
-  if (c != Component::UInt8 && c != Component::UInt16 && c != Component::UInt32) {
-    state_->model.fail(fmt::format("is not valid glTF: {} must have unsigned whole numbers", what));
+  if (model_.accessors[accessor].component.kind != 'U') {
+    model_.fail(fmt::format("is not valid glTF: {} must have unsigned whole numbers", what));
   }
-  return state_->numbers<std::uint32_t>(accessor, what);
+  return numbers<std::uint32_t>(accessor, what);
 }
 
 std::string_view Data::view(Index view) const {
-  return state_->view(view);
+  const View& v = model_.views[view];
+  if (!v.compressed) return part(v.buffer, v.offset, v.length);
+  std::optional<std::string>& bytes = decoded_[view];
+  if (!bytes) bytes = decode(*v.compressed, fmt::format("bufferViews[{}]", view));
+  return *bytes;
 }
 
 std::string Data::embedded(const std::string& uri, const std::string& what) const {
-  return state_->fromUri(uri, what);
+  const std::size_t comma = uri.find(',');
+  std::optional<std::string> bytes;
+  if (comma != std::string::npos) bytes = fromBase64(std::string_view(uri).substr(comma + 1));
+  if (!bytes) model_.fail(fmt::format("is not valid glTF: the data of {} are not base64", what));
+  return std::move(*bytes);
 }
 
 DracoMesh decodeDraco(std::string_view bytes, const std::map<std::string, std::uint32_t>& ids) {

@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <map>
-#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -20,9 +19,7 @@ namespace scanmill::gltf {
 class Data {
  public:
   explicit Data(const Model& model);  // stores a reference to the model
-  ~Data();
   Data(const Data&) = delete;
-  Data& operator=(const Data&) = delete;
 
   // Returns all numbers of an accessor, element by element; zeroes if the accessor has no data. Normalized integers
   // become 0 to 1, or -1 to 1 (glTF 2.0, 3.6.2.2); other integers keep their value. Floats may be infinite or NaN.
@@ -40,8 +37,16 @@ class Data {
   std::string embedded(const std::string& uri, const std::string& what) const;
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  std::string_view buffer(Index index) const;
+  // Returns a part of a buffer. Checks the buffer's size again, since the file may have shrunk after readModel().
+  std::string_view part(Index index, std::uint64_t offset, std::uint64_t length) const;
+  std::string decode(const Meshopt& meshopt, const std::string& what) const;
+  template <class Number>
+  std::vector<Number> numbers(Index index, const std::string& what) const;
+
+  const Model& model_;
+  mutable std::vector<std::optional<std::string>> buffers_;  // bytes of the files and URIs that were needed so far
+  mutable std::vector<std::optional<std::string>> decoded_;  // decoded bytes of compressed views, by view
 };
 
 struct DracoMesh {

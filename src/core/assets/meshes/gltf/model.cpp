@@ -331,21 +331,6 @@ class ModelReader : JsonReader {
 
 }  // namespace
 
-std::size_t sizeOf(Component component) {
-  switch (component) {
-    case Component::Int8:
-    case Component::UInt8:
-      return 1;
-    case Component::Int16:
-    case Component::UInt16:
-      return 2;
-    case Component::UInt32:
-    case Component::Float:
-      break;
-  }
-  return 4;
-}
-
 const FormatSupport& gltfFormat() {
   using enum FormatElements::Use;
   static const FormatSupport format{

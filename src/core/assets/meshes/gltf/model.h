@@ -25,15 +25,14 @@ struct Buffer {
   std::string problem;  // why the buffer cannot be read, reported only if it is used; empty: it can be read
 };
 
-// Location and encoding of a view's compressed bytes (EXT_meshopt_compression or KHR_meshopt_compression).
+// Location of a view's compressed bytes (EXT_meshopt_compression or KHR_meshopt_compression), and the functions of
+// meshoptimizer that decode them.
 struct Meshopt {
-  enum class Mode { Attributes, Triangles, Indices };
-  enum class Filter { None, Octahedral, Quaternion, Exponential };
   Index buffer = 0;
   std::uint64_t offset = 0, length = 0, stride = 0, count = 0;
-  Mode mode = Mode::Attributes;
-  Filter filter = Filter::None;
-  std::string problem;  // see Buffer::problem
+  int (*decode)(void* to, std::size_t count, std::size_t stride, const unsigned char* from,
+                std::size_t bytes) = nullptr;
+  void (*filter)(void* decoded, std::size_t count, std::size_t stride) = nullptr;  // null: none
 };
 
 struct View {
@@ -43,19 +42,22 @@ struct View {
   std::optional<Meshopt> compressed;
 };
 
-enum class Component { Int8 = 5120, UInt8 = 5121, Int16 = 5122, UInt16 = 5123, UInt32 = 5125, Float = 5126 };
-std::size_t sizeOf(Component component);
+// The type of an accessor's numbers: U (unsigned), I (signed) or F (floating-point), and bytes per number.
+struct Component {
+  char kind = 'F';
+  std::size_t size = 4;
+};
 
 struct Accessor {
   struct Sparse {
     std::uint64_t count = 0;
     Index indicesView = 0, valuesView = 0;
     std::uint64_t indicesOffset = 0, valuesOffset = 0;
-    Component indices = Component::UInt32;
+    Component indices;
   };
   MaybeIndex view;  // not set: elements outside of `sparse` are zero, or the data are Draco-compressed
   std::uint64_t offset = 0, count = 0;
-  Component component = Component::Float;
+  Component component;
   std::size_t width = 1;  // components per element
   bool normalized = false;
   std::optional<Sparse> sparse;

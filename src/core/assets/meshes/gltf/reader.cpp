@@ -297,11 +297,11 @@ class Reader {
 
   // Returns the decoded numbers, normalized if the accessor that they replace is normalized.
   static std::vector<float> normalizedAs(const Accessor& accessor, DracoMesh::Values values) {
-    if (!accessor.normalized || values.normalized || accessor.component == Component::Float) {
+    if (!accessor.normalized || values.normalized || accessor.component.kind == 'F') {
       return std::move(values.numbers);
     }
-    const bool isSigned = accessor.component == Component::Int8 || accessor.component == Component::Int16;
-    const double most = std::pow(2.0, 8.0 * static_cast<double>(sizeOf(accessor.component)) - (isSigned ? 1 : 0)) - 1;
+    const bool isSigned = accessor.component.kind == 'I';
+    const double most = std::pow(2.0, 8.0 * static_cast<double>(accessor.component.size) - (isSigned ? 1 : 0)) - 1;
     for (float& v : values.numbers) v = std::max(static_cast<float>(static_cast<double>(v) / most), -1.0f);
     return std::move(values.numbers);
   }

@@ -1,3 +1,5 @@
+#include <meshoptimizer.h>
+
 #include <algorithm>
 #include <cstring>
 #include <string_view>
@@ -104,16 +106,12 @@ class StorageReader : JsonReader {
 
   View view(const Json& j, const std::string& what) const {
     View v;
-    v.buffer = index(j.at("buffer"), m_.buffers.size(), what + ".buffer");
-    v.offset = length(j, "byteOffset", 0, what);
-    v.length = length(j, "byteLength", 0, what);
-    v.stride = length(j, "byteStride", 0, what);
-    if (v.offset + v.length > m_.buffers[v.buffer].length) fail(what + " reaches beyond its buffer");
+    readPart(j, what, v);
     if (v.stride > 252) fail(what + " has a byteStride over 252");
     for (const char* name : {"EXT_meshopt_compression", "KHR_meshopt_compression"}) {
       if (const Json* extension = extensionOf(j, name)) {
         v.compressed = meshopt(*extension, fmt::format("{}.{}", what, name));
-        if (v.compressed->problem.empty() && v.compressed->count * v.compressed->stride != v.length) {
+        if (v.compressed->count * v.compressed->stride != v.length) {
           fail(fmt::format("is not valid glTF: {} has a length that differs from its {} elements of {} bytes", what,
                            v.compressed->count, v.compressed->stride));
         }
@@ -122,40 +120,42 @@ class StorageReader : JsonReader {
     return v;
   }
 
+  // Reads which part of a buffer a View or a Meshopt describes.
+  void readPart(const Json& j, const std::string& what, auto& part) const {
+    part.buffer = index(j.at("buffer"), m_.buffers.size(), what + ".buffer");
+    part.offset = length(j, "byteOffset", 0, what);
+    part.length = length(j, "byteLength", 0, what);
+    part.stride = length(j, "byteStride", 0, what);
+    if (part.offset + part.length > m_.buffers[part.buffer].length) fail(what + " reaches beyond its buffer");
+  }
+
   Meshopt meshopt(const Json& j, const std::string& what) const {
     Meshopt m;
-    m.buffer = index(j.at("buffer"), m_.buffers.size(), what + ".buffer");
-    m.offset = length(j, "byteOffset", 0, what);
-    m.length = length(j, "byteLength", 0, what);
-    m.stride = length(j, "byteStride", 0, what);
+    readPart(j, what, m);
     m.count = length(j, "count", 0, what);
-    if (m.offset + m.length > m_.buffers[m.buffer].length) fail(what + " reaches beyond its buffer");
     const std::string mode = j.value("mode", std::string());
     const std::string filter = j.value("filter", std::string("NONE"));
-    static const std::map<std::string, Meshopt::Mode> kModes{{"ATTRIBUTES", Meshopt::Mode::Attributes},
-                                                             {"TRIANGLES", Meshopt::Mode::Triangles},
-                                                             {"INDICES", Meshopt::Mode::Indices}};
-    static const std::map<std::string, Meshopt::Filter> kFilters{{"NONE", Meshopt::Filter::None},
-                                                                 {"OCTAHEDRAL", Meshopt::Filter::Octahedral},
-                                                                 {"QUATERNION", Meshopt::Filter::Quaternion},
-                                                                 {"EXPONENTIAL", Meshopt::Filter::Exponential}};
-    // An unknown mode or filter is an error only if the view is read.
+    static const std::map<std::string, decltype(Meshopt::decode)> kModes{{"ATTRIBUTES", meshopt_decodeVertexBuffer},
+                                                                         {"TRIANGLES", meshopt_decodeIndexBuffer},
+                                                                         {"INDICES", meshopt_decodeIndexSequence}};
+    static const std::map<std::string, decltype(Meshopt::filter)> kFilters{{"NONE", nullptr},
+                                                                           {"OCTAHEDRAL", meshopt_decodeFilterOct},
+                                                                           {"QUATERNION", meshopt_decodeFilterQuat},
+                                                                           {"EXPONENTIAL", meshopt_decodeFilterExp}};
     if (!kModes.contains(mode) || !kFilters.contains(filter)) {
-      m.problem = fmt::format(
+      fail(fmt::format(
           "has {} with the mode '{}' and the filter '{}', which are not supported: export it without compression", what,
-          mode, filter);
-      return m;
+          mode, filter));
     }
-    m.mode = kModes.at(mode);
+    m.decode = kModes.at(mode);
     m.filter = kFilters.at(filter);
-    const bool attributes = m.mode == Meshopt::Mode::Attributes;
-    const bool whole =
+    const bool attributes = mode == "ATTRIBUTES";
+    const bool strideFits =
         attributes ? m.stride % 4 == 0 && m.stride >= 4 && m.stride <= 256 : m.stride == 2 || m.stride == 4;
-    const bool filters = m.filter == Meshopt::Filter::None ||
-                         (attributes && (m.filter == Meshopt::Filter::Octahedral   ? m.stride == 4 || m.stride == 8
-                                         : m.filter == Meshopt::Filter::Quaternion ? m.stride == 8
-                                                                                   : true));
-    if (!whole || !filters || m.count > kMaxCount || (m.mode == Meshopt::Mode::Triangles && m.count % 3 != 0)) {
+    const bool filterFits = filter == "NONE" || (attributes && (filter == "OCTAHEDRAL" ? m.stride == 4 || m.stride == 8
+                                                                : filter == "QUATERNION" ? m.stride == 8
+                                                                                         : true));
+    if (!strideFits || !filterFits || m.count > kMaxCount || (mode == "TRIANGLES" && m.count % 3 != 0)) {
       fail(fmt::format("is not valid glTF: {} has {} elements of {} bytes in the mode {}", what, m.count, m.stride,
                        mode));
     }
@@ -163,13 +163,11 @@ class StorageReader : JsonReader {
   }
 
   Component component(const Json& object, const std::string& what) const {
-    const auto value = object.find("componentType");
-    const int kind = value != object.end() && value->is_number_integer() ? value->get<int>() : 0;
-    for (const Component c : {Component::Int8, Component::UInt8, Component::Int16, Component::UInt16, Component::UInt32,
-                              Component::Float}) {
-      if (kind == static_cast<int>(c)) return c;
-    }
-    fail(what + " has an unknown type");
+    static const std::map<std::uint64_t, Component> kComponents{{5120, {'I', 1}}, {5121, {'U', 1}}, {5122, {'I', 2}},
+                                                                {5123, {'U', 2}}, {5125, {'U', 4}}, {5126, {'F', 4}}};
+    const auto known = kComponents.find(length(object, "componentType", 0, what));
+    if (known == kComponents.end()) fail(what + " has an unknown type");
+    return known->second;
   }
 
   Accessor accessor(const Json& j, const std::string& what) const {
@@ -185,7 +183,7 @@ class StorageReader : JsonReader {
     a.normalized = j.value("normalized", false);
     if (a.count > kMaxCount) fail(what + " has a count that is too large");
     a.view = maybe(j, "bufferView", m_.views.size(), what);
-    if (a.view) expectInside(*a.view, a.offset, a.count, sizeOf(a.component) * a.width, true, what);
+    if (a.view) expectInside(*a.view, a.offset, a.count, a.component.size * a.width, true, what);
     if (const auto sparse = j.find("sparse"); sparse != j.end()) a.sparse = sparseOf(*sparse, a, what + ".sparse");
     return a;
   }
@@ -208,15 +206,15 @@ class StorageReader : JsonReader {
     const Json& indices = j.at("indices");
     const Json& values = j.at("values");
     s.indices = component(indices, what + ".indices");
-    if (s.indices != Component::UInt8 && s.indices != Component::UInt16 && s.indices != Component::UInt32) {
+    if (s.indices.kind != 'U') {
       fail(fmt::format("is not valid glTF: {}.indices are not unsigned whole numbers", what));
     }
     s.indicesView = index(indices.at("bufferView"), m_.views.size(), what + ".indices.bufferView");
     s.indicesOffset = length(indices, "byteOffset", 0, what + ".indices");
     s.valuesView = index(values.at("bufferView"), m_.views.size(), what + ".values.bufferView");
     s.valuesOffset = length(values, "byteOffset", 0, what + ".values");
-    expectInside(s.indicesView, s.indicesOffset, s.count, sizeOf(s.indices), false, what + ".indices");
-    expectInside(s.valuesView, s.valuesOffset, s.count, sizeOf(a.component) * a.width, false, what + ".values");
+    expectInside(s.indicesView, s.indicesOffset, s.count, s.indices.size, false, what + ".indices");
+    expectInside(s.valuesView, s.valuesOffset, s.count, a.component.size * a.width, false, what + ".values");
     return s;
   }
 
