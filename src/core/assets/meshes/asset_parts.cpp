@@ -1,8 +1,9 @@
 #include "assets/meshes/asset_parts.h"
 
+#include <meshoptimizer.h>
+
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <utility>
 
 #include "formats/cloud_file.h"
@@ -41,33 +42,18 @@ void weld(std::vector<Vec3f>& positions, std::vector<Vec2f>& uvs, std::vector<Tr
     for (const std::uint32_t corner : triangle) used[corner] = true;
   }
   if (count <= 2 * triangles.size() && std::find(used.begin(), used.end(), false) == used.end()) return;
-  constexpr std::uint32_t kFree = UINT32_MAX;
-  std::vector<std::uint32_t> table(std::bit_ceil(count * 2), kFree);
-  std::vector<std::uint32_t> moved(count);
-  std::uint32_t kept = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (!used[i]) continue;
-    const Vec3f p = positions[i];
-    const Vec2f uv = uvs.empty() ? Vec2f{} : uvs[i];
-    std::uint64_t hash = 0;
-    for (const float value : {p.x, p.y, p.z, uv.x, uv.y}) {
-      hash = (hash ^ std::bit_cast<std::uint32_t>(value)) * 0x9E3779B97F4A7C15;
-      hash ^= hash >> 29;
-    }
-    std::size_t slot = hash & (table.size() - 1);
-    const auto same = [&](std::uint32_t other) {
-      const auto bits = [](const auto& v) { return std::bit_cast<std::array<std::uint32_t, sizeof v / 4>>(v); };
-      return bits(positions[other]) == bits(p) && (uvs.empty() || bits(uvs[other]) == bits(uv));
-    };
-    while (table[slot] != kFree && !same(table[slot])) slot = (slot + 1) & (table.size() - 1);
-    if (table[slot] == kFree) {
-      table[slot] = kept;
-      positions[kept] = p;
-      if (!uvs.empty()) uvs[kept] = uv;
-      ++kept;
-    }
-    moved[i] = table[slot];
+  std::vector<std::uint32_t> order;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if (used[i]) order.push_back(i);
   }
+  while (order.size() % 3 != 0) order.push_back(order.back());  // meshoptimizer expects triangles
+  const std::array<meshopt_Stream, 2> streams{
+      {{positions.data(), sizeof(Vec3f), sizeof(Vec3f)}, {uvs.data(), sizeof(Vec2f), sizeof(Vec2f)}}};
+  std::vector<std::uint32_t> moved(count);
+  const std::size_t kept = meshopt_generateVertexRemapMulti(moved.data(), order.data(), order.size(), count,
+                                                            streams.data(), uvs.empty() ? 1 : 2);
+  meshopt_remapVertexBuffer(positions.data(), positions.data(), count, sizeof(Vec3f), moved.data());
+  if (!uvs.empty()) meshopt_remapVertexBuffer(uvs.data(), uvs.data(), count, sizeof(Vec2f), moved.data());
   positions.resize(kept);
   positions.shrink_to_fit();
   if (!uvs.empty()) {
