@@ -4,8 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <concepts>
 #include <cstring>
+#include <optional>
 #include <type_traits>
 #include <utility>
 
@@ -18,122 +18,76 @@
 namespace scanmill {
 namespace {
 
-template <class T, class S>
-concept MaybeConst = std::same_as<std::remove_const_t<T>, S>;
-
-template <class Visitor>
-void visit(Visitor& visitor, MaybeConst<ImportedMap> auto& map) {
-  visitor.each(map.name, map.inverted, map.repeats);
-}
-
-template <class Visitor>
-void visit(Visitor& visitor, MaybeConst<ImportedMaterial> auto& material) {
-  visitor.each(material.name, material.stated, material.roughness, material.metallic, material.opacity, material.color,
-               material.base, material.opacityMap);
-}
-
-template <class Visitor>
-void visit(Visitor& visitor, MaybeConst<AssetPart> auto& part) {
-  visitor.each(part.node, part.nodeIndex, part.materialIndex, part.positions, part.uvs, part.triangles);
-}
-
-template <class Visitor>
-void visit(Visitor& visitor, MaybeConst<ImportedFile> auto& file) {
-  visitor.each(file.up, file.upDeclared, file.statedUnit, file.origin, file.dropped.outOfRange, file.materials,
-               file.parts, file.missing, file.problems, file.leftOut);
-}
-
-class Writer {
+// Writes values to bytes or reads them back, for a process and its child, which have the same build.
+class Archive {
  public:
-  std::string bytes;
+  Archive() = default;  // writes
+  explicit Archive(std::string_view from)
+      : from_(from) {}  // reads. Throws Error if the bytes are not those of the values
 
-  void each(const auto&... values) { (write(values), ...); }
+  std::string bytes;  // what was written
+
+  void item(ImportedFile& file) {
+    items(file.up, file.upDeclared, file.statedUnit, file.origin, file.dropped.outOfRange, file.materials, file.parts,
+          file.missing, file.problems, file.leftOut);
+    if (from_ && !from_->empty()) fail();
+  }
 
  private:
-  void raw(const void* from, std::size_t size) { bytes.append(static_cast<const char*>(from), size); }
-
-  template <class T>
-  void write(const T& value) {
-    if constexpr (std::is_trivially_copyable_v<T>) {
-      raw(&value, sizeof value);
-    } else {
-      visit(*this, value);
-    }
-  }
-  void write(const std::string& text) {
-    write(text.size());
-    raw(text.data(), text.size());
-  }
-  void write(const LeftOut& leftOut) {
-    write(leftOut.counts().size());
-    for (const auto& [what, count] : leftOut.counts()) each(what, count);
-  }
-  template <class T>
-  void write(const std::vector<T>& list) {
-    write(list.size());
-    if constexpr (std::is_trivially_copyable_v<T>) {
-      raw(list.data(), list.size() * sizeof(T));
-    } else {
-      for (const T& item : list) write(item);
-    }
-  }
-};
-
-class Reader {
- public:
-  explicit Reader(std::string_view bytes) : left_(bytes) {}
-
-  void each(auto&... values) { (read(values), ...); }
-  bool atEnd() const { return left_.empty(); }
   [[noreturn]] static void fail() { throw Error("the importer's answer is damaged"); }
 
- private:
-  void raw(void* to, std::size_t size) {
-    if (size > left_.size()) fail();
-    if (size > 0) std::memcpy(to, left_.data(), size);
-    left_.remove_prefix(size);
-  }
+  void items(auto&... values) { (item(values), ...); }
 
-  // Reads the length of a list, each of whose items takes at least `bytes` bytes. Fails if the input is too short for
-  // them.
-  std::size_t count(std::size_t bytes) {
-    std::size_t items = 0;
-    raw(&items, sizeof items);
-    if (items > left_.size() / bytes) fail();
-    return items;
+  void item(AssetPart& part) {
+    items(part.node, part.nodeIndex, part.materialIndex, part.positions, part.uvs, part.triangles);
   }
-
-  template <class T>
-  void read(T& value) {
-    if constexpr (std::is_trivially_copyable_v<T>) {
-      raw(&value, sizeof value);
-    } else {
-      visit(*this, value);
-    }
+  void item(ImportedMaterial& m) {
+    items(m.name, m.stated, m.roughness, m.metallic, m.opacity, m.color, m.base, m.opacityMap);
   }
-  void read(std::string& text) {
-    text.resize(count(1));
+  void item(ImportedMap& map) { items(map.name, map.inverted, map.repeats); }
+  void item(std::pair<std::string, std::uint64_t>& count) { items(count.first, count.second); }
+  void item(LeftOut& leftOut) {
+    std::vector<std::pair<std::string, std::uint64_t>> counts(leftOut.counts().begin(), leftOut.counts().end());
+    item(counts);
+    leftOut = {};
+    for (const auto& [what, count] : counts) leftOut.add(what, count);
+  }
+  void item(std::string& text) {
+    size(text);
     raw(text.data(), text.size());
   }
-  void read(LeftOut& leftOut) {
-    for (std::size_t left = count(1); left > 0; --left) {
-      std::pair<std::string, std::uint64_t> entry;
-      each(entry.first, entry.second);
-      leftOut.add(entry.first, entry.second);
+  template <class T>
+  void item(std::vector<T>& list) {
+    size(list);
+    if constexpr (std::is_trivially_copyable_v<T>) {
+      raw(list.data(), list.size() * sizeof(T));
+    } else {
+      for (T& each : list) item(each);
     }
   }
   template <class T>
-  void read(std::vector<T>& list) {
-    if constexpr (std::is_trivially_copyable_v<T>) {
-      list.resize(count(sizeof(T)));
-      raw(list.data(), list.size() * sizeof(T));
-    } else {
-      list.resize(count(1));
-      for (T& item : list) read(item);
-    }
+  requires std::is_trivially_copyable_v<T>
+  void item(T& value) { raw(&value, sizeof value); }
+
+  // Writes or reads the size of a list, each of whose items takes a byte at least.
+  void size(auto& list) {
+    std::size_t count = list.size();
+    item(count);
+    if (from_ && count > from_->size()) fail();
+    list.resize(count);
   }
 
-  std::string_view left_;
+  void raw(void* data, std::size_t count) {
+    if (!from_) {
+      bytes.append(static_cast<const char*>(data), count);
+      return;
+    }
+    if (count > from_->size()) fail();
+    if (count > 0) std::memcpy(data, from_->data(), count);
+    from_->remove_prefix(count);
+  }
+
+  std::optional<std::string_view> from_;  // the bytes that are not read yet
 };
 
 // Memory limit of the child process (bytes) for an empty file. Each byte of the file adds 64 bytes to the limit.
@@ -143,7 +97,16 @@ constexpr unsigned kSeconds = 300;
 ImportedFile importByAssimp(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
   const std::uint64_t memory = std::min(kMemory + 64 * std::filesystem::file_size(file), memoryLimitBytes());
   try {
-    return importedFrom(inChildProcess([&] { return bytesOf(readByAssimp(file, kind, options)); }, memory, kSeconds));
+    const auto readInChild = [&] {
+      ImportedFile read = readByAssimp(file, kind, options);
+      Archive archive;
+      archive.item(read);
+      return std::move(archive.bytes);
+    };
+    const std::string bytes = inChildProcess(readInChild, memory, kSeconds);
+    ImportedFile read;
+    Archive(bytes).item(read);
+    return read;
   } catch (const ChildEnded& e) {
     throw InputError({file.string()}, fmt::format("cannot be read: {}; {}", e.what(), remedyFor(kind)));
   } catch (const Error& e) {
@@ -152,26 +115,6 @@ ImportedFile importByAssimp(const std::filesystem::path& file, const std::string
 }
 
 }  // namespace
-
-std::string bytesOf(const ImportedFile& file) {
-  Writer writer;
-  std::size_t large = 1 << 16;
-  for (const AssetPart& part : file.parts) {
-    large += part.positions.size() * sizeof(Vec3f) + part.uvs.size() * sizeof(Vec2f) +
-             part.triangles.size() * sizeof(Triangle);
-  }
-  writer.bytes.reserve(large);
-  visit(writer, file);
-  return std::move(writer.bytes);
-}
-
-ImportedFile importedFrom(std::string_view bytes) {
-  Reader reader(bytes);
-  ImportedFile file;
-  visit(reader, file);
-  if (!reader.atEnd()) Reader::fail();
-  return file;
-}
 
 Asset readImported(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
   ImportedFile imported = kind == ".ply"   ? readPlyMesh(file, options)

@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "assets/meshes/asset_data.h"
@@ -40,11 +39,6 @@ struct ImportedFile : Asset {
   std::vector<std::string> problems;  // errors of the file in spite of which the importer went on
   LeftOut leftOut;
 };
-
-// Serializes the file. The bytes are only valid on this machine and for this build of the program.
-std::string bytesOf(const ImportedFile& file);
-// Restores a file from its bytes. Throws Error if they are not valid.
-ImportedFile importedFrom(std::string_view bytes);
 
 // The readers of files. `file` must exist. Triangles with indices out of range are dropped and counted. They throw
 // InputError, with the line of text files, for what cannot be read, and for a file outside of the asset's folder unless
