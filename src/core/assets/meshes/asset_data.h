@@ -27,7 +27,7 @@ struct Look {
 struct AssetPart : Look {
   std::string node;             // name of its node, or of the nearest ancestor with a name; "" if no ancestor has one
   std::uint32_t nodeIndex = 0;  // the node's number in file order (depth first); parts of the same node share it
-  std::uint32_t materialIndex = 0;  // index into ImportedFile::materials, from which the look is made
+  std::uint32_t materialIndex = 0;  // number of the material in the file, from which the look is made
   std::vector<Vec3f> positions;
   std::vector<Vec2f> uvs;  // empty, or one per position; v = 0 is the image's bottom row
   std::vector<Triangle> triangles;

@@ -65,6 +65,40 @@ void weld(std::vector<Vec3f>& positions, std::vector<Vec2f>& uvs, std::vector<Tr
   }
 }
 
+void append(const Geometry& geometry, const Affine& assetFromNode, std::uint32_t material, bool needsUvs,
+            std::size_t first, std::vector<AssetPart>& parts) {
+  if (geometry.points.empty()) return;
+  const auto isOf = [&](const AssetPart& part) {
+    return part.materialIndex == material && !(needsUvs && part.uvs.empty() != geometry.uvs.empty());
+  };
+  auto part = std::find_if(parts.begin() + static_cast<std::ptrdiff_t>(first), parts.end(), isOf);
+  if (part == parts.end()) {
+    parts.emplace_back().materialIndex = material;
+    part = parts.end() - 1;
+  }
+  const auto base = static_cast<std::uint32_t>(part->positions.size());
+  for (const Vec3d& p : geometry.points) part->positions.push_back(static_cast<Vec3f>(assetFromNode * p));
+  if (!geometry.uvs.empty() || !part->uvs.empty()) {
+    part->uvs.resize(base);  // zeros for geometry without texture coordinates
+    part->uvs.insert(part->uvs.end(), geometry.uvs.begin(), geometry.uvs.end());
+    part->uvs.resize(part->positions.size());
+  }
+  const bool mirrored = determinant(assetFromNode.linear) < 0;
+  for (const Triangle& t : geometry.triangles) {
+    part->triangles.push_back({base + t[0], base + t[mirrored ? 2 : 1], base + t[mirrored ? 1 : 2]});
+  }
+}
+
+void finishNode(std::string_view name, std::uint32_t index, std::size_t first, std::vector<AssetPart>& parts) {
+  const auto begin = parts.begin() + static_cast<std::ptrdiff_t>(first);
+  parts.erase(std::remove_if(begin, parts.end(), [](const AssetPart& p) { return p.triangles.empty(); }), parts.end());
+  for (auto part = begin; part != parts.end(); ++part) {
+    part->node = name;
+    part->nodeIndex = index;
+    weld(part->positions, part->uvs, part->triangles);
+  }
+}
+
 void move(AssetPart& part, const Affine& place) {
   for (Vec3f& p : part.positions) p = static_cast<Vec3f>(place * Vec3d(p));
   if (determinant(place.linear) > 0) return;

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <string_view>
 #include <vector>
 
 #include "assets/meshes/asset_data.h"
@@ -28,6 +29,24 @@ Vec3d originNear(std::size_t count, const std::function<Vec3d(std::size_t)>& pla
 // Removes vertices that no triangle uses, and merges bit-identical ones, since some kinds of files have three separate
 // vertices for every triangle.
 void weld(std::vector<Vec3f>& positions, std::vector<Vec2f>& uvs, std::vector<Triangle>& triangles);
+
+// Vertices and triangles in the frame of a node.
+struct Geometry {
+  std::vector<Vec3d> points;
+  std::vector<Vec2f> uvs;  // empty, or one per point; v = 0 is the image's bottom row
+  std::vector<Triangle> triangles;
+  std::uint64_t dropped = 0;  // number of triangles with indices out of range
+};
+
+// Appends geometry to the part of its material among the parts of a node, which are those from the index `first` on;
+// adds the part if there is none. If the material needs texture coordinates, geometry without them is a part of its
+// own. If the transform mirrors, triangles are flipped and still face outwards.
+void append(const Geometry& geometry, const Affine& assetFromNode, std::uint32_t material, bool needsUvs,
+            std::size_t first, std::vector<AssetPart>& parts);
+
+// Names the parts of a node, which are those from the index `first` on, welds them, and removes those without
+// triangles.
+void finishNode(std::string_view name, std::uint32_t index, std::size_t first, std::vector<AssetPart>& parts);
 
 // Transforms a part. The transform must not be singular; if it mirrors, triangles are flipped and still face outwards.
 void move(AssetPart& part, const Affine& place);

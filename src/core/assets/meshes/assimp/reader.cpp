@@ -219,15 +219,11 @@ class Importer {
     for (std::uint32_t index = 0; index < placed.size(); ++index) {
       addNode(read, *placed[index].node, placed[index].name, index, placed[index].assetFromNode);
     }
-    for (AssetPart& part : read.parts) weld(part.positions, part.uvs, part.triangles);
-    std::erase_if(read.parts, [](const AssetPart& part) { return part.triangles.empty(); });
   }
 
   void addNode(ImportedFile& read, const aiNode& node, const std::string& name, std::uint32_t index,
                const Affine& assetFromNode) {
     const std::size_t first = read.parts.size();
-    // The parts of this node so far: their material, and whether they lack the texture coordinates that it needs.
-    std::vector<std::pair<unsigned, bool>> known;
     for (unsigned i = 0; i < node.mNumMeshes; ++i) {
       if (node.mMeshes[i] >= scene_->mNumMeshes) continue;
       const aiMesh& mesh = *scene_->mMeshes[node.mMeshes[i]];
@@ -235,67 +231,41 @@ class Importer {
       triangles_ += mesh.mNumFaces;
       if (triangles_ > kMostTriangles)
         fail(fmt::format("has more than {} triangles, with all copies: split it", kMostTriangles));
-      const std::pair key(mesh.mMaterialIndex,
-                          !mesh.HasTextureCoords(0) && hasImage(read.materials, mesh.mMaterialIndex));
-      const auto found = std::find(known.begin(), known.end(), key);
-      const std::size_t part = first + static_cast<std::size_t>(found - known.begin());
-      if (found == known.end()) {
-        known.push_back(key);
-        read.parts.emplace_back();
-        read.parts.back().node = name;
-        read.parts.back().nodeIndex = index;
-        read.parts.back().materialIndex = mesh.mMaterialIndex;
-      }
-      append(read.parts[part], mesh, assetFromNode);
+      scanmill::append(geometryOf(mesh), assetFromNode, mesh.mMaterialIndex,
+                       hasImage(read.materials, mesh.mMaterialIndex), first, read.parts);
     }
+    finishNode(name, index, first, read.parts);
   }
 
   static bool hasImage(const std::vector<ImportedMaterial>& materials, unsigned i) {
     return i < materials.size() && !(materials[i].base.name.empty() && materials[i].opacityMap.name.empty());
   }
 
-  void append(AssetPart& part, const aiMesh& mesh, const Affine& assetFromNode) {
-    const std::size_t base = part.positions.size();
-    if (base + mesh.mNumVertices > UINT32_MAX) fail("has more vertices than 32-bit indices allow: split it");
-    part.positions.resize(base + mesh.mNumVertices);
+  Geometry geometryOf(const aiMesh& mesh) {
+    Geometry geometry;
     for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
       const aiVector3D& v = mesh.mVertices[i];
-      part.positions[base + i] = static_cast<Vec3f>(assetFromNode * Vec3d{v.x, v.y, v.z});
+      geometry.points.push_back({v.x, v.y, v.z});
     }
-    appendUvs(part, mesh, base);
-    // If the transform mirrors, swaps two corners, so that surfaces are not turned inside out.
-    const bool mirrored = determinant(assetFromNode.linear) < 0;
-    const auto offset = static_cast<std::uint32_t>(base);
-    part.triangles.reserve(part.triangles.size() + mesh.mNumFaces);
     for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
       const aiFace& face = mesh.mFaces[f];
       if (face.mNumIndices < 3) continue;
       const unsigned* at = face.mIndices;
-      const auto corner = [&](std::size_t i) {
-        const aiVector3D& v = mesh.mVertices[at[i]];
-        return Vec3d{v.x, v.y, v.z};
-      };
-      for (const auto& t : polygons_.divide(face.mNumIndices, corner)) {
-        part.triangles.push_back(
-            {offset + at[t[0]], offset + at[t[mirrored ? 2 : 1]], offset + at[t[mirrored ? 1 : 2]]});
+      for (const auto& t : polygons_.divide(face.mNumIndices, [&](std::size_t i) { return geometry.points[at[i]]; })) {
+        geometry.triangles.push_back({at[t[0]], at[t[1]], at[t[2]]});
       }
     }
-  }
-
-  void appendUvs(AssetPart& part, const aiMesh& mesh, std::size_t base) {
     const UvPlacement placement =
         mesh.mMaterialIndex < placements_.size() ? placements_[mesh.mMaterialIndex] : UvPlacement{};
     const unsigned wanted = placement.channel;
-    const bool hasWanted = wanted < AI_MAX_NUMBER_OF_TEXTURECOORDS && mesh.HasTextureCoords(wanted);
-    const unsigned channel = hasWanted ? wanted : 0;
-    const bool has = mesh.HasTextureCoords(channel);
-    if (!has && part.uvs.empty()) return;
-    part.uvs.resize(base + mesh.mNumVertices);  // zeros for meshes without texture coordinates
-    for (unsigned i = 0; has && i < mesh.mNumVertices; ++i) {
+    const unsigned channel = wanted < AI_MAX_NUMBER_OF_TEXTURECOORDS && mesh.HasTextureCoords(wanted) ? wanted : 0;
+    if (!mesh.HasTextureCoords(channel)) return geometry;
+    for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
       const aiVector3D& uv = mesh.mTextureCoords[channel][i];
-      part.uvs[base + i] = {uv.x * placement.scale.x + placement.offset.x,
-                            uv.y * placement.scale.y + placement.offset.y};
+      geometry.uvs.push_back(
+          {uv.x * placement.scale.x + placement.offset.x, uv.y * placement.scale.y + placement.offset.y});
     }
+    return geometry;
   }
 
   const std::filesystem::path& file_;

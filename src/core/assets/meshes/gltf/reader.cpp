@@ -29,14 +29,6 @@ constexpr std::uint64_t kTrialMemory = std::uint64_t{2} << 30;
 constexpr unsigned kTrialSeconds = 300;
 constexpr double kMostRead = 4e9;  // largest number of vertices that are read for all primitives together
 
-// The vertices and triangles of a primitive, in the mesh's frame.
-struct Geometry {
-  std::vector<Vec3d> points;
-  std::vector<Vec2f> uvs;  // empty, or one per point; v points down, as in the file
-  std::vector<Triangle> triangles;
-  std::uint64_t dropped = 0;  // number of triangles with indices out of range
-};
-
 std::vector<Triangle> trianglesOf(Primitive::Mode mode, const std::vector<std::uint32_t>& at) {
   std::vector<Triangle> triangles;
   const std::size_t count = at.size();
@@ -163,61 +155,23 @@ class Reader {
   void append(std::vector<AssetPart>& parts, const PlacedNode& placed, std::uint32_t number,
               const Affine& assetFromNode) {
     const std::size_t first = parts.size();
-    // The parts of this node so far: their material, and whether they lack the texture coordinates that it needs.
-    std::vector<std::pair<std::size_t, bool>> known;
     for (const Primitive& primitive : model_.meshes[*model_.nodes[placed.node].mesh].primitives) {
       const std::size_t material = primitive.material.value_or(materials_.size() - 1);
-      const std::shared_ptr<const Geometry> shared = knownGeometry(primitive, placed, materials_[material].placed);
-      const Geometry& geometry = *shared;
-      asset_.dropped.outOfRange += geometry.dropped;
-      if (geometry.points.empty()) continue;
-      triangles_ += geometry.triangles.size();
+      const std::optional<TextureUse>& texture = materials_[material].placed;
+      const std::shared_ptr<const Geometry> geometry = knownGeometry(primitive, placed, texture);
+      asset_.dropped.outOfRange += geometry->dropped;
+      triangles_ += geometry->triangles.size();
       if (triangles_ > kMostTriangles)
         model_.fail(fmt::format("has more than {} triangles, with all copies: split it", kMostTriangles));
-      const std::pair key(material, materials_[material].placed && geometry.uvs.empty());
-      const auto found = std::find(known.begin(), known.end(), key);
-      const std::size_t part = first + static_cast<std::size_t>(found - known.begin());
-      if (found == known.end()) {
-        known.push_back(key);
-        parts.push_back(newPart(placed, number, material));
-      }
-      append(parts[part], geometry, assetFromNode);
+      scanmill::append(*geometry, assetFromNode, static_cast<std::uint32_t>(material), texture.has_value(), first,
+                       parts);
     }
+    finishNode(placed.name, number, first, parts);
     for (std::size_t i = first; i < parts.size(); ++i) {
-      weld(parts[i].positions, parts[i].uvs, parts[i].triangles);
-      if (parts[i].triangles.empty()) continue;
-      ReadMaterial& material = materials_[known[i - first].first];
+      ReadMaterial& material = materials_[parts[i].materialIndex];
+      static_cast<Look&>(parts[i]) = material;
       checkTexture(parts[i], !material.placed || material.placed->repeats, model_.leftOut);
       model_.leftOut.add(std::exchange(material.leftOut, {}));  // once, however many parts have the material
-    }
-    const auto begin = parts.begin() + static_cast<std::ptrdiff_t>(first);
-    parts.erase(std::remove_if(begin, parts.end(), [](const AssetPart& p) { return p.triangles.empty(); }),
-                parts.end());
-  }
-
-  AssetPart newPart(const PlacedNode& placed, std::uint32_t number, std::size_t material) const {
-    AssetPart part;
-    part.node = placed.name;
-    part.nodeIndex = number;
-    static_cast<Look&>(part) = materials_[material];
-    return part;
-  }
-
-  void append(AssetPart& part, const Geometry& geometry, const Affine& assetFromNode) const {
-    const std::size_t base = part.positions.size();
-    if (base + geometry.points.size() > UINT32_MAX)
-      model_.fail("has more vertices than 32-bit indices allow: split it");
-    for (const Vec3d& p : geometry.points) part.positions.push_back(static_cast<Vec3f>(assetFromNode * p));
-    if (!geometry.uvs.empty() || !part.uvs.empty()) {
-      part.uvs.resize(base);  // zeros for primitives without texture coordinates
-      for (const Vec2f& uv : geometry.uvs) part.uvs.push_back({uv.x, 1 - uv.y});
-      part.uvs.resize(part.positions.size());
-    }
-    // If the transform mirrors, swaps two corners, so that surfaces are not turned inside out.
-    const bool mirrored = determinant(assetFromNode.linear) < 0;
-    const auto offset = static_cast<std::uint32_t>(base);
-    for (const Triangle& t : geometry.triangles) {
-      part.triangles.push_back({offset + t[0], offset + t[mirrored ? 2 : 1], offset + t[mirrored ? 1 : 2]});
     }
   }
 
@@ -318,7 +272,7 @@ class Reader {
       const double v = static_cast<double>(values[2 * i + 1]) * use.scale[1];
       // The rotation is counter-clockwise as seen with v pointing down (KHR_texture_transform).
       g.uvs.push_back(
-          {static_cast<float>(use.offset[0] + c * u + s * v), static_cast<float>(use.offset[1] - s * u + c * v)});
+          {static_cast<float>(use.offset[0] + c * u + s * v), 1 - static_cast<float>(use.offset[1] - s * u + c * v)});
     }
   }
 
