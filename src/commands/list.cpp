@@ -96,10 +96,8 @@ void printCapabilities() {
   printText("\nwhat they can do:\n");
   for (const MethodEntry& method : methods()) {
     const MethodCapabilities& can = method.can;
-    printText("  {}: {}, {}, {}, {}{}\n", method.name, can.severalHits ? "several hits per ray" : "one hit per ray",
-              can.footprints ? "several rays per beam" : "one ray per beam",
-              can.transmission ? "light goes through glass" : "glass is solid",
-              can.motion ? "the sensor may move during a revolution" : "the sensor stands still during a revolution",
+    printText("  {}: {}, {}{}\n", method.name, can.transmission ? "light goes through glass" : "glass is solid",
+              can.moving ? "objects may move" : "objects stand still",
               can.passes ? ", its images can be saved (--keep-passes)" : "");
   }
 }

@@ -92,7 +92,6 @@ class EmbreePasses : public PassRenderer {
     return made;
   }
 
-  StageSeconds seconds() const override { return {}; }
   std::string device() const override { return "Embree"; }
 
   std::size_t draws() const { return draws_; }              // so far

@@ -111,15 +111,14 @@ inline std::unique_ptr<Method> makeTwoReturns(const Scene& scene, Fields& fields
 
 // No row of methods(): a test puts it into a pipeline.
 inline const MethodEntry& twoReturns() {
-  static constexpr MethodEntry kEntry{
-      .name = "two_returns",
-      .summary = "beams with two returns, one or none",
-      .keys =
-          "near_m: 10 m, of the first return\ngap_m: 5 m, to the second\n"
-          "most: 2, returns of a beam",
-      .can = {.severalHits = true, .footprints = true, .mostReturns = 2, .motion = true},
-      .color = {10, 200, 90},
-      .make = makeTwoReturns};
+  static constexpr MethodEntry kEntry{.name = "two_returns",
+                                      .summary = "beams with two returns, one or none",
+                                      .keys =
+                                          "near_m: 10 m, of the first return\ngap_m: 5 m, to the second\n"
+                                          "most: 2, returns of a beam",
+                                      .can = {.mostReturns = 2},
+                                      .color = {10, 200, 90},
+                                      .make = makeTwoReturns};
   return kEntry;
 }
 

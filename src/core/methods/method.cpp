@@ -20,7 +20,7 @@ constexpr std::array kMethods{
                 .keys = "instancing: auto, whether copies share geometry in the hierarchy: auto, always or never\n"
                         "simplify: 1, share of the triangles that is kept, for meshes like collision meshes, 0.01 to "
                         "1; 1: all",
-                .can = {.footprints = true, .transmission = true, .motion = true, .moving = true, .reference = true},
+                .can = {.transmission = true, .moving = true, .reference = true},
                 .color = {235, 40, 40},
                 .make = makeRayTracing},
     MethodEntry{
@@ -40,7 +40,7 @@ constexpr std::array kMethods{
                 "far_m: the sensor's range, m; farther surfaces are not drawn; 10 to 1e4\n"
                 "renders_per_turn: auto, renders of a moving sensor: auto (one for every 5 cm or degree that it "
                 "moves; all steps of `motion: {steps: n}` up to 64), or 1 to 65536; at most one per pose",
-        .can = {.footprints = true, .motion = true, .passes = true, .openGl = true},
+        .can = {.passes = true, .openGl = true},
         .color = {80, 165, 255},
         .make = makeDepthCamera},
     MethodEntry{.name = "particle",
@@ -56,7 +56,7 @@ constexpr std::array kMethods{
                         "backend: cpu, what computes: cpu, or gl (compute shaders of OpenGL 4.3 on a graphics card, "
                         "without a display), with the same bytes; the environment variable `SCANMILL_GL_DEVICE` "
                         "selects a device (0, 1 ... or software)",
-                .can = {.footprints = true, .motion = true, .openGl = true},
+                .can = {.openGl = true},
                 .color = {255, 190, 40},
                 .make = makeParticle},
 };

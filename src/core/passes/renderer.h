@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "base/stage_clock.h"
 #include "passes/pass_image.h"
 #include "scene/scene.h"
 
@@ -31,8 +30,6 @@ class PassRenderer {
   // threads.
   virtual std::unique_ptr<PixelSource> draw(const std::vector<Camera>& cameras, const DrawLimits& limits,
                                             PassChoice choice) = 0;
-  // Returns the total seconds of all calls by stage: "upload" (of the scene), "render", "read_back".
-  virtual StageSeconds seconds() const = 0;
   // Returns the name of the renderer and its device, for the manifest: "VTK 9.1 on llvmpipe (LLVM 15.0.6, 256 bits)".
   virtual std::string device() const = 0;
 };

@@ -290,23 +290,14 @@ class DepthCameraMethod : public DepthCamera {
     for (Camera& camera : cameras) camera.worldFromCamera = rig * camera.worldFromCamera;
     const DrawLimits bounds = limits(*shot.beams, prepared.beams->origin);
     const std::scoped_lock lock(rendererMutex_);
-    const double readBefore = readWhileDrawing();
     const WallTimer drawing;
     const std::unique_ptr<PixelSource> source = renderer().draw(cameras, bounds, choice);
-    const double read = readWhileDrawing() - readBefore;
-    clock.add("render", drawing.seconds() - read);
+    clock.add("render", drawing.seconds());
     const WallTimer sampling;
     TimedSource timed(*source);
     use(timed);
-    clock.add("read_back", read + timed.seconds());
+    clock.add("read_back", timed.seconds());
     clock.add("sample", sampling.seconds() - timed.seconds());
-  }
-
-  // Returns the total seconds for which the renderer has read images back; some renderers read back within draw().
-  double readWhileDrawing() const {
-    const StageSeconds seconds = renderer().seconds();
-    const auto found = seconds.find("read_back");
-    return found == seconds.end() ? 0 : found->second;
   }
 
   // Returns the account of a shot. `unseen`: number of the shot's beams that are in no image.

@@ -225,18 +225,6 @@ void DeviceResolver::take(std::span<const std::byte> columns, const Piece& piece
             [](const UndecidedRay& a, const UndecidedRay& b) { return a.ray < b.ray; });
 }
 
-std::uint64_t texelTableBytes(const Scene& scene) {
-  std::map<std::pair<const Texture*, float>, std::uint64_t> bytes;
-  for (const Material& material : scene.materials) {
-    const Texture* texture = material.texture.get();
-    if (texture == nullptr || !(material.alphaTested || material.textured)) continue;
-    bytes[{texture, material.reflectance}] = std::uint64_t{4} * texture->width * texture->height;
-  }
-  std::uint64_t sum = 0;
-  for (const auto& [key, each] : bytes) sum += each;
-  return sum;
-}
-
 LabelTables labelTables(const World& world) {
   LabelTables made;
   MaterialTables materials(made);

@@ -49,14 +49,9 @@ struct LabelTables {
   std::vector<std::uint32_t> texels;  // bits of the reflectance (float32), with kLetsPass if transparent
 };
 
-// Returns approximately how many bytes the texels of a scene's materials take.
-std::uint64_t texelTableBytes(const Scene& scene);
-
 // Returns the tables of a flat world, in which nothing is instanced. Throws Error if a texture has more than 65535
 // texels along a side.
 LabelTables labelTables(const World& world);
-
-constexpr std::uint64_t kResolverBytesPerTriangle = 48;
 
 // The result of a ray that is neither a hit nor a miss: a NaN in place of its range.
 enum class RayVerdict : std::uint32_t {

@@ -72,14 +72,11 @@ class Method {
 
 // The capabilities of a method. The plan refuses a pipeline that needs more.
 struct MethodCapabilities {
-  bool severalHits = false;  // several hits along a ray, one behind the other; false: only the first hit
-  bool footprints = false;   // several rays per beam, which sample its footprint; false: one ray along its axis
-  // Largest number of returns of a beam that severalHits or footprints can give; bounds the size of scans.
+  // Largest number of hits of a ray, one behind the other; bounds the size of scans.
   std::uint32_t mostReturns = 1;
   // True if rays can start anywhere, not only at the sensor, and therefore can continue through glass and off mirrors
   // (methods/interface/light_paths.h). False: every surface stops rays, except where alpha cuts the surface out.
   bool transmission = false;
-  bool motion = false;     // the sensor may move during a revolution; false: it stands still
   bool moving = false;     // objects may move, also during a revolution; false: scenes with moving objects are refused
   bool passes = false;     // renders images that can be saved: see Method::depthCamera()
   bool reference = false;  // exact enough, with default options, to be the reference for other methods

@@ -4,20 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "base/error.h"
+#include "base/short_text.h"
 #include "config/named_options.h"
 
 namespace scanmill {
 
 namespace {
 
-// Diameter in voxels of the smallest ball that is hit by every beam through its centre; see smallestSeen().
-constexpr double kSmallestBall = 2;
 constexpr Range kVoxelRange{1e-3, 10};  // m, limits of the key voxel_m
 constexpr std::uint32_t kMostVoxels = 1024;
-constexpr std::uint32_t kMarginVoxels = kHalfBrick + 1;
 
 using Backend = ParticleOptions::Backend;
 using Refine = ParticleOptions::Refine;
@@ -33,12 +30,6 @@ std::uint32_t readVoxels(Fields& fields, std::uint32_t fallback) {
                                  voxels / kVoxelsStep * kVoxelsStep, (voxels / kVoxelsStep + 1) * kVoxelsStep, voxels));
   }
   return voxels;
-}
-
-// Returns the distance from the sensor (m) up to which `level` and finer levels are used, in all directions. The sensor
-// is up to half a brick of level 0 away from the field's centre along each axis.
-double servedRange(const ParticleOptions& options, std::uint32_t level) {
-  return levelReach(options, level) - kHalfBrick * options.voxel;
 }
 
 constexpr std::uint32_t kUsualLevels = 5;  // assumed for `levels: auto`; enough for ranges of 120 to 200 m
@@ -100,10 +91,6 @@ ParticleOptions readParticleOptions(Fields& fields) {
   return options;
 }
 
-double levelReach(const ParticleOptions& options, std::uint32_t level) {
-  return (0.5 * options.voxels - kMarginVoxels) * std::ldexp(options.voxel, static_cast<int>(level));
-}
-
 double levelBytes(double voxels, bool lists) {
   // Number of a level's full bricks in a street scene, divided by the square of the number of bricks along its edge.
   constexpr double kFullBricks = 3.0;
@@ -111,22 +98,6 @@ double levelBytes(double voxels, bool lists) {
   constexpr double kListBytes = 3000;            // bytes of a full brick's lists
   const double across = voxels / kBrickVoxels;
   return across * across * kFullBricks * (kBytes + (lists ? kListBytes : 0)) + across * across * across * 4;
-}
-
-std::string memoryText(double bytes) {
-  constexpr double kMebibyte = 1024.0 * 1024;
-  if (bytes >= 1024 * kMebibyte) return fmt::format("{:.1f} GiB", bytes / (1024 * kMebibyte));
-  return fmt::format("{:.0f} MiB", std::max(1.0, bytes / kMebibyte));
-}
-
-double smallestSeen(const ParticleOptions& options, double range) {
-  const bool all = options.refine == Refine::ByTriangle;
-  const std::uint32_t most = options.levels == 0 ? kMaxLevels : options.levels;
-  for (std::uint32_t level = 0; level < most; ++level) {
-    if (servedRange(options, level) < range) continue;
-    return all ? 0 : kSmallestBall * std::ldexp(options.voxel, static_cast<int>(level));
-  }
-  return std::numeric_limits<double>::infinity();
 }
 
 FieldShape shapeOf(const ParticleOptions& options, const Vec3d& sensor, const Box& scene, double range) {
@@ -170,7 +141,7 @@ void checkField(const ParticleOptions& options, double memory) {
       options.where,
       fmt::format("particle: the distance field would take about {}, but this process may take {}: choose "
                   "`voxels: {}` or fewer",
-                  memoryText(bytes), memoryText(memory), std::max(most, kFewestVoxels) / kVoxelsStep * kVoxelsStep));
+                  shortBytes(bytes), shortBytes(memory), std::max(most, kFewestVoxels) / kVoxelsStep * kVoxelsStep));
 }
 
 Box marchBox(const FieldShape& shape) {

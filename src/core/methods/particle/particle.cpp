@@ -80,17 +80,21 @@ class ParticleMethod : public Method {
     const bool alpha = any([](const Material& m) { return m.alphaTested; });
     const bool textured = any([](const Material& m) { return m.textured && m.texture != nullptr; });
     std::vector<ModelledItem> items{
-        {"distance field", fieldText()},
+        {"distance field",
+         fmt::format(
+             "levels of {} voxels across around the sensor, voxels of {:g} m in the finest level, twice as large "
+             "in each next level",
+             options_.voxels, options_.voxel)},
         {"geometry", triangles ? "exact triangles, from the lists of the voxels that a beam passes, one hit per ray"
                                : "within half a voxel of the distance field, one hit per ray"}};
-    if (!triangles) items.push_back({"smallest ball that every beam through its centre hits", smallestText()});
     items.push_back({"alpha cut-outs",
                      !alpha      ? "no material has one"
                      : triangles ? "modelled, some materials have them"
                                  : "since distance fields treat them as solid (`refine: triangle` models them)",
                      !alpha || !triangles});
     items.push_back({"reflectance textures", textured ? "modelled" : "no material has one", !textured});
-    items.push_back({"backend", backendText()});
+    items.push_back({"backend", gl_ == nullptr ? "particles march on the processor"
+                                               : fmt::format("particles march by OpenGL on {}", gl_->device())});
     items.push_back({"transmission through glass, mirror images, motion of objects", "", true});
     return items;
   }
@@ -172,39 +176,6 @@ class ParticleMethod : public Method {
     StageClock ignored;
     counts += marchOnProcessor(job, open, hits, ignored);
     return counts;
-  }
-
-  std::string backendText() const {
-    if (gl_ == nullptr) return "particles march on the processor";
-    return fmt::format("particles march by OpenGL on {} (about {} of its memory for field and scene)", gl_->device(),
-                       memoryText(deviceBytes()));
-  }
-
-  // Returns approximately how many bytes a device needs for a field, with space for bricks that are added when the
-  // field moves, and for the triangles and texels of the scene.
-  double deviceBytes() const {
-    constexpr std::uint64_t kBytesOfCorners = 48;  // bytes of a triangle's corners, which only fields with lists need
-    const std::uint64_t each =
-        kResolverBytesPerTriangle + (options_.refine == ParticleOptions::Refine::ByTriangle ? kBytesOfCorners : 0);
-    constexpr double kRoom = 1.5;
-    return kRoom * fieldBytes(options_) +
-           static_cast<double>(scene_.placedTriangles() * each + texelTableBytes(scene_));
-  }
-
-  std::string fieldText() const {
-    return fmt::format(
-        "levels of {} voxels across around the sensor, voxels of {:g} m in the finest level, twice as large in each "
-        "next "
-        "level, about {}; memory for {} fields while sensors move",
-        options_.voxels, options_.voxel, memoryText(fieldBytes(options_)), FieldStore::kFewestFields);
-  }
-
-  std::string smallestText() const {
-    const auto at = [&](double range) {
-      const double size = smallestSeen(options_, range);
-      return std::isinf(size) ? fmt::format("none at {:g} m", range) : fmt::format("{:.2g} m at {:g} m", size, range);
-    };
-    return fmt::format("{}, {}, {}", at(10), at(30), at(100));
   }
 
   TraceAccount account(const StageClock& clock, const Shot& shot, const MarchCounts& counts) const {

@@ -16,7 +16,6 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/parallel.h"
-#include "base/stage_clock.h"
 #include "passes/blender/blender_scene.h"
 #include "passes/exr/exr_file.h"
 #include "passes/renderer.h"
@@ -124,8 +123,6 @@ class BlenderRenderer : public PassRenderer {
     }
   }
 
-  StageSeconds seconds() const override { return clock_.seconds(); }
-
   std::string device() const override {
     const std::lock_guard lock(mutex_);
     return device_;
@@ -147,7 +144,6 @@ class BlenderRenderer : public PassRenderer {
   }
 
   void start() {
-    const StageTimer timer(clock_, "upload", StageTimer::Kind::Wall);
     job_.emplace("render", folder_.path(), std::vector<std::string>{});
     threads_ = threadCount();
     const BlenderAnswer ready = job_->answer();
@@ -158,7 +154,6 @@ class BlenderRenderer : public PassRenderer {
   // enough.
   void load(const Vec3d& near) {
     if (origin_ && length(near - *origin_) <= kReach) return;
-    const StageTimer timer(clock_, "upload", StageTimer::Kind::Wall);
     origin_ = near;
     objects_ = writeBlenderScene(scene_, near, threads_, folder_.path());
     job_->ask(nlohmann::json{{"scene", folder_.path().string()}}.dump());
@@ -173,11 +168,7 @@ class BlenderRenderer : public PassRenderer {
     for (std::size_t i = 0; i < cameras.size(); ++i) job_->ask(request(cameras[i], limits, imageFile(i)));
     SeenTriangle* at = seen.data();
     for (std::size_t i = 0; i < cameras.size(); ++i) {
-      {
-        const StageTimer timer(clock_, "render", StageTimer::Kind::Wall);
-        job_->answer();
-      }
-      const StageTimer timer(clock_, "read_back", StageTimer::Kind::Wall);
+      job_->answer();
       read(imageFile(i), cameras[i], limits, at);
       std::filesystem::remove(imageFile(i));
       at += cameras[i].pixels();
@@ -249,7 +240,7 @@ class BlenderRenderer : public PassRenderer {
 
   const Scene& scene_;
   std::shared_ptr<const Resolver> resolver_;
-  mutable std::mutex mutex_;  // guards all members below except clock_
+  mutable std::mutex mutex_;  // guards all members below
   ScratchFolder folder_;
   std::optional<BlenderJob> job_;
   std::optional<Vec3d> origin_;  // m, world: origin of the scene in Blender; nothing: Blender has not loaded the scene
@@ -257,7 +248,6 @@ class BlenderRenderer : public PassRenderer {
   std::vector<BlenderObject> objects_;
   int threads_ = 1;
   std::string device_;
-  StageClock clock_{"upload", "render", "read_back"};
 };
 
 }  // namespace

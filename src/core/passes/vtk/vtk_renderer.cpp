@@ -15,7 +15,6 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "base/stage_clock.h"
 #include "gpu/device.h"
 #include "passes/renderer.h"
 #include "passes/resolver.h"
@@ -69,7 +68,6 @@ class Device {
   VtkLimits limits;
   std::string name;
   ViewGeometry geometry;  // geometry without the vertices, which are on the device
-  StageClock clock{"upload", "render", "read_back"};
 
   void draw(std::uint32_t slot, const DrawnView& view) {
     told([&] { device_->draw(slot, view.image()); });
@@ -89,7 +87,6 @@ class Device {
 
  private:
   void upload(const Scene& scene) {
-    const StageTimer timer(clock, "upload", StageTimer::Kind::Wall);
     geometry = buildViewGeometry(scene, limits.trianglesPerBatch);
     const auto triangles = [](const ViewBatch& batch) {
       return VtkTriangles{batch.positions, batch.uvs, batch.cutouts};
@@ -130,7 +127,6 @@ class VtkSource : public PixelSource {
     if (firsts_.back() >= kNoPixel) {
       throw InputError(fmt::format("{} pixels in a shot's images are too many: take smaller ones", firsts_.back()));
     }
-    const StageTimer timer(device_.clock, "render", StageTimer::Kind::Wall);
     views_.reserve(cameras_.size());
     for (std::uint32_t k = 0; k < cameras_.size(); ++k) {
       views_.emplace_back(scene, device_.geometry, cameras_[k], limits);
@@ -146,10 +142,7 @@ class VtkSource : public PixelSource {
     const auto beyond = [&](PixelAddress address) { return address != kNoPixel && address >= firsts_.back(); };
     if (std::any_of(addresses.begin(), addresses.end(), beyond)) throw Error("a pixel was asked for that no image has");
     std::vector<SeenTriangle> seen(addresses.size());
-    {
-      const StageTimer timer(device_.clock, "read_back", StageTimer::Kind::Wall);
-      readNumbers(addresses);
-    }
+    readNumbers(addresses);
     parallelFor(addresses.size(), 4096, [&](std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last; ++i) {
         if (numbers_[i] == 0) continue;
@@ -228,8 +221,6 @@ class VtkRenderer : public PassRenderer {
     for (const Camera& camera : cameras) check(camera, device_.limits);
     return std::make_unique<VtkSource>(free_, device_, scene_, cameras, limits);
   }
-
-  StageSeconds seconds() const override { return device_.clock.seconds(); }
 
   std::string device() const override { return device_.name; }
 

@@ -25,15 +25,6 @@ const MethodEntry* methodOf(const Pipeline& pipeline) {
   throw InputError({pipeline.file.string()}, why);
 }
 
-void checkMotion(const Pipeline& pipeline) {
-  const MethodEntry* const method = methodOf(pipeline);
-  if (pipeline.motion.kind == MotionKind::None || method == nullptr || method->can.motion) return;
-  throw InputError(
-      pipeline.motion.where,
-      fmt::format("the method {} uses one pose for a complete revolution: leave the motion out, or take `method: {}`",
-                  method->name, firstMethodThat(&MethodCapabilities::motion).name));
-}
-
 // True if rays of a sensor continue through glass or off mirrors in any sequence.
 bool anyLightPaths(const Pipeline& pipeline, std::size_t sensor) {
   if (pipeline.lightPaths(sensor) != nullptr) return true;
@@ -43,19 +34,15 @@ bool anyLightPaths(const Pipeline& pipeline, std::size_t sensor) {
                      [&](const SensorDraw& one) { return lightPaths(*one.effects[sensor]) != nullptr; });
 }
 
-// Throws InputError if effects need rays that the method cannot trace.
-void checkRays(const Pipeline& pipeline) {
+// Throws InputError if rays must continue at surfaces at which those of the method end.
+void checkLightPaths(const Pipeline& pipeline) {
   const MethodEntry* const method = methodOf(pipeline);
-  const auto want = [&](bool wanted, bool MethodCapabilities::*can, std::string_view effect, std::string_view what) {
-    if (!wanted) return;
-    if (method != nullptr && method->can.*can) return;
-    refuse(pipeline, fmt::format("the method {} {}: leave the effect {} out, or take `method: {}`",
-                                 pipeline.methodName(), what, effect, firstMethodThat(can).name));
-  };
+  if (method != nullptr && method->can.transmission) return;
   for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
-    want(pipeline.raysPerBeam(s) > 1, &MethodCapabilities::footprints, "footprint", "traces one ray per beam");
-    want(anyLightPaths(pipeline, s), &MethodCapabilities::transmission, "light_paths",
-         "ends each ray at the first surface that it hits");
+    if (!anyLightPaths(pipeline, s)) continue;
+    refuse(pipeline, fmt::format("the method {} ends each ray at the first surface that it hits: leave the effect "
+                                 "light_paths out, or take `method: {}`",
+                                 pipeline.methodName(), firstMethodThat(&MethodCapabilities::transmission).name));
   }
 }
 
@@ -166,8 +153,7 @@ Plan makePlan(Pipeline read, Channels kept) {
            "the sensors of a recording cannot be moved: give each `mount` fixed values, or trace the scene again");
   }
   checkOntologies(pipeline);
-  checkMotion(pipeline);
-  checkRays(pipeline);
+  checkLightPaths(pipeline);
   checkObjects(pipeline);
   checkVoxels(pipeline);
   for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
@@ -257,11 +243,6 @@ void Plan::requireOneRay() const {
            "the effects footprint and light_paths trace several rays per beam, but saved hits and passes "
            "have one: save none, or leave these effects out");
   }
-  if (pipeline.recording != nullptr || !pipeline.method.entry->can.severalHits) return;
-  refuse(pipeline,
-         fmt::format(
-             "the method {} traces several rays per beam, but saved hits have one: save none, or take `method: {}`",
-             pipeline.methodName(), firstMethodThat(&MethodCapabilities::reference).name));
 }
 
 std::uint64_t Plan::bytesPerFrameInMemory() const {

@@ -99,8 +99,7 @@ class StudyRun {
     for (const MethodEntry& entry : methods()) {
       bool can = !moves_ || entry.can.moving;
       for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
-        can = can && (pipeline.raysPerBeam(s) == 1 || entry.can.footprints) &&
-              (pipeline.lightPaths(s) == nullptr || entry.can.transmission);
+        can = can && (pipeline.lightPaths(s) == nullptr || entry.can.transmission);
       }
       if (!can) study_.refused.emplace_back(entry.name);
     }

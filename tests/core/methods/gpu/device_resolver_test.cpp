@@ -64,15 +64,6 @@ TEST(DeviceResolver, TakesAPieceOfWhatADeviceHasMade) {
   EXPECT_EQ(undecided[3].verdict, RayVerdict::Exhausted);
 }
 
-// What `plan` says of the device's memory.
-TEST(DeviceTables, TakeAsMuchMemoryAsIsSaid) {
-  const Scene street = proceduralStreet();
-  const Worlds worlds(street, Instancing::Never, {});
-  const LabelTables tables = labelTables(*worlds.near({}));
-  EXPECT_EQ(tables.records.size() * sizeof(TriangleRecord), worlds.triangles() * kResolverBytesPerTriangle);
-  EXPECT_LE(tables.texels.size() * sizeof(tables.texels[0]), texelTableBytes(street));
-}
-
 // Materials that see a texture alike share its texels; others do not.
 TEST(DeviceTables, HoldEachTextureOnce) {
   SceneBuilder builder = testBuilder();

@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/random.h"
+#include "base/short_text.h"
 #include "methods/field/build.h"
 #include "methods/particle/options.h"
 #include "tests/core/methods/trace.h"
@@ -155,8 +156,8 @@ TEST(CheckField, RefusesWhatTheMemoryDoesNotHold) {
   const double memory = std::min(bytes * 0.499, kGibibyte / 2);
   const std::string message = messageOf([&] { checkField(options, memory); });
   EXPECT_THAT(message, testing::AllOf(testing::HasSubstr("p.yaml:3:4: particle: "),
-                                      testing::HasSubstr("about " + memoryText(bytes)),
-                                      testing::HasSubstr("this process may take " + memoryText(memory))));
+                                      testing::HasSubstr("about " + shortBytes(bytes)),
+                                      testing::HasSubstr("this process may take " + shortBytes(memory))));
   const std::string key = "voxels: ";
   const std::size_t at = message.find(key);
   ASSERT_NE(at, std::string::npos) << message;

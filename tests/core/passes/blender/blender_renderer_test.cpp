@@ -168,10 +168,6 @@ TEST(BlenderRenderer, SeesWhatRaysMeet) {
     for (const float depth : image.planes.depth) EXPECT_TRUE(std::isinf(depth) || (depth >= 7 && depth <= 15)) << depth;
   }
   EXPECT_THAT(renderer->device(), HasSubstr("Blender"));
-  const auto seconds = renderer->seconds();
-  EXPECT_GT(seconds.at("upload"), 0);
-  EXPECT_GT(seconds.at("render"), 0);
-  EXPECT_GT(seconds.at("read_back"), 0);
 }
 
 TEST(BlenderRenderer, FarFromTheOriginAndFarFromTheFirstImage) {

@@ -64,17 +64,6 @@ TEST_F(PlanTest, WhatTheMethodCannotDoIsRefused) {
   EXPECT_THAT(
       messageOf<InputError>([&] { planOf({}).requirePasses(); }),
       AllOf(HasSubstr("yard.yaml: the method ray_tracing draws no passes"), HasSubstr("take `method: depth_camera`")));
-  MethodEntry still = requireMethod("ray_tracing", {});
-  still.name = "still";
-  still.can.motion = false;
-  const auto planned = [&](const std::vector<std::string>& overrides) {
-    Pipeline pipeline = readPipeline(pipeline_, overrides);
-    pipeline.method.entry = &still;
-    return makePlan(std::move(pipeline));
-  };
-  EXPECT_NO_THROW(planned({}));
-  EXPECT_THAT(messageOf<InputError>([&] { planned({"motion={steps: 9}"}); }),
-              AllOf(HasSubstr("--set motion"), HasSubstr("the method still uses one pose for a complete revolution")));
 }
 
 // 4096 x 65536 beams are within a sensor's limits, hundreds of such sensors are not within a machine's memory.

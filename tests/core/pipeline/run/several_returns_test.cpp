@@ -139,13 +139,5 @@ TEST_F(SeveralReturns, FitTheSizeThatThePlanSays) {
   EXPECT_EQ(planned({}).bytesPerFrameInMemory(), 2 * planOf().bytesPerFrameInMemory());
 }
 
-TEST_F(SeveralReturns, AreNoImagesOfHits) {
-  EXPECT_THAT(
-      messageOf<InputError>([&] { generate(planned({}), {.folder = out(), .keepHits = out("hits"), .quiet = true}); }),
-      AllOf(HasSubstr("yard.yaml: the method two_returns traces several rays per beam"),
-            HasSubstr("take `method: ray_tracing`")));
-  EXPECT_FALSE(std::filesystem::exists(out()));
-}
-
 }  // namespace
 }  // namespace scanmill
