@@ -142,13 +142,12 @@ void ScanStore::openDataset() {
   requireDataset(path_);
   folder_ = path_;
   manifest_ = std::make_shared<const Manifest>(readManifest(path_));
-  for (const ShardRecord& s : manifest_->shards) shards_.push_back({path_ / s.file, nullptr, s.bytes, false, false});
+  for (const ShardRecord& s : manifest_->shards) shards_.push_back({path_ / s.file, nullptr});
   for (const SampleRecord& s : manifest_->samples) addSample(s.key, {s.shard, {}, &s});
 }
 
 void ScanStore::openShard() {
-  shards_.push_back(
-      {path_, std::make_unique<const ShardIndex>(path_, DamagedShard::ReadAsFarAsWhole), 0, false, false});
+  shards_.push_back({path_, std::make_unique<const ShardIndex>(path_, DamagedShard::ReadAsFarAsWhole)});
   manifest_ = manifestOf(path_, folder_);
   for (const ShardMember& member : shards_.front().index->members()) {
     const MemberName name = partsOfMember(member.name);
@@ -271,21 +270,16 @@ std::vector<StoredScan> ScanStore::scans(std::size_t sample, const std::string& 
                                         fmt::join(others, ", ")));
 }
 
-void ScanStore::openIndex(Shard& shard) const {
-  shard.failed = true;
+const ShardIndex& ScanStore::shard(std::size_t number) const {
+  const std::lock_guard lock(mutex_);
+  Shard& shard = shards_[number];
+  if (shard.index != nullptr) return *shard.index;
   std::error_code ignored;
   if (!fs::exists(shard.file, ignored)) {
     throw InputError({shard.file.string()},
                      "is missing, although the manifest lists it: copy it here, or generate the dataset again");
   }
   shard.index = std::make_unique<const ShardIndex>(shard.file, DamagedShard::ReadAsFarAsWhole);
-  shard.failed = false;
-}
-
-const ShardIndex& ScanStore::shard(std::size_t number) const {
-  const std::lock_guard lock(mutex_);
-  Shard& shard = shards_[number];
-  if (shard.index == nullptr) openIndex(shard);
   return *shard.index;
 }
 
@@ -334,36 +328,6 @@ std::string ScanStore::damage(std::size_t sample) const {
   const std::lock_guard lock(mutex_);
   const Shard& shard = shards_[samples_.at(sample).shard];
   return shard.index == nullptr ? std::string() : shard.index->damage();
-}
-
-std::vector<std::size_t> ScanStore::unreadableSamples() const {
-  if (single_ || recorded_) return {};
-  const std::lock_guard lock(mutex_);
-  std::vector<bool> suspect;
-  for (Shard& shard : shards_) {
-    if (shard.index == nullptr && !shard.sized) {
-      shard.sized = true;
-      std::error_code missing;
-      const std::uint64_t size = fs::file_size(shard.file, missing);
-      try {
-        if (missing || size < shard.bytes) openIndex(shard);
-      } catch (const InputError&) {  // loading one of the shard's samples reports the fault
-      }
-    }
-    suspect.push_back(shard.failed || (shard.index != nullptr && !shard.index->damage().empty()));
-  }
-  std::vector<std::size_t> unreadable;
-  for (std::size_t i = 0; i < samples_.size(); ++i) {
-    const Sample& sample = samples_[i];
-    if (!suspect[sample.shard]) continue;
-    const ShardIndex* const index = shards_[sample.shard].index.get();
-    const std::vector<std::string>& members = membersOf(sample);
-    const bool left = index != nullptr && std::any_of(members.begin(), members.end(), [&](const std::string& name) {
-                        return formatBySuffix(partsOfMember(name).suffix) != nullptr && index->find(name) != nullptr;
-                      });
-    if (!left) unreadable.push_back(i);
-  }
-  return unreadable;
 }
 
 Scan ScanStore::decode(std::size_t sample, const StoredScan& scan) const {

@@ -77,9 +77,6 @@ class ScanStore {
   // Returns the known damage of the sample's shard, even if the sample itself is intact. Empty if no damage is known,
   // or if the shard cannot be opened at all. May be called from any thread.
   [[nodiscard]] std::string damage(std::size_t sample) const;
-  // Returns the indices, ascending, of the samples that are already known to be unreadable: their shard is missing, is
-  // not a tar file, or was truncated before them. May be called from any thread.
-  std::vector<std::size_t> unreadableSamples() const;
 
  private:
   struct Sample {
@@ -90,9 +87,6 @@ class ScanStore {
   struct Shard {
     std::filesystem::path file;
     std::unique_ptr<const ShardIndex> index;  // null until the index is needed
-    std::uint64_t bytes = 0;                  // size according to the manifest; 0: unknown
-    bool failed = false;                      // true if the last attempt to open the shard failed
-    bool sized = false;                       // true if the size has been compared with `bytes`
   };
 
   void openDataset();
@@ -102,7 +96,6 @@ class ScanStore {
   void addSample(const std::string& key, Sample sample);
   const std::vector<std::string>& membersOf(const Sample& sample) const;
   const ShardIndex& shard(std::size_t number) const;
-  void openIndex(Shard& shard) const;  // the caller must have locked mutex_
 
   void requireUnchanged(const Sample& sample, const std::string& member, std::string_view bytes) const;
 

@@ -5,8 +5,6 @@
 #include <cstdlib>
 #include <map>
 #include <mutex>
-#include <set>
-#include <stdexcept>
 #include <thread>
 #include <utility>
 
@@ -51,6 +49,14 @@ struct FrameLoader::State {
 
   bool has(std::size_t number) const { return kept.contains(number); }
 
+  void want(std::size_t frame, int newStep) {
+    wanted = frame;
+    step = newStep;
+    ahead = static_cast<std::int64_t>(frame);
+    readAheadDone = step == 0;
+    work.notify_all();
+  }
+
   std::shared_ptr<const ViewFrame> use(std::size_t number) {
     const auto found = kept.find(number);
     if (found == kept.end()) return nullptr;
@@ -65,10 +71,9 @@ struct FrameLoader::State {
   }
   bool meshMissing() const { return wantedMesh && !meshShows(*wantedMesh); }
 
-  // True if the frame must stay in the cache: a thread waits for it, it was requested last, or it is between the frame
-  // requested last and the next frame to read ahead.
+  // True if the frame must stay in the cache: it was requested last, or it is between that frame and the next frame to
+  // read ahead.
   bool isNeeded(std::size_t number) const {
-    if (awaited.contains(number)) return true;
     if (!wanted) return false;
     const auto at = static_cast<std::int64_t>(number);
     const auto from = static_cast<std::int64_t>(*wanted);
@@ -118,20 +123,13 @@ struct FrameLoader::State {
     return static_cast<std::size_t>(ahead);
   }
 
-  std::optional<std::size_t> nextFrame() const {
-    if (wanted && !has(*wanted)) return wanted;
-    for (const std::size_t number : awaited) {
-      if (!has(number)) return number;
-    }
-    return std::nullopt;
-  }
+  std::optional<std::size_t> missingFrame() const { return wanted && !has(*wanted) ? wanted : std::nullopt; }
 
   void keep(std::size_t number, ViewFrame frame) {
     const std::uint64_t bytes = frameBytes(frame);
-    const bool asked = (wanted && number == *wanted) || awaited.contains(number);
     const bool room = makeRoom(bytes);
     if (!room) readAheadDone = true;
-    if (room || asked) {
+    if (room || number == wanted) {
       kept[number] = {std::make_shared<const ViewFrame>(std::move(frame)), bytes, ++clock};
     }
   }
@@ -140,7 +138,7 @@ struct FrameLoader::State {
   void run() {
     std::unique_lock lock(mutex);
     while (!stopping) {
-      auto number = nextFrame();
+      auto number = missingFrame();
       const bool loadsMesh = !number && meshMissing();
       if (!number && !loadsMesh) number = nextAhead();
       if (number) {
@@ -176,7 +174,6 @@ struct FrameLoader::State {
   int step = 1;
   std::int64_t ahead = 0;  // index of the next frame to read ahead; outside of the range of frames if there is none
   bool readAheadDone = false;
-  std::multiset<std::size_t> awaited;
 
   std::optional<SceneChoice> wantedMesh;
   std::shared_ptr<const ViewMesh> mesh;
@@ -200,14 +197,8 @@ FrameLoader::~FrameLoader() {
 }
 
 void FrameLoader::want(std::size_t frame, int step) {
-  State& s = *state_;
-  const std::lock_guard lock(s.mutex);
-  if (frame >= s.source->keys().size()) return;
-  s.wanted = frame;
-  s.step = (step > 0 ? 1 : 0) - (step < 0 ? 1 : 0);
-  s.ahead = static_cast<std::int64_t>(frame);
-  s.readAheadDone = step == 0;
-  s.work.notify_all();
+  const std::lock_guard lock(state_->mutex);
+  state_->want(frame, step);
 }
 
 std::shared_ptr<const ViewFrame> FrameLoader::frame(std::size_t frame) {
@@ -218,11 +209,8 @@ std::shared_ptr<const ViewFrame> FrameLoader::frame(std::size_t frame) {
 std::shared_ptr<const ViewFrame> FrameLoader::wait(std::size_t frame) {
   State& s = *state_;
   std::unique_lock lock(s.mutex);
-  if (frame >= s.source->keys().size()) throw std::out_of_range("no such frame");
-  const auto waiting = s.awaited.insert(frame);
-  s.work.notify_all();
+  if (s.wanted != frame) s.want(frame, 0);
   s.done.wait(lock, [&] { return s.has(frame); });
-  s.awaited.erase(waiting);
   return s.use(frame);
 }
 
@@ -230,7 +218,6 @@ void FrameLoader::wantMesh(const SceneChoice& scene) {
   const std::lock_guard lock(state_->mutex);
   state_->wantedMesh = scene;
   state_->work.notify_all();
-  state_->done.notify_all();  // threads that wait for another mesh must request it again
 }
 
 std::shared_ptr<const ViewMesh> FrameLoader::mesh(const SceneChoice& scene) {
@@ -239,21 +226,16 @@ std::shared_ptr<const ViewMesh> FrameLoader::mesh(const SceneChoice& scene) {
 }
 
 std::shared_ptr<const ViewMesh> FrameLoader::waitMesh(const SceneChoice& scene) {
+  wantMesh(scene);
   State& s = *state_;
   std::unique_lock lock(s.mutex);
-  while (!s.meshShows(scene)) {
-    if (!s.meshMissing()) {  // otherwise first waits for the mesh that another thread requested
-      s.wantedMesh = scene;
-      s.work.notify_all();
-    }
-    s.done.wait(lock);
-  }
+  s.done.wait(lock, [&] { return s.meshShows(scene); });
   return s.mesh;
 }
 
 std::string FrameLoader::busy() const {
   const std::lock_guard lock(state_->mutex);
-  if (const auto number = state_->nextFrame()) return state_->source->keys()[*number];
+  if (const auto number = state_->missingFrame()) return state_->source->keys()[*number];
   if (state_->meshMissing()) return "scene " + state_->wantedMesh->file.stem().string();
   return {};
 }

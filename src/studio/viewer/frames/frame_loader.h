@@ -1,6 +1,6 @@
 #pragma once
 
-// Loads frames and scenes on a separate thread, so that the window never blocks.
+// Loads frames and scenes on a separate thread, so that the window never blocks. One thread makes the requests.
 
 #include <cstddef>
 #include <cstdint>
@@ -26,14 +26,14 @@ class FrameLoader {
   void want(std::size_t frame, int step = 1);
   // Returns the frame; null if it is not loaded yet.
   std::shared_ptr<const ViewFrame> frame(std::size_t frame);
-  // Waits until the frame is loaded and returns it.
+  // Waits until the frame is loaded and returns it; requests it unless it was requested last.
   std::shared_ptr<const ViewFrame> wait(std::size_t frame);
 
   // Requests the mesh of a scene. It is loaded after the requested frames. Only one mesh is cached.
   void wantMesh(const SceneChoice& scene);
   // Returns the mesh; null if it is not loaded yet.
   std::shared_ptr<const ViewMesh> mesh(const SceneChoice& scene);
-  // Waits until the mesh is loaded and returns it.
+  // Waits until the mesh is loaded and returns it; requests it unless it was requested last.
   std::shared_ptr<const ViewMesh> waitMesh(const SceneChoice& scene);
 
   // Returns the name of the requested frame or scene that is being loaded, such as "street-s1-lane-000012" or "scene

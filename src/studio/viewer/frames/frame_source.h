@@ -107,8 +107,6 @@ class FrameSource {
   virtual std::optional<std::filesystem::path> vehicle() const { return {}; }
   // Returns the ids of all classes that occur in the frames, ascending; empty if this is unknown.
   virtual std::vector<std::uint16_t> classes() const { return {}; }
-  // Returns the indices of frames that have been found unreadable so far, ascending. May be called from any thread.
-  virtual std::vector<std::size_t> damaged() const { return {}; }
 };
 
 // Opens what the user wants to see. Reads the manifest and the directories of shards, but no scans of a dataset. Throws

@@ -416,9 +416,4 @@ std::vector<std::uint16_t> StoredFrames::classes() const {
   return {ids.begin(), ids.end()};
 }
 
-std::vector<std::size_t> StoredFrames::damaged() const {
-  // If several stores are shown, a sample that is damaged in the first store may be readable in another.
-  return stores_.size() == 1 ? first().unreadableSamples() : std::vector<std::size_t>{};
-}
-
 }  // namespace scanmill

@@ -30,7 +30,6 @@ class StoredFrames : public FrameSource {
   std::optional<SceneChoice> scene(std::size_t frame, std::string& why) const override;
   std::optional<std::filesystem::path> vehicle() const override;
   std::vector<std::uint16_t> classes() const override;
-  std::vector<std::size_t> damaged() const override;
 
  private:
   struct Store {

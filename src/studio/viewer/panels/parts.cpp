@@ -415,14 +415,6 @@ FrameBarUse frameBar(const PixelRect& rect, const FrameBar& bar) {
       if (ImGui::SliderInt("##frame", &at, 0, last, "", ImGuiSliderFlags_AlwaysClamp)) {
         use.frame = static_cast<std::size_t>(std::clamp(at, 0, last));
       }
-      const ImVec2 low = ImGui::GetItemRectMin();
-      const ImVec2 high = ImGui::GetItemRectMax();
-      const float grab = ImGui::GetStyle().GrabMinSize / 2 + 2;
-      for (const std::size_t damaged : bar.damaged) {
-        const float share = static_cast<float>(damaged) / static_cast<float>(std::max(last, 1));
-        const float x = low.x + grab + share * (high.x - low.x - 2 * grab);
-        ImGui::GetWindowDrawList()->AddRectFilled({x - 1, low.y}, {x + 1, high.y}, packed(kAlarm));
-      }
       ImGui::SameLine();
       ImGui::AlignTextToFramePadding();
       words(fmt::format("#{} of {}   {}", bar.frame, bar.frames, bar.key));

@@ -80,7 +80,6 @@ struct FrameBar {
   std::size_t frames = 0;  // number of frames; if it is less than 2, the slider and `key` are not shown
   std::string key{}, speed{}, busy{};
   bool playing = false;
-  std::vector<std::size_t> damaged{};  // indices of unreadable frames, which are marked on the slider
 };
 struct FrameBarUse {
   bool play = false;                 // true: the play button was pressed

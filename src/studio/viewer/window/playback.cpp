@@ -17,22 +17,13 @@ constexpr std::size_t kUsualSpeed = 1;
 
 Playback::Playback(std::shared_ptr<const FrameSource> source, std::unique_ptr<FrameLoader> loader,
                    const std::string& sample)
-    : source_(std::move(source)),
-      loader_(std::move(loader)),
-      speed_(kUsualSpeed),
-      seeking_(sample.empty() && !source_->isScene()),
-      sought_(findFrame(*source_, sample)) {
-  request(sought_, 0);
-}
-
-void Playback::request(std::size_t frame, int step) {
-  requested_ = std::min(frame, count() - 1);
-  loader_->want(requested_, step);
+    : source_(std::move(source)), loader_(std::move(loader)), speed_(kUsualSpeed) {
+  goTo(findFrame(*source_, sample), 0);
 }
 
 void Playback::goTo(std::size_t frame, int step) {
-  seeking_ = false;
-  request(frame, step);
+  requested_ = std::min(frame, count() - 1);
+  loader_->want(requested_, step);
 }
 
 bool Playback::stepBy(std::ptrdiff_t steps) {
@@ -45,49 +36,16 @@ bool Playback::stepBy(std::ptrdiff_t steps) {
 }
 
 std::shared_ptr<const ViewFrame> Playback::take(double now, bool wait) {
-  while (!settled()) {
-    auto loaded = wait ? loader_->wait(requested_) : loader_->frame(requested_);
-    if (!loaded || accept(loaded, now)) return loaded;
-  }
-  return nullptr;
-}
-
-// Makes the loaded frame the current one. Returns false if the frame could not be read and another frame has been
-// requested instead.
-bool Playback::accept(const std::shared_ptr<const ViewFrame>& loaded, double now) {
+  if (settled()) return nullptr;
+  auto loaded = wait ? loader_->wait(requested_) : loader_->frame(requested_);
+  if (!loaded) return nullptr;
   const bool next = current_ && requested_ == *current_ + 1;
   const std::optional<double> time = loaded->scans.empty() ? std::nullopt : std::optional(loaded->scans.front().time);
   recordedSeconds_ = next ? time.value_or(0) - currentTime_.value_or(0) : 0;
   currentTime_ = time;
   current_ = requested_;
   shownAt_ = now;
-  substituted_.clear();
-  if (loaded->scans.empty() && !source_->isScene()) {
-    unreadable_.insert(*current_);
-    if (seeking_) {
-      requestNextReadable();
-      if (!settled()) return false;
-    }
-  } else {
-    unreadable_.erase(*current_);
-    if (seeking_ && *current_ != sought_) {
-      substituted_ = fmt::format("{} cannot be read: {} is the first that can", source_->keys()[sought_], loaded->key);
-    }
-  }
-  seeking_ = false;
-  return true;
-}
-
-// Requests the next frame that is not known to be unreadable. If there is none, requests the frame with which the
-// search began.
-void Playback::requestNextReadable() {
-  const auto known = source_->damaged();
-  while (nextTried_ < count() &&
-         (unreadable_.contains(nextTried_) || std::binary_search(known.begin(), known.end(), nextTried_))) {
-    ++nextTried_;
-  }
-  if (nextTried_ < count()) return request(nextTried_++, 1);
-  goTo(sought_, 1);
+  return loaded;
 }
 
 void Playback::togglePlaying(double now) {
@@ -133,12 +91,6 @@ void Playback::readAhead() {
   if (readsAhead_) return;
   readsAhead_ = true;
   loader_->want(requested_, 1);
-}
-
-std::vector<std::size_t> Playback::damaged() const {
-  std::set<std::size_t> all = unreadable_;
-  for (const std::size_t frame : source_->damaged()) all.insert(frame);
-  return {all.begin(), all.end()};
 }
 
 }  // namespace scanmill

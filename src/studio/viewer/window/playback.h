@@ -6,9 +6,7 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
-#include <vector>
 
 #include "viewer/frames/frame_loader.h"
 #include "viewer/frames/frame_source.h"
@@ -17,8 +15,7 @@ namespace scanmill {
 
 class Playback {
  public:
-  // Requests the frame that `sample` names, see findFrame(). If `sample` is empty, requests the middle frame; if this
-  // frame cannot be read, requests the other frames in their order. Throws InputError if the sample does not exist.
+  // Requests the frame that `sample` names, see findFrame(). Throws InputError if the sample does not exist.
   Playback(std::shared_ptr<const FrameSource> source, std::unique_ptr<FrameLoader> loader, const std::string& sample);
 
   // Requests a frame, or the last frame if there are fewer. Afterwards its neighbours in the direction of `step` (1 or
@@ -53,18 +50,11 @@ class Playback {
   // Returns the name of the frame or scene that is being loaded; empty if nothing is being loaded.
   const std::string& busy() const { return busy_; }
   void clearBusy() { busy_.clear(); }
-  // Returns the indices of the frames that are known to be unreadable, ascending.
-  std::vector<std::size_t> damaged() const;
-  // Returns a text for the user if a frame is shown in place of a frame that cannot be read; otherwise empty.
-  const std::string& substituted() const { return substituted_; }
 
   // Returns the loader, which also loads scenes.
   FrameLoader& loader() { return *loader_; }
 
  private:
-  void request(std::size_t frame, int step);
-  bool accept(const std::shared_ptr<const ViewFrame>& loaded, double now);
-  void requestNextReadable();
   double frameSeconds() const;
 
   std::shared_ptr<const FrameSource> source_;
@@ -77,11 +67,7 @@ class Playback {
   bool playing_ = false;
   std::size_t speed_;  // index in kSpeeds
   bool readsAhead_ = false;
-  bool seeking_ = false;                // true: the user chose no frame, and a readable frame is being searched for
-  std::size_t sought_ = 0;              // the frame with which the search began
-  std::size_t nextTried_ = 0;           // the next frame that the search requests
-  std::set<std::size_t> unreadable_{};  // frames that could not be loaded
-  std::string busy_, substituted_;
+  std::string busy_;
 };
 
 }  // namespace scanmill

@@ -142,7 +142,6 @@ void ViewSession::takeWhatIsLoaded() {
 
 void ViewSession::showFrame(std::shared_ptr<const ViewFrame> loaded) {
   context_.frame = std::move(loaded);
-  if (!playback_.substituted().empty()) context_.hint(playback_.substituted());
   hintAtNames();
   pointer_.leaveFrame();
   scenery_.takeFrame(*playback_.current());

@@ -220,8 +220,7 @@ void ViewSession::drawFrameBar() {
                      .key = context_.source->keys()[requested],
                      .speed = playback_.speedText(),
                      .busy = playback_.busy(),
-                     .playing = playback_.playing(),
-                     .damaged = playback_.damaged()};
+                     .playing = playback_.playing()};
   const FrameBarUse use = frameBar(panels_.rooms.bar, bar);
   if (use.play) togglePlaying();
   if (use.frame && *use.frame != requested) {

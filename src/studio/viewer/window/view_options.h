@@ -35,7 +35,7 @@ struct ViewOptions {
   // A named view is fitted to a scene that is shown without scans, and to scans of which it would show hardly any
   // point. A given target is in the coordinates of a scene that is shown without scans.
   CameraChoice camera{};
-  std::string sample{};  // key or index of the first frame; empty: the middle frame, or the first that can be read
+  std::string sample{};  // key or index of the first frame; empty: the middle frame
   double pointSize = 0;  // side of a drawn point (pixels); 0: depends on the canvas's height
   Rgb background{13, 15, 20};
   bool depthEdges = true;

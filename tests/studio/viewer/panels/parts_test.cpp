@@ -143,7 +143,7 @@ TEST_F(Panels, AScaleHasTheColoursOfTheMap) {
 }
 
 TEST_F(Panels, TheSliderGivesEveryFrame) {
-  FrameBar bar{.frames = 12, .key = "street-s1-lane-000012", .damaged = {5}};
+  FrameBar bar{.frames = 12, .key = "street-s1-lane-000012"};
   std::set<std::size_t> seen{0};
   const auto panel = [&] {
     const FrameBarUse use = frameBar({0, 260, kWidth, 40}, bar);

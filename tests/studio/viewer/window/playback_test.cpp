@@ -6,9 +6,7 @@ namespace scanmill {
 namespace {
 
 struct Player {
-  explicit Player(std::size_t count, const std::string& sample = "#0", const std::vector<std::size_t>& unreadable = {})
-      : frames(std::make_shared<FakeFrames>(count)) {
-    for (const std::size_t i : unreadable) frames->frames[i].scans.clear();
+  explicit Player(std::size_t count, const std::string& sample = "#0") : frames(std::make_shared<FakeFrames>(count)) {
     playback.emplace(frames, std::make_unique<FrameLoader>(frames), sample);
   }
   // Waits for the requested frame and returns its index.
@@ -55,19 +53,6 @@ TEST(Playback, TakesAFrameOnceItIsLoaded) {
   ASSERT_NE(frame, nullptr);
   EXPECT_EQ(frame->key, "sample-102");
   EXPECT_EQ(player.playback->take(0), nullptr) << "each frame is given out once";
-}
-
-// Nobody chose the middle one: the first frame that can be read is shown in its place. A chosen frame stays.
-TEST(Playback, SeeksAReadableFrameIfNoneWasChosen) {
-  Player seeking(5, "", {0, 2});
-  EXPECT_EQ(seeking.wait(), 1u);
-  EXPECT_EQ(seeking.playback->substituted(), "sample-102 cannot be read: sample-101 is the first that can");
-  EXPECT_THAT(seeking.playback->damaged(), testing::ElementsAre(0, 2));
-  Player chosen(5, "#2", {0, 2});
-  EXPECT_EQ(chosen.wait(), 2u);
-  EXPECT_EQ(chosen.playback->substituted(), "");
-  Player none(3, "", {0, 1, 2});
-  EXPECT_EQ(none.wait(), 1u) << "if no frame can be read, the first choice stays, with its problems";
 }
 
 // The frames are 0.1 s apart: they are played as they were recorded, and twice as fast at double speed.
