@@ -36,8 +36,7 @@ int runExport(const std::vector<std::string>& arguments) {
       textValue(), "NAME");
   add("sensor", "only this one; may be given again", listValue(), "NAME");
   add("split", "only this one; may be given again", listValue(), "NAME");
-  add("resume", "continue an export that was stopped");
-  add("overwrite", "replace an existing export: its folder is emptied");
+  add("overwrite", "replace an existing export, complete or not: its folder is emptied");
   add("q,quiet", "print no progress");
   add("threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"), "N");
   const Arguments parsed = parseArguments(
@@ -58,11 +57,7 @@ int runExport(const std::vector<std::string>& arguments) {
   }
   chosen.sensors = parsed.list("sensor");
   chosen.splits = parsed.list("split");
-  chosen.resume = parsed.has("resume");
   chosen.overwrite = parsed.has("overwrite");
-  if (chosen.resume && chosen.overwrite) {
-    throw InputError("--resume continues an export, --overwrite replaces it: give only one of the two");
-  }
   chosen.stop = &stopSignal();
   const ThreadLimit threads(parsed.options["threads"].as<int>());
   std::optional<Progress> progress;
@@ -82,10 +77,7 @@ int runExport(const std::vector<std::string>& arguments) {
   const ExportSummary summary = exportDataset(chosen);
   progress.reset();
   for (const std::string& warning : summary.warnings) warn(warning);
-  const std::string there =
-      summary.resumedFrames == 0 ? std::string() : fmt::format(" ({} of them existed already)", summary.resumedFrames);
-  printText("wrote {} frames{} of {} sequences to {}\n", summary.frames, there, summary.sequences,
-            chosen.folder.string());
+  printText("wrote {} frames of {} sequences to {}\n", summary.frames, summary.sequences, chosen.folder.string());
   return 0;
 }
 

@@ -47,7 +47,7 @@ COMMANDS = {
     "resume": ("generate", "{pipeline}", "-o", "{ds}", "--resume", "--quiet"),
     "worker": ("generate", "{pipeline}", "-o", "{ds}", "--worker", "0", "--workers", "2", "--quiet"),
     "share": ("generate", "{pipeline}", "-o", "{ds}", "--workers", "auto", "--quiet"),
-    "export": ("export", "{other}", "--to", "ply", "-o", "{ds}", "--resume", "--quiet"),
+    "export": ("export", "{other}", "--to", "ply", "-o", "{ds}", "--overwrite", "--quiet"),
 }
 
 

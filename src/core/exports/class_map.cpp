@@ -1,7 +1,5 @@
 #include "exports/class_map.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <utility>
 
@@ -31,11 +29,7 @@ ClassMap::ClassMap(const Ontology& from, Ontology to) : target_(std::move(to)) {
       const SemanticClass* const still = from.find(*c.movingOf);
       if (still != nullptr) found = counterpart(*still, target_);
     }
-    if (found != nullptr) {
-      of_[c.id] = found->id;
-    } else if (c.id != 0) {
-      lost_.push_back(fmt::format("{} becomes unlabeled, since {} has no such class", c.name, target_.name));
-    }
+    if (found != nullptr) of_[c.id] = found->id;
   }
 }
 

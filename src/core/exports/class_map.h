@@ -3,7 +3,6 @@
 // Maps the classes of one ontology to the classes of another.
 
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "scene/ontology.h"
@@ -25,13 +24,10 @@ class ClassMap {
   // Returns the target's class for an object of the class `id` that moves: the class for moving objects of its kind, if
   // the target has one, otherwise of(id).
   std::uint16_t ofMoving(std::uint16_t id) const;
-  // Returns one line of text for each class that is mapped to 0 (unlabeled).
-  const std::vector<std::string>& lost() const { return lost_; }
 
  private:
   Ontology target_;
   std::vector<std::uint16_t> of_;  // class id of the target, by class id of `from`
-  std::vector<std::string> lost_;
 };
 
 }  // namespace scanmill

@@ -64,7 +64,7 @@ class Export {
   }
 
   ExportSummary run() {
-    const bool isWhole = lookAtFolder();
+    checkFolder();
     std::vector<Unit> units;
     for (std::size_t s = 0; s < plan_.sequences.size(); ++s) {
       const std::size_t frames = plan_.sequences[s].samples.size();
@@ -73,22 +73,6 @@ class Export {
       summary_.frames += frames;
     }
     summary_.sequences = plan_.sequences.size();
-    if (isWhole) {
-      summary_.resumedFrames = summary_.frames;
-      return std::move(summary_);
-    }
-    const auto isThere = [&](const Unit& unit) {
-      if (options_.overwrite) return false;
-      const std::vector<fs::path> files = layout_->filesOf(plan_, unit.sequence, unit.frame);
-      return std::all_of(files.begin(), files.end(),
-                         [&](const fs::path& file) { return fs::exists(folder_.path() / file); });
-    };
-    const auto left = std::partition(units.begin(), units.end(), isThere);
-    for (auto unit = units.begin(); unit != left; ++unit) summary_.resumedFrames += unit->frames;
-    units.erase(units.begin(), left);
-    std::sort(units.begin(), units.end(), [](const Unit& a, const Unit& b) {
-      return std::tie(a.sequence, a.frame) < std::tie(b.sequence, b.frame);
-    });
     if (layout_->checksSamples(plan_)) {
       forUnits("checking", units, [&](const Unit& unit, const ReadSample& next) {
         for (std::size_t f = 0; f < unit.frames; ++f) {
@@ -214,7 +198,7 @@ class Export {
     }
   }
 
-  // Returns the description of this export. An unfinished export can only be resumed with the same description.
+  // Returns the description of this export.
   std::string record() const {
     OrderedJson json{{"program", {{"name", "scanmill"}, {"version", kVersion}}},
                      {"layout", options_.layout->name},
@@ -229,60 +213,47 @@ class Export {
     return layOut(json) + "\n";
   }
 
-  // Returns true if the export is to be resumed but is already complete in the folder. Throws InputError if the folder
-  // must not be written to.
-  bool lookAtFolder() const {
+  // Throws InputError if the folder must not be written to.
+  void checkFolder() const {
     const fs::path& folder = folder_.path();
     std::error_code failure;
-    if (!fs::exists(folder, failure)) return false;
+    if (!fs::exists(folder, failure)) return;
     if (!fs::is_directory(folder, failure))
       throw InputError({folder.string()}, "is not a folder: name a folder with -o");
-    if (fs::exists(folder / kUnfinished, failure)) {
+    const bool complete = fs::exists(folder / kRecord, failure);
+    const bool unfinished = fs::exists(folder / kUnfinished, failure);
+    if (unfinished) {
       const FolderLock free(folder, folder_.place(kLock));  // names the process that writes, if there is one
     }
-    const bool exported = fs::exists(folder / kRecord, failure) || fs::exists(folder / kUnfinished, failure);
-    if (exported && options_.overwrite) return false;
-    if (fs::exists(folder / kRecord, failure)) {
-      if (options_.resume && readFile(folder / kRecord) == record()) return true;
+    if (complete || unfinished) {
+      if (options_.overwrite) return;
       throw InputError({folder.string()},
-                       "has a complete export: name another folder with -o, or replace it with --overwrite");
-    }
-    if (fs::exists(folder / kUnfinished, failure)) {
-      if (!options_.resume) {
-        throw InputError({folder.string()}, "has an unfinished export: --resume continues it, --overwrite replaces it");
-      }
-      if (readFile(folder / kUnfinished) == record()) return false;
-      throw InputError({folder.string()},
-                       "has an unfinished export of another dataset, with other options or by another version of this "
-                       "program: name another folder with -o");
+                       fmt::format("has {} export: name another folder with -o, or replace it with --overwrite",
+                                   complete ? "a complete" : "an unfinished"));
     }
     for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-      const std::string name = entry.path().filename().string();
-      // A run that was killed at its start has left only these behind.
-      if (name == kLock || finalName(name) == kUnfinished) continue;
+      if (isLeftAtStart(entry.path())) continue;
       throw InputError({folder.string()}, "is not empty: name another folder with -o");
     }
-    return false;
   }
 
+  // Returns true for the files that a run leaves behind if it is killed before it has described its export.
+  static bool isLeftAtStart(const fs::path& path) {
+    const std::string name = path.filename().string();
+    return name == kLock || finalName(name) == kUnfinished;
+  }
+
+  // Locks the folder and removes an earlier export: its record first, so that the folder does not pass for a complete
+  // export if the program is stopped.
   void beginFolder() {
     lock_ = std::make_unique<FolderLock>(folder_.path(), folder_.place(kLock));
-    std::vector<fs::path> leftovers;  // temporary files of a run that was killed
-    for (const auto& entry : fs::recursive_directory_iterator(folder_.path())) {
-      if (entry.is_regular_file() && finalName(entry.path().filename().string())) leftovers.push_back(entry.path());
-    }
-    for (const fs::path& leftover : leftovers) fs::remove(leftover);
     folder_.write(kUnfinished, record());
-    if (options_.overwrite) removeOldExport();
-  }
-
-  // Removes the record of a complete export first, so that the folder does not pass for one if the program is stopped.
-  void removeOldExport() const {
-    fs::remove(folder_.path() / kRecord);
+    if (options_.overwrite) fs::remove(folder_.path() / kRecord);
     std::vector<fs::path> old;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder_.path())) {
       const std::string name = entry.path().filename().string();
-      if (name != kLock && name != kUnfinished) old.push_back(entry.path());
+      const bool own = name == kLock || name == kUnfinished;
+      if (!own && (options_.overwrite || isLeftAtStart(entry.path()))) old.push_back(entry.path());
     }
     for (const fs::path& path : old) fs::remove_all(path);
   }
@@ -321,7 +292,7 @@ class Export {
     for (const Unit& unit : units) all += unit.frames;
     std::mutex mutex;
     const ReadSample readNext = [&](std::size_t sequence, std::size_t frame) {
-      if (options_.stop != nullptr && *options_.stop) throw Error("stopped: --resume continues the export");
+      if (options_.stop != nullptr && *options_.stop) throw Error("stopped: --overwrite starts the export again");
       ExportSample sample = read(sequence, frame);
       const std::scoped_lock lock(mutex);
       done = std::min(done + 1, all);  // a layout may read a frame again

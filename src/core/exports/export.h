@@ -15,12 +15,11 @@ namespace scanmill {
 struct ExportOptions {
   std::filesystem::path dataset;  // folder of the dataset
   const LayoutEntry* layout = nullptr;
-  std::filesystem::path folder;        // the output folder: absent, empty, or with an unfinished export to resume
+  std::filesystem::path folder;        // the output folder: absent or empty, or with an export to replace
   std::filesystem::path classes;       // file of an ontology that replaces the layout's; empty: the layout's ontology
   std::vector<std::string> sensors{};  // names; empty: all, or only the first if the layout allows only one
   std::vector<std::string> splits{};   // names; empty: all
-  bool resume = false;
-  bool overwrite = false;  // empties a folder that has an export
+  bool overwrite = false;              // empties a folder that has an export, complete or not
   const std::atomic<bool>* stop = nullptr;
   // Called from any thread after a frame has been read, either to be checked or to be written. `all`: number of frames.
   std::function<void(const char* stage, std::uint64_t done, std::uint64_t all)> progress{};
@@ -29,13 +28,12 @@ struct ExportOptions {
 struct ExportSummary {
   std::uint64_t sequences = 0;
   std::uint64_t frames = 0;
-  std::uint64_t resumedFrames = 0;  // frames that an earlier run has already written
   std::vector<std::string> warnings;
 };
 
 // Exports a dataset. Each thread has only one frame in memory at a time. Throws InputError, before the first file is
-// written, if the dataset does not fit the layout; throws Error if the disk fails or `stop` becomes true. Files that
-// are already written stay, and a later call with `resume` continues after them.
+// written, if the dataset does not fit the layout; throws Error if the disk fails or `stop` becomes true. An unfinished
+// export stays, and a later call with `overwrite` replaces it.
 ExportSummary exportDataset(const ExportOptions& options);
 
 }  // namespace scanmill

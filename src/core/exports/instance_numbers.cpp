@@ -14,10 +14,8 @@ void InstanceNumbers::add(const ExportPlan& plan, const ExportSample& sample) {
   std::set<Instance> here;
   for (const ExportScan& scan : sample.scans) here.merge(instancesOf_(plan, scan.scan));
   const std::scoped_lock lock(mutex_);
-  Sequence& sequence = sequences_[sample.sequence];
-  sequence.frames.insert(sample.frame);
   for (const auto& [group, id] : here) {
-    std::set<std::uint32_t>& ids = sequence.ids[group];
+    std::set<std::uint32_t>& ids = sequences_[sample.sequence][group];
     ids.insert(id);
     if (ids.size() <= most_) continue;
     throw InputError(
@@ -28,28 +26,14 @@ void InstanceNumbers::add(const ExportPlan& plan, const ExportSample& sample) {
   }
 }
 
-std::map<InstanceNumbers::Instance, std::uint16_t> InstanceNumbers::of(const ExportPlan& plan, std::size_t sequence,
-                                                                       const ReadSample& read) {
-  for (const std::size_t f : unknownFrames(sequence, plan.sequences[sequence].samples.size())) {
-    add(plan, read(sequence, f));
-  }
+std::map<InstanceNumbers::Instance, std::uint16_t> InstanceNumbers::of(std::size_t sequence) {
   const std::scoped_lock lock(mutex_);
   std::map<Instance, std::uint16_t> numbers;
-  for (const auto& [group, ids] : sequences_[sequence].ids) {
+  for (const auto& [group, ids] : sequences_[sequence]) {
     std::uint16_t number = 0;
     for (const std::uint32_t id : ids) numbers[{group, id}] = ++number;
   }
   return numbers;
-}
-
-std::set<std::size_t> InstanceNumbers::unknownFrames(std::size_t sequence, std::size_t frames) {
-  const std::scoped_lock lock(mutex_);
-  const std::set<std::size_t>& known = sequences_[sequence].frames;
-  std::set<std::size_t> unknown;
-  for (std::size_t f = 0; f < frames && known.size() < frames; ++f) {
-    if (!known.contains(f)) unknown.insert(f);
-  }
-  return unknown;
 }
 
 }  // namespace scanmill

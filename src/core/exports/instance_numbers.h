@@ -16,7 +16,7 @@
 namespace scanmill {
 
 // Numbering needs all frames of a sequence, so that the numbers do not depend on the order in which frames are
-// processed. Safe to use from several threads.
+// processed: Layout::checkSample() adds them. Safe to use from several threads.
 class InstanceNumbers {
  public:
   // A group and an instance id of the dataset. Each group is numbered from 1, in the order of the ids.
@@ -31,23 +31,18 @@ class InstanceNumbers {
   // Throws InputError if a group of the sample's sequence has more than `most` instances.
   void add(const ExportPlan& plan, const ExportSample& sample);
 
-  // Returns the numbers of a sequence's instances. Frames that were not added yet, for example because an earlier run
-  // has written them, are read first, without a lock: another thread may read the same frames at the same time.
-  std::map<Instance, std::uint16_t> of(const ExportPlan& plan, std::size_t sequence, const ReadSample& read);
+  // Returns the numbers of a sequence's instances. All of its samples must have been added.
+  std::map<Instance, std::uint16_t> of(std::size_t sequence);
 
  private:
-  struct Sequence {
-    std::set<std::size_t> frames;
-    std::map<std::uint16_t, std::set<std::uint32_t>> ids;  // the dataset's instance ids, by group
-  };
-  std::set<std::size_t> unknownFrames(std::size_t sequence, std::size_t frames);
+  using IdsByGroup = std::map<std::uint16_t, std::set<std::uint32_t>>;  // the dataset's instance ids
 
   std::string layout_;
   std::size_t most_;
   InstancesOf instancesOf_;
   std::function<std::string(const ExportPlan&, std::uint16_t)> groupName_;
   std::mutex mutex_;
-  std::map<std::size_t, Sequence> sequences_;
+  std::map<std::size_t, IdsByGroup> sequences_;
 };
 
 }  // namespace scanmill

@@ -7,23 +7,18 @@
 //                                  without objects a line of the type DontCare, since OpenPCDet reads no empty file
 //   training/calib/000000.txt      P0 to P3, R0_rect, Tr_velo_to_cam, Tr_imu_to_velo
 //   training/image_2/000000.png    required by loaders; black, since there is no camera
-//   training/planes/000000.txt     the plane of the road, level below the first sensor as it is mounted; absent if the
+//   training/planes/000000.txt     the plane of the road, level below the sensor as it is mounted; absent if the
 //                                  sensor is mounted less than 0.1 m above the vehicle's origin
 //   ImageSets/train.txt            the frames of each split; those of `test` are in testing/
 //
-// With several sensors the folder velodyne has the points of the first, and velodyne_NAME those of each other sensor,
-// in that sensor's frame; calib then has a further line for each of them, Tr_velodyne_NAME_to_cam. Objects with points
-// in any of the scans are listed.
-//
-// The camera is placed at the first sensor's origin, looks along this sensor's x axis and has the field of view of
-// KITTI's left colour camera. As in KITTI, only objects in the image are listed. The frames of all sequences in a
-// folder are numbered consecutively.
+// The camera is placed at the sensor's origin, looks along the sensor's x axis and has the field of view of KITTI's
+// left colour camera. As in KITTI, only objects in the image are listed. The frames of all sequences in a folder are
+// numbered consecutively.
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <map>
 #include <string_view>
@@ -125,46 +120,17 @@ std::string labelOf(const std::string& type, const ObjectRecord& object, const O
       object.size.z, object.size.y, object.size.x, bottom.x, bottom.y, bottom.z, rotation);
 }
 
-// Returns the name of a sensor's folder of points.
-std::string pointsFolder(const ExportPlan& plan, std::size_t sensor) {
-  if (sensor == 0) return "velodyne";
-  std::string name = "velodyne_" + plan.sensors[sensor]->name;
-  for (char& c : name) {
-    const auto byte = static_cast<unsigned char>(c);
-    c = std::isalnum(byte) == 0 ? '_' : static_cast<char>(std::tolower(byte));
-  }
-  return name;
-}
-
-const SampleRecord& sampleOf(const ExportPlan& plan, std::size_t sequence, std::size_t frame) {
-  return plan.manifest.samples[plan.sequences[sequence].samples[frame]];
-}
-
-// Returns the transform from a sensor's frame to that of the first sensor, as they are mounted.
-Pose firstFromSensor(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor) {
-  const auto mount = [&](std::size_t k) { return mountOf(*plan.sensors[k], scanOf(plan, sample, k)); };
-  return inverse(mount(0)) * mount(sensor);
-}
-
-std::string calibration(const ExportPlan& plan, const SampleRecord& sample) {
+// Returns the calibration, which is the same for all frames: the axes of the camera at the sensor's origin.
+std::string calibration() {
   std::string text;
   for (int camera = 0; camera < 4; ++camera) {
     text += fmt::format("P{}: {:.12e} 0 {:.12e} 0 0 {:.12e} {:.12e} 0 0 0 1 0\n", camera, kFocal, kCenterX, kFocal,
                         kCenterY);
   }
-  text +=
-      "R0_rect: 1 0 0 0 1 0 0 0 1\n"
-      "Tr_velo_to_cam: 0 -1 0 0 0 0 -1 0 1 0 0 0\n"
-      "Tr_imu_to_velo: 1 0 0 0 0 1 0 0 0 0 1 0\n";
-  for (std::size_t k = 1; k < plan.sensors.size(); ++k) {
-    const std::array<double, 12> m = matrixRows(firstFromSensor(plan, sample, k));
-    text += fmt::format("Tr_{}_to_cam:", pointsFolder(plan, k));
-    for (std::size_t i = 0; i < 4; ++i) text += fmt::format(" {:.12e}", -m[4 + i]);  // right: -y of the first sensor
-    for (std::size_t i = 0; i < 4; ++i) text += fmt::format(" {:.12e}", -m[8 + i]);  // down: -z
-    for (std::size_t i = 0; i < 4; ++i) text += fmt::format(" {:.12e}", m[i]);       // forward: x
-    text += '\n';
-  }
-  return text;
+  return text +
+         "R0_rect: 1 0 0 0 1 0 0 0 1\n"
+         "Tr_velo_to_cam: 0 -1 0 0 0 0 -1 0 1 0 0 0\n"
+         "Tr_imu_to_velo: 1 0 0 0 0 1 0 0 0 0 1 0\n";
 }
 
 // Returns the file with the plane of the road, a x + b y + c z + d = 0 in the camera's frame; empty if the height of
@@ -190,45 +156,28 @@ class Kitti : public Layout {
               "has {} frames, but the numbers of KITTI's frames have six digits: take fewer frames with --split",
               frames));
     }
-    requireDistinct(plan, "folder", [&](std::size_t sensor) { return pointsFolder(plan, sensor); });
     if (listsObjects(plan)) return;
     throw InputError({plan.dataset.string()},
                      "lists no objects, but KITTI's labels are boxes: generate it with `output: {objects: true}`");
-  }
-
-  std::vector<std::filesystem::path> filesOf(const ExportPlan& plan, std::size_t sequence,
-                                             std::size_t frame) const override {
-    const std::string number = fmt::format("{:06}", numberOf(plan, sequence, frame));
-    const std::filesystem::path folder = folderOf(plan.sequences[sequence]);
-    std::vector<std::filesystem::path> files{folder / "label_2" / (number + ".txt"),
-                                             folder / "calib" / (number + ".txt"),
-                                             folder / "image_2" / (number + ".png")};
-    for (std::size_t k = 0; k < plan.sensors.size(); ++k) {
-      files.push_back(folder / pointsFolder(plan, k) / (number + ".bin"));
-    }
-    return files;
   }
 
   void write(const ExportPlan& plan, std::size_t sequence, std::size_t frame, const ReadSample& read,
              const ExportFolder& folder) const override {
     const ExportSample sample = read(sequence, frame);
     std::string labels;
-    forSeen(plan, *sample.record, *sample.objects,
-            [&](const std::string& type, const ObjectRecord& object, const ObjectView& view) {
-              labels += labelOf(type, object, view);
-            });
+    forSeen(plan, *sample.objects, [&](const std::string& type, const ObjectRecord& object, const ObjectView& view) {
+      labels += labelOf(type, object, view);
+    });
     if (labels.empty()) labels = kNoObject;
-    const std::vector<std::filesystem::path> files = filesOf(plan, sequence, frame);
-    folder.write(files[0], labels);
-    folder.write(files[1], calibration(plan, *sample.record));
-    folder.write(files[2], image_);
-    if (const std::string plane = planeText(plan, *sample.record); !plane.empty()) {
-      const std::string name = files[1].filename().string();
-      folder.write(std::filesystem::path(folderOf(plan.sequences[sequence])) / "planes" / name, plane);
-    }
-    for (const ExportScan& scan : sample.scans) {
-      folder.write(files[3 + scan.sensorNumber], velodynePoints(scan, velodyneOrder(scan)));
-    }
+    const std::string number = fmt::format("{:06}", numberOf(plan, sequence, frame));
+    const std::filesystem::path own = folderOf(plan.sequences[sequence]);
+    const ExportScan& scan = sample.scans.front();
+    folder.write(own / "label_2" / (number + ".txt"), labels);
+    folder.write(own / "calib" / (number + ".txt"), calibration());
+    folder.write(own / "image_2" / (number + ".png"), image_);
+    folder.write(own / "velodyne" / (number + ".bin"), velodynePoints(scan, velodyneOrder(scan)));
+    const std::string plane = planeText(plan, *sample.record);
+    if (!plane.empty()) folder.write(own / "planes" / (number + ".txt"), plane);
   }
 
   std::vector<std::string> finish(const ExportPlan& plan, const ReadObjects& read,
@@ -239,11 +188,10 @@ class Kitti : public Layout {
     for (std::size_t s = 0; s < plan.sequences.size(); ++s) {
       for (std::size_t f = 0; f < plan.sequences[s].samples.size(); ++f) {
         sets[plan.sequences[s].split] += fmt::format("{:06}\n", numberOf(plan, s, f));
-        forSeen(plan, sampleOf(plan, s, f), *read(s, f),
-                [&](const std::string&, const ObjectRecord& object, const ObjectView& view) {
-                  ++all;
-                  shown += isShown(object, view) ? 1 : 0;
-                });
+        forSeen(plan, *read(s, f), [&](const std::string&, const ObjectRecord& object, const ObjectView& view) {
+          ++all;
+          shown += isShown(object, view) ? 1 : 0;
+        });
       }
     }
     sets["trainval"] = sets["train"] + sets["val"];
@@ -254,29 +202,20 @@ class Kitti : public Layout {
     if (shown == all) return warnings;
     warnings.push_back(
         fmt::format("{} of {} boxes with points are left out, since KITTI lists only objects in the image of its "
-                    "camera, which looks along the first sensor's x axis; all points are written",
+                    "camera, which looks along the sensor's x axis; all points are written",
                     all - shown, all));
     return warnings;
   }
 
  private:
-  // Calls work(type, object, view) for the objects that have points in one of the scans and a class that KITTI has. The
-  // view is that of the first of these scans, with the box in the frame of the first sensor.
+  // Calls work(type, object, view) for the objects that have points in the scan and a class that KITTI has.
   template <class Do>
-  static void forSeen(const ExportPlan& plan, const SampleRecord& sample, const SampleObjects& objects,
-                      const Do& work) {
+  static void forSeen(const ExportPlan& plan, const SampleObjects& objects, const Do& work) {
     for (const ObjectRecord& object : objects.objects) {
       const SemanticClass& type = plan.classes.classOf(object.semantic);
       if (type.id == 0) continue;
-      for (std::size_t k = 0; k < plan.sensors.size(); ++k) {
-        const auto view = std::find_if(object.views.begin(), object.views.end(), [&](const ObjectView& v) {
-          return v.sensor == plan.sensors[k]->name && v.points > 0;
-        });
-        if (view == object.views.end()) continue;
-        ObjectView own = *view;
-        if (k > 0) own.sensorFromBox = firstFromSensor(plan, sample, k) * own.sensorFromBox;
-        work(type.name, object, own);
-        break;
+      for (const ObjectView& view : object.views) {
+        if (view.sensor == plan.sensors.front()->name && view.points > 0) work(type.name, object, view);
       }
     }
   }

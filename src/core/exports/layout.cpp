@@ -22,7 +22,7 @@ namespace {
 constexpr std::array<LayoutEntry, 7> kLayouts{{
     {"semantic_kitti", "sequences/NN with velodyne, labels, calib, poses and times", "semantic_kitti", true, false,
      false, makeSemanticKitti},
-    {"kitti", "KITTI's object benchmark: velodyne, label_2, calib, image_2, ImageSets", "kitti", false, true, false,
+    {"kitti", "KITTI's object benchmark: velodyne, label_2, calib, image_2, ImageSets", "kitti", true, true, false,
      makeKitti},
     {"nuscenes", "nuScenes' tables, boxes, lidarseg and panoptic", "nuscenes", false, false, true, makeNuScenes},
     {"las", "LAS 1.4, a file for each scan; all columns as extra bytes", "", false, false, true, makeLas},
@@ -57,15 +57,6 @@ bool listsObjects(const ExportPlan& plan) {
 bool hasColumn(const ExportPlan& plan, std::string_view column) {
   const std::vector<std::string>& columns = plan.manifest.columns;
   return std::find(columns.begin(), columns.end(), column) != columns.end();
-}
-
-bool hasVoxels(const ExportPlan& plan, std::size_t sequence, std::size_t frame) {
-  const SampleRecord& sample = plan.manifest.samples[plan.sequences[sequence].samples[frame]];
-  const std::string ofSensor = sample.key + "." + plan.sensors.front()->name + ".";
-  const std::string suffix = "." + std::string(kVoxelsSuffix);
-  return std::any_of(sample.members.begin(), sample.members.end(), [&](const std::string& member) {
-    return member.starts_with(ofSensor) && member.ends_with(suffix);
-  });
 }
 
 std::vector<std::size_t> velodyneOrder(const ExportScan& given) {

@@ -64,8 +64,6 @@ struct ExportPlan {
 bool listsObjects(const ExportPlan& plan);
 // Returns true if the dataset's scans have a column.
 bool hasColumn(const ExportPlan& plan, std::string_view column);
-// Returns true if the sample of a frame has voxels around the first exported sensor.
-bool hasVoxels(const ExportPlan& plan, std::size_t sequence, std::size_t frame);
 // Returns the indices of the scan's points, without misses, in the order of KITTI's files, from which some loaders
 // derive the rings: the rings from top to bottom, and each ring counter-clockwise, starting straight ahead. If the scan
 // has no ring numbers, the points keep their order.
@@ -128,10 +126,7 @@ class Layout {
   // Returns true if the frames of a sequence share a file, so that a unit of work is a sequence; otherwise a unit is a
   // frame.
   virtual bool bySequence() const { return false; }
-  // Returns the files of a unit of work, relative to the output folder. The unit is complete if all of them exist.
-  // `frame` is 0 if the unit is a sequence.
-  virtual std::vector<std::filesystem::path> filesOf(const ExportPlan&, std::size_t sequence,
-                                                     std::size_t frame) const = 0;
+  // Writes the files of a unit of work. `frame` is 0 if the unit is a sequence.
   virtual void write(const ExportPlan&, std::size_t sequence, std::size_t frame, const ReadSample& read,
                      const ExportFolder& folder) const = 0;
   // Writes the files that describe the complete dataset; called after all units. Returns warnings for the user.

@@ -204,15 +204,11 @@ class Mcap : public Layout {
 
   bool bySequence() const override { return true; }
 
-  std::vector<std::filesystem::path> filesOf(const ExportPlan& plan, std::size_t sequence, std::size_t) const override {
-    const ExportSequence& own = plan.sequences[sequence];
-    return {std::filesystem::path(own.split) / (own.name + ".mcap")};
-  }
-
-  void write(const ExportPlan& plan, std::size_t sequence, std::size_t frame, const ReadSample& read,
+  void write(const ExportPlan& plan, std::size_t sequence, std::size_t, const ReadSample& read,
              const ExportFolder& folder) const override {
-    Bag bag(plan, sequence, folder.place(filesOf(plan, sequence, frame).front()));
-    for (std::size_t f = 0; f < plan.sequences[sequence].samples.size(); ++f) bag.add(read(sequence, f));
+    const ExportSequence& own = plan.sequences[sequence];
+    Bag bag(plan, sequence, folder.place(std::filesystem::path(own.split) / (own.name + ".mcap")));
+    for (std::size_t f = 0; f < own.samples.size(); ++f) bag.add(read(sequence, f));
     bag.commit();
   }
 };

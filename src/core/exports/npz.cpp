@@ -17,9 +17,12 @@
 //   box_points         uint32 (M,)       number of the scan's points on the object
 //   box_visibility     float32 (M,)      visible fraction of the beams at the object; NaN if no beam would hit it
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <limits>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 
 #include "exports/scan_files.h"
@@ -33,27 +36,15 @@ namespace {
 using Shape = std::vector<std::size_t>;
 using Files = std::vector<std::pair<std::string, std::string>>;
 
-constexpr const char* kFloat32 = "<f4";
-constexpr const char* kFloat64 = "<f8";
-constexpr const char* kUInt16 = "<u2";
-constexpr const char* kUInt32 = "<u4";
-
-constexpr const char* numpyType(ColumnType type) {
-  switch (type) {
-    case ColumnType::Float32:
-      return kFloat32;
-    case ColumnType::UInt8:
-      return "|u1";
-    case ColumnType::UInt16:
-      return kUInt16;
-    case ColumnType::UInt32:
-      return kUInt32;
-  }
-  return "";
+// Returns NumPy's name of a type, such as "<f4".
+template <class T>
+std::string numpyType() {
+  return fmt::format("{}{}{}", sizeof(T) == 1 ? '|' : '<', std::is_floating_point_v<T> ? 'f' : 'u', sizeof(T));
 }
 
-void add(std::string_view name, const char* type, const Shape& shape, std::string_view bytes, Files& files) {
-  files.emplace_back(std::string(name) + ".npy", npyOf(type, shape, bytes));
+template <class T>
+void add(std::string_view name, const Shape& shape, std::string_view bytes, Files& files) {
+  files.emplace_back(std::string(name) + ".npy", npyOf(numpyType<T>(), shape, bytes));
 }
 
 void addPoints(const ExportPlan& plan, const Scan& scan, Files& files) {
@@ -65,13 +56,13 @@ void addPoints(const ExportPlan& plan, const Scan& scan, Files& files) {
   for (const Vec3f& p : scan.position) {
     for (const float coordinate : {p.x, p.y, p.z}) putNumber(coordinate, bytes);
   }
-  add("xyz", kFloat32, ofPositions, bytes, files);
+  add<float>("xyz", ofPositions, bytes, files);
   const ColumnSet columns = exportedColumns(plan, scan);
-  visitTable(scan, [&](auto key, const auto& values) {
+  visitTable(scan, [&]<class T>(auto key, const std::vector<T>& values) {
     if (!columns.has(key)) return;
     bytes.clear();
-    for (const auto value : values) putNumber(exported(plan.classes, key, value), bytes);
-    add(key.row.name, numpyType(key.row.type), shape, bytes, files);
+    for (const T value : values) putNumber(exported(plan.classes, key, value), bytes);
+    add<T>(key.row.name, shape, bytes, files);
   });
 }
 
@@ -84,7 +75,7 @@ void putPose(const Pose& pose, std::string& bytes) {
 void addPoses(const ScanRecord& record, Files& files) {
   std::string bytes;
   for (const Pose& pose : record.worldFromSensor) putPose(pose, bytes);
-  add("world_from_sensor", kFloat64, {record.worldFromSensor.size(), 4, 4}, bytes, files);
+  add<double>("world_from_sensor", {record.worldFromSensor.size(), 4, 4}, bytes, files);
 }
 
 void addBoxes(const ExportPlan& plan, const SampleObjects& objects, const ExportScan& scan, Files& files) {
@@ -116,13 +107,13 @@ void addBoxes(const ExportPlan& plan, const SampleObjects& objects, const Export
     const double none = std::numeric_limits<double>::quiet_NaN();
     putNumber(static_cast<float>(view->visibility().value_or(none)), visibilities);
   }
-  add("boxes", kFloat32, {count, 7}, boxes, files);
-  add("box_pose", kFloat64, {count, 4, 4}, poses, files);
-  add("box_class", kUInt16, {count}, classes, files);
-  add("box_instance", kUInt32, {count}, instances, files);
-  add("box_velocity", kFloat32, {count, 3}, velocities, files);
-  add("box_points", kUInt32, {count}, points, files);
-  add("box_visibility", kFloat32, {count}, visibilities, files);
+  add<float>("boxes", {count, 7}, boxes, files);
+  add<double>("box_pose", {count, 4, 4}, poses, files);
+  add<std::uint16_t>("box_class", {count}, classes, files);
+  add<std::uint32_t>("box_instance", {count}, instances, files);
+  add<float>("box_velocity", {count, 3}, velocities, files);
+  add<std::uint32_t>("box_points", {count}, points, files);
+  add<float>("box_visibility", {count}, visibilities, files);
 }
 
 class Npz : public ScanFiles {

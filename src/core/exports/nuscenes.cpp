@@ -139,35 +139,12 @@ class NuScenes : public Layout {
   }
 
   bool checksSamples(const ExportPlan& plan) const override { return isPanoptic(plan); }
-
-  void checkSample(const ExportPlan& plan, const ExportSample& sample) const override {
-    // After checkSample() has been called for all samples, the frames of each scene are known, so that write() only has
-    // to read its own frame.
-    numbers_.add(plan, sample);
-  }
-
-  std::vector<std::filesystem::path> filesOf(const ExportPlan& plan, std::size_t sequence,
-                                             std::size_t frame) const override {
-    const SampleRecord& sample = plan.manifest.samples[plan.sequences[sequence].samples[frame]];
-    std::vector<std::filesystem::path> files;
-    for (std::size_t sensor = 0; sensor < plan.sensors.size(); ++sensor) {
-      for (const ScanRecord* scan : revolutionsOf(plan, sample, sensor)) {
-        files.push_back(pointsFile(plan, sequence, sample, sensor, *scan));
-      }
-      if (hasColumn(plan, "label")) files.push_back(lidarsegFile(plan, sample, sensor));
-      if (isPanoptic(plan)) files.push_back(panopticFile(plan, sample, sensor));
-    }
-    return files;
-  }
+  void checkSample(const ExportPlan& plan, const ExportSample& sample) const override { numbers_.add(plan, sample); }
 
   void write(const ExportPlan& plan, std::size_t sequence, std::size_t frame, const ReadSample& read,
              const ExportFolder& folder) const override {
     const ExportSample sample = read(sequence, frame);
-    std::map<Instance, std::uint16_t> numbers;
-    if (isPanoptic(plan)) {
-      numbers_.add(plan, sample);
-      numbers = numbers_.of(plan, sequence, read);
-    }
+    std::map<Instance, std::uint16_t> numbers = numbers_.of(sequence);
     for (const ExportScan& scan : sample.scans) {
       folder.write(pointsFile(plan, sequence, *sample.record, scan.sensorNumber, *scan.record), pointsOf(scan));
       if (scan.record->revolution == 0 && hasColumn(plan, "label"))

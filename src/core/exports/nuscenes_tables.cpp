@@ -83,18 +83,13 @@ OrderedJson listOf(const Quat& q, const std::string& what) {
 }
 
 // A file with a JSON list, one item per line. Items that were added since the last flush() are in memory. The file gets
-// its final name in commit(). All calls except add() and set() throw the errors of AtomicFile.
+// its final name in commit(). All calls except add() throw the errors of AtomicFile.
 class JsonListFile {
  public:
   explicit JsonListFile(const fs::path& path) : file_(path) {}
 
-  // Adds the JSON text of an item, without line breaks. Returns the item's index for set(), which is valid until the
-  // next flush().
-  std::size_t add(std::string item) {
-    items_.push_back(std::move(item));
-    return items_.size() - 1;
-  }
-  void set(std::size_t place, std::string item) { items_[place] = std::move(item); }
+  // Adds the JSON text of an item, without line breaks.
+  void add(std::string item) { items_.push_back(std::move(item)); }
 
   void flush() {
     std::string text;
@@ -419,64 +414,55 @@ class Tables {
     return seen;
   }
 
-  // Returns the greatest length, width and height (m) of each object with points in the sequence's frames, by the
-  // dataset's instance id: nuScenes gives an instance one size, but an animated object's box changes with its shape.
-  std::map<std::uint32_t, Vec3d> trackSizes(std::size_t s) const {
-    std::map<std::uint32_t, Vec3d> sizes;
+  // What the sample_annotations of an object in a sequence have in common.
+  struct Track {
+    std::uint16_t category = 0;
+    // m, greatest sides of the object's boxes: nuScenes gives an instance one size, but an animated object's box
+    // changes with its shape.
+    Vec3d size;
+    std::vector<std::size_t> frames;  // frames in which the object is annotated
+  };
+
+  // Calls work(frame, object, seen, category) for all objects of a sequence that are annotated, frame by frame.
+  template <class Do>
+  void forAnnotated(std::size_t s, const Do& work) const {
     for (std::size_t f = 0; f < plan_.sequences[s].samples.size(); ++f) {
       const std::optional<SampleObjects> all = read_(s, f);
       if (!all) continue;
       for (const ObjectRecord& object : all->objects) {
-        if (seenBy(object).points == 0) continue;
-        Vec3d& size = sizes[object.id];
-        for (const auto side : {&Vec3d::x, &Vec3d::y, &Vec3d::z}) size.*side = std::max(size.*side, object.size.*side);
+        const SemanticClass& category = plan_.classes.classOf(object.semantic);
+        const Seen seen = seenBy(object);
+        if (category.thing && seen.points > 0) work(f, object, seen, category);
       }
     }
-    return sizes;
   }
 
   void addAnnotations(std::size_t s) {
-    struct Annotated {
-      std::uint16_t category = 0;
-      std::size_t annotations = 0;
-      OrderedJson first;      // token of the first annotation
-      OrderedJson last;       // the latest annotation; its `next` is not known yet
-      std::size_t place = 0;  // index of the row `last` for JsonListFile::set()
-    };
-    const ExportSequence& sequence = plan_.sequences[s];
-    JsonListFile& annotations = tables_.at("sample_annotation");
-    const std::map<std::uint32_t, Vec3d> sizes = trackSizes(s);
-    std::map<std::uint32_t, Annotated> instances;  // by the dataset's instance ids
-    for (std::size_t f = 0; f < sequence.samples.size(); ++f) {
-      const std::optional<SampleObjects> all = read_(s, f);
-      if (!all) continue;
-      const SampleRecord& sample = plan_.manifest.samples[sequence.samples[f]];
-      for (const ObjectRecord& object : all->objects) {
-        const SemanticClass& category = plan_.classes.classOf(object.semantic);
-        const Seen seen = seenBy(object);
-        if (!category.thing || seen.points == 0) continue;
-        OrderedJson row = annotation(s, sample, object, seen, sizes.at(object.id), category.name);
-        Annotated& instance = instances[object.id];
-        if (instance.annotations++ == 0) {
-          instance.category = category.id;
-          instance.first = row["token"];
-        } else {
-          row["prev"] = instance.last["token"];
-          instance.last["next"] = row["token"];
-          annotations.set(instance.place, scalarText(instance.last));
-        }
-        instance.place = annotations.add(scalarText(row));
-        ++boxes_;
-        instance.last = std::move(row);
+    std::map<std::uint32_t, Track> tracks;  // by the dataset's instance ids
+    forAnnotated(s, [&](std::size_t f, const ObjectRecord& object, const Seen&, const SemanticClass& category) {
+      Track& track = tracks[object.id];
+      if (track.frames.empty()) track.category = category.id;
+      track.frames.push_back(f);
+      for (const auto side : {&Vec3d::x, &Vec3d::y, &Vec3d::z}) {
+        track.size.*side = std::max(track.size.*side, object.size.*side);
       }
-    }
-    for (const auto& [id, instance] : instances) {
+    });
+    forAnnotated(s, [&](std::size_t f, const ObjectRecord& object, const Seen& seen, const SemanticClass& category) {
+      add("sample_annotation", annotation(s, f, object, seen, tracks.at(object.id), category.name));
+      ++boxes_;
+    });
+    for (const auto& [id, track] : tracks) {
       add("instance", {{"token", instanceToken(s, id)},
-                       {"category_token", categoryToken(instance.category)},
-                       {"nbr_annotations", instance.annotations},
-                       {"first_annotation_token", instance.first},
-                       {"last_annotation_token", instance.last["token"]}});
+                       {"category_token", categoryToken(track.category)},
+                       {"nbr_annotations", track.frames.size()},
+                       {"first_annotation_token", annotationToken(s, track.frames.front(), id)},
+                       {"last_annotation_token", annotationToken(s, track.frames.back(), id)}});
     }
+  }
+
+  std::string annotationToken(std::size_t s, std::size_t f, std::uint32_t id) const {
+    const SampleRecord& sample = plan_.manifest.samples[plan_.sequences[s].samples[f]];
+    return token("sample_annotation", fmt::format("{} {}", sample.key, id));
   }
 
   std::string instanceToken(std::size_t s, std::uint32_t id) const {
@@ -485,16 +471,20 @@ class Tables {
 
   // Returns a row of sample_annotation. Its box is the object's box relative to the first sensor that sees it, when the
   // beams hit the object, placed in the world by the sensor's pose at the start of the revolution. The box thus fits
-  // the points of this sensor. `size`: size of the object's track (m).
-  OrderedJson annotation(std::size_t s, const SampleRecord& sample, const ObjectRecord& object, const Seen& seen,
-                         const Vec3d& size, const std::string& category) const {
+  // the points of this sensor.
+  OrderedJson annotation(std::size_t s, std::size_t f, const ObjectRecord& object, const Seen& seen, const Track& track,
+                         const std::string& category) const {
+    const SampleRecord& sample = plan_.manifest.samples[plan_.sequences[s].samples[f]];
     const std::string what = fmt::format("{}: object {}", sample.key, object.id);
     const Pose worldFromBox = scanOf(plan_, sample, seen.sensor).worldFromSensor.front() * seen.first->sensorFromBox;
+    const Vec3d& size = track.size;
+    const auto own = std::lower_bound(track.frames.begin(), track.frames.end(), f);
+    const auto tokenAt = [&](auto frame) { return annotationToken(s, *frame, object.id); };
     OrderedJson attributes = OrderedJson::array();
     if (const std::string name = attributeOf(category, object); !name.empty()) {
       attributes.push_back(token("attribute", name));
     }
-    return {{"token", token("sample_annotation", fmt::format("{} {}", sample.key, object.id))},
+    return {{"token", tokenAt(own)},
             {"sample_token", token("sample", sample.key)},
             {"instance_token", instanceToken(s, object.id)},
             {"visibility_token", visibilityToken(seen.visibility)},
@@ -502,8 +492,8 @@ class Tables {
             {"translation", listOf(worldFromBox.translation, what)},
             {"size", listOf(Vec3d{size.y, size.x, size.z}, what)},
             {"rotation", listOf(worldFromBox.rotation, what)},
-            {"prev", ""},
-            {"next", ""},
+            {"prev", own == track.frames.begin() ? "" : tokenAt(own - 1)},
+            {"next", own + 1 == track.frames.end() ? "" : tokenAt(own + 1)},
             {"num_lidar_pts", seen.points},
             {"num_radar_pts", 0}};
   }

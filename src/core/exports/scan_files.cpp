@@ -4,26 +4,13 @@
 
 namespace scanmill {
 
-std::filesystem::path ScanFiles::fileOf(const SampleRecord& sample, const ScanRecord& scan) const {
-  return std::filesystem::path(sample.split) / fmt::format("{}.{}.{}", sample.key, revolutionName(scan), suffix_);
-}
-
-std::vector<std::filesystem::path> ScanFiles::filesOf(const ExportPlan& plan, std::size_t sequence,
-                                                      std::size_t frame) const {
-  const SampleRecord& sample = plan.manifest.samples[plan.sequences[sequence].samples[frame]];
-  std::vector<std::filesystem::path> files;
-  for (std::size_t s = 0; s < plan.sensors.size(); ++s) {
-    for (const ScanRecord* scan : revolutionsOf(plan, sample, s)) files.push_back(fileOf(sample, *scan));
-  }
-  return files;
-}
-
 void ScanFiles::write(const ExportPlan& plan, std::size_t sequence, std::size_t frame, const ReadSample& read,
                       const ExportFolder& folder) const {
   const ExportSample sample = read(sequence, frame);
   for (const ExportScan& scan : sample.scans) {
     requireConsistent(scan.scan);
-    folder.write(fileOf(*sample.record, *scan.record), bytesOf(plan, sample, scan));
+    const std::string file = fmt::format("{}.{}.{}", sample.record->key, revolutionName(*scan.record), suffix_);
+    folder.write(std::filesystem::path(sample.record->split) / file, bytesOf(plan, sample, scan));
   }
 }
 

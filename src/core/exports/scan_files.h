@@ -20,9 +20,6 @@ class ScanFiles : public Layout {
  public:
   explicit ScanFiles(std::string suffix) : suffix_(std::move(suffix)) {}
 
-  // Returns the path of one file for each revolution of the exported sensors, in the order of ExportPlan::sensors.
-  std::vector<std::filesystem::path> filesOf(const ExportPlan& plan, std::size_t sequence,
-                                             std::size_t frame) const override;
   void write(const ExportPlan& plan, std::size_t sequence, std::size_t frame, const ReadSample& read,
              const ExportFolder& folder) const override;
 
@@ -31,8 +28,6 @@ class ScanFiles : public Layout {
   virtual std::string bytesOf(const ExportPlan& plan, const ExportSample& sample, const ExportScan& scan) const = 0;
 
  private:
-  std::filesystem::path fileOf(const SampleRecord& sample, const ScanRecord& scan) const;
-
   std::string suffix_;  // suffix of the files, without a dot
 };
 

@@ -97,19 +97,6 @@ class SemanticKitti : public Layout {
 
   void checkSample(const ExportPlan& plan, const ExportSample& sample) const override { numbers_.add(plan, sample); }
 
-  std::vector<std::filesystem::path> filesOf(const ExportPlan& plan, std::size_t sequence,
-                                             std::size_t frame) const override {
-    const std::string name = fmt::format("{:06}", frame);
-    const std::filesystem::path own = sequenceFolder(numbersOf(plan)[sequence]);
-    std::vector<std::filesystem::path> files{own / "velodyne" / (name + ".bin")};
-    if (hasColumn(plan, "label")) files.push_back(own / "labels" / (name + ".label"));
-    if (hasVoxels(plan, sequence, frame)) {
-      for (const char* kind : {".bin", ".label", ".invalid", ".occluded"})
-        files.push_back(own / "voxels" / (name + kind));
-    }
-    return files;
-  }
-
   bool readsVoxels() const override { return true; }
 
   void write(const ExportPlan& plan, std::size_t sequence, std::size_t frame, const ReadSample& read,
@@ -122,7 +109,7 @@ class SemanticKitti : public Layout {
         if (object.moves) moving.insert(object.id);
       }
     }
-    const std::map<InstanceNumbers::Instance, std::uint16_t> numbers = newNumbers(plan, sample, read);
+    const std::map<InstanceNumbers::Instance, std::uint16_t> numbers = newNumbers(sequence);
     std::string labels;
     const std::vector<std::size_t> order = velodyneOrder(sample.scans.front());
     for (const std::size_t i : order) {
@@ -133,15 +120,16 @@ class SemanticKitti : public Layout {
       const std::uint32_t number = numbers.empty() || instance == 0 ? instance : numbers.at({0, instance});
       putNumber(label | number << 16, labels);
     }
-    const std::vector<std::filesystem::path> files = filesOf(plan, sequence, frame);
-    folder.write(files[0], velodynePoints(sample.scans.front(), order));
-    if (hasColumn(plan, "label")) folder.write(files[1], labels);
-    if (!sample.voxels || !hasVoxels(plan, sequence, frame)) return;
+    const std::string name = fmt::format("{:06}", frame);
+    const std::filesystem::path own = sequenceFolder(numbersOf(plan)[sequence]);
+    folder.write(own / "velodyne" / (name + ".bin"), velodynePoints(sample.scans.front(), order));
+    if (hasColumn(plan, "label")) folder.write(own / "labels" / (name + ".label"), labels);
+    if (!sample.voxels) return;
     const VoxelFiles voxels = semanticKittiVoxels(*sample.voxels, plan.classes);
-    auto file = files.end() - 4;
-    for (const std::string* bytes : {&voxels.bin, &voxels.label, &voxels.invalid, &voxels.occluded}) {
-      folder.write(*file++, *bytes);
-    }
+    folder.write(own / "voxels" / (name + ".bin"), voxels.bin);
+    folder.write(own / "voxels" / (name + ".label"), voxels.label);
+    folder.write(own / "voxels" / (name + ".invalid"), voxels.invalid);
+    folder.write(own / "voxels" / (name + ".occluded"), voxels.occluded);
   }
 
   std::vector<std::string> finish(const ExportPlan& plan, const ReadObjects&,
@@ -221,14 +209,11 @@ class SemanticKitti : public Layout {
   }
 
   // Returns the new numbers of a sequence's instances; empty if all of their ids fit into labels.
-  std::map<InstanceNumbers::Instance, std::uint16_t> newNumbers(const ExportPlan& plan, const ExportSample& sample,
-                                                                const ReadSample& read) const {
-    if (!hasColumn(plan, "instance")) return {};
-    numbers_.add(plan, sample);
-    std::map<InstanceNumbers::Instance, std::uint16_t> numbers = numbers_.of(plan, sample.sequence, read);
+  std::map<InstanceNumbers::Instance, std::uint16_t> newNumbers(std::size_t sequence) const {
+    std::map<InstanceNumbers::Instance, std::uint16_t> numbers = numbers_.of(sequence);
     if (numbers.empty() || numbers.rbegin()->first.second <= kMostInstanceId) return {};
     const std::scoped_lock lock(mutex_);
-    renumbered_.insert(sample.sequence);
+    renumbered_.insert(sequence);
     return numbers;
   }
 

@@ -105,56 +105,28 @@ TEST_F(Exports, EveryRevolutionIsWrittenOrRefused) {
   EXPECT_TRUE(holds(".1", scans[1].record->points));
 }
 
-TEST_F(Exports, StoppedOnesAreResumedToTheSameBytes) {
-  const ThreadLimit one(1);  // so that the first sequence is whole before the second begins
-  for (const LayoutEntry& entry : layouts()) {
-    if (entry.name == "kitti") continue;
-    SCOPED_TRACE(entry.name);
-    const std::string name(entry.name);
-    exportDataset(options(name, name + "_whole"));
-    std::atomic<bool> stop = false;
-    ExportOptions cut = options(name, name + "_cut");
-    cut.stop = &stop;
-    cut.progress = [&](const char* stage, std::uint64_t done, std::uint64_t) {
-      stop = std::string(stage) == "writing" && done >= 4;
-    };
-    EXPECT_THAT(messageOf<Error>([&] { exportDataset(cut); }), HasSubstr("--resume"));
-    EXPECT_FALSE(fs::exists(cut.folder / "scanmill_export.json"));
-    ExportOptions again = options(name, name + "_cut");
-    EXPECT_THAT(messageOf<InputError>([&] { exportDataset(again); }), HasSubstr("--resume"));
-    again.resume = true;
-    const ExportSummary summary = exportDataset(again);
-    EXPECT_GE(summary.resumedFrames, 3u);
-    EXPECT_LT(summary.resumedFrames, 6u);
-    EXPECT_EQ(filesIn(cut.folder), filesIn(folder_.path() / (name + "_whole")));
-  }
-}
-
-// Such as a run that was killed leaves: its temporary files go, those of others stay.
-TEST_F(Exports, ResumingCleansUpAndTellsWhenNothingIsLeft) {
+// An export that was stopped or killed is not taken for a complete one, and is replaced by the same bytes.
+TEST_F(Exports, StoppedOnesAreReplacedByTheSameBytes) {
+  exportDataset(options("ply", "whole"));
   std::atomic<bool> stop = false;
-  ExportOptions cut = options("ply", "out");
+  ExportOptions cut = options("ply", "cut");
   cut.stop = &stop;
   cut.progress = [&](const char*, std::uint64_t done, std::uint64_t) { stop = done >= 2; };
-  EXPECT_THAT(messageOf<Error>([&] { exportDataset(cut); }), HasSubstr("--resume"));
-  folder_.write("out/train/x.ply.partial-4711", "half");
-  folder_.write("out/notes.partial-final", "mine");
-  ExportOptions again = options("ply", "out");
-  again.resume = true;
-  for (const bool resume : {false, true}) {
+  EXPECT_THAT(messageOf<Error>([&] { exportDataset(cut); }), HasSubstr("--overwrite"));
+  EXPECT_FALSE(fs::exists(cut.folder / "scanmill_export.json"));
+  folder_.write("cut/train/x.ply.partial-4711", "half");
+  ExportOptions again = options("ply", "cut");
+  EXPECT_THAT(messageOf<InputError>([&] { exportDataset(again); }), HasSubstr("has an unfinished export"));
+  again.overwrite = true;
+  {
     const FolderLock other(cut.folder, cut.folder / ".scanmill_export.lock");
-    again.resume = resume;
     EXPECT_THAT(messageOf<InputError>([&] { exportDataset(again); }), HasSubstr("is being written by process"));
   }
   exportDataset(again);
-  auto files = filesIn(cut.folder);
-  EXPECT_EQ(files.count("train/x.ply.partial-4711"), 0u);
-  EXPECT_EQ(files.count("notes.partial-final"), 1u);
-  const ExportSummary whole = exportDataset(again);
-  EXPECT_EQ(whole.resumedFrames, 6u);
-  EXPECT_EQ(filesIn(cut.folder), files);
-  again.splits = {"val"};
-  EXPECT_THAT(messageOf<InputError>([&] { exportDataset(again); }), HasSubstr("has a complete export"));
+  EXPECT_EQ(filesIn(cut.folder), filesIn(folder_.path() / "whole"));
+  folder_.write("start/.scanmill_export.json.partial-4711", "half");
+  exportDataset(options("ply", "start"));
+  EXPECT_EQ(filesIn(folder_.path() / "start"), filesIn(folder_.path() / "whole"));
 }
 
 TEST_F(Exports, TheDatasetsOwnFolderIsNotWrittenInto) {
@@ -186,10 +158,6 @@ TEST_F(Exports, ReplaceOthersWhenAsked) {
     EXPECT_THAT(messageOf<InputError>([&] { exportDataset(mine); }), HasSubstr("is not empty"));
   }
   EXPECT_THAT(messageOf<InputError>([&] { exportDataset(options("ply", "out")); }), HasSubstr("has a complete export"));
-  folder_.write("other/.scanmill_export.json", "of something else");
-  ExportOptions unfinished = options("ply", "other");
-  unfinished.resume = true;
-  EXPECT_THAT(messageOf<InputError>([&] { exportDataset(unfinished); }), HasSubstr("another dataset"));
 }
 
 TEST_F(Exports, ClassesThatTheLayoutLacksAreNamed) {
@@ -262,7 +230,6 @@ TEST(ClassMaps, GoByNamesAndAliasesOfBoth) {
   EXPECT_EQ(map.ofMoving(5), 11);
   EXPECT_EQ(map.of(7), 0);
   EXPECT_EQ(map.of(999), 0);
-  EXPECT_THAT(testing::PrintToString(map.lost()), HasSubstr("tree becomes unlabeled"));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include <fmt/ranges.h>
+#include <fmt/core.h>
 
 #include "tests/core/exports/export_world.h"
 
@@ -57,34 +57,6 @@ for line, corners in zip(lines, wanted):
     seen = np.clip(uv, 0, [1241, 374])
     assert np.abs(np.r_[seen.min(0), seen.max(0)] - box).max() < 3, (seen, box)
 )");
-}
-
-// The calibration carries the points of each further lidar to where the mounts have them, and an object that only this
-// lidar sees is where it is for the first one.
-TEST_F(KittiLayout, AllLidarsShareTheCameraAndTheLabels) {
-  useBothSensors();
-  write(*layout_);
-  const std::string both = readFile(folder_.path() / "training/label_2/000001.txt");
-  writeChanged(*layout_, 0, 1, [](ExportSample& own) {
-    for (ObjectRecord& object : own.objects->objects) object.views[0].points = 0;
-  });
-  EXPECT_EQ(readFile(folder_.path() / "training/label_2/000001.txt"), both);
-  const std::vector<SensorRecord>& sensors = plan_.manifest.sensors;
-  const auto rows = matrixRows(inverse(*sensors[0].vehicleFromSensor) * *sensors[1].vehicleFromSensor);
-  python(fmt::format("wanted = np.array([{}]).reshape(3, 4)\n", fmt::join(rows, ", ")) + R"(
-tr = {}
-for line in (folder / 'training/calib/000001.txt').read_text().splitlines():
-    name, numbers = line.split(':')
-    tr[name] = np.array(numbers.split(), dtype=float)
-first, rear = np.eye(4), np.eye(4)
-first[:3], rear[:3] = tr['Tr_velo_to_cam'].reshape(3, 4), tr['Tr_velodyne_rear_to_cam'].reshape(3, 4)
-assert np.abs((np.linalg.inv(first) @ rear)[:3] - wanted).max() < 1e-9
-)");
-  EXPECT_EQ(readFile(folder_.path() / "training/velodyne_rear/000001.bin").size(), scan(1, 1).size() * 16);
-  plan_.manifest.sensors[0].name = "REAR-1";
-  plan_.manifest.sensors.push_back(plan_.manifest.sensors[1]);
-  plan_.sensors = {&plan_.manifest.sensors[0], &plan_.manifest.sensors[1], &plan_.manifest.sensors[2]};
-  EXPECT_THAT(messageOf<InputError>([&] { layout_->check(plan_); }), HasSubstr("folder velodyne_rear"));
 }
 
 TEST_F(KittiLayout, FramesAreNumberedThroughTheSplits) {

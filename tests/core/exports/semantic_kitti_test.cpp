@@ -129,15 +129,18 @@ TEST_F(SemanticKittiLayout, NumbersAreThoseOfTheSplitsThatProgramsKnow) {
     plan_.sequences.push_back(some);
     plan_.sequences.back().split = split;
   }
-  std::string numbers;
-  for (std::size_t s = 0; s < plan_.sequences.size(); ++s) {
-    numbers += layout_->filesOf(plan_, s, 0).front().generic_string().substr(10, 2) + " ";
-  }
-  EXPECT_EQ(numbers, "00 01 02 03 04 05 06 07 09 10 22 08 11 23 24 ");
+  layout_->finish(plan_, {}, ExportFolder(folder_.path()));
+  std::string listed = readFile(folder_.path() / "semantic-kitti.yaml");
+  listed.erase(0, listed.find("split:"));
+  std::erase(listed, '\n');
+  EXPECT_EQ(listed,
+            "split:  night:    - 24  test:    - 11"
+            "  train:    - 0    - 1    - 2    - 3    - 4    - 5    - 6    - 7    - 9    - 10    - 22"
+            "  valid:    - 8    - 23");
   plan_.sequences.assign(100, some);
-  std::set<std::string> folders;
-  for (std::size_t s = 0; s < 100; ++s) folders.insert(layout_->filesOf(plan_, s, 0).front().generic_string());
-  EXPECT_EQ(folders.size(), 100u);
+  layout_->finish(plan_, {}, ExportFolder(folder_.path()));
+  const auto files = written();
+  EXPECT_EQ(std::ranges::count_if(files, [](const auto& file) { return file.first.ends_with("/poses.txt"); }), 100);
 }
 
 // Remissions are parts of 1, whatever the sensor calls full.

@@ -126,20 +126,13 @@ assert flags('a.invalid').sum() > 10 and flags('a.occluded').sum() > 10
 
 TEST_F(VoxelExport, FilesAreThereWhereTheSampleHasVoxels) {
   const std::unique_ptr<Layout> layout = makeSemanticKitti();
-  for (SampleRecord& sample : plan_.manifest.samples) {
-    EXPECT_EQ(layout->filesOf(plan_, 1, 1).size(), 2u) << "the last one has none yet";
-    sample.members = {sample.key + ".json", sample.key + ".top.ray_tracing.voxels.npz"};
-  }
-  const std::vector<std::filesystem::path> files = layout->filesOf(plan_, 1, 1);
-  ASSERT_EQ(files.size(), 6u);
-  EXPECT_EQ(files[2], "sequences/08/voxels/000001.bin");
-  EXPECT_EQ(files[5], "sequences/08/voxels/000001.occluded");
-  plan_.sensors = {&plan_.manifest.sensors[1]};
-  EXPECT_EQ(layout->filesOf(plan_, 1, 1).size(), 2u) << "the other sensor has none";
-  plan_.sensors = {&plan_.manifest.sensors[0]};
+  writeChanged(*layout, 1, 0, [](const ExportSample&) {});
   writeChanged(*layout, 1, 1, [&](ExportSample& changed) { changed.voxels = voxels_; });
-  EXPECT_EQ(readFile(folder_.path() / files[2]), semanticKittiVoxels(voxels_, plan_.classes).bin);
-  EXPECT_EQ(readFile(folder_.path() / files[3]).size(), 240u);
+  const auto files = written();
+  EXPECT_EQ(files.size(), 2u + 6u);
+  EXPECT_EQ(files.at("sequences/08/voxels/000001.bin"), semanticKittiVoxels(voxels_, plan_.classes).bin);
+  EXPECT_EQ(files.at("sequences/08/voxels/000001.label").size(), 240u);
+  EXPECT_TRUE(files.contains("sequences/08/voxels/000001.occluded"));
 }
 
 }  // namespace
