@@ -87,7 +87,7 @@ int runReport(const std::vector<std::string>& arguments) {
     for (const DatasetWarning& w : report.warnings) {
       const std::string first =
           w.places.empty() ? "" : " (" + w.places.front() + (w.places.size() > 1 ? ", ...)" : ")");
-      const std::string text = w.text + first + (w.command.empty() ? "" : "\n  " + w.command);
+      const std::string text = w.text + first;
       if (w.note) {
         printError("note: {}\n", text);
       } else {

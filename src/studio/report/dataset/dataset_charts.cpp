@@ -35,44 +35,75 @@ std::string ofScans(const DatasetSummary& summary) {
                                             : fmt::format("of {} of {} scans", summary.scansRead, summary.scans);
 }
 
-// Returns a chart with a bar for each ring of distance, in which the points of the classes are stacked: points per scan
-// or, if `shares` is true, fractions of the ring's points.
-Chart ringsChart(const DatasetSummary& summary, bool shares) {
+// A ring of distances around the sensor, which consists of consecutive steps of DatasetSummary::steps.
+struct DistanceRing {
+  std::string name;                 // the ring's distances, such as "20 to 30 m"
+  std::size_t first = 0, last = 0;  // indices of steps; `last` is excluded
+};
+
+// Returns few enough rings for a bar chart, which together reach to the last step with points.
+std::vector<DistanceRing> distanceRings(const DatasetSummary& summary) {
+  const std::size_t count = summary.steps.count;
+  std::size_t last = 0;
+  for (const SensorSummary& s : summary.sensors) {
+    for (std::size_t i = 0; i < s.ranges.size(); ++i) {
+      if (s.ranges[i] > 0) last = std::max(last, i + 1);
+    }
+  }
+  // Rings of distance are narrower near the sensor, where most points are. The last ring has all larger distances.
+  std::vector<std::size_t> ends;
+  for (const std::size_t end : {5, 10, 20, 30, 40, 50, 60, 80, 100}) {
+    if (end < count - 1) ends.push_back(end);
+  }
+  ends.insert(ends.end(), {count - 1, count});
+  std::vector<DistanceRing> rings;
+  for (std::size_t first = 0, i = 0; first < last; first = ends[i++]) {
+    const double from = static_cast<double>(first) * summary.steps.step;
+    const double to = static_cast<double>(ends[i]) * summary.steps.step;
+    rings.push_back({ends[i] == count ? fmt::format("from {:g} m", from) : fmt::format("{:g} to {:g} m", from, to),
+                     first, ends[i]});
+  }
+  return rings;
+}
+
+// Returns the number of points in a ring. `ranges`: number of points in each of DatasetSummary::steps.
+std::uint64_t pointsIn(const std::vector<std::uint64_t>& ranges, const DistanceRing& ring) {
+  return std::accumulate(ranges.begin() + static_cast<std::ptrdiff_t>(ring.first),
+                         ranges.begin() + static_cast<std::ptrdiff_t>(ring.last), std::uint64_t{0});
+}
+
+// Returns a chart with a bar for each ring of distance, in which the points of the classes are stacked.
+Chart ringsChart(const DatasetSummary& summary) {
   const std::vector<DistanceRing> rings = distanceRings(summary);
-  Chart chart{.name = shares ? "ring_shares" : "ring_points",
-              .title = shares ? "Classes in each ring of distance" : "Points per ring of distance",
-              .note = fmt::format("from the sensor; {}{}", shares ? "" : "a scan's mean, ", ofScans(summary)),
-              .y = {.title = shares ? "share of the ring's points" : "points a scan", .unit = shares ? "%" : ""},
+  Chart chart{.name = "ring_points",
+              .title = "Points per ring of distance",
+              .note = fmt::format("from the sensor; a scan's mean, {}", ofScans(summary)),
+              .y = {.title = "points a scan"},
               .stacked = true,
               .width = kHalfWidth,
               .height = 420};
-  if (shares) chart.y.high = 1;
   for (const DistanceRing& ring : rings) chart.x.names.push_back(ring.name);
-  std::vector<std::uint64_t> all(summary.steps.count, 0), others = all;
-  for (const SensorSummary& s : summary.sensors) addTo(all, s.ranges);
-  std::vector<double> stacked(rings.size(), 0.0);
   const auto add = [&](const std::string& name, const std::string& fill, const std::vector<std::uint64_t>& ranges) {
     ChartSeries bars{.name = name, .mark = ChartMark::Bars};
     for (std::size_t i = 0; i < rings.size(); ++i) {
-      double value = shareOf(pointsIn(ranges, rings[i]), shares ? pointsIn(all, rings[i]) : summary.scansRead);
-      // Rounding errors must not extend the bar beyond 100 %.
-      if (shares) value = std::min(value, 1 - stacked[i]);
-      stacked[i] += value;
+      const double value = shareOf(pointsIn(ranges, rings[i]), summary.scansRead);
       bars.add({static_cast<double>(i), value},
-               fmt::format("{}, {}: {}", name, rings[i].name,
-                           shares ? shareText(value) : amountText(value) + " points a scan"));
+               fmt::format("{}, {}: {} points a scan", name, rings[i].name, amountText(value)));
       if (!fill.empty()) bars.fills.push_back(fill);
     }
     chart.series.push_back(std::move(bars));
   };
   if (!summary.labelled) {
-    if (!shares) add("points", "", all);
+    std::vector<std::uint64_t> all(summary.steps.count, 0);
+    for (const SensorSummary& s : summary.sensors) addTo(all, s.ranges);
+    add("points", "", all);
     return chart;
   }
   const auto classes = classesWith(summary, [](const ClassSummary& c) {
     return std::accumulate(c.ranges.begin(), c.ranges.end(), std::uint64_t{0});
   });
   const bool most = classes.size() > kMostClasses + 1;
+  std::vector<std::uint64_t> others(summary.steps.count, 0);
   for (std::size_t i = 0; i < classes.size(); ++i) {
     if (most && i >= kMostClasses) {
       addTo(others, classes[i]->ranges);
@@ -84,49 +115,26 @@ Chart ringsChart(const DatasetSummary& summary, bool shares) {
   return chart;
 }
 
-// Returns `chart` with a bar for each class whose `count` is not zero, the largest first. `lying`: bars are horizontal;
-// otherwise vertical.
-Chart classChart(const DatasetSummary& summary, Chart chart, bool lying, std::uint64_t ClassSummary::*count) {
-  const auto classes = classesWith(summary, [&](const ClassSummary& c) { return c.*count; });
+// Returns a chart with a bar for each class with points, the largest first.
+Chart classChart(const DatasetSummary& summary) {
+  Chart chart{.name = "class_points",
+              .title = "Points per class",
+              .note = "of all scans",
+              .x = {.title = "points", .scale = AxisScale::Log},
+              .width = kWholeWidth};
+  const auto classes = classesWith(summary, [](const ClassSummary& c) { return c.points; });
   ChartSeries bars{.mark = ChartMark::Bars};
   for (const ClassSummary* c : classes) {
-    const auto place = static_cast<double>(bars.points.size()), value = static_cast<double>(c->*count);
-    bars.add(lying ? Vec2d{value, place} : Vec2d{place, value}, fmt::format("{}: {}", c->name, c->*count));
-    bars.labels.push_back(lying ? shareText(shareOf(c->*count, summary.points)) : std::to_string(c->*count));
+    bars.add({static_cast<double>(c->points), static_cast<double>(bars.points.size())},
+             fmt::format("{}: {}", c->name, c->points));
+    bars.labels.push_back(shareText(shareOf(c->points, summary.points)));
     bars.fills.push_back(htmlColor(c->color));
-    (lying ? chart.y : chart.x).names.push_back(c->name);
+    chart.y.names.push_back(c->name);
   }
   // Extends the axis to leave space for the labels of the longest bars.
-  if (lying && !classes.empty()) chart.x.high = 4 * static_cast<double>(classes.front()->*count);
-  if (lying) chart.height = kAround + kBarHeight * static_cast<int>(classes.size());
+  if (!classes.empty()) chart.x.high = 4 * static_cast<double>(classes.front()->points);
+  chart.height = kAround + kBarHeight * static_cast<int>(classes.size());
   chart.series.push_back(std::move(bars));
-  return chart;
-}
-
-Chart splitChart(const DatasetSummary& summary) {
-  std::vector<const SplitSummary*> splits;
-  for (const SplitSummary& s : summary.splits) {
-    if (s.points > 0) splits.push_back(&s);
-  }
-  const auto classes = classesWith(summary, [](const ClassSummary& c) { return c.points; });
-  Chart chart{.name = "split_shares",
-              .title = "Share of each class in the splits",
-              .note = "of a split's points; of all scans",
-              .x = {.title = "share of points", .scale = AxisScale::Log, .unit = "%", .high = 1, .zero = "none"},
-              .width = kHalfWidth,
-              .height = kAround + 30 + kBarHeight * static_cast<int>(classes.size())};
-  if (splits.size() < 2) return chart;
-  for (const ClassSummary* c : classes) chart.y.names.push_back(c->name);
-  for (std::size_t i = 0; i < splits.size(); ++i) {
-    ChartSeries dots{.name = splits[i]->name, .color = i};
-    for (std::size_t row = 0; row < classes.size(); ++row) {
-      const auto own = classes[row]->pointsOfSplit.find(splits[i]->name);
-      const double share = own == classes[row]->pointsOfSplit.end() ? 0 : shareOf(own->second, splits[i]->points);
-      dots.add({share, static_cast<double>(row)},
-               fmt::format("{} in {}: {}", classes[row]->name, splits[i]->name, shareText(share)));
-    }
-    chart.series.push_back(std::move(dots));
-  }
   return chart;
 }
 
@@ -209,62 +217,15 @@ std::string htmlColor(const Rgb& color) {
   return fmt::format("#{:02x}{:02x}{:02x}", color[0], color[1], color[2]);
 }
 
-std::vector<DistanceRing> distanceRings(const DatasetSummary& summary) {
-  const std::size_t count = summary.steps.count;
-  std::size_t last = 0;
-  for (const SensorSummary& s : summary.sensors) {
-    for (std::size_t i = 0; i < s.ranges.size(); ++i) {
-      if (s.ranges[i] > 0) last = std::max(last, i + 1);
-    }
-  }
-  // Rings of distance are narrower near the sensor, where most points are. The last ring has all larger distances.
-  std::vector<std::size_t> ends;
-  for (const std::size_t end : {5, 10, 20, 30, 40, 50, 60, 80, 100}) {
-    if (end < count - 1) ends.push_back(end);
-  }
-  ends.insert(ends.end(), {count - 1, count});
-  std::vector<DistanceRing> rings;
-  for (std::size_t first = 0, i = 0; first < last; first = ends[i++]) {
-    const double from = static_cast<double>(first) * summary.steps.step;
-    const double to = static_cast<double>(ends[i]) * summary.steps.step;
-    rings.push_back({ends[i] == count ? fmt::format("from {:g} m", from) : fmt::format("{:g} to {:g} m", from, to),
-                     first, ends[i]});
-  }
-  return rings;
-}
-
-std::uint64_t pointsIn(const std::vector<std::uint64_t>& ranges, const DistanceRing& ring) {
-  return std::accumulate(ranges.begin() + static_cast<std::ptrdiff_t>(ring.first),
-                         ranges.begin() + static_cast<std::ptrdiff_t>(ring.last), std::uint64_t{0});
-}
-
 std::vector<Chart> datasetCharts(const Manifest& manifest, const DatasetSummary& summary) {
-  const Chart points{.name = "class_points",
-                     .title = "Points per class",
-                     .note = "of all scans",
-                     .x = {.title = "points", .scale = AxisScale::Log},
-                     .width = kHalfWidth};
-  const Chart objects{.name = "class_objects",
-                      .title = "Instances per class",
-                      .note = fmt::format("number of different instances, {}; an instance of several classes counts in "
-                                          "each",
-                                          ofScans(summary)),
-                      .y = {.title = "instances"},
-                      .width = kWholeWidth,
-                      .height = 320};
-  return {classChart(summary, points, true, &ClassSummary::points),
-          splitChart(summary),
-          classChart(summary, objects, false, &ClassSummary::objects),
-          ringsChart(summary, false),
-          ringsChart(summary, true),
+  return {classChart(summary), ringsChart(summary),
           stepsChart(summary,
                      {.name = "ranges",
                       .title = "Ranges",
                       .note = "m of distance from the sensor",
                       .x = {.title = "distance (m)"}},
                      summary.steps.step, [](const SensorSummary& sensor) { return sensor.ranges; }),
-          intensitiesChart(summary),
-          scanPointsChart(manifest)};
+          intensitiesChart(summary), scanPointsChart(manifest)};
 }
 
 }  // namespace scanmill

@@ -51,11 +51,9 @@ class DatasetPage {
   Json values() {
     facts();
     remarks();
-    next();
     pictures();
     classes();
     objects();
-    rings();
     reasons();
     sensors();
     scenes();
@@ -88,13 +86,13 @@ class DatasetPage {
              {"all_read", s_.scansRead == s_.scans},
              {"chosen_few", s_.scansChosen < s_.scans},
              {"scans_read", s_.scansRead},
-             {"points_read", s_.pointsRead},
              {"labelled", s_.labelled},
+             {"path", shellWord(report_.path)},
+             {"first_sample", m_.samples.empty() ? "" : shellWord(m_.samples.front().key)},
              {"view", report_.view},
              {"picture_seed", report_.seed},
              {"hashed", report_.hashed},
              {"modelled", alikeLines(modelledLines())},
-             {"scene_lines", sceneLines()},
              {"pipeline_sha256", m_.pipelineSha256},
              {"pipeline_text", m_.pipelineText}};
     for (const SplitSummary& s : s_.splits) page_["split_texts"].push_back(fmt::format("{} {}", s.name, s.samples));
@@ -109,19 +107,9 @@ class DatasetPage {
     return lines;
   }
 
-  // Returns a line for each scene that an item is about, if it is not about all scenes.
-  std::vector<std::string> sceneLines() const {
-    std::vector<std::string> lines;
-    for (const ModelledItem& item : m_.modelled) {
-      for (const std::string& scene : item.scenes) lines.push_back(fmt::format("{}: {}", scene, lineOf(item)));
-    }
-    std::ranges::stable_sort(lines);
-    return lines;
-  }
-
   void remarks() {
     for (const DatasetWarning& w : report_.warnings) {
-      Json remark{{"text", w.text}, {"command", w.command}};
+      Json remark{{"text", w.text}};
       if (w.places.size() == 1) {
         remark["place"] = w.places.front();
       } else if (!w.places.empty()) {
@@ -133,20 +121,6 @@ class DatasetPage {
       card["remarks"].push_back(std::move(remark));
       card["count"] = card["remarks"].size();
     }
-  }
-
-  // Sets the values that determine which commands the template suggests to the user.
-  void next() {
-    const auto holds = [&](const char* split) {
-      return std::ranges::any_of(s_.splits, [&](const SplitSummary& s) { return s.name == split && s.samples > 0; });
-    };
-    page_.update(
-        {{"path", shellWord(report_.path)},
-         {"damaged", std::ranges::any_of(report_.shardFaults, [](const std::string& fault) { return !fault.empty(); })},
-         {"first_sample", m_.samples.empty() ? "" : shellWord(m_.samples.front().key)},
-         {"validated", holds("train") && (holds("val") || holds("test"))},
-         {"one_sequence", s_.sequences.size() < 2},
-         {"has_objects", !report_.objects.ofClass.empty()}});
   }
 
   void pictures() {
@@ -183,16 +157,6 @@ class DatasetPage {
       row["instance_columns"] = page_["instance_columns"];
       page_["classes"].push_back(std::move(row));
     }
-    std::map<std::string, std::uint64_t> mixed;
-    for (const MixedInstance& m : s_.mixed) {
-      if (!m.usual) continue;
-      std::vector<std::string> names;
-      for (const ClassSummary& c : s_.classes) {
-        if (m.pointsOfClass.contains(c.id)) names.push_back(c.name);
-      }
-      ++mixed[fmt::format("{}", fmt::join(names, ", "))];
-    }
-    for (const auto& [name, count] : mixed) page_["mixed"].push_back({{"name", name}, {"count", count}});
   }
 
   void objects() {
@@ -214,26 +178,6 @@ class DatasetPage {
           report_.objects.ofDistance[i]);
     }
     page_["objects"] = {classes, distances};
-  }
-
-  void rings() {
-    page_["several_sensors"] = page_["rings"] = Json::array();
-    for (const SensorSummary& s : s_.sensors) {
-      if (s_.sensors.size() > 1) page_["several_sensors"].push_back({{"name", s.name}});
-    }
-    for (const DistanceRing& ring : distanceRings(s_)) {
-      std::uint64_t points = 0;
-      Json row{{"name", ring.name}, {"several_sensors", Json::array()}};
-      for (const SensorSummary& s : s_.sensors) {
-        const std::uint64_t own = pointsIn(s.ranges, ring);
-        points += own;
-        Json cell = Json::object();
-        if (s.scansRead > 0) cell["a_scan"] = static_cast<double>(own) / static_cast<double>(s.scansRead);
-        if (s_.sensors.size() > 1) row["several_sensors"].push_back(std::move(cell));
-      }
-      row["points"] = points;
-      page_["rings"].push_back(std::move(row));
-    }
   }
 
   void reasons() {

@@ -134,7 +134,7 @@ class Examination {
       throw Error(
           fmt::format("{}: none of its scans can be read{}", folder_.string(), why.empty() ? "" : ": " + why.front()));
     }
-    report_.warnings = warningsOf(report_.summary, faults_, folder_);
+    report_.warnings = warningsOf(report_.summary, faults_);
   }
 
   // Draws pictures of the scans, sorted by key. Skips scans that cannot be read, without reporting them.

@@ -18,7 +18,6 @@ namespace scanmill {
 struct DatasetWarning {
   std::string text;                   // one or two sentences that are understandable without context
   std::vector<std::string> places{};  // names of the affected samples, instances or shards
-  std::string command{};              // shell command that shows the problem; empty: none
   bool note = false;                  // true: information that is not a sign of a fault
 };
 
@@ -33,9 +32,7 @@ struct ReadingFaults {
 // "Bauble.001" to "Bauble.050" become "Bauble.001 and 49 alike".
 std::vector<std::string> alikeLines(const std::vector<std::string>& lines);
 
-// Returns the warnings. `folder`: path of the dataset as the user gave it.
-std::vector<DatasetWarning> warningsOf(const DatasetSummary& summary, const ReadingFaults& faults,
-                                       const std::filesystem::path& folder);
+std::vector<DatasetWarning> warningsOf(const DatasetSummary& summary, const ReadingFaults& faults);
 
 struct DatasetReportOptions {
   std::uint64_t seed = 0;       // seed for choosing the samples that are pictured

@@ -93,7 +93,6 @@ class Summing {
     for (const auto& [key, points] : objects_) {
       for (const auto& entry : points) ++classEntry(entry.first).objects;
     }
-    listThings();
     findMixed();
   }
 
@@ -189,7 +188,6 @@ class Summing {
     const std::string sequence = sequenceOf(sample);
     for (const InstanceCounts& instance : counts.instances) {
       const ObjectKey key{sequence, instance.id};
-      addView(things_[key], instance, sample.key, sample.scans[place.scan].sensor);
       for (const auto& [id, points] : instance.pointsOfClass) {
         ++classEntry(id).views;
         viewPoints_[id].push_back(points);
@@ -199,33 +197,9 @@ class Summing {
     }
   }
 
-  static void addView(ThingSummary& thing, const InstanceCounts& seen, const std::string& sample,
-                      const std::string& sensor) {
-    std::uint64_t points = 0;
-    for (const auto& [id, count] : seen.pointsOfClass) points += count;
-    thing.points += points;
-    ++thing.scans;
-    if (points > thing.bestPoints) {
-      thing.bestPoints = points;
-      thing.bestSample = sample;
-      thing.bestSensor = sensor;
-      thing.bestBox = seen.box;
-    }
-  }
-
-  void listThings() {
-    for (auto& [key, thing] : things_) {
-      thing.sequence = key.first;
-      thing.id = key.second;
-      thing.pointsOfClass = objects_.at(key);
-      thing.mostClass =
-          std::ranges::max_element(thing.pointsOfClass, {}, [](const auto& entry) { return entry.second; })->first;
-      sum_.things.push_back(std::move(thing));
-    }
-  }
-
-  // Finds instances with points of several classes. An instance counts as usual if most instances with one of its
-  // classes also have the other, as for trees and trunks; otherwise its labels are probably wrong.
+  // Finds instances with points of several classes, whose labels are probably wrong. Not among them are instances whose
+  // classes are usual in one object, such as tree and trunk: most instances with one of the classes also have the
+  // other.
   void findMixed() {
     // Least number of instances with both classes that counts as usual; two are enough if one class never occurs alone.
     constexpr std::uint64_t kFewest = 3;
@@ -249,8 +223,8 @@ class Summing {
           usual = usual && ((both >= kFewest && 2 * both > either) || (both > 1 && both == either));
         }
       }
-      const std::string& sample = manifest_.samples[shownIn_[key].at(rarest)].key;
-      sum_.mixed.push_back({key.first, sample, key.second, points, usual});
+      if (usual) continue;
+      sum_.mixed.push_back({manifest_.samples[shownIn_[key].at(rarest)].key, key.second, points});
     }
   }
 
@@ -262,7 +236,6 @@ class Summing {
   std::map<std::string, std::vector<std::uint64_t>> pointsOfSensor_;
   std::map<std::uint16_t, std::vector<std::uint64_t>> viewPoints_;
   std::map<ObjectKey, ClassPoints> objects_;
-  std::map<ObjectKey, ThingSummary> things_;
   // For each object and class, the index of a sample that shows points of the class on the object.
   std::map<ObjectKey, std::map<std::uint16_t, std::size_t>> shownIn_;
 };

@@ -61,26 +61,11 @@ struct SplitSummary {
   std::uint64_t samples = 0, scans = 0, points = 0, shards = 0, bytes = 0;
 };
 
-// An object, given by an instance id and a sequence. The figures cover the scans that were read.
-struct ThingSummary {
-  std::string sequence;
-  std::uint32_t id = 0;
-  std::map<std::uint16_t, std::uint64_t> pointsOfClass{};
-  std::uint64_t points = 0, scans = 0;
-  std::uint16_t mostClass = 0;  // the most frequent class of the object's points
-  // The scan with the largest number of the object's points:
-  std::string bestSample{}, bestSensor{};
-  std::uint64_t bestPoints = 0;
-  Box bestBox{};  // bounding box of the object's points, as bestSample has them
-};
-
-// An instance with points of several classes.
+// An instance with points of classes that seldom occur in one object.
 struct MixedInstance {
-  std::string sequence;
   std::string sample;  // key of a sample that shows the class with the fewest points
   std::uint32_t id = 0;
   std::map<std::uint16_t, std::uint64_t> pointsOfClass;
-  bool usual = false;  // true: its classes often occur in the same object, such as tree and trunk
 };
 
 // Names of noteworthy scans, each with the reason, such as "street-s1-lane-000010, top: 12 points".
@@ -99,7 +84,6 @@ struct DatasetSummary {
 
   std::uint64_t scansChosen = 0, scansRead = 0, pointsRead = 0;
   RangeSteps steps;
-  std::vector<ThingSummary> things;  // sorted by sequence and id; empty if scans have no classes
   std::vector<MixedInstance> mixed;
 };
 
@@ -120,15 +104,5 @@ std::vector<Chart> datasetCharts(const Manifest& manifest, const DatasetSummary&
 
 // Returns a colour as "#rrggbb".
 std::string htmlColor(const Rgb& color);
-
-// A ring of distances around the sensor, which consists of consecutive steps of DatasetSummary::steps. There are few
-// enough rings for a table or a bar chart; together they reach to the last step with points.
-struct DistanceRing {
-  std::string name;                 // the ring's distances, such as "20 to 30 m"
-  std::size_t first = 0, last = 0;  // indices of steps; `last` is excluded
-};
-std::vector<DistanceRing> distanceRings(const DatasetSummary& summary);
-// Returns the number of points in a ring. `ranges`: number of points in each of DatasetSummary::steps.
-std::uint64_t pointsIn(const std::vector<std::uint64_t>& ranges, const DistanceRing& ring);
 
 }  // namespace scanmill

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "report/dataset/dataset_report.h"
-#include "report/page/page.h"
 #include "study/figure_text.h"
 
 namespace scanmill {
@@ -19,8 +18,7 @@ constexpr double kFewClassPoints = 1e-4;  // fraction of all points below which 
 
 class Warnings {
  public:
-  Warnings(const DatasetSummary& summary, const ReadingFaults& faults, const std::filesystem::path& folder)
-      : sum_(summary), faults_(faults), folder_(folder) {}
+  Warnings(const DatasetSummary& summary, const ReadingFaults& faults) : sum_(summary), faults_(faults) {}
 
   std::vector<DatasetWarning> all() {
     reading();
@@ -30,7 +28,6 @@ class Warnings {
       splits();
     }
     instances();
-    things();
     return std::move(list_);
   }
 
@@ -146,7 +143,6 @@ class Warnings {
     if (!without.empty()) add("Points of classes with instances that have no instance id.", without);
     std::vector<std::string> mixed;
     for (const MixedInstance& m : sum_.mixed) {
-      if (m.usual) continue;
       std::vector<std::string> parts;
       for (const ClassSummary& c : sum_.classes) {
         const auto points = m.pointsOfClass.find(c.id);
@@ -161,84 +157,8 @@ class Warnings {
     }
   }
 
-  const ClassSummary& classOf(std::uint16_t id) const {
-    return *std::ranges::find_if(sum_.classes, [&](const ClassSummary& c) { return c.id == id; });
-  }
-
-  // Returns indices of DatasetSummary::things by class: objects whose points have one class, or classes that are usual
-  // in one object. The others are among the instances with several classes.
-  std::map<std::uint16_t, std::vector<std::size_t>> plainThings() const {
-    std::set<std::pair<std::string, std::uint32_t>> mixed;
-    for (const MixedInstance& m : sum_.mixed) {
-      if (!m.usual) mixed.insert({m.sequence, m.id});
-    }
-    std::map<std::uint16_t, std::vector<std::size_t>> things;
-    for (std::size_t i = 0; i < sum_.things.size(); ++i) {
-      const ThingSummary& thing = sum_.things[i];
-      if (!mixed.contains({thing.sequence, thing.id})) things[thing.mostClass].push_back(i);
-    }
-    return things;
-  }
-
-  // True if the class has few instances and their ids are probably an error, since most points of the class have no id
-  // or the ontology does not mark the class as things. False for classes that usually share objects with another class,
-  // such as trunks.
-  bool isUncounted(const ClassSummary& c, const std::vector<std::size_t>& things) const {
-    constexpr std::size_t kFew = 3;
-    constexpr double kFewShare = 0.02;  // a class with at most kFew objects or this fraction of all counts as rare
-    const auto isPart = [&](const MixedInstance& m) { return m.usual && m.pointsOfClass.contains(c.id); };
-    const auto share = static_cast<std::size_t>(kFewShare * static_cast<double>(sum_.things.size()));
-    if (things.size() > std::max(kFew, share) || std::ranges::any_of(sum_.mixed, isPart)) return false;
-    std::uint64_t points = 0;
-    for (const std::size_t i : things) points += sum_.things[i].points;
-    // If the ontology marks classes as things, instances of a class without this mark are suspicious.
-    const bool counts =
-        std::ranges::any_of(sum_.classes, [](const ClassSummary& o) { return o.thing && o.objects > 0; });
-    return c.pointsWithoutId > points || (counts && c.known && !c.thing);
-  }
-
-  // Reports objects whose id is probably an error. Those of a class are one warning, with further objects listed below
-  // the first; for instance, a tree may have fifty baubles.
-  void things() {
-    if (!sum_.instanced || !sum_.labelled) return;
-    for (const auto& [id, things] : plainThings()) {
-      if (!isUncounted(classOf(id), things)) continue;
-      for (const std::size_t i : things) {
-        const ThingSummary& thing = sum_.things[i];
-        const std::string command = commandFor(thing);
-        if (i == things.front()) {
-          add(idText(thing, things.size()));
-          list_.back().command = command;
-        } else {
-          list_.back().places.push_back(fmt::format("instance {} of {}: {}", thing.id, thing.sequence, command));
-        }
-      }
-      if (things.size() > 1) list_.back().text += fmt::format(" And {} more.", things.size() - 1);
-    }
-  }
-
-  // Returns a command that shows the object in the scan with most of its points.
-  std::string commandFor(const ThingSummary& thing) const {
-    const Vec3d at = thing.bestBox.center();
-    return fmt::format("scanmill view {} --sample {}{} --at={:.1f},{:.1f},{:.1f} --within {:.1f} --instance {}",
-                       shellWord(folder_.string()), shellWord(thing.bestSample),
-                       sum_.sensors.size() > 1 ? " --sensor " + shellWord(thing.bestSensor) : "", at.x, at.y, at.z,
-                       length(thing.bestBox.high - at) + 0.2, thing.id);
-  }
-
-  std::string idText(const ThingSummary& thing, std::size_t likeIt) const {
-    const ClassSummary& c = classOf(thing.mostClass);
-    const std::string others = c.pointsWithoutId == 0 ? fmt::format("though {} is a class without instances", c.name)
-                               : likeIt == 1          ? fmt::format("which no other {} has", c.name)
-                                                      : fmt::format("which most {} does not have", c.name);
-    return fmt::format("{}: instance {} of {} ({}, {}) has an instance id, {}: is it an object {} class?", c.name,
-                       thing.id, thing.sequence, pluralOf(thing.scans, "scan"), pluralOf(thing.points, "point"), others,
-                       c.id == 0 ? "without a" : "with the wrong");
-  }
-
   const DatasetSummary& sum_;
   const ReadingFaults& faults_;
-  std::filesystem::path folder_;
   std::vector<DatasetWarning> list_;
 };
 
@@ -270,9 +190,8 @@ std::vector<std::string> alikeLines(const std::vector<std::string>& lines) {
   return joined;
 }
 
-std::vector<DatasetWarning> warningsOf(const DatasetSummary& summary, const ReadingFaults& faults,
-                                       const std::filesystem::path& folder) {
-  return Warnings(summary, faults, folder).all();
+std::vector<DatasetWarning> warningsOf(const DatasetSummary& summary, const ReadingFaults& faults) {
+  return Warnings(summary, faults).all();
 }
 
 }  // namespace scanmill

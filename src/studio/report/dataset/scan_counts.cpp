@@ -71,10 +71,6 @@ ScanCounts countScan(const Scan& scan, const RangeSteps& steps) {
     own.id = id;
     own.pointsOfClass[label] = points;
   }
-  for (std::size_t i = 0; i < scan[kInstance].size(); ++i) {
-    if (scan[kInstance][i] == 0 || !isFinite(scan.position[i])) continue;
-    instances.at(scan[kInstance][i]).box.add(Vec3d(scan.position[i]));
-  }
   for (auto& [id, own] : instances) counts.instances.push_back(std::move(own));
   return counts;
 }

@@ -38,7 +38,6 @@ float intensityOfKey(std::uint16_t key);  // returns the smallest intensity with
 struct InstanceCounts {
   std::uint32_t id = 0;
   std::map<std::uint16_t, std::uint64_t> pointsOfClass;
-  Box box;  // bounding box of the instance's points, as the scan has them
 };
 
 struct ScanCounts {
