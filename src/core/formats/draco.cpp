@@ -218,7 +218,8 @@ class DracoFormat : public Format {
       high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
     }
     const Grid grid = chooseGrid({&low.x, 3}, {&high.x, 3}, options_.maxError, "draco: a scan");
-    writer.addPosition(onGrid({reinterpret_cast<const float*>(scan.position.data()), 3 * scan.size()}, grid));
+    writer.addQuantised("position",
+                        onGrid({reinterpret_cast<const float*>(scan.position.data()), 3 * scan.size()}, grid));
   }
 
   SCANMILL_BEST_INSTRUCTIONS void addIntensity(const std::vector<float>& values, DracoWriter& writer) const {

@@ -85,23 +85,12 @@ constexpr double kFloatWhole = 0x1p24;  // integers up to here are exact in floa
 }  // namespace
 
 void DracoWriter::addEntry(std::string_view key, std::int32_t value) {
-  addEntry(key, std::string_view(reinterpret_cast<const char*>(&value), sizeof(value)));
-}
-
-void DracoWriter::addEntry(std::string_view key, std::string_view value) {
-  appendEntry(key, value, entryBytes_);
+  appendEntry(key, std::string_view(reinterpret_cast<const char*>(&value), sizeof(value)), entryBytes_);
   ++entries_;
 }
 
-SCANMILL_BEST_INSTRUCTIONS void DracoWriter::addPosition(const QuantisedColumn& column) {
-  describe("position", draco::GeometryAttribute::POSITION, draco::DT_FLOAT32, column.low.size(),
-           draco::SEQUENTIAL_ATTRIBUTE_ENCODER_QUANTIZATION);
-  addGrid(column);
-}
-
 SCANMILL_BEST_INSTRUCTIONS void DracoWriter::addQuantised(std::string_view name, const QuantisedColumn& column) {
-  describe(name, draco::GeometryAttribute::GENERIC, draco::DT_FLOAT32, column.low.size(),
-           draco::SEQUENTIAL_ATTRIBUTE_ENCODER_QUANTIZATION);
+  describe(name, draco::DT_FLOAT32, column.low.size(), draco::SEQUENTIAL_ATTRIBUTE_ENCODER_QUANTIZATION);
   addGrid(column);
 }
 
@@ -118,14 +107,12 @@ SCANMILL_BEST_INSTRUCTIONS void DracoWriter::addIntegers(std::string_view name, 
 }
 
 void DracoWriter::addFloats(std::string_view name, std::span<const float> values) {
-  describe(name, draco::GeometryAttribute::GENERIC, draco::DT_FLOAT32, 1, draco::SEQUENTIAL_ATTRIBUTE_ENCODER_GENERIC);
+  describe(name, draco::DT_FLOAT32, 1, draco::SEQUENTIAL_ATTRIBUTE_ENCODER_GENERIC);
   values_.append(reinterpret_cast<const char*>(values.data()), values.size_bytes());
 }
 
 void DracoWriter::addEmpty(std::string_view name) {
-  const bool isPosition = name == "position";
-  describe(name, isPosition ? draco::GeometryAttribute::POSITION : draco::GeometryAttribute::GENERIC, draco::DT_FLOAT32,
-           isPosition ? 3 : 1, draco::SEQUENTIAL_ATTRIBUTE_ENCODER_GENERIC);
+  describe(name, draco::DT_FLOAT32, name == "position" ? 3 : 1, draco::SEQUENTIAL_ATTRIBUTE_ENCODER_GENERIC);
 }
 
 std::string DracoWriter::finish() const {
@@ -152,13 +139,13 @@ std::string DracoWriter::finish() const {
   return out;
 }
 
-void DracoWriter::describe(std::string_view name, int attributeType, int dataType, std::size_t components,
-                           int encoder) {
+void DracoWriter::describe(std::string_view name, int dataType, std::size_t components, int encoder) {
   appendVarint(attributes_, names_);
   appendVarint(1, names_);
   appendEntry("name", name, names_);
   appendVarint(0, names_);
-  descriptors_.push_back(static_cast<char>(attributeType));
+  descriptors_.push_back(
+      static_cast<char>(name == "position" ? draco::GeometryAttribute::POSITION : draco::GeometryAttribute::GENERIC));
   descriptors_.push_back(static_cast<char>(dataType));
   descriptors_.push_back(static_cast<char>(components));
   descriptors_.push_back(0);  // not normalised
@@ -172,7 +159,7 @@ void DracoWriter::addNarrowed(std::string_view name, std::span<const T> values) 
   T any = 0;
   for (const T value : values) any |= value;
   const int type = any < (1u << 8) ? draco::DT_UINT8 : any < (1u << 16) ? draco::DT_UINT16 : draco::DT_UINT32;
-  describe(name, draco::GeometryAttribute::GENERIC, type, 1, draco::SEQUENTIAL_ATTRIBUTE_ENCODER_INTEGER);
+  describe(name, type, 1, draco::SEQUENTIAL_ATTRIBUTE_ENCODER_INTEGER);
   addSymbols(values, 1);
 }
 

@@ -60,24 +60,23 @@ class DracoWriter {
 
   // Adds an entry to the geometry's metadata.
   void addEntry(std::string_view key, std::int32_t value);
-  void addEntry(std::string_view key, std::string_view value);
 
-  // Adds a column as an attribute, in the order of the calls. `name` becomes the attribute's metadata entry "name".
-  // Integers are stored in the narrowest type that can represent all values; floats are stored unchanged.
-  void addPosition(const QuantisedColumn& column);
+  // Adds a column as an attribute, in the order of the calls. `name` becomes the attribute's metadata entry "name";
+  // "position" is the column of the points. Integers are stored in the narrowest type that can represent all values;
+  // floats are stored unchanged.
   void addQuantised(std::string_view name, const QuantisedColumn& column);
   void addIntegers(std::string_view name, std::span<const std::uint8_t> values);
   void addIntegers(std::string_view name, std::span<const std::uint16_t> values);  // stored as u8 if all values fit
   void addIntegers(std::string_view name, std::span<const std::uint32_t> values);  // stored as u8, u16 or u32
   void addFloats(std::string_view name, std::span<const float> values);            // stored unchanged
-  // Adds a column of a cloud without points; "position" is that of the points.
+  // Adds a column of a cloud without points.
   void addEmpty(std::string_view name);
 
   // Returns the bytes of the whole point cloud.
   [[nodiscard]] std::string finish() const;
 
  private:
-  void describe(std::string_view name, int attributeType, int dataType, std::size_t components, int encoder);
+  void describe(std::string_view name, int dataType, std::size_t components, int encoder);
   template <class T>
   void addNarrowed(std::string_view name, std::span<const T> values);
   template <class T>

@@ -259,13 +259,9 @@ class BodyReader {
     return &*found;
   }
 
-  // The name of the intensity column in recordings of some sensors (Ouster).
-  static constexpr std::string_view kReflectivity = "reflectivity";
-
   const PcdField* findColumn(std::string_view name) const {
-    const PcdField* field = find(name);
-    if (field != nullptr && isForeign(*field)) return nullptr;
-    return field == nullptr && name == "intensity" ? find(kReflectivity) : field;
+    const PcdField* const field = find(name);
+    return field == nullptr || isForeign(*field) ? nullptr : field;
   }
 
   // True if the field becomes a foreign column: it is no coordinate and no column of the table, has one value per

@@ -42,10 +42,9 @@ const FormatSupport& pointRecordsFormat();
 // `exact`: positions are read in double precision and made relative to cloudOrigin() of the first finite point
 // (cloud_file.h); false: they are the file's numbers in float32, and the origin is zero.
 
-// Reads any valid PCD. Fields may be in any order and of any numeric type whose values fit the column. If there is no
-// field `intensity`, that column is read from `reflectivity`, which stays a foreign column, too. Fields of several
-// values a point are left out. `worldFromFile` is the VIEWPOINT: a quaternion whose length is off by up to a hundredth
-// is normalised, others are refused, unless all seven numbers are 0, which states no pose.
+// Reads any valid PCD. Fields may be in any order and of any numeric type whose values fit the column. Fields of
+// several values a point are left out. `worldFromFile` is the VIEWPOINT: a quaternion whose length is off by up to a
+// hundredth is normalised, others are refused, unless all seven numbers are 0, which states no pose.
 Cloud readPcd(std::string_view bytes, const std::string& what, bool exact = true);
 
 // Reads text with a line for each point, of values that commas, semicolons, tabs or blanks separate. The first line

@@ -315,8 +315,8 @@ TEST(Pcd, RealRecordingIsReadAsPclReadsIt) {
   EXPECT_TRUE(scan.organised);
   EXPECT_EQ(scan.rings, 128u);
   EXPECT_EQ(scan.columns, 1024u);
-  EXPECT_EQ(columnNames(scan), (std::vector<std::string>{"x", "y", "z", "intensity", "ring", "column", "range",
-                                                         "reflectivity", "near_ir"}));
+  EXPECT_EQ(columnNames(scan),
+            (std::vector<std::string>{"x", "y", "z", "intensity", "ring", "column", "range", "near_ir"}));
   pcl::PCLPointCloud2 cloud;
   ASSERT_EQ(pcl::PCDReader().read(file, cloud), 0);
   const std::vector<float> x = fieldOf<float>(cloud, "x");
@@ -328,18 +328,6 @@ TEST(Pcd, RealRecordingIsReadAsPclReadsIt) {
   const std::vector<std::uint8_t> reflectivity = fieldOf<std::uint8_t>(cloud, "reflectivity");
   EXPECT_TRUE(std::equal(scan[kIntensity].begin(), scan[kIntensity].end(), reflectivity.begin(), reflectivity.end()));
   expectRoundTrips(scan);
-}
-
-// As Ouster's recordings have it.
-TEST(Pcd, ReflectivityStandsForAnAbsentIntensity) {
-  const auto text = [](const std::string& fields) {
-    return "VERSION 0.7\nFIELDS x y z " + fields +
-           "\nSIZE 4 4 4 1 1\nTYPE F F F U U\nCOUNT 1 1 1 1 1\nWIDTH 2\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\n"
-           "POINTS 2\nDATA ascii\n1 2 3 7 9\n4 5 6 8 250\n";
-  };
-  EXPECT_EQ(decodedPcd(text("ring reflectivity"))[kIntensity], (std::vector<float>{9, 250}));
-  EXPECT_EQ(decodedPcd(text("intensity reflectivity"))[kIntensity], (std::vector<float>{7, 8}));
-  EXPECT_EQ(decodedPcd(text("reflectivity intensity"))[kIntensity], (std::vector<float>{9, 250}));
 }
 
 }  // namespace
