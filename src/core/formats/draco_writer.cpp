@@ -145,7 +145,7 @@ void DracoWriter::describe(std::string_view name, int dataType, std::size_t comp
   appendEntry("name", name, names_);
   appendVarint(0, names_);
   descriptors_.push_back(
-      static_cast<char>(name == "position" ? draco::GeometryAttribute::POSITION : draco::GeometryAttribute::GENERIC));
+      static_cast<char>(components == 3 ? draco::GeometryAttribute::POSITION : draco::GeometryAttribute::GENERIC));
   descriptors_.push_back(static_cast<char>(dataType));
   descriptors_.push_back(static_cast<char>(components));
   descriptors_.push_back(0);  // not normalised

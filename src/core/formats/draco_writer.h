@@ -61,9 +61,9 @@ class DracoWriter {
   // Adds an entry to the geometry's metadata.
   void addEntry(std::string_view key, std::int32_t value);
 
-  // Adds a column as an attribute, in the order of the calls. `name` becomes the attribute's metadata entry "name";
-  // "position" is the column of the points. Integers are stored in the narrowest type that can represent all values;
-  // floats are stored unchanged.
+  // Adds a column as an attribute, in the order of the calls. `name` becomes the attribute's metadata entry "name". A
+  // quantised column of three components is the position of the points. Integers are stored in the narrowest type that
+  // can represent all values; floats are stored unchanged.
   void addQuantised(std::string_view name, const QuantisedColumn& column);
   void addIntegers(std::string_view name, std::span<const std::uint8_t> values);
   void addIntegers(std::string_view name, std::span<const std::uint16_t> values);  // stored as u8 if all values fit

@@ -160,10 +160,10 @@ Rosette readRosette(const Value& value) {
   return rosette;
 }
 
-Raster readRaster(const Value& value) {
+RasterScan readRasterScan(const Value& value) {
   Fields f(value, "raster");
   f.also({"zones_deg", "width_deg", "top_deg", "bottom_deg", "lines", "line_us", "alternate"}).finish();
-  Raster raster;
+  RasterScan raster;
   raster.zones = f.numbers("zones_deg", {-180, 180});
   if (raster.zones.empty()) {
     throw InputError(value.where, "zones_deg must be the azimuths of the zones' middles, such as [24, 0, -24]");
@@ -179,7 +179,7 @@ Raster readRaster(const Value& value) {
   return raster;
 }
 
-ListedBeams rasterBeams(const Raster& raster, std::uint32_t columns, double period) {
+ListedBeams rasterBeams(const RasterScan& raster, std::uint32_t columns, double period) {
   const std::uint32_t across = columns / raster.lines;
   const double line = period / raster.lines;
   const double step = raster.lineTime > 0 ? std::min(raster.lineTime, line) / (across - 1) : line / across;

@@ -38,7 +38,7 @@ ListedBeams flashBeams(double azimuth, double field, bool clockwise, std::uint32
 Rosette readRosette(const Value& value);
 
 // A mirror that scans zones side by side, all at once, line by line from the top (a laser for each zone).
-struct Raster {
+struct RasterScan {
   std::vector<double> zones;   // rad, azimuth of the middle of each zone
   double width = 0;            // rad, from the first to the last beam of a line
   double top = 0, bottom = 0;  // rad, elevation of the first and the last line
@@ -49,11 +49,11 @@ struct Raster {
 
 // Reads {zones_deg: [24, 0, -24], width_deg: 24, top_deg: 12.5, bottom_deg: -12.5, lines: 126, line_us: 625, alternate:
 // false} from YAML; the last two are optional. Throws InputError.
-Raster readRaster(const Value& value);
+RasterScan readRasterScan(const Value& value);
 
 // Returns the beams of a raster with a ring for each zone. The columns are numbered in the order in which they fire:
 // all of the first line, from left to right, then those of the next line. `columns`: a multiple of the lines. `period`:
 // time in which all lines are scanned (s).
-ListedBeams rasterBeams(const Raster& raster, std::uint32_t columns, double period);
+ListedBeams rasterBeams(const RasterScan& raster, std::uint32_t columns, double period);
 
 }  // namespace scanmill

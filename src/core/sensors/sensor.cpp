@@ -269,7 +269,7 @@ SensorSize sensorSize(const Value& description) {
       throw InputError(fields.require("columns").where, fmt::format("columns must be from 1 to {}", kMaxColumns));
     }
     const std::size_t rings = fields.has("rosette") ? readRosette(fields.require("rosette")).lasers()
-                                                    : readRaster(fields.require("raster")).zones.size();
+                                                    : readRasterScan(fields.require("raster")).zones.size();
     return {rings, static_cast<std::uint64_t>(columns)};
   }
   const Value& columnValue = fields.require("columns");
@@ -349,7 +349,7 @@ void readPattern(Fields& fields, const char* key, BeamTable& table) {
     table.firingOffset = scaled(readFiringTimes(fields.find("firing_time_us"), table), 1e-6);
     return;
   }
-  const Raster raster = readRaster(value);
+  const RasterScan raster = readRasterScan(value);
   if (table.columns % raster.lines != 0 || table.columns == raster.lines) {
     throw InputError(fields.require("columns").where,
                      fmt::format("columns must be a multiple of the {} lines of the raster, such as {}", raster.lines,
