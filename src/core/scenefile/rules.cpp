@@ -15,18 +15,70 @@
 namespace scanmill {
 namespace {
 
-std::u32string charactersOf(std::string_view text) {
-  std::u32string characters;
-  for (std::size_t i = 0; i < text.size();) {
-    const Utf8Character c = utf8At(text, i);
-    characters += c.code == kNoCharacter ? static_cast<unsigned char>(text[i]) : c.code;
-    i += c.bytes;
-  }
-  return characters;
+// Returns the index behind the set that starts with the '[' at glob[at]; `at` if the set has no ']'.
+std::size_t endOfSet(std::string_view glob, std::size_t at) {
+  const bool negated = at + 1 < glob.size() && (glob[at + 1] == '!' || glob[at + 1] == '^');
+  const std::size_t close = glob.find(']', at + (negated ? 3 : 2));  // a ']' that comes first is an item of the set
+  return close == std::string_view::npos ? at : close + 1;
 }
 
-bool isRegex(const std::string& pattern) {
-  return pattern.size() > 2 && pattern.front() == '/' && pattern.back() == '/';
+// Returns a set, such as [a-z] or [!abc], as a regular expression.
+std::string regexOfSet(std::string_view set) {
+  const bool negated = set[1] == '!' || set[1] == '^';
+  const std::string_view items = set.substr(negated ? 2 : 1, set.size() - (negated ? 3 : 2));
+  std::string regex = negated ? "[^" : "[";
+  for (std::size_t i = 0; i < items.size();) {
+    const std::size_t bytes = utf8At(items, i).bytes;
+    const bool isRange = i > 0 && items[i] == '-' && i + 1 < items.size();
+    regex += isRange ? "-" : re2::RE2::QuoteMeta(std::string(items.substr(i, bytes)));
+    i += bytes;
+  }
+  return regex + "]";
+}
+
+// Returns the indices of the opening brace at glob[open], of its commas and of its closing brace; an empty list if
+// nothing closes it, or if nothing is inside.
+std::vector<std::size_t> bracesAt(std::string_view glob, std::size_t open) {
+  std::vector<std::size_t> ends{open};
+  int depth = 1;
+  for (std::size_t i = open + 1; i < glob.size(); ++i) {
+    if (glob[i] == '[') i = std::max(endOfSet(glob, i), i + 1) - 1;
+    if (glob[i] == '{') ++depth;
+    if (glob[i] == '}') --depth;
+    if (depth == 0 || (glob[i] == ',' && depth == 1)) ends.push_back(i);
+    if (depth == 0) return i == open + 1 ? std::vector<std::size_t>{} : ends;
+  }
+  return {};
+}
+
+// Returns a glob as a regular expression for the whole name. Braces around a text without commas may be ordinary
+// characters of a name, too: "{a}" matches "a" and "{a}". Braces that are never closed are ordinary characters.
+std::string regexOf(std::string_view glob, int nested, const Location& where) {
+  constexpr int kMostNested = 8;
+  if (nested > kMostNested) {
+    throw InputError(where, fmt::format("the braces of a pattern are nested more than {} deep", kMostNested));
+  }
+  std::string regex;
+  for (std::size_t i = 0; i < glob.size();) {
+    const std::vector<std::size_t> braces = glob[i] == '{' ? bracesAt(glob, i) : std::vector<std::size_t>{};
+    const std::size_t setEnd = glob[i] == '[' ? endOfSet(glob, i) : i;
+    if (!braces.empty()) {
+      std::vector<std::string> parts;
+      for (std::size_t k = 0; k + 1 < braces.size(); ++k) {
+        parts.push_back(regexOf(glob.substr(braces[k] + 1, braces[k + 1] - braces[k] - 1), nested + 1, where));
+      }
+      if (parts.size() == 1) parts.push_back("\\{" + parts.front() + "\\}");
+      regex += fmt::format("(?:{})", fmt::join(parts, "|"));
+      i = braces.back() + 1;
+    } else if (setEnd > i) {
+      regex += regexOfSet(glob.substr(i, setEnd - i));
+      i = setEnd;
+    } else {
+      regex += glob[i] == '*' ? ".*" : glob[i] == '?' ? "." : re2::RE2::QuoteMeta(std::string(glob.substr(i, 1)));
+      ++i;
+    }
+  }
+  return regex;
 }
 
 // Returns a compiled pattern from a cache: compiling costs far more than matching, and all parts of an asset are tested
@@ -37,130 +89,16 @@ const re2::RE2& compiled(const std::string& pattern, const Location& where) {
   if (known != cache.end()) return known->second;
   re2::RE2::Options options;
   options.set_log_errors(false);
-  const auto added = cache.try_emplace(pattern, pattern.substr(1, pattern.size() - 2), options).first;
+  options.set_dot_nl(!isRegex(pattern));
+  const std::string regex =
+      isRegex(pattern) ? pattern.substr(1, pattern.size() - 2) : regexOf(inUtf8(pattern), 0, where);
+  const auto added = cache.try_emplace(pattern, regex, options).first;
   if (added->second.ok()) return added->second;
   const std::string error = added->second.error();
   cache.erase(added);
-  throw InputError(where, fmt::format("bad regular expression {}: {}; the syntax is that of RE2, which has no "
+  throw InputError(where, fmt::format("bad pattern {}: {}; the syntax between slashes is that of RE2, which has no "
                                       "look-around and no back-references",
                                       pattern, error));
-}
-
-// Returns true if `c` is in the set that starts with the '[' at pattern[at], and moves `at` behind the set. A '['
-// without a ']' matches itself.
-bool matchesSet(std::u32string_view pattern, std::size_t& at, char32_t c) {
-  std::size_t i = at + 1;
-  const bool negated = i < pattern.size() && (pattern[i] == '!' || pattern[i] == '^');
-  if (negated) ++i;
-  const std::size_t close = pattern.find(']', i + 1);
-  if (close == std::u32string_view::npos) {
-    ++at;
-    return c == '[';
-  }
-  bool found = false;
-  while (i < close) {
-    if (i + 2 < close && pattern[i + 1] == '-') {
-      found = found || (pattern[i] <= c && c <= pattern[i + 2]);
-      i += 3;
-    } else {
-      found = found || pattern[i] == c;
-      ++i;
-    }
-  }
-  at = close + 1;
-  return found != negated;
-}
-
-// Returns true if a glob matches all of a text. After a mismatch only the latest '*' takes one more character, which
-// needs constant memory and at worst quadratic time.
-bool matchesGlob(std::u32string_view pattern, std::u32string_view text) {
-  constexpr std::size_t kNone = std::u32string_view::npos;
-  std::size_t p = 0;
-  std::size_t t = 0;
-  std::size_t star = kNone;
-  std::size_t starText = 0;
-  while (t < text.size()) {
-    if (p < pattern.size() && pattern[p] == '*') {
-      star = p++;
-      starText = t;
-      continue;
-    }
-    std::size_t next = p;
-    bool fits = false;
-    if (p < pattern.size()) {
-      if (pattern[p] == '[') {
-        fits = matchesSet(pattern, next, text[t]);
-      } else {
-        fits = pattern[p] == '?' || pattern[p] == text[t];
-        next = p + 1;
-      }
-    }
-    if (fits) {
-      p = next;
-      ++t;
-    } else if (star != kNone) {
-      p = star + 1;
-      t = ++starText;
-    } else {
-      return false;
-    }
-  }
-  while (p < pattern.size() && pattern[p] == '*') ++p;
-  return p == pattern.size();
-}
-
-constexpr std::size_t kMostAlternatives = 1000;
-
-// True if the character is alone in a set, such as "[{]", and stands for itself.
-bool standsForItself(const std::string& pattern, std::size_t i) {
-  return i > 0 && i + 1 < pattern.size() && pattern[i - 1] == '[' && pattern[i + 1] == ']';
-}
-
-// Appends the alternatives of a pattern: "a{b,c{d,e}}" gives "ab", "acd" and "ace". Braces around a text without commas
-// may be ordinary characters of a name, too: "{a}" gives "a" and "{a}". Braces that are never closed are ordinary
-// characters, and so are those before the index `from`.
-void expandBraces(const std::string& pattern, std::size_t from, std::vector<std::string>& out, const Location& where) {
-  for (std::size_t open = pattern.find('{', from); open != std::string::npos; open = pattern.find('{', open + 1)) {
-    if (standsForItself(pattern, open)) continue;
-    std::vector<std::size_t> commas{open};
-    int depth = 1;
-    std::size_t close = open + 1;
-    for (; close < pattern.size(); ++close) {
-      if (standsForItself(pattern, close)) continue;
-      if (pattern[close] == '{') ++depth;
-      if (pattern[close] == '}' && --depth == 0) break;
-      if (pattern[close] == ',' && depth == 1) commas.push_back(close);
-    }
-    if (close == pattern.size() || close == open + 1) continue;
-    if (commas.size() < 2) {
-      expandBraces(pattern.substr(0, open) + pattern.substr(open + 1, close - open - 1) + pattern.substr(close + 1),
-                   open, out, where);
-      continue;
-    }
-    commas.push_back(close);
-    for (std::size_t k = 0; k + 1 < commas.size(); ++k) {
-      expandBraces(pattern.substr(0, open) + pattern.substr(commas[k] + 1, commas[k + 1] - commas[k] - 1) +
-                       pattern.substr(close + 1),
-                   open, out, where);
-    }
-    return;
-  }
-  out.push_back(pattern);
-  if (out.size() > kMostAlternatives) {
-    throw InputError(where,
-                     fmt::format("the braces of a pattern expand to more than {} alternatives", kMostAlternatives));
-  }
-}
-
-const std::vector<std::u32string>& alternatives(const std::string& pattern, const Location& where) {
-  thread_local std::map<std::string, std::vector<std::u32string>> cache;
-  const auto known = cache.find(pattern);
-  if (known != cache.end()) return known->second;
-  std::vector<std::string> expanded;
-  expandBraces(pattern, 0, expanded, where);
-  std::vector<std::u32string>& globs = cache[pattern];
-  for (const std::string& glob : expanded) globs.push_back(charactersOf(glob));
-  return globs;
 }
 
 std::string readPattern(Fields& match, std::string_view key) {
@@ -170,11 +108,7 @@ std::string readPattern(Fields& match, std::string_view key) {
   if (pattern.empty()) {
     throw InputError(value->where, fmt::format("the pattern of '{}' is empty; leave it out, or write \"*\"", key));
   }
-  if (isRegex(pattern)) {
-    compiled(pattern, value->where);
-  } else {
-    alternatives(pattern, value->where);
-  }
+  compiled(pattern, value->where);
   return pattern;
 }
 
@@ -280,6 +214,10 @@ Rule readRule(const Value& value) {
 
 }  // namespace
 
+bool isRegex(std::string_view pattern) {
+  return pattern.size() > 2 && pattern.front() == '/' && pattern.back() == '/';
+}
+
 std::optional<Between> readBetween(Fields& fields, std::string_view key, Range range) {
   const Value* const value = fields.find(key);
   if (value == nullptr) return std::nullopt;
@@ -324,12 +262,10 @@ std::string inUtf8(std::string_view text) {
 }
 
 bool matches(const std::string& pattern, std::string_view text, const Location& where) {
-  if (!isRegex(pattern)) {
-    const std::vector<std::u32string>& globs = alternatives(pattern, where);
-    const std::u32string characters = charactersOf(text);
-    return std::any_of(globs.begin(), globs.end(), [&](const auto& glob) { return matchesGlob(glob, characters); });
-  }
-  return matchedText(pattern, text, where).has_value();
+  const std::string name = inUtf8(text);
+  if (!isRegex(pattern) && pattern.find_first_of("*?[{") == std::string::npos) return name == inUtf8(pattern);
+  const auto anchor = isRegex(pattern) ? re2::RE2::UNANCHORED : re2::RE2::ANCHOR_BOTH;
+  return compiled(pattern, where).Match(name, 0, name.size(), anchor, nullptr, 0);
 }
 
 std::optional<std::string> matchedText(const std::string& pattern, std::string_view text, const Location& where) {

@@ -80,8 +80,10 @@ bool matchesTriangle(const Rule& rule, const TriangleTraits& traits);
 // Returns the text with Latin-1 characters in place of bytes that are not UTF-8. Patterns are compared with this text.
 std::string inUtf8(std::string_view text);
 
-// Returns true if a text matches a pattern (a glob or a /regular expression/). Throws InputError at `where` for an
-// invalid regular expression.
+// True if a pattern is a /regular expression/; else it is a glob.
+bool isRegex(std::string_view pattern);
+
+// Returns true if a text matches a pattern. Throws InputError at `where` for an invalid pattern.
 bool matches(const std::string& pattern, std::string_view text, const Location& where);
 
 // Returns the text that the first group of a /regular expression/ matches, or the complete match if the expression has

@@ -73,9 +73,7 @@ ThingBounds readThingBounds(Fields& object, ThingBounds::By fallback) {
   const Value* const value = object.find("instances");
   if (value == nullptr) return bounds;
   bounds.where = value->where;
-  const bool pattern = value->kind == Value::Kind::Scalar && value->text.size() > 2 && value->text.front() == '/' &&
-                       value->text.back() == '/';
-  if (!pattern) {
+  if (value->kind != Value::Kind::Scalar || !isRegex(value->text)) {
     const std::string word = object.choice("instances", {"object", "node", "part", "/regular expression/"}, "");
     bounds.by = word == "object" ? ThingBounds::By::Object
                 : word == "node" ? ThingBounds::By::Node
