@@ -39,6 +39,10 @@ struct LabelledPart {
   AssetPart part;
   const Rule* classRule = nullptr;  // null if no rule gives these triangles a class or drops them
   const Rule* materialRule = nullptr;
+  const SemanticClass* semantic = nullptr;  // null: no class
+  std::uint32_t object = 0;                 // the number of the triangles' thing; 0 if the class is not a thing class
+
+  bool isOfThings() const { return semantic != nullptr && semantic->thing; }
 };
 
 // Returns the indices of the rules whose name patterns match a part.
@@ -204,13 +208,12 @@ void tellPointsWithoutInstance(const std::vector<ThingTriangles>& triangles, con
       file, grouped(without)));
 }
 
-// Splits parts that contain several things. Returns, for each part after the split, the number of its thing; 0 if the
-// part's class is not a thing class.
-std::vector<std::uint32_t> divideThings(std::vector<LabelledPart>& parts, std::vector<const SemanticClass*>& classes,
-                                        const ThingBounds& bounds, const std::string& file) {
+// Splits parts that contain several things, and sets LabelledPart::object.
+std::vector<LabelledPart> dividedThings(std::vector<LabelledPart> parts, const ThingBounds& bounds,
+                                        const std::string& file) {
   std::vector<ThingTriangles> ofThings;
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    if (classes[i] != nullptr && classes[i]->thing) ofThings.push_back({&parts[i].part, classes[i]->id});
+  for (const LabelledPart& p : parts) {
+    if (p.isOfThings()) ofThings.push_back({&p.part, p.semantic->id});
   }
   if (bounds.byClass && bounds.by == ThingBounds::By::Node) tellPointsWithoutInstance(ofThings, file);
   const std::vector<std::vector<std::uint32_t>> numbers = numberThings(bounds, ofThings);
@@ -225,33 +228,24 @@ std::vector<std::uint32_t> divideThings(std::vector<LabelledPart>& parts, std::v
                                  file, things, kMostSurfaces));
   }
   std::vector<LabelledPart> divided;
-  std::vector<const SemanticClass*> dividedClasses;
-  std::vector<std::uint32_t> objects;
-  const auto add = [&](LabelledPart part, const SemanticClass* semantic, std::uint32_t object) {
-    divided.push_back(std::move(part));
-    dividedClasses.push_back(semantic);
-    objects.push_back(object);
-  };
-  std::size_t next = 0;
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    LabelledPart& whole = parts[i];
+  auto ownNumbers = numbers.begin();
+  for (LabelledPart& whole : parts) {
     std::map<std::uint32_t, std::vector<std::size_t>> trianglesOf;
-    if (classes[i] != nullptr && classes[i]->thing) {
-      const std::vector<std::uint32_t>& own = numbers[next++];
-      for (std::size_t t = 0; t < own.size(); ++t) trianglesOf[own[t]].push_back(t);
+    if (whole.isOfThings()) {
+      for (std::size_t t = 0; t < ownNumbers->size(); ++t) trianglesOf[(*ownNumbers)[t]].push_back(t);
+      ++ownNumbers;
     }
     if (trianglesOf.size() < 2) {
-      add(std::move(whole), classes[i], trianglesOf.empty() ? 0 : trianglesOf.begin()->first);
+      if (!trianglesOf.empty()) whole.object = trianglesOf.begin()->first;
+      divided.push_back(std::move(whole));
       continue;
     }
     Taker taker(whole.part);
     for (const auto& [object, triangles] : trianglesOf) {
-      add({taker.take(triangles), whole.classRule, whole.materialRule}, classes[i], object);
+      divided.push_back({taker.take(triangles), whole.classRule, whole.materialRule, whole.semantic, object});
     }
   }
-  parts = std::move(divided);
-  classes = std::move(dividedClasses);
-  return objects;
+  return divided;
 }
 
 // Adds one mesh of several parts of a file. Returns the mesh's index; nullopt if no triangle remains. Counts in
@@ -270,13 +264,12 @@ std::optional<std::uint32_t> addParts(SceneBuilder& builder, std::vector<AssetPa
   }
   std::erase_if(parts, [](const LabelledPart& p) { return p.classRule != nullptr && p.classRule->drop; });
 
-  std::vector<const SemanticClass*> classes;
-  for (const LabelledPart& p : parts) {
+  for (LabelledPart& p : parts) {
     const Rule* const rule = p.classRule;
-    classes.push_back(rule == nullptr ? builder.ontology().find(p.part.ownClass)
-                                      : &builder.ontology().require(rule->className, rule->where));
+    p.semantic = rule == nullptr ? builder.ontology().find(p.part.ownClass)
+                                 : &builder.ontology().require(rule->className, rule->where);
   }
-  const std::vector<std::uint32_t> objects = divideThings(parts, classes, labelling.things, labelling.file);
+  parts = dividedThings(std::move(parts), labelling.things, labelling.file);
   checkSize(parts, labelling, where);
 
   Mesh mesh;
@@ -294,8 +287,8 @@ std::optional<std::uint32_t> addParts(SceneBuilder& builder, std::vector<AssetPa
     AssetPart& part = parts[i].part;
     Surface surface;
     surface.material = builder.addMaterial(materials[i]);
-    surface.semantic = classes[i] ? classes[i]->id : std::uint16_t{0};
-    surface.object = objects[i];
+    surface.semantic = parts[i].semantic != nullptr ? parts[i].semantic->id : std::uint16_t{0};
+    surface.object = parts[i].object;
     surface.node = part.node;
     surface.texture = part.texture;
     if (parts[i].classRule != nullptr) surface.labelledBy = parts[i].classRule->where;
@@ -309,7 +302,8 @@ std::optional<std::uint32_t> addParts(SceneBuilder& builder, std::vector<AssetPa
   std::vector<std::uint64_t> triangles(mesh.surfaces.size());
   for (const std::uint16_t surface : mesh.surfaceOf) ++triangles[surface];
   for (std::size_t i = 0; i < triangles.size(); ++i) {
-    if (!classes[i] && triangles[i] > 0 && !labelling.counted) builder.addUnlabeled(names[i], triangles[i]);
+    if (parts[i].semantic == nullptr && triangles[i] > 0 && !labelling.counted)
+      builder.addUnlabeled(names[i], triangles[i]);
   }
   return builder.addMesh(std::move(mesh));
 }
