@@ -3,10 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/error.h"
 #include "base/path.h"
-#include "config/fields.h"
-#include "config/waypoints.h"
 
 namespace scanmill {
 
@@ -33,32 +30,6 @@ Pose Movement::at(double time) const {
 
 bool Movement::moves() const {
   return path_ == nullptr ? length(velocity_) > 0 : travelled_.back() != travelled_.front();
-}
-
-std::shared_ptr<const Movement> readMovement(const Value& value) {
-  Fields f(value, "moving");
-  f.also({"velocity", "waypoints", "speed", "start"}).finish();
-  if (f.has("velocity") && f.has("waypoints")) {
-    throw InputError(f.require("velocity").where,
-                     "moving has either a velocity or waypoints with a speed, not both: take one out");
-  }
-  if (!f.has("velocity") && !f.has("waypoints")) {
-    throw InputError(value.where, "moving needs velocity, such as [8, 0, 0] in m/s, or waypoints with a speed");
-  }
-  if (const Value* velocity = f.find("velocity")) {
-    for (const char* key : {"speed", "start"}) {
-      if (const Value* other = f.find(key)) {
-        throw InputError(other->where, std::string(key) + " is for waypoints: a velocity says how fast and where to");
-      }
-    }
-    const Vec3d v = readVec3(*velocity, "velocity");
-    if (!(length(v) <= kFastestObject)) throw InputError(velocity->where, "velocity is above 300 m/s");
-    return std::make_shared<Movement>(v);
-  }
-  const auto path = std::make_shared<const Path>(readWaypoints(f.require("waypoints")));
-  const double speed = f.number("speed", {0.001, kFastestObject});
-  const double start = std::min(f.number("start", {0, path->length() * (1 + 1e-9)}, 0), path->length());
-  return std::make_shared<Movement>(path, start, speed);
 }
 
 }  // namespace scanmill

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "base/vec.h"
-#include "config/value.h"
 
 namespace scanmill {
 
@@ -40,8 +39,5 @@ class Movement {
   std::vector<double> travelled_;
   double interval_ = 1;
 };
-
-// Reads {velocity: [x, y, z]} or {waypoints: [[x, y, z], ...], speed: m/s, start: m} from YAML. Throws InputError.
-std::shared_ptr<const Movement> readMovement(const Value& value);
 
 }  // namespace scanmill

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
 #include <string_view>
 
 #include "base/path.h"
@@ -35,19 +36,26 @@ const SurfaceHeights& ObjectPlacer::surfaces() {
   return *heights_;
 }
 
-// Reads the key `moving`: what readMovement() reads, and besides paths on the surfaces of earlier objects, and several
+// Reads the key `moving`: a velocity, or a path by waypoints or on the surfaces of earlier objects, with one or several
 // starts.
 std::vector<std::shared_ptr<const Movement>> ObjectPlacer::movementsOf(const Value& moving) {
+  static const std::map<std::string_view, std::set<std::string_view>> kKeysBeside{
+      {"to", {"from", "on", "keep", "speed", "start"}}, {"waypoints", {"ground", "speed", "start"}}, {"velocity", {}}};
   Fields f(moving, "moving");
   f.also({"velocity", "waypoints", "from", "to", "on", "keep", "speed", "start", "ground"}).finish();
-  const Value* const start = f.find("start");
-  const bool several = start != nullptr && start->kind == Value::Kind::Sequence;
-  if (!f.has("to") && !f.has("ground") && !several) return {readMovement(moving)};
-  for (const char* key : {"velocity", f.has("to") ? "waypoints" : "from", f.has("to") ? "ground" : "on"}) {
-    if (const Value* value = f.find(key)) {
-      throw InputError(value->where, fmt::format("{} has no effect beside `{}`: leave it out", key,
-                                                 f.has("to") ? "to" : "waypoints"));
-    }
+  const std::string_view by = f.has("to") ? "to" : f.has("waypoints") ? "waypoints" : "velocity";
+  if (!f.has(by)) {
+    throw InputError(moving.where,
+                     "moving needs velocity, such as [8, 0, 0] in m/s, or waypoints or from, to and on, with a speed");
+  }
+  for (const Value::Entry& entry : moving.entries) {
+    if (entry.key == by || !f.has(entry.key) || kKeysBeside.at(by).contains(entry.key)) continue;
+    throw InputError(entry.value.where, fmt::format("{} has no effect beside `{}`: leave it out", entry.key, by));
+  }
+  if (by == "velocity") {
+    const Vec3d velocity = f.vec3("velocity", {});
+    if (length(velocity) <= kFastestObject) return {std::make_shared<Movement>(velocity)};
+    throw InputError(f.require("velocity").where, fmt::format("velocity is above {:g} m/s", kFastestObject));
   }
   std::vector<Vec3d> points = f.has("to") ? findRoadPath(surfaces(), builder_.ontology(), readRoadTrip(f))
                                           : readWaypoints(f.require("waypoints"));
@@ -58,6 +66,8 @@ std::vector<std::shared_ptr<const Movement>> ObjectPlacer::movementsOf(const Val
   const auto path = std::make_shared<const Path>(points);
   const double speed = f.number("speed", {0.001, kFastestObject});
   const Range along{0, path->length() * (1 + 1e-9)};
+  const Value* const start = f.find("start");
+  const bool several = start != nullptr && start->kind == Value::Kind::Sequence;
   const std::vector<double> starts = several ? f.numbers("start", along) : std::vector{f.number("start", along, 0)};
   std::vector<std::shared_ptr<const Movement>> movements;
   for (const double at : starts) {

@@ -8,20 +8,20 @@
 namespace scanmill {
 namespace {
 
-std::shared_ptr<const Movement> movement(const std::string& yaml) {
-  return readMovement(parseYaml(yaml, "scene.yaml"));
+std::shared_ptr<const Movement> along(const std::vector<Vec3d>& waypoints, double speed, double start = 0) {
+  return std::make_shared<Movement>(std::make_shared<const Path>(waypoints), start, speed);
 }
 
 TEST(Movement, KeepsItsVelocity) {
-  const auto m = movement("{velocity: [3, -4, 1]}");
-  EXPECT_EQ(m->at(0), Pose{});
-  EXPECT_EQ(m->at(2).translation, (Vec3d{6, -8, 2}));
-  EXPECT_EQ(m->at(2).rotation, Quat{});
-  EXPECT_EQ(m->at(-5), m->at(0));
+  const Movement m(Vec3d{3, -4, 1});
+  EXPECT_EQ(m.at(0), Pose{});
+  EXPECT_EQ(m.at(2).translation, (Vec3d{6, -8, 2}));
+  EXPECT_EQ(m.at(2).rotation, Quat{});
+  EXPECT_EQ(m.at(-5), m.at(0));
 }
 
 TEST(Movement, FollowsWaypointsAtItsSpeedAndStopsAtTheEnd) {
-  const auto m = movement("{waypoints: [[0, 0, 0], [0, 50, 0], [0, 100, 0]], speed: 5, start: 10}");
+  const auto m = along({{0, 0, 0}, {0, 50, 0}, {0, 100, 0}}, 5, 10);
   EXPECT_NEAR(length(m->at(0).translation - Vec3d{0, 10, 0}), 0, 1e-9);
   EXPECT_NEAR(length(m->at(4).translation - Vec3d{0, 30, 0}), 0, 1e-9);
   EXPECT_NEAR(length(m->at(1e6).translation - Vec3d{0, 100, 0}), 0, 1e-9);
@@ -43,8 +43,7 @@ TEST(Movement, InstancesMoveRigidly) {
   Mesh box = meshOf(builder, "thing");
   appendBox(box, 0, {}, {1, 2, 3});
   const Affine place{Mat3::scale({1, 2, 0.5}), {0.5, 0, 1}};
-  builder.place(builder.addMesh(box), place, "box", {},
-                movement("{waypoints: [[0, 0, 0], [30, 0, 0], [40, 20, 0]], speed: 10}"));
+  builder.place(builder.addMesh(box), place, "box", {}, along({{0, 0, 0}, {30, 0, 0}, {40, 20, 0}}, 10));
   const Scene scene = builder.finish();
   EXPECT_TRUE(scene.moves());
   const Instance& instance = scene.instances.front();
@@ -55,21 +54,11 @@ TEST(Movement, InstancesMoveRigidly) {
   EXPECT_NEAR(length(later.linear.y), 2, 1e-9);
 }
 
-TEST(Movement, RefusesWhatItDoesNotKnow) {
-  expectRefusals([](const std::string& yaml) { return messageOf([&] { movement(yaml); }); },
-                 {{"{}", "velocity"},
-                  {"{velocity: [1, 0, 0], speed: 3}", "speed is for waypoints"},
-                  {"{velocity: [400, 0, 0]}", "300 m/s"},
-                  {"{waypoints: [[0, 0, 0], [1, 0, 0]]}", "speed"},
-                  {"{waypoints: [[0, 0, 0], [1, 0, 0]], speed: 1, start: 2}", "start"},
-                  {"{waypoint: [[0, 0, 0], [1, 0, 0]], speed: 1}", "waypoints"}});
-}
-
 TEST(Movement, KnowsWhetherItMoves) {
-  EXPECT_TRUE(movement("{velocity: [3, 0, 0]}")->moves());
-  EXPECT_FALSE(movement("{velocity: [0, 0, 0]}")->moves());
-  EXPECT_TRUE(movement("{waypoints: [[0, 0, 0], [10, 0, 0]], speed: 5}")->moves());
-  EXPECT_FALSE(movement("{waypoints: [[0, 0, 0], [10, 0, 0]], speed: 5, start: 10}")->moves());
+  EXPECT_TRUE(Movement(Vec3d{3, 0, 0}).moves());
+  EXPECT_FALSE(Movement(Vec3d{0, 0, 0}).moves());
+  EXPECT_TRUE(along({{0, 0, 0}, {10, 0, 0}}, 5)->moves());
+  EXPECT_FALSE(along({{0, 0, 0}, {10, 0, 0}}, 5, 10)->moves());
 }
 
 TEST(Animation, ShowsEachMeshForItsPartOfThePeriodUntilItEnds) {
@@ -93,7 +82,7 @@ TEST(Scene, StandsStillAsItWasAtATime) {
   const std::uint32_t first = builder.addMesh(box);
   appendBox(box, 0, at(0, 0, 3), {1, 1, 1});
   const std::uint32_t second = builder.addMesh(box);
-  builder.place(first, at(0, 1, 0), "thing", {}, movement("{velocity: [3, 0, 0]}"),
+  builder.place(first, at(0, 1, 0), "thing", {}, std::make_shared<Movement>(Vec3d{3, 0, 0}),
                 std::make_shared<Animation>(Animation{{first, second}, 2, 10}));
   Scene scene = builder.finish();
   EXPECT_TRUE(scene.moves());

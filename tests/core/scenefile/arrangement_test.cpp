@@ -264,7 +264,13 @@ TEST_F(Arrangements, MistakesAreNamedWithTheirPlace) {
                 {"vary: {material: [grass]}", "objects that are files"},
                 {"stand_on: [nowhere]", "no class 'nowhere'"},
                 {"position: [500, 0, 0], stand_on: ground", on + "no surface to stand on at [500, 0]"},
-                {"moving: {velocity: [1, 0, 0]}, stand_on: ground", "for objects that stand still"}});
+                {"moving: {velocity: [1, 0, 0]}, stand_on: ground", "for objects that stand still"},
+                {"moving: {}", on + "velocity"},
+                {"moving: {velocity: [1, 0, 0], speed: 3}", on + "speed has no effect beside `velocity`"},
+                {"moving: {velocity: [400, 0, 0]}", "300 m/s"},
+                {"moving: {waypoints: [[0, 0, 0], [1, 0, 0]]}", "speed"},
+                {"moving: {waypoints: [[0, 0, 0], [1, 0, 0]], speed: 1, start: 2}", "start"},
+                {"moving: {waypoint: [[0, 0, 0], [1, 0, 0]], speed: 1}", "waypoints"}});
   EXPECT_EQ(refusal(scatter("count: 9") + ", vary: {position: 3}, stand_on: ground"), "accepted");
 }
 
