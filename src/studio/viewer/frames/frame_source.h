@@ -39,19 +39,11 @@ struct ViewScan {
   const std::vector<Vec3f>& places() const { return placed.empty() ? scan.position : placed; }
 };
 
-// An object instance in the sample's list of objects.
-struct ViewObject {
-  ObjectRecord record;
-  // Centres of the object's box (m, world) in this frame and in neighbouring frames, in the order of frames; empty if
-  // the object is static.
-  std::vector<Vec3d> track;
-};
-
 struct ViewFrame {
   std::string key;
   std::vector<ViewScan> scans;
   std::vector<std::string> problems;       // one line for each part of the frame that could not be loaded
-  std::vector<ViewObject> objects{};       // empty if the dataset has no object lists
+  std::vector<ObjectRecord> objects{};     // the sample's list of objects; empty if the dataset has no such lists
   double objectTime = 0;                   // time of ObjectRecord::worldFromBox (s since the start of the sequence)
   std::optional<Pose> worldFromVehicle{};  // pose of the own vehicle; absent if it was not modelled or is unknown
 };

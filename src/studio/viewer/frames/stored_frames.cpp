@@ -286,60 +286,16 @@ ViewFrame StoredFrames::load(std::size_t frame) const {
     appendNew(l.problems, view.problems);
     if (l.loaded) view.scans.push_back(std::move(l.scan));
   }
-  view.objects = objectsAbout(frame, view.problems);
-  if (!view.objects.empty()) view.objectTime = objectsOf(view.key)->time;
-  view.worldFromVehicle = vehiclePose(view.key);
-  return view;
-}
-
-std::shared_ptr<const SampleObjects> StoredFrames::objectsOf(const std::string& key) const {
-  constexpr std::size_t kKept = 64;
-  const std::scoped_lock lock(objectsMutex_);
-  const auto known = std::ranges::find_if(objects_, [&](const auto& o) { return o->key == key; });
-  if (known != objects_.end()) {
-    objects_.splice(objects_.begin(), objects_, known);
-    return objects_.front();
-  }
-  const std::optional<std::size_t> sample = first().find(key);
-  std::optional<SampleObjects> read = sample ? first().objects(*sample) : std::nullopt;
-  if (!read) return nullptr;
-  if (objects_.size() >= kKept) objects_.pop_back();
-  objects_.push_front(std::make_shared<const SampleObjects>(std::move(*read)));
-  return objects_.front();
-}
-
-// Returns the objects in the sample's list, with their tracks over the neighbouring frames.
-std::vector<ViewObject> StoredFrames::objectsAbout(std::size_t frame, std::vector<std::string>& problems) const {
-  constexpr std::ptrdiff_t kNeighbours = 10;  // largest number of frames of a track before the sample, and after it
-  const std::string& key = keys().at(frame);
-  std::vector<ViewObject> all;
-  const auto sequence = sequences_.find(partsOfKey(key).sequence);
-  if (sequence == sequences_.end()) return all;
   try {
-    const std::shared_ptr<const SampleObjects> own = objectsOf(key);
-    if (own == nullptr) return all;
-    for (const ObjectRecord& object : own->objects) all.push_back({object, {}});
-    if (std::ranges::none_of(all, [](const ViewObject& o) { return o.record.moves; })) return all;
-    const std::vector<const SampleRecord*>& samples = sequence->second;
-    const auto at = std::ranges::find_if(samples, [&](const auto* s) { return s->key == key; });
-    const auto before = std::min(kNeighbours, at - samples.begin());
-    const auto after = std::min(kNeighbours + 1, samples.end() - at);
-    for (auto sample = at - before; sample != at + after; ++sample) {
-      const std::shared_ptr<const SampleObjects> listed = objectsOf((*sample)->key);
-      if (listed == nullptr) continue;
-      std::unordered_map<std::uint32_t, const ObjectRecord*> byId;
-      for (const ObjectRecord& object : listed->objects) byId.emplace(object.id, &object);
-      for (ViewObject& object : all) {
-        const auto there = byId.find(object.record.id);
-        if (object.record.moves && there != byId.end()) {
-          object.track.push_back(there->second->worldFromBox.translation);
-        }
-      }
+    if (auto listed = first().objects(frame)) {
+      view.objects = std::move(listed->objects);
+      view.objectTime = listed->time;
     }
   } catch (const InputError& e) {
-    appendNew({e.what()}, problems);
+    appendNew({e.what()}, view.problems);
   }
-  return all;
+  view.worldFromVehicle = vehiclePose(view.key);
+  return view;
 }
 
 // Returns the sensor pose of the sample's first shown scan whose pose is known; null if there is none.

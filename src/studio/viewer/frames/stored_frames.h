@@ -2,9 +2,7 @@
 
 // Loads frames whose scans are on disk.
 
-#include <list>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <unordered_map>
@@ -49,8 +47,6 @@ class StoredFrames : public FrameSource {
   void nameScans(std::vector<Loading>& all) const;
   const Pose* poseOf(const SampleRecord& sample) const;
   std::optional<Pose> vehiclePose(const std::string& key) const;
-  std::vector<ViewObject> objectsAbout(std::size_t frame, std::vector<std::string>& problems) const;
-  std::shared_ptr<const SampleObjects> objectsOf(const std::string& key) const;
 
   ViewInput input_;
   std::vector<Store> stores_;  // first the main store, then the stores that are shown on top of it
@@ -58,9 +54,6 @@ class StoredFrames : public FrameSource {
   std::optional<Ontology> ontology_;
   // For each sequence's name: its samples in the order of frames.
   std::unordered_map<std::string, std::vector<const SampleRecord*>> sequences_;
-  mutable std::mutex objectsMutex_;
-  // Object lists of samples, the most recently used first.
-  mutable std::list<std::shared_ptr<const SampleObjects>> objects_;
 };
 
 // Returns the distance (m) of each point from the point of the same beam and return in the noise-free reference. The

@@ -173,7 +173,7 @@ bool Scenery::boxShown(const ObjectRecord& object) const {
 void Scenery::placeBoxes() {
   LineSet lines;
   if (context_.frame && worldFromAnchor && !clouds_.list.empty()) {
-    for (const auto& [object, track] : context_.frame->objects) {
+    for (const ObjectRecord& object : context_.frame->objects) {
       if (!boxShown(object)) continue;
       const SemanticClass* const known =
           context_.source->ontology() == nullptr ? nullptr : context_.source->ontology()->find(object.semantic);
@@ -185,8 +185,10 @@ void Scenery::placeBoxes() {
         continue;
       addBox(lines, place, object.size, object.headingKnown,
              seen ? color : mix(color, context_.options.background, kFaint));
-      for (std::size_t i = 0; i + 1 < track.size(); ++i) {
-        lines.add(canvasFromWorld * track[i], canvasFromWorld * track[i + 1], color);
+      constexpr double kSeconds = 1;  // a moving object gets a line to where its centre is after this time
+      if (object.moves) {
+        const Vec3d& center = place.translation;
+        lines.add(center, center + canvasFromWorld.linear * (object.velocity * kSeconds), color);
       }
     }
   }
@@ -198,7 +200,7 @@ void Scenery::placeBoxes() {
 std::vector<std::pair<const ObjectRecord*, const ObjectView*>> Scenery::nearestSeen() const {
   std::vector<std::pair<const ObjectRecord*, const ObjectView*>> seen;
   if (!context_.frame || !worldFromAnchor || clouds_.list.empty()) return seen;
-  for (const auto& [object, track] : context_.frame->objects) {
+  for (const ObjectRecord& object : context_.frame->objects) {
     const ObjectView* const view = shownView(object);
     if (view != nullptr && view->points > 0 && boxShown(object)) seen.emplace_back(&object, view);
   }
@@ -208,10 +210,9 @@ std::vector<std::pair<const ObjectRecord*, const ObjectView*>> Scenery::nearestS
 }
 
 void Scenery::addObjectRows(PickedThing& thing, std::uint32_t instance) const {
-  const auto found =
-      std::ranges::find_if(context_.frame->objects, [&](const ViewObject& o) { return o.record.id == instance; });
+  const auto found = std::ranges::find(context_.frame->objects, instance, &ObjectRecord::id);
   if (found == context_.frame->objects.end()) return;
-  const ObjectRecord& object = found->record;
+  const ObjectRecord& object = *found;
   const auto add = [&](const char* what, const std::string& value) { thing.rows.emplace_back(what, value); };
   add("object", object.name);
   add("box", fmt::format("{:.2f} x {:.2f} x {:.2f} m{}", object.size.x, object.size.y, object.size.z,

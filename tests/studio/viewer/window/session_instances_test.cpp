@@ -194,30 +194,29 @@ TEST(SessionBeam, JoinsItsReturns) {
 
 constexpr std::size_t kEdges = 12;
 
-// A car that is seen, with a front and a track, and a tree that is not.
+// A car that is seen, with a front and a speed, and a tree that is not.
 std::shared_ptr<FakeFrames> listedFrames() {
   auto frames = std::make_shared<FakeFrames>(2);
-  ViewObject car;
-  car.record.id = 4711;
-  car.record.semantic = kFakeCar;
-  car.record.name = "estate";
-  car.record.moves = true;
-  car.record.worldFromBox = {{}, {10, 90, 1}};
-  car.record.size = {4, 2, 1.5};
-  car.record.velocity = {3, 4, 0};
+  ObjectRecord car;
+  car.id = 4711;
+  car.semantic = kFakeCar;
+  car.name = "estate";
+  car.moves = true;
+  car.worldFromBox = {{}, {10, 90, 1}};
+  car.size = {4, 2, 1.5};
+  car.velocity = {3, 4, 0};
   ObjectView view;
   view.sensor = "top";
   view.sensorFromBox = {{}, {10, -10, -0.8}};
   view.points = view.beams = 30;
   view.beamsAlone = 60;
-  car.record.views = {view};
-  car.track = {{8, 90, 1}, {10, 90, 1}, {12, 90, 1}};
-  ViewObject tree;
-  tree.record.id = 5;
-  tree.record.semantic = kFakeTree;
-  tree.record.headingKnown = false;
-  tree.record.worldFromBox = {{}, {5, 110, 1}};
-  tree.record.size = {1, 1, 3};
+  car.views = {view};
+  ObjectRecord tree;
+  tree.id = 5;
+  tree.semantic = kFakeTree;
+  tree.headingKnown = false;
+  tree.worldFromBox = {{}, {5, 110, 1}};
+  tree.size = {1, 1, 3};
   frames->frames[0].objects = {car, tree};
   return frames;
 }
@@ -229,8 +228,8 @@ const FakeCanvas::Item& boxes(const SessionWorld& world) {
 TEST(SessionBoxes, AreDrawnInTheColoursOfTheirClasses) {
   SessionWorld world(listedFrames(), {.sample = "0", .boxes = BoxChoice::All});
   const auto& colors = boxes(world).colors;
-  ASSERT_EQ(colors.size(), kEdges + 1 + 2 + kEdges) << "two boxes, a front, a track of three places";
-  EXPECT_EQ(std::ranges::count(colors, kFakeCarColor), static_cast<long>(kEdges + 3));
+  ASSERT_EQ(colors.size(), kEdges + 1 + 1 + kEdges) << "two boxes, a front, and how far the car moves in a second";
+  EXPECT_EQ(std::ranges::count(colors, kFakeCarColor), static_cast<long>(kEdges + 2));
   EXPECT_EQ(std::ranges::count(colors, kFakeTreeColor), 0) << "nothing is seen of it: it is faint";
   // The box lies where the points of its sensor lie: 10 m ahead and 10 m to the right of the sensor.
   Box car;
@@ -245,7 +244,7 @@ TEST(SessionBoxes, FitPointsOfAMovingSensor) {
   ViewScan& scan = frames->frames[0].scans[0];
   scan.placed = scan.scan.position;
   for (Vec3f& place : scan.placed) place.x += 3;
-  frames->frames[0].objects[0].record.views[0].time = 0.55;
+  frames->frames[0].objects[0].views[0].time = 0.55;
   frames->frames[0].objectTime = 0.5;
   const SessionWorld world(frames, {.sample = "0"});
   EXPECT_EQ(world.canvas.items.at(firstCloud(world)).places, scan.placed);
@@ -265,7 +264,7 @@ TEST(SessionBoxes, FitPointsOfALaterRevolution) {
   ViewScan& scan = frames->frames[0].scans[0];
   scan.revolution = 1;
   scan.time = 0.6;
-  frames->frames[0].objects[0].record.views[0].time = 0.55;
+  frames->frames[0].objects[0].views[0].time = 0.55;
   frames->frames[0].objectTime = 0.5;
   const SessionWorld world(frames, {.sample = "0"});
   Box car;
@@ -276,17 +275,17 @@ TEST(SessionBoxes, FitPointsOfALaterRevolution) {
 TEST(SessionBoxes, FollowKeysAndFilters) {
   SessionWorld world(listedFrames(), {.sample = "0"});
   const auto drawn = [&] { return boxes(world).colors.size(); };
-  EXPECT_EQ(drawn(), kEdges + 3) << "the car alone: a tree is no road user";
+  EXPECT_EQ(drawn(), kEdges + 2) << "the car alone: a tree is no road user";
   world.key("O");
-  EXPECT_EQ(drawn(), 2 * kEdges + 3) << "all";
+  EXPECT_EQ(drawn(), 2 * kEdges + 2) << "all";
   world.key("O");
   EXPECT_EQ(drawn(), 0u);
   world.key("O");
-  EXPECT_EQ(drawn(), kEdges + 3);
+  EXPECT_EQ(drawn(), kEdges + 2);
   world.press("Right");
   EXPECT_EQ(drawn(), 0u) << "the next sample lists nothing";
   const SessionWorld cars(listedFrames(), {.sample = "0", .boxes = BoxChoice::All, .hidden = {"tree"}});
-  EXPECT_EQ(boxes(cars).colors.size(), kEdges + 3);
+  EXPECT_EQ(boxes(cars).colors.size(), kEdges + 2);
   const SessionWorld alone(listedFrames(), {.sample = "0", .instances = {5}});
   EXPECT_EQ(boxes(alone).colors.size(), kEdges);
 }
