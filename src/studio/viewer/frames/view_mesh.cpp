@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <exception>
+#include <functional>
+#include <iterator>
 #include <limits>
 #include <map>
-#include <set>
 #include <utility>
 
 #include "base/parallel.h"
@@ -144,95 +144,37 @@ void fillBoxes(ViewMesh& view) {
     }
   });
   for (const Box& box : view.boxes) view.bounds.add(box);
+  view.partBoxes.resize(view.parts.size());
+  for (std::size_t t = 0; t < view.size(); ++t) {
+    for (std::size_t c = 3 * t; c < 3 * t + 3; ++c) view.partBoxes[view.surfaceOf(t).part].add(Vec3d(view.corners[c]));
+  }
 }
 
-// Returns the classes of ground that reaches to the sides of a scene whose other classes do not, such as the terrain of
-// a town.
-std::set<std::uint16_t> surroundingClasses(const ViewMesh& view) {
-  constexpr double kReaches = 0.95;  // fraction of the scene's longest side
-  constexpr double kWithin = 0.85;   // largest such fraction for the rest
+// Returns a box that contains most of a scene: the box of its parts, without a twentieth of them at each side. Large
+// parts, such as surrounding ground, are left out unless the others reach nearly as far.
+Box coreOf(const ViewMesh& view) {
+  constexpr double kLarge = 0.5;      // fraction of the scene's longest side from which a part counts as large
+  constexpr double kReaching = 0.85;  // largest such fraction for the parts that are not large
+  constexpr double kLeftOut = 0.05;
   const auto longest = [](const Box& box) {
     return box.empty() ? 0 : std::max(box.high.x - box.low.x, box.high.y - box.low.y);
   };
-  std::map<std::uint16_t, Box> boxes;
-  for (std::size_t i = 0; i < view.corners.size(); ++i) boxes[view.semantic[i / 3]].add(Vec3d(view.corners[i]));
-  std::set<std::uint16_t> surrounding;
-  Box rest;
-  for (const auto& [semantic, box] : boxes) {
-    const SemanticClass* const known = view.ontology.find(semantic);
-    if ((known == nullptr || !known->thing) && longest(box) >= kReaches * longest(view.bounds)) {
-      surrounding.insert(semantic);
-    } else {
-      rest.add(box);
-    }
-  }
-  if (rest.empty() || longest(rest) > kWithin * longest(view.bounds)) surrounding.clear();
-  return surrounding;
-}
-
-// Returns a box that contains most of a scene, without the classes of surroundingClasses(). Large triangles, such as
-// those of surrounding ground, are ignored if there are small ones. Space is divided into coarse cells; each is
-// weighted by the logarithm of the number of corners in it, so that a tree with many leaves does not outweigh the
-// houses around it.
-Box coreOf(const ViewMesh& view) {
-  const std::vector<Vec3f>& corners = view.corners;
-  const Box& bounds = view.bounds;
-  const std::set<std::uint16_t> surrounding = surroundingClasses(view);
-  constexpr std::size_t kCells = 32;          // number of cells along the longest side of the bounds
-  constexpr std::size_t kEnough = 1'000'000;  // maximum number of triangles that are examined
-  constexpr double kLeftOut = 0.05;  // fraction of the cells' total weight that may be beyond each side of the box
-  constexpr double kLarge = 0.5;     // fraction of the bounds' longest side from which a triangle counts as large
-  struct Cell {
-    Box box;
-    double corners = 0;
-  };
+  const auto isSmall = [&](const Box& part) { return longest(part) < kLarge * longest(view.bounds); };
+  std::vector<Box> parts;
+  std::ranges::copy_if(view.partBoxes, std::back_inserter(parts), isSmall);
+  Box small;
+  for (const Box& part : parts) small.add(part);
+  if (small.empty() || longest(small) > kReaching * longest(view.bounds)) parts = view.partBoxes;
   Box core;
-  if (corners.empty()) return core;
-  const Vec3d size = bounds.high - bounds.low;
-  const double perMetre = kCells / std::max({size.x, size.y, size.z, 1e-6});
-  const auto along = [&](double d) {
-    return std::min(static_cast<std::size_t>(std::max(d, 0.0) * perMetre), kCells - 1);
-  };
-  std::vector<Cell> cells(kCells * kCells * kCells);
-  const auto count = [&](double longest) {
-    const std::size_t step = 3 * (corners.size() / (3 * kEnough) + 1);
-    for (std::size_t t = 0; t + 2 < corners.size(); t += step) {
-      if (surrounding.contains(view.semantic[t / 3])) continue;
-      const std::array<Vec3d, 3> corner{Vec3d(corners[t]), Vec3d(corners[t + 1]), Vec3d(corners[t + 2])};
-      if (std::max({length(corner[1] - corner[0]), length(corner[2] - corner[1]), length(corner[0] - corner[2])}) >
-          longest) {
-        continue;
-      }
-      for (const Vec3d& c : corner) {
-        const Vec3d at = c - bounds.low;
-        Cell& cell = cells[(along(at.x) * kCells + along(at.y)) * kCells + along(at.z)];
-        cell.box.add(c);
-        ++cell.corners;
-      }
-    }
-    return std::ranges::any_of(cells, [](const Cell& cell) { return cell.corners > 0; });
-  };
-  if (!count(kLarge * kCells / perMetre)) count(std::numeric_limits<double>::infinity());
-  std::erase_if(cells, [](const Cell& cell) { return cell.corners == 0; });
-  double all = 0;
-  for (const Cell& cell : cells) all += 1 + std::log2(cell.corners);
-  std::vector<std::pair<double, double>> ends;  // pairs of a cell's end along the axis and the cell's weight
-  const auto edge = [&](double Vec3d::*axis, double sign) {
-    ends.clear();
-    for (const Cell& cell : cells) {
-      ends.emplace_back(sign * (sign > 0 ? cell.box.low : cell.box.high).*axis, 1 + std::log2(cell.corners));
-    }
-    std::ranges::sort(ends);
-    double passed = 0;
-    for (const auto& [end, weight] : ends) {
-      passed += weight;
-      if (passed > kLeftOut * all) return sign * end;
-    }
-    return sign * ends.back().first;
+  if (parts.empty()) return core;
+  const auto omitted = static_cast<std::ptrdiff_t>(kLeftOut * static_cast<double>(parts.size()));
+  const auto edge = [&](Vec3d Box::*end, double Vec3d::*axis, auto order) {
+    std::ranges::nth_element(parts, parts.begin() + omitted, order, [&](const Box& part) { return part.*end.*axis; });
+    return parts[static_cast<std::size_t>(omitted)].*end.*axis;
   };
   for (double Vec3d::*axis : {&Vec3d::x, &Vec3d::y, &Vec3d::z}) {
-    core.low.*axis = edge(axis, 1);
-    core.high.*axis = edge(axis, -1);
+    core.low.*axis = edge(&Box::low, axis, std::less<>());
+    core.high.*axis = edge(&Box::high, axis, std::greater<>());
   }
   return core;
 }
@@ -243,11 +185,7 @@ void leaveOutWhoIsAway(Scene& scene, double time) {
   Box standing;
   for (const Instance& i : scene.instances) {
     if (i.moves()) continue;
-    const Box box = scene.meshes[i.mesh].bounds();
-    for (int corner = 0; corner < 8; ++corner) {
-      standing.add(i.worldFromMesh * Vec3d{corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
-                                           corner & 4 ? box.high.z : box.low.z});
-    }
+    standing.add(boxAround(i.worldFromMesh, scene.meshes[i.mesh].bounds()));
   }
   if (standing.empty()) return;
   // Moving objects are shown if their middle is at most this far outside of the bounding box of all static objects

@@ -47,7 +47,8 @@ struct ViewMesh {
   std::vector<std::string> rules;
   Ontology ontology;
   Box bounds;                         // bounding box, relative to `origin` (m)
-  Box core;                           // box that contains most of the mesh, relative to `origin` (m)
+  Box core;                           // box that contains most of the parts, relative to `origin` (m)
+  std::vector<Box> partBoxes;         // bounding box of each part, relative to `origin` (m)
   std::vector<std::string> warnings;  // result of ruleWarnings(), about rules without effect
   bool moves = false;                 // true: the scene has moving objects, and the mesh shows them at one time
   std::vector<Box> boxes;  // bounding boxes of kTrianglesPerBox consecutive triangles, relative to `origin` (m)

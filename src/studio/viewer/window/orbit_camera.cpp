@@ -154,24 +154,6 @@ void OrbitCamera::lookAt(const Vec3d& place) {
   distance = std::clamp(far, kLeastDistance, kMostDistance);
 }
 
-void OrbitCamera::frame(const Box& box) {
-  if (box.empty()) return;
-  target = within(box.center());
-  constexpr double kFilled = 0.9;  // largest fraction of a 16 : 9 picture's height that the box fills
-  const Vec3d forward = forwardOf(yaw, pitch);
-  const Vec3d rightward = rightOf(yaw);
-  const Vec3d downward = cross(forward, rightward);
-  double needed = kLeastDistance;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3d p = Vec3d{corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
-                          corner & 4 ? box.high.z : box.low.z} -
-                    target;
-    const double aside = std::max(std::abs(dot(p, rightward)), std::abs(dot(p, downward)));
-    needed = std::max(needed, 2 / kFilled * focal * aside - (orthographic ? 0 : dot(p, forward)));
-  }
-  distance = std::min(needed, kMostDistance);
-}
-
 void OrbitCamera::fillWith(const std::vector<Vec3d>& points, const Vec3d& middle, View view, int width, int height) {
   while (!fill(*this, points, middle, width, height) && view == View::Chase && pitch < radians(45)) pitch += radians(5);
   distance = std::clamp(distance, kLeastDistance, kMostDistance);

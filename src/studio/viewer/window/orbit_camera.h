@@ -33,8 +33,6 @@ struct OrbitCamera {
   void zoom(double steps);
   // Makes `place` the target. A pinhole camera keeps its position and turns; an orthographic camera only moves.
   void lookAt(const Vec3d& place);
-  // Moves the camera, without turning it, so that the complete box is visible.
-  void frame(const Box& box);
   // Moves the camera, without turning it, so that the points are centred and nearly fill a picture of this size
   // (pixels). A camera of View::Chase also looks down more steeply, up to 45 degrees, at points that would leave much
   // of the picture's height empty. `middle`: the point at whose depth the target is.

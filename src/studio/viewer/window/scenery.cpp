@@ -147,27 +147,19 @@ double Scenery::pointSize() const {
 
 namespace {
 
-// Returns points that have the extent of the mesh's part in the box: corners of triangles or, if they are many, of
-// boxes about some triangles each. Returns the corners of the box if hardly any point is in it, as if it cuts large
-// triangles.
+// Returns the corners of the boxes of parts that are in the box, or its own corners if there are hardly any.
 std::vector<Vec3d> pointsIn(const ViewMesh& mesh, const Box& box) {
-  constexpr std::size_t kMany = 3'000'000;
   std::vector<Vec3d> points;
-  const auto within = [](double low, double at, double high) { return low <= at && at <= high; };
-  const auto add = [&](const Vec3d& p) {
-    const bool inside = within(box.low.x, p.x, box.high.x) && within(box.low.y, p.y, box.high.y);
-    if (inside && within(box.low.z, p.z, box.high.z)) points.push_back(p);
-  };
   const auto addCorners = [&](const Box& of) {
     for (int corner = 0; corner < 8; ++corner) {
-      add({corner & 1 ? of.high.x : of.low.x, corner & 2 ? of.high.y : of.low.y, corner & 4 ? of.high.z : of.low.z});
+      const Vec3d p{corner & 1 ? of.high.x : of.low.x, corner & 2 ? of.high.y : of.low.y,
+                    corner & 4 ? of.high.z : of.low.z};
+      Box grown = box;
+      grown.add(p);
+      if (grown.low == box.low && grown.high == box.high) points.push_back(p);
     }
   };
-  if (mesh.corners.size() > kMany) {
-    for (const Box& part : mesh.boxes) addCorners(part);
-  } else {
-    for (const Vec3f& corner : mesh.corners) add(Vec3d(corner));
-  }
+  for (const Box& part : mesh.partBoxes) addCorners(part);
   if (points.size() < 8) addCorners(box);
   return points;
 }

@@ -180,9 +180,8 @@ void expectCore(SceneBuilder& builder, const Vec3d& low, const Vec3d& high, doub
   }
 }
 
-// A wide ground counts for no more than its few triangles. Nor does ground of many triangles that reaches farther than
-// all else; if other classes reach as far, it counts. Nor does one thing of many triangles count for more than all
-// around it.
+// Ground that reaches farther than all else does not count, however many triangles it has; if other parts reach as far,
+// it counts. Nor does one thing of many triangles count for more than all around it.
 TEST(MakeViewMesh, TheCoreIsWhereMostOfItIs) {
   SceneBuilder wide = testBuilder();
   addGround(wide, 1, 1000);
@@ -193,7 +192,7 @@ TEST(MakeViewMesh, TheCoreIsWhereMostOfItIs) {
     addGround(fine, 25, 10);
     const auto balls = addBall(fine);
     for (const double x : {-apart / 2, apart / 2}) fine.place(balls, at(x, 0, 5), "ball");
-    const double x = apart < 100 ? 35 : 117, y = apart < 100 ? 5 : 117;
+    const double x = apart < 100 ? 35 : 125, y = apart < 100 ? 5 : 125;
     expectCore(fine, {-x, -y, 0}, {x, y, 0}, 6);
   }
   SceneBuilder plain = testBuilder();
