@@ -1,12 +1,13 @@
 #pragma once
 
-// Converts scans to numpy arrays. The arrays take over the memory of the scan's columns; only unsigned integers of 16
-// bits and more are copied, to signed ones, because PyTorch before 2.3 lacks these types.
+// Converts between numpy arrays and values of C++. Arrays of scans take over the memory of the scan's columns; only
+// unsigned integers of 16 bits and more are copied, to signed ones, because PyTorch before 2.3 lacks these types.
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <string>
 #include <type_traits>
@@ -18,11 +19,33 @@
 
 namespace scanmill {
 
+// Functions that add a class to the extension module: PassRecorder writes images of depth cameras as a recording of
+// passes; for Simulator see python/simulator.h.
+void definePassRecorder(pybind11::module_& module);
+void defineSimulator(pybind11::module_& module);
+
+// An argument that is given as an array of another type or order is converted.
 template <class T>
-pybind11::array_t<T> arrayOf(std::vector<T>&& values, const std::vector<pybind11::ssize_t>& shape) {
-  auto kept = std::make_unique<std::vector<T>>(std::move(values));
-  T* const data = kept->data();
-  const pybind11::capsule owner(kept.release(), [](void* own) { delete static_cast<std::vector<T>*>(own); });
+using Array = pybind11::array_t<T, pybind11::array::c_style | pybind11::array::forcecast>;
+
+// Returns the elements of an array as values that consist of one element or several, such as Vec3f.
+template <class T, class V>
+std::vector<T> copied(const Array<V>& array) {
+  static_assert(sizeof(T) % sizeof(V) == 0);
+  std::vector<T> values(static_cast<std::size_t>(array.size()) * sizeof(V) / sizeof(T));
+  if (!values.empty()) {
+    std::memcpy(static_cast<void*>(values.data()), array.data(), values.size() * sizeof(T));
+  }
+  return values;
+}
+
+// Returns an array that takes over the memory of values, each of which consists of one element or several.
+template <class T, class V>
+pybind11::array_t<T> arrayOf(std::vector<V>&& values, const std::vector<pybind11::ssize_t>& shape) {
+  static_assert(sizeof(V) % sizeof(T) == 0);
+  auto kept = std::make_unique<std::vector<V>>(std::move(values));
+  auto* const data = reinterpret_cast<T*>(kept->data());
+  const pybind11::capsule owner(kept.release(), [](void* own) { delete static_cast<std::vector<V>*>(own); });
   return pybind11::array_t<T>(shape, data, owner);
 }
 
@@ -36,9 +59,9 @@ using ArrayType = std::conditional_t<
 template <class T>
 pybind11::array columnArray(std::vector<T>&& values, const std::vector<pybind11::ssize_t>& shape) {
   if constexpr (std::is_same_v<T, ArrayType<T>>) {
-    return arrayOf(std::move(values), shape);
+    return arrayOf<T>(std::move(values), shape);
   } else {
-    return arrayOf(std::vector<ArrayType<T>>(values.begin(), values.end()), shape);
+    return arrayOf<ArrayType<T>>(std::vector<ArrayType<T>>(values.begin(), values.end()), shape);
   }
 }
 
@@ -46,7 +69,6 @@ pybind11::array columnArray(std::vector<T>&& values, const std::vector<pybind11:
 // an array with the column's name, and the shape (points,). If the scan is organised, the shapes are
 // (planes * rings, columns, 3) and (planes * rings, columns).
 inline pybind11::dict arraysOf(Scan&& scan) {
-  static_assert(sizeof(Vec3f) == 3 * sizeof(float));
   std::vector<pybind11::ssize_t> shape;
   if (scan.organised) {
     shape = {static_cast<pybind11::ssize_t>(scan.height()), static_cast<pybind11::ssize_t>(scan.width())};
@@ -54,17 +76,13 @@ inline pybind11::dict arraysOf(Scan&& scan) {
     shape = {static_cast<pybind11::ssize_t>(scan.size())};
   }
   pybind11::dict arrays;
+  arrays["xyz"] = pybind11::none();  // the first
   visitColumns(scan, [&]<class T>(std::string_view name, std::vector<T>& values) {
     arrays[pybind11::str(std::string(name))] = columnArray(std::move(values), shape);
   });
   shape.push_back(3);
-  auto kept = std::make_unique<std::vector<Vec3f>>(std::move(scan.position));
-  auto* const data = reinterpret_cast<float*>(kept->data());
-  const pybind11::capsule owner(kept.release(), [](void* own) { delete static_cast<std::vector<Vec3f>*>(own); });
-  pybind11::dict ordered;
-  ordered["xyz"] = pybind11::array_t<float>(shape, data, owner);
-  for (const auto& [name, values] : arrays) ordered[name] = values;
-  return ordered;
+  arrays["xyz"] = arrayOf<float>(std::move(scan.position), shape);
+  return arrays;
 }
 
 // Returns the matrices of poses, shape (poses, 4, 4).
@@ -76,14 +94,15 @@ inline pybind11::array_t<double> matricesOf(const std::vector<Pose>& poses) {
     values.insert(values.end(),
                   {r.x.x, r.y.x, r.z.x, t.x, r.x.y, r.y.y, r.z.y, t.y, r.x.z, r.y.z, r.z.z, t.z, 0, 0, 0, 1});
   }
-  return arrayOf(std::move(values), {static_cast<pybind11::ssize_t>(poses.size()), 4, 4});
+  return arrayOf<double>(std::move(values), {static_cast<pybind11::ssize_t>(poses.size()), 4, 4});
 }
 
 // Returns the arguments of the Python class Stagger: the shift of each ring in a destaggered image, and its width.
 inline pybind11::tuple staggerOf(const BeamTable& beams) {
   const Destagger image = destagger(beams);
-  return pybind11::make_tuple(arrayOf(std::vector<std::int64_t>(image.shift.begin(), image.shift.end()), {beams.rings}),
-                              image.width);
+  return pybind11::make_tuple(
+      arrayOf<std::int64_t>(std::vector<std::int64_t>(image.shift.begin(), image.shift.end()), {beams.rings}),
+      image.width);
 }
 
 // Adds missing columns as empty arrays. In datasets of earlier versions a scan without points has no columns; with

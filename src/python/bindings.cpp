@@ -30,7 +30,6 @@
 #include "dataset/reader.h"
 #include "dataset/scan_store.h"
 #include "python/arrays.h"
-#include "python/classes.h"
 
 namespace py = pybind11;
 
@@ -58,16 +57,14 @@ py::object beamsOf(const ScanStore& store, const std::string& sensor, double tim
   }
   const auto rings = static_cast<py::ssize_t>(table->rings);
   const auto columns = static_cast<py::ssize_t>(table->columns);
-  const auto copied = [&]<class T, class V>(const std::vector<V>& from) {
-    const auto* const first = reinterpret_cast<const T*>(from.data());
-    return arrayOf(std::vector<T>(first, first + 3 * from.size()), {rings, columns, 3});
-  };
   py::dict beams;
   beams["rings"] = table->rings;
   beams["columns"] = table->columns;
-  beams["direction"] = copied.operator()<double>(table->direction);
-  if (!table->origin.empty()) beams["origin"] = copied.operator()<float>(table->origin);
-  if (!table->time.empty()) beams["time"] = arrayOf(std::vector<float>(table->time), {rings, columns});
+  beams["direction"] = arrayOf<double>(std::vector<Vec3d>(table->direction), {rings, columns, 3});
+  if (!table->origin.empty()) {
+    beams["origin"] = arrayOf<float>(std::vector<Vec3f>(table->origin), {rings, columns, 3});
+  }
+  if (!table->time.empty()) beams["time"] = arrayOf<float>(std::vector<float>(table->time), {rings, columns});
   return beams;
 }
 

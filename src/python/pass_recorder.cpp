@@ -1,5 +1,4 @@
 #include <fmt/core.h>
-#include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
 #include <array>
@@ -11,7 +10,7 @@
 #include "config/version.h"
 #include "dataset/recording.h"
 #include "passes/exr/pass_exr.h"
-#include "python/classes.h"
+#include "python/arrays.h"
 #include "sensors/sensor.h"
 
 namespace py = pybind11;
@@ -25,14 +24,6 @@ constexpr const char* kTrajectory = "cameras";
 Pose poseOf(const std::array<double, 7>& p) {
   return {{p[0], p[1], p[2], p[3]}, {p[4], p[5], p[6]}};
 }
-
-template <class T>
-std::vector<T> valuesOf(const py::array_t<T, py::array::c_style | py::array::forcecast>& array) {
-  return {array.data(), array.data() + array.size()};
-}
-
-template <class T>
-using Array = py::array_t<T, py::array::c_style | py::array::forcecast>;
 
 // Writes the images of one sensor's frames, in their order.
 class PassRecorder {
@@ -55,14 +46,11 @@ class PassRecorder {
     image.camera.name = camera;
     image.camera.worldFromCamera = poseOf(worldFromCamera);
     PassPlanes& planes = image.planes;
-    planes.depth = valuesOf<float>(depth);
-    const float* const n = normal.data();
-    for (std::size_t i = 0; i < planes.depth.size(); ++i) {
-      planes.normal.push_back({n[3 * i], n[3 * i + 1], n[3 * i + 2]});
-    }
-    planes.semantic = valuesOf<std::uint16_t>(semantic);
-    planes.instance = valuesOf<std::uint32_t>(instance);
-    planes.reflectance = valuesOf<float>(reflectance);
+    planes.depth = copied<float>(depth);
+    planes.normal = copied<Vec3f>(normal);
+    planes.semantic = copied<std::uint16_t>(semantic);
+    planes.instance = copied<std::uint32_t>(instance);
+    planes.reflectance = copied<float>(reflectance);
     planes.roughness.assign(planes.depth.size(), 1.0f);
     planes.metallic.assign(planes.depth.size(), 0.0f);
     planes.retroreflectance.assign(planes.depth.size(), 0.0f);

@@ -2,7 +2,6 @@
 #include <pybind11/stl.h>
 
 #include <cmath>
-#include <cstring>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,26 +12,12 @@
 #include "dataset/json_text.h"
 #include "dataset/manifest.h"
 #include "python/arrays.h"
-#include "python/classes.h"
 #include "python/simulator.h"
 
 namespace py = pybind11;
 
 namespace scanmill {
 namespace {
-
-template <class T>
-using Array = py::array_t<T, py::array::c_style | py::array::forcecast>;
-
-template <class T, class V>
-std::vector<T> copied(const Array<V>& array) {
-  static_assert(sizeof(T) % sizeof(V) == 0);
-  std::vector<T> values(static_cast<std::size_t>(array.size()) * sizeof(V) / sizeof(T));
-  if (!values.empty()) {
-    std::memcpy(static_cast<void*>(values.data()), array.data(), values.size() * sizeof(T));
-  }
-  return values;
-}
 
 Affine affineOf(const Array<double>& matrix) {
   const auto m = matrix.unchecked<2>();
@@ -46,7 +31,7 @@ py::array_t<double> matrixOf(const Affine& a) {
     for (const Vec3d* column : {&a.linear.x, &a.linear.y, &a.linear.z, &a.translation}) values.push_back(column->*row);
   }
   values.insert(values.end(), {0, 0, 0, 1});
-  return arrayOf(std::move(values), {4, 4});
+  return arrayOf<double>(std::move(values), {4, 4});
 }
 
 // Surfaces are tuples (class, material, reflectance or None, number of the thing or -1).

@@ -3,8 +3,6 @@
 #include <fmt/core.h>
 #include <openssl/evp.h>
 
-#include <algorithm>
-
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
@@ -15,36 +13,34 @@ namespace scanmill {
 
 namespace {
 
-// Largest number of groups (three bytes, or four letters) per call, since OpenSSL counts bytes in an int.
-constexpr std::size_t kGroups = std::size_t{1} << 20;
+// OpenSSL counts the bytes of a call in an int.
+int countOf(std::string_view text) {
+  if (text.size() > std::size_t{1} << 30) throw Error("base64 of more than 1 GiB");
+  return static_cast<int>(text.size());
+}
 
-const unsigned char* asBytes(const char* text) {
-  return reinterpret_cast<const unsigned char*>(text);
+unsigned char* bytesOf(std::string& text) {
+  return reinterpret_cast<unsigned char*>(text.data());
+}
+
+const unsigned char* bytesOf(std::string_view text) {
+  return reinterpret_cast<const unsigned char*>(text.data());
 }
 
 }  // namespace
 
-struct Sha256::State {
-  EVP_MD_CTX* context = EVP_MD_CTX_new();
-  ~State() { EVP_MD_CTX_free(context); }
-};
-
-Sha256::Sha256() : state_(std::make_unique<State>()) {
-  if (EVP_DigestInit_ex(state_->context, EVP_sha256(), nullptr) != 1)
-    throw Error("SHA-256 is not available in OpenSSL");
+Sha256::Sha256() : context_(EVP_MD_CTX_new(), EVP_MD_CTX_free) {
+  if (EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) != 1) throw Error("SHA-256 is not available in OpenSSL");
 }
-Sha256::~Sha256() = default;
-Sha256::Sha256(Sha256&&) noexcept = default;
-Sha256& Sha256::operator=(Sha256&&) noexcept = default;
 
 void Sha256::add(std::string_view bytes) {
-  if (EVP_DigestUpdate(state_->context, bytes.data(), bytes.size()) != 1) throw Error("SHA-256 failed in OpenSSL");
+  if (EVP_DigestUpdate(context_.get(), bytes.data(), bytes.size()) != 1) throw Error("SHA-256 failed in OpenSSL");
 }
 
 std::string Sha256::hex() {
   unsigned char digest[EVP_MAX_MD_SIZE];
   unsigned int size = 0;
-  if (EVP_DigestFinal_ex(state_->context, digest, &size) != 1) throw Error("SHA-256 failed in OpenSSL");
+  if (EVP_DigestFinal_ex(context_.get(), digest, &size) != 1) throw Error("SHA-256 failed in OpenSSL");
   std::string text;
   for (unsigned int i = 0; i < size; ++i) text += fmt::format("{:02x}", digest[i]);
   return text;
@@ -75,13 +71,8 @@ std::string sha256OfFile(const std::filesystem::path& file) {
 
 std::string base64(std::string_view bytes) {
   std::string out((bytes.size() + 2) / 3 * 4 + 1, '\0');  // OpenSSL appends a zero byte
-  std::size_t written = 0;
-  for (std::size_t i = 0; i < bytes.size(); i += 3 * kGroups) {
-    const std::size_t count = std::min(bytes.size() - i, 3 * kGroups);
-    written += static_cast<std::size_t>(EVP_EncodeBlock(reinterpret_cast<unsigned char*>(out.data() + written),
-                                                        asBytes(bytes.data() + i), static_cast<int>(count)));
-  }
-  out.resize(written);
+  EVP_EncodeBlock(bytesOf(out), bytesOf(bytes), countOf(bytes));
+  out.pop_back();
   return out;
 }
 
@@ -90,18 +81,12 @@ std::optional<std::string> fromBase64(std::string_view text) {
   // the middle as zeroes.
   while (!text.empty() && text.back() == '=') text.remove_suffix(1);
   if (text.size() % 4 == 1 || text.find_first_of("= \t\r\n-") != std::string_view::npos) return std::nullopt;
-  std::string out(text.size() / 4 * 3 + 3, '\0');
-  std::size_t written = 0;
-  for (std::size_t i = 0; i < text.size(); i += 4 * kGroups) {
-    std::string group(text.substr(i, 4 * kGroups));
-    const std::size_t padding = (4 - group.size() % 4) % 4;
-    group.append(padding, '=');
-    const int count = EVP_DecodeBlock(reinterpret_cast<unsigned char*>(out.data() + written), asBytes(group.data()),
-                                      static_cast<int>(group.size()));
-    if (count < 0) return std::nullopt;
-    written += static_cast<std::size_t>(count) - padding;
-  }
-  out.resize(written);
+  const std::size_t padding = (4 - text.size() % 4) % 4;
+  std::string padded(text);
+  padded.append(padding, '=');
+  std::string out(padded.size() / 4 * 3, '\0');
+  if (EVP_DecodeBlock(bytesOf(out), bytesOf(std::string_view(padded)), countOf(padded)) < 0) return std::nullopt;
+  out.resize(out.size() - padding);
   return out;
 }
 

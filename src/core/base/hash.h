@@ -8,23 +8,20 @@
 #include <string>
 #include <string_view>
 
+struct evp_md_ctx_st;  // of OpenSSL
+
 namespace scanmill {
 
 // Computes the SHA-256 (FIPS 180-4) of bytes that arrive in pieces.
 class Sha256 {
  public:
   Sha256();
-  ~Sha256();
-  Sha256(Sha256&&) noexcept;
-  Sha256& operator=(Sha256&&) noexcept;
-
   void add(std::string_view bytes);
   // Returns the hash of all bytes added, as 64 hexadecimal digits in lower case. The object cannot be used afterwards.
   std::string hex();
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  std::unique_ptr<evp_md_ctx_st, void (*)(evp_md_ctx_st*)> context_;
 };
 
 // Returns the SHA-256 of bytes in memory, as Sha256::hex() does.

@@ -4,13 +4,13 @@
 #include <sys/stat.h>
 
 #include <atomic>
-#include <ctime>
 #include <set>
 #include <utility>
 
 #include "base/hash.h"
 #include "base/memory.h"
 #include "base/short_text.h"
+#include "base/stage_clock.h"
 
 namespace scanmill {
 
@@ -24,13 +24,6 @@ constexpr double kPerByte = 64;  // bytes, and pixels, for each byte of the file
 constexpr double kSeconds = 600;
 
 std::atomic<double> factor{1};
-
-// Returns the processor time of this thread (s).
-double threadSeconds() {
-  timespec now{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 thread_local FilesRead* latest = nullptr;
 

@@ -7,6 +7,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 
 #include "base/stage_clock.h"
@@ -57,12 +58,7 @@ void parallelFor(std::size_t count, std::size_t grain, const std::function<void(
   };
   // Isolates the loop: a thread that waits for the loop must not start an unrelated outer task, whose buffers would
   // take memory meanwhile.
-  if (withOthers) {
-    const WithOthers no(false);  // loops within this loop are isolated again
-    loop();
-  } else {
-    tbb::this_task_arena::isolate(loop);
-  }
+  isolated(std::cref(loop));
 }
 
 void withWaiters(const std::function<void()>& work) {
@@ -76,7 +72,7 @@ bool hasWaiters() {
 
 void isolated(const std::function<void()>& work) {
   if (withOthers) {
-    const WithOthers no(false);
+    const WithOthers no(false);  // loops within this work are isolated again
     work();
   } else {
     tbb::this_task_arena::isolate(work);

@@ -17,9 +17,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <utility>
+#include <memory>
 
-#include "base/file.h"
 #include "base/text_scan.h"
 
 namespace scanmill {
@@ -29,7 +28,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kMaxLine = std::size_t{16} << 20;
-constexpr double kSlice = 0.05;  // s, longest wait for a child's pipes before it is checked whether the child has ended
+constexpr double kSlice =
+    0.05;  // s, longest wait for a child's output before it is checked whether the child has ended
 
 std::string reason(int code) {
   return std::strerror(code);
@@ -44,39 +44,6 @@ class Deadline {
  private:
   Clock::time_point end_;
 };
-
-struct Pipe {
-  Descriptor ours;
-  Descriptor theirs;
-};
-
-// Moves a descriptor to a number above the standard streams, which are replaced one after the other in the child.
-Descriptor lifted(int descriptor) {
-  if (descriptor > STDERR_FILENO) return Descriptor(descriptor);
-  const int above = ::fcntl(descriptor, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
-  ::close(descriptor);
-  if (above < 0) throw Error("no pipe: " + reason(errno));
-  return Descriptor(above);
-}
-
-// Creates a pipe from the child to this program. Reading from it does not block.
-Pipe makePipe() {
-  std::array<int, 2> ends{};
-  if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw Error("no pipe: " + reason(errno));
-  Pipe pipe{lifted(ends[0]), lifted(ends[1])};
-  ::fcntl(pipe.ours.number, F_SETFL, O_NONBLOCK);
-  return pipe;
-}
-
-// Creates a socket from this program to the child. A pipe would not do: writing to a pipe without a reader raises a
-// fatal signal.
-Pipe makeSocket() {
-  std::array<int, 2> ends{};
-  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) throw Error("no pipe: " + reason(errno));
-  Pipe pipe{lifted(ends[0]), lifted(ends[1])};
-  ::shutdown(pipe.theirs.number, SHUT_WR);
-  return pipe;
-}
 
 // Creates a temporary file without a name.
 Descriptor makeFile() {
@@ -154,149 +121,108 @@ std::filesystem::path findProgram(const std::string& name) {
   }
 }
 
-struct Process::State {
-  std::string name;
-  pid_t pid = -1;  // -1: waitpid() has returned the child's status
-  int status = 0;
-  Descriptor input;
-  Descriptor output;
-  Descriptor errors;         // a file
-  std::string outputText;    // output that was read but not yet returned by readLine()
-  std::size_t searched = 0;  // number of bytes at the start of outputText known to contain no line feed
-
-  void start(const std::vector<std::string>& command, const std::map<std::string, std::string>& environment) {
-    Pipe in = makeSocket();
-    Pipe out = makePipe();
-    errors = makeFile();
-    SpawnActions actions;
-    ::posix_spawn_file_actions_adddup2(&actions.files, in.theirs.number, STDIN_FILENO);
-    ::posix_spawn_file_actions_adddup2(&actions.files, out.theirs.number, STDOUT_FILENO);
-    ::posix_spawn_file_actions_adddup2(&actions.files, errors.number, STDERR_FILENO);
-    ::posix_spawn_file_actions_addclosefrom_np(&actions.files, STDERR_FILENO + 1);
-    std::vector<std::string> words = command;
-    std::vector<std::string> variables = environmentWith(environment);
-    const int failure = ::posix_spawnp(&pid, words[0].c_str(), &actions.files, &actions.attributes,
-                                       pointersTo(words).data(), pointersTo(variables).data());
-    if (failure != 0) throw Error(fmt::format("{}: cannot be started: {}", name, reason(failure)));
-    input = std::move(in.ours);
-    output = std::move(out.ours);
-  }
-
-  // True if the child has ended. Processes that the child started and left running are then killed, since they would
-  // hold the pipes open.
-  bool reap(bool block) {
-    if (pid < 0) return true;
-    siginfo_t ended{};
-    int result = 0;
-    do {
-      result = ::waitid(P_PID, static_cast<id_t>(pid), &ended, WEXITED | WNOWAIT | (block ? 0 : WNOHANG));
-    } while (result != 0 && errno == EINTR);
-    if (result == 0 && ended.si_pid == 0) return false;
-    if (result == 0) ::kill(-pid, SIGKILL);  // kills the group before waitpid() frees its number
-    while (::waitpid(pid, &status, 0) < 0 && errno == EINTR) {
-    }
-    pid = -1;
-    return true;
-  }
-
-  void kill() {
-    if (pid < 0) return;
-    ::kill(-pid, SIGKILL);
-    reap(true);
-  }
-
-  // Appends the output that can be read to outputText, without waiting for more. Stops when outputText has more than
-  // kMaxLine bytes.
-  void take() {
-    std::array<char, 1 << 16> block;
-    while (output.open() && outputText.size() <= kMaxLine) {
-      const ssize_t n = ::read(output.number, block.data(), block.size());
-      if (n < 0 && errno == EINTR) continue;
-      if (n < 0 && errno == EAGAIN) return;
-      if (n <= 0) output.close();
-      if (n > 0) outputText.append(block.data(), static_cast<std::size_t>(n));
-    }
-  }
-
-  // Waits at most `seconds` until output can be read, and then reads it without blocking.
-  void pump(double seconds) {
-    pollfd polled{output.number, POLLIN, 0};
-    const int ready = ::poll(&polled, 1, static_cast<int>(std::ceil(seconds * 1000)));
-    if (ready < 0 && errno != EINTR) throw Error(fmt::format("{}: cannot be waited for: {}", name, reason(errno)));
-    if (ready > 0) take();
-  }
-
-  // Reads what an ended child has left in its output, even if other processes hold the pipe open.
-  void finish() {
-    take();
-    output.close();
-  }
-};
-
 Process::Process(const std::vector<std::string>& command, const std::map<std::string, std::string>& environment)
-    : state_(std::make_unique<State>()) {
-  state_->name = command.at(0);
-  state_->start(command, environment);
+    : name_(command.at(0)), errors_(makeFile()) {
+  // Not a pipe: writing to a pipe without a reader raises a fatal signal.
+  std::array<int, 2> ends{};
+  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
+    throw Error("no socket: " + reason(errno));
+  socket_ = Descriptor(ends[0]);
+  const Descriptor childs(ends[1]);
+  SpawnActions actions;
+  ::posix_spawn_file_actions_adddup2(&actions.files, childs.number, STDIN_FILENO);
+  ::posix_spawn_file_actions_adddup2(&actions.files, childs.number, STDOUT_FILENO);
+  ::posix_spawn_file_actions_adddup2(&actions.files, errors_.number, STDERR_FILENO);
+  ::posix_spawn_file_actions_addclosefrom_np(&actions.files, STDERR_FILENO + 1);
+  std::vector<std::string> words = command;
+  std::vector<std::string> variables = environmentWith(environment);
+  const int failure = ::posix_spawnp(&pid_, words[0].c_str(), &actions.files, &actions.attributes,
+                                     pointersTo(words).data(), pointersTo(variables).data());
+  if (failure != 0) throw Error(fmt::format("{}: cannot be started: {}", name_, reason(failure)));
 }
 
 Process::~Process() {
-  state_->kill();
+  if (pid_ < 0) return;
+  ::kill(-pid_, SIGKILL);
+  reap(true);
+}
+
+// True if the child has ended. Processes that the child started and left running are then killed.
+bool Process::reap(bool block) {
+  if (pid_ < 0) return true;
+  siginfo_t ended{};
+  int result = 0;
+  do {
+    result = ::waitid(P_PID, static_cast<id_t>(pid_), &ended, WEXITED | WNOWAIT | (block ? 0 : WNOHANG));
+  } while (result != 0 && errno == EINTR);
+  if (result == 0 && ended.si_pid == 0) return false;
+  if (result == 0) ::kill(-pid_, SIGKILL);  // kills the group before waitpid() frees its number
+  while (::waitpid(pid_, &status_, 0) < 0 && errno == EINTR) {
+  }
+  pid_ = -1;
+  return true;
+}
+
+// Waits for output, at most `seconds`, and appends it to output_. Closes the socket at the end of the output, and when
+// the child has ended and left no output.
+void Process::receive(double seconds) {
+  const bool ended = reap(false);
+  pollfd polled{socket_.number, POLLIN, 0};
+  const int ready = ::poll(&polled, 1, ended ? 0 : static_cast<int>(std::ceil(seconds * 1000)));
+  if (ready < 0 && errno == EINTR) return;
+  if (ready < 0) throw Error(fmt::format("{}: cannot be waited for: {}", name_, reason(errno)));
+  std::array<char, 1 << 16> block;
+  const ssize_t n = ready > 0 ? ::recv(socket_.number, block.data(), block.size(), MSG_DONTWAIT) : 0;
+  if (n > 0 && output_.size() <= kMaxLine) output_.append(block.data(), static_cast<std::size_t>(n));
+  if (n < 0 && (errno == EINTR || errno == EAGAIN)) return;
+  if (n <= 0 && (ready > 0 || ended)) socket_.close();
 }
 
 void Process::write(std::string_view text) {
-  while (!text.empty() && state_->input.open()) {
-    const ssize_t n = ::send(state_->input.number, text.data(), text.size(), MSG_NOSIGNAL);
+  while (!text.empty() && socket_.open()) {
+    const ssize_t n = ::send(socket_.number, text.data(), text.size(), MSG_NOSIGNAL);
     if (n < 0 && errno == EINTR) continue;
-    if (n < 0) return closeInput();
+    if (n < 0) return;
     text.remove_prefix(static_cast<std::size_t>(n));
   }
 }
 
 void Process::closeInput() {
-  state_->input.close();
+  ::shutdown(socket_.number, SHUT_WR);
 }
 
 std::optional<std::string> Process::readLine(double seconds) {
   const Deadline deadline(seconds);
-  std::string& text = state_->outputText;
   while (true) {
-    const std::size_t newline = text.find('\n', state_->searched);
-    if (newline != std::string::npos || (!state_->output.open() && !text.empty())) {
-      std::string line = text.substr(0, newline);
-      text.erase(0, newline == std::string::npos ? newline : newline + 1);
-      state_->searched = 0;
+    const std::size_t newline = output_.find('\n');
+    if (newline != std::string::npos || (!socket_.open() && !output_.empty())) {
+      std::string line = output_.substr(0, newline);
+      output_.erase(0, newline == std::string::npos ? newline : newline + 1);
       return line;
     }
-    state_->searched = text.size();
-    if (text.size() > kMaxLine) throw Error(fmt::format("{}: a line of its output has no end", state_->name));
-    if (!state_->output.open()) return std::nullopt;
-    if (deadline.left() <= 0) throw TimeOut(fmt::format("{}: no answer within {} s", state_->name, seconds));
-    if (state_->reap(false)) {
-      state_->finish();
-    } else {
-      state_->pump(std::min(deadline.left(), kSlice));
-    }
+    if (output_.size() > kMaxLine) throw Error(fmt::format("{}: a line of its output has no end", name_));
+    if (!socket_.open()) return std::nullopt;
+    if (deadline.left() <= 0) throw TimeOut(fmt::format("{}: no answer within {} s", name_, seconds));
+    receive(std::min(deadline.left(), kSlice));
   }
 }
 
 std::string Process::wait(double seconds) {
   const Deadline deadline(seconds);
-  while (!state_->reap(false)) {
-    if (deadline.left() <= 0) throw TimeOut(fmt::format("{}: did not end within {} s", state_->name, seconds));
-    state_->pump(std::min(deadline.left(), kSlice));
+  while (!reap(false)) {
+    if (deadline.left() <= 0) throw TimeOut(fmt::format("{}: did not end within {} s", name_, seconds));
+    receive(std::min(deadline.left(), kSlice));
   }
-  state_->finish();
-  const int status = state_->status;
-  if (!WIFSIGNALED(status)) return fmt::format("exit code {}", WEXITSTATUS(status));
-  const char* meaning = ::sigdescr_np(WTERMSIG(status));
-  return fmt::format("signal {} ({})", WTERMSIG(status), meaning != nullptr ? meaning : "unknown");
+  if (!WIFSIGNALED(status_)) return fmt::format("exit code {}", WEXITSTATUS(status_));
+  const char* meaning = ::sigdescr_np(WTERMSIG(status_));
+  return fmt::format("signal {} ({})", WTERMSIG(status_), meaning != nullptr ? meaning : "unknown");
 }
 
 std::string Process::lastLines() const {
   constexpr std::size_t kMost = 4096;  // bytes
   constexpr std::size_t kLines = 12;
   std::string text(kMost, '\0');
-  const int file = state_->errors.number;
+  const int file = errors_.number;
   const off_t from = std::max<off_t>(0, ::lseek(file, 0, SEEK_END) - off_t{kMost});
   text.resize(static_cast<std::size_t>(std::max<ssize_t>(0, ::pread(file, text.data(), kMost, from))));
   std::string_view rest = text;

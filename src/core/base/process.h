@@ -2,15 +2,17 @@
 
 // Runs other programs as child processes; the name of this host.
 
+#include <sys/types.h>
+
 #include <filesystem>
 #include <map>
-#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "base/error.h"
+#include "base/file.h"
 
 namespace scanmill {
 
@@ -55,8 +57,15 @@ class Process {
   std::string lastLines() const;
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  bool reap(bool block);
+  void receive(double seconds);
+
+  std::string name_;
+  pid_t pid_ = -1;  // -1: waitpid() has returned the child's status
+  int status_ = 0;
+  Descriptor socket_;   // to the child's standard input and output
+  Descriptor errors_;   // a file
+  std::string output_;  // output that was received but not yet returned by readLine()
 };
 
 }  // namespace scanmill

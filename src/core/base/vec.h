@@ -141,6 +141,12 @@ constexpr Mat3 toMatrix(const Quat& q) {
           {2 * (q.x * q.z + q.w * q.y), 2 * (q.y * q.z - q.w * q.x), 1 - 2 * (q.x * q.x + q.y * q.y)}};
 }
 
+// Returns the rotation of a quaternion of any length above 0.
+[[nodiscard]] inline Quat normalized(const Quat& q) {
+  const double n = 1 / std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+  return {q.w * n, q.x * n, q.y * n, q.z * n};
+}
+
 // Returns the rotation of a matrix with orthonormal columns. Shepperd's method: finds the largest of the four
 // components first, to avoid a division by a small number.
 inline Quat fromMatrix(const Mat3& m) {
@@ -155,8 +161,7 @@ inline Quat fromMatrix(const Mat3& m) {
   } else {
     q = {m.x.y - m.y.x, m.z.x + m.x.z, m.y.z + m.z.y, 1 + m.z.z - m.x.x - m.y.y};
   }
-  const double n = 1 / std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
-  return {q.w * n, q.x * n, q.y * n, q.z * n};
+  return normalized(q);
 }
 
 // Returns the rotation Rz(yaw) * Ry(pitch) * Rx(roll); angles in rad. A positive pitch looks down (x forward, z up).
@@ -187,9 +192,7 @@ inline double headingOf(const Quat& q) {
     wa = std::sin((1 - t) * angle) / std::sin(angle);
     wb = std::sin(t * angle) / std::sin(angle);
   }
-  const Quat q{wa * a.w + wb * b.w, wa * a.x + wb * b.x, wa * a.y + wb * b.y, wa * a.z + wb * b.z};
-  const double n = 1 / std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
-  return {q.w * n, q.x * n, q.y * n, q.z * n};
+  return normalized(Quat{wa * a.w + wb * b.w, wa * a.x + wb * b.x, wa * a.y + wb * b.y, wa * a.z + wb * b.z});
 }
 
 // The pose of a frame in another frame. `worldFromSensor` transforms points from the sensor's frame to the world's:

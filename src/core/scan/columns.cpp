@@ -2,20 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <array>
+
 namespace scanmill {
 
 std::string_view nameOf(ColumnType type) {
-  switch (type) {
-    case ColumnType::Float32:
-      return "float32";
-    case ColumnType::UInt8:
-      return "uint8";
-    case ColumnType::UInt16:
-      return "uint16";
-    case ColumnType::UInt32:
-      break;
-  }
-  return "uint32";
+  constexpr std::array<std::string_view, 4> kNames{"float32", "uint8", "uint16", "uint32"};
+  return kNames[static_cast<std::size_t>(type)];
 }
 
 std::vector<std::string> ColumnSet::names() const {

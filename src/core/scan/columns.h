@@ -12,6 +12,7 @@
 #include <limits>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -21,13 +22,6 @@
 namespace scanmill {
 
 enum class ColumnType : std::uint8_t { Float32, UInt8, UInt16, UInt32 };
-
-// Says what the values of a column describe.
-enum class ColumnOrigin : std::uint8_t {
-  Beam,    // the beam, independent of its hit
-  Hit,     // the surface that the beam hits, exact and noise-free
-  Return,  // what the receiver makes of the hit, after all effects
-};
 
 // The error that a format with bounded errors (Draco) may add to a column. Integers are always exact.
 enum class ColumnLoss : std::uint8_t {
@@ -70,12 +64,11 @@ struct ColumnDisplay {
 struct Column {
   std::string_view name;  // name in files and in the key output.columns
   ColumnType type;
-  std::string_view unit;     // unit of the stored values; empty: no unit
+  std::string_view unit{};   // unit of the stored values; empty: no unit
   std::string_view meaning;  // a phrase without a full stop
-  double none;               // value that marks a point without a value, such as a miss in an organised scan
-  ColumnOrigin origin;
-  Channels channels{};    // channels of Hits that the column is computed from
-  bool byDefault = true;  // true: written if the pipeline does not name output.columns
+  double none = 0;           // value that marks a point without a value, such as a miss in an organised scan
+  Channels channels{};       // channels of Hits that the column is computed from
+  bool byDefault = true;     // true: written if the pipeline does not name output.columns
   ColumnLoss loss = ColumnLoss::Exact;
   double lossBound = 0;  // largest error of a lossy format, in `unit`
   ColumnValidity validity = ColumnValidity::Any;
@@ -93,8 +86,6 @@ constexpr Column motionColumn(std::string_view name, std::string_view unit, Chan
           .type = ColumnType::Float32,
           .unit = unit,
           .meaning = meaning,
-          .none = 0,
-          .origin = ColumnOrigin::Hit,
           .channels = channels,
           .byDefault = false,
           .validity = ColumnValidity::Finite,
@@ -105,49 +96,32 @@ constexpr Column motionColumn(std::string_view name, std::string_view unit, Chan
 inline constexpr auto kColumns = std::to_array<Column>({
     {.name = "intensity",
      .type = ColumnType::Float32,
-     .unit = "",
      .meaning = "strength of the return, up to the full scale that the effect `intensity` states",
-     .none = 0,
-     .origin = ColumnOrigin::Return,
      .validity = ColumnValidity::Finite,
      .display = {.scalePower = 2, .scaleClipped = 0.01, .key = '2', .inReport = true}},
     {.name = "label",
      .type = ColumnType::UInt16,
-     .unit = "",
      .meaning = "class id of the ontology",
-     .none = 0,
-     .origin = ColumnOrigin::Return,
      .channels = Channel::Semantic,
      .display = {.title = "class", .colors = ColumnColors::Classes, .key = '1'}},
     {.name = "instance",
      .type = ColumnType::UInt32,
-     .unit = "",
      .meaning = "id of the thing; 0: none",
-     .none = 0,
-     .origin = ColumnOrigin::Return,
      .channels = Channel::Instance,
      .display = {.colors = ColumnColors::Instances, .key = '3'}},
     {.name = "ring",
      .type = ColumnType::UInt16,
-     .unit = "",
      .meaning = "row of the beam, as the sensor numbers its lasers or elevations",
-     .none = 0,
-     .origin = ColumnOrigin::Beam,
      .validity = ColumnValidity::Rings,
      .display = {.key = '5', .inReport = true}},
     {.name = "column",
      .type = ColumnType::UInt16,
-     .unit = "",
      .meaning = "column of the beam; column 0 fires first",
-     .none = 0,
-     .origin = ColumnOrigin::Beam,
      .validity = ColumnValidity::Columns},
     {.name = "time",
      .type = ColumnType::Float32,
      .unit = "s",
      .meaning = "time since the start of the revolution",
-     .none = 0,
-     .origin = ColumnOrigin::Beam,
      .validity = ColumnValidity::Finite,
      .display = {.unit = "ms", .factor = 1e3, .decimals = 4, .key = '6'}},
     {.name = "range_true",
@@ -155,7 +129,6 @@ inline constexpr auto kColumns = std::to_array<Column>({
      .unit = "m",
      .meaning = "noise-free range, from where the beam starts; with `footprint` that of the return's strongest ray",
      .none = kNoNumber,
-     .origin = ColumnOrigin::Hit,
      .byDefault = false,
      .loss = ColumnLoss::AsPositions,
      .validity = ColumnValidity::SensorRange,
@@ -165,7 +138,6 @@ inline constexpr auto kColumns = std::to_array<Column>({
      .unit = "rad",
      .meaning = "angle between the beam and the normal of the surface: 0 head-on, pi/2 grazing",
      .none = kNoNumber,
-     .origin = ColumnOrigin::Hit,
      .channels = Channel::Incidence,
      .byDefault = false,
      .loss = ColumnLoss::Bounded,
@@ -177,20 +149,14 @@ inline constexpr auto kColumns = std::to_array<Column>({
          {.unit = "deg", .factor = 180 / kPi, .decimals = 3, .scaleOfValidity = true, .key = '9', .inReport = true}},
     {.name = "return",
      .type = ColumnType::UInt8,
-     .unit = "",
      .meaning = "number of the beam's return, 1 the nearest; 0: none",
-     .none = 0,
-     .origin = ColumnOrigin::Return,
      .byDefault = false,
      .display = {.key = '8'}},
     {.name = "cause",
      .type = ColumnType::UInt8,
-     .unit = "",
      .meaning =
          "what the return comes from: 1 a surface of the scene, 2 nothing (a false positive), 3 a surface behind "
          "glass, 4 a mirror image, 5 the own vehicle, 6 rain, snow, fog or dust, 7 stray light; 0: none",
-     .none = 0,
-     .origin = ColumnOrigin::Return,
      .byDefault = false},
     {.name = "azimuth",
      .type = ColumnType::Float32,
@@ -198,7 +164,6 @@ inline constexpr auto kColumns = std::to_array<Column>({
      .meaning = "where the noise-free point lies as seen from the sensor's origin, from x towards y; the offset of the "
                 "beam's origin is taken in",
      .none = kNoNumber,
-     .origin = ColumnOrigin::Hit,
      .channels = Channel::Range,
      .byDefault = false,
      .loss = ColumnLoss::Bounded,
@@ -213,7 +178,6 @@ inline constexpr auto kColumns = std::to_array<Column>({
      .meaning = "where the noise-free point lies as seen from the sensor's origin, above its xy plane; the offset of "
                 "the beam's origin is taken in",
      .none = kNoNumber,
-     .origin = ColumnOrigin::Hit,
      .channels = Channel::Range,
      .byDefault = false,
      .loss = ColumnLoss::Bounded,
@@ -224,26 +188,18 @@ inline constexpr auto kColumns = std::to_array<Column>({
      .display = {.unit = "deg", .factor = 180 / kPi, .decimals = 3}},
     {.name = "returns",
      .type = ColumnType::UInt8,
-     .unit = "",
      .meaning = "how many returns the beam has; 0: none",
-     .none = 0,
-     .origin = ColumnOrigin::Return,
      .byDefault = false},
     {.name = "label_2",
      .type = ColumnType::UInt16,
-     .unit = "",
      .meaning = "class id of what gives most of the return's power besides the label's class; 0: nothing does",
-     .none = 0,
-     .origin = ColumnOrigin::Return,
      .channels = Channel::Semantic,
      .byDefault = false,
      .display = {.colors = ColumnColors::Classes}},
     {.name = "share",
      .type = ColumnType::Float32,
-     .unit = "",
      .meaning = "part of the return's power that comes from the label's class",
      .none = kNoNumber,
-     .origin = ColumnOrigin::Return,
      .channels = Channel::Semantic,
      .byDefault = false,
      .loss = ColumnLoss::Bounded,
@@ -254,11 +210,8 @@ inline constexpr auto kColumns = std::to_array<Column>({
      .display = {.decimals = 3, .scaleOfValidity = true}},
     {.name = "power",
      .type = ColumnType::Float32,
-     .unit = "",
      .meaning = "power that the receiver measures, uncorrected, with the lasers' own gains and speckle: 1 is a white "
                 "target, met head-on, at the reference range of the effect `intensity`",
-     .none = 0,
-     .origin = ColumnOrigin::Return,
      .byDefault = false,
      .validity = ColumnValidity::Finite,
      .display = {.decimals = 4, .scalePower = 2, .scaleClipped = 0.01}},
@@ -278,7 +231,6 @@ inline constexpr auto kColumns = std::to_array<Column>({
      .meaning = "how fast the distance between sensor and surface grows, as FMCW sensors measure it, without noise; "
                 "negative: they approach; NaN: a mirror image, or no surface",
      .none = kNoNumber,
-     .origin = ColumnOrigin::Hit,
      .channels = Channel::Instance,
      .byDefault = false,
      .validity = ColumnValidity::Interval,
@@ -301,24 +253,10 @@ constexpr std::size_t columnIndex(std::string_view name) {
   return index;
 }
 
-template <ColumnType>
-struct ColumnTypeOf;
-template <>
-struct ColumnTypeOf<ColumnType::Float32> {
-  using Value = float;
-};
-template <>
-struct ColumnTypeOf<ColumnType::UInt8> {
-  using Value = std::uint8_t;
-};
-template <>
-struct ColumnTypeOf<ColumnType::UInt16> {
-  using Value = std::uint16_t;
-};
-template <>
-struct ColumnTypeOf<ColumnType::UInt32> {
-  using Value = std::uint32_t;
-};
+// The type in which scans hold the values of a ColumnType.
+template <ColumnType type>
+using ColumnValue =
+    std::tuple_element_t<static_cast<std::size_t>(type), std::tuple<float, std::uint8_t, std::uint16_t, std::uint32_t>>;
 
 // Names a row of the table and the type of its values at compile time: scan[kLabel] is a std::vector<std::uint16_t>.
 template <std::size_t Index>
@@ -326,7 +264,7 @@ struct ColumnKey {
   static_assert(Index < kColumnCount, "the table of columns has no row of this name");
   static constexpr std::size_t index = Index;
   static constexpr const Column& row = kColumns[Index];
-  using Value = typename ColumnTypeOf<kColumns[Index].type>::Value;
+  using Value = ColumnValue<kColumns[Index].type>;
 };
 
 // Keys of the columns that code accesses by name.

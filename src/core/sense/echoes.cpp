@@ -351,18 +351,18 @@ class EchoFinder {
 
 }  // namespace
 
-Cause causeOf(RayPath path) {
+Reason causeOf(RayPath path) {
   switch (path) {
     case RayPath::ThroughGlass:
-      return Cause::ThroughGlass;
+      return Reason::ThroughGlass;
     case RayPath::Mirrored:
-      return Cause::Mirrored;
+      return Reason::Mirrored;
     case RayPath::OwnVehicle:
-      return Cause::OwnVehicle;
+      return Reason::OwnVehicle;
     case RayPath::Direct:
       break;
   }
-  return Cause::Surface;
+  return Reason::Surface;
 }
 
 std::vector<Echo> findEchoes(const Hits& hits, std::span<const float> power, double pulseLength) {

@@ -9,22 +9,12 @@
 #include <vector>
 
 #include "scan/hits.h"
+#include "scan/reasons.h"
 
 namespace scanmill {
 
-// The origin of a return.
-enum class Cause : std::uint8_t {
-  None = 0,           // the beam has no return
-  Surface = 1,        // a surface of the scene
-  FalsePositive = 2,  // noise of the receiver only
-  ThroughGlass = 3,   // a surface behind glass
-  Mirrored = 4,       // the mirror image of a surface
-  OwnVehicle = 5,     // the vehicle on which the sensor is mounted
-  Weather = 6,        // rain, snow, fog or dust in the air
-  StrayLight = 7,     // light from a bright target beside the beam, or from another sensor
-};
-
-Cause causeOf(RayPath path);
+// Returns the reason of a return by a ray of this path.
+Reason causeOf(RayPath path);
 
 // Rays of one beam whose ranges are too similar for the receiver to separate them.
 struct Echo {
@@ -35,7 +25,7 @@ struct Echo {
   float spread = 0;          // m, standard deviation of the rays' ranges, weighted by power
   float share = 1;           // fraction of the power that comes from surfaces of the class of `hit`
   std::uint16_t label2 = 0;  // class with the second largest part of the power; 0: none
-  Cause cause = Cause::Surface;
+  Reason cause = Reason::Surface;
 };
 
 // Largest number of rows of a beam in the table of returns. Each beam has random numbers for this many rows. If a beam

@@ -389,9 +389,9 @@ class Gathering {
   void putRadialVelocities(std::vector<float>& values) {
     put(values, [&](std::size_t m) {
       const std::uint32_t hit = moves_.hit[m];
-      const Cause cause = returns_.cause(moves_.row[m]);
-      if (cause == Cause::OwnVehicle) return 0.0f;
-      const bool direct = cause == Cause::Surface || cause == Cause::ThroughGlass;
+      const Reason cause = returns_.cause(moves_.row[m]);
+      if (cause == Reason::OwnVehicle) return 0.0f;
+      const bool direct = cause == Reason::Surface || cause == Reason::ThroughGlass;
       if (hit == kNoHit || !direct) return std::numeric_limits<float>::quiet_NaN();
       const std::size_t step = shot_.worldFromSensor.size() == 1 ? 0 : shot_.stepOf(moves_.column[m]);
       const Pose& worldFromSensor = shot_.worldFromSensor[step];

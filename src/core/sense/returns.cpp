@@ -93,7 +93,7 @@ void Returns::makeIndices(const Hits& hits) {
     hit_ = beam_;
     number_.assign(size(), 0);
   }
-  cause_.resize(size(), Cause::Surface);
+  cause_.resize(size(), Reason::Surface);
   const auto ofHits = [&](const auto& values, auto& to) {
     if (!to.empty() || values.empty()) return;
     to.reserve(size() + 1);

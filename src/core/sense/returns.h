@@ -31,7 +31,7 @@ struct AddedReturn {
   float range = 0;  // m along the beam
   float power = 0;  // received power; if added before the effect `intensity`, as if received from the reference range
   float snr = 0;
-  Cause cause = Cause::FalsePositive;
+  Reason cause = Reason::FalsePositive;
   std::uint16_t label = 0;
 };
 
@@ -92,7 +92,7 @@ class Returns {
     if (!instance.empty()) return instance[row];
     return hit(row) == kNoHit ? 0 : hits.instance[hit(row)];
   }
-  Cause cause(std::size_t row) const { return cause_.empty() ? Cause::Surface : cause_[row]; }
+  Reason cause(std::size_t row) const { return cause_.empty() ? Reason::Surface : cause_[row]; }
 
   void remove(std::size_t row) { range[row] = kMiss; }
 
@@ -129,7 +129,7 @@ class Returns {
   std::vector<std::uint32_t> beam_;  // beam_, hit_ and number_ are empty if there is one row per beam
   std::vector<std::uint32_t> hit_;
   std::vector<std::uint8_t> number_;
-  std::vector<Cause> cause_;              // empty: all returns come from surfaces
+  std::vector<Reason> cause_;             // empty: all returns come from surfaces
   std::vector<std::uint8_t> rowsOfBeam_;  // number of rows of each beam; empty until a row is added
   bool tellsReasons_ = false;
   std::vector<Reason> lost_;   // reasons of the rows that existed when reasons were last recorded

@@ -128,7 +128,7 @@ std::vector<std::uint8_t> reasonsOf(const Hits& hits, std::span<const Material> 
       if (!otherReturned && !returned && power(other) >= power(row)) continue;
     }
     told[beam] = row;
-    const Reason reason = returned                   ? static_cast<Reason>(returns.cause(row))
+    const Reason reason = returned                   ? returns.cause(row)
                           : lost == Reason::TooFaint ? ofFaint(hits, materials, returns.hit(row))
                                                      : lost;
     reasons[beam] = static_cast<std::uint8_t>(reason);

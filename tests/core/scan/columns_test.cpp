@@ -33,8 +33,6 @@ TEST(Columns, RowsAreConsistent) {
     EXPECT_EQ(column.loss == ColumnLoss::Bounded, column.lossBound > 0) << column.name;
     EXPECT_EQ(column.validity == ColumnValidity::Interval, column.low < column.high) << column.name;
     EXPECT_TRUE(!column.display.scaleOfValidity || column.validity == ColumnValidity::Interval) << column.name;
-    EXPECT_TRUE(column.origin != ColumnOrigin::Hit || column.name == "range_true" || column.channels != Channels())
-        << column.name;
   }
 }
 

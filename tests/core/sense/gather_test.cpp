@@ -40,7 +40,7 @@ TEST(Gather, ABeamHasAsManyPointsAsReturns) {
           ASSERT_EQ(scan[kInstance][k], 100 + beam);
           ASSERT_EQ(scan[kTime][k], world.shot.beams->time[beam]);
           ASSERT_EQ(scan[kRangeTrue][k], number == 0 ? 10 : 15);
-          ASSERT_EQ(scan[kCause][k], static_cast<std::uint8_t>(Cause::Surface));
+          ASSERT_EQ(scan[kCause][k], static_cast<std::uint8_t>(Reason::Surface));
           // A white wall at the reference range has the power 1, and two rays have half of it each.
           const double share = beam % 3 == 2 ? 0.5 : 1;
           ASSERT_NEAR(scan[kIntensity][k], share * (number == 0 ? 1 : 100.0 / 225), 1e-6);
@@ -137,7 +137,7 @@ TEST(Gather, AddedReturnsAreCountedFromTheNearest) {
   const World world = makeWorld(4, 9, 20);
   Returns returns;
   returns.start(world.hits);
-  returns.add({.beam = 13, .range = 3, .cause = Cause::FalsePositive, .label = 9}, world.hits);
+  returns.add({.beam = 13, .range = 3, .cause = Reason::FalsePositive, .label = 9}, world.hits);
   returns.remove(5);
   Scan scan;
   gather(world.hits, world.shot, returns, kDense, nullptr, scan);
@@ -148,8 +148,8 @@ TEST(Gather, AddedReturnsAreCountedFromTheNearest) {
   const std::size_t far = points.at({1, 4, 1});
   EXPECT_EQ(scan[kReturn][near], 1);
   EXPECT_EQ(scan[kReturn][far], 2);
-  EXPECT_EQ(scan[kCause][near], static_cast<std::uint8_t>(Cause::FalsePositive));
-  EXPECT_EQ(scan[kCause][far], static_cast<std::uint8_t>(Cause::Surface));
+  EXPECT_EQ(scan[kCause][near], static_cast<std::uint8_t>(Reason::FalsePositive));
+  EXPECT_EQ(scan[kCause][far], static_cast<std::uint8_t>(Reason::Surface));
   EXPECT_EQ(scan[kLabel][near], 9);
   EXPECT_EQ(scan[kLabel][far], world.hits.semantic[13]);
   EXPECT_TRUE(std::isnan(scan[kRangeTrue][near])) << "no hit";

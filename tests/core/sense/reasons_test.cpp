@@ -79,7 +79,7 @@ TEST(ReasonsOf, TheNearestReturnSpeaksForItsBeam) {
   const Returns returns = run(world, snow);
   std::vector<bool> flakes(200);
   for (std::size_t row = 0; row < returns.size(); ++row) {
-    if (returns.cause(row) == Cause::Weather) flakes[returns.beam(row)] = true;
+    if (returns.cause(row) == Reason::Weather) flakes[returns.beam(row)] = true;
   }
   const auto expected = static_cast<std::uint64_t>(std::count(flakes.begin(), flakes.end(), true));
   ASSERT_GT(expected, 10u);

@@ -34,7 +34,7 @@ TEST(Returns, SeveralRaysABeamAreRowsOrderedByBeamAndRange) {
       EXPECT_EQ(returns.range[row], number == 0 ? 10 : 15);
       EXPECT_EQ(world.hits.beamOfRay[returns.hit(row)], beam);
       EXPECT_EQ(world.hits.range[returns.hit(row)], returns.range[row]);
-      EXPECT_EQ(returns.cause(row), Cause::Surface);
+      EXPECT_EQ(returns.cause(row), Reason::Surface);
     }
   }
   EXPECT_EQ(row, returns.size()) << "rays that meet nothing are no rows";
@@ -68,13 +68,13 @@ TEST(Returns, AddedRowsKeepTheOthersAndHaveNoHit) {
     EXPECT_EQ(returns.range[row], before.range[row]);
     EXPECT_EQ(returns.label[row], world.hits.semantic[row]);
     EXPECT_EQ(returns.instance[row], world.hits.instance[row]);
-    EXPECT_EQ(returns.cause(row), Cause::Surface);
+    EXPECT_EQ(returns.cause(row), Reason::Surface);
   }
   for (const std::size_t row : {10u, 11u}) {
     EXPECT_EQ(returns.beam(row), 3u);
     EXPECT_EQ(returns.hit(row), kNoHit);
     EXPECT_EQ(returns.number(row), row - 9) << "an address of randomness of its own";
-    EXPECT_EQ(returns.cause(row), Cause::FalsePositive);
+    EXPECT_EQ(returns.cause(row), Reason::FalsePositive);
   }
   EXPECT_EQ(returns.power[10], 0.25f);
   EXPECT_EQ(returns.label[10], 77);

@@ -39,11 +39,16 @@ struct RandomWords {
   Batch<std::uint32_t> b;
 };
 
+// Returns the random words of a beam's row `number`.
+inline RandomBlock drawBlock(const Shot& shot, Purpose purpose, std::uint32_t beam, std::uint32_t number = 0) {
+  return randomBlock({shot.seed, shot.scene, shot.randomFrame(), shot.sensor, beam, number, purpose});
+}
+
 // Calls keep(i, block) for each row first + i of a batch. `block`: the random words for the row's address.
 template <class Keep>
 void drawBlocks(const Shot& shot, Purpose purpose, const Returns& returns, std::size_t first, const Keep& keep) {
   const auto draw = [&](std::size_t i, std::uint32_t beam, std::uint32_t number) {
-    keep(i, randomBlock({shot.seed, shot.scene, shot.randomFrame(), shot.sensor, beam, number, purpose}));
+    keep(i, drawBlock(shot, purpose, beam, number));
   };
   if (returns.onePerBeam()) {
     for (std::size_t i = 0; i < kBatch; ++i) draw(i, static_cast<std::uint32_t>(first + i), 0);

@@ -125,7 +125,7 @@ class Blooming : public Effect {
     for (std::uint32_t beam = 0; beam < strays.size(); ++beam) {
       if (strays[beam].echo <= 0 || joined[beam] || returns.full(beam)) continue;
       const auto [echo, range] = strays[beam];
-      returns.add({.beam = beam, .range = range, .power = echo, .cause = Cause::StrayLight, .label = o_.label}, hits);
+      returns.add({.beam = beam, .range = range, .power = echo, .cause = Reason::StrayLight, .label = o_.label}, hits);
     }
   }
 

@@ -161,7 +161,7 @@ class Detection : public Effect {
       for (std::size_t i = 0; i < count; ++i) {
         const auto beam = static_cast<std::uint32_t>(first + i);
         if (uniform(drawn[i]) >= probability || returns.full(beam)) continue;
-        const RandomBlock words = wordsOf(shot, beam);
+        const RandomBlock words = drawBlock(shot, Purpose::FalsePositives, beam);
         const double over = o_.threshold > 0 ? -naturalLog(uniform(words[2])) / o_.threshold : 0.0;
         const AddedReturn added{.beam = beam,
                                 .range = static_cast<float>(beams.minRange + length * uniform(words[1])),
@@ -176,8 +176,7 @@ class Detection : public Effect {
   void addInterference(const Hits& hits, const Shot& shot, Returns& returns, std::vector<float>& measured) const {
     const BeamTable& beams = *shot.beams;
     for (std::uint32_t beam = 0; beam < beams.size(); ++beam) {
-      const RandomBlock words =
-          randomBlock({shot.seed, shot.scene, shot.randomFrame(), shot.sensor, beam, 0, Purpose::Interference});
+      const RandomBlock words = drawBlock(shot, Purpose::Interference, beam);
       if (uniform(words[0]) >= o_.interference || returns.full(beam)) continue;
       constexpr double kLog100 = 4.605170185988092;
       AddedReturn added;
@@ -185,19 +184,17 @@ class Detection : public Effect {
       added.range = static_cast<float>(beams.minRange + (beams.maxRange - beams.minRange) * uniform(words[1]));
       added.snr = static_cast<float>(o_.threshold * exponential(kLog100 * uniform(words[2])));
       added.power = static_cast<float>(o_.noise * double{added.snr});
-      added.cause = Cause::StrayLight;
+      added.cause = Reason::StrayLight;
       returns.add(added, hits);
       measured.push_back(added.power);
     }
   }
 
-  static RandomBlock wordsOf(const Shot& shot, std::uint32_t beam) {
-    return randomBlock({shot.seed, shot.scene, shot.randomFrame(), shot.sensor, beam, 0, Purpose::FalsePositives});
-  }
-
   // Sets `words` to the first random word of each beam of a batch.
   SCANMILL_BEST_INSTRUCTIONS static void draw(const Shot& shot, std::size_t first, Batch<std::uint32_t>& words) {
-    for (std::size_t i = 0; i < kBatch; ++i) words[i] = wordsOf(shot, static_cast<std::uint32_t>(first + i))[0];
+    for (std::size_t i = 0; i < kBatch; ++i) {
+      words[i] = drawBlock(shot, Purpose::FalsePositives, static_cast<std::uint32_t>(first + i))[0];
+    }
   }
 
   void choose(Returns& returns, const std::vector<float>& measured) const {

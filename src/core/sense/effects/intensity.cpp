@@ -193,7 +193,7 @@ class Intensity : public Effect {
       reflect(surfacesOf(hits, first), lobes, count, some);
       for (std::size_t i = 0; i < count && !hits.weightOfRay.empty(); ++i) some[i] *= hits.weightOfRay[first + i];
       travel(hits.range.data() + first, count, some);
-      settle(hits.range.data() + first, count, some);
+      clampPower(hits.range.data() + first, count, some);
     });
   }
 
@@ -221,8 +221,8 @@ class Intensity : public Effect {
         travel(valuesOfHits(returns, hits.range, first, ranges, kMiss), count, power);
       }
       if (!returns.onePerBeam()) takeAdded(returns, first, count, given, power, sent.data());
-      settle(range, count, power);
-      if (o_.reflectivity) settle(range, count, sent.data());
+      clampPower(range, count, power);
+      if (o_.reflectivity) clampPower(range, count, sent.data());
       float* const intensity = returns.intensity.data() + first;
       const float* value = o_.reflectivity ? sent.data() : power;
       if (o_.floor > 0) value = aboveFloor(value, power, count, sent.data());
@@ -244,7 +244,7 @@ class Intensity : public Effect {
   }
 
   // Limits the power to finite values, and sets it to 0 if it is negative or NaN, or if the row has no return.
-  static void settle(const float* range, std::size_t count, float* power) {
+  static void clampPower(const float* range, std::size_t count, float* power) {
     for (std::size_t i = 0; i < count; ++i) {
       const float finite = power[i] < FLT_MAX ? power[i] : FLT_MAX;
       power[i] = range[i] < kMiss && power[i] > 0 ? finite : 0;
@@ -348,7 +348,7 @@ class Intensity : public Effect {
   // Sets the intensities of values above 0, before noise and rounding.
   void respond(const float* value, std::size_t count, float* intensity) const {
     if (!o_.table.empty()) return respondByTable(value, count, intensity);
-    if (o_.retroFullScale > 0) return respondByManual(value, count, intensity);
+    if (o_.retroFullScale > 0) return respondCalibrated(value, count, intensity);
     const float unit = o_.bytes ? 1 / o_.saturation : 1.0f;
     for (std::size_t i = 0; i < count; ++i) {
       const float amplified = o_.gain * value[i];
@@ -365,7 +365,7 @@ class Intensity : public Effect {
     for (std::size_t i = 0; i < count && o_.bytes; ++i) intensity[i] *= 255;
   }
 
-  void respondByManual(const float* value, std::size_t count, float* intensity) const {
+  void respondCalibrated(const float* value, std::size_t count, float* intensity) const {
     const double steps = 155 / naturalLog(o_.retroFullScale);
     for (std::size_t i = 0; i < count; ++i) {
       const double amplified = o_.gain * value[i];

@@ -242,10 +242,6 @@ class WeatherEffect : public Effect {
     return low;
   }
 
-  static RandomBlock draw(const Shot& shot, std::uint32_t beam, std::uint32_t number, Purpose purpose) {
-    return randomBlock({shot.seed, shot.scene, shot.randomFrame(), shot.sensor, beam, number, purpose});
-  }
-
   void addDrops(const Hits& hits, const Shot& shot, const std::vector<float>& open, const Reception& reception,
                 Returns& returns) const {
     const BeamTable& beams = *shot.beams;
@@ -255,13 +251,13 @@ class WeatherEffect : public Effect {
       const double expected = table.upTo(double{open[beam]});
       if (expected <= 0) continue;
       // Random block 15 gives the number of drops; each of the blocks before it gives one drop.
-      double left = uniform(draw(shot, beam, 15, Purpose::Weather)[0]);
+      double left = uniform(drawBlock(shot, Purpose::Weather, beam, 15)[0]);
       double probability = exponential(-expected);
       drops.clear();
       for (std::uint32_t n = 0; left > probability && n < 15; ++n) {
         left -= probability;
         probability *= expected / (n + 1);
-        const RandomBlock words = draw(shot, beam, n, Purpose::Weather);
+        const RandomBlock words = drawBlock(shot, Purpose::Weather, beam, n);
         const double range = table.rangeOf(expected * uniform(words[0]));
         const double diameter = table.leastDiameter(range) - naturalLog(uniform(words[1])) / o_.weather.drops.slope;
         const double area = litArea(beams, range);
@@ -284,7 +280,7 @@ class WeatherEffect : public Effect {
         const double start = beams.minRange + k * whole;
         const double length = std::min(whole, double{open[beam]} - start);
         if (length <= 0) break;
-        if (k % 2 == 0) words = draw(shot, beam, k / 2, Purpose::Fog);
+        if (k % 2 == 0) words = drawBlock(shot, Purpose::Fog, beam, k / 2);
         const double range = start + length * uniform(words[2 * (k % 2) + 1]);
         Particle stretch = particleAt(range, mistEcho(o_.weather, length), reception.falloff);
         if (double{stretch.strength} < reception.least) break;
@@ -313,7 +309,7 @@ class WeatherEffect : public Effect {
     for (const Particle& particle : particles) {
       if (returns.full(beam)) return;
       returns.add(
-          {.beam = beam, .range = particle.range, .power = particle.echo, .cause = Cause::Weather, .label = o_.label},
+          {.beam = beam, .range = particle.range, .power = particle.echo, .cause = Reason::Weather, .label = o_.label},
           hits);
     }
   }

@@ -24,7 +24,7 @@ constexpr int kMostReturns = 16;
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 bool isFalsePositive(const Scan& scan, std::size_t point) {
-  return !scan[kCause].empty() && scan[kCause][point] == static_cast<std::uint8_t>(Cause::FalsePositive);
+  return !scan[kCause].empty() && scan[kCause][point] == static_cast<std::uint8_t>(Reason::FalsePositive);
 }
 
 bool numbersReturns(const Scan& scan) {

@@ -57,7 +57,7 @@ TEST_F(FootprintRun, LooksThroughGlass) {
   std::size_t carBehind = 0;
   for (const Scan& scan : scans(".pcd", "clear")) {
     for (std::size_t i = 0; i < scan.size(); ++i) {
-      const bool glass = scan[kCause][i] == static_cast<std::uint8_t>(Cause::ThroughGlass);
+      const bool glass = scan[kCause][i] == static_cast<std::uint8_t>(Reason::ThroughGlass);
       behind += glass ? 1 : 0;
       carBehind += glass && std::abs(scan.position[i].z + 1.8f) < 1.51f && scan[kInstance][i] != 0 ? 1 : 0;
     }

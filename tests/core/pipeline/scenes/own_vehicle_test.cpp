@@ -43,7 +43,7 @@ TEST_F(OwnVehicle, DroppedReturns) {
     const auto rows = rowsByBeam(dropped[s]);
     std::size_t others = 0;
     for (std::size_t i = 0; i < kept[s].size(); ++i) {
-      const bool roof = kept[s][kCause][i] == static_cast<std::uint8_t>(Cause::OwnVehicle);
+      const bool roof = kept[s][kCause][i] == static_cast<std::uint8_t>(Reason::OwnVehicle);
       const auto row = rows.find({kept[s][kRing][i], kept[s][kColumn][i]});
       EXPECT_EQ(row == rows.end(), roof);
       if (roof || row == rows.end()) continue;
@@ -67,7 +67,7 @@ TEST_F(OwnVehicle, BlocksAndReturns) {
       const auto rows = rowsByBeam(open[s]);
       for (std::size_t i = 0; i < blocked[s].size(); ++i) {
         const Scan& scan = blocked[s];
-        if (scan[kCause][i] == static_cast<std::uint8_t>(Cause::OwnVehicle)) {
+        if (scan[kCause][i] == static_cast<std::uint8_t>(Reason::OwnVehicle)) {
           ++roof;
           EXPECT_NEAR(scan[kRangeTrue][i], 0.3 / std::sin(-double{scan[kElevation][i]}), 1e-5);
           EXPECT_EQ(scan[kInstance][i], 0u);

@@ -29,7 +29,7 @@ std::vector<StrayReturn> strays(const World& world, const std::vector<std::strin
   const Returns returns = run(world, effects);
   std::vector<StrayReturn> found;
   for (std::uint32_t row = 0; row < returns.size(); ++row) {
-    if (returns.cause(row) != Cause::StrayLight || !returns.returned(row)) continue;
+    if (returns.cause(row) != Reason::StrayLight || !returns.returned(row)) continue;
     EXPECT_EQ(returns.hit(row), kNoHit);
     found.push_back({returns.beam(row), returns.range[row], returns.power[row]});
   }

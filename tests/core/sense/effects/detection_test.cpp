@@ -50,7 +50,7 @@ TEST(Detection, TakesNoiseForReturnsAsOftenAsTheNormalLawSays) {
   std::vector<double> ranges;
   for (std::size_t row = 0; row < returns.size(); ++row) {
     if (!returns.returned(row)) continue;
-    EXPECT_EQ(returns.cause(row), Cause::FalsePositive);
+    EXPECT_EQ(returns.cause(row), Reason::FalsePositive);
     EXPECT_EQ(returns.hit(row), kNoHit);
     EXPECT_GE(returns.power[row], 0.03f * 0.999f);
     ranges.push_back(returns.range[row]);

@@ -94,7 +94,7 @@ TEST(RangeNoise, GrowsAsTheSignalFalls) {
                     "range_noise: {sigma_m: 0.005, over_snr_m: 0.4}"});
     std::vector<double> errors;
     for (std::size_t beam = 0; beam < world.hits.size(); ++beam) {
-      if (returns.cause(beam) == Cause::Surface && returns.returned(beam)) errors.push_back(returns.range[beam] - 30);
+      if (returns.cause(beam) == Reason::Surface && returns.returned(beam)) errors.push_back(returns.range[beam] - 30);
     }
     const double sigma = std::hypot(0.005, 0.4 / snr);
     EXPECT_NEAR(std::sqrt(momentsOf(errors).variance), sigma,

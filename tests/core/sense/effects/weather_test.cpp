@@ -38,7 +38,7 @@ double expectedDrops(const Weather& weather, const BeamTable& beams, double leas
 std::vector<std::uint32_t> particles(const Returns& returns) {
   std::vector<std::uint32_t> rows;
   for (std::uint32_t row = 0; row < returns.size(); ++row) {
-    if (returns.returned(row) && returns.cause(row) == Cause::Weather) rows.push_back(row);
+    if (returns.returned(row) && returns.cause(row) == Reason::Weather) rows.push_back(row);
   }
   return rows;
 }

@@ -161,10 +161,10 @@ TEST(ReturnErrorsOfOneBeam, FalsePositivesHaveNone) {
   Returns returns;
   returns.start(world.hits);
   for (std::uint32_t beam = 0; beam < world.hits.size(); ++beam) {
-    returns.add({.beam = beam, .range = 3, .cause = Cause::FalsePositive}, world.hits);
+    returns.add({.beam = beam, .range = 3, .cause = Reason::FalsePositive}, world.hits);
   }
   for (std::size_t row = 0; row < returns.size(); ++row) {  // as many returns as there were
-    if (returns.returned(row) && returns.cause(row) == Cause::Surface && returns.number(row) == 1) returns.remove(row);
+    if (returns.returned(row) && returns.cause(row) == Reason::Surface && returns.number(row) == 1) returns.remove(row);
   }
   Scan noisy;
   gather(world.hits, world.shot, returns, ScanLayout{ColumnSet::all(), false}, nullptr, noisy);
@@ -172,7 +172,7 @@ TEST(ReturnErrorsOfOneBeam, FalsePositivesHaveNone) {
   ASSERT_EQ(errors.size(), noisy.size());
   std::size_t surfaces = 0;
   for (std::size_t i = 0; i < noisy.size(); ++i) {
-    const bool surface = noisy[kCause][i] == static_cast<std::uint8_t>(Cause::Surface);
+    const bool surface = noisy[kCause][i] == static_cast<std::uint8_t>(Reason::Surface);
     surfaces += surface ? 1 : 0;
     EXPECT_EQ(std::isnan(errors[i]), !surface);
     if (surface) {
