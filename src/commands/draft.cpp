@@ -82,19 +82,16 @@ void printFiles(const draft::Draft& made, const std::filesystem::path& out) {
     }
     rows.push_back({together ? fmt::format("{} ({} files)", seriesOf(f.file), alike.size()) : f.file.string(),
                     fmt::format("{:g}", f.unit), std::string(1, f.up), together ? "" : extentText(f.box), grouped(own),
-                    percent(static_cast<double>(ownGuessed), static_cast<double>(own)),
-                    percent(static_cast<double>(ownByFile), static_cast<double>(own)),
-                    fmt::format("{}", fmt::join(f.doubts, ", "))});
+                    percent(ownGuessed, own), percent(ownByFile, own), fmt::format("{}", fmt::join(f.doubts, ", "))});
   }
   if (!doubts) {
     for (std::vector<std::string>& row : rows) row.pop_back();
   }
   printText("{}\nclasses are guessed for {} of {} triangles ({}), by the names that {} lists\n", formatTable(rows),
-            grouped(guessed), grouped(triangles), percent(static_cast<double>(guessed), static_cast<double>(triangles)),
-            out.string());
+            grouped(guessed), grouped(triangles), percent(guessed, triangles), out.string());
   if (byFolder > 0) {
     printText("{} more ({}) get the class that only the name of their folder states: check it\n", grouped(byFolder),
-              percent(static_cast<double>(byFolder), static_cast<double>(triangles)));
+              percent(byFolder, triangles));
   }
   if (made.files.size() > 1) {
     printText("{}\n",

@@ -74,8 +74,7 @@ NoiseFit measureNoise(const BeamTable& beams, const std::vector<Scan>& scans, co
   goOn();
 
   printText("{} of {} beams returned ({}); range step: {}\n\n", grouped(fit.returns), grouped(fit.beams),
-            percent(static_cast<double>(fit.returns), static_cast<double>(fit.beams)),
-            fit.step > 0 ? fmt::format("{:.3g} mm", fit.step * 1000) : "none found");
+            percent(fit.returns, fit.beams), fit.step > 0 ? fmt::format("{:.3g} mm", fit.step * 1000) : "none found");
   printGroups(fit.bands, fmt::format("range (incidence to {:g} deg)", degrees(most)));
   printGroups(fit.incidences, "incidence");
   if (!fit.intensities.empty()) printGroups(fit.intensities, "intensity");

@@ -55,8 +55,7 @@ void printSummary(const GenerateSummary& s, const GenerateOptions& options, cons
   Rows rows{{"class", "points", "share"}};
   for (const auto& [id, count] : s.pointsPerClass) {
     const SemanticClass* c = s.manifest.ontology.find(id);
-    rows.push_back({c == nullptr ? std::to_string(id) : c->name, grouped(count),
-                    percent(static_cast<double>(count), static_cast<double>(s.points))});
+    rows.push_back({c == nullptr ? std::to_string(id) : c->name, grouped(count), percent(count, s.points)});
   }
   printText("{}\n", formatTable(rows));
   printMade(s, options);

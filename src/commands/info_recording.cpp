@@ -6,14 +6,12 @@
 #include "base/error.h"
 #include "base/short_text.h"
 #include "base/terminal.h"
-#include "commands/info_sensor.h"
+#include "commands/info.h"
 #include "commands/table.h"
 #include "dataset/recording.h"
 #include "passes/exr/exr_file.h"
 
 namespace scanmill {
-
-namespace {}  // namespace
 
 void printRecording(const std::filesystem::path& folder) {
   const Recording r = readRecording(folder, recordingIn(folder).value_or(RecordingKind::Hits));

@@ -1,5 +1,3 @@
-#include "commands/info_sensor.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 
 #include "base/terminal.h"
 #include "base/text_scan.h"
+#include "commands/info.h"
 #include "commands/table.h"
 #include "config/text.h"
 #include "sensors/calibration.h"

@@ -15,7 +15,7 @@
 #include "base/format_support.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"
-#include "commands/info_sensor.h"
+#include "commands/info.h"
 #include "commands/table.h"
 #include "config/fields.h"
 #include "config/resources.h"

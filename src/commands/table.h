@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,6 @@ using Rows = std::vector<std::vector<std::string>>;
 std::string formatTable(const Rows& rows);
 
 // Returns `part` in per cent of `whole`, such as "12.30 %".
-std::string percent(double part, double whole);
+std::string percent(std::uint64_t part, std::uint64_t whole);
 
 }  // namespace scanmill

@@ -63,7 +63,7 @@ def number(text: str) -> float:
 
 
 def read_ours(program: str, file: str) -> dict:
-    run = subprocess.run([program, "info", file, "--allow-outside", "--all"], capture_output=True, text=True, errors="replace", timeout=300)
+    run = subprocess.run([program, "info", file, "--allow-outside"], capture_output=True, text=True, errors="replace", timeout=300)
     if run.returncode:
         return {"error": run.stderr.strip().splitlines()[-1] if run.stderr.strip() else f"exit code {run.returncode}"}
     triangles = re.search(r": ([\d,]+) triangles", run.stdout)

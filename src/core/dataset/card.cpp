@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "base/short_text.h"
 #include "dataset/json_text.h"
@@ -16,31 +17,6 @@
 namespace scanmill {
 
 namespace {
-
-struct Totals {
-  std::uint64_t points = 0;
-  std::uint64_t beams = 0;
-  std::map<std::uint16_t, std::uint64_t> perClass;
-  std::map<std::string, std::uint64_t> samplesPerSplit;
-  std::map<std::string, std::set<std::string>> sequencesPerSplit;
-  std::set<std::string> methods, draws;
-};
-
-Totals totalsOf(const Manifest& manifest) {
-  Totals totals;
-  for (const SampleRecord& sample : manifest.samples) {
-    ++totals.samplesPerSplit[sample.split];
-    totals.sequencesPerSplit[sample.split].insert(partsOfKey(sample.key).sequence);
-    for (const DrawnValue& draw : sample.draws) totals.draws.insert(draw.key);
-    for (const ScanRecord& scan : sample.scans) {
-      totals.points += scan.points;
-      totals.beams += scan.beams;
-      totals.methods.insert(scan.method);
-      for (const auto& [id, points] : scan.pointsPerClass) totals.perClass[id] += points;
-    }
-  }
-  return totals;
-}
 
 // Returns the text with the characters that Markdown would take for markup in a table escaped.
 std::string cell(std::string_view text) {
@@ -57,7 +33,7 @@ std::string aboutOf(const Manifest& manifest, const std::string& key, const std:
   return found == manifest.about.end() ? otherwise : found->second;
 }
 
-std::string summaryOf(const Manifest& manifest, const Totals& totals) {
+std::string summaryOf(const Manifest& manifest, const ScanTotals& totals) {
   std::string sensors;
   for (const SensorRecord& sensor : manifest.sensors) {
     sensors += (sensors.empty() ? "" : ", ") + sensor.beams.model;
@@ -82,7 +58,7 @@ std::string sensorTable(const Manifest& manifest) {
   return text;
 }
 
-std::string classTable(const Manifest& manifest, const Totals& totals) {
+std::string classTable(const Manifest& manifest, const ScanTotals& totals) {
   std::vector<std::pair<std::uint64_t, std::uint16_t>> classes;
   for (const auto& [id, points] : totals.perClass) classes.emplace_back(points, id);
   std::sort(classes.rbegin(), classes.rend());
@@ -184,6 +160,20 @@ OrderedJson fieldJson(const char* name, const char* description, const char* sou
 
 }  // namespace
 
+ScanTotals totalsOf(const Manifest& manifest) {
+  ScanTotals totals;
+  for (const SampleRecord& sample : manifest.samples) {
+    for (const ScanRecord& scan : sample.scans) {
+      totals.points += scan.points;
+      totals.beams += scan.beams;
+      totals.unresolved += scan.unresolved;
+      totals.methods[scan.sensor].insert(scan.method);
+      for (const auto& [id, points] : scan.pointsPerClass) totals.perClass[id] += points;
+    }
+  }
+  return totals;
+}
+
 MountSpans mountSpans(const Manifest& manifest, const SensorRecord& sensor) {
   MountSpans spans;
   const auto add = [&](const Pose& mount) {
@@ -218,7 +208,7 @@ std::string spanText(const Span& span) {
 }
 
 std::string cardText(const Manifest& manifest) {
-  const Totals totals = totalsOf(manifest);
+  const ScanTotals totals = totalsOf(manifest);
   const std::string license = aboutOf(manifest, "license", "");
   std::string text = fmt::format("---\npretty_name: {}\n", scalarText(OrderedJson(manifest.name)));
   if (!license.empty()) text += fmt::format("license: {}\n", scalarText(OrderedJson(license)));
@@ -232,9 +222,18 @@ std::string cardText(const Manifest& manifest) {
     const std::string value = aboutOf(manifest, key, "");
     if (!value.empty()) text += fmt::format("- {}: {}\n", key[0] == 'u' ? "Page" : "Cite as", value);
   }
+  std::map<std::string, std::pair<std::set<std::string>, std::size_t>> splits;  // sequences and number of samples
+  std::set<std::string> draws, methods;
+  for (const SampleRecord& sample : manifest.samples) {
+    auto& [sequences, samples] = splits[sample.split];
+    sequences.insert(partsOfKey(sample.key).sequence);
+    ++samples;
+    for (const DrawnValue& draw : sample.draws) draws.insert(draw.key);
+  }
+  for (const auto& [sensor, own] : totals.methods) methods.insert(own.begin(), own.end());
   text += "\n## What it contains\n\n| split | sequences | samples |\n|---|---|---|\n";
-  for (const auto& [split, samples] : totals.samplesPerSplit) {
-    text += fmt::format("| {} | {} | {} |\n", split, totals.sequencesPerSplit.at(split).size(), samples);
+  for (const auto& [split, counts] : splits) {
+    text += fmt::format("| {} | {} | {} |\n", split, counts.first.size(), counts.second);
   }
   text += fmt::format(
       "\n{} points of {} beams. All samples of a sequence are in one split. `manifest.json` describes each sample, "
@@ -246,10 +245,10 @@ std::string cardText(const Manifest& manifest) {
       "## How it was made\n\nSimulated with Scanmill {} by the method {}, with the seed {}. Labels are those of the "
       "surfaces "
       "that the beams hit, as the scenes or images state them. {}",
-      manifest.programVersion, fmt::join(totals.methods, ", "), manifest.seed, modelText(manifest.modelled));
-  if (!totals.draws.empty()) {
-    text += fmt::format("\nRandom values, which the manifest states for each sample: `{}`.\n",
-                        fmt::join(totals.draws, "`, `"));
+      manifest.programVersion, fmt::join(methods, ", "), manifest.seed, modelText(manifest.modelled));
+  if (!draws.empty()) {
+    text +=
+        fmt::format("\nRandom values, which the manifest states for each sample: `{}`.\n", fmt::join(draws, "`, `"));
   }
   const std::string fence = fenceFor(manifest.pipelineText);
   text += fmt::format("\nThe pipeline, from which `scanmill generate` makes the same bytes:\n\n{0}yaml\n{1}{2}{0}\n\n",
@@ -268,7 +267,7 @@ std::string cardText(const Manifest& manifest) {
 }
 
 std::string croissantJson(const Manifest& manifest) {
-  const Totals totals = totalsOf(manifest);
+  const ScanTotals totals = totalsOf(manifest);
   OrderedJson json{{"@context",
                     {{"@language", "en"},
                      {"@vocab", "https://schema.org/"},

@@ -3,7 +3,10 @@
 // The descriptions of a dataset that are written beside its manifest, for people and for search engines of datasets.
 
 #include <array>
+#include <cstdint>
 #include <limits>
+#include <map>
+#include <set>
 #include <string>
 
 #include "dataset/manifest.h"
@@ -14,6 +17,16 @@ namespace scanmill {
 // Returns the data card in Markdown: what the dataset contains, how it was made, what it is for and not for, as asked
 // by Gebru et al., "Datasheets for Datasets" (Communications of the ACM 64, 2021).
 std::string cardText(const Manifest& manifest);
+
+// What the scans of a dataset contain in all.
+struct ScanTotals {
+  std::uint64_t points = 0;
+  std::uint64_t beams = 0;
+  std::uint64_t unresolved = 0;                          // beams that the method could not trace
+  std::map<std::uint16_t, std::uint64_t> perClass;       // points
+  std::map<std::string, std::set<std::string>> methods;  // names, by sensor
+};
+ScanTotals totalsOf(const Manifest& manifest);
 
 struct Span {
   double least = std::numeric_limits<double>::infinity();

@@ -1,8 +1,12 @@
 #pragma once
 
+// The parts of `scanmill info`: each prints what the command shows of one kind of file.
+
 #include <array>
+#include <cstdint>
 #include <filesystem>
 
+#include "assets/asset.h"
 #include "config/value.h"
 #include "sensors/beams.h"
 
@@ -11,16 +15,21 @@ namespace scanmill {
 // Returns the horizontal and the vertical field of view of the beams (deg). A horizontal gap of less than 5 degrees
 // counts as none.
 std::array<double, 2> fieldOf(const BeamTable& beams);
-// Prints what `scanmill info` shows of a sensor's file.
+// Prints a sensor's file.
 void printSensor(const Value& sensor);
 
 // True if a file is Ouster's metadata or a table of a sensor's lasers, by its suffix and contents.
 bool isCalibration(const std::filesystem::path& file);
-// Prints what `scanmill info` shows of a calibration of Velodyne, Ouster or Hesai: see sensors/calibration.h.
+// Prints a calibration of Velodyne, Ouster or Hesai: see sensors/calibration.h.
 void printCalibration(const std::filesystem::path& file);
 
-// Print what `scanmill info` shows of a recording's folder, and of one EXR image of passes or hits.
+// Print a recording's folder, and one EXR image of passes or hits.
 void printRecording(const std::filesystem::path& folder);
 void printExr(const std::filesystem::path& file);
+
+// Prints a scene file. `seed`: seed of a procedural scene.
+void printScene(const std::filesystem::path& file, std::uint64_t seed);
+// Prints a 3D file; also its colours if `options.textures` is true.
+void printAsset(const std::filesystem::path& file, const AssetOptions& options);
 
 }  // namespace scanmill

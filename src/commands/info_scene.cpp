@@ -1,0 +1,249 @@
+// What `scanmill info` shows of scenes and 3D files.
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "assets/asset.h"
+#include "assets/meshes/gltf/reader.h"
+#include "base/short_text.h"
+#include "base/terminal.h"
+#include "commands/info.h"
+#include "commands/table.h"
+#include "config/text.h"
+#include "pipeline/checks/warnings.h"
+#include "scene/scene.h"
+#include "scenefile/part_traits.h"
+#include "scenefile/scene_file.h"
+
+namespace scanmill {
+
+namespace {
+
+// Prints the first kMostObjects meshes that are placed, to reveal a wrong unit or axis. Each has one row, which shows
+// its first copy.
+void printObjects(const Scene& scene) {
+  constexpr std::size_t kMostObjects = 30;
+  std::map<std::uint32_t, std::uint64_t> placed;
+  std::vector<const Instance*> firsts;
+  for (const Instance& instance : scene.instances) {
+    if (++placed[instance.mesh] == 1) firsts.push_back(&instance);
+  }
+  Rows rows{{"object", "size x, y, z", "lowest z (m)", "triangles", "placed"}};
+  for (std::size_t i = 0; i < std::min(firsts.size(), kMostObjects); ++i) {
+    const Mesh& mesh = scene.meshes[firsts[i]->mesh];
+    Box box;
+    for (const Vec3f& p : mesh.positions) box.add(firsts[i]->worldFromMesh * Vec3d(p));
+    if (box.empty()) continue;
+    rows.push_back({firsts[i]->name, extentText(box), fmt::format("{:.5g}", box.low.z), grouped(mesh.triangles.size()),
+                    grouped(placed[firsts[i]->mesh])});
+  }
+  printText("\n{} meshes, placed {} times\n{}", grouped(scene.meshes.size()), grouped(scene.instances.size()),
+            formatTable(rows));
+  if (firsts.size() > kMostObjects) printText("and {} more meshes\n", grouped(firsts.size() - kMostObjects));
+}
+
+// Returns the bounds of the static instances, since moving instances may be far away before they appear. If no instance
+// is static, returns the bounds of all instances.
+Box boundsAtRest(const Scene& scene) {
+  Box box;
+  for (const Instance& instance : scene.instances) {
+    if (instance.moves()) continue;
+    for (const Vec3f& p : scene.meshes[instance.mesh].positions) box.add(instance.worldFromMesh * Vec3d(p));
+  }
+  return box.empty() ? scene.bounds() : box;
+}
+
+void printClips(const std::filesystem::path& file) {
+  const std::vector<gltf::Clip> clips = gltf::readClips(file);
+  if (clips.empty()) return;
+  Rows rows{{"animation", "from s", "to s"}};
+  for (const gltf::Clip& c : clips)
+    rows.push_back({c.name, fmt::format("{:.4g}", c.first), fmt::format("{:.4g}", c.last)});
+  printText("\n{}", formatTable(rows));
+  printText(
+      "in a scene, `animation: {{clip: NAME}}` of the object plays an animation, and `time_s` holds it at that time\n");
+}
+
+// Prints the colours of triangles that rules of a scene can match, by material and texture. Similar colours share one
+// row, which shows the most frequent of them.
+void printColors(const Asset& asset) {
+  constexpr std::size_t kMostColors = 12;  // greatest number of colours to print per material and texture
+  using Counts = std::map<Rgb, std::uint64_t>;
+  std::map<std::pair<std::string, std::string>, Counts> byMaterial;
+  const auto count = [&](const AssetPart& part) {
+    const PartTraits traits(part, {}, false);
+    Counts& counts = byMaterial[{part.material, part.texture}];
+    for (std::size_t t = 0; t < part.triangles.size(); ++t) ++counts[traits.at(t).color];
+  };
+  for (const AssetPart& part : asset.parts) count(part);
+  for (const InstancedParts& instanced : asset.instanced) {
+    for (const AssetPart& part : instanced.parts) count(part);
+  }
+  Rows rows{{"material", "texture", "color", "triangles"}};
+  for (const auto& [names, counts] : byMaterial) {
+    std::vector<std::pair<Rgb, std::uint64_t>> sorted(counts.begin(), counts.end());
+    std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+    std::vector<std::pair<Rule, std::uint64_t>> groups;
+    for (const auto& [color, triangles] : sorted) {
+      TriangleTraits traits;
+      traits.color = color;
+      auto group =
+          std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return matchesTriangle(g.first, traits); });
+      if (group == groups.end()) {
+        if (groups.size() == kMostColors) continue;
+        groups.emplace_back(Rule{}, 0);
+        group = groups.end() - 1;
+        group->first.colors = {color};
+      }
+      group->second += triangles;
+    }
+    for (const auto& [rule, triangles] : groups) {
+      const Rgb& c = rule.colors.front();
+      rows.push_back(
+          {names.first, names.second, fmt::format("#{:02x}{:02x}{:02x}", c[0], c[1], c[2]), grouped(triangles)});
+    }
+  }
+  printText("\n{}", formatTable(rows));
+}
+
+// A part of a 3D file in the list of its names.
+struct ListedPart {
+  std::string node, material, texture;
+  std::uint64_t triangles = 0;  // as the file has them
+  std::uint64_t placed = 0;     // number of copies that the file places
+  Box box;                      // m, of all copies
+};
+
+// Prints the names that rules can match and, if parts share a material and a texture, the sums of their triangles.
+void printParts(const std::vector<ListedPart>& parts, bool instanced) {
+  struct Sum {
+    std::uint64_t triangles = 0, parts = 0;
+  };
+  std::map<std::pair<std::string, std::string>, Sum> sums;  // by material and texture
+  Rows rows{{"node", "material", "texture", "size x, y, z", "lowest z (m)", "triangles", "placed"}};
+  for (const ListedPart& p : parts) {
+    rows.push_back({p.node, p.material, p.texture, extentText(p.box),
+                    p.box.empty() ? "" : fmt::format("{:.5g}", p.box.low.z), grouped(p.triangles), grouped(p.placed)});
+    Sum& sum = sums[{p.material, p.texture}];
+    sum.triangles += p.triangles * p.placed;
+    ++sum.parts;
+  }
+  for (std::vector<std::string>& row : rows) row.resize(instanced ? 7 : 6);
+  printText("{}\n", formatTable(rows));
+  if (sums.size() == parts.size()) return;
+  rows = {{"material", "texture", "triangles", "parts"}};
+  for (const auto& [names, sum] : sums) {
+    rows.push_back({names.first, names.second, grouped(sum.triangles), grouped(sum.parts)});
+  }
+  printText("{}\n", formatTable(rows));
+}
+
+}  // namespace
+
+void printScene(const std::filesystem::path& file, std::uint64_t seed) {
+  SceneOptions options;
+  options.seed = seed;
+  const Scene scene = readScene(file, options);
+  const Box box = boundsAtRest(scene);
+  printText("scene {}: {} triangles in memory, {} placed; {} instances, {} things\n", scene.name,
+            grouped(scene.triangles()), grouped(scene.placedTriangles()), grouped(scene.instances.size()),
+            grouped(scene.things()));
+  printText("from [{:.2f}, {:.2f}, {:.2f}] to [{:.2f}, {:.2f}, {:.2f}] m; ontology {}\n", box.low.x, box.low.y,
+            box.low.z, box.high.x, box.high.y, box.high.z, scene.ontology.name);
+  if (scene.dropped.total() > 0) {
+    printText("triangles left out: {} without area, {} with NaN or infinite corners, {} with indices out of range\n",
+              grouped(scene.dropped.degenerate), grouped(scene.dropped.nonFinite), grouped(scene.dropped.outOfRange));
+  }
+  printObjects(scene);
+  struct PerClass {
+    std::uint64_t triangles = 0;
+    std::set<std::uint32_t> instances;
+  };
+  std::map<std::uint16_t, PerClass> perClass;
+  for (const Instance& instance : scene.instances) {
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    for (const std::uint16_t s : mesh.surfaceOf) ++perClass[mesh.surfaces[s].semantic].triangles;
+    for (const Surface& s : mesh.surfaces) {
+      if (s.object != 0) perClass[s.semantic].instances.insert(instanceId(instance, s));
+    }
+  }
+  Rows rows{{"class", "id", "triangles", "instances"}};
+  for (const auto& [id, c] : perClass) {
+    const SemanticClass* known = scene.ontology.find(id);
+    rows.push_back({known == nullptr ? "?" : known->name, std::to_string(id), grouped(c.triangles),
+                    c.instances.empty() ? "" : grouped(c.instances.size())});
+  }
+  printText("\n{}", formatTable(rows));
+  Rows materials{{"material", "reflectance", "roughness", "metallic", "texture", "source"}};
+  for (const Material& m : scene.materials) {
+    materials.push_back({m.name, fmt::format("{:.3f}", m.reflectance), fmt::format("{:.2f}", m.roughness),
+                         fmt::format("{:.0f}", m.metallic),
+                         m.texture == nullptr ? ""
+                         : m.alphaTested      ? "alpha"
+                                              : "colour",
+                         m.source});
+  }
+  printText("\n{}", formatTable(materials));
+  if (!scene.rules.empty()) {
+    Rows rules{{"rule", "matches", "gives", "triangles"}};
+    for (const RuleUse& r : scene.rules) rules.push_back({r.where.text(), r.match, r.gives, grouped(r.decided)});
+    printText("\n{}", formatTable(rules));
+  }
+  for (const std::string& line : sizeWarnings(scene)) warn(line);
+  for (const std::string& line : ruleWarnings(scene)) warn(line);
+}
+
+void printAsset(const std::filesystem::path& file, const AssetOptions& options) {
+  const Asset asset = readAsset(file, options);
+  std::vector<ListedPart> parts;
+  std::uint64_t triangles = 0;
+  std::uint64_t notFinite = 0;
+  Box whole;
+  const auto add = [&](const AssetPart& part, const std::vector<Affine>& places) {
+    ListedPart& listed = parts.emplace_back(
+        ListedPart{part.node, part.material, part.texture, part.triangles.size(), places.size(), {}});
+    triangles += part.triangles.size() * places.size();
+    for (const Triangle& t : part.triangles) {
+      const auto bad = [&](std::uint32_t corner) { return !isFinite(part.positions[corner]); };
+      notFinite += std::any_of(t.begin(), t.end(), bad) ? 1 : 0;
+    }
+    for (const Vec3f& p : part.positions) {
+      if (!isFinite(p)) continue;
+      for (const Affine& place : places) listed.box.add(place * Vec3d(p));
+    }
+    whole.add(listed.box);
+  };
+  for (const AssetPart& part : asset.parts) add(part, {Affine{{}, asset.origin}});
+  for (const InstancedParts& instanced : asset.instanced) {
+    for (const AssetPart& part : instanced.parts) add(part, instanced.assetFromParts);
+  }
+  printText("asset {}: {} triangles; labelling rules of a scene can match these names\n\n", file.string(),
+            grouped(triangles));
+  printParts(parts, !asset.instanced.empty());
+  if (notFinite > 0 || asset.dropped.outOfRange > 0) {
+    warn(fmt::format("{}: scenes leave out {} triangles with NaN or infinite corners and {} with indices out of range",
+                     file.string(), grouped(notFinite), grouped(asset.dropped.outOfRange)));
+  }
+  if (whole.empty()) return;
+  printText("from [{:.8g}, {:.8g}, {:.5g}] to [{:.8g}, {:.8g}, {:.5g}]: {}\n", whole.low.x, whole.low.y, whole.low.z,
+            whole.high.x, whole.high.y, whole.high.z, extentText(whole));
+  printText(
+      "read with unit: {:g} ({}) and up: {}; change them by --unit and --up here, and by the keys `unit` and "
+      "`up` of the object in a scene\n",
+      options.metresPerUnit,
+      asset.statedUnit > 0 ? fmt::format("times {:g} m per unit, as stated by the file or its kind", asset.statedUnit)
+                           : "m per unit",
+      options.up
+          ? std::string(1, asset.up)
+          : fmt::format("{} ({})", asset.up,
+                        asset.upDeclared ? "stated by the file or its kind" : "assumed, the file does not state it"));
+  if (asset.ownMiddle) printText("z up, x east and y north around {}\n", asset.system);
+  if (options.textures) printColors(asset);
+  const std::string suffix = lowerExtension(file);
+  if (suffix == ".glb" || suffix == ".gltf") printClips(file);
+}
+
+}  // namespace scanmill
