@@ -72,7 +72,7 @@ const Refusal kRefusals[] = {
     {"plan absent.yaml", "absent.yaml"},
     {"plan streat", "did you mean 'street'"},
     {"plan S/pipelines/sensors/vlp_16.yaml", "this is a sensor"},
-    {"plan P --set method.depth_camera.renderer=blender", "write --set 'method={depth_camera: {renderer: blender}}'"},
+    {"plan P --set method.depth_camera.renderer=blender", "'method' is a single value and has no 'depth_camera'"},
     {"plan P --set nonsense", "nonsense"},
     {"plan P --set output.shard_md=3", "did you mean 'shard_mb'?"},
     {"plan P --set sensors.0.preset=os1_182", "did you mean 'os1_128'"},

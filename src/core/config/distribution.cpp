@@ -83,10 +83,8 @@ Value scalar(const Value& distribution, std::string text) {
 // Returns the integers of a choice such as [1, ..., 9], written with "..." between two integers; empty if the choice is
 // a list of items.
 std::vector<PlacedInteger> readSpan(const Value& list) {
-  if (list.kind != Value::Kind::Sequence || list.items.empty()) {
-    throw InputError(list.where, "choice must be a list with at least one item");
-  }
-  const bool spans = std::any_of(list.items.begin(), list.items.end(), [](const Value& item) {
+  const std::vector<Value>& items = readList(list, "choice");
+  const bool spans = std::any_of(items.begin(), items.end(), [](const Value& item) {
     return item.kind == Value::Kind::Scalar && !item.quoted && item.text == "...";
   });
   constexpr std::int64_t kMost = 1'000'000'000'000;
@@ -156,12 +154,8 @@ Fields fieldsOf(const Value& value) {
   const auto kinds =
       std::count_if(kKinds.begin(), kKinds.end(), [&](std::string_view kind) { return fields.has(kind); });
   if (kinds != 1) throw InputError(value.where, "a distribution must be exactly one of uniform, normal and choice");
-  if (const Value* within = fields.find("within"); within != nullptr && !fields.has("normal")) {
-    throw InputError(within->where, "within can only limit a normal distribution");
-  }
-  if (const Value* weights = fields.find("weights"); weights != nullptr && !fields.has("choice")) {
-    throw InputError(weights->where, "weights can only be given to a choice");
-  }
+  if (!fields.has("normal")) fields.refuse({"within"}, "can only limit a normal distribution");
+  if (!fields.has("choice")) fields.refuse({"weights"}, "can only be given to a choice");
   isPerFrame(fields);
   isStratified(fields);
   return fields;

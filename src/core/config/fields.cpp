@@ -168,6 +168,12 @@ Fields& Fields::alsoDescribed(std::string_view keys) {
   return *this;
 }
 
+void Fields::refuse(std::initializer_list<std::string_view> keys, std::string_view why) {
+  for (const std::string_view key : keys) {
+    if (const Value* value = find(key)) throw InputError(value->where, fmt::format("{}: {} {}", what_, key, why));
+  }
+}
+
 void Fields::finish() const {
   for (const auto& [key, value] : value_.entries) {
     if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;

@@ -34,7 +34,8 @@ double readNumber(const Value& value, std::string_view what, Range range = {}); 
 std::int64_t readInteger(const Value& value, std::string_view what, std::int64_t low, std::int64_t high);
 bool readBool(const Value& value, std::string_view what);  // only `true` or `false`
 std::string readText(const Value& value, std::string_view what);
-Vec3d readVec3(const Value& value, std::string_view what);  // [x, y, z]
+Vec3d readVec3(const Value& value, std::string_view what);                      // [x, y, z]
+const std::vector<Value>& readList(const Value& value, std::string_view what);  // a list with at least one item
 // An integer of a list, and its place in the file. "..." between two integers stands for all integers between them: [1,
 // ..., 20].
 struct PlacedInteger {
@@ -91,6 +92,10 @@ class Fields {
   Fields& also(std::initializer_list<std::string_view> keys);
   // Marks the keys in a description as known, such as step_m and gain in "step_m: 1 m, what it is\ngain: 2, ...".
   Fields& alsoDescribed(std::string_view keys);
+
+  // Throws an InputError for the first of the keys that is there. `why` follows its name in the message, such as "is
+  // for waypoints".
+  void refuse(std::initializer_list<std::string_view> keys, std::string_view why);
 
   // Throws an InputError for the first unknown key of the map; the message names the key, its place and the most
   // similar known key.

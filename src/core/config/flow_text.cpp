@@ -21,13 +21,6 @@ bool staysPlain(const std::string& text) {
          std::all_of(text.begin(), text.end(), inner);
 }
 
-bool hasUnseen(std::string_view text) {
-  for (std::size_t i = 0; i < text.size(); i += utf8At(text, i).bytes) {
-    if (isUnseenControl(utf8At(text, i).code)) return true;
-  }
-  return false;
-}
-
 // Returns the text in double quotes, with escapes for characters that nobody sees.
 std::string doubleQuoted(std::string_view text) {
   std::string quoted = "\"";
@@ -42,14 +35,6 @@ std::string doubleQuoted(std::string_view text) {
     i += bytes;
   }
   return quoted + '"';
-}
-
-// Returns the text in quotes, on one line.
-std::string quotedText(const std::string& text) {
-  if (hasUnseen(text)) return doubleQuoted(text);
-  std::string quoted = "'";
-  for (const char c : text) quoted += c == '\'' ? std::string("''") : std::string(1, c);
-  return quoted + "'";
 }
 
 // Doubles dollars, since a single dollar begins a variable in values (not in keys).
@@ -72,13 +57,13 @@ std::string flowText(const Value& value) {
     case Value::Kind::Null:
       return "{}";
     case Value::Kind::Scalar:
-      return value.quoted || !staysPlain(value.text) ? quotedText(doubledDollars(value.text)) : value.text;
+      return value.quoted || !staysPlain(value.text) ? doubleQuoted(doubledDollars(value.text)) : value.text;
     case Value::Kind::Sequence:
       for (const Value& item : value.items) text += (text.empty() ? "" : ", ") + innerText(item);
       return "[" + text + "]";
     case Value::Kind::Map:
       for (const Value::Entry& e : value.entries) {
-        text += fmt::format("{}{}: {}", text.empty() ? "" : ", ", staysPlain(e.key) ? e.key : quotedText(e.key),
+        text += fmt::format("{}{}: {}", text.empty() ? "" : ", ", staysPlain(e.key) ? e.key : doubleQuoted(e.key),
                             innerText(e.value));
       }
       return "{" + text + "}";

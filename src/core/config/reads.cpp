@@ -20,11 +20,8 @@ std::string found(const Value& value) {
       return "nothing";
     case Value::Kind::Sequence:
       return fmt::format("a list of {}", value.items.size());
-    case Value::Kind::Map: {
-      const std::string near =
-          value.entries.empty() ? "" : nearest(value.entries[0].key, {"uniform", "normal", "choice"});
-      return near.empty() ? "a map" : fmt::format("a map (did you mean '{}'?)", near);
-    }
+    case Value::Kind::Map:
+      return "a map";
     case Value::Kind::Scalar:
       break;
   }
@@ -111,6 +108,11 @@ Vec3d readVec3(const Value& value, std::string_view what) {
   }
   const std::vector<double> numbers = readNumbers(value, what);
   return {numbers[0], numbers[1], numbers[2]};
+}
+
+const std::vector<Value>& readList(const Value& value, std::string_view what) {
+  if (value.kind == Value::Kind::Sequence && !value.items.empty()) return value.items;
+  throw InputError(value.where, fmt::format("{} must be a list with at least one item", what));
 }
 
 std::vector<PlacedInteger> readIntegers(const Value& list, std::string_view what, std::int64_t low, std::int64_t high) {

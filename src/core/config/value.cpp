@@ -41,15 +41,6 @@ std::size_t readIndex(const std::string& part, const Value& list, const std::str
                                             part, parent, list.items.size() - 1));
 }
 
-// Rewrites an assignment a.b.c=v with maps, as "a={b: {c: v}}". The first `keys` parts of the path stay before the "=".
-std::string asMaps(const std::vector<std::string>& parts, std::size_t keys, std::string_view value) {
-  std::string text;
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    text += i < keys ? (i > 0 ? "." : "") + parts[i] : (i == keys ? "={" : ": {") + parts[i];
-  }
-  return fmt::format("{}: {}{}", text, value, std::string(parts.size() - keys, '}'));
-}
-
 void setFolder(Value& value, const std::string& folder) {
   value.folder = folder;
   for (Value& item : value.items) setFolder(item, folder);
@@ -105,10 +96,8 @@ void setValue(Value& root, std::string_view assignment) {
   for (std::size_t depth = 0; depth < parts.size(); ++depth) {
     const std::string& part = parts[depth];
     if (node->kind == Value::Kind::Scalar) {
-      const std::string advice =
-          depth == 0 ? "" : fmt::format(": write --set '{}'", asMaps(parts, depth, assignment.substr(equals + 1)));
-      throw InputError(where,
-                       fmt::format("{} is a single value and has no {}{}", parent, quotedForMessage(part), advice));
+      throw InputError(where, fmt::format("{} is a single value and has no {}: set it to a map, such as {{key: value}}",
+                                          parent, quotedForMessage(part)));
     }
     if (node->kind == Value::Kind::Sequence && part == "+" && depth + 1 == parts.size()) {
       node->items.push_back(std::move(value));

@@ -78,12 +78,10 @@ MaterialLibrary readMaterials(const std::filesystem::path& path, int wavelengthN
   expectKind(root, FileKind::Materials);
   Fields f(root, "material table");
   f.text("name", "");
-  const Value& list = f.require("materials");
+  const std::vector<Value>& list = readList(f.require("materials"), "materials");
   f.finish();
-  if (list.kind != Value::Kind::Sequence) throw InputError(list.where, "materials must be a list of materials");
-
   MaterialLibrary library;
-  for (const Value& item : list.items) {
+  for (const Value& item : list) {
     Fields m(item, "material");
     Material material;
     material.name = m.text("name");

@@ -105,12 +105,10 @@ Ontology readOntology(const std::filesystem::path& path) {
   Ontology ontology;
   ontology.name = f.text("name", path.stem().string());
   ontology.source = f.text("source", "");
-  const Value& list = f.require("classes");
-  if (list.kind != Value::Kind::Sequence) throw InputError(list.where, "classes must be a list of classes");
-
+  const std::vector<Value>& list = readList(f.require("classes"), "classes");
   std::set<std::uint16_t> ids;
   std::map<std::string, std::string> owner;  // name or alias -> name of its class
-  for (const Value& item : list.items) {
+  for (const Value& item : list) {
     SemanticClass c = readClass(item);
     if (!ids.insert(c.id).second) {
       throw InputError(item.where, fmt::format("class '{}' has id {}, as an earlier class", c.name, c.id));
@@ -126,8 +124,8 @@ Ontology readOntology(const std::filesystem::path& path) {
     }
     ontology.classes.push_back(std::move(c));
   }
-  for (std::size_t i = 0; i < list.items.size(); ++i) {
-    const Value* of = list.items[i].find("moving_of");
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const Value* of = list[i].find("moving_of");
     if (of == nullptr) continue;
     const SemanticClass& still = ontology.require(readText(*of, "moving_of"), of->where);
     SemanticClass& moving = ontology.classes[i];
@@ -145,7 +143,8 @@ Ontology readOntology(const std::filesystem::path& path) {
   }
   const SemanticClass* zero = ontology.find(0);
   if (!zero || zero->name != "unlabeled") {
-    throw InputError(list.where, "class 0 must be there and be named 'unlabeled': it is what no rule matched");
+    throw InputError(f.require("classes").where,
+                     "class 0 must be there and be named 'unlabeled': it is what no rule matched");
   }
   return ontology;
 }

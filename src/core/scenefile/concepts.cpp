@@ -79,11 +79,10 @@ std::vector<Concept> withDetails(const std::vector<Concept>& concepts) {
 std::vector<Concept> readConcepts(const std::filesystem::path& path) {
   const Value root = readYaml(path);
   Fields file(root, "words");
-  const Value& list = file.require("concepts");
+  const std::vector<Value>& list = readList(file.require("concepts"), "concepts");
   file.finish();
-  if (list.kind != Value::Kind::Sequence) throw InputError(list.where, "concepts must be a list");
   std::vector<Concept> concepts;
-  for (const Value& item : list.items) {
+  for (const Value& item : list) {
     Fields f(item, "concept");
     Concept c;
     c.name = f.text("name");

@@ -55,11 +55,8 @@ void readGrid(const Value& value, Placement& placement) {
 void readCopies(const Value& value, Placement& placement) {
   Fields f(value, "copies");
   if (const Value* at = f.find("at")) {
-    if (at->kind != Value::Kind::Sequence || at->items.empty()) {
-      throw InputError(at->where, "at must be a list of places such as {position: [x, y, z]}");
-    }
     placement.at.clear();
-    for (const Value& item : at->items) {
+    for (const Value& item : readList(*at, "at")) {
       Fields place(item, "copy");
       placement.at.push_back(readCopy(place));
       place.finish();

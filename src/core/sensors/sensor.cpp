@@ -295,14 +295,6 @@ SensorSize sensorSize(const Value& description) {
 
 namespace {
 
-void refuseBeside(Fields& fields, const char* key, std::initializer_list<const char*> others) {
-  for (const char* other : others) {
-    if (const Value* value = fields.find(other)) {
-      throw InputError(value->where, fmt::format("{} has no effect beside `{}`: leave it out", other, key));
-    }
-  }
-}
-
 // Sets a full circle, and fills the per-ring arrays with zeros, for patterns whose rings are not on cones.
 void clearCones(BeamTable& table) {
   table.field = 2 * kPi;
@@ -312,10 +304,10 @@ void clearCones(BeamTable& table) {
 }
 
 void readListed(Fields& fields, BeamTable& table) {
-  refuseBeside(fields, "beams",
-               {"columns", "elevation_deg", "azimuth_offset_deg", "firing_time_us", "turns_while_firing", "field_deg",
-                "first_azimuth_deg", "direction", "ring_order", "origin_offset_m", "origin_height_m", "origin_left_m",
-                "origin_up_m", "pattern", "rosette", "raster", "sweep_ms", "calibration"});
+  fields.refuse({"columns", "elevation_deg", "azimuth_offset_deg", "firing_time_us", "turns_while_firing", "field_deg",
+                 "first_azimuth_deg", "direction", "ring_order", "origin_offset_m", "origin_height_m", "origin_left_m",
+                 "origin_up_m", "pattern", "rosette", "raster", "sweep_ms", "calibration"},
+                "has no effect beside `beams`: leave it out");
   clearCones(table);
   const Value& where = fields.require("beams");
   const std::filesystem::path file = fields.path("beams");
@@ -338,10 +330,10 @@ void readListed(Fields& fields, BeamTable& table) {
 
 // Reads a sensor with the key `rosette` or `raster`.
 void readPattern(Fields& fields, const char* key, BeamTable& table) {
-  refuseBeside(fields, key,
-               {"elevation_deg", "azimuth_offset_deg", "turns_while_firing", "field_deg", "sweep_ms",
-                "first_azimuth_deg", "direction", "ring_order", "origin_offset_m", "origin_height_m", "origin_left_m",
-                "origin_up_m", "pattern", "calibration", key[1] == 'o' ? "raster" : "firing_time_us"});
+  fields.refuse({"elevation_deg", "azimuth_offset_deg", "turns_while_firing", "field_deg", "sweep_ms",
+                 "first_azimuth_deg", "direction", "ring_order", "origin_offset_m", "origin_height_m", "origin_left_m",
+                 "origin_up_m", "pattern", "calibration", key[1] == 'o' ? "raster" : "firing_time_us"},
+                fmt::format("has no effect beside `{}`: leave it out", key));
   clearCones(table);
   const Value& value = fields.require(key);
   if (key[1] == 'o') {
@@ -399,9 +391,9 @@ void readCones(Fields& fields, const Value& value, BeamTable& table) {
 
 // Replaces the rings on cones by the pixels of a flash sensor.
 void makeFlash(Fields& fields, BeamTable& table) {
-  refuseBeside(fields, "pattern: flash",
-               {"azimuth_offset_deg", "firing_time_us", "sweep_ms", "turns_while_firing", "origin_offset_m",
-                "origin_height_m", "origin_left_m", "origin_up_m"});
+  fields.refuse({"azimuth_offset_deg", "firing_time_us", "sweep_ms", "turns_while_firing", "origin_offset_m",
+                 "origin_height_m", "origin_left_m", "origin_up_m"},
+                "has no effect beside `pattern: flash`: leave it out");
   constexpr double kWidest = 170;  // deg, largest field of view of a flash sensor
   const Value& field = fields.require("field_deg");
   if (degrees(table.field) > kWidest) {

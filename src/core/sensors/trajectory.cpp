@@ -53,15 +53,8 @@ std::vector<Pose> posesOf(const Value& value) {
   return poses;
 }
 
-// Throws InputError if one of the keys is given. `why`: what the message says behind the key.
-void refuseKeys(Fields& fields, std::initializer_list<const char*> keys, const char* why) {
-  for (const char* key : keys) {
-    if (const Value* value = fields.find(key)) throw InputError(value->where, fmt::format("{} {}", key, why));
-  }
-}
-
-const std::initializer_list<const char*> kKeysOfDrives = {"speed", "every_m", "acceleration", "stops", "lane_changes",
-                                                          "sway",  "path",    "rounding",     "keep"};
+const std::initializer_list<std::string_view> kKeysOfDrives = {
+    "speed", "every_m", "acceleration", "stops", "lane_changes", "sway", "path", "rounding", "keep"};
 
 std::vector<DriveStop> readStops(Fields& fields, double length) {
   constexpr double kApart = 1;  // m, least distance of a stop from other stops and from the path's ends
@@ -222,8 +215,8 @@ std::vector<Trajectory::LaneChange> Trajectory::readLaneChanges(const Value& val
 }
 
 void Trajectory::readPoses(Fields& fields, double period, double limit) {
-  refuseKeys(fields, kKeysOfDrives,
-             "is for paths that are driven: the vehicle stands still in each of `poses`, which are every_s apart");
+  fields.refuse(kKeysOfDrives,
+                "is for paths that are driven: the vehicle stands still in each of `poses`, which are every_s apart");
   poses_ = posesOf(fields.require("poses"));
   interval_ = fields.number("every_s", kInterval, period);
   frames_ = static_cast<std::uint32_t>(std::min(static_cast<double>(poses_.size()), limit));
@@ -231,8 +224,7 @@ void Trajectory::readPoses(Fields& fields, double period, double limit) {
 }
 
 void Trajectory::readRecorded(Fields& fields, double period, double limit) {
-  refuseKeys(fields, kKeysOfDrives,
-             "is for paths that are driven: a recording states the pose of the vehicle at each time");
+  fields.refuse(kKeysOfDrives, "is for paths that are driven: a recording states the pose of the vehicle at each time");
   const Value& value = fields.require("recorded");
   recorded_ = std::make_shared<const RecordedPoses>(readRecordedPoses(value));
   interval_ = fields.number("every_s", kInterval, period);
@@ -243,8 +235,8 @@ void Trajectory::readRecorded(Fields& fields, double period, double limit) {
 void Trajectory::readWay(Fields& fields, const SceneLanes* lanes) {
   const bool waypoints = fields.has("waypoints");
   const bool lines = fields.choice("path", {"spline", "line"}, "spline") == "line";
-  if (!waypoints) refuseKeys(fields, {"path", "rounding"}, "is for waypoints");
-  if (!lines) refuseKeys(fields, {"rounding"}, "is for `path: line`, whose corners it rounds");
+  if (!waypoints) fields.refuse({"path", "rounding"}, "is for waypoints");
+  if (!lines) fields.refuse({"rounding"}, "is for `path: line`, whose corners it rounds");
   if (waypoints) {
     const std::vector<Vec3d> points = readWaypoints(fields.require("waypoints"), ground_ ? Climbs::No : Climbs::Yes);
     setPath(lines ? Path::lines(points, fields.number("rounding", {0.01, 1000}, 0.5)) : Path(points));
@@ -285,8 +277,8 @@ void Trajectory::readDrive(Fields& fields, double period, double limit, std::uin
                        "`frames`");
     }
     if (fields.texts("on").empty()) throw InputError(on->where, "on must name classes, such as [road]");
-    refuseKeys(fields, {"path", "rounding"}, "is for waypoints: a random drive chooses its own path");
-    refuseKeys(fields, {"lane_changes"}, "are for given paths: leave them out of a random drive");
+    fields.refuse({"path", "rounding"}, "is for waypoints: a random drive chooses its own path");
+    fields.refuse({"lane_changes"}, "are for given paths: leave them out of a random drive");
     RandomWay way{fields.texts("on"), readRoadSide(fields), ((limit - 1) * interval_ + lastTurn_) * speed_,
                   interval_ * speed_, on->where};
     if (fields.has("from") || fields.has("to")) way.trip = readRoadTrip(fields);
@@ -295,7 +287,7 @@ void Trajectory::readDrive(Fields& fields, double period, double limit, std::uin
     frames_ = static_cast<std::uint32_t>(limit);
     return;
   }
-  refuseKeys(fields, {"keep", "from", "to"}, "is for drives that have `on`, such as `on: road`");
+  fields.refuse({"keep", "from", "to"}, "is for drives that have `on`, such as `on: road`");
   readWay(fields, lanes);
   const double length = path_->length();
   if (const Value* changes = fields.find("lane_changes")) laneChanges_ = readLaneChanges(*changes, length);

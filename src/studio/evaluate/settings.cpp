@@ -15,13 +15,6 @@ constexpr std::size_t kMostSettings = 500;
 
 }  // namespace
 
-const Value& requireItems(const Value& list, const std::string& what) {
-  if (list.kind != Value::Kind::Sequence || list.items.empty()) {
-    throw InputError(list.where, fmt::format("{} must be a list with at least one item", what));
-  }
-  return list;
-}
-
 std::vector<Value> expandLists(const Value& options, const std::string& what) {
   std::vector<Value> all{options};
   for (std::size_t e = 0; e < options.entries.size(); ++e) {
@@ -56,7 +49,7 @@ std::string Setting::assignment() const {
 std::vector<MethodSetting> readSettings(const Value& list, const std::string& what) {
   std::vector<MethodSetting> settings;
   const Scene nothing;
-  for (const Value& item : requireItems(list, what).items) {
+  for (const Value& item : readList(list, what)) {
     const NamedOptions named = readNamed(item, "an item of " + what);
     const MethodEntry& entry = requireMethod(named.name, named.where);
     for (const Value& options : expandLists(named.options, what)) {

@@ -32,9 +32,6 @@ struct MethodSetting {
   MethodChoice choice;
 };
 
-// Returns `list`. Throws InputError if it is not a list or is empty. `what`: name of the list in the message.
-const Value& requireItems(const Value& list, const std::string& what);
-
 // Returns a map for each combination of items of the map's lists, one item from each list. The item of the last list
 // changes fastest. `what`: name of the map in messages. Throws InputError.
 std::vector<Value> expandLists(const Value& options, const std::string& what);

@@ -102,8 +102,6 @@ TEST(ReadText, TakesScalarsOnly) {
   EXPECT_EQ(readText(yaml("12"), "t"), "12");
   EXPECT_EQ(readText(yaml("''"), "t"), "");
   EXPECT_EQ(messageOf([] { readText(yaml("{a: 1}"), "t"); }), "pipelines/x.yaml:1:1: t must be text, not a map");
-  EXPECT_THAT(messageOf([] { readNumber(yaml("{unifrom: [0, 1]}"), "n"); }),
-              testing::HasSubstr("not a map (did you mean 'uniform'?)"));
   EXPECT_THAT(messageOf([] { readText(yaml("~"), "t"); }), HasSubstr("t must be text, not nothing"));
 }
 
@@ -267,6 +265,16 @@ TEST(Fields, ATypoIsReportedBeforeTheKeyThatItHides) {
   EXPECT_THAT(messageOf([&] { f.also({"outptu"}).require("output"); }), HasSubstr("the key 'output' is missing"));
 }
 
+TEST(Fields, KeysAreRefusedWithTheReason) {
+  const Value root = yaml("speed: 3\npath:\n");
+  Fields f(root, "drive");
+  EXPECT_EQ(messageOf([&] {
+              f.refuse({"path", "speed"}, "is for waypoints");
+            }),
+            "pipelines/x.yaml:1:8: drive: speed is for waypoints");
+  EXPECT_EQ(messageOf([&] { f.refuse({"path"}, "is for waypoints"); }), "accepted");
+}
+
 TEST(Fields, KeysNamedAheadAreKnown) {
   const Value root = yaml("name: a\nmout: 1\n");
   Fields f(root, "sensor");
@@ -313,6 +321,13 @@ TEST(FieldsPose, RefusesWhatIsNoRotation) {
               HasSubstr("a quaternion [w, x, y, z], not a list of 3"));
   EXPECT_THAT(messageOf([] { poseOf("{rotation: [1, 0, 0, 0], yaw_deg: 0}"); }), HasSubstr("cannot be given together"));
   EXPECT_THAT(messageOf([] { poseOf("{yaw: 3}"); }), HasSubstr("unknown key 'yaw' (did you mean 'yaw_deg'?)"));
+}
+
+TEST(ReadList, WantsAnItem) {
+  EXPECT_EQ(readList(yaml("[a, b]"), "l").size(), 2u);
+  for (const char* bad : {"[]", "3", "{a: 1}", "~"}) {
+    EXPECT_THAT(messageOf([&] { readList(yaml(bad), "l"); }), HasSubstr("l must be a list with at least one item"));
+  }
 }
 
 TEST(ReadIntegers, DotsStandForAllInBetween) {

@@ -275,11 +275,10 @@ TEST(SetValue, RefusesWithThePath) {
   EXPECT_THAT(error("a.b.99999999999999999999999=1"), HasSubstr("out of range"));
   EXPECT_THAT(error("a.b.-1=1"), HasSubstr("'a.b' is a list: '-1' must be the number of an item"));
   EXPECT_THAT(error("a.b.1x=1"), HasSubstr("'1x' must be the number of an item"));
-  EXPECT_EQ(error("s.t=1"), "--set s.t: 's' is a single value and has no 't': write --set 's={t: 1}'");
-  EXPECT_THAT(error("a.b.1.c.d=[x, y]"),
-              HasSubstr("'a.b.1' is a single value and has no 'c': write --set 'a.b.1={c: {d: [x, y]}}'"));
+  EXPECT_EQ(error("s.t=1"), "--set s.t: 's' is a single value and has no 't': set it to a map, such as {key: value}");
+  EXPECT_THAT(error("a.b.1.c.d=[x, y]"), HasSubstr("'a.b.1' is a single value and has no 'c'"));
   Value text = parseYaml("no map", "x.yaml");
-  EXPECT_EQ(messageOf([&] { setValue(text, "a.b=1"); }), "--set a.b: the file is a single value and has no 'a'");
+  EXPECT_THAT(messageOf([&] { setValue(text, "a.b=1"); }), HasSubstr("the file is a single value and has no 'a'"));
   EXPECT_THAT(error("a.b"), AllOf(StartsWith("--set a.b: "), HasSubstr("key=value")));
   EXPECT_THAT(error("=1"), HasSubstr("empty key"));
   EXPECT_THAT(error("a..b=1"), HasSubstr("empty key"));

@@ -21,11 +21,7 @@ Value readCorruption(const std::filesystem::path& file) {
   fields.also({"summary", "light", "moderate", "heavy"}).finish();
   fields.text("summary");
   for (const std::string& severity : severities()) {
-    const Value& list = fields.require(severity);
-    if (list.kind != Value::Kind::Sequence || list.items.empty()) {
-      throw InputError(list.where, severity + " must be a list of effects with their keys");
-    }
-    for (const Value& item : list.items) readNamed(item, "an effect");
+    for (const Value& item : readList(fields.require(severity), severity)) readNamed(item, "an effect");
   }
   return root;
 }

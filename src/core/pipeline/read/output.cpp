@@ -82,11 +82,7 @@ Output readOutput(const Value& value) {
     }
   }
   std::set<std::string> suffixes;
-  const Value& formats = output.require("formats");
-  if (formats.kind != Value::Kind::Sequence || formats.items.empty()) {
-    throw InputError(formats.where, "formats must be a list with at least one item");
-  }
-  for (const Value& item : formats.items) {
+  for (const Value& item : readList(output.require("formats"), "formats")) {
     const NamedOptions named = readNamed(item, "a format");
     const FormatEntry& entry = requireFormat(named.name, named.where);
     Fields options(named.options, "format " + named.name);
@@ -97,8 +93,8 @@ Output readOutput(const Value& value) {
     }
   }
   read.shards.bytes = static_cast<std::uint64_t>(output.number("shard_mb", {1, 1e6}, 256) * 1e6);
-  if (const Value* samples = output.find("shard_samples")) {
-    if (output.has("shard_mb")) throw InputError(samples->where, "give either shard_samples or shard_mb");
+  if (output.has("shard_samples")) {
+    output.refuse({"shard_mb"}, "has no effect beside `shard_samples`: leave it out");
     read.shards.samples = static_cast<std::size_t>(output.integer("shard_samples", 1, 1'000'000'000));
   }
   read.shards.shuffled = output.boolean("shuffle", false);

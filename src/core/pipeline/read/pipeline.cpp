@@ -87,7 +87,7 @@ std::vector<MountedSensor> readSensors(Fields& fields, std::uint64_t seed, Drawn
     return withDraws(value, fmt::format("sensors.{}.{}", sensor, key), {.seed = seed}, ignored);
   };
   std::vector<MountedSensor> sensors;
-  for (const Value& item : requireList(fields, "sensors").items) {
+  for (const Value& item : readList(fields.require("sensors"), "sensors")) {
     Fields own(item, "sensor");
     MountedSensor sensor;
     sensor.description = resolveSensor(item);

@@ -35,9 +35,7 @@ const Value* followsLane(const Value& list) {
 // `seed`: the scene's seed, which determines the sway of the vehicle.
 Trajectories readTrajectories(const Value& list, double period, const SceneLanes* lanes = nullptr,
                               std::uint64_t seed = 0) {
-  if (list.kind != Value::Kind::Sequence || list.items.empty()) {
-    throw InputError(list.where, "trajectories must be a list with at least one item");
-  }
+  const std::vector<Value>& items = readList(list, "trajectories");
   Trajectories trajectories;
   std::map<std::string, std::string> names;  // by their parts of keys
   const auto add = [&](const Value& item, const std::string& fallback, std::uint32_t drive) {
@@ -54,9 +52,9 @@ Trajectories readTrajectories(const Value& list, double period, const SceneLanes
     }
     trajectories.push_back(std::move(trajectory));
   };
-  for (std::size_t i = 0; i < list.items.size(); ++i) {
-    const std::uint32_t drives = countDrives(list.items[i]);
-    for (std::uint32_t drive = 0; drive < drives; ++drive) add(list.items[i], fmt::format("t{}", i), drive);
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    const std::uint32_t drives = countDrives(items[i]);
+    for (std::uint32_t drive = 0; drive < drives; ++drive) add(items[i], fmt::format("t{}", i), drive);
   }
   return trajectories;
 }
@@ -116,14 +114,6 @@ std::string keyPart(std::string_view text) {
   return part;
 }
 
-const Value& requireList(Fields& fields, std::string_view key) {
-  const Value& value = fields.require(key);
-  if (value.kind != Value::Kind::Sequence || value.items.empty()) {
-    throw InputError(value.where, fmt::format("{} must be a list with at least one item", key));
-  }
-  return value;
-}
-
 namespace {
 
 // Returns how many frames a list of trajectories has for each seed at least: those that it states.
@@ -147,7 +137,7 @@ std::vector<Sequence> readSequences(Fields& fields, double period,
   std::vector<Sequence> sequences;
   std::set<std::string> keys;
   std::uint64_t frames = 0;
-  for (const Value& item : requireList(fields, "scenes").items) {
+  for (const Value& item : readList(fields.require("scenes"), "scenes")) {
     Fields scene(item, "scene");
     scene.also({"scene", "seeds", "moving", "without", "trajectories"}).finish();
     const std::filesystem::path file = scene.resource("scene", "scenes");

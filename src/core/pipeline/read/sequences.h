@@ -63,9 +63,6 @@ struct Sequence {
 // of each other character of Unicode ("u5317"), and '_' in place of all further characters but digits, '-' and '_'.
 std::string keyPart(std::string_view text);
 
-// Returns the value of a key. Throws InputError if the key is missing, or if its value is no list or an empty one.
-const Value& requireList(Fields& fields, std::string_view key);
-
 // Returns one sequence for each combination of scene, seed and trajectory. `period`: duration of the slowest sensor's
 // revolution (s). Calls `checkFrames` with how many frames there are at least, at first before any scene is read.
 // Throws InputError.

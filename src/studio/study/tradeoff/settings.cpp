@@ -36,7 +36,7 @@ constexpr const char* kDefaultEncodings = R"(
 
 std::vector<StudyEncoding> readEncodings(const Value& list) {
   std::vector<StudyEncoding> encodings;
-  for (const Value& item : requireItems(list, "tradeoff.encodings").items) {
+  for (const Value& item : readList(list, "tradeoff.encodings")) {
     const NamedOptions named = readNamed(item, "an item of tradeoff.encodings");
     const FormatEntry& entry = requireFormat(named.name, named.where);
     for (const Value& options : expandLists(named.options, "tradeoff.encodings")) {
