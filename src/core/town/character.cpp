@@ -23,99 +23,50 @@ struct Between {
 constexpr std::array<std::string_view, 9> kNames{"rural",    "suburban",   "dense",    "boulevard", "old_town",
                                                  "arterial", "commercial", "motorway", "street"};
 
-// The properties that a town draws, each from an interval that its kind gives. Those without a unit are the fractions,
-// numbers and probabilities that Character describes.
-enum class Property {
-  Lanes,
-  Lane,
-  Shoulder,
-  Median,
-  Bays,
-  Walks,
-  Sidewalk,
-  Grassy,
-  Verge,
-  Apron,
-  Step,
-  SideRoads,
-  Bend,
-  Hills,
-  Banks,
-  Undulation,
-  Setback,
-  Built,
-  PlotWidth,
-  Floors,
-  Hedges,
-  Fences,
-  Avenue,
-  Trees,
-  Bushes,
-  Woods,
-  Forecourts,
-  Parked,
-  Traffic,
-  Speed,
-  People,
-  Clutter,
-  Lights,
-  Count
-};
-
-struct PropertyRow {
-  Property property;
-  std::array<Between, kNames.size()> of;  // by District
-};
+using OfKinds = std::array<Between, kNames.size()>;  // by District
 
 // Widths and speeds are those of the German guidelines for urban roads (RASt 06), rural roads (RAL) and motorways
 // (RAA): lanes of 2.75 to 3.75 m, wider where there is no parking lane, pavements of at least 2.5 m, shoulders of 2.5
-// m. All else are estimates.
+// m. All else are estimates. Values without a unit are the fractions, numbers and probabilities that Character
+// describes.
 // clang-format off
-constexpr std::array<PropertyRow, static_cast<std::size_t>(Property::Count)> kProperties{{
-    //                         rural        suburban     dense        boulevard    old_town     arterial     commercial   motorway     street
-    {Property::Lanes,        {{{1, 1},      {1, 1},      {1, 1},      {2, 2},      {1, 1},      {1, 2},      {1, 1},      {2, 3},      {1, 1}}}},  // in each direction
-    {Property::Lane,         {{{2.8, 3.5},  {4, 5.4},    {3.4, 4.4},  {3, 3.4},    {2.2, 2.8},  {3.8, 4.8},  {4.2, 5.5},  {3.5, 3.75}, {3.5, 3.5}}}},  // m, width
-    {Property::Shoulder,     {{{0, 0},      {0, 0},      {0, 0},      {0, 0},      {0, 0},      {0, 0},      {0, 0},      {2.5, 2.5},  {0, 0}}}},  // m
-    {Property::Median,       {{{0, 0},      {0, 0},      {0, 0},      {0, 0},      {0, 0},      {0, 0},      {0, 0},      {0.6, 1.5},  {0, 0}}}},  // m, half of it
-    {Property::Bays,         {{{0, 0},      {0.15, 0.15},{0.5, 0.5},  {1, 1},      {0, 0},      {0.15, 0.15},{0.15, 0.15},{0, 0},      {1, 1}}}},  // probability of parking lanes
-    {Property::Walks,        {{{0.15, 0.15},{1, 1},      {1, 1},      {1, 1},      {1, 1},      {1, 1},      {1, 1},      {0, 0},      {1, 1}}}},  // probability of sidewalks
-    {Property::Sidewalk,     {{{1.2, 1.8},  {1.8, 3},    {2.4, 4.5},  {4, 7},      {0.8, 1.8},  {2, 3.8},    {1.8, 3.2},  {0, 0},      {2.5, 2.5}}}},  // m
-    {Property::Grassy,       {{{1, 1},      {0.15, 0.15},{0, 0},      {0, 0},      {0, 0},      {0.35, 0.35},{0.2, 0.2},  {1, 1},      {0, 0}}}},  // probability of a verge
-    {Property::Verge,        {{{0.8, 2.5},  {0.8, 2.5},  {0, 0},      {0, 0},      {0, 0},      {1.5, 4},    {1, 3},      {2, 5},      {0, 0}}}},  // m
-    {Property::Apron,        {{{0, 0},      {0, 0.8},    {14, 22},    {14, 22},    {12, 20},    {0, 0},      {0, 3},      {0, 0},      {0, 0}}}},  // m
-    {Property::Step,         {{{0.02, 0.1}, {0.02, 0.1}, {0.02, 0.1}, {0.02, 0.1}, {0.01, 0.05},{0.02, 0.1}, {0.02, 0.1}, {0.02, 0.1}, {0.12, 0.12}}}},  // m
-    {Property::SideRoads,    {{{1, 3},      {6, 9},      {3, 5},      {3, 5},      {3, 6},      {2, 4},      {3, 5},      {0, 0},      {1, 2}}}},
-    {Property::Bend,         {{{0.15, 0.9}, {0.1, 0.6},  {0, 0.35},   {0, 0.2},    {0.2, 0.7},  {0.05, 0.4}, {0, 0.3},    {0.05, 0.3}, {0, 0}}}},  // rad
-    {Property::Hills,        {{{1.5, 7},    {2.5, 8},    {1.5, 5},    {1, 4},      {1, 6},      {2, 7},      {1, 5},      {1, 5},      {0, 0}}}},  // m
-    {Property::Banks,        {{{2, 7},      {0.8, 4},    {0.3, 1.5},  {0.3, 1},    {0.3, 1.5},  {1, 4},      {0.5, 2},    {1, 5},      {0, 0}}}},  // m
-    {Property::Undulation,   {{{0.3, 0.7},  {0.1, 0.35}, {0.1, 0.2},  {0.1, 0.2},  {0.1, 0.2},  {0.1, 0.35}, {0.1, 0.3},  {0.2, 0.6},  {0, 0}}}},  // m
-    {Property::Setback,      {{{4, 20},     {8, 18},     {0, 6},      {0, 4},      {0, 0.4},    {8, 18},     {14, 26},    {20, 30},    {3, 6}}}},  // m
-    {Property::Built,        {{{0.15, 0.5}, {0.25, 0.45},{0.85, 1},   {0.85, 1},   {0.85, 1},   {0.35, 0.65},{0.25, 0.5}, {0, 0},      {0.9, 0.9}}}},
-    {Property::PlotWidth,    {{{22, 40},    {15, 26},    {10, 15},    {12, 18},    {7, 12},     {18, 32},    {28, 45},    {30, 60},    {14, 20}}}},  // m
-    {Property::Floors,       {{{1, 2},      {1, 2},      {2, 4},      {3, 5},      {2, 3},      {1, 3},      {1, 3},      {1, 1},      {1, 2}}}},
-    {Property::Hedges,       {{{0.1, 0.4},  {0.38, 0.58},{0.1, 0.25}, {0.1, 0.25}, {0, 0.05},   {0.3, 0.5},  {0.25, 0.4}, {0, 0},      {0.3, 0.3}}}},
-    {Property::Fences,       {{{0.1, 0.3},  {0.2, 0.35}, {0.2, 0.4},  {0.1, 0.3},  {0, 0.2},    {0.25, 0.35},{0.25, 0.4}, {0, 0},      {0.3, 0.3}}}},
-    {Property::Avenue,       {{{0, 0.7},    {0, 0.3},    {0.2, 0.7},  {0.6, 0.95}, {0, 0.2},    {0.2, 0.8},  {0, 0.5},    {0, 0},      {0.5, 0.5}}}},
-    {Property::Trees,        {{{0.6, 2.2},  {1.5, 3.5},  {0, 0.4},    {0, 0.3},    {0, 0.4},    {1, 2.5},    {0.3, 1.2},  {0.5, 3},    {0.5, 1}}}},
-    {Property::Bushes,       {{{2, 6},      {1, 5},      {0, 0.8},    {0, 0.4},    {0, 0.6},    {1, 5},      {1, 4},      {1, 6},      {2, 3}}}},
-    {Property::Woods,        {{{0.3, 0.8},  {0.4, 0.8},  {0.05, 0.3}, {0.05, 0.2}, {0.05, 0.3}, {0.5, 0.85}, {0.3, 0.7},  {0.3, 0.8},  {0, 0}}}},
-    {Property::Forecourts,   {{{0, 0},      {0.3, 0.65}, {0, 0},      {0, 0},      {0, 0},      {0.1, 0.4},  {0.5, 0.9},  {0, 0},      {0, 0}}}},
-    {Property::Parked,       {{{0, 0.1},    {0.2, 0.6},  {0.15, 0.6}, {0.5, 1},    {0.1, 0.5},  {0.05, 0.4}, {0.2, 0.7},  {0, 0},      {0.3, 0.3}}}},
-    {Property::Traffic,      {{{0.8, 2},    {2, 4},      {2, 4},      {1, 2.5},    {0.2, 0.8},  {2, 4},      {2, 4},      {0.8, 2.5},  {3, 3}}}},  // per 100 m and lane
-    {Property::Speed,        {{{15, 24},    {8.3, 13.9}, {8.3, 13.9}, {11, 13.9},  {5, 8.3},    {13.9, 16.7},{11, 13.9},  {24, 33},    {13.9, 13.9}}}},  // m/s
-    {Property::People,       {{{0, 1.5},    {1, 6},      {4, 14},     {5, 16},     {4, 14},     {1, 5},      {1, 4},      {0, 0},      {8, 12}}}},  // per 100 m
-    {Property::Clutter,      {{{1, 4},      {3, 9},      {6, 16},     {8, 18},     {6, 16},     {2, 7},      {2, 6},      {0, 0.5},    {8, 12}}}},  // per 100 m
-    {Property::Lights,       {{{0, 0},      {0.15, 0.15},{0.6, 0.6},  {0.8, 0.8},  {0, 0},      {0.7, 0.7},  {0.5, 0.5},  {0, 0},      {1, 1}}}},
-}};
+namespace property {
+//                               rural        suburban     dense        boulevard    old_town     arterial     commercial   motorway     street
+constexpr OfKinds kLanes      {{{1, 1},      {1, 1},      {1, 1},      {2, 2},      {1, 1},      {1, 2},      {1, 1},      {2, 3},      {1, 1}}};  // in each direction
+constexpr OfKinds kLane       {{{2.8, 3.5},  {4, 5.4},    {3.4, 4.4},  {3, 3.4},    {2.2, 2.8},  {3.8, 4.8},  {4.2, 5.5},  {3.5, 3.75}, {3.5, 3.5}}};  // m, width
+constexpr OfKinds kShoulder   {{{0, 0},      {0, 0},      {0, 0},      {0, 0},      {0, 0},      {0, 0},      {0, 0},      {2.5, 2.5},  {0, 0}}};  // m
+constexpr OfKinds kMedian     {{{0, 0},      {0, 0},      {0, 0},      {0, 0},      {0, 0},      {0, 0},      {0, 0},      {0.6, 1.5},  {0, 0}}};  // m, half of it
+constexpr OfKinds kBays       {{{0, 0},      {0.15, 0.15},{0.5, 0.5},  {1, 1},      {0, 0},      {0.15, 0.15},{0.15, 0.15},{0, 0},      {1, 1}}};  // probability of parking lanes
+constexpr OfKinds kWalks      {{{0.15, 0.15},{1, 1},      {1, 1},      {1, 1},      {1, 1},      {1, 1},      {1, 1},      {0, 0},      {1, 1}}};  // probability of sidewalks
+constexpr OfKinds kSidewalk   {{{1.2, 1.8},  {1.8, 3},    {2.4, 4.5},  {4, 7},      {0.8, 1.8},  {2, 3.8},    {1.8, 3.2},  {0, 0},      {2.5, 2.5}}};  // m
+constexpr OfKinds kGrassy     {{{1, 1},      {0.15, 0.15},{0, 0},      {0, 0},      {0, 0},      {0.35, 0.35},{0.2, 0.2},  {1, 1},      {0, 0}}};  // probability of a verge
+constexpr OfKinds kVerge      {{{0.8, 2.5},  {0.8, 2.5},  {0, 0},      {0, 0},      {0, 0},      {1.5, 4},    {1, 3},      {2, 5},      {0, 0}}};  // m
+constexpr OfKinds kApron      {{{0, 0},      {0, 0.8},    {14, 22},    {14, 22},    {12, 20},    {0, 0},      {0, 3},      {0, 0},      {0, 0}}};  // m
+constexpr OfKinds kStep       {{{0.02, 0.1}, {0.02, 0.1}, {0.02, 0.1}, {0.02, 0.1}, {0.01, 0.05},{0.02, 0.1}, {0.02, 0.1}, {0.02, 0.1}, {0.12, 0.12}}};  // m
+constexpr OfKinds kSideRoads  {{{1, 3},      {6, 9},      {3, 5},      {3, 5},      {3, 6},      {2, 4},      {3, 5},      {0, 0},      {1, 2}}};
+constexpr OfKinds kBend       {{{0.15, 0.9}, {0.1, 0.6},  {0, 0.35},   {0, 0.2},    {0.2, 0.7},  {0.05, 0.4}, {0, 0.3},    {0.05, 0.3}, {0, 0}}};  // rad
+constexpr OfKinds kHills      {{{1.5, 7},    {2.5, 8},    {1.5, 5},    {1, 4},      {1, 6},      {2, 7},      {1, 5},      {1, 5},      {0, 0}}};  // m
+constexpr OfKinds kBanks      {{{2, 7},      {0.8, 4},    {0.3, 1.5},  {0.3, 1},    {0.3, 1.5},  {1, 4},      {0.5, 2},    {1, 5},      {0, 0}}};  // m
+constexpr OfKinds kUndulation {{{0.3, 0.7},  {0.1, 0.35}, {0.1, 0.2},  {0.1, 0.2},  {0.1, 0.2},  {0.1, 0.35}, {0.1, 0.3},  {0.2, 0.6},  {0, 0}}};  // m
+constexpr OfKinds kSetback    {{{4, 20},     {8, 18},     {0, 6},      {0, 4},      {0, 0.4},    {8, 18},     {14, 26},    {20, 30},    {3, 6}}};  // m
+constexpr OfKinds kBuilt      {{{0.15, 0.5}, {0.25, 0.45},{0.85, 1},   {0.85, 1},   {0.85, 1},   {0.35, 0.65},{0.25, 0.5}, {0, 0},      {0.9, 0.9}}};
+constexpr OfKinds kPlotWidth  {{{22, 40},    {15, 26},    {10, 15},    {12, 18},    {7, 12},     {18, 32},    {28, 45},    {30, 60},    {14, 20}}};  // m
+constexpr OfKinds kFloors     {{{1, 2},      {1, 2},      {2, 4},      {3, 5},      {2, 3},      {1, 3},      {1, 3},      {1, 1},      {1, 2}}};
+constexpr OfKinds kHedges     {{{0.1, 0.4},  {0.38, 0.58},{0.1, 0.25}, {0.1, 0.25}, {0, 0.05},   {0.3, 0.5},  {0.25, 0.4}, {0, 0},      {0.3, 0.3}}};
+constexpr OfKinds kFences     {{{0.1, 0.3},  {0.2, 0.35}, {0.2, 0.4},  {0.1, 0.3},  {0, 0.2},    {0.25, 0.35},{0.25, 0.4}, {0, 0},      {0.3, 0.3}}};
+constexpr OfKinds kAvenue     {{{0, 0.7},    {0, 0.3},    {0.2, 0.7},  {0.6, 0.95}, {0, 0.2},    {0.2, 0.8},  {0, 0.5},    {0, 0},      {0.5, 0.5}}};
+constexpr OfKinds kTrees      {{{0.6, 2.2},  {1.5, 3.5},  {0, 0.4},    {0, 0.3},    {0, 0.4},    {1, 2.5},    {0.3, 1.2},  {0.5, 3},    {0.5, 1}}};
+constexpr OfKinds kBushes     {{{2, 6},      {1, 5},      {0, 0.8},    {0, 0.4},    {0, 0.6},    {1, 5},      {1, 4},      {1, 6},      {2, 3}}};
+constexpr OfKinds kWoods      {{{0.3, 0.8},  {0.4, 0.8},  {0.05, 0.3}, {0.05, 0.2}, {0.05, 0.3}, {0.5, 0.85}, {0.3, 0.7},  {0.3, 0.8},  {0, 0}}};
+constexpr OfKinds kForecourts {{{0, 0},      {0.3, 0.65}, {0, 0},      {0, 0},      {0, 0},      {0.1, 0.4},  {0.5, 0.9},  {0, 0},      {0, 0}}};
+constexpr OfKinds kParked     {{{0, 0.1},    {0.2, 0.6},  {0.15, 0.6}, {0.5, 1},    {0.1, 0.5},  {0.05, 0.4}, {0.2, 0.7},  {0, 0},      {0.3, 0.3}}};
+constexpr OfKinds kTraffic    {{{0.8, 2},    {2, 4},      {2, 4},      {1, 2.5},    {0.2, 0.8},  {2, 4},      {2, 4},      {0.8, 2.5},  {3, 3}}};  // per 100 m and lane
+constexpr OfKinds kSpeed      {{{15, 24},    {8.3, 13.9}, {8.3, 13.9}, {11, 13.9},  {5, 8.3},    {13.9, 16.7},{11, 13.9},  {24, 33},    {13.9, 13.9}}};  // m/s
+constexpr OfKinds kPeople     {{{0, 1.5},    {1, 6},      {4, 14},     {5, 16},     {4, 14},     {1, 5},      {1, 4},      {0, 0},      {8, 12}}};  // per 100 m
+constexpr OfKinds kClutter    {{{1, 4},      {3, 9},      {6, 16},     {8, 18},     {6, 16},     {2, 7},      {2, 6},      {0, 0.5},    {8, 12}}};  // per 100 m
+constexpr OfKinds kLights     {{{0, 0},      {0.15, 0.15},{0.6, 0.6},  {0.8, 0.8},  {0, 0},      {0.7, 0.7},  {0.5, 0.5},  {0, 0},      {1, 1}}};
+}  // namespace property
 // clang-format on
-
-constexpr bool isInOrder() {
-  for (std::size_t i = 0; i < kProperties.size(); ++i) {
-    if (kProperties[i].property != static_cast<Property>(i)) return false;
-  }
-  return true;
-}
-static_assert(isInOrder());
 
 // The kinds of successive seeds, so that any sixteen of them have each kind and most are residential.
 constexpr std::array<District, 16> kOrder{
@@ -161,54 +112,53 @@ Character::Character(const Parameters& p, std::uint64_t seed) {
   country = district == District::Rural || district == District::Motorway;
   terraced = district == District::Dense || district == District::Boulevard || district == District::OldTown;
   plain = district == District::Street;
-  const auto of = [&](Property property) {
-    return kProperties[static_cast<std::size_t>(property)].of[static_cast<std::size_t>(district)];
-  };
-  main.lanes = of(Property::Lanes).wholeOf(draw);
-  main.shoulder = of(Property::Shoulder).low;
-  main.median = of(Property::Median).of(draw);
-  main.parking = draw.chance(of(Property::Bays).low) ? draw.in(1.9, 2.4) : 0;
-  main.half = main.median + main.lanes * of(Property::Lane).of(draw) + main.shoulder + main.parking;
-  main.sidewalk = draw.chance(of(Property::Walks).low) ? of(Property::Sidewalk).of(draw) : 0;
+  const auto of = [&](const OfKinds& property) { return property[static_cast<std::size_t>(district)]; };
+  main.lanes = of(property::kLanes).wholeOf(draw);
+  main.shoulder = of(property::kShoulder).low;
+  main.median = of(property::kMedian).of(draw);
+  main.parking = draw.chance(of(property::kBays).low) ? draw.in(1.9, 2.4) : 0;
+  main.half = main.median + main.lanes * of(property::kLane).of(draw) + main.shoulder + main.parking;
+  main.sidewalk = draw.chance(of(property::kWalks).low) ? of(property::kSidewalk).of(draw) : 0;
   main.curb = main.sidewalk > 0 ? 0.15 : 0;
-  const double step = of(Property::Step).of(draw);
+  const double step = of(property::kStep).of(draw);
   main.step = main.sidewalk > 0 ? step : 0;
-  main.verge = draw.chance(of(Property::Grassy).low) ? of(Property::Verge).of(draw) : 0;
-  main.apron = main.sidewalk > 0 ? of(Property::Apron).of(draw) : 0;
+  main.verge = draw.chance(of(property::kGrassy).low) ? of(property::kVerge).of(draw) : 0;
+  main.apron = main.sidewalk > 0 ? of(property::kApron).of(draw) : 0;
   side = main;
   side.lanes = 1;
   side.median = side.shoulder = 0;
-  side.parking = country || of(Property::Bays).low == 0 ? 0 : draw.chance(0.3) ? draw.in(1.9, 2.3) : 0;
-  side.half = std::min(of(Property::Lane).of(draw), 3.6) + side.parking;
+  side.parking = country || of(property::kBays).low == 0 ? 0 : draw.chance(0.3) ? draw.in(1.9, 2.3) : 0;
+  side.half = std::min(of(property::kLane).of(draw), 3.6) + side.parking;
   side.verge *= draw.in(0, 1);
   side.sidewalk *= draw.in(0.7, 1.0);
-  sideRoads = of(Property::SideRoads).wholeOf(draw);
-  bend = of(Property::Bend).of(draw);
-  hills = p.slope * of(Property::Hills).of(draw);
-  banks = p.slope * of(Property::Banks).of(draw);
-  undulation = of(Property::Undulation).of(draw);
-  setback = of(Property::Setback).of(draw);
+  sideRoads = of(property::kSideRoads).wholeOf(draw);
+  bend = of(property::kBend).of(draw);
+  hills = p.slope * of(property::kHills).of(draw);
+  banks = p.slope * of(property::kBanks).of(draw);
+  undulation = of(property::kUndulation).of(draw);
+  setback = of(property::kSetback).of(draw);
   setbackSpread = setback * draw.in(0.1, 0.6);
-  built = of(Property::Built).of(draw);
-  plotWidth = of(Property::PlotWidth).of(draw);
-  floorsLow = static_cast<int>(of(Property::Floors).low);
-  floorsHigh = static_cast<int>(of(Property::Floors).high);
+  built = of(property::kBuilt).of(draw);
+  plotWidth = of(property::kPlotWidth).of(draw);
+  floorsLow = static_cast<int>(of(property::kFloors).low);
+  floorsHigh = static_cast<int>(of(property::kFloors).high);
   const double green = p.greenery * draw.in(0.6, 1.5);
-  hedges = std::min(0.9, green * of(Property::Hedges).of(draw));
-  fences = std::min(1 - hedges, of(Property::Fences).of(draw));
-  avenue = std::min(1.0, green * of(Property::Avenue).of(draw));
-  gardenTrees = green * of(Property::Trees).of(draw);
-  gardenBushes = green * of(Property::Bushes).of(draw);
-  woods = std::min(0.95, green * of(Property::Woods).of(draw));
-  forecourts = of(Property::Forecourts).of(draw);
+  hedges = std::min(0.9, green * of(property::kHedges).of(draw));
+  fences = std::min(1 - hedges, of(property::kFences).of(draw));
+  avenue = std::min(1.0, green * of(property::kAvenue).of(draw));
+  gardenTrees = green * of(property::kTrees).of(draw);
+  gardenBushes = green * of(property::kBushes).of(draw);
+  woods = std::min(0.95, green * of(property::kWoods).of(draw));
+  forecourts = of(property::kForecourts).of(draw);
   // Few places are full of parked vehicles.
   const double full = draw.next();
-  parked = std::min(0.95, p.vehicles * models::lerp(of(Property::Parked).low, of(Property::Parked).high, full * full));
-  traffic = p.vehicles * p.traffic * of(Property::Traffic).of(draw);
-  speed = of(Property::Speed).of(draw);
-  people = p.people * of(Property::People).of(draw);
-  clutter = of(Property::Clutter).of(draw);
-  lights = of(Property::Lights).low;
+  parked =
+      std::min(0.95, p.vehicles * models::lerp(of(property::kParked).low, of(property::kParked).high, full * full));
+  traffic = p.vehicles * p.traffic * of(property::kTraffic).of(draw);
+  speed = of(property::kSpeed).of(draw);
+  people = p.people * of(property::kPeople).of(draw);
+  clutter = of(property::kClutter).of(draw);
+  lights = of(property::kLights).low;
   // The season has its own random stream, so that everything else is the same in all seasons.
   Draw sky(seed, Kind::Season);
   const double pick = sky.next();
