@@ -245,6 +245,7 @@ struct House {
   Roof roof = Roof::Gable;
   bool shop = false;
   std::uint32_t number = 0;
+  std::int64_t relation = 0;   // the houses and blocks of one relation of a map are one thing; 0: none
   std::optional<double> top;   // m, top of the roof; not set: the height follows from floors and slope
   std::optional<double> rise;  // m, height of a pitched roof if `top` is set; not set: it follows from a random slope
   // Depth (m) of the ground in front of the house that details may cover, see facade.h. If it is not set, the
@@ -272,7 +273,8 @@ struct Block {
   Point2 entrance;      // the door is in the wall whose middle is nearest to this point
   bool shop = false;
   std::uint32_t number = 0;
-  std::vector<Block> parts;  // not empty: the parts are built, and the block itself is not
+  std::int64_t relation = 0;  // see House
+  std::vector<Block> parts;   // not empty: the parts are built, and the block itself is not
 };
 
 enum class Fencing { None, Pickets, Bars, Brick, Hedge, Boards, Wire, GuardRail, Barrier, Count };

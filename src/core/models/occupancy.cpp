@@ -5,8 +5,6 @@
 namespace scanmill::models {
 namespace {
 
-constexpr double kCell = 8;  // m, side of a grid cell
-
 // True if the two rectangles overlap when projected onto each of the two axes of `a`.
 bool overlapOnAxes(const Footprint& a, const Footprint& b) {
   const double c = std::cos(b.yaw - a.yaw);
@@ -17,12 +15,6 @@ bool overlapOnAxes(const Footprint& a, const Footprint& b) {
   const double y = -dx * std::sin(a.yaw) + dy * std::cos(a.yaw);
   return std::abs(x) < a.halfX + b.halfX * std::abs(c) + b.halfY * std::abs(s) &&
          std::abs(y) < a.halfY + b.halfX * std::abs(s) + b.halfY * std::abs(c);
-}
-
-// Calls visit(key) for all grid cells that the circumcircle of the rectangle may overlap.
-template <class Visit>
-void forCellsOf(const Footprint& f, const Visit& visit) {
-  forCells(f.center, f.center, std::hypot(f.halfX, f.halfY), kCell, visit);
 }
 
 }  // namespace
@@ -46,21 +38,17 @@ Affine poseOf(const Spot& s, double z) {
 // Two rectangles overlap if their projections overlap on all four axes (separating axis theorem).
 bool Occupancy::isFree(const Footprint& f) const {
   bool free = true;
-  forCellsOf(f, [&](std::uint64_t key) {
-    const auto found = cells_.find(key);
-    if (!free || found == cells_.end()) return;
-    free = std::none_of(found->second.begin(), found->second.end(), [&](std::uint32_t index) {
-      const Footprint& t = taken_[index];
-      return overlapOnAxes(f, t) && overlapOnAxes(t, f);
-    });
+  forCells(f.center, f.center, std::hypot(f.halfX, f.halfY), kCell, [&](std::uint64_t key) {
+    free = free && std::ranges::none_of(cells_.of(key), [&](std::uint32_t index) {
+             return overlapOnAxes(f, taken_[index]) && overlapOnAxes(taken_[index], f);
+           });
   });
   return free;
 }
 
 void Occupancy::add(const Footprint& f) {
-  const auto index = static_cast<std::uint32_t>(taken_.size());
+  cells_.add(f.center, f.center, std::hypot(f.halfX, f.halfY), static_cast<std::uint32_t>(taken_.size()));
   taken_.push_back(f);
-  forCellsOf(f, [&](std::uint64_t key) { cells_[key].push_back(index); });
 }
 
 }  // namespace scanmill::models

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -61,15 +62,38 @@ void forCells(const Point2& low, const Point2& high, double reach, double side, 
   }
 }
 
+// Finds what is near a point: indices by the cells of a grid.
+class CellIndex {
+ public:
+  explicit CellIndex(double side) : side_(side) {}  // m, side of a cell
+
+  // Adds an index to the cell of a point, or to all cells that the rectangle from `low` to `high`, enlarged by `reach`
+  // (m), may overlap.
+  void add(const Point2& p, std::uint32_t index) { cells_[cellKeyAt(p, side_)].push_back(index); }
+  void add(const Point2& low, const Point2& high, double reach, std::uint32_t index) {
+    forCells(low, high, reach, side_, [&](std::uint64_t key) { cells_[key].push_back(index); });
+  }
+  // Returns the indices of a cell, or of the cell that contains a point, in the order in which they were added.
+  std::span<const std::uint32_t> of(std::uint64_t key) const {
+    const auto cell = cells_.find(key);
+    return cell == cells_.end() ? std::span<const std::uint32_t>() : cell->second;
+  }
+  std::span<const std::uint32_t> at(const Point2& p) const { return of(cellKeyAt(p, side_)); }
+
+ private:
+  double side_;
+  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells_;
+};
+
 class Occupancy {
  public:
   bool isFree(const Footprint& f) const;
   void add(const Footprint& f);
 
  private:
+  static constexpr double kCell = 8;  // m, side of a grid cell
   std::vector<Footprint> taken_;
-  // For the key of each cell, the indices in taken_ of the rectangles near the cell.
-  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells_;
+  CellIndex cells_{kCell};  // of indices in taken_, by the circumcircles of the rectangles
 };
 
 }  // namespace scanmill::models

@@ -5,8 +5,6 @@
 namespace scanmill::town {
 namespace {
 
-constexpr double kCell = 32;  // m, side of a grid cell
-
 bool isHard(Land land) {
   return land == Land::Water || land == Land::Lot || land == Land::Paved;
 }
@@ -26,19 +24,12 @@ void Areas::add(MapArea area) {
     low = {std::min(low.x, p.x), std::min(low.y, p.y)};
     high = {std::max(high.x, p.x), std::max(high.y, p.y)};
   }
-  const auto index = static_cast<std::uint32_t>(areas_.size());
   // Coordinates are clamped to 2 km, which no town exceeds, to bound the number of cells.
   const auto limited = [](double v) { return std::clamp(v, -2000.0, 2000.0); };
-  models::forCells({limited(low.x - kReach), limited(low.y - kReach)},
-                   {limited(high.x + kReach), limited(high.y + kReach)}, 0, kCell,
-                   [&](std::uint64_t key) { cells_[key].push_back(index); });
+  cells_.add({limited(low.x - kReach), limited(low.y - kReach)}, {limited(high.x + kReach), limited(high.y + kReach)},
+             0, static_cast<std::uint32_t>(areas_.size()));
   sizes_.push_back(sizeOf(area.outline));
   areas_.push_back(std::move(area));
-}
-
-const std::vector<std::uint32_t>* Areas::near(const Point2& p) const {
-  const auto cell = cells_.find(models::cellKeyAt(p, kCell));
-  return cell == cells_.end() ? nullptr : &cell->second;
 }
 
 std::optional<Land> Areas::at(const Point2& p) const {
@@ -49,25 +40,21 @@ std::optional<Land> Areas::at(const Point2& p) const {
 std::optional<std::uint32_t> Areas::indexAt(const Point2& p) const {
   std::optional<std::uint32_t> index;
   double smallest = 1e18;
-  if (const auto* found = near(p)) {
-    for (const std::uint32_t i : *found) {
-      if (sizes_[i] >= smallest || !isInside(ringsOf(areas_[i]), p)) continue;
-      smallest = sizes_[i];
-      index = i;
-    }
+  for (const std::uint32_t i : cells_.at(p)) {
+    if (sizes_[i] >= smallest || !isInside(ringsOf(areas_[i]), p)) continue;
+    smallest = sizes_[i];
+    index = i;
   }
   return index;
 }
 
 double Areas::outsideHard(const Point2& p) const {
   double least = kReach;
-  if (const auto* found = near(p)) {
-    for (const std::uint32_t i : *found) {
-      if (!isHard(areas_[i].land)) continue;
-      const std::vector<const Polygon*> rings = ringsOf(areas_[i]);
-      const double distance = distanceToRings(rings, p);
-      least = std::min(least, isInside(rings, p) ? -distance : distance);
-    }
+  for (const std::uint32_t i : cells_.at(p)) {
+    if (!isHard(areas_[i].land)) continue;
+    const std::vector<const Polygon*> rings = ringsOf(areas_[i]);
+    const double distance = distanceToRings(rings, p);
+    least = std::min(least, isInside(rings, p) ? -distance : distance);
   }
   return least;
 }

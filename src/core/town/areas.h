@@ -5,7 +5,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <unordered_map>
 #include <vector>
 
 #include "town/map.h"
@@ -15,6 +14,7 @@ namespace scanmill::town {
 class Areas {
  public:
   static constexpr double kReach = 8;  // m, largest distance that outsideHard() returns
+  static constexpr double kCell = 32;  // m, side of a grid cell
 
   void add(MapArea area);
   const std::vector<MapArea>& all() const { return areas_; }
@@ -27,11 +27,9 @@ class Areas {
   double outsideHard(const Point2& p) const;
 
  private:
-  const std::vector<std::uint32_t>* near(const Point2& p) const;
-
   std::vector<MapArea> areas_;
-  std::vector<double> sizes_;                                            // m^2, by area
-  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells_;  // indices of the areas within kReach of a cell
+  std::vector<double> sizes_;       // m^2, by area
+  models::CellIndex cells_{kCell};  // of areas within kReach of a cell
 };
 
 }  // namespace scanmill::town

@@ -23,7 +23,7 @@ class Store {
   const Model& any(Clutter what, Draw& draw) {
     const int form = draw.below(static_cast<int>(kForms));
     std::optional<Model>& m = made_[static_cast<std::size_t>(what) * kForms + static_cast<std::size_t>(form)];
-    if (!m) m = models::makeClutter(placer_.builder, placer_.layout.seed(), what, form);
+    if (!m) m = models::makeClutter(placer_.builder, placer_.layout.seed, what, form);
     return *m;
   }
 
@@ -36,13 +36,13 @@ class Store {
 // Returns a random distance along the main road (m) such that no other road joins in the following `length` metres;
 // nullopt if no attempt finds such a place.
 std::optional<double> freeStretch(const Layout& l, Draw& draw, double length) {
-  const Road& road = l.roads().roads().front();
+  const Road& road = l.mainRoad();
   for (int attempt = 0; attempt < Placer::kTries; ++attempt) {
-    const double at = draw.in(l.mainFrom() + 25, l.mainTo() - 25 - length);
+    const double at = draw.in(l.mainFrom + 25, l.mainTo - 25 - length);
     bool clear = true;
     for (const double along : models::steps(at, at + length + 2, 2)) {
       const Point2 p = road.point(along);
-      clear = clear && l.roads().at(p.x, p.y).edge > -road.section.half - 0.2;
+      clear = clear && l.besideAt(p).edge > -road.section.half - 0.2;
     }
     if (clear) return at;
   }
@@ -58,7 +58,7 @@ void putLights(Placer& placer, const Model& light, const Road& road, double firs
   with.yaw += kPi;
   placer.tryPut(light, with, name + ", with the line");
   placer.tryPut(light, besideRoad(road, last, out), name + ", against the line");
-  Draw draw(placer.layout.seed(), Kind::LightPhase, static_cast<std::uint32_t>(placer.lights.size()));
+  Draw draw(placer.layout.seed, Kind::LightPhase, static_cast<std::uint32_t>(placer.lights.size()));
   placer.lights.push_back({last + 1, first - 1, draw.in(0, Placer::Light::kPeriod), marked});
 }
 
@@ -79,23 +79,23 @@ bool isLevel(const Layout& l, const Point2& p) {
 // Places roadworks in the lane that the sensor's vehicle does not use.
 void placeRoadworks(Placer& placer, Store& store, const Model& light) {
   const Layout& l = placer.layout;
-  Draw draw(l.seed(), Kind::Roadworks);
-  const bool rural = l.character().country;
+  Draw draw(l.seed, Kind::Roadworks);
+  const bool rural = l.character.country;
   // A one-way road has only the lane that the sensor's vehicle uses.
-  if (l.roads().roads().front().oneWay() || l.character().district == District::Motorway) return;
+  if (l.mainRoad().oneWay() || l.character.district == District::Motorway) return;
   if (!draw.chance(rural ? 0.5 : 0.3)) return;
   const double length = draw.in(9, 18);
   const std::optional<double> at = freeStretch(l, draw, length);
   if (!at) return;
-  const Road& road = l.roads().roads().front();
+  const Road& road = l.mainRoad();
   const double edge = road.section.half - road.section.parking;
   const auto put = [&](const Model& m, double along, double lateral, double turn, const std::string& name) {
     Spot spot = besideRoad(road, *at + along, lateral);
     spot.yaw += turn;
     placer.tryPark(m, spot, name);
   };
-  if (l.parameters().vehicles > 0) {
-    const Model excavator = models::makeWorkVehicle(placer.builder, l.seed(), models::WorkVehicle::Excavator, 0);
+  if (l.parameters.vehicles > 0) {
+    const Model excavator = models::makeWorkVehicle(placer.builder, l.seed, models::WorkVehicle::Excavator, 0);
     put(excavator, 0.4 * length, std::max(edge - 1.3, 1.6), draw.chance(0.5) ? 0 : kPi, "excavator");
   }
   put(store.any(Clutter::Heap, draw), 0.8 * length, std::max(edge - 1.1, 2.0), 0, "heap");
@@ -116,11 +116,11 @@ void placeRoadworks(Placer& placer, Store& store, const Model& light) {
 // Places a pedestrian crossing on the main road: stripes and lights.
 void placeCrossing(Placer& placer, const Model& light) {
   const Layout& l = placer.layout;
-  Draw draw(l.seed(), Kind::Crossing);
+  Draw draw(l.seed, Kind::Crossing);
   constexpr double kLength = 3;
   const std::optional<double> at = freeStretch(l, draw, kLength);
   if (!at) return;
-  const Road& road = l.roads().roads().front();
+  const Road& road = l.mainRoad();
   // Vehicles park neither on the crossing nor close to it.
   const Spot middle = besideRoad(road, *at + kLength / 2, 0);
   const Footprint place{middle.at, kLength / 2 + 4, road.section.half, middle.yaw};
@@ -143,37 +143,36 @@ void placeCrossing(Placer& placer, const Model& light) {
 // Places traffic lights at some of the junctions of a side road with the main road.
 void placeSignals(Placer& placer, const Model& light) {
   const Layout& l = placer.layout;
-  const Road& main = l.roads().roads().front();
-  for (std::size_t r = 1; r < l.roads().roads().size(); ++r) {
-    Draw draw(l.seed(), Kind::Signals, static_cast<std::uint32_t>(r));
-    const Road& side = l.roads().roads()[r];
-    if (!draw.chance(l.character().lights) || !side.joins) continue;
+  for (const Road& side : l.roads()) {
+    Draw draw(l.seed, Kind::Signals, side.number);
+    if (!draw.chance(l.character.lights) || !side.joins) continue;
     const double away = side.section.half + 5;
-    putLights(placer, light, main, *side.joins - away, *side.joins + away, true, fmt::format("light {}", r));
+    putLights(placer, light, l.mainRoad(), *side.joins - away, *side.joins + away, true,
+              fmt::format("light {}", side.number));
     // The light of the side road, at its right as seen by those who come out.
     placer.tryPut(light, besideRoad(side, stopAtMouth(l), side.section.half + side.section.curb + 0.45),
-                  fmt::format("light {}, out of the side road", r));
+                  fmt::format("light {}, out of the side road", side.number));
   }
 }
 
 // Places objects in front gardens, behind houses and on plots without a house.
 void placeGardenThings(Placer& placer, Store& store) {
   const Layout& l = placer.layout;
-  if (l.character().district == District::Motorway) return;
+  if (l.character.district == District::Motorway) return;
   int number = 0;
   int water = 0;
   const auto tryAt = [&](const Plot& plot, Draw& draw, Clutter what, double depth) {
-    const Road& road = l.roads().roads()[plot.road];
+    const Road& road = l.roads()[plot.road];
     const double along = draw.in(plot.from + 2, std::max(plot.from + 2.1, plot.to - 2));
     Spot spot = besideRoad(road, along, plot.side * (road.section.half + road.section.outer() + depth));
     spot.yaw += (plot.side > 0 ? 0 : kPi) + draw.in(-0.4, 0.4);
-    const Beside b = l.roads().at(spot.at.x, spot.at.y);
+    const Beside b = l.besideAt(spot.at);
     if (b.known && b.edge < (what == Clutter::Pond ? b.section.paved() : b.section.outer()) + 1) return false;
     if (!isLevel(l, spot.at)) return false;
     return placer.tryPut(store.any(what, draw), spot, fmt::format("clutter {}", ++number));
   };
-  for (const Plot& plot : l.plots()) {
-    Draw draw(l.seed(), Kind::GardenThings, plot.number);
+  for (const Plot& plot : l.plots) {
+    Draw draw(l.seed, Kind::GardenThings, plot.number);
     if (plot.built) {
       const double behind = plot.setback + plot.depth;
       if (draw.chance(0.35)) tryAt(plot, draw, Clutter::Shed, behind + draw.in(3, 9));
@@ -187,13 +186,13 @@ void placeGardenThings(Placer& placer, Store& store) {
       continue;
     }
     if (!draw.chance(0.4)) continue;
-    const bool square = !l.character().country && !plot.bare && draw.chance(0.5);
+    const bool square = !l.character.country && !plot.bare && draw.chance(0.5);
     water += tryAt(plot, draw, square ? Clutter::Fountain : Clutter::Pond, draw.in(3.5, 8)) ? 1 : 0;
   }
   // If no water has been placed, tries to add a pond at the main road, so that few towns have no water.
-  Draw draw(l.seed(), Kind::TownPond);
-  for (int attempt = 0; attempt < 4 * Placer::kTries && water == 0 && !l.plots().empty(); ++attempt) {
-    const Plot& plot = draw.of(l.plots());
+  Draw draw(l.seed, Kind::TownPond);
+  for (int attempt = 0; attempt < 4 * Placer::kTries && water == 0 && !l.plots.empty(); ++attempt) {
+    const Plot& plot = draw.of(l.plots);
     if (plot.road == 0) water += tryAt(plot, draw, Clutter::Pond, draw.in(2.2, 6)) ? 1 : 0;
   }
 }
@@ -203,17 +202,17 @@ void placeSquares(Placer& placer, Store& store) {
   const Layout& l = placer.layout;
   std::uint32_t square = 0;
   int number = 0;
-  const bool any = std::any_of(l.areas().all().begin(), l.areas().all().end(),
+  const bool any = std::any_of(l.areas.all().begin(), l.areas.all().end(),
                                [](const MapArea& area) { return area.land == Land::Paved && area.square; });
   if (!any) return;
-  const Model bench = models::makeFurnishing(placer.builder, l.seed(), models::Furnishing::Bench);
-  const Model planter = models::makeFurnishing(placer.builder, l.seed(), models::Furnishing::Planter);
-  for (const MapArea& area : l.areas().all()) {
-    Draw draw(l.seed(), Kind::Square, ++square);
+  const Model bench = models::makeFurnishing(placer.builder, l.seed, models::Furnishing::Bench);
+  const Model planter = models::makeFurnishing(placer.builder, l.seed, models::Furnishing::Planter);
+  for (const MapArea& area : l.areas.all()) {
+    Draw draw(l.seed, Kind::Square, ++square);
     if (area.land != Land::Paved || !area.square) continue;
     const Footprint about = rectangleAbout(area.outline);
     const auto put = [&](const Model& m, const Point2& p, double yaw) {
-      if (l.areas().outsideHard(p) > -1.5 || l.areas().at(p) != Land::Paved) return;
+      if (l.areas.outsideHard(p) > -1.5 || l.areas.at(p) != Land::Paved) return;
       if (placer.tryPut(m, {p, yaw, 1, 0}, fmt::format("square's {}", number + 1))) ++number;
     };
     if (draw.chance(0.5)) put(store.any(Clutter::Fountain, draw), about.center, 0);
@@ -231,10 +230,10 @@ void placeSquares(Placer& placer, Store& store) {
 }  // namespace
 
 void placeClutter(Placer& placer) {
-  const Model light = models::makeTrafficLight(placer.builder, placer.layout.seed());
+  const Model light = models::makeTrafficLight(placer.builder, placer.layout.seed);
   Store store(placer);
   placeRoadworks(placer, store, light);
-  if (!placer.layout.character().country) {
+  if (!placer.layout.character.country) {
     placeCrossing(placer, light);
     placeSignals(placer, light);
   }
@@ -245,36 +244,36 @@ void placeClutter(Placer& placer) {
 // Places dogs and cats within 3 m of the main road's curb; in rural towns also herds within 28 m of this curb.
 void placeAnimals(Placer& placer) {
   const Layout& l = placer.layout;
-  if (l.parameters().people <= 0 || l.character().district == District::Motorway) return;
-  Draw draw(l.seed(), Kind::Animals);
-  const Road& road = l.roads().roads().front();
+  if (l.parameters.people <= 0 || l.character.district == District::Motorway) return;
+  Draw draw(l.seed, Kind::Animals);
+  const Road& road = l.mainRoad();
   int number = 0;
   const auto put = [&](const Model& m, double along, double lateral) {
     Spot spot = besideRoad(road, along, lateral);
     spot.yaw = draw.in(0, 2 * kPi);
-    const Beside b = l.roads().at(spot.at.x, spot.at.y);
+    const Beside b = l.besideAt(spot.at);
     if (b.known && b.edge < 0.2) return false;
     if (!placer.tryPut(m, spot, fmt::format("animal {}", number + 1))) return false;
     ++number;
     return true;
   };
   const double curb = road.section.half + road.section.curb;
-  const int pets = 1 + draw.below(1 + static_cast<int>(0.4 * l.character().people * l.parameters().length / 100));
+  const int pets = 1 + draw.below(1 + static_cast<int>(0.4 * l.character.people * l.parameters.length / 100));
   for (int k = 0; k < pets; ++k) {
-    const Model pet = models::makeAnimal(placer.builder, l.seed(), draw.below(models::kPetForms), k % 6);
+    const Model pet = models::makeAnimal(placer.builder, l.seed, draw.below(models::kPetForms), k % 6);
     for (int attempt = 0; attempt < Placer::kTries; ++attempt) {
       const int side = draw.chance(0.5) ? 1 : -1;
       const double lateral = side * (curb + draw.in(0.3, 3));
-      if (put(pet, draw.in(l.mainFrom() + 20, l.mainTo() - 20), lateral)) break;
+      if (put(pet, draw.in(l.mainFrom + 20, l.mainTo - 20), lateral)) break;
     }
   }
-  if (l.character().district != District::Rural) return;
+  if (l.character.district != District::Rural) return;
   const int herds = 1 + draw.below(3);
   for (int herd = 0; herd < herds; ++herd) {
     const int form = models::kPetForms + draw.below(models::kAnimalForms - models::kPetForms);
     const auto forms =
-        models::makeForms(3, [&](int f) { return models::makeAnimal(placer.builder, l.seed(), form, 10 * herd + f); });
-    const double at = draw.in(l.mainFrom() + 30, l.mainTo() - 30);
+        models::makeForms(3, [&](int f) { return models::makeAnimal(placer.builder, l.seed, form, 10 * herd + f); });
+    const double at = draw.in(l.mainFrom + 30, l.mainTo - 30);
     const int side = draw.chance(0.5) ? 1 : -1;
     const double lateral = side * (curb + draw.in(7, 22));
     const int count = 3 + draw.below(8);

@@ -18,16 +18,15 @@ using models::TrafficSign;
 
 // The part of a road along which objects may be placed (m along the road).
 struct Stretch {
-  std::uint32_t road;
+  const Road& road;
   double from, to;
 };
 
 std::vector<Stretch> stretches(const Layout& l) {
   std::vector<Stretch> found;
-  for (std::uint32_t r = 0; r < l.roads().roads().size(); ++r) {
-    const Road& road = l.roads().roads()[r];
+  for (const Road& road : l.roads()) {
     if (road.minor) continue;
-    found.push_back(road.main ? Stretch{r, l.mainFrom(), l.mainTo()} : Stretch{r, 10, road.length() - 3});
+    found.push_back(road.main ? Stretch{road, l.mainFrom, l.mainTo} : Stretch{road, 10, road.length() - 3});
   }
   return found;
 }
@@ -38,13 +37,12 @@ template <class Place>
 void along(const Layout& l, Kind kind, double per100m, const Place& place) {
   std::uint32_t number = 0;
   for (const Stretch& s : stretches(l)) {
-    const Road& road = l.roads().roads()[s.road];
-    Draw draw(l.seed(), kind, s.road);
+    Draw draw(l.seed, kind, s.road.number);
     const int count = static_cast<int>(per100m * std::max(0.0, s.to - s.from) / 100 + draw.next());
     for (int k = 0; k < count; ++k) {
       for (int attempt = 0; attempt < Placer::kTries; ++attempt) {
         const double at = draw.in(s.from, s.to);
-        if (place(draw, road, at, draw.chance(0.5) ? 1 : -1, number + 1)) {
+        if (place(draw, s.road, at, draw.chance(0.5) ? 1 : -1, number + 1)) {
           ++number;
           break;
         }
@@ -57,15 +55,14 @@ void along(const Layout& l, Kind kind, double per100m, const Place& place) {
 // or within 0.3 m of a parking lot, a square or water.
 bool beyondEdge(const Layout& l, const Road& road, double distance, int side, double out, Spot& spot) {
   spot = besideRoad(road, distance, side * (road.section.half + out));
-  const Beside b = l.roads().at(spot.at.x, spot.at.y);
-  return b.edge > out - 0.25 && l.areas().outsideHard(spot.at) > 0.3;
+  const Beside b = l.besideAt(spot.at);
+  return b.edge > out - 0.25 && l.areas.outsideHard(spot.at) > 0.3;
 }
 
 }  // namespace
 
-std::optional<TrafficSign> signAtMouth(const Layout& l, std::uint32_t sideRoad) {
-  const Road& road = l.roads().roads()[sideRoad];
-  Draw draw(l.seed(), Kind::MouthSign, sideRoad);
+std::optional<TrafficSign> signAtMouth(const Layout& l, const Road& road) {
+  Draw draw(l.seed, Kind::MouthSign, road.number);
   const TrafficSign sign = draw.chance(0.3) ? TrafficSign::Stop : TrafficSign::GiveWay;
   if (!road.joins || road.minor || !road.against || draw.chance(0.3)) return std::nullopt;
   return sign;
@@ -73,8 +70,8 @@ std::optional<TrafficSign> signAtMouth(const Layout& l, std::uint32_t sideRoad) 
 
 void placeFixtures(Placer& placer) {
   const Layout& l = placer.layout;
-  const Character& c = l.character();
-  const std::uint64_t seed = l.seed();
+  const Character& c = l.character;
+  const std::uint64_t seed = l.seed;
   const auto lamps = models::makeForms(2, [&](int f) { return models::makeLamp(placer.builder, seed, f); });
   const auto signs = models::makeForms(
       models::kSigns, [&](int f) { return models::makeSign(placer.builder, seed, static_cast<TrafficSign>(f), f); });
@@ -83,21 +80,20 @@ void placeFixtures(Placer& placer) {
   });
   const bool rural = c.country;
   for (const Stretch& s : stretches(l)) {
-    const Road& road = l.roads().roads()[s.road];
-    Draw draw(seed, Kind::RoadLamps, s.road);
+    Draw draw(seed, Kind::RoadLamps, s.road.number);
     const double spacing = rural ? draw.in(60, 120) : draw.in(16, 30);
     const int side = draw.chance(0.5) ? 1 : -1;
     const Model& lamp = draw.of(lamps);
     int number = 0;
     for (const double at : models::steps(s.from + draw.in(3, spacing), s.to, spacing)) {
       Spot spot;
-      if (!beyondEdge(l, road, at, side, road.section.curb + 0.45, spot)) continue;
+      if (!beyondEdge(l, s.road, at, side, s.road.section.curb + 0.45, spot)) continue;
       spot.yaw += -side * kPi / 2;  // the lamp's arm reaches over the road
       // Only the post needs ground: vehicles pass under the arm.
       constexpr double kPost = 0.12;  // m
       if (!placer.isFree({spot.at, kPost + Placer::kGap, kPost + Placer::kGap, spot.yaw})) continue;
       placer.occupancy.add({spot.at, kPost, kPost, spot.yaw});
-      placer.put(lamp, spot, fmt::format("lamp {}.{}", s.road + 1, ++number));
+      placer.put(lamp, spot, fmt::format("lamp {}.{}", s.road.number + 1, ++number));
     }
   }
   const auto sign = [&](TrafficSign s) { return signs[static_cast<std::size_t>(s)]; };
@@ -112,14 +108,13 @@ void placeFixtures(Placer& placer) {
           spot.yaw += (side < 0 ? kPi : 0) + draw.in(-0.15, 0.15);
           return placer.tryPut(sign(draw.of(kOnTheWay)), spot, fmt::format("sign {}", number));
         });
-  for (std::uint32_t r = 0; r < l.roads().roads().size(); ++r) {
-    const Road& road = l.roads().roads()[r];
-    const std::optional<TrafficSign> rule = signAtMouth(l, r);
+  for (const Road& road : l.roads()) {
+    const std::optional<TrafficSign> rule = signAtMouth(l, road);
     if (!rule) continue;
     for (const double back : {1.0, 2.5, 4.0, 6.0}) {
       Spot spot;
       if (!beyondEdge(l, road, mouthOf(l) + back, 1, road.section.curb + 0.5, spot)) continue;
-      if (placer.tryPut(sign(*rule), spot, fmt::format("sign at a mouth {}", r))) break;
+      if (placer.tryPut(sign(*rule), spot, fmt::format("sign at a mouth {}", road.number))) break;
     }
   }
   if (!rural) {
@@ -156,7 +151,7 @@ constexpr double kRailPanel = 2;  // m, length of a panel
 // face to the left of the line if `facesLeft` is true. `up`: factor on their height.
 void placeRow(Placer& placer, const Model& panel, double from, double to, double lateral, bool facesLeft, double up,
               const std::string& name) {
-  const Road& road = placer.layout.roads().roads().front();
+  const Road& road = placer.layout.mainRoad();
   int number = 0;
   for (const double at : models::steps(from, to, kRailPanel)) {
     const Spot spot = besideRoad(road, at + kRailPanel / 2, lateral);
@@ -173,10 +168,10 @@ void placeRow(Placer& placer, const Model& panel, double from, double to, double
 
 void placeRails(Placer& placer) {
   const Layout& l = placer.layout;
-  const Road& road = l.roads().roads().front();
-  if (l.character().district != District::Motorway || road.section.median <= 0) return;
-  Draw draw(l.seed(), models::Kind::Rails);
-  const auto panel = [&](Fencing what) { return models::makeFencePanel(placer.builder, l.seed(), what); };
+  const Road& road = l.mainRoad();
+  if (l.character.district != District::Motorway || road.section.median <= 0) return;
+  Draw draw(l.seed, models::Kind::Rails);
+  const auto panel = [&](Fencing what) { return models::makeFencePanel(placer.builder, l.seed, what); };
   const Model rail = panel(Fencing::GuardRail);
   const double length = road.length();
   if (draw.chance(0.5)) {

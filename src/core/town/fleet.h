@@ -21,18 +21,18 @@ class Fleet {
     // There are two cars of each form.
     const auto form = static_cast<models::CarForm>(static_cast<int>(index) % models::kCarForms);
     if (!cars_[index]) {
-      cars_[index] = models::makeCar(placer_.builder, placer_.layout.seed(), form, static_cast<int>(index));
+      cars_[index] = models::makeCar(placer_.builder, placer_.layout.seed, form, static_cast<int>(index));
     }
     return *cars_[index];
   }
   const Model& anyTruck(Draw& draw) {
     const int form = draw.below(static_cast<int>(trucks_.size()));
     std::optional<Model>& truck = trucks_[static_cast<std::size_t>(form)];
-    if (!truck) truck = models::makeTruck(placer_.builder, placer_.layout.seed(), form);
+    if (!truck) truck = models::makeTruck(placer_.builder, placer_.layout.seed, form);
     return *truck;
   }
   const Model& bus() {
-    if (!bus_) bus_ = models::makeBus(placer_.builder, placer_.layout.seed());
+    if (!bus_) bus_ = models::makeBus(placer_.builder, placer_.layout.seed);
     return *bus_;
   }
 

@@ -20,15 +20,15 @@ constexpr double kSmallest = 1;  // m, side of the smallest cells away from poth
 class GroundMaker {
  public:
   GroundMaker(SceneBuilder& builder, const Layout& layout) : layout_(layout), shape_(builder, "ground") {
-    const bool paved = Draw(layout.seed(), models::Kind::Terrain).chance(0.5);
-    const bool dry = Draw(layout.seed(), models::Kind::DrySoil).chance(0.2);
+    const bool paved = Draw(layout.seed, models::Kind::Terrain).chance(0.5);
+    const bool dry = Draw(layout.seed, models::Kind::DrySoil).chance(0.2);
     const auto set = [&](GroundKind kind, const char* className, const char* material) {
       surfaces_[static_cast<std::size_t>(kind)] = shape_.surface(className, material);
     };
-    set(GroundKind::Road, "road", layout.character().district == District::OldTown ? "paving" : "asphalt");
+    set(GroundKind::Road, "road", layout.character.district == District::OldTown ? "paving" : "asphalt");
     set(GroundKind::Parking, "parking", paved ? "paving" : "asphalt");
     set(GroundKind::Curb, "curb", "concrete");
-    const Season season = layout.character().season;
+    const Season season = layout.character.season;
     const char* const lawn = season == Season::Winter ? "snow" : dry ? "grass_dry" : "grass";
     const char* const verge = season == Season::Winter ? "snow" : season == Season::Autumn ? "leaf_litter" : "grass";
     set(GroundKind::Verge, "terrain", verge);
@@ -37,7 +37,7 @@ class GroundMaker {
     set(GroundKind::Driveway, "driveway", "paving");
     set(GroundKind::Path, "driveway", "concrete");
     set(GroundKind::Lawn, "terrain", lawn);
-    if (layout.areas().all().empty()) return;
+    if (layout.areas.all().empty()) return;
     set(GroundKind::Water, "water", "water");
     set(GroundKind::Lot, "parking", paved ? "paving" : "asphalt");
     set(GroundKind::Paved, "sidewalk", "paving");
@@ -45,7 +45,7 @@ class GroundMaker {
 
   models::Model make() {
     tile();
-    for (const Road& road : layout_.roads().roads()) sections_.push_back(road.section);
+    for (const Road& road : layout_.roads()) sections_.push_back(road.section);
     besides_.reserve(tiling_.points.size() + tiling_.points.size() / 4);
     for (std::size_t border = 0; border < 5; ++border) {
       cut([&](std::uint32_t p) {
@@ -55,8 +55,8 @@ class GroundMaker {
       });
     }
     cut([&](std::uint32_t p) { return layout_.outsidePatches(tiling_.points[p]); });
-    if (!layout_.areas().all().empty()) {
-      cut([&](std::uint32_t p) { return layout_.areas().outsideHard(tiling_.points[p]); });
+    if (!layout_.areas.all().empty()) {
+      cut([&](std::uint32_t p) { return layout_.areas.outsideHard(tiling_.points[p]); });
     }
     addTriangles();
     return shape_.finish();
@@ -64,14 +64,14 @@ class GroundMaker {
 
  private:
   void tile() {
-    tiling_ = makeTiling(layout_.half(), kSmallest / 8, [&](double x, double y, double size) {
+    tiling_ = makeTiling(layout_.halfSide, kSmallest / 8, [&](double x, double y, double size) {
       if (size > kSmallest / 8 && layout_.nearPothole({x, y}, 0.71 * size)) return true;
       if (size <= kSmallest * 1.0001) return false;
       // Parking lots, squares, water and patches have sharp edges, which need fine cells.
       const double reach = std::min(0.71 * size, 3.9);
-      if (size > 1 && std::abs(layout_.areas().outsideHard({x, y})) < reach) return true;
+      if (size > 1 && std::abs(layout_.areas.outsideHard({x, y})) < reach) return true;
       if (size > 1 && std::abs(layout_.outsidePatches({x, y})) < reach) return true;
-      const Beside b = layout_.roads().at(x, y);
+      const Beside b = layout_.besideAt({x, y});
       // Beyond kReach the distance to roads is unknown: assume kReach.
       const double nearest = (b.known ? b.edge : RoadNetwork::kReach) - 0.71 * size;
       const double wanted = nearest < 14 ? kSmallest : nearest < 34 ? 2 * kSmallest : 8;
@@ -91,7 +91,7 @@ class GroundMaker {
   void makeBesides(std::uint32_t point) {
     while (besides_.size() <= point) {
       const Point2& p = tiling_.points[besides_.size()];
-      const Beside b = layout_.roads().at(p.x, p.y);
+      const Beside b = layout_.besideAt(p);
       besides_.push_back({b.edge, b.known ? numberOf(b) : kUnknown});
     }
   }

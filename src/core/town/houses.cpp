@@ -58,7 +58,7 @@ class Boundaries {
     if (!lost_) return;
     warn(
         fmt::format("{}: left out: pieces of walls, fences and hedges where the town has roads, paths, houses or trees",
-                    placer_.layout.parameters().map.string()));
+                    placer_.layout.parameters.map.string()));
   }
 
   // Returns half of a panel's thickness (m).
@@ -85,9 +85,9 @@ class Boundaries {
       const double width = length / count;
       const Footprint covered{p, std::max(0.0, width / 2 - 0.1), half, yaw};
       if (same != nullptr && !same->isFree({p, 0, 0, 0})) continue;
-      const Beside beside = placer_.layout.roads().at(p.x, p.y);
+      const Beside beside = placer_.layout.besideAt(p);
       const bool onRoad = beside.known && beside.edge < beside.section.outer() + 0.05;
-      if (onRoad || !placer_.isFree(covered) || placer_.layout.areas().outsideHard(p) < half) {
+      if (onRoad || !placer_.isFree(covered) || placer_.layout.areas.outsideHard(p) < half) {
         lost_ |= placer_.isOnGround(p);
         continue;
       }
@@ -103,7 +103,7 @@ class Boundaries {
     const auto index = static_cast<std::size_t>(what) * kForms + static_cast<std::size_t>(form);
     std::optional<Model>& made = panels_[index];
     if (!made) {
-      const std::uint64_t seed = placer_.layout.seed();
+      const std::uint64_t seed = placer_.layout.seed;
       made = what == Fencing::Hedge ? models::makeHedgerow(placer_.builder, seed, form)
                                     : models::makeFencePanel(placer_.builder, seed, what, form);
     }
@@ -121,34 +121,32 @@ class Boundaries {
 }  // namespace
 
 void placeHouses(Placer& placer) {
-  // Houses and blocks of one relation of the map are one thing.
   const std::size_t before = placer.builder.soFar().instances.size();
-  const auto put = [&](const Model& m, const Affine& place, const std::string& name, std::uint32_t building) {
-    const std::int64_t relation = placer.layout.relationOf(building);
+  const auto put = [&](const Model& m, const Affine& place, const std::string& name, std::int64_t relation) {
     const std::string thing = relation == 0 ? "" : fmt::format("relation {} after {} instances", relation, before);
     placer.builder.place(m.mesh, place, name, {}, nullptr, nullptr, thing);
   };
   int number = 0;
-  for (const models::House& house : placer.layout.houses()) {
+  for (const models::House& house : placer.layout.houses) {
     const Affine place = placer.worldFromTown * house.place;
     const std::string name = fmt::format("house {}", ++number);
-    put(models::makeHouse(placer.builder, placer.layout.seed(), house), place, name, house.number);
-    put(makePlinth(placer.builder, house), place, name + " plinth", house.number);
+    put(models::makeHouse(placer.builder, placer.layout.seed, house), place, name, house.relation);
+    put(makePlinth(placer.builder, house), place, name + " plinth", house.relation);
   }
-  for (const PlacedBlock& b : placer.layout.blocks()) {
+  for (const PlacedBlock& b : placer.layout.blocks) {
     const Affine place = placer.worldFromTown * models::at({b.about.center.x, b.about.center.y, b.height});
-    put(models::makeBlock(placer.builder, placer.layout.seed(), b.block), place,
-        fmt::format("block {}", b.block.number + 1), b.block.number);
+    put(models::makeBlock(placer.builder, placer.layout.seed, b.block), place,
+        fmt::format("block {}", b.block.number + 1), b.block.relation);
   }
 }
 
 void placeBoundaries(Placer& placer) {
   const Layout& l = placer.layout;
   Boundaries boundaries(placer);
-  boundaries.barriers(l.barriers());
-  for (const Plot& plot : l.plots()) {
-    Draw draw(l.seed(), Kind::PlotBoundary, plot.number);
-    const Road& road = l.roads().roads()[plot.road];
+  boundaries.barriers(l.barriers);
+  for (const Plot& plot : l.plots) {
+    Draw draw(l.seed, Kind::PlotBoundary, plot.number);
+    const Road& road = l.roads()[plot.road];
     const int form = draw.below(4);
     const auto at = [&](double along, double depth) {
       return besideRoad(road, along, plot.side * (road.section.half + road.section.fenced() + depth)).at;
@@ -158,8 +156,8 @@ void placeBoundaries(Placer& placer) {
     const double front = thick + 0.06 + draw.in(0, 0.1);
     if (plot.fencing != Fencing::None) boundaries.row(plot.fencing, form, at(plot.from, front), at(plot.to, front));
     if (plot.bare) continue;
-    const bool hedged = draw.chance(0.1 * l.character().hedges);
-    if (!hedged && !draw.chance(0.04 * l.character().fences)) continue;
+    const bool hedged = draw.chance(0.1 * l.character.hedges);
+    if (!hedged && !draw.chance(0.04 * l.character.fences)) continue;
     const Fencing between = hedged                                                            ? Fencing::Hedge
                             : plot.fencing == Fencing::None || plot.fencing == Fencing::Hedge ? Fencing::Pickets
                                                                                               : plot.fencing;

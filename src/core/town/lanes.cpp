@@ -41,7 +41,7 @@ LaidOut layOut(const Layout& l, const Way& way, double out, double least) {
   LaidOut laid;
   std::vector<Vec3d> points;
   for (const Way::Stretch& s : way.stretches) {
-    const Road& road = l.roads().roads()[s.road];
+    const Road& road = l.roads()[s.road];
     const double direction = s.to >= s.from ? 1 : -1;
     const double lateral = road.oneWay() ? out : std::max(road.laneMiddle() + out, least);
     const auto count = std::max(1, static_cast<int>(std::abs(s.to - s.from) / kPoints));
@@ -61,38 +61,36 @@ LaidOut layOut(const Layout& l, const Way& way, double out, double least) {
 }
 
 double mouthOf(const Layout& l) {
-  return l.roads().roads().front().section.half + 7;
+  return l.mainRoad().section.half + 7;
 }
 
 double stopAtMouth(const Layout& l) {
   return mouthOf(l) - 4;
 }
 
-double endOf(const Layout& l, std::uint32_t sideRoad) {
-  return l.roads().roads()[sideRoad].length() - 6;
+double endOf(const Road& sideRoad) {
+  return sideRoad.length() - 6;
 }
 
-double cornerOf(const Layout& l, std::uint32_t sideRoad) {
-  return l.roads().roads()[sideRoad].section.half + 6;
+double cornerOf(const Road& sideRoad) {
+  return sideRoad.section.half + 6;
 }
 
 Tour tourOf(const Layout& l) {
   constexpr double kLeast = 30;  // m, least length of the main road between two turns, or before the only turn
-  const std::vector<Road>& roads = l.roads().roads();
-  const auto joins = [&](std::uint32_t r) { return *roads[r].joins; };
   Tour tour;
-  for (std::uint32_t r = 1; r < roads.size(); ++r) {
-    if (!roads[r].joins || roads[r].joinsLeft || endOf(l, r) < mouthOf(l) + 20) continue;
-    if (roads[r].along && (!tour.into || *roads[r].joins > joins(*tour.into))) tour.into = r;
-    if (roads[r].against && (!tour.from || *roads[r].joins < joins(*tour.from))) tour.from = r;
+  for (const Road& road : l.roads()) {
+    if (!road.joins || road.joinsLeft || endOf(road) < mouthOf(l) + 20) continue;
+    if (road.along && (tour.into == nullptr || *road.joins > *tour.into->joins)) tour.into = &road;
+    if (road.against && (tour.from == nullptr || *road.joins < *tour.from->joins)) tour.from = &road;
   }
-  if (tour.into && tour.from &&
-      joins(*tour.into) - joins(*tour.from) < cornerOf(l, *tour.from) + cornerOf(l, *tour.into) + kLeast) {
-    tour.from.reset();
+  if (tour.into != nullptr && tour.from != nullptr &&
+      *tour.into->joins - *tour.from->joins < cornerOf(*tour.from) + cornerOf(*tour.into) + kLeast) {
+    tour.from = nullptr;
   }
   // Without `from` the vehicle must not turn within kLeast of the start of the built-up part.
-  if (tour.into && !tour.from && joins(*tour.into) - cornerOf(l, *tour.into) < l.mainFrom() + kLeast) {
-    tour.into.reset();
+  if (tour.into != nullptr && tour.from == nullptr && *tour.into->joins - cornerOf(*tour.into) < l.mainFrom + kLeast) {
+    tour.into = nullptr;
   }
   return tour;
 }

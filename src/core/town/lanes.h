@@ -3,7 +3,6 @@
 // Ways (routes of vehicles) along the lanes of a town's roads.
 
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "town/layout.h"
@@ -37,15 +36,16 @@ LaidOut layOut(const Layout& l, const Way& way, double out, double least);
 // Returns the distance along a side road (m) at which its lanes begin, which is the same for all side roads.
 double mouthOf(const Layout& l);
 double stopAtMouth(const Layout& l);  // returns where vehicles that leave a side road stop (m along it)
-double endOf(const Layout& l, std::uint32_t sideRoad);  // m along the side road; its lanes end here
+double endOf(const Road& sideRoad);   // m along the side road; its lanes end here
 // Returns the distance along the main road (m) between a side road's junction and the start of the turn into it.
-double cornerOf(const Layout& l, std::uint32_t sideRoad);
+double cornerOf(const Road& sideRoad);
 
 // The side roads from which the sensor's vehicle comes (`from`) and into which it turns (`into`), both at the right of
 // the main road. No other vehicle drives on these side roads.
 struct Tour {
-  std::optional<std::uint32_t> from, into;
-  bool has(std::uint32_t road) const { return from == road || into == road; }
+  const Road* from = nullptr;  // null: there is no such road
+  const Road* into = nullptr;
+  bool has(const Road& road) const { return from == &road || into == &road; }
 };
 Tour tourOf(const Layout& l);
 

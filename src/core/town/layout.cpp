@@ -6,18 +6,10 @@ namespace {
 using models::Footprint;
 using models::smooth;
 
-constexpr double kPatchCell = 8;   // m, side of a cell of the grid that finds patches
-constexpr double kPatchReach = 4;  // m, largest distance from a patch at which the patch is still found
-
-std::uint64_t keyAt(const Point2& p) {
-  return models::cellKeyAt(p, kPatchCell);
-}
-
 }  // namespace
 
-Layout::Layout(const Parameters& parameters, std::uint64_t seed)
-    : parameters_(parameters), seed_(seed), character_(parameters, seed), half_(reachOf(parameters)) {
-  about_ = character_.inWords();
+Layout::Layout(const Parameters& keys, std::uint64_t townSeed)
+    : parameters(keys), seed(townSeed), character(keys, townSeed), about(character.inWords()), halfSide(reachOf(keys)) {
   drawRoads();
   drawRoundabout();
   drawPotholes();
@@ -26,43 +18,36 @@ Layout::Layout(const Parameters& parameters, std::uint64_t seed)
   settle();
 }
 
-double Layout::reachOf(const Parameters& parameters) {
-  return parameters.length / 2 + kBeyond + kEdge;
+double Layout::reachOf(const Parameters& keys) {
+  return keys.length / 2 + kBeyond + kEdge;
 }
 
 bool Layout::nearPothole(const Point2& p, double reach) const {
-  const auto cell = potholeCells_.find(keyAt(p));
-  if (cell == potholeCells_.end()) return false;
-  return std::any_of(cell->second.begin(), cell->second.end(), [&](std::uint32_t i) {
-    const Pothole& hole = potholes_[i];
+  return std::ranges::any_of(potholeCells_.at(p), [&](std::uint32_t i) {
+    const Pothole& hole = potholes[i];
     return std::hypot(p.x - hole.center.x, p.y - hole.center.y) < hole.radius + reach;
   });
 }
 
 // Adds the index to the grid cells of a square that contains all points within kPatchReach of the rectangle.
-void Layout::enter(const Footprint& f, std::uint32_t index, Cells& cells) {
+void Layout::enter(const Footprint& f, std::uint32_t index, models::CellIndex& cells) {
   const double reach = std::hypot(f.halfX, f.halfY) + kPatchReach;
   for (const double y : models::steps(f.center.y - reach, f.center.y + reach + kPatchCell, kPatchCell)) {
     for (const double x : models::steps(f.center.x - reach, f.center.x + reach + kPatchCell, kPatchCell)) {
-      std::vector<std::uint32_t>& cell = cells[keyAt({x, y})];
-      if (std::find(cell.begin(), cell.end(), index) == cell.end()) cell.push_back(index);
+      cells.add({x, y}, index);
     }
   }
 }
 
 double Layout::outsidePatches(const Point2& p) const {
   double least = kPatchReach;
-  const auto cell = patchCells_.find(keyAt(p));
-  if (cell == patchCells_.end()) return least;
-  for (const std::uint32_t i : cell->second) least = std::min(least, patchPlaces_[i].outside(p));
+  for (const std::uint32_t i : patchCells_.at(p)) least = std::min(least, patches[i].place.outside(p));
   return least;
 }
 
 const Patch* Layout::patchAt(const Point2& p) const {
-  const auto cell = patchCells_.find(keyAt(p));
-  if (cell == patchCells_.end()) return nullptr;
-  for (const std::uint32_t i : cell->second) {
-    if (patchPlaces_[i].outside(p) < 0) return &patches_[i];
+  for (const std::uint32_t i : patchCells_.at(p)) {
+    if (patches[i].place.outside(p) < 0) return &patches[i];
   }
   return nullptr;
 }
@@ -87,20 +72,20 @@ GroundKind Layout::kindAt(const Beside& b, const Point2& p) const {
     if (b.edge < s.curb + s.verge || b.edge > s.paved()) return patch->kind;
   }
   if (b.edge < s.curb + s.verge) return s.sidewalk > 0 ? GroundKind::Verge : GroundKind::Shoulder;
-  if (b.edge > s.outer() && !areas_.all().empty() && areas_.at(p)) return landAt(p);
+  if (b.edge > s.outer() && !areas.all().empty() && areas.at(p)) return landAt(p);
   return s.sidewalk > 0 && b.edge < s.paved() ? GroundKind::Sidewalk : landAt(p);
 }
 
 GroundKind Layout::landAt(const Point2& p) const {
-  if (areas_.all().empty() || areas_.outsideHard(p) >= 0) return GroundKind::Lawn;
-  const std::optional<Land> land = areas_.at(p);
+  if (areas.all().empty() || areas.outsideHard(p) >= 0) return GroundKind::Lawn;
+  const std::optional<Land> land = areas.at(p);
   if (land == Land::Water) return GroundKind::Water;
   if (land == Land::Lot) return GroundKind::Lot;
   return land == Land::Paved ? GroundKind::Paved : GroundKind::Lawn;
 }
 
 double Layout::base(const Point2& p) const {
-  return character_.hills *
+  return character.hills *
          (field(Field::Hills, p, 260) + 0.25 * field(Field::Slopes, p, 110) + 0.11 * field(Field::Knolls, p, 45));
 }
 
@@ -108,11 +93,9 @@ double Layout::base(const Point2& p) const {
 double Layout::lowering(const Beside& b, const Point2& p) const {
   if (b.section.step <= 0 || b.edge > 3) return 1;
   double factor = 1;
-  const auto cell = patchCells_.find(keyAt(p));
-  if (cell == patchCells_.end()) return 1;
-  for (const std::uint32_t i : cell->second) {
-    if (patches_[i].kind != GroundKind::Driveway) continue;
-    const Footprint& f = patches_[i].place;
+  for (const std::uint32_t i : patchCells_.at(p)) {
+    if (patches[i].kind != GroundKind::Driveway) continue;
+    const Footprint& f = patches[i].place;
     const double across = std::abs((p.x - f.center.x) * std::cos(f.yaw) + (p.y - f.center.y) * std::sin(f.yaw));
     const double beside = smooth((across - f.halfX) / 0.8);
     factor = std::min(factor, std::max(beside, smooth(b.edge / 1.5)));
@@ -125,17 +108,15 @@ double Layout::heightAt(GroundKind kind, const Beside& b, const Point2& p) const
   const double edge = b.known ? b.edge : 1e3;
   const bool low = kind == GroundKind::Road || kind == GroundKind::Parking;
   if (low) {
-    if (character_.plain) return ground;
+    if (character.plain) return ground;
     // Adds the crown of the road, wear and potholes.
     const double crown = 0.02 * std::min(-edge, 5.0);
     const double worn = 0.012 * field(Field::Ruts, p, 7) + 0.006 * field(Field::WornSpots, p, 1.7);
     double hole = 0;
-    if (const auto cell = potholeCells_.find(keyAt(p)); cell != potholeCells_.end()) {
-      for (const std::uint32_t i : cell->second) {
-        const Pothole& h = potholes_[i];
-        const double inwards = 1 - std::hypot(p.x - h.center.x, p.y - h.center.y) / h.radius;
-        hole = std::max(hole, h.depth * smooth(2 * inwards));
-      }
+    for (const std::uint32_t i : potholeCells_.at(p)) {
+      const Pothole& h = potholes[i];
+      const double inwards = 1 - std::hypot(p.x - h.center.x, p.y - h.center.y) / h.radius;
+      hole = std::max(hole, h.depth * smooth(2 * inwards));
     }
     return ground + crown + worn - hole;
   }
@@ -147,22 +128,22 @@ double Layout::heightAt(GroundKind kind, const Beside& b, const Point2& p) const
   const double rise = near * 0.015 * std::clamp(edge, 0.0, b.known ? b.section.outer() : 0);
   const double beyond = std::max(0.0, edge - outer);
   const double paved = kind == GroundKind::Driveway || kind == GroundKind::Path ? 0.3 : 1.0;
-  const double hard = areas_.all().empty() ? Areas::kReach : areas_.outsideHard(p);
+  const double hard = areas.all().empty() ? Areas::kReach : areas.outsideHard(p);
   const double soft = smooth(hard / 1.5);
-  const double wild = character_.undulation * smooth(beyond / 9) * soft;
+  const double wild = character.undulation * smooth(beyond / 9) * soft;
   const double rolling = 1.6 * wild * field(Field::Swells, p, 16) + 0.6 * wild * field(Field::Bumps, p, 5);
   // Lots and squares are flatter than the land around them.
   const double flat = 0.25 + 0.75 * smooth(hard / Areas::kReach);
-  const double bank = flat * character_.banks * smooth((edge - b.section.curb) / 11) * field(Field::Banks, p, 45);
+  const double bank = flat * character.banks * smooth((edge - b.section.curb) / 11) * field(Field::Banks, p, 45);
   // Lawns are uneven at the scale of the finest cells, in some places more than in others.
-  const double rough = character_.plain ? 0 : 0.03 + 0.08 * std::max(0.0, field(Field::Roughness, p, 9));
+  const double rough = character.plain ? 0 : 0.03 + 0.08 * std::max(0.0, field(Field::Roughness, p, 9));
   const double grain = rough * field(Field::Grain, p, 2.3) * smooth((edge - b.section.curb) / 0.3) * paved *
                        (kind == GroundKind::Sidewalk ? 0.1 : 1);
   double natural = ground + step + rise + rolling + bank;
   if (kind == GroundKind::Water) {
     // Water is level except at its banks.
     constexpr double kBanks = 2;  // m, width of the banks of water
-    const std::optional<std::uint32_t> area = areas_.indexAt(p);
+    const std::optional<std::uint32_t> area = areas.indexAt(p);
     if (area) natural += smooth(-hard / kBanks) * (waterLevels_[*area] - natural);
   }
   return natural + smooth((edge - (b.known ? b.section.outer() : 0)) / 1.5) * levelling(p, natural) +
@@ -172,7 +153,7 @@ double Layout::heightAt(GroundKind kind, const Beside& b, const Point2& p) const
 // Returns the depth of snow (m). Pavements, driveways and paths are cleared, and the snow slopes down to them. Ploughs
 // leave a bank of snow on verges and shoulders.
 double Layout::snowOn(const Beside& b, const Point2& p) const {
-  if (character_.snow <= 0) return 0;
+  if (character.snow <= 0) return 0;
   constexpr double kSlope = 0.3;  // m, width of the slope at the edge of snow
   constexpr double kBank = 1.3;   // m, width of the banks
   const CrossSection& s = b.section;
@@ -181,15 +162,15 @@ double Layout::snowOn(const Beside& b, const Point2& p) const {
   const double verge = edge - (b.known ? s.curb : 0);  // m, distance of the point beyond the curb
   const double cleared = smooth(outsidePatches(p) / 0.5);
   const bool pavement = b.known && s.sidewalk > 0.3;
-  double depth = character_.snow * smooth((edge - outer) / kSlope);
+  double depth = character.snow * smooth((edge - outer) / kSlope);
   if (b.known && verge > 0 && verge < s.verge) {
-    depth = character_.snow * smooth(verge / kSlope) * (pavement ? smooth((s.verge - verge) / kSlope) : 1);
+    depth = character.snow * smooth(verge / kSlope) * (pavement ? smooth((s.verge - verge) / kSlope) : 1);
   }
   const double width = std::min(kBank, s.verge);
   if (b.known && width > 0.6 && verge > 0 && verge < width) {
     const double across = std::sin(kPi * verge / width);
     const double along = 0.6 + 1.2 * field(Field::SnowHeaps, p, 3) + 0.6 * field(Field::SnowLumps, p, 0.8);
-    depth += character_.snowBanks * across * across * std::max(along, 0.1);
+    depth += character.snowBanks * across * across * std::max(along, 0.1);
   }
   return depth * cleared;
 }
@@ -197,13 +178,11 @@ double Layout::snowOn(const Beside& b, const Point2& p) const {
 // Returns the height (m) to add to the natural height at a point, so that the ground under and beside buildings is
 // level; beyond kPatchReach from all buildings it is 0.
 double Layout::levelling(const Point2& p, double natural) const {
-  const auto cell = terraceCells_.find(keyAt(p));
-  if (cell == terraceCells_.end()) return 0;
   double sum = 0;
   double weights = 0;
   double most = 0;
-  for (const std::uint32_t i : cell->second) {
-    const double weight = 1 - smooth(terracePlaces_[i].outside(p) / kPatchReach);
+  for (const std::uint32_t i : terraceCells_.at(p)) {
+    const double weight = 1 - smooth(terraces_[i].place.outside(p) / kPatchReach);
     sum += weight * (terraces_[i].height - natural);
     weights += weight;
     most = std::max(most, weight);
@@ -212,7 +191,7 @@ double Layout::levelling(const Point2& p, double natural) const {
 }
 
 double Layout::heightAt(const Point2& p) const {
-  const Beside b = roads_.at(p.x, p.y);
+  const Beside b = besideAt(p);
   return heightAt(kindAt(b, p), b, p);
 }
 

@@ -7,9 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <map>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 #include "models/models.h"
@@ -24,9 +22,24 @@ namespace scanmill::town {
 
 enum class GroundKind { Road, Parking, Curb, Verge, Shoulder, Sidewalk, Driveway, Path, Lawn, Water, Lot, Paved };
 
+// A rectangle with the sine and cosine of its yaw, for many points.
+struct TurnedRectangle : models::Footprint {
+  TurnedRectangle(const models::Footprint& f) : Footprint(f), cosine(std::cos(yaw)), sine(std::sin(yaw)) {}
+
+  // Returns the distance of a point from the rectangle (m, negative inside): the larger of the distances along its two
+  // axes.
+  double outside(const Point2& p) const {
+    const double dx = p.x - center.x;
+    const double dy = p.y - center.y;
+    return std::max(std::abs(dx * cosine + dy * sine) - halfX, std::abs(dy * cosine - dx * sine) - halfY);
+  }
+
+  double cosine, sine;
+};
+
 // A rectangle whose ground differs from the ground around it: a driveway, a lot for parking, a path in a park.
 struct Patch {
-  models::Footprint place;
+  TurnedRectangle place;
   GroundKind kind = GroundKind::Driveway;
   bool parks = false;  // true: a car may park here
 };
@@ -51,23 +64,9 @@ struct PlacedBlock {
   double height = 0;        // m, height of the ground at the entrance
 };
 
-// A rectangle with the sine and cosine of its yaw, for many points.
-struct TurnedRectangle {
-  models::Footprint place;
-  double cosine = std::cos(place.yaw), sine = std::sin(place.yaw);
-
-  // Returns the distance of a point from the rectangle (m, negative inside): the larger of the distances along its two
-  // axes.
-  double outside(const Point2& p) const {
-    const double dx = p.x - place.center.x;
-    const double dy = p.y - place.center.y;
-    return std::max(std::abs(dx * cosine + dy * sine) - place.halfX, std::abs(dy * cosine - dx * sine) - place.halfY);
-  }
-};
-
 // A rectangle in which the ground is level: under a building and half a metre around it.
 struct Terrace {
-  models::Footprint place;
+  TurnedRectangle place;
   double height = 0;
 };
 
@@ -87,40 +86,14 @@ class Layout {
   Layout(const Parameters& parameters, std::uint64_t seed);
   Layout(const Parameters& parameters, std::uint64_t seed, const MapPlace& map);
 
-  // Returns a description of the town: the district, the season, and with a map the main road and the latitude and
-  // longitude of the frame's origin.
-  const std::string& about() const { return about_; }
   // Returns half of the side of the square of ground (m) that these parameters need.
   static double reachOf(const Parameters& parameters);
 
-  const Parameters& parameters() const { return parameters_; }
-  const Character& character() const { return character_; }
-  std::uint64_t seed() const { return seed_; }
-  const RoadNetwork& roads() const { return roads_; }
-  const std::vector<Plot>& plots() const { return plots_; }
-  // Returns the houses. The height of a house's pose is the height of the ground at the door.
-  const std::vector<models::House>& houses() const { return houses_; }
-  const std::vector<PlacedBlock>& blocks() const { return blocks_; }
-  // Returns rectangles of ground that are covered by houses, garages and blocks.
-  const std::vector<models::Footprint>& covers() const { return covers_; }
-  const Areas& areas() const { return areas_; }
-  // Returns the id of the map's relation of a building, by the number of its house or block; 0: none.
-  std::int64_t relationOf(std::uint32_t number) const {
-    const auto found = relations_.find(number);
-    return found == relations_.end() ? 0 : found->second;
-  }
-  // Returns the barriers and the trees of the map; empty without a map.
-  const std::vector<MapBarrier>& barriers() const { return barriers_; }
-  const std::vector<MapTree>& trees() const { return trees_; }
-  const std::vector<Patch>& patches() const { return patches_; }
-  const std::vector<Pothole>& potholes() const { return potholes_; }
+  const std::vector<Road>& roads() const { return network_.roads(); }  // the main road comes first
+  const Road& mainRoad() const { return roads().front(); }
+  Beside besideAt(const Point2& p) const { return network_.at(p); }
   // True if the point is in a pothole, or less than `reach` (m) from its rim.
   bool nearPothole(const Point2& p, double reach) const;
-  // Returns the ends of the built-up part of the main road (m along its line).
-  double mainFrom() const { return mainFrom_; }
-  double mainTo() const { return mainTo_; }
-  double half() const { return half_; }  // half of the side of the square of ground (m)
-
   // kindAt() returns the kind of ground at a point, heightAt() the height of the ground (m). At a border between two
   // kinds the height depends on `kind`, for instance above or below a curb.
   GroundKind kindAt(const Beside& beside, const Point2& p) const;
@@ -132,18 +105,35 @@ class Layout {
   // Returns signed distances (m) to the lines between kinds of ground: the edges of the parking lane, the carriageway,
   // the curb, the verge and the paved ground. A distance is zero on its line. `edge`: Beside::edge.
   static std::array<double, 5> borders(double edge, const CrossSection& section);
-  // Returns the distance to the nearest patch (m): negative inside a patch, at most 4 m.
+  // Returns the distance to the nearest patch (m): negative inside a patch, at most kPatchReach.
   double outsidePatches(const Point2& p) const;
 
+  Parameters parameters;
+  std::uint64_t seed;
+  Character character;
+  // Description of the town: the district, the season, and with a map the main road and the latitude and longitude of
+  // the frame's origin.
+  std::string about;
+  std::vector<Plot> plots;
+  std::vector<models::House> houses;  // the height of a house's pose is the height of the ground at the door
+  std::vector<PlacedBlock> blocks;
+  std::vector<models::Footprint> covers;  // rectangles of ground that are covered by houses, garages and blocks
+  Areas areas;
+  std::vector<MapBarrier> barriers;  // of the map; empty without a map
+  std::vector<MapTree> trees;        // of the map; empty without a map
+  std::vector<Patch> patches;
+  std::vector<Pothole> potholes;
+  double mainFrom = 0, mainTo = 0;  // m along the main road, the ends of its built-up part
+  double halfSide = 0;              // m, half of the side of the square of ground
+
  private:
-  using Cells = std::unordered_map<std::uint64_t, std::vector<std::uint32_t>>;
   void drawRoads();
   void drawPlots();
   void drawPotholes();
   void drawRoundabout();
   void drawLand();
-  bool addLand(Land land, std::uint32_t road, int side, double along, double width, double depth);
-  void addPlots(std::uint32_t road, int side, double from, double to);
+  bool addLand(Land land, const Road& road, int side, double along, double width, double depth);
+  void addPlots(const Road& road, int side, double from, double to);
   models::Fencing drawFencing(Draw& draw, double setback) const;
   // Adds a strip of ground from the point `inner` at a house towards the road. `yaw` is the yaw of the house, `half` is
   // half of the strip's width (m).
@@ -155,42 +145,25 @@ class Layout {
   void settle();
   void takeRoads(const MapPlace& map);
   void takeBuildings(const MapPlace& map);
-  void cover(const MapBuilding& building, const models::Footprint& about);
+  void cover(const MapBuilding& building, const models::Footprint& around);
   void arrangePlots();
   bool isOffRoads(const models::Footprint& f, double gap) const;
   const Patch* patchAt(const Point2& p) const;
   GroundKind landAt(const Point2& p) const;
   double base(const Point2& p) const;
-  double field(Field of, const Point2& p, double size) const { return relief({seed_, of}, p.x, p.y, size); }
+  double field(Field of, const Point2& p, double size) const { return relief({seed, of}, p.x, p.y, size); }
   double lowering(const Beside& beside, const Point2& p) const;
   double levelling(const Point2& p, double natural) const;
   double snowOn(const Beside& beside, const Point2& p) const;
-  static void enter(const models::Footprint& f, std::uint32_t index, Cells& cells);
+  static void enter(const models::Footprint& f, std::uint32_t index, models::CellIndex& cells);
 
-  Parameters parameters_;
-  std::uint64_t seed_;
-  Character character_;
-  std::string about_;
-  RoadNetwork roads_;
-  std::vector<Plot> plots_;
-  std::vector<Patch> patches_;
-  std::vector<TurnedRectangle> patchPlaces_;  // of patches_, when all are known
-  Cells patchCells_;
+  static constexpr double kPatchCell = 8;   // m, side of a cell of the grid that finds patches
+  static constexpr double kPatchReach = 4;  // m, largest distance from a patch at which the patch is still found
+  RoadNetwork network_;
   std::vector<Terrace> terraces_;
-  std::vector<TurnedRectangle> terracePlaces_;  // of terraces_
-  Cells terraceCells_;
-  std::vector<Pothole> potholes_;
-  Cells potholeCells_;
-  std::vector<models::House> houses_;
-  std::vector<PlacedBlock> blocks_;
-  std::vector<models::Footprint> covers_;
-  models::Occupancy taken_;  // ground that houses, garages and land of addLand() occupy
-  double mainFrom_ = 0, mainTo_ = 0, half_ = 0;
-  Areas areas_;
-  std::vector<double> waterLevels_;                  // m, by area; 0 for areas that are not water
-  std::map<std::uint32_t, std::int64_t> relations_;  // by the numbers of houses and blocks
-  std::vector<MapBarrier> barriers_;
-  std::vector<MapTree> trees_;
+  models::CellIndex patchCells_{kPatchCell}, terraceCells_{kPatchCell}, potholeCells_{kPatchCell};
+  models::Occupancy taken_;          // ground that houses, garages and land of addLand() occupy
+  std::vector<double> waterLevels_;  // m, by area; 0 for areas that are not water
 };
 
 models::Model makeGround(SceneBuilder& builder, const Layout& layout);

@@ -20,8 +20,7 @@ Polygon cornersOf(const Footprint& f) {
 
 // Adds land beside a road, beyond the sidewalk. `width` and `depth`: size of the land along and across the road (m).
 // Returns false if another road or other land is in the way.
-bool Layout::addLand(Land land, std::uint32_t r, int side, double along, double width, double depth) {
-  const Road& road = roads_.roads()[r];
+bool Layout::addLand(Land land, const Road& road, int side, double along, double width, double depth) {
   constexpr double kBend = 1.5;  // m between the sidewalk and the land
   const models::Spot middle =
       besideRoad(road, along, side * (road.section.half + road.section.outer() + kBend + depth / 2));
@@ -30,13 +29,13 @@ bool Layout::addLand(Land land, std::uint32_t r, int side, double along, double 
   for (const double u : models::steps(-1, 1.1, 0.25)) {
     for (const double v : models::steps(-1, 1.1, 0.25)) {
       const Point2 at = place.at(u * place.halfX, v * place.halfY);
-      const Beside beside = roads_.at(at.x, at.y);
+      const Beside beside = besideAt(at);
       if (beside.known && beside.edge < beside.section.outer()) return false;
     }
   }
   if (!taken_.isFree({place.center, place.halfX + 2, place.halfY + 2, yaw})) return false;
   taken_.add(place);
-  areas_.add({land, cornersOf(place), {}});
+  areas.add({land, cornersOf(place), {}});
   // Adds the entrance of a parking lot.
   const double front = depth / 2 - 1;
   const Point2 inner{place.center.x + std::sin(yaw) * front, place.center.y - std::cos(yaw) * front};
@@ -45,14 +44,14 @@ bool Layout::addLand(Land land, std::uint32_t r, int side, double along, double 
   if (land != Land::Park) return true;
   // Adds the entrance of a park and two paths that cross in it.
   addStrip(inner, yaw, kPathHalf, way, GroundKind::Path);
-  patches_.push_back({{place.center, kPathHalf, place.halfY - 1, yaw}, GroundKind::Path});
-  patches_.push_back({{place.center, place.halfX - 1, kPathHalf, yaw}, GroundKind::Path});
+  patches.push_back({Footprint{place.center, kPathHalf, place.halfY - 1, yaw}, GroundKind::Path});
+  patches.push_back({Footprint{place.center, place.halfX - 1, kPathHalf, yaw}, GroundKind::Path});
   return true;
 }
 
 void Layout::drawLand() {
-  if (character_.country) return;
-  const bool commercial = character_.district == District::Commercial;
+  if (character.country) return;
+  const bool commercial = character.district == District::Commercial;
   struct Wish {
     Land land;
     double chance;
@@ -62,23 +61,22 @@ void Layout::drawLand() {
   const Wish wishes[] = {{Land::Lot, commercial ? 1.0 : 0.0, 40, 80, 30, 45},
                          {Land::Park, 0.5, 40, 80, 30, 60},
                          {Land::Lot, lots, 28, 60, 17.5, 40},
-                         {Land::Paved, character_.terraced ? 0.5 : 0.2, 22, 40, 16, 30}};
+                         {Land::Paved, character.terraced ? 0.5 : 0.2, 22, 40, 16, 30}};
   std::uint32_t number = 0;
   for (const Wish& wish : wishes) {
-    Draw draw(seed_, Kind::Land, number++);
+    Draw draw(seed, Kind::Land, number++);
     if (!draw.chance(wish.chance)) continue;
     constexpr int kTries = 12;
     for (int attempt = 0; attempt < kTries; ++attempt) {
       const bool onMain = draw.chance(0.6);
-      const auto roads = static_cast<int>(roads_.roads().size());
-      const auto r = static_cast<std::uint32_t>(onMain || roads == 1 ? 0 : 1 + draw.below(roads - 1));
-      const Road& road = roads_.roads()[r];
-      const double low = road.main ? mainFrom_ + 20 : 30;
-      const double high = road.main ? mainTo_ - 20 : road.length() - 20;
+      const auto sides = static_cast<int>(roads().size()) - 1;
+      const Road& road = roads()[static_cast<std::size_t>(onMain || sides == 0 ? 0 : 1 + draw.below(sides))];
+      const double low = road.main ? mainFrom + 20 : 30;
+      const double high = road.main ? mainTo - 20 : road.length() - 20;
       const double along = draw.in(low, std::max(low, high));
       const double width = draw.in(wish.widthLow, wish.widthHigh);
       const double depth = draw.in(wish.depthLow, wish.depthHigh);
-      if (addLand(wish.land, r, draw.chance(0.5) ? 1 : -1, along, width, depth)) break;
+      if (addLand(wish.land, road, draw.chance(0.5) ? 1 : -1, along, width, depth)) break;
     }
   }
 }
@@ -86,10 +84,10 @@ void Layout::drawLand() {
 // Adds a roundabout at the end of a random side road, as in many suburbs: a ring with an island, and up to three roads
 // that leave the ring.
 void Layout::drawRoundabout() {
-  Draw draw(seed_, Kind::Roundabout);
-  if (character_.country || roads_.roads().size() < 2 || !draw.chance(0.35)) return;
-  const auto pick = static_cast<std::uint32_t>(1 + draw.below(static_cast<int>(roads_.roads().size()) - 1));
-  const Road from = roads_.roads()[pick];
+  Draw draw(seed, Kind::Roundabout);
+  if (character.country || roads().size() < 2 || !draw.chance(0.35)) return;
+  const auto pick = static_cast<std::uint32_t>(1 + draw.below(static_cast<int>(roads().size()) - 1));
+  const Road from = roads()[pick];
   const Point2 end = from.line.back();
   const Point2 heading = from.heading(from.length());
   const double radius = draw.in(11, 16);
@@ -97,12 +95,12 @@ void Layout::drawRoundabout() {
   const auto clear = [&](const Point2& p, double reach) {
     for (std::uint32_t k = 0; k < 16; ++k) {
       const Point2 q{p.x + reach * std::cos(kPi * k / 8), p.y + reach * std::sin(kPi * k / 8)};
-      const Beside b = roads_.at(q.x, q.y);
+      const Beside b = besideAt(q);
       if (b.known && b.edge < b.section.outer() && b.road != pick) return false;
     }
     return true;
   };
-  if (std::max(std::abs(center.x), std::abs(center.y)) > half_ - 70 || !clear(center, radius + 12)) return;
+  if (std::max(std::abs(center.x), std::abs(center.y)) > halfSide - 70 || !clear(center, radius + 12)) return;
   Road ring;
   const double start = std::atan2(end.y - center.y, end.x - center.x);
   const auto count = static_cast<int>(std::ceil(2 * kPi * radius / kRoadStep));
@@ -119,8 +117,8 @@ void Layout::drawRoundabout() {
   ring.section.step = std::max(ring.section.step, 0.08);
   ring.against = false;
   ring.ring = true;
-  roads_.add(std::move(ring));
-  roads_.addJoint(end);
+  network_.add(std::move(ring));
+  network_.addJoint(end);
   for (const double turn : {draw.in(-2, -0.8), draw.in(-0.4, 0.4), draw.in(0.8, 2)}) {
     const double angle = std::atan2(heading.y, heading.x) + turn;
     const double length = draw.in(35, 80);
@@ -131,14 +129,14 @@ void Layout::drawRoundabout() {
       free = free && clear({begin.x + d * std::cos(angle), begin.y + d * std::sin(angle)}, 9);
     }
     const Point2 last{begin.x + length * std::cos(angle), begin.y + length * std::sin(angle)};
-    if (!free || std::max(std::abs(last.x), std::abs(last.y)) > half_ - 30) continue;
+    if (!free || std::max(std::abs(last.x), std::abs(last.y)) > halfSide - 30) continue;
     Road exit;
     for (const double d : models::steps(0, length, kRoadStep)) {
       exit.line.push_back({begin.x + d * std::cos(angle), begin.y + d * std::sin(angle)});
     }
     exit.section = from.section;
-    roads_.add(std::move(exit));
-    roads_.addJoint(begin);
+    network_.add(std::move(exit));
+    network_.addJoint(begin);
   }
 }
 
@@ -158,27 +156,27 @@ void Layout::drawRoads() {
     }
     return points;
   };
-  const double reach = parameters_.length / 2 + kBeyond;
-  std::vector<Point2> points = line({seed_, Field::MainRoadBehind}, {0, 0}, kPi, character_.bend, reach);
+  const double reach = parameters.length / 2 + kBeyond;
+  std::vector<Point2> points = line({seed, Field::MainRoadBehind}, {0, 0}, kPi, character.bend, reach);
   std::reverse(points.begin(), points.end());
-  const std::vector<Point2> ahead = line({seed_, Field::MainRoadAhead}, {0, 0}, 0, character_.bend, reach);
+  const std::vector<Point2> ahead = line({seed, Field::MainRoadAhead}, {0, 0}, 0, character.bend, reach);
   points.insert(points.end(), ahead.begin() + 1, ahead.end());
   Road main;
   main.line = std::move(points);
-  main.section = character_.main;
+  main.section = character.main;
   main.main = true;
-  roads_.add(std::move(main));
-  const double middle = roads_.roads().front().length() / 2;
-  mainFrom_ = middle - parameters_.length / 2;
-  mainTo_ = middle + parameters_.length / 2;
+  network_.add(std::move(main));
+  const double middle = mainRoad().length() / 2;
+  mainFrom = middle - parameters.length / 2;
+  mainTo = middle + parameters.length / 2;
 
   // Side roads begin at the main road, and some continue on its other side. Two side roads at the same side are far
   // enough apart for plots.
   constexpr double kApart = 45;  // m, least distance between two side roads at the same side
   std::vector<std::pair<double, int>> taken;
-  for (int i = 0; i < character_.sideRoads; ++i) {
-    Draw draw(seed_, Kind::SideRoad, static_cast<std::uint32_t>(i));
-    const double along = draw.in(mainFrom_ + 20, mainTo_ - 20);
+  for (int i = 0; i < character.sideRoads; ++i) {
+    Draw draw(seed, Kind::SideRoad, static_cast<std::uint32_t>(i));
+    const double along = draw.in(mainFrom + 20, mainTo - 20);
     const double angle = kPi / 2 + draw.in(-0.45, 0.45);
     const bool crosses = draw.chance(0.5);
     const int first = draw.chance(0.5) ? 1 : -1;
@@ -189,36 +187,35 @@ void Layout::drawRoads() {
       });
       if (near && side == first) break;
       if (near) continue;
-      const Point2 at = roads_.roads().front().point(along);
-      const Point2 heading = roads_.roads().front().heading(along);
+      const Point2 at = mainRoad().point(along);
+      const Point2 heading = mainRoad().heading(along);
       Road road;
       const double turn = std::atan2(heading.y, heading.x) + (side == first ? side * angle : side * (kPi - angle));
-      road.line = line({seed_, Field::SideRoad, static_cast<std::uint32_t>(2 * i + (side > 0 ? 1 : 0))}, at, turn,
-                       0.6 * character_.bend, draw.in(60, 150));
-      road.section = character_.side;
+      road.line = line({seed, Field::SideRoad, static_cast<std::uint32_t>(2 * i + (side > 0 ? 1 : 0))}, at, turn,
+                       0.6 * character.bend, draw.in(60, 150));
+      road.section = character.side;
       road.joins = along;
       road.joinsLeft = side > 0;
-      roads_.add(std::move(road));
-      roads_.addJoint(at);
+      network_.add(std::move(road));
+      network_.addJoint(at);
       taken.emplace_back(along, side);
     }
   }
 }
 
 void Layout::drawPotholes() {
-  for (std::uint32_t r = 0; r < roads_.roads().size(); ++r) {
-    const Road& road = roads_.roads()[r];
-    Draw draw(seed_, Kind::Pothole, r);
-    const auto count = static_cast<int>(12 * character_.wear * road.length() / 100 + draw.next());
+  for (const Road& road : roads()) {
+    Draw draw(seed, Kind::Pothole, road.number);
+    const auto count = static_cast<int>(12 * character.wear * road.length() / 100 + draw.next());
     for (int k = 0; k < count; ++k) {
       const double along = draw.in(0, road.length());
       const double reach = road.section.half - road.section.parking - 0.7;
       const double lateral = draw.in(-reach, reach);
-      potholes_.push_back({besideRoad(road, along, lateral).at, draw.in(0.2, 0.6), draw.in(0.02, 0.07)});
+      potholes.push_back({besideRoad(road, along, lateral).at, draw.in(0.2, 0.6), draw.in(0.02, 0.07)});
     }
   }
-  for (std::uint32_t i = 0; i < potholes_.size(); ++i) {
-    enter({potholes_[i].center, potholes_[i].radius, potholes_[i].radius, 0}, i, potholeCells_);
+  for (std::uint32_t i = 0; i < potholes.size(); ++i) {
+    enter({potholes[i].center, potholes[i].radius, potholes[i].radius, 0}, i, potholeCells_);
   }
 }
 

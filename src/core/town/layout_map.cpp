@@ -75,28 +75,28 @@ void makeRoom(CrossSection& s, std::vector<double>& walls) {
 
 }  // namespace
 
-Layout::Layout(const Parameters& parameters, std::uint64_t seed, const MapPlace& map)
-    : parameters_(inDistrict(parameters, map.district)),
-      seed_(seed),
-      character_(parameters_, seed),
-      half_(reachOf(parameters)),
-      barriers_(map.barriers),
-      trees_(map.trees) {
+Layout::Layout(const Parameters& keys, std::uint64_t townSeed, const MapPlace& map)
+    : parameters(inDistrict(keys, map.district)),
+      seed(townSeed),
+      character(parameters, townSeed),
+      barriers(map.barriers),
+      trees(map.trees),
+      halfSide(reachOf(keys)) {
   const std::string& road = map.roads.front().road.name;
-  about_ = fmt::format("{}; {} at {:.6f}, {:.6f}", character_.inWords(),
-                       road.empty() ? "a road without a name" : quotedForMessage(road), map.origin.latitude,
-                       map.origin.longitude);
+  about = fmt::format("{}; {} at {:.6f}, {:.6f}", character.inWords(),
+                      road.empty() ? "a road without a name" : quotedForMessage(road), map.origin.latitude,
+                      map.origin.longitude);
   takeRoads(map);
   drawPotholes();
   for (const MapArea& area : map.areas) {
-    areas_.add(area);
+    areas.add(area);
     if (area.land != Land::Wood) continue;
     const std::vector<Point2> edge = pointsAlong(area.outline, 10);
     const auto isFar = [&](const Point2& p) {
-      return std::max(std::abs(p.x), std::abs(p.y)) <= half_ && !roads_.at(p.x, p.y).known;
+      return std::max(std::abs(p.x), std::abs(p.y)) <= halfSide && !besideAt(p).known;
     };
     if (std::any_of(edge.begin(), edge.end(), isFar)) {
-      warn(fmt::format("{}: woods farther than {} m from every road have no trees", parameters_.map.string(),
+      warn(fmt::format("{}: woods farther than {} m from every road have no trees", parameters.map.string(),
                        RoadNetwork::kReach));
     }
   }
@@ -107,8 +107,9 @@ Layout::Layout(const Parameters& parameters, std::uint64_t seed, const MapPlace&
       const Point2& a = path.line[i - 1];
       const Point2& b = path.line[i];
       const Point2 middle{(a.x + b.x) / 2, (a.y + b.y) / 2};
-      patches_.push_back({{middle, std::hypot(b.x - a.x, b.y - a.y) / 2 + 0.2, half, std::atan2(b.y - a.y, b.x - a.x)},
-                          GroundKind::Path});
+      patches.push_back({models::Footprint{middle, std::hypot(b.x - a.x, b.y - a.y) / 2 + 0.2, half,
+                                           std::atan2(b.y - a.y, b.x - a.x)},
+                         GroundKind::Path});
     }
   }
   settle();
@@ -116,12 +117,12 @@ Layout::Layout(const Parameters& parameters, std::uint64_t seed, const MapPlace&
 
 void Layout::findWaterLevels() {
   constexpr double kBelow = 0.3;  // m between the water and the lowest point of its shore
-  for (const MapArea& area : areas_.all()) {
+  for (const MapArea& area : areas.all()) {
     double level = 0;
     if (area.land == Land::Water) {
       level = 1e9;
       for (const Point2& p : pointsAlong(area.outline, 4)) {
-        level = std::min(level, heightAt(GroundKind::Lawn, roads_.at(p.x, p.y), p) - kBelow);
+        level = std::min(level, heightAt(GroundKind::Lawn, besideAt(p), p) - kBelow);
       }
     }
     waterLevels_.push_back(level);
@@ -129,15 +130,15 @@ void Layout::findWaterLevels() {
 }
 
 void Layout::takeRoads(const MapPlace& map) {
-  mainFrom_ = map.mainFrom;
-  mainTo_ = map.mainTo;
+  mainFrom = map.mainFrom;
+  mainTo = map.mainTo;
   std::vector<Road> roads;
   RoadNetwork wide;
   for (const MapPlace::PlacedRoad& placed : map.roads) {
     Road road;
     road.line = placed.road.line;
     road.section =
-        sectionOf(placed.road, character_, Draw(seed_, Kind::MapRoad, static_cast<std::uint32_t>(roads.size())));
+        sectionOf(placed.road, character, Draw(seed, Kind::MapRoad, static_cast<std::uint32_t>(roads.size())));
     road.main = roads.empty();
     road.minor = placed.road.kind >= RoadClass::Service;
     road.ring = placed.road.ring;
@@ -153,7 +154,7 @@ void Layout::takeRoads(const MapPlace& map) {
     std::vector<std::pair<std::uint32_t, double>> near;
     double least = 1e9;
     for (const Point2& p : pointsAlong(b.outline, 1.5)) {
-      const Beside beside = wide.at(p.x, p.y);
+      const Beside beside = wide.at(p);
       const double lateral = std::abs(beside.lateral);
       if (beside.known && lateral < 20) near.emplace_back(beside.road, lateral);
       if (beside.known) least = std::min(least, lateral);
@@ -164,9 +165,9 @@ void Layout::takeRoads(const MapPlace& map) {
   }
   for (std::size_t r = 0; r < roads.size(); ++r) {
     makeRoom(roads[r].section, walls[r]);
-    roads_.add(std::move(roads[r]));
+    network_.add(std::move(roads[r]));
   }
-  for (const Point2& joint : map.joints) roads_.addJoint(joint);
+  for (const Point2& joint : map.joints) network_.addJoint(joint);
 }
 
 }  // namespace scanmill::town

@@ -32,7 +32,7 @@ Frontage frontageOf(const Polygon& outline, const RoadNetwork& roads) {
   turned.about = rectangleAbout(outline);
   for (int side = 0; side < 4; ++side) {
     const Point2 front = turned.inFront(0);
-    turned.before = roads.at(front.x, front.y);
+    turned.before = roads.at(front);
     turned.gap = turned.before.known ? turned.before.edge - turned.before.section.outer() : 1e9;
     if (side == 0 || turned.gap < best.gap) best = turned;
     std::swap(turned.about.halfX, turned.about.halfY);
@@ -57,7 +57,7 @@ bool isOnRoad(const MapBuilding& b, const RoadNetwork& roads) {
   constexpr double kSlip = 0.3;  // m that a building may extend onto a carriageway
   for (const MapBuilding* part : lowPartsOf(b)) {
     for (const Point2& p : pointsAlong(part->outline, 1)) {
-      const Beside beside = roads.at(p.x, p.y);
+      const Beside beside = roads.at(p);
       if (beside.known && beside.edge < -kSlip) return true;
     }
   }
@@ -147,37 +147,38 @@ void Layout::takeBuildings(const MapPlace& map) {
   int onRoads = 0;
   for (std::uint32_t number = 0; number < map.buildings.size(); ++number) {
     const MapBuilding& b = map.buildings[number];
-    if (isOnRoad(b, roads_)) {
+    if (isOnRoad(b, network_)) {
       ++onRoads;
       continue;
     }
-    if (b.relation != 0) relations_[number] = b.relation;
-    Draw draw(seed_, Kind::MapBuilding, number);
-    const int drawn = character_.floorsLow + draw.below(character_.floorsHigh - character_.floorsLow + 1);
+    Draw draw(seed, Kind::MapBuilding, number);
+    const int drawn = character.floorsLow + draw.below(character.floorsHigh - character.floorsLow + 1);
     const int floors = b.floorsSaid().value_or(drawn);
-    const Frontage frontage = frontageOf(b.outline, roads_);
-    const Footprint& about = frontage.about;
-    const double yaw = about.yaw + kPi / 2;  // yaw of a house; in the house's frame the front faces -y
-    const bool house = isHouse(b, about);
+    const Frontage frontage = frontageOf(b.outline, network_);
+    const Footprint& around = frontage.about;
+    const double yaw = around.yaw + kPi / 2;  // yaw of a house; in the house's frame the front faces -y
+    const bool house = isHouse(b, around);
     if (house) {
-      House made = drawHouse(draw, number, 2 * about.halfY, 2 * about.halfX, floors);
+      House made = drawHouse(draw, number, 2 * around.halfY, 2 * around.halfX, floors);
       made.shop = b.shop;
+      made.relation = b.relation;
       made.top = b.top;
       if (b.roof) made.roof = *b.roof;
       if (b.riseSaid) made.rise = b.rise;
       // The ridge of a gable roof is along the front, or goes away from it.
-      if (made.roof == models::Roof::Gable && b.ridge && ridgeAlong(*b.ridge, about))
+      if (made.roof == models::Roof::Gable && b.ridge && ridgeAlong(*b.ridge, around))
         made.roof = models::Roof::CrossGable;
       made.forecourt = std::clamp(frontage.gap, 0.0, 30.0);
       const double c = std::cos(yaw);
       const double s = std::sin(yaw);
-      made.place = models::at(
-          {about.center.x - c * about.halfY + s * about.halfX, about.center.y - s * about.halfY - c * about.halfX, 0},
-          yaw);
-      houses_.push_back(made);
+      made.place = models::at({around.center.x - c * around.halfY + s * around.halfX,
+                               around.center.y - s * around.halfY - c * around.halfX, 0},
+                              yaw);
+      houses.push_back(made);
     } else {
-      blocks_.push_back(placedBlockOf(b, frontage, floors, number));
-      for (const MapBuilding* part : lowPartsOf(b)) cover(*part, about);
+      blocks.push_back(placedBlockOf(b, frontage, floors, number));
+      blocks.back().block.relation = b.relation;
+      for (const MapBuilding* part : lowPartsOf(b)) cover(*part, around);
     }
     constexpr double kFacing = 30;  // m; a building that is nearer to a sidewalk faces the road
     if (b.shed || b.base > 0 || frontage.gap > kFacing) continue;
@@ -185,35 +186,35 @@ void Layout::takeBuildings(const MapPlace& map) {
     Plot plot;
     plot.road = before.road;
     plot.side = before.lateral > 0 ? 1 : -1;
-    plot.from = before.along - about.halfY - 1;
-    plot.to = before.along + about.halfY + 1;
+    plot.from = before.along - around.halfY - 1;
+    plot.to = before.along + around.halfY + 1;
     plot.setback = std::max(frontage.gap, 0.0);
-    plot.depth = 2 * about.halfX;
+    plot.depth = 2 * around.halfX;
     plot.built = true;
-    plots_.push_back(plot);
+    plots.push_back(plot);
     if (house && plot.setback > 0.6) {
-      const Vec3d door = houses_.back().place * Vec3d{houses_.back().doorX(), -0.6, 0};
+      const Vec3d door = houses.back().place * Vec3d{houses.back().doorX(), -0.6, 0};
       addStrip({door.x, door.y}, yaw, kPathHalf, plot.setback - 0.6 + before.section.outer(), GroundKind::Path);
     }
   }
   if (onRoads > 0) {
-    about_ += fmt::format("; {} buildings that stand on a road are left out", onRoads);
+    about += fmt::format("; {} buildings that stand on a road are left out", onRoads);
     warn(fmt::format("{}: left out: {} buildings that stand on a road of the town about {:.6f}, {:.6f}",
-                     parameters_.map.string(), onRoads, map.origin.latitude, map.origin.longitude));
+                     parameters.map.string(), onRoads, map.origin.latitude, map.origin.longitude));
   }
   arrangePlots();
 }
 
-// Adds small rectangles to covers_ that together cover a building and its walls.
-void Layout::cover(const MapBuilding& b, const Footprint& about) {
+// Adds small rectangles to covers that together cover a building and its walls.
+void Layout::cover(const MapBuilding& b, const Footprint& around) {
   constexpr double kCell = 1.6;  // m, side of the small rectangles
   std::vector<const Polygon*> rings{&b.outline};
   for (const Polygon& court : b.courts) rings.push_back(&court);
-  for (const double v : models::steps(-about.halfY + kCell / 2, about.halfY + kCell / 2, kCell)) {
-    for (const double u : models::steps(-about.halfX + kCell / 2, about.halfX + kCell / 2, kCell)) {
-      const Point2 p = about.at(u, v);
+  for (const double v : models::steps(-around.halfY + kCell / 2, around.halfY + kCell / 2, kCell)) {
+    for (const double u : models::steps(-around.halfX + kCell / 2, around.halfX + kCell / 2, kCell)) {
+      const Point2 p = around.at(u, v);
       if (isInside(rings, p) || distanceToRings(rings, p) < kCell) {
-        covers_.push_back({p, kCell / 2, kCell / 2, about.yaw});
+        covers.push_back({p, kCell / 2, kCell / 2, around.yaw});
       }
     }
   }
@@ -221,31 +222,30 @@ void Layout::cover(const MapBuilding& b, const Footprint& about) {
 
 // Sorts the plots along the roads, removes overlaps, and adds bare plots where there are no buildings.
 void Layout::arrangePlots() {
-  std::stable_sort(plots_.begin(), plots_.end(), [](const Plot& a, const Plot& b) {
+  std::stable_sort(plots.begin(), plots.end(), [](const Plot& a, const Plot& b) {
     return std::tie(a.road, a.side, a.from) < std::tie(b.road, b.side, b.from);
   });
-  std::vector<Plot> built = std::move(plots_);
-  plots_.clear();
+  std::vector<Plot> built = std::move(plots);
+  plots.clear();
   std::size_t next = 0;
-  for (std::uint32_t r = 0; r < roads_.roads().size(); ++r) {
-    const Road& road = roads_.roads()[r];
+  for (const Road& road : roads()) {
     for (const int side : {-1, 1}) {
       double done = 4;
       const auto addFree = [&](double to) {
         while (to - done > 8) {
           Plot plot;
-          plot.road = r;
+          plot.road = road.number;
           plot.side = side;
           plot.bare = true;
           plot.from = done;
-          Draw draw(seed_, Kind::BarePlot, static_cast<std::uint32_t>(plots_.size()));
-          plot.to = std::min(to, done + draw.around(character_.plotWidth, 0.3));
-          plot.setback = character_.setback;
+          Draw draw(seed, Kind::BarePlot, static_cast<std::uint32_t>(plots.size()));
+          plot.to = std::min(to, done + draw.around(character.plotWidth, 0.3));
+          plot.setback = character.setback;
           done = plot.to;
-          plots_.push_back(plot);
+          plots.push_back(plot);
         }
       };
-      for (; next < built.size() && built[next].road == r && built[next].side == side; ++next) {
+      for (; next < built.size() && built[next].road == road.number && built[next].side == side; ++next) {
         Plot plot = built[next];
         plot.from = std::max(plot.from, done);
         plot.to = std::min(plot.to, road.length() - 2);
@@ -253,23 +253,23 @@ void Layout::arrangePlots() {
         addFree(plot.from);
         plot.from = std::max(done, 4.0);
         done = plot.to;
-        plots_.push_back(plot);
+        plots.push_back(plot);
       }
       addFree(road.length() - 4);
     }
   }
-  std::erase_if(plots_, [&](const Plot& plot) {
+  std::erase_if(plots, [&](const Plot& plot) {
     // Removes plots whose front is on a parking lot, a square, water or another road.
-    const Road& road = roads_.roads()[plot.road];
+    const Road& road = roads()[plot.road];
     const double out = plot.side * (road.section.half + road.section.outer() + 1.5);
     const Point2 front = besideRoad(road, (plot.from + plot.to) / 2, out).at;
-    const Beside b = roads_.at(front.x, front.y);
-    return areas_.outsideHard(front) < 0.5 || (b.known && b.edge < b.section.outer());
+    const Beside b = besideAt(front);
+    return areas.outsideHard(front) < 0.5 || (b.known && b.edge < b.section.outer());
   });
-  for (std::uint32_t i = 0; i < plots_.size(); ++i) {
-    Plot& plot = plots_[i];
+  for (std::uint32_t i = 0; i < plots.size(); ++i) {
+    Plot& plot = plots[i];
     plot.number = i;
-    Draw draw(seed_, Kind::MapFencing, i);
+    Draw draw(seed, Kind::MapFencing, i);
     plot.fencing = drawFencing(draw, plot.setback);
   }
 }

@@ -20,43 +20,36 @@ constexpr double kWalkway = 1.4;  // m, width of a path to a house
 }  // namespace
 
 void Layout::drawPlots() {
-  for (std::uint32_t r = 0; r < roads_.roads().size(); ++r) {
-    const Road& road = roads_.roads()[r];
+  for (const Road& road : roads()) {
     for (const int side : {-1, 1}) {
-      addPlots(r, side, road.main ? mainFrom_ : 12, road.main ? mainTo_ : road.length() - 4);
+      addPlots(road, side, road.main ? mainFrom : 12, road.main ? mainTo : road.length() - 4);
     }
   }
 }
 
 void Layout::settle() {
   findWaterLevels();
-  for (std::uint32_t i = 0; i < patches_.size(); ++i) {
-    patchPlaces_.push_back({patches_[i].place});
-    enter(patches_[i].place, i, patchCells_);
-  }
+  for (std::uint32_t i = 0; i < patches.size(); ++i) enter(patches[i].place, i, patchCells_);
   // Reads all heights before any terrace is set. Otherwise buildings that are close together would lift each other.
   std::vector<Terrace> terraces;
-  for (models::House& house : houses_) {
+  for (models::House& house : houses) {
     const Vec3d door = house.place * Vec3d{house.doorX(), -0.6, 0};
     house.place.translation.z = heightAt({door.x, door.y});
     const double yaw = std::atan2(house.place.linear.x.y, house.place.linear.x.x);
     const auto level = [&](const Vec3d& middle, double width, double depth) {
       const Vec3d at = house.place * middle;
-      terraces.push_back({{{at.x, at.y}, width / 2 + 0.5, depth / 2 + 0.5, yaw}, house.place.translation.z});
-      covers_.push_back(terraces.back().place);
+      terraces.push_back({Footprint{{at.x, at.y}, width / 2 + 0.5, depth / 2 + 0.5, yaw}, house.place.translation.z});
+      covers.push_back(terraces.back().place);
     };
     level({house.width / 2, house.depth / 2, 0}, house.width, house.depth);
     if (house.garage) level(house.garageMiddle(), models::kGarageWidth, models::kGarageDepth);
   }
-  for (PlacedBlock& b : blocks_) {
+  for (PlacedBlock& b : blocks) {
     b.height = heightAt(b.entrance);
-    terraces.push_back({{b.about.center, b.about.halfX + 0.5, b.about.halfY + 0.5, b.about.yaw}, b.height});
+    terraces.push_back({Footprint{b.about.center, b.about.halfX + 0.5, b.about.halfY + 0.5, b.about.yaw}, b.height});
   }
   terraces_ = std::move(terraces);
-  for (std::uint32_t i = 0; i < terraces_.size(); ++i) {
-    terracePlaces_.push_back({terraces_[i].place});
-    enter(terraces_[i].place, i, terraceCells_);
-  }
+  for (std::uint32_t i = 0; i < terraces_.size(); ++i) enter(terraces_[i].place, i, terraceCells_);
 }
 
 // True if the rectangle's middle, corners and middles of sides are at least `gap` metres from roads and sidewalks.
@@ -64,7 +57,7 @@ bool Layout::isOffRoads(const Footprint& f, double gap) const {
   for (const double u : {-1.0, 0.0, 1.0}) {
     for (const double v : {-1.0, 0.0, 1.0}) {
       const Point2 at = f.at(u * f.halfX, v * f.halfY);
-      const Beside beside = roads_.at(at.x, at.y);
+      const Beside beside = besideAt(at);
       if (beside.known && beside.edge < beside.section.outer() + gap) return false;
     }
   }
@@ -72,7 +65,7 @@ bool Layout::isOffRoads(const Footprint& f, double gap) const {
 }
 
 Fencing Layout::drawFencing(Draw& draw, double setback) const {
-  const Character& c = character_;
+  const Character& c = character;
   Fencing fencing = Fencing::None;
   const double pick = draw.next();
   if (pick < c.hedges) {
@@ -88,20 +81,20 @@ Fencing Layout::drawFencing(Draw& draw, double setback) const {
 
 void Layout::addStrip(const Point2& inner, double yaw, double half, double length, GroundKind kind) {
   const Vec3d out{std::sin(yaw), -std::cos(yaw), 0};  // towards the road
-  patches_.push_back({{{inner.x + out.x * length / 2, inner.y + out.y * length / 2}, half, length / 2, yaw}, kind});
+  patches.push_back(
+      {Footprint{{inner.x + out.x * length / 2, inner.y + out.y * length / 2}, half, length / 2, yaw}, kind});
 }
 
-void Layout::addPlots(std::uint32_t r, int side, double from, double to) {
-  const Road& road = roads_.roads()[r];
-  const Character& c = character_;
+void Layout::addPlots(const Road& road, int side, double from, double to) {
+  const Character& c = character;
   const bool dense = c.terraced;
   const bool halls = c.district == District::Commercial;
   double start = from;
   while (to - start > 8) {
     Plot plot;
-    plot.number = static_cast<std::uint32_t>(plots_.size());
-    Draw draw(seed_, Kind::Plot, plot.number);
-    plot.road = r;
+    plot.number = static_cast<std::uint32_t>(plots.size());
+    Draw draw(seed, Kind::Plot, plot.number);
+    plot.road = road.number;
     plot.side = side;
     plot.from = start;
     plot.to = std::min(to, start + draw.around(c.plotWidth, 0.3));
@@ -151,7 +144,7 @@ void Layout::addPlots(std::uint32_t r, int side, double from, double to) {
       taken_.add({center, body.halfX - shared, body.halfY, yaw});
       plot.built = true;
       house.forecourt = plot.setback;
-      house.ivy = draw.chance(0.2 * parameters_.greenery);
+      house.ivy = draw.chance(0.2 * parameters.greenery);
       // Sets the house's frame: the front wall is in the plane y = 0 and faces -y; x points to the right as seen from
       // the road.
       const Point2 corner = body.at(-body.halfX, -body.halfY);
@@ -163,26 +156,26 @@ void Layout::addPlots(std::uint32_t r, int side, double from, double to) {
         // A third of the forecourts are as wide as the plot.
         const double half = draw.chance(1.0 / 3) ? width / 2 : house.width / 2 + draw.in(0.3, 2);
         addStrip({front.x, front.y}, yaw, half, plot.setback + 0.4 + out, GroundKind::Path);
-        patches_.back().parks = plot.setback > 7 && draw.chance(0.8);
+        patches.back().parks = plot.setback > 7 && draw.chance(0.8);
       } else if (plot.setback > 0.6) {
         addStrip({door.x, door.y}, yaw, kWalkway / 2, plot.setback - 0.6 + out, GroundKind::Path);
       }
       if (hasDriveway) {
         const Vec3d beside = house.place * Vec3d{house.width + kDriveway / 2 + 0.3, 6, 0};
         addStrip({beside.x, beside.y}, yaw, kDriveway / 2, plot.setback + 6 + out, GroundKind::Driveway);
-        patches_.back().parks = true;
+        patches.back().parks = true;
         const Vec3d inside = house.place * house.garageMiddle();
         const Footprint garage{{inside.x, inside.y}, models::kGarageWidth / 2 - 0.05, models::kGarageDepth / 2, yaw};
         house.garage = draw.chance(0.55) && isOffRoads(garage, 1) && taken_.isFree(garage);
         if (house.garage) taken_.add(garage);
       }
-      houses_.push_back(house);
+      houses.push_back(house);
     }
     start = plot.to;
     // Leaves out a plot without a house if it is in an area (park, wood, parking lot, water ...). Elsewhere such a plot
     // becomes a garden.
-    if (!plot.built && areas_.at(spot(middle, outer + 6))) continue;
-    plots_.push_back(plot);
+    if (!plot.built && areas.at(spot(middle, outer + 6))) continue;
+    plots.push_back(plot);
   }
 }
 

@@ -34,13 +34,13 @@ std::uint32_t stopLine(const Layout& l, Shape& s, models::SurfaceIndex paint, co
 std::uint32_t stopLines(const Placer& placer, Shape& s, models::SurfaceIndex paint) {
   const Layout& l = placer.layout;
   std::uint32_t lines = 0;
-  for (std::uint32_t r = 0; r < l.roads().roads().size(); ++r) {
-    if (const std::optional<TrafficSign> sign = signAtMouth(l, r)) {
-      lines += stopLine(l, s, paint, l.roads().roads()[r], stopAtMouth(l), *sign == TrafficSign::Stop);
+  for (const Road& road : l.roads()) {
+    if (const std::optional<TrafficSign> sign = signAtMouth(l, road)) {
+      lines += stopLine(l, s, paint, road, stopAtMouth(l), *sign == TrafficSign::Stop);
     }
   }
   for (const Placer::Light& light : placer.lights) {
-    if (light.marked) lines += stopLine(l, s, paint, l.roads().roads().front(), light.along, true);
+    if (light.marked) lines += stopLine(l, s, paint, l.mainRoad(), light.along, true);
   }
   return lines;
 }
@@ -63,18 +63,18 @@ void placeMarkings(Placer& placer) {
   Shape s(placer.builder, "road markings");
   const models::SurfaceIndex paint = s.surface("road_marking", "road_paint");
   std::uint32_t dashes = stopLines(placer, s, paint);
-  for (const Road& road : l.roads().roads()) {
+  for (const Road& road : l.roads()) {
     const double lanes = road.section.half - road.section.parking - road.section.shoulder;
     if (road.section.laneWidth() < 2.6) continue;
-    Draw draw(l.seed(), Kind::Markings, static_cast<std::uint32_t>(&road - l.roads().roads().data()));
+    Draw draw(l.seed, Kind::Markings, road.number);
     if (!draw.chance(road.section.lanes > 1 ? 1 : road.main ? 0.8 : 0.35)) continue;
     const double dash = draw.in(2, 5);
     const double gap = dash * draw.in(1, 2);
-    const bool edges = l.character().country && draw.chance(0.6);
+    const bool edges = l.character.country && draw.chance(0.6);
     for (double at = 4; at + dash < road.length() - 4; at += dash + gap) {
       const Point2 middle = road.point(at + dash / 2);
       // Leaves out the line where another road joins.
-      const Beside b = l.roads().at(middle.x, middle.y);
+      const Beside b = l.besideAt(middle);
       if (b.edge < -road.section.half - 0.5) continue;
       const int pieces = 3;
       for (int lane = road.section.median > 0 ? 1 : 0; lane < road.section.lanes; ++lane) {
@@ -122,11 +122,10 @@ void placeCovers(Placer& placer) {
     s.grid(grid, false, [&](int, int) { return fresh; });
   };
   int count = 0;
-  for (std::uint32_t r = 0; r < l.roads().roads().size(); ++r) {
-    const Road& road = l.roads().roads()[r];
-    Draw draw(l.seed(), Kind::Cover, r);
+  for (const Road& road : l.roads()) {
+    Draw draw(l.seed, Kind::Cover, road.number);
     const double half = road.section.half - road.section.parking - 0.3;
-    const double covers = l.character().country ? 0.3 : 3;
+    const double covers = l.character.country ? 0.3 : 3;
     const auto manholes = static_cast<int>(covers * road.length() / 100 + draw.next());
     for (int k = 0; k < manholes; ++k) {
       const double along = draw.in(4, road.length() - 4);
@@ -142,14 +141,14 @@ void placeCovers(Placer& placer) {
       for (int i = 0; i < kCorners; ++i) s.triangle(iron, middle, rim(i), rim(i + 1));
       ++count;
     }
-    const auto repairs = static_cast<int>(8 * l.character().wear * road.length() / 100 + draw.next());
+    const auto repairs = static_cast<int>(8 * l.character.wear * road.length() / 100 + draw.next());
     for (int k = 0; k < repairs; ++k) {
       const double along = draw.in(4, road.length() - 12);
       const double width = draw.in(0.5, 2);
       const double right = draw.in(-half, half - width);
       const double length = draw.in(0.8, 8);
       const Point2 middle = besideRoad(road, along + length / 2, right + width / 2).at;
-      const Beside b = l.roads().at(middle.x, middle.y);
+      const Beside b = l.besideAt(middle);
       // There are no repairs where another road joins, and none over a pothole.
       if (b.edge < -road.section.half - 0.5 || l.nearPothole(middle, std::hypot(length, width) / 2)) continue;
       cover(road, along, along + length, right, right + width);

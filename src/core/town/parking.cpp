@@ -32,24 +32,23 @@ std::optional<double> parkedAt(const Road& road, double half, bool keepClear) {
 
 void placeCars(Placer& placer, Fleet& fleet) {
   const Layout& l = placer.layout;
-  const Character& c = l.character();
+  const Character& c = l.character;
   const Tour tour = tourOf(l);
   int number = 0;
   std::uint32_t bay = 0;
-  for (std::uint32_t r = 0; r < l.roads().roads().size(); ++r) {
-    const Road& road = l.roads().roads()[r];
+  for (const Road& road : l.roads()) {
     const CrossSection& s = road.section;
     if (road.minor || (road.oneWay() && s.parking < 1.5)) continue;
-    const double first = road.main ? l.mainFrom() : 14;
-    const double last = road.main ? l.mainTo() : road.length() - 4;
-    const bool busy = road.main || tour.has(r);  // the road is used by the sensor's vehicle
+    const double first = road.main ? l.mainFrom : 14;
+    const double last = road.main ? l.mainTo : road.length() - 4;
+    const bool busy = road.main || tour.has(road);  // the road is used by the sensor's vehicle
     for (const int side : {-1, 1}) {
       // Along a road without parking lanes drivers park half on the sidewalk on one side, on both or on none.
       const bool custom =
           s.parking > 1.5 ||
-          Draw(l.seed(), Kind::SidewalkParking, 2 * r + (side > 0 ? 1u : 0u)).chance(busy ? 0.35 : 0.75);
+          Draw(l.seed, Kind::SidewalkParking, 2 * road.number + (side > 0 ? 1u : 0u)).chance(busy ? 0.35 : 0.75);
       for (double at = first; at + kBay < last; at += kBay) {
-        Draw draw(l.seed(), Kind::ParkedCar, bay++);
+        Draw draw(l.seed, Kind::ParkedCar, bay++);
         // More cars stand in roads where fewer pass.
         const double parked = std::min(0.95, (!busy ? 3 : s.parking > 1.5 ? 0.8 : 0.5) * c.parked);
         if (!draw.chance(custom ? parked : 0.15 * parked)) continue;
@@ -59,7 +58,7 @@ void placeCars(Placer& placer, Fleet& fleet) {
         if (!out || (*out > 0 && !custom)) continue;
         if (*out <= 0 && s.parking <= 1.5 && custom && !draw.chance(0.15)) continue;  // they narrow the lane
         Spot spot = besideRoad(road, at + kBay / 2 + draw.in(-0.4, 0.4), side * (s.half + *out));
-        const Beside b = l.roads().at(spot.at.x, spot.at.y);
+        const Beside b = l.besideAt(spot.at);
         if (std::abs(b.edge - *out) > 0.3) continue;  // the bay is at a crossing
         // Driveways are kept clear.
         if (l.outsidePatches(besideRoad(road, at + kBay / 2, side * (s.half + s.outer() + 0.4)).at) < 2.2) continue;
@@ -70,8 +69,8 @@ void placeCars(Placer& placer, Fleet& fleet) {
     }
   }
   std::uint32_t index = 0;
-  for (const Patch& patch : l.patches()) {
-    Draw draw(l.seed(), Kind::ForecourtCars, index++);
+  for (const Patch& patch : l.patches) {
+    Draw draw(l.seed, Kind::ForecourtCars, index++);
     if (!patch.parks || c.parked <= 0) continue;
     // Cars stand side by side on wide forecourts, with gaps; a driveway has room for one car.
     constexpr double kBeside = 2.7;  // m
@@ -104,21 +103,21 @@ void placeLots(Placer& placer, Fleet& fleet) {
   std::uint32_t lot = 0;
   int lines = 0;
   int number = 0;
-  for (const MapArea& area : l.areas().all()) {
+  for (const MapArea& area : l.areas.all()) {
     if (area.land != Land::Lot) continue;
-    Draw draw(l.seed(), Kind::Lot, ++lot);
+    Draw draw(l.seed, Kind::Lot, ++lot);
     // Few lots are full.
     const double full = draw.next();
-    const double taken = std::min(0.95, l.parameters().vehicles * (0.2 + 0.7 * full * full));
+    const double taken = std::min(0.95, l.parameters.vehicles * (0.2 + 0.7 * full * full));
     Footprint about = rectangleAbout(area.outline);
     if (about.halfX < about.halfY) {
       std::swap(about.halfX, about.halfY);
       about.yaw += kPi / 2;
     }
     const auto onLot = [&](const Point2& p) {
-      const Beside b = l.roads().at(p.x, p.y);
-      return std::max(std::abs(p.x), std::abs(p.y)) < l.half() - 3 && l.areas().outsideHard(p) < -1.2 &&
-             l.areas().at(p) == Land::Lot && (!b.known || b.edge > b.section.outer() + 1.2);
+      const Beside b = l.besideAt(p);
+      return std::max(std::abs(p.x), std::abs(p.y)) < l.halfSide - 3 && l.areas.outsideHard(p) < -1.2 &&
+             l.areas.at(p) == Land::Lot && (!b.known || b.edge > b.section.outer() + 1.2);
     };
     const auto addLine = [&](double u, double low, double high) {
       const auto corner = [&](double side, double v) { return l.onGround(about.at(u + side * kLine, v), 0.01); };
@@ -151,15 +150,15 @@ void placeLots(Placer& placer, Fleet& fleet) {
 // road. Also places trailers, caravans and tractors beside the main road.
 void placeStanding(Placer& placer, Fleet& fleet) {
   const Layout& l = placer.layout;
-  if (l.character().district == District::Motorway) return;
-  Draw draw(l.seed(), Kind::StandingVehicles);
-  const double share = l.parameters().vehicles;
+  if (l.character.district == District::Motorway) return;
+  Draw draw(l.seed, Kind::StandingVehicles);
+  const double share = l.parameters.vehicles;
   const auto wanted = [&] { return share >= 1 || draw.chance(share); };
-  const std::vector<Road>& roads = l.roads().roads();
+  const std::vector<Road>& roads = l.roads();
   const auto tryAt = [&](const Model& m, const Road& road, double at, double lateral, const std::string& name) {
     Spot spot = besideRoad(road, at, lateral);
     if (lateral > 0) spot.yaw += kPi;
-    const Beside b = l.roads().at(spot.at.x, spot.at.y);
+    const Beside b = l.besideAt(spot.at);
     // The place must not be at a crossing or on another road.
     if (!b.known || std::abs(b.edge - (std::abs(lateral) - road.section.half)) > 0.3) return false;
     return placer.tryPark(m, spot, name);
@@ -168,34 +167,32 @@ void placeStanding(Placer& placer, Fleet& fleet) {
     const double wide = (m.bounds.high.y - m.bounds.low.y) / 2;
     for (int attempt = 0; attempt < 2 * Placer::kTries; ++attempt) {
       const int sides = static_cast<int>(roads.size()) - 1;
-      const std::uint32_t r = sides > 0 ? static_cast<std::uint32_t>(1 + draw.below(sides)) : 0;
-      if (tourOf(l).has(r)) continue;
-      const Road& road = roads[r];
-      if (road.minor || road.oneWay()) continue;
+      const Road& road = roads[sides > 0 ? static_cast<std::size_t>(1 + draw.below(sides)) : 0];
+      if (tourOf(l).has(road) || road.minor || road.oneWay()) continue;
       const double lateral = std::max(road.section.half - wide - 0.2, wide + kMiddle);
       const bool left = road.main || draw.chance(0.5);
-      const double at = road.main ? draw.in(l.mainFrom() + 10, l.mainTo() - 10) : draw.in(12, 28);
+      const double at = road.main ? draw.in(l.mainFrom + 10, l.mainTo - 10) : draw.in(12, 28);
       if (tryAt(m, road, at, left ? lateral : -lateral, name)) return;
     }
   };
   // Towns with traffic lights have a second bus.
-  const int buses = l.character().lights > 0.4 ? 2 : 1;
+  const int buses = l.character.lights > 0.4 ? 2 : 1;
   for (int k = 0; k < buses; ++k) {
     if (wanted()) onRoad(fleet.bus(), k == 0 ? "waiting bus" : "waiting bus 2");
   }
   if (wanted()) onRoad(fleet.anyTruck(draw), "delivering truck");
-  const bool rural = l.character().country;
+  const bool rural = l.character.country;
   const int others = 1 + draw.below(3);
   for (int k = 0; k < others; ++k) {
     if (!wanted()) continue;
     const models::WorkVehicle what = rural && draw.chance(0.6) ? models::WorkVehicle::Tractor
                                      : draw.chance(0.7)        ? models::WorkVehicle::Trailer
                                                                : models::WorkVehicle::Caravan;
-    const Model m = models::makeWorkVehicle(placer.builder, l.seed(), what, k);
+    const Model m = models::makeWorkVehicle(placer.builder, l.seed, what, k);
     for (int attempt = 0; attempt < 4 * Placer::kTries; ++attempt) {
       const Road& road = roads.front();
       const double beyond = road.section.half + road.section.outer() + draw.in(2, 8);
-      const double at = draw.in(l.mainFrom() + 10, l.mainTo() - 10);
+      const double at = draw.in(l.mainFrom + 10, l.mainTo - 10);
       if (tryAt(m, road, at, draw.chance(0.5) ? beyond : -beyond, fmt::format("other vehicle {}", k + 1))) break;
     }
   }

@@ -31,24 +31,23 @@ struct Place {
 
 std::optional<Place> besidePeople(const Placer& placer, Draw& draw) {
   const Layout& l = placer.layout;
-  const auto r =
-      static_cast<std::size_t>(draw.chance(0.7) ? 0 : draw.below(static_cast<int>(l.roads().roads().size())));
-  const Road& road = l.roads().roads()[r];
+  const auto r = static_cast<std::size_t>(draw.chance(0.7) ? 0 : draw.below(static_cast<int>(l.roads().size())));
+  const Road& road = l.roads()[r];
   const CrossSection& s = road.section;
-  const double at = road.main ? draw.in(l.mainFrom(), l.mainTo()) : draw.in(10, road.length());
+  const double at = road.main ? draw.in(l.mainFrom, l.mainTo) : draw.in(10, road.length());
   const double out =
       s.sidewalk > 0 ? s.curb + s.verge + draw.in(0.3, std::max(0.4, s.sidewalk - 0.3)) : draw.in(0.4, 1);
   const double side = draw.sign();
   const Place place{&road, at, side * (s.half + out), draw.sign()};
   const Spot spot = place.spot();
-  if (l.roads().at(spot.at.x, spot.at.y).edge <= 0.2) return std::nullopt;
+  if (l.besideAt(spot.at).edge <= 0.2) return std::nullopt;
   return place;
 }
 
 // True at the ends of the main road, where traffic comes out of the ground and goes back into it.
 bool isAtEnd(const Layout& l, const Point2& p) {
   constexpr double kNear = 20;  // m
-  const std::vector<Point2>& line = l.roads().roads().front().line;
+  const std::vector<Point2>& line = l.mainRoad().line;
   return std::min(distance(p, line.front()), distance(p, line.back())) < kNear;
 }
 
@@ -61,7 +60,7 @@ double freeWay(const Placer& placer, Place place, double most, double half) {
     if (place.along < 4 || place.along > place.road->length() - 4) return done;
     const Spot spot = place.spot();
     if (isAtEnd(placer.layout, spot.at)) return done;
-    const double edge = placer.layout.roads().at(spot.at.x, spot.at.y).edge;
+    const double edge = placer.layout.besideAt(spot.at).edge;
     if (edge < half - 0.2 || edge > 12 || !placer.occupancy.isFree({spot.at, half, half, spot.yaw})) return done;
   }
   return most;
@@ -147,13 +146,13 @@ bool placeCyclist(Placer& placer, Draw& draw, const Model& bicycle, const Model&
 
 void placePeople(Placer& placer) {
   const Layout& l = placer.layout;
-  if (l.character().district == District::Motorway) return;
-  const double length = l.mainTo() - l.mainFrom();
-  Draw counts(l.seed(), Kind::PeopleCounts);
+  if (l.character.district == District::Motorway) return;
+  const double length = l.mainTo - l.mainFrom;
+  Draw counts(l.seed, Kind::PeopleCounts);
   // Returns the number of people or vehicles of a kind: at least one, unless people are switched off.
   const auto count = [&](double share) {
-    const int drawn = static_cast<int>(share * l.character().people * length / 100 + counts.next());
-    return l.parameters().people > 0 ? std::max(1, drawn) : 0;
+    const int drawn = static_cast<int>(share * l.character.people * length / 100 + counts.next());
+    return l.parameters.people > 0 ? std::max(1, drawn) : 0;
   };
   const int walkers = count(1);
   const int parked = count(0.6);
@@ -183,7 +182,7 @@ void placePeople(Placer& placer) {
       int found = 0;
       for (int k = 0; k < wanted; ++k) {
         Spot spot = place->spot();
-        const bool onRoad = l.roads().at(spot.at.x, spot.at.y).edge < 0.3;
+        const bool onRoad = l.besideAt(spot.at).edge < 0.3;
         if (onRoad || place->along > place->road->length() - 3) break;
         spot.yaw += (across ? kPi / 2 : 0) + draw.in(-0.08, 0.08);
         spot.lean = lean;
@@ -198,11 +197,11 @@ void placePeople(Placer& placer) {
   constexpr int kWalkers = 5;
   constexpr int kStanding = 4;
   const auto walking = models::makeForms(std::min(walkers, kWalkers),
-                                         [&](int f) { return models::makeWalker(placer.builder, l.seed(), f); });
+                                         [&](int f) { return models::makeWalker(placer.builder, l.seed, f); });
   const auto standing = models::makeForms(std::min((walkers + 2) / 3, kStanding),
-                                          [&](int f) { return models::makePedestrian(placer.builder, l.seed(), f); });
+                                          [&](int f) { return models::makePedestrian(placer.builder, l.seed, f); });
   for (int i = 0; i < walkers; ++i) {
-    Draw draw(l.seed(), Kind::Pedestrian, static_cast<std::uint32_t>(i));
+    Draw draw(l.seed, Kind::Pedestrian, static_cast<std::uint32_t>(i));
     const std::string name = fmt::format("pedestrian {}", i + 1);
     if (i % 3 == 2) {
       search(standing[static_cast<std::size_t>(i / 3) % standing.size()], draw, name, 0);
@@ -216,17 +215,17 @@ void placePeople(Placer& placer) {
     if (!walks) search(standing[static_cast<std::size_t>(i) % standing.size()], draw, name, 0);
   }
   const auto bicycles =
-      models::makeForms(std::min(parked, 4), [&](int f) { return models::makeBicycle(placer.builder, l.seed(), f); });
+      models::makeForms(std::min(parked, 4), [&](int f) { return models::makeBicycle(placer.builder, l.seed, f); });
   for (int i = 0; i < parked; ++i) {
-    Draw draw(l.seed(), Kind::ParkedBicycles, static_cast<std::uint32_t>(i));
+    Draw draw(l.seed, Kind::ParkedBicycles, static_cast<std::uint32_t>(i));
     row(bicycles, draw, fmt::format("bicycle {}", i + 1), radians(draw.in(-9, -5)), 8);
   }
   constexpr int kCyclists = 3;
   const auto riding = models::makeForms(std::min(cyclists, kCyclists), [&](int f) {
-    return models::makeCyclist(placer.builder, l.seed(), kRoadCyclistForms + f);
+    return models::makeCyclist(placer.builder, l.seed, kRoadCyclistForms + f);
   });
   for (int i = 0; i < cyclists; ++i) {
-    Draw draw(l.seed(), Kind::SidewalkCyclist, static_cast<std::uint32_t>(i));
+    Draw draw(l.seed, Kind::SidewalkCyclist, static_cast<std::uint32_t>(i));
     const auto& [bicycle, rider] = riding[static_cast<std::size_t>(i) % riding.size()];
     bool rides = false;
     for (int attempt = 0; attempt < Placer::kTries && !rides; ++attempt) {
@@ -234,9 +233,9 @@ void placePeople(Placer& placer) {
     }
   }
   const auto motorcycleForms = models::makeForms(
-      std::min(motorcycles, 2), [&](int f) { return models::makeMotorcycle(placer.builder, l.seed(), f); });
+      std::min(motorcycles, 2), [&](int f) { return models::makeMotorcycle(placer.builder, l.seed, f); });
   for (int i = 0; i < motorcycles; ++i) {
-    Draw draw(l.seed(), Kind::ParkedMotorcycles, static_cast<std::uint32_t>(i));
+    Draw draw(l.seed, Kind::ParkedMotorcycles, static_cast<std::uint32_t>(i));
     row(motorcycleForms, draw, fmt::format("motorcycle {}", i + 1), radians(8), 4);
   }
 }

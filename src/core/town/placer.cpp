@@ -4,8 +4,8 @@ namespace scanmill::town {
 
 Placer::Placer(SceneBuilder& sceneBuilder, const Layout& townLayout, const Affine& frame)
     : builder(sceneBuilder), layout(townLayout), worldFromTown(frame) {
-  for (const Footprint& cover : layout.covers()) occupancy.add(cover);
-  for (const Patch& patch : layout.patches()) driveways.add(patch.place);
+  for (const Footprint& cover : layout.covers) occupancy.add(cover);
+  for (const Patch& patch : layout.patches) driveways.add(patch.place);
 }
 
 void Placer::put(const Model& m, const Spot& s, const std::string& name, double sink) {
@@ -42,7 +42,7 @@ void Placer::park(const Model& m, const Spot& s, const std::string& name) {
 
 void Placer::putMoving(std::uint32_t mesh, const std::string& name, const std::shared_ptr<const Movement>& movement,
                        const std::shared_ptr<const Animation>& animation) {
-  if (!layout.character().plain) {
+  if (!layout.character.plain) {
     builder.place(mesh, {}, name, {}, movement, animation);
     return;
   }

@@ -49,7 +49,7 @@ class Placer {
   // True if a point is on the town's ground, not at its edge.
   bool isOnGround(const Point2& p) const {
     constexpr double kEdge = 3;  // m, least distance from the edge of the ground
-    return std::max(std::abs(p.x), std::abs(p.y)) < layout.half() - kEdge;
+    return std::max(std::abs(p.x), std::abs(p.y)) < layout.halfSide - kEdge;
   }
 
   models::Occupancy occupancy;  // rectangles that are covered by objects
@@ -75,7 +75,7 @@ void paintBar(models::Shape& s, models::SurfaceIndex paint, const Layout& l, con
               double right, double left);
 
 // Returns the kind of sign for vehicles that come out of a side road; nullopt if there is no sign.
-std::optional<models::TrafficSign> signAtMouth(const Layout& l, std::uint32_t sideRoad);
+std::optional<models::TrafficSign> signAtMouth(const Layout& l, const Road& sideRoad);
 
 void placeHouses(Placer& placer);
 void placeBoundaries(Placer& placer);

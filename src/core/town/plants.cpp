@@ -29,9 +29,9 @@ const TreeModel& randomTree(Placer& placer, Draw& draw, bool broadleaf, bool far
   const int again = draw.below(kTreesOfAForm);
   std::optional<TreeModel>& made = placer.trees[{form, again, far}];
   if (!made) {
-    const double detail = placer.layout.parameters().detail * (far ? kFarDetail : 1);
-    made = models::makeTree(placer.builder, placer.layout.seed(), form + again * models::kTreeForms, detail,
-                            placer.layout.character().foliage, kRagged[static_cast<std::size_t>(again)]);
+    const double detail = placer.layout.parameters.detail * (far ? kFarDetail : 1);
+    made = models::makeTree(placer.builder, placer.layout.seed, form + again * models::kTreeForms, detail,
+                            placer.layout.character.foliage, kRagged[static_cast<std::size_t>(again)]);
   }
   return *made;
 }
@@ -42,7 +42,7 @@ const TreeModel& randomTree(Placer& placer, Draw& draw, bool broadleaf, bool far
 bool plant(Placer& placer, Draw& draw, Spot spot, bool broadleaf, double room, const std::string& name,
            const MapTree& mapped = {}) {
   constexpr double kSunk = 0.05;  // m of the trunk below the ground
-  const Beside b = placer.layout.roads().at(spot.at.x, spot.at.y);
+  const Beside b = placer.layout.besideAt(spot.at);
   const bool far = !b.known || b.edge > kFar;
   const TreeModel& tree = randomTree(placer, draw, broadleaf, far);
   spot.yaw = draw.in(0, 2 * kPi);
@@ -63,8 +63,8 @@ bool plant(Placer& placer, Draw& draw, Spot spot, bool broadleaf, double room, c
 }
 
 bool onLawn(const Layout& layout, const Point2& p, double beyond) {
-  if (layout.areas().outsideHard(p) < 1) return false;
-  const Beside b = layout.roads().at(p.x, p.y);
+  if (layout.areas.outsideHard(p) < 1) return false;
+  const Beside b = layout.besideAt(p);
   return !b.known || b.edge > b.section.paved() + beyond;
 }
 
@@ -89,9 +89,9 @@ void placeMapTrees(Placer& placer) {
   const Layout& l = placer.layout;
   std::uint32_t mapped = 0;
   bool lost = false;
-  for (const MapTree& tree : l.trees()) {
-    Draw draw(l.seed(), Kind::MapTree, mapped++);
-    const Beside b = l.roads().at(tree.at.x, tree.at.y);
+  for (const MapTree& tree : l.trees) {
+    Draw draw(l.seed, Kind::MapTree, mapped++);
+    const Beside b = l.besideAt(tree.at);
     // Trees may be on a road, which is wider here than on the map.
     const bool onRoad = b.known && b.edge < 0.4;
     const Spot spot{tree.at, draw.in(0, 2 * kPi), 1, 0};
@@ -100,23 +100,22 @@ void placeMapTrees(Placer& placer) {
   // The text is the same for all places on the map, so that there is one warning.
   if (lost) {
     warn(fmt::format("{}: left out: trees where the town has roads, paths, houses or other trees",
-                     l.parameters().map.string()));
+                     l.parameters.map.string()));
   }
 }
 
 void placeTrees(Placer& placer) {
   const Layout& l = placer.layout;
-  const Character& c = l.character();
-  auto number = static_cast<int>(l.trees().size());
+  const Character& c = l.character;
+  auto number = static_cast<int>(l.trees.size());
   // If the map has trees, no random trees are added along the roads.
-  const double avenue = l.trees().empty() ? c.avenue : 0;
+  const double avenue = l.trees.empty() ? c.avenue : 0;
   std::vector<Spot> pits;
   // Plants trees along the roads: in the verge if it is wide enough, else in the gardens behind the pavement.
-  for (std::uint32_t r = 0; r < l.roads().roads().size(); ++r) {
-    const Road& road = l.roads().roads()[r];
+  for (const Road& road : l.roads()) {
     const CrossSection& s = road.section;
     if (road.minor) continue;
-    Draw draw(l.seed(), Kind::Avenue, r);
+    Draw draw(l.seed, Kind::Avenue, road.number);
     const double spacing = draw.in(7, 13);
     for (const double along : models::steps(6, road.length() - 4, spacing)) {
       for (const int side : {-1, 1}) {
@@ -127,7 +126,7 @@ void placeTrees(Placer& placer) {
                            : inPit       ? s.curb + draw.in(0.9, 1.1)
                                          : s.outer() + draw.in(0.8, 2.5);
         const Spot spot = besideRoad(road, along + draw.in(-1, 1), side * (s.half + out));
-        const Beside b = l.roads().at(spot.at.x, spot.at.y);
+        const Beside b = l.besideAt(spot.at);
         if (b.edge < out - 0.5) continue;  // the place is on another road or close to it
         if (!plant(placer, draw, spot, true, std::clamp(out + kOverhang, 1.6, 3.4), fmt::format("tree {}", number + 1)))
           continue;
@@ -139,24 +138,24 @@ void placeTrees(Placer& placer) {
   placePits(placer, pits);
   // Plants trees in parks, unless the map has trees.
   std::uint32_t park = 0;
-  for (const MapArea& area : l.areas().all()) {
-    Draw draw(l.seed(), Kind::ParkTrees, ++park);
-    if (area.land != Land::Park || !l.trees().empty()) continue;
+  for (const MapArea& area : l.areas.all()) {
+    Draw draw(l.seed, Kind::ParkTrees, ++park);
+    if (area.land != Land::Park || !l.trees.empty()) continue;
     const Footprint about = rectangleAbout(area.outline);
-    const double wanted = l.parameters().greenery * 4 * about.halfX * about.halfY / draw.in(70, 200);
+    const double wanted = l.parameters.greenery * 4 * about.halfX * about.halfY / draw.in(70, 200);
     const int count = static_cast<int>(std::min(2000.0, wanted));
     for (int k = 0; k < count; ++k) {
       const double u = draw.in(-about.halfX, about.halfX);
       const double v = draw.in(-about.halfY, about.halfY);
       const Point2 p = about.at(u, v);
-      const bool far = !l.roads().at(p.x, p.y).known;
-      if (far || l.areas().at(p) != Land::Park || !onLawn(l, p, 0.5)) continue;
+      const bool far = !l.besideAt(p).known;
+      if (far || l.areas.at(p) != Land::Park || !onLawn(l, p, 0.5)) continue;
       if (plant(placer, draw, {p, 0, 1, 0}, draw.chance(0.5), 0, fmt::format("tree {}", number + 1))) ++number;
     }
   }
-  for (const Plot& plot : l.plots()) {
-    const Road& road = l.roads().roads()[plot.road];
-    Draw draw(l.seed(), Kind::GardenTrees, plot.number);
+  for (const Plot& plot : l.plots) {
+    const Road& road = l.roads()[plot.road];
+    Draw draw(l.seed, Kind::GardenTrees, plot.number);
     const double expected = c.gardenTrees * draw.in(0.3, 1.7);
     const auto count = static_cast<int>(expected + draw.next());
     for (int k = 0; k < count; ++k) {
@@ -178,29 +177,29 @@ void placeTrees(Placer& placer) {
 // grows between the trees and at the edge, where it forms a wall of leaves.
 void placeWoods(Placer& placer) {
   const Layout& l = placer.layout;
-  const Character& c = l.character();
+  const Character& c = l.character;
   if (c.woods <= 0) return;
   const std::vector<Model> bushes = models::makeForms(
-      4, [&](int f) { return models::makeUndergrowth(placer.builder, l.seed(), f, l.character().foliage); });
+      4, [&](int f) { return models::makeUndergrowth(placer.builder, l.seed, f, l.character.foliage); });
   // The random `density` below exceeds this threshold on about the fraction `woods` of the land: its values are nearly
   // normal, with mean 0 and a standard deviation of a quarter.
   const double threshold = 0.42 * (1 - 2 * c.woods);
-  Draw lattice(l.seed(), Kind::WoodLattice);
+  Draw lattice(l.seed, Kind::WoodLattice);
   const double spacing = lattice.in(3.2, 4.6);
-  const double reach = l.half() - 8;
+  const double reach = l.halfSide - 8;
   std::size_t trees = 0;
   std::uint32_t cell = 0;
   const std::vector<double> lines = models::steps(-reach, reach, spacing);
   for (const double y : lines) {
     for (const double x : lines) {
-      Draw draw(l.seed(), Kind::Wood, ++cell);
+      Draw draw(l.seed, Kind::Wood, ++cell);
       const Spot spot{{x + draw.in(0, spacing), y + draw.in(0, spacing)}, draw.in(0, 2 * kPi), draw.in(0.7, 1.4), 0};
-      const Beside b = l.roads().at(spot.at.x, spot.at.y);
+      const Beside b = l.besideAt(spot.at);
       // Skip places on a road or beside its sidewalk, and places far from all roads, which nearer trees would hide.
       if (!b.known || b.edge < b.section.outer() + std::max(b.section.apron, 0.4)) continue;
-      const double density = relief({l.seed(), Field::Woods}, spot.at.x, spot.at.y, 45) +
-                             0.4 * relief({l.seed(), Field::Clearings}, spot.at.x, spot.at.y, 12);
-      const std::optional<Land> land = l.areas().at(spot.at);
+      const double density = relief({l.seed, Field::Woods}, spot.at.x, spot.at.y, 45) +
+                             0.4 * relief({l.seed, Field::Clearings}, spot.at.x, spot.at.y, 12);
+      const std::optional<Land> land = l.areas.at(spot.at);
       if (land ? *land != Land::Wood : density < threshold) continue;
       if (draw.chance(0.55)) {
         const Model& bush = draw.of(bushes);
@@ -219,15 +218,15 @@ void placeWoods(Placer& placer) {
 
 void placeBushes(Placer& placer) {
   const Layout& l = placer.layout;
-  const Character& c = l.character();
+  const Character& c = l.character;
   if (c.gardenBushes <= 0) return;
   const double bushFoliage = std::max(c.foliage, 0.3);  // not below 0.3, since some bushes are evergreen
   const std::vector<Model> forms =
-      models::makeForms(kBushForms, [&](int f) { return models::makeBush(placer.builder, l.seed(), f, bushFoliage); });
+      models::makeForms(kBushForms, [&](int f) { return models::makeBush(placer.builder, l.seed, f, bushFoliage); });
   int number = 0;
-  for (const Plot& plot : l.plots()) {
-    const Road& road = l.roads().roads()[plot.road];
-    Draw draw(l.seed(), Kind::GardenBushes, plot.number);
+  for (const Plot& plot : l.plots) {
+    const Road& road = l.roads()[plot.road];
+    Draw draw(l.seed, Kind::GardenBushes, plot.number);
     const double expected = c.gardenBushes * draw.in(0.2, 1.8);
     const int count = static_cast<int>(expected + draw.next());
     for (int k = 0; k < count; ++k) {
@@ -284,27 +283,26 @@ Model makeTuft(SceneBuilder& builder, std::uint64_t seed, int form, bool dry) {
 
 void placeGrass(Placer& placer) {
   const Layout& l = placer.layout;
-  const Character& c = l.character();
+  const Character& c = l.character;
   if (c.season == Season::Winter || c.plain) return;  // the grass is below the snow, or mown
-  Draw place(l.seed(), Kind::Grass);
+  Draw place(l.seed, Kind::Grass);
   // `wild` is the density of tufts in a town: 0 if all grass is mown.
   const double wild = place.in(0, c.country ? 0.9 : c.terraced ? 0.2 : 0.45);
   const std::vector<Model> forms = models::makeForms(
-      kForms, [&](int f) { return makeTuft(placer.builder, l.seed(), f, c.season == Season::Autumn || f == 0); });
+      kForms, [&](int f) { return makeTuft(placer.builder, l.seed, f, c.season == Season::Autumn || f == 0); });
   int number = 0;
   std::uint32_t index = 0;
-  for (std::uint32_t r = 0; r < l.roads().roads().size(); ++r) {
-    const Road& road = l.roads().roads()[r];
+  for (const Road& road : l.roads()) {
     if (road.minor) continue;
     for (const double along : models::steps(3, road.length() - 3, 0.6)) {
       for (const double side : {-1.0, 1.0}) {
-        Draw draw(l.seed(), Kind::GrassAlongRoads, index++);
+        Draw draw(l.seed, Kind::GrassAlongRoads, index++);
         const double out = road.section.curb + draw.in(0.05, road.section.outer() + kReach);
         Spot spot = besideRoad(road, along + draw.in(-0.3, 0.3), side * (road.section.half + out));
         // The density varies from place to place.
-        const double share = wild * (0.5 + 2 * relief({l.seed(), Field::Grass}, spot.at.x, spot.at.y, 18));
+        const double share = wild * (0.5 + 2 * relief({l.seed, Field::Grass}, spot.at.x, spot.at.y, 18));
         if (number >= kMost || !draw.chance(share)) continue;
-        const Beside b = l.roads().at(spot.at.x, spot.at.y);
+        const Beside b = l.besideAt(spot.at);
         const GroundKind kind = l.kindAt(b, spot.at);
         if (kind != GroundKind::Verge && kind != GroundKind::Shoulder && kind != GroundKind::Lawn) continue;
         if (!placer.isFree({spot.at, 0.1, 0.1, 0})) continue;

@@ -43,16 +43,18 @@ models::Spot besideRoad(const Road& road, double along, double lateral) {
   return {{p.x - h.y * lateral, p.y + h.x * lateral}, std::atan2(h.y, h.x), 1, 0};
 }
 
+RoadNetwork::RoadNetwork() : jointCells_(kCell) {}
+
 void RoadNetwork::add(Road road) {
+  road.number = static_cast<std::uint32_t>(roads_.size());
   road.at.assign(1, 0.0);
   for (std::size_t i = 1; i < road.line.size(); ++i) {
     road.at.push_back(road.at.back() +
                       std::hypot(road.line[i].x - road.line[i - 1].x, road.line[i].y - road.line[i - 1].y));
   }
-  const auto number = static_cast<std::uint32_t>(roads_.size());
   for (std::size_t first = 0; first + 1 < road.line.size(); first += kRun) {
     const std::size_t last = std::min(first + kRun, road.line.size() - 1);
-    Run run{number, static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(last), road.line[first],
+    Run run{road.number, static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(last), road.line[first],
             road.line[first]};
     for (std::size_t i = first + 1; i <= last; ++i) {
       const Point2& p = road.line[i];
@@ -87,14 +89,15 @@ void RoadNetwork::enterLastRun() {
 
 void RoadNetwork::addJoint(const Point2& joint) {
   constexpr double kAround = kFull + kFade;
-  models::forCells(joint, joint, kAround, kCell, [&](std::uint64_t key) { joints_[key].push_back(joint); });
+  jointCells_.add(joint, joint, kAround, static_cast<std::uint32_t>(joints_.size()));
+  joints_.push_back(joint);
 }
 
-double RoadNetwork::roundingAt(double x, double y) const {
-  const auto cell = joints_.find(models::cellKeyAt({x, y}, kCell));
-  if (cell == joints_.end()) return 0;
+double RoadNetwork::roundingAt(const Point2& p) const {
   double nearest = 1e9;
-  for (const Point2& joint : cell->second) nearest = std::min(nearest, std::hypot(x - joint.x, y - joint.y));
+  for (const std::uint32_t i : jointCells_.at(p)) {
+    nearest = std::min(nearest, std::hypot(p.x - joints_[i].x, p.y - joints_[i].y));
+  }
   return kRounding * (1 - models::smooth((nearest - kFull) / kFade));
 }
 
@@ -139,12 +142,12 @@ void RoadNetwork::nearest(double x, double y, std::vector<Near>& found) const {
 // `edge` is the distance to the nearest road's edge, as a polynomial smooth minimum over all roads, which rounds
 // corners: if the distances to two edges differ by less than the rounding, the result is less than both distances, by
 // at most a quarter of the rounding.
-Beside RoadNetwork::at(double x, double y) const {
+Beside RoadNetwork::at(const Point2& p) const {
   thread_local std::vector<Near> found;
-  nearest(x, y, found);
+  nearest(p.x, p.y, found);
   Beside beside;
   double least = 1e9;
-  const double corner = found.size() > 1 ? std::max(roundingAt(x, y), 1e-3) : 1;
+  const double corner = found.size() > 1 ? std::max(roundingAt(p), 1e-3) : 1;
   const bool ring = std::any_of(found.begin(), found.end(), [&](const Near& n) { return roads_[n.road].ring; });
   const double rounding = ring ? std::min(corner, kRingRounding) : corner;
   for (const Near& n : found) {

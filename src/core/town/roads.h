@@ -38,6 +38,7 @@ struct CrossSection {
 };
 
 struct Road {
+  std::uint32_t number = 0;  // index among the roads of the network
   std::vector<Point2> line;  // centre line, in steps of about kRoadStep
   std::vector<double> at;    // m along `line`, for each of its points
   CrossSection section;
@@ -79,6 +80,8 @@ struct Beside {
 
 class RoadNetwork {
  public:
+  RoadNetwork();
+
   static constexpr double kReach = 48;  // m, largest distance from which at() finds a road's centre line
 
   void add(Road road);
@@ -87,10 +90,10 @@ class RoadNetwork {
   void addJoint(const Point2& joint);
   const std::vector<Road>& roads() const { return roads_; }
 
-  Beside at(double x, double y) const;
+  Beside at(const Point2& p) const;
 
  private:
-  double roundingAt(double x, double y) const;
+  double roundingAt(const Point2& p) const;
 
   // Successive segments of a road's line, and their bounding box.
   struct Run {
@@ -122,7 +125,8 @@ class RoadNetwork {
   std::vector<Run> runs_;
   // The runs within kReach of a cell: roads in their order, and the runs of each road by RunOfCell::least.
   std::unordered_map<std::uint64_t, std::vector<RunOfCell>> cells_;
-  std::unordered_map<std::uint64_t, std::vector<Point2>> joints_;  // joints whose rounding of corners reaches a cell
+  std::vector<Point2> joints_;
+  models::CellIndex jointCells_;  // of joints whose rounding of corners reaches a cell
 };
 
 }  // namespace scanmill::town

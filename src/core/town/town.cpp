@@ -20,14 +20,14 @@ town::Layout readLayout(Fields& fields, std::uint64_t seed) {
 // Transforms a point from the layout's frame to the town's frame. A layout is always for right-hand traffic; for
 // left-hand traffic the town is its mirror image.
 Vec3d inWorld(const town::Layout& layout, const Vec3d& p) {
-  return layout.parameters().keepsLeft ? Vec3d{p.x, -p.y, p.z} : p;
+  return layout.parameters.keepsLeft ? Vec3d{p.x, -p.y, p.z} : p;
 }
 
 }  // namespace
 
 void addTown(SceneBuilder& builder, Fields& fields, std::uint64_t seed, const Affine& place) {
   const town::Layout layout = readLayout(fields, seed);
-  builder.describe(layout.about());
+  builder.describe(layout.about);
   builder.drawReflectances();
   Affine worldFromTown = place;
   worldFromTown.linear.y = place.linear * inWorld(layout, {0, 1, 0});
@@ -38,18 +38,17 @@ void addTown(SceneBuilder& builder, Fields& fields, std::uint64_t seed, const Af
 SceneLanes townLanes(Fields& fields, std::uint64_t seed) {
   constexpr double kEnds = 20;  // m; the lane ends this far inside the built-up part, at both ends
   const town::Layout layout = readLayout(fields, seed);
-  const town::Way through{{{0, layout.mainFrom() + kEnds, layout.mainTo() - kEnds}}, 0, 0};
-  const std::vector<town::Road>& roads = layout.roads().roads();
+  const town::Way through{{{0, layout.mainFrom + kEnds, layout.mainTo - kEnds}}, 0, 0};
   const town::Tour tour = town::tourOf(layout);
   town::Way turns = through;
-  if (tour.from) {
-    turns.stretches.front().from = *roads[*tour.from].joins + town::cornerOf(layout, *tour.from);
+  if (tour.from != nullptr) {
+    turns.stretches.front().from = *tour.from->joins + town::cornerOf(*tour.from);
     turns.stretches.insert(turns.stretches.begin(),
-                           {*tour.from, town::endOf(layout, *tour.from), town::mouthOf(layout)});
+                           {tour.from->number, town::endOf(*tour.from), town::mouthOf(layout)});
   }
-  if (tour.into) {
-    turns.stretches.back().to = *roads[*tour.into].joins - town::cornerOf(layout, *tour.into);
-    turns.stretches.push_back({*tour.into, town::mouthOf(layout), town::endOf(layout, *tour.into)});
+  if (tour.into != nullptr) {
+    turns.stretches.back().to = *tour.into->joins - town::cornerOf(*tour.into);
+    turns.stretches.push_back({tour.into->number, town::mouthOf(layout), town::endOf(*tour.into)});
   }
   SceneLanes lanes{town::layOut(layout, through, 0, 0).points, town::layOut(layout, turns, 0, 0).points,
                    static_cast<int>(turns.stretches.size()) - 1};

@@ -72,13 +72,13 @@ std::vector<double> curvatureOf(const Path& path) {
 class Traffic {
  public:
   Traffic(Placer& placer, Fleet& fleet) : placer_(placer), fleet_(fleet), l_(placer.layout), main_(road(0)) {
-    fastest_ = l_.character().speed;
+    fastest_ = l_.character.speed;
   }
 
   void place() {
     addThrough();
     addPassing();
-    for (std::uint32_t r = 1; r < l_.roads().roads().size(); ++r) addSideRoad(r);
+    for (const Road& side : l_.roads()) addSideRoad(side);
     drawThrough();
     const std::vector<std::vector<double>> travelled = drive(routes_, drivers_, kWarmUp, kDuration, kInterval);
     for (std::size_t i = 0; i < drivers_.size(); ++i) {
@@ -99,7 +99,7 @@ class Traffic {
     std::string name;
   };
 
-  const Road& road(std::uint32_t r) const { return l_.roads().roads()[r]; }
+  const Road& road(std::uint32_t r) const { return l_.roads()[r]; }
   static std::uint32_t inwards(std::uint32_t r) { return 2 * r; }
   static std::uint32_t outwards(std::uint32_t r) { return 2 * r + 1; }
 
@@ -157,20 +157,20 @@ class Traffic {
           const double at = along ? light.facing : light.along;
           routes_[route].stops.push_back({courses_[route].at(0, at), light.kPeriod, light.kRed, light.offset});
         }
-        Draw draw(l_.seed(), Kind::PassingTraffic, number);
-        drawAlong(draw, route, l_.character().traffic, -lane * main_.section.laneWidth());
+        Draw draw(l_.seed, Kind::PassingTraffic, number);
+        drawAlong(draw, route, l_.character.traffic, -lane * main_.section.laneWidth());
       }
     }
   }
 
-  void addSideRoad(std::uint32_t r) {
-    const Road& side = road(r);
-    const double end = endOf(l_, r);
+  void addSideRoad(const Road& side) {
+    const std::uint32_t r = side.number;
+    const double end = endOf(side);
     const double mouth = mouthOf(l_);
-    if (!side.joins || end < mouth + 20 || tourOf(l_).has(r)) return;
+    if (!side.joins || end < mouth + 20 || tourOf(l_).has(side)) return;
     const double joins = *side.joins;
     const bool left = side.joinsLeft && main_.against;
-    const double corner = cornerOf(l_, r);
+    const double corner = cornerOf(side);
     std::optional<std::uint32_t> out;
     std::optional<std::uint32_t> in;
     if (side.along && !blocked(r, mouth, end)) {
@@ -216,8 +216,8 @@ class Traffic {
 
   void drawSide(std::uint32_t r, const std::optional<std::uint32_t>& in, const std::optional<std::uint32_t>& out,
                 double mouth, double end) {
-    Draw draw(l_.seed(), Kind::SideTraffic, r);
-    const int count = static_cast<int>(l_.character().traffic * 0.4 * (end - mouth) / 100 + draw.next());
+    Draw draw(l_.seed, Kind::SideTraffic, r);
+    const int count = static_cast<int>(l_.character.traffic * 0.4 * (end - mouth) / 100 + draw.next());
     std::vector<std::pair<std::uint32_t, double>> taken;
     for (int k = 0; k < count; ++k) {
       const bool inwardsBound = draw.chance(0.5);
@@ -238,12 +238,12 @@ class Traffic {
   // Adds the vehicles that drive through the town. They start at least 22 m plus one second of driving apart.
   void drawThrough() {
     if (!main_.against) return;
-    Draw draw(l_.seed(), Kind::Traffic);
-    const double density = l_.character().traffic / 100;
+    Draw draw(l_.seed, Kind::Traffic);
+    const double density = l_.character.traffic / 100;
     const double length = routes_.front().length;
     int riding = ridersWanted();
-    const double built = courses_.front().at(0, l_.mainTo());
-    const double last = courses_.front().at(0, l_.mainFrom());
+    const double built = courses_.front().at(0, l_.mainTo);
+    const double last = courses_.front().at(0, l_.mainFrom);
     double at = draw.in(0, 30);
     while (at < length - kBeyond) {
       const double speed = fastest_ * draw.in(0.85, 1.1);
@@ -294,16 +294,16 @@ class Traffic {
   }
 
   int ridersWanted() const {
-    if (l_.parameters().people <= 0 || l_.character().district == District::Motorway) return 0;
-    Draw draw(l_.seed(), Kind::RoadCyclists);
-    const double length = l_.mainTo() - l_.mainFrom();
-    return std::max(1, static_cast<int>(0.7 * l_.character().people * length / 100 + draw.next()));
+    if (l_.parameters.people <= 0 || l_.character.district == District::Motorway) return 0;
+    Draw draw(l_.seed, Kind::RoadCyclists);
+    const double length = l_.mainTo - l_.mainFrom;
+    return std::max(1, static_cast<int>(0.7 * l_.character.people * length / 100 + draw.next()));
   }
 
   void addCyclist(Draw& draw, double at) {
     const int form = draw.below(static_cast<int>(cyclists_.size()));
     std::optional<models::Ridden>& pair = cyclists_[static_cast<std::size_t>(form)];
-    if (!pair) pair = models::makeCyclist(placer_.builder, l_.seed(), form);
+    if (!pair) pair = models::makeCyclist(placer_.builder, l_.seed, form);
     const double speed = draw.in(3.5, 6);
     constexpr double kBesideParked = 1;  // m from the lane's middle, where cyclists pass parked cars
     const double out = std::min(main_.section.laneWidth() / 2 - 0.6, kBesideParked);
@@ -313,7 +313,7 @@ class Traffic {
   void addMotorcyclist(Draw& draw, std::uint32_t route, double at, double speed, double out) {
     const int form = draw.below(static_cast<int>(motorcyclists_.size()));
     std::optional<models::Ridden>& pair = motorcyclists_[static_cast<std::size_t>(form)];
-    if (!pair) pair = models::makeMotorcyclist(placer_.builder, l_.seed(), form);
+    if (!pair) pair = models::makeMotorcyclist(placer_.builder, l_.seed, form);
     addDriver(route, at, pair->vehicle, pair->rider, speed, out, kAlways, "traffic on a motorcycle");
   }
 

@@ -43,7 +43,7 @@ bool passesAbove(const Layout& l, const Vec3d& a, const Vec3d& b) {
   constexpr int kPlaces = 24;
   for (int k = 0; k <= kPlaces; ++k) {
     const Vec3d p = a + (b - a) * (static_cast<double>(k) / kPlaces);
-    const Beside beside = l.roads().at(p.x, p.y);
+    const Beside beside = l.besideAt({p.x, p.y});
     if (beside.known && beside.edge < 0.5 && p.z < l.heightAt({p.x, p.y}) + kClear) return false;
   }
   return true;
@@ -52,18 +52,18 @@ bool passesAbove(const Layout& l, const Vec3d& a, const Vec3d& b) {
 // Places poles beyond the pavement, as evenly spaced as other objects allow.
 std::vector<Standing> placePoles(Placer& placer, Draw& draw, const UtilityPole& pole) {
   const Layout& l = placer.layout;
-  const Road& road = l.roads().roads().front();
+  const Road& road = l.mainRoad();
   const double side = draw.sign();
   const double spacing = draw.in(32, 48);
   std::vector<Standing> poles;
-  for (const double wanted : models::steps(l.mainFrom() - 40 + draw.in(0, spacing), l.mainTo() + 40, spacing)) {
+  for (const double wanted : models::steps(l.mainFrom - 40 + draw.in(0, spacing), l.mainTo + 40, spacing)) {
     for (const double aside : {0.0, 2.5, -2.5, 5.0, -5.0, 8.0, -8.0}) {
       const double at = wanted + aside;
       if (at < 4 || at > road.length() - 4) continue;
       const double out = road.section.outer() + 0.45;
       const Spot spot = besideRoad(road, at, side * (road.section.half + out));
-      const Beside b = l.roads().at(spot.at.x, spot.at.y);
-      if (!b.known || b.edge < out - 0.25 || l.areas().outsideHard(spot.at) < 0.3) continue;
+      const Beside b = l.besideAt(spot.at);
+      if (!b.known || b.edge < out - 0.25 || l.areas.outsideHard(spot.at) < 0.3) continue;
       if (!placer.isFree({spot.at, 0.35, 0.35, spot.yaw})) continue;
       placer.occupancy.add({spot.at, 0.25, 0.25, spot.yaw});
       placer.put(pole.model, spot, fmt::format("utility pole {}", poles.size() + 1));
@@ -78,12 +78,12 @@ std::vector<Standing> placePoles(Placer& placer, Draw& draw, const UtilityPole& 
 
 void placeWires(Placer& placer) {
   const Layout& l = placer.layout;
-  Draw draw(l.seed(), Kind::Wire);
-  const Character& c = l.character();
+  Draw draw(l.seed, Kind::Wire);
+  const Character& c = l.character;
   // Terraced streets and motorways have no poles: wires are underground, and there is no space between walls and road.
   const double share = c.district == District::Rural ? 0.7 : c.terraced || c.country || c.plain ? 0 : 0.4;
   if (!draw.chance(share)) return;
-  const UtilityPole pole = models::makeUtilityPole(placer.builder, l.seed());
+  const UtilityPole pole = models::makeUtilityPole(placer.builder, l.seed);
   const std::vector<Standing> poles = placePoles(placer, draw, pole);
   models::Shape s(placer.builder, "wires");
   const SurfaceIndex wire = s.surface("object", "rubber");
@@ -98,7 +98,7 @@ void placeWires(Placer& placer) {
     }
     hang(s, wire, poles[i - 1].place * pole.telephone, poles[i].place * pole.telephone, slack * apart * apart, 0.011);
   }
-  for (const models::House& house : l.houses()) {
+  for (const models::House& house : l.houses) {
     if (poles.empty() || !draw.chance(0.7)) continue;
     const Vec3d gable = house.place * Vec3d{draw.in(0.2, 0.8) * house.width, -0.02, 2.7 * house.floors};
     const auto distance = [&](const Standing& p) { return length(p.place.translation - gable); };

@@ -20,7 +20,7 @@ TEST(Town, SuccessiveSeedsHaveEachKind) {
   for (const std::uint64_t first : {1, 6, 1000}) {
     std::set<std::string> kinds;
     for (std::uint64_t seed = first; seed < first + 16; ++seed) {
-      const std::string about = layoutOf(kShortTown, seed).about();
+      const std::string about = layoutOf(kShortTown, seed).about;
       kinds.insert(about.substr(0, about.find(',')));
     }
     EXPECT_THAT(kinds, testing::UnorderedElementsAreArray(kKinds));
@@ -33,16 +33,16 @@ TEST(Town, TerracedStreetsArePavedToTheWalls) {
     const town::Layout layout = layoutOf(fmt::format("{{length: 200, district: {}}}", kind), 5);
     std::size_t soft = 0;
     std::size_t feet = 0;
-    for (const models::House& house : layout.houses()) {
+    for (const models::House& house : layout.houses) {
       for (const double x : {0.2, 0.5, 0.8}) {
         const Vec3d foot = house.place * Vec3d{x * house.width, -0.25, 0};
         const town::Point2 p{foot.x, foot.y};
         ++feet;
-        soft += layout.kindAt(layout.roads().at(p.x, p.y), p) == town::GroundKind::Lawn ? 1 : 0;
+        soft += layout.kindAt(layout.besideAt(p), p) == town::GroundKind::Lawn ? 1 : 0;
       }
     }
     EXPECT_GT(feet, 20u) << kind;
-    if (layout.character().terraced) {
+    if (layout.character.terraced) {
       EXPECT_EQ(soft, 0u) << kind;
     } else {
       EXPECT_GT(soft, 0u) << kind;
@@ -55,8 +55,8 @@ TEST(Town, MotorwaysHaveRailsAndSeveralLanes) {
   for (const std::uint64_t seed : {1, 2, 3}) {
     const std::string yaml = "{length: 300, district: motorway, traffic: 3, detail: 0.1}";
     const town::Layout layout = layoutOf(yaml, seed);
-    const town::Road& road = layout.roads().roads().front();
-    EXPECT_TRUE(layout.houses().empty());
+    const town::Road& road = layout.mainRoad();
+    EXPECT_TRUE(layout.houses.empty());
     EXPECT_GE(road.section.lanes, 2);
     const Scene scene = makeTown(yaml, seed);
     std::map<std::string, int> panels;
@@ -66,7 +66,7 @@ TEST(Town, MotorwaysHaveRailsAndSeveralLanes) {
       if (!i.name.starts_with("traffic")) continue;
       for (const double time : {0.0, 10.0, 20.0, 40.0}) {
         const Vec3d at = i.worldFromMeshAt(time) * Vec3d{};
-        const town::Beside b = layout.roads().at(at.x, at.y);
+        const town::Beside b = layout.besideAt({at.x, at.y});
         // Vehicles are hidden below the ground before they arrive and after they have left.
         const bool hidden = !b.known || b.along < 15 || b.along > road.length() - 15;
         if (hidden || at.z < layout.heightAt({at.x, at.y}) - 0.5) continue;
@@ -94,7 +94,7 @@ TEST(Town, CarsOnTheSidewalkLeaveAPath) {
     for (const Instance& i : scene.instances) {
       if (!i.name.starts_with("car ") || i.name.starts_with("car on")) continue;
       const Vec3d& at = i.worldFromMesh.translation;
-      const town::Beside b = layout.roads().at(at.x, at.y);
+      const town::Beside b = layout.besideAt({at.x, at.y});
       if (b.edge < 0.05 || b.edge > 1.5 || layout.outsidePatches({at.x, at.y}) < 1) continue;
       const Box box = scene.meshes[i.mesh].bounds();
       EXPECT_LT(b.edge + (box.high.y - box.low.y) / 2, b.section.paved() - kPath) << i.name;
@@ -147,11 +147,11 @@ TEST(Town, RowsOfHousesStandOnBothSidesOfBends) {
   for (std::uint64_t seed = 1; seed <= 24; ++seed) {
     const town::Layout layout = layoutOf("{length: 300, district: old_town}", seed);
     std::map<std::uint32_t, const models::House*> houses;
-    for (const models::House& house : layout.houses()) houses[house.number] = &house;
+    for (const models::House& house : layout.houses) houses[house.number] = &house;
     const models::House* before = nullptr;
     const town::Plot* previous = nullptr;
-    for (const town::Plot& plot : layout.plots()) {
-      const town::Road& road = layout.roads().roads()[plot.road];
+    for (const town::Plot& plot : layout.plots) {
+      const town::Road& road = layout.roads()[plot.road];
       const town::Point2 a = road.heading(plot.from);
       const town::Point2 b = road.heading(plot.to);
       const double bend = plot.side * (a.x * b.y - a.y * b.x) / (plot.to - plot.from);  // 1/m

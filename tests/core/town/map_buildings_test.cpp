@@ -61,8 +61,8 @@ TEST(MapBuildings, PartsStandInPlaceOfTheirOutline) {
   ASSERT_EQ(map.buildings.size(), 1u);
   ASSERT_EQ(map.buildings[0].parts.size(), 2u);
   const Layout layout = layOut(map);
-  ASSERT_EQ(layout.blocks().size(), 1u);
-  const std::vector<models::Block>& parts = layout.blocks()[0].block.parts;
+  ASSERT_EQ(layout.blocks.size(), 1u);
+  const std::vector<models::Block>& parts = layout.blocks[0].block.parts;
   ASSERT_EQ(parts.size(), 2u);
   EXPECT_DOUBLE_EQ(parts[0].height, 10);
   EXPECT_DOUBLE_EQ(parts[0].base, 0);
@@ -147,9 +147,9 @@ TEST(MapBuildings, PartsAtTheEdgeOfATurnedOutlineLeaveItsRest) {
     }
     EXPECT_NEAR(built, sizeOf(b.outline), 0.02 * sizeOf(b.outline)) << i;
     const Layout layout = layOut(map);
-    ASSERT_EQ(layout.blocks().size(), 1u);
+    ASSERT_EQ(layout.blocks.size(), 1u);
     SceneBuilder builder = labelledBuilder();
-    const models::Block& block = layout.blocks()[0].block;
+    const models::Block& block = layout.blocks[0].block;
     const auto [west, east] = std::minmax_element(block.outline.begin(), block.outline.end(),
                                                   [](const Point2& p, const Point2& q) { return p.x < q.x; });
     const auto [south, north] = std::minmax_element(block.outline.begin(), block.outline.end(),
@@ -241,9 +241,9 @@ TEST(MapBuildings, RoofsHaveTheirShape) {
   const Layout layout = layOut(makeMap(
       withAreas({area("way 2", {{"building", "yes"}, {"height", "20"}, {"roof:height", "6"}, {"roof:shape", "gabled"}},
                       rectangle(-30, 20, 30, 60))})));
-  ASSERT_EQ(layout.blocks().size(), 1u);
-  EXPECT_DOUBLE_EQ(layout.blocks()[0].block.height, 14);
-  EXPECT_DOUBLE_EQ(layout.blocks()[0].block.rise, 6);
+  ASSERT_EQ(layout.blocks.size(), 1u);
+  EXPECT_DOUBLE_EQ(layout.blocks[0].block.height, 14);
+  EXPECT_DOUBLE_EQ(layout.blocks[0].block.rise, 6);
 }
 
 TEST(MapBuildings, AnglesOfRoofsGiveTheirHeight) {
@@ -273,9 +273,9 @@ TEST(MapBuildings, NotchesAreNotFilled) {
   const Layout layout =
       layOut(makeMap(withAreas({area("way 2", {{"building", "house"}, {"height", "8"}},
                                      {{0, 12}, {10, 12}, {10, 20}, {2.5, 20}, {2.5, 17}, {0, 17}})})));
-  EXPECT_TRUE(layout.houses().empty());
-  ASSERT_EQ(layout.blocks().size(), 1u);
-  EXPECT_EQ(layout.blocks()[0].block.outline.size(), 6u);
+  EXPECT_TRUE(layout.houses.empty());
+  ASSERT_EQ(layout.blocks.size(), 1u);
+  EXPECT_EQ(layout.blocks[0].block.outline.size(), 6u);
 }
 
 TEST(MapBuildings, RoofsThatAreBuiltOtherwiseAreCounted) {
@@ -295,7 +295,7 @@ TEST(MapBuildings, TheRidgeOfAHouseIsAlongItsLongerSide) {
   const auto roofOf = [](const std::vector<Point2>& corners) {
     const Layout layout = layOut(makeMap(
         withAreas({area("way 2", {{"building", "house"}, {"height", "8"}, {"roof:shape", "gabled"}}, corners)})));
-    return layout.houses().at(0).roof;
+    return layout.houses.at(0).roof;
   };
   EXPECT_EQ(roofOf(rectangle(0, 12, 14, 20)), models::Roof::Gable);
   EXPECT_EQ(roofOf(rectangle(0, 12, 8, 26)), models::Roof::CrossGable);
@@ -309,13 +309,13 @@ TEST(MapBuildings, MayHangOverRoads) {
     return layOut(makeMap(withAreas({area("way 2", tags, rectangle(-5, -15, 5, 15))})));
   };
   const Layout bridge = layout({{"min_height", "6"}});
-  ASSERT_EQ(bridge.blocks().size(), 1u);
-  EXPECT_DOUBLE_EQ(bridge.blocks()[0].block.base, 6);
+  ASSERT_EQ(bridge.blocks.size(), 1u);
+  EXPECT_DOUBLE_EQ(bridge.blocks[0].block.base, 6);
   testing::internal::CaptureStderr();
   const Layout blocked = layout({});
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("left out: 1 buildings that stand on a road"));
-  EXPECT_TRUE(blocked.blocks().empty());
-  EXPECT_THAT(blocked.about(), HasSubstr("1 buildings that stand on a road are left out"));
+  EXPECT_TRUE(blocked.blocks.empty());
+  EXPECT_THAT(blocked.about, HasSubstr("1 buildings that stand on a road are left out"));
 }
 
 }  // namespace

@@ -20,16 +20,16 @@ Road straight(Point2 from, Point2 to, double half) {
 TEST(RoadNetwork, TellsWhereAPointLiesBesideARoad) {
   RoadNetwork roads;
   roads.add(straight({-100, 0}, {100, 0}, 3.5));
-  const Beside left = roads.at(20.3, 5);
+  const Beside left = roads.at({20.3, 5});
   ASSERT_TRUE(left.known);
   EXPECT_NEAR(left.edge, 1.5, 1e-12);
   EXPECT_NEAR(left.lateral, 5, 1e-12);
   EXPECT_NEAR(left.along, 120.3, 1e-9);
-  EXPECT_NEAR(roads.at(-60, -1).lateral, -1, 1e-12);
-  EXPECT_NEAR(roads.at(-60, -1).edge, -2.5, 1e-12);
-  EXPECT_FALSE(roads.at(0, RoadNetwork::kReach + 0.1).known);
-  EXPECT_TRUE(roads.at(0, RoadNetwork::kReach - 0.1).known);
-  EXPECT_NEAR(roads.at(103, 4).edge, 1.5, 1e-12) << "round about its end";
+  EXPECT_NEAR(roads.at({-60, -1}).lateral, -1, 1e-12);
+  EXPECT_NEAR(roads.at({-60, -1}).edge, -2.5, 1e-12);
+  EXPECT_FALSE(roads.at({0, RoadNetwork::kReach + 0.1}).known);
+  EXPECT_TRUE(roads.at({0, RoadNetwork::kReach - 0.1}).known);
+  EXPECT_NEAR(roads.at({103, 4}).edge, 1.5, 1e-12) << "round about its end";
 }
 
 // Of several roads the nearest, but for the rounded corners: there a quarter of 10 m less at most, and continuous.
@@ -49,9 +49,9 @@ TEST(RoadNetwork, RoundsTheCornersOfCrossings) {
     const RandomBlock words = randomBlock({.seed = 3, .beam = i});
     const double x = -20 + 80 * uniform(words[0]);
     const double y = -40 + 80 * uniform(words[1]);
-    const Beside beside = both.at(x, y);
-    const double edgeA = onlyA.at(x, y).edge;
-    const double edgeB = onlyB.at(x, y).edge;
+    const Beside beside = both.at({x, y});
+    const double edgeA = onlyA.at({x, y}).edge;
+    const double edgeB = onlyB.at({x, y}).edge;
     const double least = std::min(edgeA, edgeB);
     EXPECT_LE(beside.edge, least + 1e-9);
     EXPECT_GE(beside.edge, least - 2.5 - 1e-9);
@@ -62,7 +62,7 @@ TEST(RoadNetwork, RoundsTheCornersOfCrossings) {
       ++rounded;
     }
     if (std::abs(edgeA) < 40 && std::abs(edgeB) < 40) {
-      EXPECT_LT(std::abs(both.at(x + 0.01, y).edge - beside.edge), 0.0101 * 1.01);
+      EXPECT_LT(std::abs(both.at({x + 0.01, y}).edge - beside.edge), 0.0101 * 1.01);
     }
   }
   EXPECT_GT(rounded, 300);
@@ -74,10 +74,10 @@ TEST(RoadNetwork, RoundsNothingWhereRoadsDoNotMeet) {
   roads.add(straight({-100, 0}, {100, 0}, 3));
   roads.add(straight({-100, 9}, {100, 9}, 3));
   roads.addJoint({-100, 4});
-  EXPECT_NEAR(roads.at(0, 4.5).edge, 1.5, 1e-3);
-  EXPECT_NEAR(roads.at(-95, 4.5).edge, -1, 1e-3);
+  EXPECT_NEAR(roads.at({0, 4.5}).edge, 1.5, 1e-3);
+  EXPECT_NEAR(roads.at({-95, 4.5}).edge, -1, 1e-3);
   for (double x = -90; x < 90; x += 0.5) {
-    EXPECT_LT(std::abs(roads.at(x + 0.5, 4.5).edge - roads.at(x, 4.5).edge), 0.2) << "continuous";
+    EXPECT_LT(std::abs(roads.at({x + 0.5, 4.5}).edge - roads.at({x, 4.5}).edge), 0.2) << "continuous";
   }
 }
 
@@ -108,7 +108,7 @@ TEST(RoadNetwork, FindsTheNearestPointOfALine) {
       least = distance;
       along = road.at[k] + part * size;
     }
-    const Beside beside = roads.at(p.x, p.y);
+    const Beside beside = roads.at({p.x, p.y});
     ASSERT_EQ(beside.known, least <= RoadNetwork::kReach);
     if (!beside.known) continue;
     ++known;

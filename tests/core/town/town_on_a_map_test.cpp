@@ -85,7 +85,7 @@ TEST(Town, SizesOfTheMapAreBuilt) {
   const Box panel = boxOf("boundary 1");
   const town::Layout layout{street.parameters(), 1, street.place()};
   EXPECT_NEAR(panel.high.z, layout.heightAt({panel.center().x, panel.center().y}) + 5, 0.1);
-  EXPECT_TRUE(std::any_of(layout.patches().begin(), layout.patches().end(), [](const town::Patch& patch) {
+  EXPECT_TRUE(std::any_of(layout.patches.begin(), layout.patches.end(), [](const town::Patch& patch) {
     return patch.kind == town::GroundKind::Path && patch.place.halfY == 2;
   }));
 }
@@ -216,13 +216,13 @@ TEST(Town, StandsWhereTheMapSays) {
   const town::MapPlace place = town::cutOut(town::readMap(parameters.map, false, {}), parameters, 1, 280, {});
   const town::Layout one(parameters, 1, place);
   const town::Layout two(parameters, 2, place);
-  EXPECT_GE(one.houses().size(), 20u);
-  EXPECT_GE(one.blocks().size(), 3u);
-  ASSERT_EQ(one.houses().size(), two.houses().size());
+  EXPECT_GE(one.houses.size(), 20u);
+  EXPECT_GE(one.blocks.size(), 3u);
+  ASSERT_EQ(one.houses.size(), two.houses.size());
   std::size_t inside = 0;
-  for (std::size_t i = 0; i < one.houses().size(); ++i) {
-    const models::House& a = one.houses()[i];
-    const models::House& b = two.houses()[i];
+  for (std::size_t i = 0; i < one.houses.size(); ++i) {
+    const models::House& a = one.houses[i];
+    const models::House& b = two.houses[i];
     EXPECT_NEAR(
         std::hypot(a.place.translation.x - b.place.translation.x, a.place.translation.y - b.place.translation.y), 0, 4)
         << "the same rectangle, perhaps with its front to another road";
@@ -231,11 +231,11 @@ TEST(Town, StandsWhereTheMapSays) {
       inside += town::isInside({&building.outline}, {middle.x, middle.y}) ? 1 : 0;
     }
   }
-  EXPECT_EQ(inside, one.houses().size());
-  EXPECT_EQ(one.areas().all().size(), two.areas().all().size());
-  ASSERT_EQ(one.roads().roads().size(), two.roads().roads().size());
-  for (std::size_t r = 0; r < one.roads().roads().size(); ++r) {
-    EXPECT_EQ(one.roads().roads()[r].length(), two.roads().roads()[r].length());
+  EXPECT_EQ(inside, one.houses.size());
+  EXPECT_EQ(one.areas.all().size(), two.areas.all().size());
+  ASSERT_EQ(one.roads().size(), two.roads().size());
+  for (std::size_t r = 0; r < one.roads().size(); ++r) {
+    EXPECT_EQ(one.roads()[r].length(), two.roads()[r].length());
   }
 }
 

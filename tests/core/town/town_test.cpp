@@ -154,8 +154,8 @@ TEST(Town, RoadsAreWorn) {
   std::size_t covers = 0;
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     const town::Layout layout = layoutOf("{length: 120}", seed);
-    for (const town::Pothole& h : layout.potholes()) {
-      const auto kind = layout.kindAt(layout.roads().at(h.center.x, h.center.y), h.center);
+    for (const town::Pothole& h : layout.potholes) {
+      const auto kind = layout.kindAt(layout.besideAt(h.center), h.center);
       if (kind != town::GroundKind::Road) continue;  // another road's pavement
       ++holes;
       double around = 0;
@@ -275,7 +275,7 @@ TEST(Town, GrassGrowsOnSoilAlone) {
     for (const Instance& i : makeTown(yaml, seed).instances) {
       if (!i.name.starts_with("tuft")) continue;
       const Vec3d& at = i.worldFromMesh.translation;
-      const town::GroundKind kind = layout.kindAt(layout.roads().at(at.x, at.y), {at.x, at.y});
+      const town::GroundKind kind = layout.kindAt(layout.besideAt({at.x, at.y}), {at.x, at.y});
       EXPECT_TRUE(kind == town::GroundKind::Verge || kind == town::GroundKind::Shoulder ||
                   kind == town::GroundKind::Lawn);
       EXPECT_NEAR(at.z, layout.heightAt({at.x, at.y}), 1e-6);
@@ -294,7 +294,7 @@ TEST(Town, SignsToGiveWayFaceThoseWhoComeOutOfSideRoads) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     const std::string yaml = "{district: suburban, length: 200, detail: 0.05}";
     const town::Layout layout = layoutOf(yaml, seed);
-    const town::Road& main = layout.roads().roads().front();
+    const town::Road& main = layout.mainRoad();
     for (const Instance& i : makeTown(yaml, seed).instances) {
       if (!i.name.starts_with("sign at a mouth")) continue;
       const auto fromMain = [&](const Vec3d& p) {
@@ -320,7 +320,7 @@ TEST(Town, SideRoadsEndAtALineOfTheirLane) {
     const Scene scene = makeTown(yaml, seed);
     const auto markings = std::find_if(scene.instances.begin(), scene.instances.end(),
                                        [](const Instance& i) { return i.name == "road markings"; });
-    const std::vector<town::Road>& roads = layout.roads().roads();
+    const std::vector<town::Road>& roads = layout.roads();
     for (std::uint32_t r = 1; r < roads.size(); ++r) {
       const double at = town::stopAtMouth(layout) - 0.3;
       const double lane = roads[r].section.half - roads[r].section.parking;
@@ -329,11 +329,11 @@ TEST(Town, SideRoadsEndAtALineOfTheirLane) {
         const std::vector<Vec3f>& corners = scene.meshes[markings->mesh].positions;
         return std::any_of(corners.begin(), corners.end(), [&](const Vec3f& corner) {
           const Vec3d p = markings->worldFromMesh * Vec3d(corner);
-          const town::Beside b = layout.roads().at(p.x, p.y);
+          const town::Beside b = layout.besideAt({p.x, p.y});
           return b.road == r && std::abs(b.along - at) < 0.5 && b.lateral > from && b.lateral < to;
         });
       };
-      const bool sign = town::signAtMouth(layout, r).has_value();
+      const bool sign = town::signAtMouth(layout, roads[r]).has_value();
       EXPECT_EQ(painted(0.5, lane), sign) << "seed " << seed << " road " << r;
       EXPECT_FALSE(painted(-lane, -0.5)) << "seed " << seed << " road " << r;
       lines += sign;
@@ -347,7 +347,7 @@ TEST(Town, AcrossFromASideRoadTheEdgeIsStraight) {
   int sides = 0;
   for (std::uint64_t seed = 1; seed <= 24; ++seed) {
     const town::Layout layout = layoutOf("{district: arterial, length: 200, detail: 0.05}", seed);
-    const std::vector<town::Road>& roads = layout.roads().roads();
+    const std::vector<town::Road>& roads = layout.roads();
     for (std::uint32_t r = 1; r < roads.size(); ++r) {
       if (!roads[r].joins) continue;
       const double at = *roads[r].joins;
@@ -360,7 +360,7 @@ TEST(Town, AcrossFromASideRoadTheEdgeIsStraight) {
       const double out = roads[0].section.half * (roads[r].joinsLeft ? -1 : 1);
       for (const double along : {-8.0, -4.0, 0.0, 4.0, 8.0}) {
         const town::Point2 p = town::besideRoad(roads[0], at + along, out).at;
-        EXPECT_NEAR(layout.roads().at(p.x, p.y).edge, 0, 0.7) << "seed " << seed << " road " << r << " at " << along;
+        EXPECT_NEAR(layout.besideAt(p).edge, 0, 0.7) << "seed " << seed << " road " << r << " at " << along;
       }
       ++sides;
     }
@@ -386,7 +386,7 @@ TEST(Town, WiresHangClearOfTheRoads) {
     const town::Layout layout = layoutOf(yaml, seed);
     double lowest = 100;
     for (const Vec3f& p : scene.meshes[wires->mesh].positions) {
-      const town::Beside beside = layout.roads().at(p.x, p.y);
+      const town::Beside beside = layout.besideAt({p.x, p.y});
       if (beside.known && beside.edge < 0) lowest = std::min(lowest, p.z - layout.heightAt({p.x, p.y}));
     }
     EXPECT_GT(lowest, kLorry) << "seed " << seed;
