@@ -27,15 +27,13 @@ constexpr std::array<std::string_view, 3> kLayoutNames{"one", "overlay", "split"
 constexpr int kTickMs = 15;
 constexpr double kFarthestPlace = 1e5;  // largest coordinate (sensor's frame) and largest radius of a close-up (m)
 
-// Outputs that replace the window, and their options. Without a screenshot, a turntable or a pick, a window is opened.
+// Outputs that replace the window, and their options. Without a screenshot or a pick, a window is opened.
 struct Outputs {
   std::filesystem::path screenshot;
-  std::filesystem::path turntable;
-  int frames = 72;
   std::optional<std::pair<int, int>> pick;  // pixel of the picture; the point or triangle there is printed
   bool wholeRangeImage = false;             // the screenshot is the range image alone, in full size
 
-  bool window() const { return screenshot.empty() && turntable.empty() && !pick; }
+  bool window() const { return screenshot.empty() && !pick; }
 };
 
 std::pair<int, int> readPixel(const std::string& text, const PictureSize& size) {
@@ -90,15 +88,6 @@ Outputs readOutputs(const Arguments& parsed, const PictureSize& size) {
     outputs.screenshot = parsed.text("screenshot");
     if (outputs.screenshot.extension() != ".png") {
       throw InputError({outputs.screenshot.string()}, "pictures are PNG: let the name end in .png");
-    }
-  }
-  outputs.turntable = folderOption(parsed, "turntable");
-  if (parsed.has("frames")) {
-    constexpr int kMost = 10000;
-    outputs.frames = parsed.options["frames"].as<int>();
-    if (outputs.turntable.empty()) throw InputError("--frames says how many pictures --turntable DIR makes: add that");
-    if (outputs.frames < 1 || outputs.frames > kMost) {
-      throw InputError(fmt::format("--frames must be from 1 to {}, not {}", kMost, outputs.frames));
     }
   }
   outputs.wholeRangeImage = parsed.has("range-image-alone");
@@ -166,23 +155,6 @@ ViewOptions readViewOptions(const Arguments& parsed, bool window) {
   return view;
 }
 
-// Returns the pictures that a turntable in this folder replaces. Throws InputError if it may not be written there.
-std::vector<std::filesystem::path> turntableBefore(const std::filesystem::path& folder, bool overwrite) {
-  std::vector<std::filesystem::path> old;
-  if (folder.empty() || !std::filesystem::exists(folder)) return old;
-  if (!std::filesystem::is_directory(folder)) throw InputError({folder.string()}, "is no folder: name another one");
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    const std::string name = entry.path().filename().string();
-    const bool ours = name.starts_with("turntable_") && name.ends_with(".png");
-    if (!ours || !overwrite) {
-      throw InputError({folder.string()}, ours ? "holds a turntable already: add --overwrite, or name another folder"
-                                               : "is not empty: name another folder");
-    }
-    old.push_back(entry.path());
-  }
-  return old;
-}
-
 void printRows(const std::string& heading, const std::vector<std::pair<std::string, std::string>>& rows) {
   std::size_t widest = 0;
   for (const auto& [name, value] : rows) widest = std::max(widest, name.size());
@@ -243,23 +215,8 @@ void drawImage(const std::filesystem::path& path, const Arguments& parsed, const
   writePicture(screenshot, drawExr(source, plane == "all" ? "" : plane, size.width), source.file.stem().string());
 }
 
-void makeTurntable(ViewSession& session, const Outputs& outputs) {
-  const OrbitCamera start = session.camera();
-  const std::size_t digits = std::max<std::size_t>(std::to_string(outputs.frames - 1).size(), 3);
-  for (int i = 0; i < outputs.frames; ++i) {
-    OrbitCamera camera = start;
-    camera.yaw = std::remainder(start.yaw + 2 * kPi * i / outputs.frames, 2 * kPi);
-    session.setCamera(camera);
-    session.settle();
-    writeFile(outputs.turntable / fmt::format("turntable_{:0{}}.png", i, digits), encodePng(session.picture()));
-  }
-  printText("{}: {} pictures\n", outputs.turntable.string(), outputs.frames);
-}
-
-void viewFrames(const ViewInput& input, const ViewOptions& view, const PictureSize& size, const Outputs& outputs,
-                bool overwrite) {
+void viewFrames(const ViewInput& input, const ViewOptions& view, const PictureSize& size, const Outputs& outputs) {
   const std::shared_ptr<const FrameSource> source = openFrames(input);
-  const std::vector<std::filesystem::path> old = turntableBefore(outputs.turntable, overwrite);
   auto loader = std::make_unique<FrameLoader>(source);
   // The frame loads while the canvas opens.
   if (!source->keys().empty()) loader->want(findFrame(*source, view.sample), 0);
@@ -279,16 +236,9 @@ void viewFrames(const ViewInput& input, const ViewOptions& view, const PictureSi
       printText("nothing lies at {},{}\n", x, y);
     }
   }
-  if (!outputs.screenshot.empty()) {
-    session.settle();
-    writePicture(outputs.screenshot, session.picture(), source->title());
-  }
-  if (outputs.turntable.empty()) return;
-  std::error_code failure;
-  std::filesystem::create_directories(outputs.turntable, failure);
-  if (failure) throw InputError({outputs.turntable.string()}, "cannot be made a folder: " + failure.message());
-  for (const auto& file : old) std::filesystem::remove(file);
-  makeTurntable(session, outputs);
+  if (outputs.screenshot.empty()) return;
+  session.settle();
+  writePicture(outputs.screenshot, session.picture(), source->title());
 }
 
 std::string keyHelp() {
@@ -347,10 +297,7 @@ void addOptions(cxxopts::Options& options) {
   add("flat", "no darkening of depth edges");
   add("bare", "the points alone: no panels, axes, boxes or trajectory; beside --boxes these are kept");
   add("screenshot", "a picture in place of the window; needs no display", textValue(), "FILE.png");
-  add("turntable", "pictures from all around in place of the window; needs no display", textValue(), "DIR");
-  add("frames", "of the turntable, 72 where not given", cxxopts::value<int>(), "N");
   add("pick", "prints what lies at a pixel of the picture, and marks it in that", textValue(), "X,Y");
-  add("overwrite", "replace a turntable that is there already");
 }
 
 }  // namespace
@@ -370,7 +317,6 @@ int runView(const std::vector<std::string>& arguments) {
                      "  scanmill view out/quickstart --screenshot street.png --size 1920x1080 --hide road\n"
                      "  scanmill view out/quickstart --pick 800,450\n"
                      "  scanmill view out/quickstart --instance 4711 --color intensity\n"
-                     "  scanmill view scan.pcd --turntable out/turntable --frames 36\n"
                      "  scanmill view out/passes --sample 000010 --screenshot passes.png\n"
                      "  scanmill view out/passes --sample 000010 --plane semantic --screenshot classes.png\n"
                      "  scanmill view out/quickstart --at 6.5,-2.7,-1 --within 2.5 --screenshot car.png\n"
@@ -381,7 +327,7 @@ int runView(const std::vector<std::string>& arguments) {
   const InputLimitFactor limits(inputLimit(parsed));
   ViewInput input;
   input.path = parsed.fileOrName("DATASET|SHARD|SCAN|EXR|SCENE", {"scenes"});
-  const bool offscreen = parsed.has("screenshot") || parsed.has("turntable") || parsed.has("pick");
+  const bool offscreen = parsed.has("screenshot") || parsed.has("pick");
   const PictureSize size = parsed.has("size") ? readPictureSize(parsed.text("size"))
                            : offscreen        ? PictureSize{1600, 900}
                                               : PictureSize{1280, 800};
@@ -406,7 +352,7 @@ int runView(const std::vector<std::string>& arguments) {
   if (parsed.has("seed")) {
     input.seed = parsed.options["seed"].as<std::uint64_t>();
   }
-  viewFrames(input, view, size, outputs, parsed.has("overwrite"));
+  viewFrames(input, view, size, outputs);
   return 0;
 }
 

@@ -121,25 +121,6 @@ TEST_F(View, OfARangeImageAlone) {
   expectRefused(scanmill({"view", at("a"), "--range-image-alone"}), "add --screenshot");
 }
 
-TEST_F(View, TurntablesAreNeverOverwrittenByAccident) {
-  SKIP_WITHOUT_CANVAS();
-  const std::vector<std::string> turn{"view", at("a"), "--turntable", at("turn"), "--frames", "3", "--size", "96x64"};
-  const Outcome made = scanmill(turn, {"DISPLAY="});
-  EXPECT_EQ(made.code, 0) << made.error;
-  EXPECT_EQ(filesEndingIn(".png", at("turn")).size(), 3u);
-  EXPECT_TRUE(std::filesystem::exists(at("turn/turntable_002.png")));
-  EXPECT_NE(readFile(at("turn/turntable_000.png")), readFile(at("turn/turntable_001.png")));
-  expectRefused(scanmill(turn), "--overwrite");
-  auto again = turn;
-  again[5] = "2";
-  again.push_back("--overwrite");
-  EXPECT_EQ(scanmill(again).code, 0);
-  EXPECT_EQ(filesEndingIn(".png", at("turn")).size(), 2u);
-  folder_.write("turn/notes.txt", "mine");
-  expectRefused(scanmill(again), "is not empty");
-  EXPECT_EQ(readFile(at("turn/notes.txt")), "mine");
-}
-
 TEST_F(View, PrintsWhatLiesAtAPixel) {
   SKIP_WITHOUT_CANVAS();
   // The driver's view of the wall, straight ahead.
@@ -193,8 +174,6 @@ TEST_F(View, BadInputIsRefusedWithAdvice) {
       {{at("a"), "--sensor", "bottom"}, "bottom"},
       {{at("a"), "--pick", "1600,3"}, "--pick"},
       {{at("a"), "--pick", "a,b"}, "--pick"},
-      {{at("a"), "--frames", "3"}, "--turntable"},
-      {{at("a"), "--turntable", at("t"), "--frames", "0"}, "--frames"},
       {{at("a"), "--over", at("absent")}, "absent"},
       {{at("a"), "--reference", at("absent")}, "absent"},
       {{at("a"), "--plane", "depth"}, "--plane"},

@@ -5,42 +5,11 @@
 
 #include <algorithm>
 #include <charconv>
-#include <numeric>
-#include <utility>
 
 #include "base/error.h"
+#include "config/fields.h"
 
 namespace scanmill {
-
-namespace {
-
-// Returns the Levenshtein distance of two texts.
-std::size_t edits(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i + 1);
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t substituted = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({substituted, diagonal + 1, row[j] + 1});
-    }
-  }
-  return row.back();
-}
-
-std::vector<std::string> nearestKeys(const std::string& wanted, const std::vector<std::string>& keys) {
-  constexpr std::size_t kShown = 3;
-  std::vector<std::pair<std::size_t, std::size_t>> order;
-  for (std::size_t i = 0; i < keys.size(); ++i) order.emplace_back(edits(wanted, keys[i]), i);
-  const std::size_t shown = std::min(kShown, order.size());
-  std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(shown), order.end());
-  std::vector<std::string> out;
-  for (std::size_t i = 0; i < shown; ++i) out.push_back(keys[order[i].second]);
-  return out;
-}
-
-}  // namespace
 
 MemberName partsOfMember(const std::string& member) {
   const std::size_t slash = member.rfind('/');
@@ -101,8 +70,10 @@ std::size_t findKey(const std::vector<std::string>& keys, const std::string& wan
     throw InputError({where}, fmt::format("'{}' is part of {} keys: give more of one key: {}{}", wanted, holding.size(),
                                           fmt::join(some, ", "), more));
   }
-  throw InputError({where}, fmt::format("has no sample '{}'; the most similar of {} keys are: {}", wanted, keys.size(),
-                                        fmt::join(nearestKeys(wanted, keys), ", ")));
+  const std::string near = nearest(wanted, keys);
+  throw InputError({where},
+                   fmt::format("has no sample '{}'; it has {} samples, {} to {}{}", wanted, keys.size(), keys.front(),
+                               keys.back(), near.empty() ? "" : fmt::format(" (did you mean '{}'?)", near)));
 }
 
 }  // namespace scanmill

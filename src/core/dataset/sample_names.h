@@ -30,7 +30,7 @@ KeyParts partsOfKey(const std::string& key);
 
 // Returns the index of the key that `wanted` specifies: the full key, an index from 0 ("12", "#12"), or a part of
 // exactly one key. If `wanted` is empty, returns the index of the middle key. If there is no such key, throws an
-// InputError that begins with `where` and lists the indices, the matching keys or the most similar keys.
+// InputError that begins with `where` and lists the indices, the matching keys or the most similar key.
 std::size_t findKey(const std::vector<std::string>& keys, const std::string& wanted, const std::string& where);
 
 }  // namespace scanmill

@@ -127,7 +127,7 @@ struct ScanSource {
 // middle sample. `sensor`: name of one of the sample's sensors; if empty, the first. If a sample contains a scan in
 // several formats, the first format that can be decoded is used. The manifest of a shard is searched for in the
 // shard's folder and the folder above it; a shard without a manifest can also be read. Throws InputError for a file of
-// unknown kind, an unknown sample (with the most similar keys), an unknown sensor (with the known sensors), and if a
+// unknown kind, an unknown sample (with the most similar key), an unknown sensor (with the known sensors), and if a
 // sample or a sensor is given for a single scan.
 ScanSource findScan(const std::filesystem::path& path, const std::string& sample, const std::string& sensor);
 

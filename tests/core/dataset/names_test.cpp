@@ -56,7 +56,7 @@ TEST(FindKey, SaysWhatThereIs) {
   EXPECT_THAT(complaintOf("99999999999999999999"), HasSubstr("0 to 2"));
   EXPECT_THAT(complaintOf("s1"),
               AllOf(HasSubstr("part of 2 keys"), HasSubstr("town-s1-lane-000000, town-s1-lane-000001")));
-  EXPECT_THAT(complaintOf("town-s2-lane-000001"), HasSubstr("most similar of 3 keys are: town-s1-lane-000001"));
+  EXPECT_THAT(complaintOf("town-s2-lane-000001"), HasSubstr("did you mean 'town-s1-lane-000001'"));
   EXPECT_THAT(messageOf<InputError>([] { findKey({}, "", "data"); }), HasSubstr("has no samples"));
 }
 
