@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <cctype>
 #include <filesystem>
-#include <map>
 #include <set>
 
 #include "assets/asset_kinds.h"
@@ -39,26 +37,8 @@ std::vector<std::filesystem::path> filesOf(const std::vector<std::string>& named
   return files;
 }
 
-// Returns the path of the file with a star for each number in its name, such as "models/leaves.*.obj".
-std::string seriesOf(const std::filesystem::path& file) {
-  std::string series;
-  for (const char c : file.filename().string()) {
-    const bool digit = std::isdigit(static_cast<unsigned char>(c)) != 0;
-    if (!digit || !series.ends_with('*')) series += digit ? '*' : c;
-  }
-  return (file.parent_path() / series).string();
-}
-
-// Prints a line per file. At least kSeries files share a line if their names differ only in numbers and guesses agree.
+// Prints a line per file.
 void printFiles(const draft::Draft& made, const std::filesystem::path& out) {
-  constexpr std::size_t kSeries = 4;
-  std::map<std::pair<std::string, std::string>, std::vector<const draft::DraftedFile*>> series;
-  const auto keyOf = [](const draft::DraftedFile& f) {
-    return std::pair(seriesOf(f.file),
-                     fmt::format("{} {} {} {} {} {}", f.unit, f.up, f.guessed == f.triangles, f.byFile == f.triangles,
-                                 f.byFolder == f.triangles, fmt::join(f.doubts, ", ")));
-  };
-  for (const draft::DraftedFile& f : made.files) series[keyOf(f)].push_back(&f);
   Rows rows{{"file", "unit", "up", "size", "triangles", "guessed", "by the file's name", "doubtful"}};
   std::uint64_t triangles = 0;
   std::uint64_t guessed = 0;
@@ -71,18 +51,9 @@ void printFiles(const draft::Draft& made, const std::filesystem::path& out) {
     byFolder += f.byFolder;
     units.insert(f.unit);
     doubts = doubts || !f.doubts.empty();
-    const auto& alike = series[keyOf(f)];
-    const bool together = alike.size() >= kSeries;
-    if (together && alike.front() != &f) continue;
-    std::uint64_t own = 0, ownGuessed = 0, ownByFile = 0;
-    for (const draft::DraftedFile* other : together ? alike : std::vector{&f}) {
-      own += other->triangles;
-      ownGuessed += other->guessed;
-      ownByFile += other->byFile;
-    }
-    rows.push_back({together ? fmt::format("{} ({} files)", seriesOf(f.file), alike.size()) : f.file.string(),
-                    fmt::format("{:g}", f.unit), std::string(1, f.up), together ? "" : extentText(f.box), grouped(own),
-                    percent(ownGuessed, own), percent(ownByFile, own), fmt::format("{}", fmt::join(f.doubts, ", "))});
+    rows.push_back({f.file.string(), fmt::format("{:g}", f.unit), std::string(1, f.up), extentText(f.box),
+                    grouped(f.triangles), percent(f.guessed, f.triangles), percent(f.byFile, f.triangles),
+                    fmt::format("{}", fmt::join(f.doubts, ", "))});
   }
   if (!doubts) {
     for (std::vector<std::string>& row : rows) row.pop_back();

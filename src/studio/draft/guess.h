@@ -4,7 +4,6 @@
 
 #include <array>
 #include <filesystem>
-#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -94,15 +93,5 @@ void guessTogether(const std::vector<FrameGuess*>& all);
 // Returns the ground in the file's name if the name contains both a ground and an object, such as "grass-trees";
 // otherwise null.
 const Concept* groundIn(const Vocabulary& words, const std::filesystem::path& file);
-
-// The horizontal surface at the bottom of a tile; the tile's objects stand on this surface.
-struct Plate {
-  const Concept* ground = nullptr;
-  double height = 0;  // height of the plate's upper side, with a margin, above the asset's lowest point (file's units)
-};
-
-// Returns the plate of an asset if groundIn() finds a ground in its name and horizontal triangles near its bottom cover
-// most of its footprint; otherwise nothing. `up`: the result of guessUp().
-std::optional<Plate> plateOf(const Vocabulary& words, const Asset& asset, char up);
 
 }  // namespace scanmill::draft

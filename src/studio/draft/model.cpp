@@ -26,9 +26,8 @@ Box placed(const Box& own, const FrameGuess& frame) {
           Vec3d{own.high.x, -own.low.z, own.high.y} * frame.unit};
 }
 
-// Reads a file and guesses its concepts. Stores in `plates` the ground plate that the file has for each up axis.
-Model readModel(const std::filesystem::path& file, Vocabulary words, const DraftOptions& stated,
-                std::map<char, std::optional<Plate>>& plates) {
+// Reads a file and guesses its concepts.
+Model readModel(const std::filesystem::path& file, Vocabulary words, const DraftOptions& stated) {
   AssetOptions options;
   options.textures = false;
   options.allowOutside = stated.allowOutside;
@@ -64,7 +63,6 @@ Model readModel(const std::filesystem::path& file, Vocabulary words, const Draft
   }
   model.frame = guessUp(asset, guesses);
   model.box = boundsOf(asset);
-  for (const char axis : {'y', 'z'}) plates[axis] = plateOf(words, asset, axis);
   model.mixed = groundIn(words, file) != nullptr;
   return model;
 }
@@ -136,7 +134,7 @@ std::vector<std::string> Model::doubts() const {
   const bool ground = whole != nullptr && whole->kind == ConceptKind::Ground;
   if (ground && byFile() + byFolder() > 0 && materials.size() > 1)
     doubts.emplace_back("one class for several materials");
-  if (mixed && !plate && byFile() > 0) doubts.emplace_back("one class for two in its name");
+  if (mixed && byFile() > 0) doubts.emplace_back("one class for two in its name");
   if (hasCoarserLevels(parts)) doubts.emplace_back("several levels of detail: `drop` the coarser ones");
   return doubts;
 }
@@ -152,13 +150,10 @@ std::vector<Model> readModels(const std::vector<std::filesystem::path>& files, c
   words.ignoreShared(names);
   words.ignoreShared(folders);
   std::vector<Model> models;
-  std::vector<std::map<char, std::optional<Plate>>> plates;
   std::exception_ptr failure;  // the first file that may fail and did
   for (const std::filesystem::path& file : files) {
-    std::map<char, std::optional<Plate>> own;
     try {
-      models.push_back(readModel(file, words, options, own));
-      plates.push_back(std::move(own));
+      models.push_back(readModel(file, words, options));
     } catch (const InputLimitError&) {
       throw;
     } catch (const InputError& e) {
@@ -171,10 +166,7 @@ std::vector<Model> readModels(const std::vector<std::filesystem::path>& files, c
   std::map<std::pair<std::filesystem::path, std::string>, std::vector<FrameGuess*>> sets;
   for (Model& m : models) sets[{m.file.parent_path(), lowerExtension(m.file)}].push_back(&m.frame);
   for (const auto& [folder, set] : sets) guessTogether(set);
-  for (std::size_t i = 0; i < models.size(); ++i) {
-    models[i].box = placed(models[i].box, models[i].frame);
-    models[i].plate = plates[i][models[i].frame.up];
-  }
+  for (Model& m : models) m.box = placed(m.box, m.frame);
   nameModels(models);
   return models;
 }

@@ -29,11 +29,10 @@ struct Model {
   const Concept* whole = nullptr;  // the concept that the name of the file or its folder states; null: none
   bool wholeByFolder = false;      // the name of the folder states `whole`
   FrameGuess frame;
-  Box box;                     // bounding box (m), computed with the guessed unit and up axis
-  std::optional<Plate> plate;  // the ground of a tile; parts above this plate belong to `whole`
-  bool mixed = false;          // the file's name states both a ground and an object
-  bool measured = false;       // no materials are drafted, since the points have intensities or colours
-  bool numbered = false;       // the points have labels that are only numbers
+  Box box;                // bounding box (m), computed with the guessed unit and up axis
+  bool mixed = false;     // the file's name states both a ground and an object
+  bool measured = false;  // no materials are drafted, since the points have intensities or colours
+  bool numbered = false;  // the points have labels that are only numbers
 
   std::uint64_t triangles() const;
   // Number of triangles whose class was guessed from names of node, material, texture or file, or that are guessed to

@@ -130,9 +130,7 @@ class Writer {
       return std::all_of(parts.begin(), parts.end(), [&](const KnownPart& k) { return k.what == c; });
     };
     const Concept* const only = parts.empty() ? nullptr : parts.front().what;
-    const bool plate = model_.plate && model_.byFile() > 0;
     if (only != nullptr && only->kind != ConceptKind::Drop && isAll(only)) {
-      if (plate) yaml += "    rules:\n" + plateRule();
       writeRest(*only, model_.byFolder() > 0 ? "   # by the name of the folder" : "", yaml);
       return;
     }
@@ -165,8 +163,7 @@ class Writer {
     const Vec3d size = box.high - box.low;
     if (nodes.size() > 2 && (model_.frame.place || std::max(size.x, size.y) > 30))
       yaml += "    instances: node   # or part, if one thing has several nodes, such as the walls of a building\n";
-    if (!single.empty() || !several.empty() || plate) yaml += "    rules:\n";
-    if (plate) yaml += plateRule();
+    if (!single.empty() || !several.empty()) yaml += "    rules:\n";
     for (const auto& [patterns, rule] : several) {
       std::vector<std::string> keys;
       for (std::size_t k = 0; k < patterns.size(); ++k) {
@@ -182,12 +179,6 @@ class Writer {
                 yaml);
     }
     writeUnknown(std::move(unknown), yaml);
-  }
-
-  std::string plateRule() const {
-    return fmt::format("      - {{match: {{height: [0, {:.3g}]}}, {}}}   # the ground of the tile\n",
-                       model_.plate->height * model_.frame.unit,
-                       givesOf(*model_.plate->ground, ontology_, model_.measured));
   }
 
   // Writes rules with up to kMost alternative names each.
