@@ -30,10 +30,10 @@ namespace scanmill {
 
 namespace {
 
-void printGroups(const std::vector<PatchGroup>& groups, const std::string& first) {
-  Rows rows{{first, "patches", "points", "sigma mm", "+-", "with step", "about planes", "lost", "of", "drop-out %",
-             "+-", ""}};
-  for (const PatchGroup& g : groups) {
+void printBands(const std::vector<PatchGroup>& bands) {
+  Rows rows{{"range (incidence to 60 deg)", "patches", "points", "sigma mm", "+-", "with step", "about planes", "lost",
+             "of", "drop-out %", "+-", ""}};
+  for (const PatchGroup& g : bands) {
     const auto figure = [](bool any, double value, int digits) {
       return any ? fmt::format("{:.{}f}", value, digits) : std::string("-");
     };
@@ -57,10 +57,9 @@ void printFrame(const RecordedScan& scan) {
       scan.name, degrees(turn), pose.translation.x, pose.translation.y, pose.translation.z);
 }
 
-// Measures the noise of the scans and prints it. `most`: the greatest incidence angle of patches (rad). `goOn` throws
-// if the user has stopped the program.
+// Measures the noise of the scans and prints it. `goOn` throws if the user has stopped the program.
 NoiseFit measureNoise(const BeamTable& beams, const std::vector<Scan>& scans, const std::vector<std::string>& names,
-                      double most, const std::function<void()>& goOn) {
+                      const std::function<void()>& goOn) {
   std::vector<RecordedScan> recorded;
   for (std::size_t i = 0; i < scans.size(); ++i) {
     recorded.push_back(rangesAlong(scans[i], beams, names[i]));
@@ -70,14 +69,12 @@ NoiseFit measureNoise(const BeamTable& beams, const std::vector<Scan>& scans, co
   }
   const std::vector<FlatPatch> patches = findFlatPatches(beams, recorded);
   goOn();
-  NoiseFit fit = fitNoise(beams, recorded, patches, {most});
+  NoiseFit fit = fitNoise(beams, recorded, patches);
   goOn();
 
   printText("{} of {} beams returned ({}); range step: {}\n\n", grouped(fit.returns), grouped(fit.beams),
             percent(fit.returns, fit.beams), fit.step > 0 ? fmt::format("{:.3g} mm", fit.step * 1000) : "none found");
-  printGroups(fit.bands, fmt::format("range (incidence to {:g} deg)", degrees(most)));
-  printGroups(fit.incidences, "incidence");
-  if (!fit.intensities.empty()) printGroups(fit.intensities, "intensity");
+  printBands(fit.bands);
   printText(
       "sigma:        standard deviation of the range about a smooth surface, without the rounding to the range step\n"
       "with step:    the same with the rounding, as the recording has it\n"
@@ -106,7 +103,6 @@ int runFitNoise(const std::vector<std::string>& arguments) {
       "FILE|NAME");
   add("o,out", "the sensor file to write, with the fitted effects; pipelines use them by `effects: sensor`",
       textValue(), "FILE");
-  add("max-incidence", "the greatest incidence angle of patches to use (deg)", textValue()->default_value("60"), "DEG");
   add("overwrite", "replace the file");
   addSimulatedOption(options);
   add("threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"));
@@ -122,7 +118,6 @@ int runFitNoise(const std::vector<std::string>& arguments) {
   const std::filesystem::path preset = namedResource(
       requiredText(parsed, "sensor", "name the sensor that recorded the scans, such as os1_128"), "pipelines/sensors");
   const std::filesystem::path out = requiredFile(parsed, "name the sensor file to write, such as fitted.yaml");
-  const double most = parsed.number("max-incidence", 1, 89);
   const ResourceLimits limits(parsed);
   const std::atomic<bool>& stop = stopSignal();
   const auto goOn = [&] {
@@ -146,7 +141,7 @@ int runFitNoise(const std::vector<std::string>& arguments) {
   std::string effects = "effects:\n" + (response ? response->yaml : "");
   std::vector<std::string> warnings;
   try {
-    NoiseFit fit = measureNoise(*beams, scans, names, radians(most), goOn);
+    NoiseFit fit = measureNoise(*beams, scans, names, goOn);
     if (response && response->fit.slope > 0) fit.rings.gain.sigma /= response->fit.slope;
     effects += effectsYaml(fit, today());
     warnings = beyondMeasured(fit);

@@ -73,11 +73,9 @@ MeasuredShare dropOutOf(const FlatPatches& patches, std::uint32_t stream) {
   return all;
 }
 
-PatchGroup describe(const FlatPatches& patches, std::string name, double low, double high, double step,
-                    std::uint32_t stream) {
+PatchGroup describe(const FlatPatches& patches, std::string name, double high, double step, std::uint32_t stream) {
   PatchGroup group;
   group.name = std::move(name);
-  group.low = low;
   group.high = high;
   group.dropOut = dropOutOf(patches, 2 * stream);
   FlatPatches measured;
@@ -211,8 +209,8 @@ double NoiseFit::measuredUpTo() const {
   return last;
 }
 
-NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans, const std::vector<FlatPatch>& patches,
-                  const FitNoiseOptions& options) {
+NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans,
+                  const std::vector<FlatPatch>& patches) {
   NoiseFit fit;
   for (const RecordedScan& scan : scans) {
     fit.files.push_back(scan.name);
@@ -221,25 +219,20 @@ NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans
   }
   fit.step = rangeStep(scans);
   fit.sensorReach = beams.maxRange;
-  fit.mostIncidence = options.mostIncidence;
-  const double leastCosine = std::cos(options.mostIncidence);
 
   const std::vector<double> edges = rangeBandEdges();
   std::vector<FlatPatches> perBand(edges.size());
   for (const FlatPatch& p : patches) {
-    if (p.incidence >= leastCosine) perBand[rangeBandOf(p.range)].push_back(&p);
+    if (p.incidence >= kSteep) perBand[rangeBandOf(p.range)].push_back(&p);
   }
   std::vector<bool> useful(edges.size(), false);
   for (std::size_t b = 0; b < edges.size(); ++b) {
     if (perBand[b].empty()) continue;
     const double high = b + 1 < edges.size() ? edges[b + 1] : INFINITY;
-    fit.bands.push_back(
-        describe(perBand[b], rangeName(edges[b], high), edges[b], high, fit.step, static_cast<std::uint32_t>(b)));
+    fit.bands.push_back(describe(perBand[b], rangeName(edges[b], high), high, fit.step, static_cast<std::uint32_t>(b)));
     fit.bands.back().leftOut = unfit(fit.bands.back());
     useful[b] = fit.bands.back().leftOut.empty();
   }
-  FlatPatches all;
-  FlatPatches steep;
   const std::vector<const PatchGroup*> used = fit.used();
   for (const PatchGroup* band : used) {
     fit.patches += band->patches;
@@ -247,59 +240,23 @@ NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans
   }
   if (used.empty()) {
     throw InputError(
-        fmt::format("{}: no band of ranges has at least {} flat patches of {} x {} beams with incidences up to {:.0f} "
-                    "deg: noise is measured on flat surfaces such as walls and floors; give more scans, or scans of a "
+        fmt::format("{}: no band of ranges has at least {} flat patches of {} x {} beams with incidences up to 60 deg: "
+                    "noise is measured on flat surfaces such as walls and floors; give more scans, or scans of a "
                     "place with such surfaces{}",
-                    listed(fit.files), kFewestPatches, kPatchRings, kPatchColumns, degrees(options.mostIncidence),
+                    listed(fit.files), kFewestPatches, kPatchRings, kPatchColumns,
                     beams.rings < kPatchRings ? fmt::format("; and a sensor of at least {} rings", kPatchRings) : ""));
   }
   fitLine(fit, used);
+  FlatPatches chosen;
+  std::vector<FlatPatch> ringPatches;
   for (const FlatPatch& p : patches) {
-    if (!useful[rangeBandOf(p.range)]) continue;
-    all.push_back(&p);
-    if (p.incidence >= leastCosine) steep.push_back(&p);
+    if (p.incidence < kSteep || !useful[rangeBandOf(p.range)]) continue;
+    chosen.push_back(&p);
+    ringPatches.push_back(p);
   }
   constexpr std::uint32_t kDropOutStream = 1000;
-  constexpr std::uint32_t kIncidenceStream = 100;
-  constexpr std::uint32_t kIntensityStream = 200;
-  fit.dropOut = dropOutOf(steep, kDropOutStream);
-  std::vector<FlatPatch> ringPatches;
-  for (const FlatPatch* p : steep) ringPatches.push_back(*p);
+  fit.dropOut = dropOutOf(chosen, kDropOutStream);
   fit.rings = fitRingErrors(beams, scans, ringPatches);
-
-  constexpr double kAngles[] = {0, 15, 30, 45, 60, 75, 90};
-  for (std::uint32_t a = 0; a + 1 < std::size(kAngles); ++a) {
-    FlatPatches group;
-    for (const FlatPatch* p : all) {
-      const double angle = degrees(std::acos(std::min(1.0, p->incidence)));
-      if (angle >= kAngles[a] && (angle < kAngles[a + 1] || kAngles[a + 1] == 90)) group.push_back(p);
-    }
-    if (group.empty()) continue;
-    fit.incidences.push_back(describe(group, fmt::format("{:g}-{:g} deg", kAngles[a], kAngles[a + 1]), kAngles[a],
-                                      kAngles[a + 1], fit.step, kIncidenceStream + a));
-    if (radians(kAngles[a]) > options.mostIncidence - 1e-9) {
-      fit.incidences.back().leftOut = fmt::format("beyond {:g} deg", degrees(options.mostIncidence));
-    }
-  }
-  const bool lit = std::ranges::any_of(scans, [](const RecordedScan& s) { return !s.intensity.empty(); });
-  if (lit && !steep.empty()) {
-    std::vector<double> intensities;
-    for (const FlatPatch* p : steep) intensities.push_back(p->intensity);
-    constexpr std::uint32_t kParts = 5;
-    double low = quantileOf(intensities, 0);
-    for (std::uint32_t part = 0; part < kParts; ++part) {
-      const bool last = part + 1 == kParts;
-      const double high = last ? INFINITY : quantileOf(intensities, (part + 1.0) / kParts);
-      FlatPatches group;
-      std::ranges::copy_if(steep, std::back_inserter(group),
-                           [&](const FlatPatch* p) { return p->intensity >= low && p->intensity < high; });
-      if (!group.empty()) {
-        const std::string name = last ? fmt::format("from {:.4g}", low) : fmt::format("{:.4g}-{:.4g}", low, high);
-        fit.intensities.push_back(describe(group, name, low, high, fit.step, kIntensityStream + part));
-      }
-      low = high;
-    }
-  }
   return fit;
 }
 
@@ -328,9 +285,9 @@ std::string effectsYaml(const NoiseFit& fit, const std::string& date) {
     rows += fmt::format("{}[{:.3g}, {:.3g}]", rows.empty() ? "" : ", ", band->range, band->sigma);
   }
   std::string text = fmt::format("  # Fitted with `scanmill fit-noise`, {}, on\n  # {}.\n", date, listed(fit.files));
-  text += fmt::format(
-      "  # {} flat patches with {} points, {:.3g} to {:.3g} m away and up to {:.0f} deg from their normals.\n",
-      fit.patches, fit.points, first->range, last->range, degrees(fit.mostIncidence));
+  text +=
+      fmt::format("  # {} flat patches with {} points, {:.3g} to {:.3g} m away and up to 60 deg from their normals.\n",
+                  fit.patches, fit.points, first->range, last->range);
   if (fit.dropOut.lost > 0) {
     text += fmt::format("  # Beams lost among returns of flat patches: {} of {}.\n", fit.dropOut.lost, fit.dropOut.of);
     text += fmt::format("  - dropout: {{probability: {:.2g}}}\n", fit.dropOut.share());

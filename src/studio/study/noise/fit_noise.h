@@ -25,12 +25,11 @@ struct MeasuredShare {
   double share() const { return of > 0 ? static_cast<double>(lost) / static_cast<double>(of) : 0; }
 };
 
-// The noise on all patches in a band of ranges, incidence angles or intensities. "Step" means the distance to which the
+// The noise on all patches in a band of ranges. "Step" means the distance to which the
 // sensor rounds ranges. Sigma is the standard deviation of the ranges from a smooth surface.
 struct PatchGroup {
-  std::string name;  // the band's values, such as "7.5-10 m" or "60-75 deg"
-  double low = 0;    // ends of the band (m, degrees or intensity); `high` is infinite for the last band
-  double high = 0;
+  std::string name;  // the band's values, such as "7.5-10 m"
+  double high = 0;   // upper end of the band (m); infinite for the last band
   double range = 0;  // mean range (m)
   std::size_t patches = 0;
   std::uint64_t points = 0;  // points in the measured halves of the patches
@@ -49,13 +48,9 @@ struct NoiseFit {
   std::uint64_t points = 0;        // number of points in the patches that the fit uses
   std::uint64_t returns = 0;       // number of returns of all beams
   std::uint64_t beams = 0;
-  double step = 0;                     // step to which the sensor rounds ranges (m); 0 if none was found
-  double mostIncidence = 0;            // largest incidence angle of patches that the fit uses (rad)
-  double sensorReach = 0;              // maximum range in the beam table (m)
-  std::vector<PatchGroup> bands;       // bands of range; only patches with incidences up to mostIncidence
-  std::vector<PatchGroup> incidences;  // bands of incidence; only patches in ranges that the fit uses
-  // Bands of intensity; only patches with ranges and incidences that the fit uses; empty without intensities.
-  std::vector<PatchGroup> intensities;
+  double step = 0;                // step to which the sensor rounds ranges (m); 0 if none was found
+  double sensorReach = 0;         // maximum range in the beam table (m)
+  std::vector<PatchGroup> bands;  // bands of range; only patches with incidences up to 60 degrees
 
   // The model sigma(r) = base + growth * r, fitted by least squares with the weights 1 / (the band's error)^2.
   double base = 0;  // sigma at range 0 (m)
@@ -74,14 +69,10 @@ struct NoiseFit {
   double measuredUpTo() const;  // returns the mean range (m) of the last band that the fit uses
 };
 
-struct FitNoiseOptions {
-  double mostIncidence = radians(60);  // largest incidence angle of patches that are used
-};
-
 // Measures the noise on patches of the scans and fits the model. `patches`: the result of findFlatPatches(). Throws
 // InputError if the scans contain too few flat patches.
-NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans, const std::vector<FlatPatch>& patches,
-                  const FitNoiseOptions& options = {});
+NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans,
+                  const std::vector<FlatPatch>& patches);
 
 // Returns a line that states up to which range the noise was measured and how the model continues at larger ranges,
 // then a line for each band at larger ranges that has enough patches, but that the fit did not use. Returns nothing if

@@ -302,13 +302,6 @@ std::optional<FlatPatch> measurePatch(const BeamTable& beams, const BeamImage& i
   patch.testedSquares = lines.squares;
   patch.testedFreedom = static_cast<double>(lines.freedom());
   if (patch.testedFreedom < 1) return {};
-  if (!scan.intensity.empty()) {
-    std::vector<double> intensities;
-    intensities.reserve(tested.size());
-    for (const Cell* cell : tested) intensities.push_back(scan.intensity[cell->beam]);
-    patch.intensity = medianOf(std::move(intensities));
-  }
-
   const std::vector<const Cell*> measured = returnedOf(*cells, false);
   if (measured.size() >= kFewestMeasured) {
     const LinearFit own = fitLines(beams, measured, plane->plane);

@@ -44,7 +44,6 @@ struct FlatPatch {
   PatchPlane plane;      // plane fitted to the tested half
   double range = 0;      // mean range of the plane along the window's beams (m)
   double incidence = 0;  // cosine of the angle between the window's middle beam and the plane's normal
-  double intensity = 0;  // median of the tested returns' intensities; 0 if the scan has no intensities
 
   // Results of fitting the tested half:
   double testedSquares = 0;  // sum of squared deviations from the rings' fitted lines (m^2)
