@@ -66,7 +66,7 @@ class PlyMeshReader {
         header_(readPlyHeader(file)),
         bytes_(readFile(file)),
         body_(file, header_, bytes_),
-        polygons_(file) {}
+        polygons_({file.string()}) {}
 
   ImportedFile read() {
     readComments();

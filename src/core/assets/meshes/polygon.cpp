@@ -12,8 +12,6 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kMostTests = 2e9;
-
 struct Point {
   double x = 0, y = 0;
   bool operator==(const Point&) const = default;
@@ -24,7 +22,7 @@ double areaOf(const Point& a, const Point& b, const Point& c) {
 }
 
 // Projects the corners along the greatest component of the polygon's area vector, so that they turn counter-clockwise.
-std::vector<Point> flattened(std::span<const Vec3d> corners) {
+std::vector<Point> flattened(const std::vector<Vec3d>& corners) {
   Vec3d area;
   for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
     area = area + cross(corners[i] - corners[0], corners[i + 1] - corners[0]);
@@ -47,16 +45,17 @@ std::vector<Point> flattened(std::span<const Vec3d> corners) {
 
 class EarCutter {
  public:
-  EarCutter(std::span<const Vec3d> corners, std::vector<std::array<std::uint32_t, 3>>& triangles, double& tests)
+  EarCutter(const std::vector<Vec3d>& corners, std::vector<std::array<std::uint32_t, 3>>& triangles, double& tests)
       : points_(flattened(corners)), left_(corners.size()), triangles_(triangles), tests_(tests) {
     std::iota(left_.begin(), left_.end(), 0u);
   }
 
-  bool cut() {
+  // Returns false, with triangles missing, if there were more than `mostTests` comparisons.
+  bool cut(double mostTests) {
     // The first ear is sought at corner 1: a convex polygon becomes the usual fan about corner 0. Corners between
     // collinear edges are cut off if no ear is left.
     for (std::size_t at = 1, tried = 0; left_.size() > 3 && tried < 2 * left_.size();) {
-      if (tests_ > kMostTests) return false;
+      if (tests_ > mostTests) return false;
       if (!isDouble(at) && !isEar(at) && !(tried >= left_.size() && isFlat(at))) {
         at = (at + 1) % left_.size();
         ++tried;
@@ -122,32 +121,23 @@ class EarCutter {
 
 }  // namespace
 
-bool triangulate(std::span<const Vec3d> corners, std::vector<std::array<std::uint32_t, 3>>& triangles, double& tests) {
-  if (corners.size() == 3) {
-    triangles.push_back({0, 1, 2});
-    return true;
-  }
-  // Each ear is compared with all corners that are left.
-  const auto n = static_cast<double>(corners.size());
-  return tests + n * n / 2 < kMostTests && EarCutter(corners, triangles, tests).cut();
-}
-
 const std::vector<std::array<std::uint32_t, 3>>& Triangulator::divide(std::size_t n,
                                                                       const std::function<Vec3d(std::size_t)>& corner) {
   divided_ += n - 2;
   if (divided_ > kMostTriangles) {
-    throw InputError({file_.string()}, fmt::format("has more than {} triangles: split it", kMostTriangles));
+    throw InputError(where_, fmt::format("has more than {} triangles: split it", kMostTriangles));
   }
+  triangles_ = {{0, 1, 2}};
+  if (n == 3) return triangles_;
   triangles_.clear();
-  polygon_.resize(n);
-  if (n > 3) {
-    for (std::size_t i = 0; i < n; ++i) polygon_[i] = corner(i);
-  }
-  if (!triangulate(polygon_, triangles_, tests_)) {
-    throw InputError({file_.string()},
-                     fmt::format("has polygons of up to {} corners, which would take minutes to divide into "
-                                 "triangles: export it with triangles",
-                                 n));
+  polygon_.clear();
+  for (std::size_t i = 0; i < n; ++i) polygon_.push_back(corner(i));
+  // Each ear is compared with all corners that are left.
+  const double fewest = static_cast<double>(n) * static_cast<double>(n) / 2;
+  if (tests_ + fewest >= mostTests_ || !EarCutter(polygon_, triangles_, tests_).cut(mostTests_)) {
+    throw InputError(where_, fmt::format("has polygons of up to {} corners, which would take minutes to divide into "
+                                         "triangles: export it with triangles",
+                                         n));
   }
   return triangles_;
 }

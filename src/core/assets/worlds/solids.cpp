@@ -188,11 +188,10 @@ Mesh extrudedPolylines(const XmlNode& geometry) {
   }
   std::vector<Outline> caps;  // cut open where they have holes
   covered.get(caps);
-  double tests = 0;
+  Triangulator polygons(first.where);
   for (const Outline& cap : caps) {
     const std::vector<Vec3d> outline = cornersOf(cap, true);
-    std::vector<std::array<std::uint32_t, 3>> triangles;
-    if (!triangulate(outline, triangles, tests)) first.fail("would take minutes to divide into triangles: give a mesh");
+    const auto& triangles = polygons.divide(outline.size(), [&](std::size_t i) { return outline[i]; });
     addCap(mesh, outline, triangles, height, true);
     addCap(mesh, outline, triangles, 0, false);
   }

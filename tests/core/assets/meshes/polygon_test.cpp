@@ -8,10 +8,7 @@ namespace {
 using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 
 Triangles divided(const std::vector<Vec3d>& corners) {
-  Triangles triangles;
-  double tests = 0;
-  EXPECT_TRUE(triangulate(corners, triangles, tests));
-  return triangles;
+  return Triangulator({"a.obj"}).divide(corners.size(), [&](std::size_t i) { return corners[i]; });
 }
 
 // Returns the area of each triangle along a direction: negative if the triangle is turned over.
@@ -110,17 +107,13 @@ TEST(Polygon, StopsWhereASpiralTakesTooLong) {
       spiral.push_back({radius * std::cos(angle), radius * std::sin(angle), 0});
     }
   }
-  Triangles triangles;
-  double tests = 0;
-  ASSERT_TRUE(triangulate(spiral, triangles, tests));
-  EXPECT_GT(tests, kSpiralCorners * double{kSpiralCorners});
-  tests = 2e9 - 1e7;
-  EXPECT_FALSE(triangulate(spiral, triangles, tests));
-  EXPECT_GT(tests, 2e9);
-  EXPECT_LT(tests, 2e9 + kSpiralCorners) << "it stops at once";
-  tests = 2e9 - 1e6;
-  EXPECT_FALSE(triangulate(spiral, triangles, tests));
-  EXPECT_EQ(tests, 2e9 - 1e6) << "it does not begin";
+  const auto corner = [&](std::size_t i) { return spiral[i]; };
+  const double fewest = kSpiralCorners * double{kSpiralCorners} / 2;
+  Triangulator polygons({"a.obj"});
+  EXPECT_EQ(polygons.divide(spiral.size(), corner).size(), spiral.size() - 2);
+  for (const double most : {fewest, 2 * fewest}) {
+    EXPECT_THROW(Triangulator({"a.obj"}, most).divide(spiral.size(), corner), InputError) << most;
+  }
 }
 
 }  // namespace

@@ -277,7 +277,7 @@ class Importer {
   const aiScene* scene_ = nullptr;       // owned by importer_
   std::vector<UvPlacement> placements_;  // by material
   std::uint64_t triangles_ = 0;
-  Triangulator polygons_{std::filesystem::path()};  // without the file's name, which the parent process adds
+  Triangulator polygons_{Location()};  // without the file's name, which the parent process adds
   ColladaFacts facts_;
   LeftOut leftOut_;
 };

@@ -38,7 +38,7 @@ using obj::Statements;
 class ObjReader {
  public:
   ObjReader(const fs::path& file, const AssetOptions& options)
-      : file_(file), options_(options), text_(readFile(file)), statements_(text_, file), polygons_(file) {}
+      : file_(file), options_(options), text_(readFile(file)), statements_(text_, file), polygons_({file.string()}) {}
 
   ImportedFile read() {
     while (statements_.next()) readStatement();
