@@ -8,20 +8,16 @@
 
 namespace scanmill {
 
-void MissingFiles::add(const MissingFileError& error) {
-  errors_.push_back(error);
-}
-
-void MissingFiles::noteOrThrow(bool leaveOut, LeftOut& leftOut) const {
+void tellMissing(const std::vector<MissingFileError>& missing, bool leaveOut, LeftOut& leftOut) {
   if (leaveOut) {
-    for (const MissingFileError& e : errors_) leftOut.add(fmt::format("missing models and meshes ('{}')", e.name));
+    for (const MissingFileError& e : missing) leftOut.add(fmt::format("missing models and meshes ('{}')", e.name));
     return;
   }
-  if (errors_.empty()) return;
-  const MissingFileError& first = errors_.front();
+  if (missing.empty()) return;
+  const MissingFileError& first = missing.front();
   std::set<std::string> named{first.name};
   std::string others;
-  for (const MissingFileError& e : errors_) {
+  for (const MissingFileError& e : missing) {
     if (!named.insert(e.name).second) continue;
     const bool sameFile = e.where.file == first.where.file && e.where.line > 0;
     others += fmt::format("{} '{}' ({})", others.empty() ? "" : ",", e.name,

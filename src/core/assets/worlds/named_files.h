@@ -23,16 +23,9 @@ class MissingFileError : public InputError {
   Location where;
 };
 
-class MissingFiles {
- public:
-  void add(const MissingFileError& error);
-  // Adds the names to `leftOut` if `leaveOut`. Otherwise throws an InputError with the message about the first missing
-  // file, and the name and place of each other one.
-  void noteOrThrow(bool leaveOut, LeftOut& leftOut) const;
-
- private:
-  std::vector<MissingFileError> errors_;
-};
+// Adds the names of missing files to `leftOut` if `leaveOut`. Otherwise throws an InputError with the message about the
+// first one, and the name and place of each other one, if there are any.
+void tellMissing(const std::vector<MissingFileError>& missing, bool leaveOut, LeftOut& leftOut);
 
 // Returns the file or folder that the element `from` of `file` calls `uri`: model://NAME/..., package://NAME/... (see
 // assets/meshes/references.h), file://... or a path relative to the file. Throws MissingFileError at `from` if

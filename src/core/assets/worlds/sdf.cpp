@@ -5,11 +5,11 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <map>
 #include <memory>
 #include <optional>
 #include <set>
-#include <sstream>
 #include <utility>
 
 #include "assets/worlds/named_files.h"
@@ -364,7 +364,7 @@ class SdfReader {
     } catch (const MissingFileError& e) {               // models that belong to Gazebo may not be installed
       if (plain == "model://sun") return std::nullopt;  // sun is a light
       if (plain != "model://ground_plane") {
-        world_.missing.add(e);
+        world_.missing.push_back(e);
         Model empty;
         empty.name = node.textOf("name", name);
         empty.missing = true;
@@ -403,16 +403,6 @@ class SdfReader {
     return model;
   }
 
-  // Returns the parts of a version as numbers, so that "1.10" compares greater than "1.9".
-  static std::vector<int> versionOf(const XmlNode& sdf) {
-    std::vector<int> parts;
-    std::istringstream text(sdf.attributeOr("version", "0"));
-    for (std::string part; std::getline(text, part, '.');) {
-      parts.push_back(static_cast<int>(numbersIn(sdf, part, 1).front()));
-    }
-    return parts;
-  }
-
   // Returns the file that defines a model. If `uri` is a folder, this is the file with the highest version in
   // model.config, or else model.sdf.
   static std::filesystem::path definitionOf(const XmlNode& node, const std::filesystem::path& file,
@@ -423,13 +413,16 @@ class SdfReader {
     std::error_code ignored;
     if (std::filesystem::is_directory(found, ignored)) {
       std::string best = "model.sdf";
-      std::vector<int> highest;
+      std::string highest;
       const std::filesystem::path config = found / "model.config";
       if (std::filesystem::exists(config, ignored)) {
         for (const XmlNode& sdf : readXml(config).children) {
           if (sdf.name != "sdf") continue;
-          const std::vector<int> version = versionOf(sdf);
-          if (version <= highest || !std::filesystem::exists(found / sdf.text, ignored)) continue;
+          const std::string version = sdf.attributeOr("version", "0");
+          // By the numbers in the texts: 1.10 is greater than 1.9.
+          if (::strverscmp(version.c_str(), highest.c_str()) <= 0 ||
+              !std::filesystem::exists(found / sdf.text, ignored))
+            continue;
           highest = version;
           best = sdf.text;
         }
@@ -474,7 +467,7 @@ class SdfReader {
         try {
           part.mesh = findModel(*uri, file, uri->text);
         } catch (const MissingFileError& e) {
-          return world_.missing.add(e);
+          return world_.missing.push_back(e);
         }
         if (const XmlNode* scale = shape.child("scale")) {
           part.thingFromPart.linear = part.thingFromPart.linear * Mat3::scale(vectorIn(*scale, scale->text));
@@ -518,7 +511,7 @@ class SdfReader {
       if (uri->text.starts_with("file://media")) {
         world_.leftOut.add(fmt::format("heightmaps of Gazebo's own '{}'", uri->text));
       } else {
-        world_.missing.add(e);
+        world_.missing.push_back(e);
       }
       return std::nullopt;
     }

@@ -36,7 +36,7 @@ class TilesetReader {
     asset_.upDeclared = true;
     asset_.statedUnit = 1;
     readFileOf(file, {}, {}, false, 0);
-    missing_.noteOrThrow(options_.leaveOutMissing, leftOut_);
+    tellMissing(missing_, options_.leaveOutMissing, leftOut_);
     leftOut_.tell(file.string());
     inTiles_.tell(file.string());
     return std::move(asset_);
@@ -171,14 +171,14 @@ class TilesetReader {
   void readContent(const std::string& uri, const Context& context, const Affine& earthFromTile, bool adds, int depth) {
     const Location where{context.file.string()};
     if (uri.starts_with("http://") || uri.starts_with("https://")) {
-      return missing_.add(
+      return missing_.push_back(
           {where, uri, fmt::format("names '{}', which is not a local file: download the tileset", uri)});
     }
     const std::string plain = decodeUri(uri.substr(0, uri.find('?')));
     const std::filesystem::path file = context.file.parent_path() / plain;
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(file, ignored)) {
-      return missing_.add({where, uri, fmt::format("names '{}', but this file does not exist", uri)});
+      return missing_.push_back({where, uri, fmt::format("names '{}', but this file does not exist", uri)});
     }
     const std::string kind = lowerExtension(file);
     const std::filesystem::path name = context.folder / plain;
@@ -222,7 +222,7 @@ class TilesetReader {
   std::set<std::filesystem::path> open_;
   LeftOut leftOut_;
   LeftOut inTiles_;  // of the tiles' contents
-  MissingFiles missing_;
+  std::vector<MissingFileError> missing_;
   std::uint32_t nodes_ = 0;
 };
 

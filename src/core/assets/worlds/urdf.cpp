@@ -189,7 +189,7 @@ class UrdfReader {
       try {
         part.mesh = findModel(shape, file_, shape.attributeOr("filename", ""));
       } catch (const MissingFileError& e) {
-        return world_.missing.add(e);
+        return world_.missing.push_back(e);
       }
       part.thingFromPart.linear =
           part.thingFromPart.linear * Mat3::scale(vectorIn(shape, shape.attributeOr("scale", "1 1 1")));

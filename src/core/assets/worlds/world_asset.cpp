@@ -44,7 +44,7 @@ class WorldAsset {
 
   Asset build(const WorldFile& world) {
     leftOut_ = world.leftOut;
-    world.missing.noteOrThrow(options_.leaveOutMissing, leftOut_);
+    tellMissing(world.missing, options_.leaveOutMissing, leftOut_);
     // Groups of things of the same model whose names differ only in the numbers at their ends.
     std::map<std::pair<std::filesystem::path, std::string>, std::vector<const WorldThing*>> same;
     for (const WorldThing& thing : world.things) {

@@ -64,7 +64,7 @@ struct WorldThing {
 struct WorldFile {
   std::vector<WorldThing> things;
   LeftOut leftOut;
-  MissingFiles missing;  // models, meshes and heightmaps; the things lack them
+  std::vector<MissingFileError> missing;  // models, meshes and heightmaps; the things lack them
 };
 
 // Returns what the reader of SDF reads and leaves out.
