@@ -6,6 +6,7 @@
 #include <array>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include "assets/meshes/base_color.h"
 #include "base/error.h"
@@ -52,28 +53,17 @@ class Library {
       } else if (!objFormat().has(FormatElements::Use::Unused, key)) {
         if (index_ == kNone) statements_.fail("stands before the first newmtl");
         if (!known_) readKey(key);
-        definition_.append(key).append(" ").append(statements_.rest()).append("\n");
       }
     }
-    end();
   }
 
  private:
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
   void begin() {
-    end();
     index_ = to_.indexOf(std::string(statements_.rest()));
-    known_ = to_.list[index_].defined;
-    to_.list[index_].defined = true;
-  }
-
-  // Ends the definition of a material.
-  void end() {
-    if (index_ != kNone && !known_) to_.list[index_].definition = definition_;
-    if (known_ && to_.list[index_].definition != definition_)
-      to_.leftOut.add("definitions of materials that differ from the first of their name");
-    definition_.clear();
+    known_ = std::exchange(to_.list[index_].defined, true);
+    if (known_) to_.leftOut.add("further definitions of materials (the first of a name counts)");
   }
 
   ImportedMaterial& material() { return to_.list[index_].look; }
@@ -114,7 +104,7 @@ class Library {
     }
   }
 
-  // Reads options and the name of an image. The options -s and -o set `place`.
+  // Reads options and the name of an image. The options -s and -o set `place`; others are counted.
   ImportedMap readImage(UvPlace& place) {
     std::string_view rest = statements_.rest();
     ImportedMap map;
@@ -132,16 +122,15 @@ class Library {
         const bool number = isNumber(word);
         if (option->values > 1 && (!number || trimmed(next).empty())) break;
         if (number) values[static_cast<std::size_t>(i)] = statements_.number(word);
-        if (name == "-clamp" && word == "on") to_.leftOut.add("-clamp on of textures, which repeat");
-        if (name == "-imfchan" && &place != &to_.list[index_].base && word.find_first_of("rgbz") == 0) {
-          to_.leftOut.add("-imfchan of opacity maps: alpha or brightness counts");
-        }
         rest = trimmed(next);
       }
-      if (name == "-s") place.scale = {floatOr(values[0], 1), floatOr(values[1], 1)};
-      if (name == "-o") place.offset = {floatOr(values[0], 0), floatOr(values[1], 0)};
-      if (name == "-mm" && (values[0].value_or(0) != 0 || values[1].value_or(1) != 1))
-        to_.leftOut.add("-mm of images, which changes their brightness");
+      if (name == "-s") {
+        place.scale = {floatOr(values[0], 1), floatOr(values[1], 1)};
+      } else if (name == "-o") {
+        place.offset = {floatOr(values[0], 0), floatOr(values[1], 0)};
+      } else {
+        to_.leftOut.add(fmt::format("options of images ({})", name));
+      }
     }
     if (rest.empty()) statements_.fail("names no image");
     map.name = std::string(rest);
@@ -155,8 +144,7 @@ class Library {
   Statements statements_;
   Materials& to_;
   std::size_t index_ = kNone;
-  bool known_ = false;      // true: the material was defined before, so that this definition is skipped
-  std::string definition_;  // the statements of the material, those that are unused excepted
+  bool known_ = false;  // true: the material was defined before, so that this definition is skipped
 };
 
 }  // namespace

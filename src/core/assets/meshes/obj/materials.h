@@ -70,8 +70,7 @@ struct UvPlace {
 
 struct ObjMaterial {
   ImportedMaterial look;
-  bool defined = false;    // true: a library defines it, not only a face names it
-  std::string definition;  // the statements that define it
+  bool defined = false;  // true: a library defines it, not only a face names it
   UvPlace base, opacity;
 
   bool textured() const { return !look.base.name.empty() || !look.opacityMap.name.empty(); }

@@ -289,7 +289,7 @@ const FormatSupport& objFormat() {
       "linear light, as in Blender, since OBJ states no colour space; an image counts in its place. The first "
       "definition of a name counts. Normals, lighting and its images change nothing",
       "further objects with the name of an earlier one, which are one node; colours of vertices; materials that no "
-      "library defines, further definitions of a name; -clamp, -mm and -imfchan of images; placements of map_d that "
+      "library defines, further definitions of a name; options of images but -s and -o; placements of map_d that "
       "differ from those of map_Kd; opacities and textures that cannot show"};
   return format;
 }
