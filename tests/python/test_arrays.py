@@ -43,14 +43,6 @@ class Arrays(unittest.TestCase):
             self.assertEqual(set(scan.label), {scene.ontology.id_of("car")})
             self.assertEqual(set(scan.instance), {1})
 
-    def test_ten_poses_in_eight_lines(self):
-        scene = scanmill.Scene.from_arrays([{"name": "box", "class": "car", **box([4, 2, 1.5])}])
-        ranges = []
-        for k in range(10):
-            scan = scene.scan(LEVEL, at(0, 0, 0.2), poses={"box": at(5 + k, yaw=10)})
-            ranges.append(scan.range.min())
-        np.testing.assert_allclose(np.diff(ranges), 1, atol=0.02)
-
     def test_an_array_is_the_same_as_the_primitive_of_a_file(self):
         arrays = scanmill.load_scene("primitives")
         arrays.remove("crate")
@@ -288,43 +280,6 @@ class Placed(unittest.TestCase):
             self.scene.scan(LIDAR, np.tile(np.eye(4), (5, 1, 1)))
         with self.assertRaisesRegex(scanmill.InputError, "must cover the revolution, 0 to 0.1 s after `time`, not 0 to 0.05 s"):
             self.scene.scan(LIDAR, np.tile(np.eye(4), (2, 1, 1)), pose_times=[0, 0.05])
-
-
-class Loop(unittest.TestCase):
-    """A simulator of another program steps its bodies, and a sensor on one of them scans the others."""
-
-    def test_bodies_that_fall_and_bounce(self):
-        class Bodies:  # what MuJoCo and Gazebo hand out: positions, rotations and velocities
-            position = np.array([[8.0, -2, 4], [8, 2, 6]])
-            velocity = np.zeros((2, 3))
-
-            def step(self, dt):
-                self.velocity[:, 2] -= 9.81 * dt
-                self.position += self.velocity * dt
-                bounced = self.position[:, 2] < 0.5
-                self.velocity[bounced, 2] = np.abs(self.velocity[bounced, 2]) * 0.8
-                self.position[bounced, 2] = 0.5
-
-        bodies, scene = Bodies(), scanmill.Scene.from_arrays([])
-        scene.add({"class": "ground", **box([60, 60, 0.1])}, name="floor", pose=at(0, 0, -0.05))
-        for k in range(2):
-            scene.add({"class": "object", **box(1)}, name=f"body {k}")
-        ids = [scene.objects()[f"body {k}"].instances[0] for k in range(2)]
-        seen = 0
-        for frame in range(10):
-            for _ in range(50):
-                bodies.step(0.002)
-            poses = {f"body {k}": at(*bodies.position[k]) for k in range(2)}
-            velocities = {f"body {k}": bodies.velocity[k] for k in range(2)}
-            here, columns = at(0, 0, 2), ["time", "instance"]
-            scan = scene.scan(LIDAR, here, poses=poses, velocities=velocities, frame=frame, columns=columns)
-            for k in range(2):
-                points = scan.world_xyz()[scan.instance == ids[k]] - np.outer(
-                    scan.time[scan.instance == ids[k]], bodies.velocity[k]
-                )
-                self.assertLess(np.abs(points - bodies.position[k]).max(initial=0), 0.501)
-                seen += len(points)
-        self.assertGreater(seen, 200)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,5 @@
 """A generated dataset reads back as its manifest says."""
 
-import hashlib
 import json
 import os
 import pickle
@@ -393,23 +392,6 @@ class ShardFiles(DatasetTest):
             broken.write_bytes(b"nothing" * 200)
             with self.assertRaises(scanmill.InputError):
                 list(Reading(Shards([broken])))
-
-    def test_a_damaged_description_beside_a_shard_names_the_remedy(self):
-        manifest = self.manifest
-        with tempfile.TemporaryDirectory() as folder:
-            for number, shard in enumerate(manifest["shards"]):
-                numbers = [i for i, sample in enumerate(manifest["samples"]) if sample["shard"] == number]
-                own = {"shard": shard["file"], "numbers": numbers, "samples": [manifest["samples"][i] for i in numbers]}
-                beside = (Path(folder) / shard["file"]).with_suffix(".json")
-                beside.parent.mkdir(exist_ok=True)
-                beside.write_text(json.dumps(own) + "\n")
-                shard["samples_sha256"] = hashlib.sha256(beside.read_bytes()).hexdigest()
-            (Path(folder) / "manifest.json").write_text(json.dumps({**manifest, "schema_version": 2, "samples": []}))
-            self.assertEqual(scanmill.open(folder).keys, self.dataset.keys)
-            for change in (beside.write_text, lambda _: beside.unlink()):
-                change("{}\n")
-                with self.assertRaisesRegex(scanmill.InputError, f"{beside.name}(.|\n)*scanmill regenerate"):
-                    scanmill.open(folder)
 
 
 class Wrong(unittest.TestCase):

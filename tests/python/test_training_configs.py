@@ -18,12 +18,7 @@ from support import dataset_path
 # Class ids that the loaders' tables of SemanticKITTI know; another id is a KeyError in Pointcept.
 SEMANTIC_KITTI = {0, 1, 10, 11, 13, 15, 16, 18, 20, 30, 31, 32, 40, 44, 48, 49, 50, 51, 52, 60, 70, 71, 72, 80, 81, 99}
 SEMANTIC_KITTI |= set(range(252, 260))
-# Numbers of sequences that the loaders read in each split, and no others.
-SEQUENCES = {"train": {0, 1, 2, 3, 4, 5, 6, 7, 9, 10}, "valid": {8}, "test": set(range(11, 22))}
 KITTI = {"Car", "Van", "Truck", "Pedestrian", "Person_sitting", "Cyclist", "Tram", "Misc", "DontCare"}
-# Names of categories that the converters of nuScenes translate; others are kept as classes that are ignored.
-DETECTED = {"vehicle.car", "vehicle.truck", "vehicle.bus.rigid", "vehicle.bicycle", "vehicle.motorcycle"}
-DETECTED |= {"vehicle.construction", "human.pedestrian.adult"}
 TABLES = (
     "attribute calibrated_sensor category ego_pose instance log map sample sample_annotation sample_data scene sensor "
     "visibility lidarseg panoptic"
@@ -202,24 +197,9 @@ class SemanticKitti(unittest.TestCase):
     def setUp(self):
         self.root = exported(self, "semantic_kitti")
 
-    def splits(self):
-        splits, split = defaultdict(list), None
-        for line in (self.root / "semantic-kitti.yaml").read_text().partition("\nsplit:\n")[2].splitlines():
-            if line.startswith("    - "):
-                splits[split].append(int(line.split()[1]))
-            else:
-                split = line.strip().partition(":")[0]
-        return splits
-
-    def test_sequences_have_the_numbers_that_loaders_read(self):
-        splits = self.splits()
-        for split in ("train", "valid", "test"):
-            self.assertTrue(splits[split], f"no sequence of {split}")
-            self.assertLessEqual(set(splits[split]), SEQUENCES[split])
-        folders = {int(path.name) for path in sequences(self.root)}
-        self.assertEqual(folders, {number for numbers in splits.values() for number in numbers})
-        # Pointcept lists the folders of all numbers of a split, even those without a drive.
-        for number in set.union(*SEQUENCES.values()):
+    def test_there_is_a_folder_for_every_number(self):
+        """Pointcept lists the folders of all numbers of a split, even those without a drive."""
+        for number in range(22):
             self.assertTrue((self.root / "sequences" / f"{number:02}" / "velodyne").is_dir())
 
     def test_lists_of_frames_name_every_scan(self):
@@ -251,21 +231,6 @@ class SemanticKitti(unittest.TestCase):
                 self.assertTrue(((points[:, 3] >= 0) & (points[:, 3] <= 1)).all())
                 cars = labels[np.isin(labels & 0xFFFF, (10, 252))]
                 self.assertTrue((cars >> 16).all(), "a car without an instance")
-
-    def test_poses_and_calibration_bring_scans_together(self):
-        for sequence in sequences(self.root):
-            rows = {key: np.array(values.split(), float) for key, values in
-                    (line.split(":") for line in (sequence / "calib.txt").read_text().splitlines())}
-            self.assertEqual([row.size for row in rows.values()], [12] * 5)
-            tr = np.vstack([rows["Tr"].reshape(3, 4), [0, 0, 0, 1]])
-            poses = np.loadtxt(sequence / "poses.txt").reshape(-1, 3, 4)
-            scans = sorted((sequence / "velodyne").iterdir())
-            self.assertEqual(len(poses), len(scans))
-            self.assertEqual(len((sequence / "times.txt").read_text().splitlines()), len(scans))
-            first = np.linalg.inv(tr) @ np.vstack([poses[0], [0, 0, 0, 1]]) @ tr
-            np.testing.assert_allclose(first, np.eye(4), atol=1e-6)
-            moved = [(np.linalg.inv(tr) @ np.vstack([pose, [0, 0, 0, 1]]) @ tr)[:3, 3] for pose in poses]
-            self.assertGreater(moved[-1][0], 1, "the drive goes along the sensor's x axis")
 
 
 class NuScenes(unittest.TestCase):
@@ -305,17 +270,6 @@ class NuScenes(unittest.TestCase):
             xyz = floats(root / scan["filename"], 5)[:, :3] @ to_front.T
             yield scan["filename"].split("/")[-1], boxes, xyz
 
-    def test_tables_refer_to_rows_that_exist(self):
-        references = {name: name for name in ("sample", "scene", "sensor", "calibrated_sensor", "log", "ego_pose")}
-        references |= {name: name for name in ("instance", "category", "sample_data")}
-        references |= {"first_sample": "sample", "last_sample": "sample"}
-        for name, rows in self.tables.items():
-            for row in rows.values():
-                for key, value in row.items():
-                    target = references.get(key.removesuffix("_token"))
-                    if key.endswith("_token") and target:
-                        self.assertIn(value, self.tables[target], f"{name}.{key}")
-
     def test_scans_are_where_the_converters_look(self):
         scans = self.tables["sample_data"].values()
         names = [scan["filename"].split("/")[-1] for scan in scans if scan["fileformat"] == "pcd"]
@@ -336,36 +290,6 @@ class NuScenes(unittest.TestCase):
             self.assertLess(np.fromfile(labels, np.uint8).max(), 32)
         self.assertEqual(tops, set(self.tables["sample"]), "each sample needs a LIDAR_TOP")
 
-    def test_categories_are_those_of_lidarseg(self):
-        names = [row["name"] for row in sorted(self.tables["category"].values(), key=lambda row: row["index"])]
-        self.assertEqual(len(names), 32)
-        expected = ["noise", "vehicle.car", "flat.driveable_surface", "vehicle.ego"]
-        self.assertEqual([names[i] for i in (0, 17, 24, 31)], expected)
-        self.assertLessEqual(DETECTED, set(names))
-
-    def test_boxes_hold_their_points(self):
-        whole = found = 0
-        for name, boxes, xyz in self.annotated(self, self.root):
-            for center, size, yaw, points in boxes:
-                count = inside(xyz, center, size, yaw, 0.1).sum()
-                self.assertGreater(count, 0, name)
-                whole, found = whole + points, found + min(count, points)
-        self.assertGreater(whole, 100)
-        self.assertGreater(found / whole, 0.95)
-
-    def test_velocities_follow_from_neighbouring_samples(self):
-        """The devkit knows no velocity but this, and none if samples are more than 1.5 s apart."""
-        samples, rows = self.tables["sample"], self.tables["sample_annotation"]
-        time = lambda row: 1e-6 * samples[row["sample_token"]]["timestamp"]
-        for row in rows.values():
-            for way, back in (("next", "prev"), ("prev", "next")):
-                if row[way]:
-                    other = rows[row[way]]
-                    self.assertEqual(other[back], row["token"])
-                    self.assertEqual(other["instance_token"], row["instance_token"])
-            if row["next"]:
-                self.assertTrue(0 < time(rows[row["next"]]) - time(row))
-
     def test_each_sample_has_the_six_cameras(self):
         channels = {token: row["channel"] for token, row in self.tables["sensor"].items()}
         cameras = defaultdict(set)
@@ -377,15 +301,6 @@ class NuScenes(unittest.TestCase):
                 self.assertTrue((self.root / scan["filename"]).is_file())
         six = {f"CAM_{side}" for side in ("FRONT", "FRONT_LEFT", "FRONT_RIGHT", "BACK", "BACK_LEFT", "BACK_RIGHT")}
         self.assertEqual([cameras[sample] for sample in self.tables["sample"]], [six] * len(self.tables["sample"]))
-
-    def test_scenes_of_a_split_have_names_of_the_official_split(self):
-        splits = json.loads((self.root / "v1.0-trainval" / "splits.json").read_text())
-        # The first names of nuscenes.utils.splits.train and val.
-        official = {"train": {"scene-0001", "scene-0002", *(f"scene-{n:04}" for n in range(4, 12))},
-                    "val": {"scene-0003", *(f"scene-{n:04}" for n in range(12, 19))}}
-        for split, names in official.items():
-            self.assertTrue(splits[split])
-            self.assertLessEqual(set(splits[split]), names)
 
 
 if __name__ == "__main__":

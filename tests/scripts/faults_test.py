@@ -13,7 +13,6 @@ import collections
 import ctypes
 import errno
 import hashlib
-import json
 import os
 import random
 import re
@@ -38,7 +37,7 @@ MANIFEST = "manifest.json"
 
 PIPELINE = """
 name: {name}
-scenes: [{{scene: "{root}/scenes/{scene}.yaml"}}]
+scenes: [{{scene: "{root}/scenes/primitives.yaml"}}]
 trajectories: [{{name: past, waypoints: [[-4, 0, 0], [4, 0, 0]], speed: 5, every_m: 0.001, frames: {frames}}}]
 sensors:
   - {{name: top, columns: {columns}, rate_hz: 10, range_m: [0.5, 90], mount: {{position: [0, 0, 1.9]}},
@@ -227,8 +226,8 @@ class Faults(unittest.TestCase):
             self.fail(f"{len(self.wrong)} wrong:\n" + "\n".join(self.wrong[:most]) + many)
 
     @classmethod
-    def pipeline(cls, frames=6, per_shard=2, columns=64, rings=8, scene="primitives", name="small"):
-        file = cls.place / f"{name}-{frames}-{per_shard}-{columns}-{rings}-{scene}.yaml"
+    def pipeline(cls, frames=6, per_shard=2, columns=64, rings=8, name="small"):
+        file = cls.place / f"{name}-{frames}-{per_shard}-{columns}-{rings}.yaml"
         file.write_text(PIPELINE.format(root=ROOT, **{key: value for key, value in locals().items() if key != "cls"}))
         return file
 
@@ -409,29 +408,6 @@ class Kills(Faults):
             self.note(f"{does} {kind} {at}, then {again}", wrong + self.wrong_in(self.out, new))
         self.assertGreater(between, 0)
 
-    def test_of_processes_that_share_a_dataset(self):
-        pipeline = self.pipeline(frames=240, per_shard=4)
-        _, expected, seconds = self.whole(pipeline)
-        command = ("generate", pipeline, "-o", self.out, "--quiet", "--threads", 1, "--workers", "auto")
-        for count in (2, 8):
-            for round_ in range(max(1, KILLS // 12)):
-                self.empty()
-                said = []
-                for _ in range(2):
-                    workers = [Running(*command) for _ in range(count)]
-                    for worker in self.random.sample(workers, count // 2 + self.random.randrange(2)):
-                        time.sleep(self.random.uniform(0, 2 * seconds / count))
-                        worker.send(signal.SIGKILL)
-                    for worker in workers:
-                        with worker:
-                            said.append(worker.done())
-                wrong = [f"exit code {done.code}: {done.said.strip()}" for done in said
-                         if done.code not in (0, -signal.SIGKILL)]
-                wrong += self.halves(self.out)
-                last = scanmill(*command)
-                wrong += [] if last.code == 0 else [f"the last: exit code {last.code}: {last.said.strip()}"]
-                self.note(f"{count} processes, round {round_}", wrong + self.wrong_in(self.out, expected))
-
 
 class FailingCalls(Faults):
     """Each call by which a dataset is made, one after the other: how else would one know?"""
@@ -586,26 +562,6 @@ class Folders(Faults):
                 unmount(disk)
         self.assertGreater(failed, len(limits) // 2)
 
-    def test_disk_without_room_for_a_second_dataset(self):
-        """The old one is whole as long as the new one is not."""
-        self.need_mounts()
-        older, newer = self.pipeline(columns=256, name="older"), self.pipeline(columns=256, frames=8, name="newer")
-        folder, old, _ = self.whole(older)
-        new = self.whole(newer)[1]
-        disk = Path(tempfile.mkdtemp(dir=self.place))
-        used = sum(-(-path.stat().st_size // 4096) + 1 for path in folder.rglob("*"))
-        mount("-t", "tmpfs", "-o", f"size={4 * (used + used // 2)}k", "none", disk)
-        self.addCleanup(unmount, disk)
-        out = disk / "out"
-        shutil.copytree(folder, out)
-        done = scanmill("generate", newer, "-o", out, "--quiet", "--overwrite")
-        self.assertEqual(done.code, 1, done.said)
-        self.assertIn("No space left on device", done.said)
-        self.assertEqual(differences(tree(out, hidden=False), old), "")
-        self.assertEqual(scanmill("verify", out, "--quiet").code, 0)
-        enlarge(disk, "size=64m")
-        self.assertEqual(self.wrong_resumed(newer, out, new), [])
-
     def stop_within(self, pipeline, kind, at, *more):
         """A process that has stopped before its at-th call of a kind."""
         env = self.faulty(kind, at, "stop")
@@ -658,9 +614,6 @@ class Folders(Faults):
     def test_folder_that_is_removed(self):
         self.while_it_runs(lambda: shutil.rmtree(self.out))
 
-    def test_folder_that_is_removed_from_processes_that_share_it(self):
-        self.while_it_runs(lambda: shutil.rmtree(self.out), "--workers", "auto")
-
     def test_hidden_folder_that_is_removed(self):
         # Nothing tells any more that shards which are at their places are of this program.
         self.while_it_runs(lambda: shutil.rmtree(self.out / HIDDEN, ignore_errors=True),
@@ -689,52 +642,22 @@ class Folders(Faults):
             return [f"where it was moved to: {what}" for what in self.wrong_resumed(self.pipeline(), home / "out")]
         self.while_it_runs(self.move_away, touched=wrong)
 
-    def replace_by_link(self, elsewhere):
+    def test_folder_that_becomes_a_link(self):
         """Nobody knows whose it is then: nothing may be changed there."""
-        before, kept = tree(elsewhere), self.place / "kept"
-        shutil.rmtree(kept, ignore_errors=True)
-        shutil.copytree(elsewhere, kept)
+        elsewhere = Path(tempfile.mkdtemp(dir=self.place)) / "dataset"
+        other = self.whole(self.pipeline(frames=10, name="older"))[0]
+        shutil.copytree(other, elsewhere)
 
         def replace():
             self.move_away()
             self.out.symlink_to(elsewhere)
 
         def touched():
-            different = differences(tree(elsewhere), before)
+            different = differences(tree(elsewhere), tree(other))
             shutil.rmtree(elsewhere)
-            shutil.copytree(kept, elsewhere)
+            shutil.copytree(other, elsewhere)
             return [f"elsewhere: {different[:400]}"] if different else []
         self.while_it_runs(replace, touched=touched)
-
-    def test_folder_that_becomes_a_link_to_files_of_others(self):
-        elsewhere = Path(tempfile.mkdtemp(dir=self.place))
-        (elsewhere / "train").mkdir()
-        (elsewhere / "train/train-000000.tar").write_text("somebody's own")
-        (elsewhere / "notes").write_text("likewise")
-        self.replace_by_link(elsewhere)
-
-    def test_folder_that_becomes_a_link_to_another_dataset(self):
-        elsewhere = Path(tempfile.mkdtemp(dir=self.place)) / "dataset"
-        shutil.copytree(self.whole(self.pipeline(frames=10, name="older"))[0], elsewhere)
-        self.replace_by_link(elsewhere)
-
-    def test_hidden_folder_that_is_a_link(self):
-        """A dataset that somebody hands over may hold one."""
-        pipeline = self.pipeline()
-        elsewhere = Path(tempfile.mkdtemp(dir=self.place))
-        (elsewhere / "folder").mkdir()
-        (elsewhere / "folder/notes").write_text("somebody's own")
-        before = tree(elsewhere)
-        for more in ([], ["--resume"], ["--overwrite"], ["--workers", "auto"]):
-            self.empty()
-            shutil.copytree(self.whole(self.pipeline(name="older"))[0], self.out) if more else self.out.mkdir()
-            (self.out / HIDDEN).symlink_to(elsewhere)
-            done = scanmill("generate", pipeline, "-o", self.out, "--quiet", *more)
-            touched = differences(tree(elsewhere), before)
-            self.note(f"{more}, exit code {done.code}", [f"elsewhere: {touched}"] if touched else [])
-            shutil.rmtree(elsewhere)
-            (elsewhere / "folder").mkdir(parents=True)
-            (elsewhere / "folder/notes").write_text("somebody's own")
 
     def test_folder_that_becomes_read_only(self):
         """By a mount: root may write what has no permission to be written."""
@@ -768,67 +691,7 @@ class Folders(Faults):
 
 
 class Resources(Faults):
-    """Memory and descriptors."""
-
-    def figures(self, pid):
-        """Bytes that are its own and no file's, and how many descriptors are open; None once it has ended."""
-        try:
-            status = Path(f"/proc/{pid}/status").read_text()
-            return int(re.search(r"RssAnon:\s+(\d+) kB", status)[1]) * 1024, len(os.listdir(f"/proc/{pid}/fd"))
-        except (OSError, TypeError):
-            return None
-
-    def count_records(self, folder):
-        try:
-            return sum(name.endswith(".tar.json") for name in os.listdir(folder))
-        except OSError:
-            return 0  # it is not there yet, or not any more
-
-    def test_thousands_of_scans_take_no_more_memory_than_a_few(self):
-        scans, per_shard = 2000, 20
-        pipeline = self.pipeline(frames=scans, per_shard=per_shard, columns=128)
-        folder = self.out / HIDDEN / "train"
-        figures = []  # scans, bytes, descriptors
-        with Running("generate", pipeline, "-o", self.out, "--quiet", "--threads", 2) as running:
-            while running.runs():
-                made = per_shard * self.count_records(folder)
-                now = self.figures(running.process.pid)
-                if now is not None and (not figures or made > figures[-1][0]):
-                    figures.append((made, *now))
-                time.sleep(0.001)
-            done = running.done()
-        self.assertEqual(done.code, 0, done.said)
-        warm = [figure for figure in figures if figure[0] >= scans // 5]
-        self.assertGreater(len(warm), 10, figures)
-        first, last = warm[0], warm[-1]
-        grown = (last[1] - first[1]) / (last[0] - first[0])
-        print(f"{grown:.0f} bytes a scan from {first} to {last}, peak {done.peak_bytes >> 20} MiB", file=sys.stderr)
-        self.assertLessEqual(max(figure[2] for figure in warm) - min(figure[2] for figure in warm), 6, warm)
-        self.assertLess(max(figure[2] for figure in warm), 30, warm)
-        self.assertLess(grown, 1024, warm)
-
-    def memory_planned(self, pipeline):
-        """Bytes of the scene and of frames, as `plan` says."""
-        said = scanmill("plan", pipeline, "--check").said
-        words = re.search(r"memory: ([\d.]+) (\w+) for frames in flight and about ([\d.]+) (\w+) for the scene", said)
-        self.assertTrue(words, said)
-        units = {"B": 0, "bytes": 0, "KiB": 10, "MiB": 20, "GiB": 30}
-        return sum(float(words[i]) * (1 << units[words[i + 1]]) for i in (1, 3))
-
-    def test_memory_is_what_the_plan_says(self):
-        # What the program and its libraries take themselves.
-        own = scanmill("generate", self.pipeline(), "-o", self.parent / "small", "--quiet").peak_bytes
-        for settings in (dict(frames=8, columns=1024, rings=64), dict(frames=6, columns=2048, rings=256),
-                         dict(frames=8, columns=512, rings=64, scene="street")):
-            pipeline = self.pipeline(per_shard=2, **settings)
-            planned = self.memory_planned(pipeline)
-            done = scanmill("generate", pipeline, "-o", self.out, "--quiet", "--overwrite", "--threads", 2)
-            self.assertEqual(done.code, 0, done.said)
-            taken = done.peak_bytes - own
-            words = f"{settings}: plan {planned / 2**20:.1f} MiB, taken {taken / 2**20:.1f} beyond {own / 2**20:.1f}"
-            print(words, file=sys.stderr)
-            # A tenth more, and what allocators and threads keep.
-            self.note(words, [] if taken <= 1.1 * planned + (16 << 20) else ["more than planned"])
+    """Memory that a container or a shell limits."""
 
     def test_limit_of_a_container_is_kept_or_refused(self):
         """Its files are ours here: nobody's memory is limited, so that what the program does by itself is seen."""
@@ -884,22 +747,6 @@ class Resources(Faults):
                 wrong += self.wrong_resumed(pipeline)
             self.note(f"{mebibytes} MiB", wrong)
         self.assertIsNotNone(needed)
-
-    def test_descriptors_that_are_limited(self):
-        pipeline = self.pipeline()
-        expected = self.whole(pipeline)[1]
-        for count in (4, 5, 6, 7, 8, 16):
-            self.empty()
-            done = scanmill("generate", pipeline, "-o", self.out, "--quiet", "--threads", 2,
-                            limits=[(resource.RLIMIT_NOFILE, count)])
-            if done.code == 127:
-                continue
-            wrong = self.halves(self.out)
-            if done.code == 0:
-                wrong += self.wrong_in(self.out, expected)
-            elif done.code not in (1, 2) or "Too many open files" not in done.said:
-                wrong.append(f"exit code {done.code}: {done.said.strip()}")
-            self.note(f"{count} descriptors", wrong + self.wrong_resumed(pipeline))
 
 
 def build_shim(folder):
