@@ -1,11 +1,6 @@
 // `scanmill report`.
 
-#include <fmt/core.h>
-
-#include <chrono>
-#include <csignal>
 #include <sstream>
-#include <thread>
 
 #include "base/file.h"
 #include "report/dataset/dataset_report.h"
@@ -61,23 +56,6 @@ TEST_F(ReportCommand, WithoutANameThePageLiesInTheWorkingFolder) {
   ASSERT_EQ(made.size(), 1u);
   EXPECT_EQ(made[0].filename(), "small_report.html");
   EXPECT_TRUE(filesEndingIn(".html", at("small")).empty());
-}
-
-// Whenever it is interrupted, there is the whole page or none.
-TEST_F(ReportCommand, AnInterruptedOneLeavesNoFile) {
-  for (const int milliseconds : {50, 100, 200, 400}) {
-    RunningProgram program({testedProgram(), "report", at("small"), "--samples", "16", "-o", at("stopped/a.html")});
-    std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
-    program.send(SIGINT);
-    const Outcome o = program.wait();
-    if (o.code == 0) {
-      EXPECT_TRUE(readFile(at("stopped/a.html")).ends_with("</html>\n"));
-      std::filesystem::remove(at("stopped/a.html"));
-    } else {
-      EXPECT_TRUE(o.signal == SIGINT || o.code == 128 + SIGINT) << o.code << " " << o.error;
-    }
-    EXPECT_TRUE(filesEndingIn("", at("stopped")).empty());
-  }
 }
 
 }  // namespace

@@ -84,10 +84,6 @@ TEST_F(Tradeoff, AReportIsReplacedOnlyWhenAsked) {
   EXPECT_EQ(scanmill(again).code, 0);
   EXPECT_EQ(filesIn(at("out")).size(), before.size());
   EXPECT_EQ(readFile(at("out/notes.txt")), "mine");
-
-  folder_.write("foreign/notes.txt", "mine");
-  expectRefused(scanmill({"tradeoff", study_, "-q", "-o", at("foreign"), "--overwrite"}), "no tradeoff.json");
-  EXPECT_EQ(filesIn(at("foreign")).size(), 1u);
 }
 
 // An earlier report stays whole where its successor was interrupted.
