@@ -4,19 +4,20 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <utility>
 
 #include "base/error.h"
 #include "dataset/recording.h"
+#include "dataset/sample_names.h"
 #include "passes/exr/exr_file.h"
 #include "passes/exr/hits_exr.h"
 #include "passes/exr/pass_exr.h"
 #include "viewer/color_map.h"
 #include "viewer/coloring.h"
 #include "viewer/panels/parts.h"
+#include "viewer/panels/rooms.h"
 
 namespace scanmill {
 
@@ -180,23 +181,6 @@ void keepPlane(std::vector<PassPlane>& planes, const std::string& name, const st
   std::erase_if(planes, [&](const PassPlane& p) { return p.name != name; });
 }
 
-// Returns the index of the recording's image that `wanted` names.
-std::size_t indexOfImage(const fs::path& folder, const std::vector<fs::path>& files, const std::string& wanted) {
-  std::vector<std::string> names;
-  for (const fs::path& file : files) names.push_back(file.stem().string());
-  const auto place = [&](auto found) { return static_cast<std::size_t>(found - names.begin()); };
-  if (const auto named = std::ranges::find(names, wanted); named != names.end()) return place(named);
-  std::size_t index = 0;
-  const char* const end = wanted.data() + wanted.size();
-  const auto read = std::from_chars(wanted.data(), end, index);
-  if (read.ec == std::errc() && read.ptr == end && index < names.size()) return index;
-  const auto holds = [&](const std::string& name) { return name.find(wanted) != std::string::npos; };
-  if (const auto found = std::ranges::find_if(names, holds); found != names.end()) return place(found);
-  throw InputError({folder.string()},
-                   fmt::format("has {} images, and the name of none holds '{}'; the first is '{}', the last '{}'",
-                               names.size(), wanted, names.front(), names.back()));
-}
-
 // Returns the names of the materials in an image of the recording, by material id; empty if they are unknown.
 std::vector<std::string> materialsOf(const Recording& recording, const std::string& image) {
   // Each scene and seed has a table of materials. If an image's name starts with the names of two scenes ("town" and
@@ -232,7 +216,9 @@ ExrSource findExr(const fs::path& path, const std::string& wanted) {
     std::ranges::sort(files, [](const fs::path& a, const fs::path& b) {
       return ::strverscmp(a.stem().c_str(), b.stem().c_str()) < 0;
     });
-    source.file = files[wanted.empty() ? 0 : indexOfImage(path, files, wanted)];
+    std::vector<std::string> names;
+    for (const fs::path& file : files) names.push_back(file.stem().string());
+    source.file = files[findKey(names, wanted, path.string())];
   }
   if (const auto kind = recordingIn(folder)) {
     const Recording recording = readRecording(folder, *kind);
@@ -256,18 +242,19 @@ Image drawExr(const ExrSource& source, const std::string& wanted, int width) {
   const auto count = static_cast<int>(planes.size());
   const int columns = image.ofSensor ? 1 : count <= kInOneRow ? count : (count + 1) / 2;
   const int rows = (count + columns - 1) / columns;
-  const int tileWidth = (width - kGap * (columns + 1)) / columns;
+  const Legend legend = count > 1 ? Legend{} : planes.front().legend;
+  const int side = legend.scale || !legend.entries.empty() ? std::min(sideWidth(kLetter), width / 2) : 0;
+  const int tileWidth = (width - side - kGap * (columns + 1)) / columns;
   const double share = static_cast<double>(image.height) / image.width;
   const double shownShare = image.ofSensor ? std::max(kReadableShare, share) : share;
   const int tileHeight = std::clamp(static_cast<int>(std::lround(tileWidth * shownShare)), 1, 8192);
   const int rowHeight = kCaptionHeight + tileHeight + kGap;
-  const int below = kTitleHeight + rows * rowHeight;  // a plane alone has its legend below it
-  const int height = below + (count > 1 ? 0 : legendTableHeight(planes.front().legend, width, kLetter));
+  const int height = kTitleHeight + rows * rowHeight;
   PictureBoard board(width, height, kLetter);
   for (std::size_t i = 0; i < planes.size(); ++i) board.setImage(static_cast<ImageId>(i), planes[i].image);
   return board.draw([&] {
     titleRow({0, 0, width, kTitleHeight}, fmt::format("{}, {}", source.file.filename().string(), image.size), "");
-    panelAt("##planes", {0, kTitleHeight, width, below - kTitleHeight}, false, [&] {
+    panelAt("##planes", {0, kTitleHeight, width - side, height - kTitleHeight}, false, [&] {
       for (int i = 0; i < count; ++i) {
         const PassPlane& plane = planes[static_cast<std::size_t>(i)];
         const int x = kGap + i % columns * (tileWidth + kGap);
@@ -276,8 +263,7 @@ Image drawExr(const ExrSource& source, const std::string& wanted, int width) {
         imageAt(static_cast<ImageId>(i), {x, y + kCaptionHeight, tileWidth, tileHeight});
       }
     });
-    if (height > below)
-      panelAt("##legend", {0, below, width, height - below}, false, [&] { legendTable(planes.front().legend); });
+    legendPanel(legend, {width - side, kTitleHeight, side, height - kTitleHeight});
   });
 }
 

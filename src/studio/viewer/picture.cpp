@@ -63,7 +63,7 @@ Image drawScan(const Scan& scan, const Coloring& coloring, int width, int height
   return board.draw([&] {
     titleRow(rooms.title, fmt::format("{}, {} point{}", title, grouped(points), points == 1 ? "" : "s"),
              coloring.legend.title);
-    panelAt("##side", rooms.side, false, [&] { legendSection(legend, true); });
+    legendPanel(legend, rooms.side);
     drawMessage(rooms.body, points == 0 ? "no points" : "");
   });
 }
@@ -82,17 +82,17 @@ Image drawRangeImage(const Scan& scan, const Ontology* ontology, const std::opti
   const int width = strip.image.width * steps(kReadableWidth, strip.image.width);
   const int height = strip.image.height * steps(width * kReadableShare, strip.image.height);
   const double letter = letterOfPicture(width, width);
-  const PixelRect top{0, 0, width, static_cast<int>(std::lround(1.5 * letter))};
+  const int side = legend.scale || !legend.entries.empty() ? sideWidth(letter) : 0;
+  const PixelRect top{0, 0, width + side, static_cast<int>(std::lround(1.5 * letter))};
   const PixelRect body{0, top.height, width, height};
-  const PixelRect below{0, top.height + height, width, legendTableHeight(legend, width, letter)};
-  PictureBoard board(width, below.top + below.height, letter);
+  PictureBoard board(width + side, top.height + height, letter);
   board.setImage(kStrip, strip.image);
   return board.draw([&] {
     titleRow(top, fmt::format("{}, {}", title, describeStrip(strip)),
              fmt::format("ring 0 at the {}, {}", strip.ringsRise ? "bottom" : "top",
                          legend.scale ? scaleTitle(legend) : legend.title));
     panelAt("##strip", body, false, [&] { imageAt(kStrip, body); });
-    panelAt("##legend", below, false, [&] { legendTable(legend); });
+    legendPanel(legend, {width, top.height, side, height});
     if (finitePoints(scan) == 0) drawMessage(body, "no points");
   });
 }

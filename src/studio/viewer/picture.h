@@ -30,9 +30,9 @@ Image drawScan(const Scan& scan, const Coloring& coloring, int width, int height
 Rgb overlayColor(std::size_t scan);
 
 // Draws a scan as a range image with one row per ring, the highest beams at the top, and one pixel per beam, see
-// makeRangeStrip(). Pixels are enlarged by integer factors in both directions until the image is readable. If several
-// points are in the same pixel, the nearest is shown. `beams`: see makeRangeStrip(). Throws InputError if the scan is
-// too large for a picture, or if it is not organised and has no columns `ring` and `column`.
+// makeRangeStrip(), and its legend beside it. Pixels are enlarged by integer factors until the image is readable. If
+// several points are in the same pixel, the nearest is shown. `beams`: see makeRangeStrip(). Throws InputError if the
+// scan is too large for a picture, or if it is not organised and has no columns `ring` and `column`.
 Image drawRangeImage(const Scan& scan, const Ontology* ontology, const std::optional<ColorBy>& colorBy,
                      const std::string& title, const BeamTable* beams = nullptr);
 

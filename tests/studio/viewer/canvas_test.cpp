@@ -453,25 +453,6 @@ TEST(Canvas, FewerPointsAreASpreadSubset) {
   EXPECT_EQ(countOf(drawn(canvas, 1000), kNight), 39000u);
 }
 
-TEST(Canvas, CanBeResized) {
-  CANVAS_OR_SKIP(canvas, 50, 40);
-  setView(canvas);
-  setOnePoint(canvas, 1, {10, 0, 0}, kRed, sized(3));
-  EXPECT_EQ(countOf(drawn(canvas), kRed), 9u);
-  for (const auto& [width, height] : {std::pair{333, 222}, std::pair{17, 9}, std::pair{51, 41}}) {
-    canvas.resize(width, height);
-    EXPECT_EQ(canvas.width(), width);
-    drawn(canvas);  // with the views of another size
-    setView(canvas);
-    const Image image = drawn(canvas);
-    EXPECT_EQ(image.width, width);
-    EXPECT_EQ(image.height, height);
-    EXPECT_EQ(countOf(image, kRed), 9u);
-    EXPECT_EQ(image.at(width / 2, height / 2), kRed);
-    EXPECT_EQ(countOf(image, kNight), image.pixels.size() - 9);
-  }
-}
-
 TEST(Canvas, TheSameCallsGiveTheSamePicture) {
   const auto picture = [](Canvas& canvas) {
     setView(canvas, true);
@@ -502,7 +483,6 @@ TEST(Canvas, ManyCanOpenAndClose) {
   setOnePoint(lasting, 1, {10, 0, 0}, kRed, sized(3));
   for (int k = 0; k < 20; ++k) {
     const auto canvas = openOffscreen(40, 30);
-    EXPECT_FALSE(canvas->device().empty());
     setView(*canvas);
     setOnePoint(*canvas, 1, {10, 0, 0}, kGreen, sized(3));
     EXPECT_EQ(countOf(drawn(*canvas), kGreen), 9u);
@@ -522,7 +502,6 @@ TEST(Canvas, WrongUseIsTold) {
   EXPECT_THAT(messageOf<Error>([&] { canvas.setLook(7, {}); }), HasSubstr("no item 7"));
   EXPECT_THAT(messageOf<Error>([&] { canvas.setOverlay(overlayOf(9, {0, 0, 3, 3})); }), HasSubstr("overlay"));
   EXPECT_THAT(messageOf<Error>([&] { canvas.setImage(9, 2, 2, std::vector<Rgba>(3)); }), HasSubstr("3 pixels"));
-  EXPECT_THAT(messageOf<Error>([&] { canvas.resize(0, 5); }), HasSubstr("0 x 5"));
   EXPECT_THAT(messageOf<Error>([&] { canvas.run(10, [](const CanvasEvent&) { return true; }); }),
               HasSubstr("without a window"));
   const CanvasView outside = viewAt({20, 0, 21, 30});
@@ -533,8 +512,7 @@ TEST(Canvas, WrongUseIsTold) {
 }
 
 TEST(CanvasModule, TakesTheDeviceThatIsNamed) {
-  CANVAS_OR_SKIP(canvas, 8, 8);
-  EXPECT_THAT(canvas.device(), HasSubstr("VTK 9"));
+  if (canvasOrNull(8, 8) == nullptr) GTEST_SKIP() << "this machine has no OpenGL by EGL";
   const ScopedVariable wrong("SCANMILL_GL_DEVICE", "toaster");
   EXPECT_THAT(messageOf<Error>([] { openOffscreen(8, 8); }), HasSubstr("there is no device 'toaster'"));
 }

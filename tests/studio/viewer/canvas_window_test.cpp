@@ -137,9 +137,6 @@ TEST(CanvasWindow, ChangesItsSize) {
   const Image image = canvas->read();
   EXPECT_EQ(image.width, 500);
   EXPECT_EQ(image.at(250, 100), kDot);
-  canvas->resize(320, 240);
-  draw(*canvas);
-  EXPECT_EQ(canvas->read().at(160, 120), kDot);
 }
 
 TEST(CanvasWindow, PassesOnWhatItsHandlerThrows) {

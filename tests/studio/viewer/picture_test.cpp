@@ -88,10 +88,10 @@ TEST(RangeImage, HasAPixelPerBeam) {
   const Ontology ontology = colorful();
   const Scan scan = smallScan();
   const Image image = drawRangeImage(scan, &ontology, ColorBy("class"), "a scan");
-  const int stepX = image.width / 90;
-  ASSERT_EQ(image.width, stepX * 90);
-  ASSERT_GE(image.width, 1600);
-  const int top = static_cast<int>(std::lround(1.5 * letterOfPicture(image.width, image.width)));  // below the title
+  const int stepX = 18;  // the least that gives 1600 pixels
+  const double letter = letterOfPicture(stepX * 90, stepX * 90);
+  ASSERT_EQ(image.width, stepX * 90 + sideWidth(letter));
+  const int top = static_cast<int>(std::lround(1.5 * letter));  // below the title
   int bodyHeight = 0;
   while (image.at(stepX * 70, top + bodyHeight) == Rgb{255, 0, 0}) ++bodyHeight;
   const int stepY = bodyHeight / 8;
@@ -164,7 +164,7 @@ TEST(RealScan, IsDrawn) {
   EXPECT_FALSE(source.ontology);
   const Image image = drawn(source.scan);
   EXPECT_LT(count(image, image.at(240, 30)), 480 * 270 * 9 / 10);
-  EXPECT_EQ(drawRangeImage(source.scan, nullptr, {}, source.title).width, 2048);
+  EXPECT_GE(drawRangeImage(source.scan, nullptr, {}, source.title).width, 2048);
 }
 
 // The left half sees a wall of class 7 and instance 3, ten metres away; the right half sees nothing.
@@ -217,7 +217,7 @@ TEST(PassPicture, OnePlaneHasItsLegend) {
   writePasses(folder.path() / "front.exr", halfAWall());
   const ExrSource source{folder.path() / "front.exr", walls()};
   const Image picture = drawExr(source, "semantic", 600);
-  const std::size_t half = 292 * 292;  // (600 - 2 * 8) / 2 columns and as many rows
+  const std::size_t half = 142 * 142;  // (600 - 300 - 2 * 8) / 2 columns and as many rows
   EXPECT_GT(pixelsOf(picture, {200, 30, 40}), half + 100) << "a sample of the colour is in the legend";
   EXPECT_EQ(pixelsOf(picture, instanceColor(3)), 0u);
   expectInputError([&] { drawExr(source, "colour", 600); }, {"front.exr", "colour", "depth, normal, semantic"});
@@ -242,11 +242,11 @@ TEST(PassPicture, ImagesOfARecordingAreFoundByNameOrNumber) {
   const TemporaryFolder folder;
   for (const char* name : {"top.9.exr", "top.10.exr", "top.1.exr", "side.exr"}) folder.write(name, "");
   const auto found = [&](const std::string& wanted) { return findExr(folder.path(), wanted).file.filename(); };
-  EXPECT_EQ(found(""), "side.exr");
+  EXPECT_EQ(found(""), "top.9.exr") << "the middle one, in the order side, top.1, top.9, top.10";
   EXPECT_EQ(found("top.1"), "top.1.exr");
   EXPECT_EQ(found("10"), "top.10.exr");
   EXPECT_EQ(found("2"), "top.9.exr") << "after top.1";
-  expectInputError([&] { found("nowhere"); }, {"4 images", "nowhere", "side", "top.10"});
+  expectInputError([&] { found("nowhere"); }, {"nowhere", "side", "top.10"});
 }
 
 }  // namespace

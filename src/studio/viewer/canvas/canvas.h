@@ -116,12 +116,10 @@ struct CanvasEvent {
 class Canvas {
  public:
   virtual ~Canvas() = default;
-  virtual std::string device() const = 0;  // name of the device that draws, for reports
-  virtual int width() const = 0;           // width in pixels
+  virtual int width() const = 0;  // width in pixels
   virtual int height() const = 0;
   // Returns the display's scale factor for text, such as 2 for a display of high resolution; 1 if there is no window.
   virtual double scale() const = 0;
-  virtual void resize(int width, int height) = 0;
   // Sets the views that are drawn: at most kCanvasViews rectangles, which must not overlap. Pixels outside of all views
   // are black.
   virtual void setViews(std::span<const CanvasView> views) = 0;

@@ -260,45 +260,6 @@ LegendUse legendRows(const Legend& legend, const std::vector<bool>& hidden, bool
   return use;
 }
 
-namespace {
-
-constexpr double kTableLetters = 12;  // width of a column as a multiple of the letter height
-constexpr double kTableRow = 1.5;     // height of a row as a multiple of the letter height
-
-int columnsOf(const Legend& legend, double width, double letters) {
-  const auto fitting = static_cast<int>(width / (kTableLetters * letters));
-  return std::clamp(fitting, 1, std::max(static_cast<int>(legend.entries.size()), 1));
-}
-
-}  // namespace
-
-int legendTableHeight(const Legend& legend, int width, double letterHeight) {
-  if (legend.scale) return static_cast<int>(std::lround(5 * letterHeight));
-  const int columns = columnsOf(legend, width, letterHeight);
-  const int rows = (static_cast<int>(legend.entries.size()) + columns - 1) / columns;
-  return rows == 0 ? 0 : static_cast<int>(std::lround((rows * kTableRow + 1) * letterHeight));
-}
-
-void legendTable(const Legend& legend) {
-  if (legend.scale) {
-    scaleBar(legend, true);
-    return;
-  }
-  const ImVec2 from = ImGui::GetWindowPos();
-  const float width = ImGui::GetWindowWidth();
-  const int columns = columnsOf(legend, width, letter());
-  const int rows = (static_cast<int>(legend.entries.size()) + columns - 1) / columns;
-  for (int i = 0; i < static_cast<int>(legend.entries.size()); ++i) {
-    const LegendEntry& entry = legend.entries[static_cast<std::size_t>(i)];
-    const int column = i / rows;
-    const int row = i % rows;
-    const double x = from.x + letter() * (0.5 + kTableLetters * column);
-    const double y = from.y + letter() * (0.5 + kTableRow * row);
-    swatch({static_cast<float>(x), static_cast<float>(y)}, entry.color, true);
-    wordsAt(x + 1.25 * letter(), y, letter() * (kTableLetters - 2.25), entry.name);
-  }
-}
-
 std::optional<ScaleRange> scaleBar(const Legend& legend, bool still) {
   constexpr int kSteps = 64;
   const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -333,13 +294,15 @@ std::optional<ScaleRange> scaleBar(const Legend& legend, bool still) {
   return ScaleRange{ends[0], ends[1]};
 }
 
-void legendSection(const Legend& legend, bool still) {
-  section(legend.scale ? scaleTitle(legend) : legend.title, still, [&] {
-    if (legend.scale) {
-      scaleBar(legend, true);
-    } else {
-      legendRows(legend, {}, false, still);
-    }
+void legendPanel(const Legend& legend, const PixelRect& rect) {
+  panelAt("##side", rect, false, [&] {
+    section(legend.scale ? scaleTitle(legend) : legend.title, true, [&] {
+      if (legend.scale) {
+        scaleBar(legend, true);
+      } else {
+        legendRows(legend, {}, false, true);
+      }
+    });
   });
 }
 

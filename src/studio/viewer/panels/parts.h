@@ -51,15 +51,11 @@ struct LegendUse {
 };
 // Draws the entries of a legend, and returns what was clicked. `hidden`: true for hidden entries; empty: all are shown.
 LegendUse legendRows(const Legend& legend, const std::vector<bool>& hidden, bool clickable, bool still);
-// Draws a legend in a picture: its entries in as many columns as fit, or its scale. legendTableHeight() returns the
-// height in pixels.
-void legendTable(const Legend& legend);
-int legendTableHeight(const Legend& legend, int width, double letter);
 // Draws the scale of a legend. Unless `still` is true, also draws input fields for its ends; returns the ends if the
 // user has changed them.
 std::optional<ScaleRange> scaleBar(const Legend& legend, bool still);
-// Draws the entries or the scale of a legend in a section, without input by the user.
-void legendSection(const Legend& legend, bool still);
+// Draws the entries or the scale of a legend in a picture, in a panel in `rect`.
+void legendPanel(const Legend& legend, const PixelRect& rect);
 
 void words(const std::string& text);
 // Draws a text at a position (pixels of the canvas), shortened to `width` pixels.

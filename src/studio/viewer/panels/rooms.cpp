@@ -43,8 +43,11 @@ double letterOf(const Canvas& canvas, bool still) {
                : std::clamp(std::round(kLetter * canvas.scale()), 10.0, 60.0);
 }
 
+int sideWidth(double letter) {
+  return static_cast<int>(std::lround(17 * letter));
+}
+
 PanelRooms roomsOf(int width, int height, const PanelNeeds& needs) {
-  constexpr double kSideLetters = 17;
   constexpr double kLeastLetters = 30;  // canvases with a width of fewer letter heights get no side panel
   PanelRooms rooms;
   PixelRect body{0, 0, std::max(width, 1), std::max(height, 1)};
@@ -68,7 +71,7 @@ PanelRooms roomsOf(int width, int height, const PanelNeeds& needs) {
     body.height -= high;
   }
   if (needs.side && width >= needs.letter * kLeastLetters) {
-    const int wide = static_cast<int>(std::lround(needs.letter * kSideLetters));
+    const int wide = sideWidth(needs.letter);
     rooms.side = {width - wide, body.top, wide, body.height};
     body.width -= wide;
   }

@@ -22,6 +22,9 @@ struct PanelNeeds {
 double letterOfPicture(int width, int height);
 double letterOf(const Canvas& canvas, bool still);
 
+// Returns the width of a side panel (pixels).
+int sideWidth(double letter);
+
 // The rectangles of the panels; empty for panels that are not shown. `body` is the rectangle for the views; it is never
 // empty.
 struct PanelRooms {

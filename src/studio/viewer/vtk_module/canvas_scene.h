@@ -88,8 +88,8 @@ class CanvasScene {
 
   int width() const { return width_; }
   int height() const { return height_; }
-  // Implement the functions of Canvas; set() implements setPoints(), setTriangles() and setLines().
   void resize(int width, int height);
+  // Implement the functions of Canvas; set() implements setPoints(), setTriangles() and setLines().
   void setViews(std::span<const CanvasView> views);
   void set(ItemId item, ItemKind kind, std::span<const Vec3f> corners, std::span<const Rgb> colors);
   void setColors(ItemId item, std::span<const Rgb> colors);

@@ -266,11 +266,6 @@ void GlfwWindow::present() {
   glfwSwapBuffers(state_->window);
 }
 
-void GlfwWindow::resize(int width, int height) {
-  glfwSetWindowSize(state_->window, width, height);
-  glfwPollEvents();
-}
-
 void GlfwWindow::check() {
   if (const std::string text = std::exchange(complaint(), {}); !text.empty()) throw std::runtime_error(text);
 }

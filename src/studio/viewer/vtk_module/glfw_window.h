@@ -26,8 +26,6 @@ class GlfwWindow {
   double scale() const;  // the display's scale factor for text, see Canvas::scale()
   // Shows what was drawn to the context's default framebuffer.
   void present();
-  // Requests another size. The window manager may refuse it; a Resize event reports the actual size.
-  void resize(int width, int height);
   // See Canvas::run().
   void run(int tickMilliseconds, const std::function<bool(const CanvasEvent&)>& handler);
   // Throws the first error that GLFW has reported since the last call, if there was one.

@@ -47,8 +47,7 @@ class VtkCanvas final : public Canvas {
   VtkCanvas(std::unique_ptr<GlfwWindow> window, std::unique_ptr<EglContext> context, int width, int height)
       : window_(std::move(window)),
         context_(std::move(context)),
-        scene_(std::make_unique<CanvasScene>(width, height)),
-        device_(describeGl()) {}
+        scene_(std::make_unique<CanvasScene>(width, height)) {}
 
   ~VtkCanvas() override {
     Quiet quiet;
@@ -62,17 +61,10 @@ class VtkCanvas final : public Canvas {
   VtkCanvas(const VtkCanvas&) = delete;
   VtkCanvas& operator=(const VtkCanvas&) = delete;
 
-  std::string device() const override { return device_; }
   int width() const override { return scene_->width(); }
   int height() const override { return scene_->height(); }
   double scale() const override { return window_ != nullptr ? window_->scale() : 1; }
 
-  void resize(int width, int height) override {
-    change([&](CanvasScene& scene) {
-      scene.resize(width, height);
-      if (window_ != nullptr) window_->resize(width, height);
-    });
-  }
   void setViews(std::span<const CanvasView> views) override { change(&CanvasScene::setViews, views); }
   void setPoints(ItemId item, std::span<const Vec3f> positions, std::span<const Rgb> colors) override {
     change(&CanvasScene::set, item, ItemKind::Points, positions, colors);
@@ -160,7 +152,6 @@ class VtkCanvas final : public Canvas {
   std::unique_ptr<GlfwWindow> window_;   // null if there is no window
   std::unique_ptr<EglContext> context_;  // null if there is a window
   std::unique_ptr<CanvasScene> scene_;
-  std::string device_;
 };
 
 class VtkCanvasModule final : public CanvasModule {

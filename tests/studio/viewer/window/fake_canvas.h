@@ -25,11 +25,10 @@ class FakeCanvas : public Canvas {
 
   FakeCanvas(int width, int height) : width_(width), height_(height) {}
 
-  std::string device() const override { return "none"; }
   int width() const override { return width_; }
   int height() const override { return height_; }
   double scale() const override { return 1; }
-  void resize(int width, int height) override {
+  void resize(int width, int height) {
     width_ = width;
     height_ = height;
     painted_.clear();
