@@ -55,8 +55,9 @@ std::string nameOf(const std::filesystem::path& folder) {
 class Examination {
  public:
   Examination(const std::filesystem::path& folder, const DatasetReportOptions& options)
-      : folder_(folder), options_(options) {
-    report_.manifest = readManifest(folder);
+      : folder_(folder), options_(options), store_(folder) {
+    if (store_.manifest() == nullptr) throw InputError({folder.string()}, "is not the folder of a dataset");
+    report_.manifest = *store_.manifest();
     report_.folder = nameOf(folder);
     report_.path = folder.string();
     report_.seed = options.seed;
@@ -100,7 +101,7 @@ class Examination {
       mistakes[k] = checkScan(scan, recordOf(spread[k]), report_.manifest, largestError());
       counts[k] = countScan(scan, steps);
     };
-    faults_.scans = readScans(folder_, report_.manifest, spread, reading);
+    faults_.scans = readScans(store_, spread, reading);
     for (std::size_t k = 0; k < spread.size(); ++k) {
       for (const std::string& mistake : mistakes[k]) {
         faults_.mistaken.push_back(fmt::format("{}: {}", titleOf(report_.manifest, spread[k]), mistake));
@@ -114,7 +115,7 @@ class Examination {
     samples.reserve(spread.size());
     for (const ScanPlace& place : spread) samples.push_back(place.sample);
     samples.erase(std::unique(samples.begin(), samples.end()), samples.end());
-    report_.objects = scanmill::countObjects(folder_, report_.manifest, samples, faults_.scans);
+    report_.objects = scanmill::countObjects(store_, samples, faults_.scans);
   }
 
   // Returns the largest position error of all formats (m), since it is not known from which format a scan was read.
@@ -145,7 +146,7 @@ class Examination {
     ScanReading reading;
     reading.stop = options_.stop;
     reading.take = [&](std::size_t k, Scan&& scan) { scans[k] = std::move(scan); };
-    readScans(folder_, report_.manifest, shown, reading);
+    readScans(store_, shown, reading);
     Progress progress("pictures", shown.size(), "scans", "scans", options_.quiet);
     std::vector<ViewedScan> viewed;
     for (std::size_t k = 0; k < shown.size(); ++k) {
@@ -176,6 +177,7 @@ class Examination {
 
   std::filesystem::path folder_;
   DatasetReportOptions options_;
+  ScanStore store_;
   DatasetReport report_;
   ReadingFaults faults_;
 };

@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <memory>
+#include <optional>
 #include <unordered_map>
 
 #include "base/error.h"
 #include "dataset/objects.h"
-#include "dataset/shard_index.h"
 
 namespace scanmill {
 
@@ -85,21 +84,14 @@ std::size_t visibilityStep(const ObjectView& view) {
 
 }  // namespace
 
-ObjectCounts countObjects(const std::filesystem::path& folder, const Manifest& manifest,
-                          const std::vector<std::size_t>& samples, std::vector<std::string>& faults) {
+ObjectCounts countObjects(const ScanStore& store, const std::vector<std::size_t>& samples,
+                          std::vector<std::string>& faults) {
   ObjectCounts counts;
-  std::unique_ptr<const ShardIndex> shard;
   for (const std::size_t number : samples) {
-    const SampleRecord& sample = manifest.samples[number];
-    if (!sample.objects) continue;
     try {
-      const std::filesystem::path file = folder / manifest.shards[sample.shard].file;
-      if (shard == nullptr || shard->file() != file) {
-        shard = std::make_unique<const ShardIndex>(file, DamagedShard::ReadAsFarAsWhole);
-      }
-      const ShardMember* const member = shard->find(objectsMember(sample.key));
-      if (member == nullptr) throw InputError({file.string()}, "lacks the member " + objectsMember(sample.key));
-      for (const ObjectRecord& object : parseObjects(shard->read(*member), member->name, manifest.ontology).objects) {
+      const std::optional<SampleObjects> list = store.objects(number);
+      if (!list) continue;
+      for (const ObjectRecord& object : list->objects) {
         for (const ObjectView& view : object.views) {
           const std::size_t step = visibilityStep(view);
           ++counts.ofClass[object.semantic][step];
@@ -111,7 +103,6 @@ ObjectCounts countObjects(const std::filesystem::path& folder, const Manifest& m
       ++counts.samples;
     } catch (const InputError& error) {
       faults.emplace_back(error.what());
-      shard.reset();
     }
   }
   return counts;

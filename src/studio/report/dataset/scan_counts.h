@@ -4,13 +4,12 @@
 
 #include <array>
 #include <cstdint>
-#include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "base/vec.h"
-#include "dataset/manifest.h"
+#include "dataset/scan_store.h"
 #include "scan/scan.h"
 
 namespace scanmill {
@@ -68,7 +67,7 @@ struct ObjectCounts {
 
 // Reads the object lists of samples. `samples`: indices in Manifest::samples, ascending. Adds a line to `faults` for
 // each list that cannot be read.
-ObjectCounts countObjects(const std::filesystem::path& folder, const Manifest& manifest,
-                          const std::vector<std::size_t>& samples, std::vector<std::string>& faults);
+ObjectCounts countObjects(const ScanStore& store, const std::vector<std::size_t>& samples,
+                          std::vector<std::string>& faults);
 
 }  // namespace scanmill

@@ -3,16 +3,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <map>
-#include <optional>
 #include <utility>
 
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/parallel.h"
 #include "base/random.h"
-#include "dataset/reader.h"
-#include "dataset/shard_index.h"
 
 namespace scanmill {
 
@@ -35,20 +31,13 @@ std::string faultOf(const fs::path& file, const ShardRecord& record, bool hashed
   }
 }
 
-// Reads a scan from the first format in the list that can be decoded. Throws InputError if there is none.
-Scan readScan(const ShardIndex& shard, const SampleRecord& sample, const ScanRecord& scan,
-              const std::vector<FormatRecord>& formats) {
-  std::string why;
-  for (const FormatRecord& format : formats) {
-    const ShardMember* const member = shard.find(sample.key + "." + memberSuffix(scan, format.suffix));
-    if (member == nullptr) continue;
-    try {
-      return decodeMember(member->name, shard.read(*member));
-    } catch (const std::exception& error) {
-      why += fmt::format("{}{}", why.empty() ? "" : "; ", reasonOf(error));
-    }
+Scan readScan(const ScanStore& store, const ScanPlace& place) {
+  const SampleRecord& sample = store.manifest()->samples[place.sample];
+  const ScanRecord& record = sample.scans[place.scan];
+  for (const StoredScan& scan : store.scans(place.sample)) {
+    if (scan.record == &record) return store.decode(place.sample, scan);
   }
-  throw InputError(why.empty() ? fmt::format("the scan of {}, {} is missing", sample.key, scan.sensor) : why);
+  throw InputError(fmt::format("the scan of {}, {} is missing", sample.key, record.sensor));
 }
 
 }  // namespace
@@ -63,58 +52,34 @@ std::vector<std::string> shardFaults(const fs::path& folder, const Manifest& man
   return faults;
 }
 
-std::vector<std::string> readScans(const fs::path& folder, const Manifest& manifest,
-                                   const std::vector<ScanPlace>& places, const ScanReading& reading) {
-  std::vector<FormatRecord> formats = manifest.formats;  // sorted by accuracy, the most exact first
-  std::ranges::stable_sort(formats, [](const auto& a, const auto& b) { return a.maxErrorMetres < b.maxErrorMetres; });
-  std::map<std::uint32_t, std::vector<std::size_t>> wanted;  // for each shard: indices in `places`
-  for (std::size_t k = 0; k < places.size(); ++k) wanted[manifest.samples[places[k].sample].shard].push_back(k);
-  std::vector<std::string> problems;
-  for (const auto& entry : wanted) {
-    const std::string& name = manifest.shards[entry.first].file;
-    const std::vector<std::size_t>& own = entry.second;
-    const fs::path file = folder / name;
-    const auto problem = [&](std::string_view text) {
-      const std::string place = file.string() + ": ";
-      if (text.starts_with(place)) text.remove_prefix(place.size());
-      problems.push_back(fmt::format("{}: {}", name, text));
-    };
-    std::error_code failure;
-    if (!fs::is_regular_file(file, failure)) continue;  // shardFaults() reports the missing shard
-    std::optional<ShardIndex> shard;
-    try {
-      shard.emplace(file, DamagedShard::ReadAsFarAsWhole);
-      if (!shard->damage().empty()) problem(shard->damage());
-    } catch (const InputError& error) {
-      problem(error.what());
-      continue;
-    }
-    for (std::size_t begin = 0; begin < own.size(); begin += kBatchScans) {
-      if (reading.stop != nullptr && *reading.stop) throw Error("stopped: nothing was written");
-      const std::size_t count = std::min(kBatchScans, own.size() - begin);
-      std::vector<std::string> failures(count);
-      std::vector<std::uint64_t> points(count, 0);
-      parallelFor(count, 1, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i) {
-          const ScanPlace& place = places[own[begin + i]];
-          const SampleRecord& sample = manifest.samples[place.sample];
-          try {
-            Scan scan = readScan(*shard, sample, sample.scans[place.scan], formats);
-            points[i] = scan.size();
-            reading.take(own[begin + i], std::move(scan));
-          } catch (const InputError& error) {
-            failures[i] = error.what();
-          }
+std::vector<std::string> readScans(const ScanStore& store, const std::vector<ScanPlace>& places,
+                                   const ScanReading& reading) {
+  const Manifest& manifest = *store.manifest();
+  std::vector<std::string> problems(places.size());
+  for (std::size_t begin = 0; begin < places.size(); begin += kBatchScans) {
+    if (reading.stop != nullptr && *reading.stop) throw Error("stopped: nothing was written");
+    const std::size_t count = std::min(kBatchScans, places.size() - begin);
+    std::vector<std::uint64_t> points(count, 0);
+    parallelFor(count, 1, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) {
+        const ScanPlace& place = places[begin + i];
+        std::error_code failure;
+        const fs::path shard = store.folder() / manifest.shards[manifest.samples[place.sample].shard].file;
+        if (!fs::is_regular_file(shard, failure)) continue;  // shardFaults() reports the missing shard
+        try {
+          Scan scan = readScan(store, place);
+          points[i] = scan.size();
+          reading.take(begin + i, std::move(scan));
+        } catch (const InputError& error) {
+          problems[begin + i] = error.what();
         }
-      });
-      for (const std::string& text : failures) {
-        if (!text.empty()) problem(text);
       }
-      if (reading.advance) {
-        for (const std::uint64_t n : points) reading.advance(1, n);
-      }
+    });
+    if (reading.advance) {
+      for (const std::uint64_t n : points) reading.advance(1, n);
     }
   }
+  std::erase(problems, "");
   return problems;
 }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "dataset/manifest.h"
+#include "dataset/scan_store.h"
 #include "scan/scan.h"
 
 namespace scanmill {
@@ -44,10 +45,9 @@ struct ScanReading {
   const std::atomic<bool>* stop = nullptr;  // if it becomes true, readScans() throws Error; may be null
 };
 
-// Reads the scans at `places`. If a scan is stored in several formats, uses the most exact format that can be decoded.
-// Returns the faults, one line each with the shard's name: missing scans, scans that cannot be decoded, and shards that
-// are damaged or not tar files. Missing shards are not among them; shardFaults() reports these.
-std::vector<std::string> readScans(const std::filesystem::path& folder, const Manifest& manifest,
-                                   const std::vector<ScanPlace>& places, const ScanReading& reading);
+// Reads the scans at `places` of a dataset. Returns the faults, one line for each scan that cannot be read. Scans of
+// missing shards are not among them; shardFaults() reports these.
+std::vector<std::string> readScans(const ScanStore& store, const std::vector<ScanPlace>& places,
+                                   const ScanReading& reading);
 
 }  // namespace scanmill

@@ -102,7 +102,7 @@ TEST(ObjectCounts, AreByClassDistanceAndVisibility) {
     writer.finish(manifest);
   }
   std::vector<std::string> faults;
-  const ObjectCounts counts = countObjects(folder.path() / "data", manifest, {0, 1}, faults);
+  const ObjectCounts counts = countObjects(ScanStore(folder.path() / "data"), {0, 1}, faults);
   EXPECT_TRUE(faults.empty());
   EXPECT_EQ(counts.samples, 2u);
   EXPECT_EQ(counts.ofClass.at(65535), (VisibilityCounts{2, 2, 0, 2, 2}));
@@ -126,7 +126,7 @@ TEST(ObjectCounts, AreByClassDistanceAndVisibility) {
   std::string bytes = readFile(shard);
   bytes[bytes.find("\"beams_alone\"") + 3] = 'X';
   writeFile(shard, bytes);
-  EXPECT_EQ(countObjects(folder.path() / "data", manifest, {0, 1}, faults).samples, 1u);
+  EXPECT_EQ(countObjects(ScanStore(folder.path() / "data"), {0, 1}, faults).samples, 1u);
   ASSERT_EQ(faults.size(), 1u);
 }
 
