@@ -170,7 +170,7 @@ void addRecordingOptions(cxxopts::Options& options) {
   cxxopts::OptionAdder add = options.add_options();
   add("from-hits", "make scans from the hits that --keep-hits saved, without loading or tracing the scene", textValue(),
       "DIR");
-  add("from-passes", "make scans from images that --keep-passes saved or another renderer drew, without the scene",
+  add("from-passes", "make scans from images that `render` saved or another renderer drew, without the scene",
       textValue(), "DIR");
 }
 

@@ -113,9 +113,8 @@ ShardChoice shardsOption(const Arguments& parsed, std::uint64_t shards) {
 Plan planOf(const Arguments& parsed, const std::vector<std::string>& more) {
   std::vector<std::string> overrides = pipelineOverrides(parsed);
   overrides.insert(overrides.end(), more.begin(), more.end());
-  const bool keeps = parsed.has("keep-hits") || parsed.has("keep-passes");
   return makePlan(readPipeline(parsed.pipeline(), overrides, recordingOf(parsed)),
-                  keeps ? recordedChannels() : Channels{});
+                  parsed.has("keep-hits") ? recordedChannels() : Channels{});
 }
 
 // Makes one dataset. `overrides`: overrides in addition to those of --set and --seed.
@@ -123,7 +122,6 @@ void generateOne(const Arguments& parsed, const std::vector<std::string>& overri
                  const std::filesystem::path& folder) {
   GenerateOptions generateOptions;
   generateOptions.keepHits = folderOption(parsed, "keep-hits");
-  generateOptions.keepPasses = folderOption(parsed, "keep-passes");
   const Plan plan = planOf(parsed, overrides);
   generateOptions.folder = folder;
   generateOptions.overwrite = parsed.has("overwrite");
@@ -146,7 +144,6 @@ void generateOne(const Arguments& parsed, const std::vector<std::string>& overri
   }
   generateOptions.quiet = parsed.has("quiet");
   generateOptions.stop = &stopSignal();
-  if (!generateOptions.keepPasses.empty()) plan.requirePasses();
   if (!generateOptions.keepHits.empty()) plan.requireOneRay();
   // A complete dataset is not an error, so that scripts can always pass --resume.
   const std::optional<Manifest> whole =
@@ -187,7 +184,7 @@ int runGenerate(const std::vector<std::string>& arguments) {
   CommandOptions options("generate");
   cxxopts::OptionAdder add = options.add_options();
   add("o,out", "folder of the dataset; it is made if it does not exist", textValue(), "DIR");
-  add("overwrite", "replace an existing dataset or existing recordings");
+  add("overwrite", "replace an existing dataset or recording");
   add("resume",
       "continue an interrupted dataset; the bytes are the same as without the interruption. A file of a scene that has "
       "changed since is refused by name; --resume=anyway keeps the shards made before",
@@ -206,7 +203,6 @@ int runGenerate(const std::vector<std::string>& arguments) {
       listValue(), "KEY=[A,B]");
   add("corruptions",
       "make a dataset for each of `scanmill list corruptions` in each severity, and one without corruption");
-  add("keep-passes", "save the images that the method depth_camera draws", textValue(), "DIR");
   addRecordingOptions(options);
   options.add_options()("q,quiet", "print one line instead of progress and tables");
   addPipelineOptions(options);
@@ -235,7 +231,7 @@ int runGenerate(const std::vector<std::string>& arguments) {
     generateOne(parsed, {}, folder);
     return 0;
   }
-  if (parsed.has("keep-hits") || parsed.has("keep-passes")) {
+  if (parsed.has("keep-hits")) {
     throw InputError(
         "--sweep and --corruptions make several datasets, but a recording belongs to one: first run once with "
         "--keep-hits, then sweep effects with --from-hits");

@@ -98,7 +98,7 @@ void printCapabilities() {
     const MethodCapabilities& can = method.can;
     printText("  {}: {}, {}{}\n", method.name, can.transmission ? "light goes through glass" : "glass is solid",
               can.moving ? "objects may move" : "objects stand still",
-              can.passes ? ", its images can be saved (--keep-passes)" : "");
+              can.passes ? ", its images can be saved (scanmill render)" : "");
   }
 }
 

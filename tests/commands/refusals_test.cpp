@@ -51,7 +51,6 @@ const Refusal kRefusals[] = {
     {"generate P -o @filled --overwrite", "has no dataset"},
     {"generate P -o @x --keep-hits @hits", "--overwrite"},
     {"generate P -o @x --keep-hits ''", "--keep-hits: the name of the folder is empty"},
-    {"generate P -o @x --keep-passes @y", "method: depth_camera"},
     {"generate P -o @x --from-hits @hits --from-passes @hits", "give only one of"},
     {"generate P -o @x --from-passes @hits", "--from-hits"},
     {"generate P -o @x --from-hits A", "no recording.json"},

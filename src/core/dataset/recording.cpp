@@ -256,7 +256,7 @@ Recording readRecording(const fs::path& folder, RecordingKind kind) {
   if (fs::is_directory(folder, ignored) && !fs::exists(file, ignored)) {
     throw InputError({folder.string()},
                      "has no recording.json: it is not a recording, or the run that wrote it did not end; make one by "
-                     "scanmill generate --keep-hits or --keep-passes");
+                     "scanmill generate --keep-hits or scanmill render");
   }
   const Json json = parseJson(readFile(file), file.string());
   const std::string name = file.string();

@@ -208,7 +208,7 @@ void Plan::requirePasses() const {
   requireOneRevolution();
   if (pipeline.recording != nullptr) {
     refuse(pipeline,
-           fmt::format("the scans are made from the {} in {}, so that no passes are drawn: leave --keep-passes out",
+           fmt::format("the scans are made from the {} in {}, so that no passes are drawn: leave the recording out",
                        nameOf(pipeline.recording->kind), pipeline.recording->folder.string()));
   }
   if (pipeline.method.entry->can.passes) return;

@@ -117,7 +117,7 @@ Pipeline inSmallTown(const Pipeline& pipeline, const Reread& reread, bool townsC
 void measure(const Plan& plan, SampleCosts& costs) {
   const std::size_t samples = std::min<std::size_t>(plan.framesInFlight(), plan.pipeline.sequences[0].frames);
   ShotSource source(plan);
-  SampleMaker maker(source, {}, {}, false, [](const Sequence&) {});
+  SampleMaker maker(source, {}, false, [](const Sequence&) {});
   const WallTimer whole;
   const std::clock_t before = std::clock();  // processor time, summed over all threads
   maker.prepare(0);

@@ -60,7 +60,7 @@ class DatasetRun {
         open_(jobs_.size()),
         files_(base_.files),
         progress_("generate", 0, "frames", "rays", options.quiet),
-        maker_(source, options.keepHits, options.keepPasses, options.overwrite,
+        maker_(source, options.keepHits, options.overwrite,
                [this](const Sequence& sequence) { say("setting up " + sequence.key()); }) {
     summary_.manifest = base_;
   }
@@ -330,7 +330,6 @@ void checkSeparateFolders(const Plan& plan, const GenerateOptions& options) {
   };
   add(options.folder);
   add(options.keepHits);
-  add(options.keepPasses);
   if (plan.pipeline.recording != nullptr) add(plan.pipeline.recording->folder);
 }
 
@@ -356,14 +355,11 @@ std::optional<Manifest> wholeDatasetOf(const DatasetPlan& plan, const std::files
 
 GenerateSummary generate(const Plan& plan, const GenerateOptions& options) {
   checkSeparateFolders(plan, options);
-  if (!options.keepPasses.empty()) plan.requirePasses();
-  if (!options.keepHits.empty() || !options.keepPasses.empty()) {
+  if (!options.keepHits.empty()) {
     plan.requireOneRay();
-    if (options.resume)
-      throw InputError("--resume cannot continue recordings: leave out --resume, or --keep-hits and --keep-passes");
+    if (options.resume) throw InputError("--resume cannot continue a recording: leave out --resume, or --keep-hits");
     if (options.shards.kind != ShardChoice::Kind::All) {
-      throw InputError(
-          "recordings must be made by one process: leave out --keep-hits and --keep-passes, or --shards and --worker");
+      throw InputError("a recording must be made by one process: leave out --keep-hits, or --shards and --worker");
     }
   }
   ShotSource source(plan);

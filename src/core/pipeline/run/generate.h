@@ -37,12 +37,10 @@ struct ShardChoice {
 struct GenerateOptions {
   std::filesystem::path folder;
   std::filesystem::path keepHits{};  // folder in which the hits are recorded; empty: no recording
-  // Folder in which the passes are recorded, if the method renders passes; empty: no recording.
-  std::filesystem::path keepPasses{};
-  bool overwrite = false;  // replaces an existing dataset and existing recordings
-  bool resume = false;     // continues an unfinished dataset; cannot be combined with recordings
-  bool anyFiles = false;   // keeps complete shards although files that they were made from have changed
-  ShardChoice shards{};    // the shards that this process makes
+  bool overwrite = false;            // replaces an existing dataset and an existing recording
+  bool resume = false;               // continues an unfinished dataset; cannot be combined with recordings
+  bool anyFiles = false;             // keeps complete shards although files that they were made from have changed
+  ShardChoice shards{};              // the shards that this process makes
   bool quiet = false;
   // A flag that a signal handler sets; once the flag is true, generate() throws Error. Null: there is no flag.
   const std::atomic<bool>* stop = nullptr;

@@ -17,13 +17,12 @@ Channels recordedChannels() {
   return channelsThat(&ChannelRow::kept);
 }
 
-void Recorder::open(const std::filesystem::path& hits, const std::filesystem::path& passes, bool overwrite) {
-  if (!hits.empty()) hits_.emplace(hits, overwrite);
-  if (!passes.empty()) passes_.emplace(passes, overwrite);
+void Recorder::open(const std::filesystem::path& folder, bool overwrite) {
+  if (!folder.empty()) writer_.emplace(folder, overwrite);
 }
 
 void Recorder::enter(std::size_t sequence, const Scene& scene, const Method& method) {
-  if (!recordsHits() && !recordsPasses()) return;
+  if (!records()) return;
   const std::scoped_lock lock(mutex_);
   if (entered_.contains(sequence)) return;
   const Sequence& own = plan_.pipeline.sequences[sequence];
@@ -37,12 +36,12 @@ void Recorder::enter(std::size_t sequence, const Scene& scene, const Method& met
 }
 
 void Recorder::writeHits(const Shot& shot, const Hits& hits) {
-  const std::filesystem::path file = hits_->file(shot.sample, shot.sensorName, "hits.exr");
+  const std::filesystem::path file = writer_->file(shot.sample, shot.sensorName, "hits.exr");
   {
     const StageTimer timer(clock_, "write_hits");
     scanmill::writeHits(file, hits);
   }
-  hits_->add({shot.sample, shot.sensorName, shot.time, shot.worldFromSensor, file.filename().string(), {}});
+  writer_->add({shot.sample, shot.sensorName, shot.time, shot.worldFromSensor, file.filename().string(), {}});
 }
 
 RecordedShot Recorder::beginPasses(const Shot& shot) {
@@ -53,14 +52,14 @@ void Recorder::writeStep(const PassStep& step, RecordedShot& record) {
   RecordedStep written{step.firstColumn, step.endColumn, step.worldFromRig, {}};
   for (const PassImage& image : step.images) {
     const auto file =
-        passes_->file(record.sample, record.sensor, fmt::format("{}.{}.exr", record.steps.size(), image.camera.name));
+        writer_->file(record.sample, record.sensor, fmt::format("{}.{}.exr", record.steps.size(), image.camera.name));
     written.images.push_back(file.filename().string());
   }
   {
     const StageTimer timer(clock_, "write_passes");
     parallelFor(step.images.size(), 1, [&](std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last; ++i) {
-        scanmill::writePasses(passes_->folder() / written.images[i], step.images[i]);
+        scanmill::writePasses(writer_->folder() / written.images[i], step.images[i]);
       }
     });
   }
@@ -68,12 +67,12 @@ void Recorder::writeStep(const PassStep& step, RecordedShot& record) {
 }
 
 void Recorder::writePasses(const RecordedShot& record) {
-  passes_->add(record);
+  writer_->add(record);
 }
 
-Recording Recorder::describe(RecordingKind kind) const {
+Recording Recorder::describe() const {
   Recording recording;
-  recording.kind = kind;
+  recording.kind = kind_;
   recording.programVersion = kVersion;
   recording.method = plan_.pipeline.methodName();
   recording.ontology = ontology_;
@@ -99,8 +98,7 @@ Recording Recorder::describe(RecordingKind kind) const {
 }
 
 void Recorder::finish() {
-  if (hits_) hits_->finish(describe(RecordingKind::Hits));
-  if (passes_) passes_->finish(describe(RecordingKind::Passes));
+  if (writer_) writer_->finish(describe());
 }
 
 }  // namespace scanmill

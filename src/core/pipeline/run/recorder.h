@@ -1,6 +1,6 @@
 #pragma once
 
-// Records what a run traces: hits, passes, both or neither.
+// Records what a run traces (hits) or draws (passes).
 
 #include <filesystem>
 #include <map>
@@ -22,13 +22,11 @@ Channels recordedChannels();
 
 class Recorder {
  public:
-  explicit Recorder(const Plan& plan) : plan_(plan) {}
+  Recorder(const Plan& plan, RecordingKind kind) : plan_(plan), kind_(kind) {}
 
-  // Prepares the folders for the recordings of hits and passes; an empty path means no such recording. Throws
-  // InputError.
-  void open(const std::filesystem::path& hits, const std::filesystem::path& passes, bool overwrite);
-  bool recordsHits() const { return hits_.has_value(); }
-  bool recordsPasses() const { return passes_.has_value(); }
+  // Prepares the folder of the recording; an empty path means that nothing is recorded. Throws InputError.
+  void open(const std::filesystem::path& folder, bool overwrite);
+  bool records() const { return writer_.has_value(); }
 
   // The following functions may be called from any thread.
 
@@ -47,11 +45,11 @@ class Recorder {
   StageSeconds stageSeconds() const { return clock_.seconds(); }
 
  private:
-  Recording describe(RecordingKind kind) const;
+  Recording describe() const;
 
   const Plan& plan_;
-  std::optional<RecordingWriter> hits_;
-  std::optional<RecordingWriter> passes_;
+  RecordingKind kind_;
+  std::optional<RecordingWriter> writer_;
   // The facts about a sequence that enter() has registered.
   struct Entered {
     RecordedSequence record;

@@ -19,7 +19,7 @@ RenderSummary render(const Plan& plan, const RenderOptions& options) {
   RenderSummary summary;
   StageClock clock({"setup"});
   TraceAccount account;  // times and warnings of the method in the current scene
-  Recorder recorder(plan);
+  Recorder recorder(plan, RecordingKind::Passes);
   bool open = false;
   std::unique_ptr<Scene> scene;
   std::unique_ptr<Method> method;
@@ -35,7 +35,7 @@ RenderSummary render(const Plan& plan, const RenderOptions& options) {
       method = source.method(*scene);
       for (const Shot& shot : source.frame(s, 0).shots) account += method->prepare(shot);
     }
-    if (!open) recorder.open({}, options.folder, options.overwrite);
+    if (!open) recorder.open(options.folder, options.overwrite);
     open = true;
     recorder.enter(s, *scene, *method);
     for (std::uint32_t frame = 0; frame < sequence.frames; ++frame) {

@@ -8,7 +8,6 @@
 #include "config/resources.h"
 #include "config/version.h"
 #include "formats/reasons_png.h"
-#include "methods/depth_camera/depth_camera.h"
 #include "pipeline/read/drawn_sensors.h"
 #include "pipeline/run/object_list.h"
 #include "pipeline/run/voxel_view.h"
@@ -128,23 +127,22 @@ Manifest startManifest(const ShotSource& source, const DatasetPlan& planned) {
   return manifest;
 }
 
-SampleMaker::SampleMaker(ShotSource& source, std::filesystem::path keepHits, std::filesystem::path keepPasses,
-                         bool overwrite, std::function<void(const Sequence&)> loading)
+SampleMaker::SampleMaker(ShotSource& source, std::filesystem::path keepHits, bool overwrite,
+                         std::function<void(const Sequence&)> loading)
     : source_(source),
       plan_(source.plan()),
       keepHits_(std::move(keepHits)),
-      keepPasses_(std::move(keepPasses)),
       overwrite_(overwrite),
       scenes_(source, std::move(loading)),
-      recorder_(plan_) {}
+      recorder_(plan_, RecordingKind::Hits) {}
 
 MadeSample SampleMaker::make(const SampleAddress& address) {
   const Pipeline& pipeline = plan_.pipeline;
   const Sequence& sequence = pipeline.sequences[address.sequence];
   const std::shared_ptr<const ReadyScene> ready = scenes_.enter(address.sequence);
-  // Open recordings only after the scene and the method are set up: --overwrite removes old recordings, which must not
-  // happen if the new ones cannot be made.
-  std::call_once(opened_, [&] { recorder_.open(keepHits_, keepPasses_, overwrite_); });
+  // Open the recording only after the scene and the method are set up: --overwrite removes an old recording, which must
+  // not happen if the new one cannot be made.
+  std::call_once(opened_, [&] { recorder_.open(keepHits_, overwrite_); });
   recorder_.enter(address.sequence, ready->scene, *ready->method);
   MadeSample made{{sequence.key(address.frame), sequence.split, {}, {}, {}}, ready->facts};
   const Frame frame = source_.sample(address.sequence, address.frame);
@@ -156,20 +154,14 @@ MadeSample SampleMaker::make(const SampleAddress& address) {
   std::unique_ptr<ShotBuffers> buffers = buffers_.take();
   for (const Shot& shot : frame.shots) {
     const ShotSetup setup = setupOf(plan_, settings, ready->scene, *ready->method, shot.sensor);
-    if (recorder_.recordsPasses()) {
-      account += drawAndRecord(*ready, shot, buffers->hits);
-      const StageTimer timer(clock_, "effects");
-      senseShot(setup, shot, buffers->hits, buffers->returns, buffers->scan);
-    } else {
-      account += runShot(setup, shot, *buffers, clock_);
-    }
+    account += runShot(setup, shot, *buffers, clock_);
     // The list has one view of an object for each sensor: that of its first revolution in the sample.
     if (ready->objects != nullptr && shot.revolution == 0) {
       const StageTimer timer(clock_, "objects");
       if (!objects) objects.emplace(*ready->objects, made.sample.key, frame.time);
       objects->add(shot, pipeline.raysPerBeam(shot.sensor), buffers->hits, buffers->returns);
     }
-    if (recorder_.recordsHits()) recorder_.writeHits(shot, buffers->hits);
+    if (recorder_.records()) recorder_.writeHits(shot, buffers->hits);
     std::vector<ScanRecord>& scans = made.sample.scans;
     scans.push_back(recordOf(shot, buffers->hits, buffers->scan, pipeline.methodName()));
     if (pipeline.drawn != nullptr && pipeline.drawn->drawsMounts()) {
@@ -211,22 +203,6 @@ void SampleMaker::addVoxels(const SceneVoxels& voxels, const Shot& shot, const S
   sample.members.push_back({memberSuffix(sample.scans.back(), kVoxelsSuffix),
                             encodeVoxels(viewVoxels(*pipeline.output.voxels, std::move(labels), shot,
                                                     pipeline.raysPerBeam(shot.sensor), buffers.hits, buffers.scan))});
-}
-
-// Renders the passes of a shot, records them, and fills `hits` by sampling the passes.
-TraceAccount SampleMaker::drawAndRecord(const ReadyScene& ready, const Shot& shot, Hits& hits) {
-  const DepthCamera& camera = *ready.method->depthCamera();
-  hits.reset(shot.beams->rings, shot.beams->columns, plan_.channels);
-  PassChoice choice = camera.passes(plan_.channels);
-  choice.surfaceParameters = plan_.channels.has(Channel::Material);
-  RecordedShot record = Recorder::beginPasses(shot);
-  TraceAccount sampling;
-  TraceAccount account = camera.draw(shot, choice, [&](PassStep&& step) {
-    recorder_.writeStep(step, record);
-    sampling += camera.sample(shot, step, hits);
-  });
-  recorder_.writePasses(record);
-  return account += sampling;
 }
 
 void SampleMaker::finish() {

@@ -50,12 +50,12 @@ struct MadeSample {
   std::shared_ptr<const SceneFacts> scene;
 };
 
-// Makes samples and records their hits or passes. Safe to use from several threads at once.
+// Makes samples and records their hits. Safe to use from several threads at once.
 class SampleMaker {
  public:
-  // `keepHits`, `keepPasses`: folders for recordings; an empty path means no recording. `overwrite`: replaces existing
-  // recordings. `loading`: see SceneStore.
-  SampleMaker(ShotSource& source, std::filesystem::path keepHits, std::filesystem::path keepPasses, bool overwrite,
+  // `keepHits`: folder for a recording; an empty path means no recording. `overwrite`: replaces an existing recording.
+  // `loading`: see SceneStore.
+  SampleMaker(ShotSource& source, std::filesystem::path keepHits, bool overwrite,
               std::function<void(const Sequence&)> loading);
 
   // expect() announces that a sample will be made; leaveOut() cancels an announcement. A scene is unloaded after its
@@ -67,7 +67,7 @@ class SampleMaker {
   void prepare(std::size_t sequence) { scenes_.enter(sequence); }
   MadeSample make(const SampleAddress& address);
 
-  // Completes the recordings. Call it after all samples are made.
+  // Completes the recording. Call it after all samples are made.
   void finish();
   const SceneStore& scenes() const { return scenes_; }
   // Returns the processor time of each stage (s); of stages that wait for a graphics card or for another process, the
@@ -77,11 +77,10 @@ class SampleMaker {
  private:
   void addFormats(const Scan& scan, Sample& sample);
   void addVoxels(const SceneVoxels& voxels, const Shot& shot, const ShotBuffers& buffers, Sample& sample);
-  TraceAccount drawAndRecord(const ReadyScene& ready, const Shot& shot, Hits& hits);
 
   ShotSource& source_;
   const Plan& plan_;
-  std::filesystem::path keepHits_, keepPasses_;
+  std::filesystem::path keepHits_;
   bool overwrite_;
   SceneStore scenes_;
   Recorder recorder_;

@@ -24,10 +24,9 @@ std::vector<std::string> with(std::vector<std::string> overrides, const std::vec
 
 class RecordedTest : public Yard {
  protected:
-  void keep(const std::vector<std::string>& overrides, const std::string& name, const fs::path& hits,
-            const fs::path& passes = {}) const {
+  void keep(const std::vector<std::string>& overrides, const std::string& name, const fs::path& hits) const {
     generate(makePlan(readPipeline(pipeline_, overrides), recordedChannels()),
-             {.folder = out(name), .keepHits = hits, .keepPasses = passes, .quiet = true});
+             {.folder = out(name), .keepHits = hits, .quiet = true});
   }
 
   void remake(const std::vector<std::string>& overrides, const std::string& name, const fs::path& recording,
@@ -94,11 +93,6 @@ TEST_F(RecordedTest, WhatDoesNotFitIsRefused) {
   expectInputError([&] { readRecording(out("nowhere"), RecordingKind::Hits); }, {"nowhere"});
   expectInputError([&] { keep({}, "second", out("hits")); }, {"hits", "--overwrite"});
   EXPECT_FALSE(fs::exists(out("second") / "manifest.json"));
-  expectInputError([&] { keep({}, "third", {}, out("passes")); }, {"ray_tracing", "depth_camera"});
-  EXPECT_FALSE(fs::exists(out("passes"))) << "nothing is begun";
-  expectInputError(
-      [&] { generate(planOf({}, recordingIn(out("hits"))), {.folder = out("fourth"), .keepPasses = out("passes")}); },
-      {"made from the hits in", "no passes are drawn"});
 }
 
 TEST_F(RecordedTest, WhatWasMetCannotBeTurnedOrMoved) {
@@ -226,24 +220,10 @@ const std::string kCamera = "method={depth_camera: {resolution: 256}}";
 
 class RecordedPassesTest : public RecordedTest {};
 
-TEST_F(RecordedPassesTest, KeptPassesMakeTheSameBytes) {
-  SKIP_WITHOUT_GL();
-  for (const char* motion : {"motion=none", "motion=per_column", "motion={steps: 3, deskew: true}"}) {
-    SCOPED_TRACE(motion);
-    const std::vector<std::string> overrides = with(kNoisy, {kCamera, motion});
-    for (const char* old : {"direct", "kept", "again", "passes"}) fs::remove_all(out(old));
-    run(overrides, "direct");
-    keep(overrides, "kept", {}, out("passes"));
-    EXPECT_TRUE(shards("direct") == shards("kept"));
-    remake(overrides, "again", out("passes"), RecordingKind::Passes);
-    EXPECT_TRUE(shards("direct") == shards("again"));
-  }
-}
-
 TEST_F(RecordedPassesTest, HitsOfTheDepthCameraAreKeptToo) {
   SKIP_WITHOUT_GL();
   const std::vector<std::string> overrides = with(kNoisy, {kCamera});
-  keep(overrides, "kept", out("hits"), out("passes"));
+  keep(overrides, "kept", out("hits"));
   remake(overrides, "again", out("hits"));
   EXPECT_TRUE(shards("kept") == shards("again"));
 }
@@ -251,14 +231,19 @@ TEST_F(RecordedPassesTest, HitsOfTheDepthCameraAreKeptToo) {
 // Rendered alone, with all passes; then read by another pipeline with another sampling than none at all.
 TEST_F(RecordedPassesTest, RenderedPassesMakeTheSameBytes) {
   SKIP_WITHOUT_GL();
-  const std::vector<std::string> overrides = with(kNoisy, {kCamera});
-  const RenderOptions options{.folder = out("passes"), .passes = {Channels::all(), true}, .quiet = true};
-  const RenderSummary summary = render(makePlan(readPipeline(pipeline_, overrides), options.passes.channels), options);
-  EXPECT_EQ(summary.shots, 8u);
-  EXPECT_GE(summary.images, 8u);
-  run(overrides, "direct");
-  remake(overrides, "again", out("passes"), RecordingKind::Passes);
-  EXPECT_TRUE(shards("direct") == shards("again"));
+  for (const char* motion : {"motion={steps: 3, deskew: true}", "motion=none", "motion=per_column"}) {
+    SCOPED_TRACE(motion);
+    const std::vector<std::string> overrides = with(kNoisy, {kCamera, motion});
+    for (const char* old : {"direct", "again", "passes"}) fs::remove_all(out(old));
+    const RenderOptions options{.folder = out("passes"), .passes = {Channels::all(), true}, .quiet = true};
+    const RenderSummary summary =
+        render(makePlan(readPipeline(pipeline_, overrides), options.passes.channels), options);
+    EXPECT_EQ(summary.shots, 8u);
+    EXPECT_GE(summary.images, 8u);
+    run(overrides, "direct");
+    remake(overrides, "again", out("passes"), RecordingKind::Passes);
+    EXPECT_TRUE(shards("direct") == shards("again"));
+  }
   const std::string nearest = "method={depth_camera: {resolution: 256, sampling: nearest}}";
   run(with(kNoisy, {nearest}), "nearest");
   remake(with(kNoisy, {nearest}), "nearest_again", out("passes"), RecordingKind::Passes);
