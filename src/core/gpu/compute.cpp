@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "base/error.h"
+#include "base/short_text.h"
 #include "base/stage_clock.h"
 #include "gpu/compute_interface.h"
 #include "gpu/device.h"
@@ -34,10 +35,12 @@ struct ComputeContext {
     }
   }
 
-  explicit ComputeContext(ComputeErrorWords errorWords) : words(std::move(errorWords)) {
+  ComputeContext(ComputeErrorWords errorWords, const ComputeLimits& most) : words(std::move(errorWords)) {
     backend = told([] { return moduleOf<ComputeModule>().open(namedDevice()); });
     name = backend->name();
     limits = backend->limits();
+    limits.bufferBytes = std::min(limits.bufferBytes, most.bufferBytes);
+    limits.tableTexels = std::min(limits.tableTexels, most.tableTexels);
   }
 
   ComputeErrorWords words;
@@ -73,7 +76,8 @@ std::uint64_t texelBytes(ComputeTable::Texel texel) {
   return 16;
 }
 
-ComputeDevice::ComputeDevice(ComputeErrorWords words) : context_(std::make_shared<ComputeContext>(std::move(words))) {}
+ComputeDevice::ComputeDevice(ComputeErrorWords words, const ComputeLimits& most)
+    : context_(std::make_shared<ComputeContext>(std::move(words), most)) {}
 
 const std::string& ComputeDevice::name() const {
   return context_->name;
@@ -87,12 +91,8 @@ bool ComputeDevice::software() const {
   return context_->backend->software();
 }
 
-std::uint64_t ComputeDevice::mostBufferBytes() const {
-  return context_->limits.bufferBytes;
-}
-
-std::uint64_t ComputeDevice::mostTableTexels() const {
-  return context_->limits.tableTexels;
+const ComputeLimits& ComputeDevice::limits() const {
+  return context_->limits;
 }
 
 void ComputeDevice::atOnce(const std::function<void()>& work) const {
@@ -104,33 +104,25 @@ void ComputeDevice::fail(const std::string& why) const {
 }
 
 ComputeBuffer::ComputeBuffer(const ComputeDevice& device)
-    : context_(device.context_), number_(context_->told([&] { return context_->backend->makeBuffer(); })) {}
-
-ComputeBuffer::~ComputeBuffer() {
-  context_->backend->dropBuffer(number_);
-}
+    : context_(device.context_), buffer_(context_->told([&] { return context_->backend->makeBuffer(); })) {}
 
 void ComputeBuffer::reserve(std::uint64_t bytes) {
   if (bytes <= bytes_) return;
   bytes_ = 0;  // size unknown until resizing has succeeded
-  context_->told([&] { context_->backend->resize(number_, bytes); });
+  context_->told([&] { context_->backend->resize(*buffer_, bytes); });
   bytes_ = bytes;
 }
 
 void ComputeBuffer::write(std::span<const Source> pieces) {
-  context_->told([&] { context_->backend->write(number_, pieces); });
+  context_->told([&] { context_->backend->write(*buffer_, pieces); });
 }
 
 ComputeReadback::ComputeReadback(const ComputeDevice& device)
-    : context_(device.context_), number_(context_->told([&] { return context_->backend->makeReadback(); })) {}
-
-ComputeReadback::~ComputeReadback() {
-  context_->backend->dropReadback(number_);
-}
+    : context_(device.context_), readback_(context_->told([&] { return context_->backend->makeReadback(); })) {}
 
 void ComputeReadback::start(const ComputeBuffer& buffer, std::uint64_t bytes) {
   copy_ = nullptr;
-  context_->told([&] { context_->backend->startCopy(number_, buffer.number_, bytes); });
+  context_->told([&] { context_->backend->startCopy(*readback_, *buffer.buffer_, bytes); });
   bytes_ = bytes;
 }
 
@@ -141,31 +133,12 @@ std::span<const std::byte> ComputeReadback::wait() {
   const std::scoped_lock lock(asking_);
   const WallTimer waiting;
   while (copy_ == nullptr) {
-    copy_ = context_->told([&] { return context_->backend->copied(number_); });
+    copy_ = context_->told([&] { return context_->backend->copied(*readback_); });
     if (copy_ != nullptr) break;
     if (waiting.seconds() > kSpin) std::this_thread::sleep_for(kPause);
     if (waiting.seconds() > kMost) context_->fail(fmt::format("{} has not answered for {} s", context_->name, kMost));
   }
   return {copy_, bytes_};
-}
-
-ComputeReadbacks::ComputeReadbacks(const ComputeDevice& device, std::size_t count) {
-  for (std::size_t k = 0; k < count; ++k) free_.push_back(std::make_unique<ComputeReadback>(device));
-}
-
-ComputeReadbacks::Lease::Lease(ComputeReadbacks& all) : all_(all) {
-  std::unique_lock lock(all_.mutex_);
-  all_.freed_.wait(lock, [&] { return !all_.free_.empty(); });
-  one_ = std::move(all_.free_.back());
-  all_.free_.pop_back();
-}
-
-ComputeReadbacks::Lease::~Lease() {
-  {
-    const std::scoped_lock lock(all_.mutex_);
-    all_.free_.push_back(std::move(one_));
-  }
-  all_.freed_.notify_one();
 }
 
 // The shader compares an invocation's index in the dispatch with the number of remaining invocations, because
@@ -185,57 +158,29 @@ void main() {{
 
 ComputeProgram::ComputeProgram(const ComputeDevice& device, const std::string& name, const std::string& text)
     : context_(device.context_),
-      number_(context_->told([&] { return context_->backend->makeProgram(name, computeShaderText(text)); })) {}
-
-ComputeProgram::~ComputeProgram() {
-  context_->backend->dropProgram(number_);
-}
+      program_(context_->told([&] { return context_->backend->makeProgram(name, computeShaderText(text)); })) {}
 
 void ComputeProgram::run(std::uint64_t invocations, std::initializer_list<const ComputeBuffer*> buffers,
                          std::span<const std::byte> parameters, std::initializer_list<ComputeTable> tables) {
-  const ComputeContext& context = *context_;
-  const ComputeLimits& limits = context.limits;
-  if (invocations > 0xFFFFFFFFu || buffers.size() > limits.buffers || tables.size() > limits.tables ||
-      parameters.size() > limits.parameterBytes) {
-    context.fail(fmt::format("{} invocations with {} buffers, {} tables and {} bytes of parameters are too many for {}",
-                             invocations, buffers.size(), tables.size(), parameters.size(), context.name));
-  }
-  std::vector<std::uint32_t> numbers;
-  for (const ComputeBuffer* buffer : buffers) {
-    if (buffer->bytes_ > limits.bufferBytes) {
-      context.fail(
-          fmt::format("a buffer has {} bytes, and at most {} on {}", buffer->bytes_, limits.bufferBytes, context.name));
-    }
-    numbers.push_back(buffer->number_);
-  }
+  std::vector<const GlBuffer*> bound;
+  for (const ComputeBuffer* buffer : buffers) bound.push_back(buffer->buffer_.get());
   std::vector<ComputeRun::Table> shown;
-  for (const ComputeTable& table : tables) {
-    const std::uint64_t texels = table.buffer->bytes_ / texelBytes(table.texel);
-    if (texels > limits.tableTexels) {
-      context.fail(
-          fmt::format("a table has {} texels, and at most {} on {}", texels, limits.tableTexels, context.name));
-    }
-    shown.push_back({table.buffer->number_, table.texel});
-  }
-  context.told([&] { context.backend->run({number_, numbers, shown, parameters, invocations}); });
+  for (const ComputeTable& table : tables) shown.push_back({table.buffer->buffer_.get(), table.texel});
+  context_->told([&] { context_->backend->run({*program_, bound, shown, parameters, invocations}); });
 }
 
-std::uint64_t mostTableBytes(const ComputeDevice& device, ComputeTable::Texel texel, std::uint64_t most) {
-  return std::min(most, device.mostTableTexels() * texelBytes(texel));
-}
-
-void checkTable(const ComputeDevice& device, ComputeTable::Texel texel, std::uint64_t bytes, std::uint64_t most,
-                const std::string& what, const std::string& mend) {
-  const std::uint64_t held = mostTableBytes(device, texel, most);
-  if (bytes <= held) return;
-  constexpr double kMebi = 1 << 20;
-  device.fail(fmt::format("the {} take {:.1f} MiB, of which a table on {} holds {:.1f} MiB{}", what,
-                          static_cast<double>(bytes) / kMebi, device.name(), static_cast<double>(held) / kMebi, mend));
+void checkTable(const ComputeDevice& device, ComputeTable::Texel texel, std::uint64_t bytes, const std::string& what,
+                const std::string& mend) {
+  const std::uint64_t most = device.limits().tableTexels;
+  if (bytes / texelBytes(texel) <= most) return;
+  device.fail(fmt::format("the {} take {}, of which a table on {} holds {}{}", what,
+                          shortBytes(static_cast<double>(bytes)), device.name(),
+                          shortBytes(static_cast<double>(most * texelBytes(texel))), mend));
 }
 
 void holdTable(const ComputeDevice& device, ComputeBuffer& buffer, ComputeTable::Texel texel,
-               std::span<const std::byte> array, std::uint64_t most, const std::string& what, const std::string& mend) {
-  checkTable(device, texel, array.size(), most, what, mend);
+               std::span<const std::byte> array, const std::string& what, const std::string& mend) {
+  checkTable(device, texel, array.size(), what, mend);
   if (!array.empty()) buffer.hold(array);
 }
 

@@ -3,11 +3,11 @@
 // Runs compute shaders of OpenGL 4.3, without an X server. All calls of OpenGL are in a plug-in
 // (gpu/compute_interface.h), which is loaded when the first device is opened.
 
-#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <initializer_list>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -19,23 +19,35 @@ namespace scanmill {
 
 struct ComputeContext;  // the state that a device shares with its buffers and programs
 
+// An object of the plug-in, which is destroyed on the plug-in's thread. Only the plug-in knows what the object is.
+template <class Object>
+using OwnedObject = std::unique_ptr<Object, std::function<void(Object*)>>;
+class GlBuffer;
+class GlProgram;
+class MappedCopy;
+
 // The wording of errors of a device and of its buffers and programs. A message is "<cannot>: <reason>; <instead>".
 struct ComputeErrorWords {
   std::string cannot;   // what fails without the device, such as "particles cannot fly by OpenGL"
   std::string instead;  // what the user can do instead, such as "'backend: cpu' does without it"
 };
 
+// What a device can hold.
+struct ComputeLimits {
+  std::uint64_t bufferBytes = std::numeric_limits<std::uint64_t>::max();  // of a buffer that a program writes
+  std::uint64_t tableTexels = std::numeric_limits<std::uint64_t>::max();  // of a table, which a program only reads
+};
+
 class ComputeDevice {
  public:
   // Opens the device that namedDevice() names (gpu/device.h). Throws Error if there is no such device, if the machine
-  // has no OpenGL 4.3 with EGL, or if the plug-in cannot be loaded.
-  explicit ComputeDevice(ComputeErrorWords words);
+  // has no OpenGL 4.3 with EGL, or if the plug-in cannot be loaded. `most`: limits that apply besides the device's.
+  explicit ComputeDevice(ComputeErrorWords words, const ComputeLimits& most = {});
 
-  const std::string& name() const;        // name of the device, such as "llvmpipe (LLVM 15.0.6, 256 bits)"
-  std::string nameAndPlace() const;       // name(); for software rasterisers followed by ", on the processor"
-  bool software() const;                  // true: a software rasteriser that runs on the processor
-  std::uint64_t mostBufferBytes() const;  // maximum size of a buffer that a program reads and writes
-  std::uint64_t mostTableTexels() const;  // maximum number of texels of a table, which a program only reads
+  const std::string& name() const;   // name of the device, such as "llvmpipe (LLVM 15.0.6, 256 bits)"
+  std::string nameAndPlace() const;  // name(); for software rasterisers followed by ", on the processor"
+  bool software() const;             // true: a software rasteriser that runs on the processor
+  const ComputeLimits& limits() const;
   // Calls `work`, which makes several calls of this device, its buffers and programs, on the thread that makes all
   // calls of OpenGL. This saves waiting for that thread at each call.
   void atOnce(const std::function<void()>& work) const;
@@ -66,9 +78,6 @@ std::vector<FoundDevice> findDevices();
 class ComputeBuffer {
  public:
   explicit ComputeBuffer(const ComputeDevice& device);
-  ~ComputeBuffer();
-  ComputeBuffer(const ComputeBuffer&) = delete;
-  ComputeBuffer& operator=(const ComputeBuffer&) = delete;
 
   // Makes the buffer at least this large. If it grows, its contents are lost.
   void reserve(std::uint64_t bytes);
@@ -93,7 +102,7 @@ class ComputeBuffer {
   friend class ComputeProgram;
   friend class ComputeReadback;
   std::shared_ptr<ComputeContext> context_;
-  std::uint32_t number_ = 0;
+  OwnedObject<GlBuffer> buffer_;
   std::uint64_t bytes_ = 0;
 };
 
@@ -102,9 +111,6 @@ class ComputeBuffer {
 class ComputeReadback {
  public:
   explicit ComputeReadback(const ComputeDevice& device);
-  ~ComputeReadback();
-  ComputeReadback(const ComputeReadback&) = delete;
-  ComputeReadback& operator=(const ComputeReadback&) = delete;
 
   // Requests a copy of the first `bytes` bytes of a buffer, with the results of all programs that were run before.
   // Programs that are run later may already write to the buffer.
@@ -115,7 +121,7 @@ class ComputeReadback {
 
  private:
   std::shared_ptr<ComputeContext> context_;
-  std::uint32_t number_ = 0;
+  OwnedObject<MappedCopy> readback_;
   std::uint64_t bytes_ = 0;
   std::mutex asking_;                // held by the waiting thread that queries the device
   const std::byte* copy_ = nullptr;  // null: the copy is not complete yet
@@ -132,49 +138,19 @@ struct ComputeTable {
 
 std::uint64_t texelBytes(ComputeTable::Texel texel);
 
-// Returns the maximum size of a table on the device (bytes), but not more than `most`.
-std::uint64_t mostTableBytes(const ComputeDevice& device, ComputeTable::Texel texel, std::uint64_t most);
-
-// Throws Error if `bytes` exceeds mostTableBytes(). The message is worded by ComputeErrorWords, with the reason "the
-// <what> take 3.0 MiB, of which a table on <device> holds 2.0 MiB<mend>".
-void checkTable(const ComputeDevice& device, ComputeTable::Texel texel, std::uint64_t bytes, std::uint64_t most,
-                const std::string& what, const std::string& mend = "");
+// Throws Error if `bytes` exceeds the largest table of the device. The message is worded by ComputeErrorWords, with the
+// reason "the <what> take 3.0 MiB, of which a table on <device> holds 2.0 MiB<mend>".
+void checkTable(const ComputeDevice& device, ComputeTable::Texel texel, std::uint64_t bytes, const std::string& what,
+                const std::string& mend = "");
 
 // Calls checkTable() for an array, then uploads the array into a table's buffer.
 void holdTable(const ComputeDevice& device, ComputeBuffer& buffer, ComputeTable::Texel texel,
-               std::span<const std::byte> array, std::uint64_t most, const std::string& what,
-               const std::string& mend = "");
+               std::span<const std::byte> array, const std::string& what, const std::string& mend = "");
 
 // Returns a line of GLSL that defines a constant with exactly this value. The value is given by its bits, since shader
 // compilers may round decimals differently.
 std::string glslConstant(const char* name, float value);
 std::string glslConstant(const char* name, std::uint32_t value);
-
-// A pool of readbacks, which threads lease.
-class ComputeReadbacks {
- public:
-  ComputeReadbacks(const ComputeDevice& device, std::size_t count);
-
-  // Exclusive use of one readback of the pool, from construction to destruction. The constructor waits until a readback
-  // is free.
-  class [[nodiscard]] Lease {
-   public:
-    explicit Lease(ComputeReadbacks& all);
-    ~Lease();
-    Lease(const Lease&) = delete;
-    Lease& operator=(const Lease&) = delete;
-    ComputeReadback* operator->() const { return one_.get(); }
-
-   private:
-    ComputeReadbacks& all_;
-    std::unique_ptr<ComputeReadback> one_;
-  };
-
- private:
-  std::mutex mutex_;
-  std::condition_variable freed_;
-  std::vector<std::unique_ptr<ComputeReadback>> free_;
-};
 
 // Returns the complete text of a compute shader: the version line, `text` (see ComputeProgram) and main().
 std::string computeShaderText(std::string_view text);
@@ -186,18 +162,16 @@ class ComputeProgram {
   // 2 ... and its parameters, if any, as a uniform block (std140) with binding 0. Throws Error with the compiler's
   // message.
   ComputeProgram(const ComputeDevice& device, const std::string& name, const std::string& text);
-  ~ComputeProgram();
-  ComputeProgram(const ComputeProgram&) = delete;
-  ComputeProgram& operator=(const ComputeProgram&) = delete;
 
   // Calls invoke(i) for i from 0 to invocations - 1, in any order; `invocations` must be less than 2^32. The data that
-  // these calls write is visible to the next run() and to readbacks.
+  // these calls write is visible to the next run() and to readbacks. OpenGL 4.3 promises 8 buffers, 16 tables and 16
+  // KiB of parameters.
   void run(std::uint64_t invocations, std::initializer_list<const ComputeBuffer*> buffers,
            std::span<const std::byte> parameters = {}, std::initializer_list<ComputeTable> tables = {});
 
  private:
   std::shared_ptr<ComputeContext> context_;
-  std::uint32_t number_ = 0;
+  OwnedObject<GlProgram> program_;
 };
 
 }  // namespace scanmill

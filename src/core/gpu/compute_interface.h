@@ -21,25 +21,17 @@ constexpr std::uint32_t kComputeGroup = 64;  // invocations of a shader that for
 constexpr std::int32_t kFirstInvocation = 0;
 constexpr std::int32_t kEndInvocation = 1;
 
-struct ComputeLimits {
-  std::uint64_t bufferBytes = 0;     // maximum bytes of a buffer that a program reads or writes
-  std::uint64_t tableTexels = 0;     // maximum texels of a table
-  std::uint64_t parameterBytes = 0;  // maximum bytes of a program's parameters
-  std::uint32_t buffers = 0;         // maximum number of buffers that a program reads or writes
-  std::uint32_t tables = 0;          // maximum number of tables that a program reads
-};
-
-// One run of a program. Programs and buffers are identified by numbers that the backend assigns; 0 is not used.
+// One run of a program.
 struct ComputeRun {
   struct Table {
-    std::uint32_t buffer;
+    const GlBuffer* buffer;
     ComputeTable::Texel texel;
   };
-  std::uint32_t program = 0;
-  std::span<const std::uint32_t> buffers;  // buffers[k] becomes the storage buffer with binding k
-  std::span<const Table> tables;           // tables[k] becomes the buffer texture with binding k
-  std::span<const std::byte> parameters;   // contents of the uniform block with binding 0, in std140 layout
-  std::uint64_t invocations = 0;           // less than 2^32
+  const GlProgram& program;
+  std::span<const GlBuffer* const> buffers;  // buffers[k] becomes the storage buffer with binding k
+  std::span<const Table> tables;             // tables[k] becomes the buffer texture with binding k
+  std::span<const std::byte> parameters;     // contents of the uniform block with binding 0, in std140 layout
+  std::uint64_t invocations;                 // less than 2^32
 };
 
 // A device with its own OpenGL context. Calls may come from any thread, but not at the same time. They throw
@@ -50,20 +42,18 @@ class ComputeBackend {
   virtual std::string name() const = 0;
   virtual bool software() const = 0;  // true: runs on the processor
   virtual ComputeLimits limits() const = 0;
-  // Compiles a program and returns its number. `text`: GLSL as described at ComputeProgram's constructor.
-  virtual std::uint32_t makeProgram(const std::string& name, const std::string& text) = 0;
-  virtual std::uint32_t makeBuffer() = 0;
-  virtual void dropProgram(std::uint32_t program) noexcept = 0;
-  virtual void dropBuffer(std::uint32_t buffer) noexcept = 0;
+  // Compiles a program. `text`: GLSL as described at ComputeProgram's constructor. All objects must be destroyed before
+  // the backend.
+  virtual OwnedObject<GlProgram> makeProgram(const std::string& name, const std::string& text) = 0;
+  virtual OwnedObject<GlBuffer> makeBuffer() = 0;
   // Gives the buffer this size (bytes). Its contents are undefined afterwards.
-  virtual void resize(std::uint32_t buffer, std::uint64_t bytes) = 0;
-  virtual void write(std::uint32_t buffer, std::span<const ComputeBuffer::Source> pieces) = 0;
-  // Creates host memory into which the device copies (see ComputeReadback), and returns its number.
-  virtual std::uint32_t makeReadback() = 0;
-  virtual void dropReadback(std::uint32_t readback) noexcept = 0;
-  virtual void startCopy(std::uint32_t readback, std::uint32_t buffer, std::uint64_t bytes) = 0;
+  virtual void resize(GlBuffer& buffer, std::uint64_t bytes) = 0;
+  virtual void write(GlBuffer& buffer, std::span<const ComputeBuffer::Source> pieces) = 0;
+  // Creates host memory into which the device copies (see ComputeReadback).
+  virtual OwnedObject<MappedCopy> makeReadback() = 0;
+  virtual void startCopy(MappedCopy& readback, const GlBuffer& buffer, std::uint64_t bytes) = 0;
   // Returns the readback's copy; null if it is not complete yet.
-  virtual const std::byte* copied(std::uint32_t readback) = 0;
+  virtual const std::byte* copied(MappedCopy& readback) = 0;
   // Calls the program's invoke() for 0 to invocations - 1. The data that it writes is visible to later runs and reads.
   virtual void run(const ComputeRun& run) = 0;
   // Calls `work`, which makes several calls of this backend, on the OpenGL thread, so that threads are not switched at

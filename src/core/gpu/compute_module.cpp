@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <functional>
-#include <map>
 #include <memory>
 #include <new>
 #include <stdexcept>
@@ -23,6 +22,75 @@
 #include "gpu/opengl_module/gl_thread.h"
 
 namespace scanmill {
+
+// Host memory into which the device copies a buffer.
+class MappedCopy {
+ public:
+  MappedCopy() = default;
+  ~MappedCopy() { drop(); }
+  MappedCopy(const MappedCopy&) = delete;
+  MappedCopy& operator=(const MappedCopy&) = delete;
+
+  void start(GLuint buffer, std::size_t bytes) {
+    glBindBuffer(GL_COPY_READ_BUFFER, buffer);
+    if (!canMap()) {
+      held_.resize(bytes);
+      glGetBufferSubData(GL_COPY_READ_BUFFER, 0, static_cast<GLsizeiptr>(bytes), held_.data());
+      checkGl("a buffer cannot be read back");
+      return;
+    }
+    if (bytes > bytes_) map(bytes);
+    glBindBuffer(GL_COPY_WRITE_BUFFER, name_);
+    glCopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 0, static_cast<GLsizeiptr>(bytes));
+    glDeleteSync(fence_);
+    fence_ = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+    glFlush();
+    checkGl("a buffer cannot be copied");
+  }
+
+  // Returns the copy; null if it is not complete yet.
+  const std::byte* copied() {
+    if (fence_ == nullptr) return memory_ != nullptr ? memory_ : held_.data();
+    const GLenum state = glClientWaitSync(fence_, 0, 0);
+    checkGl("the device failed");
+    if (state == GL_TIMEOUT_EXPIRED) return nullptr;
+    if (state != GL_ALREADY_SIGNALED && state != GL_CONDITION_SATISFIED) throw std::runtime_error("the device failed");
+    glDeleteSync(fence_);
+    fence_ = nullptr;
+    return memory_;
+  }
+
+ private:
+  static bool canMap() { return GLEW_VERSION_4_4 || GLEW_ARB_buffer_storage; }
+
+  void map(std::size_t bytes) {
+    drop();
+    constexpr GLbitfield kHow = GL_MAP_READ_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
+    glGenBuffers(1, &name_);
+    glBindBuffer(GL_COPY_WRITE_BUFFER, name_);
+    glBufferStorage(GL_COPY_WRITE_BUFFER, static_cast<GLsizeiptr>(bytes), nullptr, kHow | GL_CLIENT_STORAGE_BIT);
+    memory_ =
+        static_cast<const std::byte*>(glMapBufferRange(GL_COPY_WRITE_BUFFER, 0, static_cast<GLsizeiptr>(bytes), kHow));
+    checkGl("a buffer cannot be mapped");
+    if (memory_ == nullptr) throw std::bad_alloc();
+    bytes_ = bytes;
+  }
+
+  void drop() {
+    glDeleteSync(fence_);
+    glDeleteBuffers(1, &name_);
+    fence_ = nullptr;
+    name_ = 0;
+    memory_ = nullptr;
+    bytes_ = 0;
+  }
+
+  GLuint name_ = 0;
+  std::size_t bytes_ = 0;
+  const std::byte* memory_ = nullptr;
+  GLsync fence_ = nullptr;
+  std::vector<std::byte> held_;  // holds the copied bytes if the driver does not support persistent mapping
+};
 
 namespace {
 
@@ -95,80 +163,7 @@ class BufferTexture {
   GLuint name_ = 0;
 };
 
-// Host memory into which the device copies a buffer.
-class MappedCopy {
- public:
-  MappedCopy() = default;
-  ~MappedCopy() { drop(); }
-  MappedCopy(const MappedCopy&) = delete;
-  MappedCopy& operator=(const MappedCopy&) = delete;
-
-  void start(GLuint buffer, std::size_t bytes) {
-    glBindBuffer(GL_COPY_READ_BUFFER, buffer);
-    if (!canMap()) {
-      held_.resize(bytes);
-      glGetBufferSubData(GL_COPY_READ_BUFFER, 0, static_cast<GLsizeiptr>(bytes), held_.data());
-      checkGl("a buffer cannot be read back");
-      return;
-    }
-    if (bytes > bytes_) map(bytes);
-    glBindBuffer(GL_COPY_WRITE_BUFFER, name_);
-    glCopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 0, static_cast<GLsizeiptr>(bytes));
-    glDeleteSync(fence_);
-    fence_ = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
-    glFlush();
-    checkGl("a buffer cannot be copied");
-  }
-
-  // Returns the copy; null if it is not complete yet.
-  const std::byte* copied() {
-    if (fence_ == nullptr) return memory_ != nullptr ? memory_ : held_.data();
-    const GLenum state = glClientWaitSync(fence_, 0, 0);
-    checkGl("the device failed");
-    if (state == GL_TIMEOUT_EXPIRED) return nullptr;
-    if (state != GL_ALREADY_SIGNALED && state != GL_CONDITION_SATISFIED) throw std::runtime_error("the device failed");
-    glDeleteSync(fence_);
-    fence_ = nullptr;
-    return memory_;
-  }
-
- private:
-  static bool canMap() { return GLEW_VERSION_4_4 || GLEW_ARB_buffer_storage; }
-
-  void map(std::size_t bytes) {
-    drop();
-    constexpr GLbitfield kHow = GL_MAP_READ_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
-    glGenBuffers(1, &name_);
-    glBindBuffer(GL_COPY_WRITE_BUFFER, name_);
-    glBufferStorage(GL_COPY_WRITE_BUFFER, static_cast<GLsizeiptr>(bytes), nullptr, kHow | GL_CLIENT_STORAGE_BIT);
-    memory_ =
-        static_cast<const std::byte*>(glMapBufferRange(GL_COPY_WRITE_BUFFER, 0, static_cast<GLsizeiptr>(bytes), kHow));
-    checkGl("a buffer cannot be mapped");
-    if (memory_ == nullptr) throw std::bad_alloc();
-    bytes_ = bytes;
-  }
-
-  void drop() {
-    glDeleteSync(fence_);
-    glDeleteBuffers(1, &name_);
-    fence_ = nullptr;
-    name_ = 0;
-    memory_ = nullptr;
-    bytes_ = 0;
-  }
-
-  GLuint name_ = 0;
-  std::size_t bytes_ = 0;
-  const std::byte* memory_ = nullptr;
-  GLsync fence_ = nullptr;
-  std::vector<std::byte> held_;  // holds the copied bytes if the driver does not support persistent mapping
-};
-
-// Maps the number that identifies an object outside of this module to the object.
-template <class Object>
-using Numbered = std::map<std::uint32_t, std::unique_ptr<Object>>;
-
-// An OpenGL context and its objects, which may be used only while the context is current.
+// An OpenGL context and what it uses in each run.
 struct ContextState {
   explicit ContextState(const std::string& device) : context(device) {
     findFunctions();
@@ -176,10 +171,6 @@ struct ContextState {
   }
 
   EglContext context;
-  Numbered<GlProgram> programs;
-  Numbered<GlBuffer> buffers;
-  Numbered<MappedCopy> readbacks;
-  std::uint32_t lastNumber = 0;
   std::unique_ptr<GlBuffer> parameters;
   std::vector<std::unique_ptr<BufferTexture>> textures;  // indexed by binding
 };
@@ -192,10 +183,7 @@ class GlCompute final : public ComputeBackend {
       name_ = textOf(GL_RENDERER, "an unknown device");
       software_ = isSoftware(name_);
       groups_ = groupsAtOnce(software_);
-      limits_ = {limitOf(GL_MAX_SHADER_STORAGE_BLOCK_SIZE), limitOf(GL_MAX_TEXTURE_BUFFER_SIZE),
-                 limitOf(GL_MAX_UNIFORM_BLOCK_SIZE),
-                 static_cast<std::uint32_t>(limitOf(GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS)),
-                 static_cast<std::uint32_t>(limitOf(GL_MAX_COMPUTE_TEXTURE_IMAGE_UNITS))};
+      limits_ = {limitOf(GL_MAX_SHADER_STORAGE_BLOCK_SIZE), limitOf(GL_MAX_TEXTURE_BUFFER_SIZE)};
       checkGl("the device cannot be asked for its limits");
       state_ = std::move(made);
     });
@@ -214,40 +202,35 @@ class GlCompute final : public ComputeBackend {
   bool software() const override { return software_; }
   ComputeLimits limits() const override { return limits_; }
 
-  std::uint32_t makeProgram(const std::string& name, const std::string& text) override {
-    return made(&ContextState::programs, name, std::initializer_list<GlShaderText>{{GL_COMPUTE_SHADER, text.c_str()}});
+  OwnedObject<GlProgram> makeProgram(const std::string& name, const std::string& text) override {
+    return made<GlProgram>(name, std::initializer_list<GlShaderText>{{GL_COMPUTE_SHADER, text.c_str()}});
   }
-  std::uint32_t makeBuffer() override { return made(&ContextState::buffers); }
-  std::uint32_t makeReadback() override { return made(&ContextState::readbacks); }
+  OwnedObject<GlBuffer> makeBuffer() override { return made<GlBuffer>(); }
+  OwnedObject<MappedCopy> makeReadback() override { return made<MappedCopy>(); }
 
-  void dropProgram(std::uint32_t program) noexcept override { drop(&ContextState::programs, program); }
-  void dropBuffer(std::uint32_t buffer) noexcept override { drop(&ContextState::buffers, buffer); }
-  void dropReadback(std::uint32_t readback) noexcept override { drop(&ContextState::readbacks, readback); }
-
-  void startCopy(std::uint32_t readback, std::uint32_t buffer, std::uint64_t bytes) override {
-    withContext(
-        [&](ContextState& state) { state.readbacks.at(readback)->start(state.buffers.at(buffer)->name(), bytes); });
+  void startCopy(MappedCopy& readback, const GlBuffer& buffer, std::uint64_t bytes) override {
+    withContext([&](ContextState&) { readback.start(buffer.name(), bytes); });
   }
 
-  const std::byte* copied(std::uint32_t readback) override {
+  const std::byte* copied(MappedCopy& readback) override {
     const std::byte* copy = nullptr;
-    withContext([&](ContextState& state) { copy = state.readbacks.at(readback)->copied(); });
+    withContext([&](ContextState&) { copy = readback.copied(); });
     return copy;
   }
 
   void atOnce(const std::function<void()>& work) override { thread_->run(work); }
 
   // The usage hint asks for device memory, since compute shaders access buffers more often than the CPU does.
-  void resize(std::uint32_t buffer, std::uint64_t bytes) override {
-    withContext([&](ContextState& state) {
-      state.buffers.at(buffer)->fill(nullptr, bytes, GL_DYNAMIC_COPY);
+  void resize(GlBuffer& buffer, std::uint64_t bytes) override {
+    withContext([&](ContextState&) {
+      buffer.fill(nullptr, bytes, GL_DYNAMIC_COPY);
       checkGl("a buffer cannot be made");
     });
   }
 
-  void write(std::uint32_t buffer, std::span<const ComputeBuffer::Source> pieces) override {
-    withContext([&](ContextState& state) {
-      glBindBuffer(GL_COPY_WRITE_BUFFER, state.buffers.at(buffer)->name());
+  void write(GlBuffer& buffer, std::span<const ComputeBuffer::Source> pieces) override {
+    withContext([&](ContextState&) {
+      glBindBuffer(GL_COPY_WRITE_BUFFER, buffer.name());
       for (const ComputeBuffer::Source& piece : pieces) {
         glBufferSubData(GL_COPY_WRITE_BUFFER, static_cast<GLintptr>(piece.offset),
                         static_cast<GLsizeiptr>(piece.bytes.size()), piece.bytes.data());
@@ -258,15 +241,13 @@ class GlCompute final : public ComputeBackend {
 
   void run(const ComputeRun& run) override {
     withContext([&](ContextState& state) {
-      GlProgram& program = *state.programs.at(run.program);
-      program.use();
+      run.program.use();
       for (GLuint k = 0; k < run.buffers.size(); ++k) {
-        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, k, state.buffers.at(run.buffers[k])->name());
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, k, run.buffers[k]->name());
       }
       while (state.textures.size() < run.tables.size()) state.textures.push_back(std::make_unique<BufferTexture>());
       for (GLuint k = 0; k < run.tables.size(); ++k) {
-        const ComputeRun::Table& table = run.tables[k];
-        state.textures[k]->show(k, state.buffers.at(table.buffer)->name(), formatOf(table.texel));
+        state.textures[k]->show(k, run.tables[k].buffer->name(), formatOf(run.tables[k].texel));
       }
       if (!run.parameters.empty()) {
         state.parameters->fill(run.parameters.data(), run.parameters.size(), GL_STREAM_DRAW);
@@ -294,24 +275,17 @@ class GlCompute final : public ComputeBackend {
     });
   }
 
-  // Makes an object of the context, and returns its number.
+  // Makes an object that is destroyed while the context is current, on the OpenGL thread.
   template <class Object, class... Arguments>
-  std::uint32_t made(Numbered<Object> ContextState::*objects, const Arguments&... arguments) {
-    std::uint32_t number = 0;
-    withContext([&](ContextState& state) {
-      auto object = std::make_unique<Object>(arguments...);
-      number = ++state.lastNumber;
-      (state.*objects)[number] = std::move(object);
-    });
-    return number;
-  }
-
-  template <class Object>
-  void drop(Numbered<Object> ContextState::*objects, std::uint32_t number) noexcept {
-    thread_->run([&]() noexcept {
-      state_->context.tryMakeCurrent();
-      (*state_.*objects).erase(number);
-    });
+  OwnedObject<Object> made(const Arguments&... arguments) {
+    std::unique_ptr<Object> object;
+    withContext([&](ContextState&) { object = std::make_unique<Object>(arguments...); });
+    return {object.release(), [this](Object* owned) {
+              thread_->run([&]() noexcept {
+                state_->context.tryMakeCurrent();
+                delete owned;
+              });
+            }};
   }
 
   std::shared_ptr<GlThread> thread_ = GlThread::shared();

@@ -9,8 +9,8 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "methods/field/march_job.h"
 #include "methods/field/march_rule.h"
-#include "methods/field/particle_launch.h"
 #include "methods/gpu/device_resolver.h"
 
 namespace scanmill {
@@ -100,14 +100,13 @@ std::string program(std::string constants, std::string_view text) {
 
 }  // namespace
 
-DeviceMarch::DeviceMarch(const ComputeDevice& device, std::uint64_t mostTableBytes)
+DeviceMarch::DeviceMarch(const ComputeDevice& device)
     : device_(device),
-      mostTableBytes_(mostTableBytes),
       marchers_(device, "particle", marchShader),
       particles_(device),
       records_(device),
       triangles_(device),
-      fields_(device, mostTableBytes) {
+      fields_(device) {
   triangles_.reserve(16);  // buffers without storage cannot be read from
 }
 
@@ -116,7 +115,7 @@ void DeviceMarch::hold(const std::shared_ptr<const DistanceField>& field, const 
   if (!field->shape.lists || world_.lock() == world) return;
   world_.reset();
   const std::vector<DeviceTriangle> triangles = deviceTriangles(world->baked);
-  holdTable(device_, triangles_, ComputeTable::Texel::Float32x4, std::as_bytes(std::span(triangles)), mostTableBytes_,
+  holdTable(device_, triangles_, ComputeTable::Texel::Float32x4, std::as_bytes(std::span(triangles)),
             "scene's triangles", ": take `refine: none`, which does not need them");
   world_ = world;
 }
@@ -152,9 +151,6 @@ DeviceFields::HeldPool::HeldPool(const ComputeDevice& device)
 std::uint64_t DeviceFields::HeldPool::bytes() const {
   return levels.bytes() + table.bytes() + distances.buffer.bytes() + words.buffer.bytes() + lists.buffer.bytes();
 }
-
-DeviceFields::DeviceFields(const ComputeDevice& device, std::uint64_t mostTableBytes)
-    : device_(device), mostTableBytes_(mostTableBytes) {}
 
 // Moves the pool's entry of pools_ to the front. If the pool has none, it gets the entry of a pool that no longer
 // exists, otherwise a new entry if memory suffices, otherwise the least recently used entry.
@@ -192,9 +188,8 @@ void DeviceFields::upload(const std::shared_ptr<const DistanceField>& field) {
   HeldPool& held = pools_.front();
   held.field.reset();  // the buffers belong to no field until all are filled
   const std::vector<DeviceLevel> levels = deviceLevels(*field);
-  holdTable(device_, held.levels, Uint32x4, std::as_bytes(std::span(levels)), mostTableBytes_, "levels", kMend);
-  holdTable(device_, held.table, Uint32, std::as_bytes(std::span(field->table)), mostTableBytes_, "table of bricks",
-            kMend);
+  holdTable(device_, held.levels, Uint32x4, std::as_bytes(std::span(levels)), "levels", kMend);
+  holdTable(device_, held.table, Uint32, std::as_bytes(std::span(field->table)), "table of bricks", kMend);
   append(held.distances, Uint16, field->distance, field->pool->distance.size(), "distances");
   append(held.words, Uint32, field->word, field->pool->word.size(), "triangles at corners");
   append(held.lists, Uint32, field->lists, field->pool->lists.size(), "lists of triangles");
@@ -206,10 +201,10 @@ template <class T>
 void DeviceFields::append(Array& array, ComputeTable::Texel texel, std::span<const T> all, std::size_t room,
                           const char* what) {
   const auto bytes = std::as_bytes(all);
-  checkTable(device_, texel, bytes.size(), mostTableBytes_, what, kMend);
+  checkTable(device_, texel, bytes.size(), what, kMend);
   if (array.buffer.bytes() < bytes.size()) {
     array.there = 0;
-    array.buffer.reserve(std::min(std::uint64_t{room} * sizeof(T), mostTableBytes(device_, texel, mostTableBytes_)));
+    array.buffer.reserve(std::min<std::uint64_t>(room, device_.limits().tableTexels) * sizeof(T));
   }
   if (array.there >= bytes.size()) return;
   const ComputeBuffer::Source fresh{array.there, bytes.subspan(array.there)};
@@ -224,8 +219,8 @@ extern const std::string_view kHitsNearestShader;
 extern const std::string_view kHitsListsShader;
 
 std::string launchShader(bool lists) {
-  return program(glslConstant("kTogether", ParticleLaunch::kTogether + 0u) +
-                     fmt::format("const bool kLists = {};\n", lists) + glslConstant("kLeftOut", kLeftOut),
+  return program(glslConstant("kTogether", MarchJob::kTogether + 0u) + fmt::format("const bool kLists = {};\n", lists) +
+                     glslConstant("kLeftOut", kLeftOut),
                  kLaunchShader);
 }
 
@@ -241,7 +236,7 @@ std::string marchShader(bool lists) {
 }
 
 std::string particleHitsShader(bool lists) {
-  return program(fieldConstants() + resolverConstants() + glslConstant("kTogether", ParticleLaunch::kTogether + 0u) +
+  return program(fieldConstants() + resolverConstants() + glslConstant("kTogether", MarchJob::kTogether + 0u) +
                      glslConstant("kLeftOut", kLeftOut) + glslConstant("kDone", kParticleDone) +
                      glslConstant("kBehindHole", kBehindHole) + glslConstant("kBehindHoleShare", kBehindHoleShare),
                  lists ? kHitsListsShader : kHitsNearestShader);

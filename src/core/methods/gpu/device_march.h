@@ -38,8 +38,7 @@ std::string particleHitsShader(bool lists);
 // bricks with the field at the previous position (BrickPool). Only bricks that are not on the device yet are uploaded.
 class DeviceFields {
  public:
-  // `mostTableBytes`: largest size of a table (bytes).
-  DeviceFields(const ComputeDevice& device, std::uint64_t mostTableBytes);
+  explicit DeviceFields(const ComputeDevice& device) : device_(device) {}
 
   // Uploads the parts of the field that are not on the device yet. The pools of earlier fields stay on the device, for
   // threads that work on other trajectories. If a new pool would probably bring the total above kMostBytes, it replaces
@@ -81,7 +80,6 @@ class DeviceFields {
   void append(Array& array, ComputeTable::Texel texel, std::span<const T> all, std::size_t room, const char* what);
 
   ComputeDevice device_;
-  std::uint64_t mostTableBytes_;
   std::list<HeldPool> pools_;  // most recently used first
 };
 
@@ -106,8 +104,7 @@ class MarchPrograms {
 
 class DeviceMarch {
  public:
-  // `mostTableBytes`: largest size of a table (bytes).
-  DeviceMarch(const ComputeDevice& device, std::uint64_t mostTableBytes);
+  explicit DeviceMarch(const ComputeDevice& device);
 
   // Number of float32 columns of the particles, in fields with lists (most) and without lists (fewest).
   static constexpr std::uint64_t kMostColumns = 14;
@@ -129,7 +126,6 @@ class DeviceMarch {
 
  private:
   ComputeDevice device_;
-  const std::uint64_t mostTableBytes_;
   MarchPrograms marchers_;
   ComputeBuffer particles_, records_, triangles_;
   DeviceFields fields_;

@@ -23,8 +23,6 @@ namespace {
 
 using enum ComputeTable::Texel;
 
-constexpr std::size_t kResolverGrain = 16384;
-
 std::uint32_t bitsOf(Channels channels) {
   std::uint32_t set = 0;
   for (const ChannelRow& row : kChannels)
@@ -53,7 +51,7 @@ struct ColumnPlaces {
   std::size_t incidence, reflectance, instance, label, primitive, normal;
 };
 
-constexpr std::size_t kTableGrain = 16384;
+constexpr std::size_t kTableGrain = 16384;  // triangles, texels or rays per task
 
 std::uint32_t bits(float f) {
   return std::bit_cast<std::uint32_t>(f);
@@ -141,9 +139,8 @@ void addTriangles(const TriangleBlock& block, LabelTables& made) {
 
 }  // namespace
 
-DeviceResolver::DeviceResolver(const ComputeDevice& device, std::uint64_t most)
+DeviceResolver::DeviceResolver(const ComputeDevice& device)
     : device_(device),
-      most_(most),
       columns_(device),
       records_(device),
       materials_(device),
@@ -153,18 +150,15 @@ DeviceResolver::DeviceResolver(const ComputeDevice& device, std::uint64_t most)
   for (ComputeBuffer* buffer : {&records_, &materials_, &reflectances_, &textured_}) buffer->reserve(16);
 }
 
-template <class T>
-void DeviceResolver::hold(ComputeBuffer& buffer, ComputeTable::Texel texel, std::span<const T> array,
-                          const char* what) {
-  holdTable(device_, buffer, texel, std::as_bytes(array), most_, what);
-}
-
 void DeviceResolver::holdMeshes(const World& world) {
   const LabelTables tables = labelTables(world);
-  hold(records_, Uint32x4, std::span<const TriangleRecord>(tables.records), "scene's planes and labels");
-  hold(textured_, Uint32x4, std::span<const TexturedTriangle>(tables.textured), "scene's textured triangles");
-  hold(materials_, Uint32x4, std::span<const DeviceWord>(tables.materials), "scene's materials");
-  hold(reflectances_, Uint32, std::span<const std::uint32_t>(tables.texels), "scene's textures");
+  const auto hold = [&](ComputeBuffer& buffer, ComputeTable::Texel texel, const auto& array, const char* what) {
+    holdTable(device_, buffer, texel, std::as_bytes(std::span(array)), what);
+  };
+  hold(records_, Uint32x4, tables.records, "scene's planes and labels");
+  hold(textured_, Uint32x4, tables.textured, "scene's textured triangles");
+  hold(materials_, Uint32x4, tables.materials, "scene's materials");
+  hold(reflectances_, Uint32, tables.texels, "scene's textures");
 }
 
 ResolverBlock DeviceResolver::block(const BeamTable& beams, Channels channels, std::size_t rays) {
@@ -185,35 +179,34 @@ ComputeTable DeviceResolver::table(std::size_t binding) const {
   return {buffers[binding], binding == 2 ? Uint32 : Uint32x4};
 }
 
-void DeviceResolver::take(std::span<const std::byte> columns, const Piece& piece, std::size_t first, Hits& hits,
+void DeviceResolver::take(std::span<const std::byte> columns, const Piece& piece, Hits& hits,
                           std::vector<UndecidedRay>& undecided) {
   const ColumnPlaces places(hits.channels, piece.all);
   std::mutex mutex;
   const std::size_t before = undecided.size();
-  parallelFor(piece.count, kResolverGrain, [&](std::size_t from, std::size_t to) {
+  parallelFor(piece.count, kTableGrain, [&](std::size_t from, std::size_t to) {
     const auto copy = [&](std::size_t word, std::size_t words, auto* values) {
       std::memcpy(values, columns.data() + 4 * (word + words * (piece.from + from)), 4 * words * (to - from));
     };
-    const std::size_t at = first + from;
-    copy(0, 1, &hits.range[at]);
-    if (!hits.incidence.empty()) copy(places.incidence, 1, &hits.incidence[at]);
-    if (!hits.reflectance.empty()) copy(places.reflectance, 1, &hits.reflectance[at]);
-    if (!hits.instance.empty()) copy(places.instance, 1, &hits.instance[at]);
-    if (!hits.primitive.empty()) copy(places.primitive, 1, &hits.primitive[at]);
-    if (!hits.normal.empty()) copy(places.normal, 3, &hits.normal[at]);
+    copy(0, 1, &hits.range[from]);
+    if (!hits.incidence.empty()) copy(places.incidence, 1, &hits.incidence[from]);
+    if (!hits.reflectance.empty()) copy(places.reflectance, 1, &hits.reflectance[from]);
+    if (!hits.instance.empty()) copy(places.instance, 1, &hits.instance[from]);
+    if (!hits.primitive.empty()) copy(places.primitive, 1, &hits.primitive[from]);
+    if (!hits.normal.empty()) copy(places.normal, 3, &hits.normal[from]);
     if (!hits.semantic.empty() || !hits.material.empty()) {
       std::array<std::uint32_t, 256> labels;
       for (std::size_t i = from; i < to; i += labels.size()) {
         const std::size_t some = std::min(labels.size(), to - i);
         std::memcpy(labels.data(), columns.data() + 4 * (places.label + piece.from + i), 4 * some);
         for (std::size_t k = 0; k < some && !hits.semantic.empty(); ++k)
-          hits.semantic[first + i + k] = static_cast<std::uint16_t>(labels[k]);
+          hits.semantic[i + k] = static_cast<std::uint16_t>(labels[k]);
         for (std::size_t k = 0; k < some && !hits.material.empty(); ++k)
-          hits.material[first + i + k] = static_cast<std::uint16_t>(labels[k] >> 16);
+          hits.material[i + k] = static_cast<std::uint16_t>(labels[k] >> 16);
       }
     }
     std::vector<UndecidedRay> mine;
-    for (std::size_t i = at; i < first + to; ++i) {
+    for (std::size_t i = from; i < to; ++i) {
       if (!std::isnan(hits.range[i])) continue;
       mine.push_back({static_cast<std::uint32_t>(i), std::bit_cast<RayVerdict>(hits.range[i])});
     }

@@ -74,8 +74,7 @@ struct ResolverBlock {
 
 class DeviceResolver {
  public:
-  // `most`: largest size of a table (bytes).
-  DeviceResolver(const ComputeDevice& device, std::uint64_t most);
+  explicit DeviceResolver(const ComputeDevice& device);
 
   // Uploads the planes and labels of all triangles of a flat world, with its materials.
   void holdMeshes(const World& world);
@@ -97,17 +96,13 @@ class DeviceResolver {
     std::size_t from;
     std::size_t count;
   };
-  // Copies a piece's results to the channels that `hits` has, from ray `first` of `hits` on, and adds the rays that are
-  // neither hits nor misses to `undecided`, ascending. `columns`: a copy of the complete columns().
-  static void take(std::span<const std::byte> columns, const Piece& piece, std::size_t first, Hits& hits,
+  // Copies a piece's results to the channels that `hits` has, and adds the rays that are neither hits nor misses to
+  // `undecided`, ascending. `columns`: a copy of the complete columns().
+  static void take(std::span<const std::byte> columns, const Piece& piece, Hits& hits,
                    std::vector<UndecidedRay>& undecided);
 
  private:
-  template <class T>
-  void hold(ComputeBuffer& buffer, ComputeTable::Texel texel, std::span<const T> array, const char* what);
-
   ComputeDevice device_;
-  std::uint64_t most_;
   ComputeBuffer columns_;
   ComputeBuffer records_, materials_, reflectances_, textured_;
 };

@@ -2,24 +2,33 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "base/stage_clock.h"
-#include "methods/field/distance_field.h"
-#include "methods/field/particle_launch.h"
+#include "gpu/compute.h"
+#include "methods/field/march_job.h"
+#include "methods/gpu/device_beams.h"
+#include "methods/gpu/device_march.h"
 #include "methods/gpu/device_resolver.h"
-#include "methods/world/world.h"
+#include "methods/gpu/shot_queue.h"
 #include "scan/hits.h"
 
 namespace scanmill {
 
+// Limits of the work that is submitted at once. Tests set lower limits.
+struct GlMarcherLimits {
+  std::size_t particles = std::size_t{1} << 20;  // greatest number of particles that march at once
+  ComputeLimits device = {};
+};
+
 // Marches particles by a compute shader of OpenGL 4.3, with one invocation per particle.
 class GlMarcher {
  public:
-  virtual ~GlMarcher() = default;
+  // Throws Error if the machine has no OpenGL 4.3 through EGL; the message names the CPU backend.
+  explicit GlMarcher(const GlMarcherLimits& limits = {});
+
   // Launches the particles of a shot, marches them and fills the channels that `hits` has with the results of resolve()
   // (methods/particle/march_job.h), all on the device and with the same bits as on the processor. Adds the rays that
   // end as neither hit nor miss, or that are left to the processor, to `undecided`, ascending. While one thread waits
@@ -27,20 +36,36 @@ class GlMarcher {
   // together. Adds to the stages "upload" (of field and scene), "march" (submitting the work and waiting for its
   // results) and "read_back" of `clock`. Throws Error, for instance if the beams or the hits do not fit into the
   // device's buffers.
-  virtual void march(std::shared_ptr<const DistanceField> field, std::shared_ptr<const World> world,
-                     std::uint32_t steps, const ParticleLaunch& launch, Hits& hits,
-                     std::vector<UndecidedRay>& undecided, StageClock& clock) = 0;
-  virtual std::string device() const = 0;  // returns the result of ComputeDevice::nameAndPlace()
-};
+  void march(const MarchJob& job, Hits& hits, std::vector<UndecidedRay>& undecided, StageClock& clock);
+  std::string device() const { return device_.nameAndPlace(); }
 
-// Limits of the work that is submitted at once. Tests set lower limits.
-struct GlMarcherLimits {
-  std::size_t particles = std::size_t{1} << 20;  // greatest number of particles that march at once
-  // Largest size of a table (bytes); the limit of the device applies too.
-  std::uint64_t tableBytes = std::numeric_limits<std::uint64_t>::max();
-};
+ private:
+  // The work on the particles of one shot, from launch to hits.
+  struct Flight {
+    const MarchJob& job;
+    Channels channels;
+    mutable double upload = 0;  // s, time to upload field and scene; set for a dispatch's first shot
 
-// Throws Error if the machine has no OpenGL 4.3 through EGL; the message names the CPU backend.
-std::unique_ptr<GlMarcher> makeGlMarcher(const GlMarcherLimits& limits = {});
+    std::size_t rays() const { return job.shot.beams->size(); }
+    std::uint64_t bytes() const { return DeviceResolver::bytesPerRay(channels) * rays(); }
+    bool goesWith(const Flight& other) const;
+  };
+  using Queue = ShotQueue<Flight>;
+
+  void run(const std::vector<const Flight*>& together, Queue::Batch& batch);
+  void fly(const Flight& flight, std::size_t rays, std::size_t first, std::size_t count);
+  void holdLabels(const std::shared_ptr<const World>& world);
+
+  ComputeDevice device_;
+  const std::uint64_t slice_;  // greatest number of particles that march at once
+  MarchPrograms launchers_{device_, "launch", launchShader};
+  MarchPrograms resolvers_{device_, "particles' hits", particleHitsShader};
+  DeviceBeams beams_{device_};
+  DeviceMarch march_{device_};
+  DeviceResolver resolver_{device_};
+  std::weak_ptr<const World> labelled_;  // the world whose planes and labels are uploaded
+  Queue queue_{device_, device_.limits().bufferBytes,
+               [this](const std::vector<const Flight*>& together, Queue::Batch& batch) { run(together, batch); }};
+};
 
 }  // namespace scanmill

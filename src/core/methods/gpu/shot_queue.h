@@ -30,8 +30,8 @@ class ShotQueue {
  public:
   // The works of one dispatch. `hits` gets their results, one work after the other, in the order of submission.
   struct Batch {
-    explicit Batch(ComputeReadbacks& readbacks) : hits(readbacks) {}
-    ComputeReadbacks::Lease hits;
+    explicit Batch(const ComputeDevice& device) : hits(device) {}
+    ComputeReadback hits;
     std::size_t rays = 0;  // number of rays of all works
   };
   // A function that submits works to the device, and starts the copy to `batch.hits`. Called by one thread at a time.
@@ -39,7 +39,9 @@ class ShotQueue {
 
   // `most`: upper bound of the sum of bytes() of the works that share a dispatch; kMostBytesTogether bounds it, too.
   ShotQueue(const ComputeDevice& device, std::uint64_t most, Give give)
-      : readbacks_(device, kInFlight), most_(std::min(most, kMostBytesTogether)), give_(std::move(give)) {}
+      : most_(std::min(most, kMostBytesTogether)), give_(std::move(give)) {
+    for (std::size_t k = 0; k < kInFlight; ++k) free_.push_back(std::make_unique<Batch>(device));
+  }
 
   struct Given {
     std::shared_ptr<Batch> batch;
@@ -73,44 +75,34 @@ class ShotQueue {
   };
 
   // Waits until fewer than kInFlight dispatches are in flight; then submits the first waiting work with the works that
-  // can share its dispatch. A thread may return as soon as its work is submitted: then its Waiting no longer exists.
+  // can share its dispatch. If that fails, submits each of them alone: a single work may fit into memory although
+  // several together did not. A thread may return as soon as its work is submitted: then its Waiting no longer exists.
   void lead(std::unique_lock<std::mutex>& lock) {
     leading_ = true;
-    lock.unlock();
-    std::vector<Waiting*> together;
-    try {
-      auto batch = std::make_shared<Batch>(readbacks_);
-      lock.lock();
-      together = takeTogether();
-      lock.unlock();
-      try {
-        giveAll(together, std::move(batch));
-      } catch (...) {
-        if (together.size() == 1) throw;
-        for (Waiting* waiting : together) giveAlone(waiting);
-      }
-      lock.lock();
-    } catch (...) {
-      if (!lock.owns_lock()) lock.lock();
-      if (together.empty()) together.swap(queue_);
-      for (Waiting* waiting : together) waiting->failure = std::current_exception();
+    std::shared_ptr<Batch> batch = freeBatch(lock);
+    const std::vector<Waiting*> together = takeTogether();
+    if (!submit(together, std::move(batch), lock)) {
+      for (Waiting* waiting : together) submit({waiting}, freeBatch(lock), lock);
     }
     leading_ = false;
     changed_.notify_all();
   }
 
-  // Submits a single work, which may fit into memory although several works together did not.
-  void giveAlone(Waiting* waiting) {
-    try {
-      giveAll({waiting}, std::make_shared<Batch>(readbacks_));
-    } catch (...) {
-      const std::scoped_lock lock(mutex_);
-      waiting->failure = std::current_exception();
-    }
-    changed_.notify_all();
+  // Returns a batch that becomes free again when its last user drops it.
+  std::shared_ptr<Batch> freeBatch(std::unique_lock<std::mutex>& lock) {
+    changed_.wait(lock, [&] { return !free_.empty(); });
+    Batch* const batch = free_.back().release();
+    free_.pop_back();
+    batch->rays = 0;
+    return {batch, [this](Batch* used) {
+              const std::scoped_lock again(mutex_);
+              free_.emplace_back(used);
+              changed_.notify_all();
+            }};
   }
 
-  void giveAll(const std::vector<Waiting*>& together, std::shared_ptr<Batch> batch) {
+  // Submits works, and tells their threads what became of them. If several works fail together, returns false instead.
+  bool submit(const std::vector<Waiting*>& together, std::shared_ptr<Batch> batch, std::unique_lock<std::mutex>& lock) {
     std::vector<const Work*> works;
     std::vector<std::size_t> from;
     for (const Waiting* waiting : together) {
@@ -118,9 +110,22 @@ class ShotQueue {
       from.push_back(batch->rays);
       batch->rays += waiting->work.rays();
     }
-    isolated([&] { give_(works, *batch); });
-    const std::scoped_lock lock(mutex_);
-    for (std::size_t i = 0; i < together.size(); ++i) together[i]->given = {batch, from[i]};
+    lock.unlock();
+    std::exception_ptr failure;
+    try {
+      isolated([&] { give_(works, *batch); });
+    } catch (...) {
+      failure = std::current_exception();
+      batch = nullptr;  // while the lock is free, which freeing a batch takes
+    }
+    lock.lock();
+    if (failure && together.size() > 1) return false;
+    for (std::size_t i = 0; i < together.size(); ++i) {
+      together[i]->given = {batch, from[i]};
+      together[i]->failure = failure;
+    }
+    changed_.notify_all();
+    return true;
   }
 
   std::vector<Waiting*> takeTogether() {
@@ -137,11 +142,11 @@ class ShotQueue {
     return together;
   }
 
-  ComputeReadbacks readbacks_;
   const std::uint64_t most_;
   const Give give_;
   std::mutex mutex_;
   std::condition_variable changed_;
+  std::vector<std::unique_ptr<Batch>> free_;  // batches that are not in flight
   std::vector<Waiting*> queue_;
   bool leading_ = false;  // true while a thread is in lead()
 };

@@ -68,17 +68,17 @@ FieldStore::FieldStore(const Scene& scene, const ParticleOptions& options)
       mostPools_(mostPoolsOf(options)),
       worlds_(scene, Instancing::Never, {}) {}
 
-FieldStore::Place FieldStore::around(const Vec3d& sensor, double range, StageClock& clock) const {
-  Place place;
-  place.world = worlds_.near(sensor);
-  const Vec3d& origin = place.world->origin;
+SensorField FieldStore::around(const Vec3d& sensor, double range, StageClock& clock) const {
+  SensorField made;
+  made.world = worlds_.near(sensor);
+  const Vec3d& origin = made.world->origin;
   Box scene;
   if (!bounds_.empty()) scene = {bounds_.low - origin, bounds_.high - origin};
   const FieldShape shape = shapeOf(options_, sensor - origin, scene, range);
-  place.box = marchBox(shape);
-  place.whole = holds(place.box, scene);
-  place.field = fieldOf(place.world, shape, clock);
-  return place;
+  made.box = marchBox(shape);
+  made.whole = holds(made.box, scene);
+  made.field = fieldOf(made.world, shape, clock);
+  return made;
 }
 
 std::shared_ptr<const DistanceField> FieldStore::fieldOf(const std::shared_ptr<const World>& world,

@@ -7,7 +7,7 @@
 #include <mutex>
 
 #include "base/stage_clock.h"
-#include "methods/field/distance_field.h"
+#include "methods/field/march_job.h"
 #include "methods/particle/options.h"
 #include "methods/world/worlds.h"
 
@@ -24,17 +24,11 @@ class FieldStore {
   // checkField() in options.h.
   FieldStore(const Scene& scene, const ParticleOptions& options);
 
-  struct Place {
-    std::shared_ptr<const World> world;
-    std::shared_ptr<const DistanceField> field;
-    Box box;     // m, relative to the world's origin: particles march only inside of the box
-    bool whole;  // true if the box contains the complete scene
-  };
   // Returns the field around a sensor at `sensor` (m, world frame), which reaches `range` (m) unless the options set
   // fewer levels. Safe to call from several threads: fields are built one after the other, each from earlier
   // fields, and threads that wait for a field help to build it. The seconds of building a field, or of moving a
   // field along with the sensor, are added to the stage "field_build" or "field_update" of `clock`.
-  Place around(const Vec3d& sensor, double range, StageClock& clock) const;
+  SensorField around(const Vec3d& sensor, double range, StageClock& clock) const;
 
  private:
   struct Known {

@@ -35,10 +35,10 @@ void cut(double low, double high, const Lane& from, const Lane& direction, Stret
 Stretches stretchesOf(const MarchJob& job, const Rays& rays) {
   Stretches inside;
   std::fill_n(inside.begin, kPacket, 0.0);
-  std::fill_n(inside.end, kPacket, farthest(*job.shot.beams));
-  cut(job.box.low.x, job.box.high.x, rays.ox, rays.dx, inside);
-  cut(job.box.low.y, job.box.high.y, rays.oy, rays.dy, inside);
-  cut(job.box.low.z, job.box.high.z, rays.oz, rays.dz, inside);
+  std::fill_n(inside.end, kPacket, job.farthest());
+  cut(job.around.box.low.x, job.around.box.high.x, rays.ox, rays.dx, inside);
+  cut(job.around.box.low.y, job.around.box.high.y, rays.oy, rays.dy, inside);
+  cut(job.around.box.low.z, job.around.box.high.z, rays.oz, rays.dz, inside);
   return inside;
 }
 
@@ -55,12 +55,12 @@ struct Rest {
 // Returns the triangle that a beam with direction `d` hits at `place`, a point on the plane of `triangle`: either
 // `triangle`, or a triangle of a thin layer on it (march_rule.h).
 std::uint32_t seenAt(const MarchJob& job, std::uint32_t triangle, const Vec3d& place, const Vec3d& d, double voxel) {
-  const BlockTriangle& plane = job.world.baked.triangles[triangle];
+  const BlockTriangle& plane = job.triangles().triangles[triangle];
   const double side = dot(plane.normal, d) > 0 ? -1 : 1;
   const Vec3d aside = place + plane.normal * (side * kAside * voxel);
-  const std::uint32_t named = triangleAt(job.field, fieldFrame(job.field, aside));
+  const std::uint32_t named = triangleAt(job.field(), fieldFrame(job.field(), aside));
   if (named == kNoWord || named == triangle) return triangle;
-  const BlockTriangle& other = job.world.baked.triangles[named];
+  const BlockTriangle& other = job.triangles().triangles[named];
   const bool layer = std::abs(dot(other.normal, plane.normal)) > kAlike &&
                      std::abs(dot(other.normal, place) - other.offset) <= kLayer * voxel;
   return layer ? named : triangle;
@@ -68,14 +68,14 @@ std::uint32_t seenAt(const MarchJob& job, std::uint32_t triangle, const Vec3d& p
 
 // Replaces the triangle of a hit by the triangle that the beam hits there, without changing the range.
 Rest renamed(const MarchJob& job, const Vec3d& o, const Vec3d& d, Rest rest) {
-  const BlockTriangle& plane = job.world.baked.triangles[rest.triangle];
+  const BlockTriangle& plane = job.triangles().triangles[rest.triangle];
   const Vec3d here = o + d * rest.range;
   const Vec3d onPlane = here + plane.normal * (plane.offset - dot(plane.normal, here));
-  return {seenAt(job, rest.triangle, onPlane, d, voxelAt(job.field, fieldFrame(job.field, here))), rest.range};
+  return {seenAt(job, rest.triangle, onPlane, d, voxelAt(job.field(), fieldFrame(job.field(), here))), rest.range};
 }
 
 double rangeOf(const MarchJob& job, const HitRecords& records, std::size_t i) {
-  return double{records.way[i]} * job.field.shape.voxel;
+  return double{records.way[i]} * job.field().shape.voxel;
 }
 
 Vec3d originOf(const Rays& rays, int lane) {
@@ -88,7 +88,7 @@ Vec3d directionOf(const Rays& rays, int lane) {
 
 // Lets particles continue through the transparent parts of triangles.
 void passTransparent(const MarchJob& job, std::span<const Tile> tiles, std::size_t first, HitRecords& records) {
-  const TriangleBlock& block = job.world.baked;
+  const TriangleBlock& block = job.triangles();
   if (block.firstAlpha >= block.triangles.size()) return;
   const auto mayPass = [&](std::size_t i) {
     return records.outcomeOf(first + i) == Outcome::Hit && records.triangle[first + i] >= block.firstAlpha;
@@ -120,12 +120,12 @@ void passTransparent(const MarchJob& job, std::span<const Tile> tiles, std::size
       const std::uint32_t triangle = records.triangle[first + i];
       const Vec3d point = originOf(rays, lane) + directionOf(rays, lane) * rangeOf(job, records, first + i);
       const Vec2d at = barycentric({&block, nullptr, triangle}, point);
-      if (!transparentAt(job.world, block, triangle, at.x, at.y)) continue;
+      if (!transparentAt(*job.around.world, block, triangle, at.x, at.y)) continue;
       particles.begin[i] = records.way[first + i] + std::max(kBehindHole, records.way[first + i] * kBehindHoleShare);
       ends.copy(i, records, first + i);
       passing.push_back(i);
     }
-    marchCpu(job.field, block, job.steps, particles, passing, ends);
+    marchCpu(job.field(), block, job.steps, particles, passing, ends);
     for (const std::uint32_t i : passing) records.copy(first + i, ends, i);
     open.clear();
     std::copy_if(passing.begin(), passing.end(), std::back_inserter(open), mayPass);
@@ -138,15 +138,11 @@ constexpr std::size_t kTilesTogether = 16;
 // Prefetches the triangles that the next kTilesTogether tiles have hit, because they are scattered in memory.
 void expect(const MarchJob& job, const HitRecords& records, std::size_t first, std::size_t tiles) {
   for (std::size_t i = first; i < first + std::min(tiles, kTilesTogether) * kPacket; ++i) {
-    if (records.outcomeOf(i) == Outcome::Hit) prefetch(job.world.baked.triangles[records.triangle[i]]);
+    if (records.outcomeOf(i) == Outcome::Hit) prefetch(job.triangles().triangles[records.triangle[i]]);
   }
 }
 
 }  // namespace
-
-double farthest(const BeamTable& beams) {
-  return beams.maxRange * (1 + 1e-4) + 1e-3;
-}
 
 MarchCounts& MarchCounts::operator+=(const MarchCounts& o) {
   exhausted += o.exhausted;
@@ -156,9 +152,9 @@ MarchCounts& MarchCounts::operator+=(const MarchCounts& o) {
 }
 
 void launch(const MarchJob& job, std::span<const Tile> tiles, Particles& particles, std::size_t first) {
-  const bool lists = job.field.shape.lists;
-  const Vec3d centre = job.field.shape.centre;
-  const double perVoxel = 1 / job.field.shape.voxel;
+  const bool lists = job.field().shape.lists;
+  const Vec3d centre = job.field().shape.centre;
+  const double perVoxel = 1 / job.field().shape.voxel;
   Rays rays;
   for (std::size_t t = 0; t < tiles.size(); ++t) {
     setUp(job.shot, job.frame, tiles[t], rays);
@@ -189,8 +185,8 @@ void launch(const MarchJob& job, std::span<const Tile> tiles, Particles& particl
 
 MarchCounts resolve(const MarchJob& job, const std::vector<CompactMaterial>& materials, std::span<const Tile> tiles,
                     HitRecords& records, std::size_t first, Hits& hits, std::vector<std::uint32_t>& unresolved) {
-  const bool lists = job.field.shape.lists;
-  const TriangleBlock& block = job.world.baked;
+  const bool lists = job.field().shape.lists;
+  const TriangleBlock& block = job.triangles();
   const BeamTable& beams = *job.shot.beams;
   if (lists) passTransparent(job, tiles, first, records);
   MarchCounts counts;
@@ -224,11 +220,11 @@ MarchCounts resolve(const MarchJob& job, const std::vector<CompactMaterial>& mat
         continue;
       }
       loadMiss(planes, lane);
-      if (outcome == Outcome::Miss && !job.whole && !known) {
+      if (outcome == Outcome::Miss && !job.around.whole && !known) {
         inside = stretchesOf(job, rays);
         known = true;
       }
-      const bool left = outcome == Outcome::Miss && !job.whole && inside.end[lane] < farthest(beams);
+      const bool left = outcome == Outcome::Miss && !job.around.whole && inside.end[lane] < job.farthest();
       if (lane >= rays.count || (outcome == Outcome::Miss && !left)) continue;
       ++(left ? counts.left : counts.exhausted);
       const auto l = static_cast<std::uint32_t>(lane);

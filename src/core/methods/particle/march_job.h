@@ -6,27 +6,12 @@
 #include <span>
 #include <vector>
 
-#include "base/vec.h"
-#include "methods/field/distance_field.h"
-#include "methods/field/particle_launch.h"
+#include "methods/field/march_job.h"
 #include "methods/particle/march.h"
 #include "methods/world/resolve.h"
-#include "methods/world/world.h"
 #include "scan/hits.h"
-#include "sensors/shot.h"
 
 namespace scanmill {
-
-// A shot and the field through which its particles march.
-struct MarchJob {
-  const Shot& shot;
-  const World& world;
-  const DistanceField& field;
-  const ShotFrame& frame;  // the shot's poses, relative to the world's origin
-  std::uint32_t steps;     // largest number of steps of a particle
-  Box box;                 // m, relative to the world's origin: particles march only inside of the box
-  bool whole;              // true if the box contains the complete scene
-};
 
 // Numbers of beams that are neither hit nor miss, or whose hit is unreliable.
 struct MarchCounts {
@@ -35,10 +20,6 @@ struct MarchCounts {
   std::uint64_t touching = 0;   // beams whose particles started so near to a surface that they hit it at once
   MarchCounts& operator+=(const MarchCounts& o);
 };
-
-// Returns the length of particles' paths (m): slightly more than the sensor's maximum range, so that float32 rounding
-// does not decide about hits at exactly the maximum.
-double farthest(const BeamTable& beams);
 
 // Fills kPacket particles for each tile, from index `first` on. In a tile with fewer beams, the surplus particles are
 // misses.

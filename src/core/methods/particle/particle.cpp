@@ -20,7 +20,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/stage_clock.h"
-#include "methods/field/particle_launch.h"
+#include "methods/field/march_job.h"
 #include "methods/gpu/device_resolver.h"
 #include "methods/gpu/gl_marcher.h"
 #include "methods/particle/field_store.h"
@@ -54,22 +54,22 @@ class ParticleMethod : public Method {
         options_(std::move(options)),
         fields_(scene, options_),
         materials_(compactMaterials(scene)),
-        gl_(options_.backend == ParticleOptions::Backend::Gl ? makeGlMarcher() : nullptr) {}
+        gl_(options_.backend == ParticleOptions::Backend::Gl ? std::make_unique<GlMarcher>() : nullptr) {}
 
   TraceAccount prepare(const Shot& shot) const override {
     StageClock clock;
-    placeOf(shot, clock);
+    fieldAround(shot, clock);
     return {clock.seconds(), {}};
   }
 
   TraceAccount trace(const Shot& shot, Channels channels, Hits& hits) const override {
     StageClock clock({"launch", "march", "resolve"});
-    const FieldStore::Place place = placeOf(shot, clock);
-    const ShotFrame frame = frameOf(shot, place.world->origin);
-    const MarchJob job{shot, *place.world, *place.field, frame, options_.steps, place.box, place.whole};
+    const SensorField around = fieldAround(shot, clock);
+    const ShotFrame frame = frameOf(shot, around.world->origin);
+    const MarchJob job{shot, frame, around, options_.steps};
     hits.reset(shot.beams->rings, shot.beams->columns, channels);
-    const MarchCounts counts = gl_ != nullptr ? marchOnDevice(job, place, hits, clock)
-                                              : marchOnProcessor(job, tilesOf(*shot.beams), hits, clock);
+    const MarchCounts counts =
+        gl_ != nullptr ? marchOnDevice(job, hits, clock) : marchOnProcessor(job, tilesOf(*shot.beams), hits, clock);
     std::sort(hits.unresolved.begin(), hits.unresolved.end());
     return account(clock, shot, counts);
   }
@@ -108,7 +108,7 @@ class ParticleMethod : public Method {
   static constexpr std::uint64_t kBytesPerSceneTriangle = 40;    // memory of the scene itself, measured
   static constexpr std::uint64_t kBytesPerPlacedTriangle = 190;  // memory of the flattened scene, measured
 
-  FieldStore::Place placeOf(const Shot& shot, StageClock& clock) const {
+  SensorField fieldAround(const Shot& shot, StageClock& clock) const {
     return fields_.around(shot.worldFromSensor.front().translation, shot.beams->maxRange, clock);
   }
 
@@ -127,7 +127,7 @@ class ParticleMethod : public Method {
         const auto some = tiles.subspan(p * atOnce, std::min(atOnce, tiles.size() - p * atOnce));
         {
           const StageTimer timer(clock, "launch");
-          particles.resize(some.size() * kPacket, job.field.shape.lists);
+          particles.resize(some.size() * kPacket, job.field().shape.lists);
           records.reset(particles.size());
           all.resize(particles.size());
           std::iota(all.begin(), all.end(), 0u);
@@ -135,7 +135,7 @@ class ParticleMethod : public Method {
         }
         {
           const StageTimer timer(clock, "march");
-          marchCpu(job.field, job.world.baked, job.steps, particles, all, records);
+          marchCpu(job.field(), job.triangles(), job.steps, particles, all, records);
         }
         const StageTimer timer(clock, "resolve");
         mine += resolve(job, materials_, some, records, 0, hits, unresolved);
@@ -149,10 +149,9 @@ class ParticleMethod : public Method {
 
   // Marches on the device. Tiles with rays that the device leaves undecided (RayVerdict::Open) are marched again on the
   // processor.
-  MarchCounts marchOnDevice(const MarchJob& job, const FieldStore::Place& place, Hits& hits, StageClock& clock) const {
+  MarchCounts marchOnDevice(const MarchJob& job, Hits& hits, StageClock& clock) const {
     std::vector<UndecidedRay> undecided;
-    const ParticleLaunch launch{&job.shot, &job.frame, job.box, farthest(*job.shot.beams), job.whole};
-    gl_->march(place.field, place.world, job.steps, launch, hits, undecided, clock);
+    gl_->march(job, hits, undecided, clock);
     const StageTimer timer(clock, "undecided");
     std::vector<Tile> open;
     for (const UndecidedRay& ray : undecided) {

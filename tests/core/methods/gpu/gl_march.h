@@ -14,9 +14,9 @@ namespace scanmill {
 
 class GlMarch {
  public:
-  // `mostTableBytes`: of one table.
-  explicit GlMarch(std::uint64_t mostTableBytes = std::numeric_limits<std::uint64_t>::max())
-      : march_(device_, mostTableBytes) {}
+  // `mostTexels`: of one table.
+  explicit GlMarch(std::uint64_t mostTexels = std::numeric_limits<std::uint64_t>::max())
+      : device_({"particles cannot march by OpenGL", "`backend: cpu` does not need it"}, {.tableTexels = mostTexels}) {}
 
   // Marches particles that have taken no step, as marchCpu() does.
   HitRecords march(const std::shared_ptr<const DistanceField>& field, const std::shared_ptr<const World>& world,
@@ -54,8 +54,8 @@ class GlMarch {
   }
 
  private:
-  ComputeDevice device_{{"particles cannot march by OpenGL", "`backend: cpu` does not need it"}};
-  DeviceMarch march_;
+  ComputeDevice device_;
+  DeviceMarch march_{device_};
 };
 
 }  // namespace scanmill

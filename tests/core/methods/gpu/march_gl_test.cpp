@@ -242,8 +242,8 @@ TEST(GlMarcher, AFieldMovesOnTheDevice) {
     std::uint64_t room = 0;
     for (const double x : {2.0, 2.0, -3.0}) {
       fields.push_back(buildField(*start.world, shape(x), {fields.back()}));
-      most = std::max({most, fields.back()->word.size_bytes(), fields.back()->lists.size_bytes()});
-      room = std::max(room, fields.back()->pool->word.size() * sizeof(std::uint32_t));
+      most = std::max<std::uint64_t>({most, fields.back()->word.size(), fields.back()->lists.size()});
+      room = std::max<std::uint64_t>(room, fields.back()->pool->word.size());
     }
     ASSERT_GT(room, most);
     GlMarch small(most);
@@ -289,11 +289,11 @@ TEST(GlMarcher, FieldsLargerThanTheDeviceTakesAreRefused) {
   const Scene scene = furnished();
   const Surroundings place = surroundingsOf(scene, true);
   const Particles particles = particlesIn(*place.field, 10);
-  const auto refusal = [&](std::uint64_t bytes) {
-    GlMarch marcher(bytes);
+  const auto refusal = [&](std::uint64_t texels) {
+    GlMarch marcher(texels);
     return messageOf<Error>([&] { marcher.march(place.field, place.world, kUsual, particles); });
   };
-  const std::uint64_t largest = place.field->word.size() * sizeof(std::uint32_t);
+  const std::uint64_t largest = place.field->word.size();
   const std::string message = refusal(largest - 1);
   EXPECT_THAT(message, HasSubstr("particles cannot march by OpenGL: the "));
   EXPECT_THAT(message, HasSubstr("voxel_m"));
@@ -312,7 +312,7 @@ TEST(GlMarcher, FieldsLargerThanTheDeviceTakesAreRefused) {
 TEST(GlMarcher, SaysWhatToDoWithoutADevice) {
   SKIP_WITHOUT_GL();
   ::setenv("SCANMILL_GL_DEVICE", "77", 1);
-  const std::string message = messageOf<Error>([] { makeGlMarcher(); });
+  const std::string message = messageOf<Error>([] { GlMarcher marcher; });
   ::unsetenv("SCANMILL_GL_DEVICE");
   EXPECT_THAT(message, HasSubstr("particles cannot march by OpenGL: SCANMILL_GL_DEVICE: there is no device '77'"));
   EXPECT_THAT(message, HasSubstr("backend: cpu"));

@@ -43,7 +43,7 @@ std::vector<QueueOutcome> giveAll(const std::vector<Piece>& pieces, std::uint64_
     std::vector<int> numbers;
     for (const Piece* piece : together) numbers.push_back(piece->number);
     given(numbers);
-    batch.hits->start(buffer, 4096);
+    batch.hits.start(buffer, 4096);
   });
   std::vector<QueueOutcome> outcomes(pieces.size());
   std::vector<std::thread> threads;
@@ -52,7 +52,7 @@ std::vector<QueueOutcome> giveAll(const std::vector<Piece>& pieces, std::uint64_
       ++started;
       try {
         const Queue::Given made = queue.give(pieces[i]);
-        EXPECT_EQ(made.batch->hits->wait().size(), 4096u);
+        EXPECT_EQ(made.batch->hits.wait().size(), 4096u);
         outcomes[i] = {made.from, made.batch->rays, ""};
       } catch (const Error& error) {
         outcomes[i].failure = error.what();

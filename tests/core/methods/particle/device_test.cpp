@@ -47,15 +47,12 @@ std::unique_ptr<Made> madeOf(const Scene& scene, const Shot& shot, const Particl
   auto made = std::make_unique<Made>();
   const FieldStore fields(scene, options);
   StageClock ignored;
-  const FieldStore::Place place =
-      fields.around(shot.worldFromSensor.front().translation, shot.beams->maxRange, ignored);
-  const ShotFrame frame = frameOf(shot, place.world->origin);
+  const SensorField around = fields.around(shot.worldFromSensor.front().translation, shot.beams->maxRange, ignored);
+  const ShotFrame frame = frameOf(shot, around.world->origin);
   made->hits.reset(shot.beams->rings, shot.beams->columns, Channels::all());
-  const auto marcher = makeGlMarcher(limits);
-  EXPECT_FALSE(marcher->device().empty());
-  marcher->march(place.field, place.world, options.steps,
-                 {&shot, &frame, place.box, farthest(*shot.beams), place.whole}, made->hits, made->undecided,
-                 made->clock);
+  GlMarcher marcher(limits);
+  EXPECT_FALSE(marcher.device().empty());
+  marcher.march({shot, frame, around, options.steps}, made->hits, made->undecided, made->clock);
   return made;
 }
 
@@ -98,7 +95,8 @@ TEST(ParticlesOnADevice, SlicesDoNotMatter) {
     }
   }
   EXPECT_THAT(messageOf<Error>([&] {
-                madeOf(scene, shotAt(spinning(1000, 1000, -20, 20)), smallOptions(None), {.tableBytes = 30'000'000});
+                madeOf(scene, shotAt(spinning(1000, 1000, -20, 20)), smallOptions(None),
+                       {.device = {.bufferBytes = 30'000'000}});
               }),
               testing::HasSubstr("the sensor has too many beams for a buffer"));
 }

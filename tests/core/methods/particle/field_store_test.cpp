@@ -34,7 +34,7 @@ ParticleOptions smallField() {
 constexpr double kRange = 20;  // m
 
 // Returns the nearest triangles to places around the sensor.
-std::vector<std::uint32_t> trianglesAt(const FieldStore::Place& place) {
+std::vector<std::uint32_t> trianglesAt(const SensorField& place) {
   std::vector<std::uint32_t> triangles;
   for (int i = 0; i < 500; ++i) {
     const double angle = 0.7 * i;
@@ -58,7 +58,7 @@ TEST(FieldStore, DrivesDoNotDisturbEachOther) {
   for (int step = 0; step < kSteps; ++step) {
     for (std::size_t drive = 0; drive < 2; ++drive) {
       const Vec3d sensor{(drive == 0 ? -200.0 : 150.0) + step, 0, 0.5};
-      const FieldStore::Place place = store.around(sensor, kRange, clock);
+      const SensorField place = store.around(sensor, kRange, clock);
       EXPECT_EQ(trianglesAt(place), trianglesAt(FieldStore(scene, smallField()).around(sensor, kRange, clock)));
       if (last[drive] != nullptr && place.field->pool == last[drive]->pool) ++kept;
       last[drive] = place.field;

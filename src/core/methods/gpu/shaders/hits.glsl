@@ -3,30 +3,7 @@
 // rays.glsl; 4 (hit records) and 6 (particles) are the buffers 1 and 0 of march.glsl; 5 and the tables 0 to 3 are those
 // of resolver.glsl.
 
-// The block has the layout of HitsBlock in gl_marcher.cpp.
-layout(std140, binding = 0) uniform Parameters {
-  double nearest, farthest;  // range limits of the sensor (m)
-  uint channels, rays;
-  uint rings, columns;
-  uint first;          // index of the slice's first particle, counted shot after shot
-  uint count;          // number of particles in the slice
-  uint withOrigins;
-  uint shotParticles, shotRays, shotPoses;
-  uint firstAlpha;     // triangles from this index on are alpha-tested
-  uint whole;          // 1: the box contains the complete scene
-  uint last;           // 1: the CPU continues the particles that pass one more hole
-  int lastLevel;
-  float reach;         // FieldShape::reach
-  float metres;        // voxel size of level 0 (m), like `voxel`, in float32
-  double voxel;        // voxel size of level 0 (m)
-  double ends;         // length of the particles' paths (m)
-  dvec4 low, high;     // corners of the box in which particles march (m)
-  dvec4 centre;        // x, y, z: the field's centre (m); w: voxels of level 0 per metre
-  double trust;        // kTrust of methods/world/resolve.h
-  double aside, layer, alike;  // kAside, kLayer and kAlike of march_rule.h
-};
-
-#include "rays.glsl"
+#include "particles.glsl"
 #include "resolver.glsl"
 
 layout(std430, binding = 4) restrict buffer HitRecords { uint records[]; };
@@ -76,15 +53,9 @@ bool resolve(uint i, uint ray, uint word, dvec3 o, dvec3 d);
 void invoke(uint i) {
   uint word = records[2u * count + i];
   if ((word & kDone) != 0u) return;
-  uint shot = (first + i) / shotParticles;
-  uint particle = (first + i) % shotParticles;
-  uint tile = particle / kTogether;
-  uint column = tile / rings * kTogether + particle % kTogether;
-  if (column >= columns) return;
-  uint ofShot = tile % rings * columns + column;
-  uint ray = shot * shotRays + ofShot;
+  uint ray;
   dvec3 o, d;
-  rayOf(ofShot, column, shot * shotPoses, withOrigins != 0u, o, d);
+  if (!particleRay(i, ray, o, d)) return;
   if (particles[6u * count + i] == kLeftOut) {
     leave(ray, kOpen);
   } else if ((word & 3u) == kHit) {

@@ -1,20 +1,8 @@
-// Creates the particles of ParticleLaunch. Does the same as launch() (methods/particle/march_job.cpp), in the same
+// Creates the particles of MarchJob. Does the same as launch() (methods/particle/march_job.cpp), in the same
 // order, in double. Storage buffers: 0 to 3 those of rays.glsl, 4 particles (float columns, in the order of Particles).
 
-#include "rays.glsl"
+#include "particles.glsl"
 
-// The same members as the struct LaunchBlock in gl_marcher.cpp.
-layout(std140, binding = 0) uniform LaunchParameters {
-  dvec4 low, high;    // corners of the box in which particles march (m)
-  dvec4 centre;       // x, y, z: the field's centre (m); w: voxels of level 0 per metre
-  double farthest;    // length of the particles' paths (m)
-  uint rings, columns;
-  uint first;         // index of the slice's first particle, counted shot after shot
-  uint count;         // number of particles in the slice
-  uint withOrigins;
-  uint shotParticles;
-  uint shotPoses;
-};
 layout(std430, binding = 4) writeonly restrict buffer Particles { float particles[]; };
 
 // Stores a number for which the device and the processor compute the same bits.
@@ -36,16 +24,11 @@ double inverseOf(double component) {
 }
 
 void invoke(uint i) {
-  uint shot = (first + i) / shotParticles;
-  uint particle = (first + i) % shotParticles;
-  uint tile = particle / kTogether;
-  uint column = tile / rings * kTogether + particle % kTogether;
-  bool there = column < columns;
-  column = min(column, columns - 1u);
+  uint ray;
   dvec3 o, d;
-  rayOf(tile % rings * columns + column, column, shot * shotPoses, withOrigins != 0u, o, d);
+  bool there = particleRay(i, ray, o, d);
   precise double begin = 0.0LF;
-  precise double end = there ? farthest : 0.0LF;
+  precise double end = there ? ends : 0.0LF;
   for (int k = 0; k < 3; ++k) {
     precise double inverse = inverseOf(d[k]);
     precise double a = (low[k] - o[k]) * inverse;

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+#include "base/vec.h"
+#include "methods/field/distance_field.h"
+#include "methods/world/resolve.h"
+#include "methods/world/world.h"
+#include "sensors/shot.h"
+
+namespace scanmill {
+
+// The field around a sensor.
+struct SensorField {
+  std::shared_ptr<const World> world;  // the world of which the field was built
+  std::shared_ptr<const DistanceField> field;
+  Box box;             // m, relative to the world's origin: particles march only inside of the box
+  bool whole = false;  // true if the box contains the complete scene
+};
+
+// A shot and the field through which its particles march. A device has the particles in this order: 16 columns of the
+// first ring, the same 16 columns of each further ring, then the next 16 columns. If the columns are not a multiple of
+// 16, the surplus particles of the last group do not march.
+struct MarchJob {
+  static constexpr std::uint32_t kTogether = 16;  // number of columns in a group
+  const Shot& shot;
+  const ShotFrame& frame;  // the shot's poses, relative to the world's origin
+  const SensorField& around;
+  std::uint32_t steps;  // largest number of steps of a particle
+
+  const DistanceField& field() const { return *around.field; }
+  const TriangleBlock& triangles() const { return around.world->baked; }
+  // Returns the length of particles' paths (m): slightly more than the sensor's maximum range, so that float32 rounding
+  // does not decide about hits at exactly the maximum.
+  double farthest() const { return shot.beams->maxRange * (1 + 1e-4) + 1e-3; }
+  // Returns the number of particles.
+  std::size_t size() const {
+    return std::size_t{shot.beams->rings} * ((shot.beams->columns + kTogether - 1) / kTogether) * kTogether;
+  }
+};
+
+}  // namespace scanmill
