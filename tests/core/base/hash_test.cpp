@@ -29,14 +29,6 @@ TEST(Xxh3, GivesWhatOtherProgramsGive) {
   EXPECT_NE(xxh3(std::string(5000, 'x')), xxh3(std::string(4999, 'x') + "y"));
 }
 
-TEST(Sha256, MovesWithItsState) {
-  Sha256 first;
-  first.add("ab");
-  Sha256 second = std::move(first);
-  second.add("c");
-  EXPECT_EQ(second.hex(), sha256("abc"));
-}
-
 TEST(Base64, IsAsItsStandardSays) {  // RFC 4648, section 10
   EXPECT_EQ(base64(""), "");
   EXPECT_EQ(base64("f"), "Zg==");

@@ -1,7 +1,5 @@
 #include "base/random.h"
 
-#include <bit>
-
 namespace scanmill {
 namespace {
 
@@ -50,52 +48,11 @@ TEST(RandomBlock, NoTwoAddressesShareACounter) {
   EXPECT_EQ(blocks.size(), addresses);
 }
 
-TEST(RandomBlock, OneBitOfTheAddressTurnsHalfTheBits) {
-  double turned = 0;
-  constexpr std::uint32_t kBeams = 2000;
-  for (std::uint32_t beam = 0; beam < kBeams; ++beam) {
-    const RandomBlock a = randomBlock({.seed = 3, .beam = beam});
-    const RandomBlock b = randomBlock({.seed = 3, .beam = beam ^ (1u << (beam % 32))});
-    for (std::size_t k = 0; k < 4; ++k) turned += std::popcount(a[k] ^ b[k]);
-  }
-  // Binomial with n = 256,000, p = 1/2: standard deviation 253.
-  EXPECT_NEAR(turned, kBeams * 64.0, 5 * 253.0);
-}
-
 TEST(Uniform, StaysInsideTheOpenInterval) {
   EXPECT_GT(uniform(0), 0.0);
   EXPECT_LT(uniform(kOnes), 1.0);
   EXPECT_TRUE(std::isfinite(std::log(uniform(0))));
   EXPECT_EQ(uniform(0x7FFFFFFF) + uniform(0x80000000), 1.0);
-}
-
-TEST(Uniform, HasTheMomentsOfTheUniformLaw) {
-  constexpr std::uint32_t kBlocks = 100'000;
-  constexpr double kCount = 4.0 * kBlocks;
-  constexpr std::size_t kBins = 64;
-  double mean = 0;
-  double second = 0;
-  double neighbours = 0;
-  std::vector<double> bins(kBins);
-  for (std::uint32_t beam = 0; beam < kBlocks; ++beam) {
-    const RandomBlock block = randomBlock({.seed = 42, .beam = beam});
-    for (const std::uint32_t bits : block) {
-      const double u = uniform(bits);
-      mean += u / kCount;
-      second += (u - 0.5) * (u - 0.5) / kCount;
-      bins[static_cast<std::size_t>(u * kBins)] += 1;
-    }
-    const RandomBlock next = randomBlock({.seed = 42, .beam = beam + 1});
-    neighbours += (uniform(block[0]) - 0.5) * (uniform(next[0]) - 0.5) / kBlocks;
-  }
-  // Five standard errors each: Var u = 1/12, Var (u - 1/2)^2 = 1/180, Var of the product = 1/144.
-  EXPECT_NEAR(mean, 0.5, 5 * std::sqrt(1 / 12.0 / kCount));
-  EXPECT_NEAR(second, 1 / 12.0, 5 * std::sqrt(1 / 180.0 / kCount));
-  EXPECT_NEAR(neighbours, 0, 5 * std::sqrt(1 / 144.0 / kBlocks));
-  double chiSquare = 0;
-  for (const double n : bins) chiSquare += (n - kCount / kBins) * (n - kCount / kBins) / (kCount / kBins);
-  // 63 degrees of freedom: mean 63, standard deviation sqrt(126).
-  EXPECT_NEAR(chiSquare, 63, 5 * std::sqrt(126.0));
 }
 
 }  // namespace

@@ -34,18 +34,6 @@ TEST(Hits, RowsAreInTheOrderOfTheBits) {
   }
 }
 
-TEST(Hits, ResetFollowsTheNewShape) {
-  Hits hits;
-  hits.reset(64, 2048, Channels::all());
-  for (const std::size_t n : sizes(hits)) EXPECT_EQ(n, 64u * 2048u);
-  hits.reset(1, 1, Channel::Semantic);
-  for (std::size_t i = 0; i < kCount; ++i) EXPECT_EQ(sizes(hits)[i], i == 0 || i == 3 ? 1u : 0u) << i;
-  hits.reset(0, 0, Channels::all());
-  EXPECT_EQ(hits.size(), 0u);
-  hits.reset(2048, 2048, Channel::Range);
-  EXPECT_EQ(hits.range.size(), 4'194'304u);
-}
-
 TEST(Hits, WhatIsNotAskedForDoesNotOutliveAReset) {
   Hits hits;
   hits.roughness = hits.metallic = hits.retroreflectance = {0.5f};

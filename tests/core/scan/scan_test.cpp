@@ -38,14 +38,6 @@ TEST(Scan, NamesTheColumnsItHolds) {
   scan[kTime].resize(2);
   scan[kLabel].resize(2);
   EXPECT_THAT(columnNames(scan), ElementsAre("x", "y", "z", "label", "time"));
-  scan[kIntensity].resize(2);
-  scan[kInstance].resize(2);
-  scan[kRing].resize(2);
-  scan[kColumn].resize(2);
-  scan[kRangeTrue].resize(2);
-  scan[kIncidence].resize(2);
-  EXPECT_THAT(columnNames(scan), ElementsAre("x", "y", "z", "intensity", "label", "instance", "ring", "column", "time",
-                                             "range_true", "incidence"));
 }
 
 }  // namespace

@@ -55,12 +55,6 @@ TEST(DropOut, OnlyThingsAreLostWhereItSaysSo) {
   }
 }
 
-TEST(DropOut, CertaintiesAreExact) {
-  const World world = makeRaggedWorld(16, 100);
-  EXPECT_EQ(run(world, {"dropout: {probability: 0}"}).range, world.hits.range);
-  EXPECT_EQ(lost(run(world, {"dropout: {probability: 1}"})), world.hits.size());
-}
-
 TEST(DropOut, LossesGrowWithTheProbabilityBeamByBeam) {
   const World world = makeRaggedWorld(16, 100);
   const Returns few = run(world, {"dropout: {probability: 0.2}"});

@@ -59,21 +59,6 @@ TEST(RangeNoise, MissesStayMisses) {
   }
 }
 
-TEST(RangeNoise, DependsOnTheAddressAlone) {
-  // The same beam index in a sensor with other neighbours, and with all other beams missing.
-  const World full = makeWorld(16, 400, 30);
-  World single = full;
-  for (std::size_t b = 0; b < single.hits.size(); ++b) {
-    if (b != 3333) miss(single, b);
-  }
-  const std::vector<std::string> noise{"range_noise: {sigma_m: 0.05}"};
-  EXPECT_EQ(run(full, noise).range[3333], run(single, noise).range[3333]);
-  EXPECT_EQ(run(full, noise).range, run(full, noise).range);
-  World later = full;
-  later.shot.frame = 1;
-  EXPECT_NE(run(full, noise).range, run(later, noise).range);
-}
-
 // Part of the data format: other machines, compilers and versions must give these very bits.
 TEST(RangeNoise, GivesTheSameBitsOnEveryMachine) {
   const World world = makeWorld(1, 4, 30);

@@ -33,12 +33,6 @@ std::vector<Vec3d> inEachCube(const Vec3d& at) {
   return points;
 }
 
-double correlation(const std::vector<double>& a, const std::vector<double>& b) {
-  double sum = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
-  return sum / static_cast<double>(a.size());
-}
-
 TEST(SpatialNoise, HasVarianceOneAtEveryPlaceOfACube) {
   for (const Vec3d& at : {Vec3d{0, 0, 0}, Vec3d{0.5, 0.5, 0.5}, Vec3d{-7.9, 3.2, 0.7}, Vec3d{0.5, 0, 0}}) {
     const Moments m = momentsOf(fieldAt(inEachCube(at)));
