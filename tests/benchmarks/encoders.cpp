@@ -147,17 +147,11 @@ void decode(benchmark::State& state, const std::string& name, const std::string&
   report(state, scan, bytes.size(), largestError(scan, read));
 }
 
-void bareDraco(benchmark::State& state, const BareDraco& options, bool firingOrder) {
+void bareDraco(benchmark::State& state, bool firingOrder) {
   const Scan& scan = street(firingOrder);
   std::string bytes;
-  for (auto _ : state) bytes = bareDracoBytes(scan, options);
-  // The error can be told point by point where order and number are kept.
-  const bool ordered = options.method == draco::POINT_CLOUD_SEQUENTIAL_ENCODING && !options.deduplicate;
-  Scan read = makeFormat("draco", "{}")->decode(bytes, "bare");
-  if (options.integers) {
-    for (Vec3f& p : read.position) p = Vec3f(Vec3d(p) * kBareDracoStep);
-  }
-  report(state, scan, bytes.size(), ordered ? largestError(scan, read) : NAN);
+  for (auto _ : state) bytes = bareDracoBytes(scan);
+  report(state, scan, bytes.size(), largestError(scan, makeFormat("draco", "{}")->decode(bytes, "bare")));
 }
 
 pcl::PCLPointCloud2 asPclCloud(const Scan& scan) {
@@ -216,12 +210,7 @@ void registerAll() {
     add("encode/pcd binary", encode, "pcd", "encoding: binary");
     add("encode/pcd ascii", encode, "pcd", "encoding: ascii");
     add("encode/csv", encode, "csv", "{}");
-    add("bare/draco 1 mm narrow", bareDraco, BareDraco{});
-    add("bare/draco 1 mm integer positions", bareDraco, BareDraco{.integers = true});
-    add("bare/draco 1 mm no entropy coding", bareDraco, BareDraco{.entropy = false});
-    add("bare/draco 1 mm kd-tree", bareDraco, BareDraco{.method = draco::POINT_CLOUD_KD_TREE_ENCODING});
-    add("bare/draco 1 mm u32 and time", bareDraco, BareDraco{.narrow = false});
-    add("bare/draco 1 mm deduplicated", bareDraco, BareDraco{.deduplicate = true});
+    add("bare/draco 1 mm", bareDraco);
     add("bare/pcl binary_compressed", pclCompressed);
     add("bare/pcl binary to a file", pclBinary);
     add("decode/draco 1 mm", decode, "draco", "{}");

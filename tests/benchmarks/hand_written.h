@@ -138,7 +138,7 @@ class HandWritten {
     } else if (format == HandWrittenFormat::CompressedPcd) {
       pcl::PCDWriter().writeBinaryCompressed(out, pclCloud(rows));
     } else {
-      const std::string bytes = bareDracoBytes(scanOf(rows), {});
+      const std::string bytes = bareDracoBytes(scanOf(rows));
       out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     }
   }
