@@ -18,12 +18,7 @@ std::vector<const Polygon*> ringsOf(const MapArea& area) {
 }  // namespace
 
 void Areas::add(MapArea area) {
-  Point2 low{1e9, 1e9};
-  Point2 high{-1e9, -1e9};
-  for (const Point2& p : area.outline) {
-    low = {std::min(low.x, p.x), std::min(low.y, p.y)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y)};
-  }
+  const auto [low, high] = extentOf(area.outline);
   // Coordinates are clamped to 2 km, which no town exceeds, to bound the number of cells.
   const auto limited = [](double v) { return std::clamp(v, -2000.0, 2000.0); };
   cells_.add({limited(low.x - kReach), limited(low.y - kReach)}, {limited(high.x + kReach), limited(high.y + kReach)},

@@ -9,6 +9,15 @@ double distance(const Point2& a, const Point2& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
 }
 
+Extent extentOf(const std::vector<Point2>& points) {
+  Extent extent{points.front(), points.front()};
+  for (const Point2& p : points) {
+    extent.low = {std::min(extent.low.x, p.x), std::min(extent.low.y, p.y)};
+    extent.high = {std::max(extent.high.x, p.x), std::max(extent.high.y, p.y)};
+  }
+  return extent;
+}
+
 double lengthOf(const Line& line) {
   double length = 0;
   for (std::size_t i = 1; i < line.size(); ++i) length += distance(line[i - 1], line[i]);

@@ -14,6 +14,12 @@ using Polygon = std::vector<Point2>;  // counter-clockwise; the first point is n
 
 double distance(const Point2& a, const Point2& b);
 
+// The bounding box of points.
+struct Extent {
+  Point2 low, high;
+};
+Extent extentOf(const std::vector<Point2>& points);
+
 double lengthOf(const Line& line);
 Point2 pointAt(const Line& line, double along);  // returns the line's end if `along` exceeds its length
 

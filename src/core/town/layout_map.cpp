@@ -82,7 +82,7 @@ Layout::Layout(const Parameters& keys, std::uint64_t townSeed, const MapPlace& m
       barriers(map.barriers),
       trees(map.trees),
       halfSide(reachOf(keys)) {
-  const std::string& road = map.roads.front().road.name;
+  const std::string& road = map.roads.front().name;
   about = fmt::format("{}; {} at {:.6f}, {:.6f}", character.inWords(),
                       road.empty() ? "a road without a name" : quotedForMessage(road), map.origin.latitude,
                       map.origin.longitude);
@@ -134,18 +134,17 @@ void Layout::takeRoads(const MapPlace& map) {
   mainTo = map.mainTo;
   std::vector<Road> roads;
   RoadNetwork wide;
-  for (const MapPlace::PlacedRoad& placed : map.roads) {
+  for (const MapRoad& placed : map.roads) {
     Road road;
-    road.line = placed.road.line;
-    road.section =
-        sectionOf(placed.road, character, Draw(seed, Kind::MapRoad, static_cast<std::uint32_t>(roads.size())));
+    road.line = placed.line;
+    road.section = sectionOf(placed, character, Draw(seed, Kind::MapRoad, static_cast<std::uint32_t>(roads.size())));
     road.main = roads.empty();
-    road.minor = placed.road.kind >= RoadClass::Service;
-    road.ring = placed.road.ring;
+    road.minor = placed.kind >= RoadClass::Service;
+    road.ring = placed.ring;
     road.joins = placed.joins;
     road.joinsLeft = placed.joinsLeft;
-    road.against = !placed.road.oneWay || placed.road.against;
-    road.along = !placed.road.oneWay || !placed.road.against;
+    road.against = !placed.oneWay || placed.against;
+    road.along = !placed.oneWay || !placed.against;
     wide.add(road);
     roads.push_back(std::move(road));
   }

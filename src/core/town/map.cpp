@@ -120,31 +120,32 @@ const std::initializer_list<std::string_view> kNotParked = {"no",          "none
 const std::initializer_list<std::string_view> kPaved = {"both", "left", "right", "yes", "separate"};
 const std::initializer_list<std::string_view> kNotPaved = {"no", "none"};
 
-MapRoad roadOf(const OsmWay& way, RoadClass kind, const TangentPlane& plane, TagNumbers& numbers) {
+MapRoad roadOf(const OsmTags& tags, const std::vector<OsmNode>& nodes, RoadClass kind, const TangentPlane& plane,
+               TagNumbers& numbers) {
   constexpr double kLane = 3.1;                   // m, width of a lane if the map gives only the number of lanes
   constexpr double kNarrowest = 2, kWidest = 24;  // m; other widths are taken as errors of the map
   MapRoad road;
   road.kind = kind;
-  road.name = way.tags["name"];
-  for (const OsmNode& n : way.nodes) {
+  road.name = tags["name"];
+  for (const OsmNode& n : nodes) {
     const Point2 p = plane(n);
     if (!road.line.empty() && distance(p, road.line.back()) < 0.1) continue;
     road.line.push_back(p);
     road.nodes.push_back(n.id);
   }
-  road.ring = isOneOf(way.tags["junction"], {"roundabout", "circular"});
-  const std::string& oneWay = way.tags["oneway"];
+  road.ring = isOneOf(tags["junction"], {"roundabout", "circular"});
+  const std::string& oneWay = tags["oneway"];
   road.oneWay =
-      road.ring || isOneOf(oneWay, {"yes", "true", "1", "-1"}) || (way.tags["highway"] == "motorway" && oneWay != "no");
+      road.ring || isOneOf(oneWay, {"yes", "true", "1", "-1"}) || (tags["highway"] == "motorway" && oneWay != "no");
   if (oneWay == "-1") {
     std::reverse(road.line.begin(), road.line.end());
     std::reverse(road.nodes.begin(), road.nodes.end());
   }
-  road.sidewalk = saidOf(way.tags, {"sidewalk", "sidewalk:both", "sidewalk:left", "sidewalk:right"}, kPaved, kNotPaved);
-  road.parking = saidOf(way.tags, kParkingKeys, kParked, kNotParked);
-  const char* const width = way.tags["width"].empty() ? "est_width" : "width";
-  road.width = numbers.read(way.tags, width, metresOf, kNarrowest, kWidest);
-  if (const auto lanes = numbers.read(way.tags, "lanes", numberOf, 1, kWidest / kLane); lanes && !road.width) {
+  road.sidewalk = saidOf(tags, {"sidewalk", "sidewalk:both", "sidewalk:left", "sidewalk:right"}, kPaved, kNotPaved);
+  road.parking = saidOf(tags, kParkingKeys, kParked, kNotParked);
+  const char* const width = tags["width"].empty() ? "est_width" : "width";
+  road.width = numbers.read(tags, width, metresOf, kNarrowest, kWidest);
+  if (const auto lanes = numbers.read(tags, "lanes", numberOf, 1, kWidest / kLane); lanes && !road.width) {
     road.width = kLane * *lanes;
   }
   return road;
@@ -223,11 +224,13 @@ TangentPlane planeAbout(const OsmExtract& extract, bool mirrored, Map& map) {
   double south = 90, north = -90, west = 180, east = -180;
   for (const OsmWay& way : extract.ways) {
     if (!classOf(way.tags)) continue;
-    for (const OsmNode& n : way.nodes) {
-      south = std::min(south, n.latitude);
-      north = std::max(north, n.latitude);
-      west = std::min(west, n.longitude);
-      east = std::max(east, n.longitude);
+    for (const std::vector<OsmNode>& nodes : way.runs) {
+      for (const OsmNode& n : nodes) {
+        south = std::min(south, n.latitude);
+        north = std::max(north, n.latitude);
+        west = std::min(west, n.longitude);
+        east = std::max(east, n.longitude);
+      }
     }
   }
   map.latitude = (south + north) / 2;
@@ -269,11 +272,7 @@ class MapMaker {
 
   Map make() {
     for (const auto& [what, count] : extract_.leftOut) map_.leftOut.add(what, count);
-    std::string last;
-    for (const OsmWay& way : extract_.ways) {
-      addWay(way, way.tags.element != last);
-      last = way.tags.element;
-    }
+    for (const OsmWay& way : extract_.ways) addWay(way);
     map_.roads = joinRoads(roads_);
     for (const OsmArea& area : extract_.areas) addArea(area);
     joinParts(map_.buildings, std::move(parts_), map_.leftOut);
@@ -283,43 +282,36 @@ class MapMaker {
   }
 
  private:
-  // `first`: the way is the first of the parts into which missing nodes divide it.
-  void addWay(const OsmWay& way, bool first) {
+  void addWay(const OsmWay& way) {
     const OsmTags& tags = way.tags;
     if (isAbsent(tags) || (isHighwayArea(tags) && way.area)) return;
     const std::optional<RoadClass> kind = classOf(tags);
     const std::optional<models::Fencing> fencing = fencingOf(tags["barrier"]);
     if (!kind && !fencing && isPath(tags) && isSidewalk(tags)) return;
     const char* const what = kind ? "roads" : fencing ? "fences, hedges and walls" : isPath(tags) ? "paths" : nullptr;
-    if (what == nullptr) {
-      if (first) leaveOut(tags, false);
-      return;
-    }
-    if (!onGround(tags)) {
-      if (first) map_.leftOut.add(fmt::format("{} {}", what, kOffGround));
-      return;
-    }
-    if (const std::string& railway = tags["railway"]; first && !railway.empty()) {
+    if (what == nullptr) return leaveOut(tags, false);
+    if (!onGround(tags)) return map_.leftOut.add(fmt::format("{} {}", what, kOffGround));
+    if (const std::string& railway = tags["railway"]; !railway.empty()) {
       leaveOut({tags.element, {{"railway", railway}}}, false);
     }
-    if (first && (kind || !fencing) && !hasSurface(tags, {"asphalt", "paved", "concrete"})) {
-      map_.leftOut.add(kSurfaces);
-    }
+    if ((kind || !fencing) && !hasSurface(tags, {"asphalt", "paved", "concrete"})) map_.leftOut.add(kSurfaces);
     if (way.incomplete) map_.leftOut.add(fmt::format("{} with missing nodes, which are built in part", what));
-    if (kind) {
-      if (first) countDifferences(tags);
-      MapRoad road = roadOf(way, *kind, plane_, numbers_);
-      if (road.line.size() > 1) roads_.push_back(std::move(road));
-      return;
-    }
-    std::vector<Point2> line;
-    for (const OsmNode& n : way.nodes) line.push_back(plane_(n));
-    if (line.size() < 2) return;
-    if (fencing) {
-      if (first && way.area && tags["area"] == "yes") map_.leftOut.add(kHollow);
-      map_.barriers.push_back({*fencing, std::move(line), barrierHeight(tags)});
-    } else {
-      map_.paths.push_back({std::move(line), numbers_.read(tags, "width", metresOf, 0.3, 24)});
+    if (kind) countDifferences(tags);
+    if (!kind && fencing && way.area && tags["area"] == "yes") map_.leftOut.add(kHollow);
+    for (const std::vector<OsmNode>& nodes : way.runs) {
+      if (kind) {
+        MapRoad road = roadOf(tags, nodes, *kind, plane_, numbers_);
+        if (road.line.size() > 1) roads_.push_back(std::move(road));
+        continue;
+      }
+      std::vector<Point2> line;
+      for (const OsmNode& n : nodes) line.push_back(plane_(n));
+      if (line.size() < 2) continue;
+      if (fencing) {
+        map_.barriers.push_back({*fencing, std::move(line), barrierHeight(tags)});
+      } else {
+        map_.paths.push_back({std::move(line), numbers_.read(tags, "width", metresOf, 0.3, 24)});
+      }
     }
   }
 
@@ -410,20 +402,18 @@ class MapMaker {
     return isOpen(tags["building"]) || (tags["building"].empty() && isOpen(tags["building:part"]) && !hangs);
   }
 
-  // Counts what the map says of the look of a building, and of its state.
+  // Counts a building whose look or state the map gives.
   void countLooks(const OsmTags& tags) {
     constexpr const char* kStates[] = {"abandoned", "ruins", "collapsed", "construction"};
     constexpr const char* kLooks[] = {"building:material", "building:colour", "roof:material", "roof:colour"};
-    if (std::any_of(std::begin(kLooks), std::end(kLooks), [&](const char* key) { return !tags[key].empty(); })) {
-      map_.leftOut.add("buildings with materials or colours, which the seed draws");
-    }
-    if (std::any_of(std::begin(kStates), std::end(kStates),
-                    [&](const char* key) { return tags[key] == "yes" || tags["building"] == key; })) {
-      map_.leftOut.add("ruins and unfinished, collapsed and abandoned buildings, which are built as if whole");
+    if (std::ranges::any_of(kLooks, [&](const char* key) { return !tags[key].empty(); }) ||
+        std::ranges::any_of(kStates, [&](const char* key) { return tags[key] == "yes" || tags["building"] == key; })) {
+      map_.leftOut.add("buildings with materials, colours or a state, such as ruins, which the seed draws as if whole");
     }
   }
 
-  // Counts sides of a road that the town has otherwise than the map.
+  // Counts a road beside which the town has something else than the map: both sides of its roads are alike, cars stand
+  // along them, and they have neither cycleways nor embankments.
   void countDifferences(const OsmTags& tags) {
     const auto isAnyOf = [&](std::initializer_list<const char*> keys, std::initializer_list<std::string_view> values) {
       return std::any_of(keys.begin(), keys.end(), [&](const char* key) { return isOneOf(tags[key], values); });
@@ -431,29 +421,24 @@ class MapMaker {
     const auto differ = [&](const char* left, const char* right, std::initializer_list<std::string_view> yes) {
       return isOneOf(tags[left], yes) != isOneOf(tags[right], yes);
     };
-    if (isOneOf(tags["sidewalk"], {"left", "right"}) ||
+    const bool oneSided =
+        isOneOf(tags["sidewalk"], {"left", "right"}) ||
         (!isAnyOf({"sidewalk", "sidewalk:both"}, kPaved) && differ("sidewalk:left", "sidewalk:right", kPaved)) ||
         (!isAnyOf({"parking:both", "parking:lane:both"}, kParked) &&
          (differ("parking:left", "parking:right", kParked) ||
-          differ("parking:lane:left", "parking:lane:right", kParked)))) {
-      map_.leftOut.add("sidewalks and parking lanes on one side, which are on both");
-    }
-    for (const auto& [key, value] : tags.pairs) {
-      if (key.starts_with("parking:") && isOneOf(value, {"perpendicular", "diagonal"})) {
-        map_.leftOut.add("lanes of perpendicular and diagonal parking, where cars stand along the road");
-      } else if (isOneOf(key, kParkingKeys) && !isOneOf(value, kParked) && !isOneOf(value, kNotParked)) {
-        map_.leftOut.add("parking lanes with an unknown value, which the seed draws");
-      }
-    }
-    if (isAnyOf({"cycleway", "cycleway:left", "cycleway:right", "cycleway:both"},
+          differ("parking:lane:left", "parking:lane:right", kParked)));
+    const bool parked = std::ranges::any_of(tags.pairs, [](const auto& tag) {
+      const auto& [key, value] = tag;
+      return (key.starts_with("parking:") && isOneOf(value, {"perpendicular", "diagonal"})) ||
+             (isOneOf(key, kParkingKeys) && !isOneOf(value, kParked) && !isOneOf(value, kNotParked));
+    });
+    if (oneSided || parked || isAnyOf({"embankment", "cutting"}, {"yes", "left", "right", "both"}) ||
+        isAnyOf({"cycleway", "cycleway:left", "cycleway:right", "cycleway:both"},
                 {"track", "lane", "opposite_track", "opposite_lane"})) {
-      map_.leftOut.add("cycleways and cycle lanes beside roads");
+      map_.leftOut.add("roads with sidewalks, parking, cycleways or embankments that differ from the town's");
     }
     if (tags["driving_side"] == (plane_.mirrored() ? "right" : "left")) {
       map_.leftOut.add("roads on which traffic keeps to the other side than in the town");
-    }
-    if (isAnyOf({"embankment", "cutting"}, {"yes", "left", "right", "both"})) {
-      map_.leftOut.add("embankments and cuttings of roads");
     }
   }
 
@@ -589,15 +574,6 @@ Map readMap(const std::filesystem::path& file, bool mirrored, const Location& wh
   }
   checkDensity(map);
   map.leftOut.tell(file.string());
-  double reach = 0;
-  for (const MapRoad& road : map.roads) reach = std::max(reach, std::hypot(road.line[0].x, road.line[0].y));
-  constexpr double kFarthest = 5e5;  // m; lengths there are 0.3 % too short
-  if (reach > kFarthest) {
-    warn(
-        fmt::format("{}: roads are up to {:.0f} km from their middle, where lengths are too short in the plane of the "
-                    "scene: cut a district out, for example with `osmium extract`",
-                    file.string(), reach / 1000));
-  }
   return map;
 }
 

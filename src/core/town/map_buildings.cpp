@@ -226,7 +226,7 @@ class OwnerFinder {
  public:
   explicit OwnerFinder(const std::vector<MapBuilding>& buildings) : buildings_(buildings) {
     for (std::size_t i = 0; i < buildings.size(); ++i) {
-      extents_.push_back(extentOf(buildings[i]));
+      extents_.push_back(extentOf(buildings[i].outline));
       byWest_.emplace_back(extents_[i].low.x, i);
       widest_ = std::max(widest_, extents_[i].high.x - extents_[i].low.x);
       if (buildings[i].relation != 0) byRelation_[buildings[i].relation].push_back(i);
@@ -250,7 +250,7 @@ class OwnerFinder {
       for (const std::size_t i : related->second) consider(i, 0);
       return owner;
     }
-    const Extent extent = extentOf(part);
+    const Extent extent = extentOf(part.outline);
     for (auto at = std::lower_bound(byWest_.begin(), byWest_.end(), std::pair(extent.low.x - widest_, std::size_t{0}));
          at != byWest_.end() && at->first < extent.high.x; ++at) {
       const Extent& other = extents_[at->second];
@@ -261,19 +261,6 @@ class OwnerFinder {
   }
 
  private:
-  struct Extent {
-    Point2 low, high;
-  };
-
-  static Extent extentOf(const MapBuilding& b) {
-    Extent extent{b.outline.front(), b.outline.front()};
-    for (const Point2& p : b.outline) {
-      extent.low = {std::min(extent.low.x, p.x), std::min(extent.low.y, p.y)};
-      extent.high = {std::max(extent.high.x, p.x), std::max(extent.high.y, p.y)};
-    }
-    return extent;
-  }
-
   const std::vector<MapBuilding>& buildings_;
   std::vector<Extent> extents_;
   std::vector<std::pair<double, std::size_t>> byWest_;

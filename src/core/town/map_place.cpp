@@ -59,7 +59,7 @@ std::size_t drawRoad(const Map& map, const Parameters& parameters, Draw& draw, c
 // floors.
 District districtAbout(const MapPlace& place) {
   constexpr double kBeside = 40;  // m; buildings up to this distance from the main road are counted
-  const std::vector<Point2>& main = place.roads.front().road.line;
+  const std::vector<Point2>& main = place.roads.front().line;
   double built = 0;
   double floors = 0;
   for (const MapBuilding& b : place.buildings) {
@@ -124,10 +124,8 @@ class Cutter {
   // True if the bounding box of a line, relative to origin_, overlaps the square that is cut out of the map. This is
   // false for most lines of a large map.
   bool mayReach(const std::vector<Point2>& line) const {
-    const auto [left, right] =
-        std::minmax_element(line.begin(), line.end(), [](auto& a, auto& b) { return a.x < b.x; });
-    const auto [low, high] = std::minmax_element(line.begin(), line.end(), [](auto& a, auto& b) { return a.y < b.y; });
-    return left->x < reach_ && right->x > -reach_ && low->y < reach_ && high->y > -reach_;
+    const auto [low, high] = extentOf(line);
+    return low.x < reach_ && high.x > -reach_ && low.y < reach_ && high.y > -reach_;
   }
 
   void addMain(const MapRoad& main, double half) {
@@ -139,19 +137,19 @@ class Cutter {
     });
     // If the main road leaves the square and comes back, each further part becomes another road.
     for (std::vector<Point2>& run : runs) {
-      MapPlace::PlacedRoad placed{main, {}, false};
-      placed.road.nodes.clear();
-      placed.road.line = std::move(run);
+      MapRoad placed = main;
+      placed.nodes.clear();
+      placed.line = std::move(run);
       place_.roads.push_back(std::move(placed));
     }
-    const double length = runs.empty() ? 0 : place_.roads.front().road.length();
+    const double length = runs.empty() ? 0 : place_.roads.front().length();
     if (length < 0.8 * kLeastLength) {
       throw InputError(
           where_, fmt::format("{} in {} is too winding for a main road: only {:.0f} m of it can be smoothed into one",
                               main.name.empty() ? "a road" : quotedForMessage(main.name), map_.file.string(), length));
     }
     for (const std::int64_t node : main.nodes) mainNodes_.insert(node);
-    const double at = nearestOn(place_.roads.front().road.line, {0, 0}).along;
+    const double at = nearestOn(place_.roads.front().line, {0, 0}).along;
     constexpr double kEnd = 8;  // m, least distance between an end of the road and the built-up part
     place_.mainFrom = std::max(kEnd, at - half);
     place_.mainTo = std::min(length - kEnd, at + half);
@@ -191,9 +189,9 @@ class Cutter {
       const bool atMain = joined && first && distance(run.front(), smooth.front()) < 0.01;
       first = false;
       if (run.size() < 3) continue;
-      MapPlace::PlacedRoad placed{piece, {}, false};
+      MapRoad placed = piece;
       if (atMain) {
-        const std::vector<Point2>& main = place_.roads.front().road.line;
+        const std::vector<Point2>& main = place_.roads.front().line;
         const Nearest n = nearestOn(main, run.front());
         const Point2& on = run[std::min<std::size_t>(run.size() - 1, 6)];
         const double x = on.x - run.front().x;
@@ -205,7 +203,7 @@ class Cutter {
           placed.joinsLeft = left > 0;
         }
       }
-      placed.road.line = std::move(run);
+      placed.line = std::move(run);
       place_.roads.push_back(std::move(placed));
     }
   }
@@ -227,13 +225,19 @@ class Cutter {
   }
 
   void addRest() {
-    for (const MapPath& path : map_.paths) {
-      const std::vector<Point2> line = moved(path.line);
-      if (!mayReach(line)) continue;
-      for (std::vector<Point2>& run : runsWithin(smoothLine(line, kRoadStep), reach_)) {
-        if (run.size() > 1) place_.paths.push_back({std::move(run), path.width});
+    const auto addRuns = [&](const auto& all, const auto& divided, auto& placed) {
+      for (const auto& one : all) {
+        const std::vector<Point2> line = moved(one.line);
+        if (!mayReach(line)) continue;
+        for (std::vector<Point2>& run : runsWithin(divided(line, kRoadStep), reach_)) {
+          if (run.size() < 2) continue;
+          placed.push_back(one);
+          placed.back().line = std::move(run);
+        }
       }
-    }
+    };
+    addRuns(map_.paths, smoothLine, place_.paths);
+    addRuns(map_.barriers, denseLine, place_.barriers);
     for (const MapBuilding& b : map_.buildings) {
       MapBuilding kept = moved(b);
       // Buildings that are not completely in the square are left out.
@@ -252,13 +256,6 @@ class Cutter {
         if (cut.size() > 2) kept.holes.push_back(std::move(cut));
       }
       place_.areas.push_back(std::move(kept));
-    }
-    for (const MapBarrier& b : map_.barriers) {
-      const std::vector<Point2> line = moved(b.line);
-      if (!mayReach(line)) continue;
-      for (std::vector<Point2>& run : runsWithin(denseLine(line, kRoadStep), reach_)) {
-        if (run.size() > 1) place_.barriers.push_back({b.kind, std::move(run), b.height});
-      }
     }
     for (MapTree tree : map_.trees) {
       tree.at = moved(tree.at);

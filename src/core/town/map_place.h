@@ -10,14 +10,9 @@
 namespace scanmill::town {
 
 struct MapPlace {
-  struct PlacedRoad {
-    MapRoad road;                 // the road with its line smoothed, in steps of about kRoadStep, and without nodes
-    std::optional<double> joins;  // m along the main road where this road begins; not set: it begins elsewhere
-    bool joinsLeft = false;
-  };
-
-  OsmNode origin;                   // origin of the place's frame, on the main road
-  std::vector<PlacedRoad> roads;    // the main road comes first
+  OsmNode origin;  // origin of the place's frame, on the main road
+  // The main road comes first. Lines are smoothed, in steps of about kRoadStep; roads have no nodes.
+  std::vector<MapRoad> roads;
   std::vector<Point2> joints;       // points where roads meet
   double mainFrom = 0, mainTo = 0;  // m along the main road, the ends of its built-up part
   District district = District::Suburban;

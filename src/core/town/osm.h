@@ -48,12 +48,11 @@ struct OsmPoint {
   OsmTags tags;
 };
 
-// A way, or a part of it: nodes that are missing in the extract divide a way into parts.
 struct OsmWay {
   OsmTags tags;
-  std::vector<OsmNode> nodes;
-  bool area = false;        // true: the way is a closed outline, and its tags may be those of an area
-  bool incomplete = false;  // true for one part of each way with missing nodes, which may have no nodes
+  std::vector<std::vector<OsmNode>> runs;  // successive nodes; nodes that are missing in the extract divide a way
+  bool area = false;                       // true: the way is a closed outline, and its tags may be those of an area
+  bool incomplete = false;                 // true: the extract lacks some of the way's nodes
 };
 
 // A part of a closed way or of a multipolygon relation: one outer ring with its inner rings. The first node of a ring

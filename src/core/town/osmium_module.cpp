@@ -154,21 +154,16 @@ class ExtractReader : public osmium::relations::RelationsManager<ExtractReader, 
     if (!isLine(way) || (area && !road && !way.tags().has_key("barrier"))) return;
     // A piece of the outline of a multipolygon repeats its tags.
     if (!area && isArea(way) && members_.contains(way.id()) && !hasAny(way, kLines)) return;
-    std::vector<OsmWay> parts(1);
+    OsmWay made{tagsOf(way), {}, area};
+    bool begins = true;
     for (const osmium::NodeRef& n : nodes) {
-      if (n.location().valid()) {
-        parts.back().nodes.push_back(nodeOf(n));
-      } else {
-        parts.front().incomplete = true;
-        if (!parts.back().nodes.empty()) parts.emplace_back();
-      }
+      const bool valid = n.location().valid();
+      if (valid && begins) made.runs.emplace_back();
+      if (valid) made.runs.back().push_back(nodeOf(n));
+      made.incomplete |= !valid;
+      begins = !valid;
     }
-    if (parts.size() > 1 && parts.back().nodes.empty()) parts.pop_back();
-    for (OsmWay& part : parts) {
-      part.tags = tagsOf(way);
-      part.area = area;
-      extract_.ways.push_back(std::move(part));
-    }
+    extract_.ways.push_back(std::move(made));
   }
 
  private:

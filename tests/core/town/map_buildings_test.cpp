@@ -33,7 +33,7 @@ std::vector<Point2> rectangle(double west, double south, double east, double nor
 // A road 300 m along x.
 OsmExtract road() {
   OsmExtract extract;
-  extract.ways.push_back({{"way 1", {{"highway", "residential"}}}, {at(-150, 0), at(0, 0), at(150, 0)}});
+  extract.ways.push_back({{"way 1", {{"highway", "residential"}}}, {{at(-150, 0), at(0, 0), at(150, 0)}}});
   return extract;
 }
 
@@ -200,7 +200,8 @@ TEST(MapBuildings, WoodsWithoutTreesAreTold) {
 TEST(MapBuildings, AMainRoadThatABridgeInterruptsIsTold) {
   OsmExtract extract;
   for (const double from : {-200.0, 60.0}) {
-    extract.ways.push_back({{"way 1", {{"highway", "residential"}, {"name", "A"}}}, {at(from, 0), at(from + 140, 0)}});
+    extract.ways.push_back(
+        {{"way 1", {{"highway", "residential"}, {"name", "A"}}}, {{at(from, 0), at(from + 140, 0)}}});
   }
   testing::internal::CaptureStderr();
   (void)layOut(makeMap(extract));

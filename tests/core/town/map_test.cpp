@@ -40,9 +40,9 @@ TEST(Osm, PlacesAreInMetresOnTheEllipsoid) {
     way.tags.pairs = {{"highway", "residential"}};
     const double north = meridian ? kStep : 0;
     const double east = meridian ? 0 : kStep;
-    way.nodes = {{meridian ? 1 : 4, kLatitude - north, 9 - east},
+    way.runs = {{{meridian ? 1 : 4, kLatitude - north, 9 - east},
                  {2, kLatitude, 9},
-                 {meridian ? 3 : 5, kLatitude + north, 9 + east}};
+                 {meridian ? 3 : 5, kLatitude + north, 9 + east}}};
     extract.ways.push_back(way);
   }
   const Map map = makeMap(extract);
@@ -144,8 +144,8 @@ TEST(CutOut, RoadsMeetTheMainOne) {
   std::vector<std::string> names;
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     const MapPlace place = cutOut(map, parameters, seed, 280, {});
-    const std::vector<Point2>& main = place.roads.front().road.line;
-    names.push_back(place.roads.front().road.name);
+    const std::vector<Point2>& main = place.roads.front().line;
+    names.push_back(place.roads.front().name);
     const auto nearest = [&](const Point2& p) {
       std::size_t best = 0;
       for (std::size_t i = 0; i < main.size(); ++i) {
@@ -156,14 +156,14 @@ TEST(CutOut, RoadsMeetTheMainOne) {
     const Point2& origin = main[nearest({0, 0})];
     EXPECT_LT(std::hypot(origin.x, origin.y), 2);
     EXPECT_LT(place.mainFrom, place.mainTo);
-    for (const MapPlace::PlacedRoad& side : place.roads) {
+    for (const MapRoad& side : place.roads) {
       if (!side.joins) continue;
       ++joined;
-      const Point2& start = side.road.line.front();
+      const Point2& start = side.line.front();
       const std::size_t at = nearest(start);
       EXPECT_NEAR(kRoadStep * static_cast<double>(at), *side.joins, 4);
       EXPECT_LT(std::hypot(main[at].x - start.x, main[at].y - start.y), 2.5);
-      const Point2& on = side.road.line[5];
+      const Point2& on = side.line[5];
       const Point2& ahead = main[std::min(at + 1, main.size() - 1)];
       const Point2& behind = main[at > 0 ? at - 1 : 0];
       const double left = (ahead.x - behind.x) * (on.y - start.y) - (ahead.y - behind.y) * (on.x - start.x);

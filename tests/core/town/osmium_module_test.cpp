@@ -269,30 +269,29 @@ TEST_F(ReadOsm, WhatTheMapSaysOfLooksAndStatesIsCounted) {
   using Tags = std::vector<std::pair<const char*, const char*>>;
   const std::string surface =
       "1 surfaces of roads, paths and paved areas, such as gravel, which are built of asphalt, concrete or paving";
-  const std::string ruins = "1 ruins and unfinished, collapsed and abandoned buildings, which are built as if whole";
-  const std::string oneSided = "1 sidewalks and parking lanes on one side, which are on both";
+  const std::string looks =
+      "1 buildings with materials, colours or a state, such as ruins, which the seed draws as if whole";
+  const std::string sides = "1 roads with sidewalks, parking, cycleways or embankments that differ from the town's";
   const std::string hollow = "1 hedges, walls and fences that are areas, of which only the outlines are built";
   // Tags of a road, of a path and of a closed outline.
   for (const auto& [tags, words] : std::vector<std::pair<Tags, std::string>>{
-           {{{"parking:lane:left", "parallel"}, {"parking:lane:right", "no_parking"}}, oneSided},
-           {{{"sidewalk:left", "yes"}}, oneSided},
-           {{{"parking:left", "lane"}, {"parking:right", "no"}}, oneSided},
+           {{{"parking:lane:left", "parallel"}, {"parking:lane:right", "no_parking"}}, sides},
+           {{{"sidewalk:left", "yes"}}, sides},
+           {{{"parking:left", "lane"}, {"parking:right", "no"}}, sides},
            {{{"sidewalk:left", "yes"}, {"sidewalk:right", "separate"}, {"parking:both", "no"}}, ""},
-           {{{"parking:lane:both", "perpendicular"}},
-            "1 lanes of perpendicular and diagonal parking, where cars stand along the road"},
-           {{{"parking:both", "sometimes"}, {"parking:condition:both", "free"}},
-            "1 parking lanes with an unknown value, which the seed draws"},
+           {{{"parking:lane:both", "perpendicular"}}, sides},
+           {{{"parking:both", "sometimes"}, {"parking:condition:both", "free"}}, sides},
            {{{"surface", "asphalt"}}, ""},
            {{{"surface", "cobblestone"}}, surface},
            {{{"tracktype", "grade3"}}, surface},
            {{{"tracktype", "grade3"}, {"surface", "asphalt"}}, ""},
            {{{"cycleway", "separate"}, {"cycleway:both", "no"}}, ""},
-           {{{"cycleway:right", "track"}}, "1 cycleways and cycle lanes beside roads"},
+           {{{"cycleway:right", "track"}}, sides},
            {{{"driving_side", "right"}}, ""},
            {{{"driving_side", "left"}}, "1 roads on which traffic keeps to the other side than in the town"},
            {{{"railway", "tram"}}, "1 railway=tram"},
            {{{"railway", "abandoned"}}, ""},
-           {{{"embankment", "yes"}}, "1 embankments and cuttings of roads"}}) {
+           {{{"embankment", "yes"}}, sides}}) {
     Tags all = tags;
     all.emplace_back("highway", "residential");
     EXPECT_EQ(read(kRoadNodes + way(10, {1, 2, 3}, all)).leftOut.text(), words) << tags[0].first;
@@ -305,10 +304,9 @@ TEST_F(ReadOsm, WhatTheMapSaysOfLooksAndStatesIsCounted) {
                                                  {{{"amenity", "parking"}, {"surface", "paving_stones"}}, ""},
                                                  {{{"leisure", "pitch"}, {"surface", "grass"}}, ""},
                                                  {{{"building", "yes"}, {"name", "x"}}, ""},
-                                                 {{{"building", "yes"}, {"roof:colour", "red"}},
-                                                  "1 buildings with materials or colours, which the seed draws"},
-                                                 {{{"building", "construction"}}, ruins},
-                                                 {{{"building", "yes"}, {"abandoned", "yes"}}, ruins},
+                                                 {{{"building", "yes"}, {"roof:colour", "red"}}, looks},
+                                                 {{{"building", "construction"}}, looks},
+                                                 {{{"building", "yes"}, {"abandoned", "yes"}}, looks},
                                                  {{{"building", "yes"}, {"wall", "no"}}, "1 open roofs and carports"},
                                                  {{{"barrier", "wall"}}, ""},
                                                  {{{"barrier", "hedge"}, {"area", "yes"}}, hollow}}) {
