@@ -15,23 +15,13 @@ using models::Clutter;
 using models::Kind;
 using models::Shape;
 
-// The models of clutter, a few forms of each kind; a model is built when it is first needed.
-class Store {
- public:
-  explicit Store(Placer& placer) : placer_(placer), made_(kForms * static_cast<std::size_t>(Clutter::Count)) {}
-
-  const Model& any(Clutter what, Draw& draw) {
-    const int form = draw.below(static_cast<int>(kForms));
-    std::optional<Model>& m = made_[static_cast<std::size_t>(what) * kForms + static_cast<std::size_t>(form)];
-    if (!m) m = models::makeClutter(placer_.builder, placer_.layout.seed, what, form);
-    return *m;
-  }
-
- private:
-  static constexpr std::size_t kForms = 3;
-  Placer& placer_;
-  std::vector<std::optional<Model>> made_;
-};
+// Returns a random one of a few models of a kind of clutter.
+const Model& anyClutter(Placer& placer, Clutter what, Draw& draw) {
+  constexpr int kForms = 3;
+  const int form = draw.below(kForms);
+  return placer.model(Kind::Clutter, static_cast<int>(what) * kForms + form,
+                      [&] { return models::makeClutter(placer.builder, placer.layout.seed, what, form); });
+}
 
 // Returns a random distance along the main road (m) such that no other road joins in the following `length` metres;
 // nullopt if no attempt finds such a place.
@@ -77,7 +67,7 @@ bool isLevel(const Layout& l, const Point2& p) {
 }
 
 // Places roadworks in the lane that the sensor's vehicle does not use.
-void placeRoadworks(Placer& placer, Store& store, const Model& light) {
+void placeRoadworks(Placer& placer, const Model& light) {
   const Layout& l = placer.layout;
   Draw draw(l.seed, Kind::Roadworks);
   const bool rural = l.character.country;
@@ -98,15 +88,16 @@ void placeRoadworks(Placer& placer, Store& store, const Model& light) {
     const Model excavator = models::makeWorkVehicle(placer.builder, l.seed, models::WorkVehicle::Excavator, 0);
     put(excavator, 0.4 * length, std::max(edge - 1.3, 1.6), draw.chance(0.5) ? 0 : kPi, "excavator");
   }
-  put(store.any(Clutter::Heap, draw), 0.8 * length, std::max(edge - 1.1, 2.0), 0, "heap");
-  put(store.any(draw.chance(0.5) ? Clutter::Pallets : Clutter::Skip, draw), 1.5, edge - 1.1, 0, "roadworks' goods");
-  const Model& barrier = store.any(Clutter::Barrier, draw);
+  put(anyClutter(placer, Clutter::Heap, draw), 0.8 * length, std::max(edge - 1.1, 2.0), 0, "heap");
+  put(anyClutter(placer, draw.chance(0.5) ? Clutter::Pallets : Clutter::Skip, draw), 1.5, edge - 1.1, 0,
+      "roadworks' goods");
+  const Model& barrier = anyClutter(placer, Clutter::Barrier, draw);
   const double across = std::max(edge - 1.2, 1.4);
   put(barrier, -0.6, across, kPi / 2, "barrier 1");
   put(barrier, length + 0.6, across, kPi / 2, "barrier 2");
   int number = 0;
   for (const double along : models::steps(0, length, draw.in(2, 3))) {
-    const Model& cone = store.any(Clutter::Cone, draw);
+    const Model& cone = anyClutter(placer, Clutter::Cone, draw);
     const double lateral = std::max(edge - 2.6, 0.45) + draw.in(-0.1, 0.1);
     put(cone, along, lateral, draw.in(0, 1), fmt::format("cone {}", ++number));
   }
@@ -156,7 +147,7 @@ void placeSignals(Placer& placer, const Model& light) {
 }
 
 // Places objects in front gardens, behind houses and on plots without a house.
-void placeGardenThings(Placer& placer, Store& store) {
+void placeGardenThings(Placer& placer) {
   const Layout& l = placer.layout;
   if (l.character.district == District::Motorway) return;
   int number = 0;
@@ -169,7 +160,7 @@ void placeGardenThings(Placer& placer, Store& store) {
     const Beside b = l.besideAt(spot.at);
     if (b.known && b.edge < (what == Clutter::Pond ? b.section.paved() : b.section.outer()) + 1) return false;
     if (!isLevel(l, spot.at)) return false;
-    return placer.tryPut(store.any(what, draw), spot, fmt::format("clutter {}", ++number));
+    return placer.tryPut(anyClutter(placer, what, draw), spot, fmt::format("clutter {}", ++number));
   };
   for (const Plot& plot : l.plots) {
     Draw draw(l.seed, Kind::GardenThings, plot.number);
@@ -198,7 +189,7 @@ void placeGardenThings(Placer& placer, Store& store) {
 }
 
 // Places a fountain in the middle of about half of the squares, and benches and planters around the middle of each.
-void placeSquares(Placer& placer, Store& store) {
+void placeSquares(Placer& placer) {
   const Layout& l = placer.layout;
   std::uint32_t square = 0;
   int number = 0;
@@ -215,7 +206,7 @@ void placeSquares(Placer& placer, Store& store) {
       if (l.areas.outsideHard(p) > -1.5 || l.areas.at(p) != Land::Paved) return;
       if (placer.tryPut(m, {p, yaw, 1, 0}, fmt::format("square's {}", number + 1))) ++number;
     };
-    if (draw.chance(0.5)) put(store.any(Clutter::Fountain, draw), about.center, 0);
+    if (draw.chance(0.5)) put(anyClutter(placer, Clutter::Fountain, draw), about.center, 0);
     const int count = 3 + draw.below(8);
     for (int k = 0; k < count; ++k) {
       const Model& what = draw.chance(0.6) ? bench : planter;
@@ -231,14 +222,13 @@ void placeSquares(Placer& placer, Store& store) {
 
 void placeClutter(Placer& placer) {
   const Model light = models::makeTrafficLight(placer.builder, placer.layout.seed);
-  Store store(placer);
-  placeRoadworks(placer, store, light);
+  placeRoadworks(placer, light);
   if (!placer.layout.character.country) {
     placeCrossing(placer, light);
     placeSignals(placer, light);
   }
-  placeGardenThings(placer, store);
-  placeSquares(placer, store);
+  placeGardenThings(placer);
+  placeSquares(placer);
 }
 
 // Places dogs and cats within 3 m of the main road's curb; in rural towns also herds within 28 m of this curb.

@@ -100,20 +100,15 @@ class Boundaries {
   }
 
   const Model& panel(Fencing what, int form) {
-    const auto index = static_cast<std::size_t>(what) * kForms + static_cast<std::size_t>(form);
-    std::optional<Model>& made = panels_[index];
-    if (!made) {
-      const std::uint64_t seed = placer_.layout.seed;
-      made = what == Fencing::Hedge ? models::makeHedgerow(placer_.builder, seed, form)
-                                    : models::makeFencePanel(placer_.builder, seed, what, form);
-    }
-    return *made;
+    return placer_.model(Kind::Boundary, static_cast<int>(what) * kForms + form, [&] {
+      return what == Fencing::Hedge ? models::makeHedgerow(placer_.builder, placer_.layout.seed, form)
+                                    : models::makeFencePanel(placer_.builder, placer_.layout.seed, what, form);
+    });
   }
 
-  static constexpr std::size_t kForms = 4;
+  static constexpr int kForms = 4;
   static constexpr std::size_t kKinds = static_cast<std::size_t>(Fencing::Count);
   Placer& placer_;
-  std::array<std::optional<Model>, kKinds * kForms> panels_{};
   int number_ = 0;
   bool lost_ = false;  // true: a panel on the town's ground was left out
 };

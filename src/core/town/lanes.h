@@ -9,6 +9,9 @@
 
 namespace scanmill::town {
 
+constexpr int kRoadCyclistForms = 3;  // number of forms of cyclists on roads; those on sidewalks have the next ones
+constexpr double kMiddle = 0.4;       // m, least distance between a vehicle and the centre line
+
 struct Way {
   struct Stretch {
     std::uint32_t road;

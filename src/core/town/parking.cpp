@@ -6,8 +6,8 @@
 #include <cmath>
 #include <optional>
 
-#include "town/fleet.h"
 #include "town/lanes.h"
+#include "town/placer.h"
 
 namespace scanmill::town {
 namespace {
@@ -30,7 +30,7 @@ std::optional<double> parkedAt(const Road& road, double half, bool keepClear) {
   return keepClear ? std::nullopt : std::optional(-half - 0.15);
 }
 
-void placeCars(Placer& placer, Fleet& fleet) {
+void placeCars(Placer& placer) {
   const Layout& l = placer.layout;
   const Character& c = l.character;
   const Tour tour = tourOf(l);
@@ -52,7 +52,7 @@ void placeCars(Placer& placer, Fleet& fleet) {
         // More cars stand in roads where fewer pass.
         const double parked = std::min(0.95, (!busy ? 3 : s.parking > 1.5 ? 0.8 : 0.5) * c.parked);
         if (!draw.chance(custom ? parked : 0.15 * parked)) continue;
-        const Model& car = fleet.anyCar(draw);
+        const Model& car = anyCar(placer, draw);
         const double half = (car.bounds.high.y - car.bounds.low.y) / 2;
         const std::optional<double> out = parkedAt(road, half, busy);
         if (!out || (*out > 0 && !custom)) continue;
@@ -78,7 +78,7 @@ void placeCars(Placer& placer, Fleet& fleet) {
     const double first = wide ? -patch.place.halfX + kBeside / 2 : 0;
     for (const double u : models::steps(first, wide ? patch.place.halfX - 1 : 1, kBeside)) {
       if (!draw.chance(wide ? 0.65 + 0.3 * c.parked : 0.85 + 0.15 * c.parked)) continue;
-      const Model& car = fleet.anyCar(draw);
+      const Model& car = anyCar(placer, draw);
       const Vec3d size = car.bounds.high - car.bounds.low;
       if (size.y > 2 * patch.place.halfX + 0.2) continue;
       const double in = patch.place.halfY - 3 - draw.in(0, 1);
@@ -92,7 +92,7 @@ void placeCars(Placer& placer, Fleet& fleet) {
 }
 
 // Places cars on parking lots: aisles with a row of bays at each side, and lines between the bays.
-void placeLots(Placer& placer, Fleet& fleet) {
+void placeLots(Placer& placer) {
   constexpr double kWide = 2.6;  // m, width of a bay
   constexpr double kLong = 5;
   constexpr double kAisle = 6.2;
@@ -138,7 +138,7 @@ void placeLots(Placer& placer, Fleet& fleet) {
         if (!wanted) continue;
         if (!draw.chance(0.7)) spot.yaw += kPi;
         spot.yaw += draw.in(-0.04, 0.04);
-        if (placer.tryPark(fleet.anyCar(draw), spot, fmt::format("car on a lot {}", number + 1))) ++number;
+        if (placer.tryPark(anyCar(placer, draw), spot, fmt::format("car on a lot {}", number + 1))) ++number;
       }
       low += kLong + (far ? 0 : kAisle);
     }
@@ -148,7 +148,7 @@ void placeLots(Placer& placer, Fleet& fleet) {
 
 // Places a delivering lorry and a waiting bus in side roads or, if there are no side roads, on the far side of the main
 // road. Also places trailers, caravans and tractors beside the main road.
-void placeStanding(Placer& placer, Fleet& fleet) {
+void placeStanding(Placer& placer) {
   const Layout& l = placer.layout;
   if (l.character.district == District::Motorway) return;
   Draw draw(l.seed, Kind::StandingVehicles);
@@ -178,9 +178,9 @@ void placeStanding(Placer& placer, Fleet& fleet) {
   // Towns with traffic lights have a second bus.
   const int buses = l.character.lights > 0.4 ? 2 : 1;
   for (int k = 0; k < buses; ++k) {
-    if (wanted()) onRoad(fleet.bus(), k == 0 ? "waiting bus" : "waiting bus 2");
+    if (wanted()) onRoad(busOf(placer), k == 0 ? "waiting bus" : "waiting bus 2");
   }
-  if (wanted()) onRoad(fleet.anyTruck(draw), "delivering truck");
+  if (wanted()) onRoad(anyTruck(placer, draw), "delivering truck");
   const bool rural = l.character.country;
   const int others = 1 + draw.below(3);
   for (int k = 0; k < others; ++k) {
@@ -200,12 +200,26 @@ void placeStanding(Placer& placer, Fleet& fleet) {
 
 }  // namespace
 
+const Model& anyCar(Placer& placer, Draw& draw) {
+  const int number = draw.below(2 * models::kCarForms);  // there are two cars of each form
+  const auto form = static_cast<models::CarForm>(number % models::kCarForms);
+  return placer.model(Kind::Car, number,
+                      [&] { return models::makeCar(placer.builder, placer.layout.seed, form, number); });
+}
+
+const Model& anyTruck(Placer& placer, Draw& draw) {
+  const int form = draw.below(2);
+  return placer.model(Kind::Truck, form, [&] { return models::makeTruck(placer.builder, placer.layout.seed, form); });
+}
+
+const Model& busOf(Placer& placer) {
+  return placer.model(Kind::Bus, 0, [&] { return models::makeBus(placer.builder, placer.layout.seed); });
+}
+
 void placeVehicles(Placer& placer) {
-  Fleet fleet(placer);
-  placeStanding(placer, fleet);
-  placeCars(placer, fleet);
-  placeLots(placer, fleet);
-  placeTraffic(placer, fleet);
+  placeStanding(placer);
+  placeCars(placer);
+  placeLots(placer);
 }
 
 }  // namespace scanmill::town

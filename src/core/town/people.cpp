@@ -8,7 +8,8 @@
 #include <optional>
 
 #include "base/path.h"
-#include "town/fleet.h"
+#include "town/lanes.h"
+#include "town/placer.h"
 
 namespace scanmill::town {
 namespace {

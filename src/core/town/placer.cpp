@@ -64,6 +64,7 @@ void populate(SceneBuilder& builder, const Layout& layout, const Affine& worldFr
   placeFixtures(placer);
   placeWires(placer);
   placeVehicles(placer);
+  placeTraffic(placer);
   placeTrees(placer);
   placePeople(placer);
   placeAnimals(placer);

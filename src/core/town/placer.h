@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "town/layout.h"
@@ -65,9 +66,25 @@ class Placer {
     bool marked;                           // true: there is a stop line on the road
   };
   std::vector<Light> lights;
+
+  // Returns the model of a kind of object and a form of it. `make` builds the model when it is first needed.
+  template <class Make>
+  const Model& model(models::Kind kind, int form, const Make& make) {
+    const auto [found, isNew] = models_.try_emplace({kind, form});
+    if (isNew) found->second = make();
+    return found->second;
+  }
   // Models of trees that have been built, by form, number of the variant, and whether the tree is far from roads.
   std::map<std::tuple<int, int, bool>, std::optional<models::TreeModel>> trees;
+
+ private:
+  std::map<std::pair<models::Kind, int>, Model> models_;
 };
+
+// Return a random model of the vehicles that drive and park in the town.
+const Model& anyCar(Placer& placer, Draw& draw);
+const Model& anyTruck(Placer& placer, Draw& draw);
+const Model& busOf(Placer& placer);
 
 // Appends paint on a road: a quad between the distances `from` and `to` along the road's line, and between `right` and
 // `left` metres to the left of the line.
@@ -86,7 +103,8 @@ void placeFixtures(Placer& placer);
 void placeWires(Placer& placer);
 void placeClutter(Placer& placer);
 void placeAnimals(Placer& placer);
-void placeVehicles(Placer& placer);  // first stationary vehicles, then driving vehicles
+void placeVehicles(Placer& placer);  // those that stand
+void placeTraffic(Placer& placer);   // vehicles and cyclists that drive
 void placePeople(Placer& placer);
 void placeMapTrees(Placer& placer);  // before all objects that the map does not have
 void placeTrees(Placer& placer);

@@ -10,9 +10,9 @@
 #include <memory>
 
 #include "base/path.h"
-#include "town/fleet.h"
 #include "town/flow.h"
 #include "town/lanes.h"
+#include "town/placer.h"
 
 namespace scanmill::town {
 namespace {
@@ -71,7 +71,7 @@ std::vector<double> curvatureOf(const Path& path) {
 
 class Traffic {
  public:
-  Traffic(Placer& placer, Fleet& fleet) : placer_(placer), fleet_(fleet), l_(placer.layout), main_(road(0)) {
+  explicit Traffic(Placer& placer) : placer_(placer), l_(placer.layout), main_(road(0)) {
     fastest_ = l_.character.speed;
   }
 
@@ -224,7 +224,7 @@ class Traffic {
       const std::optional<std::uint32_t>& route = inwardsBound ? in : out;
       const double at = draw.in(4, std::max(5.0, end - mouth - 12));
       const double starts = draw.chance(0.5) ? draw.in(0, 40) : kAlways;
-      const Model& car = fleet_.anyCar(draw);
+      const Model& car = anyCar(placer_, draw);
       const double off = draw.in(-0.15, 0.15);
       if (!route) continue;
       const bool near = std::any_of(taken.begin(), taken.end(),
@@ -259,7 +259,7 @@ class Traffic {
           at += 22 + speed;
           continue;
         }
-        const Model& m = !heavy ? fleet_.anyCar(draw) : pick < 0.16 ? fleet_.bus() : fleet_.anyTruck(draw);
+        const Model& m = !heavy ? anyCar(placer_, draw) : pick < 0.16 ? busOf(placer_) : anyTruck(placer_, draw);
         const bool turns = !heavy && !turns_.empty() && draw.chance(0.25);
         std::uint32_t route = 0;
         if (turns) route = draw.of(turns_);
@@ -285,7 +285,7 @@ class Traffic {
       if (draw.chance(0.2)) {
         addMotorcyclist(draw, route, at, speed, out + off);
       } else {
-        addDriver(route, at, heavy ? fleet_.anyTruck(draw) : fleet_.anyCar(draw), std::nullopt, speed, out + off,
+        addDriver(route, at, heavy ? anyTruck(placer_, draw) : anyCar(placer_, draw), std::nullopt, speed, out + off,
                   kAlways);
       }
       const double least = 22 + speed;
@@ -331,7 +331,6 @@ class Traffic {
   }
 
   Placer& placer_;
-  Fleet& fleet_;
   const Layout& l_;
   const Road& main_;
   double fastest_ = 12;  // m/s, speed limit in the town
@@ -348,8 +347,8 @@ class Traffic {
 
 }  // namespace
 
-void placeTraffic(Placer& placer, Fleet& fleet) {
-  Traffic(placer, fleet).place();
+void placeTraffic(Placer& placer) {
+  Traffic(placer).place();
 }
 
 }  // namespace scanmill::town
