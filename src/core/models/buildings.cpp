@@ -8,8 +8,7 @@
 namespace scanmill::models {
 namespace {
 
-constexpr double kFoundation = -0.4;  // m, lower edge of the walls, below the ground
-constexpr double kStorey = 2.9;       // m, height of a storey
+constexpr double kStorey = 2.9;  // m, height of a storey
 
 // Returns the material of a plastered facade: mostly "plaster_tinted", for coloured and weathered facades. The choice
 // has its own random stream, so that the shapes of houses do not depend on it.
@@ -24,25 +23,22 @@ constexpr double kInRoof = 0.05;     // m that walls extend into hip roofs
 class HouseMaker {
  public:
   HouseMaker(SceneBuilder& builder, std::uint64_t seed, const House& house)
-      : h_(house),
-        seed_(seed),
-        draw_(seed, Kind::House, house.number),
-        s_(builder, "house"),
-        wall_(s_.surface("building", draw_.chance(0.45) ? "brick" : facadeOf(seed, house))),
-        trim_(s_.surface("building", "concrete")),
-        wood_(s_.surface("building", "wood")),
-        metal_(s_.surface("building", "painted_metal")),
-        tile_(s_.surface("building", "roof_tile")),
-        glass_(s_.surface("window", "glass")),
-        casing_(s_.surface("window", draw_.chance(0.5) ? "wood" : "painted_metal")) {
-    storey_ = draw_.around(kStorey, 0.06);
-    base_ = draw_.in(0.15, 0.5);
-    wallTop_ = base_ + storey_ * h_.floors + (h_.roof == Roof::Flat ? 0.5 : 0.1);
-    windowWidth_ = std::min(draw_.in(0.9, 1.5), h_.width / h_.columns - 0.5);
-    windowHeight_ = draw_.in(1.2, 1.6);
-    sill_ = draw_.in(0.75, 0.95);
+      : h_(house), seed_(seed), draw_(seed, Kind::House, house.number), s_(builder, "house") {
+    look_.wall = s_.surface("building", draw_.chance(0.45) ? "brick" : facadeOf(seed, house));
+    look_.trim = s_.surface("building", "concrete");
+    look_.wood = s_.surface("building", "wood");
+    look_.metal = s_.surface("building", "painted_metal");
+    look_.tile = s_.surface("building", "roof_tile");
+    look_.glass = s_.surface("window", "glass");
+    look_.casing = s_.surface("window", draw_.chance(0.5) ? "wood" : "painted_metal");
+    m_.storey = draw_.around(kStorey, 0.06);
+    m_.base = draw_.in(0.15, 0.5);
+    look_.top = m_.base + m_.storey * h_.floors + (h_.roof == Roof::Flat ? 0.5 : 0.1);
+    m_.windowWidth = std::min(draw_.in(0.9, 1.5), h_.width / h_.columns - 0.5);
+    m_.windowHeight = draw_.in(1.2, 1.6);
+    m_.sill = draw_.in(0.75, 0.95);
     pitch_ = std::tan(radians(draw_.in(30, 46)));
-    shutters_ = !h_.shop && draw_.chance(0.3) && h_.width / h_.columns > windowWidth_ * 2 + 0.2;
+    look_.shutters = !h_.shop && draw_.chance(0.3) && h_.width / h_.columns > m_.windowWidth * 2 + 0.2;
     balconies_ = h_.floors >= 3 && draw_.chance(0.7);
     if (h_.top) reach(*h_.top);
   }
@@ -65,11 +61,7 @@ class HouseMaker {
         break;
     }
     downpipes();
-    if (h_.forecourt) {
-      addHouseDetails(s_, seed_, h_,
-                      {base_, storey_, wallTop_, sill_, windowWidth_, windowHeight_, kFoundation, wall_, trim_, tile_,
-                       metal_, wood_, glass_});
-    }
+    addHouseDetails(s_, seed_, h_, look_, m_);
     return s_.finish();
   }
 
@@ -86,48 +78,45 @@ class HouseMaker {
                                                       : shorter / 2 + kHipEaves;
     const double slab = flat ? 0 : h_.roof == Roof::Hip ? kThickness - kInRoof : kThickness;
     const double above = flat ? 0.5 : 0.1;  // m between the ceiling of the top floor and the top of the walls
-    const double room = top - slab - above - base_ - kLeastStorey * h_.floors;
+    const double room = top - slab - above - m_.base - kLeastStorey * h_.floors;
     const double least = std::tan(radians(6.0));
     if (!flat) pitch_ = std::clamp(room / span, least, h_.rise ? std::max(least, *h_.rise / span) : pitch_);
-    storey_ = std::max(kLeastStorey, (top - slab - span * pitch_ - above - base_) / h_.floors);
-    wallTop_ = base_ + storey_ * h_.floors + above;
-    windowHeight_ = std::min(windowHeight_, storey_ - sill_ - 0.3);
+    m_.storey = std::max(kLeastStorey, (top - slab - span * pitch_ - above - m_.base) / h_.floors);
+    look_.top = m_.base + m_.storey * h_.floors + above;
+    m_.windowHeight = std::min(m_.windowHeight, m_.storey - m_.sill - 0.3);
   }
 
   void walls() {
     const std::vector<Opening> front = windows(h_.columns, h_.width, true);
-    facade({{{1, 0, 0}, {0, 0, 1}, {0, -1, 0}}, {0, 0, 0}}, h_.width, front, true);
+    addFacade(s_, look_, {{{1, 0, 0}, {0, 0, 1}, {0, -1, 0}}, {0, 0, 0}}, h_.width, front, true);
     const int back = std::max(2, h_.columns - draw_.below(2));
-    facade({{{-1, 0, 0}, {0, 0, 1}, {0, 1, 0}}, {h_.width, h_.depth, 0}}, h_.width, windows(back, h_.width, false),
-           false);
+    addFacade(s_, look_, {{{-1, 0, 0}, {0, 0, 1}, {0, 1, 0}}, {h_.width, h_.depth, 0}}, h_.width,
+              windows(back, h_.width, false), false);
     const int sides = std::max(1, static_cast<int>(h_.depth / 4));
-    facade({{{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}, {h_.width, 0, 0}}, h_.depth, windows(sides, h_.depth, false), false);
-    facade({{{0, -1, 0}, {0, 0, 1}, {-1, 0, 0}}, {0, h_.depth, 0}}, h_.depth, windows(sides, h_.depth, false), false);
-  }
-
-  void facade(const Affine& wallFrame, double width, const std::vector<Opening>& openings, bool front) {
-    addFacade(s_, {wall_, trim_, wood_, metal_, tile_, glass_, casing_, kFoundation, wallTop_, shutters_}, wallFrame,
-              width, openings, front);
+    addFacade(s_, look_, {{{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}, {h_.width, 0, 0}}, h_.depth,
+              windows(sides, h_.depth, false), false);
+    addFacade(s_, look_, {{{0, -1, 0}, {0, 0, 1}, {-1, 0, 0}}, {0, h_.depth, 0}}, h_.depth,
+              windows(sides, h_.depth, false), false);
   }
 
   std::vector<Opening> windows(int columns, double width, bool front) {
     std::vector<Opening> openings;
     const double pitch = width / columns;
     for (int floor = 0; floor < h_.floors; ++floor) {
-      const double z = base_ + floor * storey_;
+      const double z = m_.base + floor * m_.storey;
       for (int c = 0; c < columns; ++c) {
         const double u = (c + 0.5) * pitch;
         if (front && floor == 0 && c == h_.doorColumn) {
-          openings.push_back({{u - 0.55, u + 0.55}, {base_ - 0.1, base_ + 2.1}, Opening::Door});
+          openings.push_back({{u - 0.55, u + 0.55}, {m_.base - 0.1, m_.base + 2.1}, Opening::Door});
         } else if (front && floor == 0 && h_.shop) {
           const double half = pitch / 2 - 0.22;
-          openings.push_back({{u - half, u + half}, {base_ + 0.25, base_ + 2.45}, Opening::Window});
+          openings.push_back({{u - half, u + half}, {m_.base + 0.25, m_.base + 2.45}, Opening::Window});
         } else if (front && floor > 0 && balconies_ && c == h_.doorColumn) {
           openings.push_back({{u - 0.6, u + 0.6}, {z + 0.1, z + 2.2}, Opening::Window});
           balcony(u, z);
         } else if (front || draw_.chance(0.85)) {
-          const double half = windowWidth_ / 2;
-          openings.push_back({{u - half, u + half}, {z + sill_, z + sill_ + windowHeight_}, Opening::Window});
+          const double half = m_.windowWidth / 2;
+          openings.push_back({{u - half, u + half}, {z + m_.sill, z + m_.sill + m_.windowHeight}, Opening::Window});
         }
       }
     }
@@ -137,66 +126,68 @@ class HouseMaker {
   void balcony(double u, double z) {
     const double width = 2.2;
     const double out = 1.2;
-    s_.box(trim_, {u, -out / 2 + 0.05, z}, {width, out + 0.1, 0.16});
+    s_.box(look_.trim, {u, -out / 2 + 0.05, z}, {width, out + 0.1, 0.16});
     const double rail = z + 1.05;
     const double y = -out + 0.06;
     const double x0 = u - width / 2 + 0.06;
     const double x1 = u + width / 2 - 0.06;
-    s_.pipe(metal_, {{x0, 0.02, rail}, {x0, y, rail}, {x1, y, rail}, {x1, 0.02, rail}}, {0.025, 0.025, 0.025, 0.025},
-            6);
+    s_.pipe(look_.metal, {{x0, 0.02, rail}, {x0, y, rail}, {x1, y, rail}, {x1, 0.02, rail}},
+            {0.025, 0.025, 0.025, 0.025}, 6);
     for (int k = 0; k <= 14; ++k) {
       const double x = lerp(x0, x1, k / 14.0);
-      s_.tube(metal_, {x, y, z}, {x, y, rail}, 0.01, 0.01, 4);
+      s_.tube(look_.metal, {x, y, z}, {x, y, rail}, 0.01, 0.01, 4);
     }
     for (const double x : {x0, x1}) {
       for (int k = 1; k < 7; ++k) {
         const double at = lerp(0.0, y, k / 7.0);
-        s_.tube(metal_, {x, at, z}, {x, at, rail}, 0.01, 0.01, 4);
+        s_.tube(look_.metal, {x, at, z}, {x, at, rail}, 0.01, 0.01, 4);
       }
     }
   }
 
   // Adds a plinth that protrudes 3 cm from the walls.
   void plinth() {
-    const double z = (base_ - 0.12 + kFoundation) / 2;
-    const double height = base_ - 0.12 - kFoundation;
+    const double z = (m_.base - 0.12 + look_.foundation) / 2;
+    const double height = m_.base - 0.12 - look_.foundation;
     if (height < 0.5 - 0.12) return;
     const double door = h_.doorX();
     const double left = door - 0.75 + 0.03;
     const double right = h_.width + 0.03 - door - 0.75;
-    if (left > 0.1) s_.box(trim_, {left / 2 - 0.03, 0.02, z}, {left, 0.1, height});
-    if (right > 0.1) s_.box(trim_, {h_.width + 0.03 - right / 2, 0.02, z}, {right, 0.1, height});
-    s_.box(trim_, {h_.width / 2, h_.depth - 0.02, z}, {h_.width + 0.06, 0.1, height});
-    for (const double x : {0.02, h_.width - 0.02}) s_.box(trim_, {x, h_.depth / 2, z}, {0.1, h_.depth - 0.14, height});
+    if (left > 0.1) s_.box(look_.trim, {left / 2 - 0.03, 0.02, z}, {left, 0.1, height});
+    if (right > 0.1) s_.box(look_.trim, {h_.width + 0.03 - right / 2, 0.02, z}, {right, 0.1, height});
+    s_.box(look_.trim, {h_.width / 2, h_.depth - 0.02, z}, {h_.width + 0.06, 0.1, height});
+    for (const double x : {0.02, h_.width - 0.02})
+      s_.box(look_.trim, {x, h_.depth / 2, z}, {0.1, h_.depth - 0.14, height});
   }
 
   void flatRoof() {
-    const double z = wallTop_ - 0.35;
-    s_.quad(trim_, {0, 0, z}, {h_.width, 0, z}, {h_.width, h_.depth, z}, {0, h_.depth, z});
+    const double z = look_.top - 0.35;
+    s_.quad(look_.trim, {0, 0, z}, {h_.width, 0, z}, {h_.width, h_.depth, z}, {0, h_.depth, z});
     // Adds the inner side of the parapet and its coping.
     const double t = 0.2;
     const double w = h_.width;
     const double d = h_.depth;
-    s_.quad(wall_, {t, t, z}, {t, t, wallTop_}, {w - t, t, wallTop_}, {w - t, t, z});
-    s_.quad(wall_, {w - t, d - t, z}, {w - t, d - t, wallTop_}, {t, d - t, wallTop_}, {t, d - t, z});
-    s_.quad(wall_, {t, d - t, z}, {t, d - t, wallTop_}, {t, t, wallTop_}, {t, t, z});
-    s_.quad(wall_, {w - t, t, z}, {w - t, t, wallTop_}, {w - t, d - t, wallTop_}, {w - t, d - t, z});
-    for (const double y : {t / 2, d - t / 2}) s_.box(metal_, {w / 2, y, wallTop_}, {w + 0.1, t + 0.1, 0.05});
-    for (const double x : {t / 2, w - t / 2}) s_.box(metal_, {x, d / 2, wallTop_}, {t + 0.1, d - 2 * t - 0.1, 0.05});
+    s_.quad(look_.wall, {t, t, z}, {t, t, look_.top}, {w - t, t, look_.top}, {w - t, t, z});
+    s_.quad(look_.wall, {w - t, d - t, z}, {w - t, d - t, look_.top}, {t, d - t, look_.top}, {t, d - t, z});
+    s_.quad(look_.wall, {t, d - t, z}, {t, d - t, look_.top}, {t, t, look_.top}, {t, t, z});
+    s_.quad(look_.wall, {w - t, t, z}, {w - t, t, look_.top}, {w - t, d - t, look_.top}, {w - t, d - t, z});
+    for (const double y : {t / 2, d - t / 2}) s_.box(look_.metal, {w / 2, y, look_.top}, {w + 0.1, t + 0.1, 0.05});
+    for (const double x : {t / 2, w - t / 2})
+      s_.box(look_.metal, {x, d / 2, look_.top}, {t + 0.1, d - 2 * t - 0.1, 0.05});
     const double x = draw_.in(2, w - 2);
-    s_.box(metal_, {x, d / 2, z + 0.5}, {1.6, 1.2, 1.1});
-    s_.tube(metal_, {w - 1.2, d - 1.5, z - 0.1}, {w - 1.2, d - 1.5, z + 1.2}, 0.15, 0.15, 10);
+    s_.box(look_.metal, {x, d / 2, z + 0.5}, {1.6, 1.2, 1.1});
+    s_.tube(look_.metal, {w - 1.2, d - 1.5, z - 0.1}, {w - 1.2, d - 1.5, z + 1.2}, 0.15, 0.15, 10);
   }
 
   // Adds a flat slab of a roof. Its corners are counter-clockwise as seen from outside: a and b at the eaves, c and d
   // at the ridge. The side at the ridge is hidden and left out.
   void slab(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, double thickness) {
     const Vec3d down{0, 0, -thickness};
-    s_.quad(tile_, a, b, c, d);
-    s_.quad(tile_, a + down, d + down, c + down, b + down);
-    s_.quad(tile_, a + down, b + down, b, a);
-    s_.quad(tile_, b + down, c + down, c, b);
-    s_.quad(tile_, d + down, a + down, a, d);
+    s_.quad(look_.tile, a, b, c, d);
+    s_.quad(look_.tile, a + down, d + down, c + down, b + down);
+    s_.quad(look_.tile, a + down, b + down, b, a);
+    s_.quad(look_.tile, b + down, c + down, c, b);
+    s_.quad(look_.tile, d + down, a + down, a, d);
   }
 
   // Adds a gable roof over a plan of width x depth; the ridge is along x of the given frame.
@@ -205,19 +196,19 @@ class HouseMaker {
     s_.frame = outer * Affine{turn, origin};
     constexpr double kEaves = 0.4;
     constexpr double kRake = 0.3;
-    const double ridge = wallTop_ + depth / 2 * pitch_;
-    s_.triangle(wall_, {0, depth, wallTop_}, {0, 0, wallTop_}, {0, depth / 2, ridge});
-    s_.triangle(wall_, {width, 0, wallTop_}, {width, depth, wallTop_}, {width, depth / 2, ridge});
+    const double ridge = look_.top + depth / 2 * pitch_;
+    s_.triangle(look_.wall, {0, depth, look_.top}, {0, 0, look_.top}, {0, depth / 2, ridge});
+    s_.triangle(look_.wall, {width, 0, look_.top}, {width, depth, look_.top}, {width, depth / 2, ridge});
     const double top = ridge + kThickness;
-    const double eaves = wallTop_ - kEaves * pitch_ + kThickness;
+    const double eaves = look_.top - kEaves * pitch_ + kThickness;
     const double x0 = -kRake;
     const double x1 = width + kRake;
     slab({x0, -kEaves, eaves}, {x1, -kEaves, eaves}, {x1, depth / 2, top}, {x0, depth / 2, top}, kThickness);
     slab({x1, depth + kEaves, eaves}, {x0, depth + kEaves, eaves}, {x0, depth / 2, top}, {x1, depth / 2, top},
          kThickness);
-    s_.tube(tile_, {x0 - 0.02, depth / 2, top}, {x1 + 0.02, depth / 2, top}, 0.1, 0.1, 8);
+    s_.tube(look_.tile, {x0 - 0.02, depth / 2, top}, {x1 + 0.02, depth / 2, top}, 0.1, 0.1, 8);
     for (const double y : {-kEaves - 0.06, depth + kEaves + 0.06}) {
-      s_.tube(metal_, {x0, y, eaves - 0.1}, {x1, y, eaves - 0.1}, 0.06, 0.06, 8);
+      s_.tube(look_.metal, {x0, y, eaves - 0.1}, {x1, y, eaves - 0.1}, 0.06, 0.06, 8);
     }
     skylights(width, depth, eaves, kEaves);
     chimney(draw_.in(0.15, 0.85) * width, depth * draw_.in(0.35, 0.65), ridge);
@@ -233,18 +224,18 @@ class HouseMaker {
       const double z = eaves + (y + overhang) * pitch_;
       const Affine lying{{{1, 0, 0}, {0, std::cos(slope), std::sin(slope)}, {0, -std::sin(slope), std::cos(slope)}},
                          {x, y, z}};
-      s_.boxAt(metal_, lying, {0.9, 1.2, 0.12});
-      s_.boxAt(glass_, lying * at({0, 0, 0.02}), {0.74, 1.04, 0.11});
+      s_.boxAt(look_.metal, lying, {0.9, 1.2, 0.12});
+      s_.boxAt(look_.glass, lying * at({0, 0, 0.02}), {0.74, 1.04, 0.11});
     }
   }
 
   void chimney(double x, double y, double ridge) {
     if (!draw_.chance(0.75)) return;
     const SurfaceIndex brick = s_.surface("building", "brick");
-    const double low = wallTop_ - 0.2;
+    const double low = look_.top - 0.2;
     const double high = ridge + draw_.in(0.5, 0.9);
     s_.box(brick, {x, y, (low + high) / 2}, {0.7, 0.55, high - low});
-    s_.box(trim_, {x, y, high}, {0.85, 0.7, 0.1});
+    s_.box(look_.trim, {x, y, high}, {0.85, 0.7, 0.1});
     for (const double dx : {-0.16, 0.16}) s_.tube(brick, {x + dx, y, high}, {x + dx, y, high + 0.4}, 0.1, 0.08, 10);
   }
 
@@ -252,7 +243,7 @@ class HouseMaker {
     constexpr double kEaves = kHipEaves;
     const double w = h_.width;
     const double d = h_.depth;
-    const double low = wallTop_ - kInRoof;
+    const double low = look_.top - kInRoof;
     const double eaves = low + kThickness;
     const double short_ = std::min(w, d) / 2 + kEaves;
     const double top = eaves + short_ * pitch_;
@@ -267,31 +258,24 @@ class HouseMaker {
     for (std::size_t k = 0; k < 4; ++k) {
       const Vec3d& p = corner[k];
       const Vec3d& q = corner[(k + 1) % 4];
-      s_.quad(tile_, p + down, q + down, q, p);
+      s_.quad(look_.tile, p + down, q + down, q, p);
     }
-    s_.quad(trim_, corner[0] + down, corner[3] + down, corner[2] + down, corner[1] + down);
-    const auto slope = [&](const Vec3d& p, const Vec3d& q, const Vec3d& r, const Vec3d& s) {
-      s_.triangle(tile_, p, q, r);
-      if (length(r - s) > 0.01) s_.triangle(tile_, p, r, s);
-    };
-    if (w >= d) {
-      slope(corner[0], corner[1], b, a);
-      slope(corner[1], corner[2], b, b);
-      slope(corner[2], corner[3], a, b);
-      slope(corner[3], corner[0], a, a);
-    } else {
-      slope(corner[0], corner[1], a, a);
-      slope(corner[1], corner[2], b, a);
-      slope(corner[2], corner[3], b, b);
-      slope(corner[3], corner[0], a, b);
+    s_.quad(look_.trim, corner[0] + down, corner[3] + down, corner[2] + down, corner[1] + down);
+    // Each corner leads to the end of the ridge that is nearest to it.
+    const auto endAt = [&](std::size_t k) { return (w >= d ? k % 4 == 1 || k % 4 == 2 : k % 4 >= 2) ? b : a; };
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Vec3d r = endAt(k + 1);
+      const Vec3d s = endAt(k);
+      s_.triangle(look_.tile, corner[k], corner[(k + 1) % 4], r);
+      if (length(r - s) > 0.01) s_.triangle(look_.tile, corner[k], r, s);
     }
     chimney(w * draw_.in(0.35, 0.65), d * 0.4, top);
   }
 
   void downpipes() {
-    const double top = wallTop_ - 0.1;
+    const double top = look_.top - 0.1;
     for (const double x : {0.12, h_.width - 0.12}) {
-      s_.tube(metal_, {x, -0.07, kFoundation}, {x, -0.07, top}, 0.045, 0.045, 8);
+      s_.tube(look_.metal, {x, -0.07, look_.foundation}, {x, -0.07, top}, 0.045, 0.045, 8);
     }
   }
 
@@ -299,9 +283,10 @@ class HouseMaker {
   std::uint64_t seed_;
   Draw draw_;
   Shape s_;
-  SurfaceIndex wall_, trim_, wood_, metal_, tile_, glass_, casing_;
-  double storey_ = 0, base_ = 0, wallTop_ = 0, windowWidth_ = 0, windowHeight_ = 0, sill_ = 0, pitch_ = 0;
-  bool shutters_ = false, balconies_ = false;
+  FacadeLook look_;
+  HouseMeasures m_;
+  double pitch_ = 0;
+  bool balconies_ = false;
 };
 
 }  // namespace

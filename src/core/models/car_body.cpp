@@ -42,8 +42,7 @@ class BodyMaker {
     body();
     for (const double x : f_.axles) {
       const double y = f_.width / 2 - f_.wheelWidth / 2 - 0.015;
-      appendWheel(s_, f_.className, at({x, y, f_.wheelRadius}), f_.wheelRadius, f_.wheelWidth);
-      appendWheel(s_, f_.className, at({x, -y, f_.wheelRadius}, kPi), f_.wheelRadius, f_.wheelWidth);
+      appendWheels(s_, f_.className, x, y, f_.wheelRadius, f_.wheelWidth);
     }
     trim();
   }
@@ -267,6 +266,11 @@ void appendWheel(Shape& shape, std::string_view className, const Affine& place, 
         axle * Affine{{out, {-out.y, out.x, 0}, {0, 0, 1}}, out * (radius * 0.38) + Vec3d{0, 0, w * 0.5}};
     shape.boxAt(rim, spoke, {radius * 0.5, radius * 0.11, w * 0.2});
   }
+}
+
+void appendWheels(Shape& shape, std::string_view className, double x, double y, double radius, double width) {
+  appendWheel(shape, className, at({x, y, radius}), radius, width);
+  appendWheel(shape, className, at({x, -y, radius}, kPi), radius, width);
 }
 
 }  // namespace scanmill::models

@@ -50,22 +50,6 @@ void appendSkip(Shape& s, Draw& draw) {
   s.ball(rubble, {0, 0, height - 0.25}, {1.5, 0.75, 0.45}, 14);
 }
 
-void appendCart(Shape& s, Draw&) {
-  const SurfaceIndex wire = s.surface("object", "metal_bare");
-  const SurfaceIndex rubber = s.surface("object", "rubber");
-  for (int k = 0; k <= 8; ++k) {
-    const double z = lerp(0.5, 0.95, k / 8.0);
-    for (const double y : {-0.27, 0.27}) s.tube(wire, {-0.4, y, z}, {0.45, y, z}, 0.006, 0.006, 4);
-    s.tube(wire, {0.45, -0.27, z}, {0.45, 0.27, z}, 0.006, 0.006, 4);
-  }
-  s.box(wire, {0, 0, 0.5}, {0.85, 0.54, 0.02});
-  s.tube(wire, {-0.5, -0.27, 1.02}, {-0.5, 0.27, 1.02}, 0.018, 0.018, 8);
-  for (const double y : {-0.25, 0.25}) {
-    s.pipe(wire, {{-0.5, y, 1.02}, {-0.4, y, 0.5}, {-0.35, y, 0.16}, {0.4, y, 0.16}}, {0.014, 0.014, 0.014, 0.014}, 6);
-    for (const double x : {-0.35, 0.4}) s.tube(rubber, {x, y - 0.015, 0.07}, {x, y + 0.015, 0.07}, 0.07, 0.07, 12);
-  }
-}
-
 void appendPallets(Shape& s, Draw& draw) {
   const SurfaceIndex wood = s.surface("object", "wood_weathered");
   const int count = 2 + draw.below(6);
@@ -164,9 +148,9 @@ void appendWoodPile(Shape& s, Draw& draw) {
   }
 }
 
-// The functions that build each kind of clutter, in the order of Clutter.
+// The functions that build each kind of clutter, by the values of Clutter, of which 3 is none.
 constexpr std::array<void (*)(Shape&, Draw&), static_cast<std::size_t>(Clutter::Count)> kAppendClutter{
-    appendCone, appendBarrier,      appendSkip,        appendCart,  appendPallets, appendHeap,
+    appendCone, appendBarrier,      appendSkip,        nullptr,     appendPallets, appendHeap,
     appendShed, appendBasin<false>, appendBasin<true>, appendSwing, appendWoodPile};
 
 }  // namespace

@@ -28,20 +28,18 @@ struct FacadeLook {
 void addFacade(Shape& shape, const FacadeLook& look, const Affine& wallFrame, double width,
                const std::vector<Opening>& openings, bool front);
 
-// Dimensions of a house (m) and the surfaces of its parts.
+// Dimensions of a house (m).
 struct HouseMeasures {
   double base = 0.3;    // height of the ground floor above the ground
   double storey = 2.9;  // height from floor to floor
-  double wallTop = 6;
-  double sill = 0.8;  // height of the windows' lower edge above the floor of their storey
+  double sill = 0.8;    // height of the windows' lower edge above the floor of their storey
   double windowWidth = 1.2, windowHeight = 1.4;
-  double foundation = -0.4;  // height where walls begin
-  SurfaceIndex wall = 0, trim = 0, tile = 0, metal = 0, wood = 0, glass = 0;
 };
 
 // Adds details to the plane facade of a house: rooms behind the glass, bands and corner stones, bays, porches, ivy,
 // awnings, a garage. All coordinates are in the house's frame (see House).
-void addHouseDetails(Shape& shape, std::uint64_t seed, const House& house, const HouseMeasures& measures);
+void addHouseDetails(Shape& shape, std::uint64_t seed, const House& house, const FacadeLook& look,
+                     const HouseMeasures& measures);
 
 // The lofted body of a car, van, bus or cab. All lengths are in metres; x is measured forward from the middle of the
 // vehicle.

@@ -11,8 +11,8 @@ constexpr double kWall = 0.25;  // m, thickness of the outer walls
 
 class Details {
  public:
-  Details(Shape& shape, std::uint64_t seed, const House& house, const HouseMeasures& measures)
-      : s_(shape), h_(house), m_(measures), draw_(seed, Kind::HouseDetails, house.number) {}
+  Details(Shape& shape, std::uint64_t seed, const House& house, const FacadeLook& look, const HouseMeasures& measures)
+      : s_(shape), h_(house), look_(look), m_(measures), draw_(seed, Kind::HouseDetails, house.number) {}
 
   void add() {
     rooms();
@@ -21,13 +21,12 @@ class Details {
     }
     if (draw_.chance(0.5)) courses();
     if (draw_.chance(0.5)) cornerStones();
-    const double free = h_.forecourt.value_or(0);
     if (h_.shop) {
       awning();
-    } else if (free > 1.6 && draw_.chance(0.4)) {
+    } else if (h_.forecourt > 1.6 && draw_.chance(0.4)) {
       bay();
     }
-    if (free > 2.4 && !h_.shop && draw_.chance(0.4)) porch();
+    if (h_.forecourt > 2.4 && !h_.shop && draw_.chance(0.4)) porch();
     if (h_.ivy) ivy();
     fittings();
     if (h_.garage) garage();
@@ -50,10 +49,10 @@ class Details {
       s_.quad(surface, {x0, y0, z}, {x1, y0, z}, {x1, y1, z}, {x0, y1, z});
     };
     for (int floor = 0; floor < h_.floors; ++floor) level(boards, m_.base + floor * m_.storey);
-    if (h_.roof != Roof::Flat) level(inside, m_.wallTop - 0.05);
+    if (h_.roof != Roof::Flat) level(inside, look_.top - 0.05);
     for (int floor = 0; floor < h_.floors; ++floor) {
       const double z0 = m_.base + floor * m_.storey + 0.01;
-      const double z1 = std::min(z0 + m_.storey - 0.02, m_.wallTop - 0.06);
+      const double z1 = std::min(z0 + m_.storey - 0.02, look_.top - 0.06);
       const double y = h_.depth * draw_.in(0.35, 0.6);
       s_.quad(inside, {x0, y, z0}, {x1, y, z0}, {x1, y, z1}, {x0, y, z1});
       for (int column = 1; column < h_.columns; ++column) {
@@ -106,10 +105,10 @@ class Details {
       const double z = m_.base + floor * m_.storey - (floor == h_.floors ? 0.1 : 0.05) - height / 2;
       const double grown = floor == h_.floors ? 1.5 * out : out;
       for (const double y : {-grown / 2, h_.depth + grown / 2}) {
-        s_.box(m_.trim, {h_.width / 2, y, z}, {h_.width + 2 * grown, grown, height});
+        s_.box(look_.trim, {h_.width / 2, y, z}, {h_.width + 2 * grown, grown, height});
       }
       for (const double x : {-grown / 2, h_.width + grown / 2}) {
-        s_.box(m_.trim, {x, h_.depth / 2, z}, {grown, h_.depth, height});
+        s_.box(look_.trim, {x, h_.depth / 2, z}, {grown, h_.depth, height});
       }
     }
   }
@@ -117,12 +116,12 @@ class Details {
   void cornerStones() {
     const double out = draw_.in(0.03, 0.08);
     const double height = draw_.in(0.25, 0.45);
-    const int count = static_cast<int>((m_.wallTop - m_.base - 0.4) / height);
+    const int count = static_cast<int>((look_.top - m_.base - 0.4) / height);
     for (int k = 0; k < count; ++k) {
       const double length = k % 2 == 0 ? 0.55 : 0.32;
       const double z = m_.base + 0.02 + (k + 0.5) * height;
       for (const double x : {length / 2 - out, h_.width + out - length / 2}) {
-        s_.box(m_.trim, {x, length / 2 - out, z}, {length, length, height - 0.03});
+        s_.box(look_.trim, {x, length / 2 - out, z}, {length, length, height - 0.03});
       }
     }
   }
@@ -134,18 +133,18 @@ class Details {
       s_.quad(surface, at(t0, z0), at(t1, z0), at(t1, z1), at(t0, z1));
     };
     for (int floor = 0; floor < floors; ++floor) {
-      const double z0 = floor == 0 ? m_.foundation : m_.base + floor * m_.storey;
+      const double z0 = floor == 0 ? look_.foundation : m_.base + floor * m_.storey;
       const double z1 = m_.base + (floor + 1) * m_.storey - (floor + 1 == floors ? 0.3 : 0);
       const double low = m_.base + floor * m_.storey + m_.sill;
       const double high = low + m_.windowHeight;
       const double pier = 0.12;
-      panel(m_.wall, 0, 1, z0, low);
-      panel(m_.wall, 0, 1, high, z1);
-      panel(m_.wall, 0, pier, low, high);
-      panel(m_.wall, 1 - pier, 1, low, high);
-      panel(m_.glass, pier, 1 - pier, low, high);
+      panel(look_.wall, 0, 1, z0, low);
+      panel(look_.wall, 0, 1, high, z1);
+      panel(look_.wall, 0, pier, low, high);
+      panel(look_.wall, 1 - pier, 1, low, high);
+      panel(look_.glass, pier, 1 - pier, low, high);
       const Vec3d middle = at(0.5, (low + high) / 2);
-      s_.tube(m_.wood, {middle.x, middle.y, low}, {middle.x, middle.y, high}, 0.035, 0.035, 4);
+      s_.tube(look_.wood, {middle.x, middle.y, low}, {middle.x, middle.y, high}, 0.035, 0.035, 4);
     }
   }
 
@@ -153,7 +152,7 @@ class Details {
     const int column = (h_.doorColumn + 1 + draw_.below(h_.columns - 1)) % h_.columns;
     const double middle = windowMiddle(column);
     const double half = std::min(pitch() / 2 - 0.08, m_.windowWidth / 2 + 0.6);
-    const double out = std::min(draw_.in(0.5, 1.1), h_.forecourt.value_or(0) - 0.5);
+    const double out = std::min(draw_.in(0.5, 1.1), h_.forecourt - 0.5);
     const double splay = draw_.chance(0.5) ? std::min(0.45, half / 2) : 0.0;
     const int floors = draw_.chance(0.5) ? 1 : h_.floors;
     const std::array<Point2, 4> plan{Point2{middle - half, 0}, Point2{middle - half + splay, -out},
@@ -164,21 +163,21 @@ class Details {
     std::vector<Point2> eaves;
     eaves.reserve(plan.size());
     for (const Point2& p : plan) eaves.push_back({1.06 * (p.x - middle), p.y < 0 ? p.y - 0.08 : p.y});
-    s_.prism(m_.tile, m_.trim, roof, eaves, 0.14);
+    s_.prism(look_.tile, look_.trim, roof, eaves, 0.14);
   }
 
   void porch() {
-    const double out = std::min(draw_.in(1.2, 1.9), h_.forecourt.value_or(0) - 0.8);
+    const double out = std::min(draw_.in(1.2, 1.9), h_.forecourt - 0.8);
     const double top = m_.base + 2.45;
     const double x = h_.doorX();
     const double half = draw_.in(0.85, 1.2);
     for (const double side : {-1.0, 1.0}) {
-      s_.box(m_.wood, {x + side * (half - 0.06), -out + 0.06, (top + m_.foundation) / 2},
-             {0.12, 0.12, top - m_.foundation});
-      s_.quad(m_.tile, {x, -out - 0.2, top + 0.55}, {x + side * (half + 0.2), -out - 0.2, top},
+      s_.box(look_.wood, {x + side * (half - 0.06), -out + 0.06, (top + look_.foundation) / 2},
+             {0.12, 0.12, top - look_.foundation});
+      s_.quad(look_.tile, {x, -out - 0.2, top + 0.55}, {x + side * (half + 0.2), -out - 0.2, top},
               {x + side * (half + 0.2), 0, top}, {x, 0, top + 0.55});
     }
-    s_.box(m_.wood, {x, -out + 0.06, top - 0.06}, {2 * half - 0.02, 0.1, 0.12});
+    s_.box(look_.wood, {x, -out + 0.06, top - 0.06}, {2 * half - 0.02, 0.1, 0.12});
   }
 
   // Adds leaves of ivy up to 0.35 m in front of the front wall, from the ground upwards. Windows and door stay free.
@@ -186,7 +185,7 @@ class Details {
     const SurfaceIndex leaf = s_.surface("vegetation", "leaf");
     const double from = draw_.in(0, 0.6) * h_.width;
     const double to = std::min(h_.width, from + draw_.in(1.5, 5));
-    const double top = draw_.in(0.4, 0.95) * m_.wallTop;
+    const double top = draw_.in(0.4, 0.95) * look_.top;
     const double depth = draw_.in(0.12, 0.35);
     const int count = static_cast<int>((to - from) * top * 70);
     for (int k = 0; k < count; ++k) {
@@ -218,12 +217,12 @@ class Details {
   void awning() {
     const SurfaceIndex cloth = s_.surface("building", "cloth");
     const double z = m_.base + 2.55;
-    s_.box(m_.metal, {h_.width / 2, -0.09, z + 0.2}, {h_.width - 0.8, 0.14, 0.4});
+    s_.box(look_.metal, {h_.width / 2, -0.09, z + 0.2}, {h_.width - 0.8, 0.14, 0.4});
     if (draw_.chance(0.5)) {
       const double side = draw_.chance(0.5) ? 0.35 : h_.width - 0.35;
       const double tall = draw_.in(0.4, 1.1);
-      s_.tube(m_.metal, {side, 0.02, z + 0.75}, {side, -0.85, z + 0.75}, 0.015, 0.015, 6);
-      s_.box(m_.metal, {side, -0.5, z + 0.7 - tall / 2 + 0.35}, {0.08, 0.6, tall});
+      s_.tube(look_.metal, {side, 0.02, z + 0.75}, {side, -0.85, z + 0.75}, 0.015, 0.015, 6);
+      s_.box(look_.metal, {side, -0.5, z + 0.7 - tall / 2 + 0.35}, {0.08, 0.6, tall});
     }
     const double out = std::min(draw_.in(0.8, 1.4), 1.3);
     if (!draw_.chance(0.6)) return;
@@ -231,24 +230,24 @@ class Details {
     s_.quad(cloth, {0.4, -out, low}, {h_.width - 0.4, -out, low}, {h_.width - 0.4, -0.05, z}, {0.4, -0.05, z});
     s_.quad(cloth, {0.4, -out, low - 0.2}, {h_.width - 0.4, -out, low - 0.2}, {h_.width - 0.4, -out, low},
             {0.4, -out, low});
-    for (const double x : {0.45, h_.width - 0.45}) s_.tube(m_.metal, {x, -0.02, low}, {x, -out, low}, 0.02, 0.02, 6);
+    for (const double x : {0.45, h_.width - 0.45}) s_.tube(look_.metal, {x, -0.02, low}, {x, -out, low}, 0.02, 0.02, 6);
   }
 
   // Adds a lamp at the door, a meter box, and sometimes a satellite dish or an air conditioner.
   void fittings() {
     const double door = h_.doorX();
-    s_.ball(m_.metal, {door + 0.75, -0.12, m_.base + 1.9}, {0.09, 0.1, 0.14}, 8);
+    s_.ball(look_.metal, {door + 0.75, -0.12, m_.base + 1.9}, {0.09, 0.1, 0.14}, 8);
     const double free = (h_.doorColumn + (h_.doorColumn + 1 < h_.columns ? 1 : 0)) * pitch();
-    s_.box(m_.metal, {free, -0.06, m_.base + draw_.in(0.4, 1)}, {0.5, 0.14, 0.6});
+    s_.box(look_.metal, {free, -0.06, m_.base + draw_.in(0.4, 1)}, {0.5, 0.14, 0.6});
     for (int floor = 1; floor < h_.floors; ++floor) {
       if (!draw_.chance(0.4)) continue;
       const int column = 1 + draw_.below(h_.columns - 1);
       const double z = m_.base + floor * m_.storey + draw_.in(0.4, 1.4);
       if (draw_.chance(0.5)) {
-        s_.box(m_.metal, {column * pitch(), -0.2, z}, {0.7, 0.3, 0.55});
+        s_.box(look_.metal, {column * pitch(), -0.2, z}, {0.7, 0.3, 0.55});
       } else {
-        s_.ball(m_.metal, {column * pitch(), -0.35, z}, {0.3, 0.08, 0.3}, 10);
-        s_.tube(m_.metal, {column * pitch(), 0, z - 0.2}, {column * pitch(), -0.3, z}, 0.02, 0.02, 6);
+        s_.ball(look_.metal, {column * pitch(), -0.35, z}, {0.3, 0.08, 0.3}, 10);
+        s_.tube(look_.metal, {column * pitch(), 0, z - 0.2}, {column * pitch(), -0.3, z}, 0.02, 0.02, 6);
       }
     }
   }
@@ -263,44 +262,47 @@ class Details {
     const double y1 = y0 + kGarageDepth;
     const double top = draw_.in(2.4, 2.9);
     const auto wall = [&](const Point2& a, const Point2& b, double low, double high) {
-      s_.quad(m_.wall, {a.x, a.y, low}, {b.x, b.y, low}, {b.x, b.y, high}, {a.x, a.y, high});
+      s_.quad(look_.wall, {a.x, a.y, low}, {b.x, b.y, low}, {b.x, b.y, high}, {a.x, a.y, high});
     };
     wall({x1, y0}, {x1, y1}, kWallFoot, top);
     wall({x1, y1}, {x0, y1}, kWallFoot, top);
     wall({x0, y1}, {x0, y0}, kWallFoot, top);
     for (const double x : {x0 + 0.175, x1 - 0.175}) {
-      s_.box(m_.wall, {x, y0 + 0.1, (2.1 + kWallFoot) / 2}, {0.35, 0.2, 2.1 - kWallFoot});
+      s_.box(look_.wall, {x, y0 + 0.1, (2.1 + kWallFoot) / 2}, {0.35, 0.2, 2.1 - kWallFoot});
     }
-    s_.box(m_.wall, {(x0 + x1) / 2, y0 + 0.1, (2.1 + top) / 2}, {x1 - x0, 0.2, top - 2.1});
+    s_.box(look_.wall, {(x0 + x1) / 2, y0 + 0.1, (2.1 + top) / 2}, {x1 - x0, 0.2, top - 2.1});
     const double gate = draw_.chance(0.15) ? 1.9 : 0.0;  // m, lower edge of the gate; 1.9: almost open
-    s_.quad(m_.metal, {x0 + 0.3, y0 + 0.15, gate}, {x1 - 0.3, y0 + 0.15, gate}, {x1 - 0.3, y0 + 0.15, 2.12},
+    s_.quad(look_.metal, {x0 + 0.3, y0 + 0.15, gate}, {x1 - 0.3, y0 + 0.15, gate}, {x1 - 0.3, y0 + 0.15, 2.12},
             {x0 + 0.3, y0 + 0.15, 2.12});
     for (int k = 1; k < 6 && gate == 0; ++k) {
-      s_.box(m_.metal, {(x0 + x1) / 2, y0 + 0.14, 0.35 * k}, {x1 - x0 - 0.75, 0.04, 0.05});
+      s_.box(look_.metal, {(x0 + x1) / 2, y0 + 0.14, 0.35 * k}, {x1 - x0 - 0.75, 0.04, 0.05});
     }
     if (draw_.chance(0.5)) {
-      s_.box(m_.trim, {(x0 + x1) / 2, (y0 + y1) / 2, top + 0.08}, {x1 - x0 + 0.3, y1 - y0 + 0.3, 0.16});
+      s_.box(look_.trim, {(x0 + x1) / 2, (y0 + y1) / 2, top + 0.08}, {x1 - x0 + 0.3, y1 - y0 + 0.3, 0.16});
       return;
     }
     const double ridge = top + (x1 - x0) * draw_.in(0.25, 0.4);
     const double middle = (x0 + x1) / 2;
     for (const double x : {x0 - 0.2, x1 + 0.2}) {
-      s_.quad(m_.tile, {x, y0 - 0.2, top - 0.05}, {middle, y0 - 0.2, ridge}, {middle, y1 + 0.2, ridge},
+      s_.quad(look_.tile, {x, y0 - 0.2, top - 0.05}, {middle, y0 - 0.2, ridge}, {middle, y1 + 0.2, ridge},
               {x, y1 + 0.2, top - 0.05});
     }
-    for (const double y : {y0 + 0.02, y1 - 0.02}) s_.triangle(m_.wall, {x0, y, top}, {x1, y, top}, {middle, y, ridge});
+    for (const double y : {y0 + 0.02, y1 - 0.02})
+      s_.triangle(look_.wall, {x0, y, top}, {x1, y, top}, {middle, y, ridge});
   }
 
   Shape& s_;
   const House& h_;
+  const FacadeLook& look_;
   const HouseMeasures& m_;
   Draw draw_;
 };
 
 }  // namespace
 
-void addHouseDetails(Shape& shape, std::uint64_t seed, const House& house, const HouseMeasures& measures) {
-  Details(shape, seed, house, measures).add();
+void addHouseDetails(Shape& shape, std::uint64_t seed, const House& house, const FacadeLook& look,
+                     const HouseMeasures& measures) {
+  Details(shape, seed, house, look, measures).add();
 }
 
 }  // namespace scanmill::models

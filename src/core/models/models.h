@@ -248,9 +248,7 @@ struct House {
   std::int64_t relation = 0;   // the houses and blocks of one relation of a map are one thing; 0: none
   std::optional<double> top;   // m, top of the roof; not set: the height follows from floors and slope
   std::optional<double> rise;  // m, height of a pitched roof if `top` is set; not set: it follows from a random slope
-  // Depth (m) of the ground in front of the house that details may cover, see facade.h. If it is not set, the
-  // house has bare walls and no rooms.
-  std::optional<double> forecourt;
+  double forecourt = 0;        // m, depth of the ground in front of the house that details may cover, see facade.h
   bool garage = false, ivy = false;
 
   double doorX() const { return width * (doorColumn + 0.5) / columns; }
@@ -294,13 +292,12 @@ constexpr int kBroadleafForms = 6;  // number of broadleaf forms; they come firs
 // the number of leaves; their total area stays the same. `foliage`: fraction of the leaves that are still on a
 // broadleaf tree, 0 to 1; below 0.6 twigs are added. `ragged`: irregularity of a broadleaf's crown: 0 is round, 1 is
 // heavier on one side, with limbs that protrude and gaps between them.
-TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form, double detail = 1, double foliage = 1,
-                   double ragged = 0);
-Model makeBush(SceneBuilder& builder, std::uint64_t seed, int form, double foliage = 1);
+TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form, double detail, double foliage, double ragged);
+Model makeBush(SceneBuilder& builder, std::uint64_t seed, int form, double foliage);
 // Builds 2 m of hedgerow along x, filled with leaves. Height and depth depend on the form.
 Model makeHedgerow(SceneBuilder& builder, std::uint64_t seed, int form);
 // Builds a group of shrubs 1.4 to 3.2 m high.
-Model makeUndergrowth(SceneBuilder& builder, std::uint64_t seed, int form, double foliage = 1);
+Model makeUndergrowth(SceneBuilder& builder, std::uint64_t seed, int form, double foliage);
 
 enum class CarForm { Hatchback, Sedan, Wagon, Suv, Van, Pickup, Delivery };
 constexpr int kCarForms = 7;
@@ -311,6 +308,8 @@ enum class WorkVehicle { Trailer, Caravan, Tractor, Excavator, Count };
 Model makeWorkVehicle(SceneBuilder& builder, std::uint64_t seed, WorkVehicle what, int number);
 // Appends a tyre and rim about the origin of `place`. The axle is the y axis, the outer side is at +y.
 void appendWheel(Shape& shape, std::string_view className, const Affine& place, double radius, double width);
+// Appends two wheels that stand on the ground at (x, y) and (x, -y), with their outer sides away from each other.
+void appendWheels(Shape& shape, std::string_view className, double x, double y, double radius, double width);
 
 // The points of a bicycle or motorcycle that its rider touches, in its frame (m).
 struct RiderFit {
@@ -353,8 +352,8 @@ UtilityPole makeUtilityPole(SceneBuilder& builder, std::uint64_t seed);
 
 enum class Furnishing { Bin, WheelieBin, Hydrant, Bench, LetterBox, PowerBox, BicycleRack, Bollard, Planter, Count };
 Model makeFurnishing(SceneBuilder& builder, std::uint64_t seed, Furnishing what);
-// A barrier extends along x, the door of a shed faces -y.
-enum class Clutter { Cone, Barrier, Skip, Cart, Pallets, Heap, Shed, Pond, Fountain, Swing, WoodPile, Count };
+// A barrier extends along x, the door of a shed faces -y. The shapes that a seed generates depend on the values.
+enum class Clutter { Cone, Barrier, Skip, Pallets = 4, Heap, Shed, Pond, Fountain, Swing, WoodPile, Count };
 Model makeClutter(SceneBuilder& builder, std::uint64_t seed, Clutter what, int number);
 Model makeShelter(SceneBuilder& builder, std::uint64_t seed);                                 // its open side faces -y
 Model makeFencePanel(SceneBuilder& builder, std::uint64_t seed, Fencing what, int form = 0);  // 2 m along x, centred

@@ -93,10 +93,10 @@ class Raggedness {
   double reach(double angle) const {
     return 1 + share_ * (0.3 * std::cos(angle - heavy_) + 0.22 * std::cos(2 * (angle - long_)));
   }
-  double size() { return share_ > 0 ? lerp(1, draw_.in(0.45, 1.4), share_) : 1; }
+  double size() { return lerp(1, draw_.in(0.45, 1.4), share_); }
   // Returns how much a cluster is raised, as a fraction of the crown's height.
-  double raised() { return share_ > 0 ? share_ * draw_.in(-0.13, 0.13) : 0; }
-  bool missing() { return share_ > 0 && draw_.chance(0.22 * share_); }
+  double raised() { return share_ * draw_.in(-0.13, 0.13); }
+  bool missing() { return draw_.chance(0.22 * share_); }
 
  private:
   double share_;
@@ -218,10 +218,8 @@ void appendConifer(Shape& s, Draw& draw, const Habit& habit, double height, doub
 
 TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form, double detail, double foliage, double ragged) {
   Habit habit = kHabits[static_cast<std::size_t>(form % kTreeForms)];
-  if (detail != 1) {
-    habit.leaves = static_cast<int>(habit.leaves * detail);
-    habit.leaf /= std::sqrt(detail);
-  }
+  habit.leaves = static_cast<int>(habit.leaves * detail);
+  habit.leaf /= std::sqrt(detail);
   Draw draw(seed, Kind::Tree, static_cast<std::uint32_t>(form));
   Shape s(builder, habit.name);
   const double height = draw.around(habit.height, 0.12);
@@ -233,7 +231,6 @@ TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form, double d
   habit.conifer ? appendConifer(s, draw, habit, height, radius)
                 : appendBroadleaf(s, draw, habit, height, radius, foliage, {seed, form, ragged});
   const Model model = s.finish();
-  if (ragged <= 0) return {model, radius};
   const auto& [low, high] = model.bounds;
   return {model, std::max({-low.x, -low.y, high.x, high.y})};
 }

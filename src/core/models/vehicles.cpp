@@ -173,13 +173,9 @@ Model makeTruck(SceneBuilder& builder, std::uint64_t seed, int form) {
   }
   for (const double y : {-0.42, 0.42}) shape.box(black, {middle + 0.5, y, 0.78}, {length - 1.4, 0.1, 0.22});
   shape.box(black, {middle + 0.1, 0, 0.9}, {cargo - 0.3, 0.7, 0.08});
-  for (const double x : {-end + 1.45}) {
-    shape.tube(black, {x, -0.9, 0.45}, {x, 0.9, 0.45}, 0.07, 0.07, 8);
-    for (const double y : {0.72, 1.02}) {
-      appendWheel(shape, "truck", at({x, y, 0.45}), 0.45, 0.26);
-      appendWheel(shape, "truck", at({x, -y, 0.45}, kPi), 0.45, 0.26);
-    }
-  }
+  const double rear = -end + 1.45;  // position of the rear axle
+  shape.tube(black, {rear, -0.9, 0.45}, {rear, 0.9, 0.45}, 0.07, 0.07, 8);
+  for (const double y : {0.72, 1.02}) appendWheels(shape, "truck", rear, y, 0.45, 0.26);
   shape.box(metal, {-end + 0.05, 0, 0.5}, {0.1, width - 0.1, 0.12});
   for (const double side : {-1.0, 1.0}) {
     shape.box(metal, {-end + 0.1, side * 0.7, 0.7}, {0.06, 0.08, 0.45});

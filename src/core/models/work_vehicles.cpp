@@ -10,11 +10,6 @@ namespace {
 
 constexpr const char* kClass = "other_vehicle";
 
-void wheels(Shape& s, double x, double y, double radius, double width) {
-  appendWheel(s, kClass, at({x, y, radius}), radius, width);
-  appendWheel(s, kClass, at({x, -y, radius}, kPi), radius, width);
-}
-
 // Appends a trailer: a frame with its hitch and a box, sometimes with a cover.
 void appendTrailer(Shape& s, Draw& draw) {
   const SurfaceIndex metal = s.surface(kClass, "metal_galvanised");
@@ -32,7 +27,7 @@ void appendTrailer(Shape& s, Draw& draw) {
     s.box(black, {0, side * (width / 2 + 0.12), 0.62}, {0.8, 0.22, 0.03});
   }
   s.box(metal, {0, 0, bed}, {length, width, 0.05});
-  wheels(s, 0, width / 2 + 0.03, 0.28, 0.16);
+  appendWheels(s, kClass, 0, width / 2 + 0.03, 0.28, 0.16);
   s.tube(black, {length / 2 + 0.7, 0, 0.05}, {length / 2 + 0.7, 0, bed}, 0.03, 0.03, 8);
   if (draw.chance(0.5)) {  // half of the trailers have a cover
     const SurfaceIndex cover = s.surface(kClass, "cloth");
@@ -59,7 +54,7 @@ void appendCaravan(Shape& s, Draw& draw) {
   }
   s.box(glass, {e - 0.28, 0, 1.75}, {0.12, 1.5, 0.5});
   s.box(shell, {-0.1 * length, -half - 0.02, 1.35}, {0.65, 0.04, 1.7});
-  wheels(s, -0.1, half - 0.1, 0.33, 0.2);
+  appendWheels(s, kClass, -0.1, half - 0.1, 0.33, 0.2);
   for (const double y : {-0.45, 0.45}) s.tube(black, {e - 0.2, y, 0.5}, {e + 1.2, 0, 0.45}, 0.05, 0.05, 6);
   s.tube(black, {e + 0.9, 0, 0.05}, {e + 0.9, 0, 0.6}, 0.035, 0.035, 8);
   s.box(black, {e + 0.35, 0, 0.75}, {0.55, 0.8, 0.45});
@@ -92,8 +87,8 @@ void appendTractor(Shape& s, Draw& draw) {
   const SurfaceIndex black = s.surface(kClass, "plastic_black");
   const double rear = draw.in(0.75, 0.9);
   const double front = 0.62 * rear;
-  wheels(s, -0.7, 0.78, rear, 0.45);
-  wheels(s, 1.5, 0.72, front, 0.3);
+  appendWheels(s, kClass, -0.7, 0.78, rear, 0.45);
+  appendWheels(s, kClass, 1.5, 0.72, front, 0.3);
   s.box(black, {0.4, 0, 0.75}, {2.6, 0.5, 0.35});
   s.box(paint, {1.2, 0, 1.2}, {1.5, 0.72, 0.65});
   s.box(black, {1.97, 0, 1.15}, {0.06, 0.65, 0.5});
