@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <map>
 #include <type_traits>
 #include <variant>
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/short_text.h"
 #include "charts/chart.h"
 #include "scan/reasons.h"
 
@@ -40,58 +40,25 @@ ColorBy defaultFor(const Scan& scan) {
   return scan[kIntensity].empty() ? kByRange : kByIntensity;
 }
 
-// The colour of an id and the number of finite points with this id.
-struct ColorOfId {
-  Rgb color{};
-  std::uint64_t points = 0;
-};
-
-// Appends to `colors` the colour of each point's id, and returns the ids that finite points have. idOf(i) returns the
-// id of point i; colorOf(id) its colour.
-std::map<std::uint32_t, ColorOfId> paint(const Scan& scan, const auto& idOf, const auto& colorOf,
-                                         std::vector<Rgb>& colors) {
-  std::map<std::uint32_t, ColorOfId> present;
-  colors.reserve(scan.size());
-  std::uint32_t last = 0;
-  ColorOfId* held = nullptr;
-  for (std::size_t i = 0; i < scan.size(); ++i) {
-    const std::uint32_t id = idOf(i);
-    if (held == nullptr || id != last) {  // neighbouring points mostly have the same id
-      held = &present.try_emplace(id, ColorOfId{colorOf(id), 0}).first->second;
-      last = id;
-    }
-    colors.push_back(held->color);
-    held->points += isFinite(scan.position[i]) ? 1 : 0;
-  }
-  std::erase_if(present, [](const auto& entry) { return entry.second.points == 0; });
-  return present;
+// Colours points by ids. Only finite points are counted.
+std::map<std::uint32_t, ColorOfId> paintPoints(const Scan& scan, const auto& idOf, const auto& colorOf,
+                                               std::vector<Rgb>& colors) {
+  return paint(
+      scan.size(), idOf, colorOf, [&](std::size_t i) { return isFinite(scan.position[i]); }, colors);
 }
 
 Coloring byClass(const Scan& scan, const Ontology* ontology) {
-  Coloring out{{}, {.title = "class"}};
+  Coloring out;
   const auto color = [&](std::uint32_t id) { return classColor(ontology, static_cast<std::uint16_t>(id)); };
-  for (const auto& [id, held] : paint(
-           scan, [&](std::size_t i) { return scan[kLabel][i]; }, color, out.colors)) {
-    out.legend.entries.push_back(
-        {className(ontology, static_cast<std::uint16_t>(id)), held.color, std::int64_t{id}, held.points});
-  }
+  const auto id = [&](std::size_t i) { return scan[kLabel][i]; };
+  out.legend = classLegend(paintPoints(scan, id, color, out.colors), ontology);
   return out;
 }
 
 Coloring byInstance(const Scan& scan) {
-  Coloring out{{}, {.title = "instance"}};
-  auto present = paint(
-      scan, [&](std::size_t i) { return scan[kInstance][i]; }, instanceColor, out.colors);
-  const std::uint64_t none = present[0].points;
-  present.erase(0);
-  if (!present.empty()) {
-    std::uint64_t points = 0;
-    for (const auto& [id, held] : present) points += held.points;
-    out.legend.entries.push_back(
-        {fmt::format("{} instance{}, a colour each", present.size(), present.size() == 1 ? "" : "s"),
-         instanceColor(present.begin()->first), -1, points});
-  }
-  out.legend.entries.push_back({"no instance", instanceColor(0), -1, none});
+  Coloring out;
+  const auto id = [&](std::size_t i) { return scan[kInstance][i]; };
+  out.legend = instanceLegend(paintPoints(scan, id, instanceColor, out.colors));
   return out;
 }
 
@@ -101,10 +68,10 @@ Coloring byCause(const Scan& scan) {
   const auto cause = [&](std::size_t i) { return scan[kCause][i]; };
   const auto reason = [](std::uint32_t of) { return findReason(static_cast<std::uint8_t>(of)); };
   const auto color = [&](std::uint32_t of) { return reason(of) == nullptr ? kNoValue : Rgb(reason(of)->color); };
-  for (const auto& [of, held] : paint(scan, cause, color, out.colors)) {
+  for (const auto& [of, held] : paintPoints(scan, cause, color, out.colors)) {
     const ReasonEntry* const known = reason(of);
     const std::string name = known == nullptr ? fmt::format("cause {}", of) : std::string(known->name);
-    out.legend.entries.push_back({name, held.color, -1, held.points});
+    out.legend.entries.push_back({name, held.color, -1, held.count});
   }
   return out;
 }
@@ -118,11 +85,11 @@ Coloring byReturn(const Scan& scan) {
   };
   const auto color = [&](std::uint32_t of) { return of == 1 ? viridis(kFirstReturn) : instanceColor(of); };
   Coloring out{{}, {.title = "return"}};
-  for (const auto& [of, held] : paint(scan, number, color, out.colors)) {
+  for (const auto& [of, held] : paintPoints(scan, number, color, out.colors)) {
     const std::string name = single    ? "first return (the only one)"
                              : of == 0 ? "not known"
                                        : fmt::format("return {}", of);
-    out.legend.entries.push_back({name, held.color, -1, held.points});
+    out.legend.entries.push_back({name, held.color, -1, held.count});
   }
   return out;
 }
@@ -289,6 +256,30 @@ Coloring colorScan(const Scan& scan, const std::optional<ColorBy>& colorBy, cons
   const ForeignColumn* const foreign = foreignOf(scan, by);
   if (foreign == nullptr) failForColumn(scan, by, by.name());
   return byForeign(scan, *foreign, context);
+}
+
+Legend classLegend(const std::map<std::uint32_t, ColorOfId>& present, const Ontology* ontology) {
+  Legend legend{.title = "class"};
+  for (const auto& [id, held] : present) {
+    legend.entries.push_back(
+        {className(ontology, static_cast<std::uint16_t>(id)), held.color, std::int64_t{id}, held.count});
+  }
+  return legend;
+}
+
+Legend instanceLegend(std::map<std::uint32_t, ColorOfId> present) {
+  Legend legend{.title = "instance"};
+  const std::uint64_t none = present[0].count;
+  present.erase(0);
+  if (!present.empty()) {
+    std::uint64_t counted = 0;
+    for (const auto& [id, held] : present) counted += held.count;
+    legend.entries.push_back(
+        {fmt::format("{} instance{}, a colour each", grouped(present.size()), present.size() == 1 ? "" : "s"),
+         present.begin()->second.color, -1, counted});
+  }
+  legend.entries.push_back({"no instance", instanceColor(0), -1, none});
+  return legend;
 }
 
 std::vector<ScaleTick> scaleTicks(const Legend& legend) {

@@ -3,7 +3,9 @@
 // Colours the points of a scan, and describes the colours in a legend.
 
 #include <compare>
+#include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -120,6 +122,37 @@ struct ColorContext {
 // a scan has no column `return`, all points are first returns, unless the scan is organised in several planes, one per
 // return. Uses all threads.
 Coloring colorScan(const Scan& scan, const std::optional<ColorBy>& colorBy, const ColorContext& context);
+
+// The colour of an id, and the number of elements with this id that are counted.
+struct ColorOfId {
+  Rgb color{};
+  std::uint64_t count = 0;
+};
+
+// Appends to `colors` the colour of each element's id. Returns the ids of the elements that are counted. idOf(i)
+// returns the id of element i; colorOf(id) its colour; counts(i) whether the element is counted.
+std::map<std::uint32_t, ColorOfId> paint(std::size_t elements, const auto& idOf, const auto& colorOf,
+                                         const auto& counts, std::vector<Rgb>& colors) {
+  std::map<std::uint32_t, ColorOfId> present;
+  colors.reserve(colors.size() + elements);
+  std::uint32_t last = 0;
+  ColorOfId* held = nullptr;
+  for (std::size_t i = 0; i < elements; ++i) {
+    const std::uint32_t id = idOf(i);
+    if (held == nullptr || id != last) {  // neighbouring elements mostly have the same id
+      held = &present.try_emplace(id, ColorOfId{colorOf(id), 0}).first->second;
+      last = id;
+    }
+    colors.push_back(held->color);
+    held->count += counts(i) ? 1 : 0;
+  }
+  std::erase_if(present, [](const auto& entry) { return entry.second.count == 0; });
+  return present;
+}
+
+// Return the legends of elements that are coloured by class or by instance.
+Legend classLegend(const std::map<std::uint32_t, ColorOfId>& present, const Ontology* ontology);
+Legend instanceLegend(std::map<std::uint32_t, ColorOfId> present);
 
 struct ScaleTick {
   double share = 0;  // position on the bar, from 0 at its low end to 1 at its high end

@@ -121,31 +121,14 @@ PickedThing describePoint(const ViewScan& viewed, std::size_t scanIndex, std::si
 }
 
 void addBrief(PickedThing& thing, const ColorBy& shown) {
-  const Rows& rows = thing.rows;
-  thing.brief.emplace_back("range", valueIn(rows, "range"));
-  const std::string ring = valueIn(rows, "ring");
-  const std::string column = valueIn(rows, "column");
-  if (!ring.empty() && !column.empty()) {
-    thing.brief.emplace_back("ring, column", fmt::format("{}, {}", ring, column));
-  } else if (!ring.empty()) {
-    thing.brief.emplace_back("ring", ring);
+  const bool inHeading = shown == kByClass || shown == kByInstance;
+  for (const auto& [name, value] : thing.rows) {
+    const bool isError = name.find("error") != std::string::npos || name.find("reference") != std::string::npos;
+    const bool isShown = shown == kByError    ? isError
+                         : shown == kByHeight ? name == "z"
+                                              : name == shown.name() && !inHeading;
+    if (name == "range" || name == "ring" || name == "column" || isShown) thing.brief.emplace_back(name, value);
   }
-  const auto add = [&](const std::string& name, const std::string& value) {
-    if (!value.empty()) thing.brief.emplace_back(name, value);
-  };
-  const auto named = [](const std::string& word) {
-    return [word](const auto& row) { return row.first.find(word) != std::string::npos; };
-  };
-  if (shown == kByError) {
-    auto error = std::ranges::find_if(rows, named("error"));
-    if (error == rows.end()) error = std::ranges::find_if(rows, named("reference"));
-    if (error != rows.end()) add(error->first, error->second);
-    return;
-  }
-  if (shown == kByHeight) return add("height", valueIn(rows, "z"));
-  const bool inHeading =
-      shown == kByClass || shown == kByInstance || shown == kByRange || shown.name() == kRing.row.name;
-  if (!inHeading) add(shown.name(), valueIn(rows, shown.name()));
 }
 
 void addInstance(PickedThing& thing, const InstanceSummary& summary, const Ontology* ontology) {

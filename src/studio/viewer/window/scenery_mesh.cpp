@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <functional>
-#include <ranges>
-#include <unordered_map>
 
 #include "base/short_text.h"
 #include "config/resources.h"
@@ -252,103 +250,57 @@ void Scenery::placeInstanceBoxes(LineSet& lines) {
   }
 }
 
-namespace {
-
-Legend classLegend(const ViewMesh& mesh) {
-  std::vector<std::uint64_t> triangles(std::size_t{UINT16_MAX} + 1, 0);
-  for (const std::uint16_t id : mesh.semantic) ++triangles[id];
-  Legend legend;
-  for (std::size_t id = 0; id < triangles.size(); ++id) {
-    if (triangles[id] == 0) continue;
-    const auto semantic = static_cast<std::uint16_t>(id);
-    legend.entries.push_back({className(&mesh.ontology, semantic), classColor(&mesh.ontology, semantic),
-                              static_cast<std::int64_t>(id), triangles[id]});
-  }
-  return legend;
-}
-
-Legend instanceLegend(const ViewMesh& mesh) {
-  std::unordered_map<std::uint32_t, std::uint64_t> triangles;
-  for (const std::uint32_t id : mesh.instance) ++triangles[id];
-  const std::uint64_t without = triangles[0];
-  triangles.erase(0);
-  Legend legend;
-  if (!triangles.empty()) {
-    const std::uint32_t first = std::ranges::min(std::views::keys(triangles));
-    legend.entries.push_back(
-        {fmt::format("{} instance{}, a colour each", grouped(triangles.size()), triangles.size() == 1 ? "" : "s"),
-         instanceColor(first), -1, mesh.size() - without});
-  }
-  legend.entries.push_back({"no instance", instanceColor(0), -1, without});
-  return legend;
-}
-
-Legend objectLegend(const ViewMesh& mesh) {
-  Legend legend;
-  if (mesh.parts.empty()) return legend;
-  legend.entries.push_back(
-      {fmt::format("{} object{}, a colour each", grouped(mesh.parts.size()), mesh.parts.size() == 1 ? "" : "s"),
-       instanceColor(1), -1, mesh.size()});
-  return legend;
-}
-
-// Returns the legend of the names (materials, textures or rules) that surfaces refer to by `which`. The most frequent
-// name comes first; rules keep the order of `names`. names[i] has the colour instanceColor(firstColor + i).
-Legend nameLegend(const ViewMesh& mesh, const std::vector<std::string>& names, std::uint32_t ViewSurface::*which,
-                  std::uint32_t firstColor) {
-  std::vector<std::uint64_t> triangles(names.size(), 0);
-  for (const std::uint32_t surface : mesh.surface) ++triangles[mesh.surfaces[surface].*which];
-  Legend legend;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if (triangles[i] == 0) continue;
-    legend.entries.push_back({names[i], instanceColor(firstColor + static_cast<std::uint32_t>(i)), -1, triangles[i]});
-  }
-  if (which == &ViewSurface::rule) return legend;
-  std::ranges::stable_sort(legend.entries, std::greater<>(), &LegendEntry::points);
-  return legend;
-}
-
-}  // namespace
-
 Coloring colorMesh(const ViewMesh& mesh, MeshColor by) {
-  Coloring coloring;
-  coloring.colors.reserve(mesh.size());
-  const auto paint = [&](const auto& colorOf) {
-    for (std::size_t t = 0; t < mesh.size(); ++t) coloring.colors.push_back(colorOf(t));
+  Coloring out;
+  const auto painted = [&](const auto& idOf, const auto& colorOf) {
+    return paint(
+        mesh.size(), idOf, colorOf, [](std::size_t) { return true; }, out.colors);
+  };
+  // Colours by the names that surfaces refer to by `which`; names[i] has the colour instanceColor(first + i). The most
+  // frequent name comes first in the legend; rules keep their order.
+  const auto byName = [&](const std::vector<std::string>& names, std::uint32_t ViewSurface::*which,
+                          std::uint32_t first) {
+    const auto id = [&](std::size_t t) { return mesh.surfaceOf(t).*which; };
+    for (const auto& [i, held] : painted(id, [&](std::uint32_t name) { return instanceColor(first + name); })) {
+      out.legend.entries.push_back({names[i], held.color, -1, held.count});
+    }
+    if (by != MeshColor::Rule) std::ranges::stable_sort(out.legend.entries, std::greater<>(), &LegendEntry::points);
   };
   switch (by) {
-    case MeshColor::Class:
-      paint([&](std::size_t t) { return classColor(&mesh.ontology, mesh.semantic[t]); });
-      coloring.legend = classLegend(mesh);
+    case MeshColor::Class: {
+      const auto color = [&](std::uint32_t id) { return classColor(&mesh.ontology, static_cast<std::uint16_t>(id)); };
+      out.legend = classLegend(painted([&](std::size_t t) { return mesh.semantic[t]; }, color), &mesh.ontology);
       break;
+    }
     case MeshColor::Instance:
-      paint([&](std::size_t t) { return instanceColor(mesh.instance[t]); });
-      coloring.legend = instanceLegend(mesh);
+      out.legend = instanceLegend(painted([&](std::size_t t) { return mesh.instance[t]; }, instanceColor));
       break;
     case MeshColor::Object:
-      paint([&](std::size_t t) { return instanceColor(mesh.surfaceOf(t).part + 1); });
-      coloring.legend = objectLegend(mesh);
+      painted([&](std::size_t t) { return mesh.surfaceOf(t).part + 1; }, instanceColor);
+      if (mesh.parts.empty()) break;
+      out.legend.entries.push_back(
+          {fmt::format("{} object{}, a colour each", grouped(mesh.parts.size()), mesh.parts.size() == 1 ? "" : "s"),
+           instanceColor(1), -1, mesh.size()});
       break;
     case MeshColor::Material:
-      paint([&](std::size_t t) { return instanceColor(mesh.surfaceOf(t).material + 1); });
-      coloring.legend = nameLegend(mesh, mesh.materials, &ViewSurface::material, 1);
+      byName(mesh.materials, &ViewSurface::material, 1);
       break;
     case MeshColor::Texture:
-      paint([&](std::size_t t) { return instanceColor(mesh.surfaceOf(t).texture); });
-      coloring.legend = nameLegend(mesh, mesh.textures, &ViewSurface::texture, 0);
+      byName(mesh.textures, &ViewSurface::texture, 0);
       break;
     case MeshColor::Rule:
-      paint([&](std::size_t t) { return instanceColor(mesh.surfaceOf(t).rule); });
-      coloring.legend = nameLegend(mesh, mesh.rules, &ViewSurface::rule, 0);
+      byName(mesh.rules, &ViewSurface::rule, 0);
       break;
     case MeshColor::Reflectance:
-      paint([&](std::size_t t) { return viridis(double{mesh.reflectance[mesh.surfaceOf(t).material]}); });
-      coloring.legend.scale = true;
-      coloring.legend.high = 1;
+      for (std::size_t t = 0; t < mesh.size(); ++t) {
+        out.colors.push_back(viridis(double{mesh.reflectance[mesh.surfaceOf(t).material]}));
+      }
+      out.legend.scale = true;
+      out.legend.high = 1;
       break;
   }
-  coloring.legend.title = std::string(kMeshColorNames[static_cast<std::size_t>(by)]);
-  return coloring;
+  out.legend.title = std::string(kMeshColorNames[static_cast<std::size_t>(by)]);
+  return out;
 }
 
 }  // namespace scanmill
