@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <iterator>
 #include <memory>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -15,7 +14,6 @@
 #include "assets/meshes/references.h"
 #include "base/error.h"
 #include "base/input_budget.h"
-#include "config/text.h"
 #include "images/images.h"
 #include "images/srgb.h"
 #include "scene/texture.h"
@@ -23,12 +21,6 @@
 namespace scanmill {
 
 namespace {
-
-// True for kinds of images that have no alpha.
-bool isOpaqueKind(const std::string& name) {
-  const std::string kind = lowerExtension(name);
-  return kind == ".jpg" || kind == ".jpeg" || kind == ".bmp";
-}
 
 // Fractions of the total area of the triangles that have one material and texture coordinates; all 0 if there are no
 // such triangles or the texture has no alpha.
@@ -133,7 +125,7 @@ class MaterialReader {
     bool declared = false;
     color.alpha = alphaTest(from, declared);
     if (color.textured && (options_.textures || color.alpha.wanted)) {
-      color.image = load(from.base, !options_.textures, color.alpha.wanted);
+      color.image = images_.load(from.base.name, from.base.name, !options_.textures);
     }
     if (color.image && color.alpha.wanted && !declared && !isCutOut(measureAlpha(imported_, index, *color.image))) {
       color.alpha.wanted = false;
@@ -146,7 +138,7 @@ class MaterialReader {
     // unless it is inverted.
     const ImportedMap& opacity = from.opacityMap;
     if (color.alpha.wanted && !opacity.name.empty() && (opacity.name != from.base.name || opacity.inverted)) {
-      if (const auto mask = load(opacity, false, true))
+      if (const auto mask = images_.load(opacity.name, opacity.name, false))
         color.image = withOpacity(color.image.get(), *mask, opacity.inverted);
     }
     if (color.alpha.wanted && opacity.name == from.base.name && color.image && !color.image->hasAlpha) {
@@ -168,10 +160,6 @@ class MaterialReader {
     declared =
         options_.alpha == AlphaUse::Test || !from.opacityMap.name.empty() || (from.opacity > 0 && from.opacity < 1);
     return {true, 0.5f};
-  }
-
-  std::shared_ptr<const Texture> load(const ImportedMap& map, bool onlyAlpha, bool cutsOut) {
-    return images_.load(map.name, map.name, onlyAlpha, cutsOut);
   }
 
   const ImportedFile& imported_;
@@ -206,26 +194,21 @@ void setColor(Material& material, BaseColor color, const std::filesystem::path& 
 }
 
 ColorImages::~ColorImages() {
-  const auto tell = [&](const std::set<std::string>& names, std::string_view alsoSolid) {
-    constexpr std::size_t kMost = 8;
-    if (names.empty()) return;
-    const std::vector<std::string> first(names.begin(), std::next(names.begin(), std::min(names.size(), kMost)));
-    warn(
-        fmt::format("{}: missing textures: '{}'{}; plain colours replace them{}; `textures` of the "
-                    "object names further folders",
-                    asset_.string(), fmt::join(first, "', '"),
-                    names.size() > kMost ? fmt::format(" and {} more", names.size() - kMost) : "", alsoSolid));
-  };
-  tell(missing_, "");
-  tell(missingCutOuts_, ", and surfaces that their alpha would cut out are solid");
+  constexpr std::size_t kMost = 8;
+  if (missing_.empty()) return;
+  const std::vector<std::string> first(missing_.begin(), std::next(missing_.begin(), std::min(missing_.size(), kMost)));
+  warn(
+      fmt::format("{}: missing textures: '{}'{}; plain colours replace them, and what their alpha would cut out is "
+                  "solid; `textures` of the object names further folders",
+                  asset_.string(), fmt::join(first, "', '"),
+                  missing_.size() > kMost ? fmt::format(" and {} more", missing_.size() - kMost) : ""));
 }
 
 std::shared_ptr<const Texture> ColorImages::load(const std::string& key, const std::string& name, bool onlyAlpha,
-                                                 bool cutsOut,
                                                  const std::function<std::shared_ptr<const Texture>()>& embedded) {
   const auto known = images_.find({key, onlyAlpha});
   if (known != images_.end()) return known->second;
-  return images_[{key, onlyAlpha}] = find(name, onlyAlpha, cutsOut, embedded);
+  return images_[{key, onlyAlpha}] = find(name, onlyAlpha, embedded);
 }
 
 std::shared_ptr<const Texture> ColorImages::tinted(const std::shared_ptr<const Texture>& image,
@@ -249,7 +232,7 @@ float ColorImages::mean(const std::shared_ptr<const Texture>& image, float least
   return at->second;
 }
 
-std::shared_ptr<const Texture> ColorImages::find(const std::string& name, bool onlyAlpha, bool cutsOut,
+std::shared_ptr<const Texture> ColorImages::find(const std::string& name, bool onlyAlpha,
                                                  const std::function<std::shared_ptr<const Texture>()>& embedded) {
   const auto broken = [&](const InputError& e) {
     warn(fmt::format("{}: the texture '{}' cannot be used: {}", asset_.string(), name, e.what()));
@@ -266,7 +249,7 @@ std::shared_ptr<const Texture> ColorImages::find(const std::string& name, bool o
   if (texture == nullptr) {
     const std::filesystem::path path = findTexture(asset_, name, allowOutside_, folders_);
     if (path.empty()) {
-      (cutsOut && !isOpaqueKind(name) ? missingCutOuts_ : missing_).insert(name);
+      missing_.insert(name);
       return nullptr;
     }
     if (onlyAlpha && !mayHaveAlpha(path)) return nullptr;

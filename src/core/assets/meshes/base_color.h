@@ -39,16 +39,15 @@ class ColorImages {
   // `allowOutside` and `folders`: see findTexture().
   ColorImages(std::filesystem::path asset, bool allowOutside, std::vector<std::filesystem::path> folders = {})
       : asset_(std::move(asset)), allowOutside_(allowOutside), folders_(std::move(folders)) {}
-  // Warns of missing images: one line names images whose alpha would let beams pass, another line all other images.
+  // Warns of missing images.
   ~ColorImages();
   ColorImages(const ColorImages&) = delete;
   ColorImages& operator=(const ColorImages&) = delete;
 
   // Returns the image that the asset calls `name`: the result of `embedded`, or if that is absent or null the file
   // `name`. Returns null if the image is missing (the destructor warns), is broken (warns), or has no alpha although
-  // `onlyAlpha` is set. `cutsOut`: the alpha of the image would let beams pass, which the destructor's warning then
-  // mentions. `key` identifies the image.
-  std::shared_ptr<const Texture> load(const std::string& key, const std::string& name, bool onlyAlpha, bool cutsOut,
+  // `onlyAlpha` is set. `key` identifies the image.
+  std::shared_ptr<const Texture> load(const std::string& key, const std::string& name, bool onlyAlpha,
                                       const std::function<std::shared_ptr<const Texture>()>& embedded = {});
 
   // Returns the image with its linear red, green and blue multiplied by `factor`, of 0 to 1.
@@ -59,14 +58,13 @@ class ColorImages {
   float mean(const std::shared_ptr<const Texture>& image, float leastAlpha);
 
  private:
-  std::shared_ptr<const Texture> find(const std::string& name, bool onlyAlpha, bool cutsOut,
+  std::shared_ptr<const Texture> find(const std::string& name, bool onlyAlpha,
                                       const std::function<std::shared_ptr<const Texture>()>& embedded);
 
   std::filesystem::path asset_;
   bool allowOutside_;
   std::vector<std::filesystem::path> folders_;
   std::set<std::string> missing_;
-  std::set<std::string> missingCutOuts_;  // missing images whose alpha may describe cut-outs
   std::map<std::pair<std::string, bool>, std::shared_ptr<const Texture>> images_;
   std::map<std::pair<std::shared_ptr<const Texture>, std::array<float, 3>>, std::shared_ptr<const Texture>> tinted_;
   std::map<std::pair<std::shared_ptr<const Texture>, float>, float> means_;

@@ -132,8 +132,7 @@ class WorldAsset {
       color.textured = true;
       color.alpha.wanted = options_.alpha == AlphaUse::Test;
       if (options_.textures || color.alpha.wanted) {
-        color.image =
-            images_.load(from.texture.string(), from.texture.string(), !options_.textures, color.alpha.wanted);
+        color.image = images_.load(from.texture.string(), from.texture.string(), !options_.textures);
       }
       color.colored = color.image != nullptr;
       if (color.colored) part.color = {1, 1, 1};

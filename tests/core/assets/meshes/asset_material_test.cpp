@@ -402,7 +402,7 @@ TEST(AssetMaterials, MissingTexturesAreToldInOneLine) {
   EXPECT_EQ(asset.parts[0].texture, "gone0.jpg");
   EXPECT_EQ(std::count(shown.begin(), shown.end(), '\n'), 1) << shown;
   EXPECT_THAT(shown, testing::HasSubstr("a.obj: missing textures: 'gone0.jpg', 'gone1.jpg'"));
-  EXPECT_THAT(shown, testing::HasSubstr("'gone7.jpg' and 2 more; plain colours replace them; "));
+  EXPECT_THAT(shown, testing::HasSubstr("'gone7.jpg' and 2 more; plain colours replace them, "));
 }
 
 }  // namespace

@@ -475,7 +475,7 @@ TEST_F(Blend, MaterialsAndTheEvaluationAreThoseOfRenders) {
 
   for (const char* what : {"1 animations (the saved or first frame counts)",
                            "2 materials with nodes that are not read (colour and alpha may differ)",
-                           "missing textures: 'lost.png'; plain colours replace them, and surfaces that their alpha"}) {
+                           "missing textures: 'lost.png'; plain colours replace them"}) {
     EXPECT_THAT(told, HasSubstr(what));
   }
 }

@@ -66,11 +66,11 @@ std::string labelOf(const Model& model, Index image) {
   return i.name.empty() ? fmt::format("*{}", image) : i.name;
 }
 
-std::shared_ptr<const Texture> load(const Model& model, const Data& data, Index image, bool onlyAlpha, bool cutsOut,
+std::shared_ptr<const Texture> load(const Model& model, const Data& data, Index image, bool onlyAlpha,
                                     ColorImages& images) {
   const Image& i = model.images[image];
   const std::string label = labelOf(model, image);
-  return images.load(std::to_string(image), label, onlyAlpha, cutsOut, [&]() -> std::shared_ptr<const Texture> {
+  return images.load(std::to_string(image), label, onlyAlpha, [&]() -> std::shared_ptr<const Texture> {
     const std::string place = model.file.string() + ": " + label;
     if (i.view) return decodeTexture(data.view(*i.view), place);
     if (i.uri.starts_with("data:")) return decodeTexture(data.embedded(i.uri, label), place);
@@ -117,7 +117,7 @@ ReadMaterial read(const Model& model, const Data& data, const Material* m, const
     to.texture = labelOf(model, from.texture->image);
     color.textured = true;
     if (options.textures || color.alpha.wanted) {
-      color.image = load(model, data, from.texture->image, !options.textures, color.alpha.wanted, images);
+      color.image = load(model, data, from.texture->image, !options.textures, images);
       color.colored = color.image != nullptr;
     }
   }
