@@ -162,7 +162,7 @@ class SdfReader {
   // in wrong places.
   void survey(const XmlNode& of, bool inState = false) {
     static constexpr std::array<ElementPlace, 19> kPlaces{
-        {{"model include", "sdf gazebo world model insertions", true},
+        {{"model include", "sdf gazebo world model", true},
          {"link", "model", true},
          {"visual", "link", true},
          {"geometry", "visual collision"},
@@ -190,12 +190,13 @@ class SdfReader {
       if (child.name == "transparency" && number > 0 && number < 1)
         world_.leftOut.add("transparencies between 0 and 1 (these visuals are solid)");
       const bool usual = ((child.name == "laser_retro" || child.name == "initial_position") && number == 0) ||
-                         (child.name == "visibility_flags" && number == UINT32_MAX);
+                         (child.name == "visibility_flags" && number == UINT32_MAX) ||
+                         (child.name == "sampling" && number == 1);
       const bool known = sdfFormat().find(child.name) != nullptr;
       const bool custom = child.name.find(':') != std::string::npos && !known;  // elements of other programs
       if (!usual && !custom) world_.leftOut.addKeyword(sdfFormat(), child.name);
       if (!sdfFormat().has(FormatElements::Use::Read, child.name)) continue;
-      survey(child, inState ? child.name != "insertions" : child.name == "state");
+      survey(child, inState || child.name == "state");
     }
   }
 
@@ -243,24 +244,12 @@ class SdfReader {
       const XmlNode* node;
     };
     std::vector<Found> found;
-    std::vector<const XmlNode*> children;
     for (const XmlNode& child : of.children) {
-      children.push_back(&child);
       if (child.name != "state" || depth != 0) continue;
       if (state.node != nullptr) world_.leftOut.add("states after the first");
       if (state.node == nullptr) state.node = &child;  // Gazebo applies the first state alone
     }
-    std::set<std::string> deleted;
-    if (depth == 0 && state.node != nullptr) {
-      for (const XmlNode& change : state.node->children) {
-        for (const XmlNode& child : change.children) {
-          if (change.name == "insertions") children.push_back(&child);
-          if (change.name == "deletions") deleted.insert(child.text);
-        }
-      }
-    }
-    for (const XmlNode* const node : children) {
-      const XmlNode& child = *node;
+    for (const XmlNode& child : of.children) {
       if (child.name == "model" || child.name == "include") {
         PoseElement pose;
         std::shared_ptr<const Scope> inside;
@@ -286,7 +275,7 @@ class SdfReader {
           scope->inPlaceOfMissing = own;
           statesOfMissing_.insert(state.node);
         }
-        if (!model->missing && !deleted.contains(model->name)) found.push_back({pose, std::move(*model), &child});
+        if (!model->missing) found.push_back({pose, std::move(*model), &child});
       } else if (child.name == "frame" || child.name == "link" || child.name == "joint") {
         const PoseElement pose = readPose(child);
         std::string relativeTo = pose.relativeTo;
@@ -600,11 +589,12 @@ const FormatSupport& sdfFormat() {
       "SDF",
       ".sdf, .world",
       {{Read, "sdf gazebo world model link visual geometry name include uri placement_frame pose frame joint parent"},
-       {Read, "child axis axis2 state insertions deletions mesh submesh center scale box capsule cone cylinder"},
+       {Read, "child axis axis2 state mesh submesh center scale box capsule cone cylinder"},
        {Read, "ellipsoid plane sphere empty size radius radii length normal polyline point height heightmap pos"},
-       {Read, "sampling transparency material diffuse pbr metal albedo_map roughness metalness script"},
+       {Read, "transparency material diffuse pbr metal albedo_map roughness metalness script"},
        {LeftOut, "image", "extruded images (image)"},
        {LeftOut, "texture", "textures of heightmaps"},
+       {LeftOut, "sampling", "samples between the pixels of heightmaps (sampling)"},
        {LeftOut, "actor", "actors"},
        {LeftOut, "population", "populations"},
        {LeftOut, "road", "roads"},
@@ -612,6 +602,7 @@ const FormatSupport& sdfFormat() {
        {LeftOut, "laser_retro", "values of laser_retro"},
        {LeftOut, "visibility_flags", "visibility flags of visuals that are read"},
        {LeftOut, "initial_position", "initial positions of joints"},
+       {LeftOut, "insertions deletions", "models that a state inserts or deletes"},
        {LeftOut, "model_state joint_state", "states of SDF 1.12 (model_state, joint_state)"},
        {LeftOut, "experimental:params", "changes of included models (experimental:params)"},
        {Unused, "collision inertial surface self_collide static allow_auto_disable kinematic gravity velocity_decay"},
@@ -624,7 +615,7 @@ const FormatSupport& sdfFormat() {
        {Unused, "emissive_map light_map blend use_terrain_paging convex_decomposition namespace"}},
       "The first world of a file and all models beside it, with models of other files. Poses relative to links, "
       "joints, models and frames, in radians, degrees or as quaternions; joints are at 0. Of a world's states the "
-      "first: poses, scales of visuals, models inserted and deleted. Meshes, whose up axis in COLLADA counts for "
+      "first: poses and scales of visuals. Meshes, whose up axis in COLLADA counts for "
       "nothing, as in Gazebo; solids; outlines, extruded from 0 to the height of the first, where an outline within "
       "another is a hole; terrain from band 1 of an image, whose greatest value has the height of <size>, or from a "
       "georeferenced raster. Visuals with transparency 1 are not there for beams, which meet no <collision>. `diffuse` "

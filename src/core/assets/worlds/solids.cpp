@@ -112,11 +112,6 @@ Vec3d sizeOf(const XmlNode& shape, const Raster& raster, bool image, double low,
           raster.height * std::hypot(t[2], t[5]) * raster.perUnit, high - low};
 }
 
-// Returns the value between a and b at t, 0 to 1. A value that is missing (NaN) does not reach the other's place.
-double between(double a, double b, double t) {
-  return t == 0 ? a : a + t * (b - a);
-}
-
 }  // namespace
 
 Vec3d sizesOf(const XmlNode& shape, std::string_view key) {
@@ -203,19 +198,9 @@ Mesh heightmapOf(const XmlNode& shape, const std::filesystem::path& file) {
   request.placed = false;
   const Raster raster = readRaster(file, request);
   const bool image = isImage(raster, file);
-  const double step = numbersIn(shape, shape.textOf("sampling", "1"), 1).front();
-  if (!(step >= 1 && step <= 64 && step == std::floor(step))) {
-    shape.fail(fmt::format("has the sampling {:g}, but it must be a whole number from 1 to 64", step));
-  }
   if (raster.width < 2 || raster.height < 2) {
     shape.fail(fmt::format("names '{}', which has not two rows and two columns of samples", file.string()));
   }
-  if (2 * raster.width * step * raster.height * step > static_cast<double>(kMostTriangles)) {
-    shape.fail(fmt::format("has {} x {} samples, {:g} a pixel and direction: lower its <sampling>", raster.width,
-                           raster.height, step));
-  }
-  const int every = static_cast<int>(step);
-  const int columns = (raster.width - 1) * every + 1, rows = (raster.height - 1) * every + 1;
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (const float value : raster.values) {
     if (!std::isfinite(value)) continue;
@@ -226,27 +211,18 @@ Mesh heightmapOf(const XmlNode& shape, const std::filesystem::path& file) {
   const Vec3d size = sizeOf(shape, raster, image, low, high);
   const Vec3d middle = vectorIn(shape, shape.textOf("pos", "0 0 0"));
   const double scale = high > low ? size.z / (high - low) : 0;
-  const auto value = [&](int column, int row) {
-    return double{raster.values[static_cast<std::size_t>(row) * static_cast<std::size_t>(raster.width) +
-                                static_cast<std::size_t>(column)]};
-  };
   Mesh mesh;
-  for (int row = 0; row < rows; ++row) {
-    const int above = row / every, below = std::min(above + 1, raster.height - 1);
-    const double down = static_cast<double>(row % every) / every;
-    for (int column = 0; column < columns; ++column) {
-      const int left = column / every, right = std::min(left + 1, raster.width - 1);
-      const double along = static_cast<double>(column % every) / every;
-      const double height = between(between(value(left, above), value(right, above), along),
-                                    between(value(left, below), value(right, below), along), down);
-      mesh.positions.push_back(
-          Vec3f(middle + Vec3d{size.x * (static_cast<double>(column) / (columns - 1) - 0.5),
-                               size.y * (0.5 - static_cast<double>(row) / (rows - 1)), (height - low) * scale}));
+  for (int row = 0; row < raster.height; ++row) {
+    for (int column = 0; column < raster.width; ++column) {
+      const double height = double{raster.values[mesh.positions.size()]};
+      mesh.positions.push_back(Vec3f(middle + Vec3d{size.x * (static_cast<double>(column) / (raster.width - 1) - 0.5),
+                                                    size.y * (0.5 - static_cast<double>(row) / (raster.height - 1)),
+                                                    (height - low) * scale}));
     }
   }
-  const auto index = [&](int column, int row) { return static_cast<std::uint32_t>(row * columns + column); };
-  for (int row = 0; row + 1 < rows; ++row) {
-    for (int column = 0; column + 1 < columns; ++column) {
+  const auto index = [&](int column, int row) { return static_cast<std::uint32_t>(row * raster.width + column); };
+  for (int row = 0; row + 1 < raster.height; ++row) {
+    for (int column = 0; column + 1 < raster.width; ++column) {
       const std::array<std::uint32_t, 4> v{index(column, row), index(column, row + 1), index(column + 1, row + 1),
                                            index(column + 1, row)};
       if (std::any_of(v.begin(), v.end(), [&](std::uint32_t i) { return !isFinite(mesh.positions[i]); })) continue;

@@ -25,8 +25,8 @@ Mesh extrudedPolylines(const XmlNode& geometry);
 // Returns the surface of a <heightmap> as Gazebo builds it: centred at <pos>, with the first row of samples at the
 // greatest y. The first band of a PNG, a JPEG or another raster without georeference rises from 0 to <size>'s z, which
 // stands for its greatest value. The heights of a raster with georeference rise from its least to its greatest value;
-// without <size> it has its own size. <sampling> samples per pixel are interpolated. Samples without a value leave
-// holes. Throws InputError that names `shape` or the file.
+// without <size> it has its own size. Samples without a value leave holes. Throws InputError that names `shape` or the
+// file.
 Mesh heightmapOf(const XmlNode& shape, const std::filesystem::path& file);
 
 // Returns three sizes above 0 (m) from an element or attribute of a shape. Throws InputError for others.

@@ -44,10 +44,6 @@ TEST_F(Heightmaps, AreCentredAndRiseToTheirSize) {
   }
   // Without a size it is a metre long and high.
   EXPECT_EQ(boundsOf(sdf(map("t.pgm", ""))).high, (Vec3d{0.5, 0.5, 1}));
-  // More samples per pixel lie between the pixels.
-  const Asset fine = sdf(map("t.pgm", "<size>20 10 8</size><sampling>4</sampling>"));
-  EXPECT_EQ(fine.parts.at(0).positions.size(), 81u);
-  EXPECT_NEAR(heightAt(fine, 7.5, 3.75), 8 * 0.75 * 0.75, 1e-5);
 }
 
 TEST_F(Heightmaps, OfElevationModelsHaveTheSizeOfTheModel) {
@@ -68,7 +64,6 @@ TEST_F(Heightmaps, MistakesAreNamed) {
                  {{map("gone.png", ""), "a.sdf:3 | gone.png"},
                   {map("row.pgm", ""), "a.sdf:3 | two rows"},
                   {map("t.pgm", "<size>1 1 -1</size>"), "above 0"},
-                  {map("t.pgm", "<sampling>1.5</sampling>"), "whole number"},
                   {map("text.png", ""), "text.png"},
                   {model("<heightmap/>"), "has no <uri>"}});
   // Gazebo's own images are told, and the rest of the world is read.

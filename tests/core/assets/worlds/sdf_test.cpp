@@ -349,15 +349,6 @@ TEST_F(StateSdf, ScalesVisuals) {
   EXPECT_THAT(refusal(wings(state("<model name=\"a\"><scale>0 1 1</scale></model>"))), HasSubstr("above 0"));
 }
 
-TEST_F(StateSdf, InsertsAndDeletesModels) {
-  const Asset asset =
-      sdf(wings(state("<insertions>" + wing("c") + "</insertions><deletions><name>a</name></deletions>" +
-                      "<model name=\"c\"><pose>0 0 9 0 0 0</pose></model>")));
-  ASSERT_EQ(asset.parts.size(), 2u);
-  expectWing(asset, "b/l/v/wing", poseOf(2, 0, 0, 0, 0, 0));
-  expectWing(asset, "c/l/v/wing", poseOf(0, 0, 9, 0, 0, 0));
-}
-
 // Gazebo applies the first state alone.
 TEST_F(StateSdf, OthersThanTheFirstAndOfUnknownModelsAreTold) {
   const std::string first =
@@ -366,6 +357,8 @@ TEST_F(StateSdf, OthersThanTheFirstAndOfUnknownModelsAreTold) {
   EXPECT_THAT(told, AllOf(HasSubstr("1 states after the first"), HasSubstr("2 states of models and links that")));
   expectWing(corners(sdf(wings(first + state(""))), "a/l/v/wing"), poseOf(4, 0, 0, 0, 0, 0));
   EXPECT_EQ(toldOf(wings(state("<model name=\"a\"><pose>4 0 0 0 0 0</pose></model>"))), "");
+  EXPECT_THAT(toldOf(wings(state("<insertions>" + wing("c") + "</insertions>"))),
+              HasSubstr("1 models that a state inserts or deletes"));
 }
 
 TEST_F(StateSdf, MovesTheGroundPlaneThatNeedsNoFile) {
