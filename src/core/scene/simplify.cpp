@@ -3,10 +3,9 @@
 #include <fmt/core.h>
 #include <meshoptimizer.h>
 
-#include <bit>
 #include <cmath>
-#include <limits>
-#include <unordered_map>
+#include <type_traits>
+#include <utility>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -22,33 +21,21 @@ constexpr std::size_t kFewTriangles = 32;
 // Allowed error in units of the mesh's extent: so large that the error never ends the simplification.
 constexpr float kAnyError = 1e6f;
 
-// Corners of triangles become one vertex if their Welds are equal. Corners in different surfaces therefore stay
-// separate, and every triangle keeps its surface. The seam between two surfaces still stays closed, since meshoptimizer
-// moves vertices at equal positions together.
+// Corners of triangles become one vertex if their Welds have the same bytes. Corners in different surfaces therefore
+// stay separate, and every triangle keeps its surface. The seam between two surfaces still stays closed, since
+// meshoptimizer moves vertices at equal positions together.
 struct Weld {
   Vec3f position;
   Vec2f uv;  // zero if the surface has no texture
-  std::uint16_t surface;
-  bool operator==(const Weld&) const = default;
+  std::uint32_t surface = 0;
 };
+static_assert(sizeof(Weld) == 24, "bytes between the members would be compared, too");
 
-struct WeldHash {
-  std::size_t operator()(const Weld& w) const {
-    std::uint64_t h = w.surface;
-    for (const float f : {w.position.x, w.position.y, w.position.z, w.uv.x, w.uv.y}) {
-      h = (h ^ std::bit_cast<std::uint32_t>(f)) * 0x9E3779B97F4A7C15u;
-      h ^= h >> 29;
-    }
-    return h;
-  }
-};
-
-// Triangles with merged vertices. `vertexOf` and `surfaceOf` give each vertex's index and surface in the mesh.
+// Triangles with merged vertices. `vertexOf` gives each vertex's index in the mesh.
 struct Welded {
-  std::vector<Vec3f> positions;
+  std::vector<Weld> vertices;
   std::vector<std::uint32_t> vertexOf;
-  std::vector<std::uint16_t> surfaceOf;
-  std::vector<std::uint32_t> corners;  // indices into `positions`, three per triangle
+  std::vector<std::uint32_t> corners;  // indices into `vertices`, three per triangle
 };
 
 // Merges the vertices with equal Welds of the triangles whose indices are in `chosen`.
@@ -57,25 +44,24 @@ Welded weld(const Scene& scene, const Mesh& mesh, const std::vector<std::uint32_
   for (std::size_t s = 0; s < textured.size(); ++s) {
     textured[s] = !mesh.uvs.empty() && scene.materials[mesh.surfaces[s].material].texture != nullptr;
   }
-  Welded welded;
-  welded.corners.reserve(chosen.size() * 3);
-  std::unordered_map<Weld, std::uint32_t, WeldHash> known;
-  known.reserve(chosen.size());
+  std::vector<Weld> all;  // one per corner
+  all.reserve(chosen.size() * 3);
   for (const std::uint32_t t : chosen) {
     const std::uint16_t surface = mesh.surfaceOf[t];
     for (const std::uint32_t vertex : mesh.triangles[t]) {
-      // Adding zero replaces minus zero by zero: equal positions must have equal bits.
-      const Vec3f position = mesh.positions[vertex] + Vec3f{};
-      const auto next = static_cast<std::uint32_t>(welded.positions.size());
-      const auto [entry, isNew] =
-          known.try_emplace({position, textured[surface] ? mesh.uvs[vertex] : Vec2f{}, surface}, next);
-      if (isNew) {
-        welded.positions.push_back(position);
-        welded.vertexOf.push_back(vertex);
-        welded.surfaceOf.push_back(surface);
-      }
-      welded.corners.push_back(entry->second);
+      // Adding zero replaces minus zero by zero: equal positions must have equal bytes.
+      all.push_back({mesh.positions[vertex] + Vec3f{}, textured[surface] ? mesh.uvs[vertex] : Vec2f{}, surface});
     }
+  }
+  Welded welded;
+  welded.corners.resize(all.size());
+  const std::size_t count =
+      meshopt_generateVertexRemap(welded.corners.data(), nullptr, all.size(), all.data(), all.size(), sizeof(Weld));
+  welded.vertices.resize(count);
+  welded.vertexOf.resize(count);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    welded.vertices[welded.corners[i]] = all[i];
+    welded.vertexOf[welded.corners[i]] = mesh.triangles[chosen[i / 3]][i % 3];
   }
   return welded;
 }
@@ -86,11 +72,12 @@ void appendFewer(const Scene& scene, const Mesh& from, const std::vector<std::ui
   const Welded welded = weld(scene, from, chosen);
   const auto target = static_cast<std::size_t>(std::ceil(keep * static_cast<double>(chosen.size()))) * 3;
   std::vector<std::uint32_t> left(welded.corners.size());
-  left.resize(meshopt_simplify(left.data(), welded.corners.data(), welded.corners.size(), &welded.positions.front().x,
-                               welded.positions.size(), sizeof(Vec3f), target, kAnyError, 0, nullptr));
+  left.resize(meshopt_simplify(left.data(), welded.corners.data(), welded.corners.size(),
+                               &welded.vertices.front().position.x, welded.vertices.size(), sizeof(Weld), target,
+                               kAnyError, 0, nullptr));
   for (std::size_t i = 0; i < left.size(); i += 3) {
     to.triangles.push_back({welded.vertexOf[left[i]], welded.vertexOf[left[i + 1]], welded.vertexOf[left[i + 2]]});
-    to.surfaceOf.push_back(welded.surfaceOf[left[i]]);
+    to.surfaceOf.push_back(static_cast<std::uint16_t>(welded.vertices[left[i]].surface));
   }
 }
 
@@ -129,27 +116,22 @@ void restoreVanished(const Scene& scene, const Mesh& from, double keep, Mesh& to
   }
 }
 
-// Drops vertices that no triangle uses. The remaining vertices keep their order.
+// Drops vertices that no triangle uses.
 void compact(Mesh& mesh) {
-  constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
-  std::vector<std::uint32_t> renamed(mesh.positions.size(), kUnused);
-  for (const Triangle& t : mesh.triangles) {
-    for (const std::uint32_t v : t) renamed[v] = 0;
-  }
-  std::uint32_t kept = 0;
-  for (std::size_t v = 0; v < renamed.size(); ++v) {
-    if (renamed[v] == kUnused) continue;
-    mesh.positions[kept] = mesh.positions[v];
-    if (!mesh.uvs.empty()) mesh.uvs[kept] = mesh.uvs[v];
-    renamed[v] = kept++;
-  }
-  mesh.positions.resize(kept);
-  if (!mesh.uvs.empty()) mesh.uvs.resize(kept);
-  for (Triangle& t : mesh.triangles) {
-    for (std::uint32_t& v : t) v = renamed[v];
-  }
-  mesh.positions.shrink_to_fit();
-  mesh.uvs.shrink_to_fit();
+  static_assert(sizeof(Triangle) == 3 * sizeof(unsigned));
+  unsigned* const corners = mesh.triangles.front().data();
+  const std::size_t before = mesh.positions.size();
+  std::vector<unsigned> renamed(before);
+  const std::size_t kept = meshopt_optimizeVertexFetchRemap(renamed.data(), corners, mesh.triangles.size() * 3, before);
+  const auto keep = [&](auto& of) {
+    if (of.empty()) return;
+    std::decay_t<decltype(of)> left(kept);
+    meshopt_remapVertexBuffer(left.data(), of.data(), before, sizeof left.front(), renamed.data());
+    of = std::move(left);
+  };
+  keep(mesh.positions);
+  keep(mesh.uvs);
+  meshopt_remapIndexBuffer(corners, corners, mesh.triangles.size() * 3, renamed.data());
 }
 
 void simplify(const Scene& scene, const Mesh& from, double keep, Mesh& to) {

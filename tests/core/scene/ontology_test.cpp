@@ -126,7 +126,7 @@ TEST(Ontology, badFilesAreRefusedWithTheirPlace) {
   expectInputError([&] { readOntology(folder.path() / "absent.yaml"); }, {"absent.yaml"});
   refuse("", {"bad.yaml"});
   refuse("classes: 3\n", {"bad.yaml:1"});
-  refuse("classes: []\n", {"unlabeled"});
+  refuse("classes: []\n", {"bad.yaml:1"});
   refuse("classes:\n  - {id: 0, name: road, color: [0, 0, 0]}\n", {"unlabeled"});
   refuse(zero + "  - {id: 0, name: a, color: [0, 0, 0]}\n", {"bad.yaml:3", "id 0"});
   refuse(zero + "  - {id: 1, name: unlabeled, color: [0, 0, 0]}\n", {"bad.yaml:3", "'unlabeled'"});
