@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
-#include <optional>
-#include <tuple>
 #include <unordered_map>
 
 #include "scene/triangle_pieces.h"
@@ -97,7 +94,7 @@ Box insideOf(const Box& box, const std::array<Vec3d, 3>& corners) {
 
 }  // namespace
 
-std::vector<BoxContact> sweepBoxes(
+std::optional<BoxContact> sweepBoxes(
     const Scene& scene, const std::vector<Box>& boxes, const std::vector<std::pair<Pose, Pose>>& steps,
     const std::function<bool(const Instance&, const Surface&, const Vec3d&)>& isObstacle) {
   std::vector<Step> swept;  // box k of step i is at i * boxes.size() + k
@@ -109,8 +106,7 @@ std::vector<BoxContact> sweepBoxes(
   std::vector<Box> bounds;
   bounds.reserve(scene.meshes.size());
   for (const Mesh& mesh : scene.meshes) bounds.push_back(mesh.bounds());
-  // The first contact by instance, number of the thing in its mesh, and class.
-  std::map<std::tuple<const Instance*, std::uint32_t, std::uint16_t>, BoxContact> first;
+  std::optional<BoxContact> first;
   for (const Instance& instance : scene.instances) {
     if (bounds[instance.mesh].empty()) continue;
     bool near = false;
@@ -134,31 +130,21 @@ std::vector<BoxContact> sweepBoxes(
           obstacle = isObstacle(instance, surface, normalized(cross(corners[1] - corners[0], corners[2] - corners[0])));
         }
         if (!*obstacle) return;
-        const std::tuple key{&instance, surface.object, surface.semantic};
-        const auto known = first.find(key);
         const std::size_t step = k / boxes.size();
-        if (known != first.end() && known->second.step < step) return;
+        if (first && first->step < step) return;
         std::array<Vec3d, 3> inStep;
         for (std::size_t c = 0; c < 3; ++c) inStep[c] = box.boxFromWorld * corners[c];
         const Box inside = insideOf(box.box, inStep);
         if (inside.empty()) return;
         const double x = box.backward ? inside.high.x : inside.low.x;
-        const BoxContact contact{
-            &instance, surface.object,        surface.semantic,
-            step,      box.backward ? -x : x, box.worldFromBox * Vec3d{x, inside.center().y, inside.center().z}};
-        if (known == first.end()) {
-          first.emplace(key, contact);
-        } else if (std::pair(step, contact.along) < std::pair(known->second.step, known->second.along)) {
-          known->second = contact;
-        }
+        const double along = box.backward ? -x : x;
+        if (first && std::pair(step, along) >= std::pair(first->step, first->along)) return;
+        const Vec3d at = box.worldFromBox * Vec3d{x, inside.center().y, inside.center().z};
+        first = BoxContact{&instance, surface.semantic, step, along, at};
       });
     }
   }
-  std::vector<BoxContact> contacts;
-  contacts.reserve(first.size());
-  for (const auto& [key, contact] : first) contacts.push_back(contact);
-  std::ranges::stable_sort(contacts, {}, [](const BoxContact& c) { return std::pair(c.step, c.along); });
-  return contacts;
+  return first;
 }
 
 }  // namespace scanmill

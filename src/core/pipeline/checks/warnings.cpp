@@ -243,11 +243,6 @@ std::vector<std::string> sensorWarnings(const Plan& plan) {
           "`sensor`: write `effects: sensor`, or remove them here",
           own->where.file, own->where.line, sensor.name));
     }
-    if (!sensor.standIn) continue;
-    lines.push_back(fmt::format(
-        "`effects: sensor`: the file of the sensor '{}' has no effects, so that its ranges are exact beside those of "
-        "other sensors, which are not: measure them with `scanmill fit-noise`, or name effects for all sensors",
-        sensor.name));
   }
   return lines;
 }

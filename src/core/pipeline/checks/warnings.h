@@ -41,17 +41,17 @@ std::vector<std::string> seedWarnings(const Pipeline& pipeline, const Sequence& 
 // drives, and of frames closer than the slowest sensor's revolution.
 std::vector<std::string> driveWarnings(const Pipeline& pipeline);
 
-// Warns of sensors whose files have no effects, if the pipeline uses those of the files of other sensors, and of values
-// that effects assume because a sensor's file does not give them.
+// Warns of values that effects assume because a sensor's file does not give them, and of effects beside a sensor that
+// the pipeline does not apply.
 std::vector<std::string> sensorWarnings(const Plan& plan);
 
 // Warns of sensors at least half of whose rays hit the ego vehicle. `blocked`: result of ShotSource::blockedShares().
 std::vector<std::string> vehicleWarnings(const Pipeline& pipeline, const std::vector<double>& blocked);
 
 // Checks a sequence in its scene, with all objects at their positions at time 0 s. Warns of sensors that are on or
-// below surfaces, far above them, farther from the scene than their range, or inside of objects or of surfaces of one
-// class, of vehicles whose box goes through objects, and of paths that leave the ground. Moving objects count neither
-// for the box nor around a sensor. Gives each kind of warning at most once per sensor or path.
+// below surfaces, far above them, farther from the scene than their range, or enclosed by surfaces of one class, of
+// the first object that the vehicle's box goes through, and of paths that leave the ground. Moving objects count
+// neither for the box nor around a sensor. Gives each kind of warning at most once per sensor or path.
 std::vector<std::string> wayWarnings(ShotSource& source, std::size_t sequence, const SceneProbe& probe);
 
 }  // namespace scanmill

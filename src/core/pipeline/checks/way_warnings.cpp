@@ -1,11 +1,9 @@
 // wayWarnings(): warns of sensors and drives that are probably not where the user intended.
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <optional>
 #include <set>
 
@@ -34,13 +32,12 @@ constexpr std::size_t kMostPlaces = 400'000;  // after this many poses the rest 
 constexpr double kClearance = 0.1;
 constexpr double kBody = 0.6;       // height of a vehicle of which only sensors on the ground are known (m)
 constexpr double kThin = 0.01;      // half of the least width and length of a vehicle (m)
-constexpr double kLowest = -0.3;    // least z component of the test directions around a sensor
 constexpr double kFlat = 0.7;       // a surface counts as a wall if |z| of its unit normal is at most this
 constexpr double kMostBare = 0.02;  // fraction of a path that may be without ground before a warning is given
 
-// Returns directions to the face centres, edge centres and corners of a cube, rotated so that none runs along an axis.
-// Steep downward directions are left out, because there an object's underside and the ground it stands on coincide.
-std::vector<Vec3d> directionsAround() {
+// Returns the upward ones of the directions to the face centres, edge centres and corners of a cube, which is rotated
+// so that none runs along an axis.
+std::vector<Vec3d> upwardDirections() {
   const Mat3 turned = toMatrix(fromYawPitchRoll(0.37, 0.21, 0.13));
   std::vector<Vec3d> directions;
   for (int x = -1; x <= 1; ++x) {
@@ -48,7 +45,7 @@ std::vector<Vec3d> directionsAround() {
       for (int z = -1; z <= 1; ++z) {
         if (x == 0 && y == 0 && z == 0) continue;
         const Vec3d direction = turned * normalized(Vec3d{double(x), double(y), double(z)});
-        if (direction.z > kLowest) directions.push_back(direction);
+        if (direction.z > 0) directions.push_back(direction);
       }
     }
   }
@@ -169,73 +166,23 @@ class WayCheck {
     }
   }
 
-  using InstanceAndClass = std::pair<std::uint32_t, std::uint16_t>;
-  // Surfaces that test rays in all directions from a sensor hit, without those of moving objects.
-  struct Around {
-    std::size_t rays = 0;
-    // For each object: the number of rays that hit it an odd number of times, and one of these hits.
-    std::map<InstanceAndClass, std::pair<std::size_t, SceneProbe::Met>> odd;
-    // For each instance id: the number of rays that hit this instance first, and one of these hits.
-    std::map<std::uint32_t, std::pair<std::size_t, SceneProbe::Met>> seen;
-    std::set<std::uint16_t> above;  // classes that upward rays hit first
-    bool open = false;              // an upward ray hits nothing, or something that moves
-
-    bool isInside(const InstanceAndClass& object) const {
-      const auto count = odd.find(object);
-      return count != odd.end() && count->second.first + 2 >= rays;
-    }
-  };
-
-  Around lookAround(const Vec3d& at, double reach) const {
-    static const std::vector<Vec3d> kDirections = directionsAround();
-    Around around;
-    around.rays = kDirections.size();
-    for (const Vec3d& direction : kDirections) {
-      std::map<InstanceAndClass, std::vector<SceneProbe::Met>> met;
-      const std::vector<SceneProbe::Met> all = probe_.all({at, direction}, reach);
-      for (const SceneProbe::Met& m : all) {
-        if (!moving_.contains(m.instance)) met[{m.instance, m.semantic}].push_back(m);
-      }
-      const bool standing = !all.empty() && !moving_.contains(all.front().instance);
-      if (standing && all.front().instance != 0) {
-        ++around.seen.try_emplace(all.front().instance, 0, all.front()).first->second.first;
-      }
-      if (direction.z > 0 && standing) around.above.insert(all.front().semantic);
-      around.open = around.open || (direction.z > 0 && !standing);
-      for (const auto& [key, hits] : met) {
-        if (hits.size() % 2 == 1) around.odd.try_emplace(key, 0, hits.front()).first->second.first += 1;
-      }
-    }
-    return around;
-  }
-
-  // Warns if a sensor is inside of an object: nearly all rays from the sensor hit the object's surfaces an odd number
-  // of times. Also warns if all rays hit the same object first, since objects that are not watertight, such as a house
-  // with chimneys stuck into it, make the counts even; and if all upward rays hit the same class first, since the walls
-  // of a building may be separate objects. The rays are as long as the sensor's range. If they suggest that the sensor
-  // is inside of an object, longer ones decide, which also reach the outer surface of what contains a tunnel.
+  // Warns if everything beside and above a sensor is of one class, within its range: it is probably inside of an
+  // object, or of a building whose walls and roof are separate objects.
   void checkInside(std::size_t sensor) {
-    const double range = plan_.sensors[sensor].beams->maxRange;
+    static const std::vector<Vec3d> kDirections = upwardDirections();
     for (const std::uint32_t frame : own_.spreadFrames(kFramesInside)) {
       const Vec3d at = sensorAt(sensor, frame);
-      const Around around = lookAround(at, range);
-      for (const auto& [key, count] : around.odd) {
-        if (!around.isInside(key) || !lookAround(at, kReach).isInside(key)) continue;
-        return say(fmt::format("'{}' is inside {} at {} (frame {}){}", plan_.pipeline.sensors[sensor].name,
-                               nameOf(count.second), shortPlace(at), frame,
-                               key.first == 0 ? ", which is right only in rooms and tunnels" : ""));
-      }
-      for (const auto& [instance, count] : around.seen) {
-        if (count.first < around.rays) continue;
-        return say(fmt::format("'{}' sees nothing but {} at {} (frame {}), which is right only in rooms and tunnels",
-                               plan_.pipeline.sensors[sensor].name, nameOf(count.second), shortPlace(at), frame));
-      }
-      const bool underGround = !probe_.first({at, {0, 0, -1}}, kReach);  // checkHeights() warns of it
-      if (around.open || around.above.size() != 1 || underGround) continue;
+      std::vector<SceneProbe::Ray> rays;
+      for (const Vec3d& direction : kDirections) rays.push_back({at, direction});
+      const auto met = probe_.first(rays, plan_.sensors[sensor].beams->maxRange);
+      const bool enclosed = std::ranges::all_of(met, [&](const auto& m) {
+        return m && m->semantic == met.front()->semantic && !moving_.contains(m->instance);
+      });
+      if (!enclosed || !probe_.first({at, {0, 0, -1}}, kReach)) continue;  // checkHeights() warns of those below ground
       return say(
           fmt::format("'{}' sees nothing beside and above it but surfaces of the class {} at {} (frame {}), which is "
                       "right only in rooms and tunnels",
-                      plan_.pipeline.sensors[sensor].name, className(*around.above.begin()), shortPlace(at), frame));
+                      plan_.pipeline.sensors[sensor].name, className(met.front()->semantic), shortPlace(at), frame));
     }
   }
 
@@ -336,31 +283,21 @@ class WayCheck {
       const SemanticClass* const semantic = ontology.find(surface.semantic);
       return semantic != nullptr && semantic->thing && std::ranges::find(ground, surface.semantic) == ground.end();
     };
-    std::optional<BoxContact> first;
-    std::set<std::pair<const Instance*, std::uint32_t>> others;
-    std::set<std::string> classes;  // of the others
-    for (std::size_t begin = 0; begin < steps.size(); begin += kChunk) {
+    std::optional<BoxContact> contact;
+    std::size_t begin = 0;
+    for (; begin < steps.size() && !contact; begin += kChunk) {
       std::vector<std::pair<Pose, Pose>> poses;
       for (std::size_t i = begin; i < std::min(begin + kChunk, steps.size()); ++i) poses.push_back(steps[i].poses);
-      for (BoxContact contact : sweepBoxes(probe_.scene(), boxes, poses, blocks)) {
-        contact.step += begin;
-        if (!first) first = contact;
-        if (contact.instance == first->instance && contact.object == first->object) continue;
-        others.emplace(contact.instance, contact.object);
-        classes.insert(className(contact.semantic));
-      }
+      contact = sweepBoxes(probe_.scene(), boxes, poses, blocks);
     }
-    if (!first) return;
+    if (!contact) return;
     const Vec3d size = box.high - box.low;
-    say(
-        fmt::format("{} '{}' ({}) at {} (frame {}){}; checked is the box of its {}, {:.2f} x {:.2f} m, from {:.2f} to "
-                    "{:.2f} m above its origin",
-                    drive_->still() ? "it stands in" : "its path goes through", first->instance->name,
-                    className(first->semantic), shortPlace(first->position), steps[first->step].frame,
-                    !others.empty() ? fmt::format(", and {} {} more object{} ({})", drive_->still() ? "in" : "through",
-                                                  others.size(), others.size() > 1 ? "s" : "", fmt::join(classes, ", "))
-                                    : "",
-                    vehicle_ == nullptr ? "sensors" : "`vehicle`", size.x, size.y, box.low.z, box.high.z));
+    say(fmt::format(
+        "{} '{}' ({}) at {} (frame {}); checked is the box of its {}, {:.2f} x {:.2f} m, from {:.2f} to "
+        "{:.2f} m above its origin",
+        drive_->still() ? "it stands in" : "its path goes through", contact->instance->name,
+        className(contact->semantic), shortPlace(contact->position), steps[begin - kChunk + contact->step].frame,
+        vehicle_ == nullptr ? "sensors" : "`vehicle`", size.x, size.y, box.low.z, box.high.z));
   }
 
   const Plan& plan_;

@@ -54,14 +54,6 @@ void addEffects(const Pipeline& pipeline, std::vector<ModelledItem>& items) {
     }
   }
   for (const MountedSensor& sensor : pipeline.sensors) {
-    if (own && sensor.standIn) {
-      items.push_back(
-          {"effects of the sensor's file",
-           fmt::format("since its file has none{}", sensor.standIn->items.empty()
-                                                        ? ""
-                                                        : "; the intensity of another sensor stands in, without noise"),
-           true, sensor.name});
-    }
     if (own || sensor.description.find("effects") == nullptr) continue;
     items.push_back({"effects of the sensor's file", "(`effects: sensor` uses them)", true, sensor.name});
   }

@@ -111,7 +111,6 @@ SensorDraw DrawnSensors::made(const Pipeline& pipeline, const Change& change) co
     drawn.mounts.push_back(readMount(change(written_.mounts[s], fmt::format("sensors.{}.mount", s), drawn.draws)));
     MountedSensor sensor;
     sensor.name = pipeline.sensors[s].name;
-    sensor.standIn = pipeline.sensors[s].standIn;
     sensor.description = written_.descriptions[s];
     if (Value* own = effectsIn(sensor.description)) {
       *own = change(*own, fmt::format("sensors.{}.effects", s), drawn.draws);

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -134,22 +135,6 @@ std::vector<Value> withoutNone(std::vector<Value> items) {
   return items;
 }
 
-void checkIsList(const Value& own) {
-  if (own.kind == Value::Kind::Sequence) return;
-  throw InputError(own.where, "a sensor's effects must be a list such as [range_noise: {sigma_m: 0.01}]");
-}
-
-// Checks the effects in the sensors' files, also if the pipeline does not use them.
-void checkSensorEffects(const Pipeline& pipeline, const EffectClasses& classes) {
-  for (const MountedSensor& sensor : pipeline.sensors) {
-    const Value* own = sensor.description.find("effects");
-    if (own == nullptr) continue;
-    checkIsList(*own);
-    std::vector<MadeEffect> made;
-    addEffects(withoutNone(own->items), classes, made);
-  }
-}
-
 std::vector<Value> effectItems(const Value& list) {
   if (list.kind == Value::Kind::Null) return {};
   if (list.kind == Value::Kind::Sequence) return withoutNone(list.items);
@@ -171,49 +156,44 @@ std::vector<Value> sensorEffectItems(const std::vector<Value>& items, const Moun
   const auto word = std::find_if(items.begin(), items.end(), meansSensor);
   if (word == items.end()) return items;
   const Value* own = sensor.description.find("effects");
-  if (own == nullptr && sensor.standIn) own = &*sensor.standIn;
   if (own == nullptr) {
     throw InputError(
         word->where,
         fmt::format(
             "the file of the sensor '{}' has no effects: measure them with `scanmill fit-noise`, write `effects:` into "
-            "the file, or name effects here (`scanmill list sensors` shows the presets with effects)",
+            "the file or beside the sensor (`effects: [intensity]`: its ranges are exact), or name effects here "
+            "(`scanmill list sensors` shows the presets with effects)",
             sensor.name));
   }
-  checkIsList(*own);
-  const std::vector<Value> owns = withoutNone(own->items);
-  std::vector<Value> expanded = owns;
-  const std::size_t owned = expanded.size();
-  std::vector<bool> changed(owned, false);
-  std::vector<bool> out(owned, false);
+  if (own->kind != Value::Kind::Sequence) {
+    throw InputError(own->where, "a sensor's effects must be a list such as [range_noise: {sigma_m: 0.01}]");
+  }
+  std::vector<Value> expanded = withoutNone(own->items);
+  std::set<std::string> changed;
   for (const Value& item : items) {
     if (&item == &*word) continue;
     if (meansSensor(item)) throw InputError(item.where, "the word `sensor` is listed twice");
     const NamedOptions change = readNamed(item, "an effect");
     requireEffect(change.name, change.where);
-    std::size_t index = 0;
-    while (index < owned && readNamed(owns[index], "an effect").name != change.name) ++index;
-    if (index == owned) {
-      if (!meansNone(change)) expanded.push_back(item);
-      continue;
-    }
-    if (changed[index]) {
+    if (!changed.insert(change.name).second) {
       throw InputError(change.where, fmt::format("the effect '{}' is listed twice beside `sensor`", change.name));
     }
-    changed[index] = true;
-    out[index] = meansNone(change);
-    if (out[index] || change.options.kind == Value::Kind::Null) continue;
-    if (change.options.kind != Value::Kind::Map) {
+    const auto old = std::find_if(expanded.begin(), expanded.end(), [&](const Value& effect) {
+      return readNamed(effect, "an effect").name == change.name;
+    });
+    if (old == expanded.end()) {
+      if (!meansNone(change)) expanded.push_back(item);
+    } else if (meansNone(change)) {
+      expanded.erase(old);
+    } else if (change.options.kind == Value::Kind::Map) {
+      *old = withKeysOf(readNamed(*old, "an effect"), change);
+    } else if (change.options.kind != Value::Kind::Null) {
       throw InputError(
           change.options.where,
           fmt::format(
               "effect {}: give a map of the keys to change, or `none` to leave out the effect of the sensor's file",
               change.name));
     }
-    expanded[index] = withKeysOf(readNamed(owns[index], "an effect"), change);
-  }
-  for (std::size_t i = owned; i-- > 0;) {
-    if (out[i]) expanded.erase(expanded.begin() + static_cast<std::ptrdiff_t>(i));
   }
   return expanded;
 }
@@ -269,33 +249,8 @@ bool takesSensorEffects(const Pipeline& pipeline) {
   return std::any_of(pipeline.effectItems.begin(), pipeline.effectItems.end(), meansSensor);
 }
 
-namespace {
-
-// Sets MountedSensor::standIn of the sensors whose files have no effects, if those of other sensors have some.
-void addStandIns(Pipeline& pipeline) {
-  bool some = false;
-  const Value* intensity = nullptr;  // of the first sensor that has one, so that intensities have one scale
-  for (const MountedSensor& sensor : pipeline.sensors) {
-    const Value* const own = sensor.description.find("effects");
-    if (own == nullptr || own->kind != Value::Kind::Sequence) continue;
-    some = true;
-    const auto found = std::find_if(own->items.begin(), own->items.end(),
-                                    [](const Value& item) { return readNamed(item, "an effect").name == "intensity"; });
-    if (intensity == nullptr && found != own->items.end()) intensity = &*found;
-  }
-  if (!some) return;
-  for (MountedSensor& sensor : pipeline.sensors) {
-    if (sensor.description.find("effects") != nullptr) continue;
-    sensor.standIn = parseYaml("[]", pipeline.file.string());
-    if (intensity != nullptr) sensor.standIn->items.push_back(*intensity);
-  }
-}
-
-}  // namespace
-
 void readEffects(const Value& written, Pipeline& pipeline) {
   const EffectClasses classes(pipeline);
-  checkSensorEffects(pipeline, classes);
   std::vector<DrawnValue> ignored;
   pipeline.effectItems = effectItems(withDraws(written, "effects", {.seed = pipeline.seed}, ignored));
   const std::vector<Value>& items = pipeline.effectItems;
@@ -304,7 +259,6 @@ void readEffects(const Value& written, Pipeline& pipeline) {
     for (MountedSensor& sensor : pipeline.sensors) sensor.effects = shared;
     return;
   }
-  addStandIns(pipeline);
   for (MountedSensor& sensor : pipeline.sensors) {
     sensor.effects = std::make_shared<const Effects>(makeEffects(sensorEffectItems(items, sensor), classes));
     const auto isLit = [](const MountedSensor& s) { return intensityFullScale(*s.effects) > 0; };

@@ -43,8 +43,7 @@ Value writtenEffects(const Value& root);
 bool takesSensorEffects(const Pipeline& pipeline);
 
 // Sets Pipeline::effectItems and MountedSensor::effects. `written`: the result of writtenEffects(). The pipeline's
-// sequences, sensors and ontology must have been read before. The lists in the sensors' files are checked even if they
-// are not used. Throws InputError.
+// sequences, sensors and ontology must have been read before. Throws InputError.
 void readEffects(const Value& written, Pipeline& pipeline);
 
 // Returns the effects of a sensor. `list`: the value of the key `effects`; Null: no effects. Throws InputError.

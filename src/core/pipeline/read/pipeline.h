@@ -37,9 +37,6 @@ struct MountedSensor {
   std::uint32_t revolutions = 1;  // greatest number of revolutions in one sample
   // Never null; all sensors share one list unless the pipeline's list contains `sensor`.
   std::shared_ptr<const Effects> effects;
-  // Stands for the effects that the sensor's file lacks, if the pipeline asks for those of the files and another sensor
-  // has some: a list, with `intensity` if the other sensor has an intensity.
-  std::optional<Value> standIn = {};
 };
 
 struct MethodChoice {

@@ -61,30 +61,8 @@ TEST_F(WayWarnings, TellOfSensorsFarAboveAndBeside) {
 
 TEST_F(WayWarnings, TellOfSensorsInsideOfThings) {
   EXPECT_THAT(warnings({"trajectories=[{poses: [{position: [8, 5, -1]}]}]"}),
-              Contains(AllOf(HasSubstr("'top' is inside 'car#1' (car)"), HasSubstr("[8.00, 5.00, 0.80]"))));
-}
-
-// A house with panels within, which make it look open to a ray that counts its walls.
-TEST_F(WayWarnings, TellOfSensorsThatSeeOneThingAlone) {
-  std::string obj = "o house\n";
-  for (const double size : {5.0, 4.0}) {
-    for (int i = 0; i < 8; ++i) {
-      obj += fmt::format("v {} {} {}\n", i & 1 ? size : -size, i & 2 ? size : -size, i & 4 ? size : -size);
-    }
-  }
-  obj += "f 1 2 4 3\nf 5 6 8 7\nf 1 2 6 5\nf 3 4 8 7\nf 1 3 7 5\nf 2 4 8 6\n";  // walls
-  obj += "f 9 11 15 13\nf 10 12 16 14\nf 9 10 14 13\n";                         // panels
-  folder_.write("house.obj", obj);
-  const std::string scene = folder_
-                                .write("house.yaml", fmt::format("ontology: {0}/labels/scanmill.yaml\nmaterials: "
-                                                                 "{0}/labels/materials.yaml\nobjects:\n  - {{file: "
-                                                                 "house.obj, class: building, material: brick}}\n",
-                                                                 SCANMILL_SOURCE_DIR))
-                                .string();
-  EXPECT_THAT(warnings({"scenes.0.scene=" + scene, "trajectories=[{poses: [{position: [0, 0, -2]}]}]"}),
-              Contains(HasSubstr("'top' sees nothing but 'house' (building)")));
-  EXPECT_THAT(warnings({"scenes.0.scene=" + scene, "trajectories=[{poses: [{position: [0, 7, -2]}]}]"}),
-              Not(Contains(HasSubstr("nothing but"))));
+              Contains(AllOf(HasSubstr("'top' sees nothing beside and above it but surfaces of the class car"),
+                             HasSubstr("[8.00, 5.00, 0.80]"))));
 }
 
 // A tower whose walls and roof are objects of their own, and a rail that is lower than most of a car.
@@ -108,9 +86,6 @@ TEST_F(WayWarnings, TellOfTowersOfSeveralPartsAndOfLowRails) {
   EXPECT_THAT(warnings({"scenes.0.scene=" + scene, "trajectories=[{poses: [{position: [0, 7, 0.5]}]}]"}), IsEmpty());
   EXPECT_THAT(warnings({"scenes.0.scene=" + scene, drive("[[20, 0, 0], [5, 0, 0]]", ", ground: drop")}),
               ElementsAre(HasSubstr("its path goes through 'rail' (fence) at [10.05, ")));
-  EXPECT_THAT(
-      warnings({"scenes.0.scene=" + scene, drive("[[20, 0, 0], [-8, 0, 0]]", ", ground: drop")}),
-      Contains(AllOf(HasSubstr("'rail' (fence) at [10.05, "), HasSubstr("and through 2 more objects (building)"))));
 }
 
 TEST_F(WayWarnings, TellOfWaysThroughWallsAndLowThings) {
@@ -158,10 +133,10 @@ TEST_F(WayWarnings, TellWhatTheVehicleMeetsFirst) {
                                 HasSubstr("the box of its `vehicle`, 0.50 x 0.40 m, from 0.10 to 0.35 m"))));
   // The robot is wide enough to touch a leg, in whichever direction it drives.
   EXPECT_THAT(told("waypoints: [[2.45, -3, 0], [2.45, -0.6, 0]]" + speed),
-              ElementsAre(AllOf(HasSubstr("'leg' (object) at [2.4"), Not(HasSubstr("more")))));
+              ElementsAre(HasSubstr("'leg' (object) at [2.4")));
   // Without a model of the vehicle, its sensors and the wheels that are given.
   EXPECT_THAT(told("waypoints: [[-3, -0.47, 0], [5, -0.47, 0]]" + speed, "vehicle=null"),
-              ElementsAre(AllOf(HasSubstr("'leg' (object) at [1.5"), HasSubstr("and through 1 more object (object)"),
+              ElementsAre(AllOf(HasSubstr("'leg' (object) at [1.5"),
                                 HasSubstr("its sensors, 0.40 x 0.30 m, from 0.10 to 0.42"))));
   EXPECT_THAT(told("waypoints: [[-3, -0.55, 0], [5, -0.55, 0]]" + speed, "vehicle=null"), IsEmpty());
   EXPECT_THAT(told("waypoints: [[-3, 4, 0], [5, 4, 0]]" + speed),
@@ -179,12 +154,12 @@ TEST_F(WayWarnings, BoxesTouchTheNearSideForwardsAndBackwards) {
   const Scene scene = ShotSource(plan).load(0);
   for (const double yaw : {0.0, std::numbers::pi}) {
     const Quat heading = fromYawPitchRoll(yaw, 0, 0);
-    const std::vector<BoxContact> contacts =
+    const std::optional<BoxContact> contact =
         sweepBoxes(scene, {{{-0.5, -0.5, 0.5}, {0.5, 0.5, 1}}}, {{{heading, {3, 5, 0}}, {heading, {9, 5, 0}}}},
                    [](const Instance&, const Surface&, const Vec3d&) { return true; });
-    ASSERT_FALSE(contacts.empty());
-    EXPECT_EQ(contacts.front().instance->name, "car#1");
-    EXPECT_NEAR(contacts.front().position.x, 6, 1e-6) << yaw;
+    ASSERT_TRUE(contact);
+    EXPECT_EQ(contact->instance->name, "car#1");
+    EXPECT_NEAR(contact->position.x, 6, 1e-6) << yaw;
   }
 }
 

@@ -87,7 +87,8 @@ TEST_F(SensorEffectsOf, NameTheirClass) {
   EXPECT_THAT(refusal(weather("99"), wide, wide),
               AllOf(HasSubstr("yard.yaml:"), HasSubstr("label"), HasSubstr("has the id 99")));
   EXPECT_THAT(refusal(weather("-1"), wide, wide), HasSubstr("yard.yaml:"));
-  EXPECT_THAT(refusal("", wide, "effects: [blooming: {label: 99}, intensity]\n"), HasSubstr("second.yaml:"));
+  EXPECT_THAT(refusal("effects: sensor\n", wide, "effects: [blooming: {label: 99}, intensity]\n"),
+              HasSubstr("second.yaml:"));
 }
 
 TEST_F(SensorEffectsOf, AreLeftOutOtherwise) {
@@ -128,25 +129,6 @@ TEST_F(SensorEffectsOf, EachScanHasItsOwn) {
   EXPECT_EQ(scans[1].points, 0u);
 }
 
-// A sensor whose file has no effects, beside one whose file has some, has exact ranges, and is told of.
-TEST_F(SensorEffectsOf, AreLeftOutForASensorWithoutAny) {
-  const Pipeline dark =
-      pipeline("effects: [sensor, dropout: {probability: 0.5}]\n", "effects: [quantize: {step_m: 1}]\n", "");
-  EXPECT_THAT(names(dark, 1), ElementsAre("dropout"));
-  const Pipeline lit = pipeline("effects: sensor\n", "effects: [intensity, quantize: {step_m: 1}]\n", "");
-  EXPECT_THAT(names(lit, 0), ElementsAre("intensity", "quantize"));
-  EXPECT_THAT(names(lit, 1), ElementsAre("intensity"));
-  const Pipeline scaled = pipeline("effects: sensor\n", "effects: [intensity: {output: u8}]\n", "");
-  EXPECT_EQ(intensityFullScale(*scaled.sensors[1].effects), 255);
-  EXPECT_THAT(sensorWarnings(makePlan(lit)),
-              ElementsAre(AllOf(HasSubstr("'b' has no effects"), HasSubstr("fit-noise"))));
-  EXPECT_THAT(linesOf(modelled(makePlan(lit), {})),
-              Contains(HasSubstr("effects of the sensor's file of 'b': left out")));
-  const char* random = "effects: [sensor, dropout: {probability: {uniform: [0, 1], per: frame}}]\n";
-  EXPECT_NE(pipeline(random, "effects: [intensity]\n", "").drawn, nullptr);
-  EXPECT_THAT(sensorWarnings(makePlan(pipeline("effects: [intensity]\n", "effects: [intensity]\n", ""))), IsEmpty());
-}
-
 // Rain and fog need the width of the beam, the pulse and the near range; usual values stand for those that a sensor's
 // file lacks.
 TEST_F(SensorEffectsOf, ValuesThatWeatherAssumesAreReported) {
@@ -180,12 +162,12 @@ TEST_F(SensorEffectsOf, AreRefusedWithAdvice) {
                   {"effects: [sensor, range_noise: 3]", "the keys to change"},
                   {"effects: [sensor, range_noise: {sigma: 3}]", "yard.yaml: | did you mean 'sigma_m'"},
                   {"effects: sensors", "`sensor`"}});
-  expectRefusals([&](const std::string& own) { return refusal("", own + "\n", ""); },
+  expectRefusals([&](const std::string& own) { return refusal("effects: sensor\n", own + "\n", noise); },
                  {{"effects: {range_noise: {sigma_m: 1}}", "first.yaml: | must be a list"},
                   {"effects: [range_nois]", "first.yaml: | did you mean 'range_noise'"},
                   {"effects: [sensor]", "unknown effect 'sensor'"}});
   expectRefusals([&](const std::string& own) { return refusal("effects: sensor\n", own, own.empty() ? "" : noise); },
-                 {{"", "yard.yaml: | 'a' | fit-noise | name effects here"},
+                 {{"", "yard.yaml: | 'a' | fit-noise | effects: [intensity] | name effects here"},
                   {"effects: [intensity]\n", "has an intensity, but all scans | 'b'"}});
   EXPECT_TRUE(names(pipeline("effects: [range_noise: none, none]\n", noise, noise), 0).empty());
 }
