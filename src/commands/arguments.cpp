@@ -13,8 +13,6 @@
 #include "config/fields.h"
 #include "config/resources.h"
 #include "config/text.h"
-#include "dataset/folder_contents.h"
-#include "dataset/shard_name.h"
 
 namespace scanmill {
 
@@ -198,24 +196,6 @@ std::shared_ptr<const Recording> recordingOf(const Arguments& arguments) {
   if (!hits.empty()) return std::make_shared<const Recording>(readRecording(hits, RecordingKind::Hits));
   if (!passes.empty()) return std::make_shared<const Recording>(readRecording(passes, RecordingKind::Passes));
   return nullptr;
-}
-
-void expectDataset(const std::filesystem::path& folder, std::string_view command) {
-  std::error_code unreadable;
-  if (std::filesystem::exists(folder, unreadable) && !std::filesystem::is_directory(folder, unreadable)) {
-    throw InputError({folder.string()}, fmt::format("{} takes the folder of a dataset, not a file", command));
-  }
-  const std::filesystem::path manifest = folder / kManifestName;
-  if (std::filesystem::exists(manifest, unreadable)) return;
-  if (isUnfinished(folder)) {
-    throw InputError({folder.string()},
-                     fmt::format("{} takes the folder of a complete dataset, but this one is unfinished: `scanmill "
-                                 "generate PIPELINE -o {} --resume` completes it",
-                                 command, folder.string()));
-  }
-  throw InputError({folder.string()},
-                   fmt::format("{} takes the folder of a dataset, but the file {} does not exist{}", command,
-                               manifest.string(), unreadable ? ": " + unreadable.message() : ""));
 }
 
 ResourceLimits::ResourceLimits(const Arguments& arguments)

@@ -95,7 +95,4 @@ std::uint64_t countOption(const Arguments& arguments, const char* name);
 // Returns the folder that an option names; empty if the option is not given. Throws InputError for an empty name.
 std::string folderOption(const Arguments& arguments, const std::string& name);
 
-// Throws InputError if the folder has no manifest. `command`: name of the command in the message.
-void expectDataset(const std::filesystem::path& folder, std::string_view command);
-
 }  // namespace scanmill

@@ -9,6 +9,7 @@
 #include "commands/arguments.h"
 #include "commands/stop_signal.h"
 #include "config/resources.h"
+#include "dataset/folder_contents.h"
 #include "pipeline/run/progress.h"
 
 namespace scanmill {
@@ -47,7 +48,7 @@ int runExport(const std::vector<std::string>& arguments) {
   if (parsed.help) return 0;
   ExportOptions chosen;
   chosen.dataset = parsed.positional("DIR");
-  expectDataset(chosen.dataset, "export");
+  requireDataset(chosen.dataset);
   if (!parsed.has("to")) throw InputError("--to LAYOUT is missing; the layouts are:\n" + layoutLines());
   chosen.layout = &requireLayout(parsed.text("to"));
   chosen.folder = folderOption(parsed, "out");

@@ -23,10 +23,6 @@ bool isCalibration(const std::filesystem::path& file);
 // Prints a calibration of Velodyne, Ouster or Hesai: see sensors/calibration.h.
 void printCalibration(const std::filesystem::path& file);
 
-// Print a recording's folder, and one EXR image of passes or hits.
-void printRecording(const std::filesystem::path& folder);
-void printExr(const std::filesystem::path& file);
-
 // Prints a scene file. `seed`: seed of a procedural scene.
 void printScene(const std::filesystem::path& file, std::uint64_t seed);
 // Prints a 3D file; also its colours if `options.textures` is true.

@@ -8,6 +8,7 @@
 #include "base/terminal.h"
 #include "commands/arguments.h"
 #include "commands/stop_signal.h"
+#include "dataset/folder_contents.h"
 #include "dataset/shard_name.h"
 #include "pipeline/plan/dataset_plan.h"
 
@@ -32,7 +33,7 @@ int runRegenerate(const std::vector<std::string>& arguments) {
   const ResourceLimits limits(parsed);
   const bool quiet = parsed.has("quiet");
   const std::string asked = parsed.text("shards");
-  expectDataset(folder, "regenerate");
+  requireDataset(folder);
   const std::filesystem::path manifestFile = std::filesystem::path(folder) / kManifestName;
   expectUnchanged(manifestFile, readFile(manifestFile));
   std::map<std::uint32_t, std::string> undescribed;

@@ -9,6 +9,7 @@
 #include "base/terminal.h"
 #include "commands/arguments.h"
 #include "commands/stop_signal.h"
+#include "dataset/folder_contents.h"
 #include "report/dataset/dataset_report.h"
 
 namespace scanmill {
@@ -64,7 +65,7 @@ int runReport(const std::vector<std::string>& arguments) {
                                           "  scanmill report out/quickstart -o quickstart.html --samples 8 --seed 7\n");
   if (parsed.help) return 0;
   const std::filesystem::path folder = parsed.positional("DATASET");
-  expectDataset(folder, "report");
+  requireDataset(folder);
   const bool named = parsed.has("out");
   const std::filesystem::path file = named ? parsed.text("out") : defaultName(folder);
   if (file.empty()) throw InputError("-o: the name of the file is empty");

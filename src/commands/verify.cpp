@@ -2,14 +2,13 @@
 
 #include <fmt/core.h>
 
-#include <filesystem>
 #include <optional>
 
 #include "base/parallel.h"
 #include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"
-#include "dataset/shard_name.h"
+#include "dataset/folder_contents.h"
 #include "pipeline/run/progress.h"
 
 namespace scanmill {
@@ -23,13 +22,7 @@ int runVerify(const std::vector<std::string>& arguments) {
   if (parsed.help) return 0;
   const std::string folder = parsed.positional("DIR");
   const ResourceLimits limits(parsed);
-  std::error_code ignored;
-  if (!std::filesystem::exists(std::filesystem::path(folder) / kManifestName, ignored) && recordingIn(folder)) {
-    throw InputError({folder},
-                     "is a recording, which verify does not check: `scanmill generate` checks each of its "
-                     "files as it reads it (--from-hits, --from-passes)");
-  }
-  expectDataset(folder, "verify");
+  requireDataset(folder);
   std::optional<Progress> progress(std::in_place, "verify", 0, "shards", "shards", parsed.has("quiet"));
   const Verification v = verifyDataset(folder, [&](std::uint64_t, std::uint64_t total) {
     progress->setTotal(total);

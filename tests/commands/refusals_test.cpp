@@ -86,9 +86,9 @@ const Refusal kRefusals[] = {
 
     {"verify", "DIR is missing"},
     {"verify absent", "absent"},
-    {"verify P", "verify takes the folder of a dataset, not a file"},
-    {"verify @filled", "verify takes the folder of a dataset, but the file "},
-    {"verify @begun", "this one is unfinished: `scanmill generate PIPELINE -o "},
+    {"verify P", "is a file: name the folder of a dataset"},
+    {"verify @filled", "is not a dataset: it has no manifest.json"},
+    {"verify @begun", "has an unfinished dataset: `scanmill generate` writes manifest.json last"},
     {"verify @hits", "is a recording"},
 
     {"info", "FILE|DIR is missing"},
@@ -103,8 +103,7 @@ const Refusal kRefusals[] = {
     {"info S/scenes/village.osm", "town: {map: FILE}"},
 
     {"report", "DATASET is missing"},
-    {"report absent", "manifest.json does not exist"},
-    {"report P", "not a file"},
+    {"report absent", "absent: does not exist"},
     {"report A -o @there.html", "--overwrite"},
     {"report A -o A", "is a folder"},
     {"report A -o @there.html/a.html", "is a file"},

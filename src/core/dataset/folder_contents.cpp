@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "dataset/manifest.h"
+#include "dataset/recording.h"
 #include "dataset/shard_name.h"
 
 namespace scanmill {
@@ -51,6 +52,28 @@ bool couldBeSplit(const fs::path& folder) {
 bool isUnfinished(const fs::path& folder) {
   std::error_code ignored;
   return fs::exists(folder / kHiddenName / kPlanName, ignored);
+}
+
+void requireDataset(const fs::path& folder, const std::string& otherwise) {
+  std::error_code failure;
+  if (fs::exists(folder / kManifestName, failure)) return;
+  const auto refuse = [&](const std::string& why) { throw InputError({folder.string()}, why); };
+  if (failure) refuse("cannot be read: " + failure.message());
+  if (!fs::exists(folder, failure)) refuse("does not exist: name the folder of a dataset");
+  if (!fs::is_directory(folder, failure)) refuse("is a file: name the folder of a dataset");
+  if (recordingIn(folder)) {
+    refuse(
+        "is a recording, not a dataset: `scanmill generate --from-hits` or `--from-passes` makes scans from it, and "
+        "checks each of its files");
+  }
+  if (isUnfinished(folder)) {
+    refuse(
+        fmt::format("has an unfinished dataset: `scanmill generate` writes {} last. Wait until it ends, or, if it "
+                    "was stopped, run it again with --resume",
+                    kManifestName));
+  }
+  refuse(
+      fmt::format("is not a dataset: it has no {}, which `scanmill generate` writes last{}", kManifestName, otherwise));
 }
 
 FolderContents contentsOf(const fs::path& folder) {

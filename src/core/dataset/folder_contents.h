@@ -25,6 +25,10 @@ struct FolderContents {
 // True if a dataset was started in the folder and not completed.
 bool isUnfinished(const std::filesystem::path& folder);
 
+// Throws InputError if the folder has no manifest; the message says what the folder is instead. `otherwise`: what else
+// the caller could read, for the message of a folder that has nothing of this program.
+void requireDataset(const std::filesystem::path& folder, const std::string& otherwise = "");
+
 // Lists the files in the folder and in its subfolders. Throws std::filesystem::filesystem_error.
 FolderContents contentsOf(const std::filesystem::path& folder);
 

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/hash.h"
+#include "dataset/folder_contents.h"
 #include "dataset/json_record.h"
 #include "dataset/manifest.h"
 #include "dataset/shard_name.h"
@@ -103,12 +104,7 @@ Manifest readManifest(const std::filesystem::path& folder) {
 
 Manifest readManifest(const std::filesystem::path& folder, std::map<std::uint32_t, std::string>& undescribed) {
   const std::filesystem::path file = folder / kManifestName;
-  std::error_code ignored;
-  if (std::filesystem::is_directory(folder, ignored) && !std::filesystem::exists(file, ignored)) {
-    throw InputError({folder.string()},
-                     "has no manifest.json: it is not a dataset, or the run that wrote it did not end: continue it by "
-                     "generate --resume, or start again with --overwrite");
-  }
+  requireDataset(folder);
   const std::string text = readFile(file);
   try {
     return described(parseManifest(text, file.string()), folder, undescribed);

@@ -30,28 +30,6 @@ namespace {
 // which takes 40 bytes.
 constexpr std::size_t kMostFilledBeams = std::size_t{1} << 23;
 
-void requireDataset(const fs::path& folder) {
-  std::error_code ignored;
-  if (fs::exists(folder / kManifestName, ignored)) return;
-  if (recordingIn(folder)) {
-    throw InputError(
-        {folder.string()},
-        "is a recording, not a dataset: `scanmill generate --from-hits` or `--from-passes` makes scans from it");
-  }
-  if (isUnfinished(folder)) {
-    throw InputError(
-        {folder.string()},
-        fmt::format("has an unfinished dataset: `scanmill generate` writes {} last. Wait until it ends, or, "
-                    "if it was stopped, run it again with --resume",
-                    kManifestName));
-  }
-  throw InputError({folder.string()},
-                   fmt::format("is not a dataset: it has no {}, which `scanmill generate` writes last. Without it, "
-                               "these can be opened: a shard (.tar), a single scan, and a folder of recorded scans of "
-                               "SemanticKITTI, KITTI or nuScenes, or with files {}",
-                               kManifestName, scanSuffixes()));
-}
-
 // Returns the manifest that lists the shard, from the shard's folder or the folder above it; null if neither has such a
 // manifest. Sets `folderOfManifest`.
 std::shared_ptr<const Manifest> manifestOf(const fs::path& shard, fs::path& folderOfManifest) {
@@ -139,7 +117,10 @@ void ScanStore::openDataset() {
     for (const FolderScan& scan : recorded_->scans) addSample(scan.key, {});
     return;
   }
-  requireDataset(path_);
+  requireDataset(path_,
+                 ". Without it, these can be opened: a shard (.tar), a single scan, and a folder of recorded "
+                 "scans of SemanticKITTI, KITTI or nuScenes, or with files " +
+                     scanSuffixes());
   folder_ = path_;
   manifest_ = std::make_shared<const Manifest>(readManifest(path_));
   for (const ShardRecord& s : manifest_->shards) shards_.push_back({path_ / s.file, nullptr});
@@ -147,7 +128,7 @@ void ScanStore::openDataset() {
 }
 
 void ScanStore::openShard() {
-  shards_.push_back({path_, std::make_unique<const ShardIndex>(path_, DamagedShard::ReadAsFarAsWhole)});
+  shards_.push_back({path_, std::make_unique<const ShardIndex>(path_)});
   manifest_ = manifestOf(path_, folder_);
   for (const ShardMember& member : shards_.front().index->members()) {
     const MemberName name = partsOfMember(member.name);
@@ -279,23 +260,28 @@ const ShardIndex& ScanStore::shard(std::size_t number) const {
     throw InputError({shard.file.string()},
                      "is missing, although the manifest lists it: copy it here, or generate the dataset again");
   }
-  shard.index = std::make_unique<const ShardIndex>(shard.file, DamagedShard::ReadAsFarAsWhole);
+  shard.index = std::make_unique<const ShardIndex>(shard.file);
   return *shard.index;
+}
+
+std::optional<std::string> ScanStore::bytesOf(std::size_t sample, const std::string& name) const {
+  const ShardIndex& index = shard(samples_.at(sample).shard);
+  const ShardMember* const member = index.find(name);
+  if (member == nullptr) return {};
+  std::string bytes = index.read(*member);
+  requireUnchanged(samples_[sample], name, bytes);
+  return bytes;
 }
 
 std::optional<SampleObjects> ScanStore::objects(std::size_t sample) const {
   if (single_ || manifest_ == nullptr) return {};
   const std::string name = objectsMember(keys_.at(sample));
-  const ShardIndex& index = shard(samples_.at(sample).shard);
-  const ShardMember* const member = index.find(name);
-  if (member == nullptr) {
-    const SampleRecord* const record = samples_[sample].record;
-    if (record == nullptr || !record->objects) return {};
-    throw InputError({index.file().string()}, fmt::format("has no member {}, but the manifest lists it", name));
-  }
-  const std::string bytes = index.read(*member);
-  requireUnchanged(samples_[sample], name, bytes);
-  return parseObjects(bytes, name, manifest_->ontology);
+  const std::optional<std::string> bytes = bytesOf(sample, name);
+  if (bytes) return parseObjects(*bytes, name, manifest_->ontology);
+  const Sample& own = samples_[sample];
+  if (own.record == nullptr || !own.record->objects) return {};
+  throw InputError({shards_[own.shard].file.string()},
+                   fmt::format("has no member {}, but the manifest lists it", name));
 }
 
 std::optional<std::string> ScanStore::voxels(std::size_t sample, const std::string& sensor) const {
@@ -305,13 +291,7 @@ std::optional<std::string> ScanStore::voxels(std::size_t sample, const std::stri
   named.sensor = scan.sensor;
   named.revolution = scan.revolution;
   named.method = scan.method;
-  const std::string name = keys_.at(sample) + "." + memberSuffix(named, kVoxelsSuffix);
-  const ShardIndex& index = shard(samples_.at(sample).shard);
-  const ShardMember* const member = index.find(name);
-  if (member == nullptr) return {};
-  std::string bytes = index.read(*member);
-  requireUnchanged(samples_[sample], name, bytes);
-  return bytes;
+  return bytesOf(sample, keys_.at(sample) + "." + memberSuffix(named, kVoxelsSuffix));
 }
 
 void ScanStore::requireUnchanged(const Sample& sample, const std::string& member, std::string_view bytes) const {

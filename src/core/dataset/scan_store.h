@@ -98,6 +98,8 @@ class ScanStore {
   const ShardIndex& shard(std::size_t number) const;
 
   void requireUnchanged(const Sample& sample, const std::string& member, std::string_view bytes) const;
+  // Returns the bytes of a member of a sample's shard; nothing if the shard does not have it.
+  std::optional<std::string> bytesOf(std::size_t sample, const std::string& name) const;
 
   Digests digests_;
   std::filesystem::path path_;

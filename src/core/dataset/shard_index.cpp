@@ -25,12 +25,12 @@ std::string errnoText(int error) {
 
 }  // namespace
 
-ShardIndex::ShardIndex(std::filesystem::path file, DamagedShard damaged) : file_(std::move(file)) {
+ShardIndex::ShardIndex(std::filesystem::path file) : file_(std::move(file)) {
   TarReader tar(file_, kHeaderBytes);
   try {
     while (tar.next()) members_.push_back({tar.name(), tar.offset(), tar.bytes()});
   } catch (const InputError& e) {
-    if (damaged == DamagedShard::Refused || members_.empty()) throw;
+    if (members_.empty()) throw;
     damage_ = e.what();
   }
   byName_.reserve(members_.size());

@@ -17,17 +17,11 @@ struct ShardMember {
   std::uint64_t bytes = 0;
 };
 
-// How to treat a shard whose end is missing or damaged.
-enum class DamagedShard {
-  Refused,           // the constructor throws
-  ReadAsFarAsWhole,  // the members before the damage can be read; the constructor throws if the first is damaged
-};
-
 class ShardIndex {
  public:
-  // Reads only the members' headers. Throws the InputError of readTar() for files that it refuses, except as
-  // DamagedShard describes.
-  explicit ShardIndex(std::filesystem::path file, DamagedShard damaged = DamagedShard::Refused);
+  // Reads only the members' headers. If the end of the file is missing or damaged, the members before the damage can be
+  // read. Throws the InputError of readTar() if the first member is damaged.
+  explicit ShardIndex(std::filesystem::path file);
   ShardIndex(const ShardIndex&) = delete;
   ShardIndex& operator=(const ShardIndex&) = delete;
 

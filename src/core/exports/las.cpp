@@ -26,6 +26,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 
 #include "base/error.h"
 #include "base/vec.h"
@@ -60,7 +61,8 @@ struct LasPoints {
 // A column that is stored after the fields of the point format.
 struct LasExtra {
   std::string_view name;  // at most 32 characters
-  ColumnType type;
+  std::uint8_t type;      // number of the type in the descriptor
+  std::size_t bytes;
   std::string_view unit;  // may be empty
 };
 
@@ -103,26 +105,12 @@ std::string classNames(const Ontology& classes) {
   return bytes;
 }
 
-std::uint8_t extraType(ColumnType type) {
-  switch (type) {
-    case ColumnType::UInt8:
-      return 1;
-    case ColumnType::UInt16:
-      return 3;
-    case ColumnType::UInt32:
-      return 5;
-    case ColumnType::Float32:
-      return 9;
-  }
-  return 0;
-}
-
 // Returns the descriptors of the extra bytes, 192 bytes for each column.
 std::string descriptors(std::span<const LasExtra> extra) {
   std::string bytes;
   for (const LasExtra& column : extra) {
     putNumber(std::uint16_t{0}, bytes);
-    putNumber(extraType(column.type), bytes);
+    putNumber(column.type, bytes);
     putNumber(std::uint8_t{0}, bytes);  // options: no value for "no data", no range, no scale and no offset
     putText(std::string(column.name), 32, bytes);
     bytes.append(4 + 5 * 24, '\0');
@@ -139,7 +127,7 @@ std::string lasHead(const LasPoints& points, std::span<const LasExtra> extra, co
   putRecord("LASF_Spec", 0, "classification lookup", classNames(classes), records);
   if (!extra.empty()) putRecord("LASF_Spec", 4, "extra bytes", descriptors(extra), records);
   std::size_t pointBytes = LasPoints::kBytes;
-  for (const LasExtra& column : extra) pointBytes += bytesOf(column.type);
+  for (const LasExtra& column : extra) pointBytes += column.bytes;
 
   std::string bytes = "LASF";
   putNumber(std::uint16_t{0}, bytes);  // file source ID: none
@@ -261,9 +249,11 @@ class Las : public ScanFiles {
       ++points.count;
     }
     std::vector<LasExtra> extra;
-    forEachColumn([&](auto key) {
+    visitTable(scan, [&]<class T>(auto key, const std::vector<T>&) {
+      constexpr std::uint8_t kType = std::is_floating_point_v<T> ? 9 : sizeof(T) == 1 ? 1 : sizeof(T) == 2 ? 3 : 5;
       if (!extraColumns.has(key)) return;
-      extra.push_back({key.index == kIntensity.index ? kLasExactIntensity : key.row.name, key.row.type, key.row.unit});
+      const std::string_view name = key.index == kIntensity.index ? kLasExactIntensity : key.row.name;
+      extra.push_back({name, kType, sizeof(T), key.row.unit});
     });
     return lasHead(points, extra, plan.classes.target()) + bytes;
   }

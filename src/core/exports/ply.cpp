@@ -16,6 +16,7 @@
 #include <array>
 #include <map>
 #include <string_view>
+#include <type_traits>
 
 #include "exports/scan_files.h"
 #include "formats/little_endian.h"
@@ -28,19 +29,12 @@ using Color = std::array<std::uint8_t, 3>;
 
 constexpr std::uint8_t kMiddleGrey = 128;  // grey level of points with neither class nor intensity
 
-constexpr std::string_view plyType(ColumnType type) {
-  switch (type) {
-    case ColumnType::Float32:
-      return "float";
-    case ColumnType::UInt8:
-      return "uchar";
-    case ColumnType::UInt16:
-      return "uint16";  // the same as ushort, but Open3D skips properties of type ushort
-    case ColumnType::UInt32:
-      return "uint";
-  }
-  return {};
-}
+// PLY's name of a type. uint16 is the same as ushort, but Open3D skips properties of type ushort.
+template <class T>
+constexpr std::string_view kPlyType = std::is_floating_point_v<T> ? "float"
+                                      : sizeof(T) == 1            ? "uchar"
+                                      : sizeof(T) == 2            ? "uint16"
+                                                                  : "uint";
 
 // Replaces line breaks by blanks, because a line break would end a comment of the header.
 std::string oneLine(std::string text) {
@@ -69,8 +63,8 @@ std::string header(const ExportPlan& plan, const ExportSample& sample, const Exp
       "element vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
       "property uchar red\nproperty uchar green\nproperty uchar blue\n",
       points);
-  forEachColumn([&](auto key) {
-    if (columns.has(key)) text += fmt::format("property {} {}\n", plyType(key.row.type), key.row.name);
+  visitTable(given.scan, [&]<class T>(auto key, const std::vector<T>&) {
+    if (columns.has(key)) text += fmt::format("property {} {}\n", kPlyType<T>, key.row.name);
   });
   return text + "end_header\n";
 }

@@ -180,17 +180,12 @@ void putMarker(std::uint64_t time, std::string_view frame, const RosMarker& mark
   out.text("").count(0).number(false);  // mesh_file: filename, data; mesh_use_embedded_materials
 }
 
-// PointField has no 64-bit integers: they are converted to doubles, which are exact up to 2^53.
+// Returns the number that PointField has for a type of the table of columns.
 template <class T>
-using FieldValue = std::conditional_t<sizeof(T) == 8, double, T>;
-
-template <class T>
-constexpr std::uint8_t kDatatype = std::is_floating_point_v<T>
-                                       ? (sizeof(T) == 4 ? 7 : 8)
-                                       : static_cast<std::uint8_t>((sizeof(T) == 1   ? 1
-                                                                    : sizeof(T) == 2 ? 3
-                                                                                     : 5) +
-                                                                   (std::is_unsigned_v<T> ? 1 : 0));
+constexpr std::uint8_t kDatatype = std::is_floating_point_v<T> ? 7
+                                   : sizeof(T) == 1            ? 2
+                                   : sizeof(T) == 2            ? 4
+                                                               : 6;
 
 constexpr std::size_t roundedUp(std::size_t value, std::size_t multiple) {
   return (value + multiple - 1) / multiple * multiple;
@@ -201,15 +196,13 @@ constexpr std::size_t roundedUp(std::size_t value, std::size_t multiple) {
 template <class Visit>
 std::size_t visitFields(const Scan& scan, Visit&& visit) {
   std::size_t offset = sizeof(Vec3f);
-  std::size_t widest = sizeof(float);
-  visitColumns(scan, [&]<class T>(std::string_view name, const std::vector<T>& values) {
-    constexpr std::size_t kSize = sizeof(FieldValue<T>);
-    offset = roundedUp(offset, kSize);
-    visit(name, values, offset);
-    offset += kSize;
-    widest = std::max(widest, kSize);
+  visitTable(scan, [&]<class T>(auto key, const std::vector<T>& values) {
+    if (!scan.has(key)) return;
+    offset = roundedUp(offset, sizeof(T));
+    visit(key.row.name, values, offset);
+    offset += sizeof(T);
   });
-  return roundedUp(offset, widest);
+  return roundedUp(offset, sizeof(float));
 }
 
 }  // namespace
@@ -248,7 +241,7 @@ std::string pointCloudMessage(std::uint64_t time, std::string_view frame, const 
   Cdr out;
   out.header(time, frame).number(scan.height()).number(scan.width());
   std::size_t fields = 3;
-  visitColumns(scan, [&](std::string_view, const auto&) { ++fields; });
+  visitFields(scan, [&](std::string_view, const auto&, std::size_t) { ++fields; });
   const auto putField = [&](std::string_view name, std::size_t offset, std::uint8_t datatype) {
     out.text(name).number(static_cast<std::uint32_t>(offset)).number(datatype).number(std::uint32_t{1});
   };
@@ -258,7 +251,7 @@ std::string pointCloudMessage(std::uint64_t time, std::string_view frame, const 
   putField("z", offsetof(Vec3f, z), kDatatype<float>);
   const std::size_t step =
       visitFields(scan, [&]<class T>(std::string_view name, const std::vector<T>&, std::size_t offset) {
-        putField(name, offset, kDatatype<FieldValue<T>>);
+        putField(name, offset, kDatatype<T>);
       });
   out.number(std::endian::native == std::endian::big).number(static_cast<std::uint32_t>(step));
   out.count(step * scan.width()).count(step * scan.size());  // bytes of a row, bytes of all rows
@@ -266,8 +259,7 @@ std::string pointCloudMessage(std::uint64_t time, std::string_view frame, const 
   for (std::size_t i = 0; i < scan.size(); ++i) std::memcpy(points + i * step, &scan.position[i], sizeof(Vec3f));
   visitFields(scan, [&]<class T>(std::string_view, const std::vector<T>& values, std::size_t offset) {
     for (std::size_t i = 0; i < values.size(); ++i) {
-      const auto value = static_cast<FieldValue<T>>(values[i]);
-      std::memcpy(points + i * step + offset, &value, sizeof(value));
+      std::memcpy(points + i * step + offset, &values[i], sizeof(T));
     }
   });
   out.number(!scan.organised);  // is_dense: true if no point is invalid

@@ -19,7 +19,6 @@
 
 #include <algorithm>
 #include <map>
-#include <mutex>
 #include <set>
 
 #include "base/error.h"
@@ -171,11 +170,13 @@ class SemanticKitti : public Layout {
           "not read them; semantic-kitti.yaml and semantickitti_infos_*.json list all",
           others, plan.sequences.size()));
     }
-    if (const std::scoped_lock lock(mutex_); !renumbered_.empty()) {
+    std::size_t renumbered = 0;
+    for (std::size_t s = 0; s < plan.sequences.size(); ++s) renumbered += newNumbers(s).empty() ? 0 : 1;
+    if (renumbered > 0) {
       warnings.push_back(
           fmt::format("instances have new numbers from 1 in {} of {} sequences, since SemanticKITTI's labels store ids "
                       "up to {}; they do not join the dataset's",
-                      renumbered_.size(), plan.sequences.size(), kMostInstanceId));
+                      renumbered, plan.sequences.size(), kMostInstanceId));
     }
     if (!hasColumn(plan, "label") || listsObjects(plan)) return warnings;
     warnings.emplace_back(
@@ -212,8 +213,6 @@ class SemanticKitti : public Layout {
   std::map<InstanceNumbers::Instance, std::uint16_t> newNumbers(std::size_t sequence) const {
     std::map<InstanceNumbers::Instance, std::uint16_t> numbers = numbers_.of(sequence);
     if (numbers.empty() || numbers.rbegin()->first.second <= kMostInstanceId) return {};
-    const std::scoped_lock lock(mutex_);
-    renumbered_.insert(sequence);
     return numbers;
   }
 
@@ -259,8 +258,6 @@ class SemanticKitti : public Layout {
 
   mutable InstanceNumbers numbers_{"SemanticKITTI", kMostInstanceId, instanceIdsOf,
                                    [](const ExportPlan&, std::uint16_t) { return std::string("instances"); }};
-  mutable std::mutex mutex_;
-  mutable std::set<std::size_t> renumbered_;  // sequences with new numbers
 };
 
 }  // namespace

@@ -165,7 +165,7 @@ class Examination {
     const SampleRecord& sample = report_.manifest.samples[place.sample];
     if (recordOf(place).beamsPerReason.empty()) return;
     try {
-      const ShardIndex shard(folder_ / report_.manifest.shards[sample.shard].file, DamagedShard::ReadAsFarAsWhole);
+      const ShardIndex shard(folder_ / report_.manifest.shards[sample.shard].file);
       const ShardMember* member = shard.find(sample.key + "." + memberSuffix(recordOf(place), kReasonsSuffix));
       if (member == nullptr) return;
       std::string png = shard.read(*member);
