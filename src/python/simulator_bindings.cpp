@@ -19,9 +19,9 @@ namespace py = pybind11;
 namespace scanmill {
 namespace {
 
-Affine affineOf(const Array<double>& matrix) {
-  const auto m = matrix.unchecked<2>();
-  const auto column = [&](py::ssize_t k) { return Vec3d{m(0, k), m(1, k), m(2, k)}; };
+// Returns the transform of a matrix of 4 x 4, which is stored row by row.
+Affine affineOf(const double* m) {
+  const auto column = [&](int k) { return Vec3d{m[k], m[4 + k], m[8 + k]}; };
   return {{column(0), column(1), column(2)}, column(3)};
 }
 
@@ -46,22 +46,20 @@ ArrayPart partOf(const py::dict& given) {
   for (const auto& [name, material, reflectance, object] : given["surfaces"].cast<std::vector<SurfaceTuple>>()) {
     part.surfaces.push_back({name, material, reflectance.value_or(-1), object});
   }
-  part.worldFromMesh = affineOf(given["pose"].cast<Array<double>>());
+  part.worldFromMesh = affineOf(given["pose"].cast<Array<double>>().data());
   return part;
 }
 
 // The objects with these names are placed: poses (n, 4, 4), velocities (n, 6), and whether they are left out (n,).
 std::vector<ObjectPlace> placesOf(const std::vector<std::string>& names, const Array<double>& matrices,
                                   const Array<double>& velocities, const Array<bool>& hidden) {
-  const auto m = matrices.unchecked<3>();
   const auto v = velocities.unchecked<2>();
   const auto h = hidden.unchecked<1>();
   std::vector<ObjectPlace> places;
   for (py::ssize_t i = 0; i < static_cast<py::ssize_t>(names.size()); ++i) {
-    const auto column = [&](py::ssize_t k) { return Vec3d{m(i, 0, k), m(i, 1, k), m(i, 2, k)}; };
     ObjectPlace& place = places.emplace_back();
     place.name = names[static_cast<std::size_t>(i)];
-    if (!h(i)) place.worldFromObject = {{column(0), column(1), column(2)}, column(3)};
+    if (!h(i)) place.worldFromObject = affineOf(matrices.data(i));
     place.velocity = {v(i, 0), v(i, 1), v(i, 2)};
     place.turning = {v(i, 3), v(i, 4), v(i, 5)};
   }
@@ -121,32 +119,14 @@ void defineSimulator(py::module_& module) {
            py::arg("placeable") = false)
       .def_property_readonly("sensors",
                              [](const Simulator& s) {
-                               std::vector<std::string> names;
-                               for (const MountedSensor& sensor : s.plan().pipeline.sensors)
-                                 names.push_back(sensor.name);
-                               return names;
-                             })
-      .def_property_readonly("sizes",
-                             [](const Simulator& s) {
-                               std::vector<std::pair<std::uint32_t, std::uint32_t>> sizes;
-                               for (const auto& [beams, footprint] : s.plan().sensors)
-                                 sizes.emplace_back(beams->rings, beams->columns);
-                               return sizes;
-                             })
-      .def_property_readonly("staggers",
-                             [](const Simulator& s) {
-                               std::vector<py::tuple> staggers;
-                               for (const auto& [beams, footprint] : s.plan().sensors) {
-                                 staggers.push_back(staggerOf(*beams));
+                               py::list sensors;
+                               for (std::size_t i = 0; i < s.plan().sensors.size(); ++i) {
+                                 const BeamTable& beams = *s.plan().sensors[i].beams;
+                                 sensors.append(py::make_tuple(s.plan().pipeline.sensors[i].name,
+                                                               py::make_tuple(beams.rings, beams.columns),
+                                                               staggerOf(beams), beams.columnPeriod() * beams.columns));
                                }
-                               return staggers;
-                             })
-      .def_property_readonly("durations",
-                             [](const Simulator& s) {
-                               std::vector<double> durations;
-                               for (const auto& [beams, footprint] : s.plan().sensors)
-                                 durations.push_back(beams->columnPeriod() * beams->columns);
-                               return durations;
+                               return sensors;
                              })
       .def_property_readonly("classes", [](const Simulator& s) { return layOut(ontologyJson(s.scene().ontology)); })
       .def(

@@ -1,7 +1,5 @@
 #include "base/terminal.h"
 
-#include <cstdio>
-
 namespace scanmill {
 
 namespace {
@@ -29,11 +27,6 @@ std::string made(std::string_view text, bool keepLines) {
     i += length;
   }
   return fit;
-}
-
-void write(std::FILE* stream, std::string_view text) {
-  const std::string fit = forTerminal(text);
-  std::fwrite(fit.data(), 1, fit.size(), stream);
 }
 
 }  // namespace
@@ -87,12 +80,9 @@ std::string indented(std::string_view text) {
   return lines;
 }
 
-void writeText(std::string_view text) {
-  write(stdout, text);
-}
-
-void writeError(std::string_view text) {
-  write(stderr, text);
+void writeTo(std::FILE* stream, std::string_view text) {
+  const std::string fit = forTerminal(text);
+  std::fwrite(fit.data(), 1, fit.size(), stream);
 }
 
 }  // namespace scanmill

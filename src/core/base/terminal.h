@@ -7,6 +7,7 @@
 #include <fmt/core.h>
 
 #include <cstddef>
+#include <cstdio>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -41,17 +42,17 @@ struct Utf8Character {
 // message of this program.
 [[nodiscard]] std::string indented(std::string_view text);
 
-void writeText(std::string_view text);
-void writeError(std::string_view text);
+// Writes a text through forTerminal().
+void writeTo(std::FILE* stream, std::string_view text);
 
 // Formats like fmt::print() and writes the result through forTerminal().
 template <class... T>
 void printText(fmt::format_string<T...> format, T&&... values) {
-  writeText(fmt::format(format, std::forward<T>(values)...));
+  writeTo(stdout, fmt::format(format, std::forward<T>(values)...));
 }
 template <class... T>
 void printError(fmt::format_string<T...> format, T&&... values) {
-  writeError(fmt::format(format, std::forward<T>(values)...));
+  writeTo(stderr, fmt::format(format, std::forward<T>(values)...));
 }
 
 }  // namespace scanmill

@@ -92,6 +92,23 @@ constexpr Column motionColumn(std::string_view name, std::string_view unit, Chan
           .display = {.unit = unit, .decimals = 3}};
 }
 
+// Returns the row of an angle of the noise-free point, from -limit to limit (rad).
+constexpr Column angleColumn(std::string_view name, double limit, std::string_view meaning) {
+  return {.name = name,
+          .type = ColumnType::Float32,
+          .unit = "rad",
+          .meaning = meaning,
+          .none = kNoNumber,
+          .channels = Channel::Range,
+          .byDefault = false,
+          .loss = ColumnLoss::Bounded,
+          .lossBound = 1e-5,  // 1 mm at 100 m
+          .validity = ColumnValidity::Interval,
+          .low = -limit,
+          .high = limit,
+          .display = {.unit = "deg", .factor = 180 / kPi, .decimals = 3}};
+}
+
 // The columns in the order in which files store them, after x, y and z.
 inline constexpr auto kColumns = std::to_array<Column>({
     {.name = "intensity",
@@ -158,34 +175,12 @@ inline constexpr auto kColumns = std::to_array<Column>({
          "what the return comes from: 1 a surface of the scene, 2 nothing (a false positive), 3 a surface behind "
          "glass, 4 a mirror image, 5 the own vehicle, 6 rain, snow, fog or dust, 7 stray light; 0: none",
      .byDefault = false},
-    {.name = "azimuth",
-     .type = ColumnType::Float32,
-     .unit = "rad",
-     .meaning = "where the noise-free point lies as seen from the sensor's origin, from x towards y; the offset of the "
-                "beam's origin is taken in",
-     .none = kNoNumber,
-     .channels = Channel::Range,
-     .byDefault = false,
-     .loss = ColumnLoss::Bounded,
-     .lossBound = 1e-5,  // 1 mm at 100 m
-     .validity = ColumnValidity::Interval,
-     .low = -kPi,
-     .high = kPi,
-     .display = {.unit = "deg", .factor = 180 / kPi, .decimals = 3}},
-    {.name = "elevation",
-     .type = ColumnType::Float32,
-     .unit = "rad",
-     .meaning = "where the noise-free point lies as seen from the sensor's origin, above its xy plane; the offset of "
-                "the beam's origin is taken in",
-     .none = kNoNumber,
-     .channels = Channel::Range,
-     .byDefault = false,
-     .loss = ColumnLoss::Bounded,
-     .lossBound = 1e-5,  // 1 mm at 100 m
-     .validity = ColumnValidity::Interval,
-     .low = -kPi / 2,
-     .high = kPi / 2,
-     .display = {.unit = "deg", .factor = 180 / kPi, .decimals = 3}},
+    angleColumn("azimuth", kPi,
+                "where the noise-free point lies as seen from the sensor's origin, from x towards y; the offset of the "
+                "beam's origin is taken in"),
+    angleColumn("elevation", kPi / 2,
+                "where the noise-free point lies as seen from the sensor's origin, above its xy plane; the offset of "
+                "the beam's origin is taken in"),
     {.name = "returns",
      .type = ColumnType::UInt8,
      .meaning = "how many returns the beam has; 0: none",

@@ -362,11 +362,8 @@ class Gathering {
   // Sets the class of points on moving objects to the class for moving objects of the same kind, if the ontology has
   // one.
   void relabel(std::vector<std::uint16_t>& values) {
-    const bool ownInstances = !returns_.instance.empty();
     for (std::size_t m = 0; m < moves_.count; ++m) {
-      const std::uint32_t hit = moves_.hit[m];
-      if (hit == kNoHit && !ownInstances) continue;
-      const std::uint32_t thing = ownInstances ? returns_.instance[moves_.row[m]] : hits_.instance[hit];
+      const std::uint32_t thing = returns_.instanceOf(moves_.row[m], hits_);
       std::uint16_t& label = values[moves_.to[m]];
       if (thing != 0) label = motions_->classOf(label, thing);
     }

@@ -206,18 +206,15 @@ class Scene:
         placed = _places(poses, velocities)
         pipeline = self._pipeline(sensors, method, effects, columns, seed, organised)
         simulator = self._simulator(pipeline, placeable=poses is not None)
-        durations = simulator.durations
+        described = simulator.sensors
         ways = [
-            _poses_of(pose, pose_times, columns_of, duration)
-            for (_, columns_of), duration in zip(simulator.sizes, durations)
+            _poses_of(pose, pose_times, columns_of, duration) for _, (_, columns_of), _, duration in described
         ]
         moving = any(len(way) > 1 for way in ways) or bool(velocities)
         given = simulator.scan(ways, time, frame, *placed, moving)
         scans = [
             self._scan_of(name, size, Stagger(*stagger), duration, arrays, method, time)
-            for name, size, stagger, duration, arrays in zip(
-                simulator.sensors, simulator.sizes, simulator.staggers, durations, given
-            )
+            for (name, size, stagger, duration), arrays in zip(described, given)
         ]
         for scan in scans:
             _require_columns(scan, columns)

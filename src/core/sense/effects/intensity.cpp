@@ -187,10 +187,12 @@ class Intensity : public Effect {
   SCANMILL_BEST_INSTRUCTIONS void powerOf(const Hits& hits, std::span<const Material> materials,
                                           std::vector<float>& power) const {
     const std::vector<Lobes> lobes = lobesOfAll(materials, hits.glassIsClear);
+    const Returns rays;  // whose rows are the hits
+    SurfaceBuffers buffers;
     power.assign(hits.rays(), 0);
     forBatches(hits.range, [&](std::size_t first, std::size_t count) {
       float* const some = power.data() + first;
-      reflect(surfacesOf(hits, first), lobes, count, some);
+      reflect(surfacesOf(hits, rays, first, buffers), lobes, count, some);
       for (std::size_t i = 0; i < count && !hits.weightOfRay.empty(); ++i) some[i] *= hits.weightOfRay[first + i];
       travel(hits.range.data() + first, count, some);
       clampPower(hits.range.data() + first, count, some);
@@ -251,7 +253,7 @@ class Intensity : public Effect {
     }
   }
 
-  // Properties of the surfaces of neighbouring rays or rows. If a pointer is null, the material's value is used.
+  // Properties of the surfaces of neighbouring rows. If a pointer is null, the material's value is used.
   struct Surfaces {
     const std::uint16_t* material;
     const float* reflectance;
@@ -265,14 +267,6 @@ class Intensity : public Effect {
     Batch<std::uint16_t> material;
     Batch<float> of[5];
   };
-
-  static Surfaces surfacesOf(const Hits& hits, std::size_t first) {
-    const auto from = [&](const std::vector<float>& values) {
-      return values.empty() ? nullptr : values.data() + first;
-    };
-    return {hits.material.data() + first, from(hits.reflectance), from(hits.incidence),
-            from(hits.roughness),         from(hits.metallic),    from(hits.retroreflectance)};
-  }
 
   static Surfaces surfacesOf(const Hits& hits, const Returns& returns, std::size_t first, SurfaceBuffers& buffers) {
     const auto from = [&](const std::vector<float>& values, int k) {

@@ -50,16 +50,12 @@ class RingBias : public Effect {
     check(*shot.beams);
     if (!gain_.zero()) returns.gain.resize(returns.size(), 1.0f);
     if (!elevation_.zero()) returns.displacement.resize(returns.size());
-    for (std::uint32_t ring = 0; ring < shot.beams->rings && returns.onePerBeam(); ++ring) {
-      change(errorsOf(shot, ring), shot, std::size_t{ring} * shot.beams->columns, shot.beams->columns, returns);
-    }
-    if (returns.onePerBeam()) return;
     std::vector<Errors> errors;
     for (std::uint32_t ring = 0; ring < shot.beams->rings; ++ring) errors.push_back(errorsOf(shot, ring));
     for (std::size_t row = 0; row < returns.size();) {
       const std::uint32_t ring = returns.beam(row) / shot.beams->columns;
       const std::uint32_t first = ring * shot.beams->columns;
-      std::size_t end = row + 1;
+      std::size_t end = returns.onePerBeam() ? row + shot.beams->columns : row + 1;
       while (end < returns.size() && returns.beam(end) - first < shot.beams->columns) ++end;
       change(errors[ring], shot, row, end - row, returns);
       row = end;
