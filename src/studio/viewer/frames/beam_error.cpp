@@ -1,9 +1,11 @@
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
+#include <compare>
 #include <cstdint>
 #include <limits>
-#include <optional>
+#include <span>
 #include <utility>
 
 #include "base/parallel.h"
@@ -16,12 +18,6 @@ namespace {
 
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 constexpr std::size_t kGrain = 16384;
-// Maximum number of beams in the table for the join, which takes 4 bytes per beam.
-constexpr std::uint64_t kMostBeams = std::uint64_t{1} << 26;
-
-// Maximum number of points per beam that are read; in damaged scans a beam may have thousands.
-constexpr int kMostReturns = 16;
-constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 bool isFalsePositive(const Scan& scan, std::size_t point) {
   return !scan[kCause].empty() && scan[kCause][point] == static_cast<std::uint8_t>(Reason::FalsePositive);
@@ -31,89 +27,33 @@ bool numbersReturns(const Scan& scan) {
   return scan.organised || !scan[kReturn].empty();
 }
 
-// For each beam, the points with a finite position in the order of the scan. Beams outside of `extent` have no points.
-class PointsOfBeams {
- public:
-  PointsOfBeams(const Scan& scan, const PointKey& extent)
-      : extent_(extent), first_(std::size_t{extent.ring} * extent.column, kNone), next_(scan.size(), kNone) {
-    for (std::size_t i = scan.size(); i-- > 0;) {
-      if (!isFinite(scan.position[i])) continue;
-      const PointKey key = keyOf(scan, i);
-      if (key.ring >= extent.ring || key.column >= extent.column) continue;
-      std::uint32_t& first = first_[std::size_t{key.ring} * extent.column + key.column];
-      next_[i] = first;
-      first = static_cast<std::uint32_t>(i);
-      several_ = several_ || next_[i] != kNone;
-    }
-  }
-
-  // True if at least one beam has several points.
-  bool several() const { return several_; }
-  // Returns the index of the beam's first point; kNone if it has none.
-  std::uint32_t first(const PointKey& key) const {
-    const bool within = key.ring < extent_.ring && key.column < extent_.column;
-    return within ? first_[std::size_t{key.ring} * extent_.column + key.column] : kNone;
-  }
-  // Calls use(point) with the index of each point of a beam, up to kMostReturns.
-  void each(const PointKey& key, const auto& use) const {
-    std::uint32_t point = first(key);
-    for (int count = 0; point != kNone && count < kMostReturns; ++count, point = next_[point]) use(point);
-  }
-
- private:
-  PointKey extent_;
-  std::vector<std::uint32_t> first_;  // first point of each beam, or kNone
-  std::vector<std::uint32_t> next_;   // for each point, the next point of the same beam, or kNone
-  bool several_ = false;
+struct BeamPoint {
+  std::uint64_t beam = 0;  // ring and column
+  std::uint32_t point = 0;
+  auto operator<=>(const BeamPoint&) const = default;
 };
 
-// Finds the point in the reference that corresponds to a point of the scan.
-class Join {
- public:
-  Join(const Scan& scan, const Scan& reference, const PointKey& extent)
-      : scan_(scan), reference_(reference), ofReference_(reference, extent) {
-    // If no beam of the reference has several points, the numbers of returns are not needed.
-    if (ofReference_.several() && numbersReturns(scan) && numbersReturns(reference)) {
-      ofScan_.emplace(scan, extent);
-    }
-  }
+std::uint64_t beamOf(const PointKey& key) {
+  return std::uint64_t{key.ring} << 32 | key.column;
+}
 
-  // Returns the index of the corresponding point in the reference; kNone if there is none.
-  std::uint32_t partnerOf(std::size_t point) const {
-    const PointKey key = keyOf(scan_, point);
-    const std::uint32_t first = ofReference_.first(key);
-    if (!ofReference_.several() || first == kNone) return first;
-    const bool numbered = ofScan_ && sameReturns(key);
-    std::uint32_t partner = kNone;
-    double least = std::numeric_limits<double>::infinity();
-    ofReference_.each(key, [&](std::uint32_t p) {
-      if (numbered && keyOf(reference_, p).number != key.number) return;
-      const double distance = length(Vec3d(reference_.position[p]) - Vec3d(scan_.position[point]));
-      if (distance >= least) return;
-      least = distance;
-      partner = p;
-    });
-    return partner;
+// Returns the points with a finite position, sorted by beam; those of a beam are in the order of the scan.
+std::vector<BeamPoint> sortedByBeam(const Scan& scan) {
+  std::vector<BeamPoint> all;
+  all.reserve(scan.size());
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    if (isFinite(scan.position[i])) all.push_back({beamOf(keyOf(scan, i)), static_cast<std::uint32_t>(i)});
   }
+  std::ranges::sort(all);
+  return all;
+}
 
- private:
-  // True if the beam has as many returns in the scan as in the reference, and none of them is a false positive.
-  bool sameReturns(const PointKey& key) const {
-    int more = 0;
-    bool surfaces = true;
-    ofReference_.each(key, [&](std::uint32_t) { --more; });
-    ofScan_->each(key, [&](std::uint32_t p) {
-      ++more;
-      surfaces = surfaces && !isFalsePositive(scan_, p);
-    });
-    return surfaces && more == 0;
-  }
-
-  const Scan& scan_;
-  const Scan& reference_;
-  PointsOfBeams ofReference_;
-  std::optional<PointsOfBeams> ofScan_;
-};
+// Returns the first points of a beam; in damaged scans a beam may have thousands.
+std::span<const BeamPoint> pointsOf(const std::vector<BeamPoint>& all, const PointKey& key) {
+  constexpr std::size_t kMostReturns = 16;
+  const auto found = std::ranges::equal_range(all, beamOf(key), {}, &BeamPoint::beam);
+  return {found.begin(), std::min(found.size(), kMostReturns)};
+}
 
 }  // namespace
 
@@ -132,20 +72,28 @@ std::vector<float> referenceErrors(const Scan& scan, const Scan& reference, std:
                       reference.columns, scan.rings, scan.columns);
     return {};
   }
-  const PointKey extent = extentOf(reference);
-  if (std::uint64_t{extent.ring} * extent.column > kMostBeams) {
-    why = fmt::format("the noise-free reference's rings and columns reach {} x {}: no sensor has so many beams",
-                      extent.ring, extent.column);
-    return {};
-  }
-  const Join join(scan, reference, extent);
+  const bool numbered = numbersReturns(scan) && numbersReturns(reference);
+  const std::vector<BeamPoint> ofReference = sortedByBeam(reference);
+  const std::vector<BeamPoint> ofScan = numbered ? sortedByBeam(scan) : std::vector<BeamPoint>();
+  // True if the beam has as many returns in the scan as in the reference, and none of them is a false positive.
+  const auto sameReturns = [&](const PointKey& key, std::size_t count) {
+    const std::span<const BeamPoint> own = pointsOf(ofScan, key);
+    return own.size() == count &&
+           std::ranges::none_of(own, [&](const BeamPoint& p) { return isFalsePositive(scan, p.point); });
+  };
   std::vector<float> errors(scan.size(), kUnknown);
   parallelFor(scan.size(), kGrain, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
       if (!isFinite(scan.position[i]) || isFalsePositive(scan, i)) continue;
-      const std::uint32_t partner = join.partnerOf(i);
-      if (partner == kNone) continue;
-      errors[i] = static_cast<float>(length(Vec3d(scan.position[i]) - Vec3d(reference.position[partner])));
+      const PointKey key = keyOf(scan, i);
+      const std::span<const BeamPoint> candidates = pointsOf(ofReference, key);
+      const bool byNumber = numbered && candidates.size() > 1 && sameReturns(key, candidates.size());
+      double least = std::numeric_limits<double>::infinity();
+      for (const BeamPoint& candidate : candidates) {
+        if (byNumber && keyOf(reference, candidate.point).number != key.number) continue;
+        least = std::min(least, length(Vec3d(scan.position[i]) - Vec3d(reference.position[candidate.point])));
+      }
+      if (std::isfinite(least)) errors[i] = static_cast<float>(least);
     }
   });
   return errors;

@@ -20,30 +20,17 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Returns a label for each file or folder: its name, preceded by as many parent folders (at most kMostFolders) as are
-// needed to make all labels different.
-std::vector<std::string> shortestLabels(const std::vector<fs::path>& paths) {
-  constexpr int kMostFolders = 8;
-  std::vector<fs::path> whole;
+// Returns a label for each file or folder: its name or, if two have the same name, all paths as given.
+std::vector<std::string> labelsOf(const std::vector<fs::path>& paths) {
+  std::vector<std::string> names;
+  std::vector<std::string> whole;
   for (const fs::path& path : paths) {
-    fs::path clean = fs::absolute(path).lexically_normal();
-    whole.push_back(clean.has_filename() ? clean : clean.parent_path());
+    const fs::path clean = fs::absolute(path).lexically_normal();
+    names.push_back((clean.has_filename() ? clean : clean.parent_path()).filename().string());
+    whole.push_back(path.string());
   }
-  const std::size_t different = std::set(whole.begin(), whole.end()).size();
-  std::vector<std::string> labels;
-  for (int folders = 0; folders <= kMostFolders; ++folders) {
-    labels.clear();
-    for (const fs::path& path : whole) {
-      fs::path label = path.filename();
-      fs::path above = path.parent_path();
-      for (int i = 0; i < folders && above.has_filename(); ++i, above = above.parent_path()) {
-        label = above.filename() / label;
-      }
-      labels.push_back(label.string());
-    }
-    if (std::set(labels.begin(), labels.end()).size() == different) break;
-  }
-  return labels;
+  const auto different = [](const std::vector<std::string>& all) { return std::set(all.begin(), all.end()).size(); };
+  return different(names) < different(whole) ? whole : names;
 }
 
 // Returns a description of the first class that has different names in the two ontologies; empty if there is none.
@@ -95,7 +82,7 @@ struct StoredFrames::Loading {
 StoredFrames::StoredFrames(const ViewInput& input) : input_(input) {
   std::vector<fs::path> paths{input.path};
   paths.insert(paths.end(), input.over.begin(), input.over.end());
-  const std::vector<std::string> labels = shortestLabels(paths);
+  const std::vector<std::string> labels = labelsOf(paths);
   for (std::size_t i = 0; i < paths.size(); ++i) {
     stores_.push_back({std::make_unique<const ScanStore>(paths[i]), labels[i], {}});
   }

@@ -32,7 +32,7 @@ class StoredFrames : public FrameSource {
  private:
   struct Store {
     std::unique_ptr<const ScanStore> scans;
-    std::string label;    // last components of the path, as many as make it unique among the stores
+    std::string label;    // name of the file or folder, or its path if another store has the same name
     std::string classes;  // how this store's classes differ from the shown classes, as text; empty: no difference
   };
   struct Loading;
