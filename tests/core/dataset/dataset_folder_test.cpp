@@ -154,7 +154,7 @@ TEST(DatasetFolder, AnInterruptedRunCanBeResumed) {
     DatasetFolder opened(data, FolderUse::Resume, kPlan);  // the same as a new one
     for (int i = 0; i < 3; ++i) addShard(opened, i);
   }
-  EXPECT_THAT(messageOf<InputError>([&] { readManifest(data); }), HasSubstr("did not end"));
+  EXPECT_THAT(messageOf<InputError>([&] { readManifest(data); }), HasSubstr("has an unfinished dataset"));
   EXPECT_THAT(refusal(data, FolderUse::New), AllOf(HasSubstr("--resume"), HasSubstr("--overwrite")));
   EXPECT_THAT(refusal(data, FolderUse::Resume, {"other", 1, {{"train", 1}}}), HasSubstr("another pipeline"));
   const fs::path damaged = data / ".scanmill/train/train-000001.tar";

@@ -265,7 +265,7 @@ TEST(Manifest, RefusesForeignFiles) {
 
 TEST(Manifest, AbsentOnesAreExplained) {
   const TemporaryFolder folder;
-  EXPECT_THAT(messageOf<InputError>([&] { readManifest(folder.path()); }), HasSubstr("--overwrite"));
+  EXPECT_THAT(messageOf<InputError>([&] { readManifest(folder.path()); }), HasSubstr("it has no manifest.json"));
   EXPECT_THAT(messageOf<InputError>([&] { readManifest(folder.path() / "absent"); }), HasSubstr("absent"));
   folder.write("manifest.json", toJson(filledManifest()));
   EXPECT_EQ(readManifest(folder.path()).samples.size(), 2u);
