@@ -44,26 +44,25 @@ void PassPlanes::reset(std::size_t pixels, PassChoice asked) {
   for (auto* plane : {&roughness, &metallic, &retroreflectance}) plane->resize(asked.surfaceParameters ? pixels : 0);
 }
 
+std::vector<PixelAddress> firstPixels(std::span<const Camera> cameras) {
+  std::vector<PixelAddress> firsts{0};
+  std::size_t pixels = 0;
+  for (const Camera& camera : cameras) {
+    pixels += camera.pixels();
+    firsts.push_back(static_cast<PixelAddress>(pixels));
+  }
+  if (pixels < kNoPixel) return firsts;
+  throw InputError(fmt::format("{} pixels in a shot's images are too many: take smaller ones", pixels));
+}
+
 ImageSource::ImageSource(std::span<const PassImage> images) : images_(images), available_{Channels::all(), true} {
-  std::size_t first = 0;
   for (const PassImage& image : images) {
     cameras_.push_back(image.camera);
-    first_.push_back(static_cast<PixelAddress>(first));
-    first += image.camera.pixels();
-    forPlanes([&](auto plane) {
-      const std::size_t size = (image.planes.*plane).size();
-      if (size != image.camera.pixels() && (size != 0 || image.planes.size() == 0)) {
-        throw Error(fmt::format("the camera '{}' has {} x {} pixels, but a pass of its image has {}", image.camera.name,
-                                image.camera.width, image.camera.height, size));
-      }
-    });
     const PassChoice there = image.planes.choice();
     available_.channels = available_.channels & there.channels;
     available_.surfaceParameters = available_.surfaceParameters && there.surfaceParameters;
   }
-  if (first >= kNoPixel)
-    throw InputError(fmt::format("{} pixels in a shot's images are too many: take smaller ones", first));
-  first_.push_back(static_cast<PixelAddress>(first));
+  firsts_ = firstPixels(cameras_);
 }
 
 void ImageSource::require(PassChoice asked) const {
@@ -93,7 +92,7 @@ void ImageSource::fetch(std::span<const PixelAddress> addresses, PassChoice aske
   planes.reset(addresses.size(), asked);
   parallelFor(addresses.size(), kImageGrain, [&](std::size_t first, std::size_t last) {
     struct Place {
-      std::uint32_t image;
+      std::size_t image;
       PixelAddress pixel;
     };
     constexpr std::size_t kBlock = 1024;
@@ -102,12 +101,8 @@ void ImageSource::fetch(std::span<const PixelAddress> addresses, PassChoice aske
       const std::size_t count = std::min(kBlock, last - first);
       for (std::size_t i = 0; i < count; ++i) {
         const PixelAddress address = addresses[first + i];
-        if (address >= first_.back() && address != kNoPixel) {
-          throw Error(fmt::format("pixel {} was asked for, of {}", address, first_.back()));
-        }
-        std::uint32_t image = 0;
-        while (image + 2 < first_.size() && address >= first_[image + 1]) ++image;
-        places[i] = {image, address == kNoPixel ? kNoPixel : address - first_[image]};
+        const std::size_t image = imageOf(firsts_, address);
+        places[i] = {image, address == kNoPixel ? kNoPixel : address - firsts_[image]};
       }
       forPlanes([&](auto plane) {
         auto& to = planes.*plane;
@@ -155,14 +150,6 @@ double Camera::verticalField() const {
 }
 
 Camera squareCamera(std::uint32_t width, std::uint32_t height, double horizontalField) {
-  if (!(horizontalField > 0 && horizontalField < kPi - 1e-9)) {
-    throw InputError(
-        fmt::format("a camera's field of {:g} degrees: a plane holds more than 0 and less than 180; take "
-                    "several cameras",
-                    degrees(horizontalField)));
-  }
-  if (width == 0 || height == 0)
-    throw InputError(fmt::format("a camera of {} x {} pixels sees nothing", width, height));
   Camera camera;
   camera.width = width;
   camera.height = height;

@@ -37,8 +37,8 @@ struct Camera {
   Vec3d ray(double u, double v) const { return {(u - cx) / fx, (v - cy) / fy, 1}; }
 };
 
-// Returns a camera with square pixels whose principal point is the centre of the image. `horizontalField`: rad. Throws
-// InputError if the image has no pixels, or if the field is not between 0 and 180 degrees.
+// Returns a camera with square pixels whose principal point is the centre of the image. `horizontalField`: rad, less
+// than pi.
 Camera squareCamera(std::uint32_t width, std::uint32_t height, double horizontalField);
 
 // Returns the rotation from camera axes to the axes of a sensor or vehicle (x forward, y left, z up), for a camera that
@@ -108,6 +108,17 @@ struct PassImage {
 using PixelAddress = std::uint32_t;
 constexpr PixelAddress kNoPixel = 0xFFFFFFFFu;
 
+// Returns the address of each image's first pixel and, as the last entry, the number of all pixels. Throws InputError
+// if they are too many.
+std::vector<PixelAddress> firstPixels(std::span<const Camera> cameras);
+
+// Returns the index of the image that has a pixel. `firsts`: the result of firstPixels().
+inline std::size_t imageOf(std::span<const PixelAddress> firsts, PixelAddress address) {
+  std::size_t image = 0;
+  while (image + 2 < firsts.size() && address >= firsts[image + 1]) ++image;
+  return image;
+}
+
 // The images of one shot, either in memory or in a renderer. Not safe to call from several threads at once.
 class PixelSource {
  public:
@@ -132,8 +143,8 @@ class ImageSource : public PixelSource {
 
   std::span<const PassImage> images_;
   std::vector<Camera> cameras_;
-  std::vector<PixelAddress> first_;  // address of each image's first pixel; last entry: number of all pixels
-  PassChoice available_;             // passes that all images have
+  std::vector<PixelAddress> firsts_;  // see firstPixels()
+  PassChoice available_;              // passes that all images have
 };
 
 // Returns a hint to append to the message that images lack a pass: in brackets, what can be used instead. Empty if

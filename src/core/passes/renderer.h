@@ -24,10 +24,10 @@ struct DrawLimits {
 class PassRenderer {
  public:
   virtual ~PassRenderer() = default;
-  // Renders at most 8 images. A pixel shows the surface at the pixel's centre, without antialiasing and blending.
-  // Alpha-tested materials are transparent where ray tracing lets beams pass. The returned source may lock the
-  // renderer: a further call, from any thread, then waits until the source is destroyed. Safe to call from several
-  // threads.
+  // Renders at most 8 images, each of at least a pixel. A pixel shows the surface at the pixel's centre, without
+  // antialiasing and blending. Alpha-tested materials are transparent where ray tracing lets beams pass. The returned
+  // source may lock the renderer: a further call, from any thread, then waits until the source is destroyed. Safe to
+  // call from several threads.
   virtual std::unique_ptr<PixelSource> draw(const std::vector<Camera>& cameras, const DrawLimits& limits,
                                             PassChoice choice) = 0;
   // Returns the name of the renderer and its device, for the manifest: "VTK 9.1 on llvmpipe (LLVM 15.0.6, 256 bits)".

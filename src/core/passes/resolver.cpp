@@ -1,12 +1,9 @@
 #include "passes/resolver.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "base/error.h"
 #include "base/parallel.h"
 
 namespace scanmill {
@@ -19,7 +16,7 @@ constexpr std::size_t kLanes = 64;  // pixels that are processed together, so th
 // A camera's view. The line of sight through pixel (i, j) has the direction corner + right * i + down * j, in world
 // axes.
 struct ImageView {
-  PixelAddress first = 0;
+  PixelAddress first = 0;  // address of the image's first pixel
   std::uint32_t width = 0;
   Vec3d corner, right, down;
   Vec3d eye;
@@ -28,18 +25,13 @@ struct ImageView {
 }  // namespace
 
 struct Resolver::Job {
+  std::vector<PixelAddress> firsts;  // see firstPixels()
   std::vector<ImageView> views;
-  PixelAddress pixels = 0;  // number of pixels of all cameras
   std::span<const PixelAddress> addresses;
   std::span<const SeenTriangle> seen;
-  PassChoice asked;
   PassPlanes& planes;
 
-  const ImageView& viewOf(PixelAddress address) const {
-    std::size_t view = 0;
-    while (view + 1 < views.size() && address >= views[view + 1].first) ++view;
-    return views[view];
-  }
+  const ImageView& viewOf(PixelAddress address) const { return views[imageOf(firsts, address)]; }
 };
 
 namespace {
@@ -50,18 +42,14 @@ Vec3d sightOf(const ImageView& view, PixelAddress address) {
   return view.corner + view.right * (pixel - row * view.width) + view.down * row;
 }
 
-std::vector<ImageView> viewsOf(std::span<const Camera> cameras, PixelAddress& pixels) {
+std::vector<ImageView> viewsOf(std::span<const Camera> cameras, std::span<const PixelAddress> firsts) {
   std::vector<ImageView> views;
-  std::size_t first = 0;
-  for (const Camera& camera : cameras) {
+  for (std::size_t k = 0; k < cameras.size(); ++k) {
+    const Camera& camera = cameras[k];
     const Mat3 rotation = toMatrix(camera.worldFromCamera.rotation);
-    views.push_back({static_cast<PixelAddress>(first), camera.width, rotation * camera.ray(0.5, 0.5),
-                     rotation.x * (1 / camera.fx), rotation.y * (1 / camera.fy), camera.worldFromCamera.translation});
-    first += camera.pixels();
+    views.push_back({firsts[k], camera.width, rotation * camera.ray(0.5, 0.5), rotation.x * (1 / camera.fx),
+                     rotation.y * (1 / camera.fy), camera.worldFromCamera.translation});
   }
-  if (first >= kNoPixel)
-    throw Error(fmt::format("{} pixels in a shot's images are too many: take smaller ones", first));
-  pixels = static_cast<PixelAddress>(first);
   return views;
 }
 
@@ -94,7 +82,6 @@ Resolver::Resolver(const Scene& scene) : scene_(scene) {
     const Mat3& m = instance.worldFromMesh.linear;
     instances_.push_back({{cross(m.y, m.z), cross(m.z, m.x), cross(m.x, m.y)},
                           faces_.data() + firstFace[instance.mesh],
-                          static_cast<std::uint32_t>(scene.meshes[instance.mesh].triangles.size()),
                           instance.firstInstanceId});
   }
   for (const Material& m : scene.materials) {
@@ -102,18 +89,11 @@ Resolver::Resolver(const Scene& scene) : scene_(scene) {
   }
 }
 
-std::uint64_t Resolver::memoryBytes() const {
-  return faces_.size() * sizeof(Face) + surfaces_.size() * sizeof(SurfaceIds) + instances_.size() * sizeof(Placed);
-}
-
 void Resolver::resolve(std::span<const Camera> cameras, std::span<const PixelAddress> addresses,
                        std::span<const SeenTriangle> seen, PassChoice asked, PassPlanes& planes) const {
-  if (addresses.size() != seen.size()) {
-    throw Error(fmt::format("{} pixels were asked for, but {} were drawn", addresses.size(), seen.size()));
-  }
   planes.reset(seen.size(), asked);
-  Job job{{}, 0, addresses, seen, asked, planes};
-  job.views = viewsOf(cameras, job.pixels);
+  Job job{firstPixels(cameras), {}, addresses, seen, planes};
+  job.views = viewsOf(cameras, job.firsts);
   parallelFor(seen.size(), kResolverGrain, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; i += kLanes) resolveBlock(job, i, std::min(i + kLanes, last));
   });
@@ -130,15 +110,7 @@ void Resolver::resolveBlock(const Job& job, std::size_t first, std::size_t last)
   static constexpr Face kNothing{};
   for (std::size_t i = 0; i < count; ++i) {
     const bool there = seen[i].instance != 0 && addresses[i] != kNoPixel;
-    if (there && (seen[i].instance >= instances_.size() || addresses[i] >= job.pixels)) {
-      throw Error(fmt::format("a pixel {} of {} shows instance {}, of {}", addresses[i], job.pixels, seen[i].instance,
-                              instances_.size() - 1));
-    }
     placed[i] = &instances_[there ? seen[i].instance : 0];
-    if (there && seen[i].triangle >= placed[i]->triangles) {
-      throw Error(fmt::format("a pixel shows triangle {} of '{}', which has {}", seen[i].triangle,
-                              scene_.instances[seen[i].instance - 1].name, placed[i]->triangles));
-    }
     faces[i] = there ? placed[i]->faces + seen[i].triangle : &kNothing;
     __builtin_prefetch(faces[i]);
     planes.depth[first + i] = there ? seen[i].depth : kNoDepth;

@@ -30,11 +30,9 @@ class Resolver {
 
   // Fills `planes` with one entry per entry of `seen`. addresses[i] is the pixel of seen[i] in the cameras' images
   // (kNoPixel: no pixel). Normals are turned against the line of sight through the pixel's centre. A textured material
-  // has the reflectance of the visible texel. Throws Error if an instance, a triangle or an address does not exist.
+  // has the reflectance of the visible texel.
   void resolve(std::span<const Camera> cameras, std::span<const PixelAddress> addresses,
                std::span<const SeenTriangle> seen, PassChoice asked, PassPlanes& planes) const;
-
-  std::uint64_t memoryBytes() const;
 
  private:
   // The values of a triangle are in one record, so that a pixel, which accesses triangles at random, needs few cache
@@ -46,7 +44,6 @@ class Resolver {
   struct Placed {
     Mat3 normalFromMesh;  // matrix of cofactors of the instance's linear part
     const Face* faces = nullptr;
-    std::uint32_t triangles = 0;
     std::uint32_t firstInstanceId = 0;
   };
   struct SurfaceIds {

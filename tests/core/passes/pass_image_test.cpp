@@ -132,20 +132,5 @@ TEST(ImageSource, ASourceWithoutImagesSeesNothing) {
   EXPECT_EQ(planes.depth[0], kNoDepth);
 }
 
-TEST(ImageSource, RefusesPixelsAndPlanesThatAreNotThere) {
-  std::vector<PassImage> images{numbered(0, 4, 4)};
-  ImageSource source(images);
-  PassPlanes planes;
-  for (const PixelAddress address : {16u, 17u, kNoPixel - 1}) {
-    EXPECT_THROW(source.fetch(std::vector<PixelAddress>{address}, {}, planes), Error);
-  }
-  images[0].planes.instance.pop_back();
-  EXPECT_THAT(messageOf<Error>([&] { ImageSource{images}; }), testing::HasSubstr("camera0"));
-  images[0].planes.instance.clear();
-  EXPECT_NO_THROW(ImageSource{images});
-  images[0].planes.depth.clear();
-  EXPECT_THROW(ImageSource{images}, Error);
-}
-
 }  // namespace
 }  // namespace scanmill

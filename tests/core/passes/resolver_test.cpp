@@ -289,24 +289,5 @@ TEST(Resolver, ThePartsOfManyPixelsAreTheWhole) {
   }
 }
 
-TEST(Resolver, WhatIsNotThereIsAnError) {
-  const Scene scene = spheres({placedAt({6, 0, 0}, {})});
-  const auto triangles = static_cast<std::uint32_t>(scene.meshes[0].triangles.size());
-  const std::vector<Camera> cameras{squareCameraAt({}, 0, 0, 4)};
-  const Resolver resolver(scene);
-  PassPlanes planes;
-  const auto resolve = [&](PixelAddress address, SeenTriangle seen) {
-    return messageOf<Error>([&] { resolver.resolve(cameras, {{address}}, {{seen}}, kResolvedPasses, planes); });
-  };
-  EXPECT_THAT(resolve(0, {1, 2, 0}), testing::HasSubstr("instance 2"));
-  EXPECT_THAT(resolve(0, {1, 0xFFFFFFFFu, 0}), testing::HasSubstr("instance 4294967295"));
-  EXPECT_THAT(resolve(0, {1, 1, triangles}), testing::HasSubstr(std::to_string(triangles)));
-  EXPECT_THAT(resolve(0, {1, 1, 0xFFFFFFFFu}), testing::HasSubstr("sphere"));
-  EXPECT_THAT(resolve(16, {1, 1, 0}), testing::HasSubstr("16"));
-  EXPECT_EQ(resolve(15, {1, 1, triangles - 1}), "accepted");
-  EXPECT_EQ(resolve(kNoPixel, {1, 7, 7}), "accepted");
-  EXPECT_THROW(resolver.resolve(cameras, {}, std::vector<SeenTriangle>(1), kResolvedPasses, planes), Error);
-}
-
 }  // namespace
 }  // namespace scanmill

@@ -45,7 +45,8 @@ struct DepthCameraOptions {
   std::string samplingName;
   std::string depthName;
   LayoutOptions layout;
-  SampleOptions sample;                    // without `farthest`, which is set for each shot
+  SampleOptions sample;
+  double nearest = 0.01;                   // m, least depth in the images
   double farthest = 0;                     // m, largest depth in the images; 0: the sensor's maximum range
   std::uint32_t rendersPerRevolution = 0;  // steps of a revolution that are rendered; 0: see stepsOf()
 };
@@ -55,10 +56,7 @@ constexpr std::pair<const char*, CameraLayout> kLayouts[] = {{"auto", CameraLayo
                                                              {"four_90", CameraLayout::Four90},
                                                              {"cube_6", CameraLayout::Cube6}};
 constexpr std::pair<const char*, Sampling> kSamplings[] = {{"plane", Sampling::Plane}, {"nearest", Sampling::Nearest}};
-constexpr std::pair<const char*, DepthFormat> kDepths[] = {{"float32", DepthFormat::Float32},
-                                                           {"uint24", DepthFormat::Unorm24},
-                                                           {"uint16", DepthFormat::Unorm16},
-                                                           {"half_500", DepthFormat::Half500}};
+constexpr std::pair<const char*, bool> kDepths[] = {{"float32", false}, {"half_500", true}};
 
 DepthCameraOptions readDepthCameraOptions(Fields& fields) {
   DepthCameraOptions options;
@@ -67,8 +65,8 @@ DepthCameraOptions readDepthCameraOptions(Fields& fields) {
   options.layout.resolution = static_cast<std::uint32_t>(fields.integer("resolution", 128, 4096, 2048));
   std::tie(options.samplingName, options.sample.sampling) =
       namedChoice(fields, "sampling", kSamplings, Sampling::Plane);
-  std::tie(options.depthName, options.sample.depth) = namedChoice(fields, "depth", kDepths, DepthFormat::Float32);
-  options.sample.nearest = fields.number("near_m", {1e-3, 1}, 0.01);
+  std::tie(options.depthName, options.sample.halves) = namedChoice(fields, "depth", kDepths, false);
+  options.nearest = fields.number("near_m", {1e-3, 1}, 0.01);
   options.farthest = fields.number("far_m", {10, 1e4}, 0);
   const Value* renders = fields.find("renders_per_turn");
   if (renders != nullptr && !(renders->kind == Value::Kind::Scalar && renders->text == "auto")) {
@@ -131,10 +129,10 @@ class DepthCameraMethod : public DepthCamera {
     hits.reset(shot.beams->rings, shot.beams->columns, channels);
     std::uint64_t unseen = 0;
     StageClock clock(kStages);
-    for (const RevolutionStep& step : stepsOf(shot, options_.rendersPerRevolution)) {
-      const Prepared prepared = prepareStep(shot, step.firstColumn, step.endColumn, step.worldFromRig, true);
+    for (const PassStep& step : stepsOf(shot, options_.rendersPerRevolution)) {
+      const Prepared prepared = prepareStep(shot, step, true);
       drawn(shot, prepared, step.worldFromRig, passesFor(channels, options_.sample), clock, [&](PixelSource& source) {
-        unseen += samplePixels(source, step.worldFromRig, *prepared.beams, sampleOptions(*shot.beams), hits);
+        unseen += samplePixels(source, step.worldFromRig, *prepared.beams, options_.sample, hits);
       });
     }
     return account(clock, shot, unseen);
@@ -145,12 +143,11 @@ class DepthCameraMethod : public DepthCamera {
   TraceAccount draw(const Shot& shot, PassChoice choice, const std::function<void(PassStep&&)>& take) const override {
     requireRenderer();
     StageClock clock(kStages);
-    for (const RevolutionStep& step : stepsOf(shot, options_.rendersPerRevolution)) {
-      const Prepared prepared = prepareStep(shot, step.firstColumn, step.endColumn, step.worldFromRig, true);
-      PassStep made{step.firstColumn, step.endColumn, step.worldFromRig, {}};
+    for (PassStep& step : stepsOf(shot, options_.rendersPerRevolution)) {
+      const Prepared prepared = prepareStep(shot, step, true);
       drawn(shot, prepared, step.worldFromRig, choice, clock,
-            [&](PixelSource& source) { made.images = readAll(source, choice); });
-      take(std::move(made));
+            [&](PixelSource& source) { step.images = readAll(source, choice); });
+      take(std::move(step));
     }
     return account(clock, shot, 0);
   }
@@ -160,13 +157,13 @@ class DepthCameraMethod : public DepthCamera {
       throw InputError(fmt::format("the passes have the columns {} to {}, but the sensor '{}' has {} columns",
                                    step.firstColumn, step.endColumn, shot.sensorName, shot.beams->columns));
     }
-    const Prepared prepared = prepareStep(shot, step.firstColumn, step.endColumn, step.worldFromRig, false);
+    const Prepared prepared = prepareStep(shot, step, false);
     ImageSource images(step.images);
     StageClock clock(kStages);
     std::uint64_t unseen = 0;
     {
       const StageTimer timer(clock, "sample");
-      unseen = samplePixels(images, step.worldFromRig, *prepared.beams, sampleOptions(*shot.beams), hits);
+      unseen = samplePixels(images, step.worldFromRig, *prepared.beams, options_.sample, hits);
     }
     return account(clock, shot, unseen);
   }
@@ -188,15 +185,11 @@ class DepthCameraMethod : public DepthCamera {
          fmt::format("one hit per ray, sampling {}, depth {}{}", options_.samplingName, options_.depthName,
                      options_.sample.sampling == Sampling::Plane ? ": exact on flat surfaces, edges to within a pixel"
                                                                  : ": to within a pixel")});
-    items.push_back({fmt::format("surfaces nearer to a camera's plane than {:g} m", options_.sample.nearest),
+    items.push_back({fmt::format("surfaces nearer to a camera's plane than {:g} m", options_.nearest),
                      "beams pass through them", true});
     if (scene_ != nullptr) {
-      const auto any = [&](auto has) { return std::any_of(scene_->materials.begin(), scene_->materials.end(), has); };
-      const bool alpha = any([](const Material& m) { return m.alphaTested; });
-      const bool textured = any([](const Material& m) { return m.textured && m.texture != nullptr; });
-      items.push_back({"alpha cut-outs", alpha ? "modelled, some materials have them" : "no material has one", !alpha});
-      items.push_back(
-          {"reflectance textures", textured ? "modelled, at the pixel's centre" : "no material has one", !textured});
+      items.push_back(cutOutItem(*scene_));
+      items.push_back(textureItem(*scene_));
     }
     {
       const std::scoped_lock lock(rendererMutex_);
@@ -225,12 +218,13 @@ class DepthCameraMethod : public DepthCamera {
     std::vector<Camera> cameras;  // Camera::worldFromCamera is rigFromCamera here
   };
 
-  Prepared prepareStep(const Shot& shot, std::uint32_t first, std::uint32_t end, const Pose& rig, bool cameras) const {
-    if (shot.worldFromSensor.size() == 1 && end - first == shot.beams->columns && rig == shot.worldFromSensor[0]) {
+  Prepared prepareStep(const Shot& shot, const PassStep& step, bool cameras) const {
+    const bool whole = step.endColumn - step.firstColumn == shot.beams->columns;
+    if (shot.worldFromSensor.size() == 1 && whole && step.worldFromRig == shot.worldFromSensor[0]) {
       const std::shared_ptr<const StillSensor> still = stillSensor(shot);
       return {{still, &still->beams}, cameras ? still->cameras : std::vector<Camera>{}};
     }
-    auto beams = std::make_shared<const RigBeams>(rigBeams(shot, first, end, rig));
+    auto beams = std::make_shared<const RigBeams>(rigBeams(shot, step.firstColumn, step.endColumn, step.worldFromRig));
     std::vector<Camera> made;
     if (cameras) made = layOutCameras(viewDirections(*beams), options_.layout);
     return {std::move(beams), std::move(made)};
@@ -252,18 +246,12 @@ class DepthCameraMethod : public DepthCamera {
     return sensors_.front();
   }
 
-  SampleOptions sampleOptions(const BeamTable& table) const {
-    SampleOptions sample = options_.sample;
-    sample.farthest = options_.farthest > 0 ? options_.farthest : table.maxRange;
-    return sample;
-  }
-
   DrawLimits limits(const BeamTable& table, const std::vector<Vec3d>& origins) const {
     double offset = 0;
     for (const Vec3d& origin : origins) offset = std::max(offset, dot(origin, origin));
     const double reach = (table.maxRange + std::sqrt(offset)) * (1 + kSlack) + kSlack;
-    const double farthest = options_.farthest > 0 ? options_.farthest : std::max(reach, 2 * options_.sample.nearest);
-    return {options_.sample.nearest, farthest, reach};
+    const double farthest = options_.farthest > 0 ? options_.farthest : std::max(reach, 2 * options_.nearest);
+    return {options_.nearest, farthest, reach};
   }
 
   void requireRenderer() const {

@@ -34,18 +34,18 @@ std::uint64_t rendersFor(const std::vector<Pose>& poses) {
 
 }  // namespace
 
-std::vector<RevolutionStep> stepsOf(const Shot& shot, std::uint32_t renders) {
+std::vector<PassStep> stepsOf(const Shot& shot, std::uint32_t renders) {
   const std::uint64_t poses = shot.worldFromSensor.size();
   const std::uint64_t columns = shot.beams->columns;
   const std::uint64_t count = std::min(renders == 0 ? rendersFor(shot.worldFromSensor) : renders, poses);
   const auto firstColumn = [&](std::uint64_t pose) {  // first column of this pose; exact with one ray per beam
     return static_cast<std::uint32_t>((pose * columns + poses - 1) / poses);
   };
-  std::vector<RevolutionStep> steps;
+  std::vector<PassStep> steps;
   for (std::uint64_t step = 0; step < count; ++step) {
     const std::uint64_t first = step * poses / count;
     const std::uint64_t end = (step + 1) * poses / count;
-    steps.push_back({firstColumn(first), firstColumn(end), shot.worldFromSensor[(first + end - 1) / 2]});
+    steps.push_back({firstColumn(first), firstColumn(end), shot.worldFromSensor[(first + end - 1) / 2], {}});
   }
   return steps;
 }

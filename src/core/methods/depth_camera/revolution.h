@@ -5,22 +5,15 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/vec.h"
-#include "methods/depth_camera/sample.h"
+#include "methods/depth_camera/depth_camera.h"
 #include "sensors/shot.h"
 
 namespace scanmill {
 
-struct RevolutionStep {
-  std::uint32_t firstColumn = 0;
-  std::uint32_t endColumn = 0;
-  Pose worldFromRig;
-};
-
-// Splits a revolution into `renders` steps of about equally many poses, but at most one step per pose. Each step is
-// rendered from its middle pose. If `renders` is 0, there is one step per pose for up to 64 poses; for more poses, one
-// step for every 5 cm or every degree of motion during the revolution, whichever gives more steps.
-std::vector<RevolutionStep> stepsOf(const Shot& shot, std::uint32_t renders);
+// Splits a revolution into `renders` steps, still without images, of about equally many poses, but at most one step per
+// pose. Each step is rendered from its middle pose. If `renders` is 0, there is one step per pose for up to 64 poses;
+// for more poses, one step for every 5 cm or every degree of motion during the revolution, whichever gives more steps.
+std::vector<PassStep> stepsOf(const Shot& shot, std::uint32_t renders);
 
 // Returns the beams of the columns from `first` to before `end`, relative to the rig, ring by ring.
 RigBeams rigBeams(const Shot& shot, std::uint32_t first, std::uint32_t end, const Pose& worldFromRig);

@@ -31,4 +31,14 @@ std::vector<std::string> TraceAccount::warningTexts() const {
   return texts;
 }
 
+ModelledItem cutOutItem(const Scene& scene) {
+  const bool any = std::ranges::any_of(scene.materials, [](const Material& m) { return m.alphaTested; });
+  return {"alpha cut-outs", any ? "modelled, some materials have them" : "no material has one", !any};
+}
+
+ModelledItem textureItem(const Scene& scene) {
+  const bool any = std::ranges::any_of(scene.materials, [](const Material& m) { return m.textured && m.texture; });
+  return {"reflectance textures", any ? "modelled" : "no material has one", !any};
+}
+
 }  // namespace scanmill

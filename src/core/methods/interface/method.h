@@ -70,6 +70,10 @@ class Method {
   virtual const Worlds* worlds() const { return nullptr; }
 };
 
+// Return what Method::modelled() says about the cut-outs and the textures of a scene's materials.
+ModelledItem cutOutItem(const Scene& scene);
+ModelledItem textureItem(const Scene& scene);
+
 // The capabilities of a method. The plan refuses a pipeline that needs more.
 struct MethodCapabilities {
   // Largest number of hits of a ray, one behind the other; bounds the size of scans.

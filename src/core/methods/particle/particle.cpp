@@ -75,10 +75,7 @@ class ParticleMethod : public Method {
   }
 
   std::vector<ModelledItem> modelled() const override {
-    const auto any = [&](auto has) { return std::any_of(scene_.materials.begin(), scene_.materials.end(), has); };
     const bool triangles = options_.refine == ParticleOptions::Refine::ByTriangle;
-    const bool alpha = any([](const Material& m) { return m.alphaTested; });
-    const bool textured = any([](const Material& m) { return m.textured && m.texture != nullptr; });
     std::vector<ModelledItem> items{
         {"distance field",
          fmt::format(
@@ -87,12 +84,12 @@ class ParticleMethod : public Method {
              options_.voxels, options_.voxel)},
         {"geometry", triangles ? "exact triangles, from the lists of the voxels that a beam passes, one hit per ray"
                                : "within half a voxel of the distance field, one hit per ray"}};
-    items.push_back({"alpha cut-outs",
-                     !alpha      ? "no material has one"
-                     : triangles ? "modelled, some materials have them"
-                                 : "since distance fields treat them as solid (`refine: triangle` models them)",
-                     !alpha || !triangles});
-    items.push_back({"reflectance textures", textured ? "modelled" : "no material has one", !textured});
+    items.push_back(cutOutItem(scene_));
+    if (!triangles && !items.back().leftOut) {
+      items.back() = {"alpha cut-outs", "since distance fields treat them as solid (`refine: triangle` models them)",
+                      true};
+    }
+    items.push_back(textureItem(scene_));
     items.push_back({"backend", gl_ == nullptr ? "particles march on the processor"
                                                : fmt::format("particles march by OpenGL on {}", gl_->device())});
     items.push_back({"transmission through glass, mirror images, motion of objects", "", true});

@@ -62,27 +62,18 @@ std::uint32_t bestTileColumns(const BeamTable& beams) {
   return best;
 }
 
-// The division of a table's rays into packets.
-class Tiling {
- public:
-  explicit Tiling(const BeamTable& beams)
-      : beams_(beams),
-        width_(bestTileColumns(beams)),
-        rows_(kPacket / width_),
-        across_((beams.columns + width_ - 1) / width_) {}
-
-  std::size_t size() const { return std::size_t{across_} * ((beams_.rings + rows_ - 1) / rows_); }
-
-  Tile tile(std::size_t i) const {
-    const auto ring = static_cast<std::uint32_t>(i / across_) * rows_;
-    const auto column = static_cast<std::uint32_t>(i % across_) * width_;
-    return {ring, column, std::min(rows_, beams_.rings - ring), std::min(width_, beams_.columns - column)};
+// Returns the packets of a table's rays.
+std::vector<Tile> packetsOf(const BeamTable& beams) {
+  const std::uint32_t width = bestTileColumns(beams);
+  const std::uint32_t rows = kPacket / width;
+  std::vector<Tile> tiles;
+  for (std::uint32_t ring = 0; ring < beams.rings; ring += rows) {
+    for (std::uint32_t column = 0; column < beams.columns; column += width) {
+      tiles.push_back({ring, column, std::min(rows, beams.rings - ring), std::min(width, beams.columns - column)});
+    }
   }
-
- private:
-  const BeamTable& beams_;
-  std::uint32_t width_, rows_, across_;
-};
+  return tiles;
+}
 
 class RayTracing : public Method {
  public:
@@ -106,12 +97,9 @@ class RayTracing : public Method {
                         coplanarFloor(static_cast<float>(length(frame.position.front())))};
     const BeamTable& beams = *shot.beams;
     hits.reset(beams.rings, beams.columns, channels);
-    const Tiling tiling(beams);
-    parallelFor(tiling.size(), 128, [&](std::size_t first, std::size_t last) {
-      std::vector<Tile> tiles;
-      tiles.reserve(last - first);
-      for (std::size_t i = first; i < last; ++i) tiles.push_back(tiling.tile(i));
-      tracePackets(job, tiles, hits);
+    const std::vector<Tile> tiles = packetsOf(beams);
+    parallelFor(tiles.size(), 128, [&](std::size_t first, std::size_t last) {
+      tracePackets(job, std::span(tiles).subspan(first, last - first), hits);
     });
     return {};
   }
@@ -119,10 +107,6 @@ class RayTracing : public Method {
   std::vector<ModelledItem> modelled() const override {
     const bool instanced = std::any_of(scene_.instances.begin(), scene_.instances.end(),
                                        [&](const Instance& i) { return worlds_.instanced(i.mesh); });
-    const bool alpha =
-        std::any_of(scene_.materials.begin(), scene_.materials.end(), [](const Material& m) { return m.alphaTested; });
-    const bool textured = std::any_of(materials_.begin(), materials_.end(),
-                                      [](const CompactMaterial& m) { return m.texture != nullptr; });
     return {
         {"geometry", fmt::format("{}, one hit per ray, watertight",
                                  simplified_ ? fmt::format("simplified meshes, {} of {} placed triangles",
@@ -131,8 +115,8 @@ class RayTracing : public Method {
         {"instancing",
          instanced ? "placed objects share meshes" : "since the scene is small enough for a copy of each mesh",
          !instanced},
-        {"alpha cut-outs", alpha ? "modelled, some materials have them" : "no material has one", !alpha},
-        {"reflectance textures", textured ? "modelled" : "no material has one", !textured},
+        cutOutItem(scene_),
+        textureItem(scene_),
         {"motion of objects",
          worlds_.moves()
              ? "every beam sees them where they are when it fires; their shapes change only between revolutions"

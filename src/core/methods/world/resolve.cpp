@@ -278,18 +278,13 @@ Vec2d barycentric(const HitTriangle& hit, const Vec3d& point) {
 
 void expectStore(const Tile& tile, Hits& hits) {
   const std::size_t last = std::size_t{tile.ring} * hits.columns + tile.column + tile.width - 1;
-  const auto expect = [last](auto& column) {
+  forEachChannel([&](const ChannelRow&, auto member) {
+    auto& column = hits.*member;
     if (!column.empty()) __builtin_prefetch(&column[last], 1);
-  };
-  expect(hits.range);
-  expect(hits.instance);
-  expect(hits.semantic);
-  expect(hits.material);
-  expect(hits.primitive);
-  expect(hits.reflectance);
-  expect(hits.incidence);
-  if (hits.normal.empty()) return;
-  for (std::size_t k = 0; k < 3; ++k) __builtin_prefetch(&hits.normal[last - k * (tile.width / 3)], 1);
+  });
+  for (std::size_t k = 1; k < 3 && !hits.normal.empty(); ++k) {
+    __builtin_prefetch(&hits.normal[last - k * (tile.width / 3)], 1);
+  }
 }
 
 static_assert(kChannels.size() == 8, "fill the new channel in store()");

@@ -25,9 +25,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kMaxImages = 8;
 constexpr std::uint32_t kMinSide = 4;         // px, Blender's smallest image side
-constexpr double kMaxStretch = 200;           // largest aspect ratio of a pixel that Blender allows
 constexpr float kBlenderSky = 1e9f;           // m; pixels with a larger depth show no surface: Blender writes 1e10
 constexpr float kExact = 16777216.0f;         // 2^24, up to which float32 represents every integer; larger object
                                               // numbers are written in two parts: see the script
@@ -110,7 +108,6 @@ class BlenderRenderer : public PassRenderer {
 
   std::unique_ptr<PixelSource> draw(const std::vector<Camera>& cameras, const DrawLimits& limits,
                                     PassChoice /*choice*/) override {
-    check(cameras, limits);
     const std::lock_guard lock(mutex_);
     try {
       if (!job_) start();
@@ -129,20 +126,6 @@ class BlenderRenderer : public PassRenderer {
   }
 
  private:
-  static void check(const std::vector<Camera>& cameras, const DrawLimits& limits) {
-    if (cameras.size() > kMaxImages) throw Error(fmt::format("{} images at once, but 8 is the most", cameras.size()));
-    if (!(limits.nearest > 0) || !(limits.farthest > limits.nearest)) {
-      throw Error(fmt::format("cannot draw from {} to {} m", limits.nearest, limits.farthest));
-    }
-    for (const Camera& camera : cameras) {
-      const double stretch = camera.fx / camera.fy;
-      if (camera.pixels() == 0 || !(stretch >= 1 / kMaxStretch) || !(stretch <= kMaxStretch)) {
-        throw Error(fmt::format("camera '{}': Blender cannot draw {} x {} pixels of focal lengths {} and {} px",
-                                camera.name, camera.width, camera.height, camera.fx, camera.fy));
-      }
-    }
-  }
-
   void start() {
     job_.emplace("render", folder_.path(), std::vector<std::string>{});
     threads_ = threadCount();
@@ -229,9 +212,9 @@ class BlenderRenderer : public PassRenderer {
           const Pixel& pixel = pixels[row * reader.width() + column];
           const auto object = static_cast<std::size_t>(pixel.object + kExact * pixel.beyond);
           if (!isDrawn(pixel) || object == 0) continue;
-          const BlenderObject& drawn = objects_.at(object - 1);
           SeenTriangle& found = seen[row * camera.width + column];
-          found = {pixel.depth, drawn.instance, drawn.firstTriangle + static_cast<std::uint32_t>(pixel.triangle)};
+          found = {pixel.depth, objects_.at(object - 1).instance,
+                   objects_.at(object - 1).firstTriangle + static_cast<std::uint32_t>(pixel.triangle)};
           found.depth = std::clamp(exact.at(column, row, found), nearest, farthest);
         }
       }

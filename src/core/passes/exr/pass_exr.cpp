@@ -25,14 +25,15 @@ constexpr float kNothing = 1e9f;            // m; in files, a depth of at least 
 constexpr double kFloatIds = 16777216;      // 2^24; float32 cannot represent every integer above it
 constexpr std::size_t kExrGrain = 1 << 16;  // pixels per task
 
-struct SurfaceParameter {
+struct Parameter {
   const char* name;
   std::vector<float> PassPlanes::*plane;
   float most;
 };
-constexpr SurfaceParameter kSurfaceParameters[] = {{"roughness", &PassPlanes::roughness, 1},
-                                                   {"metallic", &PassPlanes::metallic, 1},
-                                                   {"retroreflectance", &PassPlanes::retroreflectance, 1e6f}};
+constexpr Parameter kParameters[] = {{"reflectance", &PassPlanes::reflectance, 1},
+                                     {"roughness", &PassPlanes::roughness, 1},
+                                     {"metallic", &PassPlanes::metallic, 1},
+                                     {"retroreflectance", &PassPlanes::retroreflectance, 1e6f}};
 
 // Calls use(name of the pass, channel of the pass, plane) for each plane of integer ids.
 template <class Planes, class Use>
@@ -56,9 +57,8 @@ class PassReader {
     forIds(planes_, [&](const char* name, Channel, auto& plane) {
       if (!plane.empty()) targetIds(name);
     });
-    if (!planes_.reflectance.empty()) targetParameter("reflectance", planes_.reflectance);
-    for (const SurfaceParameter& parameter : kSurfaceParameters) {
-      if (asked_.surfaceParameters) targetParameter(parameter.name, planes_.*parameter.plane);
+    for (const Parameter& parameter : kParameters) {
+      if (!(planes_.*parameter.plane).empty()) targetParameter(parameter.name, planes_.*parameter.plane);
     }
     file_.read(targets_);
 
@@ -67,9 +67,8 @@ class PassReader {
     forIds(planes_, [&](const char* name, Channel, auto& plane) {
       if (!plane.empty()) finishIds(name, plane);
     });
-    if (!planes_.reflectance.empty()) finishParameter("reflectance", planes_.reflectance, 1);
-    for (const SurfaceParameter& parameter : kSurfaceParameters) {
-      if (asked_.surfaceParameters) finishParameter(parameter.name, planes_.*parameter.plane, parameter.most);
+    for (const Parameter& parameter : kParameters) {
+      if (!(planes_.*parameter.plane).empty()) finishParameter(parameter);
     }
     return std::move(image_);
   }
@@ -238,15 +237,15 @@ class PassReader {
     }
   }
 
-  void finishParameter(const char* pass, std::vector<float>& plane, float most) {
-    float* const values = plane.data();
+  void finishParameter(const Parameter& parameter) {
+    float* const values = (planes_.*parameter.plane).data();
     const std::size_t bad = forPixels([&](std::size_t i) {
       if (!seen(i)) values[i] = 0;
-      return values[i] >= 0 && values[i] <= most;
+      return values[i] >= 0 && values[i] <= parameter.most;
     });
     if (bad < file_.pixels()) {
-      refusePixel(findPass(file_, pass)->name, bad,
-                  fmt::format("a value of {:g}: it must be 0 to {:g}", values[bad], most));
+      refusePixel(findPass(file_, parameter.name)->name, bad,
+                  fmt::format("a value of {:g}: it must be 0 to {:g}", values[bad], parameter.most));
     }
   }
 
@@ -291,8 +290,7 @@ void writePasses(const std::filesystem::path& path, const PassImage& image) {
       add(name, ExrType::Uint32, plane, wide.back().data(), sizeof(std::uint32_t));
     }
   });
-  add("reflectance", ExrType::Float32, from.reflectance, from.reflectance.data(), sizeof(float));
-  for (const SurfaceParameter& parameter : kSurfaceParameters) {
+  for (const Parameter& parameter : kParameters) {
     add(parameter.name, ExrType::Float32, from.*parameter.plane, (from.*parameter.plane).data(), sizeof(float));
   }
   ExrAttributes attributes = cameraAttributes(image.camera);
@@ -313,9 +311,8 @@ PassChoice passesIn(const std::filesystem::path& path) {
     if (findPass(file, name) != nullptr) there.channels |= channel;
   });
   if (findPass(file, "reflectance") != nullptr) there.channels |= Channel::Reflectance;
-  there.surfaceParameters = true;
-  for (const SurfaceParameter& parameter : kSurfaceParameters)
-    there.surfaceParameters = there.surfaceParameters && findPass(file, parameter.name) != nullptr;
+  there.surfaceParameters = std::all_of(std::begin(kParameters) + 1, std::end(kParameters),
+                                        [&](const Parameter& p) { return findPass(file, p.name) != nullptr; });
   return there;
 }
 

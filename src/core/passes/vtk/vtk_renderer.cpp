@@ -42,17 +42,6 @@ decltype(auto) told(const Work& work) {
   }
 }
 
-void check(const Camera& camera, const VtkLimits& limits) {
-  if (camera.width == 0 || camera.height == 0 || camera.width > limits.imageSize || camera.height > limits.imageSize) {
-    throw InputError(fmt::format("the camera '{}' has {} x {} pixels: an image is 1 to {} pixels wide and high here",
-                                 camera.name, camera.width, camera.height, limits.imageSize));
-  }
-  if (!(camera.fx > 0 && camera.fy > 0 && std::isfinite(camera.fx) && std::isfinite(camera.fy) &&
-        std::isfinite(camera.cx) && std::isfinite(camera.cy))) {
-    throw InputError(fmt::format("the camera '{}' has no sensible focal length or principal point", camera.name));
-  }
-}
-
 // The plug-in's device, to which the scene is uploaded.
 class Device {
  public:
@@ -122,11 +111,7 @@ class VtkSource : public PixelSource {
  public:
   VtkSource(std::binary_semaphore& free, Device& device, const Scene& scene, std::vector<Camera> cameras,
             const DrawLimits& limits)
-      : lock_(free), device_(device), cameras_(std::move(cameras)) {
-    for (const Camera& camera : cameras_) firsts_.push_back(firsts_.back() + camera.pixels());
-    if (firsts_.back() >= kNoPixel) {
-      throw InputError(fmt::format("{} pixels in a shot's images are too many: take smaller ones", firsts_.back()));
-    }
+      : lock_(free), device_(device), cameras_(std::move(cameras)), firsts_(firstPixels(cameras_)) {
     views_.reserve(cameras_.size());
     for (std::uint32_t k = 0; k < cameras_.size(); ++k) {
       views_.emplace_back(scene, device_.geometry, cameras_[k], limits);
@@ -139,27 +124,19 @@ class VtkSource : public PixelSource {
   PassChoice available() const override { return {Channels::all(), true}; }
 
   void fetch(std::span<const PixelAddress> addresses, PassChoice asked, PassPlanes& planes) override {
-    const auto beyond = [&](PixelAddress address) { return address != kNoPixel && address >= firsts_.back(); };
-    if (std::any_of(addresses.begin(), addresses.end(), beyond)) throw Error("a pixel was asked for that no image has");
     std::vector<SeenTriangle> seen(addresses.size());
     readNumbers(addresses);
     parallelFor(addresses.size(), 4096, [&](std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last; ++i) {
         if (numbers_[i] == 0) continue;
-        const std::size_t k = imageOf(addresses[i]);
-        seen[i] = views_[k].seen(static_cast<std::uint32_t>(addresses[i] - firsts_[k]), numbers_[i]);
+        const std::size_t k = imageOf(firsts_, addresses[i]);
+        seen[i] = views_[k].seen(addresses[i] - firsts_[k], numbers_[i]);
       }
     });
     device_.resolver.resolve(cameras_, addresses, seen, asked, planes);
   }
 
  private:
-  std::size_t imageOf(PixelAddress address) const {
-    std::size_t k = 0;
-    while (address >= firsts_[k + 1]) ++k;
-    return k;
-  }
-
   // Reads one triangle number per address into numbers_.
   void readNumbers(std::span<const PixelAddress> addresses) {
     numbers_.assign(addresses.size(), 0);
@@ -167,9 +144,9 @@ class VtkSource : public PixelSource {
     const auto jumps = [](PixelAddress a, PixelAddress b) { return b != a + 1; };
     const bool run = addresses.back() < firsts_.back() &&
                      std::adjacent_find(addresses.begin(), addresses.end(), jumps) == addresses.end();
-    const std::size_t k = run ? imageOf(addresses.front()) : 0;
+    const std::size_t k = run ? imageOf(firsts_, addresses.front()) : 0;
     if (run && addresses.back() < firsts_[k + 1]) {
-      readRun(k, static_cast<std::uint32_t>(addresses.front() - firsts_[k]));
+      readRun(k, addresses.front() - firsts_[k]);
     } else {
       gather(addresses);
     }
@@ -191,7 +168,7 @@ class VtkSource : public PixelSource {
     for (std::size_t k = 0; k < kVtkImages; ++k) {
       const bool there = k < cameras_.size();
       pixels.widths[k] = there ? cameras_[k].width : 1;
-      pixels.firsts[k + 1] = static_cast<std::uint32_t>(firsts_[std::min(k + 1, cameras_.size())]);
+      pixels.firsts[k + 1] = firsts_[std::min(k + 1, cameras_.size())];
     }
     device_.gather(pixels, addresses, numbers_);
   }
@@ -199,8 +176,8 @@ class VtkSource : public PixelSource {
   RendererLock lock_;
   Device& device_;
   std::vector<Camera> cameras_;
+  std::vector<PixelAddress> firsts_;  // see firstPixels()
   std::vector<DrawnView> views_;
-  std::vector<std::size_t> firsts_{0};  // address of each image's first pixel; last entry: number of all pixels
   std::vector<std::uint32_t> numbers_;
   std::vector<std::uint32_t> rows_;
 };
@@ -210,15 +187,13 @@ class VtkRenderer : public PassRenderer {
   explicit VtkRenderer(const Scene& scene) : scene_(scene), device_(scene) {}
 
   std::unique_ptr<PixelSource> draw(const std::vector<Camera>& cameras, const DrawLimits& limits, PassChoice) override {
-    if (cameras.size() > kVtkImages) {
+    const std::uint32_t most = device_.limits.imageSize;
+    for (const Camera& camera : cameras) {
+      if (camera.width <= most && camera.height <= most) continue;
       throw InputError(
-          fmt::format("{} cameras are too many: at most {} are drawn at once", cameras.size(), kVtkImages));
+          fmt::format("the camera '{}' has {} x {} pixels: an image is at most {} pixels wide and high here",
+                      camera.name, camera.width, camera.height, most));
     }
-    if (!(limits.nearest > 0 && limits.nearest < limits.farthest && std::isfinite(limits.farthest))) {
-      throw InputError(fmt::format("images cannot be drawn from {} m to {} m: more than 0, the nearer one first",
-                                   limits.nearest, limits.farthest));
-    }
-    for (const Camera& camera : cameras) check(camera, device_.limits);
     return std::make_unique<VtkSource>(free_, device_, scene_, cameras, limits);
   }
 

@@ -152,11 +152,5 @@ TEST(CameraLayout, FixedOnesLeaveOutWhatNobodyLooksThrough) {
   EXPECT_TRUE(layOutCameras(above, {CameraLayout::Three120, 256}).empty());
 }
 
-TEST(CameraLayout, APlaneHoldsLessThan180Degrees) {
-  expectInputError([] { squareCamera(256, 256, kPi); }, {"180 degrees", "several cameras"});
-  expectInputError([] { squareCamera(256, 256, radians(200.0)); }, {"200 degrees"});
-  EXPECT_NEAR(squareCamera(256, 256, radians(170.0)).horizontalField(), radians(170.0), 1e-12);
-}
-
 }  // namespace
 }  // namespace scanmill

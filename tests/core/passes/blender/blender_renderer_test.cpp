@@ -298,21 +298,6 @@ TEST(BlenderScene, LargeMeshesComeInParts) {
   for (const auto& mesh : index["meshes"]) EXPECT_LE(mesh["triangles"]["shape"][0], kLimit);
 }
 
-TEST(BlenderRenderer, RefusesWhatBlenderCannotDraw) {
-  SKIP_WITHOUT_BLENDER();
-  const Scene scene = smallScene({0, 0, 0});
-  const auto renderer = makeBlenderRenderer(scene);
-  Camera odd = uprightCamera({0, 0, 2}, 0, 0, 16, 16, 60);
-  odd.fy *= 300;
-  EXPECT_THAT(messageOf<Error>([&] { renderer->draw({odd}, {}, {}); }), HasSubstr("test"));
-  const Camera good = uprightCamera({0, 0, 2}, 0, 10, 16, 16, 60);
-  EXPECT_THAT(messageOf<Error>([&] { renderer->draw({good}, {5, 5}, {}); }), HasSubstr("5"));
-  EXPECT_THROW(renderer->draw(std::vector<Camera>(9, good), {}, {}), Error);
-  // It goes on thereafter, and draws nothing where nothing is asked.
-  EXPECT_FALSE(std::isinf(readAll(*renderer->draw({good}, {}, {}), {})[0].planes.depth[16 * 15]));
-  EXPECT_TRUE(readAll(*renderer->draw({}, {}, {}), {}).empty());
-}
-
 // Stand-ins for Blender: programs that fail in their own ways.
 TEST(BlenderRenderer, FailuresQuoteTheProgram) {
   const Scene scene = smallScene({0, 0, 0});
