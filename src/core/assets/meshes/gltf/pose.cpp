@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "base/input_budget.h"
 #include "config/fields.h"
 
 namespace scanmill::gltf {
@@ -63,6 +62,8 @@ std::vector<double> sampled(const std::vector<float>& times, const std::vector<f
   return out;
 }
 
+}  // namespace
+
 std::vector<Vec3d> toPoints(const std::vector<float>& values) {
   std::vector<Vec3d> points;
   points.reserve(values.size() / 3);
@@ -71,8 +72,6 @@ std::vector<Vec3d> toPoints(const std::vector<float>& values) {
   }
   return points;
 }
-
-}  // namespace
 
 std::string nameOf(const Model& model, Index animation) {
   const std::string& name = model.animations[animation].name;
@@ -150,26 +149,24 @@ Affine localOf(const Node& node) {
 
 std::vector<PlacedNode> placeNodes(const Model& model) {
   std::vector<PlacedNode> placed;
-  struct Item {
-    Index node;
-    Affine sceneFromParent;
-    std::string_view name;
-    bool visible;
+  std::vector<PlacedNode> open;  // with the transform, the name and the visibility of their parents
+  const auto add = [&](const std::vector<Index>& nodes, PlacedNode parent) {
+    for (std::size_t i = nodes.size(); i-- > 0;) {
+      parent.node = nodes[i];
+      open.push_back(parent);
+    }
   };
-  std::vector<Item> open;
-  const auto add = [&](const std::vector<Index>& nodes, const Affine& parent, std::string_view name, bool visible) {
-    for (std::size_t i = nodes.size(); i-- > 0;) open.push_back({nodes[i], parent, name, visible});
-  };
-  add(model.roots, {}, {}, true);
+  add(model.roots, {});
   while (!open.empty()) {
-    const Item item = open.back();
+    PlacedNode item = open.back();
     open.pop_back();
     const Node& node = model.nodes[item.node];
-    std::string_view name = node.name.empty() ? item.name : std::string_view(node.name);
-    if (name.empty() && node.mesh) name = model.meshes[*node.mesh].name;
-    placed.push_back({item.node, item.sceneFromParent * localOf(node), name, item.visible && node.visible});
-    const PlacedNode own = placed.back();
-    add(node.children, own.sceneFromNode, own.name, own.visible);
+    if (!node.name.empty()) item.name = node.name;
+    if (item.name.empty() && node.mesh) item.name = model.meshes[*node.mesh].name;
+    item.sceneFromNode = item.sceneFromNode * localOf(node);
+    item.visible = item.visible && node.visible;
+    placed.push_back(item);
+    add(node.children, item);
   }
   return placed;
 }
@@ -192,7 +189,6 @@ bool Poser::isRigid(const PlacedNode& node) const {
 
 void Poser::pose(const PlacedNode& node, const Primitive& primitive, const AttributeNumbers& numbers,
                  const std::string& what, std::vector<Vec3d>& points) {
-  chargeTime({model_.file.string()});
   const std::vector<double> weights = weightsOf(node);
   for (std::size_t t = 0; t < std::min(primitive.targets.size(), weights.size()); ++t) {
     const auto target = primitive.targets[t].find("POSITION");

@@ -44,6 +44,9 @@ struct PlacedNode {
 // Returns the nodes of the scene in file order, depth first.
 std::vector<PlacedNode> placeNodes(const Model& model);
 
+// Returns points of three numbers each.
+std::vector<Vec3d> toPoints(const std::vector<float>& values);
+
 // A function that returns all numbers of a primitive's attribute `name`, vertex by vertex; empty if the primitive lacks
 // the attribute.
 using AttributeNumbers = std::function<std::vector<float>(const std::string& name)>;

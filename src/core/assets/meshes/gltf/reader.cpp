@@ -17,7 +17,6 @@
 #include "base/earth.h"
 #include "base/error.h"
 #include "base/input_budget.h"
-#include "base/memory.h"
 #include "scene/builder.h"
 
 namespace scanmill::gltf {
@@ -27,7 +26,6 @@ namespace {
 // the child process of tryDraco(); the memory limit grows by 256 bytes for every compressed byte.
 constexpr std::uint64_t kTrialMemory = std::uint64_t{2} << 30;
 constexpr unsigned kTrialSeconds = 300;
-constexpr double kMostRead = 4e9;  // largest number of vertices that are read for all primitives together
 
 std::vector<Triangle> trianglesOf(Primitive::Mode mode, const std::vector<std::uint32_t>& at) {
   std::vector<Triangle> triangles;
@@ -85,10 +83,9 @@ class Reader {
     return model_.nodes[placed.node].skin ? Affine{} : placed.sceneFromNode;
   }
 
-  // Throws InputError if the file would take too much memory or time: a small file may place its meshes any number of
-  // times, and many primitives may share one long list of vertices.
+  // Throws InputError if the file would take too much memory: a small file may place its meshes any number of times.
   void checkCosts() const {
-    double triangles = 0, own = 0, vertices = 0, read = 0;
+    double triangles = 0, own = 0;
     std::set<std::pair<Index, std::optional<Index>>> known;  // accessors of positions and indices
     for (const PlacedNode& placed : placed_) {
       const Node& node = model_.nodes[placed.node];
@@ -98,29 +95,16 @@ class Reader {
         copies = static_cast<double>(model_.accessors[node.instances->begin()->second].count);
       }
       for (const Primitive& primitive : model_.meshes[*node.mesh].primitives) {
-        const double points = countOf(primitive.attributes.at("POSITION"));
-        const double corners = primitive.indices ? countOf(*primitive.indices) : points;
+        const double corners = countOf(primitive.indices.value_or(primitive.attributes.at("POSITION")));
         chargeCopies(static_cast<std::uint64_t>(copies), {model_.file.string()});
         const double made = primitive.mode == Primitive::Mode::Triangles ? corners / 3 : corners;
         triangles += copies * made;
         if (known.emplace(primitive.attributes.at("POSITION"), primitive.indices).second) own += made;
-        vertices += copies * std::min(points, corners);
-        read += points / static_cast<double>(uses_[*node.mesh]);
       }
     }
     chargeBytes(kBytesPerTriangle * (triangles - own), {model_.file.string()});
     if (triangles > static_cast<double>(kMostTriangles)) {
       model_.fail(fmt::format("has more than {} triangles, with all copies: split it", kMostTriangles));
-    }
-    if (read > kMostRead) {
-      model_.fail("has many primitives that share one long list of vertices: export each with separate vertices");
-    }
-    const double bytes = triangles * sizeof(Triangle) + vertices * (sizeof(Vec3f) + sizeof(Vec2f));
-    const auto limit = static_cast<double>(memoryLimitBytes());
-    if (bytes > limit) {
-      model_.fail(fmt::format(
-          "has {:.0f} triangles, with all copies, which take {:.1f} GB, but this process may take {:.1f} GB", triangles,
-          bytes * 1e-9, limit * 1e-9));
     }
   }
 
@@ -188,6 +172,7 @@ class Reader {
 
   Geometry geometryOf(const Primitive& primitive, const PlacedNode& placed, const std::optional<TextureUse>& texture) {
     const std::string what = fmt::format("the mesh of '{}'", placed.name);
+    chargeTime({model_.file.string()});  // many primitives may share one long list of vertices
     std::optional<DracoMesh> draco;
     if (primitive.draco) draco = decodeDraco(data_.view(primitive.draco->view), primitive.draco->attributes);
     const AttributeNumbers numbers = [&](const std::string& name) {
@@ -204,11 +189,7 @@ class Reader {
       return std::vector<float>(whole.begin(), whole.end());
     };
     Geometry g;
-    const std::vector<float> positions = numbers("POSITION");
-    g.points.reserve(positions.size() / 3);
-    for (std::size_t i = 0; i + 2 < positions.size(); i += 3) {
-      g.points.emplace_back(Vec3f{positions[i], positions[i + 1], positions[i + 2]});
-    }
+    g.points = toPoints(numbers("POSITION"));
     if (!poser_->isRigid(placed)) poser_->pose(placed, primitive, numbers, what, g.points);
     readUvs(numbers, texture, g);
 
