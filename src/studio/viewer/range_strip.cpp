@@ -4,12 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <limits>
+#include <numeric>
 #include <optional>
 
 #include "base/error.h"
 #include "base/vec.h"
-#include "evaluate/spread.h"
 #include "viewer/color_map.h"
 #include "viewer/picture.h"
 
@@ -23,6 +24,11 @@ struct StripColumns {
   std::vector<double> offset;  // azimuth of each ring relative to the column (rad)
   double step = 0;             // angle from column to column (rad); negative if the sensor rotates clockwise
   bool fullTurn = false;       // true: a full revolution, where the first column follows the last
+};
+
+struct GridSize {
+  std::size_t rings = 1;
+  std::size_t columns = 1;
 };
 
 // The pixels of beams in a range image that looks outward: the image is destaggered, mirrored if the sensor rotates
@@ -42,126 +48,69 @@ double wrapped(double angle) {
   return std::remainder(angle, 2 * kPi);
 }
 
-// The azimuths of the beams that have a hit, by ring and column.
-class AzimuthGrid {
- public:
-  AzimuthGrid(const Scan& scan, const std::vector<std::size_t>& ring, const std::vector<std::size_t>& column,
-              std::size_t rings, std::size_t columns)
-      : rings_(rings), columns_(columns), azimuth_(rings * columns, std::numeric_limits<float>::quiet_NaN()) {
-    constexpr double kOnAxis = 1e-3;  // points nearer to the z axis than this (m) have no meaningful azimuth
-    for (std::size_t i = 0; i < scan.size(); ++i) {
-      const Vec3f& p = scan.position[i];
-      if (!isFinite(p) || !(std::hypot(p.x, p.y) > kOnAxis)) continue;
-      azimuth_[ring[i] * columns + column[i]] = std::atan2(p.y, p.x);
-    }
+// Returns the azimuths that the points show. If the columns are a full turn, which holds if each ring's azimuths differ
+// from evenly spaced ones by nearly a constant, this constant is the ring's offset. Otherwise only the direction in
+// which azimuths increase is estimated. Returns nothing if they neither increase nor decrease with the column. `ring`
+// and `column`: one per point.
+std::optional<StripColumns> estimated(const Scan& scan, const std::vector<std::size_t>& ring,
+                                      const std::vector<std::size_t>& column, const GridSize& grid) {
+  constexpr double kOnAxis = 1e-3;     // points nearer to the z axis than this (m) have no meaningful azimuth
+  constexpr std::size_t kLeast = 16;   // least number of points
+  constexpr double kAlike = 0.8;       // least mean length of the sum of unit vectors; 1: all differ by the same angle
+  constexpr double kCorrelated = 0.5;  // least correlation of azimuth and column
+  std::vector<std::size_t> known;
+  std::complex<double> towards;  // sum of the unit vectors towards the points
+  const auto azimuth = [&](std::size_t i) { return std::atan2(scan.position[i].y, scan.position[i].x); };
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    const Vec3f& p = scan.position[i];
+    if (!isFinite(p) || !(std::hypot(p.x, p.y) > kOnAxis)) continue;
+    known.push_back(i);
+    towards += std::polar(1.0, double{azimuth(i)});
   }
-
-  // Calls visit(ring, column, azimuth) for each beam that has an azimuth (rad).
-  void each(const auto& visit) const {
-    for (std::size_t r = 0; r < rings_; ++r) {
-      for (std::size_t c = 0; c < columns_; ++c) {
-        if (const float a = azimuth_[r * columns_ + c]; std::isfinite(a)) visit(r, c, double{a});
-      }
-    }
-  }
-
-  // Returns the differences between measured azimuth steps per column and the estimate `roughly` (rad). Each step is
-  // measured between two beams of a ring that are `apart` columns apart.
-  std::vector<double> turns(std::size_t apart, double roughly) const {
-    constexpr std::size_t kEnough = 100'000;
-    const std::size_t stride = std::max<std::size_t>(azimuth_.size() / kEnough, 1);
-    const auto span = static_cast<double>(apart);
-    std::vector<double> out;
-    for (std::size_t i = 0; i < azimuth_.size(); i += stride) {
-      if (i % columns_ + apart >= columns_) continue;
-      const double turned = double{azimuth_[i + apart]} - double{azimuth_[i]};
-      if (std::isfinite(turned)) out.push_back(wrapped(turned - roughly * span) / span);
-    }
-    return out;
-  }
-
- private:
-  std::size_t rings_;
-  std::size_t columns_;
-  std::vector<float> azimuth_;  // azimuth of each beam (rad); NaN: no hit, or a hit on the z axis
-};
-
-std::optional<StripColumns> estimated(const AzimuthGrid& grid, std::size_t rings, std::size_t columns) {
-  constexpr std::size_t kLeastPairs = 16;
-  // Largest difference of a full turn's sweep from 2 pi, as a fraction of 2 pi, since the vehicle may turn meanwhile.
-  constexpr double kTurnSlack = 0.03;
+  if (known.size() < kLeast) return {};
+  const auto count = static_cast<double>(known.size());
   StripColumns look;
-  std::vector<double> turns = grid.turns(1, 0);
-  if (turns.size() < kLeastPairs) return {};
-  look.step = medianOf(turns);
-  // Beams that are farther apart determine the step more exactly.
-  for (std::size_t apart = 4; apart <= columns / 4; apart *= 4) {
-    turns = grid.turns(apart, look.step);
-    if (turns.size() >= kLeastPairs) look.step += medianOf(turns);
+  look.offset.assign(grid.rings, 0);
+  for (const double direction : {1, -1}) {
+    look.step = direction * 2 * kPi / static_cast<double>(grid.columns);
+    std::vector<std::complex<double>> sums(grid.rings);
+    for (const std::size_t i : known) {
+      sums[ring[i]] += std::polar(1.0, azimuth(i) - look.step * static_cast<double>(column[i]));
+    }
+    double alike = 0;
+    for (const std::complex<double>& sum : sums) alike += std::abs(sum);
+    if (alike < kAlike * count) continue;
+    look.fullTurn = true;
+    look.first = std::arg(std::accumulate(sums.begin(), sums.end(), std::complex<double>()));
+    for (std::size_t r = 0; r < grid.rings; ++r) {
+      if (std::abs(sums[r]) > 0) look.offset[r] = wrapped(std::arg(sums[r]) - look.first);
+    }
+    return look;
   }
-  const double swept = std::abs(look.step) * static_cast<double>(columns);
-  if (!(look.step != 0) || swept > 2 * kPi * (1 + kTurnSlack)) return {};
-  look.fullTurn = swept > 2 * kPi * (1 - kTurnSlack);
-  if (look.fullTurn) look.step = std::copysign(2 * kPi / static_cast<double>(columns), look.step);
-
-  const auto strayOf = [&](std::size_t column, double azimuth) {
-    return azimuth - look.step * static_cast<double>(column);
-  };
-  Vec3d sum;
-  grid.each([&](std::size_t, std::size_t c, double azimuth) {
-    const double stray = strayOf(c, azimuth);
-    sum += Vec3d{std::cos(stray), std::sin(stray), 0};
-  });
-  const double usual = std::atan2(sum.y, sum.x);
-  std::vector<std::vector<double>> strays(rings);
-  grid.each(
-      [&](std::size_t r, std::size_t c, double azimuth) { strays[r].push_back(wrapped(strayOf(c, azimuth) - usual)); });
-  look.offset.assign(rings, 0);
-  std::vector<double> known;  // offsets from `usual` of the rings that have points
-  std::size_t count = 0;
-  std::size_t near = 0;
-  const double reach = std::max(2.5 * std::abs(look.step), radians(5));
-  for (std::size_t r = 0; r < rings; ++r) {
-    if (strays[r].empty()) continue;
-    const double offset = medianOf(strays[r]);
-    known.push_back(offset);
-    look.offset[r] = offset;
-    count += strays[r].size();
-    near += static_cast<std::size_t>(
-        std::ranges::count_if(strays[r], [&](double s) { return std::abs(s - offset) <= reach; }));
+  double sumA = 0, sumC = 0, sumAA = 0, sumCC = 0, sumAC = 0;
+  for (const std::size_t i : known) {
+    const double a = wrapped(azimuth(i) - std::arg(towards));
+    const auto c = static_cast<double>(column[i]);
+    sumA += a, sumC += c, sumAA += a * a, sumCC += c * c, sumAC += a * c;
   }
-  const double middle = medianOf(known);
-  look.first = usual + middle;
-  for (std::size_t r = 0; r < rings; ++r) look.offset[r] = strays[r].empty() ? 0 : look.offset[r] - middle;
-  constexpr double kFollowing = 0.6;  // least fraction of all points that must be near the azimuths of their rings
-  if (static_cast<double>(near) >= kFollowing * static_cast<double>(count)) return look;
-  // If too few points are near these azimuths, the columns may be those of a camera image, whose azimuths are not
-  // evenly spaced. The rings of such an image are not shifted.
-  constexpr double kOneWay = 0.9;  // least fraction of the steps that must have the same direction
-  turns = grid.turns(1, 0);
-  const auto along = std::ranges::count_if(turns, [&](double t) { return t * look.step > 0; });
-  if (look.fullTurn || static_cast<double>(along) < kOneWay * static_cast<double>(turns.size())) return {};
-  look.offset.assign(rings, 0);
+  const double covariance = sumAC * count - sumA * sumC;
+  const double spread = std::sqrt((sumAA * count - sumA * sumA) * (sumCC * count - sumC * sumC));
+  if (!(std::abs(covariance) > kCorrelated * spread)) return {};
+  look.step = std::copysign(1.0, covariance);
   return look;
 }
 
-// Returns the azimuths of the beams. They are taken from the sensor's beam table `beams` if it has `rings` rings and
-// `columns` columns and its rings are cones; otherwise they are estimated from the points. The estimated step is the
-// median of the steps between neighbouring columns. The estimated offset of a ring is the median of (azimuth - first -
-// step * column) over its points, so that a few near or noisy points have no influence. If azimuths increase or
-// decrease steadily but not evenly, as in a camera image, all offsets are 0. Returns nothing if there are too
-// few points, or if azimuths neither increase nor decrease with the column. `ring` and `column`: one per point.
+// Returns the azimuths of the beams: those of the sensor's beam table `beams` if it has the scan's rings and columns
+// and its rings are cones, otherwise those of estimated().
 std::optional<StripColumns> stripColumns(const Scan& scan, const std::vector<std::size_t>& ring,
-                                         const std::vector<std::size_t>& column, std::size_t rings, std::size_t columns,
+                                         const std::vector<std::size_t>& column, const GridSize& grid,
                                          const BeamTable* beams) {
-  const bool onCones = beams != nullptr && beams->listed == nullptr && !beams->rosette;
-  if (!onCones || beams->rings != rings || beams->columns != columns || beams->azimuthOffset.size() != rings ||
-      columns < 2) {
-    return estimated(AzimuthGrid(scan, ring, column, rings, columns), rings, columns);
-  }
+  const bool onCones = beams != nullptr && beams->azimuthOffset.size() == grid.rings && beams->listed == nullptr &&
+                       !beams->rosette && beams->rings == grid.rings && beams->columns == grid.columns;
+  if (!onCones || grid.columns < 2) return estimated(scan, ring, column, grid);
   StripColumns look;
-  look.step =
-      (beams->azimuth(static_cast<std::uint32_t>(columns - 1)) - beams->azimuth(0)) / static_cast<double>(columns - 1);
+  look.step = (beams->azimuth(static_cast<std::uint32_t>(grid.columns - 1)) - beams->azimuth(0)) /
+              static_cast<double>(grid.columns - 1);
   look.fullTurn = beams->fullTurn();
   look.first = beams->azimuth(0);
   look.offset = beams->azimuthOffset;
@@ -202,11 +151,6 @@ bool elevationsRise(const Scan& scan) {
   return sumBoth * count > sumRing * sumElevation;
 }
 
-struct GridSize {
-  std::size_t rings = 1;
-  std::size_t columns = 1;
-};
-
 // Returns the scan's numbers of rings and columns; if it is not organised, as many as its points need.
 GridSize gridOf(const Scan& scan) {
   GridSize size{std::max<std::size_t>(scan.rings, 1), std::max<std::size_t>(scan.columns, 1)};
@@ -243,7 +187,7 @@ RangeStrip makeRangeStrip(const Scan& scan, std::span<const Rgb> colors, const s
     column[i] = key.column;
   }
   std::size_t width = grid.columns;
-  const auto look = stripColumns(scan, ring, column, grid.rings, grid.columns, beams);
+  const auto look = stripColumns(scan, ring, column, grid, beams);
   const auto places = look ? lookingOutward(*look, grid.columns) : std::nullopt;
   if (places && places->image.width <= kMostPictureSide) {
     for (std::size_t i = 0; i < scan.size(); ++i) column[i] = places->place(ring[i], column[i]);
