@@ -8,6 +8,7 @@
 
 #include "base/random.h"
 #include "sense/sense.h"
+#include "tests/support/effects_of.h"
 
 namespace scanmill {
 namespace {
@@ -57,18 +58,6 @@ Room makeRoom(std::uint32_t rings, std::uint32_t columns) {
   return room;
 }
 
-Effects make(const std::string& yaml) {
-  const Value list = parseYaml(yaml, "benchmark");
-  Effects made;
-  for (const Value& item : list.items) {
-    const auto& [name, value] = item.entries.front();
-    Fields options(value, name);
-    const EffectEntry& entry = requireEffect(name, item.where);
-    made.push_back({&entry, entry.make(options), {}});
-  }
-  return made;
-}
-
 void report(benchmark::State& state, const Hits& hits) {
   state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations() * hits.size()));
   state.counters["ns_per_beam"] =
@@ -78,7 +67,7 @@ void report(benchmark::State& state, const Hits& hits) {
 
 void effectAlone(benchmark::State& state, const std::string& yaml) {
   const Room room = makeRoom(128, 1024);
-  const auto list = make(yaml);
+  const Effects list = effectsOf(parseYaml(yaml, "benchmark"));
   Returns returns;
   for (auto _ : state) {
     returns.start(room.hits);
@@ -94,7 +83,7 @@ void wholeSense(benchmark::State& state, const std::string& yaml, bool organised
   room.shot.worldFromSensor.resize(steps);
   for (std::size_t s = 0; s < steps; ++s) room.shot.worldFromSensor[s].translation.x = 1e-3 * static_cast<double>(s);
   room.shot.deskew = steps > 1;
-  const auto list = make(yaml);
+  const Effects list = effectsOf(parseYaml(yaml, "benchmark"));
   Returns scratch;
   Scan scan;
   for (auto _ : state) {

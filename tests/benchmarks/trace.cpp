@@ -15,6 +15,7 @@
 #include "sensors/footprint.h"
 #include "tests/benchmarks/bare_embree.h"
 #include "tests/benchmarks/timing.h"
+#include "tests/support/effects_of.h"
 #include "tests/support/test_scene.h"
 
 namespace scanmill {
@@ -88,13 +89,7 @@ void footprintAgainstBeams(benchmark::State& state) {
   wide.beams = footprint.rays;
   const Channels channels = Channel::Range | Channel::Semantic | Channels(Channel::Instance) | Channel::Material |
                             Channel::Reflectance | Channel::Incidence;
-  const Value list = parseYaml("[{intensity: {}}, {detection: {}}]", "benchmark");
-  Effects effects;
-  for (const Value& item : list.items) {
-    Fields options(item.entries.front().value, item.entries.front().key);
-    const EffectEntry& entry = requireEffect(item.entries.front().key, item.where);
-    effects.push_back({&entry, entry.make(options), {}});
-  }
+  const Effects effects = effectsOf(parseYaml("[{intensity: {}}, {detection: {}}]", "benchmark"));
   Hits hits;
   Returns returns;
   Scan scan;

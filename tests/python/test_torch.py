@@ -1,7 +1,6 @@
 """PyTorch's loaders see every sample once, and the same augmentation whatever the number of workers."""
 
 import itertools
-import pickle
 import tempfile
 import unittest
 
@@ -120,13 +119,6 @@ class Loaders(unittest.TestCase):
                     seen += keys_of(self.load(shards, workers))
                 self.assertEqual(sorted(seen), sorted(self.dataset.keys))
 
-    def test_more_readers_than_samples(self):
-        many = len(self.dataset) + 3
-        seen = []
-        for rank in range(many):
-            seen += keys_of(self.load(ShardIterable(self.path, rank=rank, world_size=many, columns=[])))
-        self.assertEqual(sorted(seen), sorted(self.dataset.keys))
-
     def test_workers_do_not_change_the_augmentation(self):
         def points(dataset, workers):
             dataset.set_epoch(4)
@@ -173,11 +165,6 @@ class Loaders(unittest.TestCase):
             for key in self.dataset.keys:
                 np.testing.assert_array_equal(epochs[0][key], epochs[2][key])
                 self.assertFalse(np.array_equal(epochs[0][key], epochs[1][key]))
-
-    def test_datasets_pickle(self):
-        for dataset in (ScanDataset(self.path, columns=[]), ShardIterable(self.path, columns=[])):
-            other = pickle.loads(pickle.dumps(dataset))
-            self.assertEqual(keys_of(self.load(other)), sorted(self.dataset.keys))
 
     def test_workers_may_be_spawned(self):
         dataset = ScanDataset(self.path, columns=[])

@@ -12,6 +12,7 @@
 #include "config/fields.h"
 #include "sense/sense.h"
 #include "sensors/sensor.h"
+#include "tests/support/effects_of.h"
 
 namespace scanmill {
 
@@ -55,13 +56,7 @@ inline Scan noisyScan(const std::shared_ptr<const BeamTable>& beams, const std::
   Hits hits;
   hits.reset(beams->rings, beams->columns, Channel::Range);
   for (std::size_t beam = 0; beam < hits.size(); ++beam) hits.range[beam] = range(beam);
-  const Value list = parseYaml(effects, "effects.yaml");
-  Effects made;
-  for (const Value& item : list.items) {
-    Fields options(item.entries.front().value, "effect");
-    const EffectEntry& entry = requireEffect(item.entries.front().key, item.where);
-    made.push_back({&entry, entry.make(options), {}});
-  }
+  const Effects made = effectsOf(parseYaml(effects, "effects.yaml"));
   const ScanLayout layout{ColumnSet(kRing, kColumn, kTime), organised};
   Returns scratch;
   Scan scan;

@@ -199,21 +199,6 @@ TEST(Sense, MissesGiveEmptyDenseScansAndOrganisedOnesWithoutPoints) {
   EXPECT_EQ(senseOnce(makeWorld(0, 0), kManyEffects, kEveryOrganised).size(), 0u);
 }
 
-TEST(Sense, ExtremeRangesGiveFinitePoints) {
-  for (float range : {1e-3f, 0.1f, 1e4f}) {
-    const Scan scan = senseOnce(makeWorld(8, 128, range),
-                                {"intensity: {}", "range_noise: {sigma_m: 1}", "shell: {scale_m: 1}",
-                                 "quantize: {step_m: 0.008}", "angular_jitter: {sigma_deg: 5}"},
-                                kEvery);
-    ASSERT_EQ(scan.size(), 8u * 128u);
-    for (std::size_t k = 0; k < scan.size(); ++k) {
-      EXPECT_TRUE(isFinite(scan.position[k]));
-      EXPECT_TRUE(std::isfinite(scan[kIntensity][k]));
-      EXPECT_EQ(scan[kRangeTrue][k], range);
-    }
-  }
-}
-
 // A wall that stands still in the world, seen from a sensor that drives and turns: after deskewing all points lie on
 // it, in the frame of the revolution's start, whatever the world's origin.
 TEST(Sense, DeskewUndoesTheMotionOfTheSensor) {

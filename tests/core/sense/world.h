@@ -96,12 +96,15 @@ inline Effects makeEffects(const std::vector<std::string>& yaml) {
   return made;
 }
 
-inline Returns run(const World& world, const std::vector<std::string>& yaml) {
+inline Returns runEffects(const World& world, const Effects& effects) {
   Returns returns;
-  const auto effects = makeEffects(yaml);
   detect(world.hits, world.shot, effects, world.materials, returns);
   for (const auto& effect : effects) effect->apply(world.hits, world.shot, world.materials, returns);
   return returns;
+}
+
+inline Returns run(const World& world, const std::vector<std::string>& yaml) {
+  return runEffects(world, makeEffects(yaml));
 }
 
 inline Scan senseOnce(const World& world, const std::vector<std::string>& yaml, const ScanLayout& layout = {}) {

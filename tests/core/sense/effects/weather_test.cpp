@@ -7,6 +7,7 @@
 #include "sensors/footprint.h"
 #include "sensors/sensor.h"
 #include "tests/core/sense/several_returns.h"
+#include "tests/support/effects_of.h"
 
 namespace scanmill {
 namespace {
@@ -273,22 +274,14 @@ Fog fogOfPreset(const Value& file, double visibility) {
   world.materials.resize(1);
   world.hits.reset(world.beams().rings, world.beams().columns, Channels::all());
   for (std::size_t beam = 0; beam < world.hits.size(); ++beam) miss(world, beam);
-  const Value fog = parseYaml(fmt::format("weather: {{kind: fog, visibility_m: {}}}", visibility), "test.yaml");
-  std::vector<const Value*> items{&fog};
-  for (const Value& item : file.find("effects")->items) items.push_back(&item);
-  Effects effects;
-  for (const Value* item : items) {
-    const auto& [effect, options] = item->entries.front();
-    if (effect == "footprint") continue;
-    const EffectEntry& entry = requireEffect(effect, item->where);
-    Fields fields(options, "effect " + effect);
-    effects.push_back({&entry, entry.make(fields), {}});
+  Value list = parseYaml(fmt::format("[weather: {{kind: fog, visibility_m: {}}}]", visibility), "test.yaml");
+  for (const Value& item : file.find("effects")->items) {
+    if (item.entries.front().key != "footprint") list.items.push_back(item);
   }
+  Effects effects = effectsOf(list);
   std::stable_sort(effects.begin(), effects.end(),
                    [](const ChosenEffect& a, const ChosenEffect& b) { return a.entry->stage < b.entry->stage; });
-  Returns returns;
-  detect(world.hits, world.shot, effects, world.materials, returns);
-  for (const auto& effect : effects) effect->apply(world.hits, world.shot, world.materials, returns);
+  const Returns returns = runEffects(world, effects);
   Fog result;
   for (const std::uint32_t row : particles(returns)) result.ranges.push_back(double{returns.range[row]});
   result.share = static_cast<double>(result.ranges.size()) / static_cast<double>(world.hits.size());
