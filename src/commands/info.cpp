@@ -182,9 +182,15 @@ void printExr(const std::filesystem::path& file) {
   }
 }
 
+[[noreturn]] void refuseCalibration(const std::filesystem::path& file) {
+  throw InputError({file.string()},
+                   "is the calibration of a sensor: name it in a sensor's file by the key `calibration`, and give that "
+                   "file to info");
+}
+
 void printYaml(const std::filesystem::path& file, std::uint64_t seed) {
   const Value value = readYaml(file);
-  if (value.find("lasers") != nullptr) return printCalibration(file);
+  if (value.find("lasers") != nullptr) refuseCalibration(file);
   switch (fileKind(value)) {
     case FileKind::Pipeline: {
       runPlan({file.string()});
@@ -244,8 +250,7 @@ int runInfo(const std::vector<std::string>& arguments) {
                      "  scanmill info SemanticKITTI/sequences/08      # recorded scans: a folder or one file\n"
                      "  scanmill info out/passes      # a recording, or one of its EXR images\n"
                      "  scanmill info model.glb       # names that labelling rules can match, sizes, animations\n"
-                     "  scanmill info model.obj --unit 0.01 --up y\n"
-                     "  scanmill info metadata.json   # a sensor's calibration: Ouster's, Velodyne's or Hesai's\n");
+                     "  scanmill info model.obj --unit 0.01 --up y\n");
   if (parsed.help) return 0;
   const InputLimitFactor limits(inputLimit(parsed));
   const InputBudget budget;
@@ -276,7 +281,7 @@ int runInfo(const std::vector<std::string>& arguments) {
   } else if (suffix == "tar") {
     printShard(file);
   } else if (isCalibration(file)) {
-    printCalibration(file);
+    refuseCalibration(file);
   } else if (isMap(file)) {
     throw InputError({file.string()},
                      "is a map: name it in a scene by `town: {map: FILE}`, and give the scene to info");

@@ -20,9 +20,6 @@ void printSensor(const Value& sensor);
 
 // True if a file is Ouster's metadata or a table of a sensor's lasers, by its suffix and contents.
 bool isCalibration(const std::filesystem::path& file);
-// Prints a calibration of Velodyne, Ouster or Hesai: see sensors/calibration.h.
-void printCalibration(const std::filesystem::path& file);
-
 // Prints a scene file. `seed`: seed of a procedural scene.
 void printScene(const std::filesystem::path& file, std::uint64_t seed);
 // Prints a 3D file; also its colours if `options.textures` is true.

@@ -8,7 +8,6 @@
 #include "commands/info.h"
 #include "commands/table.h"
 #include "config/text.h"
-#include "sensors/calibration.h"
 #include "sensors/sensor.h"
 
 namespace scanmill {
@@ -29,13 +28,6 @@ void printBeams(const BeamTable& beams) {
     rows.back().push_back(fmt::format("{:.1f}", at(beams.originUp) * 1000));
   }
   printText("{}", formatTable(rows));
-}
-
-Value plain(const std::string& text) {
-  Value value;
-  value.kind = Value::Kind::Scalar;
-  value.text = text;
-  return value;
 }
 
 }  // namespace
@@ -83,36 +75,6 @@ bool isCalibration(const std::filesystem::path& file) {
   const auto has = [&](std::string_view name) { return std::find(names.begin(), names.end(), name) != names.end(); };
   // Scans have x or easting; tables of single beams have azimuth_deg.
   return (has("elevation") || has("elevation_deg")) && !has("x") && !has("easting") && !has("azimuth_deg");
-}
-
-void printCalibration(const std::filesystem::path& file) {
-  // The keys that calibrations may lack, with values that are not printed.
-  static const Value kOthers = parseYaml("{columns: 1, rate_hz: 1, range_m: [0, 1]}", "");
-  Value sensor;
-  sensor.kind = Value::Kind::Map;
-  sensor.entries.push_back({"calibration", plain(file.string())});
-  sensor = withCalibration(sensor, &kOthers);
-  const auto has = [&](const char* key) { return sensor.find(key) != nullptr; };
-  const std::string columns = has("columns") ? sensor.valueOf("columns").text : "";
-  const std::string rate = has("rate_hz") ? sensor.valueOf("rate_hz").text : "";
-  for (const Value::Entry& other : kOthers.entries) {
-    if (!has(other.key.c_str())) sensor.entries.push_back(other);
-  }
-  const auto beams = makeBeams(sensor);
-  const auto [low, high] = std::minmax_element(beams->elevation.begin(), beams->elevation.end());
-  printText("calibration{}{}: {} rings from {:.2f} to {:.2f} deg", has("model") ? " of " : "",
-            has("model") ? beams->model : "", beams->rings, degrees(*low), degrees(*high));
-  if (!columns.empty()) printText(" x {} columns over {:.4g} deg", columns, degrees(beams->field));
-  if (!rate.empty()) printText(", {} revolutions/s", rate);
-  printText("\n{}a sensor names the file by the key `calibration`{}\n\n",
-            has("origin_offset_m")
-                ? fmt::format("column 0 at {:.2f} deg; beams start {:.2f} mm off the axis, {:.2f} mm "
-                              "above the sensor's origin\n",
-                              degrees(beams->firstAzimuth), beams->originOffset * 1000, beams->originHeight * 1000)
-                : "",
-            columns.empty() || rate.empty() ? " and states columns, rate_hz and range_m, or a preset"
-                                            : " and states range_m");
-  printBeams(*beams);
 }
 
 }  // namespace scanmill

@@ -23,7 +23,6 @@
 #include "pipeline/plan/shard_jobs.h"
 #include "pipeline/scenes/scene_probe.h"
 #include "pipeline/scenes/shot_source.h"
-#include "sensors/trajectory.h"
 
 namespace scanmill {
 
@@ -156,15 +155,11 @@ void printSensors(const Plan& plan) {
 }
 
 void printSequences(const Pipeline& pipeline) {
-  const auto turns = [](const Sequence& s) { return s.trajectory ? s.trajectory->turns() : std::nullopt; };
-  const bool any = std::any_of(pipeline.sequences.begin(), pipeline.sequences.end(),
-                               [&](const Sequence& s) { return turns(s).has_value(); });
-  Rows rows{{"sequence", "frames", "split", "turns"}};
+  Rows rows{{"sequence", "frames", "split"}};
   for (const Sequence& s : pipeline.sequences) {
     if (rows.size() > kMostSequences) break;
-    rows.push_back({s.key(), std::to_string(s.frames), s.split, turns(s) ? std::to_string(*turns(s)) : ""});
+    rows.push_back({s.key(), std::to_string(s.frames), s.split});
   }
-  for (std::vector<std::string>& row : rows) row.resize(any ? 4 : 3);
   printText("{}", formatTable(rows));
   if (pipeline.sequences.size() > kMostSequences) {
     printText("and {} more sequences\n", grouped(pipeline.sequences.size() - kMostSequences));

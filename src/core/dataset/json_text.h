@@ -126,11 +126,6 @@ class JsonNode {
   }
   std::string sha256() const { return hash("a SHA-256", 64); }
   std::string xxh3() const { return hash("an XXH3", 16); }
-  std::vector<std::string> texts() const {
-    std::vector<std::string> list;
-    forEach([&](const JsonNode& item) { list.push_back(item.text()); });
-    return list;
-  }
   std::vector<double> numbers(std::size_t count) const {
     std::vector<double> list;
     forEach([&](const JsonNode& item) { list.push_back(item.number()); });

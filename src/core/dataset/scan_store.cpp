@@ -4,9 +4,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <tuple>
 #include <utility>
 
+#include "base/append_new.h"
 #include "base/error.h"
 #include "base/file.h"
 #include "base/hash.h"
@@ -178,15 +178,14 @@ std::optional<std::size_t> ScanStore::find(const std::string& key) const {
 std::vector<std::string> ScanStore::sensors() const {
   std::vector<std::string> names;
   if (recorded_ && !recorded_->sensor.empty()) names.push_back(recorded_->sensor);
-  const auto add = [&](const std::string& name) {
-    if (!name.empty() && std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-  };
   if (manifest_ != nullptr) {
-    for (const SensorRecord& s : manifest_->sensors) add(s.name);
+    for (const SensorRecord& s : manifest_->sensors) appendNew({s.name}, names);
     return names;
   }
   for (const Sample& s : samples_) {
-    for (const std::string& member : s.members) add(partsOfMember(member).sensor);
+    for (const std::string& member : s.members) {
+      if (const std::string name = partsOfMember(member).sensor; !name.empty()) appendNew({name}, names);
+    }
   }
   return names;
 }
@@ -213,18 +212,18 @@ std::vector<StoredScan> ScanStore::scans(std::size_t sample, const std::string& 
   if (recorded_) return {scanOfRecorded(sample, sensor)};
   const Sample& own = samples_.at(sample);
   std::vector<StoredScan> all;
-  std::vector<std::tuple<std::string, std::uint32_t, std::string>> names;  // sensor, revolution and method
   for (const std::string& member : membersOf(own)) {
     const MemberName name = partsOfMember(member);
     if (formatBySuffix(name.suffix) == nullptr) continue;
-    const std::tuple key{lowerCase(name.sensor), name.revolution, lowerCase(name.method)};
-    const auto known = std::find(names.begin(), names.end(), key);
-    if (known != names.end()) {
-      all[static_cast<std::size_t>(known - names.begin())].members.push_back(member);
+    const auto known = std::find_if(all.begin(), all.end(), [&](const StoredScan& s) {
+      return lowerCase(s.sensor) == lowerCase(name.sensor) && s.revolution == name.revolution &&
+             lowerCase(s.method) == lowerCase(name.method);
+    });
+    if (known != all.end()) {
+      known->members.push_back(member);
       continue;
     }
     const ScanRecord* record = recordOf(own.record, name);
-    names.push_back(key);
     all.push_back({record ? record->sensor : name.sensor,
                    name.revolution,
                    record ? record->method : name.method,
@@ -236,19 +235,12 @@ std::vector<StoredScan> ScanStore::scans(std::size_t sample, const std::string& 
     throw InputError({where}, fmt::format("has no scan of the sample '{}' in a known format", keys_[sample]));
   }
   if (sensor.empty()) return all;
-  std::vector<StoredScan> wanted;
-  std::vector<std::string> others;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const std::string& name = std::get<0>(names[i]);
-    if (name == lowerCase(sensor)) {
-      wanted.push_back(std::move(all[i]));
-    } else if (std::find(others.begin(), others.end(), name) == others.end()) {
-      others.push_back(name);
-    }
-  }
-  if (!wanted.empty()) return wanted;
+  std::vector<std::string> sensors;
+  for (const StoredScan& scan : all) appendNew({lowerCase(scan.sensor)}, sensors);
+  std::erase_if(all, [&](const StoredScan& scan) { return lowerCase(scan.sensor) != lowerCase(sensor); });
+  if (!all.empty()) return all;
   throw InputError({where}, fmt::format("the sample '{}' has no sensor '{}'; it has {}", keys_[sample], sensor,
-                                        fmt::join(others, ", ")));
+                                        fmt::join(sensors, ", ")));
 }
 
 const ShardIndex& ScanStore::shard(std::size_t number) const {

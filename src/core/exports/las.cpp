@@ -44,14 +44,14 @@ namespace scanmill {
 namespace {
 
 constexpr std::uint16_t kMostLasClass = 255;
+constexpr double kStep = 0.0005;  // m; coordinates are stored as multiples of the step, relative to the offset
 
 // The values of the header that describe the points.
 struct LasPoints {
   static constexpr std::uint8_t kMostReturns = 15;
   static constexpr std::uint16_t kBytes = 30;  // bytes of a point, without extra bytes
 
-  double step = 0;  // m; coordinates are stored as multiples of the step, relative to the offset
-  Vec3d offset;     // m, world: subtracted from coordinates before they are stored as steps
+  Vec3d offset;  // m, world: subtracted from coordinates before they are stored as steps
   std::uint64_t count = 0;
   std::array<std::uint64_t, kMostReturns> byReturn{};  // number of points that are first returns, second returns, ...
   std::array<std::int32_t, 3> least{}, greatest{};     // bounds of the coordinates (steps); zero if there are no points
@@ -145,11 +145,11 @@ std::string lasHead(const LasPoints& points, std::span<const LasExtra> extra, co
   putNumber(kFormat, bytes);
   putNumber(static_cast<std::uint16_t>(pointBytes), bytes);
   bytes.append(4 + 5 * 4, '\0');  // counts of points as in earlier versions: 0
-  for (int axis = 0; axis < 3; ++axis) putNumber(points.step, bytes);
+  for (int axis = 0; axis < 3; ++axis) putNumber(kStep, bytes);
   const std::array<double, 3> offset{points.offset.x, points.offset.y, points.offset.z};
   for (const double along : offset) putNumber(along, bytes);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto placeOf = [&](std::int32_t steps) { return points.count == 0 ? 0 : steps * points.step + offset[axis]; };
+    const auto placeOf = [&](std::int32_t steps) { return points.count == 0 ? 0 : steps * kStep + offset[axis]; };
     putNumber(placeOf(points.greatest[axis]), bytes);
     putNumber(placeOf(points.least[axis]), bytes);
   }
@@ -161,7 +161,6 @@ std::string lasHead(const LasPoints& points, std::span<const LasExtra> extra, co
   return bytes + records;
 }
 
-constexpr double kStep = 0.0005;        // m, step of the coordinates in the file
 constexpr std::uint8_t kSynthetic = 1;  // the bit "synthetic" of the classification flags
 
 constexpr ColumnKey<columnIndex("returns")> kReturns;
@@ -205,92 +204,90 @@ class Returns {
   std::vector<std::uint32_t> all_, soFar_;  // number of all points, and of the points so far, by beam
 };
 
+// Appends X, Y and Z of a point. Throws InputError if a coordinate is NaN or does not fit into 32 bits.
+void putPlace(const ExportPlan& plan, const ExportSample& sample, const ExportScan& given, const Vec3d& place,
+              LasPoints& points, std::string& bytes) {
+  const Vec3d exact = (place - points.offset) * (1 / kStep);
+  std::size_t axis = 0;
+  for (const double along : {exact.x, exact.y, exact.z}) {
+    if (!(std::fabs(along) < std::numeric_limits<std::int32_t>::max())) {
+      throw InputError({plan.dataset.string()},
+                       fmt::format("the sample {} has a point of the sensor '{}' more than 1000 km away, which LAS "
+                                   "cannot store in steps of {} m: check the dataset with scanmill verify",
+                                   sample.record->key, given.sensor->name, kStep));
+    }
+    const auto steps = static_cast<std::int32_t>(std::lround(along));
+    putNumber(steps, bytes);
+    points.least[axis] = points.count == 0 ? steps : std::min(points.least[axis], steps);
+    points.greatest[axis] = points.count == 0 ? steps : std::max(points.greatest[axis], steps);
+    ++axis;
+  }
+}
+
+std::string lasBytes(const ExportPlan& plan, const ExportSample& sample, const ExportScan& given) {
+  const Scan& scan = given.scan;
+  const WorldPlaces places(scan, *given.record, given.sensor->beams, plan.manifest.deskewed);
+  const ColumnSet columns = exportedColumns(plan, scan);
+  // The columns that no field of the point format can represent completely.
+  const ColumnSet extraColumns = columns.without(kLabel).without(kReturn).without(kReturns).without(kTime);
+  Returns returns(scan);
+  LasPoints points;
+  const Vec3d& sensor = given.record->worldFromSensor.front().translation;
+  points.offset = {std::round(sensor.x), std::round(sensor.y), std::round(sensor.z)};
+  points.returnsAreMadeUp = !columns.has(kReturn) || !columns.has(kReturns);
+  std::string bytes;
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    if (!isFinite(scan.position[i])) continue;
+    putPlace(plan, sample, given, places.of(i), points, bytes);
+    const float intensity = unitIntensity(given, i);
+    putNumber(static_cast<std::uint16_t>(intensity > 0 ? std::lround(std::min(intensity, 1.0f) * 65535) : 0), bytes);
+    const std::uint8_t numbers = returns.next(i);
+    putNumber(numbers, bytes);
+    putNumber(kSynthetic, bytes);
+    putNumber(static_cast<std::uint8_t>(scan[kLabel].empty() ? 0 : plan.classes.of(scan[kLabel][i])), bytes);
+    putNumber(std::uint8_t{0}, bytes);  // user data
+    putNumber(std::int16_t{0}, bytes);  // scan angle
+    putNumber(static_cast<std::uint16_t>(given.sensorNumber + 1), bytes);
+    putNumber(given.record->time + (scan[kTime].empty() ? 0 : double{scan[kTime][i]}), bytes);
+    visitTable(scan, [&](auto key, const auto& values) {
+      if (extraColumns.has(key)) putNumber(exported(plan.classes, key, values[i]), bytes);
+    });
+    ++points.byReturn[(numbers & 0x0F) - 1u];
+    ++points.count;
+  }
+  std::vector<LasExtra> extra;
+  visitTable(scan, [&]<class T>(auto key, const std::vector<T>&) {
+    constexpr std::uint8_t kType = std::is_floating_point_v<T> ? 9 : sizeof(T) == 1 ? 1 : sizeof(T) == 2 ? 3 : 5;
+    if (!extraColumns.has(key)) return;
+    const std::string_view name = key.index == kIntensity.index ? kLasExactIntensity : key.row.name;
+    extra.push_back({name, kType, sizeof(T), key.row.unit});
+  });
+  return lasHead(points, extra, plan.classes.target()) + bytes;
+}
+
+// Throws InputError if an exported scan of the sample has points of a class whose id LAS cannot store.
+void checkClasses(const ExportPlan& plan, const SampleRecord& sample) {
+  for (const ScanRecord& scan : sample.scans) {
+    const bool isExported = std::any_of(plan.sensors.begin(), plan.sensors.end(),
+                                        [&](const SensorRecord* sensor) { return sensor->name == scan.sensor; });
+    for (const auto& [id, points] : scan.pointsPerClass) {
+      const std::uint16_t own = plan.classes.of(id);
+      if (!isExported || points == 0 || own <= kMostLasClass) continue;
+      throw InputError({plan.dataset.string()},
+                       fmt::format("the sample {} has points of the class {} with the id {}, but LAS stores ids up "
+                                   "to {}: give an ontology of smaller ids with --classes FILE",
+                                   sample.key, plan.classes.classOf(id).name, own, kMostLasClass));
+    }
+  }
+}
+
 class Las : public ScanFiles {
  public:
-  Las() : ScanFiles("las") {}
+  Las() : ScanFiles("las", lasBytes) {}
 
   void check(const ExportPlan& plan) const override {
     for (const ExportSequence& sequence : plan.sequences) {
       for (const std::size_t number : sequence.samples) checkClasses(plan, plan.manifest.samples[number]);
-    }
-  }
-
- protected:
-  std::string bytesOf(const ExportPlan& plan, const ExportSample& sample, const ExportScan& given) const override {
-    const Scan& scan = given.scan;
-    const WorldPlaces places(scan, *given.record, given.sensor->beams, plan.manifest.deskewed);
-    const ColumnSet columns = exportedColumns(plan, scan);
-    // The columns that no field of the point format can represent completely.
-    const ColumnSet extraColumns = columns.without(kLabel).without(kReturn).without(kReturns).without(kTime);
-    Returns returns(scan);
-    LasPoints points;
-    const Vec3d& sensor = given.record->worldFromSensor.front().translation;
-    points.step = kStep;
-    points.offset = {std::round(sensor.x), std::round(sensor.y), std::round(sensor.z)};
-    points.returnsAreMadeUp = !columns.has(kReturn) || !columns.has(kReturns);
-    std::string bytes;
-    for (std::size_t i = 0; i < scan.size(); ++i) {
-      if (!isFinite(scan.position[i])) continue;
-      putPlace(plan, sample, given, places.of(i), points, bytes);
-      const float intensity = unitIntensity(given, i);
-      putNumber(static_cast<std::uint16_t>(intensity > 0 ? std::lround(std::min(intensity, 1.0f) * 65535) : 0), bytes);
-      const std::uint8_t numbers = returns.next(i);
-      putNumber(numbers, bytes);
-      putNumber(kSynthetic, bytes);
-      putNumber(static_cast<std::uint8_t>(scan[kLabel].empty() ? 0 : plan.classes.of(scan[kLabel][i])), bytes);
-      putNumber(std::uint8_t{0}, bytes);  // user data
-      putNumber(std::int16_t{0}, bytes);  // scan angle
-      putNumber(static_cast<std::uint16_t>(given.sensorNumber + 1), bytes);
-      putNumber(given.record->time + (scan[kTime].empty() ? 0 : double{scan[kTime][i]}), bytes);
-      visitTable(scan, [&](auto key, const auto& values) {
-        if (extraColumns.has(key)) putNumber(exported(plan.classes, key, values[i]), bytes);
-      });
-      ++points.byReturn[(numbers & 0x0F) - 1u];
-      ++points.count;
-    }
-    std::vector<LasExtra> extra;
-    visitTable(scan, [&]<class T>(auto key, const std::vector<T>&) {
-      constexpr std::uint8_t kType = std::is_floating_point_v<T> ? 9 : sizeof(T) == 1 ? 1 : sizeof(T) == 2 ? 3 : 5;
-      if (!extraColumns.has(key)) return;
-      const std::string_view name = key.index == kIntensity.index ? kLasExactIntensity : key.row.name;
-      extra.push_back({name, kType, sizeof(T), key.row.unit});
-    });
-    return lasHead(points, extra, plan.classes.target()) + bytes;
-  }
-
- private:
-  static void checkClasses(const ExportPlan& plan, const SampleRecord& sample) {
-    for (const ScanRecord& scan : sample.scans) {
-      const bool isExported = std::any_of(plan.sensors.begin(), plan.sensors.end(),
-                                          [&](const SensorRecord* sensor) { return sensor->name == scan.sensor; });
-      for (const auto& [id, points] : scan.pointsPerClass) {
-        const std::uint16_t own = plan.classes.of(id);
-        if (!isExported || points == 0 || own <= kMostLasClass) continue;
-        throw InputError({plan.dataset.string()},
-                         fmt::format("the sample {} has points of the class {} with the id {}, but LAS stores ids up "
-                                     "to {}: give an ontology of smaller ids with --classes FILE",
-                                     sample.key, plan.classes.classOf(id).name, own, kMostLasClass));
-      }
-    }
-  }
-
-  // Appends X, Y and Z of a point. Throws InputError if a coordinate is NaN or does not fit into 32 bits.
-  static void putPlace(const ExportPlan& plan, const ExportSample& sample, const ExportScan& given, const Vec3d& place,
-                       LasPoints& points, std::string& bytes) {
-    const Vec3d exact = (place - points.offset) * (1 / kStep);
-    std::size_t axis = 0;
-    for (const double along : {exact.x, exact.y, exact.z}) {
-      if (!(std::fabs(along) < std::numeric_limits<std::int32_t>::max())) {
-        throw InputError({plan.dataset.string()},
-                         fmt::format("the sample {} has a point of the sensor '{}' more than 1000 km away, which LAS "
-                                     "cannot store in steps of {} m: check the dataset with scanmill verify",
-                                     sample.record->key, given.sensor->name, kStep));
-      }
-      const auto steps = static_cast<std::int32_t>(std::lround(along));
-      putNumber(steps, bytes);
-      points.least[axis] = points.count == 0 ? steps : std::min(points.least[axis], steps);
-      points.greatest[axis] = points.count == 0 ? steps : std::max(points.greatest[axis], steps);
-      ++axis;
     }
   }
 };

@@ -116,24 +116,18 @@ void addBoxes(const ExportPlan& plan, const SampleObjects& objects, const Export
   add<float>("box_visibility", {count}, visibilities, files);
 }
 
-class Npz : public ScanFiles {
- public:
-  Npz() : ScanFiles("npz") {}
-
- protected:
-  std::string bytesOf(const ExportPlan& plan, const ExportSample& sample, const ExportScan& scan) const override {
-    Files files;
-    addPoints(plan, scan.scan, files);
-    addPoses(*scan.record, files);
-    if (sample.objects) addBoxes(plan, *sample.objects, scan, files);
-    return zipOf(files);
-  }
-};
+std::string npzBytes(const ExportPlan& plan, const ExportSample& sample, const ExportScan& scan) {
+  Files files;
+  addPoints(plan, scan.scan, files);
+  addPoses(*scan.record, files);
+  if (sample.objects) addBoxes(plan, *sample.objects, scan, files);
+  return zipOf(files);
+}
 
 }  // namespace
 
 std::unique_ptr<Layout> makeNpz() {
-  return std::make_unique<Npz>();
+  return std::make_unique<ScanFiles>("npz", npzBytes);
 }
 
 }  // namespace scanmill

@@ -18,6 +18,7 @@
 #include <string_view>
 #include <type_traits>
 
+#include "base/terminal.h"
 #include "exports/scan_files.h"
 #include "formats/little_endian.h"
 
@@ -35,13 +36,6 @@ constexpr std::string_view kPlyType = std::is_floating_point_v<T> ? "float"
                                       : sizeof(T) == 1            ? "uchar"
                                       : sizeof(T) == 2            ? "uint16"
                                                                   : "uint";
-
-// Replaces line breaks by blanks, because a line break would end a comment of the header.
-std::string oneLine(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
-  return text;
-}
 
 std::string header(const ExportPlan& plan, const ExportSample& sample, const ExportScan& given, std::size_t points) {
   std::string text = fmt::format(
@@ -92,34 +86,28 @@ class Colors {
   std::map<std::uint16_t, Color> ofClass_;
 };
 
-class Ply : public ScanFiles {
- public:
-  Ply() : ScanFiles("ply") {}
-
- protected:
-  std::string bytesOf(const ExportPlan& plan, const ExportSample& sample, const ExportScan& given) const override {
-    const Scan& scan = given.scan;
-    const auto points =
-        static_cast<std::size_t>(std::count_if(scan.position.begin(), scan.position.end(), isFinite<float>));
-    std::string bytes = header(plan, sample, given, points);
-    const Colors colors(plan, given);
-    for (std::size_t i = 0; i < scan.size(); ++i) {
-      const Vec3f& p = scan.position[i];
-      if (!isFinite(p)) continue;
-      for (const float coordinate : {p.x, p.y, p.z}) putNumber(coordinate, bytes);
-      for (const std::uint8_t part : colors.of(i)) putNumber(part, bytes);
-      visitTable(scan, [&](auto key, const auto& values) {
-        if (!values.empty()) putNumber(exported(plan.classes, key, values[i]), bytes);
-      });
-    }
-    return bytes;
+std::string plyBytes(const ExportPlan& plan, const ExportSample& sample, const ExportScan& given) {
+  const Scan& scan = given.scan;
+  const auto points =
+      static_cast<std::size_t>(std::count_if(scan.position.begin(), scan.position.end(), isFinite<float>));
+  std::string bytes = header(plan, sample, given, points);
+  const Colors colors(plan, given);
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    const Vec3f& p = scan.position[i];
+    if (!isFinite(p)) continue;
+    for (const float coordinate : {p.x, p.y, p.z}) putNumber(coordinate, bytes);
+    for (const std::uint8_t part : colors.of(i)) putNumber(part, bytes);
+    visitTable(scan, [&](auto key, const auto& values) {
+      if (!values.empty()) putNumber(exported(plan.classes, key, values[i]), bytes);
+    });
   }
-};
+  return bytes;
+}
 
 }  // namespace
 
 std::unique_ptr<Layout> makePly() {
-  return std::make_unique<Ply>();
+  return std::make_unique<ScanFiles>("ply", plyBytes);
 }
 
 }  // namespace scanmill

@@ -10,7 +10,7 @@ void ScanFiles::write(const ExportPlan& plan, std::size_t sequence, std::size_t 
   for (const ExportScan& scan : sample.scans) {
     requireConsistent(scan.scan);
     const std::string file = fmt::format("{}.{}.{}", sample.record->key, revolutionName(*scan.record), suffix_);
-    folder.write(std::filesystem::path(sample.record->split) / file, bytesOf(plan, sample, scan));
+    folder.write(std::filesystem::path(sample.record->split) / file, bytesOf_(plan, sample, scan));
   }
 }
 

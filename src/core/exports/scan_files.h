@@ -1,6 +1,6 @@
 #pragma once
 
-// Base class of layouts that write a file for each scan: SPLIT/KEY.SENSOR.SUFFIX,
+// Layouts that write a file for each scan: SPLIT/KEY.SENSOR.SUFFIX,
 // "train/street-s1-lane-000000.top.las", or "train/street-s1-lane-000000.top.1.las" for a sensor's second revolution in
 // the sample.
 
@@ -18,17 +18,18 @@ namespace scanmill {
 
 class ScanFiles : public Layout {
  public:
-  explicit ScanFiles(std::string suffix) : suffix_(std::move(suffix)) {}
+  // Returns the bytes of the file of one of the sample's scans.
+  using BytesOf = std::string (*)(const ExportPlan& plan, const ExportSample& sample, const ExportScan& scan);
+
+  // `suffix`: suffix of the files, without a dot.
+  ScanFiles(std::string suffix, BytesOf bytesOf) : suffix_(std::move(suffix)), bytesOf_(bytesOf) {}
 
   void write(const ExportPlan& plan, std::size_t sequence, std::size_t frame, const ReadSample& read,
              const ExportFolder& folder) const override;
 
- protected:
-  // Returns the bytes of the file of one of the sample's scans.
-  virtual std::string bytesOf(const ExportPlan& plan, const ExportSample& sample, const ExportScan& scan) const = 0;
-
  private:
-  std::string suffix_;  // suffix of the files, without a dot
+  std::string suffix_;
+  BytesOf bytesOf_;
 };
 
 // Returns the columns that a scan's file has in addition to the position: the columns of the scan or, if the scan has

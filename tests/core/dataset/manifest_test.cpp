@@ -91,21 +91,6 @@ TEST(Manifest, KeysOfRareFactsAreWrittenWhereThereAreSuch) {
   EXPECT_THAT(refusalOfText(lost), HasSubstr("/samples/1/scans/1: key 'vehicle_from_sensor' is missing"));
 }
 
-// The per-ring tables are enough: every beam comes back bit for bit.
-TEST(Manifest, RebuildsTheBeamTable) {
-  const Manifest m = filledManifest();
-  Manifest read = parseManifest(toJson(m), "manifest.json");
-  for (std::size_t s = 0; s < m.sensors.size(); ++s) {
-    BeamTable& beams = read.sensors[s].beams;
-    EXPECT_TRUE(beams.direction.empty());
-    fillBeams(beams);
-    EXPECT_EQ(beams.direction, m.sensors[s].beams.direction);
-    EXPECT_EQ(beams.origin, m.sensors[s].beams.origin);
-    EXPECT_EQ(beams.time, m.sensors[s].beams.time);
-    EXPECT_EQ(read.sensors[s].vehicleFromSensor, m.sensors[s].vehicleFromSensor);
-  }
-}
-
 TEST(Manifest, KeepsEveryBitOfADouble) {
   Manifest m = filledManifest();
   for (std::uint32_t i = 0; i < 2000; ++i) {

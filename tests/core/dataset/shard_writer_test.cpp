@@ -16,28 +16,6 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
-TEST(ShardWriter, WritesShardsAndTheManifest) {
-  const TemporaryFolder folder;
-  const Manifest manifest = writeTestDataset(folder.path() / "new" / "data");
-  const Manifest read = readManifest(folder.path() / "new" / "data");
-  EXPECT_EQ(toJson(read), toJson(manifest));
-  EXPECT_EQ(read.samples.size(), 9u);
-  EXPECT_GT(read.shards.size(), 4u);
-  std::vector<std::string> expected{"croissant.json", "dataset_card.md", "manifest.json"};
-  std::uint64_t samples = 0;
-  for (const ShardRecord& shard : read.shards) {
-    expected.push_back(shard.file);
-    samples += shard.samples;
-    const std::string bytes = readFile(folder.path() / "new" / "data" / shard.file);
-    EXPECT_EQ(bytes.size(), shard.bytes);
-    EXPECT_EQ(sha256(bytes), shard.sha256);
-    EXPECT_TRUE(shard.bytes <= 30000 || shard.samples == 1) << shard.file;
-  }
-  EXPECT_EQ(samples, 9u);
-  std::sort(expected.begin(), expected.end());
-  EXPECT_EQ(filesOf(folder.path() / "new" / "data"), expected);
-}
-
 // What add() was given comes back, with the JSON member first; members of a sample follow each other and share the name
 // up to the first dot; suffixes are lower-case and unique.
 TEST(ShardWriter, FollowsTheLawOfWebDataset) {
