@@ -10,7 +10,7 @@ namespace scanmill {
 
 std::string shortNumber(double value) {
   for (const auto& [scale, suffix] : {std::pair{1e12, " T"}, {1e9, " G"}, {1e6, " M"}, {1e3, " k"}}) {
-    if (std::abs(value) >= scale) return fmt::format("{:.3g}{}", value / scale, suffix);
+    if (std::abs(value) >= scale * 0.9995) return fmt::format("{:.3g}{}", value / scale, suffix);
   }
   return fmt::format("{:.3g}", value);
 }

@@ -49,11 +49,6 @@ std::string secondsText(double seconds) {
   return scaled(seconds, {{1, " s"}, {1e-3, " ms"}, {1e-6, " \xC2\xB5s"}});
 }
 
-std::string amountText(double amount) {
-  if (amount < 1) return threeDigits(amount);
-  return scaled(amount, {{1e9, " G"}, {1e6, " M"}, {1e3, " k"}, {1, ""}});
-}
-
 double shareOf(std::uint64_t part, std::uint64_t whole) {
   return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
 }

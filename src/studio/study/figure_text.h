@@ -1,6 +1,6 @@
 #pragma once
 
-// Formats figures for users, with a unit and only significant digits.
+// Formats figures for users.
 
 #include <cstdint>
 #include <string>
@@ -11,9 +11,8 @@ namespace scanmill {
 // Returns a number as text with three significant digits, but with all digits before the decimal point and without an
 // exponent, such as "0.0123" or "12345".
 std::string threeDigits(double value);
-std::string metresText(double metres);    // returns a length, such as "0", "46.4 mm" or "1.23 m"
-std::string secondsText(double seconds);  // returns a time, such as "350 µs", "2.9 ms" or "1.2 s"
-std::string amountText(double amount);    // returns a number with an SI prefix, such as "950", "45.3 k" or "1.28 M"
+std::string metresText(double metres);                    // returns a length, such as "0", "46.4 mm" or "1.23 m"
+std::string secondsText(double seconds);                  // returns a time, such as "350 µs", "2.9 ms" or "1.2 s"
 double shareOf(std::uint64_t part, std::uint64_t whole);  // returns part / whole; 0 if `whole` is 0
 // Returns a fraction, such as "98.4 %" or "99.9991 %"; "100 %" and "0 %" only if exact.
 std::string shareText(double share);

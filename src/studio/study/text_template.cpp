@@ -47,7 +47,7 @@ std::optional<double> numberOf(const data* value) {
 const std::map<std::string, std::function<std::string(double)>>& numberFormats() {
   static const std::map<std::string, std::function<std::string(double)>> formats{
       {"m", metresText},       {"s", secondsText},
-      {"amount", amountText},  {"share", shareText},
+      {"amount", shortNumber}, {"share", shareText},
       {"factor", factorText},  {"bytes", shortBytes},
       {"digits", threeDigits}, {"count", [](double value) { return grouped(static_cast<std::uint64_t>(value)); }}};
   return formats;

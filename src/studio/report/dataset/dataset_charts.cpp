@@ -5,16 +5,16 @@
 #include <functional>
 #include <numeric>
 
+#include "base/short_text.h"
 #include "charts/chart.h"
 #include "report/dataset/dataset_summary.h"
+#include "report/page/page.h"
 #include "study/figure_text.h"
 
 namespace scanmill {
 
 namespace {
 
-// Width in pixels of charts that share a row, and of charts alone in a row.
-constexpr int kHalfWidth = 575, kWholeWidth = 1150;
 constexpr int kBarHeight = 21, kAround = 120;
 constexpr std::size_t kMostClasses = 12;  // number of classes that a stacked bar shows if it combines further classes
 constexpr const char* kOtherFill = "#8b949e";
@@ -88,7 +88,7 @@ Chart ringsChart(const DatasetSummary& summary) {
     for (std::size_t i = 0; i < rings.size(); ++i) {
       const double value = shareOf(pointsIn(ranges, rings[i]), summary.scansRead);
       bars.add({static_cast<double>(i), value},
-               fmt::format("{}, {}: {} points a scan", name, rings[i].name, amountText(value)));
+               fmt::format("{}, {}: {} points a scan", name, rings[i].name, shortNumber(value)));
       if (!fill.empty()) bars.fills.push_back(fill);
     }
     chart.series.push_back(std::move(bars));

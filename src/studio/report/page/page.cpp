@@ -16,8 +16,6 @@ namespace scanmill {
 namespace {
 
 constexpr int kHalfRow = 870;  // maximum width of charts that share a row (pixels)
-// Width of a chart in a page that shares a row, and of one alone in a row (pixels).
-constexpr int kHalfWidth = 575, kWholeWidth = 1150;
 
 std::string trimmed(const std::string& text) {
   const std::size_t first = text.find_first_not_of(" \t\n");

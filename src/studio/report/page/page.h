@@ -36,6 +36,9 @@ struct PageExtras {
 //   {{/table}}
 std::string fillPage(std::string_view body, Json values, const PageExtras& extras = {});
 
+// Widths in pixels of charts that share a row of a page, and of charts alone in a row.
+inline constexpr int kHalfWidth = 575, kWholeWidth = 1150;
+
 // Returns a chart in the form that templates need; null if it has no points.
 Json chartValues(const Chart& chart);
 // Returns several charts as an object {chart's name: chartValues(chart)}.

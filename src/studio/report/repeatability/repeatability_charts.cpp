@@ -12,8 +12,8 @@ namespace scanmill {
 namespace {
 
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();  // charts do not draw points with this value
-constexpr double kRounding = 1e-12;     // fitness (m²) below which values are rounding errors
-constexpr std::size_t kMostPlaces = 7;  // maximum number of poses in one chart; each pose is a line
+constexpr double kRounding = 1e-12;    // fitness (m²) below which values are rounding errors
+constexpr std::size_t kMostPoses = 7;  // maximum number of poses in one chart; each pose is a line
 
 using OfLevels = FitnessSpread LevelFitness::*;
 
@@ -111,7 +111,7 @@ Chart levelsChart(const Repeatability& result, const RepeatedView& view) {
   chart.x.names = result.levels;
   chart.y = logAxis("fitness after ICP (m²)");
   const std::vector<const RepeatedPlace*> places = byDistance(view);
-  const std::size_t step = (places.size() + kMostPlaces - 1) / kMostPlaces;
+  const std::size_t step = (places.size() + kMostPoses - 1) / kMostPoses;
   for (std::size_t p = 0; p < places.size(); p += step) {
     ChartSeries others = line(at(*places[p]), p / step);
     ChartSeries itself = line("", p / step);

@@ -229,21 +229,6 @@ std::string studyReport(const Study& study) {
   return fillPage(kTradeoffTemplate, StudyPage(study).values());
 }
 
-namespace {
-
-// The first kMethodColors methods of the table methods() have fixed colours, which are the first ones of the palette.
-constexpr std::size_t kMethodColors = 3;
-constexpr std::array<std::size_t, 5> kMoreColors{3, 4, 5, 7, 6};
-
-// Returns the fixed colour of a method; nothing if the method is not among the first kMethodColors methods.
-std::optional<std::size_t> ownColor(const std::string& method) {
-  const MethodEntry* entry = findMethod(method);
-  if (entry == nullptr || entry - methods().data() >= static_cast<std::ptrdiff_t>(kMethodColors)) return std::nullopt;
-  return static_cast<std::size_t>(entry - methods().data());
-}
-
-}  // namespace
-
 std::vector<std::string> groupNames(const Study& study, const std::vector<std::size_t>& settings, Groups groups) {
   std::vector<std::string> names;
   for (const std::size_t i : settings) {
@@ -255,28 +240,18 @@ std::vector<std::string> groupNames(const Study& study, const std::vector<std::s
   return names;
 }
 
-std::size_t methodColor(const Study& study, const std::string& method) {
-  if (const std::optional<std::size_t> own = ownColor(method)) return *own;
-  std::size_t others = 0;
-  for (const std::string& other : methodsOf(study)) {
-    if (other == method) break;
-    others += ownColor(other) ? 0 : 1;
-  }
-  return kMoreColors[others % 3];
+std::size_t methodColor(const std::string& method) {
+  return static_cast<std::size_t>(findMethod(method) - methods().data());
 }
 
-std::vector<std::size_t> settingColors(const Study& study, const std::vector<std::string>& methods) {
-  const auto first = [&](std::size_t k) { return std::ranges::find(methods, methods[k]) - methods.begin(); };
-  std::vector<std::size_t> colors(methods.size());
-  std::vector<std::size_t> free(kMoreColors.begin(), kMoreColors.end());
-  for (std::size_t k = 0; k < methods.size(); ++k) {
-    if (static_cast<std::size_t>(first(k)) != k) continue;
-    colors[k] = methodColor(study, methods[k]);
-    std::erase(free, colors[k]);
-  }
-  std::size_t more = 0;
-  for (std::size_t k = 0; k < methods.size(); ++k) {
-    if (static_cast<std::size_t>(first(k)) != k && !free.empty()) colors[k] = free[more++ % free.size()];
+std::vector<std::size_t> settingColors(const std::vector<std::string>& ofSettings) {
+  constexpr std::array<std::size_t, 5> kFurther{3, 4, 5, 7, 6};  // colours that no method has
+  std::vector<std::size_t> colors;
+  std::size_t further = 0;
+  for (std::size_t k = 0; k < ofSettings.size(); ++k) {
+    const auto own = ofSettings.begin() + static_cast<std::ptrdiff_t>(k);
+    const bool first = std::find(ofSettings.begin(), own, *own) == own;
+    colors.push_back(first ? methodColor(*own) : kFurther[further++ % kFurther.size()]);
   }
   return colors;
 }

@@ -43,9 +43,9 @@ std::vector<std::string> groupNames(const Study& study, const std::vector<std::s
 std::vector<std::size_t> shownSettings(const Study& study, std::size_t most);
 
 // Returns the index of a method's colour in the charts' palette. All charts of a report use this colour for the method.
-std::size_t methodColor(const Study& study, const std::string& method);
-// Returns colours (indices in the palette) for settings with these methods; all differ if the palette has enough.
-// The first setting of each method gets the method's colour.
-std::vector<std::size_t> settingColors(const Study& study, const std::vector<std::string>& methods);
+std::size_t methodColor(const std::string& method);
+// Returns colours (indices in the palette) for settings with these methods; all differ if the palette has enough. The
+// first setting of each method gets the method's colour.
+std::vector<std::size_t> settingColors(const std::vector<std::string>& ofSettings);
 
 }  // namespace scanmill

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <functional>
 
+#include "base/short_text.h"
+#include "report/page/page.h"
 #include "report/tradeoff/report.h"
 #include "study/figure_text.h"
 #include "study/tradeoff/study_figures.h"
@@ -14,7 +16,6 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kMostLines = 6;
-constexpr int kWide = 1160, kHalf = 575;  // width in pixels of charts alone in a row, and of charts side by side
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 // A measure of error that charts show on a logarithmic axis.
@@ -52,7 +53,7 @@ std::string settingDetail(const Study& study, const SettingResult& s) {
   const GroupErrors& e = s.measured.errors.all;
   return fmt::format(
       "{}\n{} beams/s, {} a scan\nrange error: median {}, p99 {}\nlabels {}, false negatives or positives {}",
-      s.setting.name, amountText(beamsPerSecond(study, s)), secondsText(s.measured.cost.scanSeconds),
+      s.setting.name, shortNumber(beamsPerSecond(study, s)), secondsText(s.measured.cost.scanSeconds),
       metresText(e.range.median), metresText(e.range.p99), shareText(e.labels()), shareText(e.missRate()));
 }
 
@@ -104,7 +105,7 @@ Chart frontChart(const Study& study, Chart chart, const Measure& measure, const 
   if (!onFront.empty()) chart.series.push_back(frontLine(onFront, all));
   for (const bool emphasised : {true, false}) {
     for (const std::string& method : methodsOf(study)) {
-      ChartSeries byDefault{.name = wordsOf(method), .color = methodColor(study, method), .emphasised = emphasised};
+      ChartSeries byDefault{.name = wordsOf(method), .color = methodColor(method), .emphasised = emphasised};
       ChartSeries others = byDefault;
       byDefault.labelsFirst = true;
       for (const std::size_t i : measured) {
@@ -126,7 +127,7 @@ struct Shown {
   explicit Shown(const Study& study) : settings(shownSettings(study, kMostLines)) {
     std::vector<std::string> methods;
     for (const std::size_t i : settings) methods.push_back(study.settings[i].setting.method);
-    colors = settingColors(study, methods);
+    colors = settingColors(methods);
   }
   std::vector<std::size_t> settings, colors;
 };
@@ -139,7 +140,7 @@ using Figure = std::function<std::pair<double, std::string>(const BeamErrors& er
 // drawn side by side.
 Chart settingsChart(const Study& study, const Shown& shown, Chart chart, const Figure& figure) {
   constexpr double kBeside = 0.09;  // distance of two values of one name; names are 1 apart
-  chart.width = kHalf;
+  chart.width = kHalfWidth;
   const double middle = (static_cast<double>(shown.settings.size()) - 1) / 2;
   for (std::size_t k = 0; k < shown.settings.size(); ++k) {
     const std::string& name = study.settings[shown.settings[k]].setting.name;
@@ -193,7 +194,7 @@ Chart encodingsChart(const Study& study) {
               .note = "one thread; labels: the largest error of a position, measured by decoding",
               .x = {.title = "bytes per point (left is better)", .scale = AxisScale::Log},
               .y = {.title = "points encoded per second (higher is better)", .scale = AxisScale::Log},
-              .width = kWide,
+              .width = kWholeWidth,
               .height = 420};
   for (const EncodingResult& e : study.encodings) {
     if (!e.failure.empty()) continue;
@@ -206,7 +207,7 @@ Chart encodingsChart(const Study& study) {
     series->add(
         {e.bytesPerPoint, e.encodePointsPerSecond},
         fmt::format("{}\n{:.2f} bytes a point, {} points/s encoded, {} points/s decoded\n{}", e.name, e.bytesPerPoint,
-                    amountText(e.encodePointsPerSecond), amountText(e.decodePointsPerSecond), error));
+                    shortNumber(e.encodePointsPerSecond), shortNumber(e.decodePointsPerSecond), error));
   }
   return chart;
 }
@@ -224,7 +225,7 @@ std::vector<Chart> studyCharts(const Study& study) {
                      {.name = "wrong",
                       .title = "Speed against wrong beams",
                       .note = "beams that only one of truth and setting hits, or whose class or instance differs",
-                      .width = kWide},
+                      .width = kWholeWidth},
                      kWrong, frontOf(study, wrongShare)),
           bandChart(study, {.name = "errors_by_range", .title = "Range error by range"}, range, byRange, kRangeError),
           bandChart(study, {.name = "errors_by_incidence", .title = "Range error by incidence"}, incidence, byIncidence,

@@ -221,33 +221,33 @@ void addGroups(SetComparison& result, const Groups& real, const Groups& simulate
 
 }  // namespace
 
-SetComparison compareSets(ScanSet real, ScanSet simulated) {
+SetComparison compareSets(ScanSet realSet, ScanSet simulatedSet) {
   SetComparison result;
-  result.real = std::move(real);
-  result.simulated = std::move(simulated);
+  result.real = std::move(realSet);
+  result.simulated = std::move(simulatedSet);
   result.byClass = result.real.labelled && result.simulated.labelled;
-  const Patches& a = result.real.patches;
-  const Patches& b = result.simulated.patches;
+  const Patches &real = result.real.patches, &simulated = result.simulated.patches;
   const std::pair<Groups, Groups> both =
-      result.byClass ? groupsByClass(result) : std::pair(groupsByKind(a), groupsByKind(b));
-  const Groups &groupsA = both.first, &groupsB = both.second;
-  const ScanSet &first = result.real, &second = result.simulated;
-  if (first.knowsRings && second.knowsRings && first.rows != second.rows) {
+      result.byClass ? groupsByClass(result) : std::pair(groupsByKind(real), groupsByKind(simulated));
+  const Groups &realGroups = both.first, &simulatedGroups = both.second;
+  if (result.real.knowsRings && result.simulated.knowsRings && result.real.rows != result.simulated.rows) {
     result.warnings.push_back(
         fmt::format("{} has {} rings, but {} has {}: the patches of different sensors differ already by their beams, "
                     "so compare scans of one sensor",
-                    first.name, first.rows, second.name, second.rows));
+                    result.real.name, result.real.rows, result.simulated.name, result.simulated.rows));
   }
   std::vector<Separated> separated(kFeatureCount);
   result.withinReal.fill(kUnmeasured);
   parallelFor(kFeatureCount, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       // Patches without a class, or with a class that only one set has, are not compared.
-      const auto known = [&](const Groups& own, std::size_t i) { return !result.byClass || own[i] != 0; };
-      separated[f] = separate(strataOf(a, groupsA, f, [&](std::size_t i) { return known(groupsA, i); }),
-                              strataOf(b, groupsB, f, [&](std::size_t i) { return known(groupsB, i); }));
+      const auto known = [&](const Groups& groups, std::size_t i) { return !result.byClass || groups[i] != 0; };
+      separated[f] =
+          separate(strataOf(real, realGroups, f, [&](std::size_t i) { return known(realGroups, i); }),
+                   strataOf(simulated, simulatedGroups, f, [&](std::size_t i) { return known(simulatedGroups, i); }));
       const auto scansOf = [&](std::uint32_t odd) {
-        return strataOf(a, groupsA, f, [&](std::size_t i) { return known(groupsA, i) && a.scan[i] % 2 == odd; });
+        return strataOf(real, realGroups, f,
+                        [&](std::size_t i) { return known(realGroups, i) && real.scan[i] % 2 == odd; });
       };
       const Separated within = separate(scansOf(0), scansOf(1));
       if (within.all.weight > 0) result.withinReal[f] = within.all.of(f).strength;
@@ -257,7 +257,7 @@ SetComparison compareSets(ScanSet real, ScanSet simulated) {
     if (separated[f].all.weight > 0) result.features.push_back(separated[f].all.of(f));
   }
   sortByStrength(result.features);
-  addGroups(result, groupsA, groupsB, separated);
+  addGroups(result, realGroups, simulatedGroups, separated);
   addRanges(result);
   addIntensities(result);
   result.real.patches = {};

@@ -17,7 +17,7 @@ constexpr double kPlanar = 0.35;            // thickness divided by width, below
 constexpr double kLevel = 25;               // angle to the horizontal (degrees) below which a plane counts as level
 constexpr double kUpright = 65;             // angle to the horizontal (degrees) above which a plane counts as upright
 // Cosine of 60 degrees; at larger incidence angles offsets along the beam are not measured.
-constexpr double kSteep = 0.5;
+constexpr double kLeastCosine = 0.5;
 constexpr double kNear = 0.5, kNearShare = 0.1;  // a length (m) and a fraction of the range; points whose ranges differ
                                                  // by less than the larger of the two are on the same surface
 
@@ -197,7 +197,7 @@ class PatchReader {
     const double outwards = dot(plane.normal, place) < 0 ? -1 : 1;
     const double offset = outwards * sum / static_cast<double>(count);
     const double across = std::fabs(dot(plane.normal, place)) / length(place);  // cosine of the incidence angle
-    if (across > kSteep) out.ringOffset.back() = static_cast<float>(offset / across);
+    if (across > kLeastCosine) out.ringOffset.back() = static_cast<float>(offset / across);
     set(Feature::RingOffset, std::fabs(offset), out);
   }
 

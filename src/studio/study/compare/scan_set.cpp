@@ -23,15 +23,15 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kHorizon = -1;  // a ring with a smaller mean elevation (degrees) counts as below the horizon
 constexpr std::size_t kLongRun = 10;
-constexpr double kGroundReach = 40;  // maximum horizontal distance at which the ground is measured (m)
-constexpr double kCell = 0.5;        // edge of a cell in which the relief of the ground is measured (m)
-constexpr double kStep = 0.25;       // height difference within a cell (m) above which the cell contains an object
-constexpr double kNearPoint = 5;     // points at a smaller range (m) count as near
+constexpr double kGroundReach = 40;   // maximum horizontal distance at which the ground is measured (m)
+constexpr double kCell = 0.5;         // edge of a cell in which the relief of the ground is measured (m)
+constexpr double kObjectStep = 0.25;  // height difference within a cell (m) above which the cell contains an object
+constexpr double kNearPoint = 5;      // points at a smaller range (m) count as near
 
 // Counts and measured values of one scan.
 struct ScanCounts {
   std::uint64_t points = 0, near = 0;
-  std::uint64_t beams = 0, returns = 0;
+  std::uint64_t beams = 0;
   std::uint64_t below = 0, missing = 0, inRuns = 0, single = 0;
   double slope = kNaN, residual = kNaN;  // slope of the ground plane; standard deviation from the plane (m)
   std::vector<double> relief;            // standard deviation of the heights from each cell's plane (m)
@@ -53,7 +53,6 @@ void countBeams(const Scan& scan, const RangeGrid& grid, ScanCounts& counts) {
       counts.near += length(p) < kNearPoint ? 1 : 0;
     }
     counts.beams += grid.columns;
-    counts.returns += filled;
     counts.points += filled;
     if (filled == 0 || degrees(elevation / filled) > kHorizon) continue;
     counts.below += grid.columns;
@@ -139,7 +138,7 @@ void measureGround(const Scan& scan, const RangeGrid& grid, ScanCounts& counts) 
   }
   std::erase_if(cells, [](const auto& cell) {
     const auto [low, high] = std::ranges::minmax_element(cell.second, {}, &Vec3d::z);
-    return high->z - low->z > kStep;
+    return high->z - low->z > kObjectStep;
   });
   ground.clear();
   for (const auto& [cell, own] : cells) ground.insert(ground.end(), own.begin(), own.end());
@@ -253,7 +252,6 @@ ScanSet addUp(std::string name, std::vector<ScanCounts> all, std::optional<Ontol
     sum.points += c.points;
     sum.near += c.near;
     sum.beams += c.beams;
-    sum.returns += c.returns;
     sum.below += c.below;
     sum.missing += c.missing;
     sum.inRuns += c.inRuns;
@@ -272,7 +270,7 @@ ScanSet addUp(std::string name, std::vector<ScanCounts> all, std::optional<Ontol
   }
   set.points = sum.points;
   if (set.knowsMisses) {
-    figure(set, "returns") = share(sum.returns, sum.beams);
+    figure(set, "returns") = share(sum.points, sum.beams);
     figure(set, "missing_below") = share(sum.missing, sum.below);
     figure(set, "missing_in_runs") = share(sum.inRuns, sum.missing);
     figure(set, "missing_single") = share(sum.single, sum.missing);

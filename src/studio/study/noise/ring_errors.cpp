@@ -35,14 +35,16 @@ struct RingSystem {
   Eigen::VectorXd b;
 };
 
-// The data of one patch. For each return: its ring, the difference (m) of its range from the patch's plane, the
-// derivative of this difference with respect to the plane, and the logarithm of the intensity.
+// The data of one patch.
 struct PatchView {
+  // For each return: its ring, the difference (m) of its range from the patch's plane, and the derivative of this
+  // difference with respect to the plane.
   std::vector<std::uint32_t> ring;
   std::vector<double> difference;
   std::vector<Vec3d> slope;
-  std::vector<double> brightness;  // natural logarithms of the intensities of returns that have an intensity;
-                                   // brightRing, brightRow: rings and rows of these returns
+  // For each return with an intensity above 0: the natural logarithm of the intensity, its ring, and its row in the
+  // patch.
+  std::vector<double> brightness;
   std::vector<std::uint32_t> brightRing;
   std::vector<double> brightRow;
 };
@@ -108,7 +110,7 @@ void addTo(RingSystem& system, const std::vector<std::uint32_t>& ring, const std
 
 // Computes the ring errors from the equations of the odd and the even patches. Comparing both shows which part is
 // noise.
-RingSpread spreadOf(const std::array<RingSystem, 2>& half) {
+RingSpread ringSpreadOf(const std::array<RingSystem, 2>& half) {
   RingSystem all = half[0];
   all.a += half[1].a;
   all.b += half[1].b;
@@ -160,8 +162,8 @@ RingErrors fitRingErrors(const BeamTable& beams, const std::vector<RecordedScan>
     }
   }
   RingErrors errors;
-  errors.range = spreadOf(ranges);
-  if (lit) errors.gain = spreadOf(gains);
+  errors.range = ringSpreadOf(ranges);
+  if (lit) errors.gain = ringSpreadOf(gains);
   return errors;
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/short_text.h"
 #include "study/figure_text.h"
 #include "study/tradeoff/study.h"
 #include "study/tradeoff/study_figures.h"
@@ -97,7 +98,7 @@ std::string p99Text(const GroupErrors& errors) {
 // Returns the figures of a setting in words, beside those of ray tracing with defaults (null: not measured).
 std::string figuresOf(const Study& study, const SettingResult& result, const SettingResult* rays) {
   const GroupErrors& e = errorsOf(result);
-  std::string text = fmt::format("{} beams a second", amountText(beamsPerSecond(study, result)));
+  std::string text = fmt::format("{} beams a second", shortNumber(beamsPerSecond(study, result)));
   if (rays != nullptr && rays != &result && scanSecondsOf(result) > 0) {
     text += fmt::format(", {} x as fast as ray tracing with defaults",
                         factorText(scanSecondsOf(*rays) / scanSecondsOf(result)));

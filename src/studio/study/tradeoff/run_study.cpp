@@ -190,12 +190,12 @@ class StudyRun {
     const auto tracer = makeReference(scene_);
     std::vector<Scan> scans;
     double effects = 0;
-    constexpr std::size_t kMostScans = 4;
+    constexpr std::size_t kEncodedScans = 4;
     Hits hits;
     Returns returns;
     Scan scan;
     for (const TrueShot& t : truth_) {
-      if (scans.size() == kMostScans) break;
+      if (scans.size() == kEncodedScans) break;
       tracer->trace(t.shot, plan_.channels, hits);
       const ShotSetup setup = setupOf(source_, scene_, *tracer, t.shot.sensor);
       // The first call is not timed: it allocates the buffers that later calls reuse.
