@@ -82,17 +82,10 @@ void BeamGrid::cellsOf(const Vec3d& direction, double angle, std::uint32_t& low,
 
 bool BeamGrid::looksInto(const Vec3d& direction) const {
   const double least = std::cos(reach_);
-  std::uint32_t low = 0, high = 0, first = 0, count = 0;
-  cellsOf(direction, reach_, low, high, first, count);
-  for (std::uint32_t row = low; row <= high; ++row) {
-    for (std::uint32_t i = 0; i < count; ++i) {
-      const std::uint32_t cell = row * kAcross + (first + i) % kAcross;
-      for (std::uint32_t b = firstOf_[cell]; b < firstOf_[cell + 1]; ++b) {
-        if (dot(directions_[beams_[b]], direction) >= least) return true;
-      }
-    }
-  }
-  return false;
+  bool found = false;
+  forBeamsNear(direction, reach_,
+               [&](std::uint32_t beam) { found = found || dot(directions_[beam], direction) >= least; });
+  return found;
 }
 
 }  // namespace scanmill

@@ -3,8 +3,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <utility>
 
 #include "base/file.h"
 #include "base/format_support.h"
@@ -16,8 +16,11 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::array<const char*, 5> kMadeKeys{"elevation_deg", "ring_order", "azimuth_offset_deg", "origin_left_m",
-                                               "origin_up_m"};
+// The keys that follow from a calibration, besides ring_order.
+constexpr std::pair<const char*, double Laser::*> kMadeKeys[] = {{"elevation_deg", &Laser::elevation},
+                                                                 {"azimuth_offset_deg", &Laser::azimuth},
+                                                                 {"origin_left_m", &Laser::left},
+                                                                 {"origin_up_m", &Laser::up}};
 
 // Reads a file of Velodyne's ROS drivers; sorts the lasers from top to bottom.
 std::vector<Laser> readLasers(const Value& file) {
@@ -185,12 +188,10 @@ const FormatSupport& velodyneFormat() {
 
 Value withCalibration(const Value& value, const Value* preset) {
   if (value.kind != Value::Kind::Map || value.find("calibration") == nullptr) return value;
-  for (const char* key : kMadeKeys) {
-    const Value* other = value.find(key);
-    if (other == nullptr) continue;
-    throw InputError(other->where,
-                     fmt::format("`{}` follows from the `calibration` beside it: leave one of them out", key));
-  }
+  Fields fields(value, "sensor");
+  constexpr const char* kWhy = "follows from the `calibration` beside it: leave one of them out";
+  fields.refuse({"ring_order"}, kWhy);
+  for (const auto& [key, figure] : kMadeKeys) fields.refuse({key}, kWhy);
   const Value& name = *value.find("calibration");
   const std::filesystem::path file = resolvePath(name, readText(name, "calibration"));
   Unit unit = readUnit(file, value, preset);
@@ -204,10 +205,7 @@ Value withCalibration(const Value& value, const Value* preset) {
   std::erase_if(sensor.entries, [](const Value::Entry& e) { return e.key == "calibration"; });
   sensor.entries.push_back({"ring_order", scalar(orderOf(unit.lasers), where)});
   setSource(sensor, where);
-  sensor.entries.push_back(listOf("elevation_deg", unit.lasers, &Laser::elevation, where));
-  sensor.entries.push_back(listOf("azimuth_offset_deg", unit.lasers, &Laser::azimuth, where));
-  sensor.entries.push_back(listOf("origin_left_m", unit.lasers, &Laser::left, where));
-  sensor.entries.push_back(listOf("origin_up_m", unit.lasers, &Laser::up, where));
+  for (const auto& [key, figure] : kMadeKeys) sensor.entries.push_back(listOf(key, unit.lasers, figure, where));
   if (value.find("firing_time_us") == nullptr && hasFiring(unit)) {
     sensor.entries.push_back(listOf("firing_time_us", unit.lasers, &Laser::firing, where));
   }

@@ -19,19 +19,15 @@ constexpr std::size_t kMostSamples = 10'000'000;
 constexpr std::size_t kMostEvened = 20;  // largest number of samples averaged on each side, for parts of the path where
                                          // the vehicle hardly moves
 
-struct Stand {
-  double height, along, left;
-};
-
 // Returns the height and slopes of the plane that best fits the ground under the four wheels; nothing if more than one
 // wheel has no ground. Without wheels, the plane is horizontal and touches the ground under the pose. `height` returns
 // the height of the ground at a position in the world frame.
 template <typename Height>
-std::optional<Stand> standAt(const GroundOptions& options, const Pose& pose, const Height& height) {
+std::optional<GroundSample> standAt(const GroundOptions& options, const Pose& pose, const Height& height) {
   const Vec3d& at = pose.translation;
   if (!options.wheels) {
     const std::optional<double> z = height(at);
-    return z ? std::optional<Stand>({*z, 0, 0}) : std::nullopt;
+    return z ? std::optional<GroundSample>({*z, 0, 0}) : std::nullopt;
   }
   const double yaw = headingOf(pose.rotation);
   const Vec3d ahead = Vec3d{std::cos(yaw), std::sin(yaw), 0} * ((*options.wheels)[0] / 2);
@@ -49,9 +45,9 @@ std::optional<Stand> standAt(const GroundOptions& options, const Pose& pose, con
   }
   // A wheel without ground is put into the plane of the other three wheels.
   if (hangs) wheel[*hangs] = wheel[*hangs ^ 1] + wheel[*hangs ^ 2] - wheel[*hangs ^ 3];
-  return Stand{(wheel[0] + wheel[1] + wheel[2] + wheel[3]) / 4,
-               (wheel[0] + wheel[1] - wheel[2] - wheel[3]) / (2 * (*options.wheels)[0]),
-               (wheel[0] + wheel[2] - wheel[1] - wheel[3]) / (2 * (*options.wheels)[1])};
+  return GroundSample{(wheel[0] + wheel[1] + wheel[2] + wheel[3]) / 4,
+                      (wheel[0] + wheel[1] - wheel[2] - wheel[3]) / (2 * (*options.wheels)[0]),
+                      (wheel[0] + wheel[2] - wheel[1] - wheel[3]) / (2 * (*options.wheels)[1])};
 }
 
 // Returns the rotation of a vehicle with heading `yaw` (rad) on a plane with the slopes `along` (ahead) and `left`.
@@ -93,7 +89,7 @@ GroundOptions readGround(const Value& value) {
 GroundProfile::GroundProfile(const GroundOptions& options, const Way& way, std::vector<double> places,
                              const Ground& ground)
     : places_(std::move(places)) {
-  std::vector<std::optional<Sample>> found(places_.size());
+  std::vector<std::optional<GroundSample>> found(places_.size());
   std::vector<double> driven(places_.size(), 0.0);  // m driven up to each place
   std::optional<double> last;
   double lastAt = 0;  // m driven up to the latest sample that has ground
@@ -110,9 +106,9 @@ GroundProfile::GroundProfile(const GroundOptions& options, const Way& way, std::
       const std::optional<double> z = last ? ground.near(place) : std::nullopt;
       return z || !lost ? z : ground.under(place);
     };
-    if (const std::optional<Stand> stand = standAt(options, pose, height)) {
-      found[i] = Sample{stand->height, stand->along, stand->left};
-      last = stand->height;
+    found[i] = standAt(options, pose, height);
+    if (found[i]) {
+      last = found[i]->height;
       lastAt = driven[i];
     } else {
       ++bare;
@@ -127,7 +123,7 @@ GroundProfile::GroundProfile(const GroundOptions& options, const Way& way, std::
   bare_ = static_cast<double>(bare) / static_cast<double>(places_.size());
   // A sample without ground becomes a copy of the sample before it. If no earlier sample has ground, it becomes a copy
   // of the first sample with ground.
-  Sample known = **std::find_if(found.begin(), found.end(), [](const auto& s) { return s.has_value(); });
+  GroundSample known = **std::find_if(found.begin(), found.end(), [](const auto& s) { return s.has_value(); });
   for (const auto& sample : found) {
     if (sample) known = *sample;
     samples_.push_back({known.height + options.height, known.along, known.left});
@@ -155,9 +151,9 @@ std::vector<double> GroundProfile::placesOf(const Way& way, const std::vector<do
 }
 
 // Smooths each sample over its neighbours on the path, up to kSmooth before and behind the sample.
-std::vector<GroundProfile::Sample> GroundProfile::evened(const std::vector<Sample>& samples,
-                                                         const std::vector<double>& driven) {
-  std::vector<Sample> means;
+std::vector<GroundSample> GroundProfile::evened(const std::vector<GroundSample>& samples,
+                                                const std::vector<double>& driven) {
+  std::vector<GroundSample> means;
   means.reserve(samples.size());
   const std::size_t last = samples.size() - 1;
   for (std::size_t i = 0; i <= last; ++i) {
@@ -172,10 +168,10 @@ std::vector<GroundProfile::Sample> GroundProfile::evened(const std::vector<Sampl
     // slopes for any spacing of the samples.
     double sumD = 0;
     double sumDD = 0;
-    Sample sum;
-    Sample sumBy;  // sums of the values times their distances from the sample
+    GroundSample sum;
+    GroundSample sumBy;  // sums of the values times their distances from the sample
     for (std::size_t k = i - own; k <= i + own; ++k) {
-      const Sample& s = samples[k];
+      const GroundSample& s = samples[k];
       const double d = driven[k] - driven[i];
       sumD += d;
       sumDD += d * d;
@@ -197,8 +193,8 @@ Pose GroundProfile::place(const Pose& pose, double at) const {
   const auto behind = static_cast<std::size_t>(later - places_.begin());
   const std::size_t j = std::min(behind, places_.size() - 1);
   const std::size_t i = behind == 0 ? 0 : behind - 1;
-  const Sample& a = samples_[i];
-  const Sample& b = samples_[j];
+  const GroundSample& a = samples_[i];
+  const GroundSample& b = samples_[j];
   const double u = i == j ? 0 : std::clamp((at - places_[i]) / (places_[j] - places_[i]), 0.0, 1.0);
   const auto mix = [&](double from, double to) { return from + (to - from) * u; };
   Pose placed{onSlope(headingOf(pose.rotation), mix(a.along, b.along), mix(a.left, b.left)), pose.translation};
@@ -207,7 +203,8 @@ Pose GroundProfile::place(const Pose& pose, double at) const {
 }
 
 Pose onGround(const GroundOptions& options, const Pose& pose, const Ground& ground) {
-  const std::optional<Stand> stand = standAt(options, pose, [&](const Vec3d& place) { return ground.under(place); });
+  const std::optional<GroundSample> stand =
+      standAt(options, pose, [&](const Vec3d& place) { return ground.under(place); });
   const Vec3d& at = pose.translation;
   if (!stand) {
     throw InputError(options.where,

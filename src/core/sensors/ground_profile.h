@@ -36,6 +36,12 @@ struct GroundOptions {
 // Reads the options of the key `ground`. Throws InputError.
 GroundOptions readGround(const Value& value);
 
+// The ground under a vehicle.
+struct GroundSample {
+  double height = 0;           // m
+  double along = 0, left = 0;  // slopes ahead and to the left, as a ratio; positive is upwards
+};
+
 // Heights and slopes of the ground under a vehicle along its path.
 class GroundProfile {
  public:
@@ -59,15 +65,11 @@ class GroundProfile {
   double bare() const { return bare_; }
 
  private:
-  struct Sample {
-    double height = 0;           // m, height of the ground; in samples_, GroundOptions::height is added
-    double along = 0, left = 0;  // slopes ahead and to the left, as a ratio; positive is upwards
-  };
-  static std::vector<Sample> evened(const std::vector<Sample>& samples, const std::vector<double>& driven);
+  static std::vector<GroundSample> evened(const std::vector<GroundSample>& samples, const std::vector<double>& driven);
 
   double bare_ = 0;
   std::vector<double> places_;
-  std::vector<Sample> samples_;
+  std::vector<GroundSample> samples_;  // with GroundOptions::height added
 };
 
 // Places a single pose on the ground and adds the pose's pitch and roll to those of the ground. Throws InputError if

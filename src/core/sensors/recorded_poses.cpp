@@ -29,16 +29,6 @@ std::string formatOf(Fields& f, const std::filesystem::path& file) {
   return format;
 }
 
-void onlyFor(Fields& f, const std::string& format, std::initializer_list<std::string_view> formats,
-             std::initializer_list<const char*> keys) {
-  if (std::find(formats.begin(), formats.end(), format) != formats.end()) return;
-  for (const char* key : keys) {
-    if (const Value* value = f.find(key)) {
-      throw InputError(value->where, fmt::format("{} is not for poses of the format {}", key, format));
-    }
-  }
-}
-
 std::vector<StampedPose> readKitti(Fields& f, const std::filesystem::path& file) {
   std::vector<Affine> cameras = readKittiPoses(file);
   std::vector<double> times;
@@ -183,9 +173,10 @@ RecordedPoses readRecordedPoses(const Value& value) {
   f.also({"file", "format", "times", "interval", "calib", "scene", "frame", "start"}).finish();
   const std::filesystem::path file = f.path("file");
   const std::string format = formatOf(f, file);
-  onlyFor(f, format, {"kitti"}, {"times", "interval", "calib"});
-  onlyFor(f, format, {"nuscenes"}, {"scene"});
-  onlyFor(f, format, {"tum", "csv"}, {"frame"});
+  const std::string why = "is not for poses of the format " + format;
+  if (format != "kitti") f.refuse({"times", "interval", "calib"}, why);
+  if (format != "nuscenes") f.refuse({"scene"}, why);
+  if (format != "tum" && format != "csv") f.refuse({"frame"}, why);
   std::vector<StampedPose> poses;
   if (format == "kitti") {
     poses = readKitti(f, file);

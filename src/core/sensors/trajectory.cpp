@@ -18,25 +18,6 @@ namespace {
 constexpr Range kInterval{1e-9, 1e9};  // limits of every_s (s) and every_m (m)
 constexpr double kLastTurn = 1;        // s; the path must be known until at least this long after the last frame's
                                        // start; most revolutions are shorter
-constexpr double kWorthTelling = 0.2;  // m; a path that deviates more from the straight lines between its waypoints is
-                                       // reported
-
-// Returns the largest distance (m) between a path through `points` and the straight lines between them.
-double farthestOffLines(const Path& path, const std::vector<Vec3d>& points) {
-  constexpr int kPlaces = 32;  // number of equal parts between two points; the path is tested at their ends
-  double farthest = 0;
-  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
-    const Vec3d chord = points[i + 1] - points[i];
-    for (int k = 1; k < kPlaces; ++k) {
-      const double from = path.distanceOfPoint(i);
-      const double part = static_cast<double>(k) / kPlaces;
-      const Vec3d off = path.pose(from + (path.distanceOfPoint(i + 1) - from) * part).translation - points[i];
-      const double on = std::clamp(dot(off, chord) / dot(chord, chord), 0.0, 1.0);
-      farthest = std::max(farthest, length(off - chord * on));
-    }
-  }
-  return farthest;
-}
 
 std::vector<Pose> posesOf(const Value& value) {
   if (value.kind != Value::Kind::Sequence || value.items.empty()) {
@@ -136,13 +117,8 @@ Pose Trajectory::poseOnWay(double place) const {
 
 std::string Trajectory::about() const {
   if (recorded_) return "recorded: " + recorded_->about();
-  if (random_)
-    return fmt::format("a random drive of {:.4g} m on {}", random_->length, fmt::join(random_->classes, ", "));
-  if (offLines_ < kWorthTelling) return {};
-  return fmt::format(
-      "a spline through {} waypoints, up to {:.2g} m off the straight lines between them (`path: line` follows these "
-      "lines)",
-      waypoints_, offLines_);
+  if (random_ == std::nullopt) return {};
+  return fmt::format("a random drive of {:.4g} m on {}", random_->length, fmt::join(random_->classes, ", "));
 }
 
 Trajectory Trajectory::along(const std::vector<Vec3d>& way) const {
@@ -240,8 +216,6 @@ void Trajectory::readWay(Fields& fields, const SceneLanes* lanes) {
   if (waypoints) {
     const std::vector<Vec3d> points = readWaypoints(fields.require("waypoints"), ground_ ? Climbs::No : Climbs::Yes);
     setPath(lines ? Path::lines(points, fields.number("rounding", {0.01, 1000}, 0.5)) : Path(points));
-    waypoints_ = points.size();
-    offLines_ = lines ? 0 : farthestOffLines(*path_, points);
     return;
   }
   const bool turns = fields.choice("along", {"lane", "turns"}, "lane") == "turns";

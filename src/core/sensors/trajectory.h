@@ -77,7 +77,7 @@ class Trajectory {
   const std::string& name() const { return name_; }
   // Returns the number of turns that a drive along the turns of a town makes; nothing for any other drive.
   std::optional<int> turns() const { return turns_; }
-  // Returns a description of the path for messages; empty if there is nothing to report.
+  // Returns a description of a recorded or random path for messages; empty for others.
   std::string about() const;
   // Returns a warning about recorded poses that are possible but probably wrong; otherwise empty.
   std::string doubt() const { return recorded_ ? recorded_->doubt() : std::string(); }
@@ -122,8 +122,6 @@ class Trajectory {
   std::vector<Pose> poses_;           // one per frame, in which the vehicle stands still; empty for paths
   std::shared_ptr<const Path> path_;  // path of a drive; null until it is known
   std::shared_ptr<const RecordedPoses> recorded_;
-  double offLines_ = 0;  // m, largest distance of the path from the straight lines between its waypoints
-  std::size_t waypoints_ = 0;
   std::optional<RandomWay> random_;
   double acceleration_ = 0;  // m/s^2; 0: constant speed
   std::vector<DriveStop> stops_;

@@ -114,7 +114,7 @@ TEST(Calibration, RefusesWhatIsNone) {
         {"u.yaml", "lasers: [{rot_correction: 0, vert_correction: 0, horiz_offset_correction: 2.6}]",
          "horiz_offset_correction (m) must be a number from -0.5 to 0.5"},
         {"u.yaml", "lasers: [{vert_correction: 0, rot_correction: 0}]\n",
-         "`elevation_deg` follows from the `calibration`", ", elevation_deg: [1]"},
+         "elevation_deg follows from the `calibration`", ", elevation_deg: [1]"},
         {"u.xml", "<boost_serialization/>", "gen_calibration.py"},
         {"u.calib", "Channel\tElevation\tAzimuth\n1\t2\t3\n", "tables of beams .csv"}}) {
     folder.write(c.name, c.text);
