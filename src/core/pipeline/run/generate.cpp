@@ -241,25 +241,17 @@ class DatasetRun {
   void warnOfBlindSensors() {
     auto sample = summary_.manifest.samples.begin();
     for (const Sequence& sequence : pipeline_.sequences) {
-      struct Seen {
-        std::uint64_t scans = 0;
-        std::uint64_t points = 0;
-      };
-      std::map<std::string, Seen> seen;
-      for (const MountedSensor& sensor : pipeline_.sensors) seen[sensor.name];
+      std::map<std::string, std::uint64_t> points;  // by sensor
+      for (const MountedSensor& sensor : pipeline_.sensors) points[sensor.name] = 0;
       for (std::uint32_t frame = 0; frame < sequence.frames; ++frame, ++sample) {
-        for (const ScanRecord& scan : sample->scans) {
-          ++seen[scan.sensor].scans;
-          seen[scan.sensor].points += scan.points;
-        }
+        for (const ScanRecord& scan : sample->scans) points[scan.sensor] += scan.points;
       }
-      for (const auto& [sensor, has] : seen) {
-        if (has.points > 0) continue;
-        const char* const problem = has.scans == 0 ? "has no scan" : "hits nothing";
-        const char* const question = has.scans == 0 ? "do they take less time than one of its revolutions?"
-                                                    : "is the trajectory inside the scene?";
-        summary_.warnings.push_back(fmt::format("sequence {}: the sensor '{}' {} in {} frames: {}", sequence.key(),
-                                                sensor, problem, sequence.frames, question));
+      for (const auto& [sensor, count] : points) {
+        if (count > 0) continue;
+        summary_.warnings.push_back(fmt::format(
+            "sequence {}: the sensor '{}' hits nothing in {} frames: is the trajectory inside the scene, and "
+            "does it take the time of a revolution?",
+            sequence.key(), sensor, sequence.frames));
       }
     }
   }

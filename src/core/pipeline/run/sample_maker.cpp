@@ -34,31 +34,22 @@ std::uint64_t unresolvedBeams(const Hits& hits) {
   return static_cast<std::uint64_t>(std::unique(beams.begin(), beams.end()) - beams.begin());
 }
 
-// Counts the points of each class and the different instances of a scan. Consecutive points mostly have the same class
-// and instance, so a group of points with the same class and instance is counted in one step.
+// Counts the points of each class and the different instances of a scan.
 void countPoints(const Scan& scan, ScanRecord& record) {
   std::vector<std::uint64_t> perClass;
-  std::vector<std::uint32_t> instances;
+  std::vector<std::uint32_t> instances;  // consecutive points mostly have the same instance, which is listed once
   const bool labels = !scan[kLabel].empty();
   const bool things = !scan[kInstance].empty();
-  const auto isPoint = [&](std::size_t i) { return !scan.organised || isFinite(scan.position[i]); };
-  for (std::size_t first = 0; first < scan.size();) {
-    const bool point = isPoint(first);
-    std::size_t end = first + 1;
-    while (end < scan.size() && isPoint(end) == point && (!labels || scan[kLabel][end] == scan[kLabel][first]) &&
-           (!things || scan[kInstance][end] == scan[kInstance][first])) {
-      ++end;
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    if (scan.organised && !isFinite(scan.position[i])) continue;
+    ++record.points;
+    if (labels) {
+      const std::size_t label = scan[kLabel][i];
+      if (label >= perClass.size()) perClass.resize(label + 1);
+      ++perClass[label];
     }
-    if (point) {
-      record.points += end - first;
-      if (labels) {
-        const std::uint16_t label = scan[kLabel][first];
-        if (label >= perClass.size()) perClass.resize(label + std::size_t{1});
-        perClass[label] += end - first;
-      }
-      if (things && scan[kInstance][first] != 0) instances.push_back(scan[kInstance][first]);
-    }
-    first = end;
+    const std::uint32_t thing = things ? scan[kInstance][i] : 0;
+    if (thing != 0 && (instances.empty() || instances.back() != thing)) instances.push_back(thing);
   }
   for (std::size_t c = 0; c < perClass.size(); ++c) {
     if (perClass[c] > 0) record.pointsPerClass[static_cast<std::uint16_t>(c)] = perClass[c];
@@ -136,6 +127,14 @@ SampleMaker::SampleMaker(ShotSource& source, std::filesystem::path keepHits, boo
       scenes_(source, std::move(loading)),
       recorder_(plan_, RecordingKind::Hits) {}
 
+std::unique_ptr<ShotBuffers> SampleMaker::takeBuffers() {
+  const std::scoped_lock lock(idleMutex_);
+  if (idle_.empty()) return std::make_unique<ShotBuffers>();
+  std::unique_ptr<ShotBuffers> buffers = std::move(idle_.back());
+  idle_.pop_back();
+  return buffers;
+}
+
 MadeSample SampleMaker::make(const SampleAddress& address) {
   const Pipeline& pipeline = plan_.pipeline;
   const Sequence& sequence = pipeline.sequences[address.sequence];
@@ -151,7 +150,7 @@ MadeSample SampleMaker::make(const SampleAddress& address) {
   if (frame.shots.front().time != frame.time) made.sample.time = frame.time;
   TraceAccount account;
   std::optional<ObjectList> objects;
-  std::unique_ptr<ShotBuffers> buffers = buffers_.take();
+  std::unique_ptr<ShotBuffers> buffers = takeBuffers();
   for (const Shot& shot : frame.shots) {
     const ShotSetup setup = setupOf(plan_, settings, ready->scene, *ready->method, shot.sensor);
     account += runShot(setup, shot, *buffers, clock_);
@@ -176,7 +175,10 @@ MadeSample SampleMaker::make(const SampleAddress& address) {
     std::vector<Member>& members = made.sample.members;
     members.insert(members.begin(), {std::string(kObjectsSuffix), objectsJson(listed, ready->scene.ontology)});
   }
-  buffers_.give(std::move(buffers));
+  {
+    const std::scoped_lock lock(idleMutex_);
+    idle_.push_back(std::move(buffers));
+  }
   scenes_.account(address.sequence, account);
   scenes_.leave(address.sequence);
   return made;
@@ -203,10 +205,6 @@ void SampleMaker::addVoxels(const SceneVoxels& voxels, const Shot& shot, const S
   sample.members.push_back({memberSuffix(sample.scans.back(), kVoxelsSuffix),
                             encodeVoxels(viewVoxels(*pipeline.output.voxels, std::move(labels), shot,
                                                     pipeline.raysPerBeam(shot.sensor), buffers.hits, buffers.scan))});
-}
-
-void SampleMaker::finish() {
-  recorder_.finish();
 }
 
 StageSeconds SampleMaker::stageSeconds() const {

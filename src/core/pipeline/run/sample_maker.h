@@ -23,28 +23,6 @@ namespace scanmill {
 // Returns a manifest with everything that is known before the first ray is traced.
 Manifest startManifest(const ShotSource& source, const DatasetPlan& planned);
 
-// Buffers that are reused for later frames, so that memory use stays constant. take() returns an idle buffer, or a new
-// one if none is idle; give() returns it to the pool. Safe to use from several threads.
-template <class Buffers>
-class BufferPool {
- public:
-  [[nodiscard]] std::unique_ptr<Buffers> take() {
-    const std::scoped_lock lock(mutex_);
-    if (idle_.empty()) return std::make_unique<Buffers>();
-    auto buffers = std::move(idle_.back());
-    idle_.pop_back();
-    return buffers;
-  }
-  void give(std::unique_ptr<Buffers> buffers) {
-    const std::scoped_lock lock(mutex_);
-    idle_.push_back(std::move(buffers));
-  }
-
- private:
-  std::mutex mutex_;
-  std::vector<std::unique_ptr<Buffers>> idle_;
-};
-
 struct MadeSample {
   Sample sample;
   std::shared_ptr<const SceneFacts> scene;
@@ -68,13 +46,14 @@ class SampleMaker {
   MadeSample make(const SampleAddress& address);
 
   // Completes the recording. Call it after all samples are made.
-  void finish();
+  void finish() { recorder_.finish(); }
   const SceneStore& scenes() const { return scenes_; }
   // Returns the processor time of each stage (s); of stages that wait for a graphics card or for another process, the
   // wall-clock time.
   StageSeconds stageSeconds() const;
 
  private:
+  std::unique_ptr<ShotBuffers> takeBuffers();
   void addFormats(const Scan& scan, Sample& sample);
   void addVoxels(const SceneVoxels& voxels, const Shot& shot, const ShotBuffers& buffers, Sample& sample);
 
@@ -85,7 +64,8 @@ class SampleMaker {
   SceneStore scenes_;
   Recorder recorder_;
   std::once_flag opened_;  // the recorder is opened once, by the first call of make()
-  BufferPool<ShotBuffers> buffers_;
+  std::mutex idleMutex_;
+  std::vector<std::unique_ptr<ShotBuffers>> idle_;  // reused for later frames, so that memory use stays constant
   StageClock clock_;
 };
 

@@ -342,18 +342,6 @@ std::optional<State> startAt(const FreeSurface& surface, Vec3d place, Draws& dra
   return best;
 }
 
-// Returns a hint that the scene's size may be the reason why no path of the required length was found; an empty text if
-// the size is plausible.
-std::string sizeHint(const Scene& scene) {
-  constexpr double kSmall = 20;       // size (m) below which scenes get the hint
-  constexpr double kLarge = 100'000;  // size (m) above which scenes get the hint
-  const Box bounds = scene.bounds();
-  const Vec3d size = bounds.high - bounds.low;
-  const double most = std::max(size.x, size.y);
-  if (most > kSmall && most < kLarge) return "";
-  return fmt::format("; the scene measures {:.3g} x {:.3g} x {:.3g} m: is its `unit` right?", size.x, size.y, size.z);
-}
-
 }  // namespace
 
 std::vector<Vec3d> findRandomWay(const SceneProbe& probe, const RandomWay& random, std::uint64_t seed,
@@ -363,9 +351,9 @@ std::vector<Vec3d> findRandomWay(const SceneProbe& probe, const RandomWay& rando
   const std::string what = fmt::format("{}", fmt::join(random.classes, ", "));
   const Floor floor = floorOf(scene, classes);
   if (floor.triangles.empty()) {
-    throw InputError(random.where,
-                     fmt::format("scene {}: has no surface of {} to drive on that is less than 60 degrees steep{}",
-                                 scene.name, what, sizeHint(scene)));
+    throw InputError(
+        random.where,
+        fmt::format("scene {}: has no surface of {} to drive on that is less than 60 degrees steep", scene.name, what));
   }
   const FreeSurface surface(probe, classes);
   Draws draws(seed, name);
@@ -379,8 +367,8 @@ std::vector<Vec3d> findRandomWay(const SceneProbe& probe, const RandomWay& rando
   }
   const double found = longest.empty() ? 0 : static_cast<double>(longest.size() - 1) * kStep;
   throw InputError(random.where, fmt::format("scene {}: the longest drive that was found on {} is {:g} m, but {:.4g} m "
-                                             "are needed: take fewer frames, a lower speed, or more classes{}",
-                                             scene.name, what, found, random.length, sizeHint(scene)));
+                                             "are needed: take fewer frames, a lower speed, or more classes",
+                                             scene.name, what, found, random.length));
 }
 
 }  // namespace scanmill
