@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <list>
 #include <optional>
 #include <utility>
 
@@ -72,55 +71,6 @@ FrameSettings settingsOf(const Pipeline& pipeline, const VehicleHits& vehicles, 
 
 }  // namespace
 
-// The settings of a pipeline with random mounts or effects. Caches the settings of the most recently used sequences.
-class DrawnSettings {
- public:
-  // Returns the settings of a frame. `first`: the hits on the ego vehicle with the mounts of the first frame.
-  // traceVehicles(mounts) returns those for other mounts.
-  std::shared_ptr<const FrameSettings> of(const Pipeline& pipeline, std::size_t sequence, std::uint32_t frame,
-                                          const VehicleHits& first,
-                                          const std::function<VehicleHits(const std::vector<Pose>&)>& traceVehicles) {
-    Kept kept = find(sequence);
-    if (kept.whole != nullptr) return kept.whole;
-    const DrawnSensors& sensors = *pipeline.drawn;
-    SensorDraw drawn = sensors.draw(pipeline, sequence, frame);
-    kept.sequence = sequence;
-    if (!kept.vehicles) kept.vehicles = sensors.drawsMounts() ? traceVehicles(drawn.mounts) : first;
-    auto settings = std::make_shared<const FrameSettings>(settingsOf(pipeline, *kept.vehicles, std::move(drawn)));
-    if (!sensors.drawsPerFrame()) kept.whole = settings;
-    keep(std::move(kept));
-    return settings;
-  }
-
- private:
-  struct Kept {
-    std::size_t sequence = 0;
-    std::optional<VehicleHits> vehicles;
-    // Settings of all frames of the sequence; null if frames have different settings.
-    std::shared_ptr<const FrameSettings> whole;
-  };
-
-  Kept find(std::size_t sequence) {
-    const std::scoped_lock lock(mutex_);
-    const auto found =
-        std::find_if(kept_.begin(), kept_.end(), [&](const Kept& kept) { return kept.sequence == sequence; });
-    if (found == kept_.end()) return {};
-    kept_.splice(kept_.begin(), kept_, found);
-    return kept_.front();
-  }
-
-  void keep(Kept kept) {
-    const std::scoped_lock lock(mutex_);
-    std::erase_if(kept_, [&](const Kept& known) { return known.sequence == kept.sequence; });
-    kept_.push_front(std::move(kept));
-    // Two cached sequences per thread are enough, since each thread makes samples of one sequence at a time.
-    if (kept_.size() > 2 * static_cast<std::size_t>(threadCount())) kept_.pop_back();
-  }
-
-  std::mutex mutex_;
-  std::list<Kept> kept_;  // settings of sequences, the most recently used first
-};
-
 std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scene) {
   Fields options(choice.options, "method " + std::string(choice.entry->name));
   options.alsoDescribed(choice.entry->keys).finish();
@@ -134,7 +84,7 @@ std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scen
 }
 
 ShotSource::ShotSource(const Plan& plan, SceneChanges changes)
-    : plan_(plan), pipeline_(plan.pipeline), changes_(std::move(changes)), drawn_(std::make_unique<DrawnSettings>()) {
+    : plan_(plan), pipeline_(plan.pipeline), changes_(std::move(changes)) {
   if (!pipeline_.vehicle.empty()) {
     const FilesRead read;
     vehicle_ = std::make_shared<const Scene>(
@@ -146,8 +96,6 @@ ShotSource::ShotSource(const Plan& plan, SceneChanges changes)
   vehicleHits_ = traceOwnVehicle(mounts);
   settings_ = std::make_shared<const FrameSettings>(settingsOf(pipeline_, vehicleHits_));
 }
-
-ShotSource::~ShotSource() = default;
 
 VehicleHits ShotSource::traceOwnVehicle(const std::vector<Pose>& mounts) const {
   VehicleHits hits;
@@ -245,8 +193,32 @@ std::unique_ptr<Method> ShotSource::method(const Scene& scene) const {
 
 std::shared_ptr<const FrameSettings> ShotSource::settings(std::size_t sequence, std::uint32_t frame) {
   if (pipeline_.drawn == nullptr) return settings_;
-  return drawn_->of(pipeline_, sequence, frame, vehicleHits_,
-                    [&](const std::vector<Pose>& mounts) { return traceOwnVehicle(mounts); });
+  const DrawnSensors& sensors = *pipeline_.drawn;
+  const auto isOwn = [&](const auto& drawn) { return drawn.first == sequence; };
+  std::shared_ptr<const FrameSettings> known;  // of this frame or of another one of the sequence
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto found = std::find_if(drawn_.begin(), drawn_.end(), isOwn);
+    if (found != drawn_.end()) {
+      known = found->second;
+      drawn_.splice(drawn_.begin(), drawn_, found);
+    }
+  }
+  if (known != nullptr && !sensors.drawsPerFrame()) return known;
+  SensorDraw drawn = sensors.draw(pipeline_, sequence, frame);
+  VehicleHits vehicles = vehicleHits_;
+  if (sensors.drawsMounts() && known == nullptr) vehicles = traceOwnVehicle(drawn.mounts);
+  if (sensors.drawsMounts() && known != nullptr) {  // mounts are the same in all frames of a sequence
+    vehicles.clear();
+    for (const SensorSetting& sensor : known->sensors) vehicles.push_back(sensor.vehicle);
+  }
+  auto settings = std::make_shared<const FrameSettings>(settingsOf(pipeline_, vehicles, std::move(drawn)));
+  const std::scoped_lock lock(mutex_);
+  std::erase_if(drawn_, isOwn);
+  drawn_.emplace_front(sequence, settings);
+  // Two cached sequences per thread are enough, since each thread makes samples of one sequence at a time.
+  if (drawn_.size() > 2 * static_cast<std::size_t>(threadCount())) drawn_.pop_back();
+  return settings;
 }
 
 Shot ShotSource::recordedShot(const std::string& sample, std::uint32_t frame, std::size_t sensor) const {

@@ -10,9 +10,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <list>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include "config/distribution.h"
@@ -25,7 +27,6 @@
 namespace scanmill {
 
 struct BlockedRays;
-class DrawnSettings;
 class Trajectory;
 
 struct SensorSetting {
@@ -73,9 +74,6 @@ class ShotSource {
   // Throws InputError.
   explicit ShotSource(const Plan& plan, SceneChanges changes = {});
   explicit ShotSource(Plan&&, SceneChanges = {}) = delete;
-  ~ShotSource();
-  ShotSource(const ShotSource&) = delete;
-  ShotSource& operator=(const ShotSource&) = delete;
 
   const Plan& plan() const { return plan_; }
 
@@ -123,8 +121,10 @@ class ShotSource {
   std::vector<FileRecord> vehicleFiles_;
   VehicleHits vehicleHits_;                        // with the mounts of the first frame of the first sequence
   std::shared_ptr<const FrameSettings> settings_;  // settings of that frame
-  std::unique_ptr<DrawnSettings> drawn_;
-  std::mutex mutex_;  // guards drives_
+  std::mutex mutex_;                               // guards the members below
+  // Settings of a frame of sequences with random mounts or effects, by index of the sequence, the most recently used
+  // first.
+  std::list<std::pair<std::size_t, std::shared_ptr<const FrameSettings>>> drawn_;
   // Trajectories that depend on scenes, by index of their sequence.
   std::map<std::size_t, std::shared_ptr<const Trajectory>> drives_;
 };
