@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <functional>
-#include <map>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "base/error.h"
@@ -76,11 +76,6 @@ bool belongsTo(const Instance& instance, const std::string& name) {
          rest.find_first_not_of("0123456789", blank + 1) == std::string_view::npos;
 }
 
-// Returns an instance's name up to the '#'.
-std::string objectOf(const Instance& instance) {
-  return instance.name.substr(0, instance.name.find('#'));
-}
-
 bool takeOutNamed(Scene& scene, const std::string& name) {
   return std::erase_if(scene.instances, [&](const Instance& i) { return belongsTo(i, name); }) > 0;
 }
@@ -93,24 +88,12 @@ std::optional<std::uint32_t> idOf(const Value& item) {
 }
 
 [[noreturn]] void refuse(const Scene& scene, const Value& item) {
-  std::map<std::string, std::size_t> objects;  // name -> number of copies
-  for (const Instance& instance : scene.instances) ++objects[objectOf(instance)];
-  std::vector<std::string> names;
-  names.reserve(objects.size() + scene.ontology.classes.size());
-  for (const auto& [name, copies] : objects) names.push_back(name);
-  for (const SemanticClass& c : scene.ontology.classes) names.push_back(c.name);
-  std::string hint = nearest(item.text, names);
-  const auto own = objects.find(item.text.substr(0, item.text.find('#')));
-  if (own != objects.end()) {
-    hint = own->second > 1 ? fmt::format(" ('{0}' has the copies {0}#1 to {0}#{1})", own->first, own->second)
-                           : fmt::format(" ('{}' has no copies)", own->first);
-  } else if (!item.text.empty() && item.text.find_first_not_of("+-.0123456789xX") == std::string::npos) {
-    hint = " (an instance id is a whole number above 0, without quotes)";
-  } else if (!hint.empty()) {
-    hint = fmt::format(" (did you mean '{}'?)", hint);
-  } else {
-    hint = "; names and ids stand in the objects of samples (output.objects)";
-  }
+  std::set<std::string> names;  // of objects, without the number of their copies, and of classes
+  for (const Instance& instance : scene.instances) names.insert(instance.name.substr(0, instance.name.find('#')));
+  for (const SemanticClass& c : scene.ontology.classes) names.insert(c.name);
+  const std::string near = nearest(item.text, {names.begin(), names.end()});
+  const std::string hint = near.empty() ? "; names and ids stand in the objects of samples (output.objects)"
+                                        : fmt::format(" (did you mean '{}'?)", near);
   throw InputError(item.where,
                    fmt::format("without: {} is neither a class of the ontology '{}' nor the name of an object "
                                "of the scene '{}'{}",

@@ -7,11 +7,9 @@
 #include <cctype>
 #include <iterator>
 #include <sstream>
-#include <system_error>
 #include <utility>
 
 #include "config/fields.h"
-#include "config/resources.h"
 
 namespace scanmill {
 namespace {
@@ -175,25 +173,6 @@ std::vector<const Concept*> conceptsIn(const std::vector<Concept>& concepts, std
     if (const Concept* const c = conceptOf(concepts, words[i])) found.push_back(c);
   }
   return found;
-}
-
-const SemanticClass& requireClass(const Ontology& ontology, const std::string& name, const Location& where) {
-  if (ontology.find(name) == nullptr) {
-    for (const Concept& c : knownConcepts()) {
-      const bool meant = std::find(c.words.begin(), c.words.end(), foldedName(name)) != c.words.end();
-      const SemanticClass* const known = meant ? classOf(c, ontology) : nullptr;
-      if (known == nullptr) continue;
-      throw InputError(
-          where, fmt::format("ontology '{}' has no class '{}' (did you mean '{}'?)", ontology.name, name, known->name));
-    }
-  }
-  return ontology.require(name, where);
-}
-
-std::vector<Concept> knownConcepts() {
-  const std::filesystem::path file = resourceFolder() / "labels/words.yaml";
-  std::error_code ignored;
-  return std::filesystem::exists(file, ignored) ? readConcepts(file) : std::vector<Concept>{};
 }
 
 }  // namespace scanmill

@@ -44,12 +44,4 @@ const Concept* conceptOf(const std::vector<Concept>& concepts, std::string_view 
 // lamp").
 std::vector<const Concept*> conceptsIn(const std::vector<Concept>& concepts, std::string_view name);
 
-// Returns the class with this name or alias. Throws InputError at `where` if there is none; if the name is a word of a
-// concept, such as "lorry", the message names the concept's class.
-const SemanticClass& requireClass(const Ontology& ontology, const std::string& name, const Location& where);
-
-// Returns the concepts of labels/words.yaml; an empty list if the file is missing. The program then works, but
-// without suggestions of classes.
-std::vector<Concept> knownConcepts();
-
 }  // namespace scanmill

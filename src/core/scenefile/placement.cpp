@@ -108,8 +108,6 @@ void Placement::forEach(const std::function<void(const Affine&)>& visit) const {
 
 Placement readPlacement(Fields& object) {
   Placement placement;
-  placement.scaled = object.has("scale");
-  placement.copied = object.has("copies");
   placement.object = readCopy(object);
   if (const Value* copies = object.find("copies")) readCopies(*copies, placement);
   return placement;

@@ -24,8 +24,6 @@ struct Placement {
     Vec3d scale{1, 1, 1};
   };
   Copy object;
-  bool scaled = false;  // the YAML has the key `scale`
-  bool copied = false;  // the YAML has the key `copies`
   std::vector<Copy> at{Copy{}};
   std::array<std::int64_t, 3> gridCount{1, 1, 1};
   Vec3d gridSpacing;

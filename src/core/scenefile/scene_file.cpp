@@ -21,7 +21,6 @@
 #include "config/text.h"
 #include "formats/cloud_file.h"
 #include "scene/primitives.h"
-#include "scenefile/concepts.h"
 #include "scenefile/file_meshes.h"
 #include "scenefile/labelling.h"
 #include "scenefile/object_placer.h"
@@ -49,7 +48,7 @@ class SceneReader {
 
   void readObject(const Value& value) {
     Fields f(value, "object");
-    const std::string kind = kindOf(f, value.where);
+    const std::string kind = kindOf(f);
     if (kind == "file") return readFileObject(f);
     if (kind == "primitive") return readPrimitive(f);
     if (hasTown_) throw InputError(value.where, "a scene can have only one town");
@@ -60,29 +59,16 @@ class SceneReader {
   }
 
   // Returns which of the three kinds the object is. Throws InputError if it is none of them, or several.
-  static std::string kindOf(Fields& f, const Location& where) {
-    std::string found;
-    int count = 0;
+  static std::string kindOf(const Fields& f) {
+    std::vector<std::string> found;
     for (const char* kind : {"file", "primitive", "town"}) {
-      if (!f.has(kind)) continue;
-      found = kind;
-      ++count;
+      if (f.has(kind)) found.emplace_back(kind);
     }
-    if (count != 1) {
-      if (f.has("street")) {
-        throw InputError(where, "the key street is no longer known: write `town: {district: street}`");
-      }
-      f.also({"file",      "primitive", "town",          "name",      "position", "yaw_deg",  "pitch_deg",
-              "roll_deg",  "rotation",  "scale",         "copies",    "up",       "unit",     "alpha",
-              "instances", "rules",     "class",         "material",  "size",     "cells",    "radius",
-              "height",    "segments",  "moving",        "animation", "vary",     "stand_on", "points",
-              "heights",   "thing",     "allow_outside", "facing",    "textures", "missing"})
-          .finish();
-      throw InputError(where,
-                       "an object must have exactly one of the keys file, primitive and town (`town: {}` for a town "
-                       "with defaults)");
-    }
-    return found;
+    if (found.size() == 1) return found.front();
+    throw InputError(
+        f.where(), f.has("street") ? "the key street is no longer known: write `town: {district: street}`"
+                                   : "an object must have exactly one of the keys file, primitive and town (`town: {}` "
+                                     "for a town with defaults)");
   }
 
   // Returns true if something in the scene depends on the seed.
@@ -92,11 +78,9 @@ class SceneReader {
   static Affine townPlace(Fields& f) {
     f.require("town");
     f.text("name", "town");
+    f.refuse({"scale", "copies"}, "is not for towns: give the town's length");
     const Placement placement = readPlacement(f);
     f.finish();
-    if (placement.scaled || placement.copied) {
-      throw InputError(f.where(), "a town cannot have scale or copies: give its length");
-    }
     return toAffine(placement.object.pose);
   }
 
@@ -115,11 +99,6 @@ class SceneReader {
   // Returns the path of the object's file and its name as the scene writes it. For {one_of: [...]}, returns both
   // for every listed file and for every file in a listed folder.
   std::vector<std::pair<std::filesystem::path, std::string>> filesOf(Fields& f, const Value& value) const {
-    if (value.kind == Value::Kind::Sequence) {
-      throw InputError(
-          value.where,
-          "file must be one file: write an object for each, or {one_of: [...]}, from which each copy is one at random");
-    }
     if (value.kind != Value::Kind::Map) {
       const std::string name = f.text("file");
       const std::filesystem::path path = assetPath(name, value);
@@ -258,7 +237,7 @@ class SceneReader {
   // matches nothing.
   void checkNames(const std::vector<Rule>& rules) const {
     for (const Rule& rule : rules) {
-      if (!rule.className.empty()) requireClass(builder_.ontology(), rule.className, rule.where);
+      if (!rule.className.empty()) builder_.ontology().require(rule.className, rule.where);
       if (!rule.materialName.empty()) builder_.library().require(rule.materialName, rule.where);
     }
   }
@@ -310,7 +289,7 @@ class SceneReader {
     const Value& className = f.require("class");
     const Value& materialName = f.require("material");
     Surface surface;
-    const SemanticClass& semantic = requireClass(builder_.ontology(), f.text("class"), className.where);
+    const SemanticClass& semantic = builder_.ontology().require(f.text("class"), className.where);
     surface.semantic = semantic.id;
     surface.object = semantic.thing ? 1 : 0;
     surface.material = builder_.material(f.text("material"), materialName.where);
@@ -358,17 +337,24 @@ Value objectsOf(const Value& root, std::uint64_t seed, std::vector<DrawnValue>& 
   return withDraws(*objects, "objects", {.seed = seed}, draws);
 }
 
+// Reads the file of a scene and refuses keys that scenes do not have.
+Value readSceneYaml(const std::filesystem::path& path) {
+  Value root = readYaml(path);
+  expectKind(root, FileKind::Scene);
+  Fields(root, "scene").also({"name", "ontology", "materials", "assets", "rules", "objects"}).finish();
+  return root;
+}
+
 }  // namespace
 
 std::optional<SceneLanes> readSceneLanes(const std::filesystem::path& path, std::uint64_t seed) {
   const InputBudget budget;
-  const Value root = readYaml(path);
-  expectKind(root, FileKind::Scene);
+  const Value root = readSceneYaml(path);
   std::vector<DrawnValue> draws;
   const Value objects = objectsOf(root, seed, draws);
   for (const Value& object : objects.items) {
     Fields f(object, "object");
-    const std::string kind = SceneReader::kindOf(f, object.where);
+    const std::string kind = SceneReader::kindOf(f);
     if (kind == "town") {
       const Affine place = SceneReader::townPlace(f);
       Fields fields(f.require("town"), "town");
@@ -383,19 +369,14 @@ std::optional<SceneLanes> readSceneLanes(const std::filesystem::path& path, std:
 }
 
 Ontology readSceneOntology(const std::filesystem::path& path) {
-  const Value root = readYaml(path);
-  expectKind(root, FileKind::Scene);
-  Fields f(root, "scene");
-  f.also({"name", "ontology", "materials", "assets", "rules", "objects"}).finish();
-  return readOntology(f.resource("ontology", "labels"));
+  const Value root = readSceneYaml(path);
+  return readOntology(Fields(root, "scene").resource("ontology", "labels"));
 }
 
 Scene readScene(const std::filesystem::path& path, const SceneOptions& options) {
   const InputBudget budget;
-  const Value root = readYaml(path);
-  expectKind(root, FileKind::Scene);
+  const Value root = readSceneYaml(path);
   Fields f(root, "scene");
-  f.also({"name", "ontology", "materials", "assets", "rules", "objects"}).finish();
   const std::string name = f.text("name", path.stem().string());
   f.text("ontology");
   const std::filesystem::path ontology = options.ontology.empty() ? f.resource("ontology", "labels") : options.ontology;

@@ -79,18 +79,6 @@ TEST(Words, OfTheProgramFitItsLabels) {
   }
 }
 
-TEST(Words, AWordIsNoClassButNamesOne) {
-  const Ontology ontology = readOntology(kLabels / "scanmill.yaml");
-  EXPECT_EQ(requireClass(ontology, "truck", {}).name, "truck");
-  for (const char* const name : {"lorry", "LKW", "trukc"}) {
-    expectInputError(
-        [&] {
-          requireClass(ontology, name, {"a.yaml", 3, 4});
-        },
-        {"a.yaml:3:4", "has no class '" + std::string(name), "did you mean 'truck'?"});
-  }
-}
-
 TEST(Words, BadFilesAreRefusedWithTheirPlace) {
   const TemporaryFolder folder;
   const auto refuse = [&](const std::string& text, const std::vector<std::string>& words) {
