@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <memory>
+#include <vector>
 
-#include "base/error.h"
-#include "base/short_text.h"
 #include "methods/method.h"
 #include "viewer/color_map.h"
 #include "viewer/panels/parts.h"
 #include "viewer/panels/rooms.h"
-#include "viewer/window/orbit_camera.h"
+#include "viewer/window/session.h"
 
 namespace scanmill {
 
@@ -21,27 +21,22 @@ namespace {
 // Colours that are used after the colours of methods, from Okabe and Ito's palette ("Color universal design", 2008).
 constexpr Rgb kMoreColors[] = {{0, 158, 115}, {204, 121, 167}, {240, 228, 66}};
 
-// Draws the points with a camera that sees them from behind and above the sensor.
-void drawPoints(Canvas& canvas, const PixelRect& body, const Scan& scan, const std::vector<Rgb>& colors,
-                bool depthEdges) {
-  constexpr ItemId kPoints = 1;
-  std::vector<Vec3d> finite;
-  for (const Vec3f& point : scan.position) {
-    if (isFinite(point)) finite.emplace_back(point);
+// A scan in memory, in colours that are given.
+class OneScan final : public FrameSource {
+ public:
+  OneScan(const Scan& scan, const Coloring& coloring, const std::string& title) : keys_{title} {
+    scan_.scan = scan;
+    scan_.coloring = coloring;
   }
-  const OrbitCamera camera = presetCamera(View::Chase).seeing(finite, View::Chase, body.width, body.height);
-  CanvasView view{.rect = body, .camera = camera.camera(body.width, body.height), .background = kBackground};
-  view.depthEdges = depthEdges;
-  view.farthest = 2 * view.camera.nearest;
-  for (const Vec3d& point : finite) view.farthest = std::max(view.farthest, view.camera.project(point).depth * 1.01);
-  canvas.setViews({&view, 1});
-  canvas.setPoints(kPoints, scan.position, colors);
-  canvas.setLook(kPoints, {.size = std::max(2.0, std::round(body.height / 240.0))});
-}
+  std::string title() const override { return keys_.front(); }
+  const std::vector<std::string>& keys() const override { return keys_; }
+  const Ontology* ontology() const override { return nullptr; }
+  ViewFrame load(std::size_t) const override { return {keys_.front(), {scan_}, {}}; }
 
-std::uint64_t finitePoints(const Scan& scan) {
-  return static_cast<std::uint64_t>(std::ranges::count_if(scan.position, isFinite<float>));
-}
+ private:
+  std::vector<std::string> keys_;
+  ViewScan scan_;
+};
 
 }  // namespace
 
@@ -52,20 +47,12 @@ Rgb overlayColor(std::size_t scan) {
 
 Image drawScan(const Scan& scan, const Coloring& coloring, int width, int height, const std::string& title,
                bool depthEdges) {
-  const std::uint64_t points = finitePoints(scan);
-  const Legend legend = points == 0 ? Legend{} : coloring.legend;
-  const double letter = letterOfPicture(width, height);
-  const PanelNeeds needs{
-      .letter = letter, .row = std::round(1.5 * letter), .side = legend.scale || !legend.entries.empty(), .bar = false};
-  const PanelRooms rooms = roomsOf(width, height, needs);
-  PictureBoard board(width, height, letter);
-  drawPoints(board.canvas(), rooms.body, scan, coloring.colors, depthEdges);
-  return board.draw([&] {
-    titleRow(rooms.title, fmt::format("{}, {} point{}", title, grouped(points), points == 1 ? "" : "s"),
-             coloring.legend.title);
-    legendPanel(legend, rooms.side);
-    drawMessage(rooms.body, points == 0 ? "no points" : "");
-  });
+  const std::unique_ptr<Canvas> canvas = openOffscreen(width, height);
+  ViewSession session(
+      std::make_shared<OneScan>(scan, coloring, title), *canvas,
+      {.pointSize = std::max(2.0, std::round(height / 240.0)), .depthEdges = depthEdges, .axes = false, .still = true});
+  session.settle();
+  return session.picture();
 }
 
 Image drawRangeImage(const Scan& scan, const Ontology* ontology, const std::optional<ColorBy>& colorBy,
@@ -93,7 +80,7 @@ Image drawRangeImage(const Scan& scan, const Ontology* ontology, const std::opti
                          legend.scale ? scaleTitle(legend) : legend.title));
     panelAt("##strip", body, false, [&] { imageAt(kStrip, body); });
     legendPanel(legend, {width, top.height, side, height});
-    if (finitePoints(scan) == 0) drawMessage(body, "no points");
+    if (std::ranges::none_of(scan.position, isFinite<float>)) drawMessage(body, "no points");
   });
 }
 

@@ -20,9 +20,9 @@ constexpr int kMostPictureSide = 8192;
 // Maximum of width * height, slightly more than 8K has; drawing takes about 28 bytes per pixel.
 constexpr int kMostPicturePixels = 36'000'000;
 
-// Draws the scan from behind and above the sensor, or from farther away if hardly any point would be seen, with `title`
-// and the number of points above it and the legend beside it. The picture of an empty scan says that it is empty.
-// `depthEdges`: darkens points behind nearer surfaces (eye-dome lighting).
+// Draws the scan as the viewer does from behind and above the sensor, with `title` and the number of points above it
+// and the legend beside it. The picture of an empty scan says that it is empty. `depthEdges`: darkens points behind
+// nearer surfaces (eye-dome lighting).
 Image drawScan(const Scan& scan, const Coloring& coloring, int width, int height, const std::string& title,
                bool depthEdges = true);
 

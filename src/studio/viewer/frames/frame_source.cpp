@@ -37,7 +37,6 @@ class SceneFrames : public FrameSource {
   const Ontology* ontology() const override { return ontology_ ? &*ontology_ : nullptr; }
   bool isScene() const override { return true; }
   ViewFrame load(std::size_t frame) const override { return {keys_.at(frame), {}, {}}; }
-  std::vector<Pose> trajectory(std::size_t) const override { return {}; }
   std::optional<SceneChoice> scene(std::size_t, std::string&) const override { return choice_; }
 
  private:

@@ -16,6 +16,7 @@
 #include "scan/scan.h"
 #include "scene/ontology.h"
 #include "sensors/beams.h"
+#include "viewer/coloring.h"
 
 namespace scanmill {
 
@@ -34,7 +35,8 @@ struct ViewScan {
   // Title of the legend for `error`, such as "distance to the reference (m)" or "range error (m)".
   std::string errorTitle;
   std::shared_ptr<const BeamTable> beams;  // beam table of the sensor; null if unknown
-  std::string whyNoError{};  // what NaN in `error` means, such as "no partner in the reference"; may be empty
+  std::string whyNoError{};            // what NaN in `error` means, such as "no partner in the reference"; may be empty
+  std::optional<Coloring> coloring{};  // the colours in which the scan is always shown; absent: the user chooses
 
   const std::vector<Vec3f>& places() const { return placed.empty() ? scan.position : placed; }
 };
@@ -84,17 +86,17 @@ class FrameSource {
   // Returns the names and colours of classes; null if they are unknown.
   virtual const Ontology* ontology() const = 0;
   // True if a scene is shown without scans: then there is one frame without scans, and scene() returns the scene.
-  virtual bool isScene() const = 0;
+  virtual bool isScene() const { return false; }
   // Loads a frame. May be called from any thread. Does not throw for faults in the data, such as a damaged or missing
   // shard, a member that cannot be decoded, or a sample that is missing in a further dataset. These are reported in
   // ViewFrame::problems, with the file and what to do.
   virtual ViewFrame load(std::size_t frame) const = 0;
   // Returns the poses (worldFromSensor) of the first scan's sensor in all frames of the same sequence, in the order of
   // frames; empty if they are unknown.
-  virtual std::vector<Pose> trajectory(std::size_t frame) const = 0;
+  virtual std::vector<Pose> trajectory(std::size_t /*frame*/) const { return {}; }
   // Returns the scene in which the frame was scanned. If the scene is unknown or its file is missing, returns nothing,
   // and `why` receives the reason.
-  virtual std::optional<SceneChoice> scene(std::size_t frame, std::string& why) const = 0;
+  virtual std::optional<SceneChoice> scene(std::size_t /*frame*/, std::string& /*why*/) const { return {}; }
   // Returns the scene file of the own vehicle; nothing if there is none, or if the file is missing.
   virtual std::optional<std::filesystem::path> vehicle() const { return {}; }
   // Returns the ids of all classes that occur in the frames, ascending; empty if this is unknown.

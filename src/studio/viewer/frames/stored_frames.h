@@ -22,7 +22,6 @@ class StoredFrames : public FrameSource {
   std::string title() const override { return stores_.front().label; }
   const std::vector<std::string>& keys() const override { return first().keys(); }
   const Ontology* ontology() const override { return ontology_ ? &*ontology_ : nullptr; }
-  bool isScene() const override { return false; }
   ViewFrame load(std::size_t frame) const override;
   std::vector<Pose> trajectory(std::size_t frame) const override;
   std::optional<SceneChoice> scene(std::size_t frame, std::string& why) const override;

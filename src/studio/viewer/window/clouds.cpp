@@ -101,6 +101,7 @@ std::optional<ScaleRange> Clouds::scaleOf(std::size_t view) {
 
 Coloring Clouds::colored(std::size_t scanIndex, std::size_t view) {
   const ViewScan& scan = context_.frame->scans[scanIndex];
+  if (scan.coloring) return *scan.coloring;
   ColorContext context = contextOf(scan);
   try {
     context.scale = scaleOf(view);

@@ -91,7 +91,6 @@ class FakeFrames : public FrameSource {
   std::string title() const override { return "fake"; }
   const std::vector<std::string>& keys() const override { return keys_; }
   const Ontology* ontology() const override { return named ? &ontology_ : nullptr; }
-  bool isScene() const override { return false; }
   ViewFrame load(std::size_t frame) const override {
     std::unique_lock lock(mutex_);
     opened_.wait(lock, [&] { return open_ || (only_ && *only_ != frame); });
