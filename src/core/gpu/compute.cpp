@@ -64,16 +64,8 @@ std::vector<FoundDevice> findDevices() {
 }
 
 std::uint64_t texelBytes(ComputeTable::Texel texel) {
-  switch (texel) {
-    case ComputeTable::Texel::Uint16:
-      return 2;
-    case ComputeTable::Texel::Uint32:
-      return 4;
-    case ComputeTable::Texel::Uint32x4:
-    case ComputeTable::Texel::Float32x4:
-      break;
-  }
-  return 16;
+  constexpr std::uint64_t kBytes[] = {2, 4, 16, 16};  // in the order of Texel
+  return kBytes[static_cast<std::size_t>(texel)];
 }
 
 ComputeDevice::ComputeDevice(ComputeErrorWords words, const ComputeLimits& most)

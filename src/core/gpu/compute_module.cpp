@@ -133,17 +133,8 @@ std::uint64_t groupsAtOnce(bool software) {
 }
 
 GLenum formatOf(ComputeTable::Texel texel) {
-  switch (texel) {
-    case ComputeTable::Texel::Uint16:
-      return GL_R16UI;
-    case ComputeTable::Texel::Uint32:
-      return GL_R32UI;
-    case ComputeTable::Texel::Uint32x4:
-      return GL_RGBA32UI;
-    case ComputeTable::Texel::Float32x4:
-      break;
-  }
-  return GL_RGBA32F;
+  constexpr GLenum kFormats[] = {GL_R16UI, GL_R32UI, GL_RGBA32UI, GL_RGBA32F};  // in the order of Texel
+  return kFormats[static_cast<std::size_t>(texel)];
 }
 
 class BufferTexture {

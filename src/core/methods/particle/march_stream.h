@@ -20,7 +20,6 @@
 
 #include "methods/field/march_rule.h"
 #include "methods/particle/march.h"
-#include "methods/particle/march_lanes.h"
 #include "methods/particle/march_triangles.h"
 
 HWY_BEFORE_NAMESPACE();

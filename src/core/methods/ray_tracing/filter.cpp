@@ -22,23 +22,16 @@ struct Candidate {
 // Returns what the tie rule compares: the instance id, then the place of the triangle in the scene. That place does not
 // depend on how meshes are divided into parts, or on which instances the world has.
 std::tuple<std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t> rankOf(const World& world, const Candidate& c) {
-  if (c.instance == RTC_INVALID_GEOMETRY_ID) {
-    const std::uint32_t id = world.baked.surfaceOf(world.baked.global(c.geometry, c.primitive)).instance;
-    return {id, c.instance, c.geometry, c.primitive};
-  }
-  const PlacedBlock& placed = world.placed[c.instance - World::kFirstPlaced];
-  const TriangleBlock& block = *placed.block;
-  const std::uint32_t triangle = block.global(c.geometry, c.primitive);
-  return {instanceId(placed.firstInstanceId, block.surfaceOf(triangle).instance), placed.instance, c.geometry,
-          block.triangles[triangle].primitive};
+  const HitTriangle hit = hitTriangle(world, c.instance, c.geometry, c.primitive);
+  if (hit.placed == nullptr) return {instanceOf(hit), c.instance, c.geometry, c.primitive};
+  return {instanceOf(hit), hit.placed->instance, c.geometry, hit.block->triangles[hit.index].primitive};
 }
 
 // Returns the absolute cosine of the angle between a ray's direction (world frame) and a triangle's normal.
 float cosineOf(const World& world, const Candidate& c, const Vec3f& direction) {
-  const bool baked = c.instance == RTC_INVALID_GEOMETRY_ID;
-  const TriangleBlock& block = baked ? world.baked : *world.placed[c.instance - World::kFirstPlaced].block;
-  Vec3d normal = block.triangles[block.global(c.geometry, c.primitive)].normal;
-  if (!baked) normal = normalized(world.placed[c.instance - World::kFirstPlaced].normalFromMesh * normal);
+  const HitTriangle hit = hitTriangle(world, c.instance, c.geometry, c.primitive);
+  Vec3d normal = hit.block->triangles[hit.index].normal;
+  if (hit.placed != nullptr) normal = normalized(hit.placed->normalFromMesh * normal);
   return static_cast<float>(std::abs(dot(normal, Vec3d(direction))));
 }
 
@@ -149,11 +142,11 @@ void dropTransparent(const RTCFilterFunctionNArguments* a, const World& world) {
   const auto* hitIds = reinterpret_cast<const std::uint32_t*>(hit);
   for (unsigned i = 0; i < n; ++i) {
     if (a->valid[i] == 0) continue;
-    const std::uint32_t instance = hitIds[kInstance * n + i];
-    const TriangleBlock& block =
-        instance == RTC_INVALID_GEOMETRY_ID ? world.baked : *world.placed[instance - World::kFirstPlaced].block;
-    const std::uint32_t triangle = block.global(hitIds[kGeometry * n + i], hitIds[kPrimitive * n + i]);
-    if (transparentAt(world, block, triangle, double{hit[kU * n + i]}, double{hit[kV * n + i]})) a->valid[i] = 0;
+    const HitTriangle found =
+        hitTriangle(world, hitIds[kInstance * n + i], hitIds[kGeometry * n + i], hitIds[kPrimitive * n + i]);
+    const auto u = double{hit[kU * n + i]};
+    const auto v = double{hit[kV * n + i]};
+    if (transparentAt(world, *found.block, found.index, u, v)) a->valid[i] = 0;
   }
 }
 

@@ -10,6 +10,21 @@
 
 namespace scanmill {
 
+// Returns the triangle that has these ids of Embree.
+inline HitTriangle hitTriangle(const World& world, std::uint32_t instance, std::uint32_t geometry,
+                               std::uint32_t primitive) {
+  const PlacedBlock* placed =
+      instance == RTC_INVALID_GEOMETRY_ID ? nullptr : &world.placed[instance - World::kFirstPlaced];
+  const TriangleBlock* block = placed == nullptr ? &world.baked : placed->block;
+  return {block, placed, block->global(geometry, primitive)};
+}
+
+// Returns the instance id of a triangle's object.
+inline std::uint32_t instanceOf(const HitTriangle& hit) {
+  const std::uint32_t object = hit.block->surfaceOf(hit.index).instance;
+  return hit.placed == nullptr ? object : instanceId(hit.placed->firstInstanceId, object);
+}
+
 // The state of a packet while Embree traces it: the nearest hit of each ray so far. Lane i belongs to the ray with the
 // id i.
 struct TieContext {

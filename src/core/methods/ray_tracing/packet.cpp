@@ -77,11 +77,7 @@ HitTriangle triangleOf(const World& world, const TieContext& context, int lane, 
       asBefore(context.instance)) {
     return before[lane - 1];
   }
-  const std::uint32_t instance = context.instance[lane];
-  const PlacedBlock* placed =
-      instance == RTC_INVALID_GEOMETRY_ID ? nullptr : &world.placed[instance - World::kFirstPlaced];
-  const TriangleBlock* block = placed == nullptr ? &world.baked : placed->block;
-  return {block, placed, block->global(context.geometry[lane], context.primitive[lane])};
+  return hitTriangle(world, context.instance[lane], context.geometry[lane], context.primitive[lane]);
 }
 
 // A packet in progress: it is traced, then the records of its triangles are prefetched, then it is resolved.

@@ -111,17 +111,12 @@ void thingFilter(const RTCFilterFunctionNArguments* a) {
   const World& world = *context.world;
   for (unsigned i = 0; i < a->N; ++i) {
     if (a->valid[i] == 0) continue;
-    const unsigned instance = RTCHitN_instID(a->hit, a->N, i, 0);
-    const PlacedBlock* placed =
-        instance == RTC_INVALID_GEOMETRY_ID ? nullptr : &world.placed[instance - World::kFirstPlaced];
-    const TriangleBlock& block = placed == nullptr ? world.baked : *placed->block;
     const unsigned geometry = RTCHitN_geomID(a->hit, a->N, i);
-    const std::uint32_t triangle = block.global(geometry, RTCHitN_primID(a->hit, a->N, i));
-    std::uint32_t id = block.surfaceOf(triangle).instance;
-    if (placed != nullptr) id = instanceId(placed->firstInstanceId, id);
-    const bool cut = geometry == 1 && transparentAt(world, block, triangle, double{RTCHitN_u(a->hit, a->N, i)},
+    const HitTriangle hit =
+        hitTriangle(world, RTCHitN_instID(a->hit, a->N, i, 0), geometry, RTCHitN_primID(a->hit, a->N, i));
+    const bool cut = geometry == 1 && transparentAt(world, *hit.block, hit.index, double{RTCHitN_u(a->hit, a->N, i)},
                                                     double{RTCHitN_v(a->hit, a->N, i)});
-    if (id != context.thing || cut) a->valid[i] = 0;
+    if (instanceOf(hit) != context.thing || cut) a->valid[i] = 0;
   }
 }
 
@@ -163,9 +158,7 @@ Unobstructed::View Unobstructed::of(std::size_t thing, const Shot& shot, const B
     const std::optional<Interval> inside = crossing(extent, o, d);
     if (!inside || inside->enter > beams.maxRange) return;
     const double time = beams.time.empty() ? beams.columnTime(column) : double{beams.time[beam]};
-    const float part = world->revolution.duration > 0
-                           ? static_cast<float>(std::clamp(time / world->revolution.duration, 0.0, 1.0))
-                           : 0.0f;
+    const float part = partOf(beams, beam, world->revolution.duration);
     // A surface of the thing that is nearer than the minimum range blocks this beam.
     if (inside->enter < beams.minRange && blocked(o, d, inside->enter, beams.minRange, part)) return;
     const double from = std::max(inside->enter, beams.minRange);

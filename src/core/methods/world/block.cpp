@@ -98,14 +98,6 @@ void attachTriangles(RTCDevice device, RTCScene scene, const TriangleBlock& bloc
 
 }  // namespace
 
-void DeviceDeleter::operator()(RTCDeviceTy* device) const {
-  rtcReleaseDevice(device);
-}
-
-void SceneDeleter::operator()(RTCSceneTy* scene) const {
-  rtcReleaseScene(scene);
-}
-
 DeviceHandle makeDevice() {
   // Ranges differ in their last bits between instruction sets.
   const char* const isa = std::getenv("SCANMILL_ISA");
@@ -113,9 +105,10 @@ DeviceHandle makeDevice() {
   if (isa != nullptr && std::ranges::find(kKnown, isa) == kKnown.end()) {
     throw InputError(fmt::format("SCANMILL_ISA={}: there are {}", isa, fmt::join(kKnown, ", ")));
   }
-  DeviceHandle device(rtcNewDevice(isa == nullptr ? nullptr : fmt::format("isa={}", isa).c_str()));
-  if (!device) throw Error("Embree could not start on this machine: is the memory limit too low (ulimit -v)?");
-  return device;
+  RTCDevice device = rtcNewDevice(isa == nullptr ? nullptr : fmt::format("isa={}", isa).c_str());
+  if (device == nullptr)
+    throw Error("Embree could not start on this machine: is the memory limit too low (ulimit -v)?");
+  return {device, rtcReleaseDevice};
 }
 
 std::string embreeVersion(RTCDevice device) {
@@ -131,7 +124,7 @@ void attachBlock(RTCDevice device, RTCScene scene, const TriangleBlock& block, c
 }
 
 SceneHandle newScene(RTCDevice device) {
-  SceneHandle scene(rtcNewScene(device));
+  SceneHandle scene(rtcNewScene(device), rtcReleaseScene);
   rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
   rtcSetSceneBuildQuality(scene.get(), RTC_BUILD_QUALITY_MEDIUM);
   return scene;

@@ -49,15 +49,9 @@ struct TriangleBlock {
   }
 };
 
-// Deleters for Embree's reference-counted handles.
-struct DeviceDeleter {
-  void operator()(RTCDeviceTy* device) const;
-};
-struct SceneDeleter {
-  void operator()(RTCSceneTy* scene) const;
-};
-using DeviceHandle = std::unique_ptr<RTCDeviceTy, DeviceDeleter>;
-using SceneHandle = std::unique_ptr<RTCSceneTy, SceneDeleter>;
+// Embree's objects, which are released when their last owner is destroyed.
+using DeviceHandle = std::shared_ptr<RTCDeviceTy>;
+using SceneHandle = std::shared_ptr<RTCSceneTy>;
 
 DeviceHandle makeDevice();
 // Returns the version of the Embree library in use, such as "4.3.3".

@@ -55,9 +55,7 @@ SharedMeshes::SharedMeshes(RTCDeviceTy* device, const Scene& scene, const std::v
       divide(mesh);
       continue;
     }
-    Part& part = parts_.emplace_back();
-    part.mesh_ = &mesh;
-    part.bounds_ = mesh.bounds();
+    addPart(mesh, mesh.bounds(), {});
   }
   firstPart_.push_back(parts_.size());
 }
@@ -69,12 +67,7 @@ void SharedMeshes::divide(const Mesh& mesh) {
   const double depth = box.high.y - box.low.y;
   const double squares = std::ceil(static_cast<double>(mesh.triangles.size()) / double{kTrianglesOfPart});
   const double side = std::max(std::sqrt(width * depth / squares), std::max(width, depth) / squares);
-  if (!(side > 0)) {
-    Part& part = parts_.emplace_back();
-    part.mesh_ = &mesh;
-    part.bounds_ = box;
-    return;
-  }
+  if (!(side > 0)) return addPart(mesh, box, {});
   const auto columns = static_cast<std::size_t>(width / side) + 1;
   const auto rows = static_cast<std::size_t>(depth / side) + 1;
   std::vector<std::vector<std::uint32_t>> cells(columns * rows);
@@ -88,12 +81,15 @@ void SharedMeshes::divide(const Mesh& mesh) {
     for (const std::uint32_t corner : corners) boxes[cell].add(Vec3d(mesh.positions[corner]));
   }
   for (std::size_t cell = 0; cell < cells.size(); ++cell) {
-    if (cells[cell].empty()) continue;
-    Part& part = parts_.emplace_back();
-    part.mesh_ = &mesh;
-    part.triangles_ = std::move(cells[cell]);
-    part.bounds_ = boxes[cell];
+    if (!cells[cell].empty()) addPart(mesh, boxes[cell], std::move(cells[cell]));
   }
+}
+
+void SharedMeshes::addPart(const Mesh& mesh, const Box& bounds, std::vector<std::uint32_t> triangles) {
+  Part& part = parts_.emplace_back();
+  part.mesh_ = &mesh;
+  part.bounds_ = bounds;
+  part.triangles_ = std::move(triangles);
 }
 
 void SharedMeshes::build(std::span<const std::size_t> numbers) const {

@@ -57,6 +57,7 @@ class SharedMeshes {
 
  private:
   void divide(const Mesh& mesh);
+  void addPart(const Mesh& mesh, const Box& bounds, std::vector<std::uint32_t> triangles);
   void make(Part& part) const;
 
   RTCDeviceTy* device_;

@@ -68,15 +68,8 @@ constexpr int kZipLevel = 1;
 }  // namespace
 
 std::string_view exrTypeName(ExrType type) {
-  switch (type) {
-    case ExrType::Uint32:
-      return "UINT";
-    case ExrType::Float16:
-      return "HALF";
-    case ExrType::Float32:
-      break;
-  }
-  return "FLOAT";
+  constexpr std::string_view kNames[] = {"UINT", "HALF", "FLOAT"};  // in the order of ExrType
+  return kNames[static_cast<std::size_t>(type)];
 }
 
 void writeExr(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,

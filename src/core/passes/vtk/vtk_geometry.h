@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "base/vec.h"
-#include "passes/vtk/vtk_interface.h"
 #include "scene/scene.h"
 
 namespace scanmill {
@@ -42,12 +41,21 @@ struct ViewMesh {
   ChunkRange cut;  // triangles with an alpha-tested material
 };
 
+// The transparent texels of a texture: one bit per texel, set if the texel is transparent. Texel (column, row) is bit
+// 32 * firstWord + row * width + column; row 0 is at v = 0. Shaders read this record as four unsigned integers.
+struct ViewCutout {
+  std::uint32_t firstWord;
+  std::uint32_t width;
+  std::uint32_t height;
+  std::uint32_t unused;
+};
+
 struct ViewGeometry {
   ViewBatch solid;
   ViewBatch cut;
   std::vector<ViewMesh> meshes;  // in the order of Scene::meshes; meshes without an instance are empty
-  std::vector<VtkCutout> cutouts;
-  std::vector<std::uint32_t> cutoutWords;
+  std::vector<ViewCutout> cutouts;
+  std::vector<std::uint32_t> cutoutWords;  // bits of all cut-outs
 };
 
 // Converts a scene. Throws Error if a batch gets more than `trianglesPerBatch` triangles.

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "base/module.h"
+#include "passes/vtk/vtk_geometry.h"
 
 namespace scanmill {
 
@@ -17,29 +18,6 @@ constexpr std::uint32_t kVtkImages = 8;  // number of images that can be rendere
 struct VtkLimits {
   std::uint32_t imageSize = 0;          // px, largest width and height of an image
   std::uint64_t trianglesPerBatch = 0;  // largest number of triangles in a batch, so that one call can draw it
-};
-
-// Triangles without shared vertices: three corners per triangle.
-struct VtkTriangles {
-  std::span<const float> positions;        // 3 per corner: m, relative to ViewMesh::origin
-  std::span<const float> uvs;              // 2 per corner; empty for solid triangles
-  std::span<const std::uint32_t> cutouts;  // 1 per corner: index into the cut-outs, the same for all three corners
-};
-
-// The transparent texels of a texture: one bit per texel, set if the texel is transparent. Texel (column, row) is bit
-// 32 * firstWord + row * width + column; row 0 is at v = 0. Shaders read this record as four unsigned integers.
-struct VtkCutout {
-  std::uint32_t firstWord;
-  std::uint32_t width;
-  std::uint32_t height;
-  std::uint32_t unused;
-};
-
-struct VtkScene {
-  VtkTriangles solid;
-  VtkTriangles cut;
-  std::span<const VtkCutout> cutouts;
-  std::span<const std::uint32_t> words;  // bits of all cut-outs
 };
 
 // An instance of the triangles of a VtkDraw. In the image, the draw's triangle k has the number firstNumber + k; the
@@ -82,7 +60,7 @@ class VtkDevice {
   virtual ~VtkDevice() = default;
   virtual std::string name() const = 0;  // "VTK 9.1 on llvmpipe (LLVM 15.0.6, 256 bits)"
   virtual VtkLimits limits() const = 0;
-  virtual void upload(const VtkScene& scene) = 0;
+  virtual void upload(const ViewGeometry& scene) = 0;
   // Renders an image into `slot` (0 to 7) and replaces the slot's previous image. Row 0 is the top row.
   virtual void draw(std::uint32_t slot, const VtkImage& image) = 0;
   // Waits until all requested work is done.

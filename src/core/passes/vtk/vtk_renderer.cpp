@@ -43,46 +43,14 @@ decltype(auto) told(const Work& work) {
 }
 
 // The plug-in's device, to which the scene is uploaded.
-class Device {
- public:
+struct Device {
   explicit Device(const Scene& scene) : resolver(scene) {
     const auto& module = moduleOf<VtkModule>();
-    device_ = told([&] { return module.open(namedDevice()); });
-    limits = device_->limits();
-    name = device_->name();
-    upload(scene);
-  }
-
-  Resolver resolver;
-  VtkLimits limits;
-  std::string name;
-  ViewGeometry geometry;  // geometry without the vertices, which are on the device
-
-  void draw(std::uint32_t slot, const DrawnView& view) {
-    told([&] { device_->draw(slot, view.image()); });
-  }
-
-  void finish() {
-    told([&] { device_->finish(); });
-  }
-
-  void gather(const VtkPixels& pixels, std::span<const PixelAddress> addresses, std::span<std::uint32_t> numbers) {
-    told([&] { device_->gather(pixels, addresses, numbers.data()); });
-  }
-
-  void read(std::uint32_t slot, std::uint32_t firstRow, std::uint32_t rows, std::span<std::uint32_t> numbers) {
-    told([&] { device_->read(slot, firstRow, rows, numbers.data()); });
-  }
-
- private:
-  void upload(const Scene& scene) {
-    geometry = buildViewGeometry(scene, limits.trianglesPerBatch);
-    const auto triangles = [](const ViewBatch& batch) {
-      return VtkTriangles{batch.positions, batch.uvs, batch.cutouts};
-    };
     told([&] {
-      device_->upload({triangles(geometry.solid), triangles(geometry.cut), geometry.cutouts, geometry.cutoutWords});
-      device_->finish();
+      plugin = module.open(namedDevice());
+      geometry = buildViewGeometry(scene, plugin->limits().trianglesPerBatch);
+      plugin->upload(geometry);
+      plugin->finish();
     });
     for (ViewBatch* batch : {&geometry.solid, &geometry.cut}) {
       batch->positions = {};
@@ -91,7 +59,9 @@ class Device {
     }
   }
 
-  std::unique_ptr<VtkDevice> device_;
+  Resolver resolver;
+  std::unique_ptr<VtkDevice> plugin;
+  ViewGeometry geometry;  // geometry without the vertices, which are on the device
 };
 
 // Locks the renderer until its images are destroyed. This is a semaphore and not a mutex, because the images may be
@@ -115,9 +85,9 @@ class VtkSource : public PixelSource {
     views_.reserve(cameras_.size());
     for (std::uint32_t k = 0; k < cameras_.size(); ++k) {
       views_.emplace_back(scene, device_.geometry, cameras_[k], limits);
-      device_.draw(k, views_.back());
+      told([&] { device_.plugin->draw(k, views_.back().image()); });
     }
-    device_.finish();
+    told([&] { device_.plugin->finish(); });
   }
 
   const std::vector<Camera>& cameras() const override { return cameras_; }
@@ -159,7 +129,7 @@ class VtkSource : public PixelSource {
     const auto lastRow = static_cast<std::uint32_t>((firstPixel + numbers_.size() - 1) / width);
     const std::size_t before = firstPixel % width;
     rows_.resize(std::size_t{lastRow - firstRow + 1} * width);
-    device_.read(static_cast<std::uint32_t>(k), firstRow, lastRow - firstRow + 1, rows_);
+    told([&] { device_.plugin->read(static_cast<std::uint32_t>(k), firstRow, lastRow - firstRow + 1, rows_.data()); });
     std::copy_n(rows_.begin() + static_cast<std::ptrdiff_t>(before), numbers_.size(), numbers_.begin());
   }
 
@@ -170,7 +140,7 @@ class VtkSource : public PixelSource {
       pixels.widths[k] = there ? cameras_[k].width : 1;
       pixels.firsts[k + 1] = firsts_[std::min(k + 1, cameras_.size())];
     }
-    device_.gather(pixels, addresses, numbers_);
+    told([&] { device_.plugin->gather(pixels, addresses, numbers_.data()); });
   }
 
   RendererLock lock_;
@@ -187,7 +157,7 @@ class VtkRenderer : public PassRenderer {
   explicit VtkRenderer(const Scene& scene) : scene_(scene), device_(scene) {}
 
   std::unique_ptr<PixelSource> draw(const std::vector<Camera>& cameras, const DrawLimits& limits, PassChoice) override {
-    const std::uint32_t most = device_.limits.imageSize;
+    const std::uint32_t most = device_.plugin->limits().imageSize;
     for (const Camera& camera : cameras) {
       if (camera.width <= most && camera.height <= most) continue;
       throw InputError(
@@ -197,7 +167,7 @@ class VtkRenderer : public PassRenderer {
     return std::make_unique<VtkSource>(free_, device_, scene_, cameras, limits);
   }
 
-  std::string device() const override { return device_.name; }
+  std::string device() const override { return device_.plugin->name(); }
 
  private:
   const Scene& scene_;

@@ -93,12 +93,12 @@ struct Command {
 };
 
 template <class T>
-void upload(GlBuffer& buffer, std::span<const T> data) {
+void upload(GlBuffer& buffer, const std::vector<T>& data) {
   static constexpr std::uint32_t kNothing = 0;  // a buffer without storage cannot be bound
   if (data.empty()) {
     buffer.fill(&kNothing, sizeof kNothing, GL_STATIC_DRAW);
   } else {
-    buffer.fill(data.data(), data.size_bytes(), GL_STATIC_DRAW);
+    buffer.fill(data.data(), data.size() * sizeof(T), GL_STATIC_DRAW);
   }
 }
 
@@ -211,20 +211,20 @@ void ImagePass::ReleaseGraphicsResources(vtkWindow* window) {
   vtkRenderPass::ReleaseGraphicsResources(window);
 }
 
-TriangleStore::TriangleStore(const VtkScene& scene) {
+TriangleStore::TriangleStore(const ViewGeometry& scene) {
   GLint64 largest = 0;
   glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &largest);
-  if (scene.words.size_bytes() > static_cast<std::uint64_t>(largest)) {
+  if (scene.cutoutWords.size() * sizeof(std::uint32_t) > static_cast<std::uint64_t>(largest)) {
     throw std::runtime_error(fmt::format(
         "the textures with alpha have {} texels, more than the {} that OpenGL takes here: make them smaller",
-        scene.words.size() * 32, largest * 8));
+        scene.cutoutWords.size() * 32, largest * 8));
   }
   upload(solidPositions_, scene.solid.positions);
   upload(cutPositions_, scene.cut.positions);
   upload(cutUvs_, scene.cut.uvs);
   upload(cutCutouts_, scene.cut.cutouts);
   upload(cutouts_, scene.cutouts);
-  upload(words_, scene.words);
+  upload(words_, scene.cutoutWords);
   addPositions(solid_, solidPositions_, placements_);
   addPositions(cut_, cutPositions_, placements_);
   cut_.add({kUv, &cutUvs_, 2, false, 2 * sizeof(float), 0, 0});

@@ -26,7 +26,7 @@ enum StorageBinding : GLuint { kCutouts = 0, kWords = 1 };
 // The scene's triangles on the device.
 class TriangleStore {
  public:
-  explicit TriangleStore(const VtkScene& scene);
+  explicit TriangleStore(const ViewGeometry& scene);
 
   // Uploads the placements that the following calls of draw() use.
   void place(std::span<const VtkPlacement> placements);

@@ -78,7 +78,7 @@ class GlDevice final : public VtkDevice {
   std::string name() const override { return name_; }
   VtkLimits limits() const override { return limits_; }
 
-  void upload(const VtkScene& scene) override {
+  void upload(const ViewGeometry& scene) override {
     withContext([&](ContextState& state) { state.triangles = std::make_unique<TriangleStore>(scene); });
   }
 

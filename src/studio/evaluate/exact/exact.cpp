@@ -236,7 +236,7 @@ void findTriangles(const Vec3d& origin, const Vec3d& direction, ExactContext& co
 }
 
 SceneHandle hierarchyOf(RTCDevice device, const ExactWorld& made) {
-  SceneHandle scene(rtcNewScene(device));
+  SceneHandle scene(rtcNewScene(device), rtcReleaseScene);
   rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
   for (std::uint32_t i = 0; i < made.placements.size(); ++i) {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
