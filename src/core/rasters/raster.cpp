@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -14,6 +13,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/input_budget.h"
+#include "base/text_scan.h"
 #include "config/text.h"
 #include "rasters/rasters_interface.h"
 
@@ -39,32 +39,23 @@ std::unique_ptr<RasterReader> open(const std::filesystem::path& file) {
 // Checks a text grid (Esri's .asc): GDAL would place one that does not say where it lies at [0, 0], and read 0 for
 // samples that are missing and for words that are no numbers.
 void checkTextGrid(const std::filesystem::path& file, const RasterHeader& header) {
-  constexpr std::string_view kBlanks = " \t\r\n";
   constexpr std::array<std::string_view, 10> kHeading{
       "ncols", "nrows", "xllcorner", "yllcorner", "xllcenter", "yllcenter", "cellsize", "dx", "dy", "nodata_value"};
   const std::string text = readFile(file);
   std::string_view rest = text;
-  const auto next = [&] {
-    rest.remove_prefix(std::min(rest.find_first_not_of(kBlanks), rest.size()));
-    const std::string_view word = rest.substr(0, rest.find_first_of(kBlanks));
-    rest.remove_prefix(word.size());
-    return word;
-  };
   std::set<std::string> heading;
   std::size_t found = 0;
-  for (std::string_view word = next(); !word.empty(); word = next()) {
+  for (std::string_view word = takeWord(rest); !word.empty(); word = takeWord(rest)) {
     const std::string key = found == 0 ? lowerCase(word) : "";
     if (!key.empty() && std::isalpha(static_cast<unsigned char>(key[0])) != 0 && key != "nan" && key != "inf") {
       heading.insert(key);
-      word = next();
+      word = takeWord(rest);
       if (std::find(kHeading.begin(), kHeading.end(), key) == kHeading.end()) continue;
     } else {
       ++found;
     }
     double number = 0;
-    const char* const first = word.data() + (word.starts_with('+') ? 1 : 0);
-    const auto [end, error] = std::from_chars(first, word.data() + word.size(), number);
-    if (error == std::errc() && end == word.data() + word.size()) continue;
+    if (parseNumber(word, number)) continue;
     const auto line = 1 + std::count(text.data(), word.data(), '\n');
     throw InputError({file.string(), static_cast<int>(line)},
                      fmt::format("'{}' is no number such as 1234.5 or -1.2e3; a sample that is not known has the value "
