@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <array>
-#include <charconv>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -14,6 +13,7 @@
 #include <string_view>
 
 #include "base/error.h"
+#include "base/text_scan.h"
 #include "config/resources.h"
 #include "config/text.h"
 
@@ -26,14 +26,10 @@ constexpr double kPatience = 600;  // s, default of SCANMILL_BLENDER_SECONDS
 double patience() {
   const char* set = std::getenv("SCANMILL_BLENDER_SECONDS");
   if (set == nullptr) return kPatience;
-  const std::string_view text = set;
   double seconds = 0;
-  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), seconds);
-  if (failure != std::errc() || end != text.data() + text.size() || !(seconds > 0) || !(seconds <= 1e6)) {
-    throw InputError(
-        fmt::format("SCANMILL_BLENDER_SECONDS is '{}', but must be a number of seconds above 0 and at most 1e6", text));
-  }
-  return seconds;
+  if (parseNumber(set, seconds) && seconds > 0 && seconds <= 1e6) return seconds;
+  throw InputError(
+      fmt::format("SCANMILL_BLENDER_SECONDS is '{}', but must be a number of seconds above 0 and at most 1e6", set));
 }
 
 std::vector<std::string> commandLine(const std::string& job, const std::filesystem::path& folder,

@@ -7,6 +7,7 @@
 #include <cstdlib>
 
 #include "base/error.h"
+#include "base/text_scan.h"
 #include "config/text.h"
 
 namespace scanmill {
@@ -35,11 +36,10 @@ std::vector<fs::path> modelFolders(const fs::path& file) {
   }
   for (const char* variable : kVariables) {
     const char* const value = std::getenv(variable);
-    const std::string list = value == nullptr ? "" : value;
-    for (std::size_t at = 0; at < list.size();) {
-      const std::size_t end = std::min(list.find(':', at), list.size());
-      if (end > at) folders.emplace_back(list.substr(at, end - at));
-      at = end + 1;
+    std::vector<std::string_view> listed;
+    splitCells(value == nullptr ? "" : value, ':', listed);
+    for (const std::string_view folder : listed) {
+      if (!folder.empty()) folders.emplace_back(folder);
     }
   }
   return folders;
