@@ -277,8 +277,9 @@ const FormatSupport& imageFormat() {
       "Red, green and blue, grey, palettes, CMYK; 1 to 32 bits, which become 8. Alpha, also of palettes; colours that "
       "are multiplied by it are divided; in BMP and TGA an alpha that is 0 everywhere is none. Floats (EXR, HDR, TIFF) "
       "are linear light from 0 to 1; whole numbers and other single channels are sRGB. The canvas of GIF. The "
-      "first image of the file; more than 4096 pixels in a row or column are reduced",
-      "colour profiles, gammas, orientations, further images and channels; images of few colours that an alpha hides"};
+      "first image of the file; more than 4096 pixels in a row or column are reduced. Colour profiles, gammas and "
+      "orientations (Exif) change nothing, as in glTF and Blender",
+      "further images and channels; images of few colours that an alpha hides"};
   return format;
 }
 

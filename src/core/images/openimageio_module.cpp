@@ -83,12 +83,6 @@ class OpenImageIoReader final : public ImageReader {
     header_ = {spec.width, spec.height, spec.nchannels, alphaChannel(), gamma, isLinear()};
     const int colors = alphaChannel() < 0 ? spec.nchannels : alphaChannel();
     if (exr && colors < 3 && isOneOf("RGB", spec.channelnames[0])) header_.leftOut.emplace_back(kFewColors);
-    if (spec.get_int_attribute("Orientation", 1) > 1) header_.leftOut.emplace_back(kOrientations);
-    const OIIO::ParamValue* const profile = spec.find_attribute("ICCProfile");
-    if (profile != nullptr &&
-        !isSrgb({static_cast<const char*>(profile->data()), static_cast<std::size_t>(profile->datasize())})) {
-      header_.leftOut.emplace_back(kProfiles);
-    }
     if (!exr && format != "tiff" && format != "gif" && format != "webp") return;
     // Smaller images of TIFF are previews of the first.
     if (input_->seek_subimage(1, 0) && (exr || input_->spec().width >= spec.width)) {

@@ -54,13 +54,15 @@ void ignoreWarning(png_structp, png_const_charp) {}
 
 class PngReader final : public ImageReader {
  public:
-  explicit PngReader(std::string_view bytes) : bytes_(bytes), left_(bytes) {
+  explicit PngReader(std::string_view bytes) : left_(bytes) {
     png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, &guard_, failPng, ignoreWarning);
     info_ = png_ != nullptr ? png_create_info_struct(png_) : nullptr;
     if (info_ == nullptr) throw std::bad_alloc();
     try {
       guard_.run([this] { readHeader(); });
-      noteLook();
+      // An animation (APNG) states it before the pixels.
+      const std::string_view before = bytes.substr(0, bytes.find("IDAT"));
+      if (before.find("acTL") != before.npos) header_.leftOut.emplace_back(kFurtherImages);
     } catch (...) {
       png_destroy_read_struct(&png_, &info_, nullptr);
       throw;
@@ -97,9 +99,7 @@ class PngReader final : public ImageReader {
   void readHeader() {
     png_set_read_fn(png_, &left_, take);
     png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);  // skips chunks that do not affect pixels
-    static constexpr char kStated[] = "gAMA\0iCCP\0sRGB\0eXIf";  // except these, which state how the pixels are to look
-    png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_AS_DEFAULT, reinterpret_cast<png_const_bytep>(kStated), 4);
-    png_set_user_limits(png_, 1 << 30, 1 << 30);  // checkSize() checks the size later
+    png_set_user_limits(png_, 1 << 30, 1 << 30);                             // checkSize() checks the size later
     png_read_info(png_, info_);
     png_set_expand(png_);
     png_set_scale_16(png_);
@@ -108,26 +108,6 @@ class PngReader final : public ImageReader {
     const int channels = png_get_channels(png_, info_);
     header_ = {static_cast<int>(png_get_image_width(png_, info_)), static_cast<int>(png_get_image_height(png_, info_)),
                channels, channels == 2 || channels == 4 ? channels - 1 : -1, 0};
-  }
-
-  // Notes what the file states of the look, which is not applied.
-  void noteLook() {
-    png_charp name = nullptr;
-    png_bytep bytes = nullptr;
-    png_uint_32 size = 0;
-    int compression = 0;
-    double gamma = 0;
-    if (png_get_iCCP(png_, info_, &name, &compression, &bytes, &size) != 0) {
-      if (!isSrgb({reinterpret_cast<const char*>(bytes), size})) header_.leftOut.emplace_back(kProfiles);
-    } else if (png_get_gAMA(png_, info_, &gamma) != 0 && (gamma < 0.4 || gamma > 0.51)) {
-      header_.leftOut.emplace_back(kGammas);  // that of sRGB is 0.45455
-    }
-    // An animation (APNG) states it before the pixels.
-    const std::string_view before = bytes_.substr(0, bytes_.find("IDAT"));
-    if (before.find("acTL") != before.npos) header_.leftOut.emplace_back(kFurtherImages);
-    if (png_get_eXIf_1(png_, info_, &size, &bytes) != 0 && isTurned({reinterpret_cast<const char*>(bytes), size})) {
-      header_.leftOut.emplace_back(kOrientations);
-    }
   }
 
   void readInterlaced(std::size_t rowBytes) {
@@ -139,7 +119,6 @@ class PngReader final : public ImageReader {
     guard_.run([&] { png_read_image(png_, rows.data()); });
   }
 
-  std::string_view bytes_;
   std::string_view left_;  // the bytes that libpng has not read yet
   png_structp png_ = nullptr;
   png_infop info_ = nullptr;
@@ -177,19 +156,8 @@ class JpegReader final : public ImageReader {
   bool isOfInks() const { return jpeg_.num_components == 4; }
 
   ImageHeader header() const override {
-    ImageHeader header{static_cast<int>(jpeg_.image_width), static_cast<int>(jpeg_.image_height),
-                       jpeg_.out_color_components, -1, 0};
-    constexpr std::string_view kExif("Exif\0\0", 6);
-    constexpr std::string_view kProfile("ICC_PROFILE\0", 12);
-    bool profiled = false, srgb = false;  // a profile may be stored in several pieces
-    for (const jpeg_marker_struct* marker = jpeg_.marker_list; marker != nullptr; marker = marker->next) {
-      const std::string_view data(reinterpret_cast<const char*>(marker->data), marker->data_length);
-      if (data.starts_with(kExif) && isTurned(data.substr(kExif.size()))) header.leftOut.emplace_back(kOrientations);
-      profiled = profiled || data.starts_with(kProfile);
-      srgb = srgb || (data.starts_with(kProfile) && isSrgb(data));
-    }
-    if (profiled && !srgb) header.leftOut.emplace_back(kProfiles);
-    return header;
+    return {static_cast<int>(jpeg_.image_width), static_cast<int>(jpeg_.image_height), jpeg_.out_color_components, -1,
+            0};
   }
 
   void rows(int count, std::uint8_t* pixels) override {
@@ -231,8 +199,6 @@ class JpegReader final : public ImageReader {
     jpeg_create_decompress(&jpeg_);
     jpeg_.progress = &progress_;
     jpeg_mem_src(&jpeg_, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
-    jpeg_save_markers(&jpeg_, JPEG_APP0 + 1, 0xFFFF);
-    jpeg_save_markers(&jpeg_, JPEG_APP0 + 2, 0xFFFF);
     jpeg_read_header(&jpeg_, TRUE);
     jpeg_calc_output_dimensions(&jpeg_);
   }

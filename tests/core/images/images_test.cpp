@@ -207,8 +207,6 @@ struct PngKind {
   int type = PNG_COLOR_TYPE_RGB;
   int depth = 8;
   bool interlaced = false;
-  double gamma = 0.5;
-  std::string profile{};  // ICC; empty: none
 };
 
 std::string png(const PngKind& kind, const std::vector<std::uint8_t>& rows, int width, int height) {
@@ -224,11 +222,7 @@ std::string png(const PngKind& kind, const std::vector<std::uint8_t>& rows, int 
   png_set_IHDR(png, info, static_cast<png_uint_32>(width), static_cast<png_uint_32>(height), kind.depth, kind.type,
                kind.interlaced ? PNG_INTERLACE_ADAM7 : PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
                PNG_FILTER_TYPE_DEFAULT);
-  png_set_gAMA(png, info, kind.gamma);
-  if (!kind.profile.empty()) {
-    png_set_iCCP(png, info, "a", PNG_COMPRESSION_TYPE_BASE, reinterpret_cast<png_const_bytep>(kind.profile.data()),
-                 static_cast<png_uint_32>(kind.profile.size()));
-  }
+  png_set_gAMA(png, info, 0.5);
   std::vector<png_bytep> starts;
   for (int i = 0; i < height; ++i) {
     starts.push_back(const_cast<png_bytep>(rows.data()) +
@@ -262,46 +256,6 @@ std::string told(const std::string& bytes, const std::string& name) {
   testing::internal::CaptureStderr();
   decodeImage(bytes, name);
   return testing::internal::GetCapturedStderr();
-}
-
-// An ICC profile for RGB with one tag, a text that begins with this one. libpng refuses very short profiles.
-std::string profileOf(const std::string& begin) {
-  const std::string text = begin + "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz";
-  const auto number = [](std::size_t value) { return std::string(3, '\0') + static_cast<char>(value); };
-  std::string bytes = number(144 + text.size()) + number(0) + "\4" + std::string(3, '\0') + "mntrRGB XYZ " +
-                      std::string(12, '\0') + "acsp" + std::string(28, '\0') +
-                      std::string("\0\0\xf6\xd6\0\1\0\0\0\0\xd3\x2d", 12);
-  return bytes + std::string(128 - bytes.size(), '\0') + number(1) + "desc" + number(144) + number(text.size()) + text;
-}
-
-TEST(Images, WhatWouldChangeTheirLookIsTold) {
-  const std::vector<std::uint8_t> rgb = noise(4, 4);
-  EXPECT_EQ(told(png({}, rgb, 4, 4), "sound.png"), "");
-  EXPECT_EQ(told(png({.gamma = 1}, rgb, 4, 4), "linear.png"),
-            "warning: linear.png: left out: 1 gammas other than that of sRGB (gAMA)\n");
-  EXPECT_EQ(told(png({.gamma = 1, .profile = profileOf("sRGB")}, rgb, 4, 4), "srgb.png"), "");
-  EXPECT_THAT(told(png({.profile = profileOf("wide")}, rgb, 4, 4), "wide.png"),
-              HasSubstr("wide.png: left out: 1 colour profiles other than sRGB"));
-  const auto withSegment = [&](char kind, const std::string& data) {
-    std::string bytes = jpeg(rgb, 4, 4, {});
-    const std::size_t size = data.size() + 2;
-    return bytes.insert(2, std::string("\xff") + kind + static_cast<char>(size >> 8) + static_cast<char>(size) + data);
-  };
-  const auto turned = [&](char orientation) {
-    return withSegment(
-        '\xe1', std::string("Exif\0\0II*\0\x08\0\0\0\1\0\x12\1\3\0\1\0\0\0", 24) + orientation + std::string(7, '\0'));
-  };
-  EXPECT_EQ(told(turned(1), "upright.jpg"), "");
-  EXPECT_THAT(told(turned(6), "turned.jpg"), HasSubstr("turned.jpg: left out: 1 orientations (Exif)"));
-  const std::string profile("ICC_PROFILE\0\1\1", 14);
-  EXPECT_EQ(told(withSegment('\xe2', profile + profileOf("sRGB")), "srgb.jpg"), "");
-  EXPECT_THAT(told(withSegment('\xe2', profile + profileOf("wide")), "wide.jpg"), HasSubstr("1 colour profiles"));
-  const std::string cut = turned(6);  // whatever its Exif data hold, the image is read
-  for (std::size_t i = 12; i < 36; ++i) {
-    std::string damaged = cut;
-    damaged[i] = static_cast<char>(~damaged[i]);
-    EXPECT_EQ(decodeImage(damaged, "damaged.jpg").width, 4u) << i;
-  }
 }
 
 TEST(Images, AnimatedPngHasItsFirstImageAndIsTold) {
