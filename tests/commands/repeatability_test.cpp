@@ -6,7 +6,6 @@
 namespace scanmill {
 namespace {
 
-using testing::AllOf;
 using testing::HasSubstr;
 
 class RepeatabilityCommand : public SmallWorld {
@@ -22,7 +21,7 @@ class RepeatabilityCommand : public SmallWorld {
 TEST_F(RepeatabilityCommand, WritesAReportWithAllItsFiles) {
   const Outcome o = scanmill(arguments("out"));
   EXPECT_EQ(o.code, 0) << o.error;
-  EXPECT_THAT(o.out, AllOf(HasSubstr("after ICP"), HasSubstr("scene drive"), HasSubstr("index.html")));
+  EXPECT_THAT(o.out, HasSubstr("index.html"));
   for (const char* name : {"repeatability.json", "fitness.svg", "fitness_without_icp.svg", "points.svg",
                            "noise_levels.svg", "index.html"}) {
     EXPECT_TRUE(std::filesystem::exists(at("out") + "/" + name)) << name;

@@ -70,12 +70,6 @@ struct Repeatability {
   }
 };
 
-// True if there are enough pairs for a standard deviation. Two pairs are not enough, since they are the same scans in
-// both directions.
-inline bool hasDeviation(const FitnessSpread& spread) {
-  return spread.count > 2;
-}
-
 struct RepeatabilityOptions {
   bool quiet = false;
   const std::atomic<bool>* stop = nullptr;

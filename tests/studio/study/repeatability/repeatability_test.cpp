@@ -150,14 +150,6 @@ TEST_F(RepeatedScans, WarnsOfScansThatAreAllTheSame) {
   EXPECT_THAT(shells().warnings, testing::IsEmpty());  // its level `none` says so itself
 }
 
-// There and back between two scans is one pair.
-TEST(HasDeviation, TakesThreePairs) {
-  const std::vector<std::optional<double>> values{1.0, 2.0, 3.0};
-  EXPECT_FALSE(hasDeviation(fitnessSpread(std::span(values).first(1))));
-  EXPECT_FALSE(hasDeviation(fitnessSpread(std::span(values).first(2))));
-  EXPECT_TRUE(hasDeviation(fitnessSpread(values)));
-}
-
 TEST_F(RepeatedScans, MethodsAreMeasuredSideBySide) {
   const std::string methods = "  methods: [ray_tracing, {ray_tracing: {instancing: always}}]\n";
   const Repeatability result = measure(pipeline(kShells + methods));
