@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "base/terminal.h"
 #include "config/fields.h"
 #include "config/resources.h"
@@ -41,9 +42,8 @@ std::string Arguments::positional(const std::string& what) const {
 std::filesystem::path Arguments::fileOrName(const std::string& what,
                                             std::initializer_list<std::string_view> folders) const {
   const std::string given = positional(what);
-  std::error_code unknown;
-  if (std::filesystem::is_directory(given, unknown)) return given;
-  if (!isPlainName(given) && std::filesystem::exists(given, unknown)) return given;
+  if (isFolder(given)) return given;
+  if (!isPlainName(given) && pathExists(given)) return given;
   for (const std::string_view folder : folders) {
     try {
       return namedResource(given, std::string(folder));
@@ -61,9 +61,7 @@ std::filesystem::path Arguments::fileOrName(const std::string& what,
 
 std::filesystem::path Arguments::pipeline() const {
   const std::string given = positional("PIPELINE");
-  std::error_code unknown;
-  return !isPlainName(given) && std::filesystem::exists(given, unknown) ? std::filesystem::path(given)
-                                                                        : namedResource(given, "pipelines");
+  return !isPlainName(given) && pathExists(given) ? std::filesystem::path(given) : namedResource(given, "pipelines");
 }
 
 namespace {

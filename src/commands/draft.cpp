@@ -24,8 +24,7 @@ std::vector<std::filesystem::path> filesOf(const std::vector<std::string>& named
                                            std::set<std::filesystem::path>& inFolders) {
   std::vector<std::filesystem::path> files;
   for (const std::string& name : named) {
-    std::error_code error;
-    if (!std::filesystem::is_directory(name, error)) {
+    if (!isFolder(name)) {
       files.emplace_back(name);
       continue;
     }
@@ -106,8 +105,7 @@ int runDraft(const std::vector<std::string>& arguments) {
   if (out.empty()) throw InputError("-o FILE.yaml is missing: name the scene file to write");
   const std::filesystem::path picture = std::filesystem::path(out).replace_extension(".png");
   for (const std::filesystem::path& made : {out, picture}) {
-    std::error_code error;
-    if (std::filesystem::exists(made, error) && !parsed.has("overwrite")) {
+    if (pathExists(made) && !parsed.has("overwrite")) {
       throw InputError({made.string()}, "exists: name another file, or add --overwrite");
     }
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "base/short_text.h"
 #include "base/terminal.h"
 #include "config/value.h"
@@ -84,9 +85,8 @@ std::optional<FoundResponse> responseOf(const std::vector<Scan>& recorded, const
 
 std::filesystem::path requiredFile(const Arguments& parsed, const std::string& what) {
   std::filesystem::path out = requiredText(parsed, "out", what);
-  std::error_code ignored;
-  if (std::filesystem::is_directory(out, ignored)) throw InputError({out.string()}, "is a folder: name a file");
-  if (std::filesystem::exists(out, ignored) && !parsed.has("overwrite")) {
+  if (isFolder(out)) throw InputError({out.string()}, "is a folder: name a file");
+  if (pathExists(out) && !parsed.has("overwrite")) {
     throw InputError({out.string()}, "exists: choose another name, or add --overwrite");
   }
   return out;

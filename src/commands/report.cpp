@@ -27,15 +27,14 @@ std::string defaultName(const std::filesystem::path& folder) {
 }
 
 void expectFree(const std::filesystem::path& file, bool overwrite) {
-  std::error_code failure;
-  if (std::filesystem::is_directory(file, failure)) {
+  if (isFolder(file)) {
     throw InputError({file.string()}, "is a folder, but -o takes the name of an HTML file");
   }
-  if (std::filesystem::exists(file, failure) && !overwrite) {
+  if (pathExists(file) && !overwrite) {
     throw InputError({file.string()}, "exists: add --overwrite, or name another file with -o");
   }
   const std::filesystem::path folder = file.parent_path();
-  if (!folder.empty() && std::filesystem::exists(folder, failure) && !std::filesystem::is_directory(folder, failure)) {
+  if (!folder.empty() && pathExists(folder) && !isFolder(folder)) {
     throw InputError({folder.string()}, "is a file: name another folder with -o");
   }
 }

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "base/input_budget.h"
 #include "base/terminal.h"
 #include "config/fields.h"
@@ -43,8 +44,7 @@ void findResources() {
   Dl_info here{};
   if (::dladdr(reinterpret_cast<const void*>(&findResources), &here) == 0 || here.dli_fname == nullptr) return;
   const std::filesystem::path share = std::filesystem::path(here.dli_fname).parent_path() / "share";
-  std::error_code ignored;
-  if (std::filesystem::is_directory(share, ignored)) ::setenv("SCANMILL_RESOURCES", share.c_str(), 0);
+  if (isFolder(share)) ::setenv("SCANMILL_RESOURCES", share.c_str(), 0);
 }
 
 // Returns the beam table of a dataset's sensor as arrays of the shape rings x columns, with all beams, even those

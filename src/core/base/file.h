@@ -6,6 +6,7 @@
 #include <functional>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 namespace scanmill {
@@ -23,6 +24,20 @@ struct [[nodiscard]] Descriptor {
   void close();
   int number;
 };
+
+// Return false also where the system cannot tell. Inline, since modules use them.
+inline bool pathExists(const std::filesystem::path& path) {
+  std::error_code ignored;
+  return std::filesystem::exists(path, ignored);
+}
+inline bool isFile(const std::filesystem::path& path) {
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(path, ignored);
+}
+inline bool isFolder(const std::filesystem::path& path) {
+  std::error_code ignored;
+  return std::filesystem::is_directory(path, ignored);
+}
 
 // Returns the bytes of a whole file. Throws an InputError that names the file if it is absent, a folder, unreadable or
 // larger than the memory that is allowed.

@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "base/file.h"
 #include "base/hash.h"
 #include "base/memory.h"
 #include "base/short_text.h"
@@ -145,8 +146,7 @@ FilesRead::~FilesRead() {
 std::map<std::filesystem::path, std::string> FilesRead::hashes() const {
   std::map<std::filesystem::path, std::string> all = hashes_;
   std::erase_if(all, [](const auto& entry) {  // readers go on without some files that are missing, such as textures
-    std::error_code ignored;
-    return !std::filesystem::is_regular_file(entry.first, ignored);
+    return !isFile(entry.first);
   });
   for (auto& [file, hash] : all) {
     if (hash.empty()) hash = xxh3OfFile(file);

@@ -8,9 +8,9 @@
 #include <cstddef>
 #include <filesystem>
 #include <memory>
-#include <system_error>
 
 #include "base/error.h"
+#include "base/file.h"
 
 namespace scanmill {
 
@@ -52,8 +52,7 @@ const void* loadModuleObject(const ModuleFile& module, const std::vector<std::st
   std::vector<std::string> sought;
   for (const std::string& folder : folders) {
     const std::string file = fmt::format("{}/{}", folder, module.name);
-    std::error_code ignored;
-    if (!std::filesystem::exists(file, ignored)) {
+    if (!pathExists(file)) {
       sought.push_back(folder);
       continue;
     }

@@ -95,8 +95,7 @@ std::vector<std::string> environmentWith(const std::map<std::string, std::string
 }
 
 bool isProgram(const std::filesystem::path& path) {
-  std::error_code ignored;
-  return std::filesystem::is_regular_file(path, ignored) && ::access(path.c_str(), X_OK) == 0;
+  return isFile(path) && ::access(path.c_str(), X_OK) == 0;
 }
 
 }  // namespace

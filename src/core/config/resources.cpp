@@ -8,6 +8,7 @@
 #include <system_error>
 #include <vector>
 
+#include "base/file.h"
 #include "config/fields.h"
 #include "config/version.h"
 
@@ -20,17 +21,11 @@ namespace {
 constexpr const char* kSuffix = ".yaml";
 constexpr const char* kOwn = "scanmill:";  // begins the saved paths of the program's own files
 
-bool isThere(const fs::path& path) {
-  std::error_code ignored;
-  return fs::exists(path, ignored);
-}
-
 // Returns the file at this path, with or without the suffix .yaml; nullopt if there is no such file.
 std::optional<fs::path> fileAt(const fs::path& path) {
-  std::error_code ignored;
-  if (fs::exists(path, ignored) && !fs::is_directory(path, ignored)) return path;
+  if (pathExists(path) && !isFolder(path)) return path;
   const fs::path whole = path.string() + kSuffix;
-  if (path.has_filename() && fs::exists(whole, ignored) && !fs::is_directory(whole, ignored)) return whole;
+  if (path.has_filename() && pathExists(whole) && !isFolder(whole)) return whole;
   return std::nullopt;
 }
 
@@ -89,7 +84,7 @@ fs::path resourceFolder() {
 
 fs::path resolvePath(const Value& value, const std::string& name) {
   const fs::path own = ownPath(value, name);
-  return !value.folder.empty() && !isThere(own) && isThere(name) ? fs::path(name) : own;
+  return !value.folder.empty() && !pathExists(own) && pathExists(name) ? fs::path(name) : own;
 }
 
 fs::path resolveResource(const Value& value, const std::string& name, const std::string& subfolder) {

@@ -8,6 +8,7 @@
 
 #include "base/append_new.h"
 #include "base/error.h"
+#include "base/file.h"
 #include "base/hash.h"
 #include "config/resources.h"
 
@@ -37,8 +38,7 @@ void expectSameFiles(const std::vector<FileRecord>& files, const std::filesystem
   for (const FileRecord& record : files) {
     const std::filesystem::path file = fileOfSavedPath(record.file, folder);
     const auto [hash, isNew] = now.try_emplace(file);
-    std::error_code ignored;
-    if (isNew && std::filesystem::is_regular_file(file, ignored)) hash->second = xxh3OfFile(file);
+    if (isNew && isFile(file)) hash->second = xxh3OfFile(file);
     if (hash->second != record.xxh3) appendNew({file.string()}, changed);
   }
   if (changed.empty()) return;

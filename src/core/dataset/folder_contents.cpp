@@ -50,8 +50,7 @@ bool couldBeSplit(const fs::path& folder) {
 }  // namespace
 
 bool isUnfinished(const fs::path& folder) {
-  std::error_code ignored;
-  return fs::exists(folder / kHiddenName / kPlanName, ignored);
+  return pathExists(folder / kHiddenName / kPlanName);
 }
 
 void requireDataset(const fs::path& folder, const std::string& otherwise) {
@@ -100,8 +99,7 @@ FolderContents contentsOf(const fs::path& folder) {
 }
 
 std::vector<std::string> listedIn(const fs::path& file) {
-  std::error_code ignored;
-  if (!fs::exists(file, ignored)) return {};
+  if (!pathExists(file)) return {};
   std::vector<std::string> listed;
   try {
     for (const ShardRecord& shard : parseManifest(readFile(file), file.string()).shards) {

@@ -8,6 +8,7 @@
 
 #include "base/append_new.h"
 #include "base/error.h"
+#include "base/file.h"
 #include "dataset/dataset_folder.h"
 #include "dataset/folder_contents.h"
 #include "dataset/json_text.h"
@@ -121,8 +122,7 @@ Manifest joinParts(const DatasetPlan& plan, std::vector<DatasetPart> parts, bool
 }
 
 Manifest mergeDataset(const std::filesystem::path& folder) {
-  std::error_code ignored;
-  if (!isUnfinished(folder) && std::filesystem::exists(folder / kManifestName, ignored)) {
+  if (!isUnfinished(folder) && pathExists(folder / kManifestName)) {
     DatasetFolder::tidy(folder);
     return readManifest(folder);
   }

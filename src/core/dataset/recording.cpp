@@ -252,8 +252,7 @@ std::string_view nameOf(RecordingKind kind) {
 
 Recording readRecording(const fs::path& folder, RecordingKind kind) {
   const fs::path file = folder / kIndex;
-  std::error_code ignored;
-  if (fs::is_directory(folder, ignored) && !fs::exists(file, ignored)) {
+  if (isFolder(folder) && !pathExists(file)) {
     throw InputError({folder.string()},
                      "has no recording.json: it is not a recording, or the run that wrote it did not end; make one by "
                      "scanmill generate --keep-hits or scanmill render");
@@ -282,8 +281,7 @@ Recording readRecording(const fs::path& folder, RecordingKind kind) {
 
 std::optional<RecordingKind> recordingIn(const fs::path& folder) {
   const fs::path file = folder / kIndex;
-  std::error_code ignored;
-  if (!fs::exists(file, ignored)) return std::nullopt;
+  if (!pathExists(file)) return std::nullopt;
   const Json json = parseJson(readFile(file), file.string());
   const Json kind = json.is_object() ? json.value("kind", Json()) : Json();
   return kind == nameOf(RecordingKind::Hits) ? RecordingKind::Hits : RecordingKind::Passes;

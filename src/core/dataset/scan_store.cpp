@@ -110,8 +110,7 @@ void ScanStore::openSingle() {
 }
 
 void ScanStore::openDataset() {
-  std::error_code ignored;
-  if (!fs::exists(path_ / kManifestName, ignored) && !recordingIn(path_)) recorded_ = scanFolderIn(path_);
+  if (!pathExists(path_ / kManifestName) && !recordingIn(path_)) recorded_ = scanFolderIn(path_);
   if (recorded_) {
     ontology_ = recorded_->ontology;
     for (const FolderScan& scan : recorded_->scans) addSample(scan.key, {});
@@ -247,8 +246,7 @@ const ShardIndex& ScanStore::shard(std::size_t number) const {
   const std::lock_guard lock(mutex_);
   Shard& shard = shards_[number];
   if (shard.index != nullptr) return *shard.index;
-  std::error_code ignored;
-  if (!fs::exists(shard.file, ignored)) {
+  if (!pathExists(shard.file)) {
     throw InputError({shard.file.string()},
                      "is missing, although the manifest lists it: copy it here, or generate the dataset again");
   }

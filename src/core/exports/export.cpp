@@ -216,12 +216,10 @@ class Export {
   // Throws InputError if the folder must not be written to.
   void checkFolder() const {
     const fs::path& folder = folder_.path();
-    std::error_code failure;
-    if (!fs::exists(folder, failure)) return;
-    if (!fs::is_directory(folder, failure))
-      throw InputError({folder.string()}, "is not a folder: name a folder with -o");
-    const bool complete = fs::exists(folder / kRecord, failure);
-    const bool unfinished = fs::exists(folder / kUnfinished, failure);
+    if (!pathExists(folder)) return;
+    if (!isFolder(folder)) throw InputError({folder.string()}, "is not a folder: name a folder with -o");
+    const bool complete = pathExists(folder / kRecord);
+    const bool unfinished = pathExists(folder / kUnfinished);
     if (unfinished) {
       const FolderLock free(folder, folder_.place(kLock));  // names the process that writes, if there is one
     }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "config/text.h"
 #include "formats/npy.h"
 #include "formats/readers.h"
@@ -190,8 +191,7 @@ std::filesystem::path labelsBeside(const std::filesystem::path& scan) {
   if (whole.parent_path().filename() != "velodyne") return {};
   const std::filesystem::path file =
       scan.parent_path() / ".." / "labels" / std::filesystem::path(scan.filename()).replace_extension(".label");
-  std::error_code ignored;
-  return std::filesystem::is_regular_file(file, ignored) ? file.lexically_normal() : std::filesystem::path();
+  return isFile(file) ? file.lexically_normal() : std::filesystem::path();
 }
 
 }  // namespace scanmill

@@ -9,7 +9,6 @@
 #include <iterator>
 #include <memory>
 #include <new>
-#include <system_error>
 #include <utility>
 
 #include "base/error.h"
@@ -294,8 +293,7 @@ DecodedImage decodeImage(std::string_view bytes, const std::string& name) {
 
 DecodedImage readImage(const std::filesystem::path& path) {
   const std::string name = path.string();
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) throw InputError({name}, "there is no such image");
+  if (!isFile(path)) throw InputError({name}, "there is no such image");
   const std::string known = kindOf(firstBytes(path));
   if (isReadHere(known)) return decodeImage(readFile(path), name);
   const std::string kind = known.empty() ? endingOf(name) : known;

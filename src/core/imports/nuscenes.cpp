@@ -28,11 +28,6 @@ using Json = nlohmann::json;
 
 constexpr std::string_view kRows = "sample_data.json";
 
-bool isThere(const fs::path& file) {
-  std::error_code ignored;
-  return fs::exists(file, ignored);
-}
-
 // Calls visit(row) for the rows of a table that `wanted` accepts. Other rows are freed during parsing, because a table
 // of the complete dataset has millions of rows.
 void readTable(const fs::path& file, const std::function<bool(const Json&)>& wanted,
@@ -60,11 +55,11 @@ bool isLidarKeyFrame(const Json& row) {
 // Returns the folder of the tables, inside of `folder` or `folder` itself; empty if there is none. If `folder`
 // contains several versions, returns the first by name.
 fs::path tablesIn(const fs::path& folder) {
-  if (isThere(folder / kRows)) return folder;
+  if (pathExists(folder / kRows)) return folder;
   std::vector<fs::path> versions;
   std::error_code failure;
   for (const auto& entry : fs::directory_iterator(folder, failure)) {
-    if (entry.path().filename().string().starts_with("v1.0-") && isThere(entry.path() / kRows)) {
+    if (entry.path().filename().string().starts_with("v1.0-") && pathExists(entry.path() / kRows)) {
       versions.push_back(entry.path());
     }
   }
@@ -88,7 +83,7 @@ std::optional<ScanFolder> readNuScenesFolder(const fs::path& folder) {
   });
   const auto labelFiles = [&](const char* name) {
     std::map<std::string, fs::path> files;  // by token of sample_data
-    if (!isThere(tables / name)) return files;
+    if (!pathExists(tables / name)) return files;
     readTable(tables / name, always, [&](const Json& row) {
       files[row.at("sample_data_token").get<std::string>()] = root / row.at("filename").get<std::string>();
     });
@@ -103,7 +98,7 @@ std::optional<ScanFolder> readNuScenesFolder(const fs::path& folder) {
     const fs::path points = root / row.at("filename").get<std::string>();
     const std::string sample = row.at("sample_token").get<std::string>();
     const std::string token = row.at("token").get<std::string>();
-    if (!isThere(points)) {
+    if (!pathExists(points)) {
       ++absent;
       return;
     }

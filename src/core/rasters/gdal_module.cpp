@@ -22,6 +22,7 @@
 #include <vector>
 
 #include "base/earth.h"
+#include "base/file.h"
 #include "rasters/rasters_interface.h"
 
 namespace scanmill {
@@ -195,8 +196,7 @@ class GdalReader final : public RasterReader {
     CSLDestroy(files);
     for (const char* ending : {".prj", ".PRJ"}) {
       const std::string prj = std::filesystem::path(file_).replace_extension(ending).string();
-      std::error_code error;
-      if (system.known() || !std::filesystem::exists(prj, error)) continue;
+      if (system.known() || !pathExists(prj)) continue;
       system.readEsri(prj);
       if (std::find(header.files.begin(), header.files.end(), prj) == header.files.end()) header.files.push_back(prj);
     }

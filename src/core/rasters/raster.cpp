@@ -25,8 +25,7 @@ namespace {
 }
 
 std::unique_ptr<RasterReader> open(const std::filesystem::path& file) {
-  std::error_code error;
-  if (!std::filesystem::exists(file, error)) fail(file, "there is no such file");
+  if (!pathExists(file)) fail(file, "there is no such file");
   try {
     return moduleOf<RastersModule>().open(file.string());
   } catch (const Error& e) {

@@ -14,6 +14,7 @@
 #include "assets/asset.h"
 #include "assets/asset_kinds.h"
 #include "assets/surveys/surveys.h"
+#include "base/file.h"
 #include "base/input_budget.h"
 #include "base/random.h"
 #include "config/distribution.h"
@@ -89,11 +90,6 @@ class SceneReader {
     Copies copies = placer_.read(f);
     random_ = random_ || copies.arrangement.random();
     return copies;
-  }
-
-  static bool isFolder(const std::filesystem::path& path) {
-    std::error_code error;
-    return std::filesystem::is_directory(path, error);
   }
 
   // Returns the path of the object's file and its name as the scene writes it. For {one_of: [...]}, returns both

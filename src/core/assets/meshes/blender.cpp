@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "base/text_scan.h"
 #include "config/resources.h"
 #include "config/text.h"
@@ -35,8 +36,7 @@ double patience() {
 std::vector<std::string> commandLine(const std::string& job, const std::filesystem::path& folder,
                                      const std::vector<std::string>& arguments) {
   const std::filesystem::path script = resourceFolder() / "scripts" / "blender_passes.py";
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(script, ignored)) {
+  if (!isFile(script)) {
     throw Error(fmt::format("{}: is missing: build or install Scanmill again (cmake --install)", script.string()));
   }
   // --disable-autoexec: Blender runs no registered scripts or driver expressions of a file.

@@ -7,6 +7,7 @@
 #include <cstdlib>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "base/text_scan.h"
 #include "config/text.h"
 
@@ -18,11 +19,6 @@ namespace fs = std::filesystem;
 constexpr int kMostAbove = 8;  // largest number of folders to search, from the file's folder upwards
 constexpr const char* kVariables[] = {"SDF_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH",
                                       "GAZEBO_MODEL_PATH", "ROS_PACKAGE_PATH"};
-
-bool isThere(const fs::path& path) {
-  std::error_code ignored;
-  return fs::exists(path, ignored);
-}
 
 std::vector<fs::path> modelFolders(const fs::path& file) {
   std::vector<fs::path> folders;
@@ -43,11 +39,6 @@ std::vector<fs::path> modelFolders(const fs::path& file) {
     }
   }
   return folders;
-}
-
-bool isFile(const std::filesystem::path& path) {
-  std::error_code error;
-  return std::filesystem::is_regular_file(path, error);
 }
 
 // Returns the file of this name in a folder, ignoring case; empty if there is none.
@@ -98,7 +89,7 @@ std::optional<fs::path> findInModelFolders(const fs::path& file, const std::stri
   for (const fs::path& folder : modelFolders(file)) {
     for (const std::string& spelling : {name, decodeUri(name)}) {
       // If a file inside of a model's folder names that model, the model is found from the folder above.
-      if (!spelling.empty() && isThere(folder / spelling)) return folder / spelling;
+      if (!spelling.empty() && pathExists(folder / spelling)) return folder / spelling;
     }
   }
   return std::nullopt;

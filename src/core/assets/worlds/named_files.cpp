@@ -5,6 +5,7 @@
 #include <set>
 
 #include "assets/meshes/references.h"
+#include "base/file.h"
 
 namespace scanmill {
 
@@ -52,8 +53,7 @@ std::filesystem::path findModel(const XmlNode& from, const std::filesystem::path
   const std::string plain = uri.starts_with("file://") ? uri.substr(7) : uri;
   for (const std::string& name : {plain, decodeUri(plain)}) {
     std::filesystem::path found = file.parent_path() / name;
-    std::error_code ignored;
-    if (std::filesystem::exists(found, ignored)) return found;
+    if (pathExists(found)) return found;
   }
   // A relative name may also be the name of a model.
   if (const auto found = findInModelFolders(file, plain)) return *found;

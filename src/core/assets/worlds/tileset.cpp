@@ -176,8 +176,7 @@ class TilesetReader {
     }
     const std::string plain = decodeUri(uri.substr(0, uri.find('?')));
     const std::filesystem::path file = context.file.parent_path() / plain;
-    std::error_code ignored;
-    if (!std::filesystem::is_regular_file(file, ignored)) {
+    if (!isFile(file)) {
       return missing_.push_back({where, uri, fmt::format("names '{}', but this file does not exist", uri)});
     }
     const std::string kind = lowerExtension(file);

@@ -61,9 +61,8 @@ std::string planHash(const Plan& plan) {
   std::set<std::filesystem::path> scenes;
   for (const Sequence& sequence : pipeline.sequences) scenes.insert(sequence.sceneFile);
   for (const std::filesystem::path& file : {pipeline.vehicle, pipeline.ontology}) scenes.insert(file);
-  std::error_code ignored;
   for (const std::filesystem::path& scene : scenes) {
-    if (std::filesystem::is_regular_file(scene, ignored)) add(readFile(scene));  // recordings have no scene files
+    if (isFile(scene)) add(readFile(scene));  // recordings have no scene files
   }
   if (pipeline.recording != nullptr) addRecording(pipeline.recording->folder, add);
   return hash.hex();

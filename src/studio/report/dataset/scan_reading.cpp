@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "base/hash.h"
 #include "base/parallel.h"
 #include "base/random.h"
@@ -63,9 +64,8 @@ std::vector<std::string> readScans(const ScanStore& store, const std::vector<Sca
     parallelFor(count, 1, [&](std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last; ++i) {
         const ScanPlace& place = places[begin + i];
-        std::error_code failure;
         const fs::path shard = store.folder() / manifest.shards[manifest.samples[place.sample].shard].file;
-        if (!fs::is_regular_file(shard, failure)) continue;  // shardFaults() reports the missing shard
+        if (!isFile(shard)) continue;  // shardFaults() reports the missing shard
         try {
           Scan scan = readScan(store, place);
           points[i] = scan.size();

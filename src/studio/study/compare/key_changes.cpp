@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "config/named_options.h"
 #include "config/value.h"
 #include "dataset/manifest.h"
@@ -131,9 +132,7 @@ std::string assignmentOf(const std::vector<KeyChange>& advice, const std::vector
 void addKeyChanges(SetComparison& comparison, const std::filesystem::path& simulated, const std::string& sensor,
                    const std::filesystem::path& pipeline) {
   const auto none = [&](std::string why) { comparison.unadvised = std::move(why); };
-  std::error_code ignored;
-  if (!std::filesystem::exists(simulated / kManifestName, ignored))
-    return none("The second set is not the folder of a dataset.");
+  if (!pathExists(simulated / kManifestName)) return none("The second set is not the folder of a dataset.");
   const bool unlike = comparison.real.knowsRings && comparison.simulated.knowsRings &&
                       comparison.real.rows != comparison.simulated.rows;
   if (unlike) return none("The sensors differ.");

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "config/file_kind.h"
 #include "config/resources.h"
 #include "config/value.h"
@@ -49,10 +50,9 @@ class SceneFrames : public FrameSource {
 
 std::unique_ptr<FrameSource> openFrames(const ViewInput& input) {
   const std::string suffix = input.path.extension().string();
-  std::error_code ignored;
-  const bool regular = fs::is_regular_file(input.path, ignored);
+  const bool regular = isFile(input.path);
   if (regular && (suffix == ".yaml" || suffix == ".yml")) return std::make_unique<SceneFrames>(input);
-  if (input.seed && input.scene.empty() && fs::exists(input.path, ignored)) {
+  if (input.seed && input.scene.empty() && pathExists(input.path)) {
     throw InputError({input.path.string()},
                      "is no scene: --seed is for a scene that is viewed by itself, or by --scene");
   }
@@ -82,8 +82,7 @@ namespace {
 std::optional<fs::path> fileOf(const std::string& saved, const fs::path& datasetFolder) {
   for (const fs::path& folder : pipelineFolders(datasetFolder)) {
     const fs::path file = fileOfSavedPath(saved, folder);
-    std::error_code ignored;
-    if (fs::is_regular_file(file, ignored)) return file;
+    if (isFile(file)) return file;
   }
   return std::nullopt;
 }

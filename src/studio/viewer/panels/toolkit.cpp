@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/file.h"
 #include "viewer/color_map.h"
 
 namespace scanmill {
@@ -47,8 +48,7 @@ void addFont(ImFontAtlas& atlas, double letter) {
   static const ImWchar kLetters[] = {0x20, 0xFF, 0x370, 0x3FF, 0x2010, 0x2026, 0x2190, 0x2193, 0x25B2, 0x25C0, 0};
   const auto size = static_cast<float>(std::round(letter));
   for (const char* file : kFonts) {
-    std::error_code failure;
-    if (std::filesystem::exists(file, failure) && atlas.AddFontFromFileTTF(file, size, nullptr, kLetters)) return;
+    if (pathExists(file) && atlas.AddFontFromFileTTF(file, size, nullptr, kLetters)) return;
   }
   ImFontConfig config;
   config.SizePixels = size;

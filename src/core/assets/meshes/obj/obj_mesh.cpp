@@ -196,19 +196,18 @@ class ObjReader {
   }
 
   void readLibrary(const std::string& name) {
-    std::error_code ignored;
     fs::path path = pathOf(name);
-    if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored)) {
+    if (pathExists(path) && !isFile(path)) {
       fail(fmt::format("names '{}', which is not a file", name));
     }
-    if (fs::exists(path, ignored) && !options_.allowOutside &&
+    if (pathExists(path) && !options_.allowOutside &&
         leadsOutside(path.lexically_relative(fs::absolute(file_).parent_path()).string())) {
       fail(refusalOf(name));
     }
-    if (!fs::exists(path, ignored)) {
+    if (!pathExists(path)) {
       // Exporters that rename the mesh leave the old name in it.
       path = fs::absolute(file_).replace_extension(".mtl");
-      if (!fs::is_regular_file(path, ignored)) {
+      if (!isFile(path)) {
         if (std::find(read_.missing.begin(), read_.missing.end(), name) == read_.missing.end())
           read_.missing.push_back(name);
         return;
