@@ -2,8 +2,6 @@
 
 // Runs other programs as child processes; the name of this host.
 
-#include <sys/types.h>
-
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -61,7 +59,7 @@ class Process {
   void receive(double seconds);
 
   std::string name_;
-  pid_t pid_ = -1;  // -1: waitpid() has returned the child's status
+  int pid_ = -1;  // -1: waitpid() has returned the child's status
   int status_ = 0;
   Descriptor socket_;   // to the child's standard input and output
   Descriptor errors_;   // a file
