@@ -246,5 +246,9 @@ constexpr double radians(double degrees) {
 constexpr double degrees(double radians) {
   return radians * (180.0 / kPi);
 }
+// Returns the same angle, from -kPi to kPi (rad).
+inline double wrapped(double angle) {
+  return std::remainder(angle, 2 * kPi);
+}
 
 }  // namespace scanmill

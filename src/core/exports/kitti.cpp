@@ -91,10 +91,6 @@ int occlusion(const ObjectView& view) {
   return visibility >= 0.8 ? 0 : visibility >= 0.4 ? 1 : 2;
 }
 
-double wrapped(double angle) {
-  return std::remainder(angle, 2 * kPi);
-}
-
 Vec3d bottomOf(const ObjectRecord& object, const ObjectView& view) {
   return inCamera(view.sensorFromBox * Vec3d{0, 0, -object.size.z / 2});
 }

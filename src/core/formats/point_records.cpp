@@ -40,7 +40,7 @@ std::vector<std::uint16_t> ringsByOrder(const std::vector<Vec3f>& points) {
     // Misses take the azimuth of the point before them.
     const double before = azimuth.empty() ? 0 : azimuth.back();
     azimuth.push_back(isFinite(p) ? std::atan2(static_cast<double>(p.y), static_cast<double>(p.x)) : before);
-    if (azimuth.size() > 1) way += std::remainder(azimuth.back() - azimuth[azimuth.size() - 2], 2 * kPi);
+    if (azimuth.size() > 1) way += wrapped(azimuth.back() - azimuth[azimuth.size() - 2]);
   }
   const double direction = way < 0 ? -1 : 1;
   std::vector<std::uint16_t> rings;
@@ -48,7 +48,7 @@ std::vector<std::uint16_t> ringsByOrder(const std::vector<Vec3f>& points) {
   double turned = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (i > 0) {
-      turned += direction * std::remainder(azimuth[i] - azimuth[i - 1], 2 * kPi);
+      turned += direction * wrapped(azimuth[i] - azimuth[i - 1]);
       const bool passes =
           direction * azimuth[i - 1] < 0 && direction * azimuth[i] >= 0 && std::fabs(azimuth[i]) < kPi / 2;
       if (passes && turned > kPi) {

@@ -27,7 +27,7 @@ double turnAt(const MapRoad& road, std::size_t i) {
   const Point2& a = road.line[i - 1];
   const Point2& b = road.line[i];
   const Point2& c = road.line[i + 1];
-  return std::abs(std::remainder(std::atan2(c.y - b.y, c.x - b.x) - std::atan2(b.y - a.y, b.x - a.x), 2 * kPi));
+  return std::abs(wrapped(std::atan2(c.y - b.y, c.x - b.x) - std::atan2(b.y - a.y, b.x - a.x)));
 }
 
 // Cuts roads into pieces: at crossings, and where a road turns back on itself.
@@ -79,7 +79,7 @@ std::optional<double> misfit(const std::vector<Piece>& pieces, const End& a, con
   if (p.ring != q.ring || p.oneWay != q.oneWay) return std::nullopt;
   if (p.oneWay && a.end == b.end) return std::nullopt;
   const double difference = headingFrom(p, a.end) - headingFrom(q, b.end);
-  const double turn = std::abs(kPi - std::abs(std::remainder(difference, 2 * kPi)));
+  const double turn = std::abs(kPi - std::abs(wrapped(difference)));
   const bool sameName = !p.name.empty() && p.name == q.name;
   const bool minor = p.kind >= RoadClass::Service;
   if (minor != (q.kind >= RoadClass::Service) && !sameName) return std::nullopt;

@@ -44,10 +44,6 @@ struct StripPlaces {
   }
 };
 
-double wrapped(double angle) {
-  return std::remainder(angle, 2 * kPi);
-}
-
 // Returns the azimuths that the points show. If the columns are a full turn, which holds if each ring's azimuths differ
 // from evenly spaced ones by nearly a constant, this constant is the ring's offset. Otherwise only the direction in
 // which azimuths increase is estimated. Returns nothing if they neither increase nor decrease with the column. `ring`

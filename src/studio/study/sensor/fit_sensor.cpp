@@ -27,10 +27,6 @@ struct Point {
 
 using Rings = std::vector<std::vector<Point>>;
 
-double wrapped(double angle) {
-  return std::remainder(angle, 2 * kPi);
-}
-
 // Returns the median of angles (rad) around their circular mean.
 double circularMedian(const std::vector<double>& angles) {
   double x = 0;

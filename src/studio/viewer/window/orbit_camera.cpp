@@ -39,10 +39,6 @@ Vec3d within(const Vec3d& place) {
   return {limited(place.x), limited(place.y), limited(place.z)};
 }
 
-double wrappedYaw(double angle) {
-  return std::remainder(angle, 2 * kPi);
-}
-
 [[noreturn]] void refuse(const std::string& text) {
   throw InputError(fmt::format(
       "a camera is one of {}, or YAW,PITCH,DISTANCE[,X,Y,Z[,FOCAL]][,ortho]: where it looks (deg; yaw from x "
@@ -128,7 +124,7 @@ ViewCamera OrbitCamera::camera(int width, int height) const {
 
 void OrbitCamera::orbit(double right, double down, int height) {
   const double perPixel = kPi / std::max(height, 1);
-  yaw = wrappedYaw(yaw - right * perPixel);
+  yaw = wrapped(yaw - right * perPixel);
   pitch = std::clamp(pitch + down * perPixel, -kPi / 2, kPi / 2);
 }
 
@@ -181,7 +177,7 @@ OrbitCamera OrbitCamera::seeing(const std::vector<Vec3d>& points, View view, int
 
 void OrbitCamera::moveBy(const Affine& newFromOld) {
   target = within(newFromOld * target);
-  yaw = wrappedYaw(yaw + std::atan2(newFromOld.linear.x.y, newFromOld.linear.x.x));
+  yaw = wrapped(yaw + std::atan2(newFromOld.linear.x.y, newFromOld.linear.x.x));
 }
 
 std::string OrbitCamera::text() const {
@@ -245,7 +241,7 @@ CameraChoice parseCamera(const std::string& text) {
   }
   const bool counted = values.size() == 3 || values.size() == 6 || values.size() == 7;
   if (!counted || std::abs(values[1]) > 90 || values[2] < kLeastDistance || values[2] > kMostDistance) refuse(text);
-  camera.yaw = wrappedYaw(radians(values[0]));
+  camera.yaw = wrapped(radians(values[0]));
   camera.pitch = radians(values[1]);
   camera.distance = values[2];
   if (values.size() >= 6) {
