@@ -40,28 +40,21 @@ struct FrameLoader::State {
   struct Kept {
     std::shared_ptr<const ViewFrame> frame;
     std::uint64_t bytes = 0;
-    std::uint64_t used = 0;  // value of `clock` when the frame was last requested
   };
 
   State(std::shared_ptr<const FrameSource> from, std::uint64_t limit) : source(std::move(from)), keptBytes(limit) {}
 
   // The caller must hold `mutex` when calling the following functions, except run().
 
-  bool has(std::size_t number) const { return kept.contains(number); }
-
   void want(std::size_t frame, int newStep) {
     wanted = frame;
     step = newStep;
-    ahead = static_cast<std::int64_t>(frame);
-    readAheadDone = step == 0;
     work.notify_all();
   }
 
-  std::shared_ptr<const ViewFrame> use(std::size_t number) {
+  std::shared_ptr<const ViewFrame> find(std::size_t number) const {
     const auto found = kept.find(number);
-    if (found == kept.end()) return nullptr;
-    found->second.used = ++clock;
-    return found->second.frame;
+    return found == kept.end() ? nullptr : found->second.frame;
   }
 
   // True if the loaded mesh shows the scene at the time in `scene`. If nothing in the scene moves, the time is ignored.
@@ -71,67 +64,43 @@ struct FrameLoader::State {
   }
   bool meshMissing() const { return wantedMesh && !meshShows(*wantedMesh); }
 
-  // True if the frame must stay in the cache: it was requested last, or it is between that frame and the next frame to
-  // read ahead.
-  bool isNeeded(std::size_t number) const {
-    if (!wanted) return false;
-    const auto at = static_cast<std::int64_t>(number);
-    const auto from = static_cast<std::int64_t>(*wanted);
-    return at == from || (step > 0 ? at > from && at < ahead : at < from && at > ahead);
-  }
-
-  std::uint64_t total() const {
-    std::uint64_t bytes = 0;
-    for (const auto& [number, k] : kept) bytes += k.bytes;
-    return bytes;
-  }
-
-  // Makes room for `bytes` more by removing the least recently used frames that are not needed. Returns false if this
-  // does not suffice.
-  bool makeRoom(std::uint64_t bytes) {
-    std::uint64_t held = total();
-    while (held + bytes > keptBytes) {
-      auto oldest = kept.end();
-      for (auto k = kept.begin(); k != kept.end(); ++k) {
-        if (!isNeeded(k->first) && (oldest == kept.end() || k->second.used < oldest->second.used)) oldest = k;
-      }
-      if (oldest == kept.end()) return false;
-      held -= oldest->second.bytes;
-      kept.erase(oldest);
-    }
-    return true;
-  }
-
-  // Returns the next frame to read ahead in the direction of `step` that is not cached; nothing if there is none.
-  // Frames that are read ahead, plus one frame of the largest size, may fill half of the cache. The other half is for
-  // frames that were shown before.
-  std::optional<std::size_t> nextAhead() {
-    if (!wanted || readAheadDone) return std::nullopt;
-    const auto count = static_cast<std::int64_t>(source->keys().size());
-    while (ahead >= 0 && ahead < count && has(static_cast<std::size_t>(ahead))) ahead += step;
+  // Returns the next frame to read ahead in the direction of `step` that is not cached; nothing if there is none. The
+  // requested frame and those that are read ahead, plus one frame of the largest size, may fill half of the cache. The
+  // other half is for frames that were shown before.
+  std::optional<std::size_t> nextAhead() const {
+    if (!wanted || step == 0) return std::nullopt;
     std::uint64_t largest = 0;
     std::uint64_t needed = 0;
-    for (const auto& [number, k] : kept) {
-      largest = std::max(largest, k.bytes);
-      if (isNeeded(number)) needed += k.bytes;
+    for (std::int64_t i = 0; i <= kMostAhead; ++i) {
+      const std::int64_t at = static_cast<std::int64_t>(*wanted) + i * step;
+      if (at < 0 || at >= static_cast<std::int64_t>(source->keys().size())) break;
+      const auto number = static_cast<std::size_t>(at);
+      const auto found = kept.find(number);
+      if (found == kept.end()) return needed + largest <= keptBytes / 2 ? std::optional(number) : std::nullopt;
+      needed += found->second.bytes;
+      largest = std::max(largest, found->second.bytes);
     }
-    const bool far = std::abs(ahead - static_cast<std::int64_t>(*wanted)) > kMostAhead;
-    if (ahead < 0 || ahead >= count || far || needed + largest > keptBytes / 2 || !makeRoom(largest)) {
-      readAheadDone = true;
-      return std::nullopt;
-    }
-    return static_cast<std::size_t>(ahead);
+    return std::nullopt;
   }
 
-  std::optional<std::size_t> missingFrame() const { return wanted && !has(*wanted) ? wanted : std::nullopt; }
+  std::optional<std::size_t> missingFrame() const { return wanted && !find(*wanted) ? wanted : std::nullopt; }
 
+  // Caches the frame, and removes the frames that are farthest from the requested one until all fit. If the frame
+  // itself is one of them, no more frames are read ahead.
   void keep(std::size_t number, ViewFrame frame) {
     const std::uint64_t bytes = frameBytes(frame);
-    const bool room = makeRoom(bytes);
-    if (!room) readAheadDone = true;
-    if (room || number == wanted) {
-      kept[number] = {std::make_shared<const ViewFrame>(std::move(frame)), bytes, ++clock};
+    kept[number] = {std::make_shared<const ViewFrame>(std::move(frame)), bytes};
+    const auto distance = [&](const auto& entry) {
+      return std::abs(static_cast<std::int64_t>(entry.first) - static_cast<std::int64_t>(*wanted));
+    };
+    std::uint64_t held = 0;
+    for (const auto& entry : kept) held += entry.second.bytes;
+    while (held > keptBytes && kept.size() > 1) {
+      const auto farthest = std::ranges::max_element(kept, {}, distance);
+      held -= farthest->second.bytes;
+      kept.erase(farthest);
     }
+    if (!kept.contains(number)) step = 0;
   }
 
   // The function of the loading thread: loads requested frames first, then the mesh, then reads frames ahead.
@@ -169,11 +138,8 @@ struct FrameLoader::State {
   bool stopping = false;
 
   std::map<std::size_t, Kept> kept;
-  std::uint64_t clock = 0;
   std::optional<std::size_t> wanted;
-  int step = 1;
-  std::int64_t ahead = 0;  // index of the next frame to read ahead; outside of the range of frames if there is none
-  bool readAheadDone = false;
+  int step = 0;  // direction in which frames are read ahead; 0: none are
 
   std::optional<SceneChoice> wantedMesh;
   std::shared_ptr<const ViewMesh> mesh;
@@ -203,15 +169,15 @@ void FrameLoader::want(std::size_t frame, int step) {
 
 std::shared_ptr<const ViewFrame> FrameLoader::frame(std::size_t frame) {
   const std::lock_guard lock(state_->mutex);
-  return state_->use(frame);
+  return state_->find(frame);
 }
 
 std::shared_ptr<const ViewFrame> FrameLoader::wait(std::size_t frame) {
   State& s = *state_;
   std::unique_lock lock(s.mutex);
   if (s.wanted != frame) s.want(frame, 0);
-  s.done.wait(lock, [&] { return s.has(frame); });
-  return s.use(frame);
+  s.done.wait(lock, [&] { return s.find(frame) != nullptr; });
+  return s.find(frame);
 }
 
 void FrameLoader::wantMesh(const SceneChoice& scene) {

@@ -14,7 +14,7 @@ namespace scanmill {
 
 class FrameLoader {
  public:
-  // Caches the most recently used frames, up to `keptBytes` bytes; the frame that was requested last is always cached.
+  // Caches the frames about the one that was requested last, up to `keptBytes` bytes; that one is always cached.
   explicit FrameLoader(std::shared_ptr<const FrameSource> source, std::uint64_t keptBytes = std::uint64_t{1} << 30);
   ~FrameLoader();  // waits until the current load is finished
   FrameLoader(const FrameLoader&) = delete;

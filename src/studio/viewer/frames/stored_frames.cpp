@@ -308,14 +308,18 @@ std::vector<Pose> StoredFrames::trajectory(std::size_t frame) const {
   return poses;
 }
 
+// Returns the first scan of the sample in the manifest; null if it is unknown or has none.
+const ScanRecord* StoredFrames::firstScan(const std::string& key) const {
+  const auto sequence = sequences_.find(partsOfKey(key).sequence);
+  if (sequence == sequences_.end()) return nullptr;
+  const auto sample = std::ranges::find(sequence->second, key, &SampleRecord::key);
+  return sample == sequence->second.end() || (*sample)->scans.empty() ? nullptr : &(*sample)->scans.front();
+}
+
 std::optional<SceneChoice> StoredFrames::scene(std::size_t frame, std::string& why) const {
   const std::string& key = keys().at(frame);
-  double time = 0;
-  if (const auto found = sequences_.find(partsOfKey(key).sequence); found != sequences_.end()) {
-    for (const SampleRecord* sample : found->second) {
-      if (sample->key == key && !sample->scans.empty()) time = sample->scans.front().time;
-    }
-  }
+  const ScanRecord* const scan = firstScan(key);
+  const double time = scan == nullptr ? 0 : scan->time;
   const SequenceRecord* const sequence = first().manifest() == nullptr ? nullptr : first().manifest()->sequenceOf(key);
   if (!input_.scene.empty()) {
     return SceneChoice{input_.scene, input_.seed.value_or(sequence == nullptr ? 1 : sequence->seed), time};
@@ -330,17 +334,11 @@ std::optional<std::filesystem::path> StoredFrames::vehicle() const {
 
 // Returns the pose of the vehicle that carries the sensors, at the start of the sample's first scan.
 std::optional<Pose> StoredFrames::vehiclePose(const std::string& key) const {
-  const Manifest* const manifest = first().manifest();
-  const auto sequence = sequences_.find(partsOfKey(key).sequence);
-  if (manifest == nullptr || sequence == sequences_.end()) return {};
-  for (const SampleRecord* sample : sequence->second) {
-    if (sample->key != key || sample->scans.empty()) continue;
-    const ScanRecord& scan = sample->scans.front();
-    const auto sensor = std::ranges::find(manifest->sensors, scan.sensor, &SensorRecord::name);
-    if (sensor == manifest->sensors.end() || scan.worldFromSensor.empty()) return {};
-    return scan.worldFromSensor.front() * inverse(mountOf(*sensor, scan));
-  }
-  return {};
+  const ScanRecord* const scan = firstScan(key);
+  if (scan == nullptr || scan->worldFromSensor.empty()) return {};
+  const auto sensor = std::ranges::find(first().manifest()->sensors, scan->sensor, &SensorRecord::name);
+  if (sensor == first().manifest()->sensors.end()) return {};
+  return scan->worldFromSensor.front() * inverse(mountOf(*sensor, *scan));
 }
 
 std::vector<std::uint16_t> StoredFrames::classes() const {

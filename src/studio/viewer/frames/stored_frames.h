@@ -45,6 +45,7 @@ class StoredFrames : public FrameSource {
   void addReferenceError(ViewScan& scan, const std::string& key) const;
   void nameScans(std::vector<Loading>& all) const;
   const Pose* poseOf(const SampleRecord& sample) const;
+  const ScanRecord* firstScan(const std::string& key) const;
   std::optional<Pose> vehiclePose(const std::string& key) const;
 
   ViewInput input_;

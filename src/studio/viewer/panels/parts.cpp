@@ -157,10 +157,6 @@ void section(const std::string& title, bool still, const std::function<void()>& 
   ImGui::PopID();
 }
 
-void folded(const std::string& title, const std::function<void()>& body) {
-  if (ImGui::CollapsingHeader(title.c_str())) body();
-}
-
 void drawLabels(const std::vector<PanelLabel>& labels, const PixelRect& within) {
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   const float away = letter() * 0.5F;

@@ -27,8 +27,6 @@ void titleRow(const PixelRect& rect, const std::string& left, const std::string&
 // Draws a section of a side panel. A click on its title hides or shows `body`. `still`: the section is in a picture,
 // where it cannot be clicked.
 void section(const std::string& title, bool still, const std::function<void()>& body);
-// Draws a section whose `body` is hidden until the user clicks its title.
-void folded(const std::string& title, const std::function<void()>& body);
 
 // A text that is drawn over the views.
 struct PanelLabel {

@@ -44,7 +44,7 @@ void ViewSession::drawPanels() {
     }
     if (!context_.options.still && !clouds_.list.empty()) {
       const bool known = !context_.frame->scans[clouds_.list.front().scan].scan[kInstance].empty();
-      if (known) folded("Instances", [&] { drawInstances(); });
+      if (known && ImGui::CollapsingHeader("Instances")) drawInstances();
     }
     drawLegends(false);
   });
