@@ -1,8 +1,8 @@
 #include "viewer/window/picking.h"
 
 #include <algorithm>
+#include <compare>
 #include <mutex>
-#include <tuple>
 
 #include "base/parallel.h"
 
@@ -10,63 +10,45 @@ namespace scanmill {
 
 namespace {
 
-// A linear map from a point of the item to three values: its depth, and w times its distance (pixels) to the right of
-// the pointer and below the pointer. w is the depth, or 1 for an orthographic camera.
+// An affine function of a point.
+struct PointFunction {
+  Vec3f linear;
+  float constant = 0;
+
+  float operator()(const Vec3f& p) const { return dot(p, linear) + constant; }
+};
+
+// Functions of a point of the item: its depth, and w times its distance (pixels) to the right of the pointer and below
+// the pointer. w is the depth, or 1 for an orthographic camera.
 struct ToPointer {
-  Vec3f right, down, depth;
-  float rightAt, downAt, depthAt;
+  PointFunction right, down, depth;
   bool orthographic;
 
   ToPointer(const ViewCamera& camera, const Affine& canvasFromItem, double x, double y)
       : orthographic(camera.orthographic) {
-    const Affine& a = canvasFromItem;
-    const Vec3d start = a.translation - camera.eye;
-    const auto row = [&](const Vec3d& axis, Vec3d& linear, double& constant) {
-      linear = {dot(axis, a.linear.x), dot(axis, a.linear.y), dot(axis, a.linear.z)};
-      constant = dot(axis, start);
+    const Mat3 itemFromCanvas = transposed(canvasFromItem.linear);  // of directions
+    const Vec3d start = canvasFromItem.translation - camera.eye;
+    // Returns dot(axis, point) - pixels * w.
+    const auto function = [&](const Vec3d& axis, double pixels) {
+      const Vec3d towards = orthographic ? axis : axis - camera.forward * pixels;
+      return PointFunction{Vec3f(itemFromCanvas * towards),
+                           static_cast<float>(dot(towards, start) - (orthographic ? pixels : 0))};
     };
-    Vec3d r, d, f;
-    double rc = 0, dc = 0, fc = 0;
-    row(camera.right * camera.focal, r, rc);
-    row(camera.down * camera.focal, d, dc);
-    row(camera.forward, f, fc);
-    const double px = x - camera.centerX;
-    const double py = y - camera.centerY;
-    depth = Vec3f(f);
-    depthAt = static_cast<float>(fc);
-    if (orthographic) {
-      right = Vec3f(r);
-      down = Vec3f(d);
-      rightAt = static_cast<float>(rc - px);
-      downAt = static_cast<float>(dc - py);
-    } else {
-      right = Vec3f(r - f * px);
-      down = Vec3f(d - f * py);
-      rightAt = static_cast<float>(rc - fc * px);
-      downAt = static_cast<float>(dc - fc * py);
-    }
+    right = function(camera.right * camera.focal, x - camera.centerX);
+    down = function(camera.down * camera.focal, y - camera.centerY);
+    depth = function(camera.forward, 0);
   }
 };
 
-struct Best {
-  bool covers = false;
-  PointHit hit;
-  bool any = false;
-
-  void take(bool nowCovers, const PointHit& found) {
-    if (any && !better(nowCovers, found)) return;
-    covers = nowCovers;
-    hit = found;
-    any = true;
-  }
-  bool better(bool nowCovers, const PointHit& found) const {
-    if (nowCovers != covers) return nowCovers;
-    const auto key = [&](const PointHit& h) {
-      return covers ? std::tuple(h.depth, h.distance, h.cloud, h.point)
-                    : std::tuple(h.distance, h.depth, h.cloud, h.point);
-    };
-    return key(found) < key(hit);
-  }
+// A point near the pointer. The lesser one is picked: of points that cover the pointer the nearest to the eye, of those
+// beside it the nearest to the pointer.
+struct Candidate {
+  bool beside = false;
+  double nearness = 0;  // depth or, if the point is beside the pointer, distance from the pointer
+  double other = 0;     // the other of depth and distance
+  std::size_t cloud = 0;
+  std::size_t point = 0;
+  auto operator<=>(const Candidate&) const = default;
 };
 
 }  // namespace
@@ -75,7 +57,7 @@ std::optional<PointHit> pickPoint(std::span<const PickCloud> clouds, const ViewC
                                   double size, double reach) {
   constexpr std::size_t kGrain = 1 << 16;
   constexpr std::size_t kBlock = 64;
-  Best best;
+  std::optional<Candidate> best;
   std::mutex merging;
   const auto half = static_cast<float>(size / 2 + 0.5);
   const float far = std::max(half, static_cast<float>(reach));
@@ -85,16 +67,16 @@ std::optional<PointHit> pickPoint(std::span<const PickCloud> clouds, const ViewC
     const ToPointer m(camera, cloud.canvasFromItem, x, y);
     const Vec3f* const points = cloud.positions.data();
     parallelFor(cloud.positions.size(), kGrain, [&](std::size_t first, std::size_t last) {
-      Best own;
+      std::optional<Candidate> own;
       for (std::size_t begin = first; begin < last; begin += kBlock) {
         const std::size_t end = std::min(begin + kBlock, last);
         // Test if any point of the block is near the pointer, without a branch, so that the compiler can use SIMD.
         int near = 0;
         for (std::size_t i = begin; i < end; ++i) {
-          const float w = points[i].x * m.depth.x + points[i].y * m.depth.y + points[i].z * m.depth.z + m.depthAt;
+          const float w = m.depth(points[i]);
           const float scale = far * (m.orthographic ? 1.0F : w);
-          const float r = points[i].x * m.right.x + points[i].y * m.right.y + points[i].z * m.right.z + m.rightAt;
-          const float d = points[i].x * m.down.x + points[i].y * m.down.y + points[i].z * m.down.z + m.downAt;
+          const float r = m.right(points[i]);
+          const float d = m.down(points[i]);
           near |= static_cast<int>(std::fabs(r) <= scale) & static_cast<int>(std::fabs(d) <= scale) &
                   static_cast<int>(w >= nearest);
         }
@@ -102,24 +84,25 @@ std::optional<PointHit> pickPoint(std::span<const PickCloud> clouds, const ViewC
         for (std::size_t i = begin; i < end; ++i) {
           if (!cloud.shown.empty() && cloud.shown[i] == 0) continue;
           const Vec3f& p = points[i];
-          const float depth = dot(p, m.depth) + m.depthAt;
+          const float depth = m.depth(p);
           const float w = m.orthographic ? 1.0F : depth;
-          const float r = std::fabs(dot(p, m.right) + m.rightAt) / w;
-          const float d = std::fabs(dot(p, m.down) + m.downAt) / w;
+          const float r = std::fabs(m.right(p)) / w;
+          const float d = std::fabs(m.down(p)) / w;
           if (!(depth >= nearest && r <= far && d <= far)) continue;
           const float distance = std::hypot(r, d);
           const bool covers = r <= half && d <= half;
           if (!covers && !(distance <= far)) continue;
-          own.take(covers, {c, i, depth, distance});
+          const Candidate candidate =
+              covers ? Candidate{false, depth, distance, c, i} : Candidate{true, distance, depth, c, i};
+          if (!own || candidate < *own) own = candidate;
         }
       }
-      if (!own.any) return;
       const std::lock_guard lock(merging);
-      best.take(own.covers, own.hit);
+      if (own && (!best || *own < *best)) best = own;
     });
   }
-  if (!best.any) return {};
-  return best.hit;
+  if (!best) return {};
+  return PointHit{best->cloud, best->point, best->beside ? best->nearness : best->other};
 }
 
 SightLine sightLine(const ViewCamera& camera, double x, double y) {

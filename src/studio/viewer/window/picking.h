@@ -22,7 +22,6 @@ struct PickCloud {
 struct PointHit {
   std::size_t cloud = 0;
   std::size_t point = 0;
-  double depth = 0;     // distance from the eye along the camera's viewing direction (m)
   double distance = 0;  // distance from the pointer (pixels)
 };
 
