@@ -137,7 +137,6 @@ class TilesetReader {
         asset_.system = fmt::format("earth-centred [{:.2f}, {:.2f}, {:.2f}] m", middle.x, middle.y, middle.z);
       }
     }
-    if (volume.value("extensions", Json::object()).contains("3DTILES_bounding_volume_S2")) cells_ = true;
     if (const std::string refine = tile.value("refine", std::string()); !refine.empty()) {
       adds = lowerCase(refine) == "add";
       if (!adds && lowerCase(refine) != "replace")
@@ -186,12 +185,6 @@ class TilesetReader {
       leftOut_.addKeyword(tilesetFormat(), kind);
       return;
     }
-    if (!assetFromEarth_ && cells_) {
-      fail(
-          context.file,
-          "has S2 cells alone as its bounding volumes (3DTILES_bounding_volume_S2): add a region, box or sphere to its "
-          "root, by which its place on the earth is known");
-    }
     if (!assetFromEarth_) assetFromEarth_ = scaled_;
     add(gltf::readTile(file, *assetFromEarth_ * earthFromTile, context.zUpFromGltf, options_, inTiles_), file,
         name.string());
@@ -216,7 +209,6 @@ class TilesetReader {
   // East, north, up about the middle of the first tile that is on the earth: the root, unless its volume is the globe.
   // `scaled_` if a content comes before such a tile.
   std::optional<Affine> assetFromEarth_;
-  bool cells_ = false;  // true: a bounding volume is an S2 cell
   Asset asset_;
   std::set<std::filesystem::path> open_;
   LeftOut leftOut_;

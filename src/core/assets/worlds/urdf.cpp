@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 #include <map>
 #include <set>
 
@@ -25,10 +24,6 @@ Affine readOrigin(const XmlNode& of) {
   }
   const Vec3d turned = vectorIn(*origin, origin->attributeOr("rpy", "0 0 0"));
   return toAffine({fromYawPitchRoll(turned.z, turned.y, turned.x), at});
-}
-
-double numberOr0(const XmlNode& node, std::string_view attribute) {
-  return std::strtod(node.attributeOr(attribute, "0").c_str(), nullptr);
 }
 
 class UrdfReader {
@@ -105,9 +100,6 @@ class UrdfReader {
           }
         }
       }
-      if (child.name == "mimic" && numberOr0(child, "offset") != 0) {
-        world_.leftOut.add("offsets of joints that mimic others");
-      }
       if (urdfFormat().has(FormatElements::Use::Read, child.name)) survey(child);
     }
   }
@@ -125,13 +117,6 @@ class UrdfReader {
       if (link == nullptr) joint.fail(fmt::format("has no <{} link=\"...\">", end));
       return *link;
     };
-    if (const XmlNode* limit = joint.child("limit")) {
-      const double low = numberOr0(*limit, "lower"), high = numberOr0(*limit, "upper");
-      const std::string type = joint.attributeOr("type", "");
-      if ((type == "revolute" || type == "prismatic") && (low > 0 || high < 0)) {
-        world_.leftOut.add("limits that exclude 0, where all joints are");
-      }
-    }
     if (!joints_.try_emplace(linkOf("child"), Joint{linkOf("parent"), readOrigin(joint), joint.where}).second) {
       joint.fail(fmt::format("gives the link '{}' a second parent joint", linkOf("child")));
     }
@@ -225,17 +210,17 @@ const FormatSupport& urdfFormat() {
       "URDF",
       ".urdf",
       {{Read, "robot link visual geometry joint origin parent child mesh box cylinder sphere capsule material color"},
-       {Read, "texture mimic"},
-       {Unused, "collision inertial axis calibration dynamics limit safety_controller transmission contact"},
+       {Read, "texture"},
+       {Unused, "collision inertial axis calibration dynamics limit mimic safety_controller transmission contact"},
        {Unused, "gazebo sensor"}},
-      "One thing, whose parts are named robot/link/visual; all joints are at 0. Meshes, whose up axis in COLLADA "
+      "One thing, whose parts are named robot/link/visual; all joints are at 0, whatever their limits and those that "
+      "they mimic. Meshes, whose up axis in COLLADA "
       "counts for nothing, as in ROS, and solids. A material replaces that of the mesh, except that a colour leaves "
       "the mesh's images; the first definition of a name holds for all; `rgba` is taken as linear light, since URDF "
       "states no colour space",
       "elements in a wrong place, and further ones where one may stand; invisible visuals (alpha 0); transparencies "
       "between 0 and 1 (these visuals are solid); numbers of colours above 1 (they count as 1); textures of parts "
-      "without texture coordinates; materials that are defined nowhere; offsets of joints that mimic others; limits "
-      "that exclude 0, where all joints are; materials, visuals and poses for Gazebo"};
+      "without texture coordinates; materials that are defined nowhere; materials, visuals and poses for Gazebo"};
   return format;
 }
 
