@@ -160,7 +160,7 @@ TEST(Things, PatternsTakeLongNames) {
 TEST(Things, MistakesAreNamed) {
   EXPECT_THAT(messageOf([] { bounds("nodes"); }),
               AllOf(HasSubstr("s.yaml:1"), HasSubstr("nodes"), HasSubstr("'node'")));
-  EXPECT_THAT(messageOf([] { bounds("'/chair_[/'"); }), AllOf(HasSubstr("s.yaml:1"), HasSubstr("regular expression")));
+  EXPECT_THAT(messageOf([] { bounds("'/chair_[/'"); }), AllOf(HasSubstr("s.yaml:1"), HasSubstr("RE2")));
 }
 
 }  // namespace
