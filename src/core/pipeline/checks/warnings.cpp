@@ -11,7 +11,7 @@
 
 #include "base/append_new.h"
 #include "base/short_text.h"
-#include "pipeline/read/drawn_sensors.h"
+#include "pipeline/read/effects.h"
 #include "scenefile/rules.h"
 #include "sensors/trajectory.h"
 
@@ -231,10 +231,7 @@ std::vector<std::string> sensorWarnings(const Plan& plan) {
             lines);
       }
     };
-    tellAssumed(*sensor.effects);
-    if (pipeline.drawn != nullptr) {
-      for (const SensorDraw& one : pipeline.drawn->cases()) tellAssumed(*one.effects[s]);
-    }
+    for (const Effects* effects : pipeline.effectCases(s)) tellAssumed(*effects);
     const Value* const own = sensor.description.find("effects");
     const bool written = own != nullptr && own->where.file == pipeline.file.string();
     if (written && pipeline.drawn == nullptr && !takesSensorEffects(pipeline)) {

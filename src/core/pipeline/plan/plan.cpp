@@ -27,11 +27,10 @@ const MethodEntry* methodOf(const Pipeline& pipeline) {
 
 // True if rays of a sensor continue through glass or off mirrors in any sequence.
 bool anyLightPaths(const Pipeline& pipeline, std::size_t sensor) {
-  if (pipeline.lightPaths(sensor) != nullptr) return true;
-  if (pipeline.drawn == nullptr || pipeline.recording != nullptr) return false;
-  const auto& cases = pipeline.drawn->cases();
-  return std::any_of(cases.begin(), cases.end(),
-                     [&](const SensorDraw& one) { return lightPaths(*one.effects[sensor]) != nullptr; });
+  const std::vector<const Effects*> cases = pipeline.effectCases(sensor);
+  return pipeline.recording == nullptr && std::any_of(cases.begin(), cases.end(), [](const Effects* effects) {
+           return lightPaths(*effects) != nullptr;
+         });
 }
 
 // Throws InputError if rays must continue at surfaces at which those of the method end.
@@ -120,26 +119,17 @@ void checkBeams(const Recording& recording, const MountedSensor& sensor, const B
   }
 }
 
-// Adds the channels that the effects read, for all combinations of random values in DrawnSensors::cases().
-void addDrawnChannels(const Pipeline& pipeline, Channels& channels) {
-  if (pipeline.drawn == nullptr) return;
-  for (const SensorDraw& one : pipeline.drawn->cases()) {
-    for (const auto& effects : one.effects) channels |= channelsFor(*effects, pipeline.output.layout.columns);
-  }
-}
-
-// Checks the effects against the beams: for all of DrawnSensors::cases(), and for the random values of the first frame
-// of each sequence. The cases have the ends of each distribution, but not all combinations of random values.
+// Checks the random effects of the first frame of each sequence against the beams: Pipeline::effectCases() has the ends
+// of each distribution, but not all combinations of random values.
 void checkDraws(const Plan& plan) {
   const Pipeline& pipeline = plan.pipeline;
   if (pipeline.drawn == nullptr) return;
-  const auto check = [&](const SensorDraw& one) {
+  for (std::size_t i = 0; i < pipeline.sequences.size(); ++i) {
+    const SensorDraw drawn = pipeline.drawn->draw(pipeline, i, 0);
     for (std::size_t s = 0; s < plan.sensors.size(); ++s) {
-      for (const ChosenEffect& effect : *one.effects[s]) effect->check(*plan.sensors[s].beams);
+      for (const ChosenEffect& effect : *drawn.effects[s]) effect->check(*plan.sensors[s].beams);
     }
-  };
-  for (const SensorDraw& one : pipeline.drawn->cases()) check(one);
-  for (std::size_t s = 0; s < pipeline.sequences.size(); ++s) check(pipeline.drawn->draw(pipeline, s, 0));
+  }
 }
 
 }  // namespace
@@ -157,10 +147,11 @@ Plan makePlan(Pipeline read, Channels kept) {
   checkObjects(pipeline);
   checkVoxels(pipeline);
   for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
-    channels |= channelsFor(*pipeline.sensors[s].effects, pipeline.output.layout.columns);
+    for (const Effects* effects : pipeline.effectCases(s)) {
+      channels |= channelsFor(*effects, pipeline.output.layout.columns);
+    }
     if (anyLightPaths(pipeline, s)) channels |= kLightChannels;
   }
-  addDrawnChannels(pipeline, channels);
   if (pipeline.output.objects || tellsMovingClasses(pipeline)) channels |= Channel::Instance;
   // The material is needed to distinguish mirrors and glass from dark surfaces.
   if (pipeline.output.layout.reasons) channels |= Channel::Material;
@@ -183,7 +174,9 @@ Plan makePlan(Pipeline read, Channels kept) {
       throw InputError(pipeline.motion.where, fmt::format("{} steps are more than the {} columns of '{}'",
                                                           pipeline.motion.steps, beams->columns, sensor.name));
     }
-    for (const ChosenEffect& effect : *sensor.effects) effect->check(*beams);
+    for (const Effects* effects : pipeline.effectCases(s)) {
+      for (const ChosenEffect& effect : *effects) effect->check(*beams);
+    }
     const std::uint32_t raysPerBeam = pipeline.raysPerBeam(s);
     if (beams->rosette && raysPerBeam > 1) {
       throw InputError(

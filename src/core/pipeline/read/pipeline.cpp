@@ -173,6 +173,13 @@ const LightPaths* Pipeline::lightPaths(std::size_t sensor) const {
   return recording == nullptr ? scanmill::lightPaths(*sensors[sensor].effects) : nullptr;
 }
 
+std::vector<const Effects*> Pipeline::effectCases(std::size_t sensor) const {
+  std::vector<const Effects*> all{sensors[sensor].effects.get()};
+  if (drawn == nullptr) return all;
+  for (const SensorDraw& one : drawn->cases()) all.push_back(one.effects[sensor].get());
+  return all;
+}
+
 // A recording has one hit per beam.
 std::uint32_t Pipeline::mostMet() const {
   return recording != nullptr ? 1 : method.entry->can.mostReturns;
@@ -182,11 +189,7 @@ std::uint32_t Pipeline::mostReturns() const {
   const std::uint32_t met = mostMet();
   std::uint32_t most = 1;
   for (std::size_t s = 0; s < sensors.size(); ++s) {
-    most = std::max(most, scanmill::mostReturns(*sensors[s].effects, met));
-    if (drawn == nullptr) continue;
-    for (const SensorDraw& one : drawn->cases()) {
-      most = std::max(most, scanmill::mostReturns(*one.effects[s], met));
-    }
+    for (const Effects* effects : effectCases(s)) most = std::max(most, scanmill::mostReturns(*effects, met));
   }
   return most;
 }
