@@ -96,7 +96,9 @@ void ComputeDevice::fail(const std::string& why) const {
 }
 
 ComputeBuffer::ComputeBuffer(const ComputeDevice& device)
-    : context_(device.context_), buffer_(context_->told([&] { return context_->backend->makeBuffer(); })) {}
+    : context_(device.context_), buffer_(context_->told([&] { return context_->backend->makeBuffer(); })) {
+  reserve(16);  // buffers without storage cannot be bound
+}
 
 void ComputeBuffer::reserve(std::uint64_t bytes) {
   if (bytes <= bytes_) return;
@@ -105,8 +107,8 @@ void ComputeBuffer::reserve(std::uint64_t bytes) {
   bytes_ = bytes;
 }
 
-void ComputeBuffer::write(std::span<const Source> pieces) {
-  context_->told([&] { context_->backend->write(*buffer_, pieces); });
+void ComputeBuffer::write(std::uint64_t offset, std::span<const std::byte> bytes) {
+  context_->told([&] { context_->backend->write(*buffer_, offset, bytes); });
 }
 
 ComputeReadback::ComputeReadback(const ComputeDevice& device)

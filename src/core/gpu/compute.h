@@ -83,19 +83,14 @@ class ComputeBuffer {
   void reserve(std::uint64_t bytes);
   std::uint64_t bytes() const { return bytes_; }
 
-  // A part of the buffer that starts at `offset` (bytes), and the host memory to copy from.
-  struct Source {
-    std::uint64_t offset;
-    std::span<const std::byte> bytes;
-  };
-  void write(std::span<const Source> pieces);
+  // Uploads `bytes` to a part of the buffer, which starts at `offset` (bytes).
+  void write(std::uint64_t offset, std::span<const std::byte> bytes);
 
   // Uploads an array to the start of the buffer, after growing the buffer if it is too small.
   template <class T>
   void hold(std::span<const T> array) {
     reserve(array.size_bytes());
-    const Source piece{0, std::as_bytes(array)};
-    write({&piece, 1});
+    write(0, std::as_bytes(array));
   }
 
  private:

@@ -48,7 +48,7 @@ class ComputeBackend {
   virtual OwnedObject<GlBuffer> makeBuffer() = 0;
   // Gives the buffer this size (bytes). Its contents are undefined afterwards.
   virtual void resize(GlBuffer& buffer, std::uint64_t bytes) = 0;
-  virtual void write(GlBuffer& buffer, std::span<const ComputeBuffer::Source> pieces) = 0;
+  virtual void write(GlBuffer& buffer, std::uint64_t offset, std::span<const std::byte> bytes) = 0;
   // Creates host memory into which the device copies (see ComputeReadback).
   virtual OwnedObject<MappedCopy> makeReadback() = 0;
   virtual void startCopy(MappedCopy& readback, const GlBuffer& buffer, std::uint64_t bytes) = 0;

@@ -219,13 +219,11 @@ class GlCompute final : public ComputeBackend {
     });
   }
 
-  void write(GlBuffer& buffer, std::span<const ComputeBuffer::Source> pieces) override {
+  void write(GlBuffer& buffer, std::uint64_t offset, std::span<const std::byte> bytes) override {
     withContext([&](ContextState&) {
       glBindBuffer(GL_COPY_WRITE_BUFFER, buffer.name());
-      for (const ComputeBuffer::Source& piece : pieces) {
-        glBufferSubData(GL_COPY_WRITE_BUFFER, static_cast<GLintptr>(piece.offset),
-                        static_cast<GLsizeiptr>(piece.bytes.size()), piece.bytes.data());
-      }
+      glBufferSubData(GL_COPY_WRITE_BUFFER, static_cast<GLintptr>(offset), static_cast<GLsizeiptr>(bytes.size()),
+                      bytes.data());
       checkGl("a buffer cannot be written");
     });
   }

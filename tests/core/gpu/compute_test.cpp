@@ -103,8 +103,8 @@ TEST(Compute, WritesPieces) {
   buffer.hold(std::span<const std::uint32_t>(Words(8, 0u)));
   const Words two{1, 2};
   const Words one{9};
-  const ComputeBuffer::Source pieces[] = {{4, std::as_bytes(std::span(two))}, {24, std::as_bytes(std::span(one))}};
-  buffer.write(pieces);
+  buffer.write(4, std::as_bytes(std::span(two)));
+  buffer.write(24, std::as_bytes(std::span(one)));
   EXPECT_EQ(copyOf<std::uint32_t>(device, buffer, 8), (Words{0, 1, 2, 0, 0, 0, 9, 0}));
   buffer.reserve(4);  // large enough: nothing is lost
   EXPECT_EQ(buffer.bytes(), 32u);

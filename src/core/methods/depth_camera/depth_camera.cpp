@@ -27,9 +27,8 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kSensorsInMemory = 16;
-constexpr double kSlack = 1e-3;                       // images reach beyond the sensor's range by this fraction of
-                                                      // the range, plus this many metres
-constexpr std::uint64_t kBytesPerSceneTriangle = 40;  // memory of the scene itself, measured
+constexpr double kSlack = 1e-3;  // images reach beyond the sensor's range by this fraction of
+                                 // the range, plus this many metres
 // Measured with VTK on llvmpipe, as differences between processes: with nothing to render a process takes 128 MiB,
 // against 44 MiB with ray tracing. The other two values are from the street of 1.28 million placed triangles, with 3
 // and with 4 images of 2048 x 2048.

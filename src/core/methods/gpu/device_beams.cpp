@@ -24,10 +24,6 @@ std::vector<std::uint32_t> stepsOf(const Shot& shot) {
 
 }  // namespace
 
-DeviceBeams::Table::Table(const ComputeDevice& device) : directions(device), origins(device), steps(device) {
-  origins.reserve(16);  // a buffer without storage cannot be bound
-}
-
 DeviceBeams::DeviceBeams(const ComputeDevice& device) : device_(device), poses_(device) {}
 
 void DeviceBeams::hold(const Shots& shots) {

@@ -43,7 +43,7 @@ class DeviceBeams {
   static constexpr std::size_t kTables = 8;
 
   struct Table {
-    explicit Table(const ComputeDevice& device);
+    explicit Table(const ComputeDevice& device) : directions(device), origins(device), steps(device) {}
 
     std::weak_ptr<const BeamTable> beams;  // the table whose rays are in the buffers
     std::size_t poses = 0;                 // poses per shot for which `steps` is computed

@@ -106,9 +106,7 @@ DeviceMarch::DeviceMarch(const ComputeDevice& device)
       particles_(device),
       records_(device),
       triangles_(device),
-      fields_(device) {
-  triangles_.reserve(16);  // buffers without storage cannot be read from
-}
+      fields_(device) {}
 
 void DeviceMarch::hold(const std::shared_ptr<const DistanceField>& field, const std::shared_ptr<const World>& world) {
   fields_.hold(field);
@@ -143,10 +141,7 @@ DeviceFields::HeldPool::HeldPool(const ComputeDevice& device)
       table(device),
       distances{ComputeBuffer(device)},
       words{ComputeBuffer(device)},
-      lists{ComputeBuffer(device)} {
-  // Buffers without storage cannot be read from.
-  for (ComputeBuffer* buffer : {&table, &distances.buffer, &words.buffer, &lists.buffer}) buffer->reserve(16);
-}
+      lists{ComputeBuffer(device)} {}
 
 std::uint64_t DeviceFields::HeldPool::bytes() const {
   return levels.bytes() + table.bytes() + distances.buffer.bytes() + words.buffer.bytes() + lists.buffer.bytes();
@@ -207,8 +202,7 @@ void DeviceFields::append(Array& array, ComputeTable::Texel texel, std::span<con
     array.buffer.reserve(std::min<std::uint64_t>(room, device_.limits().tableTexels) * sizeof(T));
   }
   if (array.there >= bytes.size()) return;
-  const ComputeBuffer::Source fresh{array.there, bytes.subspan(array.there)};
-  array.buffer.write({&fresh, 1});
+  array.buffer.write(array.there, bytes.subspan(array.there));
   array.there = bytes.size();
 }
 

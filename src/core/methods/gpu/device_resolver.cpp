@@ -145,10 +145,7 @@ DeviceResolver::DeviceResolver(const ComputeDevice& device)
       records_(device),
       materials_(device),
       reflectances_(device),
-      textured_(device) {
-  // Buffers without storage cannot be read from.
-  for (ComputeBuffer* buffer : {&records_, &materials_, &reflectances_, &textured_}) buffer->reserve(16);
-}
+      textured_(device) {}
 
 void DeviceResolver::holdMeshes(const World& world) {
   const LabelTables tables = labelTables(world);

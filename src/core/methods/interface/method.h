@@ -70,6 +70,8 @@ class Method {
   virtual const Worlds* worlds() const { return nullptr; }
 };
 
+constexpr std::uint64_t kBytesPerSceneTriangle = 40;  // memory of the scene itself, measured
+
 // Return what Method::modelled() says about the cut-outs and the textures of a scene's materials.
 ModelledItem cutOutItem(const Scene& scene);
 ModelledItem textureItem(const Scene& scene);

@@ -102,7 +102,6 @@ class ParticleMethod : public Method {
   }
 
  private:
-  static constexpr std::uint64_t kBytesPerSceneTriangle = 40;    // memory of the scene itself, measured
   static constexpr std::uint64_t kBytesPerPlacedTriangle = 190;  // memory of the flattened scene, measured
 
   SensorField fieldAround(const Shot& shot, StageClock& clock) const {

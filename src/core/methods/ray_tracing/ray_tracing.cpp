@@ -23,7 +23,6 @@ namespace scanmill {
 namespace {
 
 constexpr double kRingWeight = 3.5;
-constexpr std::uint64_t kBytesPerSceneTriangle = 40;  // memory of the scene itself, measured
 
 // The map `ray_tracing: {...}` of a pipeline. `instancing` gives the same hits, up to float32 rounding.
 struct RayTracingOptions {

@@ -24,18 +24,6 @@ ExrMatrix4 rowByRow(const Pose& pose) {
   return {r.x.x, r.y.x, r.z.x, t.x, r.x.y, r.y.y, r.z.y, t.y, r.x.z, r.y.z, r.z.z, t.z, 0, 0, 0, 1};
 }
 
-// Returns the value of OpenEXR's standard attribute worldToCamera, which is for row vectors and for a left-handed
-// camera frame with x right, y up, z forward.
-ExrMatrix4f standardWorldToCamera(const Pose& worldFromCamera) {
-  const Pose cameraFromWorld = inverse(worldFromCamera);
-  const Mat3 r = toMatrix(cameraFromWorld.rotation);
-  const Vec3d& t = cameraFromWorld.translation;
-  const double rows[] = {r.x.x, -r.x.y, r.x.z, 0, r.y.x, -r.y.y, r.y.z, 0, r.z.x, -r.z.y, r.z.z, 0, t.x, -t.y, t.z, 1};
-  ExrMatrix4f matrix;
-  std::transform(std::begin(rows), std::end(rows), matrix.begin(), [](double v) { return static_cast<float>(v); });
-  return matrix;
-}
-
 // Returns the sum of the absolute differences between the entries of two matrices; NaN if an entry is NaN.
 double difference(const Mat3& a, const Mat3& b) {
   double sum = 0;
@@ -154,7 +142,6 @@ ExrAttributes cameraAttributes(const Camera& camera) {
           {kPose, rowByRow(camera.worldFromCamera)},
           {kQuaternionXyz, Vec3d{q.x, q.y, q.z}},
           {kQuaternionW, q.w},
-          {"worldToCamera", standardWorldToCamera(camera.worldFromCamera)},
           {kHorizontalField, degrees(camera.horizontalField())},
           {kVerticalField, degrees(camera.verticalField())}};
 }

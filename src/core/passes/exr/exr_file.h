@@ -20,10 +20,9 @@ namespace scanmill {
 
 using ExrMatrix3 = std::array<double, 9>;  // row by row
 using ExrMatrix4 = std::array<double, 16>;
-using ExrMatrix4f = std::array<float, 16>;
 // The value of an attribute. std::monostate: the attribute has a type that is not read. Numbers and matrices of either
 // precision are read as double.
-using ExrValue = std::variant<std::monostate, std::string, double, Vec3d, ExrMatrix3, ExrMatrix4, ExrMatrix4f>;
+using ExrValue = std::variant<std::monostate, std::string, double, Vec3d, ExrMatrix3, ExrMatrix4>;
 using ExrAttributes = std::map<std::string, ExrValue>;
 
 enum class ExrType { Uint32, Float16, Float32 };

@@ -54,10 +54,6 @@ void addAttribute(Imf::Header& header, const std::string& name, const ExrValue& 
     Imath::M44d matrix;
     std::memcpy(matrix.x, m4->data(), sizeof matrix.x);
     header.insert(name, Imf::M44dAttribute(matrix));
-  } else if (const auto* m4f = std::get_if<ExrMatrix4f>(&value)) {
-    Imath::M44f matrix;
-    std::memcpy(matrix.x, m4f->data(), sizeof matrix.x);
-    header.insert(name, Imf::M44fAttribute(matrix));
   }
 }
 

@@ -73,16 +73,6 @@ const ExrChannel* findPass(const ExrReader& file, std::string_view pass) {
   return nullptr;
 }
 
-const ExrChannel* findDepth(const ExrReader& file) {
-  for (const ExrChannel& channel : file.channels()) {
-    if (channel.name == "Z") return &channel;
-  }
-  for (const char* name : {"Depth.Z", "depth.Z"}) {
-    if (const ExrChannel* channel = findName(file, name)) return channel;
-  }
-  return findLayerZ(file);
-}
-
 std::array<const ExrChannel*, 3> findNormal(const ExrReader& file) {
   for (const std::string name : {"N.", "Normal."}) {
     const std::array axes{findName(file, name + "X"), findName(file, name + "Y"), findName(file, name + "Z")};
@@ -97,7 +87,13 @@ const ExrChannel& requirePass(const ExrReader& file, std::string_view pass) {
 }
 
 const ExrChannel& requireDepth(const ExrReader& file) {
-  if (const ExrChannel* channel = findDepth(file)) return *channel;
+  for (const ExrChannel& channel : file.channels()) {
+    if (channel.name == "Z") return channel;
+  }
+  for (const char* name : {"Depth.Z", "depth.Z"}) {
+    if (const ExrChannel* channel = findName(file, name)) return *channel;
+  }
+  if (const ExrChannel* channel = findLayerZ(file)) return *channel;
   refuseAbsence(file, "Z", "the planar depth as 32 bit FLOAT");
 }
 

@@ -12,7 +12,6 @@ namespace scanmill {
 // Return the channels of a pass ("instance", "reflectance" ...); null if the file has none. Throw InputError if several
 // channels could be the pass.
 const ExrChannel* findPass(const ExrReader& file, std::string_view pass);
-const ExrChannel* findDepth(const ExrReader& file);
 std::array<const ExrChannel*, 3> findNormal(const ExrReader& file);  // either all three or none are null
 
 // Return the channels of a pass as the functions above do, but throw an InputError that lists the file's channels if

@@ -18,7 +18,6 @@
 //   cameraMatrix        m33d    px, the rows fx 0 cx, 0 fy cy, 0 0 1
 //   worldFromCamera     m44d    for column vectors, row by row; camera axes x right, y down, z forward
 //   worldFromCameraXyz, worldFromCameraW (v3d, double)    the exact rotation, as a quaternion
-//   worldToCamera       m44f    OpenEXR's standard attribute, for row vectors; camera axes x right, y up, z forward
 //   horizontalFieldDeg, verticalFieldDeg (double)         between the outer edges of the image
 //   camera, units, writer (string)                        the camera's name, "m", the program's name
 //

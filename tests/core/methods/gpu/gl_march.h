@@ -29,11 +29,10 @@ class GlMarch {
     const std::size_t bytes = p.size() * sizeof(float);
     std::vector<const std::vector<float>*> columns{&p.ox, &p.oy, &p.oz, &p.dx, &p.dy, &p.dz, &p.begin, &p.end};
     if (lists) columns.insert(columns.end(), {&p.wx, &p.wy, &p.wz, &p.ix, &p.iy, &p.iz});
-    std::vector<ComputeBuffer::Source> given;
-    for (std::size_t k = 0; k < columns.size(); ++k)
-      given.push_back({k * bytes, std::as_bytes(std::span(*columns[k]))});
     march_.reserve(lists, p.size());
-    march_.particles().write(given);
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+      march_.particles().write(k * bytes, std::as_bytes(std::span(*columns[k])));
+    }
     march_.run(*field, steps, p.size(), false);
     // The quotient of the last two is m, and lacks in the way.
     std::vector<float> numerator(p.size());

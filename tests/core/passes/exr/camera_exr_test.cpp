@@ -43,22 +43,6 @@ TEST_F(CameraExr, AnyPoseComesBackToTheBitAndByItsMatrixAlone) {
   }
 }
 
-// By the documentation of OpenEXR: row vectors; the camera is left-handed, x right, y up, z forward.
-TEST_F(CameraExr, TheStandardMatrixTakesTheWorldToTheCamera) {
-  PassImage image = smallImage();
-  image.camera.worldFromCamera.translation = {10, 20, 30};
-  writePasses(path, image);
-  const ExrReader file(path);
-  const auto& m = std::get<ExrMatrix4>(*file.attribute("worldToCamera"));
-  const Vec3d inCamera{1.5, -2.5, 7};
-  const Vec3d p = image.camera.worldFromCamera * inCamera;
-  EXPECT_NEAR(p.x * m[0] + p.y * m[4] + p.z * m[8] + m[12], inCamera.x, 1e-5);
-  EXPECT_NEAR(p.x * m[1] + p.y * m[5] + p.z * m[9] + m[13], -inCamera.y, 1e-5);
-  EXPECT_NEAR(p.x * m[2] + p.y * m[6] + p.z * m[10] + m[14], inCamera.z, 1e-5);
-  EXPECT_EQ(std::get<double>(*file.attribute("horizontalFieldDeg")), degrees(image.camera.horizontalField()));
-  EXPECT_EQ(std::get<std::string>(*file.attribute("units")), "m");
-}
-
 TEST_F(CameraExr, AttributesAreCheckedByName) {
   const ExrAttributes good{{"cameraMatrix", ExrMatrix3{1, 0, 1, 0, 1, 1, 0, 0, 1}},
                            {"worldFromCamera", ExrMatrix4{0, 0, 1, 10, -1, 0, 0, 20, 0, -1, 0, 30, 0, 0, 0, 1}}};
