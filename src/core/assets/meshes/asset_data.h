@@ -40,7 +40,8 @@ enum class AlphaUse {
   // (BLEND). Other kinds: where alpha is below 0.5, if the material has an opacity map or an opacity between 0 and 1
   // (MTL map_d, d and Tr; COLLADA transparent; AC3D trans). Many of these other files declare
   // nothing, and their alpha can mean cut-outs (leaves) or, for example, which parts of a car are painted. Beams then
-  // pass where alpha is below 0.5 if alpha is distributed like cut-outs: see isCutOut() in assets/meshes/base_color.cpp.
+  // pass where alpha is below 0.5 if alpha is distributed like cut-outs: see isCutOut() in
+  // assets/meshes/base_color.cpp.
   Auto,
   Ignore,  // beams never pass, whatever the alpha
   Test,    // beams pass where alpha is below 0.5, or below the cutoff in the file
