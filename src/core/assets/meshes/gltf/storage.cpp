@@ -165,7 +165,9 @@ class StorageReader : JsonReader {
   Component component(const Json& object, const std::string& what) const {
     static const std::map<std::uint64_t, Component> kComponents{{5120, {'I', 1}}, {5121, {'U', 1}}, {5122, {'I', 2}},
                                                                 {5123, {'U', 2}}, {5125, {'U', 4}}, {5126, {'F', 4}}};
-    const auto known = kComponents.find(length(object, "componentType", 0, what));
+    const auto value = object.find("componentType");
+    const bool isNumber = value != object.end() && value->is_number_unsigned();
+    const auto known = kComponents.find(isNumber ? value->get<std::uint64_t>() : 0);
     if (known == kComponents.end()) fail(what + " has an unknown type");
     return known->second;
   }
