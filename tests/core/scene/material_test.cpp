@@ -16,28 +16,13 @@ namespace {
 
 const std::filesystem::path kMaterials = kLabels / "materials.yaml";
 
-TEST(Materials, theTableHasWhatScenesNeed) {
+TEST(Materials, ofTheTableReflectAndAreUntextured) {
   const MaterialLibrary library = readMaterials(kMaterials);
-  for (const char* name : {"asphalt",    "concrete",
-                           "paving",     "road_paint",
-                           "brick",      "plaster",
-                           "glass",      "car_paint",
-                           "metal_bare", "metal_galvanised",
-                           "rubber",     "plastic_black",
-                           "leaf",       "leaf_conifer",
-                           "bark",       "grass",
-                           "grass_dry",  "soil",
-                           "wood",       "wood_weathered",
-                           "cloth",      "cloth_dark",
-                           "skin",       "sign_retroreflective",
-                           "roof_tile",  "water",
-                           "snow",       "painted_metal",
-                           "default"}) {
-    const Material& m = library.require(name, {});
-    EXPECT_GT(m.reflectance, 0) << name;
-    EXPECT_FALSE(m.source.empty()) << name;
-    EXPECT_FALSE(m.textured) << name;
-    EXPECT_EQ(m.texture, nullptr) << name;
+  EXPECT_GT(library.materials.size(), 25u);
+  for (const Material& m : library.materials) {
+    EXPECT_GT(m.reflectance, 0) << m.name;
+    EXPECT_FALSE(m.textured) << m.name;
+    EXPECT_EQ(m.texture, nullptr) << m.name;
   }
   EXPECT_GT(library.require("sign_retroreflective", {}).retroreflectance, 100);
 }

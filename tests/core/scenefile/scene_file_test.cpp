@@ -134,17 +134,6 @@ TEST_F(SceneReader, listedCopiesStandInTheFrameOfTheObject) {
   EXPECT_NEAR(length(at(2).translation - Vec3d{1, 2, 104}), 0, 1e-12);
 }
 
-TEST_F(SceneReader, tenThousandCopiesShareOneMesh) {
-  const Scene scene =
-      read("  - {file: pair.obj, class: tree, copies: {grid: {count: [100, 100, 1], spacing: [3, 3, 0]}}}\n");
-  EXPECT_EQ(scene.meshes.size(), 1u);
-  EXPECT_EQ(scene.instances.size(), 10000u);
-  EXPECT_EQ(scene.triangles(), 3u);
-  EXPECT_EQ(scene.placedTriangles(), 30000u);
-  EXPECT_EQ(scene.things(), 10000u);
-  EXPECT_EQ(scene.instances.back().firstInstanceId, 10000u);
-}
-
 TEST_F(SceneReader, equalImportsShareAMeshAndOthersDoNot) {
   const Scene scene = read(
       "  - {file: pair.obj, class: car}\n"

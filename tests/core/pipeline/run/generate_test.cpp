@@ -1,7 +1,6 @@
 #include "pipeline/run/generate.h"
 
 #include <array>
-#include <thread>
 #include <tuple>
 
 #include "base/hash.h"
@@ -184,17 +183,6 @@ TEST_F(GenerateTest, StoppedRunsLeaveNothingThatLooksFinished) {
   const std::atomic<bool> stop = true;
   EXPECT_THAT(messageOf<Error>([&] { run({}, "out", false, &stop); }), HasSubstr("stopped"));
   EXPECT_FALSE(std::filesystem::exists(out()));
-
-  std::atomic<bool> later = false;
-  std::thread stopper([&] {
-    // As soon as the first sample has come.
-    while (!std::filesystem::exists(out("later") / ".scanmill/train")) std::this_thread::yield();
-    later = true;
-  });
-  const std::vector<std::string> many{"trajectories.0.every_s=1e-5", "trajectories.0.frames=90000"};
-  EXPECT_THAT(messageOf<Error>([&] { run(many, "later", false, &later); }), HasSubstr("stopped"));
-  stopper.join();
-  EXPECT_FALSE(std::filesystem::exists(out("later") / "manifest.json"));
 }
 
 // A folder in which a run has made these shards of a whole dataset, and was then interrupted.

@@ -3,7 +3,6 @@
 #include "dataset/voxels.h"
 
 #include "tests/core/pipeline/small_world.h"
-#include "tests/support/lines_of.h"
 
 namespace scanmill {
 namespace {
@@ -67,13 +66,6 @@ TEST_F(Voxels, PointsOfAMovingSensorLieWhereTheyWere) {
     EXPECT_LE(differ, 6U);  // single precision at the faces of voxels
   }
   EXPECT_THAT(refusal({kVoxels, "motion=per_column", "output.columns=[label]"}), HasSubstr("add `column`"));
-}
-
-TEST_F(Voxels, AreCheckedByVerify) {
-  sound({kVoxels});
-  EXPECT_THAT(linesOf(readManifest(out()).modelled), Contains(HasSubstr("voxels: 180 x 120 x 10 of 0.5 m")));
-  sound({"output.voxels=false"}, "none");
-  EXPECT_THAT(linesOf(readManifest(out("none")).modelled), Contains(HasSubstr("voxels: left out")));
 }
 
 TEST_F(Voxels, KeysAreChecked) {
