@@ -8,7 +8,6 @@
 
 #include "base/file.h"
 #include "tests/support/message_of.h"
-#include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
 
 namespace scanmill {
@@ -470,13 +469,6 @@ TEST_F(CloudFiles, NamesOfOtherProgramsAreFound) {
   EXPECT_TRUE(cloud.scan[kLabel].empty());
   EXPECT_THAT(cloud.scan[kRing], ElementsAre(5));
   EXPECT_EQ(cloud.leftOut.text(), "1 columns 'class' (label of point 0 is -2: no integer of 0 to 65535)");
-}
-
-TEST_F(CloudFiles, ARealRecordingIsReadAsItsScan) {
-  SKIP_WITHOUT_SHARED_DATA("lidar/ouster_os1_128");
-  const Cloud cloud = readCloud(sharedData() / "lidar/ouster_os1_128/frame_1795.pcd");
-  EXPECT_EQ(cloud.scan.size(), 128u * 1024);
-  EXPECT_EQ(cloud.origin, Vec3d{});
 }
 
 }  // namespace

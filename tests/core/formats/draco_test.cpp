@@ -290,14 +290,5 @@ TEST(Draco, LyingHeadersAreRefused) {
   }
 }
 
-TEST(Draco, SpeedChangesSizeAlone) {
-  const Scan scan = randomScan(12, 64, 200, 30, false, 70);
-  for (int speed = 0; speed <= 10; ++speed) {
-    const Scan read = roundTrip(scan, fmt::format("speed: {}", speed));
-    EXPECT_EQ(read[kLabel], scan[kLabel]);
-    EXPECT_LE(largestError(read, scan), 1e-3);
-  }
-}
-
 }  // namespace
 }  // namespace scanmill

@@ -140,31 +140,6 @@ TEST(Formats, TruncatedFilesAreRefused) {
   }
 }
 
-TEST(Formats, OutlinesGrowByWhatAPointTakes) {
-  ScanOutline small = outlineOf(randomScan(1, 1, 1, kAllColumns), 100);
-  ScanOutline large = small;
-  large.points += 1000;
-  const auto bytesPerPoint = [&](const char* name, const char* options) {
-    const auto format = makeFormat(name, options);
-    return (format->mostBytes(large) - format->mostBytes(small)) / 1000;
-  };
-  double raw = sizeof(Vec3f);
-  double text = 3 * 16;
-  for (const Column& column : kColumns) {
-    raw += column.name == "label" ? 4 : static_cast<double>(bytesOf(column.type));
-    text += column.type == ColumnType::Float32  ? 16
-            : column.type == ColumnType::UInt32 ? 11
-            : column.type == ColumnType::UInt16 ? 6
-                                                : 4;
-  }
-  EXPECT_DOUBLE_EQ(bytesPerPoint("pcd", "encoding: binary"), raw);
-  EXPECT_DOUBLE_EQ(bytesPerPoint("pcd", "{}"), raw * 33 / 32.0);
-  EXPECT_DOUBLE_EQ(bytesPerPoint("csv", "{}"), text);
-  EXPECT_DOUBLE_EQ(bytesPerPoint("pcd", "encoding: ascii"), bytesPerPoint("csv", "{}"));
-  EXPECT_NEAR(bytesPerPoint("draco", "time: true") - bytesPerPoint("draco", "{}"), 4, 1e-9);
-  EXPECT_LT(bytesPerPoint("draco", "max_error_mm: 100"), bytesPerPoint("draco", "{}") - 3);
-}
-
 TEST(Formats, ColumnsOfDifferentLengthAreRefused) {
   for (const FormatEntry& entry : formats()) {
     Scan scan = randomScan(5, 2, 3, kAllColumns, false, 10);

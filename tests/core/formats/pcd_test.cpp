@@ -72,19 +72,6 @@ TEST(Pcd, FurtherReturnsAreFurtherPlanes) {
   EXPECT_THAT(messageOf([&] { decodedPcd(text + "POINTS 6\nDATA ascii\n"); }), HasSubstr("disagree with the sensor"));
 }
 
-TEST(Pcd, RoundTripHoldsAtTheEdges) {
-  Scan empty;
-  empty.rings = 64;
-  empty.columns = 2048;
-  expectRoundTrips(empty);
-  expectRoundTrips(Scan{});
-  expectRoundTrips(extremeScan());
-  for (const bool organised : {false, true}) {
-    expectRoundTrips(randomScan(9, 1, 1, kAllColumns, organised));
-    expectRoundTrips(randomScan(9, 1, 300, kAllColumns, organised));
-  }
-}
-
 template <class T>
 std::vector<T> fieldOf(const pcl::PCLPointCloud2& cloud, const std::string& name) {
   for (const pcl::PCLPointField& field : cloud.fields) {

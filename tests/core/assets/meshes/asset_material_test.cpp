@@ -245,22 +245,6 @@ TEST_F(AssetFiles, MaterialsOfColladaWithoutAPlainColourAreCounted) {
   EXPECT_EQ(read("a.dae", replaced(texturedDae(), image, grey)).parts.at(0).fileMaterial.reflectance, 0.5f);
 }
 
-// The second triangle would have the texel at (0, 0).
-TEST_F(AssetFiles, FacesWithoutTextureCoordinatesAreAPartOfTheirOwn) {
-  writeColours(folder_.path() / "holes.png");
-  const std::string text = replaced(texturedDae(), "</mesh>", R"(<triangles count="1" material="p">
-<input semantic="VERTEX" source="#v" offset="0"/><p>2 1 0</p></triangles></mesh>)");
-  testing::internal::CaptureStderr();
-  const Asset asset = read("a.dae", text);
-  EXPECT_THAT(testing::internal::GetCapturedStderr(),
-              HasSubstr("a.dae: left out: 1 textures of parts without texture coordinates\n"));
-  ASSERT_EQ(asset.parts.size(), 2u);
-  EXPECT_EQ(asset.parts[0].nodeIndex, asset.parts[1].nodeIndex);
-  EXPECT_TRUE(asset.parts[0].fileMaterial.textured);
-  EXPECT_FALSE(asset.parts[1].fileMaterial.textured);
-  EXPECT_NEAR(asset.parts[1].fileMaterial.reflectance, kColoursMean, 1e-5);
-}
-
 TEST_F(AssetFiles, ImagesOfColladaThatAreClampedAreCounted) {
   writeColours(folder_.path() / "colours.png");
   AssetPart part;
