@@ -91,15 +91,6 @@ ParticleOptions readParticleOptions(Fields& fields) {
   return options;
 }
 
-double levelBytes(double voxels, bool lists) {
-  // Number of a level's full bricks in a street scene, divided by the square of the number of bricks along its edge.
-  constexpr double kFullBricks = 3.0;
-  constexpr double kBytes = kBrickStride * 6.0;  // bytes of a full brick: distances and words
-  constexpr double kListBytes = 3000;            // bytes of a full brick's lists
-  const double across = voxels / kBrickVoxels;
-  return across * across * kFullBricks * (kBytes + (lists ? kListBytes : 0)) + across * across * across * 4;
-}
-
 FieldShape shapeOf(const ParticleOptions& options, const Vec3d& sensor, const Box& scene, double range) {
   FieldShape shape;
   shape.voxel = options.voxel;
@@ -128,8 +119,14 @@ FieldShape shapeOf(const ParticleOptions& options, const Vec3d& sensor, const Bo
 }
 
 double fieldBytes(const ParticleOptions& options) {
-  return levelBytes(options.voxels, options.refine == ParticleOptions::Refine::ByTriangle) *
-         (options.levels > 0 ? options.levels : kUsualLevels);
+  // Number of a level's full bricks in a street scene, divided by the square of the number of bricks along its edge.
+  constexpr double kFullBricks = 3.0;
+  constexpr double kBytes = kBrickStride * 6.0;  // bytes of a full brick: distances and words
+  constexpr double kListBytes = 3000;            // bytes of a full brick's lists
+  const double across = static_cast<double>(options.voxels) / kBrickVoxels;
+  const double perBrick = kBytes + (options.refine == Refine::ByTriangle ? kListBytes : 0);
+  const double perLevel = across * across * kFullBricks * perBrick + across * across * across * 4;
+  return perLevel * (options.levels > 0 ? options.levels : kUsualLevels);
 }
 
 void checkField(const ParticleOptions& options, double memory) {

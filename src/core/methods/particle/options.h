@@ -27,16 +27,13 @@ struct ParticleOptions {
 // Throws InputError.
 ParticleOptions readParticleOptions(Fields& fields);
 
-// Returns approximately how many bytes a level with `voxels` voxels across takes. The number of non-empty bricks grows
-// with the surface area, and hence with the square of `voxels`; the factor was measured on the procedural street.
-double levelBytes(double voxels, bool lists);
-
 // Returns the shape of a field that reaches `range` (m) around a sensor at `sensor` (m, relative to the world's
 // origin), but not farther than `scene` (the scene's bounds in the same frame; empty if the scene has no triangles).
 // Depends only on its arguments. Throws InputError, with advice, if the field would have too many bricks.
 FieldShape shapeOf(const ParticleOptions& options, const Vec3d& sensor, const Box& scene, double range);
 
-// Returns approximately how many bytes a field takes.
+// Returns approximately how many bytes a field takes. The number of non-empty bricks grows with the surface area, and
+// hence with the square of `voxels`; the factor was measured on the procedural street.
 double fieldBytes(const ParticleOptions& options);
 
 // Throws InputError, with advice, if the estimated size of a field is more than twice `memory` (bytes). The limit is

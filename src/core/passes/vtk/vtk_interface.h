@@ -68,8 +68,6 @@ class VtkDevice {
   // Reads the triangle numbers at pixel addresses. An address must be in a rendered image or beyond all images, where
   // the number is 0.
   virtual void gather(const VtkPixels& pixels, std::span<const std::uint32_t> addresses, std::uint32_t* numbers) = 0;
-  // Reads the triangle numbers of complete rows of one image.
-  virtual void read(std::uint32_t slot, std::uint32_t firstRow, std::uint32_t rows, std::uint32_t* numbers) = 0;
 };
 
 class VtkModule {

@@ -110,30 +110,6 @@ class VtkSource : public PixelSource {
   // Reads one triangle number per address into numbers_.
   void readNumbers(std::span<const PixelAddress> addresses) {
     numbers_.assign(addresses.size(), 0);
-    if (addresses.empty() || cameras_.empty()) return;
-    const auto jumps = [](PixelAddress a, PixelAddress b) { return b != a + 1; };
-    const bool run = addresses.back() < firsts_.back() &&
-                     std::adjacent_find(addresses.begin(), addresses.end(), jumps) == addresses.end();
-    const std::size_t k = run ? imageOf(firsts_, addresses.front()) : 0;
-    if (run && addresses.back() < firsts_[k + 1]) {
-      readRun(k, addresses.front() - firsts_[k]);
-    } else {
-      gather(addresses);
-    }
-  }
-
-  // Fills numbers_ from consecutive pixels of image k, from firstPixel on.
-  void readRun(std::size_t k, std::uint32_t firstPixel) {
-    const std::uint32_t width = cameras_[k].width;
-    const std::uint32_t firstRow = firstPixel / width;
-    const auto lastRow = static_cast<std::uint32_t>((firstPixel + numbers_.size() - 1) / width);
-    const std::size_t before = firstPixel % width;
-    rows_.resize(std::size_t{lastRow - firstRow + 1} * width);
-    told([&] { device_.plugin->read(static_cast<std::uint32_t>(k), firstRow, lastRow - firstRow + 1, rows_.data()); });
-    std::copy_n(rows_.begin() + static_cast<std::ptrdiff_t>(before), numbers_.size(), numbers_.begin());
-  }
-
-  void gather(std::span<const PixelAddress> addresses) {
     VtkPixels pixels{};
     for (std::size_t k = 0; k < kVtkImages; ++k) {
       const bool there = k < cameras_.size();
@@ -149,7 +125,6 @@ class VtkSource : public PixelSource {
   std::vector<PixelAddress> firsts_;  // see firstPixels()
   std::vector<DrawnView> views_;
   std::vector<std::uint32_t> numbers_;
-  std::vector<std::uint32_t> rows_;
 };
 
 class VtkRenderer : public PassRenderer {

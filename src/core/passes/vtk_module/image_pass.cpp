@@ -19,31 +19,8 @@ namespace {
 // The depth buffer contains the near clipping distance divided by w, which decreases with distance. The relative
 // precision of float32 is the same for small and large numbers, and so is the relative precision of the depth near and
 // far (Reed, "Depth precision visualized", 2015). There is no far clipping plane. If the depths of clip space are from
-// -1 to 1, OpenGL's mapping to 0 to 1 loses that precision.
-constexpr const char* kSolidVertex = R"(#version 430 core
-layout(location = 0) in vec3 position;
-layout(location = 1) in vec4 rows[3];
-layout(location = 4) in uint firstNumber;
-uniform vec2 depthFromW;
-flat out uint number;
-invariant gl_Position;
-void main() {
-  vec4 point = vec4(position, 1.0);
-  float w = dot(rows[2], point);
-  gl_Position = vec4(dot(rows[0], point), dot(rows[1], point), depthFromW.x + depthFromW.y * w, w);
-  number = firstNumber + uint(gl_VertexID) / 3u;
-}
-)";
-
-constexpr const char* kSolidFragment = R"(#version 430 core
-flat in uint number;
-layout(location = 0) out uint seen;
-void main() {
-  seen = number;
-}
-)";
-
-constexpr const char* kCutVertex = R"(#version 430 core
+// -1 to 1, OpenGL's mapping to 0 to 1 loses that precision. Solid triangles have no textureUv and no cutoutIndex.
+constexpr const char* kVertex = R"(#version 430 core
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec4 rows[3];
 layout(location = 4) in uint firstNumber;
@@ -61,6 +38,14 @@ void main() {
   number = firstNumber + uint(gl_VertexID) / 3u;
   cutout = cutoutIndex;
   uv = textureUv;
+}
+)";
+
+constexpr const char* kSolidFragment = R"(#version 430 core
+flat in uint number;
+layout(location = 0) out uint seen;
+void main() {
+  seen = number;
 }
 )";
 
@@ -133,10 +118,9 @@ void ImagePass::prepare(vtkOpenGLRenderWindow* window) {
     zeroToOne_ = GLEW_VERSION_4_5 || GLEW_ARB_clip_control;
     solid_ = std::make_unique<GlProgram>(
         "solid",
-        std::initializer_list<GlShaderText>{{GL_VERTEX_SHADER, kSolidVertex}, {GL_FRAGMENT_SHADER, kSolidFragment}});
-    cut_ = std::make_unique<GlProgram>(
-        "cut-out",
-        std::initializer_list<GlShaderText>{{GL_VERTEX_SHADER, kCutVertex}, {GL_FRAGMENT_SHADER, kCutFragment}});
+        std::initializer_list<GlShaderText>{{GL_VERTEX_SHADER, kVertex}, {GL_FRAGMENT_SHADER, kSolidFragment}});
+    cut_ = std::make_unique<GlProgram>("cut-out", std::initializer_list<GlShaderText>{
+                                                      {GL_VERTEX_SHADER, kVertex}, {GL_FRAGMENT_SHADER, kCutFragment}});
     frame_->SetContext(window);
   }
   vtkTextureObject* numbers = slots_[slot_];

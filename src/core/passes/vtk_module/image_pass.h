@@ -80,20 +80,15 @@ class ImagePass : public vtkRenderPass {  // NOLINT(cppcoreguidelines-virtual-cl
 class GlPixelReader {
  public:
   GlPixelReader();
-  ~GlPixelReader();
-  GlPixelReader(const GlPixelReader&) = delete;
-  GlPixelReader& operator=(const GlPixelReader&) = delete;
 
-  // Implement VtkDevice::gather() and VtkDevice::read().
+  // Implements VtkDevice::gather().
   void gather(const std::array<vtkTextureObject*, kVtkImages>& images, const VtkPixels& pixels,
               std::span<const std::uint32_t> addresses, std::uint32_t* numbers);
-  void read(vtkTextureObject* image, std::uint32_t firstRow, std::uint32_t rows, std::uint32_t* numbers);
 
  private:
   GlProgram program_;
   GlBuffer addresses_;
   GlBuffer numbers_;
-  GLuint frame_ = 0;
 };
 
 }  // namespace scanmill

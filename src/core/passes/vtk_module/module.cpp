@@ -2,8 +2,6 @@
 
 #include <vtkAutoInit.h>
 #include <vtkNew.h>
-#include <vtkOpenGLRenderWindow.h>
-#include <vtkOpenGLState.h>
 #include <vtkRenderState.h>
 #include <vtkRenderer.h>
 #include <vtk_glew.h>
@@ -103,10 +101,6 @@ class GlDevice final : public VtkDevice {
     });
   }
 
-  void read(std::uint32_t slot, std::uint32_t firstRow, std::uint32_t rows, std::uint32_t* numbers) override {
-    withContext([&](ContextState& state) { state.reader->read(state.pass->numbers(slot), firstRow, rows, numbers); });
-  }
-
  private:
   // Calls `work` on the OpenGL thread, with the context current and without VTK's messages.
   template <class Work>
@@ -164,13 +158,7 @@ void main() {
 
 }  // namespace
 
-GlPixelReader::GlPixelReader() : program_("gather", {{GL_COMPUTE_SHADER, kGather}}) {
-  glGenFramebuffers(1, &frame_);
-}
-
-GlPixelReader::~GlPixelReader() {
-  glDeleteFramebuffers(1, &frame_);
-}
+GlPixelReader::GlPixelReader() : program_("gather", {{GL_COMPUTE_SHADER, kGather}}) {}
 
 void GlPixelReader::gather(const std::array<vtkTextureObject*, kVtkImages>& images, const VtkPixels& pixels,
                            std::span<const std::uint32_t> addresses, std::uint32_t* numbers) {
@@ -207,20 +195,6 @@ void GlPixelReader::gather(const std::array<vtkTextureObject*, kVtkImages>& imag
     if (image->GetHandle() != 0) image->Deactivate();
   }
   checkGl("pixels cannot be read back");
-}
-
-void GlPixelReader::read(vtkTextureObject* image, std::uint32_t firstRow, std::uint32_t rows, std::uint32_t* numbers) {
-  vtkOpenGLState* state = image->GetContext()->GetState();
-  state->PushFramebufferBindings();
-  state->vtkglBindFramebuffer(GL_READ_FRAMEBUFFER, frame_);
-  glFramebufferTexture2D(GL_READ_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, image->GetHandle(), 0);
-  glReadBuffer(GL_COLOR_ATTACHMENT0);
-  state->vtkglPixelStorei(GL_PACK_ALIGNMENT, 4);
-  glReadPixels(0, static_cast<GLint>(firstRow), static_cast<GLsizei>(image->GetWidth()), static_cast<GLsizei>(rows),
-               GL_RED_INTEGER, GL_UNSIGNED_INT, numbers);
-  glFramebufferTexture2D(GL_READ_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, 0, 0);
-  state->PopFramebufferBindings();
-  checkGl("an image cannot be read back");
 }
 
 }  // namespace scanmill

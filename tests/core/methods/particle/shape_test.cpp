@@ -142,11 +142,6 @@ TEST(Shape, ListsAreForExactHits) {
   }
 }
 
-TEST(Shape, FieldsGrowWithTheirLevels) {
-  EXPECT_DOUBLE_EQ(fieldBytes(optionsOf(0.1, 256)), 5 * levelBytes(256, true));
-  EXPECT_DOUBLE_EQ(fieldBytes(optionsOf(0.1, 256, 3)), 3 * levelBytes(256, true));
-}
-
 TEST(CheckField, RefusesWhatTheMemoryDoesNotHold) {
   constexpr double kGibibyte = 1024.0 * 1024 * 1024;
   ParticleOptions options = optionsOf(0.05, 512);
