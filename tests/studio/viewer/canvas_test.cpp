@@ -492,20 +492,9 @@ TEST(Canvas, ManyCanOpenAndClose) {
 
 TEST(Canvas, WrongUseIsTold) {
   CANVAS_OR_SKIP(canvas, 40, 30);
-  const std::vector<Vec3f> three(3);
-  EXPECT_THAT(messageOf<Error>([&] { canvas.setPoints(1, three, std::vector{kRed}); }), HasSubstr("3 corners"));
-  canvas.setPoints(1, three, std::vector(3, kRed));
-  EXPECT_THAT(messageOf<Error>([&] { canvas.setColors(1, std::vector{kRed}); }), HasSubstr("3 elements"));
   EXPECT_THAT(messageOf<Error>([&] { canvas.setColors(5, {}); }), HasSubstr("no item 5"));
-  EXPECT_THAT(messageOf<Error>([&] { canvas.showOnly(1, std::vector<std::uint32_t>{0, 3}); }), HasSubstr("ascend"));
-  EXPECT_THAT(messageOf<Error>([&] { canvas.showOnly(1, std::vector<std::uint32_t>{1, 1}); }), HasSubstr("ascend"));
-  EXPECT_THAT(messageOf<Error>([&] { canvas.setLook(7, {}); }), HasSubstr("no item 7"));
-  EXPECT_THAT(messageOf<Error>([&] { canvas.setOverlay(overlayOf(9, {0, 0, 3, 3})); }), HasSubstr("overlay"));
-  EXPECT_THAT(messageOf<Error>([&] { canvas.setImage(9, 2, 2, std::vector<Rgba>(3)); }), HasSubstr("3 pixels"));
   EXPECT_THAT(messageOf<Error>([&] { canvas.run(10, [](const CanvasEvent&) { return true; }); }),
               HasSubstr("without a window"));
-  const CanvasView outside = viewAt({20, 0, 21, 30});
-  EXPECT_THAT(messageOf<Error>([&] { canvas.setViews({&outside, 1}); }), HasSubstr("outside"));
   EXPECT_THAT(messageOf<Error>([&] { canvas.read(); }), HasSubstr("nothing has been drawn"));
   EXPECT_THAT(messageOf<Error>([] { openOffscreen(0, 10); }), HasSubstr("0 x 10"));
   EXPECT_THAT(messageOf<Error>([] { openOffscreen(1000000, 10); }), HasSubstr("1000000 x 10"));

@@ -29,7 +29,7 @@ class NoDisplay : public Error {
   using Error::Error;
 };
 
-constexpr std::size_t kCanvasViews = 8;  // maximum number of views at a time
+constexpr std::size_t kCanvasViews = 4;  // maximum number of views at a time
 
 using ItemId = std::uint32_t;              // chosen by the caller
 using ImageId = std::uint32_t;             // chosen by the caller; may be equal to item ids

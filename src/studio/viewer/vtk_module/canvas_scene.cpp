@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <functional>
 #include <new>
 #include <stdexcept>
 #include <utility>
@@ -56,19 +55,6 @@ void CanvasScene::resize(int width, int height) {
 }
 
 void CanvasScene::setViews(std::span<const CanvasView> views) {
-  if (views.size() > kCanvasViews) {
-    throw std::invalid_argument(fmt::format("a canvas has at most {} views", kCanvasViews));
-  }
-  for (const CanvasView& view : views) {
-    const auto& [left, top, width, height] = view.rect;
-    const bool inside = width > 0 && height > 0 && left >= 0 && top >= 0 && left < width_ && top < height_ &&
-                        width <= width_ - left && height <= height_ - top;
-    if (!inside) throw std::invalid_argument("a view lies outside of its canvas");
-    const ViewCamera& camera = view.camera;
-    if (!(camera.focal > 0) || !(camera.nearest < view.farthest) || (!camera.orthographic && !(camera.nearest > 0))) {
-      throw std::invalid_argument("a view of the canvas has no camera");
-    }
-  }
   views_.assign(views.begin(), views.end());
   placeViews();
 }
@@ -91,9 +77,6 @@ Item& CanvasScene::item(ItemId number) {
 }
 
 void CanvasScene::set(ItemId number, ItemKind kind, std::span<const Vec3f> corners, std::span<const Rgb> colors) {
-  if (corners.size() != colors.size() * static_cast<std::size_t>(kind)) {
-    throw std::invalid_argument(fmt::format("{} colors for {} corners", colors.size(), corners.size()));
-  }
   drawn_ = false;
   std::unique_ptr<Item>& slot = items_[number];
   std::optional<ItemLook> look;
@@ -111,24 +94,13 @@ void CanvasScene::set(ItemId number, ItemKind kind, std::span<const Vec3f> corne
 }
 
 void CanvasScene::setColors(ItemId number, std::span<const Rgb> colors) {
-  Item& changed = item(number);
-  if (colors.size() != changed.count()) {
-    throw std::invalid_argument(fmt::format("item {} has {} elements, not {}", number, changed.count(), colors.size()));
-  }
   drawn_ = false;
-  changed.setColors(colors);
+  item(number).setColors(colors);
 }
 
 void CanvasScene::show(ItemId number, std::optional<std::vector<std::uint32_t>> indices) {
-  Item& changed = item(number);
-  if (indices) {
-    const bool ascending = std::ranges::adjacent_find(*indices, std::greater_equal<>()) == indices->end();
-    if (!ascending || (!indices->empty() && indices->back() >= changed.count())) {
-      throw std::invalid_argument(fmt::format("indices of item {} do not ascend below {}", number, changed.count()));
-    }
-  }
   drawn_ = false;
-  changed.show(std::move(indices));
+  item(number).show(std::move(indices));
 }
 
 void CanvasScene::setLook(ItemId number, const ItemLook& look) {
@@ -165,9 +137,6 @@ void CanvasScene::remove(Item& item) {
 
 void CanvasScene::setImage(ImageId image, int width, int height, std::span<const Rgba> pixels) {
   checkSize(width, height);
-  if (pixels.size() != static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {
-    throw std::invalid_argument(fmt::format("{} pixels are no image of {} x {}", pixels.size(), width, height));
-  }
   overlay_.setImage(window_, image, width, height, pixels);
 }
 
@@ -277,12 +246,6 @@ void OverlayPainter::setImage(vtkOpenGLRenderWindow* window, ImageId image, int 
 }
 
 void OverlayPainter::set(Overlay overlay) {
-  const bool corners = std::ranges::all_of(overlay.corners, [&](auto i) { return i < overlay.vertices.size(); });
-  const bool parts = std::ranges::all_of(overlay.parts, [&](const OverlayPart& part) {
-    return part.first <= overlay.corners.size() && part.count <= overlay.corners.size() - part.first &&
-           part.count % 3 == 0 && images_.contains(part.image);
-  });
-  if (!corners || !parts) throw std::invalid_argument("an overlay lacks vertices, corners or an image that it names");
   overlay_ = std::move(overlay);
   uploaded_ = false;
 }

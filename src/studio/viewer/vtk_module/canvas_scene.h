@@ -61,7 +61,6 @@ class ViewRenderer : public vtkOpenGLRenderer {  // NOLINT(cppcoreguidelines-vir
 class OverlayPainter {
  public:
   void setImage(vtkOpenGLRenderWindow* window, ImageId image, int width, int height, std::span<const Rgba> pixels);
-  // Throws std::invalid_argument if an index in the overlay is out of range, or if one of its images does not exist.
   void set(Overlay overlay);
   // Draws to the framebuffer that is bound, which has this size (pixels).
   void draw(vtkOpenGLRenderWindow* window, int width, int height);
@@ -77,8 +76,7 @@ class OverlayPainter {
 };
 
 // Holds the items, views and overlay of a canvas. Belongs to one OpenGL context, which must be current in all calls.
-// The views that VTK has drawn are cached: if only the overlay changes, only the overlay is drawn again. Throws
-// std::invalid_argument for wrong arguments.
+// The views that VTK has drawn are cached: if only the overlay changes, only the overlay is drawn again.
 class CanvasScene {
  public:
   CanvasScene(int width, int height);

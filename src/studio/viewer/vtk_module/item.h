@@ -32,7 +32,6 @@ class Item {
   explicit Item(ItemKind kind);
 
   ItemKind kind() const { return kind_; }
-  std::uint32_t count() const { return count_; }  // number of elements
   // Replaces all elements and shows all of them. Throws std::length_error if there are too many.
   void set(std::span<const Vec3f> corners, std::span<const Rgb> colors);
   void setColors(std::span<const Rgb> colors);

@@ -38,7 +38,7 @@ Clouds::Clouds(SessionContext& context) : context_(context) {
 
 std::size_t Clouds::viewCount() const {
   if (context_.options.layout != ViewLayout::Split || !context_.frame || context_.frame->scans.empty()) return 1;
-  return context_.frame->scans.size() == 1 ? 2 : std::min(context_.frame->scans.size(), kMostSplitViews);
+  return context_.frame->scans.size() == 1 ? 2 : std::min(context_.frame->scans.size(), kCanvasViews);
 }
 
 std::size_t Clouds::shownScan() const {

@@ -18,8 +18,6 @@
 
 namespace scanmill {
 
-constexpr std::size_t kMostSplitViews = 4;
-
 // A scan of the frame as an item of the canvas, in one of the views.
 struct ShownCloud {
   std::size_t scan = 0;  // index in the frame
@@ -59,9 +57,9 @@ struct Clouds {
   void recolor(std::size_t view);
 
   std::vector<ShownCloud> list;
-  std::array<std::optional<ColorBy>, kMostSplitViews> colors{};
+  std::array<std::optional<ColorBy>, kCanvasViews> colors{};
   // For each view, the ends of the scale that the user has chosen; absent: computed from the values.
-  std::array<std::optional<ScaleRange>, kMostSplitViews> scales{};
+  std::array<std::optional<ScaleRange>, kCanvasViews> scales{};
   std::optional<std::size_t> activeView;   // the view to which the user's changes of colours apply; absent: all views
   std::string scanName;                    // name of the scan that the layout One shows; empty: the first scan
   std::set<std::uint16_t> presentClasses;  // ids of classes that are known to occur in at least one frame

@@ -34,6 +34,7 @@ class FakeCanvas : public Canvas {
     painted_.clear();
   }
   void setViews(std::span<const CanvasView> views) override {
+    require(views.size() <= kCanvasViews, "not too many views");
     for (const CanvasView& v : views) {
       require(v.rect.width > 0 && v.rect.height > 0 && v.farthest > v.camera.nearest, "a view is empty");
     }
