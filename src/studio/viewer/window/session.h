@@ -56,7 +56,7 @@ class ViewSession {
   void key(const CanvasEvent& event);
   void act(const KeyMeaning& meaning);
   void escape();
-  std::pair<bool*, const char*> switchOf(KeyAction action);
+  void switchOption(bool ViewOptions::*option);
   void chooseColor(const ColorBy& by);
   void cycleColor(int step);
   void toggleWorld();
@@ -87,7 +87,7 @@ class ViewSession {
   void runPanels();
   void drawPanels();
   void drawMenus();
-  bool isOn(KeyAction action);
+  bool isOn(const KeyMeaning& meaning) const;
   void drawColumns();
   void drawLegends(bool ofScales);
   void pressLegend(const LegendEntry& entry, bool alone);

@@ -103,29 +103,7 @@ void ViewSession::key(const CanvasEvent& event) {
   context_.acting.reset();
 }
 
-// Returns the option that the action switches on and off, and the option's name; null if the action is not a switch.
-std::pair<bool*, const char*> ViewSession::switchOf(KeyAction action) {
-  using enum KeyAction;
-  ViewOptions& options = context_.options;
-  if (action == ToggleAxes) return {&options.axes, "axes"};
-  if (action == ToggleRangeRings) return {&options.rangeRings, "range rings"};
-  if (action == ToggleBoxes && context_.frame && context_.frame->objects.empty())
-    return {&scenery_.instanceBoxes, "boxes about instances' points"};
-  if (action == ToggleTrajectory && scenery_.trajectory.size() > 1) return {&options.trajectory, "trajectory"};
-  if (action == ToggleDepthEdges) return {&options.depthEdges, "depth edges"};
-  if (action == ToggleLegends) return {&options.legends, "legends"};
-  return {};
-}
-
 void ViewSession::act(const KeyMeaning& meaning) {
-  const auto toggle = [&](KeyAction action) {
-    const auto [option, name] = switchOf(action);
-    if (option == nullptr) return context_.say("there is no trajectory");
-    *option = !*option;
-    scenery_.placeGuides();
-    context_.changes.views = true;
-    context_.say(fmt::format("{} {}", name, *option ? "on" : "off"));
-  };
   const auto setLayout = [&](ViewLayout wantedLayout) {
     context_.options.layout = context_.options.layout == wantedLayout ? ViewLayout::One : wantedLayout;
     clouds_.activeView.reset();
@@ -155,28 +133,22 @@ void ViewSession::act(const KeyMeaning& meaning) {
       context_.changes.views = context_.changes.panels = true;
       return;
     }
-    case KeyAction::ToggleAxes:
-    case KeyAction::ToggleRangeRings:
+    case KeyAction::Switch:
+      return switchOption(meaning.option);
     case KeyAction::ToggleBoxes: {
-      if (context_.frame && context_.frame->objects.empty()) return toggle(meaning.action);
+      context_.changes.views = true;
+      if (context_.frame && context_.frame->objects.empty()) {
+        scenery_.instanceBoxes = !scenery_.instanceBoxes;
+        scenery_.placeGuides();
+        return context_.say(fmt::format("boxes about instances' points {}", scenery_.instanceBoxes ? "on" : "off"));
+      }
       constexpr std::size_t kChoices = kBoxChoiceNames.size();
       context_.options.boxes =
           static_cast<BoxChoice>((static_cast<std::size_t>(context_.options.boxes) + 1) % kChoices);
       scenery_.placeGuides();
-      context_.changes.views = true;
       constexpr std::array<const char*, kChoices> kSaid{"of road users", "of all objects", "off"};
       return context_.say(fmt::format("boxes {}", kSaid[static_cast<std::size_t>(context_.options.boxes)]));
     }
-    case KeyAction::ToggleTrajectory:
-    case KeyAction::ToggleDepthEdges:
-    case KeyAction::ToggleLegends:
-      return toggle(meaning.action);
-    case KeyAction::ToggleMesh:
-      context_.options.mesh = !context_.options.mesh;
-      scenery_.meshProblem.clear();
-      context_.changes.panels = true;
-      if (context_.options.mesh) wantMesh();
-      return placeMesh();
     case KeyAction::ToggleProjection: {
       OrbitCamera other = scenery_.camera;
       other.orthographic = !other.orthographic;
@@ -236,10 +208,6 @@ void ViewSession::act(const KeyMeaning& meaning) {
       return toggleAlone();
     case KeyAction::Measure:
       return pointer_.toggleMeasuring();
-    case KeyAction::ToggleRangeImage:
-      context_.options.rangeImage = !context_.options.rangeImage;
-      context_.changes.views = true;
-      return clouds_.makeStrip();
     case KeyAction::SavePicture:
       return savePicture();
     case KeyAction::ToggleHelp:
@@ -252,6 +220,21 @@ void ViewSession::act(const KeyMeaning& meaning) {
       quit_ = true;
       return;
   }
+}
+
+void ViewSession::switchOption(bool ViewOptions::*option) {
+  if (option == &ViewOptions::trajectory && scenery_.trajectory.size() < 2) {
+    return context_.say("there is no trajectory");
+  }
+  bool& on = context_.options.*option;
+  on = !on;
+  context_.changes.views = true;
+  scenery_.placeGuides();
+  clouds_.makeStrip();
+  if (option != &ViewOptions::mesh) return;
+  scenery_.meshProblem.clear();
+  if (on) wantMesh();
+  placeMesh();
 }
 
 void ViewSession::escape() {
@@ -332,17 +315,21 @@ std::string ViewSession::sceneLacks(const KeyMeaning& meaning) const {
   using enum KeyAction;
   static const std::vector<std::pair<std::vector<KeyAction>, const char*>> kLacks{
       {{ResizePoints}, "a scene has no points"},
-      {{ToggleRangeRings}, "a scene has no sensor to draw range rings about"},
-      {{ToggleTrajectory}, "a scene has no trajectory: a dataset of it has"},
       {{ToggleBoxes}, "a scene has no list of objects: a dataset of it may have"},
-      {{ToggleMesh}, "the scene's mesh is all that there is"},
       {{StepFrames, FirstFrame, LastFrame, Play, GoTo}, "a scene has no frames: a dataset of it has"},
       {{ToggleOverlay, ToggleSplit, NextView, NextScan}, "a scene has no scans: a dataset of it has"},
-      {{ToggleWorld}, "a scene has no sensor to follow"},
-      {{ToggleRangeImage}, "a scene has no range image: a dataset of it has"}};
+      {{ToggleWorld}, "a scene has no sensor to follow"}};
+  static const std::vector<std::pair<bool ViewOptions::*, const char*>> kOptionsLacking{
+      {&ViewOptions::rangeRings, "a scene has no sensor to draw range rings about"},
+      {&ViewOptions::trajectory, "a scene has no trajectory: a dataset of it has"},
+      {&ViewOptions::mesh, "the scene's mesh is all that there is"},
+      {&ViewOptions::rangeImage, "a scene has no range image: a dataset of it has"}};
   if (meaning.action == ColorByNumber) return sceneLacks(numberedColor(meaning));
   for (const auto& [actions, lack] : kLacks) {
     if (std::ranges::find(actions, meaning.action) != actions.end()) return lack;
+  }
+  for (const auto& [option, lack] : kOptionsLacking) {
+    if (meaning.option == option) return lack;
   }
   return {};
 }

@@ -66,15 +66,15 @@ void ViewSession::drawPanels() {
   drawTips();
 }
 
-// True if the option that the action switches is on.
-bool ViewSession::isOn(KeyAction action) {
-  if (const bool* const option = switchOf(action).first) return *option;
-  return (action == KeyAction::ToggleMesh && scenery_.meshOn()) ||
-         (action == KeyAction::ToggleRangeImage && context_.options.rangeImage) ||
-         (action == KeyAction::ToggleOverlay && clouds_.overlaid()) ||
-         (action == KeyAction::ToggleSplit && context_.options.layout == ViewLayout::Split) ||
-         (action == KeyAction::ToggleWorld && scenery_.world) ||
-         (action == KeyAction::InstanceAlone && !context_.filter.instances.empty());
+// True if what the command switches is on.
+bool ViewSession::isOn(const KeyMeaning& meaning) const {
+  using enum KeyAction;
+  if (meaning.option != nullptr) return context_.options.*meaning.option;
+  if (meaning.action == ToggleBoxes) return scenery_.instanceBoxes;
+  return (meaning.action == ToggleOverlay && clouds_.overlaid()) ||
+         (meaning.action == ToggleSplit && context_.options.layout == ViewLayout::Split) ||
+         (meaning.action == ToggleWorld && scenery_.world) ||
+         (meaning.action == InstanceAlone && !context_.filter.instances.empty());
 }
 
 void ViewSession::drawMenus() {
@@ -90,7 +90,7 @@ void ViewSession::drawMenus() {
     }
     if (!drawn) continue;
     const std::string lacks = context_.source->isScene() ? sceneLacks(command.meaning) : "";
-    const bool on = isOn(command.meaning.action);
+    const bool on = isOn(command.meaning);
     if (ImGui::MenuItem(command.label.c_str(), keysText(command).c_str(), on, lacks.empty())) act(command.meaning);
   }
   if (drawn) ImGui::EndMenu();

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "viewer/window/view_options.h"
+
 namespace scanmill {
 
 enum class KeyAction {
@@ -16,13 +18,8 @@ enum class KeyAction {
   AutomaticScale,
   ResizePoints,  // number: pixels
   NextBackground,
-  ToggleAxes,
-  ToggleRangeRings,
-  ToggleMesh,
+  Switch,  // switches `option` on and off
   ToggleBoxes,
-  ToggleTrajectory,
-  ToggleDepthEdges,
-  ToggleLegends,
   ToggleProjection,
   PresetView,  // number: a value of View
   TurnAbout,
@@ -41,7 +38,6 @@ enum class KeyAction {
   ShowAllClasses,
   InstanceAlone,
   Measure,
-  ToggleRangeImage,
   SavePicture,
   ToggleHelp,
   Escape,
@@ -51,6 +47,7 @@ enum class KeyAction {
 struct KeyMeaning {
   KeyAction action = KeyAction::Quit;
   int number = 0;
+  bool ViewOptions::*option = nullptr;
   bool operator==(const KeyMeaning&) const = default;
 };
 
