@@ -28,28 +28,19 @@ using Json = nlohmann::json;
 
 constexpr std::string_view kRows = "sample_data.json";
 
-// Calls visit(row) for the rows of a table that `wanted` accepts. Other rows are freed during parsing, because a table
-// of the complete dataset has millions of rows.
-void readTable(const fs::path& file, const std::function<bool(const Json&)>& wanted,
-               const std::function<void(const Json&)>& visit) {
-  const auto keep = [&](int depth, Json::parse_event_t event, Json& value) {
-    return event != Json::parse_event_t::object_end || depth != 1 || !value.is_object() || wanted(value);
-  };
+// Calls take(row) for each row of a table. Each row is freed after the call, because a table of the complete dataset
+// has millions of rows.
+void readTable(const fs::path& file, const std::function<void(const Json&)>& take) {
   try {
-    const Json table = Json::parse(readFile(file), keep);
-    if (!table.is_array()) throw InputError({file.string()}, "is not a table of nuScenes: it must be a list");
-    for (const Json& row : table) visit(row);
+    const Json rest = Json::parse(readFile(file), [&](int depth, Json::parse_event_t event, Json& row) {
+      if (event != Json::parse_event_t::object_end || depth != 1) return true;
+      take(row);
+      return false;
+    });
+    if (!rest.is_array()) throw InputError({file.string()}, "is not a table of nuScenes: it must be a list");
   } catch (const Json::exception& e) {
     throw InputError({file.string()}, "is not a table of nuScenes: " + reasonOf(e));
   }
-}
-
-bool always(const Json&) {
-  return true;
-}
-
-bool isLidarKeyFrame(const Json& row) {
-  return row.value("is_key_frame", false) && row.value("filename", "").ends_with(".pcd.bin");
 }
 
 // Returns the folder of the tables, inside of `folder` or `folder` itself; empty if there is none. If `folder`
@@ -76,15 +67,15 @@ std::optional<ScanFolder> readNuScenesFolder(const fs::path& folder) {
   const fs::path root = (tables.has_filename() ? tables : tables.parent_path()).parent_path();
   std::map<std::string, std::string> sceneOf;  // token of the scene, by token of a sample
   std::map<std::string, std::string> nameOf;   // name of a scene, by its token
-  readTable(tables / "scene.json", always,
+  readTable(tables / "scene.json",
             [&](const Json& row) { nameOf[row.at("token").get<std::string>()] = row.at("name").get<std::string>(); });
-  readTable(tables / "sample.json", always, [&](const Json& row) {
+  readTable(tables / "sample.json", [&](const Json& row) {
     sceneOf[row.at("token").get<std::string>()] = row.at("scene_token").get<std::string>();
   });
   const auto labelFiles = [&](const char* name) {
     std::map<std::string, fs::path> files;  // by token of sample_data
     if (!pathExists(tables / name)) return files;
-    readTable(tables / name, always, [&](const Json& row) {
+    readTable(tables / name, [&](const Json& row) {
       files[row.at("sample_data_token").get<std::string>()] = root / row.at("filename").get<std::string>();
     });
     return files;
@@ -94,7 +85,8 @@ std::optional<ScanFolder> readNuScenesFolder(const fs::path& folder) {
   const bool labelled = !lidarseg.empty() || !panoptic.empty();
   ScanFolder found{"nuscenes", "LIDAR_TOP", {}, {}};
   std::size_t absent = 0;
-  readTable(tables / kRows, isLidarKeyFrame, [&](const Json& row) {
+  readTable(tables / kRows, [&](const Json& row) {
+    if (!row.value("is_key_frame", false) || !row.value("filename", "").ends_with(".pcd.bin")) return;
     const fs::path points = root / row.at("filename").get<std::string>();
     const std::string sample = row.at("sample_token").get<std::string>();
     const std::string token = row.at("token").get<std::string>();

@@ -117,8 +117,6 @@ Rosette readRosette(const Value& value) {
   constexpr Range kTurns{-1e4, 1e4};
   constexpr Range kPhases{-360, 360};
   Fields f(value, "rosette");
-  f.also({"field_deg", "deflection_deg", "turns_hz", "phase_deg", "laser_azimuth_deg", "laser_elevation_deg", "mirror"})
-      .finish();
   Rosette rosette;
   rosette.speed = f.numbers("turns_hz", kTurns);
   const std::size_t prisms = rosette.speed.size();
@@ -153,16 +151,16 @@ Rosette readRosette(const Value& value) {
   }
   if (const Value* mirror = f.find("mirror")) {
     Fields m(*mirror, "mirror");
-    m.also({"tilt_deg", "turns_hz", "phase_deg"}).finish();
     rosette.mirror = {radians(m.number("tilt_deg", {0, 90})), m.number("turns_hz", kTurns) * 2 * kPi,
                       radians(m.number("phase_deg", kPhases, 0))};
+    m.finish();
   }
+  f.finish();
   return rosette;
 }
 
 RasterScan readRasterScan(const Value& value) {
   Fields f(value, "raster");
-  f.also({"zones_deg", "width_deg", "top_deg", "bottom_deg", "lines", "line_us", "alternate"}).finish();
   RasterScan raster;
   raster.zones = f.numbers("zones_deg", {-180, 180});
   if (raster.zones.empty()) {
@@ -176,6 +174,7 @@ RasterScan readRasterScan(const Value& value) {
   raster.lines = static_cast<std::uint32_t>(f.integer("lines", 2, kMostColumns / 2));
   raster.lineTime = f.number("line_us", {0, 1e8}, 0) * 1e-6;
   raster.alternate = f.boolean("alternate", false);
+  f.finish();
   return raster;
 }
 

@@ -27,23 +27,6 @@ double readCount(const Value& value, std::string_view what) {
   return count;
 }
 
-Fields& alsoSensorKeys(Fields& fields) {
-  return fields.also({"model",           "source",
-                      "columns",         "rate_hz",
-                      "direction",       "first_azimuth_deg",
-                      "field_deg",       "calibration",
-                      "pattern",         "rosette",
-                      "raster",          "sweep_ms",
-                      "beams",           "elevation_deg",
-                      "ring_order",      "azimuth_offset_deg",
-                      "origin_offset_m", "origin_height_m",
-                      "origin_left_m",   "origin_up_m",
-                      "firing_time_us",  "turns_while_firing",
-                      "range_m",         "divergence_mrad",
-                      "exit_width_mm",   "beam_shape",
-                      "pulse_ns",        "effects"});
-}
-
 void refuseUnlessElevations(const Value& value) {
   if (value.kind == Value::Kind::Scalar || value.kind == Value::Kind::Null) {
     throw InputError(value.where,
@@ -224,8 +207,6 @@ void checkSameLasers(const Value& preset, const Value& own) {
 
 Value resolveSensor(const Value& value) {
   Fields fields(value, "sensor");
-  fields.also({"name", "preset", "mount"});
-  alsoSensorKeys(fields).finish();
   Value merged;
   merged.kind = Value::Kind::Map;
   merged.where = value.where;
@@ -233,8 +214,6 @@ Value resolveSensor(const Value& value) {
     const Value file = readYaml(fields.resource("preset", "pipelines/sensors"));
     if (file.kind == Value::Kind::Null) throw InputError(file.where, "the sensor preset is empty");
     expectKind(file, FileKind::Sensor);
-    Fields keys(file, "sensor preset");
-    alsoSensorKeys(keys).finish();
     merged.entries = withCalibration(file).entries;
   }
   checkSameLasers(merged, value);
@@ -258,7 +237,6 @@ Value resolveSensor(const Value& value) {
 SensorSize sensorSize(const Value& description) {
   const Value value = withCalibration(description);
   Fields fields(value, "sensor");
-  alsoSensorKeys(fields).finish();
   if (fields.has("beams")) {
     const ListedSensor listed = readListedBeams(fields.path("beams"));
     return {listed.rings, listed.columns};
@@ -429,6 +407,7 @@ std::shared_ptr<const BeamTable> makeBeams(const Value& description) {
   }
   readRange(fields, *table);
   readBeamShape(fields, *table);
+  fields.also({"columns", "effects"}).finish();
 
   fillBeams(*table);
   return table;

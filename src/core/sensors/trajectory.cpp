@@ -287,11 +287,6 @@ Trajectory readTrajectory(const Value& value, const std::string& name, double pe
                           std::uint64_t seed, std::uint32_t drive) {
   constexpr std::array<const char*, 5> kKinds{"poses", "waypoints", "along", "on", "recorded"};
   Fields fields(value, "trajectory");
-  fields
-      .also({"name",     "poses",        "waypoints", "along",  "on",      "from",    "to",
-             "recorded", "path",         "rounding",  "keep",   "drives",  "speed",   "acceleration",
-             "stops",    "lane_changes", "sway",      "ground", "every_s", "every_m", "frames"})
-      .finish();
   Trajectory result;
   result.name_ = fields.text("name", name);
   result.lastTurn_ = std::max(kLastTurn, period);
@@ -316,6 +311,7 @@ Trajectory readTrajectory(const Value& value, const std::string& name, double pe
   } else {
     result.readDrive(fields, period, limit, seed, lanes);
   }
+  fields.also({"drives"}).finish();
   return result;
 }
 
