@@ -14,64 +14,15 @@ const Location kGround{"the ground of the town"};  // of errors
 
 constexpr double kOnLine = 1e-4;  // m; if the field of cutAlong() has a smaller absolute value, it counts as zero
 
-// The numbers of the points on the lattice of a quadtree, plus 1; 0: a point has no number. Points whose coordinates
-// are multiples of kCoarse steps, which large leaves have, are in one array. Multiples of kFine steps are in blocks,
-// which keep neighbours together and exist where leaves are small. The few other points are in a table.
-class LatticePoints {
- public:
-  explicit LatticePoints(std::int64_t steps)
-      : columns_(steps / kCoarse + 1),
-        coarse_(static_cast<std::size_t>(columns_ * columns_)),
-        blocks_(coarse_.size()),
-        fine_(kPoints) {}
-
-  std::uint32_t& at(std::int64_t x, std::int64_t y) {
-    const std::size_t square = squareOf(x, y);
-    if (isMultiple(x, y, kCoarse)) return coarse_[square];
-    if (!isMultiple(x, y, kFine)) return others_[models::cellKey(x, y)];
-    if (blocks_[square] == 0) {
-      blocks_[square] = static_cast<std::uint32_t>(fine_.size() / kPoints);
-      fine_.resize(fine_.size() + kPoints);
-    }
-    return fine_[blocks_[square] * kPoints + inBlock(x, y)];
-  }
-  std::uint32_t find(std::int64_t x, std::int64_t y) const {
-    const std::size_t square = squareOf(x, y);
-    if (isMultiple(x, y, kCoarse)) return coarse_[square];
-    if (isMultiple(x, y, kFine)) return fine_[blocks_[square] * kPoints + inBlock(x, y)];
-    const auto found = others_.find(models::cellKey(x, y));
-    return found == others_.end() ? 0 : found->second;
-  }
-
- private:
-  static constexpr std::int64_t kFine = 8;
-  static constexpr std::int64_t kCoarse = 128;
-  static constexpr std::int64_t kSide = kCoarse / kFine;  // points on the side of a block
-  static constexpr std::size_t kPoints = std::size_t{kSide} * kSide;
-
-  static bool isMultiple(std::int64_t x, std::int64_t y, std::int64_t of) { return (x | y) % of == 0; }
-  std::size_t squareOf(std::int64_t x, std::int64_t y) const {
-    return static_cast<std::size_t>(y / kCoarse * columns_ + x / kCoarse);
-  }
-  static std::size_t inBlock(std::int64_t x, std::int64_t y) {
-    return static_cast<std::size_t>(y / kFine % kSide * kSide + x / kFine % kSide);
-  }
-
-  std::int64_t columns_;               // of coarse points
-  std::vector<std::uint32_t> coarse_;  // numbers, row by row
-  std::vector<std::uint32_t> blocks_;  // the block of the square above and right of each coarse point; 0: none
-  std::vector<std::uint32_t> fine_;    // block by block; those of block 0 stay 0
-  std::unordered_map<std::uint64_t, std::uint32_t> others_;
-};
-
 // Corners are on a lattice whose spacing is half the smallest leaf's side, so that leaves' centres are on it, too.
 class Quadtree {
  public:
   Quadtree(double half, double smallest, const std::function<bool(double, double, double)>& divided)
-      : half_(half), divided_(divided), steps_(stepsOf(half, smallest)), corners_(steps_) {
+      : half_(half), divided_(divided), steps_(stepsOf(half, smallest)) {
     step_ = 2 * half / static_cast<double>(steps_);
     leaves_.reserve(kUsual);
     tiling_.points.reserve(kUsual);
+    corners_.reserve(kUsual);
   }
 
   Tiling make() {
@@ -117,12 +68,10 @@ class Quadtree {
   }
 
   std::uint32_t corner(std::int64_t x, std::int64_t y) {
-    std::uint32_t& number = corners_.at(x, y);
-    if (number == 0) {
-      tiling_.points.push_back({coordinate(x), coordinate(y)});
-      number = static_cast<std::uint32_t>(tiling_.points.size());
-    }
-    return number - 1;
+    const auto [found, isNew] =
+        corners_.try_emplace(models::cellKey(x, y), static_cast<std::uint32_t>(tiling_.points.size()));
+    if (isNew) tiling_.points.push_back({coordinate(x), coordinate(y)});
+    return found->second;
   }
 
   // Appends the points on the side of a leaf from the point `first` at (ax, ay) to (bx, by), without (bx, by). The
@@ -131,13 +80,10 @@ class Quadtree {
     const std::int64_t mx = (ax + bx) / 2;
     const std::int64_t my = (ay + by) / 2;
     const bool divisible = (ax + bx) % 2 == 0 && (ay + by) % 2 == 0;
-    const std::uint32_t middle = divisible ? corners_.find(mx, my) : 0;
-    if (middle > 0) {
-      addSide(first, ax, ay, mx, my);
-      addSide(middle - 1, mx, my, bx, by);
-      return;
-    }
-    around_.push_back(first);
+    const auto middle = divisible ? corners_.find(models::cellKey(mx, my)) : corners_.end();
+    if (middle == corners_.end()) return around_.push_back(first);
+    addSide(first, ax, ay, mx, my);
+    addSide(middle->second, mx, my, bx, by);
   }
 
   void addLeaf(const Leaf& l) {
@@ -165,7 +111,7 @@ class Quadtree {
   double step_ = 1;
   std::vector<Leaf> leaves_;
   std::vector<std::uint32_t> around_;
-  LatticePoints corners_;
+  std::unordered_map<std::uint64_t, std::uint32_t> corners_;  // indices of points, by their cells in the lattice
   Tiling tiling_;
 };
 
