@@ -69,12 +69,10 @@ class BlockMaker {
   }
 
   void make() {
-    const std::size_t door = b_.door && b_.base <= 0 ? nearestWall() : b_.outline.size();
-    for (std::size_t i = 0; i < b_.outline.size(); ++i) {
-      wall(b_.outline[i], b_.outline[(i + 1) % b_.outline.size()], i == door);
-    }
+    const Point2* const doorFrom = b_.door && b_.base <= 0 ? nearestWall() : nullptr;
+    forSides(b_.outline, [&](const Point2& a, const Point2& b) { wall(a, b, &a == doorFrom); });
     for (const std::vector<Point2>& court : b_.courts) {
-      for (std::size_t i = 0; i < court.size(); ++i) wall(court[i], court[(i + 1) % court.size()], false);
+      forSides(court, [&](const Point2& a, const Point2& b) { wall(a, b, false); });
     }
     slab(look_.trim, look_.top - (hasParapet() ? 0.35 : 0.02));
     if (b_.rise > 0) pitchedRoof();
@@ -86,18 +84,16 @@ class BlockMaker {
  private:
   bool hasParapet() const { return b_.floors > 0 && b_.parapet && b_.rise <= 0; }
 
-  std::size_t nearestWall() const {
-    std::size_t nearest = 0;
+  // Returns the first corner of the wall whose middle is nearest to the entrance.
+  const Point2* nearestWall() const {
+    const Point2* nearest = b_.outline.data();
     double least = 1e18;
-    for (std::size_t i = 0; i < b_.outline.size(); ++i) {
-      const Point2& a = b_.outline[i];
-      const Point2& b = b_.outline[(i + 1) % b_.outline.size()];
-      if (std::hypot(b.x - a.x, b.y - a.y) < 2) continue;
+    forSides(b_.outline, [&](const Point2& a, const Point2& b) {
       const double d = std::hypot((a.x + b.x) / 2 - b_.entrance.x, (a.y + b.y) / 2 - b_.entrance.y);
-      if (d >= least) continue;
+      if (std::hypot(b.x - a.x, b.y - a.y) < 2 || d >= least) return;
       least = d;
-      nearest = i;
-    }
+      nearest = &a;
+    });
     return nearest;
   }
 
@@ -122,9 +118,7 @@ class BlockMaker {
       const auto from = [&](const Point2& end) { return std::hypot(p.x - end.x, p.y - end.y); };
       return from(b_.ridge[1]) < from(b_.ridge[0]) ? 1 : 0;
     };
-    for (std::size_t i = 0; i < b_.outline.size(); ++i) {
-      const Point2& p = b_.outline[i];
-      const Point2& q = b_.outline[(i + 1) % b_.outline.size()];
+    forSides(b_.outline, [&](const Point2& p, const Point2& q) {
       const Vec3d a{p.x, p.y, look_.top};
       const Vec3d b{q.x, q.y, look_.top};
       const auto above = [&](int end) {
@@ -137,7 +131,7 @@ class BlockMaker {
       const SurfaceIndex surface = std::abs(normal.z) < 0.05 * length(normal) ? look_.wall : look_.tile;
       s_.triangle(surface, a, b, c);
       if (nearestEnd(p) != nearestEnd(q)) s_.triangle(surface, a, c, d);
-    }
+    });
   }
 
   std::vector<Opening> openings(double width, bool door) {
@@ -189,12 +183,10 @@ class BlockMaker {
     std::vector<gtl::polygon_with_holes_data<int>> parts;
     core.get(parts);
     const auto ring = [&](const std::vector<Point2>& corners) {
-      for (std::size_t i = 0; i < corners.size(); ++i) {
-        const Point2& a = corners[i];
-        const Point2& b = corners[(i + 1) % corners.size()];
+      forSides(corners, [&](const Point2& a, const Point2& b) {
         s_.quad(look_.wall, {a.x, a.y, base_}, {b.x, b.y, base_}, {b.x, b.y, look_.top - 0.4},
                 {a.x, a.y, look_.top - 0.4});
-      }
+      });
     };
     for (const auto& part : parts) {
       ring(pointsOf(part));

@@ -165,6 +165,12 @@ constexpr double lerp(double a, double b, double t) {
 constexpr Point2 lerp(const Point2& a, const Point2& b, double t) {
   return {lerp(a.x, b.x, t), lerp(a.y, b.y, t)};
 }
+// Calls visit(a, b) for each side of a polygon, from corner a to the next corner b.
+template <class Visit>
+void forSides(const std::vector<Point2>& ring, const Visit& visit) {
+  for (std::size_t i = 0; i < ring.size(); ++i) visit(ring[i], ring[(i + 1) % ring.size()]);
+}
+
 double smooth(double t);  // smoothstep of t, with t clamped to [0, 1]
 
 Affine at(const Vec3d& position);

@@ -5,6 +5,8 @@
 
 namespace scanmill::town {
 
+using models::forSides;
+
 double distance(const Point2& a, const Point2& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
 }
@@ -113,11 +115,9 @@ std::vector<Line> runsWithin(const Line& line, double half) {
 bool isInside(const std::vector<const Polygon*>& rings, const Point2& p) {
   bool inside = false;
   for (const Polygon* ring : rings) {
-    for (std::size_t i = 0; i < ring->size(); ++i) {
-      const Point2& a = (*ring)[i];
-      const Point2& b = (*ring)[(i + 1) % ring->size()];
+    forSides(*ring, [&](const Point2& a, const Point2& b) {
       if ((a.y > p.y) != (b.y > p.y) && p.x < a.x + (b.x - a.x) * (p.y - a.y) / (b.y - a.y)) inside = !inside;
-    }
+    });
   }
   return inside;
 }
@@ -125,64 +125,48 @@ bool isInside(const std::vector<const Polygon*>& rings, const Point2& p) {
 double distanceToRings(const std::vector<const Polygon*>& rings, const Point2& p) {
   double least = 1e9;
   for (const Polygon* ring : rings) {
-    for (std::size_t i = 0; i < ring->size(); ++i) {
-      const Point2& a = (*ring)[i];
-      const Point2& b = (*ring)[(i + 1) % ring->size()];
+    forSides(*ring, [&](const Point2& a, const Point2& b) {
       const double dx = b.x - a.x;
       const double dy = b.y - a.y;
       const double square = dx * dx + dy * dy;
       const double t = square > 0 ? std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / square, 0.0, 1.0) : 0;
       least = std::min(least, std::hypot(p.x - a.x - t * dx, p.y - a.y - t * dy));
-    }
+    });
   }
   return least;
 }
 
 std::vector<Point2> pointsAlong(const Polygon& ring, double step) {
   std::vector<Point2> points;
-  for (std::size_t i = 0; i < ring.size(); ++i) {
-    const Point2& a = ring[i];
-    const Point2& b = ring[(i + 1) % ring.size()];
+  forSides(ring, [&](const Point2& a, const Point2& b) {
     const auto count = std::max(1, static_cast<int>(std::ceil(distance(a, b) / step)));
     for (int k = 0; k < count; ++k) points.push_back(models::lerp(a, b, static_cast<double>(k) / count));
-  }
+  });
   return points;
 }
 
 double sizeOf(const Polygon& ring) {
   double area = 0;
-  for (std::size_t i = 0; i < ring.size(); ++i) {
-    const Point2& p = ring[i];
-    const Point2& q = ring[(i + 1) % ring.size()];
-    area += (p.x * q.y - q.x * p.y) / 2;
-  }
+  forSides(ring, [&](const Point2& p, const Point2& q) { area += (p.x * q.y - q.x * p.y) / 2; });
   return area;
 }
 
 models::Footprint rectangleAbout(const Polygon& ring) {
   models::Footprint best;
   double smallest = 1e18;
-  for (std::size_t i = 0; i < ring.size(); ++i) {
-    const Point2& a = ring[i];
-    const Point2& b = ring[(i + 1) % ring.size()];
+  forSides(ring, [&](const Point2& a, const Point2& b) {
     const double yaw = std::atan2(b.y - a.y, b.x - a.x);
     const double c = std::cos(yaw);
     const double s = std::sin(yaw);
-    double lowU = 1e18, highU = -1e18, lowV = 1e18, highV = -1e18;
-    for (const Point2& p : ring) {
-      const double u = p.x * c + p.y * s;
-      const double v = p.y * c - p.x * s;
-      lowU = std::min(lowU, u);
-      highU = std::max(highU, u);
-      lowV = std::min(lowV, v);
-      highV = std::max(highV, v);
-    }
-    if ((highU - lowU) * (highV - lowV) >= smallest) continue;
-    smallest = (highU - lowU) * (highV - lowV);
-    const double u = (lowU + highU) / 2;
-    const double v = (lowV + highV) / 2;
-    best = {{u * c - v * s, u * s + v * c}, (highU - lowU) / 2, (highV - lowV) / 2, yaw};
-  }
+    Polygon turned;
+    for (const Point2& p : ring) turned.push_back({p.x * c + p.y * s, p.y * c - p.x * s});
+    const auto [low, high] = extentOf(turned);
+    if ((high.x - low.x) * (high.y - low.y) >= smallest) return;
+    smallest = (high.x - low.x) * (high.y - low.y);
+    const double u = (low.x + high.x) / 2;
+    const double v = (low.y + high.y) / 2;
+    best = {{u * c - v * s, u * s + v * c}, (high.x - low.x) / 2, (high.y - low.y) / 2, yaw};
+  });
   return best;
 }
 
@@ -192,16 +176,12 @@ Polygon clipped(Polygon ring, double half) {
       return (side == 0 ? p.x : side == 1 ? -p.x : side == 2 ? p.y : -p.y) + half;
     };
     Polygon cut;
-    for (std::size_t i = 0; i < ring.size(); ++i) {
-      const Point2& a = ring[i];
-      const Point2& b = ring[(i + 1) % ring.size()];
+    forSides(ring, [&](const Point2& a, const Point2& b) {
       const double of = inside(a);
       const double next = inside(b);
       if (of >= 0) cut.push_back(a);
-      if ((of >= 0) != (next >= 0)) {
-        cut.push_back(models::lerp(a, b, of / (of - next)));
-      }
-    }
+      if ((of >= 0) != (next >= 0)) cut.push_back(models::lerp(a, b, of / (of - next)));
+    });
     ring = std::move(cut);
   }
   return ring;

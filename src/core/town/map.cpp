@@ -321,18 +321,15 @@ class MapMaker {
     const std::optional<Land> land = landOf(tags);
     const bool building = !isOneOf(tags["building"], {"", "no"});
     const bool part = !building && !isOneOf(tags["building:part"], {"", "no"});
-    const bool relation = tags.element.starts_with("relation");
-    const auto fencing = relation && !building && !part ? fencingOf(tags["barrier"]) : std::nullopt;
-    if (!building && !part && !land && !fencing) {
+    if (!building && !part && !land) {
       // addWay() has counted ways with one of these keys.
-      if (isHighwayArea(tags) || relation || (tags["highway"].empty() && tags["barrier"].empty()))
+      if (isHighwayArea(tags) || tags.element.starts_with("relation") ||
+          (tags["highway"].empty() && tags["barrier"].empty())) {
         leaveOut(tags, false);
+      }
       return;
     }
-    const char* const what = building ? "buildings"
-                             : part   ? "building parts"
-                             : land   ? "areas of land"
-                                      : "fences, hedges and walls";
+    const char* const what = building ? "buildings" : part ? "building parts" : "areas of land";
     Polygon outline = ringOf(area.outer, plane_);
     if (!area.fault.empty()) {
       map_.leftOut.add(fmt::format("{} with {}", what, area.fault));
@@ -347,15 +344,6 @@ class MapMaker {
       for (const std::vector<OsmNode>& inner : area.inner) {
         Polygon hole = ringOf(inner, plane_);
         if (hole.size() > 2) holes.push_back(std::move(hole));
-      }
-      if (fencing) {
-        map_.leftOut.add(kHollow);
-        for (std::size_t i = 0; i <= holes.size(); ++i) {
-          std::vector<Point2> line = i < holes.size() ? holes[i] : outline;
-          line.push_back(line.front());
-          map_.barriers.push_back({*fencing, std::move(line), barrierHeight(tags)});
-        }
-        if (!land) return;
       }
       if (!building && !part) {
         const bool square =

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <utility>
 
 #include "base/path.h"
 #include "town/flow.h"
@@ -28,39 +29,33 @@ constexpr double kInterval = 0.25;  // s between the stored positions of a vehic
 constexpr double kAlways = -1e9;    // s, start time of vehicles that never wait
 constexpr std::uint32_t kPassing = 1 << 20;  // first number of the lanes beside the rightmost ones
 
-// The path of a vehicle on a `Way`, with marks where the path passes known positions on roads.
+// The path of a vehicle on a `Way`.
 struct Course {
   std::shared_ptr<const Path> path;
-  struct Mark {
-    std::uint32_t road;
-    double along;     // m along the road
-    double distance;  // m along the path
-  };
-  std::vector<Mark> marks;
+  LaidOut laid;  // with its points in the world's frame
 
   // Returns the distance along the path (m) at a position on a road.
   double at(std::uint32_t road, double along) const {
-    const Mark* before = nullptr;
-    for (const Mark& m : marks) {
-      if (m.road != road) continue;
-      if (before != nullptr && (before->along - along) * (m.along - along) <= 0 && before->along != m.along) {
-        return before->distance + (m.distance - before->distance) * (along - before->along) / (m.along - before->along);
+    const auto distanceOf = [&](std::size_t i) { return path->distanceOfPoint(laid.first + i); };
+    std::optional<std::size_t> before;
+    for (std::size_t i = 0; i < laid.places.size(); ++i) {
+      if (laid.places[i].road != road) continue;
+      const double to = laid.places[i].along;
+      const double from = before ? laid.places[*before].along : to;
+      if ((from - along) * (to - along) <= 0 && from != to) {
+        return distanceOf(*before) + (distanceOf(i) - distanceOf(*before)) * (along - from) / (to - from);
       }
-      before = &m;
+      before = i;
     }
-    return before != nullptr ? before->distance : 0;
+    return before ? distanceOf(*before) : 0;
   }
 };
 
 Course courseOf(const Layout& l, const Way& way, double out, double half, const Affine& worldFromTown) {
   LaidOut laid = layOut(l, way, out, half + kMiddle);
   for (Vec3d& p : laid.points) p = worldFromTown * p;
-  Course course;
-  course.path = std::make_shared<const Path>(laid.points);
-  for (std::size_t i = 0; i < laid.places.size(); ++i) {
-    course.marks.push_back({laid.places[i].road, laid.places[i].along, course.path->distanceOfPoint(laid.first + i)});
-  }
-  return course;
+  auto path = std::make_shared<const Path>(laid.points);
+  return {std::move(path), std::move(laid)};
 }
 
 std::vector<double> curvatureOf(const Path& path) {

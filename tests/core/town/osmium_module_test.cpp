@@ -207,22 +207,18 @@ TEST_F(ReadOsm, SizesAreRead) {
                        way(10, {1, 2, 3}, {{"highway", "residential"}, {"est_width", "9"}}) +
                        way(11, {4, 5}, {{"barrier", "wall"}, {"height", "16 ft"}}) +
                        way(12, {5, 6}, {{"highway", "footway"}, {"width", "4"}}) + way(13, {20, 21, 22, 23, 20}, {}) +
-                       relation({{13, "outer"}}, {{"barrier", "hedge"}, {"height", "tall"}}) +
+                       relation({{13, "outer"}}, {{"barrier", "hedge"}}) +
                        "<node id='60' lat='51' lon='0.5'><tag k='natural' v='tree'/><tag k='height' v='25 m'/>"
                        "<tag k='diameter_crown' v='12'/></node>");
   EXPECT_EQ(map.roads.at(0).width, 9);
-  ASSERT_EQ(map.barriers.size(), 2u);
+  ASSERT_EQ(map.barriers.size(), 1u);
   EXPECT_NEAR(map.barriers[0].height.value_or(0), 4.8768, 1e-9);
-  EXPECT_EQ(map.barriers[1].kind, models::Fencing::Hedge);
-  EXPECT_EQ(map.barriers[1].line.size(), 5u);
   ASSERT_EQ(map.paths.size(), 1u);
   EXPECT_EQ(map.paths[0].width, 4);
   ASSERT_EQ(map.trees.size(), 1u);
   EXPECT_EQ(map.trees[0].height, 25);
   EXPECT_EQ(map.trees[0].crown, 12);
-  EXPECT_EQ(map.leftOut.text(),
-            "1 hedges, walls and fences that are areas, of which only the outlines are built, 1 values of height that "
-            "cannot be used, such as 'tall' of relation 30");
+  EXPECT_EQ(map.leftOut.text(), "1 barrier=hedge") << "of the relation";
 }
 
 // Whatever has a shape and is not built is counted; names and properties are not.
