@@ -101,8 +101,7 @@ class ComputeBuffer {
   std::uint64_t bytes_ = 0;
 };
 
-// Host memory into which a device copies a buffer while later programs already run. The memory stays mapped (OpenGL
-// 4.4 or ARB_buffer_storage); if the driver does not support this, start() waits for the copy.
+// Host memory into which a device copies a buffer while later programs already run. The memory stays mapped.
 class ComputeReadback {
  public:
   explicit ComputeReadback(const ComputeDevice& device);

@@ -33,12 +33,6 @@ class MappedCopy {
 
   void start(GLuint buffer, std::size_t bytes) {
     glBindBuffer(GL_COPY_READ_BUFFER, buffer);
-    if (!canMap()) {
-      held_.resize(bytes);
-      glGetBufferSubData(GL_COPY_READ_BUFFER, 0, static_cast<GLsizeiptr>(bytes), held_.data());
-      checkGl("a buffer cannot be read back");
-      return;
-    }
     if (bytes > bytes_) map(bytes);
     glBindBuffer(GL_COPY_WRITE_BUFFER, name_);
     glCopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 0, static_cast<GLsizeiptr>(bytes));
@@ -50,7 +44,7 @@ class MappedCopy {
 
   // Returns the copy; null if it is not complete yet.
   const std::byte* copied() {
-    if (fence_ == nullptr) return memory_ != nullptr ? memory_ : held_.data();
+    if (fence_ == nullptr) return memory_;
     const GLenum state = glClientWaitSync(fence_, 0, 0);
     checkGl("the device failed");
     if (state == GL_TIMEOUT_EXPIRED) return nullptr;
@@ -61,8 +55,6 @@ class MappedCopy {
   }
 
  private:
-  static bool canMap() { return GLEW_VERSION_4_4 || GLEW_ARB_buffer_storage; }
-
   void map(std::size_t bytes) {
     drop();
     constexpr GLbitfield kHow = GL_MAP_READ_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
@@ -89,7 +81,6 @@ class MappedCopy {
   std::size_t bytes_ = 0;
   const std::byte* memory_ = nullptr;
   GLsync fence_ = nullptr;
-  std::vector<std::byte> held_;  // holds the copied bytes if the driver does not support persistent mapping
 };
 
 namespace {
@@ -101,6 +92,7 @@ void findFunctions() {
   glewInit();
   while (glGetError() != GL_NO_ERROR) continue;
   if (!GLEW_VERSION_4_3) throw NoDevice("its functions are not those of OpenGL 4.3");
+  if (!GLEW_VERSION_4_4 && !GLEW_ARB_buffer_storage) throw NoDevice("it lacks ARB_buffer_storage, of OpenGL 4.4");
 }
 
 std::string textOf(GLenum name, const char* unknown) {

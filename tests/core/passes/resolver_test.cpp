@@ -2,6 +2,7 @@
 
 #include "base/random.h"
 #include "scene/texture.h"
+#include "tests/core/passes/ray_reference.h"
 #include "tests/support/message_of.h"
 #include "tests/support/test_scene.h"
 
@@ -10,7 +11,7 @@ namespace {
 
 constexpr PassChoice kResolvedPasses{Channels::all(), true};
 
-// The first triangle that the line of sight through each pixel's centre meets, by trying them all.
+// The first triangle that the line of sight through each pixel's centre meets.
 struct Drawn {
   std::vector<PixelAddress> addresses;
   std::vector<SeenTriangle> seen;
@@ -19,31 +20,9 @@ struct Drawn {
 Drawn drawAll(const Scene& scene, const std::vector<Camera>& cameras) {
   Drawn drawn;
   for (const Camera& camera : cameras) {
-    const Mat3 turn = toMatrix(camera.worldFromCamera.rotation);
-    for (std::uint32_t pixel = 0; pixel < camera.pixels(); ++pixel) {
-      const Vec3d d = turn * camera.ray(pixel % camera.width + 0.5, pixel / camera.width + 0.5);
-      SeenTriangle nearest;
-      for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
-        const Affine place{scene.instances[i].worldFromMesh.linear,
-                           scene.instances[i].worldFromMesh.translation - camera.worldFromCamera.translation};
-        const Mesh& mesh = scene.meshes[scene.instances[i].mesh];
-        for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-          const auto corner = [&](int k) { return place * Vec3d(mesh.positions[mesh.triangles[t][k]]); };
-          const Vec3d a = corner(0);
-          const Vec3d ab = corner(1) - a;
-          const Vec3d ac = corner(2) - a;
-          const Vec3d n = cross(ab, ac);
-          const double depth = dot(n, a) / dot(n, d);
-          const Vec3d p = d * depth - a;
-          const double u = dot(n, cross(p, ac)) / dot(n, n);
-          const double v = dot(n, cross(ab, p)) / dot(n, n);
-          if (depth > 0 && u >= 0 && v >= 0 && u + v <= 1 && depth < static_cast<double>(nearest.depth)) {
-            nearest = {static_cast<float>(depth), i + 1, t};
-          }
-        }
-      }
+    for (const ReferencePixel& pixel : RayReference(scene).draw(camera, {1e-9, 1e9})) {
       drawn.addresses.push_back(static_cast<PixelAddress>(drawn.addresses.size()));
-      drawn.seen.push_back(nearest);
+      drawn.seen.push_back({static_cast<float>(pixel.depth), pixel.instance, pixel.triangle});
     }
   }
   return drawn;

@@ -101,8 +101,9 @@ class TimedSource : public PixelSource {
   double seconds_ = 0;
 };
 
-// The beams and cameras of a sensor that stands still, which depend only on its beam table.
-struct StillSensor {
+// The beams of a step of a revolution and, for rendering, its cameras. If the sensor stands still, they depend only on
+// the beam table.
+struct StepView {
   std::shared_ptr<const BeamTable> table;
   RigBeams beams;
   std::vector<Camera> cameras;  // Camera::worldFromCamera is rigFromCamera here
@@ -114,7 +115,7 @@ class DepthCameraMethod : public DepthCamera {
       : scene_(scene), options_(std::move(options)), makeRenderer_(std::move(makeRenderer)) {}
 
   TraceAccount prepare(const Shot& shot) const override {
-    if (shot.worldFromSensor.size() == 1) stillSensor(shot);
+    if (shot.worldFromSensor.size() == 1) viewOf(shot, stepsOf(shot, 1).front());
     if (!makeRenderer_) return {};
     Camera smallest = squareCamera(2, 2, radians(60.0));
     smallest.worldFromCamera = shot.worldFromSensor.front();
@@ -129,9 +130,9 @@ class DepthCameraMethod : public DepthCamera {
     std::uint64_t unseen = 0;
     StageClock clock(kStages);
     for (const PassStep& step : stepsOf(shot, options_.rendersPerRevolution)) {
-      const Prepared prepared = prepareStep(shot, step, true);
-      drawn(shot, prepared, step.worldFromRig, passesFor(channels, options_.sample), clock, [&](PixelSource& source) {
-        unseen += samplePixels(source, step.worldFromRig, *prepared.beams, options_.sample, hits);
+      const std::shared_ptr<const StepView> view = viewOf(shot, step);
+      drawn(shot, *view, step.worldFromRig, passesFor(channels, options_.sample), clock, [&](PixelSource& source) {
+        unseen += samplePixels(source, step.worldFromRig, view->beams, options_.sample, hits);
       });
     }
     return account(clock, shot, unseen);
@@ -143,8 +144,8 @@ class DepthCameraMethod : public DepthCamera {
     requireRenderer();
     StageClock clock(kStages);
     for (PassStep& step : stepsOf(shot, options_.rendersPerRevolution)) {
-      const Prepared prepared = prepareStep(shot, step, true);
-      drawn(shot, prepared, step.worldFromRig, choice, clock,
+      const std::shared_ptr<const StepView> view = viewOf(shot, step);
+      drawn(shot, *view, step.worldFromRig, choice, clock,
             [&](PixelSource& source) { step.images = readAll(source, choice); });
       take(std::move(step));
     }
@@ -156,13 +157,13 @@ class DepthCameraMethod : public DepthCamera {
       throw InputError(fmt::format("the passes have the columns {} to {}, but the sensor '{}' has {} columns",
                                    step.firstColumn, step.endColumn, shot.sensorName, shot.beams->columns));
     }
-    const Prepared prepared = prepareStep(shot, step, false);
+    const std::shared_ptr<const StepView> view = viewOf(shot, step);
     ImageSource images(step.images);
     StageClock clock(kStages);
     std::uint64_t unseen = 0;
     {
       const StageTimer timer(clock, "sample");
-      unseen = samplePixels(images, step.worldFromRig, *prepared.beams, options_.sample, hits);
+      unseen = samplePixels(images, step.worldFromRig, view->beams, options_.sample, hits);
     }
     return account(clock, shot, unseen);
   }
@@ -211,38 +212,32 @@ class DepthCameraMethod : public DepthCamera {
   }
 
  private:
-  // The beams of a step and, for rendering, the cameras of the step.
-  struct Prepared {
-    std::shared_ptr<const RigBeams> beams;
-    std::vector<Camera> cameras;  // Camera::worldFromCamera is rigFromCamera here
-  };
-
-  Prepared prepareStep(const Shot& shot, const PassStep& step, bool cameras) const {
+  std::shared_ptr<const StepView> viewOf(const Shot& shot, const PassStep& step) const {
     const bool whole = step.endColumn - step.firstColumn == shot.beams->columns;
     if (shot.worldFromSensor.size() == 1 && whole && step.worldFromRig == shot.worldFromSensor[0]) {
-      const std::shared_ptr<const StillSensor> still = stillSensor(shot);
-      return {{still, &still->beams}, cameras ? still->cameras : std::vector<Camera>{}};
+      return stillView(shot, step);
     }
-    auto beams = std::make_shared<const RigBeams>(rigBeams(shot, step.firstColumn, step.endColumn, step.worldFromRig));
-    std::vector<Camera> made;
-    if (cameras) made = layOutCameras(viewDirections(*beams), options_.layout);
-    return {std::move(beams), std::move(made)};
+    return makeView(shot, step);
   }
 
-  std::shared_ptr<const StillSensor> stillSensor(const Shot& shot) const {
+  std::shared_ptr<const StepView> makeView(const Shot& shot, const PassStep& step) const {
+    auto made = std::make_shared<StepView>();
+    made->table = shot.beams;
+    made->beams = rigBeams(shot, step.firstColumn, step.endColumn, step.worldFromRig);
+    if (makeRenderer_) made->cameras = layOutCameras(viewDirections(made->beams), options_.layout);
+    return made;
+  }
+
+  // Returns the view of a sensor that stands still, which is made once for each beam table.
+  std::shared_ptr<const StepView> stillView(const Shot& shot, const PassStep& step) const {
     const std::scoped_lock lock(sensorsMutex_);
     for (auto it = sensors_.begin(); it != sensors_.end(); ++it) {
       if ((*it)->table != shot.beams) continue;
       sensors_.splice(sensors_.begin(), sensors_, it);
       return sensors_.front();
     }
-    auto made = std::make_shared<StillSensor>();
-    made->table = shot.beams;
-    made->beams = rigBeams(shot, 0, shot.beams->columns, shot.worldFromSensor[0]);
-    if (makeRenderer_) made->cameras = layOutCameras(viewDirections(made->beams), options_.layout);
     if (sensors_.size() >= kSensorsInMemory) sensors_.pop_back();
-    sensors_.push_front(std::move(made));
-    return sensors_.front();
+    return sensors_.emplace_front(makeView(shot, step));
   }
 
   DrawLimits limits(const BeamTable& table, const std::vector<Vec3d>& origins) const {
@@ -266,16 +261,16 @@ class DepthCameraMethod : public DepthCamera {
   // Renders a step and calls `use` with its pixels. Only one thread at a time does this; the time that a thread waits
   // for the renderer is not added to `clock`.
   template <class Use>
-  void drawn(const Shot& shot, const Prepared& prepared, const Pose& rig, PassChoice choice, StageClock& clock,
+  void drawn(const Shot& shot, const StepView& view, const Pose& rig, PassChoice choice, StageClock& clock,
              const Use& use) const {
-    if (prepared.cameras.empty()) {  // no camera of the layout sees any of the beams
+    if (view.cameras.empty()) {  // no camera of the layout sees any of the beams
       ImageSource nothing({});
       use(nothing);
       return;
     }
-    std::vector<Camera> cameras = prepared.cameras;
+    std::vector<Camera> cameras = view.cameras;
     for (Camera& camera : cameras) camera.worldFromCamera = rig * camera.worldFromCamera;
-    const DrawLimits bounds = limits(*shot.beams, prepared.beams->origin);
+    const DrawLimits bounds = limits(*shot.beams, view.beams.origin);
     const std::scoped_lock lock(rendererMutex_);
     const WallTimer drawing;
     const std::unique_ptr<PixelSource> source = renderer().draw(cameras, bounds, choice);
@@ -305,7 +300,7 @@ class DepthCameraMethod : public DepthCamera {
   mutable std::mutex rendererMutex_;
   mutable std::unique_ptr<PassRenderer> renderer_;
   mutable std::mutex sensorsMutex_;
-  mutable std::list<std::shared_ptr<const StillSensor>> sensors_;
+  mutable std::list<std::shared_ptr<const StepView>> sensors_;  // of sensors that stand still, most recently used first
 };
 
 }  // namespace

@@ -87,9 +87,9 @@ void SharedMeshes::divide(const Mesh& mesh) {
 
 void SharedMeshes::addPart(const Mesh& mesh, const Box& bounds, std::vector<std::uint32_t> triangles) {
   Part& part = parts_.emplace_back();
-  part.mesh_ = &mesh;
-  part.bounds_ = bounds;
-  part.triangles_ = std::move(triangles);
+  part.mesh = &mesh;
+  part.bounds = bounds;
+  part.triangles = std::move(triangles);
 }
 
 void SharedMeshes::build(std::span<const std::size_t> numbers) const {
@@ -97,34 +97,34 @@ void SharedMeshes::build(std::span<const std::size_t> numbers) const {
     for (std::size_t i = first; i < last; ++i) {
       Part& part = parts_[numbers[i]];
       Part::State missing = Part::State::Missing;
-      if (!part.state_.compare_exchange_strong(missing, Part::State::InProgress)) continue;
+      if (!part.state.compare_exchange_strong(missing, Part::State::InProgress)) continue;
       try {
         make(part);
       } catch (...) {
-        part.failure_ = std::current_exception();  // rethrown in each thread that needs the part
+        part.failure = std::current_exception();  // rethrown in each thread that needs the part
       }
-      part.state_ = Part::State::Finished;
-      part.state_.notify_all();
+      part.state = Part::State::Finished;
+      part.state.notify_all();
     }
   });
   for (const std::size_t number : numbers) {
     Part& part = parts_[number];
-    part.state_.wait(Part::State::InProgress);  // another thread builds it
-    if (part.failure_) std::rethrow_exception(part.failure_);
+    part.state.wait(Part::State::InProgress);  // another thread builds it
+    if (part.failure) std::rethrow_exception(part.failure);
   }
 }
 
 void SharedMeshes::make(Part& part) const {
-  if (part.triangles_.empty()) {
-    part.block_ = blockOf(scene_, *part.mesh_);
+  if (part.triangles.empty()) {
+    part.block = blockOf(scene_, *part.mesh);
   } else {
-    part.block_ = blockOf(scene_, excerpt(*part.mesh_, part.triangles_));
-    for (BlockTriangle& triangle : part.block_->triangles) triangle.primitive = part.triangles_[triangle.primitive];
-    std::vector<std::uint32_t>().swap(part.triangles_);
+    part.block = blockOf(scene_, excerpt(*part.mesh, part.triangles));
+    for (BlockTriangle& triangle : part.block->triangles) triangle.primitive = part.triangles[triangle.primitive];
+    std::vector<std::uint32_t>().swap(part.triangles);
   }
-  part.hierarchy_ = newScene(device_);
-  attachBlock(device_, part.hierarchy_.get(), *part.block_, options_);
-  isolated([&] { rtcCommitScene(part.hierarchy_.get()); });
+  part.hierarchy = newScene(device_);
+  attachBlock(device_, part.hierarchy.get(), *part.block, options_);
+  isolated([&] { rtcCommitScene(part.hierarchy.get()); });
   checkEmbree(device_, "build the shared meshes");  // Embree keeps an error for the thread in which it occurs
 }
 

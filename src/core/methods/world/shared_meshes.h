@@ -19,25 +19,17 @@ namespace scanmill {
 
 class SharedMeshes {
  public:
-  // Triangles of one mesh that share a hierarchy.
-  class Part {
-   public:
-    const Box& bounds() const { return bounds_; }                // m, in the mesh's axes
-    const TriangleBlock* block() const { return block_.get(); }  // null until build() has built the part
-    RTCSceneTy* hierarchy() const { return hierarchy_.get(); }   // likewise
-
-   private:
-    friend class SharedMeshes;
+  // Triangles of one mesh that share a hierarchy. build() sets the members that follow the bounds.
+  struct Part {
     enum class State { Missing, InProgress, Finished };
 
-    const Mesh* mesh_ = nullptr;
-    // The part's triangles of the mesh, ascending; empty: all. Freed when the part is built.
-    std::vector<std::uint32_t> triangles_;
-    Box bounds_;
-    std::unique_ptr<TriangleBlock> block_;
-    SceneHandle hierarchy_;
-    std::exception_ptr failure_;
-    std::atomic<State> state_ = State::Missing;
+    const Mesh* mesh = nullptr;
+    std::vector<std::uint32_t> triangles;  // the part's triangles of the mesh, ascending; empty: all, or part is built
+    Box bounds;                            // m, in the mesh's axes
+    std::unique_ptr<TriangleBlock> block;
+    SceneHandle hierarchy;
+    std::exception_ptr failure;
+    std::atomic<State> state = State::Missing;
   };
 
   // `instanced`: for each mesh, whether it has parts. If `divided`, meshes of more than twice kTrianglesOfPart

@@ -90,7 +90,7 @@ std::vector<std::size_t> place(World& world, const std::vector<bool>& instanced,
     }
     const std::uint32_t mesh = instance.meshAt(revolution.time + revolution.duration / 2);
     for (std::size_t part = shared.first(mesh); part < shared.first(mesh + 1); ++part) {
-      const Box& own = shared.part(part).bounds();
+      const Box& own = shared.part(part).bounds;
       if (own.empty()) continue;
       Box box = boxAround(placed.originFromMesh, own);
       if (placed.moves) box.add(boxAround(placed.atEnd, own));
@@ -144,8 +144,8 @@ std::unique_ptr<World> buildWorld(RTCDeviceTy* device, const Scene& scene, const
   shared.build(parts);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const SharedMeshes::Part& part = shared.part(parts[i]);
-    world->placed[i].block = part.block();
-    attachInstance(device, world->embree.get(), part.hierarchy(), world->placed[i],
+    world->placed[i].block = part.block.get();
+    attachInstance(device, world->embree.get(), part.hierarchy.get(), world->placed[i],
                    World::kFirstPlaced + static_cast<unsigned>(i));
   }
   isolated([&] { rtcCommitScene(world->embree.get()); });

@@ -90,7 +90,7 @@ TEST_F(SharedParts, EachTriangleIsInOnePartThatContainsIt) {
     std::vector<int> found(mesh.triangles.size());
     for (std::size_t p = shared.first(m); p < shared.first(m + 1); ++p) {
       const SharedMeshes::Part& part = shared.part(p);
-      const TriangleBlock& block = *part.block();
+      const TriangleBlock& block = *part.block;
       ASSERT_EQ(block.corners.size(), block.triangles.size());
       for (std::size_t t = 0; t < block.triangles.size(); ++t) {
         const std::uint32_t own = block.triangles[t].primitive;
@@ -98,10 +98,10 @@ TEST_F(SharedParts, EachTriangleIsInOnePartThatContainsIt) {
         for (std::size_t k = 0; k < 3; ++k) {
           const Vec3f& corner = block.vertices[block.corners[t][k]];
           ASSERT_EQ(corner, mesh.positions[mesh.triangles[own][k]]);
-          Box box = part.bounds();
+          Box box = part.bounds;
           box.add(Vec3d(corner));
-          ASSERT_EQ(box.low, part.bounds().low);
-          ASSERT_EQ(box.high, part.bounds().high);
+          ASSERT_EQ(box.low, part.bounds.low);
+          ASSERT_EQ(box.high, part.bounds.high);
         }
       }
     }
@@ -134,7 +134,7 @@ TEST_F(SharedParts, NoRayPassesBetweenParts) {
   const Mesh& mesh = scene_.meshes[ground.mesh];
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::set<std::size_t>> partsOfEdge;
   for (std::size_t p = shared.first(ground.mesh); p < shared.first(ground.mesh + 1); ++p) {
-    for (const BlockTriangle& t : shared.part(p).block()->triangles) {
+    for (const BlockTriangle& t : shared.part(p).block->triangles) {
       const Triangle& corners = mesh.triangles[t.primitive];
       for (std::size_t k = 0; k < 3; ++k) {
         partsOfEdge[std::minmax(corners[k], corners[(k + 1) % 3])].insert(p);
@@ -183,7 +183,7 @@ TEST_F(SharedParts, WorldsHaveThePartsWithinReachAndNoFarOnes) {
     const Instance& instance = scene_.instances[i];
     for (std::size_t p = shared.first(instance.mesh); p < shared.first(instance.mesh + 1); ++p) {
       double nearest = INFINITY;
-      const TriangleBlock& block = *shared.part(p).block();
+      const TriangleBlock& block = *shared.part(p).block;
       for (const Triangle& t : block.corners) {
         for (const std::uint32_t corner : t) {
           nearest = std::min(nearest, length(instance.worldFromMesh * Vec3d(block.vertices[corner])));
@@ -205,7 +205,7 @@ TEST_F(SharedParts, ThreadsThatWantTheSamePartsBuildEachOnce) {
   for (std::vector<const TriangleBlock*>& own : seen) {
     threads.emplace_back([&] {
       shared.build(parts);
-      for (const std::size_t p : parts) own.push_back(shared.part(p).block());
+      for (const std::size_t p : parts) own.push_back(shared.part(p).block.get());
     });
   }
   for (std::thread& thread : threads) thread.join();
