@@ -132,40 +132,33 @@ std::string RecordedPoses::about() const {
 }
 
 std::string RecordedPoses::doubt() const {
-  constexpr double kFastest = 100;  // m/s; a larger speed between two poses causes a warning
-  constexpr double kMoves = 0.5;    // m/s; below this speed the direction of travel is not tested
-  constexpr double kSteepest = 20;  // degrees; a larger mean tilt causes a warning
+  constexpr double kFastest = 100;    // m/s
+  constexpr double kMoves = 0.5;      // m/s; below this speed the direction of travel is not tested
+  constexpr double kMostTilted = 20;  // degrees, largest mean tilt
+  constexpr double kMostAskew = 45;   // degrees, largest mean angle between the heading and the direction of travel
+  double fastest = 0;
   double upright = 0;
   double ahead = 0;
   double moved = 0;
   for (std::size_t i = 1; i < poses_.size(); ++i) {
     const Vec3d way = poses_[i].pose.translation - poses_[i - 1].pose.translation;
-    const double far = scanmill::length(way);
-    const double speed = far / (poses_[i].time - poses_[i - 1].time);
+    const double speed = scanmill::length(way) / (poses_[i].time - poses_[i - 1].time);
     const Mat3 axes = toMatrix(poses_[i].pose.rotation);
+    fastest = std::max(fastest, speed);
     upright += axes.z.z;
-    if (speed > kFastest) {
-      return fmt::format(
-          "the vehicle moves at {:.4g} m/s at {:.6g} s: are the times in seconds and the positions in metres?", speed,
-          poses_[i].time);
-    }
     if (speed < kMoves) continue;
-    moved += far;
+    moved += scanmill::length(way);
     ahead += dot(axes.x, way);
   }
-  const double tilt = degrees(std::acos(std::clamp(upright / static_cast<double>(poses_.size() - 1), -1.0, 1.0)));
-  if (tilt > kSteepest) {
-    return fmt::format(
-        "the vehicle is tilted by {:.0f} degrees on average: are roll and pitch in degrees (columns roll_deg, "
-        "pitch_deg), is the order of the quaternion right, or are the poses of a camera (`frame: camera`)?",
-        tilt);
-  }
-  constexpr double kAskew = 0.7;  // cosine of the largest mean angle between the heading and the direction of travel
-  if (moved > 0 && ahead < kAskew * moved) {
-    return "the heading of the vehicle differs from its direction of travel: are angles in degrees (column yaw_deg), "
-           "is the order of the quaternion right, or are the poses of a camera (`frame: camera`)?";
-  }
-  return {};
+  const auto angle = [](double cosine) { return degrees(std::acos(std::clamp(cosine, -1.0, 1.0))); };
+  const double tilt = angle(upright / static_cast<double>(poses_.size() - 1));
+  const double askew = moved > 0 ? angle(ahead / moved) : 0;
+  if (fastest <= kFastest && tilt <= kMostTilted && askew <= kMostAskew) return {};
+  return fmt::format(
+      "the vehicle drives at up to {:.4g} m/s, is tilted by {:.0f} degrees on average and heads {:.0f} degrees off its "
+      "way: are times in s, positions in m and angles in degrees (columns yaw_deg, pitch_deg, roll_deg), is the order "
+      "of the quaternion right, or are the poses of a camera (`frame: camera`)?",
+      fastest, tilt, askew);
 }
 
 RecordedPoses readRecordedPoses(const Value& value) {

@@ -44,27 +44,10 @@ class RecordedPoses {
   std::vector<StampedPose> poses_;  // ascending in time; the time of the first pose is 0
 };
 
-// Reads from YAML:
-//
-//   recorded:
-//     file: poses/00.txt
-//     format: kitti                  # kitti, tum, nuscenes, csv; default: by the file's name
-//     times: sequences/00/times.txt  # kitti: file with the time of each pose (s), one per line
-//     interval: 0.1                  # kitti: in place of `times`, the time from pose to pose (s)
-//     calib: sequences/00/calib.txt  # kitti: file whose transform Tr gives the poses of the laser scanner; without the
-//                                    # key, the poses are the camera's, turned so that x is forward and z is up
-//     scene: scene-0061              # nuscenes: the file is v1.0-*/ego_pose.json, beside the other tables
-//     frame: vehicle                 # tum, csv: the frame of the poses: vehicle (x forward, z up), or camera (z
-//                                    # forward, y down)
-//     start: {position: [x, y, z], yaw_deg: 90}   # moves all poses so that the first one has this position and
-//                                    # heading; without position or yaw_deg, the recorded value is kept
-//
-// KITTI: Geiger, Lenz, Urtasun, "Are we ready for autonomous driving?", CVPR 2012: 12 numbers per line, the first three
-// rows of the matrix that transforms points from the left camera's frame to its first frame. TUM: Sturm et al., "A
-// benchmark for the evaluation of RGB-D SLAM systems", IROS 2012: `time x y z qx qy qz qw`. A CSV file's first line has
-// the names of its columns: time (s; or time_ms, time_us, time_ns), x, y, z (m), and qw, qx, qy, qz, or yaw, pitch,
-// roll (rad, at most a turn; or yaw_deg, yaw_rad, ...), or no rotation, in which case the vehicle heads along its path.
-// Throws InputError with the file and the line number.
+// Reads the map `recorded` of a trajectory, whose keys docs/keys.md explains. KITTI: Geiger, Lenz, Urtasun, "Are we ready
+// for autonomous driving?", CVPR 2012: 12 numbers per line, the first three rows of the matrix that transforms points
+// from the left camera's frame to its first frame. TUM: Sturm et al., "A benchmark for the evaluation of RGB-D SLAM
+// systems", IROS 2012: `time x y z qx qy qz qw`. Throws InputError with the file and the line number.
 RecordedPoses readRecordedPoses(const Value& value);
 
 struct FormatSupport;

@@ -33,28 +33,9 @@ struct RandomWay {
   std::optional<RoadTrip> trip = {};  // none: the path is random
 };
 
-// The pose worldFromVehicle over time. In YAML it has one of poses, waypoints, along, on and recorded:
-//
-//   poses: [{position: [x, y, z], yaw_deg: 90}, ...]        # one frame each; the vehicle stands still in each
-//   waypoints: [[x, y, z], ...]                             # driven at `speed`, heading along the path
-//   path: spline | line                                     # through the waypoints; see base/path.h
-//   rounding: 0.5                                           # m before and behind each corner of `path: line`
-//   along: lane | turns                                     # in place of waypoints: through the scene's town
-//   on: [road]                                              # in place of waypoints: a random drive on these classes
-//   from: [x, y], to: [x, y]                                # beside `on`: from one point to another
-//   keep: right | left | middle                             # side of the surfaces to drive on
-//   drives: 3                                               # number of random drives, each a sequence: name-0, ...
-//   recorded: {file: poses.txt, ...}                        # in place of waypoints: see recorded_poses.h
-//   speed: 8.0                                              # m/s
-//   acceleration: 1.5                                       # m/s^2; the drive starts and ends at rest and is
-//                                                           # slower in bends: see speed_profile.h
-//   stops: [{at: 60, wait: 4}]                              # position (m) and waiting time (s); needs acceleration
-//   lane_changes: [{at: 80, left: 3, over: 30}]             # starts at 80 m of path, ends 30 m later 3 m to the left
-//   sway: {roll_deg: 0.4, pitch_deg: 0.3, heave_m: 0.01}    # see speed_profile.h
-//   ground: drop                                            # see ground_profile.h
-//   every_s: 0.1 | every_m: 1.0                             # from frame to frame (poses, recorded: only every_s)
-//   frames: 40                                              # optional limit; default: to the end of the path
-//   name: loop                                              # optional
+// The pose worldFromVehicle over time, from a map with one of the keys poses, waypoints, along, on and recorded;
+// docs/keys.md explains all keys. A path with an acceleration and sway is in speed_profile.h, the ground in
+// ground_profile.h, a recording in recorded_poses.h.
 class Trajectory {
  public:
   static constexpr std::uint32_t kMaxFrames = 10'000'000;
