@@ -377,8 +377,6 @@ FrameBarUse frameBar(const PixelRect& rect, const FrameBar& bar) {
       ImGui::SameLine();
       ImGui::AlignTextToFramePadding();
       words(fmt::format("#{} of {}   {}", bar.frame, bar.frames, bar.key));
-      ImGui::SameLine();
-      dimWords(bar.playing ? bar.speed : "");
     }
     if (!bar.busy.empty()) {
       if (bar.frames > 1) ImGui::SameLine();

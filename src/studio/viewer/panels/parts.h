@@ -72,7 +72,7 @@ bool imageAt(ImageId image, const PixelRect& rect, const std::optional<std::pair
 struct FrameBar {
   std::size_t frame = 0;
   std::size_t frames = 0;  // number of frames; if it is less than 2, the slider and `key` are not shown
-  std::string key{}, speed{}, busy{};
+  std::string key{}, busy{};
   bool playing = false;
 };
 struct FrameBarUse {

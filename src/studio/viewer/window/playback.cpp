@@ -1,23 +1,12 @@
 #include "viewer/window/playback.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
-#include <array>
 
 namespace scanmill {
 
-namespace {
-
-// Playing speeds as multiples of the recorded speed; 0: as fast as frames load.
-constexpr std::array<double, 5> kSpeeds{0.5, 1, 2, 5, 0};
-constexpr std::size_t kUsualSpeed = 1;
-
-}  // namespace
-
 Playback::Playback(std::shared_ptr<const FrameSource> source, std::unique_ptr<FrameLoader> loader,
                    const std::string& sample)
-    : source_(std::move(source)), loader_(std::move(loader)), speed_(kUsualSpeed) {
+    : source_(std::move(source)), loader_(std::move(loader)) {
   goTo(findFrame(*source_, sample), 0);
 }
 
@@ -55,27 +44,10 @@ void Playback::togglePlaying(double now) {
   if (requested_ + 1 >= count()) goTo(0, 1);
 }
 
-// Returns how long each frame is shown while frames are played (s).
-double Playback::frameSeconds() const {
-  constexpr double kLeast = 0.1;  // least time per frame at speed 1 (s)
-  constexpr double kMost = 0.2;   // largest time per frame at speed 1 (s), even if the recorded interval is longer
-  const double times = kSpeeds[speed_];
-  return times > 0 ? std::clamp(recordedSeconds_, kLeast, kMost) / times : 0;
-}
-
-std::string Playback::speedText() const {
-  const double times = kSpeeds[speed_];
-  return times > 0 ? fmt::format("{}x", times) : "as fast as it loads";
-}
-
-void Playback::changeSpeed(int step) {
-  const int last = static_cast<int>(kSpeeds.size()) - 1;
-  speed_ = static_cast<std::size_t>(std::clamp(static_cast<int>(speed_) + step, 0, last));
-}
-
 bool Playback::tick(double now) {
   bool changed = false;
-  if (playing_ && settled() && now - shownAt_ >= frameSeconds()) {
+  const double shownSeconds = std::clamp(recordedSeconds_, 0.1, 0.2);  // how long each frame is shown while playing (s)
+  if (playing_ && settled() && now - shownAt_ >= shownSeconds) {
     playing_ = requested_ + 1 < count();
     if (playing_) goTo(requested_ + 1, 1);
     changed = true;

@@ -33,8 +33,6 @@ class Playback {
   // at the first.
   void togglePlaying(double now);
   void stop() { playing_ = false; }
-  // Makes playing faster (1) or slower (-1).
-  void changeSpeed(int step);
   // Requests the next frame if it is due. Returns true if playing has ended, a frame was requested or busy() changed.
   bool tick(double now);
   // Loads the frames after the requested frame in advance from now on.
@@ -45,8 +43,6 @@ class Playback {
   std::optional<std::size_t> current() const { return current_; }  // absent: no frame has been loaded
   bool settled() const { return current_ == requested_; }
   bool playing() const { return playing_; }
-  // Returns the playing speed as text for the user, such as "2x" or "as fast as it loads".
-  std::string speedText() const;
   // Returns the name of the frame or scene that is being loaded; empty if nothing is being loaded.
   const std::string& busy() const { return busy_; }
   void clearBusy() { busy_.clear(); }
@@ -55,8 +51,6 @@ class Playback {
   FrameLoader& loader() { return *loader_; }
 
  private:
-  double frameSeconds() const;
-
   std::shared_ptr<const FrameSource> source_;
   std::unique_ptr<FrameLoader> loader_;
   std::size_t requested_ = 0;
@@ -65,7 +59,6 @@ class Playback {
   double shownAt_ = 0;                 // time at which the current frame was received or playing began (s)
   double recordedSeconds_ = 0;         // recorded time between the last two frames (s); 0: they are not consecutive
   bool playing_ = false;
-  std::size_t speed_;  // index in kSpeeds
   bool readsAhead_ = false;
   std::string busy_;
 };

@@ -116,12 +116,6 @@ void ViewSession::togglePlaying() {
   takeWhatIsLoaded();
 }
 
-void ViewSession::changeSpeed(int step) {
-  if (playback_.count() < 2) return context_.say("there is one frame only");
-  playback_.changeSpeed(step);
-  context_.say("playing speed: " + playback_.speedText());
-}
-
 void ViewSession::hintAtNames() {
   if (context_.source->ontology() != nullptr) return;
   const bool labelled =

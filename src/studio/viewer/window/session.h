@@ -70,7 +70,6 @@ class ViewSession {
   void goTo(std::size_t frame, int step);
   void stepBy(std::ptrdiff_t count);
   void togglePlaying();
-  void changeSpeed(int step);
   void hintAtNames();
   void takeWhatIsLoaded();
   void showFrame(std::shared_ptr<const ViewFrame> loaded);

@@ -169,8 +169,6 @@ void ViewSession::act(const KeyMeaning& meaning) {
       return goTo(playback_.count() - 1, -1);
     case KeyAction::Play:
       return togglePlaying();
-    case KeyAction::ChangeSpeed:
-      return changeSpeed(meaning.number);
     case KeyAction::GoTo:
       if (context_.options.bare) return;  // there is no panel to type into
       panels_.help = false;               // closes the help, which would otherwise receive the keys

@@ -218,7 +218,6 @@ void ViewSession::drawFrameBar() {
   const FrameBar bar{.frame = requested,
                      .frames = playback_.count(),
                      .key = context_.source->keys()[requested],
-                     .speed = playback_.speedText(),
                      .busy = playback_.busy(),
                      .playing = playback_.playing()};
   const FrameBarUse use = frameBar(panels_.rooms.bar, bar);

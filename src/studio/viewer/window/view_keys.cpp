@@ -21,8 +21,6 @@ std::vector<ViewCommand> listCommands() {
       {"Frames", {A::FirstFrame}, "first", {"<"}},
       {"Frames", {A::LastFrame}, "last", {">", "End"}},
       {"Frames", {A::Play}, "play, pause", {" "}},
-      {"Frames", {A::ChangeSpeed, -1}, "play slower", {"("}},
-      {"Frames", {A::ChangeSpeed, 1}, "play faster", {")"}},
       {"Frames", {A::GoTo}, "go to a key or index", {"g"}},
       {"Scans", {A::NextScan}, "next of the sample", {"n"}},
       {"Scans", {A::ToggleOverlay}, "all over one another, each in a colour", {"l"}},

@@ -28,7 +28,6 @@ enum class KeyAction {
   FirstFrame,
   LastFrame,
   Play,
-  ChangeSpeed,  // number: 1 or -1
   GoTo,
   ToggleOverlay,
   ToggleSplit,
