@@ -188,7 +188,6 @@ class CsvReader {
 
 class Csv : public Format {
  public:
-  std::string_view suffix() const override { return "csv"; }
   double maxError() const override { return 0; }
   bool keepsMisses() const override { return true; }
 

@@ -106,7 +106,6 @@ class DracoFormat : public Format {
  public:
   explicit DracoFormat(const DracoOptions& options) : options_(options) {}
 
-  std::string_view suffix() const override { return "drc"; }
   double maxError() const override { return options_.maxError; }
   bool keepsMisses() const override { return false; }
 

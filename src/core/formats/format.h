@@ -30,7 +30,6 @@ struct ScanOutline {
 class Format {
  public:
   virtual ~Format() = default;
-  virtual std::string_view suffix() const = 0;  // "pcd", "drc", "csv": lower-case, no dot
   // Returns the largest Euclidean error of a position that encode() makes (m); 0: the format is lossless.
   virtual double maxError() const = 0;
   virtual bool keepsMisses() const = 0;  // true if encode() can store an organised scan
@@ -45,8 +44,8 @@ class Format {
 };
 
 struct FormatEntry {
-  std::string_view name;  // "pcd", "draco", "csv"
-  std::string_view suffix;
+  std::string_view name;    // "pcd", "draco", "csv"
+  std::string_view suffix;  // "pcd", "drc", "csv": lower-case, no dot
   std::string_view summary;
   std::string_view keys;  // the options, a line for each: "name: default, meaning"
   std::unique_ptr<Format> (*make)(Fields& options);

@@ -157,7 +157,6 @@ class Pcd : public Format {
  public:
   explicit Pcd(Encoding encoding) : encoding_(encoding) {}
 
-  std::string_view suffix() const override { return "pcd"; }
   double maxError() const override { return 0; }
   bool keepsMisses() const override { return true; }
 

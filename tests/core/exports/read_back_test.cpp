@@ -85,11 +85,12 @@ class RoundTrip : public ExportWorld, public testing::WithParamInterface<Trip> {
     if (std::any_of(formats().begin(), formats().end(), isNamed)) {
       const Value none;
       Fields options(none, "format");
-      const auto format = requireFormat(trip_.name, {}).make(options);
+      const FormatEntry& entry = requireFormat(trip_.name, {});
+      const auto format = entry.make(options);
       for (std::size_t k = 0; k < 4; ++k) {
         Scan scan = this->scan(0, k % 2);
         change(scan);
-        folder_.write(fmt::format("{}.{}", k, format->suffix()), format->encode(scan));
+        folder_.write(fmt::format("{}.{}", k, entry.suffix), format->encode(scan));
       }
       return;
     }

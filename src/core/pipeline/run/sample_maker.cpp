@@ -190,7 +190,7 @@ void SampleMaker::addFormats(const Scan& scan, Sample& sample) {
   const StageTimer timer(clock_, "encode");
   const Pipeline& pipeline = plan_.pipeline;
   for (const ChosenFormat& f : pipeline.output.formats) {
-    sample.members.push_back({memberSuffix(sample.scans.back(), f.format->suffix()), f.format->encode(scan)});
+    sample.members.push_back({memberSuffix(sample.scans.back(), f.entry->suffix), f.format->encode(scan)});
   }
   if (pipeline.output.layout.reasons) {
     sample.members.push_back({memberSuffix(sample.scans.back(), kReasonsSuffix),

@@ -108,7 +108,6 @@ TEST(Encodings, MissesOfOrganisedScansAreNoPoints) {
 class Careless : public Format {
  public:
   explicit Careless(Scan decoded) : decoded_(std::move(decoded)) {}
-  std::string_view suffix() const override { return "bad"; }
   double maxError() const override { return 0.5; }
   bool keepsMisses() const override { return true; }
   double mostBytes(const ScanOutline&) const override { return 1; }
