@@ -201,22 +201,12 @@ class SdfReader {
   }
 
   // Returns the child of a state that concerns a model or link; null if there is none.
-  const XmlNode* stateOf(const XmlNode* state, std::string_view kind, const std::string& name) {
+  static const XmlNode* stateOf(const XmlNode* state, std::string_view kind, const std::string& name) {
     if (state == nullptr) return nullptr;
-    for (const XmlNode& child : state->children) {
-      if (child.name != kind || child.attributeOr("name", "") != name) continue;
-      statesUsed_.insert(&child);
-      return &child;
-    }
-    return nullptr;
-  }
-
-  void countUnusedStates(const XmlNode& state) {
-    for (const XmlNode& child : state.children) {
-      if (child.name != "model" && child.name != "link") continue;
-      if (!statesUsed_.contains(&child)) world_.leftOut.add("states of models and links that the world lacks");
-      if (!statesOfMissing_.contains(&child)) countUnusedStates(child);
-    }
+    const auto found = std::find_if(state->children.begin(), state->children.end(), [&](const XmlNode& child) {
+      return child.name == kind && child.attributeOr("name", "") == name;
+    });
+    return found == state->children.end() ? nullptr : &*found;
   }
 
   // A link keeps its name if a joint, frame or model has the same, which SDF 1.6 allows.
@@ -271,10 +261,7 @@ class SdfReader {
             scope->frames.try_emplace(name, std::move(merged));
           }
         }
-        if (model->missing && model->merged) {
-          scope->inPlaceOfMissing = own;
-          statesOfMissing_.insert(state.node);
-        }
+        if (model->missing && model->merged) scope->inPlaceOfMissing = own;
         if (!model->missing) found.push_back({pose, std::move(*model), &child});
       } else if (child.name == "frame" || child.name == "link" || child.name == "joint") {
         const PoseElement pose = readPose(child);
@@ -284,7 +271,6 @@ class SdfReader {
         addFrame(*scope, child.attributeOr("name", child.name), {&child, pose.pose, relativeTo, nullptr});
       }
     }
-    if (depth == 0 && state.node != nullptr) countUnusedStates(*state.node);
     Placed placed;
     for (Found& f : found) {
       const Pose pose = scope->resolve(f.pose.relativeTo, *f.node) * f.pose.pose;
@@ -358,7 +344,6 @@ class SdfReader {
         empty.name = node.textOf("name", name);
         empty.missing = true;
         pose = readPose(node);
-        statesOfMissing_.insert(stateOf(around.node, "model", empty.name));
         auto scope = std::make_shared<Scope>();
         scope->inPlaceOfMissing = "";
         inside = std::move(scope);
@@ -574,8 +559,6 @@ class SdfReader {
   }
 
   WorldFile world_;
-  std::set<const XmlNode*> statesUsed_;
-  std::set<const XmlNode*> statesOfMissing_;  // states of models of which all or some links are missing
   std::map<std::filesystem::path, XmlNode> definitions_;
   // Files of models, by the folder of the file that includes them and their URI.
   std::map<std::pair<std::filesystem::path, std::string>, std::filesystem::path> found_;
@@ -622,8 +605,7 @@ const FormatSupport& sdfFormat() {
       "is taken as linear light, since SDF states no colour space",
       "elements in a wrong place, and further ones where one may stand; transparencies between 0 and 1 and alphas of "
       "colours (these visuals are solid); numbers of colours above 1 (they count as 1); looks by scripts of OGRE; "
-      "textures of parts without texture coordinates; worlds and states after the first, states of models and links "
-      "that the world lacks"};
+      "textures of parts without texture coordinates; worlds and states after the first"};
   return format;
 }
 
