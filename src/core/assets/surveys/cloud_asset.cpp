@@ -49,9 +49,8 @@ class CloudAsset {
     }
     thin();
     if (positions_.size() > kMostPoints) {
-      throw InputError({file_.string()},
-                       fmt::format("has {} points, but at most {} can be read: give `spacing` to thin them out",
-                                   positions_.size(), kMostPoints));
+      fail(fmt::format("has {} points, but at most {} can be read: give `spacing` to thin them out", positions_.size(),
+                       kMostPoints));
     }
     asset_.origin = assetFromFile * cloud_.origin;
     asset_.system = cloud_.system;
@@ -63,6 +62,8 @@ class CloudAsset {
   }
 
  private:
+  [[noreturn]] void fail(const std::string& what) const { throw InputError({file_.string()}, what); }
+
   // Leaves out the points at exactly [0, 0, 0] of the file, if there are several: organised scans store misses there.
   void dropMisses() {
     std::vector<Vec3f*> misses;
@@ -87,10 +88,9 @@ class CloudAsset {
   void choosePoints() {
     const auto& labels = scan_[kLabel];
     if (labels.empty() && !options_.points.labels.empty()) {
-      throw InputError({file_.string()},
-                       fmt::format("has no labels (a column `label`, or LAS classes), but {}{}: leave out `labels`",
-                                   fmt::join(columnNames(scan_), ", "),
-                                   cloud_.leftOut.empty() ? "" : "; left out: " + cloud_.leftOut.text()));
+      fail(fmt::format("has no labels (a column `label`, or LAS classes), but {}{}: leave out `labels`",
+                       fmt::join(columnNames(scan_), ", "),
+                       cloud_.leftOut.empty() ? "" : "; left out: " + cloud_.leftOut.text()));
     }
     std::set<std::uint32_t> noise;
     for (const auto& [label, name] : cloud_.classNames) {
@@ -107,9 +107,7 @@ class CloudAsset {
     }
     cloud_.leftOut.add("points of classes of noise", noisy);
     if (chosen_.empty()) {
-      throw InputError(
-          {file_.string()},
-          "has no points" + (cloud_.leftOut.empty() ? "" : " but those left out: " + cloud_.leftOut.text()));
+      fail("has no points" + (cloud_.leftOut.empty() ? "" : " but those left out: " + cloud_.leftOut.text()));
     }
   }
 
@@ -274,11 +272,11 @@ class CloudAsset {
       }
     }
     if (wanted == Source::Intensity) {
-      throw InputError({file_.string()}, "has no intensities above 0: leave out `reflectance: intensity`");
+      fail("has no intensities above 0: leave out `reflectance: intensity`");
     }
     if (wanted != Source::None && fillColors(image)) return true;
     if (wanted != Source::Color) return false;
-    throw InputError({file_.string()}, "has no colours (red, green, blue; or rgb): leave out `reflectance: color`");
+    fail("has no colours (red, green, blue; or rgb): leave out `reflectance: color`");
   }
 
   // Returns the packed red, green and blue of a value: the Point Cloud Library stores the bits of an integer as a

@@ -32,10 +32,9 @@ class HeightAsset {
         heights_(readRaster(file, {RasterUse::Heights, 1, wanted_.every, wanted_.within, kMostSamples})) {}
 
   Asset build() {
-    if (options_.up && *options_.up != 'z')
-      throw InputError({file_.string()}, "heights are always along z: leave out `up`");
+    if (options_.up && *options_.up != 'z') fail("heights are always along z: leave out `up`");
     if (heights_.width < 2 || heights_.height < 2) {
-      throw InputError({file_.string()}, "has fewer than two samples along an axis: a surface needs at least two");
+      fail("has fewer than two samples along an axis: a surface needs at least two");
     }
     asset_.up = 'z';
     asset_.upDeclared = true;
@@ -56,11 +55,13 @@ class HeightAsset {
       warn(fmt::format("{}: has no class for {} of the {} cells of {}, whose material is called 'no class'",
                        wanted_.classes.string(), grouped(unclassed_), grouped(cells_), file_.string()));
     }
-    if (asset_.parts.empty()) throw InputError({file_.string()}, "has no cell whose four samples all have heights");
+    if (asset_.parts.empty()) fail("has no cell whose four samples all have heights");
     return std::move(asset_);
   }
 
  private:
+  [[noreturn]] void fail(const std::string& what) const { throw InputError({file_.string()}, what); }
+
   std::size_t indexOf(int column, int row) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(heights_.width) + static_cast<std::size_t>(column);
   }
@@ -98,8 +99,7 @@ class HeightAsset {
     }
     const double farthest = -low > high ? low : high;
     if (std::isfinite(farthest) && std::fabs(farthest) * options_.metresPerUnit > kHighest) {
-      throw InputError(
-          {file_.string()},
+      fail(
           fmt::format("has a height of {:.9g} m: if this value marks missing samples, say so by gdal_edit.py "
                       "-a_nodata; if heights are not in metres, by gdal_edit.py -units",
                       farthest));
@@ -109,10 +109,10 @@ class HeightAsset {
     constexpr double kPole = 90 + 1e-6;  // degrees
     const double north = std::max(std::fabs(y), std::fabs(y2));
     if (heights_.geographic && north * heights_.perUnit > kPole) {
-      throw InputError({file_.string()},
-                       fmt::format("is in degrees, as its coordinate system says, but has the latitude {:.9g}: state "
-                                   "the system of its coordinates by gdal_edit.py -a_srs",
-                                   north * heights_.perUnit));
+      fail(
+          fmt::format("is in degrees, as its coordinate system says, but has the latitude {:.9g}: state "
+                      "the system of its coordinates by gdal_edit.py -a_srs",
+                      north * heights_.perUnit));
     }
     if (heights_.geographic || options_.metresPerUnit != 1) return;
     if (std::max(std::fabs(x), std::fabs(x2)) > 360 || std::max(std::fabs(y), std::fabs(y2)) > 90) return;
@@ -125,8 +125,7 @@ class HeightAsset {
                       file_.string(), high - low, extent));
       return;
     }
-    throw InputError(
-        {file_.string()},
+    fail(
         fmt::format("rises by {:.4g} m within {:.4g} metres or degrees, but has no coordinate system: put this into a "
                     ".prj file beside it, or into the file by gdal_edit.py -a_srs (degrees are EPSG:4326)",
                     high - low, extent));
