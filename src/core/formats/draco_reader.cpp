@@ -166,30 +166,21 @@ class CloudReader {
     return name;
   }
 
-  // Reads attributes with one value per point and a name that the table of columns does not have, colours and normals.
+  // Reads attributes with one value per point and a name that the table of columns does not have.
   void readForeign(const draco::PointAttribute& position) {
     for (int i = 0; i < cloud_.num_attributes(); ++i) {
       const draco::PointAttribute& attribute = *cloud_.attribute(i);
       if (&attribute == &position) continue;
-      const auto kind = attribute.attribute_type();
-      const auto components = static_cast<std::size_t>(attribute.num_components());
-      std::vector<std::string> names{nameOf(i)};
-      if (kind == draco::GeometryAttribute::COLOR && components >= 3) names = {"red", "green", "blue"};
-      if (kind == draco::GeometryAttribute::NORMAL && components == 3) names = {"nx", "ny", "nz"};
-      if (names[0].empty() || (names.size() == 1 && components != 1)) {
-        read_.leftOut.add(fmt::format("attributes '{}' of {} values", names[0], components));
-        continue;
+      const std::string name = nameOf(i);
+      if (name.empty() || attribute.num_components() != 1) {
+        read_.leftOut.add(fmt::format("attributes '{}' of {} values", name, attribute.num_components()));
+      } else if (columnIndex(name) >= kColumnCount) {
+        visitStored(attribute, name, [&]<class Stored>(Stored) {
+          std::vector<Stored> values(cloud_.num_points());
+          convert<Stored>(attribute, name, values.data());
+          read_.scan.foreign.push_back({name, std::move(values)});
+        });
       }
-      if (names.size() == 1 && columnIndex(names[0]) < kColumnCount) continue;
-      visitStored(attribute, names[0], [&]<class Stored>(Stored) {
-        std::vector<Stored> values(cloud_.num_points() * components);
-        convert<Stored>(attribute, names[0], values.data());
-        for (std::size_t c = 0; c < names.size(); ++c) {
-          std::vector<Stored> own;
-          for (std::size_t at = c; at < values.size(); at += components) own.push_back(values[at]);
-          read_.scan.foreign.push_back({names[c], std::move(own)});
-        }
-      });
     }
   }
 
@@ -243,8 +234,8 @@ const FormatSupport& dracoFormat() {
   static const FormatSupport format{"Draco",
                                     ".drc",
                                     {},
-                                    "Positions, colours and normals; generic attributes of one value a point, with the "
-                                    "metadata `name`, are the columns of point clouds",
+                                    "Positions; attributes of one value a point, with the metadata `name`, are the "
+                                    "columns of point clouds",
                                     "attributes of several values or without a name"};
   return format;
 }

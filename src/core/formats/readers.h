@@ -52,8 +52,8 @@ Cloud readPcd(std::string_view bytes, const std::string& what, bool exact = true
 // // are skipped, and the first line may begin so. Columns of the table are read in their types, others as doubles.
 Cloud readCsv(std::string_view bytes, const std::string& what, bool exact = true);
 
-// Reads any Draco point cloud that has positions. Its other attributes are recognised by their metadata entry "name";
-// colours and normals are recognised by their kind, too. The origin is zero.
+// Reads any Draco point cloud that has positions. Its other attributes are recognised by their metadata entry "name".
+// The origin is zero.
 Cloud readDraco(std::string_view bytes, const std::string& what);
 
 // Reads the points of LAS 1.0 to 1.4, point formats 0 to 10 ("LAS Specification 1.4 - R15", American Society for
