@@ -30,29 +30,251 @@ constexpr std::size_t withRoom(std::size_t count) {
   return count + count / 2;
 }
 
+constexpr std::uint32_t tableEntry(float distance) {
+  return distance >= kEmptyBrick ? std::bit_cast<std::uint32_t>(distance) : kUnmade;
+}
+
 class Builder {
  public:
-  Builder(const World& world, const FieldShape& shape, const std::vector<std::shared_ptr<const DistanceField>>& before);
+  Builder(const World& world, const FieldShape& shape, const std::vector<std::shared_ptr<const DistanceField>>& before)
+      : world_(world), field_(std::make_shared<DistanceField>()) {
+    if (!world.placed.empty()) throw Error("particle: a field cannot be built of instanced meshes");
+    for (const auto& field : before) {
+      if (field->shape.voxel != shape.voxel || field->shape.lists != shape.lists) continue;
+      if (poolBefore_ == nullptr) poolBefore_ = field->pool;
+      if (field->pool == poolBefore_) before_.push_back(field.get());
+    }
+    field_->shape = shape;
+    field_->levels = fieldLevels(shape);
+  }
 
-  std::shared_ptr<const DistanceField> build();
+  std::shared_ptr<const DistanceField> build() {
+    std::unique_lock<std::mutex> lock;
+    if (poolBefore_ != nullptr) lock = std::unique_lock(poolBefore_->appending);
+    fillTable();
+    findUnmade();
+    // A field gets a new pool if there is no earlier pool, if it has more new bricks than bricks from earlier fields,
+    // or if the earlier pool has no room for the new bricks.
+    const bool appended = poolBefore_ != nullptr && kept_ >= unmade_.size() && poolBefore_->room() >= unmade_.size();
+    appended ? append() : startPool();
+    makeBricks();
+    if (field_->shape.lists) {
+      std::uint64_t end = placeLists();
+      if (appended && end > pool_->lists.size()) {
+        startPool();
+        end = placeLists();
+      }
+      if (end >= kNoWord) {
+        throw Error(
+            fmt::format("particle: voxels of {:g} m give more than 4 billion entries in lists of triangles: choose "
+                        "larger voxels (voxel_m), or `refine: none`",
+                        field_->shape.voxel));
+      }
+      const std::uint64_t most = poolBefore_ != nullptr ? std::min<std::uint64_t>(withRoom(end), kNoWord - 1) : end;
+      if (pool_->lists.empty()) pool_->lists.resize(most);
+    }
+    assemble();
+    pool_->bricks = first_ + bricks_.size();
+    field_->distance = std::span(pool_->distance).first(pool_->bricks * kBrickStride);
+    field_->word = std::span(pool_->word).first(pool_->bricks * kBrickStride);
+    field_->lists = std::span(pool_->lists).first(pool_->firstList[pool_->bricks]);
+    field_->pool = std::move(pool_);
+    return std::move(field_);
+  }
 
  private:
-  BrickPlace placeOf(std::size_t level, const Corner& brick) const;
-  BrickPlace placeOf(std::uint32_t entry) const;
-  Corner brickOf(std::size_t level, std::uint32_t entry) const;
-  std::size_t levelOf(std::uint32_t entry) const;
-  static const std::uint32_t* entryOf(const DistanceField& field, std::size_t level, const Corner& brick);
-  const std::uint32_t* entryBefore(std::size_t level, const Corner& brick) const;
-  void fillTable();
-  void fillRow(std::size_t level, std::size_t row, FacetCache& facets);
-  float distanceOf(const BrickPlace& place, std::uint32_t& nearest, FacetCache& facets) const;
-  void findUnmade();
-  void append();
-  void startPool();
-  void makeBricks();
-  void makeBrick(std::size_t i, BrickMaker& maker, std::vector<std::uint32_t>& lists);
-  std::uint64_t placeLists();
-  void assemble();
+  BrickPlace placeOf(std::size_t level, const Corner& brick) const {
+    const double voxel = std::ldexp(field_->shape.voxel, static_cast<int>(level));
+    const auto centre = [&](std::int64_t b) { return static_cast<double>(b * kBrickVoxels + kHalfBrick) * voxel; };
+    return {{centre(brick[0]), centre(brick[1]), centre(brick[2])}, voxel};
+  }
+
+  BrickPlace placeOf(std::uint32_t entry) const {
+    const std::size_t level = levelOf(entry);
+    return placeOf(level, brickOf(level, entry));
+  }
+
+  std::size_t levelOf(std::uint32_t entry) const {
+    std::size_t level = field_->levels.size() - 1;
+    while (field_->levels[level].firstEntry > entry) --level;
+    return level;
+  }
+
+  Corner brickOf(std::size_t level, std::uint32_t entry) const {
+    const LevelBox& box = field_->shape.levels[level];
+    const std::uint32_t i = entry - field_->levels[level].firstEntry;
+    return {box.firstBrick[0] + i % box.bricks[0], box.firstBrick[1] + i / box.bricks[0] % box.bricks[1],
+            box.firstBrick[2] + i / box.bricks[0] / box.bricks[1]};
+  }
+
+  // Returns the table entry of the brick with lattice coordinates `brick`; null if the field does not have the brick.
+  static const std::uint32_t* entryOf(const DistanceField& field, std::size_t level, const Corner& brick) {
+    if (level >= field.levels.size()) return nullptr;
+    const LevelBox& box = field.shape.levels[level];
+    std::array<std::uint32_t, 3> at;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::int64_t i = brick[k] - box.firstBrick[k];
+      if (i < 0 || i >= box.bricks[k]) return nullptr;
+      at[k] = static_cast<std::uint32_t>(i);
+    }
+    return &field.table[field.levels[level].firstEntry + (at[2] * box.bricks[1] + at[1]) * box.bricks[0] + at[0]];
+  }
+
+  // Returns the table entry of a brick in the first earlier field that has the brick; null if none has it.
+  const std::uint32_t* entryBefore(std::size_t level, const Corner& brick) const {
+    for (const DistanceField* field : before_) {
+      if (const std::uint32_t* entry = entryOf(*field, level, brick)) return entry;
+    }
+    return nullptr;
+  }
+
+  // Returns the distance of a brick's centre from the nearest triangle (voxels), or slightly less. `nearest` is a first
+  // guess of the nearest triangle, and is set to the nearest triangle.
+  float distanceOf(const BrickPlace& place, std::uint32_t& nearest, FacetCache& facets) const {
+    facets.startBrick();
+    const float known2 = facets.of(world_.baked, nearest, place).distance2(0, 0, 0);
+    const NearestFacet found = nearestFacet(world_, place, {}, {known2, nearest}, facets);
+    nearest = found.triangle;
+    return std::sqrt(found.distance2) * brick::kShortened;
+  }
+
+  // Fills the table entries of a row of bricks along x: with an earlier field's entry if there is one, else with the
+  // distance of an empty brick, or kUnmade for a full brick.
+  void fillRow(std::size_t level, std::size_t row, FacetCache& facets) {
+    const LevelBox& box = field_->shape.levels[level];
+    const auto first = static_cast<std::uint32_t>(field_->levels[level].firstEntry + row * box.bricks[0]);
+    std::uint32_t nearest = 0;
+    for (std::uint32_t i = 0; i < box.bricks[0]; ++i) {
+      const Corner brick = brickOf(level, first + i);
+      std::uint32_t& entry = field_->table[first + i];
+      if (const std::uint32_t* before = entryBefore(level, brick)) {
+        entry = *before;
+      } else if (world_.baked.triangles.empty()) {
+        entry = tableEntry(kNothing);
+      } else {
+        entry = tableEntry(distanceOf(placeOf(level, brick), nearest, facets));
+      }
+    }
+  }
+
+  void fillTable() {
+    std::uint64_t entries = 0;
+    for (const LevelBox& box : field_->shape.levels) entries += box.size();
+    field_->table.resize(entries);
+    for (std::size_t level = 0; level < field_->levels.size(); ++level) {
+      const LevelBox& box = field_->shape.levels[level];
+      parallelFor(std::size_t{box.bricks[1]} * box.bricks[2], 4, [&](std::size_t first, std::size_t last) {
+        FacetCache facets;
+        for (std::size_t row = first; row < last; ++row) fillRow(level, row, facets);
+      });
+    }
+  }
+
+  void findUnmade() {
+    for (std::uint32_t i = 0; i < field_->table.size(); ++i) {
+      const std::uint32_t entry = field_->table[i];
+      if (entry == kUnmade) {
+        unmade_.push_back(i);
+      } else if (entry >= kFullBrick) {
+        ++kept_;
+      }
+    }
+    if (kept_ + unmade_.size() <= kMostBricks) return;
+    throw Error(
+        fmt::format("particle: voxels of {:g} m give more than {} million bricks near surfaces: choose larger voxels "
+                    "(voxel_m) or fewer (voxels)",
+                    field_->shape.voxel, kMostBricks / 1'000'000));
+  }
+
+  // Gives new bricks places in the pool of the earlier fields, after the bricks that the pool already contains.
+  void append() {
+    pool_ = poolBefore_;
+    first_ = pool_->bricks;
+    for (const std::uint32_t entry : unmade_) {
+      const auto made = static_cast<std::uint32_t>(bricks_.size());
+      field_->table[entry] = kFullBrick + static_cast<std::uint32_t>(first_) + made;
+      bricks_.push_back({entry, made, kNone});
+    }
+  }
+
+  // Gives all bricks places in a new pool of this field, including new bricks that were already appended to the earlier
+  // pool.
+  void startPool() {
+    const bool wereAppended = !bricks_.empty();
+    const std::size_t count = kept_ + unmade_.size();
+    pool_ = std::make_shared<BrickPool>(poolBefore_ != nullptr ? std::min(withRoom(count), kMostBricks) : count);
+    std::vector<Brick> placed;
+    placed.reserve(count);
+    std::uint32_t made = 0;
+    for (std::uint32_t i = 0; i < field_->table.size(); ++i) {
+      std::uint32_t& entry = field_->table[i];
+      if (entry < kFullBrick) continue;
+      const std::uint32_t copied = entry == kUnmade ? kNone : entry - kFullBrick;
+      const bool isNew = copied == kNone || (wereAppended && copied >= first_);
+      placed.push_back({i, isNew ? made++ : kNone, copied});
+      entry = kFullBrick + static_cast<std::uint32_t>(placed.size() - 1);
+    }
+    bricks_ = std::move(placed);
+    first_ = 0;
+  }
+
+  void makeBricks() {
+    lists_.resize(unmade_.size());
+    parallelFor(bricks_.size(), kBricksPerTask, [&](std::size_t first, std::size_t last) {
+      BrickMaker maker(world_, field_->shape.lists);
+      std::vector<std::uint32_t> lists;
+      for (std::size_t i = first; i < last; ++i) {
+        if (bricks_[i].made != kNone) makeBrick(i, maker, lists);
+      }
+    });
+  }
+
+  void makeBrick(std::size_t i, BrickMaker& maker, std::vector<std::uint32_t>& lists) {
+    const Brick& brick = bricks_[i];
+    const std::size_t at = (first_ + i) * kBrickStride;
+    lists.clear();
+    maker.make(placeOf(brick.entry), &pool_->distance[at], &pool_->word[at], lists);
+    lists_[brick.made].assign(lists.begin(), lists.end());
+  }
+
+  // Sets the start of each brick's lists. Returns the end of the last lists, which may be beyond the space of the pool.
+  std::uint64_t placeLists() {
+    const auto countOf = [&](const Brick& brick) -> std::uint64_t {
+      if (brick.made != kNone) return lists_[brick.made].size();
+      const auto& first = poolBefore_->firstList;
+      return first[brick.copied + 1] - first[brick.copied];
+    };
+    std::uint64_t end = pool_->firstList[first_];
+    for (std::size_t i = 0; i < bricks_.size(); ++i) {
+      end += countOf(bricks_[i]);
+      pool_->firstList[first_ + i + 1] = static_cast<std::uint32_t>(end);
+    }
+    return end;
+  }
+
+  // Copies the bricks that are taken from the earlier pool, and the lists of all bricks, to their places in the pool.
+  void assemble() {
+    const BrickPool* from = poolBefore_.get();
+    parallelFor(bricks_.size(), kBricksPerTask, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const Brick& brick = bricks_[i];
+        const std::size_t at = (first_ + i) * kBrickStride;
+        std::uint32_t* word = &pool_->word[at];
+        if (brick.copied != kNone) {
+          const std::size_t there = std::size_t{brick.copied} * kBrickStride;
+          std::copy_n(&from->distance[there], kBrickStride, &pool_->distance[at]);
+          std::copy_n(&from->word[there], kBrickStride, word);
+        }
+        if (!field_->shape.lists) continue;
+        const bool isNew = brick.made != kNone;
+        const std::uint32_t first = pool_->firstList[first_ + i];
+        const std::uint32_t base = isNew ? 0 : from->firstList[brick.copied];
+        const std::uint32_t* lists = isNew ? lists_[brick.made].data() : from->lists.data() + base;
+        for (int c = 0; c < kBrickStride; ++c) word[c] += word[c] == kNoWord ? 0 : first - base;
+        std::copy_n(lists, pool_->firstList[first_ + i + 1] - first, pool_->lists.begin() + first);
+      }
+    });
+  }
 
   const World& world_;
   std::vector<const DistanceField*> before_;  // earlier fields, all of one pool
@@ -72,250 +294,6 @@ class Builder {
   std::size_t kept_ = 0;                           // number of bricks taken from earlier fields
   std::vector<std::vector<std::uint32_t>> lists_;  // lists of each new brick; the brick's words are offsets in them
 };
-
-Builder::Builder(const World& world, const FieldShape& shape,
-                 const std::vector<std::shared_ptr<const DistanceField>>& before)
-    : world_(world), field_(std::make_shared<DistanceField>()) {
-  if (!world.placed.empty()) throw Error("particle: a field cannot be built of instanced meshes");
-  for (const auto& field : before) {
-    if (field->shape.voxel != shape.voxel || field->shape.lists != shape.lists) continue;
-    if (poolBefore_ == nullptr) poolBefore_ = field->pool;
-    if (field->pool == poolBefore_) before_.push_back(field.get());
-  }
-  field_->shape = shape;
-  field_->levels = fieldLevels(shape);
-}
-
-BrickPlace Builder::placeOf(std::size_t level, const Corner& brick) const {
-  const double voxel = std::ldexp(field_->shape.voxel, static_cast<int>(level));
-  const auto centre = [&](std::int64_t b) { return static_cast<double>(b * kBrickVoxels + kHalfBrick) * voxel; };
-  return {{centre(brick[0]), centre(brick[1]), centre(brick[2])}, voxel};
-}
-
-std::size_t Builder::levelOf(std::uint32_t entry) const {
-  std::size_t level = field_->levels.size() - 1;
-  while (field_->levels[level].firstEntry > entry) --level;
-  return level;
-}
-
-Corner Builder::brickOf(std::size_t level, std::uint32_t entry) const {
-  const LevelBox& box = field_->shape.levels[level];
-  const std::uint32_t i = entry - field_->levels[level].firstEntry;
-  return {box.firstBrick[0] + i % box.bricks[0], box.firstBrick[1] + i / box.bricks[0] % box.bricks[1],
-          box.firstBrick[2] + i / box.bricks[0] / box.bricks[1]};
-}
-
-BrickPlace Builder::placeOf(std::uint32_t entry) const {
-  const std::size_t level = levelOf(entry);
-  return placeOf(level, brickOf(level, entry));
-}
-
-// Returns the table entry of the brick with lattice coordinates `brick`; null if the field does not have the brick.
-const std::uint32_t* Builder::entryOf(const DistanceField& field, std::size_t level, const Corner& brick) {
-  if (level >= field.levels.size()) return nullptr;
-  const LevelBox& box = field.shape.levels[level];
-  std::array<std::uint32_t, 3> at;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const std::int64_t i = brick[k] - box.firstBrick[k];
-    if (i < 0 || i >= box.bricks[k]) return nullptr;
-    at[k] = static_cast<std::uint32_t>(i);
-  }
-  return &field.table[field.levels[level].firstEntry + (at[2] * box.bricks[1] + at[1]) * box.bricks[0] + at[0]];
-}
-
-// Returns the table entry of a brick in the first earlier field that has the brick; null if none has it.
-const std::uint32_t* Builder::entryBefore(std::size_t level, const Corner& brick) const {
-  for (const DistanceField* field : before_) {
-    if (const std::uint32_t* entry = entryOf(*field, level, brick)) return entry;
-  }
-  return nullptr;
-}
-
-// Returns the distance of a brick's centre from the nearest triangle (voxels), or slightly less. `nearest` is a first
-// guess of the nearest triangle, and is set to the nearest triangle.
-float Builder::distanceOf(const BrickPlace& place, std::uint32_t& nearest, FacetCache& facets) const {
-  facets.startBrick();
-  const float known2 = facets.of(world_.baked, nearest, place).distance2(0, 0, 0);
-  const NearestFacet found = nearestFacet(world_, place, {}, {known2, nearest}, facets);
-  nearest = found.triangle;
-  return std::sqrt(found.distance2) * brick::kShortened;
-}
-
-constexpr std::uint32_t tableEntry(float distance) {
-  return distance >= kEmptyBrick ? std::bit_cast<std::uint32_t>(distance) : kUnmade;
-}
-
-// Fills the table entries of a row of bricks along x: with an earlier field's entry if there is one, else with the
-// distance of an empty brick, or kUnmade for a full brick.
-void Builder::fillRow(std::size_t level, std::size_t row, FacetCache& facets) {
-  const LevelBox& box = field_->shape.levels[level];
-  const auto first = static_cast<std::uint32_t>(field_->levels[level].firstEntry + row * box.bricks[0]);
-  std::uint32_t nearest = 0;
-  for (std::uint32_t i = 0; i < box.bricks[0]; ++i) {
-    const Corner brick = brickOf(level, first + i);
-    std::uint32_t& entry = field_->table[first + i];
-    if (const std::uint32_t* before = entryBefore(level, brick)) {
-      entry = *before;
-    } else if (world_.baked.triangles.empty()) {
-      entry = tableEntry(kNothing);
-    } else {
-      entry = tableEntry(distanceOf(placeOf(level, brick), nearest, facets));
-    }
-  }
-}
-
-void Builder::fillTable() {
-  std::uint64_t entries = 0;
-  for (const LevelBox& box : field_->shape.levels) entries += box.size();
-  field_->table.resize(entries);
-  for (std::size_t level = 0; level < field_->levels.size(); ++level) {
-    const LevelBox& box = field_->shape.levels[level];
-    parallelFor(std::size_t{box.bricks[1]} * box.bricks[2], 4, [&](std::size_t first, std::size_t last) {
-      FacetCache facets;
-      for (std::size_t row = first; row < last; ++row) fillRow(level, row, facets);
-    });
-  }
-}
-
-void Builder::findUnmade() {
-  for (std::uint32_t i = 0; i < field_->table.size(); ++i) {
-    const std::uint32_t entry = field_->table[i];
-    if (entry == kUnmade) {
-      unmade_.push_back(i);
-    } else if (entry >= kFullBrick) {
-      ++kept_;
-    }
-  }
-  if (kept_ + unmade_.size() <= kMostBricks) return;
-  throw Error(
-      fmt::format("particle: voxels of {:g} m give more than {} million bricks near surfaces: choose larger voxels "
-                  "(voxel_m) or fewer (voxels)",
-                  field_->shape.voxel, kMostBricks / 1'000'000));
-}
-
-// Gives new bricks places in the pool of the earlier fields, after the bricks that the pool already contains.
-void Builder::append() {
-  pool_ = poolBefore_;
-  first_ = pool_->bricks;
-  for (const std::uint32_t entry : unmade_) {
-    const auto made = static_cast<std::uint32_t>(bricks_.size());
-    field_->table[entry] = kFullBrick + static_cast<std::uint32_t>(first_) + made;
-    bricks_.push_back({entry, made, kNone});
-  }
-}
-
-// Gives all bricks places in a new pool of this field, including new bricks that were already appended to the earlier
-// pool.
-void Builder::startPool() {
-  const bool wereAppended = !bricks_.empty();
-  const std::size_t count = kept_ + unmade_.size();
-  pool_ = std::make_shared<BrickPool>(poolBefore_ != nullptr ? std::min(withRoom(count), kMostBricks) : count);
-  std::vector<Brick> placed;
-  placed.reserve(count);
-  std::uint32_t made = 0;
-  for (std::uint32_t i = 0; i < field_->table.size(); ++i) {
-    std::uint32_t& entry = field_->table[i];
-    if (entry < kFullBrick) continue;
-    const std::uint32_t copied = entry == kUnmade ? kNone : entry - kFullBrick;
-    const bool isNew = copied == kNone || (wereAppended && copied >= first_);
-    placed.push_back({i, isNew ? made++ : kNone, copied});
-    entry = kFullBrick + static_cast<std::uint32_t>(placed.size() - 1);
-  }
-  bricks_ = std::move(placed);
-  first_ = 0;
-}
-
-void Builder::makeBricks() {
-  lists_.resize(unmade_.size());
-  parallelFor(bricks_.size(), kBricksPerTask, [&](std::size_t first, std::size_t last) {
-    BrickMaker maker(world_, field_->shape.lists);
-    std::vector<std::uint32_t> lists;
-    for (std::size_t i = first; i < last; ++i) {
-      if (bricks_[i].made != kNone) makeBrick(i, maker, lists);
-    }
-  });
-}
-
-void Builder::makeBrick(std::size_t i, BrickMaker& maker, std::vector<std::uint32_t>& lists) {
-  const Brick& brick = bricks_[i];
-  const std::size_t at = (first_ + i) * kBrickStride;
-  lists.clear();
-  maker.make(placeOf(brick.entry), &pool_->distance[at], &pool_->word[at], lists);
-  lists_[brick.made].assign(lists.begin(), lists.end());
-}
-
-// Sets the start of each brick's lists. Returns the end of the last lists, which may be beyond the space of the pool.
-std::uint64_t Builder::placeLists() {
-  const auto countOf = [&](const Brick& brick) -> std::uint64_t {
-    if (brick.made != kNone) return lists_[brick.made].size();
-    const auto& first = poolBefore_->firstList;
-    return first[brick.copied + 1] - first[brick.copied];
-  };
-  std::uint64_t end = pool_->firstList[first_];
-  for (std::size_t i = 0; i < bricks_.size(); ++i) {
-    end += countOf(bricks_[i]);
-    pool_->firstList[first_ + i + 1] = static_cast<std::uint32_t>(end);
-  }
-  return end;
-}
-
-// Copies the bricks that are taken from the earlier pool, and the lists of all bricks, to their places in the pool.
-void Builder::assemble() {
-  const BrickPool* from = poolBefore_.get();
-  parallelFor(bricks_.size(), kBricksPerTask, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const Brick& brick = bricks_[i];
-      const std::size_t at = (first_ + i) * kBrickStride;
-      std::uint32_t* word = &pool_->word[at];
-      if (brick.copied != kNone) {
-        const std::size_t there = std::size_t{brick.copied} * kBrickStride;
-        std::copy_n(&from->distance[there], kBrickStride, &pool_->distance[at]);
-        std::copy_n(&from->word[there], kBrickStride, word);
-      }
-      if (!field_->shape.lists) continue;
-      const bool isNew = brick.made != kNone;
-      const std::uint32_t first = pool_->firstList[first_ + i];
-      const std::uint32_t base = isNew ? 0 : from->firstList[brick.copied];
-      const std::uint32_t* lists = isNew ? lists_[brick.made].data() : from->lists.data() + base;
-      for (int c = 0; c < kBrickStride; ++c) word[c] += word[c] == kNoWord ? 0 : first - base;
-      std::copy_n(lists, pool_->firstList[first_ + i + 1] - first, pool_->lists.begin() + first);
-    }
-  });
-}
-
-std::shared_ptr<const DistanceField> Builder::build() {
-  std::unique_lock<std::mutex> lock;
-  if (poolBefore_ != nullptr) lock = std::unique_lock(poolBefore_->appending);
-  fillTable();
-  findUnmade();
-  // A field gets a new pool if there is no earlier pool, if it has more new bricks than bricks from earlier fields, or
-  // if the earlier pool has no room for the new bricks.
-  const bool appended = poolBefore_ != nullptr && kept_ >= unmade_.size() && poolBefore_->room() >= unmade_.size();
-  appended ? append() : startPool();
-  makeBricks();
-  if (field_->shape.lists) {
-    std::uint64_t end = placeLists();
-    if (appended && end > pool_->lists.size()) {
-      startPool();
-      end = placeLists();
-    }
-    if (end >= kNoWord) {
-      throw Error(
-          fmt::format("particle: voxels of {:g} m give more than 4 billion entries in lists of triangles: choose "
-                      "larger voxels (voxel_m), or `refine: none`",
-                      field_->shape.voxel));
-    }
-    const std::uint64_t most = poolBefore_ != nullptr ? std::min<std::uint64_t>(withRoom(end), kNoWord - 1) : end;
-    if (pool_->lists.empty()) pool_->lists.resize(most);
-  }
-  assemble();
-  pool_->bricks = first_ + bricks_.size();
-  field_->distance = std::span(pool_->distance).first(pool_->bricks * kBrickStride);
-  field_->word = std::span(pool_->word).first(pool_->bricks * kBrickStride);
-  field_->lists = std::span(pool_->lists).first(pool_->firstList[pool_->bricks]);
-  field_->pool = std::move(pool_);
-  return std::move(field_);
-}
 
 }  // namespace
 
