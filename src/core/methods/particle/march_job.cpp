@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <optional>
 
 #include "methods/field/march_rule.h"
 
@@ -17,11 +18,11 @@ double inverseOf(double d) {
 }
 
 // The sections of beams that are inside of the box (m along the beams).
-struct Stretches {
+struct Sections {
   alignas(64) Lane begin, end;
 };
 
-void cut(double low, double high, const Lane& from, const Lane& direction, Stretches& s) {
+void clip(double low, double high, const Lane& from, const Lane& direction, Sections& s) {
   for (int i = 0; i < kPacket; ++i) {
     const double inverse = inverseOf(direction[i]);
     const double a = (low - from[i]) * inverse;
@@ -32,13 +33,13 @@ void cut(double low, double high, const Lane& from, const Lane& direction, Stret
 }
 
 // Returns the sections of the particles' paths that are inside of the box.
-Stretches stretchesOf(const MarchJob& job, const Rays& rays) {
-  Stretches inside;
+Sections sectionsInBox(const MarchJob& job, const Rays& rays) {
+  Sections inside;
   std::fill_n(inside.begin, kPacket, 0.0);
   std::fill_n(inside.end, kPacket, job.farthest());
-  cut(job.around.box.low.x, job.around.box.high.x, rays.ox, rays.dx, inside);
-  cut(job.around.box.low.y, job.around.box.high.y, rays.oy, rays.dy, inside);
-  cut(job.around.box.low.z, job.around.box.high.z, rays.oz, rays.dz, inside);
+  clip(job.around.box.low.x, job.around.box.high.x, rays.ox, rays.dx, inside);
+  clip(job.around.box.low.y, job.around.box.high.y, rays.oy, rays.dy, inside);
+  clip(job.around.box.low.z, job.around.box.high.z, rays.oz, rays.dz, inside);
   return inside;
 }
 
@@ -46,8 +47,8 @@ Vec3f fieldFrame(const DistanceField& field, const Vec3d& point) {
   return Vec3f((point - field.shape.centre) * (1 / field.shape.voxel));
 }
 
-// The triangle and the range of a hit.
-struct Rest {
+// A point at which a beam hits a surface.
+struct SurfacePoint {
   std::uint32_t triangle;
   double range;  // m, from the beam's origin
 };
@@ -66,12 +67,12 @@ std::uint32_t seenAt(const MarchJob& job, std::uint32_t triangle, const Vec3d& p
   return layer ? named : triangle;
 }
 
-// Replaces the triangle of a hit by the triangle that the beam hits there, without changing the range.
-Rest renamed(const MarchJob& job, const Vec3d& o, const Vec3d& d, Rest rest) {
-  const BlockTriangle& plane = job.triangles().triangles[rest.triangle];
-  const Vec3d here = o + d * rest.range;
+// Returns a hit with the triangle that the beam hits there, and with the same range.
+SurfacePoint withSeenTriangle(const MarchJob& job, const Vec3d& o, const Vec3d& d, const SurfacePoint& hit) {
+  const BlockTriangle& plane = job.triangles().triangles[hit.triangle];
+  const Vec3d here = o + d * hit.range;
   const Vec3d onPlane = here + plane.normal * (plane.offset - dot(plane.normal, here));
-  return {seenAt(job, rest.triangle, onPlane, d, voxelAt(job.field(), fieldFrame(job.field(), here))), rest.range};
+  return {seenAt(job, hit.triangle, onPlane, d, voxelAt(job.field(), fieldFrame(job.field(), here))), hit.range};
 }
 
 double rangeOf(const MarchJob& job, const HitRecords& records, std::size_t i) {
@@ -136,7 +137,7 @@ void passTransparent(const MarchJob& job, std::span<const Tile> tiles, std::size
 constexpr std::size_t kTilesTogether = 16;
 
 // Prefetches the triangles that the next kTilesTogether tiles have hit, because they are scattered in memory.
-void expect(const MarchJob& job, const HitRecords& records, std::size_t first, std::size_t tiles) {
+void prefetchHits(const MarchJob& job, const HitRecords& records, std::size_t first, std::size_t tiles) {
   for (std::size_t i = first; i < first + std::min(tiles, kTilesTogether) * kPacket; ++i) {
     if (records.outcomeOf(i) == Outcome::Hit) prefetch(job.triangles().triangles[records.triangle[i]]);
   }
@@ -146,7 +147,7 @@ void expect(const MarchJob& job, const HitRecords& records, std::size_t first, s
 
 MarchCounts& MarchCounts::operator+=(const MarchCounts& o) {
   exhausted += o.exhausted;
-  left += o.left;
+  leftField += o.leftField;
   touching += o.touching;
   return *this;
 }
@@ -158,7 +159,7 @@ void launch(const MarchJob& job, std::span<const Tile> tiles, Particles& particl
   Rays rays;
   for (std::size_t t = 0; t < tiles.size(); ++t) {
     setUp(job.shot, job.frame, tiles[t], rays);
-    Stretches inside = stretchesOf(job, rays);
+    Sections inside = sectionsInBox(job, rays);
     std::fill(inside.end + rays.count, inside.end + kPacket, 0.0);
     const std::size_t at = first + t * kPacket;
     const auto fill = [at](std::vector<float>& column, const auto& valueOf) {
@@ -193,40 +194,40 @@ MarchCounts resolve(const MarchJob& job, const std::vector<CompactMaterial>& mat
   Rays rays;
   Resolved planes;
   HitTriangle triangles[kPacket];
-  Stretches inside;
-  expect(job, records, first, tiles.size());
+  prefetchHits(job, records, first, tiles.size());
   for (std::size_t t = 0; t < tiles.size(); ++t) {
     const Tile& tile = tiles[t];
     const std::size_t at = first + t * kPacket;
     if (t % kTilesTogether == 0) {
       const std::size_t next = std::min(t + kTilesTogether, tiles.size());
-      expect(job, records, first + next * kPacket, tiles.size() - next);
+      prefetchHits(job, records, first + next * kPacket, tiles.size() - next);
     }
-    expectStore(tile, hits);
+    prefetchStore(tile, hits);
     setUp(job.shot, job.frame, tile, rays);
-    bool known = false;  // true if `inside` is computed
+    std::optional<Sections> inside;  // computed when a beam of the tile needs it
     for (int lane = 0; lane < kPacket; ++lane) {
       const std::size_t i = at + static_cast<std::size_t>(lane);
       const Outcome outcome = records.outcomeOf(i);
       triangles[lane] = {};
       if (lane < rays.count && outcome == Outcome::Hit) {
-        Rest rest{records.triangle[i], rangeOf(job, records, i)};
+        SurfacePoint hit{records.triangle[i], rangeOf(job, records, i)};
         if (!lists) {
-          counts.touching += rest.range <= 0 ? 1 : 0;
-          rest = renamed(job, originOf(rays, lane), directionOf(rays, lane), rest);
+          counts.touching += hit.range <= 0 ? 1 : 0;
+          hit = withSeenTriangle(job, originOf(rays, lane), directionOf(rays, lane), hit);
         }
-        triangles[lane] = {&block, nullptr, rest.triangle};
-        loadPlane(triangles[lane], static_cast<float>(rest.range), planes, lane);
+        triangles[lane] = {&block, nullptr, hit.triangle};
+        loadPlane(triangles[lane], static_cast<float>(hit.range), planes, lane);
         continue;
       }
       loadMiss(planes, lane);
-      if (outcome == Outcome::Miss && !job.around.whole && !known) {
-        inside = stretchesOf(job, rays);
-        known = true;
+      if (lane >= rays.count) continue;
+      bool leftField = false;
+      if (outcome == Outcome::Miss) {
+        if (!job.around.whole && !inside) inside = sectionsInBox(job, rays);
+        leftField = inside && inside->end[lane] < job.farthest();
+        if (!leftField) continue;
       }
-      const bool left = outcome == Outcome::Miss && !job.around.whole && inside.end[lane] < job.farthest();
-      if (lane >= rays.count || (outcome == Outcome::Miss && !left)) continue;
-      ++(left ? counts.left : counts.exhausted);
+      ++(leftField ? counts.leftField : counts.exhausted);
       const auto l = static_cast<std::uint32_t>(lane);
       unresolved.push_back((tile.ring + l / tile.width) * hits.columns + tile.column + l % tile.width);
     }

@@ -16,7 +16,7 @@ namespace scanmill {
 // Numbers of beams that are neither hit nor miss, or whose hit is unreliable.
 struct MarchCounts {
   std::uint64_t exhausted = 0;  // beams whose particles used up all their steps
-  std::uint64_t left = 0;       // beams whose particles left the field, which does not cover the complete scene
+  std::uint64_t leftField = 0;  // beams whose particles left the field, which does not cover the complete scene
   std::uint64_t touching = 0;   // beams whose particles started so near to a surface that they hit it at once
   MarchCounts& operator+=(const MarchCounts& o);
 };

@@ -69,7 +69,7 @@ class ParticleMethod : public Method {
     const MarchJob job{shot, frame, around, options_.steps};
     hits.reset(shot.beams->rings, shot.beams->columns, channels);
     const MarchCounts counts =
-        gl_ != nullptr ? marchOnDevice(job, hits, clock) : marchOnProcessor(job, tilesOf(*shot.beams), hits, clock);
+        gl_ != nullptr ? marchOnDevice(job, hits, clock) : marchOnCpu(job, tilesOf(*shot.beams), hits, clock);
     std::sort(hits.unresolved.begin(), hits.unresolved.end());
     return account(clock, shot, counts);
   }
@@ -108,7 +108,7 @@ class ParticleMethod : public Method {
     return fields_.around(shot.worldFromSensor.front().translation, shot.beams->maxRange, clock);
   }
 
-  MarchCounts marchOnProcessor(const MarchJob& job, std::span<const Tile> tiles, Hits& hits, StageClock& clock) const {
+  MarchCounts marchOnCpu(const MarchJob& job, std::span<const Tile> tiles, Hits& hits, StageClock& clock) const {
     MarchCounts counts;
     std::mutex mutex;
     const std::size_t atOnce = std::clamp(tiles.size() / kFewestPieces, std::size_t{1}, kTilesAtOnce);
@@ -164,12 +164,12 @@ class ParticleMethod : public Method {
       while (next != open.end() && firstOf(*next) + next->width <= ray.ray) ++next;
       if (next != open.end() && firstOf(*next) <= ray.ray) continue;
       counts.exhausted += ray.verdict == RayVerdict::Exhausted ? 1 : 0;
-      counts.left += ray.verdict == RayVerdict::Left ? 1 : 0;
+      counts.leftField += ray.verdict == RayVerdict::Left ? 1 : 0;
       hits.range[ray.ray] = kMiss;
       hits.unresolved.push_back(ray.ray);
     }
     StageClock ignored;
-    counts += marchOnProcessor(job, open, hits, ignored);
+    counts += marchOnCpu(job, open, hits, ignored);
     return counts;
   }
 
@@ -184,7 +184,7 @@ class ParticleMethod : public Method {
     warn(0, counts.exhausted,
          fmt::format("ran out of their {} steps and count neither as hits nor as misses: raise `steps`",
                      options_.steps));
-    warn(1, counts.left,
+    warn(1, counts.leftField,
          "left the distance field, which does not cover the scene to the sensor's range, and count neither as hits nor "
          "as misses: take `levels: auto`");
     warn(2, counts.touching,

@@ -105,7 +105,7 @@ void intersect(const PacketJob& job, Pending& p) {
 
 SCANMILL_BEST_INSTRUCTIONS void begin(const PacketJob& job, const Tile& tile, Pending& p, Hits& hits) {
   p.tile = tile;
-  expectStore(tile, hits);
+  prefetchStore(tile, hits);
   setUp(job.shot, job.frame, tile, p.rays);
   findParts(job.shot, job.frame, tile, job.world.revolution.duration, p.parts);
   intersect(job, p);

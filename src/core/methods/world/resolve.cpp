@@ -32,14 +32,14 @@ void storeRows(const Tile& tile, const T* lanes, std::vector<T>& column, std::ui
 }
 
 // Labels of the lanes' hits, looked up from their triangles.
-struct Looked {
+struct HitLabels {
   std::uint32_t instance[kPacket];
   std::uint16_t semantic[kPacket];
   std::uint16_t material[kPacket];
   std::uint32_t primitive[kPacket];
 };
 
-void lookUp(const HitTriangle* triangles, const float* range, Looked& looked) {
+void lookUp(const HitTriangle* triangles, const float* range, HitLabels& labels) {
   const HitTriangle* last = nullptr;  // the hit whose labels the next two variables have
   HitSurface surfaceOfLast{};
   std::uint32_t primitiveOfLast = 0;
@@ -60,19 +60,19 @@ void lookUp(const HitTriangle* triangles, const float* range, Looked& looked) {
       surface = surfaceOfLast;
       primitive = primitiveOfLast;
     }
-    looked.instance[i] = surface.instance;
-    looked.semantic[i] = surface.semantic;
-    looked.material[i] = surface.material;
-    looked.primitive[i] = primitive;
+    labels.instance[i] = surface.instance;
+    labels.semantic[i] = surface.semantic;
+    labels.material[i] = surface.material;
+    labels.primitive[i] = primitive;
   }
 }
 
 void storeReflectance(const std::vector<CompactMaterial>& materials, const Tile& tile, const Rays& rays,
-                      const Resolved& r, const HitTriangle* triangles, const float* range, const Looked& looked,
+                      const Resolved& r, const HitTriangle* triangles, const float* range, const HitLabels& labels,
                       Hits& hits) {
   float reflectance[kPacket];
   for (int i = 0; i < kPacket; ++i) {
-    const CompactMaterial& material = materials[looked.material[i]];
+    const CompactMaterial& material = materials[labels.material[i]];
     reflectance[i] = range[i] < kMiss ? material.reflectance : 0.0f;
     if (range[i] < kMiss && material.texture != nullptr) {
       reflectance[i] = texturedReflectance(triangles[i], material, rays, r, i);
@@ -276,7 +276,7 @@ Vec2d barycentric(const HitTriangle& hit, const Vec3d& point) {
   return barycentric(corner(1) - a, corner(2) - a, point - a);
 }
 
-void expectStore(const Tile& tile, Hits& hits) {
+void prefetchStore(const Tile& tile, Hits& hits) {
   const std::size_t last = std::size_t{tile.ring} * hits.columns + tile.column + tile.width - 1;
   forEachChannel([&](const ChannelRow&, auto member) {
     auto& column = hits.*member;
@@ -297,13 +297,13 @@ SCANMILL_BEST_INSTRUCTIONS void store(const std::vector<CompactMaterial>& materi
   storeRows(tile, range, hits.range, hits.columns);
   if (asked.has(Channel::Incidence)) storeIncidence(tile, r, hits);
   if (asked.has(Channel::Normal)) storeNormals(tile, r, hits);
-  Looked looked;
-  lookUp(triangles, range, looked);
-  if (asked.has(Channel::Instance)) storeRows(tile, looked.instance, hits.instance, hits.columns);
-  if (asked.has(Channel::Semantic)) storeRows(tile, looked.semantic, hits.semantic, hits.columns);
-  if (asked.has(Channel::Material)) storeRows(tile, looked.material, hits.material, hits.columns);
-  if (asked.has(Channel::Primitive)) storeRows(tile, looked.primitive, hits.primitive, hits.columns);
-  if (asked.has(Channel::Reflectance)) storeReflectance(materials, tile, rays, r, triangles, range, looked, hits);
+  HitLabels labels;
+  lookUp(triangles, range, labels);
+  if (asked.has(Channel::Instance)) storeRows(tile, labels.instance, hits.instance, hits.columns);
+  if (asked.has(Channel::Semantic)) storeRows(tile, labels.semantic, hits.semantic, hits.columns);
+  if (asked.has(Channel::Material)) storeRows(tile, labels.material, hits.material, hits.columns);
+  if (asked.has(Channel::Primitive)) storeRows(tile, labels.primitive, hits.primitive, hits.columns);
+  if (asked.has(Channel::Reflectance)) storeReflectance(materials, tile, rays, r, triangles, range, labels, hits);
 }
 
 }  // namespace scanmill

@@ -132,7 +132,7 @@ void store(const std::vector<CompactMaterial>& materials, const Tile& tile, cons
            const HitTriangle* triangles, Hits& hits);
 
 // Prefetches the memory that store() will write.
-void expectStore(const Tile& tile, Hits& hits);
+void prefetchStore(const Tile& tile, Hits& hits);
 
 // Returns the barycentric coordinates of a point (m, relative to the world's origin) in the triangle that was hit: see
 // scene/reflectance.h.
