@@ -2,11 +2,8 @@
 
 #include <fmt/core.h>
 
-#include <array>
-#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -16,7 +13,6 @@
 #include "base/file.h"
 #include "base/text_scan.h"
 #include "config/resources.h"
-#include "config/text.h"
 
 namespace scanmill {
 
@@ -64,26 +60,6 @@ std::map<std::string, std::string> environmentIn(const std::filesystem::path& fo
     environment[name] = folder.string();
   }
   return environment;
-}
-
-// Throws InputError unless the content of the file fits its ending: Blender would also open a file of another kind.
-void checkKind(const std::filesystem::path& file) {
-  std::array<char, 18> head{};
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw InputError({file.string()}, "cannot be read");
-  in.read(head.data(), head.size());
-  const std::string_view begin(head.data(), static_cast<std::size_t>(in.gcount()));
-  const std::string kind = lowerExtension(file);
-  if (kind == ".fbx" && begin != "Kaydara FBX Binary") {
-    throw InputError({file.string()},
-                     "is not binary FBX, which alone Blender imports: save it as binary FBX, or convert it to glTF");
-  }
-  // A .blend is uncompressed, gzip (until Blender 2.93) or Zstandard (since 3.0).
-  const bool known =
-      begin.starts_with("BLENDER") || begin.starts_with("\x1F\x8B") || begin.starts_with("\x28\xB5\x2F\xFD");
-  if (kind == ".blend" && !known) {
-    throw InputError({file.string()}, "is not a Blender file: its first bytes are not those of one");
-  }
 }
 
 }  // namespace
@@ -152,7 +128,6 @@ const FormatSupport& blenderFormat() {
 }
 
 BlenderExport::BlenderExport(const std::filesystem::path& file) {
-  checkKind(file);
   std::optional<BlenderJob> job;
   try {
     job.emplace("export", folder_.path(), std::vector<std::string>{std::filesystem::absolute(file).string()});

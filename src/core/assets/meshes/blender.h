@@ -56,9 +56,8 @@ const FormatSupport& blenderFormat();
 // driver expression or handler of the file is run. The GLB is in a temporary folder, which the destructor removes.
 class BlenderExport {
  public:
-  // Throws an InputError that names the file if its content does not fit its ending, if it is damaged, was saved by a
-  // newer Blender, or shows nothing, or if this Blender has no importer for it. Throws Error if Blender is not
-  // installed.
+  // Throws an InputError that names the file if it is damaged or of another kind, was saved by a newer Blender, or
+  // shows nothing, or if this Blender has no importer for it. Throws Error if Blender is not installed.
   explicit BlenderExport(const std::filesystem::path& file);
 
   std::filesystem::path glb() const { return folder_.path() / "scene.glb"; }
