@@ -27,8 +27,7 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kSensorsInMemory = 16;
-constexpr double kSlack = 1e-3;  // images reach beyond the sensor's range by this fraction of
-                                 // the range, plus this many metres
+constexpr double kSlack = 1e-3;  // fraction of the sensor's range, and metres, by which images reach beyond it
 // Measured with VTK on llvmpipe, as differences between processes: with nothing to render a process takes 128 MiB,
 // against 44 MiB with ray tracing. The other two values are from the street of 1.28 million placed triangles, with 3
 // and with 4 images of 2048 x 2048.
@@ -44,8 +43,7 @@ struct DepthCameraOptions {
   std::string samplingName;
   std::string depthName;
   LayoutOptions layout;
-  SampleOptions sample;
-  double nearest = 0.01;                   // m, least depth in the images
+  SampleOptions sample;                    // without `farthest`, which is set for each shot
   double farthest = 0;                     // m, largest depth in the images; 0: the sensor's maximum range
   std::uint32_t rendersPerRevolution = 0;  // steps of a revolution that are rendered; 0: see stepsOf()
 };
@@ -55,7 +53,10 @@ constexpr std::pair<const char*, CameraLayout> kLayouts[] = {{"auto", CameraLayo
                                                              {"four_90", CameraLayout::Four90},
                                                              {"cube_6", CameraLayout::Cube6}};
 constexpr std::pair<const char*, Sampling> kSamplings[] = {{"plane", Sampling::Plane}, {"nearest", Sampling::Nearest}};
-constexpr std::pair<const char*, bool> kDepths[] = {{"float32", false}, {"half_500", true}};
+constexpr std::pair<const char*, DepthFormat> kDepths[] = {{"float32", DepthFormat::Float32},
+                                                           {"uint24", DepthFormat::Unorm24},
+                                                           {"uint16", DepthFormat::Unorm16},
+                                                           {"half_500", DepthFormat::Half500}};
 
 DepthCameraOptions readDepthCameraOptions(Fields& fields) {
   DepthCameraOptions options;
@@ -64,8 +65,8 @@ DepthCameraOptions readDepthCameraOptions(Fields& fields) {
   options.layout.resolution = static_cast<std::uint32_t>(fields.integer("resolution", 128, 4096, 2048));
   std::tie(options.samplingName, options.sample.sampling) =
       namedChoice(fields, "sampling", kSamplings, Sampling::Plane);
-  std::tie(options.depthName, options.sample.halves) = namedChoice(fields, "depth", kDepths, false);
-  options.nearest = fields.number("near_m", {1e-3, 1}, 0.01);
+  std::tie(options.depthName, options.sample.depth) = namedChoice(fields, "depth", kDepths, DepthFormat::Float32);
+  options.sample.nearest = fields.number("near_m", {1e-3, 1}, 0.01);
   options.farthest = fields.number("far_m", {10, 1e4}, 0);
   const Value* renders = fields.find("renders_per_turn");
   if (renders != nullptr && !(renders->kind == Value::Kind::Scalar && renders->text == "auto")) {
@@ -132,7 +133,7 @@ class DepthCameraMethod : public DepthCamera {
     for (const PassStep& step : stepsOf(shot, options_.rendersPerRevolution)) {
       const std::shared_ptr<const StepView> view = viewOf(shot, step);
       drawn(shot, *view, step.worldFromRig, passesFor(channels, options_.sample), clock, [&](PixelSource& source) {
-        unseen += samplePixels(source, step.worldFromRig, view->beams, options_.sample, hits);
+        unseen += samplePixels(source, step.worldFromRig, view->beams, sampleOptions(*shot.beams), hits);
       });
     }
     return account(clock, shot, unseen);
@@ -163,7 +164,7 @@ class DepthCameraMethod : public DepthCamera {
     std::uint64_t unseen = 0;
     {
       const StageTimer timer(clock, "sample");
-      unseen = samplePixels(images, step.worldFromRig, view->beams, options_.sample, hits);
+      unseen = samplePixels(images, step.worldFromRig, view->beams, sampleOptions(*shot.beams), hits);
     }
     return account(clock, shot, unseen);
   }
@@ -185,7 +186,7 @@ class DepthCameraMethod : public DepthCamera {
          fmt::format("one hit per ray, sampling {}, depth {}{}", options_.samplingName, options_.depthName,
                      options_.sample.sampling == Sampling::Plane ? ": exact on flat surfaces, edges to within a pixel"
                                                                  : ": to within a pixel")});
-    items.push_back({fmt::format("surfaces nearer to a camera's plane than {:g} m", options_.nearest),
+    items.push_back({fmt::format("surfaces nearer to a camera's plane than {:g} m", options_.sample.nearest),
                      "beams pass through them", true});
     if (scene_ != nullptr) {
       items.push_back(cutOutItem(*scene_));
@@ -240,12 +241,18 @@ class DepthCameraMethod : public DepthCamera {
     return sensors_.emplace_front(makeView(shot, step));
   }
 
+  SampleOptions sampleOptions(const BeamTable& table) const {
+    SampleOptions sample = options_.sample;
+    sample.farthest = options_.farthest > 0 ? options_.farthest : table.maxRange;
+    return sample;
+  }
+
   DrawLimits limits(const BeamTable& table, const std::vector<Vec3d>& origins) const {
     double offset = 0;
     for (const Vec3d& origin : origins) offset = std::max(offset, dot(origin, origin));
     const double reach = (table.maxRange + std::sqrt(offset)) * (1 + kSlack) + kSlack;
-    const double farthest = options_.farthest > 0 ? options_.farthest : std::max(reach, 2 * options_.nearest);
-    return {options_.nearest, farthest, reach};
+    const double farthest = options_.farthest > 0 ? options_.farthest : std::max(reach, 2 * options_.sample.nearest);
+    return {options_.sample.nearest, farthest, reach};
   }
 
   void requireRenderer() const {

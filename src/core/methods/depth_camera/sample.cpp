@@ -151,6 +151,8 @@ class Sampler {
     }
   }
 
+  // Fetches the batch's pixels, and rounds their depths as a z-buffer would. Half500 is not applied here, because it
+  // rounds points and not depths.
   void fetch(const Batch& batch) {
     addresses_.resize(batch.count);
     parallelFor(batch.count, kSampleGrain, [&](std::size_t first, std::size_t last) {
@@ -159,6 +161,12 @@ class Sampler {
       }
     });
     source_.fetch(addresses_, choice_, planes_);
+    if (options_.depth != DepthFormat::Unorm24 && options_.depth != DepthFormat::Unorm16) return;
+    parallelFor(batch.count, kSampleGrain, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) {
+        planes_.depth[i] = storedDepth(planes_.depth[i], options_.depth, options_.nearest, options_.farthest);
+      }
+    });
   }
 
   void resolve(Batch& batch, int round) {

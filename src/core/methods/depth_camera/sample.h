@@ -16,13 +16,24 @@ enum class Sampling {
   Plane,    // intersection of the beam with the plane given by depth and normal of its pixel
 };
 
-struct SampleOptions {
-  Sampling sampling = Sampling::Plane;
-  bool halves = false;  // true: coordinates of points (camera axes) are rounded by asHalf500()
+// The format in which depths are stored before they are sampled. Depths are rounded as if a buffer had this format.
+enum class DepthFormat {
+  Float32,  // not rounded
+  Unorm24,  // fixed-point z-buffer of 24 bits between the near and the far plane
+  Unorm16,
+  Half500,  // each coordinate of the point (camera axes) + 500 m is a half float, as in LiDAR-GEIL
 };
 
-// Returns a coordinate (m) that is stored with 500 m added, as a half float, as LiDAR-GEIL does.
-double asHalf500(double coordinate);
+struct SampleOptions {
+  Sampling sampling = Sampling::Plane;
+  DepthFormat depth = DepthFormat::Float32;
+  double nearest = 0.01;   // m, near plane of the images, and of the z-buffer for Unorm24 and Unorm16
+  double farthest = 1000;  // m, far plane of the z-buffer
+};
+
+// Returns a depth (m) as the format stores it. The spacing of depths near z in a b-bit buffer is z^2 (f - n) / (f n
+// (2^b - 1)), where n is `nearest` and f is `farthest`.
+float storedDepth(float depth, DepthFormat format, double nearest, double farthest);
 
 // The beams of one step of a revolution, in rig axes: the sensor's frame at the pose from which the step's images were
 // rendered. Arrays that are not empty have equal lengths.

@@ -32,12 +32,23 @@ double asHalf(double value) {
   return std::clamp(std::nearbyint(value / step) * step, -kLargest, kLargest);
 }
 
+double asUnorm(double depth, int bits, double nearest, double farthest) {
+  const double steps = std::ldexp(1.0, bits) - 1;
+  const double clamped = std::clamp(depth, nearest, farthest);
+  const double window = (1 / nearest - 1 / clamped) / (1 / nearest - 1 / farthest);
+  const double stored = std::nearbyint(window * steps) / steps;
+  return 1 / (1 / nearest - stored * (1 / nearest - 1 / farthest));
+}
+
 // Rounds the hit points as LiDAR-GEIL's images of coordinates do.
 void keepHalves(std::size_t begin, std::size_t end, Met& met) {
+  const auto kept = [](double coordinate) {
+    return double{storedDepth(static_cast<float>(coordinate), DepthFormat::Half500, 0, 0)};
+  };
   for (std::size_t i = begin; i < end; ++i) {
-    const double z = asHalf500(met.depth[i]);
-    met.a[i] = asHalf500(met.a[i] * met.depth[i]) / z;
-    met.b[i] = asHalf500(met.b[i] * met.depth[i]) / z;
+    const double z = kept(met.depth[i]);
+    met.a[i] = kept(met.a[i] * met.depth[i]) / z;
+    met.b[i] = kept(met.b[i] * met.depth[i]) / z;
     met.depth[i] = z;
   }
 }
@@ -168,9 +179,20 @@ void place(std::span<const CameraView> views, const double* x, const double* y, 
   }
 }
 
-double asHalf500(double coordinate) {
-  constexpr double kShift = 500;  // m
-  return double{static_cast<float>(asHalf(double{static_cast<float>(coordinate)} + kShift) - kShift)};
+float storedDepth(float depth, DepthFormat format, double nearest, double farthest) {
+  constexpr double kShift = 500;  // m, added to coordinates by DepthFormat::Half500
+  if (!(depth < kNoDepth)) return depth;
+  switch (format) {
+    case DepthFormat::Float32:
+      break;
+    case DepthFormat::Unorm24:
+      return static_cast<float>(asUnorm(double{depth}, 24, nearest, farthest));
+    case DepthFormat::Unorm16:
+      return static_cast<float>(asUnorm(double{depth}, 16, nearest, farthest));
+    case DepthFormat::Half500:
+      return static_cast<float>(asHalf(double{depth} + kShift) - kShift);
+  }
+  return depth;
 }
 
 void measure(const SampleOptions& options, const CameraView& view, const Mat3& rigFromWorld, const BlockPixels& pixels,
@@ -185,7 +207,7 @@ void measure(const SampleOptions& options, const CameraView& view, const Mat3& r
     met.b[i] = (std::floor(v[i]) + 0.5 - view.cy) * perFy;
     met.depth[i] = double{depth[i]};
   }
-  if (options.halves) keepHalves(begin, end, met);
+  if (options.depth == DepthFormat::Half500) keepHalves(begin, end, met);
   placePoints(view, begin, end, met);
   measureNearest(begin, end, block, met);
   if (pixels.planes->normal.empty()) return;

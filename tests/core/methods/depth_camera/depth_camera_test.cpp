@@ -196,16 +196,17 @@ TEST(DepthCamera, NearAndFarBoundWhatIsDrawn) {
   EXPECT_NEAR(range("{near_m: 0.8}"), 50, 1e-4) << "not drawn, it does not block";
   EXPECT_EQ(range("{near_m: 0.8, far_m: 49}"), kMiss);
   EXPECT_NEAR(range("{near_m: 0.8, far_m: 10000}"), 50, 1e-4);
+  EXPECT_NEAR(range("{near_m: 1, depth: uint16, far_m: 60}"), 50, 50 * 50 / 65536.0);
 }
 
 TEST(DepthCamera, PlanningMakesNoRenderer) {
   const Scene scene = yard();
-  const Value value = parseYaml("{depth: half_500, layout: cube_6}", "options");
+  const Value value = parseYaml("{depth: uint16, layout: cube_6}", "options");
   Fields fields = depthFields(value);
   const auto camera = makeDepthCamera(scene, fields, []() -> std::unique_ptr<PassRenderer> { throw Error("no GPU"); });
   const std::vector<std::string> lines = linesOf(camera->modelled());
   EXPECT_THAT(lines, testing::Contains(HasSubstr("layout cube_6")));
-  EXPECT_THAT(lines, testing::Contains(HasSubstr("depth half_500")));
+  EXPECT_THAT(lines, testing::Contains(HasSubstr("depth uint16")));
   EXPECT_GT(camera->memoryBytes(), 2048u * 2048 * 6);
   EXPECT_THAT(lines, testing::Not(testing::Contains(HasSubstr("were drawn by"))));
   Hits hits;

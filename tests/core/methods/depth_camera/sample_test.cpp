@@ -161,38 +161,70 @@ TEST(Sample, APlaneSeenEdgeOnGivesThePixelsPoint) {
   }
 }
 
-TEST(Sample, HalvesErrByTheirClosedForm) {
+// z^2 (f - n) / (f n 2^b) is the step of a b-bit z-buffer; what is stored lies within half of it.
+TEST(Sample, DepthFormatsErrByTheirClosedForms) {
+  const double n = 0.1;
+  const double f = 500;
+  for (const auto& [format, bits] : {std::pair{DepthFormat::Unorm24, 24}, std::pair{DepthFormat::Unorm16, 16}}) {
+    for (const double z : {0.5, 3.0, 20.0, 90.0}) {
+      const double step = z * z * (f - n) / (f * n * std::ldexp(1.0, bits));
+      double most = 0;
+      for (int i = 0; i < 2000; ++i) {
+        const auto depth = static_cast<float>(z + step * 3 * (i / 2000.0));
+        most = std::max(most, std::abs(double{storedDepth(depth, format, n, f)} - double{depth}));
+      }
+      EXPECT_GT(most, step / 4) << bits << " bits at " << z;
+      EXPECT_LT(most, step) << bits << " bits at " << z;
+    }
+  }
   // Halves between 2^k and 2^(k + 1) are 2^(k - 10) apart: 0.25 m below 512 - 500 m, 0.5 m beyond.
   for (const auto& [z, step] : {std::pair{5.0, 0.25}, {50.0, 0.5}, {400.0, 0.5}, {600.0, 1.0}}) {
     double most = 0;
     for (int i = 0; i < 2000; ++i) {
       const auto depth = static_cast<float>(z + 0.002 * i);
-      most = std::max(most, std::abs(asHalf500(double{depth}) - double{depth}));
+      most = std::max(most, std::abs(double{storedDepth(depth, DepthFormat::Half500, n, f)} - double{depth}));
     }
     EXPECT_NEAR(most, step / 2, step / 100) << z;
   }
-  EXPECT_EQ(asHalf500(12.25), 12.0) << "ties to even: 512.25 lies between 512 and 512.5";
-  EXPECT_EQ(asHalf500(12.75), 13.0);
-  EXPECT_EQ(asHalf500(1e6), 65004.0) << "beyond the largest half";
-  EXPECT_EQ(asHalf500(INFINITY), INFINITY);
+  EXPECT_EQ(storedDepth(12.25f, DepthFormat::Half500, n, f), 12.0f)
+      << "ties to even: 512.25 lies between 512 and 512.5";
+  EXPECT_EQ(storedDepth(12.75f, DepthFormat::Half500, n, f), 13.0f);
+  EXPECT_EQ(storedDepth(1e6f, DepthFormat::Half500, n, f), 65004.0f) << "beyond the largest half";
+  for (const DepthFormat format :
+       {DepthFormat::Float32, DepthFormat::Unorm24, DepthFormat::Unorm16, DepthFormat::Half500}) {
+    EXPECT_EQ(storedDepth(kNoDepth, format, n, f), kNoDepth);
+  }
+  EXPECT_EQ(storedDepth(3.3f, DepthFormat::Float32, n, f), 3.3f);
 }
 
-TEST(Sample, HalvesReachTheBeams) {
+TEST(Sample, StoredDepthsReachTheBeams) {
+  const double n = 0.1;
+  const double f = 500;
   const Scene scene = room();
   const Camera camera = ahead(256, 90);
   const std::vector<Vec3d> directions = across(camera);
   const std::vector<PassImage> images = drawn(scene, {camera});
+  const auto zBuffer = [&](int bits) {
+    return [=](double z) { return z * z * (f - n) / (f * n * std::ldexp(1.0, bits)); };
+  };
   for (const Sampling sampling : {Sampling::Nearest, Sampling::Plane}) {
-    const Hits exact = sampled(images, beamsAlong(directions), {sampling, false});
-    const Hits hits = sampled(images, beamsAlong(directions), {sampling, true});
+    SampleOptions options{sampling, DepthFormat::Float32, n, f};
+    const Hits exact = sampled(images, beamsAlong(directions), options);
     // Mean error over what an error uniform over half a step to either side gives along the line of sight.
-    double sum = 0;
-    double expected = 0;
-    for (std::size_t i = 0; i < hits.size(); ++i) {
-      sum += std::abs(double{hits.range[i]} - double{exact.range[i]});
-      expected += (double{exact.range[i]} * directions[i].x < 12 ? 0.25 : 0.5) / 4 / directions[i].x;
-    }
-    EXPECT_NEAR(std::log2(sum / expected), 0, 1);
+    const auto ofExpected = [&](DepthFormat format, const auto& step) {
+      options.depth = format;
+      const Hits hits = sampled(images, beamsAlong(directions), options);
+      double sum = 0;
+      double expected = 0;
+      for (std::size_t i = 0; i < hits.size(); ++i) {
+        sum += std::abs(double{hits.range[i]} - double{exact.range[i]});
+        expected += step(double{exact.range[i]} * directions[i].x) / 4 / directions[i].x;
+      }
+      return sum / expected;
+    };
+    EXPECT_NEAR(std::log2(ofExpected(DepthFormat::Unorm16, zBuffer(16))), 0, 1);
+    EXPECT_NEAR(std::log2(ofExpected(DepthFormat::Unorm24, zBuffer(24))), 0, 1);
+    EXPECT_NEAR(std::log2(ofExpected(DepthFormat::Half500, [](double z) { return z < 12 ? 0.25 : 0.5; })), 0, 1);
   }
 }
 
