@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <functional>
 #include <utility>
 
 #include "base/error.h"
@@ -102,17 +102,16 @@ class PlaneMaker {
         return Rgb{byte(p.normal[i].x), byte(p.normal[i].y), byte(p.normal[i].z)};
       });
     }
-    const auto semanticColor = [=](std::uint16_t id) { return classColor(ontology, id); };
-    addIds("semantic", ontology == nullptr ? "a colour each" : "", p.semantic, semanticColor);
-    addEntries(p.semantic, semanticColor, [=](std::uint16_t id) { return className(ontology, id); });
-    addIds("instance", "a colour each", p.instance, instanceColor);
+    const auto semanticColor = [=](std::uint32_t id) { return classColor(ontology, static_cast<std::uint16_t>(id)); };
+    addIds("semantic", p.semantic, semanticColor,
+           [=](std::uint32_t id) { return className(ontology, static_cast<std::uint16_t>(id)); });
+    addIds("instance", p.instance, instanceColor);
     // 0 is the id of a material or primitive, but instanceColor(0) is the colour for no instance.
     const auto colorEach = [](std::uint32_t id) { return instanceColor(id + 1); };
-    addIds("material", source_.materials.empty() ? "a colour each" : "", p.material, colorEach);
-    addEntries(p.material, colorEach, [&](std::uint16_t id) {
+    addIds("material", p.material, colorEach, [&](std::uint32_t id) {
       return id < source_.materials.size() ? source_.materials[id] : fmt::format("material {}", id);
     });
-    addIds("primitive", "a colour each", p.primitive, colorEach);
+    addIds("primitive", p.primitive, colorEach);
     addShare("reflectance", p.reflectance);
     addShare("roughness", p.roughness);
     addShare("metallic", p.metallic);
@@ -140,21 +139,19 @@ class PlaneMaker {
         [&](std::size_t i) { return viridis(std::log(std::max(double{distance[i]}, 1e-9) / span.low) * scale); });
   }
 
-  template <class Id, class ColorOf>
-  void addIds(const char* name, const char* note, const std::vector<Id>& ids, const ColorOf& colorOf) {
-    if (!ids.empty()) add(name, note, [&](std::size_t i) { return colorOf(ids[i]); });
-  }
-
-  // Adds to the legend of the last plane the ids that occur in the image, the most frequent first.
-  template <class Id, class ColorOf, class NameOf>
-  void addEntries(const std::vector<Id>& ids, const ColorOf& colorOf, const NameOf& nameOf) {
+  // Adds a plane of ids. Its legend lists the names of the ids that occur, the most frequent first, if they have names.
+  template <class Id>
+  void addIds(const char* name, const std::vector<Id>& ids, const auto& colorOf,
+              const std::function<std::string(std::uint32_t)>& nameOf = {}) {
     if (ids.empty()) return;
-    std::map<Id, std::uint64_t> seen;
-    for (std::size_t i = 0; i < ids.size(); ++i) {
-      if (image_.sees(i)) ++seen[ids[i]];
-    }
+    std::vector<Rgb> colors;
+    const auto sees = [&](std::size_t i) { return image_.sees(i); };
+    const auto seen = paint(
+        ids.size(), [&](std::size_t i) { return ids[i]; }, colorOf, sees, colors);
+    add(name, nameOf ? "" : "a colour each", [&](std::size_t i) { return colors[i]; });
+    if (!nameOf) return;
     std::vector<LegendEntry>& entries = planes_.back().legend.entries;
-    for (const auto& [id, pixels] : seen) entries.push_back({nameOf(id), colorOf(id), std::int64_t{id}, pixels});
+    for (const auto& [id, held] : seen) entries.push_back({nameOf(id), held.color, std::int64_t{id}, held.count});
     std::ranges::stable_sort(entries, std::greater<>(), &LegendEntry::points);
   }
 
