@@ -11,8 +11,6 @@
 namespace scanmill {
 
 constexpr Rgb kBackground{13, 15, 20};
-constexpr Rgb kPanel{24, 27, 34};
-constexpr Rgb kText{225, 228, 235};
 constexpr Rgb kNoValue{105, 108, 116};  // colour of points without an instance or with an unknown value
 
 // Returns the colour at t of the colour map viridis (S. van der Walt and N. Smith, matplotlib, 2015; CC0), which is

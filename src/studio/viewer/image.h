@@ -24,7 +24,6 @@ struct Image {
 
   Rgb& at(int x, int y) { return pixels[std::size_t(y) * std::size_t(width) + std::size_t(x)]; }
   const Rgb& at(int x, int y) const { return pixels[std::size_t(y) * std::size_t(width) + std::size_t(x)]; }
-  bool contains(int x, int y) const { return x >= 0 && y >= 0 && x < width && y < height; }
 };
 
 // Returns the linear mixture of a (at t = 0) and b (at t = 1).

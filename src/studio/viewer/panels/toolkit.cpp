@@ -44,6 +44,31 @@ ImVec4 colorOf(const Rgb& c, float alpha = 1) {
   return {static_cast<float>(c[0]) / 255, static_cast<float>(c[1]) / 255, static_cast<float>(c[2]) / 255, alpha};
 }
 
+void setColors(ImVec4* colors) {
+  constexpr Rgb kPanel{24, 27, 34}, kText{225, 228, 235}, kDim{152, 157, 168}, kBorder{66, 72, 86};
+  constexpr Rgb kRaised{42, 47, 58}, kAccent{98, 168, 255};
+  ImGui::StyleColorsDark();
+  colors[ImGuiCol_Text] = colorOf(kText);
+  colors[ImGuiCol_TextDisabled] = colorOf(kDim);
+  colors[ImGuiCol_WindowBg] = colors[ImGuiCol_PopupBg] = colorOf(kPanel, 0.97F);
+  colors[ImGuiCol_MenuBarBg] = colorOf(kPanel);
+  colors[ImGuiCol_Border] = colorOf(kBorder);
+  for (const ImGuiCol raised :
+       {ImGuiCol_FrameBg, ImGuiCol_Button, ImGuiCol_TitleBg, ImGuiCol_TitleBgActive, ImGuiCol_TableHeaderBg}) {
+    colors[raised] = colorOf(kRaised);
+  }
+  colors[ImGuiCol_Header] = colorOf(kRaised, 0.8F);
+  for (const ImGuiCol hovered : {ImGuiCol_HeaderHovered, ImGuiCol_ButtonHovered, ImGuiCol_FrameBgHovered}) {
+    colors[hovered] = colorOf(kAccent, 0.35F);
+  }
+  for (const ImGuiCol active : {ImGuiCol_HeaderActive, ImGuiCol_ButtonActive, ImGuiCol_FrameBgActive}) {
+    colors[active] = colorOf(kAccent, 0.6F);
+  }
+  for (const ImGuiCol mark : {ImGuiCol_SliderGrab, ImGuiCol_SliderGrabActive, ImGuiCol_CheckMark}) {
+    colors[mark] = colorOf(kAccent);
+  }
+}
+
 void addFont(ImFontAtlas& atlas, double letter) {
   static const ImWchar kLetters[] = {0x20, 0xFF, 0x370, 0x3FF, 0x2010, 0x2026, 0x2190, 0x2193, 0x25B2, 0x25C0, 0};
   const auto size = static_cast<float>(std::round(letter));
@@ -121,7 +146,7 @@ Toolkit::Toolkit(Canvas& canvas, double letter)
   style.FrameRounding = style.GrabRounding = style.ScrollbarRounding = static_cast<float>(letter / 4);
   style.AntiAliasedLinesUseTex = false;
   style.WindowMenuButtonPosition = ImGuiDir_None;
-  suit(kBackground);
+  setColors(style.Colors);
 }
 
 Toolkit::~Toolkit() {
@@ -134,32 +159,6 @@ double Toolkit::letter() const {
 
 double Toolkit::row() const {
   return letter() + 2.0 * ImGui::GetStyle().FramePadding.y;
-}
-
-void Toolkit::suit(const Rgb& background) {
-  constexpr int kBright = 3 * 150;
-  ImGui::SetCurrentContext(state_->context);
-  const bool light = background[0] + background[1] + background[2] > kBright;
-  ImVec4* colors = ImGui::GetStyle().Colors;
-  light ? ImGui::StyleColorsLight() : ImGui::StyleColorsDark();
-  const Rgb panel = light ? Rgb{246, 247, 249} : kPanel;
-  const Rgb raised = light ? Rgb{226, 230, 236} : Rgb{42, 47, 58};
-  const Rgb accent = light ? Rgb{20, 104, 196} : Rgb{98, 168, 255};
-  colors[ImGuiCol_Text] = colorOf(light ? Rgb{28, 32, 38} : kText);
-  colors[ImGuiCol_TextDisabled] = colorOf(light ? Rgb{104, 110, 120} : Rgb{152, 157, 168});
-  colors[ImGuiCol_WindowBg] = colorOf(panel, 0.97F);
-  colors[ImGuiCol_PopupBg] = colorOf(panel, 0.97F);
-  colors[ImGuiCol_MenuBarBg] = colorOf(panel);
-  colors[ImGuiCol_Border] = colorOf(light ? Rgb{200, 205, 213} : Rgb{66, 72, 86});
-  colors[ImGuiCol_FrameBg] = colors[ImGuiCol_Button] = colors[ImGuiCol_TitleBg] = colors[ImGuiCol_TitleBgActive] =
-      colors[ImGuiCol_TableHeaderBg] = colorOf(raised);
-  colors[ImGuiCol_Header] = colorOf(raised, 0.8F);
-  colors[ImGuiCol_HeaderHovered] = colors[ImGuiCol_ButtonHovered] = colors[ImGuiCol_FrameBgHovered] =
-      colorOf(accent, 0.35F);
-  colors[ImGuiCol_HeaderActive] = colors[ImGuiCol_ButtonActive] = colors[ImGuiCol_FrameBgActive] =
-      colorOf(accent, 0.6F);
-  colors[ImGuiCol_SliderGrab] = colors[ImGuiCol_SliderGrabActive] = colors[ImGuiCol_CheckMark] =
-      colors[ImGuiCol_PlotLines] = colorOf(accent);
 }
 
 void Toolkit::take(const CanvasEvent& event) {

@@ -22,8 +22,6 @@ class Toolkit {
   double letter() const;  // height of a line of text in pixels
   double row() const;     // height of a menu, a button or a slider in pixels
 
-  // Makes the panels light or dark, to match the background of the views.
-  void suit(const Rgb& background);
   // Stores an event, which the next frame() processes.
   void take(const CanvasEvent& event);
   // Calls `panels`, which draws with Dear ImGui, and sets the resulting triangles as the canvas's overlay. Sizes that

@@ -18,7 +18,6 @@ namespace scanmill {
 
 // Draws all panels once and executes what the user has clicked.
 void ViewSession::runPanels() {
-  panels_.toolkit.suit(context_.options.background);
   panels_.toolkit.frame([&] { drawPanels(); });
 }
 

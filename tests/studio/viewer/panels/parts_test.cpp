@@ -15,7 +15,7 @@ constexpr Rgb kRoad{200, 30, 40};
 constexpr Rgb kCarColor{30, 60, 220};
 constexpr Rgb kTreeColor{20, 190, 60};
 
-class Panels : public testing::Test {
+class PanelParts : public testing::Test {
  protected:
   void draw(const std::function<void()>& panels) {
     for (int i = 0; i < 2; ++i) toolkit_.frame(panels);
@@ -45,7 +45,7 @@ class Panels : public testing::Test {
   Toolkit toolkit_{canvas_, 15};
 };
 
-TEST_F(Panels, AreNowhereWhereNothingIsSaid) {
+TEST_F(PanelParts, AreNowhereWhereNothingIsSaid) {
   draw([] {});
   EXPECT_EQ(written(), 0);
   event(CanvasEvent::Kind::Move, 30, 30);
@@ -53,7 +53,7 @@ TEST_F(Panels, AreNowhereWhereNothingIsSaid) {
   EXPECT_FALSE(toolkit_.hasPointer());
 }
 
-TEST_F(Panels, StandWhereTheyShallAndHaveThePointerThere) {
+TEST_F(PanelParts, StandWhereTheyShallAndHaveThePointerThere) {
   const PixelRect rect{100, 50, 200, 100};
   const auto panel = [&] { panelAt("panel", rect, true, [] { words("word"); }); };
   draw(panel);
@@ -67,7 +67,7 @@ TEST_F(Panels, StandWhereTheyShallAndHaveThePointerThere) {
 }
 
 // Each entry has a sample of its colour, filled while it is shown; a press on its row says which it was.
-TEST_F(Panels, RowsOfALegendShowAndTell) {
+TEST_F(PanelParts, RowsOfALegendShowAndTell) {
   std::vector<bool> hidden{false, true, false};
   LegendUse use;
   const auto panel = [&] {
@@ -101,7 +101,7 @@ TEST_F(Panels, RowsOfALegendShowAndTell) {
 }
 
 // In a picture nothing can be scrolled to: what has no room is counted, and what the frame lacks is left out.
-TEST_F(Panels, PicturesNameWhatThereIsRoomFor) {
+TEST_F(PanelParts, PicturesNameWhatThereIsRoomFor) {
   Legend many;
   for (int i = 0; i < 40; ++i) {
     many.entries.push_back({"class", {static_cast<std::uint8_t>(60 + i), 10, 200}, i, i % 2 == 0 ? 10u : 0u});
@@ -123,7 +123,7 @@ TEST_F(Panels, PicturesNameWhatThereIsRoomFor) {
 }
 
 // From left to right the colours of the map, at its whole width.
-TEST_F(Panels, AScaleHasTheColoursOfTheMap) {
+TEST_F(PanelParts, AScaleHasTheColoursOfTheMap) {
   const Legend legend{.title = "range (m)", .scale = true, .high = 50};
   draw([&] { panelAt("panel", {0, 0, 400, 200}, true, [&] { scaleBar(legend, true); }); });
   int row = 0;
@@ -142,7 +142,7 @@ TEST_F(Panels, AScaleHasTheColoursOfTheMap) {
   EXPECT_GT(best, 340) << "of 376 pixels";
 }
 
-TEST_F(Panels, TheSliderGivesEveryFrame) {
+TEST_F(PanelParts, TheSliderGivesEveryFrame) {
   FrameBar bar{.frames = 12, .key = "street-s1-lane-000012"};
   std::set<std::size_t> seen{0};
   const auto panel = [&] {
@@ -165,7 +165,7 @@ TEST_F(Panels, TheSliderGivesEveryFrame) {
   EXPECT_EQ(*seen.rbegin(), 11u);
 }
 
-TEST_F(Panels, MessagesAreReadAndClickedAway) {
+TEST_F(PanelParts, MessagesAreReadAndClickedAway) {
   std::vector<std::string> problems{"shard.tar: is damaged"};
   bool closed = false;
   const auto panel = [&] { closed = messages({0, 0, kWidth, kHeight}, problems, {"saved"}) || closed; };
@@ -180,31 +180,8 @@ TEST_F(Panels, MessagesAreReadAndClickedAway) {
   EXPECT_LT(written(), both);
 }
 
-// Light panels on light pictures, dark ones on dark: words stand out either way (W3C, WCAG 2.1: a contrast of 4.5).
-TEST_F(Panels, WordsStandOutOnEveryBackground) {
-  const auto luminance = [](const Rgb& c) {
-    const auto linear = [](double v) { return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4); };
-    return 0.2126 * linear(c[0] / 255.0) + 0.7152 * linear(c[1] / 255.0) + 0.0722 * linear(c[2] / 255.0);
-  };
-  for (const Rgb& background : {Rgb{13, 15, 20}, Rgb{104, 108, 116}, Rgb{255, 255, 255}}) {
-    toolkit_.suit(background);
-    draw([&] { panelAt("panel", {0, 0, 300, 100}, true, [] { words("HHHHHHHHHHHHHH"); }); });
-    double darkest = 1;
-    double lightest = 0;
-    for (int y = 0; y < 40; ++y) {
-      for (int x = 0; x < 150; ++x) {
-        const double l = luminance(canvas_.read().at(x, y));
-        darkest = std::min(darkest, l);
-        lightest = std::max(lightest, l);
-      }
-    }
-    EXPECT_GT((lightest + 0.05) / (darkest + 0.05), 4.5);
-    EXPECT_EQ(luminance(canvas_.read().at(250, 80)) > 0.5, background[0] > 200);
-  }
-}
-
 // Whatever is said, in whatever room.
-TEST_F(Panels, AnyTextAndAnySizeWillDo) {
+TEST_F(PanelParts, AnyTextAndAnySizeWillDo) {
   const std::string texts[] = {"",
                                "%s %n",
                                std::string(3000, 'x'),
@@ -277,7 +254,7 @@ TEST(PanelRooms, FillTheCanvasAndLeaveABody) {
 
 TEST(PanelRooms, PartsAreAlikeAndFillTheBody) {
   for (const PixelRect& body : {PixelRect{0, 20, 1300, 700}, PixelRect{3, 5, 200, 900}, PixelRect{0, 0, 7, 5}}) {
-    for (std::size_t parts = 1; parts <= 8; ++parts) {
+    for (std::size_t parts = 1; parts <= kCanvasViews; ++parts) {
       const auto rects = partsOf(body, parts, 1);
       ASSERT_EQ(rects.size(), parts);
       long area = 0;
