@@ -4,20 +4,17 @@
 #include "sensors/beams.h"
 #include "sensors/sensor.h"
 #include "tests/support/shared_data.h"
+#include "tests/support/street.h"
 
 namespace scanmill {
 namespace {
-
-std::shared_ptr<const BeamTable> presetNamed(const std::string& name) {
-  return makeBeams(readYaml(std::filesystem::path(SCANMILL_SOURCE_DIR) / "pipelines/sensors" / (name + ".yaml")));
-}
 
 class DestaggeredPreset : public testing::TestWithParam<const char*> {};
 
 // Each beam is within half a column of the direction of its image column, and no two beams share a pixel. A partial
 // field (AT128) needs a wider image, whose first column depends on the ring with the least shift.
 TEST_P(DestaggeredPreset, EachImageColumnLooksInOneDirection) {
-  const auto beams = presetNamed(GetParam());
+  const auto beams = presetBeams(GetParam());
   const Destagger image = destagger(*beams);
   ASSERT_EQ(image.shift.size(), beams->rings);
   EXPECT_EQ(image.width > beams->columns, !beams->fullTurn());
@@ -51,7 +48,7 @@ TEST(Destagger, FollowsTheVendorsShiftsPerRow) {
   SKIP_WITHOUT_SHARED_DATA("sensors/ouster/OS-1-128_v2.3.0_1024x10.json");
   const Value file = readYaml(sharedData() / "sensors/ouster/OS-1-128_v2.3.0_1024x10.json");  // JSON is YAML
   const std::vector<double> vendors = readNumbers(*file.find("data_format")->find("pixel_shift_by_row"), "shifts");
-  const Destagger image = destagger(*presetNamed("os1_128"));
+  const Destagger image = destagger(*presetBeams("os1_128"));
   ASSERT_EQ(vendors.size(), image.shift.size());
   for (std::size_t ring = 0; ring < vendors.size(); ++ring) {
     // The vendor's shifts count from the least one: all are 12 columns larger.
@@ -61,7 +58,7 @@ TEST(Destagger, FollowsTheVendorsShiftsPerRow) {
 
 TEST(Destagger, SensorsWithoutAzimuthOffsetsKeepTheirColumns) {
   for (const char* name : {"livox_mid_360", "rs_m1", "paper_64", "lms511"}) {
-    const auto beams = presetNamed(name);
+    const auto beams = presetBeams(name);
     const Destagger image = destagger(*beams);
     EXPECT_EQ(image.width, beams->columns) << name;
     EXPECT_EQ(image.shift, std::vector<std::uint32_t>(beams->rings)) << name;

@@ -13,21 +13,18 @@
 #include "sensors/calibration.h"
 #include "sensors/sensor.h"
 #include "tests/support/shared_data.h"
+#include "tests/support/street.h"
 
 namespace scanmill {
 namespace {
 
 using ::testing::HasSubstr;
 
-std::shared_ptr<const BeamTable> presetFile(const std::string& name) {
-  return makeBeams(readYaml(std::filesystem::path(SCANMILL_SOURCE_DIR) / "pipelines" / "sensors" / name));
-}
-
 TEST(Presets, EveryFileIsASensorWithASource) {
   int count = 0;
   const auto folder = std::filesystem::path(SCANMILL_SOURCE_DIR) / "pipelines" / "sensors";
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    const auto beams = presetFile(entry.path().filename().string());
+    const auto beams = presetBeams(entry.path().stem().string());
     EXPECT_NE(beams->model, "custom") << entry.path();
     EXPECT_FALSE(beams->source.empty()) << entry.path();
     EXPECT_GT(beams->maxRange, beams->minRange);
@@ -40,7 +37,7 @@ TEST(Presets, EveryFileIsASensorWithASource) {
 }
 
 TEST(Presets, Vlp16FollowsTheManual) {
-  const auto beams = presetFile("vlp_16.yaml");
+  const auto beams = presetBeams("vlp_16");
   ASSERT_EQ(beams->rings, 16u);
   EXPECT_FALSE(beams->topDown);
   for (std::uint32_t ring = 0; ring < 16; ++ring) {
@@ -55,7 +52,7 @@ TEST(Presets, Vlp16FollowsTheManual) {
 
 // 7294 and -4664 revolutions a minute: after 30 s, and no sooner, both prisms are where they were.
 TEST(Presets, Mid70DrawsARosetteThatRepeatsAfterHalfAMinute) {
-  const auto first = presetFile("livox_mid_70.yaml");
+  const auto first = presetBeams("livox_mid_70");
   EXPECT_EQ(first->size(), 10000u);
   EXPECT_NEAR(first->time[1], 1e-5, 1e-9);
   double widest = 0;
@@ -82,7 +79,7 @@ TEST(Presets, Os1BeamsPassThroughARealRecording) {
   const char* row = bytes.data() + bytes.find(marker) + marker.size();
   constexpr std::size_t kRow = 4 * sizeof(float) + 1 + 3 * sizeof(std::uint16_t);
 
-  const auto beams = presetFile("os1_128.yaml");
+  const auto beams = presetBeams("os1_128");
   ASSERT_GE(bytes.size() - static_cast<std::size_t>(row - bytes.data()), beams->size() * kRow);
   std::size_t hits = 0;
   double worst = 0;
@@ -116,9 +113,9 @@ TEST_P(PresetsOfUnits, AgreeWithTheVendorsFile) {
   const Unit& unit = GetParam();
   const auto file = sharedData() / "sensors" / unit.file;
   SKIP_WITHOUT_SHARED_DATA(std::filesystem::path("sensors") / unit.file);
-  const auto beams = presetFile(unit.preset);
-  const auto real = makeBeams(parseYaml(
-      "{calibration: \"" + file.string() + "\", columns: 1000, rate_hz: 10, range_m: [1, 100]}", "unit.yaml"));
+  const auto beams = presetBeams(unit.preset);
+  const auto real = makeBeams(
+      parseYaml("{calibration: \"" + file.string() + "\", columns: 1000, rate_hz: 10, range_m: [1, 100]}", "unit"));
   ASSERT_EQ(beams->rings, real->rings);
   // Rings of some count upwards, and the real azimuths are without what the head turns until a laser fires, and with
   // an offset that all lasers of a unit have.
@@ -141,37 +138,33 @@ TEST_P(PresetsOfUnits, AgreeWithTheVendorsFile) {
 
 INSTANTIATE_TEST_SUITE_P(
     All, PresetsOfUnits,
-    testing::Values(
-        Unit{"vlp_16.yaml", "velodyne/VLP16db.yaml", 1e-6, 1e-6},
-        Unit{"hdl_64e.yaml", "velodyne/64e_utexas.yaml", 5.1e-4, 5.1e-4},
-        Unit{"os1_128.yaml", "ouster/OS-1-128_v2.3.0_1024x10.json", 1e-6, 1e-6},
-        Unit{"vlp_16_hires.yaml", "velodyne/VLP16_hires_db.yaml", 1e-3, 1e-6},
-        Unit{"vlp_32c.yaml", "velodyne/VeloView-VLP-32C.yaml", 1e-3, 0.01},
-        Unit{"hdl_32e.yaml", "velodyne/32db.yaml", 0.01, 1e-6},
-        Unit{"os0_32.yaml", "ouster/OS-0-32-U1_v2.2.0_1024x10.json", 1.4, 1.8},
-        Unit{"os0_128.yaml", "ouster/OS-0-128-U1_v2.3.0_1024x10.json", 1.7, 2.3},
-        Unit{"os1_32.yaml", "ouster/2_0_rc2_os-992011000121-32U0_legacy.json", 0.8, 0.1},
-        Unit{"os1_64.yaml", "ouster/2_1_2_os1-991913000010-64_legacy.json", 0.3, 0.4},
-        Unit{"os2_32.yaml", "ouster/OS-2-32-U0_v2.0.0_1024x10.json", 0.9, 0.1},
-        Unit{"os2_128.yaml", "ouster/OS-2-128-U1_v2.3.0_1024x10.json", 0.6, 0.1},
-        Unit{"pandar_xt_16.yaml", "hesai/angle_correction/PandarXT-16_Angle Correction File.csv", 1e-6, 1e-6},
-        Unit{"pandar_xt_32.yaml", "hesai/angle_correction/PandarXT_Angle Correction File.csv", 1e-6, 1e-6},
-        Unit{"pandar_xt_32m2x.yaml", "hesai/angle_correction/XT32M2X_Angle Correction File.csv", 0.1, 0.05},
-        Unit{"pandar_128.yaml", "hesai/angle_correction/Pandar128E3X_Angle Correction File.csv", 1e-6, 1e-6},
-        Unit{"pandar_qt_64.yaml", "hesai/angle_correction/PandarQT_Angle Correction File.csv", 1e-6, 1e-6},
-        Unit{"vls_128.yaml", "velodyne/VLS128.yaml", 1e-6, 1e-6}),
-    [](const auto& unit) {
-      const std::string name = unit.param.preset;
-      return name.substr(0, name.find('.'));
-    });
+    testing::Values(Unit{"vlp_16", "velodyne/VLP16db.yaml", 1e-6, 1e-6},
+                    Unit{"hdl_64e", "velodyne/64e_utexas.yaml", 5.1e-4, 5.1e-4},
+                    Unit{"os1_128", "ouster/OS-1-128_v2.3.0_1024x10.json", 1e-6, 1e-6},
+                    Unit{"vlp_16_hires", "velodyne/VLP16_hires_db.yaml", 1e-3, 1e-6},
+                    Unit{"vlp_32c", "velodyne/VeloView-VLP-32C.yaml", 1e-3, 0.01},
+                    Unit{"hdl_32e", "velodyne/32db.yaml", 0.01, 1e-6},
+                    Unit{"os0_32", "ouster/OS-0-32-U1_v2.2.0_1024x10.json", 1.4, 1.8},
+                    Unit{"os0_128", "ouster/OS-0-128-U1_v2.3.0_1024x10.json", 1.7, 2.3},
+                    Unit{"os1_32", "ouster/2_0_rc2_os-992011000121-32U0_legacy.json", 0.8, 0.1},
+                    Unit{"os1_64", "ouster/2_1_2_os1-991913000010-64_legacy.json", 0.3, 0.4},
+                    Unit{"os2_32", "ouster/OS-2-32-U0_v2.0.0_1024x10.json", 0.9, 0.1},
+                    Unit{"os2_128", "ouster/OS-2-128-U1_v2.3.0_1024x10.json", 0.6, 0.1},
+                    Unit{"pandar_xt_16", "hesai/angle_correction/PandarXT-16_Angle Correction File.csv", 1e-6, 1e-6},
+                    Unit{"pandar_xt_32", "hesai/angle_correction/PandarXT_Angle Correction File.csv", 1e-6, 1e-6},
+                    Unit{"pandar_xt_32m2x", "hesai/angle_correction/XT32M2X_Angle Correction File.csv", 0.1, 0.05},
+                    Unit{"pandar_128", "hesai/angle_correction/Pandar128E3X_Angle Correction File.csv", 1e-6, 1e-6},
+                    Unit{"pandar_qt_64", "hesai/angle_correction/PandarQT_Angle Correction File.csv", 1e-6, 1e-6},
+                    Unit{"vls_128", "velodyne/VLS128.yaml", 1e-6, 1e-6}),
+    [](const auto& unit) { return std::string(unit.param.preset); });
 
 TEST(Presets, HesaisSensorsFireAsTheirTablesSay) {
   SKIP_WITHOUT_SHARED_DATA("sensors/hesai/firetime_correction");
-  for (const auto& [name, file] : {std::pair{"pandar_xt_16.yaml", "PandarXT-16_Firetime Correction File.csv"},
-                                   std::pair{"pandar_xt_32.yaml", "PandarXT-32_Firetime Correction File.csv"},
-                                   std::pair{"pandar_qt_64.yaml", "PandarQT_Firetime Correction File.csv"},
-                                   std::pair{"at_128.yaml", "AT128E2X_Firetime Correction File.csv"}}) {
-    const auto beams = presetFile(name);
+  for (const auto& [name, file] : {std::pair{"pandar_xt_16", "PandarXT-16_Firetime Correction File.csv"},
+                                   std::pair{"pandar_xt_32", "PandarXT-32_Firetime Correction File.csv"},
+                                   std::pair{"pandar_qt_64", "PandarQT_Firetime Correction File.csv"},
+                                   std::pair{"at_128", "AT128E2X_Firetime Correction File.csv"}}) {
+    const auto beams = presetBeams(name);
     const std::vector<double> times = readFiringTable(sharedData() / "sensors/hesai/firetime_correction" / file);
     for (std::uint32_t ring = 0; ring < beams->rings; ++ring) {
       EXPECT_NEAR(beams->firingOffset[ring] * 1e6, times.at(ring), 0.01) << name << " " << ring;
@@ -183,7 +176,7 @@ TEST(Presets, HesaisSensorsFireAsTheirTablesSay) {
 TEST(Presets, Pandar128FiresAsItsTableSays) {
   const std::filesystem::path file = "sensors/hesai/firetime_correction/Pandar128E3X_Firetime Correction File.csv";
   SKIP_WITHOUT_SHARED_DATA(file);
-  const auto beams = presetFile("pandar_128.yaml");
+  const auto beams = presetBeams("pandar_128");
   std::istringstream lines(readFile(sharedData() / file));
   std::string line;
   for (int head = 0; head < 3; ++head) std::getline(lines, line);
@@ -198,7 +191,7 @@ TEST(Presets, Pandar128FiresAsItsTableSays) {
 
 // Hesai's binary file: int32 azimuths from byte 40, elevations from byte 552, in units of `resolution` / 25600 deg.
 TEST(Presets, At128AgreesWithItsAngleFile) {
-  const auto beams = presetFile("at_128.yaml");
+  const auto beams = presetBeams("at_128");
   EXPECT_EQ(beams->rings, 128u);
   EXPECT_NEAR(beams->columnPeriod(), 41.667e-6, 1e-9);
   const std::filesystem::path file = "sensors/hesai/angle_correction/AT128E2X_Angle Correction File.dat";
@@ -220,7 +213,7 @@ TEST(Presets, At128AgreesWithItsAngleFile) {
 // VLS-128 User Manual 63-9483, section 9.4: groups of eight lasers, 2.665 us apart, with a pause after the eighth
 // group.
 TEST(Presets, Vls128FiresInGroupsOfEight) {
-  const auto beams = presetFile("vls_128.yaml");
+  const auto beams = presetBeams("vls_128");
   EXPECT_NEAR(beams->columnPeriod(), 53.3e-6, 0.01e-6);
   std::map<long, int> groups;
   for (const double time : beams->firingOffset) ++groups[std::lround(time / 2.665e-6)];
@@ -257,7 +250,7 @@ SeenField seenField(const std::shared_ptr<const BeamTable>& first, int scans, do
 // Livox: 360 deg, -7 to 52 deg, 200,000 points/s. Two recordings of a unit (RoboSim, docs/LIVOX_MID360.md) cover 62 %
 // of the cells of one degree in 0.1 s and 98 % in 1 s.
 TEST(Presets, Mid360CoversItsField) {
-  const auto beams = presetFile("livox_mid_360.yaml");
+  const auto beams = presetBeams("livox_mid_360");
   EXPECT_EQ(beams->rings, 4u);
   EXPECT_NEAR(static_cast<double>(beams->size()) / beams->period, 200e3, 1);
   const SeenField second = seenField(beams, 10);
@@ -273,8 +266,8 @@ TEST(Presets, Mid360CoversItsField) {
 // Livox's figures: the field, and for the Horizon a coverage near 60 % in 0.1 s and near 100 % in 0.5 s (in cells as
 // high as the beam, 0.28 deg, of what is seen in the end).
 TEST(Presets, AviaAndHorizonFillTheirFields) {
-  const auto avia = presetFile("livox_avia.yaml");
-  const auto horizon = presetFile("livox_horizon.yaml");
+  const auto avia = presetBeams("livox_avia");
+  const auto horizon = presetBeams("livox_horizon");
   for (const auto& beams : {avia, horizon}) {
     EXPECT_EQ(beams->rings, 6u);
     EXPECT_NEAR(static_cast<double>(beams->size()) / beams->period, 240e3, 1);
@@ -291,7 +284,7 @@ TEST(Presets, AviaAndHorizonFillTheirFields) {
 
 // RoboSense: 120 x 25 deg, five zones of 126 lines of 125 points, 78,750 points a scan; lines 0.2 deg apart.
 TEST(Presets, M1ScansItsZonesLineByLine) {
-  const auto beams = presetFile("rs_m1.yaml");
+  const auto beams = presetBeams("rs_m1");
   EXPECT_EQ(beams->size(), 78750u);
   const SeenField field = seenField(beams, 1);
   EXPECT_NEAR(field.left, 60, 1e-9);
@@ -311,19 +304,6 @@ TEST(Presets, M1ScansItsZonesLineByLine) {
   }
 }
 
-// Every mode of Ouster's sensors: 512, 1024 and 2048 columns at 10 Hz, 512 and 1024 at 20 Hz.
-TEST(Presets, OustersModesAreColumnsAndARate) {
-  for (const auto& [columns, hz] : {std::pair{512, 10}, {1024, 10}, {2048, 10}, {512, 20}, {1024, 20}}) {
-    const auto beams = makeBeams(resolveSensor(
-        parseYaml(fmt::format("{{preset: os1_128, columns: {}, rate_hz: {}}}", columns, hz), "modes.yaml")));
-    EXPECT_EQ(beams->columns, static_cast<std::uint32_t>(columns));
-    EXPECT_NEAR(beams->columnPeriod(), 1.0 / (columns * hz), 1e-12);
-    EXPECT_NEAR(std::fabs(degrees(beams->azimuth(1) - beams->azimuth(0))), 360.0 / columns, 1e-9);
-    EXPECT_NEAR(degrees(beams->azimuth(0)), 180, 1e-9) << "over the connector in every mode";
-    EXPECT_NEAR(beams->time[beams->columns - 1], (columns - 1.0) / (columns * hz), 1e-6);
-  }
-}
-
 // Scanners of a plane and others, by the figures of their data sheets: steps, field, where the first column looks.
 TEST(Presets, OthersFollowTheirDataSheets) {
   struct Sheet {
@@ -332,17 +312,16 @@ TEST(Presets, OthersFollowTheirDataSheets) {
     double stepDeg, fieldDeg, hz, farthest;
   };
   for (const Sheet& s :
-       {Sheet{"lms111.yaml", 1, 541, 0.5, 270, 50, 20}, Sheet{"lms291.yaml", 1, 361, 0.5, 180, 37.5, 80},
-        Sheet{"lms511.yaml", 1, 381, 0.5, 190, 50, 80}, Sheet{"tim571.yaml", 1, 811, 1 / 3.0, 270, 15, 25},
-        Sheet{"utm_30lx.yaml", 1, 1081, 0.25, 270, 40, 30}, Sheet{"ust_10lx.yaml", 1, 1081, 0.25, 270, 40, 10},
-        Sheet{"urg_04lx.yaml", 1, 682, 360 / 1024.0, 681 * 360 / 1024.0, 10, 5.6},
-        Sheet{"ibeo_lux.yaml", 4, 341, 0.25, 85, 25, 200}, Sheet{"rs_lidar_16.yaml", 16, 1800, 0.2, 360, 10, 150},
-        Sheet{"os_dome_128.yaml", 128, 1024, 360 / 1024.0, 360, 10, 45},
-        Sheet{"pandar_128.yaml", 128, 1800, 0.2, 360, 10, 200}, Sheet{"pandar_qt_64.yaml", 64, 600, 0.6, 360, 10, 60},
-        Sheet{"at_128.yaml", 128, 1200, 0.1, 119.9, 10, 200}, Sheet{"rs_ruby.yaml", 128, 1800, 0.2, 360, 10, 250},
-        Sheet{"vls_128.yaml", 128, 1876, 360 / 1876.0, 360, 10, 262.14}}) {
+       {Sheet{"lms111", 1, 541, 0.5, 270, 50, 20}, Sheet{"lms291", 1, 361, 0.5, 180, 37.5, 80},
+        Sheet{"lms511", 1, 381, 0.5, 190, 50, 80}, Sheet{"tim571", 1, 811, 1 / 3.0, 270, 15, 25},
+        Sheet{"utm_30lx", 1, 1081, 0.25, 270, 40, 30}, Sheet{"ust_10lx", 1, 1081, 0.25, 270, 40, 10},
+        Sheet{"urg_04lx", 1, 682, 360 / 1024.0, 681 * 360 / 1024.0, 10, 5.6},
+        Sheet{"ibeo_lux", 4, 341, 0.25, 85, 25, 200}, Sheet{"rs_lidar_16", 16, 1800, 0.2, 360, 10, 150},
+        Sheet{"os_dome_128", 128, 1024, 360 / 1024.0, 360, 10, 45}, Sheet{"pandar_128", 128, 1800, 0.2, 360, 10, 200},
+        Sheet{"pandar_qt_64", 64, 600, 0.6, 360, 10, 60}, Sheet{"at_128", 128, 1200, 0.1, 119.9, 10, 200},
+        Sheet{"rs_ruby", 128, 1800, 0.2, 360, 10, 250}, Sheet{"vls_128", 128, 1876, 360 / 1876.0, 360, 10, 262.14}}) {
     SCOPED_TRACE(s.preset);
-    const auto beams = presetFile(s.preset);
+    const auto beams = presetBeams(s.preset);
     EXPECT_EQ(beams->rings, s.rings);
     ASSERT_EQ(beams->columns, s.columns);
     EXPECT_NEAR(degrees(beams->field), s.fieldDeg, 1e-9);
@@ -350,12 +329,12 @@ TEST(Presets, OthersFollowTheirDataSheets) {
     EXPECT_NEAR(1 / beams->period, s.hz, 1e-9);
     EXPECT_EQ(beams->maxRange, s.farthest);
     // What scans a plane looks ahead in its middle.
-    if (s.rings > 1 || s.preset == std::string("urg_04lx.yaml")) continue;
+    if (s.rings > 1 || s.preset == std::string("urg_04lx")) continue;
     EXPECT_NEAR(beams->azimuth(0), -beams->azimuth(s.columns - 1), 1e-9);
   }
   // Step 384 of the URG-04LX, which begins at 44, looks ahead.
-  EXPECT_NEAR(presetFile("urg_04lx.yaml")->azimuth(384 - 44), 0, 1e-9);
-  const auto dome = presetFile("os_dome_128.yaml");
+  EXPECT_NEAR(presetBeams("urg_04lx")->azimuth(384 - 44), 0, 1e-9);
+  const auto dome = presetBeams("os_dome_128");
   EXPECT_NEAR(degrees(dome->elevation.front()), 90, 1e-9);
   EXPECT_NEAR(degrees(dome->elevation.back()), 0, 1e-9);
 }

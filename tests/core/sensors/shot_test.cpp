@@ -73,12 +73,6 @@ TEST(Shot, EveryColumnBelongsToOneStepAndEveryStepHasColumns) {
   }
 }
 
-TEST(Shot, PerColumnHasOnePosePerColumn) {
-  const Shot shot = makeShot(beams(512), drive(), 0, {}, motionOf("per_column"));
-  ASSERT_EQ(shot.worldFromSensor.size(), 512u);
-  for (std::uint32_t column = 0; column < 512; ++column) EXPECT_EQ(shot.stepOf(column), column);
-}
-
 TEST(Shot, NoMotionTakesThePoseAtTheStartOfTheTurn) {
   const Pose mount{fromYawPitchRoll(kPi / 2, 0, 0), {1, 0, 2}};
   const auto table = beams(100);

@@ -1,4 +1,5 @@
 #include "tests/support/labels.h"
+#include "tests/support/message_of.h"
 #include "town/layout.h"
 #include "town/map.h"
 #include "town/map_place.h"
@@ -189,9 +190,9 @@ TEST(MapBuildings, RoofsThatTheirBuildingsDoNotAllowAreCounted) {
 
 TEST(MapBuildings, WoodsWithoutTreesAreTold) {
   const auto told = [](double north) {
-    testing::internal::CaptureStderr();
-    (void)layOut(makeMap(withAreas({area("way 2", {{"landuse", "forest"}}, rectangle(-20, 10, 20, north))})));
-    return testing::internal::GetCapturedStderr();
+    return printedBy([&] {
+      (void)layOut(makeMap(withAreas({area("way 2", {{"landuse", "forest"}}, rectangle(-20, 10, 20, north))})));
+    });
   };
   EXPECT_EQ(told(40), "");
   EXPECT_THAT(told(90), HasSubstr("woods farther than 48 m from every road have no trees"));
@@ -203,9 +204,7 @@ TEST(MapBuildings, AMainRoadThatABridgeInterruptsIsTold) {
     extract.ways.push_back(
         {{"way 1", {{"highway", "residential"}, {"name", "A"}}}, {{at(from, 0), at(from + 140, 0)}}});
   }
-  testing::internal::CaptureStderr();
-  (void)layOut(makeMap(extract));
-  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+  EXPECT_THAT(printedBy([&] { (void)layOut(makeMap(extract)); }),
               HasSubstr("'A' is a main road of 140 m, less than `length: 200`"));
 }
 
@@ -312,11 +311,10 @@ TEST(MapBuildings, MayHangOverRoads) {
   const Layout bridge = layout({{"min_height", "6"}});
   ASSERT_EQ(bridge.blocks.size(), 1u);
   EXPECT_DOUBLE_EQ(bridge.blocks[0].block.base, 6);
-  testing::internal::CaptureStderr();
-  const Layout blocked = layout({});
-  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("left out: 1 buildings that stand on a road"));
-  EXPECT_TRUE(blocked.blocks.empty());
-  EXPECT_THAT(blocked.about, HasSubstr("1 buildings that stand on a road are left out"));
+  std::optional<Layout> blocked;
+  EXPECT_THAT(printedBy([&] { blocked = layout({}); }), HasSubstr("left out: 1 buildings that stand on a road"));
+  EXPECT_TRUE(blocked->blocks.empty());
+  EXPECT_THAT(blocked->about, HasSubstr("1 buildings that stand on a road are left out"));
 }
 
 }  // namespace

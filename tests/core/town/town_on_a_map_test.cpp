@@ -171,11 +171,7 @@ TEST(Town, BarriersThatTheMapHasTwiceAreBuiltOnce) {
 
 TEST(Town, PiecesOfBarriersThatRoadsCrossAreTold) {
   StreetOnAMap street;
-  const auto told = [&] {
-    testing::internal::CaptureStderr();
-    (void)street.scene();
-    return testing::internal::GetCapturedStderr();
-  };
+  const auto told = [&] { return printedBy([&] { (void)street.scene(); }); };
   street.way({{20, 30}, {20, 40}}, "<tag k='barrier' v='wall'/>");
   EXPECT_EQ(told(), "");
   street.way({{40, -30}, {40, 40}}, "<tag k='barrier' v='wall'/>");

@@ -65,23 +65,6 @@ TEST(Traffic, TurnsAreFreeToo) {
   EXPECT_GE(turning, 4u);
 }
 
-// Full of vehicles or not: the boxes of what stands and drives on the road keep clear of a car's width.
-TEST(Traffic, NobodyIsInTheLane) {
-  for (const std::uint64_t seed : {1u, 2u, 3u, 5u, 18u, 22u}) {
-    Scene scene = makeTown("{length: 160, vehicles: 3}", seed);
-    const std::vector<Vec3d> lane = laneOf("{length: 160, vehicles: 3}", seed);
-    for (const double time : {0.0, 9.0, 31.0, 77.0}) {
-      for (const Instance& i : scene.instances) {
-        if (!isOnRoad(i) || (time > 0 && !i.moves())) continue;
-        const auto away = distanceFrom(scene, i, time);
-        for (const Vec3d& p : lane) {
-          EXPECT_GT(away(p + Vec3d{0, 0, 1}), 0.85) << i.name << " of seed " << seed << " at " << time << " s";
-        }
-      }
-    }
-  }
-}
-
 // Vehicles pass under the arms of lamps: without roadworks some vehicle on the lane moves in each town.
 TEST(Traffic, LampsDoNotStopIt) {
   for (const char* kind : {"suburban", "arterial", "commercial", "dense"}) {
