@@ -27,13 +27,6 @@ double readCount(const Value& value, std::string_view what) {
   return count;
 }
 
-void refuseUnlessElevations(const Value& value) {
-  if (value.kind == Value::Kind::Scalar || value.kind == Value::Kind::Null) {
-    throw InputError(value.where,
-                     "elevation_deg must be a list of angles, one per ring, or {top: 15, bottom: -15, rings: 16}");
-  }
-}
-
 // Returns the elevation of each ring (deg), in ring order.
 std::vector<double> uniformElevations(const Value& value, std::uint32_t rings, const std::string& order,
                                       const Location& orderWhere) {
@@ -241,25 +234,22 @@ SensorSize sensorSize(const Value& description) {
     const ListedSensor listed = readListedBeams(fields.path("beams"));
     return {listed.rings, listed.columns};
   }
-  if ((fields.has("rosette") || fields.has("raster")) && !fields.has("elevation_deg")) {
-    const double columns = readCount(fields.require("columns"), "columns");
-    if (columns < 1 || columns > kMaxColumns) {
-      throw InputError(fields.require("columns").where, fmt::format("columns must be from 1 to {}", kMaxColumns));
-    }
-    const std::size_t rings = fields.has("rosette") ? readRosette(fields.require("rosette")).lasers()
-                                                    : readRasterScan(fields.require("raster")).zones.size();
-    return {rings, static_cast<std::uint64_t>(columns)};
-  }
   const Value& columnValue = fields.require("columns");
-  const Value& elevation = fields.require("elevation_deg");
-  refuseUnlessElevations(elevation);
   const double columns = readCount(columnValue, "columns");
-
-  const Value* ringValue = &elevation;
-  double rings = static_cast<double>(elevation.items.size());
-  if (elevation.kind == Value::Kind::Map) {
-    ringValue = &Fields(elevation, "elevation_deg").require("rings");
+  const bool rosette = fields.has("rosette");
+  const bool cones = fields.has("elevation_deg") || !(rosette || fields.has("raster"));
+  const Value* ringValue = &fields.require(cones ? "elevation_deg" : rosette ? "rosette" : "raster");
+  double rings = 0;
+  if (!cones) {
+    rings = static_cast<double>(rosette ? readRosette(*ringValue).lasers() : readRasterScan(*ringValue).zones.size());
+  } else if (ringValue->kind == Value::Kind::Sequence) {
+    rings = static_cast<double>(ringValue->items.size());
+  } else if (ringValue->kind == Value::Kind::Map) {
+    ringValue = &Fields(*ringValue, "elevation_deg").require("rings");
     rings = readCount(*ringValue, "rings");
+  } else {
+    throw InputError(ringValue->where,
+                     "elevation_deg must be a list of angles, one per ring, or {top: 15, bottom: -15, rings: 16}");
   }
   const bool ringsFit = rings >= 1 && rings <= kMaxRings;
   if (!ringsFit || columns < 1 || columns > kMaxColumns) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "base/vec.h"
 #include "town/map.h"
@@ -12,15 +13,16 @@ namespace {
 
 constexpr double kSharpest = 2.4;  // rad, largest change of direction at a point within a joined road
 
+// An end of a piece of a road: 0 is its start, 1 its end.
+struct End {
+  std::size_t piece;
+  int end;
+};
+
 struct Piece {
   MapRoad road;
-  // `piece` continues this piece at its start (joints[0]) or its end (joints[1]); -1: no piece does. `end` tells which
-  // end of `piece` touches this piece (0: start, 1: end).
-  struct Joint {
-    int piece = -1;
-    int end = 0;
-  };
-  Joint joints[2];
+  // The ends of the pieces that continue this piece at its start and at its end; not set: no piece does.
+  std::optional<End> next[2];
 };
 
 double turnAt(const MapRoad& road, std::size_t i) {
@@ -67,15 +69,11 @@ double headingFrom(const MapRoad& road, int end) {
   return std::atan2(at(i).y - start.y, at(i).x - start.x);
 }
 
-struct End {
-  int piece, end;
-};
-
 // Returns how poorly two pieces with a common node fit together as one road (lower is better); nullopt if they cannot
 // be one road.
 std::optional<double> misfit(const std::vector<Piece>& pieces, const End& a, const End& b, bool alone) {
-  const MapRoad& p = pieces[static_cast<std::size_t>(a.piece)].road;
-  const MapRoad& q = pieces[static_cast<std::size_t>(b.piece)].road;
+  const MapRoad& p = pieces[a.piece].road;
+  const MapRoad& q = pieces[b.piece].road;
   if (p.ring != q.ring || p.oneWay != q.oneWay) return std::nullopt;
   if (p.oneWay && a.end == b.end) return std::nullopt;
   const double difference = headingFrom(p, a.end) - headingFrom(q, b.end);
@@ -92,8 +90,8 @@ std::optional<double> misfit(const std::vector<Piece>& pieces, const End& a, con
 
 void match(std::vector<Piece>& pieces) {
   std::map<std::int64_t, std::vector<End>> meetings;
-  for (int i = 0; i < static_cast<int>(pieces.size()); ++i) {
-    const MapRoad& road = pieces[static_cast<std::size_t>(i)].road;
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    const MapRoad& road = pieces[i].road;
     meetings[road.nodes.front()].push_back({i, 0});
     meetings[road.nodes.back()].push_back({i, 1});
   }
@@ -114,26 +112,23 @@ void match(std::vector<Piece>& pieces) {
     }
     std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& x, const Pair& y) { return x.misfit < y.misfit; });
     for (const Pair& pair : pairs) {
-      const auto jointOf = [&](const End& e) -> Piece::Joint& {
-        return pieces[static_cast<std::size_t>(e.piece)].joints[e.end];
-      };
-      if (jointOf(pair.a).piece >= 0 || jointOf(pair.b).piece >= 0) continue;
-      jointOf(pair.a) = {pair.b.piece, pair.b.end};
-      jointOf(pair.b) = {pair.a.piece, pair.a.end};
+      std::optional<End>& afterA = pieces[pair.a.piece].next[pair.a.end];
+      std::optional<End>& afterB = pieces[pair.b.piece].next[pair.b.end];
+      if (afterA || afterB) continue;
+      afterA = pair.b;
+      afterB = pair.a;
     }
   }
 }
 
 // Joins the pieces that continue each other, beginning at the end `from` of a piece.
-MapRoad follow(const std::vector<Piece>& pieces, End from, std::vector<bool>& used) {
+MapRoad follow(const std::vector<Piece>& pieces, const End& from, std::vector<bool>& used) {
   MapRoad whole;
   double longest = 0;
-  End next = from;
-  while (next.piece >= 0 && !used[static_cast<std::size_t>(next.piece)]) {
-    const Piece& piece = pieces[static_cast<std::size_t>(next.piece)];
-    used[static_cast<std::size_t>(next.piece)] = true;
-    MapRoad part = piece.road;
-    if (next.end == 1) {
+  for (std::optional<End> at = from; at && !used[at->piece]; at = pieces[at->piece].next[1 - at->end]) {
+    used[at->piece] = true;
+    MapRoad part = pieces[at->piece].road;
+    if (at->end == 1) {
       std::reverse(part.line.begin(), part.line.end());
       std::reverse(part.nodes.begin(), part.nodes.end());
     }
@@ -149,8 +144,6 @@ MapRoad follow(const std::vector<Piece>& pieces, End from, std::vector<bool>& us
     }
     whole.line = std::move(line);
     whole.nodes = std::move(nodes);
-    const Piece::Joint& joint = piece.joints[1 - next.end];
-    next = {joint.piece, joint.end};
   }
   return whole;
 }
@@ -163,13 +156,12 @@ std::vector<MapRoad> joinRoads(const std::vector<MapRoad>& roads) {
   std::vector<bool> used(pieces.size(), false);
   std::vector<MapRoad> joined;
   const auto begin = [&](bool loops) {
-    for (int i = 0; i < static_cast<int>(pieces.size()); ++i) {
-      const Piece& piece = pieces[static_cast<std::size_t>(i)];
-      if (used[static_cast<std::size_t>(i)]) continue;
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+      if (used[i]) continue;
       // One-way roads are followed only from their start.
-      if (loops || piece.joints[0].piece < 0) {
+      if (loops || !pieces[i].next[0]) {
         joined.push_back(follow(pieces, {i, 0}, used));
-      } else if (piece.joints[1].piece < 0 && !piece.road.oneWay) {
+      } else if (!pieces[i].next[1] && !pieces[i].road.oneWay) {
         joined.push_back(follow(pieces, {i, 1}, used));
       }
     }
