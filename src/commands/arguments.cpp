@@ -187,6 +187,21 @@ std::string folderOption(const Arguments& arguments, const std::string& name) {
   return folder;
 }
 
+void expectFree(const std::filesystem::path& file, const Arguments& arguments) {
+  std::error_code failure;
+  const auto refuse = [](const std::filesystem::path& path, const char* why) {
+    throw InputError({path.string()}, why);
+  };
+  if (std::filesystem::is_directory(file, failure)) refuse(file, "is a folder: name a file");
+  if (std::filesystem::exists(file, failure) && !arguments.has("overwrite")) {
+    refuse(file, "exists: name another file, or add --overwrite");
+  }
+  const std::filesystem::path folder = file.parent_path();
+  if (std::filesystem::exists(folder, failure) && !std::filesystem::is_directory(folder, failure)) {
+    refuse(folder, "is a file: name another folder");
+  }
+}
+
 std::shared_ptr<const Recording> recordingOf(const Arguments& arguments) {
   const std::string hits = folderOption(arguments, "from-hits");
   const std::string passes = folderOption(arguments, "from-passes");

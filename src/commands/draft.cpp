@@ -104,11 +104,7 @@ int runDraft(const std::vector<std::string>& arguments) {
   const std::filesystem::path out = folderOption(parsed, "out");
   if (out.empty()) throw InputError("-o FILE.yaml is missing: name the scene file to write");
   const std::filesystem::path picture = std::filesystem::path(out).replace_extension(".png");
-  for (const std::filesystem::path& made : {out, picture}) {
-    if (pathExists(made) && !parsed.has("overwrite")) {
-      throw InputError({made.string()}, "exists: name another file, or add --overwrite");
-    }
-  }
+  for (const std::filesystem::path& made : {out, picture}) expectFree(made, parsed);
   const std::string ontologyName = parsed.options["ontology"].as<std::string>();
   const Ontology ontology = readOntology(namedResource(ontologyName, "labels"));
   const std::vector<Concept> concepts = readConcepts(parsed.has("words") ? std::filesystem::path(parsed.text("words"))

@@ -88,15 +88,7 @@ int runExample(const std::vector<std::string>& arguments) {
         fmt::format("there is no example '{}'{}; `scanmill example` lists them", name, suggestion(name, names)));
   }
   const fs::path folder = parsed.has("out") ? fs::path(parsed.text("out")) : fs::path(".");
-  std::error_code failure;
-  fs::create_directories(folder, failure);
-  if (failure) throw InputError({folder.string()}, "cannot be made a folder: " + failure.message());
-  for (const fs::path& file : found->files) {
-    const fs::path copy = folder / file.filename();
-    if (fs::exists(copy) && !parsed.has("overwrite")) {
-      throw InputError({copy.string()}, "is there already: name another folder with -o, or add --overwrite");
-    }
-  }
+  for (const fs::path& file : found->files) expectFree(folder / file.filename(), parsed);
   std::string copied;
   for (const fs::path& file : found->files) {
     writeFile(folder / file.filename(), readFile(file));

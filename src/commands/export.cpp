@@ -60,7 +60,7 @@ int runExport(const std::vector<std::string>& arguments) {
   chosen.splits = parsed.list("split");
   chosen.overwrite = parsed.has("overwrite");
   chosen.stop = &stopSignal();
-  const ThreadLimit threads(parsed.options["threads"].as<int>());
+  const ResourceLimits limits(parsed);
   std::optional<Progress> progress;
   std::string stage;
   std::uint64_t before = 0;

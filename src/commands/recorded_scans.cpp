@@ -84,11 +84,8 @@ std::optional<FoundResponse> responseOf(const std::vector<Scan>& recorded, const
 }
 
 std::filesystem::path requiredFile(const Arguments& parsed, const std::string& what) {
-  std::filesystem::path out = requiredText(parsed, "out", what);
-  if (isFolder(out)) throw InputError({out.string()}, "is a folder: name a file");
-  if (pathExists(out) && !parsed.has("overwrite")) {
-    throw InputError({out.string()}, "exists: choose another name, or add --overwrite");
-  }
+  const std::filesystem::path out = requiredText(parsed, "out", what);
+  expectFree(out, parsed);
   return out;
 }
 

@@ -26,26 +26,6 @@ std::string defaultName(const std::filesystem::path& folder) {
   return (name.empty() || name == "/" ? std::string("dataset") : name) + "_report.html";
 }
 
-void expectFree(const std::filesystem::path& file, bool overwrite) {
-  if (isFolder(file)) {
-    throw InputError({file.string()}, "is a folder, but -o takes the name of an HTML file");
-  }
-  if (pathExists(file) && !overwrite) {
-    throw InputError({file.string()}, "exists: add --overwrite, or name another file with -o");
-  }
-  const std::filesystem::path folder = file.parent_path();
-  if (!folder.empty() && pathExists(folder) && !isFolder(folder)) {
-    throw InputError({folder.string()}, "is a file: name another folder with -o");
-  }
-}
-
-void makeFolderOf(const std::filesystem::path& file) {
-  if (!file.has_parent_path()) return;
-  std::error_code failure;
-  std::filesystem::create_directories(file.parent_path(), failure);
-  if (failure) throw InputError({file.parent_path().string()}, "cannot be made: " + failure.message());
-}
-
 }  // namespace
 
 int runReport(const std::vector<std::string>& arguments) {
@@ -68,7 +48,7 @@ int runReport(const std::vector<std::string>& arguments) {
   const bool named = parsed.has("out");
   const std::filesystem::path file = named ? parsed.text("out") : defaultName(folder);
   if (file.empty()) throw InputError("-o: the name of the file is empty");
-  expectFree(file, parsed.has("overwrite"));
+  expectFree(file, parsed);
 
   DatasetReportOptions reportOptions{.seed = parsed.options["seed"].as<std::uint64_t>(),
                                      .samples = parsed.options["samples"].as<std::size_t>()};
@@ -81,7 +61,6 @@ int runReport(const std::vector<std::string>& arguments) {
   const DatasetReport report = examineDataset(folder, reportOptions);
   const std::string page = datasetPage(report);
   if (*reportOptions.stop) throw Error("stopped: nothing was written");
-  makeFolderOf(file);
   writeFile(file, page);
   if (!reportOptions.quiet) {
     for (const DatasetWarning& w : report.warnings) {
