@@ -76,25 +76,43 @@ class Reader {
       m.azimuth.push_back(around[i] == 0 ? 0 : -around[i]);
     }
     if (m.elevation.empty()) fail("gives all beams the angles 0");
+    const Value* const rows = format("pixels_per_column");
+    const double pixels = rows == nullptr ? 0 : readNumber(*rows, "pixels_per_column");
+    if (rows != nullptr && pixels != static_cast<double>(m.elevation.size()) &&
+        pixels != static_cast<double>(up.size())) {
+      fail(fmt::format("has angles of {} beams, {} of which are unused, but its pixels_per_column are {:g}", up.size(),
+                       up.size() - m.elevation.size(), pixels));
+    }
   }
 
   // Early firmware may lack the mode; the columns and the rate then stand in the format of the packets, or nowhere.
   void readMode(OusterMetadata& m) const {
-    if (const Value* const mode = find("config_params", "lidar_mode"); mode != nullptr && !mode->text.empty()) {
+    const Value* const mode = find("config_params", "lidar_mode");
+    const std::string text = mode == nullptr ? "" : mode->text;
+    if (!text.empty()) {
       char rest = 0;
       unsigned rate = 0;
-      if (std::sscanf(mode->text.c_str(), "%ux%u%c", &m.columns, &rate, &rest) != 2 || m.columns == 0 || rate == 0 ||
+      if (std::sscanf(text.c_str(), "%ux%u%c", &m.columns, &rate, &rest) != 2 || m.columns == 0 || rate == 0 ||
           m.columns > kMostColumns || rate > kHighestRate) {
         fail(fmt::format("has the lidar_mode '{}', but it must be columns x revolutions per second, such as 1024x10",
-                         mode->text));
+                         text));
       }
       m.rate = rate;
-      return;
     }
-    if (const Value* const fps = format("fps")) m.rate = readNumber(*fps, "fps", {0.01, kHighestRate});
-    if (const Value* const columns = format("columns_per_frame")) {
-      m.columns = static_cast<std::uint32_t>(readInteger(*columns, "columns_per_frame", 1, kMostColumns));
+    if (const Value* const fps = format("fps")) {
+      const double said = readNumber(*fps, "fps", {0.01, kHighestRate});
+      if (m.rate != 0 && said != m.rate) {
+        fail(fmt::format("has fps {:g} and the lidar_mode '{}': correct one of them", said, text));
+      }
+      m.rate = said;
     }
+    const Value* const columns = format("columns_per_frame");
+    if (columns == nullptr) return;
+    const double count = readNumber(*columns, "columns_per_frame", {1, kMostColumns});
+    if (count != std::floor(count) || (m.columns != 0 && count != m.columns)) {
+      fail(fmt::format("has columns_per_frame {:g} and the lidar_mode '{}': correct one of them", count, text));
+    }
+    m.columns = static_cast<std::uint32_t>(count);
   }
 
   void readWindow(OusterMetadata& m) {

@@ -562,6 +562,15 @@ Map readMap(const std::filesystem::path& file, bool mirrored, const Location& wh
   }
   checkDensity(map);
   map.leftOut.tell(file.string());
+  double reach = 0;
+  for (const MapRoad& road : map.roads) reach = std::max(reach, std::hypot(road.line[0].x, road.line[0].y));
+  constexpr double kFarthest = 5e5;  // m; lengths there are 0.3 % too short
+  if (reach > kFarthest) {
+    warn(
+        fmt::format("{}: roads are up to {:.0f} km from their middle, where lengths are too short in the plane of the "
+                    "scene: cut a district out, for example with `osmium extract`",
+                    file.string(), reach / 1000));
+  }
   return map;
 }
 

@@ -118,10 +118,19 @@ TEST_F(VendorFiles, MetadataWithoutAModeNeedTheSensorsColumnsAndRate) {
   const auto packets = sensor("calibration: m.json, range_m: [1, 100]");
   EXPECT_EQ(packets->columns, 2048u);
   EXPECT_DOUBLE_EQ(packets->period, 0.1);
+  json = kOld;
+  json.insert(1, R"("data_format": {"columns_per_frame": 1024}, )");
+  EXPECT_THAT(refusedJson(json), HasSubstr("has columns_per_frame 1024 and the lidar_mode '512x20'"));
+  json = kOld;
+  json.insert(1, R"("data_format": {"pixels_per_column": 64}, )");
+  EXPECT_THAT(refusedJson(json), HasSubstr("has angles of 3 beams, 0 of which are unused, but its pixels_per_column"));
+  json = kOld;
+  json.insert(1, R"("data_format": {"fps": 10}, )");
+  EXPECT_THAT(refusedJson(json), HasSubstr("has fps 10 and the lidar_mode '512x20'"));
 }
 
 // The lists of sensors with few lasers are filled up with zeros, as are their packets.
-TEST_F(VendorFiles, UnusedBeamsAreLeftOut) {
+TEST_F(VendorFiles, PixelsPerColumnMayCountUnusedBeams) {
   folder_.write("m.json", R"({"lidar_mode": "512x20", "beam_altitude_angles": [10, 0, -11, 0, 0],
                     "beam_azimuth_angles": [3, 1, -3, 0, 0], "data_format": {"pixels_per_column": 5}})");
   EXPECT_EQ(sensor("calibration: m.json, range_m: [1, 100]")->rings, 3u);
