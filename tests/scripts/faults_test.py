@@ -12,7 +12,6 @@ are left out. Datasets lie in memory (/dev/shm) unless TMPDIR names a folder.
 import collections
 import ctypes
 import errno
-import hashlib
 import os
 import random
 import re
@@ -26,13 +25,12 @@ import time
 import unittest
 from pathlib import Path
 
+from support import HIDDEN, PROGRAM, ROOT, tree, wait_until
+
 HERE = Path(__file__).resolve().parent
-ROOT = HERE.parents[1]
-PROGRAM = os.environ.get("SCANMILL", str(ROOT / "build/release/scanmill"))
 KILLS = int(os.environ.get("FAULTS_KILLS", "12"))
 PATIENCE_S = 60
 SEED = 20261123
-HIDDEN = ".scanmill"
 MANIFEST = "manifest.json"
 
 PIPELINE = """
@@ -106,35 +104,12 @@ def unmount(folder):
     subprocess.run(["umount", "--lazy", str(folder)], check=True)
 
 
-def tree(folder, hidden=True):
-    """Every name in a folder, with the SHA-256 of files, the targets of links, and None for folders."""
-    found = {}
-    for path in sorted(folder.rglob("*")):
-        name = path.relative_to(folder)
-        if not hidden and name.parts[0] == HIDDEN:
-            continue
-        if path.is_symlink():
-            found[str(name)] = f"-> {os.readlink(path)}"
-        else:
-            found[str(name)] = hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else None
-    return found
-
-
 def differences(found, expected):
     names = sorted(name for name in {*found, *expected} if found.get(name, "absent") != expected.get(name, "absent"))
     words = ("is not there" if name not in found else "is one too many" if name not in expected else "differs"
              for name in names)
     told = [f"{name} {word}" for name, word in zip(names, words)]
     return ", ".join(told[:4]) + (f" and {len(told) - 4} more" if len(told) > 4 else "")
-
-
-def wait_until(what, holds):
-    end = time.monotonic() + PATIENCE_S
-    while time.monotonic() < end:
-        if value := holds():
-            return value
-        time.sleep(0.0002)
-    raise AssertionError(f"waited {PATIENCE_S} s in vain: {what}")
 
 
 def spread(things, most):

@@ -5,7 +5,6 @@ changes anything outside of it, whatever the link is and wherever it stands. A d
     LINKS_CASES=all ...                                  all cases, in place of 40 that are chosen at random
 """
 
-import hashlib
 import os
 import random
 import shutil
@@ -15,8 +14,8 @@ import tempfile
 import unittest
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
-PROGRAM = os.environ.get("SCANMILL", str(ROOT / "build/release/scanmill"))
+from support import PROGRAM, ROOT, tree
+
 CASES = os.environ.get("LINKS_CASES", "40")
 SEED = 20261127
 PATIENCE_S = 60
@@ -49,16 +48,6 @@ COMMANDS = {
     "share": ("generate", "{pipeline}", "-o", "{ds}", "--workers", "auto", "--quiet"),
     "export": ("export", "{other}", "--to", "ply", "-o", "{ds}", "--overwrite", "--quiet"),
 }
-
-
-def everything(folder):
-    """{path: what is there}, with the contents of files and the targets of links."""
-    found = {}
-    for path in sorted(Path(folder).rglob("*")):
-        found[str(path.relative_to(folder))] = (
-            os.readlink(path) if path.is_symlink() else hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file()
-            else "folder")
-    return found
 
 
 class Links(unittest.TestCase):
@@ -118,10 +107,10 @@ class Links(unittest.TestCase):
         for state, name, link, command in cases:
             with self.subTest(state=state, name=name, link=link, command=command):
                 ds, outside = self.stranger(state, name, link)
-                before = everything(outside)
+                before = tree(outside)
                 words = [w.format(ds=ds, pipeline=self.pipeline, other=self.complete) for w in COMMANDS[command]]
                 done = self.run_program(*words)
-                self.assertEqual(everything(outside), before, done.stdout)
+                self.assertEqual(tree(outside), before, done.stdout)
                 self.assertIn(done.returncode, (0, 1, 2), done.stdout)
                 if done.returncode == 0 and command in ("overwrite", "resume"):
                     self.run_program("verify", str(ds), code=0)

@@ -8,7 +8,6 @@ Ends with 77, which ctest takes for skipped, where Slurm is not installed.
 
 import ctypes
 import getpass
-import hashlib
 import os
 import re
 import shutil
@@ -17,15 +16,13 @@ import socket
 import subprocess
 import sys
 import tempfile
-import time
 import unittest
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
-PROGRAM = os.environ.get("SCANMILL", str(ROOT / "build/release/scanmill"))
+from support import PROGRAM, ROOT, tree, wait_until
+
 SKIPPED = 77
 NODES = ("n1", "n2")
-PATIENCE_S = 120
 
 # A third of a second a frame on one core: long enough to die in.
 PIPELINE = f"""
@@ -99,17 +96,6 @@ def adopt_orphans():
 
 def children():
     return [int(pid) for pid in Path(f"/proc/self/task/{os.getpid()}/children").read_text().split()]
-
-
-def wait_until(what, holds):
-    """The first value of `holds()` that is true."""
-    end = time.monotonic() + PATIENCE_S
-    while time.monotonic() < end:
-        value = holds()
-        if value:
-            return value
-        time.sleep(0.02)
-    raise AssertionError(f"waited {PATIENCE_S} s in vain: {what}")
 
 
 class Cluster:
@@ -197,12 +183,6 @@ def shards_in(folder):
     return list(folder.rglob("*.tar"))
 
 
-def sums(folder):
-    """The SHA-256 of every file, hidden ones included."""
-    return {str(file.relative_to(folder)): hashlib.sha256(file.read_bytes()).hexdigest()
-            for file in sorted(folder.rglob("*")) if file.is_file()}
-
-
 def processes_of(folder):
     """The ids of the programs that make a dataset in this folder."""
     found = []
@@ -231,7 +211,7 @@ class OnACluster(unittest.TestCase):
         os.kill(wait_until("a task works", lambda: processes_of(shared))[0], signal.SIGKILL)
         wait_until("the array ends", lambda: not slurm("squeue", "--noheader", "--name=wrap").strip())
         logs = "\n".join(file.read_text() for file in self.folder.glob("*.log"))
-        self.assertEqual(sums(shared), sums(whole), f"array {array}:\n{logs}")
+        self.assertEqual(tree(shared), tree(whole), f"array {array}:\n{logs}")
 
 
 def main():
