@@ -6,9 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "config/resources.h"
 #include "config/value.h"
-#include "scene/material.h"
 
 namespace scanmill::draft {
 namespace {
@@ -30,15 +28,6 @@ bool areOnePlace(const std::vector<Model>& models) {
     });
   });
   return models.size() > 1 && 2 * static_cast<std::size_t>(alone) > models.size();
-}
-
-// Adds a comment on top about drafted materials that let light through but are opaque without an effect.
-void tellOfGlass(std::string& yaml) {
-  for (const Material& m : readMaterials(resourceFolder() / "labels/materials.yaml", 905).materials) {
-    const auto drafted = [&](const char* end) { return yaml.find("material: " + m.name + end) != std::string::npos; };
-    if (m.transmission == 0 || (!drafted("\n") && !drafted("}"))) continue;
-    yaml.insert(0, fmt::format("# `material: {}` is opaque unless the pipeline has the effect light_paths.\n", m.name));
-  }
 }
 
 }  // namespace
@@ -74,7 +63,6 @@ Draft draftScene(const std::vector<std::filesystem::path>& files, const std::vec
     x += box.high.x - box.low.x + kGap;
     deepest = std::max(deepest, box.high.y - box.low.y);
   }
-  tellOfGlass(draft.yaml);
   return draft;
 }
 

@@ -140,10 +140,6 @@ class PclPair {
 
 }  // namespace
 
-std::optional<double> fitness(std::span<const Vec3f> source, std::span<const Vec3f> target, double within) {
-  return PclPair(source, target).fitness(within);
-}
-
 Registered registerClouds(std::span<const Vec3f> source, std::span<const Vec3f> target, const IcpOptions& options) {
   PclPair pair(source, target);
   const std::optional<double> unmoved = pair.fitness(options.fitnessWithin);

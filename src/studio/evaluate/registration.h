@@ -12,19 +12,17 @@
 
 namespace scanmill {
 
-// Returns the mean of the squared distances (m^2) from each point of `source` to the nearest point of `target`.
-// Distances above `within` (m) and points that are not finite are ignored; returns nothing if no distance remains. The
-// mean is one-sided. It is a mean of squares: two equal errors of opposite sign do not cancel, and one large error
-// counts more than many small ones. PCL differs: it compares its max_range with a squared distance, and returns DBL_MAX
-// if no distance remains.
-std::optional<double> fitness(std::span<const Vec3f> source, std::span<const Vec3f> target,
-                              double within = std::numeric_limits<double>::infinity());
+// The fitness of a source to a target is the mean of the squared distances (m^2) from each point of the source to the
+// nearest point of the target; distances above a bound and points that are not finite are ignored, and there is no
+// fitness if no distance remains. The mean is one-sided. It is a mean of squares: two equal errors of opposite sign do
+// not cancel, and one large error counts more than many small ones. PCL differs: it compares its max_range with a
+// squared distance, and returns DBL_MAX if no distance remains.
 
 // The options of ICP, with PCL's defaults.
 struct IcpOptions {
   int iterations = 10;                                             // maximum number of iterations
   double reach = std::numeric_limits<double>::infinity();          // maximum distance of matched points (m)
-  double fitnessWithin = std::numeric_limits<double>::infinity();  // parameter `within` of fitness() (m)
+  double fitnessWithin = std::numeric_limits<double>::infinity();  // larger distances do not count in the fitness (m)
 };
 
 struct Registered {

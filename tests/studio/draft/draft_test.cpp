@@ -81,7 +81,6 @@ TEST(DraftScene, ReadsAsItWasGuessed) {
                          {"building", 2}, {"window", 1}, {"car", 1}, {"road", 2}, {"terrain", 1}, {"unlabeled", 1}}));
   for (const RuleUse& rule : scene.rules) EXPECT_GT(rule.decided, 0u) << rule.match;
   EXPECT_NE(draft.yaml.find("mystery"), std::string::npos) << "what no word tells is listed";
-  EXPECT_NE(draft.yaml.find("`material: glass` is opaque unless"), std::string::npos);
 }
 
 // Names that YAML, patterns or terminals might take for something else.

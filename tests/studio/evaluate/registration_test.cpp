@@ -7,6 +7,12 @@
 namespace scanmill {
 namespace {
 
+// The fitness of two clouds where they are.
+std::optional<double> fitness(std::span<const Vec3f> source, std::span<const Vec3f> target,
+                              double within = std::numeric_limits<double>::infinity()) {
+  return registerClouds(source, target, {.fitnessWithin = within}).unmoved;
+}
+
 using Points = std::vector<Vec3f>;
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();

@@ -177,7 +177,6 @@ class Summing {
     SensorSummary& sensor = sensorEntry(sample.scans[place.scan].sensor);
     ++sum_.scansRead;
     ++sensor.scansRead;
-    sum_.pointsRead += counts.points;
     for (const auto& [id, ranges] : counts.rangesOfClass) {
       addTo(sensor.ranges, ranges);
       if (sum_.labelled) addTo(classEntry(id).ranges, ranges);

@@ -82,7 +82,7 @@ struct DatasetSummary {
   std::vector<SplitSummary> splits;  // the splits, in the order in which the samples name them
   ScanRemarks emptyScans, fewPoints, unresolvedScans;
 
-  std::uint64_t scansChosen = 0, scansRead = 0, pointsRead = 0;
+  std::uint64_t scansChosen = 0, scansRead = 0;
   RangeSteps steps;
   std::vector<MixedInstance> mixed;
 };
