@@ -2,6 +2,7 @@
 #include <pybind11/stl.h>
 
 #include <array>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "dataset/recording.h"
 #include "passes/exr/pass_exr.h"
 #include "python/arrays.h"
+#include "sensors/beams.h"
 #include "sensors/sensor.h"
 
 namespace py = pybind11;
@@ -33,7 +35,7 @@ class PassRecorder {
                std::string scene)
       : writer_(folder, false), name_(std::move(name)), scene_(std::move(scene)) {
     const Value description = parseYaml(sensor, (std::filesystem::path(here) / "sensor.yaml").string());
-    size_ = sensorSize(resolveSensor(description));
+    beams_ = makeBeams(resolveSensor(description));
   }
 
   // Adds an image of the frame that begin() started. All arrays have the camera's width^2 pixels, row by row from the
@@ -64,7 +66,7 @@ class PassRecorder {
   void frame(const std::array<double, 7>& worldFromSensor, double time) {
     const Pose pose = poseOf(worldFromSensor);
     RecordedShot shot{key(), name_, time, {pose}, "", {}};
-    shot.steps.push_back({0, static_cast<std::uint32_t>(size_.columns), pose, std::exchange(images_, {})});
+    shot.steps.push_back({0, beams_->columns, pose, std::exchange(images_, {})});
     writer_.add(shot);
     ++frames_;
   }
@@ -75,8 +77,7 @@ class PassRecorder {
     recording.programVersion = kVersion;
     recording.method = "depth_camera";
     recording.folder = writer_.folder();
-    recording.sensors = {
-        {name_, static_cast<std::uint32_t>(size_.rings), static_cast<std::uint32_t>(size_.columns), "", Pose{}}};
+    recording.sensors = {{name_, beams_->rings, beams_->columns, "", Pose{}}};
     recording.sequences = {{scene_, 1, kTrajectory, frames_, 0}};
     recording.materials = {{}};
     recording.modelled = {{"passes", "images of six depth cameras, as another program rendered them"}};
@@ -88,7 +89,7 @@ class PassRecorder {
 
   RecordingWriter writer_;
   std::string name_, scene_;
-  SensorSize size_;
+  std::shared_ptr<const BeamTable> beams_;
   std::uint32_t frames_ = 0;
   std::vector<std::string> images_;  // of the frame that has not ended
 };
