@@ -1,34 +1,18 @@
 #include "scenefile/connected_parts.h"
 
+#include <meshoptimizer.h>
+
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <tuple>
-#include <unordered_map>
 
 #include "base/error.h"
 
 namespace scanmill {
 namespace {
-
-struct PlaceHash {
-  std::size_t operator()(const Vec3f& p) const {
-    std::uint64_t hash = 0;
-    for (const float value : {p.x, p.y, p.z}) {
-      hash = (hash ^ std::bit_cast<std::uint32_t>(value + 0.0f)) * 0x9E3779B97F4A7C15;  // adding 0 gives -0 and 0 the
-                                                                                        // same hash
-      hash ^= hash >> 29;
-    }
-    return hash;
-  }
-};
-
-struct SamePlace {
-  bool operator()(const Vec3f& a, const Vec3f& b) const { return a.x == b.x && a.y == b.y && a.z == b.z; }
-};
 
 // Returns the fraction of a box's footprint (as seen from above) that the footprint of another box covers, but at least
 // 1e-9; 0 if the boxes are more than `gap` (m) apart along some axis.
@@ -103,21 +87,25 @@ class Cells {
 }  // namespace
 
 ConnectedParts connect(const std::vector<const AssetPart*>& parts) {
-  // Union-find over the vertices of all parts, which are numbered continuously. The first vertex at each position is
-  // the initial parent of all vertices at that position.
-  std::vector<std::uint32_t> parent;
-  std::unordered_map<Vec3f, std::uint32_t, PlaceHash, SamePlace> known;
-  std::size_t vertices = 0;
-  for (const AssetPart* part : parts) vertices += part->positions.size();
-  if (vertices > std::numeric_limits<std::uint32_t>::max())
-    throw Error("a file has more than 4294967295 vertices: split it");
-  parent.reserve(vertices);
-  known.reserve(vertices);
+  std::vector<Vec3f> positions;  // of all parts, whose vertices are numbered continuously
   for (const AssetPart* part : parts) {
-    for (const Vec3f& p : part->positions) {
-      const auto own = static_cast<std::uint32_t>(parent.size());
-      parent.push_back(isFinite(p) ? known.emplace(p, own).first->second : own);
-    }
+    // Adding zero replaces minus zero by zero: equal positions must have equal bytes.
+    for (const Vec3f& p : part->positions) positions.push_back(p + Vec3f{});
+  }
+  const std::size_t vertices = positions.size();
+  constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+  if (vertices > kNone) throw Error("a file has more than 4294967295 vertices: split it");
+  // Union-find over the vertices. The first vertex at each position is the initial parent of all vertices there; those
+  // at no position stay apart.
+  std::vector<std::uint32_t> place(vertices);
+  const std::size_t places =
+      meshopt_generateVertexRemap(place.data(), nullptr, vertices, positions.data(), vertices, sizeof(Vec3f));
+  std::vector<std::uint32_t> firstAt(places, kNone);
+  std::vector<std::uint32_t> parent(vertices);
+  for (std::uint32_t v = 0; v < vertices; ++v) {
+    std::uint32_t& first = firstAt[place[v]];
+    if (first == kNone || !isFinite(positions[v])) first = v;
+    parent[v] = first;
   }
   const auto root = [&](std::size_t v) {
     while (parent[v] != v) v = parent[v] = parent[parent[v]];
@@ -131,7 +119,6 @@ ConnectedParts connect(const std::vector<const AssetPart*>& parts) {
     }
     first += part->positions.size();
   }
-  constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> numberOf(vertices, kNone);
   ConnectedParts found;
   first = 0;
