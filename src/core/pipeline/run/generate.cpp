@@ -241,17 +241,21 @@ class DatasetRun {
   void warnOfBlindSensors() {
     auto sample = summary_.manifest.samples.begin();
     for (const Sequence& sequence : pipeline_.sequences) {
-      std::map<std::string, std::uint64_t> points;  // by sensor
-      for (const MountedSensor& sensor : pipeline_.sensors) points[sensor.name] = 0;
+      std::map<std::string, std::pair<std::uint64_t, std::uint64_t>> seen;  // by sensor: number of scans and of points
+      for (const MountedSensor& sensor : pipeline_.sensors) seen[sensor.name] = {0, 0};
       for (std::uint32_t frame = 0; frame < sequence.frames; ++frame, ++sample) {
-        for (const ScanRecord& scan : sample->scans) points[scan.sensor] += scan.points;
+        for (const ScanRecord& scan : sample->scans) {
+          ++seen[scan.sensor].first;
+          seen[scan.sensor].second += scan.points;
+        }
       }
-      for (const auto& [sensor, count] : points) {
-        if (count > 0) continue;
-        summary_.warnings.push_back(fmt::format(
-            "sequence {}: the sensor '{}' hits nothing in {} frames: is the trajectory inside the scene, and "
-            "does it take the time of a revolution?",
-            sequence.key(), sensor, sequence.frames));
+      for (const auto& [sensor, counts] : seen) {
+        const auto& [scans, points] = counts;
+        if (points > 0) continue;
+        summary_.warnings.push_back(fmt::format("sequence {}: the sensor '{}' {} in {} frames: {}", sequence.key(),
+                                                sensor, scans == 0 ? "has no scan" : "hits nothing", sequence.frames,
+                                                scans == 0 ? "do they take less time than one of its revolutions?"
+                                                           : "is the trajectory inside the scene?"));
       }
     }
   }

@@ -227,7 +227,7 @@ TEST_F(ReadPipeline, PresetsAreRefusedInTheirOwnFile) {
   EXPECT_THAT(refusal(use), AllOf(HasSubstr("tiny.yaml:6:1"), HasSubstr("did you mean 'columns'")));
   folder_.write("tiny.yaml", "");
   EXPECT_THAT(refusal(use), AllOf(HasSubstr("tiny.yaml"), HasSubstr("empty")));
-  folder_.write("tiny.yaml", "columns: x\n");
+  folder_.write("tiny.yaml", "columns: 3\n");
   EXPECT_THAT(refusal(use), HasSubstr("elevation_deg"));
 }
 

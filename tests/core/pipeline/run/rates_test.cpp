@@ -117,8 +117,8 @@ TEST_F(Rates, FramesCloserThanARevolutionAreToldWithBoth) {
 // A drive that ends before a slow sensor has turned once has no scan of it.
 TEST_F(Rates, SensorsWithoutAScanAreTold) {
   const GenerateSummary summary = run({sensors({10, 5}), "trajectories.0.every_s=0.1", "trajectories.0.frames=1"});
-  EXPECT_THAT(summary.warnings, Contains(HasSubstr("the sensor 's1' hits nothing in 1 frames")));
-  EXPECT_THAT(summary.warnings, Not(Contains(HasSubstr("the sensor 's0' hits nothing"))));
+  EXPECT_THAT(summary.warnings, Contains(HasSubstr("the sensor 's1' has no scan in 1 frames")));
+  EXPECT_THAT(summary.warnings, Not(Contains(HasSubstr("the sensor 's0' has no scan"))));
 }
 
 TEST_F(Rates, DatasetsHoldEveryRevolution) {
