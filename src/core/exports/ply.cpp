@@ -18,7 +18,6 @@
 #include <string_view>
 #include <type_traits>
 
-#include "base/terminal.h"
 #include "exports/scan_files.h"
 #include "formats/little_endian.h"
 
@@ -37,12 +36,20 @@ constexpr std::string_view kPlyType = std::is_floating_point_v<T> ? "float"
                                       : sizeof(T) == 2            ? "uint16"
                                                                   : "uint";
 
+// Replaces line breaks by blanks, because a line break would end a comment of the header.
+std::string withoutBreaks(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+  return text;
+}
+
 std::string header(const ExportPlan& plan, const ExportSample& sample, const ExportScan& given, std::size_t points) {
   std::string text = fmt::format(
       "ply\nformat binary_little_endian 1.0\ncomment dataset {}\ncomment sample {}\ncomment sensor {}\ncomment time "
       "{}\n"
       "comment frame sensor: metres; x forward, y left, z up\n",
-      oneLine(plan.manifest.name), oneLine(sample.record->key), oneLine(given.sensor->name), given.record->time);
+      withoutBreaks(plan.manifest.name), withoutBreaks(sample.record->key), withoutBreaks(given.sensor->name),
+      given.record->time);
   for (const Pose& pose : given.record->worldFromSensor) {
     const Quat& q = pose.rotation;
     const Vec3d& t = pose.translation;
@@ -50,7 +57,7 @@ std::string header(const ExportPlan& plan, const ExportSample& sample, const Exp
                         q.z, t.x, t.y, t.z);
   }
   for (const SemanticClass& c : plan.classes.target().classes) {
-    text += fmt::format("comment class {} {}\n", c.id, oneLine(c.name));
+    text += fmt::format("comment class {} {}\n", c.id, withoutBreaks(c.name));
   }
   const ColumnSet columns = exportedColumns(plan, given.scan);
   text += fmt::format(
