@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 #include <cmath>
 #include <map>
 #include <set>
@@ -113,6 +114,22 @@ std::string keyPart(std::string_view text) {
   return part;
 }
 
+namespace {
+
+// Returns how many frames a list of trajectories has for each seed at least: those that it states.
+std::uint64_t leastFrames(const Value& list) {
+  std::uint64_t least = 0;
+  for (const Value& trajectory : list.items) {
+    const Value* const frames = trajectory.find("frames");
+    std::uint64_t stated = 1;
+    if (frames != nullptr) std::from_chars(frames->text.data(), frames->text.data() + frames->text.size(), stated);
+    least += stated;
+  }
+  return least;
+}
+
+}  // namespace
+
 std::vector<Sequence> readSequences(Fields& fields, double period,
                                     const std::function<void(std::uint64_t)>& checkFrames) {
   const Value* shared = fields.find("trajectories");
@@ -133,7 +150,7 @@ std::vector<Sequence> readSequences(Fields& fields, double period,
       throw InputError(item.where, "no trajectories: give the scene or the pipeline the key `trajectories`");
     const Value* along = followsLane(*list);
     Trajectories trajectories = along != nullptr ? Trajectories{} : readTrajectories(*list, period);
-    checkFrames(frames + seeds.size() * list->items.size());  // each trajectory has a frame
+    checkFrames(frames + seeds.size() * leastFrames(*list));
     for (const std::uint64_t seed : seeds) {
       if (along != nullptr) {
         const std::optional<SceneLanes> lanes = readSceneLanes(file, seed);
