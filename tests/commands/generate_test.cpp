@@ -52,7 +52,7 @@ class Generate : public SmallWorld {
       }));
       EXPECT_GT(members, 0u);
     }
-    expectRefused(scanmill({"verify", at("out")}), "this one is unfinished");
+    expectRefused(scanmill({"verify", at("out")}), "has an unfinished dataset");
   }
 };
 

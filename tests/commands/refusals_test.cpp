@@ -18,7 +18,6 @@ struct Refusal {
 
 const Refusal kRefusals[] = {
     {"generat", "did you mean 'generate'?"},
-    {"picture A", "scanmill view INPUT --screenshot FILE.png"},
     {"list format", "did you mean 'formats'?"},
     {"list range_nois", "did you mean 'range_noise'?"},
 
@@ -36,7 +35,7 @@ const Refusal kRefusals[] = {
     {"generate P -o @x --memory-limit 1e10T", "below 16 EiB, not '1e10T'"},
     {"generate P -o @x --memory-limit 0.5", "such as 8G, below 16 EiB, not '0.5'"},
     {"generate P -o @x --resume --overwrite", "only one of the two"},
-    {"generate P -o @x --resume --keep-hits @y", "recordings"},
+    {"generate P -o @x --resume --keep-hits @y", "cannot continue a recording"},
     {"generate P -o @x --shards 0 --workers 2", "give only one of the two"},
     {"generate P -o @x --shards 1000", "such as 0-9,12"},
     {"generate P -o @x --worker 1", "give both --worker I and --workers N"},
