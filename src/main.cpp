@@ -53,6 +53,9 @@ int dispatch(const std::vector<std::string>& arguments) {
     if (c.name == arguments[0]) return c.run({arguments.begin() + 1, arguments.end()});
     names.emplace_back(c.name);
   }
+  if (arguments[0] == "picture") {
+    throw InputError("`picture` is now `scanmill view INPUT --screenshot FILE.png`; see `scanmill view --help`");
+  }
   throw InputError(fmt::format("no command '{}'{}", arguments[0], suggestion(arguments[0], names)));
 }
 
