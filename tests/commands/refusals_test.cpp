@@ -18,6 +18,7 @@ struct Refusal {
 
 const Refusal kRefusals[] = {
     {"generat", "did you mean 'generate'?"},
+    {"picture A", "scanmill view INPUT --screenshot FILE.png"},
     {"list format", "did you mean 'formats'?"},
     {"list range_nois", "did you mean 'range_noise'?"},
 
