@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "base/append_new.h"
@@ -229,6 +230,13 @@ std::vector<StoredScan> ScanStore::scans(std::size_t sample, const std::string& 
                    {member},
                    record});
   }
+  if (manifest_ != nullptr) {
+    const auto errorOf = [&](const std::string& member) {
+      const auto format = std::ranges::find(manifest_->formats, partsOfMember(member).suffix, &FormatRecord::suffix);
+      return format == manifest_->formats.end() ? INFINITY : format->maxErrorMetres;
+    };
+    for (StoredScan& scan : all) std::ranges::stable_sort(scan.members, {}, errorOf);
+  }
   const std::string where = shards_[own.shard].file.string();
   if (all.empty()) {
     throw InputError({where}, fmt::format("has no scan of the sample '{}' in a known format", keys_[sample]));
@@ -265,11 +273,12 @@ std::optional<std::string> ScanStore::bytesOf(std::size_t sample, const std::str
 
 std::optional<SampleObjects> ScanStore::objects(std::size_t sample) const {
   if (single_ || manifest_ == nullptr) return {};
+  const Sample& own = samples_.at(sample);
+  if (own.record != nullptr && !own.record->objects) return {};
   const std::string name = objectsMember(keys_.at(sample));
   const std::optional<std::string> bytes = bytesOf(sample, name);
   if (bytes) return parseObjects(*bytes, name, manifest_->ontology);
-  const Sample& own = samples_[sample];
-  if (own.record == nullptr || !own.record->objects) return {};
+  if (own.record == nullptr) return {};
   throw InputError({shards_[own.shard].file.string()},
                    fmt::format("has no member {}, but the manifest lists it", name));
 }

@@ -26,7 +26,8 @@ struct StoredScan {
   std::string sensor;                // from the manifest or, if there is none, from the members' names; empty: unknown
   std::uint32_t revolution = 0;      // index among the sensor's revolutions in the sample
   std::string method;                // from the manifest or, if there is none, from the members' names; empty: unknown
-  std::vector<std::string> members;  // members of the shard that contain the scan, in order; or a recorded scan's file
+  std::vector<std::string> members;  // members of the shard that contain the scan, the most exact format first, as far
+                                     // as a manifest states errors; or a recorded scan's file
   const ScanRecord* record = nullptr;  // record in the manifest; null: there is no manifest
 };
 
@@ -127,7 +128,7 @@ struct ScanSource {
 // Finds and decodes a scan. `path`: a dataset's folder, a shard, a folder of recorded scans, or a single scan in any
 // known format. `sample`: in a dataset or a shard, a key, an index from 0, or a part of exactly one key; if empty, the
 // middle sample. `sensor`: name of one of the sample's sensors; if empty, the first. If a sample contains a scan in
-// several formats, the first format that can be decoded is used. The manifest of a shard is searched for in the
+// several formats, the most exact format that can be decoded is used. The manifest of a shard is searched for in the
 // shard's folder and the folder above it; a shard without a manifest can also be read. Throws InputError for a file of
 // unknown kind, an unknown sample (with the most similar key), an unknown sensor (with the known sensors), and if a
 // sample or a sensor is given for a single scan.

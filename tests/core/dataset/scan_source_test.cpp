@@ -56,6 +56,16 @@ TEST_F(FindScan, PassesOverSamplesWithoutTheFirstSensor) {
   EXPECT_THAT(complaint(folder.path() / "slow", "1"), HasSubstr("has no sensor 'top'; it has rear"));
 }
 
+// The first format of a dataset may round positions.
+TEST_F(FindScan, TakesTheMostExactFormat) {
+  PackedDataset writer(folder.path() / "rounded", false, 1 << 20);
+  Manifest rounded = testManifest();
+  rounded.formats = {{"draco", "drc", 0.001}, {"pcd", "pcd", 0}};
+  writer.add(testSample(rounded, 3, "drive-000003", "train"));
+  writer.finish(rounded);
+  EXPECT_EQ(findScan(folder.path() / "rounded", "", "").scan.position, expected(3, 0).position);
+}
+
 TEST_F(FindScan, ByKeyByIndexAndBySensor) {
   for (std::uint32_t i = 0; i < 9; ++i) {
     EXPECT_EQ(findScan(dataset, std::to_string(i), "").scan.position, expected(i, 0).position);

@@ -45,8 +45,9 @@ struct ScanReading {
   const std::atomic<bool>* stop = nullptr;  // if it becomes true, readScans() throws Error; may be null
 };
 
-// Reads the scans at `places` of a dataset. Returns the faults, one line for each scan that cannot be read. Scans of
-// missing shards are not among them; shardFaults() reports these.
+// Reads the scans at `places` of a dataset. If a scan is stored in several formats, uses the most exact format that can
+// be decoded. Returns the faults, one line for each scan that cannot be read, or one line for all scans of a shard that
+// is not a tar file. Scans of missing shards are not among them; shardFaults() reports these.
 std::vector<std::string> readScans(const ScanStore& store, const std::vector<ScanPlace>& places,
                                    const ScanReading& reading);
 
