@@ -67,6 +67,9 @@ class DatasetPage {
     const std::string& folder = report_.folder;
     std::uint64_t bytes = 0;
     for (const ShardRecord& shard : m_.shards) bytes += shard.bytes;
+    const auto holds = [&](const char* split) {
+      return std::ranges::any_of(s_.splits, [&](const SplitSummary& s) { return s.name == split && s.samples > 0; });
+    };
     std::set<std::string> methods;
     for (const SensorSummary& r : s_.sensors) methods.insert(r.methods.begin(), r.methods.end());
     page_ = {{"title", "Dataset " + (folder.empty() || folder == m_.name ? m_.name : m_.name + " (" + folder + ")")},
@@ -87,6 +90,7 @@ class DatasetPage {
              {"chosen_few", s_.scansChosen < s_.scans},
              {"scans_read", s_.scansRead},
              {"labelled", s_.labelled},
+             {"validated", holds("train") && holds("val")},
              {"path", shellWord(report_.path)},
              {"first_sample", m_.samples.empty() ? "" : shellWord(m_.samples.front().key)},
              {"view", report_.view},

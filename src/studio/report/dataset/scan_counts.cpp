@@ -6,6 +6,7 @@
 #include <optional>
 #include <unordered_map>
 
+#include "base/append_new.h"
 #include "base/error.h"
 #include "dataset/objects.h"
 
@@ -102,7 +103,7 @@ ObjectCounts countObjects(const ScanStore& store, const std::vector<std::size_t>
       }
       ++counts.samples;
     } catch (const InputError& error) {
-      faults.emplace_back(error.what());
+      appendNew({error.what()}, faults);
     }
   }
   return counts;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/append_new.h"
 #include "base/error.h"
 #include "base/file.h"
 #include "base/hash.h"
@@ -80,7 +81,9 @@ std::vector<std::string> readScans(const ScanStore& store, const std::vector<Sca
     }
   }
   std::erase(problems, "");
-  return problems;
+  std::vector<std::string> different;
+  appendNew(problems, different);
+  return different;
 }
 
 namespace {
