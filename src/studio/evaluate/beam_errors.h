@@ -97,8 +97,8 @@ class BeamErrorSum {
   // Adds a shot. `tested`: hits with the channels Range, Instance and Semantic; a range of NaN counts as a miss.
   // `intensity`: tested intensity of each beam; empty if not compared. `nearestTo`: distance (m) from each beam's true
   // point to the nearest tested point. `nearestFrom`: distance from each beam's tested point to the nearest true point.
-  // Unknown distances are NaN. A list is empty or has an entry for each beam. Throws Error if `tested` has another
-  // number of beams than `truth`, or hits instances that the scene does not have.
+  // Unknown distances are NaN. A list is empty or has an entry for each beam. Throws Error if `tested` or a list
+  // has another number of beams than `truth`, or if the truth hits instances that the scene does not have.
   void add(const TrueShot& truth, const Hits& tested, std::span<const float> intensity,
            std::span<const float> nearestTo = {}, std::span<const float> nearestFrom = {});
   BeamErrors finish() const;

@@ -12,12 +12,6 @@
 
 namespace scanmill {
 
-// The fitness of a source to a target is the mean of the squared distances (m^2) from each point of the source to the
-// nearest point of the target; distances above a bound and points that are not finite are ignored, and there is no
-// fitness if no distance remains. The mean is one-sided. It is a mean of squares: two equal errors of opposite sign do
-// not cancel, and one large error counts more than many small ones. PCL differs: it compares its max_range with a
-// squared distance, and returns DBL_MAX if no distance remains.
-
 // The options of ICP, with PCL's defaults.
 struct IcpOptions {
   int iterations = 10;                                             // maximum number of iterations
@@ -29,8 +23,13 @@ struct Registered {
   Affine targetFromSource;  // a rigid motion; the identity if `moved` is false
   // False if ICP cannot find a motion: a cloud has fewer than three points, or fewer than three points can be matched.
   bool moved = false;
-  std::optional<double> unmoved;  // fitness of the clouds before the motion (m^2)
-  std::optional<double> fitness;  // the fitness after the motion (m^2)
+  // The fitness before and after the motion: the mean of the squared distances (m^2) from each point of the source to
+  // the nearest point of the target. Distances above a bound and points that are not finite are ignored; there is no
+  // fitness if no distance remains. The mean is one-sided. It is a mean of squares: two equal errors of opposite sign
+  // do not cancel, and one large error counts more than many small ones. PCL differs: it compares its max_range with a
+  // squared distance, and returns DBL_MAX if no distance remains.
+  std::optional<double> unmoved;
+  std::optional<double> fitness;
 };
 
 // Returns the motion that ICP finds from `source` onto `target`, starting from their given positions.

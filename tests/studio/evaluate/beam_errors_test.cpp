@@ -351,6 +351,14 @@ TEST(BeamErrors, WhatDoesNotFitIsRefused) {
   TrueShot foreign = truth;
   foreign.truth.hits.instance[1] = 4'000'000'000u;
   EXPECT_THROW(errorsOf(scene, foreign, hitsAt({1, 2})), Error);
+  const std::vector<float> three(3, 0);
+  BeamErrorSum sum(scene);
+  EXPECT_THROW(sum.add(truth, hitsAt({1, 2}), three), Error);
+  EXPECT_THROW(sum.add(truth, hitsAt({1, 2}), {}, three), Error);
+  EXPECT_THROW(sum.add(truth, hitsAt({1, 2}), {}, {}, three), Error);
+  TrueShot edged = truth;
+  edged.edges = {0, 1, 0};
+  EXPECT_THROW(errorsOf(scene, edged, hitsAt({1, 2})), Error);
 }
 
 TEST(ThingSizes, AreThoseOfTheBoxAlongTheMeshsAxes) {
