@@ -31,8 +31,8 @@ namespace scanmill {
 namespace {
 
 void printBands(const std::vector<PatchGroup>& bands) {
-  Rows rows{{"range (incidence to 60 deg)", "patches", "points", "sigma mm", "+-", "with step", "about planes", "lost",
-             "of", "drop-out %", "+-", ""}};
+  Rows rows{{fmt::format("range (incidence to {:g} deg)", kMostIncidenceDegrees), "patches", "points", "sigma mm", "+-",
+             "with step", "about planes", "lost", "of", "drop-out %", "+-", ""}};
   for (const PatchGroup& g : bands) {
     const auto figure = [](bool any, double value, int digits) {
       return any ? fmt::format("{:.{}f}", value, digits) : std::string("-");

@@ -239,12 +239,12 @@ NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans
     fit.points += band->points;
   }
   if (used.empty()) {
-    throw InputError(
-        fmt::format("{}: no band of ranges has at least {} flat patches of {} x {} beams with incidences up to 60 deg: "
-                    "noise is measured on flat surfaces such as walls and floors; give more scans, or scans of a "
-                    "place with such surfaces{}",
-                    listed(fit.files), kFewestPatches, kPatchRings, kPatchColumns,
-                    beams.rings < kPatchRings ? fmt::format("; and a sensor of at least {} rings", kPatchRings) : ""));
+    throw InputError(fmt::format(
+        "{}: no band of ranges has at least {} flat patches of {} x {} beams with incidences up to {:g} deg: "
+        "noise is measured on flat surfaces such as walls and floors; give more scans, or scans of a "
+        "place with such surfaces{}",
+        listed(fit.files), kFewestPatches, kPatchRings, kPatchColumns, kMostIncidenceDegrees,
+        beams.rings < kPatchRings ? fmt::format("; and a sensor of at least {} rings", kPatchRings) : ""));
   }
   fitLine(fit, used);
   FlatPatches chosen;
@@ -285,9 +285,9 @@ std::string effectsYaml(const NoiseFit& fit, const std::string& date) {
     rows += fmt::format("{}[{:.3g}, {:.3g}]", rows.empty() ? "" : ", ", band->range, band->sigma);
   }
   std::string text = fmt::format("  # Fitted with `scanmill fit-noise`, {}, on\n  # {}.\n", date, listed(fit.files));
-  text +=
-      fmt::format("  # {} flat patches with {} points, {:.3g} to {:.3g} m away and up to 60 deg from their normals.\n",
-                  fit.patches, fit.points, first->range, last->range);
+  text += fmt::format(
+      "  # {} flat patches with {} points, {:.3g} to {:.3g} m away and up to {:g} deg from their normals.\n",
+      fit.patches, fit.points, first->range, last->range, kMostIncidenceDegrees);
   if (fit.dropOut.lost > 0) {
     text += fmt::format("  # Beams lost among returns of flat patches: {} of {}.\n", fit.dropOut.lost, fit.dropOut.of);
     text += fmt::format("  - dropout: {{probability: {:.2g}}}\n", fit.dropOut.share());

@@ -25,8 +25,8 @@ struct MeasuredShare {
   double share() const { return of > 0 ? static_cast<double>(lost) / static_cast<double>(of) : 0; }
 };
 
-// The noise on all patches in a band of ranges. "Step" means the distance to which the
-// sensor rounds ranges. Sigma is the standard deviation of the ranges from a smooth surface.
+// The noise on all patches in a band of ranges. "Step" means the distance to which the sensor rounds ranges. Sigma is
+// the standard deviation of the ranges from a smooth surface.
 struct PatchGroup {
   std::string name;  // the band's values, such as "7.5-10 m"
   double high = 0;   // upper end of the band (m); infinite for the last band
@@ -50,7 +50,7 @@ struct NoiseFit {
   std::uint64_t beams = 0;
   double step = 0;                // step to which the sensor rounds ranges (m); 0 if none was found
   double sensorReach = 0;         // maximum range in the beam table (m)
-  std::vector<PatchGroup> bands;  // bands of range; only patches with incidences up to 60 degrees
+  std::vector<PatchGroup> bands;  // bands of range; only patches with incidences up to kMostIncidenceDegrees
 
   // The model sigma(r) = base + growth * r, fitted by least squares with the weights 1 / (the band's error)^2.
   double base = 0;  // sigma at range 0 (m)

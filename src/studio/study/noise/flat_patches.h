@@ -10,6 +10,7 @@
 // offsets between rings, the beam table's rounding and the vehicle's motion do not count as noise. The sum of squares
 // of each fit is divided by its degrees of freedom.
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -23,9 +24,10 @@ namespace scanmill {
 constexpr std::uint32_t kPatchRings = 5;
 constexpr std::uint32_t kPatchColumns = 9;
 
-// The cosine of 60 degrees, the incidence angle that separates steep from grazing views. In grazing views, the ranges
+// The incidence angle that separates steep from grazing views (degrees), and its cosine. In grazing views, the ranges
 // also vary due to the roughness of the surface and the width of the beam.
-constexpr double kSteep = 0.5;
+constexpr double kMostIncidenceDegrees = 60;
+inline const double kSteep = std::cos(radians(kMostIncidenceDegrees));
 
 // The position of a patch in a scan's image of beams.
 struct PatchWindow {

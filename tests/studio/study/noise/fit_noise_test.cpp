@@ -340,5 +340,13 @@ TEST(FitNoise, SaysWhereItsModelEnds) {
   EXPECT_TRUE(beyondMeasured(near).empty());
 }
 
+TEST(FitNoise, SaysWhatFewBandsCannotShow) {
+  NoiseFit fit;
+  fit.bands.resize(1);
+  EXPECT_THAT(effectsYaml(fit, "today"), HasSubstr("; one band of ranges cannot show growth.\n"));
+  fit.bands.resize(2);
+  EXPECT_THAT(effectsYaml(fit, "today"), HasSubstr("; two bands of ranges cannot test a line.\n"));
+}
+
 }  // namespace
 }  // namespace scanmill
