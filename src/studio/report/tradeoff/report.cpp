@@ -241,17 +241,17 @@ std::vector<std::string> groupNames(const Study& study, const std::vector<std::s
 }
 
 std::size_t methodColor(const std::string& method) {
-  return static_cast<std::size_t>(findMethod(method) - methods().data());
+  return static_cast<std::size_t>(std::ranges::find(methods(), method, &MethodEntry::name) - methods().begin());
 }
 
 std::vector<std::size_t> settingColors(const std::vector<std::string>& ofSettings) {
-  constexpr std::array<std::size_t, 5> kFurther{3, 4, 5, 7, 6};  // colours that no method has
+  const std::size_t ofMethods = methods().size();  // the first colours
   std::vector<std::size_t> colors;
   std::size_t further = 0;
   for (std::size_t k = 0; k < ofSettings.size(); ++k) {
     const auto own = ofSettings.begin() + static_cast<std::ptrdiff_t>(k);
     const bool first = std::find(ofSettings.begin(), own, *own) == own;
-    colors.push_back(first ? methodColor(*own) : kFurther[further++ % kFurther.size()]);
+    colors.push_back(first ? methodColor(*own) : ofMethods + further++ % (kChartColors - ofMethods));
   }
   return colors;
 }

@@ -108,8 +108,8 @@ std::string figuresOf(const Study& study, const SettingResult& result, const Set
                   p99Text(e), shareText(e.labels()), shareText(e.missRate()));
   if (std::ranges::find(study.refused, result.setting.method) != study.refused.end()) {
     text += fmt::format(
-        ". The pipeline cannot use {}, since it has a footprint, light_paths or objects that move: leave these out "
-        "(`footprint: none` beside `sensor`, `moving: false` beside the scene) to take it",
+        ". The pipeline cannot use {}, since it has light_paths or objects that move: leave these out (`moving: false` "
+        "beside the scene) to take it",
         result.setting.method);
   }
   return text + ".";

@@ -84,7 +84,7 @@ struct Study {
   // The cost of simplifying footprint, light paths or weather, see measureSensing(); empty if the pipeline has none of
   // them.
   std::vector<SensingResult> sensing;
-  // Methods that the pipeline cannot use, since they do not support its footprint, light paths or moving objects.
+  // Methods that the pipeline cannot use, since they do not support its light paths or moving objects.
   std::vector<std::string> refused;
   std::vector<std::string> left;  // lines about parts that the study left out, such as settings that it had no time for
   // Pictures of errors. Their contents are not stored in the JSON, but in files beside it.
