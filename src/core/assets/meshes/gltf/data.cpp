@@ -168,6 +168,7 @@ std::string_view Data::part(Index index, std::uint64_t offset, std::uint64_t len
 }
 
 std::string Data::decode(const Meshopt& m, const std::string& what) const {
+  if (!m.problem.empty()) model_.fail(m.problem);
   const std::string_view from = part(m.buffer, m.offset, m.length);
   if (m.count * m.stride > kMostExpansion * (m.length + 1)) {
     model_.fail(fmt::format("is damaged: {} has {} elements in {} bytes", what, m.count, m.length));

@@ -33,6 +33,7 @@ struct Meshopt {
   int (*decode)(void* to, std::size_t count, std::size_t stride, const unsigned char* from,
                 std::size_t bytes) = nullptr;
   void (*filter)(void* decoded, std::size_t count, std::size_t stride) = nullptr;  // null: none
+  std::string problem;  // why the bytes cannot be decoded, reported only if they are used; empty: they can be decoded
 };
 
 struct View {

@@ -17,6 +17,8 @@
 #include "base/earth.h"
 #include "base/error.h"
 #include "base/input_budget.h"
+#include "base/memory.h"
+#include "base/short_text.h"
 #include "scene/builder.h"
 
 namespace scanmill::gltf {
@@ -103,6 +105,11 @@ class Reader {
       }
     }
     chargeBytes(kBytesPerTriangle * (triangles - own), {model_.file.string()});
+    const double bytes = triangles * static_cast<double>(sizeof(Triangle));
+    if (bytes > static_cast<double>(memoryLimitBytes())) {
+      model_.fail(
+          fmt::format("has triangles that take {}, which is more than the memory: split it", shortBytes(bytes)));
+    }
     if (triangles > static_cast<double>(kMostTriangles)) {
       model_.fail(fmt::format("has more than {} triangles, with all copies: split it", kMostTriangles));
     }

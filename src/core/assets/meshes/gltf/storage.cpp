@@ -143,9 +143,10 @@ class StorageReader : JsonReader {
                                                                            {"QUATERNION", meshopt_decodeFilterQuat},
                                                                            {"EXPONENTIAL", meshopt_decodeFilterExp}};
     if (!kModes.contains(mode) || !kFilters.contains(filter)) {
-      fail(fmt::format(
+      m.problem = fmt::format(
           "has {} with the mode '{}' and the filter '{}', which are not supported: export it without compression", what,
-          mode, filter));
+          mode, filter);
+      return m;
     }
     m.decode = kModes.at(mode);
     m.filter = kFilters.at(filter);

@@ -4,6 +4,7 @@
 #include <draco/mesh/triangle_soup_mesh_builder.h>
 #include <meshoptimizer.h>
 
+#include "base/memory.h"
 #include "scene/material.h"
 #include "scene/texture.h"
 #include "tests/core/assets/meshes/gltf/gltf_builder.h"
@@ -229,6 +230,12 @@ TEST_F(GltfReader, MeshesThatMeshoptimizerHasCompressed) {
       EXPECT_THAT(refusal(w), HasSubstr("'LATER'"));
     }
   }
+  GltfBuilder unread = wing();
+  const std::size_t colours = compressed(unread, std::string(20, '\xa1'), 4, 3, "ATTRIBUTES", "COLOR");
+  unread.json["accessors"].push_back(
+      {{"bufferView", colours}, {"componentType", 5121}, {"normalized", true}, {"type", "VEC4"}, {"count", 3}});
+  unread.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = 1;
+  EXPECT_THAT(warnings(unread), HasSubstr("a.gltf: left out: 1 colours of vertices"));
 }
 
 // 90,000 vertices, more than 16 bits number. The texture coordinates of a point are its place.
@@ -422,6 +429,12 @@ TEST_F(GltfReader, SmallFilesAskForLittle) {
   beyond.json["accessors"][0]["count"] = 0;
   beyond.json["accessors"][0]["byteOffset"] = 1000;
   EXPECT_THAT(refusal(beyond), HasSubstr("beyond its bufferView"));
+
+  GltfBuilder zeroes = wing();
+  zeroes.json["accessors"].push_back({{"componentType", 5126}, {"type", "VEC3"}, {"count", 3000}});
+  zeroes.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = 1;
+  const MemoryLimit little(10'000);
+  EXPECT_THAT(refusal(zeroes), HasSubstr("more than the memory: split it"));
 }
 
 TEST_F(GltfReader, WithoutAScene) {
