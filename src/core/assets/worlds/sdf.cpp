@@ -201,12 +201,26 @@ class SdfReader {
   }
 
   // Returns the child of a state that concerns a model or link; null if there is none.
-  static const XmlNode* stateOf(const XmlNode* state, std::string_view kind, const std::string& name) {
+  const XmlNode* stateOf(const XmlNode* state, std::string_view kind, const std::string& name) {
     if (state == nullptr) return nullptr;
     const auto found = std::find_if(state->children.begin(), state->children.end(), [&](const XmlNode& child) {
       return child.name == kind && child.attributeOr("name", "") == name;
     });
-    return found == state->children.end() ? nullptr : &*found;
+    if (found == state->children.end()) return nullptr;
+    statesUsed_.insert(&*found);
+    return &*found;
+  }
+
+  // Appends the names of the models and links in a state that stateOf() did not find.
+  void listUnused(const XmlNode& state, std::vector<std::string>& names) const {
+    for (const XmlNode& child : state.children) {
+      if (child.name != "model" && child.name != "link") continue;
+      if (statesUsed_.contains(&child)) {
+        listUnused(child, names);
+      } else {
+        names.push_back(child.attributeOr("name", ""));
+      }
+    }
   }
 
   // A link keeps its name if a joint, frame or model has the same, which SDF 1.6 allows.
@@ -270,6 +284,13 @@ class SdfReader {
         if (relativeTo.empty() && child.name == "joint") relativeTo = child.textOf("child", "");
         addFrame(*scope, child.attributeOr("name", child.name), {&child, pose.pose, relativeTo, nullptr});
       }
+    }
+    std::vector<std::string> unused;
+    if (depth == 0 && state.node != nullptr && world_.missing.empty()) listUnused(*state.node, unused);
+    if (!unused.empty()) {
+      world_.leftOut.add(
+          fmt::format("states of models and links that the world lacks (the first is '{}')", unused.front()),
+          unused.size());
     }
     Placed placed;
     for (Found& f : found) {
@@ -393,6 +414,8 @@ class SdfReader {
         for (const XmlNode& sdf : readXml(config).children) {
           if (sdf.name != "sdf") continue;
           const std::string version = sdf.attributeOr("version", "0");
+          if (version.find_first_of("0123456789") != 0)
+            sdf.fail(fmt::format("has the version '{}', which is no number", version));
           // By the numbers in the texts: 1.10 is greater than 1.9.
           if (::strverscmp(version.c_str(), highest.c_str()) <= 0 ||
               !std::filesystem::exists(found / sdf.text, ignored))
@@ -559,6 +582,7 @@ class SdfReader {
   }
 
   WorldFile world_;
+  std::set<const XmlNode*> statesUsed_;
   std::map<std::filesystem::path, XmlNode> definitions_;
   // Files of models, by the folder of the file that includes them and their URI.
   std::map<std::pair<std::filesystem::path, std::string>, std::filesystem::path> found_;
@@ -605,7 +629,8 @@ const FormatSupport& sdfFormat() {
       "is taken as linear light, since SDF states no colour space",
       "elements in a wrong place, and further ones where one may stand; transparencies between 0 and 1 and alphas of "
       "colours (these visuals are solid); numbers of colours above 1 (they count as 1); looks by scripts of OGRE; "
-      "textures of parts without texture coordinates; worlds and states after the first"};
+      "textures of parts without texture coordinates; worlds and states after the first, states of models and links "
+      "that the world lacks"};
   return format;
 }
 

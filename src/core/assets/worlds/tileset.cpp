@@ -186,8 +186,12 @@ class TilesetReader {
       return;
     }
     if (!assetFromEarth_) assetFromEarth_ = scaled_;
-    add(gltf::readTile(file, *assetFromEarth_ * earthFromTile, context.zUpFromGltf, options_, inTiles_), file,
-        name.string());
+    Asset read = gltf::readTile(file, *assetFromEarth_ * earthFromTile, context.zUpFromGltf, options_, inTiles_);
+    if (!asset_.ownMiddle && isOnEarth(inverse(scaled_) * boundsOf(read).center())) {
+      fail(context.file,
+           "its bounding volumes do not say where on the earth it lies: add a region, box or sphere to its root");
+    }
+    add(std::move(read), file, name.string());
   }
 
   void add(Asset tile, const std::filesystem::path& file, const std::string& name) {

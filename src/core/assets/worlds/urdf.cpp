@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <map>
 #include <set>
 
@@ -117,6 +118,15 @@ class UrdfReader {
       if (link == nullptr) joint.fail(fmt::format("has no <{} link=\"...\">", end));
       return *link;
     };
+    const auto number = [&](const char* element, const char* attribute) {
+      const XmlNode* const node = joint.child(element);
+      return node == nullptr ? 0 : std::strtod(node->attributeOr(attribute, "0").c_str(), nullptr);
+    };
+    const std::string type = joint.attributeOr("type", "");
+    const bool limited = type == "revolute" || type == "prismatic";
+    if (number("mimic", "offset") != 0 || (limited && (number("limit", "lower") > 0 || number("limit", "upper") < 0))) {
+      world_.leftOut.add("joints whose limits or offsets (mimic) exclude 0, where all joints are");
+    }
     if (!joints_.try_emplace(linkOf("child"), Joint{linkOf("parent"), readOrigin(joint), joint.where}).second) {
       joint.fail(fmt::format("gives the link '{}' a second parent joint", linkOf("child")));
     }
@@ -220,7 +230,8 @@ const FormatSupport& urdfFormat() {
       "states no colour space",
       "elements in a wrong place, and further ones where one may stand; invisible visuals (alpha 0); transparencies "
       "between 0 and 1 (these visuals are solid); numbers of colours above 1 (they count as 1); textures of parts "
-      "without texture coordinates; materials that are defined nowhere; materials, visuals and poses for Gazebo"};
+      "without texture coordinates; materials that are defined nowhere; joints whose limits or offsets (mimic) "
+      "exclude 0, where all joints are; materials, visuals and poses for Gazebo"};
   return format;
 }
 

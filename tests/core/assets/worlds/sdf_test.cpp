@@ -350,11 +350,12 @@ TEST_F(StateSdf, ScalesVisuals) {
 }
 
 // Gazebo applies the first state alone.
-TEST_F(StateSdf, OthersThanTheFirstAreTold) {
+TEST_F(StateSdf, OthersThanTheFirstAndOfUnknownModelsAreTold) {
   const std::string first =
       state("<model name=\"a\"><pose>4 0 0 0 0 0</pose><link name=\"x\"/></model><model name=\"z\"/>");
   const std::string told = toldOf(wings(first + state("<model name=\"a\"><pose>5 0 0 0 0 0</pose></model>")));
-  EXPECT_THAT(told, HasSubstr("1 states after the first"));
+  EXPECT_THAT(told, AllOf(HasSubstr("1 states after the first"),
+                          HasSubstr("2 states of models and links that the world lacks (the first is 'x')")));
   expectWing(corners(sdf(wings(first + state(""))), "a/l/v/wing"), poseOf(4, 0, 0, 0, 0, 0));
   EXPECT_EQ(toldOf(wings(state("<model name=\"a\"><pose>4 0 0 0 0 0</pose></model>"))), "");
   EXPECT_THAT(toldOf(wings(state("<insertions>" + wing("c") + "</insertions>"))),
@@ -449,6 +450,7 @@ TEST_F(Sdf, MistakesAreNamedWithTheirLine) {
                   {"<sdf>" + deep + "</sdf>", "nested more than"}});
   folder_.write("r.urdf", "<robot name=\"r\"/>");
   folder_.write("models/empty/readme.txt", "x");
+  folder_.write("models/odd/model.config", "<model><sdf version=\"abc\">model.sdf</sdf></model>");
   folder_.write("models/egg/model.sdf",
                 "<sdf version=\"1.6\"><model name=\"egg\"><include><uri>model://egg</uri></include></model></sdf>");
   const auto include = [](const std::string& uri) {
@@ -472,6 +474,7 @@ TEST_F(Sdf, MistakesAreNamedWithTheirLine) {
        {model("<mesh><uri>gone.obj</uri></mesh>"), "a.sdf:3 | gone.obj"},
        {model("<box><size>1 2</size></box>"), "a.sdf:3 | 2 numbers, but must have 3"},
        {model("<sphere><radius>-1</radius></sphere>"), "above 0"},
+       {include("model://odd"), "model.config:1 | 'abc', which is no number"},
        {include("r.urdf"), "r.urdf:1 | is a URDF | a.sdf:3 | gz sdf -p"},
        {include("https://fuel.gazebosim.org/x"), "download"},
        {include("model://"), "model://"},

@@ -153,12 +153,19 @@ TEST_F(Tileset, OnTheEarthStandsAsTheHorizonHasIt) {
 TEST_F(Tileset, TheFirstTileOnTheEarthIsTheOrigin) {
   const Affine place = inverse(eastNorthUp(earthCentred(0.2, 0.9, 40)));
   folder_.write("a.gltf", upright().text());
+  GltfBuilder earthCentredContent = upright();
+  earthCentredContent.json["extensionsUsed"] = {"CESIUM_RTC"};
+  earthCentredContent.json["extensions"]["CESIUM_RTC"]["center"] = {place.translation.x, place.translation.y,
+                                                                    place.translation.z};
+  folder_.write("b.gltf", earthCentredContent.text());
   const Json globe{{"sphere", {0, 0, 0, 7e6}}};
   const Json cell{{"extensions", {{"3DTILES_bounding_volume_S2", {{"token", "3"}}}}}};
   const Json content{{"uri", "a.gltf"}};
   const Json leaf{{"boundingVolume", local()}, {"transform", columns(place)}, {"content", content}};
   for (const Json& volume : {globe, cell}) {
     expectPlaced(tileset({{"boundingVolume", volume}, {"children", {leaf}}}), "a.gltf/wing", {}, 1e-4);
+    EXPECT_THAT(refused({{"boundingVolume", volume}, {"content", {{"uri", "b.gltf"}}}}),
+                HasSubstr("tileset.json: its bounding volumes do not say where on the earth it lies: add a region"));
   }
 }
 

@@ -101,12 +101,15 @@ TEST_F(Urdf, ContentsThatAreLeftOutAreToldOnceWithTheirNumber) {
   testing::internal::CaptureStderr();
   urdf(R"(<link name="a"><visual><geometry><box size="1 1 1"/></geometry></visual><collision/><inertial/></link>
     <link name="b"/><joint name="j" type="revolute"><parent link="a"/><child link="b"/><axis xyz="1 0 0"/>
-      <limit lower="-1" upper="1"/><mimic joint="k"/></joint><transmission name="t"/>
-    <link name="c"/><joint name="k" type="continuous"><parent link="a"/><child link="c"/></joint>
+      <limit lower="0.5" upper="1"/><mimic joint="k"/></joint><transmission name="t"/>
+    <link name="c"/><joint name="k" type="continuous"><parent link="a"/><child link="c"/><limit upper="-1"/></joint>
+    <link name="d"/><joint name="m" type="revolute"><parent link="a"/><child link="d"/><limit lower="-1" upper="1"/>
+      <mimic joint="k" offset="0.1"/></joint>
     <gazebo reference="a"><material>Gazebo/Red</material><kp>1</kp></gazebo><gazebo><plugin name="p"/></gazebo>
     <sound/>)");
   const std::string told = testing::internal::GetCapturedStderr();
   EXPECT_THAT(told, AllOf(HasSubstr("r.urdf: left out: "), HasSubstr("1 unknown 'sound'"),
+                          HasSubstr("2 joints whose limits or offsets (mimic) exclude 0"),
                           HasSubstr("1 materials, visuals and poses for")));
   EXPECT_EQ(std::count(told.begin(), told.end(), '\n'), 1);
 }
