@@ -345,6 +345,8 @@ def import_file(path, kind):
         operator(filepath=path, **options)
     except RuntimeError as failure:
         reason = str(failure).strip().splitlines()[-1].removeprefix("Error: ")
+        if "ASCII FBX" in reason:
+            reason += "; save it as binary FBX, or convert it to glTF"
         raise BadInput(f"Blender {version} cannot import it: {reason}") from failure
     if kind == ".fbx":
         hide_coarser_levels(path)

@@ -92,10 +92,11 @@ void append(const Geometry& geometry, const Affine& assetFromNode, std::uint32_t
 void finishNode(std::string_view name, std::uint32_t index, std::size_t first, std::vector<AssetPart>& parts) {
   const auto begin = parts.begin() + static_cast<std::ptrdiff_t>(first);
   parts.erase(std::remove_if(begin, parts.end(), [](const AssetPart& p) { return p.triangles.empty(); }), parts.end());
-  for (auto part = begin; part != parts.end(); ++part) {
-    part->node = name;
-    part->nodeIndex = index;
-    weld(part->positions, part->uvs, part->triangles);
+  for (std::size_t i = first; i < parts.size(); ++i) {
+    AssetPart& part = parts[i];
+    part.node = name;
+    part.nodeIndex = index;
+    weld(part.positions, part.uvs, part.triangles);
   }
 }
 

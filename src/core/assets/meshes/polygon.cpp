@@ -127,7 +127,7 @@ const std::vector<std::array<std::uint32_t, 3>>& Triangulator::divide(std::size_
   if (divided_ > kMostTriangles) {
     throw InputError(where_, fmt::format("has more than {} triangles: split it", kMostTriangles));
   }
-  triangles_ = {{0, 1, 2}};
+  triangles_.assign(1, {0, 1, 2});
   if (n == 3) return triangles_;
   triangles_.clear();
   polygon_.clear();

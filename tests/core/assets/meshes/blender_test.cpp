@@ -531,6 +531,8 @@ TEST_F(Blend, ImportersThatBlenderLacksAreNamed) {
     EXPECT_THAT(message, testing::AllOf(HasSubstr(std::string("a") + kind + ": Blender"),
                                         testing::AnyOf(HasSubstr("set SCANMILL_BLENDER"), HasSubstr("cannot import"))));
   }
+  const auto ascii = folder_.write("a.fbx", "; FBX 7.4.0 project file\nFBXHeaderExtension: {\n}\n");
+  EXPECT_THAT(messageOf<InputError>([&] { readAsset(ascii, {}); }), HasSubstr("; save it as binary FBX"));
 }
 
 TEST_F(Blend, BadFilesAreNamed) {

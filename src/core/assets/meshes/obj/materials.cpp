@@ -36,6 +36,10 @@ constexpr std::array<ImageOption, 13> kImageOptions{{{"-blendu", 1},
                                                      {"-type", 1},
                                                      {"-cc", 1}}};
 
+// Options with the values that they have by default.
+constexpr std::array<std::string_view, 6> kDefaults{"-blendu on", "-blendv on", "-clamp off",
+                                                    "-imfchan m", "-mm 0 1",    "-bm 1"};
+
 bool isNumber(std::string_view word) {
   return !word.empty() && word.find_first_not_of("+-.0123456789eE") == std::string_view::npos;
 }
@@ -104,7 +108,8 @@ class Library {
     }
   }
 
-  // Reads options and the name of an image. The options -s and -o set `place`; others are counted.
+  // Reads options and the name of an image. The options -s and -o set `place`; others are counted unless they
+  // are as by default.
   ImportedMap readImage(UvPlace& place) {
     std::string_view rest = statements_.rest();
     ImportedMap map;
@@ -116,19 +121,22 @@ class Library {
       if (option == kImageOptions.end()) break;
       rest = trimmed(behind);
       std::array<std::optional<double>, 3> values;
+      std::string given(name);
       for (int i = 0; i < option->values; ++i) {
         std::string_view next = rest;
         const std::string_view word = takeWord(next);
         const bool number = isNumber(word);
         if (option->values > 1 && (!number || trimmed(next).empty())) break;
-        if (number) values[static_cast<std::size_t>(i)] = statements_.number(word);
+        auto& value = values[static_cast<std::size_t>(i)];
+        if (number) value = statements_.number(word);
+        given += number ? fmt::format(" {:g}", *value) : fmt::format(" {}", word);
         rest = trimmed(next);
       }
       if (name == "-s") {
         place.scale = {floatOr(values[0], 1), floatOr(values[1], 1)};
       } else if (name == "-o") {
         place.offset = {floatOr(values[0], 0), floatOr(values[1], 0)};
-      } else {
+      } else if (std::find(kDefaults.begin(), kDefaults.end(), given) == kDefaults.end()) {
         to_.leftOut.add(fmt::format("options of images ({})", name));
       }
     }

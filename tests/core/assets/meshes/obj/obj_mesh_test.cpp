@@ -200,6 +200,8 @@ TEST_F(ObjMesh, OptionsOfImagesThatAreNotReadAreCounted) {
   EXPECT_EQ(read("map_d -s 2 2 l.png\n").parts.at(0).uvs.at(0), (Vec2f{1, 1}));
   EXPECT_EQ(read("map_Kd -mm 0.2 0.5 -clamp on g.png\n").leftOut.text(),
             "1 options of images (-clamp), 1 options of images (-mm)");
+  EXPECT_EQ(read("map_Kd -blendu on -blendv on -mm 0.0 1.0 -clamp off -bm 1.000 -imfchan m g.png\n").leftOut.text(), "")
+      << "their defaults";
 }
 
 // Exporters name one library several times.
