@@ -173,7 +173,9 @@ class CloudReader {
       if (&attribute == &position) continue;
       const std::string name = nameOf(i);
       if (name.empty() || attribute.num_components() != 1) {
-        read_.leftOut.add(fmt::format("attributes '{}' of {} values", name, attribute.num_components()));
+        const std::string kind = draco::GeometryAttribute::TypeToString(attribute.attribute_type());
+        read_.leftOut.add(
+            fmt::format("attributes '{}' of {} values", name.empty() ? kind : name, attribute.num_components()));
       } else if (columnIndex(name) >= kColumnCount) {
         visitStored(attribute, name, [&]<class Stored>(Stored) {
           std::vector<Stored> values(cloud_.num_points());

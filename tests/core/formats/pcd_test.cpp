@@ -277,6 +277,9 @@ TEST(Pcd, NamesOfOtherProgramsAreFoundAndWhatIsLeftOutIsCounted) {
   EXPECT_EQ(cloud.scan[kLabel], std::vector<std::uint16_t>{40});
   EXPECT_TRUE(cloud.scan.foreign.empty());
   EXPECT_EQ(cloud.leftOut.text(), "1 fields of several values 'normal'");
+  std::string reflectivity = withViewpoint("0 0 0 1 0 0 0");
+  reflectivity.replace(reflectivity.find("Classification"), 14, "reflectivity");
+  EXPECT_EQ(readPcd(reflectivity, "a.pcd").scan[kIntensity], std::vector<float>{40});
 }
 
 TEST(Pcd, WhatFollowsTheStatedPointsIsCounted) {
