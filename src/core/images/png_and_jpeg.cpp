@@ -229,7 +229,9 @@ std::string encodePng(const std::uint8_t* rgb, int width, int height) {
   image.width = static_cast<png_uint_32>(width);
   image.height = static_cast<png_uint_32>(height);
   image.format = PNG_FORMAT_RGB;
-  image.flags = PNG_IMAGE_FLAG_FAST;  // no filters: images of points, which have no gradients, are 1/4 smaller
+  // No filters, and zlib's level 3: images of points, which have no gradients, are mostly smaller than with filters.
+  // Level 9, which this interface does not offer, makes them 1/8 to 1/2 smaller, but takes six to ten times as long.
+  image.flags = PNG_IMAGE_FLAG_FAST;
   std::string bytes(PNG_IMAGE_PNG_SIZE_MAX(image), '\0');
   png_alloc_size_t size = bytes.size();
   if (png_image_write_to_memory(&image, bytes.data(), &size, 0, rgb, 0, nullptr) == 0) {
