@@ -8,6 +8,7 @@
 #include "commands/info.h"
 #include "commands/table.h"
 #include "config/text.h"
+#include "pipeline/read/effects.h"
 #include "sensors/sensor.h"
 
 namespace scanmill {
@@ -49,6 +50,7 @@ std::array<double, 2> fieldOf(const BeamTable& beams) {
 }
 
 void printSensor(const Value& sensor) {
+  checkSensorEffects(sensor, nullptr);
   const auto beams = makeBeams(sensor);
   printText("sensor {}: {} rings x {} columns, {:.3g} revolutions/s, {}, ring 0 is the {} beam\nsource: {}\n",
             beams->model, beams->rings, beams->columns, 1 / beams->period,

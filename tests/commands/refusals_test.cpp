@@ -99,6 +99,7 @@ const Refusal kRefusals[] = {
     {"info @notes.zzz", "BLEND"},
     {"info @shed.obj --up w", "--up must be x, y or z"},
     {"info @shed.obj --unit cm", "--unit"},
+    {"info @own.yaml", "own.yaml:5: | did you mean 'range_noise'"},
     {"info semantic_kitti", "scanmill list ontologies"},
     {"info S/scenes/village.osm", "town: {map: FILE}"},
 

@@ -78,10 +78,11 @@ MaterialLibrary readMaterials(const std::filesystem::path& path, int wavelengthN
   expectKind(root, FileKind::Materials);
   Fields f(root, "material table");
   f.text("name", "");
-  const std::vector<Value>& list = readList(f.require("materials"), "materials");
+  const Value& list = f.require("materials");
+  if (list.kind != Value::Kind::Sequence) throw InputError(list.where, "materials must be a list of materials");
   f.finish();
   MaterialLibrary library;
-  for (const Value& item : list) {
+  for (const Value& item : list.items) {
     Fields m(item, "material");
     Material material;
     material.name = m.text("name");

@@ -116,7 +116,7 @@ void restoreVanished(const Scene& scene, const Mesh& from, double keep, Mesh& to
   }
 }
 
-// Drops vertices that no triangle uses.
+// Drops vertices that no triangle uses. The mesh must have triangles, as restoreVanished() leaves some of each surface.
 void compact(Mesh& mesh) {
   static_assert(sizeof(Triangle) == 3 * sizeof(unsigned));
   unsigned* const corners = mesh.triangles.front().data();

@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "scene/embree.h"
 #include "scene/triangles.h"
 
@@ -76,7 +77,7 @@ struct SurfaceHeights::Hierarchy {
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene, geometry);
     rtcReleaseGeometry(geometry);
-    rtcCommitScene(scene);
+    isolated([&] { rtcCommitScene(scene); });
     return meshes[index] = scene;
   }
 
@@ -125,7 +126,7 @@ void SurfaceHeights::update() {
   for (; taken_ < scene_.instances.size(); ++taken_) {
     if (!scene_.instances[taken_].moves()) hierarchy_->add(scene_, static_cast<std::uint32_t>(taken_));
   }
-  rtcCommitScene(hierarchy_->all);
+  isolated([&] { rtcCommitScene(hierarchy_->all); });
 }
 
 std::vector<SurfaceHeights::Surface> SurfaceHeights::at(double x, double y) const {

@@ -96,9 +96,11 @@ const re2::RE2& compiled(const std::string& pattern, const Location& where) {
   if (added->second.ok()) return added->second;
   const std::string error = added->second.error();
   cache.erase(added);
-  throw InputError(where, fmt::format("bad pattern {}: {}; the syntax between slashes is that of RE2, which has no "
-                                      "look-around and no back-references",
-                                      pattern, error));
+  throw InputError(
+      where, fmt::format("bad pattern {}: {}; {}", pattern, error,
+                         isRegex(pattern) ? "the syntax between slashes is that of RE2, which has no look-around and "
+                                            "no back-references"
+                                          : "a '[' begins a set of characters; write [[] for the character itself"));
 }
 
 std::string readPattern(Fields& match, std::string_view key) {

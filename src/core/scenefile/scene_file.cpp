@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 
 #include "assets/asset.h"
@@ -61,15 +62,22 @@ class SceneReader {
 
   // Returns which of the three kinds the object is. Throws InputError if it is none of them, or several.
   static std::string kindOf(const Fields& f) {
+    const std::vector<std::string> kinds{"file", "primitive", "town"};
     std::vector<std::string> found;
-    for (const char* kind : {"file", "primitive", "town"}) {
-      if (f.has(kind)) found.emplace_back(kind);
-    }
+    std::copy_if(kinds.begin(), kinds.end(), std::back_inserter(found), [&](const auto& kind) { return f.has(kind); });
     if (found.size() == 1) return found.front();
-    throw InputError(
-        f.where(), f.has("street") ? "the key street is no longer known: write `town: {district: street}`"
-                                   : "an object must have exactly one of the keys file, primitive and town (`town: {}` "
-                                     "for a town with defaults)");
+    if (f.has("street")) {
+      throw InputError(f.where(), "the key street is no longer known: write `town: {district: street}`");
+    }
+    std::string hint;
+    for (const Value::Entry& entry : f.value().entries) {
+      const std::string meant = found.empty() ? nearest(entry.key, kinds) : "";
+      if (!meant.empty()) hint = fmt::format("; by '{}', did you mean '{}'?", entry.key, meant);
+    }
+    throw InputError(f.where(),
+                     "an object must have exactly one of the keys file, primitive and town (`town: {}` for a town with "
+                     "defaults)" +
+                         hint);
   }
 
   // Returns true if something in the scene depends on the seed.
@@ -95,6 +103,11 @@ class SceneReader {
   // Returns the path of the object's file and its name as the scene writes it. For {one_of: [...]}, returns both
   // for every listed file and for every file in a listed folder.
   std::vector<std::pair<std::filesystem::path, std::string>> filesOf(Fields& f, const Value& value) const {
+    if (value.kind == Value::Kind::Sequence) {
+      throw InputError(value.where,
+                       "file must be one file: write an object for each, or {one_of: [...]}, from which each copy is "
+                       "one at random");
+    }
     if (value.kind != Value::Kind::Map) {
       const std::string name = f.text("file");
       const std::filesystem::path path = assetPath(name, value);

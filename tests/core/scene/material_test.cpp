@@ -24,6 +24,14 @@ TEST(Materials, ofTheTableReflectAndAreUntextured) {
     EXPECT_FALSE(m.textured) << m.name;
     EXPECT_EQ(m.texture, nullptr) << m.name;
   }
+  for (const std::string name : {"asphalt",       "bark",     "brick",         "car_paint",     "cloth",
+                                 "cloth_dark",    "concrete", "default",       "glass",         "grass",
+                                 "grass_dry",     "leaf",     "leaf_conifer",  "metal_bare",    "metal_galvanised",
+                                 "painted_metal", "paving",   "plaster",       "plastic_black", "road_paint",
+                                 "roof_tile",     "rubber",   "skin",          "snow",          "soil",
+                                 "water",         "wood",     "wood_weathered"}) {
+    EXPECT_NO_THROW(library.require(name, {})) << "scenes need " << name;
+  }
   EXPECT_GT(library.require("sign_retroreflective", {}).retroreflectance, 100);
 }
 
@@ -93,6 +101,7 @@ TEST(Materials, badFilesAreRefusedWithTheirPlace) {
     SCOPED_TRACE(text);
     expectInputError([&] { readMaterials(file); }, words);
   };
+  EXPECT_TRUE(readMaterials(folder.write("none.yaml", "materials: []\n")).materials.empty());
   refuse("materials: {}\n", {"bad.yaml:1"});
   refuse("materials:\n  - {name: a, reflectance: 1.5, source: x}\n", {"bad.yaml:2", "reflectance"});
   refuse("materials:\n  - {name: a, reflectance: .nan, source: x}\n", {"bad.yaml:2", "reflectance"});

@@ -157,6 +157,7 @@ TEST(Rules, badOnesAreRefusedWithTheirPlace) {
                   {"- {match: {nod: x}, class: car}", "rules.yaml:1 | nod | node"},
                   {"- {match: {node: ''}, class: car}", "rules.yaml:1 | empty"},
                   {"- {match: {node: '/[a/'}, class: car}", "rules.yaml:1 | /[a/"},
+                  {"- {match: {node: 'Box [l-B]*'}, class: car}", "rules.yaml:1 | Box [l-B]* | write [[] for"},
                   {"- {match: any}", "rules.yaml:1 | class"},
                   {"- {match: any, class: car, drop: true}", "rules.yaml:1 | drop: true"},
                   {"- {match: {color: '#12345g'}, class: car}", "rules.yaml:1 | #8fb34d"},

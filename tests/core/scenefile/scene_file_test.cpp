@@ -374,7 +374,9 @@ TEST_F(SceneReader, MistakesAreNamedWithTheirPlace) {
        {"file: garbage.obj, class: car", "scene.yaml:4: | garbage.obj"},
        {"file: flat.obj", "scene.yaml:4: | flat.obj"},
        {"file: '', class: car", "scene.yaml:4: | file"},
+       {"file: [pair.obj, flat.obj]", "scene.yaml:4: | {one_of: [...]}"},
        {"position: [0, 0, 0]", "scene.yaml:4: | exactly one"},
+       {"fil: pair.obj, " + labels, "scene.yaml:4: | by 'fil', did you mean 'file'?"},
        {"town: {}, scale: 2", "scene.yaml:4: | town | scale"},
        {"town: {length: 100}}\n  - {town: {length: 100}", "only one town"},
        {"street: {length: 100}", "scene.yaml:4: | town: {district: street}"}});

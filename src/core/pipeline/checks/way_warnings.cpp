@@ -180,9 +180,10 @@ class WayCheck {
       });
       if (!enclosed || !probe_.first({at, {0, 0, -1}}, kReach)) continue;  // checkHeights() warns of those below ground
       return say(
-          fmt::format("'{}' sees nothing beside and above it but surfaces of the class {} at {} (frame {}), which is "
-                      "right only in rooms and tunnels",
-                      plan_.pipeline.sensors[sensor].name, className(met.front()->semantic), shortPlace(at), frame));
+          fmt::format("'{}' sees nothing beside and above it but surfaces of the class {}, such as {}, at {} (frame "
+                      "{}), which is right only in rooms and tunnels",
+                      plan_.pipeline.sensors[sensor].name, className(met.front()->semantic), nameOf(*met.front()),
+                      shortPlace(at), frame));
     }
   }
 
@@ -284,20 +285,21 @@ class WayCheck {
       return semantic != nullptr && semantic->thing && std::ranges::find(ground, surface.semantic) == ground.end();
     };
     std::optional<BoxContact> contact;
-    std::size_t begin = 0;
-    for (; begin < steps.size() && !contact; begin += kChunk) {
+    std::size_t first = 0;  // the first step of the chunk that was swept last
+    for (std::size_t begin = 0; begin < steps.size() && !contact; begin += kChunk) {
+      first = begin;
       std::vector<std::pair<Pose, Pose>> poses;
       for (std::size_t i = begin; i < std::min(begin + kChunk, steps.size()); ++i) poses.push_back(steps[i].poses);
       contact = sweepBoxes(probe_.scene(), boxes, poses, blocks);
     }
     if (!contact) return;
     const Vec3d size = box.high - box.low;
-    say(fmt::format(
-        "{} '{}' ({}) at {} (frame {}); checked is the box of its {}, {:.2f} x {:.2f} m, from {:.2f} to "
-        "{:.2f} m above its origin",
-        drive_->still() ? "it stands in" : "its path goes through", contact->instance->name,
-        className(contact->semantic), shortPlace(contact->position), steps[begin - kChunk + contact->step].frame,
-        vehicle_ == nullptr ? "sensors" : "`vehicle`", size.x, size.y, box.low.z, box.high.z));
+    say(
+        fmt::format("{} '{}' ({}) at {} (frame {}); checked is the box of its {}, {:.2f} x {:.2f} m, from {:.2f} to "
+                    "{:.2f} m above its origin",
+                    drive_->still() ? "it stands in" : "its path goes through", contact->instance->name,
+                    className(contact->semantic), shortPlace(contact->position), steps[first + contact->step].frame,
+                    vehicle_ == nullptr ? "sensors" : "`vehicle`", size.x, size.y, box.low.z, box.high.z));
   }
 
   const Plan& plan_;

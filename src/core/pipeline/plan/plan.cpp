@@ -199,11 +199,6 @@ Plan makePlan(Pipeline read, Channels kept) {
 
 void Plan::requirePasses() const {
   requireOneRevolution();
-  if (pipeline.recording != nullptr) {
-    refuse(pipeline,
-           fmt::format("the scans are made from the {} in {}, so that no passes are drawn: leave the recording out",
-                       nameOf(pipeline.recording->kind), pipeline.recording->folder.string()));
-  }
   if (pipeline.method.entry->can.passes) return;
   refuse(pipeline, fmt::format("the method {} draws no passes to save: take `method: {}`", pipeline.methodName(),
                                firstMethodThat(&MethodCapabilities::passes).name));
@@ -219,22 +214,22 @@ void Plan::requireOneRevolution() const {
 void Plan::requireOneRay() const {
   requireOneRevolution();
   if (!pipeline.vehicle.empty()) {
-    refuse(pipeline,
-           "saved hits and passes have only the scene, not the own vehicle: save none, or leave out `vehicle`");
+    refuse(pipeline, "saved hits have only the scene, not the own vehicle: save none, or leave out `vehicle`");
   }
   if (pipeline.drawn != nullptr && pipeline.drawn->drawsMounts()) {
     refuse(pipeline,
-           "saved hits and passes need the same mounts of sensors in all sequences: save none, or give each "
-           "`mount` fixed values");
+           "saved hits need the same mounts of sensors in all sequences: save none, or give each `mount` fixed values");
   }
+  if (pipeline.mostMet() > 1)
+    refuse(pipeline, "the method finds several hits per ray, but saved hits have one: save none");
   bool one = true;
   for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
     one = one && pipeline.raysPerBeam(s) == 1 && !anyLightPaths(pipeline, s);
   }
   if (!one) {
     refuse(pipeline,
-           "the effects footprint and light_paths trace several rays per beam, but saved hits and passes "
-           "have one: save none, or leave these effects out");
+           "the effects footprint and light_paths trace several rays per beam, but saved hits have one: save none, or "
+           "leave these effects out");
   }
 }
 

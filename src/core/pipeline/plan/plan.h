@@ -35,11 +35,11 @@ struct Plan {
 
   // Throws InputError if a sample may have several revolutions of a sensor, or none: recordings have one.
   void requireOneRevolution() const;
-  // Throws InputError if no passes are rendered that could be saved: for recorded scans and for a method without
-  // passes.
+  // Throws InputError if the pipeline's passes cannot be saved. The pipeline must have a method.
   void requirePasses() const;
-  // Throws InputError if a beam may need several rays, if there is an ego vehicle, or if mounts are random. Hits and
-  // passes cannot be recorded then, since a recording holds one ray per beam, the scene alone, and fixed mounts.
+  // Throws InputError if a beam may need several rays or have several hits, if there is an ego vehicle, or if mounts
+  // are random. Hits cannot be recorded then, since a recording holds one hit per beam, the scene alone, and fixed
+  // mounts.
   void requireOneRay() const;
 
   // Returns an upper bound of the memory that a frame takes while it is computed (bytes).

@@ -50,15 +50,18 @@ void resolveLabel(Value& label, const EffectClasses& classes) {
                                             ontology->name, id));
 }
 
-void resolveLabels(NamedOptions& named, const EffectEntry& entry, const EffectClasses& classes) {
+// Resolves the key `label`; removes it if `classes` is null.
+void resolveLabels(NamedOptions& named, const EffectEntry& entry, const EffectClasses* classes) {
   if (entry.keys.find("label: ") == std::string_view::npos) return;
+  const auto isLabel = [](const Value::Entry& option) { return option.key == "label"; };
+  if (classes == nullptr) std::erase_if(named.options.entries, isLabel);
   for (Value::Entry& option : named.options.entries) {
-    if (option.key == "label") resolveLabel(option.value, classes);
+    if (isLabel(option)) resolveLabel(option.value, *classes);
   }
 }
 
 // Appends to `made` the effects that the items name. The items must no longer contain the word `sensor`.
-void addEffects(const std::vector<Value>& items, const EffectClasses& classes, std::vector<MadeEffect>& made) {
+void addEffects(const std::vector<Value>& items, const EffectClasses* classes, std::vector<MadeEffect>& made) {
   for (const Value& item : items) {
     NamedOptions named = readNamed(item, "an effect");
     const EffectEntry& entry = requireEffect(named.name, named.where);
@@ -135,6 +138,11 @@ std::vector<Value> withoutNone(std::vector<Value> items) {
   return items;
 }
 
+void checkIsList(const Value& own) {
+  if (own.kind == Value::Kind::Sequence) return;
+  throw InputError(own.where, "a sensor's effects must be a list such as [range_noise: {sigma_m: 0.01}]");
+}
+
 std::vector<Value> effectItems(const Value& list) {
   if (list.kind == Value::Kind::Null) return {};
   if (list.kind == Value::Kind::Sequence) return withoutNone(list.items);
@@ -146,7 +154,7 @@ std::vector<Value> effectItems(const Value& list) {
 
 Effects makeEffects(const std::vector<Value>& items, const EffectClasses& classes) {
   std::vector<MadeEffect> made;
-  addEffects(items, classes, made);
+  addEffects(items, &classes, made);
   return inOrder(std::move(made));
 }
 
@@ -165,9 +173,7 @@ std::vector<Value> sensorEffectItems(const std::vector<Value>& items, const Moun
             "(`scanmill list sensors` shows the presets with effects)",
             sensor.name));
   }
-  if (own->kind != Value::Kind::Sequence) {
-    throw InputError(own->where, "a sensor's effects must be a list such as [range_noise: {sigma_m: 0.01}]");
-  }
+  checkIsList(*own);
   std::vector<Value> expanded = withoutNone(own->items);
   std::set<std::string> changed;
   for (const Value& item : items) {
@@ -235,6 +241,15 @@ const Ontology* EffectClasses::find() const {
   return ontology_ ? &*ontology_ : nullptr;
 }
 
+void checkSensorEffects(const Value& sensor, const EffectClasses* classes) {
+  if (sensor.find("effects") == nullptr) return;
+  std::vector<DrawnValue> ignored;
+  const Value own = withDraws(sensor.valueOf("effects"), "effects", {}, ignored);
+  checkIsList(own);
+  std::vector<MadeEffect> made;
+  addEffects(withoutNone(own.items), classes, made);
+}
+
 Effects readSensorEffects(const Value& list, const EffectClasses& classes, const MountedSensor& sensor) {
   return makeEffects(sensorEffectItems(effectItems(list), sensor), classes);
 }
@@ -251,6 +266,7 @@ bool takesSensorEffects(const Pipeline& pipeline) {
 
 void readEffects(const Value& written, Pipeline& pipeline) {
   const EffectClasses classes(pipeline);
+  for (const MountedSensor& sensor : pipeline.sensors) checkSensorEffects(sensor.description, &classes);
   std::vector<DrawnValue> ignored;
   pipeline.effectItems = effectItems(withDraws(written, "effects", {.seed = pipeline.seed}, ignored));
   const std::vector<Value>& items = pipeline.effectItems;

@@ -46,6 +46,10 @@ bool takesSensorEffects(const Pipeline& pipeline);
 // sequences, sensors and ontology must have been read before. Throws InputError.
 void readEffects(const Value& written, Pipeline& pipeline);
 
+// Checks the effects in a sensor's file, also if no pipeline uses them. `classes`: null if no ontology is known; then
+// labels are not checked. Throws InputError.
+void checkSensorEffects(const Value& sensor, const EffectClasses* classes);
+
 // Returns the effects of a sensor. `list`: the value of the key `effects`; Null: no effects. Throws InputError.
 Effects readSensorEffects(const Value& list, const EffectClasses& classes, const MountedSensor& sensor);
 

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <mutex>
@@ -16,6 +17,7 @@
 #include "dataset/parts.h"
 #include "dataset/shard_name.h"
 #include "dataset/shard_writer.h"
+#include "methods/interface/light_paths.h"
 #include "pipeline/plan/shard_jobs.h"
 #include "pipeline/run/progress.h"
 #include "pipeline/run/sample_maker.h"
@@ -260,6 +262,16 @@ class DatasetRun {
     }
   }
 
+  void warnOfOneRay() {
+    const auto needsMore = [](const Effects* e) { return raysPerBeam(*e) > 1 || lightPaths(*e) != nullptr; };
+    for (std::size_t s = 0; pipeline_.recording != nullptr && s < pipeline_.sensors.size(); ++s) {
+      if (std::ranges::none_of(pipeline_.effectCases(s), needsMore)) continue;
+      return summary_.warnings.push_back(
+          "the recording has one ray per beam, so the scans are made without the effects footprint and light_paths: "
+          "leave these out, or trace the scene again");
+    }
+  }
+
   // Adds a shard that this process has made, or has found complete, to the summary.
   void count(const Manifest& part) {
     summary_.manifest.ontology = part.ontology;
@@ -276,6 +288,7 @@ class DatasetRun {
 
   GenerateSummary finish() {
     summary_.warnings = maker_.scenes().warnings();
+    warnOfOneRay();
     summary_.stages = maker_.stageSeconds();
     addSeconds(clock_.seconds(), summary_.stages);
     maker_.finish();

@@ -366,9 +366,16 @@ std::vector<Vec3d> findRandomWay(const SceneProbe& probe, const RandomWay& rando
     if (static_cast<double>(longest.size()) - 1 >= random.length / kStep) return longest;
   }
   const double found = longest.empty() ? 0 : static_cast<double>(longest.size() - 1) * kStep;
-  throw InputError(random.where, fmt::format("scene {}: the longest drive that was found on {} is {:g} m, but {:.4g} m "
-                                             "are needed: take fewer frames, a lower speed, or more classes",
-                                             scene.name, what, found, random.length));
+  constexpr double kSmall = 20;  // size (m) below which the unit of the scene may be wrong
+  const Vec3d size = probe.bounds().high - probe.bounds().low;
+  throw InputError(
+      random.where,
+      fmt::format("scene {}: the longest drive that was found on {} is {:g} m, but {:.4g} m are needed: "
+                  "take fewer frames, a lower speed, or more classes{}",
+                  scene.name, what, found, random.length,
+                  std::max(size.x, size.y) > kSmall
+                      ? ""
+                      : fmt::format("; the scene measures {:.3g} x {:.3g} m: is its `unit` right?", size.x, size.y)));
 }
 
 }  // namespace scanmill

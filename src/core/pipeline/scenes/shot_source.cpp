@@ -69,6 +69,12 @@ FrameSettings settingsOf(const Pipeline& pipeline, const VehicleHits& vehicles, 
   return settings;
 }
 
+VehicleHits hitsOf(const FrameSettings& settings) {
+  VehicleHits hits;
+  for (const SensorSetting& sensor : settings.sensors) hits.push_back(sensor.vehicle);
+  return hits;
+}
+
 }  // namespace
 
 std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scene) {
@@ -166,10 +172,14 @@ void ShotSource::findDrives(const Sequence& sequence, const Scene& scene) {
   for (std::size_t s = 0; s < pipeline_.sequences.size(); ++s) {
     const Sequence& other = pipeline_.sequences[s];
     if (!other.sameScene(sequence) || !needsScene(*other.trajectory)) continue;
-    const std::scoped_lock lock(mutex_);
-    if (drives_.contains(s)) continue;
+    {
+      const std::scoped_lock lock(mutex_);
+      if (drives_.contains(s)) continue;
+    }
     if (!probe) probe.emplace(scene);
-    drives_[s] = std::make_shared<const Trajectory>(inScene(*other.trajectory, *probe, other.sceneSeed));
+    auto found = std::make_shared<const Trajectory>(inScene(*other.trajectory, *probe, other.sceneSeed));
+    const std::scoped_lock lock(mutex_);
+    drives_.try_emplace(s, std::move(found));
   }
 }
 
@@ -206,12 +216,9 @@ std::shared_ptr<const FrameSettings> ShotSource::settings(std::size_t sequence, 
   }
   if (known != nullptr && !sensors.drawsPerFrame()) return known;
   SensorDraw drawn = sensors.draw(pipeline_, sequence, frame);
-  VehicleHits vehicles = vehicleHits_;
-  if (sensors.drawsMounts() && known == nullptr) vehicles = traceOwnVehicle(drawn.mounts);
-  if (sensors.drawsMounts() && known != nullptr) {  // mounts are the same in all frames of a sequence
-    vehicles.clear();
-    for (const SensorSetting& sensor : known->sensors) vehicles.push_back(sensor.vehicle);
-  }
+  const VehicleHits vehicles = !sensors.drawsMounts() ? vehicleHits_
+                               : known != nullptr     ? hitsOf(*known)  // mounts are the same in all frames
+                                                      : traceOwnVehicle(drawn.mounts);
   auto settings = std::make_shared<const FrameSettings>(settingsOf(pipeline_, vehicles, std::move(drawn)));
   const std::scoped_lock lock(mutex_);
   std::erase_if(drawn_, isOwn);

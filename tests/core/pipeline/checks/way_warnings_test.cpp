@@ -61,8 +61,8 @@ TEST_F(WayWarnings, TellOfSensorsFarAboveAndBeside) {
 
 TEST_F(WayWarnings, TellOfSensorsInsideOfThings) {
   EXPECT_THAT(warnings({"trajectories=[{poses: [{position: [8, 5, -1]}]}]"}),
-              Contains(AllOf(HasSubstr("'top' sees nothing beside and above it but surfaces of the class car"),
-                             HasSubstr("[8.00, 5.00, 0.80]"))));
+              Contains(HasSubstr("'top' sees nothing beside and above it but surfaces of the class car, such as "
+                                 "'car#1' (car), at [8.00, 5.00, 0.80]")));
 }
 
 // A tower whose walls and roof are objects of their own, and a rail that is lower than most of a car.

@@ -169,6 +169,8 @@ TEST_F(SensorEffectsOf, AreRefusedWithAdvice) {
   expectRefusals([&](const std::string& own) { return refusal("effects: sensor\n", own, own.empty() ? "" : noise); },
                  {{"", "yard.yaml: | 'a' | fit-noise | effects: [intensity] | name effects here"},
                   {"effects: [intensity]\n", "has an intensity, but all scans | 'b'"}});
+  EXPECT_THAT(refusal("effects: [intensity]\n", noise, "effects: [range_nois]\n"), HasSubstr("second.yaml:"))
+      << "unused";
   EXPECT_TRUE(names(pipeline("effects: [range_noise: none, none]\n", noise, noise), 0).empty());
 }
 

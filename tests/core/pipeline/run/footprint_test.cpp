@@ -83,7 +83,8 @@ TEST_F(FootprintRun, IsLeftOutOfRecordings) {
       readPipeline(pipeline_, with("[intensity, footprint: {rays: 7}, light_paths: {}]"), recordingIn(out("hits"))));
   EXPECT_THAT(linesOf(modelled(plan, {})), Contains("effect footprint: left out, a recording holds one ray per beam"));
   EXPECT_EQ(plan.pipeline.raysPerFrame(), plan.pipeline.beamsPerFrame());
-  generate(plan, {.folder = out("again"), .quiet = true});
+  EXPECT_THAT(generate(plan, {.folder = out("again"), .quiet = true}).warnings,
+              testing::ElementsAre(HasSubstr("one ray per beam")));
   EXPECT_EQ(scans(".pcd", "again").size(), scans(".pcd", "kept").size());
   EXPECT_EQ(scans(".pcd", "again")[0].position, scans(".pcd", "kept")[0].position);
 }

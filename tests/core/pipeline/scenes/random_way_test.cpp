@@ -124,7 +124,15 @@ TEST_F(RandomWays, SayWhatIsTooShortOrNotThere) {
   EXPECT_THAT(messageOf([&] {
                 findRandomWay(probe, {{"road"}, Side::Right, 500, 0, {"trip.yaml", 3, 4}}, 1, "drive");
               }),
-              AllOf(HasSubstr("trip.yaml:3:4"), HasSubstr("longest drive"), HasSubstr("500 m are needed")));
+              AllOf(HasSubstr("trip.yaml:3:4"), HasSubstr("longest drive"), HasSubstr("500 m are needed"),
+                    testing::Not(HasSubstr("unit"))));
+  Scene tiny = scene_;
+  const Affine centimetres{Mat3{{0.01, 0, 0}, {0, 0.01, 0}, {0, 0, 0.01}}, {}};
+  for (Instance& instance : tiny.instances) instance.worldFromMesh = centimetres * instance.worldFromMesh;
+  EXPECT_THAT(messageOf([&] {
+                findRandomWay(SceneProbe(tiny), {{"road"}, Side::Right, 5, {}}, 1, "drive");
+              }),
+              HasSubstr("m: is its `unit` right?"));
   EXPECT_THAT(messageOf([&] {
                 findRandomWay(probe_, {{"parking"}, Side::Right, 5, {}}, 1, "drive");
               }),
