@@ -99,7 +99,7 @@ const Refusal kRefusals[] = {
     {"info @notes.zzz", "BLEND"},
     {"info @shed.obj --up w", "--up must be x, y or z"},
     {"info @shed.obj --unit cm", "--unit"},
-    {"info @own.yaml", "own.yaml:5: | did you mean 'range_noise'"},
+    {"info @own.yaml", "own.yaml:5:11: unknown effect 'range_nois' (did you mean 'range_noise'?)"},
     {"info semantic_kitti", "scanmill list ontologies"},
     {"info S/scenes/village.osm", "town: {map: FILE}"},
 
@@ -159,6 +159,9 @@ const Refusal kRefusals[] = {
 
 TEST_F(SmallWorld, WrongUseIsRefusedWithAdviceAndMakesNothing) {
   ASSERT_EQ(scanmill({"generate", pipeline_, "-q", "-o", at("a"), "--keep-hits", at("hits")}).code, 0);
+  folder_.write("own.yaml",
+                "columns: 60\nrate_hz: 10\nelevation_deg: {top: 15, bottom: -15, rings: 16}\nrange_m: [1, 100]\n"
+                "effects: [range_nois]\n");
   for (const char* name : {"there.html", "there.yaml", "filled/mine.txt", "notes.zzz"}) folder_.write(name, "mine");
   folder_.write("begun/.scanmill/plan", "{}");
   folder_.write("damaged/velodyne/000000.bin", "abc");
