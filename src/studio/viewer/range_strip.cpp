@@ -44,38 +44,73 @@ struct StripPlaces {
   }
 };
 
-// Returns the azimuths that the points show. If the columns are a full turn, which holds if each ring's azimuths differ
-// from evenly spaced ones by nearly a constant, this constant is the ring's offset. Otherwise only the direction in
-// which azimuths increase is estimated. Returns nothing if they neither increase nor decrease with the column. `ring`
-// and `column`: one per point.
-std::optional<StripColumns> estimated(const Scan& scan, const std::vector<std::size_t>& ring,
-                                      const std::vector<std::size_t>& column, const GridSize& grid) {
-  constexpr double kOnAxis = 1e-3;     // points nearer to the z axis than this (m) have no meaningful azimuth
-  constexpr std::size_t kLeast = 16;   // least number of points
+// Unit vectors of the x-y plane in the directions of the beams, indexed by ring * columns + column; 0: not known.
+using Directions = std::vector<std::complex<float>>;
+
+// Returns the directions of all beams, if the beam table has the scan's rings and columns, otherwise those of the
+// points. `ring` and `column`: one per point.
+Directions directionsOf(const Scan& scan, const std::vector<std::size_t>& ring, const std::vector<std::size_t>& column,
+                        const GridSize& grid, const BeamTable* beams) {
+  constexpr double kOnAxis = 1e-3;  // points nearer to the z axis than this (m) have no meaningful azimuth
+  Directions all(grid.rings * grid.columns);
+  const auto put = [&](std::size_t beam, const Vec3d& p) {
+    const double away = std::hypot(p.x, p.y);
+    if (std::isfinite(away) && away > kOnAxis) all[beam] = std::complex<float>(std::complex(p.x, p.y) / away);
+  };
+  if (beams != nullptr && beams->columns == grid.columns && beams->direction.size() == all.size()) {
+    for (std::size_t beam = 0; beam < all.size(); ++beam) put(beam, beams->direction[beam]);
+  } else {
+    for (std::size_t i = 0; i < scan.size(); ++i) put(ring[i] * grid.columns + column[i], Vec3d(scan.position[i]));
+  }
+  return all;
+}
+
+// Returns the mean angle from column to column (rad), refined by beams of a ring that are farther and farther apart; 0
+// if there are too few beams.
+double stepOf(const Directions& directions, std::size_t columns) {
+  constexpr std::size_t kLeast = 16;  // least number of pairs of beams
+  double step = 0;
+  for (std::size_t apart = 1; apart <= std::max<std::size_t>(columns / 4, 1); apart *= 4) {
+    std::complex<double> turned;  // sum of the unit vectors of all turns from beam to beam
+    std::size_t pairs = 0;
+    for (std::size_t beam = 0; beam + apart < directions.size(); ++beam) {
+      if (beam % columns + apart >= columns) continue;
+      const std::complex<double> turn = directions[beam + apart] * std::conj(directions[beam]);
+      turned += turn;
+      pairs += turn == 0.0 ? 0 : 1;
+    }
+    const auto columnsApart = static_cast<double>(apart);
+    if (pairs >= kLeast) step += std::arg(turned * std::polar(1.0, -step * columnsApart)) / columnsApart;
+  }
+  return step;
+}
+
+// Returns the azimuths that the directions show. If the columns are a full turn, and each ring's azimuths differ from
+// evenly spaced ones by nearly a constant, this constant is the ring's offset. Otherwise rings are not shifted. Returns
+// nothing if azimuths neither increase nor decrease with the column.
+std::optional<StripColumns> estimated(const Directions& directions, const GridSize& grid) {
+  // Largest difference of a full turn's sweep from 2 pi, as a fraction of 2 pi, since the vehicle may turn meanwhile.
+  constexpr double kTurnSlack = 0.03;
   constexpr double kAlike = 0.8;       // least mean length of the sum of unit vectors; 1: all differ by the same angle
   constexpr double kCorrelated = 0.5;  // least correlation of azimuth and column
-  std::vector<std::size_t> known;
-  std::complex<double> towards;  // sum of the unit vectors towards the points
-  const auto azimuth = [&](std::size_t i) { return std::atan2(scan.position[i].y, scan.position[i].x); };
-  for (std::size_t i = 0; i < scan.size(); ++i) {
-    const Vec3f& p = scan.position[i];
-    if (!isFinite(p) || !(std::hypot(p.x, p.y) > kOnAxis)) continue;
-    known.push_back(i);
-    towards += std::polar(1.0, double{azimuth(i)});
-  }
-  if (known.size() < kLeast) return {};
-  const auto count = static_cast<double>(known.size());
   StripColumns look;
   look.offset.assign(grid.rings, 0);
-  for (const double direction : {1, -1}) {
-    look.step = direction * 2 * kPi / static_cast<double>(grid.columns);
-    std::vector<std::complex<double>> sums(grid.rings);
-    for (const std::size_t i : known) {
-      sums[ring[i]] += std::polar(1.0, azimuth(i) - look.step * static_cast<double>(column[i]));
-    }
-    double alike = 0;
-    for (const std::complex<double>& sum : sums) alike += std::abs(sum);
-    if (alike < kAlike * count) continue;
+  look.step = stepOf(directions, grid.columns);
+  if (look.step == 0) return {};
+  const double fullStep = std::copysign(2 * kPi / static_cast<double>(grid.columns), look.step);
+  std::complex<double> middle;
+  std::vector<std::complex<double>> sums(grid.rings);
+  double count = 0;
+  for (std::size_t beam = 0; beam < directions.size(); ++beam) {
+    const std::complex<double> direction = directions[beam];
+    middle += direction;
+    sums[beam / grid.columns] += direction * std::polar(1.0, -fullStep * static_cast<double>(beam % grid.columns));
+    count += direction == 0.0 ? 0 : 1;
+  }
+  double alike = 0;
+  for (const std::complex<double>& sum : sums) alike += std::abs(sum);
+  if (std::abs(look.step / fullStep - 1) < kTurnSlack && alike >= kAlike * count) {
+    look.step = fullStep;
     look.fullTurn = true;
     look.first = std::arg(std::accumulate(sums.begin(), sums.end(), std::complex<double>()));
     for (std::size_t r = 0; r < grid.rings; ++r) {
@@ -84,15 +119,20 @@ std::optional<StripColumns> estimated(const Scan& scan, const std::vector<std::s
     return look;
   }
   double sumA = 0, sumC = 0, sumAA = 0, sumCC = 0, sumAC = 0;
-  for (const std::size_t i : known) {
-    const double a = wrapped(azimuth(i) - std::arg(towards));
-    const auto c = static_cast<double>(column[i]);
-    sumA += a, sumC += c, sumAA += a * a, sumCC += c * c, sumAC += a * c;
+  for (std::size_t beam = 0; beam < directions.size(); ++beam) {
+    const std::complex<double> direction = directions[beam];
+    if (direction == 0.0) continue;
+    const double a = std::arg(direction * std::conj(middle));
+    const auto c = static_cast<double>(beam % grid.columns);
+    sumA += a;
+    sumC += c;
+    sumAA += a * a;
+    sumCC += c * c;
+    sumAC += a * c;
   }
   const double covariance = sumAC * count - sumA * sumC;
   const double spread = std::sqrt((sumAA * count - sumA * sumA) * (sumCC * count - sumC * sumC));
-  if (!(std::abs(covariance) > kCorrelated * spread)) return {};
-  look.step = std::copysign(1.0, covariance);
+  if (!(std::copysign(1.0, look.step) * covariance > kCorrelated * spread)) return {};
   return look;
 }
 
@@ -103,7 +143,7 @@ std::optional<StripColumns> stripColumns(const Scan& scan, const std::vector<std
                                          const BeamTable* beams) {
   const bool onCones = beams != nullptr && beams->azimuthOffset.size() == grid.rings && beams->listed == nullptr &&
                        !beams->rosette && beams->rings == grid.rings && beams->columns == grid.columns;
-  if (!onCones || grid.columns < 2) return estimated(scan, ring, column, grid);
+  if (!onCones || grid.columns < 2) return estimated(directionsOf(scan, ring, column, grid, beams), grid);
   StripColumns look;
   look.step = (beams->azimuth(static_cast<std::uint32_t>(grid.columns - 1)) - beams->azimuth(0)) /
               static_cast<double>(grid.columns - 1);
