@@ -150,27 +150,49 @@ void fillBoxes(ViewMesh& view) {
   }
 }
 
-// Returns a box that contains most of a scene: the box of its parts, without a twentieth of them at each side. Large
-// parts, such as surrounding ground, are left out unless the others reach nearly as far.
+// Returns a box that contains most of a scene. Of a grid of cells in the plane, those that have parts count, without
+// kLeftOut of them at each side; how many parts a cell has does not count. Large parts, such as surrounding ground, are
+// left out unless the others reach nearly as far.
 Box coreOf(const ViewMesh& view) {
   constexpr double kLarge = 0.5;      // fraction of the scene's longest side from which a part counts as large
   constexpr double kReaching = 0.85;  // largest such fraction for the parts that are not large
-  constexpr double kLeftOut = 0.05;
+  constexpr double kLeftOut = 0.03;
+  constexpr int kCells = 64;  // along the longest side
   const auto longest = [](const Box& box) {
     return box.empty() ? 0 : std::max(box.high.x - box.low.x, box.high.y - box.low.y);
   };
   const auto isSmall = [&](const Box& part) { return longest(part) < kLarge * longest(view.bounds); };
-  std::vector<Box> parts;
-  std::ranges::copy_if(view.partBoxes, std::back_inserter(parts), isSmall);
-  Box small;
-  for (const Box& part : parts) small.add(part);
-  if (small.empty() || longest(small) > kReaching * longest(view.bounds)) parts = view.partBoxes;
+  Box all;
+  for (const Box& part : view.partBoxes) {
+    if (isSmall(part)) all.add(part);
+  }
+  const bool whole = all.empty() || longest(all) > kReaching * longest(view.bounds);
+  if (whole) all = view.bounds;
   Box core;
-  if (parts.empty()) return core;
-  const auto omitted = static_cast<std::ptrdiff_t>(kLeftOut * static_cast<double>(parts.size()));
+  if (all.empty()) return core;
+  const double side = std::max(longest(all) / kCells, 1e-6);  // m, of a cell
+  std::map<std::pair<int, int>, Box> occupied;
+  for (const Box& part : view.partBoxes) {
+    if (part.empty() || !(whole || isSmall(part))) continue;
+    const auto first = [&](double Vec3d::*axis) { return static_cast<int>((part.low.*axis - all.low.*axis) / side); };
+    const auto end = [&](double Vec3d::*axis) {
+      return std::max(static_cast<int>(std::ceil((part.high.*axis - all.low.*axis) / side)), first(axis) + 1);
+    };
+    for (int i = first(&Vec3d::x); i < end(&Vec3d::x); ++i) {
+      for (int j = first(&Vec3d::y); j < end(&Vec3d::y); ++j) {
+        const Vec3d low = all.low + Vec3d{i * side, j * side, 0};
+        occupied[{i, j}].add(
+            Box{{std::max(low.x, part.low.x), std::max(low.y, part.low.y), part.low.z},
+                {std::min(low.x + side, part.high.x), std::min(low.y + side, part.high.y), part.high.z}});
+      }
+    }
+  }
+  std::vector<Box> cells;
+  for (const auto& [place, box] : occupied) cells.push_back(box);
+  const auto omitted = static_cast<std::ptrdiff_t>(kLeftOut * static_cast<double>(cells.size()));
   const auto edge = [&](Vec3d Box::*end, double Vec3d::*axis, auto order) {
-    std::ranges::nth_element(parts, parts.begin() + omitted, order, [&](const Box& part) { return part.*end.*axis; });
-    return parts[static_cast<std::size_t>(omitted)].*end.*axis;
+    std::ranges::nth_element(cells, cells.begin() + omitted, order, [&](const Box& cell) { return cell.*end.*axis; });
+    return cells[static_cast<std::size_t>(omitted)].*end.*axis;
   };
   for (double Vec3d::*axis : {&Vec3d::x, &Vec3d::y, &Vec3d::z}) {
     core.low.*axis = edge(&Box::low, axis, std::less<>());

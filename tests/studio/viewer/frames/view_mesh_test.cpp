@@ -202,6 +202,15 @@ TEST(MakeViewMesh, TheCoreIsWhereMostOfItIs) {
   for (int i = 0; i < 20; ++i) plain.place(blocks, at(10.0 * (i % 5), 10.0 * (i / 5), 0), "block");
   plain.place(addBall(plain, 1, 200), at(5, 5, 2), "ball");
   expectCore(plain, {-2, -2, 0}, {42, 32, 0}, 5);
+  SceneBuilder field = testBuilder();
+  addGround(field, 1, 90);
+  Mesh house = meshOf(field, "thing");
+  appendBox(house, 0, {}, {8, 8, 6});
+  const auto houses = field.addMesh(std::move(house));
+  for (int i = 0; i < 8; ++i) field.place(houses, at(-30.0 + 20 * (i % 4), i < 4 ? -30 : 30, 0), "house");
+  const auto plants = addBall(field, 0.1);
+  for (int i = 0; i < 400; ++i) field.place(plants, at(32 + 0.3 * (i % 20), 2 + 0.3 * (i / 20), 0), "plant");
+  expectCore(field, {-34, -34, 0}, {38, 34, 0}, 6);
 }
 
 TEST(MakeViewMesh, ASceneThatIsTooLargeIsAProblem) {
