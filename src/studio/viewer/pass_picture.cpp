@@ -240,18 +240,22 @@ Image drawExr(const ExrSource& source, const std::string& wanted, int width) {
   const int columns = image.ofSensor ? 1 : count <= kInOneRow ? count : (count + 1) / 2;
   const int rows = (count + columns - 1) / columns;
   const Legend legend = count > 1 ? Legend{} : planes.front().legend;
-  const int side = legend.scale || !legend.entries.empty() ? std::min(sideWidth(kLetter), width / 2) : 0;
-  const int tileWidth = (width - side - kGap * (columns + 1)) / columns;
+  // A narrow picture has its legend below the plane.
+  const bool beside = (legend.scale || !legend.entries.empty()) && 2 * sideWidth(kLetter) <= width;
+  const int planesWidth = beside ? width - sideWidth(kLetter) : width;
+  const int tileWidth = (planesWidth - kGap * (columns + 1)) / columns;
   const double share = static_cast<double>(image.height) / image.width;
   const double shownShare = image.ofSensor ? std::max(kReadableShare, share) : share;
   const int tileHeight = std::clamp(static_cast<int>(std::lround(tileWidth * shownShare)), 1, 8192);
   const int rowHeight = kCaptionHeight + tileHeight + kGap;
-  const int height = kTitleHeight + rows * rowHeight;
+  const PixelRect body{0, kTitleHeight, planesWidth, rows * rowHeight};
+  const PixelRect side = legendRect(legend, body, kLetter, width);
+  const int height = std::max(body.top + body.height, side.top + side.height);
   PictureBoard board(width, height, kLetter);
   for (std::size_t i = 0; i < planes.size(); ++i) board.setImage(static_cast<ImageId>(i), planes[i].image);
   return board.draw([&] {
     titleRow({0, 0, width, kTitleHeight}, fmt::format("{}, {}", source.file.filename().string(), image.size), "");
-    panelAt("##planes", {0, kTitleHeight, width - side, height - kTitleHeight}, false, [&] {
+    panelAt("##planes", body, false, [&] {
       for (int i = 0; i < count; ++i) {
         const PassPlane& plane = planes[static_cast<std::size_t>(i)];
         const int x = kGap + i % columns * (tileWidth + kGap);
@@ -260,7 +264,7 @@ Image drawExr(const ExrSource& source, const std::string& wanted, int width) {
         imageAt(static_cast<ImageId>(i), {x, y + kCaptionHeight, tileWidth, tileHeight});
       }
     });
-    legendPanel(legend, {width - side, kTitleHeight, side, height - kTitleHeight});
+    legendPanel(legend, side);
   });
 }
 

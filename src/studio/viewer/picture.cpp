@@ -69,17 +69,17 @@ Image drawRangeImage(const Scan& scan, const Ontology* ontology, const std::opti
   const int width = strip.image.width * steps(kReadableWidth, strip.image.width);
   const int height = strip.image.height * steps(width * kReadableShare, strip.image.height);
   const double letter = letterOfPicture(width, width);
-  const int side = legend.scale || !legend.entries.empty() ? sideWidth(letter) : 0;
-  const PixelRect top{0, 0, width + side, static_cast<int>(std::lround(1.5 * letter))};
-  const PixelRect body{0, top.height, width, height};
-  PictureBoard board(width + side, top.height + height, letter);
+  const PixelRect body{0, static_cast<int>(std::lround(1.5 * letter)), width, height};
+  const PixelRect side = legendRect(legend, body, letter, kMostPictureSide);
+  const PixelRect top{0, 0, std::max(width, side.left + side.width), body.top};
+  PictureBoard board(top.width, std::max(body.top + height, side.top + side.height), letter);
   board.setImage(kStrip, strip.image);
   return board.draw([&] {
     titleRow(top, fmt::format("{}, {}", title, describeStrip(strip)),
              fmt::format("ring 0 at the {}, {}", strip.ringsRise ? "bottom" : "top",
                          legend.scale ? scaleTitle(legend) : legend.title));
     panelAt("##strip", body, false, [&] { imageAt(kStrip, body); });
-    legendPanel(legend, {width, top.height, side, height});
+    legendPanel(legend, side);
     if (std::ranges::none_of(scan.position, isFinite<float>)) drawMessage(body, "no points");
   });
 }

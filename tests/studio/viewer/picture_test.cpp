@@ -105,6 +105,25 @@ TEST(RangeImage, HasAPixelPerBeam) {
   }
 }
 
+TEST(RangeImage, HasTheWholeLegend) {
+  Ontology ontology = testOntology();
+  ontology.classes.clear();
+  Scan scan;
+  for (std::uint16_t id = 0; id < 29; ++id) {
+    ontology.classes.push_back({id, "class_" + std::to_string(id), instanceColor(id + 1u), false, {}});
+    scan.position.push_back({5, 1, 0});  // all in one pixel
+    scan[kLabel].push_back(id);
+    scan[kRing].push_back(0);
+    scan[kColumn].push_back(0);
+  }
+  for (const int last : {1599, 8191}) {
+    scan[kColumn].back() = static_cast<std::uint16_t>(last);
+    const Image image = drawRangeImage(scan, &ontology, kByClass, "a scan");
+    EXPECT_LE(image.width, kMostPictureSide);
+    for (const SemanticClass& c : ontology.classes) EXPECT_GT(count(image, c.color), 50) << c.name;
+  }
+}
+
 // sRGB (IEC 61966-2-1) as linear light.
 std::array<double, 3> linear(const Rgb& color) {
   std::array<double, 3> light{};
@@ -220,6 +239,9 @@ TEST(PassPicture, OnePlaneHasItsLegend) {
   const std::size_t half = 142 * 142;  // (600 - 300 - 2 * 8) / 2 columns and as many rows
   EXPECT_GT(pixelsOf(picture, {200, 30, 40}), half + 100) << "a sample of the colour is in the legend";
   EXPECT_EQ(pixelsOf(picture, instanceColor(3)), 0u);
+  const Image small = drawExr(source, "semantic", 200);
+  EXPECT_EQ(small.width, 200);
+  EXPECT_GT(small.height, 200) << "the legend is below the plane";
   expectInputError([&] { drawExr(source, "colour", 600); }, {"front.exr", "colour", "depth, normal, semantic"});
 }
 

@@ -9,6 +9,7 @@
 
 #include "base/short_text.h"
 #include "viewer/color_map.h"
+#include "viewer/panels/rooms.h"
 
 namespace scanmill {
 
@@ -288,6 +289,17 @@ std::optional<ScaleRange> scaleBar(const Legend& legend, bool still) {
   if (!ImGui::DragFloat2("##ends", ends, speed, 0, 0, "%.4g")) return {};
   if (!std::isfinite(ends[0]) || !std::isfinite(ends[1]) || !(ends[0] < ends[1])) return {};
   return ScaleRange{ends[0], ends[1]};
+}
+
+PixelRect legendRect(const Legend& legend, const PixelRect& body, double letter, int mostWidth) {
+  if (!legend.scale && legend.entries.empty()) return {};
+  constexpr std::size_t kScaleRows = 4;
+  const std::size_t rows = legend.scale ? kScaleRows : legend.entries.size();
+  // A row is as high as legendRow() and the spacing between rows; the title and the edges take two more.
+  const int high = static_cast<int>(std::ceil((static_cast<double>(rows) + 2) * (1.3 * letter + 2)));
+  const int right = body.left + body.width;
+  if (right + sideWidth(letter) > mostWidth) return {body.left, body.top + body.height, body.width, high};
+  return {right, body.top, sideWidth(letter), std::max(body.height, high)};
 }
 
 void legendPanel(const Legend& legend, const PixelRect& rect) {

@@ -52,6 +52,9 @@ LegendUse legendRows(const Legend& legend, const std::vector<bool>& hidden, bool
 // Draws the scale of a legend. Unless `still` is true, also draws input fields for its ends; returns the ends if the
 // user has changed them.
 std::optional<ScaleRange> scaleBar(const Legend& legend, bool still);
+// Returns the rectangle of a legend in a picture whose contents are in `body`: at their right side or, if the picture
+// would be wider than `mostWidth` pixels, below them. It is high enough for all entries, and empty if there are none.
+PixelRect legendRect(const Legend& legend, const PixelRect& body, double letter, int mostWidth);
 // Draws the entries or the scale of a legend in a picture, in a panel in `rect`.
 void legendPanel(const Legend& legend, const PixelRect& rect);
 
