@@ -20,17 +20,25 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Returns a label for each file or folder: its name or, if two have the same name, all paths as given.
+// Returns a label for each file or folder: its name or, if two have the same name, its path in the folder that holds
+// all of them.
 std::vector<std::string> labelsOf(const std::vector<fs::path>& paths) {
   std::vector<std::string> names;
   std::vector<std::string> whole;
   for (const fs::path& path : paths) {
     const fs::path clean = fs::absolute(path).lexically_normal();
-    names.push_back((clean.has_filename() ? clean : clean.parent_path()).filename().string());
-    whole.push_back(path.string());
+    whole.push_back((clean.has_filename() ? clean : clean.parent_path()).string());
+    names.push_back(fs::path(whole.back()).filename().string());
   }
   const auto different = [](const std::vector<std::string>& all) { return std::set(all.begin(), all.end()).size(); };
-  return different(names) < different(whole) ? whole : names;
+  if (different(names) == different(whole)) return names;
+  fs::path common = fs::path(whole.front()).parent_path();
+  const auto holds = [&](const std::string& path) {
+    return *fs::path(path).parent_path().lexically_relative(common).begin() != "..";
+  };
+  while (!std::ranges::all_of(whole, holds)) common = common.parent_path();
+  for (std::string& path : whole) path = fs::path(path).lexically_relative(common).string();
+  return whole;
 }
 
 // Returns a description of the first class that has different names in the two ontologies; empty if there is none.

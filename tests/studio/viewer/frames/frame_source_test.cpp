@@ -167,13 +167,10 @@ TEST_F(Frames, LieOverOneAnother) {
   const auto source = openFrames({.path = a, .over = {b, file}});
   EXPECT_EQ(source->title(), a);
   EXPECT_EQ(source->keys().size(), 3u);
-  const auto names = [](const std::filesystem::path& dataset, const char* sensor) {
-    return dataset.string() + ": " + sensor;
-  };
   EXPECT_THAT(namesOf(source->load(0)),
-              ElementsAre(names(a, "top"), names(a, "Rear"), names(b, "top"), names(b, "Rear"), file));
+              ElementsAre("a/out: top", "a/out: Rear", "b/out: top", "b/out: Rear", "one.pcd"));
   const ViewFrame last = source->load(2);
-  EXPECT_THAT(namesOf(last), ElementsAre(names(a, "top"), names(a, "Rear"), file));
+  EXPECT_THAT(namesOf(last), ElementsAre("a/out: top", "a/out: Rear", "one.pcd"));
   EXPECT_THAT(last.problems, ElementsAre(AllOf(HasSubstr("b/out"), HasSubstr("'town-s3-drive-000002'"))));
   EXPECT_THAT(namesOf(openFrames({.path = a, .over = {a}, .sensor = "top"})->load(0)),
               ElementsAre("out: top", "out: top (2)"));
