@@ -493,6 +493,10 @@ TEST(Canvas, ManyCanOpenAndClose) {
 TEST(Canvas, WrongUseIsTold) {
   CANVAS_OR_SKIP(canvas, 40, 30);
   EXPECT_THAT(messageOf<Error>([&] { canvas.setColors(5, {}); }), HasSubstr("no item 5"));
+  const std::vector<Vec3f> three(3);
+  EXPECT_THAT(messageOf<Error>([&] { canvas.setPoints(1, three, std::vector{kRed}); }), HasSubstr("3 corners"));
+  canvas.setPoints(1, three, std::vector(3, kRed));
+  EXPECT_THAT(messageOf<Error>([&] { canvas.setColors(1, std::vector{kRed}); }), HasSubstr("3 elements"));
   EXPECT_THAT(messageOf<Error>([&] { canvas.run(10, [](const CanvasEvent&) { return true; }); }),
               HasSubstr("without a window"));
   EXPECT_THAT(messageOf<Error>([&] { canvas.read(); }), HasSubstr("nothing has been drawn"));

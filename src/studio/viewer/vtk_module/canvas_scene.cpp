@@ -77,6 +77,9 @@ Item& CanvasScene::item(ItemId number) {
 }
 
 void CanvasScene::set(ItemId number, ItemKind kind, std::span<const Vec3f> corners, std::span<const Rgb> colors) {
+  if (corners.size() != colors.size() * static_cast<std::size_t>(kind)) {
+    throw std::invalid_argument(fmt::format("{} colors for {} corners", colors.size(), corners.size()));
+  }
   drawn_ = false;
   std::unique_ptr<Item>& slot = items_[number];
   std::optional<ItemLook> look;
@@ -95,7 +98,11 @@ void CanvasScene::set(ItemId number, ItemKind kind, std::span<const Vec3f> corne
 
 void CanvasScene::setColors(ItemId number, std::span<const Rgb> colors) {
   drawn_ = false;
-  item(number).setColors(colors);
+  Item& changed = item(number);
+  if (colors.size() != changed.count()) {
+    throw std::invalid_argument(fmt::format("item {} has {} elements, not {}", number, changed.count(), colors.size()));
+  }
+  changed.setColors(colors);
 }
 
 void CanvasScene::show(ItemId number, std::optional<std::vector<std::uint32_t>> indices) {

@@ -39,6 +39,7 @@ class Item {
   void show(std::optional<std::vector<std::uint32_t>> indices);
   void setLook(const ItemLook& look);
   const ItemLook& look() const { return look_; }
+  std::uint32_t count() const { return count_; }  // number of elements
 
   // Prepares for drawing at most `mostPoints` points; 0: all points.
   void choose(std::uint64_t mostPoints);
