@@ -1,6 +1,7 @@
 #pragma once
 
 // Loads frames and scenes on a separate thread, so that the window never blocks. One thread makes the requests.
+// Indices of frames are less than the source's number of keys; want() and wait() do not check this.
 
 #include <cstddef>
 #include <cstdint>

@@ -242,7 +242,11 @@ void Clouds::chooseColor(const ColorBy& by) {
 void Clouds::resetScales() {
   if (list.empty()) return;
   if (overlaid()) return context_.say("the overlay has fixed colours: l closes it");
-  for (const std::size_t view : actedViews()) {
+  const std::vector<std::size_t> acted = actedViews();
+  if (std::ranges::none_of(acted, [&](std::size_t view) { return isNumeric(colorOf(view)); })) {
+    return context_.say("these colours have no scale");
+  }
+  for (const std::size_t view : acted) {
     scales[view].reset();
     recolor(view);
   }

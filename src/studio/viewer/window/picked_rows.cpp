@@ -84,6 +84,10 @@ void addBeam(Rows& rows, const ViewScan& scan, std::size_t point) {
   }
 }
 
+std::string errorRow(const ViewScan& viewed) {
+  return viewed.errorTitle.empty() ? "error" : withoutUnit(viewed.errorTitle);
+}
+
 }  // namespace
 
 PickedThing describePoint(const ViewScan& viewed, std::size_t scanIndex, std::size_t point, const Ontology* ontology) {
@@ -110,8 +114,7 @@ PickedThing describePoint(const ViewScan& viewed, std::size_t scanIndex, std::si
   addColumns(rows, scan, point);
   if (!viewed.error.empty()) {
     const double error = double{viewed.error[point]};
-    rows.emplace_back(viewed.errorTitle.empty() ? "error" : withoutUnit(viewed.errorTitle),
-                      std::isfinite(error) ? fmt::format("{:.4f} m", error) : "not known");
+    rows.emplace_back(errorRow(viewed), std::isfinite(error) ? fmt::format("{:.4f} m", error) : "not known");
   }
   addBeam(rows, viewed, point);
   if (!viewed.sensor.empty()) rows.emplace_back("sensor", viewed.sensor);
@@ -120,11 +123,10 @@ PickedThing describePoint(const ViewScan& viewed, std::size_t scanIndex, std::si
   return thing;
 }
 
-void addBrief(PickedThing& thing, const ColorBy& shown) {
+void addBrief(PickedThing& thing, const ViewScan& viewed, const ColorBy& shown) {
   const bool inHeading = shown == kByClass || shown == kByInstance;
   for (const auto& [name, value] : thing.rows) {
-    const bool isError = name.find("error") != std::string::npos || name.find("reference") != std::string::npos;
-    const bool isShown = shown == kByError    ? isError
+    const bool isShown = shown == kByError    ? name == errorRow(viewed)
                          : shown == kByHeight ? name == "z"
                                               : name == shown.name() && !inHeading;
     if (name == "range" || name == "ring" || name == "column" || isShown) thing.brief.emplace_back(name, value);

@@ -16,7 +16,7 @@ PickedThing describePoint(const ViewScan& scan, std::size_t scanIndex, std::size
 
 // Adds the rows that are shown while the pointer is over the point: range, ring and column, and `shown`, the quantity
 // that colours show.
-void addBrief(PickedThing& thing, const ColorBy& shown);
+void addBrief(PickedThing& thing, const ViewScan& viewed, const ColorBy& shown);
 
 // Adds the instance's number of points in the scan, its size, and its classes if it has several.
 void addInstance(PickedThing& thing, const InstanceSummary& summary, const Ontology* ontology);

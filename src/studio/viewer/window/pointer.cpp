@@ -136,7 +136,7 @@ PickedThing Pointer::pickedPoint(std::size_t k, std::size_t point) const {
   const ViewScan& scan = context_.frame->scans[cloud.scan];
   PickedThing thing = describePoint(scan, cloud.scan, point, context_.source->ontology());
   thing.place = cloud.canvasFromScan * Vec3d(scan.places()[point]);
-  addBrief(thing, clouds_.colorOf(cloud.view));
+  addBrief(thing, scan, clouds_.colorOf(cloud.view));
   if (const auto instance = instanceOf(thing)) {
     addInstance(thing, summaryOf(cloud, *instance), context_.source->ontology());
     scenery_.addObjectRows(thing, *instance);

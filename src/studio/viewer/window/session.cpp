@@ -82,7 +82,9 @@ void ViewSession::check() const {
   if (!nothing && context_.filter.closeUp) return requirePoints(*frame, *context_.filter.closeUp);
   if (!nothing) return;
   const auto all = problems();
-  throw Error(all.empty() ? "nothing could be loaded" : all.front());
+  const bool another = context_.options.sample.empty() && context_.source->keys().size() > 1;
+  throw Error((all.empty() ? "nothing could be loaded" : all.front()) +
+              (another ? "; name another sample by --sample (`verify` lists the damaged ones)" : ""));
 }
 
 std::optional<PickedThing> ViewSession::pick(int x, int y) {
@@ -213,7 +215,7 @@ void ViewSession::flush(bool whole) {
   const Changes& changes = context_.changes;
   if (changes.views || changes.items || changes.panels) refresh();
   if (changes.items && pointer_.pinned && !pointer_.isShown(*pointer_.pinned)) pointer_.pinned.reset();
-  // When the picture changes, another point may be under the pointer_, even if the pointer rests.
+  // When the picture changes, another point may be under the pointer, even if the pointer rests.
   if (changes.hover || changes.views || changes.items) {
     const bool held = panels_.toolkit.hasPointer();
     runPanels();

@@ -228,7 +228,7 @@ void ViewSession::switchOption(bool ViewOptions::*option) {
   on = !on;
   context_.changes.views = true;
   scenery_.placeGuides();
-  clouds_.makeStrip();
+  if (option == &ViewOptions::rangeImage) clouds_.makeStrip();
   if (option != &ViewOptions::mesh) return;
   scenery_.meshProblem.clear();
   if (on) wantMesh();

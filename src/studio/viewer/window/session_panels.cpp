@@ -1,4 +1,4 @@
-// Draws menus and panels_. Menus and buttons execute the same actions as keys.
+// Draws menus and panels. Menus and buttons execute the same actions as keys.
 
 #include <fmt/core.h>
 #include <imgui.h>
@@ -267,7 +267,7 @@ void ViewSession::drawPrompt() {
   }
 }
 
-// Draws the tooltip beside the pointer_.
+// Draws the tooltip beside the pointer.
 void ViewSession::drawTips() {
   const bool told = pointer_.pinned && pointer_.hover && pointer_.pinned->scan == pointer_.hover->scan &&
                     pointer_.pinned->point == pointer_.hover->point;

@@ -63,7 +63,7 @@ const std::vector<ViewCommand>& viewCommands();
 // Returns the meaning of a key; nothing if the key has no function.
 std::optional<KeyMeaning> keyMeaning(std::string_view key);
 
-// Returns the command's keys as text for menus and help, such as "space" or "F1 or v".
+// Returns the command's keys as text for menus and help, such as "space" or "h or ?".
 std::string keysText(const ViewCommand& command);
 
 // Returns pairs of keys or gestures and their functions, for the help and the documentation.
