@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "config/fields.h"
+#include "config/resources.h"
 
 namespace scanmill {
 namespace {
@@ -173,6 +174,20 @@ std::vector<const Concept*> conceptsIn(const std::vector<Concept>& concepts, std
     if (const Concept* const c = conceptOf(concepts, words[i])) found.push_back(c);
   }
   return found;
+}
+
+const SemanticClass& requireClass(const Ontology& ontology, const std::string& name, const Location& where) {
+  const std::filesystem::path file = resourceFolder() / "labels/words.yaml";
+  if (ontology.find(name) == nullptr && std::filesystem::exists(file)) {
+    for (const Concept& c : readConcepts(file)) {
+      const bool meant = std::find(c.words.begin(), c.words.end(), foldedName(name)) != c.words.end();
+      const SemanticClass* const known = meant ? classOf(c, ontology) : nullptr;
+      if (known == nullptr) continue;
+      throw InputError(
+          where, fmt::format("ontology '{}' has no class '{}' (did you mean '{}'?)", ontology.name, name, known->name));
+    }
+  }
+  return ontology.require(name, where);
 }
 
 }  // namespace scanmill

@@ -44,4 +44,8 @@ const Concept* conceptOf(const std::vector<Concept>& concepts, std::string_view 
 // lamp").
 std::vector<const Concept*> conceptsIn(const std::vector<Concept>& concepts, std::string_view name);
 
+// Returns the class with this name or alias. Throws InputError at `where` if there is none; if the name is a word of
+// labels/words.yaml, such as "lorry", the message names the class of its concept.
+const SemanticClass& requireClass(const Ontology& ontology, const std::string& name, const Location& where);
+
 }  // namespace scanmill

@@ -23,6 +23,7 @@
 #include "config/text.h"
 #include "formats/cloud_file.h"
 #include "scene/primitives.h"
+#include "scenefile/concepts.h"
 #include "scenefile/file_meshes.h"
 #include "scenefile/labelling.h"
 #include "scenefile/object_placer.h"
@@ -246,7 +247,7 @@ class SceneReader {
   // matches nothing.
   void checkNames(const std::vector<Rule>& rules) const {
     for (const Rule& rule : rules) {
-      if (!rule.className.empty()) builder_.ontology().require(rule.className, rule.where);
+      if (!rule.className.empty()) requireClass(builder_.ontology(), rule.className, rule.where);
       if (!rule.materialName.empty()) builder_.library().require(rule.materialName, rule.where);
     }
   }
@@ -298,7 +299,7 @@ class SceneReader {
     const Value& className = f.require("class");
     const Value& materialName = f.require("material");
     Surface surface;
-    const SemanticClass& semantic = builder_.ontology().require(f.text("class"), className.where);
+    const SemanticClass& semantic = requireClass(builder_.ontology(), f.text("class"), className.where);
     surface.semantic = semantic.id;
     surface.object = semantic.thing ? 1 : 0;
     surface.material = builder_.material(f.text("material"), materialName.where);

@@ -79,6 +79,18 @@ TEST(Words, OfTheProgramFitItsLabels) {
   }
 }
 
+TEST(Words, AWordIsNoClassButNamesOne) {
+  const Ontology ontology = readOntology(kLabels / "scanmill.yaml");
+  EXPECT_EQ(requireClass(ontology, "truck", {}).name, "truck");
+  for (const std::string name : {"lorry", "LKW", "trukc"}) {
+    expectInputError(
+        [&] {
+          requireClass(ontology, name, {"a.yaml", 3, 4});
+        },
+        {"a.yaml:3:4", "has no class '" + name, "did you mean 'truck'?"});
+  }
+}
+
 TEST(Words, BadFilesAreRefusedWithTheirPlace) {
   const TemporaryFolder folder;
   const auto refuse = [&](const std::string& text, const std::vector<std::string>& words) {
