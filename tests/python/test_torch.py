@@ -167,9 +167,9 @@ class Loaders(unittest.TestCase):
                 self.assertFalse(np.array_equal(epochs[0][key], epochs[1][key]))
 
     def test_workers_may_be_spawned(self):
-        dataset = ScanDataset(self.path, columns=[])
-        batches = self.load(dataset, 1, batch_size=4, multiprocessing_context="spawn")
-        self.assertEqual(keys_of(batches), sorted(self.dataset.keys))
+        for kind in (ScanDataset, ShardIterable):
+            batches = self.load(kind(self.path, columns=[]), 1, batch_size=4, multiprocessing_context="spawn")
+            self.assertEqual(keys_of(batches), sorted(self.dataset.keys))
 
     def test_range_images(self):
         if not {"ring", "column"} <= set(self.dataset[0].scan().names):

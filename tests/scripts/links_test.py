@@ -1,10 +1,11 @@
-"""Datasets of somebody else, which have links where the program keeps files: no command that writes into such a folder
+"""Datasets and exports of somebody else, which have links where the program keeps files: no command that writes into such a folder
 changes anything outside of it, whatever the link is and wherever it stands. A dataset that it then calls complete is.
 
     SCANMILL=/path/to/scanmill python3 links_test.py     the program in place of build/release/scanmill
     LINKS_CASES=all ...                                  all cases, in place of 40 that are chosen at random
 """
 
+import itertools
 import os
 import random
 import shutil
@@ -32,13 +33,16 @@ effects: []
 output: {{shard_samples: 2, formats: [pcd]}}
 """
 
-# Every name below a dataset's folder that the program may open to write, move or remove.
+# Every name below a dataset's folder and an export's that the program may open to write, move or remove.
 NAMES = (".scanmill", ".scanmill/lock", ".scanmill/begin.lock", ".scanmill/plan", ".scanmill/replaced.json",
          ".scanmill/again", ".scanmill/train", ".scanmill/train/train-000000.tar",
          ".scanmill/train/train-000000.tar.lock", ".scanmill/train/train-000000.tar.json", "manifest.json", "train",
          "train/train-000000.tar", "train/train-000001.tar")
+EXPORT_NAMES = (".scanmill_export.lock", ".scanmill_export.json", "scanmill_export.json", "train",
+                "train/primitives-s1-past-000000.top.ply")
 LINKS = ("file", "folder", "nowhere", "hard")
 STATES = ("complete", "unfinished", "damaged")
+EXPORT_STATES = ("exported", "half_exported")
 COMMANDS = {
     "merge": ("merge", "{ds}"),
     "regenerate": ("regenerate", "{ds}", "--pipeline", "{pipeline}", "--quiet"),
@@ -46,8 +50,8 @@ COMMANDS = {
     "resume": ("generate", "{pipeline}", "-o", "{ds}", "--resume", "--quiet"),
     "worker": ("generate", "{pipeline}", "-o", "{ds}", "--worker", "0", "--workers", "2", "--quiet"),
     "share": ("generate", "{pipeline}", "-o", "{ds}", "--workers", "auto", "--quiet"),
-    "export": ("export", "{other}", "--to", "ply", "-o", "{ds}", "--overwrite", "--quiet"),
 }
+EXPORT = {"export": ("export", "{other}", "--to", "ply", "-o", "{ds}", "--overwrite", "--quiet")}
 
 
 class Links(unittest.TestCase):
@@ -59,8 +63,14 @@ class Links(unittest.TestCase):
         cls.pipeline.write_text(PIPELINE.format(root=ROOT))
         cls.complete = cls.folder / "complete"
         cls.run_program("generate", str(cls.pipeline), "-o", str(cls.complete), "--quiet", code=0)
-        cls.unfinished = cls.folder / "unfinished"
-        cls.run_program("generate", str(cls.pipeline), "-o", str(cls.unfinished), "--shards", "0", "--quiet", code=0)
+        cls.run_program("generate", str(cls.pipeline), "-o", str(cls.folder / "unfinished"), "--shards", "0", "--quiet",
+                        code=0)
+        shutil.copytree(cls.complete, cls.folder / "damaged")
+        (cls.folder / "damaged/train/train-000000.tar").unlink()
+        cls.run_program("export", str(cls.complete), "--to", "ply", "-o", str(cls.folder / "exported"), "--quiet",
+                        code=0)
+        half = shutil.copytree(cls.folder / "exported", cls.folder / "half_exported")
+        (half / "scanmill_export.json").rename(half / ".scanmill_export.json")
 
     @classmethod
     def tearDownClass(cls):
@@ -75,13 +85,11 @@ class Links(unittest.TestCase):
         return done
 
     def stranger(self, state, name, link):
-        """A dataset with a link at a name, and a folder outside of it to which the link leads."""
+        """A dataset or an export with a link at a name, and a folder outside of it to which the link leads."""
         shutil.rmtree(self.folder / "ds", ignore_errors=True)
         shutil.rmtree(self.folder / "outside", ignore_errors=True)
         ds, outside = self.folder / "ds", self.folder / "outside"
-        shutil.copytree(self.unfinished if state == "unfinished" else self.complete, ds)
-        if state == "damaged":
-            (ds / "train/train-000000.tar").unlink()
+        shutil.copytree(self.folder / state, ds)
         outside.mkdir()
         (outside / "precious").write_text("precious")
         # Names that the program would look for behind a link to a folder.
@@ -100,15 +108,15 @@ class Links(unittest.TestCase):
         return ds, outside
 
     def test_nothing_outside_of_a_strangers_folder_changes(self):
-        cases = [(state, name, link, command) for state in STATES for name in NAMES for link in LINKS
-                 for command in COMMANDS]
+        cases = [*itertools.product(STATES, NAMES, LINKS, COMMANDS),
+                 *itertools.product(EXPORT_STATES, EXPORT_NAMES, LINKS, EXPORT)]
         if CASES != "all":
             cases = random.Random(SEED).sample(cases, int(CASES))
         for state, name, link, command in cases:
             with self.subTest(state=state, name=name, link=link, command=command):
                 ds, outside = self.stranger(state, name, link)
                 before = tree(outside)
-                words = [w.format(ds=ds, pipeline=self.pipeline, other=self.complete) for w in COMMANDS[command]]
+                words = [w.format(ds=ds, pipeline=self.pipeline, other=self.complete) for w in (COMMANDS | EXPORT)[command]]
                 done = self.run_program(*words)
                 self.assertEqual(tree(outside), before, done.stdout)
                 self.assertIn(done.returncode, (0, 1, 2), done.stdout)

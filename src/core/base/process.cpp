@@ -126,8 +126,11 @@ Process::Process(const std::vector<std::string>& command, const std::map<std::st
   std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
     throw Error("no socket: " + reason(errno));
-  socket_ = Descriptor(ends[0]);
+  const Descriptor ours(ends[0]);
   const Descriptor childs(ends[1]);
+  // Where our standard streams are closed, the socket may have one of their numbers, and what we print would go there.
+  socket_ = Descriptor(::fcntl(ours.number, F_DUPFD_CLOEXEC, STDERR_FILENO + 1));
+  if (!socket_.open()) throw Error("no socket: " + reason(errno));
   SpawnActions actions;
   ::posix_spawn_file_actions_adddup2(&actions.files, childs.number, STDIN_FILENO);
   ::posix_spawn_file_actions_adddup2(&actions.files, childs.number, STDOUT_FILENO);
@@ -184,10 +187,6 @@ void Process::write(std::string_view text) {
     if (n < 0) return;
     text.remove_prefix(static_cast<std::size_t>(n));
   }
-}
-
-void Process::closeInput() {
-  ::shutdown(socket_.number, SHUT_WR);
 }
 
 std::optional<std::string> Process::readLine(double seconds) {

@@ -28,9 +28,10 @@ class TimeOut : public Error {
 };
 
 // A child process. It is started without a shell, so that nothing parses the words of its command again. It inherits
-// its three standard streams and no other file descriptor. The destructor kills the child and the processes that the
-// child has started. If this program dies without running the destructor, the child sees the end of its standard input.
-// All times are seconds of wall-clock time.
+// its three standard streams and no other file descriptor. Its standard input and output are one socket, so that it
+// cannot open /dev/stdout: a script that redirects to it fails. The destructor kills the child and the processes that
+// the child has started. If this program dies without running the destructor, the child sees the end of its standard
+// input. All times are seconds of wall-clock time.
 class Process {
  public:
   // `command` is the program and its arguments; `environment` is added to this program's own environment. Throws Error
@@ -43,13 +44,11 @@ class Process {
   // Writes to the child's standard input a text that is short enough for the system to hold it (64 KiB). If the child
   // has closed its input, the text is dropped without an error.
   void write(std::string_view text);
-  // Ends the child's standard input.
-  void closeInput();
   // Waits for the next line of the child's standard output and returns it without its line feed; nullopt if the output
   // has ended. Throws TimeOut after `seconds`, and Error for a line of over 16 MiB.
   std::optional<std::string> readLine(double seconds);
   // Waits until the child has ended and returns how: "exit code 3", "signal 11 (Segmentation fault)". Throws TimeOut
-  // after `seconds`.
+  // after `seconds`. Output that was not read is kept, up to 16 MiB; what comes after that is dropped.
   std::string wait(double seconds);
   // Returns the last lines of the child's standard error, at most twelve and 4 KiB.
   std::string lastLines() const;

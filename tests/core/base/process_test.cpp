@@ -44,12 +44,32 @@ TEST(Process, AnswersLineByLine) {
   cat.write("one\ntwo\n");
   EXPECT_EQ(cat.readLine(10), "one");
   EXPECT_EQ(cat.readLine(10), "two");
-  cat.write("three");
-  cat.closeInput();
-  EXPECT_EQ(cat.readLine(10), "three");
-  EXPECT_EQ(cat.readLine(10), std::nullopt);
-  EXPECT_EQ(cat.wait(10), "exit code 0");
-  EXPECT_EQ(cat.wait(10), "exit code 0") << "asked again";
+}
+
+TEST(Process, TheLastLineNeedsNoLineFeed) {
+  Process printf({"printf", "one\ntwo"});
+  EXPECT_EQ(printf.readLine(10), "one");
+  EXPECT_EQ(printf.readLine(10), "two");
+  EXPECT_EQ(printf.readLine(10), std::nullopt);
+  EXPECT_EQ(printf.wait(10), "exit code 0");
+  EXPECT_EQ(printf.wait(10), "exit code 0") << "asked again";
+}
+
+TEST(Process, WhatWePrintDoesNotReachItWhereOurOutputIsClosed) {
+  std::array<int, 2> kept{};
+  for (const int number : {STDOUT_FILENO, STDERR_FILENO}) {
+    kept[static_cast<std::size_t>(number - 1)] = ::fcntl(number, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+    ::close(number);
+  }
+  Process cat({"cat"});
+  const std::array<ssize_t, 2> written{::write(STDOUT_FILENO, "stray\n", 6), ::write(STDERR_FILENO, "stray\n", 6)};
+  for (const int number : {STDOUT_FILENO, STDERR_FILENO}) {
+    ::dup2(kept[static_cast<std::size_t>(number - 1)], number);
+    ::close(kept[static_cast<std::size_t>(number - 1)]);
+  }
+  EXPECT_THAT(written, testing::Each(-1));
+  cat.write("one\n");
+  EXPECT_EQ(cat.readLine(10), "one");
 }
 
 TEST(Process, WordsReachTheProgramAsTheyAre) {

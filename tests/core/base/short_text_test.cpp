@@ -6,6 +6,7 @@ namespace {
 TEST(ShortText, NumbersHaveThreeDigits) {
   EXPECT_EQ(shortNumber(7), "7");
   EXPECT_EQ(shortNumber(456'000), "456 k");
+  EXPECT_EQ(shortNumber(999'900), "1 M");
   EXPECT_EQ(shortNumber(12'345'678), "12.3 M");
   EXPECT_EQ(shortNumber(-2.5e9), "-2.5 G");
 }

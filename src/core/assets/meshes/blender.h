@@ -1,8 +1,7 @@
 #pragma once
 
 // Runs scripts/blender_passes.py in the installed Blender, for images and for files that Blender opens (.blend) or
-// imports
-// (.fbx, .abc, .x3d, .usd).
+// imports (.fbx, .abc, .x3d, .usd).
 
 #include <filesystem>
 #include <string>

@@ -131,7 +131,6 @@ std::string bodyInBrowser(const std::filesystem::path& folder, const std::string
   command.insert(command.end(), flags.begin(), flags.end());
   command.push_back("file://" + page);
   Process browser(command, {{"HOME", folder.string()}});
-  browser.closeInput();
   std::string dom;
   while (const auto line = browser.readLine(120)) dom += *line + "\n";
   browser.wait(60);
