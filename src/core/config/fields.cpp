@@ -16,11 +16,10 @@ Fields::Fields(const Value& value, std::string what) : value_(value), what_(std:
 }
 
 bool Fields::has(std::string_view key) const {
-  const Value* value = value_.find(key);
-  return value != nullptr && value->kind != Value::Kind::Null;
+  return find(key) != nullptr;
 }
 
-const Value* Fields::find(std::string_view key) {
+const Value* Fields::find(std::string_view key) const {
   if (std::find(known_.begin(), known_.end(), key) == known_.end()) known_.emplace_back(key);
   const Value* value = value_.find(key);
   return value != nullptr && value->kind != Value::Kind::Null ? value : nullptr;

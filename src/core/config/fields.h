@@ -57,9 +57,10 @@ class Fields {
   // empty value counts as an empty map.
   Fields(const Value& value, std::string what);
 
-  bool has(std::string_view key) const;        // true if the key has a non-empty value; does not mark it as known
-  const Value* find(std::string_view key);     // marks the key as known; null if absent or empty
-  const Value& require(std::string_view key);  // throws if absent; an empty value (Null) is returned
+  // Each of these marks the key as known.
+  bool has(std::string_view key) const;           // true if the key has a non-empty value
+  const Value* find(std::string_view key) const;  // null if absent or empty
+  const Value& require(std::string_view key);     // throws if absent; an empty value (Null) is returned
   const Location& where() const { return value_.where; }
   const Value& value() const { return value_; }
 
@@ -107,7 +108,7 @@ class Fields {
 
   const Value& value_;
   std::string what_;
-  std::vector<std::string> known_;
+  mutable std::vector<std::string> known_;
 };
 
 // Returns `name` as a path that starts in the folder of the file that contains `value`. A path given by --set starts in

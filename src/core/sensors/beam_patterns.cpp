@@ -171,8 +171,8 @@ RasterScan readRasterScan(const Value& value) {
   raster.top = radians(f.number("top_deg", {-90, 90}));
   raster.bottom = radians(f.number("bottom_deg", {-90, 90}));
   if (raster.top <= raster.bottom) throw InputError(value.where, "raster: top_deg must be above bottom_deg");
-  raster.lines = static_cast<std::uint32_t>(f.integer("lines", 2, kMostColumns / 2));
   raster.lineTime = f.number("line_us", {0, 1e8}, 0) * 1e-6;
+  raster.lines = static_cast<std::uint32_t>(f.integer("lines", 2, kMostColumns / 2));
   raster.alternate = f.boolean("alternate", false);
   f.finish();
   return raster;

@@ -185,7 +185,7 @@ namespace {
 // Throws InputError if the number of a calibration's lasers differs from the number of the preset's rings.
 void checkSameLasers(const Value& preset, const Value& own) {
   const Value* elevation = preset.find("elevation_deg");
-  const Value* calibration = own.find("calibration");
+  const Value* calibration = Fields(own, "sensor").find("calibration");
   if (elevation == nullptr || calibration == nullptr) return;
   const std::size_t lasers = withCalibration(own, &preset).find("elevation_deg")->items.size();
   const auto rings = static_cast<std::size_t>(sensorSize(preset).rings);
@@ -196,10 +196,18 @@ void checkSameLasers(const Value& preset, const Value& own) {
                                calibration->text, lasers, rings));
 }
 
+const std::initializer_list<std::string_view> kSensorKeys = {
+    "model",           "source",          "columns",       "rate_hz",     "direction",      "first_azimuth_deg",
+    "field_deg",       "calibration",     "pattern",       "rosette",     "raster",         "sweep_ms",
+    "beams",           "elevation_deg",   "ring_order",    "range_m",     "firing_time_us", "azimuth_offset_deg",
+    "origin_offset_m", "origin_height_m", "origin_left_m", "origin_up_m", "exit_width_mm",  "turns_while_firing",
+    "divergence_mrad", "beam_shape",      "pulse_ns",      "effects"};
+
 }  // namespace
 
 Value resolveSensor(const Value& value) {
   Fields fields(value, "sensor");
+  fields.also({"name", "preset", "mount"}).also(kSensorKeys).finish();
   Value merged;
   merged.kind = Value::Kind::Map;
   merged.where = value.where;
@@ -207,6 +215,7 @@ Value resolveSensor(const Value& value) {
     const Value file = readYaml(fields.resource("preset", "pipelines/sensors"));
     if (file.kind == Value::Kind::Null) throw InputError(file.where, "the sensor preset is empty");
     expectKind(file, FileKind::Sensor);
+    Fields(file, "sensor preset").also(kSensorKeys).finish();
     merged.entries = withCalibration(file).entries;
   }
   checkSameLasers(merged, value);
@@ -397,7 +406,7 @@ std::shared_ptr<const BeamTable> makeBeams(const Value& description) {
   }
   readRange(fields, *table);
   readBeamShape(fields, *table);
-  fields.also({"columns", "effects"}).finish();
+  fields.also({"columns", "calibration", "effects"}).finish();
 
   fillBeams(*table);
   return table;

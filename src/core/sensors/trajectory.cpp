@@ -35,7 +35,7 @@ std::vector<Pose> posesOf(const Value& value) {
 }
 
 const std::initializer_list<std::string_view> kKeysOfDrives = {
-    "speed", "every_m", "acceleration", "stops", "lane_changes", "sway", "path", "rounding", "keep"};
+    "speed", "every_m", "acceleration", "stops", "lane_changes", "sway", "path", "rounding", "keep", "from", "to"};
 
 std::vector<DriveStop> readStops(Fields& fields, double length) {
   constexpr double kApart = 1;  // m, least distance of a stop from other stops and from the path's ends
@@ -287,6 +287,9 @@ Trajectory readTrajectory(const Value& value, const std::string& name, double pe
                           std::uint64_t seed, std::uint32_t drive) {
   constexpr std::array<const char*, 5> kKinds{"poses", "waypoints", "along", "on", "recorded"};
   Fields fields(value, "trajectory");
+  fields.also(kKeysOfDrives)
+      .also({"name", "poses", "waypoints", "along", "on", "recorded", "drives", "ground", "every_s", "frames"})
+      .finish();
   Trajectory result;
   result.name_ = fields.text("name", name);
   result.lastTurn_ = std::max(kLastTurn, period);
@@ -311,7 +314,6 @@ Trajectory readTrajectory(const Value& value, const std::string& name, double pe
   } else {
     result.readDrive(fields, period, limit, seed, lanes);
   }
-  fields.also({"drives"}).finish();
   return result;
 }
 

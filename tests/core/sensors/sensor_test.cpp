@@ -200,6 +200,64 @@ TEST(ResolveSensor, OwnKeysReplaceThePresets) {
   EXPECT_EQ(merged.find("rate_hz")->where.line, 3);
 }
 
+std::string refusedSensor(const std::string& yaml) {
+  return messageOf([&] { makeBeams(resolveSensor(parseYaml(yaml, "sensor.yaml"))); });
+}
+
+TEST(ResolveSensor, AnEmptyKeyCountsAsNone) {
+  const std::string cones = "columns: 100\nrate_hz: 10\nrange_m: [1, 100]\nelevation_deg: [1, 0]\n";
+  const std::string rosette = "columns: 100\nrate_hz: 10\nrange_m: [1, 9]\nrosette: {field_deg: 38, turns_hz: [9]}\n";
+  const std::string raster =
+      "columns: 100\nrate_hz: 10\nrange_m: [1, 9]\n"
+      "raster: {zones_deg: [0], width_deg: 9, top_deg: 9, bottom_deg: 0, lines: 5}\n";
+  for (const std::string& kind : {cones, rosette, raster}) {
+    for (const std::string key : {"name",
+                                  "preset",
+                                  "mount",
+                                  "model",
+                                  "source",
+                                  "direction",
+                                  "first_azimuth_deg",
+                                  "field_deg",
+                                  "calibration",
+                                  "pattern",
+                                  "rosette",
+                                  "raster",
+                                  "sweep_ms",
+                                  "beams",
+                                  "elevation_deg",
+                                  "ring_order",
+                                  "firing_time_us",
+                                  "azimuth_offset_deg",
+                                  "origin_offset_m",
+                                  "origin_height_m",
+                                  "origin_left_m",
+                                  "origin_up_m",
+                                  "exit_width_mm",
+                                  "turns_while_firing",
+                                  "divergence_mrad",
+                                  "beam_shape",
+                                  "pulse_ns",
+                                  "effects"}) {
+      if (kind.find(key + ":") != std::string::npos) continue;
+      EXPECT_EQ(refusedSensor(kind + key + ":\n"), "accepted") << kind;
+    }
+  }
+}
+
+TEST(ResolveSensor, MisspeltKeysAreToldBeforeOthersAreMissed) {
+  expectRefusals(refusedSensor, {{"mout: {}", "did you mean 'mount'"},
+                                 {"nmae: roof", "did you mean 'name'"},
+                                 {"presett: vlp_16", "sensor.yaml:1:1: sensor: unknown key 'presett' (did you mean"},
+                                 {"calibraton: unit.yaml", "did you mean 'calibration'"},
+                                 {"rosete: {}", "did you mean 'rosette'"},
+                                 {"rastr: {}", "did you mean 'raster'"},
+                                 {"beems: b.csv", "did you mean 'beams'"},
+                                 {"{columns: 9, raster: {zones_deg: [0], width_deg: 9, top_deg: 9, bottom_deg: 0, "
+                                  "line_us: 9}}",
+                                  "the key 'lines' is missing"}});
+}
+
 TEST(ResolveSensor, MissingPresetIsNamed) {
   const Value own = parseYaml("{name: a, preset: sensors/no_such.yaml}", "/nowhere/p.yaml");
   expectInputError([&] { return resolveSensor(own); }, {"no_such.yaml"});
