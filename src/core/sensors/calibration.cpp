@@ -64,6 +64,12 @@ Value scalar(const std::string& text, const Location& where) {
   return value;
 }
 
+// Gives a map a key, in place of an empty one.
+void give(Value::Entry entry, Value& map) {
+  std::erase_if(map.entries, [&](const Value::Entry& e) { return e.key == entry.key; });
+  map.entries.push_back(std::move(entry));
+}
+
 Value::Entry listOf(const char* key, const std::vector<Laser>& lasers, double Laser::*figure, const Location& where) {
   Value list;
   list.kind = Value::Kind::Sequence;
@@ -80,13 +86,13 @@ void setSource(Value& sensor, const Location& file) {
                   sha256(readFile(file.file)).substr(0, 16));
   const auto said = std::find_if(sensor.entries.begin(), sensor.entries.end(),
                                  [](const Value::Entry& e) { return e.key == "source"; });
-  if (said != sensor.entries.end()) {
+  if (said != sensor.entries.end() && said->value.kind != Value::Kind::Null) {
     said->value.text += "; " + own;
     return;
   }
   Value source = scalar(own, file);
   source.quoted = true;
-  sensor.entries.push_back({"source", std::move(source)});
+  give({"source", std::move(source)}, sensor);
 }
 
 // Returns the value of the key `ring_order` that describes the order of these lasers.
@@ -107,10 +113,11 @@ struct Unit {
 // columns or a field, all columns of the revolution. Throws InputError if the file lacks the columns or the rate, and
 // neither `value` nor `preset` (null: none) has them.
 Unit unitOfOuster(const std::filesystem::path& file, const Value& value, const Value* preset) {
-  const bool window = value.find("columns") == nullptr && value.find("field_deg") == nullptr;
+  const Fields own(value, "sensor");
+  const bool window = !own.has("columns") && !own.has("field_deg");
   const OusterMetadata m = readOusterMetadata(file);
   const auto has = [&](const char* key) {
-    return value.find(key) != nullptr || (preset != nullptr && preset->find(key) != nullptr);
+    return own.has(key) || (preset != nullptr && Fields(*preset, "preset").has(key));
   };
   if ((m.columns == 0 && !has("columns")) || (m.rate == 0 && !has("rate_hz"))) {
     throw InputError({file.string()},
@@ -187,8 +194,8 @@ const FormatSupport& velodyneFormat() {
 }
 
 Value withCalibration(const Value& value, const Value* preset) {
-  if (value.kind != Value::Kind::Map || value.find("calibration") == nullptr) return value;
   Fields fields(value, "sensor");
+  if (!fields.has("calibration")) return value;
   constexpr const char* kWhy = "follows from the `calibration` beside it: leave one of them out";
   fields.refuse({"ring_order"}, kWhy);
   for (const auto& [key, figure] : kMadeKeys) fields.refuse({key}, kWhy);
@@ -203,15 +210,14 @@ Value withCalibration(const Value& value, const Value* preset) {
   const Location where{file.string()};
   Value sensor = value;
   std::erase_if(sensor.entries, [](const Value::Entry& e) { return e.key == "calibration"; });
-  sensor.entries.push_back({"ring_order", scalar(orderOf(unit.lasers), where)});
+  give({"ring_order", scalar(orderOf(unit.lasers), where)}, sensor);
   setSource(sensor, where);
-  for (const auto& [key, figure] : kMadeKeys) sensor.entries.push_back(listOf(key, unit.lasers, figure, where));
-  if (value.find("firing_time_us") == nullptr && hasFiring(unit)) {
-    sensor.entries.push_back(listOf("firing_time_us", unit.lasers, &Laser::firing, where));
+  for (const auto& [key, figure] : kMadeKeys) give(listOf(key, unit.lasers, figure, where), sensor);
+  if (!fields.has("firing_time_us") && hasFiring(unit)) {
+    give(listOf("firing_time_us", unit.lasers, &Laser::firing, where), sensor);
   }
   for (Value::Entry& entry : unit.others) {
-    if (value.find(entry.key) != nullptr) continue;
-    sensor.entries.push_back(std::move(entry));
+    if (!fields.has(entry.key)) give(std::move(entry), sensor);
   }
   return sensor;
 }

@@ -93,6 +93,11 @@ TEST(Calibration, StandsInPlaceOfThePresetsAngles) {
   EXPECT_NEAR(beams->azimuthOffset[1], 0.2, 1e-12);
   EXPECT_TRUE(beams->origin.empty());
   EXPECT_THAT(beams->source, AllOf(HasSubstr("unit.yaml"), HasSubstr("SHA-256"), HasSubstr("data sheet")));
+  const std::string empty = folder.write(
+      "e.yaml", "{preset: sensor.yaml, calibration: unit.yaml, azimuth_offset_deg: , ring_order: , source: }\n");
+  const auto same = makeBeams(resolveSensor(readYaml(empty)));
+  EXPECT_NEAR(same->azimuthOffset[1], 0.2, 1e-12) << "an empty key counts as none";
+  EXPECT_THAT(same->source, HasSubstr("unit.yaml"));
   folder.write("sensor.yaml", "columns: 10\nrate_hz: 5\nelevation_deg: [3, 2, 1]\nrange_m: [1, 50]\n");
   EXPECT_THAT(messageOf([&] { return resolveSensor(readYaml(file)); }),
               AllOf(HasSubstr("p.yaml:1"), HasSubstr("2 lasers"), HasSubstr("3 rings")));
