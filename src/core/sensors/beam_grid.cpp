@@ -82,10 +82,8 @@ void BeamGrid::cellsOf(const Vec3d& direction, double angle, std::uint32_t& low,
 
 bool BeamGrid::looksInto(const Vec3d& direction) const {
   const double least = std::cos(reach_);
-  bool found = false;
-  forBeamsNear(direction, reach_,
-               [&](std::uint32_t beam) { found = found || dot(directions_[beam], direction) >= least; });
-  return found;
+  return forBeamsNear(direction, reach_,
+                      [&](std::uint32_t beam) { return dot(directions_[beam], direction) >= least; });
 }
 
 }  // namespace scanmill

@@ -14,18 +14,21 @@ class BeamGrid {
   // Sorts the beams by direction, in the sensor's frame. The table must outlive the grid.
   explicit BeamGrid(const BeamTable& beams);
 
-  // Calls visit(index) for every beam within `angle` (rad) of a unit vector, and also for some beams farther away. The
-  // order of the calls is fixed.
+  // Calls visit(index) for every beam within `angle` (rad) of a unit vector, and also for some beams farther away,
+  // until it returns true. The order of the calls is fixed. Returns true if visit() has.
   template <class Visit>
-  void forBeamsNear(const Vec3d& direction, double angle, const Visit& visit) const {
+  bool forBeamsNear(const Vec3d& direction, double angle, const Visit& visit) const {
     std::uint32_t low = 0, high = 0, first = 0, count = 0;
     cellsOf(direction, angle, low, high, first, count);
     for (std::uint32_t row = low; row <= high; ++row) {
       for (std::uint32_t i = 0; i < count; ++i) {
         const std::uint32_t cell = row * kAcross + (first + i) % kAcross;
-        for (std::uint32_t b = firstOf_[cell]; b < firstOf_[cell + 1]; ++b) visit(beams_[b]);
+        for (std::uint32_t b = firstOf_[cell]; b < firstOf_[cell + 1]; ++b) {
+          if (visit(beams_[b])) return true;
+        }
       }
     }
+    return false;
   }
 
   // Returns true if the sensor has beams around a direction: if the angle to the nearest beam is at most 10 degrees and

@@ -24,7 +24,7 @@ TEST(BeamGrid, FindsAllBeamsOfACone) {
                                   : toward(2 * kPi * uniform(b[0]), kPi * (uniform(b[1]) - 0.5));
       const double angle = i % 5 == 0 ? 2.5 * uniform(b[2]) : 0.2 * uniform(b[2]);
       std::set<std::uint32_t> found;
-      grid.forBeamsNear(axis, angle, [&](std::uint32_t beam) { EXPECT_TRUE(found.insert(beam).second); });
+      EXPECT_FALSE(grid.forBeamsNear(axis, angle, [&](std::uint32_t beam) { return !found.insert(beam).second; }));
       for (std::uint32_t beam = 0; beam < beams->size(); ++beam) {
         if (dot(beams->direction[beam], axis) >= std::cos(angle)) {
           ASSERT_TRUE(found.contains(beam)) << preset << " " << i << " " << angle;
@@ -38,9 +38,10 @@ TEST(BeamGrid, LooksAtFewOthers) {
   const auto beams = presetBeams("os1_128");
   const BeamGrid grid(*beams);
   std::size_t visited = 0;
-  grid.forBeamsNear({1, 0, 0}, radians(2), [&](std::uint32_t) { ++visited; });
+  grid.forBeamsNear({1, 0, 0}, radians(2), [&](std::uint32_t) { return ++visited == 0; });
   EXPECT_LT(visited, beams->size() / 50);
   EXPECT_GT(visited, 0u);
+  EXPECT_TRUE(grid.forBeamsNear({1, 0, 0}, radians(2), [&](std::uint32_t) { return --visited == 0; })) << "it stops";
 }
 
 TEST(BeamGrid, KnowsTheField) {

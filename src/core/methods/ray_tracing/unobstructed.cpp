@@ -156,14 +156,15 @@ Unobstructed::View Unobstructed::of(std::size_t thing, const Shot& shot, const B
     Vec3d o = frame.position[step];
     if (!beams.origin.empty()) o += frame.rotation[step] * Vec3d(beams.origin[beam]);
     const std::optional<Interval> inside = crossing(extent, o, d);
-    if (!inside || inside->enter > beams.maxRange) return;
+    if (!inside || inside->enter > beams.maxRange) return false;
     const double time = beams.time.empty() ? beams.columnTime(column) : double{beams.time[beam]};
     const float part = partOf(beams, beam, world->revolution.duration);
     // A surface of the thing that is nearer than the minimum range blocks this beam.
-    if (inside->enter < beams.minRange && blocked(o, d, inside->enter, beams.minRange, part)) return;
+    if (inside->enter < beams.minRange && blocked(o, d, inside->enter, beams.minRange, part)) return false;
     const double from = std::max(inside->enter, beams.minRange);
     const double to = std::min(inside->leave, beams.maxRange);
     if (from <= to && blocked(o, d, from, to, part)) firing.emplace_back(time, beam);
+    return false;
   });
   if (firing.empty()) return {0, nearestBeam(beams, direction)};
   const auto middle = firing.begin() + static_cast<std::ptrdiff_t>(firing.size() / 2);
