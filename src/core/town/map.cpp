@@ -352,6 +352,9 @@ class MapMaker {
             !hasSurface(tags, {"asphalt", "paved", "concrete", "paving_stones"})) {
           map_.leftOut.add(kSurfaces);
         }
+        if (tags.element.starts_with("relation") && !tags["barrier"].empty()) {
+          leaveOut({tags.element, {{"barrier", tags["barrier"]}}}, false);
+        }
         map_.areas.push_back({*land, std::move(outline), std::move(holes), square});
         return;
       }

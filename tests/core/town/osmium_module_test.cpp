@@ -252,6 +252,9 @@ TEST_F(ReadOsm, EveryShapeThatIsNotBuiltIsCounted) {
     EXPECT_EQ(counted(way(11, kRingNodes, {{key, value}})), words);
     EXPECT_EQ(counted(way(11, kRingNodes, {}) + relation({{11, "outer"}}, {{key, value}})), words) << "relation";
   }
+  EXPECT_EQ(counted(way(11, kRingNodes, {}) + relation({{11, "outer"}}, {{"leisure", "park"}, {"barrier", "fence"}})),
+            "1 barrier=fence")
+      << "a relation that is land, too";
   EXPECT_EQ(counted(way(11, {4, 5}, {{"man_made", "pipeline"}, {"location", "underground"}})), "");
   EXPECT_EQ(counted(way(11, {4, 5}, {{"highway", "footway"}, {"footway", "sidewalk"}, {"traffic_sign", "DE:240"}})),
             "");
