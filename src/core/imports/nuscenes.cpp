@@ -37,7 +37,9 @@ void readTable(const fs::path& file, const std::function<void(const Json&)>& tak
       take(row);
       return false;
     });
-    if (!rest.is_array()) throw InputError({file.string()}, "is not a table of nuScenes: it must be a list");
+    if (!rest.is_array() || !rest.empty()) {
+      throw InputError({file.string()}, "is not a table of nuScenes: it must be a list of objects");
+    }
   } catch (const Json::exception& e) {
     throw InputError({file.string()}, "is not a table of nuScenes: " + reasonOf(e));
   }

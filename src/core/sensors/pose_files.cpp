@@ -221,7 +221,9 @@ void forEachRow(const std::filesystem::path& file, const std::function<void(cons
       take(row);
       return false;
     });
-    if (!rest.is_array()) throw InputError({file.string()}, "is not a table of nuScenes: it must be a list");
+    if (!rest.is_array() || !rest.empty()) {
+      throw InputError({file.string()}, "is not a table of nuScenes: it must be a list of objects");
+    }
   } catch (const nlohmann::json::exception& e) {
     throw InputError({file.string()}, fmt::format("is not a table of nuScenes: {}", reasonOf(e)));
   }

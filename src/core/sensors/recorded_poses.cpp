@@ -137,6 +137,7 @@ std::string RecordedPoses::doubt() const {
   constexpr double kMostTilted = 20;  // degrees, largest mean tilt
   constexpr double kMostAskew = 45;   // degrees, largest mean angle between the heading and the direction of travel
   double fastest = 0;
+  double when = 0;  // s, time of the fastest step
   double upright = 0;
   double ahead = 0;
   double moved = 0;
@@ -144,6 +145,7 @@ std::string RecordedPoses::doubt() const {
     const Vec3d way = poses_[i].pose.translation - poses_[i - 1].pose.translation;
     const double speed = scanmill::length(way) / (poses_[i].time - poses_[i - 1].time);
     const Mat3 axes = toMatrix(poses_[i].pose.rotation);
+    if (speed > fastest) when = poses_[i].time;
     fastest = std::max(fastest, speed);
     upright += axes.z.z;
     if (speed < kMoves) continue;
@@ -155,10 +157,11 @@ std::string RecordedPoses::doubt() const {
   const double askew = moved > 0 ? angle(ahead / moved) : 0;
   if (fastest <= kFastest && tilt <= kMostTilted && askew <= kMostAskew) return {};
   return fmt::format(
-      "the vehicle drives at up to {:.4g} m/s, is tilted by {:.0f} degrees on average and heads {:.0f} degrees off its "
+      "the vehicle drives at up to {:.4g} m/s (at {:.6g} s), is tilted by {:.0f} degrees on average and heads {:.0f} "
+      "degrees off its "
       "way: are times in s, positions in m and angles in degrees (columns yaw_deg, pitch_deg, roll_deg), is the order "
       "of the quaternion right, or are the poses of a camera (`frame: camera`)?",
-      fastest, tilt, askew);
+      fastest, when, tilt, askew);
 }
 
 RecordedPoses readRecordedPoses(const Value& value) {

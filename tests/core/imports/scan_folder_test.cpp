@@ -139,6 +139,8 @@ TEST_F(NuScenesFolder, DamageIsToldWithTheFile) {
   EXPECT_THAT(messageOf([&] { scanFolderIn(folder_.path()); }), HasSubstr("sample.json: is not a table of nuScenes"));
   tables("sample", R"({"token": "a"})");
   EXPECT_THAT(messageOf([&] { scanFolderIn(folder_.path()); }), HasSubstr("it must be a list"));
+  tables("sample", R"([3])");
+  EXPECT_THAT(messageOf([&] { scanFolderIn(folder_.path()); }), HasSubstr("it must be a list of objects"));
   tables("sample", "[");
   EXPECT_THAT(messageOf([&] { scanFolderIn(folder_.path()); }), HasSubstr("sample.json"));
   tables("sample", R"([{"token": "a", "scene_token": "s"}])");

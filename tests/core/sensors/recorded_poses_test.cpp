@@ -127,7 +127,7 @@ TEST_F(RecordedPosesFiles, DoubtsWhatCanHardlyBeMeant) {
            {"time,x,y,z,roll_deg,pitch_deg\n0,0,0,0,5,-15\n1,5,0,0,5,-15\n", ""},
            {"time,x,y,z,yaw_deg\n0,0,0,0,180\n1,5,0,0,180\n", "heads 180 degrees off its way"},
            {"time,x,y,z,yaw\n0,0,0,0,0.9\n1,5,0,0,0.9\n", "columns yaw_deg"},  // degrees that count as radians
-           {"time,x,y,z,yaw_deg\n0,0,0,0,0\n0.001,5,0,0,0\n", "5000 m/s"},
+           {"time,x,y,z,yaw_deg\n0,0,0,0,0\n0.001,5,0,0,0\n", "5000 m/s (at 0.001 s)"},
            {"time,x,y,z,roll,pitch,yaw\n0,0,0,0,0.5,1,1.57\n1,0,5,0,0.5,1,1.57\n", "tilted by 62 degrees on average"},
            {"time,x,y,z,roll_deg\n0,0,0,0,180\n1,5,0,0,180\n", "tilted by 180 degrees"}}) {
     folder_.write("d.csv", poses);
