@@ -148,15 +148,17 @@ void appendWoodPile(Shape& s, Draw& draw) {
   }
 }
 
-// The functions that build each kind of clutter, by the values of Clutter, of which 3 is none.
+// The functions that build each kind of clutter, by the values of Clutter.
 constexpr std::array<void (*)(Shape&, Draw&), static_cast<std::size_t>(Clutter::Count)> kAppendClutter{
-    appendCone, appendBarrier,      appendSkip,        nullptr,     appendPallets, appendHeap,
-    appendShed, appendBasin<false>, appendBasin<true>, appendSwing, appendWoodPile};
+    appendCone, appendBarrier,      appendSkip,        appendPallets, appendHeap,
+    appendShed, appendBasin<false>, appendBasin<true>, appendSwing,   appendWoodPile};
 
 }  // namespace
 
 Model makeClutter(SceneBuilder& builder, std::uint64_t seed, Clutter what, int number) {
-  Draw draw(seed, Kind::Clutter, static_cast<std::uint32_t>(static_cast<int>(what) * 100 + number));
+  // The numbers of the draws leave out 3, so that towns keep their shapes.
+  const int kind = static_cast<int>(what) + (what > Clutter::Skip ? 1 : 0);
+  Draw draw(seed, Kind::Clutter, static_cast<std::uint32_t>(kind * 100 + number));
   Shape s(builder, "clutter");
   kAppendClutter[static_cast<std::size_t>(what)](s, draw);
   return s.finish();

@@ -359,7 +359,7 @@ UtilityPole makeUtilityPole(SceneBuilder& builder, std::uint64_t seed);
 enum class Furnishing { Bin, WheelieBin, Hydrant, Bench, LetterBox, PowerBox, BicycleRack, Bollard, Planter, Count };
 Model makeFurnishing(SceneBuilder& builder, std::uint64_t seed, Furnishing what);
 // A barrier extends along x, the door of a shed faces -y. The shapes that a seed generates depend on the values.
-enum class Clutter { Cone, Barrier, Skip, Pallets = 4, Heap, Shed, Pond, Fountain, Swing, WoodPile, Count };
+enum class Clutter { Cone, Barrier, Skip, Pallets, Heap, Shed, Pond, Fountain, Swing, WoodPile, Count };
 Model makeClutter(SceneBuilder& builder, std::uint64_t seed, Clutter what, int number);
 Model makeShelter(SceneBuilder& builder, std::uint64_t seed);                                 // its open side faces -y
 Model makeFencePanel(SceneBuilder& builder, std::uint64_t seed, Fencing what, int form = 0);  // 2 m along x, centred

@@ -18,7 +18,7 @@ double distance(const Point2& a, const Point2& b);
 struct Extent {
   Point2 low, high;
 };
-Extent extentOf(const std::vector<Point2>& points);
+Extent extentOf(const std::vector<Point2>& points);  // of at least one point
 
 double lengthOf(const Line& line);
 Point2 pointAt(const Line& line, double along);  // returns the line's end if `along` exceeds its length

@@ -18,8 +18,8 @@ Layout::Layout(const Parameters& keys, std::uint64_t townSeed)
   settle();
 }
 
-double Layout::reachOf(const Parameters& keys) {
-  return keys.length / 2 + kBeyond + kEdge;
+double Layout::reachOf(const Parameters& parameters) {
+  return parameters.length / 2 + kBeyond + kEdge;
 }
 
 bool Layout::nearPothole(const Point2& p, double reach) const {
@@ -52,28 +52,29 @@ const Patch* Layout::patchAt(const Point2& p) const {
   return nullptr;
 }
 
-std::array<double, 5> Layout::borders(double edge, const CrossSection& s) {
-  return {edge + s.parking, edge, edge - s.curb, edge - s.curb - s.verge, edge - s.paved()};
+std::array<double, 5> Layout::borders(double edge, const CrossSection& section) {
+  return {edge + section.parking, edge, edge - section.curb, edge - section.curb - section.verge,
+          edge - section.paved()};
 }
 
-GroundKind Layout::kindAt(const Beside& b, const Point2& p) const {
-  if (!b.known) {
+GroundKind Layout::kindAt(const Beside& beside, const Point2& p) const {
+  if (!beside.known) {
     const Patch* patch = patchAt(p);
     return patch != nullptr ? patch->kind : landAt(p);
   }
-  const CrossSection& s = b.section;
-  if (b.edge < 0) {
-    const bool bays = s.parking > 1.5 && b.edge > -s.parking;
+  const CrossSection& s = beside.section;
+  if (beside.edge < 0) {
+    const bool bays = s.parking > 1.5 && beside.edge > -s.parking;
     return bays ? GroundKind::Parking : GroundKind::Road;
   }
-  if (b.edge < s.curb) return GroundKind::Curb;
+  if (beside.edge < s.curb) return GroundKind::Curb;
   if (const Patch* patch = patchAt(p)) {
     // Patches, such as driveways, do not interrupt the sidewalk.
-    if (b.edge < s.curb + s.verge || b.edge > s.paved()) return patch->kind;
+    if (beside.edge < s.curb + s.verge || beside.edge > s.paved()) return patch->kind;
   }
-  if (b.edge < s.curb + s.verge) return s.sidewalk > 0 ? GroundKind::Verge : GroundKind::Shoulder;
-  if (b.edge > s.outer() && !areas.all().empty() && areas.at(p)) return landAt(p);
-  return s.sidewalk > 0 && b.edge < s.paved() ? GroundKind::Sidewalk : landAt(p);
+  if (beside.edge < s.curb + s.verge) return s.sidewalk > 0 ? GroundKind::Verge : GroundKind::Shoulder;
+  if (beside.edge > s.outer() && !areas.all().empty() && areas.at(p)) return landAt(p);
+  return s.sidewalk > 0 && beside.edge < s.paved() ? GroundKind::Sidewalk : landAt(p);
 }
 
 GroundKind Layout::landAt(const Point2& p) const {
@@ -90,22 +91,22 @@ double Layout::base(const Point2& p) const {
 }
 
 // Returns a factor on the height of the curb: 1, or less where a driveway joins the road.
-double Layout::lowering(const Beside& b, const Point2& p) const {
-  if (b.section.step <= 0 || b.edge > 3) return 1;
+double Layout::lowering(const Beside& beside, const Point2& p) const {
+  if (beside.section.step <= 0 || beside.edge > 3) return 1;
   double factor = 1;
   for (const std::uint32_t i : patchCells_.at(p)) {
     if (patches[i].kind != GroundKind::Driveway) continue;
     const Footprint& f = patches[i].place;
     const double across = std::abs((p.x - f.center.x) * std::cos(f.yaw) + (p.y - f.center.y) * std::sin(f.yaw));
-    const double beside = smooth((across - f.halfX) / 0.8);
-    factor = std::min(factor, std::max(beside, smooth(b.edge / 1.5)));
+    const double away = smooth((across - f.halfX) / 0.8);
+    factor = std::min(factor, std::max(away, smooth(beside.edge / 1.5)));
   }
   return std::max(factor, 0.25);
 }
 
-double Layout::heightAt(GroundKind kind, const Beside& b, const Point2& p) const {
+double Layout::heightAt(GroundKind kind, const Beside& beside, const Point2& p) const {
   const double ground = base(p);
-  const double edge = b.known ? b.edge : 1e3;
+  const double edge = beside.known ? beside.edge : 1e3;
   const bool low = kind == GroundKind::Road || kind == GroundKind::Parking;
   if (low) {
     if (character.plain) return ground;
@@ -120,12 +121,12 @@ double Layout::heightAt(GroundKind kind, const Beside& b, const Point2& p) const
     }
     return ground + crown + worn - hole;
   }
-  const double outer = b.known ? b.section.paved() : 0;
+  const double outer = beside.known ? beside.section.paved() : 0;
   // The height of curb and pavement fades out far from roads, so that the ground has no step where a road is too far to
   // be known.
-  const double near = b.known ? 1 - smooth((edge - 18) / 15) : 0;
-  const double step = near * b.section.step * lowering(b, p);
-  const double rise = near * 0.015 * std::clamp(edge, 0.0, b.known ? b.section.outer() : 0);
+  const double near = beside.known ? 1 - smooth((edge - 18) / 15) : 0;
+  const double step = near * beside.section.step * lowering(beside, p);
+  const double rise = near * 0.015 * std::clamp(edge, 0.0, beside.known ? beside.section.outer() : 0);
   const double beyond = std::max(0.0, edge - outer);
   const double paved = kind == GroundKind::Driveway || kind == GroundKind::Path ? 0.3 : 1.0;
   const double hard = areas.all().empty() ? Areas::kReach : areas.outsideHard(p);
@@ -134,10 +135,10 @@ double Layout::heightAt(GroundKind kind, const Beside& b, const Point2& p) const
   const double rolling = 1.6 * wild * field(Field::Swells, p, 16) + 0.6 * wild * field(Field::Bumps, p, 5);
   // Lots and squares are flatter than the land around them.
   const double flat = 0.25 + 0.75 * smooth(hard / Areas::kReach);
-  const double bank = flat * character.banks * smooth((edge - b.section.curb) / 11) * field(Field::Banks, p, 45);
+  const double bank = flat * character.banks * smooth((edge - beside.section.curb) / 11) * field(Field::Banks, p, 45);
   // Lawns are uneven at the scale of the finest cells, in some places more than in others.
   const double rough = character.plain ? 0 : 0.03 + 0.08 * std::max(0.0, field(Field::Roughness, p, 9));
-  const double grain = rough * field(Field::Grain, p, 2.3) * smooth((edge - b.section.curb) / 0.3) * paved *
+  const double grain = rough * field(Field::Grain, p, 2.3) * smooth((edge - beside.section.curb) / 0.3) * paved *
                        (kind == GroundKind::Sidewalk ? 0.1 : 1);
   double natural = ground + step + rise + rolling + bank;
   if (kind == GroundKind::Water) {
@@ -146,28 +147,28 @@ double Layout::heightAt(GroundKind kind, const Beside& b, const Point2& p) const
     const std::optional<std::uint32_t> area = areas.indexAt(p);
     if (area) natural += smooth(-hard / kBanks) * (waterLevels_[*area] - natural);
   }
-  return natural + smooth((edge - (b.known ? b.section.outer() : 0)) / 1.5) * levelling(p, natural) +
-         soft * (grain + snowOn(b, p));
+  return natural + smooth((edge - (beside.known ? beside.section.outer() : 0)) / 1.5) * levelling(p, natural) +
+         soft * (grain + snowOn(beside, p));
 }
 
 // Returns the depth of snow (m). Pavements, driveways and paths are cleared, and the snow slopes down to them. Ploughs
 // leave a bank of snow on verges and shoulders.
-double Layout::snowOn(const Beside& b, const Point2& p) const {
+double Layout::snowOn(const Beside& beside, const Point2& p) const {
   if (character.snow <= 0) return 0;
   constexpr double kSlope = 0.3;  // m, width of the slope at the edge of snow
   constexpr double kBank = 1.3;   // m, width of the banks
-  const CrossSection& s = b.section;
-  const double edge = b.known ? b.edge : 1e3;
-  const double outer = b.known ? s.paved() : 0;
-  const double verge = edge - (b.known ? s.curb : 0);  // m, distance of the point beyond the curb
+  const CrossSection& s = beside.section;
+  const double edge = beside.known ? beside.edge : 1e3;
+  const double outer = beside.known ? s.paved() : 0;
+  const double verge = edge - (beside.known ? s.curb : 0);  // m, distance of the point beyond the curb
   const double cleared = smooth(outsidePatches(p) / 0.5);
-  const bool pavement = b.known && s.sidewalk > 0.3;
+  const bool pavement = beside.known && s.sidewalk > 0.3;
   double depth = character.snow * smooth((edge - outer) / kSlope);
-  if (b.known && verge > 0 && verge < s.verge) {
+  if (beside.known && verge > 0 && verge < s.verge) {
     depth = character.snow * smooth(verge / kSlope) * (pavement ? smooth((s.verge - verge) / kSlope) : 1);
   }
   const double width = std::min(kBank, s.verge);
-  if (b.known && width > 0.6 && verge > 0 && verge < width) {
+  if (beside.known && width > 0.6 && verge > 0 && verge < width) {
     const double across = std::sin(kPi * verge / width);
     const double along = 0.6 + 1.2 * field(Field::SnowHeaps, p, 3) + 0.6 * field(Field::SnowLumps, p, 0.8);
     depth += character.snowBanks * across * across * std::max(along, 0.1);

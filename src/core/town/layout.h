@@ -24,7 +24,7 @@ enum class GroundKind { Road, Parking, Curb, Verge, Shoulder, Sidewalk, Driveway
 
 // A rectangle with the sine and cosine of its yaw, for many points.
 struct TurnedRectangle : models::Footprint {
-  TurnedRectangle(const models::Footprint& f) : Footprint(f), cosine(std::cos(yaw)), sine(std::sin(yaw)) {}
+  explicit TurnedRectangle(const models::Footprint& f) : Footprint(f), cosine(std::cos(yaw)), sine(std::sin(yaw)) {}
 
   // Returns the distance of a point from the rectangle (m, negative inside): the larger of the distances along its two
   // axes.
@@ -34,7 +34,7 @@ struct TurnedRectangle : models::Footprint {
     return std::max(std::abs(dx * cosine + dy * sine) - halfX, std::abs(dy * cosine - dx * sine) - halfY);
   }
 
-  double cosine, sine;
+  const double cosine, sine;
 };
 
 // A rectangle whose ground differs from the ground around it: a driveway, a lot for parking, a path in a park.
@@ -83,8 +83,8 @@ class Layout {
   static constexpr double kBeyond = 130;  // m that the main road continues beyond its built-up part
   static constexpr double kEdge = 20;     // m that the ground continues beyond the roads
 
-  Layout(const Parameters& parameters, std::uint64_t seed);
-  Layout(const Parameters& parameters, std::uint64_t seed, const MapPlace& map);
+  Layout(const Parameters& keys, std::uint64_t townSeed);
+  Layout(const Parameters& keys, std::uint64_t townSeed, const MapPlace& map);
 
   // Returns half of the side of the square of ground (m) that these parameters need.
   static double reachOf(const Parameters& parameters);

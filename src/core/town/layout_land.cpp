@@ -44,8 +44,8 @@ bool Layout::addLand(Land land, const Road& road, int side, double along, double
   if (land != Land::Park) return true;
   // Adds the entrance of a park and two paths that cross in it.
   addStrip(inner, yaw, kPathHalf, way, GroundKind::Path);
-  patches.push_back({Footprint{place.center, kPathHalf, place.halfY - 1, yaw}, GroundKind::Path});
-  patches.push_back({Footprint{place.center, place.halfX - 1, kPathHalf, yaw}, GroundKind::Path});
+  patches.push_back({TurnedRectangle({place.center, kPathHalf, place.halfY - 1, yaw}), GroundKind::Path});
+  patches.push_back({TurnedRectangle({place.center, place.halfX - 1, kPathHalf, yaw}), GroundKind::Path});
   return true;
 }
 

@@ -107,8 +107,8 @@ Layout::Layout(const Parameters& keys, std::uint64_t townSeed, const MapPlace& m
       const Point2& a = path.line[i - 1];
       const Point2& b = path.line[i];
       const Point2 middle{(a.x + b.x) / 2, (a.y + b.y) / 2};
-      patches.push_back({models::Footprint{middle, std::hypot(b.x - a.x, b.y - a.y) / 2 + 0.2, half,
-                                           std::atan2(b.y - a.y, b.x - a.x)},
+      patches.push_back({TurnedRectangle({middle, std::hypot(b.x - a.x, b.y - a.y) / 2 + 0.2, half,
+                                          std::atan2(b.y - a.y, b.x - a.x)}),
                          GroundKind::Path});
     }
   }

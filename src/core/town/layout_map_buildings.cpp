@@ -206,10 +206,10 @@ void Layout::takeBuildings(const MapPlace& map) {
 }
 
 // Adds small rectangles to covers that together cover a building and its walls.
-void Layout::cover(const MapBuilding& b, const Footprint& around) {
+void Layout::cover(const MapBuilding& building, const Footprint& around) {
   constexpr double kCell = 1.6;  // m, side of the small rectangles
-  std::vector<const Polygon*> rings{&b.outline};
-  for (const Polygon& court : b.courts) rings.push_back(&court);
+  std::vector<const Polygon*> rings{&building.outline};
+  for (const Polygon& court : building.courts) rings.push_back(&court);
   for (const double v : models::steps(-around.halfY + kCell / 2, around.halfY + kCell / 2, kCell)) {
     for (const double u : models::steps(-around.halfX + kCell / 2, around.halfX + kCell / 2, kCell)) {
       const Point2 p = around.at(u, v);

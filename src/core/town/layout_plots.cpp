@@ -38,7 +38,8 @@ void Layout::settle() {
     const double yaw = std::atan2(house.place.linear.x.y, house.place.linear.x.x);
     const auto level = [&](const Vec3d& middle, double width, double depth) {
       const Vec3d at = house.place * middle;
-      terraces.push_back({Footprint{{at.x, at.y}, width / 2 + 0.5, depth / 2 + 0.5, yaw}, house.place.translation.z});
+      terraces.push_back(
+          {TurnedRectangle({{at.x, at.y}, width / 2 + 0.5, depth / 2 + 0.5, yaw}), house.place.translation.z});
       covers.push_back(terraces.back().place);
     };
     level({house.width / 2, house.depth / 2, 0}, house.width, house.depth);
@@ -46,7 +47,8 @@ void Layout::settle() {
   }
   for (PlacedBlock& b : blocks) {
     b.height = heightAt(b.entrance);
-    terraces.push_back({Footprint{b.about.center, b.about.halfX + 0.5, b.about.halfY + 0.5, b.about.yaw}, b.height});
+    terraces.push_back(
+        {TurnedRectangle({b.about.center, b.about.halfX + 0.5, b.about.halfY + 0.5, b.about.yaw}), b.height});
   }
   terraces_ = std::move(terraces);
   for (std::uint32_t i = 0; i < terraces_.size(); ++i) enter(terraces_[i].place, i, terraceCells_);
@@ -82,7 +84,7 @@ Fencing Layout::drawFencing(Draw& draw, double setback) const {
 void Layout::addStrip(const Point2& inner, double yaw, double half, double length, GroundKind kind) {
   const Vec3d out{std::sin(yaw), -std::cos(yaw), 0};  // towards the road
   patches.push_back(
-      {Footprint{{inner.x + out.x * length / 2, inner.y + out.y * length / 2}, half, length / 2, yaw}, kind});
+      {TurnedRectangle({{inner.x + out.x * length / 2, inner.y + out.y * length / 2}, half, length / 2, yaw}), kind});
 }
 
 void Layout::addPlots(const Road& road, int side, double from, double to) {
