@@ -57,6 +57,9 @@ TEST(Shot, EveryColumnBelongsToOneStepAndEveryStepHasColumns) {
       for (int column = 0; column < columns; ++column) {
         const std::size_t step = shot.stepOf(static_cast<std::uint32_t>(column));
         ASSERT_LT(step, count.size());
+        if (steps == columns) {
+          ASSERT_EQ(step, static_cast<std::size_t>(column));
+        }
         ASSERT_GE(step, before);
         if (count[step]++ == 0) {
           // The pose of a step is the vehicle's when its first column fires.

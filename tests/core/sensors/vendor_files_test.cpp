@@ -161,6 +161,9 @@ TEST_F(VendorFiles, TransformsOfMetadataAreReadOrRefused) {
   EXPECT_THAT(printedBy([&] { EXPECT_EQ(refusedJson(json), "accepted"); }),
               AllOf(HasSubstr("m.json: left out: "), HasSubstr("1 azimuth windows"), HasSubstr("which `mount` gives"),
                     HasSubstr("1 azimuths at which frames begin")));
+  json = kOld;
+  json.insert(1, R"("config_params": {"azimuth_window": [0, 90000]}, "data_format": {"column_window": [0, 511]}, )");
+  EXPECT_THAT(printedBy([&] { refusedJson(json); }), HasSubstr("1 azimuth windows")) << "beside all columns";
 }
 
 TEST_F(VendorFiles, MetadataThatIsNoneIsRefused) {
