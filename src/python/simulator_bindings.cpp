@@ -46,7 +46,9 @@ ArrayPart partOf(const py::dict& given) {
   for (const auto& [name, material, reflectance, object] : given["surfaces"].cast<std::vector<SurfaceTuple>>()) {
     part.surfaces.push_back({name, material, reflectance.value_or(-1), object});
   }
-  part.worldFromMesh = affineOf(given["pose"].cast<Array<double>>().data());
+  const auto pose = given["pose"].cast<Array<double>>();
+  if (pose.size() != 16) throw InputError(fmt::format("part '{}': pose must be a matrix of 4 x 4", part.name));
+  part.worldFromMesh = affineOf(pose.data());
   return part;
 }
 

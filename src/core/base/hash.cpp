@@ -15,7 +15,7 @@ namespace {
 
 // OpenSSL counts the bytes of a call in an int.
 int countOf(std::string_view text) {
-  if (text.size() > std::size_t{1} << 30) throw Error("base64 of more than 1 GiB");
+  if (text.size() > kMostBase64) throw Error("base64 of more than 1 GiB");
   return static_cast<int>(text.size());
 }
 

@@ -37,6 +37,8 @@ std::string xxh3(std::string_view bytes);
 // Returns the XXH3 hash of a whole file, as xxh3() does. Throws an InputError that names the file if it cannot be read.
 std::string xxh3OfFile(const std::filesystem::path& file);
 
+// The most bytes that the next two functions take. They throw Error for more.
+inline constexpr std::size_t kMostBase64 = std::size_t{1} << 30;
 std::string base64(std::string_view bytes);
 // Returns the bytes that the text encodes; nullopt if the text is not base64. Padding at the end may be left out.
 std::optional<std::string> fromBase64(std::string_view text);

@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <array>
-
 namespace scanmill {
 
 std::string_view nameOf(ColumnType type) {
-  constexpr std::array<std::string_view, 4> kNames{"float32", "uint8", "uint16", "uint32"};
-  return kNames[static_cast<std::size_t>(type)];
+  return type == ColumnType::Float32  ? "float32"
+         : type == ColumnType::UInt8  ? "uint8"
+         : type == ColumnType::UInt16 ? "uint16"
+                                      : "uint32";
 }
 
 std::vector<std::string> ColumnSet::names() const {

@@ -441,6 +441,7 @@ class Gathering {
   // Writes values that are computed from hits. A row without a hit gets the column's value for points without a hit.
   template <class Key, class T, class Value>
   void putHits(Key key, std::vector<T>& values, const Value& value) {
+    static_assert(Key::row.channels != Channels() || Key::index == kRangeTrue.index, "name the channels of the column");
     const std::uint32_t* const hits = moves_.hit;
     if (!order_.several()) return put(values, [hits, &value](std::size_t m) { return value(hits[m]); });
     const T none = static_cast<T>(key.row.none);

@@ -24,12 +24,15 @@ TEST(Columns, NamesAreUniqueAndFitFiles) {
   EXPECT_EQ(columnIndex("near_ir"), kColumnCount);
 }
 
-// Integers have no NaN, are never rounded and are told as whole numbers.
+// Integers have no NaN, are never rounded and are told as whole numbers. Points without a value are told from values
+// with limits, and from those that a lossy format rounds.
 TEST(Columns, RowsAreConsistent) {
   for (const Column& column : kColumns) {
     const bool integer = column.type != ColumnType::Float32;
     EXPECT_TRUE((!integer && column.validity != ColumnValidity::Finite) || std::isfinite(column.none)) << column.name;
     EXPECT_TRUE(!integer || column.loss == ColumnLoss::Exact) << column.name;
+    const bool limited = column.validity == ColumnValidity::Interval || column.validity == ColumnValidity::SensorRange;
+    EXPECT_TRUE(integer || std::isnan(column.none) || (!limited && column.loss != ColumnLoss::Bounded)) << column.name;
     EXPECT_EQ(column.loss == ColumnLoss::Bounded, column.lossBound > 0) << column.name;
     EXPECT_EQ(column.validity == ColumnValidity::Interval, column.low < column.high) << column.name;
     EXPECT_TRUE(!column.display.scaleOfValidity || column.validity == ColumnValidity::Interval) << column.name;

@@ -255,6 +255,9 @@ std::string_view Data::view(Index view) const {
 }
 
 std::string Data::embedded(const std::string& uri, const std::string& what) const {
+  if (uri.size() > kMostBase64) {
+    model_.fail(fmt::format("has more than 1 GiB of base64 in {}: put the data in a file beside it", what));
+  }
   const std::size_t comma = uri.find(',');
   std::optional<std::string> bytes;
   if (comma != std::string::npos) bytes = fromBase64(std::string_view(uri).substr(comma + 1));
