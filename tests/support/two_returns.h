@@ -116,7 +116,7 @@ inline const MethodEntry& twoReturns() {
                                       .keys =
                                           "near_m: 10 m, of the first return\ngap_m: 5 m, to the second\n"
                                           "most: 2, returns of a beam",
-                                      .can = {.mostReturns = 2},
+                                      .can = {},
                                       .color = {10, 200, 90},
                                       .make = makeTwoReturns};
   return kEntry;

@@ -29,7 +29,8 @@ struct ComputeContext {
     } catch (const std::bad_alloc&) {
       fail(fmt::format("the memory of {} is out", name.empty() ? "the device" : name));
     } catch (const NoDevice& e) {
-      fail(fmt::format("this machine has no OpenGL 4.3 by EGL ({}): {}", e.what(), kInstallOpenGl));
+      fail(fmt::format("this machine has no OpenGL 4.3 with ARB_buffer_storage by EGL ({}): {}", e.what(),
+                       kInstallOpenGl));
     } catch (const std::exception& e) {
       fail(e.what());
     }
@@ -64,8 +65,16 @@ std::vector<FoundDevice> findDevices() {
 }
 
 std::uint64_t texelBytes(ComputeTable::Texel texel) {
-  constexpr std::uint64_t kBytes[] = {2, 4, 16, 16};  // in the order of Texel
-  return kBytes[static_cast<std::size_t>(texel)];
+  switch (texel) {
+    case ComputeTable::Texel::Uint16:
+      return 2;
+    case ComputeTable::Texel::Uint32:
+      return 4;
+    case ComputeTable::Texel::Uint32x4:
+    case ComputeTable::Texel::Float32x4:
+      break;
+  }
+  return 16;
 }
 
 ComputeDevice::ComputeDevice(ComputeErrorWords words, const ComputeLimits& most)

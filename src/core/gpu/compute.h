@@ -1,6 +1,6 @@
 #pragma once
 
-// Runs compute shaders of OpenGL 4.3, without an X server. All calls of OpenGL are in a plug-in
+// Runs compute shaders of OpenGL 4.3 with ARB_buffer_storage, without an X server. All calls of OpenGL are in a plug-in
 // (gpu/compute_interface.h), which is loaded when the first device is opened.
 
 #include <cstddef>
@@ -41,7 +41,8 @@ struct ComputeLimits {
 class ComputeDevice {
  public:
   // Opens the device that namedDevice() names (gpu/device.h). Throws Error if there is no such device, if the machine
-  // has no OpenGL 4.3 with EGL, or if the plug-in cannot be loaded. `most`: limits that apply besides the device's.
+  // has no OpenGL 4.3 with ARB_buffer_storage by EGL, or if the plug-in cannot be loaded. `most`: limits that apply
+  // besides the device's.
   explicit ComputeDevice(ComputeErrorWords words, const ComputeLimits& most = {});
 
   const std::string& name() const;   // name of the device, such as "llvmpipe (LLVM 15.0.6, 256 bits)"
@@ -78,6 +79,8 @@ std::vector<FoundDevice> findDevices();
 class ComputeBuffer {
  public:
   explicit ComputeBuffer(const ComputeDevice& device);
+  ComputeBuffer(const ComputeBuffer&) = delete;
+  ComputeBuffer& operator=(const ComputeBuffer&) = delete;
 
   // Makes the buffer at least this large. If it grows, its contents are lost.
   void reserve(std::uint64_t bytes);
@@ -156,6 +159,8 @@ class ComputeProgram {
   // 2 ... and its parameters, if any, as a uniform block (std140) with binding 0. Throws Error with the compiler's
   // message.
   ComputeProgram(const ComputeDevice& device, const std::string& name, const std::string& text);
+  ComputeProgram(const ComputeProgram&) = delete;
+  ComputeProgram& operator=(const ComputeProgram&) = delete;
 
   // Calls invoke(i) for i from 0 to invocations - 1, in any order; `invocations` must be less than 2^32. The data that
   // these calls write is visible to the next run() and to readbacks. OpenGL 4.3 promises 8 buffers, 16 tables and 16

@@ -92,7 +92,8 @@ void findFunctions() {
   glewInit();
   while (glGetError() != GL_NO_ERROR) continue;
   if (!GLEW_VERSION_4_3) throw NoDevice("its functions are not those of OpenGL 4.3");
-  if (!GLEW_VERSION_4_4 && !GLEW_ARB_buffer_storage) throw NoDevice("it lacks ARB_buffer_storage, of OpenGL 4.4");
+  // GLEW_ARB_buffer_storage tells of functions that drivers have without supporting the extension.
+  if (!glewGetExtension("GL_ARB_buffer_storage")) throw NoDevice("it lacks ARB_buffer_storage");
 }
 
 std::string textOf(GLenum name, const char* unknown) {
@@ -125,8 +126,17 @@ std::uint64_t groupsAtOnce(bool software) {
 }
 
 GLenum formatOf(ComputeTable::Texel texel) {
-  constexpr GLenum kFormats[] = {GL_R16UI, GL_R32UI, GL_RGBA32UI, GL_RGBA32F};  // in the order of Texel
-  return kFormats[static_cast<std::size_t>(texel)];
+  switch (texel) {
+    case ComputeTable::Texel::Uint16:
+      return GL_R16UI;
+    case ComputeTable::Texel::Uint32:
+      return GL_R32UI;
+    case ComputeTable::Texel::Uint32x4:
+      return GL_RGBA32UI;
+    case ComputeTable::Texel::Float32x4:
+      return GL_RGBA32F;
+  }
+  return GL_NONE;
 }
 
 class BufferTexture {

@@ -53,9 +53,9 @@ constexpr std::array kMethods{
                         "the particle) or none (particles stop half a voxel before surfaces, as the paper's)\n"
                         "steps: 512, most steps of a particle, 16 to 65535; beams that need more are counted as "
                         "unresolved, neither hits nor misses\n"
-                        "backend: cpu, what computes: cpu, or gl (compute shaders of OpenGL 4.3 on a graphics card, "
-                        "without a display), with the same bytes; the environment variable `SCANMILL_GL_DEVICE` "
-                        "selects a device (0, 1 ... or software)",
+                        "backend: cpu, what computes: cpu, or gl (compute shaders of OpenGL 4.3 with "
+                        "ARB_buffer_storage on a graphics card, without a display), with the same bytes; the "
+                        "environment variable `SCANMILL_GL_DEVICE` selects a device (0, 1 ... or software)",
                 .can = {.openGl = true},
                 .color = {255, 190, 40},
                 .make = makeParticle},

@@ -139,9 +139,10 @@ const LightPaths* lightPaths(EffectList effects) {
   return nullptr;
 }
 
-std::uint32_t mostReturns(EffectList effects, std::uint32_t met) {
-  for (const auto& effect : effects) met = effect->mostReturns(met);
-  return met;
+std::uint32_t mostReturns(EffectList effects) {
+  std::uint32_t most = 1;  // a ray has one hit
+  for (const auto& effect : effects) most = effect->mostReturns(most);
+  return most;
 }
 
 double intensityFullScale(EffectList effects) {

@@ -86,10 +86,10 @@ using Effects = std::vector<ChosenEffect>;  // ordered by stage, as they run
 using EffectList = std::span<const ChosenEffect>;
 
 // The requirements of all effects of a sensor together.
-std::uint32_t raysPerBeam(EffectList effects);                     // rays per beam; 1: no effect samples footprints
-const LightPaths* lightPaths(EffectList effects);                  // null: rays end at their first hit
-std::uint32_t mostReturns(EffectList effects, std::uint32_t met);  // returns per beam at most, for `met` hits per ray
-double intensityFullScale(EffectList effects);                     // full scale of the intensity; 0: no effect sets it
+std::uint32_t raysPerBeam(EffectList effects);     // rays per beam; 1: no effect samples footprints
+const LightPaths* lightPaths(EffectList effects);  // null: rays end at their first hit
+std::uint32_t mostReturns(EffectList effects);     // returns per beam at most
+double intensityFullScale(EffectList effects);     // full scale of the intensity; 0: no effect sets it
 
 std::span<const EffectEntry> effects();
 const EffectEntry& requireEffect(std::string_view name, const Location& where);

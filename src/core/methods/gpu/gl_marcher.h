@@ -23,18 +23,18 @@ struct GlMarcherLimits {
   ComputeLimits device = {};
 };
 
-// Marches particles by a compute shader of OpenGL 4.3, with one invocation per particle.
+// Marches particles by a compute shader of OpenGL, with one invocation per particle.
 class GlMarcher {
  public:
-  // Throws Error if the machine has no OpenGL 4.3 through EGL; the message names the CPU backend.
+  // Throws Error if the machine has device for it (gpu/compute.h); the message names the CPU backend.
   explicit GlMarcher(const GlMarcherLimits& limits = {});
 
   // Launches the particles of a shot, marches them and fills the channels that `hits` has with the results of resolve()
-  // (methods/particle/march_job.h), all on the device and with the same bits as on the processor. Adds the rays that
-  // end as neither hit nor miss, or that are left to the processor, to `undecided`, ascending. While one thread waits
-  // for the device or copies its results, other threads may submit work; waiting shots in the same field are dispatched
-  // together. Adds to the stages "upload" (of field and scene), "march" (submitting the work and waiting for its
-  // results) and "read_back" of `clock`. Throws Error, for instance if the beams or the hits do not fit into the
+  // (methods/particle/launch_resolve.h), all on the device and with the same bits as on the processor. Adds the rays
+  // that end as neither hit nor miss, or that are left to the processor, to `undecided`, ascending. While one thread
+  // waits for the device or copies its results, other threads may submit work; waiting shots in the same field are
+  // dispatched together. Adds to the stages "upload" (of field and scene), "march" (submitting the work and waiting for
+  // its results) and "read_back" of `clock`. Throws Error, for instance if the beams or the hits do not fit into the
   // device's buffers.
   void march(const MarchJob& job, Hits& hits, std::vector<UndecidedRay>& undecided, StageClock& clock);
   std::string device() const { return device_.nameAndPlace(); }

@@ -4,6 +4,8 @@
 #include <tuple>
 #include <utility>
 
+#include "scene/reflectance.h"
+
 namespace scanmill {
 
 void TraceAccount::warn(BeamWarning warning) {
@@ -37,7 +39,8 @@ ModelledItem cutOutItem(const Scene& scene) {
 }
 
 ModelledItem textureItem(const Scene& scene) {
-  const bool any = std::ranges::any_of(scene.materials, [](const Material& m) { return m.textured && m.texture; });
+  const bool any =
+      std::ranges::any_of(scene.materials, [](const Material& m) { return compact(m).texture != nullptr; });
   return {"reflectance textures", any ? "modelled" : "no material has one", !any};
 }
 

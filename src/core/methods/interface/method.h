@@ -78,8 +78,6 @@ ModelledItem textureItem(const Scene& scene);
 
 // The capabilities of a method. The plan refuses a pipeline that needs more.
 struct MethodCapabilities {
-  // Largest number of hits of a ray, one behind the other; bounds the size of scans.
-  std::uint32_t mostReturns = 1;
   // True if rays can start anywhere, not only at the sensor, and therefore can continue through glass and off mirrors
   // (methods/interface/light_paths.h). False: every surface stops rays, except where alpha cuts the surface out.
   bool transmission = false;

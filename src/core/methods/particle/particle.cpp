@@ -2,7 +2,7 @@
 //
 // The field is built around the sensor and moves with it (distance_field.h). Particles march in float32, on the
 // processor or in a compute shader, with the same steps (march.h). Their hits are resolved in double precision from the
-// triangles that the field stores, so that labels and normals need no further tracing (march_job.h).
+// triangles that the field stores, so that labels and normals need no further tracing (launch_resolve.h).
 
 #include "methods/particle/particle.h"
 
@@ -24,8 +24,8 @@
 #include "methods/gpu/device_resolver.h"
 #include "methods/gpu/gl_marcher.h"
 #include "methods/particle/field_store.h"
+#include "methods/particle/launch_resolve.h"
 #include "methods/particle/march.h"
-#include "methods/particle/march_job.h"
 #include "methods/particle/options.h"
 
 namespace scanmill {

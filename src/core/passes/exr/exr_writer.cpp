@@ -64,8 +64,15 @@ constexpr int kZipLevel = 1;
 }  // namespace
 
 std::string_view exrTypeName(ExrType type) {
-  constexpr std::string_view kNames[] = {"UINT", "HALF", "FLOAT"};  // in the order of ExrType
-  return kNames[static_cast<std::size_t>(type)];
+  switch (type) {
+    case ExrType::Uint32:
+      return "UINT";
+    case ExrType::Float16:
+      return "HALF";
+    case ExrType::Float32:
+      break;
+  }
+  return "FLOAT";
 }
 
 void writeExr(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,

@@ -132,6 +132,7 @@ class VtkRenderer : public PassRenderer {
   explicit VtkRenderer(const Scene& scene) : scene_(scene), device_(scene) {}
 
   std::unique_ptr<PixelSource> draw(const std::vector<Camera>& cameras, const DrawLimits& limits, PassChoice) override {
+    if (cameras.size() > kVtkImages) throw Error(fmt::format("at most {} images can be drawn at once", kVtkImages));
     const std::uint32_t most = device_.plugin->limits().imageSize;
     for (const Camera& camera : cameras) {
       if (camera.width <= most && camera.height <= most) continue;

@@ -256,7 +256,7 @@ std::uint64_t Plan::bytesPerFrameInMemory() const {
   // Size of a voxel's labels, area, flags and part of the encoded archive (bytes).
   constexpr std::uint64_t kVoxelBytes = 20;
   const std::uint64_t voxels = pipeline.output.voxels ? kVoxelBytes * pipeline.output.voxels->voxels() : 0;
-  return perRay * pipeline.raysPerFrame() * pipeline.mostMet() + reported + voxels * scans;
+  return perRay * pipeline.raysPerFrame() + reported + voxels * scans;
 }
 
 std::size_t Plan::framesInFlight() const {

@@ -180,16 +180,10 @@ std::vector<const Effects*> Pipeline::effectCases(std::size_t sensor) const {
   return all;
 }
 
-// A recording has one hit per beam.
-std::uint32_t Pipeline::mostMet() const {
-  return recording != nullptr ? 1 : method.entry->can.mostReturns;
-}
-
 std::uint32_t Pipeline::mostReturns() const {
-  const std::uint32_t met = mostMet();
   std::uint32_t most = 1;
   for (std::size_t s = 0; s < sensors.size(); ++s) {
-    for (const Effects* effects : effectCases(s)) most = std::max(most, scanmill::mostReturns(*effects, met));
+    for (const Effects* effects : effectCases(s)) most = std::max(most, scanmill::mostReturns(*effects));
   }
   return most;
 }

@@ -110,7 +110,6 @@ struct Pipeline {
   const LightPaths* lightPaths(std::size_t sensor) const;
   // Returns the effects of a sensor in the first frame and, if they are random, those of DrawnSensors::cases().
   std::vector<const Effects*> effectCases(std::size_t sensor) const;
-  std::uint32_t mostMet() const;      // maximum number of surfaces that a ray can hit
   std::uint32_t mostReturns() const;  // maximum number of returns of a beam
   std::string methodName() const;     // name of the method that computes the hits, or that computed the recorded hits
 };

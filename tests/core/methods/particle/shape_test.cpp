@@ -158,6 +158,10 @@ TEST(CheckField, RefusesWhatTheMemoryDoesNotHold) {
   ASSERT_NE(at, std::string::npos) << message;
   options.voxels = static_cast<std::uint32_t>(std::strtoul(message.c_str() + at + key.size(), nullptr, 10));
   EXPECT_LE(fieldBytes(options), memory) << message;
+  options.levels = 2;
+  const double ofTwo = fieldBytes(options);
+  options.levels = 8;
+  EXPECT_EQ(fieldBytes(options), 4 * ofTwo);
 }
 
 TEST(Shape, RefusesWhatIsTooFar) {

@@ -29,6 +29,8 @@ TEST_F(CameraExr, AnyPoseComesBackToTheBitAndByItsMatrixAlone) {
     EXPECT_EQ(readPasses(path, {}).camera.worldFromCamera, pose);
 
     const ExrReader file(path);
+    EXPECT_EQ(std::get<std::string>(*file.attribute("units")), "m");
+    EXPECT_EQ(std::get<double>(*file.attribute("horizontalFieldDeg")), degrees(image.camera.horizontalField()));
     const std::vector<float> depth(4, 1.0f);
     const ExrPlane planes[] = {{"Z", ExrType::Float32, depth.data()}};
     writeExr(

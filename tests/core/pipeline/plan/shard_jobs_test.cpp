@@ -165,6 +165,10 @@ TEST_F(SampleSize, HoldsForLayoutsColumnsAndShards) {
                     ", columns: 4, rate_hz: 10, elevation_deg: [0], range_m: [1, 9]}]"},
                    "long"),
             1);
+  EXPECT_GE(excess({"sensors.0.divergence_mrad=12", "sensors.0.pulse_ns=1", "output.formats=[csv]",
+                    "effects=[intensity, footprint: {rays: 19}, detection: {returns: all}]"},
+                   "returns"),
+            1);
 }
 
 }  // namespace

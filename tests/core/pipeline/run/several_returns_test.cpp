@@ -4,7 +4,6 @@
 #include <tuple>
 
 #include "formats/format.h"
-#include "pipeline/plan/shard_jobs.h"
 #include "tests/core/pipeline/two_returns_yard.h"
 #include "tests/support/lines_of.h"
 
@@ -129,18 +128,6 @@ TEST_F(SeveralReturns, AreCountedInTheManifest) {
     EXPECT_EQ(summary.points, points);
     EXPECT_EQ(summary.beams, 4u * kRings * kColumns);
   }
-}
-
-TEST_F(SeveralReturns, FitTheSizeThatThePlanSays) {
-  for (const char* layout : {"dense", "organised"}) {
-    const std::vector<std::string> overrides{kAllColumns, "effects=[intensity]",
-                                             "output.formats=[pcd: {encoding: ascii}, csv, draco]",
-                                             fmt::format("output.layout={}", layout)};
-    const GenerateSummary summary = make(overrides, layout);
-    EXPECT_GE(mostSampleBytes(planned(overrides)) * static_cast<double>(summary.samples),
-              static_cast<double>(summary.bytes));
-  }
-  EXPECT_EQ(planned({}).bytesPerFrameInMemory(), 2 * planOf().bytesPerFrameInMemory());
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Creates the particles of MarchJob. Does the same as launch() (methods/particle/march_job.cpp), in the same
+// Creates the particles of MarchJob. Does the same as launch() (methods/particle/launch_resolve.cpp), in the same
 // order, in double. Storage buffers: 0 to 3 those of rays.glsl, 4 particles (float columns, in the order of Particles).
 
 #include "particles.glsl"

@@ -1,4 +1,4 @@
-#include "methods/particle/march_job.h"
+#include "methods/particle/launch_resolve.h"
 
 #include <algorithm>
 #include <cmath>
