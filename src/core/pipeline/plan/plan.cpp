@@ -220,8 +220,6 @@ void Plan::requireOneRay() const {
     refuse(pipeline,
            "saved hits need the same mounts of sensors in all sequences: save none, or give each `mount` fixed values");
   }
-  if (pipeline.mostMet() > 1)
-    refuse(pipeline, "the method finds several hits per ray, but saved hits have one: save none");
   bool one = true;
   for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
     one = one && pipeline.raysPerBeam(s) == 1 && !anyLightPaths(pipeline, s);

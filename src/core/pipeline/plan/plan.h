@@ -37,9 +37,8 @@ struct Plan {
   void requireOneRevolution() const;
   // Throws InputError if the pipeline's passes cannot be saved. The pipeline must have a method.
   void requirePasses() const;
-  // Throws InputError if a beam may need several rays or have several hits, if there is an ego vehicle, or if mounts
-  // are random. Hits cannot be recorded then, since a recording holds one hit per beam, the scene alone, and fixed
-  // mounts.
+  // Throws InputError if a beam may need several rays, if there is an ego vehicle, or if mounts are random. Hits cannot
+  // be recorded then, since a recording holds one ray per beam, the scene alone, and fixed mounts.
   void requireOneRay() const;
 
   // Returns an upper bound of the memory that a frame takes while it is computed (bytes).

@@ -79,10 +79,6 @@ TEST_F(SeveralReturns, AreInEveryFormatOfEveryLayout) {
   }
 }
 
-TEST_F(SeveralReturns, AreNotRecorded) {
-  expectInputError([&] { planned({}).requireOneRay(); }, {"several hits per ray"});
-}
-
 TEST_F(SeveralReturns, MayBeOneOrNone) {
   for (const std::uint32_t most : {0u, 1u}) {
     for (const bool organised : {false, true}) {
