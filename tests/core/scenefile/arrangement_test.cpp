@@ -385,7 +385,7 @@ TEST_F(RandomShapes, HaveOneOfSeveralMaterials) {
   };
   EXPECT_THAT(refused("{one_of: none}"), HasSubstr("a folder without 3D files"));
   EXPECT_THAT(refused("both"), HasSubstr("write {one_of: both}"));
-  EXPECT_THAT(refused("[short.obj, tall.obj]"), AllOf(HasSubstr("s.yaml:7"), HasSubstr("file must be text")));
+  EXPECT_THAT(refused("[short.obj, tall.obj]"), AllOf(HasSubstr("s.yaml:7"), HasSubstr("file must be one file")));
   EXPECT_THAT(refused("{one_off: both}"), HasSubstr("did you mean 'one_of'"));
 }
 
