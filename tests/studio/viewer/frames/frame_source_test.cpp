@@ -165,7 +165,7 @@ TEST_F(Frames, LieOverOneAnother) {
   const auto b = changed("b/out", {.frames = 2});
   const auto file = folder.write("one.pcd", encode("pcd", testScan(manifest.sensors[0].beams, 4)));
   const auto source = openFrames({.path = a, .over = {b, file}});
-  EXPECT_EQ(source->title(), a);
+  EXPECT_EQ(source->title(), "a/out");
   EXPECT_EQ(source->keys().size(), 3u);
   EXPECT_THAT(namesOf(source->load(0)),
               ElementsAre("a/out: top", "a/out: Rear", "b/out: top", "b/out: Rear", "one.pcd"));
