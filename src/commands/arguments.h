@@ -92,8 +92,8 @@ std::shared_ptr<const Recording> recordingOf(const Arguments& arguments);
 // Returns the value of an option. Throws InputError if it is not a whole number of at least 0.
 std::uint64_t countOption(const Arguments& arguments, const char* name);
 
-// Throws InputError if a file must not be written: it is a folder, its folder is a file, or it exists and --overwrite
-// is not given.
+// Makes the folder of a file that is to be written. Throws InputError if that fails, if the file is a folder, or if it
+// exists and --overwrite is not given.
 void expectFree(const std::filesystem::path& file, const Arguments& arguments);
 
 // Returns the folder that an option names; empty if the option is not given. Throws InputError for an empty name.

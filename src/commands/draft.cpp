@@ -104,11 +104,11 @@ int runDraft(const std::vector<std::string>& arguments) {
   const std::filesystem::path out = folderOption(parsed, "out");
   if (out.empty()) throw InputError("-o FILE.yaml is missing: name the scene file to write");
   const std::filesystem::path picture = std::filesystem::path(out).replace_extension(".png");
-  for (const std::filesystem::path& made : {out, picture}) expectFree(made, parsed);
   const std::string ontologyName = parsed.options["ontology"].as<std::string>();
   const Ontology ontology = readOntology(namedResource(ontologyName, "labels"));
   const std::vector<Concept> concepts = readConcepts(parsed.has("words") ? std::filesystem::path(parsed.text("words"))
                                                                          : resourceFolder() / "labels/words.yaml");
+  for (const std::filesystem::path& made : {out, picture}) expectFree(made, parsed);
   const draft::Draft made = [&] {
     const InputBudget budget;  // the picture, which reads the scene, has a budget of its own
     return draft::draftScene(files, concepts, ontology, ontologyName, out.stem().string(), out.parent_path(), reading);

@@ -211,7 +211,7 @@ void printYaml(const std::filesystem::path& file, std::uint64_t seed) {
   throw InputError(
       {file.string()},
       "is of no known kind: a scene has the key `objects`, a sensor `elevation_deg`, a pipeline `sensors`, an ontology "
-      "`classes`, a material table `materials`, a calibration `lasers`");
+      "`classes`, a material table `materials`");
 }
 
 AssetOptions assetOptions(const Arguments& parsed) {

@@ -3,8 +3,10 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "assets/asset.h"
 #include "assets/meshes/gltf/reader.h"
@@ -117,11 +119,21 @@ struct ListedPart {
   Box box;                      // m, of all copies
 };
 
-// Prints the names that rules can match and, if parts share a material and a texture, the sums of their triangles.
-void printParts(const std::vector<ListedPart>& parts, bool instanced) {
+// Prints a table, at most kMostRows of its rows: a file may have tens of thousands of parts.
+void printLargest(Rows rows) {
+  constexpr std::size_t kMostRows = 60;
+  const std::size_t left = rows.size() - std::min(rows.size(), 1 + kMostRows);  // the first row is the head
+  rows.resize(rows.size() - left);
+  printText("{}{}\n", formatTable(rows), left == 0 ? "" : fmt::format("and {} more (smaller)\n", grouped(left)));
+}
+
+// Prints the names that rules can match and, if parts share a material and a texture, the sums of their triangles;
+// those with most triangles first.
+void printParts(std::vector<ListedPart> parts, bool instanced) {
   struct Sum {
     std::uint64_t triangles = 0, parts = 0;
   };
+  std::ranges::stable_sort(parts, std::greater<>(), &ListedPart::triangles);
   std::map<std::pair<std::string, std::string>, Sum> sums;  // by material and texture
   Rows rows{{"node", "material", "texture", "size x, y, z", "lowest z (m)", "triangles", "placed"}};
   for (const ListedPart& p : parts) {
@@ -132,13 +144,15 @@ void printParts(const std::vector<ListedPart>& parts, bool instanced) {
     ++sum.parts;
   }
   for (std::vector<std::string>& row : rows) row.resize(instanced ? 7 : 6);
-  printText("{}\n", formatTable(rows));
+  printLargest(std::move(rows));
   if (sums.size() == parts.size()) return;
+  std::vector<std::pair<std::pair<std::string, std::string>, Sum>> sorted(sums.begin(), sums.end());
+  std::ranges::stable_sort(sorted, std::greater<>(), [](const auto& row) { return row.second.triangles; });
   rows = {{"material", "texture", "triangles", "parts"}};
-  for (const auto& [names, sum] : sums) {
+  for (const auto& [names, sum] : sorted) {
     rows.push_back({names.first, names.second, grouped(sum.triangles), grouped(sum.parts)});
   }
-  printText("{}\n", formatTable(rows));
+  printLargest(std::move(rows));
 }
 
 }  // namespace
@@ -222,7 +236,7 @@ void printAsset(const std::filesystem::path& file, const AssetOptions& options) 
   }
   printText("asset {}: {} triangles; labelling rules of a scene can match these names\n\n", file.string(),
             grouped(triangles));
-  printParts(parts, !asset.instanced.empty());
+  printParts(std::move(parts), !asset.instanced.empty());
   if (notFinite > 0 || asset.dropped.outOfRange > 0) {
     warn(fmt::format("{}: scenes leave out {} triangles with NaN or infinite corners and {} with indices out of range",
                      file.string(), grouped(notFinite), grouped(asset.dropped.outOfRange)));

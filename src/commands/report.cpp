@@ -48,13 +48,13 @@ int runReport(const std::vector<std::string>& arguments) {
   const bool named = parsed.has("out");
   const std::filesystem::path file = named ? parsed.text("out") : defaultName(folder);
   if (file.empty()) throw InputError("-o: the name of the file is empty");
-  expectFree(file, parsed);
 
   DatasetReportOptions reportOptions{.seed = parsed.options["seed"].as<std::uint64_t>(),
                                      .samples = parsed.options["samples"].as<std::size_t>()};
   if (reportOptions.samples > kMostSamples) {
     throw InputError(fmt::format("--samples must be from 0 to {}, not {}", kMostSamples, reportOptions.samples));
   }
+  expectFree(file, parsed);
   reportOptions.quiet = parsed.has("quiet");
   reportOptions.stop = &stopSignal();
   const ResourceLimits limits(parsed);

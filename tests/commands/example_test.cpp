@@ -70,7 +70,7 @@ TEST(Example, NothingIsOverwrittenUnasked) {
     EXPECT_EQ(readFile(folder.path() / name), readFile(kSource / "pipelines/examples" / name));
   }
   writeFile(folder.path() / "your_meshes.obj", "mine");
-  expectRefused(scanmill({"example", "your_meshes", "-o", out}), "exists: name another file");
+  expectRefused(scanmill({"example", "your_meshes", "-o", out}), "exists: name another place with -o");
   EXPECT_EQ(readFile(folder.path() / "your_meshes.obj"), "mine");
   EXPECT_EQ(scanmill({"example", "your_meshes", "-o", out, "--overwrite"}).code, 0);
   EXPECT_NE(readFile(folder.path() / "your_meshes.obj"), "mine");

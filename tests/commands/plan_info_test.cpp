@@ -167,6 +167,10 @@ TEST_F(Tell, InfoOnEveryKindOfFile) {
   EXPECT_THAT(told({"info", pipeline_}), HasSubstr("4 frames x 512 beams"));
   EXPECT_THAT(told({"info", asset()}),
               AllOf(HasSubstr("3 triangles"), HasSubstr("Shed_Roof"), HasSubstr("planks"), HasSubstr("material")));
+  std::string many = "v 0 0 0\nv 1 0 0\nv 0 0 1\n";
+  for (int i = 0; i < 70; ++i) many += fmt::format("o part{}\nf 1 2 3\n{}", i, i == 69 ? "f 3 2 1\n" : "");
+  const std::string parts = told({"info", folder_.write("many.obj", many)});
+  EXPECT_THAT(parts, AllOf(ContainsRegex("triangles\n +part69 .*\n +part0 "), HasSubstr("and 10 more (smaller)\n")));
 }
 
 TEST_F(Tell, InfoOfCalibrationsNamesTheRoad) {

@@ -107,7 +107,8 @@ const Refusal kRefusals[] = {
     {"report absent", "absent: does not exist"},
     {"report A -o @there.html", "--overwrite"},
     {"report A -o A", "is a folder"},
-    {"report A -o @there.html/a.html", "is a file"},
+    {"report A -o @there.html/a.html", "there.html: cannot be made"},
+    {"report A -o @there.html/b/a.html", "there.html/b: cannot be made"},
     {"report A -o ''", "-o: the name of the file is empty"},
     {"report A --samples 65 -o @x", "from 0 to 64"},
     {"report A --samples -1 -o @x", "-1"},
@@ -150,7 +151,7 @@ const Refusal kRefusals[] = {
     {"draft @none.obj -o @x.yaml", "none.obj: the file does not exist"},
     {"draft @filled -o @x.yaml", "contains no 3D file"},
     {"draft @shed.obj -o @x.yaml --ontology nowhere", "nowhere"},
-    {"draft @shed.obj -o @there.yaml", "there.yaml: exists: name another file"},
+    {"draft @shed.obj -o @there.yaml", "there.yaml: exists: name another place"},
 
     {"render P -o @x", "method: depth_camera"},
     {"render P --set method=depth_camera", "-o DIR is missing"},

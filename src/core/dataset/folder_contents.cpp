@@ -67,9 +67,9 @@ void requireDataset(const fs::path& folder, const std::string& otherwise) {
   }
   if (isUnfinished(folder)) {
     refuse(
-        fmt::format("has an unfinished dataset: `scanmill generate` writes {} last. Wait until it ends, or, if it "
-                    "was stopped, run it again with --resume",
-                    kManifestName));
+        fmt::format("has an unfinished dataset: `scanmill generate` writes {} last. Wait until it ends; if it was "
+                    "stopped, `scanmill generate PIPELINE -o {} --resume` completes it",
+                    kManifestName, folder.string()));
   }
   refuse(
       fmt::format("is not a dataset: it has no {}, which `scanmill generate` writes last{}", kManifestName, otherwise));

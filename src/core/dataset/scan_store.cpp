@@ -320,11 +320,9 @@ Scan ScanStore::decode(std::size_t sample, const StoredScan& scan) const {
   for (const std::string& name : scan.members) {
     const auto fail = [&](const std::string& what) { failures += (failures.empty() ? "" : "; ") + what; };
     const ShardMember* member = index.find(name);
-    if (member == nullptr && !index.damage().empty()) {
-      throw InputError(fmt::format("{}; {} comes after the damage", index.damage(), name));
-    }
     if (member == nullptr) {
-      fail(fmt::format("has no member {}, but the manifest lists it", name));
+      fail(index.damage().empty() ? fmt::format("has no member {}, but the manifest lists it", name)
+                                  : name + " comes after the damage");
       continue;
     }
     const std::string bytes = index.read(*member);
@@ -335,6 +333,7 @@ Scan ScanStore::decode(std::size_t sample, const StoredScan& scan) const {
       fail(e.what());
     }
   }
+  if (!index.damage().empty()) throw InputError(fmt::format("{}; {}", index.damage(), failures));
   throw InputError({index.file().string()}, failures);
 }
 

@@ -1,9 +1,9 @@
 // Messages of ROS 2 Humble and later: sensor_msgs/msg/PointCloud2, tf2_msgs/msg/TFMessage and
 // visualization_msgs/msg/MarkerArray (github.com/ros2/common_interfaces, rcl_interfaces and geometry2, branch humble).
 //
-// Definitions are in the language of docs.ros.org/en/humble/Concepts/About-ROS-Interfaces.html, without comments and
-// constants, which have no bytes in messages. Each definition is followed by the definitions of all types that it uses,
-// each after a line of 80 '=' and the type's name.
+// Definitions are in the language of docs.ros.org/en/humble/Concepts/About-ROS-Interfaces.html, without comments and,
+// of Marker, without the constants that no message here has. Each definition is followed by the definitions of all
+// types that it uses, each after a line of 80 '=' and the type's name.
 //
 // Messages are serialised as in DDS: CDR, version 1, little-endian (OMG, "DDS for Extremely Large Scale and
 // Interoperability Protocol (DDSI-RTPS)", section 10; "Extensible and Dynamic Topic Types for DDS", section 7.4.1). A
@@ -49,8 +49,19 @@ constexpr Definition kTransform{"geometry_msgs/Transform",
 constexpr Definition kTransformStamped{
     "geometry_msgs/TransformStamped",
     "std_msgs/Header header\nstring child_frame_id\ngeometry_msgs/Transform transform\n"};
-constexpr Definition kPointField{"sensor_msgs/PointField",
-                                 "string name\nuint32 offset\nuint8 datatype\nuint32 count\n"};
+constexpr Definition kPointField{"sensor_msgs/PointField", R"(uint8 INT8=1
+uint8 UINT8=2
+uint8 INT16=3
+uint8 UINT16=4
+uint8 INT32=5
+uint8 UINT32=6
+uint8 FLOAT32=7
+uint8 FLOAT64=8
+string name
+uint32 offset
+uint8 datatype
+uint32 count
+)"};
 constexpr Definition kPointCloud{"sensor_msgs/PointCloud2", R"(std_msgs/Header header
 uint32 height
 uint32 width
@@ -64,7 +75,11 @@ bool is_dense
 constexpr Definition kImage{"sensor_msgs/CompressedImage", "std_msgs/Header header\nstring format\nuint8[] data\n"};
 constexpr Definition kTexturePoint{"visualization_msgs/UVCoordinate", "float32 u\nfloat32 v\n"};
 constexpr Definition kMeshFile{"visualization_msgs/MeshFile", "string filename\nuint8[] data\n"};
-constexpr Definition kMarker{"visualization_msgs/Marker", R"(std_msgs/Header header
+constexpr Definition kMarker{"visualization_msgs/Marker", R"(int32 CUBE=1
+int32 TEXT_VIEW_FACING=9
+int32 ADD=0
+int32 DELETEALL=3
+std_msgs/Header header
 string ns
 int32 id
 int32 type

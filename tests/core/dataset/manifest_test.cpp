@@ -61,6 +61,13 @@ TEST(Manifest, RoundTrips) {
   EXPECT_EQ(read.sequenceOf(m.samples[1].key), read.sequences.data());
   EXPECT_EQ(read.sequenceOf("street-2-drive-000001"), nullptr);
   EXPECT_EQ(mountOf(m.sensors[0], m.samples[0].scans[0]), m.sensors[0].vehicleFromSensor);
+  for (std::size_t s = 0; s < m.sensors.size(); ++s) {
+    BeamTable beams = read.sensors[s].beams;
+    fillBeams(beams);
+    EXPECT_EQ(beams.direction, m.sensors[s].beams.direction);
+    EXPECT_EQ(beams.origin, m.sensors[s].beams.origin);
+    EXPECT_EQ(beams.time, m.sensors[s].beams.time);
+  }
 }
 
 TEST(Manifest, KeysOfRareFactsAreWrittenWhereThereAreSuch) {

@@ -56,7 +56,7 @@ TEST_F(FindScan, PassesOverSamplesWithoutTheFirstSensor) {
   EXPECT_THAT(complaint(folder.path() / "slow", "1"), HasSubstr("has no sensor 'top'; it has rear"));
 }
 
-// The first format of a dataset may round positions.
+// The first format of a dataset may round positions. Where the exact one is lost with a shard's end, it is taken.
 TEST_F(FindScan, TakesTheMostExactFormat) {
   PackedDataset writer(folder.path() / "rounded", false, 1 << 20);
   Manifest rounded = testManifest();
@@ -64,6 +64,11 @@ TEST_F(FindScan, TakesTheMostExactFormat) {
   writer.add(testSample(rounded, 3, "drive-000003", "train"));
   writer.finish(rounded);
   EXPECT_EQ(findScan(folder.path() / "rounded", "", "").scan.position, expected(3, 0).position);
+  const std::filesystem::path shard = folder.path() / "rounded/train/train-000000.tar";
+  std::filesystem::resize_file(shard, ShardIndex(shard).find("drive-000003.top.ray_tracing.pcd")->offset);
+  EXPECT_EQ(findScan(folder.path() / "rounded", "", "").scan.size(), expected(3, 0).size());
+  EXPECT_THAT(complaint(folder.path() / "rounded", "", "rear"),
+              AllOf(HasSubstr("is truncated"), HasSubstr(".drc comes after the damage"), HasSubstr(".pcd")));
 }
 
 TEST_F(FindScan, ByKeyByIndexAndBySensor) {

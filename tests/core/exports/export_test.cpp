@@ -107,26 +107,31 @@ TEST_F(Exports, EveryRevolutionIsWrittenOrRefused) {
 
 // An export that was stopped or killed is not taken for a complete one, and is replaced by the same bytes.
 TEST_F(Exports, StoppedOnesAreReplacedByTheSameBytes) {
-  exportDataset(options("ply", "whole"));
-  std::atomic<bool> stop = false;
-  ExportOptions cut = options("ply", "cut");
-  cut.stop = &stop;
-  cut.progress = [&](const char*, std::uint64_t done, std::uint64_t) { stop = done >= 2; };
-  EXPECT_THAT(messageOf<Error>([&] { exportDataset(cut); }), HasSubstr("--overwrite"));
-  EXPECT_FALSE(fs::exists(cut.folder / "scanmill_export.json"));
-  folder_.write("cut/train/x.ply.partial-4711", "half");
-  ExportOptions again = options("ply", "cut");
-  EXPECT_THAT(messageOf<InputError>([&] { exportDataset(again); }), HasSubstr("has an unfinished export"));
-  again.overwrite = true;
-  {
-    const FolderLock other(cut.folder, cut.folder / ".scanmill_export.lock");
-    EXPECT_THAT(messageOf<InputError>([&] { exportDataset(again); }), HasSubstr("is being written by process"));
+  for (const std::string layout : {"ply", "mcap"}) {  // a file for each frame, and for each sequence
+    SCOPED_TRACE(layout);
+    const auto into = [&](const std::string& name) { return options(layout, layout + "_" + name); };
+    exportDataset(into("whole"));
+    const auto whole = filesIn(into("whole").folder);
+    std::atomic<bool> stop = false;
+    ExportOptions cut = into("cut");
+    cut.stop = &stop;
+    cut.progress = [&](const char*, std::uint64_t done, std::uint64_t) { stop = done >= 2; };
+    EXPECT_THAT(messageOf<Error>([&] { exportDataset(cut); }), HasSubstr("--overwrite"));
+    EXPECT_FALSE(fs::exists(cut.folder / "scanmill_export.json"));
+    folder_.write(layout + "_cut/train/x." + layout + ".partial-4711", "half");
+    ExportOptions again = into("cut");
+    EXPECT_THAT(messageOf<InputError>([&] { exportDataset(again); }), HasSubstr("has an unfinished export"));
+    again.overwrite = true;
+    {
+      const FolderLock other(cut.folder, cut.folder / ".scanmill_export.lock");
+      EXPECT_THAT(messageOf<InputError>([&] { exportDataset(again); }), HasSubstr("is being written by process"));
+    }
+    exportDataset(again);
+    EXPECT_EQ(filesIn(cut.folder), whole);
+    folder_.write(layout + "_start/.scanmill_export.json.partial-4711", "half");
+    exportDataset(into("start"));
+    EXPECT_EQ(filesIn(into("start").folder), whole);
   }
-  exportDataset(again);
-  EXPECT_EQ(filesIn(cut.folder), filesIn(folder_.path() / "whole"));
-  folder_.write("start/.scanmill_export.json.partial-4711", "half");
-  exportDataset(options("ply", "start"));
-  EXPECT_EQ(filesIn(folder_.path() / "start"), filesIn(folder_.path() / "whole"));
 }
 
 TEST_F(Exports, TheDatasetsOwnFolderIsNotWrittenInto) {

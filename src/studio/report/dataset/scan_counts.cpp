@@ -9,6 +9,7 @@
 #include "base/append_new.h"
 #include "base/error.h"
 #include "dataset/objects.h"
+#include "report/dataset/scan_reading.h"
 
 namespace scanmill {
 
@@ -103,7 +104,7 @@ ObjectCounts countObjects(const ScanStore& store, const std::vector<std::size_t>
       }
       ++counts.samples;
     } catch (const InputError& error) {
-      appendNew({error.what()}, faults);
+      appendNew({readingFault(store, number, error)}, faults);
     }
   }
   return counts;

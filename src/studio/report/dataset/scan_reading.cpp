@@ -54,6 +54,14 @@ std::vector<std::string> shardFaults(const fs::path& folder, const Manifest& man
   return faults;
 }
 
+std::string readingFault(const ScanStore& store, std::size_t sample, const InputError& error) {
+  const std::string damage = store.damage(sample);
+  std::string fault = damage.empty() ? error.what() : damage;
+  const std::string folder = (store.folder() / "").string();
+  if (fault.starts_with(folder)) fault.erase(0, folder.size());
+  return fault;
+}
+
 std::vector<std::string> readScans(const ScanStore& store, const std::vector<ScanPlace>& places,
                                    const ScanReading& reading) {
   const Manifest& manifest = *store.manifest();
@@ -72,7 +80,7 @@ std::vector<std::string> readScans(const ScanStore& store, const std::vector<Sca
           points[i] = scan.size();
           reading.take(begin + i, std::move(scan));
         } catch (const InputError& error) {
-          problems[begin + i] = error.what();
+          problems[begin + i] = readingFault(store, place.sample, error);
         }
       }
     });

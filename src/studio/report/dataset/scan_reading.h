@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "dataset/manifest.h"
 #include "dataset/scan_store.h"
 #include "scan/scan.h"
@@ -37,6 +38,10 @@ std::vector<ScanPlace> randomScans(const Manifest& manifest, const std::vector<b
 // file's size with the manifest, and its SHA-256 too if `hashed` is true.
 std::vector<std::string> shardFaults(const std::filesystem::path& folder, const Manifest& manifest, bool hashed);
 
+// Returns why something of a sample cannot be read, with paths from the dataset's folder. If the sample's shard is
+// damaged, this is the damage, so that all that is lost by it has the same text.
+std::string readingFault(const ScanStore& store, std::size_t sample, const InputError& error);
+
 struct ScanReading {
   // Receives the scan at index k of `places`. Called from several threads at a time, at most once for each index.
   std::function<void(std::size_t k, Scan&& scan)> take;
@@ -47,7 +52,7 @@ struct ScanReading {
 
 // Reads the scans at `places` of a dataset. If a scan is stored in several formats, uses the most exact format that can
 // be decoded. Returns the faults, one line for each scan that cannot be read, or one line for all scans of a shard that
-// is not a tar file. Scans of missing shards are not among them; shardFaults() reports these.
+// is truncated or not a tar file. Scans of missing shards are not among them; shardFaults() reports these.
 std::vector<std::string> readScans(const ScanStore& store, const std::vector<ScanPlace>& places,
                                    const ScanReading& reading);
 
