@@ -248,8 +248,9 @@ Image drawExr(const ExrSource& source, const std::string& wanted, int width) {
   const double shownShare = image.ofSensor ? std::max(kReadableShare, share) : share;
   const int tileHeight = std::clamp(static_cast<int>(std::lround(tileWidth * shownShare)), 1, 8192);
   const int rowHeight = kCaptionHeight + tileHeight + kGap;
-  const PixelRect body{0, kTitleHeight, planesWidth, rows * rowHeight};
+  PixelRect body{0, kTitleHeight, planesWidth, rows * rowHeight};
   const PixelRect side = legendRect(legend, body, kLetter, width);
+  if (side.left > 0) body.height = side.height;
   const int height = std::max(body.top + body.height, side.top + side.height);
   PictureBoard board(width, height, kLetter);
   for (std::size_t i = 0; i < planes.size(); ++i) board.setImage(static_cast<ImageId>(i), planes[i].image);

@@ -71,6 +71,8 @@ Image drawRangeImage(const Scan& scan, const Ontology* ontology, const std::opti
   const double letter = letterOfPicture(width, width);
   const PixelRect body{0, static_cast<int>(std::lround(1.5 * letter)), width, height};
   const PixelRect side = legendRect(legend, body, letter, kMostPictureSide);
+  PixelRect panel = body;
+  if (side.left > 0) panel.height = side.height;
   const PixelRect top{0, 0, std::max(width, side.left + side.width), body.top};
   PictureBoard board(top.width, std::max(body.top + height, side.top + side.height), letter);
   board.setImage(kStrip, strip.image);
@@ -78,7 +80,7 @@ Image drawRangeImage(const Scan& scan, const Ontology* ontology, const std::opti
     titleRow(top, fmt::format("{}, {}", title, describeStrip(strip)),
              fmt::format("ring 0 at the {}, {}", strip.ringsRise ? "bottom" : "top",
                          legend.scale ? scaleTitle(legend) : legend.title));
-    panelAt("##strip", body, false, [&] { imageAt(kStrip, body); });
+    panelAt("##strip", panel, false, [&] { imageAt(kStrip, body); });
     legendPanel(legend, side);
     if (std::ranges::none_of(scan.position, isFinite<float>)) drawMessage(body, "no points");
   });
