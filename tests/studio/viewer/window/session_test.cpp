@@ -303,8 +303,8 @@ TEST(ViewSession, ProblemsOfAFrameAreShownAndTheOthersStayGood) {
   frames->frames[1].problems = {"train-000000.tar: is damaged"};
   SessionWorld world(frames, {.sample = "1"});
   EXPECT_THAT(world.session->problems(), testing::ElementsAre("train-000000.tar: is damaged"));
-  EXPECT_THAT(messageOf([&] { world.session->check(); }), testing::Not(HasSubstr("--sample")));
-  EXPECT_THAT(messageOf([&] { SessionWorld(frames, {}).session->check(); }), HasSubstr("--sample"));
+  EXPECT_THAT(messageOf<Error>([&] { world.session->check(); }), testing::Not(HasSubstr("--sample")));
+  EXPECT_THAT(messageOf<Error>([&] { SessionWorld(frames, {}).session->check(); }), HasSubstr("--sample"));
   EXPECT_TRUE(world.canvas.pointItems().empty());
   for (const char* key : {"c", "s", "l", "i", "m", "w", "d", "n", "Tab", "f", "A", "F3", "r"}) world.key(key);
   world.click(400, 300);
