@@ -72,6 +72,8 @@ TEST(Example, NothingIsOverwrittenUnasked) {
   writeFile(folder.path() / "your_meshes.obj", "mine");
   expectRefused(scanmill({"example", "your_meshes", "-o", out}), "exists: name another place with -o");
   EXPECT_EQ(readFile(folder.path() / "your_meshes.obj"), "mine");
+  expectRefused(scanmill({"example", "your_meshes", "-o", out + "/your_meshes.obj/x"}),
+                "your_meshes.obj/x: cannot be made");
   EXPECT_EQ(scanmill({"example", "your_meshes", "-o", out, "--overwrite"}).code, 0);
   EXPECT_NE(readFile(folder.path() / "your_meshes.obj"), "mine");
   expectRefused(scanmill({"example", "rain_besides_dry", "-o", out}), "did you mean 'rain_beside_dry'");

@@ -106,6 +106,10 @@ class CheckLayers(unittest.TestCase):
             self.assertIn("| `studio/charts` | charts | scan |", page.read_text())
             self.assertIn(">a window</text>", (page.parent / "architecture.svg").read_text())
 
+    def test_paths_in_the_docs_that_lead_nowhere(self):
+        code, said = check({"docs/contributing.md": "`scan/scan.h`, `src/main.cpp`, `NAME.cpp`, `scan/gone.cpp`\n"})
+        self.assertEqual((code, said), (1, "docs/contributing.md names scan/gone.cpp, which does not exist\n"))
+
     def test_what_outgrows_its_cap(self):
         for file, lines, words in (("src/core/base/large.cpp", 9, "src/core/base has 11 lines, its cap in CMakeLists.txt is 10"),
                                    ("src/core/base/large.cpp", 8, ""),
