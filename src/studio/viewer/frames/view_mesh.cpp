@@ -151,8 +151,8 @@ void fillBoxes(ViewMesh& view) {
 }
 
 // Returns a box that contains most of a scene. Of a grid of cells in the plane, those that have parts count, without
-// kLeftOut of them at each side; how many parts a cell has does not count. Large parts, such as surrounding ground, are
-// left out unless the others reach nearly as far.
+// kLeftOut of them at each side, but at most as many as kLeftOut of the parts. How many parts a cell has does not
+// count. Large parts, such as surrounding ground, are left out unless the others reach nearly as far.
 Box coreOf(const ViewMesh& view) {
   constexpr double kLarge = 0.5;      // fraction of the scene's longest side from which a part counts as large
   constexpr double kReaching = 0.85;  // largest such fraction for the parts that are not large
@@ -189,7 +189,8 @@ Box coreOf(const ViewMesh& view) {
   }
   std::vector<Box> cells;
   for (const auto& [place, box] : occupied) cells.push_back(box);
-  const auto omitted = static_cast<std::ptrdiff_t>(kLeftOut * static_cast<double>(cells.size()));
+  const std::size_t most = std::min(cells.size(), view.partBoxes.size());
+  const auto omitted = static_cast<std::ptrdiff_t>(kLeftOut * static_cast<double>(most));
   const auto edge = [&](Vec3d Box::*end, double Vec3d::*axis, auto order) {
     std::ranges::nth_element(cells, cells.begin() + omitted, order, [&](const Box& cell) { return cell.*end.*axis; });
     return cells[static_cast<std::size_t>(omitted)].*end.*axis;
