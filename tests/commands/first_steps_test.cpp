@@ -69,7 +69,7 @@ TEST_F(FirstSteps, InfoOfAnAssetOfManyPartsSumsThemUp) {
   for (int i = 0; i < 50; ++i) obj += fmt::format("o part{0}\nusemtl m{1}\nf 1 2 3\n", i, i % 2);
   folder_.write("many.obj", obj + "f 1 3 2\n");
   EXPECT_THAT(scanmill({"info", at("many.obj")}).out,
-              AllOf(ContainsRegex("part49 +m1 +1 x 0 x 1 m +0 +2\n"), ContainsRegex("m0 +25 +25\n +m1 +26 +25\n")));
+              AllOf(ContainsRegex("part49 +m1 +1 x 0 x 1 m +0 +2\n"), ContainsRegex("m1 +26 +25\n +m0 +25 +25\n")));
 }
 
 // The keys that a reader of options asks for, from its own refusal of another.
