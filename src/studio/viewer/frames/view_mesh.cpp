@@ -188,6 +188,7 @@ Box coreOf(const ViewMesh& view) {
     }
   }
   std::vector<Box> cells;
+  cells.reserve(occupied.size());
   for (const auto& [place, box] : occupied) cells.push_back(box);
   const std::size_t most = std::min(cells.size(), view.partBoxes.size());
   const auto omitted = static_cast<std::ptrdiff_t>(kLeftOut * static_cast<double>(most));
