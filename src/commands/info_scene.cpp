@@ -1,4 +1,4 @@
-// What `scanmill info` shows of scenes and 3D files.
+// `scanmill info` of scenes and 3D files prints their objects or parts, with sizes.
 
 #include <fmt/core.h>
 

@@ -128,7 +128,7 @@ Process::Process(const std::vector<std::string>& command, const std::map<std::st
     throw Error("no socket: " + reason(errno));
   const Descriptor ours(ends[0]);
   const Descriptor childs(ends[1]);
-  // Where our standard streams are closed, the socket may have one of their numbers, and what we print would go there.
+  // The socket may have the number of one of our standard streams, if that is closed. What we print would go there.
   socket_ = Descriptor(::fcntl(ours.number, F_DUPFD_CLOEXEC, STDERR_FILENO + 1));
   if (!socket_.open()) throw Error("no socket: " + reason(errno));
   SpawnActions actions;

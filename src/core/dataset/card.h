@@ -18,7 +18,7 @@ namespace scanmill {
 // by Gebru et al., "Datasheets for Datasets" (Communications of the ACM 64, 2021).
 std::string cardText(const Manifest& manifest);
 
-// What the scans of a dataset contain in all.
+// Counts over all scans of a dataset.
 struct ScanTotals {
   std::uint64_t points = 0;
   std::uint64_t beams = 0;

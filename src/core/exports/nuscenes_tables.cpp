@@ -414,7 +414,7 @@ class Tables {
     return seen;
   }
 
-  // What the sample_annotations of an object in a sequence have in common.
+  // An object of a sequence: nuScenes lists it once, and refers to it from each of its annotations.
   struct Track {
     std::uint16_t category = 0;
     // m, greatest sides of the object's boxes: nuScenes gives an instance one size, but an animated object's box

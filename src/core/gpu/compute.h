@@ -32,7 +32,7 @@ struct ComputeErrorWords {
   std::string instead;  // what the user can do instead, such as "'backend: cpu' does without it"
 };
 
-// What a device can hold.
+// Limits of a device's memory.
 struct ComputeLimits {
   std::uint64_t bufferBytes = std::numeric_limits<std::uint64_t>::max();  // of a buffer that a program writes
   std::uint64_t tableTexels = std::numeric_limits<std::uint64_t>::max();  // of a table, which a program only reads

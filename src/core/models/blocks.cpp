@@ -47,14 +47,9 @@ class BlockMaker {
  public:
   BlockMaker(Shape& shape, std::uint64_t seed, const Block& block)
       : b_(block), draw_(seed, Kind::Block, block.number), s_(shape) {
-    const char* const wall = draw_.chance(0.4) ? "brick" : draw_.chance(0.7) ? "plaster_tinted" : "plaster";
-    look_.wall = s_.surface("building", block.floors == 0 && draw_.chance(0.4) ? "wood" : wall);
-    look_.trim = s_.surface("building", "concrete");
-    look_.wood = s_.surface("building", "wood");
-    look_.metal = s_.surface("building", "painted_metal");
-    look_.tile = s_.surface("building", "roof_tile");
-    look_.glass = s_.surface("window", "glass");
-    look_.casing = s_.surface("window", draw_.chance(0.5) ? "wood" : "painted_metal");
+    const char* wall = draw_.chance(0.4) ? "brick" : draw_.chance(0.7) ? "plaster_tinted" : "plaster";
+    if (block.floors == 0 && draw_.chance(0.4)) wall = "wood";
+    look_ = facadeLook(s_, wall, draw_.chance(0.5) ? "wood" : "painted_metal");
     look_.foundation = block.base > 0 ? block.base : kBelowSlopes;
     base_ = block.floors > 0 ? draw_.in(0.1, 0.4) : 0;
     if (block.base > 0) base_ = block.base;

@@ -24,13 +24,8 @@ class HouseMaker {
  public:
   HouseMaker(SceneBuilder& builder, std::uint64_t seed, const House& house)
       : h_(house), seed_(seed), draw_(seed, Kind::House, house.number), s_(builder, "house") {
-    look_.wall = s_.surface("building", draw_.chance(0.45) ? "brick" : facadeOf(seed, house));
-    look_.trim = s_.surface("building", "concrete");
-    look_.wood = s_.surface("building", "wood");
-    look_.metal = s_.surface("building", "painted_metal");
-    look_.tile = s_.surface("building", "roof_tile");
-    look_.glass = s_.surface("window", "glass");
-    look_.casing = s_.surface("window", draw_.chance(0.5) ? "wood" : "painted_metal");
+    const char* const wall = draw_.chance(0.45) ? "brick" : facadeOf(seed, house);
+    look_ = facadeLook(s_, wall, draw_.chance(0.5) ? "wood" : "painted_metal");
     m_.storey = draw_.around(kStorey, 0.06);
     m_.base = draw_.in(0.15, 0.5);
     look_.top = m_.base + m_.storey * h_.floors + (h_.roof == Roof::Flat ? 0.5 : 0.1);

@@ -109,6 +109,18 @@ class FacadeMaker {
 
 }  // namespace
 
+FacadeLook facadeLook(Shape& shape, const char* wall, const char* casing) {
+  FacadeLook look;
+  look.wall = shape.surface("building", wall);
+  look.trim = shape.surface("building", "concrete");
+  look.wood = shape.surface("building", "wood");
+  look.metal = shape.surface("building", "painted_metal");
+  look.tile = shape.surface("building", "roof_tile");
+  look.glass = shape.surface("window", "glass");
+  look.casing = shape.surface("window", casing);
+  return look;
+}
+
 void addFacade(Shape& shape, const FacadeLook& look, const Affine& wallFrame, double width,
                const std::vector<Opening>& openings, bool front) {
   const Affine outer = shape.frame;

@@ -23,6 +23,9 @@ struct FacadeLook {
   bool shutters = false;
 };
 
+// Adds the surfaces of a facade to a shape. `wall`, `casing`: materials of the walls and of the windows' frames.
+FacadeLook facadeLook(Shape& shape, const char* wall, const char* casing);
+
 // Appends a wall with its windows and doors. `wallFrame` has x along the wall (to the right, seen from outside), y up
 // and z outwards; `width` is the length of the wall (m). Shutters are added only if `front` is set.
 void addFacade(Shape& shape, const FacadeLook& look, const Affine& wallFrame, double width,

@@ -44,10 +44,10 @@ class RecordedPoses {
   std::vector<StampedPose> poses_;  // ascending in time; the time of the first pose is 0
 };
 
-// Reads the map `recorded` of a trajectory, whose keys docs/keys.md explains. KITTI: Geiger, Lenz, Urtasun, "Are we ready
-// for autonomous driving?", CVPR 2012: 12 numbers per line, the first three rows of the matrix that transforms points
-// from the left camera's frame to its first frame. TUM: Sturm et al., "A benchmark for the evaluation of RGB-D SLAM
-// systems", IROS 2012: `time x y z qx qy qz qw`. Throws InputError with the file and the line number.
+// Reads the map `recorded` of a trajectory. docs/keys.md explains its keys. KITTI (Geiger, Lenz, Urtasun, "Are we ready
+// for autonomous driving?", CVPR 2012) has 12 numbers per line, the first three rows of the matrix that transforms
+// points from the left camera's frame to its first frame. TUM (Sturm et al., "A benchmark for the evaluation of RGB-D
+// SLAM systems", IROS 2012) has `time x y z qx qy qz qw`. Throws InputError with the file and the line number.
 RecordedPoses readRecordedPoses(const Value& value);
 
 struct FormatSupport;

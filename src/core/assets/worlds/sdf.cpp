@@ -416,7 +416,7 @@ class SdfReader {
           const std::string version = sdf.attributeOr("version", "0");
           if (version.find_first_of("0123456789") != 0)
             sdf.fail(fmt::format("has the version '{}', which is no number", version));
-          // By the numbers in the texts: 1.10 is greater than 1.9.
+          // strverscmp() compares the numbers in the texts, so that 1.10 is greater than 1.9.
           if (::strverscmp(version.c_str(), highest.c_str()) <= 0 ||
               !std::filesystem::exists(found / sdf.text, ignored))
             continue;
