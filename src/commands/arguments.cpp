@@ -187,7 +187,7 @@ std::string folderOption(const Arguments& arguments, const std::string& name) {
   return folder;
 }
 
-void expectFree(const std::filesystem::path& file, const Arguments& arguments) {
+void prepareOutputFile(const std::filesystem::path& file, const Arguments& arguments) {
   std::error_code failure;
   const auto refuse = [](const std::filesystem::path& path, const std::string& why) {
     throw InputError({path.string()}, why);

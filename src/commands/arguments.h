@@ -94,7 +94,7 @@ std::uint64_t countOption(const Arguments& arguments, const char* name);
 
 // Makes the folder of a file that is to be written. Throws InputError if that fails, if the file is a folder, or if it
 // exists and --overwrite is not given.
-void expectFree(const std::filesystem::path& file, const Arguments& arguments);
+void prepareOutputFile(const std::filesystem::path& file, const Arguments& arguments);
 
 // Returns the folder that an option names; empty if the option is not given. Throws InputError for an empty name.
 std::string folderOption(const Arguments& arguments, const std::string& name);

@@ -108,7 +108,7 @@ int runDraft(const std::vector<std::string>& arguments) {
   const Ontology ontology = readOntology(namedResource(ontologyName, "labels"));
   const std::vector<Concept> concepts = readConcepts(parsed.has("words") ? std::filesystem::path(parsed.text("words"))
                                                                          : resourceFolder() / "labels/words.yaml");
-  for (const std::filesystem::path& made : {out, picture}) expectFree(made, parsed);
+  for (const std::filesystem::path& made : {out, picture}) prepareOutputFile(made, parsed);
   const draft::Draft made = [&] {
     const InputBudget budget;  // the picture, which reads the scene, has a budget of its own
     return draft::draftScene(files, concepts, ontology, ontologyName, out.stem().string(), out.parent_path(), reading);

@@ -88,7 +88,7 @@ int runExample(const std::vector<std::string>& arguments) {
         fmt::format("there is no example '{}'{}; `scanmill example` lists them", name, suggestion(name, names)));
   }
   const fs::path folder = parsed.has("out") ? fs::path(parsed.text("out")) : fs::path(".");
-  for (const fs::path& file : found->files) expectFree(folder / file.filename(), parsed);
+  for (const fs::path& file : found->files) prepareOutputFile(folder / file.filename(), parsed);
   std::string copied;
   for (const fs::path& file : found->files) {
     writeFile(folder / file.filename(), readFile(file));

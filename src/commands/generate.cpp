@@ -150,7 +150,7 @@ void generateOne(const Arguments& parsed, const std::vector<std::string>& overri
       generateOptions.resume ? wholeDatasetOf(datasetPlan(plan, jobs), generateOptions.folder) : std::nullopt;
   if (whole) {
     if (!generateOptions.anyFiles) {
-      expectSameFiles(whole->files, plan.pipeline.file.parent_path(), generateOptions.folder);
+      requireUnchangedFiles(whole->files, plan.pipeline.file.parent_path(), generateOptions.folder);
     }
     printText("{}: is complete: there is nothing to resume\n", generateOptions.folder.string());
     return;

@@ -85,7 +85,7 @@ std::optional<FoundResponse> responseOf(const std::vector<Scan>& recorded, const
 
 std::filesystem::path requiredFile(const Arguments& parsed, const std::string& what) {
   const std::filesystem::path out = requiredText(parsed, "out", what);
-  expectFree(out, parsed);
+  prepareOutputFile(out, parsed);
   return out;
 }
 

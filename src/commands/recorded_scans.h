@@ -24,7 +24,8 @@ void forEachScan(const std::vector<std::string>& given,
 // the message.
 std::string requiredText(const Arguments& parsed, const std::string& option, const std::string& what);
 
-// Returns the file of the option `out`. Throws InputError if it is missing or must not be written, see expectFree().
+// Returns the file of the option `out`. Throws InputError if it is missing or must not be written, see
+// prepareOutputFile().
 std::filesystem::path requiredFile(const Arguments& parsed, const std::string& what);
 
 // Adds the option `simulated` of the commands that find a sensor's response.

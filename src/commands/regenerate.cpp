@@ -35,7 +35,7 @@ int runRegenerate(const std::vector<std::string>& arguments) {
   const std::string asked = parsed.text("shards");
   requireDataset(folder);
   const std::filesystem::path manifestFile = std::filesystem::path(folder) / kManifestName;
-  expectUnchanged(manifestFile, readFile(manifestFile));
+  requireStatedDigest(manifestFile, readFile(manifestFile));
   std::map<std::uint32_t, std::string> undescribed;
   const Manifest manifest = readManifest(folder, undescribed);
   std::vector<std::uint64_t> shards =

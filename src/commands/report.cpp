@@ -54,7 +54,7 @@ int runReport(const std::vector<std::string>& arguments) {
   if (reportOptions.samples > kMostSamples) {
     throw InputError(fmt::format("--samples must be from 0 to {}, not {}", kMostSamples, reportOptions.samples));
   }
-  expectFree(file, parsed);
+  prepareOutputFile(file, parsed);
   reportOptions.quiet = parsed.has("quiet");
   reportOptions.stop = &stopSignal();
   const ResourceLimits limits(parsed);

@@ -47,7 +47,7 @@ class PackedDataset {
       Manifest own = manifest;
       own.shards = {part.shard};
       own.samples = part.samples;
-      folder_.keep({"packed", {}, own});
+      folder_.storeRecord({"packed", {}, own});
       for (SampleRecord& record : part.samples) {
         record.shard = static_cast<std::uint32_t>(manifest.shards.size());
         const std::string key = record.key;

@@ -34,7 +34,7 @@ constexpr std::chrono::seconds kShortPatience(2);
 constexpr std::chrono::milliseconds kPause(50);
 
 // Returns the device and the inode of a path; zeros if the path does not exist.
-std::pair<std::uint64_t, std::uint64_t> placeOnDisk(const fs::path& path) {
+std::pair<std::uint64_t, std::uint64_t> identityOf(const fs::path& path) {
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0) return {0, 0};
   return {status.st_dev, status.st_ino};
@@ -57,7 +57,7 @@ fs::path datasetAbove(const fs::path& folder) {
     above = above.parent_path();
     if (above.filename() == kHiddenName) return {};
     try {
-      if (isUnfinished(above) || !listedIn(above / kManifestName).empty()) return above;
+      if (isUnfinished(above) || !filesListedIn(above / kManifestName).empty()) return above;
     } catch (const InputError&) {
       continue;  // a manifest of another program
     }
@@ -188,9 +188,9 @@ DatasetFolder::DatasetFolder(fs::path folder, FolderUse use, DatasetPlan plan)
       lock_ = std::make_unique<FolderLock>(folder_, staging_ / kLockName);
     }
     checkUse(folder_, use);  // check again: another process may have changed the folder before it was locked
-    whole_ = shared_ && !isUnfinished(folder_) && fs::exists(folder_ / kManifestName);
-    place_ = placeOnDisk(folder_);
-    if (!whole_) begin(use);
+    complete_ = shared_ && !isUnfinished(folder_) && fs::exists(folder_ / kManifestName);
+    identity_ = identityOf(folder_);
+    if (!complete_) begin(use);
   } catch (const fs::filesystem_error& error) {
     leave();
     throw InputError({folder_.string()}, "cannot be used as output folder: " + error.code().message());
@@ -255,7 +255,7 @@ void DatasetFolder::begin(FolderUse use) {
   // Shards without a manifest are left over from a run that was killed in publish(). Shards with a manifest are a
   // complete dataset, which stays until the new dataset is complete.
   if (!fs::exists(folder_ / kManifestName)) {
-    for (const std::string& name : ownShards(folder_)) removeShard(folder_, name);
+    for (const std::string& name : writtenFiles(folder_)) removeShard(folder_, name);
   }
   if (!shared_) clearHidden(staging_);
   writeFile(folder_, planFile, toJson(plan_));
@@ -272,10 +272,10 @@ bool DatasetFolder::makeAlone() {
 
 DatasetFolder::~DatasetFolder() {
   std::error_code ignored;
-  if (placeOnDisk(folder_) != place_ || !makeAlone()) return;
+  if (identityOf(folder_) != identity_ || !makeAlone()) return;
   bool whole = false;
   try {
-    whole = !published_ && !whole_ && !recordedIn(staging_).empty();
+    whole = !published_ && !complete_ && !shardsRecordedIn(staging_).empty();
     if (!whole) clearHidden(staging_);
   } catch (const std::exception&) {
     whole = true;  // the folder may have changed: remove no more files
@@ -288,7 +288,7 @@ DatasetFolder::~DatasetFolder() {
 
 // Returns the path of a shard: in staging_, or its final path if an earlier process moved the shard there before it was
 // killed in publish().
-fs::path DatasetFolder::placeOf(const std::string& name) const {
+fs::path DatasetFolder::shardPath(const std::string& name) const {
   return isThere(staging_ / name) ? staging_ / name : folder_ / name;
 }
 
@@ -301,14 +301,14 @@ std::unique_ptr<FolderLock> DatasetFolder::claim(const std::string& name) {
   return FolderLock::tryTake(folder_, file, lock_->isKept() ? LockKind::Alone : LockKind::Shared, holder);
 }
 
-void DatasetFolder::keep(const DatasetPart& part) {
-  checkPlace();
+void DatasetFolder::storeRecord(const DatasetPart& part) {
+  requireSameFolder();
   writeFile(folder_, staging_ / (part.manifest.shards.at(0).file + kRecordSuffix), toJson(part));
 }
 
-std::optional<DatasetPart> DatasetFolder::kept(const std::string& name, Check check) const {
+std::optional<DatasetPart> DatasetFolder::findRecord(const std::string& name, Check check) const {
   const fs::path record = staging_ / (name + kRecordSuffix);
-  const fs::path shard = placeOf(name);
+  const fs::path shard = shardPath(name);
   if (!isThere(record) || !isThere(shard)) return std::nullopt;
   DatasetPart part;
   const std::string text = readFile(record);
@@ -331,20 +331,20 @@ std::optional<DatasetPart> DatasetFolder::kept(const std::string& name, Check ch
   return part;
 }
 
-void DatasetFolder::checkPlace() const {
-  const auto place = placeOnDisk(folder_);
-  if (place == place_) return;
+void DatasetFolder::requireSameFolder() const {
+  const auto place = identityOf(folder_);
+  if (place == identity_) return;
   const std::string why = place.first == 0 && errno != ENOENT ? fmt::format(" ({})", std::strerror(errno)) : "";
   throw Error(fmt::format("{}: was removed or replaced while the dataset was written{}", folder_.string(), why));
 }
 
 void DatasetFolder::publish(const Manifest& manifest, std::uint64_t mostSampleBytes) {
   try {
-    checkPlace();
+    requireSameFolder();
     for (const ShardRecord& shard : manifest.shards) {
-      if (fs::file_size(placeOf(shard.file)) == shard.bytes) continue;
+      if (fs::file_size(shardPath(shard.file)) == shard.bytes) continue;
       throw Error(
-          fmt::format("{}: has changed since it was written: --resume makes it again", placeOf(shard.file).string()));
+          fmt::format("{}: has changed since it was written: --resume makes it again", shardPath(shard.file).string()));
     }
     if (fs::exists(folder_ / kManifestName)) {
       // The manifest is moved first, and the move is flushed to the disk, so that a mixture of old and new files never
@@ -352,26 +352,26 @@ void DatasetFolder::publish(const Manifest& manifest, std::uint64_t mostSampleBy
       moveFile(folder_, folder_ / kManifestName, staging_ / kReplacedName);
       syncFolder(folder_);
     }
-    for (const std::string& name : listedIn(staging_ / kReplacedName)) {
+    for (const std::string& name : filesListedIn(staging_ / kReplacedName)) {
       // Do not remove a shard of the new dataset, which a process moved here before it was killed.
       const bool moved = fs::exists(staging_ / (name + kRecordSuffix)) && !fs::exists(staging_ / name);
-      checkPlace();
+      requireSameFolder();
       if (!moved) removeShard(folder_, name);
     }
     for (const std::string& name : contentsOf(folder_).leftovers) removeFile(folder_, folder_ / name);
     std::vector<fs::path> changed{folder_};
     for (const ShardRecord& shard : manifest.shards) {
-      checkPlace();
+      requireSameFolder();
       if (fs::exists(staging_ / shard.file)) moveFile(folder_, staging_ / shard.file, folder_ / shard.file);
       const fs::path own = (folder_ / shard.file).parent_path();
       if (std::find(changed.begin(), changed.end(), own) == changed.end()) changed.push_back(own);
     }
     const auto writeBeside = [&](std::string_view name, const std::string& bytes) {
-      checkPlace();
+      requireSameFolder();
       AtomicFile beside(folder_, folder_ / name);
       beside.write(bytes);
       beside.flush();
-      checkPlace();
+      requireSameFolder();
       beside.commit();
     };
     writeBeside(kCardName, cardText(manifest));
@@ -382,7 +382,7 @@ void DatasetFolder::publish(const Manifest& manifest, std::uint64_t mostSampleBy
     file.write(text);
     file.flush();
     // Check the folder's identity once more, because after this only names are checked and a file is renamed.
-    checkPlace();
+    requireSameFolder();
     for (const ShardRecord& shard : manifest.shards) {
       if (isThere(folder_ / shard.file)) continue;
       throw Error(fmt::format("{}: no longer exists: --resume makes it again", (folder_ / shard.file).string()));

@@ -24,7 +24,7 @@ enum class FolderUse {
   New,      // the folder must be absent or empty
   Replace,  // replaces the dataset in the folder, whether it is complete or unfinished
   Resume,   // continues the unfinished dataset in the folder; like New if the folder has none
-  Share,    // like Resume, but several processes may write, and the dataset may already be complete, see isWhole()
+  Share,    // like Resume, but several processes may write, and the dataset may already be complete, see isComplete()
 };
 
 class DatasetFolder {
@@ -51,7 +51,7 @@ class DatasetFolder {
 
   // Returns true if other processes that share the folder have already completed the dataset, so that nothing remains
   // to be done.
-  bool isWhole() const { return whole_; }
+  bool isComplete() const { return complete_; }
 
   // Returns the folder into which shards are written.
   const std::filesystem::path& staging() const { return staging_; }
@@ -59,12 +59,12 @@ class DatasetFolder {
   // Claims a shard for this process as long as the returned lock lives; null if another process has claimed it.
   [[nodiscard]] std::unique_ptr<FolderLock> claim(const std::string& name);
   // Stores the record of a shard that is complete in staging().
-  void keep(const DatasetPart& part);
+  void storeRecord(const DatasetPart& part);
   enum class Check { Size, Bytes };
   // Returns the record of a shard, if a record was stored and the shard has the recorded size and (with Check::Bytes)
   // the recorded hash; otherwise nothing. `name`: see shardName(). Throws InputError if the record belongs to another
   // plan.
-  std::optional<DatasetPart> kept(const std::string& name, Check check) const;
+  std::optional<DatasetPart> findRecord(const std::string& name, Check check) const;
 
   // Changes the lock so that only this process may write the folder. Returns false, and leaves a shared folder to the
   // others, if other processes work on it. Must be called before publish().
@@ -76,21 +76,21 @@ class DatasetFolder {
   // resumed.
   void publish(const Manifest& manifest, std::uint64_t mostSampleBytes = 100'000'000);
   // Throws Error if the folder was removed or replaced since this object was created.
-  void checkPlace() const;
+  void requireSameFolder() const;
 
  private:
   void begin(FolderUse use);
   void share();
   void leave();
-  std::filesystem::path placeOf(const std::string& name) const;
+  std::filesystem::path shardPath(const std::string& name) const;
 
   std::filesystem::path folder_;
   std::filesystem::path staging_;
-  std::pair<std::uint64_t, std::uint64_t> place_{0, 0};  // device and inode of the folder
+  std::pair<std::uint64_t, std::uint64_t> identity_{0, 0};  // device and inode of the folder
   DatasetPlan plan_;
   std::unique_ptr<FolderLock> lock_;
   bool shared_ = false;
-  bool whole_ = false;
+  bool complete_ = false;
   bool created_ = false;  // true if this object has created the folder
   bool published_ = false;
 };

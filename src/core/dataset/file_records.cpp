@@ -30,8 +30,8 @@ std::string addFiles(const std::vector<FileRecord>& more, std::vector<FileRecord
   return twice == files.end() ? std::string() : twice->file;
 }
 
-void expectSameFiles(const std::vector<FileRecord>& files, const std::filesystem::path& folder,
-                     const std::filesystem::path& dataset) {
+void requireUnchangedFiles(const std::vector<FileRecord>& files, const std::filesystem::path& folder,
+                           const std::filesystem::path& dataset) {
   constexpr std::size_t kNamed = 5;
   std::vector<std::string> changed;
   std::map<std::filesystem::path, std::string> now;  // hashes; empty: the file is missing

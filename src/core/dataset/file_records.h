@@ -26,7 +26,7 @@ std::vector<FileRecord> recordsOf(const FilesRead& read, const std::filesystem::
 std::string addFiles(const std::vector<FileRecord>& more, std::vector<FileRecord>& files);
 
 // Throws InputError at `dataset` if any of the files has other bytes now, or is missing; the message names these files.
-void expectSameFiles(const std::vector<FileRecord>& files, const std::filesystem::path& folder,
-                     const std::filesystem::path& dataset);
+void requireUnchangedFiles(const std::vector<FileRecord>& files, const std::filesystem::path& folder,
+                           const std::filesystem::path& dataset);
 
 }  // namespace scanmill

@@ -98,7 +98,7 @@ FolderContents contentsOf(const fs::path& folder) {
   return run;
 }
 
-std::vector<std::string> listedIn(const fs::path& file) {
+std::vector<std::string> filesListedIn(const fs::path& file) {
   if (!pathExists(file)) return {};
   std::vector<std::string> listed;
   try {
@@ -116,7 +116,7 @@ std::vector<std::string> listedIn(const fs::path& file) {
   return listed;
 }
 
-std::vector<std::string> recordedIn(const fs::path& hidden) {
+std::vector<std::string> shardsRecordedIn(const fs::path& hidden) {
   std::vector<std::string> names;
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(hidden, ignored)) {
@@ -128,11 +128,11 @@ std::vector<std::string> recordedIn(const fs::path& hidden) {
   return names;
 }
 
-std::vector<std::string> ownShards(const fs::path& folder) {
-  std::vector<std::string> own = listedIn(folder / kManifestName);
-  const std::vector<std::string> replaced = listedIn(folder / kHiddenName / kReplacedName);
+std::vector<std::string> writtenFiles(const fs::path& folder) {
+  std::vector<std::string> own = filesListedIn(folder / kManifestName);
+  const std::vector<std::string> replaced = filesListedIn(folder / kHiddenName / kReplacedName);
   own.insert(own.end(), replaced.begin(), replaced.end());
-  for (const std::string& shard : recordedIn(folder / kHiddenName)) {
+  for (const std::string& shard : shardsRecordedIn(folder / kHiddenName)) {
     own.push_back(shard);
     own.push_back(samplesFileOf(shard));
   }
@@ -142,7 +142,7 @@ std::vector<std::string> ownShards(const fs::path& folder) {
 }
 
 void checkOwnership(const fs::path& folder, const FolderContents& contents) {
-  const std::vector<std::string> own = ownShards(folder);
+  const std::vector<std::string> own = writtenFiles(folder);
   for (const std::string& name : contents.shards) {
     if (std::binary_search(own.begin(), own.end(), name)) continue;
     throw InputError({(folder / name).string()},

@@ -34,15 +34,15 @@ FolderContents contentsOf(const std::filesystem::path& folder);
 
 // Returns the shards that a manifest lists, and the files that describe their samples; none if the manifest does not
 // exist. Throws InputError if the manifest cannot be read.
-std::vector<std::string> listedIn(const std::filesystem::path& manifest);
+std::vector<std::string> filesListedIn(const std::filesystem::path& manifest);
 
 // Returns the names of the shards that have records in the hidden folder.
-std::vector<std::string> recordedIn(const std::filesystem::path& hidden);
+std::vector<std::string> shardsRecordedIn(const std::filesystem::path& hidden);
 
 // Returns the names of the shards that this program wrote into a folder, and of the files that describe their samples.
 // These files belong to the dataset in the folder; or, if a process was killed while it published a dataset, to the old
 // or the new dataset. Throws InputError if a manifest in the folder cannot be read.
-std::vector<std::string> ownShards(const std::filesystem::path& folder);
+std::vector<std::string> writtenFiles(const std::filesystem::path& folder);
 
 // Throws InputError if writing a new dataset would destroy or hide files that this program has not written.
 void checkOwnership(const std::filesystem::path& folder, const FolderContents& contents);

@@ -4,8 +4,8 @@
 // keys in the order of the file and the limits of their values. The writer and the strict reader follow it.
 //
 //   void describe(RecordKeys& keys, ObjectCount& count) {
-//     keys("objects", count.objects, whole(1));
-//     keys("with_points", count.withPoints, whole(0, count.objects));
+//     keys("objects", count.objects, wholeNumber(1));
+//     keys("with_points", count.withPoints, wholeNumber(0, count.objects));
 //   }
 //
 // Limits are functions of the JsonNode that has been read, which fail if they do not allow its value.
@@ -26,7 +26,7 @@
 
 namespace scanmill {
 
-inline const OrderedJson kLeftOut(OrderedJson::value_t::discarded);
+inline const OrderedJson kAbsent(OrderedJson::value_t::discarded);
 
 // Things that records refer to. `ontology`: null leaves the names of classes out. `head`: the manifest without its
 // samples.
@@ -63,7 +63,7 @@ class RecordKeys {
   void optionalIf(bool written, const char* key, T& value, const Limits&... limits) {
     entry(false, written, key, value, limits...);
   }
-  // A key whose JSON write() returns (kLeftOut: none) and read(node) reads.
+  // A key whose JSON write() returns (kAbsent: none) and read(node) reads.
   template <class Write, class Read>
   void custom(bool required, const char* key, const Write& write, const Read& read) {
     if (writes_) {
@@ -99,7 +99,7 @@ class RecordKeys {
  private:
   template <class T, class... Limits>
   void entry(bool required, bool written, const char* key, T& value, const Limits&... limits) {
-    const auto write = [&] { return written ? jsonOf(value, name_ + "/" + key, context) : kLeftOut; };
+    const auto write = [&] { return written ? jsonOf(value, name_ + "/" + key, context) : kAbsent; };
     custom(required, key, write, [&](const JsonNode& node) {
       readJson(node, value, context);
       (limits(node), ...);
@@ -188,10 +188,10 @@ void readJson(const JsonNode& node, T& value, const RecordContext& context) {
 inline auto within(double low, double high = std::numeric_limits<double>::max()) {
   return [=](const JsonNode& node) { node.number(low, high); };
 }
-inline auto whole(std::uint64_t low, std::uint64_t high = std::numeric_limits<std::uint64_t>::max()) {
+inline auto wholeNumber(std::uint64_t low, std::uint64_t high = std::numeric_limits<std::uint64_t>::max()) {
   return [=](const JsonNode& node) { node.integer<std::uint64_t>(low, high); };
 }
-inline auto count(std::size_t numbers) {
+inline auto numberCount(std::size_t numbers) {
   return [=](const JsonNode& node) { node.numbers(numbers); };
 }
 inline constexpr auto kSha256Digits = [](const JsonNode& node) { node.sha256(); };
@@ -220,7 +220,7 @@ void describe(RecordKeys& keys, SampleRecord& sample);
 void describeClassName(RecordKeys& keys, const char* key, const std::uint16_t& id);
 // Reads what is modelled. `mayBeLines`: true accepts lines of text, too, as earlier versions wrote them.
 void readModelled(const JsonNode& list, bool mayBeLines, std::vector<ModelledItem>& items);
-// Returns the JSON of the values that were drawn at random, or kLeftOut.
+// Returns the JSON of the values that were drawn at random, or kAbsent.
 OrderedJson drawsJson(const SampleRecord& sample);
 
 }  // namespace scanmill

@@ -160,7 +160,7 @@ std::string toJson(const Manifest& manifest);
 // matches.
 [[nodiscard]] std::string digestProblem(std::string text);
 // Throws InputError if the text of the manifest `file` states a digest that it does not have.
-void expectUnchanged(const std::filesystem::path& file, const std::string& text);
+void requireStatedDigest(const std::filesystem::path& file, const std::string& text);
 // Parses a manifest. Throws an InputError that names `file`, the place in the text, and the problem.
 Manifest parseManifest(const std::string& text, const std::string& file);
 // Reads manifest.json in a dataset's folder, and also the files beside the shards if they describe the samples. Throws

@@ -114,7 +114,7 @@ static void describe(RecordKeys& keys, Manifest& m) {
         distinct("key")(node);
       });
   keys.custom(
-      false, "about", [&] { return m.about.empty() ? kLeftOut : OrderedJson(m.about); },
+      false, "about", [&] { return m.about.empty() ? kAbsent : OrderedJson(m.about); },
       [&](const JsonNode& about) {
         about.keys({}, {"description", "license", "creator", "url", "citation"});
         about.forEachEntry([&](const std::string& key, const JsonNode& text) { m.about.emplace(key, text.text()); });
@@ -125,7 +125,7 @@ static void describe(RecordKeys& keys, Manifest& m) {
   // Manifests of earlier versions may have the choice of a method, and times, which differ between machines.
   for (const char* const former : {"method_choice", "stages"}) {
     keys.custom(
-        false, former, [] { return kLeftOut; }, [](const JsonNode&) {});
+        false, former, [] { return kAbsent; }, [](const JsonNode&) {});
   }
 }
 
@@ -219,7 +219,7 @@ std::string digestProblem(std::string text) {
       found, stated);
 }
 
-void expectUnchanged(const std::filesystem::path& file, const std::string& text) {
+void requireStatedDigest(const std::filesystem::path& file, const std::string& text) {
   const std::string problem = digestProblem(text);
   if (problem.starts_with("was changed")) throw InputError({file.string()}, problem);
 }

@@ -110,7 +110,7 @@ Manifest readManifest(const std::filesystem::path& folder, std::map<std::uint32_
     return described(parseManifest(text, file.string()), folder, undescribed);
   } catch (const InputError& error) {
     try {
-      expectUnchanged(file, text);
+      requireStatedDigest(file, text);
     } catch (const InputError& changed) {  // files that contradict it may be sound
       throw InputError(fmt::format("{}; {}", changed.what(), error.what()));
     }

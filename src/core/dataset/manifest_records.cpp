@@ -35,7 +35,7 @@ void describe(RecordKeys& keys, ModelledItem& item) {
   keys.optional("sensor", item.sensor);
   keys.optional("options", item.options);
   keys.optional("scenes", item.scenes);
-  keys.optional("parts", item.parts, whole(1));
+  keys.optional("parts", item.parts, wholeNumber(1));
 }
 
 namespace {
@@ -117,10 +117,10 @@ static void describe(RecordKeys& keys, Rosette::Mirror& mirror) {
 
 static void describe(RecordKeys& keys, Rosette& rosette) {
   keys("angle", rosette.angle);
-  keys("speed", rosette.speed, count(rosette.angle.size()));
-  keys("phase", rosette.phase, count(rosette.angle.size()));
+  keys("speed", rosette.speed, numberCount(rosette.angle.size()));
+  keys("phase", rosette.phase, numberCount(rosette.angle.size()));
   keys.optional("left", rosette.left);
-  keys.optionalIf(!rosette.left.empty(), "up", rosette.up, count(rosette.left.size()));
+  keys.optionalIf(!rosette.left.empty(), "up", rosette.up, numberCount(rosette.left.size()));
   keys.optionalIf(rosette.mirror.has_value(), "mirror", rosette.mirror);
 }
 
@@ -131,8 +131,8 @@ void describe(RecordKeys& keys, SensorRecord& sensor) {
   });
   keys("model", b.model);
   keys("source", b.source);
-  keys("rings", b.rings, whole(1, 65536));
-  keys("columns", b.columns, whole(1, 65536));
+  keys("rings", b.rings, wholeNumber(1, 65536));
+  keys("columns", b.columns, wholeNumber(1, 65536));
   keys("period", b.period, within(0));
   keys("clockwise", b.clockwise);
   keys("top_down", b.topDown);
@@ -142,9 +142,9 @@ void describe(RecordKeys& keys, SensorRecord& sensor) {
   keys("field", b.field, within(0, 2 * kPi));
   keys("origin_offset", b.originOffset);
   keys("origin_height", b.originHeight);
-  keys("elevation", b.elevation, count(b.rings));
-  keys("azimuth_offset", b.azimuthOffset, count(b.rings));
-  keys("firing_offset", b.firingOffset, count(b.rings));
+  keys("elevation", b.elevation, numberCount(b.rings));
+  keys("azimuth_offset", b.azimuthOffset, numberCount(b.rings));
+  keys("firing_offset", b.firingOffset, numberCount(b.rings));
   keys.optional("vehicle_from_sensor", sensor.vehicleFromSensor);
   keys.optional("beams", b.listed, [&](const JsonNode& node) {
     for (const char* const key : {"azimuth", "elevation", "time"}) node[key].numbers(b.size());
@@ -155,14 +155,14 @@ void describe(RecordKeys& keys, SensorRecord& sensor) {
   });
   keys.optionalIf(b.sweep > 0, "sweep", b.sweep, within(0, b.period));
   keys.optionalIf(sensor.intensityFullScale != 1, "intensity_full_scale", sensor.intensityFullScale, within(1e-9));
-  keys.optional("origin_left", b.originLeft, count(b.rings));
-  keys.optional("origin_up", b.originUp, count(b.rings));
+  keys.optional("origin_left", b.originLeft, numberCount(b.rings));
+  keys.optional("origin_up", b.originUp, numberCount(b.rings));
 }
 
 void describeClassName(RecordKeys& keys, const char* key, const std::uint16_t& id) {
   const Ontology* const ontology = keys.context.ontology;
   keys.custom(
-      true, key, [&] { return ontology == nullptr ? kLeftOut : OrderedJson(requireClass(id, key, *ontology).name); },
+      true, key, [&] { return ontology == nullptr ? kAbsent : OrderedJson(requireClass(id, key, *ontology).name); },
       [&](const JsonNode& node) {
         const SemanticClass* const known = ontology->find(id);
         if (known == nullptr) node.fail(fmt::format("class {} is not in ontology '{}'", id, ontology->name));
@@ -189,8 +189,8 @@ struct ClassObjects {
 static void describe(RecordKeys& keys, ClassObjects& counted) {
   keys("id", counted.id);
   describeClassName(keys, "name", counted.id);
-  keys("objects", counted.count.objects, whole(1));
-  keys("with_points", counted.count.withPoints, whole(0, counted.count.objects));
+  keys("objects", counted.count.objects, wholeNumber(1));
+  keys("with_points", counted.count.withPoints, wholeNumber(0, counted.count.objects));
 }
 
 namespace {
@@ -237,7 +237,7 @@ void describe(RecordKeys& keys, ScanRecord& scan) {
   keys.optional("vehicle_from_sensor", scan.vehicleFromSensor);
   keys("beams", scan.beams);
   keys("points", scan.points);
-  keys.optional("unresolved", scan.unresolved, whole(1, scan.beams));
+  keys.optional("unresolved", scan.unresolved, wholeNumber(1, scan.beams));
   keys("instances", scan.instances);
   std::vector<ClassPoints> classes;
   for (const auto& [id, points] : scan.pointsPerClass) classes.push_back({id, points});
@@ -248,12 +248,12 @@ void describe(RecordKeys& keys, ScanRecord& scan) {
     }
   });
   keys.custom(
-      false, "reasons", [&] { return scan.beamsPerReason.empty() ? kLeftOut : reasonsJson(scan); },
+      false, "reasons", [&] { return scan.beamsPerReason.empty() ? kAbsent : reasonsJson(scan); },
       [&](const JsonNode& node) { scan.beamsPerReason = reasonsOf(node, scan.beams); });
 }
 
 OrderedJson drawsJson(const SampleRecord& sample) {
-  if (sample.draws.empty()) return kLeftOut;
+  if (sample.draws.empty()) return kAbsent;
   OrderedJson json = OrderedJson::object();
   for (const DrawnValue& draw : sample.draws) {
     json[draw.key] = draw.number ? OrderedJson::parse(draw.value) : OrderedJson(draw.value);

@@ -71,7 +71,7 @@ static void describe(RecordKeys& keys, ObjectView& view) {
 }
 
 static void describe(RecordKeys& keys, ObjectRecord& object) {
-  keys("id", object.id, whole(1));
+  keys("id", object.id, wholeNumber(1));
   keys("class", object.semantic);
   describeClassName(keys, "class_name", object.semantic);
   keys("name", object.name);

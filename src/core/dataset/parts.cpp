@@ -132,7 +132,7 @@ Manifest mergeDataset(const std::filesystem::path& folder) {
   std::vector<std::uint64_t> missing;
   const std::vector<std::string> names = plan.shards();
   for (std::size_t shard = 0; shard < names.size(); ++shard) {
-    std::optional<DatasetPart> part = opened.kept(names[shard], DatasetFolder::Check::Size);
+    std::optional<DatasetPart> part = opened.findRecord(names[shard], DatasetFolder::Check::Size);
     if (part) {
       parts.push_back(std::move(*part));
     } else {

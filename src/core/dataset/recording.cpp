@@ -52,12 +52,12 @@ std::string fileOf(const JsonNode& node) {
 
 static void describe(RecordKeys& keys, RecordedSensor& sensor) {
   keys("name", sensor.name);
-  keys("rings", sensor.rings, whole(1, 65536));
-  keys("columns", sensor.columns, whole(1, 65536));
+  keys("rings", sensor.rings, wholeNumber(1, 65536));
+  keys("columns", sensor.columns, wholeNumber(1, 65536));
   keys.optional("beams", sensor.beams, kSha256Digits);
   std::optional<Pose>& mount = sensor.vehicleFromSensor;
   keys.custom(
-      false, "vehicle_from_sensor", [&] { return mount ? numbersOf(*mount, sensor.name) : kLeftOut; },
+      false, "vehicle_from_sensor", [&] { return mount ? numbersOf(*mount, sensor.name) : kAbsent; },
       [&](const JsonNode& node) { mount = poseOfNumbers(node); });
 }
 
@@ -72,7 +72,7 @@ static void describe(RecordKeys& keys, RecordedSequence& s) {
   keys("trajectory", s.trajectory, [&](const JsonNode& node) {
     if (s.trajectory.empty()) node.fail("becomes part of file names, so it must not be empty");
   });
-  keys("frames", s.frames, whole(1, 10'000'000));
+  keys("frames", s.frames, wholeNumber(1, 10'000'000));
   keys.optionalIf(true, "materials", s.materials);
   keys.optional("without", s.without);
 }
@@ -88,7 +88,7 @@ static void describe(RecordKeys& keys, Recording& r) {
   std::uint32_t version = Recording::kSchemaVersion;
   keys.custom(
       true, "what", [] { return OrderedJson(kWhat); }, [](const JsonNode&) {});
-  keys("schema_version", version, whole(1), [&](const JsonNode& node) {
+  keys("schema_version", version, wholeNumber(1), [&](const JsonNode& node) {
     if (version <= Recording::kSchemaVersion) return;
     node.fail(fmt::format("{} is newer than this program, which reads up to {}: update scanmill", version,
                           Recording::kSchemaVersion));

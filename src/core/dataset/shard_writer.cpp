@@ -118,7 +118,7 @@ void ShardFile::add(const std::string& name, std::string_view bytes) {
   s.check(archive_write_finish_entry(s.tar));
 }
 
-ShardFile::Whole ShardFile::close() {
+ShardFile::Digest ShardFile::close() {
   State& s = *state_;
   s.check(archive_write_close(s.tar));
   s.flush();
@@ -213,9 +213,9 @@ void ShardWriter::add(const Sample& sample) {
 
 ShardPart ShardWriter::finish() {
   if (broken_) throw Error(fmt::format("{}: cannot be finished: a sample could not be written", part_.shard.file));
-  const ShardFile::Whole whole = file_.close();
-  part_.shard.sha256 = whole.sha256;
-  part_.shard.bytes = whole.bytes;
+  const ShardFile::Digest digest = file_.close();
+  part_.shard.sha256 = digest.sha256;
+  part_.shard.bytes = digest.bytes;
   part_.shard.samples = part_.samples.size();
   return std::move(part_);
 }

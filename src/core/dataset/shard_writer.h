@@ -30,12 +30,12 @@ class ShardFile {
   // Appends a member.
   void add(const std::string& name, std::string_view bytes);
 
-  struct Whole {
+  struct Digest {
     std::string sha256;
     std::uint64_t bytes = 0;
   };
   // Completes the file and gives it its final name. Returns the file's hash and size.
-  Whole close();
+  Digest close();
 
   // Returns the number of bytes that add() appends to the file for a member; close() appends kEndBytes.
   static std::uint64_t memberBytes(std::size_t nameLength, std::uint64_t bytes);

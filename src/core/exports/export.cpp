@@ -221,7 +221,7 @@ class Export {
     const bool complete = pathExists(folder / kRecord);
     const bool unfinished = pathExists(folder / kUnfinished);
     if (unfinished) {
-      const FolderLock free(folder, folder_.place(kLock));  // names the process that writes, if there is one
+      const FolderLock free(folder, folder_.prepareFile(kLock));  // names the process that writes, if there is one
     }
     if (complete || unfinished) {
       if (options_.overwrite) return;
@@ -244,7 +244,7 @@ class Export {
   // Locks the folder and removes an earlier export: its record first, so that the folder does not pass for a complete
   // export if the program is stopped.
   void beginFolder() {
-    lock_ = std::make_unique<FolderLock>(folder_.path(), folder_.place(kLock));
+    lock_ = std::make_unique<FolderLock>(folder_.path(), folder_.prepareFile(kLock));
     folder_.write(kUnfinished, record());
     if (options_.overwrite) fs::remove(folder_.path() / kRecord);
     std::vector<fs::path> old;
@@ -303,7 +303,7 @@ class Export {
   }
 
   const ExportOptions& options_;
-  std::unique_ptr<Layout> layout_;
+  std::unique_ptr<ExportLayout> layout_;
   ScanStore store_;
   ExportFolder folder_;
   std::unique_ptr<FolderLock> lock_;  // locked while the folder is written

@@ -16,7 +16,7 @@
 namespace scanmill {
 
 // Numbering needs all frames of a sequence, so that the numbers do not depend on the order in which frames are
-// processed: Layout::checkSample() adds them. Safe to use from several threads.
+// processed: ExportLayout::checkSample() adds them. Safe to use from several threads.
 class InstanceNumbers {
  public:
   // A group and an instance id of the dataset. Each group is numbered from 1, in the order of the ids.

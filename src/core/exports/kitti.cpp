@@ -140,7 +140,7 @@ std::string planeText(const ExportPlan& plan, const SampleRecord& sample) {
                      mount.translation.z);
 }
 
-class Kitti : public Layout {
+class Kitti : public ExportLayout {
  public:
   void check(const ExportPlan& plan) const override {
     std::size_t frames = 0;
@@ -234,7 +234,7 @@ class Kitti : public Layout {
 
 }  // namespace
 
-std::unique_ptr<Layout> makeKitti() {
+std::unique_ptr<ExportLayout> makeKitti() {
   return std::make_unique<Kitti>();
 }
 

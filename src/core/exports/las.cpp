@@ -31,7 +31,7 @@
 #include "base/error.h"
 #include "base/vec.h"
 #include "config/version.h"
-#include "dataset/world_places.h"
+#include "dataset/world_positions.h"
 #include "exports/layout.h"
 #include "exports/scan_files.h"
 #include "formats/little_endian.h"
@@ -226,7 +226,7 @@ void putPlace(const ExportPlan& plan, const ExportSample& sample, const ExportSc
 
 std::string lasBytes(const ExportPlan& plan, const ExportSample& sample, const ExportScan& given) {
   const Scan& scan = given.scan;
-  const WorldPlaces places(scan, *given.record, given.sensor->beams, plan.manifest.deskewed);
+  const WorldPositions places(scan, *given.record, given.sensor->beams, plan.manifest.deskewed);
   const ColumnSet columns = exportedColumns(plan, scan);
   // The columns that no field of the point format can represent completely.
   const ColumnSet extraColumns = columns.without(kLabel).without(kReturn).without(kReturns).without(kTime);
@@ -294,7 +294,7 @@ class Las : public ScanFiles {
 
 }  // namespace
 
-std::unique_ptr<Layout> makeLas() {
+std::unique_ptr<ExportLayout> makeLas() {
   return std::make_unique<Las>();
 }
 

@@ -148,10 +148,10 @@ const ScanRecord& scanOf(const ExportPlan& plan, const SampleRecord& sample, std
 }
 
 void ExportFolder::write(const std::filesystem::path& name, std::string_view bytes) const {
-  writeFile(folder_, place(name), bytes);
+  writeFile(folder_, prepareFile(name), bytes);
 }
 
-std::filesystem::path ExportFolder::place(const std::filesystem::path& name) const {
+std::filesystem::path ExportFolder::prepareFile(const std::filesystem::path& name) const {
   const std::filesystem::path path = folder_ / name;
   std::error_code failure;
   std::filesystem::create_directories(folder_, failure);

@@ -100,7 +100,7 @@ class ExportFolder {
   void write(const std::filesystem::path& name, std::string_view bytes) const;
   // Creates the folders above a file and returns the file's full path, for callers that write the file step by step
   // (AtomicFile).
-  std::filesystem::path place(const std::filesystem::path& name) const;
+  std::filesystem::path prepareFile(const std::filesystem::path& name) const;
 
  private:
   std::filesystem::path folder_;
@@ -108,9 +108,9 @@ class ExportFolder {
 
 // A layout. It may be used by several threads at once. All calls throw an InputError with the sample or the sensor if
 // the dataset does not fit the layout.
-class Layout {
+class ExportLayout {
  public:
-  virtual ~Layout() = default;
+  virtual ~ExportLayout() = default;
 
   // Throws InputError if the dataset's manifest shows that the layout cannot store the dataset. Called before
   // anything is written.
@@ -142,7 +142,7 @@ struct LayoutEntry {
   bool oneSensor = false;   // true: the layout can have only one sensor
   bool boxesAlone = false;  // true: only boxes have classes, points have none
   bool revolutions = true;  // false: the layout has one scan of each sensor in a frame, no more and no less
-  std::unique_ptr<Layout> (*make)();
+  std::unique_ptr<ExportLayout> (*make)();
 };
 
 std::span<const LayoutEntry> layouts();
@@ -150,12 +150,12 @@ std::span<const LayoutEntry> layouts();
 const LayoutEntry& requireLayout(std::string_view name);
 
 // The functions that create the layouts, for the rows of layouts(). Each is in the file named after the layout.
-std::unique_ptr<Layout> makeSemanticKitti();
-std::unique_ptr<Layout> makeKitti();
-std::unique_ptr<Layout> makeNuScenes();
-std::unique_ptr<Layout> makeLas();
-std::unique_ptr<Layout> makePly();
-std::unique_ptr<Layout> makeNpz();
-std::unique_ptr<Layout> makeMcap();
+std::unique_ptr<ExportLayout> makeSemanticKitti();
+std::unique_ptr<ExportLayout> makeKitti();
+std::unique_ptr<ExportLayout> makeNuScenes();
+std::unique_ptr<ExportLayout> makeLas();
+std::unique_ptr<ExportLayout> makePly();
+std::unique_ptr<ExportLayout> makeNpz();
+std::unique_ptr<ExportLayout> makeMcap();
 
 }  // namespace scanmill

@@ -188,7 +188,7 @@ class Bag {
   std::optional<std::uint16_t> objects_{};  // channel of the objects; set when the first objects are added
 };
 
-class Mcap : public Layout {
+class Mcap : public ExportLayout {
  public:
   void check(const ExportPlan& plan) const override {
     for (const SensorRecord* sensor : plan.sensors) {
@@ -207,7 +207,7 @@ class Mcap : public Layout {
   void write(const ExportPlan& plan, std::size_t sequence, std::size_t, const ReadSample& read,
              const ExportFolder& folder) const override {
     const ExportSequence& own = plan.sequences[sequence];
-    Bag bag(plan, sequence, folder.place(std::filesystem::path(own.split) / (own.name + ".mcap")));
+    Bag bag(plan, sequence, folder.prepareFile(std::filesystem::path(own.split) / (own.name + ".mcap")));
     for (std::size_t f = 0; f < own.samples.size(); ++f) bag.add(read(sequence, f));
     bag.commit();
   }
@@ -215,7 +215,7 @@ class Mcap : public Layout {
 
 }  // namespace
 
-std::unique_ptr<Layout> makeMcap() {
+std::unique_ptr<ExportLayout> makeMcap() {
   return std::make_unique<Mcap>();
 }
 

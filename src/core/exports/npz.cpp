@@ -126,7 +126,7 @@ std::string npzBytes(const ExportPlan& plan, const ExportSample& sample, const E
 
 }  // namespace
 
-std::unique_ptr<Layout> makeNpz() {
+std::unique_ptr<ExportLayout> makeNpz() {
   return std::make_unique<ScanFiles>("npz", npzBytes);
 }
 

@@ -107,7 +107,7 @@ std::string pointsOf(const ExportScan& exported) {
   return bytes;
 }
 
-class NuScenes : public Layout {
+class NuScenes : public ExportLayout {
  public:
   void check(const ExportPlan& plan) const override {
     checkClasses(plan);
@@ -231,7 +231,7 @@ class NuScenes : public Layout {
 
 }  // namespace
 
-std::unique_ptr<Layout> makeNuScenes() {
+std::unique_ptr<ExportLayout> makeNuScenes() {
   return std::make_unique<NuScenes>();
 }
 

@@ -159,7 +159,7 @@ class Tables {
     for (auto& [ignored, table] : tables_) table.commit();
     folder_.write(fs::path(kNuScenesVersion) / "splits.json", layOut(splits_) + "\n");
     folder_.write(mapFile(), mapMask());
-    for (std::size_t i = 0; i < plan_.sensors.size(); ++i) folder_.place(fs::path("sweeps") / channel(i) / "");
+    for (std::size_t i = 0; i < plan_.sensors.size(); ++i) folder_.prepareFile(fs::path("sweeps") / channel(i) / "");
     const std::vector<std::uint8_t> black(std::size_t{3} * kCameraWidth * kCameraHeight);
     const std::string image = encodePng(black.data(), kCameraWidth, kCameraHeight);
     for (const auto& [camera, side] : kCameras) folder_.write(cameraFile(camera), image);
@@ -171,7 +171,7 @@ class Tables {
   std::string token(std::string_view kind, std::string_view name) const { return nuScenesToken(plan_, kind, name); }
 
   void open(const std::string& name) {
-    tables_.try_emplace(name, folder_.place(fs::path(kNuScenesVersion) / (name + ".json")));
+    tables_.try_emplace(name, folder_.prepareFile(fs::path(kNuScenesVersion) / (name + ".json")));
   }
   void add(const std::string& table, const OrderedJson& row) { tables_.at(table).add(scalarText(row)); }
 

@@ -113,7 +113,7 @@ std::string plyBytes(const ExportPlan& plan, const ExportSample& sample, const E
 
 }  // namespace
 
-std::unique_ptr<Layout> makePly() {
+std::unique_ptr<ExportLayout> makePly() {
   return std::make_unique<ScanFiles>("ply", plyBytes);
 }
 

@@ -16,7 +16,7 @@
 
 namespace scanmill {
 
-class ScanFiles : public Layout {
+class ScanFiles : public ExportLayout {
  public:
   // Returns the bytes of the file of one of the sample's scans.
   using BytesOf = std::string (*)(const ExportPlan& plan, const ExportSample& sample, const ExportScan& scan);

@@ -81,7 +81,7 @@ std::set<InstanceNumbers::Instance> instanceIdsOf(const ExportPlan&, const Scan&
   return here;
 }
 
-class SemanticKitti : public Layout {
+class SemanticKitti : public ExportLayout {
  public:
   void check(const ExportPlan& plan) const override {
     if (plan.sequences.size() > kMostSequences) {
@@ -204,7 +204,7 @@ class SemanticKitti : public Layout {
       const OrderedJson infos{{"metainfo", {{"dataset", "semantickitti"}}}, {"data_list", std::move(list)}};
       folder.write(fmt::format("semantickitti_infos_{}.json", split), layOut(infos) + "\n");
       for (const std::size_t number : usualNumbers(split)) {
-        for (const char* kind : {"velodyne", "labels"}) folder.place(sequenceFolder(number) / kind / "");
+        for (const char* kind : {"velodyne", "labels"}) folder.prepareFile(sequenceFolder(number) / kind / "");
       }
     }
   }
@@ -262,7 +262,7 @@ class SemanticKitti : public Layout {
 
 }  // namespace
 
-std::unique_ptr<Layout> makeSemanticKitti() {
+std::unique_ptr<ExportLayout> makeSemanticKitti() {
   return std::make_unique<SemanticKitti>();
 }
 

@@ -163,9 +163,9 @@ TEST(DatasetFolder, AnInterruptedRunCanBeResumed) {
   writeFile(damaged, bytes);
   fs::remove(data / ".scanmill/train/train-000002.tar");
   DatasetFolder resumed(data, FolderUse::Resume, kPlan);
-  const auto first = resumed.kept(shardName("train", 0), kBytes);
+  const auto first = resumed.findRecord(shardName("train", 0), kBytes);
   ASSERT_TRUE(first.has_value());
-  for (int i = 1; i < 4; ++i) EXPECT_FALSE(resumed.kept(shardName("train", i), kBytes).has_value()) << i;
+  for (int i = 1; i < 4; ++i) EXPECT_FALSE(resumed.findRecord(shardName("train", i), kBytes).has_value()) << i;
   publish(resumed, {first->manifest, addShard(resumed, 1)});
   EXPECT_THAT(problemsOf(data), IsEmpty());
 }
@@ -191,10 +191,10 @@ TEST(DatasetFolder, AMoveThatWasInterruptedGoesOn) {
       if (moment >= 3) fs::remove_all(folder.path() / "val");
       EXPECT_THROW(readManifest(folder.path()), InputError);
       DatasetFolder again(folder.path(), resume ? FolderUse::Resume : FolderUse::Replace, kPlan);
-      EXPECT_EQ(again.kept(shardName("train", 0), kBytes).has_value(), resume);
+      EXPECT_EQ(again.findRecord(shardName("train", 0), kBytes).has_value(), resume);
       std::vector<Manifest> parts;
       for (int i = 0; i < 2; ++i) {
-        parts.push_back(resume ? again.kept(shardName("train", i), kBytes).value().manifest : addShard(again, i));
+        parts.push_back(resume ? again.findRecord(shardName("train", i), kBytes).value().manifest : addShard(again, i));
       }
       publish(again, parts);
       EXPECT_THAT(problemsOf(folder.path()), IsEmpty());
@@ -234,7 +234,7 @@ TEST(DatasetFolder, SeveralMayShareIt) {
   const DatasetPlan plan{"plan", 2, {{"train", 2}}};
   auto one = std::make_unique<DatasetFolder>(data, FolderUse::Share, plan);
   auto two = std::make_unique<DatasetFolder>(data, FolderUse::Share, plan);
-  EXPECT_FALSE(one->isWhole());
+  EXPECT_FALSE(one->isComplete());
   EXPECT_THAT(refusal(data, FolderUse::Resume, plan), HasSubstr("is being written by"));
   EXPECT_THAT(refusal(data, FolderUse::Share, {"other", 2, {{"train", 2}}}), HasSubstr("another pipeline"));
   auto claim = one->claim(shardName("train", 0));
@@ -244,7 +244,7 @@ TEST(DatasetFolder, SeveralMayShareIt) {
   const Manifest first = addShard(*one, 0);
   claim.reset();
   EXPECT_NE(two->claim(shardName("train", 0)), nullptr) << "given back";
-  EXPECT_TRUE(two->kept(shardName("train", 0), kBytes).has_value());
+  EXPECT_TRUE(two->findRecord(shardName("train", 0), kBytes).has_value());
   const Manifest second = addShard(*two, 1);
   EXPECT_FALSE(one->makeAlone());
   EXPECT_TRUE(two->makeAlone());
@@ -253,7 +253,7 @@ TEST(DatasetFolder, SeveralMayShareIt) {
   two.reset();
   EXPECT_THAT(problemsOf(data), IsEmpty());
   const DatasetFolder late(data, FolderUse::Share, plan);
-  EXPECT_TRUE(late.isWhole());
+  EXPECT_TRUE(late.isComplete());
 }
 
 TEST(DatasetFolder, WhoSharesItAndMakesNothingLeavesNothing) {

@@ -215,7 +215,7 @@ inline Manifest addShard(DatasetFolder& folder, std::uint64_t number, std::size_
   Manifest manifest = testManifest();
   manifest.shards = {part.shard};
   manifest.samples = part.samples;
-  folder.keep({"plan", {number}, manifest});
+  folder.storeRecord({"plan", {number}, manifest});
   return manifest;
 }
 

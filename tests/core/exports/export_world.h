@@ -30,7 +30,7 @@ inline std::map<std::string, std::string> filesIn(const std::filesystem::path& f
 class ExportWorld : public testing::Test {
  protected:
   // `layout`: the layout that is tested. `labels`: see use().
-  explicit ExportWorld(std::unique_ptr<Layout> layout = nullptr, const std::string& labels = "")
+  explicit ExportWorld(std::unique_ptr<ExportLayout> layout = nullptr, const std::string& labels = "")
       : layout_(std::move(layout)) {
     use(labels);
   }
@@ -165,7 +165,7 @@ class ExportWorld : public testing::Test {
   }
 
   // Writes all units and what is of the whole dataset. Gives what that warns of.
-  std::vector<std::string> write(const Layout& layout, bool organised = false) const {
+  std::vector<std::string> write(const ExportLayout& layout, bool organised = false) const {
     const ExportFolder folder(folder_.path());
     layout.check(plan_);
     const ReadSample read = [&](std::size_t s, std::size_t f) { return sample(s, f, organised); };
@@ -181,7 +181,7 @@ class ExportWorld : public testing::Test {
 
   // Writes one unit, of samples that `change` has changed.
   template <class Change>
-  void writeChanged(const Layout& layout, std::size_t sequence, std::size_t frame, const Change& change,
+  void writeChanged(const ExportLayout& layout, std::size_t sequence, std::size_t frame, const Change& change,
                     bool organised = false) const {
     const ReadSample read = [&](std::size_t s, std::size_t f) {
       ExportSample changed = sample(s, f, organised);
@@ -193,7 +193,7 @@ class ExportWorld : public testing::Test {
   }
 
   // Shows the layout all samples of a sequence, as an export does before it writes.
-  void checkSamples(const Layout& layout, std::size_t sequence, const ReadSample& read) const {
+  void checkSamples(const ExportLayout& layout, std::size_t sequence, const ReadSample& read) const {
     for (std::size_t f = 0; layout.checksSamples(plan_) && f < plan_.sequences[sequence].samples.size(); ++f) {
       layout.checkSample(plan_, read(sequence, f));
     }
@@ -221,7 +221,7 @@ class ExportWorld : public testing::Test {
     return printed;
   }
 
-  std::unique_ptr<Layout> layout_;
+  std::unique_ptr<ExportLayout> layout_;
   ExportPlan plan_;
   bool withObjects_ = true;
   TemporaryFolder folder_;

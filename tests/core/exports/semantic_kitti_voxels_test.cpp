@@ -125,7 +125,7 @@ assert flags('a.invalid').sum() > 10 and flags('a.occluded').sum() > 10
 }
 
 TEST_F(VoxelExport, FilesAreThereWhereTheSampleHasVoxels) {
-  const std::unique_ptr<Layout> layout = makeSemanticKitti();
+  const std::unique_ptr<ExportLayout> layout = makeSemanticKitti();
   writeChanged(*layout, 1, 0, [](const ExportSample&) {});
   writeChanged(*layout, 1, 1, [&](ExportSample& changed) { changed.voxels = voxels_; });
   const auto files = written();

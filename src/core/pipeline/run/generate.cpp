@@ -70,7 +70,7 @@ class DatasetRun {
   // Makes the shards that this process has to make, waits for shards that other processes make, and writes the manifest
   // if the dataset is then complete.
   GenerateSummary run() {
-    if (folder_.isWhole()) return endedByOthers();
+    if (folder_.isComplete()) return endedByOthers();
     checkFiles();
     std::vector<std::size_t> left = chosenJobs();
     while (!left.empty()) {
@@ -108,7 +108,7 @@ class DatasetRun {
     const auto check =
         options_.shards.kind == ShardChoice::Kind::Any ? DatasetFolder::Check::Size : DatasetFolder::Check::Bytes;
     std::unique_ptr<FolderLock> claim = shared() ? folder_.claim(own.file) : nullptr;
-    if (const std::optional<DatasetPart> kept = folder_.kept(own.file, check)) {
+    if (const std::optional<DatasetPart> kept = folder_.findRecord(own.file, check)) {
       for (const SampleAddress& sample : own.samples) maker_.leaveOut(sample);
       const std::scoped_lock lock(mutex_);
       count(kept->manifest);
@@ -121,7 +121,7 @@ class DatasetRun {
       claimed_.push_back(job);
       return 0;
     }
-    folder_.checkPlace();  // throws if the output folder was replaced by another folder meanwhile
+    folder_.requireSameFolder();  // throws if the output folder was replaced by another folder meanwhile
     DatasetPart begun{planned_.hash, {}, base_};
     begun.manifest.sequences.clear();
     for (const SampleAddress& sample : own.samples) {
@@ -163,8 +163,8 @@ class DatasetRun {
     ShardPart made = shard->writer.finish();
     shard->part.manifest.shards = {std::move(made.shard)};
     shard->part.manifest.samples = std::move(made.samples);
-    folder_.keep(shard->part);  // writes the records to the disk, to be read again at the end, since all records might
-                                // not fit into memory
+    folder_.storeRecord(shard->part);  // writes the records to the disk, to be read again at the end, since all records
+                                       // might not fit into memory
     const std::scoped_lock lock(mutex_);
     count(shard->part.manifest);
     ++summary_.shards;
@@ -176,9 +176,10 @@ class DatasetRun {
     if (options_.anyFiles) return;
     std::vector<FileRecord> known;
     for (const ShardJob& job : jobs_) {
-      if (const auto kept = folder_.kept(job.file, DatasetFolder::Check::Size)) addFiles(kept->manifest.files, known);
+      if (const auto kept = folder_.findRecord(job.file, DatasetFolder::Check::Size))
+        addFiles(kept->manifest.files, known);
     }
-    expectSameFiles(known, pipeline_.file.parent_path(), options_.folder);
+    requireUnchangedFiles(known, pipeline_.file.parent_path(), options_.folder);
   }
 
   // Throws InputError if a scene was read from other bytes of a file than the pipeline or a scene before.
@@ -220,7 +221,7 @@ class DatasetRun {
           "has a complete dataset of another pipeline (another `--set` makes another pipeline), of changed files that "
           "the pipeline names, or of another version of this program: choose another output folder with -o");
     }
-    if (!options_.anyFiles) expectSameFiles(made->files, pipeline_.file.parent_path(), options_.folder);
+    if (!options_.anyFiles) requireUnchangedFiles(made->files, pipeline_.file.parent_path(), options_.folder);
     summary_.manifest = std::move(*made);
     summary_.whole = true;
     return std::move(summary_);
@@ -230,7 +231,7 @@ class DatasetRun {
     std::vector<DatasetPart> parts;
     parts.reserve(jobs_.size());
     for (const ShardJob& job : jobs_) {
-      std::optional<DatasetPart> part = folder_.kept(job.file, DatasetFolder::Check::Size);
+      std::optional<DatasetPart> part = folder_.findRecord(job.file, DatasetFolder::Check::Size);
       if (!part) {
         throw Error(
             fmt::format("{} has vanished from {}: --resume makes it again", job.file, folder_.staging().string()));
@@ -293,7 +294,7 @@ class DatasetRun {
     addSeconds(clock_.seconds(), summary_.stages);
     maker_.finish();
     summary_.whole = options_.shards.kind != ShardChoice::Kind::Listed && folder_.makeAlone();
-    folder_.checkPlace();
+    folder_.requireSameFolder();
     if (summary_.whole) {
       summary_.manifest = joinParts(planned_, allParts(), options_.anyFiles);
       warnOfBlindSensors();

@@ -12,7 +12,7 @@
 #include "base/parallel.h"
 #include "config/text.h"
 #include "dataset/sample_names.h"
-#include "dataset/world_places.h"
+#include "dataset/world_positions.h"
 
 namespace scanmill {
 
@@ -68,7 +68,7 @@ bool movedToStart(const Manifest* manifest, const ScanRecord* record) {
 
 // Returns the points in the sensor's frame at the start of the revolution; nothing if the scan has them in this frame.
 std::vector<Vec3f> placedAtStart(const Scan& scan, const ScanRecord& record, const BeamTable& beams, bool deskewed) {
-  const WorldPlaces world(scan, record, beams, deskewed);
+  const WorldPositions world(scan, record, beams, deskewed);
   std::vector<Vec3f> placed;
   if (!world.moves()) return placed;
   const Pose startFromWorld = inverse(record.worldFromSensor.front());

@@ -202,7 +202,7 @@ void interrupt(const std::filesystem::path& folder, const Plan& plan, const std:
     std::filesystem::copy_file(whole / part.shards[0].file, file);
     DatasetPart record{planned.hash, {}, std::move(part)};
     for (const SampleAddress& sample : jobs[shard].samples) record.numbers.push_back(sample.number);
-    opened.keep(record);
+    opened.storeRecord(record);
   }
 }
 
@@ -284,7 +284,7 @@ TEST_F(GenerateTest, ResumingRefusesAssetsThatHaveChanged) {
   // All shards are made in one run, then the last one, of the second seed, is all that is left of it.
   generate(plan, {.folder = out("listed"), .shards = {ShardChoice::Kind::Listed, {0, 1, 2, 3}}, .quiet = true});
   DatasetFolder listed(out("listed"), FolderUse::Share, datasetPlan(plan, shardJobs(plan)));
-  const auto ofSecondSeed = listed.kept(whole.shards[3].file, DatasetFolder::Check::Bytes);
+  const auto ofSecondSeed = listed.findRecord(whole.shards[3].file, DatasetFolder::Check::Bytes);
   ASSERT_TRUE(ofSecondSeed);
   EXPECT_EQ(hashOf(ofSecondSeed->manifest, "models/paint.ppm"), xxh3(readFile(texture)));
   EXPECT_EQ(hashOf(ofSecondSeed->manifest, "drive.csv"), xxh3(readFile(poses)));

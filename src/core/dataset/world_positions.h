@@ -15,10 +15,10 @@ namespace scanmill {
 // Points of a deskewed scan are in the sensor's frame at the start of the revolution, points of other scans in the
 // sensor's frame when their column fired. The record has the poses at the first and the last column; in between, the
 // motion of the sensor is interpolated linearly.
-class WorldPlaces {
+class WorldPositions {
  public:
   // `record` must have a pose. `deskewed`: see Manifest::deskewed. The scan must outlive this object.
-  WorldPlaces(const Scan& scan, const ScanRecord& record, const BeamTable& beams, bool deskewed);
+  WorldPositions(const Scan& scan, const ScanRecord& record, const BeamTable& beams, bool deskewed);
 
   // True if the points have different frames.
   bool moves() const { return moves_; }
@@ -28,7 +28,7 @@ class WorldPlaces {
  private:
   // Returns the fraction of the sensor's motion at a time (s since the start of the revolution), from 0 at the first
   // column to 1 at the last.
-  double shareAt(double time) const;
+  double fractionAt(double time) const;
 
   const Scan& scan_;
   Pose first_, last_;

@@ -1,10 +1,10 @@
-#include "dataset/world_places.h"
+#include "dataset/world_positions.h"
 
 #include <algorithm>
 
 namespace scanmill {
 
-WorldPlaces::WorldPlaces(const Scan& scan, const ScanRecord& record, const BeamTable& beams, bool deskewed)
+WorldPositions::WorldPositions(const Scan& scan, const ScanRecord& record, const BeamTable& beams, bool deskewed)
     : scan_(scan),
       first_(record.worldFromSensor.front()),
       last_(record.worldFromSensor.back()),
@@ -20,19 +20,19 @@ WorldPlaces::WorldPlaces(const Scan& scan, const ScanRecord& record, const BeamT
   start_ = starts.front();
   end_ = starts.back();
   if (!knowsBeams(scan)) return;
-  for (const double time : starts) poses_.push_back(interpolate(first_, last_, shareAt(time)));
+  for (const double time : starts) poses_.push_back(interpolate(first_, last_, fractionAt(time)));
 }
 
-double WorldPlaces::shareAt(double time) const {
+double WorldPositions::fractionAt(double time) const {
   return end_ > start_ ? (time - start_) / (end_ - start_) : 0;
 }
 
 // If the scan has no beam numbers, the pose is derived from the point's time, which ignores offsets between the rings'
 // times; without a time it is the first pose.
-Vec3d WorldPlaces::of(std::size_t point) const {
+Vec3d WorldPositions::of(std::size_t point) const {
   const Vec3d own(scan_.position[point]);
   if (!moves_ || (poses_.empty() && scan_[kTime].empty())) return first_ * own;
-  if (poses_.empty()) return interpolate(first_, last_, shareAt(double{scan_[kTime][point]})) * own;
+  if (poses_.empty()) return interpolate(first_, last_, fractionAt(double{scan_[kTime][point]})) * own;
   return poses_[std::min<std::size_t>(keyOf(scan_, point).column, poses_.size() - 1)] * own;
 }
 
