@@ -68,7 +68,7 @@ void printStudy(const Study& study) {
             pluralOf(static_cast<std::uint64_t>(study.machine.threads), "thread"),
             study.machine.renderer.empty() ? "" : "; OpenGL: ", study.machine.renderer);
   printSettings(study);
-  for (const std::string& line : study.left) printText("left out: {}\n", line);
+  for (const std::string& line : study.leftOut) printText("left out: {}\n", line);
   for (const Advice& a : advise(study)) {
     printText("{}: {}\n", a.need, a.setting.empty() ? a.text : fmt::format("{}\n  {}", a.setting, a.text));
   }

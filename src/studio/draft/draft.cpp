@@ -14,9 +14,9 @@ namespace {
 // True if the models are parts of one place and share its coordinates: most of their boxes neither contain the origin
 // (x, y) nor have their centre in another box. Models of separate objects usually contain the origin of their file, or
 // overlap if all are equally far from it.
-bool areOnePlace(const std::vector<Model>& models) {
+bool areOnePlace(const std::vector<GuessedFile>& models) {
   std::vector<Box> away;
-  for (const Model& m : models) {
+  for (const GuessedFile& m : models) {
     const Box& box = m.box;
     if (!box.empty() && (box.low.x > 0 || box.low.y > 0 || box.high.x < 0 || box.high.y < 0)) away.push_back(box);
   }
@@ -43,12 +43,12 @@ Draft draftScene(const std::vector<std::filesystem::path>& files, const std::vec
       "name: {}\nontology: {}\nmaterials: materials\nobjects:\n",
       quotedValue(name), quotedValue(ontologyName));
   const std::vector<Concept> known = conceptsFor(concepts, ontology);
-  const std::vector<Model> models = readModels(files, known, options);
+  const std::vector<GuessedFile> models = guessFiles(files, known, options);
   draft.onePlace = areOnePlace(models);
   const auto perRow = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(models.size()))));
   double x = 0, y = 0, deepest = 0;
   for (std::size_t i = 0; i < models.size(); ++i) {
-    const Model& model = models[i];
+    const GuessedFile& model = models[i];
     draft.yaml += objectYaml(model, known, ontology, folder, options);
     draft.files.push_back({model.file, model.name, model.frame.unit, model.frame.up, model.triangles(), model.guessed(),
                            model.byFile(), model.byFolder(), model.doubts(), model.box});

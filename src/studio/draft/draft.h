@@ -38,7 +38,7 @@ struct Draft {
 // Drafts a scene with one object per file. If most of the files are away from the origin, at different positions, all
 // files count as parts of one place and keep their coordinates. Otherwise several objects are placed side by side on
 // the ground. `folder`: future folder of the scene file, to which paths of assets are relative. `ontologyName`: the
-// ontology's name in the scene file. `name`: name of the scene. Throws as readModels().
+// ontology's name in the scene file. `name`: name of the scene. Throws as guessFiles().
 Draft draftScene(const std::vector<std::filesystem::path>& files, const std::vector<Concept>& concepts,
                  const Ontology& ontology, const std::string& ontologyName, const std::string& name,
                  const std::filesystem::path& folder, const DraftOptions& options = {});

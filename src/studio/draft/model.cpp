@@ -27,27 +27,27 @@ Box placed(const Box& own, const FrameGuess& frame) {
 }
 
 // Reads a file and guesses its concepts.
-Model readModel(const std::filesystem::path& file, Vocabulary words, const DraftOptions& stated) {
+GuessedFile guessFile(const std::filesystem::path& file, Vocabulary words, const DraftOptions& stated) {
   AssetOptions options;
   options.textures = false;
   options.allowOutside = stated.allowOutside;
   options.leaveOutMissing = stated.leaveOutMissing;
   const Asset asset = readAsset(file, options);
-  Model model;
+  GuessedFile model;
   model.file = file;
   words.ignoreShared(asset);
   const Concept* const own = conceptOfFile(words, asset);
   const Concept* const folder = conceptOfFolder(words, asset);
-  model.whole = own == nullptr ? folder : own;
-  model.wholeByFolder = folder != nullptr;
+  model.fileConcept = own == nullptr ? folder : own;
+  model.conceptByFolder = folder != nullptr;
   // Colours of points say more than the name of the file, but less than the materials of their classes.
   model.measured = std::any_of(asset.parts.begin(), asset.parts.end(), [&](const AssetPart& part) {
-    return part.texture == kPointIntensity || (part.texture == kPointColor && model.whole != nullptr);
+    return part.texture == kPointIntensity || (part.texture == kPointColor && model.fileConcept != nullptr);
   });
   model.numbered = std::any_of(asset.parts.begin(), asset.parts.end(), [](const AssetPart& part) {
     return !part.ownClass.empty() && part.ownClass.find_first_not_of("0123456789") == std::string::npos;
   });
-  const std::vector<const Concept*> guesses = guessParts(words, asset, model.whole);
+  const std::vector<const Concept*> guesses = guessParts(words, asset, model.fileConcept);
   const std::vector<const Concept*> ownGuesses = guessParts(words, asset, own);
   std::size_t next = 0;
   const auto add = [&](const AssetPart& part) {
@@ -69,12 +69,12 @@ Model readModel(const std::filesystem::path& file, Vocabulary words, const Draft
 
 // Names each model after its file. If the file's name is meaningless (such as "model") or not unique, names the model
 // after its folder.
-void nameModels(std::vector<Model>& models) {
+void nameFiles(std::vector<GuessedFile>& models) {
   static constexpr std::array<std::string_view, 6> kSayNothing{"model", "scene", "mesh", "untitled", "object", "asset"};
   std::map<std::string, std::size_t> files;
-  for (const Model& m : models) ++files[m.file.stem().string()];
+  for (const GuessedFile& m : models) ++files[m.file.stem().string()];
   std::set<std::string> taken;
-  for (Model& m : models) {
+  for (GuessedFile& m : models) {
     m.name = m.file.stem().string();
     const std::string folder = folderName(m.file);
     const bool nothing = std::find(kSayNothing.begin(), kSayNothing.end(), lowerCase(m.name)) != kSayNothing.end();
@@ -86,17 +86,17 @@ void nameModels(std::vector<Model>& models) {
 
 // Returns the number of triangles of the parts for which counts(part) is true.
 template <class Counts>
-std::uint64_t trianglesOf(const std::vector<KnownPart>& parts, const Counts& counts) {
+std::uint64_t trianglesOf(const std::vector<GuessedPart>& parts, const Counts& counts) {
   std::uint64_t sum = 0;
-  for (const KnownPart& p : parts) sum += counts(p) ? p.triangles : 0;
+  for (const GuessedPart& p : parts) sum += counts(p) ? p.triangles : 0;
   return sum;
 }
 
 // True if the names of nodes state coarser levels of detail beside the finest one: "Tree_LOD1" or "Tree_Billboard"
 // beside "Tree_LOD0".
-bool hasCoarserLevels(const std::vector<KnownPart>& parts) {
+bool hasCoarserLevels(const std::vector<GuessedPart>& parts) {
   std::set<std::string> nodes;
-  for (const KnownPart& p : parts) nodes.insert(lowerCase(p.node));
+  for (const GuessedPart& p : parts) nodes.insert(lowerCase(p.node));
   return std::any_of(nodes.begin(), nodes.end(), [&](const std::string& node) {
     const std::size_t end = node.rfind('_');
     if (end == std::string::npos || !nodes.contains(node.substr(0, end) + "_lod0")) return false;
@@ -108,30 +108,31 @@ bool hasCoarserLevels(const std::vector<KnownPart>& parts) {
 
 }  // namespace
 
-std::uint64_t Model::triangles() const {
-  return trianglesOf(parts, [](const KnownPart&) { return true; });
+std::uint64_t GuessedFile::triangles() const {
+  return trianglesOf(parts, [](const GuessedPart&) { return true; });
 }
 
-std::uint64_t Model::guessed() const {
-  return trianglesOf(parts, [](const KnownPart& p) { return p.what != nullptr && !p.byFolder; });
+std::uint64_t GuessedFile::guessed() const {
+  return trianglesOf(parts, [](const GuessedPart& p) { return p.what != nullptr && !p.byFolder; });
 }
 
-std::uint64_t Model::byFile() const {
-  return trianglesOf(parts, [&](const KnownPart& p) { return p.what != nullptr && p.what == whole && !wholeByFolder; });
+std::uint64_t GuessedFile::byFile() const {
+  return trianglesOf(
+      parts, [&](const GuessedPart& p) { return p.what != nullptr && p.what == fileConcept && !conceptByFolder; });
 }
 
-std::uint64_t Model::byFolder() const {
-  return trianglesOf(parts, [](const KnownPart& p) { return p.byFolder; });
+std::uint64_t GuessedFile::byFolder() const {
+  return trianglesOf(parts, [](const GuessedPart& p) { return p.byFolder; });
 }
 
-std::vector<std::string> Model::doubts() const {
+std::vector<std::string> GuessedFile::doubts() const {
   std::vector<std::string> doubts;
   if (frame.doubtfulUnit) doubts.emplace_back("size");
   if (frame.doubtfulUp) doubts.emplace_back("up axis");
   if (numbered) doubts.emplace_back("labels without names");
   std::set<std::string> materials;
-  for (const KnownPart& p : parts) materials.insert(p.material + '\n' + p.texture);
-  const bool ground = whole != nullptr && whole->kind == ConceptKind::Ground;
+  for (const GuessedPart& p : parts) materials.insert(p.material + '\n' + p.texture);
+  const bool ground = fileConcept != nullptr && fileConcept->kind == ConceptKind::Ground;
   if (ground && byFile() + byFolder() > 0 && materials.size() > 1)
     doubts.emplace_back("one class for several materials");
   if (mixed && byFile() > 0) doubts.emplace_back("one class for two in its name");
@@ -139,8 +140,8 @@ std::vector<std::string> Model::doubts() const {
   return doubts;
 }
 
-std::vector<Model> readModels(const std::vector<std::filesystem::path>& files, const std::vector<Concept>& concepts,
-                              const DraftOptions& options) {
+std::vector<GuessedFile> guessFiles(const std::vector<std::filesystem::path>& files,
+                                    const std::vector<Concept>& concepts, const DraftOptions& options) {
   Vocabulary words(concepts);
   std::vector<std::string> names, folders;
   for (const std::filesystem::path& file : files) {
@@ -149,11 +150,11 @@ std::vector<Model> readModels(const std::vector<std::filesystem::path>& files, c
   }
   words.ignoreShared(names);
   words.ignoreShared(folders);
-  std::vector<Model> models;
+  std::vector<GuessedFile> models;
   std::exception_ptr failure;  // the first file that may fail and did
   for (const std::filesystem::path& file : files) {
     try {
-      models.push_back(readModel(file, words, options));
+      models.push_back(guessFile(file, words, options));
     } catch (const InputLimitError&) {
       throw;
     } catch (const InputError& e) {
@@ -164,10 +165,10 @@ std::vector<Model> readModels(const std::vector<std::filesystem::path>& files, c
   }
   if (models.empty() && failure != nullptr) std::rethrow_exception(failure);
   std::map<std::pair<std::filesystem::path, std::string>, std::vector<FrameGuess*>> sets;
-  for (Model& m : models) sets[{m.file.parent_path(), lowerExtension(m.file)}].push_back(&m.frame);
+  for (GuessedFile& m : models) sets[{m.file.parent_path(), lowerExtension(m.file)}].push_back(&m.frame);
   for (const auto& [folder, set] : sets) guessTogether(set);
-  for (Model& m : models) m.box = placed(m.box, m.frame);
-  nameModels(models);
+  for (GuessedFile& m : models) m.box = placed(m.box, m.frame);
+  nameFiles(models);
   return models;
 }
 

@@ -15,19 +15,19 @@
 namespace scanmill::draft {
 
 // A part of a file with its names and the concept that was guessed from them.
-struct KnownPart {
+struct GuessedPart {
   std::string node, material, texture;
   const Concept* what = nullptr;  // guessed concept; null: unknown
   bool byFolder = false;          // only the name of the file's folder states `what`
   std::uint64_t triangles = 0;
 };
 
-struct Model {
+struct GuessedFile {
   std::filesystem::path file;
   std::string name;  // unique within the list of models
-  std::vector<KnownPart> parts;
-  const Concept* whole = nullptr;  // the concept that the name of the file or its folder states; null: none
-  bool wholeByFolder = false;      // the name of the folder states `whole`
+  std::vector<GuessedPart> parts;
+  const Concept* fileConcept = nullptr;  // the concept that the name of the file or its folder states; null: none
+  bool conceptByFolder = false;          // the name of the folder states `fileConcept`
   FrameGuess frame;
   Box box;                // bounding box (m), computed with the guessed unit and up axis
   bool mixed = false;     // the file's name states both a ground and an object
@@ -55,8 +55,8 @@ struct DraftOptions {
 // Reads 3D files and guesses their concepts, units and axes. The units and axes of files with the same format and
 // folder are guessed together. Throws InputError for a file that cannot be read and may not fail, and if no file can be
 // read.
-std::vector<Model> readModels(const std::vector<std::filesystem::path>& files, const std::vector<Concept>& concepts,
-                              const DraftOptions& options);
+std::vector<GuessedFile> guessFiles(const std::vector<std::filesystem::path>& files,
+                                    const std::vector<Concept>& concepts, const DraftOptions& options);
 
 // Returns the concepts that have a class in the ontology, and those that need no class, such as parts to be removed.
 // Example: if an ontology for rooms has no class for buildings, "office.glb" is not taken for a building. Names of the
@@ -65,7 +65,7 @@ std::vector<Concept> conceptsFor(const std::vector<Concept>& concepts, const Ont
 
 // Returns the YAML of an object without its position. `folder`: future folder of the scene file, to which paths are
 // relative.
-std::string objectYaml(const Model& model, const std::vector<Concept>& concepts, const Ontology& ontology,
+std::string objectYaml(const GuessedFile& model, const std::vector<Concept>& concepts, const Ontology& ontology,
                        const std::filesystem::path& folder, const DraftOptions& options);
 
 }  // namespace scanmill::draft

@@ -48,14 +48,14 @@ std::string withoutDigits(const std::string& name) {
 
 constexpr std::array<const char*, 3> kKeys{"node", "material", "texture"};
 
-std::string nameOf(const KnownPart& part, std::size_t key) {
+std::string nameOf(const GuessedPart& part, std::size_t key) {
   return key == 0 ? part.node : key == 1 ? part.material : std::string(textureName(part.texture));
 }
 
 // Glob patterns for the keys node, material and texture of a rule; an empty pattern matches any name.
 using Patterns = std::array<std::string, 3>;
 
-bool matchesPart(const Patterns& patterns, const KnownPart& part) {
+bool matchesPart(const Patterns& patterns, const GuessedPart& part) {
   for (std::size_t k = 0; k < patterns.size(); ++k) {
     if (!patterns[k].empty() && !matches(patterns[k], nameOf(part, k), {})) return false;
   }
@@ -63,14 +63,14 @@ bool matchesPart(const Patterns& patterns, const KnownPart& part) {
 }
 
 // True if all parts that the patterns match have the concept `wanted`.
-bool isConsistent(const Patterns& patterns, const std::vector<KnownPart>& parts, const Concept* wanted) {
+bool isConsistent(const Patterns& patterns, const std::vector<GuessedPart>& parts, const Concept* wanted) {
   return std::all_of(parts.begin(), parts.end(),
-                     [&](const KnownPart& k) { return k.what == wanted || !matchesPart(patterns, k); });
+                     [&](const GuessedPart& k) { return k.what == wanted || !matchesPart(patterns, k); });
 }
 
 // Returns the simplest patterns that match the part and no part with another concept; empty patterns if there are none.
 // Tries first to match all nodes of a model in a world, then names whose words state the part's concept.
-Patterns patternsFor(const KnownPart& known, const std::vector<KnownPart>& parts,
+Patterns patternsFor(const GuessedPart& known, const std::vector<GuessedPart>& parts,
                      const std::vector<Concept>& concepts) {
   std::vector<std::vector<std::size_t>> choices;
   for (const bool telling : {true, false}) {
@@ -119,15 +119,15 @@ std::string givesOf(const Concept& c, const Ontology& ontology, bool measured) {
 
 class Writer {
  public:
-  Writer(const Model& model, const std::vector<Concept>& concepts, const Ontology& ontology)
+  Writer(const GuessedFile& model, const std::vector<Concept>& concepts, const Ontology& ontology)
       : model_(model), concepts_(concepts), ontology_(ontology) {}
 
   void writeClasses(std::string& yaml) const {
-    const std::vector<KnownPart>& parts = model_.parts;
-    const Concept* const file = model_.whole;
+    const std::vector<GuessedPart>& parts = model_.parts;
+    const Concept* const file = model_.fileConcept;
     const Box& box = model_.box;
     const auto isAll = [&](const Concept* c) {
-      return std::all_of(parts.begin(), parts.end(), [&](const KnownPart& k) { return k.what == c; });
+      return std::all_of(parts.begin(), parts.end(), [&](const GuessedPart& k) { return k.what == c; });
     };
     const Concept* const only = parts.empty() ? nullptr : parts.front().what;
     if (only != nullptr && only->kind != ConceptKind::Drop && isAll(only)) {
@@ -140,7 +140,7 @@ class Writer {
     std::map<Patterns, std::pair<const Concept*, std::uint64_t>> several;
     std::map<std::array<std::string, 3>, std::uint64_t> unknown;
     bool someLeft = false;  // some parts are matched by none of the rules
-    for (const KnownPart& k : parts) {
+    for (const GuessedPart& k : parts) {
       if (k.what == nullptr || k.what == file) someLeft = true;
       if (k.what == nullptr || (k.byFolder && k.what == file)) unknown[{k.node, k.material, k.texture}] += k.triangles;
       if (k.what == nullptr) continue;
@@ -159,7 +159,7 @@ class Writer {
       }
     }
     std::set<std::string> nodes;
-    for (const KnownPart& k : parts) nodes.insert(k.node);
+    for (const GuessedPart& k : parts) nodes.insert(k.node);
     const Vec3d size = box.high - box.low;
     if (nodes.size() > 2 && (model_.frame.place || std::max(size.x, size.y) > 30))
       yaml += "    instances: node   # or part, if one thing has several nodes, such as the walls of a building\n";
@@ -175,7 +175,7 @@ class Writer {
     if (someLeft && file != nullptr && file->kind != ConceptKind::Drop && !classFor(*file, ontology_).empty()) {
       writeRest(*file,
                 "   # for all triangles without a rule: by the name of the " +
-                    std::string(model_.wholeByFolder ? "folder" : "file"),
+                    std::string(model_.conceptByFolder ? "folder" : "file"),
                 yaml);
     }
     writeUnknown(std::move(unknown), yaml);
@@ -242,7 +242,7 @@ class Writer {
     if (sorted.size() > kMost) yaml += fmt::format("    #   and {} more\n", sorted.size() - kMost);
   }
 
-  const Model& model_;
+  const GuessedFile& model_;
   const std::vector<Concept>& concepts_;
   const Ontology& ontology_;
 };
@@ -279,7 +279,7 @@ std::vector<Concept> conceptsFor(const std::vector<Concept>& concepts, const Ont
   return found;
 }
 
-std::string objectYaml(const Model& model, const std::vector<Concept>& concepts, const Ontology& ontology,
+std::string objectYaml(const GuessedFile& model, const std::vector<Concept>& concepts, const Ontology& ontology,
                        const std::filesystem::path& folder, const DraftOptions& options) {
   // The path through symbolic links, since textures may be beside a link. If a link in `folder` makes that path another
   // file's, the path without links.

@@ -117,7 +117,7 @@ double GroupErrors::hausdorff() const {
 
 class BeamErrorSum::Impl {
  public:
-  explicit Impl(const Scene& scene) : scene_(scene), sizes_(thingSizes(scene)), things_(sizes_.size()) {}
+  explicit Impl(const Scene& scene) : scene_(scene), sizes_(instanceSizes(scene)), things_(sizes_.size()) {}
 
   void add(const TrueShot& shot, const Hits& tested, std::span<const float> intensity, std::span<const float> nearestTo,
            std::span<const float> nearestFrom) {
@@ -170,7 +170,7 @@ class BeamErrorSum::Impl {
   BeamErrors finish() const {
     BeamErrors errors;
     errors.all = all_.counts;
-    errors.byPlace = {{"interior", 0, 0, places_[0].counts}, {"edges", 0, 0, places_[1].counts}};
+    errors.byEdge = {{"interior", 0, 0, places_[0].counts}, {"edges", 0, 0, places_[1].counts}};
     errors.byRange = bands(kRangeEdges, "m", ranges_);
     errors.byIncidence = bands(kIncidenceEdges, "deg", incidences_);
     for (const auto& [id, sum] : classes_) {
@@ -185,7 +185,7 @@ class BeamErrorSum::Impl {
                                      {&of.nearestFrom, &group.nearestFrom}});
     };
     spread(all_, errors.all);
-    for (std::size_t i = 0; i < errors.byPlace.size(); ++i) spread(places_[i], errors.byPlace[i].errors);
+    for (std::size_t i = 0; i < errors.byEdge.size(); ++i) spread(places_[i], errors.byEdge[i].errors);
     for (std::size_t i = 0; i < errors.byRange.size(); ++i) spread(ranges_[i], errors.byRange[i].errors);
     for (std::size_t i = 0; i < errors.byIncidence.size(); ++i) spread(incidences_[i], errors.byIncidence[i].errors);
     auto byClass = errors.byClass.begin();
@@ -197,8 +197,8 @@ class BeamErrorSum::Impl {
         *result = spreadOf({values->begin(), values->end()});
       }
     });
-    errors.byThickness = recall(kThicknessEdges, &ThingSize::smallest);
-    errors.byLength = recall(kLengthEdges, &ThingSize::largest);
+    errors.byThickness = recall(kThicknessEdges, &InstanceSize::smallest);
+    errors.byLength = recall(kLengthEdges, &InstanceSize::largest);
     return errors;
   }
 
@@ -208,7 +208,7 @@ class BeamErrorSum::Impl {
     std::uint64_t found = 0;
   };
 
-  std::vector<SizeRecall> recall(std::span<const double> edges, double ThingSize::*side) const {
+  std::vector<SizeRecall> recall(std::span<const double> edges, double InstanceSize::*side) const {
     std::vector<SizeRecall> groups;
     for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
       groups.push_back({bandName(edges[i], edges[i + 1], "m"), edges[i], edges[i + 1]});
@@ -216,17 +216,17 @@ class BeamErrorSum::Impl {
     for (std::size_t id = 1; id < things_.size(); ++id) {
       if (things_[id].beams == 0) continue;
       SizeRecall& group = groups[bandOf(edges, sizes_[id].*side)];
-      ++group.things;
-      group.thingsFound += things_[id].found > 0 ? 1 : 0;
+      ++group.instances;
+      group.instancesFound += things_[id].found > 0 ? 1 : 0;
       group.beams += things_[id].beams;
       group.beamsFound += things_[id].found;
     }
-    while (!groups.empty() && groups.back().things == 0) groups.pop_back();
+    while (!groups.empty() && groups.back().instances == 0) groups.pop_back();
     return groups;
   }
 
   const Scene& scene_;
-  std::vector<ThingSize> sizes_;
+  std::vector<InstanceSize> sizes_;
   std::vector<Thing> things_;  // indexed by instance id
   GroupSum all_;
   std::array<GroupSum, 2> places_;  // beams away from edges, beams near edges
@@ -257,10 +257,10 @@ std::vector<Box> objectBoxes(const Mesh& mesh) {
   return boxes;
 }
 
-std::vector<ThingSize> thingSizes(const Scene& scene) {
+std::vector<InstanceSize> instanceSizes(const Scene& scene) {
   std::vector<std::vector<Box>> boxes;  // indexed by mesh and object
   for (const Mesh& mesh : scene.meshes) boxes.push_back(objectBoxes(mesh));
-  std::vector<ThingSize> sizes(1);
+  std::vector<InstanceSize> sizes(1);
   for (const Instance& instance : scene.instances) {
     const Mat3& linear = instance.worldFromMesh.linear;
     for (std::size_t object = 0; object < boxes[instance.mesh].size(); ++object) {

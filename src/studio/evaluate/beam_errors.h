@@ -55,11 +55,11 @@ struct ErrorGroup {
 // the truth are counted.
 struct SizeRecall {
   std::string name;
-  double low = 0, high = 0;       // ends of the size range (m); the upper end is excluded
-  std::uint64_t things = 0;       // number of instances of this size
-  std::uint64_t thingsFound = 0;  // number of these instances with at least one of the beams counted in `beamsFound`
-  std::uint64_t beams = 0;        // number of beams whose true hit is on an instance of this size
-  std::uint64_t beamsFound = 0;   // number of beams counted in `beams` whose tested hit is on the same instance
+  double low = 0, high = 0;          // ends of the size range (m); the upper end is excluded
+  std::uint64_t instances = 0;       // number of instances of this size
+  std::uint64_t instancesFound = 0;  // number of these instances with at least one of the beams counted in `beamsFound`
+  std::uint64_t beams = 0;           // number of beams whose true hit is on an instance of this size
+  std::uint64_t beamsFound = 0;      // number of beams counted in `beams` whose tested hit is on the same instance
 };
 
 // The errors of all beams, and of groups of beams. A beam is grouped by its true hit; if it has none, by its tested
@@ -69,7 +69,7 @@ struct BeamErrors {
   std::vector<ErrorGroup> byRange;  // bands of the range (m)
   // Bands of the angle between beam and true surface normal (degrees); only beams with a true hit.
   std::vector<ErrorGroup> byIncidence;
-  std::vector<ErrorGroup> byPlace;      // two groups: "interior" and "edges"
+  std::vector<ErrorGroup> byEdge;       // two groups: "interior" and "edges"
   std::vector<ErrorGroup> byClass;      // one group per class that occurs, sorted by class id
   std::vector<SizeRecall> byThickness;  // object instances grouped by the shortest edge of their box
   std::vector<SizeRecall> byLength;     // object instances grouped by the longest edge of their box
@@ -112,12 +112,12 @@ class BeamErrorSum {
 std::vector<Box> objectBoxes(const Mesh& mesh);
 
 // The shortest and longest edge (m) of an object instance's bounding box, which is aligned with its mesh's axes.
-struct ThingSize {
+struct InstanceSize {
   double smallest = 0;
   double largest = 0;
 };
 // Returns the sizes of a scene's object instances, indexed by instance id. They are 0 for the id 0 and for ids that do
 // not occur.
-std::vector<ThingSize> thingSizes(const Scene& scene);
+std::vector<InstanceSize> instanceSizes(const Scene& scene);
 
 }  // namespace scanmill

@@ -154,8 +154,8 @@ TEST(BeamErrors, BeamsBelongToTheBandOfTheTruth) {
   EXPECT_EQ(groupOf(e.byIncidence, "0 to 30 deg").beams, 1u);
   EXPECT_EQ(groupOf(e.byIncidence, "60 to 75 deg").beams, 1u);
   EXPECT_EQ(groupOf(e.byIncidence, "85 to 90 deg").falseNegatives, 1u);
-  EXPECT_EQ(groupOf(e.byPlace, "edges").beams, 2u);
-  EXPECT_EQ(groupOf(e.byPlace, "interior").falsePositives, 1u);
+  EXPECT_EQ(groupOf(e.byEdge, "edges").beams, 2u);
+  EXPECT_EQ(groupOf(e.byEdge, "interior").falsePositives, 1u);
   ASSERT_EQ(e.byClass.size(), 4u);
   EXPECT_EQ(e.byClass[0].name, "ground");
   EXPECT_EQ(e.byClass[1].name, "thing");
@@ -240,7 +240,7 @@ TEST(BeamErrors, GroupsAddUpToTheWhole) {
   EXPECT_GT(e.all.unresolved, 0u);
   EXPECT_EQ(e.all.intensity.count, e.all.bothHit);
   EXPECT_LE(e.all.sameLabel, std::min(e.all.sameClass, e.all.sameInstance));
-  for (const auto* groups : {&e.byRange, &e.byIncidence, &e.byPlace, &e.byClass}) {
+  for (const auto* groups : {&e.byRange, &e.byIncidence, &e.byEdge, &e.byClass}) {
     const GroupErrors total = totalOf(*groups);
     EXPECT_EQ(total.bothHit, e.all.bothHit);
     EXPECT_EQ(total.falseNegatives, e.all.falseNegatives);
@@ -260,7 +260,7 @@ TEST(BeamErrors, GroupsAddUpToTheWhole) {
       EXPECT_EQ(total.hausdorff(), e.all.hausdorff());
     }
   }
-  EXPECT_EQ(totalOf(e.byPlace).beams, e.all.beams);
+  EXPECT_EQ(totalOf(e.byEdge).beams, e.all.beams);
   EXPECT_EQ(totalOf(e.byIncidence).beams, trueHits);
 }
 
@@ -291,8 +291,8 @@ TEST(BeamErrors, NearestDistancesBelongToTheGroupOfTheirBeam) {
   EXPECT_EQ(groupOf(e.byRange, "20 to 40 m").nearestTo.count, 1u) << "the unresolved beam's true point is known";
   EXPECT_EQ(groupOf(e.byRange, "20 to 40 m").nearestFrom.count, 0u);
   EXPECT_EQ(groupOf(e.byRange, "20 to 40 m").hausdorff(), 3);
-  EXPECT_EQ(groupOf(e.byPlace, "edges").hausdorff(), 6);
-  EXPECT_EQ(groupOf(e.byPlace, "interior").nearestTo.mean, 2);
+  EXPECT_EQ(groupOf(e.byEdge, "edges").hausdorff(), 6);
+  EXPECT_EQ(groupOf(e.byEdge, "interior").nearestTo.mean, 2);
   EXPECT_EQ(groupOf(e.byClass, "other").nearestFrom.max, 6);
   EXPECT_EQ(totalOf(e.byIncidence).nearestFrom.count, 1u) << "what is invented has no incidence";
 }
@@ -378,7 +378,7 @@ TEST(ThingSizes, AreThoseOfTheBoxAlongTheMeshsAxes) {
   builder.place(pairId, at(100, 200, 300), "pair");
   builder.place(pairId, {turned * Mat3::scale({2, 3, 0.5}), {7, 7, 7}}, "stretched");
   builder.place(builder.addMesh(sheet), {turned * Mat3::scale({1, -1, 1}), {}}, "sheet");
-  const std::vector<ThingSize> sizes = thingSizes(builder.finish());
+  const std::vector<InstanceSize> sizes = instanceSizes(builder.finish());
   ASSERT_EQ(sizes.size(), 6u);
   const std::vector<std::pair<double, double>> expected{{0, 0}, {0.25, 2}, {0.5, 4}, {0.5, 3}, {0.5, 8}, {0, 3}};
   for (std::size_t id = 0; id < sizes.size(); ++id) {
@@ -407,18 +407,18 @@ TEST(BeamErrors, RecallCountsThingsBySize) {
   const BeamErrors e = errorsOf(scene, truthFrom(exact), tested);
   ASSERT_EQ(e.byThickness.size(), 5u);
   EXPECT_EQ(e.byThickness[0].name, "0 to 0.05 m");
-  EXPECT_EQ(e.byThickness[0].things, 1u);
-  EXPECT_EQ(e.byThickness[0].thingsFound, 0u);
+  EXPECT_EQ(e.byThickness[0].instances, 1u);
+  EXPECT_EQ(e.byThickness[0].instancesFound, 0u);
   EXPECT_EQ(e.byThickness[0].beams, 3u);
   EXPECT_EQ(e.byThickness[0].beamsFound, 0u);
-  EXPECT_EQ(e.byThickness[4].things, 1u);
-  EXPECT_EQ(e.byThickness[4].thingsFound, 1u);
+  EXPECT_EQ(e.byThickness[4].instances, 1u);
+  EXPECT_EQ(e.byThickness[4].instancesFound, 1u);
   EXPECT_EQ(e.byThickness[4].beams, 4u);
   EXPECT_EQ(e.byThickness[4].beamsFound, 2u);
-  for (std::size_t i = 1; i < 4; ++i) EXPECT_EQ(e.byThickness[i].things, 0u);
+  for (std::size_t i = 1; i < 4; ++i) EXPECT_EQ(e.byThickness[i].instances, 0u);
   ASSERT_EQ(e.byLength.size(), 4u);
-  EXPECT_EQ(e.byLength[2].thingsFound, 1u);  // 1 to 2 m
-  EXPECT_EQ(e.byLength[3].things, 1u);       // 2 to 5 m
+  EXPECT_EQ(e.byLength[2].instancesFound, 1u);  // 1 to 2 m
+  EXPECT_EQ(e.byLength[3].instances, 1u);       // 2 to 5 m
 }
 
 }  // namespace

@@ -198,7 +198,7 @@ TEST(Measure, RaysAreTrueAndCoarseParticlesAreNot) {
   EXPECT_LT(exact.intensity.max, 1e-5);
   EXPECT_LT(exact.hausdorff(), 2e-6);
   EXPECT_EQ(exact.nearestTo.count, exact.bothHit);
-  for (const SizeRecall& size : rays.errors.byThickness) EXPECT_EQ(size.thingsFound, size.things) << size.name;
+  for (const SizeRecall& size : rays.errors.byThickness) EXPECT_EQ(size.instancesFound, size.instances) << size.name;
 
   const auto coarse = [&] {
     return methodOf("particle", scene, "{backend: cpu, refine: none, voxel_m: 0.4, voxels: 64}");
@@ -210,8 +210,8 @@ TEST(Measure, RaysAreTrueAndCoarseParticlesAreNot) {
   EXPECT_GT(particles.errors.all.nearestTo.mean, 0.01);
   EXPECT_GT(particles.cost.memoryBytes, 0u);
   // Silhouettes are where it errs.
-  const GroupErrors& interior = particles.errors.byPlace[0].errors;
-  const GroupErrors& edges = particles.errors.byPlace[1].errors;
+  const GroupErrors& interior = particles.errors.byEdge[0].errors;
+  const GroupErrors& edges = particles.errors.byEdge[1].errors;
   EXPECT_GT(edges.beams, 0u);
   EXPECT_GT(interior.beams, edges.beams);
   EXPECT_GT(edges.missRate() + 1 - edges.labels(), interior.missRate() + 1 - interior.labels());
@@ -231,10 +231,10 @@ TEST(Measure, ErrorsDoNotDependOnThreads) {
   EXPECT_EQ(one.errors.all.range, three.errors.all.range);
   EXPECT_EQ(one.errors.all.sameLabel, three.errors.all.sameLabel);
   EXPECT_EQ(one.errors.all.falseNegatives, three.errors.all.falseNegatives);
-  EXPECT_EQ(one.errors.byPlace[1].errors.beams, three.errors.byPlace[1].errors.beams);
+  EXPECT_EQ(one.errors.byEdge[1].errors.beams, three.errors.byEdge[1].errors.beams);
   EXPECT_EQ(one.errors.all.nearestTo, three.errors.all.nearestTo);
   EXPECT_EQ(one.errors.all.nearestFrom, three.errors.all.nearestFrom);
-  EXPECT_EQ(one.errors.byPlace[1].errors.nearestTo, three.errors.byPlace[1].errors.nearestTo);
+  EXPECT_EQ(one.errors.byEdge[1].errors.nearestTo, three.errors.byEdge[1].errors.nearestTo);
 }
 
 // The points that a standing sensor's beams hit, in its own axes (m).

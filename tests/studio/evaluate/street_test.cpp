@@ -22,7 +22,7 @@ class Street : public testing::Test {
   static Measurement compared(const std::vector<TrueShot>& truth, const char* method, const std::string& options) {
     return measure([&] { return methodOf(method, *scene_, options); }, *scene_, truth, {.repeats = 0});
   }
-  static const GroupErrors& interiorOf(const Measurement& m) { return m.errors.byPlace.front().errors; }
+  static const GroupErrors& interiorOf(const Measurement& m) { return m.errors.byEdge.front().errors; }
 
   static std::unique_ptr<Scene> scene_;
 };

@@ -21,13 +21,13 @@ namespace {
 
 constexpr int kPictureWidth = 1280, kPictureHeight = 720;
 
-std::string titleOf(const Manifest& manifest, const ScanPlace& place) {
+std::string titleOf(const Manifest& manifest, const ScanIndex& place) {
   const SampleRecord& sample = manifest.samples[place.sample];
   return fmt::format("{}, {}", sample.key, sample.scans[place.scan].sensor);
 }
 
 // Draws pictures of a scan, coloured by class and by intensity. If the scan has neither, it is coloured by range.
-PicturedScan pictureOf(const Manifest& manifest, const ScanPlace& place, const Scan& scan) {
+PicturedScan pictureOf(const Manifest& manifest, const ScanIndex& place, const Scan& scan) {
   PicturedScan pictured{titleOf(manifest, place), manifest.samples[place.sample].split, {}};
   std::vector<ColorBy> colors;
   if (!scan[kLabel].empty()) colors.push_back(kByClass);
@@ -65,14 +65,14 @@ class Examination {
 
   DatasetReport run() {
     const Manifest& manifest = report_.manifest;
-    const std::vector<ScanPlace> spread = spreadScans(manifest, options_.mostScans);
+    const std::vector<ScanIndex> spread = spreadScans(manifest, options_.mostScans);
     std::uint64_t scans = 0;
     for (const SampleRecord& sample : manifest.samples) scans += sample.scans.size();
     report_.hashed = spread.size() == scans;  // if all scans are read, computing hashes takes little additional time
     report_.shardFaults = shardFaults(folder_, manifest, report_.hashed);
     std::vector<bool> sound;
     for (const std::string& fault : report_.shardFaults) sound.push_back(fault.empty());
-    const std::vector<ScanPlace> shown = randomScans(manifest, sound, options_.samples, options_.seed);
+    const std::vector<ScanIndex> shown = randomScans(manifest, sound, options_.samples, options_.seed);
     countScans(spread);
     countObjects(spread);
     findWarnings(spread);
@@ -81,11 +81,11 @@ class Examination {
   }
 
  private:
-  const ScanRecord& recordOf(const ScanPlace& place) const {
+  const ScanRecord& recordOf(const ScanIndex& place) const {
     return report_.manifest.samples[place.sample].scans[place.scan];
   }
 
-  void countScans(const std::vector<ScanPlace>& spread) {
+  void countScans(const std::vector<ScanIndex>& spread) {
     double farthest = 1;
     for (const SensorRecord& s : report_.manifest.sensors) farthest = std::max(farthest, s.beams.maxRange);
     const RangeSteps steps = rangeStepsFor(farthest);
@@ -110,10 +110,10 @@ class Examination {
     report_.summary = summarise(report_.manifest, spread, counts, steps);
   }
 
-  void countObjects(const std::vector<ScanPlace>& spread) {
+  void countObjects(const std::vector<ScanIndex>& spread) {
     std::vector<std::size_t> samples;
     samples.reserve(spread.size());
-    for (const ScanPlace& place : spread) samples.push_back(place.sample);
+    for (const ScanIndex& place : spread) samples.push_back(place.sample);
     samples.erase(std::unique(samples.begin(), samples.end()), samples.end());
     report_.objects = scanmill::countObjects(store_, samples, faults_.scans);
   }
@@ -125,7 +125,7 @@ class Examination {
     return error;
   }
 
-  void findWarnings(const std::vector<ScanPlace>& spread) {
+  void findWarnings(const std::vector<ScanIndex>& spread) {
     for (std::size_t i = 0; i < report_.shardFaults.size(); ++i) {
       if (report_.shardFaults[i].empty()) continue;
       faults_.shards.push_back(fmt::format("{} {}", report_.manifest.shards[i].file, report_.shardFaults[i]));
@@ -139,9 +139,9 @@ class Examination {
   }
 
   // Draws pictures of the scans, sorted by key. Skips scans that cannot be read, without reporting them.
-  void picture(std::vector<ScanPlace> shown) {
-    const auto keyOf = [&](const ScanPlace& place) { return report_.manifest.samples[place.sample].key; };
-    std::ranges::stable_sort(shown, [&](const ScanPlace& a, const ScanPlace& b) { return keyOf(a) < keyOf(b); });
+  void picture(std::vector<ScanIndex> shown) {
+    const auto keyOf = [&](const ScanIndex& place) { return report_.manifest.samples[place.sample].key; };
+    std::ranges::stable_sort(shown, [&](const ScanIndex& a, const ScanIndex& b) { return keyOf(a) < keyOf(b); });
     std::vector<std::optional<Scan>> scans(shown.size());
     ScanReading reading;
     reading.stop = options_.stop;
@@ -161,7 +161,7 @@ class Examination {
   }
 
   // Reads the image that shows the reason of each beam of a pictured scan, and adds it to the report.
-  void readReasons(const ScanPlace& place) {
+  void readReasons(const ScanIndex& place) {
     const SampleRecord& sample = report_.manifest.samples[place.sample];
     if (recordOf(place).beamsPerReason.empty()) return;
     try {

@@ -84,7 +84,7 @@ class Summing {
     findFewPoints();
   }
 
-  void addCounts(const std::vector<ScanPlace>& places, const std::vector<std::optional<ScanCounts>>& counts) {
+  void addCounts(const std::vector<ScanIndex>& places, const std::vector<std::optional<ScanCounts>>& counts) {
     sum_.scansChosen = places.size();
     for (std::size_t k = 0; k < places.size(); ++k) {
       if (counts[k]) addScan(places[k], *counts[k]);
@@ -172,7 +172,7 @@ class Summing {
     }
   }
 
-  void addScan(const ScanPlace& place, const ScanCounts& counts) {
+  void addScan(const ScanIndex& place, const ScanCounts& counts) {
     const SampleRecord& sample = manifest_.samples[place.sample];
     SensorSummary& sensor = sensorEntry(sample.scans[place.scan].sensor);
     ++sum_.scansRead;
@@ -246,7 +246,7 @@ void addTo(std::vector<std::uint64_t>& sum, const std::vector<std::uint64_t>& pa
   for (std::size_t i = 0; i < part.size(); ++i) sum[i] += part[i];
 }
 
-DatasetSummary summarise(const Manifest& manifest, const std::vector<ScanPlace>& places,
+DatasetSummary summarise(const Manifest& manifest, const std::vector<ScanIndex>& places,
                          const std::vector<std::optional<ScanCounts>>& counts, const RangeSteps& steps) {
   Summing summing(manifest, steps);
   summing.addManifest();

@@ -92,7 +92,7 @@ void addTo(std::vector<std::uint64_t>& sum, const std::vector<std::uint64_t>& pa
 
 // Computes the summary of a dataset. `counts`: the counts of the scans at `places`, in the same order; absent if a scan
 // could not be read.
-DatasetSummary summarise(const Manifest& manifest, const std::vector<ScanPlace>& places,
+DatasetSummary summarise(const Manifest& manifest, const std::vector<ScanIndex>& places,
                          const std::vector<std::optional<ScanCounts>>& counts, const RangeSteps& steps);
 
 // A scan is reported to have few points if it has fewer than this fraction of the median number of points in its

@@ -33,7 +33,7 @@ std::string faultOf(const fs::path& file, const ShardRecord& record, bool hashed
   }
 }
 
-Scan readScan(const ScanStore& store, const ScanPlace& place) {
+Scan readScan(const ScanStore& store, const ScanIndex& place) {
   const SampleRecord& sample = store.manifest()->samples[place.sample];
   const ScanRecord& record = sample.scans[place.scan];
   for (const StoredScan& scan : store.scans(place.sample)) {
@@ -62,7 +62,7 @@ std::string readingFault(const ScanStore& store, std::size_t sample, const Input
   return fault;
 }
 
-std::vector<std::string> readScans(const ScanStore& store, const std::vector<ScanPlace>& places,
+std::vector<std::string> readScans(const ScanStore& store, const std::vector<ScanIndex>& places,
                                    const ScanReading& reading) {
   const Manifest& manifest = *store.manifest();
   std::vector<std::string> problems(places.size());
@@ -72,7 +72,7 @@ std::vector<std::string> readScans(const ScanStore& store, const std::vector<Sca
     std::vector<std::uint64_t> points(count, 0);
     parallelFor(count, 1, [&](std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last; ++i) {
-        const ScanPlace& place = places[begin + i];
+        const ScanIndex& place = places[begin + i];
         const fs::path shard = store.folder() / manifest.shards[manifest.samples[place.sample].shard].file;
         if (!isFile(shard)) continue;  // shardFaults() reports the missing shard
         try {
@@ -115,18 +115,18 @@ struct SplitSamples {
 
 }  // namespace
 
-std::vector<ScanPlace> spreadScans(const Manifest& manifest, std::size_t most) {
-  std::vector<ScanPlace> all;
+std::vector<ScanIndex> spreadScans(const Manifest& manifest, std::size_t most) {
+  std::vector<ScanIndex> all;
   for (std::size_t s = 0; s < manifest.samples.size(); ++s) {
     for (std::size_t i = 0; i < manifest.samples[s].scans.size(); ++i) all.push_back({s, i});
   }
   if (all.size() <= most) return all;
-  std::vector<ScanPlace> spread;
+  std::vector<ScanIndex> spread;
   for (std::size_t k = 0; k < most; ++k) spread.push_back(all[(2 * k + 1) * all.size() / (2 * most)]);
   return spread;
 }
 
-std::vector<ScanPlace> randomScans(const Manifest& manifest, const std::vector<bool>& sound, std::size_t count,
+std::vector<ScanIndex> randomScans(const Manifest& manifest, const std::vector<bool>& sound, std::size_t count,
                                    std::uint64_t seed) {
   std::vector<SplitSamples> splits;
   for (std::size_t s = 0; s < manifest.samples.size(); ++s) {
@@ -138,7 +138,7 @@ std::vector<ScanPlace> randomScans(const Manifest& manifest, const std::vector<b
     split->drawn.emplace_back(drawOf(seed, s), s);
   }
   for (SplitSamples& split : splits) std::ranges::sort(split.drawn);
-  std::vector<ScanPlace> chosen;
+  std::vector<ScanIndex> chosen;
   for (std::size_t turn = 0; chosen.size() < count; ++turn) {
     bool more = false;
     for (const SplitSamples& split : splits) {

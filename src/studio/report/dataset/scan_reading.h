@@ -18,20 +18,20 @@
 
 namespace scanmill {
 
-struct ScanPlace {
+struct ScanIndex {
   std::size_t sample = 0;  // index in Manifest::samples
   std::size_t scan = 0;    // index in the sample's scans
 
-  auto operator<=>(const ScanPlace&) const = default;
+  auto operator<=>(const ScanIndex&) const = default;
 };
 
 // Returns all scans; if there are more than `most`, returns `most` scans, evenly distributed over the dataset. Sorted.
-std::vector<ScanPlace> spreadScans(const Manifest& manifest, std::size_t most);
+std::vector<ScanIndex> spreadScans(const Manifest& manifest, std::size_t most);
 
 // Returns one scan from each of at most `count` random samples. Splits and sensors alternate, so that a few samples
 // include all of them. Skips scans without points and scans in damaged shards. `sound`: for each shard, whether it is
 // undamaged. The same seed chooses the same scans.
-std::vector<ScanPlace> randomScans(const Manifest& manifest, const std::vector<bool>& sound, std::size_t count,
+std::vector<ScanIndex> randomScans(const Manifest& manifest, const std::vector<bool>& sound, std::size_t count,
                                    std::uint64_t seed);
 
 // Returns one text per shard of the manifest: the shard's fault, or an empty text if the shard is sound. Compares the
@@ -53,7 +53,7 @@ struct ScanReading {
 // Reads the scans at `places` of a dataset. If a scan is stored in several formats, uses the most exact format that can
 // be decoded. Returns the faults, one line for each scan that cannot be read, or one line for all scans of a shard that
 // is truncated or not a tar file. Scans of missing shards are not among them; shardFaults() reports these.
-std::vector<std::string> readScans(const ScanStore& store, const std::vector<ScanPlace>& places,
+std::vector<std::string> readScans(const ScanStore& store, const std::vector<ScanIndex>& places,
                                    const ScanReading& reading);
 
 }  // namespace scanmill

@@ -47,22 +47,22 @@ Chart fitnessAxes(const char* name, const std::string& title, const std::string&
           .y = logAxis("fitness: mean squared distance (m²)")};
 }
 
-std::vector<const RepeatedPlace*> byDistance(const RepeatedView& view) {
-  std::vector<const RepeatedPlace*> places;
-  for (const RepeatedPlace& place : view.places) places.push_back(&place);
-  std::ranges::stable_sort(places, {}, &RepeatedPlace::distance);
-  return places;
+std::vector<const RepeatedPose*> byDistance(const RepeatedView& view) {
+  std::vector<const RepeatedPose*> poses;
+  for (const RepeatedPose& pose : view.poses) poses.push_back(&pose);
+  std::ranges::stable_sort(poses, {}, &RepeatedPose::distance);
+  return poses;
 }
 
-std::string at(const RepeatedPlace& place) {
-  return fmt::format("{:.3g} m", place.distance);
+std::string at(const RepeatedPose& pose) {
+  return fmt::format("{:.3g} m", pose.distance);
 }
 
 // Adds a line of the view's fitness over the distance, between two scans with the same noise level.
 void addLine(Chart& chart, const Repeatability& result, const RepeatedView& view, std::size_t level, OfLevels when,
              ChartSeries series) {
-  for (const RepeatedPlace* place : byDistance(view)) {
-    add(series, place->distance, result.at(*place, level, level).*when, at(*place));
+  for (const RepeatedPose* pose : byDistance(view)) {
+    add(series, pose->distance, result.at(*pose, level, level).*when, at(*pose));
   }
   chart.series.push_back(std::move(series));
 }
@@ -89,10 +89,10 @@ Chart pointsChart(const Repeatability& result, std::size_t method) {
   for (const RepeatedView& view : result.views) {
     if (view.method != method) continue;
     ChartSeries series = line(view.name, chart.series.size());
-    for (const RepeatedPlace* place : byDistance(view)) {
-      const PointCount& count = place->points[result.reference];
-      series.add({place->distance, count.mean},
-                 fmt::format("{}: {:g} points, {} to {}", at(*place), count.mean, count.least, count.most));
+    for (const RepeatedPose* pose : byDistance(view)) {
+      const PointCount& count = pose->points[result.reference];
+      series.add({pose->distance, count.mean},
+                 fmt::format("{}: {:g} points, {} to {}", at(*pose), count.mean, count.least, count.most));
     }
     chart.series.push_back(std::move(series));
   }
@@ -110,16 +110,16 @@ Chart levelsChart(const Repeatability& result, const RepeatedView& view) {
   chart.x.title = "noise of the target";
   chart.x.names = result.levels;
   chart.y = logAxis("fitness after ICP (m²)");
-  const std::vector<const RepeatedPlace*> places = byDistance(view);
-  const std::size_t step = (places.size() + kMostPoses - 1) / kMostPoses;
-  for (std::size_t p = 0; p < places.size(); p += step) {
-    ChartSeries others = line(at(*places[p]), p / step);
+  const std::vector<const RepeatedPose*> poses = byDistance(view);
+  const std::size_t step = (poses.size() + kMostPoses - 1) / kMostPoses;
+  for (std::size_t p = 0; p < poses.size(); p += step) {
+    ChartSeries others = line(at(*poses[p]), p / step);
     ChartSeries itself = line("", p / step);
     itself.mark = ChartMark::Dots;
     for (std::size_t level = 0; level < result.levels.size(); ++level) {
       add(level == result.reference ? itself : others, static_cast<double>(level),
-          result.at(*places[p], result.reference, level).registered,
-          fmt::format("{}, noise {}", at(*places[p]), result.levels[level]));
+          result.at(*poses[p], result.reference, level).registered,
+          fmt::format("{}, noise {}", at(*poses[p]), result.levels[level]));
     }
     chart.series.push_back(std::move(others));
     chart.series.push_back(std::move(itself));

@@ -18,25 +18,25 @@ void scale(Json& spread) {
   if (spread["pairs"] < 3) spread.erase("deviation");
 }
 
-// Rearranges the JSON of one pose for the page's templates: `place` itself gets the figures of the reference level, and
+// Rearranges the JSON of one pose for the page's templates: `pose` itself gets the figures of the reference level, and
 // `sources` gets one table row for each source level.
-void arrange(Json& place, const Repeatability& result) {
+void arrange(Json& pose, const Repeatability& result) {
   const std::size_t count = result.levels.size(), reference = result.reference;
-  const Json points = place["points"][reference];
-  place["points"] = points;
-  for (Json& cell : place["fitness_m2"]) {
+  const Json points = pose["points"][reference];
+  pose["points"] = points;
+  for (Json& cell : pose["fitness_m2"]) {
     scale(cell["registered"]);
     scale(cell["unmoved"]);
   }
-  place.update(place["fitness_m2"][reference * count + reference]);
-  place["sources"] = Json::array();
+  pose.update(pose["fitness_m2"][reference * count + reference]);
+  pose["sources"] = Json::array();
   for (std::size_t source = 0; source < count; ++source) {
     Json row{{"source", result.levels[source]}, {"strong", source == reference}, {"targets", Json::array()}};
     for (std::size_t target = 0; target < count; ++target) {
-      const Json& registered = place["fitness_m2"][source * count + target]["registered"];
+      const Json& registered = pose["fitness_m2"][source * count + target]["registered"];
       row["targets"].push_back(registered.is_null() ? Json::object() : registered);
     }
-    place["sources"].push_back(std::move(row));
+    pose["sources"].push_back(std::move(row));
   }
 }
 
@@ -64,10 +64,10 @@ std::string repeatabilityReport(const Repeatability& result, const std::string& 
     Json& own = page["views"][v];
     own["number"] = v;
     own["charts"] = chartValues(repeatabilityViewCharts(result, view));
-    for (Json& place : own["places"]) {
-      arrange(place, result);
-      place.update({{"view", view.name}, {"sensor", view.sensor}});
-      page["of_methods"][view.method]["places"].push_back(place);
+    for (Json& pose : own["places"]) {
+      arrange(pose, result);
+      pose.update({{"view", view.name}, {"sensor", view.sensor}});
+      page["of_methods"][view.method]["places"].push_back(pose);
     }
     if (view.method == 0) page["method_charts"].push_back(chartValues(repeatabilityMethods(result, view.name)));
   }

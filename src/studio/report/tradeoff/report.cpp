@@ -122,7 +122,7 @@ class StudyPage {
   }
 
   void places() {
-    const std::vector<std::string> names = groupNames(study_, measuredSettings(study_), &BeamErrors::byPlace);
+    const std::vector<std::string> names = groupNames(study_, measuredSettings(study_), &BeamErrors::byEdge);
     page_["places"] = Json::array();
     for (const std::string& name : names) {
       page_["places"].push_back({{"title", name == kAwayFromEdges ? "away from edges" : "at edges"}});
@@ -130,7 +130,7 @@ class StudyPage {
     for (const std::size_t i : measuredSettings(study_)) {
       Json row{{"name", nameOf(i)}, {"places", Json::array()}};
       for (const std::string& name : names) {
-        row["places"].push_back(groupJson(errorsOf(i)["by_place"], errors(i).byPlace, name));
+        row["places"].push_back(groupJson(errorsOf(i)["by_place"], errors(i).byEdge, name));
       }
       page_["by_place"].push_back(std::move(row));
     }
@@ -229,7 +229,8 @@ std::string studyReport(const Study& study) {
   return fillPage(kTradeoffTemplate, StudyPage(study).values());
 }
 
-std::vector<std::string> groupNames(const Study& study, const std::vector<std::size_t>& settings, Groups groups) {
+std::vector<std::string> groupNames(const Study& study, const std::vector<std::size_t>& settings,
+                                    GroupsOfErrors groups) {
   std::vector<std::string> names;
   for (const std::size_t i : settings) {
     for (const ErrorGroup& g : study.settings[i].measured.errors.*groups) {

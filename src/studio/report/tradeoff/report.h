@@ -34,9 +34,10 @@ std::vector<Chart> studyCharts(const Study& study);
 // Names of the charts that are also written as files: speed against error, errors by range and by incidence, encodings.
 inline constexpr std::array kStudyFiles{"pareto", "errors_by_range", "errors_by_incidence", "encodings"};
 
-using Groups = std::vector<ErrorGroup> BeamErrors::*;
+using GroupsOfErrors = std::vector<ErrorGroup> BeamErrors::*;
 // Returns the names of the groups in which at least one of the settings has beams, in the order of the groups.
-std::vector<std::string> groupNames(const Study& study, const std::vector<std::size_t>& settings, Groups groups);
+std::vector<std::string> groupNames(const Study& study, const std::vector<std::size_t>& settings,
+                                    GroupsOfErrors groups);
 
 // Returns at most `most` noteworthy settings as indices in Study::settings: the methods with their defaults, the
 // fastest setting of each method, and the Pareto fronts of study_figures.h.

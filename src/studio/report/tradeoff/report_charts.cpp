@@ -154,7 +154,7 @@ Chart settingsChart(const Study& study, const Shown& shown, Chart chart, const F
   return chart;
 }
 
-Chart bandChart(const Study& study, Chart chart, const char* bands, Groups groups, const Measure& measure) {
+Chart bandChart(const Study& study, Chart chart, const char* bands, GroupsOfErrors groups, const Measure& measure) {
   const Shown shown(study);
   const std::vector<std::string> names = groupNames(study, shown.settings, groups);
   chart.x = {.title = bands, .names = names};
@@ -175,16 +175,17 @@ Chart recallChart(const Study& study, Chart chart, const char* sizes, std::vecto
   std::vector<std::size_t> bands;
   for (std::size_t b = 0; !shown.settings.empty() && b < (errorsOf(study, shown.settings[0]).*recall).size(); ++b) {
     const SizeRecall& first = (errorsOf(study, shown.settings[0]).*recall)[b];
-    if (first.things == 0) continue;
+    if (first.instances == 0) continue;
     bands.push_back(b);
-    chart.x.names.push_back(fmt::format("{} ({})", first.name, first.things));
+    chart.x.names.push_back(fmt::format("{} ({})", first.name, first.instances));
   }
   return settingsChart(study, shown, std::move(chart), [&](const BeamErrors& errors, std::size_t n) {
     const std::vector<SizeRecall>& own = errors.*recall;
     const SizeRecall band = bands[n] < own.size() ? own[bands[n]] : SizeRecall{};
-    return std::pair(band.things > 0 ? static_cast<double>(band.thingsFound) / static_cast<double>(band.things) : kNone,
-                     fmt::format("{}: {} of {} things, {} of {} beams", band.name, band.thingsFound, band.things,
-                                 band.beamsFound, band.beams));
+    return std::pair(
+        band.instances > 0 ? static_cast<double>(band.instancesFound) / static_cast<double>(band.instances) : kNone,
+        fmt::format("{}: {} of {} things, {} of {} beams", band.name, band.instancesFound, band.instances,
+                    band.beamsFound, band.beams));
   });
 }
 
@@ -217,7 +218,7 @@ Chart encodingsChart(const Study& study) {
 std::vector<Chart> studyCharts(const Study& study) {
   const char* const range = "range";
   const char* const incidence = "angle between beam and surface normal";
-  const Groups byRange = &BeamErrors::byRange, byIncidence = &BeamErrors::byIncidence;
+  const GroupsOfErrors byRange = &BeamErrors::byRange, byIncidence = &BeamErrors::byIncidence;
   return {frontChart(study,
                      {.name = "pareto", .title = "Speed against range error", .note = sceneNote(study), .width = 880},
                      kRangeError, frontOf(study, rangeP99)),

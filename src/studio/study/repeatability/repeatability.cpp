@@ -20,7 +20,7 @@ namespace {
 
 using ObjectCloud = std::vector<Vec3f>;  // points relative to the object's centre, along the world's axes (m)
 
-ObjectCloud crop(const Scan& scan, const Shot& shot, const BoxedThing& thing, double margin) {
+ObjectCloud crop(const Scan& scan, const Shot& shot, const BoxedObject& thing, double margin) {
   ObjectCloud cloud;
   const Vec3d middle = thing.center();
   for (std::size_t i = 0; i < scan.size(); ++i) {
@@ -70,7 +70,7 @@ class RepeatabilityRun {
     const Pipeline& pipeline = plan_.pipeline;
     std::unique_ptr<Scene> scene;
     std::vector<std::unique_ptr<Method>> methods;
-    std::vector<BoxedThing> things;
+    std::vector<BoxedObject> things;
     const std::size_t sensors = pipeline.sensors.size();
     for (std::size_t s = 0; s < pipeline.sequences.size(); ++s) {
       const Sequence& sequence = pipeline.sequences[s];
@@ -79,7 +79,7 @@ class RepeatabilityRun {
         scene = std::make_unique<Scene>(source_.load(s));
         standStill(*scene, 0);
         for (const MethodSetting& setting : choice_.methods) methods.push_back(makeMethod(setting.choice, *scene));
-        things = boxedThings(*scene);
+        things = boxedObjects(*scene);
       }
       for (std::size_t m = 0; m < methods.size(); ++m) {
         const std::size_t firstView = (m * pipeline.sequences.size() + s) * sensors;
@@ -87,8 +87,8 @@ class RepeatabilityRun {
           const std::vector<Shot> shots = source_.frame(s, frame).shots;
           for (std::size_t sensor = 0; sensor < sensors; ++sensor) {
             const Vec3d from = shots[sensor].worldFromSensor.front().translation;
-            const BoxedThing& thing = thingToWatch(things, choice_.object, from, *scene);
-            result_.views[firstView + sensor].places.push_back(measurePlace(*methods[m], *scene, shots[sensor], thing));
+            const BoxedObject& thing = objectToScan(things, choice_.object, from, *scene);
+            result_.views[firstView + sensor].poses.push_back(measurePose(*methods[m], *scene, shots[sensor], thing));
             progress_.advance(1, 1);
           }
         }
@@ -137,12 +137,12 @@ class RepeatabilityRun {
     for (const RepeatedView& view : result_.views) {
       std::vector<std::string> blind;
       std::string object;
-      for (const RepeatedPlace& place : view.places) {
-        if (std::ranges::any_of(place.points, [](const PointCount& c) { return c.most > 0; })) {
+      for (const RepeatedPose& pose : view.poses) {
+        if (std::ranges::any_of(pose.points, [](const PointCount& c) { return c.most > 0; })) {
           continue;
         }
-        blind.push_back(fmt::format("{} ({:.4g} m)", place.frame, place.distance));
-        object = place.object;
+        blind.push_back(fmt::format("{} ({:.4g} m)", pose.frame, pose.distance));
+        object = pose.object;
       }
       if (blind.empty()) continue;
       const std::size_t count = blind.size();
@@ -151,7 +151,7 @@ class RepeatabilityRun {
           fmt::format("{}{}: no point hits {} from {} of {} poses: frame {}{}; is the object in the sensor's field and "
                       "not occluded?",
                       view.name, result_.methods.size() > 1 ? ", " + result_.methods[view.method] : "", object, count,
-                      view.places.size(), fmt::join(blind, ", "), count > kShown ? ", ..." : ""));
+                      view.poses.size(), fmt::join(blind, ", "), count > kShown ? ", ..." : ""));
     }
   }
 
@@ -170,8 +170,8 @@ class RepeatabilityRun {
       bool any = false;
       bool moves = false;
       for (const RepeatedView& view : result_.views) {
-        for (const RepeatedPlace& place : view.places) {
-          const FitnessSpread& same = result_.at(place, level, level).unmoved;
+        for (const RepeatedPose& pose : view.poses) {
+          const FitnessSpread& same = result_.at(pose, level, level).unmoved;
           any = any || same.count > 0;
           moves = moves || same.high > 0;
         }
@@ -189,7 +189,7 @@ class RepeatabilityRun {
   // Returns the object's points in the scans with all noise levels and seeds. Traces once, since the hits are the same
   // for all.
   std::vector<ObjectCloud> scansOf(const Method& method, const Scene& scene, const Shot& shot,
-                                   const BoxedThing& thing) const {
+                                   const BoxedObject& thing) const {
     Hits hits;
     method.trace(shot, channels_, hits);
     const std::size_t levels = choice_.levels.size();
@@ -209,8 +209,7 @@ class RepeatabilityRun {
     return clouds;
   }
 
-  RepeatedPlace measurePlace(const Method& method, const Scene& scene, const Shot& shot,
-                             const BoxedThing& thing) const {
+  RepeatedPose measurePose(const Method& method, const Scene& scene, const Shot& shot, const BoxedObject& thing) const {
     const std::vector<ObjectCloud> clouds = scansOf(method, scene, shot, thing);
     std::vector<Registered> registered(pairs_.size());
     parallelFor(pairs_.size(), 1, [&](std::size_t first, std::size_t last) {
@@ -220,15 +219,15 @@ class RepeatabilityRun {
     });
     if (stopped()) throw Error("stopped: nothing was written");
 
-    RepeatedPlace place{shot.frame, thing.name(), thing.distance(shot.worldFromSensor.front().translation), {}, {}};
+    RepeatedPose pose{shot.frame, thing.name(), thing.distance(shot.worldFromSensor.front().translation), {}, {}};
     for (std::size_t level = 0; level < choice_.levels.size(); ++level) {
-      place.points.push_back(countPoints(std::span(clouds).subspan(level * choice_.scans, choice_.scans)));
+      pose.points.push_back(countPoints(std::span(clouds).subspan(level * choice_.scans, choice_.scans)));
     }
     const std::size_t perCell = std::size_t{choice_.scans} * (choice_.scans - 1);
     for (std::size_t first = 0; first < registered.size(); first += perCell) {
-      place.fitness.push_back(gather(std::span(registered).subspan(first, perCell)));
+      pose.fitness.push_back(gather(std::span(registered).subspan(first, perCell)));
     }
-    return place;
+    return pose;
   }
 
   static PointCount countPoints(std::span<const ObjectCloud> clouds) {
@@ -270,7 +269,7 @@ class RepeatabilityRun {
 std::vector<std::string> Repeatability::objects() const {
   std::vector<std::string> names;
   for (const RepeatedView& view : views) {
-    for (const RepeatedPlace& place : view.places) appendNew({place.object}, names);
+    for (const RepeatedPose& pose : view.poses) appendNew({pose.object}, names);
   }
   return names;
 }

@@ -31,7 +31,7 @@ struct LevelFitness {
 };
 
 // The results for one pose of the sensor.
-struct RepeatedPlace {
+struct RepeatedPose {
   std::uint32_t frame = 0;
   std::string object;
   double distance = 0;                // distance from the sensor to the object's bounding box (m)
@@ -45,7 +45,7 @@ struct RepeatedView {
   // trajectory, and the sensor if there are several sensors.
   std::string name;
   std::string sensor;  // the sensor with its size, such as "lidar0 (OS1-128, 128 x 1024 beams)"
-  std::vector<RepeatedPlace> places;
+  std::vector<RepeatedPose> poses;
 };
 
 struct Repeatability {
@@ -65,8 +65,8 @@ struct Repeatability {
 
   std::vector<std::string> objects() const;  // returns the names of the objects in the results, without repetitions
   std::vector<std::string> sensors() const;  // returns RepeatedView::sensor of all views, without repetitions
-  const LevelFitness& at(const RepeatedPlace& place, std::size_t source, std::size_t target) const {
-    return place.fitness[source * levels.size() + target];
+  const LevelFitness& at(const RepeatedPose& pose, std::size_t source, std::size_t target) const {
+    return pose.fitness[source * levels.size() + target];
   }
 };
 

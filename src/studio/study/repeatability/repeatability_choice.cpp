@@ -110,20 +110,20 @@ Channels repeatabilityChannels(const Pipeline& pipeline) {
   return channels;
 }
 
-BoxedThing::BoxedThing(std::string name, const Affine& worldFromMesh, const Box& box)
+BoxedObject::BoxedObject(std::string name, const Affine& worldFromMesh, const Box& box)
     : name_(std::move(name)), worldFromMesh_(worldFromMesh), meshFromWorld_(inverse(worldFromMesh)), box_(box) {}
 
-double BoxedThing::distance(const Vec3d& point) const {
+double BoxedObject::distance(const Vec3d& point) const {
   const Vec3d p = meshFromWorld_ * point;
   const Vec3d inside{std::clamp(p.x, box_.low.x, box_.high.x), std::clamp(p.y, box_.low.y, box_.high.y),
                      std::clamp(p.z, box_.low.z, box_.high.z)};
   return length(worldFromMesh_.linear * (p - inside));
 }
 
-std::vector<BoxedThing> boxedThings(const Scene& scene) {
+std::vector<BoxedObject> boxedObjects(const Scene& scene) {
   std::vector<std::vector<Box>> boxes;  // indexed by mesh and object
   for (const Mesh& mesh : scene.meshes) boxes.push_back(objectBoxes(mesh));
-  std::vector<BoxedThing> things;
+  std::vector<BoxedObject> things;
   for (const Instance& instance : scene.instances) {
     for (const Box& box : boxes[instance.mesh]) {
       if (!box.empty()) things.emplace_back(instance.name, instance.worldFromMesh, box);
@@ -132,12 +132,12 @@ std::vector<BoxedThing> boxedThings(const Scene& scene) {
   return things;
 }
 
-const BoxedThing& thingToWatch(const std::vector<BoxedThing>& things, const std::string& name, const Vec3d& from,
-                               const Scene& scene) {
-  const BoxedThing* nearestThing = nullptr;
+const BoxedObject& objectToScan(const std::vector<BoxedObject>& things, const std::string& name, const Vec3d& from,
+                                const Scene& scene) {
+  const BoxedObject* nearestThing = nullptr;
   double least = 0;
   std::vector<std::string> names;
-  for (const BoxedThing& thing : things) {
+  for (const BoxedObject& thing : things) {
     if (std::ranges::find(names, thing.name()) == names.end()) names.push_back(thing.name());
     if (!name.empty() && thing.name() != name) continue;
     const double distance = thing.distance(from);

@@ -54,9 +54,9 @@ ScanLayout repeatabilityLayout();
 Channels repeatabilityChannels(const Pipeline& pipeline);
 
 // An object of a scene, with a bounding box along the axes of the object's mesh.
-class BoxedThing {
+class BoxedObject {
  public:
-  BoxedThing(std::string name, const Affine& worldFromMesh, const Box& box);
+  BoxedObject(std::string name, const Affine& worldFromMesh, const Box& box);
 
   const std::string& name() const { return name_; }
   Vec3d center() const { return worldFromMesh_ * box_.center(); }
@@ -71,11 +71,11 @@ class BoxedThing {
 };
 
 // Returns all object instances of a scene, sorted by instance id.
-std::vector<BoxedThing> boxedThings(const Scene& scene);
+std::vector<BoxedObject> boxedObjects(const Scene& scene);
 
 // Returns the object with this name that is nearest to the point `from` (world frame, m); if the name is empty, the
 // nearest of all objects. Throws InputError with the scene's name if there is no such object.
-const BoxedThing& thingToWatch(const std::vector<BoxedThing>& things, const std::string& name, const Vec3d& from,
-                               const Scene& scene);
+const BoxedObject& objectToScan(const std::vector<BoxedObject>& things, const std::string& name, const Vec3d& from,
+                                const Scene& scene);
 
 }  // namespace scanmill

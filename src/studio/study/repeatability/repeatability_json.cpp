@@ -17,18 +17,18 @@ OrderedJson spreadJson(const FitnessSpread& spread) {
           {"max", spread.high}};
 }
 
-OrderedJson placeJson(const Repeatability& result, const RepeatedPlace& place) {
-  OrderedJson json{{"frame", place.frame}, {"object", place.object}, {"distance_m", place.distance}};
+OrderedJson poseJson(const Repeatability& result, const RepeatedPose& pose) {
+  OrderedJson json{{"frame", pose.frame}, {"object", pose.object}, {"distance_m", pose.distance}};
   json["points"] = OrderedJson::array();
   for (std::size_t level = 0; level < result.levels.size(); ++level) {
-    const PointCount& count = place.points[level];
+    const PointCount& count = pose.points[level];
     json["points"].push_back(
         {{"noise", result.levels[level]}, {"mean", count.mean}, {"min", count.least}, {"max", count.most}});
   }
   json["fitness_m2"] = OrderedJson::array();
   for (std::size_t source = 0; source < result.levels.size(); ++source) {
     for (std::size_t target = 0; target < result.levels.size(); ++target) {
-      const LevelFitness& cell = result.at(place, source, target);
+      const LevelFitness& cell = result.at(pose, source, target);
       json["fitness_m2"].push_back({{"source", result.levels[source]},
                                     {"target", result.levels[target]},
                                     {"pairs", cell.pairs},
@@ -57,10 +57,10 @@ std::string repeatabilityJson(const Repeatability& result) {
                    {"reference", result.levels[result.reference]},
                    {"views", OrderedJson::array()}};
   for (const RepeatedView& view : result.views) {
-    OrderedJson places = OrderedJson::array();
-    for (const RepeatedPlace& place : view.places) places.push_back(placeJson(result, place));
+    OrderedJson poses = OrderedJson::array();
+    for (const RepeatedPose& pose : view.poses) poses.push_back(poseJson(result, pose));
     json["views"].push_back(
-        {{"method", result.methods[view.method]}, {"name", view.name}, {"places", std::move(places)}});
+        {{"method", result.methods[view.method]}, {"name", view.name}, {"places", std::move(poses)}});
   }
   return layOut(json) + "\n";
 }

@@ -56,7 +56,7 @@ class StudyRun {
     moves_ = scene_.moves();
     if (moves_) {
       standStill(scene_, 0);
-      study_.left.emplace_back("the motion of objects: all stay where they are at the start of the drive");
+      study_.leftOut.emplace_back("the motion of objects: all stay where they are at the start of the drive");
     }
     describe();
     measureOptions_.repeats = choice_.repeats;
@@ -167,7 +167,7 @@ class StudyRun {
       checkStopped();
       // At least one setting is measured, whatever the budget.
       if (!study_.settings.empty() && timer_.seconds() > budget_) {
-        study_.left.push_back(fmt::format("{}: the budget of {} was used up", s.setting.name, shortTime(budget_)));
+        study_.leftOut.push_back(fmt::format("{}: the budget of {} was used up", s.setting.name, shortTime(budget_)));
         progress_.advance(1, 0);
         continue;
       }
@@ -251,7 +251,7 @@ class StudyRun {
         makeMethod(s.choice, scene_)->trace(truth_.front().shot, kErrorChannels, hits);
         study_.pictures.push_back({s.setting.name, s.setting.name, options_.drawErrors(truth_.front(), hits)});
       } catch (const Error& error) {
-        study_.left.push_back(fmt::format("picture of {}: {}", s.setting.name, error.what()));
+        study_.leftOut.push_back(fmt::format("picture of {}: {}", s.setting.name, error.what()));
       }
     }
   }

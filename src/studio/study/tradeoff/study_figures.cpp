@@ -19,7 +19,7 @@ constexpr double kFrontStep = 1.05;
 }  // namespace
 
 const GroupErrors* awayFromEdges(const BeamErrors& errors) {
-  for (const ErrorGroup& group : errors.byPlace) {
+  for (const ErrorGroup& group : errors.byEdge) {
     if (group.name == kAwayFromEdges) return &group.errors;
   }
   return nullptr;

@@ -16,7 +16,7 @@ namespace scanmill {
 // finer.
 inline constexpr double kExactRange = 1e-5;
 
-// The name of the group in BeamErrors::byPlace with the beams that are not near edges.
+// The name of the group in BeamErrors::byEdge with the beams that are not near edges.
 inline constexpr std::string_view kAwayFromEdges = "interior";
 
 // Returns the errors of the beams that are not near edges; null if edges are not known.

@@ -31,12 +31,12 @@ void describe(auto& a, const ErrorGroup& g) {
 }
 
 void describe(auto& a, const SizeRecall& r) {
-  a("name", r.name)("low_m", r.low)("high_m", r.high)("things", r.things)("things_found", r.thingsFound)(
+  a("name", r.name)("low_m", r.low)("high_m", r.high)("things", r.instances)("things_found", r.instancesFound)(
       "beams", r.beams)("beams_found", r.beamsFound);
 }
 
 void describe(auto& a, const BeamErrors& e) {
-  a("all", e.all)("by_range", e.byRange)("by_incidence", e.byIncidence)("by_place", e.byPlace)("by_class", e.byClass)(
+  a("all", e.all)("by_range", e.byRange)("by_incidence", e.byIncidence)("by_place", e.byEdge)("by_class", e.byClass)(
       "by_thickness", e.byThickness)("by_length", e.byLength);
 }
 
@@ -88,7 +88,7 @@ void describe(auto& a, const Study& s) {
       "budget_s", s.budgetSeconds)("repeats", s.repeats)("seconds", s.seconds)("scene", s.scene)("sensors", s.sensors)(
       "shots", s.shots)("beams_per_shot", s.beamsPerShot)("ontology", s.ontology)("settings", s.settings)(
       "common_stages_s", s.commonStages)("encodings", s.encodings)("sensing", s.sensing)("refused_methods", s.refused)(
-      "left", s.left)("pictures", s.pictures);
+      "left", s.leftOut)("pictures", s.pictures);
 }
 
 class JsonWriter {

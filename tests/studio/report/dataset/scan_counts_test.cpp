@@ -153,10 +153,10 @@ TEST(ScanChoice, AllScansOrAnEvenSpread) {
   EXPECT_EQ(spreadScans(manifest, 100).size(), 100u);
   EXPECT_EQ(spreadScans(manifest, 1000).size(), 100u);
   for (const std::size_t most : {1u, 7u, 10u, 99u}) {
-    const std::vector<ScanPlace> spread = spreadScans(manifest, most);
+    const std::vector<ScanIndex> spread = spreadScans(manifest, most);
     ASSERT_EQ(spread.size(), most);
     EXPECT_TRUE(std::ranges::is_sorted(spread));
-    EXPECT_EQ(std::set<ScanPlace>(spread.begin(), spread.end()).size(), most);
+    EXPECT_EQ(std::set<ScanIndex>(spread.begin(), spread.end()).size(), most);
     const double step = 100.0 / double(most);
     for (std::size_t k = 0; k < most; ++k) {
       const double place = double(2 * spread[k].sample + spread[k].scan);
@@ -168,7 +168,7 @@ TEST(ScanChoice, AllScansOrAnEvenSpread) {
 
 TEST(ScanChoice, SplitsAndSensorsTakeTurns) {
   const Manifest manifest = manifestOf(30, 20);
-  const std::vector<ScanPlace> chosen = randomScans(manifest, kSound, 4, 1);
+  const std::vector<ScanIndex> chosen = randomScans(manifest, kSound, 4, 1);
   ASSERT_EQ(chosen.size(), 4u);
   for (std::size_t k = 0; k < 4; ++k) {
     EXPECT_EQ(manifest.samples[chosen[k].sample].split, k % 2 == 0 ? "train" : "val");
@@ -183,7 +183,7 @@ TEST(ScanChoice, TheSeedChooses) {
   // Every sample has the same chance: 600 draws of 2 among 300 of train.
   std::vector<int> hits(300, 0);
   for (std::uint64_t seed = 0; seed < 600; ++seed) {
-    for (const ScanPlace& p : randomScans(manifest, kSound, 4, seed)) {
+    for (const ScanIndex& p : randomScans(manifest, kSound, 4, seed)) {
       if (p.sample < 300) ++hits[p.sample];
     }
   }
@@ -195,9 +195,9 @@ TEST(ScanChoice, EmptyScansAndBadShardsArePassedOver) {
   Manifest manifest = manifestOf(3, 3);
   for (SampleRecord& s : manifest.samples) s.scans[0].points = 0;
   manifest.samples[1].scans[1].points = 0;
-  const std::vector<ScanPlace> chosen = randomScans(manifest, {true, false}, 10, 0);
-  const std::set<ScanPlace> found(chosen.begin(), chosen.end());
-  EXPECT_EQ(found, (std::set<ScanPlace>{{0, 1}, {2, 1}}));
+  const std::vector<ScanIndex> chosen = randomScans(manifest, {true, false}, 10, 0);
+  const std::set<ScanIndex> found(chosen.begin(), chosen.end());
+  EXPECT_EQ(found, (std::set<ScanIndex>{{0, 1}, {2, 1}}));
   EXPECT_TRUE(randomScans(manifest, {false, false}, 10, 0).empty());
   EXPECT_TRUE(randomScans(manifest, kSound, 0, 0).empty());
 }

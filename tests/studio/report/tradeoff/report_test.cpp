@@ -183,7 +183,7 @@ TEST(Report, HostileTextStaysText) {
   for (EncodingResult& e : study.encodings) e.name += hostile, e.format += hostile;
   study.pipelineName = study.pipelineText = study.pipelineFile = study.machine.processor = study.machine.renderer =
       study.date = hostile;
-  study.programVersion = study.scene.key = study.sensors[0] = study.left[0] = hostile;
+  study.programVersion = study.scene.key = study.sensors[0] = study.leftOut[0] = hostile;
   study.pictures[0].setting = study.pictures[0].title = hostile;
   study.commonStages[hostile] = 1;
   const std::string html = pageOf(study);
@@ -239,7 +239,7 @@ TEST(Report, NearestPointsAreShownByRangeIncidencePlaceAndClass) {
   Study study = exampleStudy();
   EXPECT_EQ(chartOf(study, "nearest_by_range").series.size(), 6u) << "a line a setting that is shown";
   EXPECT_EQ(chartOf(study, "nearest_by_incidence").series.size(), 6u);
-  for (ErrorGroup& g : study.settings[0].measured.errors.byPlace) {
+  for (ErrorGroup& g : study.settings[0].measured.errors.byEdge) {
     g.errors.nearestTo = {10, 0.5, 0, 0, 0, 0, 0, 3};
     g.errors.nearestFrom = {10, 0.25, 0, 0, 0, 0, 0, 4};
   }

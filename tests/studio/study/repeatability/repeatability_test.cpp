@@ -44,39 +44,39 @@ double shellFitness(double spacing, double radius, unsigned seed) {
 TEST_F(RepeatedScans, ShellNoiseHasTheFitnessOfFirstPrinciples) {
   const Repeatability& result = shells();
   ASSERT_EQ(result.views.size(), 1u);
-  ASSERT_EQ(result.views[0].places.size(), 3u);
-  for (const RepeatedPlace& place : result.views[0].places) {
-    const double spacing = place.distance * radians(1);
+  ASSERT_EQ(result.views[0].poses.size(), 3u);
+  for (const RepeatedPose& pose : result.views[0].poses) {
+    const double spacing = pose.distance * radians(1);
     // Far sparser than the noise: every point finds its own again, and two directions are independent: 2 r^2.
-    EXPECT_NEAR(result.at(place, 1, 1).unmoved.mean, 2e-6, 0.1e-6) << place.distance;
-    EXPECT_NEAR(result.at(place, 3, 3).unmoved.mean, 2e-6 * place.distance * place.distance,
-                0.06 * 2e-6 * place.distance * place.distance);
-    EXPECT_NEAR(result.at(place, 1, 0).unmoved.mean, 1e-6, 1e-8);
+    EXPECT_NEAR(result.at(pose, 1, 1).unmoved.mean, 2e-6, 0.1e-6) << pose.distance;
+    EXPECT_NEAR(result.at(pose, 3, 3).unmoved.mean, 2e-6 * pose.distance * pose.distance,
+                0.06 * 2e-6 * pose.distance * pose.distance);
+    EXPECT_NEAR(result.at(pose, 1, 0).unmoved.mean, 1e-6, 1e-8);
     // As dense as the noise: a neighbour may be nearer.
     const double expected = shellFitness(spacing, 0.04, 1);
-    EXPECT_LT(result.at(place, 2, 2).unmoved.mean, 1.05 * 32e-4);
-    if (place.points[2].mean > 200) {
-      EXPECT_NEAR(result.at(place, 2, 2).unmoved.mean, expected, 0.12 * expected) << place.distance;
+    EXPECT_LT(result.at(pose, 2, 2).unmoved.mean, 1.05 * 32e-4);
+    if (pose.points[2].mean > 200) {
+      EXPECT_NEAR(result.at(pose, 2, 2).unmoved.mean, expected, 0.12 * expected) << pose.distance;
     }
   }
 }
 
 TEST_F(RepeatedScans, NoNoiseIsPerfectAgreement) {
   const Repeatability& result = shells();
-  for (const RepeatedPlace& place : result.views[0].places) {
-    EXPECT_EQ(result.at(place, 0, 0).unmoved.mean, 0);
-    EXPECT_LT(result.at(place, 0, 0).registered.mean, 1e-10);
-    EXPECT_EQ(result.at(place, 0, 0).unmoved.count, 20u);
-    EXPECT_EQ(result.at(place, 0, 1).pairs, 20u);
+  for (const RepeatedPose& pose : result.views[0].poses) {
+    EXPECT_EQ(result.at(pose, 0, 0).unmoved.mean, 0);
+    EXPECT_LT(result.at(pose, 0, 0).registered.mean, 1e-10);
+    EXPECT_EQ(result.at(pose, 0, 0).unmoved.count, 20u);
+    EXPECT_EQ(result.at(pose, 0, 1).pairs, 20u);
   }
 }
 
 // The poses are the same: what ICP finds is noise.
 TEST_F(RepeatedScans, IcpFitsAwayALittleOfTheNoise) {
   const Repeatability& result = shells();
-  for (const RepeatedPlace& place : result.views[0].places) {
+  for (const RepeatedPose& pose : result.views[0].poses) {
     for (const std::size_t level : {1u, 2u, 3u}) {
-      const LevelFitness& cell = result.at(place, level, level);
+      const LevelFitness& cell = result.at(pose, level, level);
       EXPECT_EQ(cell.registered.count, 20u);
       EXPECT_LT(cell.registered.mean, cell.unmoved.mean);
       EXPECT_GT(cell.registered.mean, 0.8 * cell.unmoved.mean);
@@ -90,23 +90,23 @@ TEST_F(RepeatedScans, IcpFitsAwayALittleOfTheNoise) {
 // Rows and columns of beams are whole: half a row on either side, at most.
 TEST_F(RepeatedScans, PointsFallWithTheSquareOfTheDistance) {
   const Repeatability& result = shells();
-  for (const RepeatedPlace& place : result.views[0].places) {
-    const double across = std::min(2 * degrees(std::atan(1 / place.distance)), 21.0);
-    EXPECT_EQ(place.object, "slab");
-    EXPECT_NEAR(std::sqrt(place.points[0].mean), across, 1.01);
-    EXPECT_EQ(place.points[0].least, place.points[0].most);
+  for (const RepeatedPose& pose : result.views[0].poses) {
+    const double across = std::min(2 * degrees(std::atan(1 / pose.distance)), 21.0);
+    EXPECT_EQ(pose.object, "slab");
+    EXPECT_NEAR(std::sqrt(pose.points[0].mean), across, 1.01);
+    EXPECT_EQ(pose.points[0].least, pose.points[0].most);
   }
-  const std::vector<RepeatedPlace>& places = result.views[0].places;
-  EXPECT_NEAR(places[1].points[0].mean / places[2].points[0].mean, 4, 1.1);
+  const std::vector<RepeatedPose>& poses = result.views[0].poses;
+  EXPECT_NEAR(poses[1].points[0].mean / poses[2].points[0].mean, 4, 1.1);
 }
 
 // A shell of more than the margin leaves the crop. Its heights are uniform (Archimedes): towards the sensor a quarter
 // of the points of a shell of 20 cm passes 10 cm, and half of them 0; another 0.6 and 2.5 % at each of the four edges.
 TEST_F(RepeatedScans, TheCropEndsAtTheMargin) {
   const std::string noise = "  noise: [{name: wide, effects: [{shell: {scale_m: 0.2}}]}]\n";
-  const double all = measure(pipeline(noise + "  margin_m: 1\n")).views[0].places[1].points[0].mean;
-  const PointCount cut = measure(pipeline(noise + "  margin_m: 0.1\n")).views[0].places[1].points[0];
-  const PointCount none = measure(pipeline(noise + "  margin_m: 0\n")).views[0].places[1].points[0];
+  const double all = measure(pipeline(noise + "  margin_m: 1\n")).views[0].poses[1].points[0].mean;
+  const PointCount cut = measure(pipeline(noise + "  margin_m: 0.1\n")).views[0].poses[1].points[0];
+  const PointCount none = measure(pipeline(noise + "  margin_m: 0\n")).views[0].poses[1].points[0];
   EXPECT_NEAR(cut.mean / all, 0.75 * std::pow(1 - 0.00625, 4), 0.02);
   EXPECT_NEAR(none.mean / all, 0.5 * std::pow(1 - 0.025, 4), 0.02);
   EXPECT_LT(cut.least, cut.most);
@@ -114,13 +114,13 @@ TEST_F(RepeatedScans, TheCropEndsAtTheMargin) {
 
 TEST_F(RepeatedScans, LooksAtTheNamedObject) {
   const Repeatability result = measure(pipeline("  object: crate\n"));
-  for (const RepeatedPlace& place : result.views[0].places) {
-    EXPECT_EQ(place.object, "crate");
-    EXPECT_EQ(place.points[0].mean, 0);  // it stands behind the sensor
-    EXPECT_EQ(result.at(place, 0, 0).unmoved.count, 0u);
-    EXPECT_EQ(result.at(place, 0, 0).registered.count, 0u);
+  for (const RepeatedPose& pose : result.views[0].poses) {
+    EXPECT_EQ(pose.object, "crate");
+    EXPECT_EQ(pose.points[0].mean, 0);  // it stands behind the sensor
+    EXPECT_EQ(result.at(pose, 0, 0).unmoved.count, 0u);
+    EXPECT_EQ(result.at(pose, 0, 0).registered.count, 0u);
   }
-  EXPECT_NEAR(result.views[0].places[0].distance, 36.5, 1e-6);
+  EXPECT_NEAR(result.views[0].poses[0].distance, 36.5, 1e-6);
   ASSERT_EQ(result.warnings.size(), 1u);
   EXPECT_THAT(result.warnings[0], testing::AllOf(HasSubstr("no point hits crate from 3 of 3 poses"),
                                                  HasSubstr("0 (36.5 m), 1 (33.5 m), 2 (27.5 m)")));
@@ -132,9 +132,9 @@ TEST_F(RepeatedScans, UsesThePipelinesEffectsWhereNoLevelIsNamed) {
   const std::filesystem::path file = pipeline("  scans: 3\n", "effects: [{shell: {scale_m: 0.001}}]\n");
   const Repeatability result = measure(file);
   ASSERT_EQ(result.levels.size(), 1u);
-  for (const RepeatedPlace& place : result.views[0].places) {
-    EXPECT_NEAR(result.at(place, 0, 0).unmoved.mean, 2e-6, 0.15e-6);
-    EXPECT_EQ(result.at(place, 0, 0).pairs, 6u);
+  for (const RepeatedPose& pose : result.views[0].poses) {
+    EXPECT_NEAR(result.at(pose, 0, 0).unmoved.mean, 2e-6, 0.15e-6);
+    EXPECT_EQ(result.at(pose, 0, 0).pairs, 6u);
   }
 }
 
@@ -157,7 +157,7 @@ TEST_F(RepeatedScans, MethodsAreMeasuredSideBySide) {
   EXPECT_THAT(result.methods, testing::ElementsAre("ray_tracing", "ray_tracing instancing=always"));
   EXPECT_EQ(result.views[0].name, result.views[1].name);
   for (std::size_t p = 0; p < 3; ++p) {
-    EXPECT_EQ(result.views[0].places[p].points[0].mean, result.views[1].places[p].points[0].mean);
+    EXPECT_EQ(result.views[0].poses[p].points[0].mean, result.views[1].poses[p].points[0].mean);
   }
 }
 
@@ -186,7 +186,7 @@ TEST_F(RepeatedScans, TablesHoldEveryFigure) {
   EXPECT_EQ(place["fitness_m2"][6]["source"], "1 mm");
   EXPECT_EQ(place["fitness_m2"][6]["target"], "4 cm");
   EXPECT_EQ(place["fitness_m2"][6]["registered"]["mean"].get<double>(),
-            result.views[0].places[2].fitness[6].registered.mean);
+            result.views[0].poses[2].fitness[6].registered.mean);
 }
 
 TEST_F(RepeatedScans, RefusesWhatItCannotCompare) {
@@ -213,10 +213,10 @@ TEST_F(RepeatedScans, AStopEndsItWithAnError) {
               HasSubstr("stopped"));
 }
 
-TEST(BoxedThing, DistanceIsToTheNearestSideEdgeOrCorner) {
+TEST(BoxedObject, DistanceIsToTheNearestSideEdgeOrCorner) {
   // A box of 2 x 4 x 6 m, turned by 90 degrees about z, twice as high, at (10, 0, 0).
   const Affine place{toMatrix(fromYawPitchRoll(kPi / 2, 0, 0)) * Mat3::scale({1, 1, 2}), {10, 0, 0}};
-  const BoxedThing thing("box", place, {{-1, -2, -3}, {1, 2, 3}});
+  const BoxedObject thing("box", place, {{-1, -2, -3}, {1, 2, 3}});
   EXPECT_NEAR(thing.distance({10, 0, 0}), 0, 1e-12);
   EXPECT_NEAR(thing.distance({7, 0, 0}), 1, 1e-12);
   EXPECT_NEAR(thing.distance({10, 3, 0}), 2, 1e-12);
@@ -236,16 +236,16 @@ TEST_F(RepeatedScans, EveryReturnOfABeamIsCompared) {
                              "{near_m: 3, gap_m: 2}"));
   EXPECT_EQ(result.methods, std::vector<std::string>{"two_returns near_m=3 gap_m=2"});
   ASSERT_EQ(result.views.size(), 1u);
-  ASSERT_EQ(result.views[0].places.size(), 3u);
-  for (const RepeatedPlace& place : result.views[0].places) {
+  ASSERT_EQ(result.views[0].poses.size(), 3u);
+  for (const RepeatedPose& pose : result.views[0].poses) {
     std::uint64_t returns = 0;
-    for (std::uint32_t beam = 0; beam < 21 * 21; ++beam) returns += returnsOfBeam(beam, place.frame);
-    EXPECT_EQ(place.points[0].least, returns);
-    EXPECT_EQ(place.points[1].mean, static_cast<double>(returns));
-    EXPECT_NEAR(place.points[2].mean, 0.75 * static_cast<double>(returns), 0.06 * static_cast<double>(returns));
-    EXPECT_EQ(result.at(place, 0, 0).unmoved.mean, 0);
+    for (std::uint32_t beam = 0; beam < 21 * 21; ++beam) returns += returnsOfBeam(beam, pose.frame);
+    EXPECT_EQ(pose.points[0].least, returns);
+    EXPECT_EQ(pose.points[1].mean, static_cast<double>(returns));
+    EXPECT_NEAR(pose.points[2].mean, 0.75 * static_cast<double>(returns), 0.06 * static_cast<double>(returns));
+    EXPECT_EQ(result.at(pose, 0, 0).unmoved.mean, 0);
     // The expected value is that of two noisy ranges, each with a deviation of 1 cm; neighbours are farther away.
-    EXPECT_NEAR(result.at(place, 1, 1).unmoved.mean, 2e-4, 0.3e-4);
+    EXPECT_NEAR(result.at(pose, 1, 1).unmoved.mean, 2e-4, 0.3e-4);
   }
 }
 

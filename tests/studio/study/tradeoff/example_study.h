@@ -79,8 +79,8 @@ inline SettingResult exampleResult(const ExampleSetting& given) {
   for (std::size_t i = 0; i < angles.size(); ++i) {
     band(errors.byIncidence, angles[i], 60'000, std::pow(1.9, static_cast<double>(i) - 3));
   }
-  band(errors.byPlace, "interior", 350'000, 1 / given.edges);
-  band(errors.byPlace, "edges", 43'216, given.edges);
+  band(errors.byEdge, "interior", 350'000, 1 / given.edges);
+  band(errors.byEdge, "edges", 43'216, given.edges);
   const std::vector<std::string> classes{"road",         "car",     "building",    "sidewalk",   "curb",
                                          "road_marking", "tree",    "pole",        "vegetation", "pedestrian",
                                          "street_lamp",  "bicycle", "traffic_sign"};
@@ -157,7 +157,7 @@ inline Study exampleStudy() {
                      {"draco max_error_mm=1", "draco", "{max_error_mm: 1}", "", 9.1e6, 12.1e6, 3.1, 8.8e-4, 1e-3},
                      {"draco max_error_mm=10", "draco", "{max_error_mm: 10}", "", 10.6e6, 14e6, 2.2, 8.1e-3, 1e-2},
                      {"draco max_error_mm=50", "draco", "{max_error_mm: 50}", "", 11.9e6, 15e6, 1.6, 0.042, 0.05}};
-  study.left = {"depth_camera resolution=4096: the budget of 5 min was used up"};
+  study.leftOut = {"depth_camera resolution=4096: the budget of 5 min was used up"};
   return study;
 }
 

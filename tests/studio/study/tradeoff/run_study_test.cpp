@@ -76,7 +76,7 @@ TEST_F(RunStudy, MeasuresEverySettingAgainstTheTruth) {
   EXPECT_GT(study.seconds, 0);
   EXPECT_THAT(study.date, testing::MatchesRegex("[0-9]{4}-[0-9]{2}-[0-9]{2}"));
   EXPECT_THAT(study.machine.processor, Not(IsEmpty()));
-  EXPECT_THAT(study.left, IsEmpty());
+  EXPECT_THAT(study.leftOut, IsEmpty());
   EXPECT_THAT(study.ontology.classes, Not(IsEmpty()));
 
   ASSERT_THAT(study.settings, SizeIs(3));
@@ -155,9 +155,9 @@ TEST_F(RunStudy, WhatTheBudgetDoesNotHoldIsLeftOutAndSaid) {
   ASSERT_THAT(study.settings, SizeIs(1)) << "something to report";
   EXPECT_EQ(study.settings[0].setting.name, "ray_tracing");
   EXPECT_EQ(study.shots, 1u) << "one frame is the least";
-  EXPECT_THAT(study.left, SizeIs(2));
-  EXPECT_THAT(study.left, Each(HasSubstr("the budget of ")));
-  EXPECT_THAT(study.left[0], testing::StartsWith("particle refine=none"));
+  EXPECT_THAT(study.leftOut, SizeIs(2));
+  EXPECT_THAT(study.leftOut, Each(HasSubstr("the budget of ")));
+  EXPECT_THAT(study.leftOut[0], testing::StartsWith("particle refine=none"));
 }
 
 TEST_F(RunStudy, SensorsMayHaveEffectsOfTheirOwn) {
