@@ -1,5 +1,9 @@
 # Read by ctest: adds one test for each suite of a test program, so that what a suite makes once serves all of its tests.
 
+# ctest starts these first, so that none of them is left to run alone at the end.
+set(longest_suites town.Town commands.Each/Examples commands.InputLimits commands.Overrides methods.ParticlesOnADevice
+    evaluate.Street assets.Blend)
+
 # scanmill_add_suites(LIBRARY PROGRAM LABELS)
 function(scanmill_add_suites library program labels)
   if(NOT EXISTS ${program})
@@ -16,5 +20,8 @@ function(scanmill_add_suites library program labels)
     string(REGEX REPLACE "[.]$" "" name ${suite})
     add_test(${library}.${name} ${program} --gtest_filter=${suite}* --gtest_brief=1)
     set_tests_properties(${library}.${name} PROPERTIES TIMEOUT 600 LABELS "${labels}")
+    if(${library}.${name} IN_LIST longest_suites)
+      set_tests_properties(${library}.${name} PROPERTIES COST 100)
+    endif()
   endforeach()
 endfunction()
