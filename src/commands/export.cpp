@@ -5,6 +5,7 @@
 
 #include <optional>
 
+#include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"
 #include "commands/stop_signal.h"
@@ -78,7 +79,8 @@ int runExport(const std::vector<std::string>& arguments) {
   const ExportSummary summary = exportDataset(chosen);
   progress.reset();
   for (const std::string& warning : summary.warnings) warn(warning);
-  printText("wrote {} frames of {} sequences to {}\n", summary.frames, summary.sequences, chosen.folder.string());
+  printText("wrote {} of {} to {}\n", pluralOf(summary.frames, "frame"), pluralOf(summary.sequences, "sequence"),
+            chosen.folder.string());
   return 0;
 }
 

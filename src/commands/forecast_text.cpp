@@ -35,8 +35,8 @@ std::optional<SampleCosts> sampleCosts(const Arguments& parsed, const Plan& plan
 
 std::string timeText(const Forecast& forecast) {
   const Estimate& s = forecast.seconds;
-  return fmt::format("{} ({}) on {} thread{}", shortTime(s.expected), rangeText(shortTime(s.least), shortTime(s.most)),
-                     forecast.threads, forecast.threads == 1 ? "" : "s");
+  return fmt::format("{} ({}) on {}", shortTime(s.expected), rangeText(shortTime(s.least), shortTime(s.most)),
+                     pluralOf(static_cast<std::uint64_t>(forecast.threads), "thread"));
 }
 
 std::string sizeText(const Forecast& forecast) {

@@ -31,52 +31,74 @@ namespace {
 constexpr double kRaysWorthAForecast = 1e7;
 
 std::string warningsText() {
-  const std::size_t warned = warningCount();
-  return warned == 0 ? std::string() : fmt::format("; {} warning{}", warned, warned == 1 ? "" : "s");
+  return warningCount() == 0 ? std::string() : "; " + pluralOf(warningCount(), "warning");
 }
 
-void printMade(const GenerateSummary& s, const GenerateOptions& options) {
-  const std::string folder = options.folder.string();
-  const std::string there =
+// Returns what is in the folder, such as "2 shards (1 of them existed already), 3.0 MiB, in out/street; 1 warning".
+std::string shardsText(std::uint64_t shards, const GenerateSummary& s, const std::filesystem::path& folder) {
+  const std::string resumed =
       s.resumedShards == 0 ? std::string() : fmt::format(" ({} of them existed already)", s.resumedShards);
+  return fmt::format("{}{}, {}, in {}{}", pluralOf(shards, "shard"), resumed, shortBytes(static_cast<double>(s.bytes)),
+                     folder.string(), warningsText());
+}
+
+// Prints one line: what the dataset consists of or, if it is not complete yet, which command completes it.
+void printContents(const GenerateSummary& s, const GenerateOptions& options) {
   if (s.whole) {
-    printText("{} samples in {} shards{}, {}, in {}{}\n", s.manifest.samples.size(), s.manifest.shards.size(), there,
-              shortBytes(static_cast<double>(s.bytes)), folder, warningsText());
+    printText("{} in {}\n", pluralOf(s.manifest.samples.size(), "sample"),
+              shardsText(s.manifest.shards.size(), s, options.folder));
     return;
   }
-  printText("{} shards{}, {}, in {}{}; {}\n", s.shards + s.resumedShards, there,
-            shortBytes(static_cast<double>(s.bytes)), folder, warningsText(),
-            options.shards.kind == ShardChoice::Kind::Any
-                ? fmt::format("another process completes the dataset, or scanmill merge {}", folder)
-                : fmt::format("when all shards exist: scanmill merge {}", folder));
+  printText("{}; {} scanmill merge {}\n", shardsText(s.shards + s.resumedShards, s, options.folder),
+            options.shards.kind == ShardChoice::Kind::Any ? "another process completes the dataset, or"
+                                                          : "when all shards exist:",
+            options.folder.string());
 }
 
-void printSummary(const GenerateSummary& s, const GenerateOptions& options, const std::optional<Forecast>& told) {
+void printPointsPerClass(const GenerateSummary& s) {
   Rows rows{{"class", "points", "share"}};
   for (const auto& [id, count] : s.pointsPerClass) {
     const SemanticClass* c = s.manifest.ontology.find(id);
     rows.push_back({c == nullptr ? std::to_string(id) : c->name, grouped(count), percent(count, s.points)});
   }
   printText("{}\n", formatTable(rows));
-  printMade(s, options);
-  // The share of the counted samples that this process made; other processes may have made the rest.
-  const double made = static_cast<double>(s.samplesMade) / static_cast<double>(std::max<std::size_t>(s.samples, 1));
+}
+
+// Prints the speed of the run, the forecast (if one was made) beside what it forecast, and the time of each stage.
+void printCosts(const GenerateSummary& s, const std::optional<Forecast>& predicted) {
+  // Other processes may have made some of the counted samples; the speed is that of this process.
+  const double shareMadeHere =
+      static_cast<double>(s.samplesMade) / static_cast<double>(std::max<std::size_t>(s.samples, 1));
   printText("{} beams gave {} points in {}: {} beams/s, {:.2f} bytes per point\n", grouped(s.beams), grouped(s.points),
-            shortTime(s.seconds), shortNumber(static_cast<double>(s.beams) * made / s.seconds),
+            shortTime(s.seconds), shortNumber(static_cast<double>(s.beams) * shareMadeHere / s.seconds),
             s.points == 0 ? 0.0 : static_cast<double>(s.bytes) / static_cast<double>(s.points));
-  if (told) {
-    printText("forecast: {}; {}; actual: {} and {}\n", timeText(*told), sizeText(*told), shortTime(s.seconds),
+  if (predicted) {
+    printText("forecast: {}; {}; actual: {} and {}\n", timeText(*predicted), sizeText(*predicted), shortTime(s.seconds),
               shortBytes(static_cast<double>(s.bytes)));
   }
   printText("processor time {:.2f} s, by stage{}:", s.processorSeconds,
             s.stages.contains("render") ? " (upload, render and read_back: s of the clock)" : "");
   for (const auto& [name, seconds] : s.stages) printText(" {} {:.2f}", name, seconds);
   printText("\n");
-  if (s.whole) {
-    printText("next: scanmill view {0}; scanmill report {0}; scanmill verify {0}\n", options.folder.string());
-  }
 }
 
+// Returns the shards of one of several processes: every `workers`-th, starting with the shard `worker` (from 0).
+ShardChoice shardsOfWorker(std::uint64_t worker, std::uint64_t workers, std::uint64_t shards) {
+  if (workers == 0) throw InputError("--workers 0: give at least 1");
+  if (worker >= workers) {
+    throw InputError(fmt::format("--worker {} of {}: workers are numbered from 0", worker, workers));
+  }
+  ShardChoice choice{ShardChoice::Kind::Listed, {}};
+  for (std::uint64_t shard = worker; shard < shards; shard += workers) choice.listed.push_back(shard);
+  if (choice.listed.empty()) {
+    warn(fmt::format(
+        "worker {} of {} has no shard to make: the dataset has {}; a smaller `output.shard_samples` gives more", worker,
+        workers, pluralOf(shards, "shard")));
+  }
+  return choice;
+}
+
+// Reads --shards, --worker and --workers. `shards`: number of shards of the dataset.
 ShardChoice shardsOption(const Arguments& parsed, std::uint64_t shards) {
   const bool listed = parsed.has("shards");
   const bool worker = parsed.has("worker");
@@ -96,18 +118,7 @@ ShardChoice shardsOption(const Arguments& parsed, std::uint64_t shards) {
   if (!worker || !workers) {
     throw InputError("give both --worker I and --workers N, with I from 0 to N - 1, or --workers auto");
   }
-  const std::uint64_t own = countOption(parsed, "worker");
-  const std::uint64_t all = countOption(parsed, "workers");
-  if (all == 0) throw InputError("--workers 0: give at least 1");
-  if (own >= all) throw InputError(fmt::format("--worker {} of {}: workers are numbered from 0", own, all));
-  ShardChoice choice{ShardChoice::Kind::Listed, {}};
-  for (std::uint64_t shard = own; shard < shards; shard += all) choice.listed.push_back(shard);
-  if (choice.listed.empty()) {
-    warn(fmt::format(
-        "worker {} of {} has no shard to make: the dataset has {} shard{}; a smaller `output.shard_samples` gives more",
-        own, all, shards, shards == 1 ? "" : "s"));
-  }
-  return choice;
+  return shardsOfWorker(countOption(parsed, "worker"), countOption(parsed, "workers"), shards);
 }
 
 Plan planOf(const Arguments& parsed, const std::vector<std::string>& more) {
@@ -117,71 +128,103 @@ Plan planOf(const Arguments& parsed, const std::vector<std::string>& more) {
                   parsed.has("keep-hits") ? recordedChannels() : Channels{});
 }
 
-// Makes one dataset. `overrides`: overrides in addition to those of --set and --seed.
-void generateOne(const Arguments& parsed, const std::vector<std::string>& overrides,
-                 const std::filesystem::path& folder) {
-  GenerateOptions generateOptions;
-  generateOptions.keepHits = folderOption(parsed, "keep-hits");
-  const Plan plan = planOf(parsed, overrides);
-  generateOptions.folder = folder;
-  generateOptions.overwrite = parsed.has("overwrite");
-  generateOptions.resume = parsed.has("resume");
+// Reads the options about the folders and their contents; shardsOption() reads the others.
+GenerateOptions folderOptions(const Arguments& parsed, const std::filesystem::path& folder) {
+  GenerateOptions options;
+  options.folder = folder;
+  options.keepHits = folderOption(parsed, "keep-hits");
+  options.overwrite = parsed.has("overwrite");
+  options.resume = parsed.has("resume");
   const std::string resume = parsed.text("resume");
-  if (!resume.empty() && resume != "anyway")
+  if (!resume.empty() && resume != "anyway") {
     throw InputError(fmt::format(
         "--resume={}: write --resume, or --resume=anyway to keep shards although files of their scenes have changed",
         resume));
-  generateOptions.anyFiles = resume == "anyway";
-  if (generateOptions.resume && generateOptions.overwrite) {
+  }
+  options.anyFiles = resume == "anyway";
+  if (options.resume && options.overwrite) {
     throw InputError("--resume continues a dataset, --overwrite replaces it: give only one of the two");
   }
+  options.quiet = parsed.has("quiet");
+  options.stop = &stopSignal();
+  return options;
+}
+
+// Returns true if the folder already has the complete dataset, made of the files as they are now.
+bool isAlreadyMade(const Plan& plan, const std::vector<ShardJob>& jobs, const GenerateOptions& options) {
+  const std::optional<Manifest> manifest = wholeDatasetOf(datasetPlan(plan, jobs), options.folder);
+  if (manifest && !options.anyFiles) {
+    requireUnchangedFiles(manifest->files, plan.pipeline.file.parent_path(), options.folder);
+  }
+  return manifest.has_value();
+}
+
+// Measures what samples cost, and prints the time and size that the dataset will take. Returns nothing if they cannot
+// be measured.
+std::optional<Forecast> printForecastOf(const Arguments& parsed, const Plan& plan) {
+  const std::optional<SampleCosts> costs = sampleCosts(parsed, plan, pipelineOverrides(parsed));
+  if (!costs) return std::nullopt;
+  const Forecast predicted = forecast(*costs, plan.pipeline.frames(), scenesOf(plan.pipeline));
+  printText("this takes about {} and {}\n", timeText(predicted), sizeText(predicted));
+  return predicted;
+}
+
+// Makes one dataset. `overrides`: overrides in addition to those of --set and --seed.
+void generateOne(const Arguments& parsed, const std::vector<std::string>& overrides,
+                 const std::filesystem::path& folder) {
+  GenerateOptions options = folderOptions(parsed, folder);
+  const Plan plan = planOf(parsed, overrides);
   const std::vector<ShardJob> jobs = shardJobs(plan);
-  generateOptions.shards = shardsOption(parsed, jobs.size());
-  if (generateOptions.overwrite && generateOptions.shards.kind != ShardChoice::Kind::All) {
+  options.shards = shardsOption(parsed, jobs.size());
+  const bool allShards = options.shards.kind == ShardChoice::Kind::All;
+  if (options.overwrite && !allShards) {
     throw InputError(
         "--overwrite would remove the shards of other processes: remove the old dataset by hand, and leave --overwrite "
         "out");
   }
-  generateOptions.quiet = parsed.has("quiet");
-  generateOptions.stop = &stopSignal();
-  if (!generateOptions.keepHits.empty()) plan.requireOneRay();
+  if (!options.keepHits.empty()) plan.requireOneRay();
   // A complete dataset is not an error, so that scripts can always pass --resume.
-  const std::optional<Manifest> whole =
-      generateOptions.resume ? wholeDatasetOf(datasetPlan(plan, jobs), generateOptions.folder) : std::nullopt;
-  if (whole) {
-    if (!generateOptions.anyFiles) {
-      requireUnchangedFiles(whole->files, plan.pipeline.file.parent_path(), generateOptions.folder);
-    }
-    printText("{}: is complete: there is nothing to resume\n", generateOptions.folder.string());
+  if (options.resume && isAlreadyMade(plan, jobs, options)) {
+    printText("{}: is complete: there is nothing to resume\n", folder.string());
     return;
   }
-  checkFolder(generateOptions);  // before the forecast, which takes a second
-  const double rays = plan.pipeline.rays();
-  std::optional<Forecast> told;
-  if (overrides.empty() && rays >= kRaysWorthAForecast && !generateOptions.quiet && !generateOptions.resume &&
-      generateOptions.shards.kind == ShardChoice::Kind::All) {
-    if (const std::optional<SampleCosts> costs = sampleCosts(parsed, plan, pipelineOverrides(parsed))) {
-      told = forecast(*costs, plan.pipeline.frames(), scenesOf(plan.pipeline));
-      printText("this takes about {} and {}\n", timeText(*told), sizeText(*told));
-    }
-  }
-  const GenerateSummary summary = generate(plan, generateOptions);
+  checkFolder(options);  // before the forecast, which takes a second
+  const bool forecasts = overrides.empty() && plan.pipeline.rays() >= kRaysWorthAForecast && !options.quiet &&
+                         !options.resume && allShards;
+  const std::optional<Forecast> predicted = forecasts ? printForecastOf(parsed, plan) : std::nullopt;
+  const GenerateSummary summary = generate(plan, options);
   if (summary.whole && summary.shards == 0 && summary.resumedShards == 0) {
-    printText("{}: is complete: there is nothing to make\n", generateOptions.folder.string());
+    printText("{}: is complete: there is nothing to make\n", folder.string());
     return;
   }
   for (const std::string& warning : summary.warnings) warn(warning);
-  if (generateOptions.quiet) {
-    printMade(summary, generateOptions);
-  } else {
-    printSummary(summary, generateOptions, told);
+  if (options.quiet) return printContents(summary, options);
+  printPointsPerClass(summary);
+  printContents(summary, options);
+  printCosts(summary, predicted);
+  if (summary.whole) printText("next: scanmill view {0}; scanmill report {0}; scanmill verify {0}\n", folder.string());
+}
+
+// Makes a dataset for each combination of the swept values, in a folder of its own below `folder`.
+void generateSweep(const Arguments& parsed, const std::vector<std::string>& sweeps,
+                   const std::filesystem::path& folder) {
+  if (parsed.has("keep-hits")) {
+    throw InputError(
+        "--sweep and --corruptions make several datasets, but a recording belongs to one: first run once with "
+        "--keep-hits, then sweep effects with --from-hits");
+  }
+  const std::vector<SweepSet> sets = sweepSets(sweeps);
+  for (const SweepSet& set : sets) {  // check all datasets before making the first
+    const Plan plan = planOf(parsed, set.overrides);
+    const ShotSource checksVehicle(plan);
+  }
+  for (std::size_t i = 0; i < sets.size(); ++i) {
+    printText("{}{} of {}: {}\n", i == 0 ? "" : "\n", i + 1, sets.size(), (folder / sets[i].folder).string());
+    generateOne(parsed, sets[i].overrides, folder / sets[i].folder);
   }
 }
 
-}  // namespace
-
-int runGenerate(const std::vector<std::string>& arguments) {
-  CommandOptions options("generate");
+void addGenerateOptions(cxxopts::Options& options) {
   cxxopts::OptionAdder add = options.add_options();
   add("o,out", "folder of the dataset; it is made if it does not exist", textValue(), "DIR");
   add("overwrite", "replace an existing dataset or recording");
@@ -206,6 +249,13 @@ int runGenerate(const std::vector<std::string>& arguments) {
   addRecordingOptions(options);
   options.add_options()("q,quiet", "print one line instead of progress and tables");
   addPipelineOptions(options);
+}
+
+}  // namespace
+
+int runGenerate(const std::vector<std::string>& arguments) {
+  CommandOptions options("generate");
+  addGenerateOptions(options);
   const Arguments parsed =
       parseArguments(options, arguments,
                      "  scanmill generate pipelines/quickstart.yaml -o out/quickstart\n"
@@ -229,21 +279,8 @@ int runGenerate(const std::vector<std::string>& arguments) {
   if (parsed.has("corruptions")) sweeps.push_back(corruptionSweep());
   if (sweeps.empty()) {
     generateOne(parsed, {}, folder);
-    return 0;
-  }
-  if (parsed.has("keep-hits")) {
-    throw InputError(
-        "--sweep and --corruptions make several datasets, but a recording belongs to one: first run once with "
-        "--keep-hits, then sweep effects with --from-hits");
-  }
-  const std::vector<SweepSet> sets = sweepSets(sweeps);
-  for (const SweepSet& set : sets) {  // check all datasets before making the first
-    const Plan plan = planOf(parsed, set.overrides);
-    const ShotSource vehicle(plan);
-  }
-  for (std::size_t i = 0; i < sets.size(); ++i) {
-    printText("{}{} of {}: {}\n", i == 0 ? "" : "\n", i + 1, sets.size(), (folder / sets[i].folder).string());
-    generateOne(parsed, sets[i].overrides, folder / sets[i].folder);
+  } else {
+    generateSweep(parsed, sweeps, folder);
   }
   return 0;
 }

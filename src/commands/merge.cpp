@@ -15,8 +15,9 @@ int runMerge(const std::vector<std::string>& arguments) {
   const Manifest manifest = mergeDataset(folder);
   std::uint64_t bytes = 0;
   for (const ShardRecord& shard : manifest.shards) bytes += shard.bytes;
-  printText("{} samples in {} shards, {}, in {}\nnext: scanmill view {}; scanmill verify {}\n", manifest.samples.size(),
-            manifest.shards.size(), shortBytes(static_cast<double>(bytes)), folder, folder, folder);
+  printText("{0} in {1}, {2}, in {3}\nnext: scanmill view {3}; scanmill verify {3}\n",
+            pluralOf(manifest.samples.size(), "sample"), pluralOf(manifest.shards.size(), "shard"),
+            shortBytes(static_cast<double>(bytes)), folder);
   return 0;
 }
 

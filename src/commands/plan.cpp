@@ -168,14 +168,14 @@ void printSequences(const Pipeline& pipeline) {
 }
 
 // Returns the numbers of shards in all and per split, such as "6 shards: train 4, val 1, test 1".
-std::string shardsText(const Plan& plan) {
+std::string shardsOfSplits(const Plan& plan) {
   std::vector<std::pair<std::string, std::size_t>> splits;
   const std::vector<ShardJob> jobs = shardJobs(plan);
   for (const ShardJob& job : jobs) {
     if (splits.empty() || splits.back().first != job.split) splits.emplace_back(job.split, 0);
     ++splits.back().second;
   }
-  std::string text = fmt::format("{} shard{}", grouped(jobs.size()), jobs.size() == 1 ? "" : "s");
+  std::string text = pluralOf(jobs.size(), "shard");
   for (std::size_t i = 0; splits.size() > 1 && i < splits.size(); ++i) {
     text += fmt::format("{}{} {}", i == 0 ? ": " : ", ", splits[i].first, grouped(splits[i].second));
   }
@@ -233,7 +233,7 @@ void printForecast(const Arguments& parsed, const Plan& plan) {
   }
   std::string why;
   const std::optional<SampleCosts> costs = sampleCosts(parsed, plan, pipelineOverrides(parsed), &why);
-  printText("{} frame{} in {}\n", grouped(pipeline.frames()), pipeline.frames() == 1 ? "" : "s", shardsText(plan));
+  printText("{} in {}\n", pluralOf(pipeline.frames(), "frame"), shardsOfSplits(plan));
   if (costs) {
     const Forecast f = forecast(*costs, pipeline.frames(), scenesOf(pipeline));
     printText("time: {}\nsize: {}\n", timeText(f), sizeText(f));
@@ -298,8 +298,7 @@ int runPlan(const std::vector<std::string>& arguments) {
   printText("\n");
   if (checks && !recorded) {
     printText("checked: paths, labels and sizes; {}\n",
-              warningCount() == 0 ? "nothing to warn of"
-                                  : fmt::format("{} warning{}", warningCount(), warningCount() == 1 ? "" : "s"));
+              warningCount() == 0 ? "nothing to warn of" : pluralOf(warningCount(), "warning"));
   } else if (!loads) {
     printText("scenes were not loaded; --check loads them and checks paths, labels and sizes\n");
   }

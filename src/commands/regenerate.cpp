@@ -14,6 +14,17 @@
 
 namespace scanmill {
 
+namespace {
+
+// Throws InputError if the path is of something that is not a file, which a new file cannot replace.
+void requireReplaceable(const std::filesystem::path& file) {
+  const auto status = std::filesystem::symlink_status(file);
+  if (!exists(status) || is_regular_file(status)) return;
+  throw InputError({file.string()}, "is not a file, so that the damaged one cannot be made again there: remove it");
+}
+
+}  // namespace
+
 int runRegenerate(const std::vector<std::string>& arguments) {
   CommandOptions options("regenerate");
   cxxopts::OptionAdder add = options.add_options();
@@ -29,36 +40,32 @@ int runRegenerate(const std::vector<std::string>& arguments) {
       "  scanmill regenerate out/quickstart                 # makes the files that verify finds damaged\n"
       "  scanmill regenerate out/quickstart --shards 0-9,12\n");
   if (parsed.help) return 0;
-  const std::string folder = parsed.positional("DIR");
+  const std::filesystem::path folder = parsed.positional("DIR");
   const ResourceLimits limits(parsed);
   const bool quiet = parsed.has("quiet");
   const std::string asked = parsed.text("shards");
   requireDataset(folder);
-  const std::filesystem::path manifestFile = std::filesystem::path(folder) / kManifestName;
+  const std::filesystem::path manifestFile = folder / kManifestName;
   requireStatedDigest(manifestFile, readFile(manifestFile));
   std::map<std::uint32_t, std::string> undescribed;
   const Manifest manifest = readManifest(folder, undescribed);
-  std::vector<std::uint64_t> shards =
-      asked.empty() ? damagedShards(folder, manifest) : parseShardRanges(asked, manifest.shards.size());
-  if (asked.empty()) {
+  std::vector<std::uint64_t> shards;
+  if (!asked.empty()) {
+    shards = parseShardRanges(asked, manifest.shards.size());
+  } else {
+    shards = damagedShards(folder, manifest);
     for (const auto& [shard, problem] : undescribed) shards.push_back(shard);
     std::ranges::sort(shards);
     shards.erase(std::unique(shards.begin(), shards.end()), shards.end());
   }
-  const auto expectPlace = [&](const std::filesystem::path& file) {
-    const auto status = std::filesystem::symlink_status(std::filesystem::path(folder) / file);
-    if (!exists(status) || is_regular_file(status)) return;
-    throw InputError({(std::filesystem::path(folder) / file).string()},
-                     "is not a file, so that the damaged one cannot be made again there: remove it");
-  };
-  for (const std::uint64_t shard : shards) {
-    const ShardRecord& record = manifest.shards[shard];
-    expectPlace(record.file);
-    if (!record.samplesSha256.empty()) expectPlace(samplesFileOf(record.file));
-  }
   if (shards.empty()) {
     printText("all {} shards are undamaged: there is nothing to make\n", manifest.shards.size());
     return 0;
+  }
+  for (const std::uint64_t shard : shards) {
+    const ShardRecord& record = manifest.shards[shard];
+    requireReplaceable(folder / record.file);
+    if (!record.samplesSha256.empty()) requireReplaceable(folder / samplesFileOf(record.file));
   }
   regenerateShards(folder, manifest, planOfDataset(manifest, folder, parsed.text("pipeline")), shards, quiet,
                    &stopSignal());

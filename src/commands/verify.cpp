@@ -31,9 +31,9 @@ int runVerify(const std::vector<std::string>& arguments) {
   progress.reset();  // the bar ends before anything else is printed
   for (const std::string& problem : v.problems) printError("{}\n", oneLine(problem));
   const std::size_t problems = v.problems.size();
-  printText("{} shards, {} samples; {} scan files with {} points, each format counted: {}\n", grouped(v.shards),
-            grouped(v.samples), grouped(v.scans), grouped(v.points),
-            problems == 0 ? "sound" : fmt::format("{} problem{}", problems, problems == 1 ? "" : "s"));
+  printText("{}, {}; {} with {}, each format counted: {}\n", pluralOf(v.shards, "shard"), pluralOf(v.samples, "sample"),
+            pluralOf(v.scans, "scan file"), pluralOf(v.points, "point"),
+            problems == 0 ? "sound" : pluralOf(problems, "problem"));
   if (v.damaged > 0) printText("next: scanmill regenerate {} makes the damaged files again\n", folder);
   return problems == 0 ? 0 : 1;
 }

@@ -48,7 +48,7 @@ TEST_F(FirstSteps, NamesOfTheProgramsFilesWorkFromAnywhere) {
 TEST_F(FirstSteps, QuietIsOneLine) {
   const Outcome o = scanmill({"generate", pipeline_, "-q", "-o", at("out")});
   EXPECT_EQ(o.error, "");
-  EXPECT_THAT(o.out, HasSubstr("4 samples in 1 shards"));
+  EXPECT_THAT(o.out, HasSubstr("4 samples in 1 shard,"));
   EXPECT_EQ(std::count(o.out.begin(), o.out.end(), '\n'), 1);
 }
 

@@ -59,7 +59,7 @@ class Generate : public SmallWorld {
 TEST_F(Generate, TellsWhatWasMadeAndVerifies) {
   const Outcome made = scanmill({"generate", pipeline_, "-o", at("out")});
   EXPECT_EQ(made.code, 0) << made.error;
-  EXPECT_THAT(made.out, AllOf(HasSubstr("ground"), HasSubstr("4 samples in 1 shards"), HasSubstr("2,048 beams gave"),
+  EXPECT_THAT(made.out, AllOf(HasSubstr("ground"), HasSubstr("4 samples in 1 shard,"), HasSubstr("2,048 beams gave"),
                               HasSubstr("beams/s"), HasSubstr("scanmill verify")));
   EXPECT_THAT(made.error, HasSubstr("generate 4/4 frames"));
   const Outcome sound = scanmill({"verify", at("out")});

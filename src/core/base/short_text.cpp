@@ -15,6 +15,10 @@ std::string shortNumber(double value) {
   return fmt::format("{:.3g}", value);
 }
 
+std::string pluralOf(std::uint64_t count, std::string_view noun) {
+  return fmt::format("{} {}{}", grouped(count), noun, count == 1 ? "" : "s");
+}
+
 std::string shortBytes(double bytes) {
   const std::pair<double, const char*> units[] = {
       {1024.0 * 1024 * 1024 * 1024, "TiB"}, {1024.0 * 1024 * 1024, "GiB"}, {1024.0 * 1024, "MiB"}, {1024.0, "KiB"}};

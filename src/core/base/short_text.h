@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "base/vec.h"
 
@@ -19,6 +20,9 @@ inline std::string grouped(std::uint64_t number) {
   for (std::size_t i = digits.size(); i > 3; i -= 3) digits.insert(i - 3, ",");
   return digits;
 }
+
+// Returns a count with its noun, such as "1 scan" or "2,000 scans".
+std::string pluralOf(std::uint64_t count, std::string_view noun);
 
 // Returns a size with a binary prefix: "1.2 GiB", "34.0 MiB", "12 B".
 std::string shortBytes(double bytes);

@@ -20,7 +20,5 @@ std::string factorText(double factor);  // returns a factor, such as "2.1", "27"
 
 std::string wordsOf(std::string_view key);  // returns a key as words, such as "depth camera" for "depth_camera"
 std::string today();                        // returns the date in UTC, such as "2026-11-23"
-// Returns a count with its noun, such as "1 scan" or "2 scans".
-std::string pluralOf(std::uint64_t count, std::string_view what);
 
 }  // namespace scanmill

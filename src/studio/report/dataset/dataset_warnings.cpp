@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "base/short_text.h"
 #include "report/dataset/dataset_report.h"
 #include "study/figure_text.h"
 
