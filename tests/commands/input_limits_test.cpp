@@ -53,14 +53,19 @@ std::string chunk(const std::string& kind, const std::string& bytes) {
   return bigEndian(bytes.size()) + checked + bigEndian(sum);
 }
 
-// A black square of `side` pixels of one bit, and a text, so that no two images are the same.
-std::string largePng(std::size_t side, const std::string& text) {
+// The rows of a black square of `side` pixels of one bit, compressed.
+std::string blackRows(std::size_t side) {
   const std::string rows((side / 8 + 1) * side, '\0');
   std::string packed(compressBound(rows.size()), '\0');
   uLongf size = packed.size();
   compress2(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(rows.data()), rows.size(),
             9);
   packed.resize(size);
+  return packed;
+}
+
+// An image of such rows, and a text, so that no two images are the same.
+std::string largePng(std::size_t side, const std::string& packed, const std::string& text) {
   const std::string head = bigEndian(side) + bigEndian(side) + std::string("\1\0\0\0\0", 5);
   return "\x89PNG\r\n\x1a\n" + chunk("IHDR", head) + chunk("tEXt", "k" + std::string(1, '\0') + text) +
          chunk("IDAT", packed) + chunk("IEND", "");
@@ -165,8 +170,9 @@ TEST_F(InputLimits, NodesThatAreEachCopiedTwice) {
 TEST_F(InputLimits, SixtyLargeImagesOfAFewBytes) {
   std::string obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nmtllib images.mtl\n";
   std::string mtl;
+  const std::string rows = blackRows(16384);
   for (int i = 0; i < 60; ++i) {
-    write(fmt::format("{}.png", i), largePng(16384, std::to_string(i)));
+    write(fmt::format("{}.png", i), largePng(16384, rows, std::to_string(i)));
     mtl += fmt::format("newmtl m{0}\nmap_Kd {0}.png\n", i);
     obj += fmt::format("usemtl m{}\nf 1/1 2/1 3/1\n", i);
   }

@@ -97,7 +97,8 @@ TEST(Town, TheLaneIsFree) {
     std::string blocked;
     forPoints(scene, [&](const Instance& i, const Vec3d& p) {
       for (const Vec3d& l : lane) {
-        if (std::hypot(p.x - l.x, p.y - l.y) < 0.9 && p.z - l.z > 0.05 && p.z - l.z < 1.7) blocked = i.name;
+        const Vec3d d = p - l;
+        if (d.x * d.x + d.y * d.y < 0.9 * 0.9 && d.z > 0.05 && d.z < 1.7) blocked = i.name;
       }
     });
     EXPECT_EQ(blocked, "") << place;
