@@ -40,12 +40,14 @@ std::vector<std::filesystem::path> filesOf(const std::vector<std::string>& named
 void printFiles(const draft::Draft& made, const std::filesystem::path& out) {
   Rows rows{{"file", "unit", "up", "size", "triangles", "guessed", "by the file's name", "doubtful"}};
   std::uint64_t triangles = 0;
+  std::uint64_t withCopies = 0;
   std::uint64_t guessed = 0;
   std::uint64_t byFolder = 0;
   std::set<double> units;
   bool doubts = false;
   for (const draft::DraftedFile& f : made.files) {
     triangles += f.triangles;
+    withCopies += f.trianglesWithCopies;
     guessed += f.guessed;
     byFolder += f.byFolder;
     units.insert(f.unit);
@@ -59,6 +61,10 @@ void printFiles(const draft::Draft& made, const std::filesystem::path& out) {
   }
   printText("{}\nclasses are guessed for {} of {} triangles ({}), by the names that {} lists\n", formatTable(rows),
             grouped(guessed), grouped(triangles), percent(guessed, triangles), out.string());
+  if (withCopies > triangles) {
+    printText("a part that a file repeats is counted once; with all copies there are {} triangles, as in the picture\n",
+              grouped(withCopies));
+  }
   if (byFolder > 0) {
     printText("{} more ({}) get the class that only the name of their folder states: check it\n", grouped(byFolder),
               percent(byFolder, triangles));

@@ -88,7 +88,7 @@ void writeStudy(const Study& study, const std::filesystem::path& folder) {
       writeFile(folder / (chart.name + ".svg"), drawSvg(chart));
     }
   }
-  writeFile(folder / "index.html", studyReport(study));
+  writeFile(folder / "index.html", studyReport(study, folder.string()));
   writeFile(folder / kStudyFile, toJson(study));
 }
 

@@ -50,8 +50,9 @@ Draft draftScene(const std::vector<std::filesystem::path>& files, const std::vec
   for (std::size_t i = 0; i < models.size(); ++i) {
     const GuessedFile& model = models[i];
     draft.yaml += objectYaml(model, known, ontology, folder, options);
-    draft.files.push_back({model.file, model.name, model.frame.unit, model.frame.up, model.triangles(), model.guessed(),
-                           model.byFile(), model.byFolder(), model.doubts(), model.box});
+    draft.files.push_back({model.file, model.name, model.frame.unit, model.frame.up, model.triangles(),
+                           model.trianglesWithCopies(), model.guessed(), model.byFile(), model.byFolder(),
+                           model.doubts(), model.box});
     const Box& box = model.box;
     if (models.size() == 1 || box.empty() || draft.onePlace) continue;
     if (i % perRow == 0) {

@@ -19,7 +19,8 @@ struct DraftedFile {
   std::string name;  // name of the object in the scene file
   double unit = 1;   // length of the file's unit (m)
   char up = 'z';
-  std::uint64_t triangles = 0;
+  std::uint64_t triangles = 0;  // triangles, each part counted once
+  std::uint64_t trianglesWithCopies = 0;
   // Triangles whose class was guessed from names of node, material, texture or file, or that are guessed to be
   // superfluous.
   std::uint64_t guessed = 0;

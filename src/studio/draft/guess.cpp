@@ -25,7 +25,7 @@ const Concept* detailOf(const std::vector<Concept>& concepts, const Concept* nam
   return nullptr;
 }
 
-const Concept* first(std::initializer_list<const Concept*> candidates) {
+const Concept* firstKnown(std::initializer_list<const Concept*> candidates) {
   for (const Concept* c : candidates) {
     if (c != nullptr) return c;
   }
@@ -46,10 +46,10 @@ const Concept* mainConcept(const Asset& asset, const std::vector<const Concept*>
     return std::max_element(counts.begin(), counts.end(),
                             [](const auto& a, const auto& b) { return a.second < b.second; });
   };
-  const auto first = mostOf(triangles);
-  const bool detail = first != triangles.end() && first->first != nullptr && first->first->kind == ConceptKind::Detail;
-  if (detail && !ofWholes.empty()) return mostOf(ofWholes)->first;
-  return first == triangles.end() ? nullptr : first->first;
+  if (triangles.empty()) return nullptr;
+  const Concept* const most = mostOf(triangles)->first;
+  const bool detail = most != nullptr && most->kind == ConceptKind::Detail;
+  return detail && !ofWholes.empty() ? mostOf(ofWholes)->first : most;
 }
 
 // True if the parts, and the file's name if `file` is not null, state at least three different objects and grounds. The
@@ -109,19 +109,21 @@ bool isFlat(const Concept& c) {
 
 // Returns a score for y (`axis` 1) or z (2) as the up axis; the higher score wins. Objects usually start at 0 along the
 // up axis and are centred along the other axes. Trees are tall; cars, grounds and places are low.
-double scoreOf(const std::array<double, 3>& low, const std::array<double, 3>& extent, std::size_t axis,
-               const Concept* what, bool place) {
+double upScoreOf(const std::array<double, 3>& low, const std::array<double, 3>& extent, std::size_t axis,
+                 const FrameGuess& guess) {
+  constexpr double kAtZero = 0.03, kThin = 0.1;  // fractions of the extent along the axis and of the longest extent
+  constexpr double kCentred = 0.1;               // fraction of the extent along the other axis
   double score = 0;
-  const double most = std::max({extent[0], extent[1], extent[2]});
-  if (most <= 0) return 0;
-  if (std::abs(low[axis]) <= 0.03 * std::max(extent[axis], 0.1 * most)) score += 1;
+  const double longest = std::max({extent[0], extent[1], extent[2]});
+  if (longest <= 0) return 0;
+  if (std::abs(low[axis]) <= kAtZero * std::max(extent[axis], kThin * longest)) score += 1;
   const std::size_t other = axis == 1 ? 2 : 1;
   const double middle = low[other] + extent[other] / 2;
-  if (std::abs(middle) <= 0.1 * extent[other]) score += 0.5;
-  if (place && extent[axis] < extent[other]) score += 2;
-  if (what == nullptr) return score;
-  if (isTall(*what) && extent[axis] > extent[other]) score += 2;
-  if (isFlat(*what) && extent[axis] < extent[other]) score += 2;
+  if (std::abs(middle) <= kCentred * extent[other]) score += 0.5;
+  if (guess.severalObjects && extent[axis] < extent[other]) score += 2;
+  if (guess.unitConcept == nullptr) return score;
+  if (isTall(*guess.unitConcept) && extent[axis] > extent[other]) score += 2;
+  if (isFlat(*guess.unitConcept) && extent[axis] < extent[other]) score += 2;
   return score;
 }
 
@@ -131,26 +133,26 @@ constexpr std::array<double, 8> kUnits{0.01, 0.0254, 0.3048, 0.001, 0.1, 10.0, 1
 constexpr double kTolerance = 3;
 
 std::string nameOf(const FrameGuess& guess) {
-  return guess.what == nullptr ? "it" : "a " + guess.what->name;
+  return guess.unitConcept == nullptr ? "it" : "a " + guess.unitConcept->name;
 }
 
 // True if the file, with this unit in metres, has the usual size of its concept or a size that is outside by at most
 // the factor `factor`. The concept must have a usual size.
 bool fits(const FrameGuess& guess, double unit, double factor) {
-  const Between& usual = *guess.what->size;
+  const Between& usual = *guess.unitConcept->size;
   return Between{usual.low / factor, usual.high * factor}.holds(guess.longest * unit);
 }
 
 std::string sizeWith(const FrameGuess& guess, double unit) {
   return fmt::format("{} of {:.3g} units is {:.3g} m with this unit, and {:g} to {:g} m are usual", nameOf(guess),
-                     guess.longest, guess.longest * unit, guess.what->size->low, guess.what->size->high);
+                     guess.longest, guess.longest * unit, guess.unitConcept->size->low, guess.unitConcept->size->high);
 }
 
 // Sets the unit of a file: metres if its concept then has a usual size, otherwise the common unit that gives a usual
 // size nearest to the middle of the range. If no unit does, keeps metres and marks them as doubtful.
 void guessUnit(FrameGuess& guess) {
   if (fits(guess, 1, 1)) return;
-  const Between& usual = *guess.what->size;
+  const Between& usual = *guess.unitConcept->size;
   double nearest = 1e9;
   for (const double unit : kUnits) {
     const double off = std::abs(std::log(guess.longest * unit / std::sqrt(usual.low * usual.high)));
@@ -166,9 +168,8 @@ void guessUnit(FrameGuess& guess) {
 }
 
 // Sets the up axis, unless the file or its kind states it.
-void guessAxis(const std::array<double, 3>& low, const std::array<double, 3>& extent, bool place, FrameGuess& guess) {
-  const double y = scoreOf(low, extent, 1, guess.what, place);
-  const double z = scoreOf(low, extent, 2, guess.what, place);
+void guessAxis(const std::array<double, 3>& low, const std::array<double, 3>& extent, FrameGuess& guess) {
+  const double y = upScoreOf(low, extent, 1, guess), z = upScoreOf(low, extent, 2, guess);
   guess.up = y > z ? 'y' : 'z';
   guess.doubtfulUp = y == z;
   guess.whyUp =
@@ -177,27 +178,34 @@ void guessAxis(const std::array<double, 3>& low, const std::array<double, 3>& ex
                            extent[0], extent[1], extent[2], low[guess.up == 'y' ? 1 : 2], guess.up);
 }
 
-// Sets `what` and `longest` to an object of a place, by whose size the unit is then guessed, if a common unit gives
-// most objects usual sizes, and more than twice as many as metres do.
-void measureObjects(const Asset& asset, const std::vector<const Concept*>& parts, FrameGuess& guess) {
+// Returns for each node of a place that is an object of usual size its concept and its longest edge.
+std::vector<FrameGuess> sizedObjects(const Asset& asset, const std::vector<const Concept*>& parts) {
   constexpr double kGreatest = 400;  // m; walls and fences, which may be longer, say little about the unit
   std::map<std::uint32_t, std::pair<const Concept*, Box>> objects;  // by node
   for (std::size_t i = 0; i < asset.parts.size(); ++i) {
     if (parts[i] == nullptr || parts[i]->kind != ConceptKind::Whole || !parts[i]->size) continue;
     if (parts[i]->size->high > kGreatest) continue;
-    auto& [what, box] = objects[asset.parts[i].nodeIndex];
-    what = parts[i];
+    auto& [shown, box] = objects[asset.parts[i].nodeIndex];
+    shown = parts[i];
     for (const Vec3f& p : asset.parts[i].positions) box.add(Vec3d(p));
   }
+  std::vector<FrameGuess> sized;
+  for (const auto& [node, object] : objects) {
+    const Vec3d size = object.second.high - object.second.low;
+    FrameGuess& one = sized.emplace_back();
+    one.unitConcept = object.first;
+    one.longest = std::max({size.x, size.y, size.z});
+  }
+  return sized;
+}
+
+// Sets `unitConcept` and `longest` to an object of a place, by whose size the unit is then guessed, if a common unit
+// gives most objects usual sizes, and more than twice as many as metres do.
+void measureObjects(const Asset& asset, const std::vector<const Concept*>& parts, FrameGuess& guess) {
+  const std::vector<FrameGuess> objects = sizedObjects(asset, parts);
   const auto fitting = [&](double unit) {
     std::vector<FrameGuess> found;
-    for (const auto& [node, object] : objects) {
-      const Vec3d size = object.second.high - object.second.low;
-      FrameGuess one;
-      one.what = object.first;
-      one.longest = std::max({size.x, size.y, size.z});
-      if (fits(one, unit, 1)) found.push_back(one);
-    }
+    std::ranges::copy_if(objects, std::back_inserter(found), [&](const FrameGuess& one) { return fits(one, unit, 1); });
     return found;
   };
   std::vector<FrameGuess> best = fitting(1);
@@ -207,17 +215,26 @@ void measureObjects(const Asset& asset, const std::vector<const Concept*>& parts
   }
   if (best.size() <= 2 * inMetres || 2 * best.size() <= objects.size()) return;
   // A node may hold many objects of one kind, such as all cars of a street, and is then larger than one of them.
-  constexpr double kFar = 100;
-  const auto says = [&](const FrameGuess& one) {
-    return one.what != best.front().what || one.longest > kFar * one.what->size->high;
-  };
-  if (std::none_of(best.begin(), best.end(), says)) return;
-  const auto odd = std::find_if(best.begin(), best.end(), [](const FrameGuess& one) { return !fits(one, 1, 1); });
-  guess.what = odd->what;
-  guess.longest = odd->longest;
+  constexpr double kSeveral = 100;  // ratio of the longest edge to the usual size
+  const bool oneKindOfMany = std::ranges::none_of(best, [&](const FrameGuess& one) {
+    return one.unitConcept != best.front().unitConcept || one.longest > kSeveral * one.unitConcept->size->high;
+  });
+  if (oneKindOfMany) return;
+  const FrameGuess& notInMetres = *std::ranges::find_if(best, [](const FrameGuess& one) { return !fits(one, 1, 1); });
+  guess.unitConcept = notInMetres.unitConcept;
+  guess.longest = notInMetres.longest;
 }
 
 }  // namespace
+
+std::vector<CountedPart> partsOf(const Asset& asset) {
+  std::vector<CountedPart> parts;
+  for (const AssetPart& part : asset.parts) parts.push_back({&part, 1});
+  for (const InstancedParts& instanced : asset.instanced) {
+    for (const AssetPart& part : instanced.parts) parts.push_back({&part, instanced.assetFromParts.size()});
+  }
+  return parts;
+}
 
 std::string folderName(const std::filesystem::path& file) {
   static constexpr std::array<std::string_view, 16> kContents{
@@ -253,17 +270,13 @@ void Vocabulary::ignoreShared(const std::vector<std::string>& names) {
 }
 
 void Vocabulary::ignoreShared(const Asset& asset) {
-  std::array<std::vector<std::string>, 3> names;
-  const auto add = [&](const AssetPart& part) {
-    names[0].push_back(part.node);
-    names[1].push_back(part.material);
-    names[2].push_back(textureStem(part));
-  };
-  for (const AssetPart& part : asset.parts) add(part);
-  for (const InstancedParts& instanced : asset.instanced) {
-    for (const AssetPart& part : instanced.parts) add(part);
+  std::vector<std::string> nodes, materials, textures;
+  for (const auto& [part, copies] : partsOf(asset)) {
+    nodes.push_back(part->node);
+    materials.push_back(part->material);
+    textures.push_back(textureStem(*part));
   }
-  for (const std::vector<std::string>& some : names) ignoreShared(some);
+  for (const auto* names : {&nodes, &materials, &textures}) ignoreShared(*names);
 }
 
 std::string Vocabulary::tellingPart(std::string_view name) const {
@@ -292,61 +305,66 @@ const Concept* conceptOfFolder(const Vocabulary& words, const Asset& asset) {
   return isPlace(guessParts(words, asset, nullptr)) ? nullptr : words.conceptOf(folderName(asset.file));
 }
 
-std::vector<const Concept*> guessParts(const Vocabulary& words, const Asset& asset, const Concept* file) {
-  const auto guess = [&](const AssetPart& part) -> const Concept* {
-    const Concept* node = words.conceptOf(part.node);
-    // A concept of ground without classes, such as that of the name "World", says nothing about the part's class.
-    if (node != nullptr && node->classes.empty() && node->kind == ConceptKind::Ground) node = nullptr;
-    const Concept* const material = words.conceptOf(part.material);
-    const Concept* const texture = words.conceptOf(textureStem(part));
-    if (node != nullptr && node->kind == ConceptKind::Drop) return node;
-    const Concept* whole = node != nullptr && node->kind != ConceptKind::Detail ? node : nullptr;
-    if (file != nullptr && file->kind == ConceptKind::Whole &&
-        (whole == nullptr || whole->kind != ConceptKind::Whole)) {
-      whole = file;
-    }
-    for (const Concept* named : {material, texture, node}) {
-      if (const Concept* const detail = detailOf(words.concepts(), named, whole)) return detail;
-    }
-    // If a ground has several materials, a material's name may state a different ground, which is more exact.
-    if (whole != nullptr && whole->kind == ConceptKind::Ground) {
-      for (const Concept* finer : {material, texture}) {
-        if (finer != nullptr && finer->kind == ConceptKind::Ground) return finer;
-      }
-    }
-    return first({whole, material, texture, node, file});
-  };
-  std::vector<const Concept*> guesses;
-  for (const AssetPart& part : asset.parts) guesses.push_back(guess(part));
-  for (const InstancedParts& instanced : asset.instanced) {
-    for (const AssetPart& part : instanced.parts) guesses.push_back(guess(part));
+namespace {
+
+// Returns the object or ground to which a part belongs: what its node's name states or, unless this is an object, the
+// object that the file contains. Null: unknown.
+const Concept* ownerOf(const Concept* node, const Concept* file) {
+  const bool stated = node != nullptr && node->kind != ConceptKind::Detail;
+  if (stated && node->kind == ConceptKind::Whole) return node;
+  if (file != nullptr && file->kind == ConceptKind::Whole) return file;
+  return stated ? node : nullptr;
+}
+
+const Concept* guessPart(const Vocabulary& words, const AssetPart& part, const Concept* file) {
+  const Concept* node = words.conceptOf(part.node);
+  // A concept of ground without classes, such as that of the name "World", says nothing about the part's class.
+  if (node != nullptr && node->classes.empty() && node->kind == ConceptKind::Ground) node = nullptr;
+  if (node != nullptr && node->kind == ConceptKind::Drop) return node;
+  const Concept* const material = words.conceptOf(part.material);
+  const Concept* const texture = words.conceptOf(textureStem(part));
+  const Concept* const owner = ownerOf(node, file);
+  for (const Concept* named : {material, texture, node}) {
+    if (const Concept* const detail = detailOf(words.concepts(), named, owner)) return detail;
   }
+  // If a ground has several materials, a material's name may state a different ground, which is more exact.
+  if (owner != nullptr && owner->kind == ConceptKind::Ground) {
+    for (const Concept* finer : {material, texture}) {
+      if (finer != nullptr && finer->kind == ConceptKind::Ground) return finer;
+    }
+  }
+  return firstKnown({owner, material, texture, node, file});
+}
+
+}  // namespace
+
+std::vector<const Concept*> guessParts(const Vocabulary& words, const Asset& asset, const Concept* file) {
+  std::vector<const Concept*> guesses;
+  for (const auto& [part, copies] : partsOf(asset)) guesses.push_back(guessPart(words, *part, file));
   return guesses;
 }
 
-FrameGuess guessUp(const Asset& asset, const std::vector<const Concept*>& parts) {
+FrameGuess guessFrame(const Asset& asset, const std::vector<const Concept*>& parts) {
   FrameGuess guess;
   guess.up = asset.up;
   const Box box = boundsOf(asset);
   if (box.empty()) return guess;
   const std::array<double, 3> low{box.low.x, box.low.y, box.low.z};
-  const std::array<double, 3> extent{box.high.x - box.low.x, box.high.y - box.low.y, box.high.z - box.low.z};
-  guess.place = isPlace(parts);
-  const bool place = guess.place;
-  guess.what = place ? nullptr : mainConcept(asset, parts);
-  guess.longest = std::max({extent[0], extent[1], extent[2]});
-  guess.extent = extent;
-  guess.read = asset.up;
+  guess.extent = {box.high.x - box.low.x, box.high.y - box.low.y, box.high.z - box.low.z};
+  guess.longest = *std::ranges::max_element(guess.extent);
+  guess.readUp = asset.up;
   guess.statedUnit = asset.statedUnit > 0;
-  if (!asset.upDeclared) guessAxis(low, extent, place, guess);
-  if (place) measureObjects(asset, parts, guess);
+  guess.severalObjects = isPlace(parts);
+  if (!guess.severalObjects) guess.unitConcept = mainConcept(asset, parts);
+  if (!asset.upDeclared) guessAxis(low, guess.extent, guess);
+  if (guess.severalObjects) measureObjects(asset, parts, guess);
   return guess;
 }
 
 namespace {
 
 bool isSized(const FrameGuess* guess) {
-  return guess->what != nullptr && guess->what->size && guess->longest > 0;
+  return guess->unitConcept != nullptr && guess->unitConcept->size && guess->longest > 0;
 }
 
 // Marks a stated unit as doubtful if the size of the file's concept is unusual.
@@ -363,7 +381,7 @@ void doubtUnit(FrameGuess& guess) {
 // Considers the files whose concepts have usual sizes. If there are at least `fewest`, and one unit gives usual sizes
 // to at least the fraction `most` of them, sets this unit for all files and returns true; files that it would make far
 // too large or small get a unit of their own. Otherwise returns false.
-bool guessUnits(const std::vector<FrameGuess*>& files, double most, std::ptrdiff_t fewest) {
+bool guessSharedUnit(const std::vector<FrameGuess*>& files, double most, std::ptrdiff_t fewest) {
   const auto sized = std::count_if(files.begin(), files.end(), isSized);
   const auto fitting = [&](double unit) {
     return std::count_if(files.begin(), files.end(),
@@ -396,7 +414,7 @@ std::vector<FrameGuess*> tilesOf(const std::vector<FrameGuess*>& files) {
   constexpr std::size_t kFewest = 3;
   constexpr double kAlike = 0.1;
   const auto alike = [](double a, double b) { return std::fabs(a - b) <= kAlike * std::min(a, b); };
-  const auto depth = [](const FrameGuess* f) { return f->extent[f->up == f->read ? 1 : 2]; };
+  const auto depth = [](const FrameGuess* f) { return f->extent[f->up == f->readUp ? 1 : 2]; };
   std::vector<FrameGuess*> most;
   for (const FrameGuess* f : files) {
     std::vector<FrameGuess*> same;
@@ -411,17 +429,33 @@ std::vector<FrameGuess*> tilesOf(const std::vector<FrameGuess*>& files) {
 
 }  // namespace
 
-void guessTogether(const std::vector<FrameGuess*>& all) {
+namespace {
+
+// Gives files with a doubtful up axis the axis of most other files.
+void shareAxis(const std::vector<FrameGuess*>& all) {
   std::map<char, std::size_t> axes;
   for (const FrameGuess* f : all) {
     if (!f->whyUp.empty() && !f->doubtfulUp) ++axes[f->up];
   }
+  if (axes.empty()) return;
   for (FrameGuess* f : all) {
-    if (!f->doubtfulUp || axes.empty()) continue;
+    if (!f->doubtfulUp) continue;
     f->up = axes['y'] > axes['z'] ? 'y' : 'z';
     f->whyUp = "as other files of the folder";
     f->doubtfulUp = axes['y'] + axes['z'] < 2 || (axes['y'] > 0 && axes['z'] > 0);
   }
+}
+
+void guessUnitOfEach(const std::vector<FrameGuess*>& files) {
+  for (FrameGuess* f : files) {
+    if (isSized(f)) guessUnit(*f);
+  }
+}
+
+}  // namespace
+
+void guessUnitsTogether(const std::vector<FrameGuess*>& all) {
+  shareAxis(all);
   std::vector<FrameGuess*> files;  // those that state no unit
   for (FrameGuess* f : all) {
     if (!f->statedUnit) {
@@ -430,33 +464,28 @@ void guessTogether(const std::vector<FrameGuess*>& all) {
       doubtUnit(*f);
     }
   }
-  constexpr double kMost = 0.8;
-  if (guessUnits(files, kMost, 2)) return;
-  const auto apart = [](const std::vector<FrameGuess*>& some) {
-    for (FrameGuess* f : some) {
-      if (isSized(f)) guessUnit(*f);
-    }
-  };
+  constexpr double kMost = 0.8;  // fraction of the files that a shared unit must suit
+  if (guessSharedUnit(files, kMost, 2)) return;
   const std::vector<FrameGuess*> tiles = tilesOf(files);
-  if (tiles.empty() || !guessUnits(tiles, kMost, 1)) return apart(files);
+  if (tiles.empty() || !guessSharedUnit(tiles, kMost, 1)) return guessUnitOfEach(files);
   std::vector<FrameGuess*> others;
-  std::copy_if(files.begin(), files.end(), std::back_inserter(others),
-               [&](FrameGuess* f) { return std::find(tiles.begin(), tiles.end(), f) == tiles.end(); });
-  if (!guessUnits(others, kMost, 2)) apart(others);
+  std::ranges::copy_if(files, std::back_inserter(others),
+                       [&](FrameGuess* f) { return std::ranges::find(tiles, f) == tiles.end(); });
+  if (!guessSharedUnit(others, kMost, 2)) guessUnitOfEach(others);
 }
 
 const Concept* groundIn(const Vocabulary& words, const std::filesystem::path& file) {
   const Concept* ground = nullptr;
-  bool stands = false;
+  bool namesObject = false;
   // Concepts whose words have another meaning in names of objects: "sand" and "stone" as a material, "water" and
   // "floor" as a use, as in "water tower" and "floor lamp".
   static constexpr std::array<std::string_view, 3> kOfThings{"sand", "water", "floor"};
   for (const Concept* c : words.conceptsIn(file.stem().string())) {
     const bool ofThings = std::find(kOfThings.begin(), kOfThings.end(), c->name) != kOfThings.end();
     if (c->kind == ConceptKind::Ground && !c->classes.empty() && !ofThings && ground == nullptr) ground = c;
-    stands = stands || c->kind == ConceptKind::Whole;
+    namesObject = namesObject || c->kind == ConceptKind::Whole;
   }
-  return stands ? ground : nullptr;
+  return namesObject ? ground : nullptr;
 }
 
 }  // namespace scanmill::draft

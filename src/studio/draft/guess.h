@@ -41,11 +41,19 @@ class Vocabulary {
   std::set<std::string> ignored_;  // words, as foldedName() returns them
 };
 
-// Returns the concept of each part of an asset, in the order of the parts; null for a part if no name contains a known
-// word. `file`: the concept that the name of the file, or its folder's name, states; null: none. A part belongs to the
-// whole that its node's name states, otherwise to the whole that `file` is: the glass of a car is part of the car. If
-// there is no whole, the concept is found in the names of material, texture and node, in this order; otherwise it is
-// `file`.
+// A part of an asset, and how many copies of it the asset contains.
+struct CountedPart {
+  const AssetPart* part;
+  std::size_t copies;
+};
+
+// Returns Asset::parts, then the parts of Asset::instanced.
+std::vector<CountedPart> partsOf(const Asset& asset);
+
+// Returns the concept of each of partsOf() an asset; null for a part if no name contains a known word. `file`: the
+// concept that the name of the file, or its folder's name, states; null: none. A part belongs to the whole that its
+// node's name states, otherwise to the whole that `file` is: the glass of a car is part of the car. If there is no
+// whole, the concept is found in the names of material, texture and node, in this order; otherwise it is `file`.
 std::vector<const Concept*> guessParts(const Vocabulary& words, const Asset& asset, const Concept* file);
 
 // Returns the name of the file's folder or, if that name only says what kind of files the folder contains, such as
@@ -70,25 +78,25 @@ struct FrameGuess {
   double unit = 1;          // length of the file's unit (m)
   std::string whyUnit;
   bool doubtfulUnit = false;
-  // The concept by whose size the unit is guessed: the asset's main concept, or that of an object of a place; null:
-  // unknown.
-  const Concept* what = nullptr;
-  double longest = 0;  // longest edge of the box about what `what` names, else about the asset (file's units)
+  // The concept by whose usual size the unit is guessed: the asset's main concept, or that of an object of a place;
+  // null: unknown.
+  const Concept* unitConcept = nullptr;
+  double longest = 0;  // longest edge of the box about the object of `unitConcept`, else about the asset (file's units)
   std::array<double, 3> extent{};  // size along x, y and z as the file was read, in the file's units
-  bool place = false;              // true: the asset contains a place with several objects, such as a room
-  char read = 'z';                 // up axis that was assumed when the file was read
+  bool severalObjects = false;     // true: the asset contains a place with several objects, such as a room
+  char readUp = 'z';               // up axis that was assumed when the file was read
 };
 
-// Guesses the up axis of an asset that was read with the unit 1 and without a given axis. The unit is left to
-// guessTogether().
-FrameGuess guessUp(const Asset& asset, const std::vector<const Concept*>& parts);
+// Guesses the up axis of an asset that was read with the unit 1 and without a given axis, and measures what
+// guessUnitsTogether() needs to guess the unit.
+FrameGuess guessFrame(const Asset& asset, const std::vector<const Concept*>& parts);
 
 // Guesses the units of files that have the same format and folder, such that the objects have usual sizes. If one unit
 // suits most of the files, they share it. Otherwise one unit is guessed for the tiles, which are files with about the
 // same footprint, and one for the remaining files. Files that no shared unit suits get a unit of their own. A file with
 // a doubtful up axis gets the axis of most other files. A unit that a file or its format states counts; an unusual size
 // makes it doubtful.
-void guessTogether(const std::vector<FrameGuess*>& all);
+void guessUnitsTogether(const std::vector<FrameGuess*>& all);
 
 // Returns the ground in the file's name if the name contains both a ground and an object, such as "grass-trees";
 // otherwise null.

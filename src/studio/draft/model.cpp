@@ -20,7 +20,7 @@ namespace {
 // Returns a bounding box in metres with z up. `own`: the box of the asset as read with the unit 1. `frame`: the guessed
 // unit and up axis.
 Box placed(const Box& own, const FrameGuess& frame) {
-  if (own.empty() || frame.up == frame.read) return {own.low * frame.unit, own.high * frame.unit};
+  if (own.empty() || frame.up == frame.readUp) return {own.low * frame.unit, own.high * frame.unit};
   // The asset was read with z up, but y is up: (x, y, z) becomes (x, -z, y).
   return {Vec3d{own.low.x, -own.high.z, own.low.y} * frame.unit,
           Vec3d{own.high.x, -own.low.z, own.high.y} * frame.unit};
@@ -49,19 +49,15 @@ GuessedFile guessFile(const std::filesystem::path& file, Vocabulary words, const
   });
   const std::vector<const Concept*> guesses = guessParts(words, asset, model.fileConcept);
   const std::vector<const Concept*> ownGuesses = guessParts(words, asset, own);
-  std::size_t next = 0;
-  const auto add = [&](const AssetPart& part) {
-    const bool byFolder = guesses[next] != ownGuesses[next];
-    const Concept* what = guesses[next++];
-    if (what != nullptr && what->classes.empty() && what->kind != ConceptKind::Drop) what = nullptr;
-    model.parts.push_back(
-        {part.node, part.material, part.texture, what, what != nullptr && byFolder, part.triangles.size()});
-  };
-  for (const AssetPart& part : asset.parts) add(part);
-  for (const InstancedParts& instanced : asset.instanced) {
-    for (const AssetPart& part : instanced.parts) add(part);
+  const std::vector<CountedPart> parts = partsOf(asset);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const auto& [part, copies] = parts[i];
+    const Concept* shows = guesses[i];
+    if (shows != nullptr && shows->classes.empty() && shows->kind != ConceptKind::Drop) shows = nullptr;
+    const bool byFolder = shows != nullptr && guesses[i] != ownGuesses[i];
+    model.parts.push_back({part->node, part->material, part->texture, shows, byFolder, part->triangles.size(), copies});
   }
-  model.frame = guessUp(asset, guesses);
+  model.frame = guessFrame(asset, guesses);
   model.box = boundsOf(asset);
   model.mixed = groundIn(words, file) != nullptr;
   return model;
@@ -112,13 +108,19 @@ std::uint64_t GuessedFile::triangles() const {
   return trianglesOf(parts, [](const GuessedPart&) { return true; });
 }
 
+std::uint64_t GuessedFile::trianglesWithCopies() const {
+  std::uint64_t sum = 0;
+  for (const GuessedPart& p : parts) sum += p.triangles * p.copies;
+  return sum;
+}
+
 std::uint64_t GuessedFile::guessed() const {
-  return trianglesOf(parts, [](const GuessedPart& p) { return p.what != nullptr && !p.byFolder; });
+  return trianglesOf(parts, [](const GuessedPart& p) { return p.shows != nullptr && !p.byFolder; });
 }
 
 std::uint64_t GuessedFile::byFile() const {
   return trianglesOf(
-      parts, [&](const GuessedPart& p) { return p.what != nullptr && p.what == fileConcept && !conceptByFolder; });
+      parts, [&](const GuessedPart& p) { return p.shows != nullptr && p.shows == fileConcept && !conceptByFolder; });
 }
 
 std::uint64_t GuessedFile::byFolder() const {
@@ -166,7 +168,7 @@ std::vector<GuessedFile> guessFiles(const std::vector<std::filesystem::path>& fi
   if (models.empty() && failure != nullptr) std::rethrow_exception(failure);
   std::map<std::pair<std::filesystem::path, std::string>, std::vector<FrameGuess*>> sets;
   for (GuessedFile& m : models) sets[{m.file.parent_path(), lowerExtension(m.file)}].push_back(&m.frame);
-  for (const auto& [folder, set] : sets) guessTogether(set);
+  for (const auto& [folder, set] : sets) guessUnitsTogether(set);
   for (GuessedFile& m : models) m.box = placed(m.box, m.frame);
   nameFiles(models);
   return models;

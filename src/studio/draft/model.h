@@ -17,9 +17,10 @@ namespace scanmill::draft {
 // A part of a file with its names and the concept that was guessed from them.
 struct GuessedPart {
   std::string node, material, texture;
-  const Concept* what = nullptr;  // guessed concept; null: unknown
-  bool byFolder = false;          // only the name of the file's folder states `what`
-  std::uint64_t triangles = 0;
+  const Concept* shows = nullptr;  // guessed concept; null: unknown
+  bool byFolder = false;           // only the name of the file's folder states `shows`
+  std::uint64_t triangles = 0;     // triangles of one copy of the part
+  std::size_t copies = 1;
 };
 
 struct GuessedFile {
@@ -35,6 +36,7 @@ struct GuessedFile {
   bool numbered = false;  // the points have labels that are only numbers
 
   std::uint64_t triangles() const;
+  std::uint64_t trianglesWithCopies() const;
   // Number of triangles whose class was guessed from names of node, material, texture or file, or that are guessed to
   // be superfluous.
   std::uint64_t guessed() const;

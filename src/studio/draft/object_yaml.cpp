@@ -65,7 +65,7 @@ bool matchesPart(const Patterns& patterns, const GuessedPart& part) {
 // True if all parts that the patterns match have the concept `wanted`.
 bool isConsistent(const Patterns& patterns, const std::vector<GuessedPart>& parts, const Concept* wanted) {
   return std::all_of(parts.begin(), parts.end(),
-                     [&](const GuessedPart& k) { return k.what == wanted || !matchesPart(patterns, k); });
+                     [&](const GuessedPart& k) { return k.shows == wanted || !matchesPart(patterns, k); });
 }
 
 // Returns the simplest patterns that match the part and no part with another concept; empty patterns if there are none.
@@ -75,7 +75,7 @@ Patterns patternsFor(const GuessedPart& known, const std::vector<GuessedPart>& p
   std::vector<std::vector<std::size_t>> choices;
   for (const bool telling : {true, false}) {
     for (std::size_t k = 0; k < kKeys.size(); ++k) {
-      const bool tells = conceptOf(concepts, nameOf(known, k)) == known.what;
+      const bool tells = conceptOf(concepts, nameOf(known, k)) == known.shows;
       if (tells == telling) choices.push_back({k});
     }
   }
@@ -84,7 +84,7 @@ Patterns patternsFor(const GuessedPart& known, const std::vector<GuessedPart>& p
   const std::string& node = known.node;
   for (std::size_t slash = node.find('/'); slash != std::string::npos; slash = node.find('/', slash + 1)) {
     Patterns all{withoutDigits(node.substr(0, slash)) + "/*", "", ""};
-    if (isConsistent(all, parts, known.what)) return all;
+    if (isConsistent(all, parts, known.shows)) return all;
   }
   for (const std::vector<std::size_t>& keys : choices) {
     for (const bool general : {true, false}) {
@@ -95,7 +95,7 @@ Patterns patternsFor(const GuessedPart& known, const std::vector<GuessedPart>& p
         patterns[k] = general ? withoutDigits(name) : literal(name);
         named = named && !name.empty() && patterns[k] != "*";
       }
-      if (named && isConsistent(patterns, parts, known.what)) return patterns;
+      if (named && isConsistent(patterns, parts, known.shows)) return patterns;
     }
   }
   return {};
@@ -127,9 +127,9 @@ class Writer {
     const Concept* const file = model_.fileConcept;
     const Box& box = model_.box;
     const auto isAll = [&](const Concept* c) {
-      return std::all_of(parts.begin(), parts.end(), [&](const GuessedPart& k) { return k.what == c; });
+      return std::all_of(parts.begin(), parts.end(), [&](const GuessedPart& k) { return k.shows == c; });
     };
-    const Concept* const only = parts.empty() ? nullptr : parts.front().what;
+    const Concept* const only = parts.empty() ? nullptr : parts.front().shows;
     if (only != nullptr && only->kind != ConceptKind::Drop && isAll(only)) {
       writeRest(*only, model_.byFolder() > 0 ? "   # by the name of the folder" : "", yaml);
       return;
@@ -141,18 +141,19 @@ class Writer {
     std::map<std::array<std::string, 3>, std::uint64_t> unknown;
     bool someLeft = false;  // some parts are matched by none of the rules
     for (const GuessedPart& k : parts) {
-      if (k.what == nullptr || k.what == file) someLeft = true;
-      if (k.what == nullptr || (k.byFolder && k.what == file)) unknown[{k.node, k.material, k.texture}] += k.triangles;
-      if (k.what == nullptr) continue;
-      if (k.what == file) continue;  // parts with the file's own concept need no rule: writeRest() writes their class
+      if (k.shows == nullptr || k.shows == file) someLeft = true;
+      if (k.shows == nullptr || (k.byFolder && k.shows == file))
+        unknown[{k.node, k.material, k.texture}] += k.triangles;
+      if (k.shows == nullptr) continue;
+      if (k.shows == file) continue;  // parts with the file's own concept need no rule: writeRest() writes their class
       const Patterns patterns = patternsFor(k, parts, concepts_);
       const auto keys = std::count_if(patterns.begin(), patterns.end(), [](const auto& p) { return !p.empty(); });
       if (keys == 1) {
         const auto key = std::find_if(patterns.begin(), patterns.end(), [](const auto& p) { return !p.empty(); });
-        single[{k.what, static_cast<std::size_t>(key - patterns.begin())}][*key] += k.triangles;
+        single[{k.shows, static_cast<std::size_t>(key - patterns.begin())}][*key] += k.triangles;
       } else if (keys > 1) {
         auto& [c, triangles] = several[patterns];
-        c = k.what;
+        c = k.shows;
         triangles += k.triangles;
       } else {
         someLeft = true;
@@ -161,7 +162,7 @@ class Writer {
     std::set<std::string> nodes;
     for (const GuessedPart& k : parts) nodes.insert(k.node);
     const Vec3d size = box.high - box.low;
-    if (nodes.size() > 2 && (model_.frame.place || std::max(size.x, size.y) > 30))
+    if (nodes.size() > 2 && (model_.frame.severalObjects || std::max(size.x, size.y) > 30))
       yaml += "    instances: node   # or part, if one thing has several nodes, such as the walls of a building\n";
     if (!single.empty() || !several.empty()) yaml += "    rules:\n";
     for (const auto& [patterns, rule] : several) {

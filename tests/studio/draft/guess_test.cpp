@@ -118,8 +118,8 @@ Asset box(const Vec3d& low, const Vec3d& size, const std::string& name) {
 }
 
 FrameGuess frameOf(const Asset& asset) {
-  FrameGuess guess = guessUp(asset, guesses(asset));
-  guessTogether({&guess});
+  FrameGuess guess = guessFrame(asset, guesses(asset));
+  guessUnitsTogether({&guess});
   return guess;
 }
 
@@ -171,10 +171,10 @@ TEST(Guess, FilesOfAFolderHaveOneUnit) {
   const auto units = [](const std::vector<Asset>& assets) {
     std::vector<FrameGuess> frames;
     frames.reserve(assets.size());
-    for (const Asset& a : assets) frames.push_back(guessUp(a, guesses(a)));
+    for (const Asset& a : assets) frames.push_back(guessFrame(a, guesses(a)));
     std::vector<FrameGuess*> all;
     for (FrameGuess& f : frames) all.push_back(&f);
-    guessTogether(all);
+    guessUnitsTogether(all);
     std::vector<std::pair<double, bool>> found;
     for (const FrameGuess& f : frames) found.emplace_back(f.unit, f.doubtfulUnit);
     return found;

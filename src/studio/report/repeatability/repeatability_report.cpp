@@ -6,29 +6,23 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kSquareCentimetres = 1e4;  // square centimetres per square metre
-
-// Converts a spread from m² to cm² in place. Removes the deviation if there are only two pairs, since these are the
-// same scans in both directions.
-void scale(Json& spread) {
-  if (spread.is_null()) return;
-  for (const char* key : {"mean", "deviation", "min", "max"}) {
-    spread[key] = kSquareCentimetres * spread[key].get<double>();
-  }
-  if (spread["pairs"] < 3) spread.erase("deviation");
+// Removes the deviation of a spread of two pairs, since these are the same scans in both directions.
+void dropDeviationOfTwo(Json& spread) {
+  if (!spread.is_null() && spread["pairs"] < 3) spread.erase("deviation");
 }
 
-// Rearranges the JSON of one pose for the page's templates: `pose` itself gets the figures of the reference level, and
-// `sources` gets one table row for each source level.
-void arrange(Json& pose, const Repeatability& result) {
+// Completes the JSON of one pose for the page's tables: `pose` itself gets the figures of the reference level, and
+// `sources` gets one row for each source level.
+void addTableRows(Json& pose, const Repeatability& result) {
   const std::size_t count = result.levels.size(), reference = result.reference;
-  const Json points = pose["points"][reference];
-  pose["points"] = points;
-  for (Json& cell : pose["fitness_m2"]) {
-    scale(cell["registered"]);
-    scale(cell["unmoved"]);
+  Json& fitness = pose["fitness_m2"];  // one cell for each pair of levels, by source and target
+  for (Json& cell : fitness) {
+    dropDeviationOfTwo(cell["registered"]);
+    dropDeviationOfTwo(cell["unmoved"]);
   }
-  pose.update(pose["fitness_m2"][reference * count + reference]);
+  const Json pointsOfReference = pose["points"][reference], ofReference = fitness[reference * count + reference];
+  pose["points"] = pointsOfReference;
+  pose.update(ofReference);
   pose["sources"] = Json::array();
   for (std::size_t source = 0; source < count; ++source) {
     Json row{{"source", result.levels[source]}, {"strong", source == reference}, {"targets", Json::array()}};
@@ -65,7 +59,7 @@ std::string repeatabilityReport(const Repeatability& result, const std::string& 
     own["number"] = v;
     own["charts"] = chartValues(repeatabilityViewCharts(result, view));
     for (Json& pose : own["places"]) {
-      arrange(pose, result);
+      addTableRows(pose, result);
       pose.update({{"view", view.name}, {"sensor", view.sensor}});
       page["of_methods"][view.method]["places"].push_back(pose);
     }

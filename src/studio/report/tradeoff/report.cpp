@@ -225,8 +225,10 @@ std::string setArgument(const Setting& setting) {
   return "--set " + shellWord(setting.assignment(), true);
 }
 
-std::string studyReport(const Study& study) {
-  return fillPage(kTradeoffTemplate, StudyPage(study).values());
+std::string studyReport(const Study& study, const std::string& folder) {
+  Json values = StudyPage(study).values();
+  values["folder_word"] = shellWord(folder);
+  return fillPage(kTradeoffTemplate, std::move(values));
 }
 
 std::vector<std::string> groupNames(const Study& study, const std::vector<std::size_t>& settings,

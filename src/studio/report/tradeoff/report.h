@@ -15,8 +15,9 @@
 
 namespace scanmill {
 
-// Returns the HTML page index.html with charts, tables and pictures. It needs no other file and no network.
-std::string studyReport(const Study& study);
+// Returns the HTML page index.html with charts, tables and pictures. It needs no other file and no network. `folder`:
+// the folder of the report, as given on the command line that the page shows.
+std::string studyReport(const Study& study, const std::string& folder);
 
 // Returns the command-line argument that selects a setting, quoted for a shell, such as "--set 'method={particle:
 // {refine: none}}'".

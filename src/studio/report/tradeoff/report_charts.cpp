@@ -57,10 +57,10 @@ std::string settingDetail(const Study& study, const SettingResult& s) {
       metresText(e.range.median), metresText(e.range.p99), shareText(e.labels()), shareText(e.missRate()));
 }
 
-// Returns the setting's name without the method, which the chart shows by colour and shape.
-std::string shortName(const Setting& setting) {
-  return setting.name.starts_with(setting.method + " ") ? setting.name.substr(setting.method.size() + 1)
-                                                        : wordsOf(setting.name);
+// Returns the options in the name of a setting or encoding, such as "resolution=512"; the words of the name if it has
+// none. `owner`: the name's first word, a method or format, which charts show by colour.
+std::string optionsIn(const std::string& name, const std::string& owner) {
+  return name.starts_with(owner + " ") ? name.substr(owner.size() + 1) : wordsOf(name);
 }
 
 std::string sceneNote(const Study& study) {
@@ -114,7 +114,7 @@ Chart frontChart(const Study& study, Chart chart, const Measure& measure, const 
         if (s.setting.method != method || on != emphasised) continue;
         ChartSeries& series = isDefault(s.setting) ? byDefault : others;
         series.add(place(i), settingDetail(study, s));
-        series.labels.push_back(shortName(s.setting));
+        series.labels.push_back(optionsIn(s.setting.name, s.setting.method));
       }
       chart.series.insert(chart.series.end(), {byDefault, others});
     }
@@ -204,7 +204,7 @@ Chart encodingsChart(const Study& study) {
       series = chart.series.insert(series, {.name = e.format, .color = chart.series.size() % 7});
     }
     const std::string error = e.largestError == 0 ? "no error" : metresText(e.largestError);
-    series->labels.push_back(fmt::format("{}: {}", e.name, error));
+    series->labels.push_back(fmt::format("{}: {}", optionsIn(e.name, e.format), error));
     series->add(
         {e.bytesPerPoint, e.encodePointsPerSecond},
         fmt::format("{}\n{:.2f} bytes a point, {} points/s encoded, {} points/s decoded\n{}", e.name, e.bytesPerPoint,

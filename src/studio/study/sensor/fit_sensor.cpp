@@ -329,8 +329,8 @@ std::string sensorYaml(const SensorFit& fit, const std::string& source) {
   std::string text = fmt::format("model: fitted\nsource: \"{}\"\ncolumns: {}\n", source, fit.columns);
   text += fit.period > 0 ? fmt::format("rate_hz: {:.5g}\n", 1 / fit.period)
                          : "rate_hz: 10   # the scans have no times: check\n";
-  text += fmt::format("direction: {}\nfirst_azimuth_deg: {:.4f}\n", fit.clockwise ? "clockwise" : "counterclockwise",
-                      degrees(fit.firstAzimuth));
+  text += fmt::format("direction: {}\nfirst_azimuth_deg: {:.4f}   # if x is forward in the scans: check\n",
+                      fit.clockwise ? "clockwise" : "counterclockwise", degrees(fit.firstAzimuth));
   if (fit.field < 2 * kPi - 1e-9) text += fmt::format("field_deg: {:.4f}\n", degrees(fit.field));
   text += fmt::format("ring_order: {}\nelevation_deg: {}\nazimuth_offset_deg: {}\n",
                       down ? "top_down"

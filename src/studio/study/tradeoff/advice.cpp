@@ -130,7 +130,12 @@ std::vector<Advice> advise(const Study& study) {
     std::ranges::copy_if(measured, std::back_inserter(good), [&](const auto* r) { return exceeds(r) <= 1; });
     if (!good.empty()) {
       const SettingResult& best = fastestOf(good);
-      advice.push_back({std::string("For ") + need.name, best.setting.name, figuresOf(study, best, rays)});
+      const auto same = std::ranges::find(advice, best.setting.name, &Advice::setting);
+      if (same != advice.end()) {
+        same->need += std::string("; for ") + need.name;
+      } else {
+        advice.push_back({std::string("For ") + need.name, best.setting.name, figuresOf(study, best, rays)});
+      }
       continue;
     }
     const SettingResult& nearest = **std::ranges::min_element(measured, {}, exceeds);

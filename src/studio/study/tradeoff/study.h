@@ -92,13 +92,13 @@ struct Study {
   std::vector<ErrorPicture> pictures;
 };
 
-// The fastest setting that is good enough for a need.
+// The fastest setting that is good enough for one or several needs.
 struct Advice {
-  std::string need;     // such as "For exact ranges and labels"
+  std::string need;     // such as "For exact ranges and labels", or "For centimetres; for speed at any price"
   std::string setting;  // name of the setting, see Setting::name; empty if none is good enough
   std::string text;     // its speed and errors; if there is none, those of the nearest
 };
-// Returns one for each need; nothing if no setting was measured.
+// Returns the advice for all needs, in the order of the needs; nothing if no setting was measured.
 std::vector<Advice> advise(const Study& study);
 
 struct StudyOptions {

@@ -32,7 +32,7 @@ std::string paretoSvg(const Study& study) {
 
 // What a page shows, without the style and the scripts that it carries.
 std::string pageOf(const Study& study) {
-  const std::string html = studyReport(study);
+  const std::string html = studyReport(study, "out/my study");
   const std::size_t begin = html.find("<main>");
   return html.substr(begin, html.find("</main>") + 7 - begin);
 }
@@ -118,14 +118,14 @@ TEST(Report, TheCommandIsTheOneThatWasGiven) {
   const std::string plain = pageOf(study);
   const std::string file = "'my pipelines/street.yaml'";
   const auto shown = [](const std::string& words) { return HasSubstr(escapeXml(words)); };
-  EXPECT_THAT(plain, shown("scanmill tradeoff " + file + " -o out/tradeoff --set seed=7 --set method=particle"));
+  EXPECT_THAT(plain, shown("scanmill tradeoff " + file + " -o 'out/my study' --set seed=7 --set method=particle"));
   EXPECT_THAT(plain, shown("scanmill generate " + file +
                            " -o out/quickstart --set seed=7 --set 'method={ray_tracing: {simplify: 0.99}}'"))
       << "the first advice";
   EXPECT_THAT(plain, Not(HasSubstr("--budget")));
   EXPECT_THAT(plain, Not(HasSubstr("pipelines/quickstart.yaml")));
   study.budgetGiven = true;
-  EXPECT_THAT(pageOf(study), shown("-o out/tradeoff --budget 5 --set seed=7"));
+  EXPECT_THAT(pageOf(study), shown("-o 'out/my study' --budget 5 --set seed=7"));
 }
 
 // The depth camera's row: its p99, and an eighth of it away from edges.
@@ -188,7 +188,7 @@ TEST(Report, HostileTextStaysText) {
   study.commonStages[hostile] = 1;
   const std::string html = pageOf(study);
   EXPECT_THAT(html, Not(HasSubstr("<img src=x")));
-  EXPECT_EQ(countOf(studyReport(study), "</script>"), 1u) << "the program's";
+  EXPECT_EQ(countOf(studyReport(study, "out"), "</script>"), 1u) << "the program's";
   EXPECT_EQ(countOf(html, "<img"), 1u);
   expectBalanced(html);
 }
