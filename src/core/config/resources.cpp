@@ -10,6 +10,7 @@
 
 #include "base/file.h"
 #include "config/fields.h"
+#include "config/file_kind.h"
 #include "config/version.h"
 
 namespace scanmill {
@@ -29,12 +30,30 @@ std::optional<fs::path> fileAt(const fs::path& path) {
   return std::nullopt;
 }
 
-// Returns the names of the YAML files in a folder, without their suffix.
-std::vector<std::string> yamlNames(const fs::path& folder) {
+// Returns the kind of the files in a folder of the program; Unknown if the folder has files of several kinds.
+FileKind kindIn(const fs::path& subfolder) {
+  if (subfolder == "pipelines") return FileKind::Pipeline;
+  if (subfolder == "pipelines/sensors") return FileKind::Sensor;
+  return subfolder == "scenes" ? FileKind::Scene : FileKind::Unknown;
+}
+
+// Returns false if the YAML file is known to be of another kind.
+bool mayBe(FileKind kind, const fs::path& file) {
+  if (kind == FileKind::Unknown) return true;
+  try {
+    const FileKind found = fileKind(readYaml(file));
+    return found == FileKind::Unknown || found == kind;
+  } catch (const InputError&) {
+    return true;  // a file with an error, or one that needs an environment variable
+  }
+}
+
+// Returns the names of the YAML files in a folder that may be of this kind, without their suffix.
+std::vector<std::string> yamlNames(const fs::path& folder, FileKind kind = FileKind::Unknown) {
   std::vector<std::string> names;
   std::error_code unreadable;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder.empty() ? "." : folder, unreadable)) {
-    if (entry.path().extension() == kSuffix) names.push_back(entry.path().stem().string());
+    if (entry.path().extension() == kSuffix && mayBe(kind, entry.path())) names.push_back(entry.path().stem().string());
   }
   std::sort(names.begin(), names.end());
   return names;
@@ -59,11 +78,11 @@ std::optional<fs::path> builtIn(const fs::path& name, const fs::path& subfolder)
   return std::nullopt;
 }
 
-// Returns the hint of suggestion() for a name that no YAML file in the folders has.
-std::string advice(const fs::path& path, const std::vector<fs::path>& folders) {
+// Returns the hint of suggestion() for a name that no YAML file of this kind in the folders has.
+std::string advice(const fs::path& path, const std::vector<fs::path>& folders, FileKind kind) {
   std::vector<std::string> names;
   for (const fs::path& folder : folders) {
-    for (std::string& name : yamlNames(folder)) names.push_back(std::move(name));
+    for (std::string& name : yamlNames(folder, kind)) names.push_back(std::move(name));
   }
   return suggestion(path.stem().string(), names);
 }
@@ -121,7 +140,7 @@ fs::path resolveResource(const Value& value, const std::string& name, const std:
     places += fmt::format(", nor '{}' in the current folder", name);
   }
   folders.push_back(resourceFolder() / subfolder);
-  throw InputError(value.where, places + advice(name, folders));
+  throw InputError(value.where, places + advice(name, folders, kindIn(subfolder)));
 }
 
 fs::path namedResource(const std::string& name, const std::string& subfolder) {

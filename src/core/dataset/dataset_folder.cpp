@@ -275,7 +275,7 @@ DatasetFolder::~DatasetFolder() {
   if (identityOf(folder_) != identity_ || !makeAlone()) return;
   bool whole = false;
   try {
-    whole = !published_ && !complete_ && !shardsRecordedIn(staging_).empty();
+    whole = !published_ && !complete_ && hasRecords();
     if (!whole) clearHidden(staging_);
   } catch (const std::exception&) {
     whole = true;  // the folder may have changed: remove no more files
@@ -304,6 +304,10 @@ std::unique_ptr<FolderLock> DatasetFolder::claim(const std::string& name) {
 void DatasetFolder::storeRecord(const DatasetPart& part) {
   requireSameFolder();
   writeFile(folder_, staging_ / (part.manifest.shards.at(0).file + kRecordSuffix), toJson(part));
+}
+
+bool DatasetFolder::hasRecords() const {
+  return !shardsRecordedIn(staging_).empty();
 }
 
 std::optional<DatasetPart> DatasetFolder::findRecord(const std::string& name, Check check) const {

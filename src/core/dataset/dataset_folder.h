@@ -60,6 +60,8 @@ class DatasetFolder {
   [[nodiscard]] std::unique_ptr<FolderLock> claim(const std::string& name);
   // Stores the record of a shard that is complete in staging().
   void storeRecord(const DatasetPart& part);
+  // Returns true if any shard of the dataset is complete, whichever process made it.
+  bool hasRecords() const;
   enum class Check { Size, Bytes };
   // Returns the record of a shard, if a record was stored and the shard has the recorded size and (with Check::Bytes)
   // the recorded hash; otherwise nothing. `name`: see shardName(). Throws InputError if the record belongs to another

@@ -132,6 +132,9 @@ TEST_F(Resources, WhatIsAbsentIsNamedWithPlaceAndTheNearestName) {
   EXPECT_THAT(messageOf([&] { found("twon", "scenes"); }), HasSubstr("did you mean 'town'?"));
   EXPECT_THAT(messageOf([&] { found("zzz", "labels"); }), HasSubstr("materials, semantic_kitti"));
   EXPECT_THAT(messageOf([&] { found("own", "labels"); }), HasSubstr("project/own'"));
+  // Files of other kinds are not meant.
+  folder_.write("project/streets.yaml", "elevation_deg: [0]\n");
+  EXPECT_THAT(messageOf([&] { found("streetss", "scenes"); }), HasSubstr("did you mean 'street'?"));
 }
 
 // The program's own files are stored by their names in it, other files by their way from the pipeline's folder.
