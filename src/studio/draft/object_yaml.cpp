@@ -68,34 +68,41 @@ bool isConsistent(const Patterns& patterns, const std::vector<GuessedPart>& part
                      [&](const GuessedPart& k) { return k.shows == wanted || !matchesPart(patterns, k); });
 }
 
+// Returns a pattern for all nodes of the model in a world to which the part belongs; empty patterns if nodes of the
+// model show several concepts. The name of a node in a world file consists of the model's name, a slash and the node's
+// name.
+Patterns modelPattern(const GuessedPart& part, const std::vector<GuessedPart>& parts) {
+  for (std::size_t slash = part.node.find('/'); slash != std::string::npos; slash = part.node.find('/', slash + 1)) {
+    const Patterns all{withoutDigits(part.node.substr(0, slash)) + "/*", "", ""};
+    if (isConsistent(all, parts, part.shows)) return all;
+  }
+  return {};
+}
+
 // Returns the simplest patterns that match the part and no part with another concept; empty patterns if there are none.
-// Tries first to match all nodes of a model in a world, then names whose words state the part's concept.
-Patterns patternsFor(const GuessedPart& known, const std::vector<GuessedPart>& parts,
+// Tries all nodes of a model in a world first, then names whose words state the part's concept, then other names, then
+// several names together.
+Patterns patternsFor(const GuessedPart& part, const std::vector<GuessedPart>& parts,
                      const std::vector<Concept>& concepts) {
-  std::vector<std::vector<std::size_t>> choices;
-  for (const bool telling : {true, false}) {
+  if (const Patterns all = modelPattern(part, parts); !all[0].empty()) return all;
+  std::vector<std::vector<std::size_t>> keysToTry;  // indices in kKeys
+  for (const bool stating : {true, false}) {
     for (std::size_t k = 0; k < kKeys.size(); ++k) {
-      const bool tells = conceptOf(concepts, nameOf(known, k)) == known.shows;
-      if (tells == telling) choices.push_back({k});
+      const bool states = conceptOf(concepts, nameOf(part, k)) == part.shows;
+      if (states == stating) keysToTry.push_back({k});
     }
   }
-  choices.insert(choices.end(), {{0, 1}, {0, 2}, {1, 2}, {0, 1, 2}});
-  // The name of a node in a world file consists of the model's name, a slash and the node's own name.
-  const std::string& node = known.node;
-  for (std::size_t slash = node.find('/'); slash != std::string::npos; slash = node.find('/', slash + 1)) {
-    Patterns all{withoutDigits(node.substr(0, slash)) + "/*", "", ""};
-    if (isConsistent(all, parts, known.shows)) return all;
-  }
-  for (const std::vector<std::size_t>& keys : choices) {
-    for (const bool general : {true, false}) {
+  keysToTry.insert(keysToTry.end(), {{0, 1}, {0, 2}, {1, 2}, {0, 1, 2}});
+  for (const std::vector<std::size_t>& keys : keysToTry) {
+    for (const auto patternOf : {withoutDigits, literal}) {
       Patterns patterns;
       bool named = true;
       for (const std::size_t k : keys) {
-        const std::string name = nameOf(known, k);
-        patterns[k] = general ? withoutDigits(name) : literal(name);
+        const std::string name = nameOf(part, k);
+        patterns[k] = patternOf(name);
         named = named && !name.empty() && patterns[k] != "*";
       }
-      if (named && isConsistent(patterns, parts, known.shows)) return patterns;
+      if (named && isConsistent(patterns, parts, part.shows)) return patterns;
     }
   }
   return {};
@@ -117,69 +124,95 @@ std::string givesOf(const Concept& c, const Ontology& ontology, bool measured) {
                      c.material.empty() || measured ? "" : ", material: " + nameValue(c.material));
 }
 
-class Writer {
+using PartNames = std::array<std::string, 3>;  // names of node, material and texture
+
+// The rules that give the parts of a file their classes, with numbers of triangles.
+struct DraftedRules {
+  // Rules with one pattern: by concept and key (index in kKeys), the patterns.
+  std::map<std::pair<const Concept*, std::size_t>, std::map<std::string, std::uint64_t>> single;
+  // Rules with patterns of several keys, and their concept.
+  std::map<Patterns, std::pair<const Concept*, std::uint64_t>> several;
+  std::map<PartNames, std::uint64_t> unknown;  // parts whose own names state no concept
+  bool complete = true;                        // false: no rule matches some of the parts
+};
+
+// Writes the classes of one file.
+class ClassWriter {
  public:
-  Writer(const GuessedFile& model, const std::vector<Concept>& concepts, const Ontology& ontology)
+  ClassWriter(const GuessedFile& model, const std::vector<Concept>& concepts, const Ontology& ontology)
       : model_(model), concepts_(concepts), ontology_(ontology) {}
 
-  void writeClasses(std::string& yaml) const {
-    const std::vector<GuessedPart>& parts = model_.parts;
-    const Concept* const file = model_.fileConcept;
-    const Box& box = model_.box;
-    const auto isAll = [&](const Concept* c) {
-      return std::all_of(parts.begin(), parts.end(), [&](const GuessedPart& k) { return k.shows == c; });
-    };
-    const Concept* const only = parts.empty() ? nullptr : parts.front().shows;
-    if (only != nullptr && only->kind != ConceptKind::Drop && isAll(only)) {
-      writeRest(*only, model_.byFolder() > 0 ? "   # by the name of the folder" : "", yaml);
+  void write(std::string& yaml) const {
+    if (const Concept* const only = onlyConcept()) {
+      writeClassOfRest(*only, model_.byFolder() > 0 ? "   # by the name of the folder" : "", yaml);
       return;
     }
-    // Numbers of triangles: by pattern for each concept and key; by patterns of several keys, with their concept; and
-    // names (node, material and texture) for parts whose own names state no concept.
-    std::map<std::pair<const Concept*, std::size_t>, std::map<std::string, std::uint64_t>> single;
-    std::map<Patterns, std::pair<const Concept*, std::uint64_t>> several;
-    std::map<std::array<std::string, 3>, std::uint64_t> unknown;
-    bool someLeft = false;  // some parts are matched by none of the rules
-    for (const GuessedPart& k : parts) {
-      if (k.shows == nullptr || k.shows == file) someLeft = true;
-      if (k.shows == nullptr || (k.byFolder && k.shows == file))
-        unknown[{k.node, k.material, k.texture}] += k.triangles;
-      if (k.shows == nullptr) continue;
-      if (k.shows == file) continue;  // parts with the file's own concept need no rule: writeRest() writes their class
-      const Patterns patterns = patternsFor(k, parts, concepts_);
-      const auto keys = std::count_if(patterns.begin(), patterns.end(), [](const auto& p) { return !p.empty(); });
-      if (keys == 1) {
-        const auto key = std::find_if(patterns.begin(), patterns.end(), [](const auto& p) { return !p.empty(); });
-        single[{k.shows, static_cast<std::size_t>(key - patterns.begin())}][*key] += k.triangles;
-      } else if (keys > 1) {
-        auto& [c, triangles] = several[patterns];
-        c = k.shows;
-        triangles += k.triangles;
-      } else {
-        someLeft = true;
-      }
-    }
-    std::set<std::string> nodes;
-    for (const GuessedPart& k : parts) nodes.insert(k.node);
-    const Vec3d size = box.high - box.low;
-    if (nodes.size() > 2 && (model_.frame.severalObjects || std::max(size.x, size.y) > 30))
-      yaml += "    instances: node   # or part, if one thing has several nodes, such as the walls of a building\n";
-    if (!single.empty() || !several.empty()) yaml += "    rules:\n";
-    for (const auto& [patterns, rule] : several) {
+    const DraftedRules rules = draftRules();
+    writeInstances(yaml);
+    if (!rules.single.empty() || !rules.several.empty()) yaml += "    rules:\n";
+    for (const auto& [patterns, rule] : rules.several) {
       std::vector<std::string> keys;
       for (std::size_t k = 0; k < patterns.size(); ++k) {
         if (!patterns[k].empty()) keys.push_back(fmt::format("{}: {}", kKeys[k], quotedValue(patterns[k])));
       }
       writeRule(fmt::format("{}", fmt::join(keys, ", ")), *rule.first, rule.second, yaml);
     }
-    for (const auto& [key, patterns] : single) writeAlternatives(kKeys[key.second], *key.first, patterns, yaml);
-    if (someLeft && file != nullptr && file->kind != ConceptKind::Drop && !classFor(*file, ontology_).empty()) {
-      writeRest(*file,
-                "   # for all triangles without a rule: by the name of the " +
-                    std::string(model_.conceptByFolder ? "folder" : "file"),
-                yaml);
+    for (const auto& [key, patterns] : rules.single) writeAlternatives(kKeys[key.second], *key.first, patterns, yaml);
+    const Concept* const file = model_.fileConcept;
+    if (!rules.complete && file != nullptr && file->kind != ConceptKind::Drop && !classFor(*file, ontology_).empty()) {
+      writeClassOfRest(*file,
+                       fmt::format("   # for all triangles without a rule: by the name of the {}",
+                                   model_.conceptByFolder ? "folder" : "file"),
+                       yaml);
     }
-    writeUnknown(std::move(unknown), yaml);
+    writeUnknown(rules.unknown, yaml);
+  }
+
+ private:
+  // Returns the concept that all parts have, unless they are to be dropped; null if their concepts differ.
+  const Concept* onlyConcept() const {
+    const std::vector<GuessedPart>& parts = model_.parts;
+    const Concept* const only = parts.empty() ? nullptr : parts.front().shows;
+    const bool all = std::ranges::all_of(parts, [&](const GuessedPart& part) { return part.shows == only; });
+    return all && only != nullptr && only->kind != ConceptKind::Drop ? only : nullptr;
+  }
+
+  DraftedRules draftRules() const {
+    DraftedRules rules;
+    const Concept* const file = model_.fileConcept;
+    for (const GuessedPart& part : model_.parts) {
+      const bool asFile = part.shows == file;  // needs no rule: writeClassOfRest() writes the class of the file
+      if (part.shows == nullptr || (part.byFolder && asFile)) {
+        rules.unknown[{part.node, part.material, part.texture}] += part.triangles;
+      }
+      if (part.shows == nullptr || asFile) {
+        rules.complete = false;
+        continue;
+      }
+      const Patterns patterns = patternsFor(part, model_.parts, concepts_);
+      const auto given = [](const std::string& pattern) { return !pattern.empty(); };
+      const auto keys = std::ranges::count_if(patterns, given);
+      if (keys == 0) rules.complete = false;
+      if (keys == 1) {
+        const auto pattern = std::ranges::find_if(patterns, given);
+        rules.single[{part.shows, static_cast<std::size_t>(pattern - patterns.begin())}][*pattern] += part.triangles;
+      } else if (keys > 1) {
+        auto& [shows, triangles] = rules.several[patterns];
+        shows = part.shows;
+        triangles += part.triangles;
+      }
+    }
+    return rules;
+  }
+
+  // Makes each node an instance if the file probably contains several objects.
+  void writeInstances(std::string& yaml) const {
+    constexpr double kPlace = 30;  // width (m) above which a file of several nodes counts as a place
+    std::set<std::string> nodes;
+    for (const GuessedPart& part : model_.parts) nodes.insert(part.node);
+    const Vec3d size = model_.box.high - model_.box.low;
+    if (nodes.size() > 2 && (model_.frame.severalObjects || std::max(size.x, size.y) > kPlace))
+      yaml += "    instances: node   # or part, if one thing has several nodes, such as the walls of a building\n";
   }
 
   // Writes rules with up to kMost alternative names each.
@@ -208,24 +241,24 @@ class Writer {
                         givesOf(c, ontology_, model_.measured), grouped(triangles));
   }
 
-  void writeRest(const Concept& c, std::string_view comment, std::string& yaml) const {
+  void writeClassOfRest(const Concept& c, std::string_view comment, std::string& yaml) const {
     yaml += fmt::format("    class: {}{}\n", nameValue(classFor(c, ontology_)), comment);
     if (!c.material.empty() && !model_.measured) yaml += fmt::format("    material: {}\n", nameValue(c.material));
   }
 
   // Lists the names of parts whose own names state no concept, with their triangles. If there are many, parts that
   // differ only in the node's name share a line.
-  static void writeUnknown(std::map<std::array<std::string, 3>, std::uint64_t> unknown, std::string& yaml) {
+  static void writeUnknown(std::map<PartNames, std::uint64_t> unknown, std::string& yaml) {
     constexpr std::size_t kMost = 20;
     if (unknown.empty()) return;
     if (unknown.size() > kMost) {
-      std::map<std::array<std::string, 3>, std::uint64_t> merged;
+      std::map<PartNames, std::uint64_t> merged;
       for (const auto& [names, triangles] : unknown) {
         merged[{names[1].empty() && names[2].empty() ? names[0] : "", names[1], names[2]}] += triangles;
       }
       unknown = std::move(merged);
     }
-    std::vector<std::pair<std::array<std::string, 3>, std::uint64_t>> sorted(unknown.begin(), unknown.end());
+    std::vector<std::pair<PartNames, std::uint64_t>> sorted(unknown.begin(), unknown.end());
     std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
     yaml +=
         "    # No word shows the classes of these; rules by `color`, `box`, `height` and `size` may separate them "
@@ -310,7 +343,7 @@ std::string objectYaml(const GuessedFile& model, const std::vector<Concept>& con
         "    # points: {labels: NAME}   # the points have labels: name the ontology of their numbers (`scanmill list "
         "ontologies`)\n";
   }
-  Writer(model, concepts, ontology).writeClasses(yaml);
+  ClassWriter(model, concepts, ontology).write(yaml);
   return yaml;
 }
 
