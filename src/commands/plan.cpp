@@ -109,7 +109,7 @@ SceneFindings checkScenes(ShotSource& source) {
     if (pipeline.recording == nullptr) {
       const SceneProbe probe(scene, method.get(), pipeline.method.entry);
       for (std::size_t k = i; k < pipeline.sequences.size() && pipeline.sequences[k].sameScene(s); ++k) {
-        for (const std::string& line : wayWarnings(source, k, probe)) warn(line);
+        for (const std::string& line : pathWarnings(source, k, probe)) warn(line);
       }
     }
     for (const auto& [what, triangles] : scene.unlabeled) unlabeled[what] += triangles;

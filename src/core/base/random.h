@@ -29,7 +29,7 @@ enum class Purpose : std::uint16_t {
   Interference = 15,
   Relief = 16,
   Sway = 17,
-  RandomWay = 18,
+  RandomPath = 18,
   Placement = 19,
   Shuffle = 20,
   Distribution = 21,

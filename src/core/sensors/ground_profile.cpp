@@ -86,7 +86,7 @@ GroundOptions readGround(const Value& value) {
   return options;
 }
 
-GroundProfile::GroundProfile(const GroundOptions& options, const Way& way, std::vector<double> places,
+GroundProfile::GroundProfile(const GroundOptions& options, const PoseOnPath& poseOnPath, std::vector<double> places,
                              const Ground& ground)
     : places_(std::move(places)) {
   std::vector<std::optional<GroundSample>> found(places_.size());
@@ -94,9 +94,9 @@ GroundProfile::GroundProfile(const GroundOptions& options, const Way& way, std::
   std::optional<double> last;
   double lastAt = 0;  // m driven up to the latest sample that has ground
   std::size_t bare = 0;
-  Vec3d before = way(0).translation;
+  Vec3d before = poseOnPath(0).translation;
   for (std::size_t i = 0; i < places_.size(); ++i) {
-    const Pose pose = way(places_[i]);
+    const Pose pose = poseOnPath(places_[i]);
     const Vec3d step = pose.translation - before;
     driven[i] = (i > 0 ? driven[i - 1] : 0) + std::hypot(step.x, step.y);
     before = pose.translation;
@@ -118,7 +118,7 @@ GroundProfile::GroundProfile(const GroundOptions& options, const Way& way, std::
     throw InputError(options.where,
                      fmt::format("no part of the path, which begins at {}, has ground above or below it: `scanmill "
                                  "info` of the scene prints its bounds (`start` moves recorded poses)",
-                                 shortPlace(way(0).translation)));
+                                 shortPlace(poseOnPath(0).translation)));
   }
   bare_ = static_cast<double>(bare) / static_cast<double>(places_.size());
   // A sample without ground becomes a copy of the sample before it. If no earlier sample has ground, it becomes a copy
@@ -131,12 +131,13 @@ GroundProfile::GroundProfile(const GroundOptions& options, const Way& way, std::
   for (int pass = 0; pass < 2; ++pass) samples_ = evened(samples_, driven);
 }
 
-std::vector<double> GroundProfile::placesOf(const Way& way, const std::vector<double>& knots, const Location& where) {
+std::vector<double> GroundProfile::placesOf(const PoseOnPath& poseOnPath, const std::vector<double>& knots,
+                                            const Location& where) {
   std::vector<double> places{knots.front()};
   for (std::size_t i = 1; i < knots.size(); ++i) {
     const double from = knots[i - 1];
     const double span = knots[i] - from;
-    const double metres = length(way(knots[i]).translation - way(from).translation);
+    const double metres = length(poseOnPath(knots[i]).translation - poseOnPath(from).translation);
     const double steps = std::max(std::ceil(metres / kSpacing), 1.0);
     if (static_cast<double>(places.size()) + steps > static_cast<double>(kMostSamples)) {
       throw InputError(

@@ -87,7 +87,7 @@ Pose Trajectory::pose(std::uint32_t frame, double dt) const {
   if (still()) return poses_[frame];
   const double time = frameTime(frame) + dt;
   const double place = placeAt(time);
-  Pose pose = poseOnWay(place);
+  Pose pose = poseOnPath(place);
   if (profileOfGround_) pose = profileOfGround_->place(pose, place);
   return profile_ ? pose * sway_.at(time, profile_->speed(time) / speed_) : pose;
 }
@@ -98,7 +98,7 @@ double Trajectory::placeAt(double time) const {
   return profile_->distance(time);
 }
 
-Pose Trajectory::poseOnWay(double place) const {
+Pose Trajectory::poseOnPath(double place) const {
   if (recorded_) return recorded_->at(place);
   Pose pose = path_->pose(place);
   if (laneChanges_.empty()) return pose;
@@ -121,18 +121,18 @@ std::string Trajectory::about() const {
   return fmt::format("a random drive of {:.4g} m on {}", random_->length, fmt::join(random_->classes, ", "));
 }
 
-Trajectory Trajectory::along(const std::vector<Vec3d>& way) const {
+Trajectory Trajectory::along(const std::vector<Vec3d>& waypoints) const {
   Trajectory driven = *this;
-  driven.setPath(Path(overGround(way)));
+  driven.setPath(Path(overGround(waypoints)));
   return driven;
 }
 
 // Returns the waypoints, at equal heights if the vehicle is placed on the ground, so that its speed is measured
 // horizontally.
-std::vector<Vec3d> Trajectory::overGround(std::vector<Vec3d> way) const {
-  if (!ground_) return way;
-  for (Vec3d& p : way) p.z = way.front().z;
-  return way;
+std::vector<Vec3d> Trajectory::overGround(std::vector<Vec3d> waypoints) const {
+  if (!ground_) return waypoints;
+  for (Vec3d& p : waypoints) p.z = waypoints.front().z;
+  return waypoints;
 }
 
 void Trajectory::setPath(Path path) {
@@ -156,7 +156,7 @@ Trajectory Trajectory::onGround(const Ground& ground) const {
   }
   const double end =
       std::min(placeAt(frameTime(frames_ - 1) + lastTurn_), recorded_ ? recorded_->duration() : path_->length());
-  const GroundProfile::Way way = [this](double place) { return poseOnWay(place); };
+  const GroundProfile::PoseOnPath onPath = [this](double place) { return poseOnPath(place); };
   std::vector<double> knots{0};
   if (recorded_) {
     for (const double time : recorded_->times()) {
@@ -168,8 +168,8 @@ Trajectory Trajectory::onGround(const Ground& ground) const {
     for (std::size_t k = 1; k < steps; ++k) knots.push_back(end * static_cast<double>(k) / static_cast<double>(steps));
   }
   if (end > 0) knots.push_back(end);
-  standing.profileOfGround_ =
-      std::make_shared<const GroundProfile>(*ground_, way, GroundProfile::placesOf(way, knots, ground_->where), ground);
+  standing.profileOfGround_ = std::make_shared<const GroundProfile>(
+      *ground_, onPath, GroundProfile::placesOf(onPath, knots, ground_->where), ground);
   return standing;
 }
 
@@ -208,7 +208,7 @@ void Trajectory::readRecorded(Fields& fields, double period, double limit) {
   frames_ = countFrames(recorded_->duration(), interval_, length, length / recorded_->duration(), limit, value.where);
 }
 
-void Trajectory::readWay(Fields& fields, const SceneLanes* lanes) {
+void Trajectory::readPath(Fields& fields, const SceneLanes* lanes) {
   const bool waypoints = fields.has("waypoints");
   const bool lines = fields.choice("path", {"spline", "line"}, "spline") == "line";
   if (!waypoints) fields.refuse({"path", "rounding"}, "is for waypoints");
@@ -253,16 +253,16 @@ void Trajectory::readDrive(Fields& fields, double period, double limit, std::uin
     if (fields.texts("on").empty()) throw InputError(on->where, "on must name classes, such as [road]");
     fields.refuse({"path", "rounding"}, "is for waypoints: a random drive chooses its own path");
     fields.refuse({"lane_changes"}, "are for given paths: leave them out of a random drive");
-    RandomWay way{fields.texts("on"), readRoadSide(fields), ((limit - 1) * interval_ + lastTurn_) * speed_,
-                  interval_ * speed_, on->where};
-    if (fields.has("from") || fields.has("to")) way.trip = readRoadTrip(fields);
-    stops_ = readStops(fields, way.length);
-    random_ = std::move(way);
+    RandomPath random{fields.texts("on"), readRoadSide(fields), ((limit - 1) * interval_ + lastTurn_) * speed_,
+                      interval_ * speed_, on->where};
+    if (fields.has("from") || fields.has("to")) random.trip = readRoadTrip(fields);
+    stops_ = readStops(fields, random.length);
+    random_ = std::move(random);
     frames_ = static_cast<std::uint32_t>(limit);
     return;
   }
   fields.refuse({"keep", "from", "to"}, "is for drives that have `on`, such as `on: road`");
-  readWay(fields, lanes);
+  readPath(fields, lanes);
   const double length = path_->length();
   if (const Value* changes = fields.find("lane_changes")) laneChanges_ = readLaneChanges(*changes, length);
   stops_ = readStops(fields, length);

@@ -24,7 +24,7 @@ class Path;
 
 // A drive on surfaces of certain classes, at random or from one point to another. Its path is computed after the scene
 // is loaded.
-struct RandomWay {
+struct RandomPath {
   std::vector<std::string> classes;
   RoadSide keep = RoadSide::Right;
   double length = 0;    // m, least length of the path
@@ -65,10 +65,10 @@ class Trajectory {
 
   // Return what the trajectory needs before it has poses: a random path, and ground on which the vehicle is placed.
   // Null if the trajectory does not need it.
-  const RandomWay* randomWay() const { return random_ ? &*random_ : nullptr; }
+  const RandomPath* randomPath() const { return random_ ? &*random_ : nullptr; }
   const GroundOptions* ground() const { return ground_ ? &*ground_ : nullptr; }
-  // Returns this trajectory along a path of waypoints (m), which must be at least as long as randomWay() requires.
-  [[nodiscard]] Trajectory along(const std::vector<Vec3d>& way) const;
+  // Returns this trajectory along a path of waypoints (m), which must be at least as long as randomPath() requires.
+  [[nodiscard]] Trajectory along(const std::vector<Vec3d>& waypoints) const;
   // Returns this trajectory placed on the ground. Throws InputError if a listed pose or all of the path has no ground.
   [[nodiscard]] Trajectory onGround(const Ground& ground) const;
   // Returns the fraction of the path without ground; 0 before onGround().
@@ -84,14 +84,14 @@ class Trajectory {
   void readPoses(Fields& fields, double period, double limit);
   void readRecorded(Fields& fields, double period, double limit);
   void readDrive(Fields& fields, double period, double limit, std::uint64_t seed, const SceneLanes* lanes);
-  void readWay(Fields& fields, const SceneLanes* lanes);
-  std::vector<Vec3d> overGround(std::vector<Vec3d> way) const;
+  void readPath(Fields& fields, const SceneLanes* lanes);
+  std::vector<Vec3d> overGround(std::vector<Vec3d> waypoints) const;
   void setPath(Path path);
   void setProfile();
   // Returns the vehicle's position on its path at a time (s): in m, or in s if the path was recorded.
   double placeAt(double time) const;
   // Returns the pose at a position on the path, before ground and sway are applied.
-  Pose poseOnWay(double place) const;
+  Pose poseOnPath(double place) const;
 
   std::string name_;
   std::uint32_t frames_ = 0;
@@ -103,7 +103,7 @@ class Trajectory {
   std::vector<Pose> poses_;           // one per frame, in which the vehicle stands still; empty for paths
   std::shared_ptr<const Path> path_;  // path of a drive; null until it is known
   std::shared_ptr<const RecordedPoses> recorded_;
-  std::optional<RandomWay> random_;
+  std::optional<RandomPath> random_;
   double acceleration_ = 0;  // m/s^2; 0: constant speed
   std::vector<DriveStop> stops_;
   std::optional<SpeedProfile> profile_;

@@ -66,12 +66,12 @@ bool isLevel(const Layout& l, const Point2& p) {
   return high - low < 0.35;
 }
 
-// Places roadworks in the lane that the sensor's vehicle does not use.
+// Places roadworks in the lane that the ego vehicle does not use.
 void placeRoadworks(Placer& placer, const Model& light) {
   const Layout& l = placer.layout;
   Draw draw(l.seed, Kind::Roadworks);
   const bool rural = l.character.country;
-  // A one-way road has only the lane that the sensor's vehicle uses.
+  // A one-way road has only the lane that the ego vehicle uses.
   if (l.mainRoad().oneWay() || l.character.district == District::Motorway) return;
   if (!draw.chance(rural ? 0.5 : 0.3)) return;
   const double length = draw.in(9, 18);
@@ -141,7 +141,7 @@ void placeSignals(Placer& placer, const Model& light) {
     putLights(placer, light, l.mainRoad(), *side.joins - away, *side.joins + away, true,
               fmt::format("light {}", side.number));
     // The light of the side road, at its right as seen by those who come out.
-    placer.tryPut(light, besideRoad(side, stopAtMouth(l), side.section.half + side.section.curb + 0.45),
+    placer.tryPut(light, besideRoad(side, stopLineOfSideRoad(l), side.section.half + side.section.curb + 0.45),
                   fmt::format("light {}, out of the side road", side.number));
   }
 }

@@ -17,16 +17,16 @@ using models::Kind;
 using models::TrafficSign;
 
 // The part of a road along which objects may be placed (m along the road).
-struct Stretch {
+struct PlantedRoad {
   const Road& road;
   double from, to;
 };
 
-std::vector<Stretch> stretches(const Layout& l) {
-  std::vector<Stretch> found;
+std::vector<PlantedRoad> plantedRoads(const Layout& l) {
+  std::vector<PlantedRoad> found;
   for (const Road& road : l.roads()) {
     if (road.minor) continue;
-    found.push_back(road.main ? Stretch{road, l.mainFrom, l.mainTo} : Stretch{road, 10, road.length() - 3});
+    found.push_back(road.main ? PlantedRoad{road, l.mainFrom, l.mainTo} : PlantedRoad{road, 10, road.length() - 3});
   }
   return found;
 }
@@ -36,7 +36,7 @@ std::vector<Stretch> stretches(const Layout& l) {
 template <class Place>
 void along(const Layout& l, Kind kind, double per100m, const Place& place) {
   std::uint32_t number = 0;
-  for (const Stretch& s : stretches(l)) {
+  for (const PlantedRoad& s : plantedRoads(l)) {
     Draw draw(l.seed, kind, s.road.number);
     const int count = static_cast<int>(per100m * std::max(0.0, s.to - s.from) / 100 + draw.next());
     for (int k = 0; k < count; ++k) {
@@ -79,7 +79,7 @@ void placeFixtures(Placer& placer) {
     return models::makeFurnishing(placer.builder, seed, static_cast<Furnishing>(f));
   });
   const bool rural = c.country;
-  for (const Stretch& s : stretches(l)) {
+  for (const PlantedRoad& s : plantedRoads(l)) {
     Draw draw(seed, Kind::RoadLamps, s.road.number);
     const double spacing = rural ? draw.in(60, 120) : draw.in(16, 30);
     const int side = draw.chance(0.5) ? 1 : -1;
@@ -113,7 +113,7 @@ void placeFixtures(Placer& placer) {
     if (!rule) continue;
     for (const double back : {1.0, 2.5, 4.0, 6.0}) {
       Spot spot;
-      if (!beyondEdge(l, road, mouthOf(l) + back, 1, road.section.curb + 0.5, spot)) continue;
+      if (!beyondEdge(l, road, laneStart(l) + back, 1, road.section.curb + 0.5, spot)) continue;
       if (placer.tryPut(sign(*rule), spot, fmt::format("sign at a mouth {}", road.number))) break;
     }
   }

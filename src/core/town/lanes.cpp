@@ -9,14 +9,14 @@ namespace scanmill::town {
 
 namespace {
 
-constexpr double kPoints = 6;  // m between the points of a lane
+constexpr double kPointDistance = 6;  // m between the points of a path
 
-// Returns points that continue a way beyond the end of a road: down, in a half circle, and back far below the ground,
+// Returns points that continue a path beyond the end of a road: down, in a half circle, and back far below the ground,
 // where vehicles are hidden before they arrive or after they have left.
-std::vector<Vec3d> wayBelow(const Vec3d& end, const Vec3d& next, double reach) {
+std::vector<Vec3d> hiddenPath(const Vec3d& end, const Vec3d& beforeEnd, double reach) {
   std::vector<Vec3d> more;
   if (reach <= 0) return more;
-  Vec3d ahead = end - next;
+  Vec3d ahead = end - beforeEnd;
   ahead.z = 0;
   ahead = normalized(ahead);
   const Vec3d aside{-ahead.y, ahead.x, 0};
@@ -37,62 +37,63 @@ std::vector<Vec3d> wayBelow(const Vec3d& end, const Vec3d& next, double reach) {
 
 }  // namespace
 
-LaidOut layOut(const Layout& l, const Way& way, double out, double least) {
-  LaidOut laid;
-  std::vector<Vec3d> points;
-  for (const Way::Stretch& s : way.stretches) {
+LanePoints lanePoints(const Layout& l, const LanePath& path, double out, double least) {
+  LanePoints made;
+  std::vector<Vec3d> onRoads;
+  for (const RoadInterval& s : path.intervals) {
     const Road& road = l.roads()[s.road];
     const double direction = s.to >= s.from ? 1 : -1;
     const double lateral = road.oneWay() ? out : std::max(road.laneMiddle() + out, least);
-    const auto count = std::max(1, static_cast<int>(std::abs(s.to - s.from) / kPoints));
+    const auto count = std::max(1, static_cast<int>(std::abs(s.to - s.from) / kPointDistance));
     for (int k = 0; k <= count; ++k) {
       const double along = s.from + (s.to - s.from) * k / count;
-      points.push_back(l.onGround(besideRoad(road, along, -direction * lateral).at));
-      laid.places.push_back({s.road, along});
+      onRoads.push_back(l.onGround(besideRoad(road, along, -direction * lateral).at));
+      made.positions.push_back({s.road, along});
     }
   }
-  const std::vector<Vec3d> behind = wayBelow(points[points.size() - 1], points[points.size() - 2], way.after);
-  const std::vector<Vec3d> before = wayBelow(points[0], points[1], way.before);
-  laid.first = before.size();
-  laid.points.assign(before.rbegin(), before.rend());
-  laid.points.insert(laid.points.end(), points.begin(), points.end());
-  laid.points.insert(laid.points.end(), behind.begin(), behind.end());
-  return laid;
+  const std::vector<Vec3d> after =
+      hiddenPath(onRoads[onRoads.size() - 1], onRoads[onRoads.size() - 2], path.hiddenAfter);
+  const std::vector<Vec3d> before = hiddenPath(onRoads[0], onRoads[1], path.hiddenBefore);
+  made.firstOnRoad = before.size();
+  made.points.assign(before.rbegin(), before.rend());
+  made.points.insert(made.points.end(), onRoads.begin(), onRoads.end());
+  made.points.insert(made.points.end(), after.begin(), after.end());
+  return made;
 }
 
-double mouthOf(const Layout& l) {
+double laneStart(const Layout& l) {
   return l.mainRoad().section.half + 7;
 }
 
-double stopAtMouth(const Layout& l) {
-  return mouthOf(l) - 4;
+double stopLineOfSideRoad(const Layout& l) {
+  return laneStart(l) - 4;
 }
 
-double endOf(const Road& sideRoad) {
+double laneEnd(const Road& sideRoad) {
   return sideRoad.length() - 6;
 }
 
-double cornerOf(const Road& sideRoad) {
+double turnStart(const Road& sideRoad) {
   return sideRoad.section.half + 6;
 }
 
-Tour tourOf(const Layout& l) {
+EgoRoads egoRoads(const Layout& l) {
   constexpr double kLeast = 30;  // m, least length of the main road between two turns, or before the only turn
-  Tour tour;
+  EgoRoads ego;
   for (const Road& road : l.roads()) {
-    if (!road.joins || road.joinsLeft || endOf(road) < mouthOf(l) + 20) continue;
-    if (road.along && (tour.into == nullptr || *road.joins > *tour.into->joins)) tour.into = &road;
-    if (road.against && (tour.from == nullptr || *road.joins < *tour.from->joins)) tour.from = &road;
+    if (!road.joins || road.joinsLeft || laneEnd(road) < laneStart(l) + 20) continue;
+    if (road.along && (ego.into == nullptr || *road.joins > *ego.into->joins)) ego.into = &road;
+    if (road.against && (ego.from == nullptr || *road.joins < *ego.from->joins)) ego.from = &road;
   }
-  if (tour.into != nullptr && tour.from != nullptr &&
-      *tour.into->joins - *tour.from->joins < cornerOf(*tour.from) + cornerOf(*tour.into) + kLeast) {
-    tour.from = nullptr;
+  if (ego.into != nullptr && ego.from != nullptr &&
+      *ego.into->joins - *ego.from->joins < turnStart(*ego.from) + turnStart(*ego.into) + kLeast) {
+    ego.from = nullptr;
   }
   // Without `from` the vehicle must not turn within kLeast of the start of the built-up part.
-  if (tour.into != nullptr && tour.from == nullptr && *tour.into->joins - cornerOf(*tour.into) < l.mainFrom + kLeast) {
-    tour.into = nullptr;
+  if (ego.into != nullptr && ego.from == nullptr && *ego.into->joins - turnStart(*ego.into) < l.mainFrom + kLeast) {
+    ego.into = nullptr;
   }
-  return tour;
+  return ego;
 }
 
 }  // namespace scanmill::town

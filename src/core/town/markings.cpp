@@ -36,7 +36,7 @@ std::uint32_t stopLines(const Placer& placer, Shape& s, models::SurfaceIndex pai
   std::uint32_t lines = 0;
   for (const Road& road : l.roads()) {
     if (const std::optional<TrafficSign> sign = signAtMouth(l, road)) {
-      lines += stopLine(l, s, paint, road, stopAtMouth(l), *sign == TrafficSign::Stop);
+      lines += stopLine(l, s, paint, road, stopLineOfSideRoad(l), *sign == TrafficSign::Stop);
     }
   }
   for (const Placer::Light& light : placer.lights) {

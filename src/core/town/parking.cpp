@@ -18,7 +18,7 @@ constexpr double kBay = 6;  // m, length of a parking bay along the curb
 
 // Returns how far beyond the edge of the carriageway (m, negative: on it) the middle of a parked car stands: in the
 // middle of a parking lane, or half on the sidewalk if both the lane and a part of the sidewalk stay free, or else, on
-// roads that the sensor's vehicle does not use, at the curb. nullopt: there is no place. `half`: half of the car's
+// roads that the ego vehicle does not use, at the curb. nullopt: there is no place. `half`: half of the car's
 // width.
 std::optional<double> parkedAt(const Road& road, double half, bool keepClear) {
   constexpr double kBesideLane = 1.6;  // m between the middle of a lane and parked cars: lorries pass
@@ -33,7 +33,7 @@ std::optional<double> parkedAt(const Road& road, double half, bool keepClear) {
 void placeCars(Placer& placer) {
   const Layout& l = placer.layout;
   const Character& c = l.character;
-  const Tour tour = tourOf(l);
+  const EgoRoads ego = egoRoads(l);
   int number = 0;
   std::uint32_t bay = 0;
   for (const Road& road : l.roads()) {
@@ -41,7 +41,7 @@ void placeCars(Placer& placer) {
     if (road.minor || (road.oneWay() && s.parking < 1.5)) continue;
     const double first = road.main ? l.mainFrom : 14;
     const double last = road.main ? l.mainTo : road.length() - 4;
-    const bool busy = road.main || tour.has(road);  // the road is used by the sensor's vehicle
+    const bool busy = road.main || ego.has(road);  // the road is used by the ego vehicle
     for (const int side : {-1, 1}) {
       // Along a road without parking lanes drivers park half on the sidewalk on one side, on both or on none.
       const bool custom =
@@ -168,7 +168,7 @@ void placeStanding(Placer& placer) {
     for (int attempt = 0; attempt < 2 * Placer::kTries; ++attempt) {
       const int sides = static_cast<int>(roads.size()) - 1;
       const Road& road = roads[sides > 0 ? static_cast<std::size_t>(1 + draw.below(sides)) : 0];
-      if (tourOf(l).has(road) || road.minor || road.oneWay()) continue;
+      if (egoRoads(l).has(road) || road.minor || road.oneWay()) continue;
       const double lateral = std::max(road.section.half - wide - 0.2, wide + kMiddle);
       const bool left = road.main || draw.chance(0.5);
       const double at = road.main ? draw.in(l.mainFrom + 10, l.mainTo - 10) : draw.in(12, 28);

@@ -72,7 +72,7 @@ bool placeWalker(Placer& placer, Draw& draw, const models::Walker& walker, const
   constexpr double kLeast = 12;  // m, least length of the free way
   constexpr double kMost = 110;
   constexpr double kPiece = 3;
-  constexpr double kDuration = 120;  // s, time that the path must last
+  constexpr double kLeastDuration = 120;  // s, time that the path must last
   const std::optional<Place> place = besidePeople(placer, draw);
   const double speed = draw.in(1.0, 1.6);
   if (!place) return false;
@@ -99,7 +99,7 @@ bool placeWalker(Placer& placer, Draw& draw, const models::Walker& walker, const
   }
   // The turn begins 0.25 m before an end. `round` is this distance as a number of pieces.
   const double round = 0.25 * pieces / way;
-  const auto laps = static_cast<int>(std::ceil(speed * kDuration / (2 * way)));
+  const auto laps = static_cast<int>(std::ceil(speed * kLeastDuration / (2 * way)));
   for (int lap = 0; lap < laps; ++lap) {
     for (int k = 0; k < pieces; ++k) walk(k + round, -kAside);
     walk(pieces - round, -kAside);

@@ -19,7 +19,7 @@ town::Layout readLayout(Fields& fields, std::uint64_t seed) {
 
 // Transforms a point from the layout's frame to the town's frame. A layout is always for right-hand traffic; for
 // left-hand traffic the town is its mirror image.
-Vec3d inWorld(const town::Layout& layout, const Vec3d& p) {
+Vec3d townFromLayout(const town::Layout& layout, const Vec3d& p) {
   return layout.parameters.keepsLeft ? Vec3d{p.x, -p.y, p.z} : p;
 }
 
@@ -30,7 +30,7 @@ void addTown(SceneBuilder& builder, Fields& fields, std::uint64_t seed, const Af
   builder.describe(layout.about);
   builder.drawReflectances();
   Affine worldFromTown = place;
-  worldFromTown.linear.y = place.linear * inWorld(layout, {0, 1, 0});
+  worldFromTown.linear.y = place.linear * townFromLayout(layout, {0, 1, 0});
   builder.place(town::makeGround(builder, layout).mesh, worldFromTown, "ground");
   town::populate(builder, layout, worldFromTown);
 }
@@ -38,22 +38,22 @@ void addTown(SceneBuilder& builder, Fields& fields, std::uint64_t seed, const Af
 SceneLanes townLanes(Fields& fields, std::uint64_t seed) {
   constexpr double kEnds = 20;  // m; the lane ends this far inside the built-up part, at both ends
   const town::Layout layout = readLayout(fields, seed);
-  const town::Way through{{{0, layout.mainFrom + kEnds, layout.mainTo - kEnds}}, 0, 0};
-  const town::Tour tour = town::tourOf(layout);
-  town::Way turns = through;
-  if (tour.from != nullptr) {
-    turns.stretches.front().from = *tour.from->joins + town::cornerOf(*tour.from);
-    turns.stretches.insert(turns.stretches.begin(),
-                           {tour.from->number, town::endOf(*tour.from), town::mouthOf(layout)});
+  const town::LanePath through{{{0, layout.mainFrom + kEnds, layout.mainTo - kEnds}}, 0, 0};
+  const town::EgoRoads ego = town::egoRoads(layout);
+  town::LanePath turns = through;
+  if (ego.from != nullptr) {
+    turns.intervals.front().from = *ego.from->joins + town::turnStart(*ego.from);
+    turns.intervals.insert(turns.intervals.begin(),
+                           {ego.from->number, town::laneEnd(*ego.from), town::laneStart(layout)});
   }
-  if (tour.into != nullptr) {
-    turns.stretches.back().to = *tour.into->joins - town::cornerOf(*tour.into);
-    turns.stretches.push_back({tour.into->number, town::mouthOf(layout), town::endOf(*tour.into)});
+  if (ego.into != nullptr) {
+    turns.intervals.back().to = *ego.into->joins - town::turnStart(*ego.into);
+    turns.intervals.push_back({ego.into->number, town::laneStart(layout), town::laneEnd(*ego.into)});
   }
-  SceneLanes lanes{town::layOut(layout, through, 0, 0).points, town::layOut(layout, turns, 0, 0).points,
-                   static_cast<int>(turns.stretches.size()) - 1};
+  SceneLanes lanes{town::lanePoints(layout, through, 0, 0).points, town::lanePoints(layout, turns, 0, 0).points,
+                   static_cast<int>(turns.intervals.size()) - 1};
   for (std::vector<Vec3d>* lane : {&lanes.lane, &lanes.turns}) {
-    for (Vec3d& p : *lane) p = inWorld(layout, p);
+    for (Vec3d& p : *lane) p = townFromLayout(layout, p);
   }
   return lanes;
 }

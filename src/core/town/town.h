@@ -16,7 +16,7 @@ namespace scanmill {
 // InputError with the place in the file.
 void addTown(SceneBuilder& builder, Fields& fields, std::uint64_t seed, const Affine& place);
 
-// Returns two routes of the sensor's vehicle through a town with these keys and this seed, in the town's frame: one
+// Returns two routes of the ego vehicle through a town with these keys and this seed, in the town's frame: one
 // straight through the built-up part, and one from a side road to the main road and into another side road, if there
 // are side roads at the right of the main road.
 SceneLanes townLanes(Fields& fields, std::uint64_t seed);

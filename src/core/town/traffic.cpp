@@ -1,5 +1,5 @@
 // Places vehicles and cyclists that drive on the lanes by the model of flow.h. The right-hand lane of the main road is
-// free for the sensor's vehicle.
+// free for the ego vehicle.
 
 #include <fmt/format.h>
 
@@ -29,19 +29,19 @@ constexpr double kInterval = 0.25;  // s between the stored positions of a vehic
 constexpr double kAlways = -1e9;    // s, start time of vehicles that never wait
 constexpr std::uint32_t kPassing = 1 << 20;  // first number of the lanes beside the rightmost ones
 
-// The path of a vehicle on a `Way`.
-struct Course {
+// A lane path of a vehicle in the world.
+struct VehiclePath {
   std::shared_ptr<const Path> path;
-  LaidOut laid;  // with its points in the world's frame
+  LanePoints lane;  // with its points in the world's frame
 
   // Returns the distance along the path (m) at a position on a road.
   double at(std::uint32_t road, double along) const {
-    const auto distanceOf = [&](std::size_t i) { return path->distanceOfPoint(laid.first + i); };
+    const auto distanceOf = [&](std::size_t i) { return path->distanceOfPoint(lane.firstOnRoad + i); };
     std::optional<std::size_t> before;
-    for (std::size_t i = 0; i < laid.places.size(); ++i) {
-      if (laid.places[i].road != road) continue;
-      const double to = laid.places[i].along;
-      const double from = before ? laid.places[*before].along : to;
+    for (std::size_t i = 0; i < lane.positions.size(); ++i) {
+      if (lane.positions[i].road != road) continue;
+      const double to = lane.positions[i].along;
+      const double from = before ? lane.positions[*before].along : to;
       if ((from - along) * (to - along) <= 0 && from != to) {
         return distanceOf(*before) + (distanceOf(i) - distanceOf(*before)) * (along - from) / (to - from);
       }
@@ -51,11 +51,12 @@ struct Course {
   }
 };
 
-Course courseOf(const Layout& l, const Way& way, double out, double half, const Affine& worldFromTown) {
-  LaidOut laid = layOut(l, way, out, half + kMiddle);
-  for (Vec3d& p : laid.points) p = worldFromTown * p;
-  auto path = std::make_shared<const Path>(laid.points);
-  return {std::move(path), std::move(laid)};
+VehiclePath vehiclePath(const Layout& l, const LanePath& lanePath, double out, double halfWidth,
+                        const Affine& worldFromTown) {
+  LanePoints lane = lanePoints(l, lanePath, out, halfWidth + kMiddle);
+  for (Vec3d& p : lane.points) p = worldFromTown * p;
+  auto path = std::make_shared<const Path>(lane.points);
+  return {std::move(path), std::move(lane)};
 }
 
 std::vector<double> curvatureOf(const Path& path) {
@@ -78,9 +79,10 @@ class Traffic {
     const std::vector<std::vector<double>> travelled = drive(routes_, drivers_, kWarmUp, kDuration, kInterval);
     for (std::size_t i = 0; i < drivers_.size(); ++i) {
       const Participant& p = participants_[i];
-      const double half = (p.vehicle.bounds.high.y - p.vehicle.bounds.low.y) / 2;
-      const Course own = courseOf(l_, ways_[drivers_[i].route], p.out, half, placer_.worldFromTown);
-      const auto movement = std::make_shared<const Movement>(own.path, travelled[i], kInterval);
+      const double halfWidth = (p.vehicle.bounds.high.y - p.vehicle.bounds.low.y) / 2;
+      const VehiclePath driven =
+          vehiclePath(l_, lanePaths_[drivers_[i].route], p.out, halfWidth, placer_.worldFromTown);
+      const auto movement = std::make_shared<const Movement>(driven.path, travelled[i], kInterval);
       placer_.putMoving(p.vehicle.mesh, p.name, movement);
       if (p.rider) placer_.putMoving(p.rider->mesh, "rider of " + p.name, movement);
     }
@@ -99,12 +101,12 @@ class Traffic {
   static std::uint32_t outwards(std::uint32_t r) { return 2 * r + 1; }
 
   // Adds a route `out` metres to the right of the middle of the rightmost lane. Returns its index.
-  std::uint32_t add(const Way& way, double out = 0) {
-    ways_.push_back(way);
-    courses_.push_back(courseOf(l_, way, out, 0, placer_.worldFromTown));
+  std::uint32_t add(const LanePath& lanePath, double out = 0) {
+    lanePaths_.push_back(lanePath);
+    paths_.push_back(vehiclePath(l_, lanePath, out, 0, placer_.worldFromTown));
     Route route;
-    route.length = courses_.back().path->length();
-    route.limit = inBends(curvatureOf(*courses_.back().path), fastest_);
+    route.length = paths_.back().path->length();
+    route.limit = inBends(curvatureOf(*paths_.back().path), fastest_);
     routes_.push_back(std::move(route));
     return static_cast<std::uint32_t>(routes_.size() - 1);
   }
@@ -131,10 +133,10 @@ class Traffic {
     // A vehicle that starts behind an obstacle may have another one ahead.
     constexpr double kNext = 26;  // m from the beginning of an obstacle, from where the next one is looked for
     for (auto at = blocked(0, length, 0); at; at = *at > kNext ? blocked(0, *at - kNext, 0) : std::nullopt) {
-      through.stops.push_back({courses_[route].at(0, *at) - 2});
+      through.stops.push_back({paths_[route].at(0, *at) - 2});
     }
     for (const Placer::Light& light : placer_.lights) {
-      through.stops.push_back({courses_[route].at(0, light.along), light.kPeriod, light.kRed, light.offset});
+      through.stops.push_back({paths_[route].at(0, light.along), light.kPeriod, light.kRed, light.offset});
     }
   }
 
@@ -144,13 +146,13 @@ class Traffic {
     const double length = main_.length();
     for (int lane = 1; lane < main_.section.lanes; ++lane) {
       for (const bool along : {false, true}) {
-        const Way way{{{0, along ? 0 : length, along ? length : 0}}, kUpstream, kBeyond};
+        const LanePath lanePath{{{0, along ? 0 : length, along ? length : 0}}, kUpstream, kBeyond};
         const std::uint32_t number = kPassing + 2 * static_cast<std::uint32_t>(lane) + (along ? 1 : 0);
-        const std::uint32_t route = add(way, -lane * main_.section.laneWidth());
+        const std::uint32_t route = add(lanePath, -lane * main_.section.laneWidth());
         routes_[route].legs = {{number, 0, routes_[route].length, 0}};
         for (const Placer::Light& light : placer_.lights) {
           const double at = along ? light.facing : light.along;
-          routes_[route].stops.push_back({courses_[route].at(0, at), light.kPeriod, light.kRed, light.offset});
+          routes_[route].stops.push_back({paths_[route].at(0, at), light.kPeriod, light.kRed, light.offset});
         }
         Draw draw(l_.seed, Kind::PassingTraffic, number);
         drawAlong(draw, route, l_.character.traffic, -lane * main_.section.laneWidth());
@@ -160,12 +162,12 @@ class Traffic {
 
   void addSideRoad(const Road& side) {
     const std::uint32_t r = side.number;
-    const double end = endOf(side);
-    const double mouth = mouthOf(l_);
-    if (!side.joins || end < mouth + 20 || tourOf(l_).has(side)) return;
+    const double end = laneEnd(side);
+    const double mouth = laneStart(l_);
+    if (!side.joins || end < mouth + 20 || egoRoads(l_).has(side)) return;
     const double joins = *side.joins;
     const bool left = side.joinsLeft && main_.against;
-    const double corner = cornerOf(side);
+    const double corner = turnStart(side);
     std::optional<std::uint32_t> out;
     std::optional<std::uint32_t> in;
     if (side.along && !blocked(r, mouth, end)) {
@@ -175,27 +177,27 @@ class Traffic {
       if (left) {
         const std::uint32_t turn = add({{{0, main_.length(), joins + corner}, {r, mouth, end}}, kUpstream, 0});
         Route& turning = routes_[turn];
-        const double from = courses_[turn].at(r, mouth);
+        const double from = paths_[turn].at(r, mouth);
         turning.legs = {{0, 0, from, 0}, {outwards(r), from - 4, turning.length, -from}};
         turning.stops = {{turning.length - 0.1}};
         for (const StopLine& s : routes_.front().stops) {
-          if (s.at < courses_[turn].at(0, joins + corner)) turning.stops.push_back(s);
+          if (s.at < paths_[turn].at(0, joins + corner)) turning.stops.push_back(s);
         }
         turns_.push_back(turn);
       }
     }
     if (side.against && !blocked(r, end, mouth)) {
-      Way way{{{r, end, stopAtMouth(l_)}}};
+      LanePath lanePath{{{r, end, stopLineOfSideRoad(l_)}}};
       if (left) {
-        way.stretches.push_back({0, joins - corner, 0});
-        way.after = kBeyond;
+        lanePath.intervals.push_back({0, joins - corner, 0});
+        lanePath.hiddenAfter = kBeyond;
       }
-      in = add(way);
+      in = add(lanePath);
       Route& coming = routes_[*in];
-      const double line = courses_[*in].at(r, stopAtMouth(l_));
+      const double line = paths_[*in].at(r, stopLineOfSideRoad(l_));
       if (left) {
-        const double merged = courses_[*in].at(0, joins - corner);
-        const double there = courses_.front().at(0, joins - corner);
+        const double merged = paths_[*in].at(0, joins - corner);
+        const double there = paths_.front().at(0, joins - corner);
         coming.legs = {{inwards(r), 0, line + 6, 0}, {0, line + 1, coming.length, there - merged}};
         coming.stops = {{line, 0, 0, 0, true, 0, there - 50, there + 14}};
         for (const StopLine& s : routes_.front().stops) {
@@ -237,8 +239,8 @@ class Traffic {
     const double density = l_.character.traffic / 100;
     const double length = routes_.front().length;
     int riding = ridersWanted();
-    const double built = courses_.front().at(0, l_.mainTo);
-    const double last = courses_.front().at(0, l_.mainFrom);
+    const double built = paths_.front().at(0, l_.mainTo);
+    const double last = paths_.front().at(0, l_.mainFrom);
     double at = draw.in(0, 30);
     while (at < length - kBeyond) {
       const double speed = fastest_ * draw.in(0.85, 1.1);
@@ -316,8 +318,8 @@ class Traffic {
   void addDriver(std::uint32_t route, double at, const Model& vehicle, const std::optional<Model>& rider, double speed,
                  double out, double starts, std::string_view what = "traffic") {
     const double length = vehicle.bounds.high.x - vehicle.bounds.low.x;
-    // No vehicle starts within 14 m before a StopLine without a traffic light, a give-way line or an obstacle such as
-    // roadworks, or within 26 m behind it.
+    // No vehicle starts within 14 m before a StopLine without a traffic light, a give-way line or an obstacle such
+    // as roadworks, or within 26 m behind it.
     for (const StopLine& s : routes_[route].stops) {
       if (s.period <= 0 && at > s.at - 14 && at < s.at + 26) return;
     }
@@ -329,8 +331,8 @@ class Traffic {
   const Layout& l_;
   const Road& main_;
   double fastest_ = 12;  // m/s, speed limit in the town
-  std::vector<Way> ways_;
-  std::vector<Course> courses_;
+  std::vector<LanePath> lanePaths_;
+  std::vector<VehiclePath> paths_;
   std::vector<Route> routes_;
   std::vector<std::uint32_t> turns_;  // indices of routes that leave the main road
   std::vector<Driver> drivers_;

@@ -318,13 +318,13 @@ TEST(Trajectory, HugeFrameCountsAreRefusedWithTheArithmetic) {
   EXPECT_EQ(trajectoryOf("{waypoints: [[0, 0, 0], [1000, 0, 0]], speed: 10, every_m: 1e-6, frames: 9}").frames(), 9u);
 }
 
-TEST(TrajectoryWay, LinesAreDrivenThroughTheirCorners) {
+TEST(TrajectoryPath, LinesAreDrivenThroughTheirCorners) {
   const std::string corner = "waypoints: [[0, 0, 0], [10, 0, 0], [10, 10, 0]], speed: 1, every_m: 1";
   const Trajectory line = trajectoryOf("{path: line, rounding: 1, " + corner + "}");
   EXPECT_EQ(line.pose(8, 0).translation, (Vec3d{8, 0, 0}));
 }
 
-TEST(TrajectoryWay, RefusesKeysOfOtherWays) {
+TEST(TrajectoryPath, RefusesKeysOfOtherWays) {
   const std::string line = "waypoints: [[0, 0, 0], [50, 0, 0]], speed: 3";
   expectRefusals(trajectoryRefusal,
                  {{"{path: curve, " + line + "}", "may not be"},
@@ -344,8 +344,8 @@ TEST(RandomDrive, IsAsLongAsItsFramesAtItsSpeedAndKnownByItsNumber) {
   const Trajectory second = readTrajectory(value, "t0", 0.1, nullptr, 0, 1);
   EXPECT_EQ(second.name(), "roam-1");
   EXPECT_EQ(second.frames(), 11u);
-  ASSERT_NE(second.randomWay(), nullptr);
-  EXPECT_GE(second.randomWay()->length, 10 * 0.5 * 8);
+  ASSERT_NE(second.randomPath(), nullptr);
+  EXPECT_GE(second.randomPath()->length, 10 * 0.5 * 8);
   EXPECT_THROW(second.pose(0, 0), Error) << "its way is not known yet";
   const Trajectory known = second.along({{0, 0, 0}, {30, 0, 0}, {60, 0, 0}});
   EXPECT_NEAR(known.pose(10, 0).translation.x, 40, 1e-9);

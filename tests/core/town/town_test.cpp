@@ -323,7 +323,7 @@ TEST(Town, SideRoadsEndAtALineOfTheirLane) {
                                        [](const Instance& i) { return i.name == "road markings"; });
     const std::vector<town::Road>& roads = layout.roads();
     for (std::uint32_t r = 1; r < roads.size(); ++r) {
-      const double at = town::stopAtMouth(layout) - 0.3;
+      const double at = town::stopLineOfSideRoad(layout) - 0.3;
       const double lane = roads[r].section.half - roads[r].section.parking;
       const auto painted = [&](double from, double to) {
         if (markings == scene.instances.end()) return false;

@@ -52,6 +52,6 @@ std::vector<std::string> vehicleWarnings(const Pipeline& pipeline, const std::ve
 // below surfaces, far above them, farther from the scene than their range, or enclosed by surfaces of one class, of
 // the first object that the vehicle's box goes through, and of paths that leave the ground. Moving objects count
 // neither for the box nor around a sensor. Gives each kind of warning at most once per sensor or path.
-std::vector<std::string> wayWarnings(ShotSource& source, std::size_t sequence, const SceneProbe& probe);
+std::vector<std::string> pathWarnings(ShotSource& source, std::size_t sequence, const SceneProbe& probe);
 
 }  // namespace scanmill

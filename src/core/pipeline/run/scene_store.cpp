@@ -113,7 +113,7 @@ std::shared_ptr<const ReadyScene> SceneStore::enter(std::size_t sequence) {
   tbb::collaborative_call_once(slot->once, [&]() SCANMILL_UNWATCHED { withWaiters([&] { load(sequence, *slot); }); });
   slot->loaded.take();
   if (slot->failure) std::rethrow_exception(slot->failure);
-  lookAtWay(sequence, slot->ready);
+  checkPath(sequence, slot->ready);
   return {slot, &slot->ready};
 }
 
@@ -163,16 +163,16 @@ void SceneStore::load(std::size_t sequence, Slot& slot) {
   }
 }
 
-void SceneStore::lookAtWay(std::size_t sequence, const ReadyScene& ready) {
+void SceneStore::checkPath(std::size_t sequence, const ReadyScene& ready) {
   if (!ready.probe) return;
   {
     const std::scoped_lock lock(mutex_);
     if (std::exchange(told_[sequence].looked, true)) return;
   }
   const StageTimer timer(clock_, "setup");
-  std::vector<std::string> lines = wayWarnings(source_, sequence, *ready.probe);
+  std::vector<std::string> lines = pathWarnings(source_, sequence, *ready.probe);
   const std::scoped_lock lock(mutex_);
-  told_[sequence].ofWay = std::move(lines);
+  told_[sequence].ofPath = std::move(lines);
 }
 
 void SceneStore::account(std::size_t sequence, const TraceAccount& account) {
@@ -185,7 +185,7 @@ std::vector<std::string> SceneStore::warnings() const {
   std::vector<std::string> lines;
   std::set<std::string> known;
   for (const Told& told : told_) {
-    for (const auto& more : {told.ofScene, told.ofWay, told.account.warningTexts()}) {
+    for (const auto& more : {told.ofScene, told.ofPath, told.account.warningTexts()}) {
       std::copy_if(more.begin(), more.end(), std::back_inserter(lines),
                    [&](const std::string& line) { return known.insert(line).second; });
     }

@@ -77,14 +77,14 @@ class SceneStore {
     bool loaded = false;  // the scene was loaded at least once
     bool looked = false;  // the trajectory was checked for warnings
     std::vector<std::string> ofScene;
-    std::vector<std::string> ofWay;
+    std::vector<std::string> ofPath;
     TraceAccount account;
   };
 
   std::shared_ptr<Slot> slotOf(std::size_t scene);
   bool fitsOneMore() const;
   void load(std::size_t sequence, Slot& slot);
-  void lookAtWay(std::size_t sequence, const ReadyScene& ready);
+  void checkPath(std::size_t sequence, const ReadyScene& ready);
 
   ShotSource& source_;
   const Plan& plan_;

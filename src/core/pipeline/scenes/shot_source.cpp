@@ -11,7 +11,7 @@
 #include "base/path.h"
 #include "pipeline/read/drawn_sensors.h"
 #include "pipeline/scenes/own_vehicle.h"
-#include "pipeline/scenes/random_way.h"
+#include "pipeline/scenes/random_path.h"
 #include "pipeline/scenes/scene_probe.h"
 #include "scene/surface_heights.h"
 #include "scenefile/scene_file.h"
@@ -22,11 +22,11 @@ namespace {
 
 // True if the trajectory's poses can only be computed when its scene is loaded.
 bool needsScene(const Trajectory& trajectory) {
-  return trajectory.randomWay() != nullptr || trajectory.ground() != nullptr;
+  return trajectory.randomPath() != nullptr || trajectory.ground() != nullptr;
 }
 
 // Returns the points of a drive from one point to another. Throws InputError if they are too near for all frames.
-std::vector<Vec3d> wayOfTrip(const Scene& scene, const RandomWay& drive) {
+std::vector<Vec3d> pathOfTrip(const Scene& scene, const RandomPath& drive) {
   SurfaceHeights heights(scene);
   heights.update();
   std::vector<Vec3d> way = findRoadPath(heights, scene.ontology, *drive.trip);
@@ -45,9 +45,9 @@ std::vector<Vec3d> wayOfTrip(const Scene& scene, const RandomWay& drive) {
 // Throws InputError if the scene has no suitable path or ground.
 Trajectory inScene(const Trajectory& trajectory, const SceneProbe& probe, std::uint64_t seed) {
   Trajectory driven = trajectory;
-  if (const RandomWay* random = trajectory.randomWay()) {
-    driven = driven.along(random->trip ? wayOfTrip(probe.scene(), *random)
-                                       : findRandomWay(probe, *random, seed, trajectory.name()));
+  if (const RandomPath* random = trajectory.randomPath()) {
+    driven = driven.along(random->trip ? pathOfTrip(probe.scene(), *random)
+                                       : findRandomPath(probe, *random, seed, trajectory.name()));
   }
   if (const GroundOptions* ground = trajectory.ground()) {
     driven = driven.onGround(SceneGround(probe, classIds(probe.scene().ontology, ground->classes, ground->where)));

@@ -96,7 +96,7 @@ TEST_P(ShippedSets, AreLabelledAndDrivenThrough) {
   EXPECT_THAT(ruleWarnings(scene), IsEmpty());
   const SceneProbe probe(scene);
   for (std::size_t s = 0; s < plan.pipeline.sequences.size(); ++s) {
-    EXPECT_THAT(wayWarnings(source, s, probe), IsEmpty());
+    EXPECT_THAT(pathWarnings(source, s, probe), IsEmpty());
   }
 }
 

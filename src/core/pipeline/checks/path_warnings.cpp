@@ -1,4 +1,4 @@
-// wayWarnings(): warns of sensors and drives that are probably not where the user intended.
+// pathWarnings(): warns of sensors and drives that are probably not where the user intended.
 
 #include <fmt/format.h>
 
@@ -75,7 +75,7 @@ class WayCheck {
       checkHeights(s);
       checkInside(s);
     }
-    checkWay();
+    checkPath();
     if (drive_->bareShare() > kMostBare) {
       say(fmt::format("{:.0f} % of its path has no ground below or above: it keeps its height there",
                       100 * drive_->bareShare()));
@@ -222,7 +222,7 @@ class WayCheck {
   // Returns the steps of the vehicle along its path, at most kStep long, but at most 1000 per frame; for a vehicle that
   // stands still, its poses. Ends after the frame in which the number of poses reaches kMostPlaces. `radius`: distance
   // of the vehicle's end from its origin (m).
-  std::vector<Step> stepsOnWay(double radius) const {
+  std::vector<Step> stepsOnPath(double radius) const {
     std::vector<Step> steps;
     const auto apart = [&](const Pose& a, const Pose& b) {
       return length(b.translation - a.translation) +
@@ -259,7 +259,7 @@ class WayCheck {
 
   // Warns if the vehicle's box meets steep surfaces, or any surface of a thing, on its way. Gentle surfaces of stuff
   // may be the ground, of which recorded heights are not exact.
-  void checkWay() {
+  void checkPath() {
     const Box box = vehicleBox();
     std::vector<Box> boxes{box};
     for (const SensorSetting& sensor : settings_->sensors) {  // some may stand on masts above the vehicle's model
@@ -268,7 +268,7 @@ class WayCheck {
       boxes.push_back({{at.x - kThin, at.y - kThin, box.high.z}, {at.x + kThin, at.y + kThin, at.z}});
     }
     const double radius = std::hypot(std::max(box.high.x, -box.low.x), std::max(box.high.y, -box.low.y));
-    const std::vector<Step> steps = stepsOnWay(radius);
+    const std::vector<Step> steps = stepsOnPath(radius);
     const std::uint32_t lastFrame = own_.frames - (drive_->still() || own_.frames == 1 ? 1 : 2);
     if (steps.back().frame < lastFrame) {
       say(fmt::format("only its frames 0 to {} are checked for obstacles, since its path is too long",
@@ -315,7 +315,7 @@ class WayCheck {
 
 }  // namespace
 
-std::vector<std::string> wayWarnings(ShotSource& source, std::size_t sequence, const SceneProbe& probe) {
+std::vector<std::string> pathWarnings(ShotSource& source, std::size_t sequence, const SceneProbe& probe) {
   return WayCheck(source, sequence, probe).lines();
 }
 

@@ -1,4 +1,4 @@
-#include "pipeline/scenes/random_way.h"
+#include "pipeline/scenes/random_path.h"
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
@@ -17,13 +17,13 @@
 namespace scanmill {
 namespace {
 
-constexpr double kCell = 0.25;     // cell size of the cached heights (m)
-constexpr double kReach = 1;       // a surface at most this far above or below a tested position is found (m)
-constexpr double kClear = 2.5;     // free height that a vehicle needs above the surface (m)
-constexpr double kHalfWidth = 1;   // half of a vehicle's width (m)
-constexpr double kHalfLength = 2;  // half of a vehicle's length (m)
-constexpr double kStep = 4;        // length of an arc (m); a path consists of such arcs
-constexpr double kTightest = 6;    // minimum radius of an arc (m)
+constexpr double kCell = 0.25;       // cell size of the cached heights (m)
+constexpr double kAboveOrBelow = 1;  // a surface at most this far above or below a tested position is found (m)
+constexpr double kClear = 2.5;       // free height that a vehicle needs above the surface (m)
+constexpr double kHalfWidth = 1;     // half of a vehicle's width (m)
+constexpr double kHalfLength = 2;    // half of a vehicle's length (m)
+constexpr double kArcLength = 4;     // length of an arc (m); a path consists of such arcs
+constexpr double kTightest = 6;      // minimum radius of an arc (m)
 // Distance (m) from the vehicle's middle to the edge of the road, on the side where the vehicle drives.
 constexpr double kFromEdge = 2;
 // If the edge is at least this far away (m), the surface counts as an open place, not as a road.
@@ -113,7 +113,7 @@ class FreeSurface {
 
  private:
   std::optional<double> look(const Vec3d& middle) const {
-    const double high = 0.5 + kReach;
+    const double high = 0.5 + kAboveOrBelow;
     const auto below = probe_.first({middle + Vec3d{0, 0, high}, {0, 0, -1}}, 2 * high);
     if (!below || std::find(classes_.begin(), classes_.end(), below->semantic) == classes_.end()) return std::nullopt;
     // The downward ray has already tested the space below its start; the upward ray tests the space above.
@@ -132,7 +132,7 @@ class Draws {
  public:
   Draws(std::uint64_t seed, const std::string& name) {
     address_.seed = seed;
-    address_.purpose = Purpose::RandomWay;
+    address_.purpose = Purpose::RandomPath;
     for (const char c : name) address_.scene = (address_.scene ^ static_cast<unsigned char>(c)) * 16777619u;
   }
   double next() {
@@ -184,7 +184,7 @@ Vec3d placeOn(const Floor& floor, Draws& draws) {
 // A depth-first search over arcs, which tries the cheapest arc first.
 class Search {
  public:
-  Search(const FreeSurface& surface, const RandomWay& random, const Draws& draws)
+  Search(const FreeSurface& surface, const RandomPath& random, const Draws& draws)
       : surface_(surface), random_(random), draws_(draws) {}
 
   // Returns the points of the longest path from `start` that the search finds. The search ends when a path has the
@@ -198,7 +198,7 @@ class Search {
         longest.clear();
         for (const Node& node : nodes) longest.push_back(node.at.state.place);
       }
-      if (static_cast<double>(nodes.size() - 1) * kStep >= random_.length) break;
+      if (static_cast<double>(nodes.size() - 1) * kArcLength >= random_.length) break;
       Node& last = nodes.back();
       if (last.next == last.arcs.size()) {
         ++turnsBack;
@@ -206,7 +206,7 @@ class Search {
         nodes.pop_back();
         continue;
       }
-      nodes.push_back(open(last.arcs[last.next++].end, static_cast<double>(nodes.size()) * kStep));
+      nodes.push_back(open(last.arcs[last.next++].end, static_cast<double>(nodes.size()) * kArcLength));
     }
     return longest;
   }
@@ -262,7 +262,7 @@ class Search {
   // or if its end is known as a dead end. `wished`: curvature that the vehicle prefers in open places.
   std::optional<Arc> arcOf(const End& at, double curvature, double wished) const {
     State s = at.state;
-    for (int i = 0; i < static_cast<int>(kStep); ++i) {
+    for (int i = 0; i < static_cast<int>(kArcLength); ++i) {
       const std::optional<State> next = surface_.metreOn(s, curvature);
       if (!next) return std::nullopt;
       s = *next;
@@ -317,7 +317,7 @@ class Search {
   }
 
   const FreeSurface& surface_;
-  const RandomWay& random_;
+  const RandomPath& random_;
   const Draws& draws_;
   std::map<Spot, int> been_;  // number of times that the current path has passed each spot
   std::set<Spot> dead_;       // spots from which the search found no path of the required length
@@ -327,7 +327,7 @@ class Search {
 // this distance is not longer than two arcs.
 std::optional<State> startAt(const FreeSurface& surface, Vec3d place, Draws& draws) {
   std::optional<State> best;
-  int farthest = 2 * static_cast<int>(kStep);
+  int farthest = 2 * static_cast<int>(kArcLength);
   const double first = draws.next() * 2 * kPi;
   for (int i = 0; i < 32; ++i) {
     const State heading{place, first + i * kPi / 16};
@@ -344,8 +344,8 @@ std::optional<State> startAt(const FreeSurface& surface, Vec3d place, Draws& dra
 
 }  // namespace
 
-std::vector<Vec3d> findRandomWay(const SceneProbe& probe, const RandomWay& random, std::uint64_t seed,
-                                 const std::string& name) {
+std::vector<Vec3d> findRandomPath(const SceneProbe& probe, const RandomPath& random, std::uint64_t seed,
+                                  const std::string& name) {
   const Scene& scene = probe.scene();
   const std::vector<std::uint16_t> classes = classIds(scene.ontology, random.classes, random.where);
   const std::string what = fmt::format("{}", fmt::join(random.classes, ", "));
@@ -363,9 +363,9 @@ std::vector<Vec3d> findRandomWay(const SceneProbe& probe, const RandomWay& rando
     if (!start) continue;
     const std::vector<Vec3d> way = Search(surface, random, draws).from(*start);
     if (way.size() > longest.size()) longest = way;
-    if (static_cast<double>(longest.size()) - 1 >= random.length / kStep) return longest;
+    if (static_cast<double>(longest.size()) - 1 >= random.length / kArcLength) return longest;
   }
-  const double found = longest.empty() ? 0 : static_cast<double>(longest.size() - 1) * kStep;
+  const double found = longest.empty() ? 0 : static_cast<double>(longest.size() - 1) * kArcLength;
   constexpr double kSmall = 20;  // size (m) below which the unit of the scene may be wrong
   const Vec3d size = probe.bounds().high - probe.bounds().low;
   throw InputError(

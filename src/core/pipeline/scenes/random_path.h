@@ -18,7 +18,7 @@ namespace scanmill {
 // name. On roads it is 2 m from the edge on the side that `random` names, or in the middle if the road is narrower than
 // 4 m. In open places it goes left, right or straight on at random, and prefers places that it has not passed yet.
 // Throws InputError if the scene has no such surface or no path of this length.
-std::vector<Vec3d> findRandomWay(const SceneProbe& probe, const RandomWay& random, std::uint64_t seed,
-                                 const std::string& name);
+std::vector<Vec3d> findRandomPath(const SceneProbe& probe, const RandomPath& random, std::uint64_t seed,
+                                  const std::string& name);
 
 }  // namespace scanmill

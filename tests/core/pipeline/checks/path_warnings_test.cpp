@@ -12,26 +12,26 @@
 namespace scanmill {
 namespace {
 
-class WayWarnings : public Yard {
+class PathWarnings : public Yard {
  protected:
   std::vector<std::string> warnings(const std::vector<std::string>& overrides) const {
     const Plan plan = planOf(overrides);
     ShotSource source(plan);
     const Scene scene = source.load(0);
-    return wayWarnings(source, 0, SceneProbe(scene));
+    return pathWarnings(source, 0, SceneProbe(scene));
   }
   static std::string drive(const std::string& waypoints, const std::string& more = "") {
     return "trajectories=[{name: drive, waypoints: " + waypoints + ", speed: 20, every_s: 0.1" + more + "}]";
   }
 };
 
-TEST_F(WayWarnings, AreSilentWhereAllIsWell) {
+TEST_F(PathWarnings, AreSilentWhereAllIsWell) {
   EXPECT_THAT(warnings({}), IsEmpty());
   EXPECT_THAT(warnings({"trajectories=[{poses: [{position: [3, 4, 0]}]}]"}), IsEmpty());
   EXPECT_THAT(warnings({drive("[[-10, 0, 9], [10, 0, -7]]", ", ground: drop")}), IsEmpty());
 }
 
-TEST_F(WayWarnings, TellOfSensorsUnderTheGround) {
+TEST_F(PathWarnings, TellOfSensorsUnderTheGround) {
   EXPECT_THAT(warnings({drive("[[-10, 0, -4], [10, 0, -4]]")}),
               ElementsAre(AllOf(HasSubstr("sequence yard-s1-drive"), HasSubstr("'top' is below the ground"),
                                 HasSubstr("11 of 11 frames"), HasSubstr("class ground is 2.2 m above"),
@@ -49,7 +49,7 @@ TEST_F(WayWarnings, TellOfSensorsUnderTheGround) {
                              Not(HasSubstr("`mount`")))));
 }
 
-TEST_F(WayWarnings, TellOfSensorsFarAboveAndBeside) {
+TEST_F(PathWarnings, TellOfSensorsFarAboveAndBeside) {
   EXPECT_THAT(warnings({drive("[[-10, 0, 90], [10, 0, 90]]")}),
               ElementsAre(AllOf(HasSubstr("more than 50 m above"), HasSubstr("(91.8 m)"), HasSubstr("unit"))));
   EXPECT_THAT(warnings({drive("[[-10, 0, 900], [10, 0, 900]]")}),
@@ -59,14 +59,14 @@ TEST_F(WayWarnings, TellOfSensorsFarAboveAndBeside) {
   EXPECT_THAT(warnings({drive("[[100, 0, 0], [110, 0, 0]]")}), IsEmpty()) << "it may see the yard from there";
 }
 
-TEST_F(WayWarnings, TellOfSensorsInsideOfThings) {
+TEST_F(PathWarnings, TellOfSensorsInsideOfThings) {
   EXPECT_THAT(warnings({"trajectories=[{poses: [{position: [8, 5, -1]}]}]"}),
               Contains(HasSubstr("'top' sees nothing beside and above it but surfaces of the class car, such as "
                                  "'car#1' (car), at [8.00, 5.00, 0.80]")));
 }
 
 // A tower whose walls and roof are objects of their own, and a rail that is lower than most of a car.
-TEST_F(WayWarnings, TellOfTowersOfSeveralPartsAndOfLowRails) {
+TEST_F(PathWarnings, TellOfTowersOfSeveralPartsAndOfLowRails) {
   const auto box = [](const std::string& name, const char* size, const char* at, const char* semantic) {
     return fmt::format("  - {{name: {}, primitive: box, size: [{}], position: [{}], class: {}, material: concrete}}\n",
                        name, size, at, semantic);
@@ -88,7 +88,7 @@ TEST_F(WayWarnings, TellOfTowersOfSeveralPartsAndOfLowRails) {
               ElementsAre(HasSubstr("its path goes through 'rail' (fence) at [10.05, ")));
 }
 
-TEST_F(WayWarnings, TellOfWaysThroughWallsAndLowThings) {
+TEST_F(PathWarnings, TellOfWaysThroughWallsAndLowThings) {
   EXPECT_THAT(warnings({drive("[[0, 0, 0], [45, 0, 0]]")}),
               Contains(HasSubstr("its path goes through 'across#1' (wall) at [30.00, 0.00")));
   // Both cars of the yard, one behind the other, however often it comes by; and a circle that one frame is long.
@@ -105,7 +105,7 @@ TEST_F(WayWarnings, TellOfWaysThroughWallsAndLowThings) {
 
 // A room with a coffee table, whose plate is thin and whose legs stand beside the robot's path, a bed that no class
 // tells from the ground, a sill that wheels climb, and a wall.
-TEST_F(WayWarnings, TellWhatTheVehicleMeetsFirst) {
+TEST_F(PathWarnings, TellWhatTheVehicleMeetsFirst) {
   const auto box = [](const std::string& name, const char* size, const char* at, const char* semantic) {
     return fmt::format("  - {{name: {}, primitive: box, size: [{}], position: [{}], class: {}, material: concrete}}\n",
                        name, size, at, semantic);
@@ -149,7 +149,7 @@ TEST_F(WayWarnings, TellWhatTheVehicleMeetsFirst) {
       << "its corner";
 }
 
-TEST_F(WayWarnings, BoxesTouchTheNearSideForwardsAndBackwards) {
+TEST_F(PathWarnings, BoxesTouchTheNearSideForwardsAndBackwards) {
   const Plan plan = planOf();
   const Scene scene = ShotSource(plan).load(0);
   for (const double yaw : {0.0, std::numbers::pi}) {
@@ -163,19 +163,19 @@ TEST_F(WayWarnings, BoxesTouchTheNearSideForwardsAndBackwards) {
   }
 }
 
-TEST_F(WayWarnings, TellHowFarLongWaysAreChecked) {
+TEST_F(PathWarnings, TellHowFarLongWaysAreChecked) {
   EXPECT_THAT(warnings({"trajectories=[{name: far, path: line, waypoints: [[-3, 5, 0], [204000, 5, 0]], speed: 100, "
                         "every_m: 500}]"}),
               testing::IsSupersetOf({HasSubstr("only its frames 0 to 399 are checked for obstacles"),
                                      HasSubstr("'car#1' (car) at [6.00, 5.00, ")}));
 }
 
-TEST_F(WayWarnings, TellOfWaysThatLeaveTheGround) {
+TEST_F(PathWarnings, TellOfWaysThatLeaveTheGround) {
   EXPECT_THAT(warnings({drive("[[0, 0, 0], [0, 30, 0], [0, 70, 0]]", ", ground: drop")}),
               Contains(HasSubstr("% of its path has no ground below or above")));
 }
 
-TEST_F(WayWarnings, RandomDrivesMakeSoundDatasetsThatFollowFromTheSeed) {
+TEST_F(PathWarnings, RandomDrivesMakeSoundDatasetsThatFollowFromTheSeed) {
   const std::string roam = "trajectories=[{name: roam, on: [ground], speed: 10, every_s: 0.2, frames: 12, drives: 2}]";
   sound({roam}, "one");
   sound({roam}, "two");

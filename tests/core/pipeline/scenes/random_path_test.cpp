@@ -1,4 +1,4 @@
-#include "pipeline/scenes/random_way.h"
+#include "pipeline/scenes/random_path.h"
 
 #include "base/path.h"
 #include "drive_world.h"
@@ -16,10 +16,10 @@ double outwards(const Vec3d& p) {
   return std::max(std::fabs(p.x), std::fabs(p.y)) - 40;
 }
 
-class RandomWays : public testing::Test {
+class RandomPath : public testing::Test {
  protected:
   Path way(double length, const std::string& name = "drive", Side keep = Side::Right, std::uint64_t seed = 1) const {
-    return Path(findRandomWay(probe_, {{"road"}, keep, length, 0, {"trip.yaml", 3, 4}}, seed, name));
+    return Path(findRandomPath(probe_, {{"road"}, keep, length, 0, {"trip.yaml", 3, 4}}, seed, name));
   }
 
   TemporaryFolder folder_;
@@ -27,7 +27,7 @@ class RandomWays : public testing::Test {
   SceneProbe probe_{scene_};
 };
 
-TEST_F(RandomWays, StayOnTheRoadAndClearOfWhatStandsThere) {
+TEST_F(RandomPath, StayOnTheRoadAndClearOfWhatStandsThere) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     const Path path = way(600, "drive", Side::Right, seed);
     EXPECT_GT(path.length(), 595) << seed;
@@ -43,7 +43,7 @@ TEST_F(RandomWays, StayOnTheRoadAndClearOfWhatStandsThere) {
 }
 
 // On the straight parts, away from the car: 2 m from the edge, whichever way around, or in the middle.
-TEST_F(RandomWays, KeepToTheirSide) {
+TEST_F(RandomPath, KeepToTheirSide) {
   const auto meanOff = [&](Side keep, std::uint64_t seed) {
     const Path path = way(500, "drive", keep, seed);
     double sum = 0;
@@ -68,9 +68,9 @@ TEST_F(RandomWays, KeepToTheirSide) {
   }
 }
 
-TEST_F(RandomWays, FollowFromSeedAndName) {
+TEST_F(RandomPath, FollowFromSeedAndName) {
   const auto places = [&](const std::string& name, std::uint64_t seed) {
-    return findRandomWay(probe_, {{"road"}, Side::Right, 200, {}}, seed, name);
+    return findRandomPath(probe_, {{"road"}, Side::Right, 200, {}}, seed, name);
   };
   EXPECT_EQ(places("a", 1), places("a", 1));
   EXPECT_NE(places("a", 1), places("a", 2));
@@ -78,7 +78,7 @@ TEST_F(RandomWays, FollowFromSeedAndName) {
 }
 
 // Walls make two roads of one; neither is left.
-TEST_F(RandomWays, DoNotGoThroughWallsNorUnderWhatIsLow) {
+TEST_F(RandomPath, DoNotGoThroughWallsNorUnderWhatIsLow) {
   const Scene walled = readRoadScene(
       folder_,
       "  - {name: wall, primitive: box, size: [0.2, 20, 3], class: wall, material: brick, position: [10, 40, 1.5]}\n"
@@ -86,7 +86,7 @@ TEST_F(RandomWays, DoNotGoThroughWallsNorUnderWhatIsLow) {
       "2.65]}\n");
   const SceneProbe probe(walled);
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
-    const Path path(findRandomWay(probe, {{"road"}, Side::Right, 100, {}}, seed, "drive"));
+    const Path path(findRandomPath(probe, {{"road"}, Side::Right, 100, {}}, seed, "drive"));
     Vec3d before = path.pose(0).translation;
     for (double at = 0.1; at < path.length(); at += 0.1) {
       const Vec3d now = path.pose(at).translation;
@@ -98,7 +98,7 @@ TEST_F(RandomWays, DoNotGoThroughWallsNorUnderWhatIsLow) {
 }
 
 // 2.6 m are enough.
-TEST_F(RandomWays, GoUnderWhatIsHigh) {
+TEST_F(RandomPath, GoUnderWhatIsHigh) {
   const Scene beamed = readRoadScene(
       folder_,
       "  - {name: beam, primitive: box, size: [1, 20, 0.5], class: structure, material: concrete, position: [-10, -40, "
@@ -106,7 +106,7 @@ TEST_F(RandomWays, GoUnderWhatIsHigh) {
   const SceneProbe probe(beamed);
   bool under = false;
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
-    const Path path(findRandomWay(probe, {{"road"}, Side::Right, 400, {}}, seed, "drive"));
+    const Path path(findRandomPath(probe, {{"road"}, Side::Right, 400, {}}, seed, "drive"));
     for (double at = 0; at < path.length(); at += 0.1) {
       const Vec3d p = path.pose(at).translation;
       under = under || (p.y < -30 && std::fabs(p.x + 10) < 0.5);
@@ -115,14 +115,14 @@ TEST_F(RandomWays, GoUnderWhatIsHigh) {
   EXPECT_TRUE(under);
 }
 
-TEST_F(RandomWays, SayWhatIsTooShortOrNotThere) {
+TEST_F(RandomPath, SayWhatIsTooShortOrNotThere) {
   const Scene dead = readRoadScene(
       folder_,
       "  - {name: wall, primitive: box, size: [0.2, 20, 3], class: wall, material: brick, position: [10, 40, 1.5]}\n");
   const SceneProbe probe(dead);
   // Once around the square is 320 m; from one side of the wall to the other a little less.
   EXPECT_THAT(messageOf([&] {
-                findRandomWay(probe, {{"road"}, Side::Right, 500, 0, {"trip.yaml", 3, 4}}, 1, "drive");
+                findRandomPath(probe, {{"road"}, Side::Right, 500, 0, {"trip.yaml", 3, 4}}, 1, "drive");
               }),
               AllOf(HasSubstr("trip.yaml:3:4"), HasSubstr("longest drive"), HasSubstr("500 m are needed"),
                     testing::Not(HasSubstr("unit"))));
@@ -130,15 +130,15 @@ TEST_F(RandomWays, SayWhatIsTooShortOrNotThere) {
   const Affine centimetres{Mat3{{0.01, 0, 0}, {0, 0.01, 0}, {0, 0, 0.01}}, {}};
   for (Instance& instance : tiny.instances) instance.worldFromMesh = centimetres * instance.worldFromMesh;
   EXPECT_THAT(messageOf([&] {
-                findRandomWay(SceneProbe(tiny), {{"road"}, Side::Right, 5, {}}, 1, "drive");
+                findRandomPath(SceneProbe(tiny), {{"road"}, Side::Right, 5, {}}, 1, "drive");
               }),
               HasSubstr("m: is its `unit` right?"));
   EXPECT_THAT(messageOf([&] {
-                findRandomWay(probe_, {{"parking"}, Side::Right, 5, {}}, 1, "drive");
+                findRandomPath(probe_, {{"parking"}, Side::Right, 5, {}}, 1, "drive");
               }),
               HasSubstr("no surface of parking"));
   EXPECT_THAT(messageOf([&] {
-                findRandomWay(probe_, {{"raod"}, Side::Right, 5, 0, {"trip.yaml", 3, 4}}, 1, "drive");
+                findRandomPath(probe_, {{"raod"}, Side::Right, 5, 0, {"trip.yaml", 3, 4}}, 1, "drive");
               }),
               HasSubstr("did you mean 'road'"));
 }
