@@ -16,7 +16,7 @@
 #include "viewer/frames/frame_source.h"
 #include "viewer/pass_picture.h"
 #include "viewer/picture.h"
-#include "viewer/window/scenery.h"
+#include "viewer/window/scene_view.h"
 #include "viewer/window/session.h"
 
 namespace scanmill {

@@ -16,8 +16,8 @@
 #include "passes/exr/pass_exr.h"
 #include "viewer/color_map.h"
 #include "viewer/coloring.h"
-#include "viewer/panels/parts.h"
-#include "viewer/panels/rooms.h"
+#include "viewer/panels/panel_rects.h"
+#include "viewer/panels/widgets.h"
 
 namespace scanmill {
 
@@ -252,16 +252,16 @@ Image drawExr(const ExrSource& source, const std::string& wanted, int width) {
   const PixelRect side = legendRect(legend, body, kLetter, width);
   if (side.left > 0) body.height = side.height;
   const int height = std::max(body.top + body.height, side.top + side.height);
-  PictureBoard board(width, height, kLetter);
-  for (std::size_t i = 0; i < planes.size(); ++i) board.setImage(static_cast<ImageId>(i), planes[i].image);
-  return board.draw([&] {
+  PanelPicture picture(width, height, kLetter);
+  for (std::size_t i = 0; i < planes.size(); ++i) picture.setImage(static_cast<ImageId>(i), planes[i].image);
+  return picture.draw([&] {
     titleRow({0, 0, width, kTitleHeight}, fmt::format("{}, {}", source.file.filename().string(), image.size), "");
     panelAt("##planes", body, false, [&] {
       for (int i = 0; i < count; ++i) {
         const PassPlane& plane = planes[static_cast<std::size_t>(i)];
         const int x = kGap + i % columns * (tileWidth + kGap);
         const int y = kTitleHeight + i / columns * rowHeight;
-        wordsAt(x, y + 4, tileWidth, plane.note.empty() ? plane.name : fmt::format("{}, {}", plane.name, plane.note));
+        textAt(x, y + 4, tileWidth, plane.note.empty() ? plane.name : fmt::format("{}, {}", plane.name, plane.note));
         imageAt(static_cast<ImageId>(i), {x, y + kCaptionHeight, tileWidth, tileHeight});
       }
     });

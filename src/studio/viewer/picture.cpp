@@ -10,8 +10,8 @@
 
 #include "methods/method.h"
 #include "viewer/color_map.h"
-#include "viewer/panels/parts.h"
-#include "viewer/panels/rooms.h"
+#include "viewer/panels/panel_rects.h"
+#include "viewer/panels/widgets.h"
 #include "viewer/window/session.h"
 
 namespace scanmill {
@@ -68,15 +68,15 @@ Image drawRangeImage(const Scan& scan, const Ontology* ontology, const std::opti
   };
   const int width = strip.image.width * steps(kReadableWidth, strip.image.width);
   const int height = strip.image.height * steps(width * kReadableShare, strip.image.height);
-  const double letter = letterOfPicture(width, width);
-  const PixelRect body{0, static_cast<int>(std::lround(1.5 * letter)), width, height};
-  const PixelRect side = legendRect(legend, body, letter, kMostPictureSide);
+  const double lineHeight = pictureLineHeight(width, width);
+  const PixelRect body{0, static_cast<int>(std::lround(1.5 * lineHeight)), width, height};
+  const PixelRect side = legendRect(legend, body, lineHeight, kMostPictureSide);
   PixelRect panel = body;
   if (side.left > 0) panel.height = side.height;
   const PixelRect top{0, 0, std::max(width, side.left + side.width), body.top};
-  PictureBoard board(top.width, std::max(body.top + height, side.top + side.height), letter);
-  board.setImage(kStrip, strip.image);
-  return board.draw([&] {
+  PanelPicture picture(top.width, std::max(body.top + height, side.top + side.height), lineHeight);
+  picture.setImage(kStrip, strip.image);
+  return picture.draw([&] {
     titleRow(top, fmt::format("{}, {}", title, describeStrip(strip)),
              fmt::format("ring 0 at the {}, {}", strip.ringsRise ? "bottom" : "top",
                          legend.scale ? scaleTitle(legend) : legend.title));

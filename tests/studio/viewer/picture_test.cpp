@@ -9,8 +9,8 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_scene.h"
 #include "viewer/color_map.h"
-#include "viewer/panels/parts.h"
-#include "viewer/panels/rooms.h"
+#include "viewer/panels/panel_rects.h"
+#include "viewer/panels/widgets.h"
 #include "viewer/pass_picture.h"
 
 namespace scanmill {
@@ -90,9 +90,9 @@ TEST(RangeImage, HasAPixelPerBeam) {
   const Scan scan = smallScan();
   const Image image = drawRangeImage(scan, &ontology, ColorBy("class"), "a scan");
   const int stepX = 18;  // the least that gives 1600 pixels
-  const double letter = letterOfPicture(stepX * 90, stepX * 90);
-  ASSERT_EQ(image.width, stepX * 90 + sideWidth(letter));
-  const int top = static_cast<int>(std::lround(1.5 * letter));  // below the title
+  const double lineHeight = pictureLineHeight(stepX * 90, stepX * 90);
+  ASSERT_EQ(image.width, stepX * 90 + sideWidth(lineHeight));
+  const int top = static_cast<int>(std::lround(1.5 * lineHeight));  // below the title
   int bodyHeight = 0;
   while (image.at(stepX * 70, top + bodyHeight) == Rgb{255, 0, 0}) ++bodyHeight;
   const int stepY = bodyHeight / 8;

@@ -159,8 +159,9 @@ struct GlfwWindow::State {
   void key(int code, int scan, int mods) {
     modifiers(mods);
     std::string name(nameOf(code, (mods & GLFW_MOD_NUM_LOCK) != 0));
-    if (const char* const letter = control ? glfwGetKeyName(code, scan) : nullptr; name.empty() && letter != nullptr) {
-      name = letter;
+    if (const char* const lineHeight = control ? glfwGetKeyName(code, scan) : nullptr;
+        name.empty() && lineHeight != nullptr) {
+      name = lineHeight;
     }
     if (name.empty()) return;
     CanvasEvent event = plain(Kind::Key);

@@ -13,8 +13,8 @@ constexpr Rgb kMeasureColor{255, 240, 90};
 
 }  // namespace
 
-Pointer::Pointer(SessionContext& context, const Clouds& clouds, Scenery& scenery)
-    : context_(context), clouds_(clouds), scenery_(scenery), litItem_(context.canvas, kLitItem) {}
+Pointer::Pointer(SessionContext& context, const ShownClouds& clouds, SceneView& sceneView)
+    : context_(context), clouds_(clouds), sceneView_(sceneView), highlightItem_(context.canvas, kHighlightItem) {}
 
 void Pointer::leaveFrame() {
   hover.reset();
@@ -48,22 +48,22 @@ void Pointer::moveTo(const CanvasEvent& event) {
   x = event.x;
   y = event.y;
   context_.changes.hover = true;
-  lastMove_ = context_.drawing.now();
+  lastMove_ = context_.redraw.now();
   if (drag.button == 0) return;
   const int right = event.x - drag.x;
   const int down = event.y - drag.y;
   drag.moved = drag.moved || std::abs(event.x - drag.downX) > kStill || std::abs(event.y - drag.downY) > kStill;
-  if (!drag.moved || context_.drawing.views().empty()) return;
+  if (!drag.moved || context_.redraw.views().empty()) return;
   drag.x = event.x;
   drag.y = event.y;
-  const PixelRect& rect = context_.drawing.views()[viewAt(drag.downX, drag.downY).value_or(0)].rect;
-  OrbitCamera turned = scenery_.camera;
+  const PixelRect& rect = context_.redraw.views()[viewAt(drag.downX, drag.downY).value_or(0)].rect;
+  OrbitCamera turned = sceneView_.camera;
   if (drag.pan) {
     turned.pan(right, down, rect.width, rect.height);
   } else {
     turned.orbit(right, down, rect.height);
   }
-  scenery_.setCamera(turned);
+  sceneView_.setCamera(turned);
 }
 
 void Pointer::release(const CanvasEvent& event) {
@@ -84,7 +84,7 @@ void Pointer::click(int px, int py) {
     if (thing) pinned = inFull(std::move(*thing));
     return;
   }
-  if (!thing) return context_.say("nothing lies there");
+  if (!thing) return context_.notify("nothing lies there");
   ends.push_back(thing->place);
   measuring = ends.size() < 2;
   placeMeasure();
@@ -101,20 +101,20 @@ void Pointer::toggleMeasuring() {
 void Pointer::turnAbout() {
   auto thing = x >= 0 ? pick(x, y) : std::nullopt;
   if (!thing) thing = pinned;
-  if (!thing) return context_.say("nothing lies there");
+  if (!thing) return context_.notify("nothing lies there");
   lookAt(thing->place);
 }
 
 void Pointer::lookAt(const Vec3d& place) {
-  OrbitCamera turned = scenery_.camera;
+  OrbitCamera turned = sceneView_.camera;
   turned.lookAt(place);
-  scenery_.setCamera(turned);
+  sceneView_.setCamera(turned);
 }
 
 void Pointer::placeMeasure() {
   LineSet line;
   if (ends.size() == 2) line.add(ends[0], ends[1], kMeasureColor);
-  scenery_.setLines(kMeasureItem, line, 2);
+  sceneView_.setLines(kMeasureItem, line, 2);
   context_.changes.items = context_.changes.panels = true;
 }
 
@@ -125,8 +125,8 @@ constexpr double kReach = 8;  // largest distance of a picked point from the poi
 }  // namespace
 
 std::optional<std::size_t> Pointer::viewAt(int px, int py) const {
-  for (std::size_t v = 0; v < context_.drawing.views().size(); ++v) {
-    if (context_.drawing.views()[v].rect.contains(px, py)) return v;
+  for (std::size_t v = 0; v < context_.redraw.views().size(); ++v) {
+    if (context_.redraw.views()[v].rect.contains(px, py)) return v;
   }
   return {};
 }
@@ -139,7 +139,7 @@ PickedThing Pointer::pickedPoint(std::size_t k, std::size_t point) const {
   addBrief(thing, scan, clouds_.colorOf(cloud.view));
   if (const auto instance = instanceOf(thing)) {
     addInstance(thing, summaryOf(cloud, *instance), context_.source->ontology());
-    scenery_.addObjectRows(thing, *instance);
+    sceneView_.addObjectRows(thing, *instance);
   }
   return thing;
 }
@@ -162,8 +162,8 @@ PickedThing Pointer::inFull(PickedThing thing) const {
 
 bool Pointer::isShown(const PickedThing& thing) const {
   if (thing.scan == kNoScan) {
-    return scenery_.meshItem.there() && thing.point < scenery_.mesh->size() &&
-           (scenery_.meshShown.empty() || scenery_.meshShown[thing.point] != 0);
+    return sceneView_.meshItem.exists() && thing.point < sceneView_.mesh->size() &&
+           (sceneView_.meshShown.empty() || sceneView_.meshShown[thing.point] != 0);
   }
   return std::ranges::any_of(clouds_.list, [&](const ShownCloud& cloud) {
     return cloud.scan == thing.scan && (cloud.shown.empty() || cloud.shown[thing.point] != 0);
@@ -173,7 +173,7 @@ bool Pointer::isShown(const PickedThing& thing) const {
 std::optional<PickedThing> Pointer::pick(int px, int py) const {
   const auto view = viewAt(px, py);
   if (!view) return {};
-  const CanvasView& in = context_.drawing.views()[*view];
+  const CanvasView& in = context_.redraw.views()[*view];
   const double right = px - in.rect.left + 0.5;  // position of the pixel's middle in the view
   const double down = py - in.rect.top + 0.5;
   std::vector<PickCloud> candidates;
@@ -184,10 +184,10 @@ std::optional<PickedThing> Pointer::pick(int px, int py) const {
     candidates.push_back({context_.frame->scans[cloud.scan].places(), cloud.shown, cloud.canvasFromScan});
     cloudOf.push_back(k);
   }
-  if (const auto hit = pickPoint(candidates, in.camera, right, down, scenery_.pointSize(), kReach)) {
+  if (const auto hit = pickPoint(candidates, in.camera, right, down, sceneView_.pointSize(), kReach)) {
     return pickedPoint(cloudOf[hit->cloud], hit->point);
   }
-  return scenery_.pickMesh(sightLine(in.camera, right, down));
+  return sceneView_.pickMesh(sightLine(in.camera, right, down));
 }
 
 std::optional<PickedThing> Pointer::pickStrip(const PixelRect& rect, int px, int py) const {
@@ -227,15 +227,15 @@ Rgb Pointer::colorOf(const PickedThing& thing) const {
       return cloud.coloring.colors[thing.point];
     }
   }
-  if (thing.scan == kNoScan && scenery_.mesh && thing.point < scenery_.mesh->size())
-    return scenery_.meshColoring.colors[thing.point];
+  if (thing.scan == kNoScan && sceneView_.mesh && thing.point < sceneView_.mesh->size())
+    return sceneView_.meshColoring.colors[thing.point];
   return kNoValue;
 }
 
 std::optional<std::uint32_t> Pointer::instanceOf(const PickedThing& thing) const {
   std::uint32_t id = 0;
   if (thing.scan == kNoScan) {
-    if (scenery_.mesh && thing.point < scenery_.mesh->size()) id = scenery_.mesh->instance[thing.point];
+    if (sceneView_.mesh && thing.point < sceneView_.mesh->size()) id = sceneView_.mesh->instance[thing.point];
   } else if (context_.frame && thing.scan < context_.frame->scans.size()) {
     const Scan& scan = context_.frame->scans[thing.scan].scan;
     if (thing.point < scan[kInstance].size()) id = scan[kInstance][thing.point];
@@ -245,7 +245,7 @@ std::optional<std::uint32_t> Pointer::instanceOf(const PickedThing& thing) const
 
 // Returns the instance's summary. The last summary is cached, since the pointer often stays on the same instance.
 const InstanceSummary& Pointer::summaryOf(const ShownCloud& cloud, std::uint32_t instance) const {
-  const InstancePlace place{cloud.scan, instance};
+  const InstanceRef place{cloud.scan, instance};
   if (!lastSummary_ || !(lastSummary_->first == place)) {
     const ViewScan& viewed = context_.frame->scans[cloud.scan];
     lastSummary_.emplace(place, summarizeInstance(viewed.scan, viewed.places(), instance, cloud.canvasFromScan));
@@ -276,60 +276,60 @@ std::vector<Vec3f> returnsOf(const ViewScan& viewed, std::size_t point) {
 }  // namespace
 
 // Outlines the instance under the pointer: draws its points again in white, larger and slightly farther away.
-void Pointer::lightInstance() {
+void Pointer::highlightInstance() {
   constexpr double kRest = 0.15;  // time without a move after which the pointer is at rest (s)
   const PickedThing* const thing = shown();
-  std::optional<InstancePlace> wanted;
+  std::optional<InstanceRef> wanted;
   const ShownCloud* cloud = nullptr;
   if (thing != nullptr && thing->scan != kNoScan) {
     const auto found = std::ranges::find(clouds_.list, thing->scan, &ShownCloud::scan);
     const auto id = instanceOf(*thing);
     if (found != clouds_.list.end() && id) {
       cloud = &*found;
-      wanted = InstancePlace{thing->scan, *id};
+      wanted = InstanceRef{thing->scan, *id};
     }
   }
-  if (wanted == lit_ && !context_.changes.items) {
-    if (lit_ && context_.changes.views) outline(*cloud, false);
+  if (wanted == highlighted_ && !context_.changes.items) {
+    if (highlighted_ && context_.changes.views) outline(*cloud, false);
     return;
   }
   // If drawing takes long, do not draw again for every point that the moving pointer passes.
-  const bool moves = context_.drawing.now() - lastMove_ < kRest;
-  if (!context_.changes.items && context_.drawing.slow() && moves) return;
-  lit_ = wanted;
-  context_.changes.light = true;
-  if (!lit_) return litItem_.drop();
+  const bool moves = context_.redraw.now() - lastMove_ < kRest;
+  if (!context_.changes.items && context_.redraw.slow() && moves) return;
+  highlighted_ = wanted;
+  context_.changes.highlight = true;
+  if (!highlighted_) return highlightItem_.drop();
   outline(*cloud, true);
 }
 
-// Places the outline of the instance `lit_` behind its points. `anew`: the points have changed.
+// Places the outline of the instance `highlighted_` behind its points. `anew`: the points have changed.
 void Pointer::outline(const ShownCloud& cloud, bool anew) {
   constexpr double kEdge = 1.5;      // width of the outline (pixels)
   constexpr double kFarther = 1.03;  // distance of the outline from the eye divided by the points' distance
   constexpr double kBehind = 0.2;    // distance of the outline behind the points for an orthographic camera (m)
-  if (context_.drawing.views().empty()) return;
+  if (context_.redraw.views().empty()) return;
   if (anew) {
     std::vector<Vec3f> places;
     const std::vector<Vec3f>& all = context_.frame->scans[cloud.scan].places();
-    for (const std::uint32_t i : summaryOf(cloud, lit_->id).points) {
+    for (const std::uint32_t i : summaryOf(cloud, highlighted_->id).points) {
       if (!cloud.shown.empty() && cloud.shown[i] == 0) continue;
       places.push_back(Vec3f(cloud.canvasFromScan * Vec3d(all[i])));
     }
-    litItem_.setPoints(places, std::vector<Rgb>(places.size(), Rgb{255, 255, 255}));
+    highlightItem_.setPoints(places, std::vector<Rgb>(places.size(), Rgb{255, 255, 255}));
   }
   ItemLook look{.views = 0};
   for (const ShownCloud& same : clouds_.list) {
     if (same.scan == cloud.scan) look.views |= 1U << same.view;
   }
-  look.size = scenery_.pointSize() + 2 * kEdge;
-  const ViewCamera& seenBy = context_.drawing.views().front().camera;  // all views have the same eye
+  look.size = sceneView_.pointSize() + 2 * kEdge;
+  const ViewCamera& seenBy = context_.redraw.views().front().camera;  // all views have the same eye
   if (seenBy.orthographic) {
     look.canvasFromItem.translation = seenBy.forward * kBehind;
   } else {
     look.canvasFromItem.linear = {{kFarther, 0, 0}, {0, kFarther, 0}, {0, 0, kFarther}};
     look.canvasFromItem.translation = seenBy.eye * (1 - kFarther);
   }
-  litItem_.setLook(look);
+  highlightItem_.setLook(look);
 }
 
 void Pointer::placeBeam() {
@@ -350,8 +350,8 @@ void Pointer::placeBeam() {
   }
   if (lines.colors.empty() && !beamDrawn_) return;
   beamDrawn_ = !lines.colors.empty();
-  scenery_.setLines(kBeamItem, lines, 2);
-  context_.changes.light = true;
+  sceneView_.setLines(kBeamItem, lines, 2);
+  context_.changes.highlight = true;
 }
 
 }  // namespace scanmill

@@ -9,18 +9,18 @@
 #include <utility>
 #include <vector>
 
-#include "viewer/window/clouds.h"
-#include "viewer/window/scenery.h"
+#include "viewer/window/canvas_items.h"
+#include "viewer/window/scene_view.h"
 #include "viewer/window/session_context.h"
-#include "viewer/window/session_items.h"
+#include "viewer/window/shown_clouds.h"
 
 namespace scanmill {
 
 // An instance in a scan of the frame.
-struct InstancePlace {
+struct InstanceRef {
   std::size_t scan = 0;
   std::uint32_t id = 0;
-  bool operator==(const InstancePlace&) const = default;
+  bool operator==(const InstanceRef&) const = default;
 };
 
 struct PointerDrag {
@@ -32,7 +32,7 @@ struct PointerDrag {
 };
 
 struct Pointer {
-  Pointer(SessionContext& context, const Clouds& clouds, Scenery& scenery);
+  Pointer(SessionContext& context, const ShownClouds& clouds, SceneView& sceneView);
 
   // Resets everything that belongs to the current frame.
   void leaveFrame();
@@ -67,7 +67,7 @@ struct Pointer {
   std::optional<std::uint32_t> instanceOf(const PickedThing& thing) const;  // returns the instance id, if there is one
 
   // Outlines the points of the instance under the pointer, otherwise those of the clicked instance.
-  void lightInstance();
+  void highlightInstance();
   // Draws a line through the returns of the beam that is under the pointer or was clicked.
   void placeBeam();
 
@@ -85,12 +85,12 @@ struct Pointer {
   void outline(const ShownCloud& cloud, bool anew);
 
   SessionContext& context_;
-  const Clouds& clouds_;
-  Scenery& scenery_;
+  const ShownClouds& clouds_;
+  SceneView& sceneView_;
   double lastMove_ = 0;  // time of the pointer's last move (s)
-  mutable std::optional<std::pair<InstancePlace, InstanceSummary>> lastSummary_;
-  std::optional<InstancePlace> lit_;  // the instance that is highlighted on the canvas
-  CanvasItem litItem_;
+  mutable std::optional<std::pair<InstanceRef, InstanceSummary>> lastSummary_;
+  std::optional<InstanceRef> highlighted_;  // the instance that is highlighted on the canvas
+  CanvasItem highlightItem_;
   std::optional<std::pair<std::size_t, std::size_t>> beamOf_;  // indices of scan and point whose beam is drawn
   bool beamDrawn_ = false;
 };

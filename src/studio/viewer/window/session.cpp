@@ -48,9 +48,9 @@ ViewSession::ViewSession(std::shared_ptr<const FrameSource> source, Canvas& canv
       playback_(context_.source, loader ? std::move(loader) : std::make_unique<FrameLoader>(context_.source),
                 options.sample),
       clouds_(context_),
-      scenery_(context_, clouds_),
-      pointer_(context_, clouds_, scenery_),
-      panels_(context_, playback_, clouds_, scenery_, pointer_) {
+      sceneView_(context_, clouds_),
+      pointer_(context_, clouds_, sceneView_),
+      panels_(context_, playback_, clouds_, sceneView_, pointer_) {
   if (context_.source->isScene() && !options.colors.empty()) {
     const ColorBy& by = options.colors.front();
     if (const std::string why = sceneLacks(by); !why.empty()) {
@@ -62,10 +62,10 @@ ViewSession::ViewSession(std::shared_ptr<const FrameSource> source, Canvas& canv
 }
 
 void ViewSession::settle() {
-  if (auto loaded = playback_.take(context_.drawing.now(), true)) showFrame(std::move(loaded));
-  if (scenery_.meshOn() && scenery_.meshWanted) {
-    auto loaded = playback_.loader().waitMesh(*scenery_.meshWanted);
-    if (loaded != scenery_.mesh) takeMesh(std::move(loaded));
+  if (auto loaded = playback_.take(context_.redraw.now(), true)) showFrame(std::move(loaded));
+  if (sceneView_.meshOn() && sceneView_.meshWanted) {
+    auto loaded = playback_.loader().waitMesh(*sceneView_.meshWanted);
+    if (loaded != sceneView_.mesh) takeMesh(std::move(loaded));
   }
   playback_.clearBusy();
   context_.notices.clear();
@@ -76,7 +76,7 @@ void ViewSession::settle() {
 void ViewSession::check() const {
   if (clouds_.columnMissing) throw InputError(*clouds_.columnMissing);
   const auto& frame = context_.frame;
-  const auto& mesh = scenery_.mesh;
+  const auto& mesh = sceneView_.mesh;
   const bool nothing =
       context_.source->isScene() ? mesh == nullptr || mesh->size() == 0 : !frame || frame->scans.empty();
   if (!nothing && context_.filter.closeUp) return requirePoints(*frame, *context_.filter.closeUp);
@@ -106,14 +106,15 @@ void ViewSession::goTo(std::size_t target, int step) {
 }
 
 void ViewSession::stepBy(std::ptrdiff_t count) {
-  if (!playback_.stepBy(count)) return context_.say(count > 0 ? "this is the last frame" : "this is the first frame");
+  if (!playback_.stepBy(count))
+    return context_.notify(count > 0 ? "this is the last frame" : "this is the first frame");
   context_.changes.panels = true;
   takeWhatIsLoaded();
 }
 
 void ViewSession::togglePlaying() {
-  if (!playback_.playing() && playback_.count() < 2) return context_.say("there is one frame only");
-  playback_.togglePlaying(context_.drawing.now());
+  if (!playback_.playing() && playback_.count() < 2) return context_.notify("there is one frame only");
+  playback_.togglePlaying(context_.redraw.now());
   context_.changes.panels = true;
   takeWhatIsLoaded();
 }
@@ -129,10 +130,10 @@ void ViewSession::hintAtNames() {
 }
 
 void ViewSession::takeWhatIsLoaded() {
-  if (auto loaded = playback_.take(context_.drawing.now())) showFrame(std::move(loaded));
-  if (scenery_.meshOn() && scenery_.meshWanted) {
-    auto loaded = playback_.loader().mesh(*scenery_.meshWanted);
-    if (loaded && loaded != scenery_.mesh) takeMesh(std::move(loaded));
+  if (auto loaded = playback_.take(context_.redraw.now())) showFrame(std::move(loaded));
+  if (sceneView_.meshOn() && sceneView_.meshWanted) {
+    auto loaded = playback_.loader().mesh(*sceneView_.meshWanted);
+    if (loaded && loaded != sceneView_.mesh) takeMesh(std::move(loaded));
   }
 }
 
@@ -140,27 +141,27 @@ void ViewSession::showFrame(std::shared_ptr<const ViewFrame> loaded) {
   context_.frame = std::move(loaded);
   hintAtNames();
   pointer_.leaveFrame();
-  scenery_.takeFrame(*playback_.current());
+  sceneView_.takeFrame(*playback_.current());
   arrange();
-  scenery_.lookAtFirstPoints();
-  if (scenery_.meshOn()) wantMesh();
-  if (scenery_.meshItem.there() != scenery_.meshSeen()) placeMesh();
+  sceneView_.lookAtFirstPoints();
+  if (sceneView_.meshOn()) wantMesh();
+  if (sceneView_.meshItem.exists() != sceneView_.meshSeen()) placeMesh();
 }
 
 // Updates everything that depends on the frame and the layout.
 void ViewSession::arrange() {
   clouds_.arrange();
-  scenery_.placeClouds();
+  sceneView_.placeClouds();
   applyFilter();
-  scenery_.placeGuides();
+  sceneView_.placeGuides();
   pointer_.placeMeasure();
-  scenery_.placeMeshLook();
+  sceneView_.placeMeshLook();
 }
 
 void ViewSession::applyFilter() {
   clouds_.applyFilter();
-  scenery_.applyFilter();
-  scenery_.placeBoxes();
+  sceneView_.applyFilter();
+  sceneView_.placeBoxes();
   pointer_.hover.reset();
 }
 
@@ -168,25 +169,25 @@ void ViewSession::wantMesh() {
   if (!playback_.current()) return;
   std::string why;
   const auto choice = context_.source->scene(*playback_.current(), why);
-  scenery_.meshProblem.clear();
+  sceneView_.meshProblem.clear();
   if (!choice) {
-    scenery_.meshWanted.reset();
-    if (scenery_.mesh) takeMesh(nullptr);
-    scenery_.meshProblem = context_.source->isScene() ? why : "no mesh: " + why;
+    sceneView_.meshWanted.reset();
+    if (sceneView_.mesh) takeMesh(nullptr);
+    sceneView_.meshProblem = context_.source->isScene() ? why : "no mesh: " + why;
     return;
   }
-  scenery_.meshWanted = choice;
+  sceneView_.meshWanted = choice;
   playback_.loader().wantMesh(*choice);
   takeWhatIsLoaded();
 }
 
 void ViewSession::takeMesh(std::shared_ptr<const ViewMesh> loaded) {
-  scenery_.takeMesh(std::move(loaded));
+  sceneView_.takeMesh(std::move(loaded));
   pointer_.hover.reset();
 }
 
 void ViewSession::placeMesh() {
-  scenery_.placeMesh();
+  sceneView_.placeMesh();
   pointer_.hover.reset();
 }
 
@@ -194,7 +195,7 @@ std::vector<std::string> ViewSession::problems() const {
   std::vector<std::string> all;
   if (context_.frame) all = context_.frame->problems;
   for (const std::string* one :
-       {&clouds_.colorProblem, &scenery_.meshProblem, &clouds_.stripProblem, &clouds_.instanceProblem}) {
+       {&clouds_.colorProblem, &sceneView_.meshProblem, &clouds_.stripProblem, &clouds_.instanceProblem}) {
     if (!one->empty() && std::ranges::find(all, *one) == all.end()) all.push_back(*one);
   }
   return all;
@@ -202,37 +203,37 @@ std::vector<std::string> ViewSession::problems() const {
 
 void ViewSession::refresh() {
   panels_.arrange();
-  context_.drawing.setViews(panels_.views());
+  context_.redraw.setViews(panels_.views());
 }
 
 void ViewSession::updateHover() {
-  const bool covered = panels_.help || panels_.toolkit.hasPointer();
+  const bool covered = panels_.help || panels_.imgui.hasPointer();
   pointer_.updateHover(covered, panels_.overStrip && !panels_.help ? std::optional(panels_.stripRect()) : std::nullopt);
 }
 
 void ViewSession::flush(bool whole) {
-  const double began = context_.drawing.now();
+  const double began = context_.redraw.now();
   const Changes& changes = context_.changes;
   if (changes.views || changes.items || changes.panels) refresh();
   if (changes.items && pointer_.pinned && !pointer_.isShown(*pointer_.pinned)) pointer_.pinned.reset();
   // When the picture changes, another point may be under the pointer, even if the pointer rests.
   if (changes.hover || changes.views || changes.items) {
-    const bool held = panels_.toolkit.hasPointer();
+    const bool held = panels_.imgui.hasPointer();
     runPanels();
-    if (held || panels_.toolkit.hasPointer())
+    if (held || panels_.imgui.hasPointer())
       context_.changes.panels = true;  // panels highlight their parts under the pointer
     updateHover();
   }
-  pointer_.lightInstance();
+  pointer_.highlightInstance();
   pointer_.placeBeam();
-  if (changes.views || changes.items || changes.panels || changes.light) {
+  if (changes.views || changes.items || changes.panels || changes.highlight) {
     panels_.addLabels();
     runPanels();
     runPanels();  // sizes that depend on contents are known in the second run
   }
   std::uint64_t points = 0;
   for (const ShownCloud& cloud : clouds_.list) points += cloud.visible;
-  context_.drawing.draw(whole, points, clouds_.list.size(), began);
+  context_.redraw.draw(whole, points, clouds_.list.size(), began);
 }
 
 }  // namespace scanmill

@@ -9,12 +9,12 @@
 #include <utility>
 #include <vector>
 
-#include "viewer/window/clouds.h"
-#include "viewer/window/panels.h"
+#include "viewer/window/panel_contents.h"
 #include "viewer/window/playback.h"
 #include "viewer/window/pointer.h"
-#include "viewer/window/scenery.h"
+#include "viewer/window/scene_view.h"
 #include "viewer/window/session_context.h"
+#include "viewer/window/shown_clouds.h"
 #include "viewer/window/view_keys.h"
 #include "viewer/window/view_options.h"
 
@@ -39,8 +39,8 @@ class ViewSession {
   // Returns the picture that settle() has drawn.
   Image picture() { return context_.canvas.read(); }
 
-  const OrbitCamera& camera() const { return scenery_.camera; }
-  void setCamera(const OrbitCamera& camera) { scenery_.setCamera(camera); }
+  const OrbitCamera& camera() const { return sceneView_.camera; }
+  void setCamera(const OrbitCamera& camera) { sceneView_.setCamera(camera); }
   // Returns the point or the triangle at a pixel of the canvas.
   std::optional<PickedThing> pick(int x, int y);
   // Selects a point or a triangle as a click does.
@@ -94,15 +94,15 @@ class ViewSession {
   void drawStrip();
   void drawFrameBar();
   void drawPrompt();
-  void drawTips();
+  void drawTooltip();
 
   // Each part uses only the parts that are listed before it.
   SessionContext context_;
   Playback playback_;
-  Clouds clouds_;
-  Scenery scenery_;
+  ShownClouds clouds_;
+  SceneView sceneView_;
   Pointer pointer_;
-  Panels panels_;
+  PanelContents panels_;
   bool quit_ = false;
 };
 

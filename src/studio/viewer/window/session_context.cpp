@@ -13,10 +13,10 @@
 
 namespace scanmill {
 
-void SessionContext::say(const std::string& text, double seconds) {
+void SessionContext::notify(const std::string& text, double seconds) {
   // A notice that a key causes replaces older notices of the same key.
   std::erase_if(notices, [&](const ViewNotice& n) { return n.text == text || (acting && n.cause == acting); });
-  notices.push_back({text, drawing.now() + seconds, acting});
+  notices.push_back({text, redraw.now() + seconds, acting});
   changes.panels = true;
 }
 
@@ -24,11 +24,11 @@ void SessionContext::hint(const std::string& text) {
   constexpr double kSeconds = 15;
   if (std::ranges::find(hints, text) != hints.end()) return;
   hints.push_back(text);
-  say(text, kSeconds);
+  notify(text, kSeconds);
 }
 
-bool SessionContext::forgetNotices() {
-  const double now = drawing.now();
+bool SessionContext::removeOldNotices() {
+  const double now = redraw.now();
   return std::erase_if(notices, [&](const ViewNotice& n) { return n.until < now; }) > 0;
 }
 

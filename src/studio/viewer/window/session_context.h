@@ -16,7 +16,7 @@
 #include "scene/ontology.h"
 #include "viewer/canvas/canvas.h"
 #include "viewer/frames/frame_source.h"
-#include "viewer/window/drawing.h"
+#include "viewer/window/redraw.h"
 #include "viewer/window/view_keys.h"
 #include "viewer/window/view_options.h"
 
@@ -47,7 +47,7 @@ class ClassFilter {
 // A message that is shown for some seconds.
 struct ViewNotice {
   std::string text;
-  double until = 0;                 // time of Drawing::now() at which the message disappears (s)
+  double until = 0;                 // time of RedrawScheduler::now() at which the message disappears (s)
   std::optional<KeyMeaning> cause;  // the key that caused the message
 };
 
@@ -66,24 +66,24 @@ struct SessionContext {
       : source(std::move(frames)),
         canvas(drawnOn),
         options(chosen),
-        drawing(drawnOn),
+        redraw(drawnOn),
         filter{ClassFilter(chosen.hidden, chosen.only, source->ontology()),
                {chosen.instances.begin(), chosen.instances.end()},
                chosen.closeUp,
                {}} {}
 
   // Shows a message for some seconds.
-  void say(const std::string& text, double seconds = 4);
-  // Shows a message for longer than say() does by default. The same message is shown only once in a session.
+  void notify(const std::string& text, double seconds = 4);
+  // Shows a message for longer than notify() does by default. The same message is shown only once in a session.
   void hint(const std::string& text);
   // Removes the notices whose time is over. Returns true if there was at least one.
-  bool forgetNotices();
+  bool removeOldNotices();
 
   std::shared_ptr<const FrameSource> source;
   Canvas& canvas;
   ViewOptions options;  // the options at the start, changed by the user's actions since
-  Drawing drawing;
-  Changes& changes = drawing.changes;
+  RedrawScheduler redraw;
+  Changes& changes = redraw.changes;
   std::shared_ptr<const ViewFrame> frame;  // the frame that is shown; null: no frame has been loaded yet
   ShownFilter filter;
   std::vector<ViewNotice> notices;

@@ -27,8 +27,8 @@ bool ViewSession::handle(const CanvasEvent& event) {
     case CanvasEvent::Kind::Close:
       return false;
     case CanvasEvent::Kind::Key:
-      if (panels_.prompt || panels_.toolkit.hasKeys()) {
-        panels_.toolkit.take(event);
+      if (panels_.prompt || panels_.imgui.hasKeys()) {
+        panels_.imgui.take(event);
         runPanels();
         context_.changes.panels = true;
       } else {
@@ -38,30 +38,30 @@ bool ViewSession::handle(const CanvasEvent& event) {
     case CanvasEvent::Kind::Down:
     case CanvasEvent::Kind::Up:
     case CanvasEvent::Kind::Wheel:
-      // Panels receive the event first. Views receive every release, but presses and the wheel only if no panel uses
-      // them.
-      panels_.toolkit.take(event);
+      // Panels receive the event first. Views receive every release, but presses and the wheel only if no panel
+      // uses them.
+      panels_.imgui.take(event);
       runPanels();
       context_.changes.panels = true;
       if (event.kind == CanvasEvent::Kind::Up) {
         pointer_.release(event);
-      } else if (panels_.toolkit.hasPointer()) {
+      } else if (panels_.imgui.hasPointer()) {
         break;
       } else if (event.kind == CanvasEvent::Kind::Down) {
         pointer_.press(event);
       } else if (std::isfinite(event.amount)) {
-        OrbitCamera zoomed = scenery_.camera;
+        OrbitCamera zoomed = sceneView_.camera;
         zoomed.zoom(std::clamp(event.amount, -20.0, 20.0));
-        scenery_.setCamera(zoomed);
+        sceneView_.setCamera(zoomed);
       }
       break;
     case CanvasEvent::Kind::Move:
-      panels_.toolkit.take(event);
+      panels_.imgui.take(event);
       pointer_.moveTo(event);
       break;
     case CanvasEvent::Kind::Resize:
       context_.changes.views = true;
-      scenery_.placeClouds();
+      sceneView_.placeClouds();
       break;
     case CanvasEvent::Kind::Redraw:
       context_.changes.items = context_.changes.panels = true;
@@ -72,7 +72,7 @@ bool ViewSession::handle(const CanvasEvent& event) {
   }
   if (quit_) return false;
   const bool passing = event.kind == CanvasEvent::Kind::Move || event.kind == CanvasEvent::Kind::Wheel;
-  if (!passing || context_.drawing.mayFollowPointer()) {
+  if (!passing || context_.redraw.mayFollowPointer()) {
     flush(false);
     for (const std::string& problem : problems()) warn(problem);  // warn() prints each text only once
     for (const std::string& text : context_.hints) warn(text);
@@ -83,16 +83,16 @@ bool ViewSession::handle(const CanvasEvent& event) {
 void ViewSession::tick() {
   // The time is read before takeWhatIsLoaded() shows a frame, so that playback_.tick() does not replace the frame
   // before it is drawn.
-  const double now = context_.drawing.now();
+  const double now = context_.redraw.now();
   takeWhatIsLoaded();
   // Reading ahead must not delay the first picture.
-  if (playback_.settled() && context_.drawing.drawnOnce()) playback_.readAhead();
+  if (playback_.settled() && context_.redraw.drawnOnce()) playback_.readAhead();
   if (playback_.tick(now)) {
     context_.changes.panels = true;
     takeWhatIsLoaded();
   }
-  if (context_.forgetNotices()) context_.changes.panels = true;
-  if (!playback_.playing() && pointer_.drag.button == 0 && context_.drawing.wholeIsDue()) flush(true);
+  if (context_.removeOldNotices()) context_.changes.panels = true;
+  if (!playback_.playing() && pointer_.drag.button == 0 && context_.redraw.allPointsDue()) flush(true);
 }
 
 void ViewSession::key(const CanvasEvent& event) {
@@ -113,7 +113,7 @@ void ViewSession::act(const KeyMeaning& meaning) {
     arrange();
   };
   if (context_.source->isScene()) {
-    if (const std::string why = sceneLacks(meaning); !why.empty()) return context_.say(why);
+    if (const std::string why = sceneLacks(meaning); !why.empty()) return context_.notify(why);
   }
   switch (meaning.action) {
     case KeyAction::StepColor:
@@ -123,9 +123,9 @@ void ViewSession::act(const KeyMeaning& meaning) {
     case KeyAction::AutomaticScale:
       return clouds_.resetScales();
     case KeyAction::ResizePoints:
-      context_.options.pointSize = std::clamp(scenery_.pointSize() + meaning.number, 1.0, 20.0);
-      scenery_.placeClouds();
-      return context_.say(fmt::format("points of {:.0f} px", context_.options.pointSize));
+      context_.options.pointSize = std::clamp(sceneView_.pointSize() + meaning.number, 1.0, 20.0);
+      sceneView_.placeClouds();
+      return context_.notify(fmt::format("points of {:.0f} px", context_.options.pointSize));
     case KeyAction::NextBackground: {
       const auto is = std::ranges::find(kBackgrounds, context_.options.background);
       context_.options.background =
@@ -138,29 +138,30 @@ void ViewSession::act(const KeyMeaning& meaning) {
     case KeyAction::ToggleBoxes: {
       context_.changes.views = true;
       if (context_.frame && context_.frame->objects.empty()) {
-        scenery_.instanceBoxes = !scenery_.instanceBoxes;
-        scenery_.placeGuides();
-        return context_.say(fmt::format("boxes about instances' points {}", scenery_.instanceBoxes ? "on" : "off"));
+        sceneView_.instanceBoxes = !sceneView_.instanceBoxes;
+        sceneView_.placeGuides();
+        return context_.notify(
+            fmt::format("boxes about instances' points {}", sceneView_.instanceBoxes ? "on" : "off"));
       }
       constexpr std::size_t kChoices = kBoxChoiceNames.size();
       context_.options.boxes =
           static_cast<BoxChoice>((static_cast<std::size_t>(context_.options.boxes) + 1) % kChoices);
-      scenery_.placeGuides();
+      sceneView_.placeGuides();
       constexpr std::array<const char*, kChoices> kSaid{"of road users", "of all objects", "off"};
-      return context_.say(fmt::format("boxes {}", kSaid[static_cast<std::size_t>(context_.options.boxes)]));
+      return context_.notify(fmt::format("boxes {}", kSaid[static_cast<std::size_t>(context_.options.boxes)]));
     }
     case KeyAction::ToggleProjection: {
-      OrbitCamera other = scenery_.camera;
+      OrbitCamera other = sceneView_.camera;
       other.orthographic = !other.orthographic;
-      scenery_.setCamera(other);
-      return context_.say(other.orthographic ? "orthographic" : "perspective");
+      sceneView_.setCamera(other);
+      return context_.notify(other.orthographic ? "orthographic" : "perspective");
     }
     case KeyAction::PresetView:
-      return scenery_.setCamera(scenery_.preset(static_cast<View>(meaning.number)));
+      return sceneView_.setCamera(sceneView_.preset(static_cast<View>(meaning.number)));
     case KeyAction::TurnAbout:
       return pointer_.turnAbout();
     case KeyAction::ResetView:
-      return scenery_.setCamera(scenery_.firstCamera());
+      return sceneView_.setCamera(sceneView_.firstCamera());
     case KeyAction::StepFrames:
       return stepBy(meaning.number);
     case KeyAction::FirstFrame:
@@ -177,12 +178,12 @@ void ViewSession::act(const KeyMeaning& meaning) {
       return;
     case KeyAction::ToggleOverlay:
       if (context_.frame && context_.frame->scans.size() < 2)
-        return context_.say("the sample has no other scan to lay over it");
+        return context_.notify("the sample has no other scan to lay over it");
       return setLayout(ViewLayout::Overlay);
     case KeyAction::ToggleSplit:
       return setLayout(ViewLayout::Split);
     case KeyAction::NextView:
-      if (clouds_.viewCount() < 2) return context_.say("there is one view only; s splits it");
+      if (clouds_.viewCount() < 2) return context_.notify("there is one view only; s splits it");
       // Each press activates the next view; after the last view, all views are active if they show different scans.
       clouds_.activeView = clouds_.activeView ? *clouds_.activeView + 1 : 0;
       if (*clouds_.activeView >= clouds_.viewCount()) clouds_.activeView.reset();
@@ -190,7 +191,7 @@ void ViewSession::act(const KeyMeaning& meaning) {
       context_.changes.items = context_.changes.panels = true;
       return clouds_.makeStrip();
     case KeyAction::NextScan:
-      if (!context_.frame || context_.frame->scans.size() < 2) return context_.say("the sample has no other scan");
+      if (!context_.frame || context_.frame->scans.size() < 2) return context_.notify("the sample has no other scan");
       clouds_.scanName = context_.frame->scans[(clouds_.shownScan() + 1) % context_.frame->scans.size()].name;
       context_.options.layout = ViewLayout::One;
       return arrange();
@@ -221,23 +222,23 @@ void ViewSession::act(const KeyMeaning& meaning) {
 }
 
 void ViewSession::switchOption(bool ViewOptions::*option) {
-  if (option == &ViewOptions::trajectory && scenery_.trajectory.size() < 2) {
-    return context_.say("there is no trajectory");
+  if (option == &ViewOptions::trajectory && sceneView_.trajectory.size() < 2) {
+    return context_.notify("there is no trajectory");
   }
   bool& on = context_.options.*option;
   on = !on;
   context_.changes.views = true;
-  scenery_.placeGuides();
+  sceneView_.placeGuides();
   if (option == &ViewOptions::rangeImage) clouds_.makeStrip();
   if (option != &ViewOptions::mesh) return;
-  scenery_.meshProblem.clear();
+  sceneView_.meshProblem.clear();
   if (on) wantMesh();
   placeMesh();
 }
 
 void ViewSession::escape() {
   context_.changes.panels = true;
-  if (panels_.toolkit.closeMenus()) return;
+  if (panels_.imgui.closeMenus()) return;
   if (panels_.help) {
     panels_.help = false;
   } else if (pointer_.measuring || !pointer_.ends.empty()) {
@@ -249,7 +250,7 @@ void ViewSession::escape() {
   } else if (playback_.playing()) {
     playback_.stop();
   } else {
-    context_.say("q quits");
+    context_.notify("q quits");
   }
 }
 
@@ -257,35 +258,36 @@ void ViewSession::chooseColor(const ColorBy& by) {
   if (!context_.source->isScene()) return clouds_.chooseColor(by);
   const auto name = std::ranges::find(kMeshColorNames, by.name());
   if (name != kMeshColorNames.end()) {
-    scenery_.chooseMeshColor(static_cast<MeshColor>(name - kMeshColorNames.begin()));
+    sceneView_.chooseMeshColor(static_cast<MeshColor>(name - kMeshColorNames.begin()));
   }
 }
 
 void ViewSession::cycleColor(int step) {
   if (!context_.source->isScene()) return clouds_.cycleColor(step);
   constexpr auto kColors = static_cast<int>(kMeshColorNames.size());
-  scenery_.chooseMeshColor(static_cast<MeshColor>((static_cast<int>(scenery_.meshColor) + step + kColors) % kColors));
+  sceneView_.chooseMeshColor(
+      static_cast<MeshColor>((static_cast<int>(sceneView_.meshColor) + step + kColors) % kColors));
 }
 
 void ViewSession::toggleWorld() {
-  const auto newFromOld = scenery_.toggleWorld();
-  if (!newFromOld) return context_.say("the poses of the scans are not known");
+  const auto newFromOld = sceneView_.toggleWorld();
+  if (!newFromOld) return context_.notify("the poses of the scans are not known");
   pointer_.moveBy(*newFromOld);
-  context_.say(scenery_.world ? "standing in the world" : "following the sensor");
+  context_.notify(sceneView_.world ? "standing in the world" : "following the sensor");
 }
 
 void ViewSession::toggleAlone() {
   if (!context_.filter.instances.empty()) {
     context_.filter.instances.clear();
     applyFilter();
-    return context_.say("all instances");
+    return context_.notify("all instances");
   }
   refresh();  // the last moves of the pointer may not have been processed yet
   updateHover();
   const PickedThing* const thing = pointer_.shown();
-  if (thing == nullptr) return context_.say("nothing lies there: point at an instance");
+  if (thing == nullptr) return context_.notify("nothing lies there: point at an instance");
   const auto id = pointer_.instanceOf(*thing);
-  if (!id) return context_.say("what lies there is of no instance");
+  if (!id) return context_.notify("what lies there is of no instance");
   context_.filter.instances = {*id};
   applyFilter();
 }
@@ -295,10 +297,10 @@ void ViewSession::savePicture() {
   context_.changes.panels = true;
   flush(true);
   try {
-    context_.say(
-        fmt::format("saved {}; its camera: {}", savePictureOf(context_.canvas).string(), scenery_.cameraText()));
+    context_.notify(
+        fmt::format("saved {}; its camera: {}", savePictureOf(context_.canvas).string(), sceneView_.cameraText()));
   } catch (const Error& e) {
-    context_.say(e.what());
+    context_.notify(e.what());
     warn(e.what());
   }
 }

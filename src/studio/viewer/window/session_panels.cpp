@@ -18,21 +18,21 @@ namespace scanmill {
 
 // Draws all panels once and executes what the user has clicked.
 void ViewSession::runPanels() {
-  panels_.toolkit.frame([&] { drawPanels(); });
+  panels_.imgui.frame([&] { drawPanels(); });
 }
 
 void ViewSession::drawPanels() {
   panels_.overStrip = false;
   drawLabels(panels_.labels,
-             {0, panels_.rooms.body.top, context_.canvas.width(), context_.canvas.height() - panels_.rooms.body.top});
-  for (std::size_t v = 0; v < std::min(panels_.panes.size(), context_.drawing.views().size()); ++v) {
-    drawMessage(context_.drawing.views()[v].rect, panels_.panes[v].message);
+             {0, panels_.rects.body.top, context_.canvas.width(), context_.canvas.height() - panels_.rects.body.top});
+  for (std::size_t v = 0; v < std::min(panels_.panes.size(), context_.redraw.views().size()); ++v) {
+    drawMessage(context_.redraw.views()[v].rect, panels_.panes[v].message);
     if (panels_.panes.size() > 1)
-      drawCaption(context_.drawing.views()[v].rect, panels_.panes[v].caption, panels_.panes[v].active);
+      drawCaption(context_.redraw.views()[v].rect, panels_.panes[v].caption, panels_.panes[v].active);
   }
   if (context_.options.bare) return;
-  context_.options.still ? titleRow(panels_.rooms.title, panels_.title(), panels_.summary()) : drawMenus();
-  panelAt("##side", panels_.rooms.side, !context_.options.still, [&] {
+  context_.options.still ? titleRow(panels_.rects.title, panels_.title(), panels_.summary()) : drawMenus();
+  panelAt("##side", panels_.rects.side, !context_.options.still, [&] {
     if (!context_.options.still) drawColumns();
     drawLegends(true);
     if (pointer_.pinned) {
@@ -52,9 +52,9 @@ void ViewSession::drawPanels() {
     drawFrameBar();
     std::vector<std::string> said;
     for (const ViewNotice& notice : context_.notices) said.push_back(notice.text);
-    if (messages(panels_.rooms.body, problems(), said)) {  // the frame's own problems cannot be dismissed
+    if (messages(panels_.rects.body, problems(), said)) {  // the frame's own problems cannot be dismissed
       clouds_.colorProblem.clear();
-      scenery_.meshProblem.clear();
+      sceneView_.meshProblem.clear();
       clouds_.stripProblem.clear();
       clouds_.instanceProblem.clear();
       context_.changes.panels = true;
@@ -62,17 +62,17 @@ void ViewSession::drawPanels() {
     if (panels_.prompt) drawPrompt();
     if (panels_.help && !helpWindow(viewKeys())) panels_.help = false;
   }
-  drawTips();
+  drawTooltip();
 }
 
 // True if what the command switches is on.
 bool ViewSession::isOn(const KeyMeaning& meaning) const {
   using enum KeyAction;
   if (meaning.option != nullptr) return context_.options.*meaning.option;
-  if (meaning.action == ToggleBoxes) return scenery_.instanceBoxes;
+  if (meaning.action == ToggleBoxes) return sceneView_.instanceBoxes;
   return (meaning.action == ToggleOverlay && clouds_.overlaid()) ||
          (meaning.action == ToggleSplit && context_.options.layout == ViewLayout::Split) ||
-         (meaning.action == ToggleWorld && scenery_.world) ||
+         (meaning.action == ToggleWorld && sceneView_.world) ||
          (meaning.action == InstanceAlone && !context_.filter.instances.empty());
 }
 
@@ -109,7 +109,7 @@ void ViewSession::drawColumns() {
   std::string shown;
   if (context_.source->isScene()) {
     for (const std::string_view name : kMeshColorNames) all.emplace_back(std::string(name));
-    shown = kMeshColorNames[static_cast<std::size_t>(scenery_.meshColor)];
+    shown = kMeshColorNames[static_cast<std::size_t>(sceneView_.meshColor)];
   } else if (!clouds_.list.empty() && !clouds_.overlaid()) {
     const std::size_t view = clouds_.activeView.value_or(0);
     const ShownCloud* const cloud = clouds_.inView(view);
@@ -158,7 +158,7 @@ void ViewSession::drawLegends(bool ofScales) {
           std::ranges::any_of(legend.entries, [](const LegendEntry& entry) { return entry.id >= 0; });
       const LegendUse use = legendRows(legend, hidden, clickable, context_.options.still);
       if (use.all) act({KeyAction::ShowAllClasses});
-      if (use.entry) pressLegend(legend.entries[*use.entry], panels_.toolkit.shift() || panels_.toolkit.clicks() == 2);
+      if (use.entry) pressLegend(legend.entries[*use.entry], panels_.imgui.shift() || panels_.imgui.clicks() == 2);
     });
   }
 }
@@ -185,7 +185,7 @@ void ViewSession::pressLegend(const LegendEntry& entry, bool alone) {
 }
 
 void ViewSession::drawStrip() {
-  if (!clouds_.strip || panels_.rooms.strip.height < 1) return;
+  if (!clouds_.strip || panels_.rects.strip.height < 1) return;
   const PixelRect rect = panels_.stripRect();
   std::optional<std::pair<double, double>> mark;
   const PickedThing* const thing = pointer_.shown();
@@ -198,9 +198,9 @@ void ViewSession::drawStrip() {
       context_.frame->scans[clouds_.list[clouds_.stripCloud].scan].name + ": " + describeStrip(*clouds_.strip);
   bool pressed = false;
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, ImGui::GetFontSize() * 0.2F});
-  panelAt("##strip", panels_.rooms.strip, false, [&] {
+  panelAt("##strip", panels_.rects.strip, false, [&] {
     ImGui::SetCursorPosX(ImGui::GetFontSize() * 0.5F);
-    if (rect.top > panels_.rooms.strip.top) ImGui::TextDisabled("%s", caption.c_str());
+    if (rect.top > panels_.rects.strip.top) ImGui::TextDisabled("%s", caption.c_str());
     panels_.overStrip = imageAt(kStripImage, rect, mark);
     pressed = panels_.overStrip && ImGui::IsMouseClicked(0);
   });
@@ -219,7 +219,7 @@ void ViewSession::drawFrameBar() {
                      .key = context_.source->keys()[requested],
                      .busy = playback_.busy(),
                      .playing = playback_.playing()};
-  const FrameBarUse use = frameBar(panels_.rooms.bar, bar);
+  const FrameBarUse use = frameBar(panels_.rects.bar, bar);
   if (use.play) togglePlaying();
   if (use.frame && *use.frame != requested) {
     playback_.stop();
@@ -229,12 +229,13 @@ void ViewSession::drawFrameBar() {
 
 void ViewSession::drawPrompt() {
   constexpr std::size_t kMost = 200;
-  const float letter = ImGui::GetFontSize();
-  const float middle = static_cast<float>(panels_.rooms.body.left) + static_cast<float>(panels_.rooms.body.width) / 2;
-  const auto wide = static_cast<float>(panels_.rooms.body.width);
-  const auto high = static_cast<float>(panels_.rooms.body.height);
-  ImGui::SetNextWindowPos({middle, static_cast<float>(panels_.rooms.body.top) + letter}, ImGuiCond_Always, {0.5F, 0});
-  ImGui::SetNextWindowSize({std::min(letter * 28, wide), std::min(letter * 22, high - 2 * letter)});
+  const float lineHeight = ImGui::GetFontSize();
+  const float middle = static_cast<float>(panels_.rects.body.left) + static_cast<float>(panels_.rects.body.width) / 2;
+  const auto wide = static_cast<float>(panels_.rects.body.width);
+  const auto high = static_cast<float>(panels_.rects.body.height);
+  ImGui::SetNextWindowPos({middle, static_cast<float>(panels_.rects.body.top) + lineHeight}, ImGuiCond_Always,
+                          {0.5F, 0});
+  ImGui::SetNextWindowSize({std::min(lineHeight * 28, wide), std::min(lineHeight * 22, high - 2 * lineHeight)});
   ImGui::Begin("Go to sample", nullptr,
                ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse |
                    ImGuiWindowFlags_NoSavedSettings);
@@ -263,16 +264,16 @@ void ViewSession::drawPrompt() {
     goTo(findFrame(*context_.source, *chosen), 1);
     panels_.prompt.reset();
   } catch (const InputError& e) {
-    context_.say(e.what());
+    context_.notify(e.what());
   }
 }
 
 // Draws the tooltip beside the pointer.
-void ViewSession::drawTips() {
+void ViewSession::drawTooltip() {
   const bool told = pointer_.pinned && pointer_.hover && pointer_.pinned->scan == pointer_.hover->scan &&
                     pointer_.pinned->point == pointer_.hover->point;
   if (pointer_.hover && !told && !pointer_.measuring && !panels_.help)
-    tip(pointer_.hover->heading, pointer_.colorOf(*pointer_.hover), pointer_.hover->brief, pointer_.hover->alarm);
+    tooltip(pointer_.hover->heading, pointer_.colorOf(*pointer_.hover), pointer_.hover->brief, pointer_.hover->alarm);
 }
 
 void ViewSession::drawInstances() {
@@ -290,7 +291,7 @@ void ViewSession::drawInstances() {
   }
   ImGui::TableHeadersRow();
   std::vector<const InstanceSummary*> rows;
-  for (const InstanceSummary& instance : scenery_.instances()) rows.push_back(&instance);
+  for (const InstanceSummary& instance : sceneView_.instances()) rows.push_back(&instance);
   if (const ImGuiTableSortSpecs* const sort = ImGui::TableGetSortSpecs(); sort != nullptr && sort->SpecsCount > 0) {
     const auto value = [&](const InstanceSummary* instance) {
       const std::array<double, 4> columns{static_cast<double>(classOf(*instance)), static_cast<double>(instance->id),

@@ -6,8 +6,8 @@
 #include <set>
 
 #include "tests/studio/viewer/window/session_world.h"
+#include "viewer/window/canvas_items.h"
 #include "viewer/window/session.h"
-#include "viewer/window/session_items.h"
 
 namespace scanmill {
 namespace {

@@ -10,9 +10,9 @@
 #include "tests/support/temporary_folder.h"
 #include "viewer/frames/view_mesh.h"
 #include "viewer/image.h"
+#include "viewer/window/canvas_items.h"
 #include "viewer/window/picked_rows.h"
-#include "viewer/window/scenery.h"
-#include "viewer/window/session_items.h"
+#include "viewer/window/scene_view.h"
 
 namespace scanmill {
 namespace {

@@ -10,7 +10,7 @@
 #include "tests/studio/viewer/window/session_world.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
-#include "viewer/window/session_items.h"
+#include "viewer/window/canvas_items.h"
 #include "viewer/window/view_keys.h"
 
 namespace scanmill {
@@ -50,7 +50,7 @@ std::map<std::string, std::string> aspectsOf(const SessionWorld& world) {
   put("edges", first.depthEdges);
   put("views", world.canvas.views().size());
   for (const auto& [id, item] : world.canvas.items) {
-    if (item.kind == FakeCanvas::Item::Kind::Points && id != kLitItem) {
+    if (item.kind == FakeCanvas::Item::Kind::Points && id != kHighlightItem) {
       put("clouds", id, item.look.views);
       put("size", item.look.size);
       put("frame", item.look.canvasFromItem.translation.x, item.places.front().x);

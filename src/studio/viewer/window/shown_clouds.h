@@ -29,8 +29,8 @@ struct ShownCloud {
   std::uint64_t visible = 0;          // number of finite points that are shown
 };
 
-struct Clouds {
-  explicit Clouds(SessionContext& context);
+struct ShownClouds {
+  explicit ShownClouds(SessionContext& context);
 
   // Creates the canvas items of the frame's scans for the current layout, and removes those of other scans.
   void arrange();

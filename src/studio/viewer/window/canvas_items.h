@@ -26,7 +26,7 @@ constexpr ItemId cloudItem(std::size_t cloud) {
   return static_cast<ItemId>(100 + cloud);
 }
 constexpr ImageId kStripImage = 2;
-constexpr ItemId kLitItem = 1'000'000;  // outline of the instance that is under the pointer or was clicked
+constexpr ItemId kHighlightItem = 1'000'000;  // outline of the instance that is under the pointer or was clicked
 
 // A canvas item, which may not exist yet. The canvas refuses to change a missing item; here, changes do nothing until
 // setPoints() or setTriangles() has created the item.
@@ -34,36 +34,36 @@ class CanvasItem {
  public:
   CanvasItem(Canvas& canvas, ItemId id) : canvas_(canvas), id_(id) {}
 
-  bool there() const { return there_; }
+  bool exists() const { return exists_; }
   void setPoints(std::span<const Vec3f> positions, std::span<const Rgb> colors) {
     canvas_.setPoints(id_, positions, colors);
-    there_ = true;
+    exists_ = true;
   }
   void setTriangles(std::span<const Vec3f> corners, std::span<const Rgb> colors) {
     canvas_.setTriangles(id_, corners, colors);
-    there_ = true;
+    exists_ = true;
   }
   void setColors(std::span<const Rgb> colors) {
-    if (there_) canvas_.setColors(id_, colors);
+    if (exists_) canvas_.setColors(id_, colors);
   }
   void setLook(const ItemLook& look) {
-    if (there_) canvas_.setLook(id_, look);
+    if (exists_) canvas_.setLook(id_, look);
   }
   void showAll() {
-    if (there_) canvas_.showAll(id_);
+    if (exists_) canvas_.showAll(id_);
   }
   void showOnly(std::span<const std::uint32_t> indices) {
-    if (there_) canvas_.showOnly(id_, indices);
+    if (exists_) canvas_.showOnly(id_, indices);
   }
   void drop() {
     canvas_.drop(id_);
-    there_ = false;
+    exists_ = false;
   }
 
  private:
   Canvas& canvas_;
   ItemId id_;
-  bool there_ = false;
+  bool exists_ = false;
 };
 
 // Line segments: two ends (m) and one colour per segment.

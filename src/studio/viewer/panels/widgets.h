@@ -1,6 +1,6 @@
 #pragma once
 
-// Parts of panels that are used in all sessions of the viewer. All functions must be called within Toolkit::frame().
+// Parts of panels that are used in all sessions of the viewer. All functions must be called within ImGuiLayer::frame().
 
 #include <cstddef>
 #include <functional>
@@ -13,7 +13,7 @@
 #include "viewer/canvas/canvas.h"
 #include "viewer/coloring.h"
 #include "viewer/image.h"
-#include "viewer/panels/toolkit.h"
+#include "viewer/panels/imgui_layer.h"
 
 namespace scanmill {
 
@@ -54,19 +54,19 @@ LegendUse legendRows(const Legend& legend, const std::vector<bool>& hidden, bool
 std::optional<ScaleRange> scaleBar(const Legend& legend, bool still);
 // Returns the rectangle of a legend in a picture whose contents are in `body`: at their right side or, if the picture
 // would be wider than `mostWidth` pixels, below them. It is high enough for all entries, and empty if there are none.
-PixelRect legendRect(const Legend& legend, const PixelRect& body, double letter, int mostWidth);
+PixelRect legendRect(const Legend& legend, const PixelRect& body, double lineHeight, int mostWidth);
 // Draws the entries or the scale of a legend in a picture, in a panel in `rect`.
 void legendPanel(const Legend& legend, const PixelRect& rect);
 
-void words(const std::string& text);
+void textLine(const std::string& text);
 // Draws a text at a position (pixels of the canvas), shortened to `width` pixels.
-void wordsAt(double x, double y, double width, const std::string& text);
+void textAt(double x, double y, double width, const std::string& text);
 
 // Draws a table of names and values. The row with the name `alarm` is highlighted as a warning.
 void valueRows(const char* id, const NamedValues& rows, const std::string& alarm = "");
 void heading(const std::string& text, const Rgb& color);
 // Draws a tooltip beside the pointer.
-void tip(const std::string& title, const Rgb& color, const NamedValues& rows, const std::string& alarm = "");
+void tooltip(const std::string& title, const Rgb& color, const NamedValues& rows, const std::string& alarm = "");
 
 // Draws an image from setImage() in a rectangle, clipped at the panel's edge, with a ring around `mark` (pixels of the
 // canvas). Returns true if the pointer is over the image.
@@ -91,24 +91,24 @@ bool messages(const PixelRect& within, const std::vector<std::string>& problems,
 // Draws a window with the list of keys and their functions. Returns false if the user has closed it.
 bool helpWindow(const NamedValues& keys);
 
-class PictureBoard {
+class PanelPicture {
  public:
-  // `width`, `height`: in pixels. `letter`: height of a line of text in pixels, see Toolkit. Throws Error like
+  // `width`, `height`: in pixels. `lineHeight`: height of a line of text in pixels, see ImGuiLayer. Throws Error like
   // openOffscreen().
-  PictureBoard(int width, int height, double letter)
-      : canvas_(openOffscreen(width, height)), toolkit_(*canvas_, letter) {}
+  PanelPicture(int width, int height, double lineHeight)
+      : canvas_(openOffscreen(width, height)), imgui_(*canvas_, lineHeight) {}
 
   Canvas& canvas() { return *canvas_; }
   void setImage(ImageId image, const Image& picture) { scanmill::setImage(*canvas_, image, picture); }
   Image draw(const std::function<void()>& panels) {
-    for (int i = 0; i < 2; ++i) toolkit_.frame(panels);  // sizes that depend on contents are known in the second frame
+    for (int i = 0; i < 2; ++i) imgui_.frame(panels);  // sizes that depend on contents are known in the second frame
     canvas_->render();
     return canvas_->read();
   }
 
  private:
   std::unique_ptr<Canvas> canvas_;
-  Toolkit toolkit_;
+  ImGuiLayer imgui_;
 };
 
 }  // namespace scanmill

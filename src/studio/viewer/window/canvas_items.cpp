@@ -1,4 +1,4 @@
-#include "viewer/window/session_items.h"
+#include "viewer/window/canvas_items.h"
 
 #include <algorithm>
 

@@ -12,24 +12,24 @@
 #include "exports/class_map.h"
 #include "viewer/color_map.h"
 #include "viewer/window/picked_rows.h"
-#include "viewer/window/scenery.h"
+#include "viewer/window/scene_view.h"
 #include "viewer/window/session_context.h"
 
 namespace scanmill {
 
-void Scenery::takeMesh(std::shared_ptr<const ViewMesh> loaded) {
+void SceneView::takeMesh(std::shared_ptr<const ViewMesh> loaded) {
   mesh = std::move(loaded);
   meshProblem = mesh ? mesh->problem : "";
   context_.changes.panels = true;
   placeMesh();
 }
 
-void Scenery::placeMesh() {
+void SceneView::placeMesh() {
   context_.changes.items = context_.changes.panels = true;
   if (!meshSeen()) {
     meshItem.drop();
     meshShown.clear();
-    if (mesh && mesh->size() > 0 && meshOn()) context_.say("no mesh: the pose of the scan is not known");
+    if (mesh && mesh->size() > 0 && meshOn()) context_.notify("no mesh: the pose of the scan is not known");
     return;
   }
   place();
@@ -45,9 +45,9 @@ void Scenery::placeMesh() {
   for (const std::string& warning : mesh->warnings) context_.hint(warning);
 }
 
-void Scenery::applyFilter() {
+void SceneView::applyFilter() {
   meshShown.clear();
-  if (!meshItem.there()) return;
+  if (!meshItem.exists()) return;
   const ShownFilter& filter = context_.filter;
   if (filter.classes.showsAll() && filter.instances.empty()) return meshItem.showAll();
   std::vector<std::uint32_t> indices;
@@ -60,8 +60,8 @@ void Scenery::applyFilter() {
   meshItem.showOnly(indices);
 }
 
-void Scenery::placeMeshLook() {
-  if (!meshItem.there()) return;
+void SceneView::placeMeshLook() {
+  if (!meshItem.exists()) return;
   constexpr double kFaint = 0.25;
   const ItemLook look{.canvasFromItem = canvasFromWorld * Affine{{}, mesh->origin},
                       .opacity = context_.source->isScene() ? 1 : kFaint,
@@ -70,20 +70,20 @@ void Scenery::placeMeshLook() {
   context_.changes.items = true;
 }
 
-void Scenery::placeVehicle() {
+void SceneView::placeVehicle() {
   const bool known = context_.frame && context_.frame->worldFromVehicle && worldFromAnchor;
   const auto file = known && context_.options.axes ? context_.source->vehicle() : std::nullopt;
   if (!file) return vehicleItem.drop();
   if (!vehicle_) vehicle_ = loadViewMesh(*file, 1, 0, {});
   if (vehicle_->size() == 0) return;
-  if (!vehicleItem.there()) vehicleItem.setTriangles(vehicle_->corners, colorMesh(*vehicle_, MeshColor::Class).colors);
+  if (!vehicleItem.exists()) vehicleItem.setTriangles(vehicle_->corners, colorMesh(*vehicle_, MeshColor::Class).colors);
   vehicleItem.setLook(
       {.canvasFromItem = canvasFromWorld * toAffine(*context_.frame->worldFromVehicle) * Affine{{}, vehicle_->origin},
        .views = (1U << clouds_.viewCount()) - 1});
   context_.changes.items = true;
 }
 
-void Scenery::chooseMeshColor(MeshColor by) {
+void SceneView::chooseMeshColor(MeshColor by) {
   meshColor = by;
   if (!mesh || mesh->size() == 0) return;
   meshColoring = colorMesh(*mesh, meshColor);
@@ -91,8 +91,8 @@ void Scenery::chooseMeshColor(MeshColor by) {
   context_.changes.items = context_.changes.panels = true;
 }
 
-std::optional<PickedThing> Scenery::pickMesh(const SightLine& line) const {
-  if (!meshItem.there()) return {};
+std::optional<PickedThing> SceneView::pickMesh(const SightLine& line) const {
+  if (!meshItem.exists()) return {};
   const Affine meshFromCanvas = inverse(canvasFromWorld * Affine{{}, mesh->origin});
   Vec3d origin = meshFromCanvas * line.origin;
   const Vec3d direction = meshFromCanvas.linear * line.direction;
@@ -122,7 +122,7 @@ constexpr std::size_t kMostNames = 30;  // largest number of objects with a labe
 
 }  // namespace
 
-const ObjectView* Scenery::shownView(const ObjectRecord& object) const {
+const ObjectView* SceneView::shownView(const ObjectRecord& object) const {
   if (clouds_.list.empty()) return nullptr;
   const std::string sensor = lowerCase(context_.frame->scans[clouds_.list.front().scan].sensor);
   for (const ObjectView& view : object.views) {
@@ -135,7 +135,7 @@ const ObjectView* Scenery::shownView(const ObjectRecord& object) const {
 // when the sensor saw it, so that it fits the points. The view's pose is in the frame of the points of the sensor's
 // first revolution. If the points are placed on the canvas, or are those of a later revolution, the pose is computed
 // from the object's velocity.
-Affine Scenery::canvasFromBox(const ObjectRecord& object) const {
+Affine SceneView::canvasFromBox(const ObjectRecord& object) const {
   const ObjectView* const view = shownView(object);
   const ViewScan& scan = context_.frame->scans[clouds_.list.front().scan];
   if (view != nullptr && scan.placed.empty() && scan.revolution == 0) {
@@ -149,7 +149,7 @@ Affine Scenery::canvasFromBox(const ObjectRecord& object) const {
   return canvasFromWorld * toAffine(worldFromBox);
 }
 
-void Scenery::findRoadUsers() {
+void SceneView::findRoadUsers() {
   roadUsers_.clear();
   const Ontology* const ontology = context_.source->ontology();
   if (ontology == nullptr) return;
@@ -159,7 +159,7 @@ void Scenery::findRoadUsers() {
   }
 }
 
-bool Scenery::boxShown(const ObjectRecord& object) const {
+bool SceneView::boxShown(const ObjectRecord& object) const {
   if (context_.options.boxes == BoxChoice::None) return false;
   // Instances that the user names are drawn whatever their class.
   const bool roadUsers =
@@ -168,7 +168,7 @@ bool Scenery::boxShown(const ObjectRecord& object) const {
   return context_.filter.showsInstance(object.id) && context_.filter.classes.shows(object.semantic);
 }
 
-void Scenery::placeBoxes() {
+void SceneView::placeBoxes() {
   LineSet lines;
   if (context_.frame && worldFromAnchor && !clouds_.list.empty()) {
     for (const ObjectRecord& object : context_.frame->objects) {
@@ -195,7 +195,7 @@ void Scenery::placeBoxes() {
   context_.changes.items = context_.changes.panels = true;
 }
 
-std::vector<std::pair<const ObjectRecord*, const ObjectView*>> Scenery::nearestSeen() const {
+std::vector<std::pair<const ObjectRecord*, const ObjectView*>> SceneView::nearestSeen() const {
   std::vector<std::pair<const ObjectRecord*, const ObjectView*>> seen;
   if (!context_.frame || !worldFromAnchor || clouds_.list.empty()) return seen;
   for (const ObjectRecord& object : context_.frame->objects) {
@@ -207,7 +207,7 @@ std::vector<std::pair<const ObjectRecord*, const ObjectView*>> Scenery::nearestS
   return seen;
 }
 
-void Scenery::addObjectRows(PickedThing& thing, std::uint32_t instance) const {
+void SceneView::addObjectRows(PickedThing& thing, std::uint32_t instance) const {
   const auto found = std::ranges::find(context_.frame->objects, instance, &ObjectRecord::id);
   if (found == context_.frame->objects.end()) return;
   const ObjectRecord& object = *found;
@@ -229,7 +229,7 @@ std::uint16_t classOf(const InstanceSummary& instance) {
   return instance.classes.empty() ? std::uint16_t{0} : instance.classes.front().first;
 }
 
-const std::vector<InstanceSummary>& Scenery::instances() {
+const std::vector<InstanceSummary>& SceneView::instances() {
   const ShownCloud& cloud = clouds_.list.front();
   const std::pair<const ViewFrame*, std::size_t> of{context_.frame.get(), cloud.scan};
   if (instancesOf_ != of) {
@@ -241,7 +241,7 @@ const std::vector<InstanceSummary>& Scenery::instances() {
 }
 
 // Adds the smallest upright box around each instance's points, in the colour of the instance's most frequent class.
-void Scenery::placeInstanceBoxes(LineSet& lines) {
+void SceneView::placeInstanceBoxes(LineSet& lines) {
   if (!instanceBoxes || clouds_.list.empty() || !context_.frame->objects.empty()) return;
   for (const InstanceSummary& instance : instances()) {
     const std::uint16_t semantic = classOf(instance);

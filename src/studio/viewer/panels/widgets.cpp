@@ -1,4 +1,4 @@
-#include "viewer/panels/parts.h"
+#include "viewer/panels/widgets.h"
 
 #include <fmt/core.h>
 #include <imgui.h>
@@ -9,11 +9,11 @@
 
 #include "base/short_text.h"
 #include "viewer/color_map.h"
-#include "viewer/panels/rooms.h"
+#include "viewer/panels/panel_rects.h"
 
 namespace scanmill {
 
-void words(const std::string& text) {
+void textLine(const std::string& text) {
   ImGui::TextUnformatted(text.data(), text.data() + text.size());
 }
 
@@ -29,7 +29,7 @@ ImU32 packed(const Rgb& c, int alpha = 255) {
   return IM_COL32(c[0], c[1], c[2], alpha);
 }
 
-float letter() {
+float lineHeight() {
   return ImGui::GetFontSize();
 }
 
@@ -37,15 +37,15 @@ ImVec2 sizeOf(const std::string& text, float wrap = -1) {
   return ImGui::CalcTextSize(text.data(), text.data() + text.size(), false, wrap);
 }
 
-void dimWords(const std::string& text) {
+void dimText(const std::string& text) {
   ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
-  words(text);
+  textLine(text);
   ImGui::PopStyleColor();
 }
 
-void wrappedWords(const std::string& text) {
+void wrappedText(const std::string& text) {
   ImGui::PushTextWrapPos(0);
-  words(text);
+  textLine(text);
   ImGui::PopTextWrapPos();
 }
 
@@ -62,8 +62,8 @@ std::string fitted(const std::string& text, float width) {
 }
 
 void swatch(const ImVec2& at, const Rgb& color, bool filled) {
-  const float side = std::floor(letter() * 0.75F);
-  const ImVec2 corner{std::floor(at.x), std::floor(at.y + (letter() - side) / 2)};
+  const float side = std::floor(lineHeight() * 0.75F);
+  const ImVec2 corner{std::floor(at.x), std::floor(at.y + (lineHeight() - side) / 2)};
   ImDrawList& list = *ImGui::GetWindowDrawList();
   list.AddRectFilled(corner, {corner.x + side, corner.y + side}, packed(filled ? color : mix(color, kNoValue, 0.4)));
   if (filled) return;
@@ -86,31 +86,32 @@ bool legendRow(int id, const LegendRow& row, bool clickable, float width) {
   bool pressed = false;
   ImGui::PushID(id);
   if (clickable) {
-    ImGui::InvisibleButton("row", {std::max(width, 1.0F), letter() + 2});
+    ImGui::InvisibleButton("row", {std::max(width, 1.0F), lineHeight() + 2});
     pressed = ImGui::IsItemActivated();
     if (ImGui::IsItemHovered()) {
-      ImGui::GetWindowDrawList()->AddRectFilled({at.x - 2, at.y}, {at.x + width, at.y + letter() + 2},
+      ImGui::GetWindowDrawList()->AddRectFilled({at.x - 2, at.y}, {at.x + width, at.y + lineHeight() + 2},
                                                 ImGui::GetColorU32(ImGuiCol_HeaderHovered), 3);
     }
   } else {
-    ImGui::Dummy({std::max(width, 1.0F), letter() + 2});
+    ImGui::Dummy({std::max(width, 1.0F), lineHeight() + 2});
   }
   ImGui::PopID();
   swatch({at.x, at.y + 1}, row.color, row.look == Look::Shown || row.look == Look::Absent);
   const ImU32 color = ImGui::GetColorU32(row.look == Look::Shown ? ImGuiCol_Text : ImGuiCol_TextDisabled);
-  const float count = row.count.empty() ? 0 : sizeOf(row.count).x + letter() * 0.5F;
+  const float count = row.count.empty() ? 0 : sizeOf(row.count).x + lineHeight() * 0.5F;
   ImDrawList& list = *ImGui::GetWindowDrawList();
-  const float left = at.x + letter() * 1.25F;
-  const std::string name = fitted(row.name, width - letter() * 1.25F - count);
-  if (name != row.name && ImGui::IsMouseHoveringRect(at, {at.x + width, at.y + letter() + 2})) {
+  const float left = at.x + lineHeight() * 1.25F;
+  const std::string name = fitted(row.name, width - lineHeight() * 1.25F - count);
+  if (name != row.name && ImGui::IsMouseHoveringRect(at, {at.x + width, at.y + lineHeight() + 2})) {
     ImGui::SetTooltip("%s", row.name.c_str());
   }
   list.AddText({left, at.y + 1}, color, name.data(), name.data() + name.size());
   if (row.look == Look::Hidden) {
-    list.AddLine({left, at.y + 1 + letter() * 0.55F}, {left + sizeOf(name).x, at.y + 1 + letter() * 0.55F}, color);
+    list.AddLine({left, at.y + 1 + lineHeight() * 0.55F}, {left + sizeOf(name).x, at.y + 1 + lineHeight() * 0.55F},
+                 color);
   }
   if (count > 0) {
-    list.AddText({at.x + width - count + letter() * 0.5F, at.y + 1}, ImGui::GetColorU32(ImGuiCol_TextDisabled),
+    list.AddText({at.x + width - count + lineHeight() * 0.5F, at.y + 1}, ImGui::GetColorU32(ImGuiCol_TextDisabled),
                  row.count.data(), row.count.data() + row.count.size());
   }
   return pressed;
@@ -133,15 +134,15 @@ void panelAt(const char* name, const PixelRect& rect, bool scrolls, const std::f
 
 void titleRow(const PixelRect& rect, const std::string& left, const std::string& right) {
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding,
-                      {letter() * 0.6F, std::max(static_cast<float>(rect.height) - letter(), 0.0F) / 2});
+                      {lineHeight() * 0.6F, std::max(static_cast<float>(rect.height) - lineHeight(), 0.0F) / 2});
   panelAt("##title", rect, false, [&] {
     const float room = ImGui::GetContentRegionAvail().x;
     const std::string shown = fitted(left, room);
-    words(shown);
+    textLine(shown);
     const float wide = sizeOf(right).x;
-    if (wide + sizeOf(shown).x + letter() > room) return;
+    if (wide + sizeOf(shown).x + lineHeight() > room) return;
     ImGui::SameLine(ImGui::GetCursorPosX() + room - wide);
-    dimWords(right);
+    dimText(right);
   });
   ImGui::PopStyleVar();
 }
@@ -149,9 +150,9 @@ void titleRow(const PixelRect& rect, const std::string& left, const std::string&
 void section(const std::string& title, bool still, const std::function<void()>& body) {
   ImGui::PushID(title.c_str());
   if (still) {
-    dimWords(title);
+    dimText(title);
     body();
-    ImGui::Dummy({1, letter() * 0.4F});
+    ImGui::Dummy({1, lineHeight() * 0.4F});
   } else if (ImGui::CollapsingHeader(title.c_str(), ImGuiTreeNodeFlags_DefaultOpen)) {
     body();
   }
@@ -160,14 +161,14 @@ void section(const std::string& title, bool still, const std::function<void()>& 
 
 void drawLabels(const std::vector<PanelLabel>& labels, const PixelRect& within) {
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
-  const float away = letter() * 0.5F;
+  const float away = lineHeight() * 0.5F;
   const auto right = static_cast<float>(within.left + within.width);
   std::vector<ImVec4> drawn;  // left, top, right and bottom of the texts
   for (const PanelLabel& label : labels) {
     const ImVec2 at{static_cast<float>(label.x), static_cast<float>(label.y)};
     if (label.mark) {
-      list.AddCircle(at, letter() * 0.45F, packed({0, 0, 0}), 0, letter() * 0.25F);
-      list.AddCircle(at, letter() * 0.45F, packed({255, 255, 255}), 0, letter() * 0.12F);
+      list.AddCircle(at, lineHeight() * 0.45F, packed({0, 0, 0}), 0, lineHeight() * 0.25F);
+      list.AddCircle(at, lineHeight() * 0.45F, packed({255, 255, 255}), 0, lineHeight() * 0.12F);
     }
     if (label.text.empty()) continue;
     const std::string text = fitted(label.text, static_cast<float>(within.width) - 2 * away);
@@ -192,10 +193,10 @@ void drawCaption(const PixelRect& view, const std::string& text, bool active) {
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   const ImVec2 corner{static_cast<float>(view.left), static_cast<float>(view.top)};
   const ImVec2 end{corner.x + static_cast<float>(view.width), corner.y + static_cast<float>(view.height)};
-  const float inset = letter() * 0.5F;
-  if (active) list.AddRect(corner, end, ImGui::GetColorU32(ImGuiCol_CheckMark), 0, 0, std::max(letter() / 8, 2.0F));
+  const float inset = lineHeight() * 0.5F;
+  if (active) list.AddRect(corner, end, ImGui::GetColorU32(ImGuiCol_CheckMark), 0, 0, std::max(lineHeight() / 8, 2.0F));
   const std::string shown = fitted(text, static_cast<float>(view.width) - 4 * inset);
-  if (text.empty() || static_cast<float>(view.height) < 3 * letter()) return;
+  if (text.empty() || static_cast<float>(view.height) < 3 * lineHeight()) return;
   const ImVec2 at{corner.x + inset, corner.y + inset};
   const ImVec2 size = sizeOf(shown);
   list.AddRectFilled(at, {at.x + size.x + 2 * inset, at.y + size.y + inset}, ImGui::GetColorU32(ImGuiCol_WindowBg), 4);
@@ -205,7 +206,7 @@ void drawCaption(const PixelRect& view, const std::string& text, bool active) {
 
 void drawMessage(const PixelRect& view, const std::string& text) {
   constexpr float kLarge = 1.5F;
-  const float size = letter() * kLarge;
+  const float size = lineHeight() * kLarge;
   const float room = std::min(static_cast<float>(view.width) - 4 * size, 40 * size);
   if (text.empty() || room < size) return;
   const ImVec2 extent = ImGui::GetFont()->CalcTextSizeA(size, room, room, text.data(), text.data() + text.size());
@@ -236,7 +237,7 @@ LegendUse legendRows(const Legend& legend, const std::vector<bool>& hidden, bool
     const auto byte = [](float share) { return static_cast<std::uint8_t>(std::lround(share * 255)); };
     use.all = legendRow(-1, {"all", count(points), {byte(text.x), byte(text.y), byte(text.z)}, look}, true, width);
   }
-  const float high = letter() + 2 + ImGui::GetStyle().ItemSpacing.y;
+  const float high = lineHeight() + 2 + ImGui::GetStyle().ItemSpacing.y;
   const float room = ImGui::GetContentRegionAvail().y;
   const auto absent = [&](const LegendEntry& entry) { return points > 0 && entry.points == 0; };
   std::size_t left = legend.entries.size();  // number of entries that are not drawn yet
@@ -253,7 +254,7 @@ LegendUse legendRows(const Legend& legend, const std::vector<bool>& hidden, bool
       use.entry = i;
     }
   }
-  if (left > 0) dimWords(fmt::format("+ {} more", left));
+  if (left > 0) dimText(fmt::format("+ {} more", left));
   return use;
 }
 
@@ -261,7 +262,7 @@ std::optional<ScaleRange> scaleBar(const Legend& legend, bool still) {
   constexpr int kSteps = 64;
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float width = ImGui::GetContentRegionAvail().x;
-  const float high = std::floor(letter() * 0.9F);
+  const float high = std::floor(lineHeight() * 0.9F);
   ImDrawList& list = *ImGui::GetWindowDrawList();
   for (int i = 0; i < kSteps; ++i) {
     const ImU32 from = packed(viridis(static_cast<double>(i) / kSteps));
@@ -276,7 +277,7 @@ std::optional<ScaleRange> scaleBar(const Legend& legend, bool still) {
     list.AddText({std::max(std::min(x - wide / 2, at.x + width - wide), at.x), at.y + high + 3},
                  ImGui::GetColorU32(ImGuiCol_Text), figure.c_str());
   }
-  ImGui::Dummy({1, high + letter() + 4});
+  ImGui::Dummy({1, high + lineHeight() + 4});
   if (legend.unknown > 0) {
     std::string text = "no value";
     if (!legend.whyUnknown.empty()) text += fmt::format(" ({})", legend.whyUnknown);
@@ -291,15 +292,15 @@ std::optional<ScaleRange> scaleBar(const Legend& legend, bool still) {
   return ScaleRange{ends[0], ends[1]};
 }
 
-PixelRect legendRect(const Legend& legend, const PixelRect& body, double letter, int mostWidth) {
+PixelRect legendRect(const Legend& legend, const PixelRect& body, double lineHeight, int mostWidth) {
   if (!legend.scale && legend.entries.empty()) return {};
   constexpr std::size_t kScaleRows = 4;
   const std::size_t rows = legend.scale ? kScaleRows : legend.entries.size();
   // A row is as high as legendRow() and the spacing between rows; the title and the edges take two more.
-  const int high = static_cast<int>(std::ceil((static_cast<double>(rows) + 2) * (1.3 * letter + 2)));
+  const int high = static_cast<int>(std::ceil((static_cast<double>(rows) + 2) * (1.3 * lineHeight + 2)));
   const int right = body.left + body.width;
-  if (right + sideWidth(letter) > mostWidth) return {body.left, body.top + body.height, body.width, high};
-  return {right, body.top, sideWidth(letter), std::max(body.height, high)};
+  if (right + sideWidth(lineHeight) > mostWidth) return {body.left, body.top + body.height, body.width, high};
+  return {right, body.top, sideWidth(lineHeight), std::max(body.height, high)};
 }
 
 void legendPanel(const Legend& legend, const PixelRect& rect) {
@@ -314,15 +315,15 @@ void legendPanel(const Legend& legend, const PixelRect& rect) {
   });
 }
 
-void wordsAt(double x, double y, double width, const std::string& text) {
+void textAt(double x, double y, double width, const std::string& text) {
   ImGui::SetCursorScreenPos({static_cast<float>(x), static_cast<float>(y)});
-  words(fitted(text, static_cast<float>(width)));
+  textLine(fitted(text, static_cast<float>(width)));
 }
 
 void heading(const std::string& text, const Rgb& color) {
   swatch(ImGui::GetCursorScreenPos(), color, true);
-  ImGui::SetCursorPosX(ImGui::GetCursorPosX() + letter() * 1.25F);
-  words(text);
+  ImGui::SetCursorPosX(ImGui::GetCursorPosX() + lineHeight() * 1.25F);
+  textLine(text);
 }
 
 void valueRows(const char* id, const NamedValues& rows, const std::string& alarm) {
@@ -333,24 +334,24 @@ void valueRows(const char* id, const NamedValues& rows, const std::string& alarm
   for (const auto& [name, value] : rows) {
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
-    dimWords(name);
+    dimText(name);
     ImGui::TableNextColumn();
     const bool warns = !alarm.empty() && name == alarm;
     if (warns) ImGui::PushStyleColor(ImGuiCol_Text, packed(kAlarm));
-    wrappedWords(value);
+    wrappedText(value);
     if (warns) ImGui::PopStyleColor();
   }
   ImGui::EndTable();
 }
 
-void tip(const std::string& title, const Rgb& color, const NamedValues& rows, const std::string& alarm) {
+void tooltip(const std::string& title, const Rgb& color, const NamedValues& rows, const std::string& alarm) {
   ImGui::BeginTooltip();
   heading(title, color);
   for (const auto& [name, value] : rows) {
-    dimWords(name);
-    ImGui::SameLine(letter() * 7);
+    dimText(name);
+    ImGui::SameLine(lineHeight() * 7);
     if (name == alarm) ImGui::PushStyleColor(ImGuiCol_Text, packed(kAlarm));
-    words(value);
+    textLine(value);
     if (name == alarm) ImGui::PopStyleColor();
   }
   ImGui::EndTooltip();
@@ -366,8 +367,8 @@ bool imageAt(ImageId image, const PixelRect& rect, const std::optional<std::pair
   if (mark) {
     const ImVec2 at{static_cast<float>(mark->first), static_cast<float>(mark->second)};
     ImDrawList& list = *ImGui::GetWindowDrawList();
-    list.AddCircle(at, letter() * 0.4F, packed({0, 0, 0}), 0, letter() * 0.25F);
-    list.AddCircle(at, letter() * 0.4F, packed({255, 255, 255}), 0, letter() * 0.12F);
+    list.AddCircle(at, lineHeight() * 0.4F, packed({0, 0, 0}), 0, lineHeight() * 0.25F);
+    list.AddCircle(at, lineHeight() * 0.4F, packed({255, 255, 255}), 0, lineHeight() * 0.12F);
   }
   ImGui::PopClipRect();
   return over;
@@ -377,10 +378,10 @@ FrameBarUse frameBar(const PixelRect& rect, const FrameBar& bar) {
   FrameBarUse use;
   panelAt("##frames", rect, false, [&] {
     if (bar.frames > 1) {
-      if (ImGui::Button(bar.playing ? "Pause" : "Play", {letter() * 4, 0})) use.play = true;
+      if (ImGui::Button(bar.playing ? "Pause" : "Play", {lineHeight() * 4, 0})) use.play = true;
       ImGui::SameLine();
       const float narrow = ImGui::GetContentRegionAvail().x;
-      ImGui::SetNextItemWidth(narrow < letter() * 30 ? narrow : narrow * 0.45F);
+      ImGui::SetNextItemWidth(narrow < lineHeight() * 30 ? narrow : narrow * 0.45F);
       int at = static_cast<int>(bar.frame);
       const int last = static_cast<int>(bar.frames) - 1;
       if (ImGui::SliderInt("##frame", &at, 0, last, "", ImGuiSliderFlags_AlwaysClamp)) {
@@ -388,12 +389,12 @@ FrameBarUse frameBar(const PixelRect& rect, const FrameBar& bar) {
       }
       ImGui::SameLine();
       ImGui::AlignTextToFramePadding();
-      words(fmt::format("#{} of {}   {}", bar.frame, bar.frames, bar.key));
+      textLine(fmt::format("#{} of {}   {}", bar.frame, bar.frames, bar.key));
     }
     if (!bar.busy.empty()) {
       if (bar.frames > 1) ImGui::SameLine();
       ImGui::AlignTextToFramePadding();
-      dimWords("loading " + bar.busy);
+      dimText("loading " + bar.busy);
     }
   });
   return use;
@@ -401,10 +402,10 @@ FrameBarUse frameBar(const PixelRect& rect, const FrameBar& bar) {
 
 bool messages(const PixelRect& within, const std::vector<std::string>& problems,
               const std::vector<std::string>& notices) {
-  const float margin = letter() * 0.5F;
-  const float wide = std::min(static_cast<float>(within.width) - 2 * margin, letter() * 36);
+  const float margin = lineHeight() * 0.5F;
+  const float wide = std::min(static_cast<float>(within.width) - 2 * margin, lineHeight() * 36);
   float bottom = static_cast<float>(within.top + within.height) - margin;
-  if (wide < letter()) return false;
+  if (wide < lineHeight()) return false;
   bool closed = false;
   const auto box = [&](const char* name, const std::vector<std::string>& texts, bool warns) {
     constexpr std::size_t kMost = 6;
@@ -414,8 +415,8 @@ bool messages(const PixelRect& within, const std::vector<std::string>& problems,
     if (warns) ImGui::PushStyleColor(ImGuiCol_Border, packed(kAlarm));
     ImGui::Begin(name, nullptr, kMessage | (warns ? 0 : ImGuiWindowFlags_NoInputs));
     ImGui::PushTextWrapPos(wide - 2 * margin);
-    for (std::size_t i = 0; i < std::min(texts.size(), kMost); ++i) words(texts[i]);
-    if (texts.size() > kMost) words(fmt::format("+ {} more", texts.size() - kMost));
+    for (std::size_t i = 0; i < std::min(texts.size(), kMost); ++i) textLine(texts[i]);
+    if (texts.size() > kMost) textLine(fmt::format("+ {} more", texts.size() - kMost));
     ImGui::PopTextWrapPos();
     if (warns && ImGui::IsWindowHovered() && ImGui::IsMouseClicked(0)) closed = true;
     bottom -= ImGui::GetWindowHeight() + margin;
@@ -430,7 +431,7 @@ bool messages(const PixelRect& within, const std::vector<std::string>& problems,
 bool helpWindow(const NamedValues& keys) {
   const ImVec2 all = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({all.x / 2, all.y / 2}, ImGuiCond_Always, {0.5F, 0.5F});
-  ImGui::SetNextWindowSize({std::min(letter() * 44, all.x), std::min(letter() * 48, all.y * 0.9F)});
+  ImGui::SetNextWindowSize({std::min(lineHeight() * 44, all.x), std::min(lineHeight() * 48, all.y * 0.9F)});
   ImGui::SetNextWindowFocus();
   bool open = true;
   if (ImGui::Begin("Keys", &open,

@@ -1,4 +1,4 @@
-#include "viewer/window/panels.h"
+#include "viewer/window/panel_contents.h"
 
 #include <fmt/core.h>
 
@@ -8,34 +8,34 @@
 #include "base/short_text.h"
 #include "viewer/color_map.h"
 #include "viewer/picture.h"
-#include "viewer/window/session_items.h"
+#include "viewer/window/canvas_items.h"
 
 namespace scanmill {
 
-Panels::Panels(const SessionContext& context, const Playback& playback, const Clouds& clouds, const Scenery& scenery,
-               const Pointer& pointer)
-    : toolkit(context.canvas, letterOf(context.canvas, context.options.still)),
+PanelContents::PanelContents(const SessionContext& context, const Playback& playback, const ShownClouds& clouds,
+                             const SceneView& sceneView, const Pointer& pointer)
+    : imgui(context.canvas, lineHeightOf(context.canvas, context.options.still)),
       context_(context),
       playback_(playback),
       clouds_(clouds),
-      scenery_(scenery),
+      sceneView_(sceneView),
       pointer_(pointer) {}
 
-void Panels::arrange() {
+void PanelContents::arrange() {
   fillPanes();
   collectLegends();
   addMessages();
-  PanelNeeds needs{.letter = toolkit.letter(),
-                   .row = toolkit.row(),
+  PanelNeeds needs{.lineHeight = imgui.lineHeight(),
+                   .row = imgui.row(),
                    .title = !context_.options.bare,
                    .bar = !context_.options.bare && !context_.options.still};
   needs.side = !context_.options.bare && (needs.bar || pointer_.pinned || !legends.empty());
   if (clouds_.strip && !context_.options.bare)
     needs.stripHeight = stripHeight(clouds_.strip->image.height, context_.canvas.width(), context_.canvas.height());
-  rooms = roomsOf(context_.canvas.width(), context_.canvas.height(), needs);
+  rects = panelRects(context_.canvas.width(), context_.canvas.height(), needs);
 }
 
-void Panels::fillPanes() {
+void PanelContents::fillPanes() {
   panes.assign(clouds_.viewCount(), {});
   bool differ = false;
   for (std::size_t v = 1; v < clouds_.viewCount(); ++v) differ = differ || clouds_.colorOf(v) != clouds_.colorOf(0);
@@ -55,14 +55,14 @@ void Panels::fillPanes() {
     pane.legend = cloud.coloring.legend;
     completeClasses(pane.legend);
   }
-  if (context_.source->isScene() && scenery_.mesh) panes.front().legend = scenery_.meshColoring.legend;
+  if (context_.source->isScene() && sceneView_.mesh) panes.front().legend = sceneView_.meshColoring.legend;
 }
 
-std::vector<CanvasView> Panels::views() const {
+std::vector<CanvasView> PanelContents::views() const {
   std::vector<CanvasView> placed;
-  for (const PixelRect& rect : partsOf(rooms.body, panes.size(), 1)) {
-    CanvasView view{.rect = rect, .camera = scenery_.camera.camera(rect.width, rect.height)};
-    view.farthest = std::max(scenery_.farthest(view.camera.eye), 2 * view.camera.nearest);
+  for (const PixelRect& rect : gridRects(rects.body, panes.size(), 1)) {
+    CanvasView view{.rect = rect, .camera = sceneView_.camera.camera(rect.width, rect.height)};
+    view.farthest = std::max(sceneView_.farthest(view.camera.eye), 2 * view.camera.nearest);
     view.background = context_.options.background;
     view.depthEdges = context_.options.depthEdges;
     placed.push_back(view);
@@ -70,8 +70,8 @@ std::vector<CanvasView> Panels::views() const {
   return placed;
 }
 
-void Panels::addLabel(const Vec3d& spot, const std::string& text, bool mark, bool optional) {
-  for (const CanvasView& view : context_.drawing.views()) {
+void PanelContents::addLabel(const Vec3d& spot, const std::string& text, bool mark, bool optional) {
+  for (const CanvasView& view : context_.redraw.views()) {
     const Projected p = view.camera.project(spot);
     if (!(p.depth >= view.camera.nearest)) continue;
     if (!(p.x >= 0 && p.y >= 0 && p.x < view.rect.width && p.y < view.rect.height)) continue;
@@ -79,13 +79,13 @@ void Panels::addLabel(const Vec3d& spot, const std::string& text, bool mark, boo
   }
 }
 
-void Panels::addLabels() {
+void PanelContents::addLabels() {
   labels.clear();
   if (context_.options.rangeRings && !clouds_.list.empty()) {
     // Put the labels of the rings in the direction of the camera, where they are visible.
-    const Vec3d ahead{std::cos(scenery_.camera.yaw), std::sin(scenery_.camera.yaw), 0};
+    const Vec3d ahead{std::cos(sceneView_.camera.yaw), std::sin(sceneView_.camera.yaw), 0};
     for (const double radius : kRingRadii)
-      addLabel(scenery_.ground + ahead * radius, fmt::format("{} m", radius), false);
+      addLabel(sceneView_.ground + ahead * radius, fmt::format("{} m", radius), false);
   }
   if (context_.options.axes) {
     // If the scans are from sensors at different places, label each place with a sensor's name.
@@ -100,8 +100,8 @@ void Panels::addLabels() {
     }
   }
   // Label the nearest objects with class, id and the fraction (%) of the object that is not occluded.
-  for (const auto& [object, view] : scenery_.nearestSeen()) {
-    addLabel(scenery_.canvasFromBox(*object) * Vec3d{0, 0, object->size.z / 2},
+  for (const auto& [object, view] : sceneView_.nearestSeen()) {
+    addLabel(sceneView_.canvasFromBox(*object) * Vec3d{0, 0, object->size.z / 2},
              fmt::format("{} {}, {:.0f} % visible", className(context_.source->ontology(), object->semantic),
                          object->id, 100 * view->visibility().value_or(0)),
              false, true);
@@ -117,7 +117,7 @@ void Panels::addLabels() {
   if (pointer_.hover) addLabel(pointer_.hover->place, "", true);
 }
 
-std::string Panels::title() const {
+std::string PanelContents::title() const {
   const std::size_t frames = context_.source->keys().size();
   std::string text = context_.source->title();
   if (context_.options.still && frames > 1) text += ", " + context_.source->keys()[playback_.requested()];
@@ -130,7 +130,7 @@ std::string Panels::title() const {
   return text;
 }
 
-std::string Panels::summary() const {
+std::string PanelContents::summary() const {
   if (!context_.frame) return {};
   std::uint64_t visible = 0;
   std::uint64_t finite = 0;
@@ -141,14 +141,14 @@ std::string Panels::summary() const {
   }
   std::string out;
   if (context_.source->isScene()) {
-    if (scenery_.mesh) out = fmt::format("{} triangles", grouped(scenery_.mesh->size()));
+    if (sceneView_.mesh) out = fmt::format("{} triangles", grouped(sceneView_.mesh->size()));
   } else if (visible == finite) {
     out = fmt::format("{} point{}", grouped(finite), finite == 1 ? "" : "s");
   } else {
     out = fmt::format("{} of {} points", grouped(visible), grouped(finite));
   }
   if (const std::string filtered = context_.filter.classes.text(
-          context_.source->isScene() && scenery_.mesh ? &scenery_.mesh->ontology : context_.source->ontology());
+          context_.source->isScene() && sceneView_.mesh ? &sceneView_.mesh->ontology : context_.source->ontology());
       !filtered.empty()) {
     out += ", " + filtered;
   }
@@ -164,9 +164,9 @@ std::string Panels::summary() const {
   return out;
 }
 
-PixelRect Panels::stripRect() const {
-  const int caption = static_cast<int>(std::lround(toolkit.letter() * 1.5));
-  PixelRect rect = rooms.strip;
+PixelRect PanelContents::stripRect() const {
+  const int caption = static_cast<int>(std::lround(imgui.lineHeight() * 1.5));
+  PixelRect rect = rects.strip;
   if (rect.height > 2 * caption) {
     rect.top += caption;
     rect.height -= caption;
@@ -197,7 +197,7 @@ LegendEntry* entryOf(Legend& legend, std::int64_t id) {
 }  // namespace
 
 // Adds the classes that occur in other frames to a legend, so that its rows are the same in all frames.
-void Panels::completeClasses(Legend& legend) const {
+void PanelContents::completeClasses(Legend& legend) const {
   if (!isOfClasses(legend)) return;
   for (const std::uint16_t id : clouds_.presentClasses) {
     if (entryOf(legend, id) != nullptr) continue;
@@ -209,7 +209,7 @@ void Panels::completeClasses(Legend& legend) const {
 
 // Collects the legends of all views. Views whose colours have the same meaning share one legend, which has the numbers
 // of points in the active view; they are 0 if none of these views is active.
-void Panels::collectLegends() {
+void PanelContents::collectLegends() {
   legends.clear();
   for (std::size_t v = 0; v < panes.size() && context_.options.legends; ++v) {
     const Legend& own = panes[v].legend;
@@ -241,7 +241,7 @@ void Panels::collectLegends() {
   }
 }
 
-bool Panels::isHidden(const LegendEntry& entry) const {
+bool PanelContents::isHidden(const LegendEntry& entry) const {
   if (entry.id < 0) return false;
   if (clouds_.overlaid())
     return context_.filter.hiddenScans.contains(context_.frame->scans[static_cast<std::size_t>(entry.id)].name);
@@ -249,7 +249,7 @@ bool Panels::isHidden(const LegendEntry& entry) const {
 }
 
 // Sets the messages of views that show nothing.
-void Panels::addMessages() {
+void PanelContents::addMessages() {
   if (!context_.frame || context_.source->isScene()) return;
   if (context_.frame->scans.empty()) {
     std::string& message = panes.front().message;

@@ -11,16 +11,16 @@
 
 namespace scanmill {
 
-class Toolkit {
+class ImGuiLayer {
  public:
-  // `letter`: height of a line of text in pixels.
-  Toolkit(Canvas& canvas, double letter);
-  ~Toolkit();
-  Toolkit(const Toolkit&) = delete;
-  Toolkit& operator=(const Toolkit&) = delete;
+  // `lineHeight`: height of a line of text in pixels.
+  ImGuiLayer(Canvas& canvas, double lineHeight);
+  ~ImGuiLayer();
+  ImGuiLayer(const ImGuiLayer&) = delete;
+  ImGuiLayer& operator=(const ImGuiLayer&) = delete;
 
-  double letter() const;  // height of a line of text in pixels
-  double row() const;     // height of a menu, a button or a slider in pixels
+  double lineHeight() const;  // height of a line of text in pixels
+  double row() const;         // height of a menu, a button or a slider in pixels
 
   // Stores an event, which the next frame() processes.
   void take(const CanvasEvent& event);

@@ -14,17 +14,17 @@ namespace scanmill {
 
 // The changes since the last picture.
 struct Changes {
-  bool views = true;   // cameras or rectangles of views
-  bool items = true;   // points, lines or triangles
-  bool panels = true;  // text and panels over the views
-  bool light = false;  // points that are highlighted
-  bool hover = false;  // the pointer, or what is under it
+  bool views = true;       // cameras or rectangles of views
+  bool items = true;       // points, lines or triangles
+  bool panels = true;      // text and panels over the views
+  bool highlight = false;  // points that are highlighted
+  bool hover = false;      // the pointer, or what is under it
 };
 
-class Drawing {
+class RedrawScheduler {
  public:
   // `seconds`: a clock (s) that never goes back; empty: uses a clock that starts now.
-  explicit Drawing(Canvas& canvas, std::function<double()> seconds = {});
+  explicit RedrawScheduler(Canvas& canvas, std::function<double()> seconds = {});
 
   double now() const { return seconds_(); }  // returns the clock's time (s)
   const std::vector<CanvasView>& views() const { return views_; }
@@ -39,7 +39,7 @@ class Drawing {
   // True if enough time has passed since the last picture to draw a new one after a move of the pointer.
   bool mayFollowPointer() const;
   // True if the last picture lacks points, and nothing has changed for so long that all of them should be drawn.
-  bool wholeIsDue() const;
+  bool allPointsDue() const;
   // True if a picture of all points takes so long that highlighting waits until the pointer rests.
   bool slow() const;
   bool drawnOnce() const { return lastPicture_ > 0; }
@@ -57,7 +57,7 @@ class Drawing {
   bool partial_ = false;         // true: the last picture did not show all points
   std::uint64_t lastMost_ = 0;   // maximum number of points per item in the last picture; 0: no limit
   double lastChange_ = 0;        // time of the last change of cameras, views or items (s)
-  double wholeSeconds_ = 0;      // duration of drawing the last picture of all points (s)
+  double allPointsSeconds_ = 0;  // duration of drawing the last picture of all points (s)
   double lastPicture_ = 0;       // time of the last picture (s)
   double pictureSeconds_ = 0;    // duration of the last picture, including the work before drawing (s)
 };

@@ -1,13 +1,13 @@
-#include "viewer/window/clouds.h"
+#include "viewer/window/shown_clouds.h"
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "viewer/panels/toolkit.h"
+#include "viewer/panels/imgui_layer.h"
 #include "viewer/picture.h"
-#include "viewer/window/session_items.h"
+#include "viewer/window/canvas_items.h"
 
 namespace scanmill {
 
@@ -25,7 +25,7 @@ void notePresent(const Scan& scan, std::set<std::uint16_t>& present) {
 
 }  // namespace
 
-Clouds::Clouds(SessionContext& context) : context_(context) {
+ShownClouds::ShownClouds(SessionContext& context) : context_(context) {
   const ViewOptions& options = context_.options;
   for (std::size_t v = 0; v < std::min(options.colors.size(), colors.size()); ++v) colors[v] = options.colors[v];
   for (std::size_t v = 0; v < scales.size(); ++v) {
@@ -36,39 +36,39 @@ Clouds::Clouds(SessionContext& context) : context_(context) {
   classesKnown_ = !presentClasses.empty();
 }
 
-std::size_t Clouds::viewCount() const {
+std::size_t ShownClouds::viewCount() const {
   if (context_.options.layout != ViewLayout::Split || !context_.frame || context_.frame->scans.empty()) return 1;
   return context_.frame->scans.size() == 1 ? 2 : std::min(context_.frame->scans.size(), kCanvasViews);
 }
 
-std::size_t Clouds::shownScan() const {
+std::size_t ShownClouds::shownScan() const {
   for (std::size_t i = 0; i < context_.frame->scans.size(); ++i) {
     if (context_.frame->scans[i].name == scanName) return i;
   }
   return 0;
 }
 
-const ShownCloud* Clouds::inView(std::size_t view) const {
+const ShownCloud* ShownClouds::inView(std::size_t view) const {
   const auto found = std::ranges::find(list, view, &ShownCloud::view);
   return found == list.end() ? nullptr : &*found;
 }
 
-bool Clouds::isHidden(const ShownCloud& cloud) const {
+bool ShownClouds::isHidden(const ShownCloud& cloud) const {
   return overlaid() && context_.filter.hiddenScans.contains(context_.frame->scans[cloud.scan].name);
 }
 
-ColorContext Clouds::contextOf(const ViewScan& scan) const {
+ColorContext ShownClouds::contextOf(const ViewScan& scan) const {
   return {context_.source->ontology(), scan.error, scan.errorTitle, scan.whyNoError, std::nullopt};
 }
 
-bool Clouds::hasColor(const ViewScan& viewed, const ColorBy& by) const {
+bool ShownClouds::hasColor(const ViewScan& viewed, const ColorBy& by) const {
   return scanmill::hasColor(viewed.scan, by, !viewed.error.empty());
 }
 
 // Returns the quantity that the view's colours show: the user's choice if there is one, otherwise the first of class,
 // intensity and range that the scan has, otherwise the height. The second view of a single scan skips the quantity that
 // the first view shows.
-ColorBy Clouds::colorOf(std::size_t view) const {
+ColorBy ShownClouds::colorOf(std::size_t view) const {
   if (colors[view]) return *colors[view];
   if (!context_.frame || context_.frame->scans.empty()) return kByClass;
   const bool second = context_.frame->scans.size() == 1 && view > 0;
@@ -82,7 +82,7 @@ ColorBy Clouds::colorOf(std::size_t view) const {
 
 // Returns the ends of the view's scale; nothing if they are computed from the scan alone. Unless the view has ends of
 // its own in `scales`, all scans side by side with the same colouring share ends that are computed from all of them.
-std::optional<ScaleRange> Clouds::scaleOf(std::size_t view) {
+std::optional<ScaleRange> ShownClouds::scaleOf(std::size_t view) {
   if (scales[view]) return scales[view];
   const ColorBy by = colorOf(view);
   if (context_.options.layout != ViewLayout::Split || context_.frame->scans.size() < 2 || !isNumeric(by)) return {};
@@ -99,7 +99,7 @@ std::optional<ScaleRange> Clouds::scaleOf(std::size_t view) {
   return common;
 }
 
-Coloring Clouds::colored(std::size_t scanIndex, std::size_t view) {
+Coloring ShownClouds::colored(std::size_t scanIndex, std::size_t view) {
   const ViewScan& scan = context_.frame->scans[scanIndex];
   if (scan.coloring) return *scan.coloring;
   ColorContext context = contextOf(scan);
@@ -115,7 +115,7 @@ Coloring Clouds::colored(std::size_t scanIndex, std::size_t view) {
   }
 }
 
-void Clouds::arrange() {
+void ShownClouds::arrange() {
   const std::size_t before = list.size();
   list.clear();
   colorProblem.clear();
@@ -147,7 +147,7 @@ void Clouds::arrange() {
   for (std::size_t k = list.size(); k < before; ++k) context_.canvas.drop(cloudItem(k));
 }
 
-void Clouds::recolor(std::size_t view) {
+void ShownClouds::recolor(std::size_t view) {
   if (overlaid()) return;
   for (std::size_t k = 0; k < list.size(); ++k) {
     if (list[k].view != view) continue;
@@ -158,7 +158,7 @@ void Clouds::recolor(std::size_t view) {
   makeStrip();
 }
 
-void Clouds::applyFilter() {
+void ShownClouds::applyFilter() {
   const ShownFilter& filter = context_.filter;
   for (std::size_t k = 0; k < list.size(); ++k) {
     ShownCloud& cloud = list[k];
@@ -200,16 +200,16 @@ void Clouds::applyFilter() {
   makeStrip();
 }
 
-std::vector<std::size_t> Clouds::actedViews() const {
+std::vector<std::size_t> ShownClouds::actedViews() const {
   if (activeView) return {*activeView};
   std::vector<std::size_t> all;
   for (std::size_t v = 0; v < viewCount(); ++v) all.push_back(v);
   return all;
 }
 
-void Clouds::chooseColor(const ColorBy& by) {
+void ShownClouds::chooseColor(const ColorBy& by) {
   if (list.empty()) return;
-  if (overlaid()) return context_.say("the overlay has fixed colours: l closes it");
+  if (overlaid()) return context_.notify("the overlay has fixed colours: l closes it");
   const auto acted = actedViews();
   for (const std::size_t view : acted) {
     for (const ShownCloud& cloud : list) {
@@ -239,12 +239,12 @@ void Clouds::chooseColor(const ColorBy& by) {
   }
 }
 
-void Clouds::resetScales() {
+void ShownClouds::resetScales() {
   if (list.empty()) return;
-  if (overlaid()) return context_.say("the overlay has fixed colours: l closes it");
+  if (overlaid()) return context_.notify("the overlay has fixed colours: l closes it");
   const std::vector<std::size_t> acted = actedViews();
   if (std::ranges::none_of(acted, [&](std::size_t view) { return isNumeric(colorOf(view)); })) {
-    return context_.say("these colours have no scale");
+    return context_.notify("these colours have no scale");
   }
   for (const std::size_t view : acted) {
     scales[view].reset();
@@ -252,7 +252,7 @@ void Clouds::resetScales() {
   }
 }
 
-void Clouds::cycleColor(int step) {
+void ShownClouds::cycleColor(int step) {
   if (list.empty()) return;
   const std::size_t view = activeView.value_or(0);
   const ShownCloud* const cloud = inView(view);
@@ -269,7 +269,7 @@ void Clouds::cycleColor(int step) {
   }
 }
 
-void Clouds::makeStrip() {
+void ShownClouds::makeStrip() {
   strip.reset();
   stripProblem.clear();
   context_.changes.panels = true;

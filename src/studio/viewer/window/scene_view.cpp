@@ -1,4 +1,4 @@
-#include "viewer/window/scenery.h"
+#include "viewer/window/scene_view.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@ constexpr Rgb kTrackColor{255, 214, 64};
 
 }  // namespace
 
-Scenery::Scenery(SessionContext& context, Clouds& clouds)
+SceneView::SceneView(SessionContext& context, ShownClouds& clouds)
     : camera(context.options.camera.camera),
       meshItem(context.canvas, kMeshItem),
       vehicleItem(context.canvas, kVehicleItem),
@@ -21,7 +21,7 @@ Scenery::Scenery(SessionContext& context, Clouds& clouds)
   findRoadUsers();
 }
 
-void Scenery::takeFrame(std::size_t index) {
+void SceneView::takeFrame(std::size_t index) {
   worldFromAnchor.reset();
   for (const ViewScan& scan : context_.frame->scans) {
     if (scan.worldFromSensor && !worldFromAnchor) worldFromAnchor = scan.worldFromSensor;
@@ -31,7 +31,7 @@ void Scenery::takeFrame(std::size_t index) {
 }
 
 // Computes canvasFromWorld.
-void Scenery::place() {
+void SceneView::place() {
   instancesOf_.reset();  // the cached boxes of instances are in the old canvas frame
   if (context_.source->isScene()) {
     canvasFromWorld = mesh ? Affine{{}, -mesh->origin} : Affine{};
@@ -49,12 +49,12 @@ void Scenery::place() {
 
 // Returns the pose of a scan in the canvas frame. A scan without a pose, such as a single file that is shown with a
 // dataset, gets the pose worldFromAnchor.
-Affine Scenery::canvasFromScan(const ViewScan& scan) const {
+Affine SceneView::canvasFromScan(const ViewScan& scan) const {
   if (!worldFromAnchor) return {};
   return canvasFromWorld * toAffine(scan.worldFromSensor.value_or(*worldFromAnchor));
 }
 
-void Scenery::placeClouds() {
+void SceneView::placeClouds() {
   content_.clear();
   ground = {};
   for (std::size_t k = 0; k < clouds_.list.size(); ++k) {
@@ -77,7 +77,7 @@ void Scenery::placeClouds() {
   context_.changes.items = context_.changes.panels = true;
 }
 
-void Scenery::placeGuides() {
+void SceneView::placeGuides() {
   LineSet axes;
   if (context_.options.axes && context_.source->isScene()) addAxes(axes, canvasFromWorld, 2);
   if (context_.options.axes) {
@@ -104,12 +104,12 @@ void Scenery::placeGuides() {
   context_.changes.items = context_.changes.panels = true;
 }
 
-void Scenery::setLines(ItemId item, const LineSet& lines, double width) {
+void SceneView::setLines(ItemId item, const LineSet& lines, double width) {
   context_.canvas.setLines(item, lines.ends, lines.colors);
   context_.canvas.setLook(item, {.size = width, .views = (1U << clouds_.viewCount()) - 1});
 }
 
-std::optional<Affine> Scenery::toggleWorld() {
+std::optional<Affine> SceneView::toggleWorld() {
   if (!worldFromAnchor) return {};
   const Affine before = canvasFromWorld;
   world = !world;
@@ -124,7 +124,7 @@ std::optional<Affine> Scenery::toggleWorld() {
   return newFromOld;
 }
 
-double Scenery::farthest(const Vec3d& eye) const {
+double SceneView::farthest(const Vec3d& eye) const {
   constexpr double kLeast = 20;
   double far = kLeast;
   const auto reach = [&](const Vec3d& center, double radius) { far = std::max(far, length(center - eye) + radius); };
@@ -140,7 +140,7 @@ double Scenery::farthest(const Vec3d& eye) const {
   return far;
 }
 
-double Scenery::pointSize() const {
+double SceneView::pointSize() const {
   if (context_.options.pointSize > 0) return context_.options.pointSize;
   return std::max(2.0, std::round(context_.canvas.height() / 450.0));
 }
@@ -166,7 +166,7 @@ std::vector<Vec3d> pointsIn(const ViewMesh& mesh, const Box& box) {
 
 }  // namespace
 
-OrbitCamera Scenery::preset(View view) const {
+OrbitCamera SceneView::preset(View view) const {
   OrbitCamera chosen = presetCamera(view);
   if (context_.source->isScene()) {
     // Shows the complete scene, or only ViewMesh::core if the scene is much larger than its core. Scenes often have
@@ -184,7 +184,7 @@ OrbitCamera Scenery::preset(View view) const {
 }
 
 // Returns the places of the shown scans' finite points, or of some of them if they are many.
-std::vector<Vec3d> Scenery::placesOnCanvas() const {
+std::vector<Vec3d> SceneView::placesOnCanvas() const {
   constexpr std::size_t kEnough = 50'000;
   std::vector<Vec3d> places;
   for (const ShownCloud& cloud : clouds_.list) {
@@ -196,7 +196,7 @@ std::vector<Vec3d> Scenery::placesOnCanvas() const {
   return places;
 }
 
-OrbitCamera Scenery::firstCamera() const {
+OrbitCamera SceneView::firstCamera() const {
   const CameraChoice& choice = context_.options.camera;
   if (choice.view && !context_.options.closeUp) return preset(*choice.view);
   OrbitCamera chosen = choice.camera;
@@ -204,7 +204,7 @@ OrbitCamera Scenery::firstCamera() const {
   return chosen;
 }
 
-void Scenery::lookAtFirstPoints() {
+void SceneView::lookAtFirstPoints() {
   const std::optional<CloseUp>& closeUp = context_.options.closeUp;
   if (framed_ || clouds_.list.empty()) return;
   framed_ = !placesOnCanvas().empty();
@@ -230,13 +230,13 @@ void Scenery::lookAtFirstPoints() {
   setCamera(chosen);
 }
 
-std::string Scenery::cameraText() const {
+std::string SceneView::cameraText() const {
   OrbitCamera told = camera;
   if (context_.source->isScene()) told.target = inverse(canvasFromWorld) * told.target;
   return told.text();
 }
 
-void Scenery::setCamera(const OrbitCamera& newCamera) {
+void SceneView::setCamera(const OrbitCamera& newCamera) {
   if (newCamera == camera) return;
   camera = newCamera;
   context_.changes.views = context_.changes.panels = context_.changes.hover = true;

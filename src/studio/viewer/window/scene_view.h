@@ -16,11 +16,11 @@
 
 #include "viewer/coloring.h"
 #include "viewer/frames/view_mesh.h"
-#include "viewer/window/clouds.h"
+#include "viewer/window/canvas_items.h"
 #include "viewer/window/orbit_camera.h"
 #include "viewer/window/picking.h"
 #include "viewer/window/session_context.h"
-#include "viewer/window/session_items.h"
+#include "viewer/window/shown_clouds.h"
 
 namespace scanmill {
 
@@ -39,13 +39,13 @@ struct ContentBall {
   double radius = 0;
 };
 
-struct Scenery {
-  Scenery(SessionContext& context, Clouds& clouds);
+struct SceneView {
+  SceneView(SessionContext& context, ShownClouds& clouds);
 
   // Sets the poses to those of the context's frame. `index`: index of the frame in the source.
   void takeFrame(std::size_t index);
 
-  // Functions in scenery.cpp, for poses, guides and the camera:
+  // Functions in scene_view.cpp, for poses, guides and the camera:
   void placeClouds();
   void placeGuides();
   void setLines(ItemId item, const LineSet& lines, double width);
@@ -66,7 +66,7 @@ struct Scenery {
   std::string cameraText() const;
   void setCamera(const OrbitCamera& newCamera);
 
-  // Functions for the scene's mesh, most of them in scenery_mesh.cpp:
+  // Functions for the scene's mesh, most of them in scene_view_mesh.cpp:
   bool meshOn() const { return context_.options.mesh || context_.source->isScene(); }
   // True if the mesh has triangles and its pose on the canvas is known.
   bool meshSeen() const {
@@ -82,7 +82,7 @@ struct Scenery {
   void chooseMeshColor(MeshColor by);
   std::optional<PickedThing> pickMesh(const SightLine& line) const;
 
-  // Functions in scenery_mesh.cpp, for instances and for the objects in the list of a sample:
+  // Functions in scene_view_mesh.cpp, for instances and for the objects in the list of a sample:
   Affine canvasFromBox(const ObjectRecord& object) const;
   // Returns how the first scan's sensor sees the object; null if this is not known.
   const ObjectView* shownView(const ObjectRecord& object) const;
@@ -118,7 +118,7 @@ struct Scenery {
   void placeInstanceBoxes(LineSet& lines);
 
   SessionContext& context_;
-  Clouds& clouds_;
+  ShownClouds& clouds_;
   std::vector<ContentBall> content_;
   bool framed_ = false;  // true: the camera has been fitted to the first frame or the scene's mesh, which happens once
   std::optional<std::pair<const ViewFrame*, std::size_t>> instancesOf_;  // frame and scan of the cached `instances_`

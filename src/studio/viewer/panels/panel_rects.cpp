@@ -1,4 +1,4 @@
-#include "viewer/panels/rooms.h"
+#include "viewer/panels/panel_rects.h"
 
 #include <algorithm>
 #include <cmath>
@@ -24,50 +24,50 @@ std::pair<int, int> part(int from, int length, int parts, int index, int gap) {
 
 }  // namespace
 
-double letterOfPicture(int width, int height) {
+double pictureLineHeight(int width, int height) {
   return std::clamp(std::round(std::min(width / 16.0 * 9, static_cast<double>(height)) / 56), 10.0, 90.0);
 }
 
-double letterOf(const Canvas& canvas, bool still) {
+double lineHeightOf(const Canvas& canvas, bool still) {
   constexpr double kLetter = 15;
-  return still ? letterOfPicture(canvas.width(), canvas.height())
+  return still ? pictureLineHeight(canvas.width(), canvas.height())
                : std::clamp(std::round(kLetter * canvas.scale()), 10.0, 60.0);
 }
 
-int sideWidth(double letter) {
-  return static_cast<int>(std::lround(17 * letter));
+int sideWidth(double lineHeight) {
+  return static_cast<int>(std::lround(17 * lineHeight));
 }
 
-PanelRooms roomsOf(int width, int height, const PanelNeeds& needs) {
-  constexpr double kLeastLetters = 30;  // canvases with a width of fewer letter heights get no side panel
-  PanelRooms rooms;
+PanelRects panelRects(int width, int height, const PanelNeeds& needs) {
+  constexpr double kLeastLetters = 30;  // canvases with a width of fewer line heights get no side panel
+  PanelRects rects;
   PixelRect body{0, 0, std::max(width, 1), std::max(height, 1)};
   const int row = std::min(static_cast<int>(std::lround(needs.row)), body.height / 4);
   if (needs.title && row > 0) {
-    rooms.title = {0, 0, body.width, row};
+    rects.title = {0, 0, body.width, row};
     body.top = row;
     body.height -= row;
   }
   if (needs.bar && row > 0) {
     const int high = std::min(static_cast<int>(std::lround(needs.row * 1.5)), body.height / 3);
-    rooms.bar = {0, body.top + body.height - high, body.width, high};
+    rects.bar = {0, body.top + body.height - high, body.width, high};
     body.height -= high;
   }
   if (needs.stripHeight > 0) {
-    int caption = static_cast<int>(std::lround(needs.letter * 1.5));
+    int caption = static_cast<int>(std::lround(needs.lineHeight * 1.5));
     const int image = std::clamp(needs.stripHeight, 1, std::max(body.height / 2, 1));
     if (caption + image > body.height * 2 / 3) caption = 0;
     const int high = std::min(caption + image, body.height - 1);
-    rooms.strip = {0, body.top + body.height - high, body.width, high};
+    rects.strip = {0, body.top + body.height - high, body.width, high};
     body.height -= high;
   }
-  if (needs.side && width >= needs.letter * kLeastLetters) {
-    const int wide = sideWidth(needs.letter);
-    rooms.side = {width - wide, body.top, wide, body.height};
+  if (needs.side && width >= needs.lineHeight * kLeastLetters) {
+    const int wide = sideWidth(needs.lineHeight);
+    rects.side = {width - wide, body.top, wide, body.height};
     body.width -= wide;
   }
-  rooms.body = body;
-  return rooms;
+  rects.body = body;
+  return rects;
 }
 
 int stripHeight(int imageHeight, int width, int height) {
@@ -77,7 +77,7 @@ int stripHeight(int imageHeight, int width, int height) {
   return imageHeight <= 0 || imageHeight > wanted ? wanted : wanted / imageHeight * imageHeight;
 }
 
-std::vector<PixelRect> partsOf(const PixelRect& body, std::size_t count, int gap) {
+std::vector<PixelRect> gridRects(const PixelRect& body, std::size_t count, int gap) {
   const int parts = static_cast<int>(count);
   const int columns = columnsFor(body, parts);
   const int rows = parts / columns;

@@ -1,4 +1,4 @@
-#include "viewer/window/drawing.h"
+#include "viewer/window/redraw.h"
 
 #include "tests/studio/viewer/window/fake_canvas.h"
 
@@ -21,27 +21,27 @@ class SlowCanvas : public FakeCanvas {
 };
 
 struct DrawnWorld {
-  explicit DrawnWorld(std::uint64_t points) : drawing(canvas, [this] { return canvas.now; }) { canvas.points = points; }
-  void draw(bool whole = false) { drawing.draw(whole, canvas.points, 1, canvas.now); }
+  explicit DrawnWorld(std::uint64_t points) : redraw(canvas, [this] { return canvas.now; }) { canvas.points = points; }
+  void draw(bool whole = false) { redraw.draw(whole, canvas.points, 1, canvas.now); }
 
   SlowCanvas canvas;
-  Drawing drawing;
+  RedrawScheduler redraw;
 };
 
 constexpr std::uint64_t kFew = 1000;
 constexpr std::uint64_t kMany = 20'000'000;
 
-TEST(Drawing, DrawsOnlyWhatHasChanged) {
+TEST(RedrawScheduler, DrawsOnlyWhatHasChanged) {
   DrawnWorld world(kFew);
   world.draw();
   EXPECT_EQ(world.canvas.renders, 1);
   world.draw();
-  world.drawing.changes.hover = true;  // alone, it may have changed nothing
+  world.redraw.changes.hover = true;  // alone, it may have changed nothing
   world.draw();
   EXPECT_EQ(world.canvas.renders, 1);
-  EXPECT_TRUE(world.drawing.changes.hover) << "whoever looks for what is under the pointer resets it";
-  for (bool* const change : {&world.drawing.changes.views, &world.drawing.changes.items, &world.drawing.changes.panels,
-                             &world.drawing.changes.light}) {
+  EXPECT_TRUE(world.redraw.changes.hover) << "whoever looks for what is under the pointer resets it";
+  for (bool* const change : {&world.redraw.changes.views, &world.redraw.changes.items, &world.redraw.changes.panels,
+                             &world.redraw.changes.highlight}) {
     const int before = world.canvas.renders;
     *change = true;
     world.draw();
@@ -51,77 +51,77 @@ TEST(Drawing, DrawsOnlyWhatHasChanged) {
 }
 
 // While something moves, a picture has as many points as 30 ms allow, measured; afterwards all of them.
-TEST(Drawing, LimitsPointsUntilNothingMoves) {
+TEST(RedrawScheduler, LimitsPointsUntilNothingMoves) {
   DrawnWorld world(kMany);
   for (int picture = 0; picture < 20; ++picture) {
-    world.drawing.changes.views = true;
+    world.redraw.changes.views = true;
     world.draw();
   }
   EXPECT_GT(world.canvas.lastMost, 0u);
   EXPECT_LT(world.canvas.lastMost, kMany / 10) << "20 million points would take 20 s";
-  EXPECT_FALSE(world.drawing.wholeIsDue()) << "it has just been drawn";
+  EXPECT_FALSE(world.redraw.allPointsDue()) << "it has just been drawn";
   world.canvas.now += 1;
-  EXPECT_TRUE(world.drawing.wholeIsDue());
+  EXPECT_TRUE(world.redraw.allPointsDue());
   world.draw(true);
   EXPECT_EQ(world.canvas.lastMost, 0u);
-  EXPECT_TRUE(world.drawing.slow());
+  EXPECT_TRUE(world.redraw.slow());
   world.canvas.now += 100;
-  EXPECT_FALSE(world.drawing.wholeIsDue()) << "all points are drawn";
+  EXPECT_FALSE(world.redraw.allPointsDue()) << "all points are drawn";
   // The longer all points take, the longer it waits before it draws them again.
-  world.drawing.changes.views = true;
+  world.redraw.changes.views = true;
   world.draw();
   world.canvas.now += 5;
-  EXPECT_FALSE(world.drawing.wholeIsDue());
+  EXPECT_FALSE(world.redraw.allPointsDue());
   world.canvas.now += 10;
-  EXPECT_TRUE(world.drawing.wholeIsDue());
+  EXPECT_TRUE(world.redraw.allPointsDue());
 }
 
-TEST(Drawing, KeepsTheLimitWhereOnlyPanelsChange) {
+TEST(RedrawScheduler, KeepsTheLimitWhereOnlyPanelsChange) {
   DrawnWorld world(kMany);
   world.draw();
   const std::uint64_t most = world.canvas.lastMost;
   ASSERT_GT(most, 0u);
-  world.drawing.changes.panels = true;
+  world.redraw.changes.panels = true;
   world.draw();
   EXPECT_EQ(world.canvas.lastMost, most);
 }
 
-TEST(Drawing, DrawsFewPointsAllAtOnce) {
+TEST(RedrawScheduler, DrawsFewPointsAllAtOnce) {
   DrawnWorld world(kFew);
   world.draw();
   EXPECT_EQ(world.canvas.lastMost, 0u);
   world.canvas.now += 100;
-  EXPECT_FALSE(world.drawing.wholeIsDue());
-  EXPECT_FALSE(world.drawing.slow());
+  EXPECT_FALSE(world.redraw.allPointsDue());
+  EXPECT_FALSE(world.redraw.slow());
 }
 
 // Moves of the pointer in quick succession are drawn together, in slow pictures more of them.
-TEST(Drawing, FollowsThePointerAsFastAsItDraws) {
+TEST(RedrawScheduler, FollowsThePointerAsFastAsItDraws) {
   DrawnWorld quick(kFew);
   quick.draw();
   quick.canvas.now += 0.011;
-  EXPECT_FALSE(quick.drawing.mayFollowPointer());
+  EXPECT_FALSE(quick.redraw.mayFollowPointer());
   quick.canvas.now += 0.002;
-  EXPECT_TRUE(quick.drawing.mayFollowPointer());
+  EXPECT_TRUE(quick.redraw.mayFollowPointer());
   DrawnWorld slow(kMany);
   slow.draw(true);
   slow.canvas.now += 19;
-  EXPECT_FALSE(slow.drawing.mayFollowPointer());
+  EXPECT_FALSE(slow.redraw.mayFollowPointer());
   slow.canvas.now += 2;
-  EXPECT_TRUE(slow.drawing.mayFollowPointer());
+  EXPECT_TRUE(slow.redraw.mayFollowPointer());
 }
 
-TEST(Drawing, GivesTheCanvasNewRectanglesAndCameras) {
+TEST(RedrawScheduler, GivesTheCanvasNewRectanglesAndCameras) {
   DrawnWorld world(kFew);
   CanvasView view{.rect = {0, 0, 64, 48}};
-  world.drawing.setViews({view});
+  world.redraw.setViews({view});
   world.draw();
   view.background = {1, 2, 3};
-  world.drawing.setViews({view});
-  EXPECT_FALSE(world.drawing.changes.views) << "nothing said that a view has changed";
+  world.redraw.setViews({view});
+  EXPECT_FALSE(world.redraw.changes.views) << "nothing said that a view has changed";
   view.rect.width = 32;
-  world.drawing.setViews({view});
-  EXPECT_TRUE(world.drawing.changes.views) << "panels have taken room from the view";
+  world.redraw.setViews({view});
+  EXPECT_TRUE(world.redraw.changes.views) << "panels have taken room from the view";
   EXPECT_EQ(world.canvas.views().front().rect.width, 32);
 }
 

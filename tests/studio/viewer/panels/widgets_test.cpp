@@ -1,12 +1,12 @@
 // Panels on a canvas in memory: what is seen, and what a press means.
 
-#include "viewer/panels/parts.h"
+#include "viewer/panels/widgets.h"
 
 #include <set>
 
 #include "tests/studio/viewer/window/fake_canvas.h"
 #include "viewer/color_map.h"
-#include "viewer/panels/rooms.h"
+#include "viewer/panels/panel_rects.h"
 
 namespace scanmill {
 namespace {
@@ -18,10 +18,10 @@ constexpr Rgb kTreeColor{20, 190, 60};
 class PanelParts : public testing::Test {
  protected:
   void draw(const std::function<void()>& panels) {
-    for (int i = 0; i < 2; ++i) toolkit_.frame(panels);
+    for (int i = 0; i < 2; ++i) imgui_.frame(panels);
   }
   void event(CanvasEvent::Kind kind, int x, int y, double amount = 0) {
-    toolkit_.take({.kind = kind, .x = x, .y = y, .button = 1, .amount = amount});
+    imgui_.take({.kind = kind, .x = x, .y = y, .button = 1, .amount = amount});
   }
   std::ptrdiff_t count(const Rgb& color, const PixelRect& rect = {0, 0, kWidth, kHeight}) const {
     std::ptrdiff_t found = 0;
@@ -42,7 +42,7 @@ class PanelParts : public testing::Test {
   static constexpr int kWidth = 500;
   static constexpr int kHeight = 300;
   FakeCanvas canvas_{kWidth, kHeight};
-  Toolkit toolkit_{canvas_, 15};
+  ImGuiLayer imgui_{canvas_, 15};
 };
 
 TEST_F(PanelParts, AreNowhereWhereNothingIsSaid) {
@@ -50,19 +50,19 @@ TEST_F(PanelParts, AreNowhereWhereNothingIsSaid) {
   EXPECT_EQ(written(), 0);
   event(CanvasEvent::Kind::Move, 30, 30);
   draw([] {});
-  EXPECT_FALSE(toolkit_.hasPointer());
+  EXPECT_FALSE(imgui_.hasPointer());
 }
 
 TEST_F(PanelParts, StandWhereTheyShallAndHaveThePointerThere) {
   const PixelRect rect{100, 50, 200, 100};
-  const auto panel = [&] { panelAt("panel", rect, true, [] { words("word"); }); };
+  const auto panel = [&] { panelAt("panel", rect, true, [] { textLine("word"); }); };
   draw(panel);
   EXPECT_EQ(written(), 200 * 100);
   for (const auto& [x, y, inside] : {std::tuple(101, 51, true), std::tuple(298, 148, true), std::tuple(98, 60, false),
                                      std::tuple(200, 152, false)}) {
     event(CanvasEvent::Kind::Move, x, y);
     draw(panel);
-    EXPECT_EQ(toolkit_.hasPointer(), inside) << x << ", " << y;
+    EXPECT_EQ(imgui_.hasPointer(), inside) << x << ", " << y;
   }
 }
 
@@ -89,14 +89,14 @@ TEST_F(PanelParts, RowsOfALegendShowAndTell) {
     const int x = sample->first + 60, y = sample->second + 3;  // the whole row counts
     use = {};
     event(CanvasEvent::Kind::Down, x, y);
-    toolkit_.frame(panel);
+    imgui_.frame(panel);
     EXPECT_EQ(use.entry, entry);
     event(CanvasEvent::Kind::Up, x, y);
-    toolkit_.frame(panel);
+    imgui_.frame(panel);
   }
   use = {};
   event(CanvasEvent::Kind::Down, 40, 15);
-  toolkit_.frame(panel);
+  imgui_.frame(panel);
   EXPECT_TRUE(use.all);
 }
 
@@ -154,13 +154,13 @@ TEST_F(PanelParts, TheSliderGivesEveryFrame) {
   };
   draw(panel);
   event(CanvasEvent::Kind::Down, 80, 278);
-  toolkit_.frame(panel);
+  imgui_.frame(panel);
   for (int x = 60; x < kWidth; x += 3) {
     event(CanvasEvent::Kind::Move, x, 278);
-    toolkit_.frame(panel);
+    imgui_.frame(panel);
   }
   event(CanvasEvent::Kind::Up, kWidth - 1, 278);
-  toolkit_.frame(panel);
+  imgui_.frame(panel);
   EXPECT_EQ(seen.size(), 12u);
   EXPECT_EQ(*seen.rbegin(), 11u);
 }
@@ -173,7 +173,7 @@ TEST_F(PanelParts, MessagesAreReadAndClickedAway) {
   const auto both = written();
   EXPECT_GT(both, 1000);
   event(CanvasEvent::Kind::Down, 30, kHeight - 20);
-  toolkit_.frame(panel);
+  imgui_.frame(panel);
   EXPECT_TRUE(closed);
   problems.clear();
   draw(panel);
@@ -205,7 +205,7 @@ TEST_F(PanelParts, AnyTextAndAnySizeWillDo) {
           heading(text, kRoad);
           valueRows("rows", {{text, text}, {"name", text}}, text);
         });
-        tip(text, kCarColor, {{text, text}}, text);
+        tooltip(text, kCarColor, {{text, text}}, text);
         messages(all, {text, text}, std::vector<std::string>(9, text));
         helpWindow({{text, text}});
       })) << width;
@@ -223,7 +223,7 @@ long areaOf(const PixelRect& rect) {
 }
 
 // Together they fill the canvas, none lies over another, and something is left for the views, at every size.
-TEST(PanelRooms, FillTheCanvasAndLeaveABody) {
+TEST(PanelRects, FillTheCanvasAndLeaveABody) {
   for (int width = 1; width < 2000; width += 37) {
     for (int height = 1; height < 1200; height += 31) {
       for (int kinds = 0; kinds < 16; ++kinds) {
@@ -231,8 +231,8 @@ TEST(PanelRooms, FillTheCanvasAndLeaveABody) {
                                .side = (kinds & 2) != 0,
                                .bar = (kinds & 4) != 0,
                                .stripHeight = (kinds & 8) != 0 ? stripHeight(64, width, height) : 0};
-        const PanelRooms rooms = roomsOf(width, height, needs);
-        const PixelRect all[] = {rooms.title, rooms.side, rooms.strip, rooms.bar, rooms.body};
+        const PanelRects rects = panelRects(width, height, needs);
+        const PixelRect all[] = {rects.title, rects.side, rects.strip, rects.bar, rects.body};
         long area = 0;
         for (const PixelRect& rect : all) {
           area += areaOf(rect);
@@ -241,21 +241,21 @@ TEST(PanelRooms, FillTheCanvasAndLeaveABody) {
           }
         }
         ASSERT_EQ(area, static_cast<long>(width) * height) << width << " x " << height << ", " << kinds;
-        ASSERT_GE(rooms.body.width, 1);
-        ASSERT_GE(rooms.body.height, 1);
+        ASSERT_GE(rects.body.width, 1);
+        ASSERT_GE(rects.body.height, 1);
         if (width > 600 && height > 400) {
-          EXPECT_EQ(rooms.side.width > 0, needs.side);
-          EXPECT_GT(areaOf(rooms.body), area / 4);
+          EXPECT_EQ(rects.side.width > 0, needs.side);
+          EXPECT_GT(areaOf(rects.body), area / 4);
         }
       }
     }
   }
 }
 
-TEST(PanelRooms, PartsAreAlikeAndFillTheBody) {
+TEST(PanelRects, PartsAreAlikeAndFillTheBody) {
   for (const PixelRect& body : {PixelRect{0, 20, 1300, 700}, PixelRect{3, 5, 200, 900}, PixelRect{0, 0, 7, 5}}) {
     for (std::size_t parts = 1; parts <= kCanvasViews; ++parts) {
-      const auto rects = partsOf(body, parts, 1);
+      const auto rects = gridRects(body, parts, 1);
       ASSERT_EQ(rects.size(), parts);
       long area = 0;
       for (const PixelRect& rect : rects) {
@@ -273,7 +273,7 @@ TEST(PanelRooms, PartsAreAlikeAndFillTheBody) {
   }
 }
 
-TEST(PanelRooms, StripsHaveTheirRowsInWholeSteps) {
+TEST(PanelRects, StripsHaveTheirRowsInWholeSteps) {
   for (const int rings : {16, 32, 64, 128}) {
     const int height = stripHeight(rings, 1600, 1000);
     EXPECT_LE(height, 200);

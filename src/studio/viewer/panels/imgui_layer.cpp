@@ -1,4 +1,4 @@
-#include "viewer/panels/toolkit.h"
+#include "viewer/panels/imgui_layer.h"
 
 #include <imgui.h>
 #include <imgui_internal.h>
@@ -69,9 +69,9 @@ void setColors(ImVec4* colors) {
   }
 }
 
-void addFont(ImFontAtlas& atlas, double letter) {
+void addFont(ImFontAtlas& atlas, double lineHeight) {
   static const ImWchar kLetters[] = {0x20, 0xFF, 0x370, 0x3FF, 0x2010, 0x2026, 0x2190, 0x2193, 0x25B2, 0x25C0, 0};
-  const auto size = static_cast<float>(std::round(letter));
+  const auto size = static_cast<float>(std::round(lineHeight));
   for (const char* file : kFonts) {
     if (pathExists(file) && atlas.AddFontFromFileTTF(file, size, nullptr, kLetters)) return;
   }
@@ -109,7 +109,7 @@ void setModifiers(ImGuiIO& io, bool shift, bool control) {
 
 }  // namespace
 
-struct Toolkit::State {
+struct ImGuiLayer::State {
   Canvas& canvas;
   ImGuiContext* context;
   int clicks = 1;
@@ -122,7 +122,7 @@ struct Toolkit::State {
   }
 };
 
-Toolkit::Toolkit(Canvas& canvas, double letter)
+ImGuiLayer::ImGuiLayer(Canvas& canvas, double lineHeight)
     : state_(std::make_unique<State>(State{canvas, ImGui::CreateContext(), 1, {}})) {
   ImGuiIO& io = state_->io();
   io.IniFilename = nullptr;
@@ -131,7 +131,7 @@ Toolkit::Toolkit(Canvas& canvas, double letter)
   io.ConfigInputTextCursorBlink = false;
   io.DeltaTime = 1.0F / 60;
   nameKeys(io);
-  addFont(*io.Fonts, letter);
+  addFont(*io.Fonts, lineHeight);
   unsigned char* pixels = nullptr;
   int width = 0;
   int height = 0;
@@ -141,27 +141,27 @@ Toolkit::Toolkit(Canvas& canvas, double letter)
   canvas.setImage(kFontImage, width, height, atlas);
   io.Fonts->SetTexID(textureOf(kFontImage));
   ImGuiStyle& style = ImGui::GetStyle();
-  style.ScaleAllSizes(static_cast<float>(letter / 14));
-  style.WindowRounding = style.PopupRounding = style.ChildRounding = static_cast<float>(letter / 3);
-  style.FrameRounding = style.GrabRounding = style.ScrollbarRounding = static_cast<float>(letter / 4);
+  style.ScaleAllSizes(static_cast<float>(lineHeight / 14));
+  style.WindowRounding = style.PopupRounding = style.ChildRounding = static_cast<float>(lineHeight / 3);
+  style.FrameRounding = style.GrabRounding = style.ScrollbarRounding = static_cast<float>(lineHeight / 4);
   style.AntiAliasedLinesUseTex = false;
   style.WindowMenuButtonPosition = ImGuiDir_None;
   setColors(style.Colors);
 }
 
-Toolkit::~Toolkit() {
+ImGuiLayer::~ImGuiLayer() {
   ImGui::DestroyContext(state_->context);
 }
 
-double Toolkit::letter() const {
+double ImGuiLayer::lineHeight() const {
   return state_->io().Fonts->Fonts.front()->FontSize;
 }
 
-double Toolkit::row() const {
-  return letter() + 2.0 * ImGui::GetStyle().FramePadding.y;
+double ImGuiLayer::row() const {
+  return lineHeight() + 2.0 * ImGui::GetStyle().FramePadding.y;
 }
 
-void Toolkit::take(const CanvasEvent& event) {
+void ImGuiLayer::take(const CanvasEvent& event) {
   using Kind = CanvasEvent::Kind;
   ImGuiIO& io = state_->io();
   if (event.kind == Kind::Move || event.kind == Kind::Down || event.kind == Kind::Up || event.kind == Kind::Wheel) {
@@ -184,7 +184,7 @@ void Toolkit::take(const CanvasEvent& event) {
   io.AddInputCharactersUTF8(event.text.c_str());
 }
 
-void Toolkit::frame(const std::function<void()>& panels) {
+void ImGuiLayer::frame(const std::function<void()>& panels) {
   ImGuiIO& io = state_->io();
   io.DisplaySize = {static_cast<float>(state_->canvas.width()), static_cast<float>(state_->canvas.height())};
   ImGui::NewFrame();
@@ -227,26 +227,26 @@ void Toolkit::frame(const std::function<void()>& panels) {
   state_->canvas.setOverlay(std::move(overlay));
 }
 
-bool Toolkit::hasPointer() const {
+bool ImGuiLayer::hasPointer() const {
   return state_->io().WantCaptureMouse;
 }
 
-bool Toolkit::hasKeys() const {
+bool ImGuiLayer::hasKeys() const {
   return state_->io().WantTextInput;
 }
 
-bool Toolkit::closeMenus() {
+bool ImGuiLayer::closeMenus() {
   ImGui::SetCurrentContext(state_->context);
   if (state_->context->OpenPopupStack.empty()) return false;
   ImGui::ClosePopupToLevel(0, true);
   return true;
 }
 
-int Toolkit::clicks() const {
+int ImGuiLayer::clicks() const {
   return state_->clicks;
 }
 
-bool Toolkit::shift() const {
+bool ImGuiLayer::shift() const {
   return state_->io().KeyShift;
 }
 

@@ -9,29 +9,29 @@
 namespace scanmill {
 
 struct PanelNeeds {
-  double letter = 15;  // height of a line of text in pixels, see Toolkit
-  double row = 21;     // height of a menu, a button or a slider (pixels)
+  double lineHeight = 15;  // height of a line of text in pixels, see ImGuiLayer
+  double row = 21;         // height of a menu, a button or a slider (pixels)
   bool title = true;
   bool side = true;     // true: a panel with the legends and the selected point
   bool bar = true;      // true: a bar with the frame slider
   int stripHeight = 0;  // height of the range image without its caption (pixels); 0: no range image
 };
 
-// Return the letter height in pixels: for a picture of the given size in pixels, and for the canvas, which is a picture
-// if `still` is true, otherwise a window.
-double letterOfPicture(int width, int height);
-double letterOf(const Canvas& canvas, bool still);
+// Return the height of a line of text in pixels: for a picture of the given size in pixels, and for the canvas, which is a
+// picture if `still` is true, otherwise a window.
+double pictureLineHeight(int width, int height);
+double lineHeightOf(const Canvas& canvas, bool still);
 
 // Returns the width of a side panel (pixels).
-int sideWidth(double letter);
+int sideWidth(double lineHeight);
 
 // The rectangles of the panels; empty for panels that are not shown. `body` is the rectangle for the views; it is never
 // empty.
-struct PanelRooms {
+struct PanelRects {
   PixelRect title, side, strip, bar, body;
 };
 
-PanelRooms roomsOf(int width, int height, const PanelNeeds& needs);
+PanelRects panelRects(int width, int height, const PanelNeeds& needs);
 
 // Returns the height (pixels) at which a range image of `imageHeight` rows is drawn on a canvas of the given size. It
 // is a multiple of imageHeight if such a height fits.
@@ -39,6 +39,6 @@ int stripHeight(int imageHeight, int width, int height);
 
 // Divides `body` into a grid of exactly `parts` equal rectangles with gaps of `gap` pixels; each rectangle has at least
 // one pixel.
-std::vector<PixelRect> partsOf(const PixelRect& body, std::size_t parts, int gap);
+std::vector<PixelRect> gridRects(const PixelRect& body, std::size_t parts, int gap);
 
 }  // namespace scanmill

@@ -8,14 +8,14 @@
 #include <string>
 #include <vector>
 
-#include "viewer/panels/parts.h"
-#include "viewer/panels/rooms.h"
-#include "viewer/panels/toolkit.h"
-#include "viewer/window/clouds.h"
+#include "viewer/panels/imgui_layer.h"
+#include "viewer/panels/panel_rects.h"
+#include "viewer/panels/widgets.h"
 #include "viewer/window/playback.h"
 #include "viewer/window/pointer.h"
-#include "viewer/window/scenery.h"
+#include "viewer/window/scene_view.h"
 #include "viewer/window/session_context.h"
+#include "viewer/window/shown_clouds.h"
 
 namespace scanmill {
 
@@ -33,9 +33,9 @@ struct LegendBlock {
   std::vector<std::size_t> views;
 };
 
-struct Panels {
-  Panels(const SessionContext& context, const Playback& playback, const Clouds& clouds, const Scenery& scenery,
-         const Pointer& pointer);
+struct PanelContents {
+  PanelContents(const SessionContext& context, const Playback& playback, const ShownClouds& clouds,
+                const SceneView& sceneView, const Pointer& pointer);
 
   // Computes the contents of the panes and legends, then the rectangles of all panels, which depend on the contents.
   void arrange();
@@ -47,8 +47,8 @@ struct Panels {
   PixelRect stripRect() const;  // returns the rectangle of the range image
   bool isHidden(const LegendEntry& entry) const;
 
-  Toolkit toolkit;
-  PanelRooms rooms;
+  ImGuiLayer imgui;
+  PanelRects rects;
   std::vector<ViewPane> panes;
   std::vector<LegendBlock> legends;
   std::vector<PanelLabel> labels;
@@ -57,7 +57,7 @@ struct Panels {
   bool help = false;                  // true: the list of keys is shown
 
  private:
-  // Functions in panels.cpp:
+  // Functions in panel_contents.cpp:
   void fillPanes();
   void addLabel(const Vec3d& spot, const std::string& text, bool mark, bool optional = false);
   // Legends, and the messages of views that show nothing:
@@ -67,8 +67,8 @@ struct Panels {
 
   const SessionContext& context_;
   const Playback& playback_;
-  const Clouds& clouds_;
-  const Scenery& scenery_;
+  const ShownClouds& clouds_;
+  const SceneView& sceneView_;
   const Pointer& pointer_;
 };
 
