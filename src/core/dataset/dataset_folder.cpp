@@ -27,21 +27,16 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kLockName = "lock";
-constexpr const char* kClaimSuffix = ".lock";  // appended to a shard's name to get the name of its lock file
-constexpr const char* kTurnName = "begin.lock";
-constexpr std::chrono::seconds kPatience(60);
-constexpr std::chrono::seconds kShortPatience(2);
+constexpr const char* kClaimSuffix = ".lock";     // appended to a shard's name to get the name of its lock file
+constexpr const char* kStartName = "begin.lock";  // lock of the process that starts a dataset in a shared folder
+// How long to wait for another process to start or complete a dataset, for a folder to become usable, and between two
+// attempts.
+constexpr std::chrono::seconds kProcessWait(60);
+constexpr std::chrono::seconds kFolderWait(2);
 constexpr std::chrono::milliseconds kPause(50);
 
-// Returns the device and the inode of a path; zeros if the path does not exist.
-std::pair<std::uint64_t, std::uint64_t> identityOf(const fs::path& path) {
-  struct stat status {};
-  if (::stat(path.c_str(), &status) != 0) return {0, 0};
-  return {status.st_dev, status.st_ino};
-}
-
 // Returns true if the path exists. Throws Error if this cannot be determined.
-bool isThere(const fs::path& path) {
+bool surelyExists(const fs::path& path) {
   std::error_code failure;
   const fs::file_status status = fs::status(path, failure);
   if (fs::status_known(status)) return fs::exists(status);
@@ -65,7 +60,8 @@ fs::path datasetAbove(const fs::path& folder) {
   return {};
 }
 
-void checkUse(const fs::path& folder, FolderUse use) {
+// Throws InputError if the path cannot be an output folder, whatever it contains.
+void checkPath(const fs::path& folder) {
   if (const fs::path above = datasetAbove(folder); !above.empty()) {
     throw InputError({folder.string()},
                      fmt::format("is in the dataset {}, to which no other files belong: choose another output folder "
@@ -82,6 +78,11 @@ void checkUse(const fs::path& folder, FolderUse use) {
       throw ForeignFile({entry.path().string()}, "is a link or a file, where this program has a folder: remove it");
     }
   }
+}
+
+// Throws InputError if `use` does not allow what the folder contains.
+void checkContents(const fs::path& folder, FolderUse use) {
+  if (!fs::exists(folder)) return;
   const FolderContents contents = contentsOf(folder);
   if (use == FolderUse::Replace) return checkOwnership(folder, contents);
   if ((use == FolderUse::Resume || use == FolderUse::Share) && contents.unfinished) return;
@@ -122,18 +123,18 @@ void removeShard(const fs::path& folder, const std::string& name) {
   if ((folder / name).parent_path() != folder) fs::remove((folder / name).parent_path(), notEmpty);
 }
 
-// Returns the text of the manifest. If the descriptions of all samples together take more than `most` bytes, they are
+// Returns the text of the manifest. If the descriptions of all samples together take more than `mostBytes`, they are
 // left out of the manifest and written to files beside the shards.
-std::string describe(const fs::path& folder, std::uint64_t most, const Manifest& manifest) {
+std::string manifestText(const fs::path& folder, std::uint64_t mostBytes, const Manifest& manifest) {
   std::vector<std::vector<std::uint64_t>> numbers(manifest.shards.size());
   for (std::size_t i = 0; i < manifest.samples.size(); ++i) numbers[manifest.samples[i].shard].push_back(i);
   std::uint64_t bytes = 0;
   std::uint32_t measured = 0;
-  while (measured < numbers.size() && bytes <= most) {
+  while (measured < numbers.size() && bytes <= mostBytes) {
     bytes += samplesJson(manifest, measured, numbers[measured]).size();
     ++measured;
   }
-  if (bytes <= most) return toJson(manifest);
+  if (bytes <= mostBytes) return toJson(manifest);
   Manifest head = manifest;
   head.samples.clear();
   for (std::uint32_t shard = 0; shard < numbers.size(); ++shard) {
@@ -152,7 +153,8 @@ void DatasetFolder::check(const fs::path& folder, FolderUse use) {
       // Names the process that writes into the folder, if there is one.
       const FolderLock free(folder, folder / kHiddenName / kLockName);
     }
-    checkUse(folder, use);
+    checkPath(folder);
+    checkContents(folder, use);
   } catch (const fs::filesystem_error& error) {
     throw InputError({folder.string()}, "cannot be used as output folder: " + error.code().message());
   }
@@ -187,10 +189,12 @@ DatasetFolder::DatasetFolder(fs::path folder, FolderUse use, DatasetPlan plan)
       makeFolders(folder_, staging_);
       lock_ = std::make_unique<FolderLock>(folder_, staging_ / kLockName);
     }
-    checkUse(folder_, use);  // check again: another process may have changed the folder before it was locked
+    checkPath(folder_);  // check again: another process may have changed the folder before it was locked
+    checkContents(folder_, use);
     complete_ = shared_ && !isUnfinished(folder_) && fs::exists(folder_ / kManifestName);
-    identity_ = identityOf(folder_);
-    if (!complete_) begin(use);
+    int ignored = 0;
+    identity_ = identityOf(folder_, ignored);
+    if (!complete_) start(use);
   } catch (const fs::filesystem_error& error) {
     leave();
     throw InputError({folder_.string()}, "cannot be used as output folder: " + error.code().message());
@@ -198,6 +202,12 @@ DatasetFolder::DatasetFolder(fs::path folder, FolderUse use, DatasetPlan plan)
     leave();
     throw;
   }
+}
+
+DatasetFolder::Identity DatasetFolder::identityOf(const fs::path& path, int& error) {
+  struct stat status {};
+  error = ::stat(path.c_str(), &status) == 0 ? 0 : errno;
+  return error == 0 ? Identity{status.st_dev, status.st_ino} : Identity{};
 }
 
 // Releases the lock. Removes the hidden folder if it is empty, and also the dataset's folder if the constructor has
@@ -213,7 +223,8 @@ void DatasetFolder::leave() {
 // remove the hidden folder.
 void DatasetFolder::share() {
   shared_ = true;
-  const auto end = std::chrono::steady_clock::now() + kPatience;
+  const auto begin = std::chrono::steady_clock::now();
+  const auto waitedLonger = [&](std::chrono::seconds most) { return std::chrono::steady_clock::now() - begin > most; };
   while (lock_ == nullptr) {
     try {
       fs::create_directories(folder_);
@@ -222,28 +233,32 @@ void DatasetFolder::share() {
     } catch (const ForeignFile&) {
       throw;
     } catch (const InputError&) {  // another process has the lock
-      if (std::chrono::steady_clock::now() > end) throw;
+      if (waitedLonger(kProcessWait)) throw;
     } catch (const Error&) {  // the hidden folder was removed, or the disk fails
-      if (std::chrono::steady_clock::now() > end - kPatience + kShortPatience) throw;
+      if (waitedLonger(kFolderWait)) throw;
     }
     if (lock_ == nullptr) std::this_thread::sleep_for(kPause);
   }
 }
 
-void DatasetFolder::begin(FolderUse use) {
-  // Only one of the processes that share the folder may run the code below at a time.
-  std::unique_ptr<FolderLock> turn;
+// Waits until no other process that shares the folder starts a dataset. None starts one while the lock lives.
+std::unique_ptr<FolderLock> DatasetFolder::lockStart() const {
+  const auto end = std::chrono::steady_clock::now() + kProcessWait;
   std::string holder;
-  const auto end = std::chrono::steady_clock::now() + kPatience;
-  while (shared_ && lock_->isKept() && turn == nullptr) {
-    turn = FolderLock::tryTake(folder_, staging_ / kTurnName, LockKind::Alone, holder);
-    if (turn != nullptr) break;
+  while (true) {
+    auto lock = FolderLock::tryTake(folder_, staging_ / kStartName, LockKind::Alone, holder);
+    if (lock != nullptr) return lock;
     if (std::chrono::steady_clock::now() > end) {
       throw InputError({folder_.string()},
                        "is in use by " + holder + ", which starts a dataset: wait until it has started");
     }
     std::this_thread::sleep_for(kPause);
   }
+}
+
+// Writes the plan, or checks that the plan of the dataset to continue is the same.
+void DatasetFolder::start(FolderUse use) {
+  const std::unique_ptr<FolderLock> lock = shared_ && lock_->isKept() ? lockStart() : nullptr;
   const fs::path planFile = staging_ / kPlanName;
   if ((shared_ || use == FolderUse::Resume) && fs::exists(planFile)) {
     if (readFile(planFile) == toJson(plan_)) return;
@@ -272,24 +287,25 @@ bool DatasetFolder::makeAlone() {
 
 DatasetFolder::~DatasetFolder() {
   std::error_code ignored;
-  if (identityOf(folder_) != identity_ || !makeAlone()) return;
-  bool whole = false;
+  int error = 0;
+  if (identityOf(folder_, error) != identity_ || !makeAlone()) return;
+  bool resumable = false;
   try {
-    whole = !published_ && !complete_ && hasRecords();
-    if (!whole) clearHidden(staging_);
+    resumable = !published_ && !complete_ && hasRecords();
+    if (!resumable) clearHidden(staging_);
   } catch (const std::exception&) {
-    whole = true;  // the folder may have changed: remove no more files
+    resumable = true;  // the folder may have changed: remove no more files
   }
   lock_.reset();
   // Both folders are removed only if they are empty.
   fs::remove(staging_, ignored);
-  if (created_ && !whole && !published_) fs::remove(folder_, ignored);
+  if (created_ && !resumable && !published_) fs::remove(folder_, ignored);
 }
 
 // Returns the path of a shard: in staging_, or its final path if an earlier process moved the shard there before it was
 // killed in publish().
 fs::path DatasetFolder::shardPath(const std::string& name) const {
-  return isThere(staging_ / name) ? staging_ / name : folder_ / name;
+  return surelyExists(staging_ / name) ? staging_ / name : folder_ / name;
 }
 
 std::unique_ptr<FolderLock> DatasetFolder::claim(const std::string& name) {
@@ -313,7 +329,7 @@ bool DatasetFolder::hasRecords() const {
 std::optional<DatasetPart> DatasetFolder::findRecord(const std::string& name, Check check) const {
   const fs::path record = staging_ / (name + kRecordSuffix);
   const fs::path shard = shardPath(name);
-  if (!isThere(record) || !isThere(shard)) return std::nullopt;
+  if (!surelyExists(record) || !surelyExists(shard)) return std::nullopt;
   DatasetPart part;
   const std::string text = readFile(record);
   try {
@@ -336,62 +352,77 @@ std::optional<DatasetPart> DatasetFolder::findRecord(const std::string& name, Ch
 }
 
 void DatasetFolder::requireSameFolder() const {
-  const auto place = identityOf(folder_);
-  if (place == identity_) return;
-  const std::string why = place.first == 0 && errno != ENOENT ? fmt::format(" ({})", std::strerror(errno)) : "";
+  int error = 0;
+  if (identityOf(folder_, error) == identity_) return;
+  const std::string why = error != 0 && error != ENOENT ? fmt::format(" ({})", std::strerror(error)) : "";
   throw Error(fmt::format("{}: was removed or replaced while the dataset was written{}", folder_.string(), why));
+}
+
+// Removes the dataset that is replaced: its manifest, its shards except those that belong to the new dataset, and
+// temporary files.
+void DatasetFolder::removeReplaced() const {
+  if (fs::exists(folder_ / kManifestName)) {
+    // The manifest is moved first, and the move is flushed to the disk, so that a mixture of old and new files never
+    // looks complete.
+    moveFile(folder_, folder_ / kManifestName, staging_ / kReplacedName);
+    syncFolder(folder_);
+  }
+  for (const std::string& name : filesListedIn(staging_ / kReplacedName)) {
+    // A shard of the new dataset may have been moved here by a process that was killed afterwards.
+    const bool isNew = fs::exists(staging_ / (name + kRecordSuffix)) && !fs::exists(staging_ / name);
+    requireSameFolder();
+    if (!isNew) removeShard(folder_, name);
+  }
+  for (const std::string& name : contentsOf(folder_).leftovers) removeFile(folder_, folder_ / name);
+}
+
+// Moves the shards to their final paths. Returns the folders that they are in.
+std::set<fs::path> DatasetFolder::moveShards(const std::vector<ShardRecord>& shards) const {
+  std::set<fs::path> folders;
+  for (const ShardRecord& shard : shards) {
+    requireSameFolder();
+    if (fs::exists(staging_ / shard.file)) moveFile(folder_, staging_ / shard.file, folder_ / shard.file);
+    folders.insert((folder_ / shard.file).parent_path());
+  }
+  return folders;
+}
+
+// Writes a file, and gives it its name after check().
+void DatasetFolder::writeChecked(std::string_view name, const std::string& bytes,
+                                 const std::function<void()>& check) const {
+  requireSameFolder();
+  AtomicFile file(folder_, folder_ / name);
+  file.write(bytes);
+  file.flush();
+  requireSameFolder();
+  check();
+  file.commit();
 }
 
 void DatasetFolder::publish(const Manifest& manifest, std::uint64_t mostSampleBytes) {
   try {
     requireSameFolder();
     for (const ShardRecord& shard : manifest.shards) {
-      if (fs::file_size(shardPath(shard.file)) == shard.bytes) continue;
-      throw Error(
-          fmt::format("{}: has changed since it was written: --resume makes it again", shardPath(shard.file).string()));
+      const fs::path file = shardPath(shard.file);
+      if (fs::file_size(file) == shard.bytes) continue;
+      throw Error(fmt::format("{}: has changed since it was written: --resume makes it again", file.string()));
     }
-    if (fs::exists(folder_ / kManifestName)) {
-      // The manifest is moved first, and the move is flushed to the disk, so that a mixture of old and new files never
-      // looks complete.
-      moveFile(folder_, folder_ / kManifestName, staging_ / kReplacedName);
-      syncFolder(folder_);
-    }
-    for (const std::string& name : filesListedIn(staging_ / kReplacedName)) {
-      // Do not remove a shard of the new dataset, which a process moved here before it was killed.
-      const bool moved = fs::exists(staging_ / (name + kRecordSuffix)) && !fs::exists(staging_ / name);
-      requireSameFolder();
-      if (!moved) removeShard(folder_, name);
-    }
-    for (const std::string& name : contentsOf(folder_).leftovers) removeFile(folder_, folder_ / name);
-    std::vector<fs::path> changed{folder_};
-    for (const ShardRecord& shard : manifest.shards) {
-      requireSameFolder();
-      if (fs::exists(staging_ / shard.file)) moveFile(folder_, staging_ / shard.file, folder_ / shard.file);
-      const fs::path own = (folder_ / shard.file).parent_path();
-      if (std::find(changed.begin(), changed.end(), own) == changed.end()) changed.push_back(own);
-    }
-    const auto writeBeside = [&](std::string_view name, const std::string& bytes) {
-      requireSameFolder();
-      AtomicFile beside(folder_, folder_ / name);
-      beside.write(bytes);
-      beside.flush();
-      requireSameFolder();
-      beside.commit();
-    };
-    writeBeside(kCardName, cardText(manifest));
-    writeBeside(kCroissantName, croissantJson(manifest));
-    const std::string text = describe(folder_, mostSampleBytes, manifest);
-    for (const fs::path& each : changed) syncFolder(each);
-    AtomicFile file(folder_, folder_ / kManifestName);
-    file.write(text);
-    file.flush();
-    // Check the folder's identity once more, because after this only names are checked and a file is renamed.
-    requireSameFolder();
-    for (const ShardRecord& shard : manifest.shards) {
-      if (isThere(folder_ / shard.file)) continue;
-      throw Error(fmt::format("{}: no longer exists: --resume makes it again", (folder_ / shard.file).string()));
-    }
-    file.commit();
+    removeReplaced();
+    const std::set<fs::path> folders = moveShards(manifest.shards);
+    writeChecked(kCardName, cardText(manifest), [] {});
+    writeChecked(kCroissantName, croissantJson(manifest), [] {});
+    const std::string text = manifestText(folder_, mostSampleBytes, manifest);
+    syncFolder(folder_);
+    for (const fs::path& folder : folders) syncFolder(folder);
+    // The manifest is the last file. Once it has its name, the dataset counts as complete.
+    writeChecked(kManifestName, text, [&] {
+      for (const ShardRecord& shard : manifest.shards) {
+        const fs::path file = folder_ / shard.file;
+        if (!surelyExists(file)) {
+          throw Error(fmt::format("{}: no longer exists: --resume makes it again", file.string()));
+        }
+      }
+    });
     published_ = true;
   } catch (const fs::filesystem_error& error) {
     throw Error(fmt::format("{}: {}", folder_.string(), error.what()));

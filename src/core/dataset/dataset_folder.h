@@ -9,10 +9,13 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
-#include <utility>
+#include <string_view>
+#include <vector>
 
 #include "base/folder_lock.h"
 #include "dataset/manifest.h"
@@ -81,19 +84,31 @@ class DatasetFolder {
   void requireSameFolder() const;
 
  private:
-  void begin(FolderUse use);
+  // Identifies a folder whatever its name; zeros: it does not exist.
+  struct Identity {
+    std::uint64_t device = 0, inode = 0;
+    bool operator==(const Identity&) const = default;
+  };
+  // Sets `error` to the system's error number; 0: none.
+  static Identity identityOf(const std::filesystem::path& path, int& error);
+
   void share();
   void leave();
+  std::unique_ptr<FolderLock> lockStart() const;
+  void start(FolderUse use);
+  void removeReplaced() const;
+  std::set<std::filesystem::path> moveShards(const std::vector<ShardRecord>& shards) const;
+  void writeChecked(std::string_view name, const std::string& bytes, const std::function<void()>& check) const;
   std::filesystem::path shardPath(const std::string& name) const;
 
   std::filesystem::path folder_;
   std::filesystem::path staging_;
-  std::pair<std::uint64_t, std::uint64_t> identity_{0, 0};  // device and inode of the folder
+  Identity identity_;  // of the folder
   DatasetPlan plan_;
   std::unique_ptr<FolderLock> lock_;
   bool shared_ = false;
-  bool complete_ = false;
-  bool created_ = false;  // true if this object has created the folder
+  bool complete_ = false;  // true if other processes had completed the dataset before
+  bool created_ = false;   // true if this object has created the folder
   bool published_ = false;
 };
 
