@@ -49,7 +49,7 @@ std::vector<Example> allExamples() {
   if (fs::is_directory(folder)) {
     for (const auto& entry : fs::directory_iterator(folder)) files.push_back(entry.path());
   }
-  std::sort(files.begin(), files.end());
+  std::ranges::sort(files);
   for (const fs::path& file : files) {
     // Other files belong to an example, such as NAME.scene.yaml and NAME.obj.
     const bool own = file.extension() == ".yaml" && file.stem().extension().empty();

@@ -164,7 +164,7 @@ void printExr(const std::filesystem::path& file) {
   for (const ExrChannel& c : exr.channels()) rows.push_back({c.name, std::string(exrTypeName(c.type))});
   printText("{}\n", formatTable(rows));
   const auto& channels = exr.channels();
-  if (std::any_of(channels.begin(), channels.end(), [](const ExrChannel& c) { return c.name == "range"; })) {
+  if (std::ranges::any_of(channels, [](const ExrChannel& c) { return c.name == "range"; })) {
     printText("hits: an image row for each ring, an image column for each column of the sensor\n");
     return;
   }

@@ -87,13 +87,12 @@ void printColors(const Asset& asset) {
   Rows rows{{"material", "texture", "color", "triangles"}};
   for (const auto& [names, counts] : byMaterial) {
     std::vector<std::pair<Rgb, std::uint64_t>> sorted(counts.begin(), counts.end());
-    std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+    std::ranges::stable_sort(sorted, [](const auto& a, const auto& b) { return a.second > b.second; });
     std::vector<std::pair<Rule, std::uint64_t>> groups;
     for (const auto& [color, triangles] : sorted) {
       TriangleTraits traits;
       traits.color = color;
-      auto group =
-          std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return matchesTriangle(g.first, traits); });
+      auto group = std::ranges::find_if(groups, [&](const auto& g) { return matchesTriangle(g.first, traits); });
       if (group == groups.end()) {
         if (groups.size() == kMostColors) continue;
         groups.emplace_back(Rule{}, 0);
@@ -222,7 +221,7 @@ void printAsset(const std::filesystem::path& file, const AssetOptions& options) 
     triangles += part.triangles.size() * places.size();
     for (const Triangle& t : part.triangles) {
       const auto bad = [&](std::uint32_t corner) { return !isFinite(part.positions[corner]); };
-      notFinite += std::any_of(t.begin(), t.end(), bad) ? 1 : 0;
+      notFinite += std::ranges::any_of(t, bad) ? 1 : 0;
     }
     for (const Vec3f& p : part.positions) {
       if (!isFinite(p)) continue;

@@ -43,7 +43,7 @@ std::array<double, 2> fieldOf(const BeamTable& beams) {
     highest = std::max(highest, elevation);
     azimuths.push_back(std::atan2(d.y, d.x));
   }
-  std::sort(azimuths.begin(), azimuths.end());
+  std::ranges::sort(azimuths);
   double gap = azimuths.front() + 2 * kPi - azimuths.back();
   for (std::size_t i = 1; i < azimuths.size(); ++i) gap = std::max(gap, azimuths[i] - azimuths[i - 1]);
   return {gap < radians(5) ? 360 : degrees(2 * kPi - gap), degrees(highest - lowest)};
@@ -74,7 +74,7 @@ bool isCalibration(const std::filesystem::path& file) {
   const char separator = head.find(';') == head.npos ? ',' : ';';
   std::vector<std::string_view> names;
   splitCells(head, separator, names);
-  const auto has = [&](std::string_view name) { return std::find(names.begin(), names.end(), name) != names.end(); };
+  const auto has = [&](std::string_view name) { return std::ranges::find(names, name) != names.end(); };
   // Scans have x or easting; tables of single beams have azimuth_deg.
   return (has("elevation") || has("elevation_deg")) && !has("x") && !has("easting") && !has("azimuth_deg");
 }

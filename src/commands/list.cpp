@@ -147,7 +147,7 @@ std::vector<std::filesystem::path> yamlFiles(const std::filesystem::path& folder
       if (entry.path().extension() == ".yaml") files.push_back(entry.path());
     }
   }
-  std::sort(files.begin(), files.end());
+  std::ranges::sort(files);
   return files;
 }
 
@@ -268,7 +268,7 @@ int runList(const std::vector<std::string>& arguments) {
   std::vector<std::string> names{kDevices};
   for (const auto& [name, rows] : kinds) names.push_back(name);
   for (const EffectEntry& entry : effects()) names.emplace_back(entry.name);
-  if (!wanted.empty() && std::find(names.begin(), names.end(), wanted) == names.end()) {
+  if (!wanted.empty() && std::ranges::find(names, wanted) == names.end()) {
     throw InputError(
         fmt::format("list: there is no kind, effect, format or method '{}'{}", wanted, suggestion(wanted, names)));
   }

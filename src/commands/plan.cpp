@@ -53,8 +53,8 @@ void printUnlabeled(const std::map<UnlabeledPart, std::uint64_t>& unlabeled) {
     group.nodes.insert(part.node);
   }
   std::vector<std::pair<UnlabeledPart, Group>> sorted(groups.begin(), groups.end());
-  std::stable_sort(sorted.begin(), sorted.end(),
-                   [](const auto& a, const auto& b) { return a.second.triangles > b.second.triangles; });
+  std::ranges::stable_sort(sorted,
+                           [](const auto& a, const auto& b) { return a.second.triangles > b.second.triangles; });
   printText("unlabelled geometry (no rule gives it a class):\n");
   Rows rows{{"file", "material", "texture", "nodes", "triangles"}};
   for (std::size_t i = 0; i < std::min(sorted.size(), kMostRows); ++i) {
@@ -119,7 +119,7 @@ SceneFindings checkScenes(ShotSource& source) {
       const auto isSame = [&](const ModelledItem& known) {
         return known.topic == item.topic && known.leftOut == item.leftOut && known.sensor == item.sensor;
       };
-      if (std::none_of(found.modelled.begin(), found.modelled.end(), isSame)) found.modelled.push_back(item);
+      if (std::ranges::none_of(found.modelled, isSame)) found.modelled.push_back(item);
     }
     plan.checkMemory(method->memoryBytes(), name);
     found.bytes = std::max(found.bytes, method->memoryBytes());

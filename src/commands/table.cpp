@@ -13,7 +13,7 @@ namespace {
 
 // Returns the number of characters, not bytes: UTF-8 continuation bytes have no width.
 std::size_t widthOf(const std::string& text) {
-  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
+  return static_cast<std::size_t>(std::ranges::count_if(text, [](char c) { return (c & 0xC0) != 0x80; }));
 }
 
 bool looksNumeric(const std::string& cell) {

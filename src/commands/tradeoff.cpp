@@ -83,7 +83,7 @@ void writeStudy(const Study& study, const std::filesystem::path& folder) {
   beginReport(folder, kStudyFile);
   for (std::size_t i = 0; i < study.pictures.size(); ++i) writeFile(folder / pictureFile(i), study.pictures[i].png);
   for (const Chart& chart : studyCharts(study)) {
-    const bool file = std::find(kStudyFiles.begin(), kStudyFiles.end(), chart.name) != kStudyFiles.end();
+    const bool file = std::ranges::find(kStudyFiles, chart.name) != kStudyFiles.end();
     if (file && (hasPoints(chart) || chart.name == "pareto")) {
       writeFile(folder / (chart.name + ".svg"), drawSvg(chart));
     }

@@ -121,7 +121,7 @@ ViewOptions readViewOptions(const Arguments& parsed, bool window) {
   }
   if (parsed.has("scale")) {
     view.scale = readScale(parsed.text("scale"));
-    const auto numeric = std::count_if(view.colors.begin(), view.colors.end(), isNumeric);
+    const auto numeric = std::ranges::count_if(view.colors, isNumeric);
     if (numeric != 1) {
       throw InputError(
           fmt::format("--scale belongs to the one --color that shows numbers (intensity, range, ring, "

@@ -17,7 +17,7 @@ ColorBy readColor(const std::string& word) {
     if (column.name == word) return ColorBy(column);  // a column's name always means this column
   }
   const std::vector<std::string>& names = colorNames();
-  const bool known = std::find(names.begin(), names.end(), word) != names.end();
+  const bool known = std::ranges::find(names, word) != names.end();
   const std::string meant = nearest(word, names);
   if (word.empty() || (!known && !meant.empty())) {
     throw InputError(fmt::format("--color is one of {}, or a column of a recorded file, not '{}'{}",

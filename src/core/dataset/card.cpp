@@ -87,7 +87,7 @@ std::string modelText(const std::vector<ModelledItem>& items) {
   std::string modelled;
   std::string left;
   for (const ModelledItem& item : items) {
-    if (std::find(kProgram.begin(), kProgram.end(), item.topic) != kProgram.end()) continue;
+    if (std::ranges::find(kProgram, item.topic) != kProgram.end()) continue;
     (item.leftOut ? left : modelled) += "- " + cell(lineOf(item)) + "\n";
   }
   std::string text = "What was modelled:\n\n" + modelled;
@@ -97,9 +97,8 @@ std::string modelText(const std::vector<ModelledItem>& items) {
 
 // Returns the frame of the points, in words.
 std::string frameText(const Manifest& manifest) {
-  const bool moves = std::any_of(manifest.samples.begin(), manifest.samples.end(), [](const SampleRecord& sample) {
-    return std::any_of(sample.scans.begin(), sample.scans.end(),
-                       [](const ScanRecord& scan) { return scan.worldFromSensor.size() > 1; });
+  const bool moves = std::ranges::any_of(manifest.samples, [](const SampleRecord& sample) {
+    return std::ranges::any_of(sample.scans, [](const ScanRecord& scan) { return scan.worldFromSensor.size() > 1; });
   });
   const std::string_view when = manifest.deskewed ? " at the start of the revolution (deskewed)"
                                 : moves           ? " at the time when the point's column fired (not deskewed)"
@@ -109,7 +108,7 @@ std::string frameText(const Manifest& manifest) {
 
 // Returns a sentence on the full scale of intensities; empty if there is none.
 std::string intensityText(const Manifest& manifest) {
-  if (std::find(manifest.columns.begin(), manifest.columns.end(), "intensity") == manifest.columns.end()) return {};
+  if (std::ranges::find(manifest.columns, "intensity") == manifest.columns.end()) return {};
   std::string scales;
   for (const SensorRecord& sensor : manifest.sensors) {
     scales += fmt::format("{}{:g} ({})", scales.empty() ? "" : ", ", sensor.intensityFullScale, cell(sensor.name));
@@ -118,9 +117,9 @@ std::string intensityText(const Manifest& manifest) {
 }
 
 bool listsObjects(const Manifest& manifest) {
-  return std::any_of(manifest.samples.begin(), manifest.samples.end(), [](const SampleRecord& sample) {
-    return std::any_of(sample.members.begin(), sample.members.end(),
-                       [](const std::string& member) { return member.ends_with(kObjectsSuffix); });
+  return std::ranges::any_of(manifest.samples, [](const SampleRecord& sample) {
+    return std::ranges::any_of(sample.members,
+                               [](const std::string& member) { return member.ends_with(kObjectsSuffix); });
   });
 }
 

@@ -17,16 +17,16 @@ namespace scanmill {
 std::vector<FileRecord> recordsOf(const FilesRead& read, const std::filesystem::path& folder) {
   std::vector<FileRecord> files;
   for (const auto& [file, hash] : read.hashes()) files.push_back({savedPath(file, folder), hash});
-  std::sort(files.begin(), files.end());
+  std::ranges::sort(files);
   return files;
 }
 
 std::string addFiles(const std::vector<FileRecord>& more, std::vector<FileRecord>& files) {
   files.insert(files.end(), more.begin(), more.end());
-  std::sort(files.begin(), files.end());
+  std::ranges::sort(files);
   files.erase(std::unique(files.begin(), files.end()), files.end());
-  const auto twice = std::adjacent_find(files.begin(), files.end(),
-                                        [](const FileRecord& a, const FileRecord& b) { return a.file == b.file; });
+  const auto twice =
+      std::ranges::adjacent_find(files, [](const FileRecord& a, const FileRecord& b) { return a.file == b.file; });
   return twice == files.end() ? std::string() : twice->file;
 }
 

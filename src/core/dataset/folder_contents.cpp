@@ -34,7 +34,7 @@ std::vector<std::string> filesIn(const fs::path& folder) {
       if (!inner.is_directory()) names.push_back(name + "/" + inner.path().filename().string());
     }
   }
-  std::sort(names.begin(), names.end());
+  std::ranges::sort(names);
   return names;
 }
 
@@ -136,7 +136,7 @@ std::vector<std::string> writtenFiles(const fs::path& folder) {
     own.push_back(shard);
     own.push_back(samplesFileOf(shard));
   }
-  std::sort(own.begin(), own.end());
+  std::ranges::sort(own);
   own.erase(std::unique(own.begin(), own.end()), own.end());
   return own;
 }
@@ -144,7 +144,7 @@ std::vector<std::string> writtenFiles(const fs::path& folder) {
 void checkOwnership(const fs::path& folder, const FolderContents& contents) {
   const std::vector<std::string> own = writtenFiles(folder);
   for (const std::string& name : contents.shards) {
-    if (std::binary_search(own.begin(), own.end(), name)) continue;
+    if (std::ranges::binary_search(own, name)) continue;
     throw InputError({(folder / name).string()},
                      fmt::format("exists, but {}: move it, or choose another output folder",
                                  contents.manifest ? "the manifest does not list it" : "no manifest lists it"));

@@ -9,8 +9,7 @@ namespace {
 constexpr std::size_t kLineWidth = 120;
 
 bool isNumberList(const OrderedJson& value) {
-  return value.is_array() &&
-         std::all_of(value.begin(), value.end(), [](const OrderedJson& v) { return v.is_number(); });
+  return value.is_array() && std::ranges::all_of(value, [](const OrderedJson& v) { return v.is_number(); });
 }
 
 // Joins the texts of the items of a list or an object, between brackets.
@@ -88,7 +87,7 @@ namespace {
 Location placeOfByte(const std::string& text, std::size_t byte, const std::string& file) {
   const std::string_view before = std::string_view(text).substr(0, byte == 0 ? 0 : std::min(byte - 1, text.size()));
   const std::size_t lineStart = before.rfind('\n') + 1;  // if there is no line break, npos + 1 is 0
-  return {file, static_cast<int>(std::count(before.begin(), before.end(), '\n')) + 1,
+  return {file, static_cast<int>(std::ranges::count(before, '\n')) + 1,
           static_cast<int>(before.size() - lineStart) + 1};
 }
 

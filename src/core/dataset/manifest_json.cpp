@@ -147,8 +147,7 @@ OrderedJson sampleObject(const SampleRecord& sample) {
 }
 
 bool describesInFiles(const Manifest& m) {
-  return std::any_of(m.shards.begin(), m.shards.end(),
-                     [](const ShardRecord& shard) { return !shard.samplesSha256.empty(); });
+  return std::ranges::any_of(m.shards, [](const ShardRecord& shard) { return !shard.samplesSha256.empty(); });
 }
 
 void checkVersion(const JsonNode& root, const Json& json, const std::string& file) {
@@ -246,14 +245,13 @@ std::string differenceOfSampleJson(std::string_view text, const SampleRecord& sa
 }
 
 std::string SampleRecord::xxh3Of(const std::string& member) const {
-  const auto place = static_cast<std::size_t>(std::find(members.begin(), members.end(), member) - members.begin());
+  const auto place = static_cast<std::size_t>(std::ranges::find(members, member) - members.begin());
   return place < xxh3.size() ? xxh3[place] : std::string();
 }
 
 const SequenceRecord* Manifest::sequenceOf(const std::string& key) const {
   const std::string own = partsOfKey(key).sequence;
-  const auto found =
-      std::find_if(sequences.begin(), sequences.end(), [&](const SequenceRecord& s) { return s.name == own; });
+  const auto found = std::ranges::find_if(sequences, [&](const SequenceRecord& s) { return s.name == own; });
   return found == sequences.end() ? nullptr : &*found;
 }
 

@@ -61,7 +61,7 @@ Manifest described(Manifest manifest, const std::filesystem::path& folder,
                    std::map<std::uint32_t, std::string>& undescribed) {
   const std::filesystem::path file = folder / kManifestName;
   const auto inFile = [](const ShardRecord& shard) { return !shard.samplesSha256.empty(); };
-  if (std::none_of(manifest.shards.begin(), manifest.shards.end(), inFile)) return manifest;
+  if (std::ranges::none_of(manifest.shards, inFile)) return manifest;
   constexpr std::uint64_t kMost = 10'000'000;  // 2 GB
   std::uint64_t count = 0;
   for (const ShardRecord& shard : manifest.shards) {

@@ -106,7 +106,7 @@ std::map<std::uint16_t, ObjectCount> SampleObjects::counts() const {
     ObjectCount& count = counts[object.semantic];
     ++count.objects;
     const auto points = [](const ObjectView& view) { return view.points > 0; };
-    count.withPoints += std::any_of(object.views.begin(), object.views.end(), points) ? 1 : 0;
+    count.withPoints += std::ranges::any_of(object.views, points) ? 1 : 0;
   }
   return counts;
 }

@@ -180,10 +180,9 @@ bool isOurs(const std::string& name, const Recording& earlier) {
   if (!name.ends_with(".exr") && !name.ends_with(".json")) return false;
   const std::size_t dot = name.find('.');
   const std::string key = name.substr(0, dot);
-  const bool sequence = std::any_of(earlier.sequences.begin(), earlier.sequences.end(), [&](const auto& s) {
-    return key.starts_with(fmt::format("{}-s{}-", s.scene, s.seed));
-  });
-  return sequence && std::any_of(earlier.sensors.begin(), earlier.sensors.end(), [&](const RecordedSensor& s) {
+  const bool sequence = std::ranges::any_of(
+      earlier.sequences, [&](const auto& s) { return key.starts_with(fmt::format("{}-s{}-", s.scene, s.seed)); });
+  return sequence && std::ranges::any_of(earlier.sensors, [&](const RecordedSensor& s) {
            return name.compare(dot + 1, s.name.size() + 1, s.name + ".") == 0;
          });
 }
@@ -297,7 +296,7 @@ RecordedShot Recording::shot(const std::string& sample, const std::string& senso
   shot.sensor = sensor;
   const char* const needed = kind == RecordingKind::Passes ? "steps" : "hits";
   if (!root.has(needed)) root.fail(fmt::format("key '{}' is missing", needed));
-  const auto known = std::find_if(sensors.begin(), sensors.end(), [&](const auto& s) { return s.name == sensor; });
+  const auto known = std::ranges::find_if(sensors, [&](const auto& s) { return s.name == sensor; });
   const std::uint32_t end = shot.steps.empty() ? 0 : shot.steps.back().endColumn;
   if (kind == RecordingKind::Passes && known != sensors.end() && end != known->columns) {
     root["steps"].fail(fmt::format("end at column {}, but '{}' has {} columns", end, sensor, known->columns));

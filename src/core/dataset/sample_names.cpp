@@ -44,7 +44,7 @@ KeyParts partsOfKey(const std::string& key) {
 std::size_t findKey(const std::vector<std::string>& keys, const std::string& wanted, const std::string& where) {
   if (keys.empty()) throw InputError({where}, "has no samples");
   if (wanted.empty()) return keys.size() / 2;
-  const auto found = std::find(keys.begin(), keys.end(), wanted);
+  const auto found = std::ranges::find(keys, wanted);
   if (found != keys.end()) return static_cast<std::size_t>(found - keys.begin());
   const std::string digits = wanted.substr(wanted.front() == '#' ? 1 : 0);  // "#12", as in the viewer
   const bool number = !digits.empty() && digits.find_first_not_of("0123456789") == std::string::npos;

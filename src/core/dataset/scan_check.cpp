@@ -96,7 +96,7 @@ class ScanCheck {
   void checkColumns() {
     const std::vector<std::string> found = columnNames(scan_);
     const auto has = [](const std::vector<std::string>& names, const std::string& name) {
-      return std::find(names.begin(), names.end(), name) != names.end();
+      return std::ranges::find(names, name) != names.end();
     };
     for (const std::string& name : found) {
       if (!has(manifest_.columns, name)) problem("the scan has the column {}, but the manifest does not list it", name);

@@ -54,7 +54,7 @@ std::shared_ptr<const Manifest> manifestOf(const fs::path& shard, fs::path& fold
 
 const ScanRecord* recordOf(const SampleRecord* sample, const MemberName& name) {
   if (sample == nullptr) return nullptr;
-  const auto found = std::find_if(sample->scans.begin(), sample->scans.end(), [&](const ScanRecord& r) {
+  const auto found = std::ranges::find_if(sample->scans, [&](const ScanRecord& r) {
     return lowerCase(r.sensor) == lowerCase(name.sensor) && r.revolution == name.revolution &&
            lowerCase(r.method) == lowerCase(name.method);
   });
@@ -151,8 +151,8 @@ void ScanStore::addSample(const std::string& key, Sample sample) {
 std::shared_ptr<const BeamTable> ScanStore::beams(const std::string& sensor, double time) const {
   if (manifest_ == nullptr) return nullptr;
   const std::vector<SensorRecord>& known = manifest_->sensors;
-  const auto found = std::find_if(known.begin(), known.end(),
-                                  [&](const SensorRecord& s) { return lowerCase(s.name) == lowerCase(sensor); });
+  const auto found =
+      std::ranges::find_if(known, [&](const SensorRecord& s) { return lowerCase(s.name) == lowerCase(sensor); });
   if (found == known.end()) return nullptr;
   const auto number = static_cast<std::size_t>(found - known.begin());
   {
@@ -215,7 +215,7 @@ std::vector<StoredScan> ScanStore::scans(std::size_t sample, const std::string& 
   for (const std::string& member : membersOf(own)) {
     const MemberName name = partsOfMember(member);
     if (formatBySuffix(name.suffix) == nullptr) continue;
-    const auto known = std::find_if(all.begin(), all.end(), [&](const StoredScan& s) {
+    const auto known = std::ranges::find_if(all, [&](const StoredScan& s) {
       return lowerCase(s.sensor) == lowerCase(name.sensor) && s.revolution == name.revolution &&
              lowerCase(s.method) == lowerCase(name.method);
     });

@@ -13,13 +13,13 @@ namespace scanmill {
 namespace {
 
 bool isDigits(std::string_view text) {
-  return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
+  return !text.empty() && std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
 }
 
 }  // namespace
 
 bool isSplitName(std::string_view split) {
-  return !split.empty() && std::all_of(split.begin(), split.end(), [](char c) {
+  return !split.empty() && std::ranges::all_of(split, [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
   });
 }

@@ -146,8 +146,7 @@ constexpr std::string_view kJsonSuffix = "json";
 // ASCII, so that all tar readers read the same names.
 void checkNames(const Sample& sample) {
   const auto plain = [](char c) { return c > ' ' && c < 0x7f && c != '/' && c != '\\'; };
-  if (sample.key.empty() ||
-      !std::all_of(sample.key.begin(), sample.key.end(), [&](char c) { return plain(c) && c != '.'; })) {
+  if (sample.key.empty() || !std::ranges::all_of(sample.key, [&](char c) { return plain(c) && c != '.'; })) {
     refuse(sample, "its key must be printable ASCII without dots, slashes and spaces");
   }
   if (!isSplitName(sample.split)) refuse(sample, fmt::format("'{}' is not a name of a split", sample.split));
@@ -155,7 +154,7 @@ void checkNames(const Sample& sample) {
   for (const Member& member : sample.members) {
     const std::string& suffix = member.suffix;
     if (suffix.empty() || suffix.front() == '.' ||
-        !std::all_of(suffix.begin(), suffix.end(), [&](char c) { return plain(c) && !(c >= 'A' && c <= 'Z'); })) {
+        !std::ranges::all_of(suffix, [&](char c) { return plain(c) && !(c >= 'A' && c <= 'Z'); })) {
       refuse(sample,
              fmt::format("the suffix '{}' must be lower-case printable ASCII without slashes and spaces", suffix));
     }

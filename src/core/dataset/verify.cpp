@@ -176,7 +176,7 @@ class ShardCheck {
   void checkVoxels(const std::string& name, std::string_view bytes) {
     const ScanVoxels voxels = decodeVoxels(bytes, name);
     const auto known = [&](std::uint16_t id) { return id == 0 || manifest_.ontology.find(id) != nullptr; };
-    const auto unknown = std::find_if_not(voxels.label.begin(), voxels.label.end(), known);
+    const auto unknown = std::ranges::find_if_not(voxels.label, known);
     if (unknown != voxels.label.end()) problem(fmt::format("{}: the ontology has no class {}", name, *unknown));
   }
 
@@ -201,8 +201,7 @@ class ShardCheck {
       if (scan[kInstance][i] != 0 && isFinite(scan.position[i])) ++found[scan[kInstance][i]];
     }
     for (const ObjectRecord& object : objects_->objects) {
-      const auto view = std::find_if(object.views.begin(), object.views.end(),
-                                     [&](const ObjectView& v) { return v.sensor == sensor; });
+      const auto view = std::ranges::find_if(object.views, [&](const ObjectView& v) { return v.sensor == sensor; });
       const auto points = found.find(object.id);
       const std::uint64_t counted = points == found.end() ? 0 : points->second;
       const std::uint64_t stated = view == object.views.end() ? 0 : view->points;
@@ -269,7 +268,7 @@ void checkManifest(const Manifest& manifest, std::vector<std::string>& problems)
       problem(fmt::format("frames of sequence {} are in several splits", sequence));
     }
     const auto lists = [&](const std::string& member) {
-      return std::find(sample.members.begin(), sample.members.end(), member) != sample.members.end();
+      return std::ranges::find(sample.members, member) != sample.members.end();
     };
     if (sample.objects.has_value() != lists(objectsMember(sample.key))) {
       problem(fmt::format("sample {}: must have either both counts of objects and the member {}, or neither",

@@ -26,7 +26,7 @@ class VoxelArrays {
   VoxelArrays(std::string_view bytes, const std::string& what) : what_(what), arrays_(readNpzArrays(bytes, what)) {}
 
   const NpyArray& of(std::string_view name, std::string_view type, std::size_t dimensions) const {
-    const auto found = std::find_if(arrays_.begin(), arrays_.end(), [&](const NpyArray& a) { return a.name == name; });
+    const auto found = std::ranges::find_if(arrays_, [&](const NpyArray& a) { return a.name == name; });
     if (found == arrays_.end()) fail(fmt::format("has no array `{}`", name));
     if (found->type != type || found->shape.size() != dimensions) {
       fail(fmt::format("{} has the type {} and {} dimensions, but must have {} and {}", name, found->type,
@@ -40,7 +40,7 @@ class VoxelArrays {
     std::vector<double> values(array.bytes.size() / sizeof(double));
     if (values.size() != count) fail(fmt::format("{} has {} numbers, but must have {}", name, values.size(), count));
     std::memcpy(values.data(), array.bytes.data(), array.bytes.size());
-    if (!std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); })) {
+    if (!std::ranges::all_of(values, [](double v) { return std::isfinite(v); })) {
       fail(fmt::format("{} has values that are not finite", name));
     }
     return values;
@@ -52,7 +52,7 @@ class VoxelArrays {
     if (array.shape != shape || array.bytes.size() != voxels)
       fail(fmt::format("{} and label have different sizes", name));
     std::vector<std::uint8_t> flags(array.bytes.begin(), array.bytes.end());
-    if (std::any_of(flags.begin(), flags.end(), [](std::uint8_t f) { return f > 1; })) {
+    if (std::ranges::any_of(flags, [](std::uint8_t f) { return f > 1; })) {
       fail(fmt::format("{} has values besides 0 and 1", name));
     }
     return flags;
@@ -100,7 +100,7 @@ ScanVoxels decodeVoxels(std::string_view bytes, const std::string& what) {
   voxels.grid.low = {low[0], low[1], low[2]};
   const NpyArray& label = arrays.of("label", kUInt16, 3);
   constexpr std::size_t kMost = std::numeric_limits<std::uint32_t>::max();
-  if (std::any_of(label.shape.begin(), label.shape.end(), [](std::size_t n) { return n == 0 || n > kMost; }) ||
+  if (std::ranges::any_of(label.shape, [](std::size_t n) { return n == 0 || n > kMost; }) ||
       label.bytes.size() / 2 > kMost) {
     arrays.fail("label has no voxels, or more than 2^32");
   }

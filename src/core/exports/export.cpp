@@ -128,7 +128,7 @@ class Export {
     names.reserve(all.size());
     for (const SensorRecord& sensor : all) names.push_back(sensor.name);
     for (const std::string& wanted : options_.sensors) {
-      const auto found = std::find(names.begin(), names.end(), wanted);
+      const auto found = std::ranges::find(names, wanted);
       if (found == names.end()) {
         throw InputError({options_.dataset.string()},
                          fmt::format("has no sensor '{}'; it has {}", wanted, fmt::join(names, ", ")));
@@ -136,7 +136,7 @@ class Export {
     }
     for (const SensorRecord& sensor : all) {
       const std::vector<std::string>& wanted = options_.sensors;
-      if (wanted.empty() || std::find(wanted.begin(), wanted.end(), sensor.name) != wanted.end()) {
+      if (wanted.empty() || std::ranges::find(wanted, sensor.name) != wanted.end()) {
         plan_.sensors.push_back(&sensor);
       }
     }
@@ -181,8 +181,8 @@ class Export {
     }
     std::map<std::string, std::size_t> known;
     for (std::size_t i = 0; i < samples.size(); ++i) {
-      const bool left = !options_.splits.empty() && std::find(options_.splits.begin(), options_.splits.end(),
-                                                              samples[i].split) == options_.splits.end();
+      const bool left =
+          !options_.splits.empty() && std::ranges::find(options_.splits, samples[i].split) == options_.splits.end();
       if (left) continue;
       const std::string name = partsOfKey(samples[i].key).sequence;
       const auto [own, isNew] = known.emplace(name.empty() ? samples[i].key : name, plan_.sequences.size());
@@ -190,7 +190,7 @@ class Export {
       plan_.sequences[own->second].samples.push_back(i);
     }
     for (ExportSequence& sequence : plan_.sequences) {
-      std::stable_sort(sequence.samples.begin(), sequence.samples.end(), [&](std::size_t a, std::size_t b) {
+      std::ranges::stable_sort(sequence.samples, [&](std::size_t a, std::size_t b) {
         const std::string frameA = partsOfKey(samples[a].key).frame;
         const std::string frameB = partsOfKey(samples[b].key).frame;
         return std::tuple(frameA.size(), frameA) < std::tuple(frameB.size(), frameB);
@@ -262,7 +262,7 @@ class Export {
     std::vector<StoredScan> stored = store_.scans(number);
     for (std::size_t s = 0; s < plan_.sensors.size(); ++s) {
       for (const ScanRecord* record : revolutionsOf(plan_, *sample.record, s)) {
-        const auto found = std::find_if(stored.begin(), stored.end(), [&](const StoredScan& scan) {
+        const auto found = std::ranges::find_if(stored, [&](const StoredScan& scan) {
           return scan.sensor == record->sensor && scan.revolution == record->revolution &&
                  scan.method == record->method;
         });

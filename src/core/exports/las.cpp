@@ -268,8 +268,8 @@ std::string lasBytes(const ExportPlan& plan, const ExportSample& sample, const E
 // Throws InputError if an exported scan of the sample has points of a class whose id LAS cannot store.
 void checkClasses(const ExportPlan& plan, const SampleRecord& sample) {
   for (const ScanRecord& scan : sample.scans) {
-    const bool isExported = std::any_of(plan.sensors.begin(), plan.sensors.end(),
-                                        [&](const SensorRecord* sensor) { return sensor->name == scan.sensor; });
+    const bool isExported =
+        std::ranges::any_of(plan.sensors, [&](const SensorRecord* sensor) { return sensor->name == scan.sensor; });
     for (const auto& [id, points] : scan.pointsPerClass) {
       const std::uint16_t own = plan.classes.of(id);
       if (!isExported || points == 0 || own <= kMostLasClass) continue;

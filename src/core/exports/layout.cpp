@@ -49,14 +49,13 @@ const LayoutEntry& requireLayout(std::string_view name) {
 
 bool listsObjects(const ExportPlan& plan) {
   const auto listed = [&](std::size_t number) { return plan.manifest.samples[number].objects.has_value(); };
-  return std::all_of(plan.sequences.begin(), plan.sequences.end(), [&](const ExportSequence& sequence) {
-    return std::all_of(sequence.samples.begin(), sequence.samples.end(), listed);
-  });
+  return std::ranges::all_of(
+      plan.sequences, [&](const ExportSequence& sequence) { return std::ranges::all_of(sequence.samples, listed); });
 }
 
 bool hasColumn(const ExportPlan& plan, std::string_view column) {
   const std::vector<std::string>& columns = plan.manifest.columns;
-  return std::find(columns.begin(), columns.end(), column) != columns.end();
+  return std::ranges::find(columns, column) != columns.end();
 }
 
 std::vector<std::size_t> velodyneOrder(const ExportScan& given) {
@@ -76,9 +75,8 @@ std::vector<std::size_t> velodyneOrder(const ExportScan& given) {
     const double azimuth = known ? std::atan2(static_cast<double>(p.y), static_cast<double>(p.x)) : 0;
     places.push_back({given.sensor->beams.topDown ? ring : -ring, azimuth < 0 ? azimuth + 2 * kPi : azimuth, i});
   }
-  std::stable_sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
-    return std::tie(a.down, a.azimuth) < std::tie(b.down, b.azimuth);
-  });
+  std::ranges::stable_sort(
+      places, [](const Place& a, const Place& b) { return std::tie(a.down, a.azimuth) < std::tie(b.down, b.azimuth); });
   std::vector<std::size_t> order;
   order.reserve(places.size());
   for (const Place& place : places) order.push_back(place.point);
@@ -97,10 +95,9 @@ std::string velodynePoints(const ExportScan& given, std::span<const std::size_t>
 
 std::vector<std::string> skewWarnings(const ExportPlan& plan, std::string_view layout) {
   const auto moves = [](const SampleRecord& sample) {
-    return std::any_of(sample.scans.begin(), sample.scans.end(),
-                       [](const ScanRecord& scan) { return scan.worldFromSensor.size() > 1; });
+    return std::ranges::any_of(sample.scans, [](const ScanRecord& scan) { return scan.worldFromSensor.size() > 1; });
   };
-  if (plan.manifest.deskewed || std::none_of(plan.manifest.samples.begin(), plan.manifest.samples.end(), moves)) {
+  if (plan.manifest.deskewed || std::ranges::none_of(plan.manifest.samples, moves)) {
     return {};
   }
   return {

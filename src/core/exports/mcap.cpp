@@ -169,8 +169,8 @@ class Bag {
   std::string nameOf(const ObjectRecord& object, const SemanticClass& semantic) const {
     std::optional<double> visible;
     for (const ObjectView& view : object.views) {
-      const bool exported = std::any_of(plan_.sensors.begin(), plan_.sensors.end(),
-                                        [&](const SensorRecord* sensor) { return sensor->name == view.sensor; });
+      const bool exported =
+          std::ranges::any_of(plan_.sensors, [&](const SensorRecord* sensor) { return sensor->name == view.sensor; });
       const std::optional<double> share = exported ? view.visibility() : std::nullopt;
       if (share && (!visible || *share > *visible)) visible = share;
     }

@@ -89,8 +89,8 @@ void addBoxes(const ExportPlan& plan, const SampleObjects& objects, const Export
   std::string points;
   std::string visibilities;
   for (const ObjectRecord& object : objects.objects) {
-    const auto view = std::find_if(object.views.begin(), object.views.end(),
-                                   [&](const ObjectView& v) { return v.sensor == scan.sensor->name; });
+    const auto view =
+        std::ranges::find_if(object.views, [&](const ObjectView& v) { return v.sensor == scan.sensor->name; });
     if (view == object.views.end()) continue;
     ++count;
     const Vec3d& middle = view->sensorFromBox.translation;

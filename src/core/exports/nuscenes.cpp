@@ -79,8 +79,8 @@ std::vector<std::uint16_t> ringsFromBelow(const BeamTable& beams) {
   std::vector<std::uint16_t> order(beams.rings);
   std::iota(order.begin(), order.end(), std::uint16_t{0});
   if (beams.listed != nullptr || beams.rosette || beams.elevation.size() != beams.rings) return order;
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::uint16_t a, std::uint16_t b) { return beams.elevation[a] < beams.elevation[b]; });
+  std::ranges::stable_sort(order,
+                           [&](std::uint16_t a, std::uint16_t b) { return beams.elevation[a] < beams.elevation[b]; });
   std::vector<std::uint16_t> numbers(beams.rings);
   for (std::size_t i = 0; i < order.size(); ++i) numbers[order[i]] = static_cast<std::uint16_t>(i);
   return numbers;

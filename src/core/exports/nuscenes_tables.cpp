@@ -228,7 +228,7 @@ class Tables {
       names += (names.empty() ? "" : ", ") + c.name;
     }
     std::vector<SemanticClass> classes = plan_.classes.target().classes;
-    std::sort(classes.begin(), classes.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+    std::ranges::sort(classes, [](const auto& a, const auto& b) { return a.id < b.id; });
     for (const SemanticClass& c : classes) {
       const std::string& from = sources[c.id];
       add("category", {{"token", categoryToken(c.id)},
@@ -478,7 +478,7 @@ class Tables {
     const std::string what = fmt::format("{}: object {}", sample.key, object.id);
     const Pose worldFromBox = scanOf(plan_, sample, seen.sensor).worldFromSensor.front() * seen.first->sensorFromBox;
     const Vec3d& size = track.size;
-    const auto own = std::lower_bound(track.frames.begin(), track.frames.end(), f);
+    const auto own = std::ranges::lower_bound(track.frames, f);
     const auto tokenAt = [&](auto frame) { return annotationToken(s, *frame, object.id); };
     OrderedJson attributes = OrderedJson::array();
     if (const std::string name = attributeOf(category, object); !name.empty()) {

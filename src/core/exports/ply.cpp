@@ -38,8 +38,8 @@ constexpr std::string_view kPlyType = std::is_floating_point_v<T> ? "float"
 
 // Replaces line breaks by blanks, because a line break would end a comment of the header.
 std::string withoutBreaks(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+  std::ranges::replace_if(
+      text, [](char c) { return c == '\n' || c == '\r'; }, ' ');
   return text;
 }
 
@@ -95,8 +95,7 @@ class Colors {
 
 std::string plyBytes(const ExportPlan& plan, const ExportSample& sample, const ExportScan& given) {
   const Scan& scan = given.scan;
-  const auto points =
-      static_cast<std::size_t>(std::count_if(scan.position.begin(), scan.position.end(), isFinite<float>));
+  const auto points = static_cast<std::size_t>(std::ranges::count_if(scan.position, isFinite<float>));
   std::string bytes = header(plan, sample, given, points);
   const Colors colors(plan, given);
   for (std::size_t i = 0; i < scan.size(); ++i) {

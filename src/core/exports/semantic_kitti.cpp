@@ -61,7 +61,7 @@ std::vector<std::size_t> numbersOf(const ExportPlan& plan) {
     std::vector<std::size_t> wanted = usualNumbers(sequence.split);
     for (std::size_t n = kFirstUnusual; n < kMostSequences; ++n) wanted.push_back(n);
     for (std::size_t n = 0; n < kFirstUnusual; ++n) wanted.push_back(n);
-    numbers.push_back(*std::find_if(wanted.begin(), wanted.end(), [&](std::size_t n) { return !taken.contains(n); }));
+    numbers.push_back(*std::ranges::find_if(wanted, [&](std::size_t n) { return !taken.contains(n); }));
     taken.insert(numbers.back());
   }
   return numbers;
@@ -161,7 +161,7 @@ class SemanticKitti : public ExportLayout {
     std::size_t others = 0;
     for (std::size_t s = 0; s < plan.sequences.size(); ++s) {
       const std::vector<std::size_t> usual = usualNumbers(plan.sequences[s].split);
-      others += std::find(usual.begin(), usual.end(), numbers[s]) == usual.end() ? 1 : 0;
+      others += std::ranges::find(usual, numbers[s]) == usual.end() ? 1 : 0;
     }
     if (others > 0) {
       warnings.push_back(fmt::format(
