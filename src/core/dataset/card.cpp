@@ -45,8 +45,7 @@ std::string summaryOf(const Manifest& manifest, const ScanTotals& totals) {
 std::string sensorTable(const Manifest& manifest) {
   std::string text =
       "| sensor | model | beams | scans a second | range (m) | mounted at x, y, z (m) | yaw, pitch, roll (deg) | "
-      "figures "
-      "from |\n|---|---|---|---|---|---|---|---|\n";
+      "figures from |\n|---|---|---|---|---|---|---|---|\n";
   for (const SensorRecord& sensor : manifest.sensors) {
     const BeamTable& beams = sensor.beams;
     const MountSpans mount = mountSpans(manifest, sensor);
@@ -131,8 +130,7 @@ std::string membersText(const Manifest& manifest) {
   }
   return fmt::format(
       "The shards are tar files. A sample consists of the members whose names begin with its key: a scan for each "
-      "sensor "
-      "({}), and `.json` with the sample's description{}.",
+      "sensor ({}), and `.json` with the sample's description{}.",
       formats, listsObjects(manifest) ? fmt::format(", and `.{}` with the boxes of objects", kObjectsSuffix) : "");
 }
 
@@ -236,14 +234,12 @@ std::string cardText(const Manifest& manifest) {
   }
   text += fmt::format(
       "\n{} points of {} beams. All samples of a sequence are in one split. `manifest.json` describes each sample, "
-      "with "
-      "poses, counts and hashes.\n\n{}\n{}\n{}\n{}{} {}\n\n",
+      "with poses, counts and hashes.\n\n{}\n{}\n{}\n{}{} {}\n\n",
       grouped(totals.points), grouped(totals.beams), sensorTable(manifest), columnTable(manifest),
       classTable(manifest, totals), frameText(manifest), intensityText(manifest), membersText(manifest));
   text += fmt::format(
       "## How it was made\n\nSimulated with Scanmill {} by the method {}, with the seed {}. Labels are those of the "
-      "surfaces "
-      "that the beams hit, as the scenes or images state them. {}",
+      "surfaces that the beams hit, as the scenes or images state them. {}",
       manifest.programVersion, fmt::join(methods, ", "), manifest.seed, modelText(manifest.modelled));
   if (!draws.empty()) {
     text +=
@@ -254,14 +250,10 @@ std::string cardText(const Manifest& manifest) {
                       fence, manifest.pipelineText, manifest.pipelineText.ends_with('\n') ? "" : "\n");
   text +=
       "## What it is for, and what it is not for\n\nIt is for training and for comparing networks that label, detect "
-      "or "
-      "complete LiDAR scans, and for testing programs that read them. Results on it do not show how a network or a "
-      "vehicle "
-      "performs in real traffic: judge that on recorded scans. It lacks whatever the scenes and the list above lack, "
-      "and "
-      "classes are as frequent as in the scenes, not as in any real place. `scanmill compare` measures how far it is "
-      "from "
-      "recorded scans of yours.\n";
+      "or complete LiDAR scans, and for testing programs that read them. Results on it do not show how a network or a "
+      "vehicle performs in real traffic: judge that on recorded scans. It lacks whatever the scenes and the list "
+      "above lack, and classes are as frequent as in the scenes, not as in any real place. `scanmill compare` "
+      "measures how far it is from recorded scans of yours.\n";
   return text;
 }
 

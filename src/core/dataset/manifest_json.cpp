@@ -29,8 +29,7 @@ OrderedJson framesJson(const Manifest& manifest) {
       {"vehicle_from_sensor", "vehicle point = rotation * sensor point + translation"},
       {"world_from_sensor",
        "world point = rotation * sensor point + translation; the first pose is at the start of the revolution, a "
-       "second one "
-       "at its end"},
+       "second one at its end"},
       {"points", manifest.deskewed ? "in the sensor's frame at the start of the revolution"
                                    : "in the sensor's frame at the time of their own column"},
       {"ring", "0 to rings - 1, in the order of the sensor's elevation list; top_down: ring 0 is the highest"},
@@ -38,25 +37,21 @@ OrderedJson framesJson(const Manifest& manifest) {
       {"column",
        "column 0 fires first; the head's azimuth t = first_azimuth +- field * swept (minus where clockwise), where "
        "swept is column / columns in a full revolution (field 2 pi), column / (columns - 1) in a smaller field, and "
-       "0.5 in a "
-       "smaller field of one column"},
+       "0.5 in a smaller field of one column"},
       {"beam",
        "index ring * columns + column; direction (cos(t + a) cos e, sin(t + a) cos e, sin e) with a = "
        "azimuth_offset[ring] and e = elevation[ring]; origin (origin_offset cos t, origin_offset sin t, "
        "origin_height), and where the sensor has them origin_left[ring] (-sin(t + a), cos(t + a), 0) + "
-       "origin_up[ring] (-cos(t + a) sin e, -sin(t + a) sin e, cos e) besides. Where the sensor has `beams`, their own "
-       "azimuth, elevation, time and origin (x, y, z, x, ...). Where it has a `rosette`, deflected from x by the "
-       "sum of all angle[k], each towards the angle speed[k] * (time of the scan + time of the beam) + phase[k] from y "
-       "to "
-       "z, and of left[ring] towards y and up[ring] towards z; where the rosette has a `mirror`, deflected from z "
-       "towards x and "
-       "y in place of y and z, and reflected by a mirror whose normal has the elevation tilt - pi / 2 and the azimuth "
-       "speed * time + phase"},
+       "origin_up[ring] (-cos(t + a) sin e, -sin(t + a) sin e, cos e) besides. Where the sensor has `beams`, their "
+       "own azimuth, elevation, time and origin (x, y, z, x, ...). Where it has a `rosette`, deflected from x by the "
+       "sum of all angle[k], each towards the angle speed[k] * (time of the scan + time of the beam) + phase[k] from "
+       "y to z, and of left[ring] towards y and up[ring] towards z; where the rosette has a `mirror`, deflected from "
+       "z towards x and y in place of y and z, and reflected by a mirror whose normal has the elevation tilt - pi / 2 "
+       "and the azimuth speed * time + phase"},
       {"time",
-       "scans: since the start of the sequence, of column 0; points: since the start of the revolution, period * field "
-       "/ (2 pi) * swept + firing_offset[ring], where swept is that of `column`; where the sensor has a `sweep`, sweep "
-       "* "
-       "swept + firing_offset[ring]"},
+       "scans: since the start of the sequence, of column 0; points: since the start of the revolution, period * "
+       "field / (2 pi) * swept + firing_offset[ring], where swept is that of `column`; where the sensor has a "
+       "`sweep`, sweep * swept + firing_offset[ring]"},
   };
 }
 
