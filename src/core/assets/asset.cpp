@@ -50,13 +50,12 @@ Asset readGltf(const std::filesystem::path& file, const std::string& kind, bool 
                      "is turned upright by Blender: leave out `up`, and turn the object where it is placed");
   }
   const char up = options.up.value_or(byBlender ? 'z' : 'y');
-  const double scale = options.metresPerUnit;
-  const Affine assetFromFile{zUpFrom(up) * Mat3::scale({scale, scale, scale}), {}};
+  const Affine frame{assetFromFile(up, options.metresPerUnit), {}};
   const auto readExport = [&] {
     const FilesRead temporary;  // keeps the exported temporary file out of the list of files read
-    return gltf::readAsset(BlenderExport(file).glb(), file, assetFromFile, options);
+    return gltf::readAsset(BlenderExport(file).glb(), file, frame, options);
   };
-  Asset asset = byBlender ? readExport() : gltf::readAsset(file, file, assetFromFile, options);
+  Asset asset = byBlender ? readExport() : gltf::readAsset(file, file, frame, options);
   asset.up = up;
   asset.upDeclared = true;
   asset.statedUnit = kind == ".abc" ? 0 : 1;  // Alembic states none

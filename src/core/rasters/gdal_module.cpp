@@ -187,7 +187,7 @@ class GdalReader final : public RasterReader {
     // Each raster of a file has a name and a description here; a file with one raster has none.
     const int named = CSLCount(GDALGetMetadata(set_, "SUBDATASETS")) / 2;
     header.others = header.bands.empty() || named == 0 ? named : named - 1;
-    header.placed = GDALGetGeoTransform(set_, header.transform.data()) == CE_None;
+    header.georeferenced = GDALGetGeoTransform(set_, header.transform.data()) == CE_None;
     header.driver = driver_;
     const char* const reference = GDALGetProjectionRef(set_);
     Reference system(reference == nullptr ? "" : reference);

@@ -43,15 +43,15 @@ void checkTextGrid(const std::filesystem::path& file, const RasterHeader& header
   const std::string text = readFile(file);
   std::string_view rest = text;
   std::set<std::string> heading;
-  std::size_t found = 0;
+  std::size_t samplesRead = 0;  // 0: still in the heading
   for (std::string_view word = takeWord(rest); !word.empty(); word = takeWord(rest)) {
-    const std::string key = found == 0 ? lowerCase(word) : "";
+    const std::string key = samplesRead == 0 ? lowerCase(word) : "";
     if (!key.empty() && std::isalpha(static_cast<unsigned char>(key[0])) != 0 && key != "nan" && key != "inf") {
       heading.insert(key);
       word = takeWord(rest);
       if (std::find(kHeading.begin(), kHeading.end(), key) == kHeading.end()) continue;
     } else {
-      ++found;
+      ++samplesRead;
     }
     double number = 0;
     if (parseNumber(word, number)) continue;
@@ -66,7 +66,9 @@ void checkTextGrid(const std::filesystem::path& file, const RasterHeader& header
     fail(file, "does not say where it lies: its heading needs xllcorner and yllcorner, or xllcenter and yllcenter");
   }
   const std::size_t samples = static_cast<std::size_t>(header.width) * static_cast<std::size_t>(header.height);
-  if (found != samples) fail(file, fmt::format("has {} samples, but its heading promises {}", found, samples));
+  if (samplesRead != samples) {
+    fail(file, fmt::format("has {} samples, but its heading promises {}", samplesRead, samples));
+  }
 }
 
 // Refuses or warns of files that GDAL reads otherwise than they are meant.
@@ -138,102 +140,233 @@ double metresPerHeight(const std::filesystem::path& file, const RasterHeader& he
 }
 
 // Throws InputError if the bands are no heights.
-void expectHeights(const std::filesystem::path& file, const RasterHeader& header, bool placed) {
+void expectHeights(const std::filesystem::path& file, const RasterHeader& header, bool georeferenced) {
   if (!header.system.foreign.empty())
     fail(file, fmt::format("is in {}: convert it by gdalwarp -dstnodata -9999 -t_srs", header.system.foreign));
   const std::string& means = header.bands[0].means;
   // Heightmaps of games are often saved as RGB images of grey shades.
-  if (means == "Undefined" || means == "Gray" || (means == "Red" && !placed)) return;
+  if (means == "Undefined" || means == "Gray" || (means == "Red" && !georeferenced)) return;
   fail(file, fmt::format("holds colours and no heights: GDAL calls its first band '{}'; if it holds heights, say so by "
                          "gdal_translate -colorinterp_1 gray",
                          means));
 }
 
-// Returns {first column, first row, end column, end row} of the samples whose centres lie in the bounds or, if
-// `touching` is true, of those that cover a part of the bounds; the end column and row are excluded.
-std::array<int, 4> windowOf(const Raster& whole, const RasterBounds& within, bool touching) {
+// Returns a band of real numbers. Throws InputError if the file has none of this number, or is not read at all.
+const RasterBand& checkedBand(const std::filesystem::path& file, const RasterHeader& header,
+                              const RasterRequest& request) {
+  if (header.bands.empty() && header.others > 0) {
+    fail(file, fmt::format("holds {} rasters: take one of them by gdal_translate", header.others));
+  }
+  if (header.width <= 0 || header.height <= 0 || header.bands.empty()) fail(file, "has no samples");
+  checkFiles(file, header);
+  if (!header.georeferenced && request.georeferenced) {
+    fail(file,
+         "does not say where it lies: it has no geotransform; set it by gdal_edit.py -a_ullr, or by gdalwarp if it "
+         "has ground control points");
+  }
+  if (request.band > std::ssize(header.bands)) {
+    fail(file, fmt::format("has {} bands, and no band {}", header.bands.size(), request.band));
+  }
+  const RasterBand& band = header.bands.at(static_cast<std::size_t>(request.band - 1));
+  if (band.type.starts_with('C')) fail(file, fmt::format("has complex numbers ({}) and no heights", band.type));
+  return band;
+}
+
+// Warns of heights in a stretched coordinate system, and of samples that look like classes or shades.
+void warnOfDoubtfulHeights(const std::filesystem::path& file, const CoordinateSystem& system, const RasterBand& band) {
+  if (system.isStretched()) {
+    warn(fmt::format(
+        "{}: lengths in its coordinate system are {:.4g} times those on the ground at its middle (in Mercator "
+        "projections 1/cos(latitude)), heights are not: convert it by 'gdalwarp -dstnodata -9999 -t_srs EPSG:{} {} "
+        "utm.tif'",
+        file.string(), system.stretch, system.utm, file.string()));
+  }
+  if (band.type == "Byte" && !band.scaled && band.unit.empty() && !system.perHeight) {
+    warn(
+        fmt::format("{}: has samples of 8 bits, which count as metres: they are seldom heights, but often classes or "
+                    "shades; if they are heights, say so by 'gdal_edit.py -units m'",
+                    file.string()));
+  }
+}
+
+void tellLeftOut(const std::filesystem::path& file, const RasterHeader& header, RasterUse use) {
+  LeftOut leftOut;
+  if (use != RasterUse::Colors) {
+    leftOut.add("bands behind the first",
+                static_cast<std::uint64_t>(std::count_if(header.bands.begin() + 1, header.bands.end(),
+                                                         [](const RasterBand& b) { return b.means != "Alpha"; })));
+  }
+  leftOut.add("further rasters of the file", static_cast<std::uint64_t>(header.others));
+  leftOut.tell(file.string());
+}
+
+// Returns all of the file's raster, without values.
+Raster wholeGrid(const std::filesystem::path& file, const RasterHeader& header) {
+  const auto& t = header.transform;
+  const double determinant = t[1] * t[5] - t[2] * t[4];
+  if (!std::isfinite(determinant) || determinant == 0 || !std::isfinite(t[0] + t[3])) {
+    fail(file, "has a geotransform that is none");
+  }
+  const CoordinateSystem& system = header.system;
+  return {header.width,      header.height,       {}, t, system.geographic, system.perUnit,
+          system.definition, header.georeferenced};
+}
+
+// A rectangle of the file's samples.
+struct Window {
+  int column = 0, row = 0;  // of its first sample
+  int width = 0, height = 0;
+};
+
+// Returns the samples whose centres lie in the bounds or, if `partly` is true, those that cover a part of the bounds.
+Window windowIn(const Raster& grid, const RasterBounds& bounds, bool partly) {
   double left = std::numeric_limits<double>::infinity(), top = left, right = -left, bottom = -left;
-  for (const double x : {within[0], within[2]}) {
-    for (const double y : {within[1], within[3]}) {
-      const auto [c, r] = whole.sample(x, y);
-      left = std::min(left, c);
-      right = std::max(right, c);
-      top = std::min(top, r);
-      bottom = std::max(bottom, r);
+  for (const double x : {bounds[0], bounds[2]}) {
+    for (const double y : {bounds[1], bounds[3]}) {
+      const auto [column, row] = grid.columnAndRow(x, y);
+      left = std::min(left, column);
+      right = std::max(right, column);
+      top = std::min(top, row);
+      bottom = std::max(bottom, row);
     }
   }
   const auto first = [&](double edge, int count) {
-    return static_cast<int>(
-        std::clamp(touching ? std::floor(edge) : std::round(edge), 0.0, static_cast<double>(count)));
+    return static_cast<int>(std::clamp(partly ? std::floor(edge) : std::round(edge), 0.0, double(count)));
   };
   const auto end = [&](double edge, int count) {
-    return static_cast<int>(std::clamp(touching ? std::ceil(edge) : std::round(edge), 0.0, static_cast<double>(count)));
+    return static_cast<int>(std::clamp(partly ? std::ceil(edge) : std::round(edge), 0.0, double(count)));
   };
-  return {first(left, whole.width), first(top, whole.height), end(right, whole.width), end(bottom, whole.height)};
+  const int column = first(left, grid.width), row = first(top, grid.height);
+  return {column, row, end(right, grid.width) - column, end(bottom, grid.height) - row};
 }
 
-// Fills the raster's values with the means of equal squares or rectangles of the window, times `factor`.
-// Returns true if samples have the value `marker`, and all others are above it or all are below it.
-bool readMeans(RasterReader& reader, int band, double marker, const std::array<int, 4>& window, double factor,
-               Raster& raster) {
-  constexpr int kSamplesAtATime = 4'000'000;
-  const int across = window[2] / raster.width;
-  const int down = window[3] / raster.height;
-  const int rowsAtATime = std::max(kSamplesAtATime / window[2], 1);
-  std::vector<double> rows;
-  std::vector<double> sums(static_cast<std::size_t>(raster.width));
-  std::vector<std::uint32_t> counts(sums.size());
-  double least = marker, greatest = marker;
-  bool stored = false;
-  raster.values.reserve(sums.size() * static_cast<std::size_t>(raster.height));
-  for (int first = 0; first < window[3]; first += rowsAtATime) {
-    const int count = std::min(rowsAtATime, window[3] - first);
-    rows.resize(static_cast<std::size_t>(count) * static_cast<std::size_t>(window[2]));
-    reader.read(band, {window[0], window[1] + first, window[2], count}, rows.data());
-    const double* sample = rows.data();
-    for (int row = first + 1; row <= first + count; ++row) {
-      for (std::size_t i = 0; i < sums.size(); ++i) {
-        for (int k = 0; k < across; ++k, ++sample) {
-          if (!std::isfinite(*sample)) continue;
-          least = std::min(least, *sample);
-          greatest = std::max(greatest, *sample);
-          stored = stored || *sample == marker;
-          sums[i] += *sample;
-          ++counts[i];
-        }
+// Returns the samples that the request asks for, without the last columns and rows that do not fill a square of `every`
+// x `every` samples. Throws InputError if there are none, or too many squares.
+Window windowOf(const std::filesystem::path& file, const Raster& grid, const RasterRequest& request) {
+  Window window{0, 0, grid.width, grid.height};
+  if (request.within) window = windowIn(grid, *request.within, request.use != RasterUse::Heights);
+  if (window.width <= 0 || window.height <= 0) {
+    const auto [x, y] = grid.centreOf(0, 0);
+    const auto [x2, y2] = grid.centreOf(grid.width - 1, grid.height - 1);
+    fail(file, fmt::format("has no sample there: it reaches from [{:.10g}, {:.10g}] to [{:.10g}, {:.10g}]",
+                           std::min(x, x2), std::min(y, y2), std::max(x, x2), std::max(y, y2)));
+  }
+  const int columns = std::max(window.width / request.every, 1);
+  const int rows = std::max(window.height / request.every, 1);
+  const std::size_t squares = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
+  if (std::max(squares, static_cast<std::size_t>(window.width)) > request.mostSamples) {
+    fail(file, fmt::format("has {} x {} samples; at most {} are read: take fewer by `every` or `within`", columns, rows,
+                           request.mostSamples));
+  }
+  window.width = columns * std::min(request.every, window.width);
+  window.height = rows * std::min(request.every, window.height);
+  return window;
+}
+
+// Returns the grid of a window whose squares of `every` x `every` samples are one sample each; a window that is
+// narrower or lower than a square has rectangles instead.
+Raster reducedGrid(const Raster& file, const Window& window, int every) {
+  Raster grid = file;
+  grid.width = std::max(window.width / every, 1);
+  grid.height = std::max(window.height / every, 1);
+  const double columnsEach = double(window.width) / grid.width, rowsEach = double(window.height) / grid.height;
+  const auto& t = file.transform;
+  grid.transform = {t[0] + window.column * t[1] + window.row * t[2], t[1] * columnsEach, t[2] * rowsEach,
+                    t[3] + window.column * t[4] + window.row * t[5], t[4] * columnsEach, t[5] * rowsEach};
+  return grid;
+}
+
+// The mean of each square of one row of squares.
+class SquareMeans {
+ public:
+  SquareMeans(int squares, int columnsEach)
+      : columnsEach_(columnsEach), sums_(static_cast<std::size_t>(squares)), counts_(sums_.size()) {}
+
+  // Adds a row of samples, except those without a value.
+  void add(const double* sample) {
+    for (std::size_t i = 0; i < sums_.size(); ++i) {
+      for (int k = 0; k < columnsEach_; ++k, ++sample) {
+        if (!std::isfinite(*sample)) continue;
+        sums_[i] += *sample;
+        ++counts_[i];
       }
-      if (row % down != 0) continue;
-      for (std::size_t i = 0; i < sums.size(); ++i) {
-        const bool has = counts[i] > 0;
-        raster.values.push_back(has ? static_cast<float>(sums[i] / counts[i] * factor)
-                                    : std::numeric_limits<float>::quiet_NaN());
-      }
-      sums.assign(sums.size(), 0);
-      counts.assign(counts.size(), 0);
     }
   }
-  return stored && (least == marker || greatest == marker);
+
+  // Appends the means of the rows that were added since the last call, times `factor`; NaN for squares without values.
+  void take(double factor, std::vector<float>& means) {
+    for (std::size_t i = 0; i < sums_.size(); ++i) {
+      means.push_back(counts_[i] > 0 ? static_cast<float>(sums_[i] / counts_[i] * factor)
+                                     : std::numeric_limits<float>::quiet_NaN());
+    }
+    sums_.assign(sums_.size(), 0);
+    counts_.assign(counts_.size(), 0);
+  }
+
+ private:
+  int columnsEach_;  // of a square
+  std::vector<double> sums_;
+  std::vector<std::uint32_t> counts_;
+};
+
+// Fills the raster's values with the means of the window's squares, times `factor`. Returns true if samples have the
+// value `marker`, and all others are above it or all are below it.
+bool readMeans(RasterReader& reader, int band, double marker, const Window& window, double factor, Raster& raster) {
+  constexpr int kSamplesAtATime = 4'000'000;
+  const int rowsEach = window.height / raster.height;
+  const int rowsAtATime = std::max(kSamplesAtATime / window.width, 1);
+  const auto width = static_cast<std::size_t>(window.width);
+  SquareMeans means(raster.width, window.width / raster.width);
+  std::vector<double> samples;
+  bool marked = false, above = false, below = false;
+  raster.values.reserve(static_cast<std::size_t>(raster.width) * static_cast<std::size_t>(raster.height));
+  for (int first = 0; first < window.height; first += rowsAtATime) {
+    const int count = std::min(rowsAtATime, window.height - first);
+    samples.resize(static_cast<std::size_t>(count) * width);
+    reader.read(band, {window.column, window.row + first, window.width, count}, samples.data());
+    for (const double sample : samples) {
+      if (!std::isfinite(sample)) continue;
+      marked = marked || sample == marker;
+      above = above || sample > marker;
+      below = below || sample < marker;
+    }
+    for (int row = 0; row < count; ++row) {
+      means.add(samples.data() + static_cast<std::size_t>(row) * width);
+      if ((first + row + 1) % rowsEach == 0) means.take(factor, raster.values);
+    }
+  }
+  return marked && !(above && below);
 }
 
 }  // namespace
 
-std::array<double, 2> Raster::place(int column, int row) const {
+std::array<double, 2> Raster::centreOf(int column, int row) const {
   const double c = column + 0.5;
   const double r = row + 0.5;
   return {transform[0] + c * transform[1] + r * transform[2], transform[3] + c * transform[4] + r * transform[5]};
 }
 
-std::array<double, 2> Raster::sample(double x, double y) const {
+std::array<double, 2> Raster::columnAndRow(double x, double y) const {
   const double det = transform[1] * transform[5] - transform[2] * transform[4];
   const double dx = x - transform[0];
   const double dy = y - transform[3];
   return {(transform[5] * dx - transform[2] * dy) / det, (transform[1] * dy - transform[4] * dx) / det};
 }
 
-float Raster::at(double x, double y) const {
-  const auto [c, r] = sample(x, y);
+float Raster::valueAt(double x, double y) const {
+  const auto [c, r] = columnAndRow(x, y);
   if (!(c >= 0 && r >= 0 && c < width && r < height)) return std::numeric_limits<float>::quiet_NaN();
   return values[static_cast<std::size_t>(r) * static_cast<std::size_t>(width) + static_cast<std::size_t>(c)];
+}
+
+std::array<double, 2> Raster::range() const {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const float value : values) {
+    if (!std::isfinite(value)) continue;
+    low = std::min(low, double{value});
+    high = std::max(high, double{value});
+  }
+  return {low, high};
 }
 
 const FormatSupport& rasterFormat() {
@@ -254,86 +387,17 @@ Raster readRaster(const std::filesystem::path& file, const RasterRequest& reques
   const RasterHeader header = reader->header();
   noteFile(file);
   for (const std::filesystem::path other : header.files) noteFile(other);
-  if (header.bands.empty() && header.others > 0) {
-    fail(file, fmt::format("holds {} rasters: take one of them by gdal_translate", header.others));
-  }
-  if (header.width <= 0 || header.height <= 0 || header.bands.empty()) fail(file, "has no samples");
-  LeftOut leftOut;
-  checkFiles(file, header);
-  if (!header.placed && request.placed) {
-    fail(file,
-         "does not say where it lies: it has no geotransform; set it by gdal_edit.py -a_ullr, or by gdalwarp if it "
-         "has ground control points");
-  }
-  if (request.band > std::ssize(header.bands)) {
-    fail(file, fmt::format("has {} bands, and no band {}", header.bands.size(), request.band));
-  }
-  const RasterBand& band = header.bands.at(static_cast<std::size_t>(request.band - 1));
-  if (band.type.starts_with('C')) fail(file, fmt::format("has complex numbers ({}) and no heights", band.type));
-  double factor = 1;
-  if (request.use == RasterUse::Heights) {
-    expectHeights(file, header, request.placed);
-    factor = metresPerHeight(file, header);
-    if (request.placed && header.system.isStretched()) {
-      warn(fmt::format(
-          "{}: lengths in its coordinate system are {:.4g} times those on the ground at its middle (in Mercator "
-          "projections 1/cos(latitude)), heights are not: convert it by 'gdalwarp -dstnodata -9999 -t_srs EPSG:{} {} "
-          "utm.tif'",
-          file.string(), header.system.stretch, header.system.utm, file.string()));
-    }
-    if (request.placed && band.type == "Byte" && !band.scaled && band.unit.empty() && !header.system.perHeight) {
-      warn(
-          fmt::format("{}: has samples of 8 bits, which count as metres: they are seldom heights, but often classes or "
-                      "shades; if they are heights, say so by 'gdal_edit.py -units m'",
-                      file.string()));
-    }
-  }
-  if (request.use != RasterUse::Colors) {
-    leftOut.add("bands behind the first",
-                static_cast<std::uint64_t>(std::count_if(header.bands.begin() + 1, header.bands.end(),
-                                                         [](const RasterBand& b) { return b.means != "Alpha"; })));
-  }
-  leftOut.add("further rasters of the file", static_cast<std::uint64_t>(header.others));
-  leftOut.tell(file.string());
-  Raster raster;
-  raster.width = header.width;
-  raster.height = header.height;
-  raster.transform = header.transform;
-  raster.geographic = header.system.geographic;
-  raster.perUnit = header.system.perUnit;
-  raster.reference = header.system.definition;
-  raster.placed = header.placed;
-  const auto& t = raster.transform;
-  const double det = t[1] * t[5] - t[2] * t[4];
-  if (!std::isfinite(det) || det == 0 || !std::isfinite(t[0] + t[3])) fail(file, "has a geotransform that is none");
-  std::array<int, 4> window{0, 0, header.width, header.height};
-  if (request.within) window = windowOf(raster, *request.within, request.use != RasterUse::Heights);
-  const int across = window[2] - window[0];
-  const int down = window[3] - window[1];
-  if (across <= 0 || down <= 0) {
-    const auto [x, y] = raster.place(0, 0);
-    const auto [x2, y2] = raster.place(header.width - 1, header.height - 1);
-    fail(file, fmt::format("has no sample there: it reaches from [{:.10g}, {:.10g}] to [{:.10g}, {:.10g}]",
-                           std::min(x, x2), std::min(y, y2), std::max(x, x2), std::max(y, y2)));
-  }
-  raster.width = std::max(across / request.every, 1);
-  raster.height = std::max(down / request.every, 1);
-  const std::size_t samples = static_cast<std::size_t>(raster.width) * static_cast<std::size_t>(raster.height);
-  if (std::max(samples, static_cast<std::size_t>(across)) > request.mostSamples) {
-    fail(file, fmt::format("has {} x {} samples; at most {} are read: take fewer by `every` or `within`", raster.width,
-                           raster.height, request.mostSamples));
-  }
-  // If the window does not divide evenly by `every`, its last columns and rows are left out.
-  const int taken = raster.width * std::min(request.every, across);
-  const int takenDown = raster.height * std::min(request.every, down);
-  const double columnsEach = static_cast<double>(taken) / raster.width;
-  const double rowsEach = static_cast<double>(takenDown) / raster.height;
-  raster.transform = {t[0] + window[0] * t[1] + window[1] * t[2], t[1] * columnsEach, t[2] * rowsEach,
-                      t[3] + window[0] * t[4] + window[1] * t[5], t[4] * columnsEach, t[5] * rowsEach};
+  const RasterBand& band = checkedBand(file, header, request);
+  const bool heights = request.use == RasterUse::Heights;
+  if (heights) expectHeights(file, header, request.georeferenced);
+  const double factor = heights ? metresPerHeight(file, header) : 1;
+  if (heights && request.georeferenced) warnOfDoubtfulHeights(file, header.system, band);
+  tellLeftOut(file, header, request.use);
+  const Raster grid = wholeGrid(file, header);
+  const Window window = windowOf(file, grid, request);
+  Raster raster = reducedGrid(grid, window, request.every);
   try {
-    const bool marked =
-        readMeans(*reader, request.band, band.marker, {window[0], window[1], taken, takenDown}, factor, raster);
-    if (marked && request.use == RasterUse::Heights) {
+    if (readMeans(*reader, request.band, band.marker, window, factor, raster) && heights) {
       warn(
           fmt::format("{}: has samples of -9999: if this value marks missing samples, say so by 'gdal_edit.py "
                       "-a_nodata -9999'",

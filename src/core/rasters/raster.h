@@ -55,14 +55,16 @@ struct Raster {
   bool geographic = false;          // true: x and y are longitude and latitude
   double perUnit = 1;               // metres per unit of x and y; degrees if geographic
   std::string reference;            // definition of the coordinate system (WKT); empty: unknown
-  bool placed = true;               // false: the file has no geotransform, x and y count columns and rows
+  bool georeferenced = true;        // false: the file has no geotransform, x and y count columns and rows
 
   // Returns x and y of the centre of a sample.
-  std::array<double, 2> place(int column, int row) const;
+  std::array<double, 2> centreOf(int column, int row) const;
   // Returns the column and row of the point (x, y), with fractions; 0 is the raster's outer edge.
-  std::array<double, 2> sample(double x, double y) const;
+  std::array<double, 2> columnAndRow(double x, double y) const;
   // Returns the value of the sample that contains the point (x, y); NaN outside of the raster.
-  float at(double x, double y) const;
+  float valueAt(double x, double y) const;
+  // Returns the least and the greatest value; infinity and -infinity if no sample has a value.
+  std::array<double, 2> range() const;
 };
 
 enum class RasterUse { Heights, Classes, Colors };
@@ -73,14 +75,14 @@ struct RasterRequest {
   int every = 1;  // a square of `every` x `every` samples becomes one sample: the mean of those that have a value
   std::optional<RasterBounds> within;
   std::size_t mostSamples = 64'000'000;
-  bool placed = true;  // false: images without a geotransform are read too, of RGB images the red band
+  bool georeferenced = true;  // false: images without a geotransform are read too, of RGB images the red band
 };
 
 // Reads a band of a raster; heights become metres, upwards. Samples without a value are those that the file marks by a
 // value (NaN too), a mask or an alpha band, or that no raster of a mosaic covers. Warns of what is left out. Throws an
 // InputError that names the file and says what is wrong: it is absent, damaged or no raster, has no geotransform
-// though RasterRequest::placed asks for it, lacks the requested band, has more than `mostSamples` samples, has no
-// samples within the bounds, or holds no heights but colours, or heights in an unknown unit.
+// though RasterRequest::georeferenced asks for it, lacks the requested band, has more than `mostSamples` samples, has
+// no samples within the bounds, or holds no heights but colours, or heights in an unknown unit.
 Raster readRaster(const std::filesystem::path& file, const RasterRequest& request);
 
 // True if the rasters have the same coordinate system, or if the system of one is unknown.

@@ -26,7 +26,7 @@ struct RasterHeader {
   int height = 0;  // number of rows; the first row is usually the northernmost
   std::vector<RasterBand> bands;
   int others = 0;                                     // number of further rasters in the file
-  bool placed = false;                                // true if the file states a geotransform
+  bool georeferenced = false;                         // true if the file states a geotransform
   std::array<double, 6> transform{0, 1, 0, 0, 0, 1};  // x = t0 + c t1 + r t2, y = t3 + c t4 + r t5; (c, r) = (0, 0)
                                                       // is the outer corner of the first sample
   CoordinateSystem system;                            // its stretch is that at the raster's middle

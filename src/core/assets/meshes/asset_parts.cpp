@@ -16,6 +16,10 @@ Mat3 zUpFrom(char up) {
   return {};
 }
 
+Mat3 assetFromFile(char up, double metresPerUnit) {
+  return zUpFrom(up) * Mat3::scale({metresPerUnit, metresPerUnit, metresPerUnit});
+}
+
 Vec3d originNear(std::size_t count, const std::function<Vec3d(std::size_t)>& place) {
   std::array<std::vector<double>, 3> axes;
   const std::size_t every = std::max<std::size_t>(count / 1000, 1);

@@ -22,6 +22,9 @@ constexpr double kBytesPerTriangle = 128;
 // Returns the rotation from an up axis ('x', 'y' or 'z') to z. x-up follows COLLADA: y becomes -x, z becomes -y.
 Mat3 zUpFrom(char up);
 
+// Returns the transform from the coordinates of a file to the asset's frame: metres, z up.
+Mat3 assetFromFile(char up, double metresPerUnit);
+
 // Returns an origin near most of `count` places (m): the median along each axis of at most 2000 of them, which ignores
 // outliers, in whole metres, or 0 along axes on which it is small. Places that are not finite are ignored.
 Vec3d originNear(std::size_t count, const std::function<Vec3d(std::size_t)>& place);

@@ -217,8 +217,8 @@ class PlyMeshReader {
   // vertices.
   void makeParts() {
     read_.up = options_.up.value_or('z');
-    const Mat3 assetFromFile = zUpFrom(read_.up) * Mat3::scale(Vec3d{1, 1, 1} * options_.metresPerUnit);
-    for (Vec3d& vertex : vertices_) vertex = assetFromFile * vertex;
+    const Mat3 frame = assetFromFile(read_.up, options_.metresPerUnit);
+    for (Vec3d& vertex : vertices_) vertex = frame * vertex;
     read_.origin = origin();
     for (AssetPart& part : read_.parts) {
       const auto place = [&](std::size_t i) { return static_cast<Vec3f>(vertices_[i] - read_.origin); };

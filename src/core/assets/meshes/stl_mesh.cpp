@@ -159,8 +159,8 @@ class StlReader {
   ImportedFile imported() {
     imported_.up = options_.up.value_or('z');
     imported_.materials.emplace_back().stated = false;
-    const Mat3 assetFromFile = zUpFrom(imported_.up) * Mat3::scale(Vec3d{1, 1, 1} * options_.metresPerUnit);
-    for (Vec3d& corner : corners_) corner = assetFromFile * corner;
+    const Mat3 frame = assetFromFile(imported_.up, options_.metresPerUnit);
+    for (Vec3d& corner : corners_) corner = frame * corner;
     // Coordinates of binary files are in single precision, so that an origin would not refine them.
     if (line_ > 0) imported_.origin = originNear(corners_.size(), [this](std::size_t i) { return corners_[i]; });
     for (std::size_t k = 0; k < solids_.size(); ++k) {

@@ -39,22 +39,21 @@ class CloudAsset {
     asset_.up = options_.up.value_or('z');
     asset_.upDeclared = las_ || options_.up.has_value();
     asset_.statedUnit = las_ ? 1 : 0;
-    const double unit = options_.metresPerUnit;
-    const Mat3 assetFromFile = zUpFrom(asset_.up) * Mat3::scale({unit, unit, unit});
+    const Mat3 frame = assetFromFile(asset_.up, options_.metresPerUnit);
     dropMisses();
     takePose();
     choosePoints();
     for (const std::size_t i : chosen_) {
-      positions_.push_back(static_cast<Vec3f>(assetFromFile * Vec3d(scan_.position[i])));
+      positions_.push_back(static_cast<Vec3f>(frame * Vec3d(scan_.position[i])));
     }
     thin();
     if (positions_.size() > kMostPoints) {
       fail(fmt::format("has {} points, but at most {} can be read: give `spacing` to thin them out", positions_.size(),
                        kMostPoints));
     }
-    asset_.origin = assetFromFile * cloud_.origin;
+    asset_.origin = frame * cloud_.origin;
     asset_.system = cloud_.system;
-    readNormals(assetFromFile * toMatrix(cloud_.worldFromFile.rotation));
+    readNormals(frame * toMatrix(cloud_.worldFromFile.rotation));
     readColors();
     addParts();
     tellUnused();
@@ -170,13 +169,13 @@ class CloudAsset {
     return values;
   }
 
-  void readNormals(const Mat3& assetFromFile) {
+  void readNormals(const Mat3& assetFromNormals) {
     const auto x = numbers("nx");
     const auto y = numbers("ny");
     const auto z = numbers("nz");
     if (!x || !y || !z) return;
     for (std::size_t k = 0; k < chosen_.size(); ++k) {
-      const Vec3d n = assetFromFile * Vec3d{(*x)[k], (*y)[k], (*z)[k]};
+      const Vec3d n = assetFromNormals * Vec3d{(*x)[k], (*y)[k], (*z)[k]};
       normals_.push_back(length(n) > 0 ? static_cast<Vec3f>(normalized(n)) : Vec3f{});
     }
   }

@@ -21,7 +21,7 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kMostSamples = 64'000'000;
-constexpr std::uint32_t kNew = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
 
 class HeightAsset {
  public:
@@ -39,17 +39,18 @@ class HeightAsset {
     asset_.up = 'z';
     asset_.upDeclared = true;
     asset_.statedUnit = 1;
-    place();
+    checkValues();
+    placeOnEarth();
     if (!wanted_.classes.empty()) readClasses();
     if (!wanted_.image.empty()) readImage();
-    findPlaces(0);
+    computePositions(0);
     for (int row = 0; row + 1 < heights_.height; ++row) {
-      findPlaces(row + 1);
+      computePositions(row + 1);
       for (int column = 0; column + 1 < heights_.width; ++column) addCell(column, row);
     }
-    if (beside_ > 0) {
+    if (outsideImage_ > 0) {
       warn(fmt::format("{}: does not cover {} of the vertices of {}, which have the colour of its edge",
-                       wanted_.image.string(), grouped(beside_), file_.string()));
+                       wanted_.image.string(), grouped(outsideImage_), file_.string()));
     }
     if (unclassed_ > 0) {
       warn(fmt::format("{}: has no class for {} of the {} cells of {}, whose material is called 'no class'",
@@ -70,13 +71,13 @@ class HeightAsset {
     return earthCentred(radians(x * heights_.perUnit), radians(y * heights_.perUnit), z);
   }
 
-  void place() {
-    checkValues();
-    const auto [x, y] = heights_.place(heights_.width / 2, heights_.height / 2);
+  // Sets the asset's origin and coordinate system; of a raster in degrees, the plane at its middle.
+  void placeOnEarth() {
+    const auto [x, y] = heights_.centreOf(heights_.width / 2, heights_.height / 2);
     const double unit = options_.metresPerUnit;
     if (heights_.geographic) {
       // If the number of samples is even, the middle lies between two of them.
-      const auto [x2, y2] = heights_.place((heights_.width - 1) / 2, (heights_.height - 1) / 2);
+      const auto [x2, y2] = heights_.centreOf((heights_.width - 1) / 2, (heights_.height - 1) / 2);
       localFromEarth_ = eastNorthUp(onEarth((x + x2) / 2, (y + y2) / 2, 0));
       asset_.ownMiddle = true;
       asset_.system = fmt::format("[{}, {}]", (x + x2) / 2, (y + y2) / 2);
@@ -91,12 +92,7 @@ class HeightAsset {
   void checkValues() const {
     constexpr double kHighest = 30e3;  // m; no mountain or trench, and no marker of missing samples but -9999
     constexpr double kSteepest = 3;    // largest ratio of height range to horizontal extent of a raster in metres
-    double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (const float value : heights_.values) {
-      if (!std::isfinite(value)) continue;
-      low = std::min(low, double{value});
-      high = std::max(high, double{value});
-    }
+    const auto [low, high] = heights_.range();
     const double farthest = -low > high ? low : high;
     if (std::isfinite(farthest) && std::fabs(farthest) * options_.metresPerUnit > kHighest) {
       fail(
@@ -104,8 +100,8 @@ class HeightAsset {
                       "-a_nodata; if heights are not in metres, by gdal_edit.py -units",
                       farthest));
     }
-    const auto [x, y] = heights_.place(0, 0);
-    const auto [x2, y2] = heights_.place(heights_.width - 1, heights_.height - 1);
+    const auto [x, y] = heights_.centreOf(0, 0);
+    const auto [x2, y2] = heights_.centreOf(heights_.width - 1, heights_.height - 1);
     constexpr double kPole = 90 + 1e-6;  // degrees
     const double north = std::max(std::fabs(y), std::fabs(y2));
     if (heights_.geographic && north * heights_.perUnit > kPole) {
@@ -132,24 +128,22 @@ class HeightAsset {
   }
 
   // Computes the positions of a row of samples. Only the two latest rows are stored.
-  void findPlaces(int row) {
-    std::vector<Vec3d>& places = places_[static_cast<std::size_t>(row) % 2];
-    places.resize(static_cast<std::size_t>(heights_.width));
-    for (int column = 0; column < heights_.width; ++column) {
-      places[static_cast<std::size_t>(column)] = vertex(column, row);
-    }
+  void computePositions(int row) {
+    std::vector<Vec3d>& positions = positions_[static_cast<std::size_t>(row) % 2];
+    positions.clear();
+    for (int column = 0; column < heights_.width; ++column) positions.push_back(positionOf(column, row));
   }
 
   // Returns the position of a sample (m), relative to the asset's origin.
-  Vec3d vertex(int column, int row) const {
-    const auto [x, y] = heights_.place(column, row);
+  Vec3d positionOf(int column, int row) const {
+    const auto [x, y] = heights_.centreOf(column, row);
     const double z = double{heights_.values[indexOf(column, row)]};
     const double unit = options_.metresPerUnit;
     if (heights_.geographic) return localFromEarth_ * onEarth(x, y, z) * unit;
     return Vec3d{x * heights_.perUnit, y * heights_.perUnit, z} * unit - asset_.origin;
   }
 
-  void expectSame(const Raster& other, const std::filesystem::path& name) const {
+  void requireSameSystem(const Raster& other, const std::filesystem::path& name) const {
     if (sameReference(heights_, other)) return;
     throw InputError(
         {name.string()},
@@ -158,18 +152,18 @@ class HeightAsset {
 
   void readClasses() {
     classes_ = readRaster(wanted_.classes, {RasterUse::Classes, 1, 1, boundsOfHeights(), kMostSamples});
-    expectSame(*classes_, wanted_.classes);
-    const auto isPart = [](float value) { return std::isfinite(value) && value != std::round(value); };
-    const auto part = std::find_if(classes_->values.begin(), classes_->values.end(), isPart);
-    if (part == classes_->values.end()) return;
+    requireSameSystem(*classes_, wanted_.classes);
+    const auto isFraction = [](float value) { return std::isfinite(value) && value != std::round(value); };
+    const auto fraction = std::find_if(classes_->values.begin(), classes_->values.end(), isFraction);
+    if (fraction == classes_->values.end()) return;
     throw InputError(
         {wanted_.classes.string()},
-        fmt::format(
-            "has {} samples that are no whole numbers, such as {:.6g}, but classes are: resample it "
-            "by `gdalwarp -r near`, and leave out scale and offset by `gdal_translate -a_scale 1 "
-            "-a_offset 0`",
-            grouped(static_cast<std::size_t>(std::count_if(classes_->values.begin(), classes_->values.end(), isPart))),
-            *part));
+        fmt::format("has {} samples that are no whole numbers, such as {:.6g}, but classes are: resample it "
+                    "by `gdalwarp -r near`, and leave out scale and offset by `gdal_translate -a_scale 1 "
+                    "-a_offset 0`",
+                    grouped(static_cast<std::size_t>(
+                        std::count_if(classes_->values.begin(), classes_->values.end(), isFraction))),
+                    *fraction));
   }
 
   // Returns the x and y bounds of the height samples, extended by one sample on each side.
@@ -177,40 +171,53 @@ class HeightAsset {
     RasterBounds b{INFINITY, INFINITY, -INFINITY, -INFINITY};
     for (const int column : {-1, heights_.width}) {
       for (const int row : {-1, heights_.height}) {
-        const auto [x, y] = heights_.place(column, row);
+        const auto [x, y] = heights_.centreOf(column, row);
         b = {std::min(b[0], x), std::min(b[1], y), std::max(b[2], x), std::max(b[3], y)};
       }
     }
     return b;
   }
 
-  void readImage() {
-    const std::filesystem::path& file = wanted_.image;
-    const std::array<int, 3> bands = colorBands(file);
+  // Reads red, green and blue of the image; green or blue is empty if it is the same as red. photo_ becomes its grid.
+  std::array<std::vector<float>, 3> readChannels() {
+    const std::array<int, 3> bands = colorBands(wanted_.image);
     std::array<std::vector<float>, 3> channels;
-    double greatest = 0;
-    bool whole = true;  // all values are whole numbers
     for (std::size_t k = 0; k < 3; ++k) {
       if (k > 0 && bands[k] == bands[0]) continue;
-      photo_ = readRaster(file, {RasterUse::Colors, bands[k], 1, boundsOfHeights(), kMostSamples});
+      photo_ = readRaster(wanted_.image, {RasterUse::Colors, bands[k], 1, boundsOfHeights(), kMostSamples});
       channels[k] = std::move(photo_.values);
-      for (const float value : channels[k]) {
+    }
+    requireSameSystem(photo_, wanted_.image);
+    return channels;
+  }
+
+  // Returns the value that is white, which the greatest value of all channels shows: 1, 255 or 65535.
+  double whiteOf(const std::array<std::vector<float>, 3>& channels) const {
+    double greatest = 0;
+    bool integers = true;
+    for (const std::vector<float>& channel : channels) {
+      for (const float value : channel) {
         if (!std::isfinite(value)) continue;
         greatest = std::max(greatest, double{value});
-        whole = whole && value == std::floor(value);
+        integers = integers && value == std::floor(value);
       }
     }
-    expectSame(photo_, file);
-    // The greatest value of all bands shows which value is white.
-    const double white = greatest > 255 ? 65535 : greatest > 1 || whole ? 255 : 1;
-    if (greatest > 255 && (greatest < white / 4 || greatest > white)) {
+    if (greatest <= 255) return greatest > 1 || integers ? 255 : 1;
+    constexpr double kWhite = 65535;
+    if (greatest < kWhite / 4 || greatest > kWhite) {
       warn(
           fmt::format("{}: its brightest value is {:.6g}, but white is 65535 in an image of more than 8 bits: scale it "
                       "by 'gdal_translate -ot Byte -scale'",
-                      file.string(), greatest));
+                      wanted_.image.string(), greatest));
     }
+    return kWhite;
+  }
+
+  void readImage() {
+    const std::array<std::vector<float>, 3> channels = readChannels();
+    const double white = whiteOf(channels);
     auto image = std::make_shared<Texture>();
-    image->file = file.string();
+    image->file = wanted_.image.string();
     image->width = static_cast<std::uint32_t>(photo_.width);
     image->height = static_cast<std::uint32_t>(photo_.height);
     image->rgba.resize(channels[0].size() * 4, 255);
@@ -218,42 +225,46 @@ class HeightAsset {
     for (std::size_t i = 0; i < channels[0].size(); ++i) {
       // The first row of a texture is the image's bottom.
       const std::size_t row = i / image->width;
-      std::uint8_t* const to = &image->rgba[4 * ((image->height - 1 - row) * image->width + i % image->width)];
+      std::uint8_t* const texel = &image->rgba[4 * ((image->height - 1 - row) * image->width + i % image->width)];
       bool missing = true;
       for (std::size_t k = 0; k < 3; ++k) {
         const auto value = double{channels[channels[k].empty() ? 0 : k][i]};
         missing = missing && !std::isfinite(value);
-        to[k] = static_cast<std::uint8_t>(
+        texel[k] = static_cast<std::uint8_t>(
             std::lround(std::isfinite(value) ? std::clamp(value * 255 / white, 0.0, 255.0) : 0));
       }
       black += missing ? 1 : 0;
     }
-    if (black > 0) warn(fmt::format("{}: {} samples have no colour and count as black", file.string(), grouped(black)));
+    if (black > 0) {
+      warn(fmt::format("{}: {} samples have no colour and count as black", image->file, grouped(black)));
+    }
     image_ = std::move(image);
   }
 
+  // Adds the two triangles between four samples to the mesh of the cell's class, unless a sample has no height.
   void addCell(int column, int row) {
-    const std::array<std::array<int, 2>, 4> at{
+    const std::array<std::array<int, 2>, 4> corners{
         {{column, row}, {column, row + 1}, {column + 1, row + 1}, {column + 1, row}}};
-    std::array<Vec3d, 4> corner;
+    std::array<Vec3d, 4> position;
     for (std::size_t k = 0; k < 4; ++k) {
-      if (!std::isfinite(heights_.values[indexOf(at[k][0], at[k][1])])) return;
-      corner[k] = places_[static_cast<std::size_t>(at[k][1]) % 2][static_cast<std::size_t>(at[k][0])];
+      const auto [c, r] = corners[k];
+      if (!std::isfinite(heights_.values[indexOf(c, r)])) return;
+      position[k] = positions_[static_cast<std::size_t>(r) % 2][static_cast<std::size_t>(c)];
     }
-    const auto [x, y] = heights_.place(column, row);
-    const auto [x2, y2] = heights_.place(column + 1, row + 1);
-    const float own = classes_ ? classes_->at((x + x2) / 2, (y + y2) / 2) : 0;
+    const auto [x, y] = heights_.centreOf(column, row);
+    const auto [x2, y2] = heights_.centreOf(column + 1, row + 1);
+    const float classNumber = classes_ ? classes_->valueAt((x + x2) / 2, (y + y2) / 2) : 0;
     ++cells_;
-    unclassed_ += std::isfinite(own) ? 0 : 1;
-    Part& part = partOf(own);
+    unclassed_ += std::isfinite(classNumber) ? 0 : 1;
+    ClassMesh& mesh = meshOf(classNumber);
     std::array<std::uint32_t, 4> v{};
-    for (std::size_t k = 0; k < 4; ++k) v[k] = vertexOf(part, at[k][0], at[k][1], corner[k]);
+    for (std::size_t k = 0; k < 4; ++k) v[k] = vertexOf(mesh, corners[k][0], corners[k][1], position[k]);
     // Triangles must face up, whatever the directions of rows and columns.
-    const bool turned = cross(corner[1] - corner[0], corner[2] - corner[0]).z < 0;
+    const bool facesDown = cross(position[1] - position[0], position[2] - position[0]).z < 0;
     const auto add = [&](std::size_t a, std::size_t b, std::size_t c) {
-      asset_.parts[part.index].triangles.push_back(turned ? Triangle{v[a], v[c], v[b]} : Triangle{v[a], v[b], v[c]});
+      asset_.parts[mesh.part].triangles.push_back(facesDown ? Triangle{v[a], v[c], v[b]} : Triangle{v[a], v[b], v[c]});
     };
-    if (length(corner[2] - corner[0]) <= length(corner[3] - corner[1])) {
+    if (length(position[2] - position[0]) <= length(position[3] - position[1])) {
       add(0, 1, 2);
       add(0, 2, 3);
     } else {
@@ -263,19 +274,20 @@ class HeightAsset {
   }
 
   // The triangles of one class. They share vertices only with each other.
-  struct Part {
-    std::size_t index = 0;  // index into asset_.parts
+  struct ClassMesh {
+    std::size_t part = 0;  // index into asset_.parts
     // Indices of the vertices of the two latest rows of samples, by column, and the numbers of these rows. Both arrays
     // have row r in the element r % 2.
     std::array<std::vector<std::uint32_t>, 2> vertices;
-    std::array<int, 2> row{-1, -1};
+    std::array<int, 2> rows{-1, -1};
   };
 
-  Part& partOf(float own) {
-    const std::int64_t number = std::isfinite(own) ? std::llround(own) : -1;
-    const auto [found, isNew] = parts_.try_emplace(number);
+  // Returns the mesh of a class; NaN is the class of cells without one.
+  ClassMesh& meshOf(float classNumber) {
+    const std::int64_t number = std::isfinite(classNumber) ? std::llround(classNumber) : -1;
+    const auto [found, isNew] = meshes_.try_emplace(number);
     if (!isNew) return found->second;
-    found->second.index = asset_.parts.size();
+    found->second.part = asset_.parts.size();
     AssetPart part;
     part.node = "heights";
     part.material = !classes_ ? "heights" : number < 0 ? "no class" : fmt::format("{}", number);
@@ -291,26 +303,30 @@ class HeightAsset {
     return found->second;
   }
 
-  std::uint32_t vertexOf(Part& part, int column, int row, const Vec3d& place) {
-    const auto turn = static_cast<std::size_t>(row) % 2;
-    if (part.row[turn] != row) part.vertices[turn].assign(static_cast<std::size_t>(heights_.width), kNew);
-    part.row[turn] = row;
-    std::uint32_t& known = part.vertices[turn][static_cast<std::size_t>(column)];
-    if (known != kNew) return known;
-    AssetPart& to = asset_.parts[part.index];
-    known = static_cast<std::uint32_t>(to.positions.size());
-    to.positions.push_back(static_cast<Vec3f>(place));
-    if (image_ != nullptr) {
-      const auto [x, y] = heights_.place(column, row);
-      auto [c, r] = photo_.sample(x, y);
-      if (!(c >= 0 && c < photo_.width && r >= 0 && r < photo_.height)) {
-        c = std::clamp(c, 0.5, photo_.width - 0.5);
-        r = std::clamp(r, 0.5, photo_.height - 0.5);
-        ++beside_;
-      }
-      to.uvs.push_back({static_cast<float>(c / photo_.width), static_cast<float>(1 - r / photo_.height)});
+  // Returns the index of a sample's vertex in the mesh of a class, which gets the vertex if it lacks it.
+  std::uint32_t vertexOf(ClassMesh& mesh, int column, int row, const Vec3d& position) {
+    const auto slot = static_cast<std::size_t>(row) % 2;
+    if (mesh.rows[slot] != row) mesh.vertices[slot].assign(static_cast<std::size_t>(heights_.width), kNoVertex);
+    mesh.rows[slot] = row;
+    std::uint32_t& vertex = mesh.vertices[slot][static_cast<std::size_t>(column)];
+    if (vertex != kNoVertex) return vertex;
+    AssetPart& part = asset_.parts[mesh.part];
+    vertex = static_cast<std::uint32_t>(part.positions.size());
+    part.positions.push_back(static_cast<Vec3f>(position));
+    if (image_ != nullptr) part.uvs.push_back(uvOf(column, row));
+    return vertex;
+  }
+
+  // Returns where a sample lies in the image: at its edge if the image does not cover the sample.
+  Vec2f uvOf(int column, int row) {
+    const auto [x, y] = heights_.centreOf(column, row);
+    auto [c, r] = photo_.columnAndRow(x, y);
+    if (!(c >= 0 && c < photo_.width && r >= 0 && r < photo_.height)) {
+      c = std::clamp(c, 0.5, photo_.width - 0.5);
+      r = std::clamp(r, 0.5, photo_.height - 0.5);
+      ++outsideImage_;
     }
-    return known;
+    return {static_cast<float>(c / photo_.width), static_cast<float>(1 - r / photo_.height)};
   }
 
   const std::filesystem::path& file_;
@@ -319,13 +335,13 @@ class HeightAsset {
   Raster heights_;
   std::optional<Raster> classes_;
   Raster photo_;                           // georeference of the image, without values
-  std::size_t beside_ = 0;                 // number of vertices that the image does not cover
+  std::size_t outsideImage_ = 0;           // number of vertices that the image does not cover
   std::size_t cells_ = 0, unclassed_ = 0;  // numbers of cells, and of those without a class
   std::shared_ptr<const Texture> image_;
   ColorImages images_{file_, true};
   Affine localFromEarth_;
-  std::array<std::vector<Vec3d>, 2> places_;
-  std::map<std::int64_t, Part> parts_;
+  std::array<std::vector<Vec3d>, 2> positions_;  // of row r in the element r % 2 (m)
+  std::map<std::int64_t, ClassMesh> meshes_;     // by class; -1: no class
   Asset asset_;
 };
 

@@ -6,7 +6,6 @@
 #include <boost/polygon/polygon.hpp>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -99,7 +98,7 @@ void addCap(Mesh& mesh, const std::vector<Vec3d>& outline, const std::vector<std
 
 bool isImage(const Raster& raster, const std::filesystem::path& file) {
   const std::string suffix = lowerExtension(file);
-  return !raster.placed || suffix == ".png" || suffix == ".jpg" || suffix == ".jpeg";
+  return !raster.georeferenced || suffix == ".png" || suffix == ".jpg" || suffix == ".jpeg";
 }
 
 // Returns the size of a heightmap (m) whose heights reach from `low` to `high`.
@@ -195,18 +194,13 @@ Mesh extrudedPolylines(const XmlNode& geometry) {
 
 Mesh heightmapOf(const XmlNode& shape, const std::filesystem::path& file) {
   RasterRequest request;
-  request.placed = false;
+  request.georeferenced = false;
   const Raster raster = readRaster(file, request);
   const bool image = isImage(raster, file);
   if (raster.width < 2 || raster.height < 2) {
     shape.fail(fmt::format("names '{}', which has not two rows and two columns of samples", file.string()));
   }
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (const float value : raster.values) {
-    if (!std::isfinite(value)) continue;
-    low = std::min(low, double{value});
-    high = std::max(high, double{value});
-  }
+  auto [low, high] = raster.range();
   if (image) low = 0;
   const Vec3d size = sizeOf(shape, raster, image, low, high);
   const Vec3d middle = vectorIn(shape, shape.textOf("pos", "0 0 0"));

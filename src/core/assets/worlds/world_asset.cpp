@@ -38,8 +38,7 @@ class WorldAsset {
     asset_.up = options.up.value_or('z');
     asset_.upDeclared = true;
     asset_.statedUnit = 1;
-    const double scale = options.metresPerUnit;
-    assetFromWorld_ = {zUpFrom(asset_.up) * Mat3::scale({scale, scale, scale}), {}};
+    assetFromWorld_ = {assetFromFile(asset_.up, options.metresPerUnit), {}};
   }
 
   Asset build(const WorldFile& world) {

@@ -185,9 +185,8 @@ class Importer {
 
   // Returns the transform from the importer's frame to metres and z up.
   Affine assetFromImported(char up) const {
-    const double scale = options_.metresPerUnit;
     if (collada_ && !options_.up) up = 'y';  // the importer has rotated the declared axis to y
-    return {zUpFrom(up) * Mat3::scale({scale, scale, scale}), {}};
+    return {assetFromFile(up, options_.metresPerUnit), {}};
   }
 
   static std::string nodeName(const aiNode& node) {

@@ -43,7 +43,7 @@ class ObjReader {
   ImportedFile read() {
     while (statements_.next()) readStatement();
     read_.up = options_.up.value_or('z');
-    assetFromFile_ = zUpFrom(read_.up) * Mat3::scale(Vec3d{1, 1, 1} * options_.metresPerUnit);
+    assetFromFile_ = assetFromFile(read_.up, options_.metresPerUnit);
     read_.origin = originNear(vertices_.size(), [&](std::size_t i) { return assetFromFile_ * vertices_[i]; });
     library_.check(!libraries_.empty() && read_.missing.empty());
     for (Part& part : parts_) {
