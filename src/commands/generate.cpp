@@ -44,7 +44,7 @@ std::string shardsText(std::uint64_t shards, const GenerateSummary& s, const std
 
 // Prints one line: what the dataset consists of or, if it is not complete yet, which command completes it.
 void printContents(const GenerateSummary& s, const GenerateOptions& options) {
-  if (s.whole) {
+  if (s.complete) {
     printText("{} in {}\n", pluralOf(s.manifest.samples.size(), "sample"),
               shardsText(s.manifest.shards.size(), s, options.folder));
     return;
@@ -193,7 +193,7 @@ void generateOne(const Arguments& parsed, const std::vector<std::string>& overri
                          !options.resume && allShards;
   const std::optional<Forecast> predicted = forecasts ? printForecastOf(parsed, plan) : std::nullopt;
   const GenerateSummary summary = generate(plan, options);
-  if (summary.whole && summary.shards == 0 && summary.resumedShards == 0) {
+  if (summary.complete && summary.shards == 0 && summary.resumedShards == 0) {
     printText("{}: is complete: there is nothing to make\n", folder.string());
     return;
   }
@@ -202,7 +202,8 @@ void generateOne(const Arguments& parsed, const std::vector<std::string>& overri
   printPointsPerClass(summary);
   printContents(summary, options);
   printCosts(summary, predicted);
-  if (summary.whole) printText("next: scanmill view {0}; scanmill report {0}; scanmill verify {0}\n", folder.string());
+  if (summary.complete)
+    printText("next: scanmill view {0}; scanmill report {0}; scanmill verify {0}\n", folder.string());
 }
 
 // Makes a dataset for each combination of the swept values, in a folder of its own below `folder`.

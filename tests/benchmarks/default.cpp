@@ -131,7 +131,7 @@ class Steps {
 };
 
 void runSteps(const ShotSetup& setup, const Shot& shot, ShotBuffers& b, Steps& steps) {
-  steps.time("trace, with paths of light and the own vehicle", [&] { traceShot(setup, shot, b.hits); });
+  steps.time("trace, with paths of light and the ego vehicle", [&] { traceShot(setup, shot, b.hits); });
   const Receiver& receiver = setup.receiver;
   steps.time("detection of echoes", [&] { detect(b.hits, shot, receiver.effects, receiver.materials, b.returns); });
   if (receiver.layout.reasons) b.returns.tellReasons();

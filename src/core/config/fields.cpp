@@ -84,6 +84,16 @@ std::vector<double> Fields::numbers(std::string_view key, Range range) {
   return readNumbers(require(key), fmt::format("{}: {}", what_, key), range);
 }
 
+std::optional<Range> Fields::range(std::string_view key, Range limits) {
+  const Value* const value = find(key);
+  if (value == nullptr) return std::nullopt;
+  const std::vector<double> ends = numbers(key, limits);
+  if (ends.size() != 2 || ends[0] > ends[1]) {
+    throw InputError(value->where, fmt::format("{0} must be [least, most], such as {0}: [0, 2.5]", key));
+  }
+  return Range{ends[0], ends[1]};
+}
+
 std::vector<std::string> Fields::texts(std::string_view key) {
   const Value* value = find(key);
   if (value == nullptr) return {};

@@ -22,10 +22,12 @@
 
 namespace scanmill {
 
-// The closed interval of allowed values. Either end may be infinite, but not NaN.
+// A closed interval. Either end may be infinite, but not NaN.
 struct Range {
   double low = -INFINITY;
   double high = INFINITY;
+  bool contains(double value) const { return low <= value && value <= high; }
+  bool operator==(const Range&) const = default;
 };
 
 // Each function reads one value as a certain type. `what` names the value in messages. All throw an InputError with the
@@ -75,6 +77,8 @@ class Fields {
   std::string choice(std::string_view key, const std::vector<std::string>& names, std::string_view fallback);
   Vec3d vec3(std::string_view key, const Vec3d& fallback);
   std::vector<double> numbers(std::string_view key, Range range);
+  // Returns the interval [least, most], whose ends lie in `limits`; nullopt if the key is absent.
+  std::optional<Range> range(std::string_view key, Range limits);
   std::vector<std::string> texts(std::string_view key);  // a list of strings or one string; empty if absent
   // Returns a path. A relative path starts in the folder of the file in which the path is written.
   std::filesystem::path path(std::string_view key);

@@ -106,7 +106,7 @@ struct SequenceRecord {
   std::uint64_t seed = 1;
   std::string trajectory;
   bool moving = true;   // false: objects stay at their positions at time 0 s
-  std::string vehicle;  // path of the own vehicle's scene file; empty: none
+  std::string vehicle;  // path of the ego vehicle's scene file; empty: none
   bool operator==(const SequenceRecord&) const = default;
 };
 

@@ -27,7 +27,7 @@ enum class RayPath : std::uint8_t {
   Direct,
   ThroughGlass,
   Mirrored,    // a mirror reflected the ray at least once
-  OwnVehicle,  // the ray ends at the vehicle that carries the sensor
+  EgoVehicle,  // the ray ends at the vehicle that carries the sensor
 };
 
 // A structure of arrays with one entry per ray. If each beam fires one ray, as most sensors do, ray i belongs to beam

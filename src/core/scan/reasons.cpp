@@ -9,7 +9,7 @@ std::span<const ReasonEntry> reasons() {
       {Reason::Surface, "surface", "returns from a surface of the scene", {110, 140, 160}},
       {Reason::ThroughGlass, "through_glass", "returns from a surface behind glass", {90, 200, 210}},
       {Reason::Mirrored, "mirrored", "returns from the mirror image of a surface", {190, 120, 220}},
-      {Reason::OwnVehicle, "own_vehicle", "returns from the vehicle that carries the sensor", {120, 160, 70}},
+      {Reason::EgoVehicle, "own_vehicle", "returns from the vehicle that carries the sensor", {120, 160, 70}},
       {Reason::Weather, "weather", "returns from rain, snow, fog or dust", {235, 235, 235}},
       {Reason::StrayLight,
        "stray_light",

@@ -22,7 +22,7 @@ enum class Reason : std::uint8_t {
   FalsePositive = 2,
   ThroughGlass = 3,
   Mirrored = 4,
-  OwnVehicle = 5,
+  EgoVehicle = 5,
   Weather = 6,
   StrayLight = 7,
   NothingInRange = 16,

@@ -60,7 +60,7 @@ std::vector<std::uint64_t> Scene::copies() const {
 // Uses the corners of each mesh's box and not its vertices, so that a scene with a million copies stays fast. The
 // result contains every vertex, and is tight if no mesh is rotated.
 Box Scene::bounds() const {
-  if (whole != nullptr) return whole->bounds;
+  if (unreduced != nullptr) return unreduced->bounds;
   std::vector<Box> meshBounds;
   meshBounds.reserve(meshes.size());
   for (const Mesh& mesh : meshes) meshBounds.push_back(mesh.bounds());

@@ -113,7 +113,7 @@ struct RuleUse {
 
 // Properties of a scene before objects were taken out of it (takeOut()). They decide how the remaining scene is
 // traced, so that hits on the remaining objects stay the same to the last bit.
-struct WholeScene {
+struct UnreducedScene {
   Box bounds;  // m, in the world's frame at time 0
   bool moves = false;
   std::uint64_t placedTriangles = 0;
@@ -142,14 +142,14 @@ struct Scene {
   Dropped dropped;
   std::map<UnlabeledPart, std::uint64_t> unlabeled;  // number of triangles without a class, by part
   std::vector<RuleUse> rules;                        // in the order of their places in files
-  std::shared_ptr<const WholeScene> whole;           // properties before objects were taken out; null: none were
+  std::shared_ptr<const UnreducedScene> unreduced;   // properties before objects were taken out; null: none were
   bool placeable = false;                            // true: shots may place instances elsewhere (Shot::placed)
 
   bool moves() const;                         // true if an instance moves, or may be placed by shots
   std::uint64_t triangles() const;            // number of triangles of all meshes, each mesh counted once
   std::uint64_t placedTriangles() const;      // number of triangles of all instances
   std::uint32_t things() const;               // largest instance id of the scene's things; 0: it has no things
-  Box bounds() const;                         // m, world frame at time 0; if `whole` is set, its bounds
+  Box bounds() const;                         // m, world frame at time 0; if `unreduced` is set, its bounds
   std::vector<std::uint64_t> copies() const;  // number of instances, by mesh
 };
 

@@ -30,13 +30,13 @@ bool holds(const Mesh& mesh, std::uint32_t object) {
 
 // Takes a thing out of the scene; returns false if the scene does not have it. Every instance with a part of the thing
 // gets a copy of its mesh without that part, since other instances may share the mesh.
-bool takeOutThing(Scene& scene, std::uint32_t id, WholeScene& whole) {
+bool takeOutThing(Scene& scene, std::uint32_t id, UnreducedScene& unreduced) {
   bool found = false;
   const auto less = [&](std::uint32_t mesh, std::uint32_t object) {
     Mesh rest = scene.meshes[mesh];
     drop(rest, [&](const Surface& surface) { return surface.object == object; });
     scene.meshes.push_back(std::move(rest));
-    whole.copies.push_back(whole.copies[mesh]);
+    unreduced.copies.push_back(unreduced.copies[mesh]);
     return static_cast<std::uint32_t>(scene.meshes.size() - 1);
   };
   for (Instance& instance : scene.instances) {
@@ -104,15 +104,15 @@ std::optional<std::uint32_t> idOf(const Value& item) {
 
 void takeOut(Scene& scene, const std::vector<Value>& what) {
   if (what.empty()) return;
-  auto whole = std::make_shared<WholeScene>();
-  if (scene.whole != nullptr) {
-    *whole = *scene.whole;
+  auto unreduced = std::make_shared<UnreducedScene>();
+  if (scene.unreduced != nullptr) {
+    *unreduced = *scene.unreduced;
   } else {
-    *whole = {scene.bounds(), scene.moves(), scene.placedTriangles(), scene.copies(), {}};
+    *unreduced = {scene.bounds(), scene.moves(), scene.placedTriangles(), scene.copies(), {}};
   }
   for (const Value& item : what) {
     if (const std::optional<std::uint32_t> id = idOf(item)) {
-      if (takeOutThing(scene, *id, *whole)) continue;
+      if (takeOutThing(scene, *id, *unreduced)) continue;
       throw InputError(item.where,
                        fmt::format("without: no thing of the scene '{}' with the seed {} has the instance id {}",
                                    scene.name, scene.seed, item.text));
@@ -128,10 +128,10 @@ void takeOut(Scene& scene, const std::vector<Value>& what) {
     }
     const bool named = takeOutNamed(scene, item.text);
     if (semantic == nullptr && !named) refuse(scene, item);
-    if (!named && dropped == 0) whole->absent.push_back(item.text);
+    if (!named && dropped == 0) unreduced->absent.push_back(item.text);
   }
   std::erase_if(scene.instances, [&](const Instance& instance) { return isEmpty(scene, instance); });
-  scene.whole = std::move(whole);
+  scene.unreduced = std::move(unreduced);
 }
 
 }  // namespace scanmill

@@ -105,9 +105,9 @@ Arrangement::Arrangement(Fields& object, const Ontology& ontology) {
     f.also({"yaw_deg", "scale", "position", "presence", "material"}).finish();
     materials_ = f.texts("material");
     Vary v;
-    const Between yaw = readBetween(f, "yaw_deg", {-360, 360}).value_or(Between{0, 0});
+    const Range yaw = f.range("yaw_deg", {-360, 360}).value_or(Range{0, 0});
     v.yaw = {radians(yaw.low), radians(yaw.high)};
-    v.scale = readBetween(f, "scale", {1e-3, 1e3}).value_or(Between{1, 1});
+    v.scale = f.range("scale", {1e-3, 1e3}).value_or(Range{1, 1});
     v.position = f.number("position", {0, 1e5}, 0);
     v.presence = f.number("presence", {0, 1}, 1);
     if (v.position > 0 && scatter_ && !object.has("stand_on")) {

@@ -72,8 +72,8 @@ class Arrangement {
     Location where;
   };
   struct Vary {
-    Between yaw, scale{1, 1};  // ranges of a copy's random yaw (rad) and scale
-    double position = 0;       // m, largest horizontal displacement of a copy
+    Range yaw{0, 0}, scale{1, 1};  // ranges of a copy's random yaw (rad) and scale
+    double position = 0;           // m, largest horizontal displacement of a copy
     double presence = 1;
   };
   struct StandOn {

@@ -93,7 +93,7 @@ std::vector<Concept> readConcepts(const std::filesystem::path& path) {
       throw InputError(item.where,
                        "a concept of the kind detail needs `of`: the names of the concepts that have this detail");
     }
-    c.size = readBetween(f, "size", {0, 1e6});
+    c.size = f.range("size", {0, 1e6});
     for (const std::string& word : f.texts("words")) c.words.push_back(foldedName(word));
     f.finish();
     concepts.push_back(std::move(c));

@@ -22,7 +22,7 @@ struct Concept {
   ConceptKind kind = ConceptKind::Whole;
   // Only for a detail: names of the concepts that it belongs to. A detail without classes of its own gets theirs.
   std::vector<std::string> of;
-  std::optional<Between> size;     // m, usual lengths of the longest edge of a thing's bounding box
+  std::optional<Range> size;       // m, usual lengths of the longest edge of a thing's bounding box
   std::vector<std::string> words;  // words that state this concept in names, as foldedName() returns them
 };
 

@@ -35,8 +35,7 @@ PointOptions readPointOptions(const Value& value) {
   constexpr Range kRadii{1e-4, 100};  // m
   if (const Value* radius = f.find("radius")) {
     const bool one = radius->kind == Value::Kind::Scalar;
-    const Between ends =
-        one ? Between{f.number("radius", kRadii), f.number("radius", kRadii)} : *readBetween(f, "radius", kRadii);
+    const Range ends = one ? Range{f.number("radius", kRadii), f.number("radius", kRadii)} : *f.range("radius", kRadii);
     options.surfels.radius = {ends.low, ends.high};
   }
   const std::string source = f.choice("reflectance", {"auto", "intensity", "color", "none"}, "auto");
@@ -101,7 +100,7 @@ const std::vector<PlacedMesh>& FileMeshes::read(const LabelledFile& from, const 
 
 void FileMeshes::compareSurveys(const LabelledFile& from, const Vec3d& position, const Location& where) {
   const Known& found = knownOf(from);
-  if (!found.survey || misfitTold_) return;
+  if (!found.survey || misfitReported_) return;
   const Survey& own = *found.survey;
   const Survey& first = *firsts_.try_emplace({position.x, position.y}, &own).first->second;
   if (first.system == own.system) return;
@@ -113,7 +112,7 @@ void FileMeshes::compareSurveys(const LabelledFile& from, const Vec3d& position,
     if (shift < kFits) return;
     why = fmt::format("in coordinate systems that differ by {:.0f} m there", shift);
   }
-  misfitTold_ = true;
+  misfitReported_ = true;
   warn(fmt::format(
       "{}: {} and {} have the same position, {}, so that they do not fit: merge tiles by gdalbuildvrt, "
       "convert them to one system in metres by `gdalwarp -t_srs` or `pdal translate`, or give them positions "

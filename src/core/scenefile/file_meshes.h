@@ -64,7 +64,7 @@ class FileMeshes {
   SceneBuilder& builder_;
   std::map<std::filesystem::path, std::list<Known>> known_;  // by file
   std::map<std::array<double, 2>, const Survey*> firsts_;    // the first survey, by x and y of its position
-  bool misfitTold_ = false;
+  bool misfitReported_ = false;
 };
 
 }  // namespace scanmill

@@ -188,10 +188,10 @@ Rule readRule(const Value& value) {
       rule.within = static_cast<int>(m.integer("within", 0, 255));
     }
     rule.box = readBox(m.find("box"));
-    rule.height = readBetween(m, "height", kLengths);
-    rule.slope = readBetween(m, "slope_deg", kLengths);
-    if (rule.slope) rule.slope = Between{radians(rule.slope->low), radians(rule.slope->high)};
-    rule.size = readBetween(m, "size", kLengths);
+    rule.height = m.range("height", kLengths);
+    rule.slope = m.range("slope_deg", kLengths);
+    if (rule.slope) rule.slope = Range{radians(rule.slope->low), radians(rule.slope->high)};
+    rule.size = m.range("size", kLengths);
     m.finish();
     if (rule.node.empty() && rule.material.empty() && rule.texture.empty() && rule.file.empty() && !rule.byTriangle()) {
       throw InputError(
@@ -218,16 +218,6 @@ Rule readRule(const Value& value) {
 
 bool isRegex(std::string_view pattern) {
   return pattern.size() > 2 && pattern.front() == '/' && pattern.back() == '/';
-}
-
-std::optional<Between> readBetween(Fields& fields, std::string_view key, Range range) {
-  const Value* const value = fields.find(key);
-  if (value == nullptr) return std::nullopt;
-  const std::vector<double> bounds = fields.numbers(key, range);
-  if (bounds.size() != 2 || bounds[0] > bounds[1]) {
-    throw InputError(value->where, fmt::format("{0} must be [least, most], such as {0}: [0, 2.5]", key));
-  }
-  return Between{bounds[0], bounds[1]};
 }
 
 bool Rule::operator==(const Rule& other) const {
@@ -309,8 +299,8 @@ bool matchesTriangle(const Rule& rule, const TriangleTraits& traits) {
     return true;
   };
   return (rule.colors.empty() || std::any_of(rule.colors.begin(), rule.colors.end(), isNear)) &&
-         (!rule.box || isInside(*rule.box, traits.middle)) && (!rule.height || rule.height->holds(traits.height)) &&
-         (!rule.slope || rule.slope->holds(traits.slope)) && (!rule.size || rule.size->holds(traits.size));
+         (!rule.box || isInside(*rule.box, traits.middle)) && (!rule.height || rule.height->contains(traits.height)) &&
+         (!rule.slope || rule.slope->contains(traits.slope)) && (!rule.size || rule.size->contains(traits.size));
 }
 
 std::string describe(const Rule& rule) {

@@ -18,12 +18,6 @@ namespace scanmill {
 
 using Rgb = std::array<std::uint8_t, 3>;  // red, green and blue (sRGB)
 
-struct Between {
-  double low = 0, high = 0;
-  bool holds(double value) const { return low <= value && value <= high; }
-  bool operator==(const Between&) const = default;
-};
-
 // In YAML: {match: {node: "House*Mesh", material: roof, texture: "*{leaf,bark}*", file: "/car_[0-9]+/"}, class:
 // building, material: roof_tile}. A pattern is a glob (*, ?, [a-z], {one,another}), which must match the whole name and
 // is case-sensitive; or, between slashes, a regular expression of RE2, which must match some part of the name. A
@@ -38,9 +32,9 @@ struct Rule {
   std::vector<Rgb> colors;                    // sRGB; base colours that match at the triangle's centre
   int within = 16;                            // largest difference in red, green or blue (0 to 255) from a colour
   std::optional<Box> box;                     // m, in the asset's frame; must contain the triangle's centre
-  std::optional<Between> height;              // m, of the triangle's centre above the asset's lowest point
-  std::optional<Between> slope;               // rad, between the triangle and the horizontal
-  std::optional<Between> size;                // m, longest edge of the box around the triangle's connected part
+  std::optional<Range> height;                // m, of the triangle's centre above the asset's lowest point
+  std::optional<Range> slope;                 // rad, between the triangle and the horizontal
+  std::optional<Range> size;                  // m, longest edge of the box around the triangle's connected part
   std::string className, materialName;        // empty: the rule does not set it
   bool drop = false;
 
@@ -49,9 +43,6 @@ struct Rule {
   bool decides() const { return drop || !className.empty(); }
   bool operator==(const Rule& other) const;  // compares all but the place in the file
 };
-
-// Reads the two numbers of [least, most]; nullopt if there is no such key. Throws InputError.
-std::optional<Between> readBetween(Fields& fields, std::string_view key, Range range);
 
 // Reads a list of rules. Throws InputError with the place.
 std::vector<Rule> readRules(const Value& value);

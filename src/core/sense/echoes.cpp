@@ -357,8 +357,8 @@ Reason causeOf(RayPath path) {
       return Reason::ThroughGlass;
     case RayPath::Mirrored:
       return Reason::Mirrored;
-    case RayPath::OwnVehicle:
-      return Reason::OwnVehicle;
+    case RayPath::EgoVehicle:
+      return Reason::EgoVehicle;
     case RayPath::Direct:
       break;
   }

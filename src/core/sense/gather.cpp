@@ -381,13 +381,13 @@ class Gathering {
     });
   }
 
-  // Writes the velocity of the surface minus that of the sensor, along the beam. The own vehicle moves as the sensor
+  // Writes the velocity of the surface minus that of the sensor, along the beam. The ego vehicle moves as the sensor
   // does. What a mirror shows has no value, since the mirror's normal is not known here.
   void putRadialVelocities(std::vector<float>& values) {
     put(values, [&](std::size_t m) {
       const std::uint32_t hit = moves_.hit[m];
       const Reason cause = returns_.cause(moves_.row[m]);
-      if (cause == Reason::OwnVehicle) return 0.0f;
+      if (cause == Reason::EgoVehicle) return 0.0f;
       const bool direct = cause == Reason::Surface || cause == Reason::ThroughGlass;
       if (hit == kNoHit || !direct) return std::numeric_limits<float>::quiet_NaN();
       const std::size_t step = shot_.worldFromSensor.size() == 1 ? 0 : shot_.stepOf(moves_.column[m]);

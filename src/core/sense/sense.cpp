@@ -45,7 +45,7 @@ void fillEmpty(const Hits& hits, std::vector<std::uint8_t>& reasons) {
   };
   for (std::size_t ray = 0; ray < hits.pathOfRay.size(); ++ray) {
     std::uint8_t& reason = reasons[beamOf(ray)];
-    const bool blocked = hits.pathOfRay[ray] == RayPath::OwnVehicle && !hits.hit(ray);
+    const bool blocked = hits.pathOfRay[ray] == RayPath::EgoVehicle && !hits.hit(ray);
     if (blocked && reason == 0) reason = static_cast<std::uint8_t>(Reason::BlockedByVehicle);
   }
   for (const std::uint32_t ray : hits.unresolved) {

@@ -139,8 +139,8 @@ std::string nameOf(const FrameGuess& guess) {
 // True if the file, with this unit in metres, has the usual size of its concept or a size that is outside by at most
 // the factor `factor`. The concept must have a usual size.
 bool fits(const FrameGuess& guess, double unit, double factor) {
-  const Between& usual = *guess.unitConcept->size;
-  return Between{usual.low / factor, usual.high * factor}.holds(guess.longest * unit);
+  const Range& usual = *guess.unitConcept->size;
+  return Range{usual.low / factor, usual.high * factor}.contains(guess.longest * unit);
 }
 
 std::string sizeWith(const FrameGuess& guess, double unit) {
@@ -152,7 +152,7 @@ std::string sizeWith(const FrameGuess& guess, double unit) {
 // size nearest to the middle of the range. If no unit does, keeps metres and marks them as doubtful.
 void guessUnit(FrameGuess& guess) {
   if (fits(guess, 1, 1)) return;
-  const Between& usual = *guess.unitConcept->size;
+  const Range& usual = *guess.unitConcept->size;
   double nearest = 1e9;
   for (const double unit : kUnits) {
     const double off = std::abs(std::log(guess.longest * unit / std::sqrt(usual.low * usual.high)));

@@ -112,9 +112,9 @@ TEST(Without, NothingThatIsNotThere) {
   EXPECT_THAT(messageOf([&] { takeOut(scene, items("[frist]")); }), testing::HasSubstr("did you mean 'first'"));
   EXPECT_THAT(messageOf([&] { takeOut(scene, items("['first#2']")); }), testing::HasSubstr("did you mean 'first'"));
   EXPECT_EQ(idsOf(scene), (std::vector<std::uint32_t>{1, 2}));
-  EXPECT_EQ(scene.whole, nullptr);
+  EXPECT_EQ(scene.unreduced, nullptr);
   takeOut(scene, items("[other]"));
-  EXPECT_EQ(scene.whole->absent, (std::vector<std::string>{"other"}));
+  EXPECT_EQ(scene.unreduced->absent, (std::vector<std::string>{"other"}));
 }
 
 // What decides how the rest is traced.
@@ -126,9 +126,9 @@ TEST(Without, TheWholeSceneIsRemembered) {
   takeOut(scene, items("[second]"));
   EXPECT_EQ(scene.instances.size(), 1u);
   EXPECT_EQ(length(scene.bounds().high - before.high), 0);
-  EXPECT_EQ(scene.whole->placedTriangles, triangles);
-  EXPECT_EQ(scene.whole->copies.size(), scene.meshes.size());
-  EXPECT_EQ(scene.whole->copies[0], 2u);
+  EXPECT_EQ(scene.unreduced->placedTriangles, triangles);
+  EXPECT_EQ(scene.unreduced->copies.size(), scene.meshes.size());
+  EXPECT_EQ(scene.unreduced->copies[0], 2u);
 }
 
 }  // namespace

@@ -87,9 +87,9 @@ TEST(ReasonsOf, TheNearestReturnSpeaksForItsBeam) {
   EXPECT_EQ(counts.at(1), 200 - expected);
 }
 
-TEST(ReasonsOf, TheOwnVehicleBlocksWhatItIsNearerThan) {
+TEST(ReasonsOf, TheEgoVehicleBlocksWhatItIsNearerThan) {
   World world = makeWorld(1, 3);
-  world.hits.pathOfRay = {RayPath::OwnVehicle, RayPath::OwnVehicle, RayPath::Direct};
+  world.hits.pathOfRay = {RayPath::EgoVehicle, RayPath::EgoVehicle, RayPath::Direct};
   miss(world, 1);
   EXPECT_EQ(reasonsOnce(world, {}), (std::vector<std::uint8_t>{5, 17, 1}));
 }

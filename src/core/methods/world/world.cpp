@@ -114,13 +114,14 @@ Affine PlacedBlock::at(double part) const {
 }
 
 bool worldsMove(const Scene& scene, Instancing instancing) {
-  return scene.whole != nullptr && instancing != Instancing::Never ? scene.whole->moves : scene.moves();
+  return scene.unreduced != nullptr && instancing != Instancing::Never ? scene.unreduced->moves : scene.moves();
 }
 
 std::vector<bool> instancedMeshes(const Scene& scene, Instancing instancing) {
-  const WholeScene* const whole = scene.whole.get();
-  const std::vector<std::uint64_t> copies = whole != nullptr ? whole->copies : scene.copies();
-  const bool large = (whole != nullptr ? whole->placedTriangles : scene.placedTriangles()) > kFlattenedTriangles;
+  const UnreducedScene* const unreduced = scene.unreduced.get();
+  const std::vector<std::uint64_t> copies = unreduced != nullptr ? unreduced->copies : scene.copies();
+  const bool large =
+      (unreduced != nullptr ? unreduced->placedTriangles : scene.placedTriangles()) > kFlattenedTriangles;
   const bool moves = worldsMove(scene, instancing);
   std::vector<bool> instanced(scene.meshes.size());
   for (std::size_t m = 0; m < instanced.size(); ++m) {

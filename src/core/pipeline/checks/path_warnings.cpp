@@ -58,7 +58,7 @@ class WayCheck {
       : plan_(source.plan()),
         own_(plan_.pipeline.sequences[sequence]),
         probe_(probe),
-        drive_(source.drive(sequence)),
+        drive_(source.trajectory(sequence)),
         settings_(source.settings(sequence, 0)),
         vehicle_(source.vehicle()),
         bounds_(probe.bounds()) {
@@ -103,12 +103,12 @@ class WayCheck {
   }
 
   // Returns the name and class of the object instance that was hit; only the class if the hit has no instance id.
-  std::string nameOf(const SceneProbe::Met& met) const {
+  std::string nameOf(const SceneProbe::Hit& hit) const {
     const Scene& scene = probe_.scene();
-    const std::string name = className(met.semantic);
+    const std::string name = className(hit.semantic);
     for (const Instance& i : scene.instances) {
       const std::uint32_t objects = scene.meshes[i.mesh].objects;
-      if (met.instance < i.firstInstanceId || met.instance >= i.firstInstanceId + objects) continue;
+      if (hit.instance < i.firstInstanceId || hit.instance >= i.firstInstanceId + objects) continue;
       return fmt::format("'{}' ({})", i.name, name);
     }
     return fmt::format("something of the class {}", name);
@@ -174,15 +174,15 @@ class WayCheck {
       const Vec3d at = sensorAt(sensor, frame);
       std::vector<SceneProbe::Ray> rays;
       for (const Vec3d& direction : kDirections) rays.push_back({at, direction});
-      const auto met = probe_.first(rays, plan_.sensors[sensor].beams->maxRange);
-      const bool enclosed = std::ranges::all_of(met, [&](const auto& m) {
-        return m && m->semantic == met.front()->semantic && !moving_.contains(m->instance);
+      const auto hits = probe_.first(rays, plan_.sensors[sensor].beams->maxRange);
+      const bool enclosed = std::ranges::all_of(hits, [&](const auto& m) {
+        return m && m->semantic == hits.front()->semantic && !moving_.contains(m->instance);
       });
       if (!enclosed || !probe_.first({at, {0, 0, -1}}, kReach)) continue;  // checkHeights() warns of those below ground
       return say(
           fmt::format("'{}' sees nothing beside and above it but surfaces of the class {}, such as {}, at {} (frame "
                       "{}), which is right only in rooms and tunnels",
-                      plan_.pipeline.sensors[sensor].name, className(met.front()->semantic), nameOf(*met.front()),
+                      plan_.pipeline.sensors[sensor].name, className(hits.front()->semantic), nameOf(*hits.front()),
                       shortPlace(at), frame));
     }
   }

@@ -20,8 +20,8 @@ namespace scanmill {
 namespace {
 
 // Extents of meshes that cause no warning (m), in general and if the mesh is a thing such as a car or a house.
-constexpr Between kUsual{1e-3, 5000};
-constexpr Between kUsualOfThings{0.01, 300};
+constexpr Range kUsual{1e-3, 5000};
+constexpr Range kUsualOfThings{0.01, 300};
 constexpr std::size_t kMostLines = 5;
 constexpr double kTown = 30;         // a mesh of at least this size (m) is taken to hold more than one object instance
 constexpr std::size_t kSeveral = 3;  // least number of nodes of a class for which one shared instance causes a warning
@@ -63,16 +63,16 @@ std::vector<std::string> sizeWarnings(const Scene& scene) {
   boxes.reserve(scene.meshes.size());
   for (const Mesh& mesh : scene.meshes) boxes.push_back(mesh.bounds());
   std::vector<std::string> lines;
-  std::set<std::uint32_t> told;
+  std::set<std::uint32_t> reported;
   for (const Instance& instance : scene.instances) {
     const Box& box = boxes[instance.mesh];
     const Mesh& mesh = scene.meshes[instance.mesh];
-    if (box.empty() || told.contains(instance.mesh)) continue;
+    if (box.empty() || reported.contains(instance.mesh)) continue;
     const double extent = largestExtent(box, instance.worldFromMesh.linear);
     const bool isThing = mesh.objects == 1 && std::all_of(mesh.surfaces.begin(), mesh.surfaces.end(),
                                                           [](const Surface& s) { return s.object != 0; });
-    if ((isThing ? kUsualOfThings : kUsual).holds(extent)) continue;
-    told.insert(instance.mesh);
+    if ((isThing ? kUsualOfThings : kUsual).contains(extent)) continue;
+    reported.insert(instance.mesh);
     lines.push_back(
         fmt::format("scene {}: the object '{}' measures {}: is its `unit` right? (0.001 for millimetres, 0.01 "
                     "for centimetres, 1 for metres)",
@@ -97,9 +97,9 @@ std::vector<std::string> unlabeledWarnings(const Scene& scene) {
 }
 
 std::vector<std::string> withoutWarnings(const Scene& scene) {
-  if (scene.whole == nullptr || scene.whole->absent.empty()) return {};
+  if (scene.unreduced == nullptr || scene.unreduced->absent.empty()) return {};
   return {fmt::format("{}: `without` names {}, of which the scene has nothing", scene.file.string(),
-                      fmt::join(scene.whole->absent, ", "))};
+                      fmt::join(scene.unreduced->absent, ", "))};
 }
 
 std::vector<std::string> ruleWarnings(const Scene& scene) {
@@ -176,7 +176,7 @@ std::string intervalWarning(const Pipeline& pipeline, const Sequence& sequence) 
 
 std::vector<std::string> driveWarnings(const Pipeline& pipeline) {
   std::vector<std::string> lines;
-  std::set<std::string> told;
+  std::set<std::string> reported;
   std::map<std::string, std::set<std::string>> close;  // end of the warning -> names of drives
   std::size_t turning = 0;
   std::size_t straight = 0;
@@ -186,7 +186,7 @@ std::vector<std::string> driveWarnings(const Pipeline& pipeline) {
     if (s.trajectory->turns() == 0) ++straight;
     if (const std::string line = intervalWarning(pipeline, s); !line.empty()) close[line].insert(s.trajectoryName);
     const std::string doubt = s.trajectory->doubt();
-    if (!doubt.empty() && told.insert(s.trajectoryName).second) {
+    if (!doubt.empty() && reported.insert(s.trajectoryName).second) {
       lines.push_back(fmt::format("the recorded drive '{}': {}", s.trajectoryName, doubt));
     }
   }
@@ -251,7 +251,7 @@ std::vector<std::string> vehicleWarnings(const Pipeline& pipeline, const std::ve
     const MountedSensor& sensor = pipeline.sensors[s];
     const Vec3d& at = sensor.vehicleFromSensor.translation;
     lines.push_back(fmt::format(
-        "the own vehicle blocks {:.0f} % of the rays of '{}', which is mounted at [{:g}, {:g}, "
+        "the ego vehicle blocks {:.0f} % of the rays of '{}', which is mounted at [{:g}, {:g}, "
         "{:g}] m: is the sensor inside the vehicle? See `scanmill info` of the vehicle's scene, and `mount`",
         100 * blocked[s], sensor.name, at.x, at.y, at.z));
   }

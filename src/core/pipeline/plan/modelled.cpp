@@ -63,10 +63,10 @@ void addEffects(const Pipeline& pipeline, std::vector<ModelledItem>& items) {
 void addLabels(const Pipeline& pipeline, std::vector<ModelledItem>& items) {
   if (pipeline.ontology.empty() || pipeline.recording != nullptr) return;
   const Ontology own = readOntology(pipeline.ontology);
-  std::set<std::string> told;
+  std::set<std::string> reported;
   for (const Sequence& s : pipeline.sequences) {
     const Ontology scenes = readSceneOntology(s.sceneFile);
-    if (!told.insert(scenes.name).second) continue;
+    if (!reported.insert(scenes.name).second) continue;
     for (const std::string& line : lostBetween(scenes, own)) {
       items.push_back({"labels", fmt::format("classes of {} replace those of {}: {}", own.name, scenes.name, line)});
     }
@@ -132,7 +132,7 @@ std::vector<LightFollowing> followingsOf(const Pipeline& pipeline) {
   return each;
 }
 
-ModelledItem ownVehicle(const Pipeline& pipeline, std::span<const double> blocked) {
+ModelledItem egoVehicle(const Pipeline& pipeline, std::span<const double> blocked) {
   if (pipeline.vehicle.empty()) {
     return {"own vehicle", "(`vehicle: vehicle` puts a car of boxes under the sensors)", true};
   }
@@ -196,7 +196,7 @@ std::vector<ModelledItem> modelled(const Plan& plan, std::span<const double> blo
     if (!about.empty()) ways[about].insert(s.trajectoryName);
   }
   for (const auto& [about, names] : ways) items.push_back({fmt::format("path of {}", fmt::join(names, ", ")), about});
-  if (pipeline.recording == nullptr) items.push_back(ownVehicle(pipeline, blocked));
+  if (pipeline.recording == nullptr) items.push_back(egoVehicle(pipeline, blocked));
   items.push_back(misses(pipeline.output.layout));
   if (pipeline.recording == nullptr) {
     items.push_back(

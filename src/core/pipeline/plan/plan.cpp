@@ -214,7 +214,7 @@ void Plan::requireOneRevolution() const {
 void Plan::requireOneRay() const {
   requireOneRevolution();
   if (!pipeline.vehicle.empty()) {
-    refuse(pipeline, "saved hits have only the scene, not the own vehicle: save none, or leave out `vehicle`");
+    refuse(pipeline, "saved hits have only the scene, not the ego vehicle: save none, or leave out `vehicle`");
   }
   if (pipeline.drawn != nullptr && pipeline.drawn->drawsMounts()) {
     refuse(pipeline,

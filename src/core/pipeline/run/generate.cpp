@@ -35,9 +35,12 @@ FolderUse useOf(const GenerateOptions& options) {
 
 // A shard that is being written.
 struct OpenShard {
-  OpenShard(const std::filesystem::path& folder, const ShardJob& job, DatasetPart begun,
+  OpenShard(const std::filesystem::path& folder, const ShardJob& job, DatasetPart newPart,
             std::unique_ptr<FolderLock> held)
-      : claim(std::move(held)), writer(folder, job.file, job.split), part(std::move(begun)), made(job.samples.size()) {}
+      : claim(std::move(held)),
+        writer(folder, job.file, job.split),
+        part(std::move(newPart)),
+        made(job.samples.size()) {}
 
   // This process's lock on the shard; null if the folder is not shared with other processes.
   std::unique_ptr<FolderLock> claim;
@@ -96,7 +99,7 @@ class DatasetRun {
     std::uint64_t frames = 0;
     for (const std::size_t job : chosen) {
       frames += jobs_[job].samples.size();
-      for (const SampleAddress& sample : jobs_[job].samples) maker_.expect(sample);
+      for (const SampleAddress& sample : jobs_[job].samples) maker_.announce(sample);
     }
     progress_.setTotal(frames);
     return chosen;
@@ -109,7 +112,7 @@ class DatasetRun {
         options_.shards.kind == ShardChoice::Kind::Any ? DatasetFolder::Check::Size : DatasetFolder::Check::Bytes;
     std::unique_ptr<FolderLock> claim = shared() ? folder_.claim(own.file) : nullptr;
     if (const std::optional<DatasetPart> kept = folder_.findRecord(own.file, check)) {
-      for (const SampleAddress& sample : own.samples) maker_.leaveOut(sample);
+      for (const SampleAddress& sample : own.samples) maker_.cancel(sample);
       const std::scoped_lock lock(mutex_);
       count(kept->manifest);
       ++summary_.resumedShards;
@@ -122,15 +125,15 @@ class DatasetRun {
       return 0;
     }
     folder_.requireSameFolder();  // throws if the output folder was replaced by another folder meanwhile
-    DatasetPart begun{planned_.hash, {}, base_};
-    begun.manifest.sequences.clear();
+    DatasetPart newPart{planned_.hash, {}, base_};
+    newPart.manifest.sequences.clear();
     for (const SampleAddress& sample : own.samples) {
-      begun.numbers.push_back(sample.number);
+      newPart.numbers.push_back(sample.number);
       const SequenceRecord& sequence = base_.sequences[sample.sequence];
-      std::vector<SequenceRecord>& sequences = begun.manifest.sequences;
+      std::vector<SequenceRecord>& sequences = newPart.manifest.sequences;
       if (sequences.empty() || sequences.back() != sequence) sequences.push_back(sequence);
     }
-    open_[job] = std::make_unique<OpenShard>(folder_.staging(), own, std::move(begun), std::move(claim));
+    open_[job] = std::make_unique<OpenShard>(folder_.staging(), own, std::move(newPart), std::move(claim));
     return own.samples.size();
   }
 
@@ -224,7 +227,7 @@ class DatasetRun {
     }
     if (!options_.anyFiles) requireUnchangedFiles(made->files, pipeline_.file.parent_path(), options_.folder);
     summary_.manifest = std::move(*made);
-    summary_.whole = true;
+    summary_.complete = true;
     return std::move(summary_);
   }
 
@@ -294,9 +297,9 @@ class DatasetRun {
     summary_.stages = maker_.stageSeconds();
     addSeconds(clock_.seconds(), summary_.stages);
     maker_.finish();
-    summary_.whole = options_.shards.kind != ShardChoice::Kind::Listed && folder_.makeAlone();
+    summary_.complete = options_.shards.kind != ShardChoice::Kind::Listed && folder_.makeAlone();
     folder_.requireSameFolder();
-    if (summary_.whole) {
+    if (summary_.complete) {
       summary_.manifest = joinParts(planned_, allParts(), options_.anyFiles);
       warnOfBlindSensors();
       folder_.publish(summary_.manifest);

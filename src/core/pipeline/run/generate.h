@@ -47,8 +47,8 @@ struct GenerateOptions {
 };
 
 struct GenerateSummary {
-  Manifest manifest;            // the dataset's manifest; without shards and samples if `whole` is false
-  bool whole = false;           // the dataset is complete, whichever process completed it
+  Manifest manifest;            // the dataset's manifest; without shards and samples if `complete` is false
+  bool complete = false;        // the dataset is complete, whichever process completed it
   std::size_t shards = 0;       // number of shards that this process has made
   std::size_t samplesMade = 0;  // number of samples in the shards that this process has made
   std::size_t samples = 0;  // number of samples in all shards that this process has made or found; `beams`, `points`

@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "pipeline/scenes/own_vehicle.h"
+#include "pipeline/scenes/ego_vehicle.h"
 
 namespace scanmill {
 

@@ -180,7 +180,7 @@ MadeSample SampleMaker::make(const SampleAddress& address) {
     idle_.push_back(std::move(buffers));
   }
   scenes_.account(address.sequence, account);
-  scenes_.leave(address.sequence);
+  scenes_.release(address.sequence);
   return made;
 }
 

@@ -36,10 +36,10 @@ class SampleMaker {
   SampleMaker(ShotSource& source, std::filesystem::path keepHits, bool overwrite,
               std::function<void(const Sequence&)> loading);
 
-  // expect() announces that a sample will be made; leaveOut() cancels an announcement. A scene is unloaded after its
+  // announce() announces that a sample will be made; cancel() cancels an announcement. A scene is unloaded after its
   // last announced sample. Samples may also be made without announcement.
-  void expect(const SampleAddress& address) { scenes_.expect(address.sequence); }
-  void leaveOut(const SampleAddress& address) { scenes_.leave(address.sequence); }
+  void announce(const SampleAddress& address) { scenes_.announce(address.sequence); }
+  void cancel(const SampleAddress& address) { scenes_.release(address.sequence); }
 
   // Sets up the scene of a sequence now instead of when make() first makes a sample of the sequence.
   void prepare(std::size_t sequence) { scenes_.enter(sequence); }

@@ -40,7 +40,7 @@ SceneStore::SceneStore(ShotSource& source, std::function<void(const Sequence&)> 
     : source_(source),
       plan_(source.plan()),
       loading_(std::move(loading)),
-      told_(plan_.pipeline.sequences.size()),
+      reported_(plan_.pipeline.sequences.size()),
       clock_({"setup"}) {
   const std::vector<Sequence>& all = plan_.pipeline.sequences;
   for (const Sequence& sequence : all) {
@@ -90,18 +90,18 @@ std::shared_ptr<SceneStore::Slot> SceneStore::slotOf(std::size_t scene) {
   return slots_[scene];
 }
 
-void SceneStore::expect(std::size_t sequence) {
+void SceneStore::announce(std::size_t sequence) {
   const std::scoped_lock lock(mutex_);
-  ++expected_[sceneOf_[sequence]];
+  ++announcedFrames_[sceneOf_[sequence]];
 }
 
-void SceneStore::leave(std::size_t sequence) {
+void SceneStore::release(std::size_t sequence) {
   // Keeps the scene until the lock is released, since its destructor must run without the lock.
   std::shared_ptr<Slot> last;
   const std::scoped_lock lock(mutex_);
-  const auto expected = expected_.find(sceneOf_[sequence]);
-  if (expected == expected_.end() || --expected->second > 0) return;
-  expected_.erase(expected);
+  const auto frames = announcedFrames_.find(sceneOf_[sequence]);
+  if (frames == announcedFrames_.end() || --frames->second > 0) return;
+  announcedFrames_.erase(frames);
   const auto slot = slots_.find(sceneOf_[sequence]);
   if (slot == slots_.end()) return;
   last = std::move(slot->second);
@@ -154,10 +154,11 @@ void SceneStore::load(std::size_t sequence, Slot& slot) {
     }
     const std::scoped_lock lock(mutex_);
     largest_ = std::max(largest_, bytes);
-    Told& told = told_[sceneOf_[sequence]];
-    if (std::exchange(told.loaded, true)) return;  // the scene was loaded and checked before, so its warnings are known
-    told.ofScene = std::move(lines);
-    told.account += account;
+    SceneWarnings& reported = reported_[sceneOf_[sequence]];
+    if (std::exchange(reported.loaded, true))
+      return;  // the scene was loaded and checked before, so its warnings are known
+    reported.ofScene = std::move(lines);
+    reported.account += account;
   } catch (...) {
     slot.failure = std::current_exception();  // rethrown in each thread that needs the scene
   }
@@ -167,25 +168,25 @@ void SceneStore::checkPath(std::size_t sequence, const ReadyScene& ready) {
   if (!ready.probe) return;
   {
     const std::scoped_lock lock(mutex_);
-    if (std::exchange(told_[sequence].looked, true)) return;
+    if (std::exchange(reported_[sequence].pathChecked, true)) return;
   }
   const StageTimer timer(clock_, "setup");
   std::vector<std::string> lines = pathWarnings(source_, sequence, *ready.probe);
   const std::scoped_lock lock(mutex_);
-  told_[sequence].ofPath = std::move(lines);
+  reported_[sequence].ofPath = std::move(lines);
 }
 
 void SceneStore::account(std::size_t sequence, const TraceAccount& account) {
   const std::scoped_lock lock(mutex_);
-  told_[sceneOf_[sequence]].account += account;
+  reported_[sceneOf_[sequence]].account += account;
 }
 
 std::vector<std::string> SceneStore::warnings() const {
   const std::scoped_lock lock(mutex_);
   std::vector<std::string> lines;
   std::set<std::string> known;
-  for (const Told& told : told_) {
-    for (const auto& more : {told.ofScene, told.ofPath, told.account.warningTexts()}) {
+  for (const SceneWarnings& reported : reported_) {
+    for (const auto& more : {reported.ofScene, reported.ofPath, reported.account.warningTexts()}) {
       std::copy_if(more.begin(), more.end(), std::back_inserter(lines),
                    [&](const std::string& line) { return known.insert(line).second; });
     }
@@ -196,7 +197,7 @@ std::vector<std::string> SceneStore::warnings() const {
 StageSeconds SceneStore::methodSeconds() const {
   const std::scoped_lock lock(mutex_);
   StageSeconds seconds;
-  for (const Told& told : told_) addSeconds(told.account.seconds, seconds);
+  for (const SceneWarnings& reported : reported_) addSeconds(reported.account.seconds, seconds);
   return seconds;
 }
 

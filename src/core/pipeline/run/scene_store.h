@@ -48,13 +48,13 @@ class SceneStore {
   SceneStore(const SceneStore&) = delete;
   SceneStore& operator=(const SceneStore&) = delete;
 
-  // expect() announces a frame of the sequence. leave() must be called for each announced frame once it is done or
+  // announce() announces a frame of the sequence. release() must be called for each announced frame once it is done or
   // cancelled.
-  void expect(std::size_t sequence);
-  void leave(std::size_t sequence);
+  void announce(std::size_t sequence);
+  void release(std::size_t sequence);
 
   // Returns the scene of a sequence; loads it if needed. The scene stays loaded as long as the returned pointer exists.
-  // If more frames of the scene are expected, it stays until another scene needs the memory. Blocks while the scene
+  // If more frames of the scene are announced, it stays until another scene needs the memory. Blocks while the scene
   // does not fit into memory beside the scenes in use. A thread that holds a scene must therefore not wait for another
   // thread's enter(): both could deadlock. Also checks the scene and the sequence for warnings(). Throws InputError for
   // scenes and methods that cannot be used.
@@ -73,9 +73,9 @@ class SceneStore {
  private:
   struct Slot;
   // Warnings about a sequence. The first sequence of each scene also has the warnings and the account of its scene.
-  struct Told {
-    bool loaded = false;  // the scene was loaded at least once
-    bool looked = false;  // the trajectory was checked for warnings
+  struct SceneWarnings {
+    bool loaded = false;       // the scene was loaded at least once
+    bool pathChecked = false;  // the trajectory was checked for warnings
     std::vector<std::string> ofScene;
     std::vector<std::string> ofPath;
     TraceAccount account;
@@ -92,9 +92,9 @@ class SceneStore {
   std::vector<std::size_t> sceneOf_;  // for each sequence, the index of the first sequence with the same scene; this
                                       // index identifies the scene
   mutable std::mutex mutex_;
-  std::map<std::size_t, std::shared_ptr<Slot>> slots_;  // keys: the indices of scenes that sceneOf_ contains
-  std::vector<Told> told_;                              // indexed by the values of sceneOf_
-  std::map<std::size_t, std::uint64_t> expected_;       // number of frames still expected, by index of the scene
+  std::map<std::size_t, std::shared_ptr<Slot>> slots_;    // keys: the indices of scenes that sceneOf_ contains
+  std::vector<SceneWarnings> reported_;                   // indexed by the values of sceneOf_
+  std::map<std::size_t, std::uint64_t> announcedFrames_;  // numbers of announced frames that are not done, by scene
   std::uint64_t uses_ = 0;
   std::uint64_t largest_ = 0;  // size of the largest scene so far in bytes, including what its method has built
   StageClock clock_;

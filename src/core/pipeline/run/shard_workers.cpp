@@ -23,7 +23,7 @@ constexpr std::size_t kAhead = 2;  // maximum number of samples per worker that 
 struct SharedShard {
   std::size_t shard = 0;
   std::size_t samples = 0;
-  std::size_t begun = 0;
+  std::size_t started = 0;
   std::size_t taken = 0;
   std::set<std::size_t> made;  // samples that are made but not taken yet
   bool beingTaken = false;     // true while a thread takes samples of this shard
@@ -35,16 +35,16 @@ class ShardWorkers {
       : shards_(shards), workers_(workers), stop_(stop), work_(work) {}
 
   void run() {
-    TaskOrder begun;
+    TaskOrder started;
     TaskOrder done;
     {
-      const TaskOrder::Wait wait(begun, done);
+      const TaskOrder::Wait wait(started, done);
       // Unlike parallelFor(), tbb::parallel_for is not isolated here: threads without work help other threads' inner
       // loops.
       tbb::parallel_for(
           tbb::blocked_range<std::size_t>(0, workers_, 1),
           [&](const tbb::blocked_range<std::size_t>&) SCANMILL_UNWATCHED {
-            const TaskOrder::Task task(begun, done);
+            const TaskOrder::Task task(started, done);
             worker();
           },
           tbb::simple_partitioner());
@@ -60,7 +60,7 @@ class ShardWorkers {
     try {
       std::shared_ptr<SharedShard> own;
       while (!ended()) {
-        if (own != nullptr && own->begun == own->samples) own = nullptr;
+        if (own != nullptr && own->started == own->samples) own = nullptr;
         if (own == nullptr && next_ < shards_) {
           own = open(lock);
           continue;
@@ -95,14 +95,14 @@ class ShardWorkers {
   std::shared_ptr<SharedShard> mostLeft() const {
     std::shared_ptr<SharedShard> most;
     for (const auto& shard : open_) {
-      const std::size_t left = shard->samples - shard->begun;
-      if (left > 0 && (most == nullptr || left > most->samples - most->begun)) most = shard;
+      const std::size_t left = shard->samples - shard->started;
+      if (left > 0 && (most == nullptr || left > most->samples - most->started)) most = shard;
     }
     return most;
   }
 
   void makeNext(SharedShard& shard, Lock& lock) {
-    const std::size_t sample = shard.begun++;
+    const std::size_t sample = shard.started++;
     ++inFlight_;
     lock.unlock();
     work_.make(shard.shard, sample);

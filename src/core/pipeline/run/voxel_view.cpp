@@ -82,7 +82,7 @@ std::vector<double> lengthsOf(const Shot& shot, std::uint32_t raysPerBeam, const
   std::vector<double> lengths(hits.size());
   for (std::size_t beam = 0; beam < hits.size(); ++beam) {
     const std::size_t axis = beam * raysPerBeam;
-    const bool blocked = !hits.pathOfRay.empty() && hits.pathOfRay[axis] == RayPath::OwnVehicle;
+    const bool blocked = !hits.pathOfRay.empty() && hits.pathOfRay[axis] == RayPath::EgoVehicle;
     if (hits.hit(axis)) {
       lengths[beam] = hits.range[axis];
     } else if (!blocked && !std::binary_search(hits.unresolved.begin(), hits.unresolved.end(), axis)) {

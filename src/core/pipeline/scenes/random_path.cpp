@@ -89,8 +89,8 @@ class FreeSurface {
         reach = std::max(reach, far);
       }
     }
-    const auto met = probe_.first(rays, reach);
-    return std::none_of(met.begin(), met.end(), [](const auto& m) { return m.has_value(); });
+    const auto hits = probe_.first(rays, reach);
+    return std::none_of(hits.begin(), hits.end(), [](const auto& hit) { return hit.has_value(); });
   }
 
   // Returns the state one metre further along an arc; nothing if a vehicle has no room there, or if an obstacle is
@@ -117,9 +117,9 @@ class FreeSurface {
     const auto below = probe_.first({middle + Vec3d{0, 0, high}, {0, 0, -1}}, 2 * high);
     if (!below || std::find(classes_.begin(), classes_.end(), below->semantic) == classes_.end()) return std::nullopt;
     // The downward ray has already tested the space below its start; the upward ray tests the space above.
-    const double over = below->place.z + kClear - (middle.z + high);
+    const double over = below->position.z + kClear - (middle.z + high);
     if (over > 0 && probe_.first({middle + Vec3d{0, 0, high}, {0, 0, 1}}, over)) return std::nullopt;
-    return below->place.z;
+    return below->position.z;
   }
 
   const SceneProbe& probe_;

@@ -9,7 +9,7 @@ namespace scanmill {
 namespace {
 
 constexpr double kBehind = 1e-3;  // distance behind a hit at which the next ray starts (m)
-constexpr std::size_t kMostMet = 100;
+constexpr std::size_t kMostHits = 100;
 // The places at which the method sees a sensor are at least this far apart along a ray (m), since the method may build
 // a hierarchy for each. Ray tracing's tie rule covers rounding up to 64 m from the sensor (kCoplanarCorners).
 constexpr double kNearAnchor = 48;
@@ -41,18 +41,18 @@ double SceneProbe::endOf(const Ray& ray) const {
                    leaves(box.low.z, box.high.z, ray.from.z, ray.direction.z)});
 }
 
-std::vector<std::optional<SceneProbe::Met>> SceneProbe::first(const std::vector<Ray>& rays, double reach) const {
+std::vector<std::optional<SceneProbe::Hit>> SceneProbe::first(const std::vector<Ray>& rays, double reach) const {
   return first(rays, reach, rays.empty() ? Vec3d{} : rays.front().from);
 }
 
-std::vector<std::optional<SceneProbe::Met>> SceneProbe::first(const std::vector<Ray>& rays, double reach,
+std::vector<std::optional<SceneProbe::Hit>> SceneProbe::first(const std::vector<Ray>& rays, double reach,
                                                               const Vec3d& anchor) const {
-  std::vector<std::optional<Met>> met(rays.size());
+  std::vector<std::optional<Hit>> found(rays.size());
   // Rays end with the scene, so that the method need not look farther.
   double end = -1;
   for (const Ray& ray : rays) end = std::max(end, endOf(ray));
   reach = std::min(reach, end);
-  if (!(reach > 0)) return met;
+  if (!(reach > 0)) return found;
   auto table = std::make_shared<BeamTable>();
   table->rings = 1;
   table->columns = static_cast<std::uint32_t>(rays.size());
@@ -71,24 +71,24 @@ std::vector<std::optional<SceneProbe::Met>> SceneProbe::first(const std::vector<
   for (std::size_t i = 0; i < rays.size(); ++i) {
     if (!hits.hit(i)) continue;
     const double distance = double{hits.range[i]};
-    met[i] = Met{distance, rays[i].from + rays[i].direction * distance, Vec3d(hits.normal[i]), hits.semantic[i],
-                 hits.instance[i]};
+    found[i] = Hit{distance, rays[i].from + rays[i].direction * distance, Vec3d(hits.normal[i]), hits.semantic[i],
+                   hits.instance[i]};
   }
-  return met;
+  return found;
 }
 
-std::vector<SceneProbe::Met> SceneProbe::all(const Ray& ray, double reach) const {
-  std::vector<Met> found;
+std::vector<SceneProbe::Hit> SceneProbe::all(const Ray& ray, double reach) const {
+  std::vector<Hit> found;
   double from = 0;
   double anchor = 0;  // distance along the ray (m) of the place at which the method sees a sensor
-  while (found.size() < kMostMet && from < reach) {
+  while (found.size() < kMostHits && from < reach) {
     if (from - anchor > kNearAnchor) anchor = from;
     const std::vector<Ray> onward{{ray.from + ray.direction * from, ray.direction}};
-    std::optional<Met> met = first(onward, reach - from, ray.from + ray.direction * anchor).front();
-    if (!met) break;
-    met->distance += from;
-    from = met->distance + kBehind;
-    found.push_back(*met);
+    std::optional<Hit> hit = first(onward, reach - from, ray.from + ray.direction * anchor).front();
+    if (!hit) break;
+    hit->distance += from;
+    from = hit->distance + kBehind;
+    found.push_back(*hit);
   }
   return found;
 }
@@ -96,28 +96,28 @@ std::vector<SceneProbe::Met> SceneProbe::all(const Ray& ray, double reach) const
 SceneGround::SceneGround(const SceneProbe& probe, std::vector<std::uint16_t> classes)
     : probe_(probe), classes_(std::move(classes)), bounds_(probe.bounds()) {}
 
-bool SceneGround::holds(const SceneProbe::Met& met) const {
-  if (std::fabs(met.normal.z) < kSteepestGroundCosine) return false;
-  if (!classes_.empty()) return std::find(classes_.begin(), classes_.end(), met.semantic) != classes_.end();
-  const SemanticClass* const own = probe_.scene().ontology.find(met.semantic);
+bool SceneGround::isGround(const SceneProbe::Hit& hit) const {
+  if (std::fabs(hit.normal.z) < kSteepestGroundCosine) return false;
+  if (!classes_.empty()) return std::find(classes_.begin(), classes_.end(), hit.semantic) != classes_.end();
+  const SemanticClass* const own = probe_.scene().ontology.find(hit.semantic);
   return own == nullptr || !own->thing;
 }
 
 std::optional<double> SceneGround::under(const Vec3d& place) const {
   if (bounds_.empty()) return std::nullopt;
   const double top = bounds_.high.z + 1;
-  const auto met = probe_.all({{place.x, place.y, top}, kDown}, top - bounds_.low.z + 1);
-  const SceneProbe::Met* const found = groundUnder(
-      met, place.z, [](const SceneProbe::Met& m) { return m.place.z; },
-      [&](const SceneProbe::Met& m) { return holds(m); });
-  return found == nullptr ? std::nullopt : std::optional(found->place.z);
+  const auto hits = probe_.all({{place.x, place.y, top}, kDown}, top - bounds_.low.z + 1);
+  const SceneProbe::Hit* const found = groundUnder(
+      hits, place.z, [](const SceneProbe::Hit& hit) { return hit.position.z; },
+      [&](const SceneProbe::Hit& hit) { return isGround(hit); });
+  return found == nullptr ? std::nullopt : std::optional(found->position.z);
 }
 
 std::optional<double> SceneGround::near(const Vec3d& place) const {
   std::optional<double> nearest;
-  for (const SceneProbe::Met& met : probe_.all({place - kDown * kNear, kDown}, 2 * kNear)) {
-    if (holds(met) && (!nearest || std::fabs(met.place.z - place.z) < std::fabs(*nearest - place.z))) {
-      nearest = met.place.z;
+  for (const SceneProbe::Hit& hit : probe_.all({place - kDown * kNear, kDown}, 2 * kNear)) {
+    if (isGround(hit) && (!nearest || std::fabs(hit.position.z - place.z) < std::fabs(*nearest - place.z))) {
+      nearest = hit.position.z;
     }
   }
   return nearest;

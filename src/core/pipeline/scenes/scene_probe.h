@@ -19,9 +19,9 @@ class SceneProbe {
   struct Ray {
     Vec3d from, direction;  // start in the world frame (m); unit vector
   };
-  struct Met {
+  struct Hit {
     double distance = 0;  // distance from the start of the ray (m)
-    Vec3d place;          // position in the world frame (m)
+    Vec3d position;       // m, world frame
     Vec3d normal;         // unit vector, on the side of the surface from which the ray comes
     std::uint16_t semantic = 0;
     std::uint32_t instance = 0;
@@ -35,16 +35,16 @@ class SceneProbe {
   const Box& bounds() const { return bounds_; }  // Scene::bounds(): m, world frame at time 0
   // Returns the first hit of each ray within `reach` (m); nothing for rays without a hit. Faster than calls for single
   // rays.
-  std::vector<std::optional<Met>> first(const std::vector<Ray>& rays, double reach) const;
-  std::optional<Met> first(const Ray& ray, double reach) const { return first(std::vector{ray}, reach).front(); }
+  std::vector<std::optional<Hit>> first(const std::vector<Ray>& rays, double reach) const;
+  std::optional<Hit> first(const Ray& ray, double reach) const { return first(std::vector{ray}, reach).front(); }
   // Returns the hits along a ray within `reach` (m), the nearest first, at most a hundred.
-  std::vector<Met> all(const Ray& ray, double reach) const;
+  std::vector<Hit> all(const Ray& ray, double reach) const;
 
  private:
   // Returns the distance (m) along a ray beyond which it does not meet the scene; may be negative.
   double endOf(const Ray& ray) const;
   // Returns the result of the public function; the method sees a sensor at `anchor`, a place near the rays.
-  std::vector<std::optional<Met>> first(const std::vector<Ray>& rays, double reach, const Vec3d& anchor) const;
+  std::vector<std::optional<Hit>> first(const std::vector<Ray>& rays, double reach, const Vec3d& anchor) const;
 
   const Scene& scene_;
   Box bounds_;
@@ -63,7 +63,7 @@ class SceneGround : public Ground {
   std::optional<double> near(const Vec3d& place) const override;
 
  private:
-  bool holds(const SceneProbe::Met& met) const;
+  bool isGround(const SceneProbe::Hit& hit) const;
 
   const SceneProbe& probe_;
   std::vector<std::uint16_t> classes_;

@@ -10,7 +10,7 @@
 #include "base/parallel.h"
 #include "base/path.h"
 #include "pipeline/read/drawn_sensors.h"
-#include "pipeline/scenes/own_vehicle.h"
+#include "pipeline/scenes/ego_vehicle.h"
 #include "pipeline/scenes/random_path.h"
 #include "pipeline/scenes/scene_probe.h"
 #include "scene/surface_heights.h"
@@ -99,11 +99,11 @@ ShotSource::ShotSource(const Plan& plan, SceneChanges changes)
   }
   std::vector<Pose> mounts;
   for (const MountedSensor& sensor : pipeline_.sensors) mounts.push_back(sensor.vehicleFromSensor);
-  vehicleHits_ = traceOwnVehicle(mounts);
+  vehicleHits_ = traceEgoVehicle(mounts);
   settings_ = std::make_shared<const FrameSettings>(settingsOf(pipeline_, vehicleHits_));
 }
 
-VehicleHits ShotSource::traceOwnVehicle(const std::vector<Pose>& mounts) const {
+VehicleHits ShotSource::traceEgoVehicle(const std::vector<Pose>& mounts) const {
   VehicleHits hits;
   if (vehicle_ == nullptr) return hits;
   const std::shared_ptr<const Method> method = makeReference(*vehicle_);
@@ -162,34 +162,35 @@ Scene ShotSource::load(std::size_t sequence) {
                                           .add = changes_.add});
   if (!own.moving) standStill(scene, 0);
   scene.placeable = changes_.placeable;
-  findDrives(own, scene);  // must precede takeOut(), so that random paths do not depend on which objects are removed
+  findTrajectories(own,
+                   scene);  // must precede takeOut(), so that random paths do not depend on which objects are removed
   takeOut(scene, own.without);
   return scene;
 }
 
-void ShotSource::findDrives(const Sequence& sequence, const Scene& scene) {
+void ShotSource::findTrajectories(const Sequence& sequence, const Scene& scene) {
   std::optional<SceneProbe> probe;
   for (std::size_t s = 0; s < pipeline_.sequences.size(); ++s) {
     const Sequence& other = pipeline_.sequences[s];
     if (!other.sameScene(sequence) || !needsScene(*other.trajectory)) continue;
     {
       const std::scoped_lock lock(mutex_);
-      if (drives_.contains(s)) continue;
+      if (trajectories_.contains(s)) continue;
     }
     if (!probe) probe.emplace(scene);
     auto found = std::make_shared<const Trajectory>(inScene(*other.trajectory, *probe, other.sceneSeed));
     const std::scoped_lock lock(mutex_);
-    drives_.try_emplace(s, std::move(found));
+    trajectories_.try_emplace(s, std::move(found));
   }
 }
 
-std::shared_ptr<const Trajectory> ShotSource::drive(std::size_t sequence) {
+std::shared_ptr<const Trajectory> ShotSource::trajectory(std::size_t sequence) {
   const Sequence& own = pipeline_.sequences[sequence];
   if (!needsScene(*own.trajectory)) return own.trajectory;
   const auto find = [&] {
     const std::scoped_lock lock(mutex_);
-    const auto known = drives_.find(sequence);
-    return known == drives_.end() ? nullptr : known->second;
+    const auto known = trajectories_.find(sequence);
+    return known == trajectories_.end() ? nullptr : known->second;
   };
   if (auto known = find()) return known;
   load(sequence);
@@ -218,7 +219,7 @@ std::shared_ptr<const FrameSettings> ShotSource::settings(std::size_t sequence, 
   SensorDraw drawn = sensors.draw(pipeline_, sequence, frame);
   const VehicleHits vehicles = !sensors.drawsMounts() ? vehicleHits_
                                : known != nullptr     ? hitsOf(*known)  // mounts are the same in all frames
-                                                      : traceOwnVehicle(drawn.mounts);
+                                                      : traceEgoVehicle(drawn.mounts);
   auto settings = std::make_shared<const FrameSettings>(settingsOf(pipeline_, vehicles, std::move(drawn)));
   const std::scoped_lock lock(mutex_);
   std::erase_if(drawn_, isOwn);
@@ -257,7 +258,7 @@ Frame ShotSource::shotsOf(std::size_t sequence, std::uint32_t number, bool allRe
   const Sequence& own = pipeline_.sequences[sequence];
   const bool recorded = pipeline_.recording != nullptr;
   const std::string sample = own.key(number);
-  const std::shared_ptr<const Trajectory> driven = recorded ? nullptr : drive(sequence);
+  const std::shared_ptr<const Trajectory> driven = recorded ? nullptr : trajectory(sequence);
   Frame frame{settings(sequence, number), recorded ? 0 : driven->frameTime(number), {}};
   for (std::size_t s = 0; s < plan_.sensors.size(); ++s) {
     const double period = pipeline_.sensors[s].period;

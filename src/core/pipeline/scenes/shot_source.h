@@ -87,7 +87,7 @@ class ShotSource {
   // Returns the trajectory of a sequence, on its random path and on the ground if the trajectory asks for these. If the
   // trajectory needs the scene and load() has not been called for the sequence, loads the scene. Must not be called for
   // recordings, which have no trajectories.
-  std::shared_ptr<const Trajectory> drive(std::size_t sequence);
+  std::shared_ptr<const Trajectory> trajectory(std::size_t sequence);
 
   // Returns the mounts and effects of the sensors in the first frame of the first sequence. If nothing is random, they
   // apply to all frames.
@@ -97,7 +97,7 @@ class ShotSource {
   std::shared_ptr<const FrameSettings> settings(std::size_t sequence, std::uint32_t frame);
   // Return the settings and the shots of a frame: sample() those of the dataset's sample, all revolutions of each
   // sensor that belong to the frame (see Sequence::revolutions()), in the order of the sensors; frame() one for each
-  // sensor, which begins with the frame. Throw InputError for the same reasons as settings() and drive().
+  // sensor, which begins with the frame. Throw InputError for the same reasons as settings() and trajectory().
   Frame sample(std::size_t sequence, std::uint32_t number);
   Frame frame(std::size_t sequence, std::uint32_t number);
 
@@ -111,8 +111,8 @@ class ShotSource {
   Scene recordedScene(std::size_t sequence) const;
   Shot recordedShot(const std::string& sample, std::uint32_t frame, std::size_t sensor) const;
   Frame shotsOf(std::size_t sequence, std::uint32_t number, bool allRevolutions);
-  VehicleHits traceOwnVehicle(const std::vector<Pose>& mounts) const;
-  void findDrives(const Sequence& sequence, const Scene& scene);
+  VehicleHits traceEgoVehicle(const std::vector<Pose>& mounts) const;
+  void findTrajectories(const Sequence& sequence, const Scene& scene);
 
   const Plan& plan_;
   const Pipeline& pipeline_;
@@ -126,7 +126,7 @@ class ShotSource {
   // first.
   std::list<std::pair<std::size_t, std::shared_ptr<const FrameSettings>>> drawn_;
   // Trajectories that depend on scenes, by index of their sequence.
-  std::map<std::size_t, std::shared_ptr<const Trajectory>> drives_;
+  std::map<std::size_t, std::shared_ptr<const Trajectory>> trajectories_;
 };
 
 }  // namespace scanmill

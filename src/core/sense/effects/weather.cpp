@@ -147,9 +147,9 @@ std::vector<float> openRanges(const Hits& hits, const BeamTable& beams, const Re
     float& range = open[returns.beam(row)];
     if (returns.returned(row)) range = std::min(range, returns.range[row]);
   }
-  // A beam that the own vehicle blocks nearer than the sensor's minimum range has no hit; its range is 0.
+  // A beam that the ego vehicle blocks nearer than the sensor's minimum range has no hit; its range is 0.
   for (std::size_t ray = 0; ray < hits.pathOfRay.size(); ++ray) {
-    if (hits.pathOfRay[ray] != RayPath::OwnVehicle || hits.hit(ray)) continue;
+    if (hits.pathOfRay[ray] != RayPath::EgoVehicle || hits.hit(ray)) continue;
     open[hits.beamOfRay.empty() ? ray : hits.beamOfRay[ray]] = 0;
   }
   return open;

@@ -72,7 +72,7 @@ inline constexpr auto kPatchFeatures = std::to_array<PatchFeature>({
      "logarithm of the mean intensity of 5 neighbours over that of the rings above and below",
      "effects ring_bias (gain_sigma)"},
     {"missing", "missing beams", "%", 100, true, "share of the 5 x 9 beams without a return",
-     "windows (light_paths), dark and wet materials (detection), the own vehicle, gaps in the scene; single ones: "
+     "windows (light_paths), dark and wet materials (detection), the ego vehicle, gaps in the scene; single ones: "
      "dropout"},
     {"single_missing", "single missing beams", "%", 100, true,
      "share of the 7 beams around in the ring that are missing between two returns at one range",

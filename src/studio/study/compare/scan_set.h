@@ -33,12 +33,12 @@ inline constexpr auto kSetFigures = std::to_array<SetFigure>({
      "the scene's openness; detection, dropout, light_paths; the sensor's mount"},
     {"missing_below", "missing below the horizon", "%", 100,
      "beams more than 1 deg below the horizon that have no return",
-     "where in runs: windows (light_paths), dark and wet materials (detection), the own vehicle, holes in the scene; "
+     "where in runs: windows (light_paths), dark and wet materials (detection), the ego vehicle, holes in the scene; "
      "where single: dropout"},
     {"missing_in_runs", "of these in runs", "%", 100, "in runs of more than 10 neighbours in a ring",
-     "materials (windows, dark paint), the own vehicle, holes in the scene: not dropout, whose beams are single"},
+     "materials (windows, dark paint), the ego vehicle, holes in the scene: not dropout, whose beams are single"},
     {"missing_single", "of these single", "%", 100, "between two returns", "dropout (probability), detection (noise)"},
-    {"near", "points within 5 m", "%", 100, "of all points", "the sensor's mount, the own vehicle, narrow streets"},
+    {"near", "points within 5 m", "%", 100, "of all points", "the sensor's mount, the ego vehicle, narrow streets"},
     {"median_range", "median range", "m", 1, "of all points", "how near the scene's things stand; the sensor's mount"},
     {"ground_slope", "slope of the ground", "%", 100,
      "of the plane through the ground within 40 m (what lies within 0.5 m of the lowest points), mean over scans",

@@ -47,7 +47,7 @@ struct ViewFrame {
   std::vector<std::string> problems;       // one line for each part of the frame that could not be loaded
   std::vector<ObjectRecord> objects{};     // the sample's list of objects; empty if the dataset has no such lists
   double objectTime = 0;                   // time of ObjectRecord::worldFromBox (s since the start of the sequence)
-  std::optional<Pose> worldFromVehicle{};  // pose of the own vehicle; absent if it was not modelled or is unknown
+  std::optional<Pose> worldFromVehicle{};  // pose of the ego vehicle; absent if it was not modelled or is unknown
 };
 
 struct SceneChoice {
@@ -97,7 +97,7 @@ class FrameSource {
   // Returns the scene in which the frame was scanned. If the scene is unknown or its file is missing, returns nothing,
   // and `why` receives the reason.
   virtual std::optional<SceneChoice> scene(std::size_t /*frame*/, std::string& /*why*/) const { return {}; }
-  // Returns the scene file of the own vehicle; nothing if there is none, or if the file is missing.
+  // Returns the scene file of the ego vehicle; nothing if there is none, or if the file is missing.
   virtual std::optional<std::filesystem::path> vehicle() const { return {}; }
   // Returns the ids of all classes that occur in the frames, ascending; empty if this is unknown.
   virtual std::vector<std::uint16_t> classes() const { return {}; }
@@ -119,7 +119,7 @@ std::size_t findFrame(const FrameSource& source, const std::string& wanted);
 std::optional<SceneChoice> sceneOf(const SequenceRecord* sequence, const std::filesystem::path& datasetFolder,
                                    double time, std::string& why);
 
-// Returns the scene file of a dataset's own vehicle; nothing if there is none, or if it is not found.
+// Returns the scene file of a dataset's ego vehicle; nothing if there is none, or if it is not found.
 std::optional<std::filesystem::path> vehicleOf(const Manifest& manifest, const std::filesystem::path& datasetFolder);
 
 // Throws InputError if the file is not a scene.

@@ -76,7 +76,7 @@ struct SceneView {
   // Adds the mesh to the canvas, or removes it if meshSeen() is false.
   void placeMesh();
   void placeMeshLook();
-  // Draws the own vehicle where it is, if the dataset has one and the axes are on.
+  // Draws the ego vehicle where it is, if the dataset has one and the axes are on.
   void placeVehicle();
   void applyFilter();
   void chooseMeshColor(MeshColor by);
@@ -123,7 +123,7 @@ struct SceneView {
   bool framed_ = false;  // true: the camera has been fitted to the first frame or the scene's mesh, which happens once
   std::optional<std::pair<const ViewFrame*, std::size_t>> instancesOf_;  // frame and scan of the cached `instances_`
   std::vector<InstanceSummary> instances_;
-  std::optional<ViewMesh> vehicle_;    // mesh of the own vehicle, once it has been loaded
+  std::optional<ViewMesh> vehicle_;    // mesh of the ego vehicle, once it has been loaded
   std::set<std::uint16_t> roadUsers_;  // classes of road users in the source's ontology
 };
 

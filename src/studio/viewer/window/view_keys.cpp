@@ -47,7 +47,7 @@ std::vector<ViewCommand> listCommands() {
       {"Show", {A::Switch, 0, &ViewOptions::trajectory}, "trajectory", {"t"}},
       {"Show",
        {A::Switch, 0, &ViewOptions::axes},
-       "axes of the sensors (x red, y green, z blue), and the own vehicle",
+       "axes of the sensors (x red, y green, z blue), and the ego vehicle",
        {"a"}},
       {"Show", {A::Switch, 0, &ViewOptions::rangeRings}, "range rings on the ground", {"r"}},
       {"Show", {A::Switch, 0, &ViewOptions::depthEdges}, "dark depth edges", {"e"}},

@@ -27,7 +27,7 @@ TEST(RayTracing, PlaneFollowsItsClosedFormToGrazingIncidence) {
   }
 }
 
-// Rays that end where the own vehicle blocks them have all hits before that, and none far behind it.
+// Rays that end where the ego vehicle blocks them have all hits before that, and none far behind it.
 TEST(RayTracing, BlockedRaysKeepWhatIsBeforeTheVehicle) {
   const Scene scene = yard();
   const auto method = rayTracing(scene);

@@ -62,9 +62,9 @@ TEST(Shipped, Quickstart) {
   const auto share = [&](Reason reason) {
     return static_cast<double>(beams[static_cast<std::uint8_t>(reason)]) / static_cast<double>(summary.beams);
   };
-  // Real scans of such a sensor: 87 to 89 % of the beams return, and the own vehicle hides a third of the lowest rings.
+  // Real scans of such a sensor: 87 to 89 % of the beams return, and the ego vehicle hides a third of the lowest rings.
   EXPECT_NEAR(static_cast<double>(summary.points) / static_cast<double>(summary.beams), 0.88, 0.06);
-  EXPECT_GT(share(Reason::OwnVehicle) + share(Reason::BlockedByVehicle), 0.03);
+  EXPECT_GT(share(Reason::EgoVehicle) + share(Reason::BlockedByVehicle), 0.03);
   EXPECT_GT(share(Reason::ThroughGlass), 0.005);
   EXPECT_GT(share(Reason::TooFaint), 0.001);
   EXPECT_LT(share(Reason::FalsePositive), 0.001);

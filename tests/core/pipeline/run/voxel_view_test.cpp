@@ -242,10 +242,10 @@ TEST(VoxelView, BehindGlassABeamGoesOnAndOffMirrorsNot) {
               UnorderedElementsAre(kCube.index(8, 8, 8), kCube.index(9, 8, 8), kCube.index(10, 8, 8)));
 }
 
-TEST(VoxelView, WhatTheOwnVehicleBlocksAndWhatIsNotKnownIsNotSeen) {
+TEST(VoxelView, WhatTheEgoVehicleBlocksAndWhatIsNotKnownIsNotSeen) {
   const Shot shot = shotAt(beamsOf({{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, 0.5, 100));
   Hits hits = hitsAt({kMiss, kMiss, 0.6f});
-  hits.pathOfRay = {RayPath::OwnVehicle, RayPath::Direct, RayPath::OwnVehicle};
+  hits.pathOfRay = {RayPath::EgoVehicle, RayPath::Direct, RayPath::EgoVehicle};
   hits.unresolved = {1};
   EXPECT_THAT(seenBy(shot, hits), UnorderedElementsAre(kCube.index(8, 8, 8), kCube.index(8, 8, 9)));
 }

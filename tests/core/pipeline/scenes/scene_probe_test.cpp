@@ -17,14 +17,14 @@ class SceneGrounds : public testing::Test {
 
 TEST_F(SceneGrounds, ProbesMeetWhatIsFirstAndAllThatIsBehind) {
   const SceneProbe::Ray down{{20, -40, 20}, {0, 0, -1}};
-  const auto met = probe_.first(down, 100);
-  ASSERT_TRUE(met.has_value());
-  EXPECT_NEAR(met->distance, 14, 1e-5);
-  EXPECT_NEAR(met->place.z, 6, 1e-5);
-  EXPECT_NEAR(met->normal.z, 1, 1e-6);
+  const auto hit = probe_.first(down, 100);
+  ASSERT_TRUE(hit.has_value());
+  EXPECT_NEAR(hit->distance, 14, 1e-5);
+  EXPECT_NEAR(hit->position.z, 6, 1e-5);
+  EXPECT_NEAR(hit->normal.z, 1, 1e-6);
   EXPECT_FALSE(probe_.first(down, 13.9).has_value());
   std::vector<double> heights;
-  for (const SceneProbe::Met& m : probe_.all(down, 100)) heights.push_back(m.place.z);
+  for (const SceneProbe::Hit& m : probe_.all(down, 100)) heights.push_back(m.position.z);
   EXPECT_THAT(heights, testing::Pointwise(testing::DoubleNear(1e-5), {6.0, 5.5, 0.0, -0.1}));
 }
 
@@ -48,9 +48,9 @@ TEST_F(SceneGrounds, FarRaysMeetWhatNearOnesMeet) {
   const SceneProbe::Ray down{{20, -40, 20}, {0, 0, -1}};
   const auto near = probe_.all(down, 100);
   for (const double far : {1e3, 1e5}) {
-    const auto met = probe_.all({down.from + Vec3d{0, 0, far}, down.direction}, 1e6);
-    ASSERT_EQ(met.size(), near.size());
-    for (std::size_t i = 0; i < met.size(); ++i) EXPECT_NEAR(met[i].distance - far, near[i].distance, 1e-7 * far);
+    const auto hit = probe_.all({down.from + Vec3d{0, 0, far}, down.direction}, 1e6);
+    ASSERT_EQ(hit.size(), near.size());
+    for (std::size_t i = 0; i < hit.size(); ++i) EXPECT_NEAR(hit[i].distance - far, near[i].distance, 1e-7 * far);
   }
   EXPECT_FALSE(probe_.first(SceneProbe::Ray{{20, -40, 1e5}, {0, 0, 1}}, 1e6).has_value());
   EXPECT_FALSE(probe_.first(SceneProbe::Ray{{1e5, -40, 20}, {0, 0, -1}}, 1e6).has_value());

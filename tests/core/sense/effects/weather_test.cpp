@@ -212,10 +212,10 @@ TEST(WeatherEffect, AShareOfTheGroundLiesUnderWater) {
   for (const float gain : run(world, {"weather: {kind: rain, rate_mm_h: 0.01, least: 1}"}).gain) EXPECT_GT(gain, 0.99f);
 }
 
-TEST(WeatherEffect, BeamsThatTheOwnVehicleBlocksStayEmpty) {
+TEST(WeatherEffect, BeamsThatTheEgoVehicleBlocksStayEmpty) {
   World world = sky();
   world.hits.pathOfRay.assign(world.hits.size(), RayPath::Direct);
-  for (std::size_t beam = 0; beam < world.hits.size(); beam += 2) world.hits.pathOfRay[beam] = RayPath::OwnVehicle;
+  for (std::size_t beam = 0; beam < world.hits.size(); beam += 2) world.hits.pathOfRay[beam] = RayPath::EgoVehicle;
   const Returns returns = run(world, {"weather: {kind: snow, severity: heavy}"});
   ASSERT_GT(particles(returns).size(), 1000u);
   for (const std::uint32_t row : particles(returns)) EXPECT_EQ(returns.beam(row) % 2, 1u);

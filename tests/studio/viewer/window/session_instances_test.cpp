@@ -290,7 +290,7 @@ TEST(SessionBoxes, FollowKeysAndFilters) {
   EXPECT_EQ(boxes(alone).colors.size(), kEdges);
 }
 
-// The own vehicle stands below its sensor as long as axes are on.
+// The ego vehicle stands below its sensor as long as axes are on.
 TEST(SessionVehicle, IsDrawnWhereItIs) {
   const auto frames = std::make_shared<FakeFrames>(2);
   frames->vehicleFile = std::filesystem::path(SCANMILL_SOURCE_DIR) / "scenes/vehicle.yaml";

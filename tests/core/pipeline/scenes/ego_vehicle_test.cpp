@@ -1,4 +1,4 @@
-#include "pipeline/scenes/own_vehicle.h"
+#include "pipeline/scenes/ego_vehicle.h"
 
 #include <set>
 
@@ -13,9 +13,9 @@ namespace {
 constexpr ColumnKey<columnIndex("elevation")> kElevation;
 
 // A roof 0.3 m below the sensor, 2 m long and 1.6 m wide, and far behind it a trailer.
-class OwnVehicle : public Yard {
+class EgoVehicle : public Yard {
  protected:
-  OwnVehicle() {
+  EgoVehicle() {
     folder_.write("scenes/roof.yaml", fmt::format(R"(ontology: {0}/labels/scanmill.yaml
 materials: {0}/labels/materials.yaml
 objects:
@@ -32,7 +32,7 @@ objects:
 };
 
 // `returns: drop` leaves out the returns of the vehicle, and nothing else.
-TEST_F(OwnVehicle, DroppedReturns) {
+TEST_F(EgoVehicle, DroppedReturns) {
   sound(with({"effects=[intensity]"}), "kept");
   std::vector<std::string> dropping = with({"effects=[intensity]"});
   dropping.emplace_back("vehicle={scene: scenes/roof.yaml, returns: drop}");
@@ -43,7 +43,7 @@ TEST_F(OwnVehicle, DroppedReturns) {
     const auto rows = rowsByBeam(dropped[s]);
     std::size_t others = 0;
     for (std::size_t i = 0; i < kept[s].size(); ++i) {
-      const bool roof = kept[s][kCause][i] == static_cast<std::uint8_t>(Reason::OwnVehicle);
+      const bool roof = kept[s][kCause][i] == static_cast<std::uint8_t>(Reason::EgoVehicle);
       const auto row = rows.find({kept[s][kRing][i], kept[s][kColumn][i]});
       EXPECT_EQ(row == rows.end(), roof);
       if (roof || row == rows.end()) continue;
@@ -56,7 +56,7 @@ TEST_F(OwnVehicle, DroppedReturns) {
 }
 
 // Where a beam is steep enough, it ends on the roof at 0.3 m over the sine of its angle; all other points stay.
-TEST_F(OwnVehicle, BlocksAndReturns) {
+TEST_F(EgoVehicle, BlocksAndReturns) {
   for (const std::string motion : {"none", "per_column"}) {
     sound(with({"motion=" + motion, "effects=[intensity]"}), "with" + motion);
     sound({"motion=" + motion, "effects=[intensity]"}, "without" + motion);
@@ -67,7 +67,7 @@ TEST_F(OwnVehicle, BlocksAndReturns) {
       const auto rows = rowsByBeam(open[s]);
       for (std::size_t i = 0; i < blocked[s].size(); ++i) {
         const Scan& scan = blocked[s];
-        if (scan[kCause][i] == static_cast<std::uint8_t>(Reason::OwnVehicle)) {
+        if (scan[kCause][i] == static_cast<std::uint8_t>(Reason::EgoVehicle)) {
           ++roof;
           EXPECT_NEAR(scan[kRangeTrue][i], 0.3 / std::sin(-double{scan[kElevation][i]}), 1e-5);
           EXPECT_EQ(scan[kInstance][i], 0u);
@@ -86,7 +86,7 @@ TEST_F(OwnVehicle, BlocksAndReturns) {
 }
 
 // The beams of a rosette differ from revolution to revolution, and so do those that end on the roof.
-TEST_F(OwnVehicle, IsSeenByARosette) {
+TEST_F(EgoVehicle, IsSeenByARosette) {
   const std::string rosette =
       "sensors=[{name: top, rosette: {field_deg: 80, turns_hz: [121, -77.7]}, columns: 2000, rate_hz: 10, "
       "range_m: [0.1, 100], mount: {position: [0, 0, 1.8], pitch_deg: 50}}]";
@@ -115,7 +115,7 @@ TEST_F(OwnVehicle, IsSeenByARosette) {
   EXPECT_EQ(blocked.size(), 4u);
 }
 
-TEST_F(OwnVehicle, IsWarnedOfWhereASensorSeesNothingElse) {
+TEST_F(EgoVehicle, IsWarnedOfWhereASensorSeesNothingElse) {
   const auto warnings = [&](const std::string& sensors) {
     const Plan plan = planOf(with({"effects=[]", "sensors=[" + sensors + "]"}));
     return vehicleWarnings(plan.pipeline, ShotSource(plan).blockedShares());
@@ -128,7 +128,7 @@ TEST_F(OwnVehicle, IsWarnedOfWhereASensorSeesNothingElse) {
 }
 
 // What is nearer than the sensor reports is a gap, not a point.
-TEST_F(OwnVehicle, LeavesGapsWhereItIsTooNear) {
+TEST_F(EgoVehicle, LeavesGapsWhereItIsTooNear) {
   const std::string blind = std::string(kTop).replace(kTop.find("[0.5, 100]"), 10, "[2.5, 100]");
   sound(with({"sensors=[" + blind + "]"}), "with");
   sound({"sensors=[" + blind + "]"}, "without");
@@ -141,7 +141,7 @@ TEST_F(OwnVehicle, LeavesGapsWhereItIsTooNear) {
   EXPECT_GT(lost, 200u);
 }
 
-TEST_F(OwnVehicle, BlocksTheRaysOfFootprintsAndBehindGlass) {
+TEST_F(EgoVehicle, BlocksTheRaysOfFootprintsAndBehindGlass) {
   const std::string wide = std::string(kTop).insert(1, "divergence_mrad: 20, pulse_ns: 5, ");
   sound(with({"sensors=[" + wide + "]", "effects=[intensity, footprint: {rays: 19}, light_paths: {}]"}));
   std::size_t roof = 0;
@@ -151,7 +151,7 @@ TEST_F(OwnVehicle, BlocksTheRaysOfFootprintsAndBehindGlass) {
   EXPECT_GT(roof, 200u);
 }
 
-TEST_F(OwnVehicle, IsPlannedAndRefusedWhereItMeansNothing) {
+TEST_F(EgoVehicle, IsPlannedAndRefusedWhereItMeansNothing) {
   const Plan planned = planOf(with());
   const auto lines = linesOf(modelled(planned, ShotSource(planned).blockedShares()));
   EXPECT_THAT(lines, Contains(HasSubstr("own vehicle: roof.yaml, blocks")));

@@ -1,6 +1,7 @@
 #pragma once
 
-// The ego vehicle ("own vehicle" in messages), which carries the sensors and blocks some of their beams.
+// The ego vehicle ("own vehicle" in manifests and among causes), which carries the sensors and blocks some of their
+// beams.
 
 #include <cstdint>
 #include <functional>
@@ -32,8 +33,8 @@ struct BlockedRays {
 BlockedRays traceVehicle(const Method& vehicle, const BeamTable& rays, const Pose& vehicleFromSensor);
 
 // Replaces each hit behind the vehicle, and each miss of a ray that hits the vehicle, by the hit on the vehicle, with
-// path OwnVehicle, no instance, no material and a matt surface. If this hit is nearer than the sensor's minimum range
-// `minRange` (m), or if `vehicle.dropped` is true, it becomes a miss with path OwnVehicle. `vehicle` and `hits` must
+// path EgoVehicle, no instance, no material and a matt surface. If this hit is nearer than the sensor's minimum range
+// `minRange` (m), or if `vehicle.dropped` is true, it becomes a miss with path EgoVehicle. `vehicle` and `hits` must
 // have the same rays.
 void blockByVehicle(const BlockedRays& vehicle, double minRange, Hits& hits);
 

@@ -1,4 +1,4 @@
-#include "pipeline/scenes/own_vehicle.h"
+#include "pipeline/scenes/ego_vehicle.h"
 
 #include <algorithm>
 #include <memory>
@@ -70,7 +70,7 @@ void blockByVehicle(const BlockedRays& vehicle, double minRange, Hits& hits) {
     if (range > hits.range[ray]) continue;
     const bool reported = !vehicle.dropped && range >= minRange;
     hits.range[ray] = reported ? range : kMiss;
-    hits.pathOfRay[ray] = RayPath::OwnVehicle;
+    hits.pathOfRay[ray] = RayPath::EgoVehicle;
     forEachChannel([&](const ChannelRow& row, auto member) {
       auto& column = hits.*member;
       using Of = typename std::remove_reference_t<decltype(column)>::value_type;
@@ -83,7 +83,7 @@ void blockByVehicle(const BlockedRays& vehicle, double minRange, Hits& hits) {
     if (!hits.retroreflectance.empty()) hits.retroreflectance[ray] = 0;
   }
   // Rays that the vehicle blocks no longer count as unresolved.
-  std::erase_if(hits.unresolved, [&](std::uint32_t ray) { return hits.pathOfRay[ray] == RayPath::OwnVehicle; });
+  std::erase_if(hits.unresolved, [&](std::uint32_t ray) { return hits.pathOfRay[ray] == RayPath::EgoVehicle; });
 }
 
 }  // namespace scanmill
