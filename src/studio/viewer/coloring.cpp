@@ -40,35 +40,41 @@ ColorBy defaultFor(const Scan& scan) {
   return scan[kIntensity].empty() ? kByRange : kByIntensity;
 }
 
-// Colours points by ids. Only finite points are counted.
-std::map<std::uint32_t, ColorOfId> paintPoints(const Scan& scan, const auto& idOf, const auto& colorOf,
-                                               std::vector<Rgb>& colors) {
-  return paint(
-      scan.size(), idOf, colorOf, [&](std::size_t i) { return isFinite(scan.position[i]); }, colors);
+// True if the legend counts the point.
+bool isCounted(const Scan& scan, const ColorContext& context, std::size_t point) {
+  const Vec3f& position = scan.position[point];
+  return isFinite(position) && (!context.closeUp || context.closeUp->holds(Vec3d(position)));
 }
 
-Coloring byClass(const Scan& scan, const Ontology* ontology) {
+// Colours points by ids. Returns the ids of the points that the legend counts.
+std::map<std::uint32_t, ColorOfId> paintPoints(const Scan& scan, const ColorContext& context, const auto& idOf,
+                                               const auto& colorOf, std::vector<Rgb>& colors) {
+  return paint(
+      scan.size(), idOf, colorOf, [&](std::size_t i) { return isCounted(scan, context, i); }, colors);
+}
+
+Coloring byClass(const Scan& scan, const ColorContext& context) {
   Coloring out;
-  const auto color = [&](std::uint32_t id) { return classColor(ontology, static_cast<std::uint16_t>(id)); };
+  const auto color = [&](std::uint32_t id) { return classColor(context.ontology, static_cast<std::uint16_t>(id)); };
   const auto id = [&](std::size_t i) { return scan[kLabel][i]; };
-  out.legend = classLegend(paintPoints(scan, id, color, out.colors), ontology);
+  out.legend = classLegend(paintPoints(scan, context, id, color, out.colors), context.ontology);
   return out;
 }
 
-Coloring byInstance(const Scan& scan) {
+Coloring byInstance(const Scan& scan, const ColorContext& context) {
   Coloring out;
   const auto id = [&](std::size_t i) { return scan[kInstance][i]; };
-  out.legend = instanceLegend(paintPoints(scan, id, instanceColor, out.colors));
+  out.legend = instanceLegend(paintPoints(scan, context, id, instanceColor, out.colors));
   return out;
 }
 
 // Colours points by cause. Causes are categories without an order, so each has a separate colour.
-Coloring byCause(const Scan& scan) {
+Coloring byCause(const Scan& scan, const ColorContext& context) {
   Coloring out{{}, {.title = std::string(kCause.row.name)}};
   const auto cause = [&](std::size_t i) { return scan[kCause][i]; };
   const auto reason = [](std::uint32_t of) { return findReason(static_cast<std::uint8_t>(of)); };
   const auto color = [&](std::uint32_t of) { return reason(of) == nullptr ? kNoValue : Rgb(reason(of)->color); };
-  for (const auto& [of, held] : paintPoints(scan, cause, color, out.colors)) {
+  for (const auto& [of, held] : paintPoints(scan, context, cause, color, out.colors)) {
     const ReasonEntry* const known = reason(of);
     const std::string name = known == nullptr ? fmt::format("cause {}", of) : std::string(known->name);
     out.legend.entries.push_back({name, held.color, -1, held.count});
@@ -77,7 +83,7 @@ Coloring byCause(const Scan& scan) {
 }
 
 // Colours points by return number. There are few numbers, so each has a separate colour.
-Coloring byReturn(const Scan& scan) {
+Coloring byReturn(const Scan& scan, const ColorContext& context) {
   constexpr double kFirstReturn = 0.7;  // position of the first return's colour on the colour map
   const bool single = scan[kReturn].empty() && scan.planes == 1;
   const auto number = [&](std::size_t i) {
@@ -85,7 +91,7 @@ Coloring byReturn(const Scan& scan) {
   };
   const auto color = [&](std::uint32_t of) { return of == 1 ? viridis(kFirstReturn) : instanceColor(of); };
   Coloring out{{}, {.title = "return"}};
-  for (const auto& [of, held] : paintPoints(scan, number, color, out.colors)) {
+  for (const auto& [of, held] : paintPoints(scan, context, number, color, out.colors)) {
     const std::string name = single    ? "first return (the only one)"
                              : of == 0 ? "not known"
                                        : fmt::format("return {}", of);
@@ -112,9 +118,10 @@ struct Scale {
 constexpr double kClipped = 0.01;
 constexpr std::size_t kMostSorted = 1'000'000;  // maximum number of values from which percentiles are computed
 
-// Colours points by a number. at(i) returns the value of point i. `given`: ends of the scale that the user has chosen;
-// absent: see `scale`.
-Coloring byNumber(const Scan& scan, const Scale& scale, const std::optional<ScaleRange>& given, const auto& at) {
+// Colours points by a number. at(i) returns the value of point i. If the context has no ends of the scale, `scale`
+// states how they follow from the values.
+Coloring byNumber(const Scan& scan, const Scale& scale, const ColorContext& context, const auto& at) {
+  const std::optional<ScaleRange>& given = context.scale;
   Coloring out{{}, {.title = scale.title, .scale = true, .power = scale.power}};
   out.legend.integers = scale.integers;
   out.legend.held = given.has_value();
@@ -137,7 +144,7 @@ Coloring byNumber(const Scan& scan, const Scale& scale, const std::optional<Scal
       const double value = at(i);
       const double share = span > 0 ? std::clamp((value - out.legend.low) / span, 0.0, 1.0) : 0.5;
       out.colors[i] = std::isfinite(value) ? viridis(std::pow(share, 1 / scale.power)) : kNoValue;
-      if (!std::isfinite(value) && isFinite(scan.position[i])) ++missing;
+      if (!std::isfinite(value) && isCounted(scan, context, i)) ++missing;
     }
     unknown += missing;
   });
@@ -155,7 +162,7 @@ Coloring byError(const Scan& scan, const ColorContext& context) {
     if (context.error.size() != scan.size()) {
       throw Error(fmt::format("{} errors for the {} points of a scan", context.error.size(), scan.size()));
     }
-    Coloring out = byNumber(scan, scale, context.scale, [&](std::size_t i) { return context.error[i]; });
+    Coloring out = byNumber(scan, scale, context, [&](std::size_t i) { return context.error[i]; });
     out.legend.whyUnknown = context.whyNoError;
     return out;
   }
@@ -165,13 +172,13 @@ Coloring byError(const Scan& scan, const ColorContext& context) {
                     "pipeline, or give the noise-free reference; the scan has {}",
                     fmt::join(columnNames(scan), ", ")));
   }
-  return byNumber(scan, scale, context.scale,
+  return byNumber(scan, scale, context,
                   [&](std::size_t i) { return std::abs(distanceOf(scan, i) - scan[kRangeTrue][i]); });
 }
 
 Coloring byColumn(const Scan& scan, const Column& column, const ColorContext& context) {
-  if (column.display.colors == ColumnColors::Classes) return byClass(scan, context.ontology);
-  if (column.display.colors == ColumnColors::Instances) return byInstance(scan);
+  if (column.display.colors == ColumnColors::Classes) return byClass(scan, context);
+  if (column.display.colors == ColumnColors::Instances) return byInstance(scan, context);
   const ColumnDisplay& display = column.display;
   Scale scale{withUnit(ColorBy::titleOf(column), display.unit), display.scaleClipped, display.scalePower};
   scale.integers = column.type != ColumnType::Float32;
@@ -182,8 +189,8 @@ Coloring byColumn(const Scan& scan, const Column& column, const ColorContext& co
   Coloring out;
   visitTable(scan, [&](auto key, const auto& values) {
     if (key.row.name != column.name) return;
-    out = byNumber(scan, scale, context.scale,
-                   [&](std::size_t i) { return static_cast<double>(values[i]) * display.factor; });
+    out =
+        byNumber(scan, scale, context, [&](std::size_t i) { return static_cast<double>(values[i]) * display.factor; });
   });
   return out;
 }
@@ -192,7 +199,7 @@ Coloring byForeign(const Scan& scan, const ForeignColumn& column, const ColorCon
   return std::visit(
       [&]<class T>(const std::vector<T>& values) {
         const Scale scale{.title = column.name, .clipped = kClipped, .integers = std::is_integral_v<T>};
-        return byNumber(scan, scale, context.scale, [&](std::size_t i) { return static_cast<double>(values[i]); });
+        return byNumber(scan, scale, context, [&](std::size_t i) { return static_cast<double>(values[i]); });
       },
       column.values);
 }
@@ -239,16 +246,15 @@ bool hasColor(const Scan& scan, const ColorBy& by, bool errorKnown) {
 Coloring colorScan(const Scan& scan, const std::optional<ColorBy>& colorBy, const ColorContext& context) {
   const ColorBy by = colorBy.value_or(defaultFor(scan));
   if (by == kByRange) {
-    return byNumber(scan, {"range (m)", kClipped, 2}, context.scale,
-                    [&](std::size_t i) { return distanceOf(scan, i); });
+    return byNumber(scan, {"range (m)", kClipped, 2}, context, [&](std::size_t i) { return distanceOf(scan, i); });
   }
   if (by == kByHeight) {
-    return byNumber(scan, {"height above the sensor (m)", kClipped}, context.scale,
+    return byNumber(scan, {"height above the sensor (m)", kClipped}, context,
                     [&](std::size_t i) { return scan.position[i].z; });
   }
   if (by == kByError) return byError(scan, context);
-  if (by == kByReturn) return byReturn(scan);
-  if (by == kByCause && !scan[kCause].empty()) return byCause(scan);
+  if (by == kByReturn) return byReturn(scan, context);
+  if (by == kByCause && !scan[kCause].empty()) return byCause(scan, context);
   if (const Column* const column = by.column()) {
     if (!holds(scan, *column) && scan.size() > 0) failForColumn(scan, by, column->name);
     return byColumn(scan, *column, context);

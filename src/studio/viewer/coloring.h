@@ -17,6 +17,7 @@
 #include "scene/ontology.h"
 #include "viewer/color_map.h"
 #include "viewer/image.h"
+#include "viewer/view_camera.h"
 
 namespace scanmill {
 
@@ -105,6 +106,7 @@ struct ColorContext {
   std::string errorTitle{};
   std::string whyNoError{};           // what an unknown error means, such as "no partner in the reference"
   std::optional<ScaleRange> scale{};  // ends of the scale that the user has chosen; absent: computed from the values
+  std::optional<CloseUp> closeUp{};   // the legend counts only points in this ball; absent: it counts all points
 };
 
 // Colours the points of a scan by `colorBy`. If it is absent, colours by class, otherwise by intensity, otherwise by

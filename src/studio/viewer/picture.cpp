@@ -18,8 +18,10 @@ namespace scanmill {
 
 namespace {
 
-// Colours that are used after the colours of methods, from Okabe and Ito's palette ("Color universal design", 2008).
-constexpr Rgb kMoreColors[] = {{0, 158, 115}, {204, 121, 167}, {240, 228, 66}};
+// Colours that are used after the colours of methods: three of Okabe and Ito's palette ("Color universal design",
+// 2008), then white, cyan, brown and violet.
+constexpr Rgb kMoreColors[] = {{0, 158, 115}, {204, 121, 167}, {240, 228, 66}, {240, 242, 246},
+                               {0, 220, 230}, {166, 118, 60},  {150, 100, 255}};
 
 // A scan in memory, in colours that are given.
 class OneScan final : public FrameSource {

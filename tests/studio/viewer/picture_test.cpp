@@ -175,7 +175,7 @@ TEST(Picture, FirstOverlayColoursDifferInLightness) {
           << i;
     }
   }
-  EXPECT_EQ(overlayColor(methods().size() + 3), overlayColor(0)) << "after the last comes the first";
+  EXPECT_EQ(overlayColor(methods().size() + 7), overlayColor(0)) << "after the last comes the first";
 }
 
 // A frame of a real OS-1-128: organised, intensity but no classes.

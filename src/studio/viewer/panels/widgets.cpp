@@ -43,9 +43,9 @@ void dimText(const std::string& text) {
   ImGui::PopStyleColor();
 }
 
-void wrappedText(const std::string& text) {
+void wrapped(void (*draw)(const std::string&), const std::string& text) {
   ImGui::PushTextWrapPos(0);
-  textLine(text);
+  draw(text);
   ImGui::PopTextWrapPos();
 }
 
@@ -150,7 +150,7 @@ void titleRow(const PixelRect& rect, const std::string& left, const std::string&
 void section(const std::string& title, bool still, const std::function<void()>& body) {
   ImGui::PushID(title.c_str());
   if (still) {
-    dimText(title);
+    wrapped(dimText, title);
     body();
     ImGui::Dummy({1, lineHeight() * 0.4F});
   } else if (ImGui::CollapsingHeader(title.c_str(), ImGuiTreeNodeFlags_DefaultOpen)) {
@@ -159,25 +159,25 @@ void section(const std::string& title, bool still, const std::function<void()>& 
   ImGui::PopID();
 }
 
-void drawLabels(const std::vector<PanelLabel>& labels, const PixelRect& within) {
+void drawLabels(const std::vector<PanelLabel>& labels) {
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   const float away = lineHeight() * 0.5F;
-  const auto right = static_cast<float>(within.left + within.width);
   std::vector<ImVec4> drawn;  // left, top, right and bottom of the texts
   for (const PanelLabel& label : labels) {
     const ImVec2 at{static_cast<float>(label.x), static_cast<float>(label.y)};
+    const auto left = static_cast<float>(label.within.left), width = static_cast<float>(label.within.width);
     if (label.mark) {
       list.AddCircle(at, lineHeight() * 0.45F, packed({0, 0, 0}), 0, lineHeight() * 0.25F);
       list.AddCircle(at, lineHeight() * 0.45F, packed({255, 255, 255}), 0, lineHeight() * 0.12F);
     }
     if (label.text.empty()) continue;
-    const std::string text = fitted(label.text, static_cast<float>(within.width) - 2 * away);
+    const std::string text = fitted(label.text, width - 2 * away);
     const ImVec2 size = sizeOf(text);
-    // If the text would extend beyond the canvas, draw it on the other side of the mark.
+    // If the text would extend beyond the view, draw it on the other side of the mark.
     float x = at.x + 2 * away;
-    if (x + size.x + away > right) x = std::max(at.x - 2 * away - size.x, away);
+    if (x + size.x + away > left + width) x = std::max(at.x - 2 * away - size.x, left + away);
     float y = at.y - away - size.y;
-    if (y < static_cast<float>(within.top) + away) y = at.y + 2 * away;
+    if (y < static_cast<float>(label.within.top) + away) y = at.y + 2 * away;
     const ImVec4 area{x - 3, y - 1, x + size.x + 3, y + size.y + 1};
     const auto overlaps = [&](const ImVec4& other) {
       return area.x < other.z && other.x < area.z && area.y < other.w && other.y < area.w;
@@ -270,18 +270,20 @@ std::optional<ScaleRange> scaleBar(const Legend& legend, bool still) {
     list.AddRectFilledMultiColor({at.x + width * static_cast<float>(i) / kSteps, at.y},
                                  {at.x + width * static_cast<float>(i + 1) / kSteps, at.y + high}, from, to, to, from);
   }
+  float free = at.x;  // left end of the part of the bar below which no number has been written
   for (const auto& [share, figure] : scaleTicks(legend)) {
     const float x = at.x + width * static_cast<float>(share);
     const float wide = sizeOf(figure).x;
     list.AddLine({x, at.y + high}, {x, at.y + high + 3}, ImGui::GetColorU32(ImGuiCol_Text));
-    list.AddText({std::max(std::min(x - wide / 2, at.x + width - wide), at.x), at.y + high + 3},
-                 ImGui::GetColorU32(ImGuiCol_Text), figure.c_str());
+    const float left = std::max(std::min(x - wide / 2, at.x + width - wide), at.x);
+    if (left < free) continue;
+    list.AddText({left, at.y + high + 3}, ImGui::GetColorU32(ImGuiCol_Text), figure.c_str());
+    free = left + wide + lineHeight() / 3;
   }
   ImGui::Dummy({1, high + lineHeight() + 4});
   if (legend.unknown > 0) {
-    std::string text = "no value";
-    if (!legend.whyUnknown.empty()) text += fmt::format(" ({})", legend.whyUnknown);
-    legendRow(-2, {text, grouped(legend.unknown), kNoValue, LegendRow::Look::Shown}, false, width);
+    legendRow(-2, {"no value", grouped(legend.unknown), kNoValue, LegendRow::Look::Shown}, false, width);
+    if (!legend.whyUnknown.empty()) wrapped(dimText, legend.whyUnknown);
   }
   if (still) return {};
   float ends[2] = {static_cast<float>(legend.low), static_cast<float>(legend.high)};
@@ -294,7 +296,7 @@ std::optional<ScaleRange> scaleBar(const Legend& legend, bool still) {
 
 PixelRect legendRect(const Legend& legend, const PixelRect& body, double lineHeight, int mostWidth) {
   if (!legend.scale && legend.entries.empty()) return {};
-  constexpr std::size_t kScaleRows = 4;
+  constexpr std::size_t kScaleRows = 6;  // bar, numbers, count of unknown values, and texts that are wrapped
   const std::size_t rows = legend.scale ? kScaleRows : legend.entries.size();
   // A row is as high as legendRow() and the spacing between rows; the title and the edges take two more.
   const int high = static_cast<int>(std::ceil((static_cast<double>(rows) + 2) * (1.3 * lineHeight + 2)));
@@ -338,7 +340,7 @@ void valueRows(const char* id, const NamedValues& rows, const std::string& alarm
     ImGui::TableNextColumn();
     const bool warns = !alarm.empty() && name == alarm;
     if (warns) ImGui::PushStyleColor(ImGuiCol_Text, packed(kAlarm));
-    wrappedText(value);
+    wrapped(textLine, value);
     if (warns) ImGui::PopStyleColor();
   }
   ImGui::EndTable();

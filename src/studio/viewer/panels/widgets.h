@@ -33,10 +33,11 @@ struct PanelLabel {
   double x = 0;  // position on the canvas (pixels); the text is drawn to the right of this point and above it
   double y = 0;
   std::string text;
+  PixelRect within{};     // rectangle of the view in which the text must lie
   bool mark = true;       // draws a small ring at (x, y)
   bool optional = false;  // true: left out if its text would overlap that of an earlier label
 };
-void drawLabels(const std::vector<PanelLabel>& labels, const PixelRect& within);
+void drawLabels(const std::vector<PanelLabel>& labels);
 // Draws the name of one of several views and, if `active` is true, a frame around the view.
 void drawCaption(const PixelRect& view, const std::string& text, bool active);
 // Draws the reason why a view is empty, in large letters in the middle of the view.

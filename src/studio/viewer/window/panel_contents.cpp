@@ -75,7 +75,7 @@ void PanelContents::addLabel(const Vec3d& spot, const std::string& text, bool ma
     const Projected p = view.camera.project(spot);
     if (!(p.depth >= view.camera.nearest)) continue;
     if (!(p.x >= 0 && p.y >= 0 && p.x < view.rect.width && p.y < view.rect.height)) continue;
-    labels.push_back({view.rect.left + p.x, view.rect.top + p.y, text, mark, optional});
+    labels.push_back({view.rect.left + p.x, view.rect.top + p.y, text, view.rect, mark, optional});
   }
 }
 

@@ -165,6 +165,14 @@ bool SceneView::boxShown(const ObjectRecord& object) const {
   const bool roadUsers =
       context_.options.boxes == BoxChoice::RoadUsers && !roadUsers_.empty() && context_.filter.instances.empty();
   if (roadUsers && !roadUsers_.contains(object.semantic)) return false;
+  if (const auto& closeUp = context_.filter.closeUp) {
+    // The point of the box that is nearest to the middle of the close-up, both in the frame of the box.
+    const Vec3d middle = inverse(canvasFromBox(object)) * (clouds_.list.front().canvasFromScan * closeUp->at);
+    const Vec3d half = object.size * 0.5;
+    const Vec3d nearest{std::clamp(middle.x, -half.x, half.x), std::clamp(middle.y, -half.y, half.y),
+                        std::clamp(middle.z, -half.z, half.z)};
+    if (length(middle - nearest) > closeUp->within) return false;
+  }
   return context_.filter.showsInstance(object.id) && context_.filter.classes.shows(object.semantic);
 }
 

@@ -23,8 +23,7 @@ void ViewSession::runPanels() {
 
 void ViewSession::drawPanels() {
   panels_.overStrip = false;
-  drawLabels(panels_.labels,
-             {0, panels_.rects.body.top, context_.canvas.width(), context_.canvas.height() - panels_.rects.body.top});
+  drawLabels(panels_.labels);
   for (std::size_t v = 0; v < std::min(panels_.panes.size(), context_.redraw.views().size()); ++v) {
     drawMessage(context_.redraw.views()[v].rect, panels_.panes[v].message);
     if (panels_.panes.size() > 1)

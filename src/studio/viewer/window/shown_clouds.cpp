@@ -58,7 +58,8 @@ bool ShownClouds::isHidden(const ShownCloud& cloud) const {
 }
 
 ColorContext ShownClouds::contextOf(const ViewScan& scan) const {
-  return {context_.source->ontology(), scan.error, scan.errorTitle, scan.whyNoError, std::nullopt};
+  return {context_.source->ontology(), scan.error, scan.errorTitle, scan.whyNoError, std::nullopt,
+          context_.filter.closeUp};
 }
 
 bool ShownClouds::hasColor(const ViewScan& viewed, const ColorBy& by) const {

@@ -197,7 +197,7 @@ TEST_F(PanelParts, AnyTextAndAnySizeWillDo) {
       legend.entries[0].name = text;
       EXPECT_NO_THROW(draw([&] {
         titleRow({0, 0, width, 20}, text, text);
-        drawLabels({{-5, 3, text, true}, {1e9, 0, text, true}, {10, 10, text, false}}, all);
+        drawLabels({{-5, 3, text, all, true}, {1e9, 0, text, all, true}, {10, 10, text, all, false}});
         drawCaption(all, text, true);
         drawMessage(all, text);
         panelAt("side", {width / 2, 0, width / 2, 60}, true, [&] {
