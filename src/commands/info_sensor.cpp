@@ -57,7 +57,7 @@ void printSensor(const Value& sensor) {
             beams->clockwise ? "clockwise" : "counter-clockwise", beams->topDown ? "top" : "bottom", beams->source);
   printText("range {:.3g} to {:.3g} m; column 0 at {:.2f} deg; beams start {:.2f} mm off the axis\n\n", beams->minRange,
             beams->maxRange, degrees(beams->firstAzimuth), beams->originOffset * 1000);
-  if (!beams->rosette && !beams->listed) return printBeams(*beams);
+  if (beams->onCones()) return printBeams(*beams);
   const std::array<double, 2> field = fieldOf(*beams);
   printText("directions differ from beam to beam in a field of {:.3g} x {:.3g} deg\n", field[0], field[1]);
 }

@@ -146,13 +146,18 @@ void describe(RecordKeys& keys, SensorRecord& sensor) {
   keys("azimuth_offset", b.azimuthOffset, numberCount(b.rings));
   keys("firing_offset", b.firingOffset, numberCount(b.rings));
   keys.optional("vehicle_from_sensor", sensor.vehicleFromSensor);
-  keys.optional("beams", b.listed, [&](const JsonNode& node) {
+  std::shared_ptr<const ListedBeams> listed = b.listed();
+  keys.optional("beams", listed, [&](const JsonNode& node) {
     for (const char* const key : {"azimuth", "elevation", "time"}) node[key].numbers(b.size());
     if (node.has("origin")) node["origin"].numbers(3 * b.size());
   });
-  keys.optionalIf(b.rosette.has_value(), "rosette", b.rosette, [&](const JsonNode& node) {
+  std::optional<Rosette> rosette;
+  if (b.rosette() != nullptr) rosette = *b.rosette();
+  keys.optionalIf(rosette.has_value(), "rosette", rosette, [&](const JsonNode& node) {
     if (node.has("left")) node["left"].numbers(b.rings);
   });
+  if (rosette) b.pattern = std::move(*rosette);
+  if (listed != nullptr) b.pattern = std::move(listed);
   keys.optionalIf(b.sweep > 0, "sweep", b.sweep, within(0, b.period));
   keys.optionalIf(sensor.intensityFullScale != 1, "intensity_full_scale", sensor.intensityFullScale, within(1e-9));
   keys.optional("origin_left", b.originLeft, numberCount(b.rings));

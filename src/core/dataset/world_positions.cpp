@@ -11,8 +11,8 @@ WorldPositions::WorldPositions(const Scan& scan, const ScanRecord& record, const
       moves_(record.worldFromSensor.size() > 1 && !deskewed) {
   if (!moves_) return;
   std::vector<double> starts;  // firing time of each column (s since the start of the revolution)
-  if (beams.listed != nullptr) {
-    starts = beams.listed->columnStarts(beams.columns);
+  if (const auto listed = beams.listed()) {
+    starts = listed->columnStarts(beams.columns);
   } else {
     for (std::uint32_t column = 0; column < beams.columns; ++column) starts.push_back(beams.columnTime(column));
   }

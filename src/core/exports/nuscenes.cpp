@@ -78,7 +78,7 @@ std::set<Instance> instancesOf(const ExportPlan& plan, const Scan& scan) {
 std::vector<std::uint16_t> ringsFromBelow(const BeamTable& beams) {
   std::vector<std::uint16_t> order(beams.rings);
   std::iota(order.begin(), order.end(), std::uint16_t{0});
-  if (beams.listed != nullptr || beams.rosette || beams.elevation.size() != beams.rings) return order;
+  if (!beams.onCones() || beams.elevation.size() != beams.rings) return order;
   std::ranges::stable_sort(order,
                            [&](std::uint16_t a, std::uint16_t b) { return beams.elevation[a] < beams.elevation[b]; });
   std::vector<std::uint16_t> numbers(beams.rings);

@@ -14,49 +14,52 @@ Vec3d towards(double azimuth, double elevation) {
 }
 
 void fillListed(BeamTable& table) {
-  const ListedBeams& own = *table.listed;
+  const ListedBeams& listed = *table.listed();
   table.direction.resize(table.size());
   table.time.resize(table.size());
   for (std::size_t beam = 0; beam < table.size(); ++beam) {
-    table.direction[beam] = towards(own.azimuth[beam], own.elevation[beam]);
-    table.time[beam] = static_cast<float>(own.time[beam]);
+    table.direction[beam] = towards(listed.azimuth[beam], listed.elevation[beam]);
+    table.time[beam] = static_cast<float>(listed.time[beam]);
   }
-  table.origin = own.origin;
-  table.columnStart = own.columnStarts(table.columns);
+  table.origin = listed.origin;
+  table.columnStart = listed.columnStarts(table.columns);
 }
 
 // Returns the orientation (rad) at a time (s). Complete turns are subtracted first, so that the angle is still exact
 // after hours.
-double turned(double speed, double phase, double time) {
+double orientationAt(double speed, double phase, double time) {
   return std::fmod(time * (speed / (2 * kPi)), 1.0) * 2 * kPi + phase;
 }
 
+// Returns the direction of a laser's beam that leaves the prisms, and the mirror if there is one, at a time (s since
+// the start of the drive).
+Vec3d rosetteDirection(const Rosette& r, std::uint32_t laser, double time) {
+  double left = r.left.empty() ? 0 : r.left[laser];
+  double up = r.up.empty() ? 0 : r.up[laser];
+  for (std::size_t prism = 0; prism < r.angle.size(); ++prism) {
+    const double orientation = orientationAt(r.speed[prism], r.phase[prism], time);
+    left += r.angle[prism] * std::cos(orientation);
+    up += r.angle[prism] * std::sin(orientation);
+  }
+  const double deflection = std::hypot(left, up);  // rad, from the sensor's axis
+  const double across = deflection > 1e-12 ? std::sin(deflection) / deflection : 1;
+  if (!r.mirror) return {std::cos(deflection), left * across, up * across};
+  const Vec3d incoming{left * across, up * across, std::cos(deflection)};
+  const double azimuth = orientationAt(r.mirror->speed, r.mirror->phase, time);
+  const Vec3d normal = towards(azimuth, r.mirror->tilt - kPi / 2);
+  return incoming - normal * (2 * dot(incoming, normal));
+}
+
 void fillRosette(BeamTable& table) {
-  const Rosette& r = *table.rosette;
   table.direction.resize(table.size());
   table.time.resize(table.size());
   table.origin.clear();
   for (std::uint32_t ring = 0; ring < table.rings; ++ring) {
     for (std::uint32_t column = 0; column < table.columns; ++column) {
       const std::size_t beam = std::size_t{ring} * table.columns + column;
-      const double since = table.columnTime(column) + table.firingOffset[ring];
-      double left = r.left.empty() ? 0 : r.left[ring];
-      double up = r.up.empty() ? 0 : r.up[ring];
-      for (std::size_t k = 0; k < r.angle.size(); ++k) {
-        const double turn = turned(r.speed[k], r.phase[k], table.start + since);
-        left += r.angle[k] * std::cos(turn);
-        up += r.angle[k] * std::sin(turn);
-      }
-      const double off = std::hypot(left, up);
-      const double across = off > 1e-12 ? std::sin(off) / off : 1;
-      table.direction[beam] = {std::cos(off), left * across, up * across};
-      if (r.mirror) {
-        const Vec3d incoming{left * across, up * across, std::cos(off)};
-        const double azimuth = turned(r.mirror->speed, r.mirror->phase, table.start + since);
-        const Vec3d normal = towards(azimuth, r.mirror->tilt - kPi / 2);
-        table.direction[beam] = incoming - normal * (2 * dot(incoming, normal));
-      }
-      table.time[beam] = static_cast<float>(since);
+      const double sinceStart = table.columnTime(column) + table.firingOffset[ring];
+      table.direction[beam] = rosetteDirection(*table.rosette(), ring, table.start + sinceStart);
+      table.time[beam] = static_cast<float>(sinceStart);
     }
   }
 }
@@ -72,17 +75,16 @@ std::vector<double> ListedBeams::columnStarts(std::uint32_t columns) const {
 }
 
 std::shared_ptr<const BeamTable> beamsAt(const std::shared_ptr<const BeamTable>& table, double time) {
-  if (!table->rosette) return table;
-  auto own = std::make_shared<BeamTable>(*table);
-  own->start = time;
-  fillBeams(*own);
-  return own;
+  if (table->rosette() == nullptr) return table;
+  auto ofRevolution = std::make_shared<BeamTable>(*table);
+  ofRevolution->start = time;
+  fillBeams(*ofRevolution);
+  return ofRevolution;
 }
 
-double BeamTable::azimuth(std::uint32_t ownColumn) const {
-  if (listed != nullptr) return listed->azimuth[ownColumn / raysPerBeam];
-
-  const std::uint32_t column = ownColumn / raysPerBeam;
+double BeamTable::azimuth(std::uint32_t columnOfRays) const {
+  const std::uint32_t column = columnOfRays / raysPerBeam;
+  if (const auto beams = listed()) return beams->azimuth[column];
   const std::uint32_t beams = columns / raysPerBeam;
   // In a full revolution the last column is one step before the first azimuth; in a partial field the first and last
   // column are at the two edges.
@@ -105,8 +107,8 @@ double BeamTable::azimuth(std::uint32_t ownColumn) const {
 // the origin: Velodyne's horizontal and vertical offsets, as velodyne_pointcloud applies them (HDL-64E S2 User's
 // Manual, appendix on converting data).
 void fillBeams(BeamTable& table) {
-  if (table.listed != nullptr) return fillListed(table);
-  if (table.rosette) return fillRosette(table);
+  if (table.listed() != nullptr) return fillListed(table);
+  if (table.rosette() != nullptr) return fillRosette(table);
   const std::size_t columns = table.columns;
   std::vector<double> cosine(columns);
   std::vector<double> sine(columns);
@@ -116,8 +118,8 @@ void fillBeams(BeamTable& table) {
     sine[column] = std::sin(azimuth);
   }
 
-  const bool own = !table.originLeft.empty() || !table.originUp.empty();
-  const bool offAxis = own || table.originOffset != 0 || table.originHeight != 0;
+  const bool shifted = !table.originLeft.empty() || !table.originUp.empty();
+  const bool offAxis = shifted || table.originOffset != 0 || table.originHeight != 0;
   table.direction.assign(table.size(), {});
   table.origin.assign(offAxis ? table.size() : 0, {});
   table.time.assign(table.size(), 0.0f);
@@ -138,7 +140,7 @@ void fillBeams(BeamTable& table) {
             static_cast<float>(table.columnTime(static_cast<std::uint32_t>(column)) + table.firingOffset[ring]);
         if (offAxis) {
           Vec3d origin{table.originOffset * cosine[column], table.originOffset * sine[column], table.originHeight};
-          if (own) origin = origin + Vec3d{-y, x, 0} * toLeft + Vec3d{-x * up, -y * up, flat} * toUp;
+          if (shifted) origin = origin + Vec3d{-y, x, 0} * toLeft + Vec3d{-x * up, -y * up, flat} * toUp;
           table.origin[beam] = static_cast<Vec3f>(origin);
         }
       }
@@ -172,8 +174,7 @@ Destagger destagger(std::span<const double> offset, double step, std::uint32_t c
 
 Destagger destagger(const BeamTable& beams) {
   const std::uint32_t columns = beams.columns / beams.raysPerBeam;
-  if (beams.listed != nullptr || beams.rosette || columns < 2)
-    return {std::vector<std::uint32_t>(beams.rings), columns};
+  if (!beams.onCones() || columns < 2) return {std::vector<std::uint32_t>(beams.rings), columns};
   const std::uint32_t steps = beams.fullTurn() ? columns : columns - 1;
   const double step = (beams.clockwise ? -beams.field : beams.field) / steps;
   return destagger(beams.azimuthOffset, step, columns, beams.fullTurn());

@@ -12,6 +12,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "base/vec.h"
@@ -67,9 +68,11 @@ struct BeamTable {
   double period = 0;    // s, duration of one revolution
 
   // Compact description of the beams, which the manifest stores; fillBeams() computes the three tables above from it.
-  // If `listed` or `rosette` is set, the members for rings on cones below are not used, and `field` is a full circle.
-  std::shared_ptr<const ListedBeams> listed;  // null: the beams are not listed one by one
-  std::optional<Rosette> rosette;             // pattern that each ring traces; the columns fire evenly over the period
+  // Rings on cones about the z axis are described by the members below. In the other patterns, `field` is a full
+  // circle, and the members below hold zeros, except `elevation` and `topDown` of listed beams and `firingOffset` of a
+  // rosette. A rosette is traced by each ring; its columns fire evenly over the period.
+  struct RingsOnCones {};
+  std::variant<RingsOnCones, std::shared_ptr<const ListedBeams>, Rosette> pattern;
   double sweep = 0;                   // s, time from the first to the last column of a partial field; 0: the part of
                                       // the period that `field` is of a full circle
   double start = 0;                   // s since the start of the drive: time at which column 0 of a rosette fires
@@ -102,6 +105,14 @@ struct BeamTable {
 
   std::size_t size() const { return std::size_t{rings} * columns; }
 
+  bool onCones() const { return std::holds_alternative<RingsOnCones>(pattern); }
+  const Rosette* rosette() const { return std::get_if<Rosette>(&pattern); }  // null: another pattern
+  // Returns the beams that are listed one by one; null: another pattern.
+  std::shared_ptr<const ListedBeams> listed() const {
+    const auto* const beams = std::get_if<std::shared_ptr<const ListedBeams>>(&pattern);
+    return beams == nullptr ? nullptr : *beams;
+  }
+
   // Returns the point where a beam starts (m, the sensor's frame).
   Vec3d originOf(std::size_t beam) const { return origin.empty() ? Vec3d{} : Vec3d(origin[beam]); }
 
@@ -110,7 +121,7 @@ struct BeamTable {
   double azimuth(std::uint32_t column) const;
   // Returns the time (s since the start of the revolution) at which a column fires, without the ring's offset.
   double columnTime(std::uint32_t column) const {
-    return listed == nullptr ? column * columnPeriod() : columnStart[column / raysPerBeam];
+    return columnStart.empty() ? column * columnPeriod() : columnStart[column / raysPerBeam];
   }
   // Returns the time between neighbouring columns (s; of listed beams the mean). In a field of less than a full circle
   // the first and the last column are at the two edges.

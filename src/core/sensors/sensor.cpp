@@ -302,7 +302,7 @@ void readListed(Fields& fields, BeamTable& table) {
     table.elevation[ring] = sum / table.columns;
   }
   table.topDown = table.elevation.front() > table.elevation.back();
-  table.listed = std::move(listed);
+  table.pattern = std::move(listed);
 }
 
 // Reads a sensor with the key `rosette` or `raster`.
@@ -314,7 +314,7 @@ void readPattern(Fields& fields, const char* key, BeamTable& table) {
   clearCones(table);
   const Value& value = fields.require(key);
   if (key[1] == 'o') {
-    table.rosette = readRosette(value);
+    table.pattern = readRosette(value);
     table.firingOffset = scaled(readFiringTimes(fields.find("firing_time_us"), table), 1e-6);
     return;
   }
@@ -324,7 +324,7 @@ void readPattern(Fields& fields, const char* key, BeamTable& table) {
                      fmt::format("columns must be a multiple of the {} lines of the raster, such as {}", raster.lines,
                                  raster.lines * std::max(2u, table.columns / raster.lines)));
   }
-  table.listed = std::make_shared<const ListedBeams>(rasterBeams(raster, table.columns, table.period));
+  table.pattern = std::make_shared<const ListedBeams>(rasterBeams(raster, table.columns, table.period));
   table.topDown = true;
 }
 
@@ -377,7 +377,7 @@ void makeFlash(Fields& fields, BeamTable& table) {
     throw InputError(field.where, fmt::format("field_deg of a flash sensor must be at most {}", kWidest));
   }
   const double middle = table.firstAzimuth + (table.clockwise ? -1 : 1) * table.field / 2;
-  table.listed = std::make_shared<const ListedBeams>(
+  table.pattern = std::make_shared<const ListedBeams>(
       flashBeams(middle, table.field, table.clockwise, table.columns, table.elevation));
   table.field = 2 * kPi;
 }

@@ -141,8 +141,8 @@ std::optional<StripColumns> estimated(const Directions& directions, const GridSi
 std::optional<StripColumns> stripColumns(const Scan& scan, const std::vector<std::size_t>& ring,
                                          const std::vector<std::size_t>& column, const GridSize& grid,
                                          const BeamTable* beams) {
-  const bool onCones = beams != nullptr && beams->azimuthOffset.size() == grid.rings && beams->listed == nullptr &&
-                       !beams->rosette && beams->rings == grid.rings && beams->columns == grid.columns;
+  const bool onCones = beams != nullptr && beams->azimuthOffset.size() == grid.rings && beams->onCones() &&
+                       beams->rings == grid.rings && beams->columns == grid.columns;
   if (!onCones || grid.columns < 2) return estimated(directionsOf(scan, ring, column, grid, beams), grid);
   StripColumns look;
   look.step = (beams->azimuth(static_cast<std::uint32_t>(grid.columns - 1)) - beams->azimuth(0)) /

@@ -185,7 +185,7 @@ TEST_F(MovingLas, PointsAreWhereTheyWereMet) {
 TEST_F(MovingLas, PointsOfColumnsThatFireUnevenlyToo) {
   auto listed = std::make_shared<ListedBeams>();
   for (int beam = 0; beam < 360; ++beam) listed->time.push_back(0.1 * (beam % 90) * (beam % 90) / 8100);
-  plan_.manifest.sensors[0].beams.listed = listed;
+  plan_.manifest.sensors[0].beams.pattern = listed;
   place([](int column) { return column * column / 7921.0; });
   check();
 }

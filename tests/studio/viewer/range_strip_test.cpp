@@ -224,7 +224,7 @@ TEST(StripColumns, AFewHitsAreOnTheirSide) {
         listed->time.push_back(0);
       }
       BeamTable one = table;
-      one.listed = listed;
+      one.pattern = listed;
       for (const BeamTable* beams : {static_cast<const BeamTable*>(nullptr), &std::as_const(one)}) {
         const RangeStrip strip = stripOf(scan, beams);
         ASSERT_TRUE(strip.outward);
@@ -277,7 +277,7 @@ TEST(StripColumns, AnImageStaysAnImage) {
       scan[kRing].push_back(static_cast<std::uint16_t>(beam / 100));
       scan[kColumn].push_back(static_cast<std::uint16_t>(beam % 100));
     }
-    table.listed = listed;
+    table.pattern = listed;
     fillBeams(table);
     for (const BeamTable* beams : {static_cast<const BeamTable*>(nullptr), static_cast<const BeamTable*>(&table)}) {
       const RangeStrip strip = stripOf(scan, beams);

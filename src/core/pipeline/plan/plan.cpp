@@ -178,7 +178,7 @@ Plan makePlan(Pipeline read, Channels kept) {
       for (const ChosenEffect& effect : *effects) effect->check(*beams);
     }
     const std::uint32_t raysPerBeam = pipeline.raysPerBeam(s);
-    if (beams->rosette && raysPerBeam > 1) {
+    if (beams->rosette() != nullptr && raysPerBeam > 1) {
       throw InputError(
           sensor.description.where,
           fmt::format("the effect footprint cannot be applied to '{0}', whose beams change from revolution "

@@ -117,7 +117,7 @@ VehicleHits ShotSource::traceEgoVehicle(const std::vector<Pose>& mounts) const {
     const PlannedSensor& sensor = plan_.sensors[s];
     const auto blocked =
         std::make_shared<BlockedRays>(trace(sensor.footprint == nullptr ? *sensor.beams : *sensor.footprint->rays));
-    if (sensor.beams->rosette) blocked->ofRevolution = trace;
+    if (sensor.beams->rosette() != nullptr) blocked->ofRevolution = trace;
     hits.push_back(blocked);
   }
   return hits;

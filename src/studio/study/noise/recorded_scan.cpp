@@ -190,7 +190,7 @@ double tolerance(const BeamTable& beams) {
 RecordedScan rangesAlong(const Scan& scan, const BeamTable& beams, const std::string& name) {
   const Location where{name};
   if (scan.size() == 0) throw InputError(where, "has no points to measure noise on");
-  const bool rings = !knowsBeams(scan) && !scan[kRing].empty() && beams.listed == nullptr && !beams.rosette;
+  const bool rings = !knowsBeams(scan) && !scan[kRing].empty() && beams.onCones();
   const std::vector<BeamPoint> points = firstReturns(rings ? withColumns(scan, beams) : scan, beams, where);
   if (points.size() < kFewestReturns) {
     throw InputError(
