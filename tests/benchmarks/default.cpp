@@ -81,7 +81,7 @@ class Bare {
   void add(const Shot& shot, const ShotFrame& frame, const Tile& tile, double duration) {
     const BeamTable& beams = *shot.beams;
     Rays rays;
-    setUp(shot, frame, tile, rays);
+    setUpRays(shot, frame, tile, rays);
     Packet packet{};
     for (int i = 0; i < kPacket; ++i) {
       RTCRay16& r = packet.rays.ray;
@@ -93,8 +93,8 @@ class Bare {
       r.dir_z[i] = static_cast<float>(rays.dz[i]);
       r.tfar[i] = static_cast<float>(beams.maxRange);
       if (i < rays.count) {
-        r.time[i] =
-            partOf(beams, std::size_t{tile.ring} * beams.columns + tile.column + static_cast<std::size_t>(i), duration);
+        r.time[i] = firingFraction(
+            beams, std::size_t{tile.ring} * beams.columns + tile.column + static_cast<std::size_t>(i), duration);
       }
       r.mask[i] = ~0u;
       r.id[i] = static_cast<unsigned>(i);

@@ -47,7 +47,7 @@ class ComputeDevice {
 
   const std::string& name() const;   // name of the device, such as "llvmpipe (LLVM 15.0.6, 256 bits)"
   std::string nameAndPlace() const;  // name(); for software rasterisers followed by ", on the processor"
-  bool software() const;             // true: a software rasteriser that runs on the processor
+  bool software() const;             // true: a software rasteriser that runs on the CPU
   const ComputeLimits& limits() const;
   // Calls `work`, which makes several calls of this device, its buffers and programs, on the thread that makes all
   // calls of OpenGL. This saves waiting for that thread at each call.
@@ -67,7 +67,7 @@ struct FoundDevice {
   std::string name;    // value of the variable that selects this device
   std::string driver;  // the device's ComputeDevice::name(); if `usable` is false, the reason why not
   bool usable = false;
-  bool software = false;  // true: runs on the processor
+  bool software = false;  // true: runs on the CPU
 };
 
 // Returns all devices, in the order in which opening them is tried. Opens each of them for a moment. Throws Error if

@@ -40,7 +40,7 @@ class ComputeBackend {
  public:
   virtual ~ComputeBackend() = default;
   virtual std::string name() const = 0;
-  virtual bool software() const = 0;  // true: runs on the processor
+  virtual bool software() const = 0;  // true: runs on the CPU
   virtual ComputeLimits limits() const = 0;
   // Compiles a program. `text`: GLSL as described at ComputeProgram's constructor. All objects must be destroyed before
   // the backend.

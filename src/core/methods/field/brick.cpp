@@ -91,11 +91,12 @@ void BrickMaker::fillDistances(std::uint16_t* distance) const {
       const float x = p.x[i] - centres.x[block];
       const float y = p.y[i] - centres.y[block];
       const float z = p.z[i] - centres.z[block];
-      // If the exact distance is more than kExact, use a lower bound that follows from the distance of the block's
+      // If the exact distance is more than kExactLimit, use a lower bound that follows from the distance of the block's
       // centre.
-      const float bound = std::max(blockDistance_[block] - std::sqrt(x * x + y * y + z * z) - brick::kRounding, kExact);
+      const float bound =
+          std::max(blockDistance_[block] - std::sqrt(x * x + y * y + z * z) - brick::kRounding, kExactLimit);
       const float root = std::sqrt(exact[i]);
-      const float least = root <= kExact ? std::max(root - brick::kRounding, 0.0f) : bound;
+      const float least = root <= kExactLimit ? std::max(root - brick::kRounding, 0.0f) : bound;
       steps[i] = static_cast<std::uint16_t>(static_cast<std::int32_t>(least * (1 / kDistanceStep)));
     }
     for (int i = 0; i < kBlock; ++i) distance[brick::cornerIndex(block, i)] = steps[i];
@@ -103,7 +104,7 @@ void BrickMaker::fillDistances(std::uint16_t* distance) const {
 }
 
 void BrickMaker::fillWords(const std::uint16_t* distance, std::uint32_t* word) const {
-  const auto farthest = static_cast<std::uint16_t>((lists_ ? kListed : kNamed) / kDistanceStep);
+  const auto farthest = static_cast<std::uint16_t>((lists_ ? kListLimit : kNearestLimit) / kDistanceStep);
   const auto& known = lists_ ? list_ : nearest_;
   for (int corner = 0; corner < kCornersPerBrick; ++corner) {
     word[corner] = distance[corner] > farthest ? kNoWord : known[corner];

@@ -102,14 +102,14 @@ namespace brick {
 // Largest error of distances computed in float32, doubled. Distances are reduced by it, so that they are never too
 // large.
 constexpr float kRounding = 2e-5f;
-constexpr float kShortened = 1 - 1e-5f;   // factor on distances of bricks' centres, so that they are never too large
-constexpr float kRadius = 6.93f;          // distance from a brick's centre to its corners, rounded up: 4 sqrt(3)
-constexpr float kListedRadius = 0.9536f;  // radius of a ball that contains a cube of side 2 kListedHalf: slightly more
-                                          // than sqrt(3) kListedHalf
-constexpr float kBlockRadius = 1.7322f;   // distance from a block's centre to its corners, rounded up: sqrt(3)
-static_assert(kListedRadius * kListedRadius > 3 * kListedHalf * kListedHalf);
-// Triangles that are at most kExact from a corner of the brick are at most this far from the brick's centre.
-constexpr float kSeen = kRadius + kExact;
+constexpr float kShortened = 1 - 1e-5f;  // factor on distances of bricks' centres, so that they are never too large
+constexpr float kRadius = 6.93f;         // distance from a brick's centre to its corners, rounded up: 4 sqrt(3)
+constexpr float kListRadius = 0.9536f;   // radius of a ball that contains a cube of side 2 kListHalfSide: slightly more
+                                         // than sqrt(3) kListHalfSide
+constexpr float kBlockRadius = 1.7322f;  // distance from a block's centre to its corners, rounded up: sqrt(3)
+static_assert(kListRadius * kListRadius > 3 * kListHalfSide * kListHalfSide);
+// Triangles that are at most kExactLimit from a corner of the brick are at most this far from the brick's centre.
+constexpr float kSeen = kRadius + kExactLimit;
 
 // Positions relative to the brick's centre: the corners of each block, and the centres of the blocks.
 extern const std::array<BrickMaker::Points, BrickMaker::kBlock> kBlockCorners;

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::uint32_t kUnmade = 0xFFFFFFFFu;  // table entry of a full brick that has no place in the pool yet
 constexpr std::uint32_t kNone = 0xFFFFFFFFu;    // means "no index"
-constexpr float kNothing = 1e30f;               // voxels, the distance to surfaces in an empty world
+constexpr float kEmptyWorldDistance = 1e30f;    // voxels, the distance to surfaces in an empty world
 constexpr std::size_t kBricksPerTask = 8;
 // Largest number of full bricks: march_stream.h addresses their distances by byte offsets of 31 bits.
 constexpr std::size_t kMostBricks = 0x7FFFFFFFu / (kBrickStride * sizeof(std::uint16_t));
@@ -150,7 +150,7 @@ class Builder {
       if (const std::uint32_t* before = entryBefore(level, brick)) {
         entry = *before;
       } else if (world_.baked.triangles.empty()) {
-        entry = tableEntry(kNothing);
+        entry = tableEntry(kEmptyWorldDistance);
       } else {
         entry = tableEntry(distanceOf(placeOf(level, brick), nearest, facets));
       }

@@ -31,7 +31,7 @@ void BrickMaker::scatter(const BrickPlace& place, std::uint32_t triangle) {
     int first, last;  // indices of corners along an axis
   };
   const auto range = [](double least, double most) {
-    constexpr double kReach = kListedHalf + 1e-4;
+    constexpr double kReach = kListHalfSide + 1e-4;
     return Corners{static_cast<int>(std::ceil(std::max(least - kReach + kHalf, 0.0))),
                    static_cast<int>(std::floor(std::min(most + kReach + kHalf, double{kBrickVoxels})))};
   };
@@ -42,9 +42,9 @@ void BrickMaker::scatter(const BrickPlace& place, std::uint32_t triangle) {
   const auto meets = [&](const Vec3d& p) {
     for (const Vec3d& corner : corners) {
       const Vec3d away = corner - p;
-      if (higher(std::fabs(away.x), std::fabs(away.y), std::fabs(away.z)) < kListedHalf - kSlack) return true;
+      if (higher(std::fabs(away.x), std::fabs(away.y), std::fabs(away.z)) < kListHalfSide - kSlack) return true;
     }
-    if (!cube) cube = cubeTestOf(corners, kListedHalf);
+    if (!cube) cube = cubeTestOf(corners, kListHalfSide);
     return cube->excess(static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)) <= 0;
   };
   for (int z = zs.first; z <= zs.last; ++z) {
@@ -99,16 +99,16 @@ bool BrickMaker::makeBlock(const BrickPlace& place, int block) {
   const Vec3f centre{centres.x[block], centres.y[block], centres.z[block]};
   const float seen = brick::seenFrom(block);
   blockDistance_[block] = std::min(std::sqrt(search(place, centre, seen).distance2), seen);
-  if (blockDistance_[block] > kExact + brick::kBlockRadius) return true;
+  if (blockDistance_[block] > kExactLimit + brick::kBlockRadius) return true;
   // The search radius is the largest distance from a corner to the triangle that is nearest to the block's centre: no
-  // corner's nearest triangle is farther away. With lists it is at least kListedRadius. It is at most kExact.
+  // corner's nearest triangle is farther away. With lists it is at least kListRadius. It is at most kExactLimit.
   const Points& p = brick::kBlockCorners[block];
   const Facet<float> facet = cache_.of(world_.baked, guess_, place);
-  float farthest2 = lists_ ? brick::kListedRadius * brick::kListedRadius : 0.0f;
+  float farthest2 = lists_ ? brick::kListRadius * brick::kListRadius : 0.0f;
   alignas(64) Lanes distance2;
   for (int i = 0; i < kLanes; ++i) distance2[i] = facet.distance2(p.x[i], p.y[i], p.z[i]);
   for (int i = 0; i < kLanes; ++i) farthest2 = std::max(farthest2, distance2[i]);
-  const float margin = std::min(std::sqrt(farthest2), kExact) + kSlack;
+  const float margin = std::min(std::sqrt(farthest2), kExactLimit) + kSlack;
   if (!gatherTriangles(world_, place, centre, 1, margin, kFewOfBlock, triangles_)) return false;
   sortTriangles();
   candidates_.clear();
@@ -122,12 +122,12 @@ void BrickMaker::searchBlock(const BrickPlace& place, int block) {
   const Points& p = brick::kBlockCorners[block];
   // scatter() has compared each corner with all triangles at most this far away, because these are in the corner's
   // list.
-  constexpr float kKnown = kListedHalf - kSlack;
+  constexpr float kKnown = kListHalfSide - kSlack;
   const float known2 = lists_ ? kKnown * kKnown : -1.0f;
   for (int i = 0; i < kBlock; ++i) {
     const std::uint32_t corner = brick::cornerIndex(block, i);
     if (distance2_[corner] <= known2) continue;
-    const NearestFacet found = search(place, {p.x[i], p.y[i], p.z[i]}, kExact);
+    const NearestFacet found = search(place, {p.x[i], p.y[i], p.z[i]}, kExactLimit);
     if (found.triangle == kNoTriangle) continue;
     distance2_[corner] = found.distance2;
     nearest_[corner] = found.triangle;
@@ -149,7 +149,7 @@ void BrickMaker::makeDense(const BrickPlace& place) {
     }
     listings_.clear();
     constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max() - 1;
-    gatherTriangles(world_, place, {}, kHalf + kListedHalf, 0.01f, kAll, triangles_);
+    gatherTriangles(world_, place, {}, kHalf + kListHalfSide, 0.01f, kAll, triangles_);
     sortTriangles();
     for (const std::uint32_t triangle : triangles_) scatter(place, triangle);
     sortListings();

@@ -40,21 +40,21 @@ constexpr std::uint32_t kMaxLevels = 16;
 
 // All distances are in voxels of the corner's level. A brick is empty if its centre is at least kEmptyBrick from all
 // surfaces; every point of the brick is then more than 1 away from them (at least kEmptyBrick - 4 sqrt(3)). The
-// distances in full bricks are never too large: exact up to kExact, and otherwise lower bounds that are at least
-// kExact. They are rounded down to multiples of kDistanceStep.
+// distances in full bricks are never too large: exact up to kExactLimit, and otherwise lower bounds that are at least
+// kExactLimit. They are rounded down to multiples of kDistanceStep.
 constexpr float kEmptyBrick = 8.0f;
-constexpr float kExact = 4.0f;
+constexpr float kExactLimit = 4.0f;
 // Largest distance of a corner from a surface for which the corner has a triangle: see DistanceField::word.
-constexpr float kNamed = 2.0f;
+constexpr float kNearestLimit = 2.0f;
 // Largest distance of a corner from a surface for which the corner may have a list. If a corner is farther away, no
 // surface intersects the voxel centred at the corner, whose half diagonal is 0.8661.
-constexpr float kListed = 0.93f;
+constexpr float kListLimit = 0.93f;
 // Half side of the cube around a corner. The corner's list contains all triangles that intersect the cube. The cube is
 // larger than the voxel around the corner, because particles may test points slightly outside of the voxel: they look
-// kNudge (march_rule.h) past its faces, and their positions, metres in float32, may be off by 3e-5 m a few hundred
-// metres from the world's origin. Triangles farther behind a particle, up to kBehind, are in the lists of the voxels
-// that the particle has passed.
-constexpr float kListedHalf = 0.55f;
+// kFaceOvershoot (march_rule.h) past its faces, and their positions, metres in float32, may be off by 3e-5 m a few
+// hundred metres from the world's origin. Triangles farther behind a particle, up to kBackwardTolerance, are in the
+// lists of the voxels that the particle has passed.
+constexpr float kListHalfSide = 0.55f;
 
 using Corner = std::array<std::int64_t, 3>;  // lattice coordinates of a corner or a brick
 
@@ -106,10 +106,10 @@ struct DistanceField {
   std::span<const std::uint16_t> distance;
   // kBrickStride words per full brick, one per corner. In a field without lists a word is the nearest triangle, in a
   // field with lists the index in `lists` where the corner's list begins. The word is kNoWord if the corner is farther
-  // than kNamed from all triangles; with lists, if it is farther than kListed or its list is empty.
+  // than kNearestLimit from all triangles; with lists, if it is farther than kListLimit or its list is empty.
   std::span<const std::uint32_t> word;
   // The lists of corners, in the order of corners. A list contains the triangles that intersect the cube around its
-  // corner (kListedHalf), in ascending order of (instance id, triangle); its last entry has the bit kLastOfList.
+  // corner (kListHalfSide), in ascending order of (instance id, triangle); its last entry has the bit kLastOfList.
   // Sharing equal lists between neighbouring corners would make fields only 4 % smaller in the scene "street" and 7 %
   // in "truck_town".
   std::span<const std::uint32_t> lists;

@@ -16,15 +16,15 @@ namespace scanmill {
 struct SensorField {
   std::shared_ptr<const World> world;  // the world of which the field was built
   std::shared_ptr<const DistanceField> field;
-  Box box;             // m, relative to the world's origin: particles march only inside of the box
-  bool whole = false;  // true if the box contains the complete scene
+  Box box;                   // m, relative to the world's origin: particles march only inside of the box
+  bool coversScene = false;  // true if the box contains the complete scene
 };
 
 // A shot and the field through which its particles march. A device has the particles in this order: 16 columns of the
 // first ring, the same 16 columns of each further ring, then the next 16 columns. If the columns are not a multiple of
 // 16, the surplus particles of the last group do not march.
 struct MarchJob {
-  static constexpr std::uint32_t kTogether = 16;  // number of columns in a group
+  static constexpr std::uint32_t kGroupColumns = 16;  // number of columns in a group
   const Shot& shot;
   const ShotFrame& frame;  // the shot's poses, relative to the world's origin
   const SensorField& around;
@@ -34,10 +34,10 @@ struct MarchJob {
   const TriangleBlock& triangles() const { return around.world->baked; }
   // Returns the length of particles' paths (m): slightly more than the sensor's maximum range, so that float32 rounding
   // does not decide about hits at exactly the maximum.
-  double farthest() const { return shot.beams->maxRange * (1 + 1e-4) + 1e-3; }
+  double pathLength() const { return shot.beams->maxRange * (1 + 1e-4) + 1e-3; }
   // Returns the number of particles.
   std::size_t size() const {
-    return std::size_t{shot.beams->rings} * ((shot.beams->columns + kTogether - 1) / kTogether) * kTogether;
+    return std::size_t{shot.beams->rings} * ((shot.beams->columns + kGroupColumns - 1) / kGroupColumns) * kGroupColumns;
   }
 };
 

@@ -14,10 +14,10 @@ enum class Outcome : std::uint32_t {
 };
 
 // Distance (voxels) at which a particle hits a surface in a field without lists: it hits where the interpolated
-// distance is at most kRest. From half a voxel on, no plane is missed: a plane midway between two corners is half a
-// voxel away from both. In a field with lists, particles near surfaces go from voxel to voxel instead, and are
+// distance is at most kHitDistance. From half a voxel on, no plane is missed: a plane midway between two corners is
+// half a voxel away from both. In a field with lists, particles near surfaces go from voxel to voxel instead, and are
 // intersected with the triangles in each voxel.
-constexpr float kRest = 0.501f;
+constexpr float kHitDistance = 0.501f;
 
 // A distance R stored at a point means that the ball of radius R around the point is free. A particle at position r
 // relative to the ball's centre, with |r| <= M < R, leaves the ball after the length -r.d + sqrt(R^2 - m^2), where d is
@@ -25,31 +25,32 @@ constexpr float kRest = 0.501f;
 // most the root for all m <= M, if c = (R - sqrt(R^2 - M^2)) / M^2, which makes the two equal at m = M. As c decreases
 // with R, the c for the smallest R is valid for all larger R. Each kind of ball thus needs one constant and no root,
 // which GPUs round differently.
-constexpr float kEmptyBend = 0.083334f;  // c for R >= kEmptyBrick and M = 4 sqrt(3)
-constexpr float kNamedBend = 0.26297f;   // c for R >= kNamed and M = sqrt(3) / 2
-constexpr float kListedBend = 0.78805f;  // c for R >= kListed and M = sqrt(3) / 2
+constexpr float kEmptyChordFactor = 0.083334f;   // c for R >= kEmptyBrick and M = 4 sqrt(3)
+constexpr float kNearestChordFactor = 0.26297f;  // c for R >= kNearestLimit and M = sqrt(3) / 2
+constexpr float kListChordFactor = 0.78805f;     // c for R >= kListLimit and M = sqrt(3) / 2
 
 // Fraction by which triangles are enlarged, so that rounding opens no cracks between them.
-constexpr float kSeam = 1e-5f;
-constexpr float kBehind = 0.25f;  // voxels; a hit may be this far behind the particle, because the particle may have
-                                  // stepped past it
-constexpr float kTie = 1e-4f;     // voxels by which a later triangle of a list must be nearer to replace a hit
-constexpr float kNudge = 1e-3f;   // voxels; length by which a step goes past a voxel's face
+constexpr float kTriangleMargin = 1e-5f;
+constexpr float kBackwardTolerance = 0.25f;  // voxels; a hit may be this far behind the particle, because the particle
+                                             // may have stepped past it
+constexpr float kTieMargin = 1e-4f;      // voxels by which a later triangle of a list must be nearer to replace a hit
+constexpr float kFaceOvershoot = 1e-3f;  // voxels; length by which a step goes past a voxel's face
 // Distance from a voxel's centre to the planes at which a particle leaves the voxel. The planes are slightly past the
 // faces, so that the particle is certainly in the next voxel, and so that a particle that moves within a face does not
 // have to leave.
-constexpr float kFace = 0.5f + kNudge;
+constexpr float kExitPlane = 0.5f + kFaceOvershoot;
 
 // A particle that passes through a hole of an alpha-tested texture continues this far behind the hole: the larger of a
 // length (field frame) and a fraction of the particle's path so far.
-constexpr float kBehindHole = 2e-3f;
-constexpr float kBehindHoleShare = 1e-5f;
+constexpr float kHoleSkip = 2e-3f;
+constexpr float kHoleSkipShare = 1e-5f;
 
 // Thin layers, such as markings on a road, are found by a lookup on the beam's side of the surface: the corner nearest
-// to a point kAside in front of a surface that is parallel to an axis plane is at least kLayer in front of the surface,
-// and so beyond the layer. In the scene "street" 0.6 % of all beams get their label this way, in "truck_town" 0.03 %.
-constexpr double kLayer = 0.1;  // voxels, largest thickness of a layer
-constexpr double kAside = 0.5 + kLayer;
-constexpr double kAlike = 0.9;  // least cosine of the angle between a layer and the surface below the layer
+// to a point kLayerLookupOffset in front of a surface that is parallel to an axis plane is at least kLayerThickness in
+// front of the surface, and so beyond the layer. In the scene "street" 0.6 % of all beams get their label this way, in
+// "truck_town" 0.03 %.
+constexpr double kLayerThickness = 0.1;  // voxels, largest thickness of a layer
+constexpr double kLayerLookupOffset = 0.5 + kLayerThickness;
+constexpr double kLayerMinCosine = 0.9;  // least cosine of the angle between a layer and the surface below the layer
 
 }  // namespace scanmill

@@ -21,11 +21,11 @@ void BrickMaker::makeSparse(const BrickPlace& place) {
   }
   for (int block = 0; block < kBlock; ++block) {
     blockDistance_[block] = std::min(std::sqrt(least[block]), brick::seenFrom(block));
-    if (blockDistance_[block] > kExact + brick::kBlockRadius) continue;
-    // Candidates are the triangles that may be the nearest to some corner of the block (up to kExact), and the
+    if (blockDistance_[block] > kExactLimit + brick::kBlockRadius) continue;
+    // Candidates are the triangles that may be the nearest to some corner of the block (up to kExactLimit), and the
     // triangles that some corner of the block may list.
-    float reach = std::min(blockDistance_[block] + 2 * brick::kBlockRadius, kExact + brick::kBlockRadius);
-    if (lists_) reach = std::max(reach, brick::kListedRadius + brick::kBlockRadius);
+    float reach = std::min(blockDistance_[block] + 2 * brick::kBlockRadius, kExactLimit + brick::kBlockRadius);
+    if (lists_) reach = std::max(reach, brick::kListRadius + brick::kBlockRadius);
     candidates_.clear();
     candidateTriangles_.clear();
     for (std::size_t t = 0; t < facets_.size(); ++t) {
@@ -56,8 +56,8 @@ void BrickMaker::fillBlock(const BrickPlace& place, int block) {
     if (!lists_) continue;
     float nearestOf = INFINITY;
     for (int i = 0; i < kLanes; ++i) nearestOf = std::min(nearestOf, distance2[i]);
-    if (nearestOf > brick::kListedRadius * brick::kListedRadius) continue;
-    const CubeTest cube = cubeTestOf(cornersAt(world_.baked, candidateTriangles_[c], place), kListedHalf);
+    if (nearestOf > brick::kListRadius * brick::kListRadius) continue;
+    const CubeTest cube = cubeTestOf(cornersAt(world_.baked, candidateTriangles_[c], place), kListHalfSide);
     auto& bits = listedBy_[c / 32];
     const std::uint32_t bit = 1u << (c % 32);
     for (int i = 0; i < kLanes; ++i) bits[i] |= cube.excess(p.x[i], p.y[i], p.z[i]) <= 0 ? bit : 0u;

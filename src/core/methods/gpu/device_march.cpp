@@ -18,7 +18,7 @@ namespace scanmill {
 namespace {
 
 // The parameters of marchShader(), in std140 layout.
-struct MarchBlock {
+struct MarchParameters {
   std::int32_t lastLevel;
   float perReach;
   float metres;
@@ -27,10 +27,10 @@ struct MarchBlock {
   std::uint32_t again;
   std::uint32_t unused[2];
 };
-static_assert(sizeof(MarchBlock) == 32);
+static_assert(sizeof(MarchParameters) == 32);
 
-MarchBlock marchBlock(const DistanceField& field, std::uint32_t steps, std::size_t count) {
-  MarchBlock block{};
+MarchParameters marchParameters(const DistanceField& field, std::uint32_t steps, std::size_t count) {
+  MarchParameters block{};
   block.lastLevel = static_cast<std::int32_t>(field.levels.size()) - 1;
   block.perReach = 1.0f / field.shape.reach;
   block.metres = static_cast<float>(field.shape.voxel);
@@ -76,19 +76,22 @@ std::string fieldConstants() {
   return glslConstant("kDistanceStep", kDistanceStep) + glslConstant("kBrickStride", kBrickStride + 0u) +
          glslConstant("kNoWord", kNoWord) + glslConstant("kFullBrick", kFullBrick) +
          glslConstant("kHit", static_cast<std::uint32_t>(Outcome::Hit)) +
-         glslConstant("kExhausted", static_cast<std::uint32_t>(Outcome::Exhausted)) + glslConstant("kGoOn", kGoOn);
+         glslConstant("kExhausted", static_cast<std::uint32_t>(Outcome::Exhausted)) +
+         glslConstant("kPassesHole", kPassesHole);
 }
 
-static_assert(kChannels.size() == 8, "give the new channel a constant here, and fill it in shaders/resolver.glsl");
+static_assert(kChannels.size() == 8, "give the new channel a constant here, and fill it in shaders/hit_columns.glsl");
 
 std::string resolverConstants() {
   const auto channel = [](const char* name, Channel c) { return glslConstant(name, static_cast<std::uint32_t>(c)); };
-  const auto verdict = [](const char* name, RayVerdict v) { return glslConstant(name, static_cast<std::uint32_t>(v)); };
+  const auto reason = [](const char* name, UnresolvedReason v) {
+    return glslConstant(name, static_cast<std::uint32_t>(v));
+  };
   return channel("kNormal", Channel::Normal) + channel("kInstance", Channel::Instance) +
          channel("kSemantic", Channel::Semantic) + channel("kMaterial", Channel::Material) +
          channel("kPrimitive", Channel::Primitive) + channel("kReflectance", Channel::Reflectance) +
-         channel("kIncidence", Channel::Incidence) + verdict("kOpen", RayVerdict::Open) +
-         verdict("kExhaustedRay", RayVerdict::Exhausted) + verdict("kLeftRay", RayVerdict::Left) +
+         channel("kIncidence", Channel::Incidence) + reason("kRounding", UnresolvedReason::Rounding) +
+         reason("kStepsUsedUp", UnresolvedReason::StepsUsedUp) + reason("kLeftField", UnresolvedReason::LeftField) +
          glslConstant("kInfinite", std::bit_cast<std::uint32_t>(kMiss)) + glslConstant("kLetsPass", kLetsPass) +
          glslConstant("kCutOut", kCutOut + 0u) + glslConstant("kTextured", kTextured + 0u);
 }
@@ -124,7 +127,7 @@ void DeviceMarch::reserve(bool lists, std::size_t particles) {
 }
 
 void DeviceMarch::run(const DistanceField& field, std::uint32_t steps, std::size_t particles, bool again) {
-  MarchBlock block = marchBlock(field, steps, particles);
+  MarchParameters block = marchParameters(field, steps, particles);
   block.again = again ? 1 : 0;
   marchers_.of(field.shape.lists)
       .run(particles, {&particles_, &records_}, std::as_bytes(std::span(&block, 1)),
@@ -136,26 +139,26 @@ void DeviceMarch::run(const DistanceField& field, std::uint32_t steps, std::size
             {&triangles_, ComputeTable::Texel::Float32x4}});
 }
 
-DeviceFields::HeldPool::HeldPool(const ComputeDevice& device)
+DeviceFields::UploadedPool::UploadedPool(const ComputeDevice& device)
     : levels(device),
       table(device),
       distances{ComputeBuffer(device)},
       words{ComputeBuffer(device)},
       lists{ComputeBuffer(device)} {}
 
-std::uint64_t DeviceFields::HeldPool::bytes() const {
+std::uint64_t DeviceFields::UploadedPool::bytes() const {
   return levels.bytes() + table.bytes() + distances.buffer.bytes() + words.buffer.bytes() + lists.buffer.bytes();
 }
 
 // Moves the pool's entry of pools_ to the front. If the pool has none, it gets the entry of a pool that no longer
 // exists, otherwise a new entry if memory suffices, otherwise the least recently used entry.
 void DeviceFields::take(const std::shared_ptr<const BrickPool>& pool) {
-  auto found = std::find_if(pools_.begin(), pools_.end(), [&](const HeldPool& p) { return p.pool.lock() == pool; });
+  auto found = std::find_if(pools_.begin(), pools_.end(), [&](const UploadedPool& p) { return p.pool.lock() == pool; });
   if (found == pools_.end()) {
-    found = std::find_if(pools_.begin(), pools_.end(), [](const HeldPool& p) { return p.pool.expired(); });
+    found = std::find_if(pools_.begin(), pools_.end(), [](const UploadedPool& p) { return p.pool.expired(); });
     if (found == pools_.end()) {
       std::uint64_t bytes = 0;
-      for (const HeldPool& held : pools_) bytes += held.bytes();
+      for (const UploadedPool& held : pools_) bytes += held.bytes();
       // Assumes that the new pool will have the mean size of the others.
       const bool fits = pools_.empty() || bytes + bytes / pools_.size() <= kMostBytes;
       found = fits ? pools_.emplace(pools_.end(), device_) : std::prev(pools_.end());
@@ -180,7 +183,7 @@ void DeviceFields::hold(const std::shared_ptr<const DistanceField>& field) {
 }
 
 void DeviceFields::upload(const std::shared_ptr<const DistanceField>& field) {
-  HeldPool& held = pools_.front();
+  UploadedPool& held = pools_.front();
   held.field.reset();  // the buffers belong to no field until all are filled
   const std::vector<DeviceLevel> levels = deviceLevels(*field);
   holdTable(device_, held.levels, Uint32x4, std::as_bytes(std::span(levels)), "levels", kMend);
@@ -209,31 +212,33 @@ void DeviceFields::append(Array& array, ComputeTable::Texel texel, std::span<con
 extern const std::string_view kLaunchShader;
 extern const std::string_view kMarchNearestShader;
 extern const std::string_view kMarchListsShader;
-extern const std::string_view kHitsNearestShader;
-extern const std::string_view kHitsListsShader;
+extern const std::string_view kResolveNearestShader;
+extern const std::string_view kResolveListsShader;
 
 std::string launchShader(bool lists) {
-  return program(glslConstant("kTogether", MarchJob::kTogether + 0u) + fmt::format("const bool kLists = {};\n", lists) +
-                     glslConstant("kLeftOut", kLeftOut),
+  return program(glslConstant("kGroupColumns", MarchJob::kGroupColumns + 0u) +
+                     fmt::format("const bool kLists = {};\n", lists) + glslConstant("kLeftToCpu", kLeftToCpu),
                  kLaunchShader);
 }
 
 std::string marchShader(bool lists) {
-  return program(fieldConstants() + glslConstant("kLastOfList", kLastOfList) + glslConstant("kNamed", kNamed) +
-                     glslConstant("kListed", kListed) + glslConstant("kRest", kRest) +
-                     glslConstant("kMiss", static_cast<std::uint32_t>(Outcome::Miss)) +
-                     glslConstant("kEmptyBend", kEmptyBend) + glslConstant("kNamedBend", kNamedBend) +
-                     glslConstant("kListedBend", kListedBend) + glslConstant("kSeam", kSeam) +
-                     glslConstant("kBehind", kBehind) + glslConstant("kTie", kTie) + glslConstant("kNudge", kNudge) +
-                     glslConstant("kFace", kFace),
-                 lists ? kMarchListsShader : kMarchNearestShader);
+  return program(
+      fieldConstants() + glslConstant("kLastOfList", kLastOfList) + glslConstant("kNearestLimit", kNearestLimit) +
+          glslConstant("kListLimit", kListLimit) + glslConstant("kHitDistance", kHitDistance) +
+          glslConstant("kMiss", static_cast<std::uint32_t>(Outcome::Miss)) +
+          glslConstant("kEmptyChordFactor", kEmptyChordFactor) +
+          glslConstant("kNearestChordFactor", kNearestChordFactor) +
+          glslConstant("kListChordFactor", kListChordFactor) + glslConstant("kTriangleMargin", kTriangleMargin) +
+          glslConstant("kBackwardTolerance", kBackwardTolerance) + glslConstant("kTieMargin", kTieMargin) +
+          glslConstant("kFaceOvershoot", kFaceOvershoot) + glslConstant("kExitPlane", kExitPlane),
+      lists ? kMarchListsShader : kMarchNearestShader);
 }
 
-std::string particleHitsShader(bool lists) {
-  return program(fieldConstants() + resolverConstants() + glslConstant("kTogether", MarchJob::kTogether + 0u) +
-                     glslConstant("kLeftOut", kLeftOut) + glslConstant("kDone", kParticleDone) +
-                     glslConstant("kBehindHole", kBehindHole) + glslConstant("kBehindHoleShare", kBehindHoleShare),
-                 lists ? kHitsListsShader : kHitsNearestShader);
+std::string resolveShader(bool lists) {
+  return program(fieldConstants() + resolverConstants() + glslConstant("kGroupColumns", MarchJob::kGroupColumns + 0u) +
+                     glslConstant("kLeftToCpu", kLeftToCpu) + glslConstant("kDone", kParticleDone) +
+                     glslConstant("kHoleSkip", kHoleSkip) + glslConstant("kHoleSkipShare", kHoleSkipShare),
+                 lists ? kResolveListsShader : kResolveNearestShader);
 }
 
 }  // namespace scanmill

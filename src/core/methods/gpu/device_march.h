@@ -17,14 +17,14 @@
 
 namespace scanmill {
 
-constexpr float kLeftOut = -1;  // Particles::begin of a particle that is left to the processor
+constexpr float kLeftToCpu = -1;  // Particles::begin of a particle that is left to the CPU
 
 // Values that the outcome column of hit records can have besides those of Outcome.
-constexpr std::uint32_t kGoOn = 3;                    // the particle continues behind a hole
+constexpr std::uint32_t kPassesHole = 3;              // the particle continues behind a hole
 constexpr std::uint32_t kParticleDone = 0x80000000u;  // flag: the particle's result is complete
 
 // The compute programs of particles, assembled from the files in methods/gpu/shaders and the constants that the
-// processor's code uses. A comment at the top of each file lists the program's buffers and tables. See gpu/compute.h.
+// CPU's code uses. A comment at the top of each file lists the program's buffers and tables. See gpu/compute.h.
 // The text of rays.glsl alone, for programs that need the rays of shots:
 extern const std::string_view kRaysShader;
 
@@ -32,7 +32,7 @@ extern const std::string_view kRaysShader;
 // the march program takes their steps, and the last program computes hits from their records.
 std::string launchShader(bool lists);
 std::string marchShader(bool lists);
-std::string particleHitsShader(bool lists);
+std::string resolveShader(bool lists);
 
 // Distance fields on a device. When a field moves with its sensor, the field at the new position shares a pool of
 // bricks with the field at the previous position (BrickPool). Only bricks that are not on the device yet are uploaded.
@@ -64,8 +64,8 @@ class DeviceFields {
   };
 
   // A pool on the device. `field`: the pool's field that was uploaded last.
-  struct HeldPool {
-    explicit HeldPool(const ComputeDevice& device);
+  struct UploadedPool {
+    explicit UploadedPool(const ComputeDevice& device);
     std::uint64_t bytes() const;
 
     std::weak_ptr<const BrickPool> pool;
@@ -80,7 +80,7 @@ class DeviceFields {
   void append(Array& array, ComputeTable::Texel texel, std::span<const T> all, std::size_t room, const char* what);
 
   ComputeDevice device_;
-  std::list<HeldPool> pools_;  // most recently used first
+  std::list<UploadedPool> pools_;  // most recently used first
 };
 
 // A program of shaders.h in two variants, for fields without lists and with lists, each compiled when it is first

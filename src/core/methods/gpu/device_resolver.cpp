@@ -30,11 +30,11 @@ std::uint32_t bitsOf(Channels channels) {
   return set;
 }
 
-static_assert(kChannels.size() == 8, "say in ColumnPlaces and take() where the new channel is");
+static_assert(kChannels.size() == 8, "say in ColumnOffsets and take() where the new channel is");
 
 // Starts of the requested columns, in words of 4 bytes. Class and material share a column.
-struct ColumnPlaces {
-  ColumnPlaces(Channels channels, std::size_t rays) : end(rays) {
+struct ColumnOffsets {
+  ColumnOffsets(Channels channels, std::size_t rays) : end(rays) {
     const auto next = [&](bool asked, std::size_t words) {
       const std::size_t at = end;
       if (asked) end += words * rays;
@@ -158,13 +158,13 @@ void DeviceResolver::holdMeshes(const World& world) {
   hold(reflectances_, Uint32, tables.texels, "scene's textures");
 }
 
-ResolverBlock DeviceResolver::block(const BeamTable& beams, Channels channels, std::size_t rays) {
+ResolverParameters DeviceResolver::block(const BeamTable& beams, Channels channels, std::size_t rays) {
   const RangeLimits limits = limitsOf(beams);
   return {limits.nearest, limits.farthest, bitsOf(channels), static_cast<std::uint32_t>(rays)};
 }
 
 std::uint64_t DeviceResolver::bytesPerRay(Channels channels) {
-  return ColumnPlaces(channels, 1).end * sizeof(std::uint32_t);
+  return ColumnOffsets(channels, 1).end * sizeof(std::uint32_t);
 }
 
 void DeviceResolver::reserve(Channels channels, std::size_t rays) {
@@ -177,8 +177,8 @@ ComputeTable DeviceResolver::table(std::size_t binding) const {
 }
 
 void DeviceResolver::take(std::span<const std::byte> columns, const Piece& piece, Hits& hits,
-                          std::vector<UndecidedRay>& undecided) {
-  const ColumnPlaces places(hits.channels, piece.all);
+                          std::vector<UnresolvedRay>& undecided) {
+  const ColumnOffsets places(hits.channels, piece.all);
   std::mutex mutex;
   const std::size_t before = undecided.size();
   parallelFor(piece.count, kTableGrain, [&](std::size_t from, std::size_t to) {
@@ -202,17 +202,17 @@ void DeviceResolver::take(std::span<const std::byte> columns, const Piece& piece
           hits.material[i + k] = static_cast<std::uint16_t>(labels[k] >> 16);
       }
     }
-    std::vector<UndecidedRay> mine;
+    std::vector<UnresolvedRay> mine;
     for (std::size_t i = from; i < to; ++i) {
       if (!std::isnan(hits.range[i])) continue;
-      mine.push_back({static_cast<std::uint32_t>(i), std::bit_cast<RayVerdict>(hits.range[i])});
+      mine.push_back({static_cast<std::uint32_t>(i), std::bit_cast<UnresolvedReason>(hits.range[i])});
     }
     if (mine.empty()) return;
     const std::scoped_lock lock(mutex);
     undecided.insert(undecided.end(), mine.begin(), mine.end());
   });
   std::sort(undecided.begin() + static_cast<std::ptrdiff_t>(before), undecided.end(),
-            [](const UndecidedRay& a, const UndecidedRay& b) { return a.ray < b.ray; });
+            [](const UnresolvedRay& a, const UnresolvedRay& b) { return a.ray < b.ray; });
 }
 
 LabelTables labelTables(const World& world) {

@@ -1,9 +1,9 @@
 #pragma once
 
 // Computes hits on a device from the triangles that a shot's rays hit, with the same bytes as methods/world/resolve.h
-// on the processor. Sums and products in double have the processor's bits (`precise`). Quotients and roots, which
-// devices round differently, are bounded; if rounding could change a requested number, the ray is left to the
-// processor.
+// on the CPU. Sums and products in double have the CPU's bits (`precise`). Quotients and roots, which
+// devices round differently, have error bounds (kSlack in shaders/rays.glsl); if two results are within a bound, the
+// ray is left to the CPU.
 
 #include <array>
 #include <cstddef>
@@ -53,20 +53,21 @@ struct LabelTables {
 // texels along a side.
 LabelTables labelTables(const World& world);
 
-// The result of a ray that is neither a hit nor a miss: a NaN in place of its range.
-enum class RayVerdict : std::uint32_t {
-  Open = 0x7FC00001u,       // the ray is left to the processor
-  Exhausted = 0x7FC00002u,  // a particle used up its steps
-  Left = 0x7FC00003u,       // a particle left the field
+// Why a ray is neither a hit nor a miss: a NaN in place of its range.
+enum class UnresolvedReason : std::uint32_t {
+  Rounding = 0x7FC00001u,     // two results are within the error bound of the device's arithmetic: left to the CPU
+  StepsUsedUp = 0x7FC00002u,  // a particle used up its steps
+  LeftField = 0x7FC00003u,    // a particle left the field
 };
 
-struct UndecidedRay {
+// A ray that the device has not resolved.
+struct UnresolvedRay {
   std::uint32_t ray;
-  RayVerdict verdict;
+  UnresolvedReason reason;
 };
 
-// The parameters that resolver.glsl reads, in std140 layout.
-struct ResolverBlock {
+// The parameters that hit_columns.glsl reads, in std140 layout.
+struct ResolverParameters {
   double nearest, farthest;    // m, the sensor's range limits
   std::uint32_t channels = 0;  // bits of the requested channels
   std::uint32_t rays = 0;
@@ -79,14 +80,14 @@ class DeviceResolver {
   // Uploads the planes and labels of all triangles of a flat world, with its materials.
   void holdMeshes(const World& world);
 
-  static ResolverBlock block(const BeamTable& beams, Channels channels, std::size_t rays);
+  static ResolverParameters block(const BeamTable& beams, Channels channels, std::size_t rays);
 
   // Reserves space for the hits of `rays` rays.
   void reserve(Channels channels, std::size_t rays);
   static std::uint64_t bytesPerRay(Channels channels);
-  // Returns the buffer for binding 5 of programs that include resolver.glsl.
+  // Returns the buffer for binding 5 of programs that include hit_columns.glsl.
   const ComputeBuffer& columns() const { return columns_; }
-  // table(binding) returns the tables for the bindings 0 to kTables - 1 of programs that include resolver.glsl.
+  // table(binding) returns the tables for the bindings 0 to kTables - 1 of programs that include hit_columns.glsl.
   static constexpr std::size_t kTables = 4;
   ComputeTable table(std::size_t binding) const;
 
@@ -99,7 +100,7 @@ class DeviceResolver {
   // Copies a piece's results to the channels that `hits` has, and adds the rays that are neither hits nor misses to
   // `undecided`, ascending. `columns`: a copy of the complete columns().
   static void take(std::span<const std::byte> columns, const Piece& piece, Hits& hits,
-                   std::vector<UndecidedRay>& undecided);
+                   std::vector<UnresolvedRay>& undecided);
 
  private:
   ComputeDevice device_;

@@ -12,27 +12,27 @@ namespace scanmill {
 
 namespace {
 
-// Largest number of holes that a particle passes on the device; a particle that passes more is left to the processor.
+// Largest number of holes that a particle passes on the device; a particle that passes more is left to the CPU.
 constexpr std::uint32_t kMostHoles = 6;
 
-// The parameters of launchShader() and particleHitsShader(), in std140 layout: see shaders/particles.glsl.
-struct ParticleBlock {
-  ResolverBlock common;
+// The parameters of launchShader() and resolveShader(), in std140 layout: see shaders/particles.glsl.
+struct ParticleParameters {
+  ResolverParameters common;
   std::uint32_t rings, columns, first, count, withOrigins, shotParticles, shotRays, shotPoses;
-  std::uint32_t firstAlpha, whole, last;
+  std::uint32_t firstAlpha, coversScene, last;
   std::int32_t lastLevel;
   float reach, metres;
-  double voxel, ends;
+  double voxel, pathLength;
   double low[4], high[4], centre[4];
-  double trust, aside, layer, alike;
+  double rangeErrorBound, layerLookupOffset, layerThickness, layerMinCosine;
 };
-static_assert(sizeof(ParticleBlock) == 224);
+static_assert(sizeof(ParticleParameters) == 224);
 
-ParticleBlock particleBlock(const MarchJob& job, Channels channels, std::size_t rays) {
+ParticleParameters particleParameters(const MarchJob& job, Channels channels, std::size_t rays) {
   const BeamTable& beams = *job.shot.beams;
   const FieldShape& shape = job.field().shape;
   const Box& box = job.around.box;
-  ParticleBlock block{};
+  ParticleParameters block{};
   block.common = DeviceResolver::block(beams, channels, rays);
   block.rings = beams.rings;
   block.columns = beams.columns;
@@ -41,25 +41,25 @@ ParticleBlock particleBlock(const MarchJob& job, Channels channels, std::size_t 
   block.shotRays = static_cast<std::uint32_t>(beams.size());
   block.shotPoses = static_cast<std::uint32_t>(job.shot.worldFromSensor.size());
   block.firstAlpha = job.triangles().firstAlpha;
-  block.whole = job.around.whole ? 1 : 0;
+  block.coversScene = job.around.coversScene ? 1 : 0;
   block.lastLevel = static_cast<std::int32_t>(job.field().levels.size()) - 1;
   block.reach = shape.reach;
   block.metres = static_cast<float>(shape.voxel);
   block.voxel = shape.voxel;
-  block.ends = job.farthest();
+  block.pathLength = job.pathLength();
   std::copy_n(std::array{box.low.x, box.low.y, box.low.z}.begin(), 3, block.low);
   std::copy_n(std::array{box.high.x, box.high.y, box.high.z}.begin(), 3, block.high);
   std::copy_n(std::array{shape.centre.x, shape.centre.y, shape.centre.z, 1 / shape.voxel}.begin(), 4, block.centre);
-  block.trust = kTrust;
-  block.aside = kAside;
-  block.layer = kLayer;
-  block.alike = kAlike;
+  block.rangeErrorBound = kRangeErrorBound;
+  block.layerLookupOffset = kLayerLookupOffset;
+  block.layerThickness = kLayerThickness;
+  block.layerMinCosine = kLayerMinCosine;
   return block;
 }
 
 }  // namespace
 
-bool GlMarcher::Flight::goesWith(const Flight& other) const {
+bool GlMarcher::ShotWork::canShareDispatch(const ShotWork& other) const {
   const MarchJob& a = job;
   const MarchJob& b = other.job;
   return a.around.field == b.around.field && a.around.world == b.around.world && a.steps == b.steps &&
@@ -72,8 +72,8 @@ GlMarcher::GlMarcher(const GlMarcherLimits& limits)
       slice_(std::min<std::uint64_t>(device_.limits().bufferBytes / (DeviceMarch::kMostColumns * sizeof(float)),
                                      limits.particles)) {}
 
-void GlMarcher::march(const MarchJob& job, Hits& hits, std::vector<UndecidedRay>& undecided, StageClock& clock) {
-  const Flight flight{job, hits.channels};
+void GlMarcher::march(const MarchJob& job, Hits& hits, std::vector<UnresolvedRay>& undecided, StageClock& clock) {
+  const ShotWork flight{job, hits.channels};
   const WallTimer timer;
   const Queue::Given given = queue_.give(flight);
   const std::span<const std::byte> columns = given.batch->hits.wait();
@@ -83,8 +83,8 @@ void GlMarcher::march(const MarchJob& job, Hits& hits, std::vector<UndecidedRay>
   DeviceResolver::take(columns, {given.batch->rays, given.from, flight.rays()}, hits, undecided);
 }
 
-void GlMarcher::run(const std::vector<const Flight*>& together, Queue::Batch& batch) {
-  const Flight& flight = *together.front();
+void GlMarcher::run(const std::vector<const ShotWork*>& together, Queue::Batch& batch) {
+  const ShotWork& flight = *together.front();
   const WallTimer timer;
   march_.hold(flight.job.around.field, flight.job.around.world);
   holdLabels(flight.job.around.world);
@@ -93,7 +93,7 @@ void GlMarcher::run(const std::vector<const Flight*>& together, Queue::Batch& ba
     device_.fail("the sensor has too many beams for a buffer of the graphics card");
   }
   DeviceBeams::Shots shots;
-  for (const Flight* one : together) {
+  for (const ShotWork* one : together) {
     shots.shots.push_back(&one->job.shot);
     shots.frames.push_back(&one->job.frame);
   }
@@ -111,12 +111,12 @@ void GlMarcher::run(const std::vector<const Flight*>& together, Queue::Batch& ba
 // Launches `count` particles, marches them and computes their hits. The particles of all shots are numbered in
 // sequence, and `first` is the number of the first launched particle. `rays`: number of rays of all shots of the
 // dispatch.
-void GlMarcher::fly(const Flight& flight, std::size_t rays, std::size_t first, std::size_t count) {
+void GlMarcher::fly(const ShotWork& flight, std::size_t rays, std::size_t first, std::size_t count) {
   const DistanceField& field = flight.job.field();
   const TriangleBlock& triangles = flight.job.triangles();
   const bool lists = field.shape.lists;
   const bool holes = lists && triangles.firstAlpha < triangles.triangles.size();
-  ParticleBlock block = particleBlock(flight.job, flight.channels, rays);
+  ParticleParameters block = particleParameters(flight.job, flight.channels, rays);
   block.first = static_cast<std::uint32_t>(first);
   block.count = static_cast<std::uint32_t>(count);
   const auto parameters = std::as_bytes(std::span(&block, 1));

@@ -30,42 +30,42 @@ class GlMarcher {
   explicit GlMarcher(const GlMarcherLimits& limits = {});
 
   // Launches the particles of a shot, marches them and fills the channels that `hits` has with the results of resolve()
-  // (methods/particle/launch_resolve.h), all on the device and with the same bits as on the processor. Adds the rays
-  // that end as neither hit nor miss, or that are left to the processor, to `undecided`, ascending. While one thread
+  // (methods/particle/resolve.h), all on the device and with the same bits as on the CPU. Adds the rays
+  // that end as neither hit nor miss, or that are left to the CPU, to `undecided`, ascending. While one thread
   // waits for the device or copies its results, other threads may submit work; waiting shots in the same field are
   // dispatched together. Adds to the stages "upload" (of field and scene), "march" (submitting the work and waiting for
   // its results) and "read_back" of `clock`. Throws Error, for instance if the beams or the hits do not fit into the
   // device's buffers.
-  void march(const MarchJob& job, Hits& hits, std::vector<UndecidedRay>& undecided, StageClock& clock);
+  void march(const MarchJob& job, Hits& hits, std::vector<UnresolvedRay>& undecided, StageClock& clock);
   std::string device() const { return device_.nameAndPlace(); }
 
  private:
   // The work on the particles of one shot, from launch to hits.
-  struct Flight {
+  struct ShotWork {
     const MarchJob& job;
     Channels channels;
     mutable double upload = 0;  // s, time to upload field and scene; set for a dispatch's first shot
 
     std::size_t rays() const { return job.shot.beams->size(); }
     std::uint64_t bytes() const { return DeviceResolver::bytesPerRay(channels) * rays(); }
-    bool goesWith(const Flight& other) const;
+    bool canShareDispatch(const ShotWork& other) const;
   };
-  using Queue = ShotQueue<Flight>;
+  using Queue = ShotQueue<ShotWork>;
 
-  void run(const std::vector<const Flight*>& together, Queue::Batch& batch);
-  void fly(const Flight& flight, std::size_t rays, std::size_t first, std::size_t count);
+  void run(const std::vector<const ShotWork*>& together, Queue::Batch& batch);
+  void fly(const ShotWork& flight, std::size_t rays, std::size_t first, std::size_t count);
   void holdLabels(const std::shared_ptr<const World>& world);
 
   ComputeDevice device_;
   const std::uint64_t slice_;  // greatest number of particles that march at once
   MarchPrograms launchers_{device_, "launch", launchShader};
-  MarchPrograms resolvers_{device_, "particles' hits", particleHitsShader};
+  MarchPrograms resolvers_{device_, "particles' hits", resolveShader};
   DeviceBeams beams_{device_};
   DeviceMarch march_{device_};
   DeviceResolver resolver_{device_};
   std::weak_ptr<const World> labelled_;  // the world whose planes and labels are uploaded
   Queue queue_{device_, device_.limits().bufferBytes,
-               [this](const std::vector<const Flight*>& together, Queue::Batch& batch) { run(together, batch); }};
+               [this](const std::vector<const ShotWork*>& together, Queue::Batch& batch) { run(together, batch); }};
 };
 
 }  // namespace scanmill

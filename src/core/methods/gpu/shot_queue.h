@@ -23,7 +23,8 @@ namespace scanmill {
 //
 //     std::size_t rays() const
 //     std::uint64_t bytes() const              // size of the largest array whose size depends on the work
-//     bool goesWith(const Work& other) const   // true only for works of equally many rays that can share a dispatch
+//     bool canShareDispatch(const Work& other) const   // true only for works of equally many rays that can share a
+//     dispatch
 //
 template <class Work>
 class ShotQueue {
@@ -136,7 +137,7 @@ class ShotQueue {
     together.reserve(queue_.size());
     left.reserve(queue_.size());
     for (Waiting* waiting : queue_) {
-      (together.size() < most && waiting->work.goesWith(first) ? together : left).push_back(waiting);
+      (together.size() < most && waiting->work.canShareDispatch(first) ? together : left).push_back(waiting);
     }
     queue_ = std::move(left);
     return together;

@@ -45,8 +45,8 @@ std::size_t mostPoolsOf(const ParticleOptions& options) {
 
 // Returns the squared distance between the centres of two fields (m^2).
 double apart2(const FieldShape& a, const FieldShape& b) {
-  const Vec3d way = a.centre - b.centre;
-  return dot(way, way);
+  const Vec3d gap = a.centre - b.centre;
+  return dot(gap, gap);
 }
 
 }  // namespace
@@ -76,7 +76,7 @@ SensorField FieldStore::around(const Vec3d& sensor, double range, StageClock& cl
   if (!bounds_.empty()) scene = {bounds_.low - origin, bounds_.high - origin};
   const FieldShape shape = shapeOf(options_, sensor - origin, scene, range);
   made.box = marchBox(shape);
-  made.whole = holds(made.box, scene);
+  made.coversScene = holds(made.box, scene);
   made.field = fieldOf(made.world, shape, clock);
   return made;
 }

@@ -4,10 +4,10 @@
 // distance around the particle that the field says is free. A particle ends where it hits a surface, at the end of its
 // path, or after its largest number of steps.
 //
-// There are two backends: the SIMD lanes of the processor (march_stream.h) and a compute shader
+// There are two backends: the SIMD lanes of the CPU (march_stream.h) and a compute shader
 // (methods/gpu/shaders/march.glsl). Both use float32 and only additions, multiplications, comparisons and conversions,
 // in the same order and without contraction to fused operations. Both therefore take the same steps, bit by bit, on any
-// processor or GPU that follows IEEE 754.
+// CPU or GPU that follows IEEE 754.
 
 #include <cstdint>
 #include <span>
@@ -34,17 +34,17 @@ struct Particles {
 
 // The results of particles, in the order of the particles.
 struct HitRecords {
-  std::vector<float> way;               // distance from the particle's origin (field frame); set only for hits
+  std::vector<float> travelled;         // distance from the particle's origin (field frame); set only for hits
   std::vector<std::uint32_t> triangle;  // index in World::baked; set only for hits
   std::vector<std::uint32_t> outcome;   // Outcome + 4 * number of steps
 
-  std::size_t size() const { return way.size(); }
+  std::size_t size() const { return travelled.size(); }
   void reset(std::size_t count);  // resets all records to zero steps
   Outcome outcomeOf(std::size_t i) const { return static_cast<Outcome>(outcome[i] & 3u); }
   std::uint32_t stepsOf(std::size_t i) const { return outcome[i] >> 2; }
   // Copies record j of `others` to record i.
   void copy(std::size_t i, const HitRecords& others, std::size_t j) {
-    way[i] = others.way[j];
+    travelled[i] = others.travelled[j];
     triangle[i] = others.triangle[j];
     outcome[i] = others.outcome[j];
   }

@@ -1,8 +1,8 @@
-// Marches particles in the SIMD lanes of the processor. The code between HWY_BEFORE_NAMESPACE() and
-// HWY_AFTER_NAMESPACE() is compiled for each instruction set that Highway knows for this kind of processor, and the
+// Marches particles in the SIMD lanes of the CPU. The code between HWY_BEFORE_NAMESPACE() and
+// HWY_AFTER_NAMESPACE() is compiled for each instruction set that Highway knows for this kind of CPU, and the
 // best one that the machine has is used.
 
-#ifdef __AVX2__  // a build for this machine's processor compiles only the processor's instruction set
+#ifdef __AVX2__  // a build for this machine's CPU compiles only the CPU's instruction set
 #define HWY_COMPILE_ONLY_STATIC
 #endif
 #undef HWY_TARGET_INCLUDE
@@ -22,9 +22,9 @@ namespace scanmill::HWY_NAMESPACE {
 void marchInLanes(const DistanceField& field, const TriangleBlock& triangles, std::uint32_t steps,
                   const Particles& particles, std::span<const std::uint32_t> which, HitRecords& records) {
   if (field.shape.lists) {
-    RayStream<true>(field, triangles, steps, particles, which, records).run();
+    ParticleStream<true>(field, triangles, steps, particles, which, records).run();
   } else {
-    RayStream<false>(field, triangles, steps, particles, which, records).run();
+    ParticleStream<false>(field, triangles, steps, particles, which, records).run();
   }
 }
 
@@ -47,7 +47,7 @@ void Particles::resize(std::size_t count, bool lists) {
 }
 
 void HitRecords::reset(std::size_t count) {
-  way.assign(count, 0);
+  travelled.assign(count, 0);
   triangle.assign(count, 0);
   outcome.assign(count, 0);
 }

@@ -1,9 +1,9 @@
-// Steps particles, as many at a time as the processor has lanes, for march_cpu.cpp. The shader
+// Steps particles, as many at a time as the CPU has lanes, for march_cpu.cpp. The shader
 // methods/gpu/shaders/march.glsl takes the same steps.
 //
 // Particles stream through the lanes: as soon as a particle is done, the next particle takes its lane, so that a long
 // path leaves no other lane idle. A step is split into stages, and each stage is done for all groups of lanes before
-// the next stage begins: while one group waits for its loads, which take far longer than arithmetic, the processor
+// the next stage begins: while one group waits for its loads, which take far longer than arithmetic, the CPU
 // works on the other groups. The result of a particle does not depend on other particles. Compared with one particle at
 // a time, the lanes of AVX-512 make scans 3.1 to 3.5 times as fast; the groups contribute 15 to 25 % of this speed-up
 // (docs/particle.md).
@@ -26,7 +26,7 @@ HWY_BEFORE_NAMESPACE();
 namespace scanmill::HWY_NAMESPACE {
 
 constexpr std::size_t kLaneGroups = 12;
-static_assert(kLaneGroups * kLanes <= TriangleTester::kLines);
+static_assert(kLaneGroups * kLanes <= ListIntersector::kLines);
 
 constexpr std::uint32_t kCornerRow = kBrickCorners;
 constexpr std::uint32_t kCornerLayer = kBrickCorners * kBrickCorners;
@@ -35,7 +35,7 @@ constexpr std::uint32_t kCornerLayer = kBrickCorners * kBrickCorners;
 struct LaneGroup {
   HWY_ALIGN_MAX LaneFloats o[3] = {}, d[3] = {}, begin = {}, end = {};
   HWY_ALIGN_MAX LaneFloats w[3] = {}, inverse[3] = {};  // used only in fields with lists
-  HWY_ALIGN_MAX LaneFloats way = {};
+  HWY_ALIGN_MAX LaneFloats travelled = {};
   HWY_ALIGN_MAX LaneWords outcome = {};  // 4 * number of steps; record() gets this number plus the Outcome
   std::size_t particle[kLanes] = {};
   LaneBits active = 0;  // lanes that have a particle
@@ -44,10 +44,10 @@ struct LaneGroup {
   HWY_ALIGN_MAX LaneFloats f[3] = {}, scale = {};  // position in the voxel; scale = 2^-level
   HWY_ALIGN_MAX LaneWords in[3] = {};              // coordinates of the voxel in its brick
   HWY_ALIGN_MAX LaneWords entry = {}, cell = {};
-  HWY_ALIGN_MAX LaneWords rows[4] = {};  // pairs of distances; with lists, only the pair of the nearest corner
-  HWY_ALIGN_MAX LaneFloats looked = {};  // `way` before the step
-  HWY_ALIGN_MAX LaneWords corner = {};   // without lists: the corner nearest to a particle that rests at a surface
-  LaneBits meeting = 0;                  // lanes that rest at a surface, or have triangles to test
+  HWY_ALIGN_MAX LaneWords rows[4] = {};           // pairs of distances; with lists, only the pair of the nearest corner
+  HWY_ALIGN_MAX LaneFloats travelledBefore = {};  // `travelled` before the advance
+  HWY_ALIGN_MAX LaneWords corner = {};  // without lists: the corner nearest to a particle that rests at a surface
+  LaneBits mayHit = 0;                  // lanes that rest at a surface, or have triangles to test
 };
 
 // The parameters of all levels, indexed by level.
@@ -107,17 +107,17 @@ inline Words wordsWhere(Mask mask, Words yes, Words no) {
 // Marches particles. Without lists, the record of a hit contains the corner whose word is the triangle; marchCpu()
 // replaces the corner by the triangle.
 template <bool kLists>
-class RayStream {
+class ParticleStream {
  public:
-  RayStream(const DistanceField& field, const TriangleBlock& triangles, std::uint32_t steps, const Particles& particles,
-            std::span<const std::uint32_t> which, HitRecords& records)
+  ParticleStream(const DistanceField& field, const TriangleBlock& triangles, std::uint32_t steps,
+                 const Particles& particles, std::span<const std::uint32_t> which, HitRecords& records)
       : field_(field),
-        spent_(4 * steps),
+        exhaustedAt_(4 * steps),
         particles_(particles),
         which_(which),
         records_(records),
         tables_(field),
-        tester_(field, triangles) {}
+        intersector_(field, triangles) {}
 
   void run() {
     LaneBits active = 0;
@@ -127,29 +127,29 @@ class RayStream {
     }
     while (active != 0) {
       for (LaneGroup& group : groups_) {
-        if (group.active != 0) locate(group);
+        if (group.active != 0) locateVoxels(group);
       }
       for (LaneGroup& group : groups_) {
-        if (group.active != 0) aim(group);
+        if (group.active != 0) chooseCorners(group);
       }
       for (LaneGroup& group : groups_) {
-        if (group.active != 0) fetch(group);
+        if (group.active != 0) loadDistances(group);
       }
       for (std::size_t g = 0; g < kLaneGroups; ++g) {
-        if (groups_[g].active != 0) step(g);
+        if (groups_[g].active != 0) advance(g);
       }
-      if constexpr (kLists) tester_.meet();
+      if constexpr (kLists) intersector_.intersect();
       active = 0;
       for (std::size_t g = 0; g < kLaneGroups; ++g) {
-        if (groups_[g].active != 0) settle(g);
+        if (groups_[g].active != 0) recordAndRefill(g);
         active |= groups_[g].active;
       }
     }
   }
 
  private:
-  void record(std::size_t i, float way, std::uint32_t triangle, std::uint32_t outcome) {
-    records_.way[i] = way;
+  void record(std::size_t i, float travelled, std::uint32_t triangle, std::uint32_t outcome) {
+    records_.travelled[i] = travelled;
     records_.triangle[i] = triangle;
     records_.outcome[i] = outcome;
   }
@@ -160,8 +160,8 @@ class RayStream {
     while (next_ < which_.size()) {
       const std::uint32_t i = which_[next_++];
       const std::uint32_t taken = 4 * records_.stepsOf(i);
-      if (taken >= spent_ || !(particles_.begin[i] < particles_.end[i])) {
-        record(i, 0, 0, taken + static_cast<std::uint32_t>(taken >= spent_ ? Outcome::Exhausted : Outcome::Miss));
+      if (taken >= exhaustedAt_ || !(particles_.begin[i] < particles_.end[i])) {
+        record(i, 0, 0, taken + static_cast<std::uint32_t>(taken >= exhaustedAt_ ? Outcome::Exhausted : Outcome::Miss));
         continue;
       }
       group.o[0][lane] = particles_.ox[i];
@@ -170,7 +170,7 @@ class RayStream {
       group.d[0][lane] = particles_.dx[i];
       group.d[1][lane] = particles_.dy[i];
       group.d[2][lane] = particles_.dz[i];
-      group.begin[lane] = group.way[lane] = particles_.begin[i];
+      group.begin[lane] = group.travelled[lane] = particles_.begin[i];
       group.end[lane] = particles_.end[i];
       if constexpr (kLists) {
         group.w[0][lane] = particles_.wx[i];
@@ -188,11 +188,11 @@ class RayStream {
   }
 
   // Finds the level, brick and voxel of each particle, and loads the brick's table entry.
-  void locate(LaneGroup& group) const {
-    const Floats way = hn::Load(kFloats, group.way);
+  void locateVoxels(LaneGroup& group) const {
+    const Floats travelled = hn::Load(kFloats, group.travelled);
     Floats q[3];
     for (int k = 0; k < 3; ++k) {
-      q[k] = hn::Add(hn::Load(kFloats, group.o[k]), hn::Mul(hn::Load(kFloats, group.d[k]), way));
+      q[k] = hn::Add(hn::Load(kFloats, group.o[k]), hn::Mul(hn::Load(kFloats, group.d[k]), travelled));
     }
     const Floats most = hn::Max(hn::Abs(q[0]), hn::Max(hn::Abs(q[1]), hn::Abs(q[2])));
     const Floats share = hn::Mul(most, hn::Set(kFloats, 1.0f / field_.shape.reach));
@@ -225,7 +225,7 @@ class RayStream {
 
   // In full bricks, finds the first corner of the voxel or, with lists, the corner nearest to the particle. Prefetches
   // the corner's distances, which may be anywhere in memory.
-  void aim(LaneGroup& group) const {
+  void chooseCorners(LaneGroup& group) const {
     const Words entry = hn::Load(kWords, group.entry);
     const Mask full = isFull(entry);
     const LaneBits lanes = bitsOf(full);
@@ -246,7 +246,7 @@ class RayStream {
 
   // For particles in full bricks, loads the distances at the corners of the voxel or, with lists, at the corner that
   // aim() chose.
-  void fetch(LaneGroup& group) const {
+  void loadDistances(LaneGroup& group) const {
     if (hn::AllFalse(kFloats, isFull(hn::Load(kWords, group.entry)))) return;
     const Words cell = hn::Load(kWords, group.cell);
     if constexpr (kLists) {
@@ -297,18 +297,18 @@ class RayStream {
   static Floats exitOf(const LaneGroup& group, const Floats (&r)[3]) {
     const auto face = [&](int k) {
       const Floats inverse = hn::Load(kFloats, group.inverse[k]);
-      return hn::Mul(hn::Sub(hn::CopySignToAbs(hn::Set(kFloats, kFace), inverse), r[k]), inverse);
+      return hn::Mul(hn::Sub(hn::CopySignToAbs(hn::Set(kFloats, kExitPlane), inverse), r[k]), inverse);
     };
     return hn::Min(face(0), hn::Min(face(1), face(2)));
   }
 
   // Takes one step of the particles in group g, without intersecting triangles yet.
-  void step(std::size_t g) {
+  void advance(std::size_t g) {
     LaneGroup& group = groups_[g];
     const Floats d[3] = {hn::Load(kFloats, group.d[0]), hn::Load(kFloats, group.d[1]), hn::Load(kFloats, group.d[2])};
-    const Floats way = hn::Load(kFloats, group.way);
+    const Floats travelled = hn::Load(kFloats, group.travelled);
     const Floats scale = hn::Load(kFloats, group.scale);
-    const Floats grow = hn::BitCast(kFloats, hn::Sub(hn::Set(kWords, 254u << 23), hn::BitCast(kWords, scale)));
+    const Floats voxelSize = hn::BitCast(kFloats, hn::Sub(hn::Set(kWords, 254u << 23), hn::BitCast(kWords, scale)));
     const Words entry = hn::Load(kWords, group.entry);
     const Mask full = isFull(entry);
     const bool anyFull = !hn::AllFalse(kFloats, full);
@@ -320,7 +320,7 @@ class RayStream {
       r[k] = hn::Add(hn::Load(kFloats, group.f[k]), hn::ConvertTo(kFloats, middle));
     }
     Floats radius = hn::BitCast(kFloats, entry);
-    Floats bend = hn::Set(kFloats, kEmptyBend);
+    Floats chordFactor = hn::Set(kFloats, kEmptyChordFactor);
     [[maybe_unused]] Mask far = hn::Not(full);
     if (anyFull) {
       for (int k = 0; k < 3; ++k) {
@@ -328,79 +328,80 @@ class RayStream {
         r[k] = hn::IfThenElse(full, hn::Sub(hn::Load(kFloats, group.f[k]), corner), r[k]);
       }
       radius = hn::IfThenElse(full, nearestDistance(group), radius);
-      far = hn::Gt(radius, hn::Set(kFloats, kNamed));
-      const Floats fullBend = hn::IfThenElse(far, hn::Set(kFloats, kNamedBend), hn::Set(kFloats, kListedBend));
-      bend = hn::IfThenElse(full, fullBend, bend);
+      far = hn::Gt(radius, hn::Set(kFloats, kNearestLimit));
+      const Floats fullChordFactor =
+          hn::IfThenElse(far, hn::Set(kFloats, kNearestChordFactor), hn::Set(kFloats, kListChordFactor));
+      chordFactor = hn::IfThenElse(full, fullChordFactor, chordFactor);
     }
     const Floats square = dotOf(r, r);
     const Floats along = dotOf(r, d);
-    const Floats half = hn::Sub(radius, hn::Mul(hn::Sub(square, hn::Mul(along, along)), bend));
+    const Floats half = hn::Sub(radius, hn::Mul(hn::Sub(square, hn::Mul(along, along)), chordFactor));
     Floats ahead = hn::Sub(half, along);
-    Mask meets = hn::FirstN(kFloats, 0);
+    Mask mayHit = hn::FirstN(kFloats, 0);
     if constexpr (kLists) {
       if (anyFull) {
         const Floats exit = exitOf(group, r);
-        const Mask inside = hn::Gt(radius, hn::Set(kFloats, kListed));
+        const Mask inside = hn::Gt(radius, hn::Set(kFloats, kListLimit));
         const Floats out = hn::Add(square, hn::Mul(hn::Add(hn::Add(along, along), exit), exit));
         const Floats ball = hn::Mul(radius, radius);
-        meets = hn::AndNot(inside, hn::Or(hn::Gt(square, ball), hn::Gt(out, ball)));
+        mayHit = hn::AndNot(inside, hn::Or(hn::Gt(square, ball), hn::Gt(out, ball)));
         const Floats longer = hn::IfThenElse(inside, hn::Max(ahead, exit), exit);
         ahead = hn::IfThenElse(full, longer, ahead);
       }
     } else if (!hn::AllTrue(kFloats, far)) {
       const Floats here = interpolate(group);
-      meets = hn::AndNot(far, hn::Le(here, hn::Set(kFloats, kRest)));
+      mayHit = hn::AndNot(far, hn::Le(here, hn::Set(kFloats, kHitDistance)));
       ahead = hn::IfThenElse(far, ahead, here);
     }
-    hn::Store(way, kFloats, group.looked);
-    group.meeting = bitsOf(meets) & group.active;
-    if (group.meeting != 0) {
+    hn::Store(travelled, kFloats, group.travelledBefore);
+    group.mayHit = bitsOf(mayHit) & group.active;
+    if (group.mayHit != 0) {
       if constexpr (kLists) {
-        ask(g, d, way, ahead, grow);
+        queueLines(g, d, travelled, ahead, voxelSize);
       } else {
         hn::Store(nearestOf(group, hn::Load(kWords, group.cell)), kWords, group.corner);
       }
     }
     // Inactive lanes move too, but only up to the end of their last path.
     const Floats end = hn::Load(kFloats, group.end);
-    hn::Store(hn::Min(hn::Add(way, hn::Mul(ahead, grow)), end), kFloats, group.way);
+    hn::Store(hn::Min(hn::Add(travelled, hn::Mul(ahead, voxelSize)), end), kFloats, group.travelled);
     hn::Store(hn::Add(hn::Load(kWords, group.outcome), hn::Set(kWords, 4)), kWords, group.outcome);
   }
 
   // Adds a line to tester_ for each lane of the group that has triangles to test.
-  void ask(std::size_t g, const Floats (&d)[3], Floats way, Floats exit, Floats grow) {
+  void queueLines(std::size_t g, const Floats (&d)[3], Floats travelled, Floats exit, Floats voxelSize) {
     const LaneGroup& group = groups_[g];
-    const Floats metres = hn::Set(kFloats, static_cast<float>(field_.shape.voxel));
-    const Floats voxel = hn::Mul(metres, grow);
-    const Floats gone = hn::Mul(way, metres);
+    const Floats metresPerUnit = hn::Set(kFloats, static_cast<float>(field_.shape.voxel));
+    const Floats voxel = hn::Mul(metresPerUnit, voxelSize);
+    const Floats gone = hn::Mul(travelled, metresPerUnit);
     Floats place[3];
     for (int k = 0; k < 3; ++k) place[k] = hn::Add(hn::Load(kFloats, group.w[k]), hn::Mul(d[k], gone));
-    const Floats past = hn::Mul(hn::Sub(hn::Load(kFloats, group.begin), way), metres);
-    const Floats low = hn::Max(hn::Mul(hn::Set(kFloats, -kBehind), voxel), past);
-    const Floats high = hn::Mul(hn::Add(exit, hn::Set(kFloats, kNudge)), voxel);
+    const Floats past = hn::Mul(hn::Sub(hn::Load(kFloats, group.begin), travelled), metresPerUnit);
+    const Floats low = hn::Max(hn::Mul(hn::Set(kFloats, -kBackwardTolerance), voxel), past);
+    const Floats high = hn::Mul(hn::Add(exit, hn::Set(kFloats, kFaceOvershoot)), voxel);
     const std::size_t first = g * kLanes;
-    hn::StoreInterleaved4(place[0], place[1], place[2], low, kFloats, &tester_.start[first].x);
-    hn::StoreInterleaved4(d[0], d[1], d[2], high, kFloats, &tester_.course[first].dx);
-    hn::Store(hn::Mul(hn::Set(kFloats, kTie), voxel), kFloats, tester_.tie + first);
-    for (LaneBits lanes = group.meeting; lanes != 0; lanes &= lanes - 1) {
+    hn::StoreInterleaved4(place[0], place[1], place[2], low, kFloats, &intersector_.start[first].x);
+    hn::StoreInterleaved4(d[0], d[1], d[2], high, kFloats, &intersector_.course[first].dx);
+    hn::Store(hn::Mul(hn::Set(kFloats, kTieMargin), voxel), kFloats, intersector_.tie + first);
+    for (LaneBits lanes = group.mayHit; lanes != 0; lanes &= lanes - 1) {
       const std::size_t lane = firstOf(lanes);
-      tester_.add(first + lane, group.cell[lane]);
+      intersector_.add(first + lane, group.cell[lane]);
     }
   }
 
   // Records the particles that are done, and refills their lanes.
-  void settle(std::size_t g) {
+  void recordAndRefill(std::size_t g) {
     LaneGroup& group = groups_[g];
-    LaneBits hits = group.meeting;
+    LaneBits hits = group.mayHit;
     if constexpr (kLists) {
       hits = 0;
-      for (LaneBits lanes = group.meeting; lanes != 0; lanes &= lanes - 1) {
+      for (LaneBits lanes = group.mayHit; lanes != 0; lanes &= lanes - 1) {
         const std::size_t lane = firstOf(lanes);
-        if (tester_.best[g * kLanes + lane].denominator > 0) hits |= LaneBits{1} << lane;
+        if (intersector_.nearest[g * kLanes + lane].denominator > 0) hits |= LaneBits{1} << lane;
       }
     }
-    const Mask spent = hn::RebindMask(kFloats, hn::Eq(hn::Load(kWords, group.outcome), hn::Set(kWords, spent_)));
-    const Mask done = hn::Not(hn::Lt(hn::Load(kFloats, group.way), hn::Load(kFloats, group.end)));
+    const Mask spent = hn::RebindMask(kFloats, hn::Eq(hn::Load(kWords, group.outcome), hn::Set(kWords, exhaustedAt_)));
+    const Mask done = hn::Not(hn::Lt(hn::Load(kFloats, group.travelled), hn::Load(kFloats, group.end)));
     LaneBits finished = (bitsOf(hn::Or(spent, done)) & group.active) | hits;
     if (finished == 0) return;
     for (; finished != 0; finished &= finished - 1) {
@@ -408,28 +409,29 @@ class RayStream {
       const std::size_t i = group.particle[lane];
       const std::uint32_t steps = group.outcome[lane];
       if ((hits >> lane & 1) == 0) {
-        const bool exhausted = steps == spent_;
+        const bool exhausted = steps == exhaustedAt_;
         record(i, 0, 0, steps + static_cast<std::uint32_t>(exhausted ? Outcome::Exhausted : Outcome::Miss));
       } else if constexpr (kLists) {
-        const Meeting& best = tester_.best[g * kLanes + lane];
-        const float metres = static_cast<float>(field_.shape.voxel);
-        record(i, group.looked[lane] + best.numerator / (best.denominator * metres), best.triangle, steps);
+        const LineHit& nearest = intersector_.nearest[g * kLanes + lane];
+        const float metresPerUnit = static_cast<float>(field_.shape.voxel);
+        record(i, group.travelledBefore[lane] + nearest.numerator / (nearest.denominator * metresPerUnit),
+               nearest.triangle, steps);
       } else {
         __builtin_prefetch(&field_.word[group.corner[lane]]);
-        record(i, group.looked[lane], group.corner[lane], steps);
+        record(i, group.travelledBefore[lane], group.corner[lane], steps);
       }
       refill(group, lane);
     }
   }
 
   const DistanceField& field_;
-  const std::uint32_t spent_;  // the largest number of steps, times 4 as in LaneGroup::outcome
+  const std::uint32_t exhaustedAt_;  // the largest number of steps, times 4 as in LaneGroup::outcome
   const Particles& particles_;
   std::span<const std::uint32_t> which_;
   std::size_t next_ = 0;  // index in which_ of the next particle to load
   HitRecords& records_;
   LevelTables tables_;
-  TriangleTester tester_;
+  ListIntersector intersector_;
   LaneGroup groups_[kLaneGroups];
 };
 

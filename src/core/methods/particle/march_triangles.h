@@ -68,7 +68,7 @@ struct LineCourse {
 
 // The intersection of a line with a triangle: numerator / denominator is its distance (m) from the
 // point x y z of LineStart.
-struct Meeting {
+struct LineHit {
   float numerator, denominator;  // denominator > 0: the line hits the triangle
   std::uint32_t triangle;
 };
@@ -76,11 +76,11 @@ struct Meeting {
 // The corners' lists of triangles differ in length, so pairs of a line and a triangle are first collected and then
 // intersected, kLanes pairs at a time, whichever lines they belong to. Words and lists are scattered in memory, so they
 // are prefetched before use.
-class TriangleTester {
+class ListIntersector {
  public:
   static constexpr std::size_t kLines = 16 * kLanes;
 
-  TriangleTester(const DistanceField& field, const TriangleBlock& triangles) : field_(field), triangles_(triangles) {}
+  ListIntersector(const DistanceField& field, const TriangleBlock& triangles) : field_(field), triangles_(triangles) {}
 
   // The caller fills these arrays for the lines that it adds.
   HWY_ALIGN_MAX LineStart start[kLines] = {};
@@ -88,55 +88,55 @@ class TriangleTester {
   HWY_ALIGN_MAX float tie[kLines] = {};
 
   void add(std::size_t line, std::uint32_t corner) {
-    asked_.push_back({static_cast<std::uint32_t>(line), corner});
+    queued_.push_back({static_cast<std::uint32_t>(line), corner});
     __builtin_prefetch(&field_.word[corner]);
-    best[line].denominator = 0;
+    nearest[line].denominator = 0;
   }
 
   // Intersects each added line with the triangles that its corner lists, sets `best`, and removes the added lines.
-  void meet();
+  void intersect();
 
-  Meeting best[kLines] = {};
+  LineHit nearest[kLines] = {};
 
  private:
-  struct Asked {
+  struct QueuedLine {
     std::uint32_t line, corner;
   };
   struct Pair {
     std::uint32_t line, triangle;
   };
 
-  void look(const Pair* pairs);
+  void intersectPairs(const Pair* pairs);
 
   const DistanceField& field_;
   const TriangleBlock& triangles_;
-  std::vector<Asked> asked_;
+  std::vector<QueuedLine> queued_;
   std::vector<Pair> pairs_;
 };
 
-inline void TriangleTester::meet() {
+inline void ListIntersector::intersect() {
   std::size_t lists = 0;
-  for (const Asked& asked : asked_) {
-    const std::uint32_t at = field_.word[asked.corner];
+  for (const QueuedLine& queued : queued_) {
+    const std::uint32_t at = field_.word[queued.corner];
     if (at == kNoWord) continue;
-    asked_[lists++] = {asked.line, at};
+    queued_[lists++] = {queued.line, at};
     __builtin_prefetch(&field_.lists[at]);
   }
   std::size_t count = 0;
   for (std::size_t k = 0; k < lists; ++k) {
-    const std::uint32_t line = asked_[k].line;
-    const std::uint32_t* entry = &field_.lists[asked_[k].corner];
+    const std::uint32_t line = queued_[k].line;
+    const std::uint32_t* entry = &field_.lists[queued_[k].corner];
     for (bool more = true; more; ++entry) {
       more = *entry < kLastOfList;
       if (count + kLanes >= pairs_.size()) pairs_.resize(2 * count + kLines);
       pairs_[count++] = {line, *entry & ~kLastOfList};
     }
   }
-  asked_.clear();
+  queued_.clear();
   // The last pair is repeated to fill the last lanes. Repeats change nothing, because only a nearer hit replaces
   // another.
   for (; count % kLanes != 0; ++count) pairs_[count] = pairs_[count - 1];
-  for (std::size_t k = 0; k < count; k += kLanes) look(pairs_.data() + k);
+  for (std::size_t k = 0; k < count; k += kLanes) intersectPairs(pairs_.data() + k);
 }
 
 inline void crossOf(const Floats (&a)[3], const Floats (&b)[3], Floats (&product)[3]) {
@@ -178,7 +178,7 @@ HWY_INLINE void loadTransposed(const Address& address, Floats& x, Floats& y, Flo
 }
 
 // Intersects kLanes pairs of a line and a triangle by the algorithm of Moeller and Trumbore 1997, without the division.
-inline void TriangleTester::look(const Pair* pairs) {
+inline void ListIntersector::intersectPairs(const Pair* pairs) {
   const Vec3f* vertices = triangles_.vertices.data();
   const Triangle* triangles = triangles_.corners.data();
   // Reads 16 bytes per vertex; the array has one more vertex as padding.
@@ -200,27 +200,27 @@ inline void TriangleTester::look(const Pair* pairs) {
   crossOf(d, ac, p);
   crossOf(s, ab, q);
   const Floats determinant = dotOf(ab, p);
-  const Mask turned = hn::Lt(determinant, hn::Zero(kFloats));
-  const Floats sign = hn::IfThenElse(turned, hn::Set(kFloats, -1.0f), hn::Set(kFloats, 1.0f));
-  const Floats whole = hn::Mul(determinant, sign);
+  const Mask backFacing = hn::Lt(determinant, hn::Zero(kFloats));
+  const Floats sign = hn::IfThenElse(backFacing, hn::Set(kFloats, -1.0f), hn::Set(kFloats, 1.0f));
+  const Floats denominator = hn::Mul(determinant, sign);
   const Floats u = hn::Mul(dotOf(s, p), sign);
   const Floats v = hn::Mul(dotOf(d, q), sign);
   const Floats t = hn::Mul(dotOf(ac, q), sign);
-  const Floats seam = hn::Mul(whole, hn::Set(kFloats, kSeam));
+  const Floats seam = hn::Mul(denominator, hn::Set(kFloats, kTriangleMargin));
   const Floats least = hn::Neg(seam);
   const Mask corner = hn::And(hn::Ge(u, least), hn::Ge(v, least));
-  const Mask edge = hn::And(hn::Le(hn::Add(u, v), hn::Add(whole, seam)), hn::Gt(whole, hn::Zero(kFloats)));
-  const Mask within = hn::And(hn::Ge(t, hn::Mul(low, whole)), hn::Le(t, hn::Mul(high, whole)));
-  LaneBits met = bitsOf(hn::And(hn::And(corner, edge), within));
-  if (met == 0) return;
+  const Mask edge = hn::And(hn::Le(hn::Add(u, v), hn::Add(denominator, seam)), hn::Gt(denominator, hn::Zero(kFloats)));
+  const Mask inSection = hn::And(hn::Ge(t, hn::Mul(low, denominator)), hn::Le(t, hn::Mul(high, denominator)));
+  LaneBits hits = bitsOf(hn::And(hn::And(corner, edge), inSection));
+  if (hits == 0) return;
   HWY_ALIGN_MAX LaneFloats numerators;
   HWY_ALIGN_MAX LaneFloats denominators;
   hn::Store(t, kFloats, numerators);
-  hn::Store(whole, kFloats, denominators);
-  for (; met != 0; met &= met - 1) {
-    const std::size_t k = firstOf(met);
-    const Meeting next{numerators[k], denominators[k], pairs[k].triangle};
-    Meeting& known = best[pairs[k].line];
+  hn::Store(denominator, kFloats, denominators);
+  for (; hits != 0; hits &= hits - 1) {
+    const std::size_t k = firstOf(hits);
+    const LineHit next{numerators[k], denominators[k], pairs[k].triangle};
+    LineHit& known = nearest[pairs[k].line];
     const float margin = tie[pairs[k].line] * known.denominator;
     if (!(known.denominator > 0) ||
         next.numerator * known.denominator < (known.numerator - margin) * next.denominator) {

@@ -13,7 +13,7 @@ inline constexpr std::uint32_t kVoxelsStep = 2 * kBrickVoxels;  // divides the n
 
 // The map `particle: {...}` of a pipeline.
 struct ParticleOptions {
-  enum class Backend { Cpu, Gl } backend = Backend::Cpu;  // on the processor, or by compute shaders of OpenGL
+  enum class Backend { Cpu, Gl } backend = Backend::Cpu;  // on the CPU, or by compute shaders of OpenGL
   double voxel = 0.1;                                     // m, voxel size of the finest level
   std::uint32_t voxels = 256;                             // voxels across each level
   std::uint32_t levels = 0;                               // number of levels; 0: as many as the sensor's range needs

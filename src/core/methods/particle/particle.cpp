@@ -1,8 +1,8 @@
 // The particle method (LiDAR-GEIL): one particle per beam, sphere-traced through a distance field.
 //
 // The field is built around the sensor and moves with it (distance_field.h). Particles march in float32, on the
-// processor or in a compute shader, with the same steps (march.h). Their hits are resolved in double precision from the
-// triangles that the field stores, so that labels and normals need no further tracing (launch_resolve.h).
+// CPU or in a compute shader, with the same steps (march.h). Their hits are resolved in double precision from the
+// triangles that the field stores, so that labels and normals need no further tracing (resolve.h).
 
 #include "methods/particle/particle.h"
 
@@ -24,9 +24,10 @@
 #include "methods/gpu/device_resolver.h"
 #include "methods/gpu/gl_marcher.h"
 #include "methods/particle/field_store.h"
-#include "methods/particle/launch_resolve.h"
+#include "methods/particle/launch.h"
 #include "methods/particle/march.h"
 #include "methods/particle/options.h"
+#include "methods/particle/resolve.h"
 
 namespace scanmill {
 
@@ -68,7 +69,7 @@ class ParticleMethod : public Method {
     const ShotFrame frame = frameOf(shot, around.world->origin);
     const MarchJob job{shot, frame, around, options_.steps};
     hits.reset(shot.beams->rings, shot.beams->columns, channels);
-    const MarchCounts counts =
+    const UnreliableBeams counts =
         gl_ != nullptr ? marchOnDevice(job, hits, clock) : marchOnCpu(job, tilesOf(*shot.beams), hits, clock);
     std::sort(hits.unresolved.begin(), hits.unresolved.end());
     return account(clock, shot, counts);
@@ -108,8 +109,8 @@ class ParticleMethod : public Method {
     return fields_.around(shot.worldFromSensor.front().translation, shot.beams->maxRange, clock);
   }
 
-  MarchCounts marchOnCpu(const MarchJob& job, std::span<const Tile> tiles, Hits& hits, StageClock& clock) const {
-    MarchCounts counts;
+  UnreliableBeams marchOnCpu(const MarchJob& job, std::span<const Tile> tiles, Hits& hits, StageClock& clock) const {
+    UnreliableBeams counts;
     std::mutex mutex;
     const std::size_t atOnce = std::clamp(tiles.size() / kFewestPieces, std::size_t{1}, kTilesAtOnce);
     const std::size_t pieces = (tiles.size() + atOnce - 1) / atOnce;
@@ -117,7 +118,7 @@ class ParticleMethod : public Method {
       Particles particles;
       HitRecords records;
       std::vector<std::uint32_t> all;
-      MarchCounts mine;
+      UnreliableBeams mine;
       std::vector<std::uint32_t> unresolved;
       for (std::size_t p = first; p < last; ++p) {
         const auto some = tiles.subspan(p * atOnce, std::min(atOnce, tiles.size() - p * atOnce));
@@ -143,28 +144,28 @@ class ParticleMethod : public Method {
     return counts;
   }
 
-  // Marches on the device. Tiles with rays that the device leaves undecided (RayVerdict::Open) are marched again on the
-  // processor.
-  MarchCounts marchOnDevice(const MarchJob& job, Hits& hits, StageClock& clock) const {
-    std::vector<UndecidedRay> undecided;
+  // Marches on the device. Tiles with rays that the device leaves undecided (UnresolvedReason::Rounding) are marched
+  // again on the CPU.
+  UnreliableBeams marchOnDevice(const MarchJob& job, Hits& hits, StageClock& clock) const {
+    std::vector<UnresolvedRay> undecided;
     gl_->march(job, hits, undecided, clock);
     const StageTimer timer(clock, "undecided");
     std::vector<Tile> open;
-    for (const UndecidedRay& ray : undecided) {
-      if (ray.verdict != RayVerdict::Open) continue;
+    for (const UnresolvedRay& ray : undecided) {
+      if (ray.reason != UnresolvedReason::Rounding) continue;
       const std::uint32_t column = ray.ray % hits.columns / kPacket * kPacket;
       const std::uint32_t ring = ray.ray / hits.columns;
       if (!open.empty() && open.back().ring == ring && open.back().column == column) continue;
       open.push_back({ring, column, 1, std::min<std::uint32_t>(kPacket, hits.columns - column)});
     }
-    MarchCounts counts;
+    UnreliableBeams counts;
     auto next = open.begin();
-    for (const UndecidedRay& ray : undecided) {
+    for (const UnresolvedRay& ray : undecided) {
       const auto firstOf = [&](const Tile& tile) { return tile.ring * hits.columns + tile.column; };
       while (next != open.end() && firstOf(*next) + next->width <= ray.ray) ++next;
       if (next != open.end() && firstOf(*next) <= ray.ray) continue;
-      counts.exhausted += ray.verdict == RayVerdict::Exhausted ? 1 : 0;
-      counts.leftField += ray.verdict == RayVerdict::Left ? 1 : 0;
+      counts.exhausted += ray.reason == UnresolvedReason::StepsUsedUp ? 1 : 0;
+      counts.leftField += ray.reason == UnresolvedReason::LeftField ? 1 : 0;
       hits.range[ray.ray] = kMiss;
       hits.unresolved.push_back(ray.ray);
     }
@@ -173,7 +174,7 @@ class ParticleMethod : public Method {
     return counts;
   }
 
-  TraceAccount account(const StageClock& clock, const Shot& shot, const MarchCounts& counts) const {
+  TraceAccount account(const StageClock& clock, const Shot& shot, const UnreliableBeams& counts) const {
     TraceAccount account{clock.seconds(), {}};
     const auto warn = [&](unsigned kind, std::uint64_t count, const std::string& what) {
       if (count == 0) return;
@@ -196,7 +197,7 @@ class ParticleMethod : public Method {
   ParticleOptions options_;
   FieldStore fields_;
   std::vector<CompactMaterial> materials_;
-  std::unique_ptr<GlMarcher> gl_;  // null: particles march on the processor
+  std::unique_ptr<GlMarcher> gl_;  // null: particles march on the CPU
 };
 
 }  // namespace

@@ -21,7 +21,7 @@ float component(double direction) {
 // Returns the length (m) of a ray whose hits do not matter beyond a distance `blocked` (m): more than that, by more
 // than the range that follows from a triangle's plane can differ from the traced range.
 float endOf(float blocked, float far) {
-  constexpr auto kMargin = static_cast<float>(2 * kTrust);
+  constexpr auto kMargin = static_cast<float>(2 * kRangeErrorBound);
   return std::min(far, blocked + (blocked * kMargin + kMargin));
 }
 
@@ -46,7 +46,8 @@ void findEnds(const PacketJob& job, const Tile& tile, float* ends) {
   }
 }
 
-void intersectAll(const PacketJob& job, const Rays& rays, const float* parts, const float* ends, TieContext& context) {
+void intersectAll(const PacketJob& job, const Rays& rays, const float* firedAt, const float* ends,
+                  TieContext& context) {
   RTCRayHit16 packet;
   alignas(64) int valid[kPacket];
   for (int i = 0; i < kPacket; ++i) {
@@ -58,7 +59,7 @@ void intersectAll(const PacketJob& job, const Rays& rays, const float* parts, co
     packet.ray.dir_z[i] = component(rays.dz[i]);
     packet.ray.tnear[i] = 0;
     packet.ray.tfar[i] = ends[i];
-    packet.ray.time[i] = parts[i];
+    packet.ray.time[i] = firedAt[i];
     packet.ray.mask[i] = ~0u;
     packet.ray.id[i] = static_cast<unsigned>(i);
     packet.ray.flags[i] = 0;
@@ -85,8 +86,8 @@ struct Pending {
   Tile tile;
   Rays rays;
   HitTriangle triangles[kPacket];
-  float traced[kPacket];  // m, range that Embree found
-  float parts[kPacket];
+  float traced[kPacket];   // m, range that Embree found
+  float firedAt[kPacket];  // see HitTriangle::firedAt
 };
 
 void intersect(const PacketJob& job, Pending& p) {
@@ -96,7 +97,7 @@ void intersect(const PacketJob& job, Pending& p) {
   context.reset();
   alignas(64) float ends[kPacket];
   findEnds(job, p.tile, ends);
-  intersectAll(job, p.rays, p.parts, ends, context);
+  intersectAll(job, p.rays, p.firedAt, ends, context);
   for (int i = 0; i < kPacket; ++i) {
     p.triangles[i] = i < p.rays.count ? triangleOf(job.world, context, i, p.triangles) : HitTriangle{};
     p.traced[i] = context.distance[i];
@@ -106,17 +107,17 @@ void intersect(const PacketJob& job, Pending& p) {
 SCANMILL_BEST_INSTRUCTIONS void begin(const PacketJob& job, const Tile& tile, Pending& p, Hits& hits) {
   p.tile = tile;
   prefetchStore(tile, hits);
-  setUp(job.shot, job.frame, tile, p.rays);
-  findParts(job.shot, job.frame, tile, job.world.revolution.duration, p.parts);
+  setUpRays(job.shot, job.frame, tile, p.rays);
+  fillFiringFractions(job.shot, job.frame, tile, job.world.revolution.duration, p.firedAt);
   intersect(job, p);
   for (int i = 0; i < kPacket; ++i) {
-    p.triangles[i].part = p.parts[i];
+    p.triangles[i].firedAt = p.firedAt[i];
     if (p.triangles[i].block != nullptr) prefetch(p.triangles[i].block->triangles[p.triangles[i].index]);
   }
 }
 
 SCANMILL_BEST_INSTRUCTIONS void finish(const PacketJob& job, const Pending& p, Hits& hits) {
-  Resolved resolved;
+  HitPlanes resolved;
   for (int i = 0; i < kPacket; ++i) {
     const HitTriangle& hit = p.triangles[i];
     if (hit.block == nullptr) {
@@ -127,7 +128,7 @@ SCANMILL_BEST_INSTRUCTIONS void finish(const PacketJob& job, const Pending& p, H
       loadPlane(hit, p.traced[i], resolved, i);
     }
   }
-  intersectPlanes(p.rays, *job.shot.beams, resolved);
+  usePlaneRanges(p.rays, *job.shot.beams, resolved);
   store(job.materials, p.tile, p.rays, resolved, p.triangles, hits);
 }
 

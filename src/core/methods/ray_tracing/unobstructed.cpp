@@ -158,7 +158,7 @@ Unobstructed::View Unobstructed::of(std::size_t thing, const Shot& shot, const B
     const std::optional<Interval> inside = crossing(extent, o, d);
     if (!inside || inside->enter > beams.maxRange) return false;
     const double time = beams.time.empty() ? beams.columnTime(column) : double{beams.time[beam]};
-    const float part = partOf(beams, beam, world->revolution.duration);
+    const float part = firingFraction(beams, beam, world->revolution.duration);
     // A surface of the thing that is nearer than the minimum range blocks this beam.
     if (inside->enter < beams.minRange && blocked(o, d, inside->enter, beams.minRange, part)) return false;
     const double from = std::max(inside->enter, beams.minRange);

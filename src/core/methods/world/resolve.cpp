@@ -9,9 +9,9 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kNothing = std::numeric_limits<double>::infinity();
+constexpr double kNoRange = std::numeric_limits<double>::infinity();
 
-float texturedReflectance(const HitTriangle& hit, const CompactMaterial& material, const Rays& rays, const Resolved& r,
+float texturedReflectance(const HitTriangle& hit, const CompactMaterial& material, const Rays& rays, const HitPlanes& r,
                           int i) {
   const Vec3d point =
       Vec3d{rays.ox[i], rays.oy[i], rays.oz[i]} + Vec3d{rays.dx[i], rays.dy[i], rays.dz[i]} * r.range[i];
@@ -68,7 +68,7 @@ void lookUp(const HitTriangle* triangles, const float* range, HitLabels& labels)
 }
 
 void storeReflectance(const std::vector<CompactMaterial>& materials, const Tile& tile, const Rays& rays,
-                      const Resolved& r, const HitTriangle* triangles, const float* range, const HitLabels& labels,
+                      const HitPlanes& r, const HitTriangle* triangles, const float* range, const HitLabels& labels,
                       Hits& hits) {
   float reflectance[kPacket];
   for (int i = 0; i < kPacket; ++i) {
@@ -81,7 +81,7 @@ void storeReflectance(const std::vector<CompactMaterial>& materials, const Tile&
   storeRows(tile, reflectance, hits.reflectance, hits.columns);
 }
 
-void storeIncidence(const Tile& tile, const Resolved& r, Hits& hits) {
+void storeIncidence(const Tile& tile, const HitPlanes& r, Hits& hits) {
   alignas(64) float incidence[kPacket];
   for (int i = 0; i < kPacket; ++i) {
     const double cosine = std::abs(r.cosine[i]);
@@ -91,7 +91,7 @@ void storeIncidence(const Tile& tile, const Resolved& r, Hits& hits) {
   storeRows(tile, incidence, hits.incidence, hits.columns);
 }
 
-void storeNormals(const Tile& tile, const Resolved& r, Hits& hits) {
+void storeNormals(const Tile& tile, const HitPlanes& r, Hits& hits) {
   alignas(64) float x[kPacket], y[kPacket], z[kPacket];
   for (int i = 0; i < kPacket; ++i) {
     const double towards = r.cosine[i] > 0 ? -1 : 1;
@@ -127,7 +127,7 @@ struct LanePoses {
 };
 
 // Sets up kPacket neighbouring rays of one ring. The arithmetic is that of Mat3 * Vec3d, lane by lane.
-void setUpRow(const ShotFrame& frame, const BeamTable& beams, const Tile& tile, Rays& rays) {
+void setUpRowOfRays(const ShotFrame& frame, const BeamTable& beams, const Tile& tile, Rays& rays) {
   const std::size_t first = std::size_t{tile.ring} * beams.columns + tile.column;
   const std::uint32_t* const step = &frame.step[tile.column];
   LanePoses poses;
@@ -177,14 +177,14 @@ ShotFrame frameOf(const Shot& shot, const Vec3d& origin, double duration) {
     frame.step[column] = static_cast<std::uint32_t>(shot.stepOf(column));
   }
   if (duration <= 0 || !beams.time.empty()) return frame;
-  frame.part.resize(beams.columns);
+  frame.columnFraction.resize(beams.columns);
   for (std::uint32_t column = 0; column < beams.columns; ++column) {
-    frame.part[column] = partOf(beams, column, duration);
+    frame.columnFraction[column] = firingFraction(beams, column, duration);
   }
   return frame;
 }
 
-float partOf(const BeamTable& beams, std::size_t ray, double duration) {
+float firingFraction(const BeamTable& beams, std::size_t ray, double duration) {
   if (duration <= 0) return 0;
   const auto column = static_cast<std::uint32_t>(ray % beams.columns);
   const double time =
@@ -192,25 +192,26 @@ float partOf(const BeamTable& beams, std::size_t ray, double duration) {
   return static_cast<float>(std::clamp(time / duration, 0.0, 1.0));
 }
 
-void findParts(const Shot& shot, const ShotFrame& frame, const Tile& tile, double duration, float* parts) {
-  std::fill_n(parts, kPacket, 0.0f);
+void fillFiringFractions(const Shot& shot, const ShotFrame& frame, const Tile& tile, double duration,
+                         float* fractions) {
+  std::fill_n(fractions, kPacket, 0.0f);
   if (duration <= 0) return;
   const BeamTable& beams = *shot.beams;
   for (std::uint32_t r = 0; r < tile.rows; ++r) {
-    float* const row = parts + r * tile.width;
-    if (!frame.part.empty()) {
-      std::copy_n(&frame.part[tile.column], tile.width, row);
+    float* const row = fractions + r * tile.width;
+    if (!frame.columnFraction.empty()) {
+      std::copy_n(&frame.columnFraction[tile.column], tile.width, row);
       continue;
     }
     const std::size_t first = std::size_t{tile.ring + r} * beams.columns + tile.column;
-    for (std::uint32_t c = 0; c < tile.width; ++c) row[c] = partOf(beams, first + c, duration);
+    for (std::uint32_t c = 0; c < tile.width; ++c) row[c] = firingFraction(beams, first + c, duration);
   }
 }
 
-SCANMILL_BEST_INSTRUCTIONS void setUp(const Shot& shot, const ShotFrame& frame, const Tile& tile, Rays& rays) {
+SCANMILL_BEST_INSTRUCTIONS void setUpRays(const Shot& shot, const ShotFrame& frame, const Tile& tile, Rays& rays) {
   const BeamTable& beams = *shot.beams;
   if (tile.width == kPacket) {
-    setUpRow(frame, beams, tile, rays);
+    setUpRowOfRays(frame, beams, tile, rays);
     return;
   }
   int lane = 0;
@@ -241,27 +242,27 @@ SCANMILL_BEST_INSTRUCTIONS void setUp(const Shot& shot, const ShotFrame& frame, 
   }
 }
 
-SCANMILL_BEST_INSTRUCTIONS void intersectPlanes(const Rays& rays, const BeamTable& beams, Resolved& r) {
+SCANMILL_BEST_INSTRUCTIONS void usePlaneRanges(const Rays& rays, const BeamTable& beams, HitPlanes& r) {
   const RangeLimits limits = limitsOf(beams);
   for (int i = 0; i < kPacket; ++i) {
     const double along = r.nx[i] * rays.dx[i] + r.ny[i] * rays.dy[i] + r.nz[i] * rays.dz[i];
     const double origin = r.nx[i] * rays.ox[i] + r.ny[i] * rays.oy[i] + r.nz[i] * rays.oz[i];
     const double plane = (r.offset[i] - origin) / along;
-    const double low = r.traced[i] - (kTrust * r.traced[i] + kTrust);
-    const double high = r.traced[i] + (kTrust * r.traced[i] + kTrust);
+    const double low = r.traced[i] - (kRangeErrorBound * r.traced[i] + kRangeErrorBound);
+    const double high = r.traced[i] + (kRangeErrorBound * r.traced[i] + kRangeErrorBound);
     double range = plane > low ? plane : low;  // `low` also if `plane` is NaN
     range = range < high ? range : high;
-    const bool inside = (range >= limits.nearest) & (range <= limits.farthest) & (r.traced[i] < kNothing);
-    r.range[i] = inside ? range : kNothing;
+    const bool inside = (range >= limits.nearest) & (range <= limits.farthest) & (r.traced[i] < kNoRange);
+    r.range[i] = inside ? range : kNoRange;
     r.cosine[i] = along;
   }
 }
 
-SCANMILL_BEST_INSTRUCTIONS void keepTraced(const Rays& rays, const BeamTable& beams, Resolved& r) {
+SCANMILL_BEST_INSTRUCTIONS void useTracedRanges(const Rays& rays, const BeamTable& beams, HitPlanes& r) {
   const RangeLimits limits = limitsOf(beams);
   for (int i = 0; i < kPacket; ++i) {
     const bool inside = (r.traced[i] >= limits.nearest) & (r.traced[i] <= limits.farthest);
-    r.range[i] = inside ? r.traced[i] : kNothing;
+    r.range[i] = inside ? r.traced[i] : kNoRange;
     r.cosine[i] = r.nx[i] * rays.dx[i] + r.ny[i] * rays.dy[i] + r.nz[i] * rays.dz[i];
   }
 }
@@ -270,7 +271,7 @@ Vec2d barycentric(const HitTriangle& hit, const Vec3d& point) {
   const Triangle& corners = hit.block->corners[hit.index];
   const auto corner = [&](int k) {
     const Vec3d p(hit.block->vertices[corners[k]]);
-    return hit.placed == nullptr ? p : hit.placed->at(double{hit.part}) * p;
+    return hit.placed == nullptr ? p : hit.placed->at(double{hit.firedAt}) * p;
   };
   const Vec3d a = corner(0);
   return barycentric(corner(1) - a, corner(2) - a, point - a);
@@ -290,7 +291,7 @@ void prefetchStore(const Tile& tile, Hits& hits) {
 static_assert(kChannels.size() == 8, "fill the new channel in store()");
 
 SCANMILL_BEST_INSTRUCTIONS void store(const std::vector<CompactMaterial>& materials, const Tile& tile, const Rays& rays,
-                                      const Resolved& r, const HitTriangle* triangles, Hits& hits) {
+                                      const HitPlanes& r, const HitTriangle* triangles, Hits& hits) {
   const Channels asked = hits.channels;
   alignas(64) float range[kPacket];
   for (int i = 0; i < kPacket; ++i) range[i] = static_cast<float>(r.range[i]);

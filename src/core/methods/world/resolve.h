@@ -24,7 +24,7 @@ struct ShotFrame {
   std::vector<std::uint32_t> step;  // step of each column: Shot::stepOf()
   // Time at which each column fires, as a fraction (0 to 1) of the revolution. Empty if nothing moves, or if the table
   // gives each ray a time of its own.
-  std::vector<float> part;
+  std::vector<float> columnFraction;
 };
 
 // `duration`: duration (s) of the revolution of a world in which something moves; otherwise 0.
@@ -48,8 +48,8 @@ struct HitTriangle {
   const TriangleBlock* block = nullptr;  // null: the ray hits nothing
   const PlacedBlock* placed = nullptr;   // null: the triangle is baked
   std::uint32_t index = 0;
-  float part = 0;  // time at which the ray fires, as a fraction of the revolution (0 to 1), which determines the pose
-                   // of a moving mesh
+  float firedAt = 0;  // time at which the ray fires, as a fraction of the revolution (0 to 1), which determines the
+                      // pose of a moving mesh
 
   // Returns true if both rays hit the same triangle of the same object.
   bool sameTriangle(const HitTriangle& other) const {
@@ -58,7 +58,7 @@ struct HitTriangle {
 };
 
 // The planes of the hit triangles, relative to the world's origin, and the ranges and cosines that follow from them.
-struct Resolved {
+struct HitPlanes {
   alignas(64) Lane nx, ny, nz;  // unit normals
   alignas(64) Lane offset;      // m, normal . p for points p of the plane
   alignas(64) Lane traced;      // m, the range that Embree or the particle found; infinite for a miss
@@ -68,21 +68,22 @@ struct Resolved {
 
 // Returns the time at which a ray of the table fires, as a fraction (0 to 1) of a revolution of `duration` seconds; 0
 // if `duration` is 0, which means that nothing in the scene moves.
-float partOf(const BeamTable& beams, std::size_t ray, double duration);
+float firingFraction(const BeamTable& beams, std::size_t ray, double duration);
 
-void setUp(const Shot& shot, const ShotFrame& frame, const Tile& tile, Rays& rays);
+void setUpRays(const Shot& shot, const ShotFrame& frame, const Tile& tile, Rays& rays);
 
-// Sets `parts` to the times at which a tile's rays fire, as partOf() does for one ray; lanes without a ray get 0.
-void findParts(const Shot& shot, const ShotFrame& frame, const Tile& tile, double duration, float* parts);
+// Sets `fractions` to the times at which a tile's rays fire, as firingFraction() does for one ray; lanes without a ray
+// get 0.
+void fillFiringFractions(const Shot& shot, const ShotFrame& frame, const Tile& tile, double duration, float* fractions);
 
 // Loads the plane of a triangle that a ray has hit at about the range `traced` (m).
-inline void loadPlane(const HitTriangle& hit, float traced, Resolved& r, int lane) {
+inline void loadPlane(const HitTriangle& hit, float traced, HitPlanes& r, int lane) {
   const BlockTriangle& triangle = hit.block->triangles[hit.index];
   Vec3d normal = triangle.normal;
   double offset = triangle.offset;
   if (hit.placed != nullptr) {
     const bool moves = hit.placed->moves;
-    const Affine now = moves ? hit.placed->at(double{hit.part}) : hit.placed->originFromMesh;
+    const Affine now = moves ? hit.placed->at(double{hit.firedAt}) : hit.placed->originFromMesh;
     normal = (moves ? transposed(inverse(now.linear)) : hit.placed->normalFromMesh) * normal;
     const double scale = 1 / length(normal);
     normal = normal * scale;
@@ -96,7 +97,7 @@ inline void loadPlane(const HitTriangle& hit, float traced, Resolved& r, int lan
 }
 
 // Loads the plane that the lane before has, for a ray that hits the same triangle.
-inline void loadSamePlane(float traced, Resolved& r, int lane) {
+inline void loadSamePlane(float traced, HitPlanes& r, int lane) {
   r.nx[lane] = r.nx[lane - 1];
   r.ny[lane] = r.ny[lane - 1];
   r.nz[lane] = r.nz[lane - 1];
@@ -104,7 +105,7 @@ inline void loadSamePlane(float traced, Resolved& r, int lane) {
   r.traced[lane] = double{traced};
 }
 
-inline void loadMiss(Resolved& r, int lane) {
+inline void loadMiss(HitPlanes& r, int lane) {
   r.nx[lane] = r.ny[lane] = r.nz[lane] = r.offset[lane] = 0;
   r.traced[lane] = std::numeric_limits<double>::infinity();
 }
@@ -116,19 +117,20 @@ struct RangeLimits {
 
 RangeLimits limitsOf(const BeamTable& beams);
 
-// Largest difference between the range to a triangle's plane and the traced range: kTrust times the traced range, plus
-// kTrust metres. The limit is needed because the plane of a triangle that is seen edge-on gives an unreliable range.
-constexpr double kTrust = 1e-2;  // both a fraction and a length (m)
+// Largest difference between the range to a triangle's plane and the traced range: kRangeErrorBound times the traced
+// range, plus kRangeErrorBound metres. The limit is needed because the plane of a triangle that is seen edge-on gives
+// an unreliable range.
+constexpr double kRangeErrorBound = 1e-2;  // both a fraction and a length (m)
 
 // Sets each range to the distance along the ray to the plane of its triangle. This distance is clamped, so that it
-// differs from the traced range by no more than kTrust allows. A hit outside of the sensor's range limits becomes a
-// miss.
-void intersectPlanes(const Rays& rays, const BeamTable& beams, Resolved& r);
+// differs from the traced range by no more than kRangeErrorBound allows. A hit outside of the sensor's range limits
+// becomes a miss.
+void usePlaneRanges(const Rays& rays, const BeamTable& beams, HitPlanes& r);
 // Sets each range to the traced range. A hit outside of the sensor's range limits becomes a miss.
-void keepTraced(const Rays& rays, const BeamTable& beams, Resolved& r);
+void useTracedRanges(const Rays& rays, const BeamTable& beams, HitPlanes& r);
 
 // Writes the tile's hits to the channels that `hits` has.
-void store(const std::vector<CompactMaterial>& materials, const Tile& tile, const Rays& rays, const Resolved& r,
+void store(const std::vector<CompactMaterial>& materials, const Tile& tile, const Rays& rays, const HitPlanes& r,
            const HitTriangle* triangles, Hits& hits);
 
 // Prefetches the memory that store() will write.

@@ -291,8 +291,8 @@ class ExactTracer::Impl {
   void traceTile(const ExactWorld& world, const Shot& shot, const ShotFrame& frame, const Tile& tile,
                  std::vector<Found>& found, ExactHits& out) const {
     Rays rays;
-    setUp(shot, frame, tile, rays);
-    Resolved resolved;
+    setUpRays(shot, frame, tile, rays);
+    HitPlanes resolved;
     HitTriangle triangles[kPacket];
     for (int i = 0; i < kPacket; ++i) {
       loadMiss(resolved, i);
@@ -314,7 +314,7 @@ class ExactTracer::Impl {
       loadPlane(triangles[i], 0, resolved, i);
       resolved.traced[i] = first.range;
     }
-    keepTraced(rays, *shot.beams, resolved);
+    useTracedRanges(rays, *shot.beams, resolved);
     store(materials_, tile, rays, resolved, triangles, out.hits);
     std::copy_n(resolved.range, tile.width, &out.range[std::size_t{tile.ring} * out.hits.columns + tile.column]);
   }

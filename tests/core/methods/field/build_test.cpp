@@ -92,9 +92,9 @@ void checkCorner(const World& world, const DistanceField& field, const std::vect
   const double truth = *std::min_element(distances.begin(), distances.end());
   const double stored = field.distance[corner] * kDistanceStep;
   EXPECT_LE(stored, truth);
-  EXPECT_GE(stored, std::min<double>(truth, kExact) - 1.1 * kDistanceStep);
+  EXPECT_GE(stored, std::min<double>(truth, kExactLimit) - 1.1 * kDistanceStep);
   const std::uint32_t word = field.word[corner];
-  if (stored > (field.shape.lists ? kListed : kNamed)) {
+  if (stored > (field.shape.lists ? kListLimit : kNearestLimit)) {
     EXPECT_EQ(word, kNoWord);
     return;
   }
@@ -106,9 +106,9 @@ void checkCorner(const World& world, const DistanceField& field, const std::vect
   const std::vector<std::uint32_t> list = word == kNoWord ? std::vector<std::uint32_t>{} : listAt(field, word);
   const auto order = [&](std::uint32_t t) { return std::pair(world.baked.surfaceOf(t).instance, t); };
   for (std::size_t i = 1; i < list.size(); ++i) EXPECT_LT(order(list[i - 1]), order(list[i]));
-  for (const std::uint32_t t : list) EXPECT_TRUE(meetsCube(world, t, p, (kListedHalf + kNear) * voxel)) << t;
+  for (const std::uint32_t t : list) EXPECT_TRUE(meetsCube(world, t, p, (kListHalfSide + kNear) * voxel)) << t;
   for (std::uint32_t t = 0; t < distances.size(); ++t) {
-    if (distances[t] > 1 || !meetsCube(world, t, p, (kListedHalf - kNear) * voxel)) continue;
+    if (distances[t] > 1 || !meetsCube(world, t, p, (kListHalfSide - kNear) * voxel)) continue;
     EXPECT_TRUE(std::find(list.begin(), list.end(), t) != list.end()) << t;
   }
 }
@@ -257,7 +257,7 @@ TEST(Build, OneTriangle) {
 
 // A floor 0.7 voxels over one layer of corners and 0.3 under the next: only the voxels around these hold a part of it.
 TEST(Build, OnlyVoxelsThatHoldTrianglesHaveLists) {
-  static_assert(kListedHalf > 0.5f && kListedHalf < 0.58f);
+  static_assert(kListHalfSide > 0.5f && kListHalfSide < 0.58f);
   const Scene scene = sceneOf({{Vec3f{-50, -50, 0.07f}, {50, -50, 0.07f}, {0, 50, 0.07f}}});
   const auto world = worldOf(scene);
   const auto field = buildField(*world, shapeAt({}, 0.1, 32, 1, true));

@@ -63,7 +63,7 @@ std::vector<double> raysOnProcessor(const std::vector<Shot>& shots) {
     for (std::uint32_t ring = 0; ring < shot.beams->rings; ++ring) {
       for (std::uint32_t column = 0; column < shot.beams->columns; ++column) {
         Rays rays;
-        setUp(shot, frame, {ring, column, 1, 1}, rays);
+        setUpRays(shot, frame, {ring, column, 1, 1}, rays);
         made.insert(made.end(), {rays.ox[0], rays.oy[0], rays.oz[0], rays.dx[0], rays.dy[0], rays.dz[0]});
       }
     }

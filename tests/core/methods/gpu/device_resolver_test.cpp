@@ -34,14 +34,16 @@ TEST(DeviceResolver, TakesAPieceOfWhatADeviceHasMade) {
   constexpr std::uint32_t kAll = 60'000;
   std::vector<std::uint32_t> words = columnsOf(kAll);
   ASSERT_EQ(words.size() * 4, DeviceResolver::bytesPerRay(Channels::all()) * kAll);
-  const auto leave = [&](std::uint32_t ray, RayVerdict verdict) { words[ray] = static_cast<std::uint32_t>(verdict); };
-  leave(40'100, RayVerdict::Left);
-  leave(20'010, RayVerdict::Open);
-  leave(19'999, RayVerdict::Open);  // of another piece
-  leave(59'999, RayVerdict::Exhausted);
+  const auto leave = [&](std::uint32_t ray, UnresolvedReason reason) {
+    words[ray] = static_cast<std::uint32_t>(reason);
+  };
+  leave(40'100, UnresolvedReason::LeftField);
+  leave(20'010, UnresolvedReason::Rounding);
+  leave(19'999, UnresolvedReason::Rounding);  // of another piece
+  leave(59'999, UnresolvedReason::StepsUsedUp);
   Hits hits;
   hits.reset(100, 400, Channels::all());
-  std::vector<UndecidedRay> undecided;
+  std::vector<UnresolvedRay> undecided;
   DeviceResolver::take(std::as_bytes(std::span(words)), {kAll, 20'000, 40'000}, hits, undecided);
   for (const std::uint32_t i : {0u, 11u, 25'000u, 39'998u}) {
     const std::uint32_t from = 20'000 + i;
@@ -54,10 +56,11 @@ TEST(DeviceResolver, TakesAPieceOfWhatADeviceHasMade) {
     EXPECT_EQ(hits.primitive[i], 3 * from);
     EXPECT_EQ(hits.normal[i].z, static_cast<float>(3 * from + 2));
   }
-  std::vector<std::pair<std::uint32_t, RayVerdict>> rays;
-  for (const UndecidedRay& ray : undecided) rays.emplace_back(ray.ray, ray.verdict);
-  EXPECT_THAT(rays, testing::ElementsAre(std::pair(10u, RayVerdict::Open), std::pair(20'100u, RayVerdict::Left),
-                                         std::pair(39'999u, RayVerdict::Exhausted)));
+  std::vector<std::pair<std::uint32_t, UnresolvedReason>> rays;
+  for (const UnresolvedRay& ray : undecided) rays.emplace_back(ray.ray, ray.reason);
+  EXPECT_THAT(rays, testing::ElementsAre(std::pair(10u, UnresolvedReason::Rounding),
+                                         std::pair(20'100u, UnresolvedReason::LeftField),
+                                         std::pair(39'999u, UnresolvedReason::StepsUsedUp)));
 }
 
 // Materials that see a texture alike share its texels; others do not.

@@ -40,14 +40,14 @@ class GlMarch {
     const auto made = copyOf<std::byte>(device_, march_.records(), (lists ? 5 : 3) * bytes);
     std::size_t taken = 0;
     const auto take = [&](auto& column) { std::memcpy(column.data(), &made[taken++ * bytes], bytes); };
-    take(records.way);
+    take(records.travelled);
     take(records.triangle);
     take(records.outcome);
     if (lists) take(numerator);
     if (lists) take(denominator);
     const auto metres = static_cast<float>(field->shape.voxel);
     for (std::size_t i = 0; i < p.size() && lists; ++i) {
-      if (records.outcomeOf(i) == Outcome::Hit) records.way[i] += numerator[i] / (denominator[i] * metres);
+      if (records.outcomeOf(i) == Outcome::Hit) records.travelled[i] += numerator[i] / (denominator[i] * metres);
     }
     return records;
   }

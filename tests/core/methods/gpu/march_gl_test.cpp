@@ -116,14 +116,15 @@ Counts compared(const Surroundings& place, std::uint32_t steps, const Particles&
     counts.hits += outcome == Outcome::Hit;
     counts.misses += outcome == Outcome::Miss;
     counts.exhausted += outcome == Outcome::Exhausted;
-    const bool right = outcome == expected.outcome && records.stepsOf(i) == expected.steps &&
-                       std::bit_cast<std::uint32_t>(records.way[i]) == std::bit_cast<std::uint32_t>(expected.way) &&
-                       records.triangle[i] == expected.triangle;
+    const bool right =
+        outcome == expected.outcome && records.stepsOf(i) == expected.steps &&
+        std::bit_cast<std::uint32_t>(records.travelled[i]) == std::bit_cast<std::uint32_t>(expected.travelled) &&
+        records.triangle[i] == expected.triangle;
     if (!right && counts.wrong++ == 0) {
       ADD_FAILURE() << "particle " << i << ": outcome " << records.outcome[i] % 4 << " after " << records.stepsOf(i)
-                    << " steps, way " << records.way[i] << ", triangle " << records.triangle[i] << " and not "
-                    << static_cast<int>(expected.outcome) << " after " << expected.steps << ", way " << expected.way
-                    << ", triangle " << expected.triangle;
+                    << " steps, travelled " << records.travelled[i] << ", triangle " << records.triangle[i]
+                    << " and not " << static_cast<int>(expected.outcome) << " after " << expected.steps
+                    << ", travelled " << expected.travelled << ", triangle " << expected.triangle;
     }
   }
   EXPECT_EQ(counts.wrong, 0u);
@@ -219,7 +220,7 @@ TEST(GlMarcher, BricksAreUploadedOnce) {
     // Those of another pool are looked at.
     other->pool = keeps;
     const HitRecords differ = marcher.march(std::make_shared<DistanceField>(*other), place.world, kUsual, particles);
-    EXPECT_NE(records.way, differ.way);
+    EXPECT_NE(records.travelled, differ.travelled);
   }
 }
 

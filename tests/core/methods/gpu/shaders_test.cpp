@@ -22,7 +22,7 @@ std::map<std::string, std::string> programs() {
     const std::string variant = lists ? " with lists" : " without lists";
     all["launch" + variant] = computeShaderText(launchShader(lists));
     all["march" + variant] = computeShaderText(marchShader(lists));
-    all["hits" + variant] = computeShaderText(particleHitsShader(lists));
+    all["hits" + variant] = computeShaderText(resolveShader(lists));
   }
   return all;
 }

@@ -19,7 +19,7 @@ struct Piece {
   int kind;
   std::size_t rays() const { return 10; }
   std::uint64_t bytes() const { return 100; }
-  bool goesWith(const Piece& other) const { return kind == other.kind; }
+  bool canShareDispatch(const Piece& other) const { return kind == other.kind; }
 };
 
 using Queue = ShotQueue<Piece>;

@@ -7,7 +7,7 @@
 #include "base/random.h"
 #include "methods/gpu/gl_marcher.h"
 #include "methods/particle/field_store.h"
-#include "methods/particle/launch_resolve.h"
+#include "methods/particle/launch.h"
 #include "methods/particle/march.h"
 #include "tests/core/methods/trace.h"
 #include "tests/support/gl.h"
@@ -38,7 +38,7 @@ TEST(ParticlesOnADevice, GiveTheProcessorsBytes) {
 // What a device makes of a shot by itself.
 struct Made {
   Hits hits;
-  std::vector<UndecidedRay> undecided;
+  std::vector<UnresolvedRay> undecided;
   StageClock clock;
 };
 
@@ -57,10 +57,10 @@ std::unique_ptr<Made> madeOf(const Scene& scene, const Shot& shot, const Particl
 }
 
 // How many of a shot's particles end so on the device.
-std::size_t endsOf(const Scene& scene, const Shot& shot, const ParticleOptions& options, RayVerdict verdict) {
+std::size_t endsOf(const Scene& scene, const Shot& shot, const ParticleOptions& options, UnresolvedReason reason) {
   const auto made = madeOf(scene, shot, options);
   return static_cast<std::size_t>(std::count_if(made->undecided.begin(), made->undecided.end(),
-                                                [&](const UndecidedRay& ray) { return ray.verdict == verdict; }));
+                                                [&](const UnresolvedRay& ray) { return ray.reason == reason; }));
 }
 
 ParticleOptions smallOptions(ParticleOptions::Refine refine) {
@@ -87,7 +87,7 @@ TEST(ParticlesOnADevice, SlicesDoNotMatter) {
     for (const std::size_t slice : {1u, 37u, 384u}) {
       const auto some = madeOf(scene, shot, smallOptions(refine), {.particles = slice});
       ASSERT_EQ(some->undecided.size(), whole->undecided.size());
-      for (const UndecidedRay& ray : whole->undecided) {  // their other columns mean nothing
+      for (const UnresolvedRay& ray : whole->undecided) {  // their other columns mean nothing
         for (Hits* hits : {&some->hits, &whole->hits}) hits->range[ray.ray] = kMiss;
       }
       EXPECT_EQ(some->hits.range, whole->hits.range);
@@ -108,12 +108,12 @@ TEST(ParticlesOnADevice, LeaveLittleToTheProcessor) {
   const Shot shot = streetShot(spinning(64, 1024, -25, 5, 60), -20);
   using enum ParticleOptions::Refine;
   for (const auto refine : {None, ByTriangle}) {
-    EXPECT_LT(endsOf(street, shot, smallOptions(refine), RayVerdict::Open), shot.beams->size() / 500)
+    EXPECT_LT(endsOf(street, shot, smallOptions(refine), UnresolvedReason::Rounding), shot.beams->size() / 500)
         << static_cast<int>(refine);
   }
   ParticleOptions options = smallOptions(ByTriangle);
   options.steps = 5;
-  EXPECT_GT(endsOf(street, shot, options, RayVerdict::Exhausted), shot.beams->size() / 2);
+  EXPECT_GT(endsOf(street, shot, options, UnresolvedReason::StepsUsedUp), shot.beams->size() / 2);
 }
 
 // Beams that leave the field, poses that change, beams with origins of their own, a sensor that looks along an axis.

@@ -38,9 +38,9 @@ std::vector<std::uint32_t> trianglesAt(const SensorField& place) {
   std::vector<std::uint32_t> triangles;
   for (int i = 0; i < 500; ++i) {
     const double angle = 0.7 * i;
-    const double way = 0.02 * i;
-    const Vec3f q{static_cast<float>(way * std::cos(angle) / 0.2), static_cast<float>(way * std::sin(angle) / 0.2),
-                  static_cast<float>(-0.01 * i)};
+    const double travelled = 0.02 * i;
+    const Vec3f q{static_cast<float>(travelled * std::cos(angle) / 0.2),
+                  static_cast<float>(travelled * std::sin(angle) / 0.2), static_cast<float>(-0.01 * i)};
     triangles.push_back(triangleAt(*place.field, q));
   }
   return triangles;

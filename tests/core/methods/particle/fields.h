@@ -50,14 +50,14 @@ inline FieldShape levelsAround(const Vec3d& middle, double voxel, std::uint32_t 
 // What a corner of a full brick knows, from triangles at these squared distances (voxels of the level).
 inline std::uint32_t cornerWord(const FieldShape& shape, const std::vector<double>& distance2, double distance,
                                 std::vector<std::uint32_t>& lists) {
-  if (distance > kNamed) return kNoWord;
+  if (distance > kNearestLimit) return kNoWord;
   if (distance2.empty()) return shape.lists ? kNoWord : 0;
   const auto nearest =
       static_cast<std::uint32_t>(std::min_element(distance2.begin(), distance2.end()) - distance2.begin());
   if (!shape.lists) return nearest;
   const auto begin = static_cast<std::uint32_t>(lists.size());
   for (std::uint32_t t = 0; t < distance2.size(); ++t) {
-    if (distance2[t] <= kListed * kListed) lists.push_back(t);
+    if (distance2[t] <= kListLimit * kListLimit) lists.push_back(t);
   }
   if (lists.size() == begin) lists.push_back(nearest);
   lists.back() |= kLastOfList;
@@ -110,7 +110,7 @@ inline DistanceField fieldOf(const FieldShape& shape, const DistanceFunction& di
         const Vec3d p =
             corner(i % kBrickCorners, i / kBrickCorners % kBrickCorners, double(i / (kBrickCorners * kBrickCorners)));
         const double away = distance(p) / voxel;
-        const bool named = away <= kNamed;
+        const bool named = away <= kNearestLimit;
         for (std::size_t t = 0; named && t < facets.size(); ++t) {
           distance2[t] = facets[t].distance2(p.x, p.y, p.z) / (voxel * voxel);
         }
@@ -170,7 +170,7 @@ inline HitRecords flown(const DistanceField& field, const TriangleBlock& triangl
 }
 
 struct HitRecord {
-  float way;
+  float travelled;
   std::uint32_t triangle;
   Outcome outcome;
   std::uint32_t steps;
@@ -179,7 +179,7 @@ struct HitRecord {
 };
 
 inline HitRecord recordOf(const HitRecords& records, std::size_t i) {
-  return {records.way[i], records.triangle[i], records.outcomeOf(i), records.stepsOf(i)};
+  return {records.travelled[i], records.triangle[i], records.outcomeOf(i), records.stepsOf(i)};
 }
 
 // Particle i alone.

@@ -100,7 +100,7 @@ std::size_t countOf(const HitRecords& records, Outcome outcome) {
 }
 
 void expectSame(const HitRecords& a, const HitRecords& b) {
-  EXPECT_EQ(a.way, b.way);
+  EXPECT_EQ(a.travelled, b.travelled);
   EXPECT_EQ(a.triangle, b.triangle);
   EXPECT_EQ(a.outcome, b.outcome);
 }
@@ -167,7 +167,7 @@ TEST(MarchCpu, OnlyWhatIsAskedForIsTouched) {
     const HitRecords whole = flown(*field, world->baked, kSteps, particles);
     HitRecords some;
     some.reset(particles.size());
-    some.way.assign(particles.size(), -7);
+    some.travelled.assign(particles.size(), -7);
     std::vector<std::uint32_t> which;
     for (std::uint32_t i = 4999; i > 7; i -= i % 7 + 1) which.push_back(i);
     marchCpu(*field, world->baked, kSteps, particles, which, some);
@@ -192,7 +192,7 @@ TEST(MarchCpu, ParticlesGoOn) {
     std::vector<std::uint32_t> all(particles.size());
     std::iota(all.begin(), all.end(), 0u);
     marchCpu(*field, world->baked, 612, particles, all, again);
-    EXPECT_EQ(again.way, whole.way);
+    EXPECT_EQ(again.travelled, whole.travelled);
     for (std::size_t i = 0; i < particles.size(); ++i) EXPECT_EQ(again.outcome[i], whole.outcome[i] + 4 * 100);
     marchCpu(*field, world->baked, 100, particles, all, again);
     EXPECT_EQ(countOf(again, Outcome::Exhausted), particles.size());
@@ -221,9 +221,9 @@ void forPlanes(bool lists, const std::function<void(const Place&, const Plane&, 
   }
 }
 
-Vec3d pointAt(const DistanceField& field, const Particles& p, std::size_t i, double way) {
+Vec3d pointAt(const DistanceField& field, const Particles& p, std::size_t i, double travelled) {
   return field.shape.centre +
-         (Vec3d{p.ox[i], p.oy[i], p.oz[i]} + Vec3d{p.dx[i], p.dy[i], p.dz[i]} * way) * field.shape.voxel;
+         (Vec3d{p.ox[i], p.oy[i], p.oz[i]} + Vec3d{p.dx[i], p.dy[i], p.dz[i]} * travelled) * field.shape.voxel;
 }
 
 // But for one beam of ten thousand, that a stride takes through.
@@ -236,7 +236,7 @@ TEST(March, PlanesAreMetWithinHalfAVoxel) {
     for (std::size_t i = 0; i < particles.size(); ++i) {
       if (records.outcomeOf(i) != Outcome::Hit) continue;
       ++met;
-      const Vec3d point = pointAt(place.field, particles, i, records.way[i]);
+      const Vec3d point = pointAt(place.field, particles, i, records.travelled[i]);
       const double voxel = voxelAt(place.field, Vec3f((point - place.field.shape.centre) * 10.0));
       ASSERT_LE(std::fabs(plane.height(point)), 0.502 * voxel) << plane.normal.x << ' ' << plane.normal.y;
       ASSERT_LT(records.triangle[i], 2u);
@@ -253,7 +253,7 @@ TEST(March, PlanesAreMetExactlyByTheirTriangles) {
       ASSERT_EQ(records.outcomeOf(i), Outcome::Hit);
       const double towards = dot(plane.normal, Vec3d{particles.dx[i], particles.dy[i], particles.dz[i]});
       const double exact = -plane.height(pointAt(place.field, particles, i, 0)) / towards;
-      ASSERT_NEAR(records.way[i] * place.field.shape.voxel, exact, 1e-4);
+      ASSERT_NEAR(records.travelled[i] * place.field.shape.voxel, exact, 1e-4);
     }
   });
 }
@@ -276,7 +276,7 @@ TEST(March, SpheresAreMetWhereTheyAre) {
     std::size_t hits = 0;
     for (std::size_t i = 0; i < particles.size(); ++i) {
       const double depth = radius - passing[i];
-      const Vec3d point = pointAt(place.field, particles, i, records.way[i]);
+      const Vec3d point = pointAt(place.field, particles, i, records.travelled[i]);
       switch (records.outcomeOf(i)) {
         case Outcome::Miss:
           ASSERT_LT(depth, 0.0) << "particle " << i;
@@ -317,7 +317,7 @@ TEST(March, GrazingStepsAreBetweenTheClosedForms) {
           addParticle(place.field, start, {std::cos(a), 0, -std::sin(a)}, 0, 1e9, particles);
           const HitRecord record = flownAlone(place.field, place.triangles, 20000, particles, 0);
           ASSERT_EQ(record.outcome, Outcome::Hit) << angle;
-          const double logarithm = std::log((start.z * 10 - plane) / kRest);
+          const double logarithm = std::log((start.z * 10 - plane) / kHitDistance);
           const auto closedForm = [&](double heights) {
             return logarithm / -std::log(1 - std::min(heights * std::sin(a), 0.99));
           };
@@ -343,7 +343,7 @@ TEST(March, AnExhaustedBudgetIsNoMiss) {
         const bool enough = steps > whole.steps || (steps == whole.steps && whole.outcome != Outcome::Miss);
         ASSERT_EQ(record.outcome, enough ? whole.outcome : Outcome::Exhausted);
         ASSERT_EQ(record.steps, enough ? whole.steps : steps);
-        ASSERT_EQ(record.way, enough ? whole.way : 0);
+        ASSERT_EQ(record.travelled, enough ? whole.travelled : 0);
       }
     }
   }
@@ -362,8 +362,8 @@ TEST(March, NothingIsMetOutsideOfTheWay) {
     for (double begin = 0; begin < distance - 0.06; begin += 0.05) {
       const HitRecord record = fly(begin, 3);
       EXPECT_EQ(record.outcome, Outcome::Hit);
-      EXPECT_GE(record.way * 0.1f, static_cast<float>(begin));
-      EXPECT_NEAR(record.way * 0.1, distance, lists ? 1e-4 : 0.06);
+      EXPECT_GE(record.travelled * 0.1f, static_cast<float>(begin));
+      EXPECT_NEAR(record.travelled * 0.1, distance, lists ? 1e-4 : 0.06);
     }
     for (double begin = distance + 0.06; begin < 3; begin += 0.05) EXPECT_EQ(fly(begin, 3).outcome, Outcome::Miss);
     for (double end = 0; end < distance - 0.2; end += 0.05) EXPECT_EQ(fly(0, end).outcome, Outcome::Miss);
@@ -383,7 +383,7 @@ TEST(March, ParticlesMayStartInsideTheHitDistance) {
       addParticle(place.field, {0.31, -0.2, 0.02 - 0.03 * turn}, {0, 0, turn}, 0, 3, particles);
       const HitRecord record = flownAlone(place.field, place.triangles, kSteps, particles, 0);
       EXPECT_EQ(record.outcome, Outcome::Hit);
-      EXPECT_NEAR(record.way * 0.1, lists ? 0.03 : 0.0, 1e-5);
+      EXPECT_NEAR(record.travelled * 0.1, lists ? 0.03 : 0.0, 1e-5);
     }
   }
 }

@@ -43,10 +43,10 @@ TEST(Resolve, RaysDoNotDependOnTheirPacket) {
       Rays one;
       for (std::uint32_t column = 0; column < beams->columns; column += kPacket) {
         const std::uint32_t width = std::min<std::uint32_t>(kPacket, beams->columns - column);
-        setUp(shot, frame, {3, column, 1, width}, row);
+        setUpRays(shot, frame, {3, column, 1, width}, row);
         ASSERT_EQ(row.count, static_cast<int>(width));
         for (std::uint32_t i = 0; i < width; ++i) {
-          setUp(shot, frame, {3, column + i, 1, 1}, one);
+          setUpRays(shot, frame, {3, column + i, 1, 1}, one);
           const std::size_t ray = std::size_t{3} * beams->columns + column + i;
           const Pose& pose = shot.worldFromSensor[shot.stepOf(column + i)];
           const Vec3d direction = toMatrix(pose.rotation) * beams->direction[ray];
@@ -69,10 +69,10 @@ TEST(Resolve, PartsAreThoseOfTheRays) {
       const ShotFrame frame = frameOf(shot, {}, duration);
       const Tile tile{2, 8, 2, 8};
       float parts[kPacket];
-      findParts(shot, frame, tile, duration, parts);
+      fillFiringFractions(shot, frame, tile, duration, parts);
       for (std::uint32_t lane = 0; lane < kPacket; ++lane) {
         const std::size_t ray = std::size_t{tile.ring + lane / 8} * beams->columns + tile.column + lane % 8;
-        EXPECT_EQ(parts[lane], partOf(*beams, ray, duration));
+        EXPECT_EQ(parts[lane], firingFraction(*beams, ray, duration));
       }
     }
   }

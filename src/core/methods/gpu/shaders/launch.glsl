@@ -1,22 +1,22 @@
-// Creates the particles of MarchJob. Does the same as launch() (methods/particle/launch_resolve.cpp), in the same
+// Creates the particles of MarchJob. Does the same as launch() (methods/particle/launch.cpp), in the same
 // order, in double. Storage buffers: 0 to 3 those of rays.glsl, 4 particles (float columns, in the order of Particles).
 
 #include "particles.glsl"
 
 layout(std430, binding = 4) writeonly restrict buffer Particles { float particles[]; };
 
-// Stores a number for which the device and the processor compute the same bits.
+// Stores a number for which the device and the CPU compute the same bits.
 void put(uint column, uint i, double value) {
   particles[column * count + i] = float(value);
 }
 
 // Stores a number that was computed by a division, which a device may round differently. Returns false if the float32
-// could therefore differ from the processor's.
+// could therefore differ from the CPU's.
 bool putQuotient(uint column, uint i, double value) {
   float rounded;
-  bool sure = settled(value, 2.0LF * abs(value) * kSlack, rounded);
+  bool certain = roundsAlike(value, 2.0LF * abs(value) * kSlack, rounded);
   particles[column * count + i] = rounded;
-  return sure;
+  return certain;
 }
 
 double inverseOf(double component) {
@@ -28,7 +28,7 @@ void invoke(uint i) {
   dvec3 o, d;
   bool there = particleRay(i, ray, o, d);
   precise double begin = 0.0LF;
-  precise double end = there ? ends : 0.0LF;
+  precise double end = there ? pathLength : 0.0LF;
   for (int k = 0; k < 3; ++k) {
     precise double inverse = inverseOf(d[k]);
     precise double a = (low[k] - o[k]) * inverse;
@@ -36,22 +36,22 @@ void invoke(uint i) {
     begin = max(begin, min(a, b));
     end = min(end, max(a, b));
   }
-  bool sure = true;
+  bool certain = true;
   for (uint k = 0u; k < 3u; ++k) {
     precise double place = (o[k] - centre[k]) * centre.w;
     put(k, i, place);
     put(3u + k, i, d[k]);
     if (kLists) {
       put(8u + k, i, o[k]);
-      sure = putQuotient(11u + k, i, inverseOf(d[k])) && sure;
+      certain = putQuotient(11u + k, i, inverseOf(d[k])) && certain;
     }
   }
   precise double from = begin * centre.w;
   precise double to = there ? end * centre.w : 0.0LF;
-  sure = putQuotient(6u, i, from) && sure;
-  sure = putQuotient(7u, i, to) && sure;
-  if (!sure) {  // the particle misses at once, and is left to the processor
-    put(6u, i, double(kLeftOut));
-    put(7u, i, double(kLeftOut));
+  certain = putQuotient(6u, i, from) && certain;
+  certain = putQuotient(7u, i, to) && certain;
+  if (!certain) {  // the particle misses at once, and is left to the CPU
+    put(6u, i, double(kLeftToCpu));
+    put(7u, i, double(kLeftToCpu));
   }
 }

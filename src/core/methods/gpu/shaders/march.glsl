@@ -1,12 +1,12 @@
 // The steps of march_stream.h. Values marked `precise` are neither contracted nor reassociated, so they have the same
-// bits as on the processor. Divisions, which GPUs round differently, do not occur.
+// bits as on the CPU. Divisions, which GPUs round differently, do not occur.
 //
 // Storage buffers: 0 particles (float columns, in the order of Particles), 1 hit records (uint columns: bits of the
 // distance, triangle, outcome; with lists also the bits of a numerator and a denominator, whose quotient (m) must be
 // added to the distance). Tables: 0 the field's levels (two uvec4 each: bits of the offset and the first entry, then
 // the numbers of bricks), 1 the field's table, 2 its distances, 3 its words.
 
-// Must have the same members as the struct MarchBlock in device_march.cpp.
+// Must have the same members as the struct MarchParameters in device_march.cpp.
 layout(std140, binding = 0) uniform MarchParameters {
   int lastLevel;
   float perReach;
@@ -31,14 +31,14 @@ vec3 column3(uint column, uint i) {
               particles[(column + 2u) * count + i]);
 }
 
-void record(uint i, float way, uint triangle, uint outcome) {
-  records[i] = floatBitsToUint(way);
+void record(uint i, float travelled, uint triangle, uint outcome) {
+  records[i] = floatBitsToUint(travelled);
   records[count + i] = triangle;
   records[2u * count + i] = outcome;
 }
 
 struct Voxel {
-  float scale, grow;
+  float scale, voxelSize;
   vec3 f;  // position in the voxel
   vec3 r;  // position relative to the nearest corner
   vec3 b;  // position relative to the brick's centre
@@ -54,7 +54,7 @@ Voxel find(vec3 q) {
   uvec4 box = texelFetch(levels, 2 * level + 1);
   Voxel v;
   v.scale = uintBitsToFloat(uint(127 - level) << 23);
-  v.grow = uintBitsToFloat(uint(127 + level) << 23);
+  v.voxelSize = uintBitsToFloat(uint(127 + level) << 23);
   precise vec3 u = max(q * v.scale + uintBitsToFloat(place.xyz), vec3(0.0));
   ivec3 corner = min(ivec3(u), ivec3(box.xyz) * 8 - 1);
   uvec3 brick = uvec3(corner) >> 3u;
@@ -91,9 +91,9 @@ struct Chord {
   float across;  // lower bound of half the chord's length
 };
 
-Chord chordOf(float radius, float bend, vec3 r, vec3 d) {
+Chord chordOf(float radius, float chordFactor, vec3 r, vec3 d) {
   precise float square = dotted(r, r);
   precise float along = dotted(r, d);
-  precise float most = radius - (square - along * along) * bend;
+  precise float most = radius - (square - along * along) * chordFactor;
   return Chord(square, along, most);
 }

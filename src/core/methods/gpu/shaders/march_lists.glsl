@@ -30,27 +30,27 @@ struct Search {
   uint triangle;
 };
 
-void meet(inout Search found, uint triangle, Facet facet) {
+void intersect(inout Search found, uint triangle, Facet facet) {
   precise vec3 p = crossed(found.d, facet.ac);
   precise float determinant = dotted(facet.ab, p);
   precise float facing = determinant < 0.0 ? -1.0 : 1.0;
   precise vec3 s = found.place - facet.a;
   precise vec3 q = crossed(s, facet.ab);
-  precise float whole = determinant * facing;
+  precise float denominator = determinant * facing;
   precise float u = dotted(s, p) * facing;
   precise float v = dotted(found.d, q) * facing;
   precise float t = dotted(facet.ac, q) * facing;
-  precise float seam = whole * kSeam;
+  precise float seam = denominator * kTriangleMargin;
   precise float corner = u + v;
-  precise float most = whole + seam;
-  precise float nearer = (found.numerator - found.tie * found.denominator) * whole;
+  precise float most = denominator + seam;
+  precise float nearer = (found.numerator - found.tie * found.denominator) * denominator;
   precise float here = t * found.denominator;
-  precise float first = found.low * whole;
-  precise float last = found.high * whole;
-  if (whole > 0.0 && u >= -seam && v >= -seam && corner <= most && t >= first && t <= last &&
+  precise float first = found.low * denominator;
+  precise float last = found.high * denominator;
+  if (denominator > 0.0 && u >= -seam && v >= -seam && corner <= most && t >= first && t <= last &&
       (!(found.denominator > 0.0) || here < nearer)) {
     found.numerator = t;
-    found.denominator = whole;
+    found.denominator = denominator;
     found.triangle = triangle;
   }
 }
@@ -62,36 +62,37 @@ void invoke(uint i) {
   precise float end = particles[7u * count + i];
   precise vec3 w = column3(8u, i);
   precise vec3 reciprocal = column3(11u, i);
-  precise vec3 side = mix(vec3(kFace), vec3(-kFace), lessThan(reciprocal, vec3(0.0)));
-  precise float way = begin;
+  precise vec3 side = mix(vec3(kExitPlane), vec3(-kExitPlane), lessThan(reciprocal, vec3(0.0)));
+  precise float travelled = begin;
   uint taken = 0u;
   if (again != 0u) {
     uint before = records[2u * count + i];
-    if ((before & 3u) != kGoOn) return;
+    if ((before & 3u) != kPassesHole) return;
     taken = before >> 2;
   }
   while (true) {
     precise float ahead = 0.0;
-    float grow = 1.0;
+    float voxelSize = 1.0;
     uint word = kNoWord;
     bool listed = false;
     while (!listed) {
-      if (taken >= steps || !(way < end)) {
+      if (taken >= steps || !(travelled < end)) {
         record(i, 0.0, 0u, taken < steps ? kMiss + 4u * taken : kExhausted + 4u * steps);
         return;
       }
       ++taken;
-      precise vec3 q = o + d * way;
+      precise vec3 q = o + d * travelled;
       Voxel v = find(q);
       precise float near = v.full ? distanceAt(v.nearest) * kDistanceStep : uintBitsToFloat(v.brick);
       precise vec3 r = v.full ? v.r : v.b;
-      Chord chord = chordOf(near, v.full ? (near > kNamed ? kNamedBend : kListedBend) : kEmptyBend, r, d);
+      float fullChordFactor = near > kNearestLimit ? kNearestChordFactor : kListChordFactor;
+      Chord chord = chordOf(near, v.full ? fullChordFactor : kEmptyChordFactor, r, d);
       ahead = chord.across - chord.along;
-      grow = v.grow;
+      voxelSize = v.voxelSize;
       if (v.full) {
         precise vec3 faces = (side - v.r) * reciprocal;
         precise float exit = min(faces.x, min(faces.y, faces.z));
-        if (near > kListed) {
+        if (near > kListLimit) {
           ahead = max(ahead, exit);
         } else {
           precise float leaving = chord.square + (2.0 * chord.along + exit) * exit;
@@ -103,38 +104,39 @@ void invoke(uint i) {
       if (listed) {
         word = fetch(words, v.nearest);
       } else {
-        precise float stride = ahead * grow;
-        way = way + stride;
+        precise float stride = ahead * voxelSize;
+        travelled = travelled + stride;
       }
     }
-    precise float voxel = metres * grow;
-    precise vec3 place = w + d * (way * metres);
-    precise float low = max(-kBehind * voxel, (begin - way) * metres);
-    precise float high = (ahead + kNudge) * voxel;
-    precise float tie = kTie * voxel;
+    precise float voxel = metres * voxelSize;
+    precise vec3 place = w + d * (travelled * metres);
+    precise float low = max(-kBackwardTolerance * voxel, (begin - travelled) * metres);
+    precise float high = (ahead + kFaceOvershoot) * voxel;
+    precise float tie = kTieMargin * voxel;
     Search found = Search(d, place, low, high, tie, 0.0, 0.0, 0u);
     bool more = word != kNoWord;
     while (more) {
       // Reads four entries at a time: devices mostly wait for memory, and these loads do not wait for each other.
       // Entries beyond the end of the list are ignored.
-      uvec4 entries = uvec4(fetch(lists, word), fetch(lists, word + 1u), fetch(lists, word + 2u), fetch(lists, word + 3u));
+      uvec4 entries = uvec4(fetch(lists, word), fetch(lists, word + 1u), fetch(lists, word + 2u),
+                            fetch(lists, word + 3u));
       word += 4u;
       uvec4 numbers = entries & ~kLastOfList;
       Facet facets[4] = Facet[](facetOf(numbers.x), facetOf(numbers.y), facetOf(numbers.z), facetOf(numbers.w));
       bvec4 last = greaterThanEqual(entries, uvec4(kLastOfList));
-      meet(found, numbers.x, facets[0]);
-      if (!last.x) meet(found, numbers.y, facets[1]);
-      if (!any(last.xy)) meet(found, numbers.z, facets[2]);
-      if (!any(last.xyz)) meet(found, numbers.w, facets[3]);
+      intersect(found, numbers.x, facets[0]);
+      if (!last.x) intersect(found, numbers.y, facets[1]);
+      if (!any(last.xy)) intersect(found, numbers.z, facets[2]);
+      if (!any(last.xyz)) intersect(found, numbers.w, facets[3]);
       more = !any(last);
     }
     if (found.denominator > 0.0) {
-      record(i, way, found.triangle, kHit + 4u * taken);
+      record(i, travelled, found.triangle, kHit + 4u * taken);
       records[3u * count + i] = floatBitsToUint(found.numerator);
       records[4u * count + i] = floatBitsToUint(found.denominator);
       return;
     }
-    precise float stride = ahead * grow;
-    way = way + stride;
+    precise float stride = ahead * voxelSize;
+    travelled = travelled + stride;
   }
 }

@@ -21,29 +21,29 @@ float interpolate(Voxel v) {
 void invoke(uint i) {
   precise vec3 o = column3(0u, i);
   precise vec3 d = column3(3u, i);
-  precise float way = particles[6u * count + i];
+  precise float travelled = particles[6u * count + i];
   precise float end = particles[7u * count + i];
   for (uint taken = 0u; taken < steps; ++taken) {
-    if (!(way < end)) {
+    if (!(travelled < end)) {
       record(i, 0.0, 0u, kMiss + 4u * taken);
       return;
     }
-    precise vec3 q = o + d * way;
+    precise vec3 q = o + d * travelled;
     Voxel v = find(q);
     precise float ahead;
     precise float near = v.full ? distanceAt(v.nearest) * kDistanceStep : uintBitsToFloat(v.brick);
-    if (near > kNamed) {
-      Chord chord = chordOf(near, v.full ? kNamedBend : kEmptyBend, v.full ? v.r : v.b, d);
+    if (near > kNearestLimit) {
+      Chord chord = chordOf(near, v.full ? kNearestChordFactor : kEmptyChordFactor, v.full ? v.r : v.b, d);
       ahead = chord.across - chord.along;
     } else {
       ahead = interpolate(v);
-      if (ahead <= kRest) {
-        record(i, way, fetch(words, v.nearest), kHit + 4u * (taken + 1u));
+      if (ahead <= kHitDistance) {
+        record(i, travelled, fetch(words, v.nearest), kHit + 4u * (taken + 1u));
         return;
       }
     }
-    precise float stride = ahead * v.grow;
-    way = way + stride;
+    precise float stride = ahead * v.voxelSize;
+    travelled = travelled + stride;
   }
   record(i, 0.0, 0u, kExhausted + 4u * steps);
 }

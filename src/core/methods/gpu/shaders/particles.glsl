@@ -1,7 +1,7 @@
 // The particles of the shots of a dispatch: their numbers and their rays. The storage buffers 0 to 3 are those of
 // rays.glsl.
 
-// The block has the layout of ParticleBlock in gl_marcher.cpp.
+// The block has the layout of ParticleParameters in gl_marcher.cpp.
 layout(std140, binding = 0) uniform Parameters {
   double nearest, farthest;  // range limits of the sensor (m)
   uint channels, rays;
@@ -11,17 +11,18 @@ layout(std140, binding = 0) uniform Parameters {
   uint withOrigins;
   uint shotParticles, shotRays, shotPoses;
   uint firstAlpha;     // triangles from this index on are alpha-tested
-  uint whole;          // 1: the box contains the complete scene
+  uint coversScene;    // 1: the box contains the complete scene
   uint last;           // 1: the CPU continues the particles that pass one more hole
   int lastLevel;
   float reach;         // FieldShape::reach
   float metres;        // voxel size of level 0 (m), like `voxel`, in float32
   double voxel;        // voxel size of level 0 (m)
-  double ends;         // length of the particles' paths (m)
+  double pathLength;   // length of the particles' paths (m)
   dvec4 low, high;     // corners of the box in which particles march (m)
   dvec4 centre;        // x, y, z: the field's centre (m); w: voxels of level 0 per metre
-  double trust;        // kTrust of methods/world/resolve.h
-  double aside, layer, alike;  // kAside, kLayer and kAlike of march_rule.h
+  double rangeErrorBound;  // kRangeErrorBound of methods/world/resolve.h
+  // The constants of these names in march_rule.h.
+  double layerLookupOffset, layerThickness, layerMinCosine;
 };
 
 #include "rays.glsl"
@@ -30,8 +31,8 @@ layout(std140, binding = 0) uniform Parameters {
 bool particleRay(uint i, out uint ray, out dvec3 o, out dvec3 d) {
   uint shot = (first + i) / shotParticles;
   uint particle = (first + i) % shotParticles;
-  uint tile = particle / kTogether;
-  uint place = tile / rings * kTogether + particle % kTogether;
+  uint tile = particle / kGroupColumns;
+  uint place = tile / rings * kGroupColumns + particle % kGroupColumns;
   uint column = min(place, columns - 1u);
   uint rayOfShot = tile % rings * columns + column;
   ray = shot * shotRays + rayOfShot;

@@ -9,11 +9,11 @@ layout(std430, binding = 3) readonly restrict buffer Steps { uint stepOfColumn[]
 // quotients and 4.5 for roots.
 const double kSlack = 3.5527136788005009e-15LF;
 
-// True if all values that differ from `value` by at most `doubt` round to the same float32, which is `rounded`.
-bool settled(double value, double doubt, out float rounded) {
+// True if all values that differ from `value` by at most `errorBound` round to the same float32, which is `rounded`.
+bool roundsAlike(double value, double errorBound, out float rounded) {
   rounded = float(value);
-  if (doubt == 0.0LF) return value == 0.0LF || abs(value) > 1e-37LF;  // devices may flush smaller values to 0
-  return float(value - doubt) == rounded && float(value + doubt) == rounded && abs(rounded) > 1e-30;
+  if (errorBound == 0.0LF) return value == 0.0LF || abs(value) > 1e-37LF;  // devices may flush smaller values to 0
+  return float(value - errorBound) == rounded && float(value + errorBound) == rounded && abs(rounded) > 1e-30;
 }
 
 // Returns the product of a row of a pose's rotation and a vector.
@@ -22,8 +22,8 @@ double turned(uint row, dvec3 v) {
   return x;
 }
 
-// Returns the origin (m, relative to the world's origin) and the unit direction of a ray, with the same bits as setUp()
-// in methods/world/resolve.h. `firstPose`: index of the shot's first pose among the poses of all shots.
+// Returns the origin (m, relative to the world's origin) and the unit direction of a ray, with the same bits as
+// setUpRays() in methods/world/resolve.h. `firstPose`: index of the shot's first pose among the poses of all shots.
 void rayOf(uint ray, uint column, uint firstPose, bool withOrigins, out dvec3 o, out dvec3 d) {
   uint pose = 12u * (firstPose + stepOfColumn[column]);
   dvec3 along = dvec3(directions[3u * ray], directions[3u * ray + 1u], directions[3u * ray + 2u]);

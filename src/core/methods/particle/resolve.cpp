@@ -1,4 +1,4 @@
-#include "methods/particle/launch_resolve.h"
+#include "methods/particle/resolve.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,42 +6,11 @@
 #include <optional>
 
 #include "methods/field/march_rule.h"
+#include "methods/particle/launch.h"
 
 namespace scanmill {
 
 namespace {
-
-constexpr double kSteep = 1e-12;  // components of directions with a smaller absolute value are replaced by this
-
-double inverseOf(double d) {
-  return 1 / (std::fabs(d) < kSteep ? kSteep : d);
-}
-
-// The sections of beams that are inside of the box (m along the beams).
-struct Sections {
-  alignas(64) Lane begin, end;
-};
-
-void clip(double low, double high, const Lane& from, const Lane& direction, Sections& s) {
-  for (int i = 0; i < kPacket; ++i) {
-    const double inverse = inverseOf(direction[i]);
-    const double a = (low - from[i]) * inverse;
-    const double b = (high - from[i]) * inverse;
-    s.begin[i] = std::max(s.begin[i], std::min(a, b));
-    s.end[i] = std::min(s.end[i], std::max(a, b));
-  }
-}
-
-// Returns the sections of the particles' paths that are inside of the box.
-Sections sectionsInBox(const MarchJob& job, const Rays& rays) {
-  Sections inside;
-  std::fill_n(inside.begin, kPacket, 0.0);
-  std::fill_n(inside.end, kPacket, job.farthest());
-  clip(job.around.box.low.x, job.around.box.high.x, rays.ox, rays.dx, inside);
-  clip(job.around.box.low.y, job.around.box.high.y, rays.oy, rays.dy, inside);
-  clip(job.around.box.low.z, job.around.box.high.z, rays.oz, rays.dz, inside);
-  return inside;
-}
 
 Vec3f fieldFrame(const DistanceField& field, const Vec3d& point) {
   return Vec3f((point - field.shape.centre) * (1 / field.shape.voxel));
@@ -55,28 +24,30 @@ struct SurfacePoint {
 
 // Returns the triangle that a beam with direction `d` hits at `place`, a point on the plane of `triangle`: either
 // `triangle`, or a triangle of a thin layer on it (march_rule.h).
-std::uint32_t seenAt(const MarchJob& job, std::uint32_t triangle, const Vec3d& place, const Vec3d& d, double voxel) {
+std::uint32_t layerTriangleAt(const MarchJob& job, std::uint32_t triangle, const Vec3d& place, const Vec3d& d,
+                              double voxel) {
   const BlockTriangle& plane = job.triangles().triangles[triangle];
   const double side = dot(plane.normal, d) > 0 ? -1 : 1;
-  const Vec3d aside = place + plane.normal * (side * kAside * voxel);
+  const Vec3d aside = place + plane.normal * (side * kLayerLookupOffset * voxel);
   const std::uint32_t named = triangleAt(job.field(), fieldFrame(job.field(), aside));
   if (named == kNoWord || named == triangle) return triangle;
   const BlockTriangle& other = job.triangles().triangles[named];
-  const bool layer = std::abs(dot(other.normal, plane.normal)) > kAlike &&
-                     std::abs(dot(other.normal, place) - other.offset) <= kLayer * voxel;
+  const bool layer = std::abs(dot(other.normal, plane.normal)) > kLayerMinCosine &&
+                     std::abs(dot(other.normal, place) - other.offset) <= kLayerThickness * voxel;
   return layer ? named : triangle;
 }
 
 // Returns a hit with the triangle that the beam hits there, and with the same range.
-SurfacePoint withSeenTriangle(const MarchJob& job, const Vec3d& o, const Vec3d& d, const SurfacePoint& hit) {
+SurfacePoint withLayerTriangle(const MarchJob& job, const Vec3d& o, const Vec3d& d, const SurfacePoint& hit) {
   const BlockTriangle& plane = job.triangles().triangles[hit.triangle];
   const Vec3d here = o + d * hit.range;
   const Vec3d onPlane = here + plane.normal * (plane.offset - dot(plane.normal, here));
-  return {seenAt(job, hit.triangle, onPlane, d, voxelAt(job.field(), fieldFrame(job.field(), here))), hit.range};
+  return {layerTriangleAt(job, hit.triangle, onPlane, d, voxelAt(job.field(), fieldFrame(job.field(), here))),
+          hit.range};
 }
 
 double rangeOf(const MarchJob& job, const HitRecords& records, std::size_t i) {
-  return double{records.way[i]} * job.field().shape.voxel;
+  return double{records.travelled[i]} * job.field().shape.voxel;
 }
 
 Vec3d originOf(const Rays& rays, int lane) {
@@ -116,13 +87,14 @@ void passTransparent(const MarchJob& job, std::span<const Tile> tiles, std::size
     for (const std::uint32_t i : open) {
       const std::size_t tile = i / kPacket;
       const auto lane = static_cast<int>(i % kPacket);
-      if (tile != known) setUp(job.shot, job.frame, tiles[tile], rays);
+      if (tile != known) setUpRays(job.shot, job.frame, tiles[tile], rays);
       known = tile;
       const std::uint32_t triangle = records.triangle[first + i];
       const Vec3d point = originOf(rays, lane) + directionOf(rays, lane) * rangeOf(job, records, first + i);
       const Vec2d at = barycentric({&block, nullptr, triangle}, point);
       if (!transparentAt(*job.around.world, block, triangle, at.x, at.y)) continue;
-      particles.begin[i] = records.way[first + i] + std::max(kBehindHole, records.way[first + i] * kBehindHoleShare);
+      particles.begin[i] =
+          records.travelled[first + i] + std::max(kHoleSkip, records.travelled[first + i] * kHoleSkipShare);
       ends.copy(i, records, first + i);
       passing.push_back(i);
     }
@@ -145,54 +117,22 @@ void prefetchHits(const MarchJob& job, const HitRecords& records, std::size_t fi
 
 }  // namespace
 
-MarchCounts& MarchCounts::operator+=(const MarchCounts& o) {
+UnreliableBeams& UnreliableBeams::operator+=(const UnreliableBeams& o) {
   exhausted += o.exhausted;
   leftField += o.leftField;
   touching += o.touching;
   return *this;
 }
 
-void launch(const MarchJob& job, std::span<const Tile> tiles, Particles& particles, std::size_t first) {
-  const bool lists = job.field().shape.lists;
-  const Vec3d centre = job.field().shape.centre;
-  const double perVoxel = 1 / job.field().shape.voxel;
-  Rays rays;
-  for (std::size_t t = 0; t < tiles.size(); ++t) {
-    setUp(job.shot, job.frame, tiles[t], rays);
-    Sections inside = sectionsInBox(job, rays);
-    std::fill(inside.end + rays.count, inside.end + kPacket, 0.0);
-    const std::size_t at = first + t * kPacket;
-    const auto fill = [at](std::vector<float>& column, const auto& valueOf) {
-      float* values = column.data() + at;
-      for (int lane = 0; lane < kPacket; ++lane) values[lane] = static_cast<float>(valueOf(lane));
-    };
-    fill(particles.ox, [&](int lane) { return (rays.ox[lane] - centre.x) * perVoxel; });
-    fill(particles.oy, [&](int lane) { return (rays.oy[lane] - centre.y) * perVoxel; });
-    fill(particles.oz, [&](int lane) { return (rays.oz[lane] - centre.z) * perVoxel; });
-    fill(particles.dx, [&](int lane) { return rays.dx[lane]; });
-    fill(particles.dy, [&](int lane) { return rays.dy[lane]; });
-    fill(particles.dz, [&](int lane) { return rays.dz[lane]; });
-    fill(particles.begin, [&](int lane) { return inside.begin[lane] * perVoxel; });
-    fill(particles.end, [&](int lane) { return inside.end[lane] * perVoxel; });
-    if (!lists) continue;
-    fill(particles.wx, [&](int lane) { return rays.ox[lane]; });
-    fill(particles.wy, [&](int lane) { return rays.oy[lane]; });
-    fill(particles.wz, [&](int lane) { return rays.oz[lane]; });
-    fill(particles.ix, [&](int lane) { return inverseOf(rays.dx[lane]); });
-    fill(particles.iy, [&](int lane) { return inverseOf(rays.dy[lane]); });
-    fill(particles.iz, [&](int lane) { return inverseOf(rays.dz[lane]); });
-  }
-}
-
-MarchCounts resolve(const MarchJob& job, const std::vector<CompactMaterial>& materials, std::span<const Tile> tiles,
-                    HitRecords& records, std::size_t first, Hits& hits, std::vector<std::uint32_t>& unresolved) {
+UnreliableBeams resolve(const MarchJob& job, const std::vector<CompactMaterial>& materials, std::span<const Tile> tiles,
+                        HitRecords& records, std::size_t first, Hits& hits, std::vector<std::uint32_t>& unresolved) {
   const bool lists = job.field().shape.lists;
   const TriangleBlock& block = job.triangles();
   const BeamTable& beams = *job.shot.beams;
   if (lists) passTransparent(job, tiles, first, records);
-  MarchCounts counts;
+  UnreliableBeams counts;
   Rays rays;
-  Resolved planes;
+  HitPlanes planes;
   HitTriangle triangles[kPacket];
   prefetchHits(job, records, first, tiles.size());
   for (std::size_t t = 0; t < tiles.size(); ++t) {
@@ -203,7 +143,7 @@ MarchCounts resolve(const MarchJob& job, const std::vector<CompactMaterial>& mat
       prefetchHits(job, records, first + next * kPacket, tiles.size() - next);
     }
     prefetchStore(tile, hits);
-    setUp(job.shot, job.frame, tile, rays);
+    setUpRays(job.shot, job.frame, tile, rays);
     std::optional<Sections> inside;  // computed when a beam of the tile needs it
     for (int lane = 0; lane < kPacket; ++lane) {
       const std::size_t i = at + static_cast<std::size_t>(lane);
@@ -213,7 +153,7 @@ MarchCounts resolve(const MarchJob& job, const std::vector<CompactMaterial>& mat
         SurfacePoint hit{records.triangle[i], rangeOf(job, records, i)};
         if (!lists) {
           counts.touching += hit.range <= 0 ? 1 : 0;
-          hit = withSeenTriangle(job, originOf(rays, lane), directionOf(rays, lane), hit);
+          hit = withLayerTriangle(job, originOf(rays, lane), directionOf(rays, lane), hit);
         }
         triangles[lane] = {&block, nullptr, hit.triangle};
         loadPlane(triangles[lane], static_cast<float>(hit.range), planes, lane);
@@ -223,8 +163,8 @@ MarchCounts resolve(const MarchJob& job, const std::vector<CompactMaterial>& mat
       if (lane >= rays.count) continue;
       bool leftField = false;
       if (outcome == Outcome::Miss) {
-        if (!job.around.whole && !inside) inside = sectionsInBox(job, rays);
-        leftField = inside && inside->end[lane] < job.farthest();
+        if (!job.around.coversScene && !inside) inside = sectionsInsideBox(job, rays);
+        leftField = inside && inside->end[lane] < job.pathLength();
         if (!leftField) continue;
       }
       ++(leftField ? counts.leftField : counts.exhausted);
@@ -232,9 +172,9 @@ MarchCounts resolve(const MarchJob& job, const std::vector<CompactMaterial>& mat
       unresolved.push_back((tile.ring + l / tile.width) * hits.columns + tile.column + l % tile.width);
     }
     if (lists) {
-      intersectPlanes(rays, beams, planes);
+      usePlaneRanges(rays, beams, planes);
     } else {
-      keepTraced(rays, beams, planes);
+      useTracedRanges(rays, beams, planes);
     }
     store(materials, tile, rays, planes, triangles, hits);
   }

@@ -1,5 +1,5 @@
 // Hits of triangles: their planes, labels and textures, and the requested columns of hits, with the same bits as on the
-// processor. The including file declares a uniform block with the members of ResolverBlock (device_resolver.h):
+// CPU. The including file declares a uniform block with the members of ResolverParameters (device_resolver.h):
 // nearest, farthest, channels, rays. Storage buffer at binding 5: the columns.
 
 layout(std430, binding = 5) writeonly restrict buffer HitColumns { uint hitColumns[]; };
@@ -8,7 +8,7 @@ layout(binding = 1) uniform usamplerBuffer materials;
 layout(binding = 2) uniform usamplerBuffer texels;
 layout(binding = 3) uniform usamplerBuffer texturedTriangles;
 
-// The plane of a triangle, relative to the world's origin, and its labels, with the same bits as on the processor.
+// The plane of a triangle, relative to the world's origin, and its labels, with the same bits as on the CPU.
 struct Plane {
   dvec3 normal;
   double offset;
@@ -46,12 +46,12 @@ Plane planeOf(uint triangle, dvec3 d) {
   return p;
 }
 
-// Returns the range from `o` to the plane along the ray of planeOf(). `doubt`: largest difference from the range that
-// the CPU computes.
-double distanceTo(Plane p, dvec3 o, out double doubt) {
+// Returns the range from `o` to the plane along the ray of planeOf(). `errorBound`: largest difference from the range
+// that the CPU computes.
+double distanceTo(Plane p, dvec3 o, out double errorBound) {
   precise double gap = p.offset - sum3(p.normal, o);
   double range = gap / p.along;
-  doubt = abs(range) * kSlack;
+  errorBound = abs(range) * kSlack;
   return range;
 }
 
@@ -63,7 +63,7 @@ uint texelOf(float coordinate, uint side) {
 }
 
 // Finds the texel at which the ray hits the triangle's texture. Returns false if rounding could lead to another texel.
-bool texelAt(Plane p, double range, double doubt, dvec3 o, dvec3 d, uvec4 material, out uint texel) {
+bool texelAt(Plane p, double range, double errorBound, dvec3 o, dvec3 d, uvec4 material, out uint texel) {
   int at = int(4u * (p.label.w - 1u));
   uvec4 behind = texelFetch(texturedTriangles, at + 3);
   dvec3 corner[3];
@@ -81,12 +81,12 @@ bool texelAt(Plane p, double range, double doubt, dvec3 o, dvec3 d, uvec4 materi
   double second = clamp(sum3(n, across(point, ac)) / square, 0.0LF, 1.0LF);
   double third = clamp(sum3(n, across(ab, point)) / square, 0.0LF, 1.0LF - second);
   double size = largest(corner[0]) + largest(corner[1]) + largest(corner[2]) + largest(o) + abs(range);
-  double blur = (doubt + size * (8.0LF * kSlack)) * 16.0LF * (largest(ab) + largest(ac) + largest(point)) /
+  double blur = (errorBound + size * (8.0LF * kSlack)) * 16.0LF * (largest(ab) + largest(ac) + largest(point)) /
                 sqrt(square);
   double first = 1.0LF - second - third;
   uvec2 sides = uvec2(material.z & 0xFFFFu, material.z >> 16);
   uvec2 index;
-  bool sure = true;
+  bool certain = true;
   for (int k = 0; k < 2; ++k) {
     dvec3 v = dvec3(k == 0 ? vec3(u[0], u[1], u[2]) : uintBitsToFloat(behind.xyz));
     double value = first * v.x + second * v.y + third * v.z;
@@ -95,19 +95,19 @@ bool texelAt(Plane p, double range, double doubt, dvec3 o, dvec3 d, uvec4 materi
     float low = float(value - off);
     float high = float(value + off);
     index[k] = texelOf(low, sides[k]);
-    sure = floor(low) == floor(high) && index[k] == texelOf(high, sides[k]) && sure;
+    certain = floor(low) == floor(high) && index[k] == texelOf(high, sides[k]) && certain;
   }
   texel = texelFetch(texels, int(material.y + index.y * sides.x + index.x)).x;
-  return sure;
+  return certain;
 }
 
-// True if the triangle's texture lets the ray pass. `sure` is false if rounding could change the result.
-bool letsPass(Plane p, double range, double doubt, dvec3 o, dvec3 d, out bool sure) {
-  sure = true;
+// True if the triangle's texture lets the ray pass. `certain` is false if rounding could change the result.
+bool letsPass(Plane p, double range, double errorBound, dvec3 o, dvec3 d, out bool certain) {
+  certain = true;
   uvec4 material = texelFetch(materials, int(p.label.y >> 16));
   if ((material.w & kCutOut) == 0u) return false;
   uint texel;
-  sure = texelAt(p, range, doubt, o, d, material, texel);
+  certain = texelAt(p, range, errorBound, o, d, material, texel);
   return (texel & kLetsPass) != 0u;
 }
 
@@ -115,8 +115,8 @@ bool wants(uint channel) {
   return (channels & channel) != 0u;
 }
 
-void leave(uint ray, uint verdict) {
-  hitColumns[ray] = verdict;
+void putUnresolved(uint ray, uint reason) {
+  hitColumns[ray] = reason;
 }
 
 void put(inout uint column, uint ray, uint word) {
@@ -135,11 +135,11 @@ void miss(uint ray) {
   hitColumns[ray] = kInfinite;
 }
 
-void hit(uint ray, Plane p, double range, double doubt, dvec3 o, dvec3 d) {
+void hit(uint ray, Plane p, double range, double errorBound, dvec3 o, dvec3 d) {
   float rounded;
-  bool sure = settled(range, doubt, rounded);
-  if (abs(range - nearest) <= doubt || abs(range - farthest) <= doubt || p.along == 0.0LF) sure = false;
-  if (sure && !(range >= nearest && range <= farthest)) {
+  bool certain = roundsAlike(range, errorBound, rounded);
+  if (abs(range - nearest) <= errorBound || abs(range - farthest) <= errorBound || p.along == 0.0LF) certain = false;
+  if (certain && !(range >= nearest && range <= farthest)) {
     miss(ray);
     return;
   }
@@ -147,14 +147,14 @@ void hit(uint ray, Plane p, double range, double doubt, dvec3 o, dvec3 d) {
   uint column = rays;
   if (wants(kIncidence)) {
     double cosine = abs(p.along);
-    sure = settled(min(cosine, 1.0LF), 0.0LF, rounded) && sure;
+    certain = roundsAlike(min(cosine, 1.0LF), 0.0LF, rounded) && certain;
     put(column, ray, floatBitsToUint(rounded));
   }
   if (wants(kReflectance)) {
     uvec4 material = texelFetch(materials, int(p.label.y >> 16));
     uint reflectance = material.x;
     if ((material.w & kTextured) != 0u) {
-      sure = texelAt(p, range, doubt, o, d, material, reflectance) && sure;
+      certain = texelAt(p, range, errorBound, o, d, material, reflectance) && certain;
     }
     put(column, ray, reflectance & ~kLetsPass);
   }
@@ -164,9 +164,9 @@ void hit(uint ray, Plane p, double range, double doubt, dvec3 o, dvec3 d) {
   if (wants(kNormal)) {
     dvec3 towards = p.along > 0.0LF ? -p.normal : p.normal;
     for (int k = 0; k < 3; ++k) {
-      sure = settled(towards[k], 0.0LF, rounded) && sure;
+      certain = roundsAlike(towards[k], 0.0LF, rounded) && certain;
       hitColumns[column + 3u * ray + uint(k)] = floatBitsToUint(rounded);
     }
   }
-  hitColumns[ray] = sure ? bits : kOpen;
+  hitColumns[ray] = certain ? bits : kRounding;
 }

@@ -1,10 +1,10 @@
-// Does the same for a particle as resolve() (methods/particle/launch_resolve.cpp), in the same order, in double. If
-// rounding of a quotient could change a decision, the particle is left to the processor. The storage buffers 0 to 3 are
+// Does the same for a particle as resolve() (methods/particle/resolve.cpp), in the same order, in double. If
+// rounding of a quotient could change a decision, the particle is left to the CPU. The storage buffers 0 to 3 are
 // those of rays.glsl; 4 (hit records) and 6 (particles) are the buffers 1 and 0 of march.glsl; 5 and the tables 0 to 3
-// are those of resolver.glsl.
+// are those of hit_columns.glsl.
 
 #include "particles.glsl"
-#include "resolver.glsl"
+#include "hit_columns.glsl"
 
 layout(std430, binding = 4) restrict buffer HitRecords { uint records[]; };
 layout(std430, binding = 6) restrict buffer Particles { float particles[]; };
@@ -14,34 +14,34 @@ dvec3 onRay(dvec3 o, dvec3 d, double range) {
   return point;
 }
 
-// True if the particle ended because its path left the box. `sure` is false if rounding could change the result.
-bool leftField(dvec3 o, dvec3 d, out bool sure) {
-  double way = 2.0LF * ends;
+// True if the particle ended because its path left the box. `certain` is false if rounding could change this.
+bool leftField(dvec3 o, dvec3 d, out bool certain) {
+  double pathEnd = 2.0LF * pathLength;
   for (int k = 0; k < 3; ++k) {
     double steep = abs(d[k]) < 1e-12LF ? 1e-12LF : d[k];
-    way = min(way, max((low[k] - o[k]) / steep, (high[k] - o[k]) / steep));
+    pathEnd = min(pathEnd, max((low[k] - o[k]) / steep, (high[k] - o[k]) / steep));
   }
-  sure = abs(way - ends) > 1e-9LF * ends;
-  return way < ends;
+  certain = abs(pathEnd - pathLength) > 1e-9LF * pathLength;
+  return pathEnd < pathLength;
 }
 
-void ended(uint ray, uint verdict) {
+void putUnresolvedMiss(uint ray, uint reason) {
   miss(ray);
-  leave(ray, verdict);
+  putUnresolved(ray, reason);
 }
 
 // Records the result of a ray whose particle ended without a hit.
 void finish(uint ray, uint outcome, dvec3 o, dvec3 d) {
   if (outcome == kExhausted) {
-    ended(ray, kExhaustedRay);
+    putUnresolvedMiss(ray, kStepsUsedUp);
     return;
   }
-  bool sure = true;
-  bool left = whole == 0u && leftField(o, d, sure);
-  if (!sure) {
-    leave(ray, kOpen);
+  bool certain = true;
+  bool left = coversScene == 0u && leftField(o, d, certain);
+  if (!certain) {
+    putUnresolved(ray, kRounding);
   } else if (left) {
-    ended(ray, kLeftRay);
+    putUnresolvedMiss(ray, kLeftField);
   } else {
     miss(ray);
   }
@@ -56,8 +56,8 @@ void invoke(uint i) {
   uint ray;
   dvec3 o, d;
   if (!particleRay(i, ray, o, d)) return;
-  if (particles[6u * count + i] == kLeftOut) {
-    leave(ray, kOpen);
+  if (particles[6u * count + i] == kLeftToCpu) {
+    putUnresolved(ray, kRounding);
   } else if ((word & 3u) == kHit) {
     if (!resolve(i, ray, word, o, d)) return;
   } else {

@@ -1,7 +1,7 @@
 // Computes the hits in fields without lists, where particles stop at a surface. Further buffers: 4 the levels of the
 // field, 5 its table, 6 words.
 
-#include "hits.glsl"
+#include "resolve.glsl"
 
 layout(binding = 4) uniform usamplerBuffer levels;
 layout(binding = 5) uniform usamplerBuffer table;
@@ -11,13 +11,13 @@ layout(binding = 6) uniform usamplerBuffer words;
 // CPU computes.
 bool fieldFrame(dvec3 point, out vec3 q) {
   precise dvec3 place = (point - centre.xyz) * centre.w;
-  bool sure = true;
+  bool certain = true;
   for (int k = 0; k < 3; ++k) {
     float rounded;
-    sure = settled(place[k], 0.0LF, rounded) && sure;
+    certain = roundsAlike(place[k], 0.0LF, rounded) && certain;
     q[k] = rounded;
   }
-  return sure;
+  return certain;
 }
 
 int levelAt(vec3 q) {
@@ -64,47 +64,47 @@ uint namedAt(vec3 q) {
 
 // Returns the triangle that a beam with direction `d` hits at `place`, a point on the plane of `triangle`: either
 // `triangle`, or a triangle of a thin layer on it. `size`: voxel size (m).
-uint seenAt(uint triangle, dvec3 place, dvec3 d, double size, inout bool sure) {
+uint layerTriangleAt(uint triangle, dvec3 place, dvec3 d, double size, inout bool certain) {
   dvec3 normal;
   double offset;
   planeRecord(triangle, normal, offset);
   double side = sum3(normal, d) > 0.0LF ? -1.0LF : 1.0LF;
-  precise double away = side * aside * size;
+  precise double away = side * layerLookupOffset * size;
   precise dvec3 beside = place + normal * away;
   vec3 q;
-  sure = fieldFrame(beside, q) && sure;
+  certain = fieldFrame(beside, q) && certain;
   uint named = namedAt(q);
   if (named == kNoWord || named == triangle) return triangle;
   dvec3 otherNormal;
   double otherOffset;
   planeRecord(named, otherNormal, otherOffset);
-  if (!(abs(sum3(otherNormal, normal)) > alike)) return triangle;
+  if (!(abs(sum3(otherNormal, normal)) > layerMinCosine)) return triangle;
   precise double gap = abs(sum3(otherNormal, place) - otherOffset);
-  precise double thick = layer * size;
+  precise double thick = layerThickness * size;
   return gap <= thick ? named : triangle;
 }
 
-uint renamed(uint triangle, double range, dvec3 o, dvec3 d, inout bool sure) {
+uint triangleOrLayer(uint triangle, double range, dvec3 o, dvec3 d, inout bool certain) {
   dvec3 normal;
   double offset;
   planeRecord(triangle, normal, offset);
   dvec3 here = onRay(o, d, range);
   precise dvec3 onPlane = here + normal * (offset - sum3(normal, here));
   vec3 q;
-  sure = fieldFrame(here, q) && sure;
-  return seenAt(triangle, onPlane, d, voxelAt(q), sure);
+  certain = fieldFrame(here, q) && certain;
+  return layerTriangleAt(triangle, onPlane, d, voxelAt(q), certain);
 }
 
 bool resolve(uint i, uint ray, uint word, dvec3 o, dvec3 d) {
-  precise double way = double(uintBitsToFloat(records[i])) * voxel;
-  bool sure = way > 0.0LF;  // hits of particles that start at a surface are computed on the processor
-  uint triangle = renamed(records[count + i], way, o, d, sure);
+  precise double range = double(uintBitsToFloat(records[i])) * voxel;
+  bool certain = range > 0.0LF;  // hits of particles that start at a surface are computed on the CPU
+  uint triangle = triangleOrLayer(records[count + i], range, o, d, certain);
   float rounded;
-  sure = settled(way, 0.0LF, rounded) && sure;
-  if (sure) {
+  certain = roundsAlike(range, 0.0LF, rounded) && certain;
+  if (certain) {
     hit(ray, planeOf(triangle, d), double(rounded), 0.0LF, o, d);
   } else {
-    leave(ray, kOpen);
+    putUnresolved(ray, kRounding);
   }
   return true;
 }

@@ -1,0 +1,70 @@
+#include "methods/particle/launch.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace scanmill {
+
+namespace {
+
+constexpr double kSteep = 1e-12;  // components of directions with a smaller absolute value are replaced by this
+
+double inverseOf(double d) {
+  return 1 / (std::fabs(d) < kSteep ? kSteep : d);
+}
+
+void clip(double low, double high, const Lane& from, const Lane& direction, Sections& s) {
+  for (int i = 0; i < kPacket; ++i) {
+    const double inverse = inverseOf(direction[i]);
+    const double a = (low - from[i]) * inverse;
+    const double b = (high - from[i]) * inverse;
+    s.begin[i] = std::max(s.begin[i], std::min(a, b));
+    s.end[i] = std::min(s.end[i], std::max(a, b));
+  }
+}
+
+}  // namespace
+
+Sections sectionsInsideBox(const MarchJob& job, const Rays& rays) {
+  Sections inside;
+  std::fill_n(inside.begin, kPacket, 0.0);
+  std::fill_n(inside.end, kPacket, job.pathLength());
+  clip(job.around.box.low.x, job.around.box.high.x, rays.ox, rays.dx, inside);
+  clip(job.around.box.low.y, job.around.box.high.y, rays.oy, rays.dy, inside);
+  clip(job.around.box.low.z, job.around.box.high.z, rays.oz, rays.dz, inside);
+  return inside;
+}
+
+void launch(const MarchJob& job, std::span<const Tile> tiles, Particles& particles, std::size_t first) {
+  const bool lists = job.field().shape.lists;
+  const Vec3d centre = job.field().shape.centre;
+  const double perVoxel = 1 / job.field().shape.voxel;
+  Rays rays;
+  for (std::size_t t = 0; t < tiles.size(); ++t) {
+    setUpRays(job.shot, job.frame, tiles[t], rays);
+    Sections inside = sectionsInsideBox(job, rays);
+    std::fill(inside.end + rays.count, inside.end + kPacket, 0.0);
+    const std::size_t at = first + t * kPacket;
+    const auto fill = [at](std::vector<float>& column, const auto& valueOf) {
+      float* values = column.data() + at;
+      for (int lane = 0; lane < kPacket; ++lane) values[lane] = static_cast<float>(valueOf(lane));
+    };
+    fill(particles.ox, [&](int lane) { return (rays.ox[lane] - centre.x) * perVoxel; });
+    fill(particles.oy, [&](int lane) { return (rays.oy[lane] - centre.y) * perVoxel; });
+    fill(particles.oz, [&](int lane) { return (rays.oz[lane] - centre.z) * perVoxel; });
+    fill(particles.dx, [&](int lane) { return rays.dx[lane]; });
+    fill(particles.dy, [&](int lane) { return rays.dy[lane]; });
+    fill(particles.dz, [&](int lane) { return rays.dz[lane]; });
+    fill(particles.begin, [&](int lane) { return inside.begin[lane] * perVoxel; });
+    fill(particles.end, [&](int lane) { return inside.end[lane] * perVoxel; });
+    if (!lists) continue;
+    fill(particles.wx, [&](int lane) { return rays.ox[lane]; });
+    fill(particles.wy, [&](int lane) { return rays.oy[lane]; });
+    fill(particles.wz, [&](int lane) { return rays.oz[lane]; });
+    fill(particles.ix, [&](int lane) { return inverseOf(rays.dx[lane]); });
+    fill(particles.iy, [&](int lane) { return inverseOf(rays.dy[lane]); });
+    fill(particles.iz, [&](int lane) { return inverseOf(rays.dz[lane]); });
+  }
+}
+
+}  // namespace scanmill
