@@ -11,6 +11,7 @@
 #include "commands/stop_signal.h"
 #include "dataset/folder_contents.h"
 #include "report/dataset/dataset_report.h"
+#include "study/figure_text.h"
 
 namespace scanmill {
 
@@ -20,9 +21,7 @@ constexpr std::size_t kMostSamples = 64;  // greatest number of pictured samples
 
 // Returns the report's file in the current folder, such as "small_report.html" for a dataset in the folder "out/small".
 std::string defaultName(const std::filesystem::path& folder) {
-  std::filesystem::path whole = std::filesystem::absolute(folder).lexically_normal();
-  if (!whole.has_filename()) whole = whole.parent_path();
-  const std::string name = whole.filename().string();
+  const std::string name = lastName(folder);
   return (name.empty() || name == "/" ? std::string("dataset") : name) + "_report.html";
 }
 

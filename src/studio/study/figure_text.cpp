@@ -49,8 +49,8 @@ std::string secondsText(double seconds) {
   return scaled(seconds, {{1, " s"}, {1e-3, " ms"}, {1e-6, " \xC2\xB5s"}});
 }
 
-double shareOf(std::uint64_t part, std::uint64_t whole) {
-  return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
+double shareOf(std::uint64_t part, std::uint64_t all, double ofNone) {
+  return all == 0 ? ofNone : static_cast<double>(part) / static_cast<double>(all);
 }
 
 std::string shareText(double value) {
@@ -67,6 +67,11 @@ std::string factorText(double factor) {
   if (!std::isfinite(factor)) return "unknown";
   if (factor >= 10) return fmt::format("{:.0f}", factor);
   return fmt::format("{:.{}f}", factor, factor >= 0.995 ? 1 : 2);
+}
+
+std::string lastName(const std::filesystem::path& path) {
+  const std::filesystem::path full = std::filesystem::absolute(path).lexically_normal();
+  return (full.has_filename() ? full : full.parent_path()).filename().string();
 }
 
 std::string wordsOf(std::string_view key) {

@@ -13,6 +13,7 @@
 #include "pipeline/run/progress.h"
 #include "report/dataset/scan_reading.h"
 #include "report/dataset/scan_view.h"
+#include "study/figure_text.h"
 #include "viewer/picture.h"
 
 namespace scanmill {
@@ -46,19 +47,13 @@ PicturedScan pictureOf(const Manifest& manifest, const ScanIndex& place, const S
   return pictured;
 }
 
-// Returns the name of the folder, even if its path is given as ".", for instance.
-std::string nameOf(const std::filesystem::path& folder) {
-  const std::filesystem::path whole = std::filesystem::absolute(folder).lexically_normal();
-  return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
-}
-
 class Examination {
  public:
   Examination(const std::filesystem::path& folder, const DatasetReportOptions& options)
       : folder_(folder), options_(options), store_(folder) {
     if (store_.manifest() == nullptr) throw InputError({folder.string()}, "is not the folder of a dataset");
     report_.manifest = *store_.manifest();
-    report_.folder = nameOf(folder);
+    report_.folder = lastName(folder);
     report_.path = folder.string();
     report_.seed = options.seed;
   }

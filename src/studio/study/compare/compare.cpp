@@ -43,50 +43,51 @@ Strata strataOf(const Patches& patches, const Groups& groups, std::size_t featur
   return strata;
 }
 
-// The weighted sum of the separations in several bands, and all values of the feature.
-struct Sum {
-  Separation separation;
+// The sum over bands of the separations times their weights, and all values of the feature.
+struct SeparationSum {
+  Separation weighted;
   double weight = 0;
   std::vector<float> real, simulated;
 
-  void add(const std::vector<float>& a, const std::vector<float>& b) {
-    const auto own = static_cast<double>(std::min(a.size(), b.size()));
-    const double area = rocArea(a, b);
-    separation.strength += own * std::fabs(area - 0.5);
-    separation.area += own * (area - 0.5);
-    weight += own;
-    separation.real += a.size();
-    separation.simulated += b.size();
-    real.insert(real.end(), a.begin(), a.end());
-    simulated.insert(simulated.end(), b.begin(), b.end());
+  // Adds the values of both sets in one band.
+  void add(const std::vector<float>& ofReal, const std::vector<float>& ofSimulated) {
+    const auto bandWeight = static_cast<double>(std::min(ofReal.size(), ofSimulated.size()));
+    const double area = rocArea(ofReal, ofSimulated);
+    weighted.strength += bandWeight * std::fabs(area - 0.5);
+    weighted.area += bandWeight * (area - 0.5);
+    weight += bandWeight;
+    real.insert(real.end(), ofReal.begin(), ofReal.end());
+    simulated.insert(simulated.end(), ofSimulated.begin(), ofSimulated.end());
   }
 
-  Separation of(std::size_t feature) const {
-    Separation s = separation;
+  Separation mean(std::size_t feature) const {
+    Separation s = weighted;
     s.feature = feature;
     s.strength /= weight;
-    s.area = 0.5 + (separation.area - 0.5) / weight;
-    const bool mean = kPatchFeatures[feature].mostlyZero;
-    s.realValue = mean ? meanOf(real) : medianOf(real, kUnmeasured);
-    s.simulatedValue = mean ? meanOf(simulated) : medianOf(simulated, kUnmeasured);
+    s.area = 0.5 + (weighted.area - 0.5) / weight;
+    s.real = real.size();
+    s.simulated = simulated.size();
+    const bool mostlyZero = kPatchFeatures[feature].mostlyZero;
+    s.realValue = mostlyZero ? meanOf(real) : medianOf(real, kUnmeasured);
+    s.simulatedValue = mostlyZero ? meanOf(simulated) : medianOf(simulated, kUnmeasured);
     return s;
   }
 };
 
-struct Separated {
-  std::map<std::uint16_t, Sum> groups;
-  Sum all;
+struct SeparationSums {
+  std::map<std::uint16_t, SeparationSum> ofGroup;
+  SeparationSum all;
 };
 
-Separated separate(const Strata& a, const Strata& b) {
-  Separated result;
-  for (const auto& [stratum, values] : a) {
-    const auto other = b.find(stratum);
-    if (other == b.end() || values.size() < kFewestInGroup || other->second.size() < kFewestInGroup) continue;
-    result.groups[stratum.first].add(values, other->second);
-    result.all.add(values, other->second);
+SeparationSums separate(const Strata& real, const Strata& simulated) {
+  SeparationSums sums;
+  for (const auto& [stratum, values] : real) {
+    const auto same = simulated.find(stratum);
+    if (same == simulated.end() || std::min(values.size(), same->second.size()) < kFewestInGroup) continue;
+    sums.ofGroup[stratum.first].add(values, same->second);
+    sums.all.add(values, same->second);
   }
-  return result;
+  return sums;
 }
 
 void sortByStrength(std::vector<Separation>& list) {
@@ -198,7 +199,7 @@ std::pair<Groups, Groups> groupsByClass(SetComparison& result) {
 }
 
 void addGroups(SetComparison& result, const Groups& real, const Groups& simulated,
-               const std::vector<Separated>& separated) {
+               const std::vector<SeparationSums>& sums) {
   std::map<std::uint16_t, std::pair<std::uint64_t, std::uint64_t>> counts;
   for (const std::uint16_t group : real) ++counts[group].first;
   for (const std::uint16_t group : simulated) ++counts[group].second;
@@ -209,14 +210,38 @@ void addGroups(SetComparison& result, const Groups& real, const Groups& simulate
     own.realShare = shareOf(count.first, real.size());
     own.simulatedShare = shareOf(count.second, simulated.size());
     for (std::size_t f = 0; f < kFeatureCount; ++f) {
-      const auto found = separated[f].groups.find(group);
-      if (found != separated[f].groups.end()) own.features.push_back(found->second.of(f));
+      const auto found = sums[f].ofGroup.find(group);
+      if (found != sums[f].ofGroup.end()) own.features.push_back(found->second.mean(f));
     }
     sortByStrength(own.features);
     result.groups.push_back(std::move(own));
   }
   std::ranges::stable_sort(result.groups, std::greater<>(),
                            [](const GroupComparison& g) { return std::max(g.realShare, g.simulatedShare); });
+}
+
+// Returns the separations by each feature, and sets `withinReal` of the result. Patches without a class, or with a
+// class that only one set has, are not compared.
+std::vector<SeparationSums> separateFeatures(SetComparison& result, const Groups& realGroups,
+                                             const Groups& simulatedGroups) {
+  const Patches &real = result.real.patches, &simulated = result.simulated.patches;
+  const auto isKnown = [&](std::uint16_t group) { return !result.byClass || group != 0; };
+  std::vector<SeparationSums> sums(kFeatureCount);
+  result.withinReal.fill(kUnmeasured);
+  parallelFor(kFeatureCount, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      const auto known = [&](std::size_t i) { return isKnown(realGroups[i]); };
+      const auto even = [&](std::size_t i) { return known(i) && real.scan[i] % 2 == 0; };
+      const auto odd = [&](std::size_t i) { return known(i) && real.scan[i] % 2 == 1; };
+      sums[f] =
+          separate(strataOf(real, realGroups, f, known),
+                   strataOf(simulated, simulatedGroups, f, [&](std::size_t i) { return isKnown(simulatedGroups[i]); }));
+      const SeparationSum within =
+          separate(strataOf(real, realGroups, f, even), strataOf(real, realGroups, f, odd)).all;
+      if (within.weight > 0) result.withinReal[f] = within.mean(f).strength;
+    }
+  });
+  return sums;
 }
 
 }  // namespace
@@ -226,38 +251,21 @@ SetComparison compareSets(ScanSet realSet, ScanSet simulatedSet) {
   result.real = std::move(realSet);
   result.simulated = std::move(simulatedSet);
   result.byClass = result.real.labelled && result.simulated.labelled;
-  const Patches &real = result.real.patches, &simulated = result.simulated.patches;
-  const std::pair<Groups, Groups> both =
-      result.byClass ? groupsByClass(result) : std::pair(groupsByKind(real), groupsByKind(simulated));
-  const Groups &realGroups = both.first, &simulatedGroups = both.second;
+  const auto [realGroups, simulatedGroups] =
+      result.byClass ? groupsByClass(result)
+                     : std::pair(groupsByKind(result.real.patches), groupsByKind(result.simulated.patches));
   if (result.real.knowsRings && result.simulated.knowsRings && result.real.rows != result.simulated.rows) {
     result.warnings.push_back(
         fmt::format("{} has {} rings, but {} has {}: the patches of different sensors differ already by their beams, "
                     "so compare scans of one sensor",
                     result.real.name, result.real.rows, result.simulated.name, result.simulated.rows));
   }
-  std::vector<Separated> separated(kFeatureCount);
-  result.withinReal.fill(kUnmeasured);
-  parallelFor(kFeatureCount, 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin; f < end; ++f) {
-      // Patches without a class, or with a class that only one set has, are not compared.
-      const auto known = [&](const Groups& groups, std::size_t i) { return !result.byClass || groups[i] != 0; };
-      separated[f] =
-          separate(strataOf(real, realGroups, f, [&](std::size_t i) { return known(realGroups, i); }),
-                   strataOf(simulated, simulatedGroups, f, [&](std::size_t i) { return known(simulatedGroups, i); }));
-      const auto scansOf = [&](std::uint32_t odd) {
-        return strataOf(real, realGroups, f,
-                        [&](std::size_t i) { return known(realGroups, i) && real.scan[i] % 2 == odd; });
-      };
-      const Separated within = separate(scansOf(0), scansOf(1));
-      if (within.all.weight > 0) result.withinReal[f] = within.all.of(f).strength;
-    }
-  });
+  const std::vector<SeparationSums> sums = separateFeatures(result, realGroups, simulatedGroups);
   for (std::size_t f = 0; f < kFeatureCount; ++f) {
-    if (separated[f].all.weight > 0) result.features.push_back(separated[f].all.of(f));
+    if (sums[f].all.weight > 0) result.features.push_back(sums[f].all.mean(f));
   }
   sortByStrength(result.features);
-  addGroups(result, realGroups, simulatedGroups, separated);
+  addGroups(result, realGroups, simulatedGroups, sums);
   addRanges(result);
   addIntensities(result);
   result.real.patches = {};

@@ -19,16 +19,16 @@ namespace scanmill {
 namespace {
 
 // A key of an effect and a figure that grows as a power of the key's value, if other influences stay the same.
-struct Mover {
+struct KeyInfluence {
   std::string_view figure;  // name of an entry in kPatchFeatures, kSetFigures or both
   double least;             // if the figures of both sets are below this value, their difference may be due to chance
   std::string_view effect, key;
-  double power;
-  double low, high;    // bounds of the key's value
-  bool whole = false;  // true: the key only takes integers
+  double power;          // the figure is proportional to the key's value to the power 1 / power
+  double low, high;      // bounds of the key's value
+  bool integer = false;  // true: the key only takes integers
 };
 
-constexpr Mover kMovers[] = {
+constexpr KeyInfluence kKeyInfluences[] = {
     {"ring_offset", 1, "ring_bias", "range_sigma_m", 1, 0, 10},
     {"ring_gain", 1, "ring_bias", "gain_sigma", 1, 0, 2},
     // Speckle with n looks causes an intensity scatter in proportion to 1 / sqrt(n).
@@ -47,26 +47,28 @@ std::optional<double> numberIn(const Value& options, std::string_view key) {
   return number;
 }
 
-struct Shown {
+// A figure of both sets, as shown to users.
+struct ComparedFigure {
   double real = 0, simulated = 0;
   std::string_view title, unit;
 
   double ratio() const { return real / simulated; }
 };
 
-std::optional<Shown> ofPatches(const SetComparison& comparison, std::string_view name) {
+std::optional<ComparedFigure> figureOfPatches(const SetComparison& comparison, std::string_view name) {
   for (const Separation& s : comparison.features) {
     const PatchFeature& f = kPatchFeatures[s.feature];
-    if (f.name == name) return Shown{s.realValue * f.factor, s.simulatedValue * f.factor, f.title, f.unit};
+    if (f.name == name) return ComparedFigure{s.realValue * f.factor, s.simulatedValue * f.factor, f.title, f.unit};
   }
   return {};
 }
 
-std::optional<Shown> ofSets(const SetComparison& comparison, std::string_view name) {
+std::optional<ComparedFigure> figureOfSets(const SetComparison& comparison, std::string_view name) {
   for (std::size_t i = 0; i < kSetFigureCount; ++i) {
     const SetFigure& f = kSetFigures[i];
     if (f.name != name) continue;
-    return Shown{comparison.real.figures[i] * f.factor, comparison.simulated.figures[i] * f.factor, f.title, f.unit};
+    return ComparedFigure{comparison.real.figures[i] * f.factor, comparison.simulated.figures[i] * f.factor, f.title,
+                          f.unit};
   }
   return {};
 }
@@ -75,12 +77,12 @@ std::optional<Shown> ofSets(const SetComparison& comparison, std::string_view na
 // describes patches.
 // Returns nothing if both exist and suggest opposite changes, since something other than the key then causes the
 // difference.
-std::optional<Shown> shown(const SetComparison& comparison, const Mover& mover) {
-  const std::optional<Shown> sets = ofSets(comparison, mover.figure);
-  const std::optional<Shown> patches = ofPatches(comparison, mover.figure);
-  const auto known = [](const std::optional<Shown>& s) { return s && s->real > 0 && s->simulated > 0; };
+std::optional<ComparedFigure> figureFor(const SetComparison& comparison, const KeyInfluence& influence) {
+  const std::optional<ComparedFigure> sets = figureOfSets(comparison, influence.figure);
+  const std::optional<ComparedFigure> patches = figureOfPatches(comparison, influence.figure);
+  const auto known = [](const std::optional<ComparedFigure>& s) { return s && s->real > 0 && s->simulated > 0; };
   if (known(sets) && known(patches) && (sets->ratio() > 1) != (patches->ratio() > 1)) return {};
-  const std::optional<Shown>& figure = sets ? sets : patches;
+  const std::optional<ComparedFigure>& figure = sets ? sets : patches;
   return known(figure) ? figure : std::nullopt;
 }
 
@@ -88,8 +90,8 @@ double rounded(double value) {
   return std::stod(fmt::format("{:.2g}", value));
 }
 
-// Returns the place of an effect in a list of effects; the end if the list does not have it.
-auto placeOf(const std::vector<Value>& effects, std::string_view name) {
+// Returns the effect with this name in a list of effects; the end if the list does not have it.
+auto effectNamed(const std::vector<Value>& effects, std::string_view name) {
   return std::ranges::find_if(effects, [&](const Value& v) { return readNamed(v, "an effect").name == name; });
 }
 
@@ -98,19 +100,19 @@ auto placeOf(const std::vector<Value>& effects, std::string_view name) {
 std::vector<KeyChange> adviceFor(const SetComparison& comparison, const std::vector<Value>& own) {
   constexpr double kAlike = 1.1;
   std::vector<KeyChange> advice;
-  for (const Mover& mover : kMovers) {
-    const auto item = placeOf(own, mover.effect);
-    const std::optional<Shown> figure = shown(comparison, mover);
-    if (item == own.end() || !figure || std::max(figure->real, figure->simulated) < mover.least) continue;
-    const std::optional<double> now = numberIn(readNamed(*item, "an effect").options, mover.key);
+  for (const KeyInfluence& influence : kKeyInfluences) {
+    const auto item = effectNamed(own, influence.effect);
+    const std::optional<ComparedFigure> figure = figureFor(comparison, influence);
+    if (item == own.end() || !figure || std::max(figure->real, figure->simulated) < influence.least) continue;
+    const std::optional<double> now = numberIn(readNamed(*item, "an effect").options, influence.key);
     const double ratio = figure->ratio();
     if (!now || std::max(ratio, 1 / ratio) < kAlike) continue;
-    const double exact = *now * std::pow(ratio, mover.power);
-    const double within = std::clamp(exact, mover.low, mover.high);
-    const double next = mover.whole ? std::round(within) : rounded(within);
+    const double exact = *now * std::pow(ratio, influence.power);
+    const double within = std::clamp(exact, influence.low, influence.high);
+    const double next = influence.integer ? std::round(within) : rounded(within);
     if (next == *now) continue;
-    advice.push_back({mover.effect, mover.key, figure->title, figure->real, figure->simulated, figure->unit, *now, next,
-                      within != exact});
+    advice.push_back({influence.effect, influence.key, figure->title, figure->real, figure->simulated, figure->unit,
+                      *now, next, within != exact});
   }
   return advice;
 }
@@ -120,7 +122,7 @@ std::string assignmentOf(const std::vector<KeyChange>& advice, const std::vector
   list.kind = Value::Kind::Sequence;
   list.items = items;
   for (const KeyChange& a : advice) {
-    const auto place = static_cast<std::size_t>(placeOf(list.items, a.effect) - list.items.begin());
+    const auto place = static_cast<std::size_t>(effectNamed(list.items, a.effect) - list.items.begin());
     // If the effect is in the sensor's file, an item after the word `sensor` overrides the effect's key.
     if (place == list.items.size()) list.items.emplace_back();
     if (list.items[place].kind != Value::Kind::Map) list.items[place] = {};  // setValue() makes a map of it

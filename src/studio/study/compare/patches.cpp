@@ -47,26 +47,31 @@ Plane planeOf(std::span<const Vec3d> points) {
   return plane;
 }
 
-class PatchReader {
+// Measures patches one after the other. The members with `_` are those of the patch that add() appends.
+class PatchMeter {
  public:
-  PatchReader(const Scan& scan, const RangeGrid& grid) : scan_(scan), grid_(grid) {}
+  PatchMeter(const Scan& scan, const RangeGrid& grid) : scan_(scan), grid_(grid) {}
 
+  // Appends the patch around a pixel with a return. `number`: index of the scan in its set.
   void add(std::uint32_t row, std::uint32_t column, std::uint32_t number, Patches& out) {
     row_ = row;
     column_ = column;
     pixel_ = grid_.at(row, column);
     range_ = grid_.range[pixel_];
-    const Vec3d place(scan_.position[grid_.point[pixel_]]);
+    const Vec3d middle(scan_.position[grid_.point[pixel_]]);
     for (std::vector<float>& values : out.value) values.push_back(kNone);
+    out.ringGain.push_back(kNone);
     out.range.push_back(static_cast<float>(range_));
     out.row.push_back(static_cast<std::uint16_t>(row));
     const auto& labels = scan_[kLabel];
     out.label.push_back(labels.empty() ? std::uint16_t{0} : labels[grid_.point[pixel_]]);
     out.scan.push_back(number);
     gatherWindow();
-    addShape(place, out);
-    addRing(out);
-    addRingsBeside(place, out);
+    addShape(middle, out);
+    addJumps(out);
+    addMixed(out);
+    addRangeScatter(out);
+    addRingOffset(middle, out);
     if (!scan_[kIntensity].empty()) addIntensity(out);
     if (grid_.knowsMisses) addMisses(out);
     set(Feature::Returns, grid_.returns[pixel_], out);
@@ -98,7 +103,7 @@ class PatchReader {
   }
   std::uint32_t at(int dr, int dc) const { return window_[indexOf(dr, dc)]; }
 
-  void addShape(const Vec3d& place, Patches& out) {
+  void addShape(const Vec3d& middle, Patches& out) {
     points_.clear();
     for (const std::uint32_t pixel : window_) {
       if (near(pixel)) points_.push_back(pointAt(pixel));
@@ -113,7 +118,7 @@ class PatchReader {
     set(Feature::RelativeThickness, plane.thickness / plane.width, out);
     set(Feature::Steepness, steepness, out);
     out.incidence.back() =
-        static_cast<float>(std::acos(std::min(1.0, std::fabs(dot(plane.normal, place)) / length(place))));
+        static_cast<float>(std::acos(std::min(1.0, std::fabs(dot(plane.normal, middle)) / length(middle))));
     const bool flat = plane.thickness < kPlanar * plane.width;
     out.kind.back() = !flat                  ? PatchKind::Rough
                       : steepness < kLevel   ? PatchKind::Level
@@ -121,83 +126,92 @@ class PatchReader {
                                              : PatchKind::Slanted;
   }
 
-  // Sets the features that need only points of the patch's middle ring.
-  void addRing(Patches& out) const {
-    constexpr int kFit = 3;
-    const auto rangeAt = [&](int dc) {
-      const std::uint32_t pixel = at(0, dc);
-      return filled(pixel) ? static_cast<double>(grid_.range[pixel]) : std::numeric_limits<double>::quiet_NaN();
-    };
+  // Returns the range of the beam `dc` columns beside the patch's middle (m); NaN if it has no return.
+  double rangeAt(int dc) const {
+    const std::uint32_t pixel = at(0, dc);
+    return filled(pixel) ? static_cast<double>(grid_.range[pixel]) : std::numeric_limits<double>::quiet_NaN();
+  }
+  // True if the ranges of the beams from `first` to `last`, in columns from the patch's middle, are known and have no
+  // jump.
+  bool isSmooth(int first, int last) const {
+    for (int dc = first; dc < last; ++dc) {
+      if (!(std::fabs(rangeAt(dc + 1) - rangeAt(dc)) < kJump)) return false;
+    }
+    return true;
+  }
+
+  void addJumps(Patches& out) const {
     double largest = -1;
     for (const int side : {-1, 1}) largest = std::fmax(largest, std::fabs(rangeAt(side) - range_));
     if (largest >= 0) set(Feature::Jump, largest / range_, out);
     int jumps = 0, steps = 0;
-    bool smooth = true;
     for (int dc = -kPatchReach; dc < kPatchReach; ++dc) {
       const double step = std::fabs(rangeAt(dc + 1) - rangeAt(dc));
-      if (dc >= -kFit && dc < kFit) smooth &= step < kJump;  // false if `step` is NaN
       if (std::isnan(step)) continue;
       ++steps;
       jumps += step > kJump ? 1 : 0;
     }
     if (steps >= kPatchReach) set(Feature::Jumps, jumps, out);
-    // A mixed pixel is between two continuous surfaces; gaps between leaves or twigs do not count.
-    const double edge = rangeAt(1) - rangeAt(-1);
-    const bool surfaces = std::fabs(rangeAt(-2) - rangeAt(-1)) < kJump && std::fabs(rangeAt(2) - rangeAt(1)) < kJump;
-    if (std::fabs(edge) >= kEdge && surfaces) {
-      const double least = std::fmin(rangeAt(-1), rangeAt(1));
-      if (range_ >= least && range_ <= least + std::fabs(edge)) {
-        const double part = (range_ - least) / std::fabs(edge);
-        set(Feature::Mixed, std::min(part, 1 - part), out);
-      }
-    }
-    if (!smooth) return;
+  }
+
+  // A mixed pixel is between two continuous surfaces; gaps between leaves or twigs do not count.
+  void addMixed(Patches& out) const {
+    const double edge = std::fabs(rangeAt(1) - rangeAt(-1));
+    if (!(edge >= kEdge) || !isSmooth(-2, -1) || !isSmooth(1, 2)) return;
+    const double nearer = std::fmin(rangeAt(-1), rangeAt(1));
+    if (range_ < nearer || range_ > nearer + edge) return;
+    const double fromNearer = (range_ - nearer) / edge;
+    set(Feature::Mixed, std::min(fromNearer, 1 - fromNearer), out);
+  }
+
+  void addRangeScatter(Patches& out) const {
+    constexpr int kFit = 3;
+    if (!isSmooth(-kFit, kFit)) return;
     // Fit a parabola with polynomials that are orthogonal over -3 to 3: 1, k and k^2 - 4. Their sums of squares are 7,
     // 28 and 84.
-    double mean = 0, slope = 0, bend = 0;
+    double mean = 0, slope = 0, curvature = 0;
     for (int k = -kFit; k <= kFit; ++k) {
       const double r = rangeAt(k) - range_;
       mean += r / 7;
       slope += r * k / 28;
-      bend += r * (k * k - 4) / 84;
+      curvature += r * (k * k - 4) / 84;
     }
     double squares = 0;
     for (int k = -kFit; k <= kFit; ++k) {
-      const double left = rangeAt(k) - range_ - mean - slope * k - bend * (k * k - 4);
-      squares += left * left;
+      const double residual = rangeAt(k) - range_ - mean - slope * k - curvature * (k * k - 4);
+      squares += residual * residual;
     }
-    set(Feature::RangeScatter, std::sqrt(squares / 4), out);
+    set(Feature::RangeScatter, std::sqrt(squares / 4), out);  // 7 ranges less 3 coefficients
   }
 
-  void addRingsBeside(const Vec3d& place, Patches& out) {
+  // Measures how far the middle ring's points are from the plane of the rings above and below.
+  void addRingOffset(const Vec3d& middle, Patches& out) {
     out.ringOffset.push_back(kNone);
     if (!grid_.knowsRings) return;
-    constexpr int kOwn = 2;
-    constexpr std::size_t kFewestOwn = 4, kFewestBeside = 5;
+    constexpr int kReach = 2;  // columns on each side of the middle whose points are measured
+    constexpr std::size_t kFewestMeasured = 4, kFewestInRing = 5;
     points_.clear();
-    std::array<std::size_t, 2> beside{};
     for (const int dr : {-1, 1}) {
+      const std::size_t before = points_.size();
       for (int dc = -kPatchReach; dc <= kPatchReach; ++dc) {
-        if (!near(at(dr, dc))) continue;
-        points_.push_back(pointAt(at(dr, dc)));
-        ++beside[dr < 0 ? 0 : 1];
+        if (near(at(dr, dc))) points_.push_back(pointAt(at(dr, dc)));
       }
+      if (points_.size() - before < kFewestInRing) return;
     }
-    if (beside[0] < kFewestBeside || beside[1] < kFewestBeside) return;
     const Plane plane = planeOf(points_);
     if (!(plane.width > 0) || plane.thickness >= kPlanar * plane.width) return;
     double sum = 0;
     std::size_t count = 0;
-    for (int dc = -kOwn; dc <= kOwn; ++dc) {
+    for (int dc = -kReach; dc <= kReach; ++dc) {
       if (!near(at(0, dc))) continue;
       sum += dot(plane.normal, pointAt(at(0, dc)) - plane.middle);
       ++count;
     }
-    if (count < kFewestOwn) return;
-    const double outwards = dot(plane.normal, place) < 0 ? -1 : 1;
+    if (count < kFewestMeasured) return;
+    const double outwards = dot(plane.normal, middle) < 0 ? -1 : 1;
     const double offset = outwards * sum / static_cast<double>(count);
-    const double across = std::fabs(dot(plane.normal, place)) / length(place);  // cosine of the incidence angle
-    if (across > kLeastCosine) out.ringOffset.back() = static_cast<float>(offset / across);
+    const double cosine = std::fabs(dot(plane.normal, middle)) / length(middle);  // of the incidence angle
+    if (cosine > kLeastCosine) out.ringOffset.back() = static_cast<float>(offset / cosine);
     set(Feature::RingOffset, std::fabs(offset), out);
   }
 
@@ -284,11 +298,10 @@ Patches patchesOf(const Scan& scan, const RangeGrid& grid, std::uint32_t number,
     if (grid.point[i] != RangeGrid::kNone) pixels.push_back(i);
   }
   Patches patches;
-  PatchReader reader(scan, grid);
+  PatchMeter reader(scan, grid);
   const std::size_t count = std::min(most, pixels.size());
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t pixel = pixels[k * pixels.size() / count];
-    patches.ringGain.push_back(kNone);
     reader.add(static_cast<std::uint32_t>(pixel / grid.columns), static_cast<std::uint32_t>(pixel % grid.columns),
                number, patches);
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "evaluate/spread.h"
 
@@ -10,10 +11,11 @@ namespace scanmill {
 namespace {
 
 constexpr double kTurn = 2 * kPi;
+// Azimuths of a ring that differ by less (rad) are those of several returns of one beam.
+constexpr double kLeastStep = kTurn / 8192;
 
-double azimuthOf(const Vec3f& p) {
-  return std::atan2(static_cast<double>(p.y), static_cast<double>(p.x));
-}
+// The indices of points in the scan, by ring.
+using PointsOfRings = std::vector<std::vector<std::uint32_t>>;
 
 double elevationOf(const Vec3f& p) {
   return std::atan2(static_cast<double>(p.z), std::hypot(static_cast<double>(p.x), static_cast<double>(p.y)));
@@ -21,21 +23,23 @@ double elevationOf(const Vec3f& p) {
 
 class GridMaker {
  public:
-  explicit GridMaker(const Scan& scan) : scan_(scan) {
+  explicit GridMaker(const Scan& scan) : scan_(scan), azimuth_(scan.size()) {
     for (std::uint32_t i = 0; i < scan.size(); ++i) {
       const Vec3f& p = scan.position[i];
-      if (isFinite(p) && length(Vec3d(p)) > 0) points_.push_back(i);
+      if (!isFinite(p) || !(length(Vec3d(p)) > 0)) continue;
+      points_.push_back(i);
+      azimuth_[i] = std::atan2(static_cast<double>(p.y), static_cast<double>(p.x));
     }
   }
 
   RangeGrid make() {
     if (points_.empty()) return {};
     if (knowsBeams(scan_)) {
-      byBeams();
+      fillByBeams();
     } else if (!scan_[kRing].empty()) {
-      byRings();
+      fillByRings();
     } else {
-      byAngles();
+      fillByAngles();
     }
     return std::move(grid_);
   }
@@ -50,7 +54,8 @@ class GridMaker {
     grid_.returns.assign(size, 0);
   }
 
-  void put(std::uint32_t row, std::uint32_t column, std::uint32_t point) {
+  // Counts a return of the pixel's beam, and keeps the point if it is the nearest of the beam.
+  void addReturn(std::uint32_t row, std::uint32_t column, std::uint32_t point) {
     const std::size_t pixel = grid_.at(row, column);
     const auto range = static_cast<float>(length(Vec3d(scan_.position[point])));
     if (grid_.returns[pixel] < 255) ++grid_.returns[pixel];
@@ -61,139 +66,149 @@ class GridMaker {
 
   // Returns the row of each ring. Rings with points are sorted from top to bottom by the median elevation of their
   // points. Rings without points get the row that follows from their ring number.
-  std::vector<std::uint32_t> rowsOfRings(const std::vector<std::vector<std::uint32_t>>& pointsOfRing) const {
-    std::vector<double> elevation(pointsOfRing.size(), std::numeric_limits<double>::quiet_NaN());
-    std::vector<double> own;
-    std::vector<std::uint32_t> filled;
-    for (std::uint32_t r = 0; r < pointsOfRing.size(); ++r) {
-      own.clear();
-      for (const std::uint32_t i : pointsOfRing[r]) own.push_back(elevationOf(scan_.position[i]));
-      if (own.empty()) continue;
-      elevation[r] = medianOf(own);
+  std::vector<std::uint32_t> rowsOfRings(const PointsOfRings& ofRing) const {
+    const auto rings = static_cast<std::uint32_t>(ofRing.size());
+    std::vector<double> elevation(rings);  // median of each ring with points (rad)
+    std::vector<std::uint32_t> filled;     // rings with points, ascending
+    for (std::uint32_t r = 0; r < rings; ++r) {
+      if (ofRing[r].empty()) continue;
+      std::vector<double> elevations;
+      for (const std::uint32_t i : ofRing[r]) elevations.push_back(elevationOf(scan_.position[i]));
+      elevation[r] = medianOf(std::move(elevations));
       filled.push_back(r);
     }
-    std::vector<std::uint32_t> sorted = filled;
-    std::ranges::stable_sort(sorted, [&](std::uint32_t a, std::uint32_t b) { return elevation[a] > elevation[b]; });
     const bool upwards = filled.size() > 1 && elevation[filled.front()] < elevation[filled.back()];
-    std::vector<std::uint32_t> row(pointsOfRing.size());
-    for (std::uint32_t r = 0; r < row.size(); ++r) {
-      row[r] = upwards ? static_cast<std::uint32_t>(row.size()) - 1 - r : r;
-    }
-    std::vector<std::uint32_t> places;  // rows for the rings that have points, from top to bottom
-    places.reserve(filled.size());
-    for (const std::uint32_t r : filled) places.push_back(row[r]);
-    std::ranges::sort(places);
-    for (std::size_t i = 0; i < sorted.size(); ++i) row[sorted[i]] = places[i];
+    std::vector<std::uint32_t> row(rings);
+    for (std::uint32_t r = 0; r < rings; ++r) row[r] = upwards ? rings - 1 - r : r;
+    std::vector<std::uint32_t> rowsOfFilled;
+    for (const std::uint32_t r : filled) rowsOfFilled.push_back(row[r]);
+    std::ranges::sort(rowsOfFilled);
+    std::ranges::stable_sort(filled, [&](std::uint32_t a, std::uint32_t b) { return elevation[a] > elevation[b]; });
+    for (std::size_t i = 0; i < filled.size(); ++i) row[filled[i]] = rowsOfFilled[i];
     return row;
   }
 
-  void byBeams() {
-    const PointKey extent = extentOf(scan_);
-    const std::uint32_t rings = std::max(scan_.rings, extent.ring);
-    const std::uint32_t columns = std::max(scan_.columns, extent.column);
-    std::vector<std::vector<std::uint32_t>> ofRing(rings);
-    for (const std::uint32_t i : points_) ofRing[keyOf(scan_, i).ring].push_back(i);
-    // Find the azimuth step per column from points in neighbouring columns of a ring.
+  // Returns the median azimuth step from column to column (rad); 0 if no neighbouring columns of a ring have points.
+  double columnStep(const PointsOfRings& ofRing) const {
     std::vector<double> steps;
-    for (const auto& points : ofRing) {
+    for (const std::vector<std::uint32_t>& points : ofRing) {
       for (std::size_t k = 1; k < points.size(); ++k) {
-        const int further =
-            static_cast<int>(keyOf(scan_, points[k]).column) - static_cast<int>(keyOf(scan_, points[k - 1]).column);
-        if (further != 1) continue;
-        steps.push_back(
-            std::remainder(azimuthOf(scan_.position[points[k]]) - azimuthOf(scan_.position[points[k - 1]]), kTurn));
+        const auto from = static_cast<int>(keyOf(scan_, points[k - 1]).column);
+        const auto to = static_cast<int>(keyOf(scan_, points[k]).column);
+        if (to == from + 1) steps.push_back(std::remainder(azimuth_[points[k]] - azimuth_[points[k - 1]], kTurn));
       }
     }
-    const double step = steps.empty() ? 0 : medianOf(steps);
-    start(rings, columns);
+    return medianOf(std::move(steps));
+  }
+
+  // Returns the azimuth of column 0 of a ring (rad): the median over the ring's points. `step`: see columnStep().
+  double firstAzimuth(const std::vector<std::uint32_t>& points, double step) const {
+    const auto first = [&](std::uint32_t i) { return azimuth_[i] - step * keyOf(scan_, i).column; };
+    const double about = first(points[points.size() / 2]);
+    std::vector<double> differences;
+    for (const std::uint32_t i : points) differences.push_back(std::remainder(first(i) - about, kTurn));
+    return about + medianOf(std::move(differences));
+  }
+
+  // The columns are those of the sensor; each ring is shifted by whole columns to the azimuths of the first ring.
+  void fillByBeams() {
+    const PointKey extent = extentOf(scan_);
+    const std::int64_t columns = std::max(scan_.columns, extent.column);
+    PointsOfRings ofRing(std::max(scan_.rings, extent.ring));
+    for (const std::uint32_t i : points_) ofRing[keyOf(scan_, i).ring].push_back(i);
+    const double step = columnStep(ofRing);
+    start(static_cast<std::uint32_t>(ofRing.size()), static_cast<std::uint32_t>(columns));
     grid_.knowsRings = grid_.knowsMisses = true;
-    grid_.wraps = std::fabs(std::fabs(step) * columns - kTurn) < 2 * std::fabs(step);
+    grid_.wraps = std::fabs(std::fabs(step) * static_cast<double>(columns) - kTurn) < 2 * std::fabs(step);
     const std::vector<std::uint32_t> row = rowsOfRings(ofRing);
-    std::vector<double> offset(rings, 0);  // azimuth of column 0 in each ring (rad)
-    double first = 0;
-    bool known = false;
-    for (std::uint32_t r = 0; r < rings; ++r) {
+    std::optional<double> reference;  // azimuth of column 0 in the first ring with points (rad)
+    for (std::size_t r = 0; r < ofRing.size(); ++r) {
       if (ofRing[r].empty()) continue;
-      const auto own = [&](std::uint32_t i) { return azimuthOf(scan_.position[i]) - step * keyOf(scan_, i).column; };
-      const double about = own(ofRing[r][ofRing[r].size() / 2]);
-      std::vector<double> around;
-      for (const std::uint32_t i : ofRing[r]) around.push_back(std::remainder(own(i) - about, kTurn));
-      offset[r] = about + medianOf(around);
-      if (!known) first = offset[r];
-      known = true;
-    }
-    for (std::uint32_t r = 0; r < rings; ++r) {
-      const double shift = step == 0 ? 0 : std::round(std::remainder(offset[r] - first, kTurn) / step);
+      const double azimuth = firstAzimuth(ofRing[r], step);
+      if (!reference) reference = azimuth;
+      const double shift = step == 0 ? 0 : std::round(std::remainder(azimuth - *reference, kTurn) / step);
       for (const std::uint32_t i : ofRing[r]) {
-        const auto column = static_cast<std::int64_t>(keyOf(scan_, i).column) + static_cast<std::int64_t>(shift);
-        const std::int64_t n = columns;
-        if (!grid_.wraps && (column < 0 || column >= n)) continue;
-        put(row[r], static_cast<std::uint32_t>(((column % n) + n) % n), i);
+        const std::int64_t column = std::int64_t{keyOf(scan_, i).column} + static_cast<std::int64_t>(shift);
+        if (!grid_.wraps && (column < 0 || column >= columns)) continue;
+        addReturn(row[r], static_cast<std::uint32_t>(((column % columns) + columns) % columns), i);
       }
     }
   }
 
-  void byRings() {
-    constexpr double kLeastStep = kTurn / 8192;
-    const std::vector<std::uint16_t>& ring = scan_[kRing];
-    const std::uint32_t rings = std::max<std::uint32_t>(scan_.rings, *std::ranges::max_element(ring) + 1u);
-    std::vector<std::vector<std::uint32_t>> ofRing(rings);
-    for (const std::uint32_t i : points_) ofRing[ring[i]].push_back(i);
+  // Returns the number of columns per revolution, from the median azimuth step between consecutive points of a ring.
+  // `ofRing`: sorted by azimuth.
+  std::uint32_t columnsPerTurn(const PointsOfRings& ofRing) const {
+    constexpr double kUsualColumns = 1024;  // if no ring has two points
     std::vector<double> steps;
-    for (auto& points : ofRing) {
-      std::ranges::stable_sort(points, [&](std::uint32_t a, std::uint32_t b) {
-        return azimuthOf(scan_.position[a]) < azimuthOf(scan_.position[b]);
-      });
+    for (const std::vector<std::uint32_t>& points : ofRing) {
       for (std::size_t k = 1; k < points.size(); ++k) {
-        const double step = azimuthOf(scan_.position[points[k]]) - azimuthOf(scan_.position[points[k - 1]]);
+        const double step = azimuth_[points[k]] - azimuth_[points[k - 1]];
         if (step >= kLeastStep) steps.push_back(step);
       }
     }
-    const double about = steps.empty() ? kTurn / 1024 : medianOf(steps);
-    const auto columns = static_cast<std::uint32_t>(std::max(1.0, std::round(kTurn / about)));
-    const double step = kTurn / columns;
-    // Find the offset of the azimuth steps: the circular mean of the azimuths modulo the step.
+    const double step = medianOf(std::move(steps), kTurn / kUsualColumns);
+    return static_cast<std::uint32_t>(std::max(1.0, std::round(kTurn / step)));
+  }
+
+  // Returns the azimuth (rad) of a column's middle, modulo the width of a column: the circular mean over all points.
+  double phaseOfColumns(std::uint32_t columns) const {
     double sine = 0, cosine = 0;
     for (const std::uint32_t i : points_) {
-      sine += std::sin(azimuthOf(scan_.position[i]) * columns);
-      cosine += std::cos(azimuthOf(scan_.position[i]) * columns);
+      sine += std::sin(azimuth_[i] * columns);
+      cosine += std::cos(azimuth_[i] * columns);
     }
-    const double phase = std::atan2(sine, cosine) / columns;
-    start(rings, columns);
+    return std::atan2(sine, cosine) / columns;
+  }
+
+  void fillByRings() {
+    const std::vector<std::uint16_t>& ring = scan_[kRing];
+    PointsOfRings ofRing(std::max<std::uint32_t>(scan_.rings, *std::ranges::max_element(ring) + 1u));
+    for (const std::uint32_t i : points_) ofRing[ring[i]].push_back(i);
+    for (std::vector<std::uint32_t>& points : ofRing) {
+      std::ranges::stable_sort(points, {}, [&](std::uint32_t i) { return azimuth_[i]; });
+    }
+    const std::uint32_t columns = columnsPerTurn(ofRing);
+    const double phase = phaseOfColumns(columns);
+    start(static_cast<std::uint32_t>(ofRing.size()), columns);
     grid_.knowsRings = grid_.knowsMisses = grid_.wraps = true;
     const std::vector<std::uint32_t> row = rowsOfRings(ofRing);
-    for (std::uint32_t r = 0; r < rings; ++r) {
-      // Azimuths are noisy, so a rounded column may be wrong by one. A point that is less than 1.5 steps after the
-      // previous point gets the column after the previous point's column.
-      std::int64_t last = -2;  // column of the previous point; -2: there is no previous point
-      double before = 0;
-      for (const std::uint32_t i : ofRing[r]) {
-        const double azimuth = azimuthOf(scan_.position[i]) + kPi - phase;
-        auto column = static_cast<std::int64_t>(std::round(azimuth / step));
-        if (last > -2) {
-          if (azimuth - before < kLeastStep) {
-            column = last;  // another return of the same beam
-          } else if (column == last + 2 && azimuth - before < 1.5 * step) {
-            column = last + 1;
-          } else {
-            column = std::max(column, last + 1);
-          }
+    for (std::size_t r = 0; r < ofRing.size(); ++r) fillRow(row[r], ofRing[r], phase);
+  }
+
+  // Fills a row with the points of a ring, which are sorted by azimuth. Azimuths are noisy, so a rounded column may be
+  // wrong by one. A point that is less than 1.5 steps after the previous point gets the column after the previous
+  // point's column.
+  void fillRow(std::uint32_t row, const std::vector<std::uint32_t>& points, double phase) {
+    const std::uint32_t columns = grid_.columns;
+    const double step = kTurn / columns;
+    std::int64_t previousColumn = -2;  // -2: there is no previous point
+    double previousAzimuth = 0;
+    for (const std::uint32_t i : points) {
+      const double azimuth = azimuth_[i] + kPi - phase;
+      auto column = static_cast<std::int64_t>(std::round(azimuth / step));
+      if (previousColumn > -2) {
+        if (azimuth - previousAzimuth < kLeastStep) {
+          column = previousColumn;  // another return of the same beam
+        } else if (column == previousColumn + 2 && azimuth - previousAzimuth < 1.5 * step) {
+          column = previousColumn + 1;
+        } else {
+          column = std::max(column, previousColumn + 1);
         }
-        last = column;
-        before = azimuth;
-        put(row[r], static_cast<std::uint32_t>((column + columns) % columns), i);
       }
+      previousColumn = column;
+      previousAzimuth = azimuth;
+      addReturn(row, static_cast<std::uint32_t>((column + columns) % columns), i);
     }
   }
 
-  void byAngles() {
+  void fillByAngles() {
     constexpr std::uint32_t kRows = 64, kColumns = 1024;
-    constexpr double kBeyond = 0.005;  // fraction of the points that is left out at the top and at the bottom
+    constexpr double kLeftOut = 0.005;  // fraction of the points that is left out at the top and at the bottom
     std::vector<double> elevations;
     for (const std::uint32_t i : points_) elevations.push_back(elevationOf(scan_.position[i]));
     std::vector<double> sorted = elevations;
     std::ranges::sort(sorted);
-    const auto cut = static_cast<std::size_t>(kBeyond * static_cast<double>(sorted.size()));
+    const auto cut = static_cast<std::size_t>(kLeftOut * static_cast<double>(sorted.size()));
     const double low = sorted[cut];
     const double high = sorted[sorted.size() - 1 - cut];
     start(kRows, kColumns);
@@ -202,12 +217,13 @@ class GridMaker {
       if (elevations[k] < low || elevations[k] > high) continue;
       const double down = high > low ? (high - elevations[k]) / (high - low) : 0;
       const auto row = static_cast<std::uint32_t>(std::min<double>(kRows - 1, down * kRows));
-      const double round = (azimuthOf(scan_.position[points_[k]]) + kPi) / kTurn;
-      put(row, static_cast<std::uint32_t>(std::min<double>(kColumns - 1, round * kColumns)), points_[k]);
+      const double around = (azimuth_[points_[k]] + kPi) / kTurn;
+      addReturn(row, static_cast<std::uint32_t>(std::min<double>(kColumns - 1, around * kColumns)), points_[k]);
     }
   }
 
   const Scan& scan_;
+  std::vector<double> azimuth_;        // azimuth of each point (rad)
   std::vector<std::uint32_t> points_;  // indices of finite points
   RangeGrid grid_;
 };

@@ -15,6 +15,7 @@
 #include "dataset/scan_store.h"
 #include "evaluate/spread.h"
 #include "study/compare/range_grid.h"
+#include "study/figure_text.h"
 
 namespace scanmill {
 
@@ -28,136 +29,181 @@ constexpr double kCell = 0.5;         // edge of a cell in which the relief of t
 constexpr double kObjectStep = 0.25;  // height difference within a cell (m) above which the cell contains an object
 constexpr double kNearPoint = 5;      // points at a smaller range (m) count as near
 
-// Counts and measured values of one scan.
+// Counts and measured values of one scan, or of all scans.
 struct ScanCounts {
-  std::uint64_t points = 0, near = 0;
-  std::uint64_t beams = 0;
-  std::uint64_t below = 0, missing = 0, inRuns = 0, single = 0;
-  double slope = kNaN, residual = kNaN;  // slope of the ground plane; standard deviation from the plane (m)
-  std::vector<double> relief;            // standard deviation of the heights from each cell's plane (m)
-  std::uint32_t rows = 0;
-  bool knowsRings = false, knowsMisses = false, labelled = false;
+  std::uint64_t beams = 0;                // pixels of the grid
+  std::uint64_t points = 0, near = 0;     // beams with a return, and those with one within kNearPoint
+  std::uint64_t below = 0;                // beams of rings below the horizon
+  std::uint64_t missing = 0;              // beams in `below` without a return
+  std::uint64_t inRuns = 0, single = 0;   // beams in `missing` in runs of more than kLongRun, and in runs of one
+  std::vector<double> slopes, residuals;  // of each scan with ground: slope, and standard deviation from it (m)
+  std::vector<double> relief;             // standard deviation of the heights from each cell's plane (m)
+  std::uint32_t rows = 0;                 // rows of the grid of the last scan
+  bool knowsRings = true, knowsMisses = true, labelled = true;
   Patches patches;
+
+  void add(ScanCounts&& more) {
+    beams += more.beams;
+    points += more.points;
+    near += more.near;
+    below += more.below;
+    missing += more.missing;
+    inRuns += more.inRuns;
+    single += more.single;
+    slopes.insert(slopes.end(), more.slopes.begin(), more.slopes.end());
+    residuals.insert(residuals.end(), more.residuals.begin(), more.residuals.end());
+    relief.insert(relief.end(), more.relief.begin(), more.relief.end());
+    rows = more.rows;
+    knowsRings &= more.knowsRings;
+    knowsMisses &= more.knowsMisses;
+    labelled &= more.labelled;
+    patches.append(more.patches);
+    more.patches = {};  // frees memory
+  }
 };
+
+// Counts the beams without a return in a row that is below the horizon and has at least one return.
+void countMissing(const RangeGrid& grid, std::uint32_t row, ScanCounts& counts) {
+  counts.below += grid.columns;
+  // Start at the first return, so that a run of missing beams is not cut at the last column if the grid wraps.
+  std::uint32_t first = 0;
+  while (grid.point[grid.at(row, first)] == RangeGrid::kNone) ++first;
+  std::size_t run = 0;
+  const auto endRun = [&] {
+    counts.missing += run;
+    if (run > kLongRun) counts.inRuns += run;
+    if (run == 1) ++counts.single;
+    run = 0;
+  };
+  for (std::uint32_t k = 0; k < grid.columns; ++k) {
+    const std::uint32_t column = (first + k) % grid.columns;
+    if (column == 0 && !grid.wraps) endRun();
+    if (grid.point[grid.at(row, column)] == RangeGrid::kNone) {
+      ++run;
+    } else {
+      endRun();
+    }
+  }
+  endRun();
+}
 
 void countBeams(const Scan& scan, const RangeGrid& grid, ScanCounts& counts) {
   for (std::uint32_t row = 0; row < grid.rows; ++row) {
-    double elevation = 0;
+    double elevations = 0;  // sum over the row's points (rad)
     std::uint32_t filled = 0;
     for (std::uint32_t c = 0; c < grid.columns; ++c) {
       const std::uint32_t point = grid.point[grid.at(row, c)];
       if (point == RangeGrid::kNone) continue;
       const Vec3d p(scan.position[point]);
-      elevation += std::asin(p.z / length(p));
+      elevations += std::asin(p.z / length(p));
       ++filled;
       counts.near += length(p) < kNearPoint ? 1 : 0;
     }
     counts.beams += grid.columns;
     counts.points += filled;
-    if (filled == 0 || degrees(elevation / filled) > kHorizon) continue;
-    counts.below += grid.columns;
-    // Start at the first return, so that a run of missing beams is not cut at the last column if the grid wraps.
-    std::uint32_t first = 0;
-    while (grid.point[grid.at(row, first)] == RangeGrid::kNone) ++first;
-    std::size_t run = 0;
-    const auto end = [&] {
-      counts.missing += run;
-      if (run > kLongRun) counts.inRuns += run;
-      if (run == 1) ++counts.single;
-      run = 0;
-    };
-    for (std::uint32_t k = 0; k < grid.columns; ++k) {
-      const std::uint32_t c = (first + k) % grid.columns;
-      if (c == 0 && !grid.wraps) end();
-      if (grid.point[grid.at(row, c)] == RangeGrid::kNone) {
-        ++run;
-      } else {
-        end();
-      }
+    if (filled > 0 && degrees(elevations / filled) <= kHorizon) countMissing(grid, row, counts);
+  }
+}
+
+// The plane z = a x + b y + c.
+struct LevelPlane {
+  Eigen::Vector3d coefficients;  // a, b, c
+
+  // Fits the plane to points by least squares.
+  explicit LevelPlane(const std::vector<Vec3d>& points) {
+    Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    for (const Vec3d& p : points) {
+      const Eigen::Vector3d row(p.x, p.y, 1);
+      squares += row * row.transpose();
+      right += row * p.z;
     }
-    end();
+    coefficients = squares.ldlt().solve(right);
   }
-}
 
-// Returns a, b and c of the plane z = a x + b y + c that fits the points by least squares.
-Eigen::Vector3d levelPlane(const std::vector<Vec3d>& points) {
-  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  double heightAbove(const Vec3d& p) const {
+    return p.z - coefficients[0] * p.x - coefficients[1] * p.y - coefficients[2];
+  }
+  // Returns the standard deviation (m) of the heights of the points to which the plane was fitted.
+  double deviationOf(const std::vector<Vec3d>& points) const {
+    double squares = 0;
+    for (const Vec3d& p : points) squares += heightAbove(p) * heightAbove(p);
+    return std::sqrt(squares / (static_cast<double>(points.size()) - 3));
+  }
+};
+
+// Points by square cell, as seen from above.
+using GroundCells = std::map<std::pair<int, int>, std::vector<Vec3d>>;
+
+GroundCells cellsOf(const std::vector<Vec3d>& points, double size) {
+  GroundCells cells;
   for (const Vec3d& p : points) {
-    const Eigen::Vector3d row(p.x, p.y, 1);
-    squares += row * row.transpose();
-    right += row * p.z;
+    cells[{static_cast<int>(std::floor(p.x / size)), static_cast<int>(std::floor(p.y / size))}].push_back(p);
   }
-  return squares.ldlt().solve(right);
+  return cells;
 }
 
-double deviationFrom(const Eigen::Vector3d& plane, const std::vector<Vec3d>& points, double freedom) {
-  double squares = 0;
-  for (const Vec3d& p : points) {
-    const double left = p.z - plane[0] * p.x - plane[1] * p.y - plane[2];
-    squares += left * left;
-  }
-  return std::sqrt(squares / (static_cast<double>(points.size()) - freedom));
-}
-
-// Measures the ground, which is the level surface below the sensor. Fits a plane to the lowest points, then three times
-// a plane to the points within 0.5 m of the previous plane, and last a plane to the points in cells without objects.
-void measureGround(const Scan& scan, const RangeGrid& grid, ScanCounts& counts) {
+// Returns the points of the ground, which is the level surface below the sensor, in cells of kCell without objects;
+// nothing if they are too few. Fits a plane to the lowest point in each cell of 4 m, then three times a plane to the
+// points within 0.5 m of the previous plane.
+GroundCells groundOf(const Scan& scan, const RangeGrid& grid) {
   constexpr double kBelow = 0.3, kOff = 0.5;  // least depth below the sensor, largest distance from a plane (m)
-  constexpr std::size_t kFewest = 200, kFewestInCell = 6;
-  constexpr double kFewestSpread = 0.05;  // least standard deviation of a cell's points in x and in y (m)
+  constexpr double kLargeCell = 4;            // m
+  constexpr std::size_t kFewest = 200, kFewestCells = 8;
   std::vector<Vec3d> points;
   for (std::size_t i = 0; i < grid.size(); ++i) {
     if (grid.point[i] == RangeGrid::kNone) continue;
     const Vec3d p(scan.position[grid.point[i]]);
     if (p.z < -kBelow && std::hypot(p.x, p.y) < kGroundReach) points.push_back(p);
   }
-  if (points.size() < kFewest) return;
-  // Fits the first plane to the lowest point in each cell of 4 m.
-  std::map<std::pair<int, int>, Vec3d> lowest;
-  for (const Vec3d& p : points) {
-    const std::pair cell{static_cast<int>(std::floor(p.x / 4)), static_cast<int>(std::floor(p.y / 4))};
-    const auto [at, fresh] = lowest.emplace(cell, p);
-    if (!fresh && p.z < at->second.z) at->second = p;
-  }
+  if (points.size() < kFewest) return {};
   std::vector<Vec3d> ground;
-  for (const auto& [cell, p] : lowest) ground.push_back(p);
-  if (ground.size() < 8) return;
-  Eigen::Vector3d plane = levelPlane(ground);
+  for (const auto& [cell, own] : cellsOf(points, kLargeCell)) {
+    ground.push_back(*std::ranges::min_element(own, {}, &Vec3d::z));
+  }
+  if (ground.size() < kFewestCells) return {};
   for (int round = 0; round < 3; ++round) {
+    const LevelPlane plane(ground);
     ground.clear();
-    for (const Vec3d& p : points) {
-      if (std::fabs(p.z - plane[0] * p.x - plane[1] * p.y - plane[2]) < kOff) ground.push_back(p);
-    }
-    if (ground.size() < kFewest) return;
-    plane = levelPlane(ground);
+    std::ranges::copy_if(points, std::back_inserter(ground),
+                         [&](const Vec3d& p) { return std::fabs(plane.heightAbove(p)) < kOff; });
+    if (ground.size() < kFewest) return {};
   }
-  std::map<std::pair<int, int>, std::vector<Vec3d>> cells;
-  for (const Vec3d& p : ground) {
-    cells[{static_cast<int>(std::floor(p.x / kCell)), static_cast<int>(std::floor(p.y / kCell))}].push_back(p);
-  }
+  GroundCells cells = cellsOf(ground, kCell);
   std::erase_if(cells, [](const auto& cell) {
     const auto [low, high] = std::ranges::minmax_element(cell.second, {}, &Vec3d::z);
     return high->z - low->z > kObjectStep;
   });
-  ground.clear();
+  std::size_t left = 0;
+  for (const auto& [cell, own] : cells) left += own.size();
+  return left < kFewest ? GroundCells() : cells;
+}
+
+// Moves the points of a cell to their mean. Returns false if they are nearly on a line, such as those of one ring, and
+// so do not determine a plane.
+bool centre(std::vector<Vec3d>& points) {
+  constexpr double kFewestSpread = 0.05;  // least standard deviation in x and in y (m)
+  const double share = 1 / static_cast<double>(points.size());
+  Vec3d middle, variance;
+  for (const Vec3d& p : points) middle += p * share;
+  for (Vec3d& p : points) {
+    p = p - middle;
+    variance += Vec3d{p.x * p.x, p.y * p.y, 0} * share;
+  }
+  return std::sqrt(std::min(variance.x, variance.y)) >= kFewestSpread;
+}
+
+void measureGround(const Scan& scan, const RangeGrid& grid, ScanCounts& counts) {
+  constexpr std::size_t kFewestInCell = 6;
+  GroundCells cells = groundOf(scan, grid);
+  if (cells.empty()) return;
+  std::vector<Vec3d> ground;
   for (const auto& [cell, own] : cells) ground.insert(ground.end(), own.begin(), own.end());
-  if (ground.size() < kFewest) return;
-  plane = levelPlane(ground);
-  counts.slope = std::hypot(plane[0], plane[1]);
-  counts.residual = deviationFrom(plane, ground, 3);
+  const LevelPlane plane(ground);
+  counts.slopes.push_back(std::hypot(plane.coefficients[0], plane.coefficients[1]));
+  counts.residuals.push_back(plane.deviationOf(ground));
   for (auto& [cell, own] : cells) {
-    if (own.size() < kFewestInCell) continue;
-    Vec3d middle;
-    for (const Vec3d& p : own) middle += p * (1 / static_cast<double>(own.size()));
-    Vec3d spread;
-    for (Vec3d& p : own) {
-      p = p - middle;
-      spread += Vec3d{p.x * p.x, p.y * p.y, 0} * (1 / static_cast<double>(own.size()));
-    }
-    // Skips cells whose points are nearly on a line, such as those of one ring: they do not determine a plane.
-    if (std::sqrt(std::min(spread.x, spread.y)) < kFewestSpread) continue;
-    counts.relief.push_back(deviationFrom(levelPlane(own), own, 3));
+    if (own.size() >= kFewestInCell && centre(own)) counts.relief.push_back(LevelPlane(own).deviationOf(own));
   }
 }
 
@@ -192,32 +238,27 @@ double spreadOverRows(const Patches& patches, const std::vector<float>& values) 
   };
   std::vector<float> medians;
   double chance = 0;
-  for (const auto& [number, own] : rows) {
-    if (own.size() < kFewest) continue;
-    const double median = quantileOf(own, 0.5);
-    const double spread = spreadAbout(own, median);
+  for (const auto& [row, ofRow] : rows) {
+    if (ofRow.size() < kFewest) continue;
+    const double median = quantileOf(ofRow, 0.5);
+    const double spread = spreadAbout(ofRow, median);
     medians.push_back(static_cast<float>(median));
-    chance += kOfMedian * spread * spread / static_cast<double>(own.size());
+    chance += kOfMedian * spread * spread / static_cast<double>(ofRow.size());
   }
   if (medians.size() < kFewestRows) return kNaN;
   const double spread = spreadAbout(medians, quantileOf(medians, 0.5));
   return std::sqrt(std::max(0.0, spread * spread - chance / static_cast<double>(medians.size())));
 }
 
-double& figure(ScanSet& set, std::string_view name) {
-  for (std::size_t i = 0; i < kSetFigureCount; ++i) {
-    if (kSetFigures[i].name == name) return set.figures[i];
-  }
-  throw Error(fmt::format("no figure '{}'", name));
-}
-
-double share(std::uint64_t part, std::uint64_t whole) {
-  return whole == 0 ? kNaN : static_cast<double>(part) / static_cast<double>(whole);
+double& figureNamed(ScanSet& set, std::string_view name) {
+  const auto found = std::ranges::find(kSetFigures, name, &SetFigure::name);
+  if (found == kSetFigures.end()) throw Error(fmt::format("no figure '{}'", name));
+  return set.figures[static_cast<std::size_t>(found - kSetFigures.begin())];
 }
 
 void addPatchFigures(ScanSet& set) {
   const Patches& patches = set.patches;
-  figure(set, "median_range") = quantileOf(patches.range, 0.5);
+  figureNamed(set, "median_range") = quantileOf(patches.range, 0.5);
   std::uint64_t seen = 0, jumps = 0, edges = 0, mixed = 0;
   for (std::size_t i = 0; i < patches.size(); ++i) {
     constexpr float kFarthest = 35, kApart = 0.1f;
@@ -230,62 +271,67 @@ void addPatchFigures(ScanSet& set) {
     edges += std::isnan(between) ? 0 : 1;
     mixed += between >= kApart ? 1 : 0;
   }
-  figure(set, "jumps_1m") = share(jumps, seen);
-  figure(set, "mixed") = share(mixed, edges);
-  figure(set, "intensity_scatter") = quantileOf(patches.of(Feature::IntensityScatter), 0.5);
-  figure(set, "ring_offset") = spreadOverRows(patches, patches.ringOffset);
-  figure(set, "ring_gain") = spreadOverRows(patches, patches.ringGain);
+  figureNamed(set, "jumps_1m") = shareOf(jumps, seen, kNaN);
+  figureNamed(set, "mixed") = shareOf(mixed, edges, kNaN);
+  figureNamed(set, "intensity_scatter") = quantileOf(patches.of(Feature::IntensityScatter), 0.5);
+  figureNamed(set, "ring_offset") = spreadOverRows(patches, patches.ringOffset);
+  figureNamed(set, "ring_gain") = spreadOverRows(patches, patches.ringGain);
 }
 
 // Combines the counts of all scans, in the order of the scans.
-ScanSet addUp(std::string name, std::vector<ScanCounts> all, std::optional<Ontology> ontology) {
+ScanSet addUp(std::string name, std::vector<ScanCounts> ofScans, std::optional<Ontology> ontology) {
+  ScanCounts sum;
+  for (ScanCounts& scan : ofScans) sum.add(std::move(scan));
   ScanSet set;
   set.name = std::move(name);
-  set.scans = static_cast<std::uint32_t>(all.size());
-  set.stored = all.size();
-  set.labelled = ontology.has_value() && !all.empty();
-  set.ontology = std::move(ontology);
-  set.figures.fill(kNaN);
-  ScanCounts sum;
-  std::vector<double> slopes, residuals;
-  for (ScanCounts& c : all) {
-    sum.points += c.points;
-    sum.near += c.near;
-    sum.beams += c.beams;
-    sum.below += c.below;
-    sum.missing += c.missing;
-    sum.inRuns += c.inRuns;
-    sum.single += c.single;
-    sum.relief.insert(sum.relief.end(), c.relief.begin(), c.relief.end());
-    if (!std::isnan(c.slope)) {
-      slopes.push_back(c.slope);
-      residuals.push_back(c.residual);
-    }
-    set.rows = c.rows;
-    set.knowsRings &= c.knowsRings;
-    set.knowsMisses &= c.knowsMisses;
-    set.labelled &= c.labelled;
-    set.patches.append(c.patches);
-    c.patches = {};
-  }
+  set.scans = static_cast<std::uint32_t>(ofScans.size());
+  set.stored = ofScans.size();
   set.points = sum.points;
+  set.rows = sum.rows;
+  set.knowsRings = sum.knowsRings;
+  set.knowsMisses = sum.knowsMisses;
+  set.labelled = ontology.has_value() && !ofScans.empty() && sum.labelled;
+  set.ontology = std::move(ontology);
+  set.patches = std::move(sum.patches);
+  set.figures.fill(kNaN);
   if (set.knowsMisses) {
-    figure(set, "returns") = share(sum.points, sum.beams);
-    figure(set, "missing_below") = share(sum.missing, sum.below);
-    figure(set, "missing_in_runs") = share(sum.inRuns, sum.missing);
-    figure(set, "missing_single") = share(sum.single, sum.missing);
+    figureNamed(set, "returns") = shareOf(sum.points, sum.beams, kNaN);
+    figureNamed(set, "missing_below") = shareOf(sum.missing, sum.below, kNaN);
+    figureNamed(set, "missing_in_runs") = shareOf(sum.inRuns, sum.missing, kNaN);
+    figureNamed(set, "missing_single") = shareOf(sum.single, sum.missing, kNaN);
   }
-  figure(set, "near") = share(sum.near, sum.points);
-  figure(set, "ground_slope") = meanOf(slopes);
-  figure(set, "ground_residual") = meanOf(residuals);
-  figure(set, "ground_relief") = quantileOf(sum.relief, 0.5);
-  figure(set, "ground_relief_90") = quantileOf(sum.relief, 0.9);
+  figureNamed(set, "near") = shareOf(sum.near, sum.points, kNaN);
+  figureNamed(set, "ground_slope") = meanOf(sum.slopes);
+  figureNamed(set, "ground_residual") = meanOf(sum.residuals);
+  figureNamed(set, "ground_relief") = quantileOf(sum.relief, 0.5);
+  figureNamed(set, "ground_relief_90") = quantileOf(sum.relief, 0.9);
   addPatchFigures(set);
   std::vector<float>& intensity = set.patches.of(Feature::Intensity);
   const double median = quantileOf(intensity, 0.5);
-  figure(set, "median_intensity") = median;
+  figureNamed(set, "median_intensity") = median;
   for (float& value : intensity) value = median > 0 ? static_cast<float>(value / median) : value;
   return set;
+}
+
+// Returns the name of the sensor to measure, and whether it is the wanted one. A set with one sensor is measured
+// whatever its sensor's name.
+std::pair<std::string, bool> sensorOf(const ScanStore& store, const std::string& wanted) {
+  const std::vector<std::string> sensors = store.sensors();
+  const bool found = std::ranges::any_of(sensors, [&](const auto& s) { return lowerCase(s) == lowerCase(wanted); });
+  if (!wanted.empty() && (sensors.size() > 1 || found)) return {wanted, found};
+  return {store.manifest() != nullptr ? store.manifest()->sensors.front().name : store.scans(0).front().sensor, found};
+}
+
+// Returns the samples with a scan of the sensor: sensors that turn more slowly than frames follow each other do not
+// have one in each sample. Throws InputError if there are none.
+std::vector<std::size_t> samplesWith(const ScanStore& store, const std::string& sensor) {
+  std::vector<std::size_t> samples;
+  const auto isOfSensor = [&](const StoredScan& s) { return lowerCase(s.sensor) == lowerCase(sensor); };
+  for (std::size_t i = 0; i < store.keys().size(); ++i) {
+    if (sensor.empty() || std::ranges::any_of(store.scans(i), isOfSensor)) samples.push_back(i);
+  }
+  if (samples.empty()) static_cast<void>(store.scans(0, sensor));  // throws
+  return samples;
 }
 
 }  // namespace
@@ -303,56 +349,40 @@ std::string comparedBandName(std::size_t band) {
 
 ScanSet measureScans(std::string name, const std::vector<Scan>& scans, std::optional<Ontology> ontology,
                      const ScanSetOptions& options) {
-  std::vector<ScanCounts> all(scans.size());
+  std::vector<ScanCounts> ofScans(scans.size());
   parallelFor(scans.size(), 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i) all[i] = countScan(scans[i], static_cast<std::uint32_t>(i), options);
+    for (std::size_t i = first; i < last; ++i) ofScans[i] = countScan(scans[i], static_cast<std::uint32_t>(i), options);
   });
-  return addUp(std::move(name), std::move(all), std::move(ontology));
+  return addUp(std::move(name), std::move(ofScans), std::move(ontology));
 }
 
 ScanSet readScanSet(const std::filesystem::path& path, const ScanSetOptions& options, Progress& progress) {
   const ScanStore store(path);
-  const std::filesystem::path whole = std::filesystem::absolute(path).lexically_normal();
-  const std::string name = (whole.has_filename() ? whole : whole.parent_path()).filename().string();
-  const std::size_t stored = store.keys().size();
-  if (stored == 0) throw InputError({path.string()}, "has no scans");
-  const std::vector<std::string> sensors = store.sensors();
-  const bool found =
-      std::ranges::any_of(sensors, [&](const std::string& own) { return lowerCase(own) == lowerCase(options.sensor); });
-  std::string sensor;
-  if (sensors.size() > 1 || found) sensor = options.sensor;
-  if (sensor.empty()) {
-    sensor = store.manifest() != nullptr ? store.manifest()->sensors.front().name : store.scans(0).front().sensor;
-  }
-  // Samples without a scan of the sensor, which turns more slowly than frames follow each other, are passed over.
-  std::vector<std::size_t> held;
-  for (std::size_t i = 0; i < stored; ++i) {
-    const auto own = [&](const StoredScan& s) { return lowerCase(s.sensor) == lowerCase(sensor); };
-    if (sensor.empty() || std::ranges::any_of(store.scans(i), own)) held.push_back(i);
-  }
-  if (held.empty()) static_cast<void>(store.scans(0, sensor));  // throws: no sample has such a sensor
-  const std::size_t count = std::min(options.scans, held.size());
-  std::vector<ScanCounts> all(count);
+  if (store.keys().empty()) throw InputError({path.string()}, "has no scans");
+  const auto [sensor, found] = sensorOf(store, options.sensor);
+  const std::vector<std::size_t> samples = samplesWith(store, sensor);
+  const std::size_t count = std::min(options.scans, samples.size());
+  std::vector<ScanCounts> ofScans(count);
   // Process a few scans at a time, to show progress and to limit memory use.
   const auto batch = static_cast<std::size_t>(std::max(1, threadCount()));
   for (std::size_t start = 0; start < count; start += batch) {
     const std::size_t size = std::min(batch, count - start);
     parallelFor(size, 1, [&](std::size_t first, std::size_t last) {
       for (std::size_t k = start + first; k < start + last; ++k) {
-        const std::size_t sample = held[k * held.size() / count];
+        const std::size_t sample = samples[k * samples.size() / count];
         const Scan scan = store.decode(sample, store.scans(sample, sensor).front());
-        all[k] = countScan(scan, static_cast<std::uint32_t>(k), options);
+        ofScans[k] = countScan(scan, static_cast<std::uint32_t>(k), options);
       }
     });
     double points = 0;
-    for (std::size_t k = start; k < start + size; ++k) points += static_cast<double>(all[k].points);
+    for (std::size_t k = start; k < start + size; ++k) points += static_cast<double>(ofScans[k].points);
     progress.advance(size, points);
     if (options.stop != nullptr && *options.stop) throw Error("stopped: nothing was written");
   }
   std::optional<Ontology> ontology;
   if (store.ontology() != nullptr) ontology = *store.ontology();
-  ScanSet set = addUp(name, std::move(all), std::move(ontology));
-  set.stored = stored;
+  ScanSet set = addUp(lastName(path), std::move(ofScans), std::move(ontology));
+  set.stored = store.keys().size();
   set.foundSensor = found;
   if (set.points == 0) throw InputError({path.string()}, "has only scans without points, which cannot be compared");
   return set;
