@@ -28,11 +28,6 @@ namespace scanmill {
 
 namespace {
 
-struct SceneFindings {
-  std::vector<ModelledItem> modelled;  // the items of modelled(), then those of modelledOf() the scenes
-  std::uint64_t bytes = 0;             // largest memory that the method takes for a scene; 0: not measured
-};
-
 constexpr std::size_t kMostScenes = 20;  // greatest number of scenes to load; further scenes seldom show other faults
 
 // Prints the numbers of triangles without a class by file, material and texture, the largest number first.
@@ -70,7 +65,7 @@ void printUnlabeled(const std::map<UnlabeledPart, std::uint64_t>& unlabeled) {
 }
 
 // Returns in words what the seed selects at random: the kind of place, and values of the scene file's keys.
-std::string placeOf(const Scene& scene) {
+std::string randomText(const Scene& scene) {
   std::string words = scene.about;
   for (const DrawnValue& draw : scene.draws) {
     words += fmt::format("{}{} {}", words.empty() ? "" : ", ", draw.key, draw.value);
@@ -78,68 +73,96 @@ std::string placeOf(const Scene& scene) {
   return words;
 }
 
-// Prints a table of the scenes and their unlabelled geometry, and warns of legal but rarely intended contents: paths
-// through things, objects of odd sizes, rules that match nothing. Loads only the first twenty scenes.
-SceneFindings checkScenes(ShotSource& source) {
-  const Plan& plan = source.plan();
-  const Pipeline& pipeline = plan.pipeline;
-  SceneFindings found{modelled(plan, source.blockedShares()), 0};
-  Rows scenes{{"scene", "triangles", "placed", "instances", "things", "materials", "dropped", "place"}};
-  std::map<UnlabeledPart, std::uint64_t> unlabeled;
-  std::set<std::string> rules;  // warnings about rules; each is printed once for all seeds
-  std::uint64_t more = 0;       // number of scenes that are not loaded
-  for (std::size_t i = 0; i < pipeline.sequences.size(); ++i) {
-    const Sequence& s = pipeline.sequences[i];
-    if (i > 0 && s.sameScene(pipeline.sequences[i - 1])) continue;  // the scene was checked with its first sequence
-    if (scenes.size() > kMostScenes) {
-      ++more;
-      continue;
-    }
-    const std::string name = fmt::format("{} seed {}", s.scene, s.sceneSeed);
-    const Scene scene = source.load(i);
-    const auto method = source.method(scene);
-    scenes.push_back({name, grouped(scene.triangles()), grouped(scene.placedTriangles()),
-                      grouped(scene.instances.size()), grouped(scene.things()), grouped(scene.materials.size()),
-                      grouped(scene.dropped.total()), placeOf(scene)});
-    for (const std::string& line : damageWarnings(scene)) warn(line);
-    for (const std::string& line : sizeWarnings(scene)) warn(line);
-    for (const std::string& line : seedWarnings(pipeline, s, scene)) warn(line);
-    for (const std::string& line : ruleWarnings(scene)) rules.insert(line);
-    for (const std::string& line : withoutWarnings(scene)) rules.insert(line);
-    if (pipeline.recording == nullptr) {
-      const SceneProbe probe(scene, method.get(), pipeline.method.entry);
-      for (std::size_t k = i; k < pipeline.sequences.size() && pipeline.sequences[k].sameScene(s); ++k) {
-        for (const std::string& line : pathWarnings(source, k, probe)) warn(line);
+// Loads the scenes of a plan, warns of legal but rarely intended contents (paths through things, objects of odd sizes,
+// rules that match nothing), and prints a table of the scenes and their unlabelled geometry.
+class SceneCheck {
+ public:
+  explicit SceneCheck(ShotSource& source)
+      : source_(source), plan_(source.plan()), modelled_(modelled(plan_, source.blockedShares())) {}
+
+  // Loads only the first kMostScenes scenes.
+  void run() {
+    const std::vector<Sequence>& sequences = plan_.pipeline.sequences;
+    for (std::size_t i = 0; i < sequences.size(); ++i) {
+      if (i > 0 && sequences[i].sameScene(sequences[i - 1])) continue;  // checked with the scene's first sequence
+      if (rows_.size() > kMostScenes) {
+        ++notLoaded_;
+      } else {
+        load(i);
       }
     }
-    for (const auto& [what, triangles] : scene.unlabeled) unlabeled[what] += triangles;
-    if (method == nullptr) continue;
-    // Some of these items differ from scene to scene: report each feature once, for the first scene that has it.
-    for (const ModelledItem& item : modelledOf(plan, s, scene, *method)) {
-      const auto isSame = [&](const ModelledItem& known) {
-        return known.topic == item.topic && known.leftOut == item.leftOut && known.sensor == item.sensor;
-      };
-      if (std::ranges::none_of(found.modelled, isSame)) found.modelled.push_back(item);
+    for (const std::string& line : warningsOfAllSeeds_) warn(line);
+  }
+
+  void print() {
+    if (const auto& recording = plan_.pipeline.recording; recording != nullptr) {
+      printText("scenes: none, the scans are made from the {} in {}\n\n", nameOf(recording->kind),
+                recording->folder.string());
+      return;
     }
-    plan.checkMemory(method->memoryBytes(), name);
-    found.bytes = std::max(found.bytes, method->memoryBytes());
-  }
-  for (const std::string& line : rules) warn(line);
-  // Leaves out the column "place" if the seed selects nothing at random in any scene.
-  const bool places =
-      std::any_of(scenes.begin() + 1, scenes.end(), [](const auto& row) { return !row.back().empty(); });
-  for (std::vector<std::string>& row : scenes) row.resize(places ? row.size() : row.size() - 1);
-  if (pipeline.recording == nullptr) {
-    printText("{}", formatTable(scenes));
-    if (more > 0) printText("and {} more scenes, which are checked when the dataset is made\n", grouped(more));
+    // The last column is left out if the seed selects nothing at random in any scene.
+    if (std::all_of(rows_.begin() + 1, rows_.end(), [](const auto& row) { return row.back().empty(); })) {
+      for (std::vector<std::string>& row : rows_) row.pop_back();
+    }
+    printText("{}", formatTable(rows_));
+    if (notLoaded_ > 0) {
+      printText("and {} more scenes, which are checked when the dataset is made\n", grouped(notLoaded_));
+    }
     printText("\n");
-  } else {
-    printText("scenes: none, the scans are made from the {} in {}\n\n", nameOf(pipeline.recording->kind),
-              pipeline.recording->folder.string());
+    printUnlabeled(unlabeled_);
   }
-  if (pipeline.recording == nullptr) printUnlabeled(unlabeled);
-  return found;
-}
+
+  // The items of modelled(), then those of modelledOf() the scenes.
+  const std::vector<ModelledItem>& modelledItems() const { return modelled_; }
+  // Returns the largest memory that the method takes for a scene; 0: it was not measured.
+  std::uint64_t mostBytes() const { return mostBytes_; }
+
+ private:
+  // Loads the scene of a sequence. The following sequences with the same scene are checked with it.
+  void load(std::size_t first) {
+    const Pipeline& pipeline = plan_.pipeline;
+    const Sequence& sequence = pipeline.sequences[first];
+    const std::string name = fmt::format("{} seed {}", sequence.scene, sequence.sceneSeed);
+    const Scene scene = source_.load(first);
+    const auto method = source_.method(scene);
+    rows_.push_back({name, grouped(scene.triangles()), grouped(scene.placedTriangles()),
+                     grouped(scene.instances.size()), grouped(scene.things()), grouped(scene.materials.size()),
+                     grouped(scene.dropped.total()), randomText(scene)});
+    for (const std::string& line : damageWarnings(scene)) warn(line);
+    for (const std::string& line : sizeWarnings(scene)) warn(line);
+    for (const std::string& line : seedWarnings(pipeline, sequence, scene)) warn(line);
+    for (const std::string& line : ruleWarnings(scene)) warningsOfAllSeeds_.insert(line);
+    for (const std::string& line : withoutWarnings(scene)) warningsOfAllSeeds_.insert(line);
+    for (const auto& [part, triangles] : scene.unlabeled) unlabeled_[part] += triangles;
+    if (pipeline.recording == nullptr) {
+      const SceneProbe probe(scene, method.get(), pipeline.method.entry);
+      for (std::size_t k = first; k < pipeline.sequences.size() && pipeline.sequences[k].sameScene(sequence); ++k) {
+        for (const std::string& line : pathWarnings(source_, k, probe)) warn(line);
+      }
+    }
+    if (method == nullptr) return;
+    for (const ModelledItem& item : modelledOf(plan_, sequence, scene, *method)) addModelled(item);
+    plan_.checkMemory(method->memoryBytes(), name);
+    mostBytes_ = std::max(mostBytes_, method->memoryBytes());
+  }
+
+  // Adds an item unless one about the same feature is known: scenes differ in the items' texts, and the first counts.
+  void addModelled(const ModelledItem& item) {
+    const auto isSame = [&](const ModelledItem& known) {
+      return known.topic == item.topic && known.leftOut == item.leftOut && known.sensor == item.sensor;
+    };
+    if (std::ranges::none_of(modelled_, isSame)) modelled_.push_back(item);
+  }
+
+  ShotSource& source_;
+  const Plan& plan_;
+  std::vector<ModelledItem> modelled_;
+  std::uint64_t mostBytes_ = 0;
+  Rows rows_{{"scene", "triangles", "placed", "instances", "things", "materials", "dropped", "place"}};
+  std::map<UnlabeledPart, std::uint64_t> unlabeled_;  // numbers of triangles
+  std::set<std::string> warningsOfAllSeeds_;          // each is printed once
+  std::uint64_t notLoaded_ = 0;                       // number of scenes
+};
 
 constexpr std::size_t kMostSequences = 40;  // the greatest number of sequences to list
 
@@ -182,46 +205,50 @@ std::string shardsOfSplits(const Plan& plan) {
   return text;
 }
 
-// Prints the number of seeds that give at least `frames` frames, and the resulting time and size of the dataset.
-void printSeeds(const Plan& plan, std::uint64_t frames, const std::optional<SampleCosts>& costs) {
-  const Pipeline& pipeline = plan.pipeline;
-  std::set<std::filesystem::path> files;
-  for (const Sequence& sequence : pipeline.sequences) files.insert(sequence.sceneFile);
+// Prints the number of seeds that give at least `frames` frames. Returns how many scenes and frames these seeds give;
+// if the scenes do not depend on seeds, those asked for and the pipeline's own.
+std::pair<double, double> printSeeds(const Pipeline& pipeline, double frames) {
   const auto scenes = static_cast<double>(scenesOf(pipeline));
-  const double framesOfScene = static_cast<double>(pipeline.frames()) / scenes;
-  double wanted = scenes;
-  double made = static_cast<double>(frames);
-  if (followsFromSeeds(pipeline)) {
-    const auto each = std::max(1.0, std::ceil(made / framesOfScene / static_cast<double>(files.size())));
-    wanted = each * static_cast<double>(files.size());
-    made = wanted * framesOfScene;
-    printText(
-        "\nfor {} frames: {} seed{}{} of {} frames, `seeds: {}`{}\n", grouped(frames),
-        grouped(static_cast<std::uint64_t>(each)), each > 1 ? "s" : "",
-        files.size() > 1 ? fmt::format(" of each of the {} scene files", files.size()) : "", shortNumber(framesOfScene),
-        each > 2   ? fmt::format("[1, ..., {:.0f}]", each)
-        : each > 1 ? "[1, 2]"
-                   : "[1]",
-        pipeline.splitsBySeed ? "; `splits` lists seeds: add the new seeds to it, or give --set splits=null" : "");
-  } else {
+  if (!followsFromSeeds(pipeline)) {
     printText(
         "\nfor {} frames: the scenes are the same for all seeds, so lengthen their trajectories or add trajectories\n",
-        grouped(frames));
+        grouped(static_cast<std::uint64_t>(frames)));
+    return {scenes, frames};
   }
-  if (costs) {
-    const Forecast f = forecast(*costs, static_cast<std::uint64_t>(made), static_cast<std::uint64_t>(wanted));
-    printText("time: {}\nsize: {}\n", timeText(f), sizeText(f));
-  }
-  const double rays = made * pipeline.rays() / static_cast<double>(pipeline.frames());
-  if (rays > pipeline.maxRays) {
-    printText(
-        "these are {} rays, more than `limits.max_rays` allows ({}): give generate --set limits.max_rays={:.0e}\n",
-        shortNumber(rays), shortNumber(pipeline.maxRays), 10 * std::pow(10, std::floor(std::log10(rays))));
-  }
+  std::set<std::filesystem::path> files;
+  for (const Sequence& sequence : pipeline.sequences) files.insert(sequence.sceneFile);
+  const auto fileCount = static_cast<double>(files.size());
+  const double framesOfScene = static_cast<double>(pipeline.frames()) / scenes;
+  const double seeds = std::max(1.0, std::ceil(frames / framesOfScene / fileCount));  // for each file
+  printText("\nfor {} frames: {}{} of {} frames, `seeds: {}`{}\n", grouped(static_cast<std::uint64_t>(frames)),
+            pluralOf(static_cast<std::uint64_t>(seeds), "seed"),
+            files.size() > 1 ? fmt::format(" of each of the {} scene files", files.size()) : "",
+            shortNumber(framesOfScene),
+            seeds > 2   ? fmt::format("[1, ..., {:.0f}]", seeds)
+            : seeds > 1 ? "[1, 2]"
+                        : "[1]",
+            pipeline.splitsBySeed ? "; `splits` lists seeds: add the new seeds to it, or give --set splits=null" : "");
+  return {seeds * fileCount, seeds * fileCount * framesOfScene};
+}
+
+void printForecast(const SampleCosts& costs, double frames, double scenes) {
+  const Forecast f = forecast(costs, static_cast<std::uint64_t>(frames), static_cast<std::uint64_t>(scenes));
+  printText("time: {}\nsize: {}\n", timeText(f), sizeText(f));
+}
+
+// Prints what a dataset of at least `frames` frames needs: seeds, time, size and, if it has too many, the limit of
+// rays.
+void printLargerDataset(const Pipeline& pipeline, double frames, const std::optional<SampleCosts>& costs) {
+  const auto [scenesNeeded, framesMade] = printSeeds(pipeline, frames);
+  if (costs) printForecast(*costs, framesMade, scenesNeeded);
+  const double rays = framesMade * pipeline.rays() / static_cast<double>(pipeline.frames());
+  if (rays <= pipeline.maxRays) return;
+  printText("these are {} rays, more than `limits.max_rays` allows ({}): give generate --set limits.max_rays={:.0e}\n",
+            shortNumber(rays), shortNumber(pipeline.maxRays), 10 * std::pow(10, std::floor(std::log10(rays))));
 }
 
 // Prints the first lines of the output: frames, shards, time and size.
-void printForecast(const Arguments& parsed, const Plan& plan) {
+void printSize(const Arguments& parsed, const Plan& plan) {
   const Pipeline& pipeline = plan.pipeline;
   const std::uint64_t frames = parsed.has("frames") ? countOption(parsed, "frames") : 0;
   constexpr std::uint64_t kMostFrames = 1'000'000'000'000;
@@ -235,15 +262,29 @@ void printForecast(const Arguments& parsed, const Plan& plan) {
   const std::optional<SampleCosts> costs = sampleCosts(parsed, plan, pipelineOverrides(parsed), &why);
   printText("{} in {}\n", pluralOf(pipeline.frames(), "frame"), shardsOfSplits(plan));
   if (costs) {
-    const Forecast f = forecast(*costs, pipeline.frames(), scenesOf(pipeline));
-    printText("time: {}\nsize: {}\n", timeText(f), sizeText(f));
+    printForecast(*costs, static_cast<double>(pipeline.frames()), static_cast<double>(scenesOf(pipeline)));
   } else {
     printText(
         "time and size: unknown, since the pipeline's sensors and effects could not scan the small town that forecasts "
         "measure: {}\n",
         why);
   }
-  if (frames > 0) printSeeds(plan, frames, costs);
+  if (frames > 0) printLargerDataset(pipeline, static_cast<double>(frames), costs);
+  printText("\n");
+}
+
+// `sceneBytes`: memory of the method for a scene; 0: it was not measured.
+void printRaysAndMemory(const Plan& plan, std::uint64_t sceneBytes) {
+  const Pipeline& pipeline = plan.pipeline;
+  const double rays = pipeline.rays();
+  const auto perFrame = static_cast<std::uint64_t>(rays / static_cast<double>(pipeline.frames()));
+  printText("\n{} frames x {}{} {} = {} rays (limits.max_rays: {})\n", grouped(pipeline.frames()),
+            pipeline.oneRevolution() ? "" : "about ", grouped(perFrame),
+            pipeline.raysPerFrame() == pipeline.beamsPerFrame() ? "beams" : "rays", shortNumber(rays),
+            shortNumber(pipeline.maxRays));
+  const auto inFlight = static_cast<double>(plan.framesInFlight()) * static_cast<double>(plan.bytesPerFrameInMemory());
+  printText("memory: {} for frames in flight", shortBytes(inFlight));
+  if (sceneBytes > 0) printText(" and about {} for the scene", shortBytes(static_cast<double>(sceneBytes)));
   printText("\n");
 }
 
@@ -271,35 +312,31 @@ int runPlan(const std::vector<std::string>& arguments) {
   for (const std::string& line : vehicleWarnings(pipeline, source.blockedShares())) warn(line);
   for (const std::string& line : sensorWarnings(plan)) warn(line);
   for (const std::string& line : driveWarnings(pipeline)) warn(line);
-  printForecast(parsed, plan);
+  printSize(parsed, plan);
   printSensors(plan);
   printSequences(pipeline);
 
   const bool recorded = pipeline.recording != nullptr;
   const bool checks = parsed.has("check");
   if (recorded && checks) warn("--check needs scenes, but a recording has none: it is ignored");
-  const bool loads = checks || recorded;
-  SceneFindings found = loads ? checkScenes(source) : SceneFindings{modelled(plan, source.blockedShares()), 0};
-  if (!loads) {
-    found.modelled.push_back(
+  SceneCheck scenes(source);
+  std::vector<ModelledItem> items = scenes.modelledItems();
+  if (checks || recorded) {
+    scenes.run();
+    scenes.print();
+    items = scenes.modelledItems();
+    printText("\n");
+  } else {
+    items.push_back(
         {"method", fmt::format("{}; --check tells what it leaves out of these scenes", pipeline.methodName())});
   }
-  printText("{}modelled and left out:\n", loads ? "\n" : "");
-  for (const ModelledItem& item : found.modelled) printText("  {}\n", lineOf(item));
-  const double rays = pipeline.rays();
-  const auto inFlight = static_cast<double>(plan.framesInFlight()) * static_cast<double>(plan.bytesPerFrameInMemory());
-  const auto perFrame = static_cast<std::uint64_t>(rays / static_cast<double>(pipeline.frames()));
-  printText("\n{} frames x {}{} {} = {} rays (limits.max_rays: {})\n", grouped(pipeline.frames()),
-            pipeline.oneRevolution() ? "" : "about ", grouped(perFrame),
-            pipeline.raysPerFrame() == pipeline.beamsPerFrame() ? "beams" : "rays", shortNumber(rays),
-            shortNumber(pipeline.maxRays));
-  printText("memory: {} for frames in flight", shortBytes(inFlight));
-  if (found.bytes > 0) printText(" and about {} for the scene", shortBytes(static_cast<double>(found.bytes)));
-  printText("\n");
+  printText("modelled and left out:\n");
+  for (const ModelledItem& item : items) printText("  {}\n", lineOf(item));
+  printRaysAndMemory(plan, scenes.mostBytes());
   if (checks && !recorded) {
     printText("checked: paths, labels and sizes; {}\n",
               warningCount() == 0 ? "nothing to warn of" : pluralOf(warningCount(), "warning"));
-  } else if (!loads) {
+  } else if (!recorded) {
     printText("scenes were not loaded; --check loads them and checks paths, labels and sizes\n");
   }
   return 0;
