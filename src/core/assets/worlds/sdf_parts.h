@@ -1,0 +1,65 @@
+#pragma once
+
+// What the reader of SDF consists of: poses relative to named frames, and the visuals of links.
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "assets/worlds/world_asset.h"
+#include "assets/worlds/xml.h"
+
+namespace scanmill {
+
+struct SdfPose {
+  Pose pose;
+  std::string relativeTo;  // name of the frame that `pose` refers to; empty: that of the world, model or link around it
+};
+
+// Returns the <pose> of an element; the identity if it has none.
+SdfPose readSdfPose(const XmlNode& of);
+
+bool isSdfTrue(const std::string& text);
+
+// The named frames of a world or a model, to which poses may be relative.
+class SdfFrames {
+ public:
+  struct Frame {
+    const XmlNode* node = nullptr;
+    SdfPose pose;
+    std::shared_ptr<const SdfFrames> inside;  // frames inside a model; null: this frame is not a model
+  };
+  std::map<std::string, Frame> byName;
+  bool isWorld = false;
+  // Frame whose pose frames have that are not in `byName`, because the file with them is missing; nullopt: none is.
+  std::optional<std::string> inPlaceOfMissing;
+
+  // Adds a frame. A link keeps its name if a joint, frame or model has the same, which SDF 1.6 allows.
+  void add(const std::string& name, const Frame& frame);
+
+  // Returns the pose of a frame in the frame of the world or model. Errors are thrown at `from`.
+  Pose resolve(const std::string& name, const XmlNode& from) const;
+
+ private:
+  // `passed`: the frames from which the poses so far led here.
+  Pose resolve(const std::string& name, const XmlNode& from,
+               std::set<std::pair<const SdfFrames*, std::string>>& passed) const;
+};
+
+// The link of a visual.
+struct SdfLink {
+  std::string name;
+  Pose modelFromLink;
+  const SdfFrames& frames;            // of the model
+  const std::filesystem::path& file;  // that describes the model
+  Vec3d scale{1, 1, 1};               // of the model, by the world's state
+};
+
+// Returns the visual as a part of the model; nullopt if it shows nothing. Adds what is left out or missing to `world`.
+std::optional<WorldPart> readSdfVisual(const XmlNode& visual, const SdfLink& link, WorldFile& world);
+
+}  // namespace scanmill
