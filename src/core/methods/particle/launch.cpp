@@ -1,6 +1,7 @@
 #include "methods/particle/launch.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace scanmill {
@@ -49,21 +50,20 @@ void launch(const MarchJob& job, std::span<const Tile> tiles, Particles& particl
       float* values = column.data() + at;
       for (int lane = 0; lane < kPacket; ++lane) values[lane] = static_cast<float>(valueOf(lane));
     };
-    fill(particles.ox, [&](int lane) { return (rays.ox[lane] - centre.x) * perVoxel; });
-    fill(particles.oy, [&](int lane) { return (rays.oy[lane] - centre.y) * perVoxel; });
-    fill(particles.oz, [&](int lane) { return (rays.oz[lane] - centre.z) * perVoxel; });
-    fill(particles.dx, [&](int lane) { return rays.dx[lane]; });
-    fill(particles.dy, [&](int lane) { return rays.dy[lane]; });
-    fill(particles.dz, [&](int lane) { return rays.dz[lane]; });
+    const std::array<const Lane*, 3> origins{&rays.ox, &rays.oy, &rays.oz};
+    const std::array<const Lane*, 3> directions{&rays.dx, &rays.dy, &rays.dz};
+    const std::array<double, 3> centres{centre.x, centre.y, centre.z};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Lane& origin = *origins[k];
+      const Lane& direction = *directions[k];
+      fill(particles.origin[k], [&](int lane) { return (origin[lane] - centres[k]) * perVoxel; });
+      fill(particles.direction[k], [&](int lane) { return direction[lane]; });
+      if (!lists) continue;
+      fill(particles.worldOrigin[k], [&](int lane) { return origin[lane]; });
+      fill(particles.inverse[k], [&](int lane) { return inverseOf(direction[lane]); });
+    }
     fill(particles.begin, [&](int lane) { return inside.begin[lane] * perVoxel; });
     fill(particles.end, [&](int lane) { return inside.end[lane] * perVoxel; });
-    if (!lists) continue;
-    fill(particles.wx, [&](int lane) { return rays.ox[lane]; });
-    fill(particles.wy, [&](int lane) { return rays.oy[lane]; });
-    fill(particles.wz, [&](int lane) { return rays.oz[lane]; });
-    fill(particles.ix, [&](int lane) { return inverseOf(rays.dx[lane]); });
-    fill(particles.iy, [&](int lane) { return inverseOf(rays.dy[lane]); });
-    fill(particles.iz, [&](int lane) { return inverseOf(rays.dz[lane]); });
   }
 }
 

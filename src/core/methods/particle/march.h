@@ -9,6 +9,7 @@
 // in the same order and without contraction to fused operations. Both therefore take the same steps, bit by bit, on any
 // CPU or GPU that follows IEEE 754.
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -21,12 +22,13 @@ namespace scanmill {
 
 // Particles before they march, as a structure of arrays in the field frame: lengths are in voxels of level 0.
 struct Particles {
-  std::vector<float> ox, oy, oz;  // origin, relative to the field's centre
-  std::vector<float> dx, dy, dz;  // unit direction, world axes
-  std::vector<float> begin, end;  // limits of the marched section of the line; begin >= end: a miss
+  using Vectors = std::array<std::vector<float>, 3>;  // an array each of the components x, y and z
+  Vectors origin;                                     // relative to the field's centre
+  Vectors direction;                                  // unit vectors, world axes
+  std::vector<float> begin, end;                      // limits of the marched section of the line; begin >= end: a miss
   // The following arrays are empty if the field has no lists.
-  std::vector<float> wx, wy, wz;  // m, the line's origin relative to the world's origin
-  std::vector<float> ix, iy, iz;  // 1 / direction; a component with an absolute value below 1e-12 counts as 1e-12
+  Vectors worldOrigin;  // m, the line's origin relative to the world's origin
+  Vectors inverse;      // 1 / direction; a component with an absolute value below 1e-12 counts as 1e-12
 
   std::size_t size() const { return begin.size(); }
   void resize(std::size_t count, bool lists);

@@ -42,8 +42,14 @@ HWY_EXPORT(marchInLanes);
 }  // namespace
 
 void Particles::resize(std::size_t count, bool lists) {
-  for (auto* column : {&ox, &oy, &oz, &dx, &dy, &dz, &begin, &end}) column->resize(count);
-  for (auto* column : {&wx, &wy, &wz, &ix, &iy, &iz}) column->resize(lists ? count : 0);
+  for (std::size_t k = 0; k < 3; ++k) {
+    origin[k].resize(count);
+    direction[k].resize(count);
+    worldOrigin[k].resize(lists ? count : 0);
+    inverse[k].resize(lists ? count : 0);
+  }
+  begin.resize(count);
+  end.resize(count);
 }
 
 void HitRecords::reset(std::size_t count) {

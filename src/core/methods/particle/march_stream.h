@@ -34,20 +34,21 @@ constexpr std::uint32_t kCornerLayer = kBrickCorners * kBrickCorners;
 // The particles in a group of lanes.
 struct LaneGroup {
   HWY_ALIGN_MAX LaneFloats o[3] = {}, d[3] = {}, begin = {}, end = {};
-  HWY_ALIGN_MAX LaneFloats w[3] = {}, inverse[3] = {};  // used only in fields with lists
+  HWY_ALIGN_MAX LaneFloats w[3] = {}, inverse[3] = {};  // world origin and 1 / d; used only in fields with lists
   HWY_ALIGN_MAX LaneFloats travelled = {};
-  HWY_ALIGN_MAX LaneWords outcome = {};  // 4 * number of steps; record() gets this number plus the Outcome
+  HWY_ALIGN_MAX LaneWords steps = {};  // number of steps taken
   std::size_t particle[kLanes] = {};
   LaneBits active = 0;  // lanes that have a particle
 
   // State of the current step.
   HWY_ALIGN_MAX LaneFloats f[3] = {}, scale = {};  // position in the voxel; scale = 2^-level
   HWY_ALIGN_MAX LaneWords in[3] = {};              // coordinates of the voxel in its brick
-  HWY_ALIGN_MAX LaneWords entry = {}, cell = {};
-  HWY_ALIGN_MAX LaneWords rows[4] = {};           // pairs of distances; with lists, only the pair of the nearest corner
-  HWY_ALIGN_MAX LaneFloats travelledBefore = {};  // `travelled` before the advance
-  HWY_ALIGN_MAX LaneWords corner = {};  // without lists: the corner nearest to a particle that rests at a surface
-  LaneBits mayHit = 0;                  // lanes that rest at a surface, or have triangles to test
+  HWY_ALIGN_MAX LaneWords entry = {};              // the brick's entry in DistanceField::table
+  HWY_ALIGN_MAX LaneWords cell = {};     // index of the voxel's first corner or, with lists, of the nearest corner
+  HWY_ALIGN_MAX LaneWords rows[4] = {};  // pairs of distances; with lists, only the pair of the nearest corner
+  HWY_ALIGN_MAX LaneFloats travelledBefore = {};  // `travelled` before the step
+  HWY_ALIGN_MAX LaneWords corner = {};            // without lists: the corner nearest to a particle at a surface
+  LaneBits mayHit = 0;  // lanes at a surface (without lists), or with triangles to test (with lists)
 };
 
 // The parameters of all levels, indexed by level.
@@ -112,7 +113,7 @@ class ParticleStream {
   ParticleStream(const DistanceField& field, const TriangleBlock& triangles, std::uint32_t steps,
                  const Particles& particles, std::span<const std::uint32_t> which, HitRecords& records)
       : field_(field),
-        exhaustedAt_(4 * steps),
+        maxSteps_(steps),
         particles_(particles),
         which_(which),
         records_(records),
@@ -148,39 +149,35 @@ class ParticleStream {
   }
 
  private:
-  void record(std::size_t i, float travelled, std::uint32_t triangle, std::uint32_t outcome) {
+  void record(std::size_t i, float travelled, std::uint32_t triangle, std::uint32_t steps, Outcome outcome) {
     records_.travelled[i] = travelled;
     records_.triangle[i] = triangle;
-    records_.outcome[i] = outcome;
+    records_.outcome[i] = 4 * steps + static_cast<std::uint32_t>(outcome);
   }
 
-  // Loads the next particle into a lane. If no particle is left, the lane becomes inactive.
+  void recordWithoutHit(std::size_t i, std::uint32_t steps) {
+    record(i, 0, 0, steps, steps >= maxSteps_ ? Outcome::Exhausted : Outcome::Miss);
+  }
+
+  // Loads the next particle into a lane. If no particle remains, the lane becomes inactive.
   void refill(LaneGroup& group, std::size_t lane) {
     group.active &= ~(LaneBits{1} << lane);
     while (next_ < which_.size()) {
       const std::uint32_t i = which_[next_++];
-      const std::uint32_t taken = 4 * records_.stepsOf(i);
-      if (taken >= exhaustedAt_ || !(particles_.begin[i] < particles_.end[i])) {
-        record(i, 0, 0, taken + static_cast<std::uint32_t>(taken >= exhaustedAt_ ? Outcome::Exhausted : Outcome::Miss));
+      const std::uint32_t steps = records_.stepsOf(i);
+      if (steps >= maxSteps_ || !(particles_.begin[i] < particles_.end[i])) {
+        recordWithoutHit(i, steps);
         continue;
       }
-      group.o[0][lane] = particles_.ox[i];
-      group.o[1][lane] = particles_.oy[i];
-      group.o[2][lane] = particles_.oz[i];
-      group.d[0][lane] = particles_.dx[i];
-      group.d[1][lane] = particles_.dy[i];
-      group.d[2][lane] = particles_.dz[i];
+      for (std::size_t k = 0; k < 3; ++k) {
+        group.o[k][lane] = particles_.origin[k][i];
+        group.d[k][lane] = particles_.direction[k][i];
+        if constexpr (kLists) group.w[k][lane] = particles_.worldOrigin[k][i];
+        if constexpr (kLists) group.inverse[k][lane] = particles_.inverse[k][i];
+      }
       group.begin[lane] = group.travelled[lane] = particles_.begin[i];
       group.end[lane] = particles_.end[i];
-      if constexpr (kLists) {
-        group.w[0][lane] = particles_.wx[i];
-        group.w[1][lane] = particles_.wy[i];
-        group.w[2][lane] = particles_.wz[i];
-        group.inverse[0][lane] = particles_.ix[i];
-        group.inverse[1][lane] = particles_.iy[i];
-        group.inverse[2][lane] = particles_.iz[i];
-      }
-      group.outcome[lane] = taken;
+      group.steps[lane] = steps;
       group.particle[lane] = i;
       group.active |= LaneBits{1} << lane;
       return;
@@ -245,7 +242,7 @@ class ParticleStream {
   }
 
   // For particles in full bricks, loads the distances at the corners of the voxel or, with lists, at the corner that
-  // aim() chose.
+  // chooseCorners() chose.
   void loadDistances(LaneGroup& group) const {
     if (hn::AllFalse(kFloats, isFull(hn::Load(kWords, group.entry)))) return;
     const Words cell = hn::Load(kWords, group.cell);
@@ -302,73 +299,98 @@ class ParticleStream {
     return hn::Min(face(0), hn::Min(face(1), face(2)));
   }
 
+  // A ball without surfaces, around the centre of an empty brick or around the corner nearest to the particle. Lengths
+  // are in voxels of the particle's level.
+  struct FreeBall {
+    Floats radius, chordFactor;
+    Floats r[3];     // position of the particle relative to the ball's centre
+    Mask isolated;   // no surface is within kNearestLimit of the centre
+    Floats centre2;  // squared distance of the particle from the centre
+    Floats along;    // length from the middle of the particle's chord through the ball to the particle
+    Floats ahead;    // lower bound of the length from the particle to the chord's end
+  };
+
+  HWY_INLINE static FreeBall freeBallOf(const LaneGroup& group, const Floats (&d)[3]) {
+    const Words entry = hn::Load(kWords, group.entry);
+    const Mask full = isFull(entry);
+    FreeBall ball{hn::BitCast(kFloats, entry), hn::Set(kFloats, kEmptyChordFactor), {}, hn::Not(full), {}, {}, {}};
+    for (int k = 0; k < 3; ++k) {
+      const Ints middle = hn::Sub(hn::BitCast(kInts, hn::Load(kWords, group.in[k])), hn::Set(kInts, kHalfBrick));
+      ball.r[k] = hn::Add(hn::Load(kFloats, group.f[k]), hn::ConvertTo(kFloats, middle));
+    }
+    if (!hn::AllFalse(kFloats, full)) {
+      for (int k = 0; k < 3; ++k) {
+        const Floats corner = hn::IfThenElseZero(isUpper(group, k), hn::Set(kFloats, 1.0f));
+        ball.r[k] = hn::IfThenElse(full, hn::Sub(hn::Load(kFloats, group.f[k]), corner), ball.r[k]);
+      }
+      ball.radius = hn::IfThenElse(full, nearestDistance(group), ball.radius);
+      ball.isolated = hn::Gt(ball.radius, hn::Set(kFloats, kNearestLimit));
+      const Floats ofFullBrick =
+          hn::IfThenElse(ball.isolated, hn::Set(kFloats, kNearestChordFactor), hn::Set(kFloats, kListChordFactor));
+      ball.chordFactor = hn::IfThenElse(full, ofFullBrick, ball.chordFactor);
+    }
+    ball.centre2 = dotOf(ball.r, ball.r);
+    ball.along = dotOf(ball.r, d);
+    const Floats across2 = hn::Sub(ball.centre2, hn::Mul(ball.along, ball.along));
+    ball.ahead = hn::Sub(hn::Sub(ball.radius, hn::Mul(across2, ball.chordFactor)), ball.along);
+    return ball;
+  }
+
+  // The length of a step (voxels), and whether the particle may hit a surface within this length: without lists,
+  // whether it hits the surface where it is now.
+  struct Stride {
+    Floats length;
+    Mask mayHit;
+  };
+
+  // In a full brick, a particle moves to the end of the voxel around the nearest corner, or farther if no surface
+  // intersects the voxel. It may hit a triangle if its path in the voxel leaves the free ball.
+  HWY_INLINE static Stride strideWithLists(const LaneGroup& group, const FreeBall& ball) {
+    const Mask full = isFull(hn::Load(kWords, group.entry));
+    if (hn::AllFalse(kFloats, full)) return {ball.ahead, hn::FirstN(kFloats, 0)};
+    const Floats exit = exitOf(group, ball.r);
+    const Mask emptyVoxel = hn::Gt(ball.radius, hn::Set(kFloats, kListLimit));
+    const Floats exit2 = hn::Add(ball.centre2, hn::Mul(hn::Add(hn::Add(ball.along, ball.along), exit), exit));
+    const Floats radius2 = hn::Mul(ball.radius, ball.radius);
+    const Mask leavesBall = hn::Or(hn::Gt(ball.centre2, radius2), hn::Gt(exit2, radius2));
+    const Floats inFullBrick = hn::IfThenElse(emptyVoxel, hn::Max(ball.ahead, exit), exit);
+    return {hn::IfThenElse(full, inFullBrick, ball.ahead), hn::AndNot(emptyVoxel, leavesBall)};
+  }
+
+  // Near a surface, a particle moves by the interpolated distance, and hits the surface if this is small.
+  HWY_INLINE static Stride strideWithoutLists(const LaneGroup& group, const FreeBall& ball) {
+    if (hn::AllTrue(kFloats, ball.isolated)) return {ball.ahead, hn::FirstN(kFloats, 0)};
+    const Floats distance = interpolate(group);
+    return {hn::IfThenElse(ball.isolated, ball.ahead, distance),
+            hn::AndNot(ball.isolated, hn::Le(distance, hn::Set(kFloats, kHitDistance)))};
+  }
+
   // Takes one step of the particles in group g, without intersecting triangles yet.
   void advance(std::size_t g) {
     LaneGroup& group = groups_[g];
     const Floats d[3] = {hn::Load(kFloats, group.d[0]), hn::Load(kFloats, group.d[1]), hn::Load(kFloats, group.d[2])};
     const Floats travelled = hn::Load(kFloats, group.travelled);
-    const Floats scale = hn::Load(kFloats, group.scale);
-    const Floats voxelSize = hn::BitCast(kFloats, hn::Sub(hn::Set(kWords, 254u << 23), hn::BitCast(kWords, scale)));
-    const Words entry = hn::Load(kWords, group.entry);
-    const Mask full = isFull(entry);
-    const bool anyFull = !hn::AllFalse(kFloats, full);
-    // Computes `radius`, the radius of a ball without surfaces, and r, the particle's position relative to the ball's
-    // centre, which is the centre of the brick or the nearest corner.
-    Floats r[3];
-    for (int k = 0; k < 3; ++k) {
-      const Ints middle = hn::Sub(hn::BitCast(kInts, hn::Load(kWords, group.in[k])), hn::Set(kInts, kBrickVoxels / 2));
-      r[k] = hn::Add(hn::Load(kFloats, group.f[k]), hn::ConvertTo(kFloats, middle));
-    }
-    Floats radius = hn::BitCast(kFloats, entry);
-    Floats chordFactor = hn::Set(kFloats, kEmptyChordFactor);
-    [[maybe_unused]] Mask far = hn::Not(full);
-    if (anyFull) {
-      for (int k = 0; k < 3; ++k) {
-        const Floats corner = hn::IfThenElseZero(isUpper(group, k), hn::Set(kFloats, 1.0f));
-        r[k] = hn::IfThenElse(full, hn::Sub(hn::Load(kFloats, group.f[k]), corner), r[k]);
-      }
-      radius = hn::IfThenElse(full, nearestDistance(group), radius);
-      far = hn::Gt(radius, hn::Set(kFloats, kNearestLimit));
-      const Floats fullChordFactor =
-          hn::IfThenElse(far, hn::Set(kFloats, kNearestChordFactor), hn::Set(kFloats, kListChordFactor));
-      chordFactor = hn::IfThenElse(full, fullChordFactor, chordFactor);
-    }
-    const Floats square = dotOf(r, r);
-    const Floats along = dotOf(r, d);
-    const Floats half = hn::Sub(radius, hn::Mul(hn::Sub(square, hn::Mul(along, along)), chordFactor));
-    Floats ahead = hn::Sub(half, along);
-    Mask mayHit = hn::FirstN(kFloats, 0);
-    if constexpr (kLists) {
-      if (anyFull) {
-        const Floats exit = exitOf(group, r);
-        const Mask inside = hn::Gt(radius, hn::Set(kFloats, kListLimit));
-        const Floats out = hn::Add(square, hn::Mul(hn::Add(hn::Add(along, along), exit), exit));
-        const Floats ball = hn::Mul(radius, radius);
-        mayHit = hn::AndNot(inside, hn::Or(hn::Gt(square, ball), hn::Gt(out, ball)));
-        const Floats longer = hn::IfThenElse(inside, hn::Max(ahead, exit), exit);
-        ahead = hn::IfThenElse(full, longer, ahead);
-      }
-    } else if (!hn::AllTrue(kFloats, far)) {
-      const Floats here = interpolate(group);
-      mayHit = hn::AndNot(far, hn::Le(here, hn::Set(kFloats, kHitDistance)));
-      ahead = hn::IfThenElse(far, ahead, here);
-    }
+    // The inverse of a power of two, by its bits.
+    const Words scale = hn::BitCast(kWords, hn::Load(kFloats, group.scale));
+    const Floats voxelSize = hn::BitCast(kFloats, hn::Sub(hn::Set(kWords, 254u << 23), scale));
+    const FreeBall ball = freeBallOf(group, d);
+    const Stride stride = kLists ? strideWithLists(group, ball) : strideWithoutLists(group, ball);
     hn::Store(travelled, kFloats, group.travelledBefore);
-    group.mayHit = bitsOf(mayHit) & group.active;
+    group.mayHit = bitsOf(stride.mayHit) & group.active;
     if (group.mayHit != 0) {
       if constexpr (kLists) {
-        queueLines(g, d, travelled, ahead, voxelSize);
+        queueLines(g, d, travelled, stride.length, voxelSize);
       } else {
         hn::Store(nearestOf(group, hn::Load(kWords, group.cell)), kWords, group.corner);
       }
     }
     // Inactive lanes move too, but only up to the end of their last path.
     const Floats end = hn::Load(kFloats, group.end);
-    hn::Store(hn::Min(hn::Add(travelled, hn::Mul(ahead, voxelSize)), end), kFloats, group.travelled);
-    hn::Store(hn::Add(hn::Load(kWords, group.outcome), hn::Set(kWords, 4)), kWords, group.outcome);
+    hn::Store(hn::Min(hn::Add(travelled, hn::Mul(stride.length, voxelSize)), end), kFloats, group.travelled);
+    hn::Store(hn::Add(hn::Load(kWords, group.steps), hn::Set(kWords, 1)), kWords, group.steps);
   }
 
-  // Adds a line to tester_ for each lane of the group that has triangles to test.
+  // Adds a line to intersector_ for each lane of the group that has triangles to test.
   void queueLines(std::size_t g, const Floats (&d)[3], Floats travelled, Floats exit, Floats voxelSize) {
     const LaneGroup& group = groups_[g];
     const Floats metresPerUnit = hn::Set(kFloats, static_cast<float>(field_.shape.voxel));
@@ -389,43 +411,52 @@ class ParticleStream {
     }
   }
 
+  // Returns the lanes of group g whose particles hit a surface in this step.
+  LaneBits hitsOf(std::size_t g) const {
+    if constexpr (!kLists) return groups_[g].mayHit;
+    LaneBits hits = 0;
+    for (LaneBits lanes = groups_[g].mayHit; lanes != 0; lanes &= lanes - 1) {
+      const std::size_t lane = firstOf(lanes);
+      if (intersector_.nearest[g * kLanes + lane].denominator > 0) hits |= LaneBits{1} << lane;
+    }
+    return hits;
+  }
+
+  void recordHit(std::size_t g, std::size_t lane) {
+    const LaneGroup& group = groups_[g];
+    float travelled = group.travelledBefore[lane];
+    std::uint32_t triangle = group.corner[lane];
+    if constexpr (kLists) {
+      const LineHit& nearest = intersector_.nearest[g * kLanes + lane];
+      travelled += nearest.numerator / (nearest.denominator * static_cast<float>(field_.shape.voxel));
+      triangle = nearest.triangle;
+    } else {
+      __builtin_prefetch(&field_.word[triangle]);
+    }
+    record(group.particle[lane], travelled, triangle, group.steps[lane], Outcome::Hit);
+  }
+
   // Records the particles that are done, and refills their lanes.
   void recordAndRefill(std::size_t g) {
     LaneGroup& group = groups_[g];
-    LaneBits hits = group.mayHit;
-    if constexpr (kLists) {
-      hits = 0;
-      for (LaneBits lanes = group.mayHit; lanes != 0; lanes &= lanes - 1) {
-        const std::size_t lane = firstOf(lanes);
-        if (intersector_.nearest[g * kLanes + lane].denominator > 0) hits |= LaneBits{1} << lane;
-      }
-    }
-    const Mask spent = hn::RebindMask(kFloats, hn::Eq(hn::Load(kWords, group.outcome), hn::Set(kWords, exhaustedAt_)));
-    const Mask done = hn::Not(hn::Lt(hn::Load(kFloats, group.travelled), hn::Load(kFloats, group.end)));
-    LaneBits finished = (bitsOf(hn::Or(spent, done)) & group.active) | hits;
-    if (finished == 0) return;
-    for (; finished != 0; finished &= finished - 1) {
-      const std::size_t lane = firstOf(finished);
-      const std::size_t i = group.particle[lane];
-      const std::uint32_t steps = group.outcome[lane];
-      if ((hits >> lane & 1) == 0) {
-        const bool exhausted = steps == exhaustedAt_;
-        record(i, 0, 0, steps + static_cast<std::uint32_t>(exhausted ? Outcome::Exhausted : Outcome::Miss));
-      } else if constexpr (kLists) {
-        const LineHit& nearest = intersector_.nearest[g * kLanes + lane];
-        const float metresPerUnit = static_cast<float>(field_.shape.voxel);
-        record(i, group.travelledBefore[lane] + nearest.numerator / (nearest.denominator * metresPerUnit),
-               nearest.triangle, steps);
+    const LaneBits hits = hitsOf(g);
+    const Words steps = hn::Load(kWords, group.steps);
+    const Mask exhausted = hn::RebindMask(kFloats, hn::Eq(steps, hn::Set(kWords, maxSteps_)));
+    const Mask atEnd = hn::Not(hn::Lt(hn::Load(kFloats, group.travelled), hn::Load(kFloats, group.end)));
+    const LaneBits done = (bitsOf(hn::Or(exhausted, atEnd)) & group.active) | hits;
+    for (LaneBits lanes = done; lanes != 0; lanes &= lanes - 1) {
+      const std::size_t lane = firstOf(lanes);
+      if ((hits >> lane & 1) != 0) {
+        recordHit(g, lane);
       } else {
-        __builtin_prefetch(&field_.word[group.corner[lane]]);
-        record(i, group.travelledBefore[lane], group.corner[lane], steps);
+        recordWithoutHit(group.particle[lane], group.steps[lane]);
       }
       refill(group, lane);
     }
   }
 
   const DistanceField& field_;
-  const std::uint32_t exhaustedAt_;  // the largest number of steps, times 4 as in LaneGroup::outcome
+  const std::uint32_t maxSteps_;
   const Particles& particles_;
   std::span<const std::uint32_t> which_;
   std::size_t next_ = 0;  // index in which_ of the next particle to load

@@ -27,8 +27,15 @@ class GlMarch {
     if (p.size() == 0) return records;
     const bool lists = field->shape.lists;
     const std::size_t bytes = p.size() * sizeof(float);
-    std::vector<const std::vector<float>*> columns{&p.ox, &p.oy, &p.oz, &p.dx, &p.dy, &p.dz, &p.begin, &p.end};
-    if (lists) columns.insert(columns.end(), {&p.wx, &p.wy, &p.wz, &p.ix, &p.iy, &p.iz});
+    std::vector<const std::vector<float>*> columns;
+    const auto addAll = [&](const Particles::Vectors& vectors) {
+      for (const auto& column : vectors) columns.push_back(&column);
+    };
+    addAll(p.origin);
+    addAll(p.direction);
+    columns.insert(columns.end(), {&p.begin, &p.end});
+    if (lists) addAll(p.worldOrigin);
+    if (lists) addAll(p.inverse);
     march_.reserve(lists, p.size());
     for (std::size_t k = 0; k < columns.size(); ++k) {
       march_.particles().write(k * bytes, std::as_bytes(std::span(*columns[k])));

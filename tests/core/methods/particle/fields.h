@@ -139,21 +139,21 @@ inline void addParticle(const DistanceField& field, const Vec3d& origin, const V
   cut(box.low.z, box.high.z, origin.z, direction.z);
   const auto put = [](std::vector<float>& column, double value) { column.push_back(static_cast<float>(value)); };
   const Vec3d place = (origin - field.shape.centre) * (1 / voxel);
-  put(particles.ox, place.x);
-  put(particles.oy, place.y);
-  put(particles.oz, place.z);
-  put(particles.dx, direction.x);
-  put(particles.dy, direction.y);
-  put(particles.dz, direction.z);
+  put(particles.origin[0], place.x);
+  put(particles.origin[1], place.y);
+  put(particles.origin[2], place.z);
+  put(particles.direction[0], direction.x);
+  put(particles.direction[1], direction.y);
+  put(particles.direction[2], direction.z);
   put(particles.begin, begin / voxel);
   put(particles.end, end / voxel);
   if (!field.shape.lists) return;
-  put(particles.wx, origin.x);
-  put(particles.wy, origin.y);
-  put(particles.wz, origin.z);
-  put(particles.ix, inverse(direction.x));
-  put(particles.iy, inverse(direction.y));
-  put(particles.iz, inverse(direction.z));
+  put(particles.worldOrigin[0], origin.x);
+  put(particles.worldOrigin[1], origin.y);
+  put(particles.worldOrigin[2], origin.z);
+  put(particles.inverse[0], inverse(direction.x));
+  put(particles.inverse[1], inverse(direction.y));
+  put(particles.inverse[2], inverse(direction.z));
 }
 
 // By marchCpu(), over all threads.

@@ -222,8 +222,9 @@ void forPlanes(bool lists, const std::function<void(const Place&, const Plane&, 
 }
 
 Vec3d pointAt(const DistanceField& field, const Particles& p, std::size_t i, double travelled) {
-  return field.shape.centre +
-         (Vec3d{p.ox[i], p.oy[i], p.oz[i]} + Vec3d{p.dx[i], p.dy[i], p.dz[i]} * travelled) * field.shape.voxel;
+  return field.shape.centre + (Vec3d{p.origin[0][i], p.origin[1][i], p.origin[2][i]} +
+                               Vec3d{p.direction[0][i], p.direction[1][i], p.direction[2][i]} * travelled) *
+                                  field.shape.voxel;
 }
 
 // But for one beam of ten thousand, that a stride takes through.
@@ -251,7 +252,8 @@ TEST(March, PlanesAreMetExactlyByTheirTriangles) {
     const HitRecords records = flown(place.field, place.triangles, kSteps, particles);
     for (std::size_t i = 0; i < particles.size(); ++i) {
       ASSERT_EQ(records.outcomeOf(i), Outcome::Hit);
-      const double towards = dot(plane.normal, Vec3d{particles.dx[i], particles.dy[i], particles.dz[i]});
+      const double towards =
+          dot(plane.normal, Vec3d{particles.direction[0][i], particles.direction[1][i], particles.direction[2][i]});
       const double exact = -plane.height(pointAt(place.field, particles, i, 0)) / towards;
       ASSERT_NEAR(records.travelled[i] * place.field.shape.voxel, exact, 1e-4);
     }

@@ -118,12 +118,12 @@ double sharePassed(double diameter) {
       const Vec3d direction{level * std::cos(azimuth), level * std::sin(azimuth), z};
       const Vec3f o(middle + direction * (-9 - uniform(random[2])));
       const Vec3f d(direction);
-      particles.ox = {o.x};
-      particles.oy = {o.y};
-      particles.oz = {o.z};
-      particles.dx = {d.x};
-      particles.dy = {d.y};
-      particles.dz = {d.z};
+      particles.origin[0] = {o.x};
+      particles.origin[1] = {o.y};
+      particles.origin[2] = {o.z};
+      particles.direction[0] = {d.x};
+      particles.direction[1] = {d.y};
+      particles.direction[2] = {d.z};
       passed += flownAlone(field, {}, 1000, particles, 0).outcome == Outcome::Miss ? 1 : 0;
     }
   }
