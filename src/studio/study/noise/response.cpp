@@ -7,7 +7,6 @@
 #include <cmath>
 #include <map>
 #include <optional>
-#include <unordered_map>
 
 #include "base/error.h"
 #include "evaluate/spread.h"
@@ -22,12 +21,14 @@ constexpr std::size_t kFewestSurfaces = 200;                               // ce
 constexpr std::size_t kFewestOfKind = 30;  // cells or returns of one kind that are compared
 constexpr double kReference = 10;          // m, range at which a white target has the power 1
 
+using ResponseTable = std::vector<std::pair<double, double>>;  // ResponseFit::table
+
 // A band of ranges (index into kBands) and whether the surface is ground.
 using SurfaceKind = std::pair<std::size_t, bool>;
 
 struct SurfaceReturn {
   double range = 0;
-  double number = 0;  // recorded intensity or simulated power
+  double measured = 0;  // recorded intensity or simulated power
 };
 
 struct SurfaceCell {
@@ -46,37 +47,36 @@ std::optional<std::size_t> bandOf(double range) {
   return static_cast<std::size_t>(std::ranges::upper_bound(kBands, range) - kBands.begin()) - 1;
 }
 
-// Returns the height of the ground (m) below the sensor, as the most frequent height of the returns from 5 to 15 m.
+// Returns the height of the ground (m) below the sensor, as the most frequent height of the returns near the sensor.
 double groundHeight(const Scan& scan) {
-  constexpr double kStep = 0.1;  // m
+  constexpr double kStep = 0.1, kNearest = 5, kFarthest = 15;  // m
   std::map<long, std::size_t> counts;
   for (const Vec3f& p : scan.position) {
     const double r = length(Vec3d(p));
-    if (r > 5 && r < 15) ++counts[std::lround(p.z / kStep)];
+    if (r > kNearest && r < kFarthest) ++counts[std::lround(p.z / kStep)];
   }
   const auto most = std::ranges::max_element(counts, {}, [](const auto& entry) { return entry.second; });
   return most == counts.end() ? 0 : kStep * static_cast<double>(most->first);
 }
 
-void collect(const Scan& scan, const std::vector<float>& numbers, Surfaces& found) {
+// Adds the returns and cells of a scan. `measured`: the intensity or power of each point.
+void addSurfaces(const Scan& scan, const std::vector<float>& measured, Surfaces& found) {
+  constexpr double kGroundSlack = 0.3, kGroundSlope = 0.03;  // height difference (m), and its growth per m of range
   const double ground = groundHeight(scan);
-  std::unordered_map<std::uint64_t, SurfaceCell> cells;
+  const auto cellIndex = [](double v) { return static_cast<std::uint64_t>(std::floor(v / kSurfaceCell)) & 0x1fffffu; };
+  std::map<std::uint64_t, SurfaceCell> cells;  // by three indices of 21 bits
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const Vec3d p(scan.position[i]);
     const double range = length(p);
     const std::optional<std::size_t> band = isFinite(p) ? bandOf(range) : std::nullopt;
-    if (!band || !std::isfinite(numbers[i])) continue;
-    const SurfaceKind kind{*band, std::abs(p.z - ground) < 0.3 + 0.03 * range};
-    const auto part = [](double v) { return static_cast<std::uint64_t>(std::floor(v / kSurfaceCell)) & 0x1fffffu; };
-    SurfaceCell& cell = cells[part(p.x) << 42 | part(p.y) << 21 | part(p.z)];
+    if (!band || !std::isfinite(measured[i])) continue;
+    const SurfaceKind kind{*band, std::abs(p.z - ground) < kGroundSlack + kGroundSlope * range};
+    SurfaceCell& cell = cells[cellIndex(p.x) << 42 | cellIndex(p.y) << 21 | cellIndex(p.z)];
     if (cell.samples.empty()) cell.kind = kind;
-    const SurfaceReturn sample{range, double{numbers[i]}};
-    cell.samples.push_back(sample);
-    found.returns[kind].push_back(sample);
+    cell.samples.push_back({range, double{measured[i]}});
+    found.returns[kind].push_back(cell.samples.back());
   }
-  std::vector<std::pair<std::uint64_t, SurfaceCell>> sorted(cells.begin(), cells.end());
-  std::ranges::sort(sorted, {}, [](const auto& entry) { return entry.first; });
-  for (auto& [key, cell] : sorted) {
+  for (auto& [key, cell] : cells) {
     if (cell.samples.size() >= kFewestInCell) found.cells.push_back(std::move(cell));
   }
 }
@@ -141,13 +141,14 @@ double stepOf(const std::vector<double>& numbers) {
   return static_cast<double>(fits) >= 0.99 * static_cast<double>(values.size()) ? step : 0;
 }
 
-double powerAtReference(const SurfaceReturn& s) {
-  return s.number * (s.range / kReference) * (s.range / kReference);
-}
+// What the sensor reports: the power, or the reflectivity, which is the power corrected for the range.
+enum class Reports { Power, Reflectivity };
 
-double valueOf(const SurfaceReturn& s, double floor, bool reflectivity) {
-  const double above = std::max(0.0, s.number - floor);
-  return reflectivity ? powerAtReference({s.range, above}) : above;
+// Returns the value of a simulated return from which a sensor of this kind computes the intensity. `floor`: power that
+// it does not measure.
+double valueOf(const SurfaceReturn& s, double floor, Reports reports) {
+  const double power = std::max(0.0, s.measured - floor);
+  return reports == Reports::Power ? power : power * (s.range / kReference) * (s.range / kReference);
 }
 
 // An intensity is 0 if the power is not above `floor`, or if the value, without the floor, is not above `dark`.
@@ -155,50 +156,64 @@ struct Darkness {
   double floor = 0, dark = 0;
 };
 
-// Returns the pair that gives each kind of surface its share of recorded zeros, by least squares over all returns.
-// Faint echoes, which are far, are told from dark surfaces, which are near too, by the ranges. Among pairs that are
-// nearly equally good the smallest numbers are returned.
-Darkness darknessOf(const Surfaces& recorded, const Surfaces& simulated, bool reflectivity) {
-  constexpr std::size_t kTested = 2000;  // simulated returns of each kind
-  constexpr double kBetter = 0.98;       // ratio of sums of squares, for larger numbers
-  struct Group {
-    double zeros = 0, weight = 0;
-    std::vector<SurfaceReturn> echoes;
-  };
-  std::vector<Group> groups;
-  double zeros = 0, count = 0;
+// The returns of one kind of surface, recorded and simulated.
+struct KindReturns {
+  double zeros = 0;   // share of the recorded intensities that are 0
+  double weight = 0;  // number of recorded returns
+  std::vector<SurfaceReturn> simulated;
+};
+
+// Returns the kinds with enough returns in both. Of many simulated returns, takes about kMost.
+std::vector<KindReturns> commonKinds(const Surfaces& recorded, const Surfaces& simulated) {
+  constexpr std::size_t kMost = 2000;
+  std::vector<KindReturns> kinds;
   for (const auto& [kind, returns] : recorded.returns) {
     const auto same = simulated.returns.find(kind);
     if (same == simulated.returns.end() || std::min(returns.size(), same->second.size()) < kFewestOfKind) continue;
-    Group group;
-    group.weight = static_cast<double>(returns.size());
-    for (const SurfaceReturn& s : returns) group.zeros += s.number <= 0 ? 1 / group.weight : 0;
-    const std::size_t every = 1 + same->second.size() / kTested;
-    for (std::size_t i = 0; i < same->second.size(); i += every) group.echoes.push_back(same->second[i]);
-    zeros += group.zeros * group.weight;
-    count += group.weight;
-    groups.push_back(std::move(group));
+    KindReturns& own = kinds.emplace_back();
+    own.weight = static_cast<double>(returns.size());
+    for (const SurfaceReturn& s : returns) own.zeros += s.measured <= 0 ? 1 / own.weight : 0;
+    const std::size_t stride = 1 + same->second.size() / kMost;
+    for (std::size_t i = 0; i < same->second.size(); i += stride) own.simulated.push_back(same->second[i]);
   }
+  return kinds;
+}
+
+// Returns `count` values, each `factor` times the one before, after the value 0.
+std::vector<double> zeroAndGeometric(double first, double factor, int count) {
+  std::vector<double> values{0};
+  for (int k = 0; k < count; ++k) values.push_back(first * std::pow(factor, k));
+  return values;
+}
+
+// Returns the pair that gives each kind of surface its share of recorded zeros, by least squares over all returns.
+// Faint echoes, which are far, are told from dark surfaces, which are near too, by the ranges. Among pairs that are
+// nearly equally good the smallest numbers are returned.
+Darkness darknessOf(const Surfaces& recorded, const Surfaces& simulated, Reports reports) {
+  constexpr double kBetter = 0.98;   // ratio of sums of squares, for larger numbers
   constexpr double kFewest = 0.002;  // a smaller share of zeros tells nothing
+  const std::vector<KindReturns> kinds = commonKinds(recorded, simulated);
+  double zeros = 0, count = 0;
+  for (const KindReturns& kind : kinds) {
+    zeros += kind.zeros * kind.weight;
+    count += kind.weight;
+  }
   if (zeros < kFewest * count) return {};
   const auto misfit = [&](const Darkness& d) {
     double sum = 0;
-    for (const Group& group : groups) {
-      const auto none = std::ranges::count_if(
-          group.echoes, [&](const SurfaceReturn& s) { return valueOf(s, d.floor, reflectivity) <= d.dark; });
-      const double difference = static_cast<double>(none) / static_cast<double>(group.echoes.size()) - group.zeros;
-      sum += group.weight * difference * difference;
+    for (const KindReturns& kind : kinds) {
+      const auto dark = std::ranges::count_if(
+          kind.simulated, [&](const SurfaceReturn& s) { return valueOf(s, d.floor, reports) <= d.dark; });
+      const double difference = static_cast<double>(dark) / static_cast<double>(kind.simulated.size()) - kind.zeros;
+      sum += kind.weight * difference * difference;
     }
     return sum;
   };
-  std::vector<double> floors{0}, darks{0};
-  for (int k = 0; k < 66; ++k) floors.push_back(1e-4 * std::pow(1.15, k));  // up to 1
-  // If powers are reported, dark values and the floor are the same.
-  for (int k = 0; reflectivity && k < 26; ++k) darks.push_back(1e-3 * std::pow(1.25, k));  // up to 0.3
   Darkness best;
   double least = INFINITY;
-  for (const double dark : darks) {
-    for (const double floor : floors) {
+  // If powers are reported, dark values and the floor are the same.
+  for (const double dark : zeroAndGeometric(1e-3, 1.25, reports == Reports::Power ? 0 : 26)) {  // up to 0.3
+    for (const double floor : zeroAndGeometric(1e-4, 1.15, 66)) {                               // up to 1
       const double sum = misfit({floor, dark});
       if (sum >= kBetter * least) continue;
       least = sum;
@@ -208,20 +223,23 @@ Darkness darknessOf(const Surfaces& recorded, const Surfaces& simulated, bool re
   return best;
 }
 
-double medianNumber(const SurfaceCell& cell) {
-  std::vector<double> numbers;
-  for (const SurfaceReturn& s : cell.samples) numbers.push_back(s.number);
-  return medianOf(std::move(numbers));
+// Returns the median over a cell's returns of figureOf(return).
+double medianIn(const SurfaceCell& cell, const auto& figureOf) {
+  std::vector<double> figures;
+  for (const SurfaceReturn& s : cell.samples) figures.push_back(figureOf(s));
+  return medianOf(std::move(figures));
 }
 
-double medianValue(const SurfaceCell& cell, double floor, bool reflectivity) {
-  std::vector<double> values;
-  for (const SurfaceReturn& s : cell.samples) values.push_back(valueOf(s, floor, reflectivity));
-  return medianOf(std::move(values));
+double medianIntensity(const SurfaceCell& cell) {
+  return medianIn(cell, [](const SurfaceReturn& s) { return s.measured; });
+}
+
+double medianValue(const SurfaceCell& cell, double floor, Reports reports) {
+  return medianIn(cell, [&](const SurfaceReturn& s) { return valueOf(s, floor, reports); });
 }
 
 // Returns the intensity of a value, as the effect `intensity` computes it from a table.
-double respond(const std::vector<std::pair<double, double>>& table, double value) {
+double respond(const ResponseTable& table, double value) {
   if (value <= 0) return 0;
   if (value <= table.front().first) return table.front().second;
   for (std::size_t k = 1; k < table.size(); ++k) {
@@ -234,24 +252,24 @@ double respond(const std::vector<std::pair<double, double>>& table, double value
 
 // Returns the weight of each kind of simulated surface: how many recorded surfaces one of them stands for.
 std::map<SurfaceKind, double> weightsOf(const Surfaces& recorded, const Surfaces& simulated) {
-  std::map<SurfaceKind, double> here, there;
-  for (const SurfaceCell& c : recorded.cells) ++here[c.kind];
-  for (const SurfaceCell& c : simulated.cells) ++there[c.kind];
+  std::map<SurfaceKind, double> recordedCells, simulatedCells;
+  for (const SurfaceCell& c : recorded.cells) ++recordedCells[c.kind];
+  for (const SurfaceCell& c : simulated.cells) ++simulatedCells[c.kind];
   std::map<SurfaceKind, double> weights;
-  for (const auto& [kind, count] : here) {
-    const auto same = there.find(kind);
-    if (same == there.end() || std::min(count, same->second) < kFewestOfKind) continue;
+  for (const auto& [kind, count] : recordedCells) {
+    const auto same = simulatedCells.find(kind);
+    if (same == simulatedCells.end() || std::min(count, same->second) < kFewestOfKind) continue;
     weights[kind] = count / same->second;
   }
   return weights;
 }
 
-// Adds a pair to the table if both of its numbers rise.
-void append(std::vector<std::pair<double, double>>& table, double value, double number) {
-  constexpr double kApart = 1.1;  // ratio of two values of the table
+// Adds a row to the table if its value and its intensity are larger than those of the last row.
+void addRow(ResponseTable& table, double value, double intensity) {
+  constexpr double kApart = 1.1;  // least ratio of two values of the table
   if (!(value > 0)) return;
-  if (!table.empty() && (value < kApart * table.back().first || number <= table.back().second)) return;
-  table.emplace_back(value, number);
+  if (!table.empty() && (value < kApart * table.back().first || intensity <= table.back().second)) return;
+  table.emplace_back(value, intensity);
 }
 
 // Replaces values by the nearest ones, in the least squares, that do not fall (pool adjacent violators; Ayer et al.,
@@ -273,185 +291,188 @@ void makeRise(std::vector<double>& values) {
   for (const auto& [mean, count] : pools) values.insert(values.end(), count, mean);
 }
 
+std::vector<double> sumOf(std::vector<double> a, const std::vector<double>& b) {
+  for (std::size_t k = 0; k < a.size(); ++k) a[k] += b[k];
+  return a;
+}
+
+std::vector<double> differenceOf(std::vector<double> a, const std::vector<double>& b) {
+  for (std::size_t k = 0; k < a.size(); ++k) a[k] -= b[k];
+  return a;
+}
+
 // Changes the intensities of a table as little as possible so that they grow at most in proportion to the value, as
 // those of receivers do: recorded surfaces whose reflectances differ more than those of the simulated ones must not
-// make the response steeper than that. Alternates between both conditions (Dykstra, "An algorithm for restricted least
-// squares regression", 1983).
-void limitSlope(std::vector<std::pair<double, double>>& table) {
+// make the response steeper than that. In logarithms, both the intensities and the values less the intensities must
+// rise. Alternates between both conditions (Dykstra, "An algorithm for restricted least squares regression", 1983).
+void limitSlope(ResponseTable& table) {
+  constexpr int kRounds = 500;
   const auto first =
       static_cast<std::size_t>(std::ranges::count_if(table, [](const auto& row) { return row.second <= 0; }));
-  std::vector<double> rising, logs;
+  std::vector<double> values, intensities;  // logarithms
   for (std::size_t k = first; k < table.size(); ++k) {
-    logs.push_back(std::log(table[k].first));
-    rising.push_back(std::log(table[k].second));
+    values.push_back(std::log(table[k].first));
+    intensities.push_back(std::log(table[k].second));
   }
-  constexpr int kRounds = 500;
-  std::vector<double> byRise(rising.size(), 0.0), bySlope(rising.size(), 0.0);  // corrections of both steps
+  // Corrections of the two conditions.
+  std::vector<double> ofIntensities(intensities.size(), 0.0), ofDifferences = ofIntensities;
   for (int round = 0; round < kRounds; ++round) {
-    std::vector<double> next = rising;
-    for (std::size_t k = 0; k < next.size(); ++k) next[k] += byRise[k];
-    std::vector<double> made = next;
-    makeRise(made);
-    for (std::size_t k = 0; k < next.size(); ++k) byRise[k] = next[k] - made[k];
-    next = made;
-    for (std::size_t k = 0; k < next.size(); ++k) next[k] += bySlope[k];
-    std::vector<double> below(next.size());  // must rise as well: the value's logarithm less the intensity's
-    for (std::size_t k = 0; k < next.size(); ++k) below[k] = logs[k] - next[k];
-    makeRise(below);
-    for (std::size_t k = 0; k < next.size(); ++k) {
-      rising[k] = logs[k] - below[k];
-      bySlope[k] = next[k] - rising[k];
-    }
+    const std::vector<double> before = sumOf(intensities, ofIntensities);
+    std::vector<double> rising = before;
+    makeRise(rising);
+    ofIntensities = differenceOf(before, rising);
+    const std::vector<double> corrected = sumOf(rising, ofDifferences);
+    std::vector<double> differences = differenceOf(values, corrected);
+    makeRise(differences);
+    intensities = differenceOf(values, differences);
+    ofDifferences = differenceOf(corrected, intensities);
   }
-  for (std::size_t k = first; k < table.size(); ++k) table[k].second = std::exp(rising[k - first]);
+  for (std::size_t k = first; k < table.size(); ++k) table[k].second = std::exp(intensities[k - first]);
+}
+
+double fullScaleOf(const ResponseFit& fit) {
+  return fit.bytes ? 255 : 1;
+}
+
+Reports reportsOf(const ResponseFit& fit) {
+  return fit.reflectivity ? Reports::Reflectivity : Reports::Power;
 }
 
 // Sets the table and the slope of a fit with known `floor` and `reflectivity`. `dark`: value that has the intensity 0.
 void fillTable(const Surfaces& recorded, const Surfaces& simulated, const std::map<SurfaceKind, double>& weights,
                double dark, ResponseFit& fit) {
-  const double floor = fit.floor;
-  const bool reflectivity = fit.reflectivity;
-  std::vector<std::pair<double, double>>& table = fit.table;
-  table.clear();
-  std::vector<Weighted> numbers, values;
+  std::vector<Weighted> cellIntensities, cellValues, intensities, values;
   for (const SurfaceCell& c : recorded.cells) {
-    if (weights.contains(c.kind)) numbers.push_back({medianNumber(c)});
+    if (weights.contains(c.kind)) cellIntensities.push_back({medianIntensity(c)});
   }
   for (const SurfaceCell& c : simulated.cells) {
     const auto weight = weights.find(c.kind);
-    if (weight != weights.end()) values.push_back({medianValue(c, floor, reflectivity), weight->second});
+    if (weight != weights.end()) cellValues.push_back({medianValue(c, fit.floor, reportsOf(fit)), weight->second});
   }
-  const Distribution here(std::move(numbers));
-  const Distribution there(std::move(values));
-  const double zeros = here.zeros();
-  append(table, dark, 0);
+  for (const auto& [kind, weight] : weights) {
+    const std::vector<SurfaceReturn>&ofRecorded = recorded.returns.at(kind), &ofSimulated = simulated.returns.at(kind);
+    for (const SurfaceReturn& s : ofRecorded) intensities.push_back({s.measured});
+    const double each = static_cast<double>(ofRecorded.size()) / static_cast<double>(ofSimulated.size());
+    for (const SurfaceReturn& s : ofSimulated) values.push_back({valueOf(s, fit.floor, reportsOf(fit)), each});
+  }
+  const Distribution recordedCells(std::move(cellIntensities)), simulatedCells(std::move(cellValues));
+  const Distribution recordedReturns(std::move(intensities)), simulatedReturns(std::move(values));
+  addRow(fit.table, dark, 0);
   for (const double share : {0.01, 0.03, 0.1, 0.25, 0.5, 0.75, 0.9, 0.97, 0.99}) {
-    if (share > zeros) append(table, there.quantile(share), here.quantile(share));
+    if (share > recordedCells.zeros()) addRow(fit.table, simulatedCells.quantile(share), recordedCells.quantile(share));
   }
   // The brightest returns come from small things, such as signs and plates, which fill no cell.
-  std::vector<Weighted> brightHere, brightThere;
-  for (const auto& [kind, weight] : weights) {
-    const std::vector<SurfaceReturn>& mine = recorded.returns.at(kind);
-    const std::vector<SurfaceReturn>& theirs = simulated.returns.at(kind);
-    for (const SurfaceReturn& s : mine) brightHere.push_back({s.number});
-    const double each = static_cast<double>(mine.size()) / static_cast<double>(theirs.size());
-    for (const SurfaceReturn& s : theirs) brightThere.push_back({valueOf(s, floor, reflectivity), each});
-  }
-  const Distribution allHere(std::move(brightHere));
-  const Distribution allThere(std::move(brightThere));
   constexpr double kBrightest = 0.9997;  // beyond what noise alone makes bright
-  append(table, allThere.quantile(kBrightest), allHere.quantile(kBrightest));
-  limitSlope(table);
-  const double low = there.quantile(0.25), high = there.quantile(0.75);
-  if (low > 0 && high > low && respond(table, low) > 0) {
-    fit.slope = std::log(respond(table, high) / respond(table, low)) / std::log(high / low);
+  addRow(fit.table, simulatedReturns.quantile(kBrightest), recordedReturns.quantile(kBrightest));
+  limitSlope(fit.table);
+  const double low = simulatedCells.quantile(0.25), high = simulatedCells.quantile(0.75);
+  if (low > 0 && high > low && respond(fit.table, low) > 0) {
+    fit.slope = std::log(respond(fit.table, high) / respond(fit.table, low)) / std::log(high / low);
   }
 }
 
-struct KindMedians {
-  std::vector<double> recorded, simulated;
-};
-
+// Returns ResponseFit::misfit.
 double misfitOf(const Surfaces& recorded, const Surfaces& simulated, const std::map<SurfaceKind, double>& weights,
                 const ResponseFit& fit) {
-  std::map<SurfaceKind, KindMedians> medians;
-  for (const SurfaceCell& c : recorded.cells) medians[c.kind].recorded.push_back(medianNumber(c));
+  std::map<SurfaceKind, std::vector<double>> ofRecorded, ofSimulated;  // medians of the cells
+  std::vector<double> intensities;
+  for (const SurfaceCell& c : recorded.cells) {
+    intensities.push_back(medianIntensity(c));
+    ofRecorded[c.kind].push_back(intensities.back());
+  }
   for (const SurfaceCell& c : simulated.cells) {
-    medians[c.kind].simulated.push_back(respond(fit.table, medianValue(c, fit.floor, fit.reflectivity)));
+    ofSimulated[c.kind].push_back(respond(fit.table, medianValue(c, fit.floor, reportsOf(fit))));
   }
   double sum = 0, count = 0;
   for (const auto& [kind, weight] : weights) {
-    const KindMedians& of = medians.at(kind);
-    const double difference = medianOf(of.recorded) - medianOf(of.simulated);
-    sum += difference * difference * static_cast<double>(of.recorded.size());
-    count += static_cast<double>(of.recorded.size());
+    const auto cells = static_cast<double>(ofRecorded.at(kind).size());
+    const double difference = medianOf(ofRecorded.at(kind)) - medianOf(ofSimulated.at(kind));
+    sum += difference * difference * cells;
+    count += cells;
   }
-  std::vector<double> numbers;
-  for (const SurfaceCell& c : recorded.cells) numbers.push_back(medianNumber(c));
-  return std::sqrt(sum / count) / (quantileOf(numbers, 0.95) - quantileOf(numbers, 0.05));
+  return std::sqrt(sum / count) / (quantileOf(intensities, 0.95) - quantileOf(intensities, 0.05));
 }
 
-// Returns the standard deviation that intensities have within a cell, as the median over all cells without zeros.
-// `number`: maps a sample to its intensity.
-template <class Number>
-double scatterOf(const std::vector<SurfaceCell>& cells, const Number& number) {
+// Returns the standard deviation that intensities have within a cell, as the median over all cells without zeros. Cells
+// have kFewestInCell returns or more. intensityOf(return): the intensity of a return.
+double scatterOf(const std::vector<SurfaceCell>& cells, const auto& intensityOf) {
   std::vector<double> deviations;
   for (const SurfaceCell& cell : cells) {
     double sum = 0, squares = 0;
-    bool dark = false;
+    bool zeros = false;
     for (const SurfaceReturn& s : cell.samples) {
-      const double v = number(s);
-      dark |= v <= 0;
+      const double v = intensityOf(s);
+      zeros |= v <= 0;
       sum += v;
       squares += v * v;
     }
     const auto n = static_cast<double>(cell.samples.size());
-    if (!dark) deviations.push_back(std::sqrt(std::max(0.0, squares - sum * sum / n) / (n - 1)));
+    if (!zeros) deviations.push_back(std::sqrt(std::max(0.0, squares - sum * sum / n) / (n - 1)));
   }
   return medianOf(std::move(deviations));
+}
+
+// Sets how the sensor writes intensities: as bytes or not, and in which step. Throws InputError if all are equal.
+void findScale(const std::vector<double>& intensities, ResponseFit& fit) {
+  const auto [least, most] = std::ranges::minmax(intensities);
+  if (least == most) throw InputError("the recorded intensities are all alike, so there is no response to find");
+  fit.bytes = most > 1 && most <= 255 && std::ranges::all_of(intensities, [](double v) { return v == std::floor(v); });
+  const double step = stepOf(intensities);
+  if (!fit.bytes || step > 1) fit.step = step / fullScaleOf(fit);
 }
 
 }  // namespace
 
 ResponseFit fitResponse(const std::vector<Scan>& recorded, const std::vector<Scan>& simulated) {
-  Surfaces mine, theirs;
-  std::vector<double> numbers;
+  Surfaces ofRecorded, ofSimulated;
+  std::vector<double> intensities;
   for (const Scan& scan : recorded) {
     if (scan[kIntensity].size() != scan.size()) {
       throw InputError("a recorded scan has no intensities, so its sensor's response cannot be found");
     }
-    collect(scan, scan[kIntensity], mine);
+    addSurfaces(scan, scan[kIntensity], ofRecorded);
     for (const float v : scan[kIntensity]) {
-      if (std::isfinite(v)) numbers.push_back(double{v});
+      if (std::isfinite(v)) intensities.push_back(double{v});
     }
   }
   for (const Scan& scan : simulated) {
     if (scan[kPower].size() != scan.size()) {
       throw InputError("the simulated scans have no powers: generate them with `power` among `output.columns`");
     }
-    collect(scan, scan[kPower], theirs);
+    addSurfaces(scan, scan[kPower], ofSimulated);
   }
-  const std::map<SurfaceKind, double> weights = weightsOf(mine, theirs);
-  if (std::min(mine.cells.size(), theirs.cells.size()) < kFewestSurfaces || weights.empty()) {
+  const std::map<SurfaceKind, double> weights = weightsOf(ofRecorded, ofSimulated);
+  ResponseFit unfitted;
+  unfitted.recorded = ofRecorded.cells.size();
+  unfitted.simulated = ofSimulated.cells.size();
+  if (std::min(unfitted.recorded, unfitted.simulated) < kFewestSurfaces || weights.empty()) {
     throw InputError(fmt::format(
         "too few surfaces to find the response: {} recorded and {} simulated cells of {} m with at least {} "
         "returns, but {} are needed: give more scans",
-        mine.cells.size(), theirs.cells.size(), kSurfaceCell, kFewestInCell, kFewestSurfaces));
+        unfitted.recorded, unfitted.simulated, kSurfaceCell, kFewestInCell, kFewestSurfaces));
   }
-  ResponseFit fit;
-  fit.recorded = mine.cells.size();
-  fit.simulated = theirs.cells.size();
-  const auto [least, most] = std::ranges::minmax(numbers);
-  if (least == most) throw InputError("the recorded intensities are all alike, so there is no response to find");
-  fit.bytes = most > 1 && most <= 255 && std::ranges::all_of(numbers, [](double v) { return v == std::floor(v); });
-  const double fullScale = fit.bytes ? 255 : 1;
-  const double step = stepOf(numbers);
-  if (!fit.bytes || step > 1) fit.step = step / fullScale;
-  for (const bool reflectivity : {true, false}) {
-    ResponseFit one = fit;
-    one.reflectivity = reflectivity;
-    const Darkness darkness = darknessOf(mine, theirs, reflectivity);
-    one.floor = darkness.floor;
-    fillTable(mine, theirs, weights, darkness.dark, one);
-    if (one.table.size() < 2) {
+  findScale(intensities, unfitted);
+  const auto fitted = [&](Reports reports) {
+    ResponseFit fit = unfitted;
+    fit.reflectivity = reports == Reports::Reflectivity;
+    const Darkness darkness = darknessOf(ofRecorded, ofSimulated, reports);
+    fit.floor = darkness.floor;
+    fillTable(ofRecorded, ofSimulated, weights, darkness.dark, fit);
+    if (fit.table.size() < 2) {
       throw InputError("the intensities of the recorded surfaces are too much alike to find the response");
     }
-    one.misfit = misfitOf(mine, theirs, weights, one);
-    if (reflectivity) {
-      fit = std::move(one);
-    } else if (one.misfit < fit.misfit) {
-      one.otherMisfit = fit.misfit;
-      fit = std::move(one);
-    } else {
-      fit.otherMisfit = one.misfit;
-    }
-  }
+    fit.misfit = misfitOf(ofRecorded, ofSimulated, weights, fit);
+    return fit;
+  };
+  const ResponseFit byReflectivity = fitted(Reports::Reflectivity), byPower = fitted(Reports::Power);
+  ResponseFit fit = byPower.misfit < byReflectivity.misfit ? byPower : byReflectivity;
+  fit.otherMisfit = std::max(byPower.misfit, byReflectivity.misfit);
   // The receiver's noise is the scatter that the simulated scans do not have.
-  const double here = scatterOf(mine.cells, [](const SurfaceReturn& s) { return s.number; });
-  const double there = scatterOf(theirs.cells, [&](const SurfaceReturn& s) {
-    return respond(fit.table, valueOf(s, fit.floor, fit.reflectivity));
+  const double scatter = scatterOf(ofRecorded.cells, [](const SurfaceReturn& s) { return s.measured; });
+  const double withoutNoise = scatterOf(ofSimulated.cells, [&](const SurfaceReturn& s) {
+    return respond(fit.table, valueOf(s, fit.floor, reportsOf(fit)));
   });
-  fit.noise = std::sqrt(std::max(0.0, here * here - there * there)) / fullScale;
+  fit.noise = std::sqrt(std::max(0.0, scatter * scatter - withoutNoise * withoutNoise)) / fullScaleOf(fit);
   return fit;
 }
 
