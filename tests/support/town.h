@@ -26,6 +26,7 @@ inline Scene makeTown(const std::string& yaml, std::uint64_t seed) {
   SceneBuilder builder = labelledBuilder("town", seed);
   const Value value = parseYaml(yaml, "town.yaml");
   Fields fields(value, "town");
+  builder.drawReflectances();
   addTown(builder, fields, seed, {});
   return builder.finish();
 }

@@ -44,7 +44,6 @@ void SceneBuilder::drawReflectances() {
     const double part = uniform(words[0]);
     const double end = uniform(words[1]) < 0.5 ? m.least : m.greatest;
     m.reflectance = static_cast<float>(m.reflectance * std::pow(end / m.reflectance, part));
-    m.least = m.greatest = m.reflectance;
   }
 }
 

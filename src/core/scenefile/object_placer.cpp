@@ -125,6 +125,7 @@ std::vector<Arrangement::Copy> ObjectPlacer::placesOf(const Copies& copies, cons
 
 void ObjectPlacer::place(const Variants& variants, const std::string& name, const Copies& copies,
                          const Location& where) {
+  random_ = random_ || copies.arrangement.random() || variants.count > 1;
   std::vector<const std::vector<PlacedMesh>*> known(variants.count, nullptr);
   const Chosen meshesOf = [&](std::size_t k) -> const std::vector<PlacedMesh>& {
     if (known[k] == nullptr) known[k] = &variants.meshes(k);

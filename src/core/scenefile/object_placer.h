@@ -46,6 +46,9 @@ class ObjectPlacer {
   // Reads the keys of an object's map that place its copies. Throws InputError with the location in the file.
   Copies read(Fields& object);
 
+  // True if the number, the poses, the files or the materials of the copies placed so far depend on the seed.
+  bool random() const { return random_; }
+
   // Places all copies, in order. Throws InputError, at `where` if the scene then has over mostCopies() placed meshes.
   void place(const Variants& variants, const std::string& name, const Copies& copies, const Location& where);
   // Places the copies of an object that has a single set of meshes.
@@ -64,6 +67,7 @@ class ObjectPlacer {
   std::uint64_t seed_;
   std::optional<SurfaceHeights> heights_;
   std::uint64_t placed_ = 0;
+  bool random_ = false;
   std::map<std::string, std::uint32_t> named_;  // by name: the number of objects with that name so far
 };
 

@@ -28,7 +28,6 @@ Vec3d townFromLayout(const town::Layout& layout, const Vec3d& p) {
 void addTown(SceneBuilder& builder, Fields& fields, std::uint64_t seed, const Affine& place) {
   const town::Layout layout = readLayout(fields, seed);
   builder.describe(layout.about);
-  builder.drawReflectances();
   Affine worldFromTown = place;
   worldFromTown.linear.y = place.linear * townFromLayout(layout, {0, 1, 0});
   builder.place(town::makeGround(builder, layout).mesh, worldFromTown, "ground");
