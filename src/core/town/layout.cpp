@@ -6,6 +6,22 @@ namespace {
 using models::Footprint;
 using models::smooth;
 
+constexpr double kFarFromRoads = 1e3;  // m, distance from a road's edge where no road is known
+constexpr double kSoftEdge = 1.5;  // m beyond pavements and hard areas to where the land is fully uneven and levelled
+
+// Returns how much of its height (0 to 1) a curb and pavement has at a point. It fades out far from roads, so that the
+// ground has no step where a road is too far to be known.
+double nearRoad(const Beside& beside) {
+  constexpr double kFadesFrom = 18, kFades = 15;  // m from the road's edge
+  return beside.known ? 1 - smooth((beside.edge - kFadesFrom) / kFades) : 0;
+}
+
+// Returns how much (m) the slope of the pavement towards the road lifts a point.
+double pavementSlope(const Beside& beside) {
+  constexpr double kCrossfall = 0.015;  // slope of pavements
+  return nearRoad(beside) * kCrossfall * std::clamp(beside.edge, 0.0, beside.known ? beside.section.outer() : 0);
+}
+
 }  // namespace
 
 Layout::Layout(const Parameters& keys, std::uint64_t townSeed)
@@ -85,7 +101,9 @@ GroundKind Layout::landAt(const Point2& p) const {
   return land == Land::Paved ? GroundKind::Paved : GroundKind::Lawn;
 }
 
-double Layout::base(const Point2& p) const {
+// Returns the height (m) of the land's hills. The sizes (m) of the three fields and their shares of the amplitude are
+// estimates; like all fields of this file they determine the bytes of a town.
+double Layout::hillsAt(const Point2& p) const {
   return character.hills *
          (field(Field::Hills, p, 260) + 0.25 * field(Field::Slopes, p, 110) + 0.11 * field(Field::Knolls, p, 45));
 }
@@ -104,51 +122,73 @@ double Layout::lowering(const Beside& beside, const Point2& p) const {
   return std::max(factor, 0.25);
 }
 
-double Layout::heightAt(GroundKind kind, const Beside& beside, const Point2& p) const {
-  const double ground = base(p);
-  const double edge = beside.known ? beside.edge : 1e3;
-  const bool low = kind == GroundKind::Road || kind == GroundKind::Parking;
-  if (low) {
-    if (character.plain) return ground;
-    // Adds the crown of the road, wear and potholes.
-    const double crown = 0.02 * std::min(-edge, 5.0);
-    const double worn = 0.012 * field(Field::Ruts, p, 7) + 0.006 * field(Field::WornSpots, p, 1.7);
-    double hole = 0;
-    for (const std::uint32_t i : potholeCells_.at(p)) {
-      const Pothole& h = potholes[i];
-      const double inwards = 1 - std::hypot(p.x - h.center.x, p.y - h.center.y) / h.radius;
-      hole = std::max(hole, h.depth * smooth(2 * inwards));
-    }
-    return ground + crown + worn - hole;
+double Layout::potholeDepthAt(const Point2& p) const {
+  double depth = 0;
+  for (const std::uint32_t i : potholeCells_.at(p)) {
+    const Pothole& hole = potholes[i];
+    const double inwards = 1 - std::hypot(p.x - hole.center.x, p.y - hole.center.y) / hole.radius;
+    depth = std::max(depth, hole.depth * smooth(2 * inwards));
   }
-  const double outer = beside.known ? beside.section.paved() : 0;
-  // The height of curb and pavement fades out far from roads, so that the ground has no step where a road is too far to
-  // be known.
-  const double near = beside.known ? 1 - smooth((edge - 18) / 15) : 0;
-  const double step = near * beside.section.step * lowering(beside, p);
-  const double rise = near * 0.015 * std::clamp(edge, 0.0, beside.known ? beside.section.outer() : 0);
-  const double beyond = std::max(0.0, edge - outer);
-  const double paved = kind == GroundKind::Driveway || kind == GroundKind::Path ? 0.3 : 1.0;
-  const double hard = areas.all().empty() ? Areas::kReach : areas.outsideHard(p);
-  const double soft = smooth(hard / 1.5);
-  const double wild = character.undulation * smooth(beyond / 9) * soft;
-  const double rolling = 1.6 * wild * field(Field::Swells, p, 16) + 0.6 * wild * field(Field::Bumps, p, 5);
-  // Lots and squares are flatter than the land around them.
+  return depth;
+}
+
+// Returns the height (m) of a carriageway or parking lane: the hills with the road's crown, its ruts and its potholes.
+// `inside`: m from the edge of the carriageway.
+double Layout::carriagewayHeight(double inside, const Point2& p) const {
+  if (character.plain) return hillsAt(p);
+  constexpr double kCamber = 0.02;      // slope across the road: 2 %, the least of the German guidelines (RASt 06)
+  constexpr double kCambered = 5;       // m from the road's edge to where the crown is level
+  constexpr double kRuts = 0.012;       // m, amplitude of ruts about 7 m long
+  constexpr double kWornSpots = 0.006;  // m, amplitude of worn spots about 1.7 m wide
+  const double crown = kCamber * std::min(inside, kCambered);
+  const double worn = kRuts * field(Field::Ruts, p, 7) + kWornSpots * field(Field::WornSpots, p, 1.7);
+  return hillsAt(p) + crown + worn - potholeDepthAt(p);
+}
+
+// Returns the height (m) of the curb above the carriageway.
+double Layout::curbHeight(const Beside& beside, const Point2& p) const {
+  return nearRoad(beside) * beside.section.step * lowering(beside, p);
+}
+
+// Returns the unevenness (m) of lawns and meadows. `edge`: m beyond the carriageway; `hard`: Areas::outsideHard().
+double Layout::rollingOfLand(const Beside& beside, double edge, double hard, const Point2& p) const {
+  constexpr double kLawns = 9;  // m from the pavement to the full unevenness
+  const double unpaved = std::max(0.0, edge - (beside.known ? beside.section.paved() : 0));
+  const double wild = character.undulation * smooth(unpaved / kLawns) * smooth(hard / kSoftEdge);
+  return 1.6 * wild * field(Field::Swells, p, 16) + 0.6 * wild * field(Field::Bumps, p, 5);
+}
+
+// Returns the height (m) of banks beside roads. Lots and squares are flatter than the land around them.
+double Layout::bankHeight(const Beside& beside, double edge, double hard, const Point2& p) const {
+  constexpr double kBanks = 11;  // m from the curb to the full height
   const double flat = 0.25 + 0.75 * smooth(hard / Areas::kReach);
-  const double bank = flat * character.banks * smooth((edge - beside.section.curb) / 11) * field(Field::Banks, p, 45);
-  // Lawns are uneven at the scale of the finest cells, in some places more than in others.
+  return flat * character.banks * smooth((edge - beside.section.curb) / kBanks) * field(Field::Banks, p, 45);
+}
+
+// Returns the height (m) of the fine unevenness of a kind of ground: lawns are uneven at the scale of the finest cells,
+// in some places more than in others.
+double Layout::grainOf(GroundKind kind, const Beside& beside, double edge, const Point2& p) const {
   const double rough = character.plain ? 0 : 0.03 + 0.08 * std::max(0.0, field(Field::Roughness, p, 9));
-  const double grain = rough * field(Field::Grain, p, 2.3) * smooth((edge - beside.section.curb) / 0.3) * paved *
-                       (kind == GroundKind::Sidewalk ? 0.1 : 1);
-  double natural = ground + step + rise + rolling + bank;
+  const double paved = kind == GroundKind::Driveway || kind == GroundKind::Path ? 0.3 : 1.0;
+  return rough * field(Field::Grain, p, 2.3) * smooth((edge - beside.section.curb) / 0.3) * paved *
+         (kind == GroundKind::Sidewalk ? 0.1 : 1);
+}
+
+double Layout::heightAt(GroundKind kind, const Beside& beside, const Point2& p) const {
+  const double edge = beside.known ? beside.edge : kFarFromRoads;
+  if (kind == GroundKind::Road || kind == GroundKind::Parking) return carriagewayHeight(-edge, p);
+  const double hard = areas.all().empty() ? Areas::kReach : areas.outsideHard(p);
+  double natural = hillsAt(p) + curbHeight(beside, p) + pavementSlope(beside) + rollingOfLand(beside, edge, hard, p) +
+                   bankHeight(beside, edge, hard, p);
   if (kind == GroundKind::Water) {
     // Water is level except at its banks.
     constexpr double kBanks = 2;  // m, width of the banks of water
     const std::optional<std::uint32_t> area = areas.indexAt(p);
     if (area) natural += smooth(-hard / kBanks) * (waterLevels_[*area] - natural);
   }
-  return natural + smooth((edge - (beside.known ? beside.section.outer() : 0)) / 1.5) * levelling(p, natural) +
-         soft * (grain + snowOn(beside, p));
+  const double beyondPavement = edge - (beside.known ? beside.section.outer() : 0);
+  return natural + smooth(beyondPavement / kSoftEdge) * levelling(p, natural) +
+         smooth(hard / kSoftEdge) * (grainOf(kind, beside, edge, p) + snowOn(beside, p));
 }
 
 // Returns the depth of snow (m). Pavements, driveways and paths are cleared, and the snow slopes down to them. Ploughs

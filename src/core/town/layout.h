@@ -150,7 +150,14 @@ class Layout {
   bool isOffRoads(const models::Footprint& f, double gap) const;
   const Patch* patchAt(const Point2& p) const;
   GroundKind landAt(const Point2& p) const;
-  double base(const Point2& p) const;
+  // Parts of heightAt(), in m; layout.cpp describes them.
+  double hillsAt(const Point2& p) const;
+  double potholeDepthAt(const Point2& p) const;
+  double carriagewayHeight(double inside, const Point2& p) const;
+  double curbHeight(const Beside& beside, const Point2& p) const;
+  double rollingOfLand(const Beside& beside, double edge, double hard, const Point2& p) const;
+  double bankHeight(const Beside& beside, double edge, double hard, const Point2& p) const;
+  double grainOf(GroundKind kind, const Beside& beside, double edge, const Point2& p) const;
   double field(Field of, const Point2& p, double size) const { return relief({seed, of}, p.x, p.y, size); }
   double lowering(const Beside& beside, const Point2& p) const;
   double levelling(const Point2& p, double natural) const;
