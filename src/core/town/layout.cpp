@@ -31,7 +31,7 @@ Layout::Layout(const Parameters& keys, std::uint64_t townSeed)
   drawPotholes();
   drawLand();
   drawPlots();
-  settle();
+  setLevels();
 }
 
 double Layout::reachOf(const Parameters& parameters) {

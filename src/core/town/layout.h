@@ -134,6 +134,11 @@ class Layout {
   void drawLand();
   bool addLand(Land land, const Road& road, int side, double along, double width, double depth);
   void addPlots(const Road& road, int side, double from, double to);
+  struct PlotHouse;
+  PlotHouse drawPlotHouse(Draw& draw, const Road& road, const Plot& plot) const;
+  bool buildOn(const Plot& plot, const Road& road, const PlotHouse& drawn, Draw& draw);
+  void addGroundInFront(const models::House& house, double yaw, double width, double outer, Draw& draw);
+  bool addDriveway(const models::House& house, double yaw, double outer, Draw& draw);
   models::Fencing drawFencing(Draw& draw, double setback) const;
   // Adds a strip of ground from the point `inner` at a house towards the road. `yaw` is the yaw of the house, `half` is
   // half of the strip's width (m).
@@ -142,11 +147,13 @@ class Layout {
   void findWaterLevels();
   // The last step of building a layout: finds the levels of water, gives buildings the height of the ground at their
   // door, and levels the ground around them.
-  void settle();
+  void setLevels();
   void takeRoads(const MapPlace& map);
   void takeBuildings(const MapPlace& map);
   void cover(const MapBuilding& building, const models::Footprint& around);
   void arrangePlots();
+  double addBarePlots(const Road& road, int side, double from, double to);
+  bool isFrontCovered(const Plot& plot) const;
   bool isOffRoads(const models::Footprint& f, double gap) const;
   const Patch* patchAt(const Point2& p) const;
   GroundKind landAt(const Point2& p) const;

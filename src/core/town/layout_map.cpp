@@ -112,7 +112,7 @@ Layout::Layout(const Parameters& keys, std::uint64_t townSeed, const MapPlace& m
                          GroundKind::Path});
     }
   }
-  settle();
+  setLevels();
 }
 
 void Layout::findWaterLevels() {

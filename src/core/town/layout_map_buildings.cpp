@@ -220,52 +220,60 @@ void Layout::cover(const MapBuilding& building, const Footprint& around) {
   }
 }
 
-// Sorts the plots along the roads, removes overlaps, and adds bare plots where there are no buildings.
+// Adds bare plots at one side of a road, between two distances along it (m). Returns the end of the last one, or
+// `from`.
+double Layout::addBarePlots(const Road& road, int side, double from, double to) {
+  constexpr double kLeastPlot = 8;  // m; less ground gets no plot
+  while (to - from > kLeastPlot) {
+    Plot plot;
+    plot.road = road.number;
+    plot.side = side;
+    plot.bare = true;
+    plot.from = from;
+    Draw draw(seed, Kind::BarePlot, static_cast<std::uint32_t>(plots.size()));
+    plot.to = std::min(to, from + draw.around(character.plotWidth, 0.3));
+    plot.setback = character.setback;
+    from = plot.to;
+    plots.push_back(plot);
+  }
+  return from;
+}
+
+// True if the front of a plot is on a parking lot, a square, water or another road.
+bool Layout::isFrontCovered(const Plot& plot) const {
+  const Road& road = roads()[plot.road];
+  const double out = plot.side * (road.section.half + road.section.outer() + 1.5);
+  const Point2 front = besideRoad(road, (plot.from + plot.to) / 2, out).at;
+  const Beside b = besideAt(front);
+  return areas.outsideHard(front) < 0.5 || (b.known && b.edge < b.section.outer());
+}
+
+// Sorts the plots along the roads, removes overlaps, and adds bare plots where there are no buildings. Removes plots
+// with a covered front; the others then get their numbers and fences.
 void Layout::arrangePlots() {
+  constexpr double kEnd = 4;  // m at the ends of a road without bare plots
   std::stable_sort(plots.begin(), plots.end(), [](const Plot& a, const Plot& b) {
     return std::tie(a.road, a.side, a.from) < std::tie(b.road, b.side, b.from);
   });
   std::vector<Plot> built = std::move(plots);
   plots.clear();
-  std::size_t next = 0;
+  auto next = built.begin();
   for (const Road& road : roads()) {
     for (const int side : {-1, 1}) {
-      double done = 4;
-      const auto addFree = [&](double to) {
-        while (to - done > 8) {
-          Plot plot;
-          plot.road = road.number;
-          plot.side = side;
-          plot.bare = true;
-          plot.from = done;
-          Draw draw(seed, Kind::BarePlot, static_cast<std::uint32_t>(plots.size()));
-          plot.to = std::min(to, done + draw.around(character.plotWidth, 0.3));
-          plot.setback = character.setback;
-          done = plot.to;
-          plots.push_back(plot);
-        }
-      };
-      for (; next < built.size() && built[next].road == road.number && built[next].side == side; ++next) {
-        Plot plot = built[next];
-        plot.from = std::max(plot.from, done);
+      double end = kEnd;  // m along the road, of the last plot so far
+      for (; next != built.end() && next->road == road.number && next->side == side; ++next) {
+        Plot plot = *next;
         plot.to = std::min(plot.to, road.length() - 2);
+        plot.from = std::max(plot.from, end);
         if (plot.to - plot.from < 2) continue;  // the plot is behind another plot
-        addFree(plot.from);
-        plot.from = std::max(done, 4.0);
-        done = plot.to;
+        plot.from = addBarePlots(road, side, end, plot.from);
+        end = plot.to;
         plots.push_back(plot);
       }
-      addFree(road.length() - 4);
+      addBarePlots(road, side, end, road.length() - kEnd);
     }
   }
-  std::erase_if(plots, [&](const Plot& plot) {
-    // Removes plots whose front is on a parking lot, a square, water or another road.
-    const Road& road = roads()[plot.road];
-    const double out = plot.side * (road.section.half + road.section.outer() + 1.5);
-    const Point2 front = besideRoad(road, (plot.from + plot.to) / 2, out).at;
-    const Beside b = besideAt(front);
-    return areas.outsideHard(front) < 0.5 || (b.known && b.edge < b.section.outer());
-  });
+  std::erase_if(plots, [&](const Plot& plot) { return isFrontCovered(plot); });
   for (std::uint32_t i = 0; i < plots.size(); ++i) {
     Plot& plot = plots[i];
     plot.number = i;

@@ -14,8 +14,19 @@ using models::House;
 using models::Kind;
 using models::Roof;
 
-constexpr double kDriveway = 3;   // m, width of a driveway
-constexpr double kWalkway = 1.4;  // m, width of a path to a house
+constexpr double kDriveway = 3;      // m, width of a driveway
+constexpr double kWalkway = 1.4;     // m, width of a path to a house
+constexpr double kBeforeDoor = 0.6;  // m from a door to the point in front of it where a path begins
+
+// Returns the distance (m) from the middle of a road to the plots beside it.
+double toPlots(const Road& road) {
+  return road.section.half + road.section.outer();
+}
+
+// Returns the point at a distance along a plot's road, `lateral` metres from the road's middle on the plot's side.
+Point2 pointOfPlot(const Road& road, const Plot& plot, double along, double lateral) {
+  return besideRoad(road, along, plot.side * lateral).at;
+}
 
 }  // namespace
 
@@ -27,19 +38,20 @@ void Layout::drawPlots() {
   }
 }
 
-void Layout::settle() {
+void Layout::setLevels() {
+  constexpr double kAround = 0.5;  // m of level ground around a building
   findWaterLevels();
   for (std::uint32_t i = 0; i < patches.size(); ++i) enter(patches[i].place, i, patchCells_);
   // Reads all heights before any terrace is set. Otherwise buildings that are close together would lift each other.
   std::vector<Terrace> terraces;
   for (models::House& house : houses) {
-    const Vec3d door = house.place * Vec3d{house.doorX(), -0.6, 0};
+    const Vec3d door = house.place * Vec3d{house.doorX(), -kBeforeDoor, 0};
     house.place.translation.z = heightAt({door.x, door.y});
     const double yaw = std::atan2(house.place.linear.x.y, house.place.linear.x.x);
     const auto level = [&](const Vec3d& middle, double width, double depth) {
       const Vec3d at = house.place * middle;
       terraces.push_back(
-          {TurnedRectangle({{at.x, at.y}, width / 2 + 0.5, depth / 2 + 0.5, yaw}), house.place.translation.z});
+          {TurnedRectangle({{at.x, at.y}, width / 2 + kAround, depth / 2 + kAround, yaw}), house.place.translation.z});
       covers.push_back(terraces.back().place);
     };
     level({house.width / 2, house.depth / 2, 0}, house.width, house.depth);
@@ -48,7 +60,7 @@ void Layout::settle() {
   for (PlacedBlock& b : blocks) {
     b.height = heightAt(b.entrance);
     terraces.push_back(
-        {TurnedRectangle({b.about.center, b.about.halfX + 0.5, b.about.halfY + 0.5, b.about.yaw}), b.height});
+        {TurnedRectangle({b.about.center, b.about.halfX + kAround, b.about.halfY + kAround, b.about.yaw}), b.height});
   }
   terraces_ = std::move(terraces);
   for (std::uint32_t i = 0; i < terraces_.size(); ++i) enter(terraces_[i].place, i, terraceCells_);
@@ -87,98 +99,132 @@ void Layout::addStrip(const Point2& inner, double yaw, double half, double lengt
       {TurnedRectangle({{inner.x + out.x * length / 2, inner.y + out.y * length / 2}, half, length / 2, yaw}), kind});
 }
 
+// The house that is drawn for a plot, before it is known whether it has room.
+struct Layout::PlotHouse {
+  House house;
+  double width = 0;       // m, width of the ground that the plot has for the house
+  double gap = 0;         // m between this house and its neighbours
+  bool attached = false;  // true: wall to wall with its neighbours
+  bool wanted = false, hasDriveway = false;
+};
+
+// Adds the plots at one side of a road, between two distances along it (m). The random stream of a plot draws in the
+// order of the calls: the plot, its house, its fence, whether it is built, its driveway; and if the house has room,
+// what is in front of it and its garage.
 void Layout::addPlots(const Road& road, int side, double from, double to) {
-  const Character& c = character;
-  const bool dense = c.terraced;
-  const bool halls = c.district == District::Commercial;
+  constexpr double kLeastPlot = 8;  // m; what is left at the end of a road gets no plot
+  constexpr double kIntoPlot = 6;   // m from the sidewalk to the point whose area decides about a plot
   double start = from;
-  while (to - start > 8) {
+  while (to - start > kLeastPlot) {
     Plot plot;
     plot.number = static_cast<std::uint32_t>(plots.size());
     Draw draw(seed, Kind::Plot, plot.number);
     plot.road = road.number;
     plot.side = side;
     plot.from = start;
-    plot.to = std::min(to, start + draw.around(c.plotWidth, 0.3));
-    plot.setback = std::max(dense ? 0.35 : 1.0, c.setback + draw.in(-1, 1) * c.setbackSpread);
-    const bool attached = dense && draw.chance(0.75);
-    const double depth = halls ? draw.in(12, 22) : draw.in(7.5, 12.5);
-    const double middle = (plot.from + plot.to) / 2;
-    const double outer = road.section.half + road.section.outer();
-    const Point2 heading = road.heading(middle);
-    const auto spot = [&](double along, double lateral) { return besideRoad(road, along, side * lateral).at; };
-    // A bend makes a plot wider or narrower than the road's line beside it. Attached houses are as wide as their plots
-    // at the front; the others fit between their neighbours at the back, too.
-    const auto widthAt = [&](double lateral) {
-      const Point2 a = spot(plot.from, lateral);
-      const Point2 b = spot(plot.to, lateral);
-      return (b.x - a.x) * heading.x + (b.y - a.y) * heading.y;
-    };
-    const double frontWidth = widthAt(outer + plot.setback);
-    const double width = attached ? frontWidth : std::min(frontWidth, widthAt(outer + plot.setback + depth));
-    const double gap = attached ? 0 : draw.in(1.2, std::max(1.5, 0.35 * width));
-    const int floors = c.floorsLow + draw.below(c.floorsHigh - c.floorsLow + 1);
-    House house = drawHouse(draw, plot.number,
-                            std::clamp(width - gap, 6.0,
-                                       halls      ? 32.0
-                                       : attached ? 24.0
-                                                  : 18.0),
-                            depth, floors);
-    if (halls) house.roof = Roof::Flat;
-    house.shop = dense && draw.chance(0.4);
-    plot.depth = depth;
+    plot.to = std::min(to, start + draw.around(character.plotWidth, 0.3));
+    plot.setback =
+        std::max(character.terraced ? 0.35 : 1.0, character.setback + draw.in(-1, 1) * character.setbackSpread);
+    PlotHouse drawn = drawPlotHouse(draw, road, plot);
+    plot.depth = drawn.house.depth;
     plot.fencing = drawFencing(draw, plot.setback);
-    const bool wanted = draw.chance(c.built) && width >= 6.5;
-    const bool hasDriveway = !attached && draw.chance(0.6) && gap > kDriveway - 0.5;
-    // The ends of the plot's front, from left to right as seen from the road.
-    const Point2 left = spot(side > 0 ? plot.from : plot.to, outer + plot.setback);
-    const Point2 right = spot(side > 0 ? plot.to : plot.from, outer + plot.setback);
-    const double yaw = std::atan2(right.y - left.y, right.x - left.x);
-    // If there is a driveway at the right end of the plot, the house is shifted towards the left end.
-    const Point2 center =
-        Footprint{models::lerp(left, right, 0.5), 0, 0, yaw}.at(hasDriveway ? 0.2 - gap / 2 : 0, house.depth / 2);
-    const Footprint body{center, house.width / 2, house.depth / 2, yaw};
-    // On the inner side of a bend the backs of attached houses overlap.
-    constexpr double kOverlap = 0.8;  // m, half of the largest overlap
-    const double shared = attached ? kOverlap : 0;
-    const Footprint roomy{center, body.halfX + (attached ? -kOverlap : 0.4), body.halfY + 0.4, yaw};
-    if (wanted && isOffRoads(body, 0.0) && taken_.isFree(roomy)) {
-      taken_.add({center, body.halfX - shared, body.halfY, yaw});
-      plot.built = true;
-      house.forecourt = plot.setback;
-      house.ivy = draw.chance(0.2 * parameters.greenery);
-      // Sets the house's frame: the front wall is in the plane y = 0 and faces -y; x points to the right as seen from
-      // the road.
-      const Point2 corner = body.at(-body.halfX, -body.halfY);
-      house.place = models::at({corner.x, corner.y, 0}, yaw);
-      const Vec3d door = house.place * Vec3d{house.doorX(), -0.6, 0};
-      const double out = road.section.outer();
-      if (!dense && draw.chance(c.forecourts)) {
-        const Vec3d front = house.place * Vec3d{house.width / 2, 0.4, 0};
-        // A third of the forecourts are as wide as the plot.
-        const double half = draw.chance(1.0 / 3) ? width / 2 : house.width / 2 + draw.in(0.3, 2);
-        addStrip({front.x, front.y}, yaw, half, plot.setback + 0.4 + out, GroundKind::Path);
-        patches.back().parks = plot.setback > 7 && draw.chance(0.8);
-      } else if (plot.setback > 0.6) {
-        addStrip({door.x, door.y}, yaw, kWalkway / 2, plot.setback - 0.6 + out, GroundKind::Path);
-      }
-      if (hasDriveway) {
-        const Vec3d beside = house.place * Vec3d{house.width + kDriveway / 2 + 0.3, 6, 0};
-        addStrip({beside.x, beside.y}, yaw, kDriveway / 2, plot.setback + 6 + out, GroundKind::Driveway);
-        patches.back().parks = true;
-        const Vec3d inside = house.place * house.garageMiddle();
-        const Footprint garage{{inside.x, inside.y}, models::kGarageWidth / 2 - 0.05, models::kGarageDepth / 2, yaw};
-        house.garage = draw.chance(0.55) && isOffRoads(garage, 1) && taken_.isFree(garage);
-        if (house.garage) taken_.add(garage);
-      }
-      houses.push_back(house);
-    }
+    constexpr double kLeastWidth = 6.5, kTight = 0.5;  // m, of a house's ground; that a driveway may lack beside it
+    drawn.wanted = draw.chance(character.built) && drawn.width >= kLeastWidth;
+    drawn.hasDriveway = !drawn.attached && draw.chance(0.6) && drawn.gap > kDriveway - kTight;
+    plot.built = buildOn(plot, road, drawn, draw);
     start = plot.to;
     // Leaves out a plot without a house if it is in an area (park, wood, parking lot, water ...). Elsewhere such a plot
     // becomes a garden.
-    if (!plot.built && areas.at(spot(middle, outer + 6))) continue;
+    const double middle = (plot.from + plot.to) / 2;
+    if (!plot.built && areas.at(pointOfPlot(road, plot, middle, toPlots(road) + kIntoPlot))) continue;
     plots.push_back(plot);
   }
+}
+
+// A bend makes a plot wider or narrower than the road's line beside it. Attached houses are as wide as their plots at
+// the front; the others fit between their neighbours at the back, too.
+Layout::PlotHouse Layout::drawPlotHouse(Draw& draw, const Road& road, const Plot& plot) const {
+  const Character& c = character;
+  const bool halls = c.district == District::Commercial;
+  PlotHouse drawn;
+  drawn.attached = c.terraced && draw.chance(0.75);
+  const double depth = halls ? draw.in(12, 22) : draw.in(7.5, 12.5);
+  const Point2 heading = road.heading((plot.from + plot.to) / 2);
+  const auto widthAt = [&](double lateral) {
+    const Point2 a = pointOfPlot(road, plot, plot.from, lateral);
+    const Point2 b = pointOfPlot(road, plot, plot.to, lateral);
+    return (b.x - a.x) * heading.x + (b.y - a.y) * heading.y;
+  };
+  const double front = toPlots(road) + plot.setback;
+  drawn.width = drawn.attached ? widthAt(front) : std::min(widthAt(front), widthAt(front + depth));
+  drawn.gap = drawn.attached ? 0 : draw.in(1.2, std::max(1.5, 0.35 * drawn.width));
+  const int floors = c.floorsLow + draw.below(c.floorsHigh - c.floorsLow + 1);
+  const double widest = halls ? 32 : drawn.attached ? 24 : 18;  // m
+  drawn.house = drawHouse(draw, plot.number, std::clamp(drawn.width - drawn.gap, 6.0, widest), depth, floors);
+  if (halls) drawn.house.roof = Roof::Flat;
+  drawn.house.shop = c.terraced && draw.chance(0.4);
+  return drawn;
+}
+
+// Places the house that was drawn for a plot, with the ground in front of it, driveway and garage. Returns false if no
+// house is wanted or there is no room.
+bool Layout::buildOn(const Plot& plot, const Road& road, const PlotHouse& drawn, Draw& draw) {
+  House house = drawn.house;
+  // The ends of the plot's front, from left to right as seen from the road.
+  const double front = toPlots(road) + plot.setback;
+  const Point2 left = pointOfPlot(road, plot, plot.side > 0 ? plot.from : plot.to, front);
+  const Point2 right = pointOfPlot(road, plot, plot.side > 0 ? plot.to : plot.from, front);
+  const double yaw = std::atan2(right.y - left.y, right.x - left.x);
+  // If there is a driveway at the right end of the plot, the house is shifted towards the left end.
+  const Point2 center = Footprint{models::lerp(left, right, 0.5), 0, 0, yaw}.at(
+      drawn.hasDriveway ? 0.2 - drawn.gap / 2 : 0, house.depth / 2);
+  const Footprint body{center, house.width / 2, house.depth / 2, yaw};
+  constexpr double kApart = 0.4;  // m, half of the least distance between two houses
+  // On the inner side of a bend the backs of attached houses overlap.
+  constexpr double kOverlap = 0.8;  // m, half of the largest overlap
+  const Footprint free{center, body.halfX + (drawn.attached ? -kOverlap : kApart), body.halfY + kApart, yaw};
+  if (!drawn.wanted || !isOffRoads(body, 0.0) || !taken_.isFree(free)) return false;
+  taken_.add({center, body.halfX - (drawn.attached ? kOverlap : 0), body.halfY, yaw});
+  house.forecourt = plot.setback;
+  house.ivy = draw.chance(0.2 * parameters.greenery);
+  // Sets the house's frame: the front wall is in the plane y = 0 and faces -y; x points to the right as seen from the
+  // road.
+  const Point2 corner = body.at(-body.halfX, -body.halfY);
+  house.place = models::at({corner.x, corner.y, 0}, yaw);
+  addGroundInFront(house, yaw, drawn.width, road.section.outer(), draw);
+  if (drawn.hasDriveway) house.garage = addDriveway(house, yaw, road.section.outer(), draw);
+  houses.push_back(house);
+  return true;
+}
+
+// Adds a paved forecourt or a path from the house to the road. `width`: m, of the house's ground. `outer`: m from the
+// plot to the carriageway.
+void Layout::addGroundInFront(const House& house, double yaw, double width, double outer, Draw& draw) {
+  constexpr double kUnder = 0.4;   // m that a forecourt reaches under the house
+  constexpr double kParkable = 7;  // m, least depth of a forecourt on which cars park
+  if (!character.terraced && draw.chance(character.forecourts)) {
+    const Vec3d front = house.place * Vec3d{house.width / 2, kUnder, 0};
+    // A third of the forecourts are as wide as the plot.
+    const double half = draw.chance(1.0 / 3) ? width / 2 : house.width / 2 + draw.in(0.3, 2);
+    addStrip({front.x, front.y}, yaw, half, house.forecourt + kUnder + outer, GroundKind::Path);
+    patches.back().parks = house.forecourt > kParkable && draw.chance(0.8);
+  } else if (house.forecourt > kBeforeDoor) {
+    const Vec3d door = house.place * Vec3d{house.doorX(), -kBeforeDoor, 0};
+    addStrip({door.x, door.y}, yaw, kWalkway / 2, house.forecourt - kBeforeDoor + outer, GroundKind::Path);
+  }
+}
+
+// Adds a driveway at the right of the house. Returns true if there is a garage at its end.
+bool Layout::addDriveway(const House& house, double yaw, double outer, Draw& draw) {
+  constexpr double kBeside = 0.3, kBehindFront = 6;  // m from the house, and from its front to the driveway's end
+  const Vec3d end = house.place * Vec3d{house.width + kDriveway / 2 + kBeside, kBehindFront, 0};
+  addStrip({end.x, end.y}, yaw, kDriveway / 2, house.forecourt + kBehindFront + outer, GroundKind::Driveway);
+  patches.back().parks = true;
+  const Vec3d inside = house.place * house.garageMiddle();
+  const Footprint garage{{inside.x, inside.y}, models::kGarageWidth / 2 - 0.05, models::kGarageDepth / 2, yaw};
+  const bool built = draw.chance(0.55) && isOffRoads(garage, 1) && taken_.isFree(garage);
+  if (built) taken_.add(garage);
+  return built;
 }
 
 }  // namespace scanmill::town

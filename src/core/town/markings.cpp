@@ -12,44 +12,130 @@ using models::Kind;
 using models::Shape;
 using models::TrafficSign;
 
-// Paints a stop line at `along` (m) across the lane for vehicles that drive against the road's line: a solid line if
-// `whole`, else a dashed line. Returns the number of its pieces.
-std::uint32_t stopLine(const Layout& l, Shape& s, models::SurfaceIndex paint, const Road& road, double along,
-                       bool whole) {
+constexpr double kAbove = 0.004;    // m, height of markings and manhole covers above the road
+constexpr double kEndOfRoad = 4;    // m at the ends of a road without dashes, covers and repairs
+constexpr double kHalfLine = 0.06;  // m, half of the width of a dashed line
+
+enum class StopLineKind { Solid, Dashed };
+
+// Paints a stop line at `along` (m) across the lane for vehicles that drive against the road's line. Returns the number
+// of its pieces.
+std::uint32_t paintStopLine(const Layout& l, Shape& s, models::SurfaceIndex paint, const Road& road, double along,
+                            StopLineKind kind) {
+  const bool solid = kind == StopLineKind::Solid;
   constexpr double kGap = 0.15;  // m between the line and the lane's edges
   const double left = road.section.half - road.section.parking - kGap;
   const double right = road.oneWay() ? -left : kGap;
-  const double from = along - (whole ? 0.6 : 0.4);
+  const double from = along - (solid ? 0.6 : 0.4);
   const double to = along - 0.1;
-  const double piece = whole ? 0.7 : 0.5;  // m, length of a piece; it is short, to follow the road's camber
-  std::uint32_t lines = 0;
-  for (const double start : models::steps(right, left, whole ? piece : 2 * piece)) {
+  const double piece = solid ? 0.7 : 0.5;  // m, length of a piece; it is short, to follow the road's camber
+  std::uint32_t pieces = 0;
+  for (const double start : models::steps(right, left, solid ? piece : 2 * piece)) {
     paintBar(s, paint, l, road, from, to, start, std::min(start + piece, left));
-    ++lines;
+    ++pieces;
+  }
+  return pieces;
+}
+
+// Paints the stop lines at signs and lights. Returns the number of pieces of all stop lines.
+std::uint32_t paintStopLines(const Placer& placer, Shape& s, models::SurfaceIndex paint) {
+  const Layout& l = placer.layout;
+  std::uint32_t pieces = 0;
+  for (const Road& road : l.roads()) {
+    if (const std::optional<TrafficSign> sign = signAtMouth(l, road)) {
+      pieces += paintStopLine(l, s, paint, road, stopLineOfSideRoad(l),
+                              *sign == TrafficSign::Stop ? StopLineKind::Solid : StopLineKind::Dashed);
+    }
+  }
+  for (const Placer::Light& light : placer.lights) {
+    if (light.marked) pieces += paintStopLine(l, s, paint, l.mainRoad(), light.along, StopLineKind::Solid);
+  }
+  return pieces;
+}
+
+// True where another road joins: there a road has neither dashes nor repairs.
+bool isJoint(const Layout& l, const Road& road, const Point2& middle) {
+  constexpr double kInside = 0.5;  // m farther inside of a carriageway than the middle of this road
+  return l.besideAt(middle).edge < -road.section.half - kInside;
+}
+
+// Paints a dash of a line `lateral` metres to the left of the road's middle, in pieces that follow the ground.
+void paintDash(Shape& s, models::SurfaceIndex paint, const Layout& l, const Road& road, double from, double length,
+               double lateral, int pieces) {
+  for (int k = 0; k < pieces; ++k) {
+    paintBar(s, paint, l, road, from + length * k / pieces, from + length * (k + 1) / pieces, lateral - kHalfLine,
+             lateral + kHalfLine);
+  }
+}
+
+// Returns the distances (m, to the left) of the lines between a road's lanes from the road's middle.
+std::vector<double> laneLines(const CrossSection& section) {
+  std::vector<double> lines;
+  if (section.median <= 0) lines.push_back(0);
+  for (int lane = 1; lane < section.lanes; ++lane) {
+    for (const double side : {-1.0, 1.0}) lines.push_back(side * (section.median + lane * section.laneWidth()));
   }
   return lines;
 }
 
-// Paints the stop lines at signs and lights. Returns the number of pieces of all stop lines.
-std::uint32_t stopLines(const Placer& placer, Shape& s, models::SurfaceIndex paint) {
-  const Layout& l = placer.layout;
-  std::uint32_t lines = 0;
-  for (const Road& road : l.roads()) {
-    if (const std::optional<TrafficSign> sign = signAtMouth(l, road)) {
-      lines += stopLine(l, s, paint, road, stopLineOfSideRoad(l), *sign == TrafficSign::Stop);
+// Paints the dashed lines of a road, in a random rhythm. Returns the number of dashes of each line.
+std::uint32_t paintDashedLines(Shape& s, models::SurfaceIndex paint, const Layout& l, const Road& road, Draw& draw) {
+  constexpr double kFromEdge = 0.25;  // m from an edge line to the edge of the lanes
+  const double length = draw.in(2, 5);
+  const double gap = length * draw.in(1, 2);
+  const bool edges = l.character.country && draw.chance(0.6);
+  const double halfOfLanes = road.section.half - road.section.parking - road.section.shoulder;
+  const std::vector<double> lines = laneLines(road.section);
+  std::uint32_t dashes = 0;
+  for (double at = kEndOfRoad; at + length < road.length() - kEndOfRoad; at += length + gap) {
+    if (isJoint(l, road, road.point(at + length / 2))) continue;
+    for (const double line : lines) paintDash(s, paint, l, road, at, length, line, 3);
+    ++dashes;
+    if (!edges) continue;
+    for (const double side : {-1.0, 1.0}) {
+      paintDash(s, paint, l, road, at, length, side * (halfOfLanes - kFromEdge), 1);
     }
   }
-  for (const Placer::Light& light : placer.lights) {
-    if (light.marked) lines += stopLine(l, s, paint, l.mainRoad(), light.along, true);
+  return dashes;
+}
+
+// Adds a manhole cover. Returns false, and adds nothing, over a pothole.
+bool addManhole(Shape& s, models::SurfaceIndex iron, const Layout& l, const Point2& middle) {
+  constexpr int kCorners = 16;
+  constexpr double kRadius = 0.31;  // m, radius of a manhole cover
+  if (l.nearPothole(middle, kRadius)) return false;
+  const auto rim = [&](int corner) {
+    const double angle = 2 * kPi * corner / kCorners;
+    return l.onGround({middle.x + kRadius * std::cos(angle), middle.y + kRadius * std::sin(angle)}, kAbove);
+  };
+  const Vec3d center = l.onGround(middle, kAbove);
+  for (int i = 0; i < kCorners; ++i) s.triangle(iron, center, rim(i), rim(i + 1));
+  return true;
+}
+
+// Adds a rectangle of newer asphalt between the distances `from` and `to` along a road, and between `right` and `left`
+// metres to the left of its middle: a grid of quads that follows the road's surface. A quad is at most half a metre
+// long and wide.
+void addRepair(Shape& s, models::SurfaceIndex asphalt, const Layout& l, const Road& road, double from, double to,
+               double right, double left) {
+  constexpr double kAboveRoad = 0.005;  // m, height of the quads above the road
+  const auto rows = static_cast<int>(std::ceil((to - from) / 0.5));
+  const auto columns = static_cast<int>(std::ceil((left - right) / 0.5));
+  std::vector<std::vector<Vec3d>> grid;
+  for (int r = 0; r <= rows; ++r) {
+    std::vector<Vec3d>& row = grid.emplace_back();
+    for (int c = 0; c <= columns; ++c) {
+      const double lateral = left + (right - left) * c / columns;
+      row.push_back(l.onGround(besideRoad(road, from + (to - from) * r / rows, lateral).at, kAboveRoad));
+    }
   }
-  return lines;
+  s.grid(grid, false, [&](int, int) { return asphalt; });
 }
 
 }  // namespace
 
 void paintBar(Shape& s, models::SurfaceIndex paint, const Layout& l, const Road& road, double from, double to,
               double right, double left) {
-  constexpr double kAbove = 0.004;  // m, height of markings above the road
   const auto corner = [&](double along, double lateral) {
     return l.onGround(besideRoad(road, along, lateral).at, kAbove);
   };
@@ -59,99 +145,47 @@ void paintBar(Shape& s, models::SurfaceIndex paint, const Layout& l, const Road&
 // Paints stop lines, dashed lines between lanes, and dashed middle lines on some roads without a central reservation.
 // Some roads outside of towns get dashed edge lines too.
 void placeMarkings(Placer& placer) {
+  constexpr double kNarrow = 2.6;  // m; narrower lanes are not marked
   const Layout& l = placer.layout;
   Shape s(placer.builder, "road markings");
   const models::SurfaceIndex paint = s.surface("road_marking", "road_paint");
-  std::uint32_t dashes = stopLines(placer, s, paint);
+  std::uint32_t painted = paintStopLines(placer, s, paint);
   for (const Road& road : l.roads()) {
-    const double lanes = road.section.half - road.section.parking - road.section.shoulder;
-    if (road.section.laneWidth() < 2.6) continue;
+    if (road.section.laneWidth() < kNarrow) continue;
     Draw draw(l.seed, Kind::Markings, road.number);
     if (!draw.chance(road.section.lanes > 1 ? 1 : road.main ? 0.8 : 0.35)) continue;
-    const double dash = draw.in(2, 5);
-    const double gap = dash * draw.in(1, 2);
-    const bool edges = l.character.country && draw.chance(0.6);
-    for (double at = 4; at + dash < road.length() - 4; at += dash + gap) {
-      const Point2 middle = road.point(at + dash / 2);
-      // Leaves out the line where another road joins.
-      const Beside b = l.besideAt(middle);
-      if (b.edge < -road.section.half - 0.5) continue;
-      const int pieces = 3;
-      for (int lane = road.section.median > 0 ? 1 : 0; lane < road.section.lanes; ++lane) {
-        for (const double side : {-1.0, 1.0}) {
-          if (lane == 0 && side < 0) continue;  // the middle line
-          const double middleOfLine = lane == 0 ? 0 : side * (road.section.median + lane * road.section.laneWidth());
-          for (int k = 0; k < pieces; ++k) {
-            paintBar(s, paint, l, road, at + dash * k / pieces, at + dash * (k + 1) / pieces, middleOfLine - 0.06,
-                     middleOfLine + 0.06);
-          }
-        }
-      }
-      ++dashes;
-      if (!edges) continue;
-      for (const double side : {-1.0, 1.0}) {
-        const double out = side * (lanes - 0.25);
-        paintBar(s, paint, l, road, at, at + dash, out - 0.06, out + 0.06);
-      }
-    }
+    painted += paintDashedLines(s, paint, l, road, draw);
   }
-  if (dashes > 0) placer.builder.place(s.finish().mesh, placer.worldFromTown, "road markings");
+  if (painted > 0) placer.builder.place(s.finish().mesh, placer.worldFromTown, "road markings");
 }
 
-// Places manhole covers, and rectangles of newer asphalt where roads were repaired.
+// Places manhole covers, and rectangles of newer asphalt where roads were repaired. A road's random stream draws all of
+// its manholes first.
 void placeCovers(Placer& placer) {
   const Layout& l = placer.layout;
   Shape s(placer.builder, "manholes and repairs");
   const models::SurfaceIndex iron = s.surface("road", "metal_bare");
   const models::SurfaceIndex fresh = s.surface("road", "asphalt_new");
-  const auto corner = [&](const Road& road, double along, double lateral, double above) {
-    return l.onGround(besideRoad(road, along, lateral).at, above);
-  };
-  // Adds a grid of quads that follows the road's surface. A quad is at most half a metre long and wide.
-  const auto cover = [&](const Road& road, double from, double to, double right, double left) {
-    constexpr double kAbove = 0.005;  // m, height of the quads above the road
-    const auto rows = static_cast<int>(std::ceil((to - from) / 0.5));
-    const auto columns = static_cast<int>(std::ceil((left - right) / 0.5));
-    std::vector<std::vector<Vec3d>> grid;
-    for (int r = 0; r <= rows; ++r) {
-      std::vector<Vec3d>& row = grid.emplace_back();
-      for (int c = 0; c <= columns; ++c) {
-        row.push_back(corner(road, from + (to - from) * r / rows, left + (right - left) * c / columns, kAbove));
-      }
-    }
-    s.grid(grid, false, [&](int, int) { return fresh; });
-  };
   int count = 0;
   for (const Road& road : l.roads()) {
     Draw draw(l.seed, Kind::Cover, road.number);
     const double half = road.section.half - road.section.parking - 0.3;
-    const double covers = l.character.country ? 0.3 : 3;
-    const auto manholes = static_cast<int>(covers * road.length() / 100 + draw.next());
+    const double per100m = l.character.country ? 0.3 : 3;
+    const auto manholes = static_cast<int>(per100m * road.length() / 100 + draw.next());
     for (int k = 0; k < manholes; ++k) {
-      const double along = draw.in(4, road.length() - 4);
+      const double along = draw.in(kEndOfRoad, road.length() - kEndOfRoad);
       const double lateral = draw.in(-half + 0.3, half - 0.3);
-      constexpr int kCorners = 16;
-      constexpr double kRadius = 0.31;  // m, radius of a manhole cover
-      const Vec3d middle = corner(road, along, lateral, 0.004);
-      if (l.nearPothole({middle.x, middle.y}, kRadius)) continue;
-      const auto rim = [&](int i) {
-        const double angle = 2 * kPi * i / kCorners;
-        return l.onGround({middle.x + kRadius * std::cos(angle), middle.y + kRadius * std::sin(angle)}, 0.004);
-      };
-      for (int i = 0; i < kCorners; ++i) s.triangle(iron, middle, rim(i), rim(i + 1));
-      ++count;
+      if (addManhole(s, iron, l, besideRoad(road, along, lateral).at)) ++count;
     }
     const auto repairs = static_cast<int>(8 * l.character.wear * road.length() / 100 + draw.next());
     for (int k = 0; k < repairs; ++k) {
-      const double along = draw.in(4, road.length() - 12);
+      const double along = draw.in(kEndOfRoad, road.length() - 12);
       const double width = draw.in(0.5, 2);
       const double right = draw.in(-half, half - width);
       const double length = draw.in(0.8, 8);
       const Point2 middle = besideRoad(road, along + length / 2, right + width / 2).at;
-      const Beside b = l.besideAt(middle);
-      // There are no repairs where another road joins, and none over a pothole.
-      if (b.edge < -road.section.half - 0.5 || l.nearPothole(middle, std::hypot(length, width) / 2)) continue;
-      cover(road, along, along + length, right, right + width);
+      if (isJoint(l, road, middle) || l.nearPothole(middle, std::hypot(length, width) / 2)) continue;
+      addRepair(s, fresh, l, road, along, along + length, right, right + width);
       ++count;
     }
   }
