@@ -52,8 +52,8 @@ std::vector<Example> allExamples() {
   std::ranges::sort(files);
   for (const fs::path& file : files) {
     // Other files belong to an example, such as NAME.scene.yaml and NAME.obj.
-    const bool own = file.extension() == ".yaml" && file.stem().extension().empty();
-    if (own) examples.push_back(readExample(file));
+    const bool isExample = file.extension() == ".yaml" && file.stem().extension().empty();
+    if (isExample) examples.push_back(readExample(file));
   }
   for (Example& example : examples) {
     for (const fs::path& file : files) {

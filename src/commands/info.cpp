@@ -109,8 +109,8 @@ void printScanFolder(const std::filesystem::path& folder, const ScanFolder& foun
   printText(
       "{}{}\n\n", found.scans.front().key,
       found.scans.size() == 1 ? "" : fmt::format(" to {}; the table shows {}", found.scans.back().key, middle.key));
-  const std::filesystem::path whole = std::filesystem::absolute(middle.points);
-  printScan(readFolderScan(middle), whole.lexically_relative(std::filesystem::absolute(folder)).string());
+  const std::filesystem::path points = std::filesystem::absolute(middle.points);
+  printScan(readFolderScan(middle), points.lexically_relative(std::filesystem::absolute(folder)).string());
 }
 
 void printShard(const std::filesystem::path& file) {
@@ -118,8 +118,8 @@ void printShard(const std::filesystem::path& file) {
   readTar(file, [&](const std::string& name, std::string_view bytes) {
     const std::size_t dot = name.rfind('.');
     const bool scan = dot != std::string::npos && formatBySuffix(name.substr(dot + 1)) != nullptr;
-    const std::string place = file.string() + ": " + name;
-    rows.push_back({name, grouped(bytes.size()), scan ? grouped(decodeMember(place, bytes).size()) : ""});
+    const std::string what = file.string() + ": " + name;
+    rows.push_back({name, grouped(bytes.size()), scan ? grouped(decodeMember(what, bytes).size()) : ""});
   });
   printText("shard {}\n\n{}", file.string(), formatTable(rows));
 }

@@ -121,9 +121,9 @@ struct ListedPart {
 // Prints a table, at most kMostRows of its rows: a file may have tens of thousands of parts.
 void printLargest(Rows rows) {
   constexpr std::size_t kMostRows = 60;
-  const std::size_t left = rows.size() - std::min(rows.size(), 1 + kMostRows);  // the first row is the head
-  rows.resize(rows.size() - left);
-  printText("{}{}\n", formatTable(rows), left == 0 ? "" : fmt::format("and {} more (smaller)\n", grouped(left)));
+  const std::size_t omitted = rows.size() - std::min(rows.size(), 1 + kMostRows);  // the first row is the head
+  rows.resize(rows.size() - omitted);
+  printText("{}{}\n", formatTable(rows), omitted == 0 ? "" : fmt::format("and {} more (smaller)\n", grouped(omitted)));
 }
 
 // Prints the names that rules can match and, if parts share a material and a texture, the sums of their triangles;
@@ -214,20 +214,20 @@ void printAsset(const std::filesystem::path& file, const AssetOptions& options) 
   std::vector<ListedPart> parts;
   std::uint64_t triangles = 0;
   std::uint64_t notFinite = 0;
-  Box whole;
-  const auto add = [&](const AssetPart& part, const std::vector<Affine>& places) {
+  Box bounds;
+  const auto add = [&](const AssetPart& part, const std::vector<Affine>& copies) {
     ListedPart& listed = parts.emplace_back(
-        ListedPart{part.node, part.material, part.texture, part.triangles.size(), places.size(), {}});
-    triangles += part.triangles.size() * places.size();
+        ListedPart{part.node, part.material, part.texture, part.triangles.size(), copies.size(), {}});
+    triangles += part.triangles.size() * copies.size();
     for (const Triangle& t : part.triangles) {
       const auto bad = [&](std::uint32_t corner) { return !isFinite(part.positions[corner]); };
       notFinite += std::ranges::any_of(t, bad) ? 1 : 0;
     }
     for (const Vec3f& p : part.positions) {
       if (!isFinite(p)) continue;
-      for (const Affine& place : places) listed.box.add(place * Vec3d(p));
+      for (const Affine& assetFromPart : copies) listed.box.add(assetFromPart * Vec3d(p));
     }
-    whole.add(listed.box);
+    bounds.add(listed.box);
   };
   for (const AssetPart& part : asset.parts) add(part, {Affine{{}, asset.origin}});
   for (const InstancedParts& instanced : asset.instanced) {
@@ -240,9 +240,9 @@ void printAsset(const std::filesystem::path& file, const AssetOptions& options) 
     warn(fmt::format("{}: scenes leave out {} triangles with NaN or infinite corners and {} with indices out of range",
                      file.string(), grouped(notFinite), grouped(asset.dropped.outOfRange)));
   }
-  if (whole.empty()) return;
-  printText("from [{:.8g}, {:.8g}, {:.5g}] to [{:.8g}, {:.8g}, {:.5g}]: {}\n", whole.low.x, whole.low.y, whole.low.z,
-            whole.high.x, whole.high.y, whole.high.z, extentText(whole));
+  if (bounds.empty()) return;
+  printText("from [{:.8g}, {:.8g}, {:.5g}] to [{:.8g}, {:.8g}, {:.5g}]: {}\n", bounds.low.x, bounds.low.y, bounds.low.z,
+            bounds.high.x, bounds.high.y, bounds.high.z, extentText(bounds));
   printText(
       "read with unit: {:g} ({}) and up: {}; change them by --unit and --up here, and by the keys `unit` and "
       "`up` of the object in a scene\n",

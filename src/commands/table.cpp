@@ -52,8 +52,8 @@ std::string formatTable(const Rows& given) {
   return text;
 }
 
-std::string percent(std::uint64_t part, std::uint64_t whole) {
-  return fmt::format("{:.2f} %", whole > 0 ? 100 * static_cast<double>(part) / static_cast<double>(whole) : 0.0);
+std::string percent(std::uint64_t part, std::uint64_t total) {
+  return fmt::format("{:.2f} %", total > 0 ? 100 * static_cast<double>(part) / static_cast<double>(total) : 0.0);
 }
 
 }  // namespace scanmill

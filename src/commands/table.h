@@ -13,6 +13,6 @@ using Rows = std::vector<std::vector<std::string>>;
 std::string formatTable(const Rows& rows);
 
 // Returns `part` in per cent of `whole`, such as "12.30 %".
-std::string percent(std::uint64_t part, std::uint64_t whole);
+std::string percent(std::uint64_t part, std::uint64_t total);
 
 }  // namespace scanmill

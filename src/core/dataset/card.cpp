@@ -84,13 +84,13 @@ std::string columnTable(const Manifest& manifest) {
 std::string modelText(const std::vector<ModelledItem>& items) {
   constexpr std::array<std::string_view, 3> kProgram{"channels", "properties of hits that nothing reads", "instancing"};
   std::string modelled;
-  std::string left;
+  std::string omitted;
   for (const ModelledItem& item : items) {
     if (std::ranges::find(kProgram, item.topic) != kProgram.end()) continue;
-    (item.leftOut ? left : modelled) += "- " + cell(lineOf(item)) + "\n";
+    (item.leftOut ? omitted : modelled) += "- " + cell(lineOf(item)) + "\n";
   }
   std::string text = "What was modelled:\n\n" + modelled;
-  if (!left.empty()) text += "\nWhat was left out:\n\n" + left;
+  if (!omitted.empty()) text += "\nWhat was left out:\n\n" + omitted;
   return text;
 }
 
@@ -227,7 +227,7 @@ std::string cardText(const Manifest& manifest) {
     ++samples;
     for (const DrawnValue& draw : sample.draws) draws.insert(draw.key);
   }
-  for (const auto& [sensor, own] : totals.methods) methods.insert(own.begin(), own.end());
+  for (const auto& [sensor, ofSensor] : totals.methods) methods.insert(ofSensor.begin(), ofSensor.end());
   text += "\n## What it contains\n\n| split | sequences | samples |\n|---|---|---|\n";
   for (const auto& [split, counts] : splits) {
     text += fmt::format("| {} | {} | {} |\n", split, counts.first.size(), counts.second);

@@ -129,22 +129,22 @@ std::vector<std::string> shardsRecordedIn(const fs::path& hidden) {
 }
 
 std::vector<std::string> writtenFiles(const fs::path& folder) {
-  std::vector<std::string> own = filesListedIn(folder / kManifestName);
+  std::vector<std::string> written = filesListedIn(folder / kManifestName);
   const std::vector<std::string> replaced = filesListedIn(folder / kHiddenName / kReplacedName);
-  own.insert(own.end(), replaced.begin(), replaced.end());
+  written.insert(written.end(), replaced.begin(), replaced.end());
   for (const std::string& shard : shardsRecordedIn(folder / kHiddenName)) {
-    own.push_back(shard);
-    own.push_back(samplesFileOf(shard));
+    written.push_back(shard);
+    written.push_back(samplesFileOf(shard));
   }
-  std::ranges::sort(own);
-  own.erase(std::unique(own.begin(), own.end()), own.end());
-  return own;
+  std::ranges::sort(written);
+  written.erase(std::unique(written.begin(), written.end()), written.end());
+  return written;
 }
 
 void checkOwnership(const fs::path& folder, const FolderContents& contents) {
-  const std::vector<std::string> own = writtenFiles(folder);
+  const std::vector<std::string> written = writtenFiles(folder);
   for (const std::string& name : contents.shards) {
-    if (std::ranges::binary_search(own, name)) continue;
+    if (std::ranges::binary_search(written, name)) continue;
     throw InputError({(folder / name).string()},
                      fmt::format("exists, but {}: move it, or choose another output folder",
                                  contents.manifest ? "the manifest does not list it" : "no manifest lists it"));

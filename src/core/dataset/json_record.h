@@ -67,7 +67,7 @@ class RecordKeys {
   template <class Write, class Read>
   void custom(bool required, const char* key, const Write& write, const Read& read) {
     if (writes_) {
-      if (OrderedJson own = write(); !own.is_discarded()) json[key] = std::move(own);
+      if (OrderedJson entry = write(); !entry.is_discarded()) json[key] = std::move(entry);
     } else if (!reads()) {
       (required ? all : others).emplace_back(key);
     } else if (required || node_->has(key)) {
@@ -78,15 +78,15 @@ class RecordKeys {
   template <class Fill>
   void map(const char* key, const Fill& fill) {
     const auto write = [&] {
-      RecordKeys own(name_ + "/" + key, context);
-      fill(own);
-      return own.json;
+      RecordKeys nested(name_ + "/" + key, context);
+      fill(nested);
+      return nested.json;
     };
     custom(true, key, write, [&](const JsonNode& node) {
-      RecordKeys list, own(node, context);
+      RecordKeys list, nested(node, context);
       fill(list);
       node.keys(list.all, list.others);
-      fill(own);
+      fill(nested);
     });
   }
 
@@ -160,12 +160,12 @@ void readJson(const JsonNode& node, T& value, const RecordContext& context) {
     node.numbers(value.size());
     for (std::size_t i = 0; i < value.size(); ++i) value[i] = node.item(i).template integer<std::uint8_t>();
   } else if constexpr (requires { *value; }) {
-    auto own = std::make_shared<std::remove_cvref_t<decltype(*value)>>();
-    readJson(node, *own, context);
-    if constexpr (std::is_assignable_v<T&, decltype(own)>) {
-      value = std::move(own);
+    auto content = std::make_shared<std::remove_cvref_t<decltype(*value)>>();
+    readJson(node, *content, context);
+    if constexpr (std::is_assignable_v<T&, decltype(content)>) {
+      value = std::move(content);
     } else {
-      value = std::move(*own);
+      value = std::move(*content);
     }
   } else if constexpr (kIsList<T>) {
     value.clear();

@@ -52,11 +52,11 @@ Json parseJson(const std::string& text, const std::string& file);
 // which must outlive it.
 class JsonNode {
  public:
-  JsonNode(const Json& value, std::string place, const std::string& file)
-      : value_(value), place_(std::move(place)), file_(file) {}
+  JsonNode(const Json& value, std::string path, const std::string& file)
+      : value_(value), path_(std::move(path)), file_(file) {}
 
   [[noreturn]] void fail(const std::string& what) const {
-    throw InputError({file_}, fmt::format("{}: {}", place_.empty() ? "/" : place_, what));
+    throw InputError({file_}, fmt::format("{}: {}", path_.empty() ? "/" : path_, what));
   }
 
   // Checks the keys of a map: all keys in `required` must exist, and all other keys must be in `optional`.
@@ -82,8 +82,8 @@ class JsonNode {
   bool isNull() const { return value_.is_null(); }
   bool isText() const { return value_.is_string(); }
   bool has(std::string_view key) const { return value_.is_object() && value_.contains(key); }
-  JsonNode operator[](const std::string& key) const { return {value_.at(key), place_ + "/" + key, file_}; }
-  JsonNode item(std::size_t i) const { return {value_.at(i), fmt::format("{}/{}", place_, i), file_}; }
+  JsonNode operator[](const std::string& key) const { return {value_.at(key), path_ + "/" + key, file_}; }
+  JsonNode item(std::size_t i) const { return {value_.at(i), fmt::format("{}/{}", path_, i), file_}; }
   std::string dump() const { return value_.dump(); }
 
   template <class Visit>
@@ -146,7 +146,7 @@ class JsonNode {
   }
 
   const Json& value_;
-  std::string place_;
+  std::string path_;
   const std::string& file_;
 };
 

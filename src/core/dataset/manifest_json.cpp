@@ -229,24 +229,24 @@ std::string differenceOfSampleJson(std::string_view text, const SampleRecord& sa
   const OrderedJson expected = sampleObject(sample);
   const OrderedJson changes = OrderedJson::diff(expected, found);
   if (changes.empty()) return {};
-  std::string place = changes[0]["path"].get<std::string>();
+  std::string path = changes[0]["path"].get<std::string>();
   const std::string operation = changes[0]["op"].get<std::string>();
-  if (place.ends_with("/-"))
-    return fmt::format("{} has more entries than the manifest says", place.erase(place.size() - 2));
-  if (operation == "remove") return fmt::format("{} is missing", place);
-  if (operation == "add") return fmt::format("{} is not in the manifest", place);
-  return fmt::format("{} is {}, not {}", place, scalarText(changes[0]["value"]),
-                     scalarText(expected[OrderedJson::json_pointer(place)]));
+  if (path.ends_with("/-"))
+    return fmt::format("{} has more entries than the manifest says", path.erase(path.size() - 2));
+  if (operation == "remove") return fmt::format("{} is missing", path);
+  if (operation == "add") return fmt::format("{} is not in the manifest", path);
+  return fmt::format("{} is {}, not {}", path, scalarText(changes[0]["value"]),
+                     scalarText(expected[OrderedJson::json_pointer(path)]));
 }
 
 std::string SampleRecord::xxh3Of(const std::string& member) const {
-  const auto place = static_cast<std::size_t>(std::ranges::find(members, member) - members.begin());
-  return place < xxh3.size() ? xxh3[place] : std::string();
+  const auto index = static_cast<std::size_t>(std::ranges::find(members, member) - members.begin());
+  return index < xxh3.size() ? xxh3[index] : std::string();
 }
 
 const SequenceRecord* Manifest::sequenceOf(const std::string& key) const {
-  const std::string own = partsOfKey(key).sequence;
-  const auto found = std::ranges::find_if(sequences, [&](const SequenceRecord& s) { return s.name == own; });
+  const std::string sequence = partsOfKey(key).sequence;
+  const auto found = std::ranges::find_if(sequences, [&](const SequenceRecord& s) { return s.name == sequence; });
   return found == sequences.end() ? nullptr : &*found;
 }
 

@@ -294,10 +294,10 @@ void describe(RecordKeys& keys, SampleRecord& s) {
   keys("scans", s.scans, [&](const JsonNode& node) {
     for (std::size_t i = 0; i < s.scans.size(); ++i) {
       if (s.scans[i].vehicleFromSensor) continue;
-      const auto random = [&](const SensorRecord& own) {
-        return own.name == s.scans[i].sensor && !own.vehicleFromSensor;
+      const auto hasRandomMount = [&](const SensorRecord& sensor) {
+        return sensor.name == s.scans[i].sensor && !sensor.vehicleFromSensor;
       };
-      if (std::ranges::none_of(head->sensors, random)) continue;
+      if (std::ranges::none_of(head->sensors, hasRandomMount)) continue;
       node.item(i).fail("key 'vehicle_from_sensor' is missing, as in the scan's sensor");
     }
   });
@@ -307,7 +307,7 @@ void describe(RecordKeys& keys, SampleRecord& s) {
   }
   keys.optionalIf(s.objects.has_value(), "objects", objects, distinct("id"), [&](const JsonNode&) {
     s.objects.emplace();
-    for (const ClassObjects& own : objects) (*s.objects)[own.id] = own.count;
+    for (const ClassObjects& counted : objects) (*s.objects)[counted.id] = counted.count;
   });
   keys.custom(
       false, "draws", [&] { return drawsJson(s); },

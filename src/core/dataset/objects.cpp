@@ -57,8 +57,9 @@ static void describe(RecordKeys& keys, ObjectView& view) {
       true, "visibility",
       [&] { return view.visibility() ? OrderedJson(rounded(*view.visibility(), kShares)) : OrderedJson(); },
       [&](const JsonNode& node) {
-        const std::optional<double> own = view.visibility();
-        const bool same = node.isNull() ? !own : own && std::abs(node.number(0, 1) - *own) <= 1 / kShares;
+        const std::optional<double> computed = view.visibility();
+        const bool same =
+            node.isNull() ? !computed : computed && std::abs(node.number(0, 1) - *computed) <= 1 / kShares;
         if (!same) node.fail("is not beams / beams_alone");
       });
   keys("truncation", view.truncation, within(0, 1));

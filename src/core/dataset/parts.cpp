@@ -80,19 +80,19 @@ void clearListsOfAllScenes(std::vector<ModelledItem>& items) {
 
 Manifest joinParts(const DatasetPlan& plan, std::vector<DatasetPart> parts, bool anyFiles) {
   if (parts.empty()) throw Error("a dataset must have at least one shard");
-  Manifest whole = parts.front().manifest;
-  whole.shards.clear();
-  whole.sequences.clear();
+  Manifest joined = parts.front().manifest;
+  joined.shards.clear();
+  joined.sequences.clear();
   std::set<std::string> sequences;  // names
-  whole.samples.assign(plan.samples, {});
+  joined.samples.assign(plan.samples, {});
   for (std::size_t shard = 0; shard < parts.size(); ++shard) {
     Manifest& part = parts[shard].manifest;
-    whole.shards.push_back(part.shards[0]);
+    joined.shards.push_back(part.shards[0]);
     for (const SequenceRecord& sequence : part.sequences) {
-      if (sequences.insert(sequence.name).second) whole.sequences.push_back(sequence);
+      if (sequences.insert(sequence.name).second) joined.sequences.push_back(sequence);
     }
-    addItems(part.modelled, whole.modelled);
-    const std::string changed = addFiles(part.files, whole.files);
+    addItems(part.modelled, joined.modelled);
+    const std::string changed = addFiles(part.files, joined.files);
     if (!changed.empty() && !anyFiles) {
       throw Error(
           fmt::format("{} changed while the dataset was made, so that its shards are of different scenes: start "
@@ -105,20 +105,20 @@ Manifest joinParts(const DatasetPlan& plan, std::vector<DatasetPart> parts, bool
         throw Error(fmt::format("{}: sample {} is out of range: the plan has {} samples", part.shards[0].file, number,
                                 plan.samples));
       }
-      SampleRecord& sample = whole.samples[number];
+      SampleRecord& sample = joined.samples[number];
       if (!sample.key.empty()) {
-        throw Error(fmt::format("sample {} is in two shards, {} and {}", sample.key, whole.shards[sample.shard].file,
+        throw Error(fmt::format("sample {} is in two shards, {} and {}", sample.key, joined.shards[sample.shard].file,
                                 part.shards[0].file));
       }
       sample = std::move(part.samples[i]);
       sample.shard = static_cast<std::uint32_t>(shard);
     }
   }
-  for (std::size_t i = 0; i < whole.samples.size(); ++i) {
-    if (whole.samples[i].key.empty()) throw Error(fmt::format("sample {} of {} is in no shard", i, plan.samples));
+  for (std::size_t i = 0; i < joined.samples.size(); ++i) {
+    if (joined.samples[i].key.empty()) throw Error(fmt::format("sample {} of {} is in no shard", i, plan.samples));
   }
-  clearListsOfAllScenes(whole.modelled);
-  return whole;
+  clearListsOfAllScenes(joined.modelled);
+  return joined;
 }
 
 Manifest mergeDataset(const std::filesystem::path& folder) {

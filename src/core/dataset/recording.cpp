@@ -109,8 +109,8 @@ static void describe(RecordKeys& keys, Recording& r) {
     std::set<std::string> known;
     for (std::size_t i = 0; i < r.sequences.size(); ++i) {
       const RecordedSequence& s = r.sequences[i];
-      const std::string own = fmt::format("{} {} {}", s.scene, s.seed, s.trajectory);
-      if (!known.insert(own).second) node.item(i).fail("is listed twice");
+      const std::string name = fmt::format("{} {} {}", s.scene, s.seed, s.trajectory);
+      if (!known.insert(name).second) node.item(i).fail("is listed twice");
     }
     if (known.empty()) node.fail("is empty: nothing was recorded");
   });
@@ -308,8 +308,8 @@ RecordingWriter::RecordingWriter(fs::path folder, bool overwrite) : folder_(std:
   prepareFolder(folder_, overwrite);
 }
 
-fs::path RecordingWriter::file(std::string_view sample, std::string_view sensor, std::string_view rest) const {
-  return folder_ / fmt::format("{}.{}", shotName(sample, sensor), rest);
+fs::path RecordingWriter::file(std::string_view sample, std::string_view sensor, std::string_view ending) const {
+  return folder_ / fmt::format("{}.{}", shotName(sample, sensor), ending);
 }
 
 void RecordingWriter::add(const RecordedShot& shot) {

@@ -103,7 +103,7 @@ class RecordingWriter {
 
   const std::filesystem::path& folder() const { return folder_; }
   // Returns the path of a file of a shot, such as "street-s1-lane-000012.top.hits.exr". May be called from any thread.
-  std::filesystem::path file(std::string_view sample, std::string_view sensor, std::string_view rest) const;
+  std::filesystem::path file(std::string_view sample, std::string_view sensor, std::string_view ending) const;
   // Writes the JSON file of a shot whose images have been written. May be called from any thread.
   void add(const RecordedShot& shot);
   // Writes recording.json; must be the last call.

@@ -22,9 +22,9 @@ ScanSource findScan(const std::filesystem::path& path, const std::string& sample
   const bool first = sensor.empty() && store.manifest() != nullptr;
   const std::string wanted = first ? store.manifest()->sensors.front().name : sensor;
   if (sample.empty()) {  // the first sample may have no scan of a sensor that turns slowly
-    const auto own = [&](const StoredScan& s) { return lowerCase(s.sensor) == lowerCase(wanted); };
+    const auto isOfSensor = [&](const StoredScan& s) { return lowerCase(s.sensor) == lowerCase(wanted); };
     for (std::size_t i = chosen; i < store.keys().size() && !wanted.empty(); ++i) {
-      if (std::ranges::none_of(store.scans(i), own)) continue;
+      if (std::ranges::none_of(store.scans(i), isOfSensor)) continue;
       chosen = i;
       break;
     }

@@ -138,7 +138,7 @@ void ScanStore::openShard() {
   }
   if (manifest_ == nullptr) return;
   for (const SampleRecord& s : manifest_->samples) {
-    if (const auto own = find(s.key)) samples_[*own].record = &s;
+    if (const auto index = find(s.key)) samples_[*index].record = &s;
   }
 }
 
@@ -210,9 +210,9 @@ StoredScan ScanStore::scanOfRecorded(std::size_t sample, const std::string& sens
 std::vector<StoredScan> ScanStore::scans(std::size_t sample, const std::string& sensor) const {
   if (single_) return {{}};
   if (recorded_) return {scanOfRecorded(sample, sensor)};
-  const Sample& own = samples_.at(sample);
+  const Sample& stored = samples_.at(sample);
   std::vector<StoredScan> all;
-  for (const std::string& member : membersOf(own)) {
+  for (const std::string& member : membersOf(stored)) {
     const MemberName name = partsOfMember(member);
     if (formatBySuffix(name.suffix) == nullptr) continue;
     const auto known = std::ranges::find_if(all, [&](const StoredScan& s) {
@@ -223,7 +223,7 @@ std::vector<StoredScan> ScanStore::scans(std::size_t sample, const std::string& 
       known->members.push_back(member);
       continue;
     }
-    const ScanRecord* record = recordOf(own.record, name);
+    const ScanRecord* record = recordOf(stored.record, name);
     all.push_back({record ? record->sensor : name.sensor,
                    name.revolution,
                    record ? record->method : name.method,
@@ -237,7 +237,7 @@ std::vector<StoredScan> ScanStore::scans(std::size_t sample, const std::string& 
     };
     for (StoredScan& scan : all) std::ranges::stable_sort(scan.members, {}, errorOf);
   }
-  const std::string where = shards_[own.shard].file.string();
+  const std::string where = shards_[stored.shard].file.string();
   if (all.empty()) {
     throw InputError({where}, fmt::format("has no scan of the sample '{}' in a known format", keys_[sample]));
   }
@@ -273,13 +273,13 @@ std::optional<std::string> ScanStore::bytesOf(std::size_t sample, const std::str
 
 std::optional<SampleObjects> ScanStore::objects(std::size_t sample) const {
   if (single_ || manifest_ == nullptr) return {};
-  const Sample& own = samples_.at(sample);
-  if (own.record != nullptr && !own.record->objects) return {};
+  const Sample& stored = samples_.at(sample);
+  if (stored.record != nullptr && !stored.record->objects) return {};
   const std::string name = objectsMember(keys_.at(sample));
   const std::optional<std::string> bytes = bytesOf(sample, name);
   if (bytes) return parseObjects(*bytes, name, manifest_->ontology);
-  if (own.record == nullptr) return {};
-  throw InputError({shards_[own.shard].file.string()},
+  if (stored.record == nullptr) return {};
+  throw InputError({shards_[stored.shard].file.string()},
                    fmt::format("has no member {}, but the manifest lists it", name));
 }
 

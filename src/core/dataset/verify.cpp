@@ -67,10 +67,10 @@ class ShardCheck {
   void problem(std::string_view text) { problems_.push_back(fmt::format("{}: {}", record_.file, text)); }
 
   // Returns the error's text without the shard's path at its start, because problem() adds the shard's name.
-  std::string withoutPlace(const InputError& error) const {
+  std::string withoutPath(const InputError& error) const {
     const std::string text = error.what();
-    const std::string place = file_.string() + ": ";
-    return text.starts_with(place) ? text.substr(place.size()) : text;
+    const std::string prefix = file_.string() + ": ";
+    return text.starts_with(prefix) ? text.substr(prefix.size()) : text;
   }
 
   void checkBytes() {
@@ -82,7 +82,7 @@ class ShardCheck {
         bytes += block.size();
       });
     } catch (const InputError& error) {
-      problem(withoutPlace(error));
+      problem(withoutPath(error));
       return;
     }
     if (bytes != record_.bytes) problem(fmt::format("has {} bytes, but the manifest says {}", bytes, record_.bytes));
@@ -101,7 +101,7 @@ class ShardCheck {
         if (problems_.size() == before) checkDigest(name, bytes);
       });
     } catch (const InputError& error) {
-      problem(withoutPlace(error));
+      problem(withoutPath(error));
     }
     checkOrder(found);
   }

@@ -30,10 +30,10 @@ double WorldPositions::fractionAt(double time) const {
 // If the scan has no beam numbers, the pose is derived from the point's time, which ignores offsets between the rings'
 // times; without a time it is the first pose.
 Vec3d WorldPositions::of(std::size_t point) const {
-  const Vec3d own(scan_.position[point]);
-  if (!moves_ || (poses_.empty() && scan_[kTime].empty())) return first_ * own;
-  if (poses_.empty()) return interpolate(first_, last_, fractionAt(double{scan_[kTime][point]})) * own;
-  return poses_[std::min<std::size_t>(keyOf(scan_, point).column, poses_.size() - 1)] * own;
+  const Vec3d inSensor(scan_.position[point]);
+  if (!moves_ || (poses_.empty() && scan_[kTime].empty())) return first_ * inSensor;
+  if (poses_.empty()) return interpolate(first_, last_, fractionAt(double{scan_[kTime][point]})) * inSensor;
+  return poses_[std::min<std::size_t>(keyOf(scan_, point).column, poses_.size() - 1)] * inSensor;
 }
 
 }  // namespace scanmill

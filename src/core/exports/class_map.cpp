@@ -9,9 +9,9 @@ namespace {
 
 // Returns the class of `to` with the name of `own` or, if there is none, with one of the aliases of `own`; null if `to`
 // has none of these names.
-const SemanticClass* counterpart(const SemanticClass& own, const Ontology& to) {
-  if (const SemanticClass* found = to.find(std::string_view(own.name))) return found;
-  for (const std::string& alias : own.aliases) {
+const SemanticClass* counterpart(const SemanticClass& from, const Ontology& to) {
+  if (const SemanticClass* found = to.find(std::string_view(from.name))) return found;
+  for (const std::string& alias : from.aliases) {
     if (const SemanticClass* found = to.find(std::string_view(alias))) return found;
   }
   return nullptr;
@@ -34,11 +34,11 @@ ClassMap::ClassMap(const Ontology& from, Ontology to) : target_(std::move(to)) {
 }
 
 std::uint16_t ClassMap::ofMoving(std::uint16_t id) const {
-  const std::uint16_t own = of(id);
+  const std::uint16_t target = of(id);
   for (const SemanticClass& c : target_.classes) {
-    if (c.movingOf == own && own != 0) return c.id;
+    if (c.movingOf == target && target != 0) return c.id;
   }
-  return own;
+  return target;
 }
 
 }  // namespace scanmill

@@ -80,7 +80,7 @@ class Export {
         }
       });
     }
-    beginFolder();
+    startFolder();
     forUnits("writing", units, [&](const Unit& unit, const ReadSample& next) {
       layout_->write(plan_, unit.sequence, unit.frame, next, folder_);
     });
@@ -96,14 +96,14 @@ class Export {
 
  private:
   void chooseClasses() {
-    const Ontology& own = plan_.manifest.ontology;
-    Ontology target = own;
+    const Ontology& source = plan_.manifest.ontology;
+    Ontology target = source;
     if (!options_.classes.empty()) {
       target = readOntology(options_.classes);
     } else if (!options_.layout->labels.empty()) {
       target = readOntology(resourceFolder() / "labels" / (std::string(options_.layout->labels) + ".yaml"));
     }
-    plan_.classes = ClassMap(own, std::move(target));
+    plan_.classes = ClassMap(source, std::move(target));
     std::set<std::uint16_t> used;
     for (const SampleRecord& sample : plan_.manifest.samples) {
       for (const ScanRecord& scan : sample.scans) {
@@ -112,7 +112,7 @@ class Export {
     }
     std::vector<std::string> lost;
     for (const std::uint16_t id : used) {
-      const SemanticClass& c = *own.find(id);
+      const SemanticClass& c = *source.find(id);
       if (id != 0 && plan_.classes.of(id) == 0 && (c.thing || !options_.layout->boxesAlone)) lost.push_back(c.name);
     }
     if (lost.empty()) return;
@@ -181,13 +181,13 @@ class Export {
     }
     std::map<std::string, std::size_t> known;
     for (std::size_t i = 0; i < samples.size(); ++i) {
-      const bool left =
+      const bool skipped =
           !options_.splits.empty() && std::ranges::find(options_.splits, samples[i].split) == options_.splits.end();
-      if (left) continue;
+      if (skipped) continue;
       const std::string name = partsOfKey(samples[i].key).sequence;
-      const auto [own, isNew] = known.emplace(name.empty() ? samples[i].key : name, plan_.sequences.size());
-      if (isNew) plan_.sequences.push_back({own->first, samples[i].split, {}});
-      plan_.sequences[own->second].samples.push_back(i);
+      const auto [sequence, isNew] = known.emplace(name.empty() ? samples[i].key : name, plan_.sequences.size());
+      if (isNew) plan_.sequences.push_back({sequence->first, samples[i].split, {}});
+      plan_.sequences[sequence->second].samples.push_back(i);
     }
     for (ExportSequence& sequence : plan_.sequences) {
       std::ranges::stable_sort(sequence.samples, [&](std::size_t a, std::size_t b) {
@@ -230,28 +230,28 @@ class Export {
                                    complete ? "a complete" : "an unfinished"));
     }
     for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-      if (isLeftAtStart(entry.path())) continue;
+      if (isLeftByKilledRun(entry.path())) continue;
       throw InputError({folder.string()}, "is not empty: name another folder with -o");
     }
   }
 
   // Returns true for the files that a run leaves behind if it is killed before it has described its export.
-  static bool isLeftAtStart(const fs::path& path) {
+  static bool isLeftByKilledRun(const fs::path& path) {
     const std::string name = path.filename().string();
     return name == kLock || finalName(name) == kUnfinished;
   }
 
   // Locks the folder and removes an earlier export: its record first, so that the folder does not pass for a complete
   // export if the program is stopped.
-  void beginFolder() {
+  void startFolder() {
     lock_ = std::make_unique<FolderLock>(folder_.path(), folder_.prepareFile(kLock));
     folder_.write(kUnfinished, record());
     if (options_.overwrite) fs::remove(folder_.path() / kRecord);
     std::vector<fs::path> old;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder_.path())) {
       const std::string name = entry.path().filename().string();
-      const bool own = name == kLock || name == kUnfinished;
-      if (!own && (options_.overwrite || isLeftAtStart(entry.path()))) old.push_back(entry.path());
+      const bool inUse = name == kLock || name == kUnfinished;
+      if (!inUse && (options_.overwrite || isLeftByKilledRun(entry.path()))) old.push_back(entry.path());
     }
     for (const fs::path& path : old) fs::remove_all(path);
   }

@@ -11,10 +11,10 @@ InstanceNumbers::InstanceNumbers(std::string layout, std::size_t most, Instances
     : layout_(std::move(layout)), most_(most), instancesOf_(std::move(instancesOf)), groupName_(std::move(groupName)) {}
 
 void InstanceNumbers::add(const ExportPlan& plan, const ExportSample& sample) {
-  std::set<Instance> here;
-  for (const ExportScan& scan : sample.scans) here.merge(instancesOf_(plan, scan.scan));
+  std::set<Instance> instances;
+  for (const ExportScan& scan : sample.scans) instances.merge(instancesOf_(plan, scan.scan));
   const std::scoped_lock lock(mutex_);
-  for (const auto& [group, id] : here) {
+  for (const auto& [group, id] : instances) {
     std::set<std::uint32_t>& ids = sequences_[sample.sequence][group];
     ids.insert(id);
     if (ids.size() <= most_) continue;

@@ -104,15 +104,15 @@ bool isShown(const ObjectRecord& object, const ObjectView& view) {
 // Returns the object's line in the file in label_2; empty if the object is not in the image.
 std::string labelOf(const std::string& type, const ObjectRecord& object, const ObjectView& view) {
   if (!isShown(object, view)) return {};
-  const ImageBox whole = projected(view.sensorFromBox, object.size);
-  const ImageBox seen = whole.within(kWidth - 1, kHeight - 1);
+  const ImageBox unclipped = projected(view.sensorFromBox, object.size);
+  const ImageBox seen = unclipped.within(kWidth - 1, kHeight - 1);
   const Vec3d bottom = bottomOf(object, view);
   const Vec3d ahead = inCamera(toMatrix(view.sensorFromBox.rotation).x);
   const double rotation = std::atan2(-ahead.z, ahead.x);
   const double alpha = wrapped(rotation - std::atan2(bottom.x, bottom.z));
   return fmt::format(
       "{} {:.2f} {} {:.2f} {:.2f} {:.2f} {:.2f} {:.2f} {:.2f} {:.2f} {:.2f} {:.2f} {:.2f} {:.2f} {:.2f}\n", type,
-      1 - seen.area() / whole.area(), occlusion(view), alpha, seen.left, seen.top, seen.right, seen.bottom,
+      1 - seen.area() / unclipped.area(), occlusion(view), alpha, seen.left, seen.top, seen.right, seen.bottom,
       object.size.z, object.size.y, object.size.x, bottom.x, bottom.y, bottom.z, rotation);
 }
 
@@ -166,14 +166,14 @@ class Kitti : public ExportLayout {
     });
     if (labels.empty()) labels = kNoObject;
     const std::string number = fmt::format("{:06}", numberOf(plan, sequence, frame));
-    const std::filesystem::path own = folderOf(plan.sequences[sequence]);
+    const std::filesystem::path split = folderOf(plan.sequences[sequence]);
     const ExportScan& scan = sample.scans.front();
-    folder.write(own / "label_2" / (number + ".txt"), labels);
-    folder.write(own / "calib" / (number + ".txt"), calibration());
-    folder.write(own / "image_2" / (number + ".png"), image_);
-    folder.write(own / "velodyne" / (number + ".bin"), velodynePoints(scan, velodyneOrder(scan)));
+    folder.write(split / "label_2" / (number + ".txt"), labels);
+    folder.write(split / "calib" / (number + ".txt"), calibration());
+    folder.write(split / "image_2" / (number + ".png"), image_);
+    folder.write(split / "velodyne" / (number + ".bin"), velodynePoints(scan, velodyneOrder(scan)));
     const std::string plane = planeText(plan, *sample.record);
-    if (!plane.empty()) folder.write(own / "planes" / (number + ".txt"), plane);
+    if (!plane.empty()) folder.write(split / "planes" / (number + ".txt"), plane);
   }
 
   std::vector<std::string> finish(const ExportPlan& plan, const ReadObjects& read,

@@ -149,9 +149,9 @@ std::string lasHead(const LasPoints& points, std::span<const LasExtra> extra, co
   const std::array<double, 3> offset{points.offset.x, points.offset.y, points.offset.z};
   for (const double along : offset) putNumber(along, bytes);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto placeOf = [&](std::int32_t steps) { return points.count == 0 ? 0 : steps * kStep + offset[axis]; };
-    putNumber(placeOf(points.greatest[axis]), bytes);
-    putNumber(placeOf(points.least[axis]), bytes);
+    const auto coordinateOf = [&](std::int32_t steps) { return points.count == 0 ? 0 : steps * kStep + offset[axis]; };
+    putNumber(coordinateOf(points.greatest[axis]), bytes);
+    putNumber(coordinateOf(points.least[axis]), bytes);
   }
   putNumber(std::uint64_t{0}, bytes);  // start of the waveform data: none
   putNumber(std::uint64_t{0}, bytes);  // start of the extended records after the points: none
@@ -167,9 +167,9 @@ constexpr ColumnKey<columnIndex("returns")> kReturns;
 
 // Computes return numbers. If the scan lacks one of the columns for them and the beams are known, the points of each
 // beam, which are in the order of their returns, are counted.
-class Returns {
+class ReturnNumbers {
  public:
-  explicit Returns(const Scan& scan)
+  explicit ReturnNumbers(const Scan& scan)
       : scan_(scan), counts_((scan[kReturn].empty() || scan[kReturns].empty()) && knowsBeams(scan)) {
     if (!counts_) return;
     extent_ = extentOf(scan);
@@ -205,16 +205,16 @@ class Returns {
 };
 
 // Appends X, Y and Z of a point. Throws InputError if a coordinate is NaN or does not fit into 32 bits.
-void putPlace(const ExportPlan& plan, const ExportSample& sample, const ExportScan& given, const Vec3d& place,
-              LasPoints& points, std::string& bytes) {
-  const Vec3d exact = (place - points.offset) * (1 / kStep);
+void putPosition(const ExportPlan& plan, const ExportSample& sample, const ExportScan& exportScan,
+                 const Vec3d& position, LasPoints& points, std::string& bytes) {
+  const Vec3d exact = (position - points.offset) * (1 / kStep);
   std::size_t axis = 0;
   for (const double along : {exact.x, exact.y, exact.z}) {
     if (!(std::fabs(along) < std::numeric_limits<std::int32_t>::max())) {
       throw InputError({plan.dataset.string()},
                        fmt::format("the sample {} has a point of the sensor '{}' more than 1000 km away, which LAS "
                                    "cannot store in steps of {} m: check the dataset with scanmill verify",
-                                   sample.record->key, given.sensor->name, kStep));
+                                   sample.record->key, exportScan.sensor->name, kStep));
     }
     const auto steps = static_cast<std::int32_t>(std::lround(along));
     putNumber(steps, bytes);
@@ -224,22 +224,22 @@ void putPlace(const ExportPlan& plan, const ExportSample& sample, const ExportSc
   }
 }
 
-std::string lasBytes(const ExportPlan& plan, const ExportSample& sample, const ExportScan& given) {
-  const Scan& scan = given.scan;
-  const WorldPositions places(scan, *given.record, given.sensor->beams, plan.manifest.deskewed);
+std::string lasBytes(const ExportPlan& plan, const ExportSample& sample, const ExportScan& exportScan) {
+  const Scan& scan = exportScan.scan;
+  const WorldPositions positions(scan, *exportScan.record, exportScan.sensor->beams, plan.manifest.deskewed);
   const ColumnSet columns = exportedColumns(plan, scan);
   // The columns that no field of the point format can represent completely.
   const ColumnSet extraColumns = columns.without(kLabel).without(kReturn).without(kReturns).without(kTime);
-  Returns returns(scan);
+  ReturnNumbers returns(scan);
   LasPoints points;
-  const Vec3d& sensor = given.record->worldFromSensor.front().translation;
+  const Vec3d& sensor = exportScan.record->worldFromSensor.front().translation;
   points.offset = {std::round(sensor.x), std::round(sensor.y), std::round(sensor.z)};
   points.returnsAreMadeUp = !columns.has(kReturn) || !columns.has(kReturns);
   std::string bytes;
   for (std::size_t i = 0; i < scan.size(); ++i) {
     if (!isFinite(scan.position[i])) continue;
-    putPlace(plan, sample, given, places.of(i), points, bytes);
-    const float intensity = unitIntensity(given, i);
+    putPosition(plan, sample, exportScan, positions.of(i), points, bytes);
+    const float intensity = unitIntensity(exportScan, i);
     putNumber(static_cast<std::uint16_t>(intensity > 0 ? std::lround(std::min(intensity, 1.0f) * 65535) : 0), bytes);
     const std::uint8_t numbers = returns.next(i);
     putNumber(numbers, bytes);
@@ -247,8 +247,8 @@ std::string lasBytes(const ExportPlan& plan, const ExportSample& sample, const E
     putNumber(static_cast<std::uint8_t>(scan[kLabel].empty() ? 0 : plan.classes.of(scan[kLabel][i])), bytes);
     putNumber(std::uint8_t{0}, bytes);  // user data
     putNumber(std::int16_t{0}, bytes);  // scan angle
-    putNumber(static_cast<std::uint16_t>(given.sensorNumber + 1), bytes);
-    putNumber(given.record->time + (scan[kTime].empty() ? 0 : double{scan[kTime][i]}), bytes);
+    putNumber(static_cast<std::uint16_t>(exportScan.sensorNumber + 1), bytes);
+    putNumber(exportScan.record->time + (scan[kTime].empty() ? 0 : double{scan[kTime][i]}), bytes);
     visitTable(scan, [&](auto key, const auto& values) {
       if (extraColumns.has(key)) putNumber(exported(plan.classes, key, values[i]), bytes);
     });
@@ -271,12 +271,12 @@ void checkClasses(const ExportPlan& plan, const SampleRecord& sample) {
     const bool isExported =
         std::ranges::any_of(plan.sensors, [&](const SensorRecord* sensor) { return sensor->name == scan.sensor; });
     for (const auto& [id, points] : scan.pointsPerClass) {
-      const std::uint16_t own = plan.classes.of(id);
-      if (!isExported || points == 0 || own <= kMostLasClass) continue;
+      const std::uint16_t target = plan.classes.of(id);
+      if (!isExported || points == 0 || target <= kMostLasClass) continue;
       throw InputError({plan.dataset.string()},
                        fmt::format("the sample {} has points of the class {} with the id {}, but LAS stores ids up "
                                    "to {}: give an ontology of smaller ids with --classes FILE",
-                                   sample.key, plan.classes.classOf(id).name, own, kMostLasClass));
+                                   sample.key, plan.classes.classOf(id).name, target, kMostLasClass));
     }
   }
 }

@@ -58,37 +58,38 @@ bool hasColumn(const ExportPlan& plan, std::string_view column) {
   return std::ranges::find(columns, column) != columns.end();
 }
 
-std::vector<std::size_t> velodyneOrder(const ExportScan& given) {
-  const Scan& scan = given.scan;
-  struct Place {
+std::vector<std::size_t> velodyneOrder(const ExportScan& exportScan) {
+  const Scan& scan = exportScan.scan;
+  struct OrderedPoint {
     std::int64_t down;  // number of the ring, counted from the top
     double azimuth;     // rad, at least 0, counter-clockwise from straight ahead
-    std::size_t point;
+    std::size_t index;
   };
   const bool known = knowsBeams(scan) || !scan[kRing].empty();
-  std::vector<Place> places;
-  places.reserve(scan.size());
+  std::vector<OrderedPoint> points;
+  points.reserve(scan.size());
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const Vec3f& p = scan.position[i];
     if (!isFinite(p)) continue;
     const std::int64_t ring = !known ? 0 : scan.organised ? keyOf(scan, i).ring : scan[kRing][i];
     const double azimuth = known ? std::atan2(static_cast<double>(p.y), static_cast<double>(p.x)) : 0;
-    places.push_back({given.sensor->beams.topDown ? ring : -ring, azimuth < 0 ? azimuth + 2 * kPi : azimuth, i});
+    points.push_back({exportScan.sensor->beams.topDown ? ring : -ring, azimuth < 0 ? azimuth + 2 * kPi : azimuth, i});
   }
-  std::ranges::stable_sort(
-      places, [](const Place& a, const Place& b) { return std::tie(a.down, a.azimuth) < std::tie(b.down, b.azimuth); });
+  std::ranges::stable_sort(points, [](const OrderedPoint& a, const OrderedPoint& b) {
+    return std::tie(a.down, a.azimuth) < std::tie(b.down, b.azimuth);
+  });
   std::vector<std::size_t> order;
-  order.reserve(places.size());
-  for (const Place& place : places) order.push_back(place.point);
+  order.reserve(points.size());
+  for (const OrderedPoint& point : points) order.push_back(point.index);
   return order;
 }
 
-std::string velodynePoints(const ExportScan& given, std::span<const std::size_t> order) {
+std::string velodynePoints(const ExportScan& exportScan, std::span<const std::size_t> order) {
   std::string bytes;
   bytes.reserve(order.size() * 16);
   for (const std::size_t i : order) {
-    const Vec3f& p = given.scan.position[i];
-    for (const float value : {p.x, p.y, p.z, std::min(unitIntensity(given, i), 1.0f)}) putNumber(value, bytes);
+    const Vec3f& p = exportScan.scan.position[i];
+    for (const float value : {p.x, p.y, p.z, std::min(unitIntensity(exportScan, i), 1.0f)}) putNumber(value, bytes);
   }
   return bytes;
 }
@@ -116,8 +117,8 @@ std::array<double, 12> matrixRows(const Pose& pose) {
 std::vector<const ScanRecord*> revolutionsOf(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor) {
   std::vector<const ScanRecord*> scans;
   for (const ScanRecord& scan : sample.scans) {
-    const bool own = scan.sensor == plan.sensors[sensor]->name;
-    if (own && (scans.empty() || scan.method == scans.front()->method)) scans.push_back(&scan);
+    const bool isOfSensor = scan.sensor == plan.sensors[sensor]->name;
+    if (isOfSensor && (scans.empty() || scan.method == scans.front()->method)) scans.push_back(&scan);
   }
   return scans;
 }

@@ -37,9 +37,9 @@ struct ExportScan {
 
 // Returns a point's intensity divided by the full scale of its sensor. The result may be more than 1; it is 0 if the
 // scan has no intensity.
-inline float unitIntensity(const ExportScan& given, std::size_t point) {
-  const std::vector<float>& values = given.scan[kIntensity];
-  return values.empty() ? 0.0f : static_cast<float>(values[point] / given.sensor->intensityFullScale);
+inline float unitIntensity(const ExportScan& exportScan, std::size_t point) {
+  const std::vector<float>& values = exportScan.scan[kIntensity];
+  return values.empty() ? 0.0f : static_cast<float>(values[point] / exportScan.sensor->intensityFullScale);
 }
 
 struct ExportSample {
@@ -67,10 +67,10 @@ bool hasColumn(const ExportPlan& plan, std::string_view column);
 // Returns the indices of the scan's points, without misses, in the order of KITTI's files, from which some loaders
 // derive the rings: the rings from top to bottom, and each ring counter-clockwise, starting straight ahead. If the scan
 // has no ring numbers, the points keep their order.
-std::vector<std::size_t> velodyneOrder(const ExportScan& given);
+std::vector<std::size_t> velodyneOrder(const ExportScan& exportScan);
 // Returns the bytes of the points in the given order, as in KITTI's files velodyne/*.bin: x, y, z (m) and intensity (0
 // to 1), float32.
-std::string velodynePoints(const ExportScan& given, std::span<const std::size_t> order);
+std::string velodynePoints(const ExportScan& exportScan, std::span<const std::size_t> order);
 // Returns a warning if points are in the frames of several poses, because the sensors moved during a revolution and the
 // dataset is not deskewed; for layouts that store one pose and no times. Otherwise empty.
 std::vector<std::string> skewWarnings(const ExportPlan& plan, std::string_view layout);

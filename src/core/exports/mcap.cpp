@@ -206,9 +206,9 @@ class Mcap : public ExportLayout {
 
   void write(const ExportPlan& plan, std::size_t sequence, std::size_t, const ReadSample& read,
              const ExportFolder& folder) const override {
-    const ExportSequence& own = plan.sequences[sequence];
-    Bag bag(plan, sequence, folder.prepareFile(std::filesystem::path(own.split) / (own.name + ".mcap")));
-    for (std::size_t f = 0; f < own.samples.size(); ++f) bag.add(read(sequence, f));
+    const ExportSequence& recorded = plan.sequences[sequence];
+    Bag bag(plan, sequence, folder.prepareFile(std::filesystem::path(recorded.split) / (recorded.name + ".mcap")));
+    for (std::size_t f = 0; f < recorded.samples.size(); ++f) bag.add(read(sequence, f));
     bag.commit();
   }
 };

@@ -67,11 +67,11 @@ Instance instanceOf(const ExportPlan& plan, const Scan& scan, std::size_t point)
 }
 
 std::set<Instance> instancesOf(const ExportPlan& plan, const Scan& scan) {
-  std::set<Instance> here;
+  std::set<Instance> instances;
   for (std::size_t i = 0; i < scan[kLabel].size(); ++i) {
-    if (const Instance instance = instanceOf(plan, scan, i); instance.second != 0) here.insert(instance);
+    if (const Instance instance = instanceOf(plan, scan, i); instance.second != 0) instances.insert(instance);
   }
-  return here;
+  return instances;
 }
 
 // Returns the number of each ring counted from the lowest. Rings that are not cones keep their numbers.

@@ -43,14 +43,15 @@ std::string withoutBreaks(std::string text) {
   return text;
 }
 
-std::string header(const ExportPlan& plan, const ExportSample& sample, const ExportScan& given, std::size_t points) {
+std::string header(const ExportPlan& plan, const ExportSample& sample, const ExportScan& exportScan,
+                   std::size_t points) {
   std::string text = fmt::format(
       "ply\nformat binary_little_endian 1.0\ncomment dataset {}\ncomment sample {}\ncomment sensor {}\ncomment time "
       "{}\n"
       "comment frame sensor: metres; x forward, y left, z up\n",
-      withoutBreaks(plan.manifest.name), withoutBreaks(sample.record->key), withoutBreaks(given.sensor->name),
-      given.record->time);
-  for (const Pose& pose : given.record->worldFromSensor) {
+      withoutBreaks(plan.manifest.name), withoutBreaks(sample.record->key), withoutBreaks(exportScan.sensor->name),
+      exportScan.record->time);
+  for (const Pose& pose : exportScan.record->worldFromSensor) {
     const Quat& q = pose.rotation;
     const Vec3d& t = pose.translation;
     text += fmt::format("comment world_from_sensor quaternion_wxyz {} {} {} {} translation {} {} {}\n", q.w, q.x, q.y,
@@ -59,12 +60,12 @@ std::string header(const ExportPlan& plan, const ExportSample& sample, const Exp
   for (const SemanticClass& c : plan.classes.target().classes) {
     text += fmt::format("comment class {} {}\n", c.id, withoutBreaks(c.name));
   }
-  const ColumnSet columns = exportedColumns(plan, given.scan);
+  const ColumnSet columns = exportedColumns(plan, exportScan.scan);
   text += fmt::format(
       "element vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
       "property uchar red\nproperty uchar green\nproperty uchar blue\n",
       points);
-  visitTable(given.scan, [&]<class T>(auto key, const std::vector<T>&) {
+  visitTable(exportScan.scan, [&]<class T>(auto key, const std::vector<T>&) {
     if (columns.has(key)) text += fmt::format("property {} {}\n", kPlyType<T>, key.row.name);
   });
   return text + "end_header\n";
@@ -72,7 +73,8 @@ std::string header(const ExportPlan& plan, const ExportSample& sample, const Exp
 
 class Colors {
  public:
-  Colors(const ExportPlan& plan, const ExportScan& given) : classes_(plan.classes), given_(given), scan_(given.scan) {
+  Colors(const ExportPlan& plan, const ExportScan& exportScan)
+      : classes_(plan.classes), exportScan_(exportScan), scan_(exportScan.scan) {
     for (const SemanticClass& c : plan.classes.target().classes) ofClass_.emplace(c.id, c.color);
   }
 
@@ -80,7 +82,7 @@ class Colors {
     if (!scan_[kLabel].empty()) return ofClass_.at(classes_.of(scan_[kLabel][point]));
     std::uint8_t grey = kMiddleGrey;
     if (!scan_[kIntensity].empty()) {
-      const float intensity = unitIntensity(given_, point);
+      const float intensity = unitIntensity(exportScan_, point);
       grey = intensity > 0 ? static_cast<std::uint8_t>(std::min(intensity, 1.0f) * 255 + 0.5f) : std::uint8_t{0};
     }
     return {grey, grey, grey};
@@ -88,16 +90,16 @@ class Colors {
 
  private:
   const ClassMap& classes_;
-  const ExportScan& given_;
+  const ExportScan& exportScan_;
   const Scan& scan_;
   std::map<std::uint16_t, Color> ofClass_;
 };
 
-std::string plyBytes(const ExportPlan& plan, const ExportSample& sample, const ExportScan& given) {
-  const Scan& scan = given.scan;
+std::string plyBytes(const ExportPlan& plan, const ExportSample& sample, const ExportScan& exportScan) {
+  const Scan& scan = exportScan.scan;
   const auto points = static_cast<std::size_t>(std::ranges::count_if(scan.position, isFinite<float>));
-  std::string bytes = header(plan, sample, given, points);
-  const Colors colors(plan, given);
+  std::string bytes = header(plan, sample, exportScan, points);
+  const Colors colors(plan, exportScan);
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const Vec3f& p = scan.position[i];
     if (!isFinite(p)) continue;

@@ -74,11 +74,11 @@ std::filesystem::path sequenceFolder(std::size_t number) {
 // Returns the instances that a scan has, all in one group.
 std::set<InstanceNumbers::Instance> instanceIdsOf(const ExportPlan&, const Scan& scan) {
   const std::set<std::uint32_t> ids(scan[kInstance].begin(), scan[kInstance].end());
-  std::set<InstanceNumbers::Instance> here;
+  std::set<InstanceNumbers::Instance> instances;
   for (const std::uint32_t id : ids) {
-    if (id != 0) here.insert({0, id});
+    if (id != 0) instances.insert({0, id});
   }
-  return here;
+  return instances;
 }
 
 class SemanticKitti : public ExportLayout {
@@ -114,21 +114,22 @@ class SemanticKitti : public ExportLayout {
     for (const std::size_t i : order) {
       if (scan[kLabel].empty()) break;
       const std::uint32_t instance = scan[kInstance].empty() ? 0 : scan[kInstance][i];
-      const std::uint16_t own = scan[kLabel][i];
-      const std::uint32_t label = moving.contains(instance) ? plan.classes.ofMoving(own) : plan.classes.of(own);
+      const std::uint16_t semantic = scan[kLabel][i];
+      const std::uint32_t label =
+          moving.contains(instance) ? plan.classes.ofMoving(semantic) : plan.classes.of(semantic);
       const std::uint32_t number = numbers.empty() || instance == 0 ? instance : numbers.at({0, instance});
       putNumber(label | number << 16, labels);
     }
     const std::string name = fmt::format("{:06}", frame);
-    const std::filesystem::path own = sequenceFolder(numbersOf(plan)[sequence]);
-    folder.write(own / "velodyne" / (name + ".bin"), velodynePoints(sample.scans.front(), order));
-    if (hasColumn(plan, "label")) folder.write(own / "labels" / (name + ".label"), labels);
+    const std::filesystem::path path = sequenceFolder(numbersOf(plan)[sequence]);
+    folder.write(path / "velodyne" / (name + ".bin"), velodynePoints(sample.scans.front(), order));
+    if (hasColumn(plan, "label")) folder.write(path / "labels" / (name + ".label"), labels);
     if (!sample.voxels) return;
     const VoxelFiles voxels = semanticKittiVoxels(*sample.voxels, plan.classes);
-    folder.write(own / "voxels" / (name + ".bin"), voxels.bin);
-    folder.write(own / "voxels" / (name + ".label"), voxels.label);
-    folder.write(own / "voxels" / (name + ".invalid"), voxels.invalid);
-    folder.write(own / "voxels" / (name + ".occluded"), voxels.occluded);
+    folder.write(path / "voxels" / (name + ".bin"), voxels.bin);
+    folder.write(path / "voxels" / (name + ".label"), voxels.label);
+    folder.write(path / "voxels" / (name + ".invalid"), voxels.invalid);
+    folder.write(path / "voxels" / (name + ".occluded"), voxels.occluded);
   }
 
   std::vector<std::string> finish(const ExportPlan& plan, const ReadObjects&,
@@ -191,12 +192,12 @@ class SemanticKitti : public ExportLayout {
     const std::vector<std::size_t> numbers = numbersOf(plan);
     std::map<std::string, OrderedJson> frames;
     for (std::size_t s = 0; s < plan.sequences.size(); ++s) {
-      const std::string own = sequenceFolder(numbers[s]).generic_string();
+      const std::string path = sequenceFolder(numbers[s]).generic_string();
       OrderedJson& list = frames.try_emplace(plan.sequences[s].split, OrderedJson::array()).first->second;
       for (std::size_t f = 0; f < plan.sequences[s].samples.size(); ++f) {
         list.push_back(
-            {{"lidar_points", {{"lidar_path", fmt::format("{}/velodyne/{:06}.bin", own, f)}, {"num_pts_feats", 4}}},
-             {"pts_semantic_mask_path", fmt::format("{}/labels/{:06}.label", own, f)},
+            {{"lidar_points", {{"lidar_path", fmt::format("{}/velodyne/{:06}.bin", path, f)}, {"num_pts_feats", 4}}},
+             {"pts_semantic_mask_path", fmt::format("{}/labels/{:06}.label", path, f)},
              {"sample_idx", fmt::format("{:02}{:06}", numbers[s], f)}});
       }
     }

@@ -21,19 +21,22 @@ std::string packed(const std::vector<std::uint8_t>& flags) {
 std::vector<std::uint8_t> occludedVoxels(const ScanVoxels& voxels) {
   const VoxelGrid& grid = voxels.grid;
   const Vec3d sensor = grid.inVoxels({});
-  const auto in = [](double along, std::uint32_t count) { return along >= 0 && along < count; };
+  const auto isInside = [](double along, std::uint32_t count) { return along >= 0 && along < count; };
   const auto isOccluded = [&](const Vec3d& middle) {
-    const Vec3d way = sensor - middle;
-    const double steps = std::max({std::fabs(way.x), std::fabs(way.y), std::fabs(way.z)});
-    const Vec3d step = way * (1 / steps);
-    Vec3d place = middle;
-    const int before = static_cast<int>(std::ceil(steps)) - 1;  // excludes the sensor's voxel
-    for (int i = 0; i < before; ++i) {
-      place += step;
+    const Vec3d toSensor = sensor - middle;
+    const double steps = std::max({std::fabs(toSensor.x), std::fabs(toSensor.y), std::fabs(toSensor.z)});
+    const Vec3d step = toSensor * (1 / steps);
+    Vec3d position = middle;
+    const int stepsBefore = static_cast<int>(std::ceil(steps)) - 1;  // excludes the sensor's voxel
+    for (int i = 0; i < stepsBefore; ++i) {
+      position += step;
       // The grid is convex, so a line that leaves it does not enter it again.
-      if (!in(place.x, grid.counts[0]) || !in(place.y, grid.counts[1]) || !in(place.z, grid.counts[2])) return false;
-      const std::size_t voxel = grid.index(static_cast<std::uint32_t>(place.x), static_cast<std::uint32_t>(place.y),
-                                           static_cast<std::uint32_t>(place.z));
+      if (!isInside(position.x, grid.counts[0]) || !isInside(position.y, grid.counts[1]) ||
+          !isInside(position.z, grid.counts[2]))
+        return false;
+      const std::size_t voxel =
+          grid.index(static_cast<std::uint32_t>(position.x), static_cast<std::uint32_t>(position.y),
+                     static_cast<std::uint32_t>(position.z));
       if (voxels.label[voxel] != 0 || voxels.input[voxel] != 0) return true;
     }
     return false;
