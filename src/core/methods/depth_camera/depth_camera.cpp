@@ -10,7 +10,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <list>
 #include <mutex>
 #include <string>
 #include <tuple>
@@ -18,6 +17,7 @@
 
 #include "assets/meshes/blender.h"
 #include "base/error.h"
+#include "base/recently_used.h"
 #include "base/stage_clock.h"
 #include "config/named_options.h"
 #include "methods/depth_camera/revolution.h"
@@ -232,13 +232,8 @@ class DepthCameraMethod : public DepthCamera {
   // Returns the view of a sensor that stands still, which is made once for each beam table.
   std::shared_ptr<const StepView> stillView(const Shot& shot, const PassStep& step) const {
     const std::scoped_lock lock(sensorsMutex_);
-    for (auto it = sensors_.begin(); it != sensors_.end(); ++it) {
-      if ((*it)->table != shot.beams) continue;
-      sensors_.splice(sensors_.begin(), sensors_, it);
-      return sensors_.front();
-    }
-    if (sensors_.size() >= kSensorsInMemory) sensors_.pop_back();
-    return sensors_.emplace_front(makeView(shot, step));
+    return sensors_.findOrAdd([&](const auto& view) { return view->table == shot.beams; }, kSensorsInMemory,
+                              [&] { return makeView(shot, step); });
   }
 
   SampleOptions sampleOptions(const BeamTable& table) const {
@@ -307,7 +302,7 @@ class DepthCameraMethod : public DepthCamera {
   mutable std::mutex rendererMutex_;
   mutable std::unique_ptr<PassRenderer> renderer_;
   mutable std::mutex sensorsMutex_;
-  mutable std::list<std::shared_ptr<const StepView>> sensors_;  // of sensors that stand still, most recently used first
+  mutable RecentlyUsed<std::shared_ptr<const StepView>> sensors_;  // views of sensors that stand still
 };
 
 }  // namespace

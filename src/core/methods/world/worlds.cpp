@@ -62,22 +62,19 @@ std::shared_ptr<const World> Worlds::near(const Vec3d& sensor, double reach, dou
 }
 
 std::shared_ptr<Worlds::Slot> Worlds::slotOf(const Vec3d& origin, const Revolution& revolution) const {
-  const std::scoped_lock lock(mutex_);
-  for (auto it = worlds_.begin(); it != worlds_.end(); ++it) {
-    const Slot& slot = **it;
-    if (slot.origin == origin && slot.revolution.time == revolution.time &&
-        slot.revolution.duration == revolution.duration && slot.revolution.placed == revolution.placed &&
-        slot.revolution.reach >= revolution.reach) {
-      worlds_.splice(worlds_.begin(), worlds_, it);
-      return worlds_.front();
-    }
-  }
+  const auto isOwn = [&](const std::shared_ptr<Slot>& slot) {
+    const Revolution& known = slot->revolution;
+    return slot->origin == origin && known.time == revolution.time && known.duration == revolution.duration &&
+           known.placed == revolution.placed && known.reach >= revolution.reach;
+  };
   const auto most = moves_ ? static_cast<std::size_t>(threadCount()) + 1 : kWorldsInMemory;
-  if (worlds_.size() >= most) worlds_.pop_back();
-  auto slot = std::make_shared<Slot>();
-  slot->origin = origin;
-  slot->revolution = revolution;
-  return worlds_.emplace_front(std::move(slot));
+  const std::scoped_lock lock(mutex_);
+  return worlds_.findOrAdd(isOwn, most, [&] {
+    auto slot = std::make_shared<Slot>();
+    slot->origin = origin;
+    slot->revolution = revolution;
+    return slot;
+  });
 }
 
 }  // namespace scanmill

@@ -4,11 +4,11 @@
 
 #include <cstdint>
 #include <limits>
-#include <list>
 #include <memory>
 #include <mutex>
 #include <vector>
 
+#include "base/recently_used.h"
 #include "methods/world/world.h"
 
 namespace scanmill {
@@ -55,7 +55,7 @@ class Worlds {
   std::vector<bool> instanced_;
   SharedMeshes shared_;
   mutable std::mutex mutex_;
-  mutable std::list<std::shared_ptr<Slot>> worlds_;
+  mutable RecentlyUsed<std::shared_ptr<Slot>> worlds_;
 };
 
 }  // namespace scanmill

@@ -95,22 +95,14 @@ std::uint64_t SceneObjects::memoryBytes() const {
 }
 
 std::shared_ptr<const BeamGrid> SceneObjects::gridOf(const std::shared_ptr<const BeamTable>& beams) const {
-  const auto find = [&]() -> std::shared_ptr<const BeamGrid> {
-    const auto known = std::find_if(grids_.begin(), grids_.end(), [&](const Grid& g) { return g.beams == beams; });
-    if (known == grids_.end()) return nullptr;
-    grids_.splice(grids_.begin(), grids_, known);
-    return known->grid;
-  };
+  const auto isOwn = [&](const Grid& grid) { return grid.beams == beams; };
   {
     const std::scoped_lock lock(mutex_);
-    if (auto known = find()) return known;
+    if (const Grid* const known = grids_.find(isOwn)) return known->grid;
   }
-  auto made = std::make_shared<const BeamGrid>(*beams);
-  const std::scoped_lock lock(mutex_);
-  if (auto known = find()) return known;  // another thread has built the same grid meanwhile
-  if (grids_.size() >= kGridsInMemory) grids_.pop_back();
-  grids_.push_front({beams, made});
-  return made;
+  const Grid made{beams, std::make_shared<const BeamGrid>(*beams)};
+  const std::scoped_lock lock(mutex_);  // another thread may have added the same grid meanwhile
+  return grids_.findOrAdd(isOwn, kGridsInMemory, [&] { return made; }).grid;
 }
 
 ObjectList::ObjectList(const SceneObjects& objects, std::string key, double time)

@@ -4,12 +4,12 @@
 // `<key>.objects.json`.
 
 #include <cstdint>
-#include <list>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
 
+#include "base/recently_used.h"
 #include "dataset/objects.h"
 #include "methods/method.h"
 #include "methods/ray_tracing/unobstructed.h"
@@ -46,7 +46,7 @@ class SceneObjects {
   std::unique_ptr<const Worlds> own_;  // null: the method's Worlds are used
   Unobstructed unobstructed_;
   mutable std::mutex mutex_;
-  mutable std::list<Grid> grids_;  // cached grids, the most recently used first
+  mutable RecentlyUsed<Grid> grids_;
 };
 
 // The object list of one sample.

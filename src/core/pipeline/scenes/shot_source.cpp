@@ -209,24 +209,18 @@ std::shared_ptr<const FrameSettings> ShotSource::settings(std::size_t sequence, 
   std::shared_ptr<const FrameSettings> known;  // of this frame or of another one of the sequence
   {
     const std::scoped_lock lock(mutex_);
-    const auto found = std::find_if(drawn_.begin(), drawn_.end(), isOwn);
-    if (found != drawn_.end()) {
-      known = found->second;
-      drawn_.splice(drawn_.begin(), drawn_, found);
-    }
+    if (const auto* const found = drawn_.find(isOwn)) known = found->second;
   }
   if (known != nullptr && !sensors.drawsPerFrame()) return known;
   SensorDraw drawn = sensors.draw(pipeline_, sequence, frame);
   const VehicleHits vehicles = !sensors.drawsMounts() ? vehicleHits_
                                : known != nullptr     ? hitsOf(*known)  // mounts are the same in all frames
                                                       : traceEgoVehicle(drawn.mounts);
-  auto settings = std::make_shared<const FrameSettings>(settingsOf(pipeline_, vehicles, std::move(drawn)));
-  const std::scoped_lock lock(mutex_);
-  std::erase_if(drawn_, isOwn);
-  drawn_.emplace_front(sequence, settings);
+  const auto settings = std::make_shared<const FrameSettings>(settingsOf(pipeline_, vehicles, std::move(drawn)));
   // Two cached sequences per thread are enough, since each thread makes samples of one sequence at a time.
-  if (drawn_.size() > 2 * static_cast<std::size_t>(threadCount())) drawn_.pop_back();
-  return settings;
+  const auto most = 2 * static_cast<std::size_t>(threadCount());
+  const std::scoped_lock lock(mutex_);
+  return drawn_.findOrAdd(isOwn, most, [&] { return std::pair{sequence, settings}; }).second = settings;
 }
 
 Shot ShotSource::recordedShot(const std::string& sample, std::uint32_t frame, std::size_t sensor) const {

@@ -10,13 +10,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <list>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <utility>
 #include <vector>
 
+#include "base/recently_used.h"
 #include "config/distribution.h"
 #include "methods/method.h"
 #include "pipeline/plan/plan.h"
@@ -122,9 +122,8 @@ class ShotSource {
   VehicleHits vehicleHits_;                        // with the mounts of the first frame of the first sequence
   std::shared_ptr<const FrameSettings> settings_;  // settings of that frame
   std::mutex mutex_;                               // guards the members below
-  // Settings of a frame of sequences with random mounts or effects, by index of the sequence, the most recently used
-  // first.
-  std::list<std::pair<std::size_t, std::shared_ptr<const FrameSettings>>> drawn_;
+  // Settings of a frame of sequences with random mounts or effects, by index of the sequence.
+  RecentlyUsed<std::pair<std::size_t, std::shared_ptr<const FrameSettings>>> drawn_;
   // Trajectories that depend on scenes, by index of their sequence.
   std::map<std::size_t, std::shared_ptr<const Trajectory>> trajectories_;
 };

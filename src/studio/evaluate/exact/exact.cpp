@@ -8,12 +8,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <list>
 #include <mutex>
 #include <tuple>
 #include <utility>
 
 #include "base/parallel.h"
+#include "base/recently_used.h"
 #include "base/vec.h"
 #include "methods/ray_tracing/filter.h"
 #include "methods/world/resolve.h"
@@ -333,16 +333,9 @@ class ExactTracer::Impl {
     while (radius < start + farthest) radius *= 2;
 
     const std::scoped_lock lock(mutex_);
-    const auto known = std::ranges::find_if(worlds_, [&](const std::shared_ptr<const ExactWorld>& w) {
-      return w->world.origin == origin && w->radius >= radius;
-    });
-    if (known != worlds_.end()) {
-      worlds_.splice(worlds_.begin(), worlds_, known);
-      return worlds_.front();
-    }
-    if (worlds_.size() >= kKeptOrigins) worlds_.pop_back();
-    worlds_.push_front(build(origin, radius));
-    return worlds_.front();
+    return worlds_.findOrAdd(
+        [&](const auto& known) { return known->world.origin == origin && known->radius >= radius; }, kKeptOrigins,
+        [&] { return build(origin, radius); });
   }
 
   std::shared_ptr<const ExactWorld> build(const Vec3d& origin, double radius) const {
@@ -368,7 +361,7 @@ class ExactTracer::Impl {
   std::vector<std::unique_ptr<const TriangleBlock>> blocks_;  // by mesh
   std::vector<CompactMaterial> materials_;
   mutable std::mutex mutex_;
-  mutable std::list<std::shared_ptr<const ExactWorld>> worlds_;
+  mutable RecentlyUsed<std::shared_ptr<const ExactWorld>> worlds_;
 };
 
 ExactTracer::ExactTracer(const Scene& scene) : impl_(std::make_unique<const Impl>(scene)) {}
