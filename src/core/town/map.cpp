@@ -12,6 +12,7 @@
 #include "base/input_budget.h"
 #include "base/text_scan.h"
 #include "config/text.h"
+#include "town/map_tags.h"
 
 namespace scanmill::town {
 namespace {
@@ -55,71 +56,6 @@ class TangentPlane {
   Vec3d origin_;
 };
 
-std::optional<RoadClass> classOf(const OsmTags& tags) {
-  std::string_view value = tags["highway"];
-  if (value.ends_with("_link")) value.remove_suffix(5);
-  if (isOneOf(value, {"motorway", "trunk", "primary"})) return RoadClass::Primary;
-  if (value == "secondary") return RoadClass::Secondary;
-  if (value == "tertiary") return RoadClass::Tertiary;
-  if (isOneOf(value, {"residential", "unclassified", "living_street", "road"})) return RoadClass::Residential;
-  if (value == "service") return RoadClass::Service;
-  if (value == "track") return RoadClass::Track;
-  return std::nullopt;
-}
-
-// True if a path is the pavement of a road, with which it is built.
-bool isSidewalk(const OsmTags& tags) {
-  return isOneOf(tags["footway"], {"sidewalk", "crossing", "traffic_island"}) || tags["path"] == "sidewalk" ||
-         tags["is_sidepath"] == "yes";
-}
-
-bool isPath(const OsmTags& tags) {
-  return isOneOf(tags["highway"], {"footway", "path", "cycleway", "steps", "bridleway"});
-}
-
-// True if an object is on the ground. Objects that are not, such as tunnels and bridges, are left out.
-bool onGround(const OsmTags& tags) {
-  const std::string& level = tags["level"];
-  return isOneOf(tags["tunnel"], {"", "no"}) && isOneOf(tags["indoor"], {"", "no"}) &&
-         isOneOf(tags["bridge"], {"", "no"}) && !tags["layer"].starts_with("-") &&
-         (!level.starts_with("-") || level.find(';') != std::string::npos) &&
-         !isOneOf(tags["location"], {"underground", "overground", "indoor", "roof", "rooftop"});
-}
-
-// True if the map says of an object that it does not exist yet, or no longer.
-bool isAbsent(const OsmTags& tags) {
-  return isOneOf(tags["building"], {"proposed", "planned", "demolished", "razed", "removed", "destroyed"}) ||
-         tags["demolished"] == "yes" || tags["razed"] == "yes" || tags["removed"] == "yes" || tags["proposed"] == "yes";
-}
-
-// Returns whether a road has a feature, from tags with keys such as `sidewalk`, `parking:lane:both` or `parking:left`:
-// true if the value of a key is in `yes`; otherwise false if a value is in `no`; nullopt if no value is in either list.
-std::optional<bool> saidOf(const OsmTags& tags, std::initializer_list<std::string_view> keys,
-                           std::initializer_list<std::string_view> yes, std::initializer_list<std::string_view> no) {
-  std::optional<bool> said;
-  for (const std::string_view key : keys) {
-    if (isOneOf(tags[key], yes)) return true;
-    if (isOneOf(tags[key], no)) said = false;
-  }
-  return said;
-}
-
-// True if the map gives one of these values of surface, or no surface.
-bool hasSurface(const OsmTags& tags, std::initializer_list<std::string_view> values) {
-  return tags["surface"].empty() ? !isOneOf(tags["tracktype"], {"grade2", "grade3", "grade4", "grade5"})
-                                 : isOneOf(tags["surface"], values);
-}
-
-const std::initializer_list<std::string_view> kParkingKeys = {
-    "parking:both", "parking:left", "parking:right", "parking:lane:both", "parking:lane:left", "parking:lane:right"};
-const std::initializer_list<std::string_view> kParked = {"lane",     "street_side", "on_kerb",  "half_on_kerb",
-                                                         "shoulder", "parallel",    "diagonal", "perpendicular",
-                                                         "marked",   "yes"};
-const std::initializer_list<std::string_view> kNotParked = {"no",          "none",        "separate", "no_parking",
-                                                            "no_stopping", "no_standing", "fire_lane"};
-const std::initializer_list<std::string_view> kPaved = {"both", "left", "right", "yes", "separate"};
-const std::initializer_list<std::string_view> kNotPaved = {"no", "none"};
-
 MapRoad roadOf(const OsmTags& tags, const std::vector<OsmNode>& nodes, RoadClass kind, const TangentPlane& plane,
                TagNumbers& numbers) {
   constexpr double kLane = 3.1;                   // m, width of a lane if the map gives only the number of lanes
@@ -141,8 +77,8 @@ MapRoad roadOf(const OsmTags& tags, const std::vector<OsmNode>& nodes, RoadClass
     std::reverse(road.line.begin(), road.line.end());
     std::reverse(road.nodes.begin(), road.nodes.end());
   }
-  road.sidewalk = saidOf(tags, {"sidewalk", "sidewalk:both", "sidewalk:left", "sidewalk:right"}, kPaved, kNotPaved);
-  road.parking = saidOf(tags, kParkingKeys, kParked, kNotParked);
+  road.sidewalk = sidewalkOf(tags);
+  road.parking = parkingOf(tags);
   const char* const width = tags["width"].empty() ? "est_width" : "width";
   road.width = numbers.read(tags, width, metresOf, kNarrowest, kWidest);
   if (const auto lanes = numbers.read(tags, "lanes", numberOf, 1, kWidest / kLane); lanes && !road.width) {
@@ -177,53 +113,11 @@ Polygon ringOf(const std::vector<OsmNode>& nodes, const TangentPlane& plane) {
   return corners;
 }
 
-// True if an element with the key highway is an area, unless its outline is not closed.
-bool isHighwayArea(const OsmTags& tags) {
-  return !tags["highway"].empty() && (tags["area"] == "yes" || tags.element.starts_with("relation"));
-}
-
-std::optional<Land> landOf(const OsmTags& tags) {
-  if (isOneOf(tags["landuse"], {"forest", "orchard"}) || isOneOf(tags["natural"], {"wood", "scrub"}) ||
-      tags["landcover"] == "trees") {
-    return Land::Wood;
-  }
-  if (isOneOf(tags["natural"], {"water"}) || isOneOf(tags["landuse"], {"basin", "reservoir"}) ||
-      isOneOf(tags["waterway"], {"riverbank", "dock"})) {
-    return Land::Water;
-  }
-  const bool covered =
-      isOneOf(tags["parking"], {"multi-storey", "underground", "rooftop", "carports", "garage_boxes", "sheds"});
-  if (tags["amenity"] == "parking" && !covered) return Land::Lot;
-  if (isOneOf(tags["leisure"], {"park", "garden", "dog_park"}) || tags["amenity"] == "grave_yard" ||
-      isOneOf(tags["landuse"], {"village_green", "recreation_ground", "cemetery"})) {
-    return Land::Park;
-  }
-  if (isOneOf(tags["leisure"], {"pitch", "playground", "golf_course"}) ||
-      isOneOf(tags["landuse"], {"grass", "meadow", "farmland"}) || isOneOf(tags["natural"], {"grassland", "heath"}) ||
-      tags["landcover"] == "grass") {
-    return Land::Grass;
-  }
-  // OpenStreetMap represents squares as areas of roads and paths, or as marketplaces.
-  const bool walked = isOneOf(tags["highway"], {"pedestrian", "footway", "path", "cycleway", "bridleway", "steps"});
-  if ((isHighwayArea(tags) && (walked || classOf(tags))) || isOneOf(tags["amenity"], {"marketplace", "fuel"}) ||
-      isOneOf(tags["aeroway"], {"apron", "helipad", "runway", "taxiway"})) {
-    return Land::Paved;
-  }
-  return std::nullopt;
-}
-
-std::optional<models::Fencing> fencingOf(const std::string& barrier) {
-  if (barrier == "hedge") return models::Fencing::Hedge;
-  if (isOneOf(barrier, {"wall", "retaining_wall"})) return models::Fencing::Brick;
-  if (barrier == "fence") return models::Fencing::Pickets;
-  return std::nullopt;
-}
-
 // Returns the plane that touches the earth in the middle of the bounds of all roads.
 TangentPlane planeAbout(const OsmExtract& extract, bool mirrored, Map& map) {
   double south = 90, north = -90, west = 180, east = -180;
   for (const OsmWay& way : extract.ways) {
-    if (!classOf(way.tags)) continue;
+    if (!roadClassOf(way.tags)) continue;
     for (const std::vector<OsmNode>& nodes : way.runs) {
       for (const OsmNode& n : nodes) {
         south = std::min(south, n.latitude);
@@ -237,32 +131,6 @@ TangentPlane planeAbout(const OsmExtract& extract, bool mirrored, Map& map) {
   map.longitude = (west + east) / 2;
   map.mirrored = mirrored;
   return {map.latitude, map.longitude, mirrored};
-}
-
-// Tags of what is not there, not on the ground, or has no shape of its own.
-constexpr std::string_view kShapeless =
-    "highway=proposed highway=planned highway=construction highway=razed highway=demolished highway=abandoned "
-    "highway=disused highway=services highway=rest_area highway=crossing highway=turning_circle highway=turning_loop "
-    "highway=motorway_junction highway=mini_roundabout highway=passing_place railway=abandoned railway=razed "
-    "railway=dismantled railway=disused railway=proposed railway=construction railway=subway railway=level_crossing "
-    "railway=crossing railway=tram_level_crossing railway=tram_crossing railway=switch railway=railway_crossing "
-    "railway=stop railway=halt railway=station railway=tram_stop railway=subway_entrance power=cable "
-    "parking=underground aeroway=abandoned aeroway=aerodrome landuse=residential landuse=commercial landuse=retail "
-    "landuse=industrial landuse=education landuse=institutional landuse=religious leisure=nature_reserve "
-    "natural=valley natural=cape natural=peninsula natural=strait natural=peak natural=saddle natural=spring "
-    "man_made=survey_point";
-// Tags of things, of keys that mostly stand for places.
-constexpr std::string_view kThings =
-    "amenity=parking amenity=parking_space amenity=bench amenity=waste_basket amenity=recycling amenity=post_box "
-    "amenity=fountain amenity=shelter amenity=telephone amenity=vending_machine amenity=bicycle_parking "
-    "amenity=charging_station emergency=fire_hydrant golf=bunker military=bunker parking=rooftop place=square "
-    "public_transport=platform tourism=artwork";
-
-bool hasWord(std::string_view words, std::string_view wanted) {
-  for (std::string_view word = takeWord(words); !word.empty(); word = takeWord(words)) {
-    if (word == wanted) return true;
-  }
-  return false;
 }
 
 // Makes a map from an extract, and counts what it leaves out.
@@ -285,18 +153,23 @@ class MapMaker {
   void addWay(const OsmWay& way) {
     const OsmTags& tags = way.tags;
     if (isAbsent(tags) || (isHighwayArea(tags) && way.area)) return;
-    const std::optional<RoadClass> kind = classOf(tags);
+    const std::optional<RoadClass> kind = roadClassOf(tags);
     const std::optional<models::Fencing> fencing = fencingOf(tags["barrier"]);
     if (!kind && !fencing && isPath(tags) && isSidewalk(tags)) return;
     const char* const what = kind ? "roads" : fencing ? "fences, hedges and walls" : isPath(tags) ? "paths" : nullptr;
-    if (what == nullptr) return leaveOut(tags, false);
+    if (what == nullptr) return leaveOut(tags, OsmElement::WayOrRelation);
     if (!onGround(tags)) return map_.leftOut.add(fmt::format("{} {}", what, kOffGround));
     if (const std::string& railway = tags["railway"]; !railway.empty()) {
-      leaveOut({tags.element, {{"railway", railway}}}, false);
+      leaveOut({tags.element, {{"railway", railway}}}, OsmElement::WayOrRelation);
     }
     if ((kind || !fencing) && !hasSurface(tags, {"asphalt", "paved", "concrete"})) map_.leftOut.add(kSurfaces);
     if (way.incomplete) map_.leftOut.add(fmt::format("{} with missing nodes, which are built in part", what));
-    if (kind) countDifferences(tags);
+    if (kind && differsFromTownRoads(tags)) {
+      map_.leftOut.add("roads with sidewalks, parking, cycleways or embankments that differ from the town's");
+    }
+    if (kind && tags["driving_side"] == (plane_.mirrored() ? "right" : "left")) {
+      map_.leftOut.add("roads on which traffic keeps to the other side than in the town");
+    }
     if (!kind && fencing && way.area && tags["area"] == "yes") map_.leftOut.add(kHollow);
     for (const std::vector<OsmNode>& nodes : way.runs) {
       if (kind) {
@@ -325,44 +198,39 @@ class MapMaker {
       // addWay() has counted ways with one of these keys.
       if (isHighwayArea(tags) || tags.element.starts_with("relation") ||
           (tags["highway"].empty() && tags["barrier"].empty())) {
-        leaveOut(tags, false);
+        leaveOut(tags, OsmElement::WayOrRelation);
       }
       return;
     }
     const char* const what = building ? "buildings" : part ? "building parts" : "areas of land";
     Polygon outline = ringOf(area.outer, plane_);
-    if (!area.fault.empty()) {
-      map_.leftOut.add(fmt::format("{} with {}", what, area.fault));
-    } else if (!onGround(tags)) {
-      map_.leftOut.add(fmt::format("{} {}", what, kOffGround));
-    } else if (isOpenRoof(tags)) {
-      map_.leftOut.add("open roofs and carports");
-    } else if (outline.size() < 3) {
-      map_.leftOut.add(fmt::format("{} that have less than three corners", what));
-    } else {
-      std::vector<Polygon> holes;
-      for (const std::vector<OsmNode>& inner : area.inner) {
-        Polygon hole = ringOf(inner, plane_);
-        if (hole.size() > 2) holes.push_back(std::move(hole));
-      }
-      if (!building && !part) {
-        const bool square =
-            isOneOf(tags["highway"], {"pedestrian", "footway", "service"}) || tags["amenity"] == "marketplace";
-        if ((*land == Land::Lot || *land == Land::Paved) &&
-            !hasSurface(tags, {"asphalt", "paved", "concrete", "paving_stones"})) {
-          map_.leftOut.add(kSurfaces);
-        }
-        if (tags.element.starts_with("relation") && !tags["barrier"].empty()) {
-          leaveOut({tags.element, {{"barrier", tags["barrier"]}}}, false);
-        }
-        map_.areas.push_back({*land, std::move(outline), std::move(holes), square});
-        return;
-      }
-      countLooks(tags);
-      MapBuilding made = makeBuilding(tags, std::move(outline), std::move(holes), plane_.mirrored(), numbers_);
-      made.relation = area.building;
-      (part ? parts_ : map_.buildings).push_back(std::move(made));
+    if (!area.fault.empty()) return map_.leftOut.add(fmt::format("{} with {}", what, area.fault));
+    if (!onGround(tags)) return map_.leftOut.add(fmt::format("{} {}", what, kOffGround));
+    if (isOpenRoof(tags)) return map_.leftOut.add("open roofs and carports");
+    if (outline.size() < 3) return map_.leftOut.add(fmt::format("{} that have less than three corners", what));
+    std::vector<Polygon> holes;
+    for (const std::vector<OsmNode>& inner : area.inner) {
+      Polygon hole = ringOf(inner, plane_);
+      if (hole.size() > 2) holes.push_back(std::move(hole));
     }
+    if (!building && !part) return addLand(*land, tags, std::move(outline), std::move(holes));
+    if (hasLook(tags)) {
+      map_.leftOut.add("buildings with materials, colours or a state, such as ruins, which the seed draws as if whole");
+    }
+    MapBuilding made = makeBuilding(tags, std::move(outline), std::move(holes), plane_.mirrored(), numbers_);
+    made.relation = area.building;
+    (part ? parts_ : map_.buildings).push_back(std::move(made));
+  }
+
+  void addLand(Land land, const OsmTags& tags, Polygon outline, std::vector<Polygon> holes) {
+    const bool hard = land == Land::Lot || land == Land::Paved;
+    if (hard && !hasSurface(tags, {"asphalt", "paved", "concrete", "paving_stones"})) map_.leftOut.add(kSurfaces);
+    if (tags.element.starts_with("relation") && !tags["barrier"].empty()) {
+      leaveOut({tags.element, {{"barrier", tags["barrier"]}}}, OsmElement::WayOrRelation);
+    }
+    const bool square =
+        isOneOf(tags["highway"], {"pedestrian", "footway", "service"}) || tags["amenity"] == "marketplace";
+    map_.areas.push_back({land, std::move(outline), std::move(holes), square});
   }
 
   void addPoint(const OsmPoint& point) {
@@ -377,78 +245,15 @@ class MapMaker {
                isOneOf(point.tags["crossing"], {"marked", "zebra", "uncontrolled", "traffic_signals"})) {
       map_.leftOut.add("marked crossings, which the seed draws");
     } else {
-      leaveOut(point.tags, true);
+      leaveOut(point.tags, OsmElement::Node);
     }
   }
 
   std::optional<double> barrierHeight(const OsmTags& tags) { return numbers_.read(tags, "height", metresOf, 0.1, 50); }
 
-  // Roofs without walls are left out, since they would get walls. A part of a building that hangs has none on the
-  // ground.
-  static bool isOpenRoof(const OsmTags& tags) {
-    const bool hangs = !tags["min_height"].empty() || !tags["building:min_level"].empty();
-    const auto isOpen = [&](const std::string& value) {
-      return isOneOf(value, {"roof", "carport"}) || (!value.empty() && tags["wall"] == "no");
-    };
-    return isOpen(tags["building"]) || (tags["building"].empty() && isOpen(tags["building:part"]) && !hangs);
-  }
-
-  // Counts a building whose look or state the map gives.
-  void countLooks(const OsmTags& tags) {
-    constexpr const char* kStates[] = {"abandoned", "ruins", "collapsed", "construction"};
-    constexpr const char* kLooks[] = {"building:material", "building:colour", "roof:material", "roof:colour"};
-    if (std::ranges::any_of(kLooks, [&](const char* key) { return !tags[key].empty(); }) ||
-        std::ranges::any_of(kStates, [&](const char* key) { return tags[key] == "yes" || tags["building"] == key; })) {
-      map_.leftOut.add("buildings with materials, colours or a state, such as ruins, which the seed draws as if whole");
-    }
-  }
-
-  // Counts a road beside which the town has something else than the map: both sides of its roads are alike, cars stand
-  // along them, and they have neither cycleways nor embankments.
-  void countDifferences(const OsmTags& tags) {
-    const auto isAnyOf = [&](std::initializer_list<const char*> keys, std::initializer_list<std::string_view> values) {
-      return std::any_of(keys.begin(), keys.end(), [&](const char* key) { return isOneOf(tags[key], values); });
-    };
-    const auto differ = [&](const char* left, const char* right, std::initializer_list<std::string_view> yes) {
-      return isOneOf(tags[left], yes) != isOneOf(tags[right], yes);
-    };
-    const bool oneSided =
-        isOneOf(tags["sidewalk"], {"left", "right"}) ||
-        (!isAnyOf({"sidewalk", "sidewalk:both"}, kPaved) && differ("sidewalk:left", "sidewalk:right", kPaved)) ||
-        (!isAnyOf({"parking:both", "parking:lane:both"}, kParked) &&
-         (differ("parking:left", "parking:right", kParked) ||
-          differ("parking:lane:left", "parking:lane:right", kParked)));
-    const bool parked = std::ranges::any_of(tags.pairs, [](const auto& tag) {
-      const auto& [key, value] = tag;
-      return (key.starts_with("parking:") && isOneOf(value, {"perpendicular", "diagonal"})) ||
-             (isOneOf(key, kParkingKeys) && !isOneOf(value, kParked) && !isOneOf(value, kNotParked));
-    });
-    if (oneSided || parked || isAnyOf({"embankment", "cutting"}, {"yes", "left", "right", "both"}) ||
-        isAnyOf({"cycleway", "cycleway:left", "cycleway:right", "cycleway:both"},
-                {"track", "lane", "opposite_track", "opposite_lane"})) {
-      map_.leftOut.add("roads with sidewalks, parking, cycleways or embankments that differ from the town's");
-    }
-    if (tags["driving_side"] == (plane_.mirrored() ? "right" : "left")) {
-      map_.leftOut.add("roads on which traffic keeps to the other side than in the town");
-    }
-  }
-
   // Counts an element that is not built by its first tag that stands for a shape.
-  void leaveOut(const OsmTags& tags, bool point) {
-    if (!isOneOf(tags["tunnel"], {"", "no"})) return;
-    if (tags["location"] == "underground" || tags["parking"] == "underground") return;
-    for (const auto& [key, value] : tags.pairs) {
-      const bool mapped = std::find(std::begin(kMappedKeys), std::end(kMappedKeys), key) != std::end(kMappedKeys);
-      // Ways have the key traffic_sign too, without a sign there; nodes with the key place are names.
-      if (!mapped || value == "no" || key == (point ? "place" : "traffic_sign")) continue;
-      if (point && isOneOf(key, {"landuse", "landcover", "leisure"})) continue;
-      const std::string tag = key + "=" + value;
-      if (hasWord(kShapeless, tag)) continue;
-      // Most values of these keys are places without a shape of their own.
-      const bool few =
-          isOneOf(key, {"amenity", "emergency", "golf", "military", "parking", "place", "public_transport", "tourism"});
-      if (!few || hasWord(kThings, tag)) return map_.leftOut.add(tag);
-    }
+  void leaveOut(const OsmTags& tags, OsmElement element) {
+    if (const std::string tag = shapeTagOf(tags, element); !tag.empty()) map_.leftOut.add(tag);
   }
 
   static constexpr const char* kHollow =

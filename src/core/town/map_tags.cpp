@@ -1,0 +1,206 @@
+#include "town/map_tags.h"
+
+#include <algorithm>
+
+#include "base/text_scan.h"
+#include "config/text.h"
+
+namespace scanmill::town {
+namespace {
+
+const std::initializer_list<std::string_view> kParkingKeys = {
+    "parking:both", "parking:left", "parking:right", "parking:lane:both", "parking:lane:left", "parking:lane:right"};
+const std::initializer_list<std::string_view> kParked = {"lane",     "street_side", "on_kerb",  "half_on_kerb",
+                                                         "shoulder", "parallel",    "diagonal", "perpendicular",
+                                                         "marked",   "yes"};
+const std::initializer_list<std::string_view> kNotParked = {"no",          "none",        "separate", "no_parking",
+                                                            "no_stopping", "no_standing", "fire_lane"};
+const std::initializer_list<std::string_view> kPaved = {"both", "left", "right", "yes", "separate"};
+const std::initializer_list<std::string_view> kNotPaved = {"no", "none"};
+
+// Tags of what is not there, not on the ground, or has no shape of its own.
+constexpr std::string_view kShapeless =
+    "highway=proposed highway=planned highway=construction highway=razed highway=demolished highway=abandoned "
+    "highway=disused highway=services highway=rest_area highway=crossing highway=turning_circle highway=turning_loop "
+    "highway=motorway_junction highway=mini_roundabout highway=passing_place railway=abandoned railway=razed "
+    "railway=dismantled railway=disused railway=proposed railway=construction railway=subway railway=level_crossing "
+    "railway=crossing railway=tram_level_crossing railway=tram_crossing railway=switch railway=railway_crossing "
+    "railway=stop railway=halt railway=station railway=tram_stop railway=subway_entrance power=cable "
+    "parking=underground aeroway=abandoned aeroway=aerodrome landuse=residential landuse=commercial landuse=retail "
+    "landuse=industrial landuse=education landuse=institutional landuse=religious leisure=nature_reserve "
+    "natural=valley natural=cape natural=peninsula natural=strait natural=peak natural=saddle natural=spring "
+    "man_made=survey_point";
+// Tags of things, of keys that mostly stand for places.
+constexpr std::string_view kThings =
+    "amenity=parking amenity=parking_space amenity=bench amenity=waste_basket amenity=recycling amenity=post_box "
+    "amenity=fountain amenity=shelter amenity=telephone amenity=vending_machine amenity=bicycle_parking "
+    "amenity=charging_station emergency=fire_hydrant golf=bunker military=bunker parking=rooftop place=square "
+    "public_transport=platform tourism=artwork";
+
+bool hasWord(std::string_view words, std::string_view wanted) {
+  for (std::string_view word = takeWord(words); !word.empty(); word = takeWord(words)) {
+    if (word == wanted) return true;
+  }
+  return false;
+}
+
+// Returns whether a road has a feature, from tags with keys such as `sidewalk`, `parking:lane:both` or `parking:left`:
+// true if the value of a key is in `yes`; otherwise false if a value is in `no`; nullopt if no value is in either list.
+std::optional<bool> saidOf(const OsmTags& tags, std::initializer_list<std::string_view> keys,
+                           std::initializer_list<std::string_view> yes, std::initializer_list<std::string_view> no) {
+  std::optional<bool> said;
+  for (const std::string_view key : keys) {
+    if (isOneOf(tags[key], yes)) return true;
+    if (isOneOf(tags[key], no)) said = false;
+  }
+  return said;
+}
+
+}  // namespace
+
+std::optional<RoadClass> roadClassOf(const OsmTags& tags) {
+  std::string_view value = tags["highway"];
+  if (value.ends_with("_link")) value.remove_suffix(5);
+  if (isOneOf(value, {"motorway", "trunk", "primary"})) return RoadClass::Primary;
+  if (value == "secondary") return RoadClass::Secondary;
+  if (value == "tertiary") return RoadClass::Tertiary;
+  if (isOneOf(value, {"residential", "unclassified", "living_street", "road"})) return RoadClass::Residential;
+  if (value == "service") return RoadClass::Service;
+  if (value == "track") return RoadClass::Track;
+  return std::nullopt;
+}
+
+bool isSidewalk(const OsmTags& tags) {
+  return isOneOf(tags["footway"], {"sidewalk", "crossing", "traffic_island"}) || tags["path"] == "sidewalk" ||
+         tags["is_sidepath"] == "yes";
+}
+
+bool isPath(const OsmTags& tags) {
+  return isOneOf(tags["highway"], {"footway", "path", "cycleway", "steps", "bridleway"});
+}
+
+bool onGround(const OsmTags& tags) {
+  const std::string& level = tags["level"];
+  return isOneOf(tags["tunnel"], {"", "no"}) && isOneOf(tags["indoor"], {"", "no"}) &&
+         isOneOf(tags["bridge"], {"", "no"}) && !tags["layer"].starts_with("-") &&
+         (!level.starts_with("-") || level.find(';') != std::string::npos) &&
+         !isOneOf(tags["location"], {"underground", "overground", "indoor", "roof", "rooftop"});
+}
+
+bool isAbsent(const OsmTags& tags) {
+  return isOneOf(tags["building"], {"proposed", "planned", "demolished", "razed", "removed", "destroyed"}) ||
+         tags["demolished"] == "yes" || tags["razed"] == "yes" || tags["removed"] == "yes" || tags["proposed"] == "yes";
+}
+
+bool hasSurface(const OsmTags& tags, std::initializer_list<std::string_view> values) {
+  return tags["surface"].empty() ? !isOneOf(tags["tracktype"], {"grade2", "grade3", "grade4", "grade5"})
+                                 : isOneOf(tags["surface"], values);
+}
+
+bool isHighwayArea(const OsmTags& tags) {
+  return !tags["highway"].empty() && (tags["area"] == "yes" || tags.element.starts_with("relation"));
+}
+
+std::optional<Land> landOf(const OsmTags& tags) {
+  if (isOneOf(tags["landuse"], {"forest", "orchard"}) || isOneOf(tags["natural"], {"wood", "scrub"}) ||
+      tags["landcover"] == "trees") {
+    return Land::Wood;
+  }
+  if (isOneOf(tags["natural"], {"water"}) || isOneOf(tags["landuse"], {"basin", "reservoir"}) ||
+      isOneOf(tags["waterway"], {"riverbank", "dock"})) {
+    return Land::Water;
+  }
+  const bool covered =
+      isOneOf(tags["parking"], {"multi-storey", "underground", "rooftop", "carports", "garage_boxes", "sheds"});
+  if (tags["amenity"] == "parking" && !covered) return Land::Lot;
+  if (isOneOf(tags["leisure"], {"park", "garden", "dog_park"}) || tags["amenity"] == "grave_yard" ||
+      isOneOf(tags["landuse"], {"village_green", "recreation_ground", "cemetery"})) {
+    return Land::Park;
+  }
+  if (isOneOf(tags["leisure"], {"pitch", "playground", "golf_course"}) ||
+      isOneOf(tags["landuse"], {"grass", "meadow", "farmland"}) || isOneOf(tags["natural"], {"grassland", "heath"}) ||
+      tags["landcover"] == "grass") {
+    return Land::Grass;
+  }
+  // OpenStreetMap represents squares as areas of roads and paths, or as marketplaces.
+  const bool walked = isOneOf(tags["highway"], {"pedestrian", "footway", "path", "cycleway", "bridleway", "steps"});
+  if ((isHighwayArea(tags) && (walked || roadClassOf(tags))) || isOneOf(tags["amenity"], {"marketplace", "fuel"}) ||
+      isOneOf(tags["aeroway"], {"apron", "helipad", "runway", "taxiway"})) {
+    return Land::Paved;
+  }
+  return std::nullopt;
+}
+
+std::optional<models::Fencing> fencingOf(const std::string& barrier) {
+  if (barrier == "hedge") return models::Fencing::Hedge;
+  if (isOneOf(barrier, {"wall", "retaining_wall"})) return models::Fencing::Brick;
+  if (barrier == "fence") return models::Fencing::Pickets;
+  return std::nullopt;
+}
+
+bool isOpenRoof(const OsmTags& tags) {
+  const bool hangs = !tags["min_height"].empty() || !tags["building:min_level"].empty();
+  const auto isOpen = [&](const std::string& value) {
+    return isOneOf(value, {"roof", "carport"}) || (!value.empty() && tags["wall"] == "no");
+  };
+  return isOpen(tags["building"]) || (tags["building"].empty() && isOpen(tags["building:part"]) && !hangs);
+}
+
+std::optional<bool> sidewalkOf(const OsmTags& tags) {
+  return saidOf(tags, {"sidewalk", "sidewalk:both", "sidewalk:left", "sidewalk:right"}, kPaved, kNotPaved);
+}
+
+std::optional<bool> parkingOf(const OsmTags& tags) {
+  return saidOf(tags, kParkingKeys, kParked, kNotParked);
+}
+
+bool hasLook(const OsmTags& tags) {
+  constexpr const char* kStates[] = {"abandoned", "ruins", "collapsed", "construction"};
+  constexpr const char* kLooks[] = {"building:material", "building:colour", "roof:material", "roof:colour"};
+  return std::ranges::any_of(kLooks, [&](const char* key) { return !tags[key].empty(); }) ||
+         std::ranges::any_of(kStates, [&](const char* key) { return tags[key] == "yes" || tags["building"] == key; });
+}
+
+bool differsFromTownRoads(const OsmTags& tags) {
+  const auto isAnyOf = [&](std::initializer_list<const char*> keys, std::initializer_list<std::string_view> values) {
+    return std::any_of(keys.begin(), keys.end(), [&](const char* key) { return isOneOf(tags[key], values); });
+  };
+  const auto differ = [&](const char* left, const char* right, std::initializer_list<std::string_view> yes) {
+    return isOneOf(tags[left], yes) != isOneOf(tags[right], yes);
+  };
+  const bool oneSided =
+      isOneOf(tags["sidewalk"], {"left", "right"}) ||
+      (!isAnyOf({"sidewalk", "sidewalk:both"}, kPaved) && differ("sidewalk:left", "sidewalk:right", kPaved)) ||
+      (!isAnyOf({"parking:both", "parking:lane:both"}, kParked) &&
+       (differ("parking:left", "parking:right", kParked) ||
+        differ("parking:lane:left", "parking:lane:right", kParked)));
+  const bool parked = std::ranges::any_of(tags.pairs, [](const auto& tag) {
+    const auto& [key, value] = tag;
+    return (key.starts_with("parking:") && isOneOf(value, {"perpendicular", "diagonal"})) ||
+           (isOneOf(key, kParkingKeys) && !isOneOf(value, kParked) && !isOneOf(value, kNotParked));
+  });
+  return oneSided || parked || isAnyOf({"embankment", "cutting"}, {"yes", "left", "right", "both"}) ||
+         isAnyOf({"cycleway", "cycleway:left", "cycleway:right", "cycleway:both"},
+                 {"track", "lane", "opposite_track", "opposite_lane"});
+}
+
+std::string shapeTagOf(const OsmTags& tags, OsmElement element) {
+  if (!isOneOf(tags["tunnel"], {"", "no"})) return {};
+  if (tags["location"] == "underground" || tags["parking"] == "underground") return {};
+  const bool node = element == OsmElement::Node;
+  for (const auto& [key, value] : tags.pairs) {
+    const bool mapped = std::find(std::begin(kMappedKeys), std::end(kMappedKeys), key) != std::end(kMappedKeys);
+    // Ways have the key traffic_sign too, without a sign there; nodes with the key place are names.
+    if (!mapped || value == "no" || key == (node ? "place" : "traffic_sign")) continue;
+    if (node && isOneOf(key, {"landuse", "landcover", "leisure"})) continue;
+    std::string tag = key + "=" + value;
+    if (hasWord(kShapeless, tag)) continue;
+    // Most values of these keys are places without a shape of their own.
+    const bool few =
+        isOneOf(key, {"amenity", "emergency", "golf", "military", "parking", "place", "public_transport", "tourism"});
+    if (!few || hasWord(kThings, tag)) return tag;
+  }
+  return {};
+}
+
+}  // namespace scanmill::town
