@@ -18,14 +18,32 @@ using models::Kind;
 constexpr double kLeastLength = 100;  // m, least length of a main road
 constexpr double kAroundLand = 30;    // m that areas of land may extend beyond the square of the roads
 
-std::size_t drawRoad(const Map& map, const Parameters& parameters, Draw& draw, const Location& where) {
-  std::vector<std::size_t> fit;
+// Throws the InputError of a map without a road that could be the main road. `longest`: m, length of the longest road
+// that the parameters allow.
+[[noreturn]] void refuse(const Map& map, const Parameters& parameters, double longest, const Location& where) {
   std::vector<std::string> names;
+  for (const MapRoad& road : map.roads) {
+    if (!road.name.empty()) names.push_back(road.name);
+  }
+  std::ranges::sort(names);
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  const std::string file = map.file.string();
+  if (!parameters.road.empty() && !std::ranges::binary_search(names, parameters.road)) {
+    throw InputError(where, fmt::format("{} has no road with the name {}{}", file, quotedForMessage(parameters.road),
+                                        suggestion(parameters.road, names)));
+  }
+  const std::string which = parameters.road.empty() ? "the longest road for cars" : quotedForMessage(parameters.road);
+  throw InputError(
+      where, fmt::format("{} in {} is {:.0f} m long, but a main road needs {} m", which, file, longest, kLeastLength));
+}
+
+// Returns the index of the main road: a random road with a probability proportional to its length.
+std::size_t drawMainRoad(const Map& map, const Parameters& parameters, Draw& draw, const Location& where) {
+  std::vector<std::size_t> fit;
   double sum = 0;
   double longest = 0;
   for (std::size_t i = 0; i < map.roads.size(); ++i) {
     const MapRoad& road = map.roads[i];
-    if (!road.name.empty()) names.push_back(road.name);
     const bool wanted = parameters.road.empty() ? road.kind <= RoadClass::Residential : road.name == parameters.road;
     if (!wanted || road.ring) continue;
     longest = std::max(longest, road.length());
@@ -33,20 +51,7 @@ std::size_t drawRoad(const Map& map, const Parameters& parameters, Draw& draw, c
     fit.push_back(i);
     sum += road.length();
   }
-  if (fit.empty()) {
-    std::sort(names.begin(), names.end());
-    names.erase(std::unique(names.begin(), names.end()), names.end());
-    const bool known = std::find(names.begin(), names.end(), parameters.road) != names.end();
-    const std::string file = map.file.string();
-    if (!parameters.road.empty() && !known) {
-      throw InputError(where, fmt::format("{} has no road with the name {}{}", file, quotedForMessage(parameters.road),
-                                          suggestion(parameters.road, names)));
-    }
-    const std::string which = parameters.road.empty() ? "the longest road for cars" : quotedForMessage(parameters.road);
-    throw InputError(where, fmt::format("{} in {} is {:.0f} m long, but a main road needs {} m", which, file, longest,
-                                        kLeastLength));
-  }
-  // Samples a road with a probability proportional to its length.
+  if (fit.empty()) refuse(map, parameters, longest, where);
   double pick = draw.next() * sum;
   for (const std::size_t i : fit) {
     pick -= map.roads[i].length();
@@ -78,30 +83,26 @@ class Cutter {
  public:
   Cutter(const Map& map, const Parameters& parameters, std::uint64_t seed, double reach, const Location& where)
       : map_(map), parameters_(parameters), reach_(reach), where_(where), draw_(seed, Kind::Map) {
-    main_ = drawRoad(map, parameters, draw_, where);
+    main_ = drawMainRoad(map, parameters, draw_, where);
   }
 
   MapPlace cut() {
     const MapRoad& main = map_.roads[main_];
-    const double half = std::min(parameters_.length, main.length()) / 2;
-    for (std::size_t i = 0; i < map_.roads.size() && main.length() < parameters_.length; ++i) {
-      const MapRoad& other = map_.roads[i];
-      if (i == main_ || other.name.empty() || other.name != main.name || other.length() < kLeastLength) continue;
-      warn(
-          fmt::format("{}: {} is a main road of {:.0f} m, less than `length: {:.0f}`: the town has it only up to an "
-                      "interruption, such as a bridge or a tunnel, and other roads of this name are not joined to it",
-                      map_.file.string(), quotedForMessage(main.name), main.length(), parameters_.length));
-      break;
-    }
-    const double middle = draw_.in(half, std::max(half, main.length() - half));
+    warnOfInterruption(main);
+    const double halfLength = std::min(parameters_.length, main.length()) / 2;
+    const double middle = draw_.in(halfLength, std::max(halfLength, main.length() - halfLength));
     origin_ = pointAt(main.line, middle);
     place_.origin = degreesAt(map_, origin_);
-    addMain(main, half);
+    addMain(main);
+    setBuiltUp(halfLength);
     for (std::size_t i = 0; i < map_.roads.size(); ++i) {
       if (i != main_) addOther(map_.roads[i]);
     }
     addJoints();
-    addRest();
+    addLines();
+    addBuildings();
+    addAreas();
+    addTrees();
     place_.district = districtAbout(place_);
     return std::move(place_);
   }
@@ -121,6 +122,21 @@ class Cutter {
     for (MapBuilding& part : building.parts) part = moved(std::move(part));
     return building;
   }
+  bool isWithin(const Point2& p, double half) const { return std::max(std::abs(p.x), std::abs(p.y)) < half; }
+
+  // Warns if the main road is shorter than wanted, and other roads have its name.
+  void warnOfInterruption(const MapRoad& main) const {
+    if (main.name.empty() || main.length() >= parameters_.length) return;
+    const bool continues = std::ranges::any_of(map_.roads, [&](const MapRoad& other) {
+      return &other != &main && other.name == main.name && other.length() >= kLeastLength;
+    });
+    if (!continues) return;
+    warn(
+        fmt::format("{}: {} is a main road of {:.0f} m, less than `length: {:.0f}`: the town has it only up to an "
+                    "interruption, such as a bridge or a tunnel, and other roads of this name are not joined to it",
+                    map_.file.string(), quotedForMessage(main.name), main.length(), parameters_.length));
+  }
+
   // True if the bounding box of a line, relative to origin_, overlaps the square that is cut out of the map. This is
   // false for most lines of a large map.
   bool mayReach(const std::vector<Point2>& line) const {
@@ -128,31 +144,37 @@ class Cutter {
     return low.x < reach_ && high.x > -reach_ && low.y < reach_ && high.y > -reach_;
   }
 
-  void addMain(const MapRoad& main, double half) {
-    // Finds the parts of the main road in the square. The part through the origin comes first.
+  // Adds the parts of the main road in the square. The part through the origin comes first and is the town's main road;
+  // if the road leaves the square and comes back, each further part is another road.
+  void addMain(const MapRoad& main) {
     std::vector<std::vector<Point2>> runs = runsWithin(smoothLine(moved(main.line), kRoadStep), reach_);
     std::erase_if(runs, [](const std::vector<Point2>& run) { return run.size() < 3; });
-    std::stable_sort(runs.begin(), runs.end(), [](const auto& a, const auto& b) {
-      return nearestOn(a, {0, 0}).distance < nearestOn(b, {0, 0}).distance;
-    });
-    // If the main road leaves the square and comes back, each further part becomes another road.
-    for (std::vector<Point2>& run : runs) {
-      MapRoad placed = main;
-      placed.nodes.clear();
-      placed.line = std::move(run);
-      place_.roads.push_back(std::move(placed));
-    }
-    const double length = runs.empty() ? 0 : place_.roads.front().length();
+    std::ranges::stable_sort(runs, {}, [](const auto& run) { return nearestOn(run, {0, 0}).distance; });
+    const double length = runs.empty() ? 0 : lengthOf(runs.front());
     if (length < 0.8 * kLeastLength) {
       throw InputError(
           where_, fmt::format("{} in {} is too winding for a main road: only {:.0f} m of it can be smoothed into one",
                               main.name.empty() ? "a road" : quotedForMessage(main.name), map_.file.string(), length));
     }
-    for (const std::int64_t node : main.nodes) mainNodes_.insert(node);
-    const double at = nearestOn(place_.roads.front().line, {0, 0}).along;
+    for (std::vector<Point2>& run : runs) addRoad(main, std::move(run));
+    mainNodes_.insert(main.nodes.begin(), main.nodes.end());
+  }
+
+  // Adds a road with the properties of a road of the map and another line.
+  MapRoad& addRoad(const MapRoad& like, std::vector<Point2> line) {
+    MapRoad& placed = place_.roads.emplace_back(like);
+    placed.nodes.clear();
+    placed.line = std::move(line);
+    return placed;
+  }
+
+  // Sets the ends of the built-up part, `halfLength` metres before and after the origin.
+  void setBuiltUp(double halfLength) {
     constexpr double kEnd = 8;  // m, least distance between an end of the road and the built-up part
-    place_.mainFrom = std::max(kEnd, at - half);
-    place_.mainTo = std::min(length - kEnd, at + half);
+    const MapRoad& main = place_.roads.front();
+    const double origin = nearestOn(main.line, {0, 0}).along;
+    place_.mainFrom = std::max(kEnd, origin - halfLength);
+    place_.mainTo = std::min(main.length() - kEnd, origin + halfLength);
   }
 
   // Adds a road. It is cut where it crosses the main road. A piece that ends at the main road is reversed, so that it
@@ -182,6 +204,7 @@ class Cutter {
     }
   }
 
+  // Adds the parts of a piece in the square. `joined`: true if the piece begins at the main road.
   void addPiece(const MapRoad& piece, const std::vector<Point2>& line, bool joined) {
     const std::vector<Point2> smooth = piece.ring ? evenLine(line, kRoadStep) : smoothLine(line, kRoadStep);
     bool first = true;
@@ -189,23 +212,25 @@ class Cutter {
       const bool atMain = joined && first && distance(run.front(), smooth.front()) < 0.01;
       first = false;
       if (run.size() < 3) continue;
-      MapRoad placed = piece;
-      if (atMain) {
-        const std::vector<Point2>& main = place_.roads.front().line;
-        const Nearest n = nearestOn(main, run.front());
-        const Point2& on = run[std::min<std::size_t>(run.size() - 1, 6)];
-        const double x = on.x - run.front().x;
-        const double y = on.y - run.front().y;
-        const double left = (n.heading.x * y - n.heading.y * x) / std::hypot(x, y);
-        // A road at a flat angle to the main road does not count as a side road: no vehicle turns there.
-        if (n.distance < 3 && std::abs(left) > 0.5 && n.along > place_.mainFrom && n.along < place_.mainTo) {
-          placed.joins = n.along;
-          placed.joinsLeft = left > 0;
-        }
-      }
-      placed.line = std::move(run);
-      place_.roads.push_back(std::move(placed));
+      MapRoad& placed = addRoad(piece, std::move(run));
+      if (atMain) joinMain(placed);
     }
+  }
+
+  // Makes a road that begins at the main road one of its side roads, unless their angle is flat: no vehicle turns
+  // there.
+  void joinMain(MapRoad& road) const {
+    constexpr std::size_t kAhead = 6;                // points from the junction to where the angle is measured
+    constexpr double kFlattest = 0.5, kNearest = 3;  // sine of the least angle; m, largest gap between the lines
+    const Nearest n = nearestOn(place_.roads.front().line, road.line.front());
+    const Point2& on = road.line[std::min(road.line.size() - 1, kAhead)];
+    const double x = on.x - road.line.front().x;
+    const double y = on.y - road.line.front().y;
+    const double left = (n.heading.x * y - n.heading.y * x) / std::hypot(x, y);
+    if (n.distance >= kNearest || std::abs(left) <= kFlattest) return;
+    if (n.along <= place_.mainFrom || n.along >= place_.mainTo) return;
+    road.joins = n.along;
+    road.joinsLeft = left > 0;
   }
 
   void addJoints() {
@@ -220,11 +245,11 @@ class Cutter {
     for (const auto& [node, use] : uses) {
       constexpr double kAround = 40;  // m; corners are rounded within this distance of a joint
       const Point2 at = moved(use.first);
-      if (use.second > 1 && std::max(std::abs(at.x), std::abs(at.y)) < reach_ + kAround) place_.joints.push_back(at);
+      if (use.second > 1 && isWithin(at, reach_ + kAround)) place_.joints.push_back(at);
     }
   }
 
-  void addRest() {
+  void addLines() {
     const auto addRuns = [&](const auto& all, const auto& divided, auto& placed) {
       for (const auto& one : all) {
         const std::vector<Point2> line = moved(one.line);
@@ -238,34 +263,41 @@ class Cutter {
     };
     addRuns(map_.paths, smoothLine, place_.paths);
     addRuns(map_.barriers, denseLine, place_.barriers);
+  }
+
+  // Adds the buildings that are completely in the square.
+  void addBuildings() {
     for (const MapBuilding& b : map_.buildings) {
-      MapBuilding kept = moved(b);
-      // Buildings that are not completely in the square are left out.
-      const bool whole = std::all_of(kept.outline.begin(), kept.outline.end(),
-                                     [&](const Point2& p) { return std::max(std::abs(p.x), std::abs(p.y)) < reach_; });
-      if (!whole) continue;
-      place_.buildings.push_back(std::move(kept));
+      MapBuilding placed = moved(b);
+      const auto within = [&](const Point2& p) { return isWithin(p, reach_); };
+      if (std::ranges::all_of(placed.outline, within)) place_.buildings.push_back(std::move(placed));
     }
+  }
+
+  void addAreas() {
     for (const MapArea& a : map_.areas) {
-      MapArea kept{a.land, moved(a.outline), {}, a.square};
-      if (!mayReach(kept.outline)) continue;
-      kept.outline = clipped(kept.outline, reach_ + kAroundLand);
-      if (kept.outline.size() < 3) continue;
+      MapArea placed{a.land, moved(a.outline), {}, a.square};
+      if (!mayReach(placed.outline)) continue;
+      placed.outline = clipped(placed.outline, reach_ + kAroundLand);
+      if (placed.outline.size() < 3) continue;
       for (const Polygon& hole : a.holes) {
         Polygon cut = clipped(moved(hole), reach_ + kAroundLand);
-        if (cut.size() > 2) kept.holes.push_back(std::move(cut));
+        if (cut.size() > 2) placed.holes.push_back(std::move(cut));
       }
-      place_.areas.push_back(std::move(kept));
+      place_.areas.push_back(std::move(placed));
     }
+  }
+
+  void addTrees() {
     for (MapTree tree : map_.trees) {
       tree.at = moved(tree.at);
-      if (std::max(std::abs(tree.at.x), std::abs(tree.at.y)) < reach_) place_.trees.push_back(tree);
+      if (isWithin(tree.at, reach_)) place_.trees.push_back(tree);
     }
   }
 
   const Map& map_;
   const Parameters& parameters_;
-  double reach_;
+  double reach_;  // m, half of the side of the square
   const Location& where_;
   Draw draw_;
   std::size_t main_ = 0;
