@@ -73,7 +73,8 @@ MeasuredShare dropOutOf(const FlatPatches& patches, std::uint32_t stream) {
   return all;
 }
 
-PatchGroup describe(const FlatPatches& patches, std::string name, double high, double step, std::uint32_t stream) {
+// Returns the noise on the patches of one band of ranges. `high`: its upper end (m). `stream`: selects random numbers.
+PatchGroup measureBand(const FlatPatches& patches, std::string name, double high, double step, std::uint32_t stream) {
   PatchGroup group;
   group.name = std::move(name);
   group.high = high;
@@ -106,34 +107,62 @@ PatchGroup describe(const FlatPatches& patches, std::string name, double high, d
 }
 
 // Returns the reason why a band of ranges is not used for the fit; empty if the band is used.
-std::string unfit(const PatchGroup& band) {
+std::string whyLeftOut(const PatchGroup& band) {
   if (band.patches < kFewestPatches) return fmt::format("has fewer than {} patches", kFewestPatches);
   if (band.unevenness > kMostUneven) return "not flat: the patches scatter too differently";
   return {};
 }
 
+// Returns the weight of a band in the fit: 1 / the standard error of its sigma, which counts as at least 1e-6 m.
+double weightOf(const PatchGroup& band) {
+  return 1 / std::max(band.error, 1e-6);
+}
+
+// The coefficients of the line that are not fixed at zero.
+struct FreeTerms {
+  bool base = true, growth = true;
+};
+
+LinearFit fitTerms(const std::vector<const PatchGroup*>& used, FreeTerms free) {
+  std::vector<double> design;
+  std::vector<double> values;
+  for (const PatchGroup* band : used) {
+    const double weight = weightOf(*band);
+    design.insert(design.end(), {free.base ? weight : 0, free.growth ? weight * band->range : 0});
+    values.push_back(weight * band->sigma);
+  }
+  return fitLinear(design, 2, values);
+}
+
+// Sets the standard errors of both coefficients, from the inverse of the normal matrix.
+void addStandardErrors(const std::vector<const PatchGroup*>& used, FreeTerms free, NoiseFit& fit) {
+  double s = 0, sr = 0, srr = 0;  // sums of the squared weights, times the range, times the squared range
+  for (const PatchGroup* band : used) {
+    const double weight = 1 / std::pow(std::max(band->error, 1e-6), 2);
+    s += weight;
+    sr += weight * band->range;
+    srr += weight * band->range * band->range;
+  }
+  const double determinant = s * srr - sr * sr;
+  if (free.base && free.growth && determinant > 0) {
+    fit.baseError = std::sqrt(srr / determinant);
+    fit.growthError = std::sqrt(s / determinant);
+  } else if (free.base) {
+    fit.baseError = 1 / std::sqrt(s);
+  } else {
+    fit.growthError = 1 / std::sqrt(srr);
+  }
+}
+
 // Fits the line sigma = base + growth * range to the bands. Negative coefficients are replaced by zero, since noise
 // cannot be negative and does not decrease with range.
 void fitLine(NoiseFit& fit, const std::vector<const PatchGroup*>& used) {
-  const auto solve = [&](bool constant, bool slope) {
-    std::vector<double> design;
-    std::vector<double> values;
-    for (const PatchGroup* band : used) {
-      const double weight = 1 / std::max(band->error, 1e-6);
-      design.insert(design.end(), {constant ? weight : 0, slope ? weight * band->range : 0});
-      values.push_back(weight * band->sigma);
-    }
-    return fitLinear(design, 2, values);
-  };
-  LinearFit line = solve(true, used.size() > 1);
-  bool constant = true;
-  bool slope = used.size() > 1;
-  if (line.coefficients[1] < 0) {
-    slope = false;
-    line = solve(true, false);
-  } else if (line.coefficients[0] < 0) {
-    constant = false;
-    line = solve(false, true);
+  FreeTerms free{.base = true, .growth = used.size() > 1};
+  LinearFit line = fitTerms(used, free);
+  const bool falls = line.coefficients[1] < 0;
+  if (falls || line.coefficients[0] < 0) {
+    free = {.base = falls, .growth = !falls};
+    line = fitTerms(used, free);
   }
   fit.base = line.coefficients[0];
   fit.growth = line.coefficients[1];
@@ -144,24 +173,7 @@ void fitLine(NoiseFit& fit, const std::vector<const PatchGroup*>& used) {
     if (band->sigma > 0) fit.largestMisfit = std::max(fit.largestMisfit, std::abs(modelled / band->sigma - 1));
   }
   fit.linear = fit.freedom <= 0 || fit.chiSquare <= kGoodChiSquare * fit.freedom || fit.largestMisfit <= kGoodMisfit;
-
-  // Compute the standard errors of both coefficients from the inverse of the normal matrix.
-  double s = 0, sr = 0, srr = 0;
-  for (const PatchGroup* band : used) {
-    const double weight = 1 / std::pow(std::max(band->error, 1e-6), 2);
-    s += weight;
-    sr += weight * band->range;
-    srr += weight * band->range * band->range;
-  }
-  const double determinant = s * srr - sr * sr;
-  if (constant && slope && determinant > 0) {
-    fit.baseError = std::sqrt(srr / determinant);
-    fit.growthError = std::sqrt(s / determinant);
-  } else if (constant) {
-    fit.baseError = 1 / std::sqrt(s);
-  } else {
-    fit.growthError = 1 / std::sqrt(srr);
-  }
+  addStandardErrors(used, free, fit);
 }
 
 // Joins names, at most three of them, such as "a, b, c and 3 more".
@@ -229,8 +241,9 @@ NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans
   for (std::size_t b = 0; b < edges.size(); ++b) {
     if (perBand[b].empty()) continue;
     const double high = b + 1 < edges.size() ? edges[b + 1] : INFINITY;
-    fit.bands.push_back(describe(perBand[b], rangeName(edges[b], high), high, fit.step, static_cast<std::uint32_t>(b)));
-    fit.bands.back().leftOut = unfit(fit.bands.back());
+    fit.bands.push_back(
+        measureBand(perBand[b], rangeName(edges[b], high), high, fit.step, static_cast<std::uint32_t>(b)));
+    fit.bands.back().leftOut = whyLeftOut(fit.bands.back());
     useful[b] = fit.bands.back().leftOut.empty();
   }
   const std::vector<const PatchGroup*> used = fit.used();

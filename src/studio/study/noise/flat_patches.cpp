@@ -175,27 +175,30 @@ std::vector<double> usualDeviations(const std::vector<FlatPatch>& candidates) {
     ranges[group].push_back(p.range);
   }
   std::vector<double> usual(groups(), 0.0);
-  for (std::size_t steepness = 0; steepness < 2; ++steepness) {
-    double bound = INFINITY;
+  for (const std::size_t incidence : {0, 1}) {  // steep, grazing
+    // From far to near: noise does not decrease with range.
+    double ofFarther = INFINITY;
     for (std::size_t band = bands; band-- > 0;) {
-      const std::size_t group = 2 * band + steepness;
+      const std::size_t group = 2 * band + incidence;
       std::vector<double>& v = variances[group];
       if (v.empty()) continue;
       const auto tenth = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 10);
       std::nth_element(v.begin(), tenth, v.end());
-      if (v.size() >= kTelling) bound = std::min(bound, std::sqrt(*tenth));
-      usual[group] = std::min(bound, std::sqrt(*tenth));
+      usual[group] = std::min(ofFarther, std::sqrt(*tenth));
+      if (v.size() >= kTelling) ofFarther = usual[group];
     }
-    double lastRange = 0;
-    double last = 0;
+    // From near to far: noise grows at most with the square of the range.
+    double nearerRange = 0;
+    double ofNearer = 0;
     for (std::size_t band = 0; band < bands; ++band) {
-      const std::size_t group = 2 * band + steepness;
+      const std::size_t group = 2 * band + incidence;
       if (variances[group].empty()) continue;
       const double range = medianOf(ranges[group]);
-      if (lastRange > 0) usual[group] = std::min(usual[group], last * (range / lastRange) * (range / lastRange));
+      const double growth = range / nearerRange;
+      if (nearerRange > 0) usual[group] = std::min(usual[group], ofNearer * growth * growth);
       if (variances[group].size() < kTelling) continue;
-      lastRange = range;
-      last = usual[group];
+      nearerRange = range;
+      ofNearer = usual[group];
     }
   }
   return usual;
@@ -269,6 +272,21 @@ double rangeOnPlane(const BeamTable& beams, std::size_t beam, const PatchPlane& 
 
 namespace {
 
+// Fits the measured half, if it has enough returns.
+void addMeasuredHalf(const BeamTable& beams, const std::vector<const Cell*>& measured, FlatPatch& patch) {
+  constexpr double kLeastFree = 0.1;  // least 1 - leverage; other returns determine a coefficient almost alone
+  if (measured.size() < kFewestMeasured) return;
+  const LinearFit lines = fitLines(beams, measured, patch.plane);
+  const std::optional<PlaneFit> plane = fitPlane(beams, measured);
+  if (static_cast<double>(lines.freedom()) < kFewestFreedom || !plane) return;
+  patch.squares = lines.squares;
+  patch.freedom = static_cast<double>(lines.freedom());
+  patch.planeSquares = plane->squares;
+  patch.planeFreedom = plane->freedom;
+  const auto points = std::ranges::count_if(lines.leverages, [](double leverage) { return 1 - leverage > kLeastFree; });
+  patch.points = static_cast<std::uint32_t>(points);
+}
+
 // Measures one window, flat or not. Returns nothing if the window has too few returns, if its ranges differ too much,
 // or if its plane is seen edge-on or from behind.
 std::optional<FlatPatch> measurePatch(const BeamTable& beams, const BeamImage& image, const RecordedScan& scan,
@@ -301,19 +319,7 @@ std::optional<FlatPatch> measurePatch(const BeamTable& beams, const BeamImage& i
   patch.testedSquares = lines.squares;
   patch.testedFreedom = static_cast<double>(lines.freedom());
   if (patch.testedFreedom < 1) return {};
-  const std::vector<const Cell*> measured = returnedOf(*cells, false);
-  if (measured.size() >= kFewestMeasured) {
-    const LinearFit own = fitLines(beams, measured, plane->plane);
-    const std::optional<PlaneFit> ownPlane = fitPlane(beams, measured);
-    if (static_cast<double>(own.freedom()) >= kFewestFreedom && ownPlane) {
-      patch.squares = own.squares;
-      patch.freedom = static_cast<double>(own.freedom());
-      patch.planeSquares = ownPlane->squares;
-      patch.planeFreedom = ownPlane->freedom;
-      const auto points = std::ranges::count_if(own.leverages, [](double leverage) { return 1 - leverage > 0.1; });
-      patch.points = static_cast<std::uint32_t>(points);
-    }
-  }
+  addMeasuredHalf(beams, returnedOf(*cells, false), patch);
   countHoles(beams, *cells, patch.testedPlaneDeviation, patch);
   return patch;
 }

@@ -20,7 +20,7 @@ constexpr std::size_t kFewestReturns = 100;  // least number of returns to find 
 struct BeamPoint {
   std::size_t beam;
   Vec3d point;        // position in the scan's frame (m)
-  std::size_t place;  // index in the scan
+  std::size_t index;  // index in the scan
 };
 
 // Returns the sensor's ring for each ring of a scan. The scan may number rings in the opposite order, or skip rings
@@ -174,7 +174,7 @@ Pose alignedFrame(const std::vector<BeamPoint>& points, const BeamTable& beams) 
 
 // Returns half of the smallest angle between neighbouring beams (rad). A point with a larger angle to its beam belongs
 // to another beam.
-double tolerance(const BeamTable& beams) {
+double halfBeamSpacing(const BeamTable& beams) {
   double least = beams.field / std::max(beams.columns, 2u);
   std::vector<double> elevation = beams.elevation;
   std::ranges::sort(elevation);
@@ -200,7 +200,7 @@ RecordedScan rangesAlong(const Scan& scan, const BeamTable& beams, const std::st
   recorded.name = name;
   recorded.scanFromSensor = alignedFrame(points, beams);
   const double off = medianAngle(points, beams, recorded.scanFromSensor);
-  if (!(off < tolerance(beams))) {
+  if (!(off < halfBeamSpacing(beams))) {
     throw InputError(
         where,
         fmt::format("its points do not lie on the beams of {}: half of them are off by more than {:.3g} deg; give the "
@@ -216,58 +216,80 @@ RecordedScan rangesAlong(const Scan& scan, const BeamTable& beams, const std::st
     if (!(range > 0)) continue;
     ++recorded.returns;
     recorded.range[p.beam] = range;
-    if (lit) recorded.intensity[p.beam] = scan[kIntensity][p.place];
+    if (lit) recorded.intensity[p.beam] = scan[kIntensity][p.index];
   }
   return recorded;
 }
 
-double rangeStep(const std::vector<RecordedScan>& scans) {
-  constexpr double kSame = 2e-5;      // assumed error of ranges that are computed from float32 coordinates (m)
+namespace {
+
+constexpr double kSameRange = 2e-5;  // assumed error of ranges that are computed from float32 coordinates (m)
+
+// Returns a first estimate of the step (m), from the smallest gaps between sorted ranges; 0 if it cannot be told from
+// rounding errors.
+double smallestGap(const std::vector<double>& sorted) {
   constexpr double kSmallest = 5e-4;  // smaller steps (m) cannot be distinguished from rounding errors
-  constexpr double kShare = 0.99;     // least fraction of the ranges that must be multiples of the step
-  std::vector<double> sorted;
-  for (const RecordedScan& scan : scans) {
-    std::ranges::copy_if(scan.range, std::back_inserter(sorted), [](double r) { return r == r; });
-  }
-  std::ranges::sort(sorted);
+  constexpr std::size_t kFewestGaps = 10;
   std::vector<double> gaps;
   for (std::size_t i = 1; i < sorted.size(); ++i) {
-    if (sorted[i] - sorted[i - 1] > 2 * kSame) gaps.push_back(sorted[i] - sorted[i - 1]);
+    if (sorted[i] - sorted[i - 1] > 2 * kSameRange) gaps.push_back(sorted[i] - sorted[i - 1]);
   }
-  if (gaps.size() < 10) return 0;
+  if (gaps.size() < kFewestGaps) return 0;
   std::ranges::sort(gaps);
-  double step = gaps[gaps.size() / 20];
-  if (step < kSmallest) return 0;
-  // Gaps between sorted ranges are only a few steps long. Longer distances determine the step more exactly.
-  const double whole = sorted.back() - sorted.front();
-  double reach = step;
-  while (reach < whole) {
+  const double gap = gaps[gaps.size() / 20];
+  return gap < kSmallest ? 0 : gap;
+}
+
+// Gaps between sorted ranges are only a few steps long. Longer distances determine the step more exactly.
+double refineStep(const std::vector<double>& sorted, double step) {
+  const double span = sorted.back() - sorted.front();
+  for (double reach = step; reach < span;) {
     reach *= 4;
     double product = 0;
     double squares = 0;
     for (const double r : sorted) {
-      const double way = r - sorted.front();
-      if (way > reach) break;
-      const double count = std::round(way / step);
-      if (std::abs(way - count * step) > step / 4) continue;
-      product += way * count;
+      const double distance = r - sorted.front();
+      if (distance > reach) break;
+      const double count = std::round(distance / step);
+      if (std::abs(distance - count * step) > step / 4) continue;
+      product += distance * count;
       squares += count * count;
     }
     if (squares > 0) step = product / squares;
   }
-  // Find the constant offset of the multiples: the circular mean of the ranges modulo the step.
+  return step;
+}
+
+// Returns the number of ranges that are multiples of the step plus a constant. The constant is the circular mean of the
+// ranges modulo the step.
+std::ptrdiff_t countMultiples(const std::vector<double>& ranges, double step) {
   double sine = 0;
   double cosine = 0;
-  for (const double r : sorted) {
+  for (const double r : ranges) {
     sine += std::sin(2 * kPi * r / step);
     cosine += std::cos(2 * kPi * r / step);
   }
   const double phase = std::atan2(sine, cosine) / (2 * kPi);
-  const auto fits = std::ranges::count_if(sorted, [&](double r) {
+  return std::ranges::count_if(ranges, [&](double r) {
     const double steps = r / step - phase;
-    return std::abs(steps - std::round(steps)) * step < 5 * kSame;
+    return std::abs(steps - std::round(steps)) * step < 5 * kSameRange;
   });
-  return static_cast<double>(fits) >= kShare * static_cast<double>(sorted.size()) ? step : 0;
+}
+
+}  // namespace
+
+double rangeStep(const std::vector<RecordedScan>& scans) {
+  constexpr double kShare = 0.99;  // least fraction of the ranges that must be multiples of the step
+  std::vector<double> sorted;
+  for (const RecordedScan& scan : scans) {
+    std::ranges::copy_if(scan.range, std::back_inserter(sorted), [](double r) { return !std::isnan(r); });
+  }
+  std::ranges::sort(sorted);
+  double step = smallestGap(sorted);
+  if (step == 0) return 0;
+  step = refineStep(sorted, step);
+  const auto multiples = static_cast<double>(countMultiples(sorted, step));
+  return multiples >= kShare * static_cast<double>(sorted.size()) ? step : 0;
 }
 
 }  // namespace scanmill

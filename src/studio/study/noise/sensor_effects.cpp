@@ -19,7 +19,7 @@ bool isComment(const std::string& line) {
 }
 
 // True for a blank line or a comment without indentation: such a line between two keys may belong to the second key.
-bool standsBetween(const std::string& line) {
+bool isBetweenKeys(const std::string& line) {
   return line.find_first_not_of(" \t\r") == std::string::npos || line.front() == '#';
 }
 
@@ -36,13 +36,13 @@ std::string keptEffects(const Value& list, const std::vector<std::string>& lines
   // The noise of a fitted response stands for speckle too.
   if (std::ranges::find(replaced, "intensity") != replaced.end()) replaced.emplace_back("speckle");
   std::string kept;
-  std::size_t begin = first + 1;
+  std::size_t begin = first + 1;  // first line of an item, with the comments above it
   for (std::size_t i = 0; i < list.items.size(); ++i) {
     // An item ends before the comments above the next item.
     std::size_t stop = i + 1 < list.items.size() ? static_cast<std::size_t>(list.items[i + 1].where.line - 1) : end;
-    const auto own = static_cast<std::size_t>(list.items[i].where.line - 1);
-    while (i + 1 < list.items.size() && stop > own + 1 && isComment(lines[stop - 1])) --stop;
-    if (stop <= own) throw InputError(list.items[i].where, "two effects on one line: give each a line of its own");
+    const auto itemLine = static_cast<std::size_t>(list.items[i].where.line - 1);
+    while (i + 1 < list.items.size() && stop > itemLine + 1 && isComment(lines[stop - 1])) --stop;
+    if (stop <= itemLine) throw InputError(list.items[i].where, "two effects on one line: give each a line of its own");
     const std::string name = readNamed(list.items[i], "an effect").name;
     if (std::ranges::find(replaced, name) == replaced.end()) {
       for (std::size_t l = begin; l < stop; ++l) kept += lines[l] + "\n";
@@ -74,7 +74,7 @@ std::string withEffects(const std::string& text, const std::string& file, const 
       end = std::min(end, line);
     }
   }
-  while (end > first && standsBetween(lines[end - 1])) --end;
+  while (end > first && isBetweenKeys(lines[end - 1])) --end;
   std::string result;
   for (std::size_t i = 0; i < first; ++i) result += lines[i] + "\n";
   const Value* own = root.find("effects");
