@@ -86,7 +86,7 @@ TEST(Shaders, HoldEveryFileOnce) {
     EXPECT_TRUE(used) << entry.path() << " is in no program";
     ++files;
   }
-  EXPECT_EQ(files, 10u);
+  EXPECT_EQ(files, 11u);
 }
 
 }  // namespace

@@ -3,8 +3,7 @@
 //
 // Storage buffers: 0 particles (float columns, in the order of Particles), 1 hit records (uint columns: bits of the
 // distance, triangle, outcome; with lists also the bits of a numerator and a denominator, whose quotient (m) must be
-// added to the distance). Tables: 0 the field's levels (two uvec4 each: bits of the offset and the first entry, then
-// the numbers of bricks), 1 the field's table, 2 its distances, 3 its words.
+// added to the distance). Tables: those of field.glsl, and 2 the field's distances.
 
 // Must have the same members as the struct MarchParameters in device_march.cpp.
 layout(std140, binding = 0) uniform MarchParameters {
@@ -17,14 +16,11 @@ layout(std140, binding = 0) uniform MarchParameters {
 };
 layout(std430, binding = 0) readonly restrict buffer Particles { float particles[]; };
 layout(std430, binding = 1) restrict buffer HitRecords { uint records[]; };
-layout(binding = 0) uniform usamplerBuffer levels;
-layout(binding = 1) uniform usamplerBuffer table;
+#define kLevelsBinding 0
+#define kTableBinding 1
 layout(binding = 2) uniform usamplerBuffer distances;
-layout(binding = 3) uniform usamplerBuffer words;
-
-uint fetch(usamplerBuffer from, uint i) {
-  return texelFetch(from, int(i)).x;
-}
+#define kWordsBinding 3
+#include "field.glsl"
 
 vec3 column3(uint column, uint i) {
   return vec3(particles[column * count + i], particles[(column + 1u) * count + i],
@@ -37,42 +33,11 @@ void record(uint i, float travelled, uint triangle, uint outcome) {
   records[2u * count + i] = outcome;
 }
 
-struct Voxel {
-  float scale, voxelSize;
-  vec3 f;  // position in the voxel
-  vec3 r;  // position relative to the nearest corner
-  vec3 b;  // position relative to the brick's centre
-  bool full;
-  uint brick, cell, nearest;
-};
-
-Voxel find(vec3 q) {
+// Returns the level at a point of the field, whose largest absolute coordinate is compared by its bits.
+int levelAt(vec3 q) {
   precise float most = max(abs(q.x), max(abs(q.y), abs(q.z)));
   precise float share = most * perReach;
-  int level = min(max((int(floatBitsToUint(share) - 1u) >> 23) - 126, 0), lastLevel);
-  uvec4 place = texelFetch(levels, 2 * level);  // xyz: bits of the offset; w: index of the level's first entry
-  uvec4 box = texelFetch(levels, 2 * level + 1);
-  Voxel v;
-  v.scale = uintBitsToFloat(uint(127 - level) << 23);
-  v.voxelSize = uintBitsToFloat(uint(127 + level) << 23);
-  precise vec3 u = max(q * v.scale + uintBitsToFloat(place.xyz), vec3(0.0));
-  ivec3 corner = min(ivec3(u), ivec3(box.xyz) * 8 - 1);
-  uvec3 brick = uvec3(corner) >> 3u;
-  uvec3 at = uvec3(corner) & 7u;
-  precise vec3 f = u - vec3(corner);
-  precise vec3 b = u - vec3(ivec3(brick) * 8 + 4);
-  bvec3 above = greaterThanEqual(f, vec3(0.5));
-  precise vec3 r = f - vec3(above);
-  uvec3 up = uvec3(above);
-  uint entry = fetch(table, place.w + (brick.z * box.y + brick.y) * box.x + brick.x);
-  v.f = f;
-  v.b = b;
-  v.r = r;
-  v.full = entry >= kFullBrick;
-  v.brick = v.full ? entry - kFullBrick : entry;
-  v.cell = v.full ? v.brick * kBrickStride + (at.z * 9u + at.y) * 9u + at.x : 0u;
-  v.nearest = v.cell + (up.z * 9u + up.y) * 9u + up.x;
-  return v;
+  return min(max((int(floatBitsToUint(share) - 1u) >> 23) - 126, 0), lastLevel);
 }
 
 float distanceAt(uint corner) {

@@ -82,7 +82,7 @@ void invoke(uint i) {
       }
       ++taken;
       precise vec3 q = o + d * travelled;
-      Voxel v = find(q);
+      Voxel v = voxelOf(q, levelAt(q));
       precise float near = v.full ? distanceAt(v.nearest) * kDistanceStep : uintBitsToFloat(v.brick);
       precise vec3 r = v.full ? v.r : v.b;
       float fullChordFactor = near > kNearestLimit ? kNearestChordFactor : kListChordFactor;

@@ -29,7 +29,7 @@ void invoke(uint i) {
       return;
     }
     precise vec3 q = o + d * travelled;
-    Voxel v = find(q);
+    Voxel v = voxelOf(q, levelAt(q));
     precise float ahead;
     precise float near = v.full ? distanceAt(v.nearest) * kDistanceStep : uintBitsToFloat(v.brick);
     if (near > kNearestLimit) {

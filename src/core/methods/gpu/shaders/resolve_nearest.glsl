@@ -1,11 +1,12 @@
-// Computes the hits in fields without lists, where particles stop at a surface. Further buffers: 4 the levels of the
-// field, 5 its table, 6 words.
+// Computes the hits in fields without lists, where particles stop at a surface. The tables 4 to 6 are those of
+// field.glsl.
 
 #include "resolve.glsl"
 
-layout(binding = 4) uniform usamplerBuffer levels;
-layout(binding = 5) uniform usamplerBuffer table;
-layout(binding = 6) uniform usamplerBuffer words;
+#define kLevelsBinding 4
+#define kTableBinding 5
+#define kWordsBinding 6
+#include "field.glsl"
 
 // Converts a point to the field's frame. Returns false if the result's float32 bits could differ from those that the
 // CPU computes.
@@ -31,35 +32,10 @@ double voxelAt(vec3 q) {
   return voxel * double(uintBitsToFloat(uint(127 + levelAt(q)) << 23));
 }
 
-struct Spot {
-  bool full;
-  uint cell;  // index of the voxel's corner with the smallest coordinates
-  vec3 f;     // position in the voxel, 0 to 1 along each axis
-};
-
-Spot spotAt(vec3 q) {
-  int level = levelAt(q);
-  uvec4 place = texelFetch(levels, 2 * level);
-  uvec4 box = texelFetch(levels, 2 * level + 1);
-  float scale = uintBitsToFloat(uint(127 - level) << 23);
-  precise vec3 u = max(q * scale + uintBitsToFloat(place.xyz), vec3(0.0));
-  uvec3 corner = min(uvec3(u), box.xyz * 8u - 1u);
-  uvec3 brick = corner >> 3u;
-  uvec3 inside = corner & 7u;
-  uint entry = texelFetch(table, int(place.w + (brick.z * box.y + brick.y) * box.x + brick.x)).x;
-  Spot spot;
-  spot.full = entry >= kFullBrick;
-  spot.cell = spot.full ? (entry - kFullBrick) * kBrickStride + (inside.z * 9u + inside.y) * 9u + inside.x : 0u;
-  precise vec3 f = u - vec3(corner);
-  spot.f = f;
-  return spot;
-}
-
 // Returns the triangle stored at the corner nearest to a point, or kNoWord.
-uint namedAt(vec3 q) {
-  Spot s = spotAt(q);
-  uvec3 up = uvec3(greaterThanEqual(s.f, vec3(0.5)));
-  return s.full ? texelFetch(words, int(s.cell + (up.z * 9u + up.y) * 9u + up.x)).x : kNoWord;
+uint triangleAt(vec3 q) {
+  Voxel v = voxelOf(q, levelAt(q));
+  return v.full ? fetch(words, v.nearest) : kNoWord;
 }
 
 // Returns the triangle that a beam with direction `d` hits at `place`, a point on the plane of `triangle`: either
@@ -73,15 +49,15 @@ uint layerTriangleAt(uint triangle, dvec3 place, dvec3 d, double size, inout boo
   precise dvec3 beside = place + normal * away;
   vec3 q;
   certain = fieldFrame(beside, q) && certain;
-  uint named = namedAt(q);
-  if (named == kNoWord || named == triangle) return triangle;
+  uint other = triangleAt(q);
+  if (other == kNoWord || other == triangle) return triangle;
   dvec3 otherNormal;
   double otherOffset;
-  planeRecord(named, otherNormal, otherOffset);
+  planeRecord(other, otherNormal, otherOffset);
   if (!(abs(sum3(otherNormal, normal)) > layerMinCosine)) return triangle;
   precise double gap = abs(sum3(otherNormal, place) - otherOffset);
   precise double thick = layerThickness * size;
-  return gap <= thick ? named : triangle;
+  return gap <= thick ? other : triangle;
 }
 
 uint triangleOrLayer(uint triangle, double range, dvec3 o, dvec3 d, inout bool certain) {
