@@ -28,7 +28,7 @@ struct MarchJob {
   const Shot& shot;
   const ShotFrame& frame;  // the shot's poses, relative to the world's origin
   const SensorField& around;
-  std::uint32_t steps;  // largest number of steps of a particle
+  std::uint32_t maxSteps;  // largest number of steps of a particle
 
   const DistanceField& field() const { return *around.field; }
   const TriangleBlock& triangles() const { return around.world->baked; }

@@ -62,7 +62,7 @@ ParticleParameters particleParameters(const MarchJob& job, Channels channels, st
 bool GlMarcher::ShotWork::canShareDispatch(const ShotWork& other) const {
   const MarchJob& a = job;
   const MarchJob& b = other.job;
-  return a.around.field == b.around.field && a.around.world == b.around.world && a.steps == b.steps &&
+  return a.around.field == b.around.field && a.around.world == b.around.world && a.maxSteps == b.maxSteps &&
          channels == other.channels && a.shot.beams == b.shot.beams &&
          a.shot.worldFromSensor.size() == b.shot.worldFromSensor.size();
 }
@@ -125,7 +125,7 @@ void GlMarcher::fly(const ShotWork& flight, std::size_t rays, std::size_t first,
       count, {&beams_.directions(), &beams_.origins(), &beams_.poses(), &beams_.steps(), &march_.particles()},
       parameters);
   for (std::uint32_t hole = 0; hole <= (holes ? kMostHoles : 0); ++hole) {
-    march_.run(field, flight.job.steps, count, hole > 0);
+    march_.run(field, flight.job.maxSteps, count, hole > 0);
     block.last = hole == kMostHoles || !holes ? 1 : 0;
     resolvers_.of(lists).run(count,
                              {&beams_.directions(), &beams_.origins(), &beams_.poses(), &beams_.steps(),

@@ -36,8 +36,9 @@ Sections sectionsInsideBox(const MarchJob& job, const Rays& rays) {
   return inside;
 }
 
-void launch(const MarchJob& job, std::span<const Tile> tiles, Particles& particles, std::size_t first) {
+void launch(const MarchJob& job, std::span<const Tile> tiles, Particles& particles) {
   const bool lists = job.field().shape.lists;
+  particles.resize(tiles.size() * kPacket, lists);
   const Vec3d centre = job.field().shape.centre;
   const double perVoxel = 1 / job.field().shape.voxel;
   Rays rays;
@@ -45,9 +46,8 @@ void launch(const MarchJob& job, std::span<const Tile> tiles, Particles& particl
     setUpRays(job.shot, job.frame, tiles[t], rays);
     Sections inside = sectionsInsideBox(job, rays);
     std::fill(inside.end + rays.count, inside.end + kPacket, 0.0);
-    const std::size_t at = first + t * kPacket;
-    const auto fill = [at](std::vector<float>& column, const auto& valueOf) {
-      float* values = column.data() + at;
+    const auto fill = [t](std::vector<float>& column, const auto& valueOf) {
+      float* values = column.data() + t * kPacket;
       for (int lane = 0; lane < kPacket; ++lane) values[lane] = static_cast<float>(valueOf(lane));
     };
     const std::array<const Lane*, 3> origins{&rays.ox, &rays.oy, &rays.oz};

@@ -10,9 +10,9 @@
 
 namespace scanmill {
 
-// Fills kPacket particles for each tile, from index `first` on. In a tile with fewer beams, the surplus particles are
-// misses.
-void launch(const MarchJob& job, std::span<const Tile> tiles, Particles& particles, std::size_t first);
+// Sets `particles` to kPacket particles for each tile, in the order of the tiles. In a tile with fewer beams, the
+// surplus particles are misses.
+void launch(const MarchJob& job, std::span<const Tile> tiles, Particles& particles);
 
 // The sections of beams that are inside of the job's box (m along the beams).
 struct Sections {

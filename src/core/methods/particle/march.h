@@ -44,12 +44,6 @@ struct HitRecords {
   void reset(std::size_t count);  // resets all records to zero steps
   Outcome outcomeOf(std::size_t i) const { return static_cast<Outcome>(outcome[i] & 3u); }
   std::uint32_t stepsOf(std::size_t i) const { return outcome[i] >> 2; }
-  // Copies record j of `others` to record i.
-  void copy(std::size_t i, const HitRecords& others, std::size_t j) {
-    travelled[i] = others.travelled[j];
-    triangle[i] = others.triangle[j];
-    outcome[i] = others.outcome[j];
-  }
 };
 
 // Marches the particles with the indices `which` on the calling thread, as many at a time as the CPU has vector lanes.

@@ -109,68 +109,66 @@ class ParticleMethod : public Method {
     return fields_.around(shot.worldFromSensor.front().translation, shot.beams->maxRange, clock);
   }
 
+  // Launches, marches and resolves the particles of tiles, in pieces of several tiles on all threads.
   UnreliableBeams marchOnCpu(const MarchJob& job, std::span<const Tile> tiles, Hits& hits, StageClock& clock) const {
     UnreliableBeams counts;
     std::mutex mutex;
-    const std::size_t atOnce = std::clamp(tiles.size() / kFewestPieces, std::size_t{1}, kTilesAtOnce);
-    const std::size_t pieces = (tiles.size() + atOnce - 1) / atOnce;
+    const std::size_t tilesOfPiece = std::clamp(tiles.size() / kFewestPieces, std::size_t{1}, kTilesAtOnce);
+    const std::size_t pieces = (tiles.size() + tilesOfPiece - 1) / tilesOfPiece;
     parallelFor(pieces, 1, [&](std::size_t first, std::size_t last) {
       Particles particles;
       HitRecords records;
       std::vector<std::uint32_t> all;
-      UnreliableBeams mine;
+      UnreliableBeams countsOfThread;
       std::vector<std::uint32_t> unresolved;
       for (std::size_t p = first; p < last; ++p) {
-        const auto some = tiles.subspan(p * atOnce, std::min(atOnce, tiles.size() - p * atOnce));
+        const auto piece = tiles.subspan(p * tilesOfPiece, std::min(tilesOfPiece, tiles.size() - p * tilesOfPiece));
         {
           const StageTimer timer(clock, "launch");
-          particles.resize(some.size() * kPacket, job.field().shape.lists);
+          launch(job, piece, particles);
           records.reset(particles.size());
           all.resize(particles.size());
           std::iota(all.begin(), all.end(), 0u);
-          launch(job, some, particles, 0);
         }
         {
           const StageTimer timer(clock, "march");
-          marchCpu(job.field(), job.triangles(), job.steps, particles, all, records);
+          marchCpu(job.field(), job.triangles(), job.maxSteps, particles, all, records);
         }
         const StageTimer timer(clock, "resolve");
-        mine += resolve(job, materials_, some, records, 0, hits, unresolved);
+        countsOfThread += resolve(job, materials_, piece, particles, records, hits, unresolved);
       }
       const std::scoped_lock lock(mutex);
-      counts += mine;
+      counts += countsOfThread;
       hits.unresolved.insert(hits.unresolved.end(), unresolved.begin(), unresolved.end());
     });
     return counts;
   }
 
-  // Marches on the device. Tiles with rays that the device leaves undecided (UnresolvedReason::Rounding) are marched
-  // again on the CPU.
+  // Marches on the device. The CPU marches the tiles with rays that the device leaves because of rounding.
   UnreliableBeams marchOnDevice(const MarchJob& job, Hits& hits, StageClock& clock) const {
     std::vector<UnresolvedRay> undecided;
     gl_->march(job, hits, undecided, clock);
     const StageTimer timer(clock, "undecided");
-    std::vector<Tile> open;
+    const auto tileOf = [&](std::uint32_t ray) {
+      const std::uint32_t column = ray % hits.columns / kPacket * kPacket;
+      return Tile{ray / hits.columns, column, 1, std::min<std::uint32_t>(kPacket, hits.columns - column)};
+    };
+    const auto firstRayOf = [&](const Tile& tile) { return tile.ring * hits.columns + tile.column; };
+    std::vector<Tile> onCpu;  // ascending, as the rays are
     for (const UnresolvedRay& ray : undecided) {
       if (ray.reason != UnresolvedReason::Rounding) continue;
-      const std::uint32_t column = ray.ray % hits.columns / kPacket * kPacket;
-      const std::uint32_t ring = ray.ray / hits.columns;
-      if (!open.empty() && open.back().ring == ring && open.back().column == column) continue;
-      open.push_back({ring, column, 1, std::min<std::uint32_t>(kPacket, hits.columns - column)});
+      const Tile tile = tileOf(ray.ray);
+      if (onCpu.empty() || firstRayOf(onCpu.back()) != firstRayOf(tile)) onCpu.push_back(tile);
     }
     UnreliableBeams counts;
-    auto next = open.begin();
     for (const UnresolvedRay& ray : undecided) {
-      const auto firstOf = [&](const Tile& tile) { return tile.ring * hits.columns + tile.column; };
-      while (next != open.end() && firstOf(*next) + next->width <= ray.ray) ++next;
-      if (next != open.end() && firstOf(*next) <= ray.ray) continue;
-      counts.exhausted += ray.reason == UnresolvedReason::StepsUsedUp ? 1 : 0;
-      counts.leftField += ray.reason == UnresolvedReason::LeftField ? 1 : 0;
+      if (std::ranges::binary_search(onCpu, firstRayOf(tileOf(ray.ray)), {}, firstRayOf)) continue;
+      ++(ray.reason == UnresolvedReason::StepsUsedUp ? counts.exhausted : counts.leftField);
       hits.range[ray.ray] = kMiss;
       hits.unresolved.push_back(ray.ray);
     }
     StageClock ignored;
-    counts += marchOnCpu(job, open, hits, ignored);
+    counts += marchOnCpu(job, onCpu, hits, ignored);
     return counts;
   }
 

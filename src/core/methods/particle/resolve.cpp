@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
+#include <numeric>
 #include <optional>
+#include <utility>
 
 #include "methods/field/march_rule.h"
 #include "methods/particle/launch.h"
@@ -58,50 +59,50 @@ Vec3d directionOf(const Rays& rays, int lane) {
   return {rays.dx[lane], rays.dy[lane], rays.dz[lane]};
 }
 
-// Lets particles continue through the transparent parts of triangles.
-void passTransparent(const MarchJob& job, std::span<const Tile> tiles, std::size_t first, HitRecords& records) {
+// Lets the particles that hit a transparent point of a triangle continue behind it, again and again.
+void passTransparent(const MarchJob& job, std::span<const Tile> tiles, Particles& particles, HitRecords& records) {
   const TriangleBlock& block = job.triangles();
   if (block.firstAlpha >= block.triangles.size()) return;
-  const auto mayPass = [&](std::size_t i) {
-    return records.outcomeOf(first + i) == Outcome::Hit && records.triangle[first + i] >= block.firstAlpha;
-  };
-  std::vector<std::uint32_t> open;
-  for (std::uint32_t i = 0; i < tiles.size() * kPacket; ++i) {
-    if (mayPass(i)) open.push_back(i);
-  }
-  if (open.empty()) return;
-  Particles particles;  // set up only for tiles with a particle that may continue
-  particles.resize(tiles.size() * kPacket, true);
-  std::size_t known = tiles.size();
-  for (const std::uint32_t i : open) {
-    const std::size_t tile = i / kPacket;
-    if (tile != known) launch(job, tiles.subspan(tile, 1), particles, tile * kPacket);
-    known = tile;
-  }
-  HitRecords ends;
-  ends.reset(particles.size());
+  std::vector<std::uint32_t> marched(records.size());  // the particles whose records are new
+  std::iota(marched.begin(), marched.end(), 0u);
   Rays rays;
-  while (!open.empty()) {
+  while (!marched.empty()) {
     std::vector<std::uint32_t> passing;
-    known = tiles.size();  // index of the tile whose rays are set up; tiles.size(): none
-    for (const std::uint32_t i : open) {
+    std::size_t tileOfRays = tiles.size();
+    for (const std::uint32_t i : marched) {
+      const std::uint32_t triangle = records.triangle[i];
+      if (records.outcomeOf(i) != Outcome::Hit || triangle < block.firstAlpha) continue;
       const std::size_t tile = i / kPacket;
+      if (tile != tileOfRays) setUpRays(job.shot, job.frame, tiles[tile], rays);
+      tileOfRays = tile;
       const auto lane = static_cast<int>(i % kPacket);
-      if (tile != known) setUpRays(job.shot, job.frame, tiles[tile], rays);
-      known = tile;
-      const std::uint32_t triangle = records.triangle[first + i];
-      const Vec3d point = originOf(rays, lane) + directionOf(rays, lane) * rangeOf(job, records, first + i);
+      const Vec3d point = originOf(rays, lane) + directionOf(rays, lane) * rangeOf(job, records, i);
       const Vec2d at = barycentric({&block, nullptr, triangle}, point);
       if (!transparentAt(*job.around.world, block, triangle, at.x, at.y)) continue;
-      particles.begin[i] =
-          records.travelled[first + i] + std::max(kHoleSkip, records.travelled[first + i] * kHoleSkipShare);
-      ends.copy(i, records, first + i);
+      const float travelled = records.travelled[i];
+      particles.begin[i] = travelled + std::max(kHoleSkip, travelled * kHoleSkipShare);
       passing.push_back(i);
     }
-    marchCpu(job.field(), block, job.steps, particles, passing, ends);
-    for (const std::uint32_t i : passing) records.copy(first + i, ends, i);
-    open.clear();
-    std::copy_if(passing.begin(), passing.end(), std::back_inserter(open), mayPass);
+    marchCpu(job.field(), block, job.maxSteps, particles, passing, records);
+    marched = std::move(passing);
+  }
+}
+
+// Appends the beams of a tile that are neither hits nor misses to `unresolved`, and counts them. `firstRecord`: index
+// of the record of the tile's first beam.
+void addUnresolved(const MarchJob& job, const Tile& tile, const Rays& rays, const HitRecords& records,
+                   std::size_t firstRecord, UnreliableBeams& counts, std::vector<std::uint32_t>& unresolved) {
+  std::optional<Sections> inside;  // computed when a beam of the tile needs it
+  for (std::uint32_t lane = 0; lane < static_cast<std::uint32_t>(rays.count); ++lane) {
+    const Outcome outcome = records.outcomeOf(firstRecord + lane);
+    if (outcome == Outcome::Hit) continue;
+    if (outcome == Outcome::Miss) {
+      if (job.around.coversScene) continue;
+      if (!inside) inside = sectionsInsideBox(job, rays);
+      if (!(inside->end[lane] < job.pathLength())) continue;
+    }
+    ++(outcome == Outcome::Miss ? counts.leftField : counts.exhausted);
+    unresolved.push_back((tile.ring + lane / tile.width) * job.shot.beams->columns + tile.column + lane % tile.width);
   }
 }
 
@@ -125,56 +126,43 @@ UnreliableBeams& UnreliableBeams::operator+=(const UnreliableBeams& o) {
 }
 
 UnreliableBeams resolve(const MarchJob& job, const std::vector<CompactMaterial>& materials, std::span<const Tile> tiles,
-                        HitRecords& records, std::size_t first, Hits& hits, std::vector<std::uint32_t>& unresolved) {
+                        Particles& particles, HitRecords& records, Hits& hits, std::vector<std::uint32_t>& unresolved) {
   const bool lists = job.field().shape.lists;
-  const TriangleBlock& block = job.triangles();
-  const BeamTable& beams = *job.shot.beams;
-  if (lists) passTransparent(job, tiles, first, records);
+  if (lists) passTransparent(job, tiles, particles, records);
   UnreliableBeams counts;
   Rays rays;
   HitPlanes planes;
   HitTriangle triangles[kPacket];
-  prefetchHits(job, records, first, tiles.size());
+  prefetchHits(job, records, 0, tiles.size());
   for (std::size_t t = 0; t < tiles.size(); ++t) {
     const Tile& tile = tiles[t];
-    const std::size_t at = first + t * kPacket;
+    const std::size_t firstRecord = t * kPacket;
     if (t % kTilesTogether == 0) {
       const std::size_t next = std::min(t + kTilesTogether, tiles.size());
-      prefetchHits(job, records, first + next * kPacket, tiles.size() - next);
+      prefetchHits(job, records, next * kPacket, tiles.size() - next);
     }
     prefetchStore(tile, hits);
     setUpRays(job.shot, job.frame, tile, rays);
-    std::optional<Sections> inside;  // computed when a beam of the tile needs it
     for (int lane = 0; lane < kPacket; ++lane) {
-      const std::size_t i = at + static_cast<std::size_t>(lane);
-      const Outcome outcome = records.outcomeOf(i);
-      triangles[lane] = {};
-      if (lane < rays.count && outcome == Outcome::Hit) {
-        SurfacePoint hit{records.triangle[i], rangeOf(job, records, i)};
-        if (!lists) {
-          counts.touching += hit.range <= 0 ? 1 : 0;
-          hit = withLayerTriangle(job, originOf(rays, lane), directionOf(rays, lane), hit);
-        }
-        triangles[lane] = {&block, nullptr, hit.triangle};
-        loadPlane(triangles[lane], static_cast<float>(hit.range), planes, lane);
+      const std::size_t i = firstRecord + static_cast<std::size_t>(lane);
+      if (lane >= rays.count || records.outcomeOf(i) != Outcome::Hit) {
+        triangles[lane] = {};
+        loadMiss(planes, lane);
         continue;
       }
-      loadMiss(planes, lane);
-      if (lane >= rays.count) continue;
-      bool leftField = false;
-      if (outcome == Outcome::Miss) {
-        if (!job.around.coversScene && !inside) inside = sectionsInsideBox(job, rays);
-        leftField = inside && inside->end[lane] < job.pathLength();
-        if (!leftField) continue;
+      SurfacePoint hit{records.triangle[i], rangeOf(job, records, i)};
+      if (!lists) {
+        counts.touching += hit.range <= 0 ? 1 : 0;
+        hit = withLayerTriangle(job, originOf(rays, lane), directionOf(rays, lane), hit);
       }
-      ++(leftField ? counts.leftField : counts.exhausted);
-      const auto l = static_cast<std::uint32_t>(lane);
-      unresolved.push_back((tile.ring + l / tile.width) * hits.columns + tile.column + l % tile.width);
+      triangles[lane] = {&job.triangles(), nullptr, hit.triangle};
+      loadPlane(triangles[lane], static_cast<float>(hit.range), planes, lane);
     }
+    addUnresolved(job, tile, rays, records, firstRecord, counts, unresolved);
     if (lists) {
-      usePlaneRanges(rays, beams, planes);
+      usePlaneRanges(rays, *job.shot.beams, planes);
     } else {
-      useTracedRanges(rays, beams, planes);
+      useTracedRanges(rays, *job.shot.beams, planes);
     }
     store(materials, tile, rays, planes, triangles, hits);
   }

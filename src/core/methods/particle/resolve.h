@@ -21,10 +21,10 @@ struct UnreliableBeams {
   UnreliableBeams& operator+=(const UnreliableBeams& o);
 };
 
-// Turns the particles of launch() into hits after they have marched: lets them continue through transparent triangles
-// (in fields with lists), fills the channels that `hits` has, and appends the beams that are neither hits nor misses to
-// `unresolved`.
+// Turns the records of launched particles that have marched into hits: lets particles continue through transparent
+// triangles (in fields with lists), fills the channels that `hits` has, and appends the beams that are neither hits nor
+// misses to `unresolved`. `particles` and `records`: kPacket for each tile, in the order of the tiles.
 UnreliableBeams resolve(const MarchJob& job, const std::vector<CompactMaterial>& materials, std::span<const Tile> tiles,
-                        HitRecords& records, std::size_t first, Hits& hits, std::vector<std::uint32_t>& unresolved);
+                        Particles& particles, HitRecords& records, Hits& hits, std::vector<std::uint32_t>& unresolved);
 
 }  // namespace scanmill
