@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <optional>
 
-#include "base/parallel.h"
 #include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"
@@ -15,9 +14,7 @@
 #include "commands/sweep.h"
 #include "commands/table.h"
 #include "dataset/dataset_folder.h"
-#include "dataset/folder_contents.h"
 #include "dataset/shard_name.h"
-#include "pipeline/plan/dataset_plan.h"
 #include "pipeline/plan/shard_jobs.h"
 #include "pipeline/run/recorder.h"
 #include "pipeline/scenes/shot_source.h"

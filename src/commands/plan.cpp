@@ -13,7 +13,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/parallel.h"
 #include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"

@@ -4,7 +4,6 @@
 #include <map>
 
 #include "base/file.h"
-#include "base/parallel.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"
 #include "commands/stop_signal.h"

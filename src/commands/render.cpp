@@ -2,12 +2,10 @@
 
 #include <fmt/format.h>
 
-#include "base/parallel.h"
 #include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"
 #include "commands/stop_signal.h"
-#include "commands/table.h"
 
 namespace scanmill {
 

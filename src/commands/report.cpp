@@ -4,7 +4,6 @@
 
 #include "base/error.h"
 #include "base/file.h"
-#include "base/parallel.h"
 #include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"

@@ -3,7 +3,6 @@
 
 #include "base/error.h"
 #include "config/text.h"
-#include "dataset/manifest.h"
 #include "dataset/sample_names.h"
 #include "dataset/scan_store.h"
 

@@ -6,7 +6,6 @@
 #include <chrono>
 #include <cmath>
 
-#include "base/error.h"
 #include "base/hash.h"
 
 namespace scanmill {
