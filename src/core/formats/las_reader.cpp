@@ -4,10 +4,11 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <iterator>
+#include <vector>
 
 #include "base/earth.h"
 #include "base/error.h"
+#include "base/text_scan.h"
 #include "config/text.h"
 #include "formats/readers.h"
 #include "formats/text_rows.h"
@@ -32,35 +33,20 @@ constexpr std::array<std::size_t, 11> kGpsTimeAt{0,  20, 0,  20, 20, 20,
 constexpr std::array<std::size_t, 11> kColorsAt{0, 0, 20, 28, 0, 28, 0, 30, 30, 0, 30};
 constexpr std::uint8_t kCompressed = 0x80;
 
-// Names of classes, by number, from table 17 of the specification of LAS 1.4.
-constexpr const char* kClassNames[] = {"never classified",
-                                       "unclassified",
-                                       "ground",
-                                       "low vegetation",
-                                       "medium vegetation",
-                                       "high vegetation",
-                                       "building",
-                                       "low noise",
-                                       "key point",
-                                       "water",
-                                       "rail",
-                                       "road surface",
-                                       "overlap",
-                                       "wire guard",
-                                       "wire conductor",
-                                       "transmission tower",
-                                       "wire connector",
-                                       "bridge deck",
-                                       "high noise",
-                                       "overhead structure",
-                                       "ignored ground",
-                                       "snow",
-                                       "temporal exclusion"};
+// Names of the classes 0 to 22, from table 17 of the specification of LAS 1.4.
+constexpr std::string_view kClassNames =
+    "never classified|unclassified|ground|low vegetation|medium vegetation|high vegetation|building|low noise|key "
+    "point|"
+    "water|rail|road surface|overlap|wire guard|wire conductor|transmission tower|wire connector|bridge deck|high "
+    "noise|"
+    "overhead structure|ignored ground|snow|temporal exclusion";
 
 class LasReader {
  public:
   LasReader(std::string_view bytes, const std::string& what) : bytes_(bytes), where_{what} {
-    for (std::uint32_t k = 0; k < std::size(kClassNames); ++k) cloud_.classNames[k] = kClassNames[k];
+    std::vector<std::string_view> names;
+    splitCells(kClassNames, '|', names);
+    for (std::uint32_t k = 0; k < names.size(); ++k) cloud_.classNames[k] = names[k];
   }
 
   Cloud read(CloudUnit unit) {
@@ -74,17 +60,17 @@ class LasReader {
       fail("is compressed (LAZ): unpack it, by `las2las -i a.laz -o a.las` or `pdal translate a.laz a.las`");
     }
     if (format_ >= kLeastRecord.size()) fail(fmt::format("has the point format {}: 0 to 10 are read", format_));
-    record_ = at<std::uint16_t>(kRecordSize);
-    if (record_ < kLeastRecord[format_]) {
-      fail(fmt::format("has points of {} bytes; format {} has {}", record_, format_, kLeastRecord[format_]));
+    recordBytes_ = at<std::uint16_t>(kRecordSize);
+    if (recordBytes_ < kLeastRecord[format_]) {
+      fail(fmt::format("has points of {} bytes; format {} has {}", recordBytes_, format_, kLeastRecord[format_]));
     }
     if (bytes_.size() < at<std::uint16_t>(kHeaderSize)) fail("is truncated: it ends within its header");
     std::uint64_t points = at<std::uint32_t>(kLegacyPoints);
     if (minor == 4 && at<std::uint16_t>(kHeaderSize) >= kPoints + 8) points = at<std::uint64_t>(kPoints);
     const std::uint64_t first = at<std::uint32_t>(kPointsAt);
-    if (first > bytes_.size() || points > (bytes_.size() - first) / record_) {
-      fail(fmt::format("is truncated: it announces {} points of {} bytes and has {} bytes for them", points, record_,
-                       bytes_.size() - std::min<std::uint64_t>(first, bytes_.size())));
+    if (first > bytes_.size() || points > (bytes_.size() - first) / recordBytes_) {
+      fail(fmt::format("is truncated: it announces {} points of {} bytes and has {} bytes for them", points,
+                       recordBytes_, bytes_.size() - std::min<std::uint64_t>(first, bytes_.size())));
     }
     for (std::size_t axis = 0; axis < 3; ++axis) {
       scale_[axis] = at<double>(kScale + 8 * axis);
@@ -96,7 +82,7 @@ class LasReader {
     readRecords(first);
     if (unit == CloudUnit::OfFile) applyUnit(first, points);
     readPoints(first, points);
-    cloud_.leftOut.add("points behind the announced ones", (endOfPoints(first) - first) / record_ - points);
+    cloud_.leftOut.add("points behind the announced ones", (endOfPoints(first) - first) / recordBytes_ - points);
     return std::move(cloud_);
   }
 
@@ -110,12 +96,13 @@ class LasReader {
     return value;
   }
 
-  Vec3d placeAt(std::uint64_t record) const {
-    std::array<double, 3> place{};
+  // Returns the position of a point (m), whose record begins at this byte.
+  Vec3d positionAt(std::uint64_t record) const {
+    std::array<double, 3> position{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      place[axis] = (at<std::int32_t>(record + 4 * axis) * scale_[axis] + offset_[axis]) * metres_[axis];
+      position[axis] = (at<std::int32_t>(record + 4 * axis) * scale_[axis] + offset_[axis]) * metres_[axis];
     }
-    return {place[0], place[1], place[2]};
+    return {position[0], position[1], position[2]};
   }
 
   // Reads the records between the header and the points, and those behind the points of LAS 1.4.
@@ -173,19 +160,24 @@ class LasReader {
     return field.substr(0, field.find('\0'));
   }
 
+  // Reads the coordinate system at the first point. `why` becomes the reason if it cannot be read.
+  CoordinateSystem readSystem(bool byWkt, const Vec3d& place, std::string& why) const {
+    try {
+      if (!byWkt) return coordinateSystem({geoKeys_, geoNumbers_, geoTexts_}, place.x, place.y);
+      why = quotedForMessage(textAt(wkt_, 0, 60));
+      return coordinateSystem(textAt(wkt_, 0, wkt_.size()), place.x, place.y);
+    } catch (const Error& e) {
+      why = e.what();
+      return {};
+    }
+  }
+
+  // Takes the units of the file's coordinate system. Throws InputError if its coordinates are no lengths.
   void applyUnit(std::uint64_t first, std::uint64_t points) {
     if (wkt_.empty() && geoKeys_.empty()) return;
     const bool byWkt = !wkt_.empty() && ((at<std::uint16_t>(kEncoding) & kWktBit) != 0 || geoKeys_.empty());
-    const Vec3d place = points == 0 ? Vec3d{} : placeAt(first);
-    CoordinateSystem system;
-    std::string why;
-    try {
-      system = byWkt ? coordinateSystem(textAt(wkt_, 0, wkt_.size()), place.x, place.y)
-                     : coordinateSystem({geoKeys_, geoNumbers_, geoTexts_}, place.x, place.y);
-      if (byWkt) why = quotedForMessage(textAt(wkt_, 0, 60));
-    } catch (const Error& e) {
-      why = e.what();
-    }
+    std::string why = "keys of GeoTIFF";
+    const CoordinateSystem system = readSystem(byWkt, points == 0 ? Vec3d{} : positionAt(first), why);
     constexpr const char* kReproject =
         "reproject it, by `pdal translate a.las b.las reprojection --filters.reprojection.out_srs=EPSG:32632` with the "
         "zone of the place";
@@ -199,7 +191,7 @@ class LasReader {
       warn(fmt::format(
           "{}: its coordinate system cannot be read ({}), and counts as in units of {:.10g} m: give the key "
           "`unit` if it is not",
-          where_.file, why.empty() ? "keys of GeoTIFF" : why, system.perUnit));
+          where_.file, why, system.perUnit));
     } else if (system.perUnit != 1 || vertical != 1) {
       warn(
           fmt::format("{}: its coordinates, in units of {:.10g} m ({}), and {}, in units of {:.10g} m, become "
@@ -216,29 +208,36 @@ class LasReader {
     }
   }
 
-  void readPoints(std::uint64_t first, std::uint64_t points) {
-    const bool modern = format_ >= 6;
-    const bool flags = at<std::uint8_t>(kMinor) > 0;  // LAS 1.0 has classes of 8 bits and no flags
+  // Returns the first byte of the record of each point that is not marked as withheld.
+  std::vector<std::uint64_t> recordsOf(std::uint64_t first, std::uint64_t points) {
     std::vector<std::uint64_t> records;
     records.reserve(points);
     for (std::uint64_t i = 0; i < points; ++i) {
-      const std::uint64_t record = first + i * record_;
-      const bool withheld = flags && (at<std::uint8_t>(record + 15) & (modern ? 0x04 : 0x80)) != 0;
+      const std::uint64_t record = first + i * recordBytes_;
+      const bool withheld = hasFlags() && (at<std::uint8_t>(record + 15) & (isModern() ? 0x04 : 0x80)) != 0;
       if (!withheld) records.push_back(record);
     }
     cloud_.leftOut.add("points marked as withheld", points - records.size());
-    if (!records.empty()) cloud_.origin = cloudOrigin(placeAt(records.front()));
+    return records;
+  }
+
+  bool isModern() const { return format_ >= 6; }                  // formats of LAS 1.4
+  bool hasFlags() const { return at<std::uint8_t>(kMinor) > 0; }  // LAS 1.0 has classes of 8 bits and no flags
+
+  void readPoints(std::uint64_t first, std::uint64_t points) {
+    const std::vector<std::uint64_t> records = recordsOf(first, points);
+    if (!records.empty()) cloud_.origin = cloudOrigin(positionAt(records.front()));
     Scan& scan = cloud_.scan;
     std::vector<std::uint16_t> labels;
     std::vector<float> intensities;
     for (const std::uint64_t record : records) {
-      scan.position.push_back(static_cast<Vec3f>(placeAt(record) - cloud_.origin));
+      scan.position.push_back(static_cast<Vec3f>(positionAt(record) - cloud_.origin));
       intensities.push_back(at<std::uint16_t>(record + 12));
-      const auto classified = at<std::uint8_t>(record + (modern ? 16 : 15));
-      labels.push_back(modern || !flags ? classified : classified & 0x1F);
+      const auto classified = at<std::uint8_t>(record + (isModern() ? 16 : 15));
+      labels.push_back(isModern() || !hasFlags() ? classified : classified & 0x1F);
       const auto returns = at<std::uint8_t>(record + 14);
-      scan[kReturn].push_back(returns & (modern ? 0x0F : 0x07));
-      scan[kReturns].push_back(modern ? returns >> 4 : returns >> 3 & 0x07);
+      scan[kReturn].push_back(returns & (isModern() ? 0x0F : 0x07));
+      scan[kReturns].push_back(isModern() ? returns >> 4 : returns >> 3 & 0x07);
     }
     scan.columnsIfEmpty = ColumnSet(kReturn, kReturns);
     keep<double>(records, "gps_time", kGpsTimeAt[format_]);
@@ -248,18 +247,27 @@ class LasReader {
       offset += offset == 0 ? 0 : 2;
     }
     readExtraBytes(records);
-    // What is exported in LAS has the complete intensities, and classes that were never given make way for others.
-    const auto exact = std::find_if(scan.foreign.begin(), scan.foreign.end(),
-                                    [](const ForeignColumn& column) { return column.name == kLasExactIntensity; });
-    if (exact != scan.foreign.end()) {
-      exact->name = kIntensity.row.name;
-    } else {
-      scan[kIntensity] = std::move(intensities);
-      scan.columnsIfEmpty.add(kIntensity.index);
+    chooseIntensities(std::move(intensities));
+    chooseLabels(std::move(labels));
+  }
+
+  // Takes the complete intensities of our own exports from the extra bytes, else those of the points.
+  void chooseIntensities(std::vector<float> intensities) {
+    for (ForeignColumn& column : cloud_.scan.foreign) {
+      if (column.name != kLasExactIntensity) continue;
+      column.name = kIntensity.row.name;
+      return;
     }
+    cloud_.scan[kIntensity] = std::move(intensities);
+    cloud_.scan.columnsIfEmpty.add(kIntensity.index);
+  }
+
+  // Takes the classes of the points; if all are 0, those of a column among the extra bytes.
+  void chooseLabels(std::vector<std::uint16_t> labels) {
+    Scan& scan = cloud_.scan;
     const bool classified = std::any_of(labels.begin(), labels.end(), [](std::uint16_t label) { return label != 0; });
     if (classified) scan[kLabel] = labels;
-    adoptColumns(cloud_, {});  // columns of others that do not fit are told
+    adoptColumns(cloud_, {});  // without a place, columns that do not fit are counted as left out
     if (!classified && scan.has(kLabel)) {
       cloud_.classNames.clear();
     } else if (!classified) {
@@ -278,7 +286,7 @@ class LasReader {
       // Types from 11 on are pairs and triples of the first ten.
       const std::uint64_t size =
           type == 0 ? options : kExtraBytes[(type - 1) % kExtraBytes.size()] * ((type - 1) / 10 + 1);
-      if (size > record_ - place) break;
+      if (size > recordBytes_ - place) break;
       if (type == 0 || type > kExtraBytes.size()) {
         cloud_.leftOut.add(fmt::format("extra bytes '{}' of several values", name));
       } else {
@@ -287,7 +295,7 @@ class LasReader {
       }
       place += size;
     }
-    cloud_.leftOut.add("bytes of each point that nothing describes", record_ - place);
+    cloud_.leftOut.add("bytes of each point that nothing describes", recordBytes_ - place);
   }
 
   template <class T>
@@ -329,7 +337,7 @@ class LasReader {
   std::string_view bytes_;
   Location where_;
   std::uint8_t format_ = 0;
-  std::uint64_t record_ = 0;  // size of a point (bytes)
+  std::uint64_t recordBytes_ = 0;  // size of a point (bytes)
   std::array<double, 3> scale_{}, offset_{}, metres_{1, 1, 1};
   std::string_view wkt_, geoKeys_, geoNumbers_, geoTexts_;  // records of the coordinate system
   std::string_view described_;                              // descriptions of the extra bytes that are not read yet

@@ -41,7 +41,7 @@ class CloudAsset {
     asset_.statedUnit = las_ ? 1 : 0;
     const Mat3 frame = assetFromFile(asset_.up, options_.metresPerUnit);
     dropMisses();
-    takePose();
+    applyPose();
     choosePoints();
     for (const std::size_t i : chosen_) {
       positions_.push_back(static_cast<Vec3f>(frame * Vec3d(scan_.position[i])));
@@ -75,11 +75,11 @@ class CloudAsset {
   }
 
   // Moves the points to the pose that the file states.
-  void takePose() {
+  void applyPose() {
     if (cloud_.worldFromFile == Pose{}) return;
-    std::vector<Vec3d> places;
-    for (const Vec3f& p : scan_.position) places.push_back(cloud_.worldFromFile * (cloud_.origin + Vec3d(p)));
-    setPositions(places, cloud_);
+    std::vector<Vec3d> positions;
+    for (const Vec3f& p : scan_.position) positions.push_back(cloud_.worldFromFile * (cloud_.origin + Vec3d(p)));
+    setPositions(positions, cloud_);
   }
 
   // Chooses the points with finite positions. Leaves out points whose class is called noise unless the option `labels`
@@ -112,14 +112,13 @@ class CloudAsset {
 
   void thin() {
     if (options_.points.spacing <= 0) return;
-    std::vector<std::size_t> left;
-    std::vector<Vec3f> places;
-    for (const std::size_t k : thinned(positions_, options_.points.spacing)) {
-      left.push_back(chosen_[k]);
-      places.push_back(positions_[k]);
+    std::size_t count = 0;
+    for (const std::size_t k : thinned(positions_, options_.points.spacing)) {  // ascending
+      chosen_[count] = chosen_[k];
+      positions_[count++] = positions_[k];
     }
-    chosen_ = std::move(left);
-    positions_ = std::move(places);
+    chosen_.resize(count);
+    positions_.resize(count);
   }
 
   const ForeignColumn* foreign(std::string_view name) const {
@@ -170,9 +169,7 @@ class CloudAsset {
   }
 
   void readNormals(const Mat3& assetFromNormals) {
-    const auto x = numbers("nx");
-    const auto y = numbers("ny");
-    const auto z = numbers("nz");
+    const auto x = numbers("nx"), y = numbers("ny"), z = numbers("nz");
     if (!x || !y || !z) return;
     for (std::size_t k = 0; k < chosen_.size(); ++k) {
       const Vec3d n = assetFromNormals * Vec3d{(*x)[k], (*y)[k], (*z)[k]};
@@ -188,17 +185,17 @@ class CloudAsset {
     constexpr std::size_t kSamples = 1'000'000;
     constexpr double kUsual = 0.999, kOutlier = 4;
     std::vector<float> sample;
-    bool whole = true;
+    bool integers = true;
     for (std::size_t k = 0; k < chosen_.size(); k += 1 + chosen_.size() / kSamples) {
       const float value = intensity[chosen_[k]];
       if (!std::isfinite(value)) continue;
       sample.push_back(value);
-      whole = whole && value == std::floor(value);
+      integers = integers && value == std::floor(value);
     }
     if (sample.empty()) return 1;
     const auto usual = sample.begin() + static_cast<std::ptrdiff_t>(kUsual * static_cast<double>(sample.size() - 1));
     std::nth_element(sample.begin(), usual, sample.end());
-    if (*usual <= 1 && !whole) return 1;
+    if (*usual <= 1 && !integers) return 1;
     double full = greatest;
     if (const double most = kOutlier * double{*usual}; most > 0 && greatest > most) {
       full = 0;
@@ -245,37 +242,41 @@ class CloudAsset {
     image_ = std::move(image);
   }
 
+  // Fills the texture from intensities or else colours, as the options ask for. Returns false if it fills nothing.
   bool fill(Texture& image) {
     using Source = PointOptions::Reflectance;
     const Source wanted = options_.points.reflectance;
-    const auto& intensity = scan_[kIntensity];
-    if ((wanted == Source::Auto || wanted == Source::Intensity) && !intensity.empty()) {
-      double greatest = 0;
-      double least = 0;
-      for (const std::size_t i : chosen_) {
-        greatest = std::max(greatest, double{intensity[i]});
-        least = std::min(least, double{intensity[i]});
-      }
-      if (greatest == 0 && least < 0) cloud_.leftOut.add("intensities, none of which is above 0", chosen_.size());
-      if (greatest > 0) {
-        const double full = options_.points.full > 0 ? options_.points.full : fullOf(greatest);
-        if (options_.points.full == 0) tellIntensities(full, greatest);
-        for (std::size_t k = 0; k < chosen_.size(); ++k) {
-          // The order of the comparisons makes 0 of NaN.
-          const double value = std::min(std::max(0.0, double{intensity[chosen_[k]]} / full), 1.0);
-          const auto grey = static_cast<std::uint8_t>(std::lround(255 * srgbOf(value)));
-          std::fill_n(image.rgba.begin() + static_cast<std::ptrdiff_t>(4 * k), 3, grey);
-        }
-        measured_ = true;
-        return true;
-      }
-    }
+    measured_ = (wanted == Source::Auto || wanted == Source::Intensity) && fillWithIntensities(image);
+    if (measured_) return true;
     if (wanted == Source::Intensity) {
       fail("has no intensities above 0: leave out `reflectance: intensity`");
     }
-    if (wanted != Source::None && fillColors(image)) return true;
+    if (wanted != Source::None && fillWithColors(image)) return true;
     if (wanted != Source::Color) return false;
     fail("has no colours (red, green, blue; or rgb): leave out `reflectance: color`");
+  }
+
+  // Fills the texture with the intensities of the points as greys. Returns false if none is above 0.
+  bool fillWithIntensities(Texture& image) {
+    const auto& intensity = scan_[kIntensity];
+    if (intensity.empty()) return false;
+    double greatest = 0;
+    double least = 0;
+    for (const std::size_t i : chosen_) {
+      greatest = std::max(greatest, double{intensity[i]});
+      least = std::min(least, double{intensity[i]});
+    }
+    if (greatest == 0 && least < 0) cloud_.leftOut.add("intensities, none of which is above 0", chosen_.size());
+    if (greatest == 0) return false;
+    const double full = options_.points.full > 0 ? options_.points.full : fullOf(greatest);
+    if (options_.points.full == 0) tellIntensities(full, greatest);
+    for (std::size_t k = 0; k < chosen_.size(); ++k) {
+      // The order of the comparisons makes 0 of NaN.
+      const double value = std::min(std::max(0.0, double{intensity[chosen_[k]]} / full), 1.0);
+      const auto grey = static_cast<std::uint8_t>(std::lround(255 * srgbOf(value)));
+      std::fill_n(image.rgba.begin() + static_cast<std::ptrdiff_t>(4 * k), 3, grey);
+    }
+    return true;
   }
 
   // Returns the packed red, green and blue of a value: the Point Cloud Library stores the bits of an integer as a
@@ -297,59 +298,75 @@ class CloudAsset {
   }
 
   // Fills the texture with the colours of the points. Returns false if there are none.
-  bool fillColors(Texture& image) {
-    std::size_t none = 0;
-    const auto put = [&](std::size_t k, const std::array<double, 3>& color) {
-      const bool known = std::none_of(color.begin(), color.end(), [](double c) { return std::isnan(c); });
-      none += known ? 0 : 1;
-      for (std::size_t c = 0; c < 3; ++c) {
-        image.rgba[4 * k + c] = static_cast<std::uint8_t>(std::lround(known ? std::clamp(color[c], 0.0, 255.0) : 0.0));
+  bool fillWithColors(Texture& image) {
+    const ForeignColumn* const packed = foreign("rgb");
+    const std::size_t colored = packed != nullptr ? fillFromPacked(*packed, image) : fillFromChannels(image);
+    if (packed != nullptr || colored > 0) cloud_.leftOut.add("colours that are no numbers", chosen_.size() - colored);
+    return colored > 0;
+  }
+
+  // Fills the texture with colours of one number. Returns how many points have one.
+  std::size_t fillFromPacked(const ForeignColumn& packed, Texture& image) const {
+    std::size_t colored = 0;
+    const auto fillFrom = [&](const auto& numbers) {
+      for (std::size_t k = 0; k < chosen_.size(); ++k) {
+        const auto bits = packedColor(numbers[chosen_[k]]);
+        std::array<double, 3> color{NAN, NAN, NAN};
+        if (bits) color = {double(*bits >> 16 & 0xFF), double(*bits >> 8 & 0xFF), double(*bits & 0xFF)};
+        colored += putColor(color, k, image);
       }
     };
-    if (const ForeignColumn* packed = foreign("rgb")) {
-      std::visit(
-          [&](const auto& all) {
-            for (std::size_t k = 0; k < chosen_.size(); ++k) {
-              const auto bits = packedColor(all[chosen_[k]]);
-              if (bits) {
-                put(k, {double(*bits >> 16 & 0xFF), double(*bits >> 8 & 0xFF), double(*bits & 0xFF)});
-              } else {
-                put(k, {NAN, NAN, NAN});
-              }
-            }
-          },
-          packed->values);
-    } else {
-      const std::array<std::optional<std::vector<double>>, 3> channels{numbers("red"), numbers("green"),
-                                                                       numbers("blue")};
-      if (!channels[0] || !channels[1] || !channels[2]) return false;
-      double greatest = 0;
-      bool whole = true;
-      for (const auto& channel : channels) {
-        for (const double value : *channel) {
-          greatest = std::max(greatest, value);
-          whole = whole && (value == std::floor(value) || std::isnan(value));
-        }
-      }
-      if (!(greatest > 0)) return false;  // LAS files may have colour channels with zeroes only
-      // Integers of 0 and 1 are as dark as they look, but a text does not tell them from numbers up to 1. Rounding can
-      // lift fractions above 1.
-      const bool fractions = std::visit([]<class T>(const std::vector<T>&) { return std::is_floating_point_v<T>; },
-                                        foreign("red")->values);
-      const bool upToOne = fractions && (greatest <= 1 || (greatest < 2 && !whole));
-      const double full = upToOne ? 1 : greatest < 256 ? 255 : 65535;
-      if (greatest >= 256 && greatest < full / 4) {
-        warn(fmt::format(
-            "{}: its greatest colour is {}, but {} is taken as white: scale the colours in the file to 8 or "
-            "16 bits",
-            file_.string(), greatest, full));
-      }
-      for (std::size_t k = 0; k < chosen_.size(); ++k) {
-        put(k, {255 * (*channels[0])[k] / full, 255 * (*channels[1])[k] / full, 255 * (*channels[2])[k] / full});
+    std::visit(fillFrom, packed.values);
+    return colored;
+  }
+
+  // Fills the texture from the columns red, green and blue. Returns how many points have a colour: none if a column is
+  // missing or all are 0, as in LAS files.
+  std::size_t fillFromChannels(Texture& image) const {
+    const std::array<std::optional<std::vector<double>>, 3> channels{numbers("red"), numbers("green"), numbers("blue")};
+    if (!channels[0] || !channels[1] || !channels[2]) return 0;
+    double greatest = 0;
+    bool integers = true;
+    for (const auto& channel : channels) {
+      for (const double value : *channel) {
+        greatest = std::max(greatest, value);
+        integers = integers && (value == std::floor(value) || std::isnan(value));
       }
     }
-    cloud_.leftOut.add("colours that are no numbers", none);
-    return none < chosen_.size();
+    if (!(greatest > 0)) return 0;
+    const double white = whiteOf(greatest, integers);
+    std::size_t colored = 0;
+    for (std::size_t k = 0; k < chosen_.size(); ++k) {
+      const auto channel = [&](std::size_t c) { return 255 * (*channels[c])[k] / white; };
+      colored += putColor({channel(0), channel(1), channel(2)}, k, image);
+    }
+    return colored;
+  }
+
+  // Stores the colour (0 to 255) of the chosen point k. Returns 1; 0 if the colour is not known, which becomes black.
+  static std::size_t putColor(const std::array<double, 3>& color, std::size_t k, Texture& image) {
+    const bool known = std::none_of(color.begin(), color.end(), [](double c) { return std::isnan(c); });
+    for (std::size_t c = 0; c < 3; ++c) {
+      image.rgba[4 * k + c] = static_cast<std::uint8_t>(std::lround(known ? std::clamp(color[c], 0.0, 255.0) : 0.0));
+    }
+    return known ? 1 : 0;
+  }
+
+  // Returns the value that is white: 1, 255 or 65535. Integers of 0 and 1 are as dark as they look, but a text does not
+  // tell them from numbers up to 1. Rounding can lift fractions above 1.
+  double whiteOf(double greatest, bool integers) const {
+    const bool floats =
+        std::visit([]<class T>(const std::vector<T>&) { return std::is_floating_point_v<T>; }, foreign("red")->values);
+    if (floats && (greatest <= 1 || (greatest < 2 && !integers))) return 1;
+    if (greatest < 256) return 255;
+    constexpr double kWhite = 65535;
+    if (greatest < kWhite / 4) {
+      warn(
+          fmt::format("{}: its greatest colour is {}, but {} is taken as white: scale the colours in the file to 8 or "
+                      "16 bits",
+                      file_.string(), greatest, kWhite));
+    }
+    return kWhite;
   }
 
   std::string nameOf(std::uint32_t label) const {
@@ -364,12 +381,12 @@ class CloudAsset {
     const std::vector<Surfel> surfels = surfelsOf(positions_, normals_, options_.points.surfels);
     const auto& labels = scan_[kLabel];
     const auto& instances = scan_[kInstance];
-    std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> known;  // index of a part, by instance and label
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> partOf;  // index, by instance and label
     std::map<std::uint32_t, std::pair<double, double>> sums;  // sum of the reflectances and number of points, by label
     for (std::size_t k = 0; k < chosen_.size(); ++k) {
       const std::uint32_t label = labels.empty() ? 0 : labels[chosen_[k]];
       const std::uint32_t instance = instances.empty() ? 0 : instances[chosen_[k]];
-      const auto [found, isNew] = known.try_emplace({instance, label}, asset_.parts.size());
+      const auto [found, isNew] = partOf.try_emplace({instance, label}, asset_.parts.size());
       if (isNew) asset_.parts.push_back(newPart(label, instance, !labels.empty()));
       addSquare(asset_.parts[found->second], k, surfels[k]);
       if (image_ == nullptr) continue;
@@ -378,7 +395,7 @@ class CloudAsset {
     }
     if (image_ == nullptr) return;
     // Each point keeps its own reflectance; the material of a label states the mean of the label's points.
-    for (const auto& [key, part] : known) {
+    for (const auto& [key, part] : partOf) {
       const auto& [sum, count] = sums[key.second];
       Material& material = asset_.parts[part].fileMaterial;
       material.reflectance = material.textureMean = static_cast<float>(sum / count);
@@ -405,7 +422,7 @@ class CloudAsset {
   void addSquare(AssetPart& part, std::size_t k, const Surfel& surfel) {
     const Vec3d normal(surfel.normal);
     const Vec3d across = normalized(cross(std::fabs(normal.x) < 0.7 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}, normal));
-    const double half = double{surfel.radius} * std::sqrt(kPi) / 2;
+    const double half = double{surfel.radius} * std::sqrt(kPi) / 2;  // m, half the edge of a square of the disc's area
     const Vec3d u = across * half;
     const Vec3d v = cross(normal, across) * half;
     const Vec3d middle(positions_[k]);
@@ -415,8 +432,7 @@ class CloudAsset {
     }
     if (image_ != nullptr) {
       const auto x = static_cast<double>(k % image_->width);
-      const std::size_t row = k / image_->width;
-      const auto y = static_cast<double>(row);
+      const auto y = static_cast<double>(k / image_->width);  // NOLINT(bugprone-integer-division): the row
       const Vec2f uv{static_cast<float>((x + 0.5) / image_->width), static_cast<float>((y + 0.5) / image_->height)};
       part.uvs.insert(part.uvs.end(), 4, uv);
     }

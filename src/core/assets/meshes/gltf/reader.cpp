@@ -267,43 +267,16 @@ class Reader {
   // Adds the instances of EXT_mesh_gpu_instancing: as InstancedParts, or as separate parts if a clip is loaded or if
   // fewer than two instances remain.
   void addInstances(const PlacedNode& placed, std::uint32_t number, const Attributes& attributes) {
-    const std::string what = fmt::format("the instances of '{}'", placed.name);
-    const auto numbers = [&](const char* name, std::size_t width, const std::vector<float>& fallback) {
-      const auto found = attributes.find(name);
-      if (found == attributes.end()) return fallback;
-      std::vector<float> values = data_.fractions(found->second, what);
-      if (model_.accessors[found->second].width != width) {
-        model_.fail(fmt::format("is not valid glTF: each {} of {} must have {} numbers", name, what, width));
-      }
-      return values;
-    };
-    const std::vector<float> translations = numbers("TRANSLATION", 3, {});
-    const std::vector<float> rotations = numbers("ROTATION", 4, {});
-    const std::vector<float> scales = numbers("SCALE", 3, {});
-    const std::size_t count = std::max({translations.size() / 3, rotations.size() / 4, scales.size() / 3});
-    chargeCopies(count, {model_.file.string()});
-    const auto at = [](const std::vector<float>& values, std::size_t i, double fallback) {
-      return i < values.size() ? static_cast<double>(values[i]) : fallback;
-    };
-    const Affine frame = assetFromFile_ * frameOf(placed);
-    std::vector<Affine> nodeFromMesh;
-    for (std::size_t i = 0; i < count; ++i) {
-      Node node;
-      for (std::size_t k = 0; k < 3; ++k) {
-        node.translation[k] = at(translations, 3 * i + k, 0);
-        node.scale[k] = at(scales, 3 * i + k, 1);
-      }
-      for (std::size_t k = 0; k < 4; ++k) node.rotation[k] = at(rotations, 4 * i + k, k == 3 ? 1 : 0);
-      const Affine local = localOf(node);
-      // Skips singular transforms, which would flatten the mesh to a plane, a line or a point.
-      if (!isSingular((frame * local).linear)) nodeFromMesh.push_back(local);
-    }
-    if (options_.clip || nodeFromMesh.size() < 2) {
-      uses_[*model_.nodes[placed.node].mesh] += nodeFromMesh.size();
+    const Affine assetFromNode = assetFromFile_ * frameOf(placed);
+    std::vector<Affine> nodeFromInstance = instanceTransforms(placed, attributes);
+    // Singular transforms would flatten the mesh to a plane, a line or a point.
+    std::erase_if(nodeFromInstance, [&](const Affine& t) { return isSingular((assetFromNode * t).linear); });
+    if (options_.clip || nodeFromInstance.size() < 2) {
+      uses_[*model_.nodes[placed.node].mesh] += nodeFromInstance.size();
       // Each copy gets a separate node index.
       const auto nodes = static_cast<std::uint32_t>(placed_.size());
-      for (std::uint32_t i = 0; i < nodeFromMesh.size(); ++i) {
-        append(asset_.parts, placed, number + i * nodes, frame * nodeFromMesh[i]);
+      for (std::uint32_t i = 0; i < nodeFromInstance.size(); ++i) {
+        append(asset_.parts, placed, number + i * nodes, assetFromNode * nodeFromInstance[i]);
       }
       return;
     }
@@ -311,8 +284,40 @@ class Reader {
     append(instanced.parts, placed, number, assetFromFile_);
     if (instanced.parts.empty()) return;
     const Affine fileFromAsset = inverse(assetFromFile_);
-    for (const Affine& local : nodeFromMesh) instanced.assetFromParts.push_back(frame * local * fileFromAsset);
+    for (const Affine& t : nodeFromInstance) instanced.assetFromParts.push_back(assetFromNode * t * fileFromAsset);
     asset_.instanced.push_back(std::move(instanced));
+  }
+
+  // Returns nodeFromInstance for each instance of a node.
+  std::vector<Affine> instanceTransforms(const PlacedNode& placed, const Attributes& attributes) const {
+    const std::string what = fmt::format("the instances of '{}'", placed.name);
+    const auto numbers = [&](const char* name, std::size_t width) {
+      const auto found = attributes.find(name);
+      if (found == attributes.end()) return std::vector<float>();
+      std::vector<float> values = data_.fractions(found->second, what);
+      if (model_.accessors[found->second].width != width) {
+        model_.fail(fmt::format("is not valid glTF: each {} of {} must have {} numbers", name, what, width));
+      }
+      return values;
+    };
+    const std::vector<float> translations = numbers("TRANSLATION", 3);
+    const std::vector<float> rotations = numbers("ROTATION", 4);
+    const std::vector<float> scales = numbers("SCALE", 3);
+    const std::size_t count = std::max({translations.size() / 3, rotations.size() / 4, scales.size() / 3});
+    chargeCopies(count, {model_.file.string()});
+    std::vector<Affine> transforms;
+    for (std::size_t i = 0; i < count; ++i) {
+      Node node;  // an instance has the transform of a node without the attributes that are absent
+      const auto take = [&](const std::vector<float>& values, auto& to) {
+        const std::size_t first = to.size() * i;
+        if (first < values.size()) std::copy_n(values.begin() + std::ptrdiff_t(first), to.size(), to.begin());
+      };
+      take(translations, node.translation);
+      take(rotations, node.rotation);
+      take(scales, node.scale);
+      transforms.push_back(localOf(node));
+    }
+    return transforms;
   }
 
   Model model_;
