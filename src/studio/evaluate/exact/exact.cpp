@@ -24,14 +24,14 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kGrid = 1024;           // spacing of possible world origins (m), on a grid around the scene's centre
-constexpr std::size_t kKeptOrigins = 2;  // number of cached worlds: two, for a path midway between two origins
-constexpr double kRounding = 0x1p-24;    // relative rounding error of a float32
-constexpr double kAlongAnAxis = 1e-12;   // smaller direction components become zero for Embree, see component()
+constexpr double kGrid = 1024;            // spacing of possible world origins (m), on a grid around the scene's centre
+constexpr std::size_t kCachedWorlds = 2;  // two, for a path midway between two origins
+constexpr double kRounding = 0x1p-24;     // relative rounding error of a float32
+constexpr double kAlongAnAxis = 1e-12;    // smaller direction components become zero for Embree, see component()
 
 // Two surfaces count as coplanar if their distance along the normal is at most kCoplanar x range + kFloor (m), the same
-// rule as in ray tracing with the sensor at the world's origin. kFloor is the rounding error of float32 corners near
-// the sensor.
+// rule as in ray tracing with the sensor at the world's origin. kFloor is the rounding error of float32 corners
+// worldNear the sensor.
 const double kFloor = double{coplanarFloor(0)};
 
 // Returns the maximum range (m) of surfaces that may be coplanar with the nearest surface, which is at `range` (m).
@@ -39,7 +39,7 @@ double reachOf(double range) {
   return range + (range * double{kReach} + kFloor);
 }
 
-struct TriangleMeet {
+struct TriangleHit {
   double range = 0;     // distance from the beam's origin (m); 0: the beam does not hit the triangle
   double u = 0, v = 0;  // barycentric coordinates of the second and third corner
 };
@@ -63,7 +63,7 @@ class ShearedBeam {
     scale_ = 1 / along;
   }
 
-  TriangleMeet meet(const Vec3d& a, const Vec3d& b, const Vec3d& c) const {
+  TriangleHit intersect(const Vec3d& a, const Vec3d& b, const Vec3d& c) const {
     const Vec3d p = sheared(a);
     const Vec3d q = sheared(b);
     const Vec3d r = sheared(c);
@@ -81,8 +81,8 @@ class ShearedBeam {
  private:
   static double component(const Vec3d& p, int axis) { return axis == 0 ? p.x : axis == 1 ? p.y : p.z; }
 
-  // Returns a corner in sheared coordinates. Its z coordinate is the distance along the axis z_; meet() converts its
-  // result to a distance along the beam.
+  // Returns a corner in sheared coordinates. Its z coordinate is the distance along the axis z_; intersect() converts
+  // its result to a distance along the beam.
   Vec3d sheared(const Vec3d& corner) const {
     const Vec3d p = corner - origin_;
     const double z = component(p, z_);
@@ -108,7 +108,7 @@ struct ExactWorld {
   double radius = 0;  // maximum distance of beam origins from the world's origin (m)
 };
 
-struct Found {
+struct CandidateHit {
   double range;            // distance of the hit along the beam (m)
   std::uint32_t placed;    // index into World::placed
   std::uint32_t triangle;  // index in the block of `placed`
@@ -119,8 +119,8 @@ struct ExactContext {
   EmbreeContext embree = newEmbreeContext();
   const ExactWorld* world;
   const ShearedBeam* beam;
-  double far;                 // hits beyond this range are ignored (m); shrinks when a nearer hit is found
-  std::vector<Found>* found;  // receives all hits within the final `far`, and some beyond it
+  double far;                        // hits beyond this range are ignored (m); shrinks when a nearer hit is found
+  std::vector<CandidateHit>* found;  // receives all hits within the final `far`, and some beyond it
 };
 
 struct WorldCorners {
@@ -134,11 +134,11 @@ WorldCorners cornersOf(const PlacedBlock& placed, std::uint32_t triangle) {
   return {corner(0), corner(1), corner(2)};
 }
 
-float below(double x) {
+float roundedDown(double x) {
   return std::nextafter(static_cast<float>(x), -std::numeric_limits<float>::infinity());
 }
 
-float above(double x) {
+float roundedUp(double x) {
   return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity());
 }
 
@@ -152,59 +152,59 @@ void boundTriangle(const RTCBoundsFunctionArguments* arguments) {
   const double farthest = std::max({length(t.a), length(t.b), length(t.c)});
   const double slack = 2 * (kRounding + kAlongAnAxis) * (2 * placement.radius + farthest);
   RTCBounds& bounds = *arguments->bounds_o;
-  bounds.lower_x = below(box.low.x - slack);
-  bounds.lower_y = below(box.low.y - slack);
-  bounds.lower_z = below(box.low.z - slack);
-  bounds.upper_x = above(box.high.x + slack);
-  bounds.upper_y = above(box.high.y + slack);
-  bounds.upper_z = above(box.high.z + slack);
+  bounds.lower_x = roundedDown(box.low.x - slack);
+  bounds.lower_y = roundedDown(box.low.y - slack);
+  bounds.lower_z = roundedDown(box.low.z - slack);
+  bounds.upper_x = roundedUp(box.high.x + slack);
+  bounds.upper_y = roundedUp(box.high.y + slack);
+  bounds.upper_z = roundedUp(box.high.z + slack);
 }
 
 // Intersects a ray with a triangle. Embree traces single rays here, so only lane 0 of the packet is used.
-void meetTriangle(const RTCIntersectFunctionNArguments* arguments) {
+void intersectTriangle(const RTCIntersectFunctionNArguments* arguments) {
   if (arguments->valid[0] == 0) return;
   auto& context = *reinterpret_cast<ExactContext*>(arguments->context);
   const PlacedBlock& placed = *static_cast<const PlacedGeometry*>(arguments->geometryUserPtr)->placed;
   const std::uint32_t triangle = arguments->primID;
   const WorldCorners t = cornersOf(placed, triangle);
-  const TriangleMeet meet = context.beam->meet(t.a, t.b, t.c);
-  if (!(meet.range > 0) || meet.range > context.far) return;
+  const TriangleHit hit = context.beam->intersect(t.a, t.b, t.c);
+  if (!(hit.range > 0) || hit.range > context.far) return;
   const TriangleBlock& block = *placed.block;
-  if (triangle >= block.firstAlpha && transparentAt(context.world->world, block, triangle, meet.u, meet.v)) return;
-  context.found->push_back({meet.range, arguments->geomID, triangle});
-  const double far = reachOf(meet.range);
+  if (triangle >= block.firstAlpha && transparentAt(context.world->world, block, triangle, hit.u, hit.v)) return;
+  context.found->push_back({hit.range, arguments->geomID, triangle});
+  const double far = reachOf(hit.range);
   if (far >= context.far) return;
   context.far = far;
-  RTCRayN_tfar(RTCRayHitN_RayN(arguments->rayhit, 1), 1, 0) = above(far);
+  RTCRayN_tfar(RTCRayHitN_RayN(arguments->rayhit, 1), 1, 0) = roundedUp(far);
 }
 
 // Returns a sort key that decides between coplanar surfaces: the hit with the lowest key wins, as in the filter of the
 // ray-tracing method for a flattened scene.
-auto rank(const World& world, const Found& f) {
+auto rank(const World& world, const CandidateHit& f) {
   const PlacedBlock& placed = world.placed[f.placed];
   const std::uint32_t id = instanceId(placed.firstInstanceId, placed.block->surfaceOf(f.triangle).instance);
   return std::tuple(id, f.triangle >= placed.block->firstAlpha, f.placed, f.triangle);
 }
 
-double cosineOf(const World& world, const Found& f, const Vec3d& direction) {
+double incidenceCosine(const World& world, const CandidateHit& f, const Vec3d& direction) {
   const PlacedBlock& placed = world.placed[f.placed];
   return std::abs(dot(normalized(placed.normalFromMesh * placed.block->triangles[f.triangle].normal), direction));
 }
 
 // Returns the hit that counts: among the hits that are coplanar with the nearest hit, the one with the lowest rank(),
 // whatever the order of `found`. `found` must not be empty.
-Found firstOf(const World& world, const std::vector<Found>& found, const Vec3d& direction) {
+CandidateHit countingHit(const World& world, const std::vector<CandidateHit>& found, const Vec3d& direction) {
   if (found.size() == 1) return found.front();
-  const Found nearest = *std::ranges::min_element(found, [&](const Found& a, const Found& b) {
+  const CandidateHit nearest = *std::ranges::min_element(found, [&](const CandidateHit& a, const CandidateHit& b) {
     return a.range != b.range ? a.range < b.range : rank(world, a) < rank(world, b);
   });
   const double far = reachOf(nearest.range);
   const double tolerance = double{kCoplanar} * nearest.range + kFloor;
-  const double cosine = cosineOf(world, nearest, direction);
-  Found first = nearest;
-  for (const Found& f : found) {
+  const double cosine = incidenceCosine(world, nearest, direction);
+  CandidateHit first = nearest;
+  for (const CandidateHit& f : found) {
     if (f.range > far || !(rank(world, f) < rank(world, first))) continue;
-    const double apart = (f.range - nearest.range) * std::max(cosine, cosineOf(world, f, direction));
+    const double apart = (f.range - nearest.range) * std::max(cosine, incidenceCosine(world, f, direction));
     if (apart <= tolerance) first = f;
   }
   return first;
@@ -226,7 +226,7 @@ void findTriangles(const Vec3d& origin, const Vec3d& direction, ExactContext& co
              component(direction.y),
              component(direction.z),
              0,
-             above(context.far),
+             roundedUp(context.far),
              ~0u,
              0,
              0};
@@ -235,15 +235,15 @@ void findTriangles(const Vec3d& origin, const Vec3d& direction, ExactContext& co
   intersectOne(context.world->world.embree.get(), context.embree, ray);
 }
 
-SceneHandle hierarchyOf(RTCDevice device, const ExactWorld& made) {
+SceneHandle hierarchyOf(RTCDevice device, const ExactWorld& built) {
   SceneHandle scene(rtcNewScene(device), rtcReleaseScene);
   rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
-  for (std::uint32_t i = 0; i < made.placements.size(); ++i) {
+  for (std::uint32_t i = 0; i < built.placements.size(); ++i) {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
-    rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(made.world.placed[i].block->triangles.size()));
-    rtcSetGeometryUserData(geometry, const_cast<PlacedGeometry*>(&made.placements[i]));
+    rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(built.world.placed[i].block->triangles.size()));
+    rtcSetGeometryUserData(geometry, const_cast<PlacedGeometry*>(&built.placements[i]));
     rtcSetGeometryBoundsFunction(geometry, boundTriangle, nullptr);
-    rtcSetGeometryIntersectFunction(geometry, meetTriangle);
+    rtcSetGeometryIntersectFunction(geometry, intersectTriangle);
     rtcCommitGeometry(geometry);
     rtcAttachGeometryByID(scene.get(), geometry, i);
     rtcReleaseGeometry(geometry);
@@ -273,11 +273,11 @@ class ExactTracer::Impl {
     const BeamTable& beams = *shot.beams;
     out.hits.reset(beams.rings, beams.columns, channels);
     out.range.resize(out.hits.size());
-    const std::shared_ptr<const ExactWorld> world = near(shot);
+    const std::shared_ptr<const ExactWorld> world = worldNear(shot);
     const ShotFrame frame = frameOf(shot, world->world.origin);
     const std::uint32_t across = (beams.columns + kPacket - 1) / kPacket;
     parallelFor(std::size_t{across} * beams.rings, 64, [&](std::size_t first, std::size_t last) {
-      std::vector<Found> found;
+      std::vector<CandidateHit> found;
       for (std::size_t i = first; i < last; ++i) {
         const auto ring = static_cast<std::uint32_t>(i / across);
         const auto column = static_cast<std::uint32_t>(i % across) * kPacket;
@@ -289,7 +289,7 @@ class ExactTracer::Impl {
 
  private:
   void traceTile(const ExactWorld& world, const Shot& shot, const ShotFrame& frame, const Tile& tile,
-                 std::vector<Found>& found, ExactHits& out) const {
+                 std::vector<CandidateHit>& found, ExactHits& out) const {
     Rays rays;
     setUpRays(shot, frame, tile, rays);
     HitPlanes resolved;
@@ -308,7 +308,7 @@ class ExactTracer::Impl {
       context.found = &found;
       findTriangles(origin, direction, context);
       if (found.empty()) continue;
-      const Found first = firstOf(world.world, found, direction);
+      const CandidateHit first = countingHit(world.world, found, direction);
       const PlacedBlock& placed = world.world.placed[first.placed];
       triangles[i] = {placed.block, &placed, first.triangle};
       loadPlane(triangles[i], 0, resolved, i);
@@ -321,7 +321,7 @@ class ExactTracer::Impl {
 
   // Returns the world at the possible origin that is nearest to the sensor; builds it if it is not cached. Its radius
   // includes all points from which beams of the shot start.
-  std::shared_ptr<const ExactWorld> near(const Shot& shot) const {
+  std::shared_ptr<const ExactWorld> worldNear(const Shot& shot) const {
     const auto cell = [](double d) { return std::round(d / kGrid) * kGrid; };
     const Vec3d offset = shot.worldFromSensor.front().translation - anchor_;
     const Vec3d origin = anchor_ + Vec3d{cell(offset.x), cell(offset.y), cell(offset.z)};
@@ -334,25 +334,25 @@ class ExactTracer::Impl {
 
     const std::scoped_lock lock(mutex_);
     return worlds_.findOrAdd(
-        [&](const auto& known) { return known->world.origin == origin && known->radius >= radius; }, kKeptOrigins,
+        [&](const auto& known) { return known->world.origin == origin && known->radius >= radius; }, kCachedWorlds,
         [&] { return build(origin, radius); });
   }
 
   std::shared_ptr<const ExactWorld> build(const Vec3d& origin, double radius) const {
-    auto made = std::make_shared<ExactWorld>();
-    World& world = made->world;
+    auto built = std::make_shared<ExactWorld>();
+    World& world = built->world;
     world.origin = origin;
     world.scene = &scene_;
-    made->radius = radius;
+    built->radius = radius;
     for (const Instance& instance : scene_.instances) {
       const Affine originFromMesh{instance.worldFromMesh.linear, instance.worldFromMesh.translation - origin};
       world.placed.push_back({blocks_[instance.mesh].get(), originFromMesh, transposed(inverse(originFromMesh.linear)),
                               instance.firstInstanceId});
     }
-    made->placements.reserve(world.placed.size());
-    for (const PlacedBlock& placed : world.placed) made->placements.push_back({&placed, radius});
-    world.embree = hierarchyOf(device_.get(), *made);
-    return made;
+    built->placements.reserve(world.placed.size());
+    for (const PlacedBlock& placed : world.placed) built->placements.push_back({&placed, radius});
+    world.embree = hierarchyOf(device_.get(), *built);
+    return built;
   }
 
   const Scene& scene_;

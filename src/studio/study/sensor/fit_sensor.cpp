@@ -14,13 +14,13 @@ namespace {
 
 constexpr std::size_t kFewestInRing = 20;  // least number of points in a ring that is used
 // Columns whose angle differs by at most this fraction from a full revolution count as a full revolution.
-constexpr double kNearlyWhole = 0.015;
+constexpr double kTurnTolerance = 0.015;
 constexpr double kSpreadWanted = 1;    // least standard deviation (m) of a ring's axis distances, to find the origin
-constexpr double kSurely = 3;          // number of standard errors from which an offset counts as not zero
+constexpr double kSignificant = 3;     // number of standard errors from which an offset counts as not zero
 constexpr double kLeastOffset = 2e-3;  // smaller offsets (m) count as zero
 
 struct Point {
-  Vec3d place;
+  Vec3d position;  // in the sensor's frame (m)
   std::uint32_t column;
   std::optional<double> time;
 };
@@ -40,52 +40,61 @@ double circularMedian(const std::vector<double>& angles) {
 }
 
 double azimuthOf(const Point& p) {
-  return std::atan2(p.place.y, p.place.x);
+  return std::atan2(p.position.y, p.position.x);
 }
 
 double axisDistance(const Point& p) {
-  return std::hypot(p.place.x, p.place.y);
+  return std::hypot(p.position.x, p.position.y);
 }
 
 // The line z = intercept + slope * rho through the points of a ring, where rho is the distance from the z axis (m).
-struct Line {
+struct RingLine {
   double slope = 0, intercept = 0, error = 0;  // `error`: standard error of the intercept (m)
+
+  double residual(const Point& p) const { return p.position.z - intercept - slope * axisDistance(p); }
 };
 
-std::optional<Line> lineOf(const std::vector<Point>& points) {
-  std::vector<const Point*> kept(points.size());
-  std::transform(points.begin(), points.end(), kept.begin(), [](const Point& p) { return &p; });
-  std::optional<Line> line;
+// Fits a line by least squares. Returns nothing if there are too few points, or if their distances from the axis differ
+// too little.
+std::optional<RingLine> fitLine(const std::vector<const Point*>& points) {
+  const auto n = static_cast<double>(points.size());
+  if (points.size() < kFewestInRing) return std::nullopt;
+  double sumX = 0, sumY = 0, sumXX = 0, sumXY = 0;
+  for (const Point* p : points) {
+    const double x = axisDistance(*p), y = p->position.z;
+    sumX += x, sumY += y, sumXX += x * x, sumXY += x * y;
+  }
+  const double variance = sumXX / n - sumX / n * (sumX / n);
+  if (!(variance > kSpreadWanted * kSpreadWanted)) return std::nullopt;
+  RingLine line;
+  line.slope = (sumXY / n - sumX / n * (sumY / n)) / variance;
+  line.intercept = (sumY - line.slope * sumX) / n;
+  double squares = 0;
+  for (const Point* p : points) squares += line.residual(*p) * line.residual(*p);
+  line.error = std::sqrt(squares / n * (sumXX / n) / (n * variance)) + 1e-6;
+  return line;
+}
+
+// Fits a line to the points of a ring, three times; after each fit, removes points that are far from the line.
+std::optional<RingLine> lineOf(const std::vector<Point>& ring) {
+  constexpr double kFar = 4;  // multiple of the median residual
+  std::vector<const Point*> points;
+  for (const Point& p : ring) points.push_back(&p);
+  std::optional<RingLine> line;
   for (int round = 0; round < 3; ++round) {
-    const auto n = static_cast<double>(kept.size());
-    if (kept.size() < kFewestInRing) return std::nullopt;
-    double sumX = 0, sumY = 0, sumXX = 0, sumXY = 0;
-    for (const Point* p : kept) {
-      const double x = axisDistance(*p);
-      sumX += x, sumY += p->place.z, sumXX += x * x, sumXY += x * p->place.z;
-    }
-    const double spread = sumXX / n - sumX / n * (sumX / n);
-    if (!(spread > kSpreadWanted * kSpreadWanted)) return std::nullopt;
-    const double slope = (sumXY / n - sumX / n * (sumY / n)) / spread;
-    const double intercept = (sumY - slope * sumX) / n;
-    std::vector<double> off;
-    double squares = 0;
-    for (const Point* p : kept) {
-      const double e = p->place.z - intercept - slope * axisDistance(*p);
-      off.push_back(std::fabs(e));
-      squares += e * e;
-    }
-    line = Line{slope, intercept, std::sqrt(squares / n * (sumXX / n) / (n * spread)) + 1e-6};
-    const double most = 4 * medianOf(off) + 1e-9;
-    std::erase_if(kept,
-                  [&](const Point* p) { return std::fabs(p->place.z - intercept - slope * axisDistance(*p)) > most; });
+    line = fitLine(points);
+    if (!line) return line;
+    std::vector<double> residuals;
+    for (const Point* p : points) residuals.push_back(std::fabs(line->residual(*p)));
+    const double most = kFar * medianOf(std::move(residuals)) + 1e-9;
+    std::erase_if(points, [&](const Point* p) { return std::fabs(line->residual(*p)) > most; });
   }
   return line;
 }
 
-class Fitter {
+class SensorFitter {
  public:
-  explicit Fitter(const std::vector<Scan>& scans) {
+  explicit SensorFitter(const std::vector<Scan>& scans) {
     if (scans.empty()) throw InputError("fit-sensor: no scans are given");
     PointKey extent{0, 0, 0};
     for (const Scan& scan : scans) {
@@ -108,12 +117,12 @@ class Fitter {
   }
 
   SensorFit fit() {
-    findStep();
+    findColumnStep();
     findOffsets(0);
     findOrigin();
     findOffsets(fit_.originOffset);
     findElevations();
-    fillBare();
+    fillBareRings();
     findTimes();
     return std::move(fit_);
   }
@@ -136,7 +145,7 @@ class Fitter {
 
   // Calls visit(a, b) for pairs of points in the same ring, where b is `apart` columns after a. If a column has several
   // points, only the last of them is used.
-  void forPairs(std::uint32_t apart, const auto& visit) const {
+  void forEachPair(std::uint32_t apart, const auto& visit) const {
     std::vector<const Point*> byColumn(fit_.columns);
     for (const std::vector<Point>& ring : rings_) {
       std::ranges::fill(byColumn, nullptr);
@@ -148,9 +157,9 @@ class Fitter {
   }
 
   // Finds the rotation of the sensor's head from column to column (rad); negative if clockwise.
-  void findStep() {
+  void findColumnStep() {
     std::vector<double> steps;
-    forPairs(1, [&](const Point& a, const Point& b) { steps.push_back(wrapped(azimuthOf(b) - azimuthOf(a))); });
+    forEachPair(1, [&](const Point& a, const Point& b) { steps.push_back(wrapped(azimuthOf(b) - azimuthOf(a))); });
     if (steps.size() < kFewestInRing)
       throw InputError("the scans have too few pairs of points in neighbouring columns: give scans with more returns");
     step_ = medianOf(steps);
@@ -158,22 +167,22 @@ class Fitter {
     // from the previous, less exact step.
     for (std::uint32_t apart = 4; apart < fit_.columns; apart *= 4) {
       steps.clear();
-      forPairs(apart, [&](const Point& a, const Point& b) {
+      forEachPair(apart, [&](const Point& a, const Point& b) {
         steps.push_back(step_ + wrapped(azimuthOf(b) - azimuthOf(a) - step_ * apart) / apart);
       });
       if (steps.size() >= kFewestInRing) step_ = medianOf(steps);
     }
     fit_.clockwise = step_ < 0;
     const double turn = std::fabs(step_) * fit_.columns;
-    if (turn > 2 * kPi * (1 + kNearlyWhole)) {
+    if (turn > 2 * kPi * (1 + kTurnTolerance)) {
       throw InputError(
           fmt::format("{} columns of {:.4f} deg are more than a revolution: are these scans of several sensors, or are "
                       "their columns not in the order of the azimuths?",
                       fit_.columns, degrees(std::fabs(step_))));
     }
-    const bool whole = turn > 2 * kPi * (1 - kNearlyWhole);
-    if (whole) step_ = (fit_.clockwise ? -2 : 2) * kPi / fit_.columns;
-    fit_.field = whole ? 2 * kPi : std::fabs(step_) * (fit_.columns - 1);
+    const bool fullTurn = turn > 2 * kPi * (1 - kTurnTolerance);
+    if (fullTurn) step_ = (fit_.clockwise ? -2 : 2) * kPi / fit_.columns;
+    fit_.field = fullTurn ? 2 * kPi : std::fabs(step_) * (fit_.columns - 1);
   }
 
   // Returns the angle (rad) of a point's beam relative to the head's azimuth. `origin`: distance of the beam's origin
@@ -185,8 +194,9 @@ class Fitter {
     return std::atan2(far * std::sin(turned), far * std::cos(turned) - origin);
   }
 
+  // Finds the azimuth offset of each ring, and shifts the first azimuth so that their median is 0.
   void findOffsets(double origin) {
-    std::vector<double> known;
+    std::vector<double> known;  // offsets of the rings with enough points (rad)
     fit_.azimuthOffset.assign(fit_.rings, 0);
     for (std::uint32_t ring = 0; ring < fit_.rings; ++ring) {
       if (rings_[ring].size() < kFewestInRing) continue;
@@ -209,11 +219,11 @@ class Fitter {
   }
 
   // Finds the beams' origin. In each ring, intercept = height - offset * cos(azimuth offset) * slope, a linear equation
-  // for the height and the offset of the origin.
+  // for the height and the offset of the origin, which are fitted by weighted least squares.
   void findOrigin() {
-    double w = 0, wx = 0, wy = 0, wxx = 0, wxy = 0;
+    double w = 0, wx = 0, wy = 0, wxx = 0, wxy = 0;  // sums of weights, times x, times y and so on
     for (std::uint32_t ring = 0; ring < fit_.rings; ++ring) {
-      const std::optional<Line> line = lineOf(rings_[ring]);
+      const std::optional<RingLine> line = lineOf(rings_[ring]);
       if (!line) continue;
       const double weight = 1 / (line->error * line->error);
       const double x = -std::cos(fit_.azimuthOffset[ring]) * line->slope;
@@ -225,10 +235,10 @@ class Fitter {
     if (det > 1e-12 * w * wxx) {
       const double offset = (w * wxy - wx * wy) / det;
       const double error = std::sqrt(w / det);
-      if (offset > std::max(kLeastOffset, kSurely * error)) fit_.originOffset = offset;
+      if (offset > std::max(kLeastOffset, kSignificant * error)) fit_.originOffset = offset;
     }
     const double height = (wy - fit_.originOffset * wx) / w;
-    if (std::fabs(height) > std::max(kLeastOffset, kSurely * std::sqrt(1 / w))) fit_.originHeight = height;
+    if (std::fabs(height) > std::max(kLeastOffset, kSignificant * std::sqrt(1 / w))) fit_.originHeight = height;
   }
 
   void findElevations() {
@@ -245,7 +255,7 @@ class Fitter {
       for (const Point& p : rings_[ring]) {
         const double far = axisDistance(p);
         const double level = std::sqrt(std::max(far * far - across * across, 0.0)) - along;
-        angles.push_back(std::atan2(p.place.z - fit_.originHeight, level));
+        angles.push_back(std::atan2(p.position.z - fit_.originHeight, level));
       }
       fit_.elevation[ring] = medianOf(angles);
       for (const double a : angles) off.push_back(std::fabs(a - fit_.elevation[ring]));
@@ -256,29 +266,32 @@ class Fitter {
 
   // Sets the elevations of rings with too few points. Uses the line through the elevations of the two nearest rings
   // with enough points, over the ring number; if only one ring has enough, its elevation.
-  void fillBare() {
+  void fillBareRings() {
     const auto known = [&](std::int64_t ring) {
       return ring >= 0 && ring < fit_.rings && rings_[static_cast<std::size_t>(ring)].size() >= kFewestInRing;
     };
     for (const std::uint32_t bare : fit_.bareRings) {
-      std::vector<std::uint32_t> near;
-      for (std::int64_t far = 1; far < fit_.rings && near.size() < 2; ++far) {
-        for (const std::int64_t ring : {bare - far, bare + far}) {
+      std::vector<std::uint32_t> near;  // the nearest rings with enough points, at most two
+      for (std::int64_t apart = 1; apart < fit_.rings && near.size() < 2; ++apart) {
+        for (const std::int64_t ring : {bare - apart, bare + apart}) {
           if (known(ring) && near.size() < 2) near.push_back(static_cast<std::uint32_t>(ring));
         }
       }
-      const double a = fit_.elevation[near.front()];
-      const double b = near.size() < 2 ? a : fit_.elevation[near[1]];
-      const double apart = near.size() < 2 ? 1 : static_cast<double>(near[1]) - static_cast<double>(near[0]);
-      const double part = (static_cast<double>(bare) - static_cast<double>(near[0])) / apart;
-      fit_.elevation[bare] = std::clamp(a + (b - a) * part, -kPi / 2, kPi / 2);
+      double elevation = fit_.elevation[near[0]];
+      if (near.size() == 2) {
+        const double part = (static_cast<double>(bare) - static_cast<double>(near[0])) /
+                            (static_cast<double>(near[1]) - static_cast<double>(near[0]));
+        elevation += (fit_.elevation[near[1]] - elevation) * part;
+      }
+      fit_.elevation[bare] = std::clamp(elevation, -kPi / 2, kPi / 2);
     }
   }
 
+  // Finds the duration of a revolution, and when each ring fires after the first.
   void findTimes() {
     const auto stepsOver = [&](std::uint32_t apart) {
       std::vector<double> steps;
-      forPairs(apart, [&](const Point& a, const Point& b) {
+      forEachPair(apart, [&](const Point& a, const Point& b) {
         if (a.time && b.time) steps.push_back((*b.time - *a.time) / apart);
       });
       return steps;
@@ -320,7 +333,7 @@ std::string listOf(const std::vector<double>& values, double unit, int digits) {
 }  // namespace
 
 SensorFit fitSensor(const std::vector<Scan>& scans) {
-  return Fitter(scans).fit();
+  return SensorFitter(scans).fit();
 }
 
 std::string sensorYaml(const SensorFit& fit, const std::string& source) {
