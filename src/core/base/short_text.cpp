@@ -52,4 +52,41 @@ std::string extentText(const Box& box) {
   return fmt::format("{} x {} x {} m", edge(size.x), edge(size.y), edge(size.z));
 }
 
+namespace {
+
+constexpr std::pair<double, const char*> kSiPrefixes[]{{1e12, "T"},        {1e9, "G"},  {1e6, "M"},
+                                                       {1e3, "k"},         {1.0, ""},   {1e-3, "m"},
+                                                       {1e-6, "\xC2\xB5"}, {1e-9, "n"}, {1e-12, "p"}};
+
+std::string plainNumber(double value) {
+  std::string text = fmt::format("{:.6g}", value);
+  if (const std::size_t e = text.find("e-0"); e != std::string::npos) text.erase(e + 2, 1);
+  return text;
+}
+
+}  // namespace
+
+double niceStep(double least) {
+  const double power = std::pow(10, std::floor(std::log10(least)));
+  for (const double factor : {1.0, 2.0, 5.0}) {
+    if (factor * power >= least * (1 - 1e-9)) return factor * power;
+  }
+  return 10 * power;
+}
+
+std::string axisNumber(double value, const std::string& unit) {
+  if (unit == "%") return plainNumber(value * 100) + " %";
+  const double size = std::abs(value);
+  const std::string space = unit.empty() ? "" : " ";
+  if (size == 0) return "0" + space + unit;
+  if (!(size < 1 && unit.empty()) && size < 1e16) {
+    for (const auto& [factor, prefix] : kSiPrefixes) {
+      if (size < factor * (1 - 1e-9)) continue;
+      const std::string unitText = prefix + unit;
+      return plainNumber(value / factor) + (unitText.empty() ? "" : " " + unitText);
+    }
+  }
+  return plainNumber(value) + space + unit;
+}
+
 }  // namespace scanmill

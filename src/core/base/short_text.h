@@ -14,6 +14,12 @@ namespace scanmill {
 // Returns a number with three digits and a decimal prefix: "12.3 M", "456 k", "7".
 std::string shortNumber(double value);
 
+// Returns the smallest number that is at least `least` and equals 1, 2 or 5 times a power of ten.
+double niceStep(double least);
+
+// Formats a number as the label of an axis with this unit, such as "0.001", "10 k", "1 M", "10 µm" or "0.1 %".
+std::string axisNumber(double value, const std::string& unit);
+
 // Returns a number with its digits in groups of three: "1,234,567".
 inline std::string grouped(std::uint64_t number) {
   std::string digits = std::to_string(number);

@@ -72,12 +72,6 @@ struct Chart {
 // True if at least one point is finite and can be drawn.
 bool hasPoints(const Chart& chart);
 
-// Returns the smallest number that is at least `least` and equals 1, 2 or 5 times a power of ten.
-double niceStep(double least);
-
-// Formats a number like the labels of an axis with this unit, such as "0.001", "10 k", "1 M", "10 µm" or "0.1 %".
-std::string axisNumber(double value, const std::string& unit);
-
 // Returns an SVG document with a light and a dark colour scheme; the reader's settings decide which is shown. Labels
 // are text elements, not outlines. If no point is finite, the chart shows "no data".
 std::string drawSvg(const Chart& chart);

@@ -12,7 +12,6 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/short_text.h"
-#include "charts/chart.h"
 #include "scan/reasons.h"
 
 namespace scanmill {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "base/short_text.h"
 #include "charts/svg_text.h"
 #include "tests/studio/charts/svg_check.h"
 

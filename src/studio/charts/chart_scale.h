@@ -1,0 +1,42 @@
+#pragma once
+
+// The scale of a chart's axis: where values are along it, and which have a label.
+
+#include <string>
+#include <vector>
+
+#include "charts/chart.h"
+
+namespace scanmill {
+
+// Maps values to positions along an axis, from 0 at its start to 1 at its end. A logarithmic axis with values of zero
+// and below shows these in a band at its start.
+class ChartScale {
+ public:
+  static constexpr double kBand = 0.1;  // length of the band for values of zero and below
+
+  struct Tick {
+    double position;
+    std::string text;
+  };
+
+  // `values`: what is drawn along the axis. `fromZero`: the axis includes 0, where bars begin. `most`: number of labels
+  // for which there is room.
+  ChartScale(const ChartAxis& axis, const std::vector<double>& values, bool fromZero, double most);
+
+  double at(double value) const;
+  bool hasBand() const { return hasBand_; }
+  const std::vector<Tick>& ticks() const { return ticks_; }
+
+ private:
+  double mapped(double value) const;
+  void widen(bool fromZero);
+  void addLinearTicks(const std::string& unit, double most);
+  void addLogarithmicTicks(const std::string& unit, double most);
+
+  bool log_, hasBand_;
+  double low_, high_;  // ends of the axis without the band: values, or their logarithms to base 10
+  std::vector<Tick> ticks_;
+};
+
+}  // namespace scanmill
