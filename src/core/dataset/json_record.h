@@ -52,27 +52,52 @@ class RecordKeys {
   // A key that every record has.
   template <class T, class... Limits>
   void operator()(const char* key, T& value, const Limits&... limits) {
-    entry(true, true, key, value, limits...);
+    custom(key, writing(key, value), reading(value, limits...));
+  }
+  // A key that is always written, but may be missing where another version or another program wrote the record.
+  template <class T, class... Limits>
+  void mayBeMissing(const char* key, T& value, const Limits&... limits) {
+    optionalIf(true, key, value, limits...);
   }
   // A key that is left out if the value is that of an empty record, or unless `written` is true.
   template <class T, class... Limits>
   void optional(const char* key, T& value, const Limits&... limits) {
-    entry(false, value != T{}, key, value, limits...);
+    optionalIf(value != T{}, key, value, limits...);
   }
   template <class T, class... Limits>
   void optionalIf(bool written, const char* key, T& value, const Limits&... limits) {
-    entry(false, written, key, value, limits...);
+    const auto write = writing(key, value);
+    customOptional(
+        key, [&] { return written ? write() : kAbsent; }, reading(value, limits...));
   }
-  // A key whose JSON write() returns (kAbsent: none) and read(node) reads.
+  // A key with a fixed text. A record with another text is refused.
+  void fixed(const char* key, std::string_view text) {
+    custom(
+        key, [&] { return OrderedJson(text); },
+        [&](const JsonNode& node) {
+          if (node.text() != text) node.fail(fmt::format("is not '{}'", text));
+        });
+  }
+  // A key that is not written any more, and not read.
+  void former(const char* key) {
+    customOptional(
+        key, [] { return kAbsent; }, [](const JsonNode&) {});
+  }
+  // A key that every record has, whose JSON write() returns and read(node) reads.
   template <class Write, class Read>
-  void custom(bool required, const char* key, const Write& write, const Read& read) {
+  void custom(const char* key, const Write& write, const Read& read) {
+    if (!writes_ && !reads()) all.emplace_back(key);
+    if (writes_) json[key] = write();
+    if (reads()) read((*node_)[key]);
+  }
+  // The same for a key that may be missing; it is not written if write() returns kAbsent.
+  template <class Write, class Read>
+  void customOptional(const char* key, const Write& write, const Read& read) {
+    if (!writes_ && !reads()) others.emplace_back(key);
     if (writes_) {
-      if (OrderedJson entry = write(); !entry.is_discarded()) json[key] = std::move(entry);
-    } else if (!reads()) {
-      (required ? all : others).emplace_back(key);
-    } else if (required || node_->has(key)) {
-      read((*node_)[key]);
+      if (OrderedJson value = write(); !value.is_discarded()) json[key] = std::move(value);
     }
+    if (reads() && node_->has(key)) read((*node_)[key]);
   }
   // A map of its own, whose keys fill(keys) describes.
   template <class Fill>
@@ -82,7 +107,7 @@ class RecordKeys {
       fill(nested);
       return nested.json;
     };
-    custom(true, key, write, [&](const JsonNode& node) {
+    custom(key, write, [&](const JsonNode& node) {
       RecordKeys list, nested(node, context);
       fill(list);
       node.keys(list.all, list.others);
@@ -97,13 +122,16 @@ class RecordKeys {
   OrderedJson json = OrderedJson::object();   // the record that was written
 
  private:
+  template <class T>
+  auto writing(const char* key, const T& value) const {
+    return [this, key, &value] { return jsonOf(value, name_ + "/" + key, context); };
+  }
   template <class T, class... Limits>
-  void entry(bool required, bool written, const char* key, T& value, const Limits&... limits) {
-    const auto write = [&] { return written ? jsonOf(value, name_ + "/" + key, context) : kAbsent; };
-    custom(required, key, write, [&](const JsonNode& node) {
+  auto reading(T& value, const Limits&... limits) const {
+    return [&](const JsonNode& node) {
       readJson(node, value, context);
       (limits(node), ...);
-    });
+    };
   }
 
   bool writes_ = false;

@@ -62,8 +62,7 @@ static void describe(RecordKeys& keys, Manifest& m) {
   int version = Manifest::kSchemaVersion;
   keys("schema_version", version);
   keys.map("program", [&](RecordKeys& program) {
-    program.custom(
-        true, "name", [] { return OrderedJson("scanmill"); }, [](const JsonNode&) {});
+    program.fixed("name", "scanmill");
     program("version", m.programVersion);
   });
   keys("name", m.name);
@@ -73,18 +72,12 @@ static void describe(RecordKeys& keys, Manifest& m) {
     pipeline("text", m.pipelineText);
   });
   keys.map("units", [](RecordKeys& units) {
-    constexpr std::pair<const char*, const char*> kUnits[] = {
-        {"length", "metres"}, {"time", "seconds"}, {"angle", "radians"}};
-    for (const auto& [quantity, unit] : kUnits) {
-      units.custom(
-          true, quantity, [&] { return OrderedJson(unit); },
-          [&](const JsonNode& node) {
-            if (node.text() != unit) node.fail(fmt::format("is not '{}'", unit));
-          });
-    }
+    units.fixed("length", "metres");
+    units.fixed("time", "seconds");
+    units.fixed("angle", "radians");
   });
   keys.custom(
-      true, "frames", [&] { return framesJson(m); },
+      "frames", [&] { return framesJson(m); },
       [](const JsonNode& node) {
         node.forEachEntry([](const std::string&, const JsonNode& meaning) { meaning.text(); });
       });
@@ -96,32 +89,30 @@ static void describe(RecordKeys& keys, Manifest& m) {
   keys("formats", m.formats);
   keys("ontology", m.ontology);
   keys("sensors", m.sensors);
-  keys.optionalIf(true, "sequences", m.sequences);
+  keys.mayBeMissing("sequences", m.sequences);
   keys.custom(
-      true, "modelled", [&] { return jsonOf(m.modelled, "modelled"); },
+      "modelled", [&] { return jsonOf(m.modelled, "modelled"); },
       [&](const JsonNode& list) { readModelled(list, version < 3, m.modelled); });
-  keys.optionalIf(true, "files", m.files);
+  keys.mayBeMissing("files", m.files);
   keys("shards", m.shards);
   keys.custom(
-      true, "samples", [] { return OrderedJson(); },
+      "samples", [] { return OrderedJson(); },
       [&](const JsonNode& node) {
         readJson(node, m.samples, {&m.ontology, &m});
         distinct("key")(node);
       });
-  keys.custom(
-      false, "about", [&] { return m.about.empty() ? kAbsent : OrderedJson(m.about); },
+  keys.customOptional(
+      "about", [&] { return m.about.empty() ? kAbsent : OrderedJson(m.about); },
       [&](const JsonNode& about) {
         about.keys({}, {"description", "license", "creator", "url", "citation"});
         about.forEachEntry([&](const std::string& key, const JsonNode& text) { m.about.emplace(key, text.text()); });
       });
   keys.optional("plan_sha256", m.planSha256, kSha256Digits);
-  keys.custom(
-      false, "digest", [] { return OrderedJson(kNoDigest); }, [](const JsonNode& node) { node.sha256(); });
+  keys.customOptional(
+      "digest", [] { return OrderedJson(kNoDigest); }, [](const JsonNode& node) { node.sha256(); });
   // Manifests of earlier versions may have the choice of a method, and times, which differ between machines.
-  for (const char* const former : {"method_choice", "stages"}) {
-    keys.custom(
-        false, former, [] { return kAbsent; }, [](const JsonNode&) {});
-  }
+  keys.former("method_choice");
+  keys.former("stages");
 }
 
 namespace {

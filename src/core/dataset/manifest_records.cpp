@@ -167,7 +167,7 @@ void describe(RecordKeys& keys, SensorRecord& sensor) {
 void describeClassName(RecordKeys& keys, const char* key, const std::uint16_t& id) {
   const Ontology* const ontology = keys.context.ontology;
   keys.custom(
-      true, key, [&] { return ontology == nullptr ? kAbsent : OrderedJson(requireClass(id, key, *ontology).name); },
+      key, [&] { return ontology == nullptr ? kAbsent : OrderedJson(requireClass(id, key, *ontology).name); },
       [&](const JsonNode& node) {
         const SemanticClass* const known = ontology->find(id);
         if (known == nullptr) node.fail(fmt::format("class {} is not in ontology '{}'", id, ontology->name));
@@ -252,8 +252,8 @@ void describe(RecordKeys& keys, ScanRecord& scan) {
       if (!isNew) node.item(i)["id"].fail(fmt::format("class {} is counted twice", classes[i].id));
     }
   });
-  keys.custom(
-      false, "reasons", [&] { return scan.beamsPerReason.empty() ? kAbsent : reasonsJson(scan); },
+  keys.customOptional(
+      "reasons", [&] { return scan.beamsPerReason.empty() ? kAbsent : reasonsJson(scan); },
       [&](const JsonNode& node) { scan.beamsPerReason = reasonsOf(node, scan.beams); });
 }
 
@@ -309,8 +309,8 @@ void describe(RecordKeys& keys, SampleRecord& s) {
     s.objects.emplace();
     for (const ClassObjects& counted : objects) (*s.objects)[counted.id] = counted.count;
   });
-  keys.custom(
-      false, "draws", [&] { return drawsJson(s); },
+  keys.customOptional(
+      "draws", [&] { return drawsJson(s); },
       [&](const JsonNode& node) {
         node.forEachEntry([&](const std::string& key, const JsonNode& value) {
           s.draws.push_back(value.isText() ? DrawnValue{key, value.text()} : DrawnValue{key, value.numberText(), true});

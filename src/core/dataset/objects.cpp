@@ -54,7 +54,7 @@ static void describe(RecordKeys& keys, ObjectView& view) {
   keys("beams", view.beams);
   keys("beams_alone", view.beamsAlone);
   keys.custom(
-      true, "visibility",
+      "visibility",
       [&] { return view.visibility() ? OrderedJson(rounded(*view.visibility(), kShares)) : OrderedJson(); },
       [&](const JsonNode& node) {
         const std::optional<double> computed = view.visibility();
@@ -64,8 +64,7 @@ static void describe(RecordKeys& keys, ObjectView& view) {
       });
   keys("truncation", view.truncation, within(0, 1));
   keys.custom(
-      true, "nearest_range",
-      [&] { return view.nearestRange ? jsonOf(*view.nearestRange, view.sensor) : OrderedJson(); },
+      "nearest_range", [&] { return view.nearestRange ? jsonOf(*view.nearestRange, view.sensor) : OrderedJson(); },
       [&](const JsonNode& node) {
         if (!node.isNull()) view.nearestRange = node.number(0);
       });

@@ -23,10 +23,11 @@ std::string shotName(std::string_view sample, std::string_view sensor) {
   return fmt::format("{}.{}", sample, sensor);
 }
 
-OrderedJson numbersOf(const Pose& pose, const std::string& what) {
+// Returns the numbers of a pose in a recording: w, x, y and z of the rotation, then x, y and z of the position.
+std::vector<double> numbersOf(const Pose& pose) {
   const Quat& q = pose.rotation;
   const Vec3d& t = pose.translation;
-  return finiteList({q.w, q.x, q.y, q.z, t.x, t.y, t.z}, what);
+  return {q.w, q.x, q.y, q.z, t.x, t.y, t.z};
 }
 
 Pose poseOfNumbers(const JsonNode& node) {
@@ -56,9 +57,9 @@ static void describe(RecordKeys& keys, RecordedSensor& sensor) {
   keys("columns", sensor.columns, wholeNumber(1, 65536));
   keys.optional("beams", sensor.beams, kSha256Digits);
   std::optional<Pose>& mount = sensor.vehicleFromSensor;
-  keys.custom(
-      false, "vehicle_from_sensor", [&] { return mount ? numbersOf(*mount, sensor.name) : kAbsent; },
-      [&](const JsonNode& node) { mount = poseOfNumbers(node); });
+  std::vector<double> numbers = numbersOf(mount.value_or(Pose{}));
+  keys.optionalIf(mount.has_value(), "vehicle_from_sensor", numbers,
+                  [&](const JsonNode& node) { mount = poseOfNumbers(node); });
 }
 
 static void describe(RecordKeys& keys, RecordedSequence& s) {
@@ -68,12 +69,12 @@ static void describe(RecordKeys& keys, RecordedSequence& s) {
     }
     node.fail(fmt::format("'{}' becomes part of file names: use lower-case letters, digits, '-' and '_'", s.scene));
   });
-  keys.optionalIf(true, "seed", s.seed);
+  keys.mayBeMissing("seed", s.seed);
   keys("trajectory", s.trajectory, [&](const JsonNode& node) {
     if (s.trajectory.empty()) node.fail("becomes part of file names, so it must not be empty");
   });
   keys("frames", s.frames, wholeNumber(1, 10'000'000));
-  keys.optionalIf(true, "materials", s.materials);
+  keys.mayBeMissing("materials", s.materials);
   keys.optional("without", s.without);
 }
 
@@ -86,24 +87,23 @@ static void describe(RecordKeys& keys, Material& material) {
 
 static void describe(RecordKeys& keys, Recording& r) {
   std::uint32_t version = Recording::kSchemaVersion;
-  keys.custom(
-      true, "what", [] { return OrderedJson(kWhat); }, [](const JsonNode&) {});
+  keys.fixed("what", kWhat);
   keys("schema_version", version, wholeNumber(1), [&](const JsonNode& node) {
     if (version <= Recording::kSchemaVersion) return;
     node.fail(fmt::format("{} is newer than this program, which reads up to {}: update scanmill", version,
                           Recording::kSchemaVersion));
   });
-  keys.optionalIf(true, "program", r.programVersion);
+  keys.mayBeMissing("program", r.programVersion);
   keys.custom(
-      true, "kind", [&] { return OrderedJson(nameOf(r.kind)); },
+      "kind", [&] { return OrderedJson(nameOf(r.kind)); },
       [&](const JsonNode& node) {
         const std::string found = node.text();
         if (found == nameOf(r.kind)) return;
         if (found != "hits" && found != "passes") node.fail(fmt::format("'{}' is neither hits nor passes", found));
         node.fail(fmt::format("is a recording of {}: read it with --from-{}", found, found));
       });
-  keys.optionalIf(true, "method", r.method);
-  keys.optionalIf(true, "ontology", r.ontology);
+  keys.mayBeMissing("method", r.method);
+  keys.mayBeMissing("ontology", r.ontology);
   keys("sensors", r.sensors, distinct("name"));
   keys("sequences", r.sequences, [&](const JsonNode& node) {
     std::set<std::string> known;
@@ -114,26 +114,20 @@ static void describe(RecordKeys& keys, Recording& r) {
     }
     if (known.empty()) node.fail("is empty: nothing was recorded");
   });
-  keys.optionalIf(true, "materials", r.materials);
-  keys.custom(
-      false, "modelled", [&] { return jsonOf(r.modelled, "modelled"); },
+  keys.mayBeMissing("materials", r.materials);
+  keys.customOptional(
+      "modelled", [&] { return jsonOf(r.modelled, "modelled"); },
       [&](const JsonNode& node) { readModelled(node, true, r.modelled); });
 }
 
 static void describe(RecordKeys& keys, RecordedStep& step) {
-  keys.custom(
-      true, "columns",
-      [&] {
-        return OrderedJson{step.firstColumn, step.endColumn};
-      },
-      [&](const JsonNode& node) {
-        node.numbers(2);
-        step.firstColumn = node.item(0).integer<std::uint32_t>(0, 65535);
-        step.endColumn = node.item(1).integer<std::uint32_t>(step.firstColumn + 1, 65536);
-      });
-  keys.custom(
-      false, "world_from_rig", [&] { return numbersOf(step.worldFromRig, "world_from_rig"); },
-      [&](const JsonNode& node) { step.worldFromRig = poseOfNumbers(node); });
+  std::vector<std::uint32_t> columns{step.firstColumn, step.endColumn};
+  keys("columns", columns, numberCount(2), [&](const JsonNode& node) {
+    step.firstColumn = node.item(0).integer<std::uint32_t>(0, 65535);
+    step.endColumn = node.item(1).integer<std::uint32_t>(step.firstColumn + 1, 65536);
+  });
+  std::vector<double> rig = numbersOf(step.worldFromRig);
+  keys.mayBeMissing("world_from_rig", rig, [&](const JsonNode& node) { step.worldFromRig = poseOfNumbers(node); });
   keys("images", step.images, [](const JsonNode& images) {
     std::size_t files = 0;
     images.forEach([&](const JsonNode& image) { files += fileOf(image).size(); });
@@ -146,17 +140,12 @@ static void describe(RecordKeys& keys, RecordedShot& shot) {
   keys.optional("sample", shot.sample);
   keys.optional("sensor", shot.sensor);
   keys("time", shot.time);
-  keys.custom(
-      true, "world_from_sensor",
-      [&] {
-        OrderedJson list = OrderedJson::array();
-        for (const Pose& pose : shot.worldFromSensor) list.push_back(numbersOf(pose, shot.sample));
-        return list;
-      },
-      [&](const JsonNode& node) {
-        node.forEach([&](const JsonNode& pose) { shot.worldFromSensor.push_back(poseOfNumbers(pose)); });
-        if (shot.worldFromSensor.empty()) node.fail("has no pose");
-      });
+  std::vector<std::vector<double>> poses;
+  for (const Pose& pose : shot.worldFromSensor) poses.push_back(numbersOf(pose));
+  keys("world_from_sensor", poses, [&](const JsonNode& node) {
+    node.forEach([&](const JsonNode& pose) { shot.worldFromSensor.push_back(poseOfNumbers(pose)); });
+    if (shot.worldFromSensor.empty()) node.fail("has no pose");
+  });
   keys.optional("hits", shot.hits, [](const JsonNode& node) { fileOf(node); });
   keys.optionalIf(!shot.steps.empty(), "steps", shot.steps, [&](const JsonNode& steps) {
     std::uint32_t next = 0;
