@@ -181,10 +181,10 @@ void checkTable(const ComputeDevice& device, ComputeTable::Texel texel, std::uin
                           shortBytes(static_cast<double>(most * texelBytes(texel))), mend));
 }
 
-void holdTable(const ComputeDevice& device, ComputeBuffer& buffer, ComputeTable::Texel texel,
-               std::span<const std::byte> array, const std::string& what, const std::string& mend) {
+void uploadTable(const ComputeDevice& device, ComputeBuffer& buffer, ComputeTable::Texel texel,
+                 std::span<const std::byte> array, const std::string& what, const std::string& mend) {
   checkTable(device, texel, array.size(), what, mend);
-  if (!array.empty()) buffer.hold(array);
+  if (!array.empty()) buffer.upload(array);
 }
 
 std::string glslConstant(const char* name, float value) {

@@ -91,7 +91,7 @@ class ComputeBuffer {
 
   // Uploads an array to the start of the buffer, after growing the buffer if it is too small.
   template <class T>
-  void hold(std::span<const T> array) {
+  void upload(std::span<const T> array) {
     reserve(array.size_bytes());
     write(0, std::as_bytes(array));
   }
@@ -141,8 +141,8 @@ void checkTable(const ComputeDevice& device, ComputeTable::Texel texel, std::uin
                 const std::string& mend = "");
 
 // Calls checkTable() for an array, then uploads the array into a table's buffer.
-void holdTable(const ComputeDevice& device, ComputeBuffer& buffer, ComputeTable::Texel texel,
-               std::span<const std::byte> array, const std::string& what, const std::string& mend = "");
+void uploadTable(const ComputeDevice& device, ComputeBuffer& buffer, ComputeTable::Texel texel,
+                 std::span<const std::byte> array, const std::string& what, const std::string& mend = "");
 
 // Returns a line of GLSL that defines a constant with exactly this value. The value is given by its bits, since shader
 // compilers may round decimals differently.

@@ -45,8 +45,8 @@ TEST(Compute, RunsEveryInvocationOnce) {
     ComputeBuffer from(device);
     ComputeBuffer to(device);
     const Words start = counted(count + 1);
-    from.hold(std::span<const std::uint32_t>(start));
-    to.hold(std::span<const std::uint32_t>(start));
+    from.upload(std::span<const std::uint32_t>(start));
+    to.upload(std::span<const std::uint32_t>(start));
     program.run(count, {&from, &to}, std::as_bytes(std::span(&factor, 1)));
     Words expected = start;  // what lies behind stays
     for (std::uint32_t i = 0; i < count; ++i) expected[i] = hashed(start[i], start[i], factor, i);
@@ -66,7 +66,7 @@ void invoke(uint i) { atomicAdd(counts[i], i ^ 7u); }
 )");
   ComputeBuffer counts(device);
   const std::size_t count = 5'000'000;
-  counts.hold(std::span<const std::uint32_t>(Words(count + 1, 1u)));
+  counts.upload(std::span<const std::uint32_t>(Words(count + 1, 1u)));
   program.run(count, {&counts});
   const Words got = copyOf<std::uint32_t>(device, counts, count + 1);
   std::size_t wrong = 0;
@@ -86,7 +86,7 @@ void invoke(uint i) { to[i] = from[(i + 1u) % 1000u]; }
   ComputeBuffer a(device);
   ComputeBuffer b(device);
   Words expected = counted(1000);
-  a.hold(std::span<const std::uint32_t>(expected));
+  a.upload(std::span<const std::uint32_t>(expected));
   b.reserve(4000);
   for (int k = 0; k < 10; ++k) {
     program.run(1000, {&a, &b});
@@ -100,7 +100,7 @@ TEST(Compute, WritesPieces) {
   SKIP_WITHOUT_GL();
   const ComputeDevice device(kWords);
   ComputeBuffer buffer(device);
-  buffer.hold(std::span<const std::uint32_t>(Words(8, 0u)));
+  buffer.upload(std::span<const std::uint32_t>(Words(8, 0u)));
   const Words two{1, 2};
   const Words one{9};
   buffer.write(4, std::as_bytes(std::span(two)));
@@ -121,7 +121,7 @@ void invoke(uint i) { counts[i] += i + 1u; }
 )");
   constexpr std::size_t kCount = 70'000;
   ComputeBuffer counts(device);
-  counts.hold(std::span<const std::uint32_t>(Words(kCount, 0u)));
+  counts.upload(std::span<const std::uint32_t>(Words(kCount, 0u)));
   ComputeReadback first(device), second(device);
   device.atOnce([&] {
     program.run(kCount, {&counts});
@@ -173,7 +173,7 @@ void invoke(uint i) {
     numbers[i] = static_cast<float>(6 * uniform(randomBlock({.seed = 7, .beam = i})[0]) - 3);
   }
   ComputeBuffer buffer(device);
-  buffer.hold(std::span<const float>(numbers));
+  buffer.upload(std::span<const float>(numbers));
   program.run(count, {&buffer});
   const auto got = copyOf<float>(device, buffer, numbers.size());
   for (std::size_t i = 0; i < count; ++i) {
@@ -201,7 +201,7 @@ TEST(Compute, SaysWhatIsAmiss) {
   EXPECT_THAT(compiler, HasSubstr("tests cannot compute: the driver does not compile the bad shader: "));
   EXPECT_THAT(compiler, HasSubstr("; do it by hand"));
   ComputeBuffer buffer(device);
-  buffer.hold(std::span<const std::uint32_t>(Words{1, 2, 3}));
+  buffer.upload(std::span<const std::uint32_t>(Words{1, 2, 3}));
   EXPECT_EQ(copyOf<std::uint32_t>(device, buffer, 3), (Words{1, 2, 3}));  // the device goes on
 }
 
@@ -238,10 +238,10 @@ void invoke(uint i) {
   }
   ComputeBuffer buffers[] = {ComputeBuffer(device), ComputeBuffer(device), ComputeBuffer(device), ComputeBuffer(device),
                              ComputeBuffer(device)};
-  buffers[0].hold(std::span<const std::uint16_t>(shorts));
-  buffers[1].hold(std::span<const std::uint32_t>(words));
-  buffers[2].hold(std::span<const std::uint32_t>(quads));
-  buffers[3].hold(std::span<const float>(numbers));
+  buffers[0].upload(std::span<const std::uint16_t>(shorts));
+  buffers[1].upload(std::span<const std::uint32_t>(words));
+  buffers[2].upload(std::span<const std::uint32_t>(quads));
+  buffers[3].upload(std::span<const float>(numbers));
   buffers[4].reserve(16 * kCount);
   using enum ComputeTable::Texel;
   program.run(kCount, {&buffers[4]}, {},
@@ -292,8 +292,8 @@ TEST(Compute, BuffersAndProgramsMayOutliveTheDevice) {
   ComputeReadback readback(*device);
   device.reset();
   const Words start = counted(10);
-  buffer.hold(std::span<const std::uint32_t>(start));
-  to.hold(std::span<const std::uint32_t>(start));
+  buffer.upload(std::span<const std::uint32_t>(start));
+  to.upload(std::span<const std::uint32_t>(start));
   const std::uint32_t factor = 0;
   program.run(10, {&buffer, &to}, std::as_bytes(std::span(&factor, 1)));
   EXPECT_EQ(copyOf<std::uint32_t>(readback, to, 10)[9], start[9] + 9);

@@ -26,15 +26,15 @@ std::vector<std::uint32_t> stepsOf(const Shot& shot) {
 
 DeviceBeams::DeviceBeams(const ComputeDevice& device) : device_(device), poses_(device) {}
 
-void DeviceBeams::hold(const Shots& shots) {
+void DeviceBeams::ensureUploaded(const Shots& shots) {
   std::vector<double> poses;
   for (const ShotFrame* frame : shots.frames) appendPoses(*frame, poses);
-  poses_.hold(std::span<const double>(poses));
+  poses_.upload(std::span<const double>(poses));
   const Shot& shot = *shots.shots.front();
-  const auto holds = [&](const Table& table) {
+  const auto hasRays = [&](const Table& table) {
     return table.beams.lock() == shot.beams && table.poses == shot.worldFromSensor.size();
   };
-  auto table = std::find_if(tables_.begin(), tables_.end(), holds);
+  auto table = std::find_if(tables_.begin(), tables_.end(), hasRays);
   const bool known = table != tables_.end();
   if (!known) {
     table = std::find_if(tables_.begin(), tables_.end(), [](const Table& t) { return t.beams.expired(); });
@@ -48,10 +48,10 @@ void DeviceBeams::hold(const Shots& shots) {
 void DeviceBeams::fill(Table& table, const Shot& shot) {
   const BeamTable& beams = *shot.beams;
   table.beams.reset();  // until all buffers are filled, they belong to no beam table
-  table.directions.hold(std::span(beams.direction));
-  if (!beams.origin.empty()) table.origins.hold(std::span(beams.origin));
+  table.directions.upload(std::span(beams.direction));
+  if (!beams.origin.empty()) table.origins.upload(std::span(beams.origin));
   const std::vector<std::uint32_t> steps = stepsOf(shot);
-  table.steps.hold(std::span(steps));
+  table.steps.upload(std::span(steps));
   table.beams = shot.beams;
   table.poses = shot.worldFromSensor.size();
 }

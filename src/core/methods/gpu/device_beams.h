@@ -31,9 +31,9 @@ class DeviceBeams {
 
   // Uploads the shots' poses and, unless the device has them already, the rays of their table. The kTables most
   // recently used tables stay on the device, for the sensors of a vehicle.
-  void hold(const Shots& shots);
+  void ensureUploaded(const Shots& shots);
 
-  // Buffers for the bindings 0 to 3 of programs that include rays.glsl, with the shots of the last hold().
+  // Buffers for the bindings 0 to 3 of programs that include rays.glsl, with the shots of the last ensureUploaded().
   const ComputeBuffer& directions() const { return tables_.front().directions; }
   const ComputeBuffer& origins() const { return tables_.front().origins; }
   const ComputeBuffer& poses() const { return poses_; }

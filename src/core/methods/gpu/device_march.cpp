@@ -58,7 +58,7 @@ std::vector<DeviceTriangle> deviceTriangles(const TriangleBlock& block) {
 
 using enum ComputeTable::Texel;
 
-const std::string kMend = ": take coarser voxels (voxel_m) or fewer levels";
+const std::string kRemedy = ": take coarser voxels (voxel_m) or fewer levels";
 
 using DeviceLevel = std::array<std::uint32_t, 8>;
 
@@ -111,13 +111,14 @@ DeviceMarch::DeviceMarch(const ComputeDevice& device)
       triangles_(device),
       fields_(device) {}
 
-void DeviceMarch::hold(const std::shared_ptr<const DistanceField>& field, const std::shared_ptr<const World>& world) {
-  fields_.hold(field);
+void DeviceMarch::ensureUploaded(const std::shared_ptr<const DistanceField>& field,
+                                 const std::shared_ptr<const World>& world) {
+  fields_.ensureUploaded(field);
   if (!field->shape.lists || world_.lock() == world) return;
   world_.reset();
   const std::vector<DeviceTriangle> triangles = deviceTriangles(world->baked);
-  holdTable(device_, triangles_, ComputeTable::Texel::Float32x4, std::as_bytes(std::span(triangles)),
-            "scene's triangles", ": take `refine: none`, which does not need them");
+  uploadTable(device_, triangles_, ComputeTable::Texel::Float32x4, std::as_bytes(std::span(triangles)),
+              "scene's triangles", ": take `refine: none`, which does not need them");
   world_ = world;
 }
 
@@ -158,19 +159,19 @@ void DeviceFields::take(const std::shared_ptr<const BrickPool>& pool) {
     found = std::find_if(pools_.begin(), pools_.end(), [](const UploadedPool& p) { return p.pool.expired(); });
     if (found == pools_.end()) {
       std::uint64_t bytes = 0;
-      for (const UploadedPool& held : pools_) bytes += held.bytes();
+      for (const UploadedPool& other : pools_) bytes += other.bytes();
       // Assumes that the new pool will have the mean size of the others.
       const bool fits = pools_.empty() || bytes + bytes / pools_.size() <= kMostBytes;
       found = fits ? pools_.emplace(pools_.end(), device_) : std::prev(pools_.end());
     }
-    for (Array* array : {&found->distances, &found->words, &found->lists}) array->there = 0;
+    for (Array* array : {&found->distances, &found->words, &found->lists}) array->uploadedBytes = 0;
     found->field.reset();
     found->pool = pool;
   }
   pools_.splice(pools_.begin(), pools_, found);
 }
 
-void DeviceFields::hold(const std::shared_ptr<const DistanceField>& field) {
+void DeviceFields::ensureUploaded(const std::shared_ptr<const DistanceField>& field) {
   take(field->pool);
   if (pools_.front().field.lock() == field) return;
   try {
@@ -183,15 +184,15 @@ void DeviceFields::hold(const std::shared_ptr<const DistanceField>& field) {
 }
 
 void DeviceFields::upload(const std::shared_ptr<const DistanceField>& field) {
-  UploadedPool& held = pools_.front();
-  held.field.reset();  // the buffers belong to no field until all are filled
+  UploadedPool& pool = pools_.front();
+  pool.field.reset();  // the buffers belong to no field until all are filled
   const std::vector<DeviceLevel> levels = deviceLevels(*field);
-  holdTable(device_, held.levels, Uint32x4, std::as_bytes(std::span(levels)), "levels", kMend);
-  holdTable(device_, held.table, Uint32, std::as_bytes(std::span(field->table)), "table of bricks", kMend);
-  append(held.distances, Uint16, field->distance, field->pool->distance.size(), "distances");
-  append(held.words, Uint32, field->word, field->pool->word.size(), "triangles at corners");
-  append(held.lists, Uint32, field->lists, field->pool->lists.size(), "lists of triangles");
-  held.field = field;
+  uploadTable(device_, pool.levels, Uint32x4, std::as_bytes(std::span(levels)), "levels", kRemedy);
+  uploadTable(device_, pool.table, Uint32, std::as_bytes(std::span(field->table)), "table of bricks", kRemedy);
+  append(pool.distances, Uint16, field->distance, field->pool->distance.size(), "distances");
+  append(pool.words, Uint32, field->word, field->pool->word.size(), "triangles at corners");
+  append(pool.lists, Uint32, field->lists, field->pool->lists.size(), "lists of triangles");
+  pool.field = field;
 }
 
 // Uploads the part of `all` that is not on the device yet. `room`: largest number of elements of the array.
@@ -199,14 +200,14 @@ template <class T>
 void DeviceFields::append(Array& array, ComputeTable::Texel texel, std::span<const T> all, std::size_t room,
                           const char* what) {
   const auto bytes = std::as_bytes(all);
-  checkTable(device_, texel, bytes.size(), what, kMend);
+  checkTable(device_, texel, bytes.size(), what, kRemedy);
   if (array.buffer.bytes() < bytes.size()) {
-    array.there = 0;
+    array.uploadedBytes = 0;
     array.buffer.reserve(std::min<std::uint64_t>(room, device_.limits().tableTexels) * sizeof(T));
   }
-  if (array.there >= bytes.size()) return;
-  array.buffer.write(array.there, bytes.subspan(array.there));
-  array.there = bytes.size();
+  if (array.uploadedBytes >= bytes.size()) return;
+  array.buffer.write(array.uploadedBytes, bytes.subspan(array.uploadedBytes));
+  array.uploadedBytes = bytes.size();
 }
 
 extern const std::string_view kLaunchShader;

@@ -44,10 +44,11 @@ class DeviceFields {
   // threads that work on other trajectories. If a new pool would probably bring the total above kMostBytes, it replaces
   // the least recently used one; if memory runs out, all other pools are dropped. Throws an Error with the device's
   // ComputeErrorWords if the field does not fit even then.
-  void hold(const std::shared_ptr<const DistanceField>& field);
+  void ensureUploaded(const std::shared_ptr<const DistanceField>& field);
 
-  // The tables of the field of the last hold(). levels() has two words of 16 bytes per level: the bits of the level's
-  // offset (float32) with the index of its first entry in the table, then its numbers of bricks along x, y and z.
+  // The tables of the field of the last ensureUploaded(). levels() has two words of 16 bytes per level: the bits of the
+  // level's offset (float32) with the index of its first entry in the table, then its numbers of bricks along x, y and
+  // z.
   ComputeTable levels() const { return {&pools_.front().levels, ComputeTable::Texel::Uint32x4}; }
   ComputeTable table() const { return {&pools_.front().table, ComputeTable::Texel::Uint32}; }
   ComputeTable distances() const { return {&pools_.front().distances.buffer, ComputeTable::Texel::Uint16}; }
@@ -57,10 +58,10 @@ class DeviceFields {
  private:
   static constexpr std::uint64_t kMostBytes = std::uint64_t{2} << 30;
 
-  // An array of a pool, whose first `there` bytes are uploaded.
+  // An array of a pool, whose first `uploadedBytes` bytes are uploaded.
   struct Array {
     ComputeBuffer buffer;
-    std::uint64_t there = 0;  // number of uploaded bytes
+    std::uint64_t uploadedBytes = 0;  // number of uploaded bytes
   };
 
   // A pool on the device. `field`: the pool's field that was uploaded last.
@@ -112,10 +113,10 @@ class DeviceMarch {
 
   // Uploads the parts of a field that are not on the device yet. If the field has lists, also uploads the world's
   // triangles, unless they are on the device. Throws an Error, worded by ComputeErrorWords, if something does not fit.
-  void hold(const std::shared_ptr<const DistanceField>& field, const std::shared_ptr<const World>& world);
+  void ensureUploaded(const std::shared_ptr<const DistanceField>& field, const std::shared_ptr<const World>& world);
 
   // reserve() makes room for `particles` particles and their records; run() marches them through the field of the last
-  // hold(). `again`: marches only the particles that continue behind a hole.
+  // ensureUploaded(). `again`: marches only the particles that continue behind a hole.
   void reserve(bool lists, std::size_t particles);
   void run(const DistanceField& field, std::uint32_t steps, std::size_t particles, bool again);
 

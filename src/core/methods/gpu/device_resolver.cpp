@@ -30,7 +30,7 @@ std::uint32_t bitsOf(Channels channels) {
   return set;
 }
 
-static_assert(kChannels.size() == 8, "say in ColumnOffsets and take() where the new channel is");
+static_assert(kChannels.size() == 8, "say in ColumnOffsets and copyHits() where the new channel is");
 
 // Starts of the requested columns, in words of 4 bytes. Class and material share a column.
 struct ColumnOffsets {
@@ -147,18 +147,18 @@ DeviceResolver::DeviceResolver(const ComputeDevice& device)
       reflectances_(device),
       textured_(device) {}
 
-void DeviceResolver::holdMeshes(const World& world) {
+void DeviceResolver::uploadMeshes(const World& world) {
   const LabelTables tables = labelTables(world);
-  const auto hold = [&](ComputeBuffer& buffer, ComputeTable::Texel texel, const auto& array, const char* what) {
-    holdTable(device_, buffer, texel, std::as_bytes(std::span(array)), what);
+  const auto upload = [&](ComputeBuffer& buffer, ComputeTable::Texel texel, const auto& array, const char* what) {
+    uploadTable(device_, buffer, texel, std::as_bytes(std::span(array)), what);
   };
-  hold(records_, Uint32x4, tables.records, "scene's planes and labels");
-  hold(textured_, Uint32x4, tables.textured, "scene's textured triangles");
-  hold(materials_, Uint32x4, tables.materials, "scene's materials");
-  hold(reflectances_, Uint32, tables.texels, "scene's textures");
+  upload(records_, Uint32x4, tables.records, "scene's planes and labels");
+  upload(textured_, Uint32x4, tables.textured, "scene's textured triangles");
+  upload(materials_, Uint32x4, tables.materials, "scene's materials");
+  upload(reflectances_, Uint32, tables.texels, "scene's textures");
 }
 
-ResolverParameters DeviceResolver::block(const BeamTable& beams, Channels channels, std::size_t rays) {
+ResolverParameters DeviceResolver::parameters(const BeamTable& beams, Channels channels, std::size_t rays) {
   const RangeLimits limits = limitsOf(beams);
   return {limits.nearest, limits.farthest, bitsOf(channels), static_cast<std::uint32_t>(rays)};
 }
@@ -176,8 +176,8 @@ ComputeTable DeviceResolver::table(std::size_t binding) const {
   return {buffers[binding], binding == 2 ? Uint32 : Uint32x4};
 }
 
-void DeviceResolver::take(std::span<const std::byte> columns, const Piece& piece, Hits& hits,
-                          std::vector<UnresolvedRay>& undecided) {
+void DeviceResolver::copyHits(std::span<const std::byte> columns, const Piece& piece, Hits& hits,
+                              std::vector<UnresolvedRay>& undecided) {
   const ColumnOffsets places(hits.channels, piece.all);
   std::mutex mutex;
   const std::size_t before = undecided.size();

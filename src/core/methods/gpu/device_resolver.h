@@ -78,9 +78,9 @@ class DeviceResolver {
   explicit DeviceResolver(const ComputeDevice& device);
 
   // Uploads the planes and labels of all triangles of a flat world, with its materials.
-  void holdMeshes(const World& world);
+  void uploadMeshes(const World& world);
 
-  static ResolverParameters block(const BeamTable& beams, Channels channels, std::size_t rays);
+  static ResolverParameters parameters(const BeamTable& beams, Channels channels, std::size_t rays);
 
   // Reserves space for the hits of `rays` rays.
   void reserve(Channels channels, std::size_t rays);
@@ -99,8 +99,8 @@ class DeviceResolver {
   };
   // Copies a piece's results to the channels that `hits` has, and adds the rays that are neither hits nor misses to
   // `undecided`, ascending. `columns`: a copy of the complete columns().
-  static void take(std::span<const std::byte> columns, const Piece& piece, Hits& hits,
-                   std::vector<UnresolvedRay>& undecided);
+  static void copyHits(std::span<const std::byte> columns, const Piece& piece, Hits& hits,
+                       std::vector<UnresolvedRay>& undecided);
 
  private:
   ComputeDevice device_;

@@ -32,29 +32,30 @@ ParticleParameters particleParameters(const MarchJob& job, Channels channels, st
   const BeamTable& beams = *job.shot.beams;
   const FieldShape& shape = job.field().shape;
   const Box& box = job.around.box;
-  ParticleParameters block{};
-  block.common = DeviceResolver::block(beams, channels, rays);
-  block.rings = beams.rings;
-  block.columns = beams.columns;
-  block.withOrigins = beams.origin.empty() ? 0 : 1;
-  block.shotParticles = static_cast<std::uint32_t>(job.size());
-  block.shotRays = static_cast<std::uint32_t>(beams.size());
-  block.shotPoses = static_cast<std::uint32_t>(job.shot.worldFromSensor.size());
-  block.firstAlpha = job.triangles().firstAlpha;
-  block.coversScene = job.around.coversScene ? 1 : 0;
-  block.lastLevel = static_cast<std::int32_t>(job.field().levels.size()) - 1;
-  block.reach = shape.reach;
-  block.metres = static_cast<float>(shape.voxel);
-  block.voxel = shape.voxel;
-  block.pathLength = job.pathLength();
-  std::copy_n(std::array{box.low.x, box.low.y, box.low.z}.begin(), 3, block.low);
-  std::copy_n(std::array{box.high.x, box.high.y, box.high.z}.begin(), 3, block.high);
-  std::copy_n(std::array{shape.centre.x, shape.centre.y, shape.centre.z, 1 / shape.voxel}.begin(), 4, block.centre);
-  block.rangeErrorBound = kRangeErrorBound;
-  block.layerLookupOffset = kLayerLookupOffset;
-  block.layerThickness = kLayerThickness;
-  block.layerMinCosine = kLayerMinCosine;
-  return block;
+  ParticleParameters parameters{};
+  parameters.common = DeviceResolver::parameters(beams, channels, rays);
+  parameters.rings = beams.rings;
+  parameters.columns = beams.columns;
+  parameters.withOrigins = beams.origin.empty() ? 0 : 1;
+  parameters.shotParticles = static_cast<std::uint32_t>(job.size());
+  parameters.shotRays = static_cast<std::uint32_t>(beams.size());
+  parameters.shotPoses = static_cast<std::uint32_t>(job.shot.worldFromSensor.size());
+  parameters.firstAlpha = job.triangles().firstAlpha;
+  parameters.coversScene = job.around.coversScene ? 1 : 0;
+  parameters.lastLevel = static_cast<std::int32_t>(job.field().levels.size()) - 1;
+  parameters.reach = shape.reach;
+  parameters.metres = static_cast<float>(shape.voxel);
+  parameters.voxel = shape.voxel;
+  parameters.pathLength = job.pathLength();
+  std::copy_n(std::array{box.low.x, box.low.y, box.low.z}.begin(), 3, parameters.low);
+  std::copy_n(std::array{box.high.x, box.high.y, box.high.z}.begin(), 3, parameters.high);
+  std::copy_n(std::array{shape.centre.x, shape.centre.y, shape.centre.z, 1 / shape.voxel}.begin(), 4,
+              parameters.centre);
+  parameters.rangeErrorBound = kRangeErrorBound;
+  parameters.layerLookupOffset = kLayerLookupOffset;
+  parameters.layerThickness = kLayerThickness;
+  parameters.layerMinCosine = kLayerMinCosine;
+  return parameters;
 }
 
 }  // namespace
@@ -69,78 +70,78 @@ bool GlMarcher::ShotWork::canShareDispatch(const ShotWork& other) const {
 
 GlMarcher::GlMarcher(const GlMarcherLimits& limits)
     : device_({"particles cannot march by OpenGL", "`backend: cpu` does not need it"}, limits.device),
-      slice_(std::min<std::uint64_t>(device_.limits().bufferBytes / (DeviceMarch::kMostColumns * sizeof(float)),
-                                     limits.particles)) {}
+      particlesAtOnce_(std::min<std::uint64_t>(
+          device_.limits().bufferBytes / (DeviceMarch::kMostColumns * sizeof(float)), limits.particles)) {}
 
 void GlMarcher::march(const MarchJob& job, Hits& hits, std::vector<UnresolvedRay>& undecided, StageClock& clock) {
-  const ShotWork flight{job, hits.channels};
+  const ShotWork work{job, hits.channels};
   const WallTimer timer;
-  const Queue::Given given = queue_.give(flight);
-  const std::span<const std::byte> columns = given.batch->hits.wait();
-  clock.add("upload", flight.upload);
-  clock.add("march", timer.seconds() - flight.upload);
+  const Queue::Submitted submitted = queue_.submit(work);
+  const std::span<const std::byte> columns = submitted.batch->hits.wait();
+  clock.add("upload", work.upload);
+  clock.add("march", timer.seconds() - work.upload);
   const StageTimer copying(clock, "read_back", StageTimer::Kind::Wall);
-  DeviceResolver::take(columns, {given.batch->rays, given.from, flight.rays()}, hits, undecided);
+  DeviceResolver::copyHits(columns, {submitted.batch->rays, submitted.from, work.rays()}, hits, undecided);
 }
 
-void GlMarcher::run(const std::vector<const ShotWork*>& together, Queue::Batch& batch) {
-  const ShotWork& flight = *together.front();
+void GlMarcher::dispatch(const std::vector<const ShotWork*>& together, Queue::Batch& batch) {
+  const ShotWork& work = *together.front();
   const WallTimer timer;
-  march_.hold(flight.job.around.field, flight.job.around.world);
-  holdLabels(flight.job.around.world);
-  flight.upload = timer.seconds();
-  if (std::max(flight.bytes(), DeviceBeams::kBytesPerRay * flight.rays()) > device_.limits().bufferBytes) {
+  march_.ensureUploaded(work.job.around.field, work.job.around.world);
+  uploadLabels(work.job.around.world);
+  work.upload = timer.seconds();
+  if (std::max(work.bytes(), DeviceBeams::kBytesPerRay * work.rays()) > device_.limits().bufferBytes) {
     device_.fail("the sensor has too many beams for a buffer of the graphics card");
   }
   DeviceBeams::Shots shots;
-  for (const ShotWork* one : together) {
-    shots.shots.push_back(&one->job.shot);
-    shots.frames.push_back(&one->job.frame);
+  for (const ShotWork* shotWork : together) {
+    shots.shots.push_back(&shotWork->job.shot);
+    shots.frames.push_back(&shotWork->job.frame);
   }
   device_.atOnce([&] {
-    beams_.hold(shots);
-    resolver_.reserve(flight.channels, batch.rays);
-    const std::size_t particles = flight.job.size() * together.size();
-    for (std::size_t first = 0; first < particles; first += slice_) {
-      fly(flight, batch.rays, first, std::min<std::size_t>(slice_, particles - first));
+    beams_.ensureUploaded(shots);
+    resolver_.reserve(work.channels, batch.rays);
+    const std::size_t particles = work.job.size() * together.size();
+    for (std::size_t first = 0; first < particles; first += particlesAtOnce_) {
+      marchSlice(work, batch.rays, first, std::min<std::size_t>(particlesAtOnce_, particles - first));
     }
-    batch.hits.start(resolver_.columns(), DeviceResolver::bytesPerRay(flight.channels) * batch.rays);
+    batch.hits.start(resolver_.columns(), DeviceResolver::bytesPerRay(work.channels) * batch.rays);
   });
 }
 
 // Launches `count` particles, marches them and computes their hits. The particles of all shots are numbered in
 // sequence, and `first` is the number of the first launched particle. `rays`: number of rays of all shots of the
 // dispatch.
-void GlMarcher::fly(const ShotWork& flight, std::size_t rays, std::size_t first, std::size_t count) {
-  const DistanceField& field = flight.job.field();
-  const TriangleBlock& triangles = flight.job.triangles();
+void GlMarcher::marchSlice(const ShotWork& work, std::size_t rays, std::size_t first, std::size_t count) {
+  const DistanceField& field = work.job.field();
+  const TriangleBlock& triangles = work.job.triangles();
   const bool lists = field.shape.lists;
   const bool holes = lists && triangles.firstAlpha < triangles.triangles.size();
-  ParticleParameters block = particleParameters(flight.job, flight.channels, rays);
-  block.first = static_cast<std::uint32_t>(first);
-  block.count = static_cast<std::uint32_t>(count);
-  const auto parameters = std::as_bytes(std::span(&block, 1));
+  ParticleParameters parameters = particleParameters(work.job, work.channels, rays);
+  parameters.first = static_cast<std::uint32_t>(first);
+  parameters.count = static_cast<std::uint32_t>(count);
+  const auto parameterBytes = std::as_bytes(std::span(&parameters, 1));
   march_.reserve(lists, count);
   launchers_.of(lists).run(
       count, {&beams_.directions(), &beams_.origins(), &beams_.poses(), &beams_.steps(), &march_.particles()},
-      parameters);
+      parameterBytes);
   for (std::uint32_t hole = 0; hole <= (holes ? kMostHoles : 0); ++hole) {
-    march_.run(field, flight.job.maxSteps, count, hole > 0);
-    block.last = hole == kMostHoles || !holes ? 1 : 0;
+    march_.run(field, work.job.maxSteps, count, hole > 0);
+    parameters.last = hole == kMostHoles || !holes ? 1 : 0;
     resolvers_.of(lists).run(count,
                              {&beams_.directions(), &beams_.origins(), &beams_.poses(), &beams_.steps(),
                               &march_.records(), &resolver_.columns(), &march_.particles()},
-                             parameters,
+                             parameterBytes,
                              {resolver_.table(0), resolver_.table(1), resolver_.table(2), resolver_.table(3),
                               march_.fields().levels(), march_.fields().table(), march_.fields().words()});
   }
 }
 
-void GlMarcher::holdLabels(const std::shared_ptr<const World>& world) {
-  if (labelled_.lock() == world) return;
-  labelled_.reset();
-  resolver_.holdMeshes(*world);
-  labelled_ = world;
+void GlMarcher::uploadLabels(const std::shared_ptr<const World>& world) {
+  if (worldWithLabels_.lock() == world) return;
+  worldWithLabels_.reset();
+  resolver_.uploadMeshes(*world);
+  worldWithLabels_ = world;
 }
 
 }  // namespace scanmill

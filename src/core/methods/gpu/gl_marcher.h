@@ -52,20 +52,21 @@ class GlMarcher {
   };
   using Queue = ShotQueue<ShotWork>;
 
-  void run(const std::vector<const ShotWork*>& together, Queue::Batch& batch);
-  void fly(const ShotWork& flight, std::size_t rays, std::size_t first, std::size_t count);
-  void holdLabels(const std::shared_ptr<const World>& world);
+  void dispatch(const std::vector<const ShotWork*>& together, Queue::Batch& batch);
+  void marchSlice(const ShotWork& work, std::size_t rays, std::size_t first, std::size_t count);
+  void uploadLabels(const std::shared_ptr<const World>& world);
 
   ComputeDevice device_;
-  const std::uint64_t slice_;  // greatest number of particles that march at once
+  const std::uint64_t particlesAtOnce_;  // greatest number of particles that march at once
   MarchPrograms launchers_{device_, "launch", launchShader};
   MarchPrograms resolvers_{device_, "particles' hits", resolveShader};
   DeviceBeams beams_{device_};
   DeviceMarch march_{device_};
   DeviceResolver resolver_{device_};
-  std::weak_ptr<const World> labelled_;  // the world whose planes and labels are uploaded
-  Queue queue_{device_, device_.limits().bufferBytes,
-               [this](const std::vector<const ShotWork*>& together, Queue::Batch& batch) { run(together, batch); }};
+  std::weak_ptr<const World> worldWithLabels_;  // the world whose planes and labels are uploaded
+  Queue queue_{
+      device_, device_.limits().bufferBytes,
+      [this](const std::vector<const ShotWork*>& together, Queue::Batch& batch) { dispatch(together, batch); }};
 };
 
 }  // namespace scanmill

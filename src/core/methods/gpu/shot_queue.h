@@ -36,56 +36,56 @@ class ShotQueue {
     std::size_t rays = 0;  // number of rays of all works
   };
   // A function that submits works to the device, and starts the copy to `batch.hits`. Called by one thread at a time.
-  using Give = std::function<void(const std::vector<const Work*>& together, Batch& batch)>;
+  using Dispatch = std::function<void(const std::vector<const Work*>& together, Batch& batch)>;
 
   // `most`: upper bound of the sum of bytes() of the works that share a dispatch; kMostBytesTogether bounds it, too.
-  ShotQueue(const ComputeDevice& device, std::uint64_t most, Give give)
-      : most_(std::min(most, kMostBytesTogether)), give_(std::move(give)) {
-    for (std::size_t k = 0; k < kInFlight; ++k) free_.push_back(std::make_unique<Batch>(device));
+  ShotQueue(const ComputeDevice& device, std::uint64_t most, Dispatch dispatch)
+      : mostBytes_(std::min(most, kMostBytesTogether)), dispatch_(std::move(dispatch)) {
+    for (std::size_t k = 0; k < kMostInFlight; ++k) free_.push_back(std::make_unique<Batch>(device));
   }
 
-  struct Given {
+  struct Submitted {
     std::shared_ptr<Batch> batch;
     std::size_t from = 0;  // index of the work's first ray in the batch
   };
   // Returns after this or another thread has submitted the work. Rethrows the exception if that fails.
-  Given give(const Work& work) {
-    Waiting mine{work, {}, nullptr};
+  Submitted submit(const Work& work) {
+    Waiting waiting{work, {}, nullptr};
     std::unique_lock lock(mutex_);
-    queue_.push_back(&mine);
-    while (mine.given.batch == nullptr && !mine.failure) {
-      if (leading_) {
+    queue_.push_back(&waiting);
+    while (waiting.submitted.batch == nullptr && !waiting.failure) {
+      if (dispatching_) {
         changed_.wait(lock);
       } else {
-        lead(lock);
+        dispatchNext(lock);
       }
     }
-    if (mine.failure) std::rethrow_exception(mine.failure);
-    return mine.given;
+    if (waiting.failure) std::rethrow_exception(waiting.failure);
+    return waiting.submitted;
   }
 
  private:
   // Largest number of dispatches in flight: those whose hits are being computed or copied.
-  static constexpr std::size_t kInFlight = 3;
+  static constexpr std::size_t kMostInFlight = 3;
   static constexpr std::uint64_t kMostBytesTogether = std::uint64_t{256} << 20;
 
   struct Waiting {
     const Work& work;
-    Given given;
+    Submitted submitted;
     std::exception_ptr failure;
   };
 
-  // Waits until fewer than kInFlight dispatches are in flight; then submits the first waiting work with the works that
-  // can share its dispatch. If that fails, submits each of them alone: a single work may fit into memory although
+  // Waits until fewer than kMostInFlight dispatches are in flight; then submits the first waiting work with the works
+  // that can share its dispatch. If that fails, submits each of them alone: a single work may fit into memory although
   // several together did not. A thread may return as soon as its work is submitted: then its Waiting no longer exists.
-  void lead(std::unique_lock<std::mutex>& lock) {
-    leading_ = true;
+  void dispatchNext(std::unique_lock<std::mutex>& lock) {
+    dispatching_ = true;
     std::shared_ptr<Batch> batch = freeBatch(lock);
     const std::vector<Waiting*> together = takeTogether();
-    if (!submit(together, std::move(batch), lock)) {
-      for (Waiting* waiting : together) submit({waiting}, freeBatch(lock), lock);
+    if (!dispatch(together, std::move(batch), lock)) {
+      for (Waiting* waiting : together) dispatch({waiting}, freeBatch(lock), lock);
     }
-    leading_ = false;
+    dispatching_ = false;
     changed_.notify_all();
   }
 
@@ -103,7 +103,8 @@ class ShotQueue {
   }
 
   // Submits works, and tells their threads what became of them. If several works fail together, returns false instead.
-  bool submit(const std::vector<Waiting*>& together, std::shared_ptr<Batch> batch, std::unique_lock<std::mutex>& lock) {
+  bool dispatch(const std::vector<Waiting*>& together, std::shared_ptr<Batch> batch,
+                std::unique_lock<std::mutex>& lock) {
     std::vector<const Work*> works;
     std::vector<std::size_t> from;
     for (const Waiting* waiting : together) {
@@ -114,7 +115,7 @@ class ShotQueue {
     lock.unlock();
     std::exception_ptr failure;
     try {
-      isolated([&] { give_(works, *batch); });
+      isolated([&] { dispatch_(works, *batch); });
     } catch (...) {
       failure = std::current_exception();
       batch = nullptr;  // while the lock is free, which freeing a batch takes
@@ -122,7 +123,7 @@ class ShotQueue {
     lock.lock();
     if (failure && together.size() > 1) return false;
     for (std::size_t i = 0; i < together.size(); ++i) {
-      together[i]->given = {batch, from[i]};
+      together[i]->submitted = {batch, from[i]};
       together[i]->failure = failure;
     }
     changed_.notify_all();
@@ -131,25 +132,25 @@ class ShotQueue {
 
   std::vector<Waiting*> takeTogether() {
     const Work& first = queue_.front()->work;
-    const std::uint64_t most = std::max<std::uint64_t>(most_ / std::max<std::uint64_t>(first.bytes(), 1), 1);
+    const std::uint64_t most = std::max<std::uint64_t>(mostBytes_ / std::max<std::uint64_t>(first.bytes(), 1), 1);
     std::vector<Waiting*> together;
-    std::vector<Waiting*> left;
+    std::vector<Waiting*> remaining;
     together.reserve(queue_.size());
-    left.reserve(queue_.size());
+    remaining.reserve(queue_.size());
     for (Waiting* waiting : queue_) {
-      (together.size() < most && waiting->work.canShareDispatch(first) ? together : left).push_back(waiting);
+      (together.size() < most && waiting->work.canShareDispatch(first) ? together : remaining).push_back(waiting);
     }
-    queue_ = std::move(left);
+    queue_ = std::move(remaining);
     return together;
   }
 
-  const std::uint64_t most_;
-  const Give give_;
+  const std::uint64_t mostBytes_;
+  const Dispatch dispatch_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<std::unique_ptr<Batch>> free_;  // batches that are not in flight
   std::vector<Waiting*> queue_;
-  bool leading_ = false;  // true while a thread is in lead()
+  bool dispatching_ = false;  // true while a thread is in dispatchNext()
 };
 
 }  // namespace scanmill

@@ -44,7 +44,7 @@ struct Maker {
       together.frames.push_back(&frames[i]);
     }
     const std::uint32_t count = table.rings * table.columns;
-    beams.hold(together);
+    beams.ensureUploaded(together);
     const std::uint32_t parameters[4]{table.columns, count,
                                       static_cast<std::uint32_t>(shots.front().worldFromSensor.size()),
                                       table.origin.empty() ? 0u : 1u};

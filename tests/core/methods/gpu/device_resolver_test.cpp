@@ -44,7 +44,7 @@ TEST(DeviceResolver, TakesAPieceOfWhatADeviceHasMade) {
   Hits hits;
   hits.reset(100, 400, Channels::all());
   std::vector<UnresolvedRay> undecided;
-  DeviceResolver::take(std::as_bytes(std::span(words)), {kAll, 20'000, 40'000}, hits, undecided);
+  DeviceResolver::copyHits(std::as_bytes(std::span(words)), {kAll, 20'000, 40'000}, hits, undecided);
   for (const std::uint32_t i : {0u, 11u, 25'000u, 39'998u}) {
     const std::uint32_t from = 20'000 + i;
     EXPECT_EQ(hits.range[i], 1.0f + static_cast<float>(from));

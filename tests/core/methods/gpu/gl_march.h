@@ -21,7 +21,7 @@ class GlMarch {
   // Marches particles that have taken no step, as marchCpu() does.
   HitRecords march(const std::shared_ptr<const DistanceField>& field, const std::shared_ptr<const World>& world,
                    std::uint32_t steps, const Particles& p) {
-    march_.hold(field, world);
+    march_.ensureUploaded(field, world);
     HitRecords records;
     records.reset(p.size());
     if (p.size() == 0) return records;

@@ -24,8 +24,8 @@ struct Piece {
 
 using Queue = ShotQueue<Piece>;
 
-// Calls `give` with pieces 0, 1, 2 ... of a queue, each on a thread of its own. The first waits on the device until the
-// others stand in the queue. What became of each: where its rays begin in which batch, or what went wrong.
+// Calls `submit` with pieces 0, 1, 2 ... of a queue, each on a thread of its own. The first waits on the device until
+// the others stand in the queue. What became of each: where its rays begin in which batch, or what went wrong.
 struct QueueOutcome {
   std::size_t from = 0, rays = 0;
   std::string failure;
@@ -51,7 +51,7 @@ std::vector<QueueOutcome> giveAll(const std::vector<Piece>& pieces, std::uint64_
     threads.emplace_back([&, i] {
       ++started;
       try {
-        const Queue::Given made = queue.give(pieces[i]);
+        const Queue::Submitted made = queue.submit(pieces[i]);
         EXPECT_EQ(made.batch->hits.wait().size(), 4096u);
         outcomes[i] = {made.from, made.batch->rays, ""};
       } catch (const Error& error) {
