@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "base/error.h"
@@ -28,55 +29,68 @@ std::vector<T> valuesOf(std::string_view bytes) {
   return values;
 }
 
-// Returns the ring of each point, if the points are ordered by ring and each ring is one turn that starts straight
-// ahead; empty for other orders. A new ring begins where the azimuth crosses straight ahead after at least half a turn,
-// so that points slightly out of order near this azimuth begin no further rings.
+// Returns the azimuth of each point (rad); misses have that of the point before them.
+std::vector<double> azimuthsOf(const std::vector<Vec3f>& points) {
+  std::vector<double> azimuths;
+  for (const Vec3f& p : points) {
+    const double before = azimuths.empty() ? 0 : azimuths.back();
+    azimuths.push_back(isFinite(p) ? std::atan2(double{p.y}, double{p.x}) : before);
+  }
+  return azimuths;
+}
+
+// Returns the index of the first point of each ring, if each is one turn that starts straight ahead. A new ring begins
+// where the azimuth crosses straight ahead after at least half a turn, so that points slightly out of order near this
+// azimuth begin no further rings.
+std::vector<std::size_t> ringStarts(const std::vector<double>& azimuths) {
+  double sum = 0;  // rad, of all steps
+  for (std::size_t i = 1; i < azimuths.size(); ++i) sum += wrapped(azimuths[i] - azimuths[i - 1]);
+  const double direction = sum < 0 ? -1 : 1;
+  std::vector<std::size_t> starts{0};
+  double turned = 0;  // rad, since the start of the ring
+  for (std::size_t i = 1; i < azimuths.size(); ++i) {
+    turned += direction * wrapped(azimuths[i] - azimuths[i - 1]);
+    const bool passes =
+        direction * azimuths[i - 1] < 0 && direction * azimuths[i] >= 0 && std::fabs(azimuths[i]) < kPi / 2;
+    if (!passes || turned <= kPi) continue;
+    starts.push_back(i);
+    turned = 0;
+  }
+  return starts;
+}
+
+// Returns the median elevation (rad) of the points from `first` to before `last`; nullopt if all are misses.
+std::optional<double> medianElevation(const std::vector<Vec3f>& points, std::size_t first, std::size_t last) {
+  std::vector<double> elevations;
+  for (std::size_t i = first; i < last; ++i) {
+    const Vec3d p(points[i]);
+    if (isFinite(p)) elevations.push_back(std::atan2(p.z, std::hypot(p.x, p.y)));
+  }
+  if (elevations.empty()) return std::nullopt;
+  const auto middle = elevations.begin() + static_cast<std::ptrdiff_t>(elevations.size() / 2);
+  std::nth_element(elevations.begin(), middle, elevations.end());
+  return *middle;
+}
+
+// Returns the ring of each point, if the points are ordered by ring from the top; empty for other orders.
 std::vector<std::uint16_t> ringsByOrder(const std::vector<Vec3f>& points) {
   constexpr std::size_t kFewest = 8, kMost = 256;
   constexpr double kOrdered = 0.9;  // least fraction of rings whose median elevation is below the previous ring's
-  std::vector<double> azimuth;
-  double way = 0;
-  for (const Vec3f& p : points) {
-    // Misses take the azimuth of the point before them.
-    const double before = azimuth.empty() ? 0 : azimuth.back();
-    azimuth.push_back(isFinite(p) ? std::atan2(static_cast<double>(p.y), static_cast<double>(p.x)) : before);
-    if (azimuth.size() > 1) way += wrapped(azimuth.back() - azimuth[azimuth.size() - 2]);
-  }
-  const double direction = way < 0 ? -1 : 1;
+  std::vector<std::size_t> starts = ringStarts(azimuthsOf(points));
+  const std::size_t count = starts.size();
+  if (count < kFewest || count > kMost) return {};
+  starts.push_back(points.size());
   std::vector<std::uint16_t> rings;
-  std::vector<std::size_t> begins{0};
-  double turned = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (i > 0) {
-      turned += direction * wrapped(azimuth[i] - azimuth[i - 1]);
-      const bool passes =
-          direction * azimuth[i - 1] < 0 && direction * azimuth[i] >= 0 && std::fabs(azimuth[i]) < kPi / 2;
-      if (passes && turned > kPi) {
-        begins.push_back(i);
-        turned = 0;
-      }
-    }
-    if (begins.size() > kMost) return {};
-    rings.push_back(static_cast<std::uint16_t>(begins.size() - 1));
-  }
-  if (begins.size() < kFewest) return {};
-  begins.push_back(points.size());
-  std::vector<double> elevations;  // rad, median over the points of a ring, by ring
-  for (std::size_t r = 0; r + 1 < begins.size(); ++r) {
-    std::vector<double> own;
-    for (std::size_t i = begins[r]; i < begins[r + 1]; ++i) {
-      const Vec3f& p = points[i];
-      if (!isFinite(p)) continue;
-      own.push_back(
-          std::atan2(static_cast<double>(p.z), std::hypot(static_cast<double>(p.x), static_cast<double>(p.y))));
-    }
-    if (own.empty()) return {};
-    std::nth_element(own.begin(), own.begin() + static_cast<std::ptrdiff_t>(own.size() / 2), own.end());
-    elevations.push_back(own[own.size() / 2]);
-  }
   std::size_t falling = 0;
-  for (std::size_t r = 1; r < elevations.size(); ++r) falling += elevations[r] < elevations[r - 1] ? 1 : 0;
-  if (static_cast<double>(falling) < kOrdered * static_cast<double>(elevations.size() - 1)) return {};
+  double previous = 0;  // rad, median elevation of the ring above
+  for (std::size_t ring = 0; ring < count; ++ring) {
+    rings.resize(starts[ring + 1], static_cast<std::uint16_t>(ring));
+    const std::optional<double> elevation = medianElevation(points, starts[ring], starts[ring + 1]);
+    if (!elevation) return {};
+    if (ring > 0 && *elevation < previous) ++falling;
+    previous = *elevation;
+  }
+  if (static_cast<double>(falling) < kOrdered * static_cast<double>(count - 1)) return {};
   return rings;
 }
 

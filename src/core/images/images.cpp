@@ -200,68 +200,90 @@ class Reduction {
   std::vector<Sum> sums_;
 };
 
-// Decodes an image of a kind ("png"). In BMP and TGA, an alpha that is 0 everywhere is a byte without a meaning.
-DecodedImage decode(ImageReader& image, const std::string& kind, const std::string& name) {
-  const ImageHeader info = image.header();
-  const int channels = info.channels;
-  const int alpha = info.alphaChannel;
-  const int colors = alpha >= 0 ? alpha : channels;  // number of colour channels; alpha follows them
-  const std::array<int, 3> from = colors >= 3 ? std::array{0, 1, 2} : std::array{0, 0, 0};
-  const bool multiplied = info.alphaGamma > 0;
-  const auto gain = divisionByAlpha(multiplied ? info.alphaGamma : 1.0);
-  std::uint8_t least = 255;
-  std::uint8_t greatest = 0;
-  const auto toRgba = [&](const std::uint8_t* in, std::size_t count, std::uint8_t* out) {
-    for (std::size_t i = 0; i < count; ++i, in += channels, out += 4) {
-      out[0] = in[from[0]];
-      out[1] = in[from[1]];
-      out[2] = in[from[2]];
-      out[3] = alpha >= 0 ? in[alpha] : std::uint8_t{255};
-      least = std::min(least, out[3]);
-      greatest = std::max(greatest, out[3]);
-      for (int c = 0; multiplied && c < 3; ++c) {
-        out[c] = static_cast<std::uint8_t>(std::min(255.0f, static_cast<float>(out[c]) * gain[out[3]] + 0.5f));
+// Converts rows of a reader to 8-bit RGBA whose colours are not multiplied by alpha.
+class RgbaConverter {
+ public:
+  explicit RgbaConverter(const ImageHeader& header)
+      : channels_(header.channels),
+        alpha_(header.alphaChannel),
+        multiplied_(header.alphaGamma > 0),
+        gain_(divisionByAlpha(multiplied_ ? header.alphaGamma : 1.0)) {
+    if (colorChannels() >= 3) colors_ = {0, 1, 2};
+  }
+
+  // Returns the number of colour channels, which alpha follows.
+  int colorChannels() const { return alpha_ >= 0 ? alpha_ : channels_; }
+
+  // Returns the number of channels that become neither colour nor alpha.
+  int unusedChannels() const {
+    const int colors = colorChannels() >= 3 ? 3 : std::min(colorChannels(), 1);
+    return channels_ - colors - (alpha_ >= 0 ? 1 : 0);
+  }
+
+  void convert(const std::uint8_t* pixels, std::size_t count, std::uint8_t* rgba) {
+    for (std::size_t i = 0; i < count; ++i, pixels += channels_, rgba += 4) {
+      for (std::size_t c = 0; c < 3; ++c) rgba[c] = pixels[colors_[c]];
+      rgba[3] = alpha_ >= 0 ? pixels[alpha_] : std::uint8_t{255};
+      leastAlpha_ = std::min(leastAlpha_, rgba[3]);
+      greatestAlpha_ = std::max(greatestAlpha_, rgba[3]);
+      for (int c = 0; multiplied_ && c < 3; ++c) {
+        rgba[c] = static_cast<std::uint8_t>(std::min(255.0f, static_cast<float>(rgba[c]) * gain_[rgba[3]] + 0.5f));
       }
     }
-  };
+  }
 
-  const int factor = (std::max(info.width, info.height) + kMostSide - 1) / kMostSide;
-  const auto width = static_cast<std::size_t>(info.width);
+  // The least and the greatest alpha so far.
+  std::uint8_t leastAlpha() const { return leastAlpha_; }
+  std::uint8_t greatestAlpha() const { return greatestAlpha_; }
+
+ private:
+  int channels_;
+  int alpha_;                           // index of the alpha channel; -1: none
+  std::array<int, 3> colors_{0, 0, 0};  // channels of red, green and blue
+  bool multiplied_;
+  std::array<float, 256> gain_;
+  std::uint8_t leastAlpha_ = 255, greatestAlpha_ = 0;
+};
+
+// Decodes an image of a kind ("png"). In BMP and TGA, an alpha that is 0 everywhere is a byte without a meaning.
+DecodedImage decode(ImageReader& image, const std::string& kind, const std::string& name) {
+  const ImageHeader header = image.header();
+  const int factor = (std::max(header.width, header.height) + kMostSide - 1) / kMostSide;
+  const auto width = static_cast<std::size_t>(header.width);
+  const std::size_t rowBytes = width * static_cast<std::size_t>(header.channels);
   DecodedImage decoded;
-  decoded.width = static_cast<std::uint32_t>((info.width + factor - 1) / factor);
-  decoded.height = static_cast<std::uint32_t>((info.height + factor - 1) / factor);
+  decoded.width = static_cast<std::uint32_t>((header.width + factor - 1) / factor);
+  decoded.height = static_cast<std::uint32_t>((header.height + factor - 1) / factor);
+  decoded.linear = header.linear;
   decoded.rgba.resize(std::size_t{decoded.width} * decoded.height * 4);
   std::uint8_t* out = decoded.rgba.data();
-  Reduction reduction(info.width, factor);
-  std::vector<std::uint8_t> rows(width * static_cast<std::size_t>(channels) * kBand);
-  std::vector<std::uint8_t> row(width * 4);
-  for (int first = 0; first < info.height; first += kBand) {
-    const int count = std::min(kBand, info.height - first);
+  RgbaConverter converter(header);
+  Reduction reduction(header.width, factor);
+  std::vector<std::uint8_t> rows(rowBytes * kBand);
+  std::vector<std::uint8_t> rgbaRow(width * 4);
+  for (int first = 0; first < header.height; first += kBand) {
+    const int count = std::min(kBand, header.height - first);
     withReason(name, "decoded", [&] { image.rows(count, rows.data()); });
     if (factor == 1) {
-      toRgba(rows.data(), width * static_cast<std::size_t>(count), out);
+      converter.convert(rows.data(), width * static_cast<std::size_t>(count), out);
       out += width * 4 * static_cast<std::size_t>(count);
       continue;
     }
     for (int i = 0; i < count; ++i) {
-      toRgba(rows.data() + static_cast<std::size_t>(i) * width * static_cast<std::size_t>(channels), width, row.data());
-      reduction.add(row.data());
-      if ((first + i + 1) % factor == 0 || first + i + 1 == info.height) {
+      converter.convert(rows.data() + static_cast<std::size_t>(i) * rowBytes, width, rgbaRow.data());
+      reduction.add(rgbaRow.data());
+      if ((first + i + 1) % factor == 0 || first + i + 1 == header.height) {
         reduction.take(out);
         out += std::size_t{decoded.width} * 4;
       }
     }
   }
-  decoded.linear = info.linear;
-  decoded.hasAlpha = least < 255;
-  if (greatest == 0 && (kind == "bmp" || kind == "tga")) {
-    decoded.hasAlpha = false;
-    for (std::size_t i = 3; i < decoded.rgba.size(); i += 4) decoded.rgba[i] = 255;
-  }
+  const bool meaningless = converter.greatestAlpha() == 0 && (kind == "bmp" || kind == "tga");
+  for (std::size_t i = 3; meaningless && i < decoded.rgba.size(); i += 4) decoded.rgba[i] = 255;
+  decoded.hasAlpha = converter.leastAlpha() < 255 && !meaningless;
   LeftOut leftOut;
-  for (const std::string& what : info.leftOut) leftOut.add(what);
-  const int used = (colors >= 3 ? 3 : std::min(colors, 1)) + (alpha >= 0 ? 1 : 0);
-  leftOut.add(kFurtherChannels, static_cast<std::uint64_t>(channels - used));
+  for (const std::string& what : header.leftOut) leftOut.add(what);
+  leftOut.add(kFurtherChannels, static_cast<std::uint64_t>(converter.unusedChannels()));
   leftOut.tell(name);
   return decoded;
 }

@@ -276,64 +276,41 @@ Raster reducedGrid(const Raster& file, const Window& window, int every) {
   return grid;
 }
 
-// The mean of each square of one row of squares.
-class SquareMeans {
- public:
-  SquareMeans(int squares, int columnsEach)
-      : columnsEach_(columnsEach), sums_(static_cast<std::size_t>(squares)), counts_(sums_.size()) {}
-
-  // Adds a row of samples, except those without a value.
-  void add(const double* sample) {
-    for (std::size_t i = 0; i < sums_.size(); ++i) {
-      for (int k = 0; k < columnsEach_; ++k, ++sample) {
-        if (!std::isfinite(*sample)) continue;
-        sums_[i] += *sample;
-        ++counts_[i];
-      }
-    }
-  }
-
-  // Appends the means of the rows that were added since the last call, times `factor`; NaN for squares without values.
-  void take(double factor, std::vector<float>& means) {
-    for (std::size_t i = 0; i < sums_.size(); ++i) {
-      means.push_back(counts_[i] > 0 ? static_cast<float>(sums_[i] / counts_[i] * factor)
-                                     : std::numeric_limits<float>::quiet_NaN());
-    }
-    sums_.assign(sums_.size(), 0);
-    counts_.assign(counts_.size(), 0);
-  }
-
- private:
-  int columnsEach_;  // of a square
-  std::vector<double> sums_;
-  std::vector<std::uint32_t> counts_;
-};
-
 // Fills the raster's values with the means of the window's squares, times `factor`. Returns true if samples have the
 // value `marker`, and all others are above it or all are below it.
 bool readMeans(RasterReader& reader, int band, double marker, const Window& window, double factor, Raster& raster) {
   constexpr int kSamplesAtATime = 4'000'000;
-  const int rowsEach = window.height / raster.height;
+  const int columnsEach = window.width / raster.width, rowsEach = window.height / raster.height;  // of a square
   const int rowsAtATime = std::max(kSamplesAtATime / window.width, 1);
-  const auto width = static_cast<std::size_t>(window.width);
-  SquareMeans means(raster.width, window.width / raster.width);
   std::vector<double> samples;
+  std::vector<double> sums(static_cast<std::size_t>(raster.width));  // by square of a row of squares
+  std::vector<std::uint32_t> counts(sums.size());
   bool marked = false, above = false, below = false;
-  raster.values.reserve(static_cast<std::size_t>(raster.width) * static_cast<std::size_t>(raster.height));
-  for (int first = 0; first < window.height; first += rowsAtATime) {
-    const int count = std::min(rowsAtATime, window.height - first);
-    samples.resize(static_cast<std::size_t>(count) * width);
-    reader.read(band, {window.column, window.row + first, window.width, count}, samples.data());
-    for (const double sample : samples) {
-      if (!std::isfinite(sample)) continue;
-      marked = marked || sample == marker;
-      above = above || sample > marker;
-      below = below || sample < marker;
+  for (int row = 0; row < window.height; ++row) {
+    const int rowInBlock = row % rowsAtATime;
+    if (rowInBlock == 0) {
+      const int rows = std::min(rowsAtATime, window.height - row);
+      samples.resize(static_cast<std::size_t>(rows) * static_cast<std::size_t>(window.width));
+      reader.read(band, {window.column, window.row + row, window.width, rows}, samples.data());
     }
-    for (int row = 0; row < count; ++row) {
-      means.add(samples.data() + static_cast<std::size_t>(row) * width);
-      if ((first + row + 1) % rowsEach == 0) means.take(factor, raster.values);
+    const double* sample =
+        samples.data() + static_cast<std::size_t>(rowInBlock) * static_cast<std::size_t>(window.width);
+    for (int column = 0; column < window.width; ++column, ++sample) {
+      if (!std::isfinite(*sample)) continue;
+      marked = marked || *sample == marker;
+      above = above || *sample > marker;
+      below = below || *sample < marker;
+      const auto square = static_cast<std::size_t>(column / columnsEach);
+      sums[square] += *sample;
+      ++counts[square];
     }
+    if ((row + 1) % rowsEach != 0) continue;
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+      const double mean = counts[i] > 0 ? sums[i] / counts[i] : std::numeric_limits<double>::quiet_NaN();
+      raster.values.push_back(static_cast<float>(mean * factor));
+    }
+    sums.assign(sums.size(), 0);
+    counts.assign(counts.size(), 0);
   }
   return marked && !(above && below);
 }
