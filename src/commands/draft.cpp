@@ -45,16 +45,16 @@ void printFiles(const draft::Draft& made, const std::filesystem::path& out) {
   std::uint64_t byFolder = 0;
   std::set<double> units;
   bool doubts = false;
-  for (const draft::DraftedFile& f : made.files) {
-    triangles += f.triangles;
-    withCopies += f.trianglesWithCopies;
-    guessed += f.guessed;
-    byFolder += f.byFolder;
-    units.insert(f.unit);
-    doubts = doubts || !f.doubts.empty();
-    rows.push_back({f.file.string(), fmt::format("{:g}", f.unit), std::string(1, f.up), extentText(f.box),
-                    grouped(f.triangles), percent(f.guessed, f.triangles), percent(f.byFile, f.triangles),
-                    fmt::format("{}", fmt::join(f.doubts, ", "))});
+  for (const draft::GuessedFile& f : made.files) {
+    triangles += f.triangles();
+    withCopies += f.trianglesWithCopies();
+    guessed += f.guessed();
+    byFolder += f.byFolder();
+    units.insert(f.frame.unit);
+    doubts = doubts || !f.doubts().empty();
+    rows.push_back({f.file.string(), fmt::format("{:g}", f.frame.unit), std::string(1, f.frame.up), extentText(f.box),
+                    grouped(f.triangles()), percent(f.guessed(), f.triangles()), percent(f.byFile(), f.triangles()),
+                    fmt::format("{}", fmt::join(f.doubts(), ", "))});
   }
   if (!doubts) {
     for (std::vector<std::string>& row : rows) row.pop_back();

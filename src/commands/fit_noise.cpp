@@ -23,7 +23,6 @@
 #include "config/value.h"
 #include "sensors/sensor.h"
 #include "study/figure_text.h"
-#include "study/noise/sensor_effects.h"
 
 namespace scanmill {
 

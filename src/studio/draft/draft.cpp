@@ -43,16 +43,13 @@ Draft draftScene(const std::vector<std::filesystem::path>& files, const std::vec
       "name: {}\nontology: {}\nmaterials: materials\nobjects:\n",
       quotedValue(name), quotedValue(ontologyName));
   const std::vector<Concept> known = conceptsFor(concepts, ontology);
-  const std::vector<GuessedFile> models = guessFiles(files, known, options);
+  std::vector<GuessedFile> models = guessFiles(files, known, options);
   draft.onePlace = areOnePlace(models);
   const auto perRow = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(models.size()))));
   double x = 0, y = 0, deepest = 0;
   for (std::size_t i = 0; i < models.size(); ++i) {
     const GuessedFile& model = models[i];
     draft.yaml += objectYaml(model, known, ontology, folder, options);
-    draft.files.push_back({model.file, model.name, model.frame.unit, model.frame.up, model.triangles(),
-                           model.trianglesWithCopies(), model.guessed(), model.byFile(), model.byFolder(),
-                           model.doubts(), model.box});
     const Box& box = model.box;
     if (models.size() == 1 || box.empty() || draft.onePlace) continue;
     if (i % perRow == 0) {
@@ -64,6 +61,7 @@ Draft draftScene(const std::vector<std::filesystem::path>& files, const std::vec
     x += box.high.x - box.low.x + kGap;
     deepest = std::max(deepest, box.high.y - box.low.y);
   }
+  draft.files = std::move(models);
   return draft;
 }
 

@@ -4,35 +4,60 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "base/vec.h"
-#include "draft/model.h"
+#include "draft/guess.h"
 #include "scene/ontology.h"
-#include "scenefile/concepts.h"
 
 namespace scanmill::draft {
 
-struct DraftedFile {
+// A part of a file with its names and the concept that was guessed from them.
+struct GuessedPart {
+  std::string node, material, texture;
+  const Concept* shows = nullptr;  // guessed concept; null: unknown
+  bool byFolder = false;           // only the name of the file's folder states `shows`
+  std::uint64_t triangles = 0;     // triangles of one copy of the part
+  std::size_t copies = 1;
+};
+
+struct GuessedFile {
   std::filesystem::path file;
-  std::string name;  // name of the object in the scene file
-  double unit = 1;   // length of the file's unit (m)
-  char up = 'z';
-  std::uint64_t triangles = 0;  // triangles, each part counted once
-  std::uint64_t trianglesWithCopies = 0;
-  // Triangles whose class was guessed from names of node, material, texture or file, or that are guessed to be
-  // superfluous.
-  std::uint64_t guessed = 0;
-  std::uint64_t byFile = 0;         // triangles of `guessed` with the class that the name of the file suggests
-  std::uint64_t byFolder = 0;       // other triangles, whose class only the name of the file's folder states
-  std::vector<std::string> doubts;  // guesses that a person should check, each in a few words
-  Box box;                          // bounding box in the object's frame (m)
+  std::string name;  // name of the object in the scene file, unique in it
+  std::vector<GuessedPart> parts;
+  const Concept* fileConcept = nullptr;  // the concept that the name of the file or its folder states; null: none
+  bool conceptByFolder = false;          // the name of the folder states `fileConcept`
+  FrameGuess frame;
+  Box box;                // bounding box (m), computed with the guessed unit and up axis
+  bool mixed = false;     // the file's name states both a ground and an object
+  bool measured = false;  // no materials are drafted, since the points have intensities or colours
+  bool numbered = false;  // the points have labels that are only numbers
+
+  std::uint64_t triangles() const;
+  std::uint64_t trianglesWithCopies() const;
+  // Number of triangles whose class was guessed from names of node, material, texture or file, or that are guessed to
+  // be superfluous.
+  std::uint64_t guessed() const;
+  // Number of the triangles counted by guessed() that have the class that the name of the file suggests.
+  std::uint64_t byFile() const;
+  // Number of triangles whose class only the name of the file's folder states.
+  std::uint64_t byFolder() const;
+  // Returns the guesses that a person should check, in a few words each.
+  std::vector<std::string> doubts() const;
+};
+
+struct DraftOptions {
+  bool allowOutside = false;                  // see AssetOptions
+  bool leaveOutMissing = false;               // see AssetOptions
+  std::set<std::filesystem::path> mayFail{};  // files that are left out with a warning if they cannot be read
 };
 
 struct Draft {
   std::string yaml;
-  std::vector<DraftedFile> files;
+  std::vector<GuessedFile> files;
   bool onePlace = false;  // true: the files are parts of one place and keep their coordinates
 };
 
@@ -43,5 +68,21 @@ struct Draft {
 Draft draftScene(const std::vector<std::filesystem::path>& files, const std::vector<Concept>& concepts,
                  const Ontology& ontology, const std::string& ontologyName, const std::string& name,
                  const std::filesystem::path& folder, const DraftOptions& options = {});
+
+// Reads 3D files and guesses their concepts, units and axes. The units and axes of files with the same format and
+// folder are guessed together. Throws InputError for a file that cannot be read and may not fail, and if no file can be
+// read.
+std::vector<GuessedFile> guessFiles(const std::vector<std::filesystem::path>& files,
+                                    const std::vector<Concept>& concepts, const DraftOptions& options);
+
+// Returns the concepts that have a class in the ontology, and those that need no class, such as parts to be removed.
+// Example: if an ontology for rooms has no class for buildings, "office.glb" is not taken for a building. Names of the
+// ontology's classes are words, too.
+std::vector<Concept> conceptsFor(const std::vector<Concept>& concepts, const Ontology& ontology);
+
+// Returns the YAML of an object without its position. `folder`: future folder of the scene file, to which paths are
+// relative.
+std::string objectYaml(const GuessedFile& model, const std::vector<Concept>& concepts, const Ontology& ontology,
+                       const std::filesystem::path& folder, const DraftOptions& options);
 
 }  // namespace scanmill::draft

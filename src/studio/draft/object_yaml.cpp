@@ -11,7 +11,7 @@
 #include "base/short_text.h"
 #include "base/terminal.h"
 #include "config/value.h"
-#include "draft/model.h"
+#include "draft/draft.h"
 
 namespace scanmill::draft {
 namespace {

@@ -1,10 +1,9 @@
-#include "evaluate/cloud_distances.h"
-
 #include <cmath>
 #include <limits>
 #include <nanoflann.hpp>
 
 #include "base/parallel.h"
+#include "evaluate/measure.h"
 
 namespace scanmill {
 

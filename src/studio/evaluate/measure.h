@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "evaluate/beam_errors.h"
-#include "evaluate/cloud_distances.h"
 #include "methods/method.h"
 
 namespace scanmill {
@@ -80,5 +79,14 @@ Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const 
 
 // Returns the points of all hits in the sensor's frame (m), in the order of beams. Misses have no point.
 std::vector<Vec3f> hitPoints(const Shot& shot, const Hits& hits);
+
+// The distances between the points of a true and of a tested cloud. Points that are not finite are ignored.
+struct CloudDistances {
+  // Distance (m) of each true point to the tested cloud; NaN if the point is not finite or the tested cloud is empty.
+  std::vector<float> to;
+  // Distance (m) of each tested point to the true cloud; NaN if the point is not finite or the true cloud is empty.
+  std::vector<float> from;
+};
+CloudDistances cloudDistances(std::span<const Vec3f> truth, std::span<const Vec3f> tested);
 
 }  // namespace scanmill

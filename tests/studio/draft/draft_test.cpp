@@ -70,8 +70,8 @@ TEST(DraftScene, ReadsAsItWasGuessed) {
                                                                         {"mystery", "thing"}}));
   const Draft draft = drafted({file}, folder.path());
   ASSERT_EQ(draft.files.size(), 1u);
-  EXPECT_EQ(draft.files[0].triangles, 9u);
-  EXPECT_EQ(draft.files[0].guessed, 8u);
+  EXPECT_EQ(draft.files[0].triangles(), 9u);
+  EXPECT_EQ(draft.files[0].guessed(), 8u);
   const Scene scene = readScene(folder.write("draft.yaml", draft.yaml), {});
   std::map<std::string, int> classes;
   for (const std::uint16_t s : scene.meshes.at(0).surfaceOf) {
@@ -197,7 +197,7 @@ TEST(DraftScene, FormatsWithAUnitKeepIt) {
   std::map<std::string, double> units;
   for (const auto& file : files) {
     const Draft draft = drafted({file}, folder.path());
-    units[file.extension().string()] = draft.files.at(0).unit;
+    units[file.extension().string()] = draft.files.at(0).frame.unit;
     EXPECT_EQ(draft.yaml.find("\n    unit:") == std::string::npos, file.extension() != ".obj") << draft.yaml;
     const bool doubted =
         draft.yaml.find("doubtful, though the file or its format states the unit") != std::string::npos;
@@ -215,8 +215,8 @@ TEST(DraftScene, WordsThatMostFilesShareSayNothing) {
         folder.write(fmt::format("my_warehouse_{}/model.obj", name), "o a\nv 0 0 0\nv 1 0 0\nv 0 1 1\nf 1 2 3\n"));
   }
   const Draft draft = drafted(files, folder.path());
-  EXPECT_EQ(draft.files.at(0).byFolder, 1u);
-  EXPECT_EQ(draft.files.at(2).byFolder, 0u);
+  EXPECT_EQ(draft.files.at(0).byFolder(), 1u);
+  EXPECT_EQ(draft.files.at(2).byFolder(), 0u);
   EXPECT_THAT(draft.yaml, testing::Not(testing::HasSubstr("building")));
 }
 
@@ -290,7 +290,7 @@ TEST(DraftScene, PartsOfOnePlaceStayWhereTheyAre) {
   const Scene scene = readScene(folder.write("draft.yaml", draft.yaml), {});
   for (const Instance& i : scene.instances) EXPECT_EQ(i.worldFromMesh.translation, Vec3d()) << i.name;
   EXPECT_FALSE(drafted({files[0], files[0]}, folder.path()).onePlace);
-  EXPECT_EQ(draft.files[1].byFile, 1u) << "no name but the file's says that it is a house";
+  EXPECT_EQ(draft.files[1].byFile(), 1u) << "no name but the file's says that it is a house";
 }
 
 // Files that say nothing have their folder's name, and no two objects one name.
@@ -302,14 +302,14 @@ TEST(DraftScene, NamesTellObjectsApart) {
   }
   const Draft draft = drafted(files, folder.path());
   std::set<std::string> names;
-  for (const DraftedFile& f : draft.files) names.insert(f.name);
+  for (const GuessedFile& f : draft.files) names.insert(f.name);
   EXPECT_EQ(names.size(), files.size());
   EXPECT_EQ(draft.files[0].name, "lamp");
   EXPECT_EQ(draft.files[1].name, "tree");
   const Scene scene = readScene(folder.write("draft.yaml", draft.yaml), {});
   EXPECT_EQ(scene.ontology.find(scene.meshes[0].surfaces[0].semantic)->name, "street_lamp") << "by its folder";
-  EXPECT_EQ(draft.files[0].guessed, 0u);
-  EXPECT_EQ(draft.files[0].byFolder, 1u);
+  EXPECT_EQ(draft.files[0].guessed(), 0u);
+  EXPECT_EQ(draft.files[0].byFolder(), 1u);
 }
 
 // Parts that have their class only from the folder are listed; with many nodes, by material and texture.
@@ -319,8 +319,8 @@ TEST(DraftScene, ListsPartsWithoutATellingName) {
   for (int i = 0; i < 30; ++i) nodes.emplace_back(fmt::format("n{}", i), "grey");
   folder.write("oak/a.gltf", gltfOf(nodes));
   const Draft draft = drafted({folder.path() / "oak/a.gltf"}, folder.path());
-  EXPECT_EQ(draft.files[0].guessed, 1u);
-  EXPECT_EQ(draft.files[0].byFolder, 30u);
+  EXPECT_EQ(draft.files[0].guessed(), 1u);
+  EXPECT_EQ(draft.files[0].byFolder(), 30u);
   EXPECT_THAT(draft.yaml,
               testing::HasSubstr("class: tree   # for all triangles without a rule: by the name of the folder"));
   EXPECT_THAT(draft.yaml, testing::HasSubstr("#   material \"grey\": 30 triangles\n"));
@@ -349,8 +349,8 @@ TEST(DraftScene, TilesHaveOneUnit) {
                                                  folder.write("building-a.obj", "o a\n" + plate + peak),
                                                  folder.write("grass-trees.obj", "o a\n" + plate + peak)};
   const Draft draft = drafted(files, folder.path());
-  for (const DraftedFile& f : draft.files) EXPECT_EQ(f.unit, 10) << f.file;
-  EXPECT_THAT(draft.files[2].doubts, testing::Contains("one class for two in its name"));
+  for (const GuessedFile& f : draft.files) EXPECT_EQ(f.frame.unit, 10) << f.file;
+  EXPECT_THAT(draft.files[2].doubts(), testing::Contains("one class for two in its name"));
 }
 
 // The columns of a cloud go before the names of its file and folder.
@@ -366,7 +366,7 @@ TEST(DraftScene, LabelsAndColoursOfACloudGoBeforeItsName) {
   };
   for (const char* const file : {"crate_wall.ply", "house/scan.ply"}) {
     const Draft labelled = cloud(file, "int label", {1, 2});
-    EXPECT_EQ(labelled.files[0].guessed + labelled.files[0].byFolder, 0u) << file;
+    EXPECT_EQ(labelled.files[0].guessed() + labelled.files[0].byFolder(), 0u) << file;
     EXPECT_THAT(labelled.yaml,
                 testing::AllOf(testing::HasSubstr("material \"1\""), testing::HasSubstr("material \"2\""),
                                testing::Not(testing::HasSubstr("class:"))))
@@ -382,7 +382,7 @@ TEST(DraftScene, LabelsAndColoursOfACloudGoBeforeItsName) {
 TEST(DraftScene, CoarserLevelsOfDetailAreDoubtful) {
   const TemporaryFolder folder;
   const auto doubtsOf = [&](const std::string& first, const std::string& second) {
-    return drafted({folder.write("a.gltf", gltfOf({{first, ""}, {second, ""}}))}, folder.path()).files[0].doubts;
+    return drafted({folder.write("a.gltf", gltfOf({{first, ""}, {second, ""}}))}, folder.path()).files[0].doubts();
   };
   const char* const told = "several levels of detail: `drop` the coarser ones";
   EXPECT_THAT(doubtsOf("Oak_LOD0", "Oak_LOD1"), testing::Contains(told));
@@ -396,7 +396,7 @@ TEST(DraftScene, CoarserLevelsOfDetailAreDoubtful) {
 TEST(DraftScene, DoubtsAreTold) {
   const TemporaryFolder folder;
   const auto doubtsOf = [&](const std::string& name, const std::string& obj) {
-    return drafted({folder.write(name, obj)}, folder.path()).files[0].doubts;
+    return drafted({folder.write(name, obj)}, folder.path()).files[0].doubts();
   };
   const std::string cube = "o a\nv 0 0 0\nv 1 1 1\nv 1 0 1\nf 1 2 3\n";
   EXPECT_THAT(doubtsOf("thing.obj", cube), testing::ElementsAre("up axis"));
@@ -404,7 +404,7 @@ TEST(DraftScene, DoubtsAreTold) {
               testing::Contains("size"));
   const auto cloud = folder.write("room.csv", "x,y,z,label\n0,0,0,3\n1,0,0,3\n0,1,0,40\n");
   const Draft draft = drafted({cloud}, folder.path());
-  EXPECT_THAT(draft.files[0].doubts, testing::Contains("labels without names"));
+  EXPECT_THAT(draft.files[0].doubts(), testing::Contains("labels without names"));
   EXPECT_THAT(draft.yaml, testing::HasSubstr("# points: {labels: NAME}"));
 }
 

@@ -1,8 +1,7 @@
-#include "evaluate/cloud_distances.h"
-
 #include <cmath>
 #include <limits>
 
+#include "evaluate/measure.h"
 #include "tests/support/directions.h"
 
 namespace scanmill {

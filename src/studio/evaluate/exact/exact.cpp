@@ -31,7 +31,7 @@ constexpr double kAlongAnAxis = 1e-12;    // smaller direction components become
 
 // Two surfaces count as coplanar if their distance along the normal is at most kCoplanar x range + kFloor (m), the same
 // rule as in ray tracing with the sensor at the world's origin. kFloor is the rounding error of float32 corners
-// worldNear the sensor.
+// near the sensor.
 const double kFloor = double{coplanarFloor(0)};
 
 // Returns the maximum range (m) of surfaces that may be coplanar with the nearest surface, which is at `range` (m).

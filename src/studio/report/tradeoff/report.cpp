@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 
+#include "base/append_new.h"
 #include "base/hash.h"
 #include "base/short_text.h"
 #include "methods/method.h"
@@ -162,20 +163,18 @@ class StudyPage {
       if (seconds <= 0) return Json::object();
       return Json{{"stage_s", seconds}, {"stage_beams_per_s", static_cast<double>(study_.beamsPerShot) / seconds}};
     };
-    const std::vector<std::size_t> measured = measuredSettings(study_);
     page_["methods"] = Json::array();
     for (const std::string& method : methodsOf(study_)) {
-      std::vector<std::size_t> own;
-      std::ranges::copy_if(measured, std::back_inserter(own),
-                           [&](std::size_t i) { return study_.settings[i].setting.method == method; });
+      const std::vector<std::size_t> own = measuredSettings(study_, method);
       std::vector<std::string> names;
       Json table{{"stages", Json::array()}, {"rows", Json::array()}};
       for (const std::size_t i : own) {
         for (const auto& [stage, seconds] : study_.settings[i].measured.cost.stages) {
-          if (seconds <= 0 || std::ranges::find(names, stage) != names.end()) continue;
-          names.push_back(stage);
-          table["stages"].push_back({{"title", wordsOf(stage)}, {"hint", "summed over threads"}});
+          if (seconds > 0) appendNew({stage}, names);
         }
+      }
+      for (const std::string& stage : names) {
+        table["stages"].push_back({{"title", wordsOf(stage)}, {"hint", "summed over threads"}});
       }
       for (const auto& entry : study_.commonStages) {
         table["stages"].push_back({{"title", entry.first + ", one thread"}, {"hint", "the same for all settings"}});
@@ -236,8 +235,7 @@ std::vector<std::string> groupNames(const Study& study, const std::vector<std::s
   std::vector<std::string> names;
   for (const std::size_t i : settings) {
     for (const ErrorGroup& g : study.settings[i].measured.errors.*groups) {
-      const bool known = std::ranges::find(names, g.name) != names.end();
-      if (g.errors.beams > 0 && !known) names.push_back(g.name);
+      if (g.errors.beams > 0) appendNew({g.name}, names);
     }
   }
   return names;
@@ -260,15 +258,12 @@ std::vector<std::size_t> settingColors(const std::vector<std::string>& ofSetting
 }
 
 std::vector<std::size_t> shownSettings(const Study& study, std::size_t most) {
-  const std::vector<std::size_t> measured = measuredSettings(study);
   std::vector<std::size_t> shown, fastest;
   const auto show = [&](std::size_t i) {
     if (shown.size() < most && std::ranges::find(shown, i) == shown.end()) shown.push_back(i);
   };
   for (const std::string& method : methodsOf(study)) {
-    std::vector<std::size_t> own;
-    std::ranges::copy_if(measured, std::back_inserter(own),
-                         [&](std::size_t i) { return study.settings[i].setting.method == method; });
+    const std::vector<std::size_t> own = measuredSettings(study, method);
     if (own.empty()) continue;
     fastest.push_back(*std::ranges::min_element(own, [&](std::size_t a, std::size_t b) {
       return study.settings[a].measured.cost.scanSeconds < study.settings[b].measured.cost.scanSeconds;

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -272,10 +273,10 @@ void addRow(ResponseTable& table, double value, double intensity) {
   table.emplace_back(value, intensity);
 }
 
-// Replaces values by the nearest ones, in the least squares, that do not fall (pool adjacent violators; Ayer et al.,
-// "An empirical distribution function for sampling with incomplete information", 1955).
-void makeRise(std::vector<double>& values) {
-  std::vector<std::pair<double, std::size_t>> pools;  // mean and number of values
+// Returns the nearest values, in the least squares, that do not fall (pool adjacent violators; Ayer et al., "An
+// empirical distribution function for sampling with incomplete information", 1955).
+Eigen::ArrayXd rising(const Eigen::ArrayXd& values) {
+  std::vector<std::pair<double, Eigen::Index>> pools;  // mean and number of values
   for (const double v : values) {
     pools.emplace_back(v, 1);
     while (pools.size() > 1 && pools[pools.size() - 2].first > pools.back().first) {
@@ -287,18 +288,13 @@ void makeRise(std::vector<double>& values) {
       others += count;
     }
   }
-  values.clear();
-  for (const auto& [mean, count] : pools) values.insert(values.end(), count, mean);
-}
-
-std::vector<double> sumOf(std::vector<double> a, const std::vector<double>& b) {
-  for (std::size_t k = 0; k < a.size(); ++k) a[k] += b[k];
-  return a;
-}
-
-std::vector<double> differenceOf(std::vector<double> a, const std::vector<double>& b) {
-  for (std::size_t k = 0; k < a.size(); ++k) a[k] -= b[k];
-  return a;
+  Eigen::ArrayXd result(values.size());
+  Eigen::Index first = 0;
+  for (const auto& [mean, count] : pools) {
+    result.segment(first, count) = mean;
+    first += count;
+  }
+  return result;
 }
 
 // Changes the intensities of a table as little as possible so that they grow at most in proportion to the value, as
@@ -307,27 +303,21 @@ std::vector<double> differenceOf(std::vector<double> a, const std::vector<double
 // rise. Alternates between both conditions (Dykstra, "An algorithm for restricted least squares regression", 1983).
 void limitSlope(ResponseTable& table) {
   constexpr int kRounds = 500;
-  const auto first =
-      static_cast<std::size_t>(std::ranges::count_if(table, [](const auto& row) { return row.second <= 0; }));
-  std::vector<double> values, intensities;  // logarithms
-  for (std::size_t k = first; k < table.size(); ++k) {
-    values.push_back(std::log(table[k].first));
-    intensities.push_back(std::log(table[k].second));
-  }
+  const auto first = std::ranges::find_if(table, [](const auto& row) { return row.second > 0; });
+  Eigen::ArrayXd values(table.end() - first), intensities(table.end() - first);  // logarithms
+  std::transform(first, table.end(), values.begin(), [](const auto& row) { return std::log(row.first); });
+  std::transform(first, table.end(), intensities.begin(), [](const auto& row) { return std::log(row.second); });
   // Corrections of the two conditions.
-  std::vector<double> ofIntensities(intensities.size(), 0.0), ofDifferences = ofIntensities;
+  Eigen::ArrayXd ofIntensities = Eigen::ArrayXd::Zero(values.size()), ofDifferences = ofIntensities;
   for (int round = 0; round < kRounds; ++round) {
-    const std::vector<double> before = sumOf(intensities, ofIntensities);
-    std::vector<double> rising = before;
-    makeRise(rising);
-    ofIntensities = differenceOf(before, rising);
-    const std::vector<double> corrected = sumOf(rising, ofDifferences);
-    std::vector<double> differences = differenceOf(values, corrected);
-    makeRise(differences);
-    intensities = differenceOf(values, differences);
-    ofDifferences = differenceOf(corrected, intensities);
+    const Eigen::ArrayXd rise = rising(intensities + ofIntensities);
+    ofIntensities = (intensities + ofIntensities - rise).eval();
+    intensities = values - rising(values - (rise + ofDifferences));
+    ofDifferences = (rise + ofDifferences - intensities).eval();
   }
-  for (std::size_t k = first; k < table.size(); ++k) table[k].second = std::exp(intensities[k - first]);
+  for (std::size_t k = 0; k < static_cast<std::size_t>(values.size()); ++k) {
+    first[static_cast<std::ptrdiff_t>(k)].second = std::exp(intensities[static_cast<Eigen::Index>(k)]);
+  }
 }
 
 double fullScaleOf(const ResponseFit& fit) {

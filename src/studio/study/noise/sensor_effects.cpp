@@ -1,5 +1,3 @@
-#include "study/noise/sensor_effects.h"
-
 #include <algorithm>
 #include <sstream>
 #include <vector>
@@ -8,6 +6,7 @@
 #include "config/file_kind.h"
 #include "config/named_options.h"
 #include "config/value.h"
+#include "study/noise/fit_noise.h"
 
 namespace scanmill {
 

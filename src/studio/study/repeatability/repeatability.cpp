@@ -162,8 +162,7 @@ class RepeatabilityRun {
       std::vector<std::string> names;
       for (std::size_t s = 0; s < plan_.pipeline.sensors.size(); ++s) {
         for (const ChosenEffect& effect : *choice_.levels[level].effects[s]) {
-          const std::string_view name = effect.entry->name;
-          if (std::ranges::find(names, name) == names.end()) names.emplace_back(name);
+          appendNew({std::string(effect.entry->name)}, names);
         }
       }
       if (names.empty() && choice_.levels[level].named) continue;

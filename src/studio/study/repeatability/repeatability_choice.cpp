@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "base/append_new.h"
 #include "base/error.h"
 #include "config/fields.h"
 #include "evaluate/beam_errors.h"
@@ -138,7 +139,7 @@ const BoxedObject& objectToScan(const std::vector<BoxedObject>& things, const st
   double least = 0;
   std::vector<std::string> names;
   for (const BoxedObject& thing : things) {
-    if (std::ranges::find(names, thing.name()) == names.end()) names.push_back(thing.name());
+    appendNew({thing.name()}, names);
     if (!name.empty() && thing.name() != name) continue;
     const double distance = thing.distance(from);
     if (nearestThing != nullptr && distance >= least) continue;

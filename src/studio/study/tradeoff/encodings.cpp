@@ -1,10 +1,9 @@
-#include "study/tradeoff/encodings.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
 
 #include "base/stage_clock.h"
+#include "study/tradeoff/settings.h"
 
 namespace scanmill {
 

@@ -13,6 +13,7 @@
 //     budget_s: 300                 # approximate duration of the study
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -43,5 +44,10 @@ StudyChoice readStudyChoice(const Pipeline& pipeline);
 // Returns the settings that are measured if the pipeline lists none: all methods with their defaults, and variations
 // with one or several options changed.
 std::vector<MethodSetting> defaultSettings();
+
+// Encodes and decodes each scan `repeats` times on one thread and uses the shortest time of each scan. Rates and sizes
+// are per return; misses in organised scans need bytes, but do not count as points. The error is the distance between
+// decoded and original positions.
+EncodingResult measureEncoding(const StudyEncoding& encoding, std::span<const Scan> scans, int repeats);
 
 }  // namespace scanmill

@@ -52,10 +52,11 @@ bool isDefault(const Setting& setting) {
   return setting.name == setting.method;
 }
 
-std::vector<std::size_t> measuredSettings(const Study& study) {
+std::vector<std::size_t> measuredSettings(const Study& study, const std::string& method) {
   std::vector<std::size_t> measured;
   for (std::size_t i = 0; i < study.settings.size(); ++i) {
-    if (study.settings[i].failure.empty()) measured.push_back(i);
+    const SettingResult& s = study.settings[i];
+    if (s.failure.empty() && (method.empty() || s.setting.method == method)) measured.push_back(i);
   }
   return measured;
 }

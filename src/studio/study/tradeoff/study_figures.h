@@ -38,8 +38,8 @@ double beamsPerSecond(const Study& study, const SettingResult& result);
 // True if the setting gives no options, so that all have their defaults.
 bool isDefault(const Setting& setting);
 
-// Returns the indices in Study::settings of the settings that were measured.
-std::vector<std::size_t> measuredSettings(const Study& study);
+// Returns the indices in Study::settings of the settings that were measured: of one method, or of all if it is empty.
+std::vector<std::size_t> measuredSettings(const Study& study, const std::string& method = "");
 
 // Returns the Pareto front of time and an error, such as rangeP99(), as indices in Study::settings, the fastest first.
 // If two settings on the front differ in time by less than repeated measurements do, only the more exact one is

@@ -9,7 +9,6 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "formats/format.h"
-#include "study/noise/sensor_effects.h"
 #include "tests/studio/study/noise/noise_scans.h"
 #include "tests/support/message_of.h"
 #include "tests/support/noisy_walls.h"

@@ -2,7 +2,6 @@
 
 #include "base/random.h"
 #include "study/noise/fit_noise.h"
-#include "study/noise/sensor_effects.h"
 #include "tests/studio/study/noise/noise_scans.h"
 
 namespace scanmill {

@@ -1,8 +1,7 @@
-#include "study/tradeoff/encodings.h"
-
 #include <limits>
 
 #include "base/random.h"
+#include "study/tradeoff/settings.h"
 
 namespace scanmill {
 namespace {

@@ -1,5 +1,3 @@
-#include "draft/model.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,6 +11,7 @@
 #include "base/error.h"
 #include "base/input_budget.h"
 #include "config/text.h"
+#include "draft/draft.h"
 
 namespace scanmill::draft {
 namespace {
