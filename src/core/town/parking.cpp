@@ -14,7 +14,8 @@ namespace {
 
 using models::Kind;
 
-constexpr double kBay = 6;  // m, length of a parking bay along the curb
+constexpr double kBay = 6;            // m, length of a parking bay along the curb
+constexpr double kParkingLane = 1.5;  // m, least width of a lane in which cars park
 
 // Returns how far beyond the edge of the carriageway (m, negative: on it) the middle of a parked car stands: in the
 // middle of a parking lane, or half on the sidewalk if both the lane and a part of the sidewalk stay free, or else, on
@@ -24,70 +25,78 @@ std::optional<double> parkedAt(const Road& road, double half, bool keepClear) {
   constexpr double kBesideLane = 1.6;  // m between the middle of a lane and parked cars: lorries pass
   constexpr double kWalk = 0.7;        // m, width of the sidewalk that stays free
   const CrossSection& s = road.section;
-  if (s.parking > 1.5) return -s.parking / 2;
+  if (s.parking > kParkingLane) return -s.parking / 2;
   const double out = std::max(0.1, road.laneMiddle() + kBesideLane + half - s.half);
   if (s.verge == 0 && out + half < s.fenced() - kWalk && !road.oneWay()) return out;
   return keepClear ? std::nullopt : std::optional(-half - 0.15);
 }
 
+// Places cars in the bays and at the curb of one side of a road. `bay`: number of the first place; each place has a
+// random stream of its own. `number`: cars so far. Both are advanced.
+void placeCarsAtSide(Placer& placer, const Road& road, int side, bool egoDrives, std::uint32_t& bay, int& number) {
+  const Layout& l = placer.layout;
+  const CrossSection& s = road.section;
+  const bool hasLane = s.parking > kParkingLane;
+  const double first = road.main ? l.mainFrom : 14;
+  const double last = road.main ? l.mainTo : road.length() - 4;
+  // Along a road without parking lanes drivers park half on the sidewalk on one side, on both or on none.
+  const bool custom =
+      hasLane ||
+      Draw(l.seed, Kind::SidewalkParking, 2 * road.number + (side > 0 ? 1u : 0u)).chance(egoDrives ? 0.35 : 0.75);
+  // More cars stand in roads where fewer pass.
+  const double parked = std::min(0.95, (!egoDrives ? 3 : hasLane ? 0.8 : 0.5) * l.character.parked);
+  for (double at = first; at + kBay < last; at += kBay) {
+    Draw draw(l.seed, Kind::ParkedCar, bay++);
+    if (!draw.chance(custom ? parked : 0.15 * parked)) continue;
+    const Model& car = anyCar(placer, draw);
+    const double halfWidth = (car.bounds.high.y - car.bounds.low.y) / 2;
+    const std::optional<double> out = parkedAt(road, halfWidth, egoDrives);
+    if (!out || (*out > 0 && !custom)) continue;
+    if (*out <= 0 && !hasLane && custom && !draw.chance(0.15)) continue;  // they narrow the lane
+    Spot spot = besideRoad(road, at + kBay / 2 + draw.in(-0.4, 0.4), side * (s.half + *out));
+    const Beside b = l.besideAt(spot.at);
+    if (std::abs(b.edge - *out) > 0.3) continue;  // the bay is at a crossing
+    // Driveways are kept clear.
+    constexpr double kClear = 2.2;  // m
+    if (l.outsidePatches(besideRoad(road, at + kBay / 2, side * (s.half + s.outer() + 0.4)).at) < kClear) continue;
+    if (draw.chance(0.08)) spot.yaw += kPi;
+    spot.yaw += (side > 0 ? kPi : 0) + draw.in(-0.02, 0.02);
+    if (placer.tryPark(car, spot, fmt::format("car {}", number + 1))) ++number;
+  }
+}
+
+// Places cars side by side on wide forecourts, with gaps; a driveway has room for one car. `number`: see above.
+void placeCarsOn(Placer& placer, const Patch& patch, Draw& draw, int& number) {
+  constexpr double kBeside = 2.7;  // m between the middles of neighbours
+  const double parked = placer.layout.character.parked;
+  const bool wide = patch.place.halfX > kBeside;
+  const double first = wide ? -patch.place.halfX + kBeside / 2 : 0;
+  for (const double u : models::steps(first, wide ? patch.place.halfX - 1 : 1, kBeside)) {
+    if (!draw.chance(wide ? 0.65 + 0.3 * parked : 0.85 + 0.15 * parked)) continue;
+    const Model& car = anyCar(placer, draw);
+    if (car.bounds.high.y - car.bounds.low.y > 2 * patch.place.halfX + 0.2) continue;
+    const double in = patch.place.halfY - 3 - draw.in(0, 1);
+    const double yaw = patch.place.yaw + kPi / 2;  // direction from the road to the house
+    const double turned = draw.chance(0.6) ? 0 : kPi;
+    const Spot spot{patch.place.at(u, in), yaw + turned + draw.in(-0.03, 0.03), 1, 0};
+    if (!placer.occupancy.isFree(footprint(car, spot, Placer::kGap))) continue;
+    placer.park(car, spot, fmt::format("car {}", ++number));
+  }
+}
+
 void placeCars(Placer& placer) {
   const Layout& l = placer.layout;
-  const Character& c = l.character;
   const EgoRoads ego = egoRoads(l);
   int number = 0;
   std::uint32_t bay = 0;
   for (const Road& road : l.roads()) {
-    const CrossSection& s = road.section;
-    if (road.minor || (road.oneWay() && s.parking < 1.5)) continue;
-    const double first = road.main ? l.mainFrom : 14;
-    const double last = road.main ? l.mainTo : road.length() - 4;
-    const bool busy = road.main || ego.has(road);  // the road is used by the ego vehicle
-    for (const int side : {-1, 1}) {
-      // Along a road without parking lanes drivers park half on the sidewalk on one side, on both or on none.
-      const bool custom =
-          s.parking > 1.5 ||
-          Draw(l.seed, Kind::SidewalkParking, 2 * road.number + (side > 0 ? 1u : 0u)).chance(busy ? 0.35 : 0.75);
-      for (double at = first; at + kBay < last; at += kBay) {
-        Draw draw(l.seed, Kind::ParkedCar, bay++);
-        // More cars stand in roads where fewer pass.
-        const double parked = std::min(0.95, (!busy ? 3 : s.parking > 1.5 ? 0.8 : 0.5) * c.parked);
-        if (!draw.chance(custom ? parked : 0.15 * parked)) continue;
-        const Model& car = anyCar(placer, draw);
-        const double half = (car.bounds.high.y - car.bounds.low.y) / 2;
-        const std::optional<double> out = parkedAt(road, half, busy);
-        if (!out || (*out > 0 && !custom)) continue;
-        if (*out <= 0 && s.parking <= 1.5 && custom && !draw.chance(0.15)) continue;  // they narrow the lane
-        Spot spot = besideRoad(road, at + kBay / 2 + draw.in(-0.4, 0.4), side * (s.half + *out));
-        const Beside b = l.besideAt(spot.at);
-        if (std::abs(b.edge - *out) > 0.3) continue;  // the bay is at a crossing
-        // Driveways are kept clear.
-        if (l.outsidePatches(besideRoad(road, at + kBay / 2, side * (s.half + s.outer() + 0.4)).at) < 2.2) continue;
-        if (draw.chance(0.08)) spot.yaw += kPi;
-        spot.yaw += (side > 0 ? kPi : 0) + draw.in(-0.02, 0.02);
-        if (placer.tryPark(car, spot, fmt::format("car {}", number + 1))) ++number;
-      }
-    }
+    if (road.minor || (road.oneWay() && road.section.parking < kParkingLane)) continue;
+    for (const int side : {-1, 1}) placeCarsAtSide(placer, road, side, road.main || ego.has(road), bay, number);
   }
   std::uint32_t index = 0;
   for (const Patch& patch : l.patches) {
     Draw draw(l.seed, Kind::ForecourtCars, index++);
-    if (!patch.parks || c.parked <= 0) continue;
-    // Cars stand side by side on wide forecourts, with gaps; a driveway has room for one car.
-    constexpr double kBeside = 2.7;  // m
-    const bool wide = patch.place.halfX > kBeside;
-    const double first = wide ? -patch.place.halfX + kBeside / 2 : 0;
-    for (const double u : models::steps(first, wide ? patch.place.halfX - 1 : 1, kBeside)) {
-      if (!draw.chance(wide ? 0.65 + 0.3 * c.parked : 0.85 + 0.15 * c.parked)) continue;
-      const Model& car = anyCar(placer, draw);
-      const Vec3d size = car.bounds.high - car.bounds.low;
-      if (size.y > 2 * patch.place.halfX + 0.2) continue;
-      const double in = patch.place.halfY - 3 - draw.in(0, 1);
-      const double yaw = patch.place.yaw + kPi / 2;  // direction from the road to the house
-      const double turned = draw.chance(0.6) ? 0 : kPi;
-      const Spot spot{patch.place.at(u, in), yaw + turned + draw.in(-0.03, 0.03), 1, 0};
-      if (!placer.occupancy.isFree(footprint(car, spot, Placer::kGap))) continue;
-      placer.park(car, spot, fmt::format("car {}", ++number));
-    }
+    if (patch.parks && l.character.parked > 0) placeCarsOn(placer, patch, draw, number);
   }
 }
 

@@ -26,6 +26,8 @@ constexpr double kBeyond = 300;     // m, distance beyond the town at which vehi
 constexpr double kWarmUp = 20;      // s of simulation before the drive begins
 constexpr double kDuration = 120;   // s; all vehicles stand still after this time
 constexpr double kInterval = 0.25;  // s between the stored positions of a vehicle
+constexpr double kBeforeEnd = 0.1;  // m before the end of a route, where vehicles stop that do not vanish
+constexpr double kStartGap = 22;    // m between vehicles at the start, besides a second of driving
 constexpr double kAlways = -1e9;    // s, start time of vehicles that never wait
 constexpr std::uint32_t kPassing = 1 << 20;  // first number of the lanes beside the rightmost ones
 
@@ -160,55 +162,69 @@ class Traffic {
     }
   }
 
+  // Adds the routes into and out of a side road and their vehicles. Vehicles turn from and to the main road only at its
+  // left, where they do not cross the ego vehicle's lane; elsewhere they stop at the ends of the side road's lanes.
   void addSideRoad(const Road& side) {
+    constexpr double kLeastLanes = 20;  // m
     const std::uint32_t r = side.number;
     const double end = laneEnd(side);
-    const double mouth = laneStart(l_);
-    if (!side.joins || end < mouth + 20 || egoRoads(l_).has(side)) return;
-    const double joins = *side.joins;
-    const bool left = side.joinsLeft && main_.against;
-    const double corner = turnStart(side);
+    const double start = laneStart(l_);
+    if (!side.joins || end < start + kLeastLanes || egoRoads(l_).has(side)) return;
+    const bool turns = side.joinsLeft && main_.against;
     std::optional<std::uint32_t> out;
     std::optional<std::uint32_t> in;
-    if (side.along && !blocked(r, mouth, end)) {
-      out = add({{{r, mouth, end}}});
+    if (side.along && !blocked(r, start, end)) {
+      out = add({{{r, start, end}}});
       routes_[*out].legs = {{outwards(r), 0, routes_[*out].length, 0}};
-      routes_[*out].stops = {{routes_[*out].length - 0.1}};
-      if (left) {
-        const std::uint32_t turn = add({{{0, main_.length(), joins + corner}, {r, mouth, end}}, kUpstream, 0});
-        Route& turning = routes_[turn];
-        const double from = paths_[turn].at(r, mouth);
-        turning.legs = {{0, 0, from, 0}, {outwards(r), from - 4, turning.length, -from}};
-        turning.stops = {{turning.length - 0.1}};
-        for (const StopLine& s : routes_.front().stops) {
-          if (s.at < paths_[turn].at(0, joins + corner)) turning.stops.push_back(s);
-        }
-        turns_.push_back(turn);
-      }
+      routes_[*out].stops = {{routes_[*out].length - kBeforeEnd}};
+      if (turns) addTurnInto(side);
     }
-    if (side.against && !blocked(r, end, mouth)) {
-      LanePath lanePath{{{r, end, stopLineOfSideRoad(l_)}}};
-      if (left) {
-        lanePath.intervals.push_back({0, joins - corner, 0});
-        lanePath.hiddenAfter = kBeyond;
-      }
-      in = add(lanePath);
-      Route& coming = routes_[*in];
-      const double line = paths_[*in].at(r, stopLineOfSideRoad(l_));
-      if (left) {
-        const double merged = paths_[*in].at(0, joins - corner);
-        const double there = paths_.front().at(0, joins - corner);
-        coming.legs = {{inwards(r), 0, line + 6, 0}, {0, line + 1, coming.length, there - merged}};
-        coming.stops = {{line, 0, 0, 0, true, 0, there - 50, there + 14}};
-        for (const StopLine& s : routes_.front().stops) {
-          if (s.at > there) coming.stops.push_back({s.at + merged - there, s.period, s.red, s.offset});
-        }
-      } else {
-        coming.legs = {{inwards(r), 0, coming.length, 0}};
-        coming.stops = {{line - 0.1}};
-      }
+    if (side.against && !blocked(r, end, start)) in = turns ? addTurnOutOf(side) : addUpToStopLine(side);
+    drawSide(r, in, out, start, end);
+  }
+
+  // Adds the route from the main road into a side road.
+  void addTurnInto(const Road& side) {
+    constexpr double kOverlap = 4;  // m before its own lane where a turning vehicle is seen by those on that lane
+    const double before = *side.joins + turnStart(side);
+    const LanePath path{{{0, main_.length(), before}, {side.number, laneStart(l_), laneEnd(side)}}, kUpstream, 0};
+    const std::uint32_t number = add(path);
+    Route& turning = routes_[number];
+    const double from = paths_[number].at(side.number, laneStart(l_));
+    turning.legs = {{0, 0, from, 0}, {outwards(side.number), from - kOverlap, turning.length, -from}};
+    turning.stops = {{turning.length - kBeforeEnd}};
+    for (const StopLine& s : routes_.front().stops) {
+      if (s.at < paths_[number].at(0, before)) turning.stops.push_back(s);
     }
-    drawSide(r, in, out, mouth, end);
+    turns_.push_back(number);
+  }
+
+  // Adds the route along a side road to its stop line, where vehicles wait for ever.
+  std::uint32_t addUpToStopLine(const Road& side) {
+    const std::uint32_t number = add({{{side.number, laneEnd(side), stopLineOfSideRoad(l_)}}});
+    Route& coming = routes_[number];
+    coming.legs = {{inwards(side.number), 0, coming.length, 0}};
+    coming.stops = {{paths_[number].at(side.number, stopLineOfSideRoad(l_)) - kBeforeEnd}};
+    return number;
+  }
+
+  // Adds the route from a side road to the main road, to which it gives way at its stop line.
+  std::uint32_t addTurnOutOf(const Road& side) {
+    constexpr double kLooksBack = 50, kLooksAhead = 14;  // m of the main road from the junction that must be free
+    constexpr double kLeaves = 6, kEnters = 1;           // m behind the stop line: end and start of the lanes
+    const double after = *side.joins - turnStart(side);
+    const std::uint32_t r = side.number;
+    const std::uint32_t number = add({{{r, laneEnd(side), stopLineOfSideRoad(l_)}, {0, after, 0}}, 0, kBeyond});
+    Route& coming = routes_[number];
+    const double line = paths_[number].at(r, stopLineOfSideRoad(l_));
+    const double merged = paths_[number].at(0, after);   // m along this route
+    const double through = paths_.front().at(0, after);  // m along the route through the town
+    coming.legs = {{inwards(r), 0, line + kLeaves, 0}, {0, line + kEnters, coming.length, through - merged}};
+    coming.stops = {{line, 0, 0, 0, true, 0, through - kLooksBack, through + kLooksAhead}};
+    for (const StopLine& s : routes_.front().stops) {
+      if (s.at > through) coming.stops.push_back({s.at + merged - through, s.period, s.red, s.offset});
+    }
+    return number;
   }
 
   void drawSide(std::uint32_t r, const std::optional<std::uint32_t>& in, const std::optional<std::uint32_t>& out,
@@ -232,7 +248,7 @@ class Traffic {
     }
   }
 
-  // Adds the vehicles that drive through the town. They start at least 22 m plus one second of driving apart.
+  // Adds the vehicles that drive through the town. They start at least kStartGap plus one second of driving apart.
   void drawThrough() {
     if (!main_.against) return;
     Draw draw(l_.seed, Kind::Traffic);
@@ -253,7 +269,7 @@ class Traffic {
         const bool heavy = pick < 0.27 && main_.section.laneWidth() > kHeavyLane;
         if (pick > 0.8) {
           addMotorcyclist(draw, 0, at, speed, off);
-          at += 22 + speed;
+          at += kStartGap + speed;
           continue;
         }
         const Model& m = !heavy ? anyCar(placer_, draw) : pick < 0.16 ? busOf(placer_) : anyTruck(placer_, draw);
@@ -264,7 +280,7 @@ class Traffic {
         // Lorries and buses keep to the middle of the lane: in bends they need its width.
         addDriver(at < legs.front().to - 30 ? route : 0, at, m, std::nullopt, speed, heavy ? 0 : off, kAlways);
       }
-      const double least = 22 + speed;
+      const double least = kStartGap + speed;
       const double mean = density > 0 ? std::max(1 / density - least, 8.0) : 40;
       at += least - mean * std::log(draw.next());
     }
@@ -285,7 +301,7 @@ class Traffic {
         addDriver(route, at, heavy ? anyTruck(placer_, draw) : anyCar(placer_, draw), std::nullopt, speed, out + off,
                   kAlways);
       }
-      const double least = 22 + speed;
+      const double least = kStartGap + speed;
       at += least - std::max(100 / per100m - least, 8.0) * std::log(draw.next());
     }
   }
