@@ -2,6 +2,7 @@
 
 // Hashes of bytes, and bytes as text in base64 (RFC 4648, section 4).
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -36,6 +37,13 @@ std::string xxh3(std::string_view bytes);
 
 // Returns the XXH3 hash of a whole file, as xxh3() does. Throws an InputError that names the file if it cannot be read.
 std::string xxh3OfFile(const std::filesystem::path& file);
+
+// Returns the FNV-1a hash (Fowler, Noll and Vo; RFC 9923) of a text. Unlike std::hash it is the same on all machines.
+constexpr std::uint32_t fnv1a(std::string_view text) {
+  std::uint32_t hash = 2166136261u;
+  for (const char c : text) hash = (hash ^ static_cast<std::uint8_t>(c)) * 16777619u;
+  return hash;
+}
 
 // The most bytes that the next two functions take. They throw Error for more.
 inline constexpr std::size_t kMostBase64 = std::size_t{1} << 30;

@@ -14,6 +14,7 @@ namespace scanmill {
 
 namespace {
 
+// Describes a value, for messages.
 std::string found(const Value& value) {
   switch (value.kind) {
     case Value::Kind::Null:
@@ -28,7 +29,7 @@ std::string found(const Value& value) {
   return quotedForMessage(value.text);
 }
 
-[[noreturn]] void refuse(const Value& value, std::string_view what, const std::string& expected, bool isText = false) {
+[[noreturn]] void refuse(const Value& value, std::string_view what, const std::string& expected) {
   if (isDistribution(value)) {
     throw InputError(
         value.where,
@@ -36,13 +37,12 @@ std::string found(const Value& value) {
                     "`objects` can (docs/keys.md); `--sweep` makes a dataset for each of several values",
                     what));
   }
-  const bool scalar = !isText && value.kind == Value::Kind::Scalar;
-  throw InputError(value.where, fmt::format("{} must be {}, not {}{}", what, expected, found(value),
-                                            !scalar        ? ""
-                                            : value.quoted ? " in quotes, which is text"
-                                                           : numberAdvice(value.text)));
+  std::string hint;
+  if (value.kind == Value::Kind::Scalar) hint = value.quoted ? " in quotes, which is text" : numberAdvice(value.text);
+  throw InputError(value.where, fmt::format("{} must be {}, not {}{}", what, expected, found(value), hint));
 }
 
+// Returns "a number from 1 to 5", or less if the interval [low, high] ends where the type's [lowest, highest] does.
 template <class T>
 std::string bounded(std::string_view noun, T low, T high, T lowest, T highest) {
   if (low == lowest && high == highest) return std::string(noun);
@@ -98,7 +98,7 @@ bool readBool(const Value& value, std::string_view what) {
 }
 
 std::string readText(const Value& value, std::string_view what) {
-  if (value.kind != Value::Kind::Scalar) refuse(value, what, "text", true);
+  if (value.kind != Value::Kind::Scalar) refuse(value, what, "text");
   return value.text;
 }
 

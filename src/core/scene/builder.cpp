@@ -7,6 +7,7 @@
 #include <limits>
 #include <tuple>
 
+#include "base/hash.h"
 #include "base/random.h"
 
 namespace scanmill {
@@ -38,12 +39,11 @@ std::uint16_t SceneBuilder::material(std::string_view name, const Location& wher
 void SceneBuilder::drawReflectances() {
   for (Material& m : library_.materials) {
     if (m.least >= m.greatest) continue;
-    std::uint32_t name = 2166136261u;  // FNV-1a, so that the number does not depend on the order of the table
-    for (const char c : m.name) name = (name ^ static_cast<std::uint8_t>(c)) * 16777619u;
-    const RandomBlock words = randomBlock({.seed = scene_.seed, .beam = name, .purpose = Purpose::Reflectance});
-    const double part = uniform(words[0]);
+    // The address has the name, so that the number does not depend on the order of the table.
+    const RandomBlock words =
+        randomBlock({.seed = scene_.seed, .beam = fnv1a(m.name), .purpose = Purpose::Reflectance});
     const double end = uniform(words[1]) < 0.5 ? m.least : m.greatest;
-    m.reflectance = static_cast<float>(m.reflectance * std::pow(end / m.reflectance, part));
+    m.reflectance = static_cast<float>(m.reflectance * std::pow(end / m.reflectance, uniform(words[0])));
   }
 }
 

@@ -26,29 +26,7 @@ namespace scanmill {
 // docs/keys.md lists the keys.
 class Arrangement {
  public:
-  // Reads `copies.scatter`, `copies.along`, `vary` and `stand_on`. Throws InputError with the place.
-  Arrangement(Fields& object, const Ontology& ontology);
-
-  bool random() const { return scatter_ || vary_; }
-  // Returns the materials from which each copy gets one at random; if empty, every copy keeps the object's material.
-  const std::vector<std::string>& materials() const { return materials_; }
-  bool needsSurfaces() const { return scatter_ || standOn_ || (along_ && along_->trip); }
-
-  struct Copy {
-    Affine worldFromMesh;
-    std::size_t variant = 0;  // index of the copy's file and material, below `variants`
-    std::size_t number = 1;   // counts all copies from 1, including those that are left out
-  };
-
-  // Returns the copies that `presence` and `stand_on` do not leave out, each with a random index below `variants`.
-  // `heights`: the surfaces of `scene`, which has the objects listed before this one; required if needsSurfaces().
-  // `lowest` returns the height of a copy's lowest point (m). Throws InputError if the scene has no surface of the
-  // required classes, or too little room.
-  std::vector<Copy> places(const Placement& placement, const Scene& scene, const SurfaceHeights* heights,
-                           std::uint64_t seed, std::uint32_t object, std::size_t variants,
-                           const std::function<double(const Copy&)>& lowest) const;
-
- private:
+  // What the keys of an object say; each struct is one key.
   struct Distance {
     std::uint16_t semantic = 0;
     double least = 0, most = 0;  // m, as seen from above; `most` is infinite if only the least distance is given
@@ -80,10 +58,36 @@ class Arrangement {
     std::vector<std::uint16_t> classes;  // classes to stand on; empty: all classes that are not thing classes
     Location where;
   };
-  static std::vector<Distance> readDistances(const Value& value, const Ontology& ontology);
+
+  // Reads `copies.scatter`, `copies.along`, `vary` and `stand_on`. Throws InputError with the place.
+  Arrangement(Fields& object, const Ontology& ontology);
+
+  bool random() const { return scatter_ || vary_; }
+  // Returns the materials from which each copy gets one at random; if empty, every copy keeps the object's material.
+  const std::vector<std::string>& materials() const { return materials_; }
+  bool needsSurfaces() const { return scatter_ || standOn_ || (along_ && along_->trip); }
+
+  struct Copy {
+    Affine worldFromMesh;
+    std::size_t variant = 0;  // index of the copy's file and material, below `variants`
+    std::size_t number = 1;   // counts all copies from 1, including those that are left out
+  };
+
+  // Returns the copies, in this order: all places, from which `vary` moves some and leaves some out; then those are set
+  // on the surfaces of `stand_on`, or left out where there is none. Each has a random index below `variants`.
+  // `heights`: the surfaces of `scene`, which has the objects listed before this one; required if needsSurfaces().
+  // `lowest` returns the height of a copy's lowest point (m). Throws InputError if the scene has no surface of the
+  // required classes, or too little room.
+  std::vector<Copy> places(const Placement& placement, const Scene& scene, const SurfaceHeights* heights,
+                           std::uint64_t seed, std::uint32_t object, std::size_t variants,
+                           const std::function<double(const Copy&)>& lowest) const;
+
+ private:
   std::vector<Pose> scattered(const Scene& scene, const SurfaceHeights& heights, std::uint64_t seed,
                               std::uint32_t object) const;
   std::vector<Pose> alongPath(const Scene& scene, const SurfaceHeights* heights) const;
+  std::vector<Copy> standing(std::vector<Copy> copies, const SurfaceHeights& heights, std::uint64_t seed,
+                             const std::function<double(const Copy&)>& lowest) const;
 
   std::optional<Scatter> scatter_;
   std::optional<Along> along_;

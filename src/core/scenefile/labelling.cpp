@@ -77,13 +77,13 @@ struct RuleCounts {
   explicit RuleCounts(std::size_t rules) : matched(rules, 0), decided(rules, 0) {}
 };
 
-// Copies some of a part's triangles with the vertices that they use. All calls of take() share one table of vertices,
+// Copies some of a part's triangles with the vertices that they use. All calls of copy() share one table of vertices,
 // so that the time of a call depends only on the number of copied triangles.
-class Taker {
+class TriangleCopier {
  public:
-  explicit Taker(const AssetPart& part) : part_(part), moved_(part.positions.size(), kNew) {}
+  explicit TriangleCopier(const AssetPart& part) : part_(part), copyOf_(part.positions.size(), kNotCopied) {}
 
-  AssetPart take(const std::vector<std::size_t>& triangles) {
+  AssetPart copy(const std::vector<std::size_t>& triangles) {
     AssetPart out;
     out.node = part_.node;
     out.nodeIndex = part_.nodeIndex;
@@ -96,8 +96,8 @@ class Taker {
     for (const std::size_t number : triangles) {
       Triangle t = part_.triangles[number];
       for (std::uint32_t& corner : t) {
-        std::uint32_t& to = moved_[corner];
-        if (to == kNew) {
+        std::uint32_t& to = copyOf_[corner];
+        if (to == kNotCopied) {
           to = static_cast<std::uint32_t>(out.positions.size());
           touched.push_back(corner);
           out.positions.push_back(part_.positions[corner]);
@@ -107,28 +107,29 @@ class Taker {
       }
       out.triangles.push_back(t);
     }
-    for (const std::uint32_t corner : touched) moved_[corner] = kNew;
+    for (const std::uint32_t corner : touched) copyOf_[corner] = kNotCopied;
     return out;
   }
 
  private:
-  static constexpr std::uint32_t kNew = std::numeric_limits<std::uint32_t>::max();
+  static constexpr std::uint32_t kNotCopied = std::numeric_limits<std::uint32_t>::max();
   const AssetPart& part_;
-  std::vector<std::uint32_t> moved_;  // by vertex of the part: its number in the copy; kNew: not copied yet
+  std::vector<std::uint32_t> copyOf_;  // by vertex of the part: its number in the copy; kNotCopied: not copied yet
 };
 
+// Appends a part to `out`, divided into groups of triangles with the same rules; counts the triangles of each rule.
 void applyRules(AssetPart part, const Labelling& labelling, const PartFrame& frame, RuleCounts& counts,
                 std::vector<LabelledPart>& out) {
   const std::vector<std::size_t> named = rulesFor(part, labelling);
   const auto rule = [&](std::size_t r) -> const Rule& { return labelling.rules[r]; };
   if (std::none_of(named.begin(), named.end(), [&](std::size_t r) { return rule(r).byTriangle(); })) {
-    LabelledPart whole;
+    LabelledPart undivided;
     for (const std::size_t r : named) {
       counts.matched[r] += part.triangles.size();
-      if (decide(rule(r), whole.classRule, whole.materialRule)) counts.decided[r] += part.triangles.size();
+      if (decide(rule(r), undivided.classRule, undivided.materialRule)) counts.decided[r] += part.triangles.size();
     }
-    whole.part = std::move(part);
-    out.push_back(std::move(whole));
+    undivided.part = std::move(part);
+    out.push_back(std::move(undivided));
     return;
   }
   const PartTraits traits(part, frame,
@@ -145,10 +146,11 @@ void applyRules(AssetPart part, const Labelling& labelling, const PartFrame& fra
     }
     groups[{classRule, materialRule}].push_back(t);
   }
-  Taker taker(part);
-  for (const auto& [rules, triangles] : groups) out.push_back({taker.take(triangles), rules.first, rules.second});
+  TriangleCopier copier(part);
+  for (const auto& [rules, triangles] : groups) out.push_back({copier.copy(triangles), rules.first, rules.second});
 }
 
+// Returns the least z (m) of the parts' triangles.
 double lowestOf(const std::vector<AssetPart>& parts) {
   double lowest = std::numeric_limits<double>::infinity();
   for (const AssetPart& part : parts) {
@@ -161,6 +163,7 @@ double lowestOf(const std::vector<AssetPart>& parts) {
   return lowest;
 }
 
+// Appends the triangles of a part to the mesh, with the surface of this index.
 void append(Mesh& mesh, AssetPart part, std::uint16_t surface, bool withUvs) {
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());
   const auto take = [](auto& to, auto& from) {
@@ -194,7 +197,7 @@ void checkSize(const std::vector<LabelledPart>& parts, const Labelling& labellin
 }
 
 // Warns of a cloud's points that are of thing classes, but have no instance, if the file states labels or instances.
-void tellPointsWithoutInstance(const std::vector<ThingTriangles>& triangles, const std::string& file) {
+void warnOfPointsWithoutInstance(const std::vector<ThingTriangles>& triangles, const std::string& file) {
   std::uint64_t without = 0;
   bool stated = false;
   for (const ThingTriangles& t : triangles) {
@@ -215,7 +218,7 @@ std::vector<LabelledPart> dividedThings(std::vector<LabelledPart> parts, const T
   for (const LabelledPart& p : parts) {
     if (p.isOfThings()) ofThings.push_back({&p.part, p.semantic->id});
   }
-  if (bounds.byClass && bounds.by == ThingBounds::By::Node) tellPointsWithoutInstance(ofThings, file);
+  if (bounds.byClass && bounds.by == ThingBounds::By::Node) warnOfPointsWithoutInstance(ofThings, file);
   const std::vector<std::vector<std::uint32_t>> numbers = numberThings(bounds, ofThings);
   std::uint32_t things = 0;
   for (const std::vector<std::uint32_t>& own : numbers) {
@@ -229,30 +232,28 @@ std::vector<LabelledPart> dividedThings(std::vector<LabelledPart> parts, const T
   }
   std::vector<LabelledPart> divided;
   auto ownNumbers = numbers.begin();
-  for (LabelledPart& whole : parts) {
-    std::map<std::uint32_t, std::vector<std::size_t>> trianglesOf;
-    if (whole.isOfThings()) {
+  for (LabelledPart& labelled : parts) {
+    std::map<std::uint32_t, std::vector<std::size_t>> trianglesOf;  // by number of the thing
+    if (labelled.isOfThings()) {
       for (std::size_t t = 0; t < ownNumbers->size(); ++t) trianglesOf[(*ownNumbers)[t]].push_back(t);
       ++ownNumbers;
     }
     if (trianglesOf.size() < 2) {
-      if (!trianglesOf.empty()) whole.object = trianglesOf.begin()->first;
-      divided.push_back(std::move(whole));
+      if (!trianglesOf.empty()) labelled.object = trianglesOf.begin()->first;
+      divided.push_back(std::move(labelled));
       continue;
     }
-    Taker taker(whole.part);
+    TriangleCopier copier(labelled.part);
     for (const auto& [object, triangles] : trianglesOf) {
-      divided.push_back({taker.take(triangles), whole.classRule, whole.materialRule, whole.semantic, object});
+      divided.push_back({copier.copy(triangles), labelled.classRule, labelled.materialRule, labelled.semantic, object});
     }
   }
   return divided;
 }
 
-// Adds one mesh of several parts of a file. Returns the mesh's index; nullopt if no triangle remains. Counts in
-// `dropped` the triangles that cannot be traced.
-std::optional<std::uint32_t> addParts(SceneBuilder& builder, std::vector<AssetPart> assetParts, const Vec3d& origin,
-                                      const Labelling& labelling, const Location& where, RuleCounts& counts,
-                                      Dropped& dropped) {
+// Gives parts of a file their rules, classes and things. Counts in `dropped` the triangles that cannot be traced.
+std::vector<LabelledPart> labelled(const Ontology& ontology, std::vector<AssetPart> assetParts, const Vec3d& origin,
+                                   const Labelling& labelling, RuleCounts& counts, Dropped& dropped) {
   const PartFrame frame{origin, lowestOf(assetParts)};
   std::vector<LabelledPart> parts;
   for (AssetPart& part : assetParts) {
@@ -263,15 +264,17 @@ std::optional<std::uint32_t> addParts(SceneBuilder& builder, std::vector<AssetPa
     applyRules(std::move(part), labelling, frame, counts, parts);
   }
   std::erase_if(parts, [](const LabelledPart& p) { return p.classRule != nullptr && p.classRule->drop; });
-
   for (LabelledPart& p : parts) {
     const Rule* const rule = p.classRule;
-    p.semantic = rule == nullptr ? builder.ontology().find(p.part.ownClass)
-                                 : &builder.ontology().require(rule->className, rule->where);
+    p.semantic = rule == nullptr ? ontology.find(p.part.ownClass) : &ontology.require(rule->className, rule->where);
   }
-  parts = dividedThings(std::move(parts), labelling.things, labelling.file);
-  checkSize(parts, labelling, where);
+  return dividedThings(std::move(parts), labelling.things, labelling.file);
+}
 
+// Adds the mesh of the labelled parts of a file. Returns the mesh's index; nullopt if no triangle remains. Counts in
+// `dropped` the triangles that cannot be traced.
+std::optional<std::uint32_t> addMesh(SceneBuilder& builder, std::vector<LabelledPart> parts, const Labelling& labelling,
+                                     Dropped& dropped) {
   Mesh mesh;
   mesh.name = labelling.file;
   std::vector<Material> materials;
@@ -342,8 +345,10 @@ std::vector<PlacedMesh> addAsset(SceneBuilder& builder, Asset asset, const Label
   const auto add = [&](std::vector<AssetPart> parts, const Vec3d& origin, std::vector<Affine> places) {
     if (parts.empty()) return;
     std::string node = parts.front().node;
-    const std::optional<std::uint32_t> mesh =
-        addParts(builder, std::move(parts), origin, labelling, where, counts, dropped);
+    std::vector<LabelledPart> labelledParts =
+        labelled(builder.ontology(), std::move(parts), origin, labelling, counts, dropped);
+    checkSize(labelledParts, labelling, where);
+    const std::optional<std::uint32_t> mesh = addMesh(builder, std::move(labelledParts), labelling, dropped);
     if (mesh) meshes.push_back({*mesh, std::move(node), std::move(places)});
   };
   const bool moved = length(asset.origin) > 0;

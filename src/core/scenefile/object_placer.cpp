@@ -7,19 +7,13 @@
 #include <set>
 #include <string_view>
 
+#include "base/hash.h"
 #include "base/path.h"
 #include "config/waypoints.h"
 #include "scene/road_path.h"
 
 namespace scanmill {
 namespace {
-
-// FNV-1a (Fowler, Noll and Vo; RFC 9923). Unlike std::hash it gives the same value on all machines.
-std::uint32_t hash32(std::string_view text) {
-  std::uint32_t hash = 2166136261U;
-  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 16777619U;
-  return hash;
-}
 
 std::optional<double> readFacing(Fields& object) {
   if (!object.has("facing")) return {};
@@ -116,7 +110,7 @@ double ObjectPlacer::lowestOf(const std::vector<PlacedMesh>& meshes, const Affin
 std::vector<Arrangement::Copy> ObjectPlacer::placesOf(const Copies& copies, const std::string& name,
                                                       std::size_t variants, const Chosen& meshesOf) {
   const std::uint32_t object =
-      copies.thing.empty() ? hash32(fmt::format("{}\n{}", name, named_[name]++)) : hash32("thing\n" + copies.thing);
+      copies.thing.empty() ? fnv1a(fmt::format("{}\n{}", name, named_[name]++)) : fnv1a("thing\n" + copies.thing);
   const SurfaceHeights* const heights = copies.arrangement.needsSurfaces() ? &surfaces() : nullptr;
   return copies.arrangement.places(
       copies.placement, builder_.soFar(), heights, seed_, object, variants,

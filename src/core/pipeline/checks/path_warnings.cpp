@@ -52,13 +52,13 @@ std::vector<Vec3d> upwardDirections() {
   return directions;
 }
 
-class WayCheck {
+class PathCheck {
  public:
-  WayCheck(ShotSource& source, std::size_t sequence, const SceneProbe& probe)
+  PathCheck(ShotSource& source, std::size_t sequence, const SceneProbe& probe)
       : plan_(source.plan()),
-        own_(plan_.pipeline.sequences[sequence]),
+        sequence_(plan_.pipeline.sequences[sequence]),
         probe_(probe),
-        drive_(source.trajectory(sequence)),
+        trajectory_(source.trajectory(sequence)),
         settings_(source.settings(sequence, 0)),
         vehicle_(source.vehicle()),
         bounds_(probe.bounds()) {
@@ -76,18 +76,18 @@ class WayCheck {
       checkInside(s);
     }
     checkPath();
-    if (drive_->bareShare() > kMostBare) {
-      say(fmt::format("{:.0f} % of its path has no ground below or above: it keeps its height there",
-                      100 * drive_->bareShare()));
+    if (trajectory_->bareShare() > kMostBare) {
+      report(fmt::format("{:.0f} % of its path has no ground below or above: it keeps its height there",
+                         100 * trajectory_->bareShare()));
     }
     return std::move(lines_);
   }
 
  private:
-  void say(const std::string& text) { lines_.push_back(fmt::format("sequence {}: {}", own_.key(), text)); }
+  void report(const std::string& text) { lines_.push_back(fmt::format("sequence {}: {}", sequence_.key(), text)); }
 
   Vec3d sensorAt(std::size_t sensor, std::uint32_t frame) const {
-    return (drive_->pose(frame, 0) * settings_->sensors[sensor].vehicleFromSensor).translation;
+    return (trajectory_->pose(frame, 0) * settings_->sensors[sensor].vehicleFromSensor).translation;
   }
 
   // Returns the distance to the scene's bounding box (m); 0 inside of it.
@@ -117,26 +117,23 @@ class WayCheck {
   void checkHeights(std::size_t sensor) {
     std::vector<SceneProbe::Ray> down;
     std::vector<SceneProbe::Ray> up;
-    std::vector<SceneProbe::Ray> close;
-    for (const std::uint32_t frame : own_.spreadFrames(kFrames)) {
+    std::vector<SceneProbe::Ray> near;
+    for (const std::uint32_t frame : sequence_.spreadFrames(kFrames)) {
       down.push_back({sensorAt(sensor, frame), {0, 0, -1}});
       up.push_back({down.back().from, {0, 0, 1}});
-      close.push_back({down.back().from + Vec3d{0, 0, kOnSurface}, {0, 0, -1}});
+      near.push_back({down.back().from + Vec3d{0, 0, kOnSurface}, {0, 0, -1}});
     }
     const auto below = probe_.first(down, kReach);
     const auto above = probe_.first(up, kReach);
-    const auto there = probe_.first(close, 2 * kOnSurface);
-    std::vector<std::size_t> under;
-    std::vector<std::size_t> beside;
-    std::vector<std::size_t> high;
-    std::vector<std::size_t> low;
+    const auto touched = probe_.first(near, 2 * kOnSurface);
+    std::vector<std::size_t> onSurface, underground, outOfRange, high;  // indices of frames, by what is wrong in them
     for (std::size_t i = 0; i < below.size(); ++i) {
-      if (there[i]) {
-        low.push_back(i);
+      if (touched[i]) {
+        onSurface.push_back(i);
         continue;
       }
-      if (!below[i] && above[i]) under.push_back(i);
-      if (farFromScene(down[i].from) > plan_.sensors[sensor].beams->maxRange) beside.push_back(i);
+      if (!below[i] && above[i]) underground.push_back(i);
+      if (farFromScene(down[i].from) > plan_.sensors[sensor].beams->maxRange) outOfRange.push_back(i);
       if (below[i] && below[i]->distance > kFarAbove) high.push_back(i);
     }
     const std::string& name = plan_.pipeline.sensors[sensor].name;
@@ -144,25 +141,26 @@ class WayCheck {
       return fmt::format("in {} of {} frames, first at {}", found.size(), below.size(),
                          shortPlace(down[found.front()].from));
     };
-    if (!low.empty()) {
+    if (!onSurface.empty()) {
       const bool mounted = settings_->sensors[sensor].vehicleFromSensor.translation.z - groundInVehicle() > kOnSurface;
-      say(fmt::format("'{}' is on the surface of {} {}{}", name, nameOf(*there[low.front()]), where(low),
-                      mounted ? "" : ": does it have a `mount`, such as {position: [0, 0, 1.8]}?"));
+      report(fmt::format("'{}' is on the surface of {} {}{}", name, nameOf(*touched[onSurface.front()]),
+                         where(onSurface),
+                         mounted ? "" : ": does it have a `mount`, such as {position: [0, 0, 1.8]}?"));
     }
-    if (!under.empty()) {
-      say(fmt::format("'{}' is below the ground {}: no surface is below it, and {} is {} above it ({})", name,
-                      where(under), nameOf(*above[under.front()]), shortLength(above[under.front()]->distance),
-                      drive_->ground() != nullptr
-                          ? "place its `mount` above the vehicle's origin, which is on the ground"
-                          : "`ground: drop` in the trajectory puts the vehicle on the ground"));
+    if (!underground.empty()) {
+      report(fmt::format(
+          "'{}' is below the ground {}: no surface is below it, and {} is {} above it ({})", name, where(underground),
+          nameOf(*above[underground.front()]), shortLength(above[underground.front()]->distance),
+          trajectory_->ground() != nullptr ? "place its `mount` above the vehicle's origin, which is on the ground"
+                                           : "`ground: drop` in the trajectory puts the vehicle on the ground"));
     }
-    if (!beside.empty()) {
-      say(fmt::format("'{}' is {} away from the scene {}, which is beyond its range", name,
-                      shortLength(farFromScene(down[beside.front()].from)), where(beside)));
+    if (!outOfRange.empty()) {
+      report(fmt::format("'{}' is {} away from the scene {}, which is beyond its range", name,
+                         shortLength(farFromScene(down[outOfRange.front()].from)), where(outOfRange)));
     }
-    if (beside.empty() && 2 * high.size() > below.size()) {
-      say(fmt::format("'{}' is more than {:g} m above the surface below it {} ({}): is the unit of the scene right?",
-                      name, kFarAbove, where(high), shortLength(below[high.front()]->distance)));
+    if (outOfRange.empty() && 2 * high.size() > below.size()) {
+      report(fmt::format("'{}' is more than {:g} m above the surface below it {} ({}): is the unit of the scene right?",
+                         name, kFarAbove, where(high), shortLength(below[high.front()]->distance)));
     }
   }
 
@@ -170,16 +168,16 @@ class WayCheck {
   // object, or of a building whose walls and roof are separate objects.
   void checkInside(std::size_t sensor) {
     static const std::vector<Vec3d> kDirections = upwardDirections();
-    for (const std::uint32_t frame : own_.spreadFrames(kFramesInside)) {
+    for (const std::uint32_t frame : sequence_.spreadFrames(kFramesInside)) {
       const Vec3d at = sensorAt(sensor, frame);
       std::vector<SceneProbe::Ray> rays;
       for (const Vec3d& direction : kDirections) rays.push_back({at, direction});
       const auto hits = probe_.first(rays, plan_.sensors[sensor].beams->maxRange);
-      const bool enclosed = std::ranges::all_of(hits, [&](const auto& m) {
-        return m && m->semantic == hits.front()->semantic && !moving_.contains(m->instance);
+      const bool enclosed = std::ranges::all_of(hits, [&](const auto& hit) {
+        return hit && hit->semantic == hits.front()->semantic && !moving_.contains(hit->instance);
       });
       if (!enclosed || !probe_.first({at, {0, 0, -1}}, kReach)) continue;  // checkHeights() warns of those below ground
-      return say(
+      return report(
           fmt::format("'{}' sees nothing beside and above it but surfaces of the class {}, such as {}, at {} (frame "
                       "{}), which is right only in rooms and tunnels",
                       plan_.pipeline.sensors[sensor].name, className(hits.front()->semantic), nameOf(*hits.front()),
@@ -188,7 +186,7 @@ class WayCheck {
   }
 
   // Returns the height of the ground in the vehicle's frame (m).
-  double groundInVehicle() const { return drive_->ground() == nullptr ? 0 : -drive_->ground()->height; }
+  double groundInVehicle() const { return trajectory_->ground() == nullptr ? 0 : -trajectory_->ground()->height; }
 
   // Returns the box that the vehicle fills above what it drives over (m, vehicle's frame): that of its model or, if it
   // has none, a box about its sensors and about the wheels that the trajectory states, as high as its highest sensor.
@@ -202,14 +200,15 @@ class WayCheck {
       for (const SensorSetting& s : settings_->sensors) box.add(s.vehicleFromSensor.translation);
       if (box.high.z - ground < kOnSurface) box.high.z = ground + kBody;
       const GroundOptions usual;
-      if (drive_->ground() != nullptr && drive_->ground()->wheels && drive_->ground()->wheels != usual.wheels) {
-        const auto& [wheelbase, track] = *drive_->ground()->wheels;
+      if (trajectory_->ground() != nullptr && trajectory_->ground()->wheels &&
+          trajectory_->ground()->wheels != usual.wheels) {
+        const auto& [wheelbase, track] = *trajectory_->ground()->wheels;
         for (const double side : {-0.5, 0.5}) box.add(Vec3d{side * wheelbase, side * track, ground});
       }
     }
     const double underside = ground + std::min(kClearance, (box.high.z - ground) / 2);
     // Sensors of a flying vehicle may be below its origin.
-    if (drive_->ground() != nullptr || box.low.z > -kOnSurface) box.low.z = std::max(box.low.z, underside);
+    if (trajectory_->ground() != nullptr || box.low.z > -kOnSurface) box.low.z = std::max(box.low.z, underside);
     box.add(Box{{-kThin, -kThin, box.low.z}, {kThin, kThin, box.high.z}});
     return box;
   }
@@ -228,27 +227,27 @@ class WayCheck {
       return length(b.translation - a.translation) +
              kTurnWeight * radius * length(toMatrix(b.rotation).x - toMatrix(a.rotation).x);
     };
-    Pose last = drive_->pose(0, 0);
-    if (drive_->still() || own_.frames == 1) {
-      for (std::uint32_t frame = 0; frame < own_.frames && frame < kMostPlaces; ++frame) {
-        steps.push_back({{drive_->pose(frame, 0), drive_->pose(frame, 0)}, frame});
+    Pose last = trajectory_->pose(0, 0);
+    if (trajectory_->still() || sequence_.frames == 1) {
+      for (std::uint32_t frame = 0; frame < sequence_.frames && frame < kMostPlaces; ++frame) {
+        steps.push_back({{trajectory_->pose(frame, 0), trajectory_->pose(frame, 0)}, frame});
       }
       return steps;
     }
-    for (std::uint32_t frame = 0; frame + 1 < own_.frames && steps.size() < kMostPlaces; ++frame) {
-      const double span = drive_->frameTime(frame + 1) - drive_->frameTime(frame);
+    for (std::uint32_t frame = 0; frame + 1 < sequence_.frames && steps.size() < kMostPlaces; ++frame) {
+      const double span = trajectory_->frameTime(frame + 1) - trajectory_->frameTime(frame);
       constexpr int kChords = 32;
       double far = 0;
-      Pose before = drive_->pose(frame, 0);
+      Pose before = trajectory_->pose(frame, 0);
       for (int k = 1; k <= kChords; ++k) {
-        const Pose behind = drive_->pose(frame, span * k / kChords);
+        const Pose behind = trajectory_->pose(frame, span * k / kChords);
         far += apart(before, behind);
         before = behind;
       }
       const int parts = static_cast<int>(std::clamp(std::ceil(2 * far / kStep), 1.0, 1000.0));
       for (int k = 1; k <= parts; ++k) {
-        const Pose next = drive_->pose(frame, span * k / parts);
-        const bool end = k == parts && frame + 2 == own_.frames;
+        const Pose next = trajectory_->pose(frame, span * k / parts);
+        const bool end = k == parts && frame + 2 == sequence_.frames;
         if (apart(last, next) < kStep / 2 && !end) continue;
         steps.push_back({{last, next}, frame});
         last = next;
@@ -269,15 +268,16 @@ class WayCheck {
     }
     const double radius = std::hypot(std::max(box.high.x, -box.low.x), std::max(box.high.y, -box.low.y));
     const std::vector<Step> steps = stepsOnPath(radius);
-    const std::uint32_t lastFrame = own_.frames - (drive_->still() || own_.frames == 1 ? 1 : 2);
+    const std::uint32_t lastFrame = sequence_.frames - (trajectory_->still() || sequence_.frames == 1 ? 1 : 2);
     if (steps.back().frame < lastFrame) {
-      say(fmt::format("only its frames 0 to {} are checked for obstacles, since its path is too long",
-                      steps.back().frame));
+      report(fmt::format("only its frames 0 to {} are checked for obstacles, since its path is too long",
+                         steps.back().frame));
     }
     const Ontology& ontology = probe_.scene().ontology;
     const std::vector<std::uint16_t> ground =
-        drive_->ground() == nullptr ? std::vector<std::uint16_t>()
-                                    : classIds(ontology, drive_->ground()->classes, drive_->ground()->where);
+        trajectory_->ground() == nullptr
+            ? std::vector<std::uint16_t>()
+            : classIds(ontology, trajectory_->ground()->classes, trajectory_->ground()->where);
     const auto blocks = [&](const Instance& instance, const Surface& surface, const Vec3d& normal) {
       if (instance.moves()) return false;
       if (std::fabs(normal.z) <= kFlat) return true;
@@ -294,18 +294,18 @@ class WayCheck {
     }
     if (!contact) return;
     const Vec3d size = box.high - box.low;
-    say(
+    report(
         fmt::format("{} '{}' ({}) at {} (frame {}); checked is the box of its {}, {:.2f} x {:.2f} m, from {:.2f} to "
                     "{:.2f} m above its origin",
-                    drive_->still() ? "it stands in" : "its path goes through", contact->instance->name,
+                    trajectory_->still() ? "it stands in" : "its path goes through", contact->instance->name,
                     className(contact->semantic), shortPlace(contact->position), steps[first + contact->step].frame,
                     vehicle_ == nullptr ? "sensors" : "`vehicle`", size.x, size.y, box.low.z, box.high.z));
   }
 
   const Plan& plan_;
-  const Sequence& own_;
+  const Sequence& sequence_;
   const SceneProbe& probe_;
-  std::shared_ptr<const Trajectory> drive_;
+  std::shared_ptr<const Trajectory> trajectory_;
   std::shared_ptr<const FrameSettings> settings_;
   std::shared_ptr<const Scene> vehicle_;  // null: no ego vehicle
   Box bounds_;
@@ -316,7 +316,7 @@ class WayCheck {
 }  // namespace
 
 std::vector<std::string> pathWarnings(ShotSource& source, std::size_t sequence, const SceneProbe& probe) {
-  return WayCheck(source, sequence, probe).lines();
+  return PathCheck(source, sequence, probe).lines();
 }
 
 }  // namespace scanmill

@@ -120,7 +120,7 @@ void measure(const Plan& plan, SampleCosts& costs) {
   SampleMaker maker(source, {}, false, [](const Sequence&) {});
   const WallTimer whole;
   const std::clock_t before = std::clock();  // processor time, summed over all threads
-  maker.prepare(0);
+  maker.scenes().enter(0);
   costs.slowestSceneSeconds = whole.seconds();
   costs.sceneSeconds = static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
   std::vector<double> bytes(samples);

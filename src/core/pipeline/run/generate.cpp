@@ -99,7 +99,7 @@ class DatasetRun {
     std::uint64_t frames = 0;
     for (const std::size_t job : chosen) {
       frames += jobs_[job].samples.size();
-      for (const SampleAddress& sample : jobs_[job].samples) maker_.announce(sample);
+      for (const SampleAddress& sample : jobs_[job].samples) maker_.scenes().announce(sample.sequence);
     }
     progress_.setTotal(frames);
     return chosen;
@@ -112,7 +112,7 @@ class DatasetRun {
         options_.shards.kind == ShardChoice::Kind::Any ? DatasetFolder::Check::Size : DatasetFolder::Check::Bytes;
     std::unique_ptr<FolderLock> claim = shared() ? folder_.claim(own.file) : nullptr;
     if (const std::optional<DatasetPart> kept = folder_.findRecord(own.file, check)) {
-      for (const SampleAddress& sample : own.samples) maker_.cancel(sample);
+      for (const SampleAddress& sample : own.samples) maker_.scenes().release(sample.sequence);
       const std::scoped_lock lock(mutex_);
       count(kept->manifest);
       ++summary_.resumedShards;

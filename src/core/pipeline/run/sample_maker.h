@@ -36,18 +36,12 @@ class SampleMaker {
   SampleMaker(ShotSource& source, std::filesystem::path keepHits, bool overwrite,
               std::function<void(const Sequence&)> loading);
 
-  // announce() announces that a sample will be made; cancel() cancels an announcement. A scene is unloaded after its
-  // last announced sample. Samples may also be made without announcement.
-  void announce(const SampleAddress& address) { scenes_.announce(address.sequence); }
-  void cancel(const SampleAddress& address) { scenes_.release(address.sequence); }
-
-  // Sets up the scene of a sequence now instead of when make() first makes a sample of the sequence.
-  void prepare(std::size_t sequence) { scenes_.enter(sequence); }
+  // Makes a sample and releases its sequence in scenes(); samples may also be made without announcement.
   MadeSample make(const SampleAddress& address);
 
   // Completes the recording. Call it after all samples are made.
   void finish() { recorder_.finish(); }
-  const SceneStore& scenes() const { return scenes_; }
+  SceneStore& scenes() { return scenes_; }
   // Returns the processor time of each stage (s); of stages that wait for a graphics card or for another process, the
   // wall-clock time.
   StageSeconds stageSeconds() const;
