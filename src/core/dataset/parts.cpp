@@ -11,53 +11,60 @@
 #include "base/file.h"
 #include "dataset/dataset_folder.h"
 #include "dataset/folder_contents.h"
-#include "dataset/json_text.h"
+#include "dataset/json_record.h"
 #include "dataset/shard_name.h"
 
 namespace scanmill {
 
 std::vector<std::string> DatasetPlan::shards() const {
   std::vector<std::string> names;
-  for (const auto& [split, count] : shardsOfSplit) {
+  for (const auto& [split, count] : splits) {
     for (std::uint64_t i = 0; i < count; ++i) names.push_back(shardName(split, i));
   }
   return names;
 }
 
+static void describe(RecordKeys& keys, DatasetPlan::Split& split) {
+  keys("split", split.name, [&](const JsonNode& node) {
+    if (!isSplitName(split.name)) node.fail("is not a name of a split");
+  });
+  keys("shards", split.shards);
+}
+
+static void describe(RecordKeys& keys, DatasetPlan& plan) {
+  keys("plan", plan.hash);
+  keys("samples", plan.samples);
+  keys("splits", plan.splits);
+}
+
+// Describes the first line of a part. The other lines are its manifest with its own digest.
+static void describe(RecordKeys& keys, DatasetPart& part) {
+  keys("plan", part.plan);
+  keys("numbers", part.numbers);
+}
+
 std::string toJson(const DatasetPlan& plan) {
-  OrderedJson splits = OrderedJson::array();
-  for (const auto& [split, shards] : plan.shardsOfSplit) splits.push_back({{"split", split}, {"shards", shards}});
-  OrderedJson json{{"plan", plan.hash}, {"samples", plan.samples}, {"splits", splits}};
-  return layOut(json) + "\n";
+  return layOut(jsonOf(plan, "plan")) + "\n";
 }
 
 DatasetPlan parsePlan(const std::string& text, const std::string& file) {
   const Json json = parseJson(text, file);
-  const JsonNode root(json, "", file);
-  root.keys({"plan", "samples", "splits"});
-  DatasetPlan plan{root["plan"].text(), root["samples"].integer<std::uint64_t>(), {}};
-  root["splits"].forEach([&](const JsonNode& item) {
-    item.keys({"split", "shards"});
-    if (!isSplitName(item["split"].text())) item["split"].fail("is not a name of a split");
-    plan.shardsOfSplit.emplace_back(item["split"].text(), item["shards"].integer<std::uint64_t>());
-  });
+  DatasetPlan plan;
+  readJson(JsonNode(json, "", file), plan);
   return plan;
 }
 
-// Returns the text of a part. The first line identifies the part; the other lines are its manifest with its own digest.
 std::string toJson(const DatasetPart& part) {
-  const OrderedJson line{{"plan", part.plan}, {"numbers", part.numbers}};
-  return line.dump() + "\n" + toJson(part.manifest);
+  return jsonOf(part, "part").dump() + "\n" + toJson(part.manifest);
 }
 
 DatasetPart parsePart(const std::string& text, const std::string& file) {
   const std::size_t end = std::min(text.find('\n'), text.size());
   const std::string manifest = text.substr(std::min(end + 1, text.size()));
   const Json json = parseJson(text.substr(0, end), file);
-  const JsonNode root(json, "", file);
-  root.keys({"plan", "numbers"});
-  DatasetPart part{root["plan"].text(), {}, parseManifest(manifest, file)};
-  root["numbers"].forEach([&](const JsonNode& number) { part.numbers.push_back(number.integer<std::uint64_t>()); });
+  DatasetPart part;
+  readJson(JsonNode(json, "", file), part);
+  part.manifest = parseManifest(manifest, file);
   if (const std::string problem = digestProblem(manifest); !problem.empty()) throw InputError({file}, problem);
   if (part.manifest.shards.size() != 1 || part.manifest.samples.size() != part.numbers.size()) {
     throw InputError({file}, "must have exactly one shard with all its samples");

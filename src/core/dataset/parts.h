@@ -18,8 +18,12 @@ namespace scanmill {
 struct DatasetPlan {
   std::string hash;  // a text without line breaks that differs between plans of different datasets
   std::uint64_t samples = 0;
-  // The splits and their numbers of shards, in the order of the shards.
-  std::vector<std::pair<std::string, std::uint64_t>> shardsOfSplit;
+  struct Split {
+    std::string name;
+    std::uint64_t shards = 0;  // number of shards
+    bool operator==(const Split&) const = default;
+  };
+  std::vector<Split> splits;  // in the order of the shards
 
   bool operator==(const DatasetPlan&) const = default;
   // Returns the names of all shards, see shardName().

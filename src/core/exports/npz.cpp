@@ -81,31 +81,24 @@ void addPoses(const ScanRecord& record, Files& files) {
 void addBoxes(const ExportPlan& plan, const SampleObjects& objects, const ExportScan& scan, Files& files) {
   const Mat3 sensorFromWorld = transposed(toMatrix(scan.record->worldFromSensor.front().rotation));
   std::size_t count = 0;
-  std::string boxes;
-  std::string poses;
-  std::string classes;
-  std::string instances;
-  std::string velocities;
-  std::string points;
-  std::string visibilities;
+  std::string boxes, poses, classes, instances, velocities, points, visibilities;  // bytes of the arrays
+  const auto putFloats = [](std::initializer_list<double> values, std::string& bytes) {
+    for (const double value : values) putNumber(static_cast<float>(value), bytes);
+  };
   for (const ObjectRecord& object : objects.objects) {
-    const auto view =
-        std::ranges::find_if(object.views, [&](const ObjectView& v) { return v.sensor == scan.sensor->name; });
+    const auto view = std::ranges::find(object.views, scan.sensor->name, &ObjectView::sensor);
     if (view == object.views.end()) continue;
     ++count;
     const Vec3d& middle = view->sensorFromBox.translation;
-    const double yaw = headingOf(view->sensorFromBox.rotation);
-    for (const double value : {middle.x, middle.y, middle.z, object.size.x, object.size.y, object.size.z, yaw}) {
-      putNumber(static_cast<float>(value), boxes);
-    }
+    const Vec3d& size = object.size;
+    const Vec3d velocity = sensorFromWorld * object.velocity;
+    putFloats({middle.x, middle.y, middle.z, size.x, size.y, size.z, headingOf(view->sensorFromBox.rotation)}, boxes);
     putPose(view->sensorFromBox, poses);
     putNumber(plan.classes.of(object.semantic), classes);
     putNumber(object.id, instances);
-    const Vec3d velocity = sensorFromWorld * object.velocity;
-    for (const double value : {velocity.x, velocity.y, velocity.z}) putNumber(static_cast<float>(value), velocities);
+    putFloats({velocity.x, velocity.y, velocity.z}, velocities);
     putNumber(static_cast<std::uint32_t>(view->points), points);
-    const double none = std::numeric_limits<double>::quiet_NaN();
-    putNumber(static_cast<float>(view->visibility().value_or(none)), visibilities);
+    putFloats({view->visibility().value_or(std::numeric_limits<double>::quiet_NaN())}, visibilities);
   }
   add<float>("boxes", {count, 7}, boxes, files);
   add<double>("box_pose", {count, 4, 4}, poses, files);

@@ -151,9 +151,9 @@ std::vector<ShardJob> shardJobs(const Plan& plan) {
 DatasetPlan datasetPlan(const Plan& plan, const std::vector<ShardJob>& jobs) {
   DatasetPlan planned{planHash(plan), 0, {}};
   for (const ShardJob& job : jobs) {
-    auto& splits = planned.shardsOfSplit;
-    if (splits.empty() || splits.back().first != job.split) splits.emplace_back(job.split, 0);
-    ++splits.back().second;
+    std::vector<DatasetPlan::Split>& splits = planned.splits;
+    if (splits.empty() || splits.back().name != job.split) splits.push_back({job.split});
+    ++splits.back().shards;
     planned.samples += job.samples.size();
   }
   return planned;
