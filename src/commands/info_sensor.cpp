@@ -1,12 +1,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <fstream>
 
 #include "base/terminal.h"
 #include "base/text_scan.h"
 #include "commands/info.h"
 #include "commands/table.h"
+#include "config/file_kind.h"
 #include "config/text.h"
 #include "pipeline/read/effects.h"
 #include "sensors/sensor.h"
@@ -65,10 +65,7 @@ void printSensor(const Value& sensor) {
 bool isCalibration(const std::filesystem::path& file) {
   const std::string kind = lowerExtension(file);
   if (kind != ".json" && kind != ".csv") return false;
-  std::string text(std::size_t{1} << 20, '\0');  // scans and tilesets may be large
-  std::ifstream stream(file, std::ios::binary);
-  stream.read(text.data(), std::ssize(text));
-  text.resize(static_cast<std::size_t>(stream.gcount()));
+  const std::string text = firstBytes(file, std::size_t{1} << 20);  // scans and tilesets may be large
   if (kind == ".json") return text.find("\"beam_altitude_angles\"") != std::string::npos;
   const std::string head = lowerCase(std::string_view(text).substr(0, text.find('\n')));
   const char separator = head.find(';') == head.npos ? ',' : ';';

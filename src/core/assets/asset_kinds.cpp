@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
 #include <map>
 #include <string_view>
 #include <system_error>
@@ -139,11 +138,7 @@ std::string whyNoReader(const fs::path& file) {
 
 std::string otherContent(const fs::path& file) {
   const std::string kind = lowerExtension(file);
-  std::string head(4096, '\0');
-  std::ifstream in(file, std::ios::binary);
-  in.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(in.gcount()));
-  head = lowerCase(head);
+  const std::string head = lowerCase(firstBytes(file, 4096));
   std::string_view begin = head;
   if (begin.starts_with("\xef\xbb\xbf")) begin.remove_prefix(3);
   begin.remove_prefix(std::min(begin.find_first_not_of(" \t\r\n"), begin.size()));

@@ -3,8 +3,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <fstream>
 #include <iterator>
-#include <string>
 
 #include "config/text.h"
 
@@ -54,6 +54,14 @@ bool isMap(const std::filesystem::path& file) {
   const std::string name = lowerCase(file.filename().string());
   return std::any_of(std::begin(kEndings), std::end(kEndings),
                      [&](const char* ending) { return name.find(ending) != std::string::npos; });
+}
+
+std::string firstBytes(const std::filesystem::path& file, std::size_t count) {
+  std::string bytes(count, '\0');
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(bytes.data(), std::ssize(bytes));
+  bytes.resize(static_cast<std::size_t>(stream.gcount()));
+  return bytes;
 }
 
 }  // namespace scanmill

@@ -3,7 +3,9 @@
 // Recognises the kind of a YAML file by keys that only this kind has, so that a message about a wrong file can say what
 // the file is.
 
+#include <cstddef>
 #include <filesystem>
+#include <string>
 
 #include "config/value.h"
 
@@ -20,5 +22,8 @@ void expectKind(const Value& root, FileKind expected);
 
 // True if a file is named like an extract of OpenStreetMap, compressed or not.
 bool isMap(const std::filesystem::path& file);
+
+// Returns the first bytes of a file, at most `count`; none if it cannot be read.
+std::string firstBytes(const std::filesystem::path& file, std::size_t count);
 
 }  // namespace scanmill

@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <sstream>
 
 #include "base/error.h"
 #include "base/file.h"
 #include "base/input_budget.h"
+#include "config/file_kind.h"
 #include "config/text.h"
 #include "formats/format.h"
 #include "formats/ply_file.h"
@@ -33,11 +33,7 @@ bool isOtherCloud(const std::string& suffix) {
 // True if the file .asc lists points: its first 4 KiB have a line that begins with three numbers and no word of a
 // height grid's heading.
 bool listsPoints(const std::filesystem::path& file) {
-  std::string head(4096, '\0');
-  std::ifstream in(file, std::ios::binary);
-  in.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(in.gcount()));
-  head = lowerCase(head);
+  std::string head = lowerCase(firstBytes(file, 4096));
   for (const char* word : {"ncols", "nrows", "rows:", "cols:"}) {
     if (head.find(word) != std::string::npos) return false;
   }

@@ -41,7 +41,7 @@ class CsvReader {
   Cloud read() {
     if (!readHeader()) throw InputError({where_.file, 1}, "the file is empty");
     while (!rest_.empty()) {
-      cutLine();
+      nextLine();
       if (line_.empty() || isComment()) continue;
       splitCells(line_, separator_, cells_);
       if (cells_.size() != columns_.size()) {
@@ -51,14 +51,14 @@ class CsvReader {
       }
       addPoint();
     }
-    if (exact_) setPositions(places_, cloud_);
+    if (exact_) setPositions(exactPositions_, cloud_);
     adoptColumns(cloud_, {where_.file});
     return std::move(cloud_);
   }
 
  private:
   // Removes the next line from the rest of the file.
-  void cutLine() {
+  void nextLine() {
     line_ = takeLine(rest_);
     ++where_.line;
   }
@@ -68,31 +68,31 @@ class CsvReader {
   // Reads the first line of names, which may look like a comment, or else the first point.
   bool readHeader() {
     while (!rest_.empty()) {
-      cutLine();
+      nextLine();
       const bool comment = isComment();
       line_.remove_prefix(std::min(comment ? line_.find_first_not_of("#/ \t") : 0, line_.size()));
       if (line_.empty()) continue;
       const std::size_t separator = line_.find_first_of(",;\t");
       separator_ = separator == std::string_view::npos ? ' ' : line_[separator];
       splitCells(line_, separator_, cells_);
-      const bool placed = std::all_of(kAxes.begin(), kAxes.end(), [&](const auto& axis) {
+      const bool namesAxes = std::all_of(kAxes.begin(), kAxes.end(), [&](const auto& axis) {
         return std::any_of(cells_.begin(), cells_.end(),
                            [&](std::string_view cell) { return columnMeant(cell) == axis.first; });
       });
-      if (comment && !placed) continue;
-      readNames(placed);
+      if (comment && !namesAxes) continue;
+      readNames(namesAxes);
       return true;
     }
     return false;
   }
 
-  void readNames(bool placed) {
+  void readNames(bool namesAxes) {
     if (cells_.size() == 3 && std::all_of(cells_.begin(), cells_.end(), isNumber)) {
       for (const auto& [name, member] : kAxes) columns_.push_back(cellReader(std::string(name)));
       addPoint();
       return;
     }
-    if (!placed) {
+    if (!namesAxes) {
       throw InputError(
           where_, fmt::format("no columns x, y and z: the first line must name them, as x,y,z,label, not '{}'; only "
                               "files of x, y and z alone do without names",
@@ -126,7 +126,7 @@ class CsvReader {
     for (std::size_t axis = 0; axis < kAxes.size(); ++axis) {
       if (name != kAxes[axis].first) continue;
       return [this, axis](std::string_view word, const Location& where) {
-        if (exact_) readNumber(word, places_.back().*kAxes[axis].second, kAxes[axis].first, where);
+        if (exact_) readNumber(word, exactPositions_.back().*kAxes[axis].second, kAxes[axis].first, where);
         if (!exact_) readNumber(word, cloud_.scan.position.back().*kFloatAxes[axis], kAxes[axis].first, where);
       };
     }
@@ -168,7 +168,7 @@ class CsvReader {
 
   void addPoint() {
     cloud_.scan.position.emplace_back();
-    if (exact_) places_.emplace_back();
+    if (exact_) exactPositions_.emplace_back();
     for (std::size_t i = 0; i < columns_.size(); ++i) columns_[i](cells_[i], where_);
   }
 
@@ -182,7 +182,7 @@ class CsvReader {
   char separator_ = ',';
   std::vector<std::string_view> cells_;
   std::vector<ReadCell> columns_;
-  std::vector<Vec3d> places_;  // m, positions before the origin is subtracted; empty unless exact_
+  std::vector<Vec3d> exactPositions_;  // m, positions before the origin is subtracted; empty unless exact_
   Cloud cloud_;
 };
 

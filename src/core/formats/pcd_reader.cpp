@@ -43,7 +43,7 @@ struct PcdHeader {
   Pose worldFromFile;
 
   // Sets the offsets of the fields, and the size of a row.
-  void placeFields() {
+  void setOffsets() {
     rowBytes = 0;
     for (PcdField& field : fields) {
       field.offset = rowBytes;
@@ -165,7 +165,7 @@ class HeaderReader {
                                             field.name, field.type == 0 ? '?' : field.type, field.size));
       }
     }
-    h.placeFields();
+    h.setOffsets();
     if (h.rowBytes == 0) throw InputError(where, "the header's fields hold no values: every COUNT is 0");
     h.points = points_.value_or(h.width * h.height);
     if (h.points > UINT32_MAX) {
@@ -217,14 +217,14 @@ class BodyReader {
       const bool isPlace = field.type == 'F' && (field.name == "x" || field.name == "y" || field.name == "z");
       if (isPlace) field.size = sizeof(double);
     }
-    header_.placeFields();
+    header_.setOffsets();
   }
 
   Cloud read() {
     Cloud cloud;
     cloud.worldFromFile = header_.worldFromFile;
     cloud.scan = readBody();
-    if (exact_) setPositions(places_, cloud);
+    if (exact_) setPositions(exactPositions_, cloud);
     for (const PcdField& field : header_.fields) {
       if (field.count > 1 && field.name != "_")
         cloud.leftOut.add(fmt::format("fields of several values '{}'", field.name));
@@ -342,17 +342,17 @@ class BodyReader {
       const char* first = table + field.offset * (planar ? points : 1);
       readField(field, first, planar ? field.size : header_.rowBytes, to, stride, points, where_);
     };
-    const auto fillPlaces = [&](auto& places) {
-      places.resize(points);
+    const auto fillPositions = [&](auto& positions) {
+      positions.resize(points);
       if (points == 0) return;
-      fill(require("x"), &places[0].x, 3);
-      fill(require("y"), &places[0].y, 3);
-      fill(require("z"), &places[0].z, 3);
+      fill(require("x"), &positions[0].x, 3);
+      fill(require("y"), &positions[0].y, 3);
+      fill(require("z"), &positions[0].z, 3);
     };
     if (exact_) {
-      fillPlaces(places_);
+      fillPositions(exactPositions_);
     } else {
-      fillPlaces(scan.position);
+      fillPositions(scan.position);
     }
     if (points == 0) return scan;
     visitTable(scan, [&](auto key, auto& values) {
@@ -400,8 +400,8 @@ class BodyReader {
   PcdHeader header_;
   Location where_;
   bool exact_;
-  std::string_view rest_;      // bytes behind the points
-  std::vector<Vec3d> places_;  // m, positions before the origin is subtracted; empty unless exact_
+  std::string_view rest_;              // bytes behind the points
+  std::vector<Vec3d> exactPositions_;  // m, positions before the origin is subtracted; empty unless exact_
 };
 
 }  // namespace

@@ -5,11 +5,11 @@
 
 #include <cstddef>
 #include <cstring>
-#include <fstream>
 #include <utility>
 
 #include "base/error.h"
 #include "base/text_scan.h"
+#include "config/file_kind.h"
 #include "formats/text_rows.h"
 
 namespace scanmill {
@@ -62,10 +62,7 @@ void readLine(PlyHeader& header, const std::vector<std::string_view>& line, std:
 }  // namespace
 
 PlyHeader readPlyHeader(const std::filesystem::path& file) {
-  std::string text(kMaxHeader, '\0');
-  std::ifstream stream(file, std::ios::binary);
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(stream.gcount()));
+  const std::string text = firstBytes(file, kMaxHeader);
   const std::uint64_t fileSize = std::filesystem::file_size(file);
 
   PlyHeader header;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <iterator>
 #include <memory>
 #include <new>
@@ -15,6 +14,7 @@
 #include "base/file.h"
 #include "base/input_budget.h"
 #include "base/memory.h"
+#include "config/file_kind.h"
 #include "config/text.h"
 #include "images/images_interface.h"
 #include "images/srgb.h"
@@ -25,7 +25,8 @@ namespace {
 
 constexpr int kMaxSize = 16384;
 constexpr int kMostSide = 4096;
-constexpr int kBand = 64;  // number of rows that are decoded at a time
+constexpr std::size_t kMagicBytes = 16;  // first bytes of a file, which identify most kinds of images
+constexpr int kBand = 64;                // number of rows that are decoded at a time
 
 // Returns the kind of an image ("png", "jpg", ...) by its first bytes; empty if they do not show the kind.
 std::string kindOf(std::string_view bytes) {
@@ -47,15 +48,6 @@ std::string kindOf(std::string_view bytes) {
 // True for the kinds that libpng and libjpeg read. OpenImageIO reads all other kinds.
 bool isReadHere(std::string_view kind) {
   return kind == "png" || kind == "jpg";
-}
-
-// Returns the first bytes of a file, which identify most image formats.
-std::string firstBytes(const std::filesystem::path& path) {
-  std::string bytes(16, '\0');
-  std::ifstream stream(path, std::ios::binary);
-  stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  bytes.resize(static_cast<std::size_t>(stream.gcount()));
-  return bytes;
 }
 
 std::string endingOf(const std::string& name) {
@@ -316,7 +308,7 @@ DecodedImage decodeImage(std::string_view bytes, const std::string& name) {
 DecodedImage readImage(const std::filesystem::path& path) {
   const std::string name = path.string();
   if (!isFile(path)) throw InputError({name}, "there is no such image");
-  const std::string known = kindOf(firstBytes(path));
+  const std::string known = kindOf(firstBytes(path, kMagicBytes));
   if (isReadHere(known)) return decodeImage(readFile(path), name);
   const std::string kind = known.empty() ? endingOf(name) : known;
   chargeFile(path);
@@ -327,7 +319,7 @@ DecodedImage readImage(const std::filesystem::path& path) {
 
 bool mayHaveAlpha(const std::filesystem::path& path) {
   try {
-    const std::string kind = kindOf(firstBytes(path));
+    const std::string kind = kindOf(firstBytes(path, kMagicBytes));
     if (kind == "jpg") return false;
     const std::string bytes = isReadHere(kind) ? readFile(path) : std::string();
     return openImage(path.string(), bytes, path.string())->header().alphaChannel >= 0;

@@ -20,11 +20,11 @@ Mat3 assetFromFile(char up, double metresPerUnit) {
   return zUpFrom(up) * Mat3::scale({metresPerUnit, metresPerUnit, metresPerUnit});
 }
 
-Vec3d originNear(std::size_t count, const std::function<Vec3d(std::size_t)>& place) {
+Vec3d originNear(std::size_t count, const std::function<Vec3d(std::size_t)>& position) {
   std::array<std::vector<double>, 3> axes;
   const std::size_t every = std::max<std::size_t>(count / 1000, 1);
   for (std::size_t i = 0; i < count; i += every) {
-    const Vec3d at = place(i);
+    const Vec3d at = position(i);
     if (!isFinite(at)) continue;
     axes[0].push_back(at.x);
     axes[1].push_back(at.y);
@@ -53,11 +53,11 @@ void weld(std::vector<Vec3f>& positions, std::vector<Vec2f>& uvs, std::vector<Tr
   while (order.size() % 3 != 0) order.push_back(order.back());  // meshoptimizer expects triangles
   const std::array<meshopt_Stream, 2> streams{
       {{positions.data(), sizeof(Vec3f), sizeof(Vec3f)}, {uvs.data(), sizeof(Vec2f), sizeof(Vec2f)}}};
-  std::vector<std::uint32_t> moved(count);
-  const std::size_t kept = meshopt_generateVertexRemapMulti(moved.data(), order.data(), order.size(), count,
+  std::vector<std::uint32_t> newIndex(count);
+  const std::size_t kept = meshopt_generateVertexRemapMulti(newIndex.data(), order.data(), order.size(), count,
                                                             streams.data(), uvs.empty() ? 1 : 2);
-  meshopt_remapVertexBuffer(positions.data(), positions.data(), count, sizeof(Vec3f), moved.data());
-  if (!uvs.empty()) meshopt_remapVertexBuffer(uvs.data(), uvs.data(), count, sizeof(Vec2f), moved.data());
+  meshopt_remapVertexBuffer(positions.data(), positions.data(), count, sizeof(Vec3f), newIndex.data());
+  if (!uvs.empty()) meshopt_remapVertexBuffer(uvs.data(), uvs.data(), count, sizeof(Vec2f), newIndex.data());
   positions.resize(kept);
   positions.shrink_to_fit();
   if (!uvs.empty()) {
@@ -65,7 +65,7 @@ void weld(std::vector<Vec3f>& positions, std::vector<Vec2f>& uvs, std::vector<Tr
     uvs.shrink_to_fit();
   }
   for (Triangle& triangle : triangles) {
-    for (std::uint32_t& corner : triangle) corner = moved[corner];
+    for (std::uint32_t& corner : triangle) corner = newIndex[corner];
   }
 }
 
@@ -104,9 +104,9 @@ void finishNode(std::string_view name, std::uint32_t index, std::size_t first, s
   }
 }
 
-void move(AssetPart& part, const Affine& place) {
-  for (Vec3f& p : part.positions) p = static_cast<Vec3f>(place * Vec3d(p));
-  if (determinant(place.linear) > 0) return;
+void move(AssetPart& part, const Affine& transform) {
+  for (Vec3f& p : part.positions) p = static_cast<Vec3f>(transform * Vec3d(p));
+  if (determinant(transform.linear) > 0) return;
   for (Triangle& t : part.triangles) std::swap(t[1], t[2]);
 }
 
@@ -127,15 +127,15 @@ void checkTexture(AssetPart& part, bool repeats, LeftOut& leftOut) {
 
 Box boundsOf(const Asset& asset) {
   Box box;
-  const auto add = [&](const AssetPart& part, const Affine& place) {
+  const auto add = [&](const AssetPart& part, const Affine& assetFromPart) {
     for (const Vec3f& p : part.positions) {
-      if (isFinite(p)) box.add(place * Vec3d(p));
+      if (isFinite(p)) box.add(assetFromPart * Vec3d(p));
     }
   };
   for (const AssetPart& part : asset.parts) add(part, {{}, asset.origin});
   for (const InstancedParts& instanced : asset.instanced) {
-    for (const Affine& place : instanced.assetFromParts) {
-      for (const AssetPart& part : instanced.parts) add(part, place);
+    for (const Affine& assetFromPart : instanced.assetFromParts) {
+      for (const AssetPart& part : instanced.parts) add(part, assetFromPart);
     }
   }
   return box;
@@ -145,9 +145,9 @@ void flatten(Asset& asset) {
   std::uint32_t nodes = 0;
   for (const AssetPart& part : asset.parts) nodes = std::max(nodes, part.nodeIndex + 1);
   for (const InstancedParts& instanced : asset.instanced) {
-    for (const Affine& place : instanced.assetFromParts) {
+    for (const Affine& assetFromPart : instanced.assetFromParts) {
       for (AssetPart part : instanced.parts) {
-        move(part, place);
+        move(part, assetFromPart);
         part.nodeIndex = nodes;
         asset.parts.push_back(std::move(part));
       }

@@ -25,9 +25,9 @@ Mat3 zUpFrom(char up);
 // Returns the transform from the coordinates of a file to the asset's frame: metres, z up.
 Mat3 assetFromFile(char up, double metresPerUnit);
 
-// Returns an origin near most of `count` places (m): the median along each axis of at most 2000 of them, which ignores
-// outliers, in whole metres, or 0 along axes on which it is small. Places that are not finite are ignored.
-Vec3d originNear(std::size_t count, const std::function<Vec3d(std::size_t)>& place);
+// Returns an origin near most of `count` positions (m): the median along each axis of at most 2000 of them, which
+// ignores outliers, in whole metres, or 0 along axes on which it is small. Positions that are not finite are ignored.
+Vec3d originNear(std::size_t count, const std::function<Vec3d(std::size_t)>& position);
 
 // Removes vertices that no triangle uses, and merges bit-identical ones, since some kinds of files have three separate
 // vertices for every triangle.
@@ -52,7 +52,7 @@ void append(const Geometry& geometry, const Affine& assetFromNode, std::uint32_t
 void finishNode(std::string_view name, std::uint32_t index, std::size_t first, std::vector<AssetPart>& parts);
 
 // Transforms a part. The transform must not be singular; if it mirrors, triangles are flipped and still face outwards.
-void move(AssetPart& part, const Affine& place);
+void move(AssetPart& part, const Affine& transform);
 
 // Takes the texture off a part without texture coordinates, since a single texel would colour all of it, and counts it.
 // The mean colour of the image remains. Also counts a part whose texture coordinates leave an image that the file does

@@ -101,19 +101,19 @@ std::string modelFolderVariables() {
 
 std::filesystem::path findTexture(const std::filesystem::path& asset, const std::string& name, bool allowOutside,
                                   const std::vector<std::filesystem::path>& folders) {
-  std::string plain = name;
-  std::replace(plain.begin(), plain.end(), '\\', '/');
+  std::string unescaped = name;
+  std::replace(unescaped.begin(), unescaped.end(), '\\', '/');
   const std::filesystem::path folder = asset.parent_path();
   std::vector<std::filesystem::path> candidates;
   std::filesystem::path outside;
-  if (plain.starts_with("file://")) plain = plain.substr(7);
-  if (plain.starts_with("model://")) {  // Gazebo: model://MODEL/...; all models are in one folder
-    plain = plain.substr(8);
-    if (!leadsOutside(plain) && !leadsOutside(decodeUri(plain))) {
-      if (const auto found = findInModelFolders(asset, plain)) candidates.push_back(*found);
+  if (unescaped.starts_with("file://")) unescaped = unescaped.substr(7);
+  if (unescaped.starts_with("model://")) {  // Gazebo: model://MODEL/...; all models are in one folder
+    unescaped = unescaped.substr(8);
+    if (!leadsOutside(unescaped) && !leadsOutside(decodeUri(unescaped))) {
+      if (const auto found = findInModelFolders(asset, unescaped)) candidates.push_back(*found);
     }
   }
-  for (const std::string& spelling : {plain, decodeUri(plain)}) {
+  for (const std::string& spelling : {unescaped, decodeUri(unescaped)}) {
     const std::filesystem::path path = folder / spelling;  // `folder` is ignored if the spelling is absolute
     if (allowOutside || !leadsOutside(spelling)) {
       candidates.push_back(path);
@@ -121,21 +121,21 @@ std::filesystem::path findTexture(const std::filesystem::path& asset, const std:
       outside = path;
     }
   }
-  std::vector<std::filesystem::path> places{folder,
-                                            folder / "textures",
-                                            folder / "Textures",
-                                            folder / ".." / "materials" / "textures",
-                                            folder / ".." / "textures",
-                                            folder / "materials" / "textures"};
-  places.insert(places.end(), folders.begin(), folders.end());
-  const std::string bare = std::filesystem::path(decodeUri(plain)).filename().string();
-  if (bare.empty() || bare == "..") return {};
-  for (const auto& place : places) candidates.push_back(place / bare);
+  std::vector<std::filesystem::path> searched{folder,
+                                              folder / "textures",
+                                              folder / "Textures",
+                                              folder / ".." / "materials" / "textures",
+                                              folder / ".." / "textures",
+                                              folder / "materials" / "textures"};
+  searched.insert(searched.end(), folders.begin(), folders.end());
+  const std::string fileName = std::filesystem::path(decodeUri(unescaped)).filename().string();
+  if (fileName.empty() || fileName == "..") return {};
+  for (const auto& place : searched) candidates.push_back(place / fileName);
   for (const auto& candidate : candidates) {
     if (isFile(candidate)) return candidate;
   }
-  for (const auto& place : places) {
-    if (auto found = findIgnoringCase(place.empty() ? "." : place, bare); !found.empty()) return found;
+  for (const auto& place : searched) {
+    if (auto found = findIgnoringCase(place.empty() ? "." : place, fileName); !found.empty()) return found;
   }
   if (!outside.empty()) throw InputError({asset.string()}, refusalOf(name));
   // Some exporters write a name with blanks in quotation marks.

@@ -36,8 +36,8 @@ class UrdfReader {
     survey(root_);
     std::set<std::string> links;
     for (const XmlNode& child : root_.children) {
-      if (child.name == "material") noteMaterial(child);
-      if (child.name == "joint") noteJoint(child);
+      if (child.name == "material") lookOf(child);
+      if (child.name == "joint") readJoint(child);
       if (child.name == "link" && !links.insert(child.attributeOr("name", "link")).second) {
         child.fail(fmt::format("has the name '{}', as another link: links need names of their own",
                                child.attributeOr("name", "link")));
@@ -63,7 +63,7 @@ class UrdfReader {
     for (const XmlNode& link : root_.children) {
       if (link.name != "link") continue;
       const std::string name = link.attributeOr("name", "link");
-      const Affine robotFromLink = placeOf(name, link);
+      const Affine robotFromLink = robotFromLinkOf(name, link);
       std::size_t number = 0;
       for (const XmlNode& visual : link.children) {
         if (visual.name == "visual") addVisual(visual, name, ++number, robotFromLink, robot.parts);
@@ -111,7 +111,7 @@ class UrdfReader {
     Location where;
   };
 
-  void noteJoint(const XmlNode& joint) {
+  void readJoint(const XmlNode& joint) {
     const auto linkOf = [&](const char* end) {
       const XmlNode* const element = joint.child(end);
       const std::string* const link = element == nullptr ? nullptr : element->attribute("link");
@@ -139,7 +139,7 @@ class UrdfReader {
   };
 
   // Returns the look of a material element. The first element with a look gives it to all of its name.
-  Look noteMaterial(const XmlNode& material) {
+  Look lookOf(const XmlNode& material) {
     const std::string name = material.attributeOr("name", "");
     if (const auto known = looks_.find(name); known != looks_.end()) return known->second;
     Look look;
@@ -160,15 +160,15 @@ class UrdfReader {
   }
 
   // Returns robotFromLink. The robot's frame is the frame of its root link.
-  Affine placeOf(std::string name, const XmlNode& link) const {
-    Affine place;
-    std::set<std::string> been;
+  Affine robotFromLinkOf(std::string name, const XmlNode& link) const {
+    Affine robotFromLink;
+    std::set<std::string> passed;
     for (auto joint = joints_.find(name); joint != joints_.end(); joint = joints_.find(name)) {
-      if (!been.insert(name).second) link.fail(fmt::format("'{}' is its own ancestor by the joints", name));
-      place = joint->second.parentFromChild * place;
+      if (!passed.insert(name).second) link.fail(fmt::format("'{}' is its own ancestor by the joints", name));
+      robotFromLink = joint->second.parentFromChild * robotFromLink;
       name = joint->second.parent;
     }
-    return place;
+    return robotFromLink;
   }
 
   void addVisual(const XmlNode& visual, const std::string& link, std::size_t number, const Affine& robotFromLink,
@@ -193,7 +193,7 @@ class UrdfReader {
       if (!part.solid) shape.fail("is not a shape of URDF (mesh, box, cylinder or sphere)");
     }
     if (const XmlNode* material = visual.child("material")) {
-      const Look look = noteMaterial(*material);
+      const Look look = lookOf(*material);
       if (look.opacity <= 0) return world_.leftOut.add("invisible visuals (alpha 0)");
       if (look.opacity < 1) world_.leftOut.add("transparencies between 0 and 1 (these visuals are solid)");
       const bool defines = material->child("color") != nullptr || material->child("texture") != nullptr;

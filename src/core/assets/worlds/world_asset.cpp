@@ -45,13 +45,13 @@ class WorldAsset {
     leftOut_ = world.leftOut;
     tellMissing(world.missing, options_.leaveOutMissing, leftOut_);
     // Groups of things of the same model whose names differ only in the numbers at their ends.
-    std::map<std::pair<std::filesystem::path, std::string>, std::vector<const WorldThing*>> same;
+    std::map<std::pair<std::filesystem::path, std::string>, std::vector<const WorldThing*>> copies;
     for (const WorldThing& thing : world.things) {
-      if (!thing.definition.empty()) same[{thing.definition, withoutNumbers(thing.name)}].push_back(&thing);
+      if (!thing.definition.empty()) copies[{thing.definition, withoutNumbers(thing.name)}].push_back(&thing);
     }
     for (const WorldThing& thing : world.things) {
-      const auto found = same.find({thing.definition, withoutNumbers(thing.name)});
-      if (found == same.end() || found->second.size() < 2) {
+      const auto found = copies.find({thing.definition, withoutNumbers(thing.name)});
+      if (found == copies.end() || found->second.size() < 2) {
         addTo(asset_.parts, thing, thing.name, assetFromWorld_ * thing.worldFromThing);
       } else if (found->second.front() == &thing) {
         InstancedParts instanced;
@@ -74,31 +74,33 @@ class WorldAsset {
   }
 
  private:
-  void addTo(std::vector<AssetPart>& parts, const WorldThing& thing, const std::string& name, const Affine& place) {
+  // Adds the parts of a thing, which is one node.
+  void addTo(std::vector<AssetPart>& parts, const WorldThing& thing, const std::string& name,
+             const Affine& assetFromThing) {
     for (const WorldPart& from : thing.parts) {
       const std::string node = fmt::format("{}/{}", name, from.node);
-      const Affine own = place * from.thingFromPart;
+      const Affine assetFromPart = assetFromThing * from.thingFromPart;
       if (from.solid) {
         AssetPart part = solid(from);
-        setGloss(from, part);
-        add(parts, std::move(part), node, own);
+        applyGloss(from, part);
+        add(parts, std::move(part), node, assetFromPart);
         continue;
       }
       for (AssetPart& part : partsOf(from)) {
-        if (!from.texture.empty() || (from.color && part.texture.empty())) dress(from, part);
-        setGloss(from, part);
+        if (!from.texture.empty() || (from.color && part.texture.empty())) applyLook(from, part);
+        applyGloss(from, part);
         if (part.material.empty()) part.fileMaterial.name = part.material = from.material;
         const std::string inMesh = part.node.empty() ? node : fmt::format("{}/{}", node, part.node);
-        add(parts, std::move(part), inMesh, own);
+        add(parts, std::move(part), inMesh, assetFromPart);
       }
     }
-    ++things_;
+    ++nodes_;
   }
 
-  void add(std::vector<AssetPart>& parts, AssetPart part, const std::string& node, const Affine& place) {
+  void add(std::vector<AssetPart>& parts, AssetPart part, const std::string& node, const Affine& assetFromPart) {
     part.node = node;
-    part.nodeIndex = things_;
-    move(part, place);
+    part.nodeIndex = nodes_;
+    move(part, assetFromPart);
     chargeBytes(kBytesPerTriangle * static_cast<double>(part.triangles.size()), {file_.string()});
     parts.push_back(std::move(part));
   }
@@ -107,17 +109,17 @@ class WorldAsset {
     AssetPart part;
     part.positions = from.solid->positions;
     part.triangles = from.solid->triangles;
-    dress(from, part);
+    applyLook(from, part);
     return part;
   }
 
-  static void setGloss(const WorldPart& from, AssetPart& part) {
+  static void applyGloss(const WorldPart& from, AssetPart& part) {
     part.fileMaterial.roughness = from.roughness.value_or(part.fileMaterial.roughness);
     part.fileMaterial.metallic = from.metallic.value_or(part.fileMaterial.metallic);
   }
 
   // Gives a part the material of its visual.
-  void dress(const WorldPart& from, AssetPart& part) {
+  void applyLook(const WorldPart& from, AssetPart& part) {
     if (part.material.empty()) part.material = from.material;
     part.fileMaterial.name = part.material;
     const std::filesystem::path stated(from.where.file);
@@ -200,7 +202,7 @@ class WorldAsset {
   Asset asset_;
   LeftOut leftOut_;
   std::map<std::filesystem::path, Asset> meshes_;
-  std::uint32_t things_ = 0;
+  std::uint32_t nodes_ = 0;
 };
 
 }  // namespace

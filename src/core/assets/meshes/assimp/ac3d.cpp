@@ -17,8 +17,10 @@ const FormatSupport& ac3dFormat() {
       ".ac, .acc, .ac3d",
       {},
       "Names, transforms and surfaces of objects; objects with `subdiv` are subdivided. Colours and opacity of "
-      "materials; `rgb` is taken as linear light, since AC3D states no colour space. One image for each object: the "
-      "first, or the one with the role `base`, with its `texrep` and `texoff`. Files with materials of several lines "
+      "materials; `rgb` is taken as linear light, since AC3D states no colour space. One image for each objectStart: "
+      "the "
+      "first, or the one with the role `hasBaseRole`, with its `texrep` and `texoff`. Files with materials of several "
+      "lines "
       "(MAT) are refused",
       "lines; marks of hidden objects; objects and surfaces that the file counts and lacks"};
   return format;
@@ -26,62 +28,63 @@ const FormatSupport& ac3dFormat() {
 
 std::string readAc3d(const std::filesystem::path& file, LeftOut& leftOut) {
   const std::string text = readFile(file);
-  std::string out, texture, transform;
-  out.reserve(text.size());
-  bool base = false;       // true: `texture` has the role `base`
-  std::size_t object = 0;  // index in `out` of the current object
+  std::string ac3db, texture, transform;
+  ac3db.reserve(text.size());
+  bool hasBaseRole = false;     // true: `texture` has the role `hasBaseRole`
+  std::size_t objectStart = 0;  // index in `ac3db` of the current objectStart
   std::uint64_t objects = 0, kids = 0, surfaces = 0, statedSurfaces = 0;
   const auto numberIn = [](std::string_view word) {
     std::uint64_t number = 0;
     parseNumber(word, number);
     return number;
   };
-  for (std::string_view rest = text; !rest.empty();) {
-    const std::string_view line = takeLine(rest);
-    std::string_view behind = line;
-    const std::string_view key = takeWord(behind);
-    behind = trimmed(behind);
+  for (std::string_view unread = text; !unread.empty();) {
+    const std::string_view line = takeLine(unread);
+    std::string_view arguments = line;
+    const std::string_view key = takeWord(arguments);
+    arguments = trimmed(arguments);
     if (key == "texture") {
-      const std::size_t end = behind.starts_with('"') ? behind.find('"', 1) : behind.npos;
-      if (end == behind.npos || base) continue;  // a texture without quotation marks is none
-      std::string_view role = behind.substr(end + 1);
-      base = takeWord(role) == "base";
-      if (texture.empty() || base) texture = behind.substr(0, end + 1);
+      const std::size_t end = arguments.starts_with('"') ? arguments.find('"', 1) : arguments.npos;
+      if (end == arguments.npos || hasBaseRole) continue;  // a texture without quotation marks is none
+      std::string_view role = arguments.substr(end + 1);
+      hasBaseRole = takeWord(role) == "base";
+      if (texture.empty() || hasBaseRole) texture = arguments.substr(0, end + 1);
       continue;
     }
-    if (!texture.empty()) out += "texture " + texture + "\n";
+    if (!texture.empty()) ac3db += "texture " + texture + "\n";
     texture.clear();
-    base = false;
+    hasBaseRole = false;
     if (key == "rot" || key == "loc") {
       transform.append(line) += '\n';
       continue;
     }
     if (key == "OBJECT") {
       ++objects;
-      object = out.size();
+      objectStart = ac3db.size();
       transform.clear();
     } else if (key == "kids") {
-      kids += numberIn(behind);
+      kids += numberIn(arguments);
       if (!transform.empty()) {
-        out.insert(object, fmt::format("OBJECT group\n{}kids {}\n", transform, numberIn(behind) + 1)) += "kids 0\n";
+        ac3db.insert(objectStart, fmt::format("OBJECT group\n{}kids {}\n", transform, numberIn(arguments) + 1)) +=
+            "kids 0\n";
         continue;
       }
     } else if (key == "hidden") {
       leftOut.add("marks of hidden objects (they are shown)");
     } else if (key == "numsurf") {
-      statedSurfaces += numberIn(behind);
+      statedSurfaces += numberIn(arguments);
     } else if (key == "refs") {
       ++surfaces;
     } else if (key == "MAT") {
       throw Error("has a material of several lines (MAT), which is not read: save it as AC3Db, or convert it to glTF");
     }
-    out.append(line) += '\n';
+    ac3db.append(line) += '\n';
   }
   if (kids + 1 > objects) leftOut.add("objects that 'kids' counts and the file lacks", kids + 1 - objects);
   if (statedSurfaces > surfaces) {
     leftOut.add("surfaces that 'numsurf' counts and the file lacks", statedSurfaces - surfaces);
   }
-  return out;
+  return ac3db;
 }
 
 }  // namespace scanmill

@@ -54,6 +54,8 @@ class Collada {
     root_ = document_.child("COLLADA");
   }
 
+  // Reads the facts and changes the document for assimp: its up axis, names of nodes and of sets of texture
+  // coordinates, hidden nodes, and the default material.
   ColladaFacts facts() {
     for (const auto& [path, remedy] : kRefused) {
       const pugi::xml_node found = root_.select_node(path).node();
@@ -62,12 +64,13 @@ class Collada {
                               lineOf(found.offset_debug()), remedy));
     }
     readAsset();
-    countRest();
-    nameSets();
-    for (const pugi::xpath_node& node : root_.select_nodes("//node")) readNode(node.node());
-    for (const pugi::xpath_node& scene : root_.select_nodes("//visual_scene")) copies_ += countIn(scene.node());
-    chargeCopies(static_cast<std::uint64_t>(std::min(copies_, 1e18)), {});
-    readMaterials();
+    countUnread();
+    renameUvSets();
+    for (const pugi::xpath_node& node : root_.select_nodes("//node")) mendNode(node.node());
+    double nodes = 0;
+    for (const pugi::xpath_node& scene : root_.select_nodes("//visual_scene")) nodes += countIn(scene.node());
+    chargeCopies(static_cast<std::uint64_t>(std::min(nodes, 1e18)), {});
+    addDefaultMaterial();
     std::ostringstream text;
     document_.save(text, "", pugi::format_raw, pugi::encoding_utf8);
     facts_.text = std::move(text).str();
@@ -103,7 +106,8 @@ class Collada {
     }
   }
 
-  void countRest() {
+  // Counts surfaces of kinds that the importer does not read, and references to other files.
+  void countUnread() {
     for (const pugi::xpath_node& found : root_.select_nodes("//ph | //spline | //brep | //convex_mesh")) {
       facts_.leftOut.addKeyword(colladaFormat(), found.node().name());
     }
@@ -115,7 +119,7 @@ class Collada {
 
   // The importer takes the first number in the name of texture coordinates for the index of their set. Names them by
   // the sets that uses of materials state.
-  void nameSets() {
+  void renameUvSets() {
     int least = std::numeric_limits<int>::max();
     for (const pugi::xpath_node& input : root_.select_nodes("//input[@semantic='TEXCOORD']")) {
       least = std::min(least, input.node().attribute("set").as_int());
@@ -136,7 +140,7 @@ class Collada {
   }
 
   // Names a node without a name by its id, and hides what it shows if it is not visible.
-  void readNode(pugi::xml_node node) {
+  void mendNode(pugi::xml_node node) {
     const pugi::xml_attribute id = node.attribute("id");
     byId_.emplace(id.value(), node);
     if (node.attribute("name").empty() && !id.empty()) node.append_attribute("name") = id.value();
@@ -167,8 +171,9 @@ class Collada {
     return count;
   }
 
-  // The importer gives surfaces without a material the first one that it finds. The one that is added is found first.
-  void readMaterials() {
+  // Reads the materials, and adds kDefaultMaterial before them: the importer gives surfaces without a material the
+  // first one that it finds.
+  void addDefaultMaterial() {
     std::map<std::string, pugi::xml_node> effects;
     for (const pugi::xml_node& effect : root_.child("library_effects").children("effect")) {
       effects[effect.attribute("id").value()] = effect;
@@ -203,7 +208,6 @@ class Collada {
   ColladaFacts facts_;
   std::map<std::string, pugi::xml_node> byId_;  // nodes
   std::map<std::string, double> copiesOf_;      // numbers of nodes in those that are copied; -1: being counted
-  double copies_ = 0;
 };
 
 }  // namespace

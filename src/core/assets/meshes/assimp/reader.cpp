@@ -77,10 +77,10 @@ class Importer {
     read.up = options_.up.value_or(collada_ ? facts_.up : 'y');
     read.upDeclared = true;
     read.statedUnit = facts_.unit;
-    countRest();
+    countUnread();
     read.dropped.outOfRange = dropBadFaces();
     read.materials = materialsOf(*scene_, placements_, leftOut_);
-    mendMaterials(read.materials);
+    takeColladaFacts(read.materials);
     walk(read);
     read.problems = log_.problems;
     read.leftOut = std::move(leftOut_);
@@ -124,7 +124,7 @@ class Importer {
   }
 
   // Counts what the importer has read and is not used.
-  void countRest() {
+  void countUnread() {
     leftOut_.add("animations (the file's pose is taken)", scene_->mNumAnimations);
     for (unsigned m = 0; m < scene_->mNumMeshes; ++m) {
       const aiMesh& mesh = *scene_->mMeshes[m];
@@ -137,7 +137,7 @@ class Importer {
   }
 
   // Adds to the materials what the importer does not report, and takes from them what it reads wrong.
-  void mendMaterials(std::vector<ImportedMaterial>& materials) {
+  void takeColladaFacts(std::vector<ImportedMaterial>& materials) {
     for (std::size_t i = 0; i < std::min(materials.size(), facts_.materials.size()); ++i) {
       const ColladaMaterial& stated = facts_.materials[i];
       ImportedMaterial& material = materials[i];
@@ -203,15 +203,15 @@ class Importer {
 
   void walk(ImportedFile& read) {
     std::vector<Placed> placed;  // in the order of the file, depth first
-    std::vector<Placed> open{{scene_->mRootNode, assetFromImported(read.up), {}}};
-    while (!open.empty()) {
-      Placed item = std::move(open.back());
-      open.pop_back();
+    std::vector<Placed> pending{{scene_->mRootNode, assetFromImported(read.up), {}}};
+    while (!pending.empty()) {
+      Placed item = std::move(pending.back());
+      pending.pop_back();
       if (std::string own = nodeName(*item.node); !own.empty()) item.name = std::move(own);
       item.assetFromNode = item.assetFromNode * toAffine(item.node->mTransformation);
       const std::string inherited = item.node == scene_->mRootNode ? std::string() : item.name;
       for (unsigned i = item.node->mNumChildren; i-- > 0;) {
-        if (const aiNode* child = item.node->mChildren[i]) open.push_back({child, item.assetFromNode, inherited});
+        if (const aiNode* child = item.node->mChildren[i]) pending.push_back({child, item.assetFromNode, inherited});
       }
       placed.push_back(std::move(item));
     }

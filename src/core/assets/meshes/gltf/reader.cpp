@@ -25,10 +25,11 @@ namespace scanmill::gltf {
 namespace {
 
 // Limits, since a small file can require any amount of memory and time. kTrialMemory (bytes) and kTrialSeconds limit
-// the child process of tryDraco(); the memory limit grows by 256 bytes for every compressed byte.
+// the child process of decodeDracoInChild(); the memory limit grows by 256 bytes for every compressed byte.
 constexpr std::uint64_t kTrialMemory = std::uint64_t{2} << 30;
 constexpr unsigned kTrialSeconds = 300;
 
+// Returns the triangles of a list, a strip or a fan of vertices.
 std::vector<Triangle> trianglesOf(Primitive::Mode mode, const std::vector<std::uint32_t>& at) {
   std::vector<Triangle> triangles;
   const std::size_t count = at.size();
@@ -62,7 +63,7 @@ class Reader {
 
   Asset read(LeftOut& leftOut) {
     checkCosts();
-    tryDraco();
+    decodeDracoInChild();
     materials_ = readMaterials(model_, data_, options_);
     for (std::uint32_t i = 0; i < placed_.size(); ++i) {
       const PlacedNode& placed = placed_[i];
@@ -87,8 +88,8 @@ class Reader {
 
   // Throws InputError if the file would take too much memory: a small file may place its meshes any number of times.
   void checkCosts() const {
-    double triangles = 0, own = 0;
-    std::set<std::pair<Index, std::optional<Index>>> known;  // accessors of positions and indices
+    double triangles = 0, stored = 0;                          // with all copies, and as the file stores them
+    std::set<std::pair<Index, std::optional<Index>>> counted;  // accessors of positions and indices
     for (const PlacedNode& placed : placed_) {
       const Node& node = model_.nodes[placed.node];
       if (!placed.visible || !node.mesh) continue;
@@ -99,12 +100,12 @@ class Reader {
       for (const Primitive& primitive : model_.meshes[*node.mesh].primitives) {
         const double corners = countOf(primitive.indices.value_or(primitive.attributes.at("POSITION")));
         chargeCopies(static_cast<std::uint64_t>(copies), {model_.file.string()});
-        const double made = primitive.mode == Primitive::Mode::Triangles ? corners / 3 : corners;
-        triangles += copies * made;
-        if (known.emplace(primitive.attributes.at("POSITION"), primitive.indices).second) own += made;
+        const double count = primitive.mode == Primitive::Mode::Triangles ? corners / 3 : corners;
+        triangles += copies * count;
+        if (counted.emplace(primitive.attributes.at("POSITION"), primitive.indices).second) stored += count;
       }
     }
-    chargeBytes(kBytesPerTriangle * (triangles - own), {model_.file.string()});
+    chargeBytes(kBytesPerTriangle * (triangles - stored), {model_.file.string()});
     const double bytes = triangles * static_cast<double>(sizeof(Triangle));
     if (bytes > static_cast<double>(memoryLimitBytes())) {
       model_.fail(
@@ -118,7 +119,7 @@ class Reader {
   double countOf(Index accessor) const { return static_cast<double>(model_.accessors[accessor].count); }
 
   // Decodes all Draco data in a child process first, since damaged data can require any amount of memory.
-  void tryDraco() const {
+  void decodeDracoInChild() const {
     std::uint64_t bytes = 0;
     forDraco([&](const Primitive& p) { bytes += model_.views[p.draco->view].length; });
     if (bytes == 0) return;
@@ -133,6 +134,7 @@ class Reader {
     }
   }
 
+  // Calls visit(primitive) for each primitive that Draco compressed.
   template <class Visit>
   void forDraco(const Visit& visit) const {
     for (const Mesh& mesh : model_.meshes) {
@@ -149,7 +151,7 @@ class Reader {
     for (const Primitive& primitive : model_.meshes[*model_.nodes[placed.node].mesh].primitives) {
       const std::size_t material = primitive.material.value_or(materials_.size() - 1);
       const std::optional<TextureUse>& texture = materials_[material].placed;
-      const std::shared_ptr<const Geometry> geometry = knownGeometry(primitive, placed, texture);
+      const std::shared_ptr<const Geometry> geometry = sharedGeometry(primitive, placed, texture);
       asset_.dropped.outOfRange += geometry->dropped;
       triangles_ += geometry->triangles.size();
       if (triangles_ > kMostTriangles)
@@ -168,13 +170,13 @@ class Reader {
 
   // Returns the geometry of a primitive. A mesh that is placed several times without skin or morphing is read only
   // once.
-  std::shared_ptr<const Geometry> knownGeometry(const Primitive& primitive, const PlacedNode& placed,
-                                                const std::optional<TextureUse>& texture) {
+  std::shared_ptr<const Geometry> sharedGeometry(const Primitive& primitive, const PlacedNode& placed,
+                                                 const std::optional<TextureUse>& texture) {
     const bool shares = poser_->isRigid(placed) && uses_[*model_.nodes[placed.node].mesh] > 1;
     if (!shares) return std::make_shared<const Geometry>(geometryOf(primitive, placed, texture));
-    std::shared_ptr<const Geometry>& known = known_[&primitive];
-    if (known == nullptr) known = std::make_shared<const Geometry>(geometryOf(primitive, placed, texture));
-    return known;
+    std::shared_ptr<const Geometry>& shared = sharedGeometry_[&primitive];
+    if (shared == nullptr) shared = std::make_shared<const Geometry>(geometryOf(primitive, placed, texture));
+    return shared;
   }
 
   Geometry geometryOf(const Primitive& primitive, const PlacedNode& placed, const std::optional<TextureUse>& texture) {
@@ -192,31 +194,31 @@ class Reader {
       if (found == primitive.attributes.end()) return std::vector<float>();
       if (name.starts_with("WEIGHTS_")) return data_.fractions(found->second, what);
       if (!name.starts_with("JOINTS_")) return data_.floats(found->second, what);
-      const std::vector<std::uint32_t> whole = data_.integers(found->second, what);
-      return std::vector<float>(whole.begin(), whole.end());
+      const std::vector<std::uint32_t> joints = data_.integers(found->second, what);
+      return std::vector<float>(joints.begin(), joints.end());
     };
     Geometry g;
     g.points = toPoints(numbers("POSITION"));
     if (!poser_->isRigid(placed)) poser_->pose(placed, primitive, numbers, what, g.points);
     readUvs(numbers, texture, g);
 
-    std::vector<std::uint32_t> at;
+    std::vector<std::uint32_t> indices;
     if (draco) {
-      at = std::move(draco->indices);
+      indices = std::move(draco->indices);
     } else if (primitive.indices) {
-      at = data_.integers(*primitive.indices, what);
+      indices = data_.integers(*primitive.indices, what);
     } else {
-      for (std::uint32_t i = 0; i < g.points.size(); ++i) at.push_back(i);
+      for (std::uint32_t i = 0; i < g.points.size(); ++i) indices.push_back(i);
     }
-    g.triangles = trianglesOf(draco ? Primitive::Mode::Triangles : primitive.mode, at);
-    const auto reaches = [&](const Triangle& t) { return std::max({t[0], t[1], t[2]}) >= g.points.size(); };
-    g.dropped = static_cast<std::uint64_t>(std::erase_if(g.triangles, reaches));
-    dropUnused(g);
+    g.triangles = trianglesOf(draco ? Primitive::Mode::Triangles : primitive.mode, indices);
+    const auto isOutOfRange = [&](const Triangle& t) { return std::max({t[0], t[1], t[2]}) >= g.points.size(); };
+    g.dropped = static_cast<std::uint64_t>(std::erase_if(g.triangles, isOutOfRange));
+    dropUnusedVertices(g);
     return g;
   }
 
   // Drops unused vertices, since primitives often share one long list of vertices.
-  static void dropUnused(Geometry& g) {
+  static void dropUnusedVertices(Geometry& g) {
     constexpr std::uint32_t kUnused = UINT32_MAX;
     std::vector<std::uint32_t> moved(g.points.size(), kUnused);
     for (const Triangle& t : g.triangles) {
@@ -328,7 +330,7 @@ class Reader {
   std::optional<Poser> poser_;
   std::vector<ReadMaterial> materials_;
   std::vector<std::size_t> uses_;  // number of times that a mesh is placed, by mesh
-  std::map<const Primitive*, std::shared_ptr<const Geometry>> known_;
+  std::map<const Primitive*, std::shared_ptr<const Geometry>> sharedGeometry_;
   Asset asset_;
   std::uint64_t triangles_ = 0;
 };
