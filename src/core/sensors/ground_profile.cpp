@@ -3,7 +3,10 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <string>
+#include <string_view>
 
 #include "base/short_text.h"
 #include "config/fields.h"
@@ -19,6 +22,21 @@ constexpr std::size_t kMostSamples = 10'000'000;
 constexpr std::size_t kMostEvened = 20;  // largest number of samples averaged on each side, for parts of the path where
                                          // the vehicle hardly moves
 
+constexpr const char* kWheelAdvice =
+    "; three of a vehicle's four wheels need ground of the classes of `on`; `wheels: none` needs it below the origin "
+    "alone";
+constexpr std::array<std::string_view, 4> kWheels{"front left", "front right", "rear left", "rear right"};
+
+// Returns where the wheels of a vehicle with this wheelbase and track (m) are, in the order of kWheels, at the height
+// of the pose.
+std::array<Vec3d, 4> wheelsAt(const std::array<double, 2>& size, const Pose& pose) {
+  const double yaw = headingOf(pose.rotation);
+  const Vec3d ahead = Vec3d{std::cos(yaw), std::sin(yaw), 0} * (size[0] / 2);
+  const Vec3d left = Vec3d{-std::sin(yaw), std::cos(yaw), 0} * (size[1] / 2);
+  const Vec3d& at = pose.translation;
+  return {at + ahead + left, at + ahead + -left, at + -ahead + left, at + -ahead + -left};
+}
+
 // Returns the height and slopes of the plane that best fits the ground under the four wheels; nothing if more than one
 // wheel has no ground. Without wheels, the plane is horizontal and touches the ground under the pose. `height` returns
 // the height of the ground at a position in the world frame.
@@ -29,13 +47,11 @@ std::optional<GroundSample> standAt(const GroundOptions& options, const Pose& po
     const std::optional<double> z = height(at);
     return z ? std::optional<GroundSample>({*z, 0, 0}) : std::nullopt;
   }
-  const double yaw = headingOf(pose.rotation);
-  const Vec3d ahead = Vec3d{std::cos(yaw), std::sin(yaw), 0} * ((*options.wheels)[0] / 2);
-  const Vec3d left = Vec3d{-std::sin(yaw), std::cos(yaw), 0} * ((*options.wheels)[1] / 2);
-  std::array<double, 4> wheel{};  // front left, front right, rear left, rear right
-  std::optional<int> hangs;
-  for (int i = 0; i < 4; ++i) {
-    const std::optional<double> z = height(at + (i < 2 ? ahead : -ahead) + (i % 2 == 0 ? left : -left));
+  const std::array<Vec3d, 4> wheels = wheelsAt(*options.wheels, pose);
+  std::array<double, 4> wheel{};  // m, heights of the ground, in the order of kWheels
+  std::optional<std::size_t> hangs;
+  for (std::size_t i = 0; i < wheels.size(); ++i) {
+    const std::optional<double> z = height(wheels[i]);
     if (!z && hangs) return std::nullopt;
     if (z) {
       wheel[i] = *z;
@@ -117,8 +133,8 @@ GroundProfile::GroundProfile(const GroundOptions& options, const PoseOnPath& pos
   if (!last) {
     throw InputError(options.where,
                      fmt::format("no part of the path, which begins at {}, has ground above or below it: `scanmill "
-                                 "info` of the scene prints its bounds (`start` moves recorded poses)",
-                                 shortPlace(poseOnPath(0).translation)));
+                                 "info` of the scene prints its bounds (`start` moves recorded poses){}",
+                                 shortPlace(poseOnPath(0).translation), options.wheels ? kWheelAdvice : ""));
   }
   bare_ = static_cast<double>(bare) / static_cast<double>(places_.size());
   // A sample without ground becomes a copy of the sample before it. If no earlier sample has ground, it becomes a copy
@@ -208,8 +224,13 @@ Pose onGround(const GroundOptions& options, const Pose& pose, const Ground& grou
       standAt(options, pose, [&](const Vec3d& place) { return ground.under(place); });
   const Vec3d& at = pose.translation;
   if (!stand) {
-    throw InputError(options.where,
-                     fmt::format("the pose at [{:g}, {:g}, {:g}] has no ground above or below it", at.x, at.y, at.z));
+    std::string text = fmt::format("the pose at [{:g}, {:g}, {:g}] has no ground above or below it", at.x, at.y, at.z);
+    const std::array<Vec3d, 4> wheels = options.wheels ? wheelsAt(*options.wheels, pose) : std::array<Vec3d, 4>{};
+    for (std::size_t i = 0; options.wheels && i < wheels.size(); ++i) {
+      if (ground.under(wheels[i])) continue;
+      text += fmt::format(", at its {} wheel [{:.6g}, {:.6g}]", kWheels[i], wheels[i].x, wheels[i].y);
+    }
+    throw InputError(options.where, text + (options.wheels ? kWheelAdvice : ""));
   }
   const double yaw = headingOf(pose.rotation);
   const Quat own = inverse(Pose{fromYawPitchRoll(yaw, 0, 0), {}}).rotation * pose.rotation;
