@@ -256,7 +256,7 @@ Image drawExr(const ExrSource& source, const std::string& wanted, int width) {
   for (std::size_t i = 0; i < planes.size(); ++i) picture.setImage(static_cast<ImageId>(i), planes[i].image);
   return picture.draw([&] {
     titleRow({0, 0, width, kTitleHeight}, fmt::format("{}, {}", source.file.filename().string(), image.size), "");
-    panelAt("##planes", body, false, [&] {
+    panelAt("##planes", body, PanelUse::Picture, [&] {
       for (int i = 0; i < count; ++i) {
         const PassPlane& plane = planes[static_cast<std::size_t>(i)];
         const int x = kGap + i % columns * (tileWidth + kGap);

@@ -82,7 +82,7 @@ Image drawRangeImage(const Scan& scan, const Ontology* ontology, const std::opti
     titleRow(top, fmt::format("{}, {}", title, describeStrip(strip)),
              fmt::format("ring 0 at the {}, {}", strip.ringsRise ? "bottom" : "top",
                          legend.scale ? scaleTitle(legend) : legend.title));
-    panelAt("##strip", panel, false, [&] { imageAt(kStrip, body); });
+    panelAt("##strip", panel, PanelUse::Picture, [&] { imageAt(kStrip, body); });
     legendPanel(legend, side);
     if (std::ranges::none_of(scan.position, isFinite<float>)) drawMessage(body, "no points");
   });

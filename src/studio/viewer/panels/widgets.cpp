@@ -43,7 +43,7 @@ void dimText(const std::string& text) {
   ImGui::PopStyleColor();
 }
 
-void wrapped(void (*draw)(const std::string&), const std::string& text) {
+void drawWrapped(void (*draw)(const std::string&), const std::string& text) {
   ImGui::PushTextWrapPos(0);
   draw(text);
   ImGui::PopTextWrapPos();
@@ -119,14 +119,15 @@ bool legendRow(int id, const LegendRow& row, bool clickable, float width) {
 
 }  // namespace
 
-void panelAt(const char* name, const PixelRect& rect, bool scrolls, const std::function<void()>& body) {
+void panelAt(const char* name, const PixelRect& rect, PanelUse use, const std::function<void()>& body) {
   if (rect.width < 1 || rect.height < 1) return;
   ImGui::SetNextWindowPos({static_cast<float>(rect.left), static_cast<float>(rect.top)});
   ImGui::SetNextWindowSize({static_cast<float>(rect.width), static_cast<float>(rect.height)});
   ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 0);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, {1, 1});
-  const ImGuiWindowFlags still = scrolls ? 0 : ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse;
+  const ImGuiWindowFlags still =
+      use == PanelUse::Interactive ? 0 : ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse;
   if (ImGui::Begin(name, nullptr, kFixed | still)) body();
   ImGui::End();
   ImGui::PopStyleVar(3);
@@ -135,7 +136,7 @@ void panelAt(const char* name, const PixelRect& rect, bool scrolls, const std::f
 void titleRow(const PixelRect& rect, const std::string& left, const std::string& right) {
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding,
                       {lineHeight() * 0.6F, std::max(static_cast<float>(rect.height) - lineHeight(), 0.0F) / 2});
-  panelAt("##title", rect, false, [&] {
+  panelAt("##title", rect, PanelUse::Picture, [&] {
     const float room = ImGui::GetContentRegionAvail().x;
     const std::string shown = fitted(left, room);
     textLine(shown);
@@ -147,10 +148,10 @@ void titleRow(const PixelRect& rect, const std::string& left, const std::string&
   ImGui::PopStyleVar();
 }
 
-void section(const std::string& title, bool still, const std::function<void()>& body) {
+void section(const std::string& title, PanelUse use, const std::function<void()>& body) {
   ImGui::PushID(title.c_str());
-  if (still) {
-    wrapped(dimText, title);
+  if (use == PanelUse::Picture) {
+    drawWrapped(dimText, title);
     body();
     ImGui::Dummy({1, lineHeight() * 0.4F});
   } else if (ImGui::CollapsingHeader(title.c_str(), ImGuiTreeNodeFlags_DefaultOpen)) {
@@ -219,8 +220,9 @@ void drawMessage(const PixelRect& view, const std::string& text) {
                room);
 }
 
-LegendUse legendRows(const Legend& legend, const std::vector<bool>& hidden, bool clickable, bool still) {
+LegendUse legendRows(const Legend& legend, const std::vector<bool>& hidden, bool clickable, PanelUse panel) {
   using Look = LegendRow::Look;
+  const bool still = panel == PanelUse::Picture;
   LegendUse use;
   const auto isHidden = [&](std::size_t i) { return i < hidden.size() && hidden[i]; };
   std::uint64_t points = 0;
@@ -258,7 +260,7 @@ LegendUse legendRows(const Legend& legend, const std::vector<bool>& hidden, bool
   return use;
 }
 
-std::optional<ScaleRange> scaleBar(const Legend& legend, bool still) {
+std::optional<ScaleRange> scaleBar(const Legend& legend, PanelUse use) {
   constexpr int kSteps = 64;
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float width = ImGui::GetContentRegionAvail().x;
@@ -283,9 +285,9 @@ std::optional<ScaleRange> scaleBar(const Legend& legend, bool still) {
   ImGui::Dummy({1, high + lineHeight() + 4});
   if (legend.unknown > 0) {
     legendRow(-2, {"no value", grouped(legend.unknown), kNoValue, LegendRow::Look::Shown}, false, width);
-    if (!legend.whyUnknown.empty()) wrapped(dimText, legend.whyUnknown);
+    if (!legend.whyUnknown.empty()) drawWrapped(dimText, legend.whyUnknown);
   }
-  if (still) return {};
+  if (use == PanelUse::Picture) return {};
   float ends[2] = {static_cast<float>(legend.low), static_cast<float>(legend.high)};
   const auto speed = static_cast<float>(std::max(legend.high - legend.low, 1e-6) / 200);
   ImGui::SetNextItemWidth(width);
@@ -306,12 +308,12 @@ PixelRect legendRect(const Legend& legend, const PixelRect& body, double lineHei
 }
 
 void legendPanel(const Legend& legend, const PixelRect& rect) {
-  panelAt("##side", rect, false, [&] {
-    section(legend.scale ? scaleTitle(legend) : legend.title, true, [&] {
+  panelAt("##side", rect, PanelUse::Picture, [&] {
+    section(legend.scale ? scaleTitle(legend) : legend.title, PanelUse::Picture, [&] {
       if (legend.scale) {
-        scaleBar(legend, true);
+        scaleBar(legend, PanelUse::Picture);
       } else {
-        legendRows(legend, {}, false, true);
+        legendRows(legend, {}, false, PanelUse::Picture);
       }
     });
   });
@@ -340,7 +342,7 @@ void valueRows(const char* id, const NamedValues& rows, const std::string& alarm
     ImGui::TableNextColumn();
     const bool warns = !alarm.empty() && name == alarm;
     if (warns) ImGui::PushStyleColor(ImGuiCol_Text, packed(kAlarm));
-    wrapped(textLine, value);
+    drawWrapped(textLine, value);
     if (warns) ImGui::PopStyleColor();
   }
   ImGui::EndTable();
@@ -378,7 +380,7 @@ bool imageAt(ImageId image, const PixelRect& rect, const std::optional<std::pair
 
 FrameBarUse frameBar(const PixelRect& rect, const FrameBar& bar) {
   FrameBarUse use;
-  panelAt("##frames", rect, false, [&] {
+  panelAt("##frames", rect, PanelUse::Picture, [&] {
     if (bar.frames > 1) {
       if (ImGui::Button(bar.playing ? "Pause" : "Play", {lineHeight() * 4, 0})) use.play = true;
       ImGui::SameLine();

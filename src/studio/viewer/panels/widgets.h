@@ -19,14 +19,15 @@ namespace scanmill {
 
 using NamedValues = std::vector<std::pair<std::string, std::string>>;
 
-// Draws a panel without title and border in `rect`. `body` draws the contents. If `scrolls` is true, the user can
-// scroll to contents that do not fit; otherwise they are clipped.
-void panelAt(const char* name, const PixelRect& rect, bool scrolls, const std::function<void()>& body);
+enum class PanelUse { Picture, Interactive };  // pictures have no buttons, fields and scroll bars
+
+// Draws a panel without title and border in `rect`. `body` draws the contents. In an interactive panel the user can
+// scroll to contents that do not fit; in a picture they are clipped.
+void panelAt(const char* name, const PixelRect& rect, PanelUse use, const std::function<void()>& body);
 // Draws the row at the top of a picture: the title on the left, and details in a dim colour on the right.
 void titleRow(const PixelRect& rect, const std::string& left, const std::string& right);
-// Draws a section of a side panel. A click on its title hides or shows `body`. `still`: the section is in a picture,
-// where it cannot be clicked.
-void section(const std::string& title, bool still, const std::function<void()>& body);
+// Draws a section of a side panel. In an interactive panel, a click on its title hides or shows `body`.
+void section(const std::string& title, PanelUse use, const std::function<void()>& body);
 
 // A text that is drawn over the views.
 struct PanelLabel {
@@ -49,10 +50,10 @@ struct LegendUse {
   bool all = false;                  // true: the row for all entries was clicked
 };
 // Draws the entries of a legend, and returns what was clicked. `hidden`: true for hidden entries; empty: all are shown.
-LegendUse legendRows(const Legend& legend, const std::vector<bool>& hidden, bool clickable, bool still);
-// Draws the scale of a legend. Unless `still` is true, also draws input fields for its ends; returns the ends if the
-// user has changed them.
-std::optional<ScaleRange> scaleBar(const Legend& legend, bool still);
+LegendUse legendRows(const Legend& legend, const std::vector<bool>& hidden, bool clickable, PanelUse use);
+// Draws the scale of a legend. An interactive panel also has input fields for its ends; returns the ends if the user
+// has changed them.
+std::optional<ScaleRange> scaleBar(const Legend& legend, PanelUse use);
 // Returns the rectangle of a legend in a picture whose contents are in `body`: at their right side or, if the picture
 // would be wider than `mostWidth` pixels, below them. It is high enough for all entries, and empty if there are none.
 PixelRect legendRect(const Legend& legend, const PixelRect& body, double lineHeight, int mostWidth);

@@ -159,10 +159,8 @@ struct GlfwWindow::State {
   void key(int code, int scan, int mods) {
     modifiers(mods);
     std::string name(nameOf(code, (mods & GLFW_MOD_NUM_LOCK) != 0));
-    if (const char* const lineHeight = control ? glfwGetKeyName(code, scan) : nullptr;
-        name.empty() && lineHeight != nullptr) {
-      name = lineHeight;
-    }
+    const char* const typed = control ? glfwGetKeyName(code, scan) : nullptr;
+    if (name.empty() && typed != nullptr) name = typed;
     if (name.empty()) return;
     CanvasEvent event = plain(Kind::Key);
     event.key = std::move(name);

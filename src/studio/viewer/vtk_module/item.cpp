@@ -14,6 +14,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "base/random.h"
+
 namespace scanmill {
 
 namespace {
@@ -28,20 +30,12 @@ constexpr const char* kLightAtTheEye = R"(
   gl_FragData[0] = vec4(ambientColor + max(facing, 0.0) * diffuseColor, opacity);
 )";
 
-// Returns a pseudorandom number that depends only on k (splitmix64 by Steele, Lea and Flood).
-std::uint64_t scattered(std::uint64_t k) {
-  k += 0x9E3779B97F4A7C15u;
-  k = (k ^ (k >> 30)) * 0xBF58476D1CE4E5B9u;
-  k = (k ^ (k >> 27)) * 0x94D049BB133111EBu;
-  return k ^ (k >> 31);
-}
-
 // Divides the indices 0 to count - 1 into `most` equal ranges and returns a random index in range k. If the index were
 // not random, the rings and columns of a scan would cause visible patterns.
 std::uint64_t sample(std::uint64_t k, std::uint64_t most, std::uint64_t count) {
   const std::uint64_t first = k * count / most;
   const std::uint64_t end = (k + 1) * count / most;
-  return first + scattered(k) % (end - first);
+  return first + philox4x32({static_cast<std::uint32_t>(k)}, {})[0] % (end - first);
 }
 
 }  // namespace

@@ -41,7 +41,7 @@ void PanelContents::fillPanes() {
   for (std::size_t v = 1; v < clouds_.viewCount(); ++v) differ = differ || clouds_.colorOf(v) != clouds_.colorOf(0);
   for (const ShownCloud& cloud : clouds_.list) {
     ViewPane& pane = panes[cloud.view];
-    const std::string& name = context_.frame->scans[cloud.scan].name;
+    const std::string& name = clouds_.scanOf(cloud).name;
     if (clouds_.overlaid()) {
       pane.legend.title = "scan";
       pane.legend.entries.push_back(
@@ -94,9 +94,9 @@ void PanelContents::addLabels() {
       const Vec3d& stands = cloud.canvasFromScan.translation;
       const bool near = std::ranges::any_of(named, [&](const Vec3d& n) { return length(n - stands) < 0.05; });
       if (near) continue;
-      if (named.size() == 1) addLabel(named.front(), context_.frame->scans[clouds_.list.front().scan].sensor, false);
+      if (named.size() == 1) addLabel(named.front(), clouds_.scanOf(clouds_.list.front()).sensor, false);
       named.push_back(stands);
-      if (named.size() > 1) addLabel(stands, context_.frame->scans[cloud.scan].sensor, false);
+      if (named.size() > 1) addLabel(stands, clouds_.scanOf(cloud).sensor, false);
     }
   }
   // Label the nearest objects with class, id and the fraction (%) of the object that is not occluded.

@@ -133,7 +133,7 @@ std::optional<std::size_t> Pointer::viewAt(int px, int py) const {
 
 PickedThing Pointer::pickedPoint(std::size_t k, std::size_t point) const {
   const ShownCloud& cloud = clouds_.list[k];
-  const ViewScan& scan = context_.frame->scans[cloud.scan];
+  const ViewScan& scan = clouds_.scanOf(cloud);
   PickedThing thing = describePoint(scan, cloud.scan, point, context_.source->ontology());
   thing.place = cloud.canvasFromScan * Vec3d(scan.places()[point]);
   addBrief(thing, scan, clouds_.colorOf(cloud.view));
@@ -181,7 +181,7 @@ std::optional<PickedThing> Pointer::pick(int px, int py) const {
   for (std::size_t k = 0; k < clouds_.list.size(); ++k) {
     const ShownCloud& cloud = clouds_.list[k];
     if (cloud.view != *view) continue;
-    candidates.push_back({context_.frame->scans[cloud.scan].places(), cloud.shown, cloud.canvasFromScan});
+    candidates.push_back({clouds_.scanOf(cloud).places(), cloud.shown, cloud.canvasFromScan});
     cloudOf.push_back(k);
   }
   if (const auto hit = pickPoint(candidates, in.camera, right, down, sceneView_.pointSize(), kReach)) {
@@ -247,7 +247,7 @@ std::optional<std::uint32_t> Pointer::instanceOf(const PickedThing& thing) const
 const InstanceSummary& Pointer::summaryOf(const ShownCloud& cloud, std::uint32_t instance) const {
   const InstanceRef place{cloud.scan, instance};
   if (!lastSummary_ || !(lastSummary_->first == place)) {
-    const ViewScan& viewed = context_.frame->scans[cloud.scan];
+    const ViewScan& viewed = clouds_.scanOf(cloud);
     lastSummary_.emplace(place, summarizeInstance(viewed.scan, viewed.places(), instance, cloud.canvasFromScan));
   }
   return lastSummary_->second;
@@ -310,7 +310,7 @@ void Pointer::outline(const ShownCloud& cloud, bool anew) {
   if (context_.redraw.views().empty()) return;
   if (anew) {
     std::vector<Vec3f> places;
-    const std::vector<Vec3f>& all = context_.frame->scans[cloud.scan].places();
+    const std::vector<Vec3f>& all = clouds_.scanOf(cloud).places();
     for (const std::uint32_t i : summaryOf(cloud, highlighted_->id).points) {
       if (!cloud.shown.empty() && cloud.shown[i] == 0) continue;
       places.push_back(Vec3f(cloud.canvasFromScan * Vec3d(all[i])));
@@ -342,7 +342,7 @@ void Pointer::placeBeam() {
   LineSet lines;
   for (const ShownCloud& cloud : clouds_.list) {
     if (!beam || cloud.scan != beam->first) continue;
-    const std::vector<Vec3f> places = returnsOf(context_.frame->scans[cloud.scan], beam->second);
+    const std::vector<Vec3f> places = returnsOf(clouds_.scanOf(cloud), beam->second);
     for (std::size_t i = 0; i + 1 < places.size(); ++i) {
       lines.add(cloud.canvasFromScan * Vec3d(places[i]), cloud.canvasFromScan * Vec3d(places[i + 1]), kBeam);
     }

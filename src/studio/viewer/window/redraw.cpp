@@ -38,7 +38,8 @@ void RedrawScheduler::measured(std::uint64_t points, double ms) {
   pointsPerMs_ += 0.5 * (std::clamp(static_cast<double>(points) / ms, 500.0, 1e6) - pointsPerMs_);
 }
 
-void RedrawScheduler::draw(bool whole, std::uint64_t points, std::size_t items, double began) {
+void RedrawScheduler::draw(Detail detail, std::uint64_t points, std::size_t items, double began) {
+  const bool whole = detail == Detail::AllPoints;
   const bool sceneChanged = changes.views || changes.items;
   if (!sceneChanged && !changes.panels && !changes.highlight && !(whole && partial_)) return;
   const std::uint64_t most = whole ? 0 : sceneChanged ? mostOfEach(points, items) : lastMost_;

@@ -21,6 +21,8 @@ struct Changes {
   bool hover = false;      // the pointer, or what is under it
 };
 
+enum class Detail { Fast, AllPoints };  // Fast: as many points as can be drawn while something moves
+
 class RedrawScheduler {
  public:
   // `seconds`: a clock (s) that never goes back; empty: uses a clock that starts now.
@@ -31,10 +33,10 @@ class RedrawScheduler {
 
   // Passes the views to the canvas if a camera, an item or a rectangle has changed.
   void setViews(std::vector<CanvasView> views);
-  // Draws a picture if something has changed or, with `whole`, if the last picture lacks points. `points`: number of
+  // Draws a picture if something has changed or, with AllPoints, if the last picture lacks points. `points`: number of
   // points that the items show together; `items`: number of items with points. `began`: the time at which the work for
   // this picture began.
-  void draw(bool whole, std::uint64_t points, std::size_t items, double began);
+  void draw(Detail detail, std::uint64_t points, std::size_t items, double began);
 
   // True if enough time has passed since the last picture to draw a new one after a move of the pointer.
   bool mayFollowPointer() const;

@@ -59,7 +59,7 @@ void SceneView::placeClouds() {
   ground = {};
   for (std::size_t k = 0; k < clouds_.list.size(); ++k) {
     ShownCloud& cloud = clouds_.list[k];
-    const ViewScan& viewed = context_.frame->scans[cloud.scan];
+    const ViewScan& viewed = clouds_.scanOf(cloud);
     cloud.canvasFromScan = canvasFromScan(viewed);
     context_.canvas.setLook(cloudItem(k),
                             {.canvasFromItem = cloud.canvasFromScan, .size = pointSize(), .views = 1U << cloud.view});
@@ -72,7 +72,7 @@ void SceneView::placeClouds() {
   if (!clouds_.list.empty()) {
     const ShownCloud& first = clouds_.list.front();
     ground = first.canvasFromScan.translation;
-    ground.z = groundHeight(context_.frame->scans[first.scan].places(), first.canvasFromScan);
+    ground.z = groundHeight(clouds_.scanOf(first).places(), first.canvasFromScan);
   }
   context_.changes.items = context_.changes.panels = true;
 }
@@ -188,7 +188,7 @@ std::vector<Vec3d> SceneView::placesOnCanvas() const {
   constexpr std::size_t kEnough = 50'000;
   std::vector<Vec3d> places;
   for (const ShownCloud& cloud : clouds_.list) {
-    const std::vector<Vec3f>& all = context_.frame->scans[cloud.scan].places();
+    const std::vector<Vec3f>& all = clouds_.scanOf(cloud).places();
     for (std::size_t i = 0; i < all.size(); i += all.size() / kEnough + 1) {
       if (isFinite(all[i])) places.push_back(cloud.canvasFromScan * Vec3d(all[i]));
     }
@@ -215,7 +215,7 @@ void SceneView::lookAtFirstPoints() {
   OrbitCamera chosen = camera;
   chosen.orthographic = false;
   // The ball is in the frames of the points' own columns. The camera looks at where its points are on the canvas.
-  const ViewScan& scan = context_.frame->scans[clouds_.list.front().scan];
+  const ViewScan& scan = clouds_.scanOf(clouds_.list.front());
   Vec3d moved;
   double held = 0;
   for (std::size_t i = 0; i < scan.placed.size(); ++i) {

@@ -124,7 +124,7 @@ constexpr std::size_t kMostNames = 30;  // largest number of objects with a labe
 
 const ObjectView* SceneView::shownView(const ObjectRecord& object) const {
   if (clouds_.list.empty()) return nullptr;
-  const std::string sensor = lowerCase(context_.frame->scans[clouds_.list.front().scan].sensor);
+  const std::string sensor = lowerCase(clouds_.scanOf(clouds_.list.front()).sensor);
   for (const ObjectView& view : object.views) {
     if (lowerCase(view.sensor) == sensor) return &view;
   }
@@ -137,7 +137,7 @@ const ObjectView* SceneView::shownView(const ObjectRecord& object) const {
 // from the object's velocity.
 Affine SceneView::canvasFromBox(const ObjectRecord& object) const {
   const ObjectView* const view = shownView(object);
-  const ViewScan& scan = context_.frame->scans[clouds_.list.front().scan];
+  const ViewScan& scan = clouds_.scanOf(clouds_.list.front());
   if (view != nullptr && scan.placed.empty() && scan.revolution == 0) {
     return clouds_.list.front().canvasFromScan * toAffine(view->sensorFromBox);
   }
@@ -241,7 +241,7 @@ const std::vector<InstanceSummary>& SceneView::instances() {
   const ShownCloud& cloud = clouds_.list.front();
   const std::pair<const ViewFrame*, std::size_t> of{context_.frame.get(), cloud.scan};
   if (instancesOf_ != of) {
-    const ViewScan& viewed = context_.frame->scans[cloud.scan];
+    const ViewScan& viewed = clouds_.scanOf(cloud);
     instances_ = summarizeInstances(viewed.scan, viewed.places(), cloud.canvasFromScan);
     instancesOf_ = of;
   }

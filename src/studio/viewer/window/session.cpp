@@ -70,7 +70,7 @@ void ViewSession::settle() {
   playback_.clearBusy();
   context_.notices.clear();
   context_.changes.panels = true;
-  flush(true);
+  flush(Detail::AllPoints);
 }
 
 void ViewSession::check() const {
@@ -211,7 +211,7 @@ void ViewSession::updateHover() {
   pointer_.updateHover(covered, panels_.overStrip && !panels_.help ? std::optional(panels_.stripRect()) : std::nullopt);
 }
 
-void ViewSession::flush(bool whole) {
+void ViewSession::flush(Detail detail) {
   const double began = context_.redraw.now();
   const Changes& changes = context_.changes;
   if (changes.views || changes.items || changes.panels) refresh();
@@ -233,7 +233,7 @@ void ViewSession::flush(bool whole) {
   }
   std::uint64_t points = 0;
   for (const ShownCloud& cloud : clouds_.list) points += cloud.visible;
-  context_.redraw.draw(whole, points, clouds_.list.size(), began);
+  context_.redraw.draw(detail, points, clouds_.list.size(), began);
 }
 
 }  // namespace scanmill

@@ -80,12 +80,13 @@ class ViewSession {
   void placeMesh();
   void refresh();  // updates the panels and the views
   void updateHover();
-  void flush(bool whole);
+  void flush(Detail detail);
 
   // Functions in session_panels.cpp, which draw with Dear ImGui:
   void runPanels();
   void drawPanels();
   void drawMenus();
+  PanelUse panelUse() const { return context_.options.still ? PanelUse::Picture : PanelUse::Interactive; }
   bool isOn(const KeyMeaning& meaning) const;
   void drawColumns();
   void drawLegends(bool ofScales);

@@ -73,7 +73,7 @@ bool ViewSession::handle(const CanvasEvent& event) {
   if (quit_) return false;
   const bool passing = event.kind == CanvasEvent::Kind::Move || event.kind == CanvasEvent::Kind::Wheel;
   if (!passing || context_.redraw.mayFollowPointer()) {
-    flush(false);
+    flush(Detail::Fast);
     for (const std::string& problem : problems()) warn(problem);  // warn() prints each text only once
     for (const std::string& text : context_.hints) warn(text);
   }
@@ -92,7 +92,7 @@ void ViewSession::tick() {
     takeWhatIsLoaded();
   }
   if (context_.removeOldNotices()) context_.changes.panels = true;
-  if (!playback_.playing() && pointer_.drag.button == 0 && context_.redraw.allPointsDue()) flush(true);
+  if (!playback_.playing() && pointer_.drag.button == 0 && context_.redraw.allPointsDue()) flush(Detail::AllPoints);
 }
 
 void ViewSession::key(const CanvasEvent& event) {
@@ -295,7 +295,7 @@ void ViewSession::toggleAlone() {
 void ViewSession::savePicture() {
   context_.notices.clear();
   context_.changes.panels = true;
-  flush(true);
+  flush(Detail::AllPoints);
   try {
     context_.notify(
         fmt::format("saved {}; its camera: {}", savePictureOf(context_.canvas).string(), sceneView_.cameraText()));
@@ -310,28 +310,10 @@ std::string ViewSession::sceneLacks(const ColorBy& by) const {
   return fmt::format("a scene has no {}: it is coloured by {}", by.name(), fmt::join(kMeshColorNames, ", "));
 }
 
-// States which keys do nothing if a scene is shown without scans: it has triangles, but neither points nor frames.
 std::string ViewSession::sceneLacks(const KeyMeaning& meaning) const {
-  using enum KeyAction;
-  static const std::vector<std::pair<std::vector<KeyAction>, const char*>> kLacks{
-      {{ResizePoints}, "a scene has no points"},
-      {{ToggleBoxes}, "a scene has no list of objects: a dataset of it may have"},
-      {{StepFrames, FirstFrame, LastFrame, Play, GoTo}, "a scene has no frames: a dataset of it has"},
-      {{ToggleOverlay, ToggleSplit, NextView, NextScan}, "a scene has no scans: a dataset of it has"},
-      {{ToggleWorld}, "a scene has no sensor to follow"}};
-  static const std::vector<std::pair<bool ViewOptions::*, const char*>> kOptionsLacking{
-      {&ViewOptions::rangeRings, "a scene has no sensor to draw range rings about"},
-      {&ViewOptions::trajectory, "a scene has no trajectory: a dataset of it has"},
-      {&ViewOptions::mesh, "the scene's mesh is all that there is"},
-      {&ViewOptions::rangeImage, "a scene has no range image: a dataset of it has"}};
-  if (meaning.action == ColorByNumber) return sceneLacks(numberedColor(meaning));
-  for (const auto& [actions, lack] : kLacks) {
-    if (std::ranges::find(actions, meaning.action) != actions.end()) return lack;
-  }
-  for (const auto& [option, lack] : kOptionsLacking) {
-    if (meaning.option == option) return lack;
-  }
-  return {};
+  if (meaning.action == KeyAction::ColorByNumber) return sceneLacks(numberedColor(meaning));
+  const auto command = std::ranges::find(viewCommands(), meaning, &ViewCommand::meaning);
+  return command == viewCommands().end() ? "" : std::string(command->lacksInScene);
 }
 
 }  // namespace scanmill

@@ -31,17 +31,18 @@ void ViewSession::drawPanels() {
   }
   if (context_.options.bare) return;
   context_.options.still ? titleRow(panels_.rects.title, panels_.title(), panels_.summary()) : drawMenus();
-  panelAt("##side", panels_.rects.side, !context_.options.still, [&] {
+  const PanelUse use = panelUse();
+  panelAt("##side", panels_.rects.side, use, [&] {
     if (!context_.options.still) drawColumns();
     drawLegends(true);
     if (pointer_.pinned) {
-      section("Point", context_.options.still, [&] {
+      section("Point", use, [&] {
         heading(pointer_.pinned->heading, pointer_.colorOf(*pointer_.pinned));
         valueRows("point", pointer_.pinned->rows, pointer_.pinned->alarm);
       });
     }
     if (!context_.options.still && !clouds_.list.empty()) {
-      const bool known = !context_.frame->scans[clouds_.list.front().scan].scan[kInstance].empty();
+      const bool known = !clouds_.scanOf(clouds_.list.front()).scan[kInstance].empty();
       if (known && ImGui::CollapsingHeader("Instances")) drawInstances();
     }
     drawLegends(false);
@@ -141,9 +142,9 @@ void ViewSession::drawLegends(bool ofScales) {
     if (blocks.size() > 1 && context_.frame && context_.frame->scans.size() > 1) {
       name += ": " + panels_.panes[block.views.front()].caption;
     }
-    section(name, context_.options.still, [&] {
+    section(name, panelUse(), [&] {
       if (legend.scale) {
-        const auto range = scaleBar(legend, !choose);
+        const auto range = scaleBar(legend, choose ? PanelUse::Interactive : PanelUse::Picture);
         if (!range) return;
         for (const std::size_t view : block.views) {
           clouds_.scales[view] = range;
@@ -155,7 +156,7 @@ void ViewSession::drawLegends(bool ofScales) {
       for (const LegendEntry& entry : legend.entries) hidden.push_back(panels_.isHidden(entry));
       const bool clickable =
           std::ranges::any_of(legend.entries, [](const LegendEntry& entry) { return entry.id >= 0; });
-      const LegendUse use = legendRows(legend, hidden, clickable, context_.options.still);
+      const LegendUse use = legendRows(legend, hidden, clickable, panelUse());
       if (use.all) act({KeyAction::ShowAllClasses});
       if (use.entry) pressLegend(legend.entries[*use.entry], panels_.imgui.shift() || panels_.imgui.clicks() == 2);
     });
@@ -194,10 +195,10 @@ void ViewSession::drawStrip() {
                      rect.top + (row + 0.5) * rect.height / clouds_.strip->image.height);
   }
   const std::string caption =
-      context_.frame->scans[clouds_.list[clouds_.stripCloud].scan].name + ": " + describeStrip(*clouds_.strip);
+      clouds_.scanOf(clouds_.list[clouds_.stripCloud]).name + ": " + describeStrip(*clouds_.strip);
   bool pressed = false;
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, ImGui::GetFontSize() * 0.2F});
-  panelAt("##strip", panels_.rects.strip, false, [&] {
+  panelAt("##strip", panels_.rects.strip, PanelUse::Picture, [&] {
     ImGui::SetCursorPosX(ImGui::GetFontSize() * 0.5F);
     if (rect.top > panels_.rects.strip.top) ImGui::TextDisabled("%s", caption.c_str());
     panels_.overStrip = imageAt(kStripImage, rect, mark);

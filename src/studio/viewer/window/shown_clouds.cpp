@@ -54,7 +54,7 @@ const ShownCloud* ShownClouds::inView(std::size_t view) const {
 }
 
 bool ShownClouds::isHidden(const ShownCloud& cloud) const {
-  return overlaid() && context_.filter.hiddenScans.contains(context_.frame->scans[cloud.scan].name);
+  return overlaid() && context_.filter.hiddenScans.contains(scanOf(cloud).name);
 }
 
 ColorContext ShownClouds::contextOf(const ViewScan& scan) const {
@@ -135,7 +135,7 @@ void ShownClouds::arrange() {
   if (activeView && *activeView >= viewCount()) activeView.reset();
   for (std::size_t k = 0; k < list.size(); ++k) {
     ShownCloud& cloud = list[k];
-    const Scan& scan = context_.frame->scans[cloud.scan].scan;
+    const Scan& scan = scanOf(cloud).scan;
     if (overlaid()) {
       cloud.coloring.colors.assign(scan.size(), overlayColor(cloud.scan));
     } else {
@@ -143,7 +143,7 @@ void ShownClouds::arrange() {
     }
     cloud.finite = static_cast<std::uint64_t>(std::ranges::count_if(scan.position, isFinite<float>));
     if (!classesKnown_) notePresent(scan, presentClasses);
-    context_.canvas.setPoints(cloudItem(k), context_.frame->scans[cloud.scan].places(), cloud.coloring.colors);
+    context_.canvas.setPoints(cloudItem(k), scanOf(cloud).places(), cloud.coloring.colors);
   }
   for (std::size_t k = list.size(); k < before; ++k) context_.canvas.drop(cloudItem(k));
 }
@@ -163,7 +163,7 @@ void ShownClouds::applyFilter() {
   const ShownFilter& filter = context_.filter;
   for (std::size_t k = 0; k < list.size(); ++k) {
     ShownCloud& cloud = list[k];
-    const Scan& scan = context_.frame->scans[cloud.scan].scan;
+    const Scan& scan = scanOf(cloud).scan;
     const bool hiddenWhole = isHidden(cloud);
     cloud.shown.clear();
     cloud.visible = cloud.finite;
@@ -192,7 +192,7 @@ void ShownClouds::applyFilter() {
   instanceProblem.clear();
   for (const std::uint32_t id : filter.instances) {
     const bool held = std::ranges::any_of(list, [&](const ShownCloud& cloud) {
-      const auto& instances = context_.frame->scans[cloud.scan].scan[kInstance];
+      const auto& instances = scanOf(cloud).scan[kInstance];
       return std::ranges::find(instances, id) != instances.end();
     });
     if (!held && !list.empty()) instanceProblem += fmt::format("instance {} has no points here. ", id);
@@ -215,7 +215,7 @@ void ShownClouds::chooseColor(const ColorBy& by) {
   for (const std::size_t view : acted) {
     for (const ShownCloud& cloud : list) {
       if (cloud.view != view) continue;
-      const ViewScan& scan = context_.frame->scans[cloud.scan];
+      const ViewScan& scan = scanOf(cloud);
       if (hasColor(scan, by) || scan.scan.size() == 0) continue;
       // colorScan() throws a message that says which column is missing and what to do.
       try {
@@ -283,7 +283,7 @@ void ShownClouds::makeStrip() {
   const ShownCloud& cloud = list[stripCloud];
   const std::vector<bool> shown(cloud.shown.begin(), cloud.shown.end());
   try {
-    const ViewScan& viewed = context_.frame->scans[cloud.scan];
+    const ViewScan& viewed = scanOf(cloud);
     // In the overlay, all points of a scan have the same colour, so the range image shows classes or ranges.
     std::vector<Rgb> own;
     if (overlaid())

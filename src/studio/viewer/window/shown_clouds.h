@@ -46,6 +46,7 @@ struct ShownClouds {
   ColorBy colorOf(std::size_t view) const;
   bool hasColor(const ViewScan& scan, const ColorBy& by) const;
   const ShownCloud* inView(std::size_t view) const;  // returns the first cloud in the view; null if there is none
+  const ViewScan& scanOf(const ShownCloud& cloud) const { return context_.frame->scans[cloud.scan]; }
   // True if the user has hidden the cloud's scan in the overlay of all scans.
   bool isHidden(const ShownCloud& cloud) const;
 

@@ -55,7 +55,7 @@ TEST_F(PanelParts, AreNowhereWhereNothingIsSaid) {
 
 TEST_F(PanelParts, StandWhereTheyShallAndHaveThePointerThere) {
   const PixelRect rect{100, 50, 200, 100};
-  const auto panel = [&] { panelAt("panel", rect, true, [] { textLine("word"); }); };
+  const auto panel = [&] { panelAt("panel", rect, PanelUse::Interactive, [] { textLine("word"); }); };
   draw(panel);
   EXPECT_EQ(written(), 200 * 100);
   for (const auto& [x, y, inside] : {std::tuple(101, 51, true), std::tuple(298, 148, true), std::tuple(98, 60, false),
@@ -71,8 +71,8 @@ TEST_F(PanelParts, RowsOfALegendShowAndTell) {
   std::vector<bool> hidden{false, true, false};
   LegendUse use;
   const auto panel = [&] {
-    panelAt("panel", {0, 0, 300, 300}, true, [&] {
-      const LegendUse now = legendRows(classes(), hidden, true, false);
+    panelAt("panel", {0, 0, 300, 300}, PanelUse::Interactive, [&] {
+      const LegendUse now = legendRows(classes(), hidden, true, PanelUse::Interactive);
       if (now.all || now.entry) use = now;
     });
   };
@@ -107,7 +107,9 @@ TEST_F(PanelParts, PicturesNameWhatThereIsRoomFor) {
     many.entries.push_back({"class", {static_cast<std::uint8_t>(60 + i), 10, 200}, i, i % 2 == 0 ? 10u : 0u});
   }
   const auto shown = [&](int height) {
-    draw([&] { panelAt("panel", {0, 0, 300, height}, false, [&] { legendRows(many, {}, false, true); }); });
+    draw([&] {
+      panelAt("panel", {0, 0, 300, height}, PanelUse::Picture, [&] { legendRows(many, {}, false, PanelUse::Picture); });
+    });
     int found = 0;
     for (const LegendEntry& entry : many.entries) {
       const bool seen = count(entry.color) > 20;
@@ -125,7 +127,9 @@ TEST_F(PanelParts, PicturesNameWhatThereIsRoomFor) {
 // From left to right the colours of the map, at its whole width.
 TEST_F(PanelParts, AScaleHasTheColoursOfTheMap) {
   const Legend legend{.title = "range (m)", .scale = true, .high = 50};
-  draw([&] { panelAt("panel", {0, 0, 400, 200}, true, [&] { scaleBar(legend, true); }); });
+  draw([&] {
+    panelAt("panel", {0, 0, 400, 200}, PanelUse::Interactive, [&] { scaleBar(legend, PanelUse::Picture); });
+  });
   int row = 0;
   while (row < 100 && !canvas_.isOverlay(200, row, canvas_.read().at(200, row))) ++row;
   const Image image = canvas_.read();
@@ -200,8 +204,8 @@ TEST_F(PanelParts, AnyTextAndAnySizeWillDo) {
         drawLabels({{-5, 3, text, all, true}, {1e9, 0, text, all, true}, {10, 10, text, all, false}});
         drawCaption(all, text, true);
         drawMessage(all, text);
-        panelAt("side", {width / 2, 0, width / 2, 60}, true, [&] {
-          legendRows(legend, {}, true, false);
+        panelAt("side", {width / 2, 0, width / 2, 60}, PanelUse::Interactive, [&] {
+          legendRows(legend, {}, true, PanelUse::Interactive);
           heading(text, kRoad);
           valueRows("rows", {{text, text}, {"name", text}}, text);
         });

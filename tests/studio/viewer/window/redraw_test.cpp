@@ -22,7 +22,7 @@ class SlowCanvas : public FakeCanvas {
 
 struct DrawnWorld {
   explicit DrawnWorld(std::uint64_t points) : redraw(canvas, [this] { return canvas.now; }) { canvas.points = points; }
-  void draw(bool whole = false) { redraw.draw(whole, canvas.points, 1, canvas.now); }
+  void draw(Detail detail = Detail::Fast) { redraw.draw(detail, canvas.points, 1, canvas.now); }
 
   SlowCanvas canvas;
   RedrawScheduler redraw;
@@ -62,7 +62,7 @@ TEST(RedrawScheduler, LimitsPointsUntilNothingMoves) {
   EXPECT_FALSE(world.redraw.allPointsDue()) << "it has just been drawn";
   world.canvas.now += 1;
   EXPECT_TRUE(world.redraw.allPointsDue());
-  world.draw(true);
+  world.draw(Detail::AllPoints);
   EXPECT_EQ(world.canvas.lastMost, 0u);
   EXPECT_TRUE(world.redraw.slow());
   world.canvas.now += 100;
@@ -104,7 +104,7 @@ TEST(RedrawScheduler, FollowsThePointerAsFastAsItDraws) {
   quick.canvas.now += 0.002;
   EXPECT_TRUE(quick.redraw.mayFollowPointer());
   DrawnWorld slow(kMany);
-  slow.draw(true);
+  slow.draw(Detail::AllPoints);
   slow.canvas.now += 19;
   EXPECT_FALSE(slow.redraw.mayFollowPointer());
   slow.canvas.now += 2;
