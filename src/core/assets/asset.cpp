@@ -42,9 +42,10 @@ void checkRequest(const std::filesystem::path& file, const std::string& kind, co
   if (std::filesystem::file_size(file, error) == 0) fail("is empty");
 }
 
-// Reads glTF (y up), or a GLB that Blender makes of the file (z up).
-Asset readGltf(const std::filesystem::path& file, const std::string& kind, bool byBlender,
+// Reads glTF (y up), or with the reader Blender a GLB that Blender makes of the file (z up).
+Asset readGltf(const std::filesystem::path& file, const std::string& kind, AssetReader reader,
                const AssetOptions& options) {
+  const bool byBlender = reader == AssetReader::Blender;
   if (byBlender && kind != ".blend" && options.up) {
     throw InputError({file.string()},
                      "is turned upright by Blender: leave out `up`, and turn the object where it is placed");
@@ -63,7 +64,7 @@ Asset readGltf(const std::filesystem::path& file, const std::string& kind, bool 
 }
 
 // Warns if an asset is so far from the origin that its coordinates are coarse in single precision.
-void warnOfSteps(const Asset& asset, const std::filesystem::path& file) {
+void warnOfCoarseCoordinates(const Asset& asset, const std::filesystem::path& file) {
   constexpr double kFar = 16384;  // m; from here on, steps of float32 are about 2 mm or more
   Box box;
   for (const AssetPart& part : asset.parts) {
@@ -72,8 +73,7 @@ void warnOfSteps(const Asset& asset, const std::filesystem::path& file) {
     }
   }
   if (box.empty()) return;
-  double farthest = 0;
-  double extent = 0;
+  double farthest = 0, extent = 0;
   for (const auto axis : {&Vec3d::x, &Vec3d::y, &Vec3d::z}) {
     farthest = std::max({farthest, std::abs(box.low.*axis), std::abs(box.high.*axis)});
     extent = std::max(extent, box.high.*axis - box.low.*axis);
@@ -93,17 +93,16 @@ Asset readByKind(const std::filesystem::path& file, const std::string& kind, con
   const AssetReader reader = readerOf(file);
   if (reader == AssetReader::Heights) return readHeightAsset(file, options);
   if (reader == AssetReader::None) throw InputError({file.string()}, whyNoReader(file));
-  const bool byBlender = reader == AssetReader::Blender;
-  Asset asset = byBlender || reader == AssetReader::Gltf ? readGltf(file, kind, byBlender, options)
-                : reader == AssetReader::World           ? readWorld(file, kind, options)
-                                                         : readImported(file, kind, options);
+  Asset asset = reader == AssetReader::World  ? readWorld(file, kind, options)
+                : reader == AssetReader::Mesh ? readImported(file, kind, options)
+                                              : readGltf(file, kind, reader, options);
   if (asset.parts.empty() && asset.instanced.empty()) {
     throw InputError({file.string()}, fmt::format("has no triangle{}",
                                                   asset.dropped.outOfRange > 0
                                                       ? " whose indices are in range: the file is damaged"
                                                       : ": points alone are read from PLY, PCD, LAS and .xyz files"));
   }
-  warnOfSteps(asset, file);
+  warnOfCoarseCoordinates(asset, file);
   returnFreedMemoryIfScarce();  // the importer allocates every face separately, 60 MiB for a million triangles
   return asset;
 }

@@ -20,8 +20,8 @@ namespace fs = std::filesystem;
 using namespace std::string_view_literals;
 
 enum class InFolders {
-  Taken,   // surely meshes, clouds or worlds
-  Told,    // warned of
+  Listed,  // surely meshes, clouds or worlds
+  Warned,  // left out with a warning
   Ignored  // not known to be 3D files
 };
 
@@ -39,18 +39,18 @@ struct AssetKind {
 };
 
 constexpr std::array<AssetKind, 16> kKinds{{
-    {".gltf .glb .b3dm", AssetReader::Gltf, InFolders::Taken},
-    {".blend .fbx .abc .x3d .usd .usda .usdc .usdz", AssetReader::Blender, InFolders::Taken},
-    {".obj .ply .stl .dae .ac .acc .ac3d", AssetReader::Mesh, InFolders::Taken},
-    {".sdf .world .urdf", AssetReader::World, InFolders::Taken},
+    {".gltf .glb .b3dm", AssetReader::Gltf, InFolders::Listed},
+    {".blend .fbx .abc .x3d .usd .usda .usdc .usdz", AssetReader::Blender, InFolders::Listed},
+    {".obj .ply .stl .dae .ac .acc .ac3d", AssetReader::Mesh, InFolders::Listed},
+    {".sdf .world .urdf", AssetReader::World, InFolders::Listed},
     {".xacro .json", AssetReader::World, InFolders::Ignored},
-    {".las .pcd .xyz .drc", AssetReader::Cloud, InFolders::Taken},
-    {".laz .csv .e57 .pts .ptx", AssetReader::Cloud, InFolders::Told},
-    {".tif .tiff", AssetReader::Heights, InFolders::Taken},
-    {".asc", AssetReader::Heights, InFolders::Told},
+    {".las .pcd .xyz .drc", AssetReader::Cloud, InFolders::Listed},
+    {".laz .csv .e57 .pts .ptx", AssetReader::Cloud, InFolders::Warned},
+    {".tif .tiff", AssetReader::Heights, InFolders::Listed},
+    {".asc", AssetReader::Heights, InFolders::Warned},
     {".hgt .vrt .img .dem", AssetReader::Heights, InFolders::Ignored},
-    {".3ds .x", AssetReader::None, InFolders::Told, kByAssimp},
-    {".off", AssetReader::None, InFolders::Told, kByTrimesh},
+    {".3ds .x", AssetReader::None, InFolders::Warned, kByAssimp},
+    {".off", AssetReader::None, InFolders::Warned, kByTrimesh},
     {".hdr", AssetReader::None, InFolders::Ignored,
      "convert it by `gdal_translate {0} {1}.tif`, with the file of the values in place of their header"},
     {".adf .bil .bip .bsq .bt .ers .flt .gpkg .grd .gtx .jp2 .nc .pix .rst .sdat", AssetReader::None,
@@ -58,7 +58,7 @@ constexpr std::array<AssetKind, 16> kKinds{{
     {".txt", AssetReader::None, InFolders::Ignored,
      "if it holds points, give it the ending .xyz, and a first line of names (x y z intensity ...) if it has more than "
      "x, y and z"},
-    {".3mf .amf .dxf .ifc .lwo .osm .pbf .wrl", AssetReader::None, InFolders::Told},
+    {".3mf .amf .dxf .ifc .lwo .osm .pbf .wrl", AssetReader::None, InFolders::Warned},
 }};
 
 struct Content {
@@ -154,37 +154,37 @@ std::string otherContent(const fs::path& file) {
 
 std::vector<fs::path> assetsIn(const fs::path& folder) {
   std::error_code error;
-  const auto modelIn = [&](const fs::path& path) {
+  const auto worldIn = [&](const fs::path& path) {
     for (const char* name : {"model.sdf", "tileset.json"}) {
       if (fs::is_regular_file(path / name, error)) return path / name;
     }
     return fs::path();
   };
-  if (const auto model = modelIn(folder); !model.empty()) return {model};
+  if (const auto world = worldIn(folder); !world.empty()) return {world};
   std::vector<fs::path> found;
-  std::map<std::string, int> others;
+  std::map<std::string, int> leftOut;  // number of files, by ending
   for (auto at = fs::recursive_directory_iterator(folder, error); at != end(at); at.increment(error)) {
     const fs::directory_entry& entry = *at;
     const std::string ending = lowerExtension(entry.path());
     const AssetKind* const kind = kindOf(ending);
-    if (const auto model = modelIn(entry.path()); !model.empty()) {
-      found.push_back(model);
+    if (const auto world = worldIn(entry.path()); !world.empty()) {
+      found.push_back(world);
       at.disable_recursion_pending();
     } else if (kind == nullptr || kind->inFolders == InFolders::Ignored || !entry.is_regular_file(error)) {
       continue;
-    } else if (kind->inFolders == InFolders::Taken) {
+    } else if (kind->inFolders == InFolders::Listed) {
       found.push_back(entry.path());
     } else {
-      ++others[ending];
+      ++leftOut[ending];
     }
   }
-  std::string told;
-  for (const auto& [kind, count] : others) told += fmt::format("{}{} {}", told.empty() ? "" : ", ", count, kind);
-  if (!told.empty()) {
+  std::string counts;
+  for (const auto& [kind, count] : leftOut) counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", count, kind);
+  if (!counts.empty()) {
     warn(
         fmt::format("{}: left out: {}: of a folder only files that are surely meshes, clouds or worlds are taken; some "
                     "of the others are read if you name them, or after a conversion",
-                    folder.string(), told));
+                    folder.string(), counts));
   }
   std::sort(found.begin(), found.end());
   return found;

@@ -190,21 +190,15 @@ class HeaderReader {
 
 // Converts the values of one field: `first` points to the first value, and values are `step` bytes apart. Fills to[0],
 // to[stride], ...
-template <class Stored, class T>
-void convert(const PcdField& field, const char* first, std::size_t step, T* to, std::size_t stride, std::size_t points,
-             const Location& where) {
-  for (std::size_t i = 0; i < points; ++i, first += step, to += stride) {
-    Stored stored;
-    std::memcpy(&stored, first, sizeof(stored));
-    *to = columnValue<T>(stored, field.name, i, where);
-  }
-}
-
 template <class T>
 void readField(const PcdField& field, const char* first, std::size_t step, T* to, std::size_t stride,
                std::size_t points, const Location& where) {
-  visitNumberType(field.type, field.size,
-                  [&]<class Stored>(Stored) { convert<Stored>(field, first, step, to, stride, points, where); });
+  visitNumberType(field.type, field.size, [&](auto stored) {
+    for (std::size_t i = 0; i < points; ++i, first += step, to += stride) {
+      std::memcpy(&stored, first, sizeof(stored));
+      *to = columnValue<T>(stored, field.name, i, where);
+    }
+  });
 }
 
 class BodyReader {

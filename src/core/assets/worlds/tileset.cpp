@@ -35,7 +35,7 @@ class TilesetReader {
     if (options_.up) fail(file, "states its up axis: leave out `up`");
     asset_.upDeclared = true;
     asset_.statedUnit = 1;
-    readFileOf(file, {}, {}, false, 0);
+    readTileset(file, {}, {}, Refine::Replace, 0);
     tellMissing(missing_, options_.leaveOutMissing, leftOut_);
     leftOut_.tell(file.string());
     inTiles_.tell(file.string());
@@ -43,7 +43,9 @@ class TilesetReader {
   }
 
  private:
-  struct Context {
+  enum class Refine { Replace, Add };  // Add: a tile stays where its children are
+
+  struct Tileset {
     std::filesystem::path file;
     std::filesystem::path folder;  // of `file`, relative to that of the outermost tileset
     Mat3 zUpFromGltf;
@@ -53,9 +55,9 @@ class TilesetReader {
     throw InputError({file.string()}, what);
   }
 
-  // `adds`: true if tiles are refined by ADD unless they say otherwise.
-  void readFileOf(const std::filesystem::path& file, const std::filesystem::path& folder, const Affine& earthFromParent,
-                  bool adds, int depth) {
+  // `inherited`: how tiles are refined unless they say otherwise.
+  void readTileset(const std::filesystem::path& file, const std::filesystem::path& folder,
+                   const Affine& earthFromParent, Refine inherited, int depth) {
     if (!open_.insert(std::filesystem::weakly_canonical(file)).second) fail(file, "is a tileset that includes itself");
     try {
       const Json json = Json::parse(readFile(file));
@@ -70,8 +72,8 @@ class TilesetReader {
         fail(file, fmt::format("has the gltfUpAxis '{}', but it must be X, Y or Z", up));
       survey(json);
       survey(*asset);
-      const Context context{file, folder, zUpFrom(static_cast<char>(up[0] + 32))};
-      readTile(json.at("root"), context, earthFromParent, adds, depth);
+      const Tileset tileset{file, folder, zUpFrom(static_cast<char>(up[0] + 32))};
+      readTile(json.at("root"), tileset, earthFromParent, inherited, depth);
     } catch (const Json::exception& e) {
       fail(file, fmt::format("is not a tileset: {}", reasonOf(e)));
     }
@@ -118,77 +120,81 @@ class TilesetReader {
     return earthFromTile * Vec3d{s[0], s[1], s[2]};
   }
 
-  void readTile(const Json& tile, const Context& context, const Affine& earthFromParent, bool adds, int depth) {
+  void readTile(const Json& tile, const Tileset& tileset, const Affine& earthFromParent, Refine inherited, int depth) {
     if (depth > kDeepestTile)
-      fail(context.file, fmt::format("has tiles that are nested more than {} levels deep", kDeepestTile));
-    chargeCopies(1, {context.file.string()});
+      fail(tileset.file, fmt::format("has tiles that are nested more than {} levels deep", kDeepestTile));
+    chargeCopies(1, {tileset.file.string()});
     const Json extensions = tile.value("extensions", Json::object());
     if (tile.contains("implicitTiling") || extensions.contains("3DTILES_implicit_tiling")) {
-      fail(context.file,
+      fail(tileset.file,
            "has implicit tiling, which is not supported: convert it to explicit tiles, for example by 3d-tiles-tools");
     }
     const Affine earthFromTile = earthFromParent * transformOf(tile);
-    const Json volume = tile.value("boundingVolume", Json::object());
     if (!assetFromEarth_) {
-      const Vec3d middle = middleOf(volume, earthFromTile);
+      const Vec3d middle = middleOf(tile.value("boundingVolume", Json::object()), earthFromTile);
       if (isOnEarth(middle)) {
         assetFromEarth_ = scaled_ * eastNorthUp(middle);
         asset_.ownMiddle = true;
         asset_.system = fmt::format("earth-centred [{:.2f}, {:.2f}, {:.2f}] m", middle.x, middle.y, middle.z);
       }
     }
-    if (const std::string refine = tile.value("refine", std::string()); !refine.empty()) {
-      adds = lowerCase(refine) == "add";
-      if (!adds && lowerCase(refine) != "replace")
-        fail(context.file, fmt::format("has the refine '{}', but it must be ADD or REPLACE", refine));
+    const std::string stated = lowerCase(tile.value("refine", std::string()));
+    if (!stated.empty() && stated != "add" && stated != "replace") {
+      fail(tileset.file,
+           fmt::format("has the refine '{}', but it must be ADD or REPLACE", tile.value("refine", std::string())));
     }
-    std::vector<std::string> contents;
+    const Refine refine = stated.empty() ? inherited : stated == "add" ? Refine::Add : Refine::Replace;
     survey(tile);
-    const auto note = [&](const Json& content) {
-      survey(content);
-      contents.push_back(content.contains("uri") ? content.at("uri").get<std::string>()
-                                                 : content.at("url").get<std::string>());
-    };
-    if (const auto content = tile.find("content"); content != tile.end()) note(*content);
-    if (const auto several = tile.find("contents"); several != tile.end()) {
-      for (const Json& content : *several) note(content);
-    }
-    const Json multiple = extensions.value("3DTILES_multiple_contents", Json::object());
-    for (const char* key : {"content", "contents"}) {  // the names in drafts and in the extension
-      for (const Json& content : multiple.value(key, Json::array())) note(content);
-    }
     const auto children = tile.find("children");
     const bool leaf = children == tile.end() || children->empty();
-    for (const std::string& uri : contents) {
-      const bool tileset = uri.substr(0, uri.find('?')).ends_with(".json");
-      if (leaf || tileset || adds) readContent(uri, context, earthFromTile, adds, depth);
+    for (const std::string& uri : contentsOf(tile, extensions)) {
+      const bool isTileset = uri.substr(0, uri.find('?')).ends_with(".json");
+      if (leaf || isTileset || refine == Refine::Add) readContent(uri, tileset, earthFromTile, refine, depth);
     }
     if (leaf) return;
-    for (const Json& child : *children) readTile(child, context, earthFromTile, adds, depth + 1);
+    for (const Json& child : *children) readTile(child, tileset, earthFromTile, refine, depth + 1);
   }
 
-  void readContent(const std::string& uri, const Context& context, const Affine& earthFromTile, bool adds, int depth) {
-    const Location where{context.file.string()};
+  // Returns the URIs of a tile's contents, and counts what they have and is left out.
+  std::vector<std::string> contentsOf(const Json& tile, const Json& extensions) {
+    std::vector<std::string> uris;
+    const auto add = [&](const Json& content) {
+      survey(content);
+      uris.push_back(content.contains("uri") ? content.at("uri").get<std::string>()
+                                             : content.at("url").get<std::string>());
+    };
+    if (const auto content = tile.find("content"); content != tile.end()) add(*content);
+    for (const Json& content : tile.value("contents", Json::array())) add(content);
+    const Json multiple = extensions.value("3DTILES_multiple_contents", Json::object());
+    for (const char* key : {"content", "contents"}) {  // the names in drafts and in the extension
+      for (const Json& content : multiple.value(key, Json::array())) add(content);
+    }
+    return uris;
+  }
+
+  void readContent(const std::string& uri, const Tileset& tileset, const Affine& earthFromTile, Refine refine,
+                   int depth) {
+    const Location where{tileset.file.string()};
     if (uri.starts_with("http://") || uri.starts_with("https://")) {
       return missing_.push_back(
           {where, uri, fmt::format("names '{}', which is not a local file: download the tileset", uri)});
     }
     const std::string plain = decodeUri(uri.substr(0, uri.find('?')));
-    const std::filesystem::path file = context.file.parent_path() / plain;
+    const std::filesystem::path file = tileset.file.parent_path() / plain;
     if (!isFile(file)) {
       return missing_.push_back({where, uri, fmt::format("names '{}', but this file does not exist", uri)});
     }
     const std::string kind = lowerExtension(file);
-    const std::filesystem::path name = context.folder / plain;
-    if (kind == ".json") return readFileOf(file, name.parent_path(), earthFromTile, adds, depth + 1);
+    const std::filesystem::path name = tileset.folder / plain;
+    if (kind == ".json") return readTileset(file, name.parent_path(), earthFromTile, refine, depth + 1);
     if (kind != ".b3dm" && kind != ".glb" && kind != ".gltf") {
       leftOut_.addKeyword(tilesetFormat(), kind);
       return;
     }
     if (!assetFromEarth_) assetFromEarth_ = scaled_;
-    Asset read = gltf::readTile(file, *assetFromEarth_ * earthFromTile, context.zUpFromGltf, options_, inTiles_);
+    Asset read = gltf::readTile(file, *assetFromEarth_ * earthFromTile, tileset.zUpFromGltf, options_, inTiles_);
     if (!asset_.ownMiddle && isOnEarth(inverse(scaled_) * boundsOf(read).center())) {
-      fail(context.file,
+      fail(tileset.file,
            "its bounding volumes do not say where on the earth it lies: add a region, box or sphere to its root");
     }
     add(std::move(read), file, name.string());

@@ -81,7 +81,10 @@ class WorldAsset {
       const std::string node = fmt::format("{}/{}", name, from.node);
       const Affine assetFromPart = assetFromThing * from.thingFromPart;
       if (from.solid) {
-        AssetPart part = solid(from);
+        AssetPart part;
+        part.positions = from.solid->positions;
+        part.triangles = from.solid->triangles;
+        applyLook(from, part);
         applyGloss(from, part);
         add(parts, std::move(part), node, assetFromPart);
         continue;
@@ -103,14 +106,6 @@ class WorldAsset {
     move(part, assetFromPart);
     chargeBytes(kBytesPerTriangle * static_cast<double>(part.triangles.size()), {file_.string()});
     parts.push_back(std::move(part));
-  }
-
-  AssetPart solid(const WorldPart& from) {
-    AssetPart part;
-    part.positions = from.solid->positions;
-    part.triangles = from.solid->triangles;
-    applyLook(from, part);
-    return part;
   }
 
   static void applyGloss(const WorldPart& from, AssetPart& part) {

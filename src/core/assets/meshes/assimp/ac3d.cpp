@@ -30,8 +30,8 @@ std::string readAc3d(const std::filesystem::path& file, LeftOut& leftOut) {
   const std::string text = readFile(file);
   std::string ac3db, texture, transform;
   ac3db.reserve(text.size());
-  bool hasBaseRole = false;     // true: `texture` has the role `hasBaseRole`
-  std::size_t objectStart = 0;  // index in `ac3db` of the current objectStart
+  bool hasBaseRole = false;     // true: `texture` has the role `base`
+  std::size_t objectStart = 0;  // index in `ac3db` of the current object
   std::uint64_t objects = 0, kids = 0, surfaces = 0, statedSurfaces = 0;
   const auto numberIn = [](std::string_view word) {
     std::uint64_t number = 0;
