@@ -122,6 +122,99 @@ void appendPlanter(Shape& s, Draw&) {
   s.revolve(soil, {}, {{0.43, 0.5}, {0.2, 0.53}, {0, 0.54}}, 20);
 }
 
+constexpr double kHalfPanel = 1;  // m, half of the length of a fence panel
+
+void appendPicketsFence(Shape& s, Draw& draw) {
+  const SurfaceIndex wood = s.surface("fence", "wood_weathered");
+  const double h = draw.in(0.85, 1.1);
+  for (const double z : {0.25, h - 0.25}) s.box(wood, {0, 0.025, z}, {2 * kHalfPanel, 0.035, 0.07});
+  s.box(wood, {-kHalfPanel + 0.04, 0.06, h / 2 - kSunk}, {0.08, 0.08, h + kSunk});
+  constexpr int kPickets = 15;
+  for (int k = 0; k < kPickets; ++k) {
+    const double x = -kHalfPanel + 2 * kHalfPanel * (k + 0.5) / kPickets;
+    const Affine standing{{{1, 0, 0}, {0, 0, 1}, {0, -1, 0}}, {x, 0, 0}};
+    s.prism(wood, wood, standing, {{-0.04, 0.06}, {0.04, 0.06}, {0.04, h - 0.06}, {0, h}, {-0.04, h - 0.06}}, 0.02);
+  }
+}
+
+void appendBarsFence(Shape& s, Draw& draw) {
+  const SurfaceIndex metal = s.surface("fence", "painted_metal");
+  const double h = draw.in(1.0, 1.4);
+  for (const double z : {0.12, h - 0.12}) s.box(metal, {0, 0, z}, {2 * kHalfPanel, 0.02, 0.04});
+  s.box(metal, {-kHalfPanel + 0.03, 0, h / 2 - kSunk / 2}, {0.06, 0.06, h + kSunk});
+  constexpr int kBars = 17;
+  for (int k = 1; k < kBars; ++k) {
+    const double x = -kHalfPanel + 2 * kHalfPanel * k / kBars;
+    s.pipe(metal, {{x, 0, 0.08}, {x, 0, h - 0.05}, {x, 0, h + 0.05}}, {0.01, 0.01, 0.002}, 5);
+  }
+}
+
+void appendWall(Shape& s, Draw& draw) {
+  const double h = draw.in(0.7, 1.8);
+  s.box(s.surface("wall", "brick"), {0, 0, (h - 0.2) / 2}, {2 * kHalfPanel, 0.24, h + 0.2});
+  s.box(s.surface("wall", "concrete"), {0, 0, h + 0.03}, {2 * kHalfPanel, 0.32, 0.07});
+}
+
+void appendBoardsFence(Shape& s, Draw& draw) {
+  const SurfaceIndex wood = s.surface("fence", "wood_weathered");
+  const double h = draw.in(1.2, 1.9);
+  s.box(wood, {-kHalfPanel + 0.05, 0.04, h / 2 - kSunk}, {0.09, 0.09, h + kSunk});
+  constexpr int kBoards = 12;
+  for (int k = 0; k < kBoards; ++k) {
+    const double x = -kHalfPanel + 2 * kHalfPanel * (k + 0.5) / kBoards;
+    s.box(wood, {x, k % 2 == 0 ? 0 : -0.018, h / 2},
+          {2 * kHalfPanel / kBoards - 0.004, 0.016, h + draw.in(-0.01, 0.01)});
+  }
+}
+
+// Chain link: wires of 3 mm in two directions, 0.1 m apart, which let most of a beam pass.
+void appendWireFence(Shape& s, Draw& draw) {
+  const SurfaceIndex metal = s.surface("fence", "metal_weathered");
+  const double h = draw.in(1.1, 2.0);
+  s.tube(metal, {-kHalfPanel + 0.03, 0, -kSunk}, {-kHalfPanel + 0.03, 0, h + 0.05}, 0.024, 0.024, 8);
+  for (const double z : {0.08, h}) s.tube(metal, {-kHalfPanel, 0, z}, {kHalfPanel, 0, z}, 0.003, 0.003, 4);
+  for (const double side : {-1.0, 1.0}) {
+    for (const double from : steps(-kHalfPanel - h, kHalfPanel, 0.1)) {
+      const double low = std::max(from, -kHalfPanel);
+      const double high = std::min(from + h, kHalfPanel);
+      if (high - low < 0.02) continue;
+      const Vec3d a{side * low, 0, low - from + 0.02};
+      const Vec3d b{side * high, 0, high - from + 0.02};
+      const Vec3d across{side * 0.0011, 0, -0.0011};
+      s.quad(metal, a - across, b - across, b + across, a + across);
+    }
+  }
+}
+
+// A beam of W-shaped steel on posts, as along motorways.
+void appendGuardRail(Shape& s, Draw& /*draw*/) {
+  const SurfaceIndex metal = s.surface("fence", "metal_weathered");
+  s.box(metal, {-kHalfPanel + 0.06, 0.06, 0.25}, {0.06, 0.1, 0.8});
+  const std::vector<Point2> profile{{0.44, 0},     {0.48, -0.08}, {0.54, -0.08}, {0.6, -0.02},
+                                    {0.66, -0.08}, {0.72, -0.08}, {0.76, 0}};  // z and y
+  for (std::size_t k = 1; k < profile.size(); ++k) {
+    const auto corner = [&](double x, const Point2& p) { return Vec3d{x, p.y, p.x}; };
+    s.quad(metal, corner(-kHalfPanel, profile[k - 1]), corner(kHalfPanel, profile[k - 1]),
+           corner(kHalfPanel, profile[k]), corner(-kHalfPanel, profile[k]));
+  }
+}
+
+// A concrete step barrier.
+void appendBarrierPanel(Shape& s, Draw& /*draw*/) {
+  const SurfaceIndex concrete = s.surface("fence", "concrete");
+  const Affine across{{{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}, {-kHalfPanel, 0, 0}};
+  s.prism(concrete, concrete, across,
+          {{-0.28, -0.1},
+           {0.28, -0.1},
+           {0.28, 0.12},
+           {0.14, 0.3},
+           {0.09, 0.85},
+           {-0.09, 0.85},
+           {-0.14, 0.3},
+           {-0.28, 0.12}},
+          2 * kHalfPanel);
+}
+
 // The functions that append a piece of furniture, in the order of Furnishing.
 constexpr std::array<void (*)(Shape&, Draw&), static_cast<std::size_t>(Furnishing::Count)> kAppend{
     appendBin,      appendWheelieBin,  appendHydrant, appendBench,  appendLetterBox,
@@ -160,103 +253,15 @@ Model makeShelter(SceneBuilder& builder, std::uint64_t seed) {
 }
 
 Model makeFencePanel(SceneBuilder& builder, std::uint64_t seed, Fencing what, int form) {
-  constexpr int kKinds = static_cast<int>(Fencing::Count);
-  Draw draw(seed, Kind::Boundary, static_cast<std::uint32_t>(form * kKinds + static_cast<int>(what)));
+  constexpr auto kKinds = static_cast<std::size_t>(Fencing::Count);
+  // In the order of Fencing; there are no panels without fencing. Hedges have models of their own: makeHedgerow().
+  constexpr std::array<void (*)(Shape&, Draw&), kKinds> kPanels{
+      appendWall,        appendPicketsFence, appendBarsFence, appendWall,        appendWall,
+      appendBoardsFence, appendWireFence,    appendGuardRail, appendBarrierPanel};
+  const auto kind = static_cast<std::size_t>(what);
+  Draw draw(seed, Kind::Boundary, static_cast<std::uint32_t>(static_cast<std::size_t>(form) * kKinds + kind));
   Shape s(builder, what == Fencing::Brick ? "garden wall" : "fence");
-  constexpr double kHalf = 1.0;
-  switch (what) {
-    case Fencing::Pickets: {
-      const SurfaceIndex wood = s.surface("fence", "wood_weathered");
-      const double h = draw.in(0.85, 1.1);
-      for (const double z : {0.25, h - 0.25}) s.box(wood, {0, 0.025, z}, {2 * kHalf, 0.035, 0.07});
-      s.box(wood, {-kHalf + 0.04, 0.06, h / 2 - kSunk}, {0.08, 0.08, h + kSunk});
-      constexpr int kPickets = 15;
-      for (int k = 0; k < kPickets; ++k) {
-        const double x = -kHalf + 2 * kHalf * (k + 0.5) / kPickets;
-        const Affine standing{{{1, 0, 0}, {0, 0, 1}, {0, -1, 0}}, {x, 0, 0}};
-        s.prism(wood, wood, standing, {{-0.04, 0.06}, {0.04, 0.06}, {0.04, h - 0.06}, {0, h}, {-0.04, h - 0.06}}, 0.02);
-      }
-      break;
-    }
-    case Fencing::Bars: {
-      const SurfaceIndex metal = s.surface("fence", "painted_metal");
-      const double h = draw.in(1.0, 1.4);
-      for (const double z : {0.12, h - 0.12}) s.box(metal, {0, 0, z}, {2 * kHalf, 0.02, 0.04});
-      s.box(metal, {-kHalf + 0.03, 0, h / 2 - kSunk / 2}, {0.06, 0.06, h + kSunk});
-      constexpr int kBars = 17;
-      for (int k = 1; k < kBars; ++k) {
-        const double x = -kHalf + 2 * kHalf * k / kBars;
-        s.pipe(metal, {{x, 0, 0.08}, {x, 0, h - 0.05}, {x, 0, h + 0.05}}, {0.01, 0.01, 0.002}, 5);
-      }
-      break;
-    }
-    case Fencing::Boards: {
-      const SurfaceIndex wood = s.surface("fence", "wood_weathered");
-      const double h = draw.in(1.2, 1.9);
-      s.box(wood, {-kHalf + 0.05, 0.04, h / 2 - kSunk}, {0.09, 0.09, h + kSunk});
-      constexpr int kBoards = 12;
-      for (int k = 0; k < kBoards; ++k) {
-        const double x = -kHalf + 2 * kHalf * (k + 0.5) / kBoards;
-        s.box(wood, {x, k % 2 == 0 ? 0 : -0.018, h / 2},
-              {2 * kHalf / kBoards - 0.004, 0.016, h + draw.in(-0.01, 0.01)});
-      }
-      break;
-    }
-    // Chain link: wires of 3 mm in two directions, 0.1 m apart, which let most of a beam pass.
-    case Fencing::Wire: {
-      const SurfaceIndex metal = s.surface("fence", "metal_weathered");
-      const double h = draw.in(1.1, 2.0);
-      s.tube(metal, {-kHalf + 0.03, 0, -kSunk}, {-kHalf + 0.03, 0, h + 0.05}, 0.024, 0.024, 8);
-      for (const double z : {0.08, h}) s.tube(metal, {-kHalf, 0, z}, {kHalf, 0, z}, 0.003, 0.003, 4);
-      for (const double side : {-1.0, 1.0}) {
-        for (const double from : steps(-kHalf - h, kHalf, 0.1)) {
-          const double low = std::max(from, -kHalf);
-          const double high = std::min(from + h, kHalf);
-          if (high - low < 0.02) continue;
-          const Vec3d a{side * low, 0, low - from + 0.02};
-          const Vec3d b{side * high, 0, high - from + 0.02};
-          const Vec3d across{side * 0.0011, 0, -0.0011};
-          s.quad(metal, a - across, b - across, b + across, a + across);
-        }
-      }
-      break;
-    }
-    // A beam of W-shaped steel on posts, as along motorways.
-    case Fencing::GuardRail: {
-      const SurfaceIndex metal = s.surface("fence", "metal_weathered");
-      s.box(metal, {-kHalf + 0.06, 0.06, 0.25}, {0.06, 0.1, 0.8});
-      const std::vector<Point2> profile{{0.44, 0},     {0.48, -0.08}, {0.54, -0.08}, {0.6, -0.02},
-                                        {0.66, -0.08}, {0.72, -0.08}, {0.76, 0}};  // z and y
-      for (std::size_t k = 1; k < profile.size(); ++k) {
-        const auto corner = [&](double x, const Point2& p) { return Vec3d{x, p.y, p.x}; };
-        s.quad(metal, corner(-kHalf, profile[k - 1]), corner(kHalf, profile[k - 1]), corner(kHalf, profile[k]),
-               corner(-kHalf, profile[k]));
-      }
-      break;
-    }
-    // A concrete step barrier.
-    case Fencing::Barrier: {
-      const SurfaceIndex concrete = s.surface("fence", "concrete");
-      const Affine across{{{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}, {-kHalf, 0, 0}};
-      s.prism(concrete, concrete, across,
-              {{-0.28, -0.1},
-               {0.28, -0.1},
-               {0.28, 0.12},
-               {0.14, 0.3},
-               {0.09, 0.85},
-               {-0.09, 0.85},
-               {-0.14, 0.3},
-               {-0.28, 0.12}},
-              2 * kHalf);
-      break;
-    }
-    default: {
-      const double h = draw.in(0.7, 1.8);
-      s.box(s.surface("wall", "brick"), {0, 0, (h - 0.2) / 2}, {2 * kHalf, 0.24, h + 0.2});
-      s.box(s.surface("wall", "concrete"), {0, 0, h + 0.03}, {2 * kHalf, 0.32, 0.07});
-      break;
-    }
-  }
+  kPanels[kind](s, draw);
   return s.finish();
 }
 

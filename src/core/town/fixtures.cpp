@@ -51,12 +51,87 @@ void along(const Layout& l, Kind kind, double per100m, const Place& place) {
   }
 }
 
-// Sets `spot` to the place `out` metres beyond the road's edge. Returns false if this place is closer to another road,
-// or within 0.3 m of a parking lot, a square or water.
-bool beyondEdge(const Layout& l, const Road& road, double distance, int side, double out, Spot& spot) {
-  spot = besideRoad(road, distance, side * (road.section.half + out));
-  const Beside b = l.besideAt(spot.at);
-  return b.edge > out - 0.25 && l.areas.outsideHard(spot.at) > 0.3;
+// Returns the spot `out` metres beyond the road's edge; nullopt if it is closer to another road, or within 0.3 m of a
+// parking lot, a square or water.
+std::optional<Spot> beyondEdge(const Layout& l, const Road& road, double distance, int side, double out) {
+  const Spot spot = besideRoad(road, distance, side * (road.section.half + out));
+  if (l.besideAt(spot.at).edge <= out - 0.25 || l.areas.outsideHard(spot.at) <= 0.3) return std::nullopt;
+  return spot;
+}
+
+void placeLamps(Placer& placer, const std::vector<Model>& lamps) {
+  const Layout& l = placer.layout;
+  constexpr double kPost = 0.12;  // m; only the post needs ground: vehicles pass under the arm
+  constexpr double kFree = kPost + Placer::kGap;
+  for (const PlantedRoad& s : plantedRoads(l)) {
+    Draw draw(l.seed, Kind::RoadLamps, s.road.number);
+    const double spacing = l.character.country ? draw.in(60, 120) : draw.in(16, 30);
+    const int side = draw.chance(0.5) ? 1 : -1;
+    const Model& lamp = draw.of(lamps);
+    int number = 0;
+    for (const double at : models::steps(s.from + draw.in(3, spacing), s.to, spacing)) {
+      std::optional<Spot> spot = beyondEdge(l, s.road, at, side, s.road.section.curb + 0.45);
+      if (!spot) continue;
+      spot->yaw += -side * kPi / 2;  // the lamp's arm reaches over the road
+      if (!placer.isFree({spot->at, kFree, kFree, spot->yaw})) continue;
+      placer.occupancy.add({spot->at, kPost, kPost, spot->yaw});
+      placer.put(lamp, *spot, fmt::format("lamp {}.{}", s.road.number + 1, ++number));
+    }
+  }
+}
+
+// Places signs along roads, which face the vehicles on their side, and signs where side roads end. `signs`: models in
+// the order of TrafficSign.
+void placeSigns(Placer& placer, const std::vector<Model>& signs) {
+  const Layout& l = placer.layout;
+  const auto modelOf = [&](TrafficSign sign) { return signs[static_cast<std::size_t>(sign)]; };
+  constexpr std::array kAlongRoads{TrafficSign::SpeedLimit, TrafficSign::Warning, TrafficSign::Priority,
+                                   TrafficSign::Parking};
+  along(l, Kind::RoadSigns, l.character.country ? 1.5 : 5,
+        [&](Draw& draw, const Road& road, double at, int side, std::uint32_t number) {
+          std::optional<Spot> spot = beyondEdge(l, road, at, side, road.section.curb + draw.in(0.35, 0.7));
+          if (!spot) return false;
+          // Vehicles at the right of the road's line drive in the line's direction.
+          spot->yaw += (side < 0 ? kPi : 0) + draw.in(-0.15, 0.15);
+          return placer.tryPut(modelOf(draw.of(kAlongRoads)), *spot, fmt::format("sign {}", number));
+        });
+  for (const Road& road : l.roads()) {
+    const std::optional<TrafficSign> rule = signAtMouth(l, road);
+    if (!rule) continue;
+    for (const double back : {1.0, 2.5, 4.0, 6.0}) {
+      const std::optional<Spot> spot = beyondEdge(l, road, laneStart(l) + back, 1, road.section.curb + 0.5);
+      if (spot && placer.tryPut(modelOf(*rule), *spot, fmt::format("sign at a mouth {}", road.number))) break;
+    }
+  }
+}
+
+// Places bus shelters on wide pavements; their open side faces the road.
+void placeShelters(Placer& placer) {
+  constexpr double kRoom = 2.4;  // m, least width of verge and sidewalk
+  const Layout& l = placer.layout;
+  const Model shelter = models::makeShelter(placer.builder, l.seed);
+  along(l, Kind::Shelters, 0.5, [&](Draw&, const Road& road, double at, int side, std::uint32_t number) {
+    if (road.section.verge + road.section.sidewalk < kRoom) return false;
+    std::optional<Spot> spot = beyondEdge(l, road, at, side, road.section.outer() - 0.9);
+    if (!spot) return false;
+    spot->yaw += side > 0 ? 0 : kPi;
+    return placer.tryPut(shelter, *spot, fmt::format("shelter {}", number));
+  });
+}
+
+void placeFurniture(Placer& placer, const std::vector<Model>& furnishings) {
+  const Layout& l = placer.layout;
+  along(l, Kind::RoadFurniture, l.character.clutter,
+        [&](Draw& draw, const Road& road, double at, int side, std::uint32_t number) {
+          const bool nearCurb = draw.chance(0.5);
+          const double out =
+              nearCurb ? road.section.curb + draw.in(0.3, 0.6) : road.section.outer() + draw.in(-0.5, 1.5);
+          std::optional<Spot> spot = beyondEdge(l, road, at, side, out);
+          if (!spot) return false;
+          spot->yaw += (side > 0 ? 0 : kPi) + draw.in(-0.3, 0.3);
+          const Model& m = draw.of(furnishings);
+          return placer.tryPut(m, *spot, fmt::format("furniture {}", number));
+        });
 }
 
 }  // namespace
@@ -68,75 +143,19 @@ std::optional<TrafficSign> signAtMouth(const Layout& l, const Road& road) {
   return sign;
 }
 
+// Builds the models of lamps, signs and furniture, then places them in this order, with shelters before the furniture.
 void placeFixtures(Placer& placer) {
-  const Layout& l = placer.layout;
-  const Character& c = l.character;
-  const std::uint64_t seed = l.seed;
+  const std::uint64_t seed = placer.layout.seed;
   const auto lamps = models::makeForms(2, [&](int f) { return models::makeLamp(placer.builder, seed, f); });
   const auto signs = models::makeForms(
       models::kSigns, [&](int f) { return models::makeSign(placer.builder, seed, static_cast<TrafficSign>(f), f); });
   const auto furnishings = models::makeForms(static_cast<int>(Furnishing::Count), [&](int f) {
     return models::makeFurnishing(placer.builder, seed, static_cast<Furnishing>(f));
   });
-  const bool rural = c.country;
-  for (const PlantedRoad& s : plantedRoads(l)) {
-    Draw draw(seed, Kind::RoadLamps, s.road.number);
-    const double spacing = rural ? draw.in(60, 120) : draw.in(16, 30);
-    const int side = draw.chance(0.5) ? 1 : -1;
-    const Model& lamp = draw.of(lamps);
-    int number = 0;
-    for (const double at : models::steps(s.from + draw.in(3, spacing), s.to, spacing)) {
-      Spot spot;
-      if (!beyondEdge(l, s.road, at, side, s.road.section.curb + 0.45, spot)) continue;
-      spot.yaw += -side * kPi / 2;  // the lamp's arm reaches over the road
-      // Only the post needs ground: vehicles pass under the arm.
-      constexpr double kPost = 0.12;  // m
-      if (!placer.isFree({spot.at, kPost + Placer::kGap, kPost + Placer::kGap, spot.yaw})) continue;
-      placer.occupancy.add({spot.at, kPost, kPost, spot.yaw});
-      placer.put(lamp, spot, fmt::format("lamp {}.{}", s.road.number + 1, ++number));
-    }
-  }
-  const auto sign = [&](TrafficSign s) { return signs[static_cast<std::size_t>(s)]; };
-  constexpr std::array<TrafficSign, 4> kOnTheWay{TrafficSign::SpeedLimit, TrafficSign::Warning, TrafficSign::Priority,
-                                                 TrafficSign::Parking};
-  along(l, Kind::RoadSigns, rural ? 1.5 : 5,
-        [&](Draw& draw, const Road& road, double at, int side, std::uint32_t number) {
-          Spot spot;
-          if (!beyondEdge(l, road, at, side, road.section.curb + draw.in(0.35, 0.7), spot)) return false;
-          // The sign faces the vehicles on its side of the road. Vehicles at the right of the road's line drive in the
-          // line's direction.
-          spot.yaw += (side < 0 ? kPi : 0) + draw.in(-0.15, 0.15);
-          return placer.tryPut(sign(draw.of(kOnTheWay)), spot, fmt::format("sign {}", number));
-        });
-  for (const Road& road : l.roads()) {
-    const std::optional<TrafficSign> rule = signAtMouth(l, road);
-    if (!rule) continue;
-    for (const double back : {1.0, 2.5, 4.0, 6.0}) {
-      Spot spot;
-      if (!beyondEdge(l, road, laneStart(l) + back, 1, road.section.curb + 0.5, spot)) continue;
-      if (placer.tryPut(sign(*rule), spot, fmt::format("sign at a mouth {}", road.number))) break;
-    }
-  }
-  if (!rural) {
-    const Model shelter = models::makeShelter(placer.builder, seed);
-    along(l, Kind::Shelters, 0.5, [&](Draw&, const Road& road, double at, int side, std::uint32_t number) {
-      Spot spot;
-      if (road.section.verge + road.section.sidewalk < 2.4) return false;
-      if (!beyondEdge(l, road, at, side, road.section.outer() - 0.9, spot)) return false;
-      spot.yaw += side > 0 ? 0 : kPi;
-      return placer.tryPut(shelter, spot, fmt::format("shelter {}", number));
-    });
-  }
-  along(l, Kind::RoadFurniture, c.clutter,
-        [&](Draw& draw, const Road& road, double at, int side, std::uint32_t number) {
-          Spot spot;
-          const bool inside = draw.chance(0.5);
-          const double out = inside ? road.section.curb + draw.in(0.3, 0.6) : road.section.outer() + draw.in(-0.5, 1.5);
-          if (!beyondEdge(l, road, at, side, out, spot)) return false;
-          spot.yaw += (side > 0 ? 0 : kPi) + draw.in(-0.3, 0.3);
-          const Model& m = draw.of(furnishings);
-          return placer.tryPut(m, spot, fmt::format("furniture {}", number));
-        });
+  placeLamps(placer, lamps);
+  placeSigns(placer, signs);
+  if (!placer.layout.character.country) placeShelters(placer);
+  placeFurniture(placer, furnishings);
 }
 
 // Places guard rails and noise barriers along motorways.
