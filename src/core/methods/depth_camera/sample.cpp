@@ -19,7 +19,7 @@ namespace {
 constexpr std::size_t kBatch = std::size_t{1} << 18;
 constexpr std::size_t kSampleGrain = 16 * kBlock;
 constexpr int kRounds = 3;
-constexpr double kSamePlace = 1e-6;     // m; a beam whose origin is this near to the camera is treated as starting in
+constexpr double kSameOrigin = 1e-6;    // m; a beam whose origin is this near to the camera is treated as starting in
                                         // the camera
 constexpr double kFirstGuess = 20;      // m along a beam that does not start in the camera: first guess of its hit
 constexpr double kFarAway = 1e6;        // m along the beam: second guess, if the first pixel shows no surface
@@ -54,7 +54,7 @@ class Sampler {
         choice_(choiceFor(source, hits.channels, options)),
         views_(viewsOf(source.cameras(), worldFromRig)),
         rigFromWorld_(transposed(toMatrix(worldFromRig.rotation))),
-        rounds_(startElsewhere() ? kRounds : 1) {
+        rounds_(originsDiffer() ? kRounds : 1) {
     if (choice_.surfaceParameters) {
       hits.roughness.resize(hits.size());
       hits.metallic.resize(hits.size());
@@ -67,7 +67,7 @@ class Sampler {
       Batch batch;
       batch.base = base;
       batch.resize(std::min(kBatch, beams_.direction.size() - base));
-      aimFirst(batch);
+      findFirstPixels(batch);
       for (int round = 1; batch.count > 0; ++round) {
         fetch(batch);
         resolve(batch, round);
@@ -86,11 +86,11 @@ class Sampler {
   }
 
   // Returns true if a camera or a beam's origin is not at the origin of the rig.
-  bool startElsewhere() const {
+  bool originsDiffer() const {
     const bool apart = std::any_of(views_.begin(), views_.end(),
-                                   [](const CameraView& view) { return length(view.position) > kSamePlace; });
+                                   [](const CameraView& view) { return length(view.position) > kSameOrigin; });
     return apart || std::any_of(beams_.origin.begin(), beams_.origin.end(),
-                                [](const Vec3d& o) { return dot(o, o) > kSamePlace * kSamePlace; });
+                                [](const Vec3d& o) { return dot(o, o) > kSameOrigin * kSameOrigin; });
   }
 
   void load(const Batch& batch, std::size_t first, std::size_t count, BeamBlock& block) const {
@@ -116,17 +116,17 @@ class Sampler {
     }
   }
 
-  // Finds the pixels of the first round: the pixel in the direction of the beam or, if startElsewhere(), the pixel of a
+  // Finds the pixels of the first round: the pixel in the direction of the beam or, if originsDiffer(), the pixel of a
   // point on the beam.
-  void aimFirst(Batch& batch) {
+  void findFirstPixels(Batch& batch) {
     parallelFor(batch.count, kSampleGrain, [&](std::size_t begin, std::size_t end) {
       BeamBlock block;
       std::uint64_t unseen = 0;
       for (std::size_t first = begin; first < end; first += kBlock) {
         const std::size_t count = std::min(kBlock, end - first);
         load(batch, first, count, block);
-        place(views_, block.dx, block.dy, block.dz, count, false, batch.at(first));
-        if (rounds_ > 1) aimAtGuess(batch, first, block);
+        project(views_, block.dx, block.dy, block.dz, count, Projected::Directions, batch.at(first));
+        if (rounds_ > 1) usePixelsOfGuess(batch, first, block);
         for (std::size_t i = first; i < first + count; ++i) unseen += batch.view[i] == kNoView ? 1 : 0;
       }
       unseen_ += unseen;
@@ -134,7 +134,7 @@ class Sampler {
   }
 
   // Replaces the pixel of each beam by the pixel of the beam's point at kFirstGuess, if that point is in an image.
-  void aimAtGuess(Batch& batch, std::size_t first, const BeamBlock& block) const {
+  void usePixelsOfGuess(Batch& batch, std::size_t first, const BeamBlock& block) const {
     alignas(64) double x[kBlock], y[kBlock], z[kBlock], u[kBlock], v[kBlock];
     std::uint8_t view[kBlock];
     for (std::size_t i = 0; i < block.count; ++i) {
@@ -142,7 +142,7 @@ class Sampler {
       y[i] = block.oy[i] + block.dy[i] * kFirstGuess;
       z[i] = block.oz[i] + block.dz[i] * kFirstGuess;
     }
-    place(views_, x, y, z, block.count, true, {u, v, view});
+    project(views_, x, y, z, block.count, Projected::Points, {u, v, view});
     for (std::size_t i = 0; i < block.count; ++i) {
       if (view[i] == kNoView) continue;
       batch.u[first + i] = u[i];
@@ -170,10 +170,10 @@ class Sampler {
   }
 
   void resolve(Batch& batch, int round) {
-    again_.assign(batch.count, 0);
+    needsRound_.assign(batch.count, 0);
     parallelFor(batch.count, kSampleGrain, [&](std::size_t begin, std::size_t end) {
       BeamBlock block;
-      Met met;
+      ImageHits found;
       for (std::size_t first = begin; first < end; first += kBlock) {
         const std::size_t count = std::min(kBlock, end - first);
         load(batch, first, count, block);
@@ -182,54 +182,54 @@ class Sampler {
           std::size_t next = i + 1;
           while (next < count && batch.view[first + next] == view) ++next;
           if (view == kNoView) {
-            std::fill(met.range + i, met.range + next, INFINITY);
-            std::fill(met.along + i, met.along + next, 0.0);
+            std::fill(found.range + i, found.range + next, INFINITY);
+            std::fill(found.along + i, found.along + next, 0.0);
           } else {
             const BlockPixels pixels{&batch.u[first], &batch.v[first], &planes_, first};
-            measure(options_, views_[view], rigFromWorld_, pixels, i, next, block, met);
+            measure(options_, views_[view], rigFromWorld_, pixels, i, next, block, found);
           }
           i = next;
         }
-        std::fill_n(met.again, count, false);
-        if (round < rounds_) aimAgain(batch, first, round == 1, block, met);
-        store(batch, first, count, met);
+        std::fill_n(found.needsRound, count, false);
+        if (round < rounds_) findNextPixels(batch, first, round == 1, block, found);
+        store(batch, first, count, found);
       }
     });
   }
 
   // Sets the pixel of the next round to the pixel of the hit point, if that differs from the pixel of this round. If
   // the first round shows no surface, the next pixel is the pixel of a point far away on the beam.
-  void aimAgain(Batch& batch, std::size_t first, bool isFirst, const BeamBlock& block, Met& met) {
+  void findNextPixels(Batch& batch, std::size_t first, bool isFirst, const BeamBlock& block, ImageHits& found) {
     alignas(64) double x[kBlock], y[kBlock], z[kBlock], u[kBlock], v[kBlock];
     std::uint8_t view[kBlock];
     for (std::size_t i = 0; i < block.count; ++i) {
-      const double range = met.range[i] < kFarAway ? met.range[i] : kFarAway;
+      const double range = found.range[i] < kFarAway ? found.range[i] : kFarAway;
       x[i] = block.ox[i] + block.dx[i] * range;
       y[i] = block.oy[i] + block.dy[i] * range;
       z[i] = block.oz[i] + block.dz[i] * range;
     }
-    place(views_, x, y, z, block.count, true, {u, v, view});
+    project(views_, x, y, z, block.count, Projected::Points, {u, v, view});
     for (std::size_t i = 0; i < block.count; ++i) {
       const std::size_t at = first + i;
-      const bool elsewhere = view[i] != batch.view[at] || std::floor(u[i]) != std::floor(batch.u[at]) ||
-                             std::floor(v[i]) != std::floor(batch.v[at]);
-      if (!elsewhere || view[i] == kNoView || !(isFirst || met.range[i] < INFINITY)) continue;
-      met.again[i] = true;
+      const bool otherPixel = view[i] != batch.view[at] || std::floor(u[i]) != std::floor(batch.u[at]) ||
+                              std::floor(v[i]) != std::floor(batch.v[at]);
+      if (!otherPixel || view[i] == kNoView || !(isFirst || found.range[i] < INFINITY)) continue;
+      found.needsRound[i] = true;
       batch.u[at] = u[i];
       batch.v[at] = v[i];
       batch.view[at] = view[i];
-      again_[at] = 1;
+      needsRound_[at] = 1;
     }
   }
 
   // Returns the beams of the batch whose pixels need another round of the search.
   Batch nextRound(const Batch& batch) {
     Batch next;
-    const auto count = static_cast<std::size_t>(std::count(again_.begin(), again_.begin() + batch.count, 1));
+    const auto count = static_cast<std::size_t>(std::count(needsRound_.begin(), needsRound_.begin() + batch.count, 1));
     next.resize(count);
     next.index.resize(count);
     for (std::size_t i = 0, to = 0; i < batch.count; ++i) {
-      if (again_[i] == 0) continue;
+      if (needsRound_[i] == 0) continue;
       next.index[to] = static_cast<std::uint32_t>(batch.beam(i));
       next.u[to] = batch.u[i];
       next.v[to] = batch.v[i];
@@ -239,7 +239,7 @@ class Sampler {
     return next;
   }
 
-  void store(const Batch& batch, std::size_t first, std::size_t count, const Met& met) const {
+  void store(const Batch& batch, std::size_t first, std::size_t count, const ImageHits& found) const {
     const double nearest = beams_.minRange > 0 ? beams_.minRange * (1 - kLimitSlack) : 1e-30;
     const double farthest = beams_.maxRange * (1 + kLimitSlack);
     bool hit[kBlock];
@@ -247,11 +247,11 @@ class Sampler {
     std::size_t from[kBlock];
     std::size_t done = 0;
     for (std::size_t i = 0; i < count; ++i) {
-      if (met.again[i]) continue;
+      if (found.needsRound[i]) continue;
       from[done] = i;
       to[done] = beams_.beam[batch.beam(first + i)];
-      hit[done] = met.range[i] >= nearest && met.range[i] <= farthest;
-      hits_.range[to[done]] = hit[done] ? static_cast<float>(met.range[i]) : kMiss;
+      hit[done] = found.range[i] >= nearest && found.range[i] <= farthest;
+      hits_.range[to[done]] = hit[done] ? static_cast<float>(found.range[i]) : kMiss;
       ++done;
     }
     const auto put = [&](auto& column, const auto& plane) {
@@ -269,13 +269,13 @@ class Sampler {
     if (hits_.channels.has(Channel::Normal)) {
       for (std::size_t k = 0; k < done; ++k) {
         const Vec3f& n = planes_.normal[first + from[k]];
-        hits_.normal[to[k]] = !hit[k] ? Vec3f{} : met.along[from[k]] > 0 ? -n : n;
+        hits_.normal[to[k]] = !hit[k] ? Vec3f{} : found.along[from[k]] > 0 ? -n : n;
       }
     }
     static_assert(kChannels.size() == 8, "fill the new channel here if no plane of the images has it");
     if (hits_.channels.has(Channel::Incidence)) {
       for (std::size_t k = 0; k < done; ++k) {
-        hits_.incidence[to[k]] = hit[k] ? static_cast<float>(std::min(std::abs(met.along[from[k]]), 1.0)) : 0.0f;
+        hits_.incidence[to[k]] = hit[k] ? static_cast<float>(std::min(std::abs(found.along[from[k]]), 1.0)) : 0.0f;
       }
     }
   }
@@ -290,7 +290,7 @@ class Sampler {
   std::vector<PixelAddress> addresses_;  // of the batch's pixels
   PassPlanes planes_;                    // values of the batch's pixels
   int rounds_;
-  std::vector<std::uint8_t> again_;
+  std::vector<std::uint8_t> needsRound_;
   std::atomic<std::uint64_t> unseen_{0};
 };
 

@@ -15,10 +15,10 @@ constexpr double kEdge = 1e-6;       // px; margin, so that a beam along the bor
 constexpr double kInFront = 1e-9;    // smallest depth in front of a camera: m for points, without unit for directions
 constexpr double kNoViewYet = 1000;  // stands for kNoView while views' indices are doubles, so that g++ can vectorise
 
-// A tangent plane is trusted if the beam hits it at less than kPlaneTrust times the distance of the pixel's point, and
-// at more than 1 / kPlaneTrust times that distance. Otherwise the plane is seen edge-on, and the range to it is
-// unreliable.
-constexpr double kPlaneTrust = 2;
+// The range to a tangent plane is used if the beam hits it at less than kPlaneErrorBound times the distance of the
+// pixel's point, and at more than 1 / kPlaneErrorBound times that distance. Otherwise the plane is seen edge-on, and
+// the range to it is unreliable.
+constexpr double kPlaneErrorBound = 2;
 
 // Returns the nearest half-precision number, ties to even. Finite values beyond the largest one are clamped to it.
 double asHalf(double value) {
@@ -41,62 +41,62 @@ double asUnorm(double depth, int bits, double nearest, double farthest) {
 }
 
 // Rounds the hit points as LiDAR-GEIL's images of coordinates do.
-void keepHalves(std::size_t begin, std::size_t end, Met& met) {
-  const auto kept = [](double coordinate) {
+void roundToHalf(std::size_t begin, std::size_t end, ImageHits& found) {
+  const auto rounded = [](double coordinate) {
     return double{storedDepth(static_cast<float>(coordinate), DepthFormat::Half500, 0, 0)};
   };
   for (std::size_t i = begin; i < end; ++i) {
-    const double z = kept(met.depth[i]);
-    met.a[i] = kept(met.a[i] * met.depth[i]) / z;
-    met.b[i] = kept(met.b[i] * met.depth[i]) / z;
-    met.depth[i] = z;
+    const double z = rounded(found.depth[i]);
+    found.a[i] = rounded(found.a[i] * found.depth[i]) / z;
+    found.b[i] = rounded(found.b[i] * found.depth[i]) / z;
+    found.depth[i] = z;
   }
 }
 
-void placePoints(const CameraView& view, std::size_t begin, std::size_t end, Met& met) {
+void findHitPoints(const CameraView& view, std::size_t begin, std::size_t end, ImageHits& found) {
   for (std::size_t i = begin; i < end; ++i) {
-    const double a = met.a[i];
-    const double b = met.b[i];
-    const double z = met.depth[i];
-    met.px[i] = (view.right.x * a + view.down.x * b + view.forward.x) * z + view.position.x;
-    met.py[i] = (view.right.y * a + view.down.y * b + view.forward.y) * z + view.position.y;
-    met.pz[i] = (view.right.z * a + view.down.z * b + view.forward.z) * z + view.position.z;
+    const double a = found.a[i];
+    const double b = found.b[i];
+    const double z = found.depth[i];
+    found.px[i] = (view.right.x * a + view.down.x * b + view.forward.x) * z + view.position.x;
+    found.py[i] = (view.right.y * a + view.down.y * b + view.forward.y) * z + view.position.y;
+    found.pz[i] = (view.right.z * a + view.down.z * b + view.forward.z) * z + view.position.z;
   }
 }
 
-void measureNearest(std::size_t begin, std::size_t end, const BeamBlock& block, Met& met) {
+void usePointRanges(std::size_t begin, std::size_t end, const BeamBlock& block, ImageHits& found) {
   for (std::size_t i = begin; i < end; ++i) {
-    const double x = met.px[i] - block.ox[i];
-    const double y = met.py[i] - block.oy[i];
-    const double z = met.pz[i] - block.oz[i];
-    met.range[i] = std::sqrt(x * x + y * y + z * z);
-    met.along[i] = 0;
+    const double x = found.px[i] - block.ox[i];
+    const double y = found.py[i] - block.oy[i];
+    const double z = found.pz[i] - block.oz[i];
+    found.range[i] = std::sqrt(x * x + y * y + z * z);
+    found.along[i] = 0;
   }
 }
 
-void turnNormals(const Vec3f* normal, const Mat3& rigFromWorld, std::size_t begin, std::size_t end,
-                 const BeamBlock& block, Met& met) {
+void rotateNormals(const Vec3f* normal, const Mat3& rigFromWorld, std::size_t begin, std::size_t end,
+                   const BeamBlock& block, ImageHits& found) {
   const Mat3& m = rigFromWorld;
   for (std::size_t i = begin; i < end; ++i) {
     const auto x = double{normal[i].x};
     const auto y = double{normal[i].y};
     const auto z = double{normal[i].z};
-    met.nx[i] = m.x.x * x + m.y.x * y + m.z.x * z;
-    met.ny[i] = m.x.y * x + m.y.y * y + m.z.y * z;
-    met.nz[i] = m.x.z * x + m.y.z * y + m.z.z * z;
-    met.along[i] = met.nx[i] * block.dx[i] + met.ny[i] * block.dy[i] + met.nz[i] * block.dz[i];
+    found.nx[i] = m.x.x * x + m.y.x * y + m.z.x * z;
+    found.ny[i] = m.x.y * x + m.y.y * y + m.z.y * z;
+    found.nz[i] = m.x.z * x + m.y.z * y + m.z.z * z;
+    found.along[i] = found.nx[i] * block.dx[i] + found.ny[i] * block.dy[i] + found.nz[i] * block.dz[i];
   }
 }
 
-void meetPlanes(std::size_t begin, std::size_t end, const BeamBlock& block, Met& met) {
+void usePlaneRanges(std::size_t begin, std::size_t end, const BeamBlock& block, ImageHits& found) {
   for (std::size_t i = begin; i < end; ++i) {
-    const double height = met.nx[i] * (met.px[i] - block.ox[i]) + met.ny[i] * (met.py[i] - block.oy[i]) +
-                          met.nz[i] * (met.pz[i] - block.oz[i]);
-    const double range = height / met.along[i];
-    const double nearest = met.range[i];
+    const double height = found.nx[i] * (found.px[i] - block.ox[i]) + found.ny[i] * (found.py[i] - block.oy[i]) +
+                          found.nz[i] * (found.pz[i] - block.oz[i]);
+    const double range = height / found.along[i];
+    const double nearest = found.range[i];
     // Also false if the beam does not hit the plane in front of the sensor: `range` is NaN, infinite or negative.
-    const bool trusted = (range <= nearest * kPlaneTrust) & (range * kPlaneTrust >= nearest);
-    met.range[i] = trusted ? range : nearest;
+    const bool inBound = (range <= nearest * kPlaneErrorBound) & (range * kPlaneErrorBound >= nearest);
+    found.range[i] = inBound ? range : nearest;
   }
 }
 
@@ -131,8 +131,8 @@ std::vector<CameraView> viewsOf(const std::vector<Camera>& cameras, const Pose& 
   return views;
 }
 
-void place(std::span<const CameraView> views, const double* x, const double* y, const double* z, std::size_t count,
-           bool points, ImagePositions places) {
+void project(std::span<const CameraView> views, const double* x, const double* y, const double* z, std::size_t count,
+             Projected what, ImagePositions positions) {
   alignas(64) double u[kBlock], v[kBlock], depth[kBlock], seenBy[kBlock];
   for (std::size_t i = 0; i < count; ++i) {
     u[i] = v[i] = depth[i] = 0;
@@ -140,7 +140,7 @@ void place(std::span<const CameraView> views, const double* x, const double* y, 
   }
   double number = 0;
   for (const CameraView& view : views) {
-    const Vec3d from = points ? view.position : Vec3d{};
+    const Vec3d from = what == Projected::Points ? view.position : Vec3d{};
     const Vec3d right = view.right * view.fx;
     const Vec3d down = view.down * view.fy;
     const Vec3d forward = view.forward;
@@ -171,11 +171,11 @@ void place(std::span<const CameraView> views, const double* x, const double* y, 
     }
     number += 1;
   }
-  std::copy_n(u, count, places.u);
-  std::copy_n(v, count, places.v);
+  std::copy_n(u, count, positions.u);
+  std::copy_n(v, count, positions.v);
   for (std::size_t i = 0; i < count; ++i) {
     const int view = static_cast<int>(seenBy[i]);
-    places.view[i] = static_cast<std::uint8_t>(view < int{kNoView} ? view : int{kNoView});
+    positions.view[i] = static_cast<std::uint8_t>(view < int{kNoView} ? view : int{kNoView});
   }
 }
 
@@ -196,23 +196,23 @@ float storedDepth(float depth, DepthFormat format, double nearest, double farthe
 }
 
 void measure(const SampleOptions& options, const CameraView& view, const Mat3& rigFromWorld, const BlockPixels& pixels,
-             std::size_t begin, std::size_t end, const BeamBlock& block, Met& met) {
+             std::size_t begin, std::size_t end, const BeamBlock& block, ImageHits& found) {
   const double* u = pixels.u;
   const double* v = pixels.v;
   const float* depth = &pixels.planes->depth[pixels.first];
   const double perFx = 1 / view.fx;
   const double perFy = 1 / view.fy;
   for (std::size_t i = begin; i < end; ++i) {
-    met.a[i] = (std::floor(u[i]) + 0.5 - view.cx) * perFx;
-    met.b[i] = (std::floor(v[i]) + 0.5 - view.cy) * perFy;
-    met.depth[i] = double{depth[i]};
+    found.a[i] = (std::floor(u[i]) + 0.5 - view.cx) * perFx;
+    found.b[i] = (std::floor(v[i]) + 0.5 - view.cy) * perFy;
+    found.depth[i] = double{depth[i]};
   }
-  if (options.depth == DepthFormat::Half500) keepHalves(begin, end, met);
-  placePoints(view, begin, end, met);
-  measureNearest(begin, end, block, met);
+  if (options.depth == DepthFormat::Half500) roundToHalf(begin, end, found);
+  findHitPoints(view, begin, end, found);
+  usePointRanges(begin, end, block, found);
   if (pixels.planes->normal.empty()) return;
-  turnNormals(&pixels.planes->normal[pixels.first], rigFromWorld, begin, end, block, met);
-  if (options.sampling == Sampling::Plane) meetPlanes(begin, end, block, met);
+  rotateNormals(&pixels.planes->normal[pixels.first], rigFromWorld, begin, end, block, found);
+  if (options.sampling == Sampling::Plane) usePlaneRanges(begin, end, block, found);
 }
 
 }  // namespace scanmill

@@ -55,19 +55,21 @@ struct ImagePositions {
   std::uint8_t* view;  // kNoView: no image contains the point
 };
 
-// Finds for each of at most kBlock points (directions, if `points` is false) the image in which the point's depth is
-// largest, among the images that contain the point.
-void place(std::span<const CameraView> views, const double* x, const double* y, const double* z, std::size_t count,
-           bool points, ImagePositions places);
+enum class Projected { Points, Directions };
+
+// Finds for each of at most kBlock points or directions the image in which its depth is largest, among the images that
+// contain it.
+void project(std::span<const CameraView> views, const double* x, const double* y, const double* z, std::size_t count,
+             Projected what, ImagePositions positions);
 
 // Hits of a block of beams.
-struct Met {
+struct ImageHits {
   alignas(64) double a[kBlock], b[kBlock], depth[kBlock];  // coordinates in the plane at depth 1, and depth (m)
   alignas(64) double px[kBlock], py[kBlock], pz[kBlock];   // m, hit point in rig axes
   alignas(64) double nx[kBlock], ny[kBlock], nz[kBlock];   // normal in rig axes
   alignas(64) double range[kBlock];                        // m, range of the hit; NaN or infinite if nothing is hit
   alignas(64) double along[kBlock];                        // dot product of normal and beam direction
-  bool again[kBlock];                                      // true if the next round must sample another pixel
+  bool needsRound[kBlock];                                 // true if the next round must sample another pixel
 };
 
 // Pixels of the beams of a block: their positions in the image, and their values.
@@ -78,8 +80,9 @@ struct BlockPixels {
   std::size_t first;         // index in `planes` of the block's first pixel
 };
 
-// Fills `met`, except `again`, for the beams from `begin` to before `end` of a block, all of which fall into one image.
+// Fills `found`, except `needsRound`, for the beams from `begin` to before `end` of a block, all of which fall into one
+// image.
 void measure(const SampleOptions& options, const CameraView& view, const Mat3& rigFromWorld, const BlockPixels& pixels,
-             std::size_t begin, std::size_t end, const BeamBlock& block, Met& met);
+             std::size_t begin, std::size_t end, const BeamBlock& block, ImageHits& found);
 
 }  // namespace scanmill
