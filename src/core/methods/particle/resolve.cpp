@@ -17,34 +17,23 @@ Vec3f fieldFrame(const DistanceField& field, const Vec3d& point) {
   return Vec3f((point - field.shape.centre) * (1 / field.shape.voxel));
 }
 
-// A point at which a beam hits a surface.
-struct SurfacePoint {
-  std::uint32_t triangle;
-  double range;  // m, from the beam's origin
-};
-
-// Returns the triangle that a beam with direction `d` hits at `place`, a point on the plane of `triangle`: either
-// `triangle`, or a triangle of a thin layer on it (march_rule.h).
-std::uint32_t layerTriangleAt(const MarchJob& job, std::uint32_t triangle, const Vec3d& place, const Vec3d& d,
-                              double voxel) {
+// Returns the triangle that a beam from `o` in direction `d` hits at about `range` (m): either `triangle`, or a
+// triangle of a thin layer on it (march_rule.h).
+std::uint32_t triangleOrLayer(const MarchJob& job, const Vec3d& o, const Vec3d& d, double range,
+                              std::uint32_t triangle) {
+  const DistanceField& field = job.field();
   const BlockTriangle& plane = job.triangles().triangles[triangle];
-  const double side = dot(plane.normal, d) > 0 ? -1 : 1;
-  const Vec3d aside = place + plane.normal * (side * kLayerLookupOffset * voxel);
-  const std::uint32_t named = triangleAt(job.field(), fieldFrame(job.field(), aside));
-  if (named == kNoWord || named == triangle) return triangle;
-  const BlockTriangle& other = job.triangles().triangles[named];
-  const bool layer = std::abs(dot(other.normal, plane.normal)) > kLayerMinCosine &&
-                     std::abs(dot(other.normal, place) - other.offset) <= kLayerThickness * voxel;
-  return layer ? named : triangle;
-}
-
-// Returns a hit with the triangle that the beam hits there, and with the same range.
-SurfacePoint withLayerTriangle(const MarchJob& job, const Vec3d& o, const Vec3d& d, const SurfacePoint& hit) {
-  const BlockTriangle& plane = job.triangles().triangles[hit.triangle];
-  const Vec3d here = o + d * hit.range;
+  const Vec3d here = o + d * range;
   const Vec3d onPlane = here + plane.normal * (plane.offset - dot(plane.normal, here));
-  return {layerTriangleAt(job, hit.triangle, onPlane, d, voxelAt(job.field(), fieldFrame(job.field(), here))),
-          hit.range};
+  const double voxel = voxelAt(field, fieldFrame(field, here));
+  const double side = dot(plane.normal, d) > 0 ? -1 : 1;
+  const Vec3d inFront = onPlane + plane.normal * (side * kLayerLookupOffset * voxel);
+  const std::uint32_t other = triangleAt(field, fieldFrame(field, inFront));
+  if (other == kNoWord || other == triangle) return triangle;
+  const BlockTriangle& otherPlane = job.triangles().triangles[other];
+  const bool layer = std::abs(dot(otherPlane.normal, plane.normal)) > kLayerMinCosine &&
+                     std::abs(dot(otherPlane.normal, onPlane) - otherPlane.offset) <= kLayerThickness * voxel;
+  return layer ? other : triangle;
 }
 
 double rangeOf(const MarchJob& job, const HitRecords& records, std::size_t i) {
@@ -150,13 +139,14 @@ UnreliableBeams resolve(const MarchJob& job, const std::vector<CompactMaterial>&
         loadMiss(planes, lane);
         continue;
       }
-      SurfacePoint hit{records.triangle[i], rangeOf(job, records, i)};
+      const double range = rangeOf(job, records, i);
+      std::uint32_t triangle = records.triangle[i];
       if (!lists) {
-        counts.touching += hit.range <= 0 ? 1 : 0;
-        hit = withLayerTriangle(job, originOf(rays, lane), directionOf(rays, lane), hit);
+        counts.touching += range <= 0 ? 1 : 0;
+        triangle = triangleOrLayer(job, originOf(rays, lane), directionOf(rays, lane), range, triangle);
       }
-      triangles[lane] = {&job.triangles(), nullptr, hit.triangle};
-      loadPlane(triangles[lane], static_cast<float>(hit.range), planes, lane);
+      triangles[lane] = {&job.triangles(), nullptr, triangle};
+      loadPlane(triangles[lane], static_cast<float>(range), planes, lane);
     }
     addUnresolved(job, tile, rays, records, firstRecord, counts, unresolved);
     if (lists) {

@@ -11,10 +11,21 @@ namespace {
 
 constexpr double kNoRange = std::numeric_limits<double>::infinity();
 
-float texturedReflectance(const HitTriangle& hit, const CompactMaterial& material, const Rays& rays, const HitPlanes& r,
-                          int i) {
-  const Vec3d point =
-      Vec3d{rays.ox[i], rays.oy[i], rays.oz[i]} + Vec3d{rays.dx[i], rays.dy[i], rays.dz[i]} * r.range[i];
+// The hits of a tile's rays, which store() writes.
+struct TileHits {
+  const Tile& tile;
+  const Rays& rays;
+  const HitPlanes& planes;
+  const HitTriangle* triangles;  // one per lane
+
+  bool hit(int lane) const { return planes.range[lane] < kNoRange; }
+};
+
+float texturedReflectance(const TileHits& from, const CompactMaterial& material, int lane) {
+  const HitTriangle& hit = from.triangles[lane];
+  const Rays& rays = from.rays;
+  const Vec3d point = Vec3d{rays.ox[lane], rays.oy[lane], rays.oz[lane]} +
+                      Vec3d{rays.dx[lane], rays.dy[lane], rays.dz[lane]} * from.planes.range[lane];
   return material.texturedAt(
       textureCoordinates(hit.block->uvs, hit.block->corners[hit.index], barycentric(hit, point)));
 }
@@ -39,15 +50,16 @@ struct HitLabels {
   std::uint32_t primitive[kPacket];
 };
 
-void lookUp(const HitTriangle* triangles, const float* range, HitLabels& labels) {
+HitLabels labelsOf(const TileHits& from) {
+  HitLabels labels;
   const HitTriangle* last = nullptr;  // the hit whose labels the next two variables have
   HitSurface surfaceOfLast{};
   std::uint32_t primitiveOfLast = 0;
   for (int i = 0; i < kPacket; ++i) {
     HitSurface surface{};
     std::uint32_t primitive = 0;
-    if (range[i] < kMiss) {
-      const HitTriangle& t = triangles[i];
+    if (from.hit(i)) {
+      const HitTriangle& t = from.triangles[i];
       if (last == nullptr || !t.sameTriangle(*last)) {
         const BlockTriangle& triangle = t.block->triangles[t.index];
         surfaceOfLast = t.block->surfaces[triangle.surface];
@@ -65,44 +77,43 @@ void lookUp(const HitTriangle* triangles, const float* range, HitLabels& labels)
     labels.material[i] = surface.material;
     labels.primitive[i] = primitive;
   }
+  return labels;
 }
 
-void storeReflectance(const std::vector<CompactMaterial>& materials, const Tile& tile, const Rays& rays,
-                      const HitPlanes& r, const HitTriangle* triangles, const float* range, const HitLabels& labels,
+void storeReflectance(const TileHits& from, const std::vector<CompactMaterial>& materials, const HitLabels& labels,
                       Hits& hits) {
   float reflectance[kPacket];
   for (int i = 0; i < kPacket; ++i) {
     const CompactMaterial& material = materials[labels.material[i]];
-    reflectance[i] = range[i] < kMiss ? material.reflectance : 0.0f;
-    if (range[i] < kMiss && material.texture != nullptr) {
-      reflectance[i] = texturedReflectance(triangles[i], material, rays, r, i);
-    }
+    reflectance[i] = from.hit(i) ? material.reflectance : 0.0f;
+    if (from.hit(i) && material.texture != nullptr) reflectance[i] = texturedReflectance(from, material, i);
   }
-  storeRows(tile, reflectance, hits.reflectance, hits.columns);
+  storeRows(from.tile, reflectance, hits.reflectance, hits.columns);
 }
 
-void storeIncidence(const Tile& tile, const HitPlanes& r, Hits& hits) {
+void storeIncidence(const TileHits& from, Hits& hits) {
   alignas(64) float incidence[kPacket];
   for (int i = 0; i < kPacket; ++i) {
-    const double cosine = std::abs(r.cosine[i]);
+    const double cosine = std::abs(from.planes.cosine[i]);
     const double bounded = cosine < 1 ? cosine : 1;
-    incidence[i] = static_cast<float>(r.range[i] < kMiss ? bounded : 0);
+    incidence[i] = static_cast<float>(from.hit(i) ? bounded : 0);
   }
-  storeRows(tile, incidence, hits.incidence, hits.columns);
+  storeRows(from.tile, incidence, hits.incidence, hits.columns);
 }
 
-void storeNormals(const Tile& tile, const HitPlanes& r, Hits& hits) {
+void storeNormals(const TileHits& from, Hits& hits) {
+  const HitPlanes& planes = from.planes;
   alignas(64) float x[kPacket], y[kPacket], z[kPacket];
   for (int i = 0; i < kPacket; ++i) {
-    const double towards = r.cosine[i] > 0 ? -1 : 1;
-    const bool hit = r.range[i] < kMiss;
-    x[i] = static_cast<float>(hit ? r.nx[i] * towards : 0);
-    y[i] = static_cast<float>(hit ? r.ny[i] * towards : 0);
-    z[i] = static_cast<float>(hit ? r.nz[i] * towards : 0);
+    const double towards = planes.cosine[i] > 0 ? -1 : 1;
+    const bool hit = from.hit(i);
+    x[i] = static_cast<float>(hit ? planes.nx[i] * towards : 0);
+    y[i] = static_cast<float>(hit ? planes.ny[i] * towards : 0);
+    z[i] = static_cast<float>(hit ? planes.nz[i] * towards : 0);
   }
   Vec3f normal[kPacket];
   for (int i = 0; i < kPacket; ++i) normal[i] = {x[i], y[i], z[i]};
-  storeRows(tile, normal, hits.normal, hits.columns);
+  storeRows(from.tile, normal, hits.normal, hits.columns);
 }
 
 // Values of the lanes of a packet. The second half is room for writes of kPacket values that begin at any lane.
@@ -242,28 +253,28 @@ SCANMILL_BEST_INSTRUCTIONS void setUpRays(const Shot& shot, const ShotFrame& fra
   }
 }
 
-SCANMILL_BEST_INSTRUCTIONS void usePlaneRanges(const Rays& rays, const BeamTable& beams, HitPlanes& r) {
+SCANMILL_BEST_INSTRUCTIONS void usePlaneRanges(const Rays& rays, const BeamTable& beams, HitPlanes& planes) {
   const RangeLimits limits = limitsOf(beams);
   for (int i = 0; i < kPacket; ++i) {
-    const double along = r.nx[i] * rays.dx[i] + r.ny[i] * rays.dy[i] + r.nz[i] * rays.dz[i];
-    const double origin = r.nx[i] * rays.ox[i] + r.ny[i] * rays.oy[i] + r.nz[i] * rays.oz[i];
-    const double plane = (r.offset[i] - origin) / along;
-    const double low = r.traced[i] - (kRangeErrorBound * r.traced[i] + kRangeErrorBound);
-    const double high = r.traced[i] + (kRangeErrorBound * r.traced[i] + kRangeErrorBound);
-    double range = plane > low ? plane : low;  // `low` also if `plane` is NaN
+    const double along = planes.nx[i] * rays.dx[i] + planes.ny[i] * rays.dy[i] + planes.nz[i] * rays.dz[i];
+    const double origin = planes.nx[i] * rays.ox[i] + planes.ny[i] * rays.oy[i] + planes.nz[i] * rays.oz[i];
+    const double toPlane = (planes.offset[i] - origin) / along;
+    const double low = planes.traced[i] - (kRangeErrorBound * planes.traced[i] + kRangeErrorBound);
+    const double high = planes.traced[i] + (kRangeErrorBound * planes.traced[i] + kRangeErrorBound);
+    double range = toPlane > low ? toPlane : low;  // `low` also if `toPlane` is NaN
     range = range < high ? range : high;
-    const bool inside = (range >= limits.nearest) & (range <= limits.farthest) & (r.traced[i] < kNoRange);
-    r.range[i] = inside ? range : kNoRange;
-    r.cosine[i] = along;
+    const bool inside = (range >= limits.nearest) & (range <= limits.farthest) & (planes.traced[i] < kNoRange);
+    planes.range[i] = inside ? range : kNoRange;
+    planes.cosine[i] = along;
   }
 }
 
-SCANMILL_BEST_INSTRUCTIONS void useTracedRanges(const Rays& rays, const BeamTable& beams, HitPlanes& r) {
+SCANMILL_BEST_INSTRUCTIONS void useTracedRanges(const Rays& rays, const BeamTable& beams, HitPlanes& planes) {
   const RangeLimits limits = limitsOf(beams);
   for (int i = 0; i < kPacket; ++i) {
-    const bool inside = (r.traced[i] >= limits.nearest) & (r.traced[i] <= limits.farthest);
-    r.range[i] = inside ? r.traced[i] : kNoRange;
-    r.cosine[i] = r.nx[i] * rays.dx[i] + r.ny[i] * rays.dy[i] + r.nz[i] * rays.dz[i];
+    const bool inside = (planes.traced[i] >= limits.nearest) & (planes.traced[i] <= limits.farthest);
+    planes.range[i] = inside ? planes.traced[i] : kNoRange;
+    planes.cosine[i] = planes.nx[i] * rays.dx[i] + planes.ny[i] * rays.dy[i] + planes.nz[i] * rays.dz[i];
   }
 }
 
@@ -291,20 +302,20 @@ void prefetchStore(const Tile& tile, Hits& hits) {
 static_assert(kChannels.size() == 8, "fill the new channel in store()");
 
 SCANMILL_BEST_INSTRUCTIONS void store(const std::vector<CompactMaterial>& materials, const Tile& tile, const Rays& rays,
-                                      const HitPlanes& r, const HitTriangle* triangles, Hits& hits) {
+                                      const HitPlanes& planes, const HitTriangle* triangles, Hits& hits) {
+  const TileHits from{tile, rays, planes, triangles};
   const Channels asked = hits.channels;
   alignas(64) float range[kPacket];
-  for (int i = 0; i < kPacket; ++i) range[i] = static_cast<float>(r.range[i]);
+  for (int i = 0; i < kPacket; ++i) range[i] = static_cast<float>(planes.range[i]);
   storeRows(tile, range, hits.range, hits.columns);
-  if (asked.has(Channel::Incidence)) storeIncidence(tile, r, hits);
-  if (asked.has(Channel::Normal)) storeNormals(tile, r, hits);
-  HitLabels labels;
-  lookUp(triangles, range, labels);
+  if (asked.has(Channel::Incidence)) storeIncidence(from, hits);
+  if (asked.has(Channel::Normal)) storeNormals(from, hits);
+  const HitLabels labels = labelsOf(from);
   if (asked.has(Channel::Instance)) storeRows(tile, labels.instance, hits.instance, hits.columns);
   if (asked.has(Channel::Semantic)) storeRows(tile, labels.semantic, hits.semantic, hits.columns);
   if (asked.has(Channel::Material)) storeRows(tile, labels.material, hits.material, hits.columns);
   if (asked.has(Channel::Primitive)) storeRows(tile, labels.primitive, hits.primitive, hits.columns);
-  if (asked.has(Channel::Reflectance)) storeReflectance(materials, tile, rays, r, triangles, range, labels, hits);
+  if (asked.has(Channel::Reflectance)) storeReflectance(from, materials, labels, hits);
 }
 
 }  // namespace scanmill

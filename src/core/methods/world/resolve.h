@@ -125,12 +125,12 @@ constexpr double kRangeErrorBound = 1e-2;  // both a fraction and a length (m)
 // Sets each range to the distance along the ray to the plane of its triangle. This distance is clamped, so that it
 // differs from the traced range by no more than kRangeErrorBound allows. A hit outside of the sensor's range limits
 // becomes a miss.
-void usePlaneRanges(const Rays& rays, const BeamTable& beams, HitPlanes& r);
+void usePlaneRanges(const Rays& rays, const BeamTable& beams, HitPlanes& planes);
 // Sets each range to the traced range. A hit outside of the sensor's range limits becomes a miss.
-void useTracedRanges(const Rays& rays, const BeamTable& beams, HitPlanes& r);
+void useTracedRanges(const Rays& rays, const BeamTable& beams, HitPlanes& planes);
 
 // Writes the tile's hits to the channels that `hits` has.
-void store(const std::vector<CompactMaterial>& materials, const Tile& tile, const Rays& rays, const HitPlanes& r,
+void store(const std::vector<CompactMaterial>& materials, const Tile& tile, const Rays& rays, const HitPlanes& planes,
            const HitTriangle* triangles, Hits& hits);
 
 // Prefetches the memory that store() will write.

@@ -38,28 +38,7 @@ uint triangleAt(vec3 q) {
   return v.full ? fetch(words, v.nearest) : kNoWord;
 }
 
-// Returns the triangle that a beam with direction `d` hits at `place`, a point on the plane of `triangle`: either
-// `triangle`, or a triangle of a thin layer on it. `size`: voxel size (m).
-uint layerTriangleAt(uint triangle, dvec3 place, dvec3 d, double size, inout bool certain) {
-  dvec3 normal;
-  double offset;
-  planeRecord(triangle, normal, offset);
-  double side = sum3(normal, d) > 0.0LF ? -1.0LF : 1.0LF;
-  precise double away = side * layerLookupOffset * size;
-  precise dvec3 beside = place + normal * away;
-  vec3 q;
-  certain = fieldFrame(beside, q) && certain;
-  uint other = triangleAt(q);
-  if (other == kNoWord || other == triangle) return triangle;
-  dvec3 otherNormal;
-  double otherOffset;
-  planeRecord(other, otherNormal, otherOffset);
-  if (!(abs(sum3(otherNormal, normal)) > layerMinCosine)) return triangle;
-  precise double gap = abs(sum3(otherNormal, place) - otherOffset);
-  precise double thick = layerThickness * size;
-  return gap <= thick ? other : triangle;
-}
-
+// Does the same as triangleOrLayer() in methods/particle/resolve.cpp.
 uint triangleOrLayer(uint triangle, double range, dvec3 o, dvec3 d, inout bool certain) {
   dvec3 normal;
   double offset;
@@ -68,7 +47,20 @@ uint triangleOrLayer(uint triangle, double range, dvec3 o, dvec3 d, inout bool c
   precise dvec3 onPlane = here + normal * (offset - sum3(normal, here));
   vec3 q;
   certain = fieldFrame(here, q) && certain;
-  return layerTriangleAt(triangle, onPlane, d, voxelAt(q), certain);
+  double size = voxelAt(q);
+  double side = sum3(normal, d) > 0.0LF ? -1.0LF : 1.0LF;
+  precise double away = side * layerLookupOffset * size;
+  precise dvec3 inFront = onPlane + normal * away;
+  certain = fieldFrame(inFront, q) && certain;
+  uint other = triangleAt(q);
+  if (other == kNoWord || other == triangle) return triangle;
+  dvec3 otherNormal;
+  double otherOffset;
+  planeRecord(other, otherNormal, otherOffset);
+  if (!(abs(sum3(otherNormal, normal)) > layerMinCosine)) return triangle;
+  precise double gap = abs(sum3(otherNormal, onPlane) - otherOffset);
+  precise double thick = layerThickness * size;
+  return gap <= thick ? other : triangle;
 }
 
 bool resolve(uint i, uint ray, uint word, dvec3 o, dvec3 d) {
