@@ -27,7 +27,7 @@ constexpr std::size_t kMostScans = 200;  // greatest number of scans per set; ea
 void printComparison(const SetComparison& comparison) {
   Rows rows{{"feature of a patch", "separation", "within real", "real", "simulated", "changed by"}};
   for (const Separation& s : comparison.features) {
-    const PatchFeature& f = kPatchFeatures[s.feature];
+    const ComparedFigure& f = kPatchFeatures[s.feature];
     const double within = comparison.withinReal[s.feature];
     rows.push_back({std::string(f.title), fmt::format("{:.3f}", s.strength),
                     std::isnan(within) ? "-" : fmt::format("{:.3f}", within), figureText(s.realValue, f.factor, f.unit),
@@ -40,7 +40,7 @@ void printComparison(const SetComparison& comparison) {
       formatTable(rows));
   rows = {{"figure", "real", "simulated", "changed by"}};
   for (std::size_t i = 0; i < kSetFigureCount; ++i) {
-    const SetFigure& f = kSetFigures[i];
+    const ComparedFigure& f = kSetFigures[i];
     rows.push_back({std::string(f.title), figureText(comparison.real.figures[i], f.factor, f.unit),
                     figureText(comparison.simulated.figures[i], f.factor, f.unit), std::string(f.keys)});
   }

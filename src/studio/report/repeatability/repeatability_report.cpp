@@ -1,5 +1,6 @@
 #include "report/repeatability/repeatability_report.h"
 
+#include "base/append_new.h"
 #include "report/page/page.h"
 
 namespace scanmill {
@@ -37,11 +38,16 @@ void addTableRows(Json& pose, const Repeatability& result) {
 }  // namespace
 
 std::string repeatabilityReport(const Repeatability& result, const std::string& date) {
+  std::vector<std::string> objects, sensors;
+  for (const RepeatedView& view : result.views) {
+    appendNew({view.sensor}, sensors);
+    for (const RepeatedPose& pose : view.poses) appendNew({pose.object}, objects);
+  }
   Json page = parseJson(repeatabilityJson(result), "repeatability.json");
   page.update({{"title", "Repeatability: " + result.pipelineName},
                {"date", date},
-               {"objects", result.objects()},
-               {"sensors", result.sensors()},
+               {"objects", objects},
+               {"sensors", sensors},
                {"warnings", result.warnings},
                {"last_seed", result.seed + result.scans - 1},
                {"ordered_pairs", std::uint64_t{result.scans} * (result.scans - 1)},

@@ -67,9 +67,9 @@ struct SeparationSum {
     s.area = 0.5 + (weighted.area - 0.5) / weight;
     s.real = real.size();
     s.simulated = simulated.size();
-    const bool mostlyZero = kPatchFeatures[feature].mostlyZero;
-    s.realValue = mostlyZero ? meanOf(real) : medianOf(real, kUnmeasured);
-    s.simulatedValue = mostlyZero ? meanOf(simulated) : medianOf(simulated, kUnmeasured);
+    const bool isMostlyZero = kPatchFeatures[feature].isMostlyZero;
+    s.realValue = isMostlyZero ? meanOf(real) : medianOf(real, kUnmeasured);
+    s.simulatedValue = isMostlyZero ? meanOf(simulated) : medianOf(simulated, kUnmeasured);
     return s;
   }
 };
@@ -109,8 +109,8 @@ void addRanges(SetComparison& result) {
 
 // Returns the median intensities of the patches in each row. bandOf(patches, i) returns the row of the patch i; an
 // index beyond the last row if the patch belongs to none.
-std::vector<IntensityRow> intensityRows(const SetComparison& result, const std::vector<std::string>& names,
-                                        const auto& bandOf) {
+std::vector<BandComparison> intensityRows(const SetComparison& result, const std::vector<std::string>& names,
+                                          const auto& bandOf) {
   const auto medians = [&](const Patches& patches) {
     std::vector<std::vector<float>> values(names.size());
     for (std::size_t i = 0; i < patches.size(); ++i) {
@@ -124,7 +124,7 @@ std::vector<IntensityRow> intensityRows(const SetComparison& result, const std::
     return list;
   };
   const std::vector<double> real = medians(result.real.patches), simulated = medians(result.simulated.patches);
-  std::vector<IntensityRow> rows;
+  std::vector<BandComparison> rows;
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (!std::isnan(real[i]) || !std::isnan(simulated[i])) rows.push_back({names[i], real[i], simulated[i]});
   }

@@ -35,13 +35,8 @@ struct GroupComparison {
   std::vector<Separation> features;          // the strongest first; features that cannot be compared are left out
 };
 
+// A figure of both sets in one band of ranges or incidence angles.
 struct BandComparison {
-  std::string name;
-  double realShare = 0, simulatedShare = 0;  // fraction of each set's patches that are in the band
-};
-
-// Median intensities of patches, divided by the median of the set.
-struct IntensityRow {
   std::string name;
   double real = 0, simulated = 0;  // NaN if there are too few patches
 };
@@ -68,8 +63,9 @@ struct SetComparison {
   // that are due to the places alone. NaN if there is only one scan, or too few patches.
   std::array<double, kFeatureCount> withinReal{};
   std::vector<GroupComparison> groups;  // sorted by the larger of realShare and simulatedShare, descending
-  std::vector<BandComparison> ranges;
-  std::vector<IntensityRow> intensityByRange, intensityByIncidence;
+  std::vector<BandComparison> ranges;   // fractions of each set's patches that are in the bands
+  // Median intensities of patches, divided by the median of the set.
+  std::vector<BandComparison> intensityByRange, intensityByIncidence;
   std::vector<KeyChange> advice;
   std::string assignment;  // argument of --set that applies all advice; empty: no advice
   std::string unadvised;   // the reason why there is no advice, as a sentence; empty if there is advice

@@ -30,7 +30,7 @@ OrderedJson setJson(const ScanSet& set) {
 }
 
 OrderedJson separationJson(const Separation& s) {
-  const PatchFeature& feature = kPatchFeatures[s.feature];
+  const ComparedFigure& feature = kPatchFeatures[s.feature];
   return {{"feature", feature.name},
           {"strength", s.strength},
           {"area", s.area},
@@ -41,9 +41,10 @@ OrderedJson separationJson(const Separation& s) {
           {"simulated_patches", s.simulated}};
 }
 
-OrderedJson intensityJson(const std::vector<IntensityRow>& rows) {
-  return arrayOf(rows, [](const IntensityRow& row) -> OrderedJson {
-    return {{"band", row.name}, {"real", row.real}, {"simulated", row.simulated}};
+// Returns the bands; `suffix`: appended to the keys of the values.
+OrderedJson bandsJson(const std::vector<BandComparison>& bands, const std::string& suffix = "") {
+  return arrayOf(bands, [&](const BandComparison& band) -> OrderedJson {
+    return {{"band", band.name}, {"real" + suffix, band.real}, {"simulated" + suffix, band.simulated}};
   });
 }
 
@@ -52,7 +53,7 @@ OrderedJson intensityJson(const std::vector<IntensityRow>& rows) {
 std::string comparisonJson(const SetComparison& comparison, const std::string& date) {
   OrderedJson figures = OrderedJson::array();
   for (std::size_t i = 0; i < kSetFigureCount; ++i) {
-    const SetFigure& figure = kSetFigures[i];
+    const ComparedFigure& figure = kSetFigures[i];
     figures.push_back({{"figure", figure.name},
                        {"unit", figure.unit},
                        {"real", comparison.real.figures[i] * figure.factor},
@@ -89,13 +90,9 @@ std::string comparisonJson(const SetComparison& comparison, const std::string& d
                                    {"simulated_share", group.simulatedShare},
                                    {"features", arrayOf(group.features, separationJson)}};
                          })},
-      {"ranges",
-       arrayOf(comparison.ranges,
-               [](const BandComparison& band) -> OrderedJson {
-                 return {{"band", band.name}, {"real_share", band.realShare}, {"simulated_share", band.simulatedShare}};
-               })},
-      {"intensity_by_range", intensityJson(comparison.intensityByRange)},
-      {"intensity_by_incidence", intensityJson(comparison.intensityByIncidence)}};
+      {"ranges", bandsJson(comparison.ranges, "_share")},
+      {"intensity_by_range", bandsJson(comparison.intensityByRange)},
+      {"intensity_by_incidence", bandsJson(comparison.intensityByIncidence)}};
   return layOut(json) + "\n";
 }
 

@@ -48,27 +48,27 @@ std::optional<double> numberIn(const Value& options, std::string_view key) {
 }
 
 // A figure of both sets, as shown to users.
-struct ComparedFigure {
+struct FigurePair {
   double real = 0, simulated = 0;
   std::string_view title, unit;
 
   double ratio() const { return real / simulated; }
 };
 
-std::optional<ComparedFigure> figureOfPatches(const SetComparison& comparison, std::string_view name) {
+std::optional<FigurePair> figureOfPatches(const SetComparison& comparison, std::string_view name) {
   for (const Separation& s : comparison.features) {
-    const PatchFeature& f = kPatchFeatures[s.feature];
-    if (f.name == name) return ComparedFigure{s.realValue * f.factor, s.simulatedValue * f.factor, f.title, f.unit};
+    const ComparedFigure& f = kPatchFeatures[s.feature];
+    if (f.name == name) return FigurePair{s.realValue * f.factor, s.simulatedValue * f.factor, f.title, f.unit};
   }
   return {};
 }
 
-std::optional<ComparedFigure> figureOfSets(const SetComparison& comparison, std::string_view name) {
+std::optional<FigurePair> figureOfSets(const SetComparison& comparison, std::string_view name) {
   for (std::size_t i = 0; i < kSetFigureCount; ++i) {
-    const SetFigure& f = kSetFigures[i];
+    const ComparedFigure& f = kSetFigures[i];
     if (f.name != name) continue;
-    return ComparedFigure{comparison.real.figures[i] * f.factor, comparison.simulated.figures[i] * f.factor, f.title,
-                          f.unit};
+    return FigurePair{comparison.real.figures[i] * f.factor, comparison.simulated.figures[i] * f.factor, f.title,
+                      f.unit};
   }
   return {};
 }
@@ -77,12 +77,12 @@ std::optional<ComparedFigure> figureOfSets(const SetComparison& comparison, std:
 // describes patches.
 // Returns nothing if both exist and suggest opposite changes, since something other than the key then causes the
 // difference.
-std::optional<ComparedFigure> figureFor(const SetComparison& comparison, const KeyInfluence& influence) {
-  const std::optional<ComparedFigure> sets = figureOfSets(comparison, influence.figure);
-  const std::optional<ComparedFigure> patches = figureOfPatches(comparison, influence.figure);
-  const auto known = [](const std::optional<ComparedFigure>& s) { return s && s->real > 0 && s->simulated > 0; };
+std::optional<FigurePair> figureFor(const SetComparison& comparison, const KeyInfluence& influence) {
+  const std::optional<FigurePair> sets = figureOfSets(comparison, influence.figure);
+  const std::optional<FigurePair> patches = figureOfPatches(comparison, influence.figure);
+  const auto known = [](const std::optional<FigurePair>& s) { return s && s->real > 0 && s->simulated > 0; };
   if (known(sets) && known(patches) && (sets->ratio() > 1) != (patches->ratio() > 1)) return {};
-  const std::optional<ComparedFigure>& figure = sets ? sets : patches;
+  const std::optional<FigurePair>& figure = sets ? sets : patches;
   return known(figure) ? figure : std::nullopt;
 }
 
@@ -102,7 +102,7 @@ std::vector<KeyChange> adviceFor(const SetComparison& comparison, const std::vec
   std::vector<KeyChange> advice;
   for (const KeyInfluence& influence : kKeyInfluences) {
     const auto item = effectNamed(own, influence.effect);
-    const std::optional<ComparedFigure> figure = figureFor(comparison, influence);
+    const std::optional<FigurePair> figure = figureFor(comparison, influence);
     if (item == own.end() || !figure || std::max(figure->real, figure->simulated) < influence.least) continue;
     const std::optional<double> now = numberIn(readNamed(*item, "an effect").options, influence.key);
     const double ratio = figure->ratio();

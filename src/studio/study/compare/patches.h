@@ -19,14 +19,15 @@ constexpr int kPatchRowReach = 2;  // rows above and below a patch's middle
 constexpr double kJump = 0.3;      // range difference (m) between neighbours above which there is an edge
 constexpr double kEdge = 1.5;      // least range difference of an edge at which mixed pixels are searched for (m)
 
-struct PatchFeature {
+// A figure by which sets of scans are compared.
+struct ComparedFigure {
   std::string_view name;   // name in JSON
   std::string_view title;  // name for users
   std::string_view unit;   // unit of shown values; a shown value is the stored value times `factor`
   double factor;
-  bool mostlyZero;           // true: means of the feature are shown; false: medians
-  std::string_view meaning;  // explanation, as a phrase
-  std::string_view keys;     // keys of a pipeline that influence the feature
+  std::string_view meaning;   // explanation, as a phrase
+  std::string_view keys;      // what influences the figure: keys of a pipeline, properties of the scene
+  bool isMostlyZero = false;  // true: means of a feature of patches are shown; false: medians
 };
 
 enum class Feature : std::size_t {
@@ -46,48 +47,48 @@ enum class Feature : std::size_t {
   Returns,
 };
 
-inline constexpr auto kPatchFeatures = std::to_array<PatchFeature>({
-    {"range_scatter", "range scatter", "mm", 1000, false,
+inline constexpr auto kPatchFeatures = std::to_array<ComparedFigure>({
+    {"range_scatter", "range scatter", "mm", 1000,
      "deviation of the ranges of 7 neighbours in a ring from a parabola, where none jumps",
      "effects range_noise (sigma_m, table), quantize; relief on rough surfaces"},
-    {"thickness", "thickness of surfaces", "mm", 1000, false,
+    {"thickness", "thickness of surfaces", "mm", 1000,
      "deviation of the points of 5 x 9 beams from their plane, those nearby in range alone",
      "effects relief and range_noise; how finely the scene's models are made"},
-    {"relative_thickness", "relative thickness", "", 1, false,
+    {"relative_thickness", "relative thickness", "", 1,
      "thickness over the lesser width of the same points: 0 a plane, 1 a ball",
      "effects relief and range_noise; leaves and twigs of the scene's vegetation"},
-    {"steepness", "steepness", "deg", 1, false, "angle between the patch's normal and the vertical: 0 level, 90 a wall",
+    {"steepness", "steepness", "deg", 1, "angle between the patch's normal and the vertical: 0 level, 90 a wall",
      "the scene: slopes, what stands beside the road; the sensor's mount"},
-    {"ring_offset", "offset from the rings beside", "mm", 1000, false,
+    {"ring_offset", "offset from the rings beside", "mm", 1000,
      "distance of 5 neighbours' mean from the plane of the rings above and below",
      "effects ring_bias (range_sigma_m, elevation_sigma_deg); relief"},
-    {"intensity", "intensity", "", 1, false, "intensity in units of the set's median",
+    {"intensity", "intensity", "", 1, "intensity in units of the set's median",
      "reflectances in labels/materials.yaml, effects intensity and reflectance_variation"},
-    {"intensity_scatter", "intensity scatter", "%", 100, false,
+    {"intensity_scatter", "intensity scatter", "%", 100,
      "difference of the intensity from the mean of the 4 neighbours in its ring, in parts of that; whole numbers of a "
      "low "
      "median scatter by their rounding alone",
      "effects speckle (looks) and reflectance_variation"},
-    {"ring_gain", "gain against the rings beside", "%", 100, false,
+    {"ring_gain", "gain against the rings beside", "%", 100,
      "logarithm of the mean intensity of 5 neighbours over that of the rings above and below",
      "effects ring_bias (gain_sigma)"},
-    {"missing", "missing beams", "%", 100, true, "share of the 5 x 9 beams without a return",
+    {"missing", "missing beams", "%", 100, "share of the 5 x 9 beams without a return",
      "windows (light_paths), dark and wet materials (detection), the ego vehicle, gaps in the scene; single ones: "
-     "dropout"},
-    {"single_missing", "single missing beams", "%", 100, true,
+     "dropout",
+     true},
+    {"single_missing", "single missing beams", "%", 100,
      "share of the 7 beams around in the ring that are missing between two returns at one range",
-     "effects dropout (probability) and detection (noise)"},
-    {"jump", "largest jump beside", "%", 100, false,
+     "effects dropout (probability) and detection (noise)", true},
+    {"jump", "largest jump beside", "%", 100,
      "largest difference in range to the neighbours in the ring, over the range",
      "the scene: vegetation, thin things; effects footprint and relief"},
-    {"jumps", "jumps around", "", 1, true,
-     "how many of the 8 steps between 9 neighbours in a ring are of more than 0.3 m",
-     "the scene: vegetation, thin things; effects footprint and light_paths"},
-    {"mixed", "mixed pixels", "", 1, true,
+    {"jumps", "jumps around", "", 1, "how many of the 8 steps between 9 neighbours in a ring are of more than 0.3 m",
+     "the scene: vegetation, thin things; effects footprint and light_paths", true},
+    {"mixed", "mixed pixels", "", 1,
      "where a point lies between two surfaces that are 1.5 m or more apart: 0 at one of them, 0.5 in the middle",
-     "effects footprint (rays)"},
-    {"returns", "returns of a beam", "", 1, true, "how many returns the beam has",
-     "effects detection (returns), footprint, light_paths and weather"},
+     "effects footprint (rays)", true},
+    {"returns", "returns of a beam", "", 1, "how many returns the beam has",
+     "effects detection (returns), footprint, light_paths and weather", true},
 });
 inline constexpr std::size_t kFeatureCount = kPatchFeatures.size();
 

@@ -251,7 +251,7 @@ double spreadOverRows(const Patches& patches, const std::vector<float>& values) 
 }
 
 double& figureNamed(ScanSet& set, std::string_view name) {
-  const auto found = std::ranges::find(kSetFigures, name, &SetFigure::name);
+  const auto found = std::ranges::find(kSetFigures, name, &ComparedFigure::name);
   if (found == kSetFigures.end()) throw Error(fmt::format("no figure '{}'", name));
   return set.figures[static_cast<std::size_t>(found - kSetFigures.begin())];
 }

@@ -18,17 +18,8 @@
 
 namespace scanmill {
 
-// A figure that describes a complete set of scans.
-struct SetFigure {
-  std::string_view name;   // name in JSON
-  std::string_view title;  // name for users
-  std::string_view unit;   // unit of shown values; a shown value is the stored value times `factor`
-  double factor;
-  std::string_view meaning;
-  std::string_view keys;  // what influences the figure: keys of a pipeline, properties of the scene
-};
-
-inline constexpr auto kSetFigures = std::to_array<SetFigure>({
+// Figures that describe complete sets of scans.
+inline constexpr auto kSetFigures = std::to_array<ComparedFigure>({
     {"returns", "beams that return", "%", 100, "of all beams of the sensor",
      "the scene's openness; detection, dropout, light_paths; the sensor's mount"},
     {"missing_below", "missing below the horizon", "%", 100,

@@ -265,20 +265,6 @@ class RepeatabilityRun {
 
 }  // namespace
 
-std::vector<std::string> Repeatability::objects() const {
-  std::vector<std::string> names;
-  for (const RepeatedView& view : views) {
-    for (const RepeatedPose& pose : view.poses) appendNew({pose.object}, names);
-  }
-  return names;
-}
-
-std::vector<std::string> Repeatability::sensors() const {
-  std::vector<std::string> names;
-  for (const RepeatedView& view : views) appendNew({view.sensor}, names);
-  return names;
-}
-
 Repeatability measureRepeatability(const Plan& plan, const RepeatabilityOptions& options) {
   return RepeatabilityRun(plan, options)();
 }

@@ -63,8 +63,6 @@ struct Repeatability {
   std::vector<RepeatedView> views;
   std::vector<std::string> warnings;  // sentences about figures that are not meaningful
 
-  std::vector<std::string> objects() const;  // returns the names of the objects in the results, without repetitions
-  std::vector<std::string> sensors() const;  // returns RepeatedView::sensor of all views, without repetitions
   const LevelFitness& at(const RepeatedPose& pose, std::size_t source, std::size_t target) const {
     return pose.fitness[source * levels.size() + target];
   }

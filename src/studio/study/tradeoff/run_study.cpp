@@ -63,11 +63,11 @@ class StudyRun {
     measureOptions_.channels = plan_.channels;
     measureOptions_.intensity = noiseFreeIntensity(plan_.pipeline, scene_);
     measureOptions_.stop = [this] { return options_.stop != nullptr && *options_.stop; };
-    takeShots(choice_.shots);
+    traceTruth(choice_.shots);
     measureSettings();
-    takeEncodings();
-    takeSensing();
-    takePictures();
+    measureEncodings();
+    measureSimplifications();
+    drawPictures();
     study_.seconds = timer_.seconds();
     return std::move(study_);
   }
@@ -104,44 +104,53 @@ class StudyRun {
     }
   }
 
-  // Selects the frames to measure: as many as the time budget probably allows, but at most `most`. The time per frame
-  // is estimated from one frame with each method's first setting.
-  void takeShots(std::uint32_t most) {
-    const std::vector<Shot> first = source_.frame(choice_.sequence, sequence_.spreadFrames(1).front()).shots;
-    double setup = 0;
-    double perFrame = 0;
-    std::map<std::string, std::pair<double, double>> known;  // set-up time and scan time (s), by method
+  // Returns how long the measurements of one frame and the set-ups of all settings probably take, from one frame with
+  // each method's first setting.
+  struct Expected {
+    double setUpSeconds = 0, frameSeconds = 0;
+  };
+  Expected expectedTime() {
+    const std::vector<Shot> shots = source_.frame(choice_.sequence, sequence_.spreadFrames(1).front()).shots;
+    std::map<std::string, Expected> byMethod;  // `frameSeconds`: of one scan by each sensor
     Hits hits;
+    Expected sum;
     for (const MethodSetting& s : choice_.settings) {
-      auto at = known.find(s.setting.method);
-      if (at == known.end()) {
+      const auto [known, isNew] = byMethod.try_emplace(s.setting.method);
+      Expected& own = known->second;
+      if (isNew) {
         progress_.say(fmt::format("a first look at {}", s.setting.method));
-        at = known.emplace(s.setting.method, std::pair{0.0, 0.0}).first;
         try {
           std::unique_ptr<Method> method;
           const auto traceAll = [&] {
-            for (const Shot& shot : first) method->trace(shot, measureOptions_.channels, hits);
+            for (const Shot& shot : shots) method->trace(shot, measureOptions_.channels, hits);
           };
-          at->second.first = secondsOf([&] {
+          own.setUpSeconds = secondsOf([&] {
             method = makeMethod(s.choice, scene_);
-            method->prepare(first.front());
+            method->prepare(shots.front());
             traceAll();
           });
-          at->second.second = secondsOf(traceAll);
+          own.frameSeconds = secondsOf(traceAll);
         } catch (const Error&) {
           // The error is reported when the method's settings are measured.
         }
       }
-      setup += at->second.first;
-      perFrame += at->second.second * (choice_.repeats + 1);
+      sum.setUpSeconds += own.setUpSeconds;
+      sum.frameSeconds += own.frameSeconds * (choice_.repeats + 1);
     }
+    return sum;
+  }
+
+  // Selects the frames to measure: as many as the time budget probably allows, but at most `most`.
+  void traceTruth(std::uint32_t most) {
     // Fraction of the budget to plan for, since other settings may take longer than the first ones.
     constexpr double kShare = 0.6;
     // Approximate time per frame for exact hits, edges and distances between clouds (s).
     constexpr double kTruthSeconds = 1.5;
-    const double left = kShare * budget_ - timer_.seconds() - setup;
-    const double fitting = left / (perFrame + kTruthSeconds + 0.15 * static_cast<double>(choice_.settings.size()));
-    const auto count = static_cast<std::uint32_t>(std::clamp(fitting, 1.0, static_cast<double>(most)));
+    const Expected expected = expectedTime();
+    const double available = kShare * budget_ - timer_.seconds() - expected.setUpSeconds;
+    const double perFrame = expected.frameSeconds + kTruthSeconds +
+                            measureOptions_.leastSeconds * static_cast<double>(choice_.settings.size());
+    const auto count = static_cast<std::uint32_t>(std::clamp(available / perFrame, 1.0, static_cast<double>(most)));
     progress_.say("tracing the truth");
     std::vector<Shot> shots;
     for (const std::uint32_t frame : sequence_.spreadFrames(count)) {
@@ -183,7 +192,7 @@ class StudyRun {
     }
   }
 
-  void takeEncodings() {
+  void measureEncodings() {
     const ThreadLimit one(1);
     progress_.say("encodings");
     const auto tracer = makeReference(scene_);
@@ -216,7 +225,7 @@ class StudyRun {
   }
 
   // Measures one frame only, since its reference scan may have 127 rays per beam and then takes as long as 127 scans.
-  void takeSensing() {
+  void measureSimplifications() {
     std::vector<Shot> shots;
     for (const TrueShot& t : truth_) {
       if (t.shot.frame == truth_.front().shot.frame) shots.push_back(t.shot);
@@ -227,7 +236,7 @@ class StudyRun {
 
   // Draws pictures of the errors of two settings of each method: of the first setting with noticeable errors, and of
   // the setting with the largest 99th percentile of the range error. Methods without noticeable errors get no picture.
-  void takePictures() {
+  void drawPictures() {
     if (!options_.drawErrors) return;
     std::set<std::string> wanted;
     std::map<std::string, std::vector<const SettingResult*>> erring;
