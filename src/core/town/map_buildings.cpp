@@ -19,6 +19,8 @@ constexpr double kSlope = 0.75;  // usual slope of a pitched roof
 constexpr double kWidest = 18;   // m, width of the widest building with a pitched roof that the map does not give
 constexpr double kUnit = 1e-3;   // m per unit of the integer coordinates of Boost.Polygon
 
+constexpr double kSquare = 0.1;  // largest difference of the half sides of a square, as a part of the smaller one
+
 enum class RoofShape { Flat, Gabled, Hipped, Pyramidal, Skillion };
 
 struct RoofEntry {
@@ -46,26 +48,70 @@ constexpr RoofEntry kRoofs[] = {
     {"cone", RoofShape::Pyramidal, "pyramidal"},
 };
 
-// Sets the shape of the roof, and the ridge of a pitched roof.
+// The direction in which a roof slopes: along the x axis of the rectangle about the building, or along its y axis.
+struct RoofDirection {
+  bool alongX;
+  double highSide;  // 1 or -1: the side of the rectangle, on this axis, where a skillion roof is high
+};
+
+RoofDirection roofDirection(const OsmTags& tags, const models::Footprint& about, bool mirrored, TagNumbers& numbers) {
+  const auto direction = numbers.read(tags, "roof:direction", compassOf, 0, 360);
+  if (!direction) return {(about.halfX < about.halfY) != (tags["roof:orientation"] == "across"), 1};
+  const double east = std::sin(radians(*direction));
+  const double north = std::cos(radians(*direction)) * (mirrored ? -1 : 1);
+  const double downX = east * std::cos(about.yaw) + north * std::sin(about.yaw);
+  const double downY = north * std::cos(about.yaw) - east * std::sin(about.yaw);
+  const bool alongX = std::abs(downX) > std::abs(downY);
+  return {alongX, (alongX ? downX : downY) > 0 ? -1.0 : 1.0};
+}
+
+// Sets the ridge and the height of a pitched roof, and the kind of roof if a house has this kind. `slope`: height per
+// length (m/m). Outlines with points on straight walls become rectangles.
+void setPitchedRoof(MapBuilding& b, RoofShape shape, RoofDirection direction, double slope) {
+  const models::Footprint about = rectangleAbout(b.outline);
+  const double narrow = std::min(about.halfX, about.halfY);
+  const bool square = std::abs(about.halfX - about.halfY) < kSquare * narrow;
+  if (shape == RoofShape::Hipped && direction.alongX != (about.halfX < about.halfY)) {
+    direction.alongX = about.halfX < about.halfY;
+    if (std::abs(about.halfX - about.halfY) > kSquare * narrow) {
+      b.different = "hipped roofs with a ridge across, whose ridge is along the longer side";
+    }
+  }
+  const double run = direction.alongX ? about.halfX : about.halfY;  // m, from the eaves to the ridge
+  double halfRidge = direction.alongX ? about.halfY : about.halfX;  // m
+  if (shape == RoofShape::Hipped) halfRidge = std::max(0.0, halfRidge - run);
+  if (shape == RoofShape::Pyramidal) halfRidge = 0;
+  const double aside = shape == RoofShape::Skillion ? direction.highSide * run : 0;
+  b.ridge = direction.alongX ? std::array{about.at(aside, -halfRidge), about.at(aside, halfRidge)}
+                             : std::array{about.at(-halfRidge, aside), about.at(halfRidge, aside)};
+  b.rise = slope * (shape == RoofShape::Gabled || shape == RoofShape::Skillion ? run : narrow);
+  if (shape == RoofShape::Gabled) b.roof = models::Roof::Gable;
+  if (shape == RoofShape::Hipped || (shape == RoofShape::Pyramidal && square)) b.roof = models::Roof::Hip;
+  if (shape != RoofShape::Pyramidal && b.outline.size() != 4) {
+    const double x = about.halfX;
+    const double y = about.halfY;
+    b.outline = {about.at(-x, -y), about.at(x, -y), about.at(x, y), about.at(-x, y)};
+  }
+}
+
+// Sets the shape of the roof that the map gives; if it gives none, only the height of a roof that the seed draws.
 void setRoof(MapBuilding& b, const OsmTags& tags, bool mirrored, TagNumbers& numbers) {
   const models::Footprint about = rectangleAbout(b.outline);
   const double narrow = std::min(about.halfX, about.halfY);
   const bool rectangular = isRectangular(b.outline, about);
-  const auto entry = std::find_if(std::begin(kRoofs), std::end(kRoofs),
-                                  [&](const RoofEntry& e) { return e.name == tags["roof:shape"]; });
-  const bool known = entry != std::end(kRoofs);
-  if (!known && !tags["roof:shape"].empty()) b.different = "roofs with an unknown roof:shape, which the seed draws";
+  const auto* const entry = std::ranges::find(kRoofs, tags["roof:shape"], &RoofEntry::name);
   const auto angle = numbers.read(tags, "roof:angle", numberOf, 1, 85);
   const double slope = angle ? std::tan(radians(*angle)) : 2 * narrow < kWidest ? kSlope : kSlope / 3;
-  if (!known) {
+  if (entry == std::end(kRoofs)) {
+    if (!tags["roof:shape"].empty()) b.different = "roofs with an unknown roof:shape, which the seed draws";
     if (rectangular && 2 * narrow < kWidest) b.rise = slope * narrow;
     b.riseSaid = angle && b.rise > 0;
     return;
   }
-  RoofShape shape = entry->built;
   if (!entry->as.empty()) {
     b.different = fmt::format("roofs with roof:shape={}, which are built {}", entry->name, entry->as);
   }
+  RoofShape shape = entry->built;
   const bool pyramid = shape == RoofShape::Pyramidal && isInside({&b.outline}, about.center);
   const bool fits = b.courts.empty() && (rectangular || pyramid);
   if (shape != RoofShape::Flat && !fits) {
@@ -76,42 +122,9 @@ void setRoof(MapBuilding& b, const OsmTags& tags, bool mirrored, TagNumbers& num
     b.roof = models::Roof::Flat;
     return;
   }
-  // The roof slopes along the x axis of the rectangle about the building, or along its y axis.
-  bool alongX = (about.halfX < about.halfY) != (tags["roof:orientation"] == "across");
-  double highSide = 1;  // the side of the rectangle where a skillion roof is high
-  if (const auto direction = numbers.read(tags, "roof:direction", compassOf, 0, 360)) {
-    const double east = std::sin(radians(*direction));
-    const double north = std::cos(radians(*direction)) * (mirrored ? -1 : 1);
-    const double downX = east * std::cos(about.yaw) + north * std::sin(about.yaw);
-    const double downY = north * std::cos(about.yaw) - east * std::sin(about.yaw);
-    alongX = std::abs(downX) > std::abs(downY);
-    highSide = (alongX ? downX : downY) > 0 ? -1 : 1;
-  }
-  if (shape == RoofShape::Hipped && alongX != (about.halfX < about.halfY)) {
-    alongX = about.halfX < about.halfY;
-    if (std::abs(about.halfX - about.halfY) > 0.1 * narrow) {
-      b.different = "hipped roofs with a ridge across, whose ridge is along the longer side";
-    }
-  }
-  const double run = alongX ? about.halfX : about.halfY;
-  const double half = alongX ? about.halfY : about.halfX;
-  double length = half;  // half of the ridge
-  if (shape == RoofShape::Hipped) length = std::max(0.0, half - run);
-  if (shape == RoofShape::Pyramidal) length = 0;
-  const double aside = shape == RoofShape::Skillion ? highSide * run : 0;
-  b.ridge = alongX ? std::array{about.at(aside, -length), about.at(aside, length)}
-                   : std::array{about.at(-length, aside), about.at(length, aside)};
-  b.rise = slope * (shape == RoofShape::Gabled || shape == RoofShape::Skillion ? run : narrow);
+  setPitchedRoof(b, shape, roofDirection(tags, about, mirrored, numbers), slope);
   if (angle && shape == RoofShape::Skillion) b.rise *= 2;  // it rises over the complete width
   b.riseSaid = angle.has_value();
-  if (shape == RoofShape::Gabled) b.roof = models::Roof::Gable;
-  const bool square = std::abs(about.halfX - about.halfY) < 0.1 * narrow;
-  if (shape == RoofShape::Hipped || (shape == RoofShape::Pyramidal && square)) b.roof = models::Roof::Hip;
-  if (shape != RoofShape::Pyramidal && b.outline.size() != 4) {
-    const double x = about.halfX;
-    const double y = about.halfY;
-    b.outline = {about.at(-x, -y), about.at(x, -y), about.at(x, y), about.at(-x, y)};
-  }
 }
 
 // Sets the heights of a building whose roof has a shape.
