@@ -128,9 +128,11 @@ class Layout {
 
  private:
   void drawRoads();
+  void drawSideRoads();
   void drawPlots();
   void drawPotholes();
   void drawRoundabout();
+  bool isClear(const Point2& p, double reach, std::uint32_t except) const;
   void drawLand();
   bool addLand(Land land, const Road& road, int side, double along, double width, double depth);
   void addPlots(const Road& road, int side, double from, double to);

@@ -16,6 +16,39 @@ Polygon cornersOf(const Footprint& f) {
   return {f.at(-f.halfX, -f.halfY), f.at(f.halfX, -f.halfY), f.at(f.halfX, f.halfY), f.at(-f.halfX, f.halfY)};
 }
 
+// Returns the point at a distance (m) from another one, in the direction `angle` (rad).
+Point2 polar(const Point2& from, double distance, double angle) {
+  return {from.x + distance * std::cos(angle), from.y + distance * std::sin(angle)};
+}
+// Returns a roundabout that begins at the angle `start` (rad) as seen from its centre.
+Road ringRoad(const Point2& center, double radius, double start, CrossSection section) {
+  Road ring;
+  const auto count = static_cast<int>(std::ceil(2 * kPi * radius / kRoadStep));
+  for (int k = 0; k <= count; ++k) ring.line.push_back(polar(center, radius, start + 2 * kPi * k / count));
+  section.parking = section.sidewalk = 0;
+  section.half = 3;
+  section.verge = 1;
+  section.curb = 0.15;
+  section.step = std::max(section.step, 0.08);
+  ring.section = section;
+  ring.against = false;
+  ring.ring = true;
+  return ring;
+}
+// Returns the points of a random line. Its heading is a smooth random field that varies by less than a right angle, so
+// that the line never crosses itself. `bend`: amplitude of the heading (rad).
+std::vector<Point2> drawLine(const FieldAddress& field, const Point2& from, double heading, double bend,
+                             double length) {
+  constexpr double kBends = 90;    // m, size of bends
+  constexpr double kToUnit = 1.8;  // factor on the field, so that its largest values are about 1
+  std::vector<Point2> points{from};
+  const double start = relief(field, 0, 0.5, kBends);
+  for (double s = 0; s + kRoadStep / 2 < length; s += kRoadStep) {
+    const double turned = heading + bend * kToUnit * (relief(field, s + kRoadStep / 2, 0.5, kBends) - start);
+    points.push_back(polar(points.back(), kRoadStep, turned));
+  }
+  return points;
+}
 }  // namespace
 
 // Adds land beside a road, beyond the sidewalk. `width` and `depth`: size of the land along and across the road (m).
@@ -81,9 +114,19 @@ void Layout::drawLand() {
   }
 }
 
+// True if no road but the one with the number `except` is within `reach` metres of a point.
+bool Layout::isClear(const Point2& p, double reach, std::uint32_t except) const {
+  for (std::uint32_t k = 0; k < 16; ++k) {
+    const Beside b = besideAt(polar(p, reach, kPi * k / 8));
+    if (b.known && b.edge < b.section.outer() && b.road != except) return false;
+  }
+  return true;
+}
+
 // Adds a roundabout at the end of a random side road, as in many suburbs: a ring with an island, and up to three roads
 // that leave the ring.
 void Layout::drawRoundabout() {
+  constexpr double kRingFromEdge = 70, kRoadFromEdge = 30;  // m, least distances from the edge of the ground
   Draw draw(seed, Kind::Roundabout);
   if (character.country || roads().size() < 2 || !draw.chance(0.35)) return;
   const auto pick = static_cast<std::uint32_t>(1 + draw.below(static_cast<int>(roads().size()) - 1));
@@ -92,48 +135,23 @@ void Layout::drawRoundabout() {
   const Point2 heading = from.heading(from.length());
   const double radius = draw.in(11, 16);
   const Point2 center{end.x + radius * heading.x, end.y + radius * heading.y};
-  const auto clear = [&](const Point2& p, double reach) {
-    for (std::uint32_t k = 0; k < 16; ++k) {
-      const Point2 q{p.x + reach * std::cos(kPi * k / 8), p.y + reach * std::sin(kPi * k / 8)};
-      const Beside b = besideAt(q);
-      if (b.known && b.edge < b.section.outer() && b.road != pick) return false;
-    }
-    return true;
+  const auto isInside = [&](const Point2& p, double fromEdge) {
+    return std::max(std::abs(p.x), std::abs(p.y)) <= halfSide - fromEdge;
   };
-  if (std::max(std::abs(center.x), std::abs(center.y)) > halfSide - 70 || !clear(center, radius + 12)) return;
-  Road ring;
-  const double start = std::atan2(end.y - center.y, end.x - center.x);
-  const auto count = static_cast<int>(std::ceil(2 * kPi * radius / kRoadStep));
-  for (int k = 0; k <= count; ++k) {
-    const double angle = start + 2 * kPi * k / count;
-    ring.line.push_back({center.x + radius * std::cos(angle), center.y + radius * std::sin(angle)});
-  }
-  ring.section = from.section;
-  ring.section.parking = 0;
-  ring.section.half = 3;
-  ring.section.verge = 1;
-  ring.section.sidewalk = 0;
-  ring.section.curb = 0.15;
-  ring.section.step = std::max(ring.section.step, 0.08);
-  ring.against = false;
-  ring.ring = true;
-  network_.add(std::move(ring));
+  if (!isInside(center, kRingFromEdge) || !isClear(center, radius + 12, pick)) return;
+  network_.add(ringRoad(center, radius, std::atan2(end.y - center.y, end.x - center.x), from.section));
   network_.addJoint(end);
   for (const double turn : {draw.in(-2, -0.8), draw.in(-0.4, 0.4), draw.in(0.8, 2)}) {
     const double angle = std::atan2(heading.y, heading.x) + turn;
     const double length = draw.in(35, 80);
-    const Point2 begin{center.x + radius * std::cos(angle), center.y + radius * std::sin(angle)};
-    if (draw.chance(0.3)) continue;
-    bool free = true;
-    for (const double d : models::steps(25, length, 5)) {
-      free = free && clear({begin.x + d * std::cos(angle), begin.y + d * std::sin(angle)}, 9);
+    const Point2 begin = polar(center, radius, angle);
+    if (draw.chance(0.3) || !isInside(polar(begin, length, angle), kRoadFromEdge)) continue;
+    if (!std::ranges::all_of(models::steps(25, length, 5),
+                             [&](double d) { return isClear(polar(begin, d, angle), 9, pick); })) {
+      continue;
     }
-    const Point2 last{begin.x + length * std::cos(angle), begin.y + length * std::sin(angle)};
-    if (!free || std::max(std::abs(last.x), std::abs(last.y)) > halfSide - 30) continue;
     Road exit;
-    for (const double d : models::steps(0, length, kRoadStep)) {
-      exit.line.push_back({begin.x + d * std::cos(angle), begin.y + d * std::sin(angle)});
-    }
+    for (const double d : models::steps(0, length, kRoadStep)) exit.line.push_back(polar(begin, d, angle));
     exit.section = from.section;
     network_.add(std::move(exit));
     network_.addJoint(begin);
@@ -144,36 +162,28 @@ void Layout::drawRoundabout() {
 
 using models::Kind;
 
+// Adds the main road, whose middle is the origin, and then the side roads.
 void Layout::drawRoads() {
-  // The heading is a smooth random field that varies by less than a right angle, so that the line never crosses itself.
-  const auto line = [&](const FieldAddress& field, Point2 from, double heading, double bend, double length) {
-    std::vector<Point2> points{from};
-    const double start = relief(field, 0, 0.5, 90);
-    for (double s = 0; s + kRoadStep / 2 < length; s += kRoadStep) {
-      const double turned = heading + bend * 1.8 * (relief(field, s + kRoadStep / 2, 0.5, 90) - start);
-      const Point2 p = points.back();
-      points.push_back({p.x + kRoadStep * std::cos(turned), p.y + kRoadStep * std::sin(turned)});
-    }
-    return points;
-  };
   const double reach = parameters.length / 2 + kBeyond;
-  std::vector<Point2> points = line({seed, Field::MainRoadBehind}, {0, 0}, kPi, character.bend, reach);
-  std::reverse(points.begin(), points.end());
-  const std::vector<Point2> ahead = line({seed, Field::MainRoadAhead}, {0, 0}, 0, character.bend, reach);
-  points.insert(points.end(), ahead.begin() + 1, ahead.end());
   Road main;
-  main.line = std::move(points);
+  main.line = drawLine({seed, Field::MainRoadBehind}, {0, 0}, kPi, character.bend, reach);
+  std::reverse(main.line.begin(), main.line.end());
+  const std::vector<Point2> ahead = drawLine({seed, Field::MainRoadAhead}, {0, 0}, 0, character.bend, reach);
+  main.line.insert(main.line.end(), ahead.begin() + 1, ahead.end());
   main.section = character.main;
   main.main = true;
   network_.add(std::move(main));
   const double middle = mainRoad().length() / 2;
   mainFrom = middle - parameters.length / 2;
   mainTo = middle + parameters.length / 2;
+  drawSideRoads();
+}
 
-  // Side roads begin at the main road, and some continue on its other side. Two side roads at the same side are far
-  // enough apart for plots.
-  constexpr double kApart = 45;  // m, least distance between two side roads at the same side
-  std::vector<std::pair<double, int>> taken;
+// Adds the side roads, which begin at the main road; some continue on its other side. Two side roads at the same side
+// are far enough apart for plots.
+void Layout::drawSideRoads() {
+  constexpr double kApart = 45, kApartOpposite = 14;  // m, least distances between two side roads
+  std::vector<std::pair<double, int>> taken;          // distances along the main road (m), and sides
   for (int i = 0; i < character.sideRoads; ++i) {
     Draw draw(seed, Kind::SideRoad, static_cast<std::uint32_t>(i));
     const double along = draw.in(mainFrom + 20, mainTo - 20);
@@ -183,7 +193,7 @@ void Layout::drawRoads() {
     for (const int side : {first, -first}) {
       if (side != first && !crosses) continue;
       const bool near = std::any_of(taken.begin(), taken.end(), [&](const auto& t) {
-        return std::abs(t.first - along) < (t.second == side ? kApart : 14);
+        return std::abs(t.first - along) < (t.second == side ? kApart : kApartOpposite);
       });
       if (near && side == first) break;
       if (near) continue;
@@ -191,8 +201,8 @@ void Layout::drawRoads() {
       const Point2 heading = mainRoad().heading(along);
       Road road;
       const double turn = std::atan2(heading.y, heading.x) + (side == first ? side * angle : side * (kPi - angle));
-      road.line = line({seed, Field::SideRoad, static_cast<std::uint32_t>(2 * i + (side > 0 ? 1 : 0))}, at, turn,
-                       0.6 * character.bend, draw.in(60, 150));
+      const FieldAddress field{seed, Field::SideRoad, static_cast<std::uint32_t>(2 * i + (side > 0 ? 1 : 0))};
+      road.line = drawLine(field, at, turn, 0.6 * character.bend, draw.in(60, 150));
       road.section = character.side;
       road.joins = along;
       road.joinsLeft = side > 0;

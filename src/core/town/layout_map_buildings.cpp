@@ -139,6 +139,29 @@ PlacedBlock placedBlockOf(const MapBuilding& b, const Frontage& frontage, int fl
   return placed;
 }
 
+// Returns the house of a building. `yaw`: of the house, whose front faces -y in its own frame.
+House houseOf(const MapBuilding& b, std::uint32_t number, int floors, const Frontage& frontage, double yaw,
+              Draw& draw) {
+  const Footprint& around = frontage.about;
+  House house = drawHouse(draw, number, 2 * around.halfY, 2 * around.halfX, floors);
+  house.shop = b.shop;
+  house.relation = b.relation;
+  house.top = b.top;
+  if (b.roof) house.roof = *b.roof;
+  if (b.riseSaid) house.rise = b.rise;
+  // The ridge of a gable roof is along the front, or goes away from it.
+  if (house.roof == models::Roof::Gable && b.ridge && ridgeAlong(*b.ridge, around)) {
+    house.roof = models::Roof::CrossGable;
+  }
+  house.forecourt = std::clamp(frontage.gap, 0.0, 30.0);
+  const double c = std::cos(yaw);
+  const double s = std::sin(yaw);
+  house.place = models::at(
+      {around.center.x - c * around.halfY + s * around.halfX, around.center.y - s * around.halfY - c * around.halfX, 0},
+      yaw);
+  return house;
+}
+
 }  // namespace
 
 // Turns rectangular buildings of a house's size, except sheds, into houses, and other buildings into blocks. Leaves out
@@ -156,25 +179,10 @@ void Layout::takeBuildings(const MapPlace& map) {
     const int floors = b.floorsSaid().value_or(drawn);
     const Frontage frontage = frontageOf(b.outline, network_);
     const Footprint& around = frontage.about;
-    const double yaw = around.yaw + kPi / 2;  // yaw of a house; in the house's frame the front faces -y
+    const double yaw = around.yaw + kPi / 2;  // of a house
     const bool house = isHouse(b, around);
     if (house) {
-      House made = drawHouse(draw, number, 2 * around.halfY, 2 * around.halfX, floors);
-      made.shop = b.shop;
-      made.relation = b.relation;
-      made.top = b.top;
-      if (b.roof) made.roof = *b.roof;
-      if (b.riseSaid) made.rise = b.rise;
-      // The ridge of a gable roof is along the front, or goes away from it.
-      if (made.roof == models::Roof::Gable && b.ridge && ridgeAlong(*b.ridge, around))
-        made.roof = models::Roof::CrossGable;
-      made.forecourt = std::clamp(frontage.gap, 0.0, 30.0);
-      const double c = std::cos(yaw);
-      const double s = std::sin(yaw);
-      made.place = models::at({around.center.x - c * around.halfY + s * around.halfX,
-                               around.center.y - s * around.halfY - c * around.halfX, 0},
-                              yaw);
-      houses.push_back(made);
+      houses.push_back(houseOf(b, number, floors, frontage, yaw, draw));
     } else {
       blocks.push_back(placedBlockOf(b, frontage, floors, number));
       blocks.back().block.relation = b.relation;
