@@ -31,7 +31,7 @@ struct AlphaAreas {
   double all = 0;
   double low = 0;     // with alpha below 0.5
   double graded = 0;  // with alpha from 0.1 to 0.9
-  double gone = 0;    // of triangles on which alpha is below 0.5 everywhere
+  double gone = 0;    // of triangles that a test of alpha would remove, since it is below 0.5 everywhere
 };
 
 void addTriangle(AlphaAreas& areas, const AssetPart& part, const Triangle& at, const Texture& texture) {
@@ -49,7 +49,7 @@ void addTriangle(AlphaAreas& areas, const AssetPart& part, const Triangle& at, c
       const int alpha = texture.texel(uv[at[0]].x * a + uv[at[1]].x * b + uv[at[2]].x * c,
                                       uv[at[0]].y * a + uv[at[1]].y * b + uv[at[2]].y * c)[3];
       low += alpha < 128 ? 1 : 0;
-      graded += alpha >= 26 && alpha < 230 ? 1 : 0;
+      graded += isGradedAlpha(alpha) ? 1 : 0;
     }
   }
   areas.all += area * kPoints;
@@ -158,20 +158,20 @@ class MaterialReader {
 void setColor(Material& material, BaseColor color, const std::filesystem::path& file, const AssetOptions& options,
               ColorImages& images) {
   const auto& [r, g, b] = color.factor;
-  const float plain = 0.2126f * r + 0.7152f * g + 0.0722f * b;  // luminance of the factor (Rec. 709, linear)
+  const float luminance = 0.2126f * r + 0.7152f * g + 0.0722f * b;  // luminance of the factor (Rec. 709, linear)
   const bool tested = color.alpha.wanted && color.image && color.image->hasAlpha;
   if (color.colored) {
     material.textureMean = images.mean(color.image, tested ? color.alpha.cutoff : 0.0f);
-    material.reflectance = material.textureMean * (color.tints ? plain : 1.0f);
+    material.reflectance = material.textureMean * (color.tints ? luminance : 1.0f);
   } else {
-    material.reflectance = plain;
+    material.reflectance = luminance;
   }
   material.textured = color.colored && options.textures;
   material.alphaTested = tested;
   material.alphaCutoff = tested ? color.alpha.cutoff : 0.5f;
   if (tested || material.textured) material.texture = std::move(color.image);
-  const bool untold = !color.colored && color.textured && r == 1 && g == 1 && b == 1;
-  if (!untold && (color.stated || color.textured)) return;
+  const bool isUnknown = !color.colored && color.textured && r == 1 && g == 1 && b == 1;
+  if (!isUnknown && (color.stated || color.textured)) return;
   const Material fallback;
   material.reflectance = fallback.reflectance;
   material.metallic = fallback.metallic;

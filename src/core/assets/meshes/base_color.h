@@ -76,6 +76,11 @@ class ColorImages {
 void setColor(Material& material, BaseColor color, const std::filesystem::path& file, const AssetOptions& options,
               ColorImages& images);
 
+// True if an alpha is neither near 0 nor near 1: from 0.1 to 0.9.
+inline bool isGradedAlpha(int alpha) {
+  return alpha >= 26 && alpha < 230;
+}
+
 // Returns the value, clamped to 0 to 1; the fallback if the value is not finite.
 template <class Number>
 Number fraction(Number value, Number fallback) {

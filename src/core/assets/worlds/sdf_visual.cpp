@@ -82,8 +82,9 @@ void readLook(const XmlNode& visual, const std::filesystem::path& file, WorldFil
 bool readMesh(const XmlNode& shape, const std::filesystem::path& file, WorldFile& world, WorldPart& part) {
   const XmlNode* const uri = shape.child("uri");
   if (uri == nullptr) shape.fail("has no <uri>");
+  MeshFile mesh;
   try {
-    part.mesh = findModel(*uri, file, uri->text);
+    mesh.path = findModel(*uri, file, uri->text);
   } catch (const MissingFileError& e) {
     world.missing.push_back(e);
     return false;
@@ -92,9 +93,10 @@ bool readMesh(const XmlNode& shape, const std::filesystem::path& file, WorldFile
     part.thingFromPart.linear = part.thingFromPart.linear * Mat3::scale(vectorIn(*scale, scale->text));
   }
   if (const XmlNode* submesh = shape.child("submesh")) {
-    part.submesh = submesh->textOf("name", "");
-    part.centred = isSdfTrue(submesh->textOf("center", "false"));
+    mesh.submesh = submesh->textOf("name", "");
+    mesh.centred = isSdfTrue(submesh->textOf("center", "false"));
   }
+  part.shape = std::move(mesh);
   return true;
 }
 
@@ -102,14 +104,16 @@ bool readMesh(const XmlNode& shape, const std::filesystem::path& file, WorldFile
 bool readShape(const XmlNode& geometry, const XmlNode& shape, const std::filesystem::path& file, WorldFile& world,
                WorldPart& part) {
   if (shape.name == "mesh") return readMesh(shape, file, world, part);
+  std::optional<Mesh> solid;
   if (shape.name == "polyline") {
-    part.solid = extrudedPolylines(geometry);
+    solid = extrudedPolylines(geometry);
   } else if (shape.name == "heightmap") {
-    if (const auto image = imageOf(shape, file, world)) part.solid = heightmapOf(shape, *image);
+    if (const auto image = imageOf(shape, file, world)) solid = heightmapOf(shape, *image);
   } else {
-    part.solid = solidOf(shape);
+    solid = solidOf(shape);
   }
-  return part.solid.has_value();
+  if (solid) part.shape = std::move(*solid);
+  return solid.has_value();
 }
 
 }  // namespace

@@ -182,15 +182,16 @@ class UrdfReader {
     part.thingFromPart = robotFromLink * readOrigin(visual);
     if (shape.name == "mesh") {
       try {
-        part.mesh = findModel(shape, file_, shape.attributeOr("filename", ""));
+        part.shape = MeshFile{findModel(shape, file_, shape.attributeOr("filename", ""))};
       } catch (const MissingFileError& e) {
         return world_.missing.push_back(e);
       }
       part.thingFromPart.linear =
           part.thingFromPart.linear * Mat3::scale(vectorIn(shape, shape.attributeOr("scale", "1 1 1")));
     } else {
-      part.solid = solidOf(shape);
-      if (!part.solid) shape.fail("is not a shape of URDF (mesh, box, cylinder or sphere)");
+      std::optional<Mesh> solid = solidOf(shape);
+      if (!solid) shape.fail("is not a shape of URDF (mesh, box, cylinder or sphere)");
+      part.shape = std::move(*solid);
     }
     if (const XmlNode* material = visual.child("material")) {
       const Look look = lookOf(*material);

@@ -80,16 +80,16 @@ class WorldAsset {
     for (const WorldPart& from : thing.parts) {
       const std::string node = fmt::format("{}/{}", name, from.node);
       const Affine assetFromPart = assetFromThing * from.thingFromPart;
-      if (from.solid) {
+      if (const Mesh* solid = std::get_if<Mesh>(&from.shape)) {
         AssetPart part;
-        part.positions = from.solid->positions;
-        part.triangles = from.solid->triangles;
+        part.positions = solid->positions;
+        part.triangles = solid->triangles;
         applyLook(from, part);
         applyGloss(from, part);
         add(parts, std::move(part), node, assetFromPart);
         continue;
       }
-      for (AssetPart& part : partsOf(from)) {
+      for (AssetPart& part : partsOf(std::get<MeshFile>(from.shape), from.where)) {
         if (!from.texture.empty() || (from.color && part.texture.empty())) applyLook(from, part);
         applyGloss(from, part);
         if (part.material.empty()) part.fileMaterial.name = part.material = from.material;
@@ -137,34 +137,34 @@ class WorldAsset {
     if (!from.texture.empty()) checkTexture(part, true, leftOut_);
   }
 
-  // Returns the parts of the mesh that `from` names; if `from` names a submesh, only the parts of the submesh.
-  std::vector<AssetPart> partsOf(const WorldPart& from) {
-    const Asset& mesh = meshOf(from);
-    if (from.submesh.empty()) return mesh.parts;
+  // Returns the parts of a mesh, or of its submesh if one is named. `where`: of the visual, for messages.
+  std::vector<AssetPart> partsOf(const MeshFile& file, const Location& where) {
+    const Asset& mesh = meshOf(file.path, where);
+    if (file.submesh.empty()) return mesh.parts;
     std::vector<AssetPart> taken;
     std::vector<std::string> names;
     Box box;
     for (const AssetPart& part : mesh.parts) {
       if (!part.node.empty()) names.push_back(part.node);
-      if (part.node != from.submesh) continue;
+      if (part.node != file.submesh) continue;
       taken.push_back(part);
       for (const Vec3f& p : part.positions) box.add(Vec3d(p));
     }
     if (taken.empty()) {
       std::sort(names.begin(), names.end());
       names.erase(std::unique(names.begin(), names.end()), names.end());
-      throw InputError(from.where, fmt::format("'{}' has no submesh '{}', {}", from.mesh.string(), from.submesh,
-                                               names.empty() ? "since none of its parts has a name: leave out <submesh>"
-                                                             : fmt::format("but has {}", fmt::join(names, ", "))));
+      throw InputError(where, fmt::format("'{}' has no submesh '{}', {}", file.path.string(), file.submesh,
+                                          names.empty() ? "since none of its parts has a name: leave out <submesh>"
+                                                        : fmt::format("but has {}", fmt::join(names, ", "))));
     }
     for (AssetPart& part : taken) {
-      for (Vec3f& p : part.positions) p = from.centred ? Vec3f(Vec3d(p) - box.center()) : p;
+      for (Vec3f& p : part.positions) p = file.centred ? Vec3f(Vec3d(p) - box.center()) : p;
     }
     return taken;
   }
 
-  const Asset& meshOf(const WorldPart& from) {
-    const auto known = meshes_.find(from.mesh);
+  const Asset& meshOf(const std::filesystem::path& path, const Location& where) {
+    const auto known = meshes_.find(path);
     if (known != meshes_.end()) return known->second;
     AssetOptions options;
     options.unitStated = true;  // the world states the scale of its meshes
@@ -172,21 +172,20 @@ class WorldAsset {
     options.textures = options_.textures;
     options.allowOutside = options_.allowOutside;
     options.textureFolders = options_.textureFolders;
-    const AssetReader reader = readerOf(from.mesh);
-    if (reader == AssetReader::World)
-      throw InputError(from.where, fmt::format("'{}' is not a mesh", from.mesh.string()));
+    const AssetReader reader = readerOf(path);
+    if (reader == AssetReader::World) throw InputError(where, fmt::format("'{}' is not a mesh", path.string()));
     // Gazebo and ROS ignore the up axis that a file declares, except for glTF.
     if (reader == AssetReader::Mesh) options.up = 'z';
     try {
-      Asset mesh = readAsset(from.mesh, options);
+      Asset mesh = readAsset(path, options);
       flatten(mesh);
       if (length(mesh.origin) > 0) {
         for (AssetPart& part : mesh.parts) move(part, {{}, mesh.origin});
       }
       asset_.dropped += mesh.dropped;
-      return meshes_.emplace(from.mesh, std::move(mesh)).first->second;
+      return meshes_.emplace(path, std::move(mesh)).first->second;
     } catch (const InputError& e) {
-      throw InputError(from.where, e.what());
+      throw InputError(where, e.what());
     }
   }
 

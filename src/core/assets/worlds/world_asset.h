@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "assets/asset.h"
@@ -39,14 +40,17 @@ Asset readTileset(const std::filesystem::path& file, const AssetOptions& options
 
 // The contents of world descriptions: solids, and placed meshes from other files.
 
+struct MeshFile {
+  std::filesystem::path path;
+  std::string submesh = "";  // the only node of the mesh to use; empty: all nodes
+  bool centred = false;      // true: the submesh is moved so that its middle is the origin
+};
+
 struct WorldPart {
-  std::string node;            // path within the thing, such as "link/visual"
-  std::filesystem::path mesh;  // empty: the part is a solid
-  std::string submesh;         // the only node of the mesh to use; empty: all nodes
-  bool centred = false;        // true: the submesh is moved so that its middle is the origin
-  std::optional<Mesh> solid;
-  Affine thingFromPart;  // includes the part's scale
-  std::string material;  // name of the material of a solid, or of a mesh whose file names no material
+  std::string node;                    // path within the thing, such as "link/visual"
+  std::variant<Mesh, MeshFile> shape;  // a solid or a mesh
+  Affine thingFromPart;                // includes the part's scale
+  std::string material;                // name of the material of a solid, or of a mesh whose file names no material
   std::optional<std::array<float, 3>> color;
   std::filesystem::path texture;             // replaces the mesh's texture; empty: the mesh keeps its texture
   std::optional<float> roughness, metallic;  // replace those of the mesh's materials

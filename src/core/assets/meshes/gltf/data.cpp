@@ -92,10 +92,22 @@ AlphaTest alphaOf(const Material& m, const AssetOptions& options) {
 // True if most of the image's alpha is neither near 0 nor near 1, so that a test of alpha removes or keeps what fades.
 bool fades(const Texture& image) {
   std::size_t graded = 0;
-  for (std::size_t i = 3; i < image.rgba.size(); i += 4) graded += image.rgba[i] >= 26 && image.rgba[i] < 230 ? 1 : 0;
+  for (std::size_t i = 3; i < image.rgba.size(); i += 4) graded += isGradedAlpha(image.rgba[i]) ? 1 : 0;
   return graded > image.rgba.size() / 8;
 }
 
+// Multiplies the image by the hue of the factor, of which the largest channel remains: in 8 bits, dark factors would
+// lose steps.
+void giveHueToImage(BaseColor& color, ColorImages& images) {
+  if (color.factor[1] == color.factor[0] && color.factor[2] == color.factor[0]) return;
+  const float most = *std::max_element(color.factor.begin(), color.factor.end());
+  std::array<float, 3> hue = color.factor;
+  for (float& channel : hue) channel /= most;
+  color.image = images.tinted(color.image, hue);
+  color.factor = {most, most, most};
+}
+
+// Reads a material; null: the default material of primitives without one.
 ReadMaterial read(const Model& model, const Data& data, const Material* m, const AssetOptions& options,
                   ColorImages& images) {
   static const Material kDefault;
@@ -121,15 +133,8 @@ ReadMaterial read(const Model& model, const Data& data, const Material* m, const
       color.colored = color.image != nullptr;
     }
   }
-  if (color.colored && (color.factor[1] != color.factor[0] || color.factor[2] != color.factor[0])) {
-    // The image takes the factor's hue, and its largest channel remains: in 8 bits, dark factors would lose steps.
-    const float most = *std::max_element(color.factor.begin(), color.factor.end());
-    std::array<float, 3> hue = color.factor;
-    for (float& channel : hue) channel /= most;
-    color.image = images.tinted(color.image, hue);
-    color.factor = {most, most, most};
-    if (options.textures) to.color = color.factor;
-  }
+  if (color.colored) giveHueToImage(color, images);
+  if (color.colored && options.textures) to.color = color.factor;
   const bool blends = from.alpha == Material::Alpha::Blend && options.alpha == AlphaUse::Auto;
   if (blends && color.colored && color.image->hasAlpha && fades(*color.image)) {
     to.leftOut.add("images that fade (beams pass where alpha is below 0.5)");

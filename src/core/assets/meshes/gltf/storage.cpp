@@ -18,6 +18,8 @@ constexpr std::uint32_t kJsonChunk = 0x4E4F534A;  // "JSON"
 constexpr std::uint32_t kBinChunk = 0x004E4942;   // "BIN"
 constexpr std::uint32_t kTileMagic = 0x6D643362;  // "b3dm"
 constexpr std::size_t kTileHeader = 28;           // size of a tile's header (bytes)
+// Offsets in the header of the sizes (bytes) of a tile's tables.
+constexpr std::size_t kFeaturesAt = 12, kBinaryFeaturesAt = 16, kBatchesAt = 20, kBinaryBatchesAt = 24;
 
 std::uint32_t readWord(std::string_view bytes, std::size_t at) {
   std::uint32_t word = 0;
@@ -26,16 +28,17 @@ std::uint32_t readWord(std::string_view bytes, std::size_t at) {
 }
 
 // Returns the glTF in a tile of 3D Tiles 1.0. A tile consists of a header, a feature table (JSON, then binary), a batch
-// table (JSON, then binary) and the glTF. Sets `center` if the feature table has RTC_CENTER, as a list or as an offset
-// into the table's binary part, and `batchTable`.
-std::string glbOfTile(const std::string& tile, std::optional<Vec3d>& center, bool& batchTable) {
+// table (JSON, then binary) and the glTF. Sets `center` of the container if the feature table has RTC_CENTER, as a list
+// or as an offset into the table's binary part, and `batchTable`.
+std::string glbOfTile(const std::string& tile, Container& container) {
   if (tile.size() < kTileHeader) throw Error("is truncated within the header of the tile");
   std::size_t begin = kTileHeader;
-  for (const std::size_t at : {12, 16, 20, 24}) begin += readWord(tile, at);
+  for (const std::size_t at : {kFeaturesAt, kBinaryFeaturesAt, kBatchesAt, kBinaryBatchesAt})
+    begin += readWord(tile, at);
   if (begin > tile.size()) throw Error("is damaged: the tables of the tile are longer than the file");
   constexpr std::size_t kEmptyTable = 8;  // size of "{}" with padding
-  batchTable = readWord(tile, 20) > kEmptyTable;
-  const std::size_t features = readWord(tile, 12);
+  container.batchTable = readWord(tile, kBatchesAt) > kEmptyTable;
+  const std::size_t features = readWord(tile, kFeaturesAt);
   if (features > 0) {
     const auto json = nlohmann::json::parse(tile.substr(kTileHeader, features));
     if (const auto found = json.find("RTC_CENTER"); found != json.end()) {
@@ -44,14 +47,14 @@ std::string glbOfTile(const std::string& tile, std::optional<Vec3d>& center, boo
         c = found->get<std::array<double, 3>>();
       } else {
         const auto offset = found->at("byteOffset").get<std::size_t>();
-        const std::size_t binary = readWord(tile, 16);
+        const std::size_t binary = readWord(tile, kBinaryFeaturesAt);
         if (offset > binary || binary - offset < 12)
           throw Error("is damaged: RTC_CENTER lies outside the feature table");
         std::array<float, 3> f{};
         std::memcpy(f.data(), tile.data() + kTileHeader + features + offset, sizeof f);
         std::copy(f.begin(), f.end(), c.begin());
       }
-      center = Vec3d{c[0], c[1], c[2]};
+      container.center = Vec3d{c[0], c[1], c[2]};
     }
   }
   return tile.substr(begin);
@@ -186,15 +189,17 @@ class StorageReader : JsonReader {
     a.normalized = j.value("normalized", false);
     if (a.count > kMaxCount) fail(what + " has a count that is too large");
     a.view = maybe(j, "bufferView", m_.views.size(), what);
-    if (a.view) expectInside(*a.view, a.offset, a.count, a.component.size * a.width, true, what);
+    const std::uint64_t size = a.component.size * a.width;
+    const std::uint64_t stride = a.view ? m_.views[*a.view].stride : 0;
+    if (a.view) requireInside(*a.view, a.offset, a.count, size, stride > 0 ? stride : size, what);
     if (const auto sparse = j.find("sparse"); sparse != j.end()) a.sparse = sparseOf(*sparse, a, what + ".sparse");
     return a;
   }
 
-  void expectInside(Index view, std::uint64_t offset, std::uint64_t count, std::uint64_t size, bool strides,
-                    const std::string& what) const {
+  // Throws unless `count` elements of `size` bytes, which begin `stride` bytes apart, lie in the view.
+  void requireInside(Index view, std::uint64_t offset, std::uint64_t count, std::uint64_t size, std::uint64_t stride,
+                     const std::string& what) const {
     const View& v = m_.views[view];
-    const std::uint64_t stride = strides && v.stride > 0 ? v.stride : size;
     if (stride < size) fail(what + " has elements that overlap");
     if (offset > v.length) fail(what + " begins beyond its bufferView");
     if (count > 0 && offset + (count - 1) * stride + size > v.length) {
@@ -216,8 +221,9 @@ class StorageReader : JsonReader {
     s.indicesOffset = length(indices, "byteOffset", 0, what + ".indices");
     s.valuesView = index(values.at("bufferView"), m_.views.size(), what + ".values.bufferView");
     s.valuesOffset = length(values, "byteOffset", 0, what + ".values");
-    expectInside(s.indicesView, s.indicesOffset, s.count, s.indices.size, false, what + ".indices");
-    expectInside(s.valuesView, s.valuesOffset, s.count, a.component.size * a.width, false, what + ".values");
+    const std::uint64_t size = a.component.size * a.width;
+    requireInside(s.indicesView, s.indicesOffset, s.count, s.indices.size, s.indices.size, what + ".indices");
+    requireInside(s.valuesView, s.valuesOffset, s.count, size, size, what + ".values");
     return s;
   }
 
@@ -236,7 +242,7 @@ Container readContainer(const std::filesystem::path& file, const std::filesystem
   }
   if (bytes.size() >= 4 && readWord(bytes, 0) == kTileMagic) {
     try {
-      bytes = glbOfTile(bytes, container.center, container.batchTable);
+      bytes = glbOfTile(bytes, container);
     } catch (const nlohmann::json::exception& e) {
       fail(fmt::format("is damaged: its feature table: {}", reasonOf(e)));
     } catch (const Error& e) {
