@@ -1,5 +1,3 @@
-#include "pipeline/run/regenerate.h"
-
 #include <algorithm>
 #include <map>
 
@@ -10,6 +8,7 @@
 #include "dataset/folder_contents.h"
 #include "dataset/shard_name.h"
 #include "pipeline/plan/dataset_plan.h"
+#include "pipeline/run/generate.h"
 
 namespace scanmill {
 

@@ -89,6 +89,8 @@ struct Instance {
   std::optional<double> facing = {};
 
   bool moves() const { return movement != nullptr || animation != nullptr; }
+  // False if the instance has no animation, and a movement along which it stands still.
+  bool everMoves() const { return animation != nullptr || (movement != nullptr && movement->moves()); }
   // Returns the transform at a time (s since the drive began); worldFromMesh is the transform at time 0.
   Affine worldFromMeshAt(double time) const;
   std::uint32_t meshAt(double time) const { return animation == nullptr ? mesh : animation->at(time); }

@@ -126,39 +126,39 @@ std::vector<Vec3d> OrientedBox::corners() const {
   return all;
 }
 
-ThingBoxes::ThingBoxes(const Scene& scene) : scene_(scene) {
-  std::vector<std::vector<Share>> shares;
-  shares.reserve(scene.meshes.size());
-  for (const Mesh& mesh : scene.meshes) shares.push_back(sharesOf(mesh));
-  std::map<std::uint32_t, ObjectTriangles> known;  // keys: indices of meshes
-  const auto trianglesOf = [&](std::uint32_t mesh) -> const ObjectTriangles& {
-    return known.try_emplace(mesh, scene.meshes[mesh]).first->second;
-  };
-  std::map<std::uint32_t, std::vector<Part>> partsOf;  // by instance id
-  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
-    const Instance& instance = scene.instances[i];
-    for (std::uint32_t object = 1; object <= shares[instance.mesh].size(); ++object) {
-      if (shares[instance.mesh][object - 1].triangles == 0) continue;
-      partsOf[instanceId(instance.firstInstanceId, object)].push_back({i, object});
-    }
+class ThingBoxes::Builder {
+ public:
+  explicit Builder(const Scene& scene) : scene_(scene) {
+    for (const Mesh& mesh : scene.meshes) shares_.push_back(sharesOf(mesh));
   }
-  const auto shareOf = [&](const Part& part) -> const Share& {
-    return shares[scene.instances[part.instance].mesh][part.object - 1];
-  };
-  for (auto& [id, parts] : partsOf) {
-    std::stable_sort(parts.begin(), parts.end(),
-                     [&](const Part& a, const Part& b) { return shareOf(a).triangles > shareOf(b).triangles; });
-    const Instance& main = scene.instances[parts.front().instance];
+
+  // Returns the parts of each thing by its id, the part with the most triangles first.
+  std::map<std::uint32_t, std::vector<Part>> partsOfThings() const {
+    std::map<std::uint32_t, std::vector<Part>> partsOf;
+    for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
+      const Instance& instance = scene_.instances[i];
+      for (std::uint32_t object = 1; object <= shares_[instance.mesh].size(); ++object) {
+        if (shares_[instance.mesh][object - 1].triangles == 0) continue;
+        partsOf[instanceId(instance.firstInstanceId, object)].push_back({i, object});
+      }
+    }
+    for (auto& [id, parts] : partsOf) {
+      std::stable_sort(parts.begin(), parts.end(),
+                       [&](const Part& a, const Part& b) { return shareOf(a).triangles > shareOf(b).triangles; });
+    }
+    return partsOf;
+  }
+
+  Thing thingOf(std::uint32_t id, const std::vector<Part>& parts) const {
+    const Instance& main = instanceOf(parts.front());
     Thing thing;
     thing.id = id;
     thing.name = main.name;
-    thing.headingKnown = main.facing.has_value() || scene.meshes[main.mesh].objects == 1;
+    thing.headingKnown = main.facing.has_value() || scene_.meshes[main.mesh].objects == 1;
     std::map<std::uint16_t, std::uint64_t> ofClass;
     std::set<std::string> nodes;
     for (const Part& part : parts) {
-      const Instance& instance = scene.instances[part.instance];
-      thing.moves =
-          thing.moves || instance.animation != nullptr || (instance.movement != nullptr && instance.movement->moves());
+      thing.moves = thing.moves || instanceOf(part).everMoves();
       for (const auto& [semantic, count] : shareOf(part).ofClass) ofClass[semantic] += count;
       nodes.insert(shareOf(part).nodes.begin(), shareOf(part).nodes.end());
     }
@@ -166,39 +166,60 @@ ThingBoxes::ThingBoxes(const Scene& scene) : scene_(scene) {
                        return a.second < b.second;
                      })->first;
     thing.parts.assign(nodes.begin(), nodes.end());
+    return thing;
+  }
 
-    Pose worldFromThing{axesOf(main.worldFromMesh.linear), main.worldFromMesh.translation};
+  // Returns the thing's pose at time 0: the axes of its first part, turned to its heading (see Thing::headingKnown).
+  Pose worldFromThing(const Thing& thing, const std::vector<Part>& parts) {
+    const Instance& main = instanceOf(parts.front());
+    Pose pose{axesOf(main.worldFromMesh.linear), main.worldFromMesh.translation};
     if (main.facing) {
-      worldFromThing.rotation = worldFromThing.rotation * fromYawPitchRoll(*main.facing, 0, 0);
+      pose.rotation = pose.rotation * fromYawPitchRoll(*main.facing, 0, 0);
     } else if (!thing.headingKnown) {
       std::vector<Vec2d> ground;
-      const Pose thingFromWorld = inverse(worldFromThing);
+      const Pose partFromWorld = inverse(pose);
       for (const Part& part : parts) {
-        const Instance& instance = scene.instances[part.instance];
+        const Instance& instance = instanceOf(part);
         trianglesOf(instance.mesh).forCorners(part.object, [&](const Vec3d& corner) {
-          const Vec3d p = thingFromWorld * (instance.worldFromMesh * corner);
+          const Vec3d p = partFromWorld * (instance.worldFromMesh * corner);
           ground.push_back({p.x, p.y});
         });
       }
-      worldFromThing.rotation = worldFromThing.rotation * fromYawPitchRoll(longSideOf(std::move(ground)), 0, 0);
+      pose.rotation = pose.rotation * fromYawPitchRoll(longSideOf(std::move(ground)), 0, 0);
     }
-    const Pose thingFromWorld = inverse(worldFromThing);
-    for (Part& part : parts) {
-      const Instance& instance = scene.instances[part.instance];
-      // This transform is the same at all times if the part moves like the first part; else at() moves the box.
-      const Affine thingFromMesh = toAffine(thingFromWorld) * instance.worldFromMesh;
-      const auto add = [&](std::uint32_t mesh) {
-        Box box;
-        trianglesOf(mesh).forCorners(part.object, [&](const Vec3d& corner) { box.add(thingFromMesh * corner); });
-        part.ofShape.push_back(box);
-      };
-      if (instance.animation == nullptr) {
-        add(instance.mesh);
-      } else {
-        for (const std::uint32_t mesh : instance.animation->meshes) add(mesh);
-      }
+    return pose;
+  }
+
+  // Sets Part::ofShape.
+  void addShapes(const Pose& worldFromThing, Part& part) {
+    const Instance& instance = instanceOf(part);
+    // This transform is the same at all times if the part moves like the first part; else at() moves the box.
+    const Affine thingFromMesh = toAffine(inverse(worldFromThing)) * instance.worldFromMesh;
+    const std::vector<std::uint32_t> still{instance.mesh};
+    for (const std::uint32_t mesh : instance.animation == nullptr ? still : instance.animation->meshes) {
+      Box& box = part.ofShape.emplace_back();
+      trianglesOf(mesh).forCorners(part.object, [&](const Vec3d& corner) { box.add(thingFromMesh * corner); });
     }
-    things_.push_back(std::move(thing));
+  }
+
+ private:
+  const Instance& instanceOf(const Part& part) const { return scene_.instances[part.instance]; }
+  const Share& shareOf(const Part& part) const { return shares_[instanceOf(part).mesh][part.object - 1]; }
+  const ObjectTriangles& trianglesOf(std::uint32_t mesh) {
+    return triangles_.try_emplace(mesh, scene_.meshes[mesh]).first->second;
+  }
+
+  const Scene& scene_;
+  std::vector<std::vector<Share>> shares_;              // by mesh and object
+  std::map<std::uint32_t, ObjectTriangles> triangles_;  // by mesh
+};
+
+ThingBoxes::ThingBoxes(const Scene& scene) : scene_(scene) {
+  Builder builder(scene);
+  for (auto& [id, parts] : builder.partsOfThings()) {
+    things_.push_back(builder.thingOf(id, parts));
+    const Pose worldFromThing = builder.worldFromThing(things_.back(), parts);
+    for (Part& part : parts) builder.addShapes(worldFromThing, part);
     places_.push_back({worldFromThing, std::move(parts)});
   }
 }

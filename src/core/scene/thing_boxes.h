@@ -64,6 +64,8 @@ class ThingBoxes {
     std::vector<Part> parts;  // the thing has the axes of the first part
   };
 
+  class Builder;  // finds the things of a scene and their boxes
+
   Pose motion(const Instance& instance, double time) const;
 
   const Scene& scene_;

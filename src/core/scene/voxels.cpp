@@ -53,12 +53,14 @@ class ClassAreas {
 
   // Returns the class with the largest area in each voxel.
   const std::vector<std::uint16_t>& decide() {
-    std::vector<std::pair<std::uint64_t, double>> rest(others_.begin(), others_.end());
-    std::sort(rest.begin(), rest.end());
-    for (auto own = rest.begin(); own != rest.end();) {
-      const std::size_t voxel = own->first >> 16;
+    std::vector<std::pair<std::uint64_t, double>> sorted(others_.begin(), others_.end());
+    std::sort(sorted.begin(), sorted.end());
+    for (auto other = sorted.begin(); other != sorted.end();) {
+      const std::size_t voxel = other->first >> 16;
       std::map<std::uint16_t, double> areas{{class_[voxel], area_[voxel]}};
-      for (; own != rest.end() && own->first >> 16 == voxel; ++own) areas.emplace(own->first & 0xFFFF, own->second);
+      for (; other != sorted.end() && other->first >> 16 == voxel; ++other) {
+        areas.emplace(other->first & 0xFFFF, other->second);
+      }
       double largest = 0;
       for (const auto& [semantic, area] : areas) {
         if (area <= largest * (1 + kTie)) continue;
@@ -111,7 +113,7 @@ SceneVoxels::SceneVoxels(const Scene& scene) : scene_(scene), blocks_(scene.mesh
   }
   if (movingClasses_.empty()) return;
   for (const Instance& instance : scene.instances) {
-    if (instance.animation == nullptr && (instance.movement == nullptr || !instance.movement->moves())) continue;
+    if (!instance.everMoves()) continue;
     for (std::uint32_t object = 1; object <= scene.meshes[instance.mesh].objects; ++object) {
       moving_.insert(instanceId(instance.firstInstanceId, object));
     }

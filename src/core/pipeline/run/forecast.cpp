@@ -84,7 +84,7 @@ void takeFewerColumns(const Pipeline& pipeline, double share, std::vector<std::s
 
 // Returns the pipeline with its scenes replaced by the small town of scenes/hamlet.yaml, and with fewer columns if a
 // frame has more than kMostBeams or kMostRays. `townsClasses`: true: with the classes of that scene, and without the
-// own vehicle, which may have others; false: with the pipeline's classes.
+// ego vehicle, which may have others; false: with the pipeline's classes.
 Pipeline inSmallTown(const Pipeline& pipeline, const Reread& reread, bool townsClasses) {
   Value town;
   town.kind = Value::Kind::Scalar;
@@ -118,10 +118,10 @@ void measure(const Plan& plan, SampleCosts& costs) {
   const std::size_t samples = std::min<std::size_t>(plan.framesInFlight(), plan.pipeline.sequences[0].frames);
   ShotSource source(plan);
   SampleMaker maker(source, {}, false, [](const Sequence&) {});
-  const WallTimer whole;
+  const WallTimer setup;
   const std::clock_t before = std::clock();  // processor time, summed over all threads
   maker.scenes().enter(0);
-  costs.slowestSceneSeconds = whole.seconds();
+  costs.slowestSceneSeconds = setup.seconds();
   costs.sceneSeconds = static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
   std::vector<double> bytes(samples);
   const auto makeAll = [&] {
@@ -156,7 +156,6 @@ void measureInSmallTown(const Pipeline& pipeline, const Reread& reread, bool tow
 void scale(const Pipeline& pipeline, SampleCosts& costs) {
   SceneFactors mean{0, 0, 0, 1, 1};
   std::optional<std::pair<std::filesystem::path, SceneFactors>> known;
-  double scenes = 0;
   double slowest = 0;
   for (std::size_t i = 0; i < pipeline.sequences.size(); ++i) {
     const Sequence& sequence = pipeline.sequences[i];
@@ -168,11 +167,10 @@ void scale(const Pipeline& pipeline, SampleCosts& costs) {
     mean.timeSpread = std::max(mean.timeSpread, own.timeSpread);
     mean.byteSpread = std::max(mean.byteSpread, own.byteSpread);
     if (i > 0 && sequence.sameScene(pipeline.sequences[i - 1])) continue;
-    scenes += 1;
     mean.setup += own.setup;
     slowest = std::max(slowest, own.setup);
   }
-  costs.sceneSeconds *= mean.setup / scenes;
+  costs.sceneSeconds *= mean.setup / static_cast<double>(scenesOf(pipeline));
   costs.slowestSceneSeconds *= slowest;
   costs.frameSeconds *= mean.frame;
   costs.frameBytes *= mean.bytes;

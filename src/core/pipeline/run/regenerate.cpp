@@ -1,4 +1,4 @@
-#include "pipeline/run/regenerate.h"
+// Recreates parts of a dataset from its manifest, byte for byte.
 
 #include <fmt/core.h>
 
