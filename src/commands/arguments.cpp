@@ -5,7 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <map>
+#include <optional>
 #include <system_error>
 
 #include "base/error.h"
@@ -112,23 +112,30 @@ int threadOption(const Arguments& arguments) {
   return threads;
 }
 
-// Returns the memory limit in bytes, read from "8G", "500M" or "1.5 GiB" (powers of 1024); 0 if it is not given.
+// Returns the number of bytes that a text such as "8G", "500M" or "1.5 GiB" (powers of 1024) means; nothing if it means
+// none.
+std::optional<double> bytesOf(const std::string& text) {
+  double number = 0;
+  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (failure != std::errc()) return std::nullopt;
+  std::string unit = lowerCase(std::string(end, text.data() + text.size()));
+  unit.erase(0, unit.find_first_not_of(' '));
+  if (unit.empty()) return number;
+  constexpr std::string_view kPrefixes = "kmgt";  // each is 1024 of the one before
+  const std::size_t prefix = kPrefixes.find(unit.front());
+  if (prefix == std::string_view::npos || (unit.size() > 1 && unit.substr(1) != "ib")) return std::nullopt;
+  return std::ldexp(number, 10 * (static_cast<int>(prefix) + 1));
+}
+
+// Returns the memory limit in bytes; 0 if it is not given.
 std::uint64_t memoryOption(const Arguments& arguments) {
   if (!arguments.has("memory-limit")) return 0;
   const std::string text = arguments.text("memory-limit");
-  double number = 0;
-  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), number);
-  std::string unit = lowerCase(std::string(end, text.data() + text.size()));
-  unit.erase(0, unit.find_first_not_of(' '));
-  static const std::map<std::string, int> kShifts{{"", 0},   {"k", 10},   {"kib", 10}, {"m", 20},  {"mib", 20},
-                                                  {"g", 30}, {"gib", 30}, {"t", 40},   {"tib", 40}};
-  const double bytes = failure == std::errc() && kShifts.contains(unit) ? std::ldexp(number, kShifts.at(unit)) : 0;
-  constexpr double kMost = 18446744073709551616.0;  // 2^64
-  if (!(bytes >= 1) || bytes >= kMost) {
-    throw InputError(
-        fmt::format("--memory-limit must be a number with K, M, G or T, such as 8G, below 16 EiB, not '{}'", text));
-  }
-  return static_cast<std::uint64_t>(bytes);
+  const std::optional<double> bytes = bytesOf(text);
+  constexpr double kMost = 18446744073709551616.0;  // 2^64, the first number that does not fit into the result
+  if (bytes && *bytes >= 1 && *bytes < kMost) return static_cast<std::uint64_t>(*bytes);
+  throw InputError(
+      fmt::format("--memory-limit must be a number with K, M, G or T, such as 8G, below 16 EiB, not '{}'", text));
 }
 
 }  // namespace

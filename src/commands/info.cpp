@@ -7,7 +7,6 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
-#include <set>
 
 #include "base/file.h"
 #include "base/short_text.h"
@@ -19,6 +18,7 @@
 #include "dataset/reader.h"
 #include "dataset/recording.h"
 #include "dataset/scan_store.h"
+#include "dataset/shard_name.h"
 #include "formats/cloud_file.h"
 #include "formats/format.h"
 #include "imports/scan_folder.h"
@@ -229,6 +229,34 @@ AssetOptions assetOptions(const Arguments& parsed) {
   return options;
 }
 
+// Prints a folder: a recording, a dataset or a folder of recorded scans.
+void printFolder(const std::filesystem::path& folder) {
+  if (recordingIn(folder)) return printRecording(folder);
+  if (pathExists(folder / kManifestName)) return printDataset(folder);
+  if (const auto recorded = scanFolderIn(folder)) return printScanFolder(folder, *recorded);
+  const ScanStore refused(folder);  // throws; the message states what a folder may contain
+}
+
+// Prints a file, whose kind its name tells.
+void printFile(const std::filesystem::path& file, const Arguments& parsed) {
+  const std::string name = file.filename().string();
+  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+  const std::string suffix = file.extension().empty() ? "" : file.extension().string().substr(1);
+  if (name == "recording.json") return printRecording(folder);
+  if (name == kManifestName) return printDataset(folder);
+  if (suffix == "exr") return printExr(file);
+  if (suffix == "tar") return printShard(file);
+  if (isCalibration(file)) refuseCalibration(file);
+  if (isMap(file)) {
+    throw InputError({file.string()},
+                     "is a map: name it in a scene by `town: {map: FILE}`, and give the scene to info");
+  }
+  if (suffix == "yaml" || suffix == "yml") return printYaml(file, parsed.options["seed"].as<std::uint64_t>());
+  if (formatBySuffix(suffix) != nullptr) return printScan(decodeMember(file.string(), readFile(file)), file.string());
+  if (suffix == "bin" || suffix == "npz") return printScan(scanOf(readCloud(file), file.string()), file.string());
+  printAsset(file, assetOptions(parsed));
+}
+
 }  // namespace
 
 int runInfo(const std::vector<std::string>& arguments) {
@@ -256,43 +284,14 @@ int runInfo(const std::vector<std::string>& arguments) {
   const InputBudget budget;
   const std::filesystem::path file =
       parsed.fileOrName("FILE|DIR", {"scenes", "pipelines/sensors", "pipelines", "labels"});
-  std::string suffix = file.extension().string();
-  if (!suffix.empty()) suffix.erase(0, 1);
   std::error_code failure;
   if (!std::filesystem::exists(file, failure)) {
     throw InputError({file.string()}, failure ? "cannot be read: " + failure.message() : "does not exist");
   }
-  if (std::filesystem::is_directory(file) && recordingIn(file)) {
-    printRecording(file);
-  } else if (file.filename() == "recording.json") {
-    printRecording(file.has_parent_path() ? file.parent_path() : ".");
-  } else if (suffix == "exr") {
-    printExr(file);
-  } else if (std::filesystem::is_directory(file)) {
-    const bool dataset = std::filesystem::exists(file / "manifest.json", failure);
-    if (const auto recorded = dataset ? std::nullopt : scanFolderIn(file)) {
-      printScanFolder(file, *recorded);
-      return 0;
-    }
-    if (!dataset) const ScanStore refused(file);  // throws; the message states what a folder may contain
-    printDataset(file);
-  } else if (file.filename() == "manifest.json") {
-    printDataset(file.parent_path());
-  } else if (suffix == "tar") {
-    printShard(file);
-  } else if (isCalibration(file)) {
-    refuseCalibration(file);
-  } else if (isMap(file)) {
-    throw InputError({file.string()},
-                     "is a map: name it in a scene by `town: {map: FILE}`, and give the scene to info");
-  } else if (suffix == "yaml" || suffix == "yml") {
-    printYaml(file, parsed.options["seed"].as<std::uint64_t>());
-  } else if (formatBySuffix(suffix) != nullptr) {
-    printScan(decodeMember(file.string(), readFile(file)), file.string());
-  } else if (suffix == "bin" || suffix == "npz") {
-    printScan(scanOf(readCloud(file), file.string()), file.string());
+  if (std::filesystem::is_directory(file)) {
+    printFolder(file);
   } else {
-    printAsset(file, assetOptions(parsed));
+    printFile(file, parsed);
   }
   return 0;
 }

@@ -12,9 +12,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/file.h"
-#include "dataset/json_text.h"
-#include "exports/nuscenes_names.h"
+#include "exports/nuscenes_rows.h"
 #include "images/images.h"
 
 namespace scanmill {
@@ -60,7 +58,6 @@ constexpr double kCameraFocal = 1266;
 // The rotation from camera axes (x right, y down, z forward) to the vehicle's.
 constexpr Quat kVehicleFromCamera{0.5, -0.5, 0.5, -0.5};
 
-constexpr double kMoving = 0.2;         // m/s, speed above which an object counts as moving
 constexpr std::uint32_t kMapSide = 64;  // pixels along each side of the square map; a pixel is 0.1 m
 
 constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kAttributes{{
@@ -73,64 +70,6 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kAttribut
     {"pedestrian.standing", "they stand, sit or lie"},
     {"pedestrian.moving", "they move"},
 }};
-
-OrderedJson listOf(const Vec3d& v, const std::string& what) {
-  return finiteList({v.x, v.y, v.z}, what);
-}
-
-OrderedJson listOf(const Quat& q, const std::string& what) {
-  return finiteList({q.w, q.x, q.y, q.z}, what);
-}
-
-// A file with a JSON list, one item per line. Items that were added since the last flush() are in memory. The file gets
-// its final name in commit(). All calls except add() throw the errors of AtomicFile.
-class JsonListFile {
- public:
-  explicit JsonListFile(const fs::path& path) : file_(path) {}
-
-  // Adds the JSON text of an item, without line breaks.
-  void add(std::string item) { items_.push_back(std::move(item)); }
-
-  void flush() {
-    std::string text;
-    for (const std::string& item : items_) {
-      text += file_.size() == 0 && text.empty() ? "[\n" : ",\n";
-      text += item;
-    }
-    file_.write(text);
-    items_.clear();
-  }
-
-  void commit() {
-    flush();
-    file_.write(file_.size() == 0 ? "[]\n" : "\n]\n");
-    file_.commit();
-  }
-
- private:
-  AtomicFile file_;
-  std::vector<std::string> items_;
-};
-
-// Returns the token of one of nuScenes' four levels of visibility, "1" to "4". nuScenes has no level for an unknown
-// visibility; such an object, which only edges of beams hit, gets the lowest one.
-std::string visibilityToken(const std::optional<double>& visible) {
-  const double share = visible.value_or(0);
-  return share < 0.4 ? "1" : share < 0.6 ? "2" : share < 0.8 ? "3" : "4";
-}
-
-// Returns the attribute (moving, parked, ...) of an object; empty if nuScenes has no attribute for its category.
-std::string attributeOf(const std::string& category, const ObjectRecord& object) {
-  const bool moving = length(object.velocity) > kMoving;
-  if (category == "vehicle.bicycle" || category == "vehicle.motorcycle") {
-    return moving || object.moves ? "cycle.with_rider" : "cycle.without_rider";
-  }
-  if (category.starts_with("vehicle.")) {
-    return moving ? "vehicle.moving" : object.moves ? "vehicle.stopped" : "vehicle.parked";
-  }
-  if (category.starts_with("human.")) return moving ? "pedestrian.moving" : "pedestrian.standing";
-  return "";
-}
 
 // Returns the map's mask as PNG. All of it is foreground, because objects may be anywhere.
 std::string mapMask() {
@@ -151,29 +90,26 @@ std::string mapMask() {
 class Tables {
  public:
   Tables(const ExportPlan& plan, const ReadObjects& read, const ExportFolder& folder)
-      : plan_(plan), read_(read), folder_(folder) {}
+      : plan_(plan), read_(read), folder_(folder), rows_(plan, folder) {}
 
   std::size_t write() {
     addFixed();
     for (std::size_t s = 0; s < plan_.sequences.size(); ++s) addScene(s);
-    for (auto& [ignored, table] : tables_) table.commit();
+    rows_.commit();
     folder_.write(fs::path(kNuScenesVersion) / "splits.json", layOut(splits_) + "\n");
     folder_.write(mapFile(), mapMask());
     for (std::size_t i = 0; i < plan_.sensors.size(); ++i) folder_.prepareFile(fs::path("sweeps") / channel(i) / "");
     const std::vector<std::uint8_t> black(std::size_t{3} * kCameraWidth * kCameraHeight);
     const std::string image = encodePng(black.data(), kCameraWidth, kCameraHeight);
     for (const auto& [camera, side] : kCameras) folder_.write(cameraFile(camera), image);
-    return boxes_;
+    return annotations_;
   }
 
  private:
   // Returns the token of a row of a table.
-  std::string token(std::string_view kind, std::string_view name) const { return nuScenesToken(plan_, kind, name); }
+  std::string token(std::string_view table, std::string_view row) const { return rows_.token(table, row); }
 
-  void open(const std::string& name) {
-    tables_.try_emplace(name, folder_.prepareFile(fs::path(kNuScenesVersion) / (name + ".json")));
-  }
-  void add(const std::string& table, const OrderedJson& row) { tables_.at(table).add(scalarText(row)); }
+  void add(const std::string& table, const OrderedJson& row) { rows_.add(table, row); }
 
   std::string channel(std::size_t sensor) const { return nuScenesChannel(plan_, sensor); }
   std::string sensorToken(std::size_t sensor) const { return token("sensor", sensor == 0 ? "" : channel(sensor)); }
@@ -192,10 +128,10 @@ class Tables {
   void addFixed() {
     for (const char* name : {"attribute", "calibrated_sensor", "category", "ego_pose", "instance", "log", "map",
                              "sample", "sample_annotation", "sample_data", "scene", "sensor", "visibility"}) {
-      open(name);  // the file must exist even without rows
+      rows_.open(name);  // the file must exist even without rows
     }
-    if (hasColumn(plan_, "label")) open("lidarseg");
-    if (hasColumn(plan_, "label") && hasColumn(plan_, "instance")) open("panoptic");
+    if (hasColumn(plan_, "label")) rows_.open("lidarseg");
+    if (hasColumn(plan_, "label") && hasColumn(plan_, "instance")) rows_.open("panoptic");
     for (const auto& [name, description] : kAttributes) {
       add("attribute", {{"token", token("attribute", name)}, {"name", name}, {"description", description}});
     }
@@ -280,8 +216,8 @@ class Tables {
                   {"description", sequence.name}});
     for (const std::string& split : {sequence.split, "scanmill_" + sequence.split}) splits_[split].push_back(name);
     for (std::size_t f = 0; f < sequence.samples.size(); ++f) addSample(s, f, scene);
-    addAnnotations(s);
-    for (auto& [ignored, table] : tables_) table.flush();
+    annotations_ += addAnnotations(plan_, read_, s, rows_);
+    rows_.flush();
   }
 
   void addSample(std::size_t s, std::size_t f, const std::string& scene) {
@@ -322,13 +258,13 @@ class Tables {
   // Returns the next number of a scene of the split: one of nuScenes' own for the splits train and val, as long as
   // there are any; otherwise one that is in none of nuScenes' splits.
   std::size_t sceneNumber(const std::string& split) {
-    std::size_t left = scenesOf_[split]++;
+    std::size_t index = scenesOf_[split]++;  // among the scenes of the split, then of the remaining runs
     const std::span<const Run> runs = split == "train" ? std::span<const Run>(kTrainScenes)
                                       : split == "val" ? std::span<const Run>(kValScenes)
                                                        : std::span<const Run>();
     for (const auto& [first, last] : runs) {
-      if (left <= last - first) return first + left;
-      left -= last - first + 1;
+      if (index <= last - first) return first + index;
+      index -= last - first + 1;
     }
     return kFirstOther + others_++;
   }
@@ -382,129 +318,22 @@ class Tables {
                           {"next", neighbour(s, f, sensor, r, 1)}});
     }
     // The devkit finds a scan's labels by the token of the scan, so the row of the labels has this token.
-    const std::string own = scanToken("sample_data", sample, sensor, 0);
+    const std::string labelled = scanToken("sample_data", sample, sensor, 0);
     const auto addLabels = [&](const char* name, const fs::path& file) {
-      if (!tables_.contains(name)) return;
-      add(name, {{"token", own}, {"sample_data_token", own}, {"filename", file.generic_string()}});
+      if (!rows_.has(name)) return;
+      add(name, {{"token", labelled}, {"sample_data_token", labelled}, {"filename", file.generic_string()}});
     };
     addLabels("lidarseg", lidarsegFile(plan_, sample, sensor));
     addLabels("panoptic", panopticFile(plan_, sample, sensor));
   }
 
-  // Sums up what the exported sensors see of an object.
-  struct Seen {
-    std::uint64_t points = 0;           // of all sensors
-    std::optional<double> visibility;   // the greatest one
-    const ObjectView* first = nullptr;  // of the first sensor with points on the object
-    std::size_t sensor = 0;             // this sensor
-  };
-
-  Seen seenBy(const ObjectRecord& object) const {
-    Seen seen;
-    for (std::size_t i = 0; i < plan_.sensors.size(); ++i) {
-      for (const ObjectView& view : object.views) {
-        if (view.sensor != plan_.sensors[i]->name || view.points == 0) continue;
-        seen.points += view.points;
-        seen.visibility = std::max(seen.visibility, view.visibility());
-        if (seen.first != nullptr) continue;
-        seen.first = &view;
-        seen.sensor = i;
-      }
-    }
-    return seen;
-  }
-
-  // An object of a sequence: nuScenes lists it once, and refers to it from each of its annotations.
-  struct Track {
-    std::uint16_t category = 0;
-    // m, greatest sides of the object's boxes: nuScenes gives an instance one size, but an animated object's box
-    // changes with its shape.
-    Vec3d size;
-    std::vector<std::size_t> frames;  // frames in which the object is annotated
-  };
-
-  // Calls work(frame, object, seen, category) for all objects of a sequence that are annotated, frame by frame.
-  template <class Do>
-  void forAnnotated(std::size_t s, const Do& work) const {
-    for (std::size_t f = 0; f < plan_.sequences[s].samples.size(); ++f) {
-      const std::optional<SampleObjects> all = read_(s, f);
-      if (!all) continue;
-      for (const ObjectRecord& object : all->objects) {
-        const SemanticClass& category = plan_.classes.classOf(object.semantic);
-        const Seen seen = seenBy(object);
-        if (category.thing && seen.points > 0) work(f, object, seen, category);
-      }
-    }
-  }
-
-  void addAnnotations(std::size_t s) {
-    std::map<std::uint32_t, Track> tracks;  // by the dataset's instance ids
-    forAnnotated(s, [&](std::size_t f, const ObjectRecord& object, const Seen&, const SemanticClass& category) {
-      Track& track = tracks[object.id];
-      if (track.frames.empty()) track.category = category.id;
-      track.frames.push_back(f);
-      for (const auto side : {&Vec3d::x, &Vec3d::y, &Vec3d::z}) {
-        track.size.*side = std::max(track.size.*side, object.size.*side);
-      }
-    });
-    forAnnotated(s, [&](std::size_t f, const ObjectRecord& object, const Seen& seen, const SemanticClass& category) {
-      add("sample_annotation", annotation(s, f, object, seen, tracks.at(object.id), category.name));
-      ++boxes_;
-    });
-    for (const auto& [id, track] : tracks) {
-      add("instance", {{"token", instanceToken(s, id)},
-                       {"category_token", categoryToken(track.category)},
-                       {"nbr_annotations", track.frames.size()},
-                       {"first_annotation_token", annotationToken(s, track.frames.front(), id)},
-                       {"last_annotation_token", annotationToken(s, track.frames.back(), id)}});
-    }
-  }
-
-  std::string annotationToken(std::size_t s, std::size_t f, std::uint32_t id) const {
-    const SampleRecord& sample = plan_.manifest.samples[plan_.sequences[s].samples[f]];
-    return token("sample_annotation", fmt::format("{} {}", sample.key, id));
-  }
-
-  std::string instanceToken(std::size_t s, std::uint32_t id) const {
-    return token("instance", fmt::format("{} {}", plan_.sequences[s].name, id));
-  }
-
-  // Returns a row of sample_annotation. Its box is the object's box relative to the first sensor that sees it, when the
-  // beams hit the object, placed in the world by the sensor's pose at the start of the revolution. The box thus fits
-  // the points of this sensor.
-  OrderedJson annotation(std::size_t s, std::size_t f, const ObjectRecord& object, const Seen& seen, const Track& track,
-                         const std::string& category) const {
-    const SampleRecord& sample = plan_.manifest.samples[plan_.sequences[s].samples[f]];
-    const std::string what = fmt::format("{}: object {}", sample.key, object.id);
-    const Pose worldFromBox = scanOf(plan_, sample, seen.sensor).worldFromSensor.front() * seen.first->sensorFromBox;
-    const Vec3d& size = track.size;
-    const auto own = std::ranges::lower_bound(track.frames, f);
-    const auto tokenAt = [&](auto frame) { return annotationToken(s, *frame, object.id); };
-    OrderedJson attributes = OrderedJson::array();
-    if (const std::string name = attributeOf(category, object); !name.empty()) {
-      attributes.push_back(token("attribute", name));
-    }
-    return {{"token", tokenAt(own)},
-            {"sample_token", token("sample", sample.key)},
-            {"instance_token", instanceToken(s, object.id)},
-            {"visibility_token", visibilityToken(seen.visibility)},
-            {"attribute_tokens", std::move(attributes)},
-            {"translation", listOf(worldFromBox.translation, what)},
-            {"size", listOf(Vec3d{size.y, size.x, size.z}, what)},
-            {"rotation", listOf(worldFromBox.rotation, what)},
-            {"prev", own == track.frames.begin() ? "" : tokenAt(own - 1)},
-            {"next", own + 1 == track.frames.end() ? "" : tokenAt(own + 1)},
-            {"num_lidar_pts", seen.points},
-            {"num_radar_pts", 0}};
-  }
-
   const ExportPlan& plan_;
   const ReadObjects& read_;
   const ExportFolder& folder_;
-  std::map<std::string, JsonListFile> tables_;
+  NuScenesRows rows_;
   OrderedJson splits_ = OrderedJson::object();
   std::map<std::string, std::size_t> scenesOf_;  // number of scenes so far, by split
-  std::size_t boxes_ = 0;                        // number of rows of sample_annotation so far
+  std::size_t annotations_ = 0;                  // number of rows of sample_annotation so far
   std::size_t others_ = 0;                       // number of scenes so far with numbers from kFirstOther on
 };
 
