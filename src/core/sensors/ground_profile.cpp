@@ -19,8 +19,8 @@ constexpr double kSmooth = 0.3;        // m of path before and behind a sample o
 constexpr double kBareUntilLost = 10;  // m of path without ground, after which ground of any height is accepted
 constexpr double kSpacing = 0.1;       // m, largest distance between samples
 constexpr std::size_t kMostSamples = 10'000'000;
-constexpr std::size_t kMostEvened = 20;  // largest number of samples averaged on each side, for parts of the path where
-                                         // the vehicle hardly moves
+constexpr std::size_t kMostSmoothed = 20;  // largest number of samples averaged on each side, for parts of the path
+                                           // where the vehicle hardly moves
 
 constexpr const char* kWheelAdvice =
     "; three of a vehicle's four wheels need ground of the classes of `on`; `wheels: none` needs it below the origin "
@@ -102,25 +102,25 @@ GroundOptions readGround(const Value& value) {
   return options;
 }
 
-GroundProfile::GroundProfile(const GroundOptions& options, const PoseOnPath& poseOnPath, std::vector<double> places,
+GroundProfile::GroundProfile(const GroundOptions& options, const PoseOnPath& poseOnPath, std::vector<double> positions,
                              const Ground& ground)
-    : places_(std::move(places)) {
-  std::vector<std::optional<GroundSample>> found(places_.size());
-  std::vector<double> driven(places_.size(), 0.0);  // m driven up to each place
+    : positions_(std::move(positions)) {
+  std::vector<std::optional<GroundSample>> found(positions_.size());
+  std::vector<double> driven(positions_.size(), 0.0);  // m driven up to each position
   std::optional<double> last;
   double lastAt = 0;  // m driven up to the latest sample that has ground
   std::size_t bare = 0;
   Vec3d before = poseOnPath(0).translation;
-  for (std::size_t i = 0; i < places_.size(); ++i) {
-    const Pose pose = poseOnPath(places_[i]);
+  for (std::size_t i = 0; i < positions_.size(); ++i) {
+    const Pose pose = poseOnPath(positions_[i]);
     const Vec3d step = pose.translation - before;
     driven[i] = (i > 0 ? driven[i - 1] : 0) + std::hypot(step.x, step.y);
     before = pose.translation;
     const bool lost = !last || driven[i] - lastAt > kBareUntilLost;
-    const auto height = [&](Vec3d place) {
-      if (last) place.z = *last;
-      const std::optional<double> z = last ? ground.near(place) : std::nullopt;
-      return z || !lost ? z : ground.under(place);
+    const auto height = [&](Vec3d point) {
+      if (last) point.z = *last;
+      const std::optional<double> z = last ? ground.near(point) : std::nullopt;
+      return z || !lost ? z : ground.under(point);
     };
     found[i] = standAt(options, pose, height);
     if (found[i]) {
@@ -136,7 +136,7 @@ GroundProfile::GroundProfile(const GroundOptions& options, const PoseOnPath& pos
                                  "info` of the scene prints its bounds (`start` moves recorded poses){}",
                                  shortPlace(poseOnPath(0).translation), options.wheels ? kWheelAdvice : ""));
   }
-  bare_ = static_cast<double>(bare) / static_cast<double>(places_.size());
+  bare_ = static_cast<double>(bare) / static_cast<double>(positions_.size());
   // A sample without ground becomes a copy of the sample before it. If no earlier sample has ground, it becomes a copy
   // of the first sample with ground.
   GroundSample known = **std::find_if(found.begin(), found.end(), [](const auto& s) { return s.has_value(); });
@@ -144,75 +144,76 @@ GroundProfile::GroundProfile(const GroundOptions& options, const PoseOnPath& pos
     if (sample) known = *sample;
     samples_.push_back({known.height + options.height, known.along, known.left});
   }
-  for (int pass = 0; pass < 2; ++pass) samples_ = evened(samples_, driven);
+  for (int pass = 0; pass < 2; ++pass) samples_ = smoothed(samples_, driven);
 }
 
-std::vector<double> GroundProfile::placesOf(const PoseOnPath& poseOnPath, const std::vector<double>& knots,
-                                            const Location& where) {
-  std::vector<double> places{knots.front()};
+std::vector<double> GroundProfile::samplePositions(const PoseOnPath& poseOnPath, const std::vector<double>& knots,
+                                                   const Location& where) {
+  std::vector<double> positions{knots.front()};
   for (std::size_t i = 1; i < knots.size(); ++i) {
     const double from = knots[i - 1];
     const double span = knots[i] - from;
     const double metres = length(poseOnPath(knots[i]).translation - poseOnPath(from).translation);
     const double steps = std::max(std::ceil(metres / kSpacing), 1.0);
-    if (static_cast<double>(places.size()) + steps > static_cast<double>(kMostSamples)) {
+    if (static_cast<double>(positions.size()) + steps > static_cast<double>(kMostSamples)) {
       throw InputError(
           where, fmt::format("the path is too long: the ground is sampled every {:g} m, and at most {} times", kSpacing,
                              kMostSamples));
     }
     const auto count = static_cast<std::size_t>(steps);
-    for (std::size_t k = 1; k < count; ++k) places.push_back(from + span * static_cast<double>(k) / steps);
-    places.push_back(knots[i]);
+    for (std::size_t k = 1; k < count; ++k) positions.push_back(from + span * static_cast<double>(k) / steps);
+    positions.push_back(knots[i]);
   }
-  return places;
+  return positions;
 }
 
 // Smooths each sample over its neighbours on the path, up to kSmooth before and behind the sample.
-std::vector<GroundSample> GroundProfile::evened(const std::vector<GroundSample>& samples,
-                                                const std::vector<double>& driven) {
+std::vector<GroundSample> GroundProfile::smoothed(const std::vector<GroundSample>& samples,
+                                                  const std::vector<double>& driven) {
   std::vector<GroundSample> means;
   means.reserve(samples.size());
   const std::size_t last = samples.size() - 1;
   for (std::size_t i = 0; i <= last; ++i) {
     // Take the same number of samples on both sides, so that constant slopes are preserved even at the ends of the
     // path.
-    std::size_t own = 0;
-    while (own < std::min({i, last - i, kMostEvened}) && driven[i] - driven[i - own - 1] <= kSmooth &&
-           driven[i + own + 1] - driven[i] <= kSmooth) {
-      ++own;
+    std::size_t reach = 0;  // samples on each side
+    while (reach < std::min({i, last - i, kMostSmoothed}) && driven[i] - driven[i - reach - 1] <= kSmooth &&
+           driven[i + reach + 1] - driven[i] <= kSmooth) {
+      ++reach;
     }
     // Fit a line by least squares and evaluate the line at the sample's position on the path: this preserves constant
     // slopes for any spacing of the samples.
     double sumD = 0;
     double sumDD = 0;
     GroundSample sum;
-    GroundSample sumBy;  // sums of the values times their distances from the sample
-    for (std::size_t k = i - own; k <= i + own; ++k) {
+    GroundSample sumTimesD;  // sums of the values times their distances from the sample
+    for (std::size_t k = i - reach; k <= i + reach; ++k) {
       const GroundSample& s = samples[k];
       const double d = driven[k] - driven[i];
       sumD += d;
       sumDD += d * d;
       sum = {sum.height + s.height, sum.along + s.along, sum.left + s.left};
-      sumBy = {sumBy.height + d * s.height, sumBy.along + d * s.along, sumBy.left + d * s.left};
+      sumTimesD = {sumTimesD.height + d * s.height, sumTimesD.along + d * s.along, sumTimesD.left + d * s.left};
     }
-    const auto count = static_cast<double>(2 * own + 1);
+    const auto count = static_cast<double>(2 * reach + 1);
     const double spread = count * sumDD - sumD * sumD;
-    const auto here = [&](double values, double by) {
+    const auto fitted = [&](double values, double by) {
       return spread > 1e-9 ? (values * sumDD - by * sumD) / spread : values / count;
     };
-    means.push_back({here(sum.height, sumBy.height), here(sum.along, sumBy.along), here(sum.left, sumBy.left)});
+    means.push_back(
+        {fitted(sum.height, sumTimesD.height), fitted(sum.along, sumTimesD.along), fitted(sum.left, sumTimesD.left)});
   }
   return means;
 }
 
 Pose GroundProfile::place(const Pose& pose, double at) const {
-  const auto later = std::upper_bound(places_.begin(), places_.end(), at);
-  const auto behind = static_cast<std::size_t>(later - places_.begin());
-  const std::size_t j = std::min(behind, places_.size() - 1);
+  const auto later = std::upper_bound(positions_.begin(), positions_.end(), at);
+  const auto behind = static_cast<std::size_t>(later - positions_.begin());
+  const std::size_t j = std::min(behind, positions_.size() - 1);
   const std::size_t i = behind == 0 ? 0 : behind - 1;
   const GroundSample& a = samples_[i];
   const GroundSample& b = samples_[j];
-  const double u = i == j ? 0 : std::clamp((at - places_[i]) / (places_[j] - places_[i]), 0.0, 1.0);
+  const double u = i == j ? 0 : std::clamp((at - positions_[i]) / (positions_[j] - positions_[i]), 0.0, 1.0);
   const auto mix = [&](double from, double to) { return from + (to - from) * u; };
   Pose placed{onSlope(headingOf(pose.rotation), mix(a.along, b.along), mix(a.left, b.left)), pose.translation};
   placed.translation.z = mix(a.height, b.height);

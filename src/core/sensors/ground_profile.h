@@ -48,17 +48,17 @@ class GroundProfile {
   // Returns the vehicle's pose at a position on the path (in m or s), before the pose is placed on the ground.
   using PoseOnPath = std::function<Pose(double)>;
 
-  // Samples the ground at `places`, ascending positions on the path. The first sample is the ground under the pose;
+  // Samples the ground at ascending `positions` on the path. The first sample is the ground under the pose;
   // each later sample is the ground nearest in height to the previous sample, so that a bridge is not confused with
   // what lies beneath it. Over gaps the vehicle keeps its height; after 10 m without ground the ground under the pose
   // is taken again. Throws InputError at `options.where` if no part of the path has ground.
-  GroundProfile(const GroundOptions& options, const PoseOnPath& poseOnPath, std::vector<double> places,
+  GroundProfile(const GroundOptions& options, const PoseOnPath& poseOnPath, std::vector<double> positions,
                 const Ground& ground);
 
   // Returns positions on the path, at most 0.1 m apart, between ascending knots. Between two knots the path must be
   // nearly straight and the speed nearly constant. Throws InputError at `where` for more than ten million positions.
-  static std::vector<double> placesOf(const PoseOnPath& poseOnPath, const std::vector<double>& knots,
-                                      const Location& where);
+  static std::vector<double> samplePositions(const PoseOnPath& poseOnPath, const std::vector<double>& knots,
+                                             const Location& where);
 
   // Places a pose on the ground: the result has the pose's horizontal position and heading, the ground's pitch and
   // roll, and lies GroundOptions::height above the ground. `at`: the position on the path.
@@ -67,10 +67,11 @@ class GroundProfile {
   double bare() const { return bare_; }
 
  private:
-  static std::vector<GroundSample> evened(const std::vector<GroundSample>& samples, const std::vector<double>& driven);
+  static std::vector<GroundSample> smoothed(const std::vector<GroundSample>& samples,
+                                            const std::vector<double>& driven);
 
   double bare_ = 0;
-  std::vector<double> places_;
+  std::vector<double> positions_;
   std::vector<GroundSample> samples_;  // with GroundOptions::height added
 };
 

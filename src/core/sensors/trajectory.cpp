@@ -86,27 +86,27 @@ Pose Trajectory::pose(std::uint32_t frame, double dt) const {
   if (frame >= frames_) throw Error(fmt::format("frame {} of a trajectory of {} frames", frame, frames_));
   if (still()) return poses_[frame];
   const double time = frameTime(frame) + dt;
-  const double place = placeAt(time);
-  Pose pose = poseOnPath(place);
-  if (profileOfGround_) pose = profileOfGround_->place(pose, place);
+  const double position = positionAt(time);
+  Pose pose = poseOnPath(position);
+  if (profileOfGround_) pose = profileOfGround_->place(pose, position);
   return profile_ ? pose * sway_.at(time, profile_->speed(time) / speed_) : pose;
 }
 
-double Trajectory::placeAt(double time) const {
+double Trajectory::positionAt(double time) const {
   if (recorded_) return time;
   if (!profile_) throw Error(fmt::format("the path of {} is not known yet", name_));
   return profile_->distance(time);
 }
 
-Pose Trajectory::poseOnPath(double place) const {
-  if (recorded_) return recorded_->at(place);
-  Pose pose = path_->pose(place);
+Pose Trajectory::poseOnPath(double position) const {
+  if (recorded_) return recorded_->at(position);
+  Pose pose = path_->pose(position);
   if (laneChanges_.empty()) return pose;
   // The lateral offset follows the quintic 10 u^3 - 15 u^4 + 6 u^5, so that the steering angle changes smoothly.
   double left = 0;
   double slope = 0;
   for (const LaneChange& c : laneChanges_) {
-    const double u = std::clamp((place - c.at) / c.over, 0.0, 1.0);
+    const double u = std::clamp((position - c.at) / c.over, 0.0, 1.0);
     left += c.left * u * u * u * (10 + u * (6 * u - 15));
     slope += c.left / c.over * 30 * u * u * (1 - u) * (1 - u);
   }
@@ -155,8 +155,8 @@ Trajectory Trajectory::onGround(const Ground& ground) const {
     return standing;
   }
   const double end =
-      std::min(placeAt(frameTime(frames_ - 1) + lastTurn_), recorded_ ? recorded_->duration() : path_->length());
-  const GroundProfile::PoseOnPath onPath = [this](double place) { return poseOnPath(place); };
+      std::min(positionAt(frameTime(frames_ - 1) + lastTurn_), recorded_ ? recorded_->duration() : path_->length());
+  const GroundProfile::PoseOnPath onPath = [this](double position) { return poseOnPath(position); };
   std::vector<double> knots{0};
   if (recorded_) {
     for (const double time : recorded_->times()) {
@@ -169,7 +169,7 @@ Trajectory Trajectory::onGround(const Ground& ground) const {
   }
   if (end > 0) knots.push_back(end);
   standing.profileOfGround_ = std::make_shared<const GroundProfile>(
-      *ground_, onPath, GroundProfile::placesOf(onPath, knots, ground_->where), ground);
+      *ground_, onPath, GroundProfile::samplePositions(onPath, knots, ground_->where), ground);
   return standing;
 }
 

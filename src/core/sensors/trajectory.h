@@ -89,9 +89,9 @@ class Trajectory {
   void setPath(Path path);
   void setProfile();
   // Returns the vehicle's position on its path at a time (s): in m, or in s if the path was recorded.
-  double placeAt(double time) const;
+  double positionAt(double time) const;
   // Returns the pose at a position on the path, before ground and sway are applied.
-  Pose poseOnPath(double place) const;
+  Pose poseOnPath(double position) const;
 
   std::string name_;
   std::uint32_t frames_ = 0;
