@@ -19,7 +19,7 @@ namespace scanmill {
 namespace {
 
 // The azimuths of all beams. The azimuth of a beam is first + offset[ring] + step * column (rad).
-struct StripColumns {
+struct BeamAzimuths {
   double first = 0;            // azimuth of column 0 (rad)
   std::vector<double> offset;  // azimuth of each ring relative to the column (rad)
   double step = 0;             // angle from column to column (rad); negative if the sensor rotates clockwise
@@ -33,12 +33,12 @@ struct GridSize {
 
 // The pixels of beams in a range image that looks outward: the image is destaggered, mirrored if the sensor rotates
 // counter-clockwise, and rotated in a full revolution.
-struct StripPlaces {
+struct OutwardColumns {
   Destagger image;
   bool mirrored = false;
   std::size_t start = 0;  // pixel column of column 0 of the destaggered image
 
-  std::size_t place(std::size_t ring, std::size_t column) const {
+  std::size_t pixelColumn(std::size_t ring, std::size_t column) const {
     const std::size_t c = image.place(ring, static_cast<std::uint32_t>(column));
     return (start + (mirrored ? image.width - c : c)) % image.width;
   }
@@ -85,90 +85,97 @@ double stepOf(const Directions& directions, std::size_t columns) {
   return step;
 }
 
-// Returns the azimuths that the directions show. If the columns are a full turn, and each ring's azimuths differ from
-// evenly spaced ones by nearly a constant, this constant is the ring's offset. Otherwise rings are not shifted. Returns
-// nothing if azimuths neither increase nor decrease with the column.
-std::optional<StripColumns> estimated(const Directions& directions, const GridSize& grid) {
+// Returns the azimuths that the directions show if the columns, which have the given mean step (rad), are a full turn,
+// and each ring's azimuths differ from evenly spaced ones by nearly a constant, the ring's offset.
+std::optional<BeamAzimuths> fullTurnOf(const Directions& directions, const GridSize& grid, double step) {
   // Largest difference of a full turn's sweep from 2 pi, as a fraction of 2 pi, since the vehicle may turn meanwhile.
   constexpr double kTurnSlack = 0.03;
-  constexpr double kAlike = 0.8;       // least mean length of the sum of unit vectors; 1: all differ by the same angle
-  constexpr double kCorrelated = 0.5;  // least correlation of azimuth and column
-  StripColumns look;
-  look.offset.assign(grid.rings, 0);
-  look.step = stepOf(directions, grid.columns);
-  if (look.step == 0) return {};
-  const double fullStep = std::copysign(2 * kPi / static_cast<double>(grid.columns), look.step);
-  std::complex<double> middle;
+  constexpr double kLeastAgreement = 0.8;  // least mean length of a ring's sum of unit vectors; 1: all are equal
+  const double fullStep = std::copysign(2 * kPi / static_cast<double>(grid.columns), step);
   std::vector<std::complex<double>> sums(grid.rings);
   double count = 0;
   for (std::size_t beam = 0; beam < directions.size(); ++beam) {
     const std::complex<double> direction = directions[beam];
-    middle += direction;
     sums[beam / grid.columns] += direction * std::polar(1.0, -fullStep * static_cast<double>(beam % grid.columns));
     count += direction == 0.0 ? 0 : 1;
   }
-  double alike = 0;
-  for (const std::complex<double>& sum : sums) alike += std::abs(sum);
-  if (std::abs(look.step / fullStep - 1) < kTurnSlack && alike >= kAlike * count) {
-    look.step = fullStep;
-    look.fullTurn = true;
-    look.first = std::arg(std::accumulate(sums.begin(), sums.end(), std::complex<double>()));
-    for (std::size_t r = 0; r < grid.rings; ++r) {
-      if (std::abs(sums[r]) > 0) look.offset[r] = wrapped(std::arg(sums[r]) - look.first);
-    }
-    return look;
+  double agreement = 0;
+  for (const std::complex<double>& sum : sums) agreement += std::abs(sum);
+  if (!(std::abs(step / fullStep - 1) < kTurnSlack && agreement >= kLeastAgreement * count)) return {};
+  const double first = std::arg(std::accumulate(sums.begin(), sums.end(), std::complex<double>()));
+  BeamAzimuths azimuths{first, std::vector<double>(grid.rings), fullStep, true};
+  for (std::size_t r = 0; r < grid.rings; ++r) {
+    if (std::abs(sums[r]) > 0) azimuths.offset[r] = wrapped(std::arg(sums[r]) - first);
   }
-  double sumA = 0, sumC = 0, sumAA = 0, sumCC = 0, sumAC = 0;
+  return azimuths;
+}
+
+// True if the azimuth increases (step > 0) or decreases (step < 0) with the column.
+bool followsColumns(const Directions& directions, std::size_t columns, double step) {
+  constexpr double kCorrelated = 0.5;  // least correlation of azimuth and column
+  std::complex<double> middle;
+  for (const std::complex<float>& direction : directions) middle += std::complex<double>(direction);
+  double sumA = 0, sumC = 0, sumAA = 0, sumCC = 0, sumAC = 0, count = 0;
   for (std::size_t beam = 0; beam < directions.size(); ++beam) {
     const std::complex<double> direction = directions[beam];
     if (direction == 0.0) continue;
     const double a = std::arg(direction * std::conj(middle));
-    const auto c = static_cast<double>(beam % grid.columns);
+    const auto c = static_cast<double>(beam % columns);
     sumA += a;
     sumC += c;
     sumAA += a * a;
     sumCC += c * c;
     sumAC += a * c;
+    ++count;
   }
   const double covariance = sumAC * count - sumA * sumC;
   const double spread = std::sqrt((sumAA * count - sumA * sumA) * (sumCC * count - sumC * sumC));
-  if (!(std::copysign(1.0, look.step) * covariance > kCorrelated * spread)) return {};
-  return look;
+  return std::copysign(1.0, step) * covariance > kCorrelated * spread;
+}
+
+// Returns the azimuths that the directions show: those of a full turn, otherwise rings that are not shifted. Returns
+// nothing if azimuths neither increase nor decrease with the column.
+std::optional<BeamAzimuths> estimated(const Directions& directions, const GridSize& grid) {
+  const double step = stepOf(directions, grid.columns);
+  if (step == 0) return {};
+  if (auto turn = fullTurnOf(directions, grid, step)) return turn;
+  if (!followsColumns(directions, grid.columns, step)) return {};
+  return BeamAzimuths{.offset = std::vector<double>(grid.rings), .step = step};
 }
 
 // Returns the azimuths of the beams: those of the sensor's beam table `beams` if it has the scan's rings and columns
 // and its rings are cones, otherwise those of estimated().
-std::optional<StripColumns> stripColumns(const Scan& scan, const std::vector<std::size_t>& ring,
+std::optional<BeamAzimuths> beamAzimuths(const Scan& scan, const std::vector<std::size_t>& ring,
                                          const std::vector<std::size_t>& column, const GridSize& grid,
                                          const BeamTable* beams) {
   const bool onCones = beams != nullptr && beams->azimuthOffset.size() == grid.rings && beams->onCones() &&
                        beams->rings == grid.rings && beams->columns == grid.columns;
   if (!onCones || grid.columns < 2) return estimated(directionsOf(scan, ring, column, grid, beams), grid);
-  StripColumns look;
-  look.step = (beams->azimuth(static_cast<std::uint32_t>(grid.columns - 1)) - beams->azimuth(0)) /
-              static_cast<double>(grid.columns - 1);
-  look.fullTurn = beams->fullTurn();
-  look.first = beams->azimuth(0);
-  look.offset = beams->azimuthOffset;
-  return look;
+  BeamAzimuths azimuths;
+  azimuths.step = (beams->azimuth(static_cast<std::uint32_t>(grid.columns - 1)) - beams->azimuth(0)) /
+                  static_cast<double>(grid.columns - 1);
+  azimuths.fullTurn = beams->fullTurn();
+  azimuths.first = beams->azimuth(0);
+  azimuths.offset = beams->azimuthOffset;
+  return azimuths;
 }
 
-// Returns the places of the beams such that the left side of the image shows what is on the sensor's left. If the field
-// of view is a full revolution, the middle of the image shows straight ahead. Returns nothing if the azimuths of two
-// rings differ so much that their rows would not overlap.
-std::optional<StripPlaces> lookingOutward(const StripColumns& look, std::size_t columns) {
-  StripPlaces places;
-  places.image = destagger(look.offset, look.step, static_cast<std::uint32_t>(columns), look.fullTurn);
-  places.mirrored = look.step > 0;
-  if (places.image.width >= 2 * columns) return {};
-  if (look.fullTurn) {
+// Returns the pixel columns of the beams such that the left side of the image shows what is on the sensor's left. If
+// the field of view is a full revolution, the middle of the image shows straight ahead. Returns nothing if the azimuths
+// of two rings differ so much that their rows would not overlap.
+std::optional<OutwardColumns> lookingOutward(const BeamAzimuths& azimuths, std::size_t columns) {
+  OutwardColumns outward;
+  outward.image = destagger(azimuths.offset, azimuths.step, static_cast<std::uint32_t>(columns), azimuths.fullTurn);
+  outward.mirrored = azimuths.step > 0;
+  if (outward.image.width >= 2 * columns) return {};
+  if (azimuths.fullTurn) {
     const auto width = static_cast<std::ptrdiff_t>(columns);
-    const std::ptrdiff_t start = width / 2 - std::lround(wrapped(look.first) / std::abs(look.step));
-    places.start = static_cast<std::size_t>((start % width + width) % width);
-  } else if (places.mirrored) {
-    places.start = places.image.width - 1;
+    const std::ptrdiff_t start = width / 2 - std::lround(wrapped(azimuths.first) / std::abs(azimuths.step));
+    outward.start = static_cast<std::size_t>((start % width + width) % width);
+  } else if (outward.mirrored) {
+    outward.start = outward.image.width - 1;
   }
-  return places;
+  return outward;
 }
 
 // True if elevations increase with the ring number, determined by the sign of their covariance.
@@ -223,13 +230,13 @@ RangeStrip makeRangeStrip(const Scan& scan, std::span<const Rgb> colors, const s
     column[i] = key.column;
   }
   std::size_t width = grid.columns;
-  const auto look = stripColumns(scan, ring, column, grid, beams);
-  const auto places = look ? lookingOutward(*look, grid.columns) : std::nullopt;
-  if (places && places->image.width <= kMostPictureSide) {
-    for (std::size_t i = 0; i < scan.size(); ++i) column[i] = places->place(ring[i], column[i]);
-    width = places->image.width;
+  const auto azimuths = beamAzimuths(scan, ring, column, grid, beams);
+  const auto outward = azimuths ? lookingOutward(*azimuths, grid.columns) : std::nullopt;
+  if (outward && outward->image.width <= kMostPictureSide) {
+    for (std::size_t i = 0; i < scan.size(); ++i) column[i] = outward->pixelColumn(ring[i], column[i]);
+    width = outward->image.width;
     strip.outward = true;
-    strip.fullTurn = look->fullTurn;
+    strip.fullTurn = azimuths->fullTurn;
   }
   strip.image = Image(static_cast<int>(width), static_cast<int>(grid.rings), kBackground);
   strip.ringsRise = elevationsRise(scan);

@@ -162,7 +162,7 @@ std::vector<Turning> allTurnings() {
   return all;
 }
 
-TEST(StripColumns, EveryPointKeepsItsOwnPixel) {
+TEST(BeamAzimuths, EveryPointKeepsItsOwnPixel) {
   for (const Turning& turning : allTurnings()) {
     const BeamTable table = tableOf(turning);
     const Scan scan = scanOf(table);
@@ -188,7 +188,7 @@ TEST(StripColumns, EveryPointKeepsItsOwnPixel) {
 
 // A pixel's azimuth is known by its column alone, whatever the ring: half a column may be lost where rings are shifted,
 // half a one where straight ahead is between two columns, and half a one more where the offsets are estimated.
-TEST(StripColumns, PixelColumnsAreAzimuths) {
+TEST(BeamAzimuths, PixelColumnsAreAzimuths) {
   for (const Turning& turning : allTurnings()) {
     const BeamTable table = tableOf(turning);
     const Scan scan = scanOf(table);
@@ -209,7 +209,7 @@ TEST(StripColumns, PixelColumnsAreAzimuths) {
 }
 
 // Hits in a narrow sector show the same as hits all around, whether or not the beams are known, one by one.
-TEST(StripColumns, AFewHitsAreOnTheirSide) {
+TEST(BeamAzimuths, AFewHitsAreOnTheirSide) {
   for (const double field : {120, 270, 360}) {
     for (const bool clockwise : {false, true}) {
       BeamTable table = tableOf({clockwise, radians(field), radians(clockwise ? field / 2 : -field / 2)});
@@ -239,7 +239,7 @@ TEST(StripColumns, AFewHitsAreOnTheirSide) {
   }
 }
 
-TEST(StripColumns, ColumnsOfNoAzimuthStayAsTheyAre) {
+TEST(BeamAzimuths, ColumnsOfNoAzimuthStayAsTheyAre) {
   Scan scan = scanOf(tableOf({}));
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const RandomBlock random = randomBlock({.frame = 3, .beam = static_cast<std::uint32_t>(i)});
@@ -258,7 +258,7 @@ TEST(StripColumns, ColumnsOfNoAzimuthStayAsTheyAre) {
 }
 
 // Columns of an image are not evenly apart in azimuth, and rows do not keep their elevation.
-TEST(StripColumns, AnImageStaysAnImage) {
+TEST(BeamAzimuths, AnImageStaysAnImage) {
   for (const double side : {1.0, -1.0}) {
     Scan scan;
     scan.rings = 20;
@@ -291,7 +291,7 @@ TEST(StripColumns, AnImageStaysAnImage) {
   }
 }
 
-TEST(StripColumns, ARealSensorsColumnsAreWhereItsPointsAre) {
+TEST(BeamAzimuths, ARealSensorsColumnsAreWhereItsPointsAre) {
   SKIP_WITHOUT_SHARED_DATA("lidar/ouster_os1_128/frame_1795.pcd");
   const auto source = openFrames({.path = sharedData() / "lidar/ouster_os1_128/frame_1795.pcd"});
   const Scan scan = source->load(0).scans.at(0).scan;

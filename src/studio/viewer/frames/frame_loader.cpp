@@ -37,12 +37,12 @@ ViewFrame loadFrame(const FrameSource& source, std::size_t frame) {
 }  // namespace
 
 struct FrameLoader::State {
-  struct Kept {
+  struct CachedFrame {
     std::shared_ptr<const ViewFrame> frame;
     std::uint64_t bytes = 0;
   };
 
-  State(std::shared_ptr<const FrameSource> from, std::uint64_t limit) : source(std::move(from)), keptBytes(limit) {}
+  State(std::shared_ptr<const FrameSource> from, std::uint64_t limit) : source(std::move(from)), cacheBytes(limit) {}
 
   // The caller must hold `mutex` when calling the following functions, except run().
 
@@ -53,8 +53,8 @@ struct FrameLoader::State {
   }
 
   std::shared_ptr<const ViewFrame> find(std::size_t number) const {
-    const auto found = kept.find(number);
-    return found == kept.end() ? nullptr : found->second.frame;
+    const auto found = cached.find(number);
+    return found == cached.end() ? nullptr : found->second.frame;
   }
 
   // True if the loaded mesh shows the scene at the time in `scene`. If nothing in the scene moves, the time is ignored.
@@ -75,8 +75,8 @@ struct FrameLoader::State {
       const std::int64_t at = static_cast<std::int64_t>(*wanted) + i * step;
       if (at < 0 || at >= static_cast<std::int64_t>(source->keys().size())) break;
       const auto number = static_cast<std::size_t>(at);
-      const auto found = kept.find(number);
-      if (found == kept.end()) return needed + largest <= keptBytes / 2 ? std::optional(number) : std::nullopt;
+      const auto found = cached.find(number);
+      if (found == cached.end()) return needed + largest <= cacheBytes / 2 ? std::optional(number) : std::nullopt;
       needed += found->second.bytes;
       largest = std::max(largest, found->second.bytes);
     }
@@ -87,20 +87,20 @@ struct FrameLoader::State {
 
   // Caches the frame, and removes the frames that are farthest from the requested one until all fit. If the frame
   // itself is one of them, no more frames are read ahead.
-  void keep(std::size_t number, ViewFrame frame) {
+  void cache(std::size_t number, ViewFrame frame) {
     const std::uint64_t bytes = frameBytes(frame);
-    kept[number] = {std::make_shared<const ViewFrame>(std::move(frame)), bytes};
+    cached[number] = {std::make_shared<const ViewFrame>(std::move(frame)), bytes};
     const auto distance = [&](const auto& entry) {
       return std::abs(static_cast<std::int64_t>(entry.first) - static_cast<std::int64_t>(*wanted));
     };
-    std::uint64_t held = 0;
-    for (const auto& entry : kept) held += entry.second.bytes;
-    while (held > keptBytes && kept.size() > 1) {
-      const auto farthest = std::ranges::max_element(kept, {}, distance);
-      held -= farthest->second.bytes;
-      kept.erase(farthest);
+    std::uint64_t cachedBytes = 0;
+    for (const auto& entry : cached) cachedBytes += entry.second.bytes;
+    while (cachedBytes > cacheBytes && cached.size() > 1) {
+      const auto farthest = std::ranges::max_element(cached, {}, distance);
+      cachedBytes -= farthest->second.bytes;
+      cached.erase(farthest);
     }
-    if (!kept.contains(number)) step = 0;
+    if (!cached.contains(number)) step = 0;
   }
 
   // The function of the loading thread: loads requested frames first, then the mesh, then reads frames ahead.
@@ -114,7 +114,7 @@ struct FrameLoader::State {
         lock.unlock();
         ViewFrame frame = loadFrame(*source, *number);
         lock.lock();
-        keep(*number, std::move(frame));
+        cache(*number, std::move(frame));
         done.notify_all();
       } else if (loadsMesh) {
         const SceneChoice scene = *wantedMesh;
@@ -131,13 +131,13 @@ struct FrameLoader::State {
   }
 
   const std::shared_ptr<const FrameSource> source;
-  const std::uint64_t keptBytes;
+  const std::uint64_t cacheBytes;
   mutable std::mutex mutex;
   std::condition_variable work;
   std::condition_variable done;
   bool stopping = false;
 
-  std::map<std::size_t, Kept> kept;
+  std::map<std::size_t, CachedFrame> cached;
   std::optional<std::size_t> wanted;
   int step = 0;  // direction in which frames are read ahead; 0: none are
 
@@ -148,8 +148,8 @@ struct FrameLoader::State {
   std::thread thread;
 };
 
-FrameLoader::FrameLoader(std::shared_ptr<const FrameSource> source, std::uint64_t keptBytes)
-    : state_(std::make_unique<State>(std::move(source), keptBytes)) {
+FrameLoader::FrameLoader(std::shared_ptr<const FrameSource> source, std::uint64_t cacheBytes)
+    : state_(std::make_unique<State>(std::move(source), cacheBytes)) {
   state_->thread = std::thread([state = state_.get()] { state->run(); });
 }
 

@@ -15,14 +15,14 @@ namespace scanmill {
 
 class FrameLoader {
  public:
-  // Caches the frames about the one that was requested last, up to `keptBytes` bytes; that one is always cached.
-  explicit FrameLoader(std::shared_ptr<const FrameSource> source, std::uint64_t keptBytes = std::uint64_t{1} << 30);
+  // Caches the frames about the one that was requested last, up to `cacheBytes` bytes; that one is always cached.
+  explicit FrameLoader(std::shared_ptr<const FrameSource> source, std::uint64_t cacheBytes = std::uint64_t{1} << 30);
   ~FrameLoader();  // waits until the current load is finished
   FrameLoader(const FrameLoader&) = delete;
   FrameLoader& operator=(const FrameLoader&) = delete;
 
   // Requests a frame, and after it at most 64 following frames in the direction of `step` (1 or -1; 0: none), as long
-  // as these fit into half of `keptBytes`; the other half is for frames that were shown before. Cancels earlier
+  // as these fit into half of `cacheBytes`; the other half is for frames that were shown before. Cancels earlier
   // requests that have not been started.
   void want(std::size_t frame, int step = 1);
   // Returns the frame; null if it is not loaded yet.

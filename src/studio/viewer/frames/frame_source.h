@@ -38,7 +38,7 @@ struct ViewScan {
   std::string whyNoError{};            // what NaN in `error` means, such as "no partner in the reference"; may be empty
   std::optional<Coloring> coloring{};  // the colours in which the scan is always shown; absent: the user chooses
 
-  const std::vector<Vec3f>& places() const { return placed.empty() ? scan.position : placed; }
+  const std::vector<Vec3f>& drawnPositions() const { return placed.empty() ? scan.position : placed; }
 };
 
 struct ViewFrame {

@@ -24,21 +24,21 @@ namespace {
 // all of them.
 std::vector<std::string> labelsOf(const std::vector<fs::path>& paths) {
   std::vector<std::string> names;
-  std::vector<std::string> whole;
+  std::vector<std::string> absolute;
   for (const fs::path& path : paths) {
     const fs::path clean = fs::absolute(path).lexically_normal();
-    whole.push_back((clean.has_filename() ? clean : clean.parent_path()).string());
-    names.push_back(fs::path(whole.back()).filename().string());
+    absolute.push_back((clean.has_filename() ? clean : clean.parent_path()).string());
+    names.push_back(fs::path(absolute.back()).filename().string());
   }
   const auto different = [](const std::vector<std::string>& all) { return std::set(all.begin(), all.end()).size(); };
-  if (different(names) == different(whole)) return names;
-  fs::path common = fs::path(whole.front()).parent_path();
+  if (different(names) == different(absolute)) return names;
+  fs::path common = fs::path(absolute.front()).parent_path();
   const auto holds = [&](const std::string& path) {
     return *fs::path(path).parent_path().lexically_relative(common).begin() != "..";
   };
-  while (!std::ranges::all_of(whole, holds)) common = common.parent_path();
-  for (std::string& path : whole) path = fs::path(path).lexically_relative(common).string();
-  return whole;
+  while (!std::ranges::all_of(absolute, holds)) common = common.parent_path();
+  for (std::string& path : absolute) path = fs::path(path).lexically_relative(common).string();
+  return absolute;
 }
 
 // Returns a description of the first class that has different names in the two ontologies; empty if there is none.

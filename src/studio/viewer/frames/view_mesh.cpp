@@ -205,7 +205,7 @@ Box coreOf(const ViewMesh& view) {
 
 // Removes moving objects that are far from all static objects at this time, such as a town's vehicles that have not
 // arrived yet.
-void leaveOutWhoIsAway(Scene& scene, double time) {
+void removeDistantMovers(Scene& scene, double time) {
   Box standing;
   for (const Instance& i : scene.instances) {
     if (i.moves()) continue;
@@ -256,7 +256,7 @@ ViewMesh loadViewMesh(const std::filesystem::path& file, std::uint64_t seed, dou
     Scene scene = readScene(file, {.seed = seed, .ontology = ontology, .textures = false});
     const bool moves = scene.moves();
     if (moves) {
-      leaveOutWhoIsAway(scene, time);
+      removeDistantMovers(scene, time);
       standStill(scene, time);
     }
     ViewMesh view = makeViewMesh(scene);

@@ -17,8 +17,8 @@ struct PanelNeeds {
   int stripHeight = 0;  // height of the range image without its caption (pixels); 0: no range image
 };
 
-// Return the height of a line of text in pixels: for a picture of the given size in pixels, and for the canvas, which is a
-// picture if `still` is true, otherwise a window.
+// Return the height of a line of text in pixels: for a picture of the given size in pixels, and for the canvas, which
+// is a picture if `still` is true, otherwise a window.
 double pictureLineHeight(int width, int height);
 double lineHeightOf(const Canvas& canvas, bool still);
 

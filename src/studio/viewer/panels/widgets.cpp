@@ -17,6 +17,12 @@ void textLine(const std::string& text) {
   ImGui::TextUnformatted(text.data(), text.data() + text.size());
 }
 
+void dimText(const std::string& text) {
+  ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+  textLine(text);
+  ImGui::PopStyleColor();
+}
+
 namespace {
 
 constexpr Rgb kAlarm{240, 72, 60};
@@ -35,12 +41,6 @@ float lineHeight() {
 
 ImVec2 sizeOf(const std::string& text, float wrap = -1) {
   return ImGui::CalcTextSize(text.data(), text.data() + text.size(), false, wrap);
-}
-
-void dimText(const std::string& text) {
-  ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
-  textLine(text);
-  ImGui::PopStyleColor();
 }
 
 void drawWrapped(void (*draw)(const std::string&), const std::string& text) {
@@ -376,32 +376,6 @@ bool imageAt(ImageId image, const PixelRect& rect, const std::optional<std::pair
   }
   ImGui::PopClipRect();
   return over;
-}
-
-FrameBarUse frameBar(const PixelRect& rect, const FrameBar& bar) {
-  FrameBarUse use;
-  panelAt("##frames", rect, PanelUse::Picture, [&] {
-    if (bar.frames > 1) {
-      if (ImGui::Button(bar.playing ? "Pause" : "Play", {lineHeight() * 4, 0})) use.play = true;
-      ImGui::SameLine();
-      const float narrow = ImGui::GetContentRegionAvail().x;
-      ImGui::SetNextItemWidth(narrow < lineHeight() * 30 ? narrow : narrow * 0.45F);
-      int at = static_cast<int>(bar.frame);
-      const int last = static_cast<int>(bar.frames) - 1;
-      if (ImGui::SliderInt("##frame", &at, 0, last, "", ImGuiSliderFlags_AlwaysClamp)) {
-        use.frame = static_cast<std::size_t>(std::clamp(at, 0, last));
-      }
-      ImGui::SameLine();
-      ImGui::AlignTextToFramePadding();
-      textLine(fmt::format("#{} of {}   {}", bar.frame, bar.frames, bar.key));
-    }
-    if (!bar.busy.empty()) {
-      if (bar.frames > 1) ImGui::SameLine();
-      ImGui::AlignTextToFramePadding();
-      dimText("loading " + bar.busy);
-    }
-  });
-  return use;
 }
 
 bool messages(const PixelRect& within, const std::vector<std::string>& problems,

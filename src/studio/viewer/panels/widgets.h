@@ -61,6 +61,7 @@ PixelRect legendRect(const Legend& legend, const PixelRect& body, double lineHei
 void legendPanel(const Legend& legend, const PixelRect& rect);
 
 void textLine(const std::string& text);
+void dimText(const std::string& text);
 // Draws a text at a position (pixels of the canvas), shortened to `width` pixels.
 void textAt(double x, double y, double width, const std::string& text);
 
@@ -73,18 +74,6 @@ void tooltip(const std::string& title, const Rgb& color, const NamedValues& rows
 // Draws an image from setImage() in a rectangle, clipped at the panel's edge, with a ring around `mark` (pixels of the
 // canvas). Returns true if the pointer is over the image.
 bool imageAt(ImageId image, const PixelRect& rect, const std::optional<std::pair<double, double>>& mark = {});
-
-struct FrameBar {
-  std::size_t frame = 0;
-  std::size_t frames = 0;  // number of frames; if it is less than 2, the slider and `key` are not shown
-  std::string key{}, busy{};
-  bool playing = false;
-};
-struct FrameBarUse {
-  bool play = false;                 // true: the play button was pressed
-  std::optional<std::size_t> frame;  // index of the frame to which the slider was moved
-};
-FrameBarUse frameBar(const PixelRect& rect, const FrameBar& bar);
 
 // Draws messages in the lower left corner of `within`. Returns true if the user has dismissed the problems by a click.
 bool messages(const PixelRect& within, const std::vector<std::string>& problems,

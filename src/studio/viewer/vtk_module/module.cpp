@@ -27,7 +27,7 @@ namespace scanmill {
 namespace {
 
 // Calls `work`, and converts its exceptions to those that Canvas documents.
-decltype(auto) told(const auto& work) {
+decltype(auto) withCanvasErrors(const auto& work) {
   try {
     return work();
   } catch (const std::bad_alloc&) {
@@ -118,7 +118,7 @@ class VtkCanvas final : public Canvas {
       }
     };
     try {
-      told([&] {
+      withCanvasErrors([&] {
         if (window_ == nullptr) throw std::invalid_argument("a canvas without a window has no events");
         window_->run(tickMilliseconds, handled);
       });
@@ -140,7 +140,7 @@ class VtkCanvas final : public Canvas {
   // Calls `work`, a function that changes or reads the scene, with the context current and VTK's messages collected.
   template <class Work, class... Arguments>
   void change(const Work& work, Arguments&&... arguments) {
-    told([&] {
+    withCanvasErrors([&] {
       Quiet quiet;
       makeCurrent();
       std::invoke(work, *scene_, std::forward<Arguments>(arguments)...);
@@ -169,7 +169,7 @@ class VtkCanvasModule final : public CanvasModule {
 
  private:
   static std::unique_ptr<Canvas> open(const auto& make) {
-    return told([&] {
+    return withCanvasErrors([&] {
       Quiet quiet;
       std::unique_ptr<Canvas> canvas = make();
       quiet.check();

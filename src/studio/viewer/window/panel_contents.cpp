@@ -100,7 +100,7 @@ void PanelContents::addLabels() {
     }
   }
   // Label the nearest objects with class, id and the fraction (%) of the object that is not occluded.
-  for (const auto& [object, view] : sceneView_.nearestSeen()) {
+  for (const auto& [object, view] : sceneView_.nearestSeenObjects()) {
     addLabel(sceneView_.canvasFromBox(*object) * Vec3d{0, 0, object->size.z / 2},
              fmt::format("{} {}, {:.0f} % visible", className(context_.source->ontology(), object->semantic),
                          object->id, 100 * view->visibility().value_or(0)),

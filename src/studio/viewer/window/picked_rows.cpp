@@ -44,9 +44,9 @@ std::optional<std::size_t> pointOf(const Scan& scan, const PointKey& wanted) {
 // Adds the point's values in the columns of the table and in the file's foreign columns, except for class, instance,
 // ring and column, which other rows show.
 void addColumns(Rows& rows, const Scan& scan, std::size_t point) {
-  const ColumnSet told(kLabel, kInstance, kRing, kColumn);
+  const ColumnSet inOtherRows(kLabel, kInstance, kRing, kColumn);
   visitTable(scan, [&](auto key, const auto& values) {
-    if (values.empty() || told.has(key)) return;
+    if (values.empty() || inOtherRows.has(key)) return;
     rows.emplace_back(key.row.name, displayText(key.row, static_cast<double>(values[point])));
   });
   for (const ForeignColumn& column : scan.foreign) {
@@ -163,12 +163,12 @@ void addSameBeam(PickedThing& thing, const Scan& own, const ViewScan& other, con
     thing.rows.emplace_back(other.name, "no return");
     return;
   }
-  std::string told = fmt::format("{:.2f} m", length(Vec3d(scan.position[*point])));
-  if (!scan[kLabel].empty()) told += ", " + className(ontology, scan[kLabel][*point]);
-  thing.rows.emplace_back(other.name, told);
+  std::string text = fmt::format("{:.2f} m", length(Vec3d(scan.position[*point])));
+  if (!scan[kLabel].empty()) text += ", " + className(ontology, scan[kLabel][*point]);
+  thing.rows.emplace_back(other.name, text);
 }
 
-std::string wholeName(const ViewScan& scan, const std::string& dataset) {
+std::string fullName(const ViewScan& scan, const std::string& dataset) {
   std::string name = scan.name;
   for (const std::string* part : {&scan.sensor, &scan.method}) {
     if (!part->empty() && name.find(*part) == std::string::npos) name += ", " + *part;

@@ -26,7 +26,7 @@ void addInstance(PickedThing& thing, const InstanceSummary& summary, const Ontol
 void addSameBeam(PickedThing& thing, const Scan& own, const ViewScan& other, const Ontology* ontology);
 
 // Returns the scan's name together with its dataset, sensor and method, as far as these are known.
-std::string wholeName(const ViewScan& scan, const std::string& dataset);
+std::string fullName(const ViewScan& scan, const std::string& dataset);
 
 PickedThing describeTriangle(const ViewMesh& mesh, std::size_t triangle, const Vec3d& worldPlace);
 

@@ -81,7 +81,7 @@ void Pointer::click(int px, int py) {
   context_.changes.panels = true;
   if (!measuring) {
     pinned.reset();
-    if (thing) pinned = inFull(std::move(*thing));
+    if (thing) pinned = withOtherScans(std::move(*thing));
     return;
   }
   if (!thing) return context_.notify("nothing lies there");
@@ -135,7 +135,7 @@ PickedThing Pointer::pickedPoint(std::size_t k, std::size_t point) const {
   const ShownCloud& cloud = clouds_.list[k];
   const ViewScan& scan = clouds_.scanOf(cloud);
   PickedThing thing = describePoint(scan, cloud.scan, point, context_.source->ontology());
-  thing.place = cloud.canvasFromScan * Vec3d(scan.places()[point]);
+  thing.place = cloud.canvasFromScan * Vec3d(scan.drawnPositions()[point]);
   addBrief(thing, scan, clouds_.colorOf(cloud.view));
   if (const auto instance = instanceOf(thing)) {
     addInstance(thing, summaryOf(cloud, *instance), context_.source->ontology());
@@ -144,7 +144,7 @@ PickedThing Pointer::pickedPoint(std::size_t k, std::size_t point) const {
   return thing;
 }
 
-PickedThing Pointer::inFull(PickedThing thing) const {
+PickedThing Pointer::withOtherScans(PickedThing thing) const {
   if (thing.scan == kNoScan || thing.scan >= context_.frame->scans.size()) return thing;
   const ViewScan& own = context_.frame->scans[thing.scan];
   std::vector<std::size_t> others;
@@ -153,7 +153,7 @@ PickedThing Pointer::inFull(PickedThing thing) const {
     if (std::ranges::find(others, cloud.scan) == others.end()) others.push_back(cloud.scan);
   }
   if (others.empty()) return thing;
-  thing.rows.insert(thing.rows.begin(), {"scan", wholeName(own, context_.source->title())});
+  thing.rows.insert(thing.rows.begin(), {"scan", fullName(own, context_.source->title())});
   for (const std::size_t other : others) {
     addSameBeam(thing, own.scan, context_.frame->scans[other], context_.source->ontology());
   }
@@ -181,7 +181,7 @@ std::optional<PickedThing> Pointer::pick(int px, int py) const {
   for (std::size_t k = 0; k < clouds_.list.size(); ++k) {
     const ShownCloud& cloud = clouds_.list[k];
     if (cloud.view != *view) continue;
-    candidates.push_back({clouds_.scanOf(cloud).places(), cloud.shown, cloud.canvasFromScan});
+    candidates.push_back({clouds_.scanOf(cloud).drawnPositions(), cloud.shown, cloud.canvasFromScan});
     cloudOf.push_back(k);
   }
   if (const auto hit = pickPoint(candidates, in.camera, right, down, sceneView_.pointSize(), kReach)) {
@@ -248,7 +248,8 @@ const InstanceSummary& Pointer::summaryOf(const ShownCloud& cloud, std::uint32_t
   const InstanceRef place{cloud.scan, instance};
   if (!lastSummary_ || !(lastSummary_->first == place)) {
     const ViewScan& viewed = clouds_.scanOf(cloud);
-    lastSummary_.emplace(place, summarizeInstance(viewed.scan, viewed.places(), instance, cloud.canvasFromScan));
+    lastSummary_.emplace(place,
+                         summarizeInstance(viewed.scan, viewed.drawnPositions(), instance, cloud.canvasFromScan));
   }
   return lastSummary_->second;
 }
@@ -269,7 +270,7 @@ std::vector<Vec3f> returnsOf(const ViewScan& viewed, std::size_t point) {
   }
   std::ranges::sort(all, {}, [&](std::size_t i) { return length(Vec3d(scan.position[i])); });
   std::vector<Vec3f> places;
-  for (const std::size_t i : all) places.push_back(viewed.places()[i]);
+  for (const std::size_t i : all) places.push_back(viewed.drawnPositions()[i]);
   return places;
 }
 
@@ -310,7 +311,7 @@ void Pointer::outline(const ShownCloud& cloud, bool anew) {
   if (context_.redraw.views().empty()) return;
   if (anew) {
     std::vector<Vec3f> places;
-    const std::vector<Vec3f>& all = clouds_.scanOf(cloud).places();
+    const std::vector<Vec3f>& all = clouds_.scanOf(cloud).drawnPositions();
     for (const std::uint32_t i : summaryOf(cloud, highlighted_->id).points) {
       if (!cloud.shown.empty() && cloud.shown[i] == 0) continue;
       places.push_back(Vec3f(cloud.canvasFromScan * Vec3d(all[i])));

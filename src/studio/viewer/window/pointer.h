@@ -57,7 +57,7 @@ struct Pointer {
   PickedThing pickedPoint(std::size_t cloud, std::size_t point) const;
   // Returns `thing` with the name of its scan and the points of the same beam in other shown scans; unchanged if no
   // other scan is shown.
-  PickedThing inFull(PickedThing thing) const;
+  PickedThing withOtherScans(PickedThing thing) const;
   // True if the point or triangle is not hidden and its scan is shown.
   bool isShown(const PickedThing& thing) const;
   // Finds the point or triangle under the pointer. `panels`: true if a panel covers it. `strip`: rectangle of the range

@@ -27,11 +27,11 @@ void SceneView::takeFrame(std::size_t index) {
     if (scan.worldFromSensor && !worldFromAnchor) worldFromAnchor = scan.worldFromSensor;
   }
   trajectory = context_.source->trajectory(index);
-  place();
+  computeCanvasFrame();
 }
 
 // Computes canvasFromWorld.
-void SceneView::place() {
+void SceneView::computeCanvasFrame() {
   instancesOf_.reset();  // the cached boxes of instances are in the old canvas frame
   if (context_.source->isScene()) {
     canvasFromWorld = mesh ? Affine{{}, -mesh->origin} : Affine{};
@@ -64,7 +64,7 @@ void SceneView::placeClouds() {
     context_.canvas.setLook(cloudItem(k),
                             {.canvasFromItem = cloud.canvasFromScan, .size = pointSize(), .views = 1U << cloud.view});
     double radius = 0;
-    for (const Vec3f& p : viewed.places()) {
+    for (const Vec3f& p : viewed.drawnPositions()) {
       if (isFinite(p)) radius = std::max(radius, double{dot(p, p)});
     }
     content_.push_back({cloud.canvasFromScan.translation, std::sqrt(radius)});
@@ -72,7 +72,7 @@ void SceneView::placeClouds() {
   if (!clouds_.list.empty()) {
     const ShownCloud& first = clouds_.list.front();
     ground = first.canvasFromScan.translation;
-    ground.z = groundHeight(clouds_.scanOf(first).places(), first.canvasFromScan);
+    ground.z = groundHeight(clouds_.scanOf(first).drawnPositions(), first.canvasFromScan);
   }
   context_.changes.items = context_.changes.panels = true;
 }
@@ -113,7 +113,7 @@ std::optional<Affine> SceneView::toggleWorld() {
   if (!worldFromAnchor) return {};
   const Affine before = canvasFromWorld;
   world = !world;
-  place();
+  computeCanvasFrame();
   const Affine newFromOld = canvasFromWorld * inverse(before);
   OrbitCamera moved = camera;
   moved.moveBy(newFromOld);
@@ -180,15 +180,15 @@ OrbitCamera SceneView::preset(View view) const {
     return chosen;
   }
   if (world && worldFromAnchor) chosen.moveBy(canvasFromWorld * toAffine(*worldFromAnchor));
-  return chosen.seeing(placesOnCanvas(), view, context_.canvas.width(), context_.canvas.height());
+  return chosen.seeing(pointsOnCanvas(), view, context_.canvas.width(), context_.canvas.height());
 }
 
 // Returns the places of the shown scans' finite points, or of some of them if they are many.
-std::vector<Vec3d> SceneView::placesOnCanvas() const {
+std::vector<Vec3d> SceneView::pointsOnCanvas() const {
   constexpr std::size_t kEnough = 50'000;
   std::vector<Vec3d> places;
   for (const ShownCloud& cloud : clouds_.list) {
-    const std::vector<Vec3f>& all = clouds_.scanOf(cloud).places();
+    const std::vector<Vec3f>& all = clouds_.scanOf(cloud).drawnPositions();
     for (std::size_t i = 0; i < all.size(); i += all.size() / kEnough + 1) {
       if (isFinite(all[i])) places.push_back(cloud.canvasFromScan * Vec3d(all[i]));
     }
@@ -207,7 +207,7 @@ OrbitCamera SceneView::firstCamera() const {
 void SceneView::lookAtFirstPoints() {
   const std::optional<CloseUp>& closeUp = context_.options.closeUp;
   if (framed_ || clouds_.list.empty()) return;
-  framed_ = !placesOnCanvas().empty();
+  framed_ = !pointsOnCanvas().empty();
   if (!closeUp) return setCamera(firstCamera());
   constexpr double kFilled = 0.85;  // fraction of the picture's shorter side that the ball fills; panels need the rest
   const int width = context_.canvas.width();
@@ -231,9 +231,9 @@ void SceneView::lookAtFirstPoints() {
 }
 
 std::string SceneView::cameraText() const {
-  OrbitCamera told = camera;
-  if (context_.source->isScene()) told.target = inverse(canvasFromWorld) * told.target;
-  return told.text();
+  OrbitCamera shown = camera;
+  if (context_.source->isScene()) shown.target = inverse(canvasFromWorld) * shown.target;
+  return shown.text();
 }
 
 void SceneView::setCamera(const OrbitCamera& newCamera) {

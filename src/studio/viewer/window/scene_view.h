@@ -85,10 +85,10 @@ struct SceneView {
   // Functions in scene_view_mesh.cpp, for instances and for the objects in the list of a sample:
   Affine canvasFromBox(const ObjectRecord& object) const;
   // Returns how the first scan's sensor sees the object; null if this is not known.
-  const ObjectView* shownView(const ObjectRecord& object) const;
+  const ObjectView* viewOfShownSensor(const ObjectRecord& object) const;
   void placeBoxes();
   // Returns the shown objects that the first scan's sensor sees, with their views: at most 30, the nearest first.
-  std::vector<std::pair<const ObjectRecord*, const ObjectView*>> nearestSeen() const;
+  std::vector<std::pair<const ObjectRecord*, const ObjectView*>> nearestSeenObjects() const;
   void addObjectRows(PickedThing& thing, std::uint32_t instance) const;
   // Returns the instances of the first scan that is shown.
   const std::vector<InstanceSummary>& instances();
@@ -110,11 +110,11 @@ struct SceneView {
   bool instanceBoxes = false;           // true: draws boxes around instances' points if the sample lists no objects
 
  private:
-  void place();
+  void computeCanvasFrame();
   Affine canvasFromScan(const ViewScan& scan) const;
-  std::vector<Vec3d> placesOnCanvas() const;
+  std::vector<Vec3d> pointsOnCanvas() const;
   void findRoadUsers();
-  bool boxShown(const ObjectRecord& object) const;
+  bool isBoxShown(const ObjectRecord& object) const;
   void placeInstanceBoxes(LineSet& lines);
 
   SessionContext& context_;

@@ -32,7 +32,7 @@ void SceneView::placeMesh() {
     if (mesh && mesh->size() > 0 && meshOn()) context_.notify("no mesh: the pose of the scan is not known");
     return;
   }
-  place();
+  computeCanvasFrame();
   meshColoring = colorMesh(*mesh, meshColor);
   meshItem.setTriangles(mesh->corners, meshColoring.colors);
   placeMeshLook();
@@ -122,7 +122,7 @@ constexpr std::size_t kMostNames = 30;  // largest number of objects with a labe
 
 }  // namespace
 
-const ObjectView* SceneView::shownView(const ObjectRecord& object) const {
+const ObjectView* SceneView::viewOfShownSensor(const ObjectRecord& object) const {
   if (clouds_.list.empty()) return nullptr;
   const std::string sensor = lowerCase(clouds_.scanOf(clouds_.list.front()).sensor);
   for (const ObjectView& view : object.views) {
@@ -136,7 +136,7 @@ const ObjectView* SceneView::shownView(const ObjectRecord& object) const {
 // first revolution. If the points are placed on the canvas, or are those of a later revolution, the pose is computed
 // from the object's velocity.
 Affine SceneView::canvasFromBox(const ObjectRecord& object) const {
-  const ObjectView* const view = shownView(object);
+  const ObjectView* const view = viewOfShownSensor(object);
   const ViewScan& scan = clouds_.scanOf(clouds_.list.front());
   if (view != nullptr && scan.placed.empty() && scan.revolution == 0) {
     return clouds_.list.front().canvasFromScan * toAffine(view->sensorFromBox);
@@ -159,7 +159,7 @@ void SceneView::findRoadUsers() {
   }
 }
 
-bool SceneView::boxShown(const ObjectRecord& object) const {
+bool SceneView::isBoxShown(const ObjectRecord& object) const {
   if (context_.options.boxes == BoxChoice::None) return false;
   // Instances that the user names are drawn whatever their class.
   const bool roadUsers =
@@ -180,11 +180,11 @@ void SceneView::placeBoxes() {
   LineSet lines;
   if (context_.frame && worldFromAnchor && !clouds_.list.empty()) {
     for (const ObjectRecord& object : context_.frame->objects) {
-      if (!boxShown(object)) continue;
+      if (!isBoxShown(object)) continue;
       const SemanticClass* const known =
           context_.source->ontology() == nullptr ? nullptr : context_.source->ontology()->find(object.semantic);
       const Rgb color = known == nullptr ? kUnknownClass : known->color;
-      const ObjectView* const view = shownView(object);
+      const ObjectView* const view = viewOfShownSensor(object);
       const bool seen = view != nullptr && view->points > 0;
       const Affine place = canvasFromBox(object);
       if (!seen && length(place.translation - clouds_.list.front().canvasFromScan.translation) > kUnseenWithin)
@@ -203,12 +203,12 @@ void SceneView::placeBoxes() {
   context_.changes.items = context_.changes.panels = true;
 }
 
-std::vector<std::pair<const ObjectRecord*, const ObjectView*>> SceneView::nearestSeen() const {
+std::vector<std::pair<const ObjectRecord*, const ObjectView*>> SceneView::nearestSeenObjects() const {
   std::vector<std::pair<const ObjectRecord*, const ObjectView*>> seen;
   if (!context_.frame || !worldFromAnchor || clouds_.list.empty()) return seen;
   for (const ObjectRecord& object : context_.frame->objects) {
-    const ObjectView* const view = shownView(object);
-    if (view != nullptr && view->points > 0 && boxShown(object)) seen.emplace_back(&object, view);
+    const ObjectView* const view = viewOfShownSensor(object);
+    if (view != nullptr && view->points > 0 && isBoxShown(object)) seen.emplace_back(&object, view);
   }
   std::ranges::sort(seen, {}, [](const auto& one) { return length(one.second->sensorFromBox.translation); });
   if (seen.size() > kMostNames) seen.resize(kMostNames);
@@ -242,7 +242,7 @@ const std::vector<InstanceSummary>& SceneView::instances() {
   const std::pair<const ViewFrame*, std::size_t> of{context_.frame.get(), cloud.scan};
   if (instancesOf_ != of) {
     const ViewScan& viewed = clouds_.scanOf(cloud);
-    instances_ = summarizeInstances(viewed.scan, viewed.places(), cloud.canvasFromScan);
+    instances_ = summarizeInstances(viewed.scan, viewed.drawnPositions(), cloud.canvasFromScan);
     instancesOf_ = of;
   }
   return instances_;

@@ -90,7 +90,7 @@ void ViewSession::check() const {
 std::optional<PickedThing> ViewSession::pick(int x, int y) {
   refresh();
   auto thing = pointer_.pick(x, y);
-  if (thing) thing = pointer_.inFull(std::move(*thing));
+  if (thing) thing = pointer_.withOtherScans(std::move(*thing));
   return thing;
 }
 

@@ -147,8 +147,8 @@ void ViewSession::act(const KeyMeaning& meaning) {
       context_.options.boxes =
           static_cast<BoxChoice>((static_cast<std::size_t>(context_.options.boxes) + 1) % kChoices);
       sceneView_.placeGuides();
-      constexpr std::array<const char*, kChoices> kSaid{"of road users", "of all objects", "off"};
-      return context_.notify(fmt::format("boxes {}", kSaid[static_cast<std::size_t>(context_.options.boxes)]));
+      constexpr std::array<const char*, kChoices> kBoxTexts{"of road users", "of all objects", "off"};
+      return context_.notify(fmt::format("boxes {}", kBoxTexts[static_cast<std::size_t>(context_.options.boxes)]));
     }
     case KeyAction::ToggleProjection: {
       OrbitCamera other = sceneView_.camera;

@@ -50,9 +50,9 @@ void ViewSession::drawPanels() {
   drawStrip();
   if (!context_.options.still) {
     drawFrameBar();
-    std::vector<std::string> said;
-    for (const ViewNotice& notice : context_.notices) said.push_back(notice.text);
-    if (messages(panels_.rects.body, problems(), said)) {  // the frame's own problems cannot be dismissed
+    std::vector<std::string> notices;
+    for (const ViewNotice& notice : context_.notices) notices.push_back(notice.text);
+    if (messages(panels_.rects.body, problems(), notices)) {  // the frame's own problems cannot be dismissed
       clouds_.colorProblem.clear();
       sceneView_.meshProblem.clear();
       clouds_.stripProblem.clear();
@@ -208,23 +208,37 @@ void ViewSession::drawStrip() {
   if (!pressed) return;
   if (auto picked = pointer_.pickStrip(rect, pointer_.x, pointer_.y)) {
     pointer_.lookAt(picked->place);
-    pointer_.pinned = pointer_.inFull(std::move(*picked));
+    pointer_.pinned = pointer_.withOtherScans(std::move(*picked));
   }
 }
 
+// Draws the button that plays frames, the slider that chooses one, and what is being loaded.
 void ViewSession::drawFrameBar() {
   const std::size_t requested = playback_.requested();
-  const FrameBar bar{.frame = requested,
-                     .frames = playback_.count(),
-                     .key = context_.source->keys()[requested],
-                     .busy = playback_.busy(),
-                     .playing = playback_.playing()};
-  const FrameBarUse use = frameBar(panels_.rects.bar, bar);
-  if (use.play) togglePlaying();
-  if (use.frame && *use.frame != requested) {
-    playback_.stop();
-    goTo(*use.frame, *use.frame > requested ? 1 : -1);
-  }
+  panelAt("##frames", panels_.rects.bar, PanelUse::Picture, [&] {
+    const float lineHeight = ImGui::GetFontSize();
+    const bool several = playback_.count() > 1;
+    if (several) {
+      if (ImGui::Button(playback_.playing() ? "Pause" : "Play", {lineHeight * 4, 0})) togglePlaying();
+      ImGui::SameLine();
+      const float width = ImGui::GetContentRegionAvail().x;
+      ImGui::SetNextItemWidth(width < lineHeight * 30 ? width : width * 0.45F);
+      const int last = static_cast<int>(playback_.count()) - 1;
+      int at = static_cast<int>(requested);
+      if (ImGui::SliderInt("##frame", &at, 0, last, "", ImGuiSliderFlags_AlwaysClamp) &&
+          at != static_cast<int>(requested)) {
+        playback_.stop();
+        goTo(static_cast<std::size_t>(std::clamp(at, 0, last)), at > static_cast<int>(requested) ? 1 : -1);
+      }
+      ImGui::SameLine();
+      ImGui::AlignTextToFramePadding();
+      textLine(fmt::format("#{} of {}   {}", requested, playback_.count(), context_.source->keys()[requested]));
+    }
+    if (playback_.busy().empty()) return;
+    if (several) ImGui::SameLine();
+    ImGui::AlignTextToFramePadding();
+    dimText("loading " + playback_.busy());
+  });
 }
 
 void ViewSession::drawPrompt() {
@@ -270,9 +284,9 @@ void ViewSession::drawPrompt() {
 
 // Draws the tooltip beside the pointer.
 void ViewSession::drawTooltip() {
-  const bool told = pointer_.pinned && pointer_.hover && pointer_.pinned->scan == pointer_.hover->scan &&
-                    pointer_.pinned->point == pointer_.hover->point;
-  if (pointer_.hover && !told && !pointer_.measuring && !panels_.help)
+  const bool isPinned = pointer_.pinned && pointer_.hover && pointer_.pinned->scan == pointer_.hover->scan &&
+                        pointer_.pinned->point == pointer_.hover->point;
+  if (pointer_.hover && !isPinned && !pointer_.measuring && !panels_.help)
     tooltip(pointer_.hover->heading, pointer_.colorOf(*pointer_.hover), pointer_.hover->brief, pointer_.hover->alarm);
 }
 
@@ -325,7 +339,7 @@ void ViewSession::drawInstances() {
   }
   ImGui::EndTable();
   if (chosen == nullptr) return;
-  pointer_.pinned = pointer_.inFull(pointer_.pickedPoint(0, chosen->points[chosen->points.size() / 2]));
+  pointer_.pinned = pointer_.withOtherScans(pointer_.pickedPoint(0, chosen->points[chosen->points.size() / 2]));
   pointer_.lookAt(chosen->levelFromBox.translation);
   context_.changes.panels = true;
 }

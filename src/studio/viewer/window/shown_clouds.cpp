@@ -143,7 +143,7 @@ void ShownClouds::arrange() {
     }
     cloud.finite = static_cast<std::uint64_t>(std::ranges::count_if(scan.position, isFinite<float>));
     if (!classesKnown_) notePresent(scan, presentClasses);
-    context_.canvas.setPoints(cloudItem(k), scanOf(cloud).places(), cloud.coloring.colors);
+    context_.canvas.setPoints(cloudItem(k), scanOf(cloud).drawnPositions(), cloud.coloring.colors);
   }
   for (std::size_t k = list.size(); k < before; ++k) context_.canvas.drop(cloudItem(k));
 }
@@ -201,7 +201,7 @@ void ShownClouds::applyFilter() {
   makeStrip();
 }
 
-std::vector<std::size_t> ShownClouds::actedViews() const {
+std::vector<std::size_t> ShownClouds::affectedViews() const {
   if (activeView) return {*activeView};
   std::vector<std::size_t> all;
   for (std::size_t v = 0; v < viewCount(); ++v) all.push_back(v);
@@ -211,7 +211,7 @@ std::vector<std::size_t> ShownClouds::actedViews() const {
 void ShownClouds::chooseColor(const ColorBy& by) {
   if (list.empty()) return;
   if (overlaid()) return context_.notify("the overlay has fixed colours: l closes it");
-  const auto acted = actedViews();
+  const auto acted = affectedViews();
   for (const std::size_t view : acted) {
     for (const ShownCloud& cloud : list) {
       if (cloud.view != view) continue;
@@ -243,7 +243,7 @@ void ShownClouds::chooseColor(const ColorBy& by) {
 void ShownClouds::resetScales() {
   if (list.empty()) return;
   if (overlaid()) return context_.notify("the overlay has fixed colours: l closes it");
-  const std::vector<std::size_t> acted = actedViews();
+  const std::vector<std::size_t> acted = affectedViews();
   if (std::ranges::none_of(acted, [&](std::size_t view) { return isNumeric(colorOf(view)); })) {
     return context_.notify("these colours have no scale");
   }

@@ -73,7 +73,7 @@ struct ShownClouds {
   Coloring colored(std::size_t scan, std::size_t view);
   std::optional<ScaleRange> scaleOf(std::size_t view);
   ColorContext contextOf(const ViewScan& scan) const;
-  std::vector<std::size_t> actedViews() const;
+  std::vector<std::size_t> affectedViews() const;
 
   SessionContext& context_;
   std::map<ColorBy, ScaleRange> commonScales_;  // ends of scales that scans side by side share

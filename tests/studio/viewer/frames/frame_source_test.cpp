@@ -76,13 +76,13 @@ TEST_F(Frames, HaveThePointsWhereTheSensorSawThem) {
   for (std::size_t s = 0; s < 2; ++s) {
     const ViewScan& scan = frame.scans[s];
     const std::vector<Pose>& poses = manifest.samples[4].scans[s].worldFromSensor;
-    ASSERT_EQ(scan.places().size(), scan.scan.size());
+    ASSERT_EQ(scan.drawnPositions().size(), scan.scan.size());
     int moved = 0;
     for (std::size_t i = 0; i < scan.scan.size(); ++i) {
       const double part = scan.scan[kColumn][i] / (scan.scan.columns - 1.0);
       const Vec3d world = interpolate(poses[0], poses[1], part) * Vec3d(scan.scan.position[i]);
-      EXPECT_NEAR(length(poses[0] * Vec3d(scan.places()[i]) - world), 0, 1e-4);
-      moved += length(Vec3d(scan.places()[i]) - Vec3d(scan.scan.position[i])) > 0.1 ? 1 : 0;
+      EXPECT_NEAR(length(poses[0] * Vec3d(scan.drawnPositions()[i]) - world), 0, 1e-4);
+      moved += length(Vec3d(scan.drawnPositions()[i]) - Vec3d(scan.scan.position[i])) > 0.1 ? 1 : 0;
     }
     EXPECT_GT(moved, 0);
   }

@@ -146,29 +146,6 @@ TEST_F(PanelParts, AScaleHasTheColoursOfTheMap) {
   EXPECT_GT(best, 340) << "of 376 pixels";
 }
 
-TEST_F(PanelParts, TheSliderGivesEveryFrame) {
-  FrameBar bar{.frames = 12, .key = "street-s1-lane-000012"};
-  std::set<std::size_t> seen{0};
-  const auto panel = [&] {
-    const FrameBarUse use = frameBar({0, 260, kWidth, 40}, bar);
-    if (use.frame) {
-      seen.insert(*use.frame);
-      bar.frame = *use.frame;
-    }
-  };
-  draw(panel);
-  event(CanvasEvent::Kind::Down, 80, 278);
-  imgui_.frame(panel);
-  for (int x = 60; x < kWidth; x += 3) {
-    event(CanvasEvent::Kind::Move, x, 278);
-    imgui_.frame(panel);
-  }
-  event(CanvasEvent::Kind::Up, kWidth - 1, 278);
-  imgui_.frame(panel);
-  EXPECT_EQ(seen.size(), 12u);
-  EXPECT_EQ(*seen.rbegin(), 11u);
-}
-
 TEST_F(PanelParts, MessagesAreReadAndClickedAway) {
   std::vector<std::string> problems{"shard.tar: is damaged"};
   bool closed = false;
