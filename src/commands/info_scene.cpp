@@ -69,40 +69,45 @@ void printClips(const std::filesystem::path& file) {
       "in a scene, `animation: {{clip: NAME}}` of the object plays an animation, and `time_s` holds it at that time\n");
 }
 
-// Prints the colours of triangles that rules of a scene can match, by material and texture. Similar colours share one
-// row, which shows the most frequent of them.
-void printColors(const Asset& asset) {
+using Color = std::pair<Rgb, std::uint64_t>;  // a colour and its number of triangles
+
+// Joins the colours that a rule takes for the same: the most frequent of them stands for all. Returns the most frequent
+// ones.
+std::vector<Color> joinedColors(const std::map<Rgb, std::uint64_t>& counts) {
   constexpr std::size_t kMostColors = 12;  // greatest number of colours to print per material and texture
-  using Counts = std::map<Rgb, std::uint64_t>;
-  std::map<std::pair<std::string, std::string>, Counts> byMaterial;
+  std::vector<Color> sorted(counts.begin(), counts.end());
+  std::ranges::stable_sort(sorted, std::greater<>(), &Color::second);
+  std::vector<Color> joined;
+  for (const auto& [color, triangles] : sorted) {
+    TriangleTraits traits;
+    traits.color = color;
+    const auto same = std::ranges::find_if(joined, [&](const Color& c) {
+      Rule rule;
+      rule.colors = {c.first};
+      return matchesTriangle(rule, traits);
+    });
+    if (same != joined.end()) {
+      same->second += triangles;
+    } else if (joined.size() < kMostColors) {
+      joined.emplace_back(color, triangles);
+    }
+  }
+  return joined;
+}
+
+// Prints the colours of triangles that rules of a scene can match, by material and texture.
+void printColors(const Asset& asset) {
+  std::map<std::pair<std::string, std::string>, std::map<Rgb, std::uint64_t>> byMaterial;
   const auto count = [&](const AssetPart& part) {
     const PartTraits traits(part, {}, false);
-    Counts& counts = byMaterial[{part.material, part.texture}];
+    auto& counts = byMaterial[{part.material, part.texture}];
     for (std::size_t t = 0; t < part.triangles.size(); ++t) ++counts[traits.at(t).color];
   };
-  for (const AssetPart& part : asset.parts) count(part);
-  for (const InstancedParts& instanced : asset.instanced) {
-    for (const AssetPart& part : instanced.parts) count(part);
-  }
+  std::ranges::for_each(asset.parts, count);
+  for (const InstancedParts& instanced : asset.instanced) std::ranges::for_each(instanced.parts, count);
   Rows rows{{"material", "texture", "color", "triangles"}};
   for (const auto& [names, counts] : byMaterial) {
-    std::vector<std::pair<Rgb, std::uint64_t>> sorted(counts.begin(), counts.end());
-    std::ranges::stable_sort(sorted, [](const auto& a, const auto& b) { return a.second > b.second; });
-    std::vector<std::pair<Rule, std::uint64_t>> groups;
-    for (const auto& [color, triangles] : sorted) {
-      TriangleTraits traits;
-      traits.color = color;
-      auto group = std::ranges::find_if(groups, [&](const auto& g) { return matchesTriangle(g.first, traits); });
-      if (group == groups.end()) {
-        if (groups.size() == kMostColors) continue;
-        groups.emplace_back(Rule{}, 0);
-        group = groups.end() - 1;
-        group->first.colors = {color};
-      }
-      group->second += triangles;
-    }
-    for (const auto& [rule, triangles] : groups) {
-      const Rgb& c = rule.colors.front();
+    for (const auto& [c, triangles] : joinedColors(counts)) {
       rows.push_back(
           {names.first, names.second, fmt::format("#{:02x}{:02x}{:02x}", c[0], c[1], c[2]), grouped(triangles)});
     }

@@ -7,7 +7,6 @@
 #include <map>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "base/file.h"
 #include "dataset/json_text.h"
@@ -15,62 +14,49 @@
 
 namespace scanmill {
 
-// A file with a JSON list, one item per line. Items that were added since the last flush() are in memory. The file gets
-// its final name in commit(). All calls except add() throw the errors of AtomicFile.
-class JsonListFile {
- public:
-  explicit JsonListFile(const std::filesystem::path& path) : file_(path) {}
-
-  // Adds the JSON text of an item, without line breaks.
-  void add(std::string item) { items_.push_back(std::move(item)); }
-
-  void flush() {
-    std::string text;
-    for (const std::string& item : items_) {
-      text += file_.size() == 0 && text.empty() ? "[\n" : ",\n";
-      text += item;
-    }
-    file_.write(text);
-    items_.clear();
-  }
-
-  void commit() {
-    flush();
-    file_.write(file_.size() == 0 ? "[]\n" : "\n]\n");
-    file_.commit();
-  }
-
- private:
-  AtomicFile file_;
-  std::vector<std::string> items_;
-};
-
+// Each table is a file with a JSON list, one row per line. The rows since the last flush() are in memory. All calls
+// except add() throw the errors of AtomicFile; only commit() gives the files their final names.
 class NuScenesRows {
  public:
   NuScenesRows(const ExportPlan& plan, const ExportFolder& folder) : plan_(plan), folder_(folder) {}
 
-  // Creates the file of a table. add() needs it, and readers need it even without rows.
+  // Creates the file of a table, which readers need even without rows.
   void open(const std::string& table) {
-    files_.try_emplace(table, folder_.prepareFile(std::filesystem::path(kNuScenesVersion) / (table + ".json")));
+    tables_.try_emplace(table, folder_.prepareFile(std::filesystem::path(kNuScenesVersion) / (table + ".json")));
   }
-  bool has(const std::string& table) const { return files_.contains(table); }
-  void add(const std::string& table, const OrderedJson& row) { files_.at(table).add(scalarText(row)); }
-  // Writes the rows added so far.
+  bool has(const std::string& table) const { return tables_.contains(table); }
+  void add(const std::string& table, const OrderedJson& row) {
+    Table& to = tables_.at(table);
+    to.waiting += (to.rows++ == 0 ? "[\n" : ",\n") + scalarText(row);
+  }
   void flush() {
-    for (auto& [table, file] : files_) file.flush();
+    for (auto& [name, table] : tables_) {
+      table.file.write(table.waiting);
+      table.waiting.clear();
+    }
   }
-  // Completes the files.
   void commit() {
-    for (auto& [table, file] : files_) file.commit();
+    flush();
+    for (auto& [name, table] : tables_) {
+      table.file.write(table.rows == 0 ? "[]\n" : "\n]\n");
+      table.file.commit();
+    }
   }
 
   // Returns the token of a row of a table.
   std::string token(std::string_view table, std::string_view row) const { return nuScenesToken(plan_, table, row); }
 
  private:
+  struct Table {
+    explicit Table(const std::filesystem::path& path) : file(path) {}
+    AtomicFile file;
+    std::string waiting;
+    std::size_t rows = 0;
+  };
+
   const ExportPlan& plan_;
   const ExportFolder& folder_;
-  std::map<std::string, JsonListFile> files_;
+  std::map<std::string, Table> tables_;  // by name
 };
 
 inline OrderedJson listOf(const Vec3d& v, const std::string& what) {
