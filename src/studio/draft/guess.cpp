@@ -99,12 +99,12 @@ std::string textureStem(const AssetPart& part) {
 bool isTall(const Concept& c) {
   static constexpr std::array<std::string_view, 8> kTall{
       "tree", "trunk", "pole", "street lamp", "traffic sign", "traffic light", "person", "transmission tower"};
-  return std::find(kTall.begin(), kTall.end(), c.name) != kTall.end();
+  return std::ranges::find(kTall, c.name) != kTall.end();
 }
 
 bool isFlat(const Concept& c) {
   static constexpr std::array<std::string_view, 4> kLow{"car", "truck", "bus", "other vehicle"};
-  return c.kind == ConceptKind::Ground || std::find(kLow.begin(), kLow.end(), c.name) != kLow.end();
+  return c.kind == ConceptKind::Ground || std::ranges::find(kLow, c.name) != kLow.end();
 }
 
 // Returns a score for y (`axis` 1) or z (2) as the up axis; the higher score wins. Objects usually start at 0 along the
@@ -114,7 +114,7 @@ double upScoreOf(const std::array<double, 3>& low, const std::array<double, 3>& 
   constexpr double kAtZero = 0.03, kThin = 0.1;  // fractions of the extent along the axis and of the longest extent
   constexpr double kCentred = 0.1;               // fraction of the extent along the other axis
   double score = 0;
-  const double longest = std::max({extent[0], extent[1], extent[2]});
+  const double longest = *std::ranges::max_element(extent);
   if (longest <= 0) return 0;
   if (std::abs(low[axis]) <= kAtZero * std::max(extent[axis], kThin * longest)) score += 1;
   const std::size_t other = axis == 1 ? 2 : 1;
@@ -242,7 +242,7 @@ std::string folderName(const std::filesystem::path& file) {
       "obj",  "dae",    "gltf",  "glb",    "fbx",    "stl",     "ply",      "ac"};
   std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
   const std::string own = lowerCase(folder.filename().string());
-  if (std::find(kContents.begin(), kContents.end(), own) != kContents.end()) folder = folder.parent_path();
+  if (std::ranges::find(kContents, own) != kContents.end()) folder = folder.parent_path();
   return folder.filename().string();
 }
 
@@ -481,7 +481,7 @@ const Concept* groundIn(const Vocabulary& words, const std::filesystem::path& fi
   // "floor" as a use, as in "water tower" and "floor lamp".
   static constexpr std::array<std::string_view, 3> kOfThings{"sand", "water", "floor"};
   for (const Concept* c : words.conceptsIn(file.stem().string())) {
-    const bool ofThings = std::find(kOfThings.begin(), kOfThings.end(), c->name) != kOfThings.end();
+    const bool ofThings = std::ranges::find(kOfThings, c->name) != kOfThings.end();
     if (c->kind == ConceptKind::Ground && !c->classes.empty() && !ofThings && ground == nullptr) ground = c;
     namesObject = namesObject || c->kind == ConceptKind::Whole;
   }

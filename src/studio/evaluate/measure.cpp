@@ -63,11 +63,11 @@ TraceAccount timeScans(const Method& method, const Shot& shot, const MeasureOpti
   TraceAccount account;
   constexpr int kMostRepeats = 30;
   double spent = 0;
-  const auto again = [&](int repeat) {
-    if (repeat < options.repeats) return true;
-    return options.repeats > 0 && repeat < kMostRepeats && spent < options.leastSeconds;
+  const auto isEnough = [&](int repeats) {
+    return repeats >= options.repeats &&
+           (options.repeats == 0 || repeats >= kMostRepeats || spent >= options.leastSeconds);
   };
-  for (int repeat = 0; again(repeat); ++repeat) {
+  for (int repeats = 0; !isEnough(repeats); ++repeats) {
     checkStop(options);
     const WallTimer timer;
     const TraceAccount own = method.trace(shot, options.channels | Channel::Range, hits);
@@ -76,6 +76,20 @@ TraceAccount timeScans(const Method& method, const Shot& shot, const MeasureOpti
     account += own;
   }
   return account;
+}
+
+// Sets the times of a scan from the durations of all scans of each sensor (s).
+void addTimes(const std::map<std::uint32_t, std::vector<double>>& secondsOfSensor, Cost& cost) {
+  double scans = 0;
+  for (const auto& [sensor, seconds] : secondsOfSensor) scans += static_cast<double>(seconds.size());
+  for (const auto& [sensor, seconds] : secondsOfSensor) {
+    if (seconds.empty()) continue;
+    const double share = static_cast<double>(seconds.size()) / scans;
+    const Spread spread = spreadOf(seconds);
+    cost.scanSeconds += share * spread.median;
+    cost.fastest += share * *std::ranges::min_element(seconds);
+    cost.slowest += share * spread.max;
+  }
 }
 
 }  // namespace
@@ -197,16 +211,9 @@ Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const 
     errors.add(truth, hits, intensity, byBeam(exact, distances.to), byBeam(hits, distances.from));
   }
 
+  addTimes(seconds, result.cost);
   std::size_t scans = 0;
-  for (const auto& [sensor, own] : seconds) scans += own.size();
-  for (const auto& [sensor, own] : seconds) {
-    if (own.empty()) continue;
-    const double share = static_cast<double>(own.size()) / static_cast<double>(scans);
-    const Spread spread = spreadOf(own);
-    result.cost.scanSeconds += share * spread.median;
-    result.cost.fastest += share * *std::ranges::min_element(own);
-    result.cost.slowest += share * spread.max;
-  }
+  for (const auto& [sensor, ofSensor] : seconds) scans += ofSensor.size();
   if (scans > 0) {
     for (const auto& [stage, untimed] : otherAccount.seconds) result.cost.stages[stage] = 0;
     for (const auto& [stage, total] : timedAccount.seconds) {

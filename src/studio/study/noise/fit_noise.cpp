@@ -82,12 +82,12 @@ PatchGroup measureBand(const FlatPatches& patches, std::string name, double high
   FlatPatches measured;
   std::vector<double> ranges, planes, variances;
   for (const FlatPatch* p : patches) {
-    if (p->freedom <= 0) continue;
+    if (p->measuredLines.freedom <= 0) continue;
     measured.push_back(p);
     group.points += p->points;
     ranges.push_back(p->range);
-    planes.push_back(p->planeSquares / p->planeFreedom / chiSquareQuantile(p->planeFreedom, 0));
-    variances.push_back(p->squares / p->freedom);
+    planes.push_back(p->measuredPlane.variance() / chiSquareQuantile(p->measuredPlane.freedom, 0));
+    variances.push_back(p->measuredLines.variance());
   }
   group.patches = measured.size();
   if (measured.empty()) return group;
@@ -97,7 +97,7 @@ PatchGroup measureBand(const FlatPatches& patches, std::string name, double high
   group.planeSigma = withoutStep(std::sqrt(medianOf(planes)), step);
   group.error = bootstrapError(measured, 2 * stream + 1,
                                [&](const FlatPatches& chosen) { return withoutStep(commonDeviation(chosen), step); });
-  const double freedom = measured.front()->freedom;
+  const double freedom = measured.front()->measuredLines.freedom;
   const double median = medianOf(variances);
   if (median > 0) {
     group.unevenness =

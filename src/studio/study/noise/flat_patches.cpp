@@ -68,8 +68,7 @@ std::vector<const Cell*> returnedOf(const Cells& cells, bool tested) {
 
 struct PlaneFit {
   PatchPlane plane;
-  double squares = 0;  // sum of squared range differences along the beams (m^2)
-  double freedom = 0;
+  SurfaceFit fit;  // of the ranges along the beams
 };
 
 // Fits a plane by least squares of the range differences along the beams. First solves plane * point = 1, which is
@@ -85,7 +84,7 @@ std::optional<PlaneFit> fitPlane(const BeamTable& beams, const std::vector<const
   }
   LinearFit fit = fitLinear(design, 3, values);
   if (fit.rank < 3) return {};
-  PlaneFit found{{fit.coefficients[0], fit.coefficients[1], fit.coefficients[2]}, 0, 0};
+  PlaneFit found{{fit.coefficients[0], fit.coefficients[1], fit.coefficients[2]}, {}};
   for (int step = 0; step < 3; ++step) {
     design.clear();
     values.clear();
@@ -102,8 +101,7 @@ std::optional<PlaneFit> fitPlane(const BeamTable& beams, const std::vector<const
     if (fit.rank < 3) return {};
     if (step < 2) found.plane += Vec3d{fit.coefficients[0], fit.coefficients[1], fit.coefficients[2]};
   }
-  found.squares = fit.squares;
-  found.freedom = static_cast<double>(fit.freedom());
+  found.fit = {fit.squares, static_cast<double>(fit.freedom())};
   return found;
 }
 
@@ -171,7 +169,7 @@ std::vector<double> usualDeviations(const std::vector<FlatPatch>& candidates) {
   std::vector<std::vector<double>> ranges(groups());
   for (const FlatPatch& p : candidates) {
     const std::size_t group = groupOf(p);
-    variances[group].push_back(p.testedSquares / p.testedFreedom / chiSquareQuantile(p.testedFreedom, kTenth));
+    variances[group].push_back(p.testedLines.variance() / chiSquareQuantile(p.testedLines.freedom, kTenth));
     ranges[group].push_back(p.range);
   }
   std::vector<double> usual(groups(), 0.0);
@@ -218,19 +216,16 @@ std::vector<FlatPatch> choose(const std::vector<FlatPatch>& candidates, const st
     }
     previous = &patch;
     const double usual = usualOfGroup[groupOf(patch)];
-    const double limit = usual * usual * chiSquareQuantile(patch.testedFreedom, kMostNoise) * patch.testedFreedom;
-    if (patch.testedSquares > limit || patch.testedPlaneDeviation > kPlaneTolerance * usual) continue;
-    const auto visit = [&](auto&& action) {
-      for (std::size_t i = 0; i < kCells; ++i) {
-        const std::size_t row = w.row + i / kPatchColumns;
-        const std::size_t column = (w.column + i % kPatchColumns) % image.columns();
-        action(row * image.columns() + column);
-      }
-    };
-    bool overlaps = false;
-    visit([&](std::size_t at) { overlaps = overlaps || taken[at]; });
-    if (overlaps) continue;
-    visit([&](std::size_t at) { taken[at] = true; });
+    const double freedom = patch.testedLines.freedom;
+    const double limit = usual * usual * chiSquareQuantile(freedom, kMostNoise) * freedom;
+    if (patch.testedLines.squares > limit || patch.testedPlaneDeviation > kPlaneTolerance * usual) continue;
+    std::vector<std::size_t> pixels;
+    for (std::size_t i = 0; i < kCells; ++i) {
+      const std::size_t column = (w.column + i % kPatchColumns) % image.columns();
+      pixels.push_back((w.row + i / kPatchColumns) * image.columns() + column);
+    }
+    if (std::ranges::any_of(pixels, [&](std::size_t pixel) { return taken[pixel]; })) continue;
+    for (const std::size_t pixel : pixels) taken[pixel] = true;
     chosen.push_back(patch);
   }
   return chosen;
@@ -279,10 +274,8 @@ void addMeasuredHalf(const BeamTable& beams, const std::vector<const Cell*>& mea
   const LinearFit lines = fitLines(beams, measured, patch.plane);
   const std::optional<PlaneFit> plane = fitPlane(beams, measured);
   if (static_cast<double>(lines.freedom()) < kFewestFreedom || !plane) return;
-  patch.squares = lines.squares;
-  patch.freedom = static_cast<double>(lines.freedom());
-  patch.planeSquares = plane->squares;
-  patch.planeFreedom = plane->freedom;
+  patch.measuredLines = {lines.squares, static_cast<double>(lines.freedom())};
+  patch.measuredPlane = plane->fit;
   const auto points = std::ranges::count_if(lines.leverages, [](double leverage) { return 1 - leverage > kLeastFree; });
   patch.points = static_cast<std::uint32_t>(points);
 }
@@ -305,7 +298,7 @@ std::optional<FlatPatch> measurePatch(const BeamTable& beams, const BeamImage& i
   FlatPatch patch;
   patch.window = window;
   patch.plane = plane->plane;
-  patch.testedPlaneDeviation = std::sqrt(plane->squares / plane->freedom);
+  patch.testedPlaneDeviation = std::sqrt(plane->fit.variance());
   const double distance = 1 / length(plane->plane);
   for (const Cell& cell : *cells) {
     const double cosine = dot(plane->plane, beams.direction[cell.beam]) * distance;
@@ -316,9 +309,8 @@ std::optional<FlatPatch> measurePatch(const BeamTable& beams, const BeamImage& i
   const std::uint32_t middle = (*cells)[kCells / 2].beam;
   patch.incidence = dot(plane->plane, beams.direction[middle]) * distance;
   const LinearFit lines = fitLines(beams, tested, plane->plane);
-  patch.testedSquares = lines.squares;
-  patch.testedFreedom = static_cast<double>(lines.freedom());
-  if (patch.testedFreedom < 1) return {};
+  patch.testedLines = {lines.squares, static_cast<double>(lines.freedom())};
+  if (patch.testedLines.freedom < 1) return {};
   addMeasuredHalf(beams, returnedOf(*cells, false), patch);
   countHoles(beams, *cells, patch.testedPlaneDeviation, patch);
   return patch;
@@ -345,7 +337,8 @@ double chiSquareQuantile(double freedom, double standardNormal) {
 double commonDeviation(const std::vector<const FlatPatch*>& patches) {
   std::vector<double> variances;
   for (const FlatPatch* p : patches) {
-    if (p->freedom > 0) variances.push_back(p->squares / p->freedom / chiSquareQuantile(p->freedom, 0));
+    const SurfaceFit& lines = p->measuredLines;
+    if (lines.freedom > 0) variances.push_back(lines.variance() / chiSquareQuantile(lines.freedom, 0));
   }
   return std::sqrt(medianOf(std::move(variances)));
 }

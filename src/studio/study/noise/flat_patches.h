@@ -41,22 +41,22 @@ struct PatchWindow {
 // length(plane).
 using PatchPlane = Vec3d;
 
+// How well a surface fits the ranges of half of a patch.
+struct SurfaceFit {
+  double squares = 0;  // sum of squared deviations (m^2)
+  double freedom = 0;  // number of degrees of freedom; 0 if there are too few returns
+
+  double variance() const { return squares / freedom; }  // m^2
+};
+
 struct FlatPatch {
   PatchWindow window;
-  PatchPlane plane;      // plane fitted to the tested half
-  double range = 0;      // mean range of the plane along the window's beams (m)
-  double incidence = 0;  // cosine of the angle between the window's middle beam and the plane's normal
-
-  // Results of fitting the tested half:
-  double testedSquares = 0;  // sum of squared deviations from the rings' fitted lines (m^2)
-  double testedFreedom = 0;
-  double testedPlaneDeviation = 0;  // deviation from the plane: sqrt(sum of squares / (n - 3)) (m)
-
-  // Results of fitting the measured half:
-  double squares = 0;       // sum of squared deviations from the rings' fitted lines (m^2)
-  double freedom = 0;       // number of degrees of freedom; 0 if there are too few returns
-  double planeSquares = 0;  // sum of squared deviations from a plane fitted to the measured half (m^2)
-  double planeFreedom = 0;
+  PatchPlane plane;                 // plane fitted to the tested half
+  double range = 0;                 // mean range of the plane along the window's beams (m)
+  double incidence = 0;             // cosine of the angle between the window's middle beam and the plane's normal
+  double testedPlaneDeviation = 0;  // standard deviation of the tested half from the plane (m)
+  SurfaceFit testedLines;           // fit of the rings' lines to the tested half
+  SurfaceFit measuredLines, measuredPlane;  // fits of lines and of another plane to the measured half
   std::uint32_t points = 0;    // number of measured returns, except those that determine a coefficient almost alone
   std::uint32_t enclosed = 0;  // number of measured beams with at least three neighbouring returns, all on the plane
   std::uint32_t holes = 0;     // number of enclosed beams that have no return

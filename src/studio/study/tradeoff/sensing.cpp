@@ -17,7 +17,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr int kFirstNoise = 3;  // EffectEntry::stage of the first effects that only add noise
+constexpr int kFirstNoiseStage = 3;  // EffectEntry::stage of the first effects that only add noise
 
 // Effect name -> YAML options that replace the pipeline's; an empty text removes the effect.
 using Changes = std::map<std::string, std::string>;
@@ -27,12 +27,12 @@ struct Variation {
   Changes changes;
 };
 
-Effects changed(const Pipeline& pipeline, const MountedSensor& sensor, const Changes& changes) {
+Effects changedEffects(const Pipeline& pipeline, const MountedSensor& sensor, const Changes& changes) {
   Value list;
   list.kind = Value::Kind::Sequence;
   for (const Value& item : sensorEffectItems(pipeline.effectItems, sensor)) {
     const std::string name = readNamed(item, "an effect").name;
-    if (requireEffect(name, item.where).stage >= kFirstNoise) continue;
+    if (requireEffect(name, item.where).stage >= kFirstNoiseStage) continue;
     const auto change = changes.find(name);
     if (change == changes.end()) {
       list.items.push_back(item);
@@ -44,45 +44,46 @@ Effects changed(const Pipeline& pipeline, const MountedSensor& sensor, const Cha
 }
 
 // The effects and the setup of one sensor in one variation.
-struct Sensing {
+struct VariedSensor {
   Effects effects;
   std::optional<Footprint> footprint;
   ShotSetup setup;
 };
 
-std::unique_ptr<Sensing> makeSensing(const Plan& plan, const Scene& scene, const Method& method, std::size_t sensor,
-                                     const Changes& changes) {
+std::unique_ptr<VariedSensor> makeSensor(const Plan& plan, const Scene& scene, const Method& method, std::size_t sensor,
+                                         const Changes& changes) {
   ScanLayout layout;
   layout.columns = ColumnSet().with(kLabel).with(kRing).with(kColumn).with(kIntensity).with(kReturn);
-  auto made = std::make_unique<Sensing>(Sensing{changed(plan.pipeline, plan.pipeline.sensors[sensor], changes),
-                                                std::nullopt,
-                                                {method, {}, {{}, scene.materials, layout}}});
+  auto varied =
+      std::make_unique<VariedSensor>(VariedSensor{changedEffects(plan.pipeline, plan.pipeline.sensors[sensor], changes),
+                                                  std::nullopt,
+                                                  {method, {}, {{}, scene.materials, layout}}});
   const BeamTable& beams = *plan.sensors[sensor].beams;
-  const std::uint32_t rays = raysPerBeam(made->effects);
-  if (rays > 1) made->footprint = makeFootprint(beams, rays);
-  made->setup.receiver.effects = made->effects;
-  made->setup.channels = channelsFor(made->effects, layout.columns);
-  made->setup.footprint = made->footprint ? &*made->footprint : nullptr;
-  made->setup.paths = lightPaths(made->effects);
-  if (made->setup.paths != nullptr) made->setup.channels |= kLightChannels;
-  return made;
+  const std::uint32_t rays = raysPerBeam(varied->effects);
+  if (rays > 1) varied->footprint = makeFootprint(beams, rays);
+  varied->setup.receiver.effects = varied->effects;
+  varied->setup.channels = channelsFor(varied->effects, layout.columns);
+  varied->setup.footprint = varied->footprint ? &*varied->footprint : nullptr;
+  varied->setup.paths = lightPaths(varied->effects);
+  if (varied->setup.paths != nullptr) varied->setup.channels |= kLightChannels;
+  return varied;
 }
 
-struct Nearest {
-  bool there = false;
+struct NearestReturn {
+  bool hit = false;
   Vec3f position;
   std::uint16_t label = 0;
   float intensity = 0;
 };
 
-std::vector<Nearest> nearestReturns(const Scan& scan) {
-  std::vector<Nearest> of(std::size_t{scan.rings} * scan.columns);
+std::vector<NearestReturn> nearestReturns(const Scan& scan) {
+  std::vector<NearestReturn> ofBeam(std::size_t{scan.rings} * scan.columns);
   for (std::size_t i = 0; i < scan.size(); ++i) {
     if (scan[kReturn][i] != 1) continue;
-    of[std::size_t{scan[kRing][i]} * scan.columns + scan[kColumn][i]] = {
+    ofBeam[std::size_t{scan[kRing][i]} * scan.columns + scan[kColumn][i]] = {
         true, scan.position[i], scan[kLabel][i], scan[kIntensity].empty() ? 0 : scan[kIntensity][i]};
   }
-  return of;
+  return ofBeam;
 }
 
 class SensingStudy {
@@ -92,7 +93,7 @@ class SensingStudy {
       : plan_(plan), scene_(scene), shots_(shots), say_(say), stop_(stop) {}
 
   std::vector<SensingResult> run() {
-    const std::vector<Variation> variations = variationsOf();
+    const std::vector<Variation> variations = listVariations();
     if (variations.empty()) return {};
     method_ = makeReference(scene_);
     for (const Shot& shot : shots_) method_->prepare(shot);
@@ -104,9 +105,9 @@ class SensingStudy {
 
  private:
   // Returns the variations to measure; the first has the complete physics and is the reference.
-  std::vector<Variation> variationsOf() const {
+  std::vector<Variation> listVariations() const {
     const Pipeline& pipeline = plan_.pipeline;
-    bool wide = false;
+    bool wide = false;  // some sensor has beams of several rays
     bool paths = false;
     bool weather = false;
     for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
@@ -184,27 +185,27 @@ class SensingStudy {
     if (stop_ && stop_()) throw Error("interrupted: nothing was written");
     if (say_) say_(variation.name);
     const Shot& shot = shots_[i];
-    const auto sensing = makeSensing(plan_, scene_, *method_, shot.sensor, variation.changes);
+    const auto sensor = makeSensor(plan_, scene_, *method_, shot.sensor, variation.changes);
     ShotBuffers buffers;
-    traceShot(sensing->setup, shot, buffers.hits);  // first without timing, to allocate memory
+    traceShot(sensor->setup, shot, buffers.hits);  // first without timing, to allocate memory
     const WallTimer tracing;
-    traceShot(sensing->setup, shot, buffers.hits);
+    traceShot(sensor->setup, shot, buffers.hits);
     result.traceSeconds += tracing.seconds();
     {
       const ThreadLimit one(1);
-      senseShot(sensing->setup, shot, buffers.hits, buffers.returns, buffers.scan);
+      senseShot(sensor->setup, shot, buffers.hits, buffers.returns, buffers.scan);
       const WallTimer effects;
-      senseShot(sensing->setup, shot, buffers.hits, buffers.returns, buffers.scan);
+      senseShot(sensor->setup, shot, buffers.hits, buffers.returns, buffers.scan);
       result.effectsSeconds += effects.seconds();
     }
-    const std::vector<Nearest> found = nearestReturns(buffers.scan);
+    const std::vector<NearestReturn> found = nearestReturns(buffers.scan);
     if (truth_.size() <= i) truth_.push_back(found);
-    const std::vector<Nearest>& truth = truth_[i];
+    const std::vector<NearestReturn>& truth = truth_[i];
     result.beams += truth.size();
     for (std::size_t beam = 0; beam < truth.size(); ++beam) {
-      result.missing += truth[beam].there && !found[beam].there ? 1 : 0;
-      result.added += !truth[beam].there && found[beam].there ? 1 : 0;
-      if (!truth[beam].there || !found[beam].there) continue;
+      result.missing += truth[beam].hit && !found[beam].hit ? 1 : 0;
+      result.added += !truth[beam].hit && found[beam].hit ? 1 : 0;
+      if (!truth[beam].hit || !found[beam].hit) continue;
       ++result.both;
       result.sameClass += truth[beam].label == found[beam].label ? 1 : 0;
       distances.push_back(length(Vec3d(truth[beam].position) - Vec3d(found[beam].position)));
@@ -218,7 +219,7 @@ class SensingStudy {
   const std::function<void(const std::string&)>& say_;
   const std::function<bool()>& stop_;
   std::unique_ptr<Method> method_;
-  std::vector<std::vector<Nearest>> truth_;  // nearest return of each beam in the reference scan, per shot
+  std::vector<std::vector<NearestReturn>> truth_;  // nearest return of each beam in the reference scan, per shot
 };
 
 }  // namespace
