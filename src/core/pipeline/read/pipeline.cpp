@@ -33,37 +33,56 @@ std::string commented(const std::string& text) {
   return comment;
 }
 
-// Sets the mounts of the sensors to the recorded mounts. Throws InputError if the pipeline's sensors differ from the
-// recording's sensors, for which its hits or images were computed.
-void checkSensors(Pipeline& pipeline, const Recording& recording, const Value& list) {
-  const Location& where = list.where;
+// Returns the recording's sensor with the name of the pipeline's. Throws InputError at `where` if there is none, or if
+// it has other beams, since hits or images of a recording were computed for its beams.
+const RecordedSensor& recordedSensor(const Recording& recording, const MountedSensor& sensor, const Location& where) {
   std::vector<std::string> names;
-  for (const RecordedSensor& s : recording.sensors) names.push_back(s.name);
+  for (const RecordedSensor& recorded : recording.sensors) {
+    names.push_back(recorded.name);
+    if (recorded.name != sensor.name) continue;
+    if (recorded.rings == sensor.size.rings && recorded.columns == sensor.size.columns) return recorded;
+    throw InputError(where, fmt::format("the sensor '{}' has {} x {} beams, but the recording in {} has {} x {} of it",
+                                        sensor.name, sensor.size.rings, sensor.size.columns, recording.folder.string(),
+                                        recorded.rings, recorded.columns));
+  }
+  throw InputError(where, fmt::format("the recording in {} has no sensor '{}'{}", recording.folder.string(),
+                                      sensor.name, suggestion(sensor.name, names)));
+}
+
+// Sets the mounts of the sensors to the recorded ones. Throws InputError if the pipeline gives other sensors or mounts.
+void takeRecordedMounts(Pipeline& pipeline, const Recording& recording, const Value& list) {
   for (std::size_t i = 0; i < pipeline.sensors.size(); ++i) {
     MountedSensor& sensor = pipeline.sensors[i];
-    const auto recorded = std::find_if(recording.sensors.begin(), recording.sensors.end(),
-                                       [&](const RecordedSensor& s) { return s.name == sensor.name; });
-    if (recorded == recording.sensors.end()) {
-      throw InputError(where, fmt::format("the recording in {} has no sensor '{}'{}", recording.folder.string(),
-                                          sensor.name, suggestion(sensor.name, names)));
-    }
-    if (recorded->rings != sensor.size.rings || recorded->columns != sensor.size.columns) {
-      throw InputError(where,
-                       fmt::format("the sensor '{}' has {} x {} beams, but the recording in {} has {} x {} of it",
-                                   sensor.name, sensor.size.rings, sensor.size.columns, recording.folder.string(),
-                                   recorded->rings, recorded->columns));
-    }
-    if (!recorded->vehicleFromSensor) continue;
+    const std::optional<Pose>& recorded = recordedSensor(recording, sensor, list.where).vehicleFromSensor;
+    if (!recorded) continue;
     const Value* mount = list.items[i].find("mount");
-    if (mount != nullptr && sensor.vehicleFromSensor != *recorded->vehicleFromSensor) {
-      const Vec3d& t = recorded->vehicleFromSensor->translation;
+    if (mount != nullptr && sensor.vehicleFromSensor != *recorded) {
+      const Vec3d& t = recorded->translation;
       throw InputError(mount->where,
                        fmt::format("the mount of the sensor '{}' differs from that of the recording in {}, which is at "
                                    "[{:g}, {:g}, {:g}]: recorded hits cannot be moved, so leave out `mount`",
                                    sensor.name, recording.folder.string(), t.x, t.y, t.z));
     }
-    sensor.vehicleFromSensor = *recorded->vehicleFromSensor;
+    sensor.vehicleFromSensor = *recorded;
   }
+}
+
+// Returns a sensor's name, which becomes part of file names: that in `fields` or, without one, `fallback`. Throws
+// InputError if it is empty, has other characters than file names, or is the name of one of the `others`.
+std::string readSensorName(Fields& fields, const std::string& fallback, const std::vector<MountedSensor>& others) {
+  const std::string name = fields.text("name", fallback);
+  const Value* const given = fields.find("name");
+  if (name.empty())
+    throw InputError(given->where, "a sensor's name becomes part of file names, so it must not be empty");
+  if (name != keyPart(name)) {
+    throw InputError(given->where, fmt::format("a sensor's name becomes part of file names: use lower-case letters, "
+                                               "digits, '-' and '_', such as '{}'",
+                                               keyPart(name)));
+  }
+  if (std::any_of(others.begin(), others.end(), [&](const MountedSensor& other) { return other.name == name; })) {
+    throw InputError(fields.where(), fmt::format("two sensors are named '{}'", name));
+  }
+  return name;
 }
 
 }  // namespace
@@ -91,20 +110,7 @@ std::vector<MountedSensor> readSensors(Fields& fields, std::uint64_t seed, Drawn
     Fields own(item, "sensor");
     MountedSensor sensor;
     sensor.description = resolveSensor(item);
-    sensor.name = own.text("name", fmt::format("lidar{}", sensors.size()));
-    const Value* name = own.find("name");
-    if (sensor.name.empty())
-      throw InputError(name->where, "a sensor's name becomes part of file names, so it must not be empty");
-    if (sensor.name != keyPart(sensor.name)) {
-      throw InputError(name->where, fmt::format("a sensor's name becomes part of file names: use lower-case letters, "
-                                                "digits, '-' and '_', such as '{}'",
-                                                keyPart(sensor.name)));
-    }
-    for (const MountedSensor& other : sensors) {
-      if (other.name == sensor.name) {
-        throw InputError(item.where, fmt::format("two sensors are named '{}'", sensor.name));
-      }
-    }
+    sensor.name = readSensorName(own, fmt::format("lidar{}", sensors.size()), sensors);
     written.descriptions.push_back(sensor.description);
     for (Value::Entry& entry : sensor.description.entries) {
       if (entry.key == "effects") entry.value = drawn(entry.value, sensors.size(), "effects");
@@ -305,7 +311,7 @@ Pipeline pipelineOf(Value read, std::string text, const std::filesystem::path& f
     pipeline.maxRays = Fields(*limited, "limits").number("max_rays", {1, 1e18}, kDefaultMaxRays);
   }
   if (pipeline.recording != nullptr) {
-    checkSensors(pipeline, *pipeline.recording, fields.require("sensors"));
+    takeRecordedMounts(pipeline, *pipeline.recording, fields.require("sensors"));
     pipeline.sequences = recordedSequences(*pipeline.recording, fields);
   } else {
     const auto beams = static_cast<double>(pipeline.beamsPerFrame());
@@ -344,9 +350,9 @@ Pipeline readPipeline(const std::filesystem::path& file, const std::vector<std::
   Value root = parseYaml(text, file.string());
   // If the file itself ends with comments that look like overrides, an empty comment line separates them from the real
   // overrides.
-  const bool own = !overridesIn(text).empty();
-  if ((own || !overrides.empty()) && !text.ends_with('\n')) text += '\n';
-  if (own) text += "#\n";
+  const bool endsLikeOverrides = !overridesIn(text).empty();
+  if ((endsLikeOverrides || !overrides.empty()) && !text.ends_with('\n')) text += '\n';
+  if (endsLikeOverrides) text += "#\n";
   for (const std::string& assignment : overrides) {
     setValue(root, assignment);
     text += "# --set " + commented(assignment) + "\n";

@@ -66,7 +66,7 @@ class DatasetRun {
         files_(base_.files),
         progress_("generate", 0, "frames", "rays", options.quiet),
         maker_(source, options.keepHits, options.overwrite,
-               [this](const Sequence& sequence) { say("setting up " + sequence.key()); }) {
+               [this](const Sequence& sequence) { showStage("setting up " + sequence.key()); }) {
     summary_.manifest = base_;
   }
 
@@ -75,16 +75,16 @@ class DatasetRun {
   GenerateSummary run() {
     if (folder_.isComplete()) return endedByOthers();
     checkFiles();
-    std::vector<std::size_t> left = chosenJobs();
-    while (!left.empty()) {
-      workOnShards(
-          left.size(), plan_.framesInFlight(), options_.stop,
-          {[&](std::size_t i) { return open(left[i]); },
-           [&](std::size_t i, std::size_t sample) { make(left[i], sample); },
-           [&](std::size_t i, std::size_t sample) { write(left[i], sample); }, [&](std::size_t i) { close(left[i]); }});
+    std::vector<std::size_t> pending = chosenJobs();
+    while (!pending.empty()) {
+      workOnShards(pending.size(), plan_.framesInFlight(), options_.stop,
+                   {[&](std::size_t i) { return open(pending[i]); },
+                    [&](std::size_t i, std::size_t sample) { make(pending[i], sample); },
+                    [&](std::size_t i, std::size_t sample) { write(pending[i], sample); },
+                    [&](std::size_t i) { close(pending[i]); }});
       checkStop();
-      left = std::exchange(claimed_, {});
-      if (!left.empty()) waitForOthers(left.size());
+      pending = std::exchange(madeByOthers_, {});
+      if (!pending.empty()) waitForOthers(pending.size());
     }
     return finish();
   }
@@ -111,17 +111,17 @@ class DatasetRun {
     const auto check =
         options_.shards.kind == ShardChoice::Kind::Any ? DatasetFolder::Check::Size : DatasetFolder::Check::Bytes;
     std::unique_ptr<FolderLock> claim = shared() ? folder_.claim(own.file) : nullptr;
-    if (const std::optional<DatasetPart> kept = folder_.findRecord(own.file, check)) {
+    if (const std::optional<DatasetPart> complete = folder_.findRecord(own.file, check)) {
       for (const SampleAddress& sample : own.samples) maker_.scenes().release(sample.sequence);
       const std::scoped_lock lock(mutex_);
-      count(kept->manifest);
+      count(complete->manifest);
       ++summary_.resumedShards;
       progress_.advance(own.samples.size(), static_cast<double>(own.samples.size()) * raysPerSample_);
       return 0;
     }
     if (shared() && claim == nullptr) {
       const std::scoped_lock lock(mutex_);
-      claimed_.push_back(job);
+      madeByOthers_.push_back(job);
       return 0;
     }
     folder_.requireSameFolder();  // throws if the output folder was replaced by another folder meanwhile
@@ -179,8 +179,9 @@ class DatasetRun {
     if (options_.anyFiles) return;
     std::vector<FileRecord> known;
     for (const ShardJob& job : jobs_) {
-      if (const auto kept = folder_.findRecord(job.file, DatasetFolder::Check::Size))
-        addFiles(kept->manifest.files, known);
+      if (const auto complete = folder_.findRecord(job.file, DatasetFolder::Check::Size)) {
+        addFiles(complete->manifest.files, known);
+      }
     }
     requireUnchangedFiles(known, pipeline_.file.parent_path(), options_.folder);
   }
@@ -204,14 +205,14 @@ class DatasetRun {
   }
 
   void waitForOthers(std::size_t shards) {
-    say(fmt::format("waiting for {} shards that other processes make", shards));
+    showStage(fmt::format("waiting for {} shards that other processes make", shards));
     for (int i = 0; i < 10; ++i) {
       checkStop();
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
     }
   }
 
-  void say(const std::string& doing) {
+  void showStage(const std::string& doing) {
     const std::scoped_lock lock(mutex_);
     progress_.say(doing);
   }
@@ -321,7 +322,7 @@ class DatasetRun {
   std::vector<std::unique_ptr<OpenShard>> open_;  // indexed by job; null: not open
   std::mutex mutex_;                              // guards the members up to progress_
   std::vector<FileRecord> files_;                 // files that the pipeline and the scenes so far were read from
-  std::vector<std::size_t> claimed_;              // jobs whose shards other processes are making
+  std::vector<std::size_t> madeByOthers_;         // jobs whose shards other processes are making
   GenerateSummary summary_;
   Progress progress_;
   StageClock clock_;

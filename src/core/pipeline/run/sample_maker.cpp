@@ -144,7 +144,7 @@ MadeSample SampleMaker::make(const SampleAddress& address) {
   std::call_once(opened_, [&] { recorder_.open(keepHits_, overwrite_); });
   recorder_.enter(address.sequence, ready->scene, *ready->method);
   MadeSample made{{sequence.key(address.frame), sequence.split, {}, {}, {}}, ready->facts};
-  const Frame frame = source_.sample(address.sequence, address.frame);
+  const Frame frame = source_.frame(address.sequence, address.frame, Revolutions::All);
   const FrameSettings& settings = *frame.settings;
   made.sample.draws = allDraws(ready->scene, settings);
   if (frame.shots.front().time != frame.time) made.sample.time = frame.time;

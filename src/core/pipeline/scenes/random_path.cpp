@@ -35,8 +35,16 @@ constexpr int kLook = 12;             // distance that is tested beyond the end 
 constexpr int kStarts = 24;           // maximum number of starting points that are tried
 constexpr int kMostTurnsBack = 2000;  // maximum number of backtracking steps of a search
 
+// Weights of the terms of an arc's cost, of which only the ratios matter.
+constexpr double kBendCost = 0.3;     // of the squared bend (kTightest times the curvature)
+constexpr double kChangeCost = 1.5;   // of the squared change of the bend
+constexpr double kVisitCost = 3;      // of each earlier visit of the path to the spot ahead
+constexpr double kWishCost = 8;       // of the difference from the wished bend in an open place; half beside one edge
+constexpr double kWishedBend = 0.75;  // bend of a turn in an open place
+
+// Position (m, world frame) and heading (rad) of a vehicle.
 struct State {
-  Vec3d place;
+  Vec3d position;
   double yaw = 0;
 
   // Returns the state after driving `metres` along an arc of this curvature (rad/m, positive to the left).
@@ -44,9 +52,9 @@ struct State {
     const double middle = yaw + curvature * metres / 2;
     const double bend = curvature * metres / 2;
     const double chord = std::fabs(bend) < 1e-9 ? metres : metres * std::sin(bend) / bend;
-    return {place + Vec3d{std::cos(middle), std::sin(middle), 0} * chord, yaw + curvature * metres};
+    return {position + Vec3d{std::cos(middle), std::sin(middle), 0} * chord, yaw + curvature * metres};
   }
-  Vec3d left(double metres) const { return place + Vec3d{-std::sin(yaw), std::cos(yaw), 0} * metres; }
+  Vec3d left(double metres) const { return position + Vec3d{-std::sin(yaw), std::cos(yaw), 0} * metres; }
 };
 
 // Finds where surfaces of given classes are free of obstacles. Caches the results in cells.
@@ -69,7 +77,7 @@ class FreeSurface {
 
   // Returns the height of the surface under the vehicle's middle (m); nothing if a vehicle has no room in this state.
   std::optional<double> room(const State& s) const {
-    const std::optional<double> middle = height(s.place);
+    const std::optional<double> middle = height(s.position);
     if (!middle || !height(s.left(kHalfWidth)) || !height(s.left(-kHalfWidth))) return std::nullopt;
     return middle;
   }
@@ -82,10 +90,10 @@ class FreeSurface {
     for (const double side : {-kHalfWidth, 0.0, kHalfWidth}) {
       for (const double up : {0.5, 1.5}) {
         const Vec3d start = from.left(side) + Vec3d{0, 0, up};
-        const Vec3d way = to.left(side) + Vec3d{0, 0, up} - start;
-        const double far = length(way);
+        const Vec3d step = to.left(side) + Vec3d{0, 0, up} - start;
+        const double far = length(step);
         if (far < kCell) continue;
-        rays.push_back({start, way * (1 / far)});
+        rays.push_back({start, step * (1 / far)});
         reach = std::max(reach, far);
       }
     }
@@ -99,7 +107,7 @@ class FreeSurface {
     State s = from.on(1, curvature);
     const std::optional<double> height = room(s);
     if (!height) return std::nullopt;
-    s.place.z = *height;
+    s.position.z = *height;
     return passes(from, s) ? std::optional(s) : std::nullopt;
   }
 
@@ -182,9 +190,9 @@ Vec3d placeOn(const Floor& floor, Draws& draws) {
 }
 
 // A depth-first search over arcs, which tries the cheapest arc first.
-class Search {
+class PathSearch {
  public:
-  Search(const FreeSurface& surface, const RandomPath& random, const Draws& draws)
+  PathSearch(const FreeSurface& surface, const RandomPath& random, const Draws& draws)
       : surface_(surface), random_(random), draws_(draws) {}
 
   // Returns the points of the longest path from `start` that the search finds. The search ends when a path has the
@@ -196,13 +204,13 @@ class Search {
     while (!nodes.empty() && turnsBack < kMostTurnsBack) {
       if (nodes.size() > longest.size()) {
         longest.clear();
-        for (const Node& node : nodes) longest.push_back(node.at.state.place);
+        for (const Node& node : nodes) longest.push_back(node.at.state.position);
       }
       if (static_cast<double>(nodes.size() - 1) * kArcLength >= random_.length) break;
       Node& last = nodes.back();
       if (last.next == last.arcs.size()) {
         ++turnsBack;
-        leave(nodes.back());
+        abandon(nodes.back());
         nodes.pop_back();
         continue;
       }
@@ -231,25 +239,25 @@ class Search {
   // `headings`: number of sectors into which headings are divided.
   static Spot spotOf(const State& s, double size, int headings) {
     const auto heading = static_cast<int>(std::lround(s.yaw / (2 * kPi) * headings));
-    return {std::llround(s.place.x / size), std::llround(s.place.y / size), std::llround(s.place.z / kClear),
+    return {std::llround(s.position.x / size), std::llround(s.position.y / size), std::llround(s.position.z / kClear),
             ((heading % headings) + headings) % headings};
   }
   static Spot widely(const State& s) { return spotOf(s, kLook, 8); }
   static Spot closely(const State& s) { return spotOf(s, 1, 24); }
 
-  void leave(const Node& node) {
-    --been_[widely(node.at.state)];
-    dead_.insert(closely(node.at.state));
+  void abandon(const Node& node) {
+    --visits_[widely(node.at.state)];
+    deadEnds_.insert(closely(node.at.state));
   }
 
   Node open(const End& at, double driven) {
-    ++been_[widely(at.state)];
+    ++visits_[widely(at.state)];
     Node node{at, {}};
     const auto wish = static_cast<std::uint32_t>(driven / kWishLasts);
     const double turn = draws_.at(wish);
-    const double wished = turn < kTurns / 2       ? 1.5 / (2 * kTightest)
+    const double wished = turn < kTurns / 2       ? kWishedBend / kTightest
                           : turn < 1 - kTurns / 2 ? 0
-                                                  : -1.5 / (2 * kTightest);
+                                                  : -kWishedBend / kTightest;
     for (int k = -4; k <= 4; ++k) {
       const double curvature = k / (4 * kTightest);
       if (const std::optional<Arc> arc = arcOf(at, curvature, wished)) node.arcs.push_back(*arc);
@@ -267,14 +275,14 @@ class Search {
       if (!next) return std::nullopt;
       s = *next;
     }
-    if (dead_.contains(closely(s))) return std::nullopt;
+    if (deadEnds_.contains(closely(s))) return std::nullopt;
     const double bend = kTightest * curvature;
     const double change = kTightest * (curvature - at.curvature);
-    double cost = 0.3 * bend * bend + 1.5 * change * change;
+    double cost = kBendCost * bend * bend + kChangeCost * change * change;
     // Rate the end of the arc and two points straight ahead of it, since rating the end alone makes the path oscillate.
     for (const double ahead : {0.0, 4.0, 8.0}) cost += offSide(s.on(ahead, 0), curvature, wished);
     const auto [far, end] = lookAhead(s);
-    if (const auto been = been_.find(widely(end)); been != been_.end()) cost += 3 * been->second;
+    if (const auto visits = visits_.find(widely(end)); visits != visits_.end()) cost += kVisitCost * visits->second;
     cost += kLook - far;
     return Arc{{s, curvature}, cost};
   }
@@ -283,18 +291,18 @@ class Search {
   // it grows with the difference between `curvature` and `wished` (rad/m). It is constant off the surface.
   double offSide(State s, double curvature, double wished) const {
     constexpr double kMost = 2;  // lateral distance (m) up to which the cost grows quadratically, then linearly
-    const std::optional<double> height = surface_.height(s.place);
+    const std::optional<double> height = surface_.height(s.position);
     if (!height) return 2 * kMost * kMost;
-    s.place.z = *height;
+    s.position.z = *height;
     const double left = surface_.toEdge(s, 1);
     const double right = surface_.toEdge(s, -1);
     const bool lefty = random_.keep == RoadSide::Left;
     const double own = lefty ? left : right;
-    if (left >= kOpen && right >= kOpen) return 8 * kTightest * std::fabs(curvature - wished);
+    if (left >= kOpen && right >= kOpen) return kWishCost * kTightest * std::fabs(curvature - wished);
     const double middle = (left + right) / 2;
     const double wanted = random_.keep == RoadSide::Middle ? middle : std::min(kFromEdge, middle);
     const double off = std::fabs(own - wanted);
-    const double turns = own >= kOpen ? 4 * kTightest * std::fabs(curvature - wished) : 0;
+    const double turns = own >= kOpen ? kWishCost / 2 * kTightest * std::fabs(curvature - wished) : 0;
     return (off < kMost ? off * off : kMost * (2 * off - kMost)) + turns;
   }
 
@@ -319,8 +327,8 @@ class Search {
   const FreeSurface& surface_;
   const RandomPath& random_;
   const Draws& draws_;
-  std::map<Spot, int> been_;  // number of times that the current path has passed each spot
-  std::set<Spot> dead_;       // spots from which the search found no path of the required length
+  std::map<Spot, int> visits_;  // number of times that the current path has passed each spot
+  std::set<Spot> deadEnds_;     // spots from which the search found no path of the required length
 };
 
 // Returns the state at `place` with the heading in which a vehicle can drive straight on farthest. Returns nothing if
@@ -361,8 +369,8 @@ std::vector<Vec3d> findRandomPath(const SceneProbe& probe, const RandomPath& ran
   for (int i = 0; i < kStarts; ++i) {
     const std::optional<State> start = startAt(surface, placeOn(floor, draws), draws);
     if (!start) continue;
-    const std::vector<Vec3d> way = Search(surface, random, draws).from(*start);
-    if (way.size() > longest.size()) longest = way;
+    const std::vector<Vec3d> path = PathSearch(surface, random, draws).from(*start);
+    if (path.size() > longest.size()) longest = path;
     if (static_cast<double>(longest.size()) - 1 >= random.length / kArcLength) return longest;
   }
   const double found = longest.empty() ? 0 : static_cast<double>(longest.size() - 1) * kArcLength;

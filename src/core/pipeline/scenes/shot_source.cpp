@@ -240,15 +240,7 @@ Shot ShotSource::recordedShot(const std::string& sample, std::uint32_t frame, st
   return shot;
 }
 
-Frame ShotSource::sample(std::size_t sequence, std::uint32_t number) {
-  return shotsOf(sequence, number, true);
-}
-
-Frame ShotSource::frame(std::size_t sequence, std::uint32_t number) {
-  return shotsOf(sequence, number, false);
-}
-
-Frame ShotSource::shotsOf(std::size_t sequence, std::uint32_t number, bool allRevolutions) {
+Frame ShotSource::frame(std::size_t sequence, std::uint32_t number, Revolutions revolutions) {
   const Sequence& own = pipeline_.sequences[sequence];
   const bool recorded = pipeline_.recording != nullptr;
   const std::string sample = own.key(number);
@@ -256,8 +248,8 @@ Frame ShotSource::shotsOf(std::size_t sequence, std::uint32_t number, bool allRe
   Frame frame{settings(sequence, number), recorded ? 0 : driven->frameTime(number), {}};
   for (std::size_t s = 0; s < plan_.sensors.size(); ++s) {
     const double period = pipeline_.sensors[s].period;
-    const std::vector<double> begins =
-        allRevolutions && !recorded ? own.revolutions(number, period, pipeline_.periods) : std::vector<double>{0};
+    std::vector<double> begins{0};  // s after the frame's time, of the sensor's revolutions
+    if (revolutions == Revolutions::All && !recorded) begins = own.revolutions(number, period, pipeline_.periods);
     for (std::size_t r = 0; r < begins.size(); ++r) {
       Shot shot = recorded ? recordedShot(sample, number, s)
                            : makeShot(plan_.sensors[s].beams, *driven, number,

@@ -60,6 +60,10 @@ struct SceneChanges {
   bool placeable = false;                            // see Scene::placeable
 };
 
+// The shots of each sensor in a frame: the one that begins with the frame, or all that belong to the dataset's sample
+// (see Sequence::revolutions()).
+enum class Revolutions { First, All };
+
 struct Frame {
   std::shared_ptr<const FrameSettings> settings;
   double time = 0;  // s since the start of the sequence
@@ -95,11 +99,9 @@ class ShotSource {
   // Returns the mounts and effects of the sensors in a frame. Throws InputError for an invalid combination of random
   // values.
   std::shared_ptr<const FrameSettings> settings(std::size_t sequence, std::uint32_t frame);
-  // Return the settings and the shots of a frame: sample() those of the dataset's sample, all revolutions of each
-  // sensor that belong to the frame (see Sequence::revolutions()), in the order of the sensors; frame() one for each
-  // sensor, which begins with the frame. Throw InputError for the same reasons as settings() and trajectory().
-  Frame sample(std::size_t sequence, std::uint32_t number);
-  Frame frame(std::size_t sequence, std::uint32_t number);
+  // Returns the settings and the shots of a frame, in the order of the sensors. Throws InputError for the same reasons
+  // as settings() and trajectory().
+  Frame frame(std::size_t sequence, std::uint32_t number, Revolutions revolutions = Revolutions::First);
 
   // Returns for each sensor the fraction of its rays that hit the ego vehicle, with the mounts of the first frame and
   // the beams of the first revolution. Empty if there is no ego vehicle.
@@ -110,7 +112,6 @@ class ShotSource {
  private:
   Scene recordedScene(std::size_t sequence) const;
   Shot recordedShot(const std::string& sample, std::uint32_t frame, std::size_t sensor) const;
-  Frame shotsOf(std::size_t sequence, std::uint32_t number, bool allRevolutions);
   VehicleHits traceEgoVehicle(const std::vector<Pose>& mounts) const;
   void findTrajectories(const Sequence& sequence, const Scene& scene);
 

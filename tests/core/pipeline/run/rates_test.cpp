@@ -43,7 +43,7 @@ TEST_F(Rates, EachSensorTurnsOnItsOwnClock) {
     double all = 0;
     for (std::uint32_t frame = 0; frame < 9; ++frame) {
       std::vector<std::uint32_t> inFrame(c.rates.size());
-      for (const Shot& shot : source.sample(0, frame).shots) {
+      for (const Shot& shot : source.frame(0, frame, Revolutions::All).shots) {
         const double period = 1 / c.rates[shot.sensor];
         EXPECT_NEAR(shot.time, turns[shot.sensor]++ * period, 1e-9);
         EXPECT_GT(shot.time + period, frame * c.interval + 1e-9);
@@ -65,7 +65,7 @@ TEST_F(Rates, DistantFramesBeginRevolutions) {
   const Plan planned = planOf({sensors({10, 20}), "trajectories.0.every_s=0.3"});
   std::vector<double> times;
   std::vector<double> next;
-  for (const Shot& shot : ShotSource(planned).sample(0, 1).shots) {
+  for (const Shot& shot : ShotSource(planned).frame(0, 1, Revolutions::All).shots) {
     times.push_back(std::round(shot.time * 1e6) / 1e6);
     next.push_back(std::round(shot.untilNext * 1e6) / 1e6);
   }
@@ -73,7 +73,7 @@ TEST_F(Rates, DistantFramesBeginRevolutions) {
   EXPECT_THAT(next, ElementsAre(0.3, 0.05, 0.25));
   EXPECT_THAT(ShotSource(planned).frame(0, 1).shots, SizeIs(2)) << "studies take one of each sensor";
   const Plan alone = planOf({sensors({10, 30}), "trajectories=[{name: stands, poses: [{position: [0, 0, 1]}]}]"});
-  for (const Shot& shot : ShotSource(alone).sample(0, 0).shots) {
+  for (const Shot& shot : ShotSource(alone).frame(0, 0, Revolutions::All).shots) {
     EXPECT_NEAR(shot.untilNext, shot.sensor == 0 ? 0.1 : 1.0 / 30, 1e-9);
   }
 }
@@ -83,7 +83,7 @@ TEST_F(Rates, CloseFramesHaveOneOfEach) {
   const Plan planned = planOf({sensors({10, 20}), "trajectories.0.every_s=0.04"});
   ShotSource source(planned);
   for (std::uint32_t frame = 0; frame < 4; ++frame) {
-    const std::vector<Shot> shots = source.sample(0, frame).shots;
+    const std::vector<Shot> shots = source.frame(0, frame, Revolutions::All).shots;
     ASSERT_THAT(shots, SizeIs(2));
     for (const Shot& shot : shots) EXPECT_NEAR(shot.time, 0.04 * frame, 1e-12);
   }
