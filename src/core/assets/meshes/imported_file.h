@@ -14,11 +14,21 @@
 
 namespace scanmill {
 
+// How texture coordinates are placed on an image.
+struct UvPlacement {
+  std::uint32_t channel = 0;  // index of the set of texture coordinates, if there are several
+  Vec2f scale{1, 1}, offset{0, 0};
+
+  Vec2f apply(const Vec2f& uv) const { return {uv.x * scale.x + offset.x, uv.y * scale.y + offset.y}; }
+  bool operator==(const UvPlacement&) const = default;
+};
+
 // A reference of a material to an image.
 struct ImportedMap {
   std::string name;  // name of the image in the file; empty: none
   bool inverted = false;
   bool repeats = true;  // false: the file clamps or mirrors the image outside of 0 to 1
+  UvPlacement placement = {};
 };
 
 struct ImportedMaterial {
@@ -30,6 +40,10 @@ struct ImportedMaterial {
   std::array<float, 3> color{1, 1, 1};  // base colour, linear RGB
   ImportedMap base;                     // image of the base colour
   ImportedMap opacityMap;
+
+  bool textured() const { return !base.name.empty() || !opacityMap.name.empty(); }
+  // Returns the placement of both images: that of the base colour, if it has one.
+  const UvPlacement& placement() const { return base.name.empty() ? opacityMap.placement : base.placement; }
 };
 
 // The parts of the asset have no looks, which `materials` state.

@@ -20,19 +20,19 @@ float number(const aiMaterial& material, const char* key, unsigned type, unsigne
   return material.Get(key, type, i, value) == aiReturn_SUCCESS ? value : fallback;
 }
 
-ImportedMap firstMap(const aiMaterial& material, std::initializer_list<aiTextureType> types, UvPlacement& placement,
-                     LeftOut& leftOut) {
+// Returns the image of the first of these types that the material has.
+ImportedMap firstMap(const aiMaterial& material, std::initializer_list<aiTextureType> types, LeftOut& leftOut) {
   for (const aiTextureType type : types) {
     ImportedMap map;
     map.name = text(material, AI_MATKEY_TEXTURE(type, 0));
     if (map.name.empty()) continue;
     int channel = 0;
     if (material.Get(AI_MATKEY_UVWSRC(type, 0), channel) == aiReturn_SUCCESS && channel >= 0) {
-      placement.channel = static_cast<std::uint32_t>(channel);
+      map.placement.channel = static_cast<std::uint32_t>(channel);
     }
     if (aiUVTransform to; material.Get(AI_MATKEY_UVTRANSFORM(type, 0), to) == aiReturn_SUCCESS) {
-      placement.scale = {to.mScaling.x, to.mScaling.y};
-      placement.offset = {to.mTranslation.x, to.mTranslation.y};
+      map.placement.scale = {to.mScaling.x, to.mScaling.y};
+      map.placement.offset = {to.mTranslation.x, to.mTranslation.y};
       // The importer takes degrees for radians, and no specification states the sign.
       if (to.mRotation != 0) leftOut.add("rotations of images (rotateUV)");
     }
@@ -51,8 +51,7 @@ ImportedMap firstMap(const aiMaterial& material, std::initializer_list<aiTexture
 
 }  // namespace
 
-std::vector<ImportedMaterial> materialsOf(const aiScene& scene, std::vector<UvPlacement>& placements,
-                                          LeftOut& leftOut) {
+std::vector<ImportedMaterial> materialsOf(const aiScene& scene, LeftOut& leftOut) {
   std::vector<ImportedMaterial> materials;
   for (unsigned i = 0; i < scene.mNumMaterials; ++i) {
     const aiMaterial& from = *scene.mMaterials[i];
@@ -66,10 +65,8 @@ std::vector<ImportedMaterial> materialsOf(const aiScene& scene, std::vector<UvPl
     to.stated = to.stated && from.Get(AI_MATKEY_COLOR_DIFFUSE, color) == aiReturn_SUCCESS;
     to.opacity = number(from, AI_MATKEY_OPACITY, 1.0f);
     to.color = {fraction(color.r, 1.0f), fraction(color.g, 1.0f), fraction(color.b, 1.0f)};
-    UvPlacement placement, own;
-    to.opacityMap = firstMap(from, {aiTextureType_OPACITY}, placement, leftOut);
-    to.base = firstMap(from, {aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE}, own, leftOut);
-    placements.push_back(to.base.name.empty() ? placement : own);
+    to.opacityMap = firstMap(from, {aiTextureType_OPACITY}, leftOut);
+    to.base = firstMap(from, {aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE}, leftOut);
   }
   return materials;
 }

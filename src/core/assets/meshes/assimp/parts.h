@@ -55,14 +55,8 @@ struct ColladaFacts {
 // copies a node into itself.
 ColladaFacts colladaFacts(const std::filesystem::path& file);
 
-// How a material's image is placed by texture coordinates: scaled and shifted, in this order.
-struct UvPlacement {
-  std::uint32_t channel = 0;  // index of the set of texture coordinates
-  Vec2f scale{1, 1}, offset{0, 0};
-};
-
 // Returns the materials of an assimp scene. Base colours count as linear, since most exporters write linear ones.
-// `placements` receives one entry per material. Counts rotations of images, which are not applied.
-std::vector<ImportedMaterial> materialsOf(const aiScene& scene, std::vector<UvPlacement>& placements, LeftOut& leftOut);
+// Counts rotations of images, which are not applied.
+std::vector<ImportedMaterial> materialsOf(const aiScene& scene, LeftOut& leftOut);
 
 }  // namespace scanmill

@@ -79,7 +79,7 @@ class Importer {
     read.statedUnit = facts_.unit;
     countUnread();
     read.dropped.outOfRange = dropBadFaces();
-    read.materials = materialsOf(*scene_, placements_, leftOut_);
+    read.materials = materialsOf(*scene_, leftOut_);
     takeColladaFacts(read.materials);
     walk(read);
     read.problems = log_.problems;
@@ -151,7 +151,7 @@ class Importer {
       material.opacity = 1;
       material.opacityMap.inverted = stated.inverted;
       if (stated.inverted && *stated.transparency == 0) {
-        material.opacityMap = {};  // opaque everywhere
+        material.opacityMap.name.clear();  // opaque everywhere
       } else if (*stated.transparency != 1) {
         leftOut_.add("numbers of `transparency` beside images (the images alone count)");
       }
@@ -222,6 +222,7 @@ class Importer {
 
   void addNode(ImportedFile& read, const aiNode& node, const std::string& name, std::uint32_t index,
                const Affine& assetFromNode) {
+    static const ImportedMaterial kNone;
     const std::size_t first = read.parts.size();
     for (unsigned i = 0; i < node.mNumMeshes; ++i) {
       if (node.mMeshes[i] >= scene_->mNumMeshes) continue;
@@ -230,17 +231,15 @@ class Importer {
       triangles_ += mesh.mNumFaces;
       if (triangles_ > kMostTriangles)
         fail(fmt::format("has more than {} triangles, with all copies: split it", kMostTriangles));
-      scanmill::append(geometryOf(mesh), assetFromNode, mesh.mMaterialIndex,
-                       hasImage(read.materials, mesh.mMaterialIndex), first, read.parts);
+      const unsigned number = mesh.mMaterialIndex;
+      const ImportedMaterial& material = number < read.materials.size() ? read.materials[number] : kNone;
+      scanmill::append(geometryOf(mesh, material.placement()), assetFromNode, number, material.textured(), first,
+                       read.parts);
     }
     finishNode(name, index, first, read.parts);
   }
 
-  static bool hasImage(const std::vector<ImportedMaterial>& materials, unsigned i) {
-    return i < materials.size() && !(materials[i].base.name.empty() && materials[i].opacityMap.name.empty());
-  }
-
-  Geometry geometryOf(const aiMesh& mesh) {
+  Geometry geometryOf(const aiMesh& mesh, const UvPlacement& placement) {
     Geometry geometry;
     for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
       const aiVector3D& v = mesh.mVertices[i];
@@ -254,15 +253,12 @@ class Importer {
         geometry.triangles.push_back({at[t[0]], at[t[1]], at[t[2]]});
       }
     }
-    const UvPlacement placement =
-        mesh.mMaterialIndex < placements_.size() ? placements_[mesh.mMaterialIndex] : UvPlacement{};
     const unsigned wanted = placement.channel;
     const unsigned channel = wanted < AI_MAX_NUMBER_OF_TEXTURECOORDS && mesh.HasTextureCoords(wanted) ? wanted : 0;
     if (!mesh.HasTextureCoords(channel)) return geometry;
     for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
       const aiVector3D& uv = mesh.mTextureCoords[channel][i];
-      geometry.uvs.push_back(
-          {uv.x * placement.scale.x + placement.offset.x, uv.y * placement.scale.y + placement.offset.y});
+      geometry.uvs.push_back(placement.apply({uv.x, uv.y}));
     }
     return geometry;
   }
@@ -273,8 +269,7 @@ class Importer {
   const bool collada_;  // false: AC3D
   ImporterLog log_;
   Assimp::Importer importer_;
-  const aiScene* scene_ = nullptr;       // owned by importer_
-  std::vector<UvPlacement> placements_;  // by material
+  const aiScene* scene_ = nullptr;  // owned by importer_
   std::uint64_t triangles_ = 0;
   Triangulator polygons_{Location()};  // without the file's name, which the parent process adds
   ColladaFacts facts_;

@@ -70,7 +70,7 @@ class Library {
     if (known_) to_.leftOut.add("further definitions of materials (the first of a name counts)");
   }
 
-  ImportedMaterial& material() { return to_.list[index_].look; }
+  ImportedMaterial& material() { return to_.list[index_]; }
 
   void readKey(std::string_view key) {
     if (key == "Kd") {
@@ -84,9 +84,9 @@ class Library {
     } else if (key == "Pm") {
       material().metallic = fraction(static_cast<float>(last()), 0.0f);
     } else if (key == "map_Kd" || key == "map_kd") {
-      material().base = readImage(to_.list[index_].base);
+      material().base = readImage(material().base.placement);
     } else if (key == "map_d" || key == "map_opacity") {
-      material().opacityMap = readImage(to_.list[index_].opacity);
+      material().opacityMap = readImage(material().opacityMap.placement);
     } else {
       to_.leftOut.add(fmt::format("{} of materials", key.substr(0, 40)));
     }
@@ -108,11 +108,12 @@ class Library {
     }
   }
 
-  // Reads options and the name of an image. The options -s and -o set `place`; others are counted unless they
+  // Reads options and the name of an image. The options -s and -o change `placement`; others are counted unless they
   // are as by default.
-  ImportedMap readImage(UvPlace& place) {
+  ImportedMap readImage(const UvPlacement& placement) {
     std::string_view rest = statements_.rest();
     ImportedMap map;
+    map.placement = placement;
     while (rest.starts_with('-')) {
       std::string_view behind = rest;
       const std::string_view name = takeWord(behind);
@@ -133,9 +134,9 @@ class Library {
         rest = trimmed(next);
       }
       if (name == "-s") {
-        place.scale = {floatOr(values[0], 1), floatOr(values[1], 1)};
+        map.placement.scale = {floatOr(values[0], 1), floatOr(values[1], 1)};
       } else if (name == "-o") {
-        place.offset = {floatOr(values[0], 0), floatOr(values[1], 0)};
+        map.placement.offset = {floatOr(values[0], 0), floatOr(values[1], 0)};
       } else if (std::find(kDefaults.begin(), kDefaults.end(), given) == kDefaults.end()) {
         to_.leftOut.add(fmt::format("options of images ({})", name));
       }
@@ -160,18 +161,18 @@ class Library {
 std::size_t Materials::indexOf(const std::string& name) {
   const auto [at, isNew] = byName.try_emplace(name, list.size());
   if (isNew) {
-    list.emplace_back().look.name = name;
-    list.back().look.stated = false;
+    list.emplace_back().name = name;
+    list.back().stated = false;
   }
   return at->second;
 }
 
 void Materials::check(bool allRead) {
   for (const ObjMaterial& material : list) {
-    const ImportedMaterial& look = material.look;
-    if (!material.defined && !look.name.empty())
+    if (!material.defined && !material.name.empty())
       leftOut.add("materials that no library defines (they have the default reflectance)", allRead ? 1 : 0);
-    if (!look.base.name.empty() && !look.opacityMap.name.empty() && material.base != material.opacity) {
+    const bool bothImages = !material.base.name.empty() && !material.opacityMap.name.empty();
+    if (bothImages && material.base.placement != material.opacityMap.placement) {
       leftOut.add("placements of map_d (-s, -o) that differ from that of map_Kd");
     }
   }

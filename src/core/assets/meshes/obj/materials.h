@@ -60,20 +60,8 @@ class Statements {
   std::vector<std::string_view> words_;
 };
 
-// How texture coordinates are placed on an image: uv * scale + offset.
-struct UvPlace {
-  Vec2f scale{1, 1};
-  Vec2f offset{0, 0};
-
-  bool operator==(const UvPlace&) const = default;
-};
-
-struct ObjMaterial {
-  ImportedMaterial look;
+struct ObjMaterial : ImportedMaterial {
   bool defined = false;  // true: a library defines it, not only a face names it
-  UvPlace base, opacity;
-
-  bool textured() const { return !look.base.name.empty() || !look.opacityMap.name.empty(); }
 };
 
 struct Materials {

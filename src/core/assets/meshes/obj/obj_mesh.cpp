@@ -57,7 +57,7 @@ class ObjReader {
       if (!part.triangles.empty()) addPart(part);
       if (!bare.triangles.empty()) addPart(bare);
     }
-    for (obj::ObjMaterial& material : library_.list) read_.materials.push_back(std::move(material.look));
+    for (obj::ObjMaterial& material : library_.list) read_.materials.push_back(std::move(material));
     read_.leftOut.add(library_.leftOut);
     read_.leftOut.add("colours of vertices", colored_);
     return std::move(read_);
@@ -225,8 +225,7 @@ class ObjReader {
     part.node = std::move(from.node);
     part.nodeIndex = from.nodeIndex;
     part.materialIndex = static_cast<std::uint32_t>(from.material);
-    const obj::ObjMaterial& material = library_.list[from.material];
-    const obj::UvPlace& place = material.look.base.name.empty() ? material.opacity : material.base;
+    const UvPlacement& placement = library_.list[from.material].placement();
     const bool anyUvs = std::any_of(from.triangles.begin(), from.triangles.end(), hasUvs);
     for (const std::array<Corner, 3>& triangle : from.triangles) {
       const auto first = static_cast<std::uint32_t>(part.positions.size());
@@ -234,8 +233,7 @@ class ObjReader {
       for (const Corner& corner : triangle) {
         part.positions.push_back(static_cast<Vec3f>(assetFromFile_ * vertices_[corner.vertex] - read_.origin));
         if (!anyUvs) continue;
-        const Vec2f uv = corner.uv == kNone ? Vec2f{} : uvs_[corner.uv];
-        part.uvs.push_back({uv.x * place.scale.x + place.offset.x, uv.y * place.scale.y + place.offset.y});
+        part.uvs.push_back(placement.apply(corner.uv == kNone ? Vec2f{} : uvs_[corner.uv]));
       }
     }
     from.triangles = {};
