@@ -134,7 +134,7 @@ void runSteps(const ShotSetup& setup, const Shot& shot, ShotBuffers& b, Steps& s
   steps.time("trace, with paths of light and the ego vehicle", [&] { traceShot(setup, shot, b.hits); });
   const Receiver& receiver = setup.receiver;
   steps.time("detection of echoes", [&] { detect(b.hits, shot, receiver.effects, receiver.materials, b.returns); });
-  if (receiver.layout.reasons) b.returns.tellReasons();
+  if (receiver.layout.reasons) b.returns.recordReasons();
   for (const ChosenEffect& effect : receiver.effects) {
     steps.time("effect " + std::string(effect.entry->name),
                [&] { effect->apply(b.hits, shot, receiver.materials, b.returns); });

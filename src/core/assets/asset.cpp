@@ -113,7 +113,7 @@ Asset readAsset(const std::filesystem::path& file, const AssetOptions& options) 
   const InputBudget budget;
   const std::string kind = lowerExtension(file);
   checkRequest(file, kind, options);
-  noteFile(file);
+  recordFile(file);
   try {
     Asset asset = readByKind(file, kind, options);
     asset.file = file;

@@ -78,7 +78,7 @@ std::string readFile(const std::filesystem::path& path) {
     bytes.reserve(size);
   }
   readBlocks(path, [&](std::string_view block) { bytes += block; });
-  noteFile(path, bytes);
+  recordFile(path, bytes);
   return bytes;
 }
 

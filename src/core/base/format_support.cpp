@@ -57,7 +57,7 @@ std::string LeftOut::text() const {
   return text;
 }
 
-void LeftOut::tell(const std::string& file) const {
+void LeftOut::warn(const std::string& file) const {
   if (empty()) return;
   static std::mutex mutex;
   static std::map<std::string, std::set<std::string>> filesOf;  // by folder and text

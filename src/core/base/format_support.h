@@ -52,7 +52,7 @@ class LeftOut {
   std::string text() const;
   // Warns "FILE: left out: 2 polylines, 1 heightmaps", if anything was added. Three files of a folder are named for the
   // same text; then one warning says that it holds for further ones.
-  void tell(const std::string& file) const;
+  void warn(const std::string& file) const;
 
  private:
   std::map<std::string, std::uint64_t> counts_;

@@ -87,7 +87,7 @@ void chargeTime(const Location& where) {
 }
 
 void chargeFile(const std::filesystem::path& file) {
-  noteFile(file);
+  recordFile(file);
   if (counts == nullptr) return;
   struct stat status {};
   if (::stat(file.c_str(), &status) == 0 && S_ISREG(status.st_mode) &&
@@ -154,11 +154,11 @@ std::map<std::filesystem::path, std::string> FilesRead::hashes() const {
   return all;
 }
 
-void noteFile(const std::filesystem::path& file) {
+void recordFile(const std::filesystem::path& file) {
   if (latest != nullptr) latest->hashes_.try_emplace(cleanPath(file));
 }
 
-void noteFile(const std::filesystem::path& file, std::string_view bytes) {
+void recordFile(const std::filesystem::path& file, std::string_view bytes) {
   if (latest != nullptr) latest->hashes_[cleanPath(file)] = xxh3(bytes);
 }
 

@@ -81,8 +81,8 @@ class [[nodiscard]] FilesRead {
   std::map<std::filesystem::path, std::string> hashes() const;
 
  private:
-  friend void noteFile(const std::filesystem::path& file);
-  friend void noteFile(const std::filesystem::path& file, std::string_view bytes);
+  friend void recordFile(const std::filesystem::path& file);
+  friend void recordFile(const std::filesystem::path& file, std::string_view bytes);
 
   std::map<std::filesystem::path, std::string> hashes_;  // an empty hash is not computed yet
   FilesRead* outer_;
@@ -90,7 +90,7 @@ class [[nodiscard]] FilesRead {
 
 // Tell the thread's latest FilesRead that a file is read, the second one with the file's bytes. readFile() and
 // chargeFile() call them; readers that leave the reading to a library call the first one.
-void noteFile(const std::filesystem::path& file);
-void noteFile(const std::filesystem::path& file, std::string_view bytes);
+void recordFile(const std::filesystem::path& file);
+void recordFile(const std::filesystem::path& file, std::string_view bytes);
 
 }  // namespace scanmill

@@ -41,7 +41,7 @@ std::string shortLength(double metres) {
   return length < 1e6 ? fmt::format("{:.3g} km", metres / 1e3) : fmt::format("{:.0f} km", metres / 1e3);
 }
 
-std::string shortPlace(const Vec3d& place) {
+std::string shortPosition(const Vec3d& place) {
   return fmt::format("[{:.2f}, {:.2f}, {:.2f}]", place.x, place.y, place.z);
 }
 

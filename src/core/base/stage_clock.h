@@ -1,6 +1,6 @@
 #pragma once
 
-// Measures wall-clock time, and how much processor time each stage of some work takes. This header is installed because
+// Measures wall-clock time, and how much CPU time each stage of some work takes. This header is installed because
 // pipeline/run/generate.h includes it.
 //
 //   StageClock clock;
@@ -55,21 +55,21 @@ class StageClock {
   StageSeconds seconds_;
 };
 
-// Returns the processor time that the calling thread, or all threads of the process, have taken so far (s).
+// Returns the CPU time that the calling thread, or all threads of the process, have taken so far (s).
 double threadSeconds();
 double processSeconds();
 
 // Adds the time between its construction and its destruction to a stage of a clock, which must outlive the timer. The
-// time is the processor time of the thread that constructs and destroys the timer, and of the tasks that
+// time is the CPU time of the thread that constructs and destroys the timer, and of the tasks that
 // parallelFor() runs for this thread on other threads meanwhile. Time in which the thread waits does not count.
 class [[nodiscard]] StageTimer {
  public:
   enum class Kind {
-    Processor,
+    Cpu,
     Wall,  // wall-clock time, for stages in which the thread waits for a graphics card or for another process
   };
 
-  StageTimer(StageClock& clock, const char* stage, Kind kind = Kind::Processor);
+  StageTimer(StageClock& clock, const char* stage, Kind kind = Kind::Cpu);
   ~StageTimer();
   StageTimer(const StageTimer&) = delete;
   StageTimer& operator=(const StageTimer&) = delete;
@@ -86,10 +86,10 @@ class [[nodiscard]] StageTimer {
   StageTimer* outer_;
   WallTimer wall_;
   double start_;                             // s, threadSeconds() at construction
-  std::atomic<std::int64_t> elsewhere_ = 0;  // ns, processor time of tasks on other threads
+  std::atomic<std::int64_t> elsewhere_ = 0;  // ns, CPU time of tasks on other threads
 };
 
-// Adds the processor time of the calling thread between construction and destruction to a timer of another thread, for
+// Adds the CPU time of the calling thread between construction and destruction to a timer of another thread, for
 // which the calling thread runs a task. Does nothing if the timer is null or is the calling thread's own.
 class [[nodiscard]] StageTask {
  public:

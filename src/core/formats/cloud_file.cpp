@@ -109,7 +109,7 @@ Cloud readCloud(const std::filesystem::path& file, CloudUnit unit) {
 }
 
 Scan scanOf(Cloud cloud, const std::string& what) {
-  cloud.leftOut.tell(what);
+  cloud.leftOut.warn(what);
   return std::move(cloud.scan);
 }
 

@@ -276,7 +276,7 @@ DecodedImage decode(ImageReader& image, const std::string& kind, const std::stri
   LeftOut leftOut;
   for (const std::string& what : header.leftOut) leftOut.add(what);
   leftOut.add(kFurtherChannels, static_cast<std::uint64_t>(converter.unusedChannels()));
-  leftOut.tell(name);
+  leftOut.warn(name);
   return decoded;
 }
 

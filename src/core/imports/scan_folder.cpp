@@ -74,7 +74,7 @@ std::optional<ScanFolder> scanFolderIn(const fs::path& folder) {
 
 Scan readFolderScan(const FolderScan& scan) {
   Cloud cloud = readCloud(scan.points);
-  if (!cloud.leftOut.empty() && isFirstOfItsFolder(scan.points)) cloud.leftOut.tell(scan.points.string());
+  if (!cloud.leftOut.empty() && isFirstOfItsFolder(scan.points)) cloud.leftOut.warn(scan.points.string());
   Scan read = std::move(cloud.scan);
   if (!scan.lidarseg.empty()) addLidarsegLabels(readFile(scan.lidarseg), scan.lidarseg.string(), read);
   if (!scan.panoptic.empty()) addPanopticLabels(readFile(scan.panoptic), scan.panoptic.string(), read);

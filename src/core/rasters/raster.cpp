@@ -197,7 +197,7 @@ void tellLeftOut(const std::filesystem::path& file, const RasterHeader& header, 
                                                          [](const RasterBand& b) { return b.means != "Alpha"; })));
   }
   leftOut.add("further rasters of the file", static_cast<std::uint64_t>(header.others));
-  leftOut.tell(file.string());
+  leftOut.warn(file.string());
 }
 
 // Returns all of the file's raster, without values.
@@ -362,8 +362,8 @@ const FormatSupport& rasterFormat() {
 Raster readRaster(const std::filesystem::path& file, const RasterRequest& request) {
   const std::unique_ptr<RasterReader> reader = open(file);
   const RasterHeader header = reader->header();
-  noteFile(file);
-  for (const std::filesystem::path other : header.files) noteFile(other);
+  recordFile(file);
+  for (const std::filesystem::path other : header.files) recordFile(other);
   const RasterBand& band = checkedBand(file, header, request);
   const bool heights = request.use == RasterUse::Heights;
   if (heights) expectHeights(file, header, request.georeferenced);

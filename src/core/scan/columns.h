@@ -237,7 +237,7 @@ inline constexpr auto kColumns = std::to_array<Column>({
 inline constexpr std::size_t kColumnCount = kColumns.size();
 
 // Returns true if the column depends on how the scene's objects move.
-constexpr bool tellsMotion(const Column& column) {
+constexpr bool dependsOnMotion(const Column& column) {
   return column.name.starts_with("velocity_") || column.name.starts_with("flow_") || column.name == "radial_velocity";
 }
 

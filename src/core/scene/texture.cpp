@@ -51,7 +51,7 @@ const std::uint8_t* Texture::texel(float u, float v) const {
 }
 
 std::shared_ptr<const Texture> loadTexture(const std::filesystem::path& path) {
-  noteFile(path);  // a cached texture belongs to the files of each scene that shows it
+  recordFile(path);  // a cached texture belongs to the files of each scene that shows it
   static std::mutex mutex;
   static std::map<std::string, Cached> cache;
   std::error_code error;

@@ -106,7 +106,7 @@ Affine startFromStep(const Shot& shot, std::size_t step) {
 class Gathering {
  public:
   Gathering(const Hits& hits, const Shot& shot, const Returns& returns, const ScanLayout& layout,
-            const ThingMotions* motions, Scan& scan)
+            const InstanceMotions* motions, Scan& scan)
       : hits_(hits),
         shot_(shot),
         beams_(*shot.beams),
@@ -309,7 +309,7 @@ class Gathering {
       copy(returns_.intensity, moves_.row, values);
     } else if constexpr (name == "label") {
       returns_.label.empty() ? copyHits(key, hits_.semantic, values) : copy(returns_.label, moves_.row, values);
-      if (motions_ != nullptr && motions_->tellsClasses()) relabel(values);
+      if (motions_ != nullptr && motions_->haveMovingClasses()) relabel(values);
     } else if constexpr (name == "instance") {
       returns_.instance.empty() ? copyHits(key, hits_.instance, values) : copy(returns_.instance, moves_.row, values);
     } else if constexpr (name == "ring") {
@@ -459,7 +459,7 @@ class Gathering {
   const BeamTable& beams_;
   const Returns& returns_;
   const ScanLayout& layout_;
-  const ThingMotions* motions_;
+  const InstanceMotions* motions_;
   Scan& scan_;
   ReturnOrder order_;
   Moves moves_;
@@ -469,7 +469,7 @@ class Gathering {
 }  // namespace
 
 void gather(const Hits& hits, const Shot& shot, const Returns& returns, const ScanLayout& layout,
-            const ThingMotions* motions, Scan& scan) {
+            const InstanceMotions* motions, Scan& scan) {
   Gathering(hits, shot, returns, layout, motions, scan).run();
 }
 

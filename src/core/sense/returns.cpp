@@ -21,19 +21,19 @@ void Returns::clear() {
   rowsOfBeam_.clear();
   powerOfEchoes = false;
   air.clear();
-  tellsReasons_ = false;
+  recordsReasons_ = false;
   lost_.clear();
   present_.clear();
 }
 
-void Returns::tellReasons() {
-  tellsReasons_ = true;
-  noteLost(Reason::None);
+void Returns::recordReasons() {
+  recordsReasons_ = true;
+  recordLost(Reason::None);
 }
 
 template <class ReasonOf>
-void Returns::noteRemoved(const ReasonOf& reasonOf) {
-  if (!tellsReasons_) return;
+void Returns::recordRemoved(const ReasonOf& reasonOf) {
+  if (!recordsReasons_) return;
   lost_.resize(size(), Reason::None);
   present_.resize(size(), true);
   for (std::size_t row = 0; row < size(); ++row) {
@@ -43,12 +43,12 @@ void Returns::noteRemoved(const ReasonOf& reasonOf) {
   }
 }
 
-void Returns::noteLost(Reason reason) {
-  noteRemoved([&](std::size_t) { return reason; });
+void Returns::recordLost(Reason reason) {
+  recordRemoved([&](std::size_t) { return reason; });
 }
 
-void Returns::noteFaint(std::span<const float> measured, float least) {
-  noteRemoved([&](std::size_t row) {
+void Returns::recordFaint(std::span<const float> measured, float least) {
+  recordRemoved([&](std::size_t row) {
     const bool foundInClearAir = row < air.size() && measured[row] >= least * air[row];
     return foundInClearAir ? Reason::LostInAir : Reason::TooFaint;
   });
@@ -85,7 +85,7 @@ void Returns::start(std::span<const Echo> echoes, bool powered) {
   }
 }
 
-void Returns::makeIndices(const Hits& hits) {
+void Returns::startIndices(const Hits& hits) {
   if (onePerBeam_) {
     onePerBeam_ = false;
     beam_.resize(size());
@@ -106,7 +106,7 @@ void Returns::makeIndices(const Hits& hits) {
 }
 
 void Returns::add(const AddedReturn& added, const Hits& hits) {
-  if (rowsOfBeam_.empty()) makeIndices(hits);
+  if (rowsOfBeam_.empty()) startIndices(hits);
   std::uint8_t& number = rowsOfBeam_[added.beam];
   if (number == kMostReturns) throw Error(fmt::format("beam {} has more than {} returns", added.beam, kMostReturns));
   beam_.push_back(added.beam);

@@ -42,7 +42,7 @@ struct Falloff {
   bool inverseSquare = true;  // false: the power does not depend on the range
 
   // Returns the root of the factor by which an echo from a range (m) is fainter than the same echo from the reference.
-  double way(double range) const { return inverseSquare ? std::max(range, near) / reference : 1; }
+  double amplitudeLoss(double range) const { return inverseSquare ? std::max(range, near) / reference : 1; }
 };
 
 // A structure of arrays. In most scans every beam has one ray and at most one return: row i then belongs to beam i and
@@ -97,17 +97,17 @@ class Returns {
   void remove(std::size_t row) { range[row] = kMiss; }
 
   // Starts recording why rows are lost. Must be called after start().
-  void tellReasons();
-  bool tellsReasons() const { return tellsReasons_; }
-  // Records `reason` for all rows that were lost since the last call of noteLost() or noteFaint(). Does nothing if
+  void recordReasons();
+  bool recordsReasons() const { return recordsReasons_; }
+  // Records `reason` for all rows that were lost since the last call of recordLost() or recordFaint(). Does nothing if
   // reasons are not recorded.
-  void noteLost(Reason reason);
+  void recordLost(Reason reason);
   // Records the reason for rows that the receiver has not detected because their measured power is less than `least`.
   // The reason is LostInAir if the receiver would have detected the row without the weather's loss, otherwise TooFaint.
-  // Only rows since the last call of noteLost() or noteFaint() are considered.
-  void noteFaint(std::span<const float> measured, float least);
+  // Only rows since the last call of recordLost() or recordFaint() are considered.
+  void recordFaint(std::span<const float> measured, float least);
   // Returns why the row was lost. Reason::None: the row was not lost, or its ray missed.
-  Reason lostTo(std::size_t row) const { return row < lost_.size() ? lost_[row] : Reason::None; }
+  Reason reasonLost(std::size_t row) const { return row < lost_.size() ? lost_[row] : Reason::None; }
   // Returns true if the beam has kMostReturns rows, so that none can be added.
   bool full(std::uint32_t beam) const { return !rowsOfBeam_.empty() && rowsOfBeam_[beam] == kMostReturns; }
   // Appends a row; the indices of other rows do not change. `hits`: the hits from which the table was started.
@@ -122,8 +122,8 @@ class Returns {
  private:
   void clear();
   template <class ReasonOf>
-  void noteRemoved(const ReasonOf& reasonOf);
-  void makeIndices(const Hits& hits);
+  void recordRemoved(const ReasonOf& reasonOf);
+  void startIndices(const Hits& hits);
 
   bool onePerBeam_ = true;
   std::vector<std::uint32_t> beam_;  // beam_, hit_ and number_ are empty if there is one row per beam
@@ -131,7 +131,7 @@ class Returns {
   std::vector<std::uint8_t> number_;
   std::vector<Reason> cause_;             // empty: all returns come from surfaces
   std::vector<std::uint8_t> rowsOfBeam_;  // number of rows of each beam; empty until a row is added
-  bool tellsReasons_ = false;
+  bool recordsReasons_ = false;
   std::vector<Reason> lost_;   // reasons of the rows that existed when reasons were last recorded
   std::vector<bool> present_;  // for the rows of lost_: true if the row was not lost at that time
 };

@@ -29,35 +29,36 @@ namespace scanmill {
 
 // The motion of a scene's object instances during a shot, for the columns and classes that depend on motion:
 //
-//   const ThingMotions motions(scene, shot);
+//   const InstanceMotions motions(scene, shot);
 //   const Vec3d velocity = motions.velocity(17, {10, 0, 0});  // velocity of object 17 at a point (m/s)
-class ThingMotions {
+class InstanceMotions {
  public:
   // Returns true if objects of the scene move, and the layout has a column or the ontology has a class that depends on
   // motion.
-  static bool areToldOf(const Scene& scene, const ScanLayout& layout);
+  static bool areNeeded(const Scene& scene, const ScanLayout& layout);
 
   // Computes the motion of each instance that moves. The scene must outlive this object.
-  ThingMotions(const Scene& scene, const Shot& shot);
+  InstanceMotions(const Scene& scene, const Shot& shot);
 
   // Returns the class of points on an instance whose class is `semantic`: for an instance that moves, the ontology's
   // class for moving objects of this kind ("moving-car" for "car"); otherwise, or if there is no such class,
   // `semantic`.
-  std::uint16_t classOf(std::uint16_t semantic, std::uint32_t thing) const;
-  bool tellsClasses() const { return !things_.empty() && !movingClasses_.empty(); }
+  std::uint16_t classOf(std::uint16_t semantic, std::uint32_t instanceId) const;
+  bool haveMovingClasses() const { return !motionOf_.empty() && !movingClasses_.empty(); }
 
   // Returns the velocity over ground (m/s, world axes) of an instance's surface at a point (m, world). The motion is
-  // assumed to be linear during the revolution. Zero if the instance stands still, or if `thing` is 0 (no instance).
-  Vec3d velocity(std::uint32_t thing, const Vec3d& place) const;
+  // assumed to be linear during the revolution. Zero if the instance stands still, or if `instanceId` is 0 (no
+  // instance).
+  Vec3d velocity(std::uint32_t instanceId, const Vec3d& point) const;
 
   // Returns the displacement over ground (m, world axes) of a point of an instance's surface, from `time` (s since the
   // start of the revolution; 0 if nothing moves during a revolution) to the same time in the next frame, by the
-  // movement of the instance and its animation. `place` (m, world) is the point at `time`, and `primitive` its
-  // triangle. Zero if the instance stands still, or if `thing` is 0 (no instance).
-  Vec3d flow(std::uint32_t thing, std::uint32_t primitive, const Vec3d& place, double time) const;
+  // movement of the instance and its animation. `point` (m, world) is the point at `time`, and `primitive` its
+  // triangle. Zero if the instance stands still, or if `instanceId` is 0 (no instance).
+  Vec3d flow(std::uint32_t instanceId, std::uint32_t primitive, const Vec3d& point, double time) const;
 
  private:
-  Vec3d flowOf(std::uint32_t instance, std::uint32_t primitive, const Vec3d& place, double time) const;
+  Vec3d flowOf(std::uint32_t instance, std::uint32_t primitive, const Vec3d& point, double time) const;
 
   struct Motion {
     Vec3d pivot;    // m, world: origin of the mesh in the middle of the revolution
@@ -65,11 +66,11 @@ class ThingMotions {
     Mat3 perMetre;  // m/s per metre of distance from the pivot
   };
   const Scene& scene_;
-  std::shared_ptr<const Placements> placed_;  // see Shot::placed
-  double time_;                               // s, start of the shot
-  double duration_;                           // s, duration of the revolution
-  double untilNext_;                          // s, time from the shot to the next frame
-  std::unordered_map<std::uint32_t, Motion> things_;
+  std::shared_ptr<const Placements> placed_;                         // see Shot::placed
+  double time_;                                                      // s, start of the shot
+  double duration_;                                                  // s, duration of the revolution
+  double untilNext_;                                                 // s, time from the shot to the next frame
+  std::unordered_map<std::uint32_t, Motion> motionOf_;               // by instance id
   std::unordered_multimap<std::uint32_t, std::uint32_t> instances_;  // indices into Scene::instances, by instance id
   std::map<std::uint16_t, std::uint16_t> movingClasses_;             // for a class of objects at rest, the class of the
                                                                      // same objects in motion
@@ -89,7 +90,7 @@ struct Receiver {
   EffectList effects = {};                   // the effects, in the order in which they run
   std::span<const Material> materials = {};  // indexed by Hits::material
   ScanLayout layout = {};                    // the columns that the scan gets
-  const ThingMotions* motions = nullptr;     // null: nothing moves, or no column or class depends on motion
+  const InstanceMotions* motions = nullptr;  // null: nothing moves, or no column or class depends on motion
 };
 
 // Makes a scan from hits: detects returns, applies the effects and gathers the columns. `returns` is a buffer, which
@@ -97,14 +98,15 @@ struct Receiver {
 void sense(const Receiver& receiver, const Hits& hits, const Shot& shot, Returns& returns, Scan& scan);
 
 // Returns one value of Reason per beam. All effects must have run, on a table that records reasons
-// (Returns::tellReasons()). A beam without a return has the reason of its strongest echo. If the hits have the channel
-// Material, echoes of mirrors, metals and glass that are too faint get reasons of their own instead of TooFaint.
+// (Returns::recordReasons()). A beam without a return has the reason of its strongest echo. If the hits have the
+// channel Material, echoes of mirrors, metals and glass that are too faint get reasons of their own instead of
+// TooFaint.
 std::vector<std::uint8_t> reasonsOf(const Hits& hits, std::span<const Material> materials, const Returns& returns);
 
 // Fills the scan's columns that the layout asks for; intensity and power only if an effect has set them or the table
 // of returns has no rows. Dense scans are ordered by column, then ring, then return, which is the order of firing. The
 // nearest return of a beam is its first. `motions`: motions of the scene's objects; null if nothing moves.
 void gather(const Hits& hits, const Shot& shot, const Returns& returns, const ScanLayout& layout,
-            const ThingMotions* motions, Scan& scan);
+            const InstanceMotions* motions, Scan& scan);
 
 }  // namespace scanmill

@@ -51,7 +51,7 @@ std::vector<Laser> readLasers(const Value& file) {
     read.push_back({angle("vert_correction", kPi / 2), angle("rot_correction", kPi), offset("horiz_offset_correction"),
                     offset("vert_offset_correction"), 0});
   }
-  leftOut.tell(file.where.file);
+  leftOut.warn(file.where.file);
   std::stable_sort(read.begin(), read.end(), [](const Laser& a, const Laser& b) { return a.elevation > b.elevation; });
   return read;
 }

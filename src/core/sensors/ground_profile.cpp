@@ -134,7 +134,7 @@ GroundProfile::GroundProfile(const GroundOptions& options, const PoseOnPath& pos
     throw InputError(options.where,
                      fmt::format("no part of the path, which begins at {}, has ground above or below it: `scanmill "
                                  "info` of the scene prints its bounds (`start` moves recorded poses){}",
-                                 shortPlace(poseOnPath(0).translation), options.wheels ? kWheelAdvice : ""));
+                                 shortPosition(poseOnPath(0).translation), options.wheels ? kWheelAdvice : ""));
   }
   bare_ = static_cast<double>(bare) / static_cast<double>(positions_.size());
   // A sample without ground becomes a copy of the sample before it. If no earlier sample has ground, it becomes a copy

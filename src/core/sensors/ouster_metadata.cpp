@@ -30,7 +30,7 @@ class Reader {
     readMode(m);
     readWindow(m);
     readOrigin(m);
-    leftOut_.tell(file_);
+    leftOut_.warn(file_);
     return m;
   }
 

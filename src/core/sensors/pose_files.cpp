@@ -162,7 +162,7 @@ std::vector<StampedPose> readPoseTable(const std::filesystem::path& file) {
   }
   LeftOut leftOut;
   for (const std::string& name : table.names()) leftOut.addKeyword(poseFormat(), name);
-  leftOut.tell(file.string());
+  leftOut.warn(file.string());
   if (table.timeName().empty()) {
     throw InputError(table.head(),
                      "the first line must name the columns time (s; or time_ms, time_us, time_ns), x, y, z and "

@@ -369,7 +369,7 @@ Map readMap(const std::filesystem::path& file, bool mirrored, const Location& wh
                                         file.string(), map.leftOut.empty() ? "" : "; left out: ", map.leftOut.text()));
   }
   checkDensity(map);
-  map.leftOut.tell(file.string());
+  map.leftOut.warn(file.string());
   double reach = 0;
   for (const MapRoad& road : map.roads) reach = std::max(reach, std::hypot(road.line[0].x, road.line[0].y));
   constexpr double kFarthest = 5e5;  // m; lengths there are 0.3 % too short

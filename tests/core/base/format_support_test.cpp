@@ -11,10 +11,10 @@ TEST(LeftOut, ManyFilesAreToldInFewLines) {
   LeftOut leftOut;
   leftOut.add("things of this test", 2);
   testing::internal::CaptureStderr();
-  for (int i = 1; i <= 9; ++i) leftOut.tell("file" + std::to_string(i));
+  for (int i = 1; i <= 9; ++i) leftOut.warn("file" + std::to_string(i));
   LeftOut other;
   other.add("other things of this test", 1);
-  other.tell("file9");
+  other.warn("file9");
   EXPECT_THAT(testing::internal::GetCapturedStderr(),
               AllOf(HasSubstr("file1: left out: 2 things of this test\n"), HasSubstr("file3: left out: 2 things"),
                     HasSubstr("file4 and other files, not named one by one: left out in each: 2 things"),

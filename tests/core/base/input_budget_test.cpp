@@ -112,8 +112,8 @@ TEST(FilesRead, CollectsWhatTheThreadReads) {
   const auto temporary = folder.write("temporary.glb", "glTF");
   const FilesRead files;
   readFile(folder.path() / "." / "read.obj");
-  noteFile(noted);
-  noteFile(folder.path() / "missing.png");
+  recordFile(noted);
+  recordFile(folder.path() / "missing.png");
   {
     const FilesRead inner;
     readFile(temporary);

@@ -138,7 +138,7 @@ BlenderExport::BlenderExport(const std::filesystem::path& file) {
     LeftOut leftOut;
     const auto counts = nlohmann::json::parse(job->answer().text).get<std::map<std::string, std::uint64_t>>();
     for (const auto& [what, count] : counts) leftOut.add(what, count);
-    leftOut.tell(file.string());
+    leftOut.warn(file.string());
   } catch (const InputError& e) {
     throw InputError({file.string()}, e.what());
   } catch (const Error& e) {

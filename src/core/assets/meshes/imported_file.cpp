@@ -137,7 +137,7 @@ Asset readImported(const std::filesystem::path& file, const std::string& kind, c
     if (known) static_cast<Look&>(part) = looks[part.materialIndex];
     checkTexture(part, !known || imported.materials[part.materialIndex].base.repeats, imported.leftOut);
   }
-  imported.leftOut.tell(file.string());
+  imported.leftOut.warn(file.string());
   return std::move(static_cast<Asset&>(imported));
 }
 

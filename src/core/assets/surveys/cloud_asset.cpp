@@ -146,7 +146,7 @@ class CloudAsset {
       names.emplace_back("...");
     }
     cloud_.leftOut.add(fmt::format("columns ({})", fmt::join(names, ", ")), all);
-    cloud_.leftOut.tell(file_.string());
+    cloud_.leftOut.warn(file_.string());
     if (foreign("cosangle") != nullptr) {
       warn(
           fmt::format("{}: if CARLA wrote it, its y axis points to the right, so that the place is mirrored: negate y "

@@ -37,8 +37,8 @@ class TilesetReader {
     asset_.statedUnit = 1;
     readTileset(file, {}, {}, Refine::Replace, 0);
     tellMissing(missing_, options_.leaveOutMissing, leftOut_);
-    leftOut_.tell(file.string());
-    inTiles_.tell(file.string());
+    leftOut_.warn(file.string());
+    inTiles_.warn(file.string());
     return std::move(asset_);
   }
 

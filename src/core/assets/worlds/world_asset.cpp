@@ -63,7 +63,7 @@ class WorldAsset {
         asset_.instanced.push_back(std::move(instanced));
       }
     }
-    leftOut_.tell(file_.string());
+    leftOut_.warn(file_.string());
     if (asset_.parts.empty() && asset_.instanced.empty()) {
       throw InputError(
           {file_.string()},

@@ -139,7 +139,7 @@ class PathCheck {
     const std::string& name = plan_.pipeline.sensors[sensor].name;
     const auto where = [&](const std::vector<std::size_t>& found) {
       return fmt::format("in {} of {} frames, first at {}", found.size(), below.size(),
-                         shortPlace(down[found.front()].from));
+                         shortPosition(down[found.front()].from));
     };
     if (!onSurface.empty()) {
       const bool mounted = settings_->sensors[sensor].vehicleFromSensor.translation.z - groundInVehicle() > kOnSurface;
@@ -181,7 +181,7 @@ class PathCheck {
           fmt::format("'{}' sees nothing beside and above it but surfaces of the class {}, such as {}, at {} (frame "
                       "{}), which is right only in rooms and tunnels",
                       plan_.pipeline.sensors[sensor].name, className(hits.front()->semantic), nameOf(*hits.front()),
-                      shortPlace(at), frame));
+                      shortPosition(at), frame));
     }
   }
 
@@ -298,7 +298,7 @@ class PathCheck {
         fmt::format("{} '{}' ({}) at {} (frame {}); checked is the box of its {}, {:.2f} x {:.2f} m, from {:.2f} to "
                     "{:.2f} m above its origin",
                     trajectory_->still() ? "it stands in" : "its path goes through", contact->instance->name,
-                    className(contact->semantic), shortPlace(contact->position), steps[first + contact->step].frame,
+                    className(contact->semantic), shortPosition(contact->position), steps[first + contact->step].frame,
                     vehicle_ == nullptr ? "sensors" : "`vehicle`", size.x, size.y, box.low.z, box.high.z));
   }
 

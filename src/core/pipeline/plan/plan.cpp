@@ -89,7 +89,7 @@ void checkObjects(const Pipeline& pipeline) {
   if (pipeline.output.objects) lacks("the boxes of objects", "`output.objects`");
   if (pipeline.output.voxels) lacks("the geometry that no beam hit", "`output.voxels`");
   for (std::size_t i = 0; i < kColumnCount; ++i) {
-    if (!pipeline.output.layout.columns.has(i) || !tellsMotion(kColumns[i])) continue;
+    if (!pipeline.output.layout.columns.has(i) || !dependsOnMotion(kColumns[i])) continue;
     lacks("the motions of objects and of the sensor", fmt::format("the column {}", kColumns[i].name));
   }
 }

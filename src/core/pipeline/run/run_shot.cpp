@@ -21,7 +21,7 @@ ShotSetup setupOf(const Plan& plan, const FrameSettings& settings, const Scene& 
           plan.sensors[sensor].footprint.get(),
           own.vehicle.get(),
           own.paths,
-          ThingMotions::areToldOf(scene, layout) ? &scene : nullptr};
+          InstanceMotions::areNeeded(scene, layout) ? &scene : nullptr};
 }
 
 TraceAccount traceShot(const ShotSetup& setup, const Shot& shot, Hits& hits) {
@@ -53,7 +53,7 @@ TraceAccount runShot(const ShotSetup& setup, const Shot& shot, ShotBuffers& buff
 }
 
 void senseShot(const ShotSetup& setup, const Shot& shot, const Hits& hits, Returns& returns, Scan& scan) {
-  std::optional<ThingMotions> motions;
+  std::optional<InstanceMotions> motions;
   if (setup.moving != nullptr) motions.emplace(*setup.moving, shot);
   Receiver receiver = setup.receiver;
   receiver.motions = motions ? &*motions : nullptr;

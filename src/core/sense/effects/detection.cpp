@@ -96,7 +96,7 @@ class Detection : public Effect {
       std::vector<float> noise;
       if (o_.sun) noise = noiseInDaylight(hits, returns);
       findInNoise(shot, noise, returns, measured);
-      returns.noteFaint(measured, static_cast<float>(o_.threshold * o_.noise));
+      returns.recordFaint(measured, static_cast<float>(o_.threshold * o_.noise));
       addFalsePositives(hits, shot, returns, measured);
       if (o_.interference > 0) addInterference(hits, shot, returns, measured);
     }

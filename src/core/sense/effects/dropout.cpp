@@ -35,7 +35,7 @@ class DropOut : public Effect {
   void apply(const Hits& hits, const Shot& shot, std::span<const Material>, Returns& returns) const override {
     if (rings_ > 0) {
       loseRings(shot, returns);
-      returns.noteLost(Reason::Dropped);
+      returns.recordLost(Reason::Dropped);
     }
     change(hits, shot, returns);
   }
@@ -44,10 +44,10 @@ class DropOut : public Effect {
   SCANMILL_BEST_INSTRUCTIONS void change(const Hits& hits, const Shot& shot, Returns& returns) const {
     if (threshold_ > 0) {
       loseFaint(returns);
-      returns.noteFaint(returns.power, threshold_);
+      returns.recordFaint(returns.power, threshold_);
     }
     if (probability_ > 0) loseAtRandom(hits, shot, returns);
-    returns.noteLost(Reason::Dropped);
+    returns.recordLost(Reason::Dropped);
     if (returns.intensity.empty()) return;
     for (std::size_t row = 0; row < returns.size(); ++row) {
       returns.intensity[row] = returns.range[row] < kMiss ? returns.intensity[row] : 0.0f;

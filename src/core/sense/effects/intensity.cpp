@@ -187,62 +187,73 @@ class Intensity : public Effect {
   SCANMILL_BEST_INSTRUCTIONS void powerOf(const Hits& hits, std::span<const Material> materials,
                                           std::vector<float>& power) const {
     const std::vector<Lobes> lobes = lobesOfAll(materials, hits.glassIsClear);
-    const Returns rays;  // whose rows are the hits
-    SurfaceBuffers buffers;
+    const Returns rays;  // an empty table has one row per beam, so the rows of a batch are hits
     power.assign(hits.rays(), 0);
     forBatches(hits.range, [&](std::size_t first, std::size_t count) {
-      float* const some = power.data() + first;
-      reflect(surfacesOf(hits, rays, first, buffers), lobes, count, some);
-      for (std::size_t i = 0; i < count && !hits.weightOfRay.empty(); ++i) some[i] *= hits.weightOfRay[first + i];
-      travel(hits.range.data() + first, count, some);
-      clampPower(hits.range.data() + first, count, some);
+      float* const batch = power.data() + first;
+      const float* const range = hits.range.data() + first;
+      reflect(hits, rays, first, lobes, count, batch);
+      multiply(hits.weightOfRay, first, count, batch);
+      applyRangeLoss(range, count, batch);
+      clampPower(range, count, batch);
     });
   }
 
+  // Sets the power of all rows and the intensity that the sensor reports for it.
   SCANMILL_BEST_INSTRUCTIONS void change(const Hits& hits, const Shot& shot, std::span<const Material> materials,
                                          Returns& returns) const {
     const std::vector<Lobes> lobes = lobesOfAll(materials, hits.glassIsClear);
     returns.power.resize(returns.size());
     returns.intensity.assign(returns.size(), 0);
-    Batch<float> given;
-    Batch<float> sent;
     forBatches(returns.range, [&](std::size_t first, std::size_t count) {
-      float* const power = returns.power.data() + first;
-      const float* const range = returns.range.data() + first;
-      if (!returns.onePerBeam()) std::copy_n(power, count, given.begin());
-      if (!returns.powerOfEchoes) {
-        SurfaceBuffers buffers;
-        reflect(surfacesOf(hits, returns, first, buffers), lobes, count, power);
-      }
-      for (std::size_t i = 0; i < count && !returns.gain.empty(); ++i) power[i] *= returns.gain[first + i];
-      if (returns.powerOfEchoes) {
-        if (o_.reflectivity) sentFor(range, count, power, sent.data());
-      } else {
-        Batch<float> ranges;
-        if (o_.reflectivity) std::copy_n(power, count, sent.begin());
-        travel(valuesOfHits(returns, hits.range, first, ranges, kMiss), count, power);
-      }
-      if (!returns.onePerBeam()) takeAdded(returns, first, count, given, power, sent.data());
-      clampPower(range, count, power);
-      if (o_.reflectivity) clampPower(range, count, sent.data());
-      float* const intensity = returns.intensity.data() + first;
-      const float* value = o_.reflectivity ? sent.data() : power;
-      if (o_.floor > 0) value = aboveFloor(value, power, count, sent.data());
-      respond(value, count, intensity);
-      if (o_.noise > 0) scatter(shot, returns, first, count);
-      round(count, intensity);
+      Batch<float> reflectivity;
+      setPower(hits, lobes, first, count, returns, reflectivity.data());
+      report(shot, first, count, returns, reflectivity.data());
     });
   }
 
-  // Sets the power of rows without a hit. `given`: the power that they would have at the reference range.
-  void takeAdded(const Returns& returns, std::size_t first, std::size_t count, const Batch<float>& given, float* power,
-                 float* sent) const {
-    for (std::size_t i = 0; i < count; ++i) {
+  // Sets the received power of a batch of rows. With `model: reflectivity` also sets `reflectivity`, the power that the
+  // rows would have if they came from the reference range through clear air.
+  void setPower(const Hits& hits, const std::vector<Lobes>& lobes, std::size_t first, std::size_t count,
+                Returns& returns, float* reflectivity) const {
+    float* const power = returns.power.data() + first;
+    const float* const range = returns.range.data() + first;
+    Batch<float> powerOfAdded;  // of rows that effects have added: power as if received from the reference range
+    if (!returns.onePerBeam()) std::copy_n(power, count, powerOfAdded.begin());
+    if (returns.powerOfEchoes) {
+      multiply(returns.gain, first, count, power);
+      if (o_.reflectivity) removeRangeLoss(range, count, power, reflectivity);
+    } else {
+      reflect(hits, returns, first, lobes, count, power);
+      multiply(returns.gain, first, count, power);
+      if (o_.reflectivity) std::copy_n(power, count, reflectivity);
+      Batch<float> rangesOfHits;
+      applyRangeLoss(valuesOfHits(returns, hits.range, first, rangesOfHits, kMiss), count, power);
+    }
+    for (std::size_t i = 0; i < count && !returns.onePerBeam(); ++i) {
       if (returns.hit(first + i) != kNoHit) continue;
       const float gain = returns.gain.empty() ? 1 : returns.gain[first + i];
-      sent[i] = power[i] = given[i] * gain;
-      travel(returns.range.data() + first + i, 1, power + i);
+      reflectivity[i] = power[i] = powerOfAdded[i] * gain;
+      applyRangeLoss(range + i, 1, power + i);
     }
+    clampPower(range, count, power);
+    if (o_.reflectivity) clampPower(range, count, reflectivity);
+  }
+
+  // Sets the intensity of a batch of rows. Overwrites `reflectivity`.
+  void report(const Shot& shot, std::size_t first, std::size_t count, Returns& returns, float* reflectivity) const {
+    const float* const power = returns.power.data() + first;
+    float* const intensity = returns.intensity.data() + first;
+    const float* value = o_.reflectivity ? reflectivity : power;
+    if (o_.floor > 0) value = aboveFloor(value, power, count, reflectivity);
+    respond(value, count, intensity);
+    if (o_.noise > 0) addNoise(shot, returns, first, count);
+    round(count, intensity);
+  }
+
+  // Multiplies the power of a batch of rows by their factors; no factors stand for 1.
+  static void multiply(const std::vector<float>& factors, std::size_t first, std::size_t count, float* power) {
+    for (std::size_t i = 0; i < count && !factors.empty(); ++i) power[i] *= factors[first + i];
   }
 
   // Limits the power to finite values, and sets it to 0 if it is negative or NaN, or if the row has no return.
@@ -280,7 +291,11 @@ class Intensity : public Effect {
             from(hits.retroreflectance, 4)};
   }
 
-  void reflect(const Surfaces& s, const std::vector<Lobes>& lobes, std::size_t count, float* power) const {
+  // Sets `power` to the light that the surfaces of a batch of rows reflect back along the beam.
+  void reflect(const Hits& hits, const Returns& returns, std::size_t first, const std::vector<Lobes>& lobes,
+               std::size_t count, float* power) const {
+    SurfaceBuffers buffers;
+    const Surfaces s = surfacesOf(hits, returns, first, buffers);
     if (s.roughness != nullptr) {
       for (std::size_t i = 0; i < count; ++i) {
         const Lobes lobe = lobesOf(s.roughness[i], s.metallic[i], s.retro[i], o_.orenNayar);
@@ -290,7 +305,7 @@ class Intensity : public Effect {
     }
     const Lobes* const table = lobes.data();
     const std::uint32_t last = static_cast<std::uint32_t>(lobes.size() - 1);
-    const auto lobesOf = [&](std::size_t i) { return table[std::min<std::uint32_t>(s.material[i], last)]; };
+    const auto lobesOfRow = [&](std::size_t i) { return table[std::min<std::uint32_t>(s.material[i], last)]; };
     // Neighbouring rays often hit the same material. The loop over such a group is vectorised.
     constexpr std::size_t kGroup = 16;
     std::size_t i = 0;
@@ -298,25 +313,26 @@ class Intensity : public Effect {
       std::uint32_t different = 0;
       for (std::size_t k = 0; k < kGroup; ++k) different |= s.material[i + k] ^ s.material[i];
       std::array<float, kGroup> group;
-      const Lobes lobe = lobesOf(i);
+      const Lobes lobe = lobesOfRow(i);
       for (std::size_t k = 0; k < kGroup; ++k) group[k] = reflected(lobe, s.incidence[i + k], s.reflectance[i + k]);
       for (std::size_t k = 0; k < kGroup && different != 0; ++k) {
-        group[k] = reflected(lobesOf(i + k), s.incidence[i + k], s.reflectance[i + k]);
+        group[k] = reflected(lobesOfRow(i + k), s.incidence[i + k], s.reflectance[i + k]);
       }
       std::copy_n(group.begin(), kGroup, power + i);
     }
-    for (; i < count; ++i) power[i] = reflected(lobesOf(i), s.incidence[i], s.reflectance[i]);
+    for (; i < count; ++i) power[i] = reflected(lobesOfRow(i), s.incidence[i], s.reflectance[i]);
   }
 
   // Computes the power that the echoes would have if they came from the reference range through clear air.
-  void sentFor(const float* range, std::size_t count, const float* power, float* sent) const {
-    Batch<float> lost;
-    lost.fill(1);
-    travel(range, count, lost.data());
-    for (std::size_t i = 0; i < count; ++i) sent[i] = lost[i] > 0 ? power[i] / lost[i] : power[i];
+  void removeRangeLoss(const float* range, std::size_t count, const float* power, float* reflectivity) const {
+    Batch<float> loss;
+    loss.fill(1);
+    applyRangeLoss(range, count, loss.data());
+    for (std::size_t i = 0; i < count; ++i) reflectivity[i] = loss[i] > 0 ? power[i] / loss[i] : power[i];
   }
 
-  void travel(const float* range, std::size_t count, float* power) const {
+  // Multiplies power as from the reference range through clear air by the factors of the range and of the air.
+  void applyRangeLoss(const float* range, std::size_t count, float* power) const {
     if (o_.inverseSquare) {
       for (std::size_t i = 0; i < count; ++i) {
         const float ratio = o_.referenceRange / (range[i] > o_.nearRange ? range[i] : o_.nearRange);
@@ -387,15 +403,15 @@ class Intensity : public Effect {
   }
 
   // Adds the noise to intensities above 0.
-  void scatter(const Shot& shot, Returns& returns, std::size_t first, std::size_t count) const {
+  void addNoise(const Shot& shot, Returns& returns, std::size_t first, std::size_t count) const {
     RandomWords words;
     drawWords(shot, Purpose::IntensityNoise, returns, first, words);
     const double sigma = o_.noise * intensityFullScale();
     float* const intensity = returns.intensity.data() + first;
     for (std::size_t i = 0; i < count; ++i) {
       const double noisy = intensity[i] + sigma * normalPair(words.a[i], words.b[i]).first;
-      const double least = noisy > 0 ? noisy : 0;
-      intensity[i] = intensity[i] > 0 ? static_cast<float>(least) : 0.0f;
+      const double notNegative = noisy > 0 ? noisy : 0;
+      intensity[i] = intensity[i] > 0 ? static_cast<float>(notNegative) : 0.0f;
     }
   }
 

@@ -122,7 +122,7 @@ class DropTable {
 
   // Returns the diameter (mm) of the smallest drop that is bright enough at a range (m).
   double leastDiameter(double range) const {
-    const double way = reception_.falloff.way(range);
+    const double way = reception_.falloff.amplitudeLoss(range);
     const double area = litArea(beams_, range);
     return std::sqrt(reception_.least * area * way * way * exponential(2 * weather_.extinction * range) /
                      weather_.dropEcho);
@@ -199,12 +199,12 @@ class WeatherEffect : public Effect {
 
  private:
   void extinguish(Returns& returns) const {
-    if (returns.tellsReasons()) returns.air.resize(returns.size(), 1.0f);
+    if (returns.recordsReasons()) returns.air.resize(returns.size(), 1.0f);
     for (std::size_t row = 0; row < returns.size(); ++row) {
       if (!returns.returned(row)) continue;
       const auto left = static_cast<float>(exponential(-2 * o_.weather.extinction * returns.range[row]));
       returns.gain[row] *= left;
-      if (returns.tellsReasons()) returns.air[row] *= left;
+      if (returns.recordsReasons()) returns.air[row] *= left;
     }
   }
 
@@ -295,7 +295,7 @@ class WeatherEffect : public Effect {
 
   Particle particleAt(double range, double echo, const Falloff& falloff) const {
     const double kept = echo * exponential(-2 * o_.weather.extinction * range);
-    const double way = falloff.way(range);
+    const double way = falloff.amplitudeLoss(range);
     const auto strength = static_cast<float>(kept / (way * way));
     return {static_cast<float>(range), static_cast<float>(kept), strength, strength};
   }

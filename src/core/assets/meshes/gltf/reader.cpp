@@ -351,7 +351,7 @@ Asset readAsset(const std::filesystem::path& file, const std::filesystem::path& 
   }
   LeftOut leftOut;
   Asset asset = Reader(std::move(model), frame, options).read(leftOut);
-  leftOut.tell(name.string());
+  leftOut.warn(name.string());
   return asset;
 }
 

@@ -40,7 +40,7 @@ class ObjMesh : public AssetFiles {
   // Returns what reading the text warns of.
   std::string told(const std::string& text) {
     const auto file = write(fmt::format("told_{}.obj", ++files_), text);
-    return printedBy([&] { readObjMesh(file, {}).leftOut.tell(file.string()); });
+    return printedBy([&] { readObjMesh(file, {}).leftOut.warn(file.string()); });
   }
 
  private:
