@@ -30,7 +30,7 @@ class GlMarcher {
   explicit GlMarcher(const GlMarcherLimits& limits = {});
 
   // Launches the particles of a shot, marches them and fills the channels that `hits` has with the results of resolve()
-  // (methods/particle/resolve.h), all on the device and with the same bits as on the CPU. Adds the rays
+  // (methods/particle/particles.h), all on the device and with the same bits as on the CPU. Adds the rays
   // that end as neither hit nor miss, or that are left to the CPU, to `undecided`, ascending. While one thread
   // waits for the device or copies its results, other threads may submit work; waiting shots in the same field are
   // dispatched together. Adds to the stages "upload" (of field and scene), "march" (submitting the work and waiting for

@@ -1,8 +1,8 @@
-#include "methods/particle/launch.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+
+#include "methods/particle/particles.h"
 
 namespace scanmill {
 

@@ -13,8 +13,8 @@
 #error "Highway knows no lanes of this processor: for x86 without SSSE3 it takes g++ 12.3 or later"
 #endif
 
-#include "methods/particle/march.h"
 #include "methods/particle/march_stream.h"
+#include "methods/particle/particles.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace scanmill::HWY_NAMESPACE {

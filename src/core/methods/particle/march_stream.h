@@ -19,8 +19,8 @@
 #include <span>
 
 #include "methods/field/march_rule.h"
-#include "methods/particle/march.h"
 #include "methods/particle/march_triangles.h"
+#include "methods/particle/particles.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace scanmill::HWY_NAMESPACE {

@@ -1,8 +1,8 @@
 // The particle method (LiDAR-GEIL): one particle per beam, sphere-traced through a distance field.
 //
 // The field is built around the sensor and moves with it (distance_field.h). Particles march in float32, on the
-// CPU or in a compute shader, with the same steps (march.h). Their hits are resolved in double precision from the
-// triangles that the field stores, so that labels and normals need no further tracing (resolve.h).
+// CPU or in a compute shader, with the same steps (particles.h). Their hits are resolved in double precision from the
+// triangles that the field stores, so that labels and normals need no further tracing.
 
 #include "methods/particle/particle.h"
 
@@ -24,10 +24,8 @@
 #include "methods/gpu/device_resolver.h"
 #include "methods/gpu/gl_marcher.h"
 #include "methods/particle/field_store.h"
-#include "methods/particle/launch.h"
-#include "methods/particle/march.h"
 #include "methods/particle/options.h"
-#include "methods/particle/resolve.h"
+#include "methods/particle/particles.h"
 
 namespace scanmill {
 

@@ -1,5 +1,3 @@
-#include "methods/particle/resolve.h"
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -7,7 +5,7 @@
 #include <utility>
 
 #include "methods/field/march_rule.h"
-#include "methods/particle/launch.h"
+#include "methods/particle/particles.h"
 
 namespace scanmill {
 

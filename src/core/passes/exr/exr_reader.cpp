@@ -20,6 +20,7 @@
 #include <iterator>
 #include <optional>
 #include <stdexcept>
+#include <tuple>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -157,7 +158,7 @@ std::string windowText(const Imath::Box2i& box) {
 }
 
 // Returns width and height of a box in pixels, or throws InputError. The corners of the box may be any 32-bit integers.
-std::array<std::uint32_t, 2> sizeOf(const std::string& name, const Imath::Box2i& box) {
+std::pair<std::uint32_t, std::uint32_t> sizeOf(const std::string& name, const Imath::Box2i& box) {
   const std::int64_t width = std::int64_t{box.max.x} - box.min.x + 1;
   const std::int64_t height = std::int64_t{box.max.y} - box.min.y + 1;
   if (width < 1 || height < 1 || width > kMostAcross || height > kMostAcross ||
@@ -242,6 +243,32 @@ void guarded(const std::string& name, Work&& work) {
   }
 }
 
+// Throws InputError if a part's image is cropped or, for a part after the first, has another size than `before`.
+void requireWindow(const std::string& name, const Imf::Header& header, const std::optional<Imath::Box2i>& before) {
+  const Imath::Box2i& data = header.dataWindow();
+  if (data != header.displayWindow()) {
+    throw InputError({name}, fmt::format("its data window {} is not its display window {}: render the whole image, "
+                                         "without crop or overscan",
+                                         windowText(data), windowText(header.displayWindow())));
+  }
+  if (before && data != *before) {
+    throw InputError({name}, fmt::format("its parts differ in size, {} and {}: write all passes of a camera with the "
+                                         "same size",
+                                         windowText(*before), windowText(data)));
+  }
+}
+
+// Returns the number of rows of a part's tiles, 1 for scan lines. Throws InputError if the tiles are too large.
+std::uint32_t rowsDecodedTogether(const std::string& name, const Imf::Header& header) {
+  if (!header.hasTileDescription()) return 1;
+  const Imf::TileDescription& tile = header.tileDescription();
+  if (std::uint64_t{tile.xSize} * tile.ySize > kMostTilePixels) {
+    throw InputError(
+        {name}, fmt::format("its tiles of {} x {} pixels are too large: write scan lines", tile.xSize, tile.ySize));
+  }
+  return tile.ySize;
+}
+
 }  // namespace
 
 ExrReader::ExrReader(const std::filesystem::path& path) : name_(path.string()), bytes_(readFile(path)) {
@@ -256,30 +283,10 @@ ExrReader::ExrReader(const std::filesystem::path& path) : name_(path.string()), 
       if (header.hasType() && Imf::isDeepData(header.type())) continue;
       requireLossless(name_, header.compression());
       const Imath::Box2i& data = header.dataWindow();
-      const auto [width, height] = sizeOf(name_, data);
-      if (data != header.displayWindow()) {
-        throw InputError({name_},
-                         fmt::format("its data window {} is not its display window {}: render the whole image, "
-                                     "without crop or overscan",
-                                     windowText(data), windowText(header.displayWindow())));
-      }
-      if (window && data != *window) {
-        throw InputError({name_},
-                         fmt::format("its parts differ in size, {} and {}: write all passes of a camera with the "
-                                     "same size",
-                                     windowText(*window), windowText(data)));
-      }
+      std::tie(width_, height_) = sizeOf(name_, data);
+      requireWindow(name_, header, window);
       window = data;
-      width_ = width;
-      height_ = height;
-      if (header.hasTileDescription()) {
-        const Imf::TileDescription& tile = header.tileDescription();
-        if (std::uint64_t{tile.xSize} * tile.ySize > kMostTilePixels) {
-          throw InputError({name_}, fmt::format("its tiles of {} x {} pixels are too large: write scan lines",
-                                                tile.xSize, tile.ySize));
-        }
-        bandRows_ = std::max(bandRows_, tile.ySize);
-      }
+      bandRows_ = std::max(bandRows_, rowsDecodedTogether(name_, header));
       for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
         const std::string prefix = file.parts() > 1 && header.hasName() ? header.name() + "." : "";
         channels_.push_back({prefix + channel.name(), typeOf(channel.channel().type), part, channel.name()});

@@ -57,6 +57,41 @@ int distanceStep(double distance) {
   return static_cast<int>(4 * std::log2(1 + distance));
 }
 
+// A linear map of mesh points to the camera's axes (m): `rows` has the rows of its matrix as columns.
+struct CameraFromMesh {
+  Mat3 rows;
+  Vec3d translation;
+
+  // Returns x, y and z times the camera's axes as a half-space of the mesh.
+  HalfSpace combine(double x, double y, double z) const {
+    return {rows.x * x + rows.y * y + rows.z * z, x * translation.x + y * translation.y + z * translation.z};
+  }
+};
+
+// Returns what the camera sees between the limits: left, right, upper, lower, near and far.
+std::array<HalfSpace, 6> viewVolume(const CameraFromMesh& map, const Camera& camera, const DrawLimits& limits) {
+  return {map.combine(camera.fx, 0, camera.cx),
+          map.combine(-camera.fx, 0, camera.width - camera.cx),
+          map.combine(0, camera.fy, camera.cy),
+          map.combine(0, -camera.fy, camera.height - camera.cy),
+          HalfSpace{map.rows.z, map.translation.z - limits.nearest},
+          HalfSpace{-map.rows.z, limits.farthest - map.translation.z}};
+}
+
+// Returns the placement of a mesh whose points the map takes to clip coordinates x, y and depth.
+VtkPlacement placementOf(const CameraFromMesh& map, const Camera& camera) {
+  const HalfSpace clip[3] = {map.combine(2 * camera.fx / camera.width, 0, 2 * camera.cx / camera.width - 1),
+                             map.combine(0, 2 * camera.fy / camera.height, 2 * camera.cy / camera.height - 1),
+                             map.combine(0, 0, 1)};
+  VtkPlacement placement{};
+  for (std::size_t row = 0; row < 3; ++row) {
+    const auto& [normal, offset] = clip[row];
+    const std::array<double, 4> values{normal.x, normal.y, normal.z, offset};
+    for (std::size_t k = 0; k < 4; ++k) placement.rows[row][k] = static_cast<float>(values[k]);
+  }
+  return placement;
+}
+
 // Returns a lower bound of the distance (m) from the camera to a box: the distance to an enclosing box that is aligned
 // with the camera's axes.
 double leastDistance(const Mat3& linear, const Vec3d& translation, const Vec3f& low, const Vec3f& high) {
@@ -96,20 +131,10 @@ void DrawnView::addFrame(std::uint32_t index, std::vector<Candidate>& solid, std
   const Vec3d offset = worldFromMesh.translation - camera_.worldFromCamera.translation;
   const Mat3 linear = cameraFromWorld_ * worldFromMesh.linear;
   const Vec3d translation = cameraFromWorld_ * offset + linear * mesh.origin;
-  const Mat3 rows = transposed(linear);  // its columns are the rows of `linear`
-  const auto combine = [&](double x, double y, double z) {
-    return HalfSpace{rows.x * x + rows.y * y + rows.z * z, x * translation.x + y * translation.y + z * translation.z};
-  };
-  const std::array<HalfSpace, 6> spaces{
-      combine(camera_.fx, 0, camera_.cx),
-      combine(-camera_.fx, 0, camera_.width - camera_.cx),
-      combine(0, camera_.fy, camera_.cy),
-      combine(0, -camera_.fy, camera_.height - camera_.cy),
-      HalfSpace{rows.z, translation.z - limits_.nearest},
-      HalfSpace{-rows.z, limits_.farthest - translation.z},
-  };
-  const Side whole = sideOf(spaces, mesh.low, mesh.high);
-  if (whole == Side::Outside) return;
+  const CameraFromMesh map{transposed(linear), translation};
+  const std::array<HalfSpace, 6> volume = viewVolume(map, camera_, limits_);
+  const Side side = sideOf(volume, mesh.low, mesh.high);
+  if (side == Side::Outside) return;
 
   const Mat3 meshFromWorld = inverse(worldFromMesh.linear);
   const Vec3d cameraInMesh = -(meshFromWorld * offset);
@@ -120,31 +145,20 @@ void DrawnView::addFrame(std::uint32_t index, std::vector<Candidate>& solid, std
   };
   if (beyond(mesh.low, mesh.high)) return;
   const auto frame = static_cast<std::uint32_t>(frames_.size());
-  const auto look = [&](const ViewBatch& batch, const ChunkRange& range, std::vector<Candidate>& candidates) {
+  const auto addVisible = [&](const ViewBatch& batch, const ChunkRange& range, std::vector<Candidate>& candidates) {
     for (std::uint32_t c = range.first; c < range.end; ++c) {
       const ViewChunk& chunk = batch.chunks[c];
-      if (whole == Side::Across && sideOf(spaces, chunk.low, chunk.high) == Side::Outside) continue;
+      if (side == Side::Across && sideOf(volume, chunk.low, chunk.high) == Side::Outside) continue;
       if (beyond(chunk.low, chunk.high)) continue;
       candidates.push_back({distanceStep(scale * distanceTo(chunk.low, chunk.high, eye)), c, frame});
     }
   };
-  look(geometry_.solid, mesh.solid, solid);
-  look(geometry_.cut, mesh.cut, cut);
+  addVisible(geometry_.solid, mesh.solid, solid);
+  addVisible(geometry_.cut, mesh.cut, cut);
 
-  frames_.push_back({index, meshFromWorld * transposed(cameraFromWorld_), cameraInMesh, rows.z,
-                     translation.z - dot(rows.z, mesh.origin)});
-  VtkPlacement placement{};
-  const HalfSpace clip[3] = {combine(2 * camera_.fx / camera_.width, 0, 2 * camera_.cx / camera_.width - 1),
-                             combine(0, 2 * camera_.fy / camera_.height, 2 * camera_.cy / camera_.height - 1),
-                             combine(0, 0, 1)};
-  for (std::size_t row = 0; row < 3; ++row) {
-    const HalfSpace& s = clip[row];
-    placement.rows[row][0] = static_cast<float>(s.normal.x);
-    placement.rows[row][1] = static_cast<float>(s.normal.y);
-    placement.rows[row][2] = static_cast<float>(s.normal.z);
-    placement.rows[row][3] = static_cast<float>(s.offset);
-  }
-  rowsOfFrame_.push_back(placement);
+  frames_.push_back({index, meshFromWorld * transposed(cameraFromWorld_), cameraInMesh, map.rows.z,
+                     translation.z - dot(map.rows.z, mesh.origin)});
+  rowsOfFrame_.push_back(placementOf(map, camera_));
 }
 
 // Turns the visible chunks into draw calls. Near chunks are drawn first, so that they hide farther ones. Instances of

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "methods/gpu/device_march.h"
-#include "methods/particle/march.h"
+#include "methods/particle/particles.h"
 #include "tests/support/gl.h"
 
 namespace scanmill {

@@ -6,7 +6,7 @@
 #include "methods/field/build.h"
 #include "methods/field/distance_field.h"
 #include "methods/gpu/gl_marcher.h"
-#include "methods/particle/march.h"
+#include "methods/particle/particles.h"
 #include "methods/particle/options.h"
 #include "methods/world/world.h"
 #include "tests/core/methods/gpu/gl_march.h"

@@ -14,8 +14,8 @@
 #include "methods/field/build.h"
 #include "methods/field/distance_field.h"
 #include "methods/field/facet.h"
-#include "methods/particle/march.h"
 #include "methods/particle/options.h"
+#include "methods/particle/particles.h"
 #include "methods/world/world.h"
 
 namespace scanmill {

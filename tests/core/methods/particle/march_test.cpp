@@ -1,11 +1,10 @@
-#include "methods/particle/march.h"
-
 #include <hwy/targets.h>
 
 #include <memory>
 #include <numeric>
 
 #include "methods/field/build.h"
+#include "methods/particle/particles.h"
 #include "tests/core/methods/particle/fields.h"
 #include "tests/support/test_scene.h"
 

@@ -6,7 +6,7 @@
 
 #include "base/random.h"
 #include "config/value.h"
-#include "methods/particle/march.h"
+#include "methods/particle/particles.h"
 #include "tests/core/methods/particle/fields.h"
 #include "tests/support/message_of.h"
 

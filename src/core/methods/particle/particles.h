@@ -1,0 +1,81 @@
+#pragma once
+
+// How a beam becomes a hit, in five steps: launch() makes Particles, marchCpu() marches them, their ends are
+// HitRecords, and resolve() turns these into Hits. A device does the same by the shaders launch.glsl, march_*.glsl and
+// resolve_*.glsl in methods/gpu/shaders.
+//
+// The march is sphere tracing (Hart 1996): particles march from the sensor through a distance field. The length of each
+// step is the distance around the particle that the field says is free. A particle ends where it hits a surface, at the
+// end of its path, or after its largest number of steps. The SIMD lanes of the CPU (march_stream.h) and the shaders use
+// float32 and only additions, multiplications, comparisons and conversions, in the same order and without contraction
+// to fused operations. Both therefore take the same steps, bit by bit, on any CPU or GPU that follows IEEE 754.
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "methods/field/march_job.h"
+#include "methods/field/march_rule.h"
+#include "methods/world/resolve.h"
+#include "scan/hits.h"
+
+namespace scanmill {
+
+// Particles before they march, as a structure of arrays in the field frame: lengths are in voxels of level 0.
+struct Particles {
+  using Vectors = std::array<std::vector<float>, 3>;  // an array each of the components x, y and z
+  Vectors origin;                                     // relative to the field's centre
+  Vectors direction;                                  // unit vectors, world axes
+  std::vector<float> begin, end;                      // limits of the marched section of the line; begin >= end: a miss
+  // The following arrays are empty if the field has no lists.
+  Vectors worldOrigin;  // m, the line's origin relative to the world's origin
+  Vectors inverse;      // 1 / direction; a component with an absolute value below 1e-12 counts as 1e-12
+
+  std::size_t size() const { return begin.size(); }
+  void resize(std::size_t count, bool lists);
+};
+
+// Sets `particles` to kPacket particles for each tile, in the order of the tiles. In a tile with fewer beams, the
+// surplus particles are misses.
+void launch(const MarchJob& job, std::span<const Tile> tiles, Particles& particles);
+
+// The results of particles, in the order of the particles.
+struct HitRecords {
+  std::vector<float> travelled;         // distance from the particle's origin (field frame); set only for hits
+  std::vector<std::uint32_t> triangle;  // index in World::baked; set only for hits
+  std::vector<std::uint32_t> outcome;   // Outcome + 4 * number of steps
+
+  std::size_t size() const { return travelled.size(); }
+  void reset(std::size_t count);  // resets all records to zero steps
+  Outcome outcomeOf(std::size_t i) const { return static_cast<Outcome>(outcome[i] & 3u); }
+  std::uint32_t stepsOf(std::size_t i) const { return outcome[i] >> 2; }
+};
+
+// Marches the particles with the indices `which` on the calling thread, as many at a time as the CPU has vector lanes.
+// Each particle takes at most `steps` steps, including the steps that its record already has. Alpha is ignored: every
+// triangle is solid.
+void marchCpu(const DistanceField& field, const TriangleBlock& triangles, std::uint32_t steps,
+              const Particles& particles, std::span<const std::uint32_t> which, HitRecords& records);
+
+// The sections of beams that are inside of the job's box (m along the beams).
+struct Sections {
+  alignas(64) Lane begin, end;
+};
+Sections sectionsInsideBox(const MarchJob& job, const Rays& rays);
+
+// Numbers of beams that are neither hit nor miss, or whose hit is unreliable.
+struct UnreliableBeams {
+  std::uint64_t exhausted = 0;  // beams whose particles used up all their steps
+  std::uint64_t leftField = 0;  // beams whose particles left the field, which does not cover the complete scene
+  std::uint64_t touching = 0;   // beams whose particles started so near to a surface that they hit it at once
+  UnreliableBeams& operator+=(const UnreliableBeams& o);
+};
+
+// Turns the records of launched particles that have marched into hits: lets particles continue through transparent
+// triangles (in fields with lists), fills the channels that `hits` has, and appends the beams that are neither hits nor
+// misses to `unresolved`. `particles` and `records`: kPacket for each tile, in the order of the tiles.
+UnreliableBeams resolve(const MarchJob& job, const std::vector<CompactMaterial>& materials, std::span<const Tile> tiles,
+                        Particles& particles, HitRecords& records, Hits& hits, std::vector<std::uint32_t>& unresolved);
+
+}  // namespace scanmill
