@@ -14,7 +14,6 @@
 #include "dataset/recording.h"
 #include "dataset/scan_store.h"
 #include "viewer/frames/frame_source.h"
-#include "viewer/pass_picture.h"
 #include "viewer/picture.h"
 #include "viewer/window/scene_view.h"
 #include "viewer/window/session.h"

@@ -1,5 +1,3 @@
-#include "viewer/pass_picture.h"
-
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
@@ -18,6 +16,7 @@
 #include "viewer/coloring.h"
 #include "viewer/panels/panel_rects.h"
 #include "viewer/panels/widgets.h"
+#include "viewer/picture.h"
 
 namespace scanmill {
 

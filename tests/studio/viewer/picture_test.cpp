@@ -11,7 +11,6 @@
 #include "viewer/color_map.h"
 #include "viewer/panels/panel_rects.h"
 #include "viewer/panels/widgets.h"
-#include "viewer/pass_picture.h"
 
 namespace scanmill {
 namespace {

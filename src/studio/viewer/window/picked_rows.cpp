@@ -1,11 +1,10 @@
-#include "viewer/window/picked_rows.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <optional>
 
 #include "base/short_text.h"
+#include "viewer/window/picking.h"
 
 namespace scanmill {
 

@@ -1,14 +1,20 @@
 #pragma once
 
-// Finds the point under the pointer.
+// Finds the point under the pointer, and describes points and triangles in text.
 
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "base/vec.h"
+#include "viewer/frames/frame_source.h"
+#include "viewer/frames/view_mesh.h"
 #include "viewer/view_camera.h"
+#include "viewer/window/session_context.h"
 
 namespace scanmill {
 
@@ -38,5 +44,37 @@ struct SightLine {
   Vec3d direction;
 };
 SightLine sightLine(const ViewCamera& camera, double x, double y);
+
+constexpr std::size_t kNoScan = SIZE_MAX;
+
+// A point, or a triangle of a scene, that is under the pointer or was clicked, described for the user.
+struct PickedThing {
+  std::string heading;  // class and instance id, such as "car 4711"
+  std::vector<std::pair<std::string, std::string>> rows;
+  std::vector<std::pair<std::string, std::string>> brief;  // rows of the tooltip beside the pointer
+  std::string alarm;                                       // name of the row that is shown as a warning; empty: none
+  std::size_t scan = 0;                                    // index of the scan in the frame; kNoScan: a triangle
+  std::size_t point = 0;                                   // index of the point in the scan or the triangle in the mesh
+  Vec3d place;                                             // position (m, canvas frame)
+};
+
+// Describes a point: all its columns with their units, its class and its beam. Does not set PickedThing::place.
+PickedThing describePoint(const ViewScan& scan, std::size_t scanIndex, std::size_t point, const Ontology* ontology);
+
+// Adds the rows that are shown while the pointer is over the point: range, ring and column, and `shown`, the quantity
+// that colours show.
+void addBrief(PickedThing& thing, const ViewScan& viewed, const ColorBy& shown);
+
+// Adds the instance's number of points in the scan, its size, and its classes if it has several.
+void addInstance(PickedThing& thing, const InstanceSummary& summary, const Ontology* ontology);
+
+// Adds a row about the point in `other` with the same beam and return number, if both scans assign points to beams and
+// have the same numbers of rings and columns.
+void addSameBeam(PickedThing& thing, const Scan& own, const ViewScan& other, const Ontology* ontology);
+
+// Returns the scan's name together with its dataset, sensor and method, as far as these are known.
+std::string fullName(const ViewScan& scan, const std::string& dataset);
+
+PickedThing describeTriangle(const ViewMesh& mesh, std::size_t triangle, const Vec3d& worldPlace);
 
 }  // namespace scanmill

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "viewer/color_map.h"
-#include "viewer/window/picked_rows.h"
+#include "viewer/window/picking.h"
 
 namespace scanmill {
 

@@ -11,7 +11,7 @@
 #include "config/text.h"
 #include "exports/class_map.h"
 #include "viewer/color_map.h"
-#include "viewer/window/picked_rows.h"
+#include "viewer/window/picking.h"
 #include "viewer/window/scene_view.h"
 #include "viewer/window/session_context.h"
 

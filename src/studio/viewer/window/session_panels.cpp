@@ -11,7 +11,7 @@
 #include "viewer/color_map.h"
 #include "viewer/coloring.h"
 #include "viewer/picture.h"
-#include "viewer/window/picked_rows.h"
+#include "viewer/window/picking.h"
 #include "viewer/window/session.h"
 
 namespace scanmill {

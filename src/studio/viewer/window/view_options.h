@@ -1,6 +1,6 @@
 #pragma once
 
-// The user's choices for the viewer, and the description of what is under the pointer.
+// The user's choices for the viewer.
 
 #include <array>
 #include <cstddef>
@@ -52,19 +52,6 @@ struct ViewOptions {
   bool only = false;
   std::vector<std::uint32_t> instances{};  // ids of the only instances that are shown; empty: all are shown
   std::optional<CloseUp> closeUp{};        // only points in this ball are shown, and the camera looks at it
-};
-
-constexpr std::size_t kNoScan = SIZE_MAX;
-
-// A point, or a triangle of a scene, that is under the pointer or was clicked, described for the user.
-struct PickedThing {
-  std::string heading;  // class and instance id, such as "car 4711"
-  std::vector<std::pair<std::string, std::string>> rows;
-  std::vector<std::pair<std::string, std::string>> brief;  // rows of the tooltip beside the pointer
-  std::string alarm;                                       // name of the row that is shown as a warning; empty: none
-  std::size_t scan = 0;                                    // index of the scan in the frame; kNoScan: a triangle
-  std::size_t point = 0;                                   // index of the point in the scan or the triangle in the mesh
-  Vec3d place;                                             // position (m, canvas frame)
 };
 
 }  // namespace scanmill

@@ -7,7 +7,6 @@
 #include "tests/core/sense/several_returns.h"
 #include "tests/studio/viewer/window/session_world.h"
 #include "viewer/window/orbit_camera.h"
-#include "viewer/window/picked_rows.h"
 
 namespace scanmill {
 namespace {

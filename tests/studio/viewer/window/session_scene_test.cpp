@@ -11,7 +11,7 @@
 #include "viewer/frames/view_mesh.h"
 #include "viewer/image.h"
 #include "viewer/window/canvas_items.h"
-#include "viewer/window/picked_rows.h"
+#include "viewer/window/picking.h"
 #include "viewer/window/scene_view.h"
 
 namespace scanmill {
