@@ -16,14 +16,25 @@ struct Between {
 
   double of(Draw& draw) const { return draw.in(low, high); }
   // Returns a random integer from `low` to `high`, both included.
-  int wholeOf(Draw& draw) const { return static_cast<int>(low) + draw.below(static_cast<int>(high - low) + 1); }
+  int integerOf(Draw& draw) const { return static_cast<int>(low) + draw.below(static_cast<int>(high - low) + 1); }
 };
 
-// The names of the kinds, in the order of District.
-constexpr std::array<std::string_view, 9> kNames{"rural",    "suburban",   "dense",    "boulevard", "old_town",
-                                                 "arterial", "commercial", "motorway", "street"};
+// The kinds of places. The seed selects one of them, but never Street.
+enum class District { Rural, Suburban, Dense, Boulevard, OldTown, Arterial, Commercial, Motorway, Street };
 
-using OfKinds = std::array<Between, kNames.size()>;  // by District
+constexpr std::array<DistrictTraits, 9> kDistricts{{
+    {.name = "rural", .country = true, .farmland = true},
+    {.name = "suburban"},
+    {.name = "dense", .terraced = true},
+    {.name = "boulevard", .terraced = true},
+    {.name = "old_town", .terraced = true, .cobbled = true},
+    {.name = "arterial"},
+    {.name = "commercial", .commercial = true},
+    {.name = "motorway", .country = true, .motorway = true},
+    {.name = "street", .plain = true},
+}};  // by District
+
+using OfKinds = std::array<Between, kDistricts.size()>;  // by District
 
 // Widths and speeds are those of the German guidelines for urban roads (RASt 06), rural roads (RAL) and motorways
 // (RAA): lanes of 2.75 to 3.75 m, wider where there is no parking lane, pavements of at least 2.5 m, shoulders of 2.5
@@ -75,10 +86,11 @@ constexpr std::array<District, 16> kOrder{
     District::Motorway,   District::Suburban, District::OldTown,    District::Arterial,
     District::Suburban,   District::Rural,    District::Commercial, District::Dense};
 
-District districtOf(const Parameters& p, std::uint64_t seed) {
-  const auto* const named = std::find(kNames.begin(), kNames.end(), p.district);
-  if (named == kNames.end()) return kOrder[(seed + kOrder.size() - 1) % kOrder.size()];
-  return static_cast<District>(named - kNames.begin());
+// Returns the index of the kind in kDistricts.
+std::size_t districtOf(const Parameters& p, std::uint64_t seed) {
+  const auto* const named = std::ranges::find(kDistricts, p.district, &DistrictTraits::name);
+  if (named != kDistricts.end()) return static_cast<std::size_t>(named - kDistricts.begin());
+  return static_cast<std::size_t>(kOrder[(seed + kOrder.size() - 1) % kOrder.size()]);
 }
 
 }  // namespace
@@ -86,7 +98,7 @@ District districtOf(const Parameters& p, std::uint64_t seed) {
 Parameters readParameters(Fields& fields) {
   Parameters p;
   std::vector<std::string> districts{"any"};
-  districts.insert(districts.end(), kNames.begin(), kNames.end());
+  for (const DistrictTraits& district : kDistricts) districts.emplace_back(district.name);
   p.district = fields.choice("district", districts, p.district);
   p.season = fields.choice("season", {"any", "summer", "autumn", "winter"}, p.season);
   if (const auto map = fields.optionalPath("map")) p.map = *map;
@@ -106,14 +118,11 @@ Parameters readParameters(Fields& fields) {
   return p;
 }
 
-Character::Character(const Parameters& p, std::uint64_t seed) {
+// The random stream draws the properties in the order of the code.
+Character::Character(const Parameters& p, std::uint64_t seed) : DistrictTraits(kDistricts[districtOf(p, seed)]) {
   Draw draw(seed, Kind::Town);
-  district = districtOf(p, seed);
-  country = district == District::Rural || district == District::Motorway;
-  terraced = district == District::Dense || district == District::Boulevard || district == District::OldTown;
-  plain = district == District::Street;
-  const auto of = [&](const OfKinds& property) { return property[static_cast<std::size_t>(district)]; };
-  main.lanes = of(property::kLanes).wholeOf(draw);
+  const auto of = [district = districtOf(p, seed)](const OfKinds& property) { return property[district]; };
+  main.lanes = of(property::kLanes).integerOf(draw);
   main.shoulder = of(property::kShoulder).low;
   main.median = of(property::kMedian).of(draw);
   main.parking = draw.chance(of(property::kBays).low) ? draw.in(1.9, 2.4) : 0;
@@ -131,7 +140,7 @@ Character::Character(const Parameters& p, std::uint64_t seed) {
   side.half = std::min(of(property::kLane).of(draw), 3.6) + side.parking;
   side.verge *= draw.in(0, 1);
   side.sidewalk *= draw.in(0.7, 1.0);
-  sideRoads = of(property::kSideRoads).wholeOf(draw);
+  sideRoads = of(property::kSideRoads).integerOf(draw);
   bend = of(property::kBend).of(draw);
   hills = p.slope * of(property::kHills).of(draw);
   banks = p.slope * of(property::kBanks).of(draw);
@@ -159,15 +168,19 @@ Character::Character(const Parameters& p, std::uint64_t seed) {
   people = p.people * of(property::kPeople).of(draw);
   clutter = of(property::kClutter).of(draw);
   lights = of(property::kLights).low;
-  // The season has its own random stream, so that everything else is the same in all seasons.
+  drawSeason(p, seed);
+}
+
+// The season has its own random stream, so that everything else is the same in all seasons.
+void Character::drawSeason(const Parameters& p, std::uint64_t seed) {
   Draw sky(seed, Kind::Season);
   const double pick = sky.next();
-  season = p.season == "any"      ? (pick < 0.5    ? Season::Summer
-                                     : pick < 0.75 ? Season::Autumn
-                                                   : Season::Winter)
-           : p.season == "autumn" ? Season::Autumn
-           : p.season == "winter" ? Season::Winter
-                                  : Season::Summer;
+  const auto isSeason = [&](const char* name, double low, double high) {
+    return p.season == "any" ? pick >= low && pick < high : p.season == name;
+  };
+  season = isSeason("autumn", 0.5, 0.75) ? Season::Autumn
+           : isSeason("winter", 0.75, 1) ? Season::Winter
+                                         : Season::Summer;
   wear = sky.next() * sky.next() * (plain ? 0 : 1);
   if (season == Season::Autumn) foliage = sky.in(0.15, 0.7);
   if (season == Season::Winter) {
@@ -179,7 +192,7 @@ Character::Character(const Parameters& p, std::uint64_t seed) {
 
 std::string Character::inWords() const {
   const char* const time = season == Season::Summer ? "summer" : season == Season::Autumn ? "autumn" : "winter";
-  return fmt::format("{}, {}", kNames[static_cast<std::size_t>(district)], time);
+  return fmt::format("{}, {}", name, time);
 }
 
 }  // namespace scanmill::town

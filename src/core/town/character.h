@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "config/fields.h"
 #include "models/models.h"
@@ -15,8 +16,6 @@ namespace scanmill::town {
 
 using models::Draw;
 
-// The kinds of places. The seed selects one, or the key `district`; it does not select Street.
-enum class District { Rural, Suburban, Dense, Boulevard, OldTown, Arterial, Commercial, Motorway, Street };
 enum class Season { Summer, Autumn, Winter };
 
 // The keys of `town:` in a scene file. The numbers from `slope` to `detail` are factors.
@@ -37,18 +36,27 @@ struct Parameters {
 
 Parameters readParameters(Fields& fields);
 
+// Traits of a kind of place, which the key `district` or the seed selects. A new kind is a row and a column of the
+// tables in character.cpp.
+struct DistrictTraits {
+  std::string_view name;    // value of the key
+  bool country = false;     // outside of towns, with few lamps, without crossings and shelters
+  bool farmland = false;    // with herds and many wires
+  bool motorway = false;    // without people, standing vehicles and roadworks, with guard rails
+  bool terraced = false;    // houses stand wall to wall at the pavement, with shops; the ground around them is paved
+  bool cobbled = false;     // roads are paved with stones
+  bool commercial = false;  // halls with flat roofs, large parking lots, fences of wire
+  // Every method can trace the place: the road is straight, the ground is flat and the grass is mown, there are no
+  // wires, and nothing moves.
+  bool plain = false;
+};
+
 // The properties of a town. Different seeds give different properties where the parameters do not set them.
-struct Character {
+struct Character : DistrictTraits {
   Character(const Parameters& parameters, std::uint64_t seed);
 
   std::string inWords() const;  // describes the town: "dense, winter"
 
-  District district = District::Suburban;
-  // Traits of the kind of place. `country`: outside of towns, with few lamps, without crossings and shelters.
-  // `terraced`: houses stand wall to wall at the pavement, with shops; the ground around them is paved. `plain`: every
-  // method can trace the place: the road is straight, the ground is flat and the grass is mown, there are no wires, and
-  // nothing moves.
-  bool country = false, terraced = false, plain = false;
   Season season = Season::Summer;
   double foliage = 1;    // fraction of the leaves that are still on the trees
   double snow = 0;       // m, depth of snow where it is not cleared
@@ -76,6 +84,9 @@ struct Character {
   double people = 4;                  // people per 100 m of road
   double clutter = 6;                 // benches, bins, boxes, bollards, ... per 100 m of road
   double lights = 0.3;                // fraction of the junctions that have traffic lights
+
+ private:
+  void drawSeason(const Parameters& p, std::uint64_t seed);
 };
 
 }  // namespace scanmill::town

@@ -72,7 +72,7 @@ void placeRoadworks(Placer& placer, const Model& light) {
   Draw draw(l.seed, Kind::Roadworks);
   const bool rural = l.character.country;
   // A one-way road has only the lane that the ego vehicle uses.
-  if (l.mainRoad().oneWay() || l.character.district == District::Motorway) return;
+  if (l.mainRoad().oneWay() || l.character.motorway) return;
   if (!draw.chance(rural ? 0.5 : 0.3)) return;
   const double length = draw.in(9, 18);
   const std::optional<double> at = freeStretch(l, draw, length);
@@ -149,7 +149,7 @@ void placeSignals(Placer& placer, const Model& light) {
 // Places objects in front gardens, behind houses and on plots without a house.
 void placeGardenThings(Placer& placer) {
   const Layout& l = placer.layout;
-  if (l.character.district == District::Motorway) return;
+  if (l.character.motorway) return;
   int number = 0;
   int water = 0;
   const auto tryAt = [&](const Plot& plot, Draw& draw, Clutter what, double depth) {
@@ -234,7 +234,7 @@ void placeClutter(Placer& placer) {
 // Places dogs and cats within 3 m of the main road's curb; in rural towns also herds within 28 m of this curb.
 void placeAnimals(Placer& placer) {
   const Layout& l = placer.layout;
-  if (l.parameters.people <= 0 || l.character.district == District::Motorway) return;
+  if (l.parameters.people <= 0 || l.character.motorway) return;
   Draw draw(l.seed, Kind::Animals);
   const Road& road = l.mainRoad();
   int number = 0;
@@ -257,7 +257,7 @@ void placeAnimals(Placer& placer) {
       if (put(pet, draw.in(l.mainFrom + 20, l.mainTo - 20), lateral)) break;
     }
   }
-  if (l.character.district != District::Rural) return;
+  if (!l.character.farmland) return;
   const int herds = 1 + draw.below(3);
   for (int herd = 0; herd < herds; ++herd) {
     const int form = models::kPetForms + draw.below(models::kAnimalForms - models::kPetForms);

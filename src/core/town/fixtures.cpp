@@ -188,7 +188,7 @@ void placeRow(Placer& placer, const Model& panel, double from, double to, double
 void placeRails(Placer& placer) {
   const Layout& l = placer.layout;
   const Road& road = l.mainRoad();
-  if (l.character.district != District::Motorway || road.section.median <= 0) return;
+  if (!l.character.motorway || road.section.median <= 0) return;
   Draw draw(l.seed, models::Kind::Rails);
   const auto panel = [&](Fencing what) { return models::makeFencePanel(placer.builder, l.seed, what); };
   const Model rail = panel(Fencing::GuardRail);

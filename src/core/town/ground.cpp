@@ -25,7 +25,7 @@ class GroundMaker {
     const auto set = [&](GroundKind kind, const char* className, const char* material) {
       surfaces_[static_cast<std::size_t>(kind)] = shape_.surface(className, material);
     };
-    set(GroundKind::Road, "road", layout.character.district == District::OldTown ? "paving" : "asphalt");
+    set(GroundKind::Road, "road", layout.character.cobbled ? "paving" : "asphalt");
     set(GroundKind::Parking, "parking", paved ? "paving" : "asphalt");
     set(GroundKind::Curb, "curb", "concrete");
     const Season season = layout.character.season;

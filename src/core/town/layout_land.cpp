@@ -84,14 +84,13 @@ bool Layout::addLand(Land land, const Road& road, int side, double along, double
 
 void Layout::drawLand() {
   if (character.country) return;
-  const bool commercial = character.district == District::Commercial;
   struct Wish {
     Land land;
     double chance;
     double widthLow, widthHigh, depthLow, depthHigh;
   };
-  const double lots = commercial ? 1.0 : 0.6;
-  const Wish wishes[] = {{Land::Lot, commercial ? 1.0 : 0.0, 40, 80, 30, 45},
+  const double lots = character.commercial ? 1.0 : 0.6;
+  const Wish wishes[] = {{Land::Lot, character.commercial ? 1.0 : 0.0, 40, 80, 30, 45},
                          {Land::Park, 0.5, 40, 80, 30, 60},
                          {Land::Lot, lots, 28, 60, 17.5, 40},
                          {Land::Paved, character.terraced ? 0.5 : 0.2, 22, 40, 16, 30}};

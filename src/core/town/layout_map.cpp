@@ -15,9 +15,8 @@ using models::Kind;
 
 constexpr double kOnRoad = 1.6;  // m; buildings that are nearer to a centre line count as on the road
 
-Parameters inDistrict(Parameters parameters, District district) {
-  if (parameters.district != "any") return parameters;
-  parameters.district = district == District::Rural ? "rural" : district == District::Dense ? "dense" : "suburban";
+Parameters inDistrict(Parameters parameters, const std::string& district) {
+  if (parameters.district == "any") parameters.district = district;
   return parameters;
 }
 

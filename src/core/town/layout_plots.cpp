@@ -85,9 +85,9 @@ Fencing Layout::drawFencing(Draw& draw, double setback) const {
   if (pick < c.hedges) {
     fencing = Fencing::Hedge;
   } else if (pick < c.hedges + c.fences) {
-    fencing = c.district == District::Commercial ? draw.of(std::array{Fencing::Wire, Fencing::Wire, Fencing::Bars})
-              : c.country                        ? draw.of(std::array{Fencing::Pickets, Fencing::Wire, Fencing::Boards})
-                          : draw.of(std::array{Fencing::Pickets, Fencing::Bars, Fencing::Brick, Fencing::Brick,
+    fencing = c.commercial ? draw.of(std::array{Fencing::Wire, Fencing::Wire, Fencing::Bars})
+              : c.country  ? draw.of(std::array{Fencing::Pickets, Fencing::Wire, Fencing::Boards})
+                           : draw.of(std::array{Fencing::Pickets, Fencing::Bars, Fencing::Brick, Fencing::Brick,
                                                Fencing::Brick, Fencing::Boards, Fencing::Boards, Fencing::Wire});
   }
   return setback < 1.5 ? Fencing::None : fencing;
@@ -145,7 +145,7 @@ void Layout::addPlots(const Road& road, int side, double from, double to) {
 // the front; the others fit between their neighbours at the back, too.
 Layout::PlotHouse Layout::drawPlotHouse(Draw& draw, const Road& road, const Plot& plot) const {
   const Character& c = character;
-  const bool halls = c.district == District::Commercial;
+  const bool halls = c.commercial;
   PlotHouse drawn;
   drawn.attached = c.terraced && draw.chance(0.75);
   const double depth = halls ? draw.in(12, 22) : draw.in(7.5, 12.5);

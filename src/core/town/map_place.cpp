@@ -62,7 +62,7 @@ std::size_t drawMainRoad(const Map& map, const Parameters& parameters, Draw& dra
 
 // Returns the district: it follows from how much of the land beside the main road is built on, and from the number of
 // floors.
-District districtAbout(const MapPlace& place) {
+std::string districtAbout(const MapPlace& place) {
   constexpr double kBeside = 40;  // m; buildings up to this distance from the main road are counted
   const std::vector<Point2>& main = place.roads.front().line;
   double built = 0;
@@ -75,8 +75,8 @@ District districtAbout(const MapPlace& place) {
     floors += size * b.floorsSaid().value_or(2);
   }
   const double share = built / (2 * kBeside * (place.mainTo - place.mainFrom));
-  if (share < 0.03) return District::Rural;
-  return share > 0.3 || (share > 0.2 && floors > 2.6 * built) ? District::Dense : District::Suburban;
+  if (share < 0.03) return "rural";
+  return share > 0.3 || (share > 0.2 && floors > 2.6 * built) ? "dense" : "suburban";
 }
 
 class Cutter {

@@ -2,6 +2,7 @@
 
 // The part of a map from which a town is laid out: a part of one road and its surroundings.
 
+#include <string>
 #include <vector>
 
 #include "town/character.h"
@@ -13,9 +14,9 @@ struct MapPlace {
   OsmNode origin;  // origin of the place's frame, on the main road
   // The main road comes first. Lines are smoothed, in steps of about kRoadStep; roads have no nodes.
   std::vector<MapRoad> roads;
-  std::vector<Point2> joints;       // points where roads meet
-  double mainFrom = 0, mainTo = 0;  // m along the main road, the ends of its built-up part
-  District district = District::Suburban;
+  std::vector<Point2> joints;         // points where roads meet
+  double mainFrom = 0, mainTo = 0;    // m along the main road, the ends of its built-up part
+  std::string district = "suburban";  // value of the key `district`
   // The contents of the square, in the place's frame (m; x east, y north).
   std::vector<MapPath> paths;
   std::vector<MapBuilding> buildings;

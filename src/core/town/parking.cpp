@@ -159,7 +159,7 @@ void placeLots(Placer& placer) {
 // road. Also places trailers, caravans and tractors beside the main road.
 void placeStanding(Placer& placer) {
   const Layout& l = placer.layout;
-  if (l.character.district == District::Motorway) return;
+  if (l.character.motorway) return;
   Draw draw(l.seed, Kind::StandingVehicles);
   const double share = l.parameters.vehicles;
   const auto wanted = [&] { return share >= 1 || draw.chance(share); };

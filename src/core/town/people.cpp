@@ -228,7 +228,7 @@ void placeSidewalkCyclists(Placer& placer, int count) {
 
 void placePeople(Placer& placer) {
   const Layout& l = placer.layout;
-  if (l.character.district == District::Motorway) return;
+  if (l.character.motorway) return;
   const double length = l.mainTo - l.mainFrom;
   Draw counts(l.seed, Kind::PeopleCounts);
   // Returns the number of people or vehicles of a kind: at least one, unless people are switched off.

@@ -307,7 +307,7 @@ class Traffic {
   }
 
   int ridersWanted() const {
-    if (l_.parameters.people <= 0 || l_.character.district == District::Motorway) return 0;
+    if (l_.parameters.people <= 0 || l_.character.motorway) return 0;
     Draw draw(l_.seed, Kind::RoadCyclists);
     const double length = l_.mainTo - l_.mainFrom;
     return std::max(1, static_cast<int>(0.7 * l_.character.people * length / 100 + draw.next()));

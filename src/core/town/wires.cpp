@@ -81,7 +81,7 @@ void placeWires(Placer& placer) {
   Draw draw(l.seed, Kind::Wire);
   const Character& c = l.character;
   // Terraced streets and motorways have no poles: wires are underground, and there is no space between walls and road.
-  const double share = c.district == District::Rural ? 0.7 : c.terraced || c.country || c.plain ? 0 : 0.4;
+  const double share = c.farmland ? 0.7 : c.terraced || c.country || c.plain ? 0 : 0.4;
   if (!draw.chance(share)) return;
   const UtilityPole pole = models::makeUtilityPole(placer.builder, l.seed);
   const std::vector<Standing> poles = placePoles(placer, draw, pole);
