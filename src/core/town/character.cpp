@@ -175,8 +175,8 @@ Character::Character(const Parameters& p, std::uint64_t seed) : DistrictTraits(k
 void Character::drawSeason(const Parameters& p, std::uint64_t seed) {
   Draw sky(seed, Kind::Season);
   const double pick = sky.next();
-  const auto isSeason = [&](const char* name, double low, double high) {
-    return p.season == "any" ? pick >= low && pick < high : p.season == name;
+  const auto isSeason = [&](const char* wanted, double low, double high) {
+    return p.season == "any" ? pick >= low && pick < high : p.season == wanted;
   };
   season = isSeason("autumn", 0.5, 0.75) ? Season::Autumn
            : isSeason("winter", 0.75, 1) ? Season::Winter
